@@ -1,0 +1,65 @@
+//! The oriented boundary of a solid.
+
+use crate::{CellId, FacetId, Tag, VertexId};
+
+/// Oriented facets of a closed surface; normals point out of the solid (2D: the normal lies to the right of the
+/// edge, the solid to its left; 3D: right-hand rule).
+///
+/// Vertices are those of the solid mesh, so that its positions and velocities apply unchanged. Positions in time
+/// are not stored here; see [`crate::Placed`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct BoundaryMesh<const D: usize> {
+    facet_to_vertex: Vec<VertexId>,
+    facet_to_cell: Vec<CellId>,
+    tags: Vec<Option<Tag>>,
+}
+
+impl<const D: usize> BoundaryMesh<D> {
+    /// A boundary from its facets.
+    ///
+    /// Shapes: `facet_to_vertex` has stride `D`; `facet_to_cell` and `tags` one entry per facet, or `facet_to_cell`
+    /// may be empty for a surface without a volume mesh.
+    ///
+    /// # Panics
+    /// If the lengths do not match.
+    pub fn new(facet_to_vertex: Vec<VertexId>, facet_to_cell: Vec<CellId>, tags: Vec<Option<Tag>>) -> Self {
+        let n = facet_to_vertex.len() / D;
+        assert_eq!(n * D, facet_to_vertex.len(), "facets have D vertices");
+        assert!(facet_to_cell.is_empty() || facet_to_cell.len() == n, "one cell per facet, or none at all");
+        assert_eq!(tags.len(), n, "one tag per facet");
+        Self { facet_to_vertex, facet_to_cell, tags }
+    }
+
+    /// A surface without a volume mesh, from its facets (stride `D`).
+    pub fn from_facets(facet_to_vertex: Vec<VertexId>) -> Self {
+        let tags = vec![None; facet_to_vertex.len() / D];
+        Self::new(facet_to_vertex, Vec::new(), tags)
+    }
+
+    /// Number of facets.
+    pub fn n_facets(&self) -> usize {
+        self.tags.len()
+    }
+
+    /// All facets in order.
+    pub fn facets(&self) -> impl Iterator<Item = FacetId> + use<D> {
+        (0..self.n_facets()).map(FacetId::new)
+    }
+
+    /// Vertices of a facet, `D` of them.
+    #[inline]
+    pub fn facet(&self, facet: FacetId) -> &[VertexId] {
+        &self.facet_to_vertex[facet.index() * D..][..D]
+    }
+
+    /// The solid cell behind a facet, if the surface bounds a volume mesh.
+    #[inline]
+    pub fn facet_to_cell(&self, facet: FacetId) -> Option<CellId> {
+        self.facet_to_cell.get(facet.index()).copied()
+    }
+
+    /// Tag of a facet.
+    pub fn tag(&self, facet: FacetId) -> Option<Tag> {
+        self.tags[facet.index()]
+    }
+}

@@ -1,0 +1,1 @@
+//! Spatial search: closest points on a surface, cells and facets near a box.

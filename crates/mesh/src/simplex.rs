@@ -1,0 +1,161 @@
+//! One simplex: affine map, measure, barycentric gradients, sizes.
+
+use crate::{Point, Tensor, Vector, det};
+
+/// Vertices of the largest cell (tetrahedron); per-cell arrays have this capacity.
+pub const MAX_CELL_VERTICES: usize = 4;
+
+/// A cell given by its `D + 1` points (entries beyond are zero).
+#[derive(Clone, Copy, Debug)]
+pub struct Simplex<const D: usize> {
+    points: [Point<D>; MAX_CELL_VERTICES],
+}
+
+impl<const D: usize> Simplex<D> {
+    /// The simplex with the given `D + 1` points.
+    ///
+    /// # Panics
+    /// If there are not `D + 1` points.
+    #[inline]
+    pub fn new(points: &[Point<D>]) -> Self {
+        assert_eq!(points.len(), D + 1, "a simplex has D + 1 points");
+        let mut all = [Point::zeros(); MAX_CELL_VERTICES];
+        all[..=D].copy_from_slice(points);
+        Self { points: all }
+    }
+
+    /// The points, `D + 1` of them.
+    #[inline]
+    pub fn points(&self) -> &[Point<D>] {
+        &self.points[..=D]
+    }
+
+    /// Jacobian of the map from the reference simplex: column `k` is `x_{k+1} - x_0`.
+    #[inline]
+    pub fn jacobian(&self) -> Tensor<D> {
+        let mut j = Tensor::<D>::zeros();
+        for k in 0..D {
+            j.set_column(k, &(self.points[k + 1] - self.points[0]));
+        }
+        j
+    }
+
+    /// Volume (area in 2D), positive for positive orientation.
+    #[inline]
+    pub fn volume(&self) -> f64 {
+        det(&self.jacobian()) / factorial(D)
+    }
+
+    /// Gradients of the barycentric coordinates, `D + 1` of them (entries beyond are zero), or `None` for a
+    /// degenerate simplex.
+    #[inline]
+    pub fn barycentric_gradients(&self) -> Option<[Vector<D>; MAX_CELL_VERTICES]> {
+        let inverse = self.jacobian().try_inverse()?;
+        let mut gradients = [Vector::zeros(); MAX_CELL_VERTICES];
+        for k in 0..D {
+            let g = inverse.row(k).transpose();
+            gradients[k + 1] = g;
+            gradients[0] -= g;
+        }
+        Some(gradients)
+    }
+
+    /// Barycentric coordinates of a point, `D + 1` of them, or `None` for a degenerate simplex.
+    #[inline]
+    pub fn barycentric(&self, x: &Point<D>) -> Option<[f64; MAX_CELL_VERTICES]> {
+        let local = self.jacobian().try_inverse()? * (x - self.points[0]);
+        let mut coordinates = [0.0; MAX_CELL_VERTICES];
+        coordinates[0] = 1.0 - local.sum();
+        coordinates[1..=D].copy_from_slice(local.as_slice());
+        Some(coordinates)
+    }
+
+    /// Mean of the points.
+    #[inline]
+    pub fn centroid(&self) -> Point<D> {
+        self.points().iter().sum::<Point<D>>() / (D + 1) as f64
+    }
+
+    /// Largest distance between two points.
+    pub fn diameter(&self) -> f64 {
+        diameter(self.points())
+    }
+}
+
+/// Largest distance between two of the points.
+pub(crate) fn diameter<const D: usize>(points: &[Point<D>]) -> f64 {
+    let mut largest = 0.0_f64;
+    for (i, a) in points.iter().enumerate() {
+        for b in &points[i + 1..] {
+            largest = largest.max((a - b).norm());
+        }
+    }
+    largest
+}
+
+/// Measure of the simplex spanned by the points: length of a segment, area of a triangle, volume of a
+/// tetrahedron, in a space of any dimension.
+pub fn simplex_measure<const D: usize>(points: &[Point<D>]) -> f64 {
+    match points.len() {
+        0 => 0.0,
+        1 => 1.0,
+        2 => (points[1] - points[0]).norm(),
+        3 => {
+            let (a, b) = (points[1] - points[0], points[2] - points[0]);
+            // Lagrange's identity holds in any dimension.
+            let squared = a.norm_squared() * b.norm_squared() - a.dot(&b).powi(2);
+            if D == 2 {
+                0.5 * (a[0] * b[1] - a[1] * b[0]).abs()
+            } else {
+                0.5 * squared.max(0.0).sqrt()
+            }
+        }
+        _ => Simplex::new(points).volume().abs(),
+    }
+}
+
+/// Side of the equilateral simplex of dimension `D` with the given volume: the size `h_K` of a cell.
+#[inline]
+pub fn equilateral_side<const D: usize>(volume: f64) -> f64 {
+    match D {
+        2 => (volume * 4.0 / 3.0_f64.sqrt()).sqrt(),
+        3 => (volume * 6.0 * 2.0_f64.sqrt()).cbrt(),
+        _ => volume,
+    }
+}
+
+#[inline]
+pub(crate) fn factorial(n: usize) -> f64 {
+    (1..=n).product::<usize>() as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn gradients_sum_to_zero_and_reproduce_coordinates() {
+        let s = Simplex::<2>::new(&[Point::<2>::new(0.1, 0.2), Point::<2>::new(1.3, 0.1), Point::<2>::new(0.4, 2.0)]);
+        let g = s.barycentric_gradients().unwrap();
+        let x = Point::<2>::new(0.7, 0.5);
+        let l = s.barycentric(&x).unwrap();
+        let back: Point<2> = (0..3).map(|i| s.points()[i] * l[i]).sum();
+        assert!((back - x).norm() < 1e-14);
+        assert!((g[0] + g[1] + g[2]).norm() < 1e-14);
+        let gradient: f64 = (0..3).map(|i| g[i][0] * s.points()[i][0]).sum();
+        assert!((gradient - 1.0).abs() < 1e-14);
+    }
+
+    #[test]
+    fn equilateral_simplices_have_their_own_side() {
+        assert!((equilateral_side::<2>(3.0_f64.sqrt() / 4.0) - 1.0).abs() < 1e-14);
+        assert!((equilateral_side::<3>(1.0 / (6.0 * 2.0_f64.sqrt())) - 1.0).abs() < 1e-14);
+    }
+
+    #[test]
+    fn measures_in_any_dimension() {
+        let triangle = [Point::<3>::zeros(), Point::<3>::new(2.0, 0.0, 0.0), Point::<3>::new(0.0, 0.0, 3.0)];
+        assert!((simplex_measure(&triangle) - 3.0).abs() < 1e-14);
+        assert!((simplex_measure(&triangle[..2]) - 2.0).abs() < 1e-14);
+    }
+}

@@ -1,0 +1,33 @@
+//! Points, vectors and tensors of dimension `D`, and the conventions for them.
+//!
+//! Gradients are stored `grad_u[(a, b)] = ∂u_a/∂x_b`, hence `F = I + grad_d`.
+
+use nalgebra::{SMatrix, SVector};
+
+/// A position in space.
+pub type Point<const D: usize> = SVector<f64, D>;
+/// A vector in space.
+pub type Vector<const D: usize> = SVector<f64, D>;
+/// A second-order tensor.
+pub type Tensor<const D: usize> = SMatrix<f64, D, D>;
+
+/// Determinant of a tensor, without the bounds that nalgebra's own asks for.
+#[inline]
+pub fn det<const D: usize>(t: &Tensor<D>) -> f64 {
+    match D {
+        1 => t[(0, 0)],
+        2 => t[(0, 0)] * t[(1, 1)] - t[(0, 1)] * t[(1, 0)],
+        3 => {
+            t[(0, 0)] * (t[(1, 1)] * t[(2, 2)] - t[(1, 2)] * t[(2, 1)])
+                - t[(0, 1)] * (t[(1, 0)] * t[(2, 2)] - t[(1, 2)] * t[(2, 0)])
+                + t[(0, 2)] * (t[(1, 0)] * t[(2, 1)] - t[(1, 1)] * t[(2, 0)])
+        }
+        _ => unreachable!("meshes are of dimension 2 or 3"),
+    }
+}
+
+/// Symmetric part of a tensor.
+#[inline]
+pub fn sym<const D: usize>(t: &Tensor<D>) -> Tensor<D> {
+    0.5 * (t + t.transpose())
+}

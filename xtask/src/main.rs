@@ -1,0 +1,2 @@
+//! Flags and processes.
+fn main() {}
