@@ -8,6 +8,7 @@ pub struct LocalSystem {
     n: usize,
     residual: Vec<f64>,
     tangent: Vec<f64>,
+    residual_only: bool,
 }
 
 impl LocalSystem {
@@ -16,13 +17,25 @@ impl LocalSystem {
         Self::default()
     }
 
-    /// Makes this a zero system with `n` unknowns, keeping its memory.
+    /// Makes this a zero system with `n` unknowns that wants its tangent, keeping its memory.
     pub fn reset(&mut self, n: usize) {
         self.n = n;
+        self.residual_only = false;
         self.residual.clear();
         self.residual.resize(n, 0.0);
         self.tangent.clear();
         self.tangent.resize(n * n, 0.0);
+    }
+
+    /// Whether the tangent will be read. A kernel may skip the work for it when it will not; it need not.
+    #[inline]
+    pub fn wants_tangent(&self) -> bool {
+        !self.residual_only
+    }
+
+    /// Declares whether the tangent will be read.
+    pub fn set_wants_tangent(&mut self, wanted: bool) {
+        self.residual_only = !wanted;
     }
 
     /// Number of unknowns.

@@ -29,7 +29,7 @@ mod topology;
 pub use boundary_mesh::BoundaryMesh;
 pub use error::Error;
 pub use ids::{BodyId, CellId, FacetId, Tag, VertexId};
-pub use placement::Placed;
+pub use placement::{Placed, facet_normal};
 pub use quadrature::{QuadratureRule, SimplexRule};
 pub use simplex::{MAX_CELL_VERTICES, Simplex, equilateral_side, simplex_measure};
 pub use simplex_mesh::SimplexMesh;

@@ -50,9 +50,7 @@ impl<'m, const D: usize> Placed<'m, D> {
     /// Unit normal of a facet, out of the solid; zero for a degenerate facet.
     #[inline]
     pub fn facet_normal(&self, facet: FacetId) -> Vector<D> {
-        let n = self.facet_normal_scaled(facet);
-        let length = n.norm();
-        if length > 0.0 { n / length } else { n }
+        facet_normal(&self.facet_points(facet)[..D])
     }
 
     /// Volume enclosed by the surface, by the divergence theorem; positive when normals point outwards.
@@ -68,6 +66,15 @@ impl<'m, const D: usize> Placed<'m, D> {
             })
             .sum()
     }
+}
+
+/// Unit normal of an oriented facet (segment, triangle): right of the segment, right-hand rule for the triangle;
+/// zero for a degenerate facet.
+#[inline]
+pub fn facet_normal<const D: usize>(points: &[Point<D>]) -> Vector<D> {
+    let n = scaled_normal(points);
+    let length = n.norm();
+    if length > 0.0 { n / length } else { n }
 }
 
 /// Normal of an oriented facet (segment, triangle): right of the segment, right-hand rule for the triangle.

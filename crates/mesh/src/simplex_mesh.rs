@@ -1,5 +1,8 @@
 //! A conforming mesh of simplices.
 
+use std::sync::OnceLock;
+
+use crate::search::CellIndex;
 use crate::topology::Topology;
 use crate::{BoundaryMesh, CellId, Error, FacetId, MAX_CELL_VERTICES, Point, Simplex, Tag, VertexId};
 
@@ -14,6 +17,7 @@ pub struct SimplexMesh<const D: usize> {
     topology: Topology,
     tag_names: Vec<String>,
     facet_tag: Vec<Option<Tag>>,
+    cell_index: OnceLock<CellIndex<D>>,
 }
 
 impl<const D: usize> SimplexMesh<D> {
@@ -48,23 +52,33 @@ impl<const D: usize> SimplexMesh<D> {
         }
         let topology = Topology::new::<D>(&cell_to_vertex)?;
         let facet_tag = vec![None; topology.facet_to_cell.len()];
-        Ok(Self { vertices, cell_to_vertex, topology, tag_names: Vec::new(), facet_tag })
+        Ok(Self { vertices, cell_to_vertex, topology, tag_names: Vec::new(), facet_tag, cell_index: OnceLock::new() })
     }
 
     /// The same mesh with its boundary facets tagged: `name_of` maps the points of a boundary facet to the name
     /// of its part of the boundary, or to `None`.
     #[must_use]
-    pub fn with_boundary_tags<'a>(mut self, name_of: impl Fn(&[Point<D>]) -> Option<&'a str>) -> Self {
-        for index in 0..self.n_facets() {
-            let facet = FacetId::new(index);
-            if !self.is_boundary(facet) {
-                continue;
-            }
-            let mut points = [Point::zeros(); MAX_CELL_VERTICES];
-            for (slot, v) in points.iter_mut().zip(self.facet(facet)) {
-                *slot = self.vertices[v.index()];
-            }
-            self.facet_tag[index] = name_of(&points[..D]).map(|name| {
+    pub fn with_boundary_tags<'a>(self, name_of: impl Fn(&[Point<D>]) -> Option<&'a str>) -> Self {
+        let names: Vec<Option<&'a str>> = self
+            .facets()
+            .map(|facet| {
+                let mut points = [Point::zeros(); MAX_CELL_VERTICES];
+                for (slot, v) in points.iter_mut().zip(self.facet(facet)) {
+                    *slot = self.vertices[v.index()];
+                }
+                self.is_boundary(facet).then(|| name_of(&points[..D])).flatten()
+            })
+            .collect();
+        self.with_facet_tags(|facet| names[facet.index()])
+    }
+
+    /// The same mesh with its boundary facets tagged: `name_of` maps a boundary facet to the name of its part of
+    /// the boundary, or to `None`. It is not called for interior facets.
+    #[must_use]
+    pub fn with_facet_tags<'a>(mut self, name_of: impl Fn(FacetId) -> Option<&'a str>) -> Self {
+        for facet in self.facets() {
+            let name = if self.is_boundary(facet) { name_of(facet) } else { None };
+            self.facet_tag[facet.index()] = name.map(|name| {
                 let known = self.tag_names.iter().position(|n| n == name);
                 Tag::new(known.unwrap_or_else(|| {
                     self.tag_names.push(name.to_owned());
@@ -163,6 +177,11 @@ impl<const D: usize> SimplexMesh<D> {
     #[inline]
     pub fn is_boundary(&self, facet: FacetId) -> bool {
         self.facet_to_cell(facet)[1].is_none()
+    }
+
+    /// The cells at their own positions, arranged for search; built at the first call.
+    pub fn cell_index(&self) -> &CellIndex<D> {
+        self.cell_index.get_or_init(|| CellIndex::new(self, &self.vertices))
     }
 
     /// Names of the tags.

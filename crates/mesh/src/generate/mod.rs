@@ -1,16 +1,14 @@
-//! Meshes without outside tools.
-use crate::{Error, SimplexMesh};
+//! Meshes without outside tools: boxes, balls and their mirror images.
 
-/// Size field.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Size(f64);
-impl Size {
-    /// The same size everywhere.
-    pub fn uniform(h: f64) -> Self {
-        Self(h)
-    }
-}
-/// A box.
-pub fn graded_box<const D: usize>(_min: [f64; D], _max: [f64; D], _size: &Size) -> Result<SimplexMesh<D>, Error> {
-    Err(Error::Dimension { shape: "box", dimension: D })
-}
+mod ball;
+mod graded_box;
+mod grid;
+mod mirror;
+mod size;
+mod triangulate;
+
+pub use ball::{BallOptions, ball, half_ball};
+pub use graded_box::graded_box;
+pub use grid::structured_box;
+pub use mirror::mirrored;
+pub use size::Size;

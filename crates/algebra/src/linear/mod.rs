@@ -1,0 +1,107 @@
+//! Solvers of the linear systems of Newton's method.
+
+mod direct;
+mod equilibration;
+
+pub use direct::DirectSolver;
+pub use equilibration::Equilibration;
+
+use crate::BlockLayout;
+
+/// A borrowed sparse matrix, compressed by columns, with sorted rows.
+pub type MatrixView<'a> = sprs::CsMatViewI<'a, f64, u32>;
+
+/// Solves linear systems with the matrix that it was given last.
+///
+/// A solver keeps what it needs of the matrix: between two factorisations the caller may overwrite its own copy, and
+/// solves go on with the old one (modified Newton).
+pub trait LinearSolver: Send {
+    /// Prepares solves with a square `matrix`; `layout` names the blocks of its unknowns, for block preconditioners.
+    ///
+    /// # Panics
+    /// The matrix is not square or not compressed by columns.
+    fn factorize(&mut self, matrix: MatrixView<'_>, layout: &BlockLayout) -> Result<(), LinearError>;
+
+    /// Solves `A x = rhs` for the matrix of the last [`LinearSolver::factorize`].
+    ///
+    /// On error `x` is unchanged.
+    ///
+    /// # Panics
+    /// `rhs` or `x` does not have the size of the matrix.
+    fn solve(&mut self, rhs: &[f64], x: &mut [f64]) -> Result<LinearReport, LinearError>;
+
+    /// Row and column scales of the matrix of the last [`LinearSolver::factorize`].
+    fn equilibration(&self) -> &Equilibration;
+
+    /// How often a matrix was factorised (or a preconditioner built) so far.
+    fn n_factorizations(&self) -> usize;
+}
+
+/// What one linear solve did.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LinearReport {
+    /// Steps of iterative refinement, or iterations of an iterative method.
+    pub iterations: usize,
+    /// `‖b − A x‖ / (‖A‖ ‖x‖ + ‖b‖)` in maximum norms of the equilibrated system.
+    pub backward_error: f64,
+}
+
+/// Why a linear system could not be solved.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum LinearError {
+    /// A row of the matrix is zero: an unknown has no equation. Constrain it, or take it out of the system.
+    #[error("row {row} of the matrix is zero")]
+    EmptyRow {
+        /// The row.
+        row: usize,
+    },
+    /// A column of the matrix is zero: an unknown acts on nothing. Constrain it, or take it out of the system.
+    #[error("column {column} of the matrix is zero")]
+    EmptyColumn {
+        /// The column.
+        column: usize,
+    },
+    /// An entry of the matrix or of the right-hand side is infinite or not a number.
+    #[error("row {row} of the linear system is not finite")]
+    NotFinite {
+        /// Row of the entry.
+        row: usize,
+    },
+    /// The matrix has no inverse because of its pattern.
+    #[error("the matrix is structurally singular (no pivot number {pivot})")]
+    StructurallySingular {
+        /// Number of the pivot that was not found.
+        pivot: usize,
+    },
+    /// The matrix is singular to working precision; often a missing constraint (a rigid motion, a pressure constant).
+    #[error("the matrix is numerically singular: its inverse is at least {growth:e} large after equilibration")]
+    Singular {
+        /// Lower bound of the norm of the inverse of the equilibrated matrix (infinite if a pivot was zero).
+        growth: f64,
+    },
+    /// The computed solution does not satisfy the system.
+    #[error("backward error {backward_error:e} exceeds {bound:e}")]
+    Inaccurate {
+        /// Backward error of the solution.
+        backward_error: f64,
+        /// Largest accepted backward error.
+        bound: f64,
+    },
+    /// An iterative method stopped before its tolerance.
+    #[error("no convergence in {iterations} iterations (relative residual {residual:e})")]
+    NotConverged {
+        /// Iterations done.
+        iterations: usize,
+        /// Relative residual that was reached.
+        residual: f64,
+    },
+    /// The factors need more memory than there is, or more entries than 32-bit indices can number.
+    #[error("out of memory while factorising {n_unknowns} unknowns")]
+    OutOfMemory {
+        /// Size of the system.
+        n_unknowns: usize,
+    },
+    /// A solve was asked for before a factorisation, or after one that failed.
+    #[error("there is no factorised matrix")]
+    NotFactorized,
+}

@@ -1,0 +1,85 @@
+//! How many bodies surround each vertex of the background.
+
+use mesh::{CellId, Point, SimplexMesh, VertexId};
+
+use crate::overlay::TouchedCells;
+use crate::predicates::{End, crossing};
+use crate::surface::Facet;
+
+const UNKNOWN: i32 = i32::MIN;
+
+/// Number of bodies around each vertex of the background, exact, with vertices on a surface shifted by an
+/// infinitesimal.
+///
+/// One vertex of each connected set of cells is found by counting crossings on the way from a point outside of
+/// everything; from there the number spreads along cell edges, which change it only where facets touch the cell.
+pub(crate) fn depths<const D: usize>(
+    background: &SimplexMesh<D>,
+    facets: &[Facet<D>],
+    touched: &TouchedCells,
+) -> Vec<i32> {
+    let mut depth = vec![UNKNOWN; background.n_vertices()];
+    let mut seen = vec![false; background.n_cells()];
+    let mut stack: Vec<CellId> = Vec::new();
+    let far = outside_of_everything(background, facets);
+    for start in background.cells() {
+        if seen[start.index()] {
+            continue;
+        }
+        let first = background.cell(start)[0];
+        if depth[first.index()] == UNKNOWN {
+            let x = background.vertex(first);
+            depth[first.index()] = facets.iter().map(|f| crossing(&far, End::Vertex(&x), f.points())).sum();
+        }
+        seen[start.index()] = true;
+        stack.push(start);
+        while let Some(cell) = stack.pop() {
+            spread(background, facets, touched, cell, &mut depth);
+            for &facet in background.cell_to_facet(cell) {
+                if let Some(next) = background.neighbour(cell, facet)
+                    && !seen[next.index()]
+                {
+                    seen[next.index()] = true;
+                    stack.push(next);
+                }
+            }
+        }
+    }
+    depth
+}
+
+/// Gives all vertices of a cell their number from the one that has it.
+fn spread<const D: usize>(
+    background: &SimplexMesh<D>,
+    facets: &[Facet<D>],
+    touched: &TouchedCells,
+    cell: CellId,
+    depth: &mut [i32],
+) {
+    let vertices = background.cell(cell);
+    let Some(&known) = vertices.iter().find(|v| depth[v.index()] != UNKNOWN) else { return };
+    let from = background.vertex(known);
+    for &vertex in vertices {
+        if depth[vertex.index()] == UNKNOWN {
+            let to = background.vertex(vertex);
+            let change: i32 = touched.position(cell).map_or(0, |k| {
+                touched.facets(k).iter().map(|&f| crossing(&from, End::Vertex(&to), facets[f as usize].points())).sum()
+            });
+            depth[vertex.index()] = depth[known.index()] + change;
+        }
+    }
+}
+
+fn outside_of_everything<const D: usize>(background: &SimplexMesh<D>, facets: &[Facet<D>]) -> Point<D> {
+    let mut high = background.vertex(VertexId(0));
+    let mut low = high;
+    for x in background.vertices() {
+        high = high.sup(x);
+        low = low.inf(x);
+    }
+    for facet in facets {
+        high = high.sup(&facet.high);
+        low = low.inf(&facet.low);
+    }
+    high + (high - low) + Point::repeat(1.0)
+}

@@ -1,0 +1,293 @@
+//! The result of laying closed surfaces over a background mesh.
+
+use mesh::{BodyId, CellId, FacetId, Point, QuadratureRule, SimplexMesh, SimplexRule, Vector, simplex_measure};
+
+use crate::{CutReport, FaceLabel, Polytope};
+
+/// What the bodies leave of a background cell.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum CellState {
+    /// All fluid: one part, the whole cell.
+    Fluid,
+    /// Wholly inside the bodies: no part.
+    Covered,
+    /// Crossed by a surface: any number of parts.
+    Cut,
+}
+
+/// A fluid part: a connected piece of fluid inside one cell. Parts are numbered in the order of their cells.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub struct PartId(pub u32);
+
+impl PartId {
+    /// Position in arrays over parts.
+    #[inline]
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// A piece of the fluid-structure interface inside (or on the rim of) one background cell and one facet: a
+/// simplex of dimension `D - 1`, wet by one fluid part.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InterfacePiece<const D: usize> {
+    /// The cell of the fluid part.
+    pub cell: CellId,
+    /// The fluid part on the side of the normal.
+    pub part: PartId,
+    /// The body on the other side.
+    pub body: BodyId,
+    /// The facet of the body's surface.
+    pub facet: FacetId,
+    /// Corners; the first `D` count.
+    pub points: [Point<D>; 3],
+    /// Barycentric coordinates of the corners on the facet; they survive when the body moves. The first `D`
+    /// entries of the first `D` arrays count.
+    pub barycentric: [[f64; 3]; 3],
+    /// Unit normal out of the body.
+    pub normal: Vector<D>,
+    /// Length (area in 3D).
+    pub measure: f64,
+}
+
+/// An interior face of the background seen by one pair of fluid parts, one in either cell, that share fluid there.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct PartFace {
+    /// The face.
+    pub facet: FacetId,
+    /// Parts in the first and the second cell of the face.
+    pub parts: [PartId; 2],
+    /// Measure of the fluid that the two parts share on the face.
+    pub measure: f64,
+    /// Whether one of the two cells is cut: such faces carry ghost penalties.
+    pub is_ghost: bool,
+}
+
+/// A piece of the background's own boundary wet by one fluid part: a simplex of dimension `D - 1`.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct BoundaryPiece<const D: usize> {
+    /// The boundary face.
+    pub facet: FacetId,
+    /// The fluid part.
+    pub part: PartId,
+    /// Corners; the first `D` count.
+    pub points: [Point<D>; 3],
+    /// Length (area in 3D).
+    pub measure: f64,
+}
+
+/// A background mesh cut by the surfaces of bodies; read-only.
+///
+/// Fluid is the background without the union of the bodies.
+#[derive(Clone, Debug)]
+pub struct CutMesh<const D: usize> {
+    pub(crate) cell_to_state: Vec<CellState>,
+    /// Offsets into the parts, one more entry than there are cells.
+    pub(crate) cell_to_part: Vec<u32>,
+    pub(crate) part_to_cell: Vec<CellId>,
+    pub(crate) part_to_volume: Vec<f64>,
+    /// Offsets into `pieces`, one more entry than there are parts; parts of uncut cells have none.
+    pub(crate) part_to_piece: Vec<u32>,
+    pub(crate) pieces: Vec<Polytope<D>>,
+    /// Covered pieces of cut cells, with their cells.
+    pub(crate) covered_pieces: Vec<(CellId, Polytope<D>)>,
+    pub(crate) interface: Vec<InterfacePiece<D>>,
+    pub(crate) part_faces: Vec<PartFace>,
+    pub(crate) boundary: Vec<BoundaryPiece<D>>,
+    pub(crate) report: CutReport,
+}
+
+impl<const D: usize> CutMesh<D> {
+    /// State of a cell.
+    #[inline]
+    pub fn cell_state(&self, cell: CellId) -> CellState {
+        self.cell_to_state[cell.index()]
+    }
+
+    /// Fluid parts of a cell.
+    #[inline]
+    pub fn parts(&self, cell: CellId) -> impl ExactSizeIterator<Item = PartId> + use<D> {
+        (self.cell_to_part[cell.index()]..self.cell_to_part[cell.index() + 1]).map(PartId)
+    }
+
+    /// Number of fluid parts.
+    pub fn n_parts(&self) -> usize {
+        self.part_to_cell.len()
+    }
+
+    /// All fluid parts in order.
+    pub fn all_parts(&self) -> impl ExactSizeIterator<Item = PartId> + use<D> {
+        (0..self.part_to_cell.len() as u32).map(PartId)
+    }
+
+    /// The cell of a part.
+    #[inline]
+    pub fn part_cell(&self, part: PartId) -> CellId {
+        self.part_to_cell[part.index()]
+    }
+
+    /// Volume (area in 2D) of a part.
+    #[inline]
+    pub fn part_volume(&self, part: PartId) -> f64 {
+        self.part_to_volume[part.index()]
+    }
+
+    /// Whether the part is the whole of its cell.
+    #[inline]
+    pub fn is_whole(&self, part: PartId) -> bool {
+        self.cell_state(self.part_cell(part)) == CellState::Fluid
+    }
+
+    /// Convex pieces that make up a part of a cut cell; none if the part is the whole cell.
+    pub fn part_pieces(&self, part: PartId) -> &[Polytope<D>] {
+        let k = part.index();
+        &self.pieces[self.part_to_piece[k] as usize..self.part_to_piece[k + 1] as usize]
+    }
+
+    /// Covered pieces of cut cells, with their cells: the solid side of the cut.
+    pub fn covered_pieces(&self) -> &[(CellId, Polytope<D>)] {
+        &self.covered_pieces
+    }
+
+    /// Calls `visit` with the points of each positively oriented simplex of a decomposition of a part.
+    pub fn for_each_simplex(&self, background: &SimplexMesh<D>, part: PartId, mut visit: impl FnMut(&[Point<D>])) {
+        if self.is_whole(part) {
+            visit(background.simplex(self.part_cell(part)).points());
+        } else {
+            for piece in self.part_pieces(part) {
+                piece.for_each_simplex(&mut visit);
+            }
+        }
+    }
+
+    /// Appends a quadrature rule on a part, built from a rule on its simplices. Weights are positive, points lie
+    /// inside the part.
+    pub fn part_quadrature(
+        &self,
+        background: &SimplexMesh<D>,
+        part: PartId,
+        rule: &SimplexRule,
+        out: &mut QuadratureRule<D>,
+    ) {
+        self.for_each_simplex(background, part, |points| out.push_simplex(rule, points));
+    }
+
+    /// Pieces of the fluid-structure interface, in the order of cells.
+    pub fn interface(&self) -> &[InterfacePiece<D>] {
+        &self.interface
+    }
+
+    /// Interior faces, once per pair of parts that share fluid on them, in the order of faces.
+    pub fn part_faces(&self) -> &[PartFace] {
+        &self.part_faces
+    }
+
+    /// The part faces next to a cut cell.
+    pub fn ghost_faces(&self) -> impl Iterator<Item = &PartFace> {
+        self.part_faces.iter().filter(|face| face.is_ghost)
+    }
+
+    /// Wet pieces of the boundary of the background, in the order of faces.
+    pub fn boundary(&self) -> &[BoundaryPiece<D>] {
+        &self.boundary
+    }
+
+    /// Volume of the fluid.
+    pub fn fluid_volume(&self) -> f64 {
+        self.part_to_volume.iter().sum()
+    }
+
+    /// Counts and qualities of the cut.
+    pub fn report(&self) -> &CutReport {
+        &self.report
+    }
+
+    /// Volume that a part of this cut has in common with a part of another cut of the same background.
+    pub fn overlap_volume(&self, background: &SimplexMesh<D>, part: PartId, other: &Self, other_part: PartId) -> f64 {
+        if self.part_cell(part) != other.part_cell(other_part) {
+            return 0.0;
+        }
+        if self.is_whole(part) {
+            return other.part_volume(other_part);
+        }
+        if other.is_whole(other_part) {
+            return self.part_volume(part);
+        }
+        let mut volume = 0.0;
+        self.for_each_simplex(background, part, |a| {
+            other.for_each_simplex(background, other_part, |b| volume += simplex_overlap(a, b));
+        });
+        volume
+    }
+}
+
+/// Volume common to two positively oriented simplices.
+fn simplex_overlap<const D: usize>(a: &[Point<D>], b: &[Point<D>]) -> f64 {
+    for k in 0..D {
+        let range = |s: &[Point<D>]| {
+            s.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x[k]), high.max(x[k])))
+        };
+        let (a, b) = (range(a), range(b));
+        if a.1 <= b.0 || b.1 <= a.0 {
+            return 0.0;
+        }
+    }
+    let Some(gradients) = mesh::Simplex::new(b).barycentric_gradients() else { return 0.0 };
+    let mut common = Polytope::simplex(a);
+    for (corner, gradient) in gradients[..=D].iter().enumerate() {
+        // Inside `b` the barycentric coordinate of every corner is positive.
+        let origin = b[(corner + 1) % (D + 1)];
+        let distances: Vec<f64> = common.points().iter().map(|x| gradient.dot(&(x - origin))).collect();
+        if distances.iter().all(|d| *d <= 0.0) {
+            return 0.0;
+        }
+        if distances.iter().any(|d| *d < 0.0) {
+            let [_, front] = common.split(&distances, gradient, 0);
+            common = front;
+        }
+    }
+    common.volume()
+}
+
+impl<const D: usize> InterfacePiece<D> {
+    /// A piece from its corners.
+    pub(crate) fn new(
+        cell: CellId,
+        part: PartId,
+        facet: &crate::surface::Facet<D>,
+        corners: [Point<D>; 3],
+    ) -> Self {
+        let barycentric = corners.map(|x| {
+            let l = facet.barycentric(&x);
+            [l[0], l[1], l[2]]
+        });
+        Self {
+            cell,
+            part,
+            body: facet.body,
+            facet: facet.id,
+            points: corners,
+            barycentric,
+            normal: facet.normal,
+            measure: simplex_measure(&corners[..D]),
+        }
+    }
+}
+
+/// Calls `visit` with the corners of each simplex of a fan over a convex face.
+pub(crate) fn for_each_face_simplex<const D: usize>(polygon: &[Point<D>], mut visit: impl FnMut([Point<D>; 3])) {
+    let mut corners = [Point::<D>::zeros(); 3];
+    corners[0] = polygon[0];
+    for k in 1..=polygon.len() + 1 - D {
+        corners[1..D].copy_from_slice(&polygon[k..k + D - 1]);
+        visit(corners);
+    }
+}
+
+/// Local facet of the cell that a face label stands for.
+pub(crate) fn local_facet(label: FaceLabel) -> Option<usize> {
+    match label {
+        FaceLabel::Cell(local) => Some(usize::from(local)),
+        FaceLabel::Plane { .. } => None,
+    }
+}

@@ -1,0 +1,56 @@
+//! What makes a surface unfit for cutting.
+
+use mesh::{BodyId, FacetId, VertexId};
+
+/// Errors of [`crate::CutMesh::overlay`]. Degenerate placements are no errors; see [`crate::CutReport`].
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Error {
+    /// A surface without facets.
+    #[error("body {body} has a surface without facets")]
+    Empty {
+        /// The body.
+        body: BodyId,
+    },
+    /// A coordinate is NaN or infinite.
+    #[error("body {body}: vertex {vertex} of facet {facet} has a coordinate that is not a finite number")]
+    NotFinite {
+        /// The body.
+        body: BodyId,
+        /// The facet.
+        facet: FacetId,
+        /// The vertex.
+        vertex: VertexId,
+    },
+    /// The surface has a rim. Close it: every rim of a facet must be shared with one other facet.
+    #[error("body {body}: the surface is open at facet {facet}, near vertex {vertex} at {point:?}")]
+    Open {
+        /// The body.
+        body: BodyId,
+        /// A facet at the rim.
+        facet: FacetId,
+        /// A vertex at the rim.
+        vertex: VertexId,
+        /// Where it is.
+        point: [f64; 3],
+    },
+    /// More than two facets meet in one rim.
+    #[error("body {body}: more than two facets meet at facet {facet}, vertex {vertex} at {point:?}")]
+    NonManifold {
+        /// The body.
+        body: BodyId,
+        /// One of the facets.
+        facet: FacetId,
+        /// A vertex they share.
+        vertex: VertexId,
+        /// Where it is.
+        point: [f64; 3],
+    },
+    /// The normals point into the body. Flip the facets.
+    #[error("body {body}: the surface is oriented inwards (it encloses the volume {volume:e}); flip its facets")]
+    Inward {
+        /// The body.
+        body: BodyId,
+        /// The signed volume.
+        volume: f64,
+    },
+}

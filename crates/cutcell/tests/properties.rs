@@ -1,0 +1,400 @@
+//! Identities of the cut over random and degenerate placements.
+
+use cutcell::{CellState, CutMesh, OverlayOptions};
+use mesh::generate::structured_box;
+use mesh::{BoundaryMesh, Placed, Point, SimplexMesh, Vector, VertexId, facet_normal, simplex_measure};
+use proptest::prelude::*;
+
+type P = Point<2>;
+
+/// A closed polygon, counter-clockwise.
+struct Polygon {
+    boundary: BoundaryMesh<2>,
+    positions: Vec<P>,
+}
+
+impl Polygon {
+    fn new(positions: Vec<P>) -> Self {
+        let n = positions.len() as u32;
+        let facets = (0..n).flat_map(|k| [VertexId(k), VertexId((k + 1) % n)]).collect();
+        Self { boundary: BoundaryMesh::from_facets(facets), positions }
+    }
+
+    fn placed(&self) -> Placed<'_, 2> {
+        Placed::new(&self.boundary, &self.positions)
+    }
+
+    fn area(&self) -> f64 {
+        self.placed().enclosed_volume()
+    }
+}
+
+fn overlay(background: &SimplexMesh<2>, bodies: &[&Polygon]) -> CutMesh<2> {
+    let placed: Vec<_> = bodies.iter().map(|b| b.placed()).collect();
+    CutMesh::overlay(background, &placed, &OverlayOptions::new()).expect("sound surfaces")
+}
+
+/// All identities that hold for any input.
+fn check_identities(background: &SimplexMesh<2>, cut: &CutMesh<2>) {
+    let mut volume = vec![0.0; background.n_cells()];
+    for part in cut.all_parts() {
+        volume[cut.part_cell(part).index()] += cut.part_volume(part);
+    }
+    for (cell, piece) in cut.covered_pieces() {
+        volume[cell.index()] += piece.volume();
+    }
+    for cell in background.cells() {
+        let exact = background.cell_volume(cell);
+        let sum = volume[cell.index()];
+        match cut.cell_state(cell) {
+            CellState::Covered => assert_eq!(cut.parts(cell).len(), 0),
+            CellState::Fluid => assert_eq!(cut.parts(cell).len(), 1),
+            CellState::Cut => {}
+        }
+        if cut.cell_state(cell) != CellState::Covered {
+            assert!((sum - exact).abs() <= 1e-12 * exact, "cell {cell}: {sum} is not {exact}");
+        }
+    }
+    assert!(cut.report().uncovered_measure < 1e-11, "uncovered {}", cut.report().uncovered_measure);
+    // Every part is closed: faces shared with neighbours, interface and boundary leave no gap.
+    let mut area = vec![Vector::<2>::zeros(); cut.n_parts()];
+    let mut size = vec![0.0; cut.n_parts()];
+    for face in cut.part_faces() {
+        let points = face_points(background, face.facet);
+        let normal = facet_normal(&points) * face.measure;
+        area[face.parts[0].index()] += normal;
+        area[face.parts[1].index()] -= normal;
+        size[face.parts[0].index()] += face.measure;
+        size[face.parts[1].index()] += face.measure;
+    }
+    for piece in cut.boundary() {
+        area[piece.part.index()] += facet_normal(&face_points(background, piece.facet)) * piece.measure;
+        size[piece.part.index()] += piece.measure;
+    }
+    for piece in cut.interface() {
+        assert!(piece.measure > 0.0);
+        assert_eq!(cut.part_cell(piece.part), piece.cell);
+        area[piece.part.index()] -= piece.normal * piece.measure;
+        size[piece.part.index()] += piece.measure;
+    }
+    for part in cut.all_parts() {
+        let (gap, size) = (area[part.index()].norm(), size[part.index()]);
+        assert!(gap < 1e-11, "part {part:?} in cell {} is open by {gap:e} of {size}", cut.part_cell(part));
+    }
+    // Divergence theorem for x and for x |x|²/4 (divergence |x|²).
+    let rule = mesh::SimplexRule::of_degree(2, 3);
+    let line = mesh::SimplexRule::of_degree(1, 4);
+    let mut inside = mesh::QuadratureRule::default();
+    for part in cut.all_parts() {
+        cut.part_quadrature(background, part, &rule, &mut inside);
+    }
+    assert!(inside.weights.iter().all(|&w| w > 0.0));
+    let mut linear = -2.0 * cut.fluid_volume();
+    let mut quadratic = -inside.integrate(|x| x.norm_squared());
+    let mut flux = |points: &[P], normal: Vector<2>| {
+        let mut on_face = mesh::QuadratureRule::default();
+        on_face.push_simplex(&line, points);
+        linear += on_face.integrate(|x| x.dot(&normal));
+        quadratic += on_face.integrate(|x| 0.25 * x.norm_squared() * x.dot(&normal));
+    };
+    for piece in cut.boundary() {
+        flux(&piece.points[..2], facet_normal(&face_points(background, piece.facet)));
+    }
+    for piece in cut.interface() {
+        flux(&piece.points[..2], -piece.normal);
+    }
+    assert!(linear.abs() < 1e-10 && quadratic.abs() < 1e-10, "divergence theorem: {linear:e} {quadratic:e}");
+}
+
+fn face_points(background: &SimplexMesh<2>, facet: mesh::FacetId) -> [P; 2] {
+    let vertices = background.facet(facet);
+    [background.vertex(vertices[0]), background.vertex(vertices[1])]
+}
+
+/// Identities, and the fluid area where the union of the bodies is known.
+fn check_union(background: &SimplexMesh<2>, bodies: &[&Polygon], union: f64) {
+    let cut = overlay(background, bodies);
+    check_identities(background, &cut);
+    let domain: f64 = background.cells().map(|c| background.cell_volume(c)).sum();
+    let fluid = cut.fluid_volume();
+    assert!((fluid - (domain - union)).abs() < 1e-12 * domain, "fluid {fluid}, expected {}", domain - union);
+}
+
+/// A body wholly inside: also its normals sum to zero and its whole surface is wet.
+fn check_immersed(background: &SimplexMesh<2>, body: &Polygon) {
+    check_union(background, &[body], body.area());
+    let cut = overlay(background, &[body]);
+    let normals: Vector<2> = cut.interface().iter().map(|p| p.normal * p.measure).sum();
+    let length: f64 = cut.interface().iter().map(|p| p.measure).sum();
+    let placed = body.placed();
+    let exact: f64 = body.boundary.facets().map(|f| placed.facet_measure(f)).sum();
+    assert!(normals.norm() < 1e-12 * exact && (length - exact).abs() < 1e-12 * exact, "{normals} {length} {exact}");
+    for piece in cut.interface() {
+        let corners = placed.facet_points(piece.facet);
+        for k in 0..2 {
+            let x = corners[0] * piece.barycentric[k][0] + corners[1] * piece.barycentric[k][1];
+            assert!((x - piece.points[k]).norm() < 1e-12);
+        }
+    }
+}
+
+fn unit_grid(n: usize) -> SimplexMesh<2> {
+    structured_box::<2>([0.0, 0.0], [1.0, 1.0], [n, n]).expect("a box")
+}
+
+fn star(centre: P, radii: &[f64], turn: f64) -> Polygon {
+    let n = radii.len();
+    Polygon::new(
+        radii
+            .iter()
+            .enumerate()
+            .map(|(k, r)| {
+                let angle = turn + std::f64::consts::TAU * k as f64 / n as f64;
+                centre + P::new(angle.cos(), angle.sin()) * *r
+            })
+            .collect(),
+    )
+}
+
+fn rectangle(low: P, high: P) -> Polygon {
+    Polygon::new(vec![low, P::new(high[0], low[1]), high, P::new(low[0], high[1])])
+}
+
+/// Coordinates that tend to coincide with those of the grid, exactly or nearly.
+fn nasty_coordinate() -> impl Strategy<Value = f64> {
+    let shift = prop_oneof![
+        Just(0.0),
+        Just(1e-17),
+        Just(1e-16),
+        Just(-1e-15),
+        Just(1e-14),
+        Just(-1e-13),
+        Just(1e-12),
+        Just(1e-10),
+        Just(-1e-8),
+        -0.05..0.05
+    ];
+    ((1..8_i32), shift).prop_map(|(k, s)| f64::from(k) / 8.0 + s)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 1500, failure_persistence: None, rng_seed: proptest::test_runner::RngSeed::Fixed(7), ..ProptestConfig::default() })]
+
+    #[test]
+    fn random_stars(
+        radii in prop::collection::vec(0.05..0.4_f64, 3..24),
+        x in 0.45..0.55_f64, y in 0.45..0.55_f64, turn in 0.0..6.3_f64, n in 1..9_usize,
+    ) {
+        check_immersed(&unit_grid(n), &star(P::new(x, y), &radii, turn));
+    }
+
+    #[test]
+    fn rectangles_snapped_to_the_grid(
+        x in nasty_coordinate(), y in nasty_coordinate(), a in nasty_coordinate(), b in nasty_coordinate(),
+    ) {
+        let (low, high) = (P::new(x.min(a), y.min(b)), P::new(x.max(a), y.max(b)));
+        if (high - low).min() > 1e-11 {
+            check_immersed(&unit_grid(8), &rectangle(low, high));
+        }
+    }
+
+    #[test]
+    fn triangles_with_corners_near_vertices(
+        c in prop::collection::vec((nasty_coordinate(), nasty_coordinate()), 3),
+    ) {
+        let points: Vec<P> = c.iter().map(|&(x, y)| P::new(x, y)).collect();
+        let mut body = Polygon::new(points.clone());
+        if body.area() < 0.0 {
+            body = Polygon::new(points.into_iter().rev().collect());
+        }
+        if body.area() > 1e-3 {
+            check_immersed(&unit_grid(8), &body);
+        }
+    }
+
+    #[test]
+    fn two_rectangles_that_overlap_or_touch(
+        a in prop::collection::vec(nasty_coordinate(), 4), b in prop::collection::vec(nasty_coordinate(), 4),
+    ) {
+        let make = |c: &[f64]| (P::new(c[0].min(c[1]), c[2].min(c[3])), P::new(c[0].max(c[1]), c[2].max(c[3])));
+        let ((la, ha), (lb, hb)) = (make(&a), make(&b));
+        if (ha - la).min() > 1e-11 && (hb - lb).min() > 1e-11 {
+            let common = (ha.inf(&hb) - la.sup(&lb)).sup(&P::zeros());
+            let area = |l: P, h: P| (h - l)[0] * (h - l)[1];
+            let union = area(la, ha) + area(lb, hb) - common[0] * common[1];
+            let (first, second) = (rectangle(la, ha), rectangle(lb, hb));
+            check_union(&unit_grid(8), &[&first, &second], union);
+            check_union(&unit_grid(8), &[&second, &first], union);
+        }
+    }
+
+    #[test]
+    fn stars_that_overlap_agree_with_polygon_clipping(
+        ra in prop::collection::vec(0.1..0.3_f64, 3..12), rb in prop::collection::vec(0.1..0.3_f64, 3..12),
+        x in 0.2..0.8_f64, y in 0.2..0.8_f64, turn in 0.0..6.3_f64,
+    ) {
+        use i_overlay::core::{fill_rule::FillRule, overlay_rule::OverlayRule};
+        use i_overlay::float::single::SingleFloatOverlay;
+        let (a, b) = (star(P::new(0.5, 0.5), &ra, turn), star(P::new(x, y), &rb, 0.3));
+        let path = |p: &Polygon| p.positions.iter().map(|x| [x[0], x[1]]).collect::<Vec<_>>();
+        let frame = vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let union: Vec<Vec<Vec<[f64; 2]>>> = path(&a).overlay(&path(&b), OverlayRule::Union, FillRule::EvenOdd);
+        let inside: Vec<Vec<Vec<[f64; 2]>>> = union.overlay(&frame, OverlayRule::Intersect, FillRule::EvenOdd);
+        let area: f64 = inside.iter().flatten().map(|ring| {
+            (0..ring.len()).map(|k| {
+                let (p, q) = (ring[k], ring[(k + 1) % ring.len()]);
+                0.5 * (p[0] * q[1] - p[1] * q[0])
+            }).sum::<f64>()
+        }).sum::<f64>().abs();
+        let background = unit_grid(6);
+        let cut = overlay(&background, &[&a, &b]);
+        check_identities(&background, &cut);
+        // The clipping crate works on integers of about 1e-9 of the size.
+        prop_assert!((cut.fluid_volume() - (1.0 - area)).abs() < 1e-7, "{} {}", cut.fluid_volume(), 1.0 - area);
+    }
+}
+
+#[test]
+fn a_moved_body_covers_the_same_area() {
+    let background = unit_grid(7);
+    let body = star(P::new(0.4, 0.45), &[0.2; 17], 0.1);
+    for step in 0..200 {
+        let t = f64::from(step);
+        let shift = P::new((t * 0.37).sin(), (t * 0.61).cos()) * 0.15;
+        check_immersed(&background, &Polygon::new(body.positions.iter().map(|x| x + shift).collect()));
+    }
+}
+
+#[test]
+fn a_half_disk_on_the_symmetry_line_has_no_piece_there() {
+    let background = unit_grid(8);
+    let half = mesh::generate::half_ball::<2>([0.0, 0.5], 0.31, 0.05, &mesh::generate::BallOptions { area_preserving: false })
+        .expect("half a disk");
+    let boundary = half.boundary();
+    let cut = CutMesh::overlay(&background, &[Placed::new(&boundary, half.vertices())], &OverlayOptions::new())
+        .expect("a closed surface");
+    check_identities(&background, &cut);
+    let area: f64 = half.cells().map(|c| half.cell_volume(c)).sum();
+    assert!((cut.fluid_volume() - (1.0 - area)).abs() < 1e-13);
+    for piece in cut.interface() {
+        assert!(piece.points[..2].iter().any(|x| x[0] > 0.0), "a piece on the symmetry line");
+    }
+    let on_line: f64 = cut.boundary().iter().filter(|p| p.points[..2].iter().all(|x| x[0] == 0.0)).map(|p| p.measure).sum();
+    assert!((on_line - (1.0 - 0.62)).abs() < 1e-12, "{on_line}");
+}
+
+#[test]
+fn a_plate_on_the_bottom_is_wet_on_its_top_only() {
+    let background = unit_grid(8);
+    for top in [0.2, 0.25] {
+        let plate = rectangle(P::new(0.0, 0.0), P::new(1.0, top));
+        let cut = overlay(&background, &[&plate]);
+        check_identities(&background, &cut);
+        let length: f64 = cut.interface().iter().map(|p| p.measure).sum();
+        assert!((length - 1.0).abs() < 1e-13, "{length}");
+        assert!(cut.interface().iter().all(|p| p.facet.0 == 2));
+        assert!((cut.fluid_volume() - (1.0 - top)).abs() < 1e-13);
+    }
+}
+
+#[test]
+fn a_body_may_stick_out_and_cover_everything() {
+    let background = unit_grid(3);
+    check_union(&background, &[&rectangle(P::new(-1.0, -1.0), P::new(0.5, 2.0))], 0.5);
+    check_union(&background, &[&rectangle(P::new(-1.0, -1.0), P::new(2.0, 2.0))], 1.0);
+    check_union(&background, &[&rectangle(P::new(3.0, 3.0), P::new(4.0, 4.0))], 0.0);
+}
+
+#[test]
+fn a_thin_strip_makes_two_parts() {
+    let background = unit_grid(2);
+    let strip = rectangle(P::new(-0.5, 0.24), P::new(1.5, 0.26));
+    let cut = overlay(&background, &[&strip]);
+    check_identities(&background, &cut);
+    assert_eq!(cut.report().max_parts, 2);
+    assert!(cut.parts(mesh::CellId(0)).len() == 2);
+    assert!((cut.fluid_volume() - 0.98).abs() < 1e-14);
+}
+
+#[test]
+fn several_bodies_inside_one_cell() {
+    let background = unit_grid(1);
+    let bodies = [
+        rectangle(P::new(0.6, 0.1), P::new(0.7, 0.2)),
+        rectangle(P::new(0.75, 0.15), P::new(0.9, 0.3)),
+        rectangle(P::new(0.8, 0.4), P::new(0.85, 0.45)),
+    ];
+    let union = bodies.iter().map(Polygon::area).sum();
+    check_union(&background, &bodies.iter().collect::<Vec<_>>(), union);
+}
+
+#[test]
+fn a_hole_filled_by_another_body() {
+    // A frame with a square hole: a polygon that walks around through a slit of zero width is not closed by our
+    // rules, so the frame is made of two Ls.
+    let background = unit_grid(5);
+    let p = P::new;
+    let lower = Polygon::new(vec![p(0.2, 0.2), p(0.8, 0.2), p(0.8, 0.8), p(0.6, 0.8), p(0.6, 0.4), p(0.2, 0.4)]);
+    let upper = Polygon::new(vec![p(0.2, 0.4), p(0.4, 0.4), p(0.4, 0.6), p(0.6, 0.6), p(0.6, 0.8), p(0.2, 0.8)]);
+    let core = rectangle(p(0.4, 0.4), p(0.6, 0.6));
+    check_union(&background, &[&lower, &upper, &core], 0.36);
+    let cut = overlay(&background, &[&lower, &upper, &core]);
+    let length: f64 = cut.interface().iter().map(|piece| piece.measure).sum();
+    assert!((length - 2.4).abs() < 1e-12, "{length}");
+}
+
+#[test]
+fn bad_surfaces_are_refused() {
+    use cutcell::Error;
+    let background = unit_grid(2);
+    let options = OverlayOptions::new();
+    let positions = vec![P::new(0.2, 0.2), P::new(0.8, 0.2), P::new(0.5, 0.8)];
+    let try_facets = |facets: &[u32], positions: &[P]| {
+        let boundary = BoundaryMesh::<2>::from_facets(facets.iter().map(|&v| VertexId(v)).collect());
+        CutMesh::overlay(&background, &[Placed::new(&boundary, positions)], &options).map(|_| ())
+    };
+    assert!(try_facets(&[0, 1, 1, 2, 2, 0], &positions).is_ok());
+    assert!(matches!(try_facets(&[0, 1, 1, 2], &positions), Err(Error::Open { .. })));
+    assert!(matches!(try_facets(&[1, 0, 2, 1, 0, 2], &positions), Err(Error::Inward { .. })));
+    assert!(matches!(try_facets(&[], &positions), Err(Error::Empty { .. })));
+    let nan = vec![positions[0], P::new(f64::NAN, 0.0), positions[2]];
+    assert!(matches!(try_facets(&[0, 1, 1, 2, 2, 0], &nan), Err(Error::NotFinite { .. })));
+    assert!(matches!(
+        try_facets(&[0, 1, 1, 2, 2, 0, 0, 1, 1, 2, 2, 0], &positions),
+        Err(Error::NonManifold { .. })
+    ));
+}
+
+#[test]
+fn overlap_volumes_of_two_cuts_add_up() {
+    let background = unit_grid(5);
+    let a = star(P::new(0.4, 0.5), &[0.25; 9], 0.0);
+    let b = star(P::new(0.45, 0.47), &[0.25; 9], 0.1);
+    let (first, second) = (overlay(&background, &[&a]), overlay(&background, &[&b]));
+    // Fluid in both = domain without the union of both bodies.
+    let common: f64 = background
+        .cells()
+        .map(|cell| {
+            first
+                .parts(cell)
+                .flat_map(|p| second.parts(cell).map(move |q| (p, q)))
+                .map(|(p, q)| first.overlap_volume(&background, p, &second, q))
+                .sum::<f64>()
+        })
+        .sum();
+    let both = overlay(&background, &[&a, &b]);
+    assert!((common - both.fluid_volume()).abs() < 1e-13, "{common} {}", both.fluid_volume());
+}
+
+#[test]
+fn threads_do_not_change_the_result() {
+    let background = unit_grid(20);
+    let body = star(P::new(0.5, 0.5), &[0.3; 40], 0.05);
+    let run = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        let cut = pool.install(|| overlay(&background, &[&body]));
+        (cut.interface().to_vec(), cut.part_faces().to_vec(), cut.fluid_volume().to_bits())
+    };
+    assert!(run(1) == run(2));
+    assert!(simplex_measure(&body.positions[..2]) > 0.0);
+}

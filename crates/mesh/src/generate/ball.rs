@@ -1,0 +1,104 @@
+//! Disks and half disks of uniform cell size.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use super::size::{affordable, positive};
+use super::triangulate::{Outline, filled};
+use crate::{Error, SimplexMesh};
+
+/// How a ball is approximated by a polygon.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct BallOptions {
+    /// Scale the radius so that the polygon has the area of the ball; otherwise its vertices lie on the ball.
+    pub area_preserving: bool,
+}
+
+/// A ball with cells of size `h` and equally spaced boundary vertices, its boundary tagged "surface"; in 2D, with
+/// angles of at least 25 degrees.
+///
+/// Sizes larger than the radius are cut down to it.
+///
+/// # Errors
+/// [`Error::Generate`]: centre, radius or size not finite, radius or size not positive, or far too many cells.
+/// [`Error::Dimension`]: there are disks only, so far.
+pub fn ball<const D: usize>(
+    centre: [f64; D],
+    radius: f64,
+    h: f64,
+    options: &BallOptions,
+) -> Result<SimplexMesh<D>, Error> {
+    let circle = Circle::new(&centre, radius, h, options)?;
+    let mut outline = Outline::default();
+    let n = 2 * circle.n_half;
+    outline.side((0..=n).map(|i| circle.node(i % n)));
+    Ok(filled(outline, |_| circle.h)?.with_boundary_tags(|_| Some("surface")))
+}
+
+/// The half of [`ball`] with `x >= centre[0]`: vertices on the plane of symmetry lie exactly on it, and facets there
+/// are tagged "left", all others "surface".
+///
+/// Mirrored, it is a ball with the same boundary vertices as [`ball`] up to round-off.
+///
+/// # Errors
+/// As [`ball`].
+pub fn half_ball<const D: usize>(
+    centre: [f64; D],
+    radius: f64,
+    h: f64,
+    options: &BallOptions,
+) -> Result<SimplexMesh<D>, Error> {
+    let circle = Circle::new(&centre, radius, h, options)?;
+    let n = circle.n_half;
+    let mut outline = Outline::default();
+    outline.side((0..=n).map(|i| circle.node(i)));
+    let [x, _] = circle.centre;
+    let [lowest, highest] = [circle.node(0)[1], circle.node(n)[1]];
+    let n_diameter = ((highest - lowest) / circle.h).round() as usize;
+    outline.side((0..=n_diameter).rev().map(|i| [x, lowest + (highest - lowest) * (i as f64 / n_diameter as f64)]));
+    let mesh = filled(outline, |_| circle.h)?;
+    Ok(mesh.with_boundary_tags(|points| {
+        let on_plane = points.iter().all(|p| p[0] == centre[0]);
+        Some(if on_plane { "left" } else { "surface" })
+    }))
+}
+
+struct Circle {
+    centre: [f64; 2],
+    /// Distance of the nodes from the centre.
+    radius: f64,
+    h: f64,
+    /// Boundary segments of one half.
+    n_half: usize,
+}
+
+impl Circle {
+    fn new<const D: usize>(centre: &[f64; D], radius: f64, h: f64, options: &BallOptions) -> Result<Self, Error> {
+        if let Some(&value) = centre.iter().find(|c| !c.is_finite()) {
+            return Err(Error::Generate { what: "centre", value, must: "be finite" });
+        }
+        positive("radius", radius)?;
+        positive("size", h)?;
+        let &[x, y] = centre.as_slice() else {
+            return Err(Error::Dimension { shape: "ball", dimension: D });
+        };
+        let h = h.min(radius);
+        affordable(2.0 * PI * (radius / h).powi(2))?;
+        let n_half = (PI * radius / h).round() as usize;
+        let angle = PI / n_half as f64;
+        let scale = if options.area_preserving { (angle / angle.sin()).sqrt() } else { 1.0 };
+        Ok(Self { centre: [x, y], radius: radius * scale, h, n_half })
+    }
+
+    /// Node `i`, counter-clockwise from the lowest point; those on the vertical diameter lie exactly on it.
+    fn node(&self, i: usize) -> [f64; 2] {
+        let [x, y] = self.centre;
+        if i == 0 {
+            return [x, y - self.radius];
+        }
+        if i == self.n_half {
+            return [x, y + self.radius];
+        }
+        let angle = PI * i as f64 / self.n_half as f64 - FRAC_PI_2;
+        [x + self.radius * angle.cos(), y + self.radius * angle.sin()]
+    }
+}

@@ -1,0 +1,54 @@
+//! Boxes with cells that follow a size field.
+
+use super::grid::{brick_mesh, check_sides, with_side_tags};
+use super::size::{Size, affordable, divided};
+use super::triangulate::{Outline, filled};
+use crate::{Error, SimplexMesh};
+
+/// A box with cells of the given size; its facets are tagged by side, and vertices on a side have exactly its
+/// coordinate.
+///
+/// In 2D an unstructured triangulation with angles of at least 25 degrees, tags "left", "right" (low and high `x`),
+/// "bottom", "top" (low and high `y`). In 3D bricks divided into 6 tetrahedra each, tags "left", "right", "front",
+/// "back" (low and high `y`), "bottom", "top"; where the size is graded along an axis, bricks are graded along it and have
+/// the finest size across.
+///
+/// Sizes larger than the shortest side are cut down to it.
+///
+/// # Errors
+/// [`Error::Generate`]: a side or a size that is not positive and finite, or far too many cells.
+pub fn graded_box<const D: usize>(min: [f64; D], max: [f64; D], size: &Size) -> Result<SimplexMesh<D>, Error> {
+    check_sides(&min, &max)?;
+    size.check(D)?;
+    let shortest = min.iter().zip(&max).map(|(a, b)| b - a).fold(f64::INFINITY, f64::min);
+    match D {
+        2 => triangulated(min, max, |x, y| size.along(|axis| [x, y][axis]).min(shortest)),
+        _ => bricks(min, max, size, shortest),
+    }
+}
+
+fn bricks<const D: usize>(min: [f64; D], max: [f64; D], size: &Size, most: f64) -> Result<SimplexMesh<D>, Error> {
+    let mut axes: [Vec<f64>; D] = std::array::from_fn(|_| Vec::new());
+    for (k, nodes) in axes.iter_mut().enumerate() {
+        *nodes = divided(min[k], max[k], |x| match *size {
+            Size::Graded { axis, .. } if axis == k => size.along(|_| x),
+            _ => size.finest(),
+        }.min(most))?;
+    }
+    affordable(axes.iter().map(|nodes| 6.0 * nodes.len() as f64).product())?;
+    brick_mesh(axes)
+}
+
+fn triangulated<const D: usize>(
+    min: [f64; D],
+    max: [f64; D],
+    h: impl Fn(f64, f64) -> f64,
+) -> Result<SimplexMesh<D>, Error> {
+    let [left, bottom, right, top] = [min[0], min[1], max[0], max[1]];
+    let mut outline = Outline::default();
+    outline.side(divided(left, right, |x| h(x, bottom))?.into_iter().map(|x| [x, bottom]));
+    outline.side(divided(bottom, top, |y| h(right, y))?.into_iter().map(|y| [right, y]));
+    outline.side(divided(left, right, |x| h(x, top))?.into_iter().rev().map(|x| [x, top]));
+    outline.side(divided(bottom, top, |y| h(left, y))?.into_iter().rev().map(|y| [left, y]));
+    Ok(with_side_tags(filled(outline, |[x, y]| h(x, y))?, min, max))
+}

@@ -1,0 +1,165 @@
+//! Size fields: how large cells should be, and how an interval is divided accordingly.
+
+use crate::{Error, Point};
+
+/// The wanted length of edges, as a function of position.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Size {
+    /// The same size everywhere.
+    Uniform {
+        /// Length of edges.
+        h: f64,
+    },
+    /// Fine at low, coarse at high values of one coordinate, and linear in between.
+    ///
+    /// Triangles keep their angles up to a slope of about 0.3.
+    Graded {
+        /// Size up to `fine_until`.
+        fine: f64,
+        /// Coordinate up to which cells are fine.
+        fine_until: f64,
+        /// Size from `coarse_from` on.
+        coarse: f64,
+        /// Coordinate from which on cells are coarse.
+        coarse_from: f64,
+        /// Index of the coordinate.
+        axis: usize,
+    },
+}
+
+impl Size {
+    /// The same size everywhere.
+    pub fn uniform(h: f64) -> Self {
+        Self::Uniform { h }
+    }
+
+    /// Size at a point.
+    ///
+    /// # Panics
+    /// If the size is graded along an axis that the space does not have.
+    pub fn at<const D: usize>(&self, x: &Point<D>) -> f64 {
+        self.along(|axis| x[axis])
+    }
+
+    /// Size where the coordinates are the given ones.
+    pub(super) fn along(&self, coordinate: impl Fn(usize) -> f64) -> f64 {
+        match *self {
+            Self::Uniform { h } => h,
+            Self::Graded { fine, fine_until, coarse, coarse_from, axis } => {
+                let t = (coordinate(axis) - fine_until) / (coarse_from - fine_until);
+                fine + (coarse - fine) * t.clamp(0.0, 1.0)
+            }
+        }
+    }
+
+    /// The smallest size anywhere.
+    pub(super) fn finest(&self) -> f64 {
+        match *self {
+            Self::Uniform { h } => h,
+            Self::Graded { fine, coarse, .. } => fine.min(coarse),
+        }
+    }
+
+    /// Checks that the field makes sense in a space of the given dimension.
+    pub(super) fn check(&self, dimension: usize) -> Result<(), Error> {
+        match *self {
+            Self::Uniform { h } => positive("size", h),
+            Self::Graded { fine, fine_until, coarse, coarse_from, axis } => {
+                positive("fine size", fine)?;
+                positive("coarse size", coarse)?;
+                if !fine_until.is_finite() {
+                    return Err(Error::Generate { what: "fine_until", value: fine_until, must: "be finite" });
+                }
+                if !coarse_from.is_finite() || coarse_from <= fine_until {
+                    let must = "be finite and larger than fine_until";
+                    return Err(Error::Generate { what: "coarse_from", value: coarse_from, must });
+                }
+                if axis >= dimension {
+                    let must = "be below the dimension";
+                    return Err(Error::Generate { what: "axis", value: axis as f64, must });
+                }
+                Ok(())
+            }
+        }
+    }
+}
+
+/// Checks that a parameter is positive and finite.
+pub(super) fn positive(what: &'static str, value: f64) -> Result<(), Error> {
+    if value.is_finite() && value > 0.0 {
+        return Ok(());
+    }
+    Err(Error::Generate { what, value, must: "be positive and finite" })
+}
+
+/// Most intervals along a line, and a bound for the cells of a mesh.
+const MOST_CELLS: f64 = 5e7;
+
+/// Checks that a mesh of about so many cells is not absurdly large.
+pub(super) fn affordable(n_cells: f64) -> Result<(), Error> {
+    if n_cells <= MOST_CELLS {
+        return Ok(());
+    }
+    Err(Error::Generate { what: "number of cells", value: n_cells, must: "be at most 5e7; increase the size" })
+}
+
+/// Divides `[min, max]` into intervals of length about `h(x)`; the end points are kept bitwise.
+///
+/// The nodes are equally spaced in the integral of `1/h`.
+pub(super) fn divided(min: f64, max: f64, h: impl Fn(f64) -> f64) -> Result<Vec<f64>, Error> {
+    const SAMPLES: usize = 4096;
+    let step = (max - min) / SAMPLES as f64;
+    let mut count = vec![0.0; SAMPLES + 1];
+    for k in 0..SAMPLES {
+        count[k + 1] = count[k] + step / h(min + (k as f64 + 0.5) * step);
+    }
+    affordable(count[SAMPLES])?;
+    let n = count[SAMPLES].round().max(1.0) as usize;
+    let mut nodes = vec![min];
+    let mut k = 0;
+    for i in 1..n {
+        let wanted = count[SAMPLES] * i as f64 / n as f64;
+        while count[k + 1] < wanted {
+            k += 1;
+        }
+        nodes.push(min + step * (k as f64 + (wanted - count[k]) / (count[k + 1] - count[k])));
+    }
+    nodes.push(max);
+    Ok(nodes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GRADED: Size = Size::Graded { fine: 0.1, fine_until: 4.5, coarse: 0.5, coarse_from: 10.0, axis: 1 };
+
+    #[test]
+    fn graded_size_is_linear_between_its_ends() {
+        let at = |y: f64| GRADED.at(&Point::<2>::new(3.0, y));
+        assert_eq!((at(0.0), at(4.5), at(10.0), at(15.0)), (0.1, 0.1, 0.5, 0.5));
+        assert!((at(7.25) - 0.3).abs() < 1e-15);
+    }
+
+    #[test]
+    fn interval_lengths_follow_the_size() {
+        let nodes = divided(0.0, 15.0, |y| GRADED.along(|_| y)).unwrap();
+        assert_eq!((nodes[0], nodes[nodes.len() - 1]), (0.0, 15.0));
+        for pair in nodes.windows(2) {
+            let ratio = (pair[1] - pair[0]) / GRADED.along(|_| 0.5 * (pair[0] + pair[1]));
+            assert!((0.95..1.05).contains(&ratio), "{ratio}");
+        }
+    }
+
+    #[test]
+    fn senseless_sizes_are_errors() {
+        for h in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            assert!(Size::uniform(h).check(2).is_err());
+        }
+        assert!(GRADED.check(2).is_ok());
+        assert!(GRADED.check(1).is_err());
+        let reversed = Size::Graded { fine: 0.1, fine_until: 1.0, coarse: 0.5, coarse_from: 1.0, axis: 0 };
+        assert!(reversed.check(2).is_err());
+        assert!(divided(0.0, 1.0, |_| 1e-9).is_err());
+    }
+}

@@ -1,0 +1,206 @@
+//! Triangulations of convex polygons with triangles that follow a size field.
+
+use spade::{DelaunayTriangulation, HierarchyHintGenerator, Point2, PositionInTriangulation, Triangulation};
+
+use super::size::affordable;
+use crate::{Error, Point, SimplexMesh, VertexId};
+
+/// A triangle counts as too coarse when its circumradius exceeds this times that of the wanted equilateral one.
+const COARSE: f64 = 1.25;
+/// No two points come closer than this times the wanted size.
+const CLOSEST: f64 = 0.72;
+/// Passes of smoothing after points were inserted, and after each repair.
+const PASSES: [usize; 2] = [40, 15];
+/// Triangulations with smaller angles are repaired, so many times at most.
+const GOOD_ANGLE: f64 = 30.0;
+const REPAIRS: usize = 12;
+
+type Delaunay = DelaunayTriangulation<Point2<f64>, (), (), (), HierarchyHintGenerator<f64>>;
+
+/// Boundary points of a convex polygon, counter-clockwise.
+#[derive(Default)]
+pub(super) struct Outline {
+    points: Vec<[f64; 2]>,
+}
+
+impl Outline {
+    /// Appends a side; its last point is left out, as it starts the next side.
+    pub(super) fn side(&mut self, points: impl Iterator<Item = [f64; 2]>) {
+        self.points.extend(points);
+        self.points.pop();
+    }
+}
+
+/// The polygon filled with triangles of edge length about `h`; no points are added on its boundary.
+///
+/// Circumcentres of triangles that are too coarse are inserted, the worst first; then points move to the weighted
+/// centroids of their neighbourhoods while the triangulation is kept Delaunay.
+pub(super) fn filled<const D: usize>(outline: Outline, h: impl Fn([f64; 2]) -> f64) -> Result<SimplexMesh<D>, Error> {
+    let n_fixed = outline.points.len();
+    let mut points = outline.points;
+    insert(&mut points, &h)?;
+    let mut best = smoothed(&mut points, n_fixed, &h, PASSES[0])?;
+    for _ in 0..REPAIRS {
+        if best.smallest_angle >= GOOD_ANGLE.to_radians() || !repair(&mut points, n_fixed, &h)? {
+            break;
+        }
+        let candidate = smoothed(&mut points, n_fixed, &h, PASSES[1])?;
+        if candidate.smallest_angle > best.smallest_angle {
+            best = candidate;
+        }
+    }
+    let vertices = best.points.iter().map(|p| Point::from_fn(|axis, _| p[axis])).collect();
+    SimplexMesh::new(vertices, best.triangles.into_iter().flatten().map(VertexId::new).collect())
+}
+
+struct Triangulated {
+    points: Vec<[f64; 2]>,
+    triangles: Vec<[usize; 3]>,
+    smallest_angle: f64,
+}
+
+fn smoothed(
+    points: &mut [[f64; 2]],
+    n_fixed: usize,
+    h: &impl Fn([f64; 2]) -> f64,
+    passes: usize,
+) -> Result<Triangulated, Error> {
+    for _ in 0..passes {
+        smooth(points, n_fixed, h)?;
+    }
+    let triangles = triangles(points)?;
+    let angle = |t: &[usize; 3]| smallest_angle(&t.map(|v| points[v]));
+    let smallest_angle = triangles.iter().map(angle).fold(f64::INFINITY, f64::min);
+    Ok(Triangulated { points: points.to_vec(), triangles, smallest_angle })
+}
+
+/// At triangles with small angles, removes a point where the shortest edge is short for its place and adds one where
+/// the longest is long; whether anything was done.
+fn repair(points: &mut Vec<[f64; 2]>, n_fixed: usize, h: &impl Fn([f64; 2]) -> f64) -> Result<bool, Error> {
+    let mut touched = vec![false; points.len()];
+    let mut removed = vec![false; points.len()];
+    let mut added = Vec::new();
+    for triangle in triangles(points)? {
+        let corners = triangle.map(|v| points[v]);
+        if smallest_angle(&corners) >= GOOD_ANGLE.to_radians() || triangle.iter().any(|&v| touched[v]) {
+            continue;
+        }
+        let relative = |k: usize| {
+            let (a, b) = (corners[k], corners[(k + 1) % 3]);
+            distance(a, b) / h(midpoint(a, b))
+        };
+        let (mut shortest, mut longest) = (0, 0);
+        for k in 1..3 {
+            if relative(k) < relative(shortest) { shortest = k; }
+            if relative(k) > relative(longest) { longest = k; }
+        }
+        let short = [triangle[shortest], triangle[(shortest + 1) % 3]];
+        let long = [triangle[longest], triangle[(longest + 1) % 3]];
+        let last = short[0].max(short[1]);
+        if last >= n_fixed && relative(shortest) * relative(longest) < 1.0 {
+            removed[last] = true;
+        } else if long[0].max(long[1]) >= n_fixed {
+            added.push(midpoint(corners[longest], corners[(longest + 1) % 3]));
+        } else {
+            continue;
+        }
+        triangle.iter().for_each(|&v| touched[v] = true);
+    }
+    let mut keep = removed.iter().map(|r| !r);
+    points.retain(|_| keep.next().unwrap_or(true));
+    let changed = touched.contains(&true);
+    points.extend(added);
+    Ok(changed)
+}
+
+/// Adds circumcentres until no triangle is too coarse.
+fn insert(points: &mut Vec<[f64; 2]>, h: &impl Fn([f64; 2]) -> f64) -> Result<(), Error> {
+    let mut delaunay = triangulation(points)?;
+    loop {
+        let mut coarse: Vec<(f64, [f64; 2])> = Vec::new();
+        for face in delaunay.inner_faces() {
+            let corners = face.positions().map(|p| [p.x, p.y]);
+            let (circumcentre, radius) = { let (c, r2) = face.circumcircle(); ([c.x, c.y], r2.sqrt()) };
+            let centroid = centroid(&corners);
+            let excess = radius * 3.0_f64.sqrt() / h(centroid);
+            if excess > COARSE {
+                let inside = matches!(
+                    delaunay.locate(Point2::new(circumcentre[0], circumcentre[1])),
+                    PositionInTriangulation::OnFace(_) | PositionInTriangulation::OnEdge(_)
+                );
+                coarse.push((excess, if inside { circumcentre } else { centroid }));
+            }
+        }
+        coarse.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let before = points.len();
+        for (_, x) in coarse {
+            let position = Point2::new(x[0], x[1]);
+            let Some(nearest) = delaunay.nearest_neighbor(position) else { break };
+            let nearest = nearest.position();
+            if (nearest.x - x[0]).hypot(nearest.y - x[1]) >= CLOSEST * h(x) {
+                delaunay.insert(position).map_err(failed)?;
+                points.push(x);
+            }
+        }
+        affordable(2.0 * points.len() as f64)?;
+        if points.len() == before {
+            return Ok(());
+        }
+    }
+}
+
+/// Moves every free point to the centroid of its triangles, each weighted by how many wanted cells fit into it.
+fn smooth(points: &mut [[f64; 2]], n_fixed: usize, h: &impl Fn([f64; 2]) -> f64) -> Result<(), Error> {
+    let mut sums = vec![[0.0; 3]; points.len()];
+    for triangle in triangles(points)? {
+        let corners = triangle.map(|v| points[v]);
+        let x = centroid(&corners);
+        let weight = area(&corners) * h(x).powi(-3);
+        for v in triangle {
+            let sum = &mut sums[v];
+            *sum = [sum[0] + weight, sum[1] + weight * x[0], sum[2] + weight * x[1]];
+        }
+    }
+    for (point, [weight, x, y]) in points.iter_mut().zip(sums).skip(n_fixed) {
+        *point = [x / weight, y / weight];
+    }
+    Ok(())
+}
+
+/// The Delaunay triangles of the points, counter-clockwise.
+fn triangles(points: &[[f64; 2]]) -> Result<Vec<[usize; 3]>, Error> {
+    Ok(triangulation(points)?.inner_faces().map(|face| face.vertices().map(|v| v.index())).collect())
+}
+
+fn triangulation(points: &[[f64; 2]]) -> Result<Delaunay, Error> {
+    Delaunay::bulk_load_stable(points.iter().map(|p| Point2::new(p[0], p[1])).collect()).map_err(failed)
+}
+
+fn failed(error: spade::InsertionError) -> Error {
+    Error::Triangulation { reason: error.to_string() }
+}
+
+fn centroid(corners: &[[f64; 2]; 3]) -> [f64; 2] {
+    [0, 1].map(|axis| (corners[0][axis] + corners[1][axis] + corners[2][axis]) / 3.0)
+}
+
+fn area([a, b, c]: &[[f64; 2]; 3]) -> f64 {
+    0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+}
+
+fn smallest_angle(corners: &[[f64; 2]; 3]) -> f64 {
+    let angle = |k: usize| {
+        let [a, b, c] = [0, 1, 2].map(|i| corners[(k + i) % 3]);
+        let (u, v) = ([b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]]);
+        (u[0] * v[1] - u[1] * v[0]).atan2(u[0] * v[0] + u[1] * v[1])
+    };
+    angle(0).min(angle(1)).min(angle(2))
+}
+
+fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
+    (b[0] - a[0]).hypot(b[1] - a[1])
+}
+
+fn midpoint(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]
+}

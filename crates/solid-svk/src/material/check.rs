@@ -1,0 +1,67 @@
+//! Consistency of a material law with itself.
+
+use mesh::{Tensor, det};
+
+use super::Material;
+
+/// Relative deviations found by [`check_material`]; all of them should be small.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MaterialCheck {
+    /// First Piola stress against central differences of the energy.
+    pub first_piola: f64,
+    /// Derivative of the first Piola stress against central differences of it.
+    pub derivative: f64,
+    /// Energy and stress after a rotation of space: `W(QF) = W(F)`, `P(QF) = Q P(F)`.
+    pub objectivity: f64,
+    /// Stress of the undeformed state.
+    pub reference_stress: f64,
+}
+
+impl MaterialCheck {
+    /// The largest of the deviations.
+    pub fn largest(&self) -> f64 {
+        self.first_piola.max(self.derivative).max(self.objectivity).max(self.reference_stress)
+    }
+}
+
+/// Checks a material law at pseudo-random deformations: `P` is the derivative of `W`, `dP` that of `P`, both are
+/// objective, and the reference state is free of stress.
+pub fn check_material<const D: usize>(material: &dyn Material<D>, n_states: usize) -> MaterialCheck {
+    let mut state = 1_u64;
+    // Numbers in (-1, 1) from a linear congruential generator (Knuth's MMIX constants).
+    let mut tensor = || {
+        Tensor::<D>::from_fn(|_, _| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        })
+    };
+    let identity = Tensor::<D>::identity();
+    let step = f64::EPSILON.cbrt();
+    let mut check = MaterialCheck::default();
+    // A shear away from the reference sets the scale of stresses.
+    let scale = material.first_piola_derivative(&identity, &tensor()).norm();
+    check.reference_stress = material.first_piola(&identity).norm() / scale;
+    for _ in 0..n_states {
+        let f = identity + 0.25 * tensor();
+        let h = tensor();
+        if det(&f) <= 0.0 {
+            continue;
+        }
+        let (ahead, behind) = (f + step * h, f - step * h);
+        let p = material.first_piola(&f);
+        let slope = (material.energy_density(&ahead) - material.energy_density(&behind)) / (2.0 * step);
+        check.first_piola = check.first_piola.max((slope - p.dot(&h)).abs() / scale);
+        let slope = (material.first_piola(&ahead) - material.first_piola(&behind)) / (2.0 * step);
+        let derivative = material.first_piola_derivative(&f, &h);
+        check.derivative = check.derivative.max((slope - derivative).norm() / scale);
+        // Cayley's transform of a skew tensor is a rotation.
+        let skew = 0.5 * (h - h.transpose());
+        if let Some(inverse) = (identity + skew).try_inverse() {
+            let q = inverse * (identity - skew);
+            let energy = material.energy_density(&(q * f)) - material.energy_density(&f);
+            let stress = material.first_piola(&(q * f)) - q * p;
+            check.objectivity = check.objectivity.max((energy.abs() + stress.norm()) / scale);
+        }
+    }
+    check
+}

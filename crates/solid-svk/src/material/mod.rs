@@ -1,0 +1,104 @@
+//! Material laws: stored energy, first Piola stress and its directional derivative.
+
+mod check;
+mod saint_venant_kirchhoff;
+
+pub use check::{MaterialCheck, check_material};
+pub use saint_venant_kirchhoff::SaintVenantKirchhoff;
+
+use mesh::Tensor;
+
+use crate::Error;
+use crate::error::positive;
+
+/// A hyperelastic material; in 2D in plane strain.
+///
+/// The derivative is directional, so that no tensor of fourth order is ever formed.
+pub trait Material<const D: usize>: Send + Sync + std::fmt::Debug {
+    /// Stored energy per reference volume at the deformation gradient `f`.
+    ///
+    /// Units: erg/cm³ (2D: erg/cm² per unit depth).
+    fn energy_density(&self, f: &Tensor<D>) -> f64;
+
+    /// First Piola stress `P = ∂W/∂F`.
+    ///
+    /// Units: dyn/cm².
+    fn first_piola(&self, f: &Tensor<D>) -> Tensor<D>;
+
+    /// Derivative of the first Piola stress at `f` in direction `h`.
+    fn first_piola_derivative(&self, f: &Tensor<D>, h: &Tensor<D>) -> Tensor<D>;
+
+    /// Cauchy stress normal to the plane in plane strain; without meaning, and never asked for, in 3D.
+    fn out_of_plane_stress(&self, f: &Tensor<D>) -> f64;
+}
+
+/// Lame parameters of an isotropic material; in 2D those of plane strain, which are the same numbers.
+///
+/// Units: dyn/cm².
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LameParameters {
+    /// Shear modulus.
+    pub mu: f64,
+    /// First parameter.
+    pub lambda: f64,
+}
+
+impl LameParameters {
+    /// The parameters given directly.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`]: `mu` not positive, or the bulk modulus `lambda + 2 mu/3` not positive.
+    pub fn new(mu: f64, lambda: f64) -> Result<Self, Error> {
+        positive("shear modulus mu", mu)?;
+        if !(lambda.is_finite() && 3.0 * lambda + 2.0 * mu > 0.0) {
+            return Err(Error::Parameter { what: "lambda", value: lambda, must: "finite and above -2 mu/3" });
+        }
+        Ok(Self { mu, lambda })
+    }
+
+    /// The parameters of a material with Young's modulus `young` and Poisson's ratio `poisson`.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`]: `young` not positive, or `poisson` not between -1 and 1/2.
+    pub fn from_young_poisson(young: f64, poisson: f64) -> Result<Self, Error> {
+        positive("Young's modulus", young)?;
+        if !(poisson > -1.0 && poisson < 0.5) {
+            return Err(Error::Parameter { what: "Poisson's ratio", value: poisson, must: "between -1 and 1/2" });
+        }
+        let mu = young / (2.0 * (1.0 + poisson));
+        let lambda = young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson));
+        Self::new(mu, lambda)
+    }
+
+    /// Young's modulus.
+    pub fn young(&self) -> f64 {
+        self.mu * (3.0 * self.lambda + 2.0 * self.mu) / (self.lambda + self.mu)
+    }
+
+    /// Poisson's ratio.
+    pub fn poisson(&self) -> f64 {
+        0.5 * self.lambda / (self.lambda + self.mu)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn moduli_there_and_back() {
+        // Material of the ball in the paper: REFERENCES 6.8.
+        let lame = LameParameters::from_young_poisson(5.6e6, 0.4).unwrap();
+        assert!((lame.mu - 2e6).abs() < 1e-8 && (lame.lambda - 8e6).abs() < 1e-8);
+        assert!((lame.young() - 5.6e6).abs() < 1e-8 && (lame.poisson() - 0.4).abs() < 1e-15);
+    }
+
+    #[test]
+    fn impossible_materials_are_refused() {
+        assert!(LameParameters::new(0.0, 1.0).is_err());
+        assert!(LameParameters::new(f64::NAN, 1.0).is_err());
+        assert!(LameParameters::new(1.0, -1.0).is_err());
+        assert!(LameParameters::from_young_poisson(1.0, 0.5).is_err());
+        assert!(LameParameters::from_young_poisson(-1.0, 0.3).is_err());
+    }
+}

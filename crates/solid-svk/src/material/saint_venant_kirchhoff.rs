@@ -1,0 +1,149 @@
+//! The Saint Venant-Kirchhoff material: Hooke's law between Green-Lagrange strain and second Piola stress.
+
+use mesh::{Tensor, det};
+
+use super::{LameParameters, Material};
+use crate::kinematics::{green_lagrange, green_lagrange_derivative};
+
+/// Saint Venant-Kirchhoff material, in 2D in plane strain.
+///
+/// `W = μ E:E + λ/2 (tr E)²`, `S = 2 μ E + λ (tr E) I`, `P = F S`.
+///
+/// Source: paper, Sec. 4.1, where the law is that of the second Piola stress (the first in Sec. 2.1).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SaintVenantKirchhoff {
+    /// Lame parameters.
+    pub lame: LameParameters,
+}
+
+impl SaintVenantKirchhoff {
+    /// The material with the given parameters.
+    pub fn new(lame: LameParameters) -> Self {
+        Self { lame }
+    }
+
+    /// `2 μ E + λ (tr E) I`, linear in `E`.
+    #[inline]
+    fn hooke<const D: usize>(&self, e: &Tensor<D>) -> Tensor<D> {
+        2.0 * self.lame.mu * e + Tensor::identity() * (self.lame.lambda * e.trace())
+    }
+}
+
+impl<const D: usize> Material<D> for SaintVenantKirchhoff {
+    #[inline]
+    fn energy_density(&self, f: &Tensor<D>) -> f64 {
+        let e = green_lagrange(f);
+        self.lame.mu * e.norm_squared() + 0.5 * self.lame.lambda * e.trace().powi(2)
+    }
+
+    #[inline]
+    fn first_piola(&self, f: &Tensor<D>) -> Tensor<D> {
+        f * self.hooke(&green_lagrange(f))
+    }
+
+    /// `H S + F dS`, `dS = 2 μ dE + λ (tr dE) I`, `dE = (FᵀH + HᵀF)/2`.
+    #[inline]
+    fn first_piola_derivative(&self, f: &Tensor<D>, h: &Tensor<D>) -> Tensor<D> {
+        h * self.hooke(&green_lagrange(f)) + f * self.hooke(&green_lagrange_derivative(f, h))
+    }
+
+    /// `S_zz / J = λ (tr E) / J`, as `E_zz = 0` and `F_zz = 1`.
+    #[inline]
+    fn out_of_plane_stress(&self, f: &Tensor<D>) -> f64 {
+        self.lame.lambda * green_lagrange(f).trace() / det(f)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::check_material;
+    use super::*;
+    use crate::kinematics::cauchy_stress;
+
+    fn ball() -> SaintVenantKirchhoff {
+        SaintVenantKirchhoff::new(LameParameters::new(2e6, 8e6).unwrap())
+    }
+
+    fn is_a_material<const D: usize>() {
+        let check = check_material::<D>(&ball(), 20);
+        assert!(check.largest() < 1e-8, "{check:?}");
+        assert!(check.objectivity < 1e-12 && check.reference_stress < 1e-14, "{check:?}");
+    }
+
+    #[test]
+    fn is_a_material_in_2d() {
+        is_a_material::<2>();
+    }
+
+    #[test]
+    fn is_a_material_in_3d() {
+        is_a_material::<3>();
+    }
+
+    fn close(computed: f64, printed: f64) {
+        // Seven digits are printed.
+        assert!((computed - printed).abs() < 1e-6 * printed.abs(), "{computed:e} {printed:e}");
+    }
+
+    #[test]
+    fn plane_strain_uniaxial_states() {
+        // REFERENCES 6.8: stretch, lateral stretch, P11, Cauchy stress.
+        for [l1, l2, p11, sigma11] in [
+            [0.8, 1.113553, -9.6e5, -8.621054e5],
+            [0.9, 1.061446, -5.7e5, -5.370035e5],
+            [1.05, 0.965229, 3.5875e5, 3.716735e5],
+            [1.1, 0.927362, 7.7e5, 8.303124e5],
+            [1.2, 0.840635, 1.76e6, 2.093656e6],
+        ] {
+            let exact = (1.0 - 2.0 / 3.0 * (l1 * l1 - 1.0_f64)).sqrt();
+            close(exact, l2);
+            let f = Tensor::<2>::new(l1, 0.0, 0.0, exact);
+            let p = ball().first_piola(&f);
+            close(p[(0, 0)], p11);
+            assert!(p[(1, 1)].abs() < 1e-7 && p[(0, 1)] == 0.0);
+            close(cauchy_stress(&f, &p)[(0, 0)], sigma11);
+        }
+    }
+
+    #[test]
+    fn uniaxial_and_confined_states_in_3d() {
+        // REFERENCES 6.8: stretch, lateral stretch, P11, Cauchy stress, P11 of the confined state.
+        for [l1, l2, p11, sigma11, confined] in [
+            [0.8, 1.069579, -8.064e5, -7.048951e5, -1.728e6],
+            [0.9, 1.037304, -4.788e5, -4.449814e5, -1.026e6],
+            [1.05, 0.979285, 3.0135e5, 3.142336e5, 6.4575e5],
+            [1.1, 0.957079, 6.468e5, 7.061135e5, 1.386e6],
+            [1.2, 0.907744, 1.4784e6, 1.794175e6, 3.168e6],
+        ] {
+            let exact = (1.0 - 0.4 * (l1 * l1 - 1.0_f64)).sqrt();
+            close(exact, l2);
+            let f = Tensor::<3>::from_diagonal(&mesh::Vector::<3>::new(l1, exact, exact));
+            let p = ball().first_piola(&f);
+            close(p[(0, 0)], p11);
+            assert!(p[(1, 1)].abs() < 1e-7 && p[(2, 2)].abs() < 1e-7);
+            close(cauchy_stress(&f, &p)[(0, 0)], sigma11);
+            let f = Tensor::<3>::from_diagonal(&mesh::Vector::<3>::new(l1, 1.0, 1.0));
+            close(ball().first_piola(&f)[(0, 0)], confined);
+        }
+    }
+
+    #[test]
+    fn simple_shear() {
+        // REFERENCES 6.8, shear 0.1.
+        let f = Tensor::<2>::new(1.0, 0.1, 0.0, 1.0);
+        let p = ball().first_piola(&f);
+        assert!((p - Tensor::<2>::new(6e4, 2.06e5, 2e5, 6e4)).norm() < 1e-6);
+        let sigma = cauchy_stress(&f, &p);
+        assert!((sigma - Tensor::<2>::new(8.06e4, 2.06e5, 2.06e5, 6e4)).norm() < 1e-6);
+    }
+
+    #[test]
+    fn plane_strain_is_the_plane_state_in_3d() {
+        let f = Tensor::<2>::new(1.1, 0.2, -0.1, 0.95);
+        let mut f3 = Tensor::<3>::identity();
+        f3.fixed_view_mut::<2, 2>(0, 0).copy_from(&f);
+        let sigma = cauchy_stress(&f3, &ball().first_piola(&f3));
+        assert!((sigma[(2, 2)] - ball().out_of_plane_stress(&f)).abs() < 1e-9);
+        assert!((sigma.fixed_view::<2, 2>(0, 0) - cauchy_stress(&f, &ball().first_piola(&f))).norm() < 1e-9);
+    }
+}

@@ -1,0 +1,79 @@
+//! A body in its reference configuration: mesh, boundary, gradients and volumes of the cells.
+
+use mesh::{BoundaryMesh, CellId, Placed, Point, SimplexMesh, Vector};
+
+use crate::Error;
+use crate::error::length;
+
+/// Everything about the mesh of a body that is constant in time; built once, borrowed in every step.
+#[derive(Clone, Debug)]
+pub struct SolidMesh<const D: usize> {
+    mesh: SimplexMesh<D>,
+    boundary: BoundaryMesh<D>,
+    /// Stride `D + 1`.
+    gradients: Vec<Vector<D>>,
+    volumes: Vec<f64>,
+}
+
+impl<const D: usize> SolidMesh<D> {
+    /// A body that occupies the mesh in its reference configuration.
+    ///
+    /// # Errors
+    /// [`Error::DegenerateCell`]: a cell without finite gradients.
+    pub fn new(mesh: SimplexMesh<D>) -> Result<Self, Error> {
+        let mut gradients = Vec::with_capacity(mesh.n_cells() * (D + 1));
+        let mut volumes = Vec::with_capacity(mesh.n_cells());
+        for cell in mesh.cells() {
+            let simplex = mesh.simplex(cell);
+            let of_cell = simplex.barycentric_gradients().ok_or(Error::DegenerateCell { cell })?;
+            if of_cell.iter().any(|g| !g.norm_squared().is_finite()) {
+                return Err(Error::DegenerateCell { cell });
+            }
+            gradients.extend_from_slice(&of_cell[..=D]);
+            volumes.push(simplex.volume());
+        }
+        let boundary = mesh.boundary();
+        Ok(Self { mesh, boundary, gradients, volumes })
+    }
+
+    /// The mesh.
+    pub fn mesh(&self) -> &SimplexMesh<D> {
+        &self.mesh
+    }
+
+    /// The boundary of the mesh.
+    pub fn boundary(&self) -> &BoundaryMesh<D> {
+        &self.boundary
+    }
+
+    /// The boundary seen at the given positions of the vertices.
+    pub fn placed<'m>(&'m self, positions: &'m [Point<D>]) -> Placed<'m, D> {
+        Placed::new(&self.boundary, positions)
+    }
+
+    /// Number of unknowns: `D` components of velocity per vertex.
+    pub fn n_dofs(&self) -> usize {
+        D * self.mesh.n_vertices()
+    }
+
+    /// Gradients of the shape functions of a cell, one per vertex.
+    #[inline]
+    pub fn gradients(&self, cell: CellId) -> &[Vector<D>] {
+        &self.gradients[cell.index() * (D + 1)..][..=D]
+    }
+
+    /// Reference volume of a cell.
+    #[inline]
+    pub fn volume(&self, cell: CellId) -> f64 {
+        self.volumes[cell.index()]
+    }
+
+    /// Positions of the vertices after a displacement: `x = X + d`.
+    ///
+    /// # Errors
+    /// [`Error::Length`]: not one displacement per vertex.
+    pub fn positions(&self, displacement: &[Vector<D>]) -> Result<Vec<Point<D>>, Error> {
+        length("displacement", displacement.len(), self.mesh.n_vertices())?;
+        Ok(self.mesh.vertices().iter().zip(displacement).map(|(x, d)| x + d).collect())
+    }
+}
