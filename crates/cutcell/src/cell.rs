@@ -3,6 +3,7 @@
 use mesh::{Point, Vector};
 
 use crate::clip::{FaceLabel, Polytope, face_difference, face_overlap};
+use crate::cut_mesh::for_each_face_simplex;
 use crate::predicates::{End, crossing};
 use crate::surface::Facet;
 
@@ -36,6 +37,8 @@ pub(crate) struct CellCut<const D: usize> {
     pub(crate) leaves: Vec<Leaf<D>>,
     pub(crate) n_parts: u32,
     pub(crate) wet: Vec<WetPiece<D>>,
+    /// Measure of walls between fluid and body that no facet covers.
+    pub(crate) uncovered: f64,
 }
 
 /// Cuts a cell by the facets (indices into `all`) that may touch it. `depth` is the number of bodies around the
@@ -60,16 +63,21 @@ pub(crate) fn cut_cell<const D: usize>(
     let walls = walls(&leaves, all, tolerance);
     let n_parts = number_parts(&mut leaves, &walls);
     let mut wet = Vec::new();
+    let mut uncovered = 0.0;
     for wall in walls {
-        if leaves[wall.front].is_fluid() && !leaves[wall.back].is_fluid() {
-            let part = leaves[wall.front].part;
-            let normal = all[wall.facet as usize].normal;
-            cover_by_facets(wall.polygon, &normal, facets, all, tolerance, |facet, polygon| {
-                wet.push(WetPiece { part, facet, polygon });
-            });
-        }
+        // Behind the plane of one facet may lie fluid, and another body in front of it.
+        let normal = all[wall.facet as usize].normal;
+        let (wet_leaf, normal) = match (leaves[wall.back].is_fluid(), leaves[wall.front].is_fluid()) {
+            (false, true) => (wall.front, normal),
+            (true, false) => (wall.back, -normal),
+            _ => continue,
+        };
+        let part = leaves[wet_leaf].part;
+        uncovered += cover_by_facets(wall.polygon, &normal, facets, all, tolerance, |facet, polygon| {
+            wet.push(WetPiece { part, facet, polygon });
+        });
     }
-    CellCut { leaves, n_parts, wet }
+    CellCut { leaves, n_parts, wet, uncovered }
 }
 
 /// Splits a cell by the planes of the facets that cross it, each plane only through the pieces that its facet
@@ -171,7 +179,8 @@ fn number_parts<const D: usize>(leaves: &mut [Leaf<D>], walls: &[Wall<D>]) -> u3
     n_parts
 }
 
-/// Hands each piece of a wet face to the facet that covers it, once, in the order of the facets.
+/// Hands each piece of a wet face to the facet that covers it, once, in the order of the facets; returns the
+/// measure that no facet covers.
 pub(crate) fn cover_by_facets<const D: usize>(
     face: Vec<Point<D>>,
     normal: &Vector<D>,
@@ -179,7 +188,7 @@ pub(crate) fn cover_by_facets<const D: usize>(
     all: &[Facet<D>],
     tolerance: f64,
     mut visit: impl FnMut(u32, Vec<Point<D>>),
-) {
+) -> f64 {
     let mut rest = vec![face];
     let mut overlap = Vec::new();
     for &index in facets {
@@ -189,9 +198,12 @@ pub(crate) fn cover_by_facets<const D: usize>(
         }
         let mut left = Vec::new();
         for polygon in rest {
-            // The tolerance for lying on the plane is wider than the one that put points on it.
-            if facet.is_coplanar(&polygon, normal, 8.0 * tolerance)
-                && face_overlap(&polygon, facet.points(), normal, tolerance, &mut overlap) > 0.0
+            // The overlap must lie on both planes; the tolerance is wider than the one that put points on them.
+            let lies_on_both = |x: &Point<D>| {
+                facet.distance(x, 8.0 * tolerance) == 0.0 && normal.dot(&(x - polygon[0])).abs() <= 8.0 * tolerance
+            };
+            if face_overlap(&polygon, facet.points(), normal, tolerance, &mut overlap) > 0.0
+                && overlap.iter().all(lies_on_both)
             {
                 visit(index, overlap.clone());
                 face_difference(&polygon, facet.points(), normal, tolerance, &mut left);
@@ -201,4 +213,9 @@ pub(crate) fn cover_by_facets<const D: usize>(
         }
         rest = left;
     }
+    let mut uncovered = 0.0;
+    for polygon in rest {
+        for_each_face_simplex(&polygon, |corners| uncovered += mesh::simplex_measure(&corners[..D]));
+    }
+    uncovered
 }

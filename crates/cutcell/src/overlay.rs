@@ -207,6 +207,7 @@ impl<const D: usize> Builder<'_, D> {
         for leaf in from.leaves.iter().filter(|leaf| !leaf.is_fluid()) {
             cut.covered_pieces.push((cell, leaf.polytope.clone()));
         }
+        cut.report.uncovered_measure += from.uncovered;
         for wet in &from.wet {
             let facet = &self.facets[wet.facet as usize];
             for_each_face_simplex(&wet.polygon, |corners| {
@@ -308,8 +309,8 @@ impl<const D: usize> Builder<'_, D> {
                             None => cut.part_faces.push(PartFace { facet, parts, measure, is_ghost }),
                         }
                     }
-                    (Some(part), None) => self.add_aligned(cut, cells, 0, part, &-normal, overlap.clone(), measure),
-                    (None, Some(part)) => self.add_aligned(cut, cells, 1, part, &normal, overlap.clone(), measure),
+                    (Some(part), None) => self.add_aligned(cut, cells, 0, part, &-normal, overlap.clone()),
+                    (None, Some(part)) => self.add_aligned(cut, cells, 1, part, &normal, overlap.clone()),
                     (None, None) => {}
                 }
             }
@@ -317,7 +318,6 @@ impl<const D: usize> Builder<'_, D> {
     }
 
     /// Interface on a face of the background: fluid on the side of `normal` in cell `side`, body on the other.
-    #[allow(clippy::too_many_arguments)]
     fn add_aligned(
         &self,
         cut: &mut CutMesh<D>,
@@ -326,7 +326,6 @@ impl<const D: usize> Builder<'_, D> {
         part: PartId,
         normal: &mesh::Vector<D>,
         polygon: Vec<Point<D>>,
-        measure: f64,
     ) {
         let mut candidates: Vec<u32> = cells
             .iter()
@@ -335,16 +334,13 @@ impl<const D: usize> Builder<'_, D> {
             .collect();
         candidates.sort_unstable();
         candidates.dedup();
-        let mut covered = 0.0;
-        cover_by_facets(polygon, normal, &candidates, self.facets, self.tolerance, |index, face| {
+        cut.report.uncovered_measure += cover_by_facets(polygon, normal, &candidates, self.facets, self.tolerance, |index, face| {
             for_each_face_simplex(&face, |corners| {
                 let piece = InterfacePiece::new(cells[side], part, &self.facets[index as usize], corners);
-                covered += piece.measure;
                 cut.report.n_aligned_pieces += 1;
                 cut.interface.push(piece);
             });
         });
-        cut.report.uncovered_measure += (measure - covered).abs();
     }
 
     fn facet_points(&self, facet: FacetId) -> [Point<D>; 3] {

@@ -31,11 +31,6 @@ impl<const D: usize> Facet<D> {
         if d.abs() <= tolerance { 0.0 } else { d }
     }
 
-    /// Whether the facet lies in the plane of the other one, within the tolerance.
-    pub(crate) fn is_coplanar(&self, points: &[Point<D>], normal: &Vector<D>, tolerance: f64) -> bool {
-        self.points().iter().all(|x| normal.dot(&(x - points[0])).abs() <= tolerance)
-    }
-
     /// Barycentric coordinates on the facet of a point on it.
     pub(crate) fn barycentric(&self, x: &Point<D>) -> [f64; 4] {
         let origin = self.points[0];

@@ -24,7 +24,7 @@ fn main(){
   let mut bad=0; let mut n=0; let mut worst=99.0f64;
   let mut seed=12345u64; let mut rnd=||{seed^=seed<<13;seed^=seed>>7;seed^=seed<<17;(seed>>11) as f64/(1u64<<53) as f64};
   let args:Vec<String>=std::env::args().collect(); let count:usize=args.get(1).and_then(|s|s.parse().ok()).unwrap_or(0);
-  for _ in 0..count { let w=0.5+2.*rnd(); let hh=0.5+2.*rnd(); let h=0.05+1.0*rnd()*rnd(); let fine=h*(0.2+0.8*rnd()); let until=rnd()*hh; let slope=0.02+0.28*rnd(); let axis=(rnd()*2.) as usize;
+  for _ in 0..count { let w=0.2+3.*rnd()*rnd(); let hh=0.2+4.*rnd()*rnd(); let h=0.04+1.5*rnd()*rnd(); let fine=h*(0.2+0.8*rnd()); let until=rnd()*hh; let slope=0.02+0.47*rnd(); let axis=(rnd()*2.) as usize;
    let g=if rnd()<0.4 {Size::uniform(h)} else {Size::Graded{fine,fine_until:until,coarse:h,coarse_from:until+(h-fine)/slope+1e-9,axis}};
    let (m,d)=if rnd()<0.6 {(graded_box::<2>([0.,0.],[w,hh],&g),format!("{w} {hh} {g:?}"))} else if rnd()<0.5 {(half_ball::<2>([0.,0.],w,h,&BallOptions::default()),format!("half {w} {h}"))} else {(ball::<2>([0.,0.],w,h,&BallOptions::default()),format!("ball {w} {h}"))};
    n+=1; match m {Err(e)=>{println!("ERR {d} {e}");bad+=1},Ok(m)=>{ let mut a0=180f64; for c in m.cells(){ let s=m.simplex(c); let p=s.points(); for i in 0..3 { let a=p[(i+1)%3]-p[i]; let b=p[(i+2)%3]-p[i]; a0=a0.min((a.dot(&b)/a.norm()/b.norm()).acos().to_degrees());}} worst=worst.min(a0); if a0<25.{bad+=1; println!("angle {a0:.2} {d}");}}} }

@@ -30,7 +30,7 @@ const SINGULAR_GROWTH: f64 = 1e13;
 /// is larger than 1e13.
 ///
 /// The symbolic factorisation is kept while the pattern stays the same, the memory of the factors always.
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub struct DirectSolver {
     scales: Equilibration,
     /// The equilibrated matrix; none before the first factorisation and after one that failed.
@@ -169,7 +169,7 @@ impl LinearSolver for DirectSolver {
 }
 
 /// The LU factors and their recycled memory.
-#[derive(Debug, Default)]
+#[derive(Default)]
 struct Factors {
     symbolic: Option<SymbolicLu<u32>>,
     numeric: NumericLu<u32, f64>,
@@ -217,7 +217,7 @@ impl Factors {
 }
 
 /// Stack memory of faer that only grows.
-#[derive(Debug, Default)]
+#[derive(Default)]
 struct Scratch {
     memory: Option<(StackReq, MemBuffer)>,
 }

@@ -1,6 +1,6 @@
 //! Disks and half disks of uniform cell size.
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::PI;
 
 use super::size::{affordable, positive};
 use super::triangulate::{Outline, filled};
@@ -28,7 +28,7 @@ pub fn ball<const D: usize>(
     options: &BallOptions,
 ) -> Result<SimplexMesh<D>, Error> {
     let circle = Circle::new(&centre, radius, h, options)?;
-    let mut outline = Outline::default();
+    let mut outline = Outline::around(circle.centre);
     let n = 2 * circle.n_half;
     outline.side((0..=n).map(|i| circle.node(i % n)));
     Ok(filled(outline, |_| circle.h)?.with_boundary_tags(|_| Some("surface")))
@@ -49,12 +49,11 @@ pub fn half_ball<const D: usize>(
 ) -> Result<SimplexMesh<D>, Error> {
     let circle = Circle::new(&centre, radius, h, options)?;
     let n = circle.n_half;
-    let mut outline = Outline::default();
+    let mut outline = Outline::around(circle.centre);
     outline.side((0..=n).map(|i| circle.node(i)));
-    let [x, _] = circle.centre;
     let [lowest, highest] = [circle.node(0)[1], circle.node(n)[1]];
     let n_diameter = ((highest - lowest) / circle.h).round() as usize;
-    outline.side((0..=n_diameter).rev().map(|i| [x, lowest + (highest - lowest) * (i as f64 / n_diameter as f64)]));
+    outline.side((0..=n_diameter).rev().map(|i| [0.0, lowest + (highest - lowest) * (i as f64 / n_diameter as f64)]));
     let mesh = filled(outline, |_| circle.h)?;
     Ok(mesh.with_boundary_tags(|points| {
         let on_plane = points.iter().all(|p| p[0] == centre[0]);
@@ -89,16 +88,16 @@ impl Circle {
         Ok(Self { centre: [x, y], radius: radius * scale, h, n_half })
     }
 
-    /// Node `i`, counter-clockwise from the lowest point; those on the vertical diameter lie exactly on it.
+    /// Node `i` relative to the centre, counter-clockwise from the lowest one; those on the vertical diameter lie exactly
+    /// on it.
     fn node(&self, i: usize) -> [f64; 2] {
-        let [x, y] = self.centre;
         if i == 0 {
-            return [x, y - self.radius];
+            return [0.0, -self.radius];
         }
         if i == self.n_half {
-            return [x, y + self.radius];
+            return [0.0, self.radius];
         }
-        let angle = PI * i as f64 / self.n_half as f64 - FRAC_PI_2;
-        [x + self.radius * angle.cos(), y + self.radius * angle.sin()]
+        let angle = PI * i as f64 / self.n_half as f64;
+        [self.radius * angle.sin(), -self.radius * angle.cos()]
     }
 }

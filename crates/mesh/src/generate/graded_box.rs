@@ -30,10 +30,13 @@ pub fn graded_box<const D: usize>(min: [f64; D], max: [f64; D], size: &Size) -> 
 fn bricks<const D: usize>(min: [f64; D], max: [f64; D], size: &Size, most: f64) -> Result<SimplexMesh<D>, Error> {
     let mut axes: [Vec<f64>; D] = std::array::from_fn(|_| Vec::new());
     for (k, nodes) in axes.iter_mut().enumerate() {
-        *nodes = divided(min[k], max[k], |x| match *size {
-            Size::Graded { axis, .. } if axis == k => size.along(|_| x),
-            _ => size.finest(),
-        }.min(most))?;
+        *nodes = divided(min[k], max[k], |x| {
+            match *size {
+                Size::Graded { axis, .. } if axis == k => size.along(|_| x),
+                _ => size.finest(),
+            }
+            .min(most)
+        })?;
     }
     affordable(axes.iter().map(|nodes| 6.0 * nodes.len() as f64).product())?;
     brick_mesh(axes)
@@ -45,10 +48,22 @@ fn triangulated<const D: usize>(
     h: impl Fn(f64, f64) -> f64,
 ) -> Result<SimplexMesh<D>, Error> {
     let [left, bottom, right, top] = [min[0], min[1], max[0], max[1]];
-    let mut outline = Outline::default();
+    expect_affordable(min, max, &h)?;
+    let mut outline = Outline::around([0.0, 0.0]);
     outline.side(divided(left, right, |x| h(x, bottom))?.into_iter().map(|x| [x, bottom]));
     outline.side(divided(bottom, top, |y| h(right, y))?.into_iter().map(|y| [right, y]));
     outline.side(divided(left, right, |x| h(x, top))?.into_iter().rev().map(|x| [x, top]));
     outline.side(divided(bottom, top, |y| h(left, y))?.into_iter().rev().map(|y| [left, y]));
     Ok(with_side_tags(filled(outline, |[x, y]| h(x, y))?, min, max))
+}
+
+/// Estimates the number of triangles by midpoint quadrature.
+fn expect_affordable<const D: usize>(min: [f64; D], max: [f64; D], h: &impl Fn(f64, f64) -> f64) -> Result<(), Error> {
+    const SAMPLES: usize = 64;
+    let [dx, dy] = [0, 1].map(|axis| (max[axis] - min[axis]) / SAMPLES as f64);
+    let cells = |i: usize, j: usize| {
+        let h = h(min[0] + (i as f64 + 0.5) * dx, min[1] + (j as f64 + 0.5) * dy);
+        (dx / h) * (dy / h) * 4.0 / 3.0_f64.sqrt()
+    };
+    affordable((0..SAMPLES * SAMPLES).map(|k| cells(k % SAMPLES, k / SAMPLES)).sum())
 }

@@ -10,11 +10,7 @@ use crate::{Error, Point, SimplexMesh, VertexId};
 ///
 /// # Errors
 /// [`Error::Generate`]: a side without positive length, no bricks along an axis, or far too many of them.
-pub fn structured_box<const D: usize>(
-    min: [f64; D],
-    max: [f64; D],
-    n: [usize; D],
-) -> Result<SimplexMesh<D>, Error> {
+pub fn structured_box<const D: usize>(min: [f64; D], max: [f64; D], n: [usize; D]) -> Result<SimplexMesh<D>, Error> {
     check_sides(&min, &max)?;
     if n.contains(&0) {
         return Err(Error::Generate { what: "number of bricks along an axis", value: 0.0, must: "be at least 1" });
@@ -112,7 +108,9 @@ fn kuhn_paths<const D: usize>() -> Vec<Vec<usize>> {
             .iter()
             .flat_map(|path| {
                 let last = path[path.len() - 1];
-                (0..D).filter(move |axis| last >> axis & 1 == 0).map(move |axis| [path.as_slice(), &[last | 1 << axis]].concat())
+                (0..D)
+                    .filter(move |axis| last >> axis & 1 == 0)
+                    .map(move |axis| [path.as_slice(), &[last | 1 << axis]].concat())
             })
             .collect();
     }

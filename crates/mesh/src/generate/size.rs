@@ -2,6 +2,9 @@
 
 use crate::{Error, Point};
 
+/// Largest slope of a size field; steeper ones cannot be followed by well-shaped triangles.
+const STEEPEST: f64 = 0.5;
+
 /// The wanted length of edges, as a function of position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Size {
@@ -10,9 +13,7 @@ pub enum Size {
         /// Length of edges.
         h: f64,
     },
-    /// Fine at low, coarse at high values of one coordinate, and linear in between.
-    ///
-    /// Triangles keep their angles up to a slope of about 0.3.
+    /// Fine at low, coarse at high values of one coordinate, and linear in between with a slope of at most one half.
     Graded {
         /// Size up to `fine_until`.
         fine: f64,
@@ -56,7 +57,7 @@ impl Size {
     pub(super) fn finest(&self) -> f64 {
         match *self {
             Self::Uniform { h } => h,
-            Self::Graded { fine, coarse, .. } => fine.min(coarse),
+            Self::Graded { fine, .. } => fine,
         }
     }
 
@@ -70,8 +71,17 @@ impl Size {
                 if !fine_until.is_finite() {
                     return Err(Error::Generate { what: "fine_until", value: fine_until, must: "be finite" });
                 }
-                if !coarse_from.is_finite() || coarse_from <= fine_until {
-                    let must = "be finite and larger than fine_until";
+                if coarse < fine {
+                    return Err(Error::Generate {
+                        what: "coarse size",
+                        value: coarse,
+                        must: "not be below the fine one",
+                    });
+                }
+                let length = coarse_from - fine_until;
+                let shortest = (coarse - fine) / STEEPEST;
+                if !length.is_finite() || length <= 0.0 || length < shortest * (1.0 - 1e-9) {
+                    let must = "exceed fine_until by at least twice the difference of the sizes";
                     return Err(Error::Generate { what: "coarse_from", value: coarse_from, must });
                 }
                 if axis >= dimension {
@@ -92,7 +102,7 @@ pub(super) fn positive(what: &'static str, value: f64) -> Result<(), Error> {
     Err(Error::Generate { what, value, must: "be positive and finite" })
 }
 
-/// Most intervals along a line, and a bound for the cells of a mesh.
+/// Meshes with more cells are refused; they are mistakes rather than wishes.
 const MOST_CELLS: f64 = 5e7;
 
 /// Checks that a mesh of about so many cells is not absurdly large.
@@ -158,8 +168,12 @@ mod tests {
         }
         assert!(GRADED.check(2).is_ok());
         assert!(GRADED.check(1).is_err());
-        let reversed = Size::Graded { fine: 0.1, fine_until: 1.0, coarse: 0.5, coarse_from: 1.0, axis: 0 };
-        assert!(reversed.check(2).is_err());
+        let graded = |coarse, coarse_from| Size::Graded { fine: 0.1, fine_until: 1.0, coarse, coarse_from, axis: 0 };
+        assert!(graded(0.5, 1.8).check(2).is_ok());
+        for (coarse, coarse_from) in [(0.5, 1.7), (0.5, 1.0), (0.1, 1.0), (0.5, f64::NAN), (0.05, 3.0), (f64::NAN, 3.0)]
+        {
+            assert!(graded(coarse, coarse_from).check(2).is_err());
+        }
         assert!(divided(0.0, 1.0, |_| 1e-9).is_err());
     }
 }

@@ -18,12 +18,18 @@ const REPAIRS: usize = 12;
 type Delaunay = DelaunayTriangulation<Point2<f64>, (), (), (), HierarchyHintGenerator<f64>>;
 
 /// Boundary points of a convex polygon, counter-clockwise.
-#[derive(Default)]
 pub(super) struct Outline {
+    /// All points are relative to this one.
+    origin: [f64; 2],
     points: Vec<[f64; 2]>,
 }
 
 impl Outline {
+    /// An outline without points yet, which will be relative to `origin`.
+    pub(super) fn around(origin: [f64; 2]) -> Self {
+        Self { origin, points: Vec::new() }
+    }
+
     /// Appends a side; its last point is left out, as it starts the next side.
     pub(super) fn side(&mut self, points: impl Iterator<Item = [f64; 2]>) {
         self.points.extend(points);
@@ -31,7 +37,8 @@ impl Outline {
     }
 }
 
-/// The polygon filled with triangles of edge length about `h`; no points are added on its boundary.
+/// The polygon filled with triangles of edge length about `h` (of a point relative to the origin of the outline); no
+/// points are added on its boundary.
 ///
 /// Circumcentres of triangles that are too coarse are inserted, the worst first; then points move to the weighted
 /// centroids of their neighbourhoods while the triangulation is kept Delaunay.
@@ -49,7 +56,7 @@ pub(super) fn filled<const D: usize>(outline: Outline, h: impl Fn([f64; 2]) -> f
             best = candidate;
         }
     }
-    let vertices = best.points.iter().map(|p| Point::from_fn(|axis, _| p[axis])).collect();
+    let vertices = best.points.iter().map(|p| Point::from_fn(|axis, _| outline.origin[axis] + p[axis])).collect();
     SimplexMesh::new(vertices, best.triangles.into_iter().flatten().map(VertexId::new).collect())
 }
 
@@ -91,8 +98,12 @@ fn repair(points: &mut Vec<[f64; 2]>, n_fixed: usize, h: &impl Fn([f64; 2]) -> f
         };
         let (mut shortest, mut longest) = (0, 0);
         for k in 1..3 {
-            if relative(k) < relative(shortest) { shortest = k; }
-            if relative(k) > relative(longest) { longest = k; }
+            if relative(k) < relative(shortest) {
+                shortest = k;
+            }
+            if relative(k) > relative(longest) {
+                longest = k;
+            }
         }
         let short = [triangle[shortest], triangle[(shortest + 1) % 3]];
         let long = [triangle[longest], triangle[(longest + 1) % 3]];
@@ -120,15 +131,12 @@ fn insert(points: &mut Vec<[f64; 2]>, h: &impl Fn([f64; 2]) -> f64) -> Result<()
         let mut coarse: Vec<(f64, [f64; 2])> = Vec::new();
         for face in delaunay.inner_faces() {
             let corners = face.positions().map(|p| [p.x, p.y]);
-            let (circumcentre, radius) = { let (c, r2) = face.circumcircle(); ([c.x, c.y], r2.sqrt()) };
+            let (circumcentre, radius_squared) = face.circumcircle();
             let centroid = centroid(&corners);
-            let excess = radius * 3.0_f64.sqrt() / h(centroid);
+            let excess = (3.0 * radius_squared).sqrt() / h(centroid);
             if excess > COARSE {
-                let inside = matches!(
-                    delaunay.locate(Point2::new(circumcentre[0], circumcentre[1])),
-                    PositionInTriangulation::OnFace(_) | PositionInTriangulation::OnEdge(_)
-                );
-                coarse.push((excess, if inside { circumcentre } else { centroid }));
+                let inside = matches!(delaunay.locate(circumcentre), PositionInTriangulation::OnFace(_));
+                coarse.push((excess, if inside { [circumcentre.x, circumcentre.y] } else { centroid }));
             }
         }
         coarse.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -137,7 +145,7 @@ fn insert(points: &mut Vec<[f64; 2]>, h: &impl Fn([f64; 2]) -> f64) -> Result<()
             let position = Point2::new(x[0], x[1]);
             let Some(nearest) = delaunay.nearest_neighbor(position) else { break };
             let nearest = nearest.position();
-            if (nearest.x - x[0]).hypot(nearest.y - x[1]) >= CLOSEST * h(x) {
+            if distance([nearest.x, nearest.y], x) >= CLOSEST * h(x) {
                 delaunay.insert(position).map_err(failed)?;
                 points.push(x);
             }

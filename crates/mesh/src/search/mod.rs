@@ -2,5 +2,7 @@
 
 mod cells;
 mod parry;
+mod surface;
 
 pub use cells::CellIndex;
+pub use surface::{ClosestPoint, Feature, SignedClosestPoint, SurfaceIndex};

@@ -55,12 +55,15 @@ impl<const D: usize> BoxTree<D> {
         match &self.tree {
             Tree::Planar(tree) => {
                 let x = planar_vector(x);
-                let to_box = |node: &planar::BvhNode, _| (node.mins() - x).max(x - node.maxs()).max(PlanarVector::ZERO).length();
+                let to_box =
+                    |node: &planar::BvhNode, _| (node.mins() - x).max(x - node.maxs()).max(PlanarVector::ZERO).length();
                 tree.find_best(f64::MAX, to_box, |leaf, _| Some(distance(leaf))).map(|(leaf, _)| leaf)
             }
             Tree::Spatial(tree) => {
                 let x = spatial_vector(x);
-                let to_box = |node: &spatial::BvhNode, _| (node.mins() - x).max(x - node.maxs()).max(SpatialVector::ZERO).length();
+                let to_box = |node: &spatial::BvhNode, _| {
+                    (node.mins() - x).max(x - node.maxs()).max(SpatialVector::ZERO).length()
+                };
                 tree.find_best(f64::MAX, to_box, |leaf, _| Some(distance(leaf))).map(|(leaf, _)| leaf)
             }
         }

@@ -30,6 +30,9 @@ impl<const D: usize> SolidTerm<D> for InternalWork<D> {
         for i in cell.nodes() {
             out.add_vector(cell.velocity(i), (p * cell.gradients[i]).as_slice());
         }
+        if !out.wants_tangent() {
+            return;
+        }
         for j in cell.nodes() {
             for b in 0..D {
                 let mut e_b = Vector::<D>::zeros();

@@ -1,0 +1,128 @@
+//! Finite-difference check of tangents, for tests of any [`Contributions`].
+
+use crate::{Contributions, DofId, LocalSystem};
+
+/// The entry of a tangent that deviates most from its finite difference.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TangentDeviation {
+    /// `|tangent − difference|`, without what round-off explains, relative to the smaller one of the largest entries
+    /// of the row and of the column; infinite if both are zero but the difference is not.
+    pub relative: f64,
+    /// Item of the entry.
+    pub item: usize,
+    /// Local row of the entry.
+    pub row: usize,
+    /// Local column of the entry; for a residual that is not linear, as it should be, the number of columns.
+    pub column: usize,
+}
+
+/// Compares the tangents of all items at `x` with central differences and returns the worst relative deviation.
+///
+/// Unknown `j` is moved by `±step (1 + |x_j|)`; 1e-6 to 1e-5 is a good step for smooth residuals. For linear
+/// contributions `residual(x) = tangent x + residual(0)` is checked too. [`worst_tangent_entry`] says which entry is
+/// wrong.
+///
+/// ```
+/// use algebra::{Contributions, DofId, LocalSystem, check_tangent};
+///
+/// /// Springs between neighbours with force `e + e³` at elongation e.
+/// struct Springs;
+/// impl Contributions for Springs {
+///     fn len(&self) -> usize { 3 }
+///     fn dofs(&self, item: usize, out: &mut Vec<DofId>) {
+///         out.extend([DofId::new(item), DofId::new(item + 1)]);
+///     }
+///     fn add(&self, item: usize, x: &[f64], out: &mut LocalSystem) {
+///         let e = x[item + 1] - x[item];
+///         let (force, stiffness) = (e + e.powi(3), 1.0 + 3.0 * e.powi(2));
+///         out.add_vector(0, &[-force, force]);
+///         out.add_block(0, 0, 2, &[stiffness, -stiffness, -stiffness, stiffness]);
+///     }
+///     fn name(&self) -> &'static str { "springs" }
+/// }
+/// assert!(check_tangent(&Springs, &[0.0, 0.3, 0.1, 1.0], 1e-5) < 1e-8);
+/// ```
+pub fn check_tangent(contribution: &dyn Contributions, x: &[f64], step: f64) -> f64 {
+    worst_tangent_entry(contribution, 0..contribution.len(), x, step).relative
+}
+
+/// As [`check_tangent`], for some items, with the place of the worst deviation.
+pub fn worst_tangent_entry(
+    contribution: &dyn Contributions,
+    items: impl IntoIterator<Item = usize>,
+    x: &[f64],
+    step: f64,
+) -> TangentDeviation {
+    let mut worst = TangentDeviation::default();
+    let mut moved = x.to_vec();
+    let origin = vec![0.0; x.len()];
+    let mut dofs = Vec::new();
+    let [mut at_x, mut above, mut below] = [(); 3].map(|()| LocalSystem::new());
+    let evaluate = |item: usize, x: &[f64], n: usize, out: &mut LocalSystem| {
+        out.reset(n);
+        contribution.add(item, x, out);
+    };
+    for item in items {
+        dofs.clear();
+        contribution.dofs(item, &mut dofs);
+        let n = dofs.len();
+        evaluate(item, x, n, &mut at_x);
+        let sizes = Sizes::new(&at_x, &dofs, x);
+        let mut compare = |row: usize, column: usize, error: f64, noise: f64, scale: f64| {
+            let error = (error - noise).max(0.0);
+            let relative = if error == 0.0 { 0.0 } else { error / scale };
+            // Written so that NaN is the worst of all.
+            if !(relative <= worst.relative) {
+                worst = TangentDeviation { relative, item, row, column };
+            }
+        };
+        for (column, dof) in dofs.iter().enumerate() {
+            let h = step * (1.0 + x[dof.index()].abs());
+            moved[dof.index()] = x[dof.index()] + h;
+            evaluate(item, &moved, n, &mut above);
+            moved[dof.index()] = x[dof.index()] - h;
+            evaluate(item, &moved, n, &mut below);
+            moved[dof.index()] = x[dof.index()];
+            for row in 0..n {
+                let difference = (above.residual()[row] - below.residual()[row]) / (2.0 * h);
+                let error = (at_x.tangent_at(row, column) - difference).abs();
+                compare(row, column, error, sizes.round_off[row] / h, sizes.row[row].min(sizes.column[column]));
+            }
+        }
+        if contribution.is_linear() {
+            evaluate(item, &origin, n, &mut above);
+            for row in 0..n {
+                let product: f64 = dofs.iter().enumerate().map(|(j, d)| at_x.tangent_at(row, j) * x[d.index()]).sum();
+                let error = (at_x.residual()[row] - above.residual()[row] - product).abs();
+                compare(row, n, error, sizes.round_off[row], sizes.terms[row]);
+            }
+        }
+    }
+    worst
+}
+
+/// Magnitudes of a local system, to which deviations are compared.
+struct Sizes {
+    row: Vec<f64>,
+    column: Vec<f64>,
+    /// `Σ |tangent_ij x_j| + |residual_i|`
+    terms: Vec<f64>,
+    /// What round-off can do to the residual.
+    round_off: Vec<f64>,
+}
+
+impl Sizes {
+    fn new(system: &LocalSystem, dofs: &[DofId], x: &[f64]) -> Self {
+        let n = system.len();
+        let entry = |i: usize, j: usize| system.tangent_at(i, j).abs();
+        let terms: Vec<f64> = (0..n)
+            .map(|i| system.residual()[i].abs() + (0..n).map(|j| entry(i, j) * x[dofs[j].index()].abs()).sum::<f64>())
+            .collect();
+        Self {
+            row: (0..n).map(|i| (0..n).map(|j| entry(i, j)).fold(0.0, f64::max)).collect(),
+            column: (0..n).map(|j| (0..n).map(|i| entry(i, j)).fold(0.0, f64::max)).collect(),
+            round_off: terms.iter().map(|t| 16.0 * f64::EPSILON * t).collect(),
+            terms,
+        }
+    }
+}

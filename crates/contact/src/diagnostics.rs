@@ -1,0 +1,81 @@
+//! Gap, penetration, active area, force, power and energy of a contact.
+
+use algebra::Contributions;
+use mesh::{Point, Vector};
+
+use crate::{ContactFacets, Motion};
+
+/// What happens between a slave and its obstacle at one state.
+///
+/// Units (cgs, per unit depth in 2D): force dyn/cm, power erg/(s cm), energy erg/cm, area cm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactReport<const D: usize> {
+    /// Smallest gap of the slave's vertices to the whole obstacle; `None` without vertices or obstacle.
+    pub minimum_gap: Option<f64>,
+    /// Largest `[ε - Δ]₊` at the quadrature points.
+    pub largest_penetration: f64,
+    /// Quadrature points in contact.
+    pub n_active: usize,
+    /// Measure of the slave's surface in contact.
+    pub active_area: f64,
+    /// Force on the slave, `∫ λ n^w`.
+    pub force: Vector<D>,
+    /// Power of contact on both bodies: negative while energy is stored.
+    pub power: f64,
+    /// Energy stored by the law.
+    pub stored_energy: f64,
+}
+
+impl<const D: usize> ContactReport<D> {
+    /// The report at the state `x`, with the velocities at the end of the step.
+    pub fn new(facets: &ContactFacets<'_, D>, x: &[f64]) -> Self {
+        let mut report = Self {
+            minimum_gap: minimum_gap(facets, x),
+            largest_penetration: 0.0,
+            n_active: 0,
+            active_area: 0.0,
+            force: Vector::zeros(),
+            power: 0.0,
+            stored_energy: 0.0,
+        };
+        let law = &facets.form().law;
+        let mut dofs = Vec::new();
+        for item in 0..facets.len() {
+            dofs.clear();
+            facets.dofs(item, &mut dofs);
+            facets.for_each_site(item, x, |_, site| {
+                if !site.is_active {
+                    return;
+                }
+                report.n_active += 1;
+                report.active_area += site.weight;
+                report.largest_penetration = report.largest_penetration.max(law.offset() - site.at.gap);
+                report.stored_energy += site.weight * law.energy_density(site.at);
+                let force = site.projection.normal * (site.weight * site.traction.value);
+                report.force += force;
+                for node in site.nodes() {
+                    let velocity = Vector::<D>::from_fn(|a, _| x[dofs[node.row + a].index()]);
+                    report.power += node.share * force.dot(&velocity);
+                }
+            });
+        }
+        report
+    }
+
+    /// Whether there is contact.
+    pub fn is_active(&self) -> bool {
+        self.n_active > 0
+    }
+}
+
+/// Smallest gap of the vertices of the slave's facets, to the whole obstacle and not to the candidates only.
+fn minimum_gap<const D: usize>(facets: &ContactFacets<'_, D>, x: &[f64]) -> Option<f64> {
+    let pair = facets.pair();
+    let slave = pair.slave.motion(x);
+    let master = pair.master.map_or(Motion::frozen(&[]), |master| master.motion(x));
+    let mut vertices: Vec<_> = pair.facets.iter().flat_map(|&f| pair.slave.boundary().facet(f)).copied().collect();
+    vertices.sort_unstable();
+    vertices.dedup();
+    let gap = |point: Point<D>| pair.obstacle.project(&point, master, pair.obstacle.facets()).map(|p| p.gap(&point));
+    vertices.into_iter().filter_map(|v| gap(slave.position(v))).reduce(f64::min)
+}

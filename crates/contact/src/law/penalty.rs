@@ -1,0 +1,88 @@
+//! Penalty contact with an offset.
+
+use super::{ContactLaw, ContactPoint, ContactTraction};
+use crate::Error;
+use crate::error::{non_negative, positive};
+
+/// `λ = -(γ_C0/s) [ε - Δ]₊`, with stored energy `1/2 (γ_C0/s) [ε - Δ]₊²`
+///
+/// Source: paper, Eq. (6) and Remark 2, with the sign of its last equality corrected (METHOD, section 5b).
+/// Units: `γ_C0` dyn/cm², `s` and `ε` cm, `λ` dyn/cm².
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Penalty {
+    gamma_contact_0: f64,
+    offset: f64,
+}
+
+impl Penalty {
+    /// The law with penalty parameter `gamma_contact_0` and offset `ε`.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`]: parameter not positive, offset negative.
+    pub fn new(gamma_contact_0: f64, offset: f64) -> Result<Self, Error> {
+        positive("gamma_contact_0", gamma_contact_0)?;
+        non_negative("contact offset", offset)?;
+        Ok(Self { gamma_contact_0, offset })
+    }
+
+    /// `γ_C0`.
+    pub fn gamma_contact_0(&self) -> f64 {
+        self.gamma_contact_0
+    }
+}
+
+impl ContactLaw for Penalty {
+    #[inline]
+    fn traction(&self, at: ContactPoint) -> ContactTraction {
+        if !self.is_active(at) {
+            return ContactTraction::default();
+        }
+        let gamma_contact = self.gamma_contact_0 / at.element_size;
+        ContactTraction { value: -gamma_contact * (self.offset - at.gap), d_gap: gamma_contact, d_normal_stress: 0.0 }
+    }
+
+    #[inline]
+    fn is_active(&self, at: ContactPoint) -> bool {
+        at.gap < self.offset
+    }
+
+    #[inline]
+    fn offset(&self) -> f64 {
+        self.offset
+    }
+
+    #[inline]
+    fn energy_density(&self, at: ContactPoint) -> f64 {
+        0.5 * self.gamma_contact_0 / at.element_size * (self.offset - at.gap).max(0.0).powi(2)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::check_law;
+    use super::*;
+
+    #[test]
+    fn is_a_law() {
+        for offset in [0.0, 0.1] {
+            let gaps: Vec<f64> = (-20..20).map(|k| 0.013 * f64::from(k) + 0.001).collect();
+            let check = check_law(&Penalty::new(1e8, offset).unwrap(), 0.1, &gaps);
+            assert!(check.largest() < 1e-8, "{check:?}");
+        }
+    }
+
+    #[test]
+    fn nothing_happens_at_the_offset() {
+        let law = Penalty::new(1e8, 0.1).unwrap();
+        let at = ContactPoint { gap: 0.1, element_size: 0.1, normal_stress: 0.0 };
+        assert_eq!(law.traction(at), ContactTraction::default());
+        assert!(!law.is_active(at) && law.energy_density(at) == 0.0);
+    }
+
+    #[test]
+    fn impossible_laws_are_refused() {
+        assert!(Penalty::new(0.0, 0.1).is_err());
+        assert!(Penalty::new(1.0, -0.1).is_err());
+        assert!(Penalty::new(1.0, f64::NAN).is_err());
+    }
+}

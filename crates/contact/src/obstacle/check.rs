@@ -1,0 +1,66 @@
+//! Consistency of an obstacle with itself.
+
+use mesh::{FacetId, Point, Vector};
+
+use super::Obstacle;
+use crate::Motion;
+
+/// Deviations found by [`check_obstacle`], relative to the extent of the points; all of them should be small.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ObstacleCheck {
+    /// Points that have a projection.
+    pub n_projected: usize,
+    /// Length of the normal against one.
+    pub normal: f64,
+    /// Projection of the projection against the projection.
+    pub idempotence: f64,
+    /// Size of the gap against the distance.
+    pub distance: f64,
+    /// Derivative of the gap with respect to the point (minus the normal) against central differences.
+    pub gap_derivative: f64,
+    /// Derivative of the normal against central differences, in the mean: kinks of the surface are not smooth.
+    pub mean_normal_derivative: f64,
+}
+
+impl ObstacleCheck {
+    /// The largest of the deviations.
+    pub fn largest(&self) -> f64 {
+        self.normal.max(self.idempotence).max(self.distance).max(self.gap_derivative).max(self.mean_normal_derivative)
+    }
+}
+
+/// Checks an obstacle at the given points: unit normal, projection idempotent, gap equal to the signed distance, and
+/// derivatives.
+pub fn check_obstacle<const D: usize>(
+    obstacle: &dyn Obstacle<D>,
+    motion: Motion<'_, D>,
+    candidates: &[FacetId],
+    points: &[Point<D>],
+) -> ObstacleCheck {
+    let extent = points.iter().map(|x| (x - points[0]).norm()).fold(f64::MIN_POSITIVE, f64::max);
+    let step = f64::EPSILON.cbrt() * extent;
+    let project = |x: &Point<D>| obstacle.project(x, motion, candidates);
+    let mut check = ObstacleCheck::default();
+    for x in points {
+        let Some(found) = project(x) else { continue };
+        check.n_projected += 1;
+        check.normal = check.normal.max((found.normal.norm() - 1.0).abs());
+        check.distance = check.distance.max((found.gap(x).abs() - (found.point - x).norm()).abs() / extent);
+        if let Some(again) = project(&found.point) {
+            check.idempotence = check.idempotence.max((again.point - found.point).norm() / extent);
+        }
+        for a in 0..D {
+            let mut e = Vector::<D>::zeros();
+            e[a] = step;
+            let (ahead, behind) = (x + e, x - e);
+            if let (Some(to), Some(from)) = (project(&ahead), project(&behind)) {
+                let slope = (to.gap(&ahead) - from.gap(&behind)) / (2.0 * step);
+                check.gap_derivative = check.gap_derivative.max((slope + found.normal[a]).abs());
+                let slope = (to.normal - from.normal) / (2.0 * step);
+                let deviation = (slope - found.normal_gradient.column(a)).norm() * extent;
+                check.mean_normal_derivative += deviation / (D * points.len()) as f64;
+            }
+        }
+    }
+    check
+}

@@ -1,0 +1,111 @@
+//! Obstacles: closest points, normals and gaps.
+
+mod check;
+mod deformable;
+mod rigid_plane;
+
+pub use check::{ObstacleCheck, check_obstacle};
+pub use deformable::DeformableObstacle;
+pub use rigid_plane::RigidPlane;
+
+use mesh::{BoundaryMesh, FacetId, Placed, Point, Tensor, Vector};
+
+use crate::Motion;
+
+/// Vertices of the largest facet (triangle).
+pub const MAX_FACET_VERTICES: usize = 3;
+
+/// What holds the closest point, and takes the reaction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Anchor<const D: usize> {
+    /// Nothing that moves.
+    Fixed,
+    /// A facet of the obstacle's boundary. Arrays have one entry per vertex of the facet.
+    Facet {
+        /// The facet.
+        facet: FacetId,
+        /// Barycentric coordinates of the closest point; zero at vertices that do not carry it.
+        barycentric: [f64; MAX_FACET_VERTICES],
+        /// Derivatives of these coordinates with respect to the point that is projected.
+        barycentric_gradient: [Vector<D>; MAX_FACET_VERTICES],
+    },
+}
+
+/// Closest point `Π(x)` of an obstacle to a point `x`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Projection<const D: usize> {
+    /// The closest point.
+    pub point: Point<D>,
+    /// Unit normal `n^w`, into the obstacle.
+    pub normal: Vector<D>,
+    /// Derivative of the normal with respect to `x`, the obstacle at rest: `[(a, b)] = ∂n_a/∂x_b`, symmetric.
+    pub normal_gradient: Tensor<D>,
+    /// What takes the reaction.
+    pub anchor: Anchor<D>,
+}
+
+impl<const D: usize> Projection<D> {
+    /// Gap `Δ = (Π(x) - x) · n^w`, negative when `x` has penetrated.
+    ///
+    /// Source: paper, Sec. 2.2.
+    #[inline]
+    pub fn gap(&self, x: &Point<D>) -> f64 {
+        (self.point - x).dot(&self.normal)
+    }
+}
+
+/// For each facet of a slave, the facets of the obstacle that it may touch in one step.
+///
+/// Found once per step and then frozen, so that the sparsity pattern holds while projections move.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Candidates {
+    offsets: Vec<usize>,
+    facets: Vec<FacetId>,
+}
+
+impl Candidates {
+    /// From one list per facet of the slave.
+    pub fn from_lists(lists: impl IntoIterator<Item = Vec<FacetId>>) -> Self {
+        let mut candidates = Self { offsets: vec![0], facets: Vec::new() };
+        for list in lists {
+            candidates.facets.extend(list);
+            candidates.offsets.push(candidates.facets.len());
+        }
+        candidates
+    }
+
+    /// The list of entry `index`; empty for entries that are not there.
+    #[inline]
+    pub fn list(&self, index: usize) -> &[FacetId] {
+        match (self.offsets.get(index), self.offsets.get(index + 1)) {
+            (Some(&from), Some(&to)) => &self.facets[from..to],
+            _ => &[],
+        }
+    }
+}
+
+/// Geometry that a body must not enter.
+pub trait Obstacle<const D: usize>: Send + Sync + std::fmt::Debug {
+    /// Closest point to `x`, or `None` if there is none among the candidates.
+    ///
+    /// `motion`: positions of the vertices of the obstacle's own body; `candidates`: the facets to look at. Rigid
+    /// obstacles ignore both.
+    fn project(&self, x: &Point<D>, motion: Motion<'_, D>, candidates: &[FacetId]) -> Option<Projection<D>>;
+
+    /// The boundary that facets of candidates and anchors belong to; `None` for a rigid obstacle.
+    fn boundary(&self) -> Option<&BoundaryMesh<D>> {
+        None
+    }
+
+    /// Facets that may be touched at all; empty for a rigid obstacle.
+    fn facets(&self) -> &[FacetId] {
+        &[]
+    }
+
+    /// For each of the slave's `facets`, the facets of the obstacle within `reach`, the slave as placed and the
+    /// obstacle's vertices at `positions`. A rigid obstacle has none.
+    fn candidates(&self, slave: Placed<'_, D>, facets: &[FacetId], positions: &[Point<D>], reach: f64) -> Candidates {
+        let _ = (slave, facets, positions, reach);
+        Candidates::default()
+    }
+}
