@@ -1,1 +1,40 @@
-//! fluid-ns.
+//! Incompressible Navier-Stokes on a cut domain, P1/P1, with interior and ghost penalty.
+//!
+//! Strong form, in the fluid domain:
+//!
+//! ```text
+//! ρ ∂u/∂t + ρ u·∇u - ∇·T(u, p) = f,    ∇·u = 0,    T = -p I + 2 μ D(u)
+//! ```
+//!
+//! Weak form, one file per term:
+//!
+//! | term | file |
+//! |---|---|
+//! | `ρ/dt (u - u*, v)` | `terms/inertia.rs` |
+//! | `2 μ (D(u), ∇v)` | `terms/viscous.rs` |
+//! | `-(p, ∇·v) + (q, ∇·u)` | `terms/incompressibility.rs` |
+//! | `ρ (u·∇u, v)` | `terms/convection.rs` |
+//! | `-(f, v)` | `terms/body_force.rs` |
+//! | `s_h`: interior penalty of velocity and pressure | `terms/cip.rs` |
+//! | `g_h`: ghost penalty | `terms/ghost_penalty.rs` |
+//! | backflow stabilisation on open boundaries | `terms/backflow.rs` |
+//! | traction given on open boundaries | `terms/traction.rs` |
+//!
+//! `u*` is the transferred history; all stabilisation weights use it, never the unknown, so that they are constant
+//! during Newton's method.
+
+mod cell;
+mod face;
+mod fluid;
+mod form;
+mod open_boundary;
+pub mod terms;
+
+pub use cell::{CellTerm, FluidCell, FluidPoint};
+pub use face::{FaceTerm, FluidFace};
+pub use fluid::NewtonianFluid;
+pub use form::{FluidCells, FluidConvection, FluidFaces, FluidFields, FluidForm, FluidGeometry};
+pub use open_boundary::{BoundaryTerm, OpenBoundary};
+
+pub use mesh;
+pub use xfem_space;

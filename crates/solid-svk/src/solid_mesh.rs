@@ -1,5 +1,6 @@
 //! A body in its reference configuration: mesh, boundary, gradients and volumes of the cells.
 
+use algebra::{BlockLayout, FieldId};
 use mesh::{BoundaryMesh, CellId, Placed, Point, SimplexMesh, Vector};
 
 use crate::Error;
@@ -66,6 +67,36 @@ impl<const D: usize> SolidMesh<D> {
     #[inline]
     pub fn volume(&self, cell: CellId) -> f64 {
         self.volumes[cell.index()]
+    }
+
+    /// Velocities of the vertices from the global vector.
+    ///
+    /// # Errors
+    /// [`Error::Length`]: the field does not have the dofs of this body.
+    pub fn velocity(&self, layout: &BlockLayout, field: FieldId, x: &[f64]) -> Result<Vec<Vector<D>>, Error> {
+        let range = layout.range(field);
+        length("field of the body", range.len(), self.n_dofs())?;
+        Ok(x[range].chunks_exact(D).map(Vector::from_column_slice).collect())
+    }
+
+    /// Writes velocities of the vertices to the global vector.
+    ///
+    /// # Errors
+    /// [`Error::Length`]: the field does not have the dofs of this body, or not one velocity per vertex.
+    pub fn set_velocity(
+        &self,
+        layout: &BlockLayout,
+        field: FieldId,
+        velocity: &[Vector<D>],
+        x: &mut [f64],
+    ) -> Result<(), Error> {
+        let range = layout.range(field);
+        length("field of the body", range.len(), self.n_dofs())?;
+        length("velocity", velocity.len(), self.mesh.n_vertices())?;
+        for (slot, v) in x[range].chunks_exact_mut(D).zip(velocity) {
+            slot.copy_from_slice(v.as_slice());
+        }
+        Ok(())
     }
 
     /// Positions of the vertices after a displacement: `x = X + d`.

@@ -1,1 +1,24 @@
-//! xfem-space.
+//! P1 spaces on a cut mesh, with one copy of the degrees of freedom per fluid part.
+//!
+//! One sentence defines the space: *a dof is a class of (part, vertex) pairs; two pairs with the same vertex are the
+//! same dof when their parts share a piece of a face that contains the vertex.* Standard and extended dofs need no
+//! separate bookkeeping, and a thin body inside one cell carries two independent sets of values.
+//!
+//! [`XfemSpace`] numbers the dofs, [`PartValues`] and [`FaceValues`] hold shape values for assembly,
+//! [`transfer`] carries a field from one space to the next.
+
+mod boundary;
+mod face_values;
+mod numbering;
+mod part_values;
+mod space;
+mod transfer;
+
+pub use boundary::{BoundaryPoint, BoundaryValues, boundary_dofs};
+pub use face_values::{FaceValue, FaceValues};
+pub use part_values::{PartPoint, PartValues};
+pub use space::XfemSpace;
+pub use transfer::{Transferred, VelocityField, transfer};
+
+pub use cutcell;
+pub use mesh;

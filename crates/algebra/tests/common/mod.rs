@@ -82,7 +82,7 @@ impl Flow {
     }
 
     fn cell_dofs(&self, cell: usize) -> impl Iterator<Item = DofId> + '_ {
-        self.grid.cells[cell].into_iter().flat_map(|v| (0..3).map(move |f| self.layout.dof(FieldId(f), v)))
+        self.grid.cells[cell].into_iter().flat_map(move |v| (0..3).map(move |f| self.layout.dof(FieldId(f), v)))
     }
 
     pub fn parts(&self) -> (LinearCells<'_>, ConvectionCells<'_>, [FaceJumps<'_>; 3]) {

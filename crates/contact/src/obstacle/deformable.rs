@@ -1,5 +1,6 @@
 //! The moving boundary of another body as an obstacle.
 
+use mesh::search::SurfaceIndex;
 use mesh::{BoundaryMesh, FacetId, Placed, Point, Tensor, Vector, VertexId, facet_normal};
 
 use super::{Anchor, Candidates, MAX_FACET_VERTICES, Obstacle, Projection};
@@ -17,6 +18,8 @@ use crate::{Error, Motion};
 pub struct DeformableObstacle<const D: usize> {
     boundary: BoundaryMesh<D>,
     facets: Vec<FacetId>,
+    /// One entry per facet of the boundary: whether it is among `facets`.
+    may_touch: Vec<bool>,
     vertex_offsets: Vec<usize>,
     vertex_to_facet: Vec<FacetId>,
 }
@@ -32,13 +35,15 @@ impl<const D: usize> DeformableObstacle<D> {
         if let Some(&facet) = facets.iter().find(|f| f.index() >= n_facets) {
             return Err(Error::UnknownFacet { facet, n_facets });
         }
+        let mut may_touch = vec![false; n_facets];
+        facets.iter().for_each(|f| may_touch[f.index()] = true);
         let mut pairs: Vec<(VertexId, FacetId)> =
             boundary.facets().flat_map(|f| boundary.facet(f).iter().map(move |&v| (v, f))).collect();
         pairs.sort_unstable();
         let n_vertices = pairs.last().map_or(0, |(v, _)| v.index() + 1);
         let vertex_offsets = (0..=n_vertices).map(|v| pairs.partition_point(|(w, _)| w.index() < v)).collect();
         let vertex_to_facet = pairs.into_iter().map(|(_, f)| f).collect();
-        Ok(Self { boundary, facets, vertex_offsets, vertex_to_facet })
+        Ok(Self { boundary, facets, may_touch, vertex_offsets, vertex_to_facet })
     }
 
     /// Facets around a vertex.
@@ -86,9 +91,8 @@ impl<const D: usize> DeformableObstacle<D> {
         let outward = self.pseudo_normal(&shared[..n_shared], motion);
         let away = x - foot.point;
         let distance = away.norm();
-        // Closer than this, relative to the size of the facet, the direction is round-off.
         let size = (foot.points[1] - foot.points[0]).norm();
-        if distance <= f64::EPSILON.sqrt() * size {
+        if distance <= TOUCHING * size {
             return (-outward, Tensor::zeros());
         }
         let gap = if away.dot(&outward) >= 0.0 { distance } else { -distance };
@@ -106,6 +110,9 @@ impl<const D: usize> Obstacle<D> for DeformableObstacle<D> {
         let mut best: Option<(FacetId, Foot<D>)> = None;
         for &facet in candidates {
             let points = facet_points(self.boundary.facet(facet), motion);
+            if best.as_ref().is_some_and(|(_, known)| known.is_closer_than(squared_distance_to_box(x, &points[..D]))) {
+                continue;
+            }
             let foot = closest_on_facet(x, &points);
             if best.as_ref().is_none_or(|(_, known)| foot.beats(known)) {
                 best = Some((facet, foot));
@@ -126,14 +133,12 @@ impl<const D: usize> Obstacle<D> for DeformableObstacle<D> {
     }
 
     fn candidates(&self, slave: Placed<'_, D>, facets: &[FacetId], positions: &[Point<D>], reach: f64) -> Candidates {
-        let motion = Motion::frozen(positions);
-        let boxes: Vec<_> =
-            self.facets.iter().map(|&f| bounds(&facet_points(self.boundary.facet(f), motion)[..D])).collect();
+        let index = SurfaceIndex::new(&Placed::new(&self.boundary, positions));
+        let mut near = Vec::new();
         Candidates::from_lists(facets.iter().map(|&facet| {
             let (low, high) = bounds(&slave.facet_points(facet)[..D]);
-            let near =
-                |(l, h): &(Point<D>, Point<D>)| (0..D).all(|a| l[a] <= high[a] + reach && low[a] <= h[a] + reach);
-            self.facets.iter().zip(&boxes).filter(|(_, b)| near(b)).map(|(&f, _)| f).collect()
+            index.facets_overlapping(&low.add_scalar(-reach), &high.add_scalar(reach), &mut near);
+            near.iter().copied().filter(|f| self.may_touch[f.index()]).collect()
         }))
     }
 }
@@ -141,6 +146,13 @@ impl<const D: usize> Obstacle<D> for DeformableObstacle<D> {
 /// Corners of the box around points.
 fn bounds<const D: usize>(points: &[Point<D>]) -> (Point<D>, Point<D>) {
     points.iter().fold((points[0], points[0]), |(low, high), x| (low.inf(x), high.sup(x)))
+}
+
+/// Squared distance of a point from the box around points.
+#[inline]
+fn squared_distance_to_box<const D: usize>(x: &Point<D>, points: &[Point<D>]) -> f64 {
+    let (low, high) = bounds(points);
+    (low - x).sup(&(x - high)).map(|c| c.max(0.0)).norm_squared()
 }
 
 /// Points of a facet; the first `D` count.
@@ -152,6 +164,13 @@ fn facet_points<const D: usize>(vertices: &[VertexId], motion: Motion<'_, D>) ->
     }
     points
 }
+
+/// Squared distances that differ relatively by less are the same.
+const TIE: f64 = 1e-8;
+/// Barycentric coordinates above minus this are inside: a hair outside is as close on the neighbour.
+const HAIR: f64 = 1e-13;
+/// Distances below this, relative to the size of a facet, give no direction but round-off.
+const TOUCHING: f64 = 1e-8;
 
 /// Closest point of one facet, with the face (facet, edge, vertex) in whose interior it lies.
 #[derive(Clone, Copy, Debug)]
@@ -174,10 +193,15 @@ impl<const D: usize> Foot<D> {
         self.face & (1 << k) != 0
     }
 
+    /// Whether nothing as far as this can beat it.
+    fn is_closer_than(&self, squared_distance: f64) -> bool {
+        squared_distance > self.squared_distance * (1.0 + TIE)
+    }
+
     /// Closer; or as close and on a face of higher dimension, so that a point over the common edge of two coplanar
     /// facets is seen over a facet.
     fn beats(&self, other: &Self) -> bool {
-        let tolerance = f64::EPSILON.sqrt() * other.squared_distance;
+        let tolerance = TIE * other.squared_distance;
         self.squared_distance < other.squared_distance - tolerance
             || (self.squared_distance <= other.squared_distance + tolerance
                 && self.face.count_ones() > other.face.count_ones())
@@ -246,9 +270,7 @@ fn project_on_face<const D: usize>(
         foot.barycentric[base] -= foot.barycentric[k];
         foot.point += (points[k] - points[base]) * foot.barycentric[k];
     }
-    // A hair outside is inside: it would be as close on the neighbour.
-    let tolerance = f64::EPSILON.sqrt() * f64::EPSILON.cbrt();
-    if carried().any(|k| foot.barycentric[k] < -tolerance) {
+    if carried().any(|k| foot.barycentric[k] < -HAIR) {
         return None;
     }
     foot.squared_distance = (x - foot.point).norm_squared();

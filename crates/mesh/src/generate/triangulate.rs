@@ -7,15 +7,19 @@ use crate::{Error, Point, SimplexMesh, VertexId};
 
 /// A triangle counts as too coarse when its circumradius exceeds this times that of the wanted equilateral one.
 const COARSE: f64 = 1.25;
-/// No two points come closer than this times the wanted size.
+/// No two points start closer than this times the wanted size.
 const CLOSEST: f64 = 0.72;
-/// Passes of smoothing after points were inserted, and after each repair.
-const PASSES: [usize; 2] = [40, 15];
-/// Triangulations with smaller angles are repaired, so many times at most.
+/// Mean relative length of the edges at a point, beyond which it is removed or gets a new neighbour.
+const LENGTHS: std::ops::Range<f64> = 0.84..1.19;
+/// Triangles with smaller angles are repaired.
 const GOOD_ANGLE: f64 = 30.0;
-const REPAIRS: usize = 12;
+/// Largest number of rounds of balancing and of repair.
+const ROUNDS: [usize; 2] = [8, 12];
+/// Passes of smoothing after insertion, balancing and repair.
+const PASSES: [usize; 3] = [20, 10, 15];
 
-type Delaunay = DelaunayTriangulation<Point2<f64>, (), (), (), HierarchyHintGenerator<f64>>;
+/// A Delaunay triangulation with fast location of points.
+type Searchable = DelaunayTriangulation<Point2<f64>, (), (), (), HierarchyHintGenerator<f64>>;
 
 /// Boundary points of a convex polygon, counter-clockwise.
 pub(super) struct Outline {
@@ -40,18 +44,25 @@ impl Outline {
 /// The polygon filled with triangles of edge length about `h` (of a point relative to the origin of the outline); no
 /// points are added on its boundary.
 ///
-/// Circumcentres of triangles that are too coarse are inserted, the worst first; then points move to the weighted
-/// centroids of their neighbourhoods while the triangulation is kept Delaunay.
+/// Circumcentres of triangles that are too coarse are inserted, the worst first. Then points move to the weighted
+/// centroids of their neighbourhoods while the triangulation is kept Delaunay; in between, points are removed where edges
+/// are too short, added where they are too long, and both where angles are small. Nothing is random.
 pub(super) fn filled<const D: usize>(outline: Outline, h: impl Fn([f64; 2]) -> f64) -> Result<SimplexMesh<D>, Error> {
     let n_fixed = outline.points.len();
     let mut points = outline.points;
     insert(&mut points, &h)?;
     let mut best = smoothed(&mut points, n_fixed, &h, PASSES[0])?;
-    for _ in 0..REPAIRS {
+    for _ in 0..ROUNDS[0] {
+        if !balance(&mut points, &best.triangles, n_fixed, &h) {
+            break;
+        }
+        best = smoothed(&mut points, n_fixed, &h, PASSES[1])?;
+    }
+    for _ in 0..ROUNDS[1] {
         if best.smallest_angle >= GOOD_ANGLE.to_radians() || !repair(&mut points, n_fixed, &h)? {
             break;
         }
-        let candidate = smoothed(&mut points, n_fixed, &h, PASSES[1])?;
+        let candidate = smoothed(&mut points, n_fixed, &h, PASSES[2])?;
         if candidate.smallest_angle > best.smallest_angle {
             best = candidate;
         }
@@ -79,6 +90,48 @@ fn smoothed(
     let angle = |t: &[usize; 3]| smallest_angle(&t.map(|v| points[v]));
     let smallest_angle = triangles.iter().map(angle).fold(f64::INFINITY, f64::min);
     Ok(Triangulated { points: points.to_vec(), triangles, smallest_angle })
+}
+
+/// Removes points with short edges and adds points beside those with long ones; whether anything was done.
+fn balance(points: &mut Vec<[f64; 2]>, triangles: &[[usize; 3]], n_fixed: usize, h: &impl Fn([f64; 2]) -> f64) -> bool {
+    let mut lengths = vec![(0.0, 0.0); points.len()];
+    for triangle in triangles {
+        for k in 0..3 {
+            let (v, w) = (triangle[k], triangle[(k + 1) % 3]);
+            let relative = distance(points[v], points[w]) / h(midpoint(points[v], points[w]));
+            for end in [v, w] {
+                lengths[end] = (lengths[end].0 + relative, lengths[end].1 + 1.0);
+            }
+        }
+    }
+    let mut touched = vec![false; points.len()];
+    let mut removed = vec![false; points.len()];
+    let mut added = Vec::new();
+    for triangle in triangles {
+        if triangle.iter().any(|&v| touched[v]) {
+            continue;
+        }
+        let relative = triangle.map(|v| lengths[v].0 / lengths[v].1);
+        if let Some(k) = (0..3).find(|&k| triangle[k] >= n_fixed && relative[k] < LENGTHS.start) {
+            removed[triangle[k]] = true;
+        } else if relative.iter().any(|&r| r > LENGTHS.end) {
+            added.push(centroid(&triangle.map(|v| points[v])));
+        } else {
+            continue;
+        }
+        triangle.iter().for_each(|&v| touched[v] = true);
+    }
+    replace(points, &removed, added)
+}
+
+/// Removes and adds points; whether there were any.
+fn replace(points: &mut Vec<[f64; 2]>, removed: &[bool], added: Vec<[f64; 2]>) -> bool {
+    let before = points.len();
+    let mut keep = removed.iter().map(|r| !r);
+    points.retain(|_| keep.next().unwrap_or(true));
+    let changed = points.len() < before || !added.is_empty();
+    points.extend(added);
+    changed
 }
 
 /// At triangles with small angles, removes a point where the shortest edge is short for its place and adds one where
@@ -117,16 +170,13 @@ fn repair(points: &mut Vec<[f64; 2]>, n_fixed: usize, h: &impl Fn([f64; 2]) -> f
         }
         triangle.iter().for_each(|&v| touched[v] = true);
     }
-    let mut keep = removed.iter().map(|r| !r);
-    points.retain(|_| keep.next().unwrap_or(true));
-    let changed = touched.contains(&true);
-    points.extend(added);
-    Ok(changed)
+    Ok(replace(points, &removed, added))
 }
 
 /// Adds circumcentres until no triangle is too coarse.
 fn insert(points: &mut Vec<[f64; 2]>, h: &impl Fn([f64; 2]) -> f64) -> Result<(), Error> {
-    let mut delaunay = triangulation(points)?;
+    let positions = points.iter().map(|p| Point2::new(p[0], p[1])).collect();
+    let mut delaunay = Searchable::bulk_load_stable(positions).map_err(failed)?;
     loop {
         let mut coarse: Vec<(f64, [f64; 2])> = Vec::new();
         for face in delaunay.inner_faces() {
@@ -177,11 +227,9 @@ fn smooth(points: &mut [[f64; 2]], n_fixed: usize, h: &impl Fn([f64; 2]) -> f64)
 
 /// The Delaunay triangles of the points, counter-clockwise.
 fn triangles(points: &[[f64; 2]]) -> Result<Vec<[usize; 3]>, Error> {
-    Ok(triangulation(points)?.inner_faces().map(|face| face.vertices().map(|v| v.index())).collect())
-}
-
-fn triangulation(points: &[[f64; 2]]) -> Result<Delaunay, Error> {
-    Delaunay::bulk_load_stable(points.iter().map(|p| Point2::new(p[0], p[1])).collect()).map_err(failed)
+    let positions = points.iter().map(|p| Point2::new(p[0], p[1])).collect();
+    let delaunay = DelaunayTriangulation::<Point2<f64>>::bulk_load_stable(positions).map_err(failed)?;
+    Ok(delaunay.inner_faces().map(|face| face.vertices().map(|v| v.index())).collect())
 }
 
 fn failed(error: spade::InsertionError) -> Error {

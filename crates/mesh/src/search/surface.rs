@@ -111,7 +111,7 @@ impl<const D: usize> SurfaceIndex<D> {
         if closest.feature == Feature::Facet {
             return Some(SignedClosestPoint { closest, normal: outward, distance: along });
         }
-        let distance = offset.norm().copysign(along);
+        let distance = if along < 0.0 { -offset.norm() } else { offset.norm() };
         let meaningful = distance.abs() > ROUND_OFF * x.amax().max(closest.point.amax());
         let normal = if meaningful { offset / distance } else { outward };
         Some(SignedClosestPoint { closest, normal, distance })

@@ -1,0 +1,28 @@
+//! Body force on the fluid.
+
+use algebra::LocalSystem;
+use mesh::{Point, Vector};
+
+use crate::{CellTerm, FluidCell};
+
+/// `-(f^f, v)_{Ω^f}`, force per volume.
+///
+/// Source: paper, right side of Eq. (4).
+/// Couples: velocity.   Domain: fluid parts of active cells.
+/// Units (cgs, per unit depth in 2D): residual dyn.
+pub struct BodyForce<'a, const D: usize> {
+    /// Force per volume at a point; `None` for no force.
+    pub force: Option<&'a (dyn Fn(&Point<D>) -> Vector<D> + Sync)>,
+}
+
+impl<const D: usize> CellTerm<D> for BodyForce<'_, D> {
+    fn add(&self, cell: &FluidCell<'_, D>, out: &mut LocalSystem) {
+        let Some(force) = self.force else { return };
+        for q in cell.points {
+            let f = force(&cell.position(&q.shape)) * q.weight;
+            for i in cell.nodes() {
+                out.add_vector(cell.velocity(i), (f * -q.shape[i]).as_slice());
+            }
+        }
+    }
+}

@@ -1,0 +1,21 @@
+//! Ghost penalty.
+
+use crate::{FaceTerm, FluidFace};
+
+/// `g_h(u, v) = γ_g μ^f h_F ([∇u]n, [∇v]n)_F`: bounds the condition number however small a part is.
+///
+/// Source: paper, form after Eq. (4); Burman 2010, DOI 10.1016/j.crma.2010.10.006.
+/// Couples: velocity × velocity, each component by itself.   Domain: faces of cut cells, whole face.
+/// Units (cgs): weight poise·cm.
+pub struct GhostPenalty {
+    /// `γ_g`.
+    pub gamma_ghost: f64,
+    /// Dynamic viscosity `μ^f`.
+    pub viscosity: f64,
+}
+
+impl<const D: usize> FaceTerm<D> for GhostPenalty {
+    fn weight(&self, face: &FluidFace<'_, D>) -> f64 {
+        if face.value.is_ghost { self.gamma_ghost * self.viscosity * face.value.diameter } else { 0.0 }
+    }
+}

@@ -1,0 +1,358 @@
+//! What holds for every generated mesh and every search, whatever the parameters.
+
+use std::f64::consts::PI;
+
+use mesh::generate::{BallOptions, Size, ball, graded_box, half_ball, mirrored, structured_box};
+use mesh::search::{CellIndex, Feature, SurfaceIndex};
+use mesh::{BoundaryMesh, CellId, Error, FacetId, Placed, Point, SimplexMesh, Vector, VertexId};
+use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
+
+/// Background mesh of the virtual-barrier and rigid-ground cases.
+const RIGID: Size = Size::Graded { fine: 0.1, fine_until: 4.5, coarse: 0.5, coarse_from: 10.0, axis: 1 };
+/// Background mesh of the flexible-ground case.
+const FLEXIBLE: Size = Size::Graded { fine: 0.05, fine_until: 0.5, coarse: 0.5, coarse_from: 5.0, axis: 1 };
+
+fn few_cases(cases: u32) -> ProptestConfig {
+    ProptestConfig { cases, rng_seed: RngSeed::Fixed(44), failure_persistence: None, ..ProptestConfig::default() }
+}
+
+fn volume<const D: usize>(mesh: &SimplexMesh<D>) -> f64 {
+    mesh.cells().map(|c| mesh.cell_volume(c)).sum()
+}
+
+/// Facets and cells refer to each other, and the boundary is closed and encloses the cells.
+fn assert_sound<const D: usize>(mesh: &SimplexMesh<D>) {
+    for facet in mesh.facets() {
+        for cell in mesh.facet_to_cell(facet).into_iter().flatten() {
+            let local = mesh.cell_to_facet(cell).iter().position(|&f| f == facet).expect("the cell has the facet");
+            assert!(!mesh.facet(facet).contains(&mesh.cell(cell)[local]));
+            assert!(mesh.facet(facet).iter().all(|v| mesh.cell(cell).contains(v)));
+        }
+        assert_eq!(mesh.is_boundary(facet), mesh.facet_tag(facet).is_some(), "the boundary is tagged throughout");
+    }
+    let boundary = mesh.boundary();
+    let placed = Placed::new(&boundary, mesh.vertices());
+    let (volume, size) = (volume(mesh), boundary.facets().map(|f| placed.facet_measure(f)).sum::<f64>());
+    let closure: Vector<D> = boundary.facets().map(|f| placed.facet_normal_scaled(f)).sum();
+    assert!(closure.norm() < 1e-12 * size, "normals sum to {closure}");
+    assert!((placed.enclosed_volume() - volume).abs() < 1e-11 * volume);
+    let mut used = vec![false; mesh.n_vertices()];
+    mesh.cells().flat_map(|c| mesh.cell(c).to_vec()).for_each(|v| used[v.index()] = true);
+    assert!(!used.contains(&false), "every vertex belongs to a cell");
+}
+
+/// Sound, with angles of at least 25 degrees.
+fn assert_well_shaped(mesh: &SimplexMesh<2>) {
+    assert_sound(mesh);
+    for cell in mesh.cells() {
+        let simplex = mesh.simplex(cell);
+        let x = simplex.points();
+        for k in 0..3 {
+            let degrees = (x[(k + 1) % 3] - x[k]).angle(&(x[(k + 2) % 3] - x[k])).to_degrees();
+            assert!(degrees >= 25.0, "{degrees} degrees at {}", x[k]);
+        }
+    }
+}
+
+/// The mean length of the edges at every vertex, relative to the wanted size there, lies within the bounds.
+fn assert_sizes(mesh: &SimplexMesh<2>, size: &Size, low: f64, high: f64) {
+    let mut sums = vec![(0.0, 0.0); mesh.n_vertices()];
+    for facet in mesh.facets() {
+        let [a, b] = [mesh.facet(facet)[0], mesh.facet(facet)[1]];
+        let (x, y) = (mesh.vertex(a), mesh.vertex(b));
+        let relative = (x - y).norm() / size.at(&(0.5 * (x + y)));
+        for v in [a, b] {
+            sums[v.index()] = (sums[v.index()].0 + relative, sums[v.index()].1 + 1.0);
+        }
+    }
+    for (v, (sum, count)) in sums.into_iter().enumerate() {
+        let mean = sum / count;
+        assert!((low..high).contains(&mean), "{mean} at {}", mesh.vertices()[v]);
+    }
+}
+
+/// Every tagged facet of a box lies exactly on its side, and every corner is a vertex.
+fn assert_box_sides(mesh: &SimplexMesh<2>, min: [f64; 2], max: [f64; 2]) {
+    let sides = [("left", 0, min[0]), ("right", 0, max[0]), ("bottom", 1, min[1]), ("top", 1, max[1])];
+    for (name, axis, value) in sides {
+        let tag = mesh.tag(name);
+        let mut length = 0.0;
+        for facet in mesh.facets().filter(|&f| mesh.facet_tag(f) == tag) {
+            let x = [0, 1].map(|k| mesh.vertex(mesh.facet(facet)[k]));
+            assert!(x.iter().all(|x| x[axis] == value));
+            length += (x[1] - x[0]).norm();
+        }
+        assert!((length - (max[1 - axis] - min[1 - axis])).abs() < 1e-12 * length);
+    }
+    for corner in [[min[0], min[1]], [max[0], min[1]], [max[0], max[1]], [min[0], max[1]]] {
+        assert!(mesh.vertices().contains(&Point::<2>::from(corner)));
+    }
+}
+
+#[test]
+fn the_meshes_of_the_cases_are_well_shaped() {
+    for (size, bottom) in [(RIGID, 0.0), (FLEXIBLE, -0.2)] {
+        let mesh = graded_box([0.0, bottom], [10.0, 15.0], &size).unwrap();
+        assert_well_shaped(&mesh);
+        assert_box_sides(&mesh, [0.0, bottom], [10.0, 15.0]);
+        assert_sizes(&mesh, &size, 0.8, 1.25);
+        assert!((volume(&mesh) - 10.0 * (15.0 - bottom)).abs() < 1e-10);
+        assert!((12_000..16_000).contains(&mesh.n_cells()));
+        let again = graded_box([0.0, bottom], [10.0, 15.0], &size).unwrap();
+        assert_eq!(mesh.vertices(), again.vertices());
+    }
+    let disk = half_ball([0.0, 5.0], 4.0, 0.1, &BallOptions { area_preserving: true }).unwrap();
+    assert_well_shaped(&disk);
+    assert_sizes(&disk, &Size::uniform(0.1), 0.8, 1.25);
+    let plate = structured_box([0.0, -0.2], [20.0, 0.0], [67, 2]).unwrap();
+    assert_sound(&plate);
+    assert_box_sides(&plate, [0.0, -0.2], [20.0, 0.0]);
+}
+
+#[test]
+fn a_disk_has_the_area_and_the_radius_it_was_asked_for() {
+    let centre = Point::<2>::new(1.0, -2.0);
+    let on_circle = ball([1.0, -2.0], 3.0, 0.25, &BallOptions::default()).unwrap();
+    let boundary = on_circle.boundary();
+    for facet in boundary.facets() {
+        let x = on_circle.vertex(boundary.facet(facet)[0]);
+        assert!(((x - centre).norm() - 3.0).abs() < 1e-14);
+    }
+    let same_area = BallOptions { area_preserving: true };
+    let disk = ball([1.0, -2.0], 3.0, 0.25, &same_area).unwrap();
+    assert!((volume(&disk) - 9.0 * PI).abs() < 1e-12);
+    let half = half_ball([1.0, -2.0], 3.0, 0.25, &same_area).unwrap();
+    assert!((volume(&half) - 4.5 * PI).abs() < 1e-12);
+}
+
+#[test]
+fn a_mirrored_half_disk_is_an_exactly_symmetric_disk() {
+    let half = half_ball([2.0, 5.0], 4.0, 0.3, &BallOptions::default()).unwrap();
+    let left = half.tag("left");
+    for facet in half.facets() {
+        let on_plane = half.facet(facet).iter().all(|&v| half.vertex(v)[0] == 2.0);
+        assert_eq!(on_plane, half.facet_tag(facet) == left);
+    }
+    let disk = mirrored(&half, 0, 2.0).unwrap();
+    assert_well_shaped(&disk);
+    assert_eq!(disk.n_cells(), 2 * half.n_cells());
+    assert_eq!(disk.tag_names(), ["surface"]);
+    for x in half.vertices() {
+        assert!(disk.vertices().contains(x));
+        assert!(disk.vertices().contains(&Point::<2>::new(4.0 - x[0], x[1])));
+    }
+    let on_plane = |mesh: &SimplexMesh<2>| mesh.vertices().iter().filter(|x| x[0] == 2.0).count();
+    assert_eq!(disk.n_vertices(), 2 * half.n_vertices() - on_plane(&half));
+}
+
+#[test]
+fn mirrored_boxes_keep_their_sides() {
+    let half = graded_box([0.0, 0.0], [1.0, 2.0], &Size::uniform(0.2)).unwrap();
+    let whole = mirrored(&half, 0, 0.0).unwrap();
+    assert_well_shaped(&whole);
+    assert_box_sides(&whole, [-1.0, 0.0], [1.0, 2.0]);
+
+    let brick = mirrored(&structured_box([0.0; 3], [1.0; 3], [2; 3]).unwrap(), 1, 1.0).unwrap();
+    assert_sound(&brick);
+    assert!((volume(&brick) - 2.0).abs() < 1e-14);
+    let side = |name: &str| {
+        let tag = brick.tag(name);
+        brick
+            .facets()
+            .filter(|&f| brick.facet_tag(f) == tag)
+            .map(|f| brick.vertex(brick.facet(f)[0])[1])
+            .collect::<Vec<_>>()
+    };
+    assert_eq!((side("front"), side("back")), (vec![0.0; 8], vec![2.0; 8]));
+    assert_eq!((side("bottom").len(), side("left").len()), (16, 16));
+
+    for (axis, plane) in [(2, 0.0), (0, 0.5), (0, -1.0), (0, f64::NAN)] {
+        assert!(mirrored(&half, axis, plane).is_err());
+    }
+}
+
+#[test]
+fn boxes_in_3d_follow_the_size() {
+    let size = Size::Graded { fine: 0.1, fine_until: 0.2, coarse: 0.3, coarse_from: 1.0, axis: 2 };
+    let mesh = graded_box([0.0; 3], [0.4, 0.5, 2.0], &size).unwrap();
+    assert_sound(&mesh);
+    assert!((volume(&mesh) - 0.4).abs() < 1e-13);
+    let mut heights: Vec<f64> = mesh.vertices().iter().map(|x| x[2]).collect();
+    heights.sort_by(f64::total_cmp);
+    heights.dedup();
+    for pair in heights.windows(2) {
+        let ratio = (pair[1] - pair[0]) / size.at(&Point::<3>::new(0.0, 0.0, 0.5 * (pair[0] + pair[1])));
+        assert!((0.8..1.25).contains(&ratio));
+    }
+}
+
+#[test]
+fn senseless_arguments_are_errors() {
+    let options = BallOptions::default();
+    for bad in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-12] {
+        assert!(graded_box([0.0, 0.0], [1.0, 1.0], &Size::uniform(bad)).is_err());
+        assert!(graded_box([0.0; 3], [1.0; 3], &Size::uniform(bad)).is_err());
+        assert!(half_ball([0.0, 0.0], 1.0, bad, &options).is_err());
+    }
+    for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        assert!(graded_box([0.0, 0.0], [1.0, bad], &Size::uniform(0.1)).is_err());
+        assert!(ball([0.0, 0.0], bad, 0.1, &options).is_err());
+    }
+    assert!(ball([0.0, f64::NAN], 1.0, 0.1, &options).is_err());
+    assert!(matches!(ball([0.0; 3], 1.0, 0.1, &options), Err(Error::Dimension { dimension: 3, .. })));
+    assert!(graded_box([0.0, 0.0], [1e-60, 1e-60], &Size::uniform(1e-61)).is_err(), "below what spade can do");
+}
+
+#[test]
+fn large_sizes_are_cut_down() {
+    assert_well_shaped(&graded_box([0.0, 0.0], [2.0, 1.0], &Size::uniform(7.0)).unwrap());
+    assert_well_shaped(&ball([0.0, 0.0], 1.0, 9.0, &BallOptions::default()).unwrap());
+    assert_well_shaped(&half_ball([1e6, 0.0], 1.0, 9.0, &BallOptions::default()).unwrap());
+    assert_sound(&graded_box([0.0; 3], [2.0, 1.0, 1.0], &Size::uniform(7.0)).unwrap());
+}
+
+proptest! {
+    #![proptest_config(few_cases(48))]
+
+    #[test]
+    fn boxes_are_well_shaped(
+        width in 0.3..3.0_f64, height in 0.3..3.0_f64, corner in -5.0..5.0_f64,
+        coarse in 0.06..1.0_f64, ratio in 0.1..1.0_f64, slope in 0.02..0.499_f64, until in 0.0..1.0_f64, axis in 0..2_usize,
+    ) {
+        let fine = coarse * ratio.max(0.04 / coarse);
+        let fine_until = corner + until * height;
+        let size = Size::Graded { fine, fine_until, coarse, coarse_from: fine_until + (coarse - fine) / slope, axis };
+        let (min, max) = ([corner, corner], [corner + width, corner + height]);
+        let mesh = graded_box(min, max, &size).unwrap();
+        assert_well_shaped(&mesh);
+        assert_box_sides(&mesh, min, max);
+    }
+
+    #[test]
+    fn balls_are_well_shaped(radius in 0.5..5.0_f64, n in 1.0..25.0_f64, x in -10.0..10.0_f64, area_preserving: bool) {
+        let options = BallOptions { area_preserving };
+        assert_well_shaped(&ball([x, 1.0], radius, radius / n, &options).unwrap());
+        let half = half_ball([x, 1.0], radius, radius / n, &options).unwrap();
+        assert_well_shaped(&half);
+        assert_well_shaped(&mirrored(&half, 0, x).unwrap());
+    }
+}
+
+/// A box mesh bent out of shape, so that its boundary is neither convex nor flat.
+fn bent<const D: usize>(n: usize, bend: f64) -> (SimplexMesh<D>, Vec<Point<D>>) {
+    let mesh = structured_box([0.0; D], [1.0; D], [n; D]).unwrap();
+    let positions = mesh
+        .vertices()
+        .iter()
+        .map(|x| Point::from_fn(|k, _| x[k] + bend * (5.0 * x[(k + 1) % D] + k as f64).sin()))
+        .collect();
+    (mesh, positions)
+}
+
+/// All barycentric lattice points of a facet.
+fn lattice<const D: usize>(points: &[Point<D>], n: usize) -> Vec<Point<D>> {
+    let mut all = Vec::new();
+    for i in 0..=n {
+        for j in 0..=(if D > 2 { n - i } else { 0 }) {
+            let weights = if D > 2 { [i, j, n - i - j] } else { [i, n - i, 0] };
+            all.push(points.iter().zip(weights).map(|(x, w)| x * (w as f64 / n as f64)).sum());
+        }
+    }
+    all
+}
+
+fn closest_agrees_with_brute_force<const D: usize>(x: Point<D>, bend: f64) {
+    let (mesh, positions) = bent::<D>(4, bend);
+    let boundary = mesh.boundary();
+    let placed = Placed::new(&boundary, &positions);
+    let found = SurfaceIndex::new(&placed).closest_signed(&x).unwrap();
+    let closest = found.closest;
+
+    // The point is where it claims to be.
+    let corners = placed.facet_points(closest.facet);
+    let point: Point<D> = corners.iter().zip(&closest.barycentric).map(|(x, l)| x * *l).sum();
+    assert!((point - closest.point).norm() < 1e-14);
+    assert!(closest.barycentric.iter().all(|l| (0.0..=1.0).contains(l)));
+    assert!((found.distance.abs() - (x - point).norm()).abs() < 1e-14);
+    let carrying = closest.barycentric.iter().filter(|l| **l > 0.0).count();
+    match closest.feature {
+        Feature::Vertex(v) => assert!(carrying == 1 && point == positions[v.index()]),
+        Feature::Edge(_) => assert!(carrying == 2 && D == 3),
+        Feature::Facet => assert_eq!(carrying, D),
+    }
+    // No other point is closer.
+    for facet in boundary.facets() {
+        for other in lattice(&placed.facet_points(facet)[..D], 12) {
+            assert!((x - other).norm() > found.distance.abs() - 1e-13);
+        }
+    }
+    // The sign is that of the cells, and following the normal leads from the surface to the point.
+    let inside = CellIndex::new(&mesh, &positions).locate(&x).is_some();
+    assert!(found.distance.abs() < 1e-8 || inside == (found.distance < 0.0));
+    assert!((found.normal.norm() - 1.0).abs() < 1e-13);
+    assert!((point + found.normal * found.distance - x).norm() < 1e-12);
+}
+
+fn search_agrees_with_brute_force<const D: usize>(x: Point<D>, side: f64, bend: f64) {
+    let (mesh, positions) = bent::<D>(5, bend);
+    let cells = CellIndex::new(&mesh, &positions);
+    let expected = mesh.cells().find_map(|c| {
+        let barycentric = mesh.simplex_at(c, &positions).barycentric(&x)?;
+        barycentric.iter().all(|&l| l >= -1e-10).then_some((c, barycentric))
+    });
+    assert_eq!(cells.locate(&x), expected);
+
+    let max = x + Point::repeat(side);
+    let meets = |points: &[Point<D>]| {
+        (0..D).all(|k| points.iter().any(|p| p[k] <= max[k]) && points.iter().any(|p| p[k] >= x[k]))
+    };
+    let mut found = vec![CellId(7)];
+    cells.cells_overlapping(&x, &max, &mut found);
+    let expected: Vec<CellId> = mesh.cells().filter(|&c| meets(mesh.simplex_at(c, &positions).points())).collect();
+    assert_eq!(found, expected);
+
+    let boundary = mesh.boundary();
+    let placed = Placed::new(&boundary, &positions);
+    let mut found = Vec::new();
+    SurfaceIndex::new(&placed).facets_overlapping(&x, &max, &mut found);
+    let expected: Vec<FacetId> = boundary.facets().filter(|&f| meets(&placed.facet_points(f)[..D])).collect();
+    assert_eq!(found, expected);
+}
+
+proptest! {
+    #![proptest_config(few_cases(200))]
+
+    #[test]
+    fn closest_points(x in prop::array::uniform3(-0.5..1.5_f64), bend in 0.0..0.1_f64) {
+        closest_agrees_with_brute_force(Point::<2>::new(x[0], x[1]), bend);
+        closest_agrees_with_brute_force(Point::<3>::from(x), bend);
+    }
+
+    #[test]
+    fn cells_and_facets_near_a_box(x in prop::array::uniform3(-0.2..1.2_f64), side in 0.0..0.5_f64, bend in 0.0..0.1_f64) {
+        search_agrees_with_brute_force(Point::<2>::new(x[0], x[1]), side, bend);
+        search_agrees_with_brute_force(Point::<3>::from(x), side, bend);
+    }
+}
+
+#[test]
+fn vertices_are_located_in_their_lowest_cell() {
+    let mesh = graded_box([0.0, 0.0], [1.0, 1.0], &Size::uniform(0.1)).unwrap();
+    let index = CellIndex::new(&mesh, mesh.vertices());
+    for v in (0..mesh.n_vertices()).map(VertexId::new) {
+        let lowest = mesh.cells().find(|&c| mesh.cell(c).contains(&v));
+        assert_eq!(index.locate(&mesh.vertex(v)).map(|(c, _)| c), lowest);
+    }
+    assert!(index.locate(&Point::<2>::new(1.1, 0.5)).is_none());
+    assert!(index.locate(&Point::<2>::new(f64::NAN, 0.5)).is_none());
+}
+
+#[test]
+fn a_single_facet_can_be_searched() {
+    let boundary = BoundaryMesh::<2>::from_facets(vec![VertexId(0), VertexId(1)]);
+    let positions = [Point::<2>::new(0.0, 0.0), Point::<2>::new(1.0, 0.0)];
+    let index = SurfaceIndex::new(&Placed::new(&boundary, &positions));
+    let found = index.closest_signed(&Point::<2>::new(0.25, 2.0)).unwrap();
+    assert_eq!((found.distance, found.closest.barycentric), (-2.0, [0.75, 0.25, 0.0, 0.0]));
+}

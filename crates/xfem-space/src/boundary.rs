@@ -1,0 +1,84 @@
+//! The boundary of the background as the space sees it.
+
+use cutcell::{CutMesh, PartId};
+use mesh::{FacetId, MAX_CELL_VERTICES, Point, SimplexMesh, SimplexRule, Tag, Vector, facet_normal};
+
+use crate::XfemSpace;
+
+/// Dofs with a part that touches the tagged boundary, in ascending order. Vertices of the boundary that are buried
+/// under a body have none.
+pub fn boundary_dofs<const D: usize>(
+    background: &SimplexMesh<D>,
+    cut: &CutMesh<D>,
+    space: &XfemSpace<D>,
+    tag: Tag,
+) -> Vec<u32> {
+    let mut dofs = Vec::new();
+    for piece in cut.boundary().iter().filter(|piece| background.facet_tag(piece.facet) == Some(tag)) {
+        let cell = background.cell(cut.part_cell(piece.part));
+        for vertex in background.facet(piece.facet) {
+            if let Some(local) = cell.iter().position(|v| v == vertex) {
+                dofs.push(space.dofs(piece.part)[local]);
+            }
+        }
+    }
+    dofs.sort_unstable();
+    dofs.dedup();
+    dofs
+}
+
+/// A quadrature point on the boundary of the background.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BoundaryPoint<const D: usize> {
+    /// The boundary face.
+    pub facet: FacetId,
+    /// The part inside.
+    pub part: PartId,
+    /// Where.
+    pub point: Point<D>,
+    /// Unit normal out of the domain.
+    pub normal: Vector<D>,
+    /// Weight, with the measure.
+    pub weight: f64,
+    /// Shape values; the first `D + 1` count.
+    pub shape: [f64; MAX_CELL_VERTICES],
+}
+
+/// Quadrature points on the wet boundary with some tag.
+#[derive(Clone, Debug)]
+pub struct BoundaryValues<const D: usize> {
+    points: Vec<BoundaryPoint<D>>,
+}
+
+impl<const D: usize> BoundaryValues<D> {
+    /// Points of a rule of the given degree on all wet boundary pieces with the tag.
+    pub fn new(background: &SimplexMesh<D>, cut: &CutMesh<D>, tag: Tag, degree: usize) -> Self {
+        let rule = SimplexRule::of_degree(D - 1, degree);
+        let mut points = Vec::new();
+        for piece in cut.boundary().iter().filter(|piece| background.facet_tag(piece.facet) == Some(tag)) {
+            let mut corners = [Point::<D>::zeros(); MAX_CELL_VERTICES];
+            for (slot, v) in corners.iter_mut().zip(background.facet(piece.facet)) {
+                *slot = background.vertex(*v);
+            }
+            let normal = facet_normal(&corners[..D]);
+            let simplex = background.simplex(cut.part_cell(piece.part));
+            for (barycentric, weight) in rule.points().iter().zip(rule.weights()) {
+                let point: Point<D> = piece.points[..D].iter().zip(barycentric).map(|(x, l)| x * *l).sum();
+                points.push(BoundaryPoint {
+                    facet: piece.facet,
+                    part: piece.part,
+                    point,
+                    normal,
+                    weight: weight * piece.measure,
+                    shape: simplex.barycentric(&point).unwrap_or_default(),
+                });
+            }
+        }
+        Self { points }
+    }
+
+    /// The points in order.
+    pub fn points(&self) -> &[BoundaryPoint<D>] {
+        &self.points
+    }
+}
