@@ -69,10 +69,8 @@ pub fn worst_tangent_entry(
         evaluate(item, x, n, &mut at_x);
         let sizes = Sizes::new(&at_x, &dofs, x);
         let mut compare = |row: usize, column: usize, error: f64, noise: f64, scale: f64| {
-            let error = (error - noise).max(0.0);
-            let relative = if error == 0.0 { 0.0 } else { error / scale };
-            // Written so that NaN is the worst of all.
-            if !(relative <= worst.relative) {
+            let relative = if error <= noise { 0.0 } else { (error - noise) / scale };
+            if relative > worst.relative || (relative.is_nan() && !worst.relative.is_nan()) {
                 worst = TangentDeviation { relative, item, row, column };
             }
         };

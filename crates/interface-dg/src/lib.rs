@@ -1,1 +1,24 @@
-//! interface-dg.
+//! DG mortaring of fluid and solid on the cut interface, with the fluid's traction (α = 1).
+//!
+//! The three mortaring lines of Eq. (4), side by side with their files; `n^f = -n`, `n` the normal out of the solid:
+//!
+//! | line | file |
+//! |---|---|
+//! | `-(T^f(u, p) n^f, v - w)` | `terms/consistency.rs` |
+//! | `-(u - v_s, T^f(v, -q) n^f)` | `terms/adjoint_consistency.rs` |
+//! | `γ_Σ μ^f/h_K (u - v_s, v - w)` | `terms/penalty.rs` |
+//!
+//! The side of the body is elastic (its velocity is unknown) or prescribed (its velocity is given).
+
+mod form;
+mod leak;
+mod piece_values;
+pub mod terms;
+mod traction;
+
+pub use form::{BodySide, InterfacePieces, MortarForm};
+pub use leak::{InterfaceFlow, interface_flow};
+pub use piece_values::{PiecePoint, PieceValues};
+pub use traction::{InterfaceTraction, interface_tractions};
+
+pub use fluid_ns;

@@ -1,1 +1,46 @@
-//! solver.
+//! The coupled problem, one time step, the time loop.
+//!
+//! Read [`advance`] first: one step from state to state. Geometry is explicit in time, so everything geometric is
+//! computed once per step and is read-only during Newton's method:
+//!
+//! ```text
+//! state^n -> surfaces -> CutMesh -> XfemSpace -> history -> FsiProblem -> x -> state^{n+1} -> observers
+//! ```
+//!
+//! This crate composes and evaluates no integrals of its own.
+
+mod error;
+mod geometry;
+mod observe;
+mod pocket;
+mod problem;
+mod report;
+mod setup;
+mod state;
+mod step;
+mod system;
+mod time_loop;
+
+pub use error::{SetupError, Stage, StepError};
+pub use geometry::StepGeometry;
+pub use observe::{Observer, ObserverError, StepView};
+pub use pocket::{Pocket, pockets};
+pub use problem::FsiProblem;
+pub use report::{BodyReport, StageSeconds, StepReport};
+pub use setup::{
+    Body, BodyKind, BodySupport, Contact, ContactObstacle, ElasticBody, FluidBoundary, FluidSetup, PointField,
+    PrescribedBody, Setup, SupportKind, TimeField, TractionField,
+};
+pub use state::{BodyState, FluidState, State};
+pub use step::advance;
+pub use system::StepSystem;
+pub use time_loop::TimeLoop;
+
+pub use algebra;
+pub use contact;
+pub use cutcell;
+pub use fluid_ns;
+pub use interface_dg;
+pub use mesh;
+pub use solid_svk;
+pub use xfem_space;

@@ -21,8 +21,15 @@ pub struct VelocityField<'a, const D: usize> {
 pub struct Transferred<const D: usize> {
     /// One value per dof of the new space.
     pub values: Vec<Vector<D>>,
-    /// Dofs that no old dof could serve.
-    pub n_uncovered: usize,
+    /// The old dof that each new dof took its value from; `None` for uncovered dofs.
+    pub sources: Vec<Option<u32>>,
+}
+
+impl<const D: usize> Transferred<D> {
+    /// Number of dofs that no old dof could serve.
+    pub fn n_uncovered(&self) -> usize {
+        self.sources.iter().filter(|source| source.is_none()).count()
+    }
 }
 
 /// The history of a velocity on a new space of the same background.
@@ -61,18 +68,17 @@ pub fn transfer<const D: usize>(
             *slot = Some((class[0].1, volume));
         }
     }
-    let mut n_uncovered = 0;
-    let values = best
+    let sources: Vec<Option<u32>> = best.into_iter().map(|best| best.map(|(old_dof, _)| old_dof)).collect();
+    let values = sources
         .iter()
         .enumerate()
-        .map(|(dof, best)| match best {
-            Some((old_dof, _)) => old.values[*old_dof as usize],
+        .map(|(dof, source)| match source {
+            Some(old_dof) => old.values[*old_dof as usize],
             None => {
-                n_uncovered += 1;
                 let vertex = space.vertex(dof as u32);
                 uncovered(vertex, &background.vertex(vertex))
             }
         })
         .collect();
-    Transferred { values, n_uncovered }
+    Transferred { values, sources }
 }

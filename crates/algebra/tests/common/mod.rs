@@ -4,15 +4,15 @@
 use algebra::{BlockLayout, Constraints, Contributions, DofId, FieldId, LocalSystem, NonlinearProblem};
 
 /// Triangles of the unit square with `m` × `m` squares, and their interior faces.
-pub struct Grid {
-    pub m: usize,
-    pub cells: Vec<[usize; 3]>,
+pub(crate) struct Grid {
+    pub(crate) m: usize,
+    pub(crate) cells: Vec<[usize; 3]>,
     /// The four vertices of the two cells beside each interior face.
-    pub faces: Vec<[usize; 4]>,
+    pub(crate) faces: Vec<[usize; 4]>,
 }
 
 impl Grid {
-    pub fn new(m: usize) -> Self {
+    pub(crate) fn new(m: usize) -> Self {
         let at = |i: usize, j: usize| j * (m + 1) + i;
         let (mut cells, mut faces) = (Vec::new(), Vec::new());
         for j in 0..m {
@@ -31,11 +31,11 @@ impl Grid {
         Self { m, cells, faces }
     }
 
-    pub fn n_vertices(&self) -> usize {
+    pub(crate) fn n_vertices(&self) -> usize {
         (self.m + 1) * (self.m + 1)
     }
 
-    pub fn on_boundary(&self, vertex: usize) -> bool {
+    pub(crate) fn on_boundary(&self, vertex: usize) -> bool {
         let (i, j) = (vertex % (self.m + 1), vertex / (self.m + 1));
         i == 0 || j == 0 || i == self.m || j == self.m
     }
@@ -55,17 +55,17 @@ impl Grid {
 }
 
 /// Fields of the flow-like problem.
-pub struct Flow {
-    pub grid: Grid,
-    pub layout: BlockLayout,
-    pub constraints: Constraints,
-    pub mass: f64,
-    pub viscosity: f64,
-    pub convection: f64,
+pub(crate) struct Flow {
+    pub(crate) grid: Grid,
+    pub(crate) layout: BlockLayout,
+    pub(crate) constraints: Constraints,
+    pub(crate) mass: f64,
+    pub(crate) viscosity: f64,
+    pub(crate) convection: f64,
 }
 
 impl Flow {
-    pub fn new(m: usize, convection: f64) -> Self {
+    pub(crate) fn new(m: usize, convection: f64) -> Self {
         let grid = Grid::new(m);
         let mut layout = BlockLayout::new();
         for name in ["u", "v", "p"] {
@@ -85,13 +85,13 @@ impl Flow {
         self.grid.cells[cell].into_iter().flat_map(move |v| (0..3).map(move |f| self.layout.dof(FieldId(f), v)))
     }
 
-    pub fn parts(&self) -> (LinearCells<'_>, ConvectionCells<'_>, [FaceJumps<'_>; 3]) {
+    pub(crate) fn parts(&self) -> (LinearCells<'_>, ConvectionCells<'_>, [FaceJumps<'_>; 3]) {
         (LinearCells(self), ConvectionCells(self), [0, 1, 2].map(|field| FaceJumps { flow: self, field }))
     }
 }
 
 /// Mass, diffusion and incompressibility.
-pub struct LinearCells<'a>(&'a Flow);
+pub(crate) struct LinearCells<'a>(&'a Flow);
 
 impl Contributions for LinearCells<'_> {
     fn len(&self) -> usize {
@@ -133,7 +133,7 @@ impl Contributions for LinearCells<'_> {
 }
 
 /// `(u · ∇ u, v)` with the mean velocity of the cell.
-pub struct ConvectionCells<'a>(&'a Flow);
+pub(crate) struct ConvectionCells<'a>(&'a Flow);
 
 impl Contributions for ConvectionCells<'_> {
     fn len(&self) -> usize {
@@ -170,7 +170,7 @@ impl Contributions for ConvectionCells<'_> {
 }
 
 /// A stabilisation by jumps between the two cells of a face, for one field.
-pub struct FaceJumps<'a> {
+pub(crate) struct FaceJumps<'a> {
     flow: &'a Flow,
     field: u32,
 }
@@ -203,10 +203,10 @@ impl Contributions for FaceJumps<'_> {
 }
 
 /// A problem from parts.
-pub struct Problem<'a> {
-    pub layout: &'a BlockLayout,
-    pub contributions: Vec<&'a dyn Contributions>,
-    pub constraints: &'a Constraints,
+pub(crate) struct Problem<'a> {
+    pub(crate) layout: &'a BlockLayout,
+    pub(crate) contributions: Vec<&'a dyn Contributions>,
+    pub(crate) constraints: &'a Constraints,
 }
 
 impl NonlinearProblem for Problem<'_> {
@@ -222,11 +222,11 @@ impl NonlinearProblem for Problem<'_> {
 }
 
 /// A state without structure.
-pub fn state(n: usize) -> Vec<f64> {
+pub(crate) fn state(n: usize) -> Vec<f64> {
     (0..n).map(|i| (i as f64 * 0.37).sin()).collect()
 }
 
 /// Largest absolute entry.
-pub fn max_norm(x: &[f64]) -> f64 {
+pub(crate) fn max_norm(x: &[f64]) -> f64 {
     x.iter().fold(0.0, |max, v| v.abs().max(max))
 }

@@ -14,6 +14,9 @@ pub enum Size {
         h: f64,
     },
     /// Fine at low, coarse at high values of one coordinate, and linear in between with a slope of at most one half.
+    ///
+    /// Triangles follow slopes up to 0.1 closely; steeper ones keep their angles, but edges near the kink at `fine_until`
+    /// may be up to twice as long as wanted.
     Graded {
         /// Size up to `fine_until`.
         fine: f64,

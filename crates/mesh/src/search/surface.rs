@@ -155,10 +155,13 @@ impl<const D: usize> SurfaceIndex<D> {
 
     /// Angle of a facet at one of its vertices; one for a segment.
     fn angle(&self, facet: FacetId, vertex: VertexId) -> f64 {
-        let at = self.facet(facet).iter().position(|&v| v == vertex).unwrap_or(0);
-        let points = self.facet_points(facet);
-        let side = |k: usize| points[(at + k) % D] - points[at];
-        if D > 2 { side(1).angle(&side(2)) } else { 1.0 }
+        let around = self.facet(facet).iter().zip(self.facet_points(facet));
+        let at: Point<D> = around.clone().filter(|(v, _)| **v == vertex).map(|(_, x)| x).take(1).sum();
+        let mut sides = around.filter(|(v, _)| **v != vertex).map(|(_, x)| x - at);
+        match (sides.next(), sides.next()) {
+            (Some(a), Some(b)) => a.angle(&b),
+            _ => 1.0,
+        }
     }
 }
 

@@ -1,0 +1,214 @@
+//! Pattern, scatter and elimination against dense references.
+
+mod common;
+
+use algebra::{BlockLayout, BlockSystem, Constraints, Contributions, DofId, LocalSystem, Pattern, check_tangent};
+use common::{Flow, max_norm, state};
+use proptest::prelude::*;
+
+/// Items with given dofs, a full tangent of distinct entries and a residual that is affine or quadratic.
+struct Items {
+    dofs: Vec<Vec<usize>>,
+    is_linear: bool,
+}
+
+fn entry(item: usize, i: usize, j: usize) -> f64 {
+    ((7 * item + 3 * i + j) as f64).sin()
+}
+
+impl Contributions for Items {
+    fn len(&self) -> usize {
+        self.dofs.len()
+    }
+    fn dofs(&self, item: usize, out: &mut Vec<DofId>) {
+        out.extend(self.dofs[item].iter().map(|d| DofId::new(*d)));
+    }
+    fn add(&self, item: usize, x: &[f64], out: &mut LocalSystem) {
+        for (i, _) in self.dofs[item].iter().enumerate() {
+            out.add(i, 0.5 + i as f64);
+            for (j, dof) in self.dofs[item].iter().enumerate() {
+                let k = entry(item, i, j);
+                if self.is_linear {
+                    out.add(i, k * x[*dof]);
+                    out.add_tangent(i, j, k);
+                } else {
+                    out.add(i, k * x[*dof].powi(2));
+                    out.add_tangent(i, j, 2.0 * k * x[*dof]);
+                }
+            }
+        }
+    }
+    fn is_linear(&self) -> bool {
+        self.is_linear
+    }
+    fn name(&self) -> &'static str {
+        "items"
+    }
+}
+
+/// Residual and tangent, column by column, by adding everything into a dense matrix.
+fn dense(n: usize, list: &[&dyn Contributions], constraints: &Constraints, x: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    let (mut residual, mut tangent) = (vec![0.0; n], vec![0.0; n * n]);
+    let mut local = LocalSystem::new();
+    for contribution in list {
+        for item in 0..contribution.len() {
+            let mut dofs = Vec::new();
+            contribution.dofs(item, &mut dofs);
+            local.reset(dofs.len());
+            contribution.add(item, x, &mut local);
+            for (i, row) in dofs.iter().enumerate() {
+                residual[row.index()] += local.residual()[i];
+                for (j, column) in dofs.iter().enumerate() {
+                    tangent[column.index() * n + row.index()] += local.tangent_at(i, j);
+                }
+            }
+        }
+    }
+    for (dof, _) in constraints.iter() {
+        let d = dof.index();
+        residual[d] = 0.0;
+        for k in 0..n {
+            tangent[d * n + k] = 0.0;
+            tangent[k * n + d] = 0.0;
+        }
+        tangent[d * n + d] = 1.0;
+    }
+    (residual, tangent)
+}
+
+fn assert_matches_dense(system: &BlockSystem, n: usize, reference: (Vec<f64>, Vec<f64>)) {
+    let close = |a: f64, b: f64| (a - b).abs() <= 1e-12 * (1.0 + a.abs() + b.abs());
+    for (r, e) in system.residual().iter().zip(&reference.0) {
+        assert!(close(*r, *e), "{r} {e}");
+    }
+    let mut assembled = vec![0.0; n * n];
+    for (value, (i, j)) in system.matrix().iter() {
+        assembled[j as usize * n + i as usize] = *value;
+    }
+    for (a, e) in assembled.iter().zip(&reference.1) {
+        assert!(close(*a, *e), "{a} {e}");
+    }
+}
+
+fn layout(n: usize) -> BlockLayout {
+    let mut layout = BlockLayout::new();
+    layout.push("x", n);
+    layout
+}
+
+fn distinct_dofs(n: usize, max_items: usize) -> impl Strategy<Value = Vec<Vec<usize>>> {
+    prop::collection::vec(prop::sample::subsequence((0..n).collect::<Vec<_>>(), 0..=n.min(5)).prop_shuffle(), 0..max_items)
+}
+
+proptest! {
+    #[test]
+    fn pattern_and_assembly_match_the_dense_reference(
+        linear in distinct_dofs(12, 12),
+        nonlinear in distinct_dofs(12, 12),
+        constrained in prop::collection::vec(0..12_usize, 0..4),
+    ) {
+        let n = 12;
+        let linear = Items { dofs: linear, is_linear: true };
+        let nonlinear = Items { dofs: nonlinear, is_linear: false };
+        let list: [&dyn Contributions; 2] = [&linear, &nonlinear];
+        let pattern = Pattern::new(n, &list);
+        for column in 0..n {
+            let mut rows: Vec<u32> = vec![column as u32];
+            for dofs in linear.dofs.iter().chain(&nonlinear.dofs).filter(|dofs| dofs.contains(&column)) {
+                rows.extend(dofs.iter().map(|d| *d as u32));
+            }
+            rows.sort_unstable();
+            rows.dedup();
+            let (begin, end) = (pattern.column_ptr()[column] as usize, pattern.column_ptr()[column + 1] as usize);
+            prop_assert_eq!(&pattern.rows()[begin..end], &rows[..]);
+        }
+        let constraints: Constraints = constrained.iter().map(|d| (DofId::new(*d), 0.7)).collect();
+        let mut x = state(n);
+        constraints.apply(&mut x);
+        let mut system = BlockSystem::new(&layout(n), &list, &constraints);
+        system.assemble(&list, &x);
+        assert_matches_dense(&system, n, dense(n, &list, &constraints, &x));
+        let residual = system.residual().to_vec();
+        system.assemble_residual(&list, &x);
+        prop_assert_eq!(system.residual(), &residual[..]);
+        prop_assert!(check_tangent(&linear, &x, 1e-5) < 1e-8);
+        prop_assert!(check_tangent(&nonlinear, &x, 1e-5) < 1e-8);
+    }
+}
+
+#[test]
+fn bits_do_not_depend_on_the_number_of_threads() {
+    let flow = Flow::new(24, 1.0);
+    let x = state(flow.layout.len());
+    let assemble = |threads: usize| {
+        rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(|| {
+            let (linear, convection, jumps) = flow.parts();
+            let list: [&dyn Contributions; 5] = [&linear, &convection, &jumps[0], &jumps[1], &jumps[2]];
+            let mut system = BlockSystem::new(&flow.layout, &list, &flow.constraints);
+            system.assemble(&list, &x);
+            let bits = |v: &[f64]| v.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+            (bits(system.residual()), bits(system.matrix().data()))
+        })
+    };
+    let one = assemble(1);
+    for threads in [2, 3, 4] {
+        assert!(one == assemble(threads), "{threads} threads");
+    }
+}
+
+#[test]
+fn a_recycled_system_is_a_new_system() {
+    let mut recycled = BlockSystem::default();
+    for m in [6, 3, 9, 1] {
+        let flow = Flow::new(m, 1.0);
+        let (linear, convection, jumps) = flow.parts();
+        let list: [&dyn Contributions; 3] = [&linear, &convection, &jumps[2]];
+        let x = state(flow.layout.len());
+        recycled = recycled.recycle(&flow.layout, &list, &flow.constraints);
+        let mut new = BlockSystem::new(&flow.layout, &list, &flow.constraints);
+        for system in [&mut recycled, &mut new] {
+            system.assemble(&list, &x);
+        }
+        assert_eq!(recycled.matrix(), new.matrix());
+        assert_eq!(recycled.residual(), new.residual());
+        assert!(max_norm(new.residual()) > 0.0);
+    }
+}
+
+#[test]
+fn the_tangent_check_finds_a_wrong_entry_and_a_wrong_residual() {
+    struct Wrong {
+        claims_linear: bool,
+    }
+    impl Contributions for Wrong {
+        fn len(&self) -> usize {
+            2
+        }
+        fn dofs(&self, _: usize, out: &mut Vec<DofId>) {
+            out.extend([DofId(0), DofId(1)]);
+        }
+        fn add(&self, item: usize, x: &[f64], out: &mut LocalSystem) {
+            out.add_vector(0, &[3.0 * x[0], x[0] * x[1]]);
+            out.add_block(0, 0, 2, &[3.0, x[1], 0.0, if item == 1 && !self.claims_linear { -x[0] } else { x[0] }]);
+        }
+        fn is_linear(&self) -> bool {
+            self.claims_linear
+        }
+        fn name(&self) -> &'static str {
+            "wrong"
+        }
+    }
+    let worst = algebra::worst_tangent_entry(&Wrong { claims_linear: false }, 0..2, &[1.0, 2.0], 1e-6);
+    assert_eq!((worst.item, worst.row, worst.column), (1, 1, 1));
+    assert!(worst.relative > 0.5);
+    assert!(check_tangent(&Wrong { claims_linear: true }, &[1.0, 2.0], 1e-6) > 0.1);
+    let nan = algebra::worst_tangent_entry(&Wrong { claims_linear: false }, 0..1, &[f64::NAN, 2.0], 1e-6);
+    assert!(nan.relative.is_nan());
+}
+
+#[test]
+#[should_panic(expected = "items item 0: dof 5 of 3")]
+fn a_dof_outside_of_the_layout_is_named() {
+    let items = Items { dofs: vec![vec![0, 5]], is_linear: true };
+    let _ = Pattern::new(3, &[&items]);
+}

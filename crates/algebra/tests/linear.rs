@@ -1,0 +1,201 @@
+//! The direct solver on easy, stiff and impossible systems.
+
+mod common;
+
+use algebra::{BlockLayout, BlockSystem, Contributions, DirectSolver, LinearError, LinearSolver, MatrixView};
+use common::{Flow, max_norm, state};
+
+/// A column-compressed matrix from a dense one given by rows, with its zeros stored.
+struct Dense {
+    n: usize,
+    ptr: Vec<u32>,
+    rows: Vec<u32>,
+    values: Vec<f64>,
+}
+
+impl Dense {
+    fn new(by_rows: &[&[f64]]) -> Self {
+        let n = by_rows.len();
+        Self {
+            n,
+            ptr: (0..=n).map(|j| (j * n) as u32).collect(),
+            rows: (0..n * n).map(|k| (k % n) as u32).collect(),
+            values: (0..n * n).map(|k| by_rows[k % n][k / n]).collect(),
+        }
+    }
+
+    fn view(&self) -> MatrixView<'_> {
+        MatrixView::new_csc((self.n, self.n), &self.ptr, &self.rows, &self.values)
+    }
+}
+
+fn product(matrix: MatrixView<'_>, x: &[f64]) -> Vec<f64> {
+    let mut y = vec![0.0; x.len()];
+    for (value, (i, j)) in matrix.iter() {
+        y[i as usize] += value * x[j as usize];
+    }
+    y
+}
+
+fn no_layout() -> BlockLayout {
+    BlockLayout::new()
+}
+
+fn solve(matrix: MatrixView<'_>, rhs: &[f64]) -> Result<Vec<f64>, LinearError> {
+    let mut solver = DirectSolver::new();
+    let mut x = vec![0.0; rhs.len()];
+    solver.factorize(matrix, &no_layout())?;
+    solver.solve(rhs, &mut x)?;
+    Ok(x)
+}
+
+/// The flow system with penalties of 1e9 between pairs of unknowns.
+fn with_penalty(m: usize) -> (BlockSystem, Flow) {
+    let flow = Flow::new(m, 1.0);
+    let (linear, convection, jumps) = flow.parts();
+    let list: [&dyn Contributions; 3] = [&linear, &convection, &jumps[2]];
+    let mut system = BlockSystem::new(&flow.layout, &list, &flow.constraints);
+    system.assemble(&list, &state(flow.layout.len()));
+    (system, flow)
+}
+
+#[test]
+fn a_small_system() {
+    let a = Dense::new(&[&[0.0, 2.0], &[4.0, 1.0]]);
+    let x = solve(a.view(), &[2.0, 9.0]).unwrap();
+    assert_eq!(x, [2.0, 1.0]);
+}
+
+#[test]
+fn an_empty_system() {
+    let a = Dense::new(&[]);
+    assert_eq!(solve(a.view(), &[]).unwrap(), [0.0; 0]);
+}
+
+#[test]
+fn penalties_of_1e9_do_not_spoil_the_solution() {
+    let (system, _) = with_penalty(16);
+    let n = system.residual().len();
+    let matrix = system.matrix();
+    let mut values = matrix.data().to_vec();
+    // A stiff ring: penalty (x_i - x_j) on all neighbours i, j of every 7th unknown in the first field.
+    let third = n / 3;
+    let position = |i: usize, j: usize| {
+        let (begin, end) = (matrix.indptr().raw_storage()[j], matrix.indptr().raw_storage()[j + 1]);
+        let rows = &matrix.indices()[begin as usize..end as usize];
+        rows.binary_search(&(i as u32)).ok().map(|k| begin as usize + k)
+    };
+    let mut n_stiff = 0;
+    for j in (0..third).step_by(7).filter(|j| !system.constrained()[*j]) {
+        let i = j + 1;
+        if i < third && !system.constrained()[i] {
+            if let (Some(ij), Some(ji), Some(ii), Some(jj)) =
+                (position(i, j), position(j, i), position(i, i), position(j, j))
+            {
+                for (k, sign) in [(ij, -1.0), (ji, -1.0), (ii, 1.0), (jj, 1.0)] {
+                    values[k] += sign * 1e9;
+                }
+                n_stiff += 1;
+            }
+        }
+    }
+    assert!(n_stiff > 10);
+    let indptr = matrix.indptr();
+    let stiff = MatrixView::new_csc((n, n), indptr.raw_storage(), matrix.indices(), &values);
+    let exact = state(n);
+    let rhs = product(stiff, &exact);
+    let mut solver = DirectSolver::new();
+    solver.factorize(stiff, &no_layout()).unwrap();
+    let mut x = vec![0.0; n];
+    let report = solver.solve(&rhs, &mut x).unwrap();
+    assert!(report.backward_error < 1e-12, "{report:?}");
+    // The residual of the unscaled system, row by row.
+    let achieved = product(stiff, &x);
+    let sizes = {
+        let absolute: Vec<f64> = values.iter().map(|v| v.abs()).collect();
+        let a = MatrixView::new_csc((n, n), indptr.raw_storage(), matrix.indices(), &absolute);
+        product(a, &x.iter().map(|v| v.abs()).collect::<Vec<_>>())
+    };
+    for row in 0..n {
+        assert!((achieved[row] - rhs[row]).abs() <= 1e-11 * (sizes[row] + rhs[row].abs()), "row {row}");
+    }
+}
+
+#[test]
+fn singular_matrices_are_errors() {
+    let exactly = Dense::new(&[&[1.0, 2.0, 0.0], &[2.0, 4.0, 0.0], &[0.0, 0.0, 1.0]]);
+    assert!(matches!(solve(exactly.view(), &[1.0, 2.0, 1.0]), Err(LinearError::Singular { .. })));
+    let nearly = Dense::new(&[&[1.0, 0.1, 0.3], &[0.7, 0.9, 0.2], &[1.7, 1.0, 0.5]]);
+    assert!(matches!(solve(nearly.view(), &[1.0, 1.0, 2.0]), Err(LinearError::Singular { .. })));
+    let empty_row = Dense::new(&[&[1.0, 2.0], &[0.0, 0.0]]);
+    assert!(matches!(solve(empty_row.view(), &[1.0, 0.0]), Err(LinearError::EmptyRow { row: 1 })));
+    let empty_column = Dense::new(&[&[0.0, 2.0], &[0.0, 1.0]]);
+    assert!(matches!(solve(empty_column.view(), &[1.0, 0.0]), Err(LinearError::EmptyColumn { column: 0 })));
+    let nan = Dense::new(&[&[1.0, 2.0], &[f64::NAN, 1.0]]);
+    assert!(matches!(solve(nan.view(), &[1.0, 0.0]), Err(LinearError::NotFinite { row: 1 })));
+    let fine = Dense::new(&[&[1.0, 2.0], &[0.0, 1.0]]);
+    assert!(matches!(solve(fine.view(), &[1.0, f64::INFINITY]), Err(LinearError::NotFinite { row: 1 })));
+}
+
+#[test]
+fn a_pattern_without_a_transversal_is_an_error() {
+    let (ptr, rows, values) = ([0, 1, 2, 5], [0, 0, 0, 1, 2], [1.0, 2.0, 1.0, 1.0, 1.0]);
+    let a = MatrixView::new_csc((3, 3), &ptr, &rows, &values);
+    let error = solve(a, &[1.0, 1.0, 1.0]).unwrap_err();
+    assert!(matches!(error, LinearError::StructurallySingular { .. } | LinearError::Singular { .. }), "{error}");
+}
+
+#[test]
+fn a_free_pressure_constant_is_an_error() {
+    for m in [4, 40] {
+        let mut flow = Flow::new(m, 0.0);
+        let pressure = flow.layout.dof(algebra::FieldId(2), 0);
+        flow.constraints = flow.constraints.iter().filter(|(dof, _)| *dof != pressure).collect();
+        // The lid leaks at its corners, but no row feels a constant pressure once velocities are prescribed.
+        let (linear, _, jumps) = flow.parts();
+        let list: [&dyn Contributions; 2] = [&linear, &jumps[2]];
+        let system = BlockSystem::new(&flow.layout, &list, &flow.constraints);
+        let outcome = solve(system.matrix(), &vec![0.0; flow.layout.len()]);
+        assert!(matches!(outcome, Err(LinearError::Singular { .. })), "m = {m}: {:?}", outcome.map(|_| ()));
+    }
+}
+
+#[test]
+fn the_solver_survives_errors_and_changes_of_pattern_and_is_reproducible() {
+    let mut used = DirectSolver::new();
+    let mut x = vec![0.0; 2];
+    assert!(matches!(used.solve(&[1.0, 1.0], &mut x), Err(LinearError::NotFactorized)));
+    for m in [12, 30, 5, 30] {
+        let (system, flow) = with_penalty(m);
+        let singular = Dense::new(&[&[1.0, 1.0], &[1.0, 1.0]]);
+        assert!(used.factorize(singular.view(), &no_layout()).is_err());
+        assert!(matches!(used.solve(&[1.0, 1.0], &mut x), Err(LinearError::NotFactorized)));
+        let n = flow.layout.len();
+        let mut new = DirectSolver::new();
+        let (mut a, mut b) = (vec![0.0; n], vec![0.0; n]);
+        for (solver, x) in [(&mut used, &mut a), (&mut new, &mut b)] {
+            solver.factorize(system.matrix(), &flow.layout).unwrap();
+            solver.solve(system.residual(), x).unwrap();
+        }
+        assert!(a.iter().zip(&b).all(|(a, b)| a.to_bits() == b.to_bits()), "m = {m}");
+        assert!(max_norm(&a) > 0.0);
+    }
+}
+
+#[test]
+fn the_same_pattern_is_analysed_once_and_old_factors_keep_solving() {
+    let (system, flow) = with_penalty(10);
+    let n = flow.layout.len();
+    let mut solver = DirectSolver::new();
+    let mut x = vec![0.0; n];
+    let mut again = vec![0.0; n];
+    for _ in 0..3 {
+        solver.factorize(system.matrix(), &flow.layout).unwrap();
+    }
+    solver.solve(system.residual(), &mut x).unwrap();
+    assert_eq!((solver.n_symbolic_factorizations(), solver.n_factorizations()), (1, 3));
+    let rhs = system.residual().to_vec();
+    drop(system);
+    solver.solve(&rhs, &mut again).unwrap();
+    assert_eq!(x, again);
+}

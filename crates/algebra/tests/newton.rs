@@ -1,0 +1,201 @@
+//! Newton's method: rates, kept factorisations, regimes, failures.
+
+mod common;
+
+use algebra::{
+    BlockLayout, Constraints, Contributions, DofId, LinearError, LocalSystem, NewtonError, NewtonSettings,
+    NonlinearProblem, Workspace, newton,
+};
+use common::{Flow, Problem};
+
+/// One scalar equation `f(x) = 0`, given by value and derivative.
+struct Scalar<F: Fn(f64) -> (f64, f64) + Sync> {
+    function: F,
+    layout: BlockLayout,
+    constraints: Constraints,
+    regime: fn(f64) -> u64,
+}
+
+impl<F: Fn(f64) -> (f64, f64) + Sync> Scalar<F> {
+    fn new(function: F) -> Self {
+        let mut layout = BlockLayout::new();
+        layout.push("x", 1);
+        Self { function, layout, constraints: Constraints::new(), regime: |_| 0 }
+    }
+}
+
+impl<F: Fn(f64) -> (f64, f64) + Sync> Contributions for Scalar<F> {
+    fn len(&self) -> usize {
+        1
+    }
+    fn dofs(&self, _: usize, out: &mut Vec<DofId>) {
+        out.push(DofId(0));
+    }
+    fn add(&self, _: usize, x: &[f64], out: &mut LocalSystem) {
+        let (value, derivative) = (self.function)(x[0]);
+        out.add(0, value);
+        out.add_tangent(0, 0, derivative);
+    }
+    fn name(&self) -> &'static str {
+        "scalar"
+    }
+}
+
+impl<F: Fn(f64) -> (f64, f64) + Sync> NonlinearProblem for Scalar<F> {
+    fn layout(&self) -> &BlockLayout {
+        &self.layout
+    }
+    fn contributions(&self) -> Vec<&dyn Contributions> {
+        vec![self]
+    }
+    fn constraints(&self) -> &Constraints {
+        &self.constraints
+    }
+    fn regime(&self, x: &[f64]) -> u64 {
+        (self.regime)(x[0])
+    }
+}
+
+fn exact(tolerance: f64) -> NewtonSettings {
+    NewtonSettings { contraction: 0.0, ..NewtonSettings::new(tolerance) }
+}
+
+fn cubic(x: f64) -> (f64, f64) {
+    (x.powi(3) - 8.0, 3.0 * x * x)
+}
+
+#[test]
+fn exact_newton_converges_quadratically() {
+    let problem = Scalar::new(cubic);
+    let mut x = [3.0];
+    let report = newton(&problem, &mut x, &mut Workspace::new(), &exact(1e-12)).unwrap();
+    assert!((x[0] - 2.0).abs() < 1e-14);
+    assert_eq!(report.factorizations, report.iterations);
+    assert_eq!(report.residual_history.len(), report.iterations + 1);
+    let c = &report.correction_history;
+    let rates: Vec<f64> =
+        c.windows(3).filter(|w| w[2] > 1e-13).map(|w| (w[2] / w[1]).ln() / (w[1] / w[0]).ln()).collect();
+    assert!(rates.last().is_some_and(|rate| *rate > 1.8), "{rates:?}");
+}
+
+#[test]
+fn modified_newton_saves_factorisations() {
+    let problem = Scalar::new(cubic);
+    let mut work = Workspace::new();
+    let mut x = [2.2];
+    let report = newton(&problem, &mut x, &mut work, &NewtonSettings::new(1e-10)).unwrap();
+    assert!((x[0] - 2.0).abs() < 1e-10);
+    assert!(report.factorizations < report.iterations, "{report:?}");
+    assert_eq!(work.solver().n_factorizations(), report.factorizations);
+}
+
+#[test]
+fn a_flow_converges_to_the_same_state_with_exact_and_modified_newton() {
+    let flow = Flow::new(12, 3.0);
+    let (linear, convection, jumps) = flow.parts();
+    let list: Vec<&dyn Contributions> = vec![&linear, &convection, &jumps[2]];
+    let problem = Problem { layout: &flow.layout, contributions: list, constraints: &flow.constraints };
+    let n = flow.layout.len();
+    let (mut a, mut b) = (vec![0.0; n], vec![0.0; n]);
+    let mut work = Workspace::new();
+    let first = newton(&problem, &mut a, &mut work, &exact(1e-11)).unwrap();
+    let second = newton(&problem, &mut b, &mut work, &NewtonSettings::new(1e-11)).unwrap();
+    assert!(second.factorizations < first.factorizations, "{first:?} {second:?}");
+    assert!(a.iter().zip(&b).all(|(a, b)| (a - b).abs() < 1e-8));
+    for (dof, value) in flow.constraints.iter() {
+        assert_eq!(a[dof.index()], value);
+    }
+    assert_eq!(first.timings.len(), 3);
+    assert_eq!(first.timings[0].calls, 1);
+    assert_eq!(first.timings[1].calls, first.iterations + 1);
+}
+
+#[test]
+fn a_used_workspace_and_more_threads_give_the_same_bits() {
+    let mut used = Workspace::new();
+    for m in [9, 14, 6] {
+        let flow = Flow::new(m, 3.0);
+        let (linear, convection, jumps) = flow.parts();
+        let list: Vec<&dyn Contributions> = vec![&linear, &convection, &jumps[2]];
+        let problem = || Problem { layout: &flow.layout, contributions: list.clone(), constraints: &flow.constraints };
+        let solve = |work: &mut Workspace, threads: usize| {
+            let mut x = vec![0.0; flow.layout.len()];
+            rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(|| {
+                let work = work;
+                newton(&problem(), &mut x, work, &NewtonSettings::new(1e-10)).unwrap();
+            });
+            x.iter().map(|v| v.to_bits()).collect::<Vec<_>>()
+        };
+        let reference = solve(&mut Workspace::new(), 1);
+        assert!(reference == solve(&mut used, 4));
+    }
+}
+
+#[test]
+fn a_linear_problem_takes_one_correction() {
+    let flow = Flow::new(8, 0.0);
+    let (linear, _, jumps) = flow.parts();
+    let problem =
+        Problem { layout: &flow.layout, contributions: vec![&linear, &jumps[2]], constraints: &flow.constraints };
+    let mut x = vec![0.0; flow.layout.len()];
+    let mut work = Workspace::new();
+    let report = newton(&problem, &mut x, &mut work, &NewtonSettings::new(1e-10)).unwrap();
+    assert_eq!((report.iterations, report.factorizations), (1, 1));
+    let again = newton(&problem, &mut x, &mut work, &NewtonSettings::new(1e-10)).unwrap();
+    assert_eq!(again.iterations, 1);
+}
+
+#[test]
+fn without_unknowns_there_is_nothing_to_do() {
+    let (layout, constraints) = (BlockLayout::new(), Constraints::new());
+    let problem = Problem { layout: &layout, contributions: vec![], constraints: &constraints };
+    assert_eq!(newton(&problem, &mut [], &mut Workspace::new(), &exact(1e-8)).unwrap().iterations, 0);
+}
+
+#[test]
+fn a_change_of_regime_renews_the_factorisation_and_forbids_to_stop() {
+    // Soft below 1, a thousand times stiffer above: x = 1 + 4/1000.
+    let mut problem = Scalar::new(|x: f64| if x < 1.0 { (x - 5.0, 1.0) } else { (1.0 + 1e3 * (x - 1.0) - 5.0, 1e3) });
+    problem.regime = |x| u64::from(x >= 1.0);
+    let mut x = [0.0];
+    let report = newton(&problem, &mut x, &mut Workspace::new(), &NewtonSettings::new(1e-10)).unwrap();
+    assert!((x[0] - 1.004).abs() < 1e-12);
+    assert_eq!(report.factorizations, 2);
+    // A regime that changes at every evaluation never lets the iteration stop.
+    let mut drifting = Scalar::new(|_: f64| (1.0, 1.0));
+    drifting.regime = f64::to_bits;
+    let settings = NewtonSettings { max_iterations: 4, ..NewtonSettings::new(10.0) };
+    let error = newton(&drifting, &mut [0.0], &mut Workspace::new(), &settings).unwrap_err();
+    assert!(matches!(error, NewtonError::NotConverged { regime_changed: true, .. }), "{error:?}");
+}
+
+#[test]
+fn divergence_is_reported_with_its_history_and_the_start_is_restored() {
+    let arctan = Scalar::new(|x: f64| (x.atan(), 1.0 / (1.0 + x * x)));
+    for settings in [exact(1e-10), NewtonSettings::new(1e-10)] {
+        let mut x = [1.5];
+        let error = newton(&arctan, &mut x, &mut Workspace::new(), &settings).unwrap_err();
+        assert!(matches!(error, NewtonError::Diverged { .. }), "{error:?}");
+        assert!(error.report().residual_history.len() > 3);
+        assert_eq!(x, [1.5]);
+    }
+    let settings = NewtonSettings { max_halvings: 8, ..exact(1e-10) };
+    let mut x = [1.5];
+    newton(&arctan, &mut x, &mut Workspace::new(), &settings).unwrap();
+    assert!(x[0].abs() < 1e-10);
+}
+
+#[test]
+fn other_failures_are_named() {
+    let no_root = Scalar::new(|x: f64| (x * x + 1.0, 2.0 * x));
+    let settings = NewtonSettings { max_iterations: 3, ..exact(1e-10) };
+    let error = newton(&no_root, &mut [0.3], &mut Workspace::new(), &settings).unwrap_err();
+    assert!(matches!(error, NewtonError::NotConverged { regime_changed: false, .. } | NewtonError::Diverged { .. }));
+    assert_eq!(error.report().iterations, 3);
+    let root = Scalar::new(|x: f64| ((x - 1.0).sqrt(), 0.5));
+    let error = newton(&root, &mut [3.0], &mut Workspace::new(), &settings).unwrap_err();
+    assert!(matches!(error, NewtonError::NotFinite { .. }), "{error:?}");
+    let flat = Scalar::new(|x: f64| (x * x - 1.0, 2.0 * x));
+    let error = newton(&flat, &mut [0.0], &mut Workspace::new(), &settings).unwrap_err();
+    assert!(matches!(error, NewtonError::Linear { source: LinearError::EmptyColumn { column: 0 }, .. }));
+}

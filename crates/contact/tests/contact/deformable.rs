@@ -1,0 +1,202 @@
+//! Another body as the obstacle: projection, tangent, action and reaction.
+
+use algebra::{BlockLayout, Contributions, DofId, worst_tangent_entry};
+use contact::obstacle::check_obstacle;
+use contact::{ContactFacets, ContactForm, ContactPair, ContactReport, DeformableObstacle, Motion, Obstacle, Penalty};
+use mesh::generate::{BallOptions, ball, structured_box};
+use mesh::{FacetId, Point, Vector};
+
+use crate::setting::{Body, Random, residual, soft};
+
+const GAMMA: f64 = 1e3;
+const SIZE: f64 = 0.1;
+const OFFSET: f64 = 0.08;
+const DT: f64 = 1e-2;
+
+/// Signed distance from the unit box.
+fn distance_from_box<const D: usize>(x: &Point<D>) -> f64 {
+    let q = x.map(|c| (c - 0.5).abs() - 0.5);
+    q.map(|c| c.max(0.0)).norm() + q.max().min(0.0)
+}
+
+/// The gap to a box is its signed distance: inside, outside, over faces, edges and corners.
+fn gap_is_the_signed_distance<const D: usize>() {
+    let mesh = structured_box([0.0; D], [1.0; D], [3; D]).unwrap();
+    let all: Vec<_> = mesh.boundary().facets().collect();
+    let obstacle = DeformableObstacle::new(mesh.boundary(), all.clone()).unwrap();
+    let motion = Motion::frozen(mesh.vertices());
+    let mut random = Random::new(2);
+    let mut points: Vec<Point<D>> = (0..400).map(|_| Point::repeat(0.5) + random.vector()).collect();
+    // Right over vertices and edges of the mesh, and on the surface.
+    for _ in 0..400 {
+        points.push(Point::from_fn(|_, _| ((random.number() + 1.0) * 3.0).round() / 3.0 - 0.5));
+        points.push(Point::from_fn(|_, _| ((random.number() + 1.0) * 6.0).round() / 6.0 - 0.5));
+    }
+    for x in &points {
+        let projection = obstacle.project(x, motion, &all).unwrap();
+        let (gap, exact) = (projection.gap(x), distance_from_box(x));
+        assert!((gap - exact).abs() < 1e-14, "{x}: {gap} {exact}");
+        assert!((projection.normal.norm() - 1.0).abs() < 1e-14);
+        // Far inside several sides are as close.
+        if exact > -1e-14 {
+            let closest = x.map(|c| c.clamp(0.0, 1.0));
+            assert!((projection.point - closest).norm() < 1e-14);
+        }
+    }
+    // Smooth away from the kinks of the distance, which few of the points in general position are close to.
+    let check = check_obstacle(&obstacle, motion, &all, &points[..400]);
+    assert_eq!(check.n_projected, 400);
+    assert!(check.largest() < 1e-6, "{check:?}");
+    assert!(obstacle.project(&points[0], motion, &[]).is_none());
+}
+
+#[test]
+fn gap_is_the_signed_distance_in_2d() {
+    gap_is_the_signed_distance::<2>();
+}
+
+#[test]
+fn gap_is_the_signed_distance_in_3d() {
+    gap_is_the_signed_distance::<3>();
+}
+
+#[test]
+fn gap_to_a_disk() {
+    let mesh = ball([1.0, 2.0], 4.0, 0.1, &BallOptions::default()).unwrap();
+    let all: Vec<_> = mesh.boundary().facets().collect();
+    let obstacle = DeformableObstacle::<2>::new(mesh.boundary(), all.clone()).unwrap();
+    let motion = Motion::frozen(mesh.vertices());
+    let mut random = Random::new(9);
+    for _ in 0..200 {
+        let x = Point::<2>::new(1.0, 2.0) + random.vector() * 8.0;
+        let away = x - Point::<2>::new(1.0, 2.0);
+        let projection = obstacle.project(&x, motion, &all).unwrap();
+        // The polygon lies inside the disk by at most h²/(8 r).
+        assert!((projection.gap(&x) - (away.norm() - 4.0)).abs() < 4e-4);
+        // Outside, the normal differs from the radius by at most h/(2 r).
+        assert!(away.norm() < 4.0 || (projection.normal + away.normalize()).norm() < 0.014);
+    }
+}
+
+/// Two blocks, the upper one shifted and turned against the lower one, both of them deformed at random.
+fn two_blocks<const D: usize>(seed: u64, test: impl Fn(&BlockLayout, &[Body<D>; 2], &ContactFacets<'_, D>, &[f64])) {
+    let mut layout = BlockLayout::new();
+    let min: [f64; D] = std::array::from_fn(|a| if a + 1 == D { 1.0 } else { 0.37 });
+    let max: [f64; D] = std::array::from_fn(|a| if a + 1 == D { 2.0 } else { 1.53 });
+    let mut random = Random::new(seed);
+    let mut bodies = [
+        Body::block(&mut layout, min, max, [3; D], soft()),
+        Body::block(&mut layout, [0.0; D], [1.0; D], [2; D], soft()),
+    ];
+    for body in &mut bodies {
+        body.displacement.iter_mut().for_each(|d| *d = random.vector() * 0.05);
+    }
+    let [upper, lower] = &bodies;
+    let positions = [upper.positions(), lower.positions()];
+    let form = ContactForm::new(Penalty::new(GAMMA, OFFSET).unwrap(), SIZE).unwrap();
+    let facets: [Vec<FacetId>; 2] = [0, 1].map(|k| bodies[k].solid.boundary().facets().collect());
+    let obstacle = DeformableObstacle::new(lower.solid.boundary().clone(), facets[1].clone()).unwrap();
+    let pair = ContactPair {
+        slave: upper.contact(&positions[0], DT, &layout),
+        facets: &facets[0],
+        obstacle: &obstacle,
+        master: Some(lower.contact(&positions[1], DT, &layout)),
+        reach: 0.3,
+    };
+    let contact = ContactFacets::new(&form, pair).unwrap();
+    let x = random.numbers(layout.len(), 2.0);
+    assert!(contact.len() < facets[0].len() && !contact.is_empty());
+    assert!(ContactReport::new(&contact, &x).n_active > 3);
+    test(&layout, &bodies, &contact, &x);
+}
+
+/// Exact at smooth places; a projection within the finite-difference step of an edge of the mesh is none.
+fn tangent_is_exact<const D: usize>() {
+    for seed in 0..6 {
+        two_blocks::<D>(seed, |_, _, contact, x| {
+            let worst = worst_tangent_entry(contact, 0..contact.len(), x, 1e-6);
+            assert!(worst.relative < 1e-6, "{seed}: {worst:?}");
+        });
+    }
+}
+
+#[test]
+fn tangent_is_exact_in_2d() {
+    tangent_is_exact::<2>();
+}
+
+#[test]
+fn tangent_is_exact_in_3d() {
+    tangent_is_exact::<3>();
+}
+
+fn action_is_reaction<const D: usize>() {
+    for seed in 0..6 {
+        two_blocks::<D>(seed, |layout, bodies, contact, x| {
+            let r = residual(contact, x.len(), x);
+            let report = ContactReport::new(contact, x);
+            let mut force = [Vector::<D>::zeros(); 2];
+            let mut moment = Vector::<D>::zeros();
+            let mut power = 0.0;
+            for (body, total) in bodies.iter().zip(&mut force) {
+                let moved = body.step(DT).displacements(&body.solid.velocity(layout, body.field, x).unwrap()).unwrap();
+                for (vertex, at) in body.solid.positions(&moved).unwrap().iter().enumerate() {
+                    let f = Vector::<D>::from_fn(|a, _| -r[layout.dof(body.field, D * vertex + a).index()]);
+                    *total += f;
+                    // All pairs of axes, one after the other.
+                    moment += Vector::from_fn(|a, _| at[a] * f[(a + 1) % D] - at[(a + 1) % D] * f[a]);
+                    power += (0..D).map(|a| f[a] * x[layout.dof(body.field, D * vertex + a).index()]).sum::<f64>();
+                }
+            }
+            let scale = report.force.norm();
+            assert!((force[0] - report.force).norm() < 1e-12 * scale);
+            assert!((force[0] + force[1]).norm() < 1e-12 * scale, "{} {}", force[0], force[1]);
+            assert!(moment.norm() < 1e-12 * scale, "{moment}");
+            assert!((power - report.power).abs() < 1e-11 * power.abs().max(scale));
+        });
+    }
+}
+
+#[test]
+fn action_is_reaction_in_2d() {
+    action_is_reaction::<2>();
+}
+
+#[test]
+fn action_is_reaction_in_3d() {
+    action_is_reaction::<3>();
+}
+
+#[test]
+fn residual_is_the_derivative_of_the_stored_energy() {
+    two_blocks::<3>(3, |layout, _, contact, x| {
+        let r = residual(contact, x.len(), x);
+        let mut random = Random::new(77);
+        let direction = random.numbers(layout.len(), 1.0);
+        let energy = |t: f64| {
+            let moved: Vec<_> = x.iter().zip(&direction).map(|(x, d)| x + t * d).collect();
+            ContactReport::new(contact, &moved).stored_energy
+        };
+        let slope = (energy(1e-4) - energy(-1e-4)) / 2e-4;
+        let work: f64 = r.iter().zip(&direction).map(|(r, d)| DT * r * d).sum();
+        assert!((slope - work).abs() < 1e-5 * work.abs().max(1e-3), "{slope} {work}");
+    });
+}
+
+#[test]
+fn pattern_holds_while_the_projection_moves() {
+    two_blocks::<2>(1, |layout, _, contact, x| {
+        let dofs = |item: usize| {
+            let mut dofs: Vec<DofId> = Vec::new();
+            contact.dofs(item, &mut dofs);
+            dofs
+        };
+        let before: Vec<_> = (0..contact.len()).map(dofs).collect();
+        let mut random = Random::new(4);
+        let moved: Vec<_> = x.iter().map(|x| x + 5.0 * random.number()).collect();
+        assert_ne!(contact.regime(x), contact.regime(&moved));
+        let r = residual(contact, layout.len(), &moved);
+        assert!(r.iter().all(|r| r.is_finite()));
+        assert_eq!(before, (0..contact.len()).map(dofs).collect::<Vec<_>>());
+    });
+}

@@ -1,0 +1,32 @@
+//! How well the interface keeps fluid and solid together.
+
+use crate::InterfacePieces;
+
+/// Flow through the interface.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct InterfaceFlow {
+    /// `∫ (u - v_s)·n`: volume that crosses the interface per time.
+    pub leak_net: f64,
+    /// `∫ |(u - v_s)·n|`.
+    pub leak_absolute: f64,
+    /// `∫ |v_s·n|`: volume that the bodies sweep per time.
+    pub swept: f64,
+}
+
+/// Flow through the interface of a step at the state `x`.
+pub fn interface_flow<const D: usize>(pieces: &InterfacePieces<'_, D>, x: &[f64]) -> InterfaceFlow {
+    let mut flow = InterfaceFlow::default();
+    for (item, piece) in pieces.geometry.cut.interface().iter().enumerate() {
+        pieces.for_each_point(item, x, |q| {
+            let through = q.jump.dot(&piece.normal);
+            flow.leak_net += q.at.weight * through;
+            flow.leak_absolute += q.at.weight * through.abs();
+            let mut fluid = 0.0;
+            for (i, &dof) in pieces.geometry.space.dofs(piece.part).iter().enumerate() {
+                fluid += pieces.fields.velocity_at::<D>(x, dof).dot(&piece.normal) * q.at.fluid[i];
+            }
+            flow.swept += q.at.weight * (fluid - through).abs();
+        });
+    }
+    flow
+}

@@ -1,0 +1,68 @@
+//! Which page of the step stopped.
+
+use algebra::NewtonError;
+
+/// A setup whose parts do not fit together.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SetupError {
+    /// A solid refused its data.
+    #[error("body {body}")]
+    Solid {
+        /// Name of the body.
+        body: String,
+        /// Why.
+        source: solid_svk::Error,
+    },
+    /// A contact refused its data.
+    #[error("contact {index}")]
+    Contact {
+        /// Number of the contact.
+        index: usize,
+        /// Why.
+        source: contact::Error,
+    },
+    /// A contact of a body that does not deform.
+    #[error("contact {index} names body {body}, which has a prescribed motion")]
+    NotElastic {
+        /// Number of the contact.
+        index: usize,
+        /// Number of the body.
+        body: mesh::BodyId,
+    },
+}
+
+/// The stage of a step that failed.
+#[derive(Debug, thiserror::Error)]
+pub enum Stage {
+    /// The surfaces cannot cut the background: a body is turned inside out or torn.
+    #[error("cutting the background")]
+    Cut(#[from] cutcell::Error),
+    /// The parts of the setup do not fit together.
+    #[error("composing the problem")]
+    Setup(#[from] SetupError),
+    /// Newton's method failed; the history of residuals is inside.
+    #[error("solving the coupled problem")]
+    Newton(#[from] NewtonError),
+    /// An observer failed.
+    #[error("writing results")]
+    Observer(crate::ObserverError),
+}
+
+/// A step that failed: when, and in which stage.
+#[derive(Debug, thiserror::Error)]
+#[error("step {step} to time {time:.6} failed")]
+pub struct StepError {
+    /// Number of the step.
+    pub step: usize,
+    /// Time at the end of the step.
+    pub time: f64,
+    /// What failed.
+    pub source: Stage,
+}
+
+impl StepError {
+    /// An error in the given step.
+    pub fn at(step: usize, time: f64, source: impl Into<Stage>) -> Self {
+        Self { step, time, source: source.into() }
+    }
+}

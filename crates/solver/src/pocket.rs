@@ -1,0 +1,86 @@
+//! Pockets of fluid whose pressure is known up to a constant only.
+
+use cutcell::PartId;
+
+use crate::setup::FluidBoundary;
+use crate::{Setup, StepGeometry};
+
+/// A connected set of parts without open boundary and without elastic body around it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Pocket {
+    /// The parts.
+    pub parts: Vec<PartId>,
+    /// The pressure dof that stands for the constant.
+    pub dof: u32,
+}
+
+/// The pockets of a step: wherever walls and bodies of prescribed motion enclose the fluid.
+///
+/// An elastic body feels the constant, and an open boundary fixes it; anywhere else the mean has to be fixed.
+pub fn pockets<const D: usize>(setup: &Setup<D>, geometry: &StepGeometry<D>) -> Vec<Pocket> {
+    let cut = &geometry.cut;
+    let mut parent: Vec<u32> = (0..cut.n_parts() as u32).collect();
+    for face in cut.part_faces() {
+        let (a, b) = (root(&mut parent, face.parts[0].0), root(&mut parent, face.parts[1].0));
+        parent[a.max(b) as usize] = a.min(b);
+    }
+    let mut is_fixed = vec![false; cut.n_parts()];
+    for piece in cut.boundary() {
+        let tag = setup.background.facet_tag(piece.facet);
+        let condition = setup.fluid.boundary.iter().find(|(t, _)| Some(*t) == tag).map(|(_, condition)| condition);
+        if matches!(condition, None | Some(FluidBoundary::Open { .. })) {
+            is_fixed[root(&mut parent, piece.part.0) as usize] = true;
+        }
+    }
+    for piece in cut.interface() {
+        if setup.bodies[piece.body.index()].elastic().is_some() {
+            is_fixed[root(&mut parent, piece.part.0) as usize] = true;
+        }
+    }
+    let mut pockets: Vec<(u32, Pocket)> = Vec::new();
+    for part in cut.all_parts() {
+        let root = root(&mut parent, part.0);
+        if is_fixed[root as usize] {
+            continue;
+        }
+        match pockets.iter_mut().find(|(r, _)| *r == root) {
+            Some((_, pocket)) => pocket.parts.push(part),
+            None => pockets.push((root, Pocket { parts: vec![part], dof: geometry.space.dofs(part)[0] })),
+        }
+    }
+    pockets.into_iter().map(|(_, pocket)| pocket).collect()
+}
+
+fn root(parent: &mut [u32], part: u32) -> u32 {
+    let mut root = part;
+    while parent[root as usize] != root {
+        root = parent[root as usize];
+    }
+    let mut walk = part;
+    while parent[walk as usize] != root {
+        walk = std::mem::replace(&mut parent[walk as usize], root);
+    }
+    root
+}
+
+impl Pocket {
+    /// Shifts the pressure so that its mean over the pocket is zero.
+    pub(crate) fn remove_mean<const D: usize>(&self, geometry: &StepGeometry<D>, pressure: &mut [f64]) {
+        let (mut integral, mut volume) = (0.0, 0.0);
+        let mut dofs = Vec::new();
+        for &part in &self.parts {
+            let of_part = geometry.space.dofs(part);
+            for q in geometry.parts.points(part) {
+                let p: f64 = of_part.iter().zip(&q.shape).map(|(&dof, n)| pressure[dof as usize] * n).sum();
+                integral += q.weight * p;
+                volume += q.weight;
+            }
+            dofs.extend_from_slice(of_part);
+        }
+        dofs.sort_unstable();
+        dofs.dedup();
+        if volume > 0.0 {
+            dofs.iter().for_each(|&dof| pressure[dof as usize] -= integral / volume);
+        }
+    }
+}

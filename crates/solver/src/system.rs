@@ -1,0 +1,165 @@
+//! Unknowns, step rules and forms of one step.
+
+use algebra::{BlockLayout, Constraints, FieldId};
+use fluid_ns::terms::{
+    BodyForce, CipPressure, CipVelocity, Convection, GhostPenalty, Incompressibility, Inertia, Viscous,
+};
+use fluid_ns::{FluidFields, FluidForm, FluidGeometry};
+use interface_dg::MortarForm;
+use mesh::{Point, Vector};
+use solid_svk::{StepRule, Support, support_values};
+use xfem_space::boundary_dofs;
+
+use crate::setup::{BodyKind, FluidBoundary, SupportKind};
+use crate::{Pocket, Setup, SetupError, State, StepGeometry, pockets};
+
+/// The unknowns of a step and what is prescribed of them: velocity and pressure of the fluid, then the velocity of
+/// each elastic body.
+pub struct StepSystem<const D: usize> {
+    /// Where the unknowns lie.
+    pub layout: BlockLayout,
+    /// Fluid velocity.
+    pub velocity: FieldId,
+    /// Fluid pressure.
+    pub pressure: FieldId,
+    /// Velocity field and step rule of each body; `None` where the motion is prescribed.
+    pub bodies: Vec<Option<(FieldId, StepRule<D>)>>,
+    /// Prescribed unknowns.
+    pub constraints: Constraints,
+    /// Pockets with a free pressure constant.
+    pub pockets: Vec<Pocket>,
+    /// Time at the end of the step.
+    pub time: f64,
+    /// The mortar's form.
+    pub mortar: MortarForm,
+}
+
+impl<const D: usize> StepSystem<D> {
+    /// The system of the step after `previous`.
+    ///
+    /// # Errors
+    /// [`SetupError`]: a support does not fit its body.
+    pub fn new(setup: &Setup<D>, geometry: &StepGeometry<D>, previous: &State<D>) -> Result<Self, SetupError> {
+        let mut layout = BlockLayout::new();
+        let velocity = layout.push("velocity", D * geometry.space.len());
+        let pressure = layout.push("pressure", geometry.space.len());
+        let mut bodies = Vec::with_capacity(setup.bodies.len());
+        for (body, state) in setup.bodies.iter().zip(&previous.bodies) {
+            bodies.push(match &body.kind {
+                BodyKind::Prescribed(_) => None,
+                BodyKind::Elastic(elastic) => {
+                    let rule = StepRule::implicit_euler(setup.dt, &state.displacement, &state.velocity)
+                        .map_err(|source| SetupError::Solid { body: body.name.clone(), source })?;
+                    Some((layout.push(&body.name, elastic.solid.n_dofs()), rule))
+                }
+            });
+        }
+        let mut system = Self {
+            layout,
+            velocity,
+            pressure,
+            bodies,
+            constraints: Constraints::new(),
+            pockets: pockets(setup, geometry),
+            time: previous.time + setup.dt,
+            mortar: MortarForm::new(setup.fluid.material, setup.gamma_sigma),
+        };
+        system.constrain_fluid(setup, geometry);
+        system.constrain_bodies(setup)?;
+        Ok(system)
+    }
+
+    /// The fluid's fields.
+    pub fn fields(&self) -> FluidFields<'_> {
+        FluidFields { layout: &self.layout, velocity: self.velocity, pressure: self.pressure }
+    }
+
+    /// The fluid's terms, with the body force at the end of the step.
+    pub(crate) fn fluid_form<'a>(
+        &self,
+        setup: &Setup<D>,
+        force: Option<&'a (dyn Fn(&Point<D>) -> Vector<D> + Sync)>,
+    ) -> FluidForm<'a, D> {
+        let fluid = &setup.fluid;
+        let (density, viscosity) = (fluid.material.density, fluid.material.viscosity);
+        FluidForm {
+            inertia: Some(Inertia { density, dt: setup.dt }),
+            viscous: Viscous { viscosity },
+            incompressibility: Incompressibility,
+            convection: fluid.convection.map(|skew| Convection { density, skew }),
+            body_force: BodyForce { force },
+            cip_velocity: CipVelocity { profile: fluid.cip, density },
+            cip_pressure: CipPressure {
+                gamma_pressure: fluid.gamma_pressure,
+                density,
+                viscosity,
+                rate: setup.dt.recip(),
+            },
+            ghost_penalty: GhostPenalty { gamma_ghost: fluid.gamma_ghost, viscosity },
+        }
+    }
+
+    /// Walls and symmetry lines; where both meet, the wall holds. One pressure per pocket.
+    fn constrain_fluid(&mut self, setup: &Setup<D>, geometry: &StepGeometry<D>) {
+        let background = &setup.background;
+        let dofs = |tag| boundary_dofs(background, &geometry.cut, &geometry.space, tag);
+        let row = |dof: u32, a: usize| self.layout.dof(self.velocity, D * dof as usize + a);
+        for (tag, condition) in &setup.fluid.boundary {
+            if let FluidBoundary::Symmetry { axis } = condition {
+                dofs(*tag).into_iter().for_each(|dof| self.constraints.set(row(dof, *axis), 0.0));
+            }
+        }
+        for (tag, condition) in &setup.fluid.boundary {
+            let at_rest = |_: &Point<D>, _: f64| Vector::zeros();
+            let velocity: &dyn Fn(&Point<D>, f64) -> Vector<D> = match condition {
+                FluidBoundary::NoSlip => &at_rest,
+                FluidBoundary::Velocity(velocity) => velocity.as_ref(),
+                FluidBoundary::Symmetry { .. } | FluidBoundary::Open { .. } => continue,
+            };
+            for dof in dofs(*tag) {
+                let value = velocity(&background.vertex(geometry.space.vertex(dof)), self.time);
+                (0..D).for_each(|a| self.constraints.set(row(dof, a), value[a]));
+            }
+        }
+        for pocket in &self.pockets {
+            self.constraints.set(self.layout.dof(self.pressure, pocket.dof as usize), 0.0);
+        }
+    }
+
+    fn constrain_bodies(&mut self, setup: &Setup<D>) -> Result<(), SetupError> {
+        for (body, unknown) in setup.bodies.iter().zip(&self.bodies) {
+            let (BodyKind::Elastic(elastic), Some((field, rule))) = (&body.kind, unknown) else { continue };
+            let time = self.time;
+            for support in &elastic.supports {
+                let displacement;
+                let kind = match &support.kind {
+                    SupportKind::Clamped => Support::Clamped,
+                    SupportKind::Symmetry { axis } => Support::Symmetry { axis: *axis },
+                    SupportKind::Displacement(given) => {
+                        displacement = move |x: &Point<D>| given(x, time);
+                        Support::Displacement(&displacement)
+                    }
+                };
+                let values = support_values(&elastic.solid, &support.vertices, kind, rule, &self.layout, *field)
+                    .map_err(|source| SetupError::Solid { body: body.name.clone(), source })?;
+                values.into_iter().for_each(|(dof, value)| self.constraints.set(dof, value));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What fluid terms see of the geometry of a step.
+pub(crate) fn fluid_geometry<'a, const D: usize>(
+    setup: &'a Setup<D>,
+    geometry: &'a StepGeometry<D>,
+) -> FluidGeometry<'a, D> {
+    FluidGeometry {
+        background: &setup.background,
+        cut: &geometry.cut,
+        space: &geometry.space,
+        parts: &geometry.parts,
+        faces: &geometry.faces,
+        history: &geometry.history.values,
+    }
+}
