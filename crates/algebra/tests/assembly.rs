@@ -97,7 +97,10 @@ fn layout(n: usize) -> BlockLayout {
 }
 
 fn distinct_dofs(n: usize, max_items: usize) -> impl Strategy<Value = Vec<Vec<usize>>> {
-    prop::collection::vec(prop::sample::subsequence((0..n).collect::<Vec<_>>(), 0..=n.min(5)).prop_shuffle(), 0..max_items)
+    prop::collection::vec(
+        prop::sample::subsequence((0..n).collect::<Vec<_>>(), 0..=n.min(5)).prop_shuffle(),
+        0..max_items,
+    )
 }
 
 proptest! {

@@ -18,8 +18,11 @@ pub enum BodySide<'a, const D: usize> {
     },
     /// Given at every point of the body.
     Prescribed {
-        /// Velocity at a point.
-        velocity: &'a (dyn Fn(&Point<D>) -> Vector<D> + Sync),
+        /// Velocity at a point and time.
+        #[allow(clippy::type_complexity)]
+        velocity: &'a (dyn Fn(&Point<D>, f64) -> Vector<D> + Send + Sync),
+        /// Time.
+        time: f64,
     },
 }
 
@@ -91,7 +94,7 @@ impl<const D: usize> InterfacePieces<'_, D> {
             }
             match body {
                 BodySide::Elastic { .. } => (0..D).for_each(|k| jump -= on_facet[k] * at.solid[k]),
-                BodySide::Prescribed { velocity } => jump -= velocity(&at.point),
+                BodySide::Prescribed { velocity, time } => jump -= velocity(&at.point, *time),
             }
             visit(&MortarPoint {
                 at,

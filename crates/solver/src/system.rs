@@ -7,7 +7,8 @@ use fluid_ns::terms::{
 use fluid_ns::{FluidFields, FluidForm, FluidGeometry};
 use interface_dg::MortarForm;
 use mesh::{Point, Vector};
-use solid_svk::{StepRule, Support, support_values};
+use solid_svk::StepRule;
+use solid_svk::boundary::{Support, support_values};
 use xfem_space::boundary_dofs;
 
 use crate::setup::{BodyKind, FluidBoundary, SupportKind};
@@ -74,12 +75,8 @@ impl<const D: usize> StepSystem<D> {
         FluidFields { layout: &self.layout, velocity: self.velocity, pressure: self.pressure }
     }
 
-    /// The fluid's terms, with the body force at the end of the step.
-    pub(crate) fn fluid_form<'a>(
-        &self,
-        setup: &Setup<D>,
-        force: Option<&'a (dyn Fn(&Point<D>) -> Vector<D> + Sync)>,
-    ) -> FluidForm<'a, D> {
+    /// The fluid's terms.
+    pub(crate) fn fluid_form<'a>(&self, setup: &'a Setup<D>) -> FluidForm<'a, D> {
         let fluid = &setup.fluid;
         let (density, viscosity) = (fluid.material.density, fluid.material.viscosity);
         FluidForm {
@@ -87,7 +84,10 @@ impl<const D: usize> StepSystem<D> {
             viscous: Viscous { viscosity },
             incompressibility: Incompressibility,
             convection: fluid.convection.map(|skew| Convection { density, skew }),
-            body_force: BodyForce { force },
+            body_force: BodyForce {
+                force: fluid.body_force.as_ref().map(|f| f.as_ref() as _),
+                time: self.time,
+            },
             cip_velocity: CipVelocity { profile: fluid.cip, density },
             cip_pressure: CipPressure {
                 gamma_pressure: fluid.gamma_pressure,

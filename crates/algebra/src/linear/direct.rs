@@ -1,8 +1,8 @@
 //! Sparse LU (faer) inside equilibration and iterative refinement.
 
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
-use faer::sparse::linalg::LuError;
 use faer::sparse::linalg::lu::{LuRef, LuSymbolicParams, NumericLu, SymbolicLu, factorize_symbolic_lu};
+use faer::sparse::linalg::{LuError, SupernodalThreshold};
 use faer::{Conj, MatMut, Par};
 use sprs::CsMatI;
 
@@ -148,10 +148,7 @@ impl LinearSolver for DirectSolver {
             report.iterations += 1;
         }
         if report.backward_error > BACKWARD_ERROR_BOUND {
-            return Err(LinearError::Inaccurate {
-                backward_error: report.backward_error,
-                bound: BACKWARD_ERROR_BOUND,
-            });
+            return Err(LinearError::Inaccurate { backward_error: report.backward_error, bound: BACKWARD_ERROR_BOUND });
         }
         for ((x, y), c) in x.iter_mut().zip(&self.solution).zip(self.scales.column()) {
             *x = y * c;
@@ -187,7 +184,7 @@ impl Factors {
         let symbolic = match &mut self.symbolic {
             Some(symbolic) => symbolic,
             none => {
-                let Ok(symbolic) = factorize_symbolic_lu(a.symbolic(), LuSymbolicParams::default()) else {
+                let Ok(symbolic) = factorize_symbolic_lu(a.symbolic(), symbolic_parameters()) else {
                     return Err(out_of_memory);
                 };
                 self.n_symbolic += 1;
@@ -213,6 +210,15 @@ impl Factors {
         let x = MatMut::from_column_major_slice_mut(x, n, 1);
         LuRef::new_unchecked(symbolic, &self.numeric).solve_in_place_with_conj(Conj::No, x, Par::Seq, stack);
         Ok(())
+    }
+}
+
+/// Always supernodal: it is the faster kind for all but tiny systems, and the memory of its factors may be reused for a
+/// system of another size (that of the simplicial kind may not: faer panics).
+fn symbolic_parameters() -> LuSymbolicParams<'static> {
+    LuSymbolicParams {
+        supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
+        ..LuSymbolicParams::default()
     }
 }
 

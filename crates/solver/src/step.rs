@@ -1,0 +1,87 @@
+//! One time step: the page to read first.
+
+use std::time::Instant;
+
+use algebra::{Workspace, newton};
+use cutcell::CutMesh;
+use mesh::Vector;
+
+use crate::problem::StepForms;
+use crate::setup::BodyKind;
+use crate::state::prescribed_body;
+use crate::{
+    BodyState, FluidState, FsiProblem, Setup, Stage, StageSeconds, State, StepError, StepGeometry, StepReport,
+    StepSystem,
+};
+
+/// Advances the coupled problem by one step of implicit Euler on the geometry of the previous state.
+///
+/// A function of setup and state: the workspace recycles memory and changes no bits.
+///
+/// # Errors
+/// [`StepError`] with the stage that failed; the previous state is untouched.
+pub fn advance<const D: usize>(
+    setup: &Setup<D>,
+    previous: &State<D>,
+    work: &mut Workspace,
+) -> Result<(State<D>, StepReport<D>), StepError> {
+    let end = previous.time + setup.dt;
+    let failed = |stage: Stage| StepError::at(previous.step + 1, end, stage);
+    let clock = Instant::now();
+
+    let positions = setup.positions(&previous.bodies);
+    let cut = CutMesh::overlay(&setup.background, &setup.surfaces(&positions), &setup.overlay)
+        .map_err(|e| failed(e.into()))?;
+    let seconds_cut = clock.elapsed().as_secs_f64();
+    let geometry = StepGeometry::new(setup, previous, positions, cut);
+    let seconds = StageSeconds {
+        cut: seconds_cut,
+        space: clock.elapsed().as_secs_f64() - seconds_cut,
+        ..StageSeconds::default()
+    };
+    let system = StepSystem::new(setup, &geometry, previous).map_err(|e| failed(e.into()))?;
+    let forms = StepForms::new(setup, &geometry, &system);
+    let problem = FsiProblem::new(setup, &geometry, &system, &forms, previous).map_err(|e| failed(e.into()))?;
+    let mut x = problem.initial_guess(&geometry, previous);
+    let solve = newton(&problem, &mut x, work, &setup.newton).map_err(|e| failed(e.into()))?;
+
+    let state = accept(setup, &geometry, &system, previous, &x);
+    let report = StepReport::new(setup, &geometry, &system, &problem, solve, &x, previous, &state, seconds);
+    Ok((state, report))
+}
+
+/// The new state from the solution of a step.
+fn accept<const D: usize>(
+    setup: &Setup<D>,
+    geometry: &StepGeometry<D>,
+    system: &StepSystem<D>,
+    previous: &State<D>,
+    x: &[f64],
+) -> State<D> {
+    let vectors = |range: std::ops::Range<usize>| -> Vec<Vector<D>> {
+        x[range].chunks_exact(D).map(Vector::from_column_slice).collect()
+    };
+    let mut pressure = x[system.layout.range(system.pressure)].to_vec();
+    system.pockets.iter().for_each(|pocket| pocket.remove_mean(geometry, &mut pressure));
+    let bodies = setup.bodies.iter().zip(&system.bodies).map(|(body, unknown)| match (&body.kind, unknown) {
+        (BodyKind::Prescribed(given), _) => prescribed_body(given, system.time),
+        (BodyKind::Elastic(_), None) => unreachable!("elastic bodies have a field"),
+        (BodyKind::Elastic(_), Some((field, rule))) => {
+            let velocity = vectors(system.layout.range(*field));
+            let displacement = velocity.iter().enumerate().map(|(i, v)| rule.displacement(i, v)).collect();
+            BodyState { displacement, velocity }
+        }
+    });
+    State {
+        step: previous.step + 1,
+        time: system.time,
+        bodies: bodies.collect(),
+        fluid: FluidState {
+            positions: geometry.positions.clone(),
+            cut: geometry.cut.clone(),
+            space: geometry.space.clone(),
+            velocity: vectors(system.layout.range(system.velocity)),
+            pressure,
+        },
+    }
+}

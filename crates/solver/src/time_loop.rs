@@ -1,0 +1,52 @@
+//! Step after step.
+
+use algebra::Workspace;
+
+use crate::{Observer, Setup, Stage, State, StepError, StepView, advance};
+
+/// A run: the setup, the state so far, and recycled memory.
+pub struct TimeLoop<'a, const D: usize> {
+    setup: &'a Setup<D>,
+    state: State<D>,
+    work: Workspace,
+}
+
+impl<'a, const D: usize> TimeLoop<'a, D> {
+    /// A run that starts from a state.
+    pub fn new(setup: &'a Setup<D>, state: State<D>, work: Workspace) -> Self {
+        Self { setup, state, work }
+    }
+
+    /// The state so far.
+    pub fn state(&self) -> &State<D> {
+        &self.state
+    }
+
+    /// The recycled memory, with the system of the last step.
+    pub fn workspace(&self) -> &Workspace {
+        &self.work
+    }
+
+    /// Shows the state to the observers, then takes `n_steps` steps and shows each of them.
+    ///
+    /// # Errors
+    /// The first step or observer that fails; the state is the last good one.
+    pub fn run(&mut self, n_steps: usize, observers: &mut [&mut dyn Observer<D>]) -> Result<(), StepError> {
+        let (step, time) = (self.state.step, self.state.time);
+        let start = StepView { setup: self.setup, previous: &self.state, state: &self.state, report: None };
+        for observer in observers.iter_mut() {
+            observer.after_step(&start).map_err(|e| StepError::at(step, time, Stage::Observer(e)))?;
+        }
+        for _ in 0..n_steps {
+            let (state, report) = advance(self.setup, &self.state, &mut self.work)?;
+            let view = StepView { setup: self.setup, previous: &self.state, state: &state, report: Some(&report) };
+            for observer in observers.iter_mut() {
+                observer
+                    .after_step(&view)
+                    .map_err(|e| StepError::at(state.step, state.time, Stage::Observer(e)))?;
+            }
+            self.state = state;
+        }
+        Ok(())
+    }
+}
