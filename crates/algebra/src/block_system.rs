@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use crate::scatter::{Scatter, Target};
-use crate::{BlockLayout, Constraints, Contributions, MatrixView, Pattern};
+use crate::{BlockLayout, Constraints, Contributions, MatrixView, Pattern, Unknowns};
 
 /// Time spent in one contribution, for reports only.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -163,6 +163,11 @@ impl BlockSystem {
     /// The fields of the unknowns.
     pub fn layout(&self) -> &BlockLayout {
         &self.layout
+    }
+
+    /// Layout and nodes of the unknowns, for linear solvers.
+    pub fn unknowns(&self) -> Unknowns<'_> {
+        Unknowns { layout: &self.layout, nodes: self.pattern.nodes() }
     }
 
     /// The sparsity pattern.

@@ -69,7 +69,7 @@ pub use check::{TangentDeviation, check_tangent, worst_tangent_entry};
 pub use constraints::Constraints;
 pub use contributions::Contributions;
 pub use layout::{BlockLayout, DofId, FieldId};
-pub use linear::{DirectSolver, Equilibration, LinearError, LinearReport, LinearSolver, MatrixView};
+pub use linear::{DirectSolver, Equilibration, LinearError, LinearReport, LinearSolver, MatrixView, Unknowns};
 pub use local_system::LocalSystem;
 pub use newton::{NewtonError, NewtonReport, NewtonSettings, NonlinearProblem, newton};
 pub use pattern::{ItemMap, Pattern};

@@ -277,7 +277,7 @@ impl Solve<'_> {
 
     fn factorize(&mut self) -> Result<(), Stop> {
         let begin = Instant::now();
-        let outcome = self.solver.factorize(self.system.matrix(), self.system.layout());
+        let outcome = self.solver.factorize(self.system.matrix(), self.system.unknowns());
         self.report.seconds_linear += begin.elapsed().as_secs_f64();
         self.report.factorizations += 1;
         outcome.map_err(Stop::Linear)

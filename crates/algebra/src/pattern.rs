@@ -20,6 +20,7 @@ pub struct Pattern {
     first_position: Vec<usize>,
     dofs: Vec<u32>,
     positions: Vec<u32>,
+    nodes: Vec<u32>,
     scratch: Scratch,
 }
 
@@ -28,10 +29,33 @@ pub struct Pattern {
 struct Scratch {
     /// Column to its first entry in `incidence`.
     first_incidence: Vec<usize>,
-    /// Item and local column, sorted by global column.
-    incidence: Vec<(u32, u32)>,
+    /// Items around each column, in their order.
+    incidence: Vec<Incidence>,
+    /// One number per row, with a meaning of its own in each pass.
     mark: Vec<u32>,
-    position: Vec<u32>,
+    unsorted: Vec<u32>,
+    signature: Vec<u64>,
+}
+
+/// One column of one item.
+#[derive(Clone, Copy, Debug, Default)]
+struct Incidence {
+    /// First entry of the item in `dofs`, which also tells items apart.
+    first_dof: u32,
+    /// Number of dofs of the item.
+    len: u32,
+    /// First entry of the column in `positions`.
+    first_position: u32,
+}
+
+impl Incidence {
+    fn dofs(self) -> Range<usize> {
+        self.first_dof as usize..(self.first_dof + self.len) as usize
+    }
+
+    fn positions(self) -> Range<usize> {
+        self.first_position as usize..(self.first_position + self.len) as usize
+    }
 }
 
 impl Pattern {
@@ -46,9 +70,12 @@ impl Pattern {
     /// As [`Pattern::new`], in the memory of an old pattern.
     pub fn recycle(mut self, n: usize, contributions: &[&dyn Contributions]) -> Self {
         assert!(n < u32::MAX as usize, "{n} unknowns do not fit");
-        self.collect_dofs(n, contributions);
-        self.sort_by_column(n);
-        self.number_entries(n);
+        let b = std::time::Instant::now(); self.collect_dofs(n, contributions); eprintln!("  collect_dofs {:.2}", b.elapsed().as_secs_f64()*1e3);
+        let b = std::time::Instant::now(); self.sort_by_column(n); eprintln!("  sort_by_colu {:.2}", b.elapsed().as_secs_f64()*1e3);
+        let b = std::time::Instant::now(); self.collect_rows(n); eprintln!("  collect_rows {:.2}", b.elapsed().as_secs_f64()*1e3);
+        let b = std::time::Instant::now(); self.sort_rows(n); eprintln!("  sort_rows(n) {:.2}", b.elapsed().as_secs_f64()*1e3);
+        let b = std::time::Instant::now(); self.map_items(n); eprintln!("  map_items(n) {:.2}", b.elapsed().as_secs_f64()*1e3);
+        let b = std::time::Instant::now(); self.group_nodes(n); eprintln!("  group_nodes( {:.2}", b.elapsed().as_secs_f64()*1e3);
         self
     }
 
@@ -76,7 +103,7 @@ impl Pattern {
             }
             self.first_item.push(self.first_dof.len() - 1);
         }
-        assert!(self.first_dof.len() <= u32::MAX as usize, "too many items");
+        assert!(n_positions <= u32::MAX as usize, "too many entries");
     }
 
     fn sort_by_column(&mut self, n: usize) {
@@ -91,52 +118,94 @@ impl Pattern {
             first_incidence[column] += first_incidence[column - 1];
         }
         incidence.clear();
-        incidence.resize(self.dofs.len(), (0, 0));
-        for (item, range) in self.first_dof.windows(2).enumerate() {
+        incidence.resize(self.dofs.len(), Incidence::default());
+        for (range, first_position) in self.first_dof.windows(2).zip(&self.first_position) {
+            let len = range[1] - range[0];
             for (local, &dof) in self.dofs[range[0]..range[1]].iter().enumerate() {
                 let next = &mut first_incidence[dof as usize + 1];
-                incidence[*next] = (item as u32, local as u32);
+                let first_position = (first_position + local * len) as u32;
+                incidence[*next] = Incidence { first_dof: range[0] as u32, len: len as u32, first_position };
                 *next += 1;
             }
         }
     }
 
-    fn number_entries(&mut self, n: usize) {
-        let Scratch { first_incidence, incidence, mark, position } = &mut self.scratch;
-        let n_positions = self.first_position.last().copied().unwrap_or(0);
-        self.positions.resize(n_positions, 0);
-        self.rows.clear();
+    /// Finds the rows of each column, in any order.
+    fn collect_rows(&mut self, n: usize) {
+        let Scratch { first_incidence, incidence, mark, unsorted, .. } = &mut self.scratch;
+        unsorted.clear();
         self.column_ptr.clear();
         self.column_ptr.push(0);
         mark.clear();
         mark.resize(n, u32::MAX);
-        position.resize(n, 0);
         for column in 0..n {
-            let items = &incidence[first_incidence[column]..first_incidence[column + 1]];
-            let begin = self.rows.len();
             mark[column] = column as u32;
-            self.rows.push(column as u32);
-            for &(item, _) in items {
-                for &row in &self.dofs[self.first_dof[item as usize]..self.first_dof[item as usize + 1]] {
+            unsorted.push(column as u32);
+            for item in &incidence[first_incidence[column]..first_incidence[column + 1]] {
+                for &row in &self.dofs[item.dofs()] {
                     if mark[row as usize] != column as u32 {
                         mark[row as usize] = column as u32;
-                        self.rows.push(row);
+                        unsorted.push(row);
                     }
                 }
             }
-            self.rows[begin..].sort_unstable();
-            for (k, &row) in self.rows[begin..].iter().enumerate() {
-                position[row as usize] = (begin + k) as u32;
+            assert!(unsorted.len() < u32::MAX as usize, "too many entries");
+            self.column_ptr.push(unsorted.len() as u32);
+        }
+    }
+
+    /// Sorts the rows: the pattern is symmetric, and columns visited in order append themselves to their rows in order.
+    fn sort_rows(&mut self, n: usize) {
+        let Scratch { mark: next, unsorted, .. } = &mut self.scratch;
+        next.copy_from_slice(&self.column_ptr[..n]);
+        self.rows.resize(unsorted.len(), 0);
+        for column in 0..n {
+            for &row in &unsorted[self.column_ptr[column] as usize..self.column_ptr[column + 1] as usize] {
+                self.rows[next[row as usize] as usize] = column as u32;
+                next[row as usize] += 1;
             }
-            for &(item, local) in items {
-                let dofs = &self.dofs[self.first_dof[item as usize]..self.first_dof[item as usize + 1]];
-                let first = self.first_position[item as usize] + local as usize * dofs.len();
-                for (entry, &row) in self.positions[first..first + dofs.len()].iter_mut().zip(dofs) {
+        }
+    }
+
+    /// Writes the scatter map.
+    fn map_items(&mut self, n: usize) {
+        let Scratch { first_incidence, incidence, mark: position, .. } = &mut self.scratch;
+        self.positions.resize(self.first_position.last().copied().unwrap_or(0), 0);
+        for column in 0..n {
+            for k in self.column_ptr[column]..self.column_ptr[column + 1] {
+                position[self.rows[k as usize] as usize] = k;
+            }
+            for item in &incidence[first_incidence[column]..first_incidence[column + 1]] {
+                for (entry, &row) in self.positions[item.positions()].iter_mut().zip(&self.dofs[item.dofs()]) {
                     *entry = position[row as usize];
                 }
             }
-            assert!(self.rows.len() < u32::MAX as usize, "too many entries");
-            self.column_ptr.push(self.rows.len() as u32);
+        }
+    }
+
+    /// Finds the dofs that occur in the same items.
+    ///
+    /// Items of at most 4/9 of the size of the largest one around a dof do not count: a face that couples a single
+    /// component must not tell the components of a node apart.
+    fn group_nodes(&mut self, n: usize) {
+        const LARGEST_ITEM: u32 = 64;
+        let Scratch { first_incidence, incidence, signature, .. } = &mut self.scratch;
+        signature.clear();
+        self.nodes.clear();
+        let mut n_nodes = 0;
+        for column in 0..n {
+            let items = &incidence[first_incidence[column]..first_incidence[column + 1]];
+            let largest = items.iter().map(|item| item.len).max().unwrap_or(0);
+            let mut counted = items.iter().filter(|item| 9 * item.len > 4 * largest).peekable();
+            let first = counted.peek().filter(|_| largest <= LARGEST_ITEM).copied();
+            signature.push(counted.fold(0, |hash, item| mix(hash, item.first_dof)));
+            let twin = first.and_then(|item| {
+                let is_twin = |dof: &&u32| (**dof as usize) < column && signature[**dof as usize] == signature[column];
+                self.dofs[item.dofs()].iter().find(is_twin)
+            });
+            let node = twin.map_or(n_nodes, |dof| self.nodes[*dof as usize]);
+            n_nodes = n_nodes.max(node + 1);
+            self.nodes.push(node);
         }
     }
 
@@ -155,6 +224,11 @@ impl Pattern {
         &self.column_ptr
     }
 
+    /// Dof to its node: dofs that occur in the same (large) items, such as the components of a field at a vertex.
+    pub fn nodes(&self) -> &[u32] {
+        &self.nodes
+    }
+
     /// Rows of all entries, ascending within each column.
     pub fn rows(&self) -> &[u32] {
         &self.rows
@@ -164,6 +238,11 @@ impl Pattern {
     pub fn map(&self, contribution: usize) -> ItemMap<'_> {
         ItemMap { pattern: self, items: self.first_item[contribution]..self.first_item[contribution + 1] }
     }
+}
+
+/// Mixes an item into a hash.
+fn mix(hash: u64, item: u32) -> u64 {
+    (hash ^ (u64::from(item) + 1)).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29)
 }
 
 /// Rows and matrix positions of the items of one contribution.

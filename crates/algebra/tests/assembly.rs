@@ -210,6 +210,19 @@ fn the_tangent_check_finds_a_wrong_entry_and_a_wrong_residual() {
 }
 
 #[test]
+fn components_at_a_vertex_are_one_node() {
+    let flow = Flow::new(7, 1.0);
+    let (linear, convection, jumps) = flow.parts();
+    let list: [&dyn Contributions; 5] = [&linear, &convection, &jumps[0], &jumps[1], &jumps[2]];
+    let pattern = Pattern::new(flow.layout.len(), &list);
+    let n = flow.grid.n_vertices();
+    let expected: Vec<u32> = (0..3 * n as u32).map(|dof| dof % n as u32).collect();
+    assert_eq!(pattern.nodes(), expected);
+    let huge = Items { dofs: vec![(0..100).collect()], is_linear: true };
+    assert_eq!(Pattern::new(101, &[&huge]).nodes(), (0..101).collect::<Vec<u32>>());
+}
+
+#[test]
 #[should_panic(expected = "items item 0: dof 5 of 3")]
 fn a_dof_outside_of_the_layout_is_named() {
     let items = Items { dofs: vec![vec![0, 5]], is_linear: true };

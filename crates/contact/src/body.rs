@@ -24,7 +24,7 @@ impl<'a, const D: usize> ContactBody<'a, D> {
     ///
     /// # Errors
     /// [`Error::Parameter`]: `displacement_per_velocity` (`c_d`) not positive. [`Error::Field`]: the field does not
-    /// have `D` dofs per vertex.
+    /// have `D` dofs per vertex. [`Error::UnknownVertex`]: too few positions for the boundary.
     pub fn new(
         boundary: &'a BoundaryMesh<D>,
         predicted: &'a [Point<D>],
@@ -36,6 +36,10 @@ impl<'a, const D: usize> ContactBody<'a, D> {
         let range = layout.range(field);
         if range.len() != D * predicted.len() {
             return Err(Error::Field { found: range.len(), expected: D * predicted.len() });
+        }
+        let highest = boundary.facets().flat_map(|f| boundary.facet(f)).max();
+        if let Some(&vertex) = highest.filter(|v| v.index() >= predicted.len()) {
+            return Err(Error::UnknownVertex { vertex, n_positions: predicted.len() });
         }
         Ok(Self { boundary, predicted, displacement_per_velocity, first_dof: range.start })
     }
@@ -99,5 +103,10 @@ impl<'a, const D: usize> Motion<'a, D> {
         }
         let velocity = Vector::from_column_slice(&self.velocity[D * vertex.index()..][..D]);
         predicted + self.displacement_per_velocity * velocity
+    }
+
+    /// Positions of all vertices.
+    pub(crate) fn positions(&self) -> Vec<Point<D>> {
+        (0..self.predicted.len()).map(|k| self.position(VertexId::new(k))).collect()
     }
 }

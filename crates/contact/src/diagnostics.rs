@@ -76,6 +76,7 @@ fn minimum_gap<const D: usize>(facets: &ContactFacets<'_, D>, x: &[f64]) -> Opti
     let mut vertices: Vec<_> = pair.facets.iter().flat_map(|&f| pair.slave.boundary().facet(f)).copied().collect();
     vertices.sort_unstable();
     vertices.dedup();
-    let gap = |point: Point<D>| pair.obstacle.project(&point, master, pair.obstacle.facets()).map(|p| p.gap(&point));
-    vertices.into_iter().filter_map(|v| gap(slave.position(v))).reduce(f64::min)
+    let points: Vec<Point<D>> = vertices.into_iter().map(|v| slave.position(v)).collect();
+    let projections = pair.obstacle.project_all(&points, master);
+    points.iter().zip(projections).filter_map(|(x, found)| Some(found?.gap(x))).reduce(f64::min)
 }

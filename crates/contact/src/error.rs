@@ -1,6 +1,6 @@
 //! What can be wrong with the description of a contact.
 
-use mesh::FacetId;
+use mesh::{FacetId, VertexId};
 
 /// Errors of this crate.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -31,8 +31,16 @@ pub enum Error {
         /// Facets of the boundary.
         n_facets: usize,
     },
-    /// A deformable obstacle was given without its body, or a rigid one with a body.
-    #[error("a deformable obstacle needs its body (the master), a rigid one must have none")]
+    /// A boundary names vertices that have no position.
+    #[error("the boundary names vertex {vertex}, but there are positions for {n_positions} vertices only")]
+    UnknownVertex {
+        /// The vertex.
+        vertex: VertexId,
+        /// Positions given.
+        n_positions: usize,
+    },
+    /// A deformable obstacle was given without its body or with another one, or a rigid obstacle with a body.
+    #[error("a deformable obstacle needs the body whose boundary it is (the master), a rigid one must have none")]
     Master,
     /// Slave and master are the same field; a body cannot be its own obstacle.
     #[error("slave and master are the same body; self-contact is not supported")]

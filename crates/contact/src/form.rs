@@ -90,7 +90,7 @@ impl<'a, const D: usize> ContactFacets<'a, D> {
         if let Some(&facet) = pair.facets.iter().find(|f| f.index() >= n_facets) {
             return Err(Error::UnknownFacet { facet, n_facets });
         }
-        if pair.obstacle.boundary().is_some() != pair.master.is_some() {
+        if pair.obstacle.boundary() != pair.master.map(|master| master.boundary()) {
             return Err(Error::Master);
         }
         if pair.master.is_some_and(|master| master.is_same_field(&pair.slave)) {

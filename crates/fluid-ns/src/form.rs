@@ -204,7 +204,7 @@ impl<'a, const D: usize> FluidFaces<'a, D> {
                 let face = FluidFace::new(value, geometry.history);
                 let velocity: f64 = form.velocity_face_terms().iter().map(|term| term.weight(&face)).sum();
                 let pressure: f64 = form.pressure_face_terms().iter().map(|term| term.weight(&face)).sum();
-                [velocity * value.measure, pressure * value.measure]
+                [velocity * value.measure * value.share, pressure * value.measure * value.share]
             })
             .collect();
         Self { fields, geometry, weights }
@@ -235,6 +235,9 @@ impl<const D: usize> Contributions for FluidFaces<'_, D> {
     fn add(&self, item: usize, x: &[f64], out: &mut LocalSystem) {
         let (face, component) = (item / (D + 1), item % (D + 1));
         let value = &self.geometry.faces.as_slice()[face];
+        if value.odd_component == Some(component) {
+            return;
+        }
         let weight = self.weights[face][usize::from(component == D)];
         let mut jump = 0.0;
         for (&dof, j) in value.dofs().iter().zip(value.jumps()) {

@@ -1,6 +1,6 @@
 //! What can be wrong with the description of a solid.
 
-use mesh::CellId;
+use mesh::{CellId, FacetId};
 
 /// Errors of this crate.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -30,6 +30,14 @@ pub enum Error {
         found: usize,
         /// The length it should have.
         expected: usize,
+    },
+    /// A facet that the boundary does not have.
+    #[error("facet {facet} is not among the {n_facets} facets of the boundary")]
+    UnknownFacet {
+        /// The facet.
+        facet: FacetId,
+        /// Facets of the boundary.
+        n_facets: usize,
     },
     /// A part of the boundary that the mesh does not have. Check the spelling against `SimplexMesh::tag_names`.
     #[error("the mesh has no boundary part \"{name}\"")]

@@ -57,7 +57,7 @@ impl<'a, const D: usize> SolidFacets<'a, D> {
     /// The load `term` on the given facets of the boundary of `mesh`.
     ///
     /// # Errors
-    /// [`Error::Length`]: field or step rule do not fit the mesh.
+    /// [`Error::Length`]: field or step rule do not fit the mesh. [`Error::UnknownFacet`]: no such facet.
     pub fn new(
         mesh: &'a SolidMesh<D>,
         term: &'a dyn FacetTerm<D>,
@@ -69,6 +69,10 @@ impl<'a, const D: usize> SolidFacets<'a, D> {
         let range = layout.range(field);
         length("field of the body", range.len(), mesh.n_dofs())?;
         length("step rule", step.n_vertices(), mesh.mesh().n_vertices())?;
+        let n_facets = mesh.boundary().n_facets();
+        if let Some(&facet) = facets.iter().find(|f| f.index() >= n_facets) {
+            return Err(Error::UnknownFacet { facet, n_facets });
+        }
         Ok(Self { mesh, term, facets, step, first_dof: range.start })
     }
 }

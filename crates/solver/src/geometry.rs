@@ -8,7 +8,7 @@ use mesh::search::{CellIndex, SurfaceIndex};
 use mesh::{Placed, Point, Vector};
 use xfem_space::{FaceValues, PartValues, Transferred, VelocityField, XfemSpace, transfer};
 
-use crate::setup::BodyKind;
+use crate::setup::{BodyKind, FluidBoundary};
 use crate::{Setup, State};
 
 /// Degree of quadrature on parts: convection and mass are quadratic in P1 functions.
@@ -47,7 +47,12 @@ impl<const D: usize> StepGeometry<D> {
         let bodies = BodyVelocity { setup, previous, positions: &positions, index: OnceCell::new() };
         let history = transfer(background, old, &cut, &space, &|_, x| bodies.at(x));
         let parts = PartValues::new(background, &cut, PART_DEGREE);
-        let faces = FaceValues::new(background, &cut, &space, &parts);
+        let mut faces = FaceValues::new(background, &cut, &space, &parts);
+        for (tag, condition) in &setup.fluid.boundary {
+            if let FluidBoundary::Symmetry { axis } = condition {
+                faces.add_symmetry_plane(background, &cut, &space, &parts, *tag, *axis);
+            }
+        }
         let pieces = PieceValues::new(background, &cut, &parts, PIECE_DEGREE);
         Self { positions, cut, space, parts, faces, pieces, history }
     }

@@ -1,7 +1,7 @@
 //! Jumps of normal derivatives over faces.
 
-use cutcell::CutMesh;
-use mesh::{FacetId, MAX_CELL_VERTICES, SimplexMesh, Vector, facet_normal, simplex_measure};
+use cutcell::{CellState, CutMesh, PartId};
+use mesh::{FacetId, MAX_CELL_VERTICES, Point, SimplexMesh, Tag, Vector, facet_normal, simplex_measure};
 
 use crate::{PartValues, XfemSpace};
 
@@ -9,6 +9,8 @@ use crate::{PartValues, XfemSpace};
 const MAX_FACE_DOFS: usize = MAX_CELL_VERTICES + 1;
 
 /// One pair of parts on one face: P1 functions have a constant jump of the normal derivative over the whole face.
+///
+/// A face on a symmetry plane pairs a part with its own mirror image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FaceValue<const D: usize> {
     /// The face of the background.
@@ -21,27 +23,79 @@ pub struct FaceValue<const D: usize> {
     pub diameter: f64,
     /// Unit normal, out of the first cell.
     pub normal: Vector<D>,
+    /// Share of the face's integral that belongs to this domain: one, or a half on a symmetry plane.
+    pub share: f64,
+    /// On a symmetry plane, the vector component that changes its sign in the mirror image and has no jump.
+    pub odd_component: Option<usize>,
+    n_dofs: usize,
     dofs: [u32; MAX_FACE_DOFS],
     jumps: [f64; MAX_FACE_DOFS],
 }
 
 impl<const D: usize> FaceValue<D> {
-    /// The `D + 2` dofs of the two parts; the first `D` lie on the face.
+    /// The `D + 2` dofs of the two parts (`D + 1` on a symmetry plane); the first `D` lie on the face.
     #[inline]
     pub fn dofs(&self) -> &[u32] {
-        &self.dofs[..D + 2]
+        &self.dofs[..self.n_dofs]
     }
 
     /// Jump of the normal derivative of the shape function of each dof, first part minus second.
     #[inline]
     pub fn jumps(&self) -> &[f64] {
-        &self.jumps[..D + 2]
+        &self.jumps[..self.n_dofs]
     }
 
     /// The `D` dofs on the face.
     #[inline]
     pub fn face_dofs(&self) -> &[u32] {
         &self.dofs[..D]
+    }
+}
+
+impl<const D: usize> FaceValue<D> {
+    fn new(background: &SimplexMesh<D>, facet: FacetId, is_ghost: bool) -> Self {
+        let mut points = [Point::<D>::zeros(); MAX_CELL_VERTICES];
+        for (slot, v) in points.iter_mut().zip(background.facet(facet)) {
+            *slot = background.vertex(*v);
+        }
+        let mut diameter = 0.0_f64;
+        for i in 0..D {
+            for j in 0..i {
+                diameter = diameter.max((points[i] - points[j]).norm());
+            }
+        }
+        Self {
+            facet,
+            is_ghost,
+            measure: simplex_measure(&points[..D]),
+            diameter,
+            normal: facet_normal(&points[..D]),
+            share: 1.0,
+            odd_component: None,
+            n_dofs: D + 2,
+            dofs: [0; MAX_FACE_DOFS],
+            jumps: [0.0; MAX_FACE_DOFS],
+        }
+    }
+
+    /// Adds the normal derivatives of a part, times `sign`; the dof off the face goes to the slot `opposite`.
+    #[allow(clippy::too_many_arguments)]
+    fn add_side(
+        &mut self,
+        background: &SimplexMesh<D>,
+        cut: &CutMesh<D>,
+        space: &XfemSpace<D>,
+        values: &PartValues<D>,
+        part: PartId,
+        opposite: usize,
+        sign: f64,
+    ) {
+        let vertices = background.facet(self.facet);
+        for (local, vertex) in background.cell(cut.part_cell(part)).iter().enumerate() {
+            let slot = vertices.iter().position(|v| v == vertex).unwrap_or(opposite);
+            self.dofs[slot] = space.dofs(part)[local];
+            self.jumps[slot] += sign * values.gradients(part)[local].dot(&self.normal);
+        }
     }
 }
 
@@ -58,42 +112,41 @@ impl<const D: usize> FaceValues<D> {
             .part_faces()
             .iter()
             .map(|face| {
-                let vertices = background.facet(face.facet);
-                let mut points = [mesh::Point::<D>::zeros(); MAX_CELL_VERTICES];
-                for (slot, v) in points.iter_mut().zip(vertices) {
-                    *slot = background.vertex(*v);
-                }
-                let normal = facet_normal(&points[..D]);
-                let mut dofs = [0; MAX_FACE_DOFS];
-                let mut jumps = [0.0; MAX_FACE_DOFS];
-                for (side, sign) in [(0, 1.0), (1, -1.0)] {
-                    let part = face.parts[side];
-                    let cell = background.cell(cut.part_cell(part));
-                    let gradients = values.gradients(part);
-                    for (local, vertex) in cell.iter().enumerate() {
-                        let slot = vertices.iter().position(|v| v == vertex).unwrap_or(D + side);
-                        dofs[slot] = space.dofs(part)[local];
-                        jumps[slot] += sign * gradients[local].dot(&normal);
-                    }
-                }
-                let mut diameter = 0.0_f64;
-                for i in 0..D {
-                    for j in 0..i {
-                        diameter = diameter.max((points[i] - points[j]).norm());
-                    }
-                }
-                FaceValue {
-                    facet: face.facet,
-                    is_ghost: face.is_ghost,
-                    measure: simplex_measure(&points[..D]),
-                    diameter,
-                    normal,
-                    dofs,
-                    jumps,
-                }
+                let mut value = FaceValue::new(background, face.facet, face.is_ghost);
+                value.add_side(background, cut, space, values, face.parts[0], D, 1.0);
+                value.add_side(background, cut, space, values, face.parts[1], D + 1, -1.0);
+                value
             })
             .collect();
         Self { faces }
+    }
+
+    /// Adds the faces on the tagged symmetry plane across an axis: a domain and its mirror image penalise the jumps
+    /// on them as on any interior face.
+    pub fn add_symmetry_plane(
+        &mut self,
+        background: &SimplexMesh<D>,
+        cut: &CutMesh<D>,
+        space: &XfemSpace<D>,
+        values: &PartValues<D>,
+        tag: Tag,
+        axis: usize,
+    ) {
+        let mut last = None;
+        for piece in cut.boundary().iter().filter(|piece| background.facet_tag(piece.facet) == Some(tag)) {
+            // The pieces of one part on one face follow each other.
+            if last.replace((piece.facet, piece.part)) == Some((piece.facet, piece.part)) {
+                continue;
+            }
+            let is_ghost = cut.cell_state(cut.part_cell(piece.part)) == CellState::Cut;
+            let mut value = FaceValue::new(background, piece.facet, is_ghost);
+            value.share = 0.5;
+            value.odd_component = Some(axis);
+            value.n_dofs = D + 1;
+            // The mirror image has the opposite normal derivative.
+            value.add_side(background, cut, space, values, piece.part, D, 2.0);
+            self.faces.push(value);
+        }
     }
 
     /// The faces in order.

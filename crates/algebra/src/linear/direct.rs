@@ -1,14 +1,9 @@
 //! Sparse LU (faer) inside equilibration and iterative refinement.
 
-use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
-use faer::sparse::linalg::lu::{LuRef, LuSymbolicParams, NumericLu, SymbolicLu, factorize_symbolic_lu};
-use faer::sparse::linalg::{LuError, SupernodalThreshold};
-use faer::{Conj, MatMut, Par};
 use sprs::CsMatI;
 
-use super::{Equilibration, LinearError, LinearReport, LinearSolver, MatrixView};
-use crate::BlockLayout;
-use crate::faer_view::faer_view;
+use super::factors::Factors;
+use super::{Equilibration, LinearError, LinearReport, LinearSolver, MatrixView, Unknowns};
 
 /// Largest accepted backward error of a solution.
 const BACKWARD_ERROR_BOUND: f64 = 1e-11;
@@ -19,7 +14,7 @@ const MAX_REFINEMENTS: usize = 2;
 /// Growth of the probing solve from which on the matrix counts as singular.
 const SINGULAR_GROWTH: f64 = 1e13;
 
-/// Sparse LU with COLAMD ordering and partial pivoting.
+/// Sparse LU with partial pivoting and a COLAMD ordering of the nodes.
 ///
 /// The matrix is equilibrated ([`Equilibration`]) and factorised in one thread, so that bits do not depend on the number of
 /// threads. Every solution is refined at most twice with its true residual and accepted only if its backward error
@@ -37,6 +32,8 @@ pub struct DirectSolver {
     matrix: Option<CsMatI<f64, u32>>,
     /// Largest absolute row sum of the equilibrated matrix.
     norm: f64,
+    /// Nodes of the unknowns, for which the ordering was made.
+    nodes: Vec<u32>,
     factors: Factors,
     growth: f64,
     rhs: Vec<f64>,
@@ -92,22 +89,31 @@ impl DirectSolver {
 }
 
 impl LinearSolver for DirectSolver {
-    fn factorize(&mut self, matrix: MatrixView<'_>, _layout: &BlockLayout) -> Result<(), LinearError> {
+    fn factorize(&mut self, matrix: MatrixView<'_>, unknowns: Unknowns<'_>) -> Result<(), LinearError> {
         assert!(matrix.is_csc() && matrix.rows() == matrix.cols(), "a square matrix compressed by columns");
+        assert_eq!(matrix.rows(), unknowns.nodes.len(), "nodes of the unknowns");
         let previous = self.matrix.take();
         self.scales.compute(matrix)?;
         let column_ptr = matrix.proper_indptr();
         let mut owned = match previous {
-            Some(m) if m.proper_indptr() == column_ptr && m.indices() == matrix.indices() => m,
+            Some(m)
+                if m.proper_indptr() == column_ptr
+                    && m.indices() == matrix.indices()
+                    && self.nodes == unknowns.nodes =>
+            {
+                m
+            }
             _ => {
-                self.factors.symbolic = None;
+                self.factors.clear_pattern();
+                self.nodes.clear();
+                self.nodes.extend_from_slice(unknowns.nodes);
                 let (rows, values) = (matrix.indices().to_vec(), matrix.data().to_vec());
                 CsMatI::new_csc(matrix.shape(), column_ptr.to_vec(), rows, values)
             }
         };
         self.scale(matrix, &mut owned);
         if owned.rows() > 0 {
-            self.factors.factorize(&owned)?;
+            self.factors.factorize(&owned, &self.nodes)?;
             self.probe(owned.rows())?;
         }
         self.matrix = Some(owned);
@@ -162,81 +168,6 @@ impl LinearSolver for DirectSolver {
 
     fn n_factorizations(&self) -> usize {
         self.factors.n_numeric
-    }
-}
-
-/// The LU factors and their recycled memory.
-#[derive(Default)]
-struct Factors {
-    symbolic: Option<SymbolicLu<u32>>,
-    numeric: NumericLu<u32, f64>,
-    scratch: Scratch,
-    n_symbolic: usize,
-    n_numeric: usize,
-}
-
-impl Factors {
-    /// Computes the factors; the symbolic factorisation is that of the same pattern, if there is one.
-    fn factorize(&mut self, matrix: &CsMatI<f64, u32>) -> Result<(), LinearError> {
-        let out_of_memory = LinearError::OutOfMemory { n_unknowns: matrix.rows() };
-        let column_ptr = matrix.indptr();
-        let a = faer_view(column_ptr.raw_storage(), matrix.indices(), matrix.data());
-        let symbolic = match &mut self.symbolic {
-            Some(symbolic) => symbolic,
-            none => {
-                let Ok(symbolic) = factorize_symbolic_lu(a.symbolic(), symbolic_parameters()) else {
-                    return Err(out_of_memory);
-                };
-                self.n_symbolic += 1;
-                none.insert(symbolic)
-            }
-        };
-        let need = symbolic.factorize_numeric_lu_scratch::<f64>(Par::Seq, Default::default());
-        let Some(stack) = self.scratch.get(need) else { return Err(out_of_memory) };
-        self.n_numeric += 1;
-        match symbolic.factorize_numeric_lu(&mut self.numeric, a, Par::Seq, stack, Default::default()) {
-            Ok(_) => Ok(()),
-            Err(LuError::SymbolicSingular { index }) => Err(LinearError::StructurallySingular { pivot: index }),
-            Err(LuError::Generic(_)) => Err(out_of_memory),
-        }
-    }
-
-    /// Solves with the factors, in place.
-    fn substitute(&mut self, x: &mut [f64]) -> Result<(), LinearError> {
-        let Some(symbolic) = &self.symbolic else { return Err(LinearError::NotFactorized) };
-        let n = x.len();
-        let need = symbolic.solve_in_place_scratch::<f64>(1, Par::Seq);
-        let Some(stack) = self.scratch.get(need) else { return Err(LinearError::OutOfMemory { n_unknowns: n }) };
-        let x = MatMut::from_column_major_slice_mut(x, n, 1);
-        LuRef::new_unchecked(symbolic, &self.numeric).solve_in_place_with_conj(Conj::No, x, Par::Seq, stack);
-        Ok(())
-    }
-}
-
-/// Always supernodal: it is the faster kind for all but tiny systems, and the memory of its factors may be reused for a
-/// system of another size (that of the simplicial kind may not: faer panics).
-fn symbolic_parameters() -> LuSymbolicParams<'static> {
-    LuSymbolicParams {
-        supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
-        ..LuSymbolicParams::default()
-    }
-}
-
-/// Stack memory of faer that only grows.
-#[derive(Default)]
-struct Scratch {
-    memory: Option<(StackReq, MemBuffer)>,
-}
-
-impl Scratch {
-    /// A stack of at least the size that is asked for, unless there is no memory.
-    fn get(&mut self, need: StackReq) -> Option<&mut MemStack> {
-        let fits = |have: &StackReq| have.size_bytes() >= need.size_bytes() && have.align_bytes() >= need.align_bytes();
-        if !self.memory.as_ref().is_some_and(|(have, _)| fits(have)) {
-            self.memory = None;
-            self.memory = Some((need, MemBuffer::try_new(need).ok()?));
-        }
-        self.memory.as_mut().map(|(_, memory)| MemStack::new(memory))
     }
 }
 

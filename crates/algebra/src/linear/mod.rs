@@ -2,6 +2,7 @@
 
 mod direct;
 mod equilibration;
+mod factors;
 
 pub use direct::DirectSolver;
 pub use equilibration::Equilibration;
@@ -11,16 +12,26 @@ use crate::BlockLayout;
 /// A borrowed sparse matrix, compressed by columns, with sorted rows.
 pub type MatrixView<'a> = sprs::CsMatViewI<'a, f64, u32>;
 
+/// What a linear solver may know about the unknowns of a matrix.
+#[derive(Clone, Copy, Debug)]
+pub struct Unknowns<'a> {
+    /// The fields, for block preconditioners.
+    pub layout: &'a BlockLayout,
+    /// Unknown to its node: a number below the count of unknowns, shared by unknowns with almost the same couplings.
+    /// It guides orderings and changes no solution.
+    pub nodes: &'a [u32],
+}
+
 /// Solves linear systems with the matrix that it was given last.
 ///
 /// A solver keeps what it needs of the matrix: between two factorisations the caller may overwrite its own copy, and
 /// solves go on with the old one (modified Newton).
 pub trait LinearSolver: Send {
-    /// Prepares solves with a square `matrix`; `layout` names the blocks of its unknowns, for block preconditioners.
+    /// Prepares solves with a square `matrix`.
     ///
     /// # Panics
-    /// The matrix is not square or not compressed by columns.
-    fn factorize(&mut self, matrix: MatrixView<'_>, layout: &BlockLayout) -> Result<(), LinearError>;
+    /// The matrix is not square or not compressed by columns, or has another size than `unknowns`.
+    fn factorize(&mut self, matrix: MatrixView<'_>, unknowns: Unknowns<'_>) -> Result<(), LinearError>;
 
     /// Solves `A x = rhs` for the matrix of the last [`LinearSolver::factorize`].
     ///

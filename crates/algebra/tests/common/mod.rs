@@ -151,7 +151,7 @@ impl Contributions for ConvectionCells<'_> {
         let mean = [0, 1].map(|a| (u[0][a] + u[1][a] + u[2][a]) / 3.0);
         let weight = self.0.convection * area / 3.0;
         for i in 0..3 {
-            for c in 0..2 {
+            for c in [0, 1] {
                 let slope = [0, 1].map(|a| (0..3).map(|k| u[k][c] * g[k][a]).sum::<f64>());
                 out.add(3 * i + c, weight * (mean[0] * slope[0] + mean[1] * slope[1]));
                 if out.wants_tangent() {

@@ -6,7 +6,7 @@ use crate::error::{non_negative, positive};
 
 /// `λ = -(γ_C0/s) [ε - Δ]₊`, with stored energy `1/2 (γ_C0/s) [ε - Δ]₊²`
 ///
-/// Source: paper, Eq. (6) and Remark 2, with the sign of its last equality corrected (METHOD, section 5b).
+/// Source: paper, Eq. (6) and Remark 2, whose last equality has the wrong sign.
 /// Units: `γ_C0` dyn/cm², `s` and `ε` cm, `λ` dyn/cm².
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Penalty {

@@ -128,8 +128,19 @@ impl<const D: usize> Obstacle<D> for DeformableObstacle<D> {
         Some(&self.boundary)
     }
 
-    fn facets(&self) -> &[FacetId] {
-        &self.facets
+    fn project_all(&self, points: &[Point<D>], motion: Motion<'_, D>) -> Vec<Option<Projection<D>>> {
+        let positions = motion.positions();
+        let touchable = self.facets.iter().flat_map(|&f| self.boundary.facet(f)).copied().collect();
+        let index = SurfaceIndex::new(&Placed::new(&BoundaryMesh::from_facets(touchable), &positions));
+        let mut near = Vec::new();
+        let mut project = |x: &Point<D>| {
+            // All facets as close as the closest one, so that ties are broken here as everywhere else.
+            let reach = (index.closest(x)?.point - x).norm() * (1.0 + TIE);
+            index.facets_overlapping(&x.add_scalar(-reach), &x.add_scalar(reach), &mut near);
+            near.iter_mut().for_each(|f| *f = self.facets[f.index()]);
+            self.project(x, motion, &near)
+        };
+        points.iter().map(&mut project).collect()
     }
 
     fn candidates(&self, slave: Placed<'_, D>, facets: &[FacetId], positions: &[Point<D>], reach: f64) -> Candidates {

@@ -92,14 +92,14 @@ pub trait Obstacle<const D: usize>: Send + Sync + std::fmt::Debug {
     /// obstacles ignore both.
     fn project(&self, x: &Point<D>, motion: Motion<'_, D>, candidates: &[FacetId]) -> Option<Projection<D>>;
 
-    /// The boundary that facets of candidates and anchors belong to; `None` for a rigid obstacle.
+    /// The boundary that the facets of candidates and anchors belong to; `None` for a rigid obstacle.
     fn boundary(&self) -> Option<&BoundaryMesh<D>> {
         None
     }
 
-    /// Facets that may be touched at all; empty for a rigid obstacle.
-    fn facets(&self) -> &[FacetId] {
-        &[]
+    /// Closest points of the whole obstacle to many points, `None` where there is none.
+    fn project_all(&self, points: &[Point<D>], motion: Motion<'_, D>) -> Vec<Option<Projection<D>>> {
+        points.iter().map(|x| self.project(x, motion, &[])).collect()
     }
 
     /// For each of the slave's `facets`, the facets of the obstacle within `reach`, the slave as placed and the

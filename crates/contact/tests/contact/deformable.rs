@@ -48,6 +48,9 @@ fn gap_is_the_signed_distance<const D: usize>() {
     assert_eq!(check.n_projected, 400);
     assert!(check.largest() < 1e-6, "{check:?}");
     assert!(obstacle.project(&points[0], motion, &[]).is_none());
+    for (x, found) in points.iter().zip(obstacle.project_all(&points, motion)) {
+        assert_eq!(found.unwrap().gap(x), obstacle.project(x, motion, &all).unwrap().gap(x));
+    }
 }
 
 #[test]

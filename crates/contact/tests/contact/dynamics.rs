@@ -3,6 +3,7 @@
 use algebra::{BlockLayout, Contributions};
 use contact::{ContactFacets, ContactForm, ContactPair, ContactReport, DeformableObstacle, Penalty, RigidPlane};
 use mesh::{Point, Vector};
+use solid_svk::boundary::tagged_facets;
 use solid_svk::energy::BodyBalance;
 use solid_svk::{LameParameters, SolidCells};
 
@@ -105,4 +106,53 @@ fn two_blocks_collide() {
     assert!(touched > 3, "{touched}");
     assert!(balance(&bodies[1]).momentum[1] < balance(&bodies[0]).momentum[1]);
     assert!(balance(&bodies[0]).energy() + balance(&bodies[1]).energy() < start);
+}
+
+/// The impact benchmark of Doyen, Ern, Piperno 2011 (SIAM J. Sci. Comput. 33), with a speed so small that the bar is
+/// linear: the floor pressure is `ρ c v0` while the front runs up the bar and back, and the bar leaves undeformed with
+/// the speed with which it came.
+#[test]
+fn bar_hits_the_floor() {
+    let (length, speed, dt) = (10.0, 0.1, 1.0 / 1500.0);
+    let (wave, crossing) = (30.0, 1.0 / 3.0);
+    let mut layout = BlockLayout::new();
+    // E = 900, nu = 0.
+    let lame = LameParameters::new(450.0, 0.0).unwrap();
+    let mut body = Body::block(&mut layout, [0.0, 0.0], [0.5, length], [1, 40], lame);
+    body.velocity.fill(Vector::<2>::new(0.0, -speed));
+    let form = ContactForm::new(Penalty::new(1e4, 0.0).unwrap(), SIZE).unwrap();
+    let plane = RigidPlane::new(Point::<2>::zeros(), Vector::<2>::new(0.0, -1.0)).unwrap();
+    let facets = tagged_facets(&body.solid, "bottom").unwrap();
+    let n_steps = 1100;
+    let (mut impulse, mut plateau, mut last_contact) = (0.0, Vec::new(), 0.0);
+    for k in 1..=n_steps {
+        let time = f64::from(k) * dt;
+        let positions = body.positions();
+        let step = body.step(dt);
+        let cells = SolidCells::new(&body.solid, &body.form, &step, &layout, body.field).unwrap();
+        let (linear, work) = (cells.linear(), cells.internal_work());
+        let slave = body.contact(&positions, dt, &layout);
+        let pair = ContactPair { slave, facets: &facets, obstacle: &plane, master: None, reach: 0.0 };
+        let contact = ContactFacets::new(&form, pair).unwrap();
+        let mut x = vec![0.0; layout.len()];
+        body.solid.set_velocity(&layout, body.field, &body.velocity, &mut x).unwrap();
+        let solids: Vec<&dyn Contributions> = vec![&linear, &work];
+        let problem = Problem { layout: &layout, solids, contacts: vec![&contact], constraints: Default::default() };
+        problem.solve(&mut x, 1e-9);
+        let report = ContactReport::new(&contact, &x);
+        let pressure = report.force[1] / 0.5;
+        impulse += pressure * dt;
+        if (0.25 * crossing..1.75 * crossing).contains(&time) {
+            plateau.push(pressure);
+        }
+        if report.is_active() {
+            last_contact = time;
+        }
+        body.accept(&step, &layout, &x);
+    }
+    let exact = wave * speed;
+    assert!(plateau.iter().all(|p| (p - exact).abs() < 0.01 * exact), "{plateau:?}");
+    assert!((last_contact - 2.0 * crossing).abs() < 0.03 * crossing, "{last_contact}");
+    // Implicit Euler blunts the front that comes back.
+    assert!((impulse - 2.0 * length * speed).abs() < 0.04 * impulse, "{impulse}");
 }

@@ -1,5 +1,7 @@
 //! Contact of elastic bodies with a rigid plane and with each other, without any fluid.
 
+#![allow(clippy::unwrap_used, reason = "a test that panics has failed")]
+
 mod deformable;
 mod dynamics;
 mod patch;

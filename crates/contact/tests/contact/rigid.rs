@@ -1,7 +1,9 @@
 //! A block and a rigid plane.
 
 use algebra::{BlockLayout, Contributions, check_tangent};
-use contact::{ContactFacets, ContactForm, ContactPair, ContactReport, DeformableObstacle, Error, Penalty, RigidPlane};
+use contact::{
+    ContactBody, ContactFacets, ContactForm, ContactPair, ContactReport, DeformableObstacle, Error, Penalty, RigidPlane,
+};
 use mesh::{FacetId, Point, Vector};
 
 use crate::setting::{Body, Random, residual, soft};
@@ -158,6 +160,8 @@ fn nonsense_is_refused() {
         let negative = ContactPair { reach: -1.0, ..pair };
         assert!(matches!(ContactFacets::new(form, negative), Err(Error::Parameter { .. })));
         assert!(ContactForm::<2>::new(Penalty::new(1.0, 0.0).unwrap(), 0.0).is_err());
-        let _ = layout;
+        let positions = body.positions();
+        let few = ContactBody::new(body.solid.boundary(), &positions[1..], DT, layout, body.field);
+        assert!(matches!(few, Err(Error::Field { .. })));
     });
 }

@@ -87,7 +87,7 @@ mod tests {
 
     #[test]
     fn moduli_there_and_back() {
-        // Material of the ball in the paper: REFERENCES 6.8.
+        // Material of the ball in the paper, Sec. 4: mu = 2e6, lambda = 8e6.
         let lame = LameParameters::from_young_poisson(5.6e6, 0.4).unwrap();
         assert!((lame.mu - 2e6).abs() < 1e-8 && (lame.lambda - 8e6).abs() < 1e-8);
         assert!((lame.young() - 5.6e6).abs() < 1e-8 && (lame.poisson() - 0.4).abs() < 1e-15);

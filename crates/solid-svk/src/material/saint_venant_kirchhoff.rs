@@ -87,7 +87,7 @@ mod tests {
 
     #[test]
     fn plane_strain_uniaxial_states() {
-        // REFERENCES 6.8: stretch, lateral stretch, P11, Cauchy stress.
+        // Stretch l, lateral stretch √(1 - ν/(1 - ν) (l² - 1)), P11 = E/(1 - ν²) l (l² - 1)/2, Cauchy stress.
         for [l1, l2, p11, sigma11] in [
             [0.8, 1.113553, -9.6e5, -8.621054e5],
             [0.9, 1.061446, -5.7e5, -5.370035e5],
@@ -107,7 +107,8 @@ mod tests {
 
     #[test]
     fn uniaxial_and_confined_states_in_3d() {
-        // REFERENCES 6.8: stretch, lateral stretch, P11, Cauchy stress, P11 of the confined state.
+        // Stretch l, lateral stretch √(1 - ν (l² - 1)), P11 = E l (l² - 1)/2, Cauchy stress, and without lateral
+        // strain P11 = (λ + 2 μ) l (l² - 1)/2.
         for [l1, l2, p11, sigma11, confined] in [
             [0.8, 1.069579, -8.064e5, -7.048951e5, -1.728e6],
             [0.9, 1.037304, -4.788e5, -4.449814e5, -1.026e6],
@@ -129,7 +130,7 @@ mod tests {
 
     #[test]
     fn simple_shear() {
-        // REFERENCES 6.8, shear 0.1.
+        // Shear g: P = [[q, μ g + (λ/2 + μ) g³], [μ g, q]], q = (λ/2 + μ) g².
         let f = Tensor::<2>::new(1.0, 0.1, 0.0, 1.0);
         let p = ball().first_piola(&f);
         assert!((p - Tensor::<2>::new(6e4, 2.06e5, 2e5, 6e4)).norm() < 1e-6);

@@ -7,7 +7,7 @@ use crate::{SolidCell, SolidTerm};
 
 /// `-(ρ^s f^s, w)_{Ω̂^s}`, with `f^s` an acceleration (gravity)
 ///
-/// Source: paper, Eq. (4), right-hand side; `f^s` is an acceleration (METHOD, section 5e).
+/// Source: paper, Eq. (4), right-hand side; `f^s` is an acceleration, so the load is `ρ^s f^s`.
 /// Couples: solid velocity × nothing.   Domain: reference cells.
 /// Units (cgs, per unit depth in 2D): residual dyn/cm.
 ///   residual_i = -ρ |K|/(D + 1) f^s,    tangent = 0.

@@ -10,7 +10,7 @@ use crate::{Material, SolidCell, SolidTerm};
 
 /// `a^s(d, w) = (P(F), ∇w)_{Ω̂^s}`, `F = I + ∇d`
 ///
-/// Source: paper, Sec. 2.1 and forms after Eq. (4); `P = F S` as settled in METHOD, section 5a.
+/// Source: paper, Sec. 2.1 and forms after Eq. (4); the law of Sec. 4.1 is that of `S = F⁻¹ P`.
 /// Couples: solid velocity × solid velocity.   Domain: reference cells.
 /// Units (cgs, per unit depth in 2D): residual dyn/cm, tangent dyn·s/cm².
 /// With g_i = ∇N_i (constant on a cell, P1), H = e_b ⊗ g_j and `d = d_pred + c_d v`:

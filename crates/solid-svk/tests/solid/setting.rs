@@ -41,7 +41,7 @@ impl<'a> Problem<'a> {
     }
 }
 
-/// The material of the ball in the paper, REFERENCES 6.8.
+/// The material of the ball in the paper, Sec. 4.
 pub(crate) fn ball_material() -> SaintVenantKirchhoff {
     SaintVenantKirchhoff::new(LameParameters::new(2e6, 8e6).unwrap())
 }

@@ -99,7 +99,7 @@ fn uniform_strain_is_exact_in_3d() {
 
 #[test]
 fn stretched_bar_in_plane_strain() {
-    // REFERENCES 6.8: stretch, lateral stretch, Cauchy stress; the sides are free.
+    // Stretch, lateral stretch and Cauchy stress of a bar with free sides, in closed form.
     for [stretch, lateral, sigma] in [[0.9, 1.061446, -5.370035e5], [1.1, 0.927362, 8.303124e5]] {
         let mesh = graded_box([0.0, 0.0], [1.0, 1.0], &Size::uniform(0.3)).unwrap();
         let mesh = SolidMesh::<2>::new(mesh).unwrap();
@@ -137,7 +137,7 @@ fn stretched_bar_in_plane_strain() {
 
 #[test]
 fn pressurised_disk() {
-    // REFERENCES 6.5: x = s X with (λ + μ)(s² - 1) = -p; radial displacement at the rim.
+    // x = s X with (λ + μ)(s² - 1) = -p; radial displacement at the rim.
     let options = BallOptions { area_preserving: false };
     let mesh = SolidMesh::<2>::new(ball([0.0, 0.0], 4.0, 0.8, &options).unwrap()).unwrap();
     let form = weightless();
@@ -178,7 +178,7 @@ fn pressurised_disk() {
 
 #[test]
 fn pressurised_cube() {
-    // REFERENCES 6.5 in 3D: σ = S/s, so (3 λ + 2 μ)(s² - 1)/(2 s) = -p.
+    // x = s X with σ = S/s, so (3 λ + 2 μ)(s² - 1)/(2 s) = -p.
     let mesh = unit_box::<3>(2);
     let form = weightless();
     let (layout, field) = one_field(&mesh);

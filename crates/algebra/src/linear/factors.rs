@@ -1,0 +1,210 @@
+//! Sparse LU factors (faer) with an ordering of our own and recycled memory.
+
+use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
+use faer::perm::PermRef;
+use faer::sparse::linalg::lu::supernodal::{self, SupernodalLu, SymbolicSupernodalLu};
+use faer::sparse::linalg::{LuError, colamd, qr};
+use faer::sparse::{FaerError, SymbolicSparseColMatRef};
+use faer::{Conj, MatMut, Par};
+use sprs::CsMatI;
+
+use super::LinearError;
+use crate::faer_view::faer_view;
+
+/// Supernodal LU factors of one matrix after the other.
+///
+/// The memory of the factors is kept, whatever the size of the next matrix.
+#[derive(Default)]
+pub(super) struct Factors {
+    symbolic: Option<Symbolic>,
+    numeric: SupernodalLu<u32, f64>,
+    row_order: Vec<u32>,
+    row_position: Vec<u32>,
+    scratch: Scratch,
+    pub(super) n_symbolic: usize,
+    pub(super) n_numeric: usize,
+}
+
+/// What depends only on the pattern.
+struct Symbolic {
+    supernodes: SymbolicSupernodalLu<u32>,
+    column_order: Vec<u32>,
+    column_position: Vec<u32>,
+}
+
+impl Factors {
+    /// Forgets the pattern.
+    pub(super) fn clear_pattern(&mut self) {
+        self.symbolic = None;
+    }
+
+    /// Computes the factors. Without [`Factors::clear_pattern`] the matrix has the pattern of the one before.
+    pub(super) fn factorize(&mut self, matrix: &CsMatI<f64, u32>, nodes: &[u32]) -> Result<(), LinearError> {
+        let n_unknowns = matrix.rows();
+        let error = |cause: LuError| match cause {
+            LuError::SymbolicSingular { index } => LinearError::StructurallySingular { pivot: index },
+            LuError::Generic(_) => LinearError::OutOfMemory { n_unknowns },
+        };
+        let column_ptr = matrix.indptr();
+        let a = faer_view(column_ptr.raw_storage(), matrix.indices(), matrix.data());
+        let transposed = a.transpose().to_col_major().map_err(|e| error(e.into()))?;
+        let symbolic = match &mut self.symbolic {
+            Some(symbolic) => symbolic,
+            none => {
+                self.n_symbolic += 1;
+                let symbolic = analyse(a.symbolic(), transposed.symbolic(), nodes, &mut self.scratch);
+                none.insert(symbolic.map_err(|e| error(e.into()))?)
+            }
+        };
+        let need =
+            supernodal::factorize_supernodal_numeric_lu_scratch::<u32, f64>(&symbolic.supernodes, Default::default());
+        self.row_order.resize(n_unknowns, 0);
+        self.row_position.resize(n_unknowns, 0);
+        self.n_numeric += 1;
+        supernodal::factorize_supernodal_numeric_lu(
+            &mut self.row_order,
+            &mut self.row_position,
+            &mut self.numeric,
+            a,
+            transposed.as_ref(),
+            PermRef::new_checked(&symbolic.column_order, &symbolic.column_position, n_unknowns),
+            &symbolic.supernodes,
+            Par::Seq,
+            self.scratch.get(need).map_err(|e| error(e.into()))?,
+            Default::default(),
+        )
+        .map_err(error)
+    }
+
+    /// Solves with the factors, in place.
+    pub(super) fn substitute(&mut self, x: &mut [f64]) -> Result<(), LinearError> {
+        let Some(symbolic) = &self.symbolic else { return Err(LinearError::NotFactorized) };
+        let n = x.len();
+        let need = supernodal::solve_in_place_scratch::<u32, f64>(n, 1, Par::Seq);
+        let stack = self.scratch.get(need).map_err(|_| LinearError::OutOfMemory { n_unknowns: n })?;
+        self.numeric.solve_in_place_with_conj(
+            PermRef::new_checked(&self.row_order, &self.row_position, n),
+            PermRef::new_checked(&symbolic.column_order, &symbolic.column_position, n),
+            Conj::No,
+            MatMut::from_column_major_slice_mut(x, n, 1),
+            Par::Seq,
+            stack,
+        );
+        Ok(())
+    }
+}
+
+/// Orders the columns of `a` and finds the supernodes of its factors. `at` is the transposed pattern.
+fn analyse(
+    a: SymbolicSparseColMatRef<'_, u32>,
+    at: SymbolicSparseColMatRef<'_, u32>,
+    nodes: &[u32],
+    scratch: &mut Scratch,
+) -> Result<Symbolic, FaerError> {
+    let n = a.ncols();
+    let order = order_nodes(a, nodes, scratch)?;
+    let stack = scratch.get(StackReq::any_of(&[
+        qr::col_etree_scratch::<u32>(n, n),
+        qr::postorder_scratch::<u32>(n),
+        qr::column_counts_aat_scratch::<u32>(n, n),
+        supernodal::factorize_supernodal_symbolic_lu_scratch::<u32>(n, n),
+    ]))?;
+    let [mut tree, mut post, mut counts, mut min_column] = [(); 4].map(|()| vec![0; n]);
+    // A postorder of the elimination tree has the same fill and makes supernodes contiguous.
+    let position = inverse(&order);
+    let columns = PermRef::new_checked(&order, &position, n);
+    qr::postorder(&mut post, qr::col_etree(a, Some(columns), &mut tree, stack), stack);
+    let column_order: Vec<u32> = post.iter().map(|&k| order[k as usize]).collect();
+    let column_position = inverse(&column_order);
+    let columns = PermRef::new_checked(&column_order, &column_position, n);
+    let tree = qr::col_etree(a, Some(columns), &mut tree, stack);
+    qr::postorder(&mut post, tree, stack);
+    qr::column_counts_ata(&mut counts, &mut min_column, at, Some(columns), tree, &post, stack);
+    let supernodes = supernodal::factorize_supernodal_symbolic_lu(
+        a,
+        Some(columns),
+        &min_column,
+        tree,
+        &counts,
+        stack,
+        Default::default(),
+    )?;
+    Ok(Symbolic { supernodes, column_order, column_position })
+}
+
+/// Orders the columns by COLAMD, node by node.
+///
+/// The pattern that is ordered has one row and column per node. With three unknowns per node this takes a twentieth of
+/// the time of an ordering of all columns, and the fill is no larger.
+fn order_nodes(
+    a: SymbolicSparseColMatRef<'_, u32>,
+    nodes: &[u32],
+    scratch: &mut Scratch,
+) -> Result<Vec<u32>, FaerError> {
+    let n_nodes = nodes.iter().max().map_or(0, |last| *last as usize + 1);
+    let mut first = vec![0; n_nodes + 1];
+    for node in nodes {
+        first[*node as usize + 1] += 1;
+    }
+    for node in 0..n_nodes {
+        first[node + 1] += first[node];
+    }
+    let mut members = vec![0; nodes.len()];
+    let mut next = first.clone();
+    for (dof, node) in nodes.iter().enumerate() {
+        members[next[*node as usize]] = dof;
+        next[*node as usize] += 1;
+    }
+    let of_node = |node: usize| &members[first[node]..first[node + 1]];
+
+    let (mut column_ptr, mut rows) = (vec![0], Vec::new());
+    let mut mark = vec![usize::MAX; n_nodes];
+    for node in 0..n_nodes {
+        for &dof in of_node(node) {
+            for row in a.row_idx_of_col_raw(dof) {
+                let row = nodes[*row as usize];
+                if mark[row as usize] != node {
+                    mark[row as usize] = node;
+                    rows.push(row);
+                }
+            }
+        }
+        let begin = *column_ptr.last().unwrap_or(&0) as usize;
+        rows[begin..].sort_unstable();
+        column_ptr.push(rows.len() as u32);
+    }
+    let pattern = SymbolicSparseColMatRef::new_checked(n_nodes, n_nodes, &column_ptr, None, &rows);
+    let [mut order, mut position] = [(); 2].map(|()| vec![0; n_nodes]);
+    let stack = scratch.get(colamd::order_scratch::<u32>(n_nodes, n_nodes, rows.len()))?;
+    colamd::order(&mut order, &mut position, pattern, colamd::Control::default(), stack)?;
+    Ok(order.iter().flat_map(|node| of_node(*node as usize)).map(|dof| *dof as u32).collect())
+}
+
+fn inverse(order: &[u32]) -> Vec<u32> {
+    let mut position = vec![0; order.len()];
+    for (k, j) in order.iter().enumerate() {
+        position[*j as usize] = k as u32;
+    }
+    position
+}
+
+/// Stack memory of faer that only grows.
+#[derive(Default)]
+struct Scratch {
+    memory: Option<(StackReq, MemBuffer)>,
+}
+
+impl Scratch {
+    /// A stack of at least the size that is asked for.
+    fn get(&mut self, need: StackReq) -> Result<&mut MemStack, FaerError> {
+        let fits = |have: &StackReq| have.size_bytes() >= need.size_bytes() && have.align_bytes() >= need.align_bytes();
+        let memory = match self.memory.take() {
+            Some((have, memory)) if fits(&have) => (have, memory),
+            too_small => {
+                drop(too_small);
+                (need, MemBuffer::try_new(need)?)
+            }
+        };
+        Ok(MemStack::new(&mut self.memory.insert(memory).1))
+    }
+}

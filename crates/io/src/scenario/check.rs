@@ -1,0 +1,147 @@
+//! Checks of single values that their types cannot express.
+
+use super::problem::{Problem, ScenarioError};
+use super::schema::{Background, Cip, ContactLaw, Linear, Material, Shape, Size};
+use super::{GivenFluidCondition, ScenarioFile};
+use crate::scenario::schema::FluidCondition;
+
+/// Largest relative distance of the end time from a multiple of the step.
+const DIVIDES: f64 = 1e-9;
+
+/// Checks ranges of numbers, the time step, names and what is not available yet.
+pub(super) fn check(file: &ScenarioFile) -> Result<(), ScenarioError> {
+    let scenario = file.scenario();
+    match scenario.dimension {
+        2 => {}
+        3 => {
+            let what = "dimension = 3";
+            return Err(file.error("dimension", Problem::NotAvailable { what, instead: "use dimension = 2" }));
+        }
+        found => return Err(file.error("dimension", Problem::Dimension { found })),
+    }
+    for (path, value, must) in numbers(file) {
+        let holds = match must {
+            POSITIVE => value > 0.0,
+            _ => value >= 0.0,
+        };
+        if !holds {
+            return Err(file.error(&path, Problem::Range { value, must }));
+        }
+    }
+    time(file)?;
+    alpha(file)?;
+    names(file)?;
+    if let Linear::Gmres { .. } = scenario.solver.linear {
+        let problem = Problem::NotAvailable { what: "kind = \"gmres\"", instead: "use kind = \"direct\"" };
+        return Err(file.error("solver.linear", problem));
+    }
+    if scenario.solver.newton.max_iterations == 0 {
+        return Err(file.error("solver.newton.max_iterations", Problem::Range { value: 0.0, must: "at least 1" }));
+    }
+    if scenario.output.compression > 9 {
+        let value = f64::from(scenario.output.compression);
+        return Err(file.error("output.compression", Problem::Range { value, must: "from 0 to 9" }));
+    }
+    Ok(())
+}
+
+const POSITIVE: &str = "positive";
+const NOT_NEGATIVE: &str = "zero or positive";
+
+/// All numbers with a range, with their paths.
+fn numbers(file: &ScenarioFile) -> Vec<(String, f64, &'static str)> {
+    let scenario = file.scenario();
+    let mut all = Vec::new();
+    let mut push = |path: &str, value: f64, must| all.push((path.to_owned(), value, must));
+    push("time.step", scenario.time.step, POSITIVE);
+    push("time.end", scenario.time.end, POSITIVE);
+    push("fluid.density", scenario.fluid.density, POSITIVE);
+    push("fluid.viscosity", scenario.fluid.viscosity, POSITIVE);
+    push("fluid.gamma_ghost", scenario.fluid.gamma_ghost, NOT_NEGATIVE);
+    push("fluid.gamma_pressure", scenario.fluid.gamma_pressure, POSITIVE);
+    match scenario.fluid.cip {
+        Cip::Paper { gamma_1 } => push("fluid.cip.gamma_1", gamma_1, NOT_NEGATIVE),
+        Cip::Consistent { gamma_u } => push("fluid.cip.gamma_u", gamma_u, NOT_NEGATIVE),
+    }
+    let Background::GradedBox(graded) = &scenario.background;
+    match &graded.size {
+        Size::Uniform(h) => push("background.size", *h, POSITIVE),
+        Size::Graded(size) => {
+            push("background.size.fine", size.fine, POSITIVE);
+            push("background.size.coarse", size.coarse, POSITIVE);
+        }
+    }
+    for (side, condition) in &graded.boundary {
+        if let FluidCondition::Given(GivenFluidCondition::Inflow { ramp: Some(ramp), .. }) = condition {
+            push(&format!("background.boundary.{side}.ramp"), *ramp, POSITIVE);
+        }
+    }
+    for (k, body) in scenario.bodies.iter().enumerate() {
+        let path = |key: &str| format!("body.{k}.{key}");
+        push(&path("density"), body.density, POSITIVE);
+        match &body.shape {
+            Shape::Ball { radius, size, .. } | Shape::HalfBall { radius, size, .. } => {
+                push(&path("shape.radius"), *radius, POSITIVE);
+                push(&path("shape.size"), *size, POSITIVE);
+            }
+            Shape::Box { size, .. } => size.iter().for_each(|h| push(&path("shape.size"), *h, POSITIVE)),
+        }
+    }
+    push("interface.gamma_sigma", scenario.interface.gamma_sigma, POSITIVE);
+    for (k, contact) in scenario.contacts.iter().enumerate() {
+        let ContactLaw::Penalty { gamma_contact_0 } = contact.law;
+        push(&format!("contact.{k}.law.gamma_contact_0"), gamma_contact_0, POSITIVE);
+        push(&format!("contact.{k}.size"), contact.size, POSITIVE);
+        push(&format!("contact.{k}.offset"), contact.offset, NOT_NEGATIVE);
+    }
+    push("solver.newton.tolerance", scenario.solver.newton.tolerance, POSITIVE);
+    all
+}
+
+/// The step must divide the end time.
+fn time(file: &ScenarioFile) -> Result<(), ScenarioError> {
+    let (step, end) = (file.scenario().time.step, file.scenario().time.end);
+    let n = (end / step).round();
+    if n >= 1.0 && (n * step - end).abs() <= DIVIDES * end {
+        return Ok(());
+    }
+    let step_below = end / (end / step).ceil();
+    let end_below = step * (end / step).floor().max(1.0);
+    Err(file.error("time.step", Problem::Indivisible { step, end, step_below, end_below }))
+}
+
+/// Only the fluid's traction crosses the interface.
+fn alpha(file: &ScenarioFile) -> Result<(), ScenarioError> {
+    let scenario = file.scenario();
+    let alpha = scenario.interface.alpha;
+    if alpha == 1.0 {
+        return Ok(());
+    }
+    let stiffness = scenario.bodies.iter().map(|body| {
+        let Material::SaintVenantKirchhoff { mu, lambda, young, .. } = body.material;
+        mu.zip(lambda).map_or(young.unwrap_or_default(), |(mu, lambda)| 2.0 * mu + lambda)
+    });
+    let need = scenario.time.step * stiffness.fold(0.0, f64::max);
+    let have = scenario.interface.gamma_sigma * scenario.fluid.viscosity;
+    Err(file.error("interface.alpha", Problem::Alpha { alpha, have, need }))
+}
+
+/// Names are unique and can be parts of file names.
+fn names(file: &ScenarioFile) -> Result<(), ScenarioError> {
+    let scenario = file.scenario();
+    let refuse = |path: &str, name: &str, why| Err(file.error(path, Problem::Name { name: name.to_owned(), why }));
+    let is_plain = |name: &str| !name.is_empty() && name.chars().all(|c| c.is_alphanumeric() || "-_.".contains(c));
+    if !is_plain(&scenario.name) || scenario.name.starts_with('.') {
+        return refuse("name", &scenario.name, "no file name: use letters, digits, -, _ and dots inside");
+    }
+    for (k, body) in scenario.bodies.iter().enumerate() {
+        let path = format!("body.{k}.name");
+        if !is_plain(&body.name) {
+            return refuse(&path, &body.name, "no column name: use letters, digits, -, _ and dots");
+        }
+        if scenario.bodies[..k].iter().any(|other| other.name == body.name) {
+            return refuse(&path, &body.name, "taken by another body; give each its own");
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,78 @@
+//! What must not change the result: threads, stopping in between, using the symmetry.
+
+mod fixture;
+
+use fixture::*;
+use solver::algebra::Workspace;
+use solver::{State, advance};
+
+/// All bits of a state.
+fn bits(state: &State<2>) -> Vec<u64> {
+    let fluid = state.fluid.velocity.iter().flat_map(|u| u.iter()).chain(&state.fluid.pressure);
+    let bodies = state.bodies.iter().flat_map(|b| b.displacement.iter().chain(&b.velocity)).flat_map(|v| v.iter());
+    fluid.chain(bodies).map(|x| x.to_bits()).collect()
+}
+
+#[test]
+fn the_number_of_threads_changes_no_bit() {
+    let setup = falling_ball(0.8, 0.05, 0.1, false);
+    let on = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        pool.install(|| bits(&run(&setup, 3).0))
+    };
+    let one = on(1);
+    assert!(one == on(2) && one == on(4));
+}
+
+#[test]
+fn going_on_from_a_stored_state_equals_not_stopping() {
+    let setup = falling_ball(0.8, 0.05, 0.1, false);
+    let (through, _) = run(&setup, 4);
+    let (mut stored, _) = run(&setup, 2);
+    for _ in 0..2 {
+        let mut fresh = Workspace::new();
+        stored = advance(&setup, &stored.clone(), &mut fresh).expect("a step").0;
+    }
+    assert_eq!(bits(&through), bits(&stored));
+    assert_eq!(through.time, stored.time);
+}
+
+#[test]
+fn half_and_mirrored_full_domain_give_the_same_solution() {
+    // Into the contact and on: the gap starts a little above the offset.
+    let (half, full) = (falling_ball(0.8, 1.001, 1.0, false), falling_ball(0.8, 1.001, 1.0, true));
+    let ((h, h_reports), (f, f_reports)) = (run(&half, 12), run(&full, 12));
+    // Vertices of the given half come first in a mirrored mesh.
+    let n = h.bodies[0].velocity.len();
+    let scale = h.bodies[0].velocity.iter().map(|v| v.norm()).fold(0.0, f64::max);
+    for (a, b) in h.bodies[0].velocity.iter().zip(&f.bodies[0].velocity[..n]) {
+        assert!((a - b).norm() < 1e-9 * scale, "{a} {b}");
+    }
+    for (a, b) in h_reports.iter().zip(&f_reports) {
+        let (a, b) = (&a.contacts[0], &b.contacts[0]);
+        assert!((a.force[1] * 2.0 - b.force[1]).abs() <= 1e-9 * b.force[1].abs(), "{} {}", a.force, b.force);
+        assert_eq!(a.is_active(), b.is_active());
+    }
+    assert!(h_reports.iter().any(|r| r.contacts[0].is_active()), "the ball touches the ground");
+    let balance = f_reports[11].bodies[0].balance.expect("an elastic body");
+    assert!(balance.centre_of_mass[0].abs() < 1e-9, "lateral drift {}", balance.centre_of_mass[0]);
+}
+
+#[test]
+fn energy_never_grows_while_a_ball_falls_and_bounces() {
+    let (_, reports) = run(&falling_ball(0.8, 1.2, 1.0, false), 60);
+    assert!(reports.iter().any(|r| r.contacts[0].is_active()));
+    let largest = reports.iter().map(|r| r.total_energy().abs()).fold(0.0, f64::max);
+    for pair in reports.windows(2) {
+        let gain = pair[1].total_energy() - pair[0].total_energy();
+        assert!(gain <= 1e-8 * largest, "energy grows by {gain:e} of {largest:e}");
+    }
+}
+
+#[test]
+fn a_neutral_body_in_a_fluid_at_rest_stays_at_rest() {
+    let mut setup = falling_ball(0.8, 2.0, 0.1, false);
+    elastic_mut(&mut setup.bodies[0]).form.body_force.acceleration = V::zeros();
+    let (state, _) = run(&setup, 3);
+    assert!(bits(&state).into_iter().all(|b| f64::from_bits(b).abs() < 1e-12));
+}

@@ -1,0 +1,158 @@
+//! Patch tests: solutions inside the discrete space, on cut meshes, to round-off.
+
+mod fixture;
+
+use std::sync::Arc;
+
+use fixture::*;
+use solver::mesh::generate::{BallOptions, Size, ball, graded_box, structured_box};
+use solver::{FluidBoundary, Setup};
+
+fn background() -> solver::mesh::SimplexMesh<2> {
+    graded_box::<2>([0.0, 0.0], [2.0, 1.5], &Size::uniform(0.13)).expect("a box")
+}
+
+fn disk(centre: [f64; 2], radius: f64, size: f64) -> solver::mesh::SimplexMesh<2> {
+    ball::<2>(centre, radius, size, &BallOptions { area_preserving: false }).expect("a disk")
+}
+
+#[test]
+fn uniform_pressure_around_a_closed_elastic_body() {
+    // The disk x = s X with (λ + μ)(s² - 1) = -p balances the pressure p exactly; displacement is linear.
+    let (mu, lambda) = (2e3, 8e3);
+    for pressure in [1.0, 100.0] {
+        let s = (1.0_f64 - pressure / (lambda + mu)).sqrt();
+        let centre = P::new(0.91, 0.73);
+        let mut setup = setup(background(), fluid(1.0, 0.1), 1e-2);
+        on_sides(&mut setup, &SIDES, || FluidBoundary::Open {
+            traction: Some(Arc::new(move |_, n, _| n * -pressure)),
+            backflow: true,
+        });
+        let mut body = elastic("disk", disk([0.91, 0.73], 0.4, 0.11), 1.0, mu, lambda, V::zeros());
+        elastic_mut(&mut body).initial_displacement = Some(Arc::new(move |x| (x - centre) * (s - 1.0)));
+        setup.bodies.push(body);
+        let (state, _) = run(&setup, 3);
+        let (u, p) = fluid_error(&setup, &state, |_| V::zeros(), |_| pressure);
+        assert!(u < 1e-9 && p < 1e-9 * pressure.max(1.0), "u {u:e}, p {p:e}");
+        let v = state.bodies[0].velocity.iter().map(|v| v.norm()).fold(0.0, f64::max);
+        assert!(v < 1e-9, "the disk moves with {v:e}");
+        // Another size of the disk is no equilibrium.
+        let mut wrong = setup;
+        elastic_mut(&mut wrong.bodies[0]).initial_displacement = Some(Arc::new(move |x| (x - centre) * (s - 1.001)));
+        let (state, _) = run(&wrong, 1);
+        assert!(state.bodies[0].velocity.iter().any(|v| v.norm() > 1e-3));
+    }
+}
+
+fn translating(dt: f64, u: V, n_steps: usize) {
+    let mut setup = setup(background(), fluid(1.3, 0.05), dt);
+    setup.fluid.initial_velocity = Some(Arc::new(move |_| u));
+    on_sides(&mut setup, &SIDES, || FluidBoundary::Velocity(Arc::new(move |_, _| u)));
+    let mut body = elastic("disk", disk([0.5, 0.55], 0.3, 0.09), 0.7, 2e3, 8e3, V::zeros());
+    elastic_mut(&mut body).initial_velocity = Some(Arc::new(move |_| u));
+    setup.bodies.push(body);
+    let (state, reports) = run(&setup, n_steps);
+    let (error_u, error_p) = fluid_error(&setup, &state, |_| u, |_| 0.0);
+    assert!(error_u < 1e-9 && error_p < 1e-9, "u {error_u:e}, p {error_p:e}");
+    for (v, d) in state.bodies[0].velocity.iter().zip(&state.bodies[0].displacement) {
+        assert!((v - u).norm() < 1e-9 && (d - u * state.time).norm() < 1e-9);
+    }
+    assert!(reports.iter().map(|r| r.n_uncovered).sum::<usize>() > 0, "the motion uncovers dofs");
+}
+
+#[test]
+fn solid_and_fluid_translate_together() {
+    translating(0.02, V::new(1.0, 0.4), 12);
+}
+
+#[test]
+fn a_body_may_cross_several_cells_in_one_step() {
+    // 0.5 in one step on cells of 0.13: the body leaves more than half of its place at once.
+    translating(0.5, V::new(1.0, 0.3), 2);
+}
+
+/// A linear, divergence-free velocity with the body force that makes it a steady solution, and a linear pressure.
+fn linear_flow(
+    mut setup: Setup<2>,
+    exact_u: impl Fn(&P) -> V + Clone + Send + Sync + 'static,
+    gradient: [[f64; 2]; 2],
+    grad_p: V,
+) {
+    let rho = setup.fluid.material.density;
+    let exact_p = move |x: &P| 1.7 + grad_p.dot(x);
+    let a = solver::mesh::Tensor::<2>::from_fn(|i, j| gradient[i][j]);
+    let u = exact_u.clone();
+    setup.fluid.body_force = Some(Arc::new(move |x, _| a * u(x) * rho + grad_p));
+    let u = exact_u.clone();
+    setup.fluid.initial_velocity = Some(Arc::new(u));
+    let stress = (a + a.transpose()) * setup.fluid.material.viscosity;
+    let u = exact_u.clone();
+    on_sides(&mut setup, &["right", "bottom"], || {
+        let u = u.clone();
+        FluidBoundary::Velocity(Arc::new(move |x, _| u(x)))
+    });
+    on_sides(&mut setup, &["top"], || FluidBoundary::Open {
+        traction: Some(Arc::new(move |x, n, _| stress * n - n * exact_p(x))),
+        backflow: false,
+    });
+    if setup.fluid.boundary.len() < 4 {
+        let u = exact_u.clone();
+        on_sides(&mut setup, &["left"], || {
+            let u = u.clone();
+            FluidBoundary::Velocity(Arc::new(move |x, _| u(x)))
+        });
+    }
+    let (state, reports) = run(&setup, 3);
+    let (error_u, error_p) = fluid_error(&setup, &state, exact_u, exact_p);
+    assert!(error_u < 1e-9 && error_p < 1e-9, "u {error_u:e}, p {error_p:e}");
+    assert!(reports.iter().all(|r| r.cut.n_cut_cells > 10));
+}
+
+#[test]
+fn linear_velocity_and_hydrostatic_pressure_around_a_prescribed_interface() {
+    let u = |x: &P| V::new(0.3 + 0.5 * x[0] - 0.8 * x[1], -0.2 + 1.1 * x[0] - 0.5 * x[1]);
+    let gradient = [[0.5, -0.8], [1.1, -0.5]];
+    for (k, viscosity) in [0.01, 1.0].into_iter().enumerate() {
+        let mut setup = setup(background(), fluid(1.2, viscosity), 0.05);
+        let shift = 0.031 * k as f64;
+        let mesh = disk([0.9 + shift, 0.7 - shift], 0.37, 0.1);
+        setup.bodies.push(prescribed(&mesh, |x, _| *x, move |x, _| u(x)));
+        linear_flow(setup, u, gradient, V::new(-0.7, 2.5));
+    }
+    // The same while the interface moves through the mesh.
+    let mut setup = setup(background(), fluid(1.2, 0.1), 0.05);
+    let mesh = structured_box::<2>([0.5, 0.4], [0.9, 0.83], [4, 4]).expect("a box");
+    setup.bodies.push(prescribed(&mesh, |x, t| x + V::new(2.0 * t, t), move |x, _| u(x)));
+    linear_flow(setup, u, gradient, V::new(-0.7, 2.5));
+}
+
+#[test]
+fn the_tangential_traction_on_a_symmetry_line_is_free() {
+    // u = (a x, -a y) has no normal velocity and no shear on x = 0.
+    let u = |x: &P| V::new(0.6 * x[0], 0.4 - 0.6 * x[1]);
+    let mut setup = setup(background(), fluid(1.2, 0.3), 0.05);
+    on_sides(&mut setup, &["left"], || FluidBoundary::Symmetry { axis: 0 });
+    setup.bodies.push(prescribed(&disk([0.9, 0.7], 0.37, 0.1), |x, _| *x, move |x, _| u(x)));
+    // The pressure of a symmetric flow is symmetric.
+    linear_flow(setup, u, [[0.6, 0.0], [0.0, -0.6]], V::new(0.0, 2.5));
+}
+
+#[test]
+fn an_enclosed_pocket_has_a_pressure_of_mean_zero() {
+    let u = |x: &P| V::new(0.5 * x[0] - 0.8 * x[1], 1.1 * x[0] - 0.5 * x[1]);
+    let a = solver::mesh::Tensor::<2>::new(0.5, -0.8, 1.1, -0.5);
+    let mut setup = setup(background(), fluid(1.0, 0.2), 0.05);
+    setup.fluid.initial_velocity = Some(Arc::new(u));
+    setup.fluid.body_force = Some(Arc::new(move |x, _| a * u(x) + V::new(0.0, -3.0)));
+    on_sides(&mut setup, &SIDES, || FluidBoundary::Velocity(Arc::new(move |x, _| u(x))));
+    setup.bodies.push(prescribed(&disk([0.9, 0.7], 0.37, 0.1), |x, _| *x, move |x, _| u(x)));
+    let (state, reports) = run(&setup, 2);
+    assert_eq!(reports[0].n_pockets, 1);
+    let shift = state.fluid.pressure[0] + 3.0 * setup.background.vertex(state.fluid.space.vertex(0))[1];
+    let (error_u, error_p) = fluid_error(&setup, &state, u, |x| shift - 3.0 * x[1]);
+    assert!(error_u < 1e-9 && error_p < 1e-8, "u {error_u:e}, p {error_p:e}");
+    // The mean of -3 y over the box without the polygon, which is symmetric about its centre.
+    let fluid = state.fluid.cut.fluid_volume();
+    let mean = -3.0 * (3.0 * 0.75 - (3.0 - fluid) * 0.7) / fluid;
+    assert!((shift + mean).abs() < 1e-4, "{shift} {mean}");
+}

@@ -1,0 +1,150 @@
+//! Dof counts, face jumps, boundary dofs and transfer on tiny meshes.
+
+use cutcell::{CutMesh, OverlayOptions, PartId};
+use mesh::generate::structured_box;
+use mesh::{BoundaryMesh, CellId, Placed, Point, SimplexMesh, Vector, VertexId};
+use xfem_space::{FaceValues, PartValues, VelocityField, XfemSpace, boundary_dofs, cutcell, mesh, transfer};
+
+type P = Point<2>;
+
+fn grid(n: usize) -> SimplexMesh<2> {
+    structured_box::<2>([0.0, 0.0], [1.0, 1.0], [n, n]).expect("a box")
+}
+
+fn cut_by_rectangles(background: &SimplexMesh<2>, rectangles: &[[f64; 4]]) -> CutMesh<2> {
+    let boundary = BoundaryMesh::<2>::from_facets([0, 1, 1, 2, 2, 3, 3, 0].map(VertexId).to_vec());
+    let positions: Vec<Vec<P>> = rectangles
+        .iter()
+        .map(|&[x0, y0, x1, y1]| vec![P::new(x0, y0), P::new(x1, y0), P::new(x1, y1), P::new(x0, y1)])
+        .collect();
+    let placed: Vec<_> = positions.iter().map(|x| Placed::new(&boundary, x)).collect();
+    CutMesh::overlay(background, &placed, &OverlayOptions::new()).expect("rectangles")
+}
+
+fn n_dofs(background: &SimplexMesh<2>, rectangles: &[[f64; 4]]) -> usize {
+    XfemSpace::new(background, &cut_by_rectangles(background, rectangles)).len()
+}
+
+#[test]
+fn without_bodies_there_is_one_dof_per_vertex() {
+    assert_eq!(n_dofs(&grid(2), &[]), 9);
+    assert_eq!(n_dofs(&grid(5), &[]), 36);
+}
+
+#[test]
+fn a_strip_through_the_mesh_doubles_the_dofs_of_the_cells_it_splits() {
+    // Below the strip: 6 vertices of the lower row. Above: the same 6, and 3 on top.
+    assert_eq!(n_dofs(&grid(2), &[[-0.5, 0.24, 1.5, 0.26]]), 15);
+    // Two strips in the same row: the fluid between them has its own 6.
+    assert_eq!(n_dofs(&grid(2), &[[-0.5, 0.14, 1.5, 0.16], [-0.5, 0.34, 1.5, 0.36]]), 21);
+}
+
+#[test]
+fn a_strip_that_ends_inside_a_cell_doubles_only_what_it_separates() {
+    // The strip ends in the triangle (0.5, 0), (1, 0.5), (0.5, 0.5). The two triangles to its left have two parts
+    // each. Around the tip both parts meet in the vertices (0.5, 0) and (0.5, 0.5); only (0, 0) and (0, 0.5) are
+    // doubled.
+    let background = grid(2);
+    let cut = cut_by_rectangles(&background, &[[-0.5, 0.24, 0.6, 0.26]]);
+    let space = XfemSpace::new(&background, &cut);
+    assert_eq!(space.len(), 11);
+    let split: Vec<CellId> = background.cells().filter(|&c| cut.parts(c).len() == 2).collect();
+    assert_eq!(split.len(), 2);
+    for cell in split {
+        let parts: Vec<PartId> = cut.parts(cell).collect();
+        for (local, vertex) in background.cell(cell).iter().enumerate() {
+            let is_shared = space.dofs(parts[0])[local] == space.dofs(parts[1])[local];
+            assert_eq!(is_shared, background.vertex(*vertex)[0] == 0.5, "cell {cell}, vertex {vertex}");
+        }
+    }
+}
+
+#[test]
+fn a_body_over_whole_cells_leaves_no_dofs_inside() {
+    // Three vertices in a row lie strictly inside with all their cells covered or cut: only the centre has no part.
+    assert_eq!(n_dofs(&grid(4), &[[0.2, 0.2, 0.8, 0.8]]), 24);
+    // A body over everything leaves nothing.
+    assert_eq!(n_dofs(&grid(4), &[[-0.2, -0.2, 1.2, 1.2]]), 0);
+    // A body inside one cell changes nothing.
+    assert_eq!(n_dofs(&grid(1), &[[0.6, 0.2, 0.7, 0.3]]), 4);
+}
+
+#[test]
+fn jumps_vanish_on_linear_functions_and_shapes_sum_to_one() {
+    let background = grid(4);
+    let cut = cut_by_rectangles(&background, &[[0.13, 0.22, 0.61, 0.71]]);
+    let space = XfemSpace::new(&background, &cut);
+    let parts = PartValues::new(&background, &cut, 2);
+    let faces = FaceValues::new(&background, &cut, &space, &parts);
+    let linear = |v: VertexId| 1.0 + 2.0 * background.vertex(v)[0] - 3.0 * background.vertex(v)[1];
+    for face in faces.as_slice() {
+        let jump: f64 = face.dofs().iter().zip(face.jumps()).map(|(&k, j)| j * linear(space.vertex(k))).sum();
+        assert!(jump.abs() < 1e-12);
+        assert!(face.jumps().iter().any(|j| j.abs() > 1.0), "a hat function has a jump");
+    }
+    let (mut volume, mut integral) = (0.0, 0.0);
+    for part in cut.all_parts() {
+        for q in parts.points(part) {
+            assert!((q.shape[..3].iter().sum::<f64>() - 1.0).abs() < 1e-12);
+            volume += q.weight;
+            integral += q.weight
+                * space.dofs(part).iter().zip(&q.shape).map(|(&k, n)| n * linear(space.vertex(k))).sum::<f64>();
+        }
+    }
+    assert!((volume - cut.fluid_volume()).abs() < 1e-13);
+    // The integral of 1 + 2 x - 3 y over the square without the rectangle.
+    let rectangle = 0.48 * 0.49 * (1.0 + 2.0 * 0.37 - 3.0 * 0.465);
+    assert!((integral - (0.5 - rectangle)).abs() < 1e-13, "{integral}");
+}
+
+#[test]
+fn the_boundary_binds_only_dofs_that_touch_it() {
+    // A plate on the bottom: its vertices are buried; the bottom binds nothing.
+    let background = grid(4);
+    let cut = cut_by_rectangles(&background, &[[0.0, 0.0, 1.0, 0.1]]);
+    let space = XfemSpace::new(&background, &cut);
+    let dofs = |name| boundary_dofs(&background, &cut, &space, background.tag(name).expect("a side"));
+    assert_eq!(dofs("bottom").len(), 0);
+    assert_eq!(dofs("top").len(), 5);
+    // The left side is wet from y = 0.1 on: the cut cell at the bottom binds its vertex at y = 0 too.
+    assert_eq!(dofs("left").len(), 5);
+}
+
+#[test]
+fn transfer_keeps_linear_fields_and_extends_with_the_body() {
+    let background = grid(8);
+    let old_cut = cut_by_rectangles(&background, &[[0.3, 0.3, 0.6, 0.6]]);
+    let new_cut = cut_by_rectangles(&background, &[[0.33, 0.33, 0.63, 0.63]]);
+    let (old_space, new_space) = (XfemSpace::new(&background, &old_cut), XfemSpace::new(&background, &new_cut));
+    let linear = |x: &P| Vector::<2>::new(1.0 + x[0] - x[1], 2.0 * x[1]);
+    let values: Vec<_> = old_space.vertices().iter().map(|&v| linear(&background.vertex(v))).collect();
+    let old = VelocityField { cut: &old_cut, space: &old_space, values: &values };
+    let moved = transfer(&background, old, &new_cut, &new_space, &|_, x| linear(x));
+    for (dof, value) in moved.values.iter().enumerate() {
+        assert_eq!(*value, linear(&background.vertex(new_space.vertex(dof as u32))));
+    }
+    let same = transfer(&background, old, &old_cut, &old_space, &|_, _| unreachable!("nothing is uncovered"));
+    assert_eq!(same.values, values);
+    assert_eq!(same.n_uncovered(), 0);
+}
+
+#[test]
+fn a_body_that_moves_far_uncovers_its_old_place() {
+    let background = grid(10);
+    let old_cut = cut_by_rectangles(&background, &[[0.12, 0.12, 0.48, 0.48]]);
+    let new_cut = cut_by_rectangles(&background, &[[0.52, 0.52, 0.88, 0.88]]);
+    let (old_space, new_space) = (XfemSpace::new(&background, &old_cut), XfemSpace::new(&background, &new_cut));
+    let values = vec![Vector::<2>::new(1.0, 2.0); old_space.len()];
+    let old = VelocityField { cut: &old_cut, space: &old_space, values: &values };
+    let moved = transfer(&background, old, &new_cut, &new_space, &|_, _| Vector::<2>::new(-1.0, 0.0));
+    // The vertices with x and y in 0.2, 0.3, 0.4 had no part; those whose cells were all covered are uncovered.
+    let uncovered: Vec<P> = (0..new_space.len())
+        .filter(|&k| moved.sources[k].is_none())
+        .map(|k| background.vertex(new_space.vertex(k as u32)))
+        .collect();
+    assert!(!uncovered.is_empty());
+    assert!(uncovered.iter().all(|x| (0.15..0.45).contains(&x[0]) && (0.15..0.45).contains(&x[1])), "{uncovered:?}");
+    for (k, value) in moved.values.iter().enumerate() {
+        assert_eq!(value[0], if moved.sources[k].is_none() { -1.0 } else { 1.0 });
+    }
+}
