@@ -1,2 +1,52 @@
-//! Flags and processes.
-fn main() {}
+//! Flags and processes: what people and CI start. Links none of the libraries, so that it builds in seconds.
+#![allow(clippy::print_stdout, clippy::print_stderr)] // talks on the terminal
+
+mod bench;
+mod docs;
+mod process;
+mod tidy;
+mod validate;
+mod verify;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+#[derive(Parser)]
+#[command(name = "cargo xtask", about = "Chores of the workspace", disable_help_subcommand = true)]
+struct Arguments {
+    #[command(subcommand)]
+    task: Task,
+}
+
+#[derive(Subcommand)]
+enum Task {
+    /// Run the cases of the paper and compare with its numbers.
+    Validate(validate::Arguments),
+    /// Compare with exact solutions, read the output back, run the long property suites.
+    Verify(verify::Arguments),
+    /// Measure: criterion groups cut, assembly, linear, time_step.
+    Bench(bench::Arguments),
+    /// Check that the code still has the shape that the documents promise.
+    Tidy(tidy::Arguments),
+    /// Build the API documentation, the generated pages and the book.
+    Docs(docs::Arguments),
+}
+
+fn main() -> ExitCode {
+    let result = match Arguments::parse().task {
+        Task::Validate(arguments) => validate::run(&arguments),
+        Task::Verify(arguments) => verify::run(&arguments),
+        Task::Bench(arguments) => bench::run(&arguments),
+        Task::Tidy(arguments) => tidy::run(&arguments),
+        Task::Docs(arguments) => docs::run(&arguments),
+    };
+    match result {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(2)
+        }
+    }
+}

@@ -70,12 +70,12 @@ impl Pattern {
     /// As [`Pattern::new`], in the memory of an old pattern.
     pub fn recycle(mut self, n: usize, contributions: &[&dyn Contributions]) -> Self {
         assert!(n < u32::MAX as usize, "{n} unknowns do not fit");
-        let b = std::time::Instant::now(); self.collect_dofs(n, contributions); eprintln!("  collect_dofs {:.2}", b.elapsed().as_secs_f64()*1e3);
-        let b = std::time::Instant::now(); self.sort_by_column(n); eprintln!("  sort_by_colu {:.2}", b.elapsed().as_secs_f64()*1e3);
-        let b = std::time::Instant::now(); self.collect_rows(n); eprintln!("  collect_rows {:.2}", b.elapsed().as_secs_f64()*1e3);
-        let b = std::time::Instant::now(); self.sort_rows(n); eprintln!("  sort_rows(n) {:.2}", b.elapsed().as_secs_f64()*1e3);
-        let b = std::time::Instant::now(); self.map_items(n); eprintln!("  map_items(n) {:.2}", b.elapsed().as_secs_f64()*1e3);
-        let b = std::time::Instant::now(); self.group_nodes(n); eprintln!("  group_nodes( {:.2}", b.elapsed().as_secs_f64()*1e3);
+        self.collect_dofs(n, contributions);
+        self.sort_by_column(n);
+        self.collect_rows(n);
+        self.sort_rows(n);
+        self.map_items(n);
+        self.group_nodes(n);
         self
     }
 

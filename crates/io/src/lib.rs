@@ -1,1 +1,18 @@
-//! io.
+//! Text in, files out: scenarios, histories, field files and pictures.
+//!
+//! This is the only crate that knows a file format. A run in three lines:
+//!
+//! ```no_run
+//! use io::{RunOptions, ScenarioFile, run};
+//! let scenario = ScenarioFile::read("validation/cases/virtual-barrier.toml".as_ref(), &[])?;
+//! let summary = run(&scenario, RunOptions::into_directory("results"))?;
+//! # Ok::<(), io::Error>(())
+//! ```
+
+mod error;
+pub use error::Error;
+
+#[cfg(feature = "simulation")]
+pub mod scenario;
+#[cfg(feature = "simulation")]
+pub use scenario::ScenarioFile;

@@ -25,7 +25,7 @@ pub use error::{SetupError, Stage, StepError};
 pub use geometry::StepGeometry;
 pub use observe::{Observer, ObserverError, StepView};
 pub use pocket::{Pocket, pockets};
-pub use problem::FsiProblem;
+pub use problem::{FsiProblem, StepForms};
 pub use report::{BodyReport, StageSeconds, StepReport};
 pub use setup::{
     Body, BodyKind, BodySupport, Contact, ContactObstacle, ElasticBody, FluidBoundary, FluidSetup, PointField,

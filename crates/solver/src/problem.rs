@@ -17,14 +17,15 @@ use crate::{Setup, SetupError, State, StepGeometry, StepSystem};
 const BOUNDARY_DEGREE: usize = 3;
 
 /// What the contributions of a step borrow: the fluid's geometry and terms, and the body side of the interface.
-pub(crate) struct StepForms<'a, const D: usize> {
+pub struct StepForms<'a, const D: usize> {
     fluid_geometry: FluidGeometry<'a, D>,
     fluid: FluidForm<'a, D>,
     sides: Vec<BodySide<'a, D>>,
 }
 
 impl<'a, const D: usize> StepForms<'a, D> {
-    pub(crate) fn new(setup: &'a Setup<D>, geometry: &'a StepGeometry<D>, system: &StepSystem<D>) -> Self {
+    /// The forms of a step.
+    pub fn new(setup: &'a Setup<D>, geometry: &'a StepGeometry<D>, system: &StepSystem<D>) -> Self {
         let sides = setup.bodies.iter().zip(&system.bodies).map(|(body, unknown)| match (&body.kind, unknown) {
             (BodyKind::Prescribed(given), _) => {
                 BodySide::Prescribed { velocity: given.velocity.as_ref(), time: system.time }
@@ -60,7 +61,7 @@ impl<'a, const D: usize> FsiProblem<'a, D> {
     ///
     /// # Errors
     /// [`SetupError`]: a solid or contact does not fit.
-    pub(crate) fn new(
+    pub fn new(
         setup: &'a Setup<D>,
         geometry: &'a StepGeometry<D>,
         system: &'a StepSystem<D>,
@@ -110,7 +111,7 @@ impl<'a, const D: usize> FsiProblem<'a, D> {
     }
 
     /// The previous state on the new space, as a starting guess.
-    pub(crate) fn initial_guess(&self, geometry: &StepGeometry<D>, previous: &State<D>) -> Vec<f64> {
+    pub fn initial_guess(&self, geometry: &StepGeometry<D>, previous: &State<D>) -> Vec<f64> {
         let layout = &self.system.layout;
         let mut x = vec![0.0; layout.len()];
         let velocity = &mut x[layout.range(self.system.velocity)];

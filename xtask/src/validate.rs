@@ -1,0 +1,32 @@
+//! `cargo xtask validate`: starts the `validation` binary.
+
+use std::path::PathBuf;
+
+use crate::process::{Outcome, cargo, succeeds};
+
+/// Flags of the task.
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// Cases to run, by the names of their files in validation/cases; all if none is given.
+    #[arg(value_name = "CASE")]
+    cases: Vec<String>,
+    /// Coarse meshes, compared with our own stored values: regression, not validation.
+    #[arg(long)]
+    quick: bool,
+    /// Where results go: DIR/CASE/summary.json and the files of a run.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+/// Runs the task.
+pub(crate) fn run(arguments: &Arguments) -> Outcome {
+    let mut command = cargo(&["run", "--release", "--quiet", "--package", "validation", "--", "validate"]);
+    command.args(&arguments.cases);
+    if arguments.quick {
+        command.arg("--quick");
+    }
+    if let Some(out) = &arguments.out {
+        command.arg("--out").arg(std::path::absolute(out)?);
+    }
+    succeeds(&mut command)
+}

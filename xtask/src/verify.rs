@@ -1,0 +1,93 @@
+//! `cargo xtask verify`: exact solutions, output read back, long property suites.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use crate::process::{Outcome, cargo, root, succeeds, target};
+
+/// Number of random placements per property of `cutcell`, quick and full.
+const CUTCELL_CASES: [&str; 2] = ["2000", "50000"];
+
+/// Flags of the task.
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// What to verify: `cutcell` (long property suite), `vtk` (files read by VTK), or an entry of the `validation`
+    /// binary; everything if none is given.
+    #[arg(value_name = "NAME")]
+    names: Vec<String>,
+    /// The short version; this is the default.
+    #[arg(long, conflicts_with = "full")]
+    quick: bool,
+    /// The long version.
+    #[arg(long)]
+    full: bool,
+    /// Where results go.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+/// Runs the task.
+pub(crate) fn run(arguments: &Arguments) -> Outcome {
+    let out = std::path::absolute(arguments.out.clone().unwrap_or_else(|| target().join("verification")))?;
+    let all = arguments.names.is_empty();
+    let asked = |name: &str| all || arguments.names.iter().any(|n| n == name);
+    let mut good = true;
+    if asked("cutcell") {
+        good &= verify_cutcell(arguments.full)?;
+    }
+    if asked("vtk") {
+        good &= verify_vtk(&out)?;
+    }
+    let others: Vec<&String> = arguments.names.iter().filter(|n| !["cutcell", "vtk"].contains(&n.as_str())).collect();
+    if all || !others.is_empty() {
+        let mut command = validation("verify");
+        command.args(others).arg(if arguments.full { "--full" } else { "--quick" }).arg("--out").arg(&out);
+        good &= succeeds(&mut command)?;
+    }
+    Ok(good)
+}
+
+fn validation(mode: &str) -> Command {
+    cargo(&["run", "--release", "--quiet", "--package", "validation", "--", mode])
+}
+
+/// The property suite of `cutcell` with many more random placements than `cargo test` takes.
+fn verify_cutcell(full: bool) -> Outcome {
+    let cases = CUTCELL_CASES[usize::from(full)];
+    println!("# cutcell: properties over {cases} random placements");
+    let mut command = cargo(&["test", "--release", "--package", "cutcell", "--test", "properties"]);
+    succeeds(command.env("CUTCELL_CASES", cases))
+}
+
+/// Runs a short case and reads its files with VTK's own Python reader, in a virtual environment of its own.
+fn verify_vtk(out: &Path) -> Outcome {
+    println!("# vtk: files of a short run, read by VTK");
+    let Some(python) = python_with_vtk()? else {
+        println!("skipped: Python with the package vtk is needed (python3 -m venv, pip install vtk) and not to be had");
+        return Ok(true);
+    };
+    let run = out.join("vtk");
+    let mut files = validation("verify");
+    files.args(["files", "--quick", "--out"]).arg(&run);
+    if !succeeds(&mut files)? {
+        return Ok(false);
+    }
+    succeeds(Command::new(python).arg(root().join("validation/check_vtk.py")).arg(run.join("files")))
+}
+
+/// A Python that has VTK; `None` if there is none and it cannot be installed.
+fn python_with_vtk() -> std::io::Result<Option<PathBuf>> {
+    let environment = target().join("python-vtk");
+    let python = environment.join("bin/python");
+    let has_vtk = |python: &Path| {
+        let mut probe = Command::new(python);
+        let status = probe.args(["-c", "import vtkmodules.all"]).stderr(Stdio::null()).status();
+        status.is_ok_and(|s| s.success())
+    };
+    if has_vtk(&python) {
+        return Ok(Some(python));
+    }
+    let made = Command::new("python3").args(["-m", "venv"]).arg(&environment).status().is_ok_and(|s| s.success());
+    let installed = made && succeeds(Command::new(&python).args(["-m", "pip", "install", "--quiet", "vtk"]))?;
+    Ok((installed && has_vtk(&python)).then_some(python))
+}
