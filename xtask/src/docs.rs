@@ -25,7 +25,9 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     }
     let has_mdbook = Command::new("mdbook").arg("--version").stdout(Stdio::null()).status().is_ok();
     if !has_mdbook {
-        println!("mdbook is not installed, so the book is not built: `cargo install mdbook`, or read docs/src as it is");
+        println!(
+            "mdbook is not installed, so the book is not built: `cargo install mdbook`, or read docs/src as it is"
+        );
         return Ok(true);
     }
     succeeds(Command::new("mdbook").arg("build").arg(root().join("docs")))

@@ -81,7 +81,7 @@ fn python_with_vtk() -> std::io::Result<Option<PathBuf>> {
     let python = environment.join("bin/python");
     let has_vtk = |python: &Path| {
         let mut probe = Command::new(python);
-        let status = probe.args(["-c", "import vtkmodules.all"]).stderr(Stdio::null()).status();
+        let status = probe.args(["-c", "import vtkmodules.vtkIOXML"]).stderr(Stdio::null()).status();
         status.is_ok_and(|s| s.success())
     };
     if has_vtk(&python) {

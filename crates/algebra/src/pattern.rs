@@ -185,8 +185,8 @@ impl Pattern {
 
     /// Finds the dofs that occur in the same items.
     ///
-    /// Items of at most 4/9 of the size of the largest one around a dof do not count: a face that couples a single
-    /// component must not tell the components of a node apart.
+    /// Items of at most 3/4 of the size of the largest one around a dof do not count: a face that couples a single
+    /// component, or a term that leaves out the pressure, must not tell the components of a node apart.
     fn group_nodes(&mut self, n: usize) {
         const LARGEST_ITEM: u32 = 64;
         let Scratch { first_incidence, incidence, signature, .. } = &mut self.scratch;
@@ -196,7 +196,7 @@ impl Pattern {
         for column in 0..n {
             let items = &incidence[first_incidence[column]..first_incidence[column + 1]];
             let largest = items.iter().map(|item| item.len).max().unwrap_or(0);
-            let mut counted = items.iter().filter(|item| 9 * item.len > 4 * largest).peekable();
+            let mut counted = items.iter().filter(|item| 4 * item.len > 3 * largest).peekable();
             let first = counted.peek().filter(|_| largest <= LARGEST_ITEM).copied();
             signature.push(counted.fold(0, |hash, item| mix(hash, item.first_dof)));
             let twin = first.and_then(|item| {

@@ -1,6 +1,8 @@
 //! Memory that outlives one nonlinear solve.
 
-use crate::linear::{DirectSolver, LinearSolver};
+use std::time::Instant;
+
+use crate::linear::{DirectSolver, LinearError, LinearSolver};
 use crate::{BlockLayout, BlockSystem, Constraints, Contributions};
 
 /// Owns the system, the linear solver and their recycled memory.
@@ -26,6 +28,17 @@ impl Workspace {
     /// The system of the last solve.
     pub fn system(&self) -> &BlockSystem {
         &self.system
+    }
+
+    /// Factorises the matrix of the last solve once more and returns the wall-clock seconds that it took: the measure
+    /// of what a time step costs.
+    ///
+    /// # Errors
+    /// See [`LinearError`].
+    pub fn time_refactorization(&mut self) -> Result<f64, LinearError> {
+        let begin = Instant::now();
+        self.solver.factorize(self.system.matrix(), self.system.unknowns())?;
+        Ok(begin.elapsed().as_secs_f64())
     }
 
     /// The linear solver.

@@ -27,6 +27,11 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         &self.work
     }
 
+    /// The recycled memory, for measurements.
+    pub fn workspace_mut(&mut self) -> &mut Workspace {
+        &mut self.work
+    }
+
     /// Shows the state to the observers, then takes `n_steps` steps and shows each of them.
     ///
     /// # Errors

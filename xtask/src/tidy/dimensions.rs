@@ -1,0 +1,58 @@
+//! Dimension is one const parameter without bounds; only leaves know its values.
+
+use super::source::words;
+use super::{Finding, Workspace};
+
+/// Files that may contain a literal dimension outside of tests; a name that ends in `/` stands for a folder.
+const LEAVES: [&str; 14] = [
+    "crates/mesh/src/tensor.rs",
+    "crates/mesh/src/simplex.rs",
+    "crates/mesh/src/simplex_mesh.rs",
+    "crates/mesh/src/placement.rs",
+    "crates/mesh/src/quadrature.rs",
+    "crates/mesh/src/search/parry.rs",
+    "crates/mesh/src/generate/",
+    "crates/cutcell/src/surface.rs",
+    "crates/cutcell/src/predicates.rs",
+    "crates/cutcell/src/clip/",
+    "crates/io/src/scenario/",
+    "crates/io/src/vtk/",
+    "crates/io/src/plot/",
+    "crates/io/src/surface/",
+];
+
+/// What a literal dimension looks like.
+const LITERALS: [&str; 12] =
+    ["match D ", "D == 1", "D == 2", "D == 3", "D != 2", "D != 3", "D < 3", "D > 2", "<2>", "<3>", "D >= 3", "D <= 2"];
+
+/// Packages with libraries of one dimension parameter.
+const GENERIC: &str = "crates/";
+
+/// Looks for bounds on the dimension, second dimension parameters and literal dimensions.
+pub(super) fn check(workspace: &Workspace) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    for source in workspace.rust.iter().filter(|source| source.path.starts_with(GENERIC) && source.is_src()) {
+        let code = source.code();
+        for offset in words(code, "where") {
+            let clause = code[offset..].split(['{', ';']).next().unwrap_or_default();
+            if words(clause, "D").next().is_some() {
+                let advice = "a where-clause with D: use a run-time length or `match D` in a leaf";
+                findings.push(Finding::new(&source.path, source.line_at(offset), advice));
+            }
+        }
+        let is_leaf =
+            LEAVES.iter().any(|leaf| source.path == *leaf || (leaf.ends_with('/') && source.path.starts_with(leaf)));
+        for (number, line) in source.code_lines() {
+            if line.matches("const D: usize").count() == 0 && line.contains(": usize>") && line.contains("const ") {
+                let advice = "a const parameter other than `const D: usize`: D + 1 is a run-time length";
+                findings.push(Finding::new(&source.path, number, advice));
+            }
+            if let Some(literal) = LITERALS.iter().find(|literal| line.contains(*literal) && !is_leaf) {
+                let advice =
+                    format!("literal dimension `{}`: ask a leaf (xtask/src/tidy/dimensions.rs)", literal.trim());
+                findings.push(Finding::new(&source.path, number, advice));
+            }
+        }
+    }
+    findings
+}

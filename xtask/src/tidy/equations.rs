@@ -1,0 +1,117 @@
+//! Every term names its source; the page from equations to files is made from these lines.
+
+use super::source::Source;
+use super::{Finding, Workspace};
+
+/// The generated page.
+pub(super) const PAGE: &str = "docs/src/reference/equations.md";
+
+/// Folders of formulas besides `terms/`.
+const LAWS: [&str; 2] = ["crates/contact/src/law/", "crates/solid-svk/src/material/"];
+
+/// Files of laws that are no formulas: traits and checks.
+const NOT_A_LAW: [&str; 2] = ["/mod.rs", "/check.rs"];
+
+/// What has to have a file: how a `Source:` line names it, and what it is.
+const REQUIRED: [(&str, &str); 7] = [
+    ("Eq. (4)", "the semi-discrete problem"),
+    ("Eq. (6)", "the contact law"),
+    ("Eq. (7)", "contact with a rigid obstacle"),
+    ("Eq. (11)", "the fully discrete problem with contact"),
+    ("Remark 2", "the offset of contact"),
+    ("`s_h`", "the interior penalty"),
+    ("two-body", "contact of two bodies"),
+];
+
+/// A formula: what it is, where it comes from, where it stands.
+struct Formula {
+    title: String,
+    formula: String,
+    source: String,
+    path: String,
+}
+
+/// Looks for terms without source, equations without file, and a page that is out of date.
+pub(super) fn check(workspace: &Workspace) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    for source in formula_files(workspace) {
+        if source.path.contains("/terms/") && !source.text.contains("/// Source: ") {
+            let advice = "a term without `/// Source: ...`: name the equation, or author, year and DOI";
+            findings.push(Finding::new(&source.path, 1, advice));
+        }
+    }
+    let formulas = formulas(workspace);
+    for (equation, what) in REQUIRED {
+        if !formulas.iter().any(|formula| formula.source.contains(equation)) {
+            findings.push(Finding::new(PAGE, 1, format!("no file has a `Source:` with {equation}, {what}")));
+        }
+    }
+    if !formulas.iter().any(|formula| formula.formula.contains("g_h(")) {
+        findings.push(Finding::new(PAGE, 1, "no file has the formula of `g_h(u, v)`, the ghost penalty"));
+    }
+    if workspace.page(PAGE).is_none_or(|source| source.text != page(workspace)) {
+        findings.push(Finding::new(PAGE, 1, "out of date: run `cargo xtask tidy --fix`"));
+    }
+    findings
+}
+
+/// The page.
+pub(super) fn page(workspace: &Workspace) -> String {
+    let mut page = String::from(
+        "# From equations to files\n\n\
+         Made by `cargo xtask tidy --fix` from the `Source:` lines of the code; do not edit.\n\n\
+         *The paper* is Formaggia, Gatti, Zonca, MOX-Report 44/2019.\n\n\
+         | formula | what | source | file |\n|---|---|---|---|\n",
+    );
+    for Formula { title, formula, source, path } in formulas(workspace) {
+        let cell = |text: &str| text.replace('|', "\\|");
+        page += &format!("| {} | {} | {} | `{path}` |\n", cell(&formula), cell(&title), cell(&source));
+    }
+    page
+}
+
+fn formula_files(workspace: &Workspace) -> impl Iterator<Item = &Source> {
+    workspace.rust.iter().filter(|source| {
+        let is_term = source.is_src() && source.path.contains("/terms/") && !source.path.ends_with("/mod.rs");
+        let is_law = LAWS.iter().any(|folder| source.path.starts_with(folder));
+        is_term || (is_law && !NOT_A_LAW.iter().any(|end| source.path.ends_with(end)))
+    })
+}
+
+fn formulas(workspace: &Workspace) -> Vec<Formula> {
+    formula_files(workspace).flat_map(of_file).collect()
+}
+
+/// One formula per doc comment with a source.
+fn of_file(file: &Source) -> Vec<Formula> {
+    let title = file.text.lines().next().and_then(|line| line.strip_prefix("//! ")).unwrap_or_default();
+    let title = title.trim_end_matches('.').to_owned();
+    let mut formulas = Vec::new();
+    let mut comment: Vec<&str> = Vec::new();
+    for line in file.text.lines() {
+        match line.strip_prefix("///") {
+            Some(text) => comment.push(text.trim()),
+            None => {
+                formulas.extend(of_comment(&comment, &title, &file.path));
+                comment.clear();
+            }
+        }
+    }
+    formulas
+}
+
+fn of_comment(comment: &[&str], title: &str, path: &str) -> Option<Formula> {
+    let first = comment.iter().position(|line| line.starts_with("Source: "))?;
+    let sentence = |lines: &[&str]| lines.join(" ").trim_end_matches('.').to_owned();
+    let end = |line: &&str| {
+        line.is_empty() || ["Couples:", "Units", "Shapes:", "Conventions:", "With "].iter().any(|w| line.starts_with(w))
+    };
+    let last = comment[first..].iter().position(end).map_or(comment.len(), |n| first + n);
+    let formula_end = comment.iter().position(|line| line.is_empty()).unwrap_or(first);
+    Some(Formula {
+        title: title.to_owned(),
+        formula: sentence(&comment[..formula_end]),
+        source: sentence(&comment[first..last]).trim_start_matches("Source: ").to_owned(),
+        path: path.to_owned(),
+    })
+}

@@ -1,0 +1,156 @@
+//! `cargo xtask tidy`: the shape that the documents promise, checked. Also a test of this crate.
+
+mod dimensions;
+mod equations;
+mod hygiene;
+mod layers;
+mod source;
+mod third_party;
+
+use std::fs;
+use std::io;
+use std::path::PathBuf;
+
+use serde_json::Value;
+
+use crate::process::{Outcome, cargo, root};
+use source::Source;
+
+/// Flags of the task.
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// Write the generated pages of the book before checking.
+    #[arg(long)]
+    fix: bool,
+}
+
+/// A broken rule: where, and what to do.
+#[derive(Debug)]
+pub(crate) struct Finding {
+    path: String,
+    line: usize,
+    advice: String,
+}
+
+impl Finding {
+    fn new(path: &str, line: usize, advice: impl Into<String>) -> Self {
+        Self { path: path.to_owned(), line, advice: advice.into() }
+    }
+}
+
+/// What the rules look at.
+pub(crate) struct Workspace {
+    root: PathBuf,
+    /// Rust files of all packages.
+    rust: Vec<Source>,
+    /// Pages, scripts, manifests and scenarios.
+    other: Vec<Source>,
+    /// Packages as `cargo metadata` sees them.
+    packages: Vec<Value>,
+}
+
+impl Workspace {
+    /// Reads the workspace.
+    ///
+    /// # Errors
+    /// A file cannot be read, or cargo fails.
+    fn read() -> io::Result<Self> {
+        let root = root();
+        let metadata = cargo(&["metadata", "--format-version", "1", "--no-deps"]).output()?;
+        if !metadata.status.success() {
+            return Err(io::Error::other(String::from_utf8_lossy(&metadata.stderr).into_owned()));
+        }
+        let metadata: Value = serde_json::from_slice(&metadata.stdout)?;
+        let packages = metadata["packages"].as_array().cloned().unwrap_or_default();
+        let mut rust = Vec::new();
+        let mut other = Vec::new();
+        for folder in ["crates", "xtask", "benchmarks", "validation"] {
+            rust.extend(source::read(&root, folder, &["rs"])?);
+            other.extend(source::read(&root, folder, &["toml", "md", "py"])?);
+        }
+        other.extend(source::read(&root, "docs", &["md", "toml"])?);
+        for file in ["Cargo.toml", "README.md", ".ci/run"] {
+            if let Ok(text) = fs::read_to_string(root.join(file)) {
+                other.push(Source::new(file, text));
+            }
+        }
+        Ok(Self { root, rust, other, packages })
+    }
+
+    /// A file that is not Rust.
+    fn page(&self, path: &str) -> Option<&Source> {
+        self.other.iter().find(|source| source.path == path)
+    }
+
+    /// The line of a manifest that names a dependency.
+    fn manifest_line(&self, manifest: &str, dependency: &str) -> usize {
+        let Some(source) = self.page(manifest) else { return 1 };
+        source.lines().find(|(_, line)| line.starts_with(dependency)).map_or(1, |(number, _)| number)
+    }
+
+    /// Name, path of the manifest, and dependencies (name, kind) of each package.
+    fn manifests(&self) -> impl Iterator<Item = (&str, String, Vec<(&str, &str)>)> {
+        self.packages.iter().map(|package| {
+            let name = package["name"].as_str().unwrap_or_default();
+            let path = PathBuf::from(package["manifest_path"].as_str().unwrap_or_default());
+            let path = path.strip_prefix(&self.root).unwrap_or(&path).to_string_lossy().replace('\\', "/");
+            let dependencies = package["dependencies"].as_array().map_or(&[][..], Vec::as_slice);
+            let dependencies = dependencies
+                .iter()
+                .map(|d| (d["name"].as_str().unwrap_or_default(), d["kind"].as_str().unwrap_or("normal")))
+                .collect();
+            (name, path, dependencies)
+        })
+    }
+}
+
+/// All findings of all rules.
+fn findings(workspace: &Workspace) -> Vec<Finding> {
+    let rules = [layers::check, third_party::check, dimensions::check, equations::check, hygiene::check];
+    let mut findings: Vec<Finding> = rules.iter().flat_map(|check| check(workspace)).collect();
+    findings.sort_by(|a, b| (&a.path, a.line).cmp(&(&b.path, b.line)));
+    findings
+}
+
+/// Writes the pages of the book that are made from the code.
+///
+/// # Errors
+/// A file cannot be read or written.
+pub(crate) fn write_generated_pages() -> io::Result<()> {
+    let workspace = Workspace::read()?;
+    let path = workspace.root.join(equations::PAGE);
+    if let Some(folder) = path.parent() {
+        fs::create_dir_all(folder)?;
+    }
+    fs::write(path, equations::page(&workspace))
+}
+
+/// Runs the task.
+pub(crate) fn run(arguments: &Arguments) -> Outcome {
+    if arguments.fix {
+        write_generated_pages()?;
+    }
+    let workspace = Workspace::read()?;
+    let findings = findings(&workspace);
+    for Finding { path, line, advice } in &findings {
+        println!("{path}:{line}: {advice}");
+    }
+    match findings.len() {
+        0 => println!("tidy: {} Rust files, nothing to say", workspace.rust.len()),
+        n => println!("tidy: {n} findings"),
+    }
+    Ok(findings.is_empty())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_workspace_is_tidy() {
+        let workspace = Workspace::read().expect("a workspace");
+        let findings: Vec<String> =
+            findings(&workspace).into_iter().map(|f| format!("{}:{}: {}", f.path, f.line, f.advice)).collect();
+        assert!(findings.is_empty(), "\n{}", findings.join("\n"));
+    }
+}

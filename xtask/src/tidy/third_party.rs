@@ -1,0 +1,89 @@
+//! In which rooms each third-party crate may be named.
+
+use super::source::words;
+use super::{Finding, Workspace};
+
+/// Each crate with the folders and files, or whole packages, that may name it; tests and benches may name anything
+/// that their manifest lists.
+const ROOMS: [(&str, &[&str]); 26] = [
+    ("nalgebra", &["crates"]),
+    ("parry2d-f64", &["crates/mesh/src/search/parry.rs"]),
+    ("parry3d-f64", &["crates/mesh/src/search/parry.rs"]),
+    ("spade", &["crates/mesh/src/generate/triangulate.rs"]),
+    ("robust", &["crates/mesh/src", "crates/cutcell/src/predicates.rs"]),
+    ("sprs", &["crates/algebra/src"]),
+    ("faer", &["crates/algebra/src/faer_view.rs", "crates/algebra/src/linear"]),
+    ("rayon", &["crates/algebra/src/scatter.rs", "crates/cutcell/src/overlay.rs", "crates/xfem-space/src"]),
+    ("thiserror", &["crates"]),
+    ("tracing", &["crates"]),
+    ("serde", &["crates/io/src", "validation/src"]),
+    ("serde_json", &["crates/io/src", "crates/cutwater/src/commands", "validation/src", "xtask/src"]),
+    ("toml", &["crates/io/src", "validation/src"]),
+    ("vtkio", &["crates/io/src"]),
+    ("plotters", &["crates/io/src/plot"]),
+    ("mshio", &["crates/io/src"]),
+    ("clap", &["crates/cutwater/src/main.rs", "crates/cutwater/src/commands", "validation/src", "xtask/src"]),
+    ("indicatif", &["crates/cutwater/src", "validation/src"]),
+    ("tracing-subscriber", &["crates/cutwater/src"]),
+    ("criterion", TESTS_ONLY),
+    ("proptest", TESTS_ONLY),
+    ("insta", TESTS_ONLY),
+    ("i_overlay", TESTS_ONLY),
+    ("png", TESTS_ONLY),
+    ("tempfile", TESTS_ONLY),
+    ("approx", TESTS_ONLY),
+];
+
+const TESTS_ONLY: &[&str] = &[];
+
+/// Packages of `crates/` that stay free of nalgebra: dimension ends at the local system.
+const WITHOUT_NALGEBRA: &str = "crates/algebra/";
+
+/// Compares manifests and paths in the code with the table.
+pub(super) fn check(workspace: &Workspace) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    let ours: Vec<&str> = workspace.manifests().map(|(name, ..)| name).collect();
+    for (name, manifest, dependencies) in workspace.manifests() {
+        let folder = manifest.trim_end_matches("Cargo.toml").to_owned();
+        for (dependency, kind) in dependencies {
+            if ours.contains(&dependency) {
+                continue;
+            }
+            let line = workspace.manifest_line(&manifest, dependency);
+            let Some((_, rooms)) = ROOMS.iter().find(|(package, _)| *package == dependency) else {
+                let advice = format!("`{dependency}` has no room: use what is there, or add it to third_party.rs");
+                findings.push(Finding::new(&manifest, line, advice));
+                continue;
+            };
+            let has_room =
+                rooms.iter().any(|room| room.starts_with(&folder) || folder.starts_with(&format!("{room}/")));
+            if kind == "normal" && (!has_room || (dependency == "nalgebra" && folder == WITHOUT_NALGEBRA)) {
+                let advice = format!("`{name}` must not depend on `{dependency}`: its rooms are {}", rooms.join(", "));
+                findings.push(Finding::new(&manifest, line, advice));
+            }
+        }
+    }
+    for source in workspace.rust.iter().filter(|source| source.is_src()) {
+        for (package, rooms) in ROOMS {
+            let is_in_room = |room: &&str| source.path == *room || source.path.starts_with(&format!("{room}/"));
+            if rooms.iter().any(is_in_room) {
+                continue;
+            }
+            let name = package.replace('-', "_");
+            let offset = words(source.code(), &name).find(|&offset| is_path(source.code(), offset, name.len()));
+            if let Some(offset) = offset {
+                let advice = format!("`{package}` outside of its room: keep it in {}", rooms.join(", "));
+                findings.push(Finding::new(&source.path, source.line_at(offset), advice));
+            }
+        }
+    }
+    findings
+}
+
+/// Whether the word at an offset begins a path: `name::...`, `use name;`, `#[name(...)]` is none.
+fn is_path(code: &str, offset: usize, len: usize) -> bool {
+    let before = code[..offset].trim_end();
+    let is_first = !before.ends_with("::") && !before.ends_with("mod") && !before.ends_with('.');
+    let after = &code[offset + len..];
+    is_first && (after.starts_with("::") || (before.ends_with("use") && after.starts_with([';', ' '])))
+}
