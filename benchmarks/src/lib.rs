@@ -1,1 +1,133 @@
-//! Fixtures for the benchmarks.
+//! Fixtures of the benchmarks: a ball in a box at three resolutions.
+
+use algebra::{BlockSystem, NewtonSettings, NonlinearProblem};
+use contact::{ContactForm, Penalty, RigidPlane};
+use cutcell::{CutMesh, OverlayOptions};
+use fluid_ns::NewtonianFluid;
+use fluid_ns::terms::CipProfile;
+use mesh::generate::{BallOptions, Size, graded_box, half_ball};
+use mesh::{BodyId, Point, SimplexMesh, Vector};
+use solid_svk::boundary::{tagged_facets, vertices_of};
+use solid_svk::{LameParameters, SaintVenantKirchhoff, SolidForm, SolidMesh};
+use solver::{
+    Body, BodyKind, BodySupport, Contact, ContactObstacle, ElasticBody, FluidBoundary, FluidSetup, FsiProblem, Setup,
+    State, StepForms, StepGeometry, StepSystem, SupportKind,
+};
+
+// The code of the README and of the guides is compiled here, where all libraries are in sight.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+struct Readme;
+#[cfg(doctest)]
+#[doc = include_str!("../../docs/src/guides/cutcell-alone.md")]
+struct CutcellAlone;
+
+/// Gap between ball and ground: cut cells lie in the fine part of the background, contact does not act.
+const GAP: f64 = 0.2;
+
+/// A resolution, with the name that it has in benchmark ids.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Resolution {
+    /// Name: "h04" is 0.4 cm near the ground and in the ball.
+    pub name: &'static str,
+    /// Size of cells near the ground and in the ball, cm.
+    pub fine: f64,
+    /// Size of cells far away, cm.
+    pub coarse: f64,
+}
+
+/// From a toy to the resolution of the paper.
+pub const RESOLUTIONS: [Resolution; 3] = [
+    Resolution { name: "h04", fine: 0.4, coarse: 1.0 },
+    Resolution { name: "h02", fine: 0.2, coarse: 0.8 },
+    Resolution { name: "h01", fine: 0.1, coarse: 0.5 },
+];
+
+/// The graded box in which the ball falls (half of it: the rest is its mirror image).
+pub fn background(resolution: Resolution) -> SimplexMesh<2> {
+    let Resolution { fine, coarse, .. } = resolution;
+    let size = Size::Graded { fine, fine_until: 4.5, coarse, coarse_from: 10.0, axis: 1 };
+    graded_box([0.0, 0.0], [10.0, 15.0], &size).expect("a box of positive extent and size")
+}
+
+/// The half ball just above the ground.
+pub fn ball(resolution: Resolution) -> SimplexMesh<2> {
+    let options = BallOptions { area_preserving: false };
+    half_ball([0.0, 4.0 + GAP], 4.0, resolution.fine, &options).expect("a ball of positive radius and size")
+}
+
+/// The elastic ball in the fluid of the paper's cases.
+pub fn falling_ball(resolution: Resolution) -> Setup<2> {
+    let background = background(resolution);
+    let tag = |name: &str| background.tag(name).expect("sides of a box are tagged");
+    let open = || FluidBoundary::Open { traction: None, backflow: true };
+    let fluid = FluidSetup {
+        material: NewtonianFluid { density: 1.0, viscosity: 1e-2 },
+        cip: CipProfile::Paper { gamma_1: 0.7 },
+        gamma_pressure: 0.1,
+        gamma_ghost: 1.0,
+        convection: Some(false),
+        body_force: None,
+        initial_velocity: None,
+        boundary: vec![
+            (tag("bottom"), FluidBoundary::NoSlip),
+            (tag("left"), FluidBoundary::Symmetry { axis: 0 }),
+            (tag("right"), open()),
+            (tag("top"), open()),
+        ],
+    };
+    let solid = SolidMesh::new(ball(resolution)).expect("a mesh with positive cells");
+    let surface = tagged_facets(&solid, "surface").expect("a ball has a surface");
+    let diameter = tagged_facets(&solid, "left").expect("a half ball has a diameter");
+    let support = BodySupport { vertices: vertices_of(&solid, &diameter), kind: SupportKind::Symmetry { axis: 0 } };
+    let material = SaintVenantKirchhoff::new(LameParameters { mu: 2e6, lambda: 8e6 });
+    let elastic = ElasticBody {
+        form: SolidForm::new(1.0, material, Vector::<2>::new(0.0, -1e3)).expect("a positive density"),
+        solid,
+        supports: vec![support],
+        loads: Vec::new(),
+        initial_displacement: None,
+        initial_velocity: None,
+    };
+    let ground = RigidPlane::new(Point::<2>::zeros(), Vector::<2>::new(0.0, -1.0)).expect("a unit normal");
+    let contact = Contact {
+        body: BodyId(0),
+        facets: surface,
+        form: ContactForm::new(Penalty::new(1e8, 0.1).expect("a positive penalty"), 0.1).expect("a positive size"),
+        obstacle: ContactObstacle::Rigid(Box::new(ground)),
+    };
+    Setup {
+        fluid,
+        background,
+        bodies: vec![Body { name: "ball".to_owned(), kind: BodyKind::Elastic(Box::new(elastic)) }],
+        contacts: vec![contact],
+        gamma_sigma: 1e5,
+        dt: 1e-3,
+        newton: NewtonSettings::new(1e-8),
+        overlay: OverlayOptions::new(),
+    }
+}
+
+/// Calls a closure with the problem of the first step and its starting guess.
+pub fn with_first_problem<R>(setup: &Setup<2>, then: impl FnOnce(&FsiProblem<'_, 2>, &[f64]) -> R) -> R {
+    let start = State::initial(setup).expect("the ball cuts the background");
+    let positions = setup.positions(&start.bodies);
+    let surfaces = setup.surfaces(&positions);
+    let cut = CutMesh::overlay(&setup.background, &surfaces, &setup.overlay).expect("the ball cuts the background");
+    let geometry = StepGeometry::new(setup, &start, positions, cut);
+    let system = StepSystem::new(setup, &geometry, &start).expect("the parts of the setup fit");
+    let forms = StepForms::new(setup, &geometry, &system);
+    let problem = FsiProblem::new(setup, &geometry, &system, &forms, &start).expect("the parts of the setup fit");
+    let x = problem.initial_guess(&geometry, &start);
+    then(&problem, &x)
+}
+
+/// The assembled system of the first step.
+pub fn first_system(setup: &Setup<2>) -> BlockSystem {
+    with_first_problem(setup, |problem, x| {
+        let contributions = problem.contributions();
+        let mut system = BlockSystem::new(problem.layout(), &contributions, problem.constraints());
+        system.assemble(&contributions, x);
+        system
+    })
+}

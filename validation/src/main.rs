@@ -1,2 +1,79 @@
-//! Validation.
-fn main() {}
+//! The falling balls of the paper against its numbers, and the code against what is known exactly.
+#![allow(clippy::print_stdout, clippy::print_stderr)] // talks on the terminal
+
+mod case;
+mod compare;
+mod cost;
+mod metrics;
+mod table;
+mod validate;
+mod verify;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// Whether all is well, or why it could not be said.
+type Outcome = Result<bool, Box<dyn std::error::Error>>;
+
+#[derive(Parser)]
+#[command(about, disable_help_subcommand = true)]
+struct Arguments {
+    #[command(subcommand)]
+    mode: Mode,
+}
+
+#[derive(Subcommand)]
+enum Mode {
+    /// Run cases and compare with their references.
+    Validate {
+        /// Cases to run, by the names of their references; all if none is given.
+        cases: Vec<String>,
+        /// Coarse meshes, compared with our own stored values: regression, not validation.
+        #[arg(long)]
+        quick: bool,
+        /// Store what --quick computes as the values that it will be compared with.
+        #[arg(long, requires = "quick")]
+        regenerate: bool,
+        /// Where results go.
+        #[arg(long, default_value = "target/validation")]
+        out: PathBuf,
+    },
+    /// Compare with what is known exactly.
+    Verify {
+        /// What to verify; everything if nothing is given.
+        names: Vec<String>,
+        /// The short version; this is the default.
+        #[arg(long, conflicts_with = "full")]
+        quick: bool,
+        /// The long version.
+        #[arg(long)]
+        full: bool,
+        /// Where results go.
+        #[arg(long, default_value = "target/verification")]
+        out: PathBuf,
+    },
+}
+
+fn main() -> ExitCode {
+    let outcome = match Arguments::parse().mode {
+        Mode::Validate { cases, quick, regenerate, out } => {
+            let effort = match (quick, regenerate) {
+                (false, _) => validate::Effort::Paper,
+                (true, false) => validate::Effort::Quick,
+                (true, true) => validate::Effort::Regenerate,
+            };
+            validate::run(&cases, effort, &out)
+        }
+        Mode::Verify { names, quick: _, full, out } => verify::run(&names, full, &out),
+    };
+    match outcome {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(2)
+        }
+    }
+}

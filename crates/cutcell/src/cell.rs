@@ -3,7 +3,6 @@
 use mesh::{Point, Vector};
 
 use crate::clip::{FaceLabel, Polytope, face_difference, face_overlap};
-use crate::cut_mesh::for_each_face_simplex;
 use crate::predicates::{End, crossing};
 use crate::surface::Facet;
 
@@ -31,14 +30,25 @@ pub(crate) struct WetPiece<const D: usize> {
     pub(crate) polygon: Vec<Point<D>>,
 }
 
+/// A face between fluid and body that no facet covers.
+///
+/// The plane of a facet goes on behind the facet's end. Where it stays closer to another plane than the tolerance, it
+/// cuts off a tail of no thickness, which belongs to a body but has fluid on both sides.
+#[derive(Clone, Debug)]
+pub(crate) struct Bare<const D: usize> {
+    pub(crate) leaf: usize,
+    /// Towards the fluid.
+    pub(crate) normal: Vector<D>,
+    pub(crate) polygon: Vec<Point<D>>,
+}
+
 /// A cell with everything that facets do to its inside.
 #[derive(Clone, Debug)]
 pub(crate) struct CellCut<const D: usize> {
     pub(crate) leaves: Vec<Leaf<D>>,
     pub(crate) n_parts: u32,
     pub(crate) wet: Vec<WetPiece<D>>,
-    /// Measure of walls between fluid and body that no facet covers.
-    pub(crate) uncovered: f64,
+    pub(crate) bare: Vec<Bare<D>>,
 }
 
 /// Cuts a cell by the facets (indices into `all`) that may touch it. `depth` is the number of bodies around the
@@ -60,25 +70,81 @@ pub(crate) fn cut_cell<const D: usize>(
             Leaf { polytope, depth: depth + change, part: 0 }
         })
         .collect();
-    let walls = walls(&leaves, all, tolerance);
-    let n_parts = number_parts(&mut leaves, &walls);
+    let mut connected = Vec::new();
     let mut wet = Vec::new();
-    let mut uncovered = 0.0;
-    for wall in walls {
+    let mut bare: Vec<Bare<D>> = Vec::new();
+    for wall in walls(&leaves, all, tolerance) {
         // Behind the plane of one facet may lie fluid, and another body in front of it.
         let normal = all[wall.facet as usize].normal;
-        let (wet_leaf, normal) = match (leaves[wall.back].is_fluid(), leaves[wall.front].is_fluid()) {
+        let (leaf, normal) = match (leaves[wall.back].is_fluid(), leaves[wall.front].is_fluid()) {
             (false, true) => (wall.front, normal),
             (true, false) => (wall.back, -normal),
-            _ => continue,
+            (true, true) => {
+                connected.push([wall.back, wall.front]);
+                continue;
+            }
+            (false, false) => continue,
         };
-        let part = leaves[wet_leaf].part;
-        uncovered += cover_by_facets(wall.polygon, &normal, facets, all, tolerance, |facet, polygon| {
-            wet.push(WetPiece { part, facet, polygon });
+        let rest = cover_by_facets(wall.polygon, &normal, facets, all, tolerance, |facet, polygon| {
+            wet.push((leaf, facet, polygon));
         });
+        bare.extend(rest.into_iter().map(|polygon| Bare { leaf, normal, polygon }));
     }
-    CellCut { leaves, n_parts, wet, uncovered }
+    pair_bare(&mut bare, tolerance, |a, b| connected.push([a, b]));
+    let n_parts = number_parts(&mut leaves, &connected);
+    let part = |leaf: usize| leaves[leaf].part;
+    let wet = wet.into_iter().map(|(leaf, facet, polygon)| WetPiece { part: part(leaf), facet, polygon }).collect();
+    CellCut { leaves, n_parts, wet, bare }
 }
+
+/// Joins the fluid on the two sides of tails of no thickness; keeps what has no partner in the cell.
+fn pair_bare<const D: usize>(bare: &mut Vec<Bare<D>>, tolerance: f64, mut join: impl FnMut(usize, usize)) {
+    let mut k = 0;
+    while k < bare.len() {
+        let (first, others) = bare.split_at(k + 1);
+        let a = &first[k];
+        let mut rest = vec![a.polygon.clone()];
+        for b in others {
+            if a.normal.dot(&b.normal) < 0.0 && a.leaf != b.leaf && subtract_facing(&mut rest, &a.normal, b, tolerance) {
+                join(a.leaf, b.leaf);
+            }
+        }
+        let (leaf, normal) = (a.leaf, a.normal);
+        let replaced: Vec<Bare<D>> = rest.into_iter().map(|polygon| Bare { leaf, normal, polygon }).collect();
+        let n = replaced.len();
+        bare.splice(k..=k, replaced);
+        k += n;
+    }
+}
+
+/// Takes away from `polygons` what faces a bare face across no distance; returns whether there was anything.
+pub(crate) fn subtract_facing<const D: usize>(
+    polygons: &mut Vec<Vec<Point<D>>>,
+    normal: &Vector<D>,
+    bare: &Bare<D>,
+    tolerance: f64,
+) -> bool {
+    let mut found = false;
+    let mut overlap = Vec::new();
+    let mut left = Vec::new();
+    for polygon in polygons.drain(..) {
+        let is_near = |x: &Point<D>| {
+            normal.dot(&(x - polygon[0])).abs() <= REACH_OF_TAILS * tolerance
+                && bare.normal.dot(&(x - bare.polygon[0])).abs() <= REACH_OF_TAILS * tolerance
+        };
+        if face_overlap(&polygon, &bare.polygon, normal, tolerance, &mut overlap) > 0.0 && overlap.iter().all(is_near) {
+            found = true;
+            face_difference(&polygon, &bare.polygon, normal, tolerance, &mut left);
+        } else {
+            left.push(polygon);
+        }
+    }
+    *polygons = left;
+    found
+}
+
+/// A tail is at most as thick as the snapping of the points at its ends.
+const REACH_OF_TAILS: f64 = 16.0;
 
 /// Splits a cell by the planes of the facets that cross it, each plane only through the pieces that its facet
 /// really enters.
@@ -151,18 +217,16 @@ fn walls<const D: usize>(leaves: &[Leaf<D>], all: &[Facet<D>], tolerance: f64) -
 }
 
 /// Numbers the connected sets of fluid leaves in the order of their first leaf.
-fn number_parts<const D: usize>(leaves: &mut [Leaf<D>], walls: &[Wall<D>]) -> u32 {
+fn number_parts<const D: usize>(leaves: &mut [Leaf<D>], connected: &[[usize; 2]]) -> u32 {
     let mut lowest: Vec<usize> = (0..leaves.len()).collect();
     let mut changed = true;
     while changed {
         changed = false;
-        for wall in walls {
-            if leaves[wall.back].is_fluid() && leaves[wall.front].is_fluid() {
-                let low = lowest[wall.back].min(lowest[wall.front]);
-                changed |= lowest[wall.back] != low || lowest[wall.front] != low;
-                lowest[wall.back] = low;
-                lowest[wall.front] = low;
-            }
+        for &[a, b] in connected {
+            let low = lowest[a].min(lowest[b]);
+            changed |= lowest[a] != low || lowest[b] != low;
+            lowest[a] = low;
+            lowest[b] = low;
         }
     }
     let mut n_parts = 0;
@@ -179,8 +243,8 @@ fn number_parts<const D: usize>(leaves: &mut [Leaf<D>], walls: &[Wall<D>]) -> u3
     n_parts
 }
 
-/// Hands each piece of a wet face to the facet that covers it, once, in the order of the facets; returns the
-/// measure that no facet covers.
+/// Hands each piece of a wet face to the facet that covers it, once, in the order of the facets; returns what no
+/// facet covers.
 pub(crate) fn cover_by_facets<const D: usize>(
     face: Vec<Point<D>>,
     normal: &Vector<D>,
@@ -188,7 +252,7 @@ pub(crate) fn cover_by_facets<const D: usize>(
     all: &[Facet<D>],
     tolerance: f64,
     mut visit: impl FnMut(u32, Vec<Point<D>>),
-) -> f64 {
+) -> Vec<Vec<Point<D>>> {
     let mut rest = vec![face];
     let mut overlap = Vec::new();
     for &index in facets {
@@ -213,9 +277,5 @@ pub(crate) fn cover_by_facets<const D: usize>(
         }
         rest = left;
     }
-    let mut uncovered = 0.0;
-    for polygon in rest {
-        for_each_face_simplex(&polygon, |corners| uncovered += mesh::simplex_measure(&corners[..D]));
-    }
-    uncovered
+    rest
 }

@@ -3,7 +3,7 @@
 use mesh::{CellId, FacetId, Placed, Point, SimplexMesh};
 use rayon::prelude::*;
 
-use crate::cell::{CellCut, cover_by_facets, cut_cell};
+use crate::cell::{CellCut, cover_by_facets, cut_cell, subtract_facing};
 use crate::classify::depths;
 use crate::clip::face_overlap;
 use crate::cut_mesh::{for_each_face_simplex, local_facet};
@@ -207,7 +207,6 @@ impl<const D: usize> Builder<'_, D> {
         for leaf in from.leaves.iter().filter(|leaf| !leaf.is_fluid()) {
             cut.covered_pieces.push((cell, leaf.polytope.clone()));
         }
-        cut.report.uncovered_measure += from.uncovered;
         for wet in &from.wet {
             let facet = &self.facets[wet.facet as usize];
             for_each_face_simplex(&wet.polygon, |corners| {
@@ -286,12 +285,15 @@ impl<const D: usize> Builder<'_, D> {
         fragments: &[Vec<Fragment<D>>; 2],
         overlap: &mut Vec<Point<D>>,
     ) {
-        let mut points = [Point::<D>::zeros(); 4];
-        points[..3].copy_from_slice(&self.facet_points(facet));
         // Out of the first cell.
-        let normal = mesh::facet_normal(&points[..D]);
-        let is_ghost = cells.iter().any(|&cell| cut.cell_state(cell) == CellState::Cut);
-        let first_face = cut.part_faces.len();
+        let normal = mesh::facet_normal(&self.facet_points(facet)[..D]);
+        let mut face = SharedFace {
+            facet,
+            cells,
+            normal,
+            is_ghost: cells.iter().any(|&cell| cut.cell_state(cell) == CellState::Cut),
+            first: cut.part_faces.len(),
+        };
         for a in &fragments[0] {
             for b in &fragments[1] {
                 if a.part.is_none() && b.part.is_none() {
@@ -302,45 +304,54 @@ impl<const D: usize> Builder<'_, D> {
                     continue;
                 }
                 match (a.part, b.part) {
-                    (Some(first), Some(second)) => {
-                        let parts = [first, second];
-                        match cut.part_faces[first_face..].iter_mut().find(|face| face.parts == parts) {
-                            Some(face) => face.measure += measure,
-                            None => cut.part_faces.push(PartFace { facet, parts, measure, is_ghost }),
-                        }
-                    }
-                    (Some(part), None) => self.add_aligned(cut, cells, 0, part, &-normal, overlap.clone()),
-                    (None, Some(part)) => self.add_aligned(cut, cells, 1, part, &normal, overlap.clone()),
+                    (Some(first), Some(second)) => face.add(cut, [first, second], measure),
+                    (Some(part), None) => self.add_aligned(cut, &mut face, 0, part, overlap.clone()),
+                    (None, Some(part)) => self.add_aligned(cut, &mut face, 1, part, overlap.clone()),
                     (None, None) => {}
                 }
             }
         }
     }
 
-    /// Interface on a face of the background: fluid on the side of `normal` in cell `side`, body on the other.
+    /// Interface on a face of the background: fluid in cell `side`, body in the other.
     fn add_aligned(
         &self,
         cut: &mut CutMesh<D>,
-        cells: [CellId; 2],
+        face: &mut SharedFace<D>,
         side: usize,
         part: PartId,
-        normal: &mesh::Vector<D>,
         polygon: Vec<Point<D>>,
     ) {
-        let mut candidates: Vec<u32> = cells
+        let normal = if side == 0 { -face.normal } else { face.normal };
+        let mut candidates: Vec<u32> = face
+            .cells
             .iter()
             .filter_map(|&cell| self.touched.position(cell))
             .flat_map(|k| self.touched.facets(k).iter().copied())
             .collect();
         candidates.sort_unstable();
         candidates.dedup();
-        cut.report.uncovered_measure += cover_by_facets(polygon, normal, &candidates, self.facets, self.tolerance, |index, face| {
-            for_each_face_simplex(&face, |corners| {
-                let piece = InterfacePiece::new(cells[side], part, &self.facets[index as usize], corners);
+        let mut rest = cover_by_facets(polygon, &normal, &candidates, self.facets, self.tolerance, |index, face_piece| {
+            for_each_face_simplex(&face_piece, |corners| {
+                let piece = InterfacePiece::new(face.cells[side], part, &self.facets[index as usize], corners);
                 cut.report.n_aligned_pieces += 1;
                 cut.interface.push(piece);
             });
         });
+        // A tail of no thickness along the face, with fluid behind it.
+        let other = face.cells[1 - side];
+        if let Some(k) = self.touched.position(other).filter(|_| !rest.is_empty()) {
+            let beyond = &self.cuts[k];
+            for bare in beyond.bare.iter().filter(|bare| bare.normal.dot(&normal) < 0.0) {
+                let before = measure(&rest);
+                if subtract_facing(&mut rest, &normal, bare, self.tolerance) {
+                    let behind = PartId(cut.cell_to_part[other.index()] + beyond.leaves[bare.leaf].part);
+                    let parts = if side == 0 { [part, behind] } else { [behind, part] };
+                    face.add(cut, parts, before - measure(&rest));
+                }
+            }
+        }
+        cut.report.uncovered_measure += measure(&rest);
     }
 
     fn facet_points(&self, facet: FacetId) -> [Point<D>; 3] {
@@ -349,6 +360,35 @@ impl<const D: usize> Builder<'_, D> {
             *slot = self.background.vertex(*v);
         }
         points
+    }
+}
+
+/// Sum of the measures of convex faces.
+fn measure<const D: usize>(polygons: &[Vec<Point<D>>]) -> f64 {
+    let mut sum = 0.0;
+    for polygon in polygons {
+        for_each_face_simplex(polygon, |corners| sum += mesh::simplex_measure(&corners[..D]));
+    }
+    sum
+}
+
+/// An interior face of the background while the parts on its two sides are joined.
+struct SharedFace<const D: usize> {
+    facet: FacetId,
+    cells: [CellId; 2],
+    normal: mesh::Vector<D>,
+    is_ghost: bool,
+    /// Number of part faces before this face.
+    first: usize,
+}
+
+impl<const D: usize> SharedFace<D> {
+    /// Adds to what two parts share on the face.
+    fn add(&mut self, cut: &mut CutMesh<D>, parts: [PartId; 2], measure: f64) {
+        match cut.part_faces[self.first..].iter_mut().find(|face| face.parts == parts) {
+            Some(face) => face.measure += measure,
+            None => cut.part_faces.push(PartFace { facet: self.facet, parts, measure, is_ghost: self.is_ghost }),
+        }
     }
 }
 

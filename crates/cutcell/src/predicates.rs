@@ -4,7 +4,7 @@
 //! vertex on a mesh edge, has an answer that is the same wherever it is asked (simulation of simplicity).
 
 use mesh::Point;
-use robust::{Coord, orient2d};
+use robust::{Coord, Coord3D, orient2d, orient3d};
 
 fn coord<const D: usize>(x: &Point<D>) -> Coord<f64> {
     Coord { x: x[0], y: x[1] }
@@ -32,7 +32,7 @@ pub(crate) enum End<'a, const D: usize> {
 pub(crate) fn crossing<const D: usize>(from: &Point<D>, to: End<'_, D>, facet: &[Point<D>]) -> i32 {
     match D {
         2 => crossing_2d(from, to, &facet[0], &facet[1]),
-        _ => 0,
+        _ => crossing_3d(from, to, [&facet[0], &facet[1], &facet[2]]),
     }
 }
 
@@ -61,6 +61,51 @@ fn crossing_2d<const D: usize>(from: &Point<D>, to: End<'_, D>, a: &Point<D>, b:
     if side(a) == side(b) { 0 } else { side_to }
 }
 
+fn coord_3d<const D: usize>(x: &Point<D>) -> Coord3D<f64> {
+    Coord3D { x: x[0], y: x[1], z: x[2] }
+}
+
+/// Components of the normal `(b - a) × (c - a)`, with exact signs.
+fn normal<const D: usize>([a, b, c]: [&Point<D>; 3]) -> [f64; 3] {
+    std::array::from_fn(|k| {
+        let along = |x: &Point<D>| Coord { x: x[(k + 1) % 3], y: x[(k + 2) % 3] };
+        orient2d(along(a), along(b), along(c))
+    })
+}
+
+/// `from` is a mesh vertex.
+fn crossing_3d<const D: usize>(from: &Point<D>, to: End<'_, D>, facet: [&Point<D>; 3]) -> i32 {
+    let (q, to_is_vertex) = match to {
+        End::Point(x) => (x, false),
+        End::Vertex(x) => (x, true),
+    };
+    let [a, b, c] = facet.map(coord_3d);
+    // Positive behind the facet, on the side of the body.
+    let side = |x: &Point<D>, is_vertex: bool| {
+        let exact = sign(orient3d(a, b, c, coord_3d(x)));
+        if exact == 0 && is_vertex { first_nonzero(normal(facet).map(|n| -n)) } else { exact }
+    };
+    let (side_from, side_to) = (side(from, true), side(q, to_is_vertex));
+    if side_from == side_to || side_to == 0 {
+        return 0;
+    }
+    // On which side of an edge of the facet the line passes.
+    let passes = |x: &Point<D>, y: &Point<D>| {
+        let exact = sign(orient3d(coord_3d(from), coord_3d(q), coord_3d(x), coord_3d(y)));
+        if exact != 0 {
+            exact
+        } else if to_is_vertex {
+            let (r, e) = (from - q, x - y);
+            first_nonzero(std::array::from_fn(|k| e[(k + 1) % 3] * r[(k + 2) % 3] - e[(k + 2) % 3] * r[(k + 1) % 3]))
+        } else {
+            first_nonzero(normal([q, x, y]))
+        }
+    };
+    let [a, b, c] = facet;
+    let (ab, bc, ca) = (passes(a, b), passes(b, c), passes(c, a));
+    if ab == bc && bc == ca { side_to } else { 0 }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -71,6 +116,29 @@ mod tests {
     fn depth(polygon: &[P], to: End<'_, 2>) -> i32 {
         let far = P::new(17.0, 0.3);
         (0..polygon.len()).map(|k| crossing(&far, to, &[polygon[k], polygon[(k + 1) % polygon.len()]])).sum()
+    }
+
+    #[test]
+    fn depth_in_a_cube_is_zero_or_one_even_on_its_faces_edges_and_corners() {
+        type Q = Point<3>;
+        let corner = |k: usize| Q::new((k & 1) as f64, (k >> 1 & 1) as f64, (k >> 2 & 1) as f64);
+        let squares = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let facets: Vec<[Q; 3]> = squares
+            .iter()
+            .flat_map(|&[a, b, c, d]| [[corner(a), corner(b), corner(c)], [corner(a), corner(c), corner(d)]])
+            .collect();
+        for far in [Q::new(7.0, 0.5, 0.5), Q::new(5.0, 4.0, 3.0), Q::new(4.0, 4.0, 4.0)] {
+            let depth = |to: End<'_, 3>| facets.iter().map(|f| crossing(&far, to, f)).sum::<i32>();
+            for index in 0..7 * 7 * 7 {
+                let i = [index % 7, index / 7 % 7, index / 49];
+                let x = Q::from_fn(|k, _| 0.25 * (i[k] as f64 - 1.0));
+                let inside = i.iter().all(|i| (1..5).contains(i));
+                assert_eq!(depth(End::Vertex(&x)), i32::from(inside), "{x}");
+            }
+            assert_eq!(depth(End::Point(&Q::new(0.5, 0.25, 0.25))), 1);
+            assert_eq!(depth(End::Point(&Q::new(0.5, 0.5, 0.5))), 1);
+            assert_eq!(depth(End::Point(&Q::new(1.5, 0.5, 0.5))), 0);
+        }
     }
 
     #[test]

@@ -55,9 +55,7 @@ fn check_identities(background: &SimplexMesh<2>, cut: &CutMesh<2>) {
             assert!((sum - exact).abs() <= 1e-12 * exact, "cell {cell}: {sum} is not {exact}");
         }
     }
-    // A facet that leaves the plane of a mesh face by less than the tolerance has a sliver of no thickness behind
-    // its end, whose rim no facet covers; the report says how much.
-    let uncovered = cut.report().uncovered_measure;
+    assert!(cut.report().uncovered_measure < 1e-11, "uncovered {:e}", cut.report().uncovered_measure);
     // Every part is closed: faces shared with neighbours, interface and boundary leave no gap.
     let mut area = vec![Vector::<2>::zeros(); cut.n_parts()];
     let mut size = vec![0.0; cut.n_parts()];
@@ -81,7 +79,7 @@ fn check_identities(background: &SimplexMesh<2>, cut: &CutMesh<2>) {
     }
     for part in cut.all_parts() {
         let (gap, size) = (area[part.index()].norm(), size[part.index()]);
-        assert!(gap < 1e-11 + uncovered, "part {part:?} in cell {} is open by {gap:e} of {size}", cut.part_cell(part));
+        assert!(gap < 1e-11, "part {part:?} in cell {} is open by {gap:e} of {size}", cut.part_cell(part));
     }
     // Divergence theorem for x and for x |x|²/4 (divergence |x|²).
     let rule = mesh::SimplexRule::of_degree(2, 3);
@@ -105,7 +103,7 @@ fn check_identities(background: &SimplexMesh<2>, cut: &CutMesh<2>) {
     for piece in cut.interface() {
         flux(&piece.points[..2], -piece.normal);
     }
-    assert!(linear.abs() < 1e-10 + uncovered && quadratic.abs() < 1e-10 + uncovered, "divergence theorem: {linear:e} {quadratic:e}");
+    assert!(linear.abs() < 1e-10 && quadratic.abs() < 1e-10, "divergence theorem: {linear:e} {quadratic:e}");
 }
 
 fn face_points(background: &SimplexMesh<2>, facet: mesh::FacetId) -> [P; 2] {
@@ -130,7 +128,9 @@ fn check_immersed(background: &SimplexMesh<2>, body: &Polygon) {
     let length: f64 = cut.interface().iter().map(|p| p.measure).sum();
     let placed = body.placed();
     let exact: f64 = body.boundary.facets().map(|f| placed.facet_measure(f)).sum();
-    assert!(normals.norm() < 1e-12 * exact + 1e-15 && (length - exact).abs() < 1e-12 * exact + 1e-15, "{normals} {length} {exact}");
+    // Coordinates of about one carry round-off of 1e-16; points within 1e-13 of a mesh line may count as on it.
+    let tolerance = 1e-12 * exact + 1e-14;
+    assert!(normals.norm() < tolerance && (length - exact).abs() < 10.0 * tolerance, "{normals} {length} {exact}");
     for piece in cut.interface() {
         let corners = placed.facet_points(piece.facet);
         for k in 0..2 {
@@ -179,8 +179,19 @@ fn nasty_coordinate() -> impl Strategy<Value = f64> {
     ((1..8_i32), shift).prop_map(|(k, s)| f64::from(k) / 8.0 + s)
 }
 
+/// A short run with a fixed seed; `CUTCELL_CASES` makes it long, with the seed of `CUTCELL_SEED`.
+fn config() -> ProptestConfig {
+    let number = |name: &str| std::env::var(name).ok().and_then(|value| value.parse().ok());
+    ProptestConfig {
+        cases: number("CUTCELL_CASES").unwrap_or(1500) as u32,
+        failure_persistence: None,
+        rng_seed: proptest::test_runner::RngSeed::Fixed(number("CUTCELL_SEED").unwrap_or(7)),
+        ..ProptestConfig::default()
+    }
+}
+
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 1500, failure_persistence: None, rng_seed: proptest::test_runner::RngSeed::Fixed(7), ..ProptestConfig::default() })]
+    #![proptest_config(config())]
 
     #[test]
     fn random_stars(

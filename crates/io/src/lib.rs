@@ -16,3 +16,24 @@ pub use error::Error;
 pub mod scenario;
 #[cfg(feature = "simulation")]
 pub use scenario::ScenarioFile;
+
+mod files;
+pub mod vtk;
+#[cfg(feature = "simulation")]
+pub mod history;
+#[cfg(feature = "simulation")]
+mod measures;
+#[cfg(feature = "simulation")]
+pub mod plot;
+#[cfg(feature = "simulation")]
+mod run;
+#[cfg(feature = "simulation")]
+pub mod summary;
+#[cfg(feature = "simulation")]
+pub use history::{History, HistoryTable};
+#[cfg(feature = "simulation")]
+pub use measures::BodyMeasures;
+#[cfg(feature = "simulation")]
+pub use run::{RunOptions, Sizes, StepProgress, default_directory, run, sizes};
+#[cfg(feature = "simulation")]
+pub use summary::{Comparison, Summary, SummarySeconds};

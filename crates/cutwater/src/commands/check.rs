@@ -1,0 +1,21 @@
+//! `cutwater check`
+
+use cutwater::io::{Error, ScenarioFile, Sizes, sizes};
+
+use crate::ScenarioArguments;
+
+/// Reads a scenario, builds its meshes and prints sizes.
+pub(crate) fn check(arguments: &ScenarioArguments) -> Result<(), Error> {
+    let file = ScenarioFile::read(&arguments.file, &arguments.sets)?;
+    let scenario = file.scenario();
+    let Sizes { background_cells, background_vertices, bodies, cut_cells, dofs, n_steps, half_domain } = sizes(&file)?;
+    let half = if half_domain { ", half of a symmetric problem" } else { "" };
+    println!("{}: dimension {}, units cgs{half}", scenario.name, scenario.dimension);
+    println!("background: {background_cells} cells, {background_vertices} vertices, {cut_cells} cells cut at the start");
+    for (name, cells, vertices) in bodies {
+        println!("body {name}: {cells} cells, {vertices} vertices");
+    }
+    println!("unknowns in the first step: {dofs}");
+    println!("steps: {n_steps} of {} s, to {} s", scenario.time.step, scenario.time.end);
+    Ok(())
+}

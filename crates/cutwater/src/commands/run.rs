@@ -1,0 +1,113 @@
+//! `cutwater run`
+
+use std::io::IsTerminal;
+use std::time::{Duration, Instant};
+
+use cutwater::io::{Error, RunOptions, ScenarioFile, StepProgress, Summary, default_directory, run as run_scenario};
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::RunArguments;
+
+/// Time between two lines where there is no terminal.
+const LINE_EVERY: Duration = Duration::from_secs(5);
+
+/// Runs a scenario, shows its progress and prints what came out.
+pub(crate) fn run(arguments: &RunArguments) -> Result<(), Error> {
+    let file = ScenarioFile::read(&arguments.scenario.file, &arguments.scenario.sets)?;
+    let directory = arguments.out.clone().unwrap_or_else(|| default_directory(file.scenario()));
+    let shown = directory.display().to_string();
+    let mut options = RunOptions::into_directory(directory);
+    let mut display = Display::new(file.n_steps());
+    let mut tell = |at: &StepProgress| display.show(at);
+    if !arguments.quiet {
+        options.progress = Some(&mut tell);
+    }
+    let outcome = run_scenario(&file, options);
+    display.finish();
+    let summary = outcome.inspect_err(|error| {
+        if let Error::Step(step) = error {
+            eprintln!("the files in {shown} are complete up to step {}", step.step.saturating_sub(1));
+        }
+    })?;
+    if !arguments.quiet {
+        print_summary(&summary, &shown);
+    }
+    if arguments.timings {
+        print_timings(&summary);
+    }
+    Ok(())
+}
+
+/// A bar on a terminal, a line now and then elsewhere.
+struct Display {
+    bar: Option<ProgressBar>,
+    /// When the first step was done: meshes are built before.
+    begin: Option<Instant>,
+    last_line: Option<Instant>,
+}
+
+impl Display {
+    fn new(n_steps: usize) -> Self {
+        let bar = std::io::stderr().is_terminal().then(|| {
+            let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}, {eta} left");
+            ProgressBar::new(n_steps as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+        });
+        Self { bar, begin: None, last_line: None }
+    }
+
+    fn show(&mut self, at: &StepProgress) {
+        let begin = *self.begin.get_or_insert_with(Instant::now);
+        let distance = at.d_min.map_or(String::new(), |d| format!(", d_min {d:.4} cm"));
+        let contact = if at.in_contact { ", contact" } else { "" };
+        let message = format!("t = {:.4} s{distance}{contact}, {} Newton iterations", at.time, at.newton_iterations);
+        if let Some(bar) = &self.bar {
+            bar.set_message(message);
+            bar.set_position(at.step as u64);
+            return;
+        }
+        let is_due = self.last_line.is_none_or(|last| last.elapsed() >= LINE_EVERY);
+        if is_due || at.step == at.n_steps {
+            let steps_since = at.step.saturating_sub(1).max(1) as f64;
+            let per_step = begin.elapsed().as_secs_f64() / steps_since;
+            let left = per_step * (at.n_steps - at.step) as f64;
+            let left = if at.step > 1 { format!(", {left:.0} s left") } else { String::new() };
+            println!("step {}/{}, {message}{left}", at.step, at.n_steps);
+            self.last_line = Some(Instant::now());
+        }
+    }
+
+    fn finish(&self) {
+        self.bar.iter().for_each(ProgressBar::finish_and_clear);
+    }
+}
+
+fn print_summary(summary: &Summary, directory: &str) {
+    println!("{}: {} steps in {:.1} s, results in {directory}", summary.case, summary.steps, summary.wall_seconds);
+    let half = if summary.half_domain { " (of a half domain)" } else { "" };
+    println!("  {} cells, up to {} unknowns{half}, profile {}", summary.cells, summary.dofs, summary.profile);
+    let Some(contact) = summary.contact_time else {
+        println!("  no contact");
+        return;
+    };
+    let release = summary.release_time.map_or("none".to_owned(), |t| format!("{t:.4} s"));
+    println!("  first contact {contact:.4} s, release {release}");
+    if let (Some(height), Some(time)) = (summary.max_height, summary.max_height_time) {
+        println!("  highest afterwards: d_min {height:.3} cm at {time:.4} s");
+    }
+    println!("  largest penetration {:.3e} cm", summary.max_penetration);
+}
+
+fn print_timings(summary: &Summary) {
+    let seconds = &summary.seconds;
+    let per_step = 1e3 / summary.steps.max(1) as f64;
+    for (stage, total) in [
+        ("cut", seconds.cut),
+        ("space", seconds.space),
+        ("assembly", seconds.assembly),
+        ("linear", seconds.linear),
+        ("output", seconds.output),
+    ] {
+        println!("  {stage:<9} {total:8.2} s {:8.1} ms per step", total * per_step);
+    }
+    println!("  {} Newton iterations, {} factorisations", summary.newton_iterations, summary.factorizations);
+}

@@ -1,0 +1,270 @@
+//! From a scenario to a directory of results.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use algebra::Workspace;
+use solver::{Observer, ObserverError, Setup, State, StepView, TimeLoop};
+
+use crate::files::{create_directory, write_whole};
+use crate::history::{History, HistoryTable, column_prefix};
+use crate::measures::{BodyMeasures, leading_body};
+use crate::scenario::lower::{Case, CaseVisitor, lower};
+use crate::scenario::schema::{Cip, Output};
+use crate::scenario::{Scenario, ScenarioFile};
+use crate::summary::{Summary, SummaryBuilder, peak_rss_bytes};
+use crate::vtk::fluid::fluid_grid;
+use crate::vtk::interface::interface_grid;
+use crate::vtk::series::Series;
+use crate::vtk::solid::solid_grid;
+use crate::{Error, plot};
+
+/// How to run a scenario.
+pub struct RunOptions<'a> {
+    /// Where results go.
+    pub directory: PathBuf,
+    /// Called after every step.
+    pub progress: Option<&'a mut dyn FnMut(&StepProgress)>,
+}
+
+impl RunOptions<'_> {
+    /// Results into a directory, without progress.
+    pub fn into_directory(directory: impl Into<PathBuf>) -> Self {
+        Self { directory: directory.into(), progress: None }
+    }
+}
+
+/// Where a run stands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepProgress {
+    /// Steps done.
+    pub step: usize,
+    /// Steps in all.
+    pub n_steps: usize,
+    /// Time reached.
+    pub time: f64,
+    /// Smallest distance of the leading body.
+    pub d_min: Option<f64>,
+    /// Newton corrections of the step.
+    pub newton_iterations: usize,
+    /// Whether there is contact.
+    pub in_contact: bool,
+}
+
+/// Where results go if the command line names no directory.
+pub fn default_directory(scenario: &Scenario) -> PathBuf {
+    scenario.output.directory.as_ref().map_or_else(|| Path::new("results").join(&scenario.name), PathBuf::from)
+}
+
+/// Runs a scenario and writes `history.csv`, `summary.json`, `scenario.toml`, VTK series and pictures.
+///
+/// # Errors
+/// [`Error`]; if a step failed, the files are complete up to the step before it.
+pub fn run(file: &ScenarioFile, options: RunOptions<'_>) -> Result<Summary, Error> {
+    lower(file, Run { file, options })?
+}
+
+struct Run<'a, 'p> {
+    file: &'a ScenarioFile,
+    options: RunOptions<'p>,
+}
+
+impl CaseVisitor for Run<'_, '_> {
+    type Output = Result<Summary, Error>;
+
+    fn visit<const D: usize>(self, case: Case<D>) -> Result<Summary, Error> {
+        let directory = &self.options.directory;
+        let scenario = self.file.scenario();
+        create_directory(&directory.join("vtk"))?;
+        write_whole(&directory.join("scenario.toml"), self.file.to_toml()?.as_bytes())?;
+        let mut files = RunFiles::new(scenario, &case, directory)?;
+        let mut progress = Progress { report: self.options.progress, n_steps: case.n_steps, bottom: case.bottom };
+        let state = State::initial(&case.setup)?;
+        let mut time_loop = TimeLoop::new(&case.setup, state, Workspace::new());
+        let outcome = time_loop.run(case.n_steps, &mut [&mut files, &mut progress]);
+        let summary = files.finish(scenario, &case.setup)?;
+        outcome?;
+        Ok(summary)
+    }
+}
+
+/// Writes everything that a run leaves behind.
+struct RunFiles<const D: usize> {
+    directory: PathBuf,
+    output: Output,
+    n_steps: usize,
+    history: History,
+    summary: SummaryBuilder,
+    fluid: Series,
+    solid: Series,
+    interface: Series,
+    moments: plot::Moments<D>,
+    begin: Instant,
+}
+
+impl<const D: usize> RunFiles<D> {
+    fn new(scenario: &Scenario, case: &Case<D>, directory: &Path) -> Result<Self, Error> {
+        let start = Summary {
+            case: scenario.name.clone(),
+            profile: match scenario.fluid.cip {
+                Cip::Paper { .. } => "paper".to_owned(),
+                Cip::Consistent { .. } => "consistent".to_owned(),
+            },
+            half_domain: case.half_domain,
+            dt: case.setup.dt,
+            cells: case.setup.background.n_cells(),
+            ..Summary::default()
+        };
+        Ok(Self {
+            directory: directory.to_owned(),
+            output: scenario.output.clone(),
+            n_steps: case.n_steps,
+            history: History::create(&directory.join("history.csv"), case.bottom)?,
+            summary: SummaryBuilder::new(start, case.bottom),
+            fluid: Series::new(directory, "fluid"),
+            solid: Series::new(directory, "solid"),
+            interface: Series::new(directory, "interface"),
+            moments: plot::Moments::default(),
+            begin: Instant::now(),
+        })
+    }
+
+    fn write_fields(&mut self, view: &StepView<'_, D>) -> Result<(), Error> {
+        let (step, time, level) = (view.state.step, view.state.time, self.output.compression);
+        let fluid = fluid_grid(&view.setup.background, &view.state.fluid);
+        self.fluid.push(step, time, |path| fluid.write(path, level))?;
+        let solid = solid_grid(view.setup, view.state);
+        self.solid.push(step, time, |path| solid.write(path, level))?;
+        let interface = interface_grid(&view.state.fluid, view.report);
+        self.interface.push(step, time, |path| interface.write(path, level))
+    }
+
+    fn write_step(&mut self, view: &StepView<'_, D>) -> Result<(), Error> {
+        let clock = Instant::now();
+        let step = view.state.step;
+        let every = self.output.vtk_every;
+        let is_output = every > 0 && (step.is_multiple_of(every) || step == self.n_steps);
+        if is_output {
+            self.write_fields(view)?;
+        }
+        if self.output.plots {
+            self.moments.watch(view, step == self.n_steps);
+        }
+        let seconds = clock.elapsed().as_secs_f64();
+        self.summary.add(view, seconds, self.begin.elapsed().as_secs_f64());
+        self.history.write(view, seconds)?;
+        if is_output || step.is_multiple_of(10) || step == self.n_steps {
+            self.write_summary()?;
+        }
+        Ok(())
+    }
+
+    fn write_summary(&mut self) -> Result<(), Error> {
+        self.summary.summary.peak_rss_bytes = peak_rss_bytes();
+        self.summary.summary.write(&self.directory.join("summary.json"))
+    }
+
+    /// Draws the history, the isolines at the deepest contact and the flow at the first one.
+    fn draw(&self, scenario: &Scenario, setup: &Setup<D>) -> Result<(), Error> {
+        let Some(leading) = leading_body(setup) else { return Ok(()) };
+        let table = HistoryTable::read(&self.directory.join("history.csv"))?;
+        let prefix = column_prefix(setup, leading);
+        plot::draw_history(&self.directory.join("history"), &table, &prefix, &scenario.output.marks)?;
+        if let Some((time, bodies)) = &self.moments.deepest {
+            plot::draw_isolines(&self.directory.join("displacement"), setup, bodies, leading, *time)?;
+        }
+        if let Some((time, fluid)) = &self.moments.flow {
+            plot::draw_flow(&self.directory.join("flow.png"), setup, fluid, *time)?;
+        }
+        Ok(())
+    }
+
+    /// Writes the summary and the pictures.
+    fn finish(mut self, scenario: &Scenario, setup: &Setup<D>) -> Result<Summary, Error> {
+        let clock = Instant::now();
+        if self.output.plots && self.summary.summary.steps > 0 {
+            self.draw(scenario, setup)?;
+        }
+        self.summary.summary.seconds.output += clock.elapsed().as_secs_f64();
+        self.summary.summary.wall_seconds = self.begin.elapsed().as_secs_f64();
+        self.write_summary()?;
+        Ok(self.summary.summary)
+    }
+}
+
+impl<const D: usize> Observer<D> for RunFiles<D> {
+    fn after_step(&mut self, view: &StepView<'_, D>) -> Result<(), ObserverError> {
+        Ok(self.write_step(view)?)
+    }
+}
+
+/// Tells the caller where the run stands.
+struct Progress<'p> {
+    report: Option<&'p mut dyn FnMut(&StepProgress)>,
+    n_steps: usize,
+    bottom: f64,
+}
+
+impl<const D: usize> Observer<D> for Progress<'_> {
+    fn after_step(&mut self, view: &StepView<'_, D>) -> Result<(), ObserverError> {
+        let (Some(tell), Some(report)) = (self.report.as_mut(), view.report) else { return Ok(()) };
+        let leading = leading_body(view.setup).and_then(|index| BodyMeasures::new(view, index, self.bottom));
+        tell(&StepProgress {
+            step: view.state.step,
+            n_steps: self.n_steps,
+            time: view.state.time,
+            d_min: leading.map(|body| body.d_min),
+            newton_iterations: report.newton.iterations,
+            in_contact: report.contacts.iter().any(contact::ContactReport::is_active),
+        });
+        Ok(())
+    }
+}
+
+/// Sizes of a scenario that was not run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sizes {
+    /// Cells of the background.
+    pub background_cells: usize,
+    /// Vertices of the background.
+    pub background_vertices: usize,
+    /// Name, cells and vertices of each body.
+    pub bodies: Vec<(String, usize, usize)>,
+    /// Cut cells at the start.
+    pub cut_cells: usize,
+    /// Unknowns of the first step.
+    pub dofs: usize,
+    /// Steps.
+    pub n_steps: usize,
+    /// Whether half of a symmetric problem is solved.
+    pub half_domain: bool,
+}
+
+/// Builds the meshes of a scenario and the first cut, and runs nothing.
+///
+/// # Errors
+/// [`Error::Scenario`], [`Error::Step`].
+pub fn sizes(file: &ScenarioFile) -> Result<Sizes, Error> {
+    struct Measure;
+    impl CaseVisitor for Measure {
+        type Output = Result<Sizes, Error>;
+        fn visit<const D: usize>(self, case: Case<D>) -> Result<Sizes, Error> {
+            let state = State::initial(&case.setup)?;
+            let meshes = case.setup.bodies.iter().filter_map(|body| Some((body, body.elastic()?.solid.mesh())));
+            let bodies: Vec<_> =
+                meshes.map(|(body, mesh)| (body.name.clone(), mesh.n_cells(), mesh.n_vertices())).collect();
+            let of_bodies: usize = bodies.iter().map(|(_, _, vertices)| D * vertices).sum();
+            Ok(Sizes {
+                background_cells: case.setup.background.n_cells(),
+                background_vertices: case.setup.background.n_vertices(),
+                cut_cells: state.fluid.cut.report().n_cut_cells,
+                dofs: (D + 1) * state.fluid.space.len() + of_bodies,
+                n_steps: case.n_steps,
+                half_domain: case.half_domain,
+                bodies,
+            })
+        }
+    }
+    lower(file, Measure)?
+}
+

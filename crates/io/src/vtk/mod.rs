@@ -1,0 +1,136 @@
+//! Field files for ParaView: one `.vtu` per output, and a `.pvd` index over time.
+
+#[cfg(feature = "simulation")]
+pub mod fluid;
+#[cfg(feature = "simulation")]
+pub mod interface;
+pub mod series;
+#[cfg(feature = "simulation")]
+pub mod solid;
+
+use std::path::Path;
+
+use mesh::{Point, Tensor, Vector};
+use vtkio::model::{
+    Attribute, Attributes, ByteOrder, CellType, Cells, DataArray, DataSet, UnstructuredGridPiece, Version,
+    VertexNumbers, Vtk,
+};
+use vtkio::xml::Compressor;
+
+use crate::Error;
+use crate::files::write_with;
+
+/// An unstructured grid on its way to a file.
+#[derive(Clone, Debug, Default)]
+pub struct Grid {
+    points: Vec<f64>,
+    connectivity: Vec<u64>,
+    offsets: Vec<u64>,
+    types: Vec<CellType>,
+    point_data: Vec<Attribute>,
+    cell_data: Vec<Attribute>,
+}
+
+impl Grid {
+    /// Appends a point; returns its number.
+    pub fn push_point<const D: usize>(&mut self, x: &Point<D>) -> u64 {
+        let number = self.n_points() as u64;
+        self.points.extend(in_space(x));
+        number
+    }
+
+    /// Appends a cell.
+    pub fn push_cell(&mut self, kind: CellType, points: impl IntoIterator<Item = u64>) {
+        self.connectivity.extend(points);
+        self.offsets.push(self.connectivity.len() as u64);
+        self.types.push(kind);
+    }
+
+    /// Number of points.
+    pub fn n_points(&self) -> usize {
+        self.points.len() / 3
+    }
+
+    /// Number of cells.
+    pub fn n_cells(&self) -> usize {
+        self.types.len()
+    }
+
+    /// Adds a field with one value of `components` numbers per point.
+    pub fn add_point_data(&mut self, name: &str, components: u32, values: Vec<f64>) {
+        debug_assert_eq!(values.len(), self.n_points() * components as usize);
+        self.point_data.push(attribute(name, components, values));
+    }
+
+    /// Adds a field with one value of `components` numbers per cell.
+    pub fn add_cell_data(&mut self, name: &str, components: u32, values: Vec<f64>) {
+        debug_assert_eq!(values.len(), self.n_cells() * components as usize);
+        self.cell_data.push(attribute(name, components, values));
+    }
+
+    /// Adds a whole number per cell.
+    pub fn add_cell_ids(&mut self, name: &str, values: Vec<i64>) {
+        debug_assert_eq!(values.len(), self.n_cells());
+        self.cell_data.push(Attribute::DataArray(DataArray::scalars(name, 1).with_data(values)));
+    }
+
+    /// Writes the grid as `.vtu`, with zlib of the given level (0: none); the file is complete when it appears.
+    ///
+    /// # Errors
+    /// [`Error::Vtk`].
+    pub fn write(self, path: &Path, compression: u32) -> Result<(), Error> {
+        let piece = UnstructuredGridPiece {
+            points: self.points.into(),
+            cells: Cells {
+                cell_verts: VertexNumbers::XML { connectivity: self.connectivity, offsets: self.offsets },
+                types: self.types,
+            },
+            data: Attributes { point: self.point_data, cell: self.cell_data },
+        };
+        let vtk = Vtk {
+            version: Version::Auto,
+            title: String::new(),
+            byte_order: ByteOrder::LittleEndian,
+            data: DataSet::inline(piece),
+            file_path: None,
+        };
+        let written = vtk
+            .try_into_xml_format(Compressor::ZLib, compression)
+            .map_err(vtkio::Error::from)
+            .and_then(|file| write_with(path, |out| file.write(out).map_err(vtkio::Error::from)));
+        written.map_err(|source| Error::Vtk { path: path.to_owned(), source: Box::new(source) })
+    }
+}
+
+fn attribute(name: &str, components: u32, values: Vec<f64>) -> Attribute {
+    let array = match components {
+        1 => DataArray::scalars(name, 1),
+        3 => DataArray::vectors(name),
+        9 => DataArray::tensors(name),
+        n => DataArray::new(name, n),
+    };
+    Attribute::DataArray(array.with_data(values))
+}
+
+/// A vector with three components.
+fn in_space<const D: usize>(v: &Vector<D>) -> [f64; 3] {
+    std::array::from_fn(|a| if a < D { v[a] } else { 0.0 })
+}
+
+/// A tensor with nine components, row by row, with the given one normal to the plane.
+fn tensor_in_space<const D: usize>(t: &Tensor<D>, out_of_plane: f64) -> [f64; 9] {
+    std::array::from_fn(|k| match (k / 3, k % 3) {
+        (a, b) if a < D && b < D => t[(a, b)],
+        (2, 2) => out_of_plane,
+        _ => 0.0,
+    })
+}
+
+/// The type of a simplex with that many points.
+fn simplex_type(n_points: usize) -> CellType {
+    match n_points {
+        2 => CellType::Line,
+        3 => CellType::Triangle,
+        _ => CellType::Tetra,
+    }
+}

@@ -1,0 +1,51 @@
+//! `.pvd` files: which field file belongs to which time.
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use crate::Error;
+use crate::files::write_whole;
+
+/// A series of field files with its index, which is rewritten after every file.
+#[derive(Clone, Debug)]
+pub struct Series {
+    directory: PathBuf,
+    name: String,
+    entries: Vec<(f64, String)>,
+}
+
+impl Series {
+    /// The series `NAME.pvd` in a directory, with its files in the folder `vtk` beside it.
+    pub fn new(directory: &Path, name: &str) -> Self {
+        Self { directory: directory.to_owned(), name: name.to_owned(), entries: Vec::new() }
+    }
+
+    /// Path of the index.
+    pub fn index(&self) -> PathBuf {
+        self.directory.join(format!("{}.pvd", self.name))
+    }
+
+    /// Writes the field file of a step with a closure, then the index.
+    ///
+    /// # Errors
+    /// Those of the closure; [`Error::Write`].
+    pub fn push(
+        &mut self,
+        step: usize,
+        time: f64,
+        write: impl FnOnce(&Path) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        let file = format!("vtk/{}_{step:06}.vtu", self.name);
+        write(&self.directory.join(&file))?;
+        self.entries.push((time, file));
+        let mut text = String::from(
+            "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n  <Collection>\n",
+        );
+        for (time, file) in &self.entries {
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "    <DataSet timestep=\"{time}\" group=\"\" part=\"0\" file=\"{file}\"/>");
+        }
+        text += "  </Collection>\n</VTKFile>\n";
+        write_whole(&self.index(), text.as_bytes())
+    }
+}

@@ -1,0 +1,189 @@
+//! A tiny run from scenario to files, and what is in the files.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use io::scenario::lower::{Case, case};
+use io::vtk::fluid::fluid_grid;
+use io::vtk::solid::solid_grid;
+use io::{HistoryTable, RunOptions, ScenarioFile, StepProgress, Summary, run};
+use solver::algebra::Workspace;
+use solver::{State, advance};
+use vtkio::model::{Attribute, DataSet, Piece, UnstructuredGridPiece, VertexNumbers, Vtk};
+
+const HEADER: &str = "time,d_min,d_max,body_height,lowest_velocity,lowest_acceleration,centre_y,centre_velocity,\
+contact_force,contact_power,max_penetration,active_points,energy_kinetic_solid,energy_elastic,energy_gravity,\
+energy_kinetic_fluid,energy_contact,leak_net,leak_absolute,newton,linear_iterations,factorizations,smallest_fraction,dofs,\
+seconds_cut,seconds_space,seconds_assembly,seconds_linear,seconds_output";
+
+/// The virtual barrier on a coarse mesh, just above it: contact in the first steps.
+fn coarse(extra: &[&str]) -> ScenarioFile {
+    let sets = [
+        "background.size=1.0",
+        "body.0.shape.size=1.0",
+        "body.0.shape.centre=[0.0, 7.02]",
+        "body.0.initial_velocity=[0.0, -20.0]",
+        "time.end=0.005",
+        "output.vtk_every=2",
+    ];
+    let sets: Vec<String> = sets.iter().chain(extra).map(|set| (*set).to_owned()).collect();
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../validation/cases/virtual-barrier.toml");
+    ScenarioFile::read(&path, &sets).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn fresh_directory(name: &str) -> PathBuf {
+    let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = fs::remove_dir_all(&path);
+    path
+}
+
+fn read_grid(path: &Path) -> UnstructuredGridPiece {
+    let vtk = Vtk::import(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+    let DataSet::UnstructuredGrid { pieces, .. } = vtk.data else { panic!("not an unstructured grid") };
+    let Some(Piece::Inline(piece)) = pieces.into_iter().next() else { panic!("no piece inline") };
+    *piece
+}
+
+fn names(attributes: &[Attribute]) -> Vec<&str> {
+    attributes.iter().map(|a| if let Attribute::DataArray(array) = a { array.name.as_str() } else { "" }).collect()
+}
+
+/// Sum of the areas of all polygons.
+fn area(grid: &UnstructuredGridPiece) -> f64 {
+    let points: Vec<f64> = grid.points.cast_into().expect("numbers");
+    let VertexNumbers::XML { connectivity, offsets } = &grid.cells.cell_verts else { panic!("not XML") };
+    let mut begin = 0;
+    let mut area = 0.0;
+    for end in offsets {
+        let corners = &connectivity[begin..*end as usize];
+        let at = |k: usize| {
+            let p = corners[k % corners.len()] as usize;
+            (points[3 * p], points[3 * p + 1])
+        };
+        area += (0..corners.len()).map(|k| 0.5 * (at(k).0 * at(k + 1).1 - at(k + 1).0 * at(k).1)).sum::<f64>();
+        begin = *end as usize;
+    }
+    area
+}
+
+/// Every file that must be readable at any moment is.
+fn check_directory(directory: &Path, steps: usize) {
+    let text = fs::read_to_string(directory.join("history.csv")).expect("a history");
+    assert_eq!(text.lines().next(), Some(HEADER));
+    assert!(text.ends_with('\n'));
+    let table = HistoryTable::read(&directory.join("history.csv")).expect("a history");
+    assert_eq!(table.len(), steps);
+    assert!(table.column("d_min").expect("a column").iter().all(|d| d.is_finite()));
+    let summary = Summary::read(&directory.join("summary.json")).expect("a summary");
+    assert!(summary.steps <= steps);
+    for series in ["fluid", "solid", "interface"] {
+        let index = fs::read_to_string(directory.join(format!("{series}.pvd"))).expect("an index");
+        assert!(index.ends_with("</VTKFile>\n"));
+        for file in index.split("file=\"").skip(1).filter_map(|rest| rest.split('"').next()) {
+            let grid = read_grid(&directory.join(file));
+            assert!(grid.num_points() > 0 && !grid.cells.types.is_empty());
+        }
+    }
+}
+
+#[test]
+fn a_run_leaves_all_files_and_they_are_complete_after_every_step() {
+    let directory = fresh_directory("tiny-run");
+    let mut seen = Vec::new();
+    let mut progress = |at: &StepProgress| {
+        check_directory(&directory, at.step);
+        seen.push((at.step, at.in_contact));
+    };
+    let options = RunOptions { directory: directory.clone(), progress: Some(&mut progress) };
+    let summary = run(&coarse(&[]), options).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(seen.iter().map(|(step, _)| *step).collect::<Vec<_>>(), [1, 2, 3, 4, 5]);
+    assert!(seen.iter().any(|(_, contact)| *contact), "the ball reaches the barrier");
+    check_directory(&directory, 5);
+    for file in ["history.png", "history.svg", "displacement.png", "displacement.svg", "flow.png", "scenario.toml"] {
+        assert!(fs::metadata(directory.join(file)).is_ok_and(|data| data.len() > 500), "{file}");
+    }
+    assert!(fs::read_dir(&directory).expect("a directory").all(|e| !e.expect("an entry").file_name().to_string_lossy().starts_with(".partial")));
+    assert_eq!(Summary::read(&directory.join("summary.json")).expect("a summary"), summary);
+    assert_eq!((summary.steps, summary.half_domain, summary.profile.as_str()), (5, true, "paper"));
+    let first = seen.iter().find(|(_, contact)| *contact).map(|(step, _)| *step as f64 * 1e-3);
+    assert!((summary.contact_time.expect("contact") - first.expect("contact")).abs() < 1e-12);
+    assert!(summary.energy_monotone && summary.max_penetration > 0.0);
+    // The scenario that was run can be run again.
+    let again = ScenarioFile::read(&directory.join("scenario.toml"), &[]).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(again.scenario(), coarse(&[]).scenario());
+}
+
+#[test]
+fn summary_has_exactly_the_agreed_keys() {
+    let text = serde_json::to_value(Summary::default()).expect("JSON");
+    let mut keys: Vec<&str> = text.as_object().expect("an object").keys().map(String::as_str).collect();
+    let mut expected = vec![
+        "case", "profile", "half_domain", "dt", "steps", "cells", "dofs", "nnz", "contact_time", "release_time",
+        "contact_intervals", "max_height", "max_height_time", "max_penetration", "max_penetration_over_s", "min_distance",
+        "mean_acceleration_10ms", "energy_monotone", "max_interface_leak", "newton_iterations", "factorizations",
+        "wall_seconds", "seconds", "peak_rss_bytes", "comparisons",
+    ];
+    keys.sort_unstable();
+    expected.sort_unstable();
+    assert_eq!(keys, expected);
+}
+
+#[test]
+fn field_files_hold_the_true_domains() {
+    let directory = fresh_directory("fields");
+    fs::create_dir_all(&directory).expect("a directory");
+    let Case { setup, .. } = case::<2>(&coarse(&["background.size=0.7"])).unwrap_or_else(|e| panic!("{e}"));
+    let start = State::initial(&setup).expect("a state");
+    let (state, _) = advance(&setup, &start, &mut Workspace::new()).expect("a step");
+    for compression in [0, 6] {
+        let path = directory.join(format!("fluid-{compression}.vtu"));
+        fluid_grid(&setup.background, &state.fluid).write(&path, compression).unwrap_or_else(|e| panic!("{e}"));
+        let grid = read_grid(&path);
+        let cut = &state.fluid.cut;
+        let pieces: usize = cut.all_parts().map(|p| if cut.is_whole(p) { 1 } else { cut.part_pieces(p).len() }).sum();
+        assert_eq!(grid.cells.types.len(), pieces);
+        assert!((area(&grid) - cut.fluid_volume()).abs() < 1e-9, "{} {}", area(&grid), cut.fluid_volume());
+        assert_eq!(names(&grid.data.point), ["velocity", "pressure"]);
+        assert_eq!(names(&grid.data.cell), ["vorticity", "part", "cut"]);
+    }
+    let path = directory.join("solid.vtu");
+    solid_grid(&setup, &state).write(&path, 0).unwrap_or_else(|e| panic!("{e}"));
+    let grid = read_grid(&path);
+    let mesh = setup.bodies[0].elastic().expect("elastic").solid.mesh();
+    assert_eq!((grid.num_points(), grid.cells.types.len()), (mesh.n_vertices(), mesh.n_cells()));
+    assert_eq!(names(&grid.data.point), ["displacement", "velocity"]);
+    assert_eq!(names(&grid.data.cell), ["cauchy_stress", "von_mises", "pressure", "body"]);
+}
+
+#[test]
+fn two_bodies_have_prefixed_columns() {
+    let directory = fresh_directory("two-bodies");
+    let case = include_str!("../../../validation/cases/virtual-barrier.toml");
+    let second = "\n[[body]]\nname = \"block\"\nshape = { kind = \"box\", min = [6.0, 0.0], max = [8.0, 1.0], n = [2, 1] }\n\
+                  material = { kind = \"saint-venant-kirchhoff\", young = 5.6e6, poisson = 0.4 }\ndensity = 1.0\n\
+                  gravity = [0.0, 0.0]\nboundary = { bottom = \"clamped\" }\n";
+    let sets = ["background.size=1.0", "body.0.shape.size=1.0", "time.end=0.002", "output.vtk_every=0"].map(str::to_owned);
+    let file = ScenarioFile::parse(Path::new("two.toml"), &format!("{case}{second}"), &sets).unwrap_or_else(|e| panic!("{e}"));
+    run(&file, RunOptions::into_directory(&directory)).unwrap_or_else(|e| panic!("{e}"));
+    let table = HistoryTable::read(&directory.join("history.csv")).expect("a history");
+    assert_eq!(table.names().len(), 1 + 2 * 14 + 14);
+    assert_eq!(table.names()[1..3], ["ball_d_min", "ball_d_max"]);
+    assert_eq!(table.column("block_d_min").expect("a column").len(), 2);
+    assert!(!directory.join("fluid.pvd").exists());
+}
+
+#[test]
+fn the_mirrored_case_is_the_full_one() {
+    let full = [
+        "background.mirrored=true",
+        "background.boundary.left=free",
+        "body.0.shape.mirrored=true",
+        "body.0.boundary={}",
+    ];
+    let half = case::<2>(&coarse(&[])).unwrap_or_else(|e| panic!("{e}"));
+    let full = case::<2>(&coarse(&full)).unwrap_or_else(|e| panic!("{e}"));
+    assert!(half.half_domain && !full.half_domain);
+    assert_eq!(full.setup.background.n_cells(), 2 * half.setup.background.n_cells());
+    let area = |case: &Case<2>| State::initial(&case.setup).expect("a state").fluid.cut.fluid_volume();
+    assert!((area(&full) - 2.0 * area(&half)).abs() < 1e-9);
+}

@@ -1,0 +1,235 @@
+//! Every mistake in a scenario file is told with file, line and key, and with what to do.
+
+use std::path::{Path, PathBuf};
+
+use io::scenario::{Place, Problem};
+use io::{Error, ScenarioFile, sizes};
+
+const CASE: &str = include_str!("../../../validation/cases/virtual-barrier.toml");
+const COARSE: [&str; 2] = ["background.size=1.0", "body.0.shape.size=1.0"];
+
+fn strings(sets: &[&str]) -> Vec<String> {
+    sets.iter().map(|set| (*set).to_owned()).collect()
+}
+
+/// The error of a scenario, found while reading it or while building its meshes.
+fn error_of(text: &str, sets: &[&str]) -> Error {
+    match ScenarioFile::parse(Path::new("case.toml"), text, &strings(sets)) {
+        Ok(file) => sizes(&file).expect_err("a mistake"),
+        Err(error) => error,
+    }
+}
+
+/// The virtual barrier with one text replaced by another, and the line where that happens.
+fn with(from: &str, to: &str) -> (String, usize) {
+    let at = CASE.find(from).unwrap_or_else(|| panic!("the case contains {from}"));
+    (CASE.replacen(from, to, 1), CASE[..at].matches('\n').count() + 1)
+}
+
+fn parts(error: Error) -> (Place, Problem, String) {
+    let text = error.to_string();
+    let Error::Scenario(error) = error else { panic!("not an error of the scenario: {text}") };
+    (error.place, error.problem, text)
+}
+
+/// Replaces, and expects an error at that line and key whose text contains all the given words.
+fn expect(from: &str, to: &str, key: &str, words: &[&str]) {
+    let (text, line) = with(from, to);
+    expect_at(&text, line, key, words);
+}
+
+fn expect_at(text: &str, line: usize, key: &str, words: &[&str]) {
+    let (place, _, message) = parts(error_of(text, &COARSE));
+    assert_eq!((place.line, place.key.as_str(), place.argument), (line, key, None), "{message}");
+    assert!(message.starts_with(&format!("case.toml:{line}: {key}")), "{message}");
+    for word in words {
+        assert!(message.contains(word), "`{word}` is not in: {message}");
+    }
+}
+
+#[test]
+fn unknown_keys() {
+    expect("viscosity      =", "viscosty =", "fluid.viscosty", &["unknown key", "did you mean `viscosity`?"]);
+    expect("radius = 4.0", "radios = 4.0", "body.0.shape.radios", &["did you mean `radius`?"]);
+    expect("gamma_1 = 0.7 }", "gamma_2 = 0.7 }", "fluid.cip.gamma_2", &["did you mean `gamma_1`?"]);
+    expect("fine_until = 4.5", "fine_untill = 4.5", "background.size.fine_untill", &["did you mean `fine_until`?"]);
+    expect("[time]", "[tims]", "tims", &["did you mean `time`?"]);
+    expect("mu = 2.0e6", "nu = 2.0e6", "body.0.material.nu", &["did you mean `mu`?"]);
+    expect("size     = 0.1  ", "sizes = 0.1", "contact.0.sizes", &["did you mean `size`?"]);
+}
+
+#[test]
+fn unknown_values() {
+    expect("units     = \"cgs\"", "units = \"SI\"", "units", &["unknown value `SI`", "cgs"]);
+    expect("\"half-ball\"", "\"half-bal\"", "body.0.shape.kind", &["did you mean `half-ball`?"]);
+    expect("bottom = \"no-slip\"", "bottom = \"noslip\"", "background.boundary.bottom", &["did you mean `no-slip`?"]);
+    expect("\"penalty\"", "\"nitsche\"", "contact.0.law.kind", &["unknown value `nitsche`", "penalty"]);
+    expect("axis = \"y\"", "axis = \"w\"", "background.size.axis", &["unknown value `w`"]);
+}
+
+#[test]
+fn missing_values() {
+    let (text, _) = with("viscosity      =", "# viscosity =");
+    let line = CASE.lines().position(|l| l == "[fluid]").map(|k| k + 1);
+    expect_at(&text, line.expect("a section"), "fluid", &["`viscosity` is missing", "add it"]);
+    expect(", gamma_1 = 0.7 }", " }", "fluid.cip", &["`gamma_1` is missing"]);
+    expect("radius = 4.0, ", "", "body.0.shape", &["`radius` is missing"]);
+    expect(", top = \"free\"", "", "background.boundary", &["`top` is missing"]);
+}
+
+#[test]
+fn wrong_types() {
+    expect("density        = 1.0", "density = \"heavy\"", "fluid.density", &["string \"heavy\"", "a number"]);
+    expect("radius = 4.0", "radius = true", "body.0.shape.radius", &["boolean `true`", "a number"]);
+    expect("max_iterations = 30", "max_iterations = 2.5", "solver.newton.max_iterations", &["a whole number"]);
+    expect("bottom = \"no-slip\"", "bottom = 3", "background.boundary.bottom", &["\"no-slip\"", "a table with a kind"]);
+    expect("gravity  = [0.0, -1.0e3]", "gravity = [0.0, -1.0e3, 0.0]", "body.0.gravity", &["3 components"]);
+}
+
+#[test]
+fn numbers_out_of_range() {
+    expect("density  = 1.0 ", "density = -1.0", "body.0.density", &["-1", "positive"]);
+    expect("viscosity      = 1.0e-2", "viscosity = nan", "fluid.viscosity", &["finite"]);
+    expect("centre = [0.0, 10.0]", "centre = [0.0, inf]", "body.0.shape.centre.1", &["finite"]);
+    expect("gamma_contact_0 = 1.0e8", "gamma_contact_0 = 0.0", "contact.0.law.gamma_contact_0", &["positive"]);
+    expect("normal = [0.0, -1.0]", "normal = [0.0, 0.0]", "contact.0.obstacle.normal", &["direction"]);
+    expect("step = 1.0e-3", "step = 7.0e-4", "time.step", &["does not divide", "use step ="]);
+    expect("alpha       = 1.0", "alpha = 0.5", "interface.alpha", &["gamma_sigma", "must be 1"]);
+    expect("dimension = 2", "dimension = 4", "dimension", &["2 or 3"]);
+    expect("dimension = 2", "dimension = 3", "dimension", &["not available yet"]);
+    expect("mu = 2.0e6, lambda", "young = 2.0e6, lambda", "body.0.material", &["either mu and lambda or young"]);
+    expect("compression = 0", "compression = 12", "output.compression", &["from 0 to 9"]);
+}
+
+#[test]
+fn a_step_that_divides_to_round_off_is_accepted() {
+    let (text, _) = with("step = 1.0e-3", "step = 0.000333333333333333");
+    assert!(ScenarioFile::parse(Path::new("case.toml"), &text, &[]).is_ok());
+}
+
+#[test]
+fn things_to_come() {
+    let gmres = "{ kind = \"gmres\", restart = 80, tolerance = 1e-6, preconditioner = \"block-gauss-seidel\" }";
+    expect("{ kind = \"direct\" }", gmres, "solver.linear", &["not available yet", "direct"]);
+}
+
+#[test]
+fn unknown_names() {
+    expect("body     = \"ball\"", "body = \"bal\"", "contact.0.body", &["no body `bal`", "did you mean `ball`?"]);
+    let body = "obstacle = { kind = \"body\", name = \"ground\" } #";
+    expect("obstacle = {", body, "contact.0.obstacle.name", &["no body `ground`", "ball"]);
+    expect("boundary = { left = \"symmetry\" }", "boundary = { lft = \"symmetry\" }", "body.0.boundary.lft", &["left"]);
+    expect("right = \"free\"", "rigth = \"free\"", "background.boundary.rigth", &["did you mean `right`?"]);
+}
+
+const SECOND: &str = r#"
+[[body]]
+name     = "block"
+shape    = { kind = "box", min = [3.0, 6.5], max = [9.0, 8.5], size = 1.0 }
+material = { kind = "saint-venant-kirchhoff", young = 5.6e6, poisson = 0.4 }
+density  = 1.0
+gravity  = [0.0, 0.0]
+"#;
+
+#[test]
+fn overlapping_bodies() {
+    let text = format!("{CASE}{SECOND}");
+    let line = text.lines().count() - 3;
+    expect_at(&text, line, "body.1.shape", &["`ball`", "`block`", "overlap", "move one of them"]);
+    // Inside of one another is overlap too.
+    let text = text.replace("min = [3.0, 6.5], max = [9.0, 8.5], size = 1.0", "min = [1.0, 9.0], max = [2.0, 11.0], size = 1.0");
+    expect_at(&text, line, "body.1.shape", &["overlap"]);
+}
+
+#[test]
+fn bodies_may_stick_out_but_not_be_away() {
+    let apart = format!("{CASE}{SECOND}").replace("min = [3.0, 6.5], max = [9.0, 8.5]", "min = [5.0, 1.0], max = [12.0, 2.0]");
+    let file = ScenarioFile::parse(Path::new("case.toml"), &apart, &strings(&COARSE)).expect("legal");
+    assert_eq!(sizes(&file).expect("legal").bodies.len(), 2);
+    let (text, line) = with("centre = [0.0, 10.0]", "centre = [20.0, 10.0]");
+    expect_at(&text, line, "body.0.shape", &["no vertex of body `ball`", "move it"]);
+}
+
+#[test]
+fn names_are_unique_and_plain() {
+    let twice = format!("{CASE}{SECOND}").replace("\"block\"", "\"ball\"");
+    let line = twice.lines().count() - 4;
+    expect_at(&twice, line, "body.1.name", &["taken"]);
+    expect("name      = \"virtual-barrier\"", "name = \"a/b\"", "name", &["no file name"]);
+}
+
+#[test]
+fn text_that_is_not_toml() {
+    let (text, line) = with("step = 1.0e-3", "step = = 1.0e-3");
+    let (place, _, message) = parts(error_of(&text, &[]));
+    assert_eq!(place.line, line, "{message}");
+    assert!(message.contains("not valid TOML"), "{message}");
+}
+
+#[test]
+fn files_that_cannot_be_read() {
+    let missing = ScenarioFile::read(Path::new("no/such/file.toml"), &[]).expect_err("missing");
+    assert!(missing.to_string().contains("no/such/file.toml"), "{missing}");
+    let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("latin-1.toml");
+    std::fs::write(&path, b"name = \"x\"\nsource = \"\xe9\"\n").expect("a writable directory");
+    let latin = ScenarioFile::read(&path, &[]).expect_err("not UTF-8");
+    assert!(matches!(latin, Error::NotUtf8 { line: 2, .. }), "{latin}");
+    assert!(latin.to_string().contains("latin-1.toml:2"), "{latin}");
+}
+
+#[test]
+fn changes_from_the_command_line() {
+    let changes = [
+        "time.step=5e-4",
+        "body.0.density=2",
+        "fluid.cip={profile=\"consistent\", gamma_u=0.1}",
+        "background.boundary.left=free",
+        "output.vtk_every=3",
+        "background.mirrored=true",
+    ];
+    let file = ScenarioFile::parse(Path::new("case.toml"), CASE, &strings(&changes)).expect("legal");
+    let scenario = file.scenario();
+    assert_eq!((scenario.time.step, scenario.bodies[0].density, file.n_steps()), (5e-4, 2.0, 500));
+    assert_eq!(scenario.output.vtk_every, 3);
+    // A section that is not in the file is made.
+    let text = CASE.replace("[output]  ", "#").replace("vtk_every   = 10", "#").replace("compression = 0", "#");
+    let text: String = text.lines().filter(|l| !l.contains("plots ") && !l.contains("marks") && !l.contains("label =") && *l != "]").collect::<Vec<_>>().join("\n");
+    let file = ScenarioFile::parse(Path::new("case.toml"), &text, &strings(&["output.vtk_every=7"])).expect("legal");
+    assert_eq!((file.scenario().output.vtk_every, file.scenario().output.plots), (7, true));
+}
+
+#[test]
+fn mistakes_on_the_command_line_name_the_argument() {
+    for (set, key, word) in [
+        ("fluid.density=-1", "fluid.density", "positive"),
+        ("fluid.density=heavy", "fluid.density", "a number"),
+        ("fluid.densty=2", "fluid.densty", "did you mean `density`?"),
+        ("time.step=7e-4", "time.step", "does not divide"),
+        ("body.0.shape.radius=nan", "body.0.shape.radius", "finite"),
+        ("body.1.density=2", "", "no entry `1`"),
+        ("time.step", "", "KEY=VALUE"),
+        ("contact.0.obstacle.normal=[0.0, 0.0]", "contact.0.obstacle.normal", "direction"),
+    ] {
+        let (place, _, message) = parts(error_of(CASE, &[COARSE[0], COARSE[1], set]));
+        assert_eq!((place.argument.as_deref(), place.key.as_str()), (Some(set), key), "{message}");
+        assert!(message.starts_with(&format!("--set {set}")) && message.contains(word), "{message}");
+    }
+}
+
+#[test]
+fn every_scenario_survives_writing_and_reading() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../validation/cases");
+    let mut n = 0;
+    for entry in std::fs::read_dir(folder).expect("the cases") {
+        let path = entry.expect("an entry").path();
+        if path.extension().is_none_or(|extension| extension != "toml") {
+            continue;
+        }
+        let file = ScenarioFile::read(&path, &[]).unwrap_or_else(|e| panic!("{e}"));
+        let text = file.to_toml().expect("text");
+        let again = ScenarioFile::parse(&path, &text, &[]).unwrap_or_else(|e| panic!("{e}\n{text}"));
+        assert_eq!(file.scenario(), again.scenario());
+        n += 1;
+    }
+    assert!(n > 0);
+}

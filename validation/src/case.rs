@@ -1,0 +1,142 @@
+//! What a case is and what it has to give: the files in `reference/`.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+
+/// A case: a scenario, changes to it, and what has to come out.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Reference {
+    /// One line about the case.
+    pub(crate) title: String,
+    /// Name of the scenario in `cases/`.
+    pub(crate) scenario: String,
+    /// Where the case comes from.
+    pub(crate) source: String,
+    /// Changes of the scenario, as for `cutwater run --set`.
+    #[serde(default)]
+    pub(crate) set: Vec<String>,
+    /// What has to come out.
+    #[serde(rename = "comparison")]
+    pub(crate) comparisons: Vec<Comparison>,
+    /// The short version.
+    pub(crate) quick: Quick,
+}
+
+/// A quantity with the paper's number and the band that it has to lie in.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Comparison {
+    /// The quantity in words.
+    pub(crate) quantity: String,
+    /// Its key in `summary.json`.
+    pub(crate) key: String,
+    /// Its unit.
+    #[serde(default)]
+    pub(crate) unit: String,
+    /// The paper's number.
+    pub(crate) paper: Option<f64>,
+    /// Where in the paper.
+    pub(crate) place: Option<String>,
+    /// The interval that a number has to lie in.
+    pub(crate) band: Option<[f64; 2]>,
+    /// What a property has to be, in the place of a band.
+    pub(crate) expected: Option<bool>,
+    /// Why the band is as wide as it is.
+    pub(crate) reason: String,
+}
+
+/// Changes that make a case short.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Quick {
+    /// Changes of the scenario after those of the case.
+    pub(crate) set: Vec<String>,
+}
+
+/// Our own values on coarse meshes: case to key to value; properties count as 0 or 1.
+pub(crate) type QuickValues = BTreeMap<String, BTreeMap<String, f64>>;
+
+/// The folder of this package.
+fn folder() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// The file of a scenario.
+pub(crate) fn scenario_path(name: &str) -> PathBuf {
+    folder().join("cases").join(name).with_extension("toml")
+}
+
+/// The stored values of the short versions.
+pub(crate) fn quick_values_path() -> PathBuf {
+    folder().join("reference/quick/values.toml")
+}
+
+/// The names of all cases, in order.
+///
+/// # Errors
+/// The folder cannot be read.
+pub(crate) fn names() -> std::io::Result<Vec<String>> {
+    let mut names = Vec::new();
+    for entry in fs::read_dir(folder().join("reference"))? {
+        let path = entry?.path();
+        if path.extension().is_some_and(|e| e == "toml")
+            && let Some(stem) = path.file_stem()
+        {
+            names.push(stem.to_string_lossy().into_owned());
+        }
+    }
+    names.sort();
+    Ok(names)
+}
+
+/// The reference of a case.
+///
+/// # Errors
+/// There is none, or it is not as it should be.
+pub(crate) fn read(name: &str) -> Result<Reference, String> {
+    let path = folder().join("reference").join(name).with_extension("toml");
+    if !path.is_file() {
+        let known = names().unwrap_or_default().join(", ");
+        return Err(format!("there is no case {name:?}; there are {known}"));
+    }
+    parse(&path)
+}
+
+/// The stored values of the short versions; none if there is no file.
+///
+/// # Errors
+/// The file is not as it should be.
+pub(crate) fn read_quick_values() -> Result<QuickValues, String> {
+    let path = quick_values_path();
+    if path.is_file() { parse(&path) } else { Ok(QuickValues::new()) }
+}
+
+fn parse<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, String> {
+    let text = fs::read_to_string(path).map_err(|error| format!("cannot read {}: {error}", path.display()))?;
+    toml::from_str(&text).map_err(|error| format!("{}: {error}", path.display()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_references_are_complete() {
+        for name in names().unwrap() {
+            let reference = read(&name).unwrap();
+            assert!(scenario_path(&reference.scenario).is_file(), "{name}: no scenario {}", reference.scenario);
+            for comparison in reference.comparisons {
+                let Comparison { quantity, paper, place, band, expected, reason, .. } = comparison;
+                assert_eq!(paper.is_some(), place.is_some(), "{name}: {quantity}: a number without a place");
+                assert_ne!(band.is_some(), expected.is_some(), "{name}: {quantity}: either a band or an expectation");
+                assert!(band.is_none_or(|[low, high]| low < high), "{name}: {quantity}: an empty band");
+                assert!(!reason.is_empty(), "{name}: {quantity}: a band without a reason");
+            }
+        }
+        read_quick_values().unwrap();
+    }
+}

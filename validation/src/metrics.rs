@@ -1,0 +1,87 @@
+//! The numbers of a run, by the names that references use.
+
+use std::path::Path;
+
+use cutwater::io::{HistoryTable, ScenarioFile, Summary};
+
+use crate::case::Comparison;
+use crate::cost::refactorization_seconds;
+
+/// The one quantity that `summary.json` does not have: whole steps in units of a factorisation of their matrix.
+pub(crate) const REFACTORIZATIONS_PER_STEP: &str = "refactorizations_per_step";
+
+/// A number, or a property as 0 or 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Metric {
+    /// The number.
+    pub(crate) value: f64,
+    /// Whether it stands for a property.
+    pub(crate) is_property: bool,
+}
+
+impl Metric {
+    /// A number.
+    pub(crate) fn number(value: f64) -> Self {
+        Self { value, is_property: false }
+    }
+
+    /// A property.
+    pub(crate) fn property(value: bool) -> Self {
+        Self { value: f64::from(u8::from(value)), is_property: true }
+    }
+}
+
+/// What a finished run has to say.
+pub(crate) struct Metrics {
+    summary: serde_json::Value,
+    refactorizations_per_step: Option<f64>,
+}
+
+impl Metrics {
+    /// The metrics of a run from its summary.
+    ///
+    /// # Errors
+    /// The summary has no JSON form.
+    pub(crate) fn new(summary: &Summary) -> Result<Self, serde_json::Error> {
+        Ok(Self { summary: serde_json::to_value(summary)?, refactorizations_per_step: None })
+    }
+
+    /// Measures a factorisation now, in the process of the run, and compares the run's median step with it.
+    ///
+    /// # Errors
+    /// The history cannot be read, or the first step fails.
+    pub(crate) fn measure_cost(&mut self, file: &ScenarioFile, directory: &Path) -> Result<(), cutwater::io::Error> {
+        let Some(step) = median_step_seconds(&HistoryTable::read(&directory.join("history.csv"))?) else {
+            return Ok(());
+        };
+        let refactorization = refactorization_seconds(file)?;
+        println!("  median step {:.1} ms, refactorisation {:.1} ms", 1e3 * step, 1e3 * refactorization);
+        self.refactorizations_per_step = Some(step / refactorization);
+        Ok(())
+    }
+
+    /// The metric that a comparison asks for, if the run has it.
+    pub(crate) fn get(&self, asked: &Comparison) -> Option<Metric> {
+        if asked.key == REFACTORIZATIONS_PER_STEP {
+            return self.refactorizations_per_step.map(Metric::number);
+        }
+        let value = &self.summary[&asked.key];
+        value.as_f64().map(Metric::number).or(value.as_bool().map(Metric::property))
+    }
+}
+
+/// Median over the steps of the time of all stages together.
+fn median_step_seconds(history: &HistoryTable) -> Option<f64> {
+    let stages = ["cut", "space", "assembly", "linear", "output"];
+    let columns: Option<Vec<Vec<f64>>> =
+        stages.iter().map(|stage| history.column(&format!("seconds_{stage}"))).collect();
+    let columns = columns?;
+    let mut steps: Vec<f64> = (0..columns[0].len()).map(|k| columns.iter().map(|column| column[k]).sum()).collect();
+    median(&mut steps)
+}
+
+/// The median; none of nothing.
+pub(crate) fn median(values: &mut [f64]) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied()
+}

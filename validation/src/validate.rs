@@ -1,0 +1,136 @@
+//! Runs of the cases, each compared with its reference.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use cutwater::io::{self, RunOptions, ScenarioFile, StepProgress, Summary, SummarySeconds};
+
+use crate::Outcome;
+use crate::case::{self, QuickValues, Reference};
+use crate::compare::{Row, with_paper, with_stored};
+use crate::metrics::{Metrics, REFACTORIZATIONS_PER_STEP};
+use crate::table;
+
+/// Time between two lines of progress.
+const PROGRESS: Duration = Duration::from_secs(10);
+
+/// How much to compute, and what to compare with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Effort {
+    /// The resolution of the paper, compared with the paper.
+    Paper,
+    /// Coarse meshes, compared with our own stored values.
+    Quick,
+    /// Coarse meshes, to be stored.
+    Regenerate,
+}
+
+/// Runs cases (all if none is named) and prints a table for each; true if every verdict is good.
+///
+/// # Errors
+/// There is no such case, or a file cannot be read or written.
+pub(crate) fn run(cases: &[String], effort: Effort, out: &Path) -> Outcome {
+    let names = if cases.is_empty() { case::names()? } else { cases.to_vec() };
+    let references = names.iter().map(|name| Ok((name, case::read(name)?))).collect::<Result<Vec<_>, String>>()?;
+    let mut stored = case::read_quick_values()?;
+    let mut failed = Vec::new();
+    for (name, reference) in references {
+        println!("# {name}: {} ({})", reference.title, reference.source);
+        let directory = out.join(name);
+        match run_case(name, &reference, effort, &directory, &mut stored) {
+            Ok(true) => {}
+            Ok(false) => failed.push(name),
+            Err(error) => {
+                println!("  the run failed: {error}");
+                failed.push(name);
+            }
+        }
+        println!("  files are in {}\n", directory.display());
+    }
+    match effort {
+        Effort::Paper => println!("Compared with the numbers of the paper."),
+        Effort::Quick => {
+            println!("Coarse meshes, compared with our own stored values: this is regression, not validation.")
+        }
+        Effort::Regenerate => write_stored(&stored)?,
+    }
+    match failed.as_slice() {
+        [] => println!("{} of {} cases are as they should be.", names.len(), names.len()),
+        failed => println!("{} of {} cases failed: {failed:?}", failed.len(), names.len()),
+    }
+    Ok(failed.is_empty())
+}
+
+fn run_case(
+    name: &String,
+    reference: &Reference,
+    effort: Effort,
+    directory: &Path,
+    stored: &mut QuickValues,
+) -> Outcome {
+    let is_quick = effort != Effort::Paper;
+    let mut set = vec![format!("name={name}")];
+    set.extend_from_slice(&reference.set);
+    if is_quick {
+        set.extend_from_slice(&reference.quick.set);
+    }
+    let file = ScenarioFile::read(&case::scenario_path(&reference.scenario), &set)?;
+    let mut last = Instant::now();
+    let mut progress = |at: &StepProgress| {
+        if last.elapsed() > PROGRESS {
+            last = Instant::now();
+            let distance = at.d_min.map_or(String::new(), |d| format!(", d_min {d:.3}"));
+            println!(
+                "  step {} of {}, time {:.4}{distance}, {} Newton iterations",
+                at.step, at.n_steps, at.time, at.newton_iterations
+            );
+        }
+    };
+    let mut options = RunOptions::into_directory(directory);
+    options.progress = Some(&mut progress);
+    let mut summary = io::run(&file, options)?;
+    print_sizes(&summary);
+    let mut metrics = Metrics::new(&summary)?;
+    if !is_quick {
+        metrics.measure_cost(&file, directory)?;
+    }
+    let asked = reference.comparisons.iter().filter(|asked| !is_quick || asked.key != REFACTORIZATIONS_PER_STEP);
+    if effort == Effort::Regenerate {
+        let values = asked.clone().filter_map(|asked| Some((asked.key.clone(), metrics.get(asked)?.value)));
+        stored.insert(name.clone(), values.collect::<BTreeMap<_, _>>());
+    }
+    let rows: Vec<Row> = asked
+        .map(|asked| match is_quick {
+            false => with_paper(asked, metrics.get(asked)),
+            true => with_stored(asked, metrics.get(asked), stored.get(name).and_then(|v| v.get(&asked.key)).copied()),
+        })
+        .collect();
+    table::print(&rows, if is_quick { "stored" } else { "paper" });
+    summary.comparisons = rows.iter().map(|row| row.comparison.clone()).collect();
+    summary.write(&directory.join("summary.json"))?;
+    Ok(rows.iter().all(Row::passes))
+}
+
+fn print_sizes(summary: &Summary) {
+    let Summary { steps, cells, dofs, newton_iterations, factorizations, wall_seconds, .. } = summary;
+    println!("  {steps} steps, every Newton solve converged; {cells} background cells, at most {dofs} unknowns");
+    println!("  {newton_iterations} Newton iterations, {factorizations} factorisations, {wall_seconds:.1} s in all");
+    let SummarySeconds { cut, space, assembly, linear, output } = summary.seconds;
+    println!(
+        "  seconds: cut {cut:.1}, space {space:.1}, assembly {assembly:.1}, linear {linear:.1}, output {output:.1}"
+    );
+}
+
+/// Stores the values of short runs.
+fn write_stored(stored: &QuickValues) -> Result<(), Box<dyn std::error::Error>> {
+    let path = case::quick_values_path();
+    if let Some(folder) = path.parent() {
+        fs::create_dir_all(folder)?;
+    }
+    let head = "# Values of our own on coarse meshes, written by `validate --quick --regenerate`: a memory, no validation.\n\n";
+    fs::write(&path, format!("{head}{}", toml::to_string(stored)?))?;
+    println!("Stored in {}", path.display());
+    Ok(())
+}

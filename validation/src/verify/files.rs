@@ -1,0 +1,90 @@
+//! A short run with files, and beside them what has to be in them, for a reader that is not ours.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+use cutwater::algebra::Workspace;
+use cutwater::io::scenario::lower::lower;
+use cutwater::io::scenario::{Case, CaseVisitor};
+use cutwater::io::{self, RunOptions, ScenarioFile};
+use cutwater::solver::{Observer, ObserverError, State, StepView, TimeLoop};
+use serde::Serialize;
+
+use crate::Outcome;
+use crate::case::scenario_path;
+
+/// Steps between two sets of files.
+const EVERY: usize = 5;
+/// A coarse ball just above the barrier: a few steps of fall, then contact.
+const SHORT: [&str; 8] = [
+    "background.size.fine=0.4",
+    "background.size.coarse=1.0",
+    "body.0.shape.size=0.4",
+    "body.0.shape.centre=[0.0, 7.02]",
+    "time.step=1e-3",
+    "time.end=0.02",
+    "output.vtk_every=5",
+    "output.plots=false",
+];
+
+/// Writes the files of a run and `expected.json`, for `check_vtk.py`. Runs give the same bits every time, so the
+/// numbers are taken from a second run.
+///
+/// # Errors
+/// A run fails, or a file cannot be written.
+pub(super) fn check(_full: bool, out: &Path) -> Outcome {
+    let set = SHORT.map(str::to_owned);
+    let file = ScenarioFile::read(&scenario_path("virtual-barrier"), &set)?;
+    io::run(&file, RunOptions::into_directory(out))?;
+    let expected = lower(&file, Expect)??;
+    fs::write(out.join("expected.json"), serde_json::to_string_pretty(&expected)?)?;
+    println!("  {} files are in {}", expected.len(), out.display());
+    Ok(true)
+}
+
+/// What a file has to contain.
+#[derive(Serialize)]
+struct Content {
+    /// Number of cells.
+    cells: usize,
+    /// Sum of their areas; lengths do not count.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    area: Option<f64>,
+}
+
+/// File to content.
+#[derive(Default)]
+struct Expected(BTreeMap<String, Content>);
+
+impl<const D: usize> Observer<D> for Expected {
+    fn after_step(&mut self, view: &StepView<'_, D>) -> Result<(), ObserverError> {
+        let step = view.state.step;
+        if !step.is_multiple_of(EVERY) {
+            return Ok(());
+        }
+        let cut = &view.state.fluid.cut;
+        let pieces = |part| if cut.is_whole(part) { 1 } else { cut.part_pieces(part).len() };
+        let solids = view.setup.bodies.iter().filter_map(|body| body.elastic());
+        let fluid = Content { cells: cut.all_parts().map(pieces).sum(), area: Some(cut.fluid_volume()) };
+        let solid = Content { cells: solids.map(|body| body.solid.mesh().n_cells()).sum(), area: None };
+        let interface = Content { cells: cut.interface().len(), area: None };
+        for (name, content) in [("fluid", fluid), ("solid", solid), ("interface", interface)] {
+            self.0.insert(format!("vtk/{name}_{step:06}.vtu"), content);
+        }
+        Ok(())
+    }
+}
+
+struct Expect;
+
+impl CaseVisitor for Expect {
+    type Output = Result<BTreeMap<String, Content>, io::Error>;
+
+    fn visit<const D: usize>(self, case: Case<D>) -> Self::Output {
+        let mut expected = Expected::default();
+        let state = State::initial(&case.setup)?;
+        TimeLoop::new(&case.setup, state, Workspace::new()).run(case.n_steps, &mut [&mut expected])?;
+        Ok(expected.0)
+    }
+}

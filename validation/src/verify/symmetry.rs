@@ -1,0 +1,81 @@
+//! Half of the domain and the whole of it: the same contact, and a ball that falls straight down.
+
+use std::path::Path;
+
+use cutwater::algebra::Workspace;
+use cutwater::io::scenario::lower::lower;
+use cutwater::io::scenario::{Case, CaseVisitor};
+use cutwater::io::{Error, ScenarioFile};
+use cutwater::solver::{Observer, ObserverError, State, StepView, TimeLoop};
+
+use crate::Outcome;
+use crate::case::scenario_path;
+
+/// Largest lateral drift of the centre, cm.
+const DRIFT: f64 = 1e-4;
+/// The virtual barrier without files, to the time shortly after its release.
+const SHORT: [&str; 3] = ["time.end=0.14", "output.vtk_every=0", "output.plots=false"];
+/// Coarse meshes for the quick version.
+const COARSE: [&str; 4] =
+    ["background.size.fine=0.4", "background.size.coarse=1.0", "body.0.shape.size=0.4", "time.step=2e-3"];
+/// From the half to the whole.
+const MIRRORED: [&str; 4] =
+    ["background.mirrored=true", "background.boundary.left=free", "body.0.shape.mirrored=true", "body.0.boundary={}"];
+
+/// Runs both and compares.
+///
+/// # Errors
+/// A run fails.
+pub(super) fn check(full: bool, _out: &Path) -> Outcome {
+    let half = fall(full, &[])?;
+    let whole = fall(full, &MIRRORED)?;
+    println!("  half:  contact {:?} s, release {:?} s", half.contact, half.release);
+    println!(
+        "  whole: contact {:?} s, release {:?} s, lateral drift {:.1e} cm (at most {DRIFT:.0e})",
+        whole.contact, whole.release, whole.drift
+    );
+    let is_same = half.contact.is_some() && half.contact == whole.contact && half.release == whole.release;
+    Ok(is_same && whole.drift < DRIFT)
+}
+
+fn fall(full: bool, set: &[&str]) -> Result<Fall, Error> {
+    let resolution: &[&str] = if full { &[] } else { &COARSE };
+    let set: Vec<String> = SHORT.iter().chain(resolution).chain(set).map(|change| (*change).to_owned()).collect();
+    lower(&ScenarioFile::read(&scenario_path("virtual-barrier"), &set)?, Run)?
+}
+
+/// What a run comes down to.
+#[derive(Default)]
+struct Fall {
+    contact: Option<f64>,
+    release: Option<f64>,
+    /// Largest distance of the centre of mass from the line of symmetry.
+    drift: f64,
+}
+
+impl<const D: usize> Observer<D> for Fall {
+    fn after_step(&mut self, view: &StepView<'_, D>) -> Result<(), ObserverError> {
+        let Some(report) = view.report else { return Ok(()) };
+        match report.contacts.iter().any(|contact| contact.is_active()) {
+            true => self.contact = self.contact.or(Some(view.state.time)),
+            false if self.contact.is_some() => self.release = self.release.or(Some(view.state.time)),
+            false => {}
+        }
+        let centres = report.bodies.iter().filter_map(|body| body.balance.as_ref()).map(|b| b.centre_of_mass[0].abs());
+        self.drift = centres.fold(self.drift, f64::max);
+        Ok(())
+    }
+}
+
+struct Run;
+
+impl CaseVisitor for Run {
+    type Output = Result<Fall, Error>;
+
+    fn visit<const D: usize>(self, case: Case<D>) -> Result<Fall, Error> {
+        let mut fall = Fall::default();
+        let state = State::initial(&case.setup)?;
+        TimeLoop::new(&case.setup, state, Workspace::new()).run(case.n_steps, &mut [&mut fall])?;
+        Ok(fall)
+    }
+}
