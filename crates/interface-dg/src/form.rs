@@ -102,6 +102,7 @@ impl<const D: usize> InterfacePieces<'_, D> {
                 gradients,
                 cell_size: self.values.cell_size(item),
                 jump,
+                pressure,
                 traction: viscous_traction + piece.normal * pressure,
                 is_elastic: matches!(body, BodySide::Elastic { .. }),
             });

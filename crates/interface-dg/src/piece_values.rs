@@ -99,7 +99,9 @@ pub(crate) struct MortarPoint<'a, const D: usize> {
     pub(crate) cell_size: f64,
     /// Fluid velocity minus velocity of the body.
     pub(crate) jump: Vector<D>,
-    /// Fluid traction `T^f(u, p) n^f`.
+    /// Pressure.
+    pub(crate) pressure: f64,
+    /// Traction `T^f(u, p) n^f`.
     pub(crate) traction: Vector<D>,
     /// Whether the velocity of the body is unknown.
     pub(crate) is_elastic: bool,
@@ -124,7 +126,7 @@ impl<const D: usize> MortarPoint<'_, D> {
 
     /// Row of the pressure of a fluid node.
     #[inline]
-    pub(crate) fn pressure(&self, node: usize) -> usize {
+    pub(crate) fn pressure_row(&self, node: usize) -> usize {
         D * (D + 1) + node
     }
 }

@@ -18,7 +18,6 @@ pub mod scenario;
 pub use scenario::ScenarioFile;
 
 mod files;
-pub mod vtk;
 #[cfg(feature = "simulation")]
 pub mod history;
 #[cfg(feature = "simulation")]
@@ -29,6 +28,7 @@ pub mod plot;
 mod run;
 #[cfg(feature = "simulation")]
 pub mod summary;
+pub mod vtk;
 #[cfg(feature = "simulation")]
 pub use history::{History, HistoryTable};
 #[cfg(feature = "simulation")]

@@ -267,4 +267,3 @@ pub fn sizes(file: &ScenarioFile) -> Result<Sizes, Error> {
     }
     lower(file, Measure)?
 }
-

@@ -5,9 +5,9 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use solver::{StageSeconds, StepView};
 
+use crate::Error;
 use crate::files::write_whole;
 use crate::measures::{BodyMeasures, leading_body};
-use crate::Error;
 
 /// A step may raise the energy by this fraction of the largest energy: round-off.
 const ENERGY_TOLERANCE: f64 = 1e-8;

@@ -102,7 +102,13 @@ fn a_run_leaves_all_files_and_they_are_complete_after_every_step() {
     for file in ["history.png", "history.svg", "displacement.png", "displacement.svg", "flow.png", "scenario.toml"] {
         assert!(fs::metadata(directory.join(file)).is_ok_and(|data| data.len() > 500), "{file}");
     }
-    assert!(fs::read_dir(&directory).expect("a directory").all(|e| !e.expect("an entry").file_name().to_string_lossy().starts_with(".partial")));
+    assert!(
+        fs::read_dir(&directory).expect("a directory").all(|e| !e
+            .expect("an entry")
+            .file_name()
+            .to_string_lossy()
+            .starts_with(".partial"))
+    );
     assert_eq!(Summary::read(&directory.join("summary.json")).expect("a summary"), summary);
     assert_eq!((summary.steps, summary.half_domain, summary.profile.as_str()), (5, true, "paper"));
     let first = seen.iter().find(|(_, contact)| *contact).map(|(step, _)| *step as f64 * 1e-3);
@@ -118,10 +124,31 @@ fn summary_has_exactly_the_agreed_keys() {
     let text = serde_json::to_value(Summary::default()).expect("JSON");
     let mut keys: Vec<&str> = text.as_object().expect("an object").keys().map(String::as_str).collect();
     let mut expected = vec![
-        "case", "profile", "half_domain", "dt", "steps", "cells", "dofs", "nnz", "contact_time", "release_time",
-        "contact_intervals", "max_height", "max_height_time", "max_penetration", "max_penetration_over_s", "min_distance",
-        "mean_acceleration_10ms", "energy_monotone", "max_interface_leak", "newton_iterations", "factorizations",
-        "wall_seconds", "seconds", "peak_rss_bytes", "comparisons",
+        "case",
+        "profile",
+        "half_domain",
+        "dt",
+        "steps",
+        "cells",
+        "dofs",
+        "nnz",
+        "contact_time",
+        "release_time",
+        "contact_intervals",
+        "max_height",
+        "max_height_time",
+        "max_penetration",
+        "max_penetration_over_s",
+        "min_distance",
+        "mean_acceleration_10ms",
+        "energy_monotone",
+        "max_interface_leak",
+        "newton_iterations",
+        "factorizations",
+        "wall_seconds",
+        "seconds",
+        "peak_rss_bytes",
+        "comparisons",
     ];
     keys.sort_unstable();
     expected.sort_unstable();
@@ -162,8 +189,10 @@ fn two_bodies_have_prefixed_columns() {
     let second = "\n[[body]]\nname = \"block\"\nshape = { kind = \"box\", min = [6.0, 0.0], max = [8.0, 1.0], n = [2, 1] }\n\
                   material = { kind = \"saint-venant-kirchhoff\", young = 5.6e6, poisson = 0.4 }\ndensity = 1.0\n\
                   gravity = [0.0, 0.0]\nboundary = { bottom = \"clamped\" }\n";
-    let sets = ["background.size=1.0", "body.0.shape.size=1.0", "time.end=0.002", "output.vtk_every=0"].map(str::to_owned);
-    let file = ScenarioFile::parse(Path::new("two.toml"), &format!("{case}{second}"), &sets).unwrap_or_else(|e| panic!("{e}"));
+    let sets =
+        ["background.size=1.0", "body.0.shape.size=1.0", "time.end=0.002", "output.vtk_every=0"].map(str::to_owned);
+    let file =
+        ScenarioFile::parse(Path::new("two.toml"), &format!("{case}{second}"), &sets).unwrap_or_else(|e| panic!("{e}"));
     run(&file, RunOptions::into_directory(&directory)).unwrap_or_else(|e| panic!("{e}"));
     let table = HistoryTable::read(&directory.join("history.csv")).expect("a history");
     assert_eq!(table.names().len(), 1 + 2 * 14 + 14);

@@ -29,7 +29,7 @@ fn with(from: &str, to: &str) -> (String, usize) {
 fn parts(error: Error) -> (Place, Problem, String) {
     let text = error.to_string();
     let Error::Scenario(error) = error else { panic!("not an error of the scenario: {text}") };
-    (error.place, error.problem, text)
+    (*error.place, error.problem, text)
 }
 
 /// Replaces, and expects an error at that line and key whose text contains all the given words.
@@ -137,13 +137,15 @@ fn overlapping_bodies() {
     let line = text.lines().count() - 3;
     expect_at(&text, line, "body.1.shape", &["`ball`", "`block`", "overlap", "move one of them"]);
     // Inside of one another is overlap too.
-    let text = text.replace("min = [3.0, 6.5], max = [9.0, 8.5], size = 1.0", "min = [1.0, 9.0], max = [2.0, 11.0], size = 1.0");
+    let text = text
+        .replace("min = [3.0, 6.5], max = [9.0, 8.5], size = 1.0", "min = [1.0, 9.0], max = [2.0, 11.0], size = 1.0");
     expect_at(&text, line, "body.1.shape", &["overlap"]);
 }
 
 #[test]
 fn bodies_may_stick_out_but_not_be_away() {
-    let apart = format!("{CASE}{SECOND}").replace("min = [3.0, 6.5], max = [9.0, 8.5]", "min = [5.0, 1.0], max = [12.0, 2.0]");
+    let apart =
+        format!("{CASE}{SECOND}").replace("min = [3.0, 6.5], max = [9.0, 8.5]", "min = [5.0, 1.0], max = [12.0, 2.0]");
     let file = ScenarioFile::parse(Path::new("case.toml"), &apart, &strings(&COARSE)).expect("legal");
     assert_eq!(sizes(&file).expect("legal").bodies.len(), 2);
     let (text, line) = with("centre = [0.0, 10.0]", "centre = [20.0, 10.0]");
@@ -193,7 +195,11 @@ fn changes_from_the_command_line() {
     assert_eq!(scenario.output.vtk_every, 3);
     // A section that is not in the file is made.
     let text = CASE.replace("[output]  ", "#").replace("vtk_every   = 10", "#").replace("compression = 0", "#");
-    let text: String = text.lines().filter(|l| !l.contains("plots ") && !l.contains("marks") && !l.contains("label =") && *l != "]").collect::<Vec<_>>().join("\n");
+    let text: String = text
+        .lines()
+        .filter(|l| !l.contains("plots ") && !l.contains("marks") && !l.contains("label =") && *l != "]")
+        .collect::<Vec<_>>()
+        .join("\n");
     let file = ScenarioFile::parse(Path::new("case.toml"), &text, &strings(&["output.vtk_every=7"])).expect("legal");
     assert_eq!((file.scenario().output.vtk_every, file.scenario().output.plots), (7, true));
 }

@@ -26,7 +26,7 @@ pub use geometry::StepGeometry;
 pub use observe::{Observer, ObserverError, StepView};
 pub use pocket::{Pocket, pockets};
 pub use problem::{FsiProblem, StepForms};
-pub use report::{BodyReport, StageSeconds, StepReport};
+pub use report::{BodyReport, ForceBalance, StageSeconds, StepReport};
 pub use setup::{
     Body, BodyKind, BodySupport, Contact, ContactObstacle, ElasticBody, FluidBoundary, FluidSetup, PointField,
     PrescribedBody, Setup, SupportKind, TimeField, TractionField,

@@ -1,6 +1,7 @@
 //! Pockets of fluid whose pressure is known up to a constant only.
 
 use cutcell::PartId;
+use xfem_space::Classes;
 
 use crate::setup::FluidBoundary;
 use crate::{Setup, StepGeometry};
@@ -19,27 +20,26 @@ pub struct Pocket {
 /// An elastic body feels the constant, and an open boundary fixes it; anywhere else the mean has to be fixed.
 pub fn pockets<const D: usize>(setup: &Setup<D>, geometry: &StepGeometry<D>) -> Vec<Pocket> {
     let cut = &geometry.cut;
-    let mut parent: Vec<u32> = (0..cut.n_parts() as u32).collect();
+    let mut classes = Classes::new(cut.n_parts());
     for face in cut.part_faces() {
-        let (a, b) = (root(&mut parent, face.parts[0].0), root(&mut parent, face.parts[1].0));
-        parent[a.max(b) as usize] = a.min(b);
+        classes.merge(face.parts[0].0, face.parts[1].0);
     }
     let mut is_fixed = vec![false; cut.n_parts()];
     for piece in cut.boundary() {
         let tag = setup.background.facet_tag(piece.facet);
         let condition = setup.fluid.boundary.iter().find(|(t, _)| Some(*t) == tag).map(|(_, condition)| condition);
         if matches!(condition, None | Some(FluidBoundary::Open { .. })) {
-            is_fixed[root(&mut parent, piece.part.0) as usize] = true;
+            is_fixed[classes.lowest(piece.part.0) as usize] = true;
         }
     }
     for piece in cut.interface() {
         if setup.bodies[piece.body.index()].elastic().is_some() {
-            is_fixed[root(&mut parent, piece.part.0) as usize] = true;
+            is_fixed[classes.lowest(piece.part.0) as usize] = true;
         }
     }
     let mut pockets: Vec<(u32, Pocket)> = Vec::new();
     for part in cut.all_parts() {
-        let root = root(&mut parent, part.0);
+        let root = classes.lowest(part.0);
         if is_fixed[root as usize] {
             continue;
         }
@@ -49,18 +49,6 @@ pub fn pockets<const D: usize>(setup: &Setup<D>, geometry: &StepGeometry<D>) -> 
         }
     }
     pockets.into_iter().map(|(_, pocket)| pocket).collect()
-}
-
-fn root(parent: &mut [u32], part: u32) -> u32 {
-    let mut root = part;
-    while parent[root as usize] != root {
-        root = parent[root as usize];
-    }
-    let mut walk = part;
-    while parent[walk as usize] != root {
-        walk = std::mem::replace(&mut parent[walk as usize], root);
-    }
-    root
 }
 
 impl Pocket {

@@ -2,12 +2,12 @@
 
 use algebra::NewtonReport;
 use contact::ContactReport;
-use cutcell::CutReport;
+use cutcell::{CutMesh, CutReport};
 use interface_dg::{InterfaceFlow, InterfaceTraction, interface_flow, interface_tractions};
 use mesh::{Point, Vector};
 use solid_svk::energy::BodyBalance;
 
-use crate::{FsiProblem, Setup, State, StepGeometry, StepSystem};
+use crate::{BodyState, FsiProblem, Setup, State, StepGeometry, StepSystem};
 
 /// Wall-clock time per stage of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -22,11 +22,40 @@ pub struct StageSeconds {
     pub linear: f64,
 }
 
+/// The forces on an elastic body over a step, of which inertia is the sum: a balance that closes to the accuracy of
+/// the nonlinear solve in every direction that no support holds.
+///
+/// Units (cgs, per unit depth in 2D): dyn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ForceBalance<const D: usize> {
+    /// Rate of change of momentum, `m (v^{n+1} - v^n)/dt`.
+    pub inertia: Vector<D>,
+    /// Body force.
+    pub body_force: Vector<D>,
+    /// Pressure of the fluid.
+    pub pressure: Vector<D>,
+    /// Viscous traction of the fluid.
+    pub viscous: Vector<D>,
+    /// Penalty of the mortar.
+    pub penalty: Vector<D>,
+    /// Contacts, as slave.
+    pub contact: Vector<D>,
+}
+
+impl<const D: usize> ForceBalance<D> {
+    /// What supports, loads and contacts as master have to make up for: inertia minus all forces.
+    pub fn remainder(&self) -> Vector<D> {
+        self.inertia - self.body_force - self.pressure - self.viscous - self.penalty - self.contact
+    }
+}
+
 /// One body at the end of a step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BodyReport<const D: usize> {
     /// Energies, mass, centre, momentum; `None` for a body of prescribed motion.
     pub balance: Option<BodyBalance<D>>,
+    /// Forces over the step; `None` for a body of prescribed motion.
+    pub forces: Option<ForceBalance<D>>,
     /// The vertex with the lowest last coordinate, and where it is.
     pub lowest: (usize, Point<D>),
     /// Velocity of that vertex.
@@ -78,13 +107,17 @@ impl<const D: usize> StepReport<D> {
         state: &State<D>,
         seconds: StageSeconds,
     ) -> Self {
+        let contacts: Vec<_> = problem.contacts.iter().map(|contact| ContactReport::new(contact, x)).collect();
+        let tractions = interface_tractions(&problem.interface, x);
+        let mut bodies: Vec<_> = (0..setup.bodies.len()).map(|b| body_report(setup, b, previous, state)).collect();
+        add_forces(setup, &state.fluid.cut, &tractions, &contacts, &mut bodies);
         Self {
             cut: state.fluid.cut.report().clone(),
-            bodies: (0..setup.bodies.len()).map(|b| body_report(setup, b, previous, state)).collect(),
-            contacts: problem.contacts.iter().map(|contact| ContactReport::new(contact, x)).collect(),
+            bodies,
+            contacts,
             fluid_kinetic_energy: fluid_kinetic_energy(setup, geometry, state),
             flow: interface_flow(&problem.interface, x),
-            tractions: interface_tractions(&problem.interface, x),
+            tractions,
             n_dofs: system.layout.len(),
             n_uncovered: geometry.history.n_uncovered(),
             n_pockets: system.pockets.len(),
@@ -114,14 +147,47 @@ fn body_report<const D: usize>(setup: &Setup<D>, b: usize, previous: &State<D>, 
         .min_by(|&i, &j| height(&positions[i]).total_cmp(&height(&positions[j])))
         .unwrap_or_default();
     let at = |values: &[Vector<D>]| values.get(lowest).copied().unwrap_or_else(Vector::zeros);
+    let balance = |state: &BodyState<D>| {
+        body.elastic()
+            .map(|elastic| BodyBalance::new(&elastic.solid, &elastic.form, &state.displacement, &state.velocity))
+    };
+    let forces = balance(&previous.bodies[b]).zip(balance(now)).map(|(before, after)| ForceBalance {
+        inertia: (after.momentum - before.momentum) / setup.dt,
+        body_force: body.elastic().map_or(Vector::zeros(), |e| e.form.body_force.acceleration * after.mass),
+        pressure: Vector::zeros(),
+        viscous: Vector::zeros(),
+        penalty: Vector::zeros(),
+        contact: Vector::zeros(),
+    });
     BodyReport {
-        balance: body
-            .elastic()
-            .map(|elastic| BodyBalance::new(&elastic.solid, &elastic.form, &now.displacement, &now.velocity)),
+        balance: balance(now),
+        forces,
         lowest: (lowest, at(&positions)),
         lowest_velocity: at(&now.velocity),
         lowest_acceleration: (at(&now.velocity) - at(&previous.bodies[b].velocity)) / setup.dt,
         highest: positions.iter().map(height).fold(f64::NEG_INFINITY, f64::max),
+    }
+}
+
+/// Adds what fluid and contacts do to the bodies.
+fn add_forces<const D: usize>(
+    setup: &Setup<D>,
+    cut: &CutMesh<D>,
+    tractions: &[InterfaceTraction<D>],
+    contacts: &[ContactReport<D>],
+    bodies: &mut [BodyReport<D>],
+) {
+    for (piece, traction) in cut.interface().iter().zip(tractions) {
+        if let Some(forces) = &mut bodies[piece.body.index()].forces {
+            forces.pressure += traction.pressure * piece.measure;
+            forces.viscous += (traction.fluid - traction.pressure) * piece.measure;
+            forces.penalty += traction.penalty * piece.measure;
+        }
+    }
+    for (contact, report) in setup.contacts.iter().zip(contacts) {
+        if let Some(forces) = &mut bodies[contact.body.index()].forces {
+            forces.contact += report.force;
+        }
     }
 }
 

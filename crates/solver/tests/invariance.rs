@@ -70,6 +70,21 @@ fn energy_never_grows_while_a_ball_falls_and_bounces() {
 }
 
 #[test]
+fn the_forces_on_the_ball_balance() {
+    // Free fall, then contact; no support holds the ball vertically.
+    let (_, reports) = run(&falling_ball(0.8, 1.05, 1.0, false), 20);
+    assert!(reports.iter().any(|r| r.contacts[0].is_active()));
+    let start = reports[0].bodies[0].forces.expect("an elastic body");
+    assert!(start.pressure[1] > 0.0 && start.inertia[1] < 0.0, "the added mass holds the ball back");
+    for report in &reports {
+        let forces = report.bodies[0].forces.expect("an elastic body");
+        let scale = forces.body_force.norm() + forces.contact.norm();
+        assert!(forces.remainder()[1].abs() < 1e-6 * scale, "{forces:?}");
+        assert_eq!(forces.contact[1] > 0.0, report.contacts[0].is_active());
+    }
+}
+
+#[test]
 fn a_neutral_body_in_a_fluid_at_rest_stays_at_rest() {
     let mut setup = falling_ball(0.8, 2.0, 0.1, false);
     elastic_mut(&mut setup.bodies[0]).form.body_force.acceleration = V::zeros();

@@ -8,6 +8,7 @@
 //! [`transfer`] carries a field from one space to the next.
 
 mod boundary;
+mod classes;
 mod face_values;
 mod numbering;
 mod part_values;
@@ -15,6 +16,7 @@ mod space;
 mod transfer;
 
 pub use boundary::{BoundaryPoint, BoundaryValues, boundary_dofs};
+pub use classes::Classes;
 pub use face_values::{FaceValue, FaceValues};
 pub use part_values::{PartPoint, PartValues};
 pub use space::XfemSpace;

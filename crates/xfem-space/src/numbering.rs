@@ -3,11 +3,13 @@
 use cutcell::{CutMesh, PartId};
 use mesh::{SimplexMesh, VertexId};
 
+use crate::Classes;
+
 /// The dof of each (part, local vertex) pair, and the vertex of each dof. Dofs are numbered in the order in which
 /// the parts meet them.
 pub(crate) fn number<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>) -> (Vec<u32>, Vec<VertexId>) {
     let stride = D + 1;
-    let mut parent: Vec<u32> = (0..(cut.n_parts() * stride) as u32).collect();
+    let mut classes = Classes::new(cut.n_parts() * stride);
     let pair = |part: PartId, vertex: VertexId| {
         let cell = background.cell(cut.part_cell(part));
         cell.iter().position(|&v| v == vertex).map(|local| (part.index() * stride + local) as u32)
@@ -15,16 +17,16 @@ pub(crate) fn number<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<
     for face in cut.part_faces() {
         for &vertex in background.facet(face.facet) {
             if let (Some(a), Some(b)) = (pair(face.parts[0], vertex), pair(face.parts[1], vertex)) {
-                join(&mut parent, a, b);
+                classes.merge(a, b);
             }
         }
     }
-    let mut pair_to_dof = vec![u32::MAX; parent.len()];
+    let mut pair_to_dof = vec![u32::MAX; cut.n_parts() * stride];
     let mut dof_to_vertex = Vec::with_capacity(background.n_vertices());
     for part in cut.all_parts() {
         for (local, &vertex) in background.cell(cut.part_cell(part)).iter().enumerate() {
             let index = part.index() * stride + local;
-            let root = find(&mut parent, index as u32) as usize;
+            let root = classes.lowest(index as u32) as usize;
             if pair_to_dof[root] == u32::MAX {
                 pair_to_dof[root] = dof_to_vertex.len() as u32;
                 dof_to_vertex.push(vertex);
@@ -33,22 +35,4 @@ pub(crate) fn number<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<
         }
     }
     (pair_to_dof, dof_to_vertex)
-}
-
-/// The root of a class is its lowest pair, so that numbering does not depend on the order of the faces.
-fn find(parent: &mut [u32], pair: u32) -> u32 {
-    let mut root = pair;
-    while parent[root as usize] != root {
-        root = parent[root as usize];
-    }
-    let mut walk = pair;
-    while parent[walk as usize] != root {
-        walk = std::mem::replace(&mut parent[walk as usize], root);
-    }
-    root
-}
-
-fn join(parent: &mut [u32], a: u32, b: u32) {
-    let (a, b) = (find(parent, a), find(parent, b));
-    parent[a.max(b) as usize] = a.min(b);
 }

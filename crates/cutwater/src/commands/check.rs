@@ -11,7 +11,9 @@ pub(crate) fn check(arguments: &ScenarioArguments) -> Result<(), Error> {
     let Sizes { background_cells, background_vertices, bodies, cut_cells, dofs, n_steps, half_domain } = sizes(&file)?;
     let half = if half_domain { ", half of a symmetric problem" } else { "" };
     println!("{}: dimension {}, units cgs{half}", scenario.name, scenario.dimension);
-    println!("background: {background_cells} cells, {background_vertices} vertices, {cut_cells} cells cut at the start");
+    println!(
+        "background: {background_cells} cells, {background_vertices} vertices, {cut_cells} cells cut at the start"
+    );
     for (name, cells, vertices) in bodies {
         println!("body {name}: {cells} cells, {vertices} vertices");
     }

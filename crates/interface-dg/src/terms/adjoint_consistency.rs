@@ -27,14 +27,14 @@ impl AdjointConsistency {
             for a in 0..D {
                 out.add(D * i + a, weight * self.viscosity * (along * q.jump[a] + n[a] * jump_along));
             }
-            out.add(q.pressure(i), weight * q.at.fluid[i] * q.jump.dot(&n));
+            out.add(q.pressure_row(i), weight * q.at.fluid[i] * q.jump.dot(&n));
             for (column, basis) in q.jump_basis() {
                 for a in 0..D {
                     out.add_tangent(D * i + a, column + a, weight * self.viscosity * along * basis);
                     for b in 0..D {
                         out.add_tangent(D * i + a, column + b, weight * self.viscosity * n[a] * g[b] * basis);
                     }
-                    out.add_tangent(q.pressure(i), column + a, weight * q.at.fluid[i] * n[a] * basis);
+                    out.add_tangent(q.pressure_row(i), column + a, weight * q.at.fluid[i] * n[a] * basis);
                 }
             }
         }

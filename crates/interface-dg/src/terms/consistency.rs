@@ -30,7 +30,7 @@ impl Consistency {
                     for a in 0..D {
                         out.add_tangent(row + a, D * j + b, weight * self.viscosity * n[b] * g[a]);
                     }
-                    out.add_tangent(row + b, q.pressure(j), -weight * q.at.fluid[j] * n[b]);
+                    out.add_tangent(row + b, q.pressure_row(j), -weight * q.at.fluid[j] * n[b]);
                 }
             }
         }

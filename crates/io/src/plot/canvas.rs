@@ -184,3 +184,14 @@ pub(super) fn nice_step(range: f64, n: f64) -> f64 {
     let nice = [1.0, 2.0, 5.0, 10.0].into_iter().find(|m| m * power >= raw * (1.0 - 1e-9)).unwrap_or(10.0);
     nice * power
 }
+
+/// A multiple of a step with the digits that the step needs.
+pub(super) fn tick_text(value: f64, step: f64) -> String {
+    let digits = (-step.log10() - 1e-9).ceil().max(0.0) as usize;
+    format!("{:.digits$}", value + 0.0).replace('-', "−")
+}
+
+/// Errors of the plotting library differ between canvases; their text does not.
+pub(super) fn text_of<E: std::fmt::Display>(error: E) -> String {
+    error.to_string()
+}

@@ -142,9 +142,8 @@ impl Raster<'_> {
     /// Fills the pixels whose centres lie in a triangle; `colour` gets barycentric coordinates.
     fn fill(&mut self, corners: [[f64; 2]; 3], colour: impl Fn([f64; 3]) -> [u8; 3]) {
         let [a, b, c] = corners;
-        let cross = |p: [f64; 2], q: [f64; 2], r: [f64; 2]| {
-            (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])
-        };
+        let cross =
+            |p: [f64; 2], q: [f64; 2], r: [f64; 2]| (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
         let area = cross(a, b, c);
         if area == 0.0 {
             return;

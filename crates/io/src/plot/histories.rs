@@ -4,7 +4,7 @@ use plotters::coord::Shift;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
-use super::canvas::{Canvas, Drawn, GRID, INK, Picture, nice_step};
+use super::canvas::{Canvas, Drawn, GRID, INK, Picture, nice_step, text_of, tick_text};
 use crate::history::HistoryTable;
 use crate::scenario::schema::Mark;
 
@@ -156,19 +156,17 @@ where
     let corner = on_area(x_range.end, y_range.end);
     let px = |length: f64| canvas.px(length) as i32;
     let style = canvas.font(12.5);
-    for t in ticks(&x_range, 6.0) {
+    for (t, text) in ticks(&x_range, 6.0) {
         let (x, _) = on_area(t, y_range.start);
         line((x, origin.1), (x, corner.1), GRID)?;
         line((x, origin.1), (x, origin.1 + px(4.0)), INK)?;
-        let text = tidy(t);
         let (width, _) = area.estimate_text_size(&text, &style).map_err(text_of)?;
         area.draw_text(&text, &style, (x - width as i32 / 2, origin.1 + px(8.0))).map_err(text_of)?;
     }
-    for v in ticks(&y_range, 7.0) {
+    for (v, text) in ticks(&y_range, 7.0) {
         let (_, y) = on_area(x_range.start, v);
         line((origin.0, y), (corner.0, y), GRID)?;
         line((origin.0 - px(4.0), y), (origin.0, y), INK)?;
-        let text = tidy(v);
         let (width, _) = area.estimate_text_size(&text, &style).map_err(text_of)?;
         // Digits are centred a quarter of the font size below their upper edge.
         area.draw_text(&text, &style, (origin.0 - px(8.0) - width as i32, y - px(3.4))).map_err(text_of)?;
@@ -182,26 +180,15 @@ where
     Ok(area.draw_text("time [s]", &style, (middle, origin.1 + px(25.0))).map_err(text_of)?)
 }
 
-/// Round numbers in a range, about `n` of them.
-fn ticks(range: &std::ops::Range<f64>, n: f64) -> impl Iterator<Item = f64> + use<> {
+/// Round numbers in a range, about `n` of them, with their texts.
+fn ticks(range: &std::ops::Range<f64>, n: f64) -> impl Iterator<Item = (f64, String)> + use<> {
     let step = nice_step(range.end - range.start, n);
     let end = range.end + 1e-9 * step;
     let first = (range.start / step - 1e-9).ceil() as i64;
-    (first..).map(move |k| k as f64 * step).take_while(move |v| *v <= end)
+    let values = (first..).map(move |k| k as f64 * step).take_while(move |v| *v <= end);
+    values.map(move |v| (v, tick_text(v, step)))
 }
 
 fn colour(k: usize) -> RGBColor {
     [MARK, RGBColor(0, 128, 96), RGBColor(150, 60, 150), RGBColor(120, 120, 120)][k % 4]
-}
-
-/// A tick without the digits of round-off.
-fn tidy(value: f64) -> String {
-    let text = format!("{value:.4}");
-    let text = text.trim_end_matches('0').trim_end_matches('.');
-    if text == "-0" { "0".to_owned() } else { text.replace('-', "−") }
-}
-
-/// Errors of the plotting library differ between canvases; their text does not.
-pub(super) fn text_of<E: std::fmt::Display>(error: E) -> String {
-    error.to_string()
 }

@@ -32,8 +32,7 @@ impl<'a, const D: usize> Isolines<'a, D> {
         let mesh = body.elastic()?.solid.mesh();
         let positions = bodies[index].positions(body.reference());
         let displacement: Vec<f64> = bodies[index].displacement.iter().map(|d| d[1]).collect();
-        let range =
-            displacement.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), d| (a.min(*d), b.max(*d)));
+        let range = displacement.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), d| (a.min(*d), b.max(*d)));
         let boundary = body.boundary();
         let on_plane = |x: [f64; 2]| mirror.is_some_and(|plane| (x[0] - plane).abs() < 1e-9);
         let outline = boundary

@@ -82,12 +82,7 @@ pub fn draw_isolines<const D: usize>(
 ///
 /// # Errors
 /// [`Error::Plot`], [`Error::Write`].
-pub fn draw_flow<const D: usize>(
-    path: &Path,
-    setup: &Setup<D>,
-    fluid: &FluidState<D>,
-    time: f64,
-) -> Result<(), Error> {
+pub fn draw_flow<const D: usize>(path: &Path, setup: &Setup<D>, fluid: &FluidState<D>, time: f64) -> Result<(), Error> {
     if D != 2 {
         return Ok(());
     }
@@ -96,8 +91,7 @@ pub fn draw_flow<const D: usize>(
 
 /// Position of the left or right side if it is a plane of symmetry: pictures then show the whole.
 fn mirror<const D: usize>(setup: &Setup<D>) -> Option<f64> {
-    let (tag, _) =
-        setup.fluid.boundary.iter().find(|(_, c)| matches!(c, FluidBoundary::Symmetry { axis: 0 }))?;
+    let (tag, _) = setup.fluid.boundary.iter().find(|(_, c)| matches!(c, FluidBoundary::Symmetry { axis: 0 }))?;
     let facet = setup.background.facets().find(|f| setup.background.facet_tag(*f) == Some(*tag))?;
     Some(setup.background.vertex(setup.background.facet(facet)[0])[0])
 }

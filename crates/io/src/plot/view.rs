@@ -3,8 +3,7 @@
 use mesh::Point;
 use plotters::prelude::*;
 
-use super::canvas::{Canvas, Drawn, INK, nice_step};
-use super::histories::text_of;
+use super::canvas::{Canvas, Drawn, INK, nice_step, text_of, tick_text};
 
 /// Width of the bar with its labels, in units.
 const BAR: f64 = 92.0;
@@ -84,7 +83,6 @@ impl View {
             canvas.area.draw(&bar).map_err(text_of)?;
         }
         let step = nice_step(range.1 - range.0, 6.0);
-        let digits = (-step.log10().floor()).max(0.0) as usize;
         let style = canvas.font(12.0);
         let mut value = (range.0 / step).ceil() * step;
         while value <= range.1 + 1e-9 * step {
@@ -94,7 +92,7 @@ impl View {
                 INK.stroke_width(canvas.px(1.0)),
             );
             canvas.area.draw(&tick).map_err(text_of)?;
-            let text = format!("{:.digits$}", value + 0.0).replace('-', "−");
+            let text = tick_text(value, step);
             canvas.area.draw_text(&text, &style, (px(left + width + 8.0), px(y - 3.2))).map_err(text_of)?;
             value += step;
         }

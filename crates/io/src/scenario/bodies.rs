@@ -104,8 +104,7 @@ fn conditions<const D: usize>(
         match condition {
             BodyCondition::Plain(PlainBodyCondition::Clamped) => hold(SupportKind::Clamped),
             BodyCondition::Plain(PlainBodyCondition::Symmetry) => {
-                let known: Vec<String> =
-                    known.iter().filter(|name| side_axis::<D>(name).is_some()).cloned().collect();
+                let known: Vec<String> = known.iter().filter(|name| side_axis::<D>(name).is_some()).cloned().collect();
                 let axis = side_axis::<D>(name).ok_or_else(|| unknown_name(file, &path, "plane side", name, &known))?;
                 hold(SupportKind::Symmetry { axis });
             }

@@ -83,7 +83,7 @@ impl Document {
     }
 
     fn error_at(&self, offset: usize, key: String, problem: Problem) -> ScenarioError {
-        ScenarioError { place: self.place_at(offset, key), problem }
+        ScenarioError { place: Box::new(self.place_at(offset, key)), problem }
     }
 
     fn syntax(&self, error: &toml::de::Error) -> ScenarioError {
@@ -106,7 +106,8 @@ impl Document {
     /// Collects keys and values below a table.
     fn index(&mut self, table: &DeTable<'_>, prefix: &str) {
         for (key, value) in table {
-            let path = if prefix.is_empty() { key.get_ref().to_string() } else { format!("{prefix}.{}", key.get_ref()) };
+            let path =
+                if prefix.is_empty() { key.get_ref().to_string() } else { format!("{prefix}.{}", key.get_ref()) };
             self.index_value(value, path, key.span());
         }
     }
@@ -131,7 +132,8 @@ impl Document {
     fn explain(&self, error: &toml::de::Error) -> ScenarioError {
         let message = error.message();
         let span = error.span().unwrap_or(0..0);
-        let around = self.entries.iter().find(|e| e.value == span).or_else(|| self.entries.iter().find(|e| e.key == span));
+        let around =
+            self.entries.iter().find(|e| e.value == span).or_else(|| self.entries.iter().find(|e| e.key == span));
         let outer = around.map_or("", |entry| entry.path.as_str());
         let below = |accept: &dyn Fn(&Entry) -> bool| {
             self.entries.iter().find(|e| (outer.is_empty() || e.path == outer || is_below(&e.path, outer)) && accept(e))
@@ -148,7 +150,9 @@ impl Document {
             (below(&|e| e.described == described), problem)
         } else if message.starts_with("missing field") {
             (around, Problem::Missing { key: found.to_owned() })
-        } else if let Some((found, expected)) = message.strip_prefix("invalid type: ").and_then(|m| m.split_once(", expected ")) {
+        } else if let Some((found, expected)) =
+            message.strip_prefix("invalid type: ").and_then(|m| m.split_once(", expected "))
+        {
             let problem = Problem::WrongType { found: found.to_owned(), expected: in_words(expected).to_owned() };
             (below(&|e| e.described == found), problem)
         } else {
@@ -196,11 +200,7 @@ fn insert<'t>(target: &mut DeTable<'t>, change: DeTable<'t>, depth: usize) -> Re
     }
 }
 
-fn insert_into_array<'t>(
-    items: &mut [Spanned<DeValue<'t>>],
-    change: DeTable<'t>,
-    depth: usize,
-) -> Result<(), Problem> {
+fn insert_into_array<'t>(items: &mut [Spanned<DeValue<'t>>], change: DeTable<'t>, depth: usize) -> Result<(), Problem> {
     let Some((key, value)) = change.into_iter().next() else { return Err(Problem::Argument) };
     let missing = || Problem::NoEntry { segment: key.get_ref().to_string() };
     let item = key.get_ref().parse::<usize>().ok().and_then(|k| items.get_mut(k)).ok_or_else(missing)?;

@@ -74,6 +74,6 @@ impl ScenarioFile {
 
     /// An error at a key.
     fn error(&self, path: &str, problem: impl Into<Problem>) -> ScenarioError {
-        ScenarioError { place: self.document.place(path), problem: problem.into() }
+        ScenarioError { place: Box::new(self.document.place(path)), problem: problem.into() }
     }
 }

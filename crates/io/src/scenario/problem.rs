@@ -31,7 +31,7 @@ impl fmt::Display for Place {
 #[error("{place}: {problem}")]
 pub struct ScenarioError {
     /// Where.
-    pub place: Place,
+    pub place: Box<Place>,
     /// What.
     pub problem: Problem,
 }
@@ -55,7 +55,7 @@ pub enum Problem {
         segment: String,
     },
     /// A key that is not known.
-    #[error("unknown key{}; known here: {}", suggestion(.nearest), .known.join(", "))]
+    #[error("unknown key{} Known here: {}", suggestion(.nearest), .known.join(", "))]
     UnknownKey {
         /// The nearest known key, if one is near.
         nearest: Option<String>,
@@ -63,7 +63,7 @@ pub enum Problem {
         known: Vec<String>,
     },
     /// A word that is not known.
-    #[error("unknown value `{found}`{}; known here: {}", suggestion(.nearest), .known.join(", "))]
+    #[error("unknown value `{found}`{} Known here: {}", suggestion(.nearest), .known.join(", "))]
     UnknownValue {
         /// The word.
         found: String,
@@ -162,7 +162,7 @@ pub enum Problem {
         b: &'static str,
     },
     /// A name that nothing has.
-    #[error("there is no {what} `{name}`{}; there are: {}", suggestion(.nearest), .known.join(", "))]
+    #[error("there is no {what} `{name}`{} There are: {}", suggestion(.nearest), .known.join(", "))]
     UnknownName {
         /// What is named.
         what: &'static str,
@@ -212,7 +212,7 @@ pub enum Problem {
 }
 
 fn suggestion(nearest: &Option<String>) -> String {
-    nearest.as_ref().map_or(String::new(), |name| format!("; did you mean `{name}`?"))
+    nearest.as_ref().map_or_else(|| ".".to_owned(), |name| format!("; did you mean `{name}`?"))
 }
 
 /// The known word nearest to a word, if it is a likely slip: at most a third of its letters differ.

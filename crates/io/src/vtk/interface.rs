@@ -12,8 +12,7 @@ pub fn interface_grid<const D: usize>(fluid: &FluidState<D>, report: Option<&Ste
     let (mut total, mut of_fluid, mut jump) = (Vec::new(), Vec::new(), Vec::new());
     let (mut normal, mut ids) = (Vec::new(), Vec::new());
     for (k, piece) in fluid.cut.interface().iter().enumerate() {
-        let corners: [u64; 3] =
-            std::array::from_fn(|c| if c < D { grid.push_point(&piece.points[c]) } else { 0 });
+        let corners: [u64; 3] = std::array::from_fn(|c| if c < D { grid.push_point(&piece.points[c]) } else { 0 });
         grid.push_cell(simplex_type(D), corners[..D].iter().copied());
         let traction = report.and_then(|report| report.tractions.get(k));
         let zero = Vector::zeros();
