@@ -7,8 +7,10 @@ use cutwater::io::{HistoryTable, ScenarioFile, Summary};
 use crate::case::Comparison;
 use crate::cost::refactorization_seconds;
 
-/// The one quantity that `summary.json` does not have: whole steps in units of a factorisation of their matrix.
+/// Whole steps in units of a factorisation of their matrix; not in `summary.json`.
 pub(crate) const REFACTORIZATIONS_PER_STEP: &str = "refactorizations_per_step";
+/// Whether the run reached its end; not in `summary.json`.
+const FINISHED: &str = "finished";
 
 /// A number, or a property as 0 or 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,19 +33,20 @@ impl Metric {
     }
 }
 
-/// What a finished run has to say.
+/// What a run has to say.
 pub(crate) struct Metrics {
     summary: serde_json::Value,
+    finished: bool,
     refactorizations_per_step: Option<f64>,
 }
 
 impl Metrics {
-    /// The metrics of a run from its summary.
+    /// The metrics of a run from its summary, and whether it reached its end.
     ///
     /// # Errors
     /// The summary has no JSON form.
-    pub(crate) fn new(summary: &Summary) -> Result<Self, serde_json::Error> {
-        Ok(Self { summary: serde_json::to_value(summary)?, refactorizations_per_step: None })
+    pub(crate) fn new(summary: &Summary, finished: bool) -> Result<Self, serde_json::Error> {
+        Ok(Self { summary: serde_json::to_value(summary)?, finished, refactorizations_per_step: None })
     }
 
     /// Measures a factorisation now, in the process of the run, and compares the run's median step with it.
@@ -62,11 +65,14 @@ impl Metrics {
 
     /// The metric that a comparison asks for, if the run has it.
     pub(crate) fn get(&self, asked: &Comparison) -> Option<Metric> {
-        if asked.key == REFACTORIZATIONS_PER_STEP {
-            return self.refactorizations_per_step.map(Metric::number);
+        match asked.key.as_str() {
+            REFACTORIZATIONS_PER_STEP => self.refactorizations_per_step.map(Metric::number),
+            FINISHED => Some(Metric::property(self.finished)),
+            key => {
+                let value = &self.summary[key];
+                value.as_f64().map(Metric::number).or(value.as_bool().map(Metric::property))
+            }
         }
-        let value = &self.summary[&asked.key];
-        value.as_f64().map(Metric::number).or(value.as_bool().map(Metric::property))
     }
 }
 

@@ -43,7 +43,7 @@ pub(crate) fn run(cases: &[String], effort: Effort, out: &Path) -> Outcome {
             Ok(true) => {}
             Ok(false) => failed.push(name),
             Err(error) => {
-                println!("  the run failed: {error}");
+                print_error(error.as_ref());
                 failed.push(name);
             }
         }
@@ -90,10 +90,19 @@ fn run_case(
     };
     let mut options = RunOptions::into_directory(directory);
     options.progress = Some(&mut progress);
-    let mut summary = io::run(&file, options)?;
+    let outcome = io::run(&file, options);
+    let finished = outcome.is_ok();
+    let mut summary = match outcome {
+        Ok(summary) => summary,
+        Err(error) => {
+            print_error(&error);
+            // What was reached is worth a table, if a step was.
+            Summary::read(&directory.join("summary.json"))?
+        }
+    };
     print_sizes(&summary);
-    let mut metrics = Metrics::new(&summary)?;
-    if !is_quick {
+    let mut metrics = Metrics::new(&summary, finished)?;
+    if finished && !is_quick {
         metrics.measure_cost(&file, directory)?;
     }
     let asked = reference.comparisons.iter().filter(|asked| !is_quick || asked.key != REFACTORIZATIONS_PER_STEP);
@@ -113,9 +122,19 @@ fn run_case(
     Ok(rows.iter().all(Row::passes))
 }
 
+/// An error with its causes.
+fn print_error(error: &dyn std::error::Error) {
+    println!("  the run failed: {error}");
+    let mut cause = error.source();
+    while let Some(inner) = cause {
+        println!("    because: {inner}");
+        cause = inner.source();
+    }
+}
+
 fn print_sizes(summary: &Summary) {
     let Summary { steps, cells, dofs, newton_iterations, factorizations, wall_seconds, .. } = summary;
-    println!("  {steps} steps, every Newton solve converged; {cells} background cells, at most {dofs} unknowns");
+    println!("  {steps} steps; {cells} background cells, at most {dofs} unknowns");
     println!("  {newton_iterations} Newton iterations, {factorizations} factorisations, {wall_seconds:.1} s in all");
     let SummarySeconds { cut, space, assembly, linear, output } = summary.seconds;
     println!(

@@ -149,13 +149,18 @@ impl<const D: usize> CutMesh<D> {
         &self.covered_pieces
     }
 
-    /// Calls `visit` with the points of each positively oriented simplex of a decomposition of a part.
+    /// Calls `visit` with the points of each positively oriented simplex of a decomposition of a part; simplices
+    /// that round-off leaves without volume are left out.
     pub fn for_each_simplex(&self, background: &SimplexMesh<D>, part: PartId, mut visit: impl FnMut(&[Point<D>])) {
         if self.is_whole(part) {
             visit(background.simplex(self.part_cell(part)).points());
         } else {
             for piece in self.part_pieces(part) {
-                piece.for_each_simplex(&mut visit);
+                piece.for_each_simplex(|points| {
+                    if mesh::Simplex::new(points).volume() > 0.0 {
+                        visit(points);
+                    }
+                });
             }
         }
     }
@@ -274,13 +279,15 @@ impl<const D: usize> InterfacePiece<D> {
     }
 }
 
-/// Calls `visit` with the corners of each simplex of a fan over a convex face.
+/// Calls `visit` with the corners of each simplex of a fan over a convex face; simplices without area are left out.
 pub(crate) fn for_each_face_simplex<const D: usize>(polygon: &[Point<D>], mut visit: impl FnMut([Point<D>; 3])) {
     let mut corners = [Point::<D>::zeros(); 3];
     corners[0] = polygon[0];
     for k in 1..=polygon.len() + 1 - D {
         corners[1..D].copy_from_slice(&polygon[k..k + D - 1]);
-        visit(corners);
+        if simplex_measure(&corners[..D]) > 0.0 {
+            visit(corners);
+        }
     }
 }
 

@@ -1,8 +1,11 @@
 //! Identities of the cut over random and degenerate placements.
 
-use cutcell::{CellState, CutMesh, OverlayOptions};
+mod identities;
+
+use cutcell::{CutMesh, OverlayOptions};
+use identities::check_identities;
 use mesh::generate::structured_box;
-use mesh::{BoundaryMesh, Placed, Point, SimplexMesh, Vector, VertexId, facet_normal, simplex_measure};
+use mesh::{BoundaryMesh, Placed, Point, SimplexMesh, Vector, VertexId, simplex_measure};
 use proptest::prelude::*;
 
 type P = Point<2>;
@@ -32,83 +35,6 @@ impl Polygon {
 fn overlay(background: &SimplexMesh<2>, bodies: &[&Polygon]) -> CutMesh<2> {
     let placed: Vec<_> = bodies.iter().map(|b| b.placed()).collect();
     CutMesh::overlay(background, &placed, &OverlayOptions::new()).expect("sound surfaces")
-}
-
-/// All identities that hold for any input.
-fn check_identities(background: &SimplexMesh<2>, cut: &CutMesh<2>) {
-    let mut volume = vec![0.0; background.n_cells()];
-    for part in cut.all_parts() {
-        volume[cut.part_cell(part).index()] += cut.part_volume(part);
-    }
-    for (cell, piece) in cut.covered_pieces() {
-        volume[cell.index()] += piece.volume();
-    }
-    for cell in background.cells() {
-        let exact = background.cell_volume(cell);
-        let sum = volume[cell.index()];
-        match cut.cell_state(cell) {
-            CellState::Covered => assert_eq!(cut.parts(cell).len(), 0),
-            CellState::Fluid => assert_eq!(cut.parts(cell).len(), 1),
-            CellState::Cut => {}
-        }
-        if cut.cell_state(cell) != CellState::Covered {
-            assert!((sum - exact).abs() <= 1e-12 * exact, "cell {cell}: {sum} is not {exact}");
-        }
-    }
-    assert!(cut.report().uncovered_measure < 1e-11, "uncovered {:e}", cut.report().uncovered_measure);
-    // Every part is closed: faces shared with neighbours, interface and boundary leave no gap.
-    let mut area = vec![Vector::<2>::zeros(); cut.n_parts()];
-    let mut size = vec![0.0; cut.n_parts()];
-    for face in cut.part_faces() {
-        let points = face_points(background, face.facet);
-        let normal = facet_normal(&points) * face.measure;
-        area[face.parts[0].index()] += normal;
-        area[face.parts[1].index()] -= normal;
-        size[face.parts[0].index()] += face.measure;
-        size[face.parts[1].index()] += face.measure;
-    }
-    for piece in cut.boundary() {
-        area[piece.part.index()] += facet_normal(&face_points(background, piece.facet)) * piece.measure;
-        size[piece.part.index()] += piece.measure;
-    }
-    for piece in cut.interface() {
-        assert!(piece.measure > 0.0);
-        assert_eq!(cut.part_cell(piece.part), piece.cell);
-        area[piece.part.index()] -= piece.normal * piece.measure;
-        size[piece.part.index()] += piece.measure;
-    }
-    for part in cut.all_parts() {
-        let (gap, size) = (area[part.index()].norm(), size[part.index()]);
-        assert!(gap < 1e-11, "part {part:?} in cell {} is open by {gap:e} of {size}", cut.part_cell(part));
-    }
-    // Divergence theorem for x and for x |x|²/4 (divergence |x|²).
-    let rule = mesh::SimplexRule::of_degree(2, 3);
-    let line = mesh::SimplexRule::of_degree(1, 4);
-    let mut inside = mesh::QuadratureRule::default();
-    for part in cut.all_parts() {
-        cut.part_quadrature(background, part, &rule, &mut inside);
-    }
-    assert!(inside.weights.iter().all(|&w| w > 0.0));
-    let mut linear = -2.0 * cut.fluid_volume();
-    let mut quadratic = -inside.integrate(|x| x.norm_squared());
-    let mut flux = |points: &[P], normal: Vector<2>| {
-        let mut on_face = mesh::QuadratureRule::default();
-        on_face.push_simplex(&line, points);
-        linear += on_face.integrate(|x| x.dot(&normal));
-        quadratic += on_face.integrate(|x| 0.25 * x.norm_squared() * x.dot(&normal));
-    };
-    for piece in cut.boundary() {
-        flux(&piece.points[..2], facet_normal(&face_points(background, piece.facet)));
-    }
-    for piece in cut.interface() {
-        flux(&piece.points[..2], -piece.normal);
-    }
-    assert!(linear.abs() < 1e-10 && quadratic.abs() < 1e-10, "divergence theorem: {linear:e} {quadratic:e}");
-}
-
-fn face_points(background: &SimplexMesh<2>, facet: mesh::FacetId) -> [P; 2] {
-    let vertices = background.facet(facet);
-    [background.vertex(vertices[0]), background.vertex(vertices[1])]
 }
 
 /// Identities, and the fluid area where the union of the bodies is known.

@@ -1,6 +1,7 @@
 //! Text in, files out: scenarios, histories, field files and pictures.
 //!
-//! This is the only crate that knows a file format. A run in three lines:
+//! This is the only crate that knows a file format. The half that needs the solver sits behind the default feature
+//! `simulation`. A run in three lines:
 //!
 //! ```no_run
 //! use io::{RunOptions, ScenarioFile, run};
@@ -9,15 +10,11 @@
 //! # Ok::<(), io::Error>(())
 //! ```
 
+pub mod vtk;
+
 mod error;
-pub use error::Error;
-
-#[cfg(feature = "simulation")]
-pub mod scenario;
-#[cfg(feature = "simulation")]
-pub use scenario::ScenarioFile;
-
 mod files;
+
 #[cfg(feature = "simulation")]
 pub mod history;
 #[cfg(feature = "simulation")]
@@ -27,13 +24,18 @@ pub mod plot;
 #[cfg(feature = "simulation")]
 mod run;
 #[cfg(feature = "simulation")]
+pub mod scenario;
+#[cfg(feature = "simulation")]
 pub mod summary;
-pub mod vtk;
+
+pub use error::Error;
 #[cfg(feature = "simulation")]
 pub use history::{History, HistoryTable};
 #[cfg(feature = "simulation")]
 pub use measures::BodyMeasures;
 #[cfg(feature = "simulation")]
 pub use run::{RunOptions, Sizes, StepProgress, default_directory, run, sizes};
+#[cfg(feature = "simulation")]
+pub use scenario::ScenarioFile;
 #[cfg(feature = "simulation")]
 pub use summary::{Comparison, Summary, SummarySeconds};

@@ -101,14 +101,15 @@ pub fn simplex_measure<const D: usize>(points: &[Point<D>]) -> f64 {
         1 => 1.0,
         2 => (points[1] - points[0]).norm(),
         3 => {
+            // Component by component of a ∧ b: no cancellation for slender triangles.
             let (a, b) = (points[1] - points[0], points[2] - points[0]);
-            // Lagrange's identity holds in any dimension.
-            let squared = a.norm_squared() * b.norm_squared() - a.dot(&b).powi(2);
-            if D == 2 {
-                0.5 * (a[0] * b[1] - a[1] * b[0]).abs()
-            } else {
-                0.5 * squared.max(0.0).sqrt()
+            let mut squared = 0.0;
+            for i in 0..D {
+                for j in 0..i {
+                    squared += (a[i] * b[j] - a[j] * b[i]).powi(2);
+                }
             }
+            0.5 * squared.sqrt()
         }
         _ => Simplex::new(points).volume().abs(),
     }

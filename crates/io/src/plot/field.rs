@@ -46,14 +46,14 @@ impl<'a, const D: usize> Field<'a, D> {
         let mut high = [f64::NEG_INFINITY; 2];
         for image in images(mirror) {
             for x in setup.background.vertices() {
-                let x = image(plane(x));
+                let x = image.of(plane(x));
                 for k in 0..2 {
                     low[k] = low[k].min(x[k]);
                     high[k] = high[k].max(x[k]);
                 }
             }
         }
-        let view = View::new(low, high, 900.0);
+        let view = View::new(low, high, 680.0);
         let title = format!("speed of the fluid at t = {time:.4} s");
         Self { setup, fluid, triangles, largest, mirror, view, title }
     }
@@ -80,7 +80,7 @@ impl<const D: usize> Picture for Field<'_, D> {
         let width = (f64::from(self.size().0) * unit) as usize;
         let mut raster = Raster { pixels, width };
         for image in images(self.mirror) {
-            let place = |x: [f64; 2]| self.view.place(image(x)).map(|c| c * unit);
+            let place = |x: [f64; 2]| self.view.place(image.of(x)).map(|c| c * unit);
             for triangle in &self.triangles {
                 raster.fill(triangle.map(|(x, _)| place(x)), |l| {
                     let speed: f64 = triangle.iter().zip(l).map(|((_, s), l)| s * l).sum();
@@ -102,7 +102,7 @@ impl<const D: usize> Picture for Field<'_, D> {
         for image in images(self.mirror) {
             for facet in background.facets() {
                 let ends = background.facet(facet);
-                let ends = [0, 1].map(|k| image(plane(&background.vertex(ends[k]))));
+                let ends = [0, 1].map(|k| image.of(plane(&background.vertex(ends[k]))));
                 let is_fluid = background
                     .facet_to_cell(facet)
                     .iter()
@@ -114,7 +114,7 @@ impl<const D: usize> Picture for Field<'_, D> {
                 }
             }
             for [a, b, c] in self.solids() {
-                self.view.polyline(canvas, &[image(a), image(b), image(c)], INK.mix(0.16), 0.5)?;
+                self.view.polyline(canvas, &[a, b, c].map(|x| image.of(x)), INK.mix(0.16), 0.5)?;
             }
             for (body, x) in self.setup.bodies.iter().zip(&self.fluid.positions) {
                 let boundary = body.boundary();
@@ -123,7 +123,7 @@ impl<const D: usize> Picture for Field<'_, D> {
                     let ends = [0, 1].map(|k| plane(&x[ends[k].index()]));
                     let inside = |x: [f64; 2]| self.mirror.is_some_and(|plane| (x[0] - plane).abs() < 1e-9);
                     if !ends.iter().all(|x| inside(*x)) {
-                        self.view.polyline(canvas, &ends.map(&image), INK.into(), 1.2)?;
+                        self.view.polyline(canvas, &ends.map(|x| image.of(x)), INK.into(), 1.2)?;
                     }
                 }
             }

@@ -45,7 +45,7 @@ impl<'a, const D: usize> Isolines<'a, D> {
         let mut high = [f64::NEG_INFINITY; 2];
         for image in images(mirror) {
             for x in &positions {
-                let x = image(plane(x));
+                let x = image.of(plane(x));
                 for k in 0..2 {
                     low[k] = low[k].min(x[k]);
                     high[k] = high[k].max(x[k]);
@@ -90,12 +90,12 @@ impl<const D: usize> Picture for Isolines<'_, D> {
                 for cell in self.mesh.cells() {
                     let corners: Vec<usize> = self.mesh.cell(cell).iter().map(|v| v.index()).collect();
                     if let Some(segment) = self.segment(&corners, level) {
-                        self.view.polyline(canvas, &segment.map(&image), colour(level).into(), 1.6)?;
+                        self.view.polyline(canvas, &segment.map(|x| image.of(x)), colour(level).into(), 1.6)?;
                     }
                 }
             }
             for edge in &self.outline {
-                self.view.polyline(canvas, &edge.map(&image), INK.into(), 1.4)?;
+                self.view.polyline(canvas, &edge.map(|x| image.of(x)), INK.into(), 1.4)?;
             }
         }
         self.view.decorate(canvas, &self.title, "[cm]", self.range, &viridis)

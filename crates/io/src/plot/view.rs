@@ -115,11 +115,20 @@ pub(super) fn plane<const D: usize>(x: &Point<D>) -> [f64; 2] {
     [x[0], x[1]]
 }
 
-/// The images of the plane to be drawn: itself, and its reflection if only a half is there.
-pub(super) fn images(mirror: Option<f64>) -> Vec<Box<dyn Fn([f64; 2]) -> [f64; 2]>> {
-    let mut images: Vec<Box<dyn Fn([f64; 2]) -> [f64; 2]>> = vec![Box::new(|x| x)];
-    if let Some(plane) = mirror {
-        images.push(Box::new(move |x| [2.0 * plane - x[0], x[1]]));
+/// The plane as it is, or its reflection across a vertical line.
+#[derive(Clone, Copy)]
+pub(super) struct Image {
+    mirror: Option<f64>,
+}
+
+impl Image {
+    /// Where a point goes.
+    pub(super) fn of(self, x: [f64; 2]) -> [f64; 2] {
+        self.mirror.map_or(x, |plane| [2.0 * plane - x[0], x[1]])
     }
-    images
+}
+
+/// The images to be drawn: the plane itself, and its reflection if only a half is there.
+pub(super) fn images(mirror: Option<f64>) -> impl Iterator<Item = Image> {
+    std::iter::once(Image { mirror: None }).chain(mirror.map(|plane| Image { mirror: Some(plane) }))
 }

@@ -120,9 +120,9 @@ fn curl<const D: usize>(background: &SimplexMesh<D>, fluid: &FluidState<D>, part
     let mut curl = [0.0; 3];
     for (&dof, gradient) in fluid.space.dofs(part).iter().zip(&gradients) {
         let (u, g) = (in_space(&fluid.velocity[dof as usize]), in_space(gradient));
-        for k in 0..3 {
+        for (k, component) in curl.iter_mut().enumerate() {
             let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-            curl[k] += g[i] * u[j] - g[j] * u[i];
+            *component += g[i] * u[j] - g[j] * u[i];
         }
     }
     curl

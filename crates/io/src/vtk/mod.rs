@@ -10,7 +10,9 @@ pub mod solid;
 
 use std::path::Path;
 
-use mesh::{Point, Tensor, Vector};
+#[cfg(feature = "simulation")]
+use mesh::Tensor;
+use mesh::{Point, Vector};
 use vtkio::model::{
     Attribute, Attributes, ByteOrder, CellType, Cells, DataArray, DataSet, UnstructuredGridPiece, Version,
     VertexNumbers, Vtk,
@@ -118,6 +120,7 @@ fn in_space<const D: usize>(v: &Vector<D>) -> [f64; 3] {
 }
 
 /// A tensor with nine components, row by row, with the given one normal to the plane.
+#[cfg(feature = "simulation")]
 fn tensor_in_space<const D: usize>(t: &Tensor<D>, out_of_plane: f64) -> [f64; 9] {
     std::array::from_fn(|k| match (k / 3, k % 3) {
         (a, b) if a < D && b < D => t[(a, b)],
@@ -127,6 +130,7 @@ fn tensor_in_space<const D: usize>(t: &Tensor<D>, out_of_plane: f64) -> [f64; 9]
 }
 
 /// The type of a simplex with that many points.
+#[cfg(feature = "simulation")]
 fn simplex_type(n_points: usize) -> CellType {
     match n_points {
         2 => CellType::Line,

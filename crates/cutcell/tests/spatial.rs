@@ -1,0 +1,160 @@
+//! Cutting tetrahedra: identities over turned and shifted cubes and spheres.
+
+mod identities;
+
+use cutcell::{CutMesh, OverlayOptions};
+use identities::check_identities;
+use mesh::generate::structured_box;
+use mesh::{BoundaryMesh, Placed, Point, SimplexMesh, Vector, VertexId};
+
+type P = Point<3>;
+
+struct Surface {
+    boundary: BoundaryMesh<3>,
+    positions: Vec<P>,
+}
+
+impl Surface {
+    fn new(positions: Vec<P>, triangles: &[[u32; 3]]) -> Self {
+        let facets = triangles.iter().flatten().map(|&v| VertexId(v)).collect();
+        Self { boundary: BoundaryMesh::from_facets(facets), positions }
+    }
+
+    fn moved(&self, map: impl Fn(&P) -> P) -> Self {
+        Self { boundary: self.boundary.clone(), positions: self.positions.iter().map(map).collect() }
+    }
+
+    fn placed(&self) -> Placed<'_, 3> {
+        Placed::new(&self.boundary, &self.positions)
+    }
+}
+
+/// The cube [-1/2, 1/2]³.
+fn cube() -> Surface {
+    let positions = (0..8).map(|k| P::new((k & 1) as f64, (k >> 1 & 1) as f64, (k >> 2 & 1) as f64).add_scalar(-0.5));
+    let squares = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let triangles: Vec<[u32; 3]> = squares.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+    Surface::new(positions.collect(), &triangles)
+}
+
+/// An octahedron with each triangle divided into n² and put on the sphere.
+fn sphere(radius: f64, n: u32) -> Surface {
+    let mut positions: Vec<P> = Vec::new();
+    let mut triangles = Vec::new();
+    let mut vertex = |x: P| {
+        let found = positions.iter().position(|y: &P| (x - y).norm() < 1e-12);
+        found.unwrap_or_else(|| {
+            positions.push(x);
+            positions.len() - 1
+        }) as u32
+    };
+    for octant in 0..8 {
+        let s = |k: u32| if octant >> k & 1 == 0 { 1.0 } else { -1.0 };
+        let even = s(0) * s(1) * s(2) > 0.0;
+        let mut at = |i: u32, j: u32| {
+            let (a, b, c) = (f64::from(n - i - j), f64::from(i), f64::from(j));
+            vertex(P::new(s(0) * a, s(1) * b, s(2) * c).normalize() * radius)
+        };
+        let mut push = |a: u32, b: u32, c: u32| triangles.push(if even { [a, b, c] } else { [a, c, b] });
+        for i in 0..n {
+            for j in 0..n - i {
+                let (a, b, c) = (at(i, j), at(i + 1, j), at(i, j + 1));
+                push(a, b, c);
+                if i + j + 1 < n {
+                    let d = at(i + 1, j + 1);
+                    push(b, d, c);
+                }
+            }
+        }
+    }
+    Surface::new(positions, &triangles)
+}
+
+fn overlay(background: &SimplexMesh<3>, bodies: &[&Surface]) -> CutMesh<3> {
+    let placed: Vec<_> = bodies.iter().map(|b| b.placed()).collect();
+    CutMesh::overlay(background, &placed, &OverlayOptions::new()).expect("sound surfaces")
+}
+
+/// A body inside the background: identities, volume, area and closure of its surface.
+fn check_immersed(background: &SimplexMesh<3>, body: &Surface) {
+    let cut = overlay(background, &[body]);
+    check_identities(background, &cut);
+    let domain: f64 = background.cells().map(|c| background.cell_volume(c)).sum();
+    let volume = body.placed().enclosed_volume();
+    assert!((cut.fluid_volume() - (domain - volume)).abs() < 1e-12 * domain, "{} {volume}", cut.fluid_volume());
+    let area: f64 = cut.interface().iter().map(|p| p.measure).sum();
+    let exact: f64 = body.boundary.facets().map(|f| body.placed().facet_measure(f)).sum();
+    assert!((area - exact).abs() < 1e-10 * exact, "{area} {exact}");
+    let normals: Vector<3> = cut.interface().iter().map(|p| p.normal * p.measure).sum();
+    assert!(normals.norm() < 1e-12 * exact, "{normals}");
+    for piece in cut.interface() {
+        let corners = body.placed().facet_points(piece.facet);
+        for k in 0..3 {
+            let x: P = (0..3).map(|j| corners[j] * piece.barycentric[k][j]).sum();
+            assert!((x - piece.points[k]).norm() < 1e-12);
+        }
+    }
+}
+
+fn grid(n: usize) -> SimplexMesh<3> {
+    structured_box::<3>([-1.0; 3], [1.0; 3], [n; 3]).expect("a box")
+}
+
+fn turned(angle: f64) -> impl Fn(&P) -> P {
+    let turn = mesh::nalgebra::Rotation3::from_euler_angles(angle, 0.7 * angle, -0.4 * angle);
+    move |x| turn * x
+}
+
+#[test]
+fn a_cube_turned_and_shifted_by_almost_nothing() {
+    let background = grid(7);
+    let sizes = [0.0, 1e-17, 1e-15, 1e-13, 1e-11, 1e-9, 1e-7, 1e-5, 1e-3, 0.1, 1.0];
+    for size in sizes {
+        check_immersed(&background, &cube().moved(turned(size)));
+        check_immersed(&background, &cube().moved(|x| x * (6.0 / 7.0) + P::new(size, 0.3 * size, -0.7 * size) * 0.4));
+    }
+}
+
+#[test]
+fn spheres_at_many_places() {
+    let background = grid(6);
+    for k in 0..12 {
+        let t = f64::from(k);
+        let shift = P::new((1.7 * t).sin(), (2.3 * t).cos(), (0.9 * t).sin()) * 0.2;
+        check_immersed(&background, &sphere(0.55, 4).moved(|x| x + shift));
+    }
+    // Facets much smaller than the cells, and much larger.
+    check_immersed(&grid(2), &sphere(0.6, 12));
+    check_immersed(&grid(16), &sphere(0.7, 1));
+}
+
+#[test]
+fn bodies_that_overlap_touch_and_stick_out() {
+    let background = grid(5);
+    let first = cube().moved(|x| x * 0.8);
+    let overlapping = cube().moved(|x| x * 0.8 + P::new(0.4, 0.2, 0.0));
+    let touching = cube().moved(|x| x * 0.8 + P::new(0.8, 0.0, 0.0));
+    let outside = cube().moved(|x| x * 0.8 + P::new(1.0, 1.0, 1.0));
+    let volume = 0.8_f64.powi(3);
+    for (bodies, union) in [
+        ([&first, &overlapping], 2.0 * volume - 0.4 * 0.6 * 0.8),
+        ([&first, &touching], volume + 0.6 * 0.8 * 0.8),
+        ([&first, &outside], volume + 0.4_f64.powi(3)),
+    ] {
+        for bodies in [bodies, [bodies[1], bodies[0]]] {
+            let cut = overlay(&background, &bodies);
+            check_identities(&background, &cut);
+            assert!((cut.fluid_volume() - (8.0 - union)).abs() < 1e-11, "{} {union}", cut.fluid_volume());
+        }
+    }
+}
+
+#[test]
+fn a_thin_plate_makes_two_parts() {
+    let background = grid(3);
+    let plate = cube().moved(|x| P::new(4.0 * x[0], 4.0 * x[1], 0.02 * x[2] + 0.11));
+    let cut = overlay(&background, &[&plate]);
+    check_identities(&background, &cut);
+    assert_eq!(cut.report().max_parts, 2);
+    assert!((cut.fluid_volume() - (8.0 - 4.0 * 0.02)).abs() < 1e-12);
+}
