@@ -96,7 +96,10 @@ fn run_case(
         Ok(summary) => summary,
         Err(error) => {
             print_error(&error);
-            // What was reached is worth a table, if a step was.
+            if !matches!(error, io::Error::Step(_)) {
+                return Ok(false);
+            }
+            // The steps before the failure are worth a table.
             Summary::read(&directory.join("summary.json"))?
         }
     };

@@ -21,6 +21,14 @@ pub enum Error {
         /// Line of the first byte that is not, from 1.
         line: usize,
     },
+    /// A surface file is malformed.
+    #[error("cannot read the surface {}: {malformed}", .path.display())]
+    Surface {
+        /// The file.
+        path: PathBuf,
+        /// Where and what.
+        malformed: crate::surface::Malformed,
+    },
     /// A scenario cannot be run; file, line and key are inside.
     #[cfg(feature = "simulation")]
     #[error(transparent)]

@@ -10,6 +10,7 @@
 //! # Ok::<(), io::Error>(())
 //! ```
 
+pub mod surface;
 pub mod vtk;
 
 mod error;

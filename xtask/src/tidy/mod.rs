@@ -145,6 +145,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use serde_json::json;
 
     #[test]
     fn the_workspace_is_tidy() {
@@ -152,5 +153,55 @@ mod tests {
         let findings: Vec<String> =
             findings(&workspace).into_iter().map(|f| format!("{}:{}: {}", f.path, f.line, f.advice)).collect();
         assert!(findings.is_empty(), "\n{}", findings.join("\n"));
+    }
+
+    /// Checks that a file with that text is found guilty on that line.
+    fn check_finds(path: &str, text: &str, line: usize, advice: &str) {
+        let source = Source::new(path, text.to_owned());
+        let workspace = Workspace { root: PathBuf::new(), rust: vec![source], other: Vec::new(), packages: Vec::new() };
+        let findings = findings(&workspace);
+        let found = findings.iter().any(|f| f.path == path && f.line == line && f.advice.contains(advice));
+        assert!(found, "{path}: {text:?}: nothing about {advice:?} on line {line} in {findings:?}");
+    }
+
+    #[test]
+    fn every_rule_bites() {
+        let term = "crates/fluid-ns/src/terms/a.rs";
+        check_finds(term, "//! A.\n", 1, "a term without");
+        check_finds(term, "//! A.\nconst A: f64 = 0.7;\n", 2, "0.7 in a term");
+        check_finds("crates/mesh/src/a.rs", "fn a() {}\n", 1, "begin the file");
+        check_finds("crates/mesh/src/a.rs", "//! A.\nfn solve2() {}\n", 2, "replace the first one");
+        check_finds("crates/mesh/src/utils.rs", "//! A.\n", 1, "says nothing");
+        check_finds("crates/mesh/src/a.rs", "//! A. \n", 1, "white space");
+        check_finds("crates/mesh/src/a.rs", "//! A.\nfn a() { todo!() }\n", 2, "todo!");
+        check_finds("crates/mesh/tests/a.rs", &format!("//! A.\n#[{}]\n", "ignore"), 2, "no test is ignored");
+        check_finds("crates/mesh/src/a.rs", &format!("//! A.\n//  {}/a/b\n", "/home"), 2, "one machine");
+        check_finds("crates/mesh/src/a.rs", &format!("//! A.\n{}", "\n".repeat(600)), 601, "split the file");
+        check_finds("crates/solver/src/a.rs", "//! A.\nuse faer::Mat;\n", 2, "outside of its room");
+        check_finds("crates/solver/src/a.rs", "//! A.\nfn a<const D: usize>() where [(); D]: {}\n", 2, "where-clause");
+        check_finds("crates/solver/src/a.rs", "//! A.\nfn a() { b::<2>() }\n", 2, "literal dimension");
+        let long = format!("//! A.\npub fn advance() {{\n{}}}\n", "    a();\n".repeat(40));
+        check_finds("crates/solver/src/step.rs", &long, 2, "`advance` has 42 lines");
+    }
+
+    #[test]
+    fn forbidden_dependencies_are_found() {
+        let dependency = |name: &str, kind: Value| json!({ "name": name, "kind": kind });
+        let packages = vec![
+            json!({ "name": "contact", "manifest_path": "crates/contact/Cargo.toml", "dependencies":
+                [dependency("solid-svk", json!("dev")), dependency("fluid-ns", Value::Null)] }),
+            json!({ "name": "algebra", "manifest_path": "crates/algebra/Cargo.toml", "dependencies":
+                [dependency("faer", Value::Null), dependency("nalgebra", Value::Null)] }),
+            json!({ "name": "other", "manifest_path": "crates/other/Cargo.toml", "dependencies": [] }),
+        ];
+        let workspace = Workspace { root: PathBuf::new(), rust: Vec::new(), other: Vec::new(), packages };
+        let of = |findings: Vec<Finding>| findings.into_iter().map(|f| f.advice).collect::<Vec<_>>().join("\n");
+        let layers = of(layers::check(&workspace));
+        assert!(
+            layers.contains("`contact` must not use `fluid-ns`") && !layers.contains("`contact` must not use `solid")
+        );
+        assert!(layers.contains("`other` is not in"));
+        let rooms = of(third_party::check(&workspace));
+        assert!(rooms.contains("`algebra` must not depend on `nalgebra`") && !rooms.contains("`faer`"), "{rooms}");
     }
 }

@@ -13,18 +13,18 @@ use crate::files::partial;
 const FAMILY: &str = "DejaVu Sans, Verdana, sans-serif";
 /// Bitmaps are drawn this many times larger, then averaged.
 const SUPERSAMPLING: u32 = 2;
+/// Vector graphics have whole coordinates; this many of them make a unit.
+const SUBDIVISION: u32 = 10;
 
 /// Where to draw, and how many pixels a unit of length on paper has.
-pub(super) struct Canvas<'a, B: DrawingBackend> {
+pub(super) struct Canvas<B: DrawingBackend> {
     /// The whole picture.
     pub(super) area: DrawingArea<B, Shift>,
     /// Pixels per unit: sizes of fonts and lines are multiples of it.
     pub(super) unit: f64,
-    /// Keeps the lifetime of the buffer.
-    marker: std::marker::PhantomData<&'a ()>,
 }
 
-impl<B: DrawingBackend> Canvas<'_, B> {
+impl<B: DrawingBackend> Canvas<B> {
     /// A length in pixels.
     pub(super) fn px(&self, length: f64) -> u32 {
         (length * self.unit).round().max(1.0) as u32
@@ -61,7 +61,7 @@ pub(super) trait Picture {
     }
 
     /// Draws.
-    fn draw<B: DrawingBackend>(&self, canvas: &Canvas<'_, B>) -> Drawn
+    fn draw<B: DrawingBackend>(&self, canvas: &Canvas<B>) -> Drawn
     where
         B::ErrorType: 'static;
 }
@@ -77,13 +77,13 @@ pub(super) fn draw_png(path: &Path, picture: &impl Picture, pixels: u32) -> Resu
         picture.paint(&mut buffer, unit);
         {
             let area = BitMapBackend::with_buffer(&mut buffer, fine).into_drawing_area();
-            let canvas = Canvas { area, unit, marker: std::marker::PhantomData };
+            let canvas = Canvas { area, unit };
             picture.draw(&canvas)?;
-            canvas.area.present().map_err(|e| e.to_string())?;
+            canvas.area.present().map_err(text_of)?;
         }
         let mut backend = BitMapBackend::new(partial, (width, height));
-        backend.blit_bitmap((0, 0), (width, height), &averaged(&buffer, width, height)).map_err(|e| e.to_string())?;
-        backend.present().map_err(|e| e.to_string())?;
+        backend.blit_bitmap((0, 0), (width, height), &averaged(&buffer, width, height)).map_err(text_of)?;
+        backend.present().map_err(text_of)?;
         Ok(())
     })
 }
@@ -91,12 +91,19 @@ pub(super) fn draw_png(path: &Path, picture: &impl Picture, pixels: u32) -> Resu
 /// Draws a picture as SVG; the file is complete when it appears.
 pub(super) fn draw_svg(path: &Path, picture: &impl Picture) -> Result<(), Error> {
     write(path, |partial| {
-        let area = SVGBackend::new(partial, picture.size()).into_drawing_area();
-        area.fill(&WHITE).map_err(|e| e.to_string())?;
-        let canvas = Canvas { area, unit: 1.0, marker: std::marker::PhantomData };
-        picture.draw(&canvas)?;
-        canvas.area.present().map_err(|e| e.to_string())?;
-        Ok(())
+        let (width, height) = picture.size();
+        let fine = (width * SUBDIVISION, height * SUBDIVISION);
+        let mut text = String::new();
+        {
+            let area = SVGBackend::with_string(&mut text, fine).into_drawing_area();
+            area.fill(&WHITE).map_err(text_of)?;
+            let canvas = Canvas { area, unit: f64::from(SUBDIVISION) };
+            picture.draw(&canvas)?;
+            canvas.area.present().map_err(text_of)?;
+        }
+        let size = |(width, height): (u32, u32)| format!("<svg width=\"{width}\" height=\"{height}\"");
+        let text = text.replacen(&size(fine), &size((width, height)), 1);
+        Ok(std::fs::write(partial, text)?)
     })
 }
 

@@ -94,7 +94,7 @@ impl<const D: usize> Picture for Field<'_, D> {
         }
     }
 
-    fn draw<B: DrawingBackend>(&self, canvas: &Canvas<'_, B>) -> Drawn
+    fn draw<B: DrawingBackend>(&self, canvas: &Canvas<B>) -> Drawn
     where
         B::ErrorType: 'static,
     {

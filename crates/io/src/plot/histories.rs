@@ -38,7 +38,7 @@ impl Picture for Histories<'_> {
         (1000, 740)
     }
 
-    fn draw<B: DrawingBackend>(&self, canvas: &Canvas<'_, B>) -> Drawn
+    fn draw<B: DrawingBackend>(&self, canvas: &Canvas<B>) -> Drawn
     where
         B::ErrorType: 'static,
     {
@@ -81,7 +81,7 @@ impl Picture for Histories<'_> {
 impl Histories<'_> {
     fn draw_panel<B: DrawingBackend>(
         &self,
-        canvas: &Canvas<'_, B>,
+        canvas: &Canvas<B>,
         area: &DrawingArea<B, Shift>,
         panel: &Panel,
         times: &[f64],
@@ -135,7 +135,7 @@ impl Histories<'_> {
 
 /// Draws title, grid, axes and ticks.
 fn draw_axes<B: DrawingBackend>(
-    canvas: &Canvas<'_, B>,
+    canvas: &Canvas<B>,
     area: &DrawingArea<B, Shift>,
     chart: &ChartContext<'_, B, Cartesian2d<RangedCoordf64, RangedCoordf64>>,
     panel: &Panel,

@@ -77,7 +77,7 @@ impl<const D: usize> Picture for Isolines<'_, D> {
         self.view.size()
     }
 
-    fn draw<B: DrawingBackend>(&self, canvas: &Canvas<'_, B>) -> Drawn
+    fn draw<B: DrawingBackend>(&self, canvas: &Canvas<B>) -> Drawn
     where
         B::ErrorType: 'static,
     {

@@ -38,7 +38,7 @@ impl View {
     }
 
     /// Position in pixels.
-    pub(super) fn pixel<B: DrawingBackend>(&self, canvas: &Canvas<'_, B>, x: [f64; 2]) -> (i32, i32) {
+    pub(super) fn pixel<B: DrawingBackend>(&self, canvas: &Canvas<B>, x: [f64; 2]) -> (i32, i32) {
         let [a, b] = self.place(x);
         ((a * canvas.unit).round() as i32, (b * canvas.unit).round() as i32)
     }
@@ -46,7 +46,7 @@ impl View {
     /// Draws lines between points.
     pub(super) fn polyline<B: DrawingBackend>(
         &self,
-        canvas: &Canvas<'_, B>,
+        canvas: &Canvas<B>,
         points: &[[f64; 2]],
         colour: RGBAColor,
         width: f64,
@@ -61,7 +61,7 @@ impl View {
     /// Draws title, frame and the colours of the values from `range.0` to `range.1`.
     pub(super) fn decorate<B: DrawingBackend>(
         &self,
-        canvas: &Canvas<'_, B>,
+        canvas: &Canvas<B>,
         title: &str,
         quantity: &str,
         range: (f64, f64),

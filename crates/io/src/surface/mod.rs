@@ -1,0 +1,140 @@
+//! Triangulated surfaces from files: STL (ASCII and binary) and OBJ.
+
+mod obj;
+mod stl;
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use mesh::{BoundaryMesh, Placed, Point, VertexId};
+
+use crate::Error;
+
+/// A surface without a volume mesh: vertices and oriented triangles.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Surface {
+    positions: Vec<Point<3>>,
+    boundary: BoundaryMesh<3>,
+}
+
+impl Surface {
+    /// Reads a surface by the extension of its name, `stl` or `obj`.
+    ///
+    /// Vertices with bitwise equal coordinates become one, so that neighbouring triangles share them. Triangles with
+    /// two equal vertices are left out. Whether the surface is closed is for `cutcell` to say.
+    ///
+    /// # Errors
+    /// [`Error::Read`], [`Error::Surface`] with the line (or byte) and what is wrong there.
+    pub fn read(path: &Path) -> Result<Self, Error> {
+        let bytes = std::fs::read(path).map_err(|source| Error::Read { path: path.to_owned(), source })?;
+        let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+        let triangles = match extension.as_deref() {
+            Some("stl") => stl::parse(&bytes),
+            Some("obj") => obj::parse(&bytes),
+            _ => Err(Malformed { at: Place::Name, what: "its name must end in .stl or .obj".to_owned() }),
+        };
+        let triangles = triangles.map_err(|malformed| Error::Surface { path: path.to_owned(), malformed })?;
+        Ok(Self::weld(&triangles))
+    }
+
+    /// A surface from the corners of its triangles.
+    pub fn weld(triangles: &[[[f64; 3]; 3]]) -> Self {
+        let mut positions: Vec<Point<3>> = Vec::new();
+        let mut facets: Vec<VertexId> = Vec::with_capacity(3 * triangles.len());
+        let mut known: HashMap<[u64; 3], VertexId> = HashMap::new();
+        for corners in triangles {
+            let ids = corners.map(|x| {
+                // Adding zero makes one of the two zeros.
+                *known.entry(x.map(|c| (c + 0.0).to_bits())).or_insert_with(|| {
+                    positions.push(Point::<3>::from(x));
+                    VertexId::new(positions.len() - 1)
+                })
+            });
+            if ids[0] != ids[1] && ids[1] != ids[2] && ids[2] != ids[0] {
+                facets.extend(ids);
+            }
+        }
+        Self { positions, boundary: BoundaryMesh::from_facets(facets) }
+    }
+
+    /// The same surface turned inside out.
+    #[must_use]
+    pub fn flipped(&self) -> Self {
+        let facets = self.boundary.facets().flat_map(|f| {
+            let v = self.boundary.facet(f);
+            [v[0], v[2], v[1]]
+        });
+        Self { positions: self.positions.clone(), boundary: BoundaryMesh::from_facets(facets.collect()) }
+    }
+
+    /// The same surface with every vertex moved.
+    #[must_use]
+    pub fn moved(&self, map: impl Fn(&Point<3>) -> Point<3>) -> Self {
+        Self { positions: self.positions.iter().map(map).collect(), boundary: self.boundary.clone() }
+    }
+
+    /// Positions of the vertices.
+    pub fn positions(&self) -> &[Point<3>] {
+        &self.positions
+    }
+
+    /// The triangles.
+    pub fn boundary(&self) -> &BoundaryMesh<3> {
+        &self.boundary
+    }
+
+    /// The triangles at their positions, as `cutcell` takes them.
+    pub fn placed(&self) -> Placed<'_, 3> {
+        Placed::new(&self.boundary, &self.positions)
+    }
+}
+
+/// Where a surface file is wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// Its name.
+    Name,
+    /// A line, from 1.
+    Line(usize),
+    /// A byte, from 0.
+    Byte(usize),
+}
+
+impl std::fmt::Display for Place {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Name => f.write_str("name"),
+            Self::Line(line) => write!(f, "line {line}"),
+            Self::Byte(byte) => write!(f, "byte {byte}"),
+        }
+    }
+}
+
+/// What is wrong with a surface file.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{at}: {what}")]
+pub struct Malformed {
+    /// Where.
+    pub at: Place,
+    /// What, and what was expected.
+    pub what: String,
+}
+
+impl Malformed {
+    fn line(line: usize, what: impl Into<String>) -> Self {
+        Self { at: Place::Line(line), what: what.into() }
+    }
+}
+
+/// Three numbers from words of a line.
+fn coordinates<'a>(line: usize, mut words: impl Iterator<Item = &'a str>) -> Result<[f64; 3], Malformed> {
+    let mut x = [0.0_f64; 3];
+    for slot in &mut x {
+        let word = words.next().ok_or_else(|| Malformed::line(line, "a vertex needs three coordinates"))?;
+        *slot = word.parse().map_err(|_| Malformed::line(line, format!("`{word}` is not a number")))?;
+        if !slot.is_finite() {
+            return Err(Malformed::line(line, format!("the coordinate `{word}` is not finite")));
+        }
+    }
+    Ok(x)
+}
