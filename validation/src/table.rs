@@ -2,6 +2,9 @@
 
 use crate::compare::Row;
 
+/// Relative deviation that is no more than round-off.
+const ROUND_OFF: f64 = 1e-9;
+
 /// Prints rows; `known` is the headline of the numbers to compare with.
 pub(crate) fn print(rows: &[Row], known: &str) {
     let mut cells = vec![["quantity", known, "computed", "deviation", "band", "verdict"].map(str::to_owned)];
@@ -42,8 +45,12 @@ fn yes_or_no(x: f64) -> String {
     if x == 0.0 { "no" } else { "yes" }.to_owned()
 }
 
-fn sign(x: f64) -> &'static str {
-    if x > 0.0 { "+" } else { "" }
+/// A deviation with its sign; round-off is none.
+fn deviation(d: f64, known: Option<f64>) -> String {
+    match known {
+        Some(known) if d.abs() <= ROUND_OFF * known.abs() => "0".to_owned(),
+        _ => format!("{}{}", if d > 0.0 { "+" } else { "" }, number(d)),
+    }
 }
 
 fn interval([low, high]: [f64; 2], value: impl Fn(f64) -> String) -> String {
@@ -74,5 +81,6 @@ mod tests {
         }
         assert_eq!(interval([0.108, 0.114], number), "0.108 to 0.114");
         assert_eq!(interval([1.0, 1.0], yes_or_no), "yes");
+        assert_eq!((deviation(0.001, Some(0.111)), deviation(1e-17, Some(0.1))), ("+0.001".to_owned(), "0".to_owned()));
     }
 }

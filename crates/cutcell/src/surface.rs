@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use mesh::{BodyId, FacetId, Placed, Point, Vector, VertexId};
 
 use crate::Error;
+use crate::predicates::determinant;
 
 /// One facet of one surface.
 #[derive(Clone, Debug)]
@@ -14,6 +15,8 @@ pub(crate) struct Facet<const D: usize> {
     points: [Point<D>; 4],
     /// Unit normal, out of the body.
     pub(crate) normal: Vector<D>,
+    /// Determinant of a point to its distance: one over the length of the normal before normalisation.
+    inverse_scale: f64,
     pub(crate) low: Point<D>,
     pub(crate) high: Point<D>,
 }
@@ -23,11 +26,9 @@ impl<const D: usize> Facet<D> {
         &self.points[..D]
     }
 
-    /// Signed distance to the plane of the facet, zero within the tolerance.
+    /// Signed distance to the plane of the facet, positive in front of it, zero within the tolerance.
     pub(crate) fn distance(&self, x: &Point<D>, tolerance: f64) -> f64 {
-        // Measured from the nearest corner: exact for points that share a corner with the facet.
-        let corner = self.points().iter().min_by(|a, b| (*a - x).norm_squared().total_cmp(&(*b - x).norm_squared()));
-        let d = corner.map_or(0.0, |c| self.normal.dot(&(x - c)));
+        let d = -determinant(self.points(), x) * self.inverse_scale;
         if d.abs() <= tolerance { 0.0 } else { d }
     }
 
@@ -74,7 +75,8 @@ pub(crate) fn collect<const D: usize>(surfaces: &[Placed<'_, D>]) -> Result<Vec<
                 low = low.inf(x);
                 high = high.sup(x);
             }
-            facets.push(Facet { body, id, points, normal, low, high });
+            let inverse_scale = surface.facet_normal_scaled(id).norm().recip();
+            facets.push(Facet { body, id, points, normal, inverse_scale, low, high });
         }
     }
     Ok(facets)

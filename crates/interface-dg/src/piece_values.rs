@@ -51,8 +51,8 @@ impl<const D: usize> PieceValues<D> {
                 };
                 for (corner, l) in barycentric[..D].iter().enumerate() {
                     point.point += piece.points[corner] * *l;
-                    for k in 0..D {
-                        point.solid[k] += l * piece.barycentric[corner][k];
+                    for (solid, share) in point.solid[..D].iter_mut().zip(&piece.barycentric[corner]) {
+                        *solid += l * share;
                     }
                 }
                 for i in 0..=D {

@@ -131,12 +131,13 @@ pub(crate) struct SummaryBuilder {
     energy: Option<f64>,
     largest_energy: f64,
     largest_rise: f64,
+    largest_swept: f64,
 }
 
 impl SummaryBuilder {
     pub(crate) fn new(start: Summary, bottom: f64) -> Self {
         let summary = Summary { energy_monotone: true, ..start };
-        Self { summary, bottom, energy: None, largest_energy: 0.0, largest_rise: 0.0 }
+        Self { summary, bottom, energy: None, largest_energy: 0.0, largest_rise: 0.0, largest_swept: 0.0 }
     }
 
     /// Takes in a step.
@@ -161,7 +162,9 @@ impl SummaryBuilder {
             *sum += seconds;
         }
         if report.flow.swept > 0.0 {
-            let leak = report.flow.leak_net.abs() / report.flow.swept;
+            // A body at rest displaces nothing: it is measured against a hundredth of what it displaced before.
+            self.largest_swept = self.largest_swept.max(report.flow.swept);
+            let leak = report.flow.leak_net.abs() / report.flow.swept.max(1e-2 * self.largest_swept);
             summary.max_interface_leak = summary.max_interface_leak.max(leak);
         }
         self.add_energy(report.total_energy());

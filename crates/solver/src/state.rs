@@ -52,6 +52,13 @@ impl<const D: usize> BodyState<D> {
 }
 
 impl<const D: usize> State<D> {
+    /// Time after one more step. Multiples of the step are hit as such: sums of a decimal number drift.
+    pub fn next_time(&self, dt: f64) -> f64 {
+        let time = self.time + dt;
+        let steps = (time / dt).round();
+        if (time - steps * dt).abs() <= 1e-9 * time { steps * dt } else { time }
+    }
+
     /// The state at time zero.
     ///
     /// # Errors

@@ -25,7 +25,7 @@ pub fn advance<const D: usize>(
     previous: &State<D>,
     work: &mut Workspace,
 ) -> Result<(State<D>, StepReport<D>), StepError> {
-    let end = previous.time + setup.dt;
+    let end = previous.next_time(setup.dt);
     let failed = |stage: Stage| StepError::at(previous.step + 1, end, stage);
     let clock = Instant::now();
 

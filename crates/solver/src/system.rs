@@ -62,7 +62,7 @@ impl<const D: usize> StepSystem<D> {
             bodies,
             constraints: Constraints::new(),
             pockets: pockets(setup, geometry),
-            time: previous.time + setup.dt,
+            time: previous.next_time(setup.dt),
             mortar: MortarForm::new(setup.fluid.material, setup.gamma_sigma),
         };
         system.constrain_fluid(setup, geometry);

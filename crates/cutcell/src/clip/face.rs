@@ -28,7 +28,8 @@ pub(crate) fn face_overlap<const D: usize>(
         }
         _ => {
             out.extend_from_slice(a);
-            for_each_side(b, normal, |origin, outward| clip(out, &origin, &outward));
+            for_each_side(b, normal, tolerance, |origin, outward| clip(out, &origin, &outward));
+            simplify(out, tolerance);
             let area = polygon_area(out, normal);
             if area <= tolerance * tolerance {
                 out.clear();
@@ -59,9 +60,10 @@ pub(crate) fn face_difference<const D: usize>(
         }
         _ => {
             let mut rest = a.to_vec();
-            for_each_side(b, normal, |origin, outward| {
+            for_each_side(b, normal, tolerance, |origin, outward| {
                 let mut beyond = rest.clone();
                 clip(&mut beyond, &origin, &-outward);
+                simplify(&mut beyond, tolerance);
                 if polygon_area(&beyond, normal) > tolerance * tolerance {
                     out.push(beyond);
                 }
@@ -93,15 +95,47 @@ impl<const D: usize> Line<D> {
 
 /// Calls `visit` with a point and the outward in-plane direction of each side of a convex polygon, whichever way
 /// it turns around the normal.
-fn for_each_side<const D: usize>(polygon: &[Point<D>], normal: &Vector<D>, mut visit: impl FnMut(Point<D>, Vector<D>)) {
-    let centre = polygon.iter().sum::<Point<D>>() / polygon.len() as f64;
-    for (k, a) in polygon.iter().enumerate() {
-        let b = polygon[(k + 1) % polygon.len()];
+fn for_each_side<const D: usize>(
+    polygon: &[Point<D>],
+    normal: &Vector<D>,
+    tolerance: f64,
+    mut visit: impl FnMut(Point<D>, Vector<D>),
+) {
+    let mut corners = polygon.to_vec();
+    simplify(&mut corners, tolerance);
+    let centre = corners.iter().sum::<Point<D>>() / corners.len() as f64;
+    for (k, a) in corners.iter().enumerate() {
+        let b = corners[(k + 1) % corners.len()];
         let outward = cross(&(b - a), normal);
         let length = outward.norm();
         if length > 0.0 {
             let sign = if outward.dot(&(centre - a)) > 0.0 { -1.0 } else { 1.0 };
             visit(*a, outward * (sign / length));
+        }
+    }
+}
+
+/// Drops points that lie on the line between their neighbours, within the tolerance: the direction of a side between
+/// two points that round-off alone tells apart would be noise.
+fn simplify<const D: usize>(polygon: &mut Vec<Point<D>>, tolerance: f64) {
+    let mut k = 0;
+    while k < polygon.len() && polygon.len() > 3 {
+        let n = polygon.len();
+        let (before, after) = (polygon[(k + n - 1) % n], polygon[(k + 1) % n]);
+        let along = after - before;
+        let length = along.norm();
+        let offset = polygon[k] - before;
+        let distance = if length > tolerance {
+            (offset - along * (offset.dot(&along) / (length * length))).norm()
+        } else {
+            // The neighbours coincide: what sticks out between them has no area.
+            0.0
+        };
+        if distance <= tolerance || offset.norm() <= tolerance {
+            polygon.remove(k);
+            k = k.saturating_sub(1);
+        } else {
+            k += 1;
         }
     }
 }

@@ -1,12 +1,11 @@
 //! The flow around the bodies: speed as colour, meshes as lines.
 
-use mesh::Point;
 use plotters::prelude::*;
 use solver::{FluidState, Setup};
 
 use super::canvas::{Canvas, Drawn, INK, Picture, water};
-use super::view::{View, images, plane};
-use crate::vtk::fluid::fluid_polygons;
+use super::flow::{FlowPoint, flow_triangles, quantile};
+use super::view::{View, bounds, images, outlines, plane, solid_triangles};
 
 const SOLID: [u8; 3] = [236, 170, 92];
 
@@ -14,8 +13,7 @@ const SOLID: [u8; 3] = [236, 170, 92];
 pub(super) struct Field<'a, const D: usize> {
     setup: &'a Setup<D>,
     fluid: &'a FluidState<D>,
-    /// Corners and speeds of triangles.
-    triangles: Vec<[([f64; 2], f64); 3]>,
+    triangles: Vec<[FlowPoint; 3]>,
     largest: f64,
     mirror: Option<f64>,
     view: View,
@@ -25,48 +23,14 @@ pub(super) struct Field<'a, const D: usize> {
 impl<'a, const D: usize> Field<'a, D> {
     /// The picture of a flow. `mirror` is the plane of symmetry of a half domain.
     pub(super) fn new(setup: &'a Setup<D>, fluid: &'a FluidState<D>, time: f64, mirror: Option<f64>) -> Self {
-        let mut triangles = Vec::new();
-        let mut speeds = Vec::new();
-        for (part, polygon) in fluid_polygons(&setup.background, &fluid.cut) {
-            let simplex = setup.background.simplex(fluid.cut.part_cell(part));
-            let speed = |x: &Point<D>| {
-                let shape = simplex.barycentric(x).unwrap_or_default();
-                let dofs = fluid.space.dofs(part);
-                let u: Point<D> = dofs.iter().zip(shape).map(|(&k, n)| fluid.velocity[k as usize] * n).sum();
-                (plane(x), u.norm())
-            };
-            let corners: Vec<_> = polygon.iter().map(speed).collect();
-            speeds.extend(corners.iter().map(|(_, s)| *s));
-            triangles.extend((2..corners.len()).map(|k| [corners[0], corners[k - 1], corners[k]]));
-        }
+        let triangles = flow_triangles(&setup.background, fluid);
         // The fastest half percent would leave no colours for the rest.
-        speeds.sort_by(f64::total_cmp);
-        let largest = speeds.get(speeds.len().saturating_sub(1) * 199 / 200).copied().unwrap_or(0.0).max(1e-12);
-        let mut low = [f64::INFINITY; 2];
-        let mut high = [f64::NEG_INFINITY; 2];
-        for image in images(mirror) {
-            for x in setup.background.vertices() {
-                let x = image.of(plane(x));
-                for k in 0..2 {
-                    low[k] = low[k].min(x[k]);
-                    high[k] = high[k].max(x[k]);
-                }
-            }
-        }
+        let mut speeds: Vec<f64> = triangles.iter().flatten().map(FlowPoint::speed).collect();
+        let largest = quantile(&mut speeds, 0.995);
+        let (low, high) = bounds(setup.background.vertices(), mirror);
         let view = View::new(low, high, 680.0);
         let title = format!("speed of the fluid at t = {time:.4} s");
         Self { setup, fluid, triangles, largest, mirror, view, title }
-    }
-
-    /// Corners of the triangles of all bodies.
-    fn solids(&self) -> impl Iterator<Item = [[f64; 2]; 3]> {
-        let bodies = self.setup.bodies.iter().zip(&self.fluid.positions);
-        bodies.filter_map(|(body, x)| Some((body.elastic()?.solid.mesh(), x))).flat_map(|(mesh, x)| {
-            mesh.cells().map(|cell| {
-                let corners = mesh.cell(cell);
-                [0, 1, 2].map(|k| plane(&x[corners[k].index()]))
-            })
-        })
     }
 }
 
@@ -82,13 +46,13 @@ impl<const D: usize> Picture for Field<'_, D> {
         for image in images(self.mirror) {
             let place = |x: [f64; 2]| self.view.place(image.of(x)).map(|c| c * unit);
             for triangle in &self.triangles {
-                raster.fill(triangle.map(|(x, _)| place(x)), |l| {
-                    let speed: f64 = triangle.iter().zip(l).map(|((_, s), l)| s * l).sum();
+                raster.fill(triangle.map(|corner| place(corner.x)), |l| {
+                    let speed: f64 = triangle.iter().zip(l).map(|(corner, l)| corner.speed() * l).sum();
                     let RGBColor(r, g, b) = water(speed / self.largest);
                     [r, g, b]
                 });
             }
-            for triangle in self.solids() {
+            for triangle in solid_triangles(self.setup, &self.fluid.positions) {
                 raster.fill(triangle.map(place), |_| SOLID);
             }
         }
@@ -113,19 +77,11 @@ impl<const D: usize> Picture for Field<'_, D> {
                     self.view.polyline(canvas, &ends, INK.mix(0.16), 0.5)?;
                 }
             }
-            for [a, b, c] in self.solids() {
+            for [a, b, c] in solid_triangles(self.setup, &self.fluid.positions) {
                 self.view.polyline(canvas, &[a, b, c].map(|x| image.of(x)), INK.mix(0.16), 0.5)?;
             }
-            for (body, x) in self.setup.bodies.iter().zip(&self.fluid.positions) {
-                let boundary = body.boundary();
-                for facet in boundary.facets() {
-                    let ends = boundary.facet(facet);
-                    let ends = [0, 1].map(|k| plane(&x[ends[k].index()]));
-                    let inside = |x: [f64; 2]| self.mirror.is_some_and(|plane| (x[0] - plane).abs() < 1e-9);
-                    if !ends.iter().all(|x| inside(*x)) {
-                        self.view.polyline(canvas, &ends.map(|x| image.of(x)), INK.into(), 1.2)?;
-                    }
-                }
+            for edge in outlines(self.setup, &self.fluid.positions, self.mirror) {
+                self.view.polyline(canvas, &edge.map(|x| image.of(x)), INK.into(), 1.2)?;
             }
         }
         self.view.decorate(canvas, &self.title, "[cm/s]", (0.0, self.largest), &water)
