@@ -15,10 +15,7 @@ pub(crate) fn print(rows: &[Row], known: &str) {
             comparison.quantity.clone(),
             comparison.paper.map_or_else(dash, value),
             comparison.computed.map_or_else(dash, value),
-            comparison
-                .deviation
-                .filter(|_| !row.is_property)
-                .map_or_else(dash, |d| format!("{}{}", sign(d), number(d))),
+            comparison.deviation.filter(|_| !row.is_property).map_or_else(dash, |d| deviation(d, comparison.paper)),
             comparison.band.map_or_else(dash, |band| interval(band, value)),
             comparison.verdict.clone(),
         ]

@@ -105,7 +105,8 @@ fn pair_bare<const D: usize>(bare: &mut Vec<Bare<D>>, tolerance: f64, mut join: 
         let a = &first[k];
         let mut rest = vec![a.polygon.clone()];
         for b in others {
-            if a.normal.dot(&b.normal) < 0.0 && a.leaf != b.leaf && subtract_facing(&mut rest, &a.normal, b, tolerance) {
+            if a.normal.dot(&b.normal) < 0.0 && a.leaf != b.leaf && subtract_facing(&mut rest, &a.normal, b, tolerance)
+            {
                 join(a.leaf, b.leaf);
             }
         }

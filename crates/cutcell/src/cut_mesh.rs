@@ -256,12 +256,7 @@ fn simplex_overlap<const D: usize>(a: &[Point<D>], b: &[Point<D>]) -> f64 {
 
 impl<const D: usize> InterfacePiece<D> {
     /// A piece from its corners.
-    pub(crate) fn new(
-        cell: CellId,
-        part: PartId,
-        facet: &crate::surface::Facet<D>,
-        corners: [Point<D>; 3],
-    ) -> Self {
+    pub(crate) fn new(cell: CellId, part: PartId, facet: &crate::surface::Facet<D>, corners: [Point<D>; 3]) -> Self {
         let barycentric = corners.map(|x| {
             let l = facet.barycentric(&x);
             [l[0], l[1], l[2]]

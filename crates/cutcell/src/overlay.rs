@@ -331,13 +331,14 @@ impl<const D: usize> Builder<'_, D> {
             .collect();
         candidates.sort_unstable();
         candidates.dedup();
-        let mut rest = cover_by_facets(polygon, &normal, &candidates, self.facets, self.tolerance, |index, face_piece| {
-            for_each_face_simplex(&face_piece, |corners| {
-                let piece = InterfacePiece::new(face.cells[side], part, &self.facets[index as usize], corners);
-                cut.report.n_aligned_pieces += 1;
-                cut.interface.push(piece);
+        let mut rest =
+            cover_by_facets(polygon, &normal, &candidates, self.facets, self.tolerance, |index, face_piece| {
+                for_each_face_simplex(&face_piece, |corners| {
+                    let piece = InterfacePiece::new(face.cells[side], part, &self.facets[index as usize], corners);
+                    cut.report.n_aligned_pieces += 1;
+                    cut.interface.push(piece);
+                });
             });
-        });
         // A tail of no thickness along the face, with fluid behind it.
         let other = face.cells[1 - side];
         if let Some(k) = self.touched.position(other).filter(|_| !rest.is_empty()) {

@@ -53,9 +53,14 @@ fn crossing_2d<const D: usize>(from: &Point<D>, to: End<'_, D>, a: &Point<D>, b:
         End::Vertex(x) => (x, true),
     };
     // Side of a mesh vertex with respect to the line a -> b.
-    let side_of_vertex = |x: &Point<D>| first_nonzero([orient2d(coord(a), coord(b), coord(x)), a[1] - b[1], b[0] - a[0]]);
+    let side_of_vertex =
+        |x: &Point<D>| first_nonzero([orient2d(coord(a), coord(b), coord(x)), a[1] - b[1], b[0] - a[0]]);
     let side_from = side_of_vertex(from);
-    let side_to = if to_is_vertex { side_of_vertex(q) } else { first_nonzero([orient2d(coord(a), coord(b), coord(q)), 0.0, 0.0]) };
+    let side_to = if to_is_vertex {
+        side_of_vertex(q)
+    } else {
+        first_nonzero([orient2d(coord(a), coord(b), coord(q)), 0.0, 0.0])
+    };
     if side_from == side_to {
         return 0;
     }

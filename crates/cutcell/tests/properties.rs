@@ -207,8 +207,9 @@ fn a_moved_body_covers_the_same_area() {
 #[test]
 fn a_half_disk_on_the_symmetry_line_has_no_piece_there() {
     let background = unit_grid(8);
-    let half = mesh::generate::half_ball::<2>([0.0, 0.5], 0.31, 0.05, &mesh::generate::BallOptions { area_preserving: false })
-        .expect("half a disk");
+    let half =
+        mesh::generate::half_ball::<2>([0.0, 0.5], 0.31, 0.05, &mesh::generate::BallOptions { area_preserving: false })
+            .expect("half a disk");
     let boundary = half.boundary();
     let cut = CutMesh::overlay(&background, &[Placed::new(&boundary, half.vertices())], &OverlayOptions::new())
         .expect("a closed surface");
@@ -218,7 +219,8 @@ fn a_half_disk_on_the_symmetry_line_has_no_piece_there() {
     for piece in cut.interface() {
         assert!(piece.points[..2].iter().any(|x| x[0] > 0.0), "a piece on the symmetry line");
     }
-    let on_line: f64 = cut.boundary().iter().filter(|p| p.points[..2].iter().all(|x| x[0] == 0.0)).map(|p| p.measure).sum();
+    let on_line: f64 =
+        cut.boundary().iter().filter(|p| p.points[..2].iter().all(|x| x[0] == 0.0)).map(|p| p.measure).sum();
     assert!((on_line - (1.0 - 0.62)).abs() < 1e-12, "{on_line}");
 }
 
@@ -298,10 +300,7 @@ fn bad_surfaces_are_refused() {
     assert!(matches!(try_facets(&[], &positions), Err(Error::Empty { .. })));
     let nan = vec![positions[0], P::new(f64::NAN, 0.0), positions[2]];
     assert!(matches!(try_facets(&[0, 1, 1, 2, 2, 0], &nan), Err(Error::NotFinite { .. })));
-    assert!(matches!(
-        try_facets(&[0, 1, 1, 2, 2, 0, 0, 1, 1, 2, 2, 0], &positions),
-        Err(Error::NonManifold { .. })
-    ));
+    assert!(matches!(try_facets(&[0, 1, 1, 2, 2, 0, 0, 1, 1, 2, 2, 0], &positions), Err(Error::NonManifold { .. })));
 }
 
 #[test]

@@ -165,7 +165,10 @@ fn open_boundary() {
             dofs.iter().zip(local.residual()).for_each(|(d, r)| sum[d.index()] += r);
         }
         // By vertex, whatever the numbering.
-        (0..3).map(|v| space.vertices().iter().position(|w| w.index() == v).expect("a dof")).flat_map(|k| [sum[2 * k], sum[2 * k + 1]]).collect::<Vec<_>>()
+        (0..3)
+            .map(|v| space.vertices().iter().position(|w| w.index() == v).expect("a dof"))
+            .flat_map(|k| [sum[2 * k], sum[2 * k + 1]])
+            .collect::<Vec<_>>()
     };
     // -ρ/2 (-2) (5, 1) on a unit length, half to either end.
     assert_close(&force(2.0, true, false), &[7.5, 1.5, 7.5, 1.5, 0.0, 0.0]);

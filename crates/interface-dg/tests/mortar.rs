@@ -100,42 +100,63 @@ impl Fixture {
 #[test]
 fn pressure_pushes_fluid_and_body_apart() {
     // u = v: no jump. -(T n^f, v - w) with T n^f = -p n^f, n^f = (0, -1), on a length of 2.
-    Fixture::new().with_pieces(1e3, |_| V::new(1.0, 0.5), 3.0, V::new(1.0, 0.5), true, |pieces, x, force, flux| {
-        assert!((force[0] - V::new(0.0, -6.0)).norm() < 1e-12, "{}", force[0]);
-        assert!((force[0] + force[1]).norm() < 1e-12, "action and reaction");
-        assert!(flux.abs() < 1e-12);
-        for t in interface_tractions(pieces, x) {
-            // The body feels -p n with n = (0, 1).
-            assert!((t.total() - V::new(0.0, -3.0)).norm() < 1e-12 && t.jump.norm() < 1e-12);
-        }
-    });
+    Fixture::new().with_pieces(
+        1e3,
+        |_| V::new(1.0, 0.5),
+        3.0,
+        V::new(1.0, 0.5),
+        true,
+        |pieces, x, force, flux| {
+            assert!((force[0] - V::new(0.0, -6.0)).norm() < 1e-12, "{}", force[0]);
+            assert!((force[0] + force[1]).norm() < 1e-12, "action and reaction");
+            assert!(flux.abs() < 1e-12);
+            for t in interface_tractions(pieces, x) {
+                // The body feels -p n with n = (0, 1).
+                assert!((t.total() - V::new(0.0, -3.0)).norm() < 1e-12 && t.jump.norm() < 1e-12);
+            }
+        },
+    );
 }
 
 #[test]
 fn shear_drags_the_body_along() {
     // u = (y - 0.4, 0): no jump on the interface; viscous traction on the body μ (1, 0).
-    Fixture::new().with_pieces(1e3, |x| V::new(x[1] - 0.4, 0.0), 0.0, V::zeros(), true, |pieces, x, force, _| {
-        assert!((force[1] - V::new(-1.0, 0.0)).norm() < 1e-12, "{}", force[1]);
-        assert!((force[0] + force[1]).norm() < 1e-12);
-        assert!(interface_tractions(pieces, x).iter().all(|t| (t.fluid - V::new(0.5, 0.0)).norm() < 1e-12));
-    });
+    Fixture::new().with_pieces(
+        1e3,
+        |x| V::new(x[1] - 0.4, 0.0),
+        0.0,
+        V::zeros(),
+        true,
+        |pieces, x, force, _| {
+            assert!((force[1] - V::new(-1.0, 0.0)).norm() < 1e-12, "{}", force[1]);
+            assert!((force[0] + force[1]).norm() < 1e-12);
+            assert!(interface_tractions(pieces, x).iter().all(|t| (t.fluid - V::new(0.5, 0.0)).norm() < 1e-12));
+        },
+    );
 }
 
 #[test]
 fn a_jump_is_penalised_and_counted_as_leak() {
     for elastic in [true, false] {
         // Fluid at rest, body moving up with 2: jump (0, -2); every cell has h_K = √(0.5 · 4/√3).
-        Fixture::new().with_pieces(100.0, |_| V::zeros(), 0.0, V::new(0.0, 2.0), elastic, |pieces, x, force, flux| {
-            let h = (0.5 * 4.0 / 3.0_f64.sqrt()).sqrt();
-            let penalty = 100.0 * 0.5 / h * -2.0 * 2.0;
-            assert!((force[0] - V::new(0.0, penalty)).norm() < 1e-10, "{}", force[0]);
-            let reaction = if elastic { -force[0] } else { V::zeros() };
-            assert!((force[1] - reaction).norm() < 1e-10);
-            // -(u - v_s)·n^f q: jump·n^f = 2 on a length of 2.
-            assert!((flux + 4.0).abs() < 1e-12, "{flux}");
-            let flow = interface_flow(pieces, x);
-            assert!((flow.leak_net + 4.0).abs() < 1e-12 && (flow.leak_absolute - 4.0).abs() < 1e-12);
-            assert!((flow.swept - 4.0).abs() < 1e-12);
-        });
+        Fixture::new().with_pieces(
+            100.0,
+            |_| V::zeros(),
+            0.0,
+            V::new(0.0, 2.0),
+            elastic,
+            |pieces, x, force, flux| {
+                let h = (0.5 * 4.0 / 3.0_f64.sqrt()).sqrt();
+                let penalty = 100.0 * 0.5 / h * -2.0 * 2.0;
+                assert!((force[0] - V::new(0.0, penalty)).norm() < 1e-10, "{}", force[0]);
+                let reaction = if elastic { -force[0] } else { V::zeros() };
+                assert!((force[1] - reaction).norm() < 1e-10);
+                // -(u - v_s)·n^f q: jump·n^f = 2 on a length of 2.
+                assert!((flux + 4.0).abs() < 1e-12, "{flux}");
+                let flow = interface_flow(pieces, x);
+                assert!((flow.leak_net + 4.0).abs() < 1e-12 && (flow.leak_absolute - 4.0).abs() < 1e-12);
+                assert!((flow.swept - 4.0).abs() < 1e-12);
+            },
+        );
     }
 }

@@ -132,7 +132,7 @@ fn row<const D: usize>(view: &StepView<'_, D>, bottom: f64, seconds_output: f64)
 }
 
 /// Shortest text that reads back as the same number.
-fn number(value: f64) -> String {
+pub(crate) fn number(value: f64) -> String {
     // No negative zeros.
     let value = value + 0.0;
     if value != 0.0 && (value.abs() < 1e-4 || value.abs() >= 1e12) { format!("{value:e}") } else { value.to_string() }

@@ -17,6 +17,8 @@ mod error;
 mod files;
 
 #[cfg(feature = "simulation")]
+mod diagnostics;
+#[cfg(feature = "simulation")]
 pub mod history;
 #[cfg(feature = "simulation")]
 mod measures;

@@ -6,6 +6,7 @@ use std::time::Instant;
 use algebra::Workspace;
 use solver::{Observer, ObserverError, Setup, State, StepView, TimeLoop};
 
+use crate::diagnostics::Diagnostics;
 use crate::files::{create_directory, write_whole};
 use crate::history::{History, HistoryTable, column_prefix};
 use crate::measures::{BodyMeasures, leading_body};
@@ -56,7 +57,8 @@ pub fn default_directory(scenario: &Scenario) -> PathBuf {
     scenario.output.directory.as_ref().map_or_else(|| Path::new("results").join(&scenario.name), PathBuf::from)
 }
 
-/// Runs a scenario and writes `history.csv`, `summary.json`, `scenario.toml`, VTK series and pictures.
+/// Runs a scenario and writes `history.csv`, `diagnostics.csv`, `summary.json`, `scenario.toml`, VTK series, pictures and
+/// the frames of an animation, `frames.json`.
 ///
 /// # Errors
 /// [`Error`]; if a step failed, the files are complete up to the step before it.
@@ -93,12 +95,15 @@ struct RunFiles<const D: usize> {
     directory: PathBuf,
     output: Output,
     n_steps: usize,
+    bottom: f64,
     history: History,
+    diagnostics: Diagnostics,
     summary: SummaryBuilder,
     fluid: Series,
     solid: Series,
     interface: Series,
     moments: plot::Moments<D>,
+    frames: Option<plot::FrameRecorder>,
     begin: Instant,
 }
 
@@ -119,12 +124,15 @@ impl<const D: usize> RunFiles<D> {
             directory: directory.to_owned(),
             output: scenario.output.clone(),
             n_steps: case.n_steps,
+            bottom: case.bottom,
             history: History::create(&directory.join("history.csv"), case.bottom)?,
+            diagnostics: Diagnostics::create(&directory.join("diagnostics.csv"), &case.setup)?,
             summary: SummaryBuilder::new(start, case.bottom),
             fluid: Series::new(directory, "fluid"),
             solid: Series::new(directory, "solid"),
             interface: Series::new(directory, "interface"),
             moments: plot::Moments::default(),
+            frames: plot::FrameRecorder::new(&case.setup, case.n_steps).filter(|_| scenario.output.plots),
             begin: Instant::now(),
         })
     }
@@ -150,9 +158,14 @@ impl<const D: usize> RunFiles<D> {
         if self.output.plots {
             self.moments.watch(view, step == self.n_steps);
         }
+        if let Some(frames) = &mut self.frames {
+            let leading = leading_body(view.setup).and_then(|index| BodyMeasures::new(view, index, self.bottom));
+            frames.watch(view, leading.map(|body| body.d_min));
+        }
         let seconds = clock.elapsed().as_secs_f64();
         self.summary.add(view, seconds, self.begin.elapsed().as_secs_f64());
         self.history.write(view, seconds)?;
+        self.diagnostics.write(view)?;
         if is_output || step.is_multiple_of(10) || step == self.n_steps {
             self.write_summary()?;
         }
@@ -164,17 +177,34 @@ impl<const D: usize> RunFiles<D> {
         self.summary.summary.write(&self.directory.join("summary.json"))
     }
 
-    /// Draws the history, the isolines at the deepest contact and the flow at the first one.
+    /// Draws the history, the fields at contact, after the rebound and at the deepest contact.
     fn draw(&self, scenario: &Scenario, setup: &Setup<D>) -> Result<(), Error> {
         let Some(leading) = leading_body(setup) else { return Ok(()) };
-        let table = HistoryTable::read(&self.directory.join("history.csv"))?;
-        let prefix = column_prefix(setup, leading);
-        plot::draw_history(&self.directory.join("history"), &table, &prefix, &scenario.output.marks)?;
-        if let Some((time, bodies)) = &self.moments.deepest {
-            plot::draw_isolines(&self.directory.join("displacement"), setup, bodies, leading, *time)?;
+        let file = |name: &str| self.directory.join(name);
+        let table = HistoryTable::read(&file("history.csv"))?;
+        let (prefix, marks) = (column_prefix(setup, leading), &scenario.output.marks);
+        plot::draw_chart(&file("history"), &plot::body_chart(&table, &prefix, marks))?;
+        let offset = scenario.contacts.iter().find(|c| c.body == setup.bodies[leading].name).map(|c| c.offset);
+        if let Some(chart) = plot::contact_chart(&table, &self.summary.summary, &prefix, marks, offset) {
+            plot::draw_chart(&file("contact"), &chart)?;
         }
-        if let Some((time, fluid)) = &self.moments.flow {
-            plot::draw_flow(&self.directory.join("flow.png"), setup, fluid, *time)?;
+        if let Some(chart) = plot::thickness_chart(&HistoryTable::read(&file("diagnostics.csv"))?, marks) {
+            plot::draw_chart(&file("thickness"), &chart)?;
+        }
+        if let Some((time, bodies)) = &self.moments.deepest {
+            plot::draw_isolines(&file("displacement"), setup, bodies, &[leading], *time)?;
+        }
+        if let Some(plot::Moment { time, fluid, bodies }) = &self.moments.contact {
+            plot::draw_flow(&file("flow.png"), setup, fluid, *time)?;
+            plot::draw_vorticity(&file("vorticity"), setup, fluid, Some(leading), *time)?;
+            let all: Vec<usize> = (0..setup.bodies.len()).collect();
+            plot::draw_isolines(&file("displacement-contact"), setup, bodies, &all, *time)?;
+        }
+        if let Some(plot::Moment { time, fluid, .. }) = &self.moments.second_contact {
+            plot::draw_vorticity(&file("vorticity-second-contact"), setup, fluid, Some(leading), *time)?;
+        }
+        if let Some(frames) = &self.frames {
+            write_whole(&file("frames.json"), serde_json::to_string(frames.frames())?.as_bytes())?;
         }
         Ok(())
     }

@@ -65,9 +65,8 @@ fn check(surface: &Surface, n: usize, placement: u32) -> Result<(), String> {
 #[test]
 fn scanned_surfaces_keep_their_volume_and_area() {
     let Some(folder) = folder() else { return };
-    let number = |name: &str, default: usize| {
-        std::env::var(name).ok().and_then(|value| value.parse().ok()).unwrap_or(default)
-    };
+    let number =
+        |name: &str, default: usize| std::env::var(name).ok().and_then(|value| value.parse().ok()).unwrap_or(default);
     let (largest_grid, n_placements) = (number("SURFACE_GRID", 10), number("SURFACE_PLACEMENTS", 1));
     let mut failures = Vec::new();
     for (name, volume, area) in SURFACES {
@@ -105,7 +104,8 @@ fn write(name: &str, content: &[u8]) -> PathBuf {
     path
 }
 
-const TETRAHEDRON: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n# comment\nf 1 3 2\nf 1/1 2/2 4/3\nf 1//1 4//2 3//3\nf -3 -2 -1\n";
+const TETRAHEDRON: &str =
+    "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n# comment\nf 1 3 2\nf 1/1 2/2 4/3\nf 1//1 4//2 3//3\nf -3 -2 -1\n";
 
 #[test]
 fn obj_ascii_and_binary_stl_give_the_same_surface() {

@@ -39,11 +39,8 @@ impl<const D: usize> StepGeometry<D> {
     pub fn new(setup: &Setup<D>, previous: &State<D>, positions: Vec<Vec<Point<D>>>, cut: CutMesh<D>) -> Self {
         let background = &setup.background;
         let space = XfemSpace::new(background, &cut);
-        let old = VelocityField {
-            cut: &previous.fluid.cut,
-            space: &previous.fluid.space,
-            values: &previous.fluid.velocity,
-        };
+        let old =
+            VelocityField { cut: &previous.fluid.cut, space: &previous.fluid.space, values: &previous.fluid.velocity };
         let bodies = BodyVelocity { setup, previous, positions: &positions, index: OnceCell::new() };
         let history = transfer(background, old, &cut, &space, &|_, x| bodies.at(x));
         let parts = PartValues::new(background, &cut, PART_DEGREE);

@@ -74,8 +74,7 @@ impl<'a, const D: usize> FsiProblem<'a, D> {
         for (body, unknown) in setup.bodies.iter().zip(&system.bodies) {
             let (BodyKind::Elastic(elastic), Some((field, rule))) = (&body.kind, unknown) else { continue };
             let refuse = |source| SetupError::Solid { body: body.name.clone(), source };
-            let cells =
-                SolidCells::new(&elastic.solid, &elastic.form, rule, &system.layout, *field).map_err(refuse)?;
+            let cells = SolidCells::new(&elastic.solid, &elastic.form, rule, &system.layout, *field).map_err(refuse)?;
             solids.push((cells.linear(), cells.internal_work()));
             for (facets, term) in &elastic.loads {
                 loads.push(
@@ -175,9 +174,8 @@ fn contact_facets<'a, const D: usize>(
         let positions = &geometry.positions[id.index()];
         ContactBody::new(boundary, positions, rule.displacement_per_velocity(), &system.layout, *field).map_err(refuse)
     };
-    let fastest = |id: BodyId| {
-        previous.bodies[id.index()].velocity.iter().map(Vector::norm).fold(0.0, f64::max) * setup.dt
-    };
+    let fastest =
+        |id: BodyId| previous.bodies[id.index()].velocity.iter().map(Vector::norm).fold(0.0, f64::max) * setup.dt;
     let (master, motion) = match &contact.obstacle {
         ContactObstacle::Rigid(_) => (None, fastest(contact.body)),
         ContactObstacle::Body { body: master, .. } => (Some(body(*master)?), fastest(contact.body) + fastest(*master)),

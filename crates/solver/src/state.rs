@@ -87,10 +87,7 @@ fn initial_body<const D: usize>(kind: &BodyKind<D>) -> BodyState<D> {
             let evaluate = |field: &Option<crate::PointField<D>>| {
                 vertices.iter().map(|x| field.as_ref().map_or(Vector::zeros(), |f| f(x))).collect()
             };
-            BodyState {
-                displacement: evaluate(&body.initial_displacement),
-                velocity: evaluate(&body.initial_velocity),
-            }
+            BodyState { displacement: evaluate(&body.initial_displacement), velocity: evaluate(&body.initial_velocity) }
         }
         BodyKind::Prescribed(body) => prescribed_body(body, 0.0),
     }

@@ -84,10 +84,7 @@ impl<const D: usize> StepSystem<D> {
             viscous: Viscous { viscosity },
             incompressibility: Incompressibility,
             convection: fluid.convection.map(|skew| Convection { density, skew }),
-            body_force: BodyForce {
-                force: fluid.body_force.as_ref().map(|f| f.as_ref() as _),
-                time: self.time,
-            },
+            body_force: BodyForce { force: fluid.body_force.as_ref().map(|f| f.as_ref() as _), time: self.time },
             cip_velocity: CipVelocity { profile: fluid.cip, density },
             cip_pressure: CipPressure {
                 gamma_pressure: fluid.gamma_pressure,

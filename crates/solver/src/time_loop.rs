@@ -46,9 +46,7 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
             let (state, report) = advance(self.setup, &self.state, &mut self.work)?;
             let view = StepView { setup: self.setup, previous: &self.state, state: &state, report: Some(&report) };
             for observer in observers.iter_mut() {
-                observer
-                    .after_step(&view)
-                    .map_err(|e| StepError::at(state.step, state.time, Stage::Observer(e)))?;
+                observer.after_step(&view).map_err(|e| StepError::at(state.step, state.time, Stage::Observer(e)))?;
             }
             self.state = state;
         }

@@ -45,7 +45,9 @@ impl<const D: usize> PartValues<D> {
             values.cell_sizes.push(equilateral_side::<D>(volume));
             if cut.is_whole(part) {
                 let points = rule.points().iter().zip(rule.weights());
-                values.points.extend(points.map(|(shape, weight)| PartPoint { weight: weight * volume, shape: *shape }));
+                values
+                    .points
+                    .extend(points.map(|(shape, weight)| PartPoint { weight: weight * volume, shape: *shape }));
             } else if cut.part_volume(part) > NEGLIGIBLE_FRACTION * volume {
                 on_part.points.clear();
                 on_part.weights.clear();

@@ -29,11 +29,11 @@ const MIRRORED: [&str; 4] =
 pub(super) fn check(full: bool, _out: &Path) -> Outcome {
     let half = fall(full, &[])?;
     let whole = fall(full, &MIRRORED)?;
-    println!("  half:  contact {:?} s, release {:?} s", half.contact, half.release);
-    println!(
-        "  whole: contact {:?} s, release {:?} s, lateral drift {:.1e} cm (at most {DRIFT:.0e})",
-        whole.contact, whole.release, whole.drift
-    );
+    for (name, Fall { contact, release, .. }) in [("half", &half), ("whole", &whole)] {
+        let at = |time: &Option<f64>| time.map_or("none".to_owned(), |t| format!("{t:.4} s"));
+        println!("  {name}: contact {}, release {}", at(contact), at(release));
+    }
+    println!("  lateral drift of the whole ball: {:.1e} cm, at most {DRIFT:.0e}", whole.drift);
     let is_same = half.contact.is_some() && half.contact == whole.contact && half.release == whole.release;
     Ok(is_same && whole.drift < DRIFT)
 }

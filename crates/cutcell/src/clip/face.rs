@@ -52,7 +52,9 @@ pub(crate) fn face_difference<const D: usize>(
         2 => {
             let Some(line) = Line::through(a) else { return };
             let (a, b) = (line.sorted(a), line.sorted(b));
-            for (low, high) in [(a[0], if b[0].0 < a[1].0 { b[0] } else { a[1] }), (if b[1].0 > a[0].0 { b[1] } else { a[0] }, a[1])] {
+            for (low, high) in
+                [(a[0], if b[0].0 < a[1].0 { b[0] } else { a[1] }), (if b[1].0 > a[0].0 { b[1] } else { a[0] }, a[1])]
+            {
                 if high.0 - low.0 > tolerance {
                     out.push(vec![low.1, high.1]);
                 }

@@ -170,7 +170,8 @@ impl<const D: usize> Polytope<D> {
                 }
             }
             corners_kept.clear();
-            corners_kept.extend(section.iter().filter_map(|x| side.points.iter().position(|y| x == y)).map(|k| k as u32));
+            corners_kept
+                .extend(section.iter().filter_map(|x| side.points.iter().position(|y| x == y)).map(|k| k as u32));
             corners_kept.dedup();
             if D == 2 && corners_kept.len() > 2 {
                 // Three points within the tolerance of the plane: the face reaches from the first to the last.

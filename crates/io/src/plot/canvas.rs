@@ -90,21 +90,24 @@ pub(super) fn draw_png(path: &Path, picture: &impl Picture, pixels: u32) -> Resu
 
 /// Draws a picture as SVG; the file is complete when it appears.
 pub(super) fn draw_svg(path: &Path, picture: &impl Picture) -> Result<(), Error> {
-    write(path, |partial| {
-        let (width, height) = picture.size();
-        let fine = (width * SUBDIVISION, height * SUBDIVISION);
-        let mut text = String::new();
-        {
-            let area = SVGBackend::with_string(&mut text, fine).into_drawing_area();
-            area.fill(&WHITE).map_err(text_of)?;
-            let canvas = Canvas { area, unit: f64::from(SUBDIVISION) };
-            picture.draw(&canvas)?;
-            canvas.area.present().map_err(text_of)?;
-        }
-        let size = |(width, height): (u32, u32)| format!("<svg width=\"{width}\" height=\"{height}\"");
-        let text = text.replacen(&size(fine), &size((width, height)), 1);
-        Ok(std::fs::write(partial, text)?)
-    })
+    write(path, |partial| Ok(std::fs::write(partial, svg_text(picture)?)?))
+}
+
+/// A picture as the text of an SVG file.
+pub(super) fn svg_text(picture: &impl Picture) -> Result<String, Box<dyn std::error::Error + Send + Sync>> {
+    register_fonts();
+    let (width, height) = picture.size();
+    let fine = (width * SUBDIVISION, height * SUBDIVISION);
+    let mut text = String::new();
+    {
+        let area = SVGBackend::with_string(&mut text, fine).into_drawing_area();
+        area.fill(&WHITE).map_err(text_of)?;
+        let canvas = Canvas { area, unit: f64::from(SUBDIVISION) };
+        picture.draw(&canvas)?;
+        canvas.area.present().map_err(text_of)?;
+    }
+    let size = |(width, height): (u32, u32)| format!("<svg width=\"{width}\" height=\"{height}\"");
+    Ok(text.replacen(&size(fine), &size((width, height)), 1))
 }
 
 fn write(path: &Path, draw: impl FnOnce(&Path) -> Drawn) -> Result<(), Error> {
@@ -173,6 +176,12 @@ pub(super) fn water(t: f64) -> RGBColor {
         (12, 86, 160),
         (8, 40, 92),
     ];
+    interpolated(&STOPS, t)
+}
+
+/// Blue at 0, grey in the middle, red at 1: rotation to the right and to the left.
+pub(super) fn turning(t: f64) -> RGBColor {
+    const STOPS: [(u8, u8, u8); 5] = [(16, 60, 150), (70, 140, 210), (170, 172, 176), (226, 112, 72), (160, 16, 32)];
     interpolated(&STOPS, t)
 }
 

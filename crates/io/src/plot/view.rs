@@ -274,6 +274,16 @@ pub(super) struct Image {
 }
 
 impl Image {
+    /// Where a vector goes.
+    pub(super) fn turn(self, u: [f64; 2]) -> [f64; 2] {
+        if self.mirror.is_some() { [-u[0], u[1]] } else { u }
+    }
+
+    /// What becomes of a positive rotation.
+    pub(super) fn sign(self) -> f64 {
+        if self.mirror.is_some() { -1.0 } else { 1.0 }
+    }
+
     /// Where a point goes.
     pub(super) fn of(self, x: [f64; 2]) -> [f64; 2] {
         self.mirror.map_or(x, |plane| [2.0 * plane - x[0], x[1]])

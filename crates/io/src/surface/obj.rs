@@ -32,7 +32,9 @@ fn corner(line: usize, word: &str, vertices: &[[f64; 3]]) -> Result<[f64; 3], Ma
     let number = word.split('/').next().unwrap_or_default();
     let index: i64 = number.parse().map_err(|_| Malformed::line(line, format!("`{number}` is no vertex number")))?;
     let position = if index < 0 { vertices.len() as i64 + index } else { index - 1 };
-    usize::try_from(position).ok().and_then(|k| vertices.get(k)).copied().ok_or_else(|| {
-        Malformed::line(line, format!("there is no vertex {index} yet; {} are known", vertices.len()))
-    })
+    usize::try_from(position)
+        .ok()
+        .and_then(|k| vertices.get(k))
+        .copied()
+        .ok_or_else(|| Malformed::line(line, format!("there is no vertex {index} yet; {} are known", vertices.len())))
 }

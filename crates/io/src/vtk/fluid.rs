@@ -115,7 +115,12 @@ pub(crate) fn ring<const D: usize>(piece: &Polytope<D>) -> Vec<Point<D>> {
 }
 
 /// Curl of the velocity on a part; in 2D its third component.
-pub(crate) fn curl<const D: usize>(background: &SimplexMesh<D>, fluid: &FluidState<D>, part: PartId, cell: CellId) -> [f64; 3] {
+pub(crate) fn curl<const D: usize>(
+    background: &SimplexMesh<D>,
+    fluid: &FluidState<D>,
+    part: PartId,
+    cell: CellId,
+) -> [f64; 3] {
     let Some(gradients) = background.simplex(cell).barycentric_gradients() else { return [0.0; 3] };
     let mut curl = [0.0; 3];
     for (&dof, gradient) in fluid.space.dofs(part).iter().zip(&gradients) {
