@@ -9,7 +9,8 @@ pub(crate) type Outcome = io::Result<bool>;
 
 /// The folder of the workspace.
 pub(crate) fn root() -> PathBuf {
-    let xtask = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
+    // Cargo says where the package is; without it, the place where it was built.
+    let xtask = std::env::var_os("CARGO_MANIFEST_DIR").map_or(env!("CARGO_MANIFEST_DIR").into(), PathBuf::from);
     xtask.parent().map_or(xtask.clone(), PathBuf::from)
 }
 
