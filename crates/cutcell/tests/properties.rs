@@ -336,3 +336,19 @@ fn threads_do_not_change_the_result() {
     assert!(run(1) == run(2));
     assert!(simplex_measure(&body.positions[..2]) > 0.0);
 }
+
+#[test]
+fn faces_next_to_cut_cells_are_ghost_faces() {
+    // Two squares in two triangles each, divided by their rising diagonals; a small body inside the upper left
+    // triangle of the left square.
+    let background = structured_box::<2>([0.0, 0.0], [2.0, 1.0], [2, 1]).expect("a box");
+    let cut = overlay(&background, &[&rectangle(P::new(0.2, 0.6), P::new(0.3, 0.7))]);
+    assert_eq!(cut.report().n_cut_cells, 1);
+    let cells_of = |face: &cutcell::PartFace| face.parts.map(|part| cut.part_cell(part));
+    let is_cut = |cell: mesh::CellId| cut.cell_state(cell) == cutcell::CellState::Cut;
+    assert_eq!(cut.part_faces().len(), 3);
+    assert_eq!(cut.ghost_faces().count(), 1, "the diagonal of the left square");
+    for face in cut.part_faces() {
+        assert_eq!(face.is_ghost, cells_of(face).into_iter().any(is_cut));
+    }
+}

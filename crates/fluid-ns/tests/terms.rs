@@ -8,7 +8,9 @@ use fluid_ns::terms::{
 };
 use fluid_ns::xfem_space::cutcell::{CutMesh, OverlayOptions};
 use fluid_ns::xfem_space::{BoundaryValues, FaceValues, PartValues, XfemSpace};
-use fluid_ns::{CellTerm, FaceTerm, FluidCell, FluidFace, FluidFields, FluidGeometry, OpenBoundary};
+use fluid_ns::{
+    CellTerm, FaceTerm, FluidCell, FluidFace, FluidFaces, FluidFields, FluidForm, FluidGeometry, OpenBoundary,
+};
 
 type V = Vector<2>;
 
@@ -123,6 +125,53 @@ fn weights_of_the_face_terms() {
     let mut near_cut = *value;
     near_cut.is_ghost = true;
     assert!((ghost.weight(&FluidFace::new(&near_cut, &history)) - 2.0 * h).abs() < 1e-14);
+}
+
+#[test]
+fn a_face_penalises_the_jump_over_its_whole_length() {
+    // The unit square in two triangles, field one at (1, 0) and zero elsewhere: its gradient (1, -1) lives below the
+    // diagonal, its jump of the normal derivative is √2, and weight c_F |F| jump² = c_F 2 √2 lands on the vertex itself.
+    let mesh = mesh(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]], &[0, 1, 2, 0, 2, 3]);
+    let cut = CutMesh::overlay(&mesh, &[], &OverlayOptions::new()).expect("no bodies");
+    let space = XfemSpace::new(&mesh, &cut);
+    let parts = PartValues::new(&mesh, &cut, 2);
+    let faces = FaceValues::new(&mesh, &cut, &space, &parts);
+    let history = vec![V::new(1.0, -1.0); 4];
+    let geometry =
+        FluidGeometry { background: &mesh, cut: &cut, space: &space, parts: &parts, faces: &faces, history: &history };
+    let mut layout = BlockLayout::new();
+    let (velocity, pressure) = (layout.push("velocity", 8), layout.push("pressure", 4));
+    let fields = FluidFields { layout: &layout, velocity, pressure };
+    let form = FluidForm {
+        inertia: None,
+        viscous: Viscous { viscosity: 4.0 },
+        incompressibility: Incompressibility,
+        convection: None,
+        body_force: BodyForce { force: None, time: 0.0 },
+        cip_velocity: CipVelocity { profile: CipProfile::Consistent { gamma_u: 0.1 }, density: 2.0 },
+        cip_pressure: CipPressure { gamma_pressure: 0.3, density: 2.0, viscosity: 4.0, rate: 5.0 },
+        ghost_penalty: GhostPenalty { gamma_ghost: 0.5, viscosity: 4.0 },
+    };
+    let faces = FluidFaces::new(&geometry, fields, &form);
+    let at = |vertex: usize| space.vertices().iter().position(|v| v.index() == vertex).expect("a dof");
+    // u* = (1, -1): |u*·n| = √2 = |u*|, h_F = √2.
+    let length = 2.0_f64.sqrt();
+    let c_velocity = 0.1 * 2.0 * 2.0 * length;
+    let c_pressure = 0.3 * length / (10.0 + 2.0 + 2.0);
+    for (row, c) in [(2 * at(1), c_velocity), (2 * at(1) + 1, c_velocity), (8 + at(1), c_pressure)] {
+        let mut x = vec![0.0; 12];
+        x[row] = 1.0;
+        let (mut dofs, mut local, mut sum) = (Vec::new(), LocalSystem::new(), vec![0.0; 12]);
+        for item in 0..faces.len() {
+            dofs.clear();
+            faces.dofs(item, &mut dofs);
+            local.reset(dofs.len());
+            faces.add(item, &x, &mut local);
+            dofs.iter().zip(local.residual()).for_each(|(d, r)| sum[d.index()] += r);
+        }
+        assert!((sum[row] - c * length * 2.0).abs() < 1e-13, "{} {}", sum[row], c * length * 2.0);
+        assert!(sum.iter().sum::<f64>().abs() < 1e-13, "constants have no jump");
+    }
 }
 
 #[test]

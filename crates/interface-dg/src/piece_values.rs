@@ -55,9 +55,9 @@ impl<const D: usize> PieceValues<D> {
                         *solid += l * share;
                     }
                 }
-                for i in 0..=D {
-                    let constant = if i == 0 { 1.0 } else { 0.0 };
-                    point.fluid[i] = constant + gradients[i].dot(&(point.point - simplex.points()[0]));
+                point.fluid[0] = 1.0;
+                for (value, gradient) in point.fluid[..=D].iter_mut().zip(gradients) {
+                    *value += gradient.dot(&(point.point - simplex.points()[0]));
                 }
                 values.points.push(point);
             }

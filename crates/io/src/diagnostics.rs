@@ -21,11 +21,13 @@ const FORCES: [&str; 7] = [
     "force_contact",
     "force_remainder",
 ];
+/// Column of the power of the fluid on a body.
+const POWER: &str = "fluid_power";
 
 /// Writes one row per step beside the history; the file is complete after every row.
 ///
-/// Columns: `time`; of each body, with the prefix of the history, `volume`, of a plate `min_thickness`, and the vertical
-/// forces; then `fluid_volume` and `total_energy`. The remainder is what supports and contacts as master make up for:
+/// Columns: `time`; of each body, with the prefix of the history, `volume`, of a plate `min_thickness`, the vertical forces,
+/// and the power of the fluid on the body (with the mean traction on each piece of the interface); then `fluid_volume` and `total_energy`. The remainder is what supports and contacts as master make up for:
 /// for a body without them, the error of the balance.
 pub(crate) struct Diagnostics {
     path: PathBuf,
@@ -62,7 +64,8 @@ impl Diagnostics {
         let mut names = vec!["time".to_owned()];
         for (index, is_plate) in self.plates.iter().enumerate() {
             let prefix = column_prefix(view.setup, index);
-            let columns = ["volume"].into_iter().chain(is_plate.then_some("min_thickness")).chain(FORCES);
+            let columns =
+                ["volume"].into_iter().chain(is_plate.then_some("min_thickness")).chain(FORCES).chain([POWER]);
             names.extend(columns.map(|column| format!("{prefix}{column}")));
         }
         names.extend(["fluid_volume", "total_energy"].map(str::to_owned));
@@ -83,10 +86,27 @@ impl Diagnostics {
                 all.map(|force| force[D - 1])
             });
             row.extend(forces);
+            row.push(fluid_power(view, index));
         }
         row.extend([view.state.fluid.cut.fluid_volume(), report.total_energy()]);
         Some(row)
     }
+}
+
+/// Power of the fluid on body `index`, from the mean traction on each piece and the body's velocity in its middle.
+fn fluid_power<const D: usize>(view: &StepView<'_, D>, index: usize) -> f64 {
+    let Some(report) = view.report else { return f64::NAN };
+    let boundary = view.setup.bodies[index].boundary();
+    let velocities = &view.state.bodies[index].velocity;
+    let pieces = view.state.fluid.cut.interface().iter().zip(&report.tractions);
+    let of_body = pieces.filter(|(piece, _)| piece.body.index() == index);
+    let power = of_body.map(|(piece, traction)| {
+        let share = |vertex: usize| (0..D).map(|k| piece.barycentric[k][vertex]).sum::<f64>() / D as f64;
+        let vertices = boundary.facet(piece.facet).iter().enumerate();
+        let velocity = vertices.map(|(k, v)| velocities[v.index()] * share(k)).sum::<Point<D>>();
+        piece.measure * traction.total().dot(&velocity)
+    });
+    power.sum()
 }
 
 /// Volume of an elastic body at the given positions.

@@ -25,6 +25,8 @@ mod measures;
 #[cfg(feature = "simulation")]
 pub mod plot;
 #[cfg(feature = "simulation")]
+pub mod report;
+#[cfg(feature = "simulation")]
 mod run;
 #[cfg(feature = "simulation")]
 pub mod scenario;

@@ -49,7 +49,7 @@ pub enum Error {
         cells: [CellId; 2],
     },
     /// A generator was asked for a shape or size that makes no sense.
-    #[error("cannot generate a mesh: {what} is {value}, but must be {must}")]
+    #[error("cannot generate a mesh: {what} is {value}, but must {must}")]
     Generate {
         /// The parameter.
         what: &'static str,

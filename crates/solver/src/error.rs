@@ -37,6 +37,15 @@ pub enum Stage {
     /// The surfaces cannot cut the background: a body is turned inside out or torn.
     #[error("cutting the background")]
     Cut(#[from] cutcell::Error),
+    /// The cut leaves a part of the interface without a facet: fluid and body would not feel each other there. Move
+    /// the body, or the mesh, by a fraction of a cell, and report the case.
+    #[error("the cut leaves {uncovered:e} of an interface of {interface:e} without a facet")]
+    Interface {
+        /// Measure of the interface without a facet.
+        uncovered: f64,
+        /// Measure of the whole interface.
+        interface: f64,
+    },
     /// The parts of the setup do not fit together.
     #[error("composing the problem")]
     Setup(#[from] SetupError),

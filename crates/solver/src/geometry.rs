@@ -80,6 +80,13 @@ impl<const D: usize> BodyVelocity<'_, D> {
                 return vertices.iter().zip(barycentric).map(|(v, l)| velocity[v.index()] * l).sum();
             }
         }
+        for (b, body) in self.setup.bodies.iter().enumerate() {
+            if let BodyKind::Prescribed(prescribed) = &body.kind
+                && index[b].surface.closest_signed(x).is_some_and(|closest| closest.distance < 0.0)
+            {
+                return (prescribed.velocity)(x, self.previous.time);
+            }
+        }
         let mut nearest: Option<(f64, Vector<D>)> = None;
         for (b, body) in self.setup.bodies.iter().enumerate() {
             let Some(closest) = index[b].surface.closest(x) else { continue };

@@ -7,7 +7,7 @@
 //! state^n -> surfaces -> CutMesh -> XfemSpace -> history -> FsiProblem -> x -> state^{n+1} -> observers
 //! ```
 //!
-//! This crate composes and evaluates no integrals of its own.
+//! This crate composes; of integrals it evaluates only those of its reports.
 
 mod error;
 mod geometry;

@@ -1,6 +1,7 @@
 //! Pockets of fluid whose pressure is known up to a constant only.
 
-use cutcell::PartId;
+use algebra::{BlockLayout, Constraints, FieldId};
+use cutcell::{InterfacePiece, PartId};
 use xfem_space::Classes;
 
 use crate::setup::FluidBoundary;
@@ -17,8 +18,14 @@ pub struct Pocket {
 
 /// The pockets of a step: wherever walls and bodies of prescribed motion enclose the fluid.
 ///
-/// An elastic body feels the constant, and an open boundary fixes it; anywhere else the mean has to be fixed.
-pub fn pockets<const D: usize>(setup: &Setup<D>, geometry: &StepGeometry<D>) -> Vec<Pocket> {
+/// A body that can give way feels the constant, and an open boundary fixes it; anywhere else the mean has to be fixed.
+pub fn pockets<const D: usize>(
+    setup: &Setup<D>,
+    geometry: &StepGeometry<D>,
+    layout: &BlockLayout,
+    bodies: &[Option<FieldId>],
+    constraints: &Constraints,
+) -> Vec<Pocket> {
     let cut = &geometry.cut;
     let mut classes = Classes::new(cut.n_parts());
     for face in cut.part_faces() {
@@ -33,7 +40,7 @@ pub fn pockets<const D: usize>(setup: &Setup<D>, geometry: &StepGeometry<D>) -> 
         }
     }
     for piece in cut.interface() {
-        if setup.bodies[piece.body.index()].elastic().is_some() {
+        if gives_way(setup, piece, layout, bodies, constraints) {
             is_fixed[classes.lowest(piece.part.0) as usize] = true;
         }
     }
@@ -49,6 +56,24 @@ pub fn pockets<const D: usize>(setup: &Setup<D>, geometry: &StepGeometry<D>) -> 
         }
     }
     pockets.into_iter().map(|(_, pocket)| pocket).collect()
+}
+
+/// Whether some vertex of the facet behind a piece is free to move along the normal.
+fn gives_way<const D: usize>(
+    setup: &Setup<D>,
+    piece: &InterfacePiece<D>,
+    layout: &BlockLayout,
+    bodies: &[Option<FieldId>],
+    constraints: &Constraints,
+) -> bool {
+    let Some(field) = bodies[piece.body.index()] else { return false };
+    let vertices = setup.bodies[piece.body.index()].boundary().facet(piece.facet);
+    vertices.iter().any(|vertex| {
+        (0..D).any(|a| {
+            let is_free = constraints.get(layout.dof(field, D * vertex.index() + a)).is_none();
+            is_free && piece.normal[a].abs() > f64::EPSILON
+        })
+    })
 }
 
 impl Pocket {

@@ -32,6 +32,7 @@ pub fn advance<const D: usize>(
     let positions = setup.positions(&previous.bodies);
     let cut = CutMesh::overlay(&setup.background, &setup.surfaces(&positions), &setup.overlay)
         .map_err(|e| failed(e.into()))?;
+    check_interface(&cut).map_err(failed)?;
     let seconds_cut = clock.elapsed().as_secs_f64();
     let geometry = StepGeometry::new(setup, previous, positions, cut);
     let seconds = StageSeconds {
@@ -48,6 +49,15 @@ pub fn advance<const D: usize>(
     let state = accept(setup, &geometry, &system, previous, &x);
     let report = StepReport::new(setup, &geometry, &system, &problem, solve, &x, previous, &state, seconds);
     Ok((state, report))
+}
+
+/// Refuses a cut with a hole in the coupling of fluid and bodies.
+fn check_interface<const D: usize>(cut: &CutMesh<D>) -> Result<(), Stage> {
+    /// A hole of this share of the interface is a matter of round-off.
+    const LARGEST_SHARE: f64 = 1e-6;
+    let uncovered = cut.report().uncovered_measure;
+    let interface: f64 = cut.interface().iter().map(|piece| piece.measure).sum();
+    if uncovered > LARGEST_SHARE * interface { Err(Stage::Interface { uncovered, interface }) } else { Ok(()) }
 }
 
 /// The new state from the solution of a step.

@@ -6,7 +6,7 @@ use fluid_ns::terms::{
 };
 use fluid_ns::{FluidFields, FluidForm, FluidGeometry};
 use interface_dg::MortarForm;
-use mesh::{Point, Vector};
+use mesh::Point;
 use solid_svk::StepRule;
 use solid_svk::boundary::{Support, support_values};
 use xfem_space::boundary_dofs;
@@ -61,12 +61,17 @@ impl<const D: usize> StepSystem<D> {
             pressure,
             bodies,
             constraints: Constraints::new(),
-            pockets: pockets(setup, geometry),
+            pockets: Vec::new(),
             time: previous.next_time(setup.dt),
             mortar: MortarForm::new(setup.fluid.material, setup.gamma_sigma),
         };
         system.constrain_fluid(setup, geometry);
         system.constrain_bodies(setup)?;
+        let fields: Vec<_> = system.bodies.iter().map(|body| body.as_ref().map(|(field, _)| *field)).collect();
+        system.pockets = pockets(setup, geometry, &system.layout, &fields, &system.constraints);
+        for pocket in &system.pockets {
+            system.constraints.set(system.layout.dof(system.pressure, pocket.dof as usize), 0.0);
+        }
         Ok(system)
     }
 
@@ -96,7 +101,7 @@ impl<const D: usize> StepSystem<D> {
         }
     }
 
-    /// Walls and symmetry lines; where both meet, the wall holds. One pressure per pocket.
+    /// Symmetry planes, then prescribed velocities, then walls: where two meet, the later one holds.
     fn constrain_fluid(&mut self, setup: &Setup<D>, geometry: &StepGeometry<D>) {
         let background = &setup.background;
         let dofs = |tag| boundary_dofs(background, &geometry.cut, &geometry.space, tag);
@@ -107,19 +112,19 @@ impl<const D: usize> StepSystem<D> {
             }
         }
         for (tag, condition) in &setup.fluid.boundary {
-            let at_rest = |_: &Point<D>, _: f64| Vector::zeros();
-            let velocity: &dyn Fn(&Point<D>, f64) -> Vector<D> = match condition {
-                FluidBoundary::NoSlip => &at_rest,
-                FluidBoundary::Velocity(velocity) => velocity.as_ref(),
-                FluidBoundary::Symmetry { .. } | FluidBoundary::Open { .. } => continue,
-            };
-            for dof in dofs(*tag) {
-                let value = velocity(&background.vertex(geometry.space.vertex(dof)), self.time);
-                (0..D).for_each(|a| self.constraints.set(row(dof, a), value[a]));
+            if let FluidBoundary::Velocity(velocity) = condition {
+                for dof in dofs(*tag) {
+                    let value = velocity(&background.vertex(geometry.space.vertex(dof)), self.time);
+                    (0..D).for_each(|a| self.constraints.set(row(dof, a), value[a]));
+                }
             }
         }
-        for pocket in &self.pockets {
-            self.constraints.set(self.layout.dof(self.pressure, pocket.dof as usize), 0.0);
+        for (tag, condition) in &setup.fluid.boundary {
+            if let FluidBoundary::NoSlip = condition {
+                for dof in dofs(*tag) {
+                    (0..D).for_each(|a| self.constraints.set(row(dof, a), 0.0));
+                }
+            }
         }
     }
 

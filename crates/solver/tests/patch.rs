@@ -156,3 +156,90 @@ fn an_enclosed_pocket_has_a_pressure_of_mean_zero() {
     let mean = -3.0 * (3.0 * 0.75 - (3.0 - fluid) * 0.7) / fluid;
     assert!((shift + mean).abs() < 1e-4, "{shift} {mean}");
 }
+
+#[test]
+fn a_clamped_body_does_not_fix_the_pressure() {
+    // Four walls and a body that cannot give way: nothing but the mean fixes the constant.
+    let mut setup = setup(background(), fluid(1.0, 0.1), 0.05);
+    setup.fluid.body_force = Some(Arc::new(|_, _| V::new(0.0, -2.0)));
+    on_sides(&mut setup, &SIDES, || FluidBoundary::NoSlip);
+    let mut body = elastic("disk", disk([0.91, 0.73], 0.4, 0.11), 1.0, 2e3, 8e3, V::zeros());
+    let all = (0..body.reference().len()).map(solver::mesh::VertexId::new).collect();
+    elastic_mut(&mut body).supports.push(solver::BodySupport { vertices: all, kind: solver::SupportKind::Clamped });
+    setup.bodies.push(body);
+    let (state, reports) = run(&setup, 1);
+    assert_eq!(reports[0].n_pockets, 1);
+    let shift = state.fluid.pressure[0] + 2.0 * setup.background.vertex(state.fluid.space.vertex(0))[1];
+    let (u, p) = fluid_error(&setup, &state, |_| V::zeros(), |x| shift - 2.0 * x[1]);
+    assert!(u < 1e-9 && p < 1e-9, "u {u:e}, p {p:e}");
+}
+
+#[test]
+fn every_pocket_has_its_own_mean() {
+    // A wall across the box makes two pockets, with the same linear pressure up to their constants.
+    let mut setup = setup(background(), fluid(1.0, 0.1), 0.05);
+    setup.fluid.body_force = Some(Arc::new(|_, _| V::new(3.0, 0.0)));
+    on_sides(&mut setup, &SIDES, || FluidBoundary::NoSlip);
+    let wall = structured_box::<2>([1.21, -0.1], [1.38, 1.6], [1, 9]).expect("a wall");
+    setup.bodies.push(prescribed(&wall, |x, _| *x, |_, _| V::zeros()));
+    let (state, reports) = run(&setup, 1);
+    assert_eq!(reports[0].n_pockets, 2);
+    let middle = |x: &P| if x[0] < 1.3 { 0.605 } else { 1.69 };
+    let mut worst = 0.0_f64;
+    for part in state.fluid.cut.all_parts() {
+        let left = setup.background.simplex(state.fluid.cut.part_cell(part)).centroid()[0] < 1.295;
+        for &dof in state.fluid.space.dofs(part) {
+            let x = setup.background.vertex(state.fluid.space.vertex(dof));
+            let centre = middle(&P::new(if left { 0.0 } else { 2.0 }, 0.0));
+            worst = worst.max((state.fluid.pressure[dof as usize] - 3.0 * (x[0] - centre)).abs());
+        }
+    }
+    assert!(worst < 1e-9, "{worst:e}");
+}
+
+#[test]
+fn uncovered_fluid_takes_the_velocity_of_the_body_that_was_there() {
+    // Two bodies that turn and slide while nothing else moves: a vertex that comes out of one takes that one's velocity.
+    let turn = |x: &P| V::new(-(x[1] - 0.5), x[0] - 0.5) * 3.0;
+    let slide = V::new(0.0, 2.0);
+    let mut setup = setup(background(), fluid(1.0, 0.1), 0.05);
+    on_sides(&mut setup, &SIDES, || FluidBoundary::Open { traction: None, backflow: false });
+    let mut first = elastic("turning", disk([0.5, 0.5], 0.3, 0.08), 1.0, 2e3, 8e3, V::zeros());
+    elastic_mut(&mut first).initial_velocity = Some(Arc::new(turn));
+    let mut second = elastic("sliding", disk([1.5, 0.5], 0.25, 0.08), 1.0, 2e3, 8e3, V::zeros());
+    elastic_mut(&mut second).initial_velocity = Some(Arc::new(move |_| slide));
+    setup.bodies.extend([first, second]);
+    // Both jump by two cells at once: the lower parts of their old places are uncovered, the velocities stay.
+    let previous = solver::State::initial(&setup).expect("a cut");
+    let mut moved = previous.clone();
+    let jump = V::new(0.0, 0.2);
+    for body in &mut moved.bodies {
+        body.displacement.iter_mut().for_each(|d| *d = jump);
+    }
+    let positions = setup.positions(&moved.bodies);
+    let cut = solver::cutcell::CutMesh::overlay(&setup.background, &setup.surfaces(&positions), &setup.overlay)
+        .expect("a cut");
+    let geometry = solver::StepGeometry::new(&setup, &moved, positions, cut);
+    let mut n_inside = 0;
+    for dof in 0..geometry.space.len() {
+        if geometry.history.sources[dof].is_some() {
+            continue;
+        }
+        let x = setup.background.vertex(geometry.space.vertex(dof as u32));
+        let value = geometry.history.values[dof];
+        let (from_first, from_second) = ((x - P::new(0.5, 0.7)).norm(), (x - P::new(1.5, 0.7)).norm());
+        if from_first < 0.29 {
+            assert!((value - turn(&(x - jump))).norm() < 1e-12, "{x} {value}");
+            n_inside += 1;
+        } else if from_second < 0.24 {
+            assert!((value - slide).norm() < 1e-12, "{x} {value}");
+            n_inside += 1;
+        } else if from_first < from_second {
+            // The nearest point of the polygon, where the velocity has the size 3 r.
+            assert!((value.norm() - 0.9).abs() < 0.05, "{x} {value}");
+        } else {
+            assert!((value - slide).norm() < 1e-12, "{x} {value}");
+        }
+    }
+    assert!(n_inside > 0, "cut cells keep dofs inside the bodies");
+}

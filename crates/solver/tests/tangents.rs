@@ -50,7 +50,16 @@ fn tangents_are_exact() {
     let other = ball::<2>([6.0, 12.0], 1.3, 0.5, &BallOptions { area_preserving: false }).expect("a disk");
     setup.bodies.push(prescribed(&other, |x, _| *x, |x, _| V::new(x[1], -x[0])));
     check(&setup, 3.0, &mut names);
-    for name in ["fluid cells", "fluid convection", "fluid faces", "open boundary", "interface", "contact"] {
+    for name in [
+        "fluid cells",
+        "fluid convection",
+        "fluid faces",
+        "open boundary",
+        "solid inertia and body force",
+        "solid internal work",
+        "interface",
+        "contact",
+    ] {
         assert!(names.contains(&name), "{name} was not checked: {names:?}");
     }
 }

@@ -132,12 +132,14 @@ impl<const D: usize> FaceValues<D> {
         tag: Tag,
         axis: usize,
     ) {
-        let mut last = None;
+        let mut of_face: Vec<(FacetId, PartId)> = Vec::new();
         for piece in cut.boundary().iter().filter(|piece| background.facet_tag(piece.facet) == Some(tag)) {
-            // The pieces of one part on one face follow each other.
-            if last.replace((piece.facet, piece.part)) == Some((piece.facet, piece.part)) {
+            // The pieces of one face follow each other, in any order of parts.
+            of_face.retain(|(facet, _)| *facet == piece.facet);
+            if of_face.contains(&(piece.facet, piece.part)) {
                 continue;
             }
+            of_face.push((piece.facet, piece.part));
             let is_ghost = cut.cell_state(cut.part_cell(piece.part)) == CellState::Cut;
             let mut value = FaceValue::new(background, piece.facet, is_ghost);
             value.share = 0.5;

@@ -148,3 +148,67 @@ fn a_body_that_moves_far_uncovers_its_old_place() {
         assert_eq!(value[0], if moved.sources[k].is_none() { -1.0 } else { 1.0 });
     }
 }
+
+#[test]
+fn a_dof_takes_the_value_of_the_side_it_overlaps_most() {
+    // A strip through the lower row of cells, with -1 below it and +1 above it. It moves up by less than its own height,
+    // then by more: what is now below it overlaps what was below it the most, and the other way round.
+    let background = grid(2);
+    let strip = |y: f64| cut_by_rectangles(&background, &[[-0.5, y, 1.5, y + 0.02]]);
+    let side = |cut: &CutMesh<2>, y: f64, part: PartId| {
+        let pieces = cut.part_pieces(part);
+        if pieces.iter().all(|piece| piece.inner_point()[1] < y + 0.01) && !pieces.is_empty() { -1.0 } else { 1.0 }
+    };
+    let values = |cut: &CutMesh<2>, space: &XfemSpace<2>, y: f64| {
+        let mut values = vec![Vector::<2>::new(1.0, 0.0); space.len()];
+        for part in cut.all_parts() {
+            for &dof in space.dofs(part) {
+                values[dof as usize][0] = side(cut, y, part);
+            }
+        }
+        values
+    };
+    let old_cut = strip(0.24);
+    let old_space = XfemSpace::new(&background, &old_cut);
+    let old_values = values(&old_cut, &old_space, 0.24);
+    assert!(old_values.iter().any(|v| v[0] < 0.0) && old_values.iter().any(|v| v[0] > 0.0));
+    for y in [0.25, 0.30, 0.20, 0.10] {
+        let cut = strip(y);
+        let space = XfemSpace::new(&background, &cut);
+        let old = VelocityField { cut: &old_cut, space: &old_space, values: &old_values };
+        let moved = transfer(&background, old, &cut, &space, &|_, _| unreachable!("every part overlaps its old self"));
+        assert_eq!(moved.values, values(&cut, &space, y), "strip at {y}");
+    }
+    // Four cells wide, so that volumes have to be summed over the class: at the vertex between a cell in which the
+    // lower part was small and one in which it was large, the sum decides.
+    let fine = grid(4);
+    let wedge = |a: f64, b: f64| {
+        let boundary = BoundaryMesh::<2>::from_facets([0, 1, 1, 2, 2, 3, 3, 0].map(VertexId).to_vec());
+        let x = vec![P::new(-0.1, a), P::new(1.1, b), P::new(1.1, b + 0.01), P::new(-0.1, a + 0.01)];
+        CutMesh::overlay(&fine, &[Placed::new(&boundary, &x)], &OverlayOptions::new()).expect("a wedge")
+    };
+    let (old_cut, new_cut) = (wedge(0.3, 0.7), wedge(0.33, 0.73));
+    let (old_space, new_space) = (XfemSpace::new(&fine, &old_cut), XfemSpace::new(&fine, &new_cut));
+    let values: Vec<_> = (0..old_space.len()).map(|k| Vector::<2>::new(k as f64, 0.0)).collect();
+    let old = VelocityField { cut: &old_cut, space: &old_space, values: &values };
+    let moved = transfer(&fine, old, &new_cut, &new_space, &|_, _| Vector::zeros());
+    for new_dof in 0..new_space.len() as u32 {
+        // By brute force over all pairs of parts, from the lowest dof on.
+        let mut best = (None, 0.0);
+        for old_dof in 0..old_space.len() as u32 {
+            let mut volume = 0.0;
+            for part in new_cut.all_parts() {
+                for old_part in old_cut.parts(new_cut.part_cell(part)) {
+                    let pairs = new_space.dofs(part).iter().zip(old_space.dofs(old_part));
+                    if pairs.clone().any(|(&a, &b)| (a, b) == (new_dof, old_dof)) {
+                        volume += new_cut.overlap_volume(&fine, part, &old_cut, old_part);
+                    }
+                }
+            }
+            if volume > best.1 {
+                best = (Some(old_dof), volume);
+            }
+        }
+        assert_eq!(moved.sources[new_dof as usize], best.0);
+    }
+}

@@ -204,7 +204,9 @@ pub(super) fn nice_step(range: f64, n: f64) -> f64 {
 /// A multiple of a step with the digits that the step needs.
 pub(super) fn tick_text(value: f64, step: f64) -> String {
     let digits = (-step.log10() - 1e-9).ceil().max(0.0) as usize;
-    format!("{:.digits$}", value + 0.0).replace('-', "−")
+    // No negative zeros.
+    let value = if value.abs() < 1e-6 * step { 0.0 } else { value };
+    format!("{value:.digits$}").replace('-', "−")
 }
 
 /// Errors of the plotting library differ between canvases; their text does not.

@@ -162,7 +162,7 @@ impl Picture for Chart {
             for (x, entry) in row {
                 let dash = if entry.is_dashed { vec![(0.0, 9.0), (13.0, 22.0)] } else { vec![(0.0, 22.0)] };
                 for (begin, end) in dash {
-                    let line = vec![(px(x + begin), px(top + 8.0)), (px(x + end), px(top + 8.0))];
+                    let line = vec![(px(x + begin), px(top + 5.0)), (px(x + end), px(top + 5.0))];
                     let stroke = colour(entry.colour).stroke_width(canvas.px(1.8));
                     legend.draw(&PathElement::new(line, stroke)).map_err(text_of)?;
                 }

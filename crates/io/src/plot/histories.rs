@@ -64,7 +64,7 @@ pub fn contact_chart(
     };
     let mut distance = panel("smallest distance in contact [cm]", "d_min");
     distance.levels = offset.into_iter().collect();
-    Some(Chart { columns: 2, panels: vec![distance, panel("contact force [dyn]", "contact_force")] })
+    Some(Chart { columns: 2, panels: vec![distance, panel("contact force [dyn/cm]", "contact_force")] })
 }
 
 /// One column of several runs, each with its name (paper, Figure 12: height of the body for two time steps).
