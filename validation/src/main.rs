@@ -1,10 +1,11 @@
 //! The falling balls of the paper against its numbers, and the code against what is known exactly.
 #![allow(clippy::print_stdout, clippy::print_stderr)] // talks on the terminal
 
+mod bounds;
 mod case;
 mod compare;
-mod cost;
 mod metrics;
+mod report;
 mod table;
 mod validate;
 mod verify;
@@ -40,6 +41,17 @@ enum Mode {
         #[arg(long, default_value = "target/validation")]
         out: PathBuf,
     },
+    /// Write the report page again from the results of earlier runs.
+    Report {
+        /// Cases to show; all with results if none is given.
+        cases: Vec<String>,
+        /// Say that the results are those of --quick.
+        #[arg(long)]
+        quick: bool,
+        /// Where results are.
+        #[arg(long, default_value = "target/validation")]
+        out: PathBuf,
+    },
     /// Compare with what is known exactly.
     Verify {
         /// What to verify; everything if nothing is given.
@@ -65,7 +77,9 @@ fn main() -> ExitCode {
                 (true, true) => validate::Effort::Regenerate,
             };
             validate::run(&cases, effort, &out)
+                .and_then(|passes| report::write(&cases, quick, &out).map(|()| passes))
         }
+        Mode::Report { cases, quick, out } => report::write(&cases, quick, &out).map(|()| true),
         Mode::Verify { names, quick: _, full, out } => verify::run(&names, full, &out),
     };
     match outcome {

@@ -2,10 +2,9 @@
 
 use std::path::Path;
 
-use cutwater::io::{HistoryTable, ScenarioFile, Summary};
+use cutwater::io::{HistoryTable, Summary};
 
 use crate::case::Comparison;
-use crate::cost::refactorization_seconds;
 
 /// Whole steps in units of a factorisation of their matrix; not in `summary.json`.
 pub(crate) const REFACTORIZATIONS_PER_STEP: &str = "refactorizations_per_step";
@@ -49,15 +48,15 @@ impl Metrics {
         Ok(Self { summary: serde_json::to_value(summary)?, finished, refactorizations_per_step: None })
     }
 
-    /// Measures a factorisation now, in the process of the run, and compares the run's median step with it.
+    /// Compares the median step of a run with a factorisation of its last matrix.
     ///
     /// # Errors
-    /// The history cannot be read, or the first step fails.
-    pub(crate) fn measure_cost(&mut self, file: &ScenarioFile, directory: &Path) -> Result<(), cutwater::io::Error> {
+    /// The history cannot be read.
+    pub(crate) fn measure_cost(&mut self, summary: &Summary, directory: &Path) -> Result<(), cutwater::io::Error> {
         let Some(step) = median_step_seconds(&HistoryTable::read(&directory.join("history.csv"))?) else {
             return Ok(());
         };
-        let refactorization = refactorization_seconds(file)?;
+        let Some(refactorization) = summary.refactorization_seconds else { return Ok(()) };
         println!("  median step {:.1} ms, refactorisation {:.1} ms", 1e3 * step, 1e3 * refactorization);
         self.refactorizations_per_step = Some(step / refactorization);
         Ok(())

@@ -106,7 +106,7 @@ fn run_case(
     print_sizes(&summary);
     let mut metrics = Metrics::new(&summary, finished)?;
     if finished && !is_quick {
-        metrics.measure_cost(&file, directory)?;
+        metrics.measure_cost(&summary, directory)?;
     }
     let asked = reference.comparisons.iter().filter(|asked| !is_quick || asked.key != REFACTORIZATIONS_PER_STEP);
     if effort == Effort::Regenerate {

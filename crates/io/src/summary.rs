@@ -64,6 +64,10 @@ pub struct Summary {
     pub wall_seconds: f64,
     /// Wall-clock time per stage.
     pub seconds: SummarySeconds,
+    /// Wall-clock time of one factorisation of the last matrix, measured at the end of the run: the unit that a step is
+    /// measured in.
+    #[serde(default)]
+    pub refactorization_seconds: Option<f64>,
     /// Largest resident memory of the process, where the system tells.
     pub peak_rss_bytes: Option<u64>,
     /// Comparisons with numbers known from elsewhere.
@@ -142,7 +146,10 @@ impl SummaryBuilder {
 
     /// Takes in a step.
     pub(crate) fn add<const D: usize>(&mut self, view: &StepView<'_, D>, seconds_output: f64, wall_seconds: f64) {
-        let Some(report) = view.report else { return };
+        let Some(report) = view.report else {
+            self.add_energy(view.state.total_energy(view.setup));
+            return;
+        };
         let summary = &mut self.summary;
         summary.steps = view.state.step;
         summary.dofs = summary.dofs.max(report.n_dofs);

@@ -148,6 +148,7 @@ fn summary_has_exactly_the_agreed_keys() {
         "wall_seconds",
         "seconds",
         "peak_rss_bytes",
+        "refactorization_seconds",
         "comparisons",
     ];
     keys.sort_unstable();

@@ -6,6 +6,7 @@ use cutcell::{CutMesh, CutReport};
 use interface_dg::{InterfaceFlow, InterfaceTraction, interface_flow, interface_tractions};
 use mesh::{Point, Vector};
 use solid_svk::energy::BodyBalance;
+use xfem_space::PartValues;
 
 use crate::{BodyState, FsiProblem, Setup, State, StepGeometry, StepSystem};
 
@@ -115,7 +116,7 @@ impl<const D: usize> StepReport<D> {
             cut: state.fluid.cut.report().clone(),
             bodies,
             contacts,
-            fluid_kinetic_energy: fluid_kinetic_energy(setup, geometry, state),
+            fluid_kinetic_energy: fluid_kinetic_energy(setup, &geometry.parts, state),
             flow: interface_flow(&problem.interface, x),
             tractions,
             n_dofs: system.layout.len(),
@@ -191,11 +192,24 @@ fn add_forces<const D: usize>(
     }
 }
 
-fn fluid_kinetic_energy<const D: usize>(setup: &Setup<D>, geometry: &StepGeometry<D>, state: &State<D>) -> f64 {
+impl<const D: usize> State<D> {
+    /// Sum of all energies but those stored in contacts: kinetic of fluid and solids, elastic, of gravity.
+    pub fn total_energy(&self, setup: &Setup<D>) -> f64 {
+        let parts = PartValues::new(&setup.background, &self.fluid.cut, 2);
+        let solids = setup.bodies.iter().zip(&self.bodies).filter_map(|(body, state)| {
+            let elastic = body.elastic()?;
+            let b = BodyBalance::new(&elastic.solid, &elastic.form, &state.displacement, &state.velocity);
+            Some(b.kinetic_energy + b.elastic_energy + b.potential_energy)
+        });
+        solids.sum::<f64>() + fluid_kinetic_energy(setup, &parts, self)
+    }
+}
+
+fn fluid_kinetic_energy<const D: usize>(setup: &Setup<D>, parts: &PartValues<D>, state: &State<D>) -> f64 {
     let mut twice = 0.0;
-    for part in geometry.cut.all_parts() {
-        let dofs = geometry.space.dofs(part);
-        for q in geometry.parts.points(part) {
+    for part in state.fluid.cut.all_parts() {
+        let dofs = state.fluid.space.dofs(part);
+        for q in parts.points(part) {
             let u: Vector<D> = dofs.iter().zip(&q.shape).map(|(&k, n)| state.fluid.velocity[k as usize] * *n).sum();
             twice += q.weight * u.norm_squared();
         }
