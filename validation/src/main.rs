@@ -76,8 +76,7 @@ fn main() -> ExitCode {
                 (true, false) => validate::Effort::Quick,
                 (true, true) => validate::Effort::Regenerate,
             };
-            validate::run(&cases, effort, &out)
-                .and_then(|passes| report::write(&cases, quick, &out).map(|()| passes))
+            validate::run(&cases, effort, &out).and_then(|passes| report::write(&cases, quick, &out).map(|()| passes))
         }
         Mode::Report { cases, quick, out } => report::write(&cases, quick, &out).map(|()| true),
         Mode::Verify { names, quick: _, full, out } => verify::run(&names, full, &out),

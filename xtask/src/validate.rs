@@ -7,7 +7,7 @@ use crate::process::{Outcome, cargo, succeeds};
 /// Flags of the task.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// Cases to run, by the names of their files in validation/cases; all if none is given.
+    /// Cases to run, by the names of their files in validation/reference; all if none is given.
     #[arg(value_name = "CASE")]
     cases: Vec<String>,
     /// Coarse meshes, compared with our own stored values: regression, not validation.

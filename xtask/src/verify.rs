@@ -63,8 +63,8 @@ fn verify_cutcell(full: bool) -> Outcome {
 fn verify_vtk(out: &Path) -> Outcome {
     println!("# vtk: files of a short run, read by VTK");
     let Some(python) = python_with_vtk()? else {
-        println!("skipped: Python with the package vtk is needed (python3 -m venv, pip install vtk) and not to be had");
-        return Ok(true);
+        println!("failed: Python with the package vtk is needed (python3 -m venv, pip install vtk) and not to be had");
+        return Ok(false);
     };
     let run = out.join("vtk");
     let mut files = validation("verify");

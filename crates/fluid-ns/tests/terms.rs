@@ -205,7 +205,7 @@ fn open_boundary() {
         let mut x = vec![0.0; 9];
         x[..6].copy_from_slice(&[5.0, 1.0, 5.0, 1.0, 5.0, 1.0]);
         let (mut dofs, mut local) = (Vec::new(), LocalSystem::new());
-        let mut sum = vec![0.0; 6];
+        let mut sum = [0.0; 6];
         for item in 0..open.len() {
             dofs.clear();
             open.dofs(item, &mut dofs);

@@ -53,7 +53,8 @@ fn page() -> (PathBuf, String) {
     let file = ScenarioFile::read(&path, &sets).unwrap_or_else(|e| panic!("{e}"));
     run(&file, RunOptions::into_directory(directory.join("tiny"))).unwrap_or_else(|e| panic!("{e}"));
     let case = CaseResult::read(&directory.join("tiny"), "tiny", "A tiny run").unwrap_or_else(|e| panic!("{e}"));
-    let runs = [1e-3, 2e-3].map(|value| StudyRun { series: "a".into(), value, contact_time: Some(0.1), ..<_>::default() });
+    let runs =
+        [1e-3, 2e-3].map(|value| StudyRun { series: "a".into(), value, contact_time: Some(0.1), ..<_>::default() });
     let study = Study { title: "A study".into(), parameter: "Δt [s]".into(), runs: runs.into(), ..<_>::default() };
     let html = study.html().unwrap_or_else(|e| panic!("{e}"));
     let studies = Section { id: "studies".into(), title: "Studies".into(), html };

@@ -96,6 +96,7 @@ fn numbers_out_of_range() {
     expect("gamma_contact_0 = 1.0e8", "gamma_contact_0 = 0.0", "contact.0.law.gamma_contact_0", &["positive"]);
     expect("normal = [0.0, -1.0]", "normal = [0.0, 0.0]", "contact.0.obstacle.normal", &["direction"]);
     expect("step = 1.0e-3", "step = 7.0e-4", "time.step", &["does not divide", "use step ="]);
+    expect("step = 1.0e-3", "step = 1.0e-300", "time.step", &["needs more than", "exponents"]);
     expect("alpha       = 1.0", "alpha = 0.5", "interface.alpha", &["gamma_sigma", "must be 1"]);
     expect("dimension = 2", "dimension = 4", "dimension", &["2 or 3"]);
     expect("dimension = 2", "dimension = 3", "dimension", &["not available yet"]);

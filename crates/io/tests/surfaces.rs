@@ -1,5 +1,8 @@
 //! Surfaces from files, cut by boxes of tetrahedra. The scanned ones are found through `CUTWATER_SURFACES`.
 
+// Says what was skipped.
+#![allow(clippy::print_stdout)]
+
 use std::path::{Path, PathBuf};
 
 use cutcell::{CutMesh, OverlayOptions};

@@ -78,7 +78,10 @@ fn potential_flow(cases: &[CaseResult]) -> Result<String, Failure> {
     let gaps_of_curve = (1..=120).map(|k| 0.05 * f64::from(k));
     let mass = Curve::plain(gaps_of_curve.map(|gap| (gap, added_mass(gap))).collect());
     let mut figures = vec![chart(
-        &Panel { x_title: "gap [cm]".to_owned(), ..Panel::over_time("added mass over the mass of the disk", vec![mass]) },
+        &Panel {
+            x_title: "gap [cm]".to_owned(),
+            ..Panel::over_time("added mass over the mass of the disk", vec![mass])
+        },
         "Added mass of the disk in the box of the paper, with no pressure on its open sides.",
     )?];
     let mut starts: Vec<f64> = Vec::new();
@@ -115,8 +118,14 @@ fn dry_impact(is_quick: bool) -> Result<String, Failure> {
     };
     let mut rows: Vec<Vec<String>> = impacts.iter().map(row).collect();
     rows.push(["explicit, finer", "11.1", "0.982", "7.771", "0.99", "–"].map(str::to_owned).into());
-    let head =
-        ["Δt [s]", "contact lasts [ms]", "restitution", "smallest height [cm]", "largest elastic energy", "energy lost"];
+    let head = [
+        "Δt [s]",
+        "contact lasts [ms]",
+        "restitution",
+        "smallest height [cm]",
+        "largest elastic energy",
+        "energy lost",
+    ];
     let curve = |value: &dyn Fn(&Impact) -> f64| Curve {
         points: impacts.iter().map(|i| (i.dt, value(i))).collect(),
         dots: true,

@@ -220,9 +220,9 @@ pub(super) fn bounds<const D: usize>(points: &[Point<D>], mirror: Option<f64>) -
     for image in images(mirror) {
         for x in points {
             let x = image.of(plane(x));
-            for k in 0..2 {
-                corners.0[k] = corners.0[k].min(x[k]);
-                corners.1[k] = corners.1[k].max(x[k]);
+            for ((low, high), c) in corners.0.iter_mut().zip(&mut corners.1).zip(x) {
+                *low = low.min(c);
+                *high = high.max(c);
             }
         }
     }

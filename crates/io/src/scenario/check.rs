@@ -98,10 +98,16 @@ fn numbers(file: &ScenarioFile) -> Vec<(String, f64, &'static str)> {
     all
 }
 
+/// More steps than any run can take: a slip in the exponent of step or end.
+const MAX_STEPS: f64 = 1e9;
+
 /// The step must divide the end time.
 fn time(file: &ScenarioFile) -> Result<(), ScenarioError> {
     let (step, end) = (file.scenario().time.step, file.scenario().time.end);
     let n = (end / step).round();
+    if n > MAX_STEPS {
+        return Err(file.error("time.step", Problem::TooManySteps { step, end, limit: MAX_STEPS }));
+    }
     if n >= 1.0 && (n * step - end).abs() <= DIVIDES * end {
         return Ok(());
     }

@@ -128,6 +128,16 @@ pub enum Problem {
         /// What to use instead.
         instead: &'static str,
     },
+    /// A step so short, or an end so late, that no run gets there.
+    #[error("the step {step:e} needs more than {limit:e} steps to the end {end:e}; check the exponents of both")]
+    TooManySteps {
+        /// The step.
+        step: f64,
+        /// The end.
+        end: f64,
+        /// Most steps.
+        limit: f64,
+    },
     /// A step that does not divide the end time.
     #[error("the step {step} does not divide the end time {end}; use step = {step_below} or end = {end_below}")]
     Indivisible {
