@@ -167,6 +167,10 @@ fn split_by_facets<const D: usize>(
             distances.clear();
             distances.extend(piece.points().iter().map(|x| facet.distance(x, tolerance)));
             if distances.iter().any(|d| *d < 0.0) && distances.iter().any(|d| *d > 0.0) {
+                if !piece.crosses_cleanly(&distances) {
+                    distances.clear();
+                    distances.extend(piece.points().iter().map(|x| facet.distance(x, 0.0)));
+                }
                 piece.cross_section(&distances, &facet.normal, &mut section);
                 if face_overlap(&section, facet.points(), &facet.normal, tolerance, &mut overlap) > 0.0 {
                     let [back, front] = piece.split(&distances, &facet.normal, index);

@@ -122,6 +122,22 @@ impl<const D: usize> Polytope<D> {
         sort_around(section, normal);
     }
 
+    /// Whether points with distance zero lie only where a face passes from one side of the plane to the other.
+    ///
+    /// On a face that is almost in the plane, points within the tolerance may fill an area, with points on either side
+    /// of the plane around it: both sides of a split would then claim that area.
+    pub fn crosses_cleanly(&self, distances: &[f64]) -> bool {
+        self.faces().all(|(_, corners)| {
+            let n = corners.len();
+            let sign = |k: usize| {
+                let d = distances[corners[k % n] as usize];
+                i32::from(d > 0.0) - i32::from(d < 0.0)
+            };
+            let straddles = (0..n).any(|k| sign(k) > 0) && (0..n).any(|k| sign(k) < 0);
+            !straddles || (0..n).all(|k| sign(k) != 0 || sign(k + n - 1) * sign(k + 1) < 0)
+        })
+    }
+
     /// Splits by a plane into the part behind it (negative distances) and the part in front of it; points with
     /// distance zero belong to both. The new faces carry the facet of the plane.
     ///
