@@ -92,7 +92,7 @@ fn comparisons(
 ) -> Result<Option<Section>, Failure> {
     let mut html = String::new();
     for (scenario, members) in scenarios.iter().filter(|(_, members)| members.len() > 1) {
-        let label = |case: &CaseResult| format!("Δt = {} s, {}", case.summary.dt, case.summary.profile);
+        let label = |case: &CaseResult| format!("{} (Δt = {} s, {})", case.name, case.summary.dt, case.summary.profile);
         let runs: Vec<_> = members.iter().map(|k| (label(&cases[*k]), cases[*k].history())).collect();
         let prefix = cases[members[0]].prefix();
         let mut figures = Vec::new();

@@ -35,10 +35,36 @@ function outline(text, data) {
   return points;
 }
 
-// A picture of the speed, one pixel per point of the raster; points outside of the fluid are clear.
+// Points outside of the fluid take the mean of their neighbours in it, a few times: bodies cover them, and the colours
+// next to a body are those of the fluid.
+function extended(field, columns, rows) {
+  let values = Float32Array.from(field, (value) => (value === 255 ? NaN : value));
+  for (let pass = 0; pass < 3; pass++) {
+    const next = values.slice();
+    for (let k = 0; k < values.length; k++) {
+      if (!Number.isNaN(values[k])) continue;
+      const column = k % columns;
+      let [sum, count] = [0, 0];
+      for (const row of [-1, 0, 1]) {
+        for (const across of [-1, 0, 1]) {
+          const value = values[k + row * columns + across];
+          if (column + across >= 0 && column + across < columns && value >= 0) {
+            sum += value;
+            count += 1;
+          }
+        }
+      }
+      if (count > 0) next[k] = sum / count;
+    }
+    values = next;
+  }
+  return values;
+}
+
+// A picture of the speed, one pixel per point of the raster.
 function raster(frame, data, largest) {
   const [columns, rows] = data.n;
-  const field = bytes(frame.speed);
+  const field = extended(bytes(frame.speed), columns, rows);
   const picture = document.createElement("canvas");
   picture.width = columns;
   picture.height = rows;
@@ -48,7 +74,7 @@ function raster(frame, data, largest) {
     for (let column = 0; column < columns; column++) {
       const value = field[row * columns + column];
       const at = 4 * ((rows - 1 - row) * columns + column);
-      const colour = water(value === 255 ? 0 : ((value / 254) * frame.largest) / largest);
+      const colour = water(Number.isNaN(value) ? 0 : ((value / 254) * frame.largest) / largest);
       image.data.set([...colour, 255], at);
     }
   }
@@ -101,13 +127,19 @@ function animate(figure) {
       context.drawImage(picture, place(data.low)[0], 0, half[0], half[1]);
       for (const text of frame.outlines) {
         const points = outline(text, data).map(place);
-        context.beginPath();
-        points.forEach(([x, y], k) => (k === 0 ? context.moveTo(x, y) : context.lineTo(x, y)));
+        const path = new Path2D();
+        points.forEach(([x, y], k) => (k === 0 ? path.moveTo(x, y) : path.lineTo(x, y)));
         context.fillStyle = frame.touches ? TOUCHING : SOLID;
-        context.fill();
+        context.fill(path);
+        // Over the seam between a half and its mirror image.
+        const closed = new Path2D(path);
+        closed.closePath();
+        context.strokeStyle = context.fillStyle;
+        context.lineWidth = 1;
+        context.stroke(closed);
         context.strokeStyle = INK;
         context.lineWidth = 1.2;
-        context.stroke();
+        context.stroke(path);
       }
       context.restore();
     }

@@ -117,15 +117,14 @@ impl CaseResult {
         html += "<h3>Histories</h3>";
         let prefix = self.prefix();
         let marks = &self.scenario.output.marks;
-        html += &legend(&body_chart(&self.history, &prefix, marks).panels);
-        html += &charts(body_chart(&self.history, &prefix, marks).panels)?;
+        let mut panels = body_chart(&self.history, &prefix, marks).panels;
+        panels.extend(thickness_chart(&self.diagnostics, marks).into_iter().flat_map(|chart| chart.panels));
+        html += &legend(&panels);
+        html += &charts(panels)?;
         let offset = self.scenario.contacts.first().map(|contact| contact.offset);
         if let Some(contact) = contact_chart(&self.history, &self.summary, &prefix, marks, offset) {
             html += "<h3>The first contact</h3><p>The dashed line is the contact offset.</p>";
             html += &charts(contact.panels)?;
-        }
-        if let Some(thickness) = thickness_chart(&self.diagnostics, marks) {
-            html += &charts(thickness.panels)?;
         }
         let fields: Result<Vec<_>, Error> = FIELDS.iter().map(|(file, text)| self.field(file, text)).collect();
         let fields: Vec<String> = fields?.into_iter().flatten().collect();

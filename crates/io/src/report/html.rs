@@ -62,9 +62,10 @@ pub fn table(caption: &str, head: &[&str], rows: &[Vec<String>]) -> String {
     html + "</tbody></table></div>"
 }
 
-/// A figure around a picture.
+/// A figure around a picture, with a caption unless that is empty.
 pub fn figure(picture: &str, caption: &str) -> String {
-    format!("<figure>{picture}<figcaption>{caption}</figcaption></figure>")
+    let caption = if caption.is_empty() { String::new() } else { format!("<figcaption>{caption}</figcaption>") };
+    format!("<figure>{picture}{caption}</figure>")
 }
 
 /// Figures beside each other where there is room.
@@ -95,7 +96,7 @@ pub fn image(path: &Path, description: &str) -> Result<Option<String>, Error> {
     let bytes = std::fs::read(path).map_err(|source| Error::Read { path: path.to_owned(), source })?;
     let size = png_size(&bytes).map_or(String::new(), |(w, h)| format!(" width=\"{w}\" height=\"{h}\""));
     let (data, description) = (base64(&bytes), escape(description));
-    Ok(Some(format!("<img alt=\"{description}\"{size} decoding=\"async\" src=\"data:image/png;base64,{data}\">")))
+    Ok(Some(format!("<img alt=\"{description}\"{size} src=\"data:image/png;base64,{data}\">")))
 }
 
 /// Width and height in the header of a PNG file.

@@ -116,10 +116,11 @@ fn bodies(svg: &mut String, scenario: &Scenario, frame: &Frame, mirror: Option<f
                     "<line x1=\"{x:.1}\" y1=\"{y:.1}\" x2=\"{tip_x:.1}\" y2=\"{tip_y:.1}\" class=\"line\" \
                      marker-end=\"url(#tip-{id})\"/><circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"2\" class=\"ink-fill\"/>"
                 );
-                label(svg, x + 0.3 * r, y - 0.34 * r, "end", &format!("r = {} cm", number(*radius)));
-                label(svg, x, y + 18.0, "middle", &format!("({}, {})", number(centre[0]), number(centre[1])));
-                label(svg, x - 0.5 * r, y + 0.45 * r, "middle", &body.name);
-                gravity(svg, id, &body.gravity, x - 0.5 * r, y + 0.52 * r);
+                label(svg, x + 0.72 * r, y - 0.72 * r, "start", &format!("r = {} cm", number(*radius)));
+                let centre_text = format!("({}, {})", number(centre[0]), number(centre[1]));
+                label(svg, x + 6.0, y + 15.0, "start", &centre_text);
+                label(svg, x - 0.45 * r, y + 5.0, "middle", &body.name);
+                gravity(svg, id, &body.gravity, x - 1.2 * r - 44.0, y - 12.0);
                 let bottom = frame.y(centre[1] - radius);
                 let floor = floor_below(scenario, frame, centre[1] - radius);
                 let gap = (floor - bottom) / frame.scale;
@@ -155,7 +156,7 @@ fn gravity(svg: &mut String, id: &str, gravity: &[f64], x: f64, y: f64) {
             "<line x1=\"{x:.1}\" y1=\"{y:.1}\" x2=\"{x:.1}\" y2=\"{:.1}\" class=\"line\" marker-end=\"url(#tip-{id})\"/>",
             y + 24.0
         );
-        label(svg, x + 6.0, y + 17.0, "start", &format!("g = {} cm/s²", number(size)));
+        label(svg, x, y + 40.0, "middle", &format!("g = {} cm/s²", number(size)));
     }
 }
 
