@@ -118,7 +118,12 @@ fn conditions<const D: usize>(
             }
         }
     }
-    supports.sort_by_key(|support| matches!(support.kind, SupportKind::Clamped));
+    // Where two meet, the later one holds: a clamp, else a displacement, else a plane of symmetry.
+    supports.sort_by_key(|support| match support.kind {
+        SupportKind::Symmetry { .. } => 0,
+        SupportKind::Displacement(_) => 1,
+        SupportKind::Clamped => 2,
+    });
     Ok((supports, loads))
 }
 
