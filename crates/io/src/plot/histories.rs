@@ -54,7 +54,7 @@ pub fn contact_chart(
     let &(begin, end) = summary.contact_intervals.first()?;
     let last = table.column("time")?.last().copied()?;
     let end = end.unwrap_or(last);
-    let margin = (0.4 * (end - begin)).clamp(5.0 * summary.dt, 0.01);
+    let margin = (0.4 * (end - begin)).min(0.01).max(5.0 * summary.dt);
     let window = (begin - margin, (end + margin).min(last));
     let panel = |title: &str, column: &str| {
         let curve = Curve::plain(column_curve(table, &format!("{prefix}{column}")));
