@@ -61,7 +61,7 @@ pub(crate) struct Quick {
 pub(crate) type QuickValues = BTreeMap<String, BTreeMap<String, f64>>;
 
 /// The folder of this package.
-fn folder() -> PathBuf {
+pub(crate) fn folder() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
 }
 
@@ -80,8 +80,16 @@ pub(crate) fn quick_values_path() -> PathBuf {
 /// # Errors
 /// The folder cannot be read.
 pub(crate) fn names() -> std::io::Result<Vec<String>> {
+    stems(&folder().join("reference"))
+}
+
+/// The names of the TOML files in a folder, in order.
+///
+/// # Errors
+/// The folder cannot be read.
+pub(crate) fn stems(folder: &Path) -> std::io::Result<Vec<String>> {
     let mut names = Vec::new();
-    for entry in fs::read_dir(folder().join("reference"))? {
+    for entry in fs::read_dir(folder)? {
         let path = entry?.path();
         if path.extension().is_some_and(|e| e == "toml")
             && let Some(stem) = path.file_stem()
@@ -115,7 +123,11 @@ pub(crate) fn read_quick_values() -> Result<QuickValues, String> {
     if path.is_file() { parse(&path) } else { Ok(QuickValues::new()) }
 }
 
-fn parse<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, String> {
+/// Reads a TOML file.
+///
+/// # Errors
+/// It cannot be read, or is not as it should be.
+pub(crate) fn parse<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, String> {
     let text = fs::read_to_string(path).map_err(|error| format!("cannot read {}: {error}", path.display()))?;
     toml::from_str(&text).map_err(|error| format!("{}: {error}", path.display()))
 }

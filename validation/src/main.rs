@@ -6,11 +6,12 @@ mod case;
 mod compare;
 mod metrics;
 mod report;
+mod study;
 mod table;
 mod validate;
 mod verify;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
@@ -37,6 +38,12 @@ enum Mode {
         /// Store what --quick computes as the values that it will be compared with.
         #[arg(long, requires = "quick")]
         regenerate: bool,
+        /// Run studies in the place of cases: the names of their files in studies/, or "all".
+        #[arg(long, value_name = "NAME", conflicts_with_all = ["cases", "quick", "regenerate"])]
+        study: Vec<String>,
+        /// Do the runs of a study again that an earlier call has done.
+        #[arg(long, requires = "study")]
+        again: bool,
         /// Where results go.
         #[arg(long, default_value = "target/validation")]
         out: PathBuf,
@@ -70,7 +77,8 @@ enum Mode {
 
 fn main() -> ExitCode {
     let outcome = match Arguments::parse().mode {
-        Mode::Validate { cases, quick, regenerate, out } => {
+        Mode::Validate { study, again, out, .. } if !study.is_empty() => studies(study, again, &out),
+        Mode::Validate { cases, quick, regenerate, out, .. } => {
             let effort = match (quick, regenerate) {
                 (false, _) => validate::Effort::Paper,
                 (true, false) => validate::Effort::Quick,
@@ -89,4 +97,14 @@ fn main() -> ExitCode {
             ExitCode::from(2)
         }
     }
+}
+
+/// Runs studies and writes the report page with them.
+fn studies(mut names: Vec<String>, again: bool, out: &Path) -> Outcome {
+    if names == ["all"] {
+        names = study::names()?;
+    }
+    let all_finished = study::run(&names, again, out)?;
+    report::write(&[], false, out)?;
+    Ok(all_finished)
 }

@@ -13,6 +13,13 @@ pub(crate) struct Arguments {
     /// Coarse meshes, compared with our own stored values: regression, not validation.
     #[arg(long)]
     quick: bool,
+    /// Run studies in the place of cases, by the names of their files in validation/studies, or "all"; outcomes are kept
+    /// in validation/results.
+    #[arg(long, value_name = "NAME")]
+    study: Vec<String>,
+    /// Do the runs of a study again that an earlier call has done.
+    #[arg(long, requires = "study")]
+    again: bool,
     /// Where results go: DIR/CASE/summary.json and the files of a run.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -24,6 +31,12 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     command.args(&arguments.cases);
     if arguments.quick {
         command.arg("--quick");
+    }
+    for study in &arguments.study {
+        command.args(["--study", study]);
+    }
+    if arguments.again {
+        command.arg("--again");
     }
     if let Some(out) = &arguments.out {
         command.arg("--out").arg(std::path::absolute(out)?);

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use io::report::{CaseResult, Report, Section, Study, StudyRun};
+use io::report::{CaseResult, Report, Section, Study, StudyRun, StudySeries};
 use io::{RunOptions, ScenarioFile, run};
 
 /// Looks at the page after it was loaded and played for a while, and writes down what it saw.
@@ -55,7 +55,8 @@ fn page() -> (PathBuf, String) {
     let case = CaseResult::read(&directory.join("tiny"), "tiny", "A tiny run").unwrap_or_else(|e| panic!("{e}"));
     let runs =
         [1e-3, 2e-3].map(|value| StudyRun { series: "a".into(), value, contact_time: Some(0.1), ..<_>::default() });
-    let study = Study { title: "A study".into(), parameter: "Δt [s]".into(), runs: runs.into(), ..<_>::default() };
+    let series = vec![StudySeries { name: "a".into(), parameter: "Δt [s]".into(), ..<_>::default() }];
+    let study = Study { title: "A study".into(), series, runs: runs.into(), ..<_>::default() };
     let html = study.html().unwrap_or_else(|e| panic!("{e}"));
     let studies = Section { id: "studies".into(), title: "Studies".into(), html };
     let report = Report { title: "A page".into(), cases: vec![case], sections: vec![studies], ..Report::default() };

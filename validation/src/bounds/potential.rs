@@ -1,5 +1,7 @@
 //! A rigid disk that falls through an ideal fluid onto a wall: a lower bound of all contact times.
 
+use cutwater::io::scenario::schema::{Obstacle, Scenario, Shape};
+
 /// Gap over the wall in cm, and added mass over the mass of the disk, in the box of the paper with no pressure on its
 /// open sides: radius 4, box (-10, 10) x (0, 15), from a boundary-element solution of potential flow.
 const ADDED_MASS: [(f64, f64); 12] = [
@@ -20,6 +22,24 @@ const ADDED_MASS: [(f64, f64); 12] = [
 const GRAVITY: f64 = 1e3;
 /// Intervals of the integration.
 const INTERVALS: usize = 600;
+
+/// The gap in which the ball of a scenario starts, and that at which contact begins; none if the table is not for it.
+pub(crate) fn gaps(scenario: &Scenario) -> Option<(f64, f64)> {
+    let contact = scenario.contacts.first()?;
+    let ball = scenario.bodies.iter().find(|body| body.name == contact.body)?;
+    let (Shape::Ball { centre, radius, .. } | Shape::HalfBall { centre, radius, .. }) = &ball.shape else {
+        return None;
+    };
+    let ground = match &contact.obstacle {
+        Obstacle::RigidPlane { point, .. } => *point.last()?,
+        Obstacle::Body { name } => match &scenario.bodies.iter().find(|body| body.name == *name)?.shape {
+            Shape::Box { max, .. } => *max.last()?,
+            Shape::Ball { .. } | Shape::HalfBall { .. } => return None,
+        },
+    };
+    // The table is that of one radius.
+    (*radius == 4.0).then_some((centre.last()? - radius - ground, contact.offset))
+}
 
 /// A moment of the fall.
 #[derive(Clone, Copy, Debug, PartialEq)]

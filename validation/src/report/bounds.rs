@@ -3,11 +3,10 @@
 use cutwater::io::plot::{Curve, Panel, column_curve};
 use cutwater::io::report::html::{chart, escape, gallery, number, table, verdict};
 use cutwater::io::report::{CaseResult, Section};
-use cutwater::io::scenario::schema::{Obstacle, Scenario, Shape};
 
 use super::Failure;
 use crate::bounds::impact::{Impact, impact};
-use crate::bounds::potential::{added_mass, arrival, fall};
+use crate::bounds::potential::{added_mass, arrival, fall, gaps};
 
 /// Falls whose times and speeds are listed.
 const FALLS: [(f64, f64); 5] = [(6.0, 3.0), (6.0, 0.1), (3.0, 0.1), (1.0, 0.1), (1.0, 0.05)];
@@ -25,24 +24,6 @@ pub(super) fn section(cases: &[CaseResult], is_quick: bool) -> Result<Section, F
     html += &potential_flow(cases)?;
     html += &dry_impact(is_quick)?;
     Ok(super::section("bounds", "Independent bounds", html))
-}
-
-/// The gap in which the ball of a scenario starts, and that at which contact begins.
-fn gaps(scenario: &Scenario) -> Option<(f64, f64)> {
-    let contact = scenario.contacts.first()?;
-    let ball = scenario.bodies.iter().find(|body| body.name == contact.body)?;
-    let (Shape::Ball { centre, radius, .. } | Shape::HalfBall { centre, radius, .. }) = &ball.shape else {
-        return None;
-    };
-    let ground = match &contact.obstacle {
-        Obstacle::RigidPlane { point, .. } => *point.last()?,
-        Obstacle::Body { name } => match &scenario.bodies.iter().find(|body| body.name == *name)?.shape {
-            Shape::Box { max, .. } => *max.last()?,
-            Shape::Ball { .. } | Shape::HalfBall { .. } => return None,
-        },
-    };
-    // The table is that of one radius.
-    (*radius == 4.0).then_some((centre.last()? - radius - ground, contact.offset))
 }
 
 fn potential_flow(cases: &[CaseResult]) -> Result<String, Failure> {

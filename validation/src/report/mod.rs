@@ -78,7 +78,7 @@ fn case_lead(reference: &Reference) -> String {
 }
 
 /// The version of the code, where git tells.
-fn commit() -> Option<String> {
+pub(crate) fn commit() -> Option<String> {
     let output = std::process::Command::new("git").args(["describe", "--always", "--dirty"]).output().ok()?;
     let text = String::from_utf8(output.stdout).ok()?;
     Some(text.trim().to_owned()).filter(|text| output.status.success() && !text.is_empty())

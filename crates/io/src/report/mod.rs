@@ -10,7 +10,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 pub use case::CaseResult;
-pub use study::{Study, StudyRun};
+pub use study::{Limit, Study, StudyRun, StudySeries};
 
 use crate::Error;
 use crate::files::write_whole;

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::size::{affordable, positive};
+use super::size::{MEAN_EDGE, affordable, positive};
 use super::triangulate::{Outline, filled};
 use crate::{Error, SimplexMesh};
 
@@ -65,6 +65,7 @@ struct Circle {
     centre: [f64; 2],
     /// Distance of the nodes from the centre.
     radius: f64,
+    /// Mean length of the edges.
     h: f64,
     /// Boundary segments of one half.
     n_half: usize,
@@ -80,7 +81,7 @@ impl Circle {
         let &[x, y] = centre.as_slice() else {
             return Err(Error::Dimension { shape: "ball", dimension: D });
         };
-        let h = h.min(radius);
+        let h = MEAN_EDGE * h.min(radius);
         affordable(2.0 * PI * (radius / h).powi(2))?;
         let n_half = (PI * radius / h).round() as usize;
         let angle = PI / n_half as f64;

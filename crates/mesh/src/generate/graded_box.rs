@@ -1,7 +1,7 @@
 //! Boxes with cells that follow a size field.
 
 use super::grid::{brick_mesh, check_sides, with_side_tags};
-use super::size::{Size, affordable, divided};
+use super::size::{MEAN_EDGE, Size, affordable, divided};
 use super::triangulate::{Outline, filled};
 use crate::{Error, SimplexMesh};
 
@@ -22,7 +22,7 @@ pub fn graded_box<const D: usize>(min: [f64; D], max: [f64; D], size: &Size) -> 
     size.check(D)?;
     let shortest = min.iter().zip(&max).map(|(a, b)| b - a).fold(f64::INFINITY, f64::min);
     match D {
-        2 => triangulated(min, max, |x, y| size.along(|axis| [x, y][axis]).min(shortest)),
+        2 => triangulated(min, max, |x, y| MEAN_EDGE * size.along(|axis| [x, y][axis]).min(shortest)),
         _ => bricks(min, max, size, shortest),
     }
 }
@@ -42,6 +42,7 @@ fn bricks<const D: usize>(min: [f64; D], max: [f64; D], size: &Size, most: f64) 
     brick_mesh(axes)
 }
 
+/// Triangles with edges of mean length `h`.
 fn triangulated<const D: usize>(
     min: [f64; D],
     max: [f64; D],

@@ -5,12 +5,18 @@ use crate::{Error, Point};
 /// Largest slope of a size field; steeper ones cannot be followed by well-shaped triangles.
 const STEEPEST: f64 = 0.5;
 
-/// The wanted length of edges, as a function of position.
+/// Mean length of the edges of triangles over their size.
+///
+/// Lengths scatter by a quarter to either side of their mean, so that the size bounds all but about one edge in a
+/// hundred: it is the diameter of a cell, as `h` is in the analysis of finite elements.
+pub(super) const MEAN_EDGE: f64 = 0.8;
+
+/// The size of cells as a function of position: for triangles the bound of their edges, for bricks their sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Size {
     /// The same size everywhere.
     Uniform {
-        /// Length of edges.
+        /// The size.
         h: f64,
     },
     /// Fine at low, coarse at high values of one coordinate, and linear in between with a slope of at most one half.

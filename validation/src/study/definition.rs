@@ -1,0 +1,102 @@
+//! What a study varies: the files in `studies/`.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+
+use crate::case;
+
+/// A study: series of runs.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Definition {
+    /// Headline.
+    pub(super) title: String,
+    /// What was learned, as paragraphs.
+    #[serde(default)]
+    pub(super) note: Vec<String>,
+    /// The series.
+    pub(super) series: Vec<Series>,
+}
+
+/// Runs of one scenario with one number changed.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Series {
+    /// Its name, unlike all others of the study.
+    pub(super) name: String,
+    /// What is varied, with its unit.
+    pub(super) parameter: String,
+    /// Name of the scenario in `cases/`.
+    pub(super) scenario: String,
+    /// Changes of the scenario that all runs share, as for `cutwater run --set`.
+    #[serde(default)]
+    pub(super) set: Vec<String>,
+    /// What is varied: keys of the scenario, and by what the value is multiplied for each.
+    pub(super) vary: BTreeMap<String, f64>,
+    /// The values.
+    pub(super) values: Vec<f64>,
+    /// Whether the values tend to zero at a constant ratio and the limit of the contact time is wanted.
+    #[serde(default)]
+    pub(super) limit: bool,
+}
+
+impl Series {
+    /// Changes of the scenario for a value.
+    pub(super) fn changes(&self, value: f64) -> Vec<String> {
+        let vary = self.vary.iter().map(|(key, factor)| format!("{key}={:?}", factor * value));
+        self.set.iter().cloned().chain(vary).collect()
+    }
+}
+
+/// Where outcomes are kept.
+pub(super) fn results() -> PathBuf {
+    case::folder().join("results")
+}
+
+/// The names of all studies, in order.
+///
+/// # Errors
+/// The folder cannot be read.
+pub(crate) fn names() -> std::io::Result<Vec<String>> {
+    case::stems(&folder())
+}
+
+/// A study.
+///
+/// # Errors
+/// There is none of this name, or it is not as it should be.
+pub(super) fn read(name: &str) -> Result<Definition, String> {
+    let known = names().unwrap_or_default();
+    if !known.iter().any(|k| k == name) {
+        return Err(format!("there is no study {name:?}; there are {}", known.join(", ")));
+    }
+    case::parse(&folder().join(format!("{name}.toml")))
+}
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("studies")
+}
+
+#[cfg(test)]
+mod tests {
+    use cutwater::io::ScenarioFile;
+
+    use super::*;
+
+    #[test]
+    fn every_run_of_every_study_is_a_scenario() {
+        for name in names().unwrap() {
+            let definition = read(&name).unwrap();
+            for (k, series) in definition.series.iter().enumerate() {
+                assert!(definition.series[..k].iter().all(|other| other.name != series.name), "{name}: twice the same");
+                for &value in &series.values {
+                    let path = case::scenario_path(&series.scenario);
+                    let file = ScenarioFile::read(&path, &series.changes(value));
+                    assert!(file.is_ok(), "{name}, {}, {value}: {}", series.name, file.unwrap_err());
+                }
+            }
+        }
+    }
+}
