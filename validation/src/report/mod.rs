@@ -1,6 +1,7 @@
 //! The report page: cases, comparisons of runs, bounds, studies, and the paper's open ends.
 
 mod bounds;
+mod steps;
 
 use std::path::Path;
 
@@ -25,6 +26,7 @@ pub(crate) fn write(cases: &[String], is_quick: bool, out: &Path) -> Result<(), 
     let directory = out.join("report");
     let mut report = Report { title: "Three falling balls".to_owned(), lead: lead(is_quick), ..Report::default() };
     let mut scenarios: Vec<(String, Vec<usize>)> = Vec::new();
+    let mut references = Vec::new();
     for name in &names {
         let reference = case::read(name)?;
         if !out.join(name).join("summary.json").is_file() {
@@ -38,8 +40,9 @@ pub(crate) fn write(cases: &[String], is_quick: bool, out: &Path) -> Result<(), 
             None => scenarios.push((reference.scenario.clone(), vec![index])),
         }
         report.cases.push(result);
+        references.push(reference);
     }
-    report.sections.extend(comparisons(&report.cases, &scenarios, &directory)?);
+    report.sections.extend(comparisons(&report.cases, &references, &scenarios, &directory)?);
     report.sections.push(bounds::section(&report.cases, is_quick)?);
     report.sections.extend(studies()?);
     report.sections.push(section("settled", "What the paper leaves open", SETTLED.to_owned()));
@@ -87,6 +90,7 @@ pub(crate) fn commit() -> Option<String> {
 /// Runs of the same scenario beside each other: height of the ball (Figure 12 of the paper) and smallest distance.
 fn comparisons(
     cases: &[CaseResult],
+    references: &[Reference],
     scenarios: &[(String, Vec<usize>)],
     directory: &Path,
 ) -> Result<Option<Section>, Failure> {
@@ -106,7 +110,10 @@ fn comparisons(
                 figures.push(chart(panel, "")?);
             }
         }
-        html += &format!("<h3>{}</h3>{}", escape(scenario), gallery(&figures));
+        let same_profile = |k: &&usize| cases[**k].summary.profile == cases[members[0]].summary.profile;
+        let compared: Vec<_> = members.iter().filter(same_profile).map(|&k| (&cases[k], &references[k])).collect();
+        let steps = steps::table_of_steps(&compared).unwrap_or_default();
+        html += &format!("<h3>{}</h3>{steps}{}", escape(scenario), gallery(&figures));
     }
     Ok((!html.is_empty()).then(|| section("side-by-side", "Side by side", html)))
 }
