@@ -20,7 +20,7 @@ fn linear(c: &mut Criterion) {
         });
         let mut x = vec![0.0; system.layout().len()];
         group.bench_function(BenchmarkId::new("lu-solve", &place), |b| {
-            b.iter(|| solver.solve(system.residual(), &mut x));
+            b.iter(|| solver.solve(system.residual(), &mut x, 0.0));
         });
     }
     group.finish();

@@ -36,6 +36,7 @@ pub struct BlockSystem {
     linear_values: Vec<f64>,
     linear_residual: Vec<f64>,
     constrained: Vec<bool>,
+    pub(crate) keys: Vec<u64>,
     has_nonlinear: bool,
     timings: Vec<ContributionTiming>,
     scatter: Scatter,
@@ -60,6 +61,7 @@ impl BlockSystem {
     ) -> Self {
         let n = layout.len();
         self.layout = layout.clone();
+        self.keys.clear();
         self.pattern = self.pattern.recycle(n, contributions);
         self.constrained.clear();
         self.constrained.resize(n, false);
@@ -165,9 +167,9 @@ impl BlockSystem {
         &self.layout
     }
 
-    /// Layout and nodes of the unknowns, for linear solvers.
+    /// Layout, nodes and keys of the unknowns, for linear solvers.
     pub fn unknowns(&self) -> Unknowns<'_> {
-        Unknowns { layout: &self.layout, nodes: self.pattern.nodes() }
+        Unknowns { layout: &self.layout, nodes: self.pattern.nodes(), keys: &self.keys }
     }
 
     /// The sparsity pattern.

@@ -69,7 +69,10 @@ pub use check::{TangentDeviation, check_tangent, worst_tangent_entry};
 pub use constraints::Constraints;
 pub use contributions::Contributions;
 pub use layout::{BlockLayout, DofId, FieldId};
-pub use linear::{DirectSolver, Equilibration, LinearError, LinearReport, LinearSolver, MatrixView, Unknowns};
+pub use linear::{
+    DirectSolver, Equilibration, Gmres, GmresReport, GmresSettings, LaggedSettings, LaggedSolver, LinearError,
+    LinearMap, LinearReport, LinearSolver, MatrixView, Unknowns,
+};
 pub use local_system::LocalSystem;
 pub use newton::{NewtonError, NewtonReport, NewtonSettings, NonlinearProblem, newton};
 pub use pattern::{ItemMap, Pattern};

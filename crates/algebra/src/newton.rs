@@ -19,6 +19,12 @@ pub trait NonlinearProblem {
     /// Unknowns with a prescribed value.
     fn constraints(&self) -> &Constraints;
 
+    /// For each unknown a number by which it is known again in the problem of another time step, for solvers that keep
+    /// old factors; empty if there is nothing to know again.
+    fn keys(&self) -> Vec<u64> {
+        Vec::new()
+    }
+
     /// A hash of the non-smooth state at `x`, such as the set of facets in contact.
     ///
     /// When it changes the factorisation is renewed, and an iteration that changes it is never the last one.
@@ -38,6 +44,8 @@ pub struct NewtonSettings {
     /// The factorisation is kept while a correction with it is at most this fraction of the one before. Zero: exact
     /// Newton with one factorisation per correction.
     pub contraction: f64,
+    /// Relative residual to which an iterative method solves for a correction.
+    pub forcing: f64,
     /// Most halvings of a correction until the scaled residual decreases. Zero: no line search.
     pub max_halvings: usize,
 }
@@ -45,7 +53,7 @@ pub struct NewtonSettings {
 impl NewtonSettings {
     /// Keeps factorisations down to a contraction of 0.25; at most 30 corrections; no line search.
     pub fn new(tolerance: f64) -> Self {
-        Self { tolerance, max_iterations: 30, contraction: 0.25, max_halvings: 0 }
+        Self { tolerance, max_iterations: 30, contraction: 0.25, forcing: 1e-4, max_halvings: 0 }
     }
 }
 
@@ -153,7 +161,8 @@ pub fn newton(
     problem.constraints().apply(x);
     let contributions = problem.contributions();
     let begin = Instant::now();
-    work.prepare(problem.layout(), &contributions, problem.constraints());
+    work.prepare(problem.layout(), &contributions, problem.constraints(), problem.keys());
+    let n_factorizations = work.solver.n_factorizations();
     let report = NewtonReport {
         seconds_assembly: begin.elapsed().as_secs_f64(),
         nnz: work.system.pattern().n_entries(),
@@ -173,6 +182,7 @@ pub fn newton(
     let outcome = if x.is_empty() { Ok(()) } else { solve.run(x) };
     let Solve { start, mut report, .. } = solve;
     report.timings = work.system.timings().to_vec();
+    report.factorizations = work.solver.n_factorizations() - n_factorizations;
     let Err(stop) = outcome else { return Ok(report) };
     x.copy_from_slice(&start);
     let report = Box::new(report);
@@ -279,14 +289,13 @@ impl Solve<'_> {
         let begin = Instant::now();
         let outcome = self.solver.factorize(self.system.matrix(), self.system.unknowns());
         self.report.seconds_linear += begin.elapsed().as_secs_f64();
-        self.report.factorizations += 1;
         outcome.map_err(Stop::Linear)
     }
 
     /// Computes the correction with the factorisation at hand; its sign is that of the residual.
     fn solve(&mut self) -> Result<(), Stop> {
         let begin = Instant::now();
-        let outcome = self.solver.solve(self.system.residual(), &mut self.correction);
+        let outcome = self.solver.solve(self.system.residual(), &mut self.correction, self.settings.forcing);
         self.report.seconds_linear += begin.elapsed().as_secs_f64();
         self.report.linear_iterations += outcome.map_err(Stop::Linear)?.iterations;
         Ok(())

@@ -40,14 +40,14 @@ fn product(matrix: MatrixView<'_>, x: &[f64]) -> Vec<f64> {
 /// Factorises a matrix whose unknowns are all their own nodes.
 fn factorize(solver: &mut DirectSolver, matrix: MatrixView<'_>) -> Result<(), LinearError> {
     let nodes: Vec<u32> = (0..matrix.rows() as u32).collect();
-    solver.factorize(matrix, Unknowns { layout: &BlockLayout::new(), nodes: &nodes })
+    solver.factorize(matrix, Unknowns { layout: &BlockLayout::new(), nodes: &nodes, keys: &[] })
 }
 
 fn solve(matrix: MatrixView<'_>, rhs: &[f64]) -> Result<Vec<f64>, LinearError> {
     let mut solver = DirectSolver::new();
     let mut x = vec![0.0; rhs.len()];
     factorize(&mut solver, matrix)?;
-    solver.solve(rhs, &mut x)?;
+    solver.solve(rhs, &mut x, 0.0)?;
     Ok(x)
 }
 
@@ -109,7 +109,7 @@ fn penalties_of_1e9_do_not_spoil_the_solution() {
     let mut solver = DirectSolver::new();
     factorize(&mut solver, stiff).unwrap();
     let mut x = vec![0.0; n];
-    let report = solver.solve(&rhs, &mut x).unwrap();
+    let report = solver.solve(&rhs, &mut x, 0.0).unwrap();
     assert!(report.backward_error < 1e-12, "{report:?}");
     // The residual of the unscaled system, row by row.
     let achieved = product(stiff, &x);
@@ -166,18 +166,18 @@ fn a_free_pressure_constant_is_an_error() {
 fn the_solver_survives_errors_and_changes_of_pattern_and_is_reproducible() {
     let mut used = DirectSolver::new();
     let mut x = vec![0.0; 2];
-    assert!(matches!(used.solve(&[1.0, 1.0], &mut x), Err(LinearError::NotFactorized)));
+    assert!(matches!(used.solve(&[1.0, 1.0], &mut x, 0.0), Err(LinearError::NotFactorized)));
     for m in [12, 30, 5, 30] {
         let (system, flow) = assembled(m);
         let singular = Dense::new(&[&[1.0, 1.0], &[1.0, 1.0]]);
         assert!(factorize(&mut used, singular.view()).is_err());
-        assert!(matches!(used.solve(&[1.0, 1.0], &mut x), Err(LinearError::NotFactorized)));
+        assert!(matches!(used.solve(&[1.0, 1.0], &mut x, 0.0), Err(LinearError::NotFactorized)));
         let n = flow.layout.len();
         let mut new = DirectSolver::new();
         let (mut a, mut b) = (vec![0.0; n], vec![0.0; n]);
         for (solver, x) in [(&mut used, &mut a), (&mut new, &mut b)] {
             solver.factorize(system.matrix(), system.unknowns()).unwrap();
-            solver.solve(system.residual(), x).unwrap();
+            solver.solve(system.residual(), x, 0.0).unwrap();
         }
         assert!(a.iter().zip(&b).all(|(a, b)| a.to_bits() == b.to_bits()), "m = {m}");
         assert!(max_norm(&a) > 0.0);
@@ -194,10 +194,10 @@ fn the_same_pattern_is_analysed_once_and_old_factors_keep_solving() {
     for _ in 0..3 {
         solver.factorize(system.matrix(), system.unknowns()).unwrap();
     }
-    solver.solve(system.residual(), &mut x).unwrap();
+    solver.solve(system.residual(), &mut x, 0.0).unwrap();
     assert_eq!((solver.n_symbolic_factorizations(), solver.n_factorizations()), (1, 3));
     let rhs = system.residual().to_vec();
     drop(system);
-    solver.solve(&rhs, &mut again).unwrap();
+    solver.solve(&rhs, &mut again, 0.0).unwrap();
     assert_eq!(x, again);
 }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use algebra::Workspace;
+use algebra::{LaggedSettings, LaggedSolver, Workspace};
 use solver::{Observer, ObserverError, Setup, State, StepView, TimeLoop};
 
 use crate::diagnostics::Diagnostics;
@@ -11,7 +11,7 @@ use crate::files::{create_directory, write_whole};
 use crate::history::{History, HistoryTable, column_prefix};
 use crate::measures::{BodyMeasures, leading_body};
 use crate::scenario::lower::{Case, CaseVisitor, lower};
-use crate::scenario::schema::{Cip, Output};
+use crate::scenario::schema::{Cip, Linear, Output, Preconditioner};
 use crate::scenario::{Scenario, ScenarioFile};
 use crate::summary::{Summary, SummaryBuilder, peak_rss_bytes};
 use crate::vtk::fluid::fluid_grid;
@@ -82,10 +82,10 @@ impl CaseVisitor for Run<'_, '_> {
         let mut files = RunFiles::new(scenario, &case, directory)?;
         let mut progress = Progress { report: self.options.progress, n_steps: case.n_steps, bottom: case.bottom };
         let state = State::initial(&case.setup)?;
-        let mut time_loop = TimeLoop::new(&case.setup, state, Workspace::new());
+        let mut time_loop = TimeLoop::new(&case.setup, state, workspace(&scenario.solver.linear));
         let outcome = time_loop.run(case.n_steps, &mut [&mut files, &mut progress]);
         if outcome.is_ok() {
-            files.summary.summary.refactorization_seconds = refactorization_seconds(time_loop.workspace_mut());
+            files.summary.summary.refactorization_seconds = time_loop.workspace().time_refactorization().ok();
         }
         let files = files.finish(scenario, &case.setup);
         // A step that failed says more than a picture that could not be drawn.
@@ -94,11 +94,14 @@ impl CaseVisitor for Run<'_, '_> {
     }
 }
 
-/// Median wall-clock time of three factorisations of the last step's matrix, whose pattern is known; `None` without one.
-fn refactorization_seconds(work: &mut Workspace) -> Option<f64> {
-    let mut seconds: Vec<f64> = (0..3).map(|_| work.time_refactorization().ok()).collect::<Option<_>>()?;
-    seconds.sort_by(f64::total_cmp);
-    Some(seconds[1])
+/// Memory with the linear solver of the scenario.
+fn workspace(linear: &Linear) -> Workspace {
+    match linear {
+        Linear::Direct {} => Workspace::new(),
+        Linear::Gmres { preconditioner: Preconditioner::LaggedLu } => {
+            Workspace::with_solver(Box::new(LaggedSolver::new(LaggedSettings::default())))
+        }
+    }
 }
 
 /// Writes everything that a run leaves behind.

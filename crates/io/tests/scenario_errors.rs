@@ -111,9 +111,9 @@ fn a_step_that_divides_to_round_off_is_accepted() {
 }
 
 #[test]
-fn things_to_come() {
-    let gmres = "{ kind = \"gmres\", restart = 80, tolerance = 1e-6, preconditioner = \"block-gauss-seidel\" }";
-    expect("{ kind = \"direct\" }", gmres, "solver.linear", &["not available yet", "direct"]);
+fn a_preconditioner_that_there_is_not() {
+    let gmres = "{ kind = \"gmres\", preconditioner = \"multigrid\" }";
+    expect("{ kind = \"direct\" }", gmres, "solver.linear", &["multigrid", "lagged-lu"]);
 }
 
 #[test]

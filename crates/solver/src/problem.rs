@@ -1,13 +1,13 @@
 //! The coupled problem of one step, by composition.
 
-use algebra::{BlockLayout, Constraints, Contributions, NonlinearProblem};
+use algebra::{BlockLayout, Constraints, Contributions, FieldId, NonlinearProblem};
 use contact::{ContactBody, ContactFacets, ContactPair};
 use fluid_ns::terms::{Backflow, Traction};
 use fluid_ns::{FluidCells, FluidConvection, FluidFaces, FluidForm, FluidGeometry, OpenBoundary};
 use interface_dg::{BodySide, InterfacePieces};
 use mesh::{BodyId, Tag, Vector};
 use solid_svk::{InternalWorkCells, LinearCells, SolidCells, SolidFacets};
-use xfem_space::BoundaryValues;
+use xfem_space::{BoundaryValues, XfemSpace};
 
 use crate::setup::{BodyKind, Contact, ContactObstacle, FluidBoundary};
 use crate::system::fluid_geometry;
@@ -44,6 +44,7 @@ impl<'a, const D: usize> StepForms<'a, D> {
 /// The coupled problem of one step; the order of its contributions is that of Eq. (11) of the paper.
 pub struct FsiProblem<'a, const D: usize> {
     system: &'a StepSystem<D>,
+    space: &'a XfemSpace<D>,
     fluid_cells: FluidCells<'a, D>,
     convection: FluidConvection<'a, D>,
     fluid_faces: FluidFaces<'a, D>,
@@ -92,6 +93,7 @@ impl<'a, const D: usize> FsiProblem<'a, D> {
         let fluid_geometry = &forms.fluid_geometry;
         Ok(Self {
             system,
+            space: &geometry.space,
             fluid_cells: FluidCells { geometry: fluid_geometry, fields, form: &forms.fluid },
             convection: FluidConvection { geometry: fluid_geometry, fields, form: &forms.fluid },
             fluid_faces: FluidFaces::new(fluid_geometry, fields, &forms.fluid),
@@ -211,6 +213,32 @@ impl<const D: usize> NonlinearProblem for FsiProblem<'_, D> {
 
     fn constraints(&self) -> &Constraints {
         &self.system.constraints
+    }
+
+    /// Unknowns of the fluid by vertex, component and place among the dofs of the vertex; those of bodies by field and
+    /// position.
+    fn keys(&self) -> Vec<u64> {
+        let n_vertices = self.space.vertices().iter().map(|v| v.index() + 1).max().unwrap_or(0);
+        let mut seen = vec![0_u64; n_vertices];
+        let scalar: Vec<u64> = self
+            .space
+            .vertices()
+            .iter()
+            .map(|vertex| {
+                let place = &mut seen[vertex.index()];
+                *place += 1;
+                (*place - 1) << 32 | vertex.index() as u64
+            })
+            .collect();
+        let layout = &self.system.layout;
+        let tag = |field: FieldId, component: usize| (field.0 as u64) << 56 | (component as u64) << 52;
+        let mut keys = Vec::with_capacity(layout.len());
+        keys.extend(scalar.iter().flat_map(|key| (0..D).map(move |a| tag(self.system.velocity, a) | key)));
+        keys.extend(scalar.iter().map(|key| tag(self.system.pressure, 0) | key));
+        for (field, _) in self.system.bodies.iter().flatten() {
+            keys.extend((0..layout.range(*field).len()).map(|k| tag(*field, 0) | k as u64));
+        }
+        keys
     }
 
     fn regime(&self, x: &[f64]) -> u64 {

@@ -3,7 +3,7 @@
 mod fixture;
 
 use fixture::*;
-use solver::algebra::Workspace;
+use solver::algebra::{LaggedSettings, LaggedSolver, Workspace};
 use solver::{State, advance};
 
 /// All bits of a state.
@@ -35,6 +35,28 @@ fn going_on_from_a_stored_state_equals_not_stopping() {
     }
     assert_eq!(bits(&through), bits(&stored));
     assert_eq!(through.time, stored.time);
+}
+
+#[test]
+fn old_factors_give_the_same_solution() {
+    // Into the contact and on; the settings refuse no old factors that converge at all.
+    let setup = falling_ball(0.8, 1.001, 1.0, false);
+    let lax = LaggedSettings { largest_share: 1.0, most_iterations: 40, ..LaggedSettings::default() };
+    let mut work = Workspace::with_solver(Box::new(LaggedSolver::new(lax)));
+    let mut state = State::initial(&setup).expect("a state");
+    let (mut n_factorizations, mut n_active) = (0, 0);
+    for _ in 0..12 {
+        let (next, report) = advance(&setup, &state, &mut work).expect("a step");
+        n_factorizations += report.newton.factorizations;
+        n_active += usize::from(report.contacts[0].is_active());
+        state = next;
+    }
+    let (direct, _) = run(&setup, 12);
+    let scale = direct.bodies[0].velocity.iter().map(|v| v.norm()).fold(0.0, f64::max);
+    for (a, b) in state.bodies[0].velocity.iter().zip(&direct.bodies[0].velocity) {
+        assert!((a - b).norm() < 1e-7 * scale, "{a} {b}");
+    }
+    assert!(n_active > 0 && n_factorizations < 12, "{n_active} steps in contact, {n_factorizations} factorisations");
 }
 
 #[test]

@@ -9,8 +9,8 @@ use std::time::Instant;
 use cutwater::io::report::{CaseResult, Limit, Study, StudyRun, StudySeries, machine};
 use cutwater::io::{self, HistoryTable, RunOptions, ScenarioFile, Summary};
 
-use self::definition::{Definition, Series};
 pub(crate) use self::definition::names;
+use self::definition::{Definition, Series};
 use crate::Outcome;
 use crate::bounds::potential::{arrival, gaps};
 use crate::case;
@@ -43,7 +43,8 @@ fn run_study(name: &str, definition: &Definition, again: bool, out: &Path) -> Ou
         ..Study::default()
     };
     for series in &definition.series {
-        let mut header = StudySeries { name: series.name.clone(), parameter: series.parameter.clone(), ..<_>::default() };
+        let mut header =
+            StudySeries { name: series.name.clone(), parameter: series.parameter.clone(), ..<_>::default() };
         if series.limit {
             header.bound = bound(series)?;
         }
@@ -68,7 +69,10 @@ fn run_study(name: &str, definition: &Definition, again: bool, out: &Path) -> Ou
     write(&mut study, definition, &[], &path)?;
     for (name, limit) in study.series.iter().filter_map(|series| Some((&series.name, series.limit?))) {
         let order = limit.order.map_or("no order".to_owned(), |order| format!("order {order:.2}"));
-        println!("  {name}: limit {:.4} +- {:.4} s, {order}, differences shrink: {}", limit.value, limit.uncertainty, limit.shrinks);
+        println!(
+            "  {name}: limit {:.4} +- {:.4} s, {order}, differences shrink: {}",
+            limit.value, limit.uncertainty, limit.shrinks
+        );
     }
     Ok(study.runs.iter().all(|run| run.failure.is_none()))
 }

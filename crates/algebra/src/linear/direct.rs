@@ -2,7 +2,7 @@
 
 use sprs::CsMatI;
 
-use super::factors::Factors;
+use super::factors::{Factors, max_norm};
 use super::{Equilibration, LinearError, LinearReport, LinearSolver, MatrixView, Unknowns};
 
 /// Largest accepted backward error of a solution.
@@ -11,8 +11,6 @@ const BACKWARD_ERROR_BOUND: f64 = 1e-11;
 const BACKWARD_ERROR_GOAL: f64 = 1e-15;
 /// Most steps of iterative refinement.
 const MAX_REFINEMENTS: usize = 2;
-/// Growth of the probing solve from which on the matrix counts as singular.
-const SINGULAR_GROWTH: f64 = 1e13;
 
 /// Sparse LU with partial pivoting and a COLAMD ordering of the nodes.
 ///
@@ -62,29 +60,9 @@ impl DirectSolver {
         let row_sum = &mut self.residual;
         row_sum.clear();
         row_sum.resize(matrix.rows(), 0.0);
-        let mut values = owned.data_mut().iter_mut();
-        for (column, c) in matrix.outer_iterator().zip(self.scales.column()) {
-            for ((i, value), scaled) in column.iter().zip(&mut values) {
-                *scaled = self.scales.row()[i] * value * c;
-                row_sum[i] += scaled.abs();
-            }
-        }
+        self.scales.scale(matrix, owned.data_mut());
+        owned.indices().iter().zip(owned.data()).for_each(|(row, value)| row_sum[*row as usize] += value.abs());
         self.norm = max_norm(row_sum);
-    }
-
-    /// Solves once with a fixed right-hand side of pseudo-random signs to see how large the inverse is.
-    fn probe(&mut self, n: usize) -> Result<(), LinearError> {
-        let mut state: u64 = 0x9e37_79b9_7f4a_7c15;
-        self.solution.clear();
-        self.solution.resize_with(n, || {
-            state ^= state << 13;
-            state ^= state >> 7;
-            state ^= state << 17;
-            if state >> 63 == 0 { 1.0 } else { -1.0 }
-        });
-        self.factors.substitute(&mut self.solution)?;
-        self.growth = max_norm(&self.solution);
-        if self.growth < SINGULAR_GROWTH { Ok(()) } else { Err(LinearError::Singular { growth: self.growth }) }
     }
 }
 
@@ -114,13 +92,13 @@ impl LinearSolver for DirectSolver {
         self.scale(matrix, &mut owned);
         if owned.rows() > 0 {
             self.factors.factorize(&owned, &self.nodes)?;
-            self.probe(owned.rows())?;
+            self.growth = self.factors.probe(owned.rows(), &mut self.solution)?;
         }
         self.matrix = Some(owned);
         Ok(())
     }
 
-    fn solve(&mut self, rhs: &[f64], x: &mut [f64]) -> Result<LinearReport, LinearError> {
+    fn solve(&mut self, rhs: &[f64], x: &mut [f64], _tolerance: f64) -> Result<LinearReport, LinearError> {
         let Some(matrix) = &self.matrix else { return Err(LinearError::NotFactorized) };
         assert!(rhs.len() == matrix.rows() && x.len() == matrix.rows(), "length of right-hand side and solution");
         if let Some(row) = rhs.iter().position(|b| !b.is_finite()) {
@@ -169,9 +147,4 @@ impl LinearSolver for DirectSolver {
     fn n_factorizations(&self) -> usize {
         self.factors.n_numeric
     }
-}
-
-/// Largest absolute entry; infinite if an entry is not a number.
-fn max_norm(x: &[f64]) -> f64 {
-    x.iter().fold(0.0, |max: f64, v| if v.is_nan() { f64::INFINITY } else { max.max(v.abs()) })
 }

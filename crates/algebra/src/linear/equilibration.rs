@@ -65,6 +65,16 @@ impl Equilibration {
         Ok(())
     }
 
+    /// Writes the values of `R A C`, in the order of the entries of `A`.
+    pub(crate) fn scale(&self, matrix: MatrixView<'_>, values: &mut [f64]) {
+        let mut values = values.iter_mut();
+        for (column, c) in matrix.outer_iterator().zip(&self.column) {
+            for ((i, value), scaled) in column.iter().zip(&mut values) {
+                *scaled = self.row[i] * value * c;
+            }
+        }
+    }
+
     /// Row scales R.
     pub fn row(&self) -> &[f64] {
         &self.row

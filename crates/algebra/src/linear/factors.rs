@@ -11,6 +11,9 @@ use sprs::CsMatI;
 use super::LinearError;
 use crate::faer_view::faer_view;
 
+/// Growth of the probing solve from which on the matrix counts as singular.
+const SINGULAR_GROWTH: f64 = 1e13;
+
 /// Supernodal LU factors of one matrix after the other.
 ///
 /// The memory of the factors is kept, whatever the size of the next matrix.
@@ -76,6 +79,26 @@ impl Factors {
         .map_err(error)
     }
 
+    /// Size of the matrix.
+    pub(super) fn len(&self) -> usize {
+        self.row_order.len()
+    }
+
+    /// Solves once with a fixed right-hand side of `n` pseudo-random signs to see how large the inverse is.
+    pub(super) fn probe(&mut self, n: usize, solution: &mut Vec<f64>) -> Result<f64, LinearError> {
+        let mut state: u64 = 0x9e37_79b9_7f4a_7c15;
+        solution.clear();
+        solution.resize_with(n, || {
+            state ^= state << 13;
+            state ^= state >> 7;
+            state ^= state << 17;
+            if state >> 63 == 0 { 1.0 } else { -1.0 }
+        });
+        self.substitute(solution)?;
+        let growth = max_norm(solution);
+        if growth < SINGULAR_GROWTH { Ok(growth) } else { Err(LinearError::Singular { growth }) }
+    }
+
     /// Solves with the factors, in place.
     pub(super) fn substitute(&mut self, x: &mut [f64]) -> Result<(), LinearError> {
         let Some(symbolic) = &self.symbolic else { return Err(LinearError::NotFactorized) };
@@ -92,6 +115,11 @@ impl Factors {
         );
         Ok(())
     }
+}
+
+/// Largest absolute entry; infinite if an entry is not a number.
+pub(super) fn max_norm(x: &[f64]) -> f64 {
+    x.iter().fold(0.0, |max: f64, v| if v.is_nan() { f64::INFINITY } else { max.max(v.abs()) })
 }
 
 /// Orders the columns of `a` and finds the supernodes of its factors. `at` is the transposed pattern.

@@ -3,9 +3,13 @@
 mod direct;
 mod equilibration;
 mod factors;
+mod gmres;
+mod lagged;
 
 pub use direct::DirectSolver;
 pub use equilibration::Equilibration;
+pub use gmres::{Gmres, GmresReport, GmresSettings, LinearMap};
+pub use lagged::{LaggedSettings, LaggedSolver};
 
 use crate::BlockLayout;
 
@@ -20,6 +24,9 @@ pub struct Unknowns<'a> {
     /// Unknown to its node: a number below the count of unknowns, shared by unknowns with almost the same couplings.
     /// It guides orderings and changes no solution.
     pub nodes: &'a [u32],
+    /// Unknown to its key, by which it is known again in the system of another time step; no keys if there is nothing to
+    /// know again.
+    pub keys: &'a [u64],
 }
 
 /// Solves linear systems with the matrix that it was given last.
@@ -33,19 +40,23 @@ pub trait LinearSolver: Send {
     /// The matrix is not square or not compressed by columns, or has another size than `unknowns`.
     fn factorize(&mut self, matrix: MatrixView<'_>, unknowns: Unknowns<'_>) -> Result<(), LinearError>;
 
-    /// Solves `A x = rhs` for the matrix of the last [`LinearSolver::factorize`].
+    /// Solves `A x = rhs` for the matrix of the last [`LinearSolver::factorize`]; a residual of `tolerance` relative to the
+    /// right-hand side (Euclidean norms of the equilibrated system) is enough.
     ///
     /// On error `x` is unchanged.
     ///
     /// # Panics
     /// `rhs` or `x` does not have the size of the matrix.
-    fn solve(&mut self, rhs: &[f64], x: &mut [f64]) -> Result<LinearReport, LinearError>;
+    fn solve(&mut self, rhs: &[f64], x: &mut [f64], tolerance: f64) -> Result<LinearReport, LinearError>;
 
     /// Row and column scales of the matrix of the last [`LinearSolver::factorize`].
     fn equilibration(&self) -> &Equilibration;
 
-    /// How often a matrix was factorised (or a preconditioner built) so far.
+    /// How often a whole matrix was factorised so far.
     fn n_factorizations(&self) -> usize;
+
+    /// Makes the next solves independent of all matrices before.
+    fn forget(&mut self) {}
 }
 
 /// What one linear solve did.

@@ -1,7 +1,7 @@
 //! Checks of single values that their types cannot express.
 
 use super::problem::{Problem, ScenarioError};
-use super::schema::{Background, Cip, ContactLaw, Linear, Material, Shape, Size};
+use super::schema::{Background, Cip, ContactLaw, Material, Shape, Size};
 use super::{GivenFluidCondition, ScenarioFile};
 use crate::scenario::schema::FluidCondition;
 
@@ -31,10 +31,6 @@ pub(super) fn check(file: &ScenarioFile) -> Result<(), ScenarioError> {
     time(file)?;
     alpha(file)?;
     names(file)?;
-    if let Linear::Gmres { .. } = scenario.solver.linear {
-        let problem = Problem::NotAvailable { what: "kind = \"gmres\"", instead: "use kind = \"direct\"" };
-        return Err(file.error("solver.linear", problem));
-    }
     if scenario.solver.newton.max_iterations == 0 {
         return Err(file.error("solver.newton.max_iterations", Problem::Range { value: 0.0, must: "at least 1" }));
     }

@@ -350,12 +350,8 @@ pub struct Newton {
 pub enum Linear {
     /// Sparse LU.
     Direct {},
-    /// Restarted GMRES.
+    /// Restarted flexible GMRES.
     Gmres {
-        /// Iterations until a restart.
-        restart: usize,
-        /// Relative tolerance.
-        tolerance: f64,
         /// Preconditioner.
         preconditioner: Preconditioner,
     },
@@ -365,8 +361,8 @@ pub enum Linear {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Preconditioner {
-    /// Block Gauss-Seidel over the fields.
-    BlockGaussSeidel,
+    /// The factors of an old matrix, mended where an interface has moved.
+    LaggedLu,
 }
 
 fn is_false(value: &bool) -> bool {

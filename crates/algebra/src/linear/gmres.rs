@@ -1,0 +1,179 @@
+//! Restarted flexible GMRES.
+
+use super::LinearError;
+
+/// When to stop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GmresSettings {
+    /// Largest accepted residual, relative to the right-hand side (Euclidean norms).
+    pub tolerance: f64,
+    /// Basis vectors that are kept before the iteration starts again.
+    pub restart: usize,
+    /// Most iterations.
+    pub max_iterations: usize,
+}
+
+/// What an iteration did.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct GmresReport {
+    /// Applications of the preconditioner.
+    pub iterations: usize,
+    /// True residual at the end, relative to the right-hand side.
+    pub residual: f64,
+}
+
+/// A linear map: writes the image of its first argument into the second.
+pub type LinearMap<'a> = dyn FnMut(&[f64], &mut [f64]) -> Result<(), LinearError> + 'a;
+
+/// Flexible GMRES with right preconditioning: the preconditioner may change from iteration to iteration.
+///
+/// The basis is orthogonalised by modified Gram-Schmidt, twice, so that it stays orthogonal to working precision. The
+/// residual that decides is computed from the solution, not from the recurrence. The memory of the basis is kept.
+///
+/// Source: Saad 1993, A flexible inner-outer preconditioned GMRES algorithm, doi:10.1137/0914028; Giraud, Langou and
+/// Rozložník 2005, doi:10.1016/j.camwa.2005.08.009, for the second orthogonalisation.
+#[derive(Clone, Debug, Default)]
+pub struct Gmres {
+    /// Orthonormal basis of the residuals.
+    basis: Vec<Vec<f64>>,
+    /// The preconditioned basis, of which corrections are made.
+    directions: Vec<Vec<f64>>,
+    /// Upper triangle of the rotated Hessenberg matrix, one column per direction.
+    columns: Vec<Vec<f64>>,
+    rotations: Vec<[f64; 2]>,
+    /// The rotated right-hand side of the least-squares problem.
+    target: Vec<f64>,
+}
+
+impl Gmres {
+    /// Solves `A x = rhs` from the starting guess `x`.
+    ///
+    /// # Errors
+    /// [`LinearError::NotConverged`] after the last iteration, with the best solution in `x`; what the maps return.
+    pub fn solve(
+        &mut self,
+        apply: &mut LinearMap<'_>,
+        precondition: &mut LinearMap<'_>,
+        rhs: &[f64],
+        x: &mut [f64],
+        settings: &GmresSettings,
+    ) -> Result<GmresReport, LinearError> {
+        let size = norm(rhs);
+        let mut report = GmresReport::default();
+        if size == 0.0 {
+            x.fill(0.0);
+            return Ok(report);
+        }
+        let bound = settings.tolerance * size;
+        let mut residual = vec![0.0; rhs.len()];
+        loop {
+            apply(x, &mut residual)?;
+            residual.iter_mut().zip(rhs).for_each(|(r, b)| *r = b - *r);
+            let left = norm(&residual);
+            report.residual = left / size;
+            if left <= bound {
+                return Ok(report);
+            }
+            if report.iterations >= settings.max_iterations || !left.is_finite() {
+                return Err(LinearError::NotConverged { iterations: report.iterations, residual: report.residual });
+            }
+            let most = settings.restart.min(settings.max_iterations - report.iterations);
+            let n = self.cycle(apply, precondition, &residual, left, bound, most)?;
+            // A direction in the kernel of the operator counts, though it is of no use.
+            report.iterations += n.max(1);
+            self.correct(x, n);
+        }
+    }
+
+    /// Builds a basis of at most `most` vectors from a residual of norm `size`, until the residual of the least-squares
+    /// problem is below the bound; returns how many directions there are.
+    fn cycle(
+        &mut self,
+        apply: &mut LinearMap<'_>,
+        precondition: &mut LinearMap<'_>,
+        residual: &[f64],
+        size: f64,
+        bound: f64,
+        most: usize,
+    ) -> Result<usize, LinearError> {
+        set(&mut self.basis, 0, residual.iter().map(|r| r / size));
+        self.rotations.clear();
+        self.target.clear();
+        self.target.push(size);
+        for k in 0..most {
+            set(&mut self.directions, k, std::iter::repeat_n(0.0, residual.len()));
+            precondition(&self.basis[k], &mut self.directions[k])?;
+            set(&mut self.basis, k + 1, std::iter::repeat_n(0.0, residual.len()));
+            let (known, next) = self.basis.split_at_mut(k + 1);
+            let next = &mut next[0];
+            apply(&self.directions[k], next)?;
+            let before = norm(next);
+            let mut column = vec![0.0; k + 1];
+            for _ in 0..2 {
+                for (v, h) in known.iter().zip(&mut column) {
+                    let share = dot(v, next);
+                    *h += share;
+                    next.iter_mut().zip(v).for_each(|(w, v)| *w -= share * v);
+                }
+            }
+            let mut below = norm(next);
+            // What round-off leaves of a vector in the span of the basis is no direction.
+            let is_exhausted = below <= f64::EPSILON * before;
+            if is_exhausted {
+                below = 0.0;
+            } else {
+                next.iter_mut().for_each(|w| *w /= below);
+            }
+            for (i, [c, s]) in self.rotations.iter().enumerate() {
+                (column[i], column[i + 1]) = (c * column[i] + s * column[i + 1], c * column[i + 1] - s * column[i]);
+            }
+            let length = column[k].hypot(below);
+            if length == 0.0 {
+                // The direction is in the kernel of the operator.
+                return Ok(k);
+            }
+            let (c, s) = (column[k] / length, below / length);
+            column[k] = length;
+            self.rotations.push([c, s]);
+            let last = self.target[k];
+            self.target[k] = c * last;
+            self.target.push(-s * last);
+            set(&mut self.columns, k, column.into_iter());
+            if (s * last).abs() <= bound || is_exhausted {
+                return Ok(k + 1);
+            }
+        }
+        Ok(most)
+    }
+
+    /// Adds the combination of the first `n` directions with the least residual.
+    fn correct(&self, x: &mut [f64], n: usize) {
+        let mut weights = self.target[..n].to_vec();
+        for k in (0..n).rev() {
+            weights[k] /= self.columns[k][k];
+            for i in 0..k {
+                weights[i] -= self.columns[k][i] * weights[k];
+            }
+        }
+        for (direction, weight) in self.directions.iter().zip(&weights) {
+            x.iter_mut().zip(direction).for_each(|(x, d)| *x += weight * d);
+        }
+    }
+}
+
+/// Puts values into entry `k` of a list of vectors, in its memory if there is one.
+fn set(list: &mut Vec<Vec<f64>>, k: usize, values: impl Iterator<Item = f64>) {
+    if list.len() <= k {
+        list.push(Vec::new());
+    }
+    list[k].clear();
+    list[k].extend(values);
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn norm(a: &[f64]) -> f64 {
+    dot(a, a).sqrt()
+}

@@ -1,0 +1,165 @@
+//! FGMRES, and factors that serve matrices of other sizes.
+
+use algebra::{
+    BlockLayout, DirectSolver, Gmres, GmresSettings, LaggedSettings, LaggedSolver, LinearError, LinearSolver, Unknowns,
+};
+use sprs::{CsMatI, TriMatI};
+
+/// Convection and diffusion on an `m` by `m` grid without the points of a disk; the keys number the grid. Points next to the
+/// disk are tied to it by a large penalty, as an interface does.
+fn grid(m: usize, centre: [f64; 2], convection: f64) -> (CsMatI<f64, u32>, Vec<u64>) {
+    let inside = |i: usize, j: usize| (i as f64 - centre[0]).hypot(j as f64 - centre[1]) < 0.2 * m as f64;
+    let points: Vec<[usize; 2]> = (0..m * m).map(|k| [k % m, k / m]).filter(|[i, j]| !inside(*i, *j)).collect();
+    let keys: Vec<u64> = points.iter().map(|[i, j]| (i + m * j) as u64).collect();
+    let position = |i: usize, j: usize| keys.binary_search(&((i + m * j) as u64)).ok();
+    let mut triplets = TriMatI::new((points.len(), points.len()));
+    for (row, &[i, j]) in points.iter().enumerate() {
+        let mut diagonal = 4.0;
+        let steps: [(i64, i64, f64); 4] = [(1, 0, -1.0), (-1, 0, -1.0 - convection), (0, 1, -1.0), (0, -1, -1.0)];
+        for (di, dj, value) in steps {
+            let (i, j) = (i as i64 + di, j as i64 + dj);
+            if (0..m as i64).contains(&i) && (0..m as i64).contains(&j) {
+                match position(i as usize, j as usize) {
+                    Some(column) => triplets.add_triplet(row, column, value),
+                    None => diagonal += 1e4,
+                }
+            }
+        }
+        triplets.add_triplet(row, row, diagonal + convection);
+    }
+    (triplets.to_csc(), keys)
+}
+
+fn unknowns<'a>(layout: &'a BlockLayout, nodes: &'a [u32], keys: &'a [u64]) -> Unknowns<'a> {
+    Unknowns { layout, nodes, keys }
+}
+
+/// A right-hand side without symmetry.
+fn right_side(keys: &[u64]) -> Vec<f64> {
+    keys.iter().map(|k| 1.0 + (*k as f64 * 0.37).sin()).collect()
+}
+
+fn difference(a: &[f64], b: &[f64]) -> f64 {
+    let size = b.iter().fold(0.0_f64, |s, x| s.max(x.abs()));
+    a.iter().zip(b).fold(0.0_f64, |d, (a, b)| d.max((a - b).abs())) / size
+}
+
+#[test]
+fn gmres_meets_its_tolerance_and_says_when_it_does_not() {
+    let (matrix, keys) = grid(20, [10.0, 10.0], 0.5);
+    let rhs = right_side(&keys);
+    let mut apply = |x: &[f64], y: &mut [f64]| {
+        y.fill(0.0);
+        sprs::prod::mul_acc_mat_vec_csc(matrix.view(), x, y);
+        Ok(())
+    };
+    let diagonal = matrix.diag();
+    // A preconditioner that changes from call to call: flexible GMRES does not mind.
+    let mut calls = 0;
+    let mut precondition = |r: &[f64], z: &mut [f64]| {
+        calls += 1;
+        let factor = if calls % 2 == 0 { 1.0 } else { 0.3 };
+        z.iter_mut().zip(r).zip(diagonal.data()).for_each(|((z, r), d)| *z = factor * r / d);
+        Ok(())
+    };
+    let mut x = vec![0.0; rhs.len()];
+    let settings = GmresSettings { tolerance: 1e-10, restart: 30, max_iterations: 500 };
+    let report = Gmres::default().solve(&mut apply, &mut precondition, &rhs, &mut x, &settings).unwrap();
+    let mut image = vec![0.0; rhs.len()];
+    sprs::prod::mul_acc_mat_vec_csc(matrix.view(), x.as_slice(), image.as_mut_slice());
+    assert!(difference(&image, &rhs) < 1e-9 && report.residual <= 1e-10 && report.iterations > 30, "{report:?}");
+    // From the solution there is nothing to do; and nothing is right for nothing.
+    let again = Gmres::default().solve(&mut apply, &mut precondition, &rhs, &mut x, &settings).unwrap();
+    assert_eq!(again.iterations, 0);
+    Gmres::default().solve(&mut apply, &mut precondition, &vec![0.0; rhs.len()], &mut x, &settings).unwrap();
+    assert!(x.iter().all(|x| *x == 0.0));
+    let few = GmresSettings { max_iterations: 5, ..settings };
+    let outcome = Gmres::default().solve(&mut apply, &mut precondition, &rhs, &mut x, &few);
+    assert!(matches!(outcome, Err(LinearError::NotConverged { iterations: 5, residual }) if residual < 1.0));
+}
+
+#[test]
+fn gmres_breaks_down_happily_and_stops_at_a_kernel() {
+    let mut identity = |x: &[f64], y: &mut [f64]| {
+        y.copy_from_slice(x);
+        Ok(())
+    };
+    let settings = GmresSettings { tolerance: 1e-12, restart: 10, max_iterations: 10 };
+    let mut x = vec![0.0; 3];
+    let mut double = |x: &[f64], y: &mut [f64]| {
+        y.iter_mut().zip(x).for_each(|(y, x)| *y = 2.0 * x);
+        Ok(())
+    };
+    let report = Gmres::default().solve(&mut double, &mut identity, &[1.0, 2.0, 3.0], &mut x, &settings).unwrap();
+    assert_eq!((report.iterations, x.as_slice()), (1, [0.5, 1.0, 1.5].as_slice()));
+    let mut nothing = |_: &[f64], y: &mut [f64]| {
+        y.fill(0.0);
+        Ok(())
+    };
+    x.fill(0.0);
+    let outcome = Gmres::default().solve(&mut nothing, &mut identity, &[1.0, 2.0, 3.0], &mut x, &settings);
+    assert!(matches!(outcome, Err(LinearError::NotConverged { .. })));
+}
+
+#[test]
+fn old_factors_serve_while_a_body_moves() {
+    let m = 60;
+    let layout = BlockLayout::new();
+    let mut lagged = LaggedSolver::new(LaggedSettings::default());
+    let n_steps = 12;
+    let mut sizes = Vec::new();
+    for step in 0..n_steps {
+        let (matrix, keys) = grid(m, [30.0 + 0.4 * step as f64, 28.0 + 0.2 * step as f64], 0.3 + 0.01 * step as f64);
+        let nodes: Vec<u32> = (0..keys.len() as u32).collect();
+        let rhs = right_side(&keys);
+        let (mut x, mut exact) = (vec![0.0; rhs.len()], vec![0.0; rhs.len()]);
+        lagged.factorize(matrix.view(), unknowns(&layout, &nodes, &keys)).unwrap();
+        let report = lagged.solve(&rhs, &mut x, 1e-10).unwrap();
+        let mut direct = DirectSolver::new();
+        direct.factorize(matrix.view(), unknowns(&layout, &nodes, &keys)).unwrap();
+        direct.solve(&rhs, &mut exact, 0.0).unwrap();
+        assert!(difference(&x, &exact) < 1e-8, "step {step}: {}", difference(&x, &exact));
+        assert!(report.iterations <= 25, "step {step}: {} iterations", report.iterations);
+        sizes.push(keys.len());
+    }
+    sizes.dedup();
+    assert!(sizes.len() > 3, "unknowns come and go");
+    assert!(lagged.n_factorizations() <= n_steps / 3, "{} factorisations", lagged.n_factorizations());
+}
+
+#[test]
+fn a_solver_that_forgets_gives_the_bits_of_a_new_one() {
+    let layout = BlockLayout::new();
+    let solve = |solver: &mut LaggedSolver, centre: f64| {
+        let (matrix, keys) = grid(30, [centre, 14.0], 0.2);
+        let nodes: Vec<u32> = (0..keys.len() as u32).collect();
+        let mut x = vec![0.0; keys.len()];
+        solver.factorize(matrix.view(), unknowns(&layout, &nodes, &keys)).unwrap();
+        solver.solve(&right_side(&keys), &mut x, 1e-6).unwrap();
+        x
+    };
+    let mut used = LaggedSolver::new(LaggedSettings::default());
+    solve(&mut used, 13.0);
+    let with_memory = solve(&mut used, 14.0);
+    assert_eq!(used.n_factorizations(), 1);
+    used.forget();
+    let without = solve(&mut used, 14.0);
+    let new = solve(&mut LaggedSolver::new(LaggedSettings::default()), 14.0);
+    assert!(without.iter().zip(&new).all(|(a, b)| a.to_bits() == b.to_bits()));
+    assert!(with_memory != new && difference(&with_memory, &new) < 1e-4);
+}
+
+#[test]
+fn an_impossible_matrix_is_an_error_and_the_next_one_is_solved() {
+    let layout = BlockLayout::new();
+    let mut solver = LaggedSolver::new(LaggedSettings::default());
+    let singular: CsMatI<f64, u32> = CsMatI::new_csc((2, 2), vec![0, 2, 4], vec![0, 1, 0, 1], vec![1.0; 4]);
+    let outcome = solver.factorize(singular.view(), unknowns(&layout, &[0, 1], &[0, 1]));
+    assert!(outcome.is_err());
+    let (matrix, keys) = grid(10, [5.0, 5.0], 0.1);
+    let nodes: Vec<u32> = (0..keys.len() as u32).collect();
+    let mut x = vec![0.0; keys.len()];
+    solver.factorize(matrix.view(), unknowns(&layout, &nodes, &keys)).unwrap();
+    solver.solve(&right_side(&keys), &mut x, 1e-8).unwrap();
+    assert!(x.iter().all(|x| x.is_finite()));
+}
