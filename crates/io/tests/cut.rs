@@ -122,6 +122,11 @@ fn field_files_are_read_back_as_meshes_of_the_same_volumes() {
     let (fluid, body) = (volume("fluid.vtu").expect("tetrahedra"), volume("body.vtu").expect("tetrahedra"));
     assert!((fluid - result.summary.fluid_volume).abs() < 1e-12, "{fluid}");
     assert!((body - 1.0 / 6.0).abs() < 1e-12, "{body}");
+    // An array that is shorter than it says.
+    let text = std::fs::read_to_string(folder.join("fluid.vtu")).expect("text");
+    let end = text.find("</DataArray>").expect("an array");
+    let damaged = write("short.vtu", &format!("{}{}", &text[..end - 8], &text[end..]));
+    assert!(matches!(read_tetrahedra(&damaged), Err(Error::MeshFile { .. })));
     // Triangles only.
     assert!(matches!(volume("interface.vtu"), Err(Error::MeshFile { .. })));
 }

@@ -19,8 +19,9 @@ pub enum MeshProblem {
     /// It holds a structured grid, a surface, or several pieces. Save one unstructured grid.
     #[error("it does not hold one unstructured grid")]
     DataSet,
-    /// Arrays contradict each other: lengths, or numbers of points that are not there.
-    #[error("its points and cells contradict each other")]
+    /// Arrays contradict each other: lengths, or numbers of points that are not there. Legacy files after version 4.2
+    /// list their cells in another way, and look like this.
+    #[error("its points and cells contradict each other, or it is a legacy file after version 4.2; save it as .vtu")]
     Arrays,
     /// A cell of three dimensions is no tetrahedron. Split it.
     #[error("cell {cell} is no tetrahedron but of type {kind:?}; save tetrahedra with 4 points")]
@@ -35,7 +36,7 @@ pub enum MeshProblem {
     Mesh(#[from] mesh::Error),
 }
 
-/// Reads the tetrahedra of an unstructured grid, `.vtu` or legacy `.vtk`. Points, lines, triangles and quadrilaterals are
+/// Reads the tetrahedra of an unstructured grid, `.vtu` (plain or with zlib) or legacy `.vtk` (to version 4.2). Points, lines, triangles and quadrilaterals are
 /// left out, as mesh generators put them beside the tetrahedra; tetrahedra that are inside out are turned.
 ///
 /// # Errors
@@ -44,11 +45,13 @@ pub fn read_tetrahedra(path: &Path) -> Result<SimplexMesh<3>, Error> {
     let refused = |problem| Error::MeshFile { path: path.to_owned(), problem };
     let bytes = std::fs::read(path).map_err(|source| Error::Read { path: path.to_owned(), source })?;
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
-    let parsed = match extension.as_deref() {
-        Some("vtu") => vtkio::Vtk::parse_xml(bytes.as_slice()),
-        Some("vtk") => vtkio::Vtk::parse_legacy_be(bytes.as_slice()),
+    let parse = match extension.as_deref() {
+        Some("vtu") => |bytes: &[u8]| vtkio::Vtk::parse_xml(bytes),
+        Some("vtk") => |bytes: &[u8]| vtkio::Vtk::parse_legacy_be(bytes),
         _ => return Err(refused(MeshProblem::Name)),
     };
+    // The parser takes the lengths in compressed arrays at their word, and panics where they are wrong.
+    let parsed = std::panic::catch_unwind(|| parse(&bytes)).map_err(|_| refused(MeshProblem::Arrays))?;
     let vtk = parsed.map_err(|source| refused(MeshProblem::Vtk(Box::new(source))))?;
     let DataSet::UnstructuredGrid { pieces, .. } = vtk.data else { return Err(refused(MeshProblem::DataSet)) };
     let Ok([Piece::Inline(piece)]) = <[Piece<UnstructuredGridPiece>; 1]>::try_from(pieces) else {

@@ -12,6 +12,7 @@
 mod background;
 mod identities;
 mod placement;
+mod sum;
 mod summary;
 
 use std::path::{Path, PathBuf};

@@ -7,6 +7,7 @@ use mesh::SimplexMesh;
 
 use super::CutErrors;
 use super::identities::{self, Moments};
+use super::sum::Sum;
 
 /// What a cut comes down to. Lengths are those of the surfaces' files.
 #[derive(Clone, Debug, PartialEq)]
@@ -67,8 +68,8 @@ impl CutSummary {
         let moments = Moments::new(background, cut);
         let quadrature_seconds = begin.elapsed().as_secs_f64();
         let report = cut.report();
-        let domain_volume: f64 = background.cells().map(|cell| background.cell_volume(cell)).sum();
-        let fluid_volume = cut.fluid_volume();
+        let domain_volume = Sum::of(background.cells().map(|cell| background.cell_volume(cell)));
+        let fluid_volume = Sum::of(cut.all_parts().map(|part| cut.part_volume(part)));
         Self {
             cells: background.n_cells(),
             cut_cells: report.n_cut_cells,
@@ -77,7 +78,7 @@ impl CutSummary {
             domain_volume,
             fluid_volume,
             solid_volume: domain_volume - fluid_volume,
-            surface_area: cut.interface().iter().map(|piece| piece.measure).sum(),
+            surface_area: Sum::of(cut.interface().iter().map(|piece| piece.measure)),
             smallest_fraction: report.smallest_fraction,
             seconds: CutSeconds::of_overlay(overlay_seconds, quadrature_seconds),
             max_relative_error: identities::check(background, cut, &moments),
