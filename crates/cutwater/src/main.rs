@@ -22,6 +22,8 @@ enum Command {
     Run(RunArguments),
     /// Check a scenario: read it, build its meshes, print sizes; run nothing.
     Check(ScenarioArguments),
+    /// Cut a mesh of tetrahedra by closed surfaces; print volumes, areas and how well identities hold.
+    Cut(CutArguments),
 }
 
 /// A scenario file with changes.
@@ -49,10 +51,39 @@ struct RunArguments {
     timings: bool,
 }
 
+#[derive(Args)]
+struct CutArguments {
+    /// Closed surfaces, .stl or .obj, one body each.
+    #[arg(required = true, value_name = "SURFACE")]
+    surfaces: Vec<PathBuf>,
+    /// Put a box of N x N x N cubes, six tetrahedra each, around them.
+    #[arg(long, value_name = "N", required_unless_present = "background", conflicts_with = "background")]
+    grid: Option<usize>,
+    /// Lay them over this mesh of tetrahedra, .vtu or .vtk.
+    #[arg(long, value_name = "MESH")]
+    background: Option<PathBuf>,
+    /// Turn the surfaces about their centre, at random.
+    #[arg(long, value_name = "SEED")]
+    rotate: Option<u64>,
+    /// Shift the surfaces by up to half a cell, at random.
+    #[arg(long, value_name = "SEED")]
+    shift: Option<u64>,
+    /// Turn surfaces that are oriented inwards inside out.
+    #[arg(long)]
+    flip: bool,
+    /// Directory for fluid.vtu, body.vtu and interface.vtu.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
 fn main() -> ExitCode {
     let done = match Cli::parse().command {
         Command::Run(arguments) => commands::run::run(&arguments),
         Command::Check(arguments) => commands::check::check(&arguments),
+        Command::Cut(arguments) => commands::cut::cut(&arguments),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

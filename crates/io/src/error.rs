@@ -29,6 +29,25 @@ pub enum Error {
         /// Where and what.
         malformed: crate::surface::Malformed,
     },
+    /// A mesh file is malformed, or holds no mesh of tetrahedra.
+    #[error("cannot read the mesh {}: {problem}", .path.display())]
+    MeshFile {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        problem: crate::cut::MeshProblem,
+    },
+    /// A box of cubes around surfaces cannot be built. Choose another number of cubes.
+    #[error("cannot put a grid around the surfaces: {0}")]
+    Grid(mesh::Error),
+    /// Surfaces are unfit for cutting; body, facet and point are inside.
+    #[error("cannot cut by {}: {source}", listed(.paths))]
+    Cut {
+        /// The files, one per body.
+        paths: Vec<PathBuf>,
+        /// Why.
+        source: cutcell::Error,
+    },
     /// A scenario cannot be run; file, line and key are inside.
     #[cfg(feature = "simulation")]
     #[error(transparent)]
@@ -69,4 +88,15 @@ pub enum Error {
     #[cfg(feature = "simulation")]
     #[error(transparent)]
     Step(#[from] solver::StepError),
+}
+
+/// The files of bodies; their numbers beside them if there are several.
+fn listed(paths: &[PathBuf]) -> String {
+    match paths {
+        [path] => path.display().to_string(),
+        _ => {
+            let named = |(body, path): (usize, &PathBuf)| format!("{} (body {body})", path.display());
+            paths.iter().enumerate().map(named).collect::<Vec<_>>().join(", ")
+        }
+    }
 }

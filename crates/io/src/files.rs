@@ -7,7 +7,6 @@ use std::path::{Path, PathBuf};
 use crate::Error;
 
 /// Creates a directory with everything above it.
-#[cfg(feature = "simulation")]
 pub(crate) fn create_directory(path: &Path) -> Result<(), Error> {
     fs::create_dir_all(path).map_err(|source| Error::Write { path: path.to_owned(), source })
 }

@@ -10,6 +10,7 @@
 //! # Ok::<(), io::Error>(())
 //! ```
 
+pub mod cut;
 pub mod surface;
 pub mod vtk;
 

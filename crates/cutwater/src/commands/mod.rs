@@ -1,6 +1,7 @@
 //! The commands, and how their errors are told.
 
 pub(crate) mod check;
+pub(crate) mod cut;
 pub(crate) mod run;
 
 use std::error::Error as _;
@@ -14,6 +15,7 @@ use cutwater::solver::Stage;
 pub(crate) fn exit_code(error: &Error) -> ExitCode {
     match error {
         Error::Read { .. } | Error::NotUtf8 { .. } | Error::Scenario(_) => ExitCode::from(2),
+        Error::Surface { .. } | Error::MeshFile { .. } | Error::Grid(_) | Error::Cut { .. } => ExitCode::from(2),
         _ => ExitCode::FAILURE,
     }
 }

@@ -5,6 +5,7 @@ use mesh::{CellId, Point, SimplexMesh, Vector};
 use solver::FluidState;
 use vtkio::model::CellType;
 
+use super::cut::ring;
 use super::{Grid, in_space, simplex_type};
 
 /// Velocity, pressure and vorticity on the fluid domain of a state.
@@ -99,19 +100,6 @@ impl<const D: usize> FluidOutput<'_, D> {
         self.pressure.push(pressure);
         self.grid.push_point(x)
     }
-}
-
-/// Corners of a convex polygon, counter-clockwise.
-pub(crate) fn ring<const D: usize>(piece: &Polytope<D>) -> Vec<Point<D>> {
-    let n = piece.n_faces();
-    let edges: Vec<(u32, u32)> = piece.faces().map(|(_, corners)| (corners[0], corners[1])).collect();
-    let mut corners = Vec::with_capacity(n);
-    let mut at = edges.first().map_or(0, |edge| edge.0);
-    for _ in 0..n {
-        corners.push(piece.points()[at as usize]);
-        at = edges.iter().find(|edge| edge.0 == at).map_or(at, |edge| edge.1);
-    }
-    corners
 }
 
 /// Curl of the velocity on a part; in 2D its third component.

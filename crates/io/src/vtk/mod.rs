@@ -1,5 +1,6 @@
 //! Field files for ParaView: one `.vtu` per output, and a `.pvd` index over time.
 
+pub mod cut;
 #[cfg(feature = "simulation")]
 pub mod fluid;
 #[cfg(feature = "simulation")]
@@ -130,7 +131,6 @@ fn tensor_in_space<const D: usize>(t: &Tensor<D>, out_of_plane: f64) -> [f64; 9]
 }
 
 /// The type of a simplex with that many points.
-#[cfg(feature = "simulation")]
 fn simplex_type(n_points: usize) -> CellType {
     match n_points {
         2 => CellType::Line,

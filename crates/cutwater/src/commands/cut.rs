@@ -1,0 +1,49 @@
+//! `cutwater cut`
+
+use cutwater::io::Error;
+use cutwater::io::cut::{BackgroundSource, CutSettings, CutSummary, cut_files};
+
+use crate::CutArguments;
+
+/// Cuts a mesh by surfaces and prints what came out.
+pub(crate) fn cut(arguments: &CutArguments) -> Result<(), Error> {
+    let settings = CutSettings {
+        background: match (&arguments.background, arguments.grid) {
+            (Some(path), _) => BackgroundSource::File(path.clone()),
+            // One of the two is there; a grid of nothing would be refused.
+            (None, grid) => BackgroundSource::Grid(grid.unwrap_or(0)),
+        },
+        rotate: arguments.rotate,
+        shift: arguments.shift,
+        flip: arguments.flip,
+    };
+    let result = cut_files(&arguments.surfaces, &settings)?;
+    if let Some(directory) = &arguments.out {
+        result.write_vtk(directory)?;
+    }
+    if arguments.json {
+        println!("{}", result.summary.to_json()?);
+    } else {
+        print_table(&result.summary);
+    }
+    Ok(())
+}
+
+fn print_table(summary: &CutSummary) {
+    let CutSummary { cells, cut_cells, covered_cells, parts_max, seconds, max_relative_error, .. } = summary;
+    println!("cells         {cells}: {cut_cells} cut, {covered_cells} covered, at most {parts_max} parts in one");
+    println!("volume        domain {}, fluid {}", summary.domain_volume, summary.fluid_volume);
+    println!("              solid {}, wet area {}", summary.solid_volume, summary.surface_area);
+    println!("smallest part {:.3e} of its cell", summary.smallest_fraction);
+    let classify = seconds.classify.map_or(String::new(), |classify| format!("classify {classify:.3} s, "));
+    println!("time          {classify}cut {:.3} s, quadrature {:.3} s", seconds.clip, seconds.quadrature);
+    println!("errors        relative, largest");
+    for (name, error, meaning) in [
+        ("partition", max_relative_error.partition, "parts and covered pieces make up each cell"),
+        ("normals", max_relative_error.normals, "the interface is closed"),
+        ("divergence", max_relative_error.divergence, "interface and volume belong together"),
+        ("adjacency", max_relative_error.adjacency, "both cells of a face see the same fluid on it"),
+    ] {
+        println!("  {name:<11} {error:8.1e}  {meaning}");
+    }
+}

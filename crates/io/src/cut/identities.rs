@@ -1,0 +1,189 @@
+//! Identities that a cut keeps for any surfaces, and how far it misses them.
+
+use cutcell::{CutMesh, FaceLabel, PartId};
+use mesh::{FacetId, MAX_CELL_VERTICES, Point, QuadratureRule, SimplexMesh, SimplexRule, Vector, simplex_measure};
+
+use super::sum::Sum;
+use super::{face_normal, face_points};
+
+/// Distance from a face of the background, relative to the size of the cell, up to which interface may count as lying
+/// on it.
+const ON_FACE: f64 = 1e-9;
+
+/// Largest relative errors of a cut: zero but for round-off.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "simulation", derive(serde::Serialize, serde::Deserialize))]
+pub struct CutErrors {
+    /// `|parts + covered - |K|| / |K|`, the largest over all cells `K`.
+    pub partition: f64,
+    /// `|∫ n| / area` over the wet interface; what bodies cover of the boundary of the background closes the interface
+    /// where they stick out.
+    pub normals: f64,
+    /// `|∫ div F - ∮ F·n| / ∫ div F` over the fluid, the larger for a linear and a quadratic `F`, with
+    /// `F_a = r_a` and `F_a = r_a²`, `r` from the lowest corner of the background.
+    pub divergence: f64,
+    /// What a fluid part has on a face of its cell, without what it shares there with parts on the other side, over the
+    /// measure of the face; the largest over all faces of all parts. Interface on the face itself is not shared.
+    pub adjacency: f64,
+}
+
+/// Measures all identities of a cut.
+pub(super) fn check<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>, moments: &Moments<D>) -> CutErrors {
+    CutErrors {
+        partition: partition(background, cut),
+        normals: normals(background, cut),
+        divergence: moments.divergence(background, cut),
+        adjacency: adjacency(background, cut),
+    }
+}
+
+/// An error over its scale. Nothing is wrong with nothing.
+fn relative(error: f64, scale: f64) -> f64 {
+    if error == 0.0 || scale == 0.0 { 0.0 } else { error / scale }
+}
+
+fn partition<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>) -> f64 {
+    let mut missing: Vec<f64> = background
+        .cells()
+        .map(
+            |cell| if cut.cell_state(cell) == cutcell::CellState::Covered { 0.0 } else { background.cell_volume(cell) },
+        )
+        .collect();
+    for part in cut.all_parts() {
+        missing[cut.part_cell(part).index()] -= cut.part_volume(part);
+    }
+    for (cell, piece) in cut.covered_pieces() {
+        missing[cell.index()] -= piece.volume();
+    }
+    let errors = background.cells().map(|cell| missing[cell.index()].abs() / background.cell_volume(cell));
+    errors.fold(0.0, f64::max)
+}
+
+fn normals<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>) -> f64 {
+    let mut wet = vec![0.0; background.n_facets()];
+    for piece in cut.boundary() {
+        wet[piece.facet.index()] += piece.measure;
+    }
+    let mut sum = Vector::<D>::zeros();
+    for facet in background.facets().filter(|&facet| background.is_boundary(facet)) {
+        let covered = face_measure(background, facet) - wet[facet.index()];
+        sum += face_normal(background, facet) * covered;
+    }
+    sum += cut.interface().iter().map(|piece| piece.normal * piece.measure).sum::<Vector<D>>();
+    relative(sum.norm(), cut.interface().iter().map(|piece| piece.measure).sum())
+}
+
+/// Integrals over the fluid that the divergence theorem speaks of.
+pub(super) struct Moments<const D: usize> {
+    /// Lowest corner of the background.
+    origin: Point<D>,
+    /// `∫ Σ_a 2 r_a`.
+    first: f64,
+}
+
+impl<const D: usize> Moments<D> {
+    /// Integrates by quadrature of degree two on every part.
+    pub(super) fn new(background: &SimplexMesh<D>, cut: &CutMesh<D>) -> Self {
+        let origin = background.vertices().iter().fold(Point::<D>::repeat(f64::INFINITY), |low, x| low.inf(x));
+        let rule = SimplexRule::of_degree(D, 2);
+        let mut inside = QuadratureRule::default();
+        let first = Sum::of(cut.all_parts().map(|part| {
+            inside.points.clear();
+            inside.weights.clear();
+            cut.part_quadrature(background, part, &rule, &mut inside);
+            inside.integrate(|x| 2.0 * (x - origin).sum())
+        }));
+        Self { origin, first }
+    }
+
+    fn divergence(&self, background: &SimplexMesh<D>, cut: &CutMesh<D>) -> f64 {
+        let rule = SimplexRule::of_degree(D - 1, 2);
+        let (mut linear, mut quadratic) = (Sum::default(), Sum::default());
+        let mut face = QuadratureRule::default();
+        let mut flux = |points: &[Point<D>], normal: Vector<D>| {
+            face.points.clear();
+            face.weights.clear();
+            face.push_simplex(&rule, points);
+            linear.add(face.integrate(|x| (x - self.origin).dot(&normal)));
+            quadratic.add(face.integrate(|x| (x - self.origin).map(|r| r * r).dot(&normal)));
+        };
+        for piece in cut.boundary() {
+            flux(&piece.points[..D], face_normal(background, piece.facet));
+        }
+        for piece in cut.interface() {
+            flux(&piece.points[..D], -piece.normal);
+        }
+        let volume = Sum::of(cut.all_parts().map(|part| cut.part_volume(part)));
+        let error = |inside: f64, flux: Sum| relative((inside - flux.total()).abs(), inside);
+        error(D as f64 * volume, linear).max(error(self.first, quadratic))
+    }
+}
+
+fn adjacency<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>) -> f64 {
+    // By part and local facet of its cell: what is not shared, and what may be interface.
+    let mut unshared = vec![[0.0; MAX_CELL_VERTICES]; cut.n_parts()];
+    let mut aligned = unshared.clone();
+    for part in cut.all_parts() {
+        add_faces(background, cut, part, &mut unshared[part.index()]);
+    }
+    let shared = cut.part_faces().iter().flat_map(|face| face.parts.map(|part| (part, face.facet, face.measure)));
+    let on_boundary = cut.boundary().iter().map(|piece| (piece.part, piece.facet, piece.measure));
+    for (part, facet, measure) in shared.chain(on_boundary) {
+        let facets = background.cell_to_facet(cut.part_cell(part));
+        if let Some(local) = facets.iter().position(|&f| f == facet) {
+            unshared[part.index()][local] -= measure;
+        }
+    }
+    for piece in cut.interface() {
+        let near = ON_FACE * background.simplex(piece.cell).diameter();
+        for (local, &facet) in background.cell_to_facet(piece.cell).iter().enumerate() {
+            let (normal, origin) = (face_normal(background, facet), face_points(background, facet)[0]);
+            if piece.points[..D].iter().all(|x| normal.dot(&(x - origin)).abs() <= near) {
+                aligned[piece.part.index()][local] += piece.measure;
+            }
+        }
+    }
+    let mut largest = 0.0_f64;
+    for part in cut.all_parts() {
+        let (unshared, aligned) = (unshared[part.index()], aligned[part.index()]);
+        for (local, &facet) in background.cell_to_facet(cut.part_cell(part)).iter().enumerate() {
+            let outside = (-unshared[local]).max(unshared[local] - aligned[local]).max(0.0);
+            largest = largest.max(outside / face_measure(background, facet));
+        }
+    }
+    largest
+}
+
+/// Adds what a part has on each face of its cell.
+fn add_faces<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>, part: PartId, on_face: &mut [f64]) {
+    if cut.is_whole(part) {
+        for (sum, &facet) in on_face.iter_mut().zip(background.cell_to_facet(cut.part_cell(part))) {
+            *sum += face_measure(background, facet);
+        }
+        return;
+    }
+    for piece in cut.part_pieces(part) {
+        for (face, (label, _)) in piece.faces().enumerate() {
+            if let FaceLabel::Cell(local) = label {
+                let polygon: Vec<Point<D>> = piece.face_points(face).collect();
+                on_face[usize::from(local)] += polygon_measure(&polygon);
+            }
+        }
+    }
+}
+
+/// Measure of a convex face, by a fan of simplices.
+fn polygon_measure<const D: usize>(polygon: &[Point<D>]) -> f64 {
+    let Some((&apex, rest)) = polygon.split_first() else { return 0.0 };
+    let mut corners = [apex; MAX_CELL_VERTICES];
+    rest.windows(D - 1)
+        .map(|opposite| {
+            corners[1..D].copy_from_slice(opposite);
+            simplex_measure(&corners[..D])
+        })
+        .sum()
+}
+
+fn face_measure<const D: usize>(background: &SimplexMesh<D>, facet: FacetId) -> f64 {
+    simplex_measure(&face_points(background, facet)[..D])
+}

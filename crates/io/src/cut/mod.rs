@@ -1,0 +1,140 @@
+//! Closed surfaces from files laid over a mesh of tetrahedra, and how good the cut is: the command `cutwater cut`.
+//!
+//! ```no_run
+//! use io::cut::{BackgroundSource, CutSettings, cut_files};
+//! let settings = CutSettings::new(BackgroundSource::Grid(20));
+//! let result = cut_files(&["bunny.stl"], &settings)?;
+//! println!("{} of {} cells are cut", result.summary.cut_cells, result.summary.cells);
+//! result.write_vtk("bunny".as_ref())?;
+//! # Ok::<(), io::Error>(())
+//! ```
+
+mod background;
+mod identities;
+mod placement;
+mod sum;
+mod summary;
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use cutcell::{CutMesh, OverlayOptions};
+use mesh::{BodyId, Placed, SimplexMesh, Vector};
+
+use crate::Error;
+use crate::files::create_directory;
+use crate::surface::Surface;
+use crate::vtk::cut::{body_grid, fluid_grid, interface_grid};
+
+pub use background::{MeshProblem, read_tetrahedra};
+pub use identities::CutErrors;
+pub use summary::{CutSeconds, CutSummary};
+
+/// Level of zlib in the field files.
+const COMPRESSION: u32 = 4;
+
+/// What the surfaces are laid over.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum BackgroundSource {
+    /// A box of this many cubes along each axis, six tetrahedra each, around the surfaces: a tenth of their longest
+    /// extent is left free on every side of it.
+    Grid(usize),
+    /// A mesh of tetrahedra, `.vtu` or `.vtk`.
+    File(PathBuf),
+}
+
+/// How to lay surfaces over a background.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CutSettings {
+    /// The background.
+    pub background: BackgroundSource,
+    /// Seed of a random rotation of all surfaces together about the centre of their box; all rotations are equally
+    /// likely.
+    pub rotate: Option<u64>,
+    /// Seed of a random shift of all surfaces together, up to half a cell along each axis. It comes after a grid is put
+    /// around them, so that on grids of less than six cubes it can push them out; that is legal.
+    pub shift: Option<u64>,
+    /// Turn surfaces that enclose a negative volume inside out.
+    pub flip: bool,
+}
+
+impl CutSettings {
+    /// The surfaces as they are in their files.
+    pub fn new(background: BackgroundSource) -> Self {
+        Self { background, rotate: None, shift: None, flip: false }
+    }
+}
+
+/// Surfaces, the background that they cut, and the cut.
+#[derive(Clone, Debug)]
+pub struct SurfaceCut {
+    /// The surfaces where they were laid, one per body.
+    pub surfaces: Vec<Surface>,
+    /// The background.
+    pub background: SimplexMesh<3>,
+    /// The cut.
+    pub cut: CutMesh<3>,
+    /// What it comes down to.
+    pub summary: CutSummary,
+}
+
+/// Reads closed surfaces, one body each, and cuts a background by them.
+///
+/// # Errors
+/// [`Error::Read`], [`Error::Surface`], [`Error::MeshFile`] for files that cannot be understood; [`Error::Grid`] for a
+/// senseless grid; [`Error::Cut`] for surfaces that are empty, open, non-manifold or turned inwards.
+pub fn cut_files(paths: &[impl AsRef<Path>], settings: &CutSettings) -> Result<SurfaceCut, Error> {
+    let refused = |source| Error::Cut { paths: paths.iter().map(|path| path.as_ref().to_owned()).collect(), source };
+    let mut surfaces = Vec::with_capacity(paths.len());
+    for (index, path) in paths.iter().enumerate() {
+        let surface = Surface::read(path.as_ref())?;
+        if surface.boundary().n_facets() == 0 {
+            return Err(refused(cutcell::Error::Empty { body: BodyId::new(index) }));
+        }
+        let is_inward = settings.flip && surface.placed().enclosed_volume() < 0.0;
+        surfaces.push(if is_inward { surface.flipped() } else { surface });
+    }
+    if let Some(seed) = settings.rotate {
+        placement::rotate(&mut surfaces, seed);
+    }
+    let background = match &settings.background {
+        BackgroundSource::Grid(n) => placement::grid_around(&surfaces, *n).map_err(Error::Grid)?,
+        BackgroundSource::File(path) => read_tetrahedra(path)?,
+    };
+    if let Some(seed) = settings.shift {
+        placement::shift(&mut surfaces, seed, placement::cube_size(&background));
+    }
+    let placed: Vec<Placed<'_, _>> = surfaces.iter().map(Surface::placed).collect();
+    let begin = Instant::now();
+    let cut = CutMesh::overlay(&background, &placed, &OverlayOptions::new()).map_err(refused)?;
+    let summary = CutSummary::new(&background, &cut, begin.elapsed().as_secs_f64());
+    Ok(SurfaceCut { surfaces, background, cut, summary })
+}
+
+impl SurfaceCut {
+    /// Writes `fluid.vtu` (fluid parts), `body.vtu` (what the bodies cover) and `interface.vtu` (interface pieces) into a
+    /// directory, which is created; see [`crate::vtk::cut`] for the fields.
+    ///
+    /// # Errors
+    /// [`Error::Write`], [`Error::Vtk`].
+    pub fn write_vtk(&self, directory: &Path) -> Result<(), Error> {
+        create_directory(directory)?;
+        fluid_grid(&self.background, &self.cut).write(&directory.join("fluid.vtu"), COMPRESSION)?;
+        body_grid(&self.background, &self.cut).write(&directory.join("body.vtu"), COMPRESSION)?;
+        interface_grid(&self.cut).write(&directory.join("interface.vtu"), COMPRESSION)
+    }
+}
+
+/// Unit normal of a face of the background, out of its first cell.
+fn face_normal<const D: usize>(background: &SimplexMesh<D>, facet: mesh::FacetId) -> Vector<D> {
+    mesh::facet_normal(&face_points(background, facet)[..D])
+}
+
+/// Corners of a face of the background; the first `D` count.
+fn face_points<const D: usize>(background: &SimplexMesh<D>, facet: mesh::FacetId) -> [mesh::Point<D>; 3] {
+    let mut points = [mesh::Point::zeros(); 3];
+    for (slot, &vertex) in points.iter_mut().zip(background.facet(facet)) {
+        *slot = background.vertex(vertex);
+    }
+    points
+}

@@ -1,0 +1,96 @@
+//! Where surfaces lie on a background: a box around them, random rotations and shifts.
+
+use mesh::generate::structured_box;
+use mesh::nalgebra::{Quaternion, UnitQuaternion};
+use mesh::{Point, SimplexMesh};
+
+use crate::surface::Surface;
+
+/// Free space on every side of the surfaces, as a fraction of their longest extent.
+const MARGIN: f64 = 0.1;
+
+/// A box of `n`³ cubes with the centre of the surfaces.
+pub(super) fn grid_around(surfaces: &[Surface], n: usize) -> Result<SimplexMesh<3>, mesh::Error> {
+    let (low, high) = bounds(surfaces);
+    let half_edge = (0.5 + MARGIN) * (high - low).amax();
+    let centre = 0.5 * (low + high);
+    structured_box(centre.add_scalar(-half_edge).into(), centre.add_scalar(half_edge).into(), [n; 3])
+}
+
+/// Edge of the cubes of a mesh that has six tetrahedra in each, and of a mesh with as many cells in the same volume.
+pub(super) fn cube_size(background: &SimplexMesh<3>) -> f64 {
+    let volume: f64 = background.cells().map(|cell| background.cell_volume(cell)).sum();
+    (6.0 * volume / background.n_cells() as f64).cbrt()
+}
+
+/// Turns the surfaces together about the centre of their box.
+pub(super) fn rotate(surfaces: &mut [Surface], seed: u64) {
+    let (low, high) = bounds(surfaces);
+    let centre = 0.5 * (low + high);
+    let turn = Random(seed).rotation();
+    move_all(surfaces, |x| centre + turn * (x - centre));
+}
+
+/// Shifts the surfaces together, up to half of `size` along each axis.
+pub(super) fn shift(surfaces: &mut [Surface], seed: u64, size: f64) {
+    let mut random = Random(seed);
+    let shift = Point::from_fn(|_, _| size * (random.unit() - 0.5));
+    move_all(surfaces, |x| x + shift);
+}
+
+fn move_all(surfaces: &mut [Surface], map: impl Fn(&Point<3>) -> Point<3>) {
+    for surface in surfaces {
+        *surface = surface.moved(&map);
+    }
+}
+
+/// The lowest and the highest coordinates of all vertices.
+fn bounds(surfaces: &[Surface]) -> (Point<3>, Point<3>) {
+    let everything = (Point::repeat(f64::INFINITY), Point::repeat(f64::NEG_INFINITY));
+    surfaces.iter().flat_map(Surface::positions).fold(everything, |(low, high), x| (low.inf(x), high.sup(x)))
+}
+
+/// Random numbers that a seed determines: SplitMix64 (Steele, Lea, Flood 2014).
+struct Random(u64);
+
+impl Random {
+    /// A number from 0 to 1.
+    fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        // The 53 bits that a number between 0 and 1 holds.
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// A rotation, all being equally likely (Shoemake 1992).
+    fn rotation(&mut self) -> UnitQuaternion<f64> {
+        let (share, first, second) = (self.unit(), self.unit(), self.unit());
+        let (sin_1, cos_1) = (std::f64::consts::TAU * first).sin_cos();
+        let (sin_2, cos_2) = (std::f64::consts::TAU * second).sin_cos();
+        let (a, b) = ((1.0 - share).sqrt(), share.sqrt());
+        UnitQuaternion::from_quaternion(Quaternion::new(b * cos_2, a * sin_1, a * cos_1, b * sin_2))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn seeds_determine_numbers_and_rotations_favour_no_direction() {
+        assert_eq!(Random(7).unit(), Random(7).unit());
+        assert_ne!(Random(7).unit(), Random(8).unit());
+        let mut random = Random(1);
+        let (mut mean, mut square) = (Point::<3>::zeros(), Point::<3>::zeros());
+        let n = 4000;
+        for _ in 0..n {
+            let x = random.rotation() * Point::<3>::x();
+            mean += x / f64::from(n);
+            square += x.component_mul(&x) / f64::from(n);
+        }
+        assert!(mean.amax() < 0.04, "{mean}");
+        assert!(square.add_scalar(-1.0 / 3.0).amax() < 0.03, "{square}");
+    }
+}
