@@ -2,9 +2,9 @@
 
 use mesh::{CellId, Point, SimplexMesh, VertexId};
 
-use crate::overlay::TouchedCells;
-use crate::predicates::{End, crossing};
+use crate::exact::{End, crossing};
 use crate::surface::Facet;
+use crate::touched::TouchedCells;
 
 const UNKNOWN: i32 = i32::MIN;
 

@@ -33,15 +33,18 @@ mod classify;
 mod clip;
 mod cut_mesh;
 mod error;
+mod exact;
+mod faces;
 mod overlay;
-mod predicates;
 mod report;
 mod surface;
+mod touched;
+mod tree;
 
 pub use clip::{FaceLabel, Polytope};
 pub use cut_mesh::{BoundaryPiece, CellState, CutMesh, InterfacePiece, PartFace, PartId};
 pub use error::Error;
 pub use overlay::OverlayOptions;
-pub use report::CutReport;
+pub use report::{CutReport, SLIVER};
 
 pub use mesh;

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use mesh::{BodyId, FacetId, Placed, Point, Vector, VertexId};
 
 use crate::Error;
-use crate::predicates::determinant;
+use crate::exact::HalfSpace;
 
 /// One facet of one surface.
 #[derive(Clone, Debug)]
@@ -13,10 +13,13 @@ pub(crate) struct Facet<const D: usize> {
     pub(crate) body: BodyId,
     pub(crate) id: FacetId,
     points: [Point<D>; 4],
+    /// Numbers of the corners among the vertices of all surfaces.
+    pub(crate) vertices: [u32; 3],
     /// Unit normal, out of the body.
     pub(crate) normal: Vector<D>,
-    /// Determinant of a point to its distance: one over the length of the normal before normalisation.
-    inverse_scale: f64,
+    pub(crate) plane: HalfSpace<D>,
+    /// Upright planes through the rims, see [`crate::exact::Plane::rim`].
+    pub(crate) rims: [HalfSpace<D>; 3],
     pub(crate) low: Point<D>,
     pub(crate) high: Point<D>,
 }
@@ -26,10 +29,9 @@ impl<const D: usize> Facet<D> {
         &self.points[..D]
     }
 
-    /// Signed distance to the plane of the facet, positive in front of it, zero within the tolerance.
-    pub(crate) fn distance(&self, x: &Point<D>, tolerance: f64) -> f64 {
-        let d = -determinant(self.points(), x) * self.inverse_scale;
-        if d.abs() <= tolerance { 0.0 } else { d }
+    /// Points of the upright plane through a rim; the first `D` count. All of them are points to take as they are.
+    pub(crate) fn rim_points(&self, local: usize) -> [Point<D>; 3] {
+        rim_points(self.points(), &self.normal, local)
     }
 
     /// Barycentric coordinates on the facet of a point on it.
@@ -61,6 +63,7 @@ impl<const D: usize> Facet<D> {
 /// Surfaces that are empty, open, non-manifold, turned inwards, or have coordinates that are not finite.
 pub(crate) fn collect<const D: usize>(surfaces: &[Placed<'_, D>]) -> Result<Vec<Facet<D>>, Error> {
     let mut facets = Vec::with_capacity(surfaces.iter().map(|s| s.boundary().n_facets()).sum());
+    let mut first_vertex = 0;
     for (index, surface) in surfaces.iter().enumerate() {
         let body = BodyId::new(index);
         check_surface(body, surface)?;
@@ -75,11 +78,29 @@ pub(crate) fn collect<const D: usize>(surfaces: &[Placed<'_, D>]) -> Result<Vec<
                 low = low.inf(x);
                 high = high.sup(x);
             }
-            let inverse_scale = surface.facet_normal_scaled(id).norm().recip();
-            facets.push(Facet { body, id, points, normal, inverse_scale, low, high });
+            let mut vertices = [0; 3];
+            for (slot, v) in vertices.iter_mut().zip(surface.boundary().facet(id)) {
+                *slot = first_vertex + v.0;
+            }
+            let plane = HalfSpace::through(&points[..D]);
+            let rims = std::array::from_fn(|k| HalfSpace::through(&rim_points(&points[..D], &normal, k % D)[..D]));
+            facets.push(Facet { body, id, points, vertices, normal, plane, rims, low, high });
         }
+        first_vertex += surface.positions().len() as u32;
     }
     Ok(facets)
+}
+
+fn rim_points<const D: usize>(points: &[Point<D>], normal: &Vector<D>, local: usize) -> [Point<D>; 3] {
+    let (a, b) = (points[local], points[(local + 1) % D]);
+    let tip = a + normal * (points[1] - points[0]).norm();
+    let mut through = [Point::zeros(); 3];
+    match (D, local) {
+        (2, 0) => through[..2].copy_from_slice(&[a, tip]),
+        (2, _) => through[..2].copy_from_slice(&[tip, a]),
+        _ => through = [a, b, tip],
+    }
+    through
 }
 
 fn check_surface<const D: usize>(body: BodyId, surface: &Placed<'_, D>) -> Result<(), Error> {

@@ -13,7 +13,7 @@ fn coord<const D: usize>(x: &Point<D>) -> Coord<f64> {
 /// Determinant of a point with respect to the plane of a facet: positive behind the facet, on the side of the body.
 /// Its sign is exact, and so is a small value to a few digits: round-off in the normal of a small facet does not grow
 /// with the distance from it.
-pub(crate) fn determinant<const D: usize>(facet: &[Point<D>], x: &Point<D>) -> f64 {
+pub(super) fn determinant<const D: usize>(facet: &[Point<D>], x: &Point<D>) -> f64 {
     match D {
         2 => orient2d(coord(&facet[0]), coord(&facet[1]), coord(x)),
         _ => orient3d(coord_3d(&facet[0]), coord_3d(&facet[1]), coord_3d(&facet[2]), coord_3d(x)),

@@ -1,0 +1,8 @@
+//! Exact decisions: everything that a cut decides by a sign is decided here.
+
+mod crossing;
+mod expansion;
+mod planes;
+
+pub(crate) use crossing::{End, crossing};
+pub(crate) use planes::{Corner, HalfSpace, Plane, PlaneKind, Planes};

@@ -1,0 +1,198 @@
+//! A cell divided by facets: a tree of planes with convex pieces as its leaves.
+
+use mesh::CellId;
+
+use crate::clip::{Piece, Polygon};
+use crate::exact::{Corner, Plane, Planes};
+
+/// What lies on one side of a node.
+#[derive(Clone, Copy, Debug)]
+enum Child {
+    Node(u32),
+    Leaf(u32),
+}
+
+/// A convex region divided by the plane of a facet.
+#[derive(Clone, Debug)]
+struct Node<const D: usize> {
+    plane: Plane,
+    /// The section of the region by the plane.
+    section: Polygon<D>,
+    /// Facets with an area on the section.
+    cover: Vec<u32>,
+    /// What lies behind the plane, and in front of it.
+    children: [Child; 2],
+}
+
+/// A binary space partition of a cell, a plane only where its facet is. All decisions are exact.
+#[derive(Clone, Debug)]
+pub(crate) struct Tree<const D: usize> {
+    nodes: Vec<Node<D>>,
+    leaves: Vec<Piece<D>>,
+    root: Child,
+}
+
+/// Where two leaves touch: a polygon between the one behind it and the one in front of it.
+#[derive(Clone, Debug)]
+pub(crate) struct Wall<const D: usize> {
+    pub(crate) behind: usize,
+    pub(crate) front: usize,
+    pub(crate) polygon: Polygon<D>,
+    pub(crate) cover: Cover,
+}
+
+/// Facets that lie on a wall.
+#[derive(Clone, Copy, Default, Debug)]
+pub(crate) struct Cover {
+    /// Bodies behind the wall less bodies in front of it, through these facets.
+    pub(crate) step: i32,
+    /// The first facet whose normal points to the front, and the first one whose normal points to the back.
+    pub(crate) first: [Option<u32>; 2],
+}
+
+impl<const D: usize> Tree<D> {
+    /// Divides a cell by the facets (indices) that may touch it.
+    pub(crate) fn new(planes: &Planes<'_, D>, cell: CellId, facets: &[u32]) -> Self {
+        let mut tree = Self { nodes: Vec::new(), leaves: vec![whole_cell(planes, cell)], root: Child::Leaf(0) };
+        for &facet in facets {
+            if let Some(polygon) = clip_to_cell(planes, cell, facet) {
+                tree.root = tree.insert(planes, tree.root, facet, polygon);
+            }
+        }
+        tree
+    }
+
+    pub(crate) fn leaves(&self) -> &[Piece<D>] {
+        &self.leaves
+    }
+
+    /// Divides the leaves below `at` that a piece of a facet runs through.
+    fn insert(&mut self, planes: &Planes<'_, D>, at: Child, facet: u32, polygon: Polygon<D>) -> Child {
+        match at {
+            Child::Node(n) => {
+                let n = n as usize;
+                let [behind, front] = polygon.split(planes, self.nodes[n].plane);
+                if behind.is_none() && front.is_none() && !self.nodes[n].cover.contains(&facet) {
+                    self.nodes[n].cover.push(facet);
+                }
+                for (side, part) in [behind, front].into_iter().enumerate() {
+                    if let Some(part) = part {
+                        let child = self.nodes[n].children[side];
+                        self.nodes[n].children[side] = self.insert(planes, child, facet, part);
+                    }
+                }
+                at
+            }
+            Child::Leaf(leaf) => {
+                let plane = Plane::facet(facet);
+                let Some(([behind, front], section)) = self.leaves[leaf as usize].split(planes, plane) else {
+                    return at;
+                };
+                let children = [at, Child::Leaf(self.leaves.len() as u32)];
+                self.leaves[leaf as usize] = behind;
+                self.leaves.push(front);
+                self.nodes.push(Node { plane, section, cover: vec![facet], children });
+                Child::Node(self.nodes.len() as u32 - 1)
+            }
+        }
+    }
+
+    /// All walls between leaves.
+    pub(crate) fn walls(&self, planes: &Planes<'_, D>) -> Vec<Wall<D>> {
+        let mut walls = Vec::new();
+        for node in &self.nodes {
+            for (polygon, cover) in self.covered(planes, node) {
+                self.descend(planes, node.children[0], polygon, &mut |behind, polygon| {
+                    self.descend(planes, node.children[1], polygon, &mut |front, polygon| {
+                        walls.push(Wall { behind, front, polygon, cover });
+                    });
+                });
+            }
+        }
+        walls
+    }
+
+    /// The section of a node, divided into what facets cover and what they do not.
+    fn covered(&self, planes: &Planes<'_, D>, node: &Node<D>) -> Vec<(Polygon<D>, Cover)> {
+        let normal = planes.half_space(node.plane).normal;
+        let mut pieces = vec![(node.section.clone(), Cover::default())];
+        for &facet in &node.cover {
+            let points_back = planes.facets[facet as usize].normal.dot(&normal) < 0.0;
+            let mut divided = Vec::with_capacity(pieces.len() + D);
+            for (polygon, mut cover) in pieces {
+                let mut rest = Some(polygon);
+                for rim in 0..D {
+                    let Some(polygon) = rest else { break };
+                    let [inside, outside] = polygon.split(planes, Plane::rim(facet, rim));
+                    divided.extend(outside.map(|polygon| (polygon, cover)));
+                    rest = inside;
+                }
+                if let Some(polygon) = rest {
+                    cover.step += if points_back { -1 } else { 1 };
+                    cover.first[usize::from(points_back)].get_or_insert(facet);
+                    divided.push((polygon, cover));
+                }
+            }
+            pieces = divided;
+        }
+        pieces
+    }
+
+    /// Divides a polygon among the leaves that it touches, from one side.
+    pub(crate) fn locate(&self, planes: &Planes<'_, D>, polygon: Polygon<D>, mut visit: impl FnMut(usize, Polygon<D>)) {
+        self.descend(planes, self.root, polygon, &mut visit);
+    }
+
+    fn descend(
+        &self,
+        planes: &Planes<'_, D>,
+        at: Child,
+        polygon: Polygon<D>,
+        visit: &mut dyn FnMut(usize, Polygon<D>),
+    ) {
+        match at {
+            Child::Leaf(leaf) => visit(leaf as usize, polygon),
+            Child::Node(n) => {
+                let node = &self.nodes[n as usize];
+                for (part, child) in polygon.split(planes, node.plane).into_iter().zip(node.children) {
+                    if let Some(part) = part {
+                        self.descend(planes, child, part, visit);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// A cell in one piece.
+pub(crate) fn whole_cell<const D: usize>(planes: &Planes<'_, D>, cell: CellId) -> Piece<D> {
+    let ids = planes.background.cell_to_facet(cell);
+    let mut faces = [Plane::mesh(ids[0]); 4];
+    for (slot, &id) in faces.iter_mut().zip(ids) {
+        *slot = Plane::mesh(id);
+    }
+    Piece::simplex(planes.background.simplex(cell).points(), faces)
+}
+
+/// A facet as a polygon.
+fn facet_polygon<const D: usize>(planes: &Planes<'_, D>, facet: u32) -> Polygon<D> {
+    let plane = Plane::facet(facet);
+    let of = &planes.facets[facet as usize];
+    let rims: [Plane; 3] = std::array::from_fn(|k| Plane::rim(facet, k));
+    let corner = |k: usize| {
+        let on = if D == 2 { [plane, rims[k], plane] } else { [plane, rims[k], rims[(k + 2) % 3]] };
+        Corner::of_surface(of.points()[k], on, of.vertices[k])
+    };
+    Polygon { plane, corners: (0..D).map(corner).collect(), sides: rims[..D].to_vec() }
+}
+
+/// What of a facet lies inside a cell, not only on its faces.
+fn clip_to_cell<const D: usize>(planes: &Planes<'_, D>, cell: CellId, facet: u32) -> Option<Polygon<D>> {
+    let mut polygon = facet_polygon(planes, facet);
+    for &face in planes.background.cell_to_facet(cell) {
+        let [behind, front] = polygon.split(planes, Plane::mesh(face));
+        // The normals of faces point out of their first cell.
+        polygon = if planes.background.facet_to_cell(face)[0] == Some(cell) { behind? } else { front? };
+    }
+    Some(polygon)
+}
