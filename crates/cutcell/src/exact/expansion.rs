@@ -6,6 +6,8 @@
 
 use std::ops::{Add, Mul, Neg, Sub};
 
+use super::number::{fast_two_sum, two_product, two_sum};
+
 /// An exact number; components in the order of their size, none zero.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Exact(Vec<f64>);
@@ -131,32 +133,6 @@ impl Mul for &Exact {
         }
         product.compressed()
     }
-}
-
-fn two_sum(a: f64, b: f64) -> (f64, f64) {
-    let sum = a + b;
-    let virtual_b = sum - a;
-    (sum, (a - (sum - virtual_b)) + (b - virtual_b))
-}
-
-/// For `|a| >= |b|`.
-fn fast_two_sum(a: f64, b: f64) -> (f64, f64) {
-    let sum = a + b;
-    (sum, b - (sum - a))
-}
-
-fn split(a: f64) -> (f64, f64) {
-    const SPLITTER: f64 = 134_217_729.0; // 2²⁷ + 1
-    let c = SPLITTER * a;
-    let high = c - (c - a);
-    (high, a - high)
-}
-
-fn two_product(a: f64, b: f64) -> (f64, f64) {
-    let product = a * b;
-    let ((a_high, a_low), (b_high, b_low)) = (split(a), split(b));
-    let error = product - a_high * b_high - a_low * b_high - a_high * b_low;
-    (product, a_low * b_low - error)
 }
 
 #[cfg(test)]

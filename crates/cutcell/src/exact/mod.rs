@@ -2,6 +2,7 @@
 
 mod crossing;
 mod expansion;
+mod number;
 mod planes;
 
 pub(crate) use crossing::{End, crossing};

@@ -10,6 +10,7 @@ use mesh::{FacetId, Point, SimplexMesh, Vector, facet_normal};
 
 use super::crossing::determinant;
 use super::expansion::Exact;
+use super::number::{Double, Number};
 use crate::surface::Facet;
 
 /// Name of a plane.
@@ -202,33 +203,44 @@ impl<const D: usize> Planes<'_, D> {
         if corner.error == 0.0 {
             return -determinant(&points[..D], &corner.x) / normal_length(&points[..D]);
         }
-        let ([x, w], (normal, offset)) = (self.homogeneous(&corner.on), coefficients(&points[..D]));
-        let mut sum = -&(&offset * &w[0]);
+        let ratio = self
+            .determinants::<Double>(&corner.on, &points)
+            .or_else(|| self.determinants::<Exact>(&corner.on, &points));
+        ratio.map_or(0.0, |[numerator, denominator]| {
+            let distance = numerator / denominator / normal_length(&points[..D]);
+            (numerator.signum() * denominator.signum()) * distance.abs().max(f64::MIN_POSITIVE)
+        })
+    }
+
+    /// Numerator and denominator of the product of a point in which planes meet with the normal of another plane
+    /// through `points`, less that of the plane itself. `None` if a sign is not certain, or zero.
+    fn determinants<N: Number>(&self, on: &[Plane; 3], points: &[Point<D>; 3]) -> Option<[f64; 2]> {
+        let ((x, w), (normal, offset)) = (self.homogeneous::<N>(on), coefficients::<N, D>(points));
+        let mut sum = N::default().minus(&offset.times(&w));
         for k in 0..D {
-            sum = &sum + &(&normal[k] * &x[k]);
+            sum = sum.plus(&normal[k].times(&x[k]));
         }
-        if sum.is_zero() || w[0].is_zero() {
-            return 0.0;
-        }
-        let distance = sum.value() / w[0].value() / normal_length(&points[..D]);
-        distance.signum() * distance.abs().max(f64::MIN_POSITIVE)
+        let (numerator, denominator) = (sum.certain()?, w.certain()?);
+        (numerator != 0.0 && denominator != 0.0).then_some([numerator, denominator])
     }
 
     /// The point in which planes meet: numerators of the coordinates, and their common denominator.
-    fn homogeneous(&self, on: &[Plane; 3]) -> [[Exact; 3]; 2] {
-        let mut planes: [([Exact; 3], Exact); 3] = Default::default();
+    fn homogeneous<N: Number>(&self, on: &[Plane; 3]) -> ([N; 3], N) {
+        let mut planes: [([N; 3], N); 3] = Default::default();
         for (slot, &plane) in planes.iter_mut().zip(&on[..D]) {
-            *slot = coefficients(&self.points(plane)[..D]);
+            *slot = coefficients::<N, D>(&self.points(plane));
         }
         let [(a, p), (b, q), (c, r)] = &planes;
         if D == 2 {
-            let x = [&(p * &b[1]) - &(q * &a[1]), &(q * &a[0]) - &(p * &b[0]), Exact::default()];
-            return [x, [&(&a[0] * &b[1]) - &(&a[1] * &b[0]), Exact::default(), Exact::default()]];
+            let minor = |p: &N, q: &N, r: &N, s: &N| p.times(s).minus(&q.times(r));
+            return (
+                [minor(p, q, &a[1], &b[1]), minor(q, p, &b[0], &a[0]), N::default()],
+                minor(&a[0], &a[1], &b[0], &b[1]),
+            );
         }
         let (bc, ca, ab) = (cross(b, c), cross(c, a), cross(a, b));
-        let x = std::array::from_fn(|k| &(&(p * &bc[k]) + &(q * &ca[k])) + &(r * &ab[k]));
-        let w = &(&(&a[0] * &bc[0]) + &(&a[1] * &bc[1])) + &(&a[2] * &bc[2]);
-        [x, [w, Exact::default(), Exact::default()]]
+        let x = std::array::from_fn(|k| p.times(&bc[k]).plus(&q.times(&ca[k])).plus(&r.times(&ab[k])));
+        (x, a[0].times(&bc[0]).plus(&a[1].times(&bc[1])).plus(&a[2].times(&bc[2])))
     }
 
     /// The corner in which the edge between `a` and `b` meets a plane, with their distances of opposite signs from
@@ -248,7 +260,7 @@ impl<const D: usize> Planes<'_, D> {
         let off = a.error.max(b.error);
         let doubt = off + half_space.distance(&a.x).1.max(half_space.distance(&b.x).1);
         let error = off + self.resolution + 2.0 * along.norm() * doubt / (at_a - at_b).abs();
-        if error <= 64.0 * self.resolution {
+        if error <= 256.0 * self.resolution {
             return Corner { x, error, on, vertex: None };
         }
         self.exact_crossing(on, x, error)
@@ -269,13 +281,23 @@ impl<const D: usize> Planes<'_, D> {
 
     #[cold]
     fn exact_crossing(&self, on: [Plane; 3], rounded: Point<D>, error: f64) -> Corner<D> {
-        let [numerators, [w, ..]] = self.homogeneous(&on);
-        if w.is_zero() {
-            return Corner { x: rounded, error, on, vertex: None };
+        let rounded = Corner { x: rounded, error, on, vertex: None };
+        let good = |corner: &Corner<D>| corner.error <= 64.0 * self.resolution;
+        let double = self.coordinates::<Double>(&rounded).filter(good);
+        double.or_else(|| self.coordinates::<Exact>(&rounded)).unwrap_or(rounded)
+    }
+
+    /// The same corner with coordinates that are as good as their numbers.
+    fn coordinates<N: Number>(&self, corner: &Corner<D>) -> Option<Corner<D>> {
+        let (numerators, denominator) = self.homogeneous::<N>(&corner.on);
+        let w = denominator.certain().filter(|w| *w != 0.0)?;
+        let mut x = corner.x;
+        let mut doubt = f64::MIN_POSITIVE;
+        for k in 0..D {
+            x[k] = numerators[k].value() / w;
+            doubt += (numerators[k].doubt() + denominator.doubt() * x[k].abs()) / w.abs();
         }
-        let w = w.value();
-        let x = Point::<D>::from_fn(|k, _| numerators[k].value() / w);
-        Corner { x, error: 4.0 * f64::EPSILON * x.amax() + f64::MIN_POSITIVE, on, vertex: None }
+        Some(Corner { x, error: 4.0 * f64::EPSILON * x.amax() + doubt, ..*corner })
     }
 }
 
@@ -286,22 +308,23 @@ fn normal_length<const D: usize>(points: &[Point<D>]) -> f64 {
 }
 
 /// Normal of the plane through points, and its product with each point of the plane.
-fn coefficients<const D: usize>(points: &[Point<D>]) -> ([Exact; 3], Exact) {
-    let difference = |p: usize| -> [Exact; 3] {
-        std::array::from_fn(|k| if k < D { Exact::difference(points[p][k], points[0][k]) } else { Exact::default() })
+fn coefficients<N: Number, const D: usize>(points: &[Point<D>; 3]) -> ([N; 3], N) {
+    let difference = |p: usize| -> [N; 3] {
+        std::array::from_fn(|k| if k < D { N::difference(points[p][k], points[0][k]) } else { N::default() })
     };
     let a = difference(1);
-    let normal = if D == 2 { [a[1].clone(), -&a[0], Exact::default()] } else { cross(&a, &difference(2)) };
-    let mut offset = Exact::default();
+    let normal =
+        if D == 2 { [a[1].clone(), N::default().minus(&a[0]), N::default()] } else { cross(&a, &difference(2)) };
+    let mut offset = N::default();
     for k in 0..D {
-        offset = &offset + &(&normal[k] * &Exact::from(points[0][k]));
+        offset = offset.plus(&normal[k].times(&N::of(points[0][k])));
     }
     (normal, offset)
 }
 
-fn cross(a: &[Exact; 3], b: &[Exact; 3]) -> [Exact; 3] {
+fn cross<N: Number>(a: &[N; 3], b: &[N; 3]) -> [N; 3] {
     std::array::from_fn(|k| {
         let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-        &(&a[i] * &b[j]) - &(&a[j] * &b[i])
+        a[i].times(&b[j]).minus(&a[j].times(&b[i]))
     })
 }
