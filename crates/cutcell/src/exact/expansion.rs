@@ -19,10 +19,6 @@ impl Exact {
         Self(vec![low, high]).without_zeros()
     }
 
-    pub(crate) fn is_zero(&self) -> bool {
-        self.0.is_empty()
-    }
-
     /// The nearest floating-point number, up to one unit in its last place; its sign is exact.
     pub(crate) fn value(&self) -> f64 {
         self.0.iter().sum()
@@ -144,11 +140,11 @@ mod tests {
         let (a, b) = (Exact::from(1e20), Exact::from(1.0 + f64::EPSILON));
         let sum = &a + &b;
         assert_eq!((&sum - &a), b);
-        assert!((&sum - &(&a + &b)).is_zero());
+        assert_eq!(&sum - &(&a + &b), Exact::default());
         // (a + b)² - a² - 2ab - b² = 0
         let square = &sum * &sum;
         let two_ab = &(&a * &b) * &Exact::from(2.0);
-        assert!((&(&(&square - &(&a * &a)) - &two_ab) - &(&b * &b)).is_zero());
+        assert_eq!(&(&(&square - &(&a * &a)) - &two_ab) - &(&b * &b), Exact::default());
         assert_eq!(Exact::difference(0.1, 0.1).value(), 0.0);
         assert_eq!((&Exact::difference(1.0, 1e-30) - &Exact::from(1.0)).value(), -1e-30);
     }

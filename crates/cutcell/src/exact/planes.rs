@@ -259,8 +259,8 @@ impl<const D: usize> Planes<'_, D> {
         let x = a.x + along * (at_a / (at_a - at_b));
         let off = a.error.max(b.error);
         let doubt = off + half_space.distance(&a.x).1.max(half_space.distance(&b.x).1);
-        let error = off + self.resolution + 2.0 * along.norm() * doubt / (at_a - at_b).abs();
-        if error <= 256.0 * self.resolution {
+        let error = off + self.resolution + along.norm() * doubt / (at_a - at_b).abs();
+        if error <= 16.0 * self.resolution {
             return Corner { x, error, on, vertex: None };
         }
         self.exact_crossing(on, x, error)
@@ -282,7 +282,7 @@ impl<const D: usize> Planes<'_, D> {
     #[cold]
     fn exact_crossing(&self, on: [Plane; 3], rounded: Point<D>, error: f64) -> Corner<D> {
         let rounded = Corner { x: rounded, error, on, vertex: None };
-        let good = |corner: &Corner<D>| corner.error <= 64.0 * self.resolution;
+        let good = |corner: &Corner<D>| corner.error <= 8.0 * self.resolution;
         let double = self.coordinates::<Double>(&rounded).filter(good);
         double.or_else(|| self.coordinates::<Exact>(&rounded)).unwrap_or(rounded)
     }
