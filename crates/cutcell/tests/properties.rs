@@ -1,5 +1,6 @@
 //! Identities of the cut over random and degenerate placements.
 
+mod cases;
 mod identities;
 
 use cutcell::{CutMesh, OverlayOptions};
@@ -105,19 +106,8 @@ fn nasty_coordinate() -> impl Strategy<Value = f64> {
     ((1..8_i32), shift).prop_map(|(k, s)| f64::from(k) / 8.0 + s)
 }
 
-/// A short run with a fixed seed; `CUTCELL_CASES` makes it long, with the seed of `CUTCELL_SEED`.
-fn config() -> ProptestConfig {
-    let number = |name: &str| std::env::var(name).ok().and_then(|value| value.parse().ok());
-    ProptestConfig {
-        cases: number("CUTCELL_CASES").unwrap_or(1500) as u32,
-        failure_persistence: None,
-        rng_seed: proptest::test_runner::RngSeed::Fixed(number("CUTCELL_SEED").unwrap_or(7)),
-        ..ProptestConfig::default()
-    }
-}
-
 proptest! {
-    #![proptest_config(config())]
+    #![proptest_config(cases::config(1500))]
 
     #[test]
     fn random_stars(
