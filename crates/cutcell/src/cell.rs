@@ -1,7 +1,8 @@
 //! Cutting one background cell.
 
-use mesh::{CellId, Point};
+use mesh::{CellId, FacetId, Point};
 
+use crate::Polytope;
 use crate::clip::{Piece, Polygon};
 use crate::exact::{End, Plane, Planes, crossing};
 use crate::tree::{Tree, Wall};
@@ -31,6 +32,29 @@ pub(crate) struct WetPiece<const D: usize> {
     pub(crate) part: u32,
     pub(crate) facet: u32,
     pub(crate) polygon: Vec<Point<D>>,
+}
+
+/// What is kept of a cell that facets may cross.
+#[derive(Clone, Debug)]
+pub(crate) struct CellPieces<const D: usize> {
+    /// Volume of each part.
+    pub(crate) volumes: Vec<f64>,
+    /// The pieces with their parts, in the order of the parts, the covered ones last; none if the cell is in one piece.
+    pub(crate) pieces: Vec<(Option<u32>, Polytope<D>)>,
+    pub(crate) wet: Vec<WetPiece<D>>,
+    /// Measure of each face that is wet by one part only, with that part.
+    pub(crate) faces: [FaceView; 4],
+}
+
+/// A face of the background as seen from one cell.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(crate) enum FaceView {
+    /// Covered.
+    Dry,
+    /// Wet by one part, over that measure.
+    Wet(u32, f64),
+    /// Anything else: several parts, facets on the face, parts that are too thin to count.
+    Mixed,
 }
 
 /// A cell with everything that facets do to its inside.
@@ -74,6 +98,40 @@ impl<const D: usize> CellCut<D> {
         let mut cut = Self { tree, labels, volumes, wet, thin: Vec::new() };
         cut.leave_out_thin_parts(planes.background.simplex(cell).diameter(), thinnest);
         cut
+    }
+
+    /// What to keep of the cell.
+    pub(crate) fn into_pieces(self, planes: &Planes<'_, D>, cell: CellId) -> CellPieces<D> {
+        let ids = planes.background.cell_to_facet(cell);
+        let faces = std::array::from_fn(|local| ids.get(local).map_or(FaceView::Dry, |&id| self.view(local, id)));
+        let leaves = self.tree.leaves();
+        let mut pieces: Vec<(Option<u32>, Polytope<D>)> = Vec::new();
+        if leaves.len() > 1 {
+            pieces.reserve(leaves.len());
+            for part in (0..self.volumes.len() as u32).map(Some).chain([None]) {
+                let of_part = (0..leaves.len()).filter(|&leaf| self.fluid_part(leaf) == part);
+                pieces.extend(of_part.map(|leaf| (part, leaves[leaf].rounded(ids))));
+            }
+        }
+        CellPieces { volumes: self.volumes, pieces, wet: self.wet, faces }
+    }
+
+    fn view(&self, local: usize, id: FacetId) -> FaceView {
+        if self.tree.is_aligned(local) || !self.thin.is_empty() {
+            return FaceView::Mixed;
+        }
+        let mut view = FaceView::Dry;
+        for (leaf, piece) in self.tree.leaves().iter().enumerate() {
+            let Some(part) = self.fluid_part(leaf) else { continue };
+            if let Some(measure) = piece.measure_on(Plane::mesh(id)) {
+                view = match view {
+                    FaceView::Dry => FaceView::Wet(part, measure),
+                    FaceView::Wet(same, sum) if same == part => FaceView::Wet(part, sum + measure),
+                    _ => return FaceView::Mixed,
+                };
+            }
+        }
+        view
     }
 
     fn leave_out_thin_parts(&mut self, diameter: f64, thinnest: f64) {

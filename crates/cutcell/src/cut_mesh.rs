@@ -201,7 +201,14 @@ impl<const D: usize> CutMesh<D> {
 
     /// Volume of the fluid.
     pub fn fluid_volume(&self) -> f64 {
-        self.part_to_volume.iter().sum()
+        // Round-off of many equal cells would add up: it is summed by itself (Neumaier).
+        let (mut sum, mut lost) = (0.0_f64, 0.0);
+        for &volume in &self.part_to_volume {
+            let next = sum + volume;
+            lost += (sum - next) + volume;
+            sum = next;
+        }
+        sum + lost
     }
 
     /// Counts and qualities of the cut.

@@ -2,108 +2,157 @@
 
 use mesh::{CellId, FacetId, Point, Vector, simplex_measure};
 
-use crate::cell::CellCut;
+use crate::cell::{CellCut, FaceView};
 use crate::clip::{Polygon, face_difference, face_overlap};
 use crate::cut_mesh::{for_each_face_simplex, measure};
-use crate::exact::{Plane, Planes};
-use crate::touched::TouchedCells;
+use crate::exact::Plane;
+use crate::overlay::Cutting;
 use crate::tree::whole_cell;
 use crate::{BoundaryPiece, CellState, CutMesh, InterfacePiece, PartFace, PartId};
 
 /// The faces of the background with the cells that were cut.
 pub(crate) struct Faces<'a, const D: usize> {
-    pub(crate) planes: Planes<'a, D>,
-    pub(crate) touched: &'a TouchedCells,
-    pub(crate) cuts: &'a [CellCut<D>],
-    /// Thickness of what counts as nothing.
-    pub(crate) tolerance: f64,
+    pub(crate) cutting: Cutting<'a, D>,
+    /// Faces of the touched cells.
+    pub(crate) views: &'a [[FaceView; 4]],
+}
+
+/// A cell on one side of a face, cut again.
+enum Side<const D: usize> {
+    /// In one piece that no facet touches.
+    Whole(Option<PartId>),
+    /// Cut, with the number of its first part.
+    Cut(CellCut<D>, u32),
+}
+
+impl<const D: usize> Side<D> {
+    fn part(&self, leaf: usize) -> Option<PartId> {
+        match self {
+            Self::Whole(part) => *part,
+            Self::Cut(cut, first) => cut.fluid_part(leaf).map(|part| PartId(first + part)),
+        }
+    }
 }
 
 impl<const D: usize> Faces<'_, D> {
     /// Adds part faces, wet boundary, and the interface on faces.
     pub(crate) fn add_to(&self, cut: &mut CutMesh<D>) {
-        let background = self.planes.background;
+        let background = self.cutting.planes.background;
         for facet in background.facets() {
             let [first, second] = background.facet_to_cell(facet);
             let Some(first) = first else { continue };
-            match second {
-                None => {
-                    for (part, polygon) in self.fragments(cut, facet, first) {
-                        let Some(part) = part else { continue };
-                        for_each_face_simplex(&polygon.points(), |points| {
-                            let measure = simplex_measure(&points[..D]);
-                            cut.boundary.push(BoundaryPiece { facet, part, points, measure });
-                        });
-                    }
+            let view = self.view(cut, first, facet);
+            let Some(second) = second else {
+                self.add_boundary(cut, facet, first, view);
+                continue;
+            };
+            match (view, self.view(cut, second, facet)) {
+                (FaceView::Dry, FaceView::Dry) => {}
+                // Without facets on the face, two single parts share all of it.
+                (FaceView::Wet(a, measure), FaceView::Wet(b, _)) => {
+                    let parts = [PartId(a), PartId(b)];
+                    let is_ghost = self.is_ghost(cut, [first, second]);
+                    cut.part_faces.push(PartFace { facet, parts, measure, is_ghost });
                 }
-                Some(second) if self.is_untouched(first) && self.is_untouched(second) => {
-                    if let (CellState::Fluid, CellState::Fluid) = (cut.cell_state(first), cut.cell_state(second)) {
-                        let parts = [first, second].map(|cell| PartId(cut.cell_to_part[cell.index()]));
-                        let measure = simplex_measure(&self.points(facet)[..D]);
-                        cut.part_faces.push(PartFace { facet, parts, measure, is_ghost: false });
-                    }
-                }
-                Some(second) => self.join(cut, facet, [first, second]),
+                _ => self.join(cut, facet, [first, second]),
             }
         }
     }
 
-    fn is_untouched(&self, cell: CellId) -> bool {
-        self.touched.position(cell).is_none()
+    /// A face as seen from a cell, with the part numbered among all.
+    fn view(&self, cut: &CutMesh<D>, cell: CellId, facet: FacetId) -> FaceView {
+        let first_part = cut.cell_to_part[cell.index()];
+        match (self.cutting.touched.position(cell), cut.cell_state(cell)) {
+            (Some(k), _) => {
+                let ids = self.cutting.planes.background.cell_to_facet(cell);
+                let local = ids.iter().position(|&f| f == facet).unwrap_or(0);
+                match self.views[k][local] {
+                    FaceView::Wet(part, measure) => FaceView::Wet(first_part + part, measure),
+                    other => other,
+                }
+            }
+            (None, CellState::Fluid) => FaceView::Wet(first_part, simplex_measure(&self.points(facet)[..D])),
+            (None, _) => FaceView::Dry,
+        }
+    }
+
+    fn is_ghost(&self, cut: &CutMesh<D>, cells: [CellId; 2]) -> bool {
+        cells.iter().any(|&cell| cut.cell_state(cell) == CellState::Cut)
     }
 
     fn points(&self, facet: FacetId) -> [Point<D>; 3] {
+        let background = self.cutting.planes.background;
         let mut points = [Point::zeros(); 3];
-        for (slot, &v) in points.iter_mut().zip(self.planes.background.facet(facet)) {
-            *slot = self.planes.background.vertex(v);
+        for (slot, &v) in points.iter_mut().zip(background.facet(facet)) {
+            *slot = background.vertex(v);
         }
         points
     }
 
-    /// The part of a leaf of a cut cell.
-    fn part_of(&self, cut: &CutMesh<D>, cell: CellId, from: &CellCut<D>, leaf: usize) -> Option<PartId> {
-        from.fluid_part(leaf).map(|part| PartId(cut.cell_to_part[cell.index()] + part))
+    /// One side of a face with all its pieces.
+    fn side(&self, cut: &CutMesh<D>, cell: CellId) -> Side<D> {
+        match self.cutting.touched.position(cell) {
+            Some(k) => Side::Cut(self.cutting.cut(k), cut.cell_to_part[cell.index()]),
+            None => Side::Whole(cut.parts(cell).next()),
+        }
     }
 
     /// The pieces of a face of the background as seen from one of its cells; no part means body.
-    fn fragments(&self, cut: &CutMesh<D>, facet: FacetId, cell: CellId) -> Vec<(Option<PartId>, Polygon<D>)> {
-        match self.touched.position(cell) {
-            Some(k) => {
-                let faces = self.cuts[k].faces(Plane::mesh(facet));
-                faces.map(|(leaf, polygon)| (self.part_of(cut, cell, &self.cuts[k], leaf), polygon)).collect()
+    fn fragments(&self, facet: FacetId, cell: CellId, side: &Side<D>) -> Vec<(Option<PartId>, Polygon<D>)> {
+        match side {
+            Side::Cut(from, _) => {
+                from.faces(Plane::mesh(facet)).map(|(leaf, polygon)| (side.part(leaf), polygon)).collect()
             }
-            None => {
-                let local = self.planes.background.cell_to_facet(cell).iter().position(|&f| f == facet);
-                vec![(cut.parts(cell).next(), whole_cell(&self.planes, cell).face(local.unwrap_or(0)))]
+            Side::Whole(part) => {
+                let local = self.cutting.planes.background.cell_to_facet(cell).iter().position(|&f| f == facet);
+                vec![(*part, whole_cell(&self.cutting.planes, cell).face(local.unwrap_or(0)))]
             }
+        }
+    }
+
+    fn add_boundary(&self, cut: &mut CutMesh<D>, facet: FacetId, cell: CellId, view: FaceView) {
+        let fragments = match (view, cut.cell_state(cell)) {
+            (FaceView::Dry, _) => return,
+            (FaceView::Wet(part, _), CellState::Fluid) => vec![(Some(PartId(part)), self.points(facet)[..D].to_vec())],
+            _ => {
+                let fragments = self.fragments(facet, cell, &self.side(cut, cell));
+                fragments.into_iter().map(|(part, polygon)| (part, polygon.points())).collect()
+            }
+        };
+        for (part, polygon) in fragments {
+            let Some(part) = part else { continue };
+            for_each_face_simplex(&polygon, |points| {
+                let measure = simplex_measure(&points[..D]);
+                cut.boundary.push(BoundaryPiece { facet, part, points, measure });
+            });
         }
     }
 
     /// Pairs the pieces of an interior face seen from its two cells: fluid on both sides joins two parts, fluid on one
     /// side is interface.
     fn join(&self, cut: &mut CutMesh<D>, facet: FacetId, cells: [CellId; 2]) {
+        let sides = cells.map(|cell| self.side(cut, cell));
         let mut pairs: Vec<([Option<PartId>; 2], Vec<Point<D>>)> = Vec::new();
-        for (first, polygon) in self.fragments(cut, facet, cells[0]) {
-            match self.touched.position(cells[1]) {
-                Some(k) => self.cuts[k].tree.locate(&self.planes, polygon, |leaf, polygon| {
-                    let second = self.part_of(cut, cells[1], &self.cuts[k], leaf);
-                    pairs.push(([first, second], polygon.points()));
+        for (first, polygon) in self.fragments(facet, cells[0], &sides[0]) {
+            match &sides[1] {
+                Side::Cut(from, _) => from.tree.locate(&self.cutting.planes, polygon, |leaf, polygon| {
+                    pairs.push(([first, sides[1].part(leaf)], polygon.points()));
                 }),
-                None => pairs.push(([first, cut.parts(cells[1]).next()], polygon.points())),
+                Side::Whole(second) => pairs.push(([first, *second], polygon.points())),
             }
         }
         let face = SharedFace {
             facet,
             cells,
             normal: mesh::facet_normal(&self.points(facet)[..D]),
-            is_ghost: cells.iter().any(|&cell| cut.cell_state(cell) == CellState::Cut),
+            is_ghost: self.is_ghost(cut, cells),
             first: cut.part_faces.len(),
         };
         for (parts, polygon) in pairs {
             match parts {
                 [Some(first), Some(second)] => face.add(cut, [first, second], measure(&polygon)),
-                [Some(part), None] => self.add_interface(cut, &face, 0, part, polygon),
-                [None, Some(part)] => self.add_interface(cut, &face, 1, part, polygon),
+                [Some(part), None] => self.add_interface(cut, &face, &sides, 0, part, polygon),
+                [None, Some(part)] => self.add_interface(cut, &face, &sides, 1, part, polygon),
                 [None, None] => {}
             }
         }
@@ -115,35 +164,39 @@ impl<const D: usize> Faces<'_, D> {
         &self,
         cut: &mut CutMesh<D>,
         face: &SharedFace<D>,
+        sides: &[Side<D>; 2],
         side: usize,
         part: PartId,
         polygon: Vec<Point<D>>,
     ) {
         let normal = if side == 0 { -face.normal } else { face.normal };
-        let touching = face.cells.map(|cell| self.touched.position(cell));
-        let mut aligned: Vec<u32> =
-            touching.iter().flatten().flat_map(|&k| self.touched.facets(k).iter().copied()).collect();
+        let Cutting { planes, touched, thinnest: tolerance, .. } = self.cutting;
+        let touching = face.cells.iter().filter_map(|&cell| touched.position(cell));
+        let mut aligned: Vec<u32> = touching.flat_map(|k| touched.facets(k).iter().copied()).collect();
         aligned.sort_unstable();
         aligned.dedup();
-        aligned.retain(|&f| self.planes.lies_on(f, Plane::mesh(face.facet)));
-        let thin = touching[1 - side].map_or(&[][..], |k| &self.cuts[k].thin);
-        let on_face = aligned.iter().map(|&f| (f, self.planes.facets[f as usize].points()));
+        aligned.retain(|&f| planes.lies_on(f, Plane::mesh(face.facet)));
+        let thin = match &sides[1 - side] {
+            Side::Cut(beyond, _) => &beyond.thin[..],
+            Side::Whole(_) => &[],
+        };
+        let on_face = aligned.iter().map(|&f| (f, planes.facets[f as usize].points()));
         let candidates = on_face.chain(thin.iter().map(|piece| (piece.facet, piece.polygon.as_slice())));
         let mut rest = vec![polygon];
         let mut overlap = Vec::new();
         for (index, by) in candidates {
-            let facet = &self.planes.facets[index as usize];
+            let facet = &planes.facets[index as usize];
             if facet.normal.dot(&normal) <= 0.0 {
                 continue;
             }
             let mut left = Vec::new();
             for polygon in rest {
-                if face_overlap(&polygon, by, &normal, self.tolerance, &mut overlap) > 0.0 {
+                if face_overlap(&polygon, by, &normal, tolerance, &mut overlap) > 0.0 {
                     for_each_face_simplex(&overlap, |corners| {
                         cut.interface.push(InterfacePiece::new(face.cells[side], part, facet, corners));
                         cut.report.n_aligned_pieces += 1;
                     });
-                    face_difference(&polygon, by, &normal, self.tolerance, &mut left);
+                    face_difference(&polygon, by, &normal, tolerance, &mut left);
                 } else {
                     left.push(polygon);
                 }

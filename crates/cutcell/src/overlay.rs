@@ -3,7 +3,7 @@
 use mesh::{CellId, Placed, SimplexMesh};
 use rayon::prelude::*;
 
-use crate::cell::CellCut;
+use crate::cell::{CellCut, CellPieces, FaceView};
 use crate::classify::depths;
 use crate::cut_mesh::for_each_face_simplex;
 use crate::exact::Planes;
@@ -57,27 +57,26 @@ impl<const D: usize> CutMesh<D> {
         let thinnest = options.relative_tolerance * size + 4.0 * planes.resolution;
         let touched = TouchedCells::new(background, &facets);
         let depth = depths(background, &facets, &touched);
-        let cuts: Vec<CellCut<D>> = touched
-            .cells
-            .par_iter()
-            .enumerate()
-            .map(|(k, &cell)| {
-                let first = background.cell(cell)[0];
-                CellCut::new(&planes, cell, depth[first.index()], touched.facets(k), thinnest)
-            })
+        let cutting = Cutting { planes, touched: &touched, depth: &depth, thinnest };
+        let cuts: Vec<CellPieces<D>> = (0..touched.cells.len())
+            .into_par_iter()
+            .map(|k| cutting.cut(k).into_pieces(&planes, touched.cells[k]))
             .collect();
+        let views: Vec<[FaceView; 4]> = cuts.iter().map(|pieces| pieces.faces).collect();
         let mut cut = Self::empty(background);
+        // Touched cells come in the order of all cells.
+        let mut cuts = cuts.into_iter();
         for cell in background.cells() {
             cut.cell_to_part.push(cut.part_to_cell.len() as u32);
-            let state = match touched.position(cell) {
-                Some(k) => cut.add_touched_cell(&planes, cell, &cuts[k]),
+            let state = match touched.position(cell).and_then(|_| cuts.next()) {
+                Some(pieces) => cut.add_touched_cell(&planes, cell, pieces),
                 None if depth[background.cell(cell)[0].index()] > 0 => CellState::Covered,
                 None => CellState::Fluid,
             };
             cut.close_cell(background, cell, state);
         }
         cut.cell_to_part.push(cut.part_to_cell.len() as u32);
-        Faces { planes, touched: &touched, cuts: &cuts, tolerance: thinnest }.add_to(&mut cut);
+        Faces { cutting, views: &views }.add_to(&mut cut);
         // Pieces on faces of the background were found face by face.
         cut.interface.sort_by_key(|piece| (piece.cell, piece.body, piece.facet));
         Ok(cut)
@@ -105,20 +104,20 @@ impl<const D: usize> CutMesh<D> {
     }
 
     /// Adds the parts of a cell that facets may cross; for an uncut one only says what it is.
-    fn add_touched_cell(&mut self, planes: &Planes<'_, D>, cell: CellId, from: &CellCut<D>) -> CellState {
-        let leaves = from.tree.leaves();
+    fn add_touched_cell(&mut self, planes: &Planes<'_, D>, cell: CellId, from: CellPieces<D>) -> CellState {
         if from.volumes.is_empty() {
             return CellState::Covered;
         }
-        if leaves.len() == 1 {
+        if from.pieces.is_empty() {
             return CellState::Fluid;
         }
         let first_part = self.part_to_cell.len() as u32;
         let cell_volume = planes.background.cell_volume(cell);
-        let facets = planes.background.cell_to_facet(cell);
+        let mut pieces = from.pieces.into_iter().peekable();
         for (part, &volume) in from.volumes.iter().enumerate() {
-            let of_part = (0..leaves.len()).filter(|&leaf| from.fluid_part(leaf) == Some(part as u32));
-            self.pieces.extend(of_part.map(|leaf| leaves[leaf].rounded(facets)));
+            while let Some((_, piece)) = pieces.next_if(|(of, _)| *of == Some(part as u32)) {
+                self.pieces.push(piece);
+            }
             self.part_to_cell.push(cell);
             self.part_to_volume.push(volume);
             self.part_to_piece.push(self.pieces.len() as u32);
@@ -126,8 +125,7 @@ impl<const D: usize> CutMesh<D> {
             self.report.smallest_fraction = self.report.smallest_fraction.min(fraction);
             self.report.n_slivers += usize::from(fraction < SLIVER);
         }
-        let covered = (0..leaves.len()).filter(|&leaf| from.fluid_part(leaf).is_none());
-        self.covered_pieces.extend(covered.map(|leaf| (cell, leaves[leaf].rounded(facets))));
+        self.covered_pieces.extend(pieces.map(|(_, piece)| (cell, piece)));
         for wet in &from.wet {
             let facet = &planes.facets[wet.facet as usize];
             for_each_face_simplex(&wet.polygon, |corners| {
@@ -152,5 +150,24 @@ impl<const D: usize> CutMesh<D> {
         self.cell_to_state.push(state);
         let n_parts = self.part_to_cell.len() - self.cell_to_part[cell.index()] as usize;
         self.report.max_parts = self.report.max_parts.max(n_parts);
+    }
+}
+
+/// All that it takes to cut a cell.
+#[derive(Clone, Copy)]
+pub(crate) struct Cutting<'a, const D: usize> {
+    pub(crate) planes: Planes<'a, D>,
+    pub(crate) touched: &'a TouchedCells,
+    depth: &'a [i32],
+    /// Thickness of what counts as nothing.
+    pub(crate) thinnest: f64,
+}
+
+impl<const D: usize> Cutting<'_, D> {
+    /// Cuts the touched cell at position `k`; the same every time.
+    pub(crate) fn cut(&self, k: usize) -> CellCut<D> {
+        let cell = self.touched.cells[k];
+        let first = self.planes.background.cell(cell)[0];
+        CellCut::new(&self.planes, cell, self.depth[first.index()], self.touched.facets(k), self.thinnest)
     }
 }

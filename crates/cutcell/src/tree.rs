@@ -30,6 +30,8 @@ pub(crate) struct Tree<const D: usize> {
     nodes: Vec<Node<D>>,
     leaves: Vec<Piece<D>>,
     root: Child,
+    /// Bit `i`: a facet lies on face `i` of the cell.
+    aligned: u8,
 }
 
 /// Where two leaves touch: a polygon between the one behind it and the one in front of it.
@@ -53,13 +55,21 @@ pub(crate) struct Cover {
 impl<const D: usize> Tree<D> {
     /// Divides a cell by the facets (indices) that may touch it.
     pub(crate) fn new(planes: &Planes<'_, D>, cell: CellId, facets: &[u32]) -> Self {
-        let mut tree = Self { nodes: Vec::new(), leaves: vec![whole_cell(planes, cell)], root: Child::Leaf(0) };
+        let leaves = vec![whole_cell(planes, cell)];
+        let mut tree = Self { nodes: Vec::new(), leaves, root: Child::Leaf(0), aligned: 0 };
         for &facet in facets {
-            if let Some(polygon) = clip_to_cell(planes, cell, facet) {
-                tree.root = tree.insert(planes, tree.root, facet, polygon);
+            match clip_to_cell(planes, cell, facet) {
+                Clipped::Inside(polygon) => tree.root = tree.insert(planes, tree.root, facet, polygon),
+                Clipped::OnFace(local) => tree.aligned |= 1 << local,
+                Clipped::Outside => {}
             }
         }
         tree
+    }
+
+    /// Whether a facet lies on a face (local number) of the cell.
+    pub(crate) fn is_aligned(&self, face: usize) -> bool {
+        self.aligned >> face & 1 == 1
     }
 
     pub(crate) fn leaves(&self) -> &[Piece<D>] {
@@ -186,13 +196,26 @@ fn facet_polygon<const D: usize>(planes: &Planes<'_, D>, facet: u32) -> Polygon<
     Polygon { plane, corners: (0..D).map(corner).collect(), sides: rims[..D].to_vec() }
 }
 
-/// What of a facet lies inside a cell, not only on its faces.
-fn clip_to_cell<const D: usize>(planes: &Planes<'_, D>, cell: CellId, facet: u32) -> Option<Polygon<D>> {
+/// Where a facet lies with respect to a cell.
+enum Clipped<const D: usize> {
+    /// What of it lies inside.
+    Inside(Polygon<D>),
+    /// On the plane of a face (local number), and perhaps on the face.
+    OnFace(usize),
+    Outside,
+}
+
+fn clip_to_cell<const D: usize>(planes: &Planes<'_, D>, cell: CellId, facet: u32) -> Clipped<D> {
     let mut polygon = facet_polygon(planes, facet);
-    for &face in planes.background.cell_to_facet(cell) {
-        let [behind, front] = polygon.split(planes, Plane::mesh(face));
+    for (local, &face) in planes.background.cell_to_facet(cell).iter().enumerate() {
         // The normals of faces point out of their first cell.
-        polygon = if planes.background.facet_to_cell(face)[0] == Some(cell) { behind? } else { front? };
+        let inside = usize::from(planes.background.facet_to_cell(face)[0] != Some(cell));
+        let mut parts = polygon.split(planes, Plane::mesh(face));
+        match (parts[inside].take(), &parts[1 - inside]) {
+            (Some(part), _) => polygon = part,
+            (None, None) => return Clipped::OnFace(local),
+            (None, Some(_)) => return Clipped::Outside,
+        }
     }
-    Some(polygon)
+    Clipped::Inside(polygon)
 }

@@ -53,7 +53,7 @@ fn check(surface: &Surface, n: usize, placement: u32) -> Result<(), String> {
     let start = std::time::Instant::now();
     let cut = CutMesh::overlay(&background, &[surface.placed()], &OverlayOptions::new()).map_err(|e| e.to_string())?;
     check_identities(&background, &cut);
-    let domain: f64 = background.cells().map(|c| background.cell_volume(c)).sum();
+    let domain = (high - low + margin * 2.1).product();
     let volume = surface.placed().enclosed_volume();
     let area: f64 = surface.boundary().facets().map(|f| surface.placed().facet_measure(f)).sum();
     let wet: f64 = cut.interface().iter().map(|piece| piece.measure).sum();

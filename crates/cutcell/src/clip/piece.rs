@@ -4,7 +4,6 @@ use mesh::Point;
 
 use super::polygon::{Kept, Polygon, differ, for_each_kept};
 use super::polytope::{FaceLabel, Polytope};
-use crate::cut_mesh::measure;
 use crate::exact::{Corner, Plane, PlaneKind, Planes};
 
 /// A convex polygon (D = 2) or polyhedron (D = 3) whose corners are exact.
@@ -243,7 +242,22 @@ impl<const D: usize> Piece<D> {
 
     /// Measure of the surface.
     pub(crate) fn surface(&self) -> f64 {
-        (0..self.n_faces()).map(|face| measure(&self.face(face).points())).sum()
+        (0..self.n_faces()).map(|face| self.face_measure(face)).sum()
+    }
+
+    /// Measure of the face on a plane, if there is one.
+    pub(crate) fn measure_on(&self, plane: Plane) -> Option<f64> {
+        let face = self.labels.iter().position(|label| *label == plane)?;
+        Some(self.face_measure(face))
+    }
+
+    fn face_measure(&self, face: usize) -> f64 {
+        let x = |k: u32| self.corners[k as usize].x;
+        let corners = &self.loops[self.range(face)];
+        if D == 2 {
+            return (x(corners[1]) - x(corners[0])).norm();
+        }
+        corners[1..].windows(2).map(|pair| mesh::simplex_measure(&[x(corners[0]), x(pair[0]), x(pair[1])])).sum()
     }
 
     /// Mean of the corners.

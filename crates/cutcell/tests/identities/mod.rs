@@ -14,7 +14,7 @@ pub(crate) fn check_identities<const D: usize>(background: &SimplexMesh<D>, cut:
     let uncovered = cut.report().uncovered_measure;
     assert!(uncovered < 1e-11 * area, "uncovered {uncovered:e}");
     check_closure(background, cut, 1e-11 * area);
-    check_divergence(background, cut, 1e-10 * size.powi(D as i32));
+    check_divergence(background, cut, 1e-10 * (2.0 * size).powi(D as i32));
 }
 
 /// Parts and covered pieces make up each cell, but for the round-off of its coordinates.
