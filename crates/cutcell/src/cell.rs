@@ -1,9 +1,9 @@
 //! Cutting one background cell.
 
-use mesh::{CellId, FacetId, Point};
+use mesh::{CellId, FacetId};
 
 use crate::Polytope;
-use crate::clip::{Piece, Polygon};
+use crate::clip::{Piece, Points, Polygon};
 use crate::exact::{End, Plane, Planes, crossing};
 use crate::tree::{Tree, Wall};
 
@@ -31,7 +31,7 @@ impl Label {
 pub(crate) struct WetPiece<const D: usize> {
     pub(crate) part: u32,
     pub(crate) facet: u32,
-    pub(crate) polygon: Vec<Point<D>>,
+    pub(crate) polygon: Points<D>,
 }
 
 /// What is kept of a cell that facets may cross.
@@ -170,7 +170,7 @@ impl<const D: usize> CellCut<D> {
     /// Leaves with their faces on a plane.
     pub(crate) fn faces(&self, on: Plane) -> impl Iterator<Item = (usize, Polygon<D>)> {
         self.tree.leaves().iter().enumerate().flat_map(move |(leaf, piece)| {
-            (0..piece.n_faces()).filter(move |&f| piece.label(f) == on).map(move |f| (leaf, piece.face(f)))
+            (0..piece.n_faces()).filter(move |&f| piece.plane(f) == on).map(move |f| (leaf, piece.face(f)))
         })
     }
 

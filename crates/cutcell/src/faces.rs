@@ -3,7 +3,7 @@
 use mesh::{CellId, FacetId, Point, Vector, simplex_measure};
 
 use crate::cell::{CellCut, FaceView};
-use crate::clip::{Polygon, face_difference, face_overlap};
+use crate::clip::{Points, Polygon, face_difference, face_overlap};
 use crate::cut_mesh::{for_each_face_simplex, measure};
 use crate::exact::Plane;
 use crate::overlay::Cutting;
@@ -41,15 +41,22 @@ impl<const D: usize> Faces<'_, D> {
         for facet in background.facets() {
             let [first, second] = background.facet_to_cell(facet);
             let Some(first) = first else { continue };
-            let view = self.view(cut, first, facet);
             let Some(second) = second else {
-                self.add_boundary(cut, facet, first, view);
+                self.add_boundary(cut, facet, first);
                 continue;
             };
-            match (view, self.view(cut, second, facet)) {
-                (FaceView::Dry, FaceView::Dry) => {}
+            if self.is_untouched(first) && self.is_untouched(second) {
+                if let (CellState::Fluid, CellState::Fluid) = (cut.cell_state(first), cut.cell_state(second)) {
+                    let parts = [first, second].map(|cell| PartId(cut.cell_to_part[cell.index()]));
+                    let measure = simplex_measure(&self.points(facet)[..D]);
+                    cut.part_faces.push(PartFace { facet, parts, measure, is_ghost: false });
+                }
+                continue;
+            }
+            match [first, second].map(|cell| self.view(cut, cell, facet)) {
+                [FaceView::Dry, FaceView::Dry] => {}
                 // Without facets on the face, two single parts share all of it.
-                (FaceView::Wet(a, measure), FaceView::Wet(b, _)) => {
+                [FaceView::Wet(a, measure), FaceView::Wet(b, _)] => {
                     let parts = [PartId(a), PartId(b)];
                     let is_ghost = self.is_ghost(cut, [first, second]);
                     cut.part_faces.push(PartFace { facet, parts, measure, is_ghost });
@@ -57,6 +64,10 @@ impl<const D: usize> Faces<'_, D> {
                 _ => self.join(cut, facet, [first, second]),
             }
         }
+    }
+
+    fn is_untouched(&self, cell: CellId) -> bool {
+        self.cutting.touched.position(cell).is_none()
     }
 
     /// A face as seen from a cell, with the part numbered among all.
@@ -110,10 +121,12 @@ impl<const D: usize> Faces<'_, D> {
         }
     }
 
-    fn add_boundary(&self, cut: &mut CutMesh<D>, facet: FacetId, cell: CellId, view: FaceView) {
-        let fragments = match (view, cut.cell_state(cell)) {
+    fn add_boundary(&self, cut: &mut CutMesh<D>, facet: FacetId, cell: CellId) {
+        let fragments = match (self.view(cut, cell, facet), cut.cell_state(cell)) {
             (FaceView::Dry, _) => return,
-            (FaceView::Wet(part, _), CellState::Fluid) => vec![(Some(PartId(part)), self.points(facet)[..D].to_vec())],
+            (FaceView::Wet(part, _), CellState::Fluid) => {
+                vec![(Some(PartId(part)), Points::from_slice(&self.points(facet)[..D]))]
+            }
             _ => {
                 let fragments = self.fragments(facet, cell, &self.side(cut, cell));
                 fragments.into_iter().map(|(part, polygon)| (part, polygon.points())).collect()
@@ -132,7 +145,7 @@ impl<const D: usize> Faces<'_, D> {
     /// side is interface.
     fn join(&self, cut: &mut CutMesh<D>, facet: FacetId, cells: [CellId; 2]) {
         let sides = cells.map(|cell| self.side(cut, cell));
-        let mut pairs: Vec<([Option<PartId>; 2], Vec<Point<D>>)> = Vec::new();
+        let mut pairs: Vec<([Option<PartId>; 2], Points<D>)> = Vec::new();
         for (first, polygon) in self.fragments(facet, cells[0], &sides[0]) {
             match &sides[1] {
                 Side::Cut(from, _) => from.tree.locate(&self.cutting.planes, polygon, |leaf, polygon| {
@@ -151,8 +164,8 @@ impl<const D: usize> Faces<'_, D> {
         for (parts, polygon) in pairs {
             match parts {
                 [Some(first), Some(second)] => face.add(cut, [first, second], measure(&polygon)),
-                [Some(part), None] => self.add_interface(cut, &face, &sides, 0, part, polygon),
-                [None, Some(part)] => self.add_interface(cut, &face, &sides, 1, part, polygon),
+                [Some(part), None] => self.add_interface(cut, &face, &sides, 0, part, &polygon),
+                [None, Some(part)] => self.add_interface(cut, &face, &sides, 1, part, &polygon),
                 [None, None] => {}
             }
         }
@@ -167,7 +180,7 @@ impl<const D: usize> Faces<'_, D> {
         sides: &[Side<D>; 2],
         side: usize,
         part: PartId,
-        polygon: Vec<Point<D>>,
+        polygon: &[Point<D>],
     ) {
         let normal = if side == 0 { -face.normal } else { face.normal };
         let Cutting { planes, touched, thinnest: tolerance, .. } = self.cutting;
@@ -182,7 +195,7 @@ impl<const D: usize> Faces<'_, D> {
         };
         let on_face = aligned.iter().map(|&f| (f, planes.facets[f as usize].points()));
         let candidates = on_face.chain(thin.iter().map(|piece| (piece.facet, piece.polygon.as_slice())));
-        let mut rest = vec![polygon];
+        let mut rest = vec![polygon.to_vec()];
         let mut overlap = Vec::new();
         for (index, by) in candidates {
             let facet = &planes.facets[index as usize];

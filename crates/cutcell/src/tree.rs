@@ -193,7 +193,9 @@ fn facet_polygon<const D: usize>(planes: &Planes<'_, D>, facet: u32) -> Polygon<
         let on = if D == 2 { [plane, rims[k], plane] } else { [plane, rims[k], rims[(k + 2) % 3]] };
         Corner::of_surface(of.points()[k], on, of.vertices[k])
     };
-    Polygon { plane, corners: (0..D).map(corner).collect(), sides: rims[..D].to_vec() }
+    let mut polygon = Polygon::on(plane);
+    (0..D).for_each(|k| polygon.push(corner(k), rims[k]));
+    polygon
 }
 
 /// Where a facet lies with respect to a cell.

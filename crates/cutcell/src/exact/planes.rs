@@ -260,7 +260,7 @@ impl<const D: usize> Planes<'_, D> {
         let off = a.error.max(b.error);
         let doubt = off + half_space.distance(&a.x).1.max(half_space.distance(&b.x).1);
         let error = off + self.resolution + along.norm() * doubt / (at_a - at_b).abs();
-        if error <= 16.0 * self.resolution {
+        if error <= 64.0 * self.resolution {
             return Corner { x, error, on, vertex: None };
         }
         self.exact_crossing(on, x, error)
