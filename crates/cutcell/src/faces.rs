@@ -193,23 +193,24 @@ impl<const D: usize> Faces<'_, D> {
             Side::Cut(beyond, _) => &beyond.thin[..],
             Side::Whole(_) => &[],
         };
-        let on_face = aligned.iter().map(|&f| (f, planes.facets[f as usize].points()));
-        let candidates = on_face.chain(thin.iter().map(|piece| (piece.facet, piece.polygon.as_slice())));
+        let on_face = aligned.iter().map(|&f| (f, Points::from_slice(planes.facets[f as usize].points())));
+        let candidates = on_face.chain(thin.iter().map(|piece| (piece.facet, piece.polygon.clone())));
         let mut rest = vec![polygon.to_vec()];
         let mut overlap = Vec::new();
         for (index, by) in candidates {
             let facet = &planes.facets[index as usize];
-            if facet.normal.dot(&normal) <= 0.0 {
+            let is_near = |x: &Point<D>| normal.dot(&(x - polygon[0])).abs() <= REACH * tolerance;
+            if facet.normal.dot(&normal) <= 0.0 || !by.iter().all(is_near) {
                 continue;
             }
             let mut left = Vec::new();
             for polygon in rest {
-                if face_overlap(&polygon, by, &normal, tolerance, &mut overlap) > 0.0 {
+                if face_overlap(&polygon, &by, &normal, tolerance, &mut overlap) > 0.0 {
                     for_each_face_simplex(&overlap, |corners| {
                         cut.interface.push(InterfacePiece::new(face.cells[side], part, facet, corners));
                         cut.report.n_aligned_pieces += 1;
                     });
-                    face_difference(&polygon, by, &normal, tolerance, &mut left);
+                    face_difference(&polygon, &by, &normal, tolerance, &mut left);
                 } else {
                     left.push(polygon);
                 }
@@ -219,6 +220,10 @@ impl<const D: usize> Faces<'_, D> {
         cut.report.uncovered_measure += rest.iter().map(|polygon| measure(polygon)).sum::<f64>();
     }
 }
+
+/// How far from a face a facet in front of a layer of no thickness may lie, in thicknesses: a layer may be thicker at
+/// one end.
+const REACH: f64 = 16.0;
 
 /// An interior face of the background while the parts on its two sides are joined.
 struct SharedFace<const D: usize> {

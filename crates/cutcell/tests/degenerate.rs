@@ -172,3 +172,17 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn steep_facets_do_not_cover_a_face_that_they_touch() {
+    // The lower facet of the second body almost lies on a face of the background; the layer of fluid below it counts as
+    // nothing, and so do the needles that other facets leave in it.
+    let corners = [
+        [0.6666666666666666, 0.0, 0.16666666666666666],
+        [0.16666666666636665, 0.16666666666666666, 0.3333333333333333],
+        [0.4444444444444444, 0.4415751799661182, 0.3333333333333363],
+        [0.0, 0.0, 0.5],
+        [0.0, 0.3333333333333333, 0.3333333333333333],
+    ];
+    check_pair(&corners.map(Point::<3>::from));
+}
