@@ -1,9 +1,10 @@
 //! A cell divided by facets: a tree of planes with convex pieces as its leaves.
 
-use mesh::CellId;
+use mesh::{CellId, FacetId};
+use smallvec::SmallVec;
 
-use crate::clip::{Piece, Polygon};
-use crate::exact::{Corner, Plane, Planes};
+use crate::clip::{Piece, Place, Polygon};
+use crate::exact::{Corner, HalfSpace, Plane, Planes};
 
 /// What lies on one side of a node.
 #[derive(Clone, Copy, Debug)]
@@ -57,8 +58,9 @@ impl<const D: usize> Tree<D> {
     pub(crate) fn new(planes: &Planes<'_, D>, cell: CellId, facets: &[u32]) -> Self {
         let leaves = vec![whole_cell(planes, cell)];
         let mut tree = Self { nodes: Vec::new(), leaves, root: Child::Leaf(0), aligned: 0 };
+        let walls = cell_walls(planes, cell);
         for &facet in facets {
-            match clip_to_cell(planes, cell, facet) {
+            match clip_to_cell(planes, &walls, facet) {
                 Clipped::Inside(polygon) => tree.root = tree.insert(planes, tree.root, facet, polygon),
                 Clipped::OnFace(local) => tree.aligned |= 1 << local,
                 Clipped::Outside => {}
@@ -81,14 +83,16 @@ impl<const D: usize> Tree<D> {
         match at {
             Child::Node(n) => {
                 let n = n as usize;
-                let [behind, front] = polygon.split(planes, self.nodes[n].plane);
-                if behind.is_none() && front.is_none() && !self.nodes[n].cover.contains(&facet) {
-                    self.nodes[n].cover.push(facet);
-                }
-                for (side, part) in [behind, front].into_iter().enumerate() {
-                    if let Some(part) = part {
-                        let child = self.nodes[n].children[side];
-                        self.nodes[n].children[side] = self.insert(planes, child, facet, part);
+                let plane = self.nodes[n].plane;
+                match polygon.place(planes, plane, &planes.half_space(plane)) {
+                    Place::On if self.nodes[n].cover.contains(&facet) => {}
+                    Place::On => self.nodes[n].cover.push(facet),
+                    Place::Behind => self.insert_below(planes, n, 0, facet, polygon),
+                    Place::Front => self.insert_below(planes, n, 1, facet, polygon),
+                    Place::Both(parts) => {
+                        for (side, part) in (*parts).into_iter().enumerate() {
+                            self.insert_below(planes, n, side, facet, part);
+                        }
                     }
                 }
                 at
@@ -105,6 +109,11 @@ impl<const D: usize> Tree<D> {
                 Child::Node(self.nodes.len() as u32 - 1)
             }
         }
+    }
+
+    fn insert_below(&mut self, planes: &Planes<'_, D>, node: usize, side: usize, facet: u32, polygon: Polygon<D>) {
+        let child = self.nodes[node].children[side];
+        self.nodes[node].children[side] = self.insert(planes, child, facet, polygon);
     }
 
     /// All walls between leaves.
@@ -133,9 +142,19 @@ impl<const D: usize> Tree<D> {
                 let mut rest = Some(polygon);
                 for rim in 0..D {
                     let Some(polygon) = rest else { break };
-                    let [inside, outside] = polygon.split(planes, Plane::rim(facet, rim));
-                    divided.extend(outside.map(|polygon| (polygon, cover)));
-                    rest = inside;
+                    let plane = Plane::rim(facet, rim);
+                    rest = match polygon.place(planes, plane, &planes.half_space(plane)) {
+                        Place::Behind => Some(polygon),
+                        Place::On | Place::Front => {
+                            divided.push((polygon, cover));
+                            None
+                        }
+                        Place::Both(parts) => {
+                            let [inside, outside] = *parts;
+                            divided.push((outside, cover));
+                            Some(inside)
+                        }
+                    };
                 }
                 if let Some(polygon) = rest {
                     cover.step += if points_back { -1 } else { 1 };
@@ -163,10 +182,14 @@ impl<const D: usize> Tree<D> {
         match at {
             Child::Leaf(leaf) => visit(leaf as usize, polygon),
             Child::Node(n) => {
-                let node = &self.nodes[n as usize];
-                for (part, child) in polygon.split(planes, node.plane).into_iter().zip(node.children) {
-                    if let Some(part) = part {
-                        self.descend(planes, child, part, visit);
+                let Node { plane, children: [behind, front], .. } = self.nodes[n as usize];
+                match polygon.place(planes, plane, &planes.half_space(plane)) {
+                    Place::On | Place::Behind => self.descend(planes, behind, polygon, visit),
+                    Place::Front => self.descend(planes, front, polygon, visit),
+                    Place::Both(parts) => {
+                        for (part, child) in (*parts).into_iter().zip([behind, front]) {
+                            self.descend(planes, child, part, visit);
+                        }
                     }
                 }
             }
@@ -207,16 +230,30 @@ enum Clipped<const D: usize> {
     Outside,
 }
 
-fn clip_to_cell<const D: usize>(planes: &Planes<'_, D>, cell: CellId, facet: u32) -> Clipped<D> {
-    let mut polygon = facet_polygon(planes, facet);
-    for (local, &face) in planes.background.cell_to_facet(cell).iter().enumerate() {
+/// A face of a cell, and whether the cell lies in front of it.
+type CellWall<const D: usize> = (Plane, HalfSpace<D>, bool);
+
+fn cell_walls<const D: usize>(planes: &Planes<'_, D>, cell: CellId) -> SmallVec<[CellWall<D>; 4]> {
+    let background = planes.background;
+    let wall = |&face: &FacetId| {
         // The normals of faces point out of their first cell.
-        let inside = usize::from(planes.background.facet_to_cell(face)[0] != Some(cell));
-        let mut parts = polygon.split(planes, Plane::mesh(face));
-        match (parts[inside].take(), &parts[1 - inside]) {
-            (Some(part), _) => polygon = part,
-            (None, None) => return Clipped::OnFace(local),
-            (None, Some(_)) => return Clipped::Outside,
+        let plane = Plane::mesh(face);
+        (plane, planes.half_space(plane), background.facet_to_cell(face)[0] != Some(cell))
+    };
+    background.cell_to_facet(cell).iter().map(wall).collect()
+}
+
+fn clip_to_cell<const D: usize>(planes: &Planes<'_, D>, walls: &[CellWall<D>], facet: u32) -> Clipped<D> {
+    let mut polygon = facet_polygon(planes, facet);
+    for (local, (plane, half_space, is_in_front)) in walls.iter().enumerate() {
+        match (polygon.place(planes, *plane, half_space), *is_in_front) {
+            (Place::On, _) => return Clipped::OnFace(local),
+            (Place::Behind, false) | (Place::Front, true) => {}
+            (Place::Behind, true) | (Place::Front, false) => return Clipped::Outside,
+            (Place::Both(parts), is_in_front) => {
+                let [behind, front] = *parts;
+                polygon = if is_in_front { front } else { behind };
+            }
         }
     }
     Clipped::Inside(polygon)

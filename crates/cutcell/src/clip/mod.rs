@@ -7,5 +7,5 @@ mod polytope;
 
 pub(crate) use face::{face_difference, face_overlap};
 pub(crate) use piece::Piece;
-pub(crate) use polygon::{Points, Polygon};
+pub(crate) use polygon::{Place, Points, Polygon};
 pub use polytope::{FaceLabel, Polytope};

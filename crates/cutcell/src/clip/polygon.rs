@@ -33,19 +33,14 @@ impl<const D: usize> Polygon<D> {
         self.corners.iter().map(|corner| corner.x).collect()
     }
 
-    /// What lies behind and in front of a plane. A polygon in the plane has neither.
-    pub(crate) fn split(self, planes: &Planes<'_, D>, by: Plane) -> [Option<Self>; 2] {
-        self.split_by(planes, by, &planes.half_space(by))
-    }
-
-    /// As `split`, with the plane at hand.
-    pub(crate) fn split_by(self, planes: &Planes<'_, D>, by: Plane, half_space: &HalfSpace<D>) -> [Option<Self>; 2] {
+    /// On which side of a plane the polygon lies.
+    pub(crate) fn place(&self, planes: &Planes<'_, D>, by: Plane, half_space: &HalfSpace<D>) -> Place<D> {
         let distances: Distances = self.corners.iter().map(|corner| planes.side(corner, by, half_space)).collect();
         match (distances.iter().any(|d| *d < 0.0), distances.iter().any(|d| *d > 0.0)) {
-            (false, false) => [None, None],
-            (true, false) => [Some(self), None],
-            (false, true) => [None, Some(self)],
-            (true, true) => self.divided(planes, by, half_space, &distances).map(Some),
+            (false, false) => Place::On,
+            (true, false) => Place::Behind,
+            (false, true) => Place::Front,
+            (true, true) => Place::Both(Box::new(self.divided(planes, by, half_space, &distances))),
         }
     }
 
@@ -81,6 +76,18 @@ impl<const D: usize> Polygon<D> {
         }
         parts
     }
+}
+
+/// Where a polygon lies with respect to a plane.
+pub(crate) enum Place<const D: usize> {
+    /// On the plane.
+    On,
+    /// Behind it.
+    Behind,
+    /// In front of it.
+    Front,
+    /// On both sides, with the parts behind and in front.
+    Both(Box<[Polygon<D>; 2]>),
 }
 
 /// Signed distances of the corners of a piece from a plane, with exact signs.

@@ -101,19 +101,21 @@ pub(crate) struct Corner<const D: usize> {
     error: f64,
     /// Planes that meet here; the first `D` count.
     on: [Plane; 3],
-    /// Number of a vertex of a surface.
-    vertex: Option<u32>,
+    /// Number of the vertex of a surface that this is, or `NONE`.
+    vertex: u32,
 }
+
+const NONE: u32 = u32::MAX;
 
 impl<const D: usize> Corner<D> {
     /// A vertex of the background on known planes.
     pub(crate) fn of_mesh(x: Point<D>, on: [Plane; 3]) -> Self {
-        Self { x, error: 0.0, on, vertex: None }
+        Self { x, error: 0.0, on, vertex: NONE }
     }
 
     /// A vertex of a surface on known planes.
     pub(crate) fn of_surface(x: Point<D>, on: [Plane; 3], vertex: u32) -> Self {
-        Self { x, error: 0.0, on, vertex: Some(vertex) }
+        Self { x, error: 0.0, on, vertex }
     }
 }
 
@@ -187,7 +189,7 @@ impl<const D: usize> Planes<'_, D> {
     fn meet_known(&self, corner: &Corner<D>, plane: Plane) -> bool {
         let (vertices, n) = self.vertices(plane);
         let vertices = &vertices[..n];
-        if corner.vertex.is_some_and(|v| vertices.contains(&v)) {
+        if corner.vertex != NONE && vertices.contains(&corner.vertex) {
             return true;
         }
         let common = |a: Plane, b: Plane| {
@@ -260,8 +262,8 @@ impl<const D: usize> Planes<'_, D> {
         let off = a.error.max(b.error);
         let doubt = off + half_space.distance(&a.x).1.max(half_space.distance(&b.x).1);
         let error = off + self.resolution + along.norm() * doubt / (at_a - at_b).abs();
-        if error <= 64.0 * self.resolution {
-            return Corner { x, error, on, vertex: None };
+        if error <= 1024.0 * self.resolution {
+            return Corner { x, error, on, vertex: NONE };
         }
         self.exact_crossing(on, x, error)
     }
@@ -281,7 +283,7 @@ impl<const D: usize> Planes<'_, D> {
 
     #[cold]
     fn exact_crossing(&self, on: [Plane; 3], rounded: Point<D>, error: f64) -> Corner<D> {
-        let rounded = Corner { x: rounded, error, on, vertex: None };
+        let rounded = Corner { x: rounded, error, on, vertex: NONE };
         let good = |corner: &Corner<D>| corner.error <= 8.0 * self.resolution;
         let double = self.coordinates::<Double>(&rounded).filter(good);
         double.or_else(|| self.coordinates::<Exact>(&rounded)).unwrap_or(rounded)
