@@ -1,7 +1,7 @@
 //! Exact decisions: everything that a cut decides by a sign is decided here.
 
 mod crossing;
-mod expansion;
+mod integer;
 mod number;
 mod planes;
 

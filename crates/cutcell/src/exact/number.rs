@@ -1,6 +1,6 @@
 //! What the formulas of planes and corners need of a number.
 
-use super::expansion::Exact;
+use super::integer::Exact;
 
 /// A number that remembers enough to say when its sign is certain.
 pub(super) trait Number: Clone + Default {
@@ -25,23 +25,23 @@ pub(super) trait Number: Clone + Default {
 
 impl Number for Exact {
     fn of(value: f64) -> Self {
-        Self::from(value)
+        Self::of(value)
     }
 
     fn difference(a: f64, b: f64) -> Self {
-        Self::difference(a, b)
+        Self::of(a).minus(&Self::of(b))
     }
 
     fn plus(&self, other: &Self) -> Self {
-        self + other
+        self.plus(other)
     }
 
     fn minus(&self, other: &Self) -> Self {
-        self - other
+        self.minus(other)
     }
 
     fn times(&self, other: &Self) -> Self {
-        self * other
+        self.times(other)
     }
 
     fn value(&self) -> f64 {
@@ -110,14 +110,14 @@ impl Number for Double {
     }
 }
 
-pub(super) fn two_sum(a: f64, b: f64) -> (f64, f64) {
+fn two_sum(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;
     let virtual_b = sum - a;
     (sum, (a - (sum - virtual_b)) + (b - virtual_b))
 }
 
 /// For `|a| >= |b|`.
-pub(super) fn fast_two_sum(a: f64, b: f64) -> (f64, f64) {
+fn fast_two_sum(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;
     (sum, b - (sum - a))
 }
@@ -129,7 +129,7 @@ fn split(a: f64) -> (f64, f64) {
     (high, a - high)
 }
 
-pub(super) fn two_product(a: f64, b: f64) -> (f64, f64) {
+fn two_product(a: f64, b: f64) -> (f64, f64) {
     let product = a * b;
     let ((a_high, a_low), (b_high, b_low)) = (split(a), split(b));
     let error = product - a_high * b_high - a_low * b_high - a_high * b_low;

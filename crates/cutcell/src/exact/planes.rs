@@ -9,7 +9,7 @@
 use mesh::{FacetId, Point, SimplexMesh, Vector, facet_normal};
 
 use super::crossing::determinant;
-use super::expansion::Exact;
+use super::integer::Exact;
 use super::number::{Double, Number};
 use crate::surface::Facet;
 
