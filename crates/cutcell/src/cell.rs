@@ -42,6 +42,8 @@ pub(crate) struct CellPieces<const D: usize> {
     /// The pieces with their parts, in the order of the parts, the covered ones last; none if the cell is in one piece.
     pub(crate) pieces: Vec<(Option<u32>, Polytope<D>)>,
     pub(crate) wet: Vec<WetPiece<D>>,
+    /// Number of parts that are too thin to count.
+    pub(crate) n_left_out: usize,
     /// Measure of each face that is wet by one part only, with that part.
     pub(crate) faces: [FaceView; 4],
 }
@@ -68,6 +70,8 @@ pub(crate) struct CellCut<const D: usize> {
     pub(crate) wet: Vec<WetPiece<D>>,
     /// Pieces of facets in front of which the fluid is too thin to count.
     pub(crate) thin: Vec<WetPiece<D>>,
+    /// Number of parts that are too thin to count.
+    n_left_out: usize,
 }
 
 impl<const D: usize> CellCut<D> {
@@ -95,7 +99,7 @@ impl<const D: usize> CellCut<D> {
             }
         }
         let wet: Vec<WetPiece<D>> = walls.into_iter().filter_map(|wall| wet_piece(&labels, wall)).collect();
-        let mut cut = Self { tree, labels, volumes, wet, thin: Vec::new() };
+        let mut cut = Self { tree, labels, volumes, wet, thin: Vec::new(), n_left_out: 0 };
         cut.leave_out_thin_parts(planes.background.simplex(cell).diameter(), thinnest);
         cut
     }
@@ -113,7 +117,7 @@ impl<const D: usize> CellCut<D> {
                 pieces.extend(of_part.map(|leaf| (part, leaves[leaf].rounded(ids))));
             }
         }
-        CellPieces { volumes: self.volumes, pieces, wet: self.wet, faces }
+        CellPieces { volumes: self.volumes, pieces, wet: self.wet, n_left_out: self.n_left_out, faces }
     }
 
     fn view(&self, local: usize, id: FacetId) -> FaceView {
@@ -160,6 +164,7 @@ impl<const D: usize> CellCut<D> {
         self.labels.iter_mut().filter(|label| label.depth <= 0).for_each(|label| label.part = number(label.part));
         self.wet.iter_mut().for_each(|piece| piece.part = number(piece.part));
         self.thin = self.wet.extract_if(.., |piece| piece.part == THIN).collect();
+        self.n_left_out = is_thin.iter().filter(|thin| **thin).count();
         let mut part = 0;
         self.volumes.retain(|_| {
             part += 1;

@@ -37,6 +37,16 @@ impl<const D: usize> Side<D> {
 impl<const D: usize> Faces<'_, D> {
     /// Adds part faces, wet boundary, and the interface on faces.
     pub(crate) fn add_to(&self, cut: &mut CutMesh<D>) {
+        let n_inside = cut.interface.len();
+        self.add_faces(cut);
+        let mut aligned: Vec<_> = cut.interface[n_inside..].iter().map(|piece| (piece.body, piece.facet)).collect();
+        cut.report.n_aligned_pieces = aligned.len();
+        aligned.sort_unstable();
+        aligned.dedup();
+        cut.report.n_aligned_facets = aligned.len();
+    }
+
+    fn add_faces(&self, cut: &mut CutMesh<D>) {
         let background = self.cutting.planes.background;
         for facet in background.facets() {
             let [first, second] = background.facet_to_cell(facet);
@@ -208,7 +218,6 @@ impl<const D: usize> Faces<'_, D> {
                 if face_overlap(&polygon, &by, &normal, tolerance, &mut overlap) > 0.0 {
                     for_each_face_simplex(&overlap, |corners| {
                         cut.interface.push(InterfacePiece::new(face.cells[side], part, facet, corners));
-                        cut.report.n_aligned_pieces += 1;
                     });
                     face_difference(&polygon, &by, &normal, tolerance, &mut left);
                 } else {

@@ -28,6 +28,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod capsule;
 mod cell;
 mod classify;
 mod clip;
@@ -37,10 +38,12 @@ mod exact;
 mod faces;
 mod overlay;
 mod report;
+mod soundness;
 mod surface;
 mod touched;
 mod tree;
 
+pub use capsule::Capsule;
 pub use clip::{FaceLabel, Polytope};
 pub use cut_mesh::{BoundaryPiece, CellState, CutMesh, InterfacePiece, PartFace, PartId};
 pub use error::Error;

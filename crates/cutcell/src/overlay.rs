@@ -9,7 +9,7 @@ use crate::cut_mesh::for_each_face_simplex;
 use crate::exact::Planes;
 use crate::faces::Faces;
 use crate::report::SLIVER;
-use crate::surface;
+use crate::surface::{self, Facet};
 use crate::touched::TouchedCells;
 use crate::{CellState, CutMesh, CutReport, Error, InterfacePiece, PartId};
 
@@ -19,12 +19,21 @@ pub struct OverlayOptions {
     /// Thickness up to which a fluid part is left out, as a fraction of the mean cell size: bodies this close to each
     /// other touch, and a facet this close to a face of the background lies on it.
     pub relative_tolerance: f64,
+    /// Whether surfaces that intersect themselves are refused. The check costs about as much as the cut of a fine surface;
+    /// a simulation that checked its surfaces once may go without.
+    pub refuse_self_intersections: bool,
 }
 
 impl OverlayOptions {
-    /// A tolerance of 1e-13 cell sizes.
+    /// A tolerance of 1e-13 cell sizes; surfaces that intersect themselves are refused.
     pub fn new() -> Self {
-        Self { relative_tolerance: 1e-13 }
+        Self { relative_tolerance: 1e-13, refuse_self_intersections: true }
+    }
+
+    /// The same without the check for self-intersections.
+    #[must_use]
+    pub fn without_self_intersection_check(self) -> Self {
+        Self { refuse_self_intersections: false, ..self }
     }
 }
 
@@ -42,22 +51,33 @@ impl<const D: usize> CutMesh<D> {
     /// background belong to the cell on the fluid side.
     ///
     /// # Errors
-    /// See [`Error`]: surfaces that are empty, open, non-manifold, turned inwards, or not finite.
+    /// See [`Error`]: surfaces that are empty, open, non-manifold, turned inwards, self-intersecting, or not finite.
     pub fn overlay(
         background: &SimplexMesh<D>,
         surfaces: &[Placed<'_, D>],
         options: &OverlayOptions,
     ) -> Result<Self, Error> {
-        let facets = surface::collect(surfaces)?;
+        let facets = surface::collect(surfaces, options)?;
+        let touched = TouchedCells::new(background, &facets);
+        let depth = depths(background, &facets, &touched);
+        Ok(Self::from_facets(background, &facets, &touched, &depth, options))
+    }
+
+    /// Cuts by facets, with the number of bodies around each vertex of the background.
+    pub(crate) fn from_facets(
+        background: &SimplexMesh<D>,
+        facets: &[Facet<D>],
+        touched: &TouchedCells,
+        depth: &[i32],
+        options: &OverlayOptions,
+    ) -> Self {
         let extent = background.vertices().iter().fold(0.0_f64, |r, x| r.max(x.amax()));
-        let planes = Planes { background, facets: &facets, resolution: 2.0 * f64::EPSILON * extent };
+        let planes = Planes { background, facets, resolution: 2.0 * f64::EPSILON * extent };
         let volume: f64 = background.cells().map(|c| background.cell_volume(c)).sum();
         let size = mesh::equilateral_side::<D>(volume / background.n_cells() as f64);
         // Coordinates themselves carry round-off.
         let thinnest = options.relative_tolerance * size + 4.0 * planes.resolution;
-        let touched = TouchedCells::new(background, &facets);
-        let depth = depths(background, &facets, &touched);
-        let cutting = Cutting { planes, touched: &touched, depth: &depth, thinnest };
+        let cutting = Cutting { planes, touched, depth, thinnest };
         let cuts: Vec<CellPieces<D>> = (0..touched.cells.len())
             .into_par_iter()
             .map(|k| cutting.cut(k).into_pieces(&planes, touched.cells[k]))
@@ -79,7 +99,7 @@ impl<const D: usize> CutMesh<D> {
         Faces { cutting, views: &views }.add_to(&mut cut);
         // Pieces on faces of the background were found face by face.
         cut.interface.sort_by_key(|piece| (piece.cell, piece.body, piece.facet));
-        Ok(cut)
+        cut
     }
 
     fn empty(background: &SimplexMesh<D>) -> Self {
@@ -105,6 +125,7 @@ impl<const D: usize> CutMesh<D> {
 
     /// Adds the parts of a cell that facets may cross; for an uncut one only says what it is.
     fn add_touched_cell(&mut self, planes: &Planes<'_, D>, cell: CellId, from: CellPieces<D>) -> CellState {
+        self.report.n_left_out += from.n_left_out;
         if from.volumes.is_empty() {
             return CellState::Covered;
         }

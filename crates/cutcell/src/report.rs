@@ -18,6 +18,10 @@ pub struct CutReport {
     pub smallest_fraction: f64,
     /// Fluid parts smaller than [`SLIVER`] of their cell.
     pub n_slivers: usize,
+    /// Fluid parts left out because they are too thin, see [`crate::OverlayOptions::relative_tolerance`].
+    pub n_left_out: usize,
+    /// Facets with an interface piece on a face of the background.
+    pub n_aligned_facets: usize,
     /// Interface pieces on faces of the background.
     pub n_aligned_pieces: usize,
     /// Measure of faces between fluid and body that no facet covers; zero up to round-off for sound input.

@@ -121,6 +121,26 @@ fn crossing_3d<const D: usize>(from: &Point<D>, to: End<'_, D>, facet: [&Point<D
     if ab == bc && bc == ca { side_to } else { 0 }
 }
 
+/// Whether the segment from `a` to `b` runs through the inside of a facet, strictly from one side to the other. Exact.
+pub(crate) fn pierces<const D: usize>(a: &Point<D>, b: &Point<D>, facet: &[Point<D>]) -> bool {
+    let opposite = |p: f64, q: f64| sign(p) * sign(q) < 0;
+    if !opposite(determinant(facet, a), determinant(facet, b)) {
+        return false;
+    }
+    match D {
+        2 => {
+            let side = |x: &Point<D>| orient2d(coord(a), coord(b), coord(x));
+            opposite(side(&facet[0]), side(&facet[1]))
+        }
+        _ => {
+            let passes =
+                |x: &Point<D>, y: &Point<D>| sign(orient3d(coord_3d(a), coord_3d(b), coord_3d(x), coord_3d(y)));
+            let first = passes(&facet[0], &facet[1]);
+            first != 0 && first == passes(&facet[1], &facet[2]) && first == passes(&facet[2], &facet[0])
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -5,5 +5,5 @@ mod integer;
 mod number;
 mod planes;
 
-pub(crate) use crossing::{End, crossing};
+pub(crate) use crossing::{End, crossing, pierces};
 pub(crate) use planes::{Corner, HalfSpace, Plane, PlaneKind, Planes};
