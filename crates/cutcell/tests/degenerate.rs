@@ -186,3 +186,16 @@ fn steep_facets_do_not_cover_a_face_that_they_touch() {
     ];
     check_pair(&corners.map(Point::<3>::from));
 }
+
+#[test]
+fn an_edge_of_the_background_through_a_corner_of_a_body() {
+    // The corner halves an edge of a cell whose ends have rounded coordinates.
+    let corners = [
+        [0.3333333333333333, 0.0, 0.0],
+        [0.16666666666666666, 0.03, 0.0],
+        [0.8333333333333334, 0.5, 0.5],
+        [0.0, 0.03, 0.0],
+        [0.0, 0.0, 0.0],
+    ];
+    check_pair(&corners.map(Point::<3>::from));
+}

@@ -6,6 +6,8 @@
 use mesh::Point;
 use robust::{Coord, Coord3D, orient2d, orient3d};
 
+use super::integer::Exact;
+
 fn coord<const D: usize>(x: &Point<D>) -> Coord<f64> {
     Coord { x: x[0], y: x[1] }
 }
@@ -88,6 +90,15 @@ fn normal<const D: usize>([a, b, c]: [&Point<D>; 3]) -> [f64; 3] {
     })
 }
 
+/// Components of `(x - y) × (p - q)`, with exact signs: the two may be parallel, or almost.
+fn cross_of_differences<const D: usize>([x, y]: [&Point<D>; 2], [p, q]: [&Point<D>; 2]) -> [f64; 3] {
+    let difference = |a: &Point<D>, b: &Point<D>, k: usize| Exact::of(a[k % 3]).minus(&Exact::of(b[k % 3]));
+    std::array::from_fn(|k| {
+        let first = difference(x, y, k + 1).times(&difference(p, q, k + 2));
+        first.minus(&difference(x, y, k + 2).times(&difference(p, q, k + 1))).value()
+    })
+}
+
 /// `from` is a mesh vertex.
 fn crossing_3d<const D: usize>(from: &Point<D>, to: End<'_, D>, facet: [&Point<D>; 3]) -> i32 {
     let (q, to_is_vertex) = match to {
@@ -110,8 +121,7 @@ fn crossing_3d<const D: usize>(from: &Point<D>, to: End<'_, D>, facet: [&Point<D
         if exact != 0 {
             exact
         } else if to_is_vertex {
-            let (r, e) = (from - q, x - y);
-            first_nonzero(std::array::from_fn(|k| e[(k + 1) % 3] * r[(k + 2) % 3] - e[(k + 2) % 3] * r[(k + 1) % 3]))
+            first_nonzero(cross_of_differences([x, y], [from, q]))
         } else {
             first_nonzero(normal([q, x, y]))
         }
