@@ -66,11 +66,11 @@ impl<const D: usize> Capsule<D> {
         for &index in touched.position(cell).map_or(&[][..], |k| touched.facets(k)) {
             let facet = &all[index as usize];
             let mut corners = [0; 3];
-            for k in 0..D {
-                let known = numbers.iter().position(|number| *number == facet.vertices[k]);
-                corners[k] = known.unwrap_or_else(|| {
-                    numbers.push(facet.vertices[k]);
-                    capsule.vertices.push(facet.points()[k]);
+            for ((slot, number), x) in corners.iter_mut().zip(facet.vertices).zip(facet.points()) {
+                let known = numbers.iter().position(|n| *n == number);
+                *slot = known.unwrap_or_else(|| {
+                    numbers.push(number);
+                    capsule.vertices.push(*x);
                     numbers.len() - 1
                 }) as u32;
             }

@@ -60,10 +60,8 @@ impl<const D: usize> Tree<D> {
         let mut tree = Self { nodes: Vec::new(), leaves, root: Child::Leaf(0), aligned: 0 };
         let walls = cell_walls(planes, cell);
         for &facet in facets {
-            match clip_to_cell(planes, &walls, facet) {
-                Clipped::Inside(polygon) => tree.root = tree.insert(planes, tree.root, facet, polygon),
-                Clipped::OnFace(local) => tree.aligned |= 1 << local,
-                Clipped::Outside => {}
+            if let Some(polygon) = clip_to_cell(planes, &walls, facet, &mut tree.aligned) {
+                tree.root = tree.insert(planes, tree.root, facet, polygon);
             }
         }
         tree
@@ -221,15 +219,6 @@ fn facet_polygon<const D: usize>(planes: &Planes<'_, D>, facet: u32) -> Polygon<
     polygon
 }
 
-/// Where a facet lies with respect to a cell.
-enum Clipped<const D: usize> {
-    /// What of it lies inside.
-    Inside(Polygon<D>),
-    /// On the plane of a face (local number), and perhaps on the face.
-    OnFace(usize),
-    Outside,
-}
-
 /// A face of a cell, and whether the cell lies in front of it.
 type CellWall<const D: usize> = (Plane, HalfSpace<D>, bool);
 
@@ -243,18 +232,27 @@ fn cell_walls<const D: usize>(planes: &Planes<'_, D>, cell: CellId) -> SmallVec<
     background.cell_to_facet(cell).iter().map(wall).collect()
 }
 
-fn clip_to_cell<const D: usize>(planes: &Planes<'_, D>, walls: &[CellWall<D>], facet: u32) -> Clipped<D> {
+/// What of a facet lies inside a cell; notes if it lies on a face instead.
+fn clip_to_cell<const D: usize>(
+    planes: &Planes<'_, D>,
+    walls: &[CellWall<D>],
+    facet: u32,
+    aligned: &mut u8,
+) -> Option<Polygon<D>> {
     let mut polygon = facet_polygon(planes, facet);
     for (local, (plane, half_space, is_in_front)) in walls.iter().enumerate() {
         match (polygon.place(planes, *plane, half_space), *is_in_front) {
-            (Place::On, _) => return Clipped::OnFace(local),
+            (Place::On, _) => {
+                *aligned |= 1 << local;
+                return None;
+            }
             (Place::Behind, false) | (Place::Front, true) => {}
-            (Place::Behind, true) | (Place::Front, false) => return Clipped::Outside,
+            (Place::Behind, true) | (Place::Front, false) => return None,
             (Place::Both(parts), is_in_front) => {
                 let [behind, front] = *parts;
                 polygon = if is_in_front { front } else { behind };
             }
         }
     }
-    Clipped::Inside(polygon)
+    Some(polygon)
 }

@@ -275,8 +275,19 @@ fn bad_surfaces_are_refused() {
     };
     assert!(try_facets(&[0, 1, 1, 2, 2, 0], &positions).is_ok());
     assert!(matches!(try_facets(&[0, 1, 1, 2], &positions), Err(Error::Open { .. })));
-    assert!(matches!(try_facets(&[1, 0, 2, 1, 0, 2], &positions), Err(Error::Inward { .. })));
+    // The facet at the outermost vertex along the first axis, and that vertex.
+    let inward = try_facets(&[1, 0, 2, 1, 0, 2], &positions).expect_err("turned inwards");
+    assert!(matches!(inward, Error::Inward { facet: mesh::FacetId(1), point: [0.8, 0.2, 0.0], .. }), "{inward}");
     assert!(matches!(try_facets(&[], &positions), Err(Error::Empty { .. })));
+    // A pentagram: its area is positive, but its edges cross.
+    let corner = |k: u32| {
+        let angle = std::f64::consts::TAU * f64::from(2 * k) / 5.0;
+        P::new(0.5 + 0.4 * angle.cos(), 0.5 + 0.4 * angle.sin())
+    };
+    let pentagram: Vec<P> = (0..5).map(corner).collect();
+    let edges: Vec<u32> = (0..5).flat_map(|k| [k, (k + 1) % 5]).collect();
+    let crossed = try_facets(&edges, &pentagram).expect_err("crosses itself");
+    assert!(matches!(crossed, Error::SelfIntersection { .. }), "{crossed}");
     let nan = vec![positions[0], P::new(f64::NAN, 0.0), positions[2]];
     assert!(matches!(try_facets(&[0, 1, 1, 2, 2, 0], &nan), Err(Error::NotFinite { .. })));
     assert!(matches!(try_facets(&[0, 1, 1, 2, 2, 0, 0, 1, 1, 2, 2, 0], &positions), Err(Error::NonManifold { .. })));

@@ -274,3 +274,59 @@ impl<const D: usize> Piece<D> {
 type Crossings<const D: usize> = SmallVec<[([u32; 2], Corner<D>); 8]>;
 /// Sides of the face on a dividing plane while it is put together.
 type Section = SmallVec<[(u32, u32, Plane); 16]>;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::exact::Plane;
+
+    /// Divides a simplex again and again; the pieces fill it, and their faces close them.
+    fn check_division<const D: usize>() {
+        let mut corners = vec![Point::<D>::zeros()];
+        corners.extend((0..D).map(|k| Point::<D>::from_fn(|i, _| f64::from(u8::from(i == k)))));
+        let mut pieces = vec![Piece::simplex(&corners, [Plane::facet(0); 4])];
+        let volume = pieces[0].volume();
+        for step in 0..6 {
+            let normal = Point::<D>::from_fn(|k, _| ((1 + step * D + k) as f64 * 1.7).sin()).normalize();
+            let at = Point::<D>::repeat(0.2 + 0.02 * step as f64);
+            let divide = |piece: &Piece<D>| {
+                let distances: Vec<f64> = piece.corners.iter().map(|c| normal.dot(&(c.x - at))).collect();
+                let opposite: Vec<f64> = distances.iter().map(|d| -d).collect();
+                if distances.iter().any(|d| *d > 0.0) && distances.iter().any(|d| *d < 0.0) {
+                    vec![piece.behind(&distances), piece.behind(&opposite)]
+                } else {
+                    vec![piece.clone()]
+                }
+            };
+            pieces = pieces.iter().flat_map(divide).collect();
+        }
+        assert!(pieces.len() > 6);
+        assert!(pieces.iter().all(|piece| piece.volume() > 0.0));
+        let sum: f64 = pieces.iter().map(Piece::volume).sum();
+        assert!((sum - volume).abs() < 1e-14, "{sum} {volume}");
+        for piece in &pieces {
+            // The cones over the faces from any point, with signs, make up the piece only if the faces close it.
+            let rounded = piece.rounded(&[]);
+            let apex = Point::<D>::repeat(7.0);
+            let mut cones = 0.0;
+            for (_, face) in rounded.faces() {
+                for k in 1..=face.len() + 1 - D {
+                    let mut simplex = vec![apex, rounded.points()[face[0] as usize]];
+                    simplex.extend(face[k..k + D - 1].iter().map(|&c| rounded.points()[c as usize]));
+                    cones += mesh::Simplex::new(&simplex).volume();
+                }
+            }
+            assert!((cones - rounded.volume()).abs() < 1e-13, "{cones} {}", rounded.volume());
+        }
+    }
+
+    #[test]
+    fn division_keeps_the_volume_in_2d() {
+        check_division::<2>();
+    }
+
+    #[test]
+    fn division_keeps_the_volume_in_3d() {
+        check_division::<3>();
+    }
+}

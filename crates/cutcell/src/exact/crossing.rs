@@ -1,4 +1,4 @@
-//! Exact predicates: on which side, and how a segment crosses a facet.
+//! How a segment crosses a facet.
 //!
 //! Mesh vertices count as shifted by an infinitesimal `(ε, ε², ...)`, so that a vertex on a surface, or a surface
 //! vertex on a mesh edge, has an answer that is the same wherever it is asked (simulation of simplicity).
