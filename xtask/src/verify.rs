@@ -55,7 +55,8 @@ fn validation(mode: &str) -> Command {
 fn verify_cutcell(full: bool) -> Outcome {
     let cases = CUTCELL_CASES[usize::from(full)];
     println!("# cutcell: properties over {cases} random placements");
-    let mut command = cargo(&["test", "--release", "--package", "cutcell", "--test", "properties"]);
+    let mut command =
+        cargo(&["test", "--release", "--package", "cutcell", "--test", "properties", "--test", "degenerate"]);
     succeeds(command.env("CUTCELL_CASES", cases))
 }
 

@@ -1,24 +1,28 @@
 //! Cutting one background cell.
 
-use mesh::{Point, Vector};
+use mesh::{CellId, FacetId};
 
-use crate::clip::{FaceLabel, Polytope, face_difference, face_overlap};
-use crate::predicates::{End, crossing};
-use crate::surface::Facet;
+use crate::Polytope;
+use crate::clip::{Piece, Points, Polygon};
+use crate::exact::{End, Plane, Planes, crossing};
+use crate::tree::{Tree, Wall};
 
-/// A convex piece of a cell that no facet crosses.
-#[derive(Clone, Debug)]
-pub(crate) struct Leaf<const D: usize> {
-    pub(crate) polytope: Polytope<D>,
+/// What is known of a convex piece of a cell that no facet crosses.
+#[derive(Clone, Copy, Debug)]
+struct Label {
     /// Number of bodies around it.
-    pub(crate) depth: i32,
+    depth: i32,
     /// Fluid part of the cell that it belongs to; meaningless in a body.
-    pub(crate) part: u32,
+    part: u32,
 }
 
-impl<const D: usize> Leaf<D> {
-    pub(crate) fn is_fluid(&self) -> bool {
-        self.depth <= 0
+/// In place of the number of a part that is too thin to count.
+const THIN: u32 = u32::MAX;
+
+impl Label {
+    /// The part of a piece of fluid.
+    fn part(self) -> Option<u32> {
+        (self.depth <= 0).then_some(self.part)
     }
 }
 
@@ -27,260 +31,219 @@ impl<const D: usize> Leaf<D> {
 pub(crate) struct WetPiece<const D: usize> {
     pub(crate) part: u32,
     pub(crate) facet: u32,
-    pub(crate) polygon: Vec<Point<D>>,
+    pub(crate) polygon: Points<D>,
 }
 
-/// A face between fluid and body that no facet covers.
-///
-/// The plane of a facet goes on behind the facet's end. Where it stays closer to another plane than the tolerance, it
-/// cuts off a tail of no thickness, which belongs to a body but has fluid on both sides.
+/// What is kept of a cell that facets may cross.
 #[derive(Clone, Debug)]
-pub(crate) struct Bare<const D: usize> {
-    pub(crate) leaf: usize,
-    /// Towards the fluid.
-    pub(crate) normal: Vector<D>,
-    pub(crate) polygon: Vec<Point<D>>,
+pub(crate) struct CellPieces<const D: usize> {
+    /// Volume of each part.
+    pub(crate) volumes: Vec<f64>,
+    /// The pieces with their parts, in the order of the parts, the covered ones last; none if the cell is in one piece.
+    pub(crate) pieces: Vec<(Option<u32>, Polytope<D>)>,
+    pub(crate) wet: Vec<WetPiece<D>>,
+    /// Number of parts that are too thin to count.
+    pub(crate) n_left_out: usize,
+    /// Measure of each face that is wet by one part only, with that part.
+    pub(crate) faces: [FaceView; 4],
+}
+
+/// A face of the background as seen from one cell.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(crate) enum FaceView {
+    /// Covered.
+    Dry,
+    /// Wet by one part, over that measure.
+    Wet(u32, f64),
+    /// Anything else: several parts, facets on the face, parts that are too thin to count.
+    Mixed,
 }
 
 /// A cell with everything that facets do to its inside.
 #[derive(Clone, Debug)]
 pub(crate) struct CellCut<const D: usize> {
-    pub(crate) leaves: Vec<Leaf<D>>,
-    pub(crate) n_parts: u32,
+    pub(crate) tree: Tree<D>,
+    /// Of the leaves of the tree.
+    labels: Vec<Label>,
+    /// Volume of each part of the cell.
+    pub(crate) volumes: Vec<f64>,
     pub(crate) wet: Vec<WetPiece<D>>,
-    pub(crate) bare: Vec<Bare<D>>,
+    /// Pieces of facets in front of which the fluid is too thin to count.
+    pub(crate) thin: Vec<WetPiece<D>>,
+    /// Number of parts that are too thin to count.
+    n_left_out: usize,
 }
 
-/// Cuts a cell by the facets (indices into `all`) that may touch it. `depth` is the number of bodies around the
-/// first vertex of the cell.
-pub(crate) fn cut_cell<const D: usize>(
-    corners: &[Point<D>],
-    depth: i32,
-    facets: &[u32],
-    all: &[Facet<D>],
-    tolerance: f64,
-) -> CellCut<D> {
-    let polytopes = split_by_facets(corners, facets, all, tolerance);
-    let mut leaves: Vec<Leaf<D>> = polytopes
-        .into_iter()
-        .map(|polytope| {
-            let at = polytope.inner_point();
-            let change: i32 =
-                facets.iter().map(|&f| crossing(&corners[0], End::Point(&at), all[f as usize].points())).sum();
-            Leaf { polytope, depth: depth + change, part: 0 }
-        })
-        .collect();
-    let mut connected = Vec::new();
-    let mut wet = Vec::new();
-    let mut bare: Vec<Bare<D>> = Vec::new();
-    for wall in walls(&leaves, all, tolerance) {
-        // Behind the plane of one facet may lie fluid, and another body in front of it.
-        let normal = all[wall.facet as usize].normal;
-        let (leaf, normal) = match (leaves[wall.back].is_fluid(), leaves[wall.front].is_fluid()) {
-            (false, true) => (wall.front, normal),
-            (true, false) => (wall.back, -normal),
-            (true, true) => {
-                connected.push([wall.back, wall.front]);
-                continue;
+impl<const D: usize> CellCut<D> {
+    /// Cuts a cell by the facets that may touch it. `depth` is the number of bodies around the first vertex of the
+    /// cell; parts no thicker than `thinnest` do not count.
+    pub(crate) fn new(planes: &Planes<'_, D>, cell: CellId, depth: i32, facets: &[u32], thinnest: f64) -> Self {
+        let tree = Tree::new(planes, cell, facets);
+        let walls = tree.walls(planes);
+        let piece_volumes: Vec<f64> = tree.leaves().iter().map(Piece::volume).collect();
+        // The thickest piece contains the mean of its corners beyond doubt.
+        let (thickest, _) = piece_volumes
+            .iter()
+            .enumerate()
+            .fold((0, f64::NEG_INFINITY), |best, (leaf, &volume)| if volume > best.1 { (leaf, volume) } else { best });
+        let start = planes.background.vertex(planes.background.cell(cell)[0]);
+        let at = tree.leaves()[thickest].inner_point();
+        let change: i32 =
+            facets.iter().map(|&f| crossing(&start, End::Point(&at), planes.facets[f as usize].points())).sum();
+        let mut labels = spread(tree.leaves().len(), thickest, depth + change, &walls);
+        let n_parts = number_parts(&mut labels, &walls);
+        let mut volumes = vec![0.0; n_parts as usize];
+        for (label, volume) in labels.iter().zip(piece_volumes) {
+            if let Some(part) = label.part() {
+                volumes[part as usize] += volume;
             }
-            (false, false) => continue,
-        };
-        let rest = cover_by_facets(wall.polygon, &normal, facets, all, tolerance, |facet, polygon| {
-            wet.push((leaf, facet, polygon));
-        });
-        bare.extend(rest.into_iter().map(|polygon| Bare { leaf, normal, polygon }));
+        }
+        let wet: Vec<WetPiece<D>> = walls.into_iter().filter_map(|wall| wet_piece(&labels, wall)).collect();
+        let mut cut = Self { tree, labels, volumes, wet, thin: Vec::new(), n_left_out: 0 };
+        cut.leave_out_thin_parts(planes.background.simplex(cell).diameter(), thinnest);
+        cut
     }
-    pair_bare(&mut bare, tolerance, |a, b| connected.push([a, b]));
-    let n_parts = number_parts(&mut leaves, &connected);
-    let part = |leaf: usize| leaves[leaf].part;
-    let wet = wet.into_iter().map(|(leaf, facet, polygon)| WetPiece { part: part(leaf), facet, polygon }).collect();
-    CellCut { leaves, n_parts, wet, bare }
-}
 
-/// Joins the fluid on the two sides of tails of no thickness; keeps what has no partner in the cell.
-fn pair_bare<const D: usize>(bare: &mut Vec<Bare<D>>, tolerance: f64, mut join: impl FnMut(usize, usize)) {
-    let mut k = 0;
-    while k < bare.len() {
-        let (first, others) = bare.split_at(k + 1);
-        let a = &first[k];
-        let mut rest = vec![a.polygon.clone()];
-        for b in others {
-            if a.normal.dot(&b.normal) < 0.0 && a.leaf != b.leaf && subtract_facing(&mut rest, &a.normal, b, tolerance)
+    /// What to keep of the cell.
+    pub(crate) fn into_pieces(self, planes: &Planes<'_, D>, cell: CellId) -> CellPieces<D> {
+        let ids = planes.background.cell_to_facet(cell);
+        let faces = std::array::from_fn(|local| ids.get(local).map_or(FaceView::Dry, |&id| self.view(local, id)));
+        let leaves = self.tree.leaves();
+        let mut pieces: Vec<(Option<u32>, Polytope<D>)> = Vec::new();
+        if leaves.len() > 1 {
+            pieces.reserve(leaves.len());
+            for part in (0..self.volumes.len() as u32).map(Some).chain([None]) {
+                let of_part = (0..leaves.len()).filter(|&leaf| self.fluid_part(leaf) == part);
+                pieces.extend(of_part.map(|leaf| (part, leaves[leaf].rounded(ids))));
+            }
+        }
+        CellPieces { volumes: self.volumes, pieces, wet: self.wet, n_left_out: self.n_left_out, faces }
+    }
+
+    fn view(&self, local: usize, id: FacetId) -> FaceView {
+        if self.tree.is_aligned(local) || !self.thin.is_empty() {
+            return FaceView::Mixed;
+        }
+        let mut view = FaceView::Dry;
+        for (leaf, piece) in self.tree.leaves().iter().enumerate() {
+            let Some(part) = self.fluid_part(leaf) else { continue };
+            if let Some(measure) = piece.measure_on(Plane::mesh(id)) {
+                view = match view {
+                    FaceView::Dry => FaceView::Wet(part, measure),
+                    FaceView::Wet(same, sum) if same == part => FaceView::Wet(part, sum + measure),
+                    _ => return FaceView::Mixed,
+                };
+            }
+        }
+        view
+    }
+
+    fn leave_out_thin_parts(&mut self, diameter: f64, thinnest: f64) {
+        // No piece has a larger surface than a box around the cell.
+        let most = thinnest * (2 * D) as f64 * diameter.powi(D as i32 - 1);
+        let mut is_thin: Vec<bool> = self.volumes.iter().map(|&volume| volume <= most).collect();
+        if !is_thin.contains(&true) {
+            return;
+        }
+        // A part is as thick as its thickest piece: thin ones may hang on a small tip that is as wide as it is long.
+        for (label, leaf) in self.labels.iter().zip(self.tree.leaves()) {
+            if let Some(part) = label.part()
+                && is_thin[part as usize]
             {
-                join(a.leaf, b.leaf);
+                let volume = leaf.volume();
+                is_thin[part as usize] = volume <= 0.0 || volume <= 0.5 * thinnest * leaf.surface();
             }
         }
-        let (leaf, normal) = (a.leaf, a.normal);
-        let replaced: Vec<Bare<D>> = rest.into_iter().map(|polygon| Bare { leaf, normal, polygon }).collect();
-        let n = replaced.len();
-        bare.splice(k..=k, replaced);
-        k += n;
-    }
-}
-
-/// Takes away from `polygons` what faces a bare face across no distance; returns whether there was anything.
-pub(crate) fn subtract_facing<const D: usize>(
-    polygons: &mut Vec<Vec<Point<D>>>,
-    normal: &Vector<D>,
-    bare: &Bare<D>,
-    tolerance: f64,
-) -> bool {
-    let mut found = false;
-    let mut overlap = Vec::new();
-    let mut left = Vec::new();
-    for polygon in polygons.drain(..) {
-        let is_near = |x: &Point<D>| {
-            normal.dot(&(x - polygon[0])).abs() <= REACH_OF_TAILS * tolerance
-                && bare.normal.dot(&(x - bare.polygon[0])).abs() <= REACH_OF_TAILS * tolerance
+        if !is_thin.contains(&true) {
+            return;
+        }
+        let number = |part: u32| match is_thin[part as usize] {
+            true => THIN,
+            false => is_thin[..part as usize].iter().filter(|thin| !**thin).count() as u32,
         };
-        if face_overlap(&polygon, &bare.polygon, normal, tolerance, &mut overlap) > 0.0 && overlap.iter().all(is_near) {
-            found = true;
-            face_difference(&polygon, &bare.polygon, normal, tolerance, &mut left);
-        } else {
-            left.push(polygon);
-        }
+        self.labels.iter_mut().filter(|label| label.depth <= 0).for_each(|label| label.part = number(label.part));
+        self.wet.iter_mut().for_each(|piece| piece.part = number(piece.part));
+        self.thin = self.wet.extract_if(.., |piece| piece.part == THIN).collect();
+        self.n_left_out = is_thin.iter().filter(|thin| **thin).count();
+        let mut part = 0;
+        self.volumes.retain(|_| {
+            part += 1;
+            !is_thin[part - 1]
+        });
     }
-    *polygons = left;
-    found
+
+    /// Leaves with their faces on a plane.
+    pub(crate) fn faces(&self, on: Plane) -> impl Iterator<Item = (usize, Polygon<D>)> {
+        self.tree.leaves().iter().enumerate().flat_map(move |(leaf, piece)| {
+            (0..piece.n_faces()).filter(move |&f| piece.plane(f) == on).map(move |f| (leaf, piece.face(f)))
+        })
+    }
+
+    /// The part of a leaf that counts as fluid.
+    pub(crate) fn fluid_part(&self, leaf: usize) -> Option<u32> {
+        self.labels[leaf].part().filter(|&part| part != THIN)
+    }
 }
 
-/// A tail is at most as thick as the snapping of the points at its ends.
-const REACH_OF_TAILS: f64 = 16.0;
-
-/// Splits a cell by the planes of the facets that cross it, each plane only through the pieces that its facet
-/// really enters.
-fn split_by_facets<const D: usize>(
-    corners: &[Point<D>],
-    facets: &[u32],
-    all: &[Facet<D>],
-    tolerance: f64,
-) -> Vec<Polytope<D>> {
-    let mut pieces = vec![Polytope::simplex(corners)];
-    let mut distances = Vec::new();
-    let mut section = Vec::new();
-    let mut overlap = Vec::new();
-    for &index in facets {
-        let facet = &all[index as usize];
-        let mut k = 0;
-        while k < pieces.len() {
-            let piece = &pieces[k];
-            distances.clear();
-            distances.extend(piece.points().iter().map(|x| facet.distance(x, tolerance)));
-            if distances.iter().any(|d| *d < 0.0) && distances.iter().any(|d| *d > 0.0) {
-                if !piece.crosses_cleanly(&distances) {
-                    distances.clear();
-                    distances.extend(piece.points().iter().map(|x| facet.distance(x, 0.0)));
-                }
-                piece.cross_section(&distances, &facet.normal, &mut section);
-                if face_overlap(&section, facet.points(), &facet.normal, tolerance, &mut overlap) > 0.0 {
-                    let [back, front] = piece.split(&distances, &facet.normal, index);
-                    pieces[k] = back;
-                    k += 1;
-                    pieces.insert(k, front);
-                }
-            }
-            k += 1;
-        }
-    }
-    pieces
-}
-
-/// Where two leaves of a cell touch, on the plane of a facet.
-struct Wall<const D: usize> {
-    facet: u32,
-    back: usize,
-    front: usize,
-    polygon: Vec<Point<D>>,
-}
-
-fn walls<const D: usize>(leaves: &[Leaf<D>], all: &[Facet<D>], tolerance: f64) -> Vec<Wall<D>> {
-    let mut faces: Vec<(u32, bool, usize, usize)> = Vec::new();
-    for (l, leaf) in leaves.iter().enumerate() {
-        for (f, (label, _)) in leaf.polytope.faces().enumerate() {
-            if let FaceLabel::Plane { facet, front } = label {
-                faces.push((facet, front, l, f));
-            }
-        }
-    }
-    faces.sort_unstable();
-    let mut walls = Vec::new();
-    let mut overlap = Vec::new();
-    for on_plane in faces.chunk_by(|a, b| a.0 == b.0) {
-        let normal = &all[on_plane[0].0 as usize].normal;
-        let n_back = on_plane.partition_point(|face| !face.1);
-        for &(facet, _, back, back_face) in &on_plane[..n_back] {
-            let a: Vec<Point<D>> = leaves[back].polytope.face_points(back_face).collect();
-            for &(_, _, front, front_face) in &on_plane[n_back..] {
-                let b: Vec<Point<D>> = leaves[front].polytope.face_points(front_face).collect();
-                if face_overlap(&a, &b, normal, tolerance, &mut overlap) > 0.0 {
-                    walls.push(Wall { facet, back, front, polygon: overlap.clone() });
-                }
-            }
-        }
-    }
-    walls
-}
-
-/// Numbers the connected sets of fluid leaves in the order of their first leaf.
-fn number_parts<const D: usize>(leaves: &mut [Leaf<D>], connected: &[[usize; 2]]) -> u32 {
-    let mut lowest: Vec<usize> = (0..leaves.len()).collect();
+/// The number of bodies around each leaf, from that around one of them.
+fn spread<const D: usize>(n: usize, from: usize, depth: i32, walls: &[Wall<D>]) -> Vec<Label> {
+    let mut depths: Vec<Option<i32>> = vec![None; n];
+    depths[from] = Some(depth);
     let mut changed = true;
     while changed {
         changed = false;
-        for &[a, b] in connected {
-            let low = lowest[a].min(lowest[b]);
-            changed |= lowest[a] != low || lowest[b] != low;
-            lowest[a] = low;
-            lowest[b] = low;
+        for wall in walls {
+            match (depths[wall.behind], depths[wall.front]) {
+                (Some(behind), None) => depths[wall.front] = Some(behind - wall.cover.step),
+                (None, Some(front)) => depths[wall.behind] = Some(front + wall.cover.step),
+                (Some(behind), Some(front)) => {
+                    debug_assert_eq!(behind, front + wall.cover.step, "walls agree");
+                    continue;
+                }
+                (None, None) => continue,
+            }
+            changed = true;
+        }
+    }
+    depths.into_iter().map(|known| Label { depth: known.unwrap_or(depth), part: 0 }).collect()
+}
+
+/// Numbers the connected sets of fluid leaves in the order of their first leaf; returns how many there are.
+fn number_parts<const D: usize>(labels: &mut [Label], walls: &[Wall<D>]) -> u32 {
+    let mut lowest: Vec<usize> = (0..labels.len()).collect();
+    let mut changed = true;
+    while changed {
+        changed = false;
+        for wall in walls {
+            let (a, b) = (wall.behind, wall.front);
+            if labels[a].part().is_some() && labels[b].part().is_some() {
+                let low = lowest[a].min(lowest[b]);
+                changed |= lowest[a] != low || lowest[b] != low;
+                lowest[a] = low;
+                lowest[b] = low;
+            }
         }
     }
     let mut n_parts = 0;
-    for l in 0..leaves.len() {
-        if leaves[l].is_fluid() {
-            leaves[l].part = if lowest[l] == l {
+    for l in 0..labels.len() {
+        if labels[l].part().is_some() {
+            labels[l].part = if lowest[l] == l {
                 n_parts += 1;
                 n_parts - 1
             } else {
-                leaves[lowest[l]].part
+                labels[lowest[l]].part
             };
         }
     }
     n_parts
 }
 
-/// Hands each piece of a wet face to the facet that covers it, once, in the order of the facets; returns what no
-/// facet covers.
-pub(crate) fn cover_by_facets<const D: usize>(
-    face: Vec<Point<D>>,
-    normal: &Vector<D>,
-    facets: &[u32],
-    all: &[Facet<D>],
-    tolerance: f64,
-    mut visit: impl FnMut(u32, Vec<Point<D>>),
-) -> Vec<Vec<Point<D>>> {
-    let mut rest = vec![face];
-    let mut overlap = Vec::new();
-    for &index in facets {
-        let facet = &all[index as usize];
-        if facet.normal.dot(normal) <= 0.0 {
-            continue;
-        }
-        let mut left = Vec::new();
-        for polygon in rest {
-            // The overlap must lie on both planes; the tolerance is wider than the one that put points on them.
-            let lies_on_both = |x: &Point<D>| {
-                facet.distance(x, 8.0 * tolerance) == 0.0 && normal.dot(&(x - polygon[0])).abs() <= 8.0 * tolerance
-            };
-            if face_overlap(&polygon, facet.points(), normal, tolerance, &mut overlap) > 0.0
-                && overlap.iter().all(lies_on_both)
-            {
-                visit(index, overlap.clone());
-                face_difference(&polygon, facet.points(), normal, tolerance, &mut left);
-            } else {
-                left.push(polygon);
-            }
-        }
-        rest = left;
-    }
-    rest
+/// The piece of interface on a wall between fluid and body.
+fn wet_piece<const D: usize>(labels: &[Label], wall: Wall<D>) -> Option<WetPiece<D>> {
+    let (part, facet) = match (labels[wall.behind].part(), labels[wall.front].part()) {
+        (None, Some(part)) => (part, wall.cover.first[0]?),
+        (Some(part), None) => (part, wall.cover.first[1]?),
+        _ => return None,
+    };
+    Some(WetPiece { part, facet, polygon: wall.polygon.points() })
 }

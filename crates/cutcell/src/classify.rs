@@ -2,9 +2,9 @@
 
 use mesh::{CellId, Point, SimplexMesh, VertexId};
 
-use crate::overlay::TouchedCells;
-use crate::predicates::{End, crossing};
+use crate::exact::{End, crossing};
 use crate::surface::Facet;
+use crate::touched::TouchedCells;
 
 const UNKNOWN: i32 = i32::MIN;
 
@@ -19,45 +19,36 @@ pub(crate) fn depths<const D: usize>(
     touched: &TouchedCells,
 ) -> Vec<i32> {
     let mut depth = vec![UNKNOWN; background.n_vertices()];
-    let mut seen = vec![false; background.n_cells()];
-    let mut stack: Vec<CellId> = Vec::new();
     let far = outside_of_everything(background, facets);
-    for start in background.cells() {
-        if seen[start.index()] {
-            continue;
-        }
+    // Neighbouring cells mostly have neighbouring numbers: a few passes reach everything.
+    let mut waiting: Vec<CellId> = background.cells().collect();
+    while let Some(&start) = waiting.first() {
         let first = background.cell(start)[0];
         if depth[first.index()] == UNKNOWN {
             let x = background.vertex(first);
             depth[first.index()] = facets.iter().map(|f| crossing(&far, End::Vertex(&x), f.points())).sum();
         }
-        seen[start.index()] = true;
-        stack.push(start);
-        while let Some(cell) = stack.pop() {
-            spread(background, facets, touched, cell, &mut depth);
-            for &facet in background.cell_to_facet(cell) {
-                if let Some(next) = background.neighbour(cell, facet)
-                    && !seen[next.index()]
-                {
-                    seen[next.index()] = true;
-                    stack.push(next);
-                }
+        loop {
+            let before = waiting.len();
+            waiting.retain(|&cell| !spread(background, facets, touched, cell, &mut depth));
+            if waiting.len() == before || waiting.is_empty() {
+                break;
             }
         }
     }
     depth
 }
 
-/// Gives all vertices of a cell their number from the one that has it.
+/// Gives all vertices of a cell their number from one that has it; returns whether there was one.
 fn spread<const D: usize>(
     background: &SimplexMesh<D>,
     facets: &[Facet<D>],
     touched: &TouchedCells,
     cell: CellId,
     depth: &mut [i32],
-) {
+) -> bool {
     let vertices = background.cell(cell);
-    let Some(&known) = vertices.iter().find(|v| depth[v.index()] != UNKNOWN) else { return };
+    let Some(&known) = vertices.iter().find(|v| depth[v.index()] != UNKNOWN) else { return false };
     let from = background.vertex(known);
     for &vertex in vertices {
         if depth[vertex.index()] == UNKNOWN {
@@ -68,6 +59,7 @@ fn spread<const D: usize>(
             depth[vertex.index()] = depth[known.index()] + change;
         }
     }
+    true
 }
 
 fn outside_of_everything<const D: usize>(background: &SimplexMesh<D>, facets: &[Facet<D>]) -> Point<D> {

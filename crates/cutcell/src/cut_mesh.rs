@@ -2,7 +2,9 @@
 
 use mesh::{BodyId, CellId, FacetId, Point, QuadratureRule, SimplexMesh, SimplexRule, Vector, simplex_measure};
 
-use crate::{CutReport, FaceLabel, Polytope};
+use crate::clip::Piece;
+use crate::exact::Plane;
+use crate::{CutReport, Polytope};
 
 /// What the bodies leave of a background cell.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -199,7 +201,14 @@ impl<const D: usize> CutMesh<D> {
 
     /// Volume of the fluid.
     pub fn fluid_volume(&self) -> f64 {
-        self.part_to_volume.iter().sum()
+        // Round-off of many equal cells would add up: it is summed by itself (Neumaier).
+        let (mut sum, mut lost) = (0.0_f64, 0.0);
+        for &volume in &self.part_to_volume {
+            let next = sum + volume;
+            lost += (sum - next) + volume;
+            sum = next;
+        }
+        sum + lost
     }
 
     /// Counts and qualities of the cut.
@@ -238,17 +247,16 @@ fn simplex_overlap<const D: usize>(a: &[Point<D>], b: &[Point<D>]) -> f64 {
         }
     }
     let Some(gradients) = mesh::Simplex::new(b).barycentric_gradients() else { return 0.0 };
-    let mut common = Polytope::simplex(a);
+    let mut common = Piece::simplex(a, [Plane::facet(0); 4]);
     for (corner, gradient) in gradients[..=D].iter().enumerate() {
         // Inside `b` the barycentric coordinate of every corner is positive.
         let origin = b[(corner + 1) % (D + 1)];
-        let distances: Vec<f64> = common.points().iter().map(|x| gradient.dot(&(x - origin))).collect();
-        if distances.iter().all(|d| *d <= 0.0) {
+        let outwards: Vec<f64> = common.corners.iter().map(|c| -gradient.dot(&(c.x - origin))).collect();
+        if outwards.iter().all(|d| *d >= 0.0) {
             return 0.0;
         }
-        if distances.iter().any(|d| *d < 0.0) {
-            let [_, front] = common.split(&distances, gradient, 0);
-            common = front;
+        if outwards.iter().any(|d| *d > 0.0) {
+            common = common.behind(&outwards);
         }
     }
     common.volume()
@@ -286,10 +294,9 @@ pub(crate) fn for_each_face_simplex<const D: usize>(polygon: &[Point<D>], mut vi
     }
 }
 
-/// Local facet of the cell that a face label stands for.
-pub(crate) fn local_facet(label: FaceLabel) -> Option<usize> {
-    match label {
-        FaceLabel::Cell(local) => Some(usize::from(local)),
-        FaceLabel::Plane { .. } => None,
-    }
+/// Measure of a convex face.
+pub(crate) fn measure<const D: usize>(polygon: &[Point<D>]) -> f64 {
+    let mut sum = 0.0;
+    for_each_face_simplex(polygon, |corners| sum += simplex_measure(&corners[..D]));
+    sum
 }

@@ -46,11 +46,38 @@ pub enum Error {
         point: [f64; 3],
     },
     /// The normals point into the body. Flip the facets.
-    #[error("body {body}: the surface is oriented inwards (it encloses the volume {volume:e}); flip its facets")]
+    #[error(
+        "body {body}: the surface is oriented inwards (it encloses the volume {volume:e}), see facet {facet} at \
+         {point:?}; flip its facets"
+    )]
     Inward {
         /// The body.
         body: BodyId,
+        /// A facet that shows it.
+        facet: FacetId,
+        /// A vertex of that facet, the outermost along the first axis.
+        point: [f64; 3],
         /// The signed volume.
         volume: f64,
+    },
+    /// The surface runs into itself.
+    #[error("body {body}: the surface intersects itself, facet {other} pierces facet {facet} near {point:?}")]
+    SelfIntersection {
+        /// The body.
+        body: BodyId,
+        /// The facet that is pierced.
+        facet: FacetId,
+        /// The facet that pierces it.
+        other: FacetId,
+        /// The middle of the rim that pierces.
+        point: [f64; 3],
+    },
+    /// The text of a [`crate::Capsule`] is malformed.
+    #[error("capsule, line {line}: {what}")]
+    Capsule {
+        /// The line, from 1; zero if it is no line in particular.
+        line: usize,
+        /// What is wrong.
+        what: String,
     },
 }

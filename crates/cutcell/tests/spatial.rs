@@ -158,3 +158,26 @@ fn a_thin_plate_makes_two_parts() {
     assert_eq!(cut.report().max_parts, 2);
     assert!((cut.fluid_volume() - (8.0 - 4.0 * 0.02)).abs() < 1e-12);
 }
+
+#[test]
+fn a_surface_that_pierces_itself_is_refused_unless_told_otherwise() {
+    // Two cubes that overlap, as one surface.
+    let (first, second) = (cube(), cube().moved(|x| x * 0.8 + P::new(0.5, 0.1, 0.2)));
+    let offset = first.positions.len() as u32;
+    let triangles = |surface: &Surface, offset: u32| -> Vec<[u32; 3]> {
+        let facets = surface.boundary.facets().map(|f| surface.boundary.facet(f));
+        facets.map(|v| [v[0].0 + offset, v[1].0 + offset, v[2].0 + offset]).collect()
+    };
+    let mut all = triangles(&first, 0);
+    all.extend(triangles(&second, offset));
+    let both = Surface::new([first.positions.clone(), second.positions.clone()].concat(), &all);
+    let background = grid(5);
+    let options = OverlayOptions::new();
+    let refused = CutMesh::overlay(&background, &[both.placed()], &options).expect_err("pierces itself");
+    assert!(matches!(refused, cutcell::Error::SelfIntersection { .. }), "{refused}");
+    let cut = CutMesh::overlay(&background, &[both.placed()], &options.without_self_intersection_check())
+        .expect("a closed surface");
+    check_identities(&background, &cut);
+    let union = overlay(&background, &[&first, &second]);
+    assert!((cut.fluid_volume() - union.fluid_volume()).abs() < 1e-12, "a body inside itself counts once");
+}

@@ -5,12 +5,13 @@ use super::{Finding, Workspace};
 
 /// Each crate with the folders and files, or whole packages, that may name it; tests and benches may name anything
 /// that their manifest lists.
-const ROOMS: [(&str, &[&str]); 26] = [
+const ROOMS: [(&str, &[&str]); 27] = [
     ("nalgebra", &["crates"]),
     ("parry2d-f64", &["crates/mesh/src/search/parry.rs"]),
     ("parry3d-f64", &["crates/mesh/src/search/parry.rs"]),
     ("spade", &["crates/mesh/src/generate/triangulate.rs"]),
-    ("robust", &["crates/mesh/src", "crates/cutcell/src/predicates.rs"]),
+    ("robust", &["crates/mesh/src", "crates/cutcell/src/exact/crossing.rs"]),
+    ("smallvec", &["crates/cutcell/src"]),
     ("sprs", &["crates/algebra/src"]),
     ("faer", &["crates/algebra/src/faer_view.rs", "crates/algebra/src/linear"]),
     ("rayon", &["crates/algebra/src/scatter.rs", "crates/cutcell/src/overlay.rs", "crates/xfem-space/src"]),

@@ -27,6 +27,11 @@ pub(crate) fn face_overlap<const D: usize>(
             (high.1 - low.1).norm()
         }
         _ => {
+            // The sides of a needle have no direction to speak of.
+            let length = b.iter().map(|x| (x - b[0]).norm()).fold(0.0, f64::max);
+            if polygon_area(b, normal) <= tolerance * length {
+                return 0.0;
+            }
             out.extend_from_slice(a);
             for_each_side(b, normal, tolerance, |origin, outward| clip(out, &origin, &outward));
             simplify(out, tolerance);

@@ -1,7 +1,11 @@
-//! The one geometric primitive: splitting a convex polytope by a plane.
+//! Convex pieces of planes and of cells, and their division by planes.
 
 mod face;
+mod piece;
+mod polygon;
 mod polytope;
 
 pub(crate) use face::{face_difference, face_overlap};
+pub(crate) use piece::Piece;
+pub(crate) use polygon::{Place, Points, Polygon};
 pub use polytope::{FaceLabel, Polytope};

@@ -1,10 +1,12 @@
-//! Exact predicates: on which side, and how a segment crosses a facet.
+//! How a segment crosses a facet.
 //!
 //! Mesh vertices count as shifted by an infinitesimal `(ε, ε², ...)`, so that a vertex on a surface, or a surface
 //! vertex on a mesh edge, has an answer that is the same wherever it is asked (simulation of simplicity).
 
 use mesh::Point;
 use robust::{Coord, Coord3D, orient2d, orient3d};
+
+use super::integer::Exact;
 
 fn coord<const D: usize>(x: &Point<D>) -> Coord<f64> {
     Coord { x: x[0], y: x[1] }
@@ -13,7 +15,7 @@ fn coord<const D: usize>(x: &Point<D>) -> Coord<f64> {
 /// Determinant of a point with respect to the plane of a facet: positive behind the facet, on the side of the body.
 /// Its sign is exact, and so is a small value to a few digits: round-off in the normal of a small facet does not grow
 /// with the distance from it.
-pub(crate) fn determinant<const D: usize>(facet: &[Point<D>], x: &Point<D>) -> f64 {
+pub(super) fn determinant<const D: usize>(facet: &[Point<D>], x: &Point<D>) -> f64 {
     match D {
         2 => orient2d(coord(&facet[0]), coord(&facet[1]), coord(x)),
         _ => orient3d(coord_3d(&facet[0]), coord_3d(&facet[1]), coord_3d(&facet[2]), coord_3d(x)),
@@ -88,6 +90,15 @@ fn normal<const D: usize>([a, b, c]: [&Point<D>; 3]) -> [f64; 3] {
     })
 }
 
+/// Components of `(x - y) × (p - q)`, with exact signs: the two may be parallel, or almost.
+fn cross_of_differences<const D: usize>([x, y]: [&Point<D>; 2], [p, q]: [&Point<D>; 2]) -> [f64; 3] {
+    let difference = |a: &Point<D>, b: &Point<D>, k: usize| Exact::of(a[k % 3]).minus(&Exact::of(b[k % 3]));
+    std::array::from_fn(|k| {
+        let first = difference(x, y, k + 1).times(&difference(p, q, k + 2));
+        first.minus(&difference(x, y, k + 2).times(&difference(p, q, k + 1))).value()
+    })
+}
+
 /// `from` is a mesh vertex.
 fn crossing_3d<const D: usize>(from: &Point<D>, to: End<'_, D>, facet: [&Point<D>; 3]) -> i32 {
     let (q, to_is_vertex) = match to {
@@ -110,8 +121,7 @@ fn crossing_3d<const D: usize>(from: &Point<D>, to: End<'_, D>, facet: [&Point<D
         if exact != 0 {
             exact
         } else if to_is_vertex {
-            let (r, e) = (from - q, x - y);
-            first_nonzero(std::array::from_fn(|k| e[(k + 1) % 3] * r[(k + 2) % 3] - e[(k + 2) % 3] * r[(k + 1) % 3]))
+            first_nonzero(cross_of_differences([x, y], [from, q]))
         } else {
             first_nonzero(normal([q, x, y]))
         }
@@ -119,6 +129,26 @@ fn crossing_3d<const D: usize>(from: &Point<D>, to: End<'_, D>, facet: [&Point<D
     let [a, b, c] = facet;
     let (ab, bc, ca) = (passes(a, b), passes(b, c), passes(c, a));
     if ab == bc && bc == ca { side_to } else { 0 }
+}
+
+/// Whether the segment from `a` to `b` runs through the inside of a facet, strictly from one side to the other. Exact.
+pub(crate) fn pierces<const D: usize>(a: &Point<D>, b: &Point<D>, facet: &[Point<D>]) -> bool {
+    let opposite = |p: f64, q: f64| sign(p) * sign(q) < 0;
+    if !opposite(determinant(facet, a), determinant(facet, b)) {
+        return false;
+    }
+    match D {
+        2 => {
+            let side = |x: &Point<D>| orient2d(coord(a), coord(b), coord(x));
+            opposite(side(&facet[0]), side(&facet[1]))
+        }
+        _ => {
+            let passes =
+                |x: &Point<D>, y: &Point<D>| sign(orient3d(coord_3d(a), coord_3d(b), coord_3d(x), coord_3d(y)));
+            let first = passes(&facet[0], &facet[1]);
+            first != 0 && first == passes(&facet[1], &facet[2]) && first == passes(&facet[2], &facet[0])
+        }
+    }
 }
 
 #[cfg(test)]

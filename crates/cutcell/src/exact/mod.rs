@@ -1,0 +1,9 @@
+//! Exact decisions: everything that a cut decides by a sign is decided here.
+
+mod crossing;
+mod integer;
+mod number;
+mod planes;
+
+pub(crate) use crossing::{End, crossing, pierces};
+pub(crate) use planes::{Corner, HalfSpace, Plane, PlaneKind, Planes};

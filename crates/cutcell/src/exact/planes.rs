@@ -1,0 +1,332 @@
+//! Planes given by points of the input, and corners given by the planes that meet in them.
+//!
+//! Every plane goes through `D` points whose coordinates are floating-point numbers, every corner of every piece of
+//! a cut is such a point itself or the point in which `D` planes meet. On which side of a plane a corner lies is
+//! therefore a rational number of the input: it is computed with rounding as long as that is certain, from what the
+//! planes are known to have in common where that suffices, and with exact arithmetic otherwise. The coordinates that a
+//! corner carries are that point rounded.
+
+use mesh::{FacetId, Point, SimplexMesh, Vector, facet_normal};
+
+use super::crossing::determinant;
+use super::integer::Exact;
+use super::number::{Double, Number};
+use crate::surface::Facet;
+
+/// Name of a plane.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub(crate) struct Plane(u32);
+
+/// What a plane goes through.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum PlaneKind {
+    /// A face of the background.
+    Mesh(FacetId),
+    /// A facet (index among all facets).
+    Facet(u32),
+    /// A rim of a facet, upright on it.
+    Rim(u32, usize),
+}
+
+const MESH: u32 = 1 << 31;
+
+impl Plane {
+    pub(crate) fn mesh(facet: FacetId) -> Self {
+        Self(facet.0 | MESH)
+    }
+
+    pub(crate) fn facet(facet: u32) -> Self {
+        Self(4 * facet)
+    }
+
+    /// The plane through rim `local` of a facet and its normal; its front lies outside of the facet. Rim `k` of a
+    /// triangle goes from corner `k` to the next one, that of a segment is its corner `k`.
+    pub(crate) fn rim(facet: u32, local: usize) -> Self {
+        Self(4 * facet + 1 + local as u32)
+    }
+
+    pub(crate) fn kind(self) -> PlaneKind {
+        match (self.0 & MESH, self.0 % 4) {
+            (0, 0) => PlaneKind::Facet(self.0 / 4),
+            (0, rim) => PlaneKind::Rim(self.0 / 4, rim as usize - 1),
+            _ => PlaneKind::Mesh(FacetId(self.0 & !MESH)),
+        }
+    }
+}
+
+/// A plane with rounding: distances are correct up to `slack` times the distance from the origin.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct HalfSpace<const D: usize> {
+    pub(crate) origin: Point<D>,
+    /// Unit normal.
+    pub(crate) normal: Vector<D>,
+    slack: f64,
+}
+
+impl<const D: usize> HalfSpace<D> {
+    /// Through `D` points.
+    pub(crate) fn through(points: &[Point<D>]) -> Self {
+        let normal = facet_normal(points);
+        if D == 2 {
+            return Self { origin: points[0], normal, slack: 16.0 * f64::EPSILON };
+        }
+        // The two shortest sides give the normal with the least cancellation.
+        let sides = [points[1] - points[0], points[2] - points[1], points[0] - points[2]];
+        let lengths = sides.map(|s| s.norm());
+        let longest = (0..3).fold(0, |l, k| if lengths[k] > lengths[l] { k } else { l });
+        let (i, j) = ((longest + 1) % 3, (longest + 2) % 3);
+        let mut n = Vector::<D>::zeros();
+        for k in 0..3 {
+            let (p, q) = ((k + 1) % 3, (k + 2) % 3);
+            n[k] = sides[i][p] * sides[j][q] - sides[i][q] * sides[j][p];
+        }
+        let length = n.norm();
+        let slack = f64::EPSILON * (8.0 * lengths[i] * lengths[j] / length + 8.0);
+        Self { origin: points[j], normal: n / length, slack }
+    }
+
+    /// Distance of a point from the plane, positive in front of it, and how wrong it may be.
+    #[inline]
+    pub(crate) fn distance(&self, x: &Point<D>) -> (f64, f64) {
+        let r = x - self.origin;
+        (self.normal.dot(&r), self.slack * r.iter().map(|c| c.abs()).sum::<f64>())
+    }
+}
+
+/// A corner of a piece: a point of the input, or the point in which `D` planes meet, rounded.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Corner<const D: usize> {
+    pub(crate) x: Point<D>,
+    /// How far the rounded point may be off; zero for points of the input.
+    error: f64,
+    /// Planes that meet here; the first `D` count.
+    on: [Plane; 3],
+    /// Number of the vertex of a surface that this is, or `NONE`.
+    vertex: u32,
+}
+
+const NONE: u32 = u32::MAX;
+
+impl<const D: usize> Corner<D> {
+    /// A vertex of the background on known planes.
+    pub(crate) fn of_mesh(x: Point<D>, on: [Plane; 3]) -> Self {
+        Self { x, error: 0.0, on, vertex: NONE }
+    }
+
+    /// A vertex of a surface on known planes.
+    pub(crate) fn of_surface(x: Point<D>, on: [Plane; 3], vertex: u32) -> Self {
+        Self { x, error: 0.0, on, vertex }
+    }
+}
+
+/// All planes of an overlay.
+#[derive(Clone, Copy)]
+pub(crate) struct Planes<'a, const D: usize> {
+    pub(crate) background: &'a SimplexMesh<D>,
+    pub(crate) facets: &'a [Facet<D>],
+    /// Round-off of the coordinates of the background.
+    pub(crate) resolution: f64,
+}
+
+impl<const D: usize> Planes<'_, D> {
+    /// The plane with rounding.
+    pub(crate) fn half_space(&self, plane: Plane) -> HalfSpace<D> {
+        match plane.kind() {
+            PlaneKind::Mesh(_) => HalfSpace::through(&self.points(plane)[..D]),
+            PlaneKind::Facet(f) => self.facets[f as usize].plane,
+            PlaneKind::Rim(f, local) => self.facets[f as usize].rims[local],
+        }
+    }
+
+    /// The points that a plane goes through; the first `D` count.
+    fn points(&self, plane: Plane) -> [Point<D>; 3] {
+        let mut points = [Point::zeros(); 3];
+        match plane.kind() {
+            PlaneKind::Mesh(facet) => {
+                for (slot, &v) in points.iter_mut().zip(self.background.facet(facet)) {
+                    *slot = self.background.vertex(v);
+                }
+            }
+            PlaneKind::Facet(f) => points[..D].copy_from_slice(self.facets[f as usize].points()),
+            PlaneKind::Rim(f, local) => points = self.facets[f as usize].rim_points(local),
+        }
+        points
+    }
+
+    /// Vertices of surfaces that a plane goes through.
+    fn vertices(&self, plane: Plane) -> ([u32; 3], usize) {
+        match plane.kind() {
+            PlaneKind::Mesh(_) => ([0; 3], 0),
+            PlaneKind::Facet(f) => (self.facets[f as usize].vertices, D),
+            PlaneKind::Rim(f, local) => {
+                let v = &self.facets[f as usize].vertices;
+                ([v[local], v[(local + 1) % D], 0], D - 1)
+            }
+        }
+    }
+
+    /// Signed distance of a corner from a plane, positive in front of it; its sign is exact.
+    #[inline]
+    pub(crate) fn side(&self, corner: &Corner<D>, plane: Plane, half_space: &HalfSpace<D>) -> f64 {
+        let (distance, doubt) = half_space.distance(&corner.x);
+        if distance.abs() > doubt + corner.error {
+            distance
+        } else if corner.on[..D].contains(&plane) || self.meet_known(corner, plane) {
+            0.0
+        } else {
+            self.exact_side(corner, plane)
+        }
+    }
+
+    /// Whether a facet lies on a plane.
+    pub(crate) fn lies_on(&self, facet: u32, plane: Plane) -> bool {
+        let (of, half_space, on) = (&self.facets[facet as usize], self.half_space(plane), [Plane::facet(facet); 3]);
+        let corner = |k: usize| Corner::of_surface(of.points()[k], on, of.vertices[k]);
+        (0..D).all(|k| self.side(&corner(k), plane, &half_space) == 0.0)
+    }
+
+    /// Whether the plane goes through the corner because both contain the same vertex or edge of a surface.
+    fn meet_known(&self, corner: &Corner<D>, plane: Plane) -> bool {
+        let (vertices, n) = self.vertices(plane);
+        let vertices = &vertices[..n];
+        if corner.vertex != NONE && vertices.contains(&corner.vertex) {
+            return true;
+        }
+        let common = |a: Plane, b: Plane| {
+            let ((a, n_a), (b, n_b)) = (self.vertices(a), self.vertices(b));
+            vertices.iter().filter(|v| a[..n_a].contains(v) && b[..n_b].contains(v)).count()
+        };
+        n >= D - 1 && (0..D).any(|i| (0..i).any(|j| common(corner.on[i], corner.on[j]) >= D - 1))
+    }
+
+    #[cold]
+    fn exact_side(&self, corner: &Corner<D>, plane: Plane) -> f64 {
+        let points = self.points(plane);
+        if corner.error == 0.0 {
+            return -determinant(&points[..D], &corner.x) / normal_length(&points[..D]);
+        }
+        let ratio = self
+            .determinants::<Double>(&corner.on, &points)
+            .or_else(|| self.determinants::<Exact>(&corner.on, &points));
+        ratio.map_or(0.0, |[numerator, denominator]| {
+            let distance = numerator / denominator / normal_length(&points[..D]);
+            (numerator.signum() * denominator.signum()) * distance.abs().max(f64::MIN_POSITIVE)
+        })
+    }
+
+    /// Numerator and denominator of the product of a point in which planes meet with the normal of another plane
+    /// through `points`, less that of the plane itself. `None` if a sign is not certain, or zero.
+    fn determinants<N: Number>(&self, on: &[Plane; 3], points: &[Point<D>; 3]) -> Option<[f64; 2]> {
+        let ((x, w), (normal, offset)) = (self.homogeneous::<N>(on), coefficients::<N, D>(points));
+        let mut sum = N::default().minus(&offset.times(&w));
+        for k in 0..D {
+            sum = sum.plus(&normal[k].times(&x[k]));
+        }
+        let (numerator, denominator) = (sum.certain()?, w.certain()?);
+        (numerator != 0.0 && denominator != 0.0).then_some([numerator, denominator])
+    }
+
+    /// The point in which planes meet: numerators of the coordinates, and their common denominator.
+    fn homogeneous<N: Number>(&self, on: &[Plane; 3]) -> ([N; 3], N) {
+        let mut planes: [([N; 3], N); 3] = Default::default();
+        for (slot, &plane) in planes.iter_mut().zip(&on[..D]) {
+            *slot = coefficients::<N, D>(&self.points(plane));
+        }
+        let [(a, p), (b, q), (c, r)] = &planes;
+        if D == 2 {
+            let minor = |p: &N, q: &N, r: &N, s: &N| p.times(s).minus(&q.times(r));
+            return (
+                [minor(p, q, &a[1], &b[1]), minor(q, p, &b[0], &a[0]), N::default()],
+                minor(&a[0], &a[1], &b[0], &b[1]),
+            );
+        }
+        let (bc, ca, ab) = (cross(b, c), cross(c, a), cross(a, b));
+        let x = std::array::from_fn(|k| p.times(&bc[k]).plus(&q.times(&ca[k])).plus(&r.times(&ab[k])));
+        (x, a[0].times(&bc[0]).plus(&a[1].times(&bc[1])).plus(&a[2].times(&bc[2])))
+    }
+
+    /// The corner in which the edge between `a` and `b` meets a plane, with their distances of opposite signs from
+    /// the plane, and the `D` planes (that one the last) that meet there.
+    pub(crate) fn crossing(
+        &self,
+        ends: [(&Corner<D>, f64); 2],
+        on: [Plane; 3],
+        half_space: &HalfSpace<D>,
+    ) -> Corner<D> {
+        if let Some(corner) = self.common_vertex(on) {
+            return corner;
+        }
+        let [(a, at_a), (b, at_b)] = ends;
+        let along = b.x - a.x;
+        let x = a.x + along * (at_a / (at_a - at_b));
+        let off = a.error.max(b.error);
+        let doubt = off + half_space.distance(&a.x).1.max(half_space.distance(&b.x).1);
+        let error = off + self.resolution + along.norm() * doubt / (at_a - at_b).abs();
+        if error <= 1024.0 * self.resolution {
+            return Corner { x, error, on, vertex: NONE };
+        }
+        self.exact_crossing(on, x, error)
+    }
+
+    /// A vertex of a surface, if that is where the planes meet.
+    fn common_vertex(&self, on: [Plane; 3]) -> Option<Corner<D>> {
+        let facet = match on[D - 1].kind() {
+            PlaneKind::Mesh(_) => return None,
+            PlaneKind::Facet(f) | PlaneKind::Rim(f, _) => &self.facets[f as usize],
+        };
+        let vertices = on.map(|plane| self.vertices(plane));
+        let (own, n) = vertices[D - 1];
+        let vertex = own[..n].iter().find(|&v| vertices[..D - 1].iter().all(|(others, m)| others[..*m].contains(v)))?;
+        let k = facet.vertices[..D].iter().position(|v| v == vertex)?;
+        Some(Corner::of_surface(facet.points()[k], on, *vertex))
+    }
+
+    #[cold]
+    fn exact_crossing(&self, on: [Plane; 3], rounded: Point<D>, error: f64) -> Corner<D> {
+        let rounded = Corner { x: rounded, error, on, vertex: NONE };
+        let good = |corner: &Corner<D>| corner.error <= 8.0 * self.resolution;
+        let double = self.coordinates::<Double>(&rounded).filter(good);
+        double.or_else(|| self.coordinates::<Exact>(&rounded)).unwrap_or(rounded)
+    }
+
+    /// The same corner with coordinates that are as good as their numbers.
+    fn coordinates<N: Number>(&self, corner: &Corner<D>) -> Option<Corner<D>> {
+        let (numerators, denominator) = self.homogeneous::<N>(&corner.on);
+        let w = denominator.certain().filter(|w| *w != 0.0)?;
+        let mut x = corner.x;
+        let mut doubt = f64::MIN_POSITIVE;
+        for k in 0..D {
+            x[k] = numerators[k].value() / w;
+            doubt += (numerators[k].doubt() + denominator.doubt() * x[k].abs()) / w.abs();
+        }
+        Some(Corner { x, error: 4.0 * f64::EPSILON * x.amax() + doubt, ..*corner })
+    }
+}
+
+/// Length of the normal of a plane through points: what a determinant is to be divided by.
+fn normal_length<const D: usize>(points: &[Point<D>]) -> f64 {
+    let measure = mesh::simplex_measure(points);
+    if D == 2 { measure } else { 2.0 * measure }
+}
+
+/// Normal of the plane through points, and its product with each point of the plane.
+fn coefficients<N: Number, const D: usize>(points: &[Point<D>; 3]) -> ([N; 3], N) {
+    let difference = |p: usize| -> [N; 3] {
+        std::array::from_fn(|k| if k < D { N::difference(points[p][k], points[0][k]) } else { N::default() })
+    };
+    let a = difference(1);
+    let normal =
+        if D == 2 { [a[1].clone(), N::default().minus(&a[0]), N::default()] } else { cross(&a, &difference(2)) };
+    let mut offset = N::default();
+    for k in 0..D {
+        offset = offset.plus(&normal[k].times(&N::of(points[0][k])));
+    }
+    (normal, offset)
+}
+
+fn cross<N: Number>(a: &[N; 3], b: &[N; 3]) -> [N; 3] {
+    std::array::from_fn(|k| {
+        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+        a[i].times(&b[j]).minus(&a[j].times(&b[i]))
+    })
+}

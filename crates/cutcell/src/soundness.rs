@@ -1,0 +1,130 @@
+//! Whether surfaces bound bodies.
+
+use std::collections::HashMap;
+
+use mesh::search::SurfaceIndex;
+use mesh::{BodyId, FacetId, Placed, Point, VertexId};
+
+use crate::Error;
+use crate::exact::{HalfSpace, pierces};
+
+fn in_space<const D: usize>(x: &Point<D>) -> [f64; 3] {
+    let mut point = [0.0; 3];
+    point[..D].copy_from_slice(x.as_slice());
+    point
+}
+
+/// Refuses surfaces that do not bound a body.
+///
+/// # Errors
+/// Surfaces that are empty, open, non-manifold, turned inwards, or have coordinates that are not finite.
+pub(crate) fn check_surface<const D: usize>(body: BodyId, surface: &Placed<'_, D>) -> Result<(), Error> {
+    let boundary = surface.boundary();
+    if boundary.n_facets() == 0 {
+        return Err(Error::Empty { body });
+    }
+    // A rim is a facet without one of its vertices; the surface is closed when every rim is seen once from either
+    // side.
+    let mut rims: HashMap<[VertexId; 2], (i32, u32, FacetId)> = HashMap::with_capacity(boundary.n_facets() * 2);
+    for facet in boundary.facets() {
+        let vertices = boundary.facet(facet);
+        for &vertex in vertices {
+            let x = surface.positions()[vertex.index()];
+            if x.iter().any(|c| !c.is_finite()) {
+                return Err(Error::NotFinite { body, facet, vertex });
+            }
+        }
+        for k in 0..D {
+            let (key, sense) = match D {
+                2 => ([vertices[k]; 2], if k == 0 { 1 } else { -1 }),
+                _ => {
+                    let (a, b) = (vertices[k], vertices[(k + 1) % D]);
+                    if a < b { ([a, b], 1) } else { ([b, a], -1) }
+                }
+            };
+            let rim = rims.entry(key).or_insert((0, 0, facet));
+            rim.0 += sense;
+            rim.1 += 1;
+        }
+    }
+    let mut worst: Option<([VertexId; 2], (i32, u32, FacetId))> = None;
+    for (key, rim) in rims {
+        if (rim.0 != 0 || rim.1 != 2) && worst.is_none_or(|(k, _)| key < k) {
+            worst = Some((key, rim));
+        }
+    }
+    if let Some(([vertex, _], (_, count, facet))) = worst {
+        let point = in_space(&surface.positions()[vertex.index()]);
+        return Err(if count > 2 {
+            Error::NonManifold { body, facet, vertex, point }
+        } else {
+            Error::Open { body, facet, vertex, point }
+        });
+    }
+    let volume = surface.enclosed_volume();
+    if volume < 0.0 {
+        let (facet, point) = outermost(surface);
+        return Err(Error::Inward { body, facet, point, volume });
+    }
+    Ok(())
+}
+
+/// The facet that looks most along the first axis among those at the farthest vertex that way, and that vertex: if the
+/// surface is turned inwards, this facet shows it.
+fn outermost<const D: usize>(surface: &Placed<'_, D>) -> (FacetId, [f64; 3]) {
+    let mut found = (FacetId(0), Point::<D>::repeat(f64::NEG_INFINITY), 0.0);
+    for facet in surface.boundary().facets() {
+        let steepness = surface.facet_normal(facet)[0].abs();
+        for x in &surface.facet_points(facet)[..D] {
+            if x[0] > found.1[0] || (x[0] == found.1[0] && steepness > found.2) {
+                found = (facet, *x, steepness);
+            }
+        }
+    }
+    (found.0, in_space(&found.1))
+}
+
+/// How deep a surface may run into itself, as a fraction of its size.
+const DEPTH: f64 = 1e-9;
+
+/// Refuses surfaces in which a rim of one facet pierces another facet.
+///
+/// # Errors
+/// [`Error::SelfIntersection`] for the first facet that is pierced.
+pub(crate) fn check_self_intersections<const D: usize>(body: BodyId, surface: &Placed<'_, D>) -> Result<(), Error> {
+    let boundary = surface.boundary();
+    let index = SurfaceIndex::new(surface);
+    let mut near = Vec::new();
+    let mut size = 0.0_f64;
+    for facet in boundary.facets() {
+        let points = surface.facet_points(facet);
+        let origin = surface.facet_points(FacetId(0))[0];
+        size = points[..D].iter().fold(size, |size, x| size.max((x - origin).amax()));
+    }
+    for facet in boundary.facets() {
+        let points = &surface.facet_points(facet)[..D];
+        let (low, high) = points.iter().fold((points[0], points[0]), |(low, high), x| (low.inf(x), high.sup(x)));
+        if surface.facet_normal(facet).iter().all(|c| *c == 0.0) {
+            continue;
+        }
+        let plane = HalfSpace::through(points);
+        index.facets_overlapping(&low, &high, &mut near);
+        for &other in near.iter().filter(|&&other| other != facet) {
+            let vertices = boundary.facet(other);
+            // A segment has one side, a triangle three.
+            for k in 0..if D > 2 { D } else { 1 } {
+                let ends = [vertices[k], vertices[(k + 1) % D]];
+                if ends.iter().any(|v| boundary.facet(facet).contains(v)) {
+                    continue;
+                }
+                let [a, b] = ends.map(|v| surface.positions()[v.index()]);
+                let depth = plane.distance(&a).0.abs().min(plane.distance(&b).0.abs());
+                if depth > DEPTH * size && pierces(&a, &b, points) {
+                    let point = in_space(&((a + b) * 0.5));
+                    return Err(Error::SelfIntersection { body, facet, other, point });
+                }
+            }
+        }
+    }
+    Ok(())
+}

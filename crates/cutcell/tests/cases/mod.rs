@@ -1,0 +1,20 @@
+//! What the property tests share: their number, and coordinates that are likely to make trouble.
+
+use proptest::prelude::*;
+
+/// A short run with a fixed seed; `CUTCELL_CASES` makes it long, with the seed of `CUTCELL_SEED`.
+pub(crate) fn config(usual: u32) -> ProptestConfig {
+    let number = |name: &str| std::env::var(name).ok().and_then(|value| value.parse().ok());
+    ProptestConfig {
+        cases: number("CUTCELL_CASES").map_or(usual, |cases| cases as u32),
+        failure_persistence: None,
+        rng_seed: proptest::test_runner::RngSeed::Fixed(number("CUTCELL_SEED").unwrap_or(7)),
+        ..ProptestConfig::default()
+    }
+}
+
+/// Nothing, almost nothing, or something, of either sign.
+pub(crate) fn shift() -> impl Strategy<Value = f64> {
+    let sizes = prop_oneof![6 => Just(0.0), 10 => (1..18_i32).prop_map(|k| 10.0_f64.powi(-k)), 1 => Just(1.0)];
+    (sizes, prop::bool::ANY).prop_map(|(size, negative)| if negative { -size } else { size })
+}

@@ -1,0 +1,201 @@
+//! Bodies placed to make trouble: corners on vertices, edges and faces of the background, moved away by almost nothing,
+//! in 2D and 3D.
+
+mod cases;
+mod identities;
+
+use cutcell::{CutMesh, OverlayOptions};
+use identities::check_identities;
+use mesh::generate::structured_box;
+use mesh::{BoundaryMesh, Placed, Point, SimplexMesh, VertexId};
+use proptest::prelude::*;
+
+/// Cells along each side of the background, the unit cube.
+const N: usize = 3;
+
+fn grid<const D: usize>() -> SimplexMesh<D> {
+    structured_box::<D>([0.0; D], [1.0; D], [N; D]).expect("a box")
+}
+
+/// A point on a vertex, an edge, a face or in the inside of a cell, shifted. Edges of cells run along sums of axes.
+fn place<const D: usize>() -> impl Strategy<Value = Point<D>> {
+    let fraction = prop_oneof![3 => Just(0.0), 1 => Just(0.5), 1 => Just(1.0 / 3.0), 1 => 0.0..1.0_f64];
+    let direction = prop::collection::vec(0..2_u8, D);
+    let steps = prop::collection::vec((fraction, direction), 2);
+    let vertex = prop::collection::vec(0..N as u8, D);
+    (vertex, steps, prop::collection::vec(cases::shift(), D), prop::bool::ANY).prop_map(
+        |(vertex, steps, shifts, all)| {
+            Point::<D>::from_fn(|k, _| {
+                let along: f64 = steps.iter().map(|(t, d)| t * f64::from(d[k])).sum();
+                let shift = if all || k == 0 { shifts[k] } else { 0.0 };
+                ((f64::from(vertex[k]) + along) / N as f64 + 0.3 * shift).clamp(0.0, 1.0)
+            })
+        },
+    )
+}
+
+/// Corners and oriented facets of a closed surface.
+struct Body<const D: usize> {
+    positions: Vec<Point<D>>,
+    boundary: BoundaryMesh<D>,
+}
+
+impl<const D: usize> Body<D> {
+    fn new(positions: Vec<Point<D>>, facets: impl IntoIterator<Item = u32>) -> Self {
+        Self { positions, boundary: BoundaryMesh::from_facets(facets.into_iter().map(VertexId).collect()) }
+    }
+
+    /// A simplex, turned the right way round.
+    fn simplex(mut corners: Vec<Point<D>>) -> Self {
+        if mesh::Simplex::new(&corners).volume() < 0.0 {
+            corners.swap(0, 1);
+        }
+        match D {
+            2 => Self::new(corners, [0, 1, 1, 2, 2, 0]),
+            _ => Self::new(corners, [1, 2, 3, 0, 3, 2, 0, 1, 3, 0, 2, 1]),
+        }
+    }
+
+    /// A box from corner to corner.
+    fn cuboid(low: &Point<D>, high: &Point<D>) -> Self {
+        let corner = |k: usize| Point::<D>::from_fn(|i, _| if k >> i & 1 == 0 { low[i] } else { high[i] });
+        let positions = (0..1 << D).map(corner).collect();
+        if D == 2 {
+            return Self::new(positions, [0, 1, 1, 3, 3, 2, 2, 0]);
+        }
+        let squares = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        Self::new(positions, squares.into_iter().flat_map(|[a, b, c, d]| [a, b, c, a, c, d]))
+    }
+
+    fn placed(&self) -> Placed<'_, D> {
+        Placed::new(&self.boundary, &self.positions)
+    }
+
+    fn volume(&self) -> f64 {
+        self.placed().enclosed_volume()
+    }
+}
+
+/// Identities in any order of the bodies, and the volume of their union where it is known.
+fn check<const D: usize>(background: &SimplexMesh<D>, bodies: &[&Body<D>], union: Option<f64>) {
+    let mut placed: Vec<_> = bodies.iter().map(|body| body.placed()).collect();
+    let mut fluid = Vec::new();
+    for _ in 0..bodies.len() {
+        let cut = CutMesh::overlay(background, &placed, &OverlayOptions::new()).expect("sound surfaces");
+        check_identities(background, &cut);
+        fluid.push(cut.fluid_volume());
+        placed.rotate_left(1);
+    }
+    let domain: f64 = background.cells().map(|c| background.cell_volume(c)).sum();
+    let expected = union.map_or(fluid[0], |union| domain - union);
+    assert!(fluid.iter().all(|v| (v - expected).abs() < 1e-12 * domain), "fluid {fluid:?}, expected {expected}");
+}
+
+fn check_simplex<const D: usize>(corners: Vec<Point<D>>) {
+    let body = Body::simplex(corners);
+    if body.volume() > 1e-10 {
+        check(&grid(), &[&body], Some(body.volume()));
+    }
+}
+
+/// Two simplices with a common facet, on different sides of it or on the same side.
+fn check_pair<const D: usize>(corners: &[Point<D>]) {
+    let first = Body::simplex(corners[..=D].to_vec());
+    let second = Body::simplex(corners[1..].to_vec());
+    if first.volume().min(second.volume()) < 1e-10 {
+        return;
+    }
+    let side = |of: &Point<D>| {
+        let mut points = corners[1..=D].to_vec();
+        points.insert(0, *of);
+        mesh::Simplex::new(&points).volume()
+    };
+    let (a, b) = (side(&corners[0]), side(&corners[D + 1]));
+    let touch = a * b < 0.0 && a.abs().min(b.abs()) > 1e-10;
+    check(&grid(), &[&first, &second], touch.then(|| first.volume() + second.volume()));
+}
+
+fn check_boxes<const D: usize>(c: &[Point<D>]) {
+    let ((la, ha), (lb, hb)) = ((c[0].inf(&c[1]), c[0].sup(&c[1])), (c[2].inf(&c[3]), c[2].sup(&c[3])));
+    let volume = |low: &Point<D>, high: &Point<D>| (high - low).sup(&Point::zeros()).product();
+    if (ha - la).min() > 1e-9 && (hb - lb).min() > 1e-9 {
+        let union = volume(&la, &ha) + volume(&lb, &hb) - volume(&la.sup(&lb), &ha.inf(&hb));
+        check(&grid(), &[&Body::cuboid(&la, &ha), &Body::cuboid(&lb, &hb)], Some(union));
+    }
+}
+
+proptest! {
+    #![proptest_config(cases::config(150))]
+
+    #[test]
+    fn a_triangle(c in prop::collection::vec(place::<2>(), 3)) {
+        check_simplex(c);
+    }
+
+    #[test]
+    fn a_tetrahedron(c in prop::collection::vec(place::<3>(), 4)) {
+        check_simplex(c);
+    }
+
+    #[test]
+    fn two_triangles_with_a_common_edge(c in prop::collection::vec(place::<2>(), 4)) {
+        check_pair(&c);
+    }
+
+    #[test]
+    fn two_tetrahedra_with_a_common_face(c in prop::collection::vec(place::<3>(), 5)) {
+        check_pair(&c);
+    }
+
+    #[test]
+    fn two_rectangles(c in prop::collection::vec(place::<2>(), 4)) {
+        check_boxes(&c);
+    }
+
+    #[test]
+    fn two_boxes(c in prop::collection::vec(place::<3>(), 4)) {
+        check_boxes(&c);
+    }
+
+    #[test]
+    fn a_cube_turned_and_shifted(
+        angles in prop::collection::vec(cases::shift(), 3), shifts in prop::collection::vec(cases::shift(), 3),
+    ) {
+        // The cube of STLCutters' rotation tests: side 1/2 or 3/7, in 7³ cubes.
+        let background = structured_box::<3>([-1.0; 3], [1.0; 3], [7; 3]).expect("a box");
+        let turn = mesh::nalgebra::Rotation3::from_euler_angles(angles[0], angles[1], angles[2]);
+        let shift = Point::<3>::from_fn(|k, _| 0.25 * shifts[k]);
+        for side in [0.5, 3.0 / 7.0] {
+            let mut body = Body::cuboid(&Point::<3>::repeat(-side / 2.0), &Point::repeat(side / 2.0));
+            body.positions.iter_mut().for_each(|x| *x = turn * *x + shift);
+            check(&background, &[&body], Some(body.volume()));
+        }
+    }
+}
+
+#[test]
+fn steep_facets_do_not_cover_a_face_that_they_touch() {
+    // The lower facet of the second body almost lies on a face of the background; the layer of fluid below it counts as
+    // nothing, and so do the needles that other facets leave in it.
+    let corners = [
+        [0.6666666666666666, 0.0, 0.16666666666666666],
+        [0.16666666666636665, 0.16666666666666666, 0.3333333333333333],
+        [0.4444444444444444, 0.4415751799661182, 0.3333333333333363],
+        [0.0, 0.0, 0.5],
+        [0.0, 0.3333333333333333, 0.3333333333333333],
+    ];
+    check_pair(&corners.map(Point::<3>::from));
+}
+
+#[test]
+fn an_edge_of_the_background_through_a_corner_of_a_body() {
+    // The corner halves an edge of a cell whose ends have rounded coordinates.
+    let corners = [
+        [0.3333333333333333, 0.0, 0.0],
+        [0.16666666666666666, 0.03, 0.0],
+        [0.8333333333333334, 0.5, 0.5],
+        [0.0, 0.03, 0.0],
+        [0.0, 0.0, 0.0],
+    ];
+    check_pair(&corners.map(Point::<3>::from));
+}
