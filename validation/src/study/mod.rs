@@ -160,11 +160,13 @@ fn distances(history: &HistoryTable, prefix: &str) -> (Vec<f64>, Vec<f64>) {
     (column("time"), column(&format!("{prefix}d_min")))
 }
 
-/// When the distance first falls to a level, by linear interpolation.
+/// When the distance first falls to a level: in the step in which it does, with the speed of the step before. Contact holds
+/// the distance at the level, so that interpolation would always find the end of the step.
 fn passes(times: &[f64], distances: &[f64], level: f64) -> Option<f64> {
-    let k = (1..distances.len()).find(|&k| distances[k - 1] > level && distances[k] <= level)?;
-    let share = (distances[k - 1] - level) / (distances[k - 1] - distances[k]);
-    Some(times[k - 1] + share * (times[k] - times[k - 1]))
+    let k = (2..distances.len()).find(|&k| distances[k - 1] > level && distances[k] <= level)?;
+    let speed = (distances[k - 2] - distances[k - 1]) / (times[k - 1] - times[k - 2]);
+    let share = if speed > 0.0 { (distances[k - 1] - level) / speed } else { f64::INFINITY };
+    Some((times[k - 1] + share).min(times[k]))
 }
 
 /// The first time at which the distance stops falling, and the distance there.
@@ -197,8 +199,10 @@ mod tests {
         let times = [0.1, 0.2, 0.3, 0.4, 0.5];
         let distances = [1.0, 0.5, 0.2, 0.25, 0.1];
         assert_eq!(first_approach(&times, &distances), Some((0.3, 0.2)));
-        assert!((passes(&times, &distances, 0.4).unwrap() - (0.2 + 0.1 / 3.0)).abs() < 1e-15);
-        assert!((passes(&times, &distances, 0.1).unwrap() - 0.5).abs() < 1e-15);
+        assert!((passes(&times, &distances, 0.25).unwrap() - 0.25).abs() < 1e-15);
+        // The end of the step at the latest.
+        assert_eq!(passes(&times, &distances, 0.1), Some(0.5));
+        assert!((passes(&[0.1, 0.2, 0.3], &[1.0, 0.99, 0.5], 0.5).unwrap() - 0.3).abs() < 1e-15);
         assert_eq!(passes(&times, &distances, 0.05), None);
         assert_eq!(first_approach(&times[..3], &distances[..3]), None);
     }

@@ -70,7 +70,7 @@ pub struct StudyRun {
     /// First contact, s: the end of the first step in contact.
     #[serde(default)]
     pub contact_time: Option<f64>,
-    /// When the distance passes the contact offset, s: contact time with the resolution of a linear interpolation.
+    /// When the distance passes the contact offset, s: the contact time to a fraction of a step.
     #[serde(default)]
     pub arrival_time: Option<f64>,
     /// Release, s.
@@ -172,7 +172,7 @@ impl Study {
             let order = limit.order.map_or("–".to_owned(), |order| format!("{order:.1}"));
             let holds = series.bound.map_or("–".to_owned(), |bound| {
                 let mut times = self.members(series).map(|run| run.contact_time);
-                verdict(times.all(|time| time.is_some_and(|time| time >= bound)))
+                verdict(times.all(|time| time.is_none_or(|time| time >= bound)))
             });
             Some(vec![
                 escape(&series.name),
