@@ -112,7 +112,7 @@ fn a_step_that_divides_to_round_off_is_accepted() {
 
 #[test]
 fn a_preconditioner_that_there_is_not() {
-    expect("\"lagged-lu\"", "\"multigrid\"", "solver.linear", &["multigrid", "lagged-lu"]);
+    expect("\"lagged-lu\"", "\"multigrid\"", "solver.linear.preconditioner", &["multigrid", "lagged-lu"]);
 }
 
 #[test]
