@@ -324,16 +324,20 @@ fn ticks(range: &Range<f64>, n: f64) -> impl Iterator<Item = (f64, String)> + us
     values.map(move |v| (v, tick_text(v, step)))
 }
 
-/// Logarithms of 1, 2 and 5 times powers of ten in a range, with the texts of the numbers.
+/// Logarithms of 1, 2 and 5 times powers of ten in a range, with the texts of the numbers; of powers of ten alone where the
+/// range has many.
 fn decades(range: &Range<f64>) -> impl Iterator<Item = (f64, String)> + use<> {
     let (begin, end) = (range.start, range.end);
+    let is_long = end - begin > 2.0;
     let powers = begin.floor() as i32..=end.ceil() as i32;
     let values = powers.flat_map(|power| [1.0, 2.0, 5.0].map(|m| (m, power)));
     let logs = values.map(|(m, power): (f64, i32)| {
         let digits = usize::try_from(-power).unwrap_or(0);
-        (m.log10() + f64::from(power), format!("{:.digits$}", m * 10_f64.powi(power)))
+        let text = if power > 4 { format!("{m}e{power}") } else { format!("{:.digits$}", m * 10_f64.powi(power)) };
+        (m.log10() + f64::from(power), text)
     });
-    logs.filter(move |(at, _)| begin <= *at && *at <= end)
+    let is_power = |at: f64| (at - at.round()).abs() < 1e-9;
+    logs.filter(move |(at, _)| begin <= *at && *at <= end && (!is_long || is_power(*at)))
 }
 
 fn colour(k: usize) -> RGBColor {
@@ -348,6 +352,8 @@ mod tests {
     fn logarithmic_ticks_are_the_numbers_themselves() {
         let texts: Vec<String> = decades(&(-3.1..-1.9)).map(|(_, text)| text).collect();
         assert_eq!(texts, ["0.001", "0.002", "0.005", "0.01"]);
+        let texts: Vec<String> = decades(&(3.9..7.1)).map(|(_, text)| text).collect();
+        assert_eq!(texts, ["10000", "1e5", "1e6", "1e7"]);
     }
 
     #[test]
