@@ -3,7 +3,7 @@
 use sprs::CsMatI;
 
 use super::factors::{Factors, max_norm};
-use super::{Equilibration, LinearError, LinearReport, LinearSolver, MatrixView, Unknowns};
+use super::{Equilibration, LinearError, LinearReport, LinearSolver, MatrixView, Unknowns, check_sides};
 
 /// Largest accepted backward error of a solution.
 const BACKWARD_ERROR_BOUND: f64 = 1e-11;
@@ -100,10 +100,7 @@ impl LinearSolver for DirectSolver {
 
     fn solve(&mut self, rhs: &[f64], x: &mut [f64], _tolerance: f64) -> Result<LinearReport, LinearError> {
         let Some(matrix) = &self.matrix else { return Err(LinearError::NotFactorized) };
-        assert!(rhs.len() == matrix.rows() && x.len() == matrix.rows(), "length of right-hand side and solution");
-        if let Some(row) = rhs.iter().position(|b| !b.is_finite()) {
-            return Err(LinearError::NotFinite { row });
-        }
+        check_sides(matrix.rows(), rhs, x)?;
         if matrix.rows() == 0 {
             return Ok(LinearReport::default());
         }

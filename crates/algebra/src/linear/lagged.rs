@@ -4,7 +4,7 @@ use sprs::CsMatI;
 
 use super::factors::Factors;
 use super::gmres::{Gmres, GmresSettings};
-use super::{Equilibration, LinearError, LinearReport, LinearSolver, MatrixView, Unknowns};
+use super::{Equilibration, LinearError, LinearReport, LinearSolver, MatrixView, Unknowns, check_sides};
 
 /// When old factors are good enough.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -314,10 +314,7 @@ impl LinearSolver for LaggedSolver {
 
     fn solve(&mut self, rhs: &[f64], x: &mut [f64], tolerance: f64) -> Result<LinearReport, LinearError> {
         let Some(matrix) = &self.present.matrix else { return Err(LinearError::NotFactorized) };
-        assert!(rhs.len() == matrix.rows() && x.len() == matrix.rows(), "length of right-hand side and solution");
-        if let Some(row) = rhs.iter().position(|b| !b.is_finite()) {
-            return Err(LinearError::NotFinite { row });
-        }
+        check_sides(matrix.rows(), rhs, x)?;
         if matrix.rows() == 0 {
             return Ok(LinearReport::default());
         }

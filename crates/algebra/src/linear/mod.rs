@@ -127,3 +127,12 @@ pub enum LinearError {
     #[error("there is no factorised matrix")]
     NotFactorized,
 }
+
+/// Checks a right-hand side and the room for a solution against the size of a matrix.
+///
+/// # Panics
+/// A length is wrong.
+fn check_sides(n: usize, rhs: &[f64], x: &[f64]) -> Result<(), LinearError> {
+    assert!(rhs.len() == n && x.len() == n, "length of right-hand side and solution");
+    rhs.iter().position(|b| !b.is_finite()).map_or(Ok(()), |row| Err(LinearError::NotFinite { row }))
+}
