@@ -6,10 +6,10 @@ use std::str::FromStr;
 use mesh::{BodyId, CellId, FacetId, Placed, Point, SimplexMesh, VertexId};
 
 use crate::classify::depths;
-use crate::overlay::OverlayOptions;
+use crate::overlay::Cutting;
 use crate::surface::{self, Facet};
 use crate::touched::TouchedCells;
-use crate::{CutMesh, Error};
+use crate::{CutMesh, Error, OverlayOptions, Workspace};
 
 /// A cell with the facets that touch it: all that the cut of the cell depends on, to the last bit.
 ///
@@ -57,9 +57,11 @@ impl<const D: usize> Capsule<D> {
         cell: CellId,
         options: &OverlayOptions,
     ) -> Result<Self, Error> {
-        let all = surface::collect(surfaces, options)?;
-        let touched = TouchedCells::new(background, &all);
-        let depth = depths(background, &all, &touched)[background.cell(cell)[0].index()];
+        let (mut all, mut touched, mut depth) = (Vec::new(), TouchedCells::default(), Vec::new());
+        surface::collect(surfaces, options, &mut all)?;
+        touched.find(background, &all);
+        depths(background, &all, &touched, &mut depth);
+        let depth = depth[background.cell(cell)[0].index()];
         let mut capsule =
             Self { cell: background.simplex(cell).points().to_vec(), depth, vertices: Vec::new(), facets: Vec::new() };
         let mut numbers: Vec<u32> = Vec::new();
@@ -93,9 +95,10 @@ impl<const D: usize> Capsule<D> {
                 Facet::new(body, id, &points, corners)
             })
             .collect();
-        let touched = TouchedCells::new(&background, &facets);
+        let mut touched = TouchedCells::default();
+        touched.find(&background, &facets);
         let depth = vec![self.depth; background.n_vertices()];
-        Ok(CutMesh::from_facets(&background, &facets, &touched, &depth, options))
+        Ok(Workspace::new().cut(&Cutting::new(&background, &facets, &touched, &depth, options)))
     }
 
     /// The cell as a mesh.

@@ -2,10 +2,12 @@
 
 use mesh::{CellId, FacetId};
 
-use crate::Polytope;
-use crate::clip::{Piece, Points, Polygon};
+use crate::clip::{Piece, Points, Polygon, Polygons, Polytopes, Side};
+use crate::cut_mesh::for_each_face_simplex;
 use crate::exact::{End, Plane, Planes, crossing};
+use crate::overlay::Cutting;
 use crate::tree::{Tree, Wall};
+use crate::{InterfacePiece, PartId};
 
 /// What is known of a convex piece of a cell that no facet crosses.
 #[derive(Clone, Copy, Debug)]
@@ -18,34 +20,27 @@ struct Label {
 
 /// In place of the number of a part that is too thin to count.
 const THIN: u32 = u32::MAX;
+/// In place of a number of bodies.
+const UNKNOWN: i32 = i32::MIN;
 
 impl Label {
     /// The part of a piece of fluid.
     fn part(self) -> Option<u32> {
         (self.depth <= 0).then_some(self.part)
     }
+
+    /// The part of a piece of fluid that is thick enough to count.
+    fn fluid_part(self) -> Option<u32> {
+        self.part().filter(|&part| part != THIN)
+    }
 }
 
 /// A piece of a facet with fluid on the side of its normal and the body on the other.
-#[derive(Clone, Debug)]
-pub(crate) struct WetPiece<const D: usize> {
-    pub(crate) part: u32,
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct WetPiece {
+    part: u32,
     pub(crate) facet: u32,
-    pub(crate) polygon: Points<D>,
-}
-
-/// What is kept of a cell that facets may cross.
-#[derive(Clone, Debug)]
-pub(crate) struct CellPieces<const D: usize> {
-    /// Volume of each part.
-    pub(crate) volumes: Vec<f64>,
-    /// The pieces with their parts, in the order of the parts, the covered ones last; none if the cell is in one piece.
-    pub(crate) pieces: Vec<(Option<u32>, Polytope<D>)>,
-    pub(crate) wet: Vec<WetPiece<D>>,
-    /// Number of parts that are too thin to count.
-    pub(crate) n_left_out: usize,
-    /// Measure of each face that is wet by one part only, with that part.
-    pub(crate) faces: [FaceView; 4],
+    polygon: Polygon,
 }
 
 /// A face of the background as seen from one cell.
@@ -59,65 +54,217 @@ pub(crate) enum FaceView {
     Mixed,
 }
 
-/// A cell with everything that facets do to its inside.
+/// What is kept of a number of touched cells, in their order.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Kept<const D: usize> {
+    pub(crate) cells: Vec<KeptCell>,
+    /// Volume of each part.
+    pub(crate) volumes: Vec<f64>,
+    /// Convex pieces of the parts, none for cells in one piece, and where those of each part end.
+    pub(crate) pieces: Polytopes<D>,
+    pub(crate) part_to_piece_end: Vec<u32>,
+    /// Convex pieces of bodies, with their cells.
+    pub(crate) covered: Polytopes<D>,
+    pub(crate) covered_to_cell: Vec<CellId>,
+    /// Pieces of interface inside the cells; parts are numbered from zero in each cell.
+    pub(crate) interface: Vec<InterfacePiece<D>>,
+}
+
+/// What is kept of one touched cell.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct KeptCell {
+    pub(crate) n_parts: u32,
+    pub(crate) n_interface: u32,
+    /// Whether no facet divides the cell.
+    pub(crate) is_whole: bool,
+    /// Number of parts that are too thin to count.
+    pub(crate) n_left_out: u32,
+    /// Measure of each face that is wet by one part only, with that part.
+    pub(crate) faces: [FaceView; 4],
+}
+
+impl<const D: usize> Kept<D> {
+    pub(crate) fn clear(&mut self) {
+        self.cells.clear();
+        self.volumes.clear();
+        self.pieces.clear();
+        self.part_to_piece_end.clear();
+        self.covered.clear();
+        self.covered_to_cell.clear();
+        self.interface.clear();
+    }
+}
+
+/// A cell with everything that facets do to its inside; one after the other in the same memory.
 #[derive(Clone, Debug)]
 pub(crate) struct CellCut<const D: usize> {
-    pub(crate) tree: Tree<D>,
+    tree: Tree<D>,
+    polygons: Polygons<D>,
+    walls: Vec<Wall>,
     /// Of the leaves of the tree.
     labels: Vec<Label>,
+    leaf_volumes: Vec<f64>,
     /// Volume of each part of the cell.
-    pub(crate) volumes: Vec<f64>,
-    pub(crate) wet: Vec<WetPiece<D>>,
+    volumes: Vec<f64>,
+    wet: Vec<WetPiece>,
     /// Pieces of facets in front of which the fluid is too thin to count.
-    pub(crate) thin: Vec<WetPiece<D>>,
+    thin: Vec<WetPiece>,
     /// Number of parts that are too thin to count.
-    n_left_out: usize,
+    n_left_out: u32,
+}
+
+impl<const D: usize> Default for CellCut<D> {
+    fn default() -> Self {
+        Self {
+            tree: Tree::new(),
+            polygons: Polygons::default(),
+            walls: Vec::new(),
+            labels: Vec::new(),
+            leaf_volumes: Vec::new(),
+            volumes: Vec::new(),
+            wet: Vec::new(),
+            thin: Vec::new(),
+            n_left_out: 0,
+        }
+    }
 }
 
 impl<const D: usize> CellCut<D> {
-    /// Cuts a cell by the facets that may touch it. `depth` is the number of bodies around the first vertex of the
-    /// cell; parts no thicker than `thinnest` do not count.
-    pub(crate) fn new(planes: &Planes<'_, D>, cell: CellId, depth: i32, facets: &[u32], thinnest: f64) -> Self {
-        let tree = Tree::new(planes, cell, facets);
-        let walls = tree.walls(planes);
-        let piece_volumes: Vec<f64> = tree.leaves().iter().map(Piece::volume).collect();
+    /// Becomes the touched cell at position `k`, cut by the facets that may touch it; the same every time.
+    pub(crate) fn cut(&mut self, cutting: &Cutting<'_, D>, k: usize) {
+        let (planes, cell, facets) = (&cutting.planes, cutting.touched.cells[k], cutting.touched.facets(k));
+        let first = planes.background.cell(cell)[0];
+        self.polygons.clear();
+        self.tree.divide(planes, &mut self.polygons, cell, facets);
+        self.tree.find_walls(planes, &mut self.polygons, &mut self.walls);
+        self.leaf_volumes.clear();
+        self.leaf_volumes.extend(self.tree.leaves().iter().map(Piece::volume));
         // The thickest piece contains the mean of its corners beyond doubt.
-        let (thickest, _) = piece_volumes
-            .iter()
-            .enumerate()
-            .fold((0, f64::NEG_INFINITY), |best, (leaf, &volume)| if volume > best.1 { (leaf, volume) } else { best });
-        let start = planes.background.vertex(planes.background.cell(cell)[0]);
-        let at = tree.leaves()[thickest].inner_point();
+        let (thickest, _) =
+            self.leaf_volumes.iter().enumerate().fold((0, f64::NEG_INFINITY), |best, (leaf, &volume)| {
+                if volume > best.1 { (leaf, volume) } else { best }
+            });
+        let start = planes.background.vertex(first);
+        let at = self.tree.leaves()[thickest].inner_point();
         let change: i32 =
             facets.iter().map(|&f| crossing(&start, End::Point(&at), planes.facets[f as usize].points())).sum();
-        let mut labels = spread(tree.leaves().len(), thickest, depth + change, &walls);
-        let n_parts = number_parts(&mut labels, &walls);
-        let mut volumes = vec![0.0; n_parts as usize];
-        for (label, volume) in labels.iter().zip(piece_volumes) {
+        self.spread(thickest, cutting.depth[first.index()] + change);
+        let n_parts = self.number_parts();
+        self.volumes.clear();
+        self.volumes.resize(n_parts as usize, 0.0);
+        for (label, volume) in self.labels.iter().zip(&self.leaf_volumes) {
             if let Some(part) = label.part() {
-                volumes[part as usize] += volume;
+                self.volumes[part as usize] += volume;
             }
         }
-        let wet: Vec<WetPiece<D>> = walls.into_iter().filter_map(|wall| wet_piece(&labels, wall)).collect();
-        let mut cut = Self { tree, labels, volumes, wet, thin: Vec::new(), n_left_out: 0 };
-        cut.leave_out_thin_parts(planes.background.simplex(cell).diameter(), thinnest);
-        cut
+        self.wet.clear();
+        self.wet.extend(self.walls.iter().filter_map(|wall| wet_piece(&self.labels, wall)));
+        self.thin.clear();
+        self.n_left_out = 0;
+        self.leave_out_thin_parts(planes.background.simplex(cell).diameter(), cutting.thinnest);
+        self.wet.sort_by_key(|wet| wet.facet);
     }
 
-    /// What to keep of the cell.
-    pub(crate) fn into_pieces(self, planes: &Planes<'_, D>, cell: CellId) -> CellPieces<D> {
+    /// Becomes a whole cell that no facet touches, all of it one part or none.
+    pub(crate) fn set_whole(&mut self, planes: &Planes<'_, D>, cell: CellId, is_fluid: bool) {
+        self.polygons.clear();
+        self.tree.set_whole(planes, cell);
+        self.labels.clear();
+        self.labels.push(Label { depth: i32::from(!is_fluid), part: 0 });
+        self.wet.clear();
+        self.thin.clear();
+    }
+
+    /// The number of bodies around each leaf, from that around one of them.
+    fn spread(&mut self, from: usize, depth: i32) {
+        self.labels.clear();
+        self.labels.resize(self.tree.leaves().len(), Label { depth: UNKNOWN, part: 0 });
+        self.labels[from].depth = depth;
+        let mut changed = true;
+        while changed {
+            changed = false;
+            for wall in &self.walls {
+                let (behind, front) = (wall.behind as usize, wall.front as usize);
+                match (self.labels[behind].depth, self.labels[front].depth) {
+                    (UNKNOWN, UNKNOWN) => continue,
+                    (behind, UNKNOWN) => self.labels[front].depth = behind - wall.cover.step,
+                    (UNKNOWN, front) => self.labels[behind].depth = front + wall.cover.step,
+                    (behind, front) => {
+                        debug_assert_eq!(behind, front + wall.cover.step, "walls agree");
+                        continue;
+                    }
+                }
+                changed = true;
+            }
+        }
+        self.labels.iter_mut().filter(|label| label.depth == UNKNOWN).for_each(|label| label.depth = depth);
+    }
+
+    /// Numbers the connected sets of fluid leaves in the order of their first leaf; returns how many there are.
+    fn number_parts(&mut self) -> u32 {
+        let labels = &mut self.labels;
+        // The lowest leaf of the set first, ...
+        labels.iter_mut().enumerate().for_each(|(leaf, label)| label.part = leaf as u32);
+        let mut changed = true;
+        while changed {
+            changed = false;
+            for wall in &self.walls {
+                let (a, b) = (wall.behind as usize, wall.front as usize);
+                if let (Some(first), Some(second)) = (labels[a].part(), labels[b].part()) {
+                    let low = first.min(second);
+                    changed |= first != second;
+                    labels[a].part = low;
+                    labels[b].part = low;
+                }
+            }
+        }
+        // ... then its number.
+        let mut n_parts = 0;
+        for leaf in 0..labels.len() {
+            if let Some(lowest) = labels[leaf].part() {
+                labels[leaf].part = if lowest as usize == leaf {
+                    n_parts += 1;
+                    n_parts - 1
+                } else {
+                    labels[lowest as usize].part
+                };
+            }
+        }
+        n_parts
+    }
+
+    /// Adds what is to be kept of the cell.
+    pub(crate) fn keep(&self, planes: &Planes<'_, D>, cell: CellId, kept: &mut Kept<D>) {
         let ids = planes.background.cell_to_facet(cell);
         let faces = std::array::from_fn(|local| ids.get(local).map_or(FaceView::Dry, |&id| self.view(local, id)));
         let leaves = self.tree.leaves();
-        let mut pieces: Vec<(Option<u32>, Polytope<D>)> = Vec::new();
-        if leaves.len() > 1 {
-            pieces.reserve(leaves.len());
-            for part in (0..self.volumes.len() as u32).map(Some).chain([None]) {
-                let of_part = (0..leaves.len()).filter(|&leaf| self.fluid_part(leaf) == part);
-                pieces.extend(of_part.map(|leaf| (part, leaves[leaf].rounded(ids))));
+        let is_whole = leaves.len() == 1;
+        for (part, &volume) in self.volumes.iter().enumerate() {
+            let of_part = (0..leaves.len()).filter(|&leaf| !is_whole && self.fluid_part(leaf) == Some(part as u32));
+            of_part.for_each(|leaf| leaves[leaf].round_into(&mut kept.pieces, ids));
+            kept.volumes.push(volume);
+            kept.part_to_piece_end.push(kept.pieces.len() as u32);
+        }
+        if !is_whole && !self.volumes.is_empty() {
+            for leaf in (0..leaves.len()).filter(|&leaf| self.fluid_part(leaf).is_none()) {
+                leaves[leaf].round_into(&mut kept.covered, ids);
+                kept.covered_to_cell.push(cell);
             }
         }
-        CellPieces { volumes: self.volumes, pieces, wet: self.wet, n_left_out: self.n_left_out, faces }
+        let n_before = kept.interface.len();
+        for wet in &self.wet {
+            let facet = &planes.facets[wet.facet as usize];
+            for_each_face_simplex(&self.polygons.points(wet.polygon), |corners| {
+                kept.interface.push(InterfacePiece::new(cell, PartId(wet.part), facet, corners));
+            });
+        }
+        kept.cells.push(KeptCell {
+            n_parts: self.volumes.len() as u32,
+            n_interface: (kept.interface.len() - n_before) as u32,
+            is_whole,
+            n_left_out: self.n_left_out,
+            faces,
+        });
     }
 
     fn view(&self, local: usize, id: FacetId) -> FaceView {
@@ -163,8 +310,8 @@ impl<const D: usize> CellCut<D> {
         };
         self.labels.iter_mut().filter(|label| label.depth <= 0).for_each(|label| label.part = number(label.part));
         self.wet.iter_mut().for_each(|piece| piece.part = number(piece.part));
-        self.thin = self.wet.extract_if(.., |piece| piece.part == THIN).collect();
-        self.n_left_out = is_thin.iter().filter(|thin| **thin).count();
+        self.thin.extend(self.wet.extract_if(.., |piece| piece.part == THIN));
+        self.n_left_out = is_thin.iter().filter(|thin| **thin).count() as u32;
         let mut part = 0;
         self.volumes.retain(|_| {
             part += 1;
@@ -172,78 +319,47 @@ impl<const D: usize> CellCut<D> {
         });
     }
 
-    /// Leaves with their faces on a plane.
-    pub(crate) fn faces(&self, on: Plane) -> impl Iterator<Item = (usize, Polygon<D>)> {
+    /// Leaves with the sides of their faces on a plane.
+    pub(crate) fn faces(&self, on: Plane) -> impl Iterator<Item = (usize, impl Iterator<Item = Side<D>>)> {
         self.tree.leaves().iter().enumerate().flat_map(move |(leaf, piece)| {
             (0..piece.n_faces()).filter(move |&f| piece.plane(f) == on).map(move |f| (leaf, piece.face(f)))
         })
     }
 
+    /// Divides a polygon, given by its plane and its sides, among the leaves that it touches from one side; calls
+    /// `visit` with each piece and the part that it touches.
+    pub(crate) fn locate(
+        &mut self,
+        planes: &Planes<'_, D>,
+        plane: Plane,
+        sides: impl Iterator<Item = Side<D>>,
+        mut visit: impl FnMut(Points<D>, Option<u32>),
+    ) {
+        let Self { tree, polygons, labels, .. } = self;
+        let polygon = polygons.push(plane, sides);
+        tree.locate(planes, polygons, polygon, &mut |polygons, leaf, polygon| {
+            visit(polygons.points(polygon), labels[leaf].fluid_part());
+        });
+        polygons.forget(polygon);
+    }
+
     /// The part of a leaf that counts as fluid.
     pub(crate) fn fluid_part(&self, leaf: usize) -> Option<u32> {
-        self.labels[leaf].part().filter(|&part| part != THIN)
+        self.labels[leaf].fluid_part()
     }
-}
 
-/// The number of bodies around each leaf, from that around one of them.
-fn spread<const D: usize>(n: usize, from: usize, depth: i32, walls: &[Wall<D>]) -> Vec<Label> {
-    let mut depths: Vec<Option<i32>> = vec![None; n];
-    depths[from] = Some(depth);
-    let mut changed = true;
-    while changed {
-        changed = false;
-        for wall in walls {
-            match (depths[wall.behind], depths[wall.front]) {
-                (Some(behind), None) => depths[wall.front] = Some(behind - wall.cover.step),
-                (None, Some(front)) => depths[wall.behind] = Some(front + wall.cover.step),
-                (Some(behind), Some(front)) => {
-                    debug_assert_eq!(behind, front + wall.cover.step, "walls agree");
-                    continue;
-                }
-                (None, None) => continue,
-            }
-            changed = true;
-        }
+    /// Pieces of facets in front of which the fluid is too thin to count.
+    pub(crate) fn thin(&self) -> impl Iterator<Item = (u32, Points<D>)> {
+        self.thin.iter().map(|wet| (wet.facet, self.polygons.points(wet.polygon)))
     }
-    depths.into_iter().map(|known| Label { depth: known.unwrap_or(depth), part: 0 }).collect()
-}
-
-/// Numbers the connected sets of fluid leaves in the order of their first leaf; returns how many there are.
-fn number_parts<const D: usize>(labels: &mut [Label], walls: &[Wall<D>]) -> u32 {
-    let mut lowest: Vec<usize> = (0..labels.len()).collect();
-    let mut changed = true;
-    while changed {
-        changed = false;
-        for wall in walls {
-            let (a, b) = (wall.behind, wall.front);
-            if labels[a].part().is_some() && labels[b].part().is_some() {
-                let low = lowest[a].min(lowest[b]);
-                changed |= lowest[a] != low || lowest[b] != low;
-                lowest[a] = low;
-                lowest[b] = low;
-            }
-        }
-    }
-    let mut n_parts = 0;
-    for l in 0..labels.len() {
-        if labels[l].part().is_some() {
-            labels[l].part = if lowest[l] == l {
-                n_parts += 1;
-                n_parts - 1
-            } else {
-                labels[lowest[l]].part
-            };
-        }
-    }
-    n_parts
 }
 
 /// The piece of interface on a wall between fluid and body.
-fn wet_piece<const D: usize>(labels: &[Label], wall: Wall<D>) -> Option<WetPiece<D>> {
-    let (part, facet) = match (labels[wall.behind].part(), labels[wall.front].part()) {
+fn wet_piece(labels: &[Label], wall: &Wall) -> Option<WetPiece> {
+    let (part, facet) = match (labels[wall.behind as usize].part(), labels[wall.front as usize].part()) {
         (None, Some(part)) => (part, wall.cover.first[0]?),
         (Some(part), None) => (part, wall.cover.first[1]?),
         _ => return None,
     };
-    Some(WetPiece { part, facet, polygon: wall.polygon.points() })
+    Some(WetPiece { part, facet, polygon: wall.polygon })
 }

@@ -17,8 +17,10 @@ pub(crate) fn depths<const D: usize>(
     background: &SimplexMesh<D>,
     facets: &[Facet<D>],
     touched: &TouchedCells,
-) -> Vec<i32> {
-    let mut depth = vec![UNKNOWN; background.n_vertices()];
+    depth: &mut Vec<i32>,
+) {
+    depth.clear();
+    depth.resize(background.n_vertices(), UNKNOWN);
     let far = outside_of_everything(background, facets);
     // Neighbouring cells mostly have neighbouring numbers: a few passes reach everything.
     let mut waiting: Vec<CellId> = background.cells().collect();
@@ -30,13 +32,12 @@ pub(crate) fn depths<const D: usize>(
         }
         loop {
             let before = waiting.len();
-            waiting.retain(|&cell| !spread(background, facets, touched, cell, &mut depth));
+            waiting.retain(|&cell| !spread(background, facets, touched, cell, depth));
             if waiting.len() == before || waiting.is_empty() {
                 break;
             }
         }
     }
-    depth
 }
 
 /// Gives all vertices of a cell their number from one that has it; returns whether there was one.

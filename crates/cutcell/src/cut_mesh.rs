@@ -2,7 +2,7 @@
 
 use mesh::{BodyId, CellId, FacetId, Point, QuadratureRule, SimplexMesh, SimplexRule, Vector, simplex_measure};
 
-use crate::clip::Piece;
+use crate::clip::{Piece, Polytopes};
 use crate::exact::Plane;
 use crate::{CutReport, Polytope};
 
@@ -81,7 +81,7 @@ pub struct BoundaryPiece<const D: usize> {
 /// A background mesh cut by the surfaces of bodies; read-only.
 ///
 /// Fluid is the background without the union of the bodies.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct CutMesh<const D: usize> {
     pub(crate) cell_to_state: Vec<CellState>,
     /// Offsets into the parts, one more entry than there are cells.
@@ -90,9 +90,10 @@ pub struct CutMesh<const D: usize> {
     pub(crate) part_to_volume: Vec<f64>,
     /// Offsets into `pieces`, one more entry than there are parts; parts of uncut cells have none.
     pub(crate) part_to_piece: Vec<u32>,
-    pub(crate) pieces: Vec<Polytope<D>>,
-    /// Covered pieces of cut cells, with their cells.
-    pub(crate) covered_pieces: Vec<(CellId, Polytope<D>)>,
+    pub(crate) pieces: Polytopes<D>,
+    /// Covered pieces of cut cells, and their cells.
+    pub(crate) covered_pieces: Polytopes<D>,
+    pub(crate) covered_to_cell: Vec<CellId>,
     pub(crate) interface: Vec<InterfacePiece<D>>,
     pub(crate) part_faces: Vec<PartFace>,
     pub(crate) boundary: Vec<BoundaryPiece<D>>,
@@ -141,14 +142,14 @@ impl<const D: usize> CutMesh<D> {
     }
 
     /// Convex pieces that make up a part of a cut cell; none if the part is the whole cell.
-    pub fn part_pieces(&self, part: PartId) -> &[Polytope<D>] {
+    pub fn part_pieces(&self, part: PartId) -> impl ExactSizeIterator<Item = Polytope<'_, D>> {
         let k = part.index();
-        &self.pieces[self.part_to_piece[k] as usize..self.part_to_piece[k + 1] as usize]
+        (self.part_to_piece[k] as usize..self.part_to_piece[k + 1] as usize).map(|piece| self.pieces.get(piece))
     }
 
     /// Covered pieces of cut cells, with their cells: the solid side of the cut.
-    pub fn covered_pieces(&self) -> &[(CellId, Polytope<D>)] {
-        &self.covered_pieces
+    pub fn covered_pieces(&self) -> impl ExactSizeIterator<Item = (CellId, Polytope<'_, D>)> {
+        self.covered_to_cell.iter().enumerate().map(|(k, &cell)| (cell, self.covered_pieces.get(k)))
     }
 
     /// Calls `visit` with the points of each positively oriented simplex of a decomposition of a part; simplices
@@ -247,7 +248,8 @@ fn simplex_overlap<const D: usize>(a: &[Point<D>], b: &[Point<D>]) -> f64 {
         }
     }
     let Some(gradients) = mesh::Simplex::new(b).barycentric_gradients() else { return 0.0 };
-    let mut common = Piece::simplex(a, [Plane::facet(0); 4]);
+    let mut common = Piece::default();
+    common.set_simplex(a, [Plane::facet(0); 4]);
     for (corner, gradient) in gradients[..=D].iter().enumerate() {
         // Inside `b` the barycentric coordinate of every corner is positive.
         let origin = b[(corner + 1) % (D + 1)];

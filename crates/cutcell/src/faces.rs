@@ -2,103 +2,79 @@
 
 use mesh::{CellId, FacetId, Point, Vector, simplex_measure};
 
-use crate::cell::{CellCut, FaceView};
-use crate::clip::{Points, Polygon, face_difference, face_overlap};
+use crate::cell::{CellCut, FaceView, Kept};
+use crate::clip::{Points, face_difference, face_overlap};
 use crate::cut_mesh::{for_each_face_simplex, measure};
 use crate::exact::Plane;
 use crate::overlay::Cutting;
-use crate::tree::whole_cell;
 use crate::{BoundaryPiece, CellState, CutMesh, InterfacePiece, PartFace, PartId};
 
 /// The faces of the background with the cells that were cut.
 pub(crate) struct Faces<'a, const D: usize> {
-    pub(crate) cutting: Cutting<'a, D>,
+    cutting: &'a Cutting<'a, D>,
     /// Faces of the touched cells.
-    pub(crate) views: &'a [[FaceView; 4]],
+    views: Vec<[FaceView; 4]>,
 }
 
-/// A cell on one side of a face, cut again.
-enum Side<const D: usize> {
-    /// In one piece that no facet touches.
-    Whole(Option<PartId>),
-    /// Cut, with the number of its first part.
-    Cut(CellCut<D>, u32),
-}
-
-impl<const D: usize> Side<D> {
-    fn part(&self, leaf: usize) -> Option<PartId> {
-        match self {
-            Self::Whole(part) => *part,
-            Self::Cut(cut, first) => cut.fluid_part(leaf).map(|part| PartId(first + part)),
-        }
+impl<'a, const D: usize> Faces<'a, D> {
+    /// With what was kept of the touched cells.
+    pub(crate) fn new(cutting: &'a Cutting<'a, D>, kept: &[&Kept<D>]) -> Self {
+        let views = kept.iter().flat_map(|kept| kept.cells.iter().map(|cell| cell.faces)).collect();
+        Self { cutting, views }
     }
-}
 
-impl<const D: usize> Faces<'_, D> {
-    /// Adds part faces, wet boundary, and the interface on faces.
-    pub(crate) fn add_to(&self, cut: &mut CutMesh<D>) {
+    /// Adds part faces, wet boundary, and the interface on faces. Cells are cut again in `sides`.
+    pub(crate) fn add_to(&self, cut: &mut CutMesh<D>, sides: &mut [CellCut<D>; 2]) {
         let n_inside = cut.interface.len();
-        self.add_faces(cut);
+        self.add_faces(cut, sides);
         let mut aligned: Vec<_> = cut.interface[n_inside..].iter().map(|piece| (piece.body, piece.facet)).collect();
         cut.report.n_aligned_pieces = aligned.len();
         aligned.sort_unstable();
         aligned.dedup();
         cut.report.n_aligned_facets = aligned.len();
+        // These pieces were found face by face.
+        cut.interface.sort_by_key(|piece| (piece.cell, piece.body, piece.facet));
     }
 
-    fn add_faces(&self, cut: &mut CutMesh<D>) {
+    fn add_faces(&self, cut: &mut CutMesh<D>, sides: &mut [CellCut<D>; 2]) {
         let background = self.cutting.planes.background;
         for facet in background.facets() {
             let [first, second] = background.facet_to_cell(facet);
             let Some(first) = first else { continue };
             let Some(second) = second else {
-                self.add_boundary(cut, facet, first);
+                self.add_boundary(cut, facet, first, &mut sides[0]);
                 continue;
             };
-            if self.is_untouched(first) && self.is_untouched(second) {
-                if let (CellState::Fluid, CellState::Fluid) = (cut.cell_state(first), cut.cell_state(second)) {
-                    let parts = [first, second].map(|cell| PartId(cut.cell_to_part[cell.index()]));
-                    let measure = simplex_measure(&self.points(facet)[..D]);
-                    cut.part_faces.push(PartFace { facet, parts, measure, is_ghost: false });
-                }
-                continue;
-            }
-            match [first, second].map(|cell| self.view(cut, cell, facet)) {
+            let cells = [first, second];
+            match cells.map(|cell| self.view(cut, cell, facet)) {
                 [FaceView::Dry, FaceView::Dry] => {}
                 // Without facets on the face, two single parts share all of it.
                 [FaceView::Wet(a, measure), FaceView::Wet(b, _)] => {
                     let parts = [PartId(a), PartId(b)];
-                    let is_ghost = self.is_ghost(cut, [first, second]);
-                    cut.part_faces.push(PartFace { facet, parts, measure, is_ghost });
+                    cut.part_faces.push(PartFace { facet, parts, measure, is_ghost: is_ghost(cut, cells) });
                 }
-                _ => self.join(cut, facet, [first, second]),
+                _ => self.join(cut, facet, cells, sides),
             }
         }
-    }
-
-    fn is_untouched(&self, cell: CellId) -> bool {
-        self.cutting.touched.position(cell).is_none()
     }
 
     /// A face as seen from a cell, with the part numbered among all.
     fn view(&self, cut: &CutMesh<D>, cell: CellId, facet: FacetId) -> FaceView {
+        let background = self.cutting.planes.background;
         let first_part = cut.cell_to_part[cell.index()];
         match (self.cutting.touched.position(cell), cut.cell_state(cell)) {
-            (Some(k), _) => {
-                let ids = self.cutting.planes.background.cell_to_facet(cell);
-                let local = ids.iter().position(|&f| f == facet).unwrap_or(0);
-                match self.views[k][local] {
-                    FaceView::Wet(part, measure) => FaceView::Wet(first_part + part, measure),
-                    other => other,
-                }
-            }
-            (None, CellState::Fluid) => FaceView::Wet(first_part, simplex_measure(&self.points(facet)[..D])),
+            (Some(k), _) => match self.views[k][self.local(cell, facet)] {
+                FaceView::Wet(part, measure) => FaceView::Wet(first_part + part, measure),
+                other => other,
+            },
+            (None, CellState::Fluid) => FaceView::Wet(first_part, background.facet_measure(facet)),
             (None, _) => FaceView::Dry,
         }
     }
 
-    fn is_ghost(&self, cut: &CutMesh<D>, cells: [CellId; 2]) -> bool {
-        cells.iter().any(|&cell| cut.cell_state(cell) == CellState::Cut)
+    /// The number of a face within one of its cells.
+    fn local(&self, cell: CellId, facet: FacetId) -> usize {
+        self.cutting.planes.background.cell_to_facet(cell).iter().position(|&f| f == facet).unwrap_or(0)
     }
 
     fn points(&self, facet: FacetId) -> [Point<D>; 3] {
@@ -111,100 +87,84 @@ impl<const D: usize> Faces<'_, D> {
     }
 
     /// One side of a face with all its pieces.
-    fn side(&self, cut: &CutMesh<D>, cell: CellId) -> Side<D> {
+    fn cut_side(&self, cut: &CutMesh<D>, cell: CellId, side: &mut CellCut<D>) {
         match self.cutting.touched.position(cell) {
-            Some(k) => Side::Cut(self.cutting.cut(k), cut.cell_to_part[cell.index()]),
-            None => Side::Whole(cut.parts(cell).next()),
+            Some(k) => side.cut(self.cutting, k),
+            None => side.set_whole(&self.cutting.planes, cell, cut.cell_state(cell) == CellState::Fluid),
         }
     }
 
-    /// The pieces of a face of the background as seen from one of its cells; no part means body.
-    fn fragments(&self, facet: FacetId, cell: CellId, side: &Side<D>) -> Vec<(Option<PartId>, Polygon<D>)> {
-        match side {
-            Side::Cut(from, _) => {
-                from.faces(Plane::mesh(facet)).map(|(leaf, polygon)| (side.part(leaf), polygon)).collect()
-            }
-            Side::Whole(part) => {
-                let local = self.cutting.planes.background.cell_to_facet(cell).iter().position(|&f| f == facet);
-                vec![(*part, whole_cell(&self.cutting.planes, cell).face(local.unwrap_or(0)))]
-            }
-        }
-    }
-
-    fn add_boundary(&self, cut: &mut CutMesh<D>, facet: FacetId, cell: CellId) {
-        let fragments = match (self.view(cut, cell, facet), cut.cell_state(cell)) {
-            (FaceView::Dry, _) => return,
+    fn add_boundary(&self, cut: &mut CutMesh<D>, facet: FacetId, cell: CellId, side: &mut CellCut<D>) {
+        match (self.view(cut, cell, facet), cut.cell_state(cell)) {
+            (FaceView::Dry, _) => {}
             (FaceView::Wet(part, _), CellState::Fluid) => {
-                vec![(Some(PartId(part)), Points::from_slice(&self.points(facet)[..D]))]
+                add_wet_boundary(cut, facet, PartId(part), &self.points(facet)[..D]);
             }
             _ => {
-                let fragments = self.fragments(facet, cell, &self.side(cut, cell));
-                fragments.into_iter().map(|(part, polygon)| (part, polygon.points())).collect()
+                self.cut_side(cut, cell, side);
+                let first_part = cut.cell_to_part[cell.index()];
+                for (leaf, face) in side.faces(Plane::mesh(facet)) {
+                    if let Some(part) = side.fluid_part(leaf) {
+                        let polygon: Points<D> = face.map(|side| side.corner.x).collect();
+                        add_wet_boundary(cut, facet, PartId(first_part + part), &polygon);
+                    }
+                }
             }
-        };
-        for (part, polygon) in fragments {
-            let Some(part) = part else { continue };
-            for_each_face_simplex(&polygon, |points| {
-                let measure = simplex_measure(&points[..D]);
-                cut.boundary.push(BoundaryPiece { facet, part, points, measure });
-            });
         }
     }
 
     /// Pairs the pieces of an interior face seen from its two cells: fluid on both sides joins two parts, fluid on one
     /// side is interface.
-    fn join(&self, cut: &mut CutMesh<D>, facet: FacetId, cells: [CellId; 2]) {
-        let sides = cells.map(|cell| self.side(cut, cell));
+    fn join(&self, cut: &mut CutMesh<D>, facet: FacetId, cells: [CellId; 2], sides: &mut [CellCut<D>; 2]) {
+        cells.iter().zip(sides.iter_mut()).for_each(|(&cell, side)| self.cut_side(cut, cell, side));
+        let number = cells.map(|cell| cut.cell_to_part[cell.index()]);
+        let plane = Plane::mesh(facet);
+        let [first, second] = sides;
         let mut pairs: Vec<([Option<PartId>; 2], Points<D>)> = Vec::new();
-        for (first, polygon) in self.fragments(facet, cells[0], &sides[0]) {
-            match &sides[1] {
-                Side::Cut(from, _) => from.tree.locate(&self.cutting.planes, polygon, |leaf, polygon| {
-                    pairs.push(([first, sides[1].part(leaf)], polygon.points()));
-                }),
-                Side::Whole(second) => pairs.push(([first, *second], polygon.points())),
-            }
+        for (leaf, face) in first.faces(plane) {
+            let part = first.fluid_part(leaf).map(|part| PartId(number[0] + part));
+            second.locate(&self.cutting.planes, plane, face, |polygon, other| {
+                let other = other.map(|part| PartId(number[1] + part));
+                pairs.push(([part, other], polygon));
+            });
         }
         let face = SharedFace {
             facet,
             cells,
             normal: mesh::facet_normal(&self.points(facet)[..D]),
-            is_ghost: self.is_ghost(cut, cells),
+            is_ghost: is_ghost(cut, cells),
             first: cut.part_faces.len(),
         };
         for (parts, polygon) in pairs {
             match parts {
                 [Some(first), Some(second)] => face.add(cut, [first, second], measure(&polygon)),
-                [Some(part), None] => self.add_interface(cut, &face, &sides, 0, part, &polygon),
-                [None, Some(part)] => self.add_interface(cut, &face, &sides, 1, part, &polygon),
+                [Some(part), None] => self.add_interface(cut, &face, &sides[1], 0, part, &polygon),
+                [None, Some(part)] => self.add_interface(cut, &face, &sides[0], 1, part, &polygon),
                 [None, None] => {}
             }
         }
     }
 
-    /// Interface on a face of the background: fluid in cell `side`, a body in the other one, or a layer of fluid too
+    /// Interface on a face of the background: fluid in cell `side`, a body in the cell `beyond`, or a layer of fluid too
     /// thin to count and then the body.
     fn add_interface(
         &self,
         cut: &mut CutMesh<D>,
         face: &SharedFace<D>,
-        sides: &[Side<D>; 2],
+        beyond: &CellCut<D>,
         side: usize,
         part: PartId,
         polygon: &[Point<D>],
     ) {
         let normal = if side == 0 { -face.normal } else { face.normal };
-        let Cutting { planes, touched, thinnest: tolerance, .. } = self.cutting;
+        let &Cutting { planes, touched, thinnest: tolerance, .. } = self.cutting;
         let touching = face.cells.iter().filter_map(|&cell| touched.position(cell));
         let mut aligned: Vec<u32> = touching.flat_map(|k| touched.facets(k).iter().copied()).collect();
         aligned.sort_unstable();
         aligned.dedup();
         aligned.retain(|&f| planes.lies_on(f, Plane::mesh(face.facet)));
-        let thin = match &sides[1 - side] {
-            Side::Cut(beyond, _) => &beyond.thin[..],
-            Side::Whole(_) => &[],
-        };
         let on_face = aligned.iter().map(|&f| (f, Points::from_slice(planes.facets[f as usize].points())));
-        let candidates = on_face.chain(thin.iter().map(|piece| (piece.facet, piece.polygon.clone())));
+        let candidates = on_face.chain(beyond.thin());
         let mut rest = vec![polygon.to_vec()];
         let mut overlap = Vec::new();
         for (index, by) in candidates {
@@ -253,4 +213,15 @@ impl<const D: usize> SharedFace<D> {
             None => cut.part_faces.push(PartFace { facet: self.facet, parts, measure, is_ghost: self.is_ghost }),
         }
     }
+}
+
+fn is_ghost<const D: usize>(cut: &CutMesh<D>, cells: [CellId; 2]) -> bool {
+    cells.iter().any(|&cell| cut.cell_state(cell) == CellState::Cut)
+}
+
+fn add_wet_boundary<const D: usize>(cut: &mut CutMesh<D>, facet: FacetId, part: PartId, polygon: &[Point<D>]) {
+    for_each_face_simplex(polygon, |points| {
+        let measure = simplex_measure(&points[..D]);
+        cut.boundary.push(BoundaryPiece { facet, part, points, measure });
+    });
 }

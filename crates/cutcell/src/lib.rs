@@ -57,6 +57,7 @@ mod soundness;
 mod surface;
 mod touched;
 mod tree;
+mod workspace;
 
 pub use capsule::Capsule;
 pub use clip::{FaceLabel, Polytope};
@@ -64,5 +65,6 @@ pub use cut_mesh::{BoundaryPiece, CellState, CutMesh, InterfacePiece, PartFace, 
 pub use error::Error;
 pub use overlay::OverlayOptions;
 pub use report::{CutReport, SLIVER};
+pub use workspace::{OverlayTimes, Workspace};
 
 pub use mesh;

@@ -1,17 +1,13 @@
 //! Laying surfaces over a background mesh.
 
 use mesh::{CellId, Placed, SimplexMesh};
-use rayon::prelude::*;
 
-use crate::cell::{CellCut, CellPieces, FaceView};
-use crate::classify::depths;
-use crate::cut_mesh::for_each_face_simplex;
+use crate::cell::Kept;
 use crate::exact::Planes;
-use crate::faces::Faces;
 use crate::report::SLIVER;
-use crate::surface::{self, Facet};
+use crate::surface::Facet;
 use crate::touched::TouchedCells;
-use crate::{CellState, CutMesh, CutReport, Error, InterfacePiece, PartId};
+use crate::{CellState, CutMesh, CutReport, Error, InterfacePiece, PartId, Workspace};
 
 /// Settings of an overlay.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,120 +53,99 @@ impl<const D: usize> CutMesh<D> {
         surfaces: &[Placed<'_, D>],
         options: &OverlayOptions,
     ) -> Result<Self, Error> {
-        let facets = surface::collect(surfaces, options)?;
-        let touched = TouchedCells::new(background, &facets);
-        let depth = depths(background, &facets, &touched);
-        Ok(Self::from_facets(background, &facets, &touched, &depth, options))
+        Workspace::new().overlay(background, surfaces, options)
     }
 
-    /// Cuts by facets, with the number of bodies around each vertex of the background.
-    pub(crate) fn from_facets(
-        background: &SimplexMesh<D>,
-        facets: &[Facet<D>],
-        touched: &TouchedCells,
-        depth: &[i32],
-        options: &OverlayOptions,
-    ) -> Self {
-        let extent = background.vertices().iter().fold(0.0_f64, |r, x| r.max(x.amax()));
-        let planes = Planes { background, facets, resolution: 2.0 * f64::EPSILON * extent };
-        let volume: f64 = background.cells().map(|c| background.cell_volume(c)).sum();
-        let size = mesh::equilateral_side::<D>(volume / background.n_cells() as f64);
-        // Coordinates themselves carry round-off.
-        let thinnest = options.relative_tolerance * size + 4.0 * planes.resolution;
-        let cutting = Cutting { planes, touched, depth, thinnest };
-        let cuts: Vec<CellPieces<D>> = (0..touched.cells.len())
-            .into_par_iter()
-            .map(|k| cutting.cut(k).into_pieces(&planes, touched.cells[k]))
-            .collect();
-        let views: Vec<[FaceView; 4]> = cuts.iter().map(|pieces| pieces.faces).collect();
-        let mut cut = Self::empty(background);
-        // Touched cells come in the order of all cells.
-        let mut cuts = cuts.into_iter();
-        for cell in background.cells() {
-            cut.cell_to_part.push(cut.part_to_cell.len() as u32);
-            let state = match touched.position(cell).and_then(|_| cuts.next()) {
-                Some(pieces) => cut.add_touched_cell(&planes, cell, pieces),
-                None if depth[background.cell(cell)[0].index()] > 0 => CellState::Covered,
-                None => CellState::Fluid,
-            };
-            cut.close_cell(background, cell, state);
-        }
-        cut.cell_to_part.push(cut.part_to_cell.len() as u32);
-        Faces { cutting, views: &views }.add_to(&mut cut);
-        // Pieces on faces of the background were found face by face.
-        cut.interface.sort_by_key(|piece| (piece.cell, piece.body, piece.facet));
-        cut
+    /// Empty, in the same memory.
+    pub(crate) fn clear(&mut self) {
+        self.cell_to_state.clear();
+        self.cell_to_part.clear();
+        self.part_to_cell.clear();
+        self.part_to_volume.clear();
+        self.part_to_piece.clear();
+        self.pieces.clear();
+        self.covered_pieces.clear();
+        self.covered_to_cell.clear();
+        self.interface.clear();
+        self.part_faces.clear();
+        self.boundary.clear();
+        self.report = CutReport { smallest_fraction: 1.0, ..CutReport::default() };
     }
 
-    fn empty(background: &SimplexMesh<D>) -> Self {
-        let n_cells = background.n_cells();
-        Self {
-            cell_to_state: Vec::with_capacity(n_cells),
-            cell_to_part: Vec::with_capacity(n_cells + 1),
-            part_to_cell: Vec::with_capacity(n_cells),
-            part_to_volume: Vec::with_capacity(n_cells),
-            part_to_piece: {
-                let mut offsets = Vec::with_capacity(n_cells + 1);
-                offsets.push(0);
-                offsets
-            },
-            pieces: Vec::new(),
-            covered_pieces: Vec::new(),
-            interface: Vec::new(),
-            part_faces: Vec::with_capacity(background.n_facets()),
-            boundary: Vec::new(),
-            report: CutReport { smallest_fraction: 1.0, ..CutReport::default() },
-        }
-    }
-
-    /// Adds the parts of a cell that facets may cross; for an uncut one only says what it is.
-    fn add_touched_cell(&mut self, planes: &Planes<'_, D>, cell: CellId, from: CellPieces<D>) -> CellState {
-        self.report.n_left_out += from.n_left_out;
-        if from.volumes.is_empty() {
-            return CellState::Covered;
-        }
-        if from.pieces.is_empty() {
-            return CellState::Fluid;
-        }
-        let first_part = self.part_to_cell.len() as u32;
-        let cell_volume = planes.background.cell_volume(cell);
-        let mut pieces = from.pieces.into_iter().peekable();
-        for (part, &volume) in from.volumes.iter().enumerate() {
-            while let Some((_, piece)) = pieces.next_if(|(of, _)| *of == Some(part as u32)) {
-                self.pieces.push(piece);
+    /// Adds all cells in their order: those that facets touch, and those between them.
+    pub(crate) fn add_cells(&mut self, cutting: &Cutting<'_, D>, kept: &[&Kept<D>]) {
+        let background = cutting.planes.background;
+        self.cell_to_state.reserve(background.n_cells());
+        self.cell_to_part.reserve(background.n_cells() + 1);
+        self.part_to_piece.push(0);
+        let mut next = CellId(0);
+        let mut touched = cutting.touched.cells.iter();
+        for kept in kept {
+            let n_pieces = self.pieces.len() as u32;
+            let (mut part, mut wet) = (0, 0);
+            for (of, &cell) in kept.cells.iter().zip(&mut touched) {
+                self.add_untouched(cutting, next, cell);
+                next = CellId(cell.0 + 1);
+                self.report.n_left_out += of.n_left_out as usize;
+                let first_part = self.part_to_cell.len() as u32;
+                let volume = background.cell_volume(cell);
+                let state = match (of.n_parts, of.is_whole) {
+                    (0, _) => CellState::Covered,
+                    (_, true) => CellState::Fluid,
+                    _ => CellState::Cut,
+                };
+                for _ in 0..of.n_parts {
+                    let part_volume = if of.is_whole { volume } else { kept.volumes[part] };
+                    self.add_part(cell, part_volume, n_pieces + kept.part_to_piece_end[part]);
+                    let fraction = part_volume / volume;
+                    self.report.smallest_fraction = self.report.smallest_fraction.min(fraction);
+                    self.report.n_slivers += usize::from(fraction < SLIVER);
+                    part += 1;
+                }
+                for piece in &kept.interface[wet..wet + of.n_interface as usize] {
+                    self.interface.push(InterfacePiece { part: PartId(first_part + piece.part.0), ..*piece });
+                }
+                wet += of.n_interface as usize;
+                self.close_cell(first_part, state);
             }
-            self.part_to_cell.push(cell);
-            self.part_to_volume.push(volume);
-            self.part_to_piece.push(self.pieces.len() as u32);
-            let fraction = volume / cell_volume;
-            self.report.smallest_fraction = self.report.smallest_fraction.min(fraction);
-            self.report.n_slivers += usize::from(fraction < SLIVER);
+            self.pieces.append(&kept.pieces);
+            self.covered_pieces.append(&kept.covered);
+            self.covered_to_cell.extend_from_slice(&kept.covered_to_cell);
         }
-        self.covered_pieces.extend(pieces.map(|(_, piece)| (cell, piece)));
-        for wet in &from.wet {
-            let facet = &planes.facets[wet.facet as usize];
-            for_each_face_simplex(&wet.polygon, |corners| {
-                self.interface.push(InterfacePiece::new(cell, PartId(first_part + wet.part), facet, corners));
-            });
+        self.add_untouched(cutting, next, CellId::new(background.n_cells()));
+        self.cell_to_part.push(self.part_to_cell.len() as u32);
+    }
+
+    /// Adds the cells from one up to another one, none of which is touched.
+    fn add_untouched(&mut self, cutting: &Cutting<'_, D>, from: CellId, to: CellId) {
+        let background = cutting.planes.background;
+        let n_pieces = self.part_to_piece.last().copied().unwrap_or(0);
+        for cell in (from.0..to.0).map(CellId) {
+            let first_part = self.part_to_cell.len() as u32;
+            let is_covered = cutting.depth[background.cell(cell)[0].index()] > 0;
+            if !is_covered {
+                self.add_part(cell, background.cell_volume(cell), n_pieces);
+            }
+            self.close_cell(first_part, if is_covered { CellState::Covered } else { CellState::Fluid });
         }
-        CellState::Cut
+    }
+
+    fn add_part(&mut self, cell: CellId, volume: f64, piece_end: u32) {
+        self.part_to_cell.push(cell);
+        self.part_to_volume.push(volume);
+        self.part_to_piece.push(piece_end);
     }
 
     /// Notes the state of a cell whose parts were added.
-    fn close_cell(&mut self, background: &SimplexMesh<D>, cell: CellId, state: CellState) {
+    fn close_cell(&mut self, first_part: u32, state: CellState) {
         match state {
-            CellState::Fluid => {
-                self.part_to_cell.push(cell);
-                self.part_to_volume.push(background.cell_volume(cell));
-                self.part_to_piece.push(self.pieces.len() as u32);
-                self.report.n_fluid_cells += 1;
-            }
+            CellState::Fluid => self.report.n_fluid_cells += 1,
             CellState::Covered => self.report.n_covered_cells += 1,
             CellState::Cut => self.report.n_cut_cells += 1,
         }
+        self.cell_to_part.push(first_part);
         self.cell_to_state.push(state);
-        let n_parts = self.part_to_cell.len() - self.cell_to_part[cell.index()] as usize;
-        self.report.max_parts = self.report.max_parts.max(n_parts);
+        self.report.max_parts = self.report.max_parts.max(self.part_to_cell.len() - first_part as usize);
     }
 }
 
@@ -179,16 +154,24 @@ impl<const D: usize> CutMesh<D> {
 pub(crate) struct Cutting<'a, const D: usize> {
     pub(crate) planes: Planes<'a, D>,
     pub(crate) touched: &'a TouchedCells,
-    depth: &'a [i32],
+    /// Number of bodies around each vertex of the background.
+    pub(crate) depth: &'a [i32],
     /// Thickness of what counts as nothing.
     pub(crate) thinnest: f64,
 }
 
-impl<const D: usize> Cutting<'_, D> {
-    /// Cuts the touched cell at position `k`; the same every time.
-    pub(crate) fn cut(&self, k: usize) -> CellCut<D> {
-        let cell = self.touched.cells[k];
-        let first = self.planes.background.cell(cell)[0];
-        CellCut::new(&self.planes, cell, self.depth[first.index()], self.touched.facets(k), self.thinnest)
+impl<'a, const D: usize> Cutting<'a, D> {
+    pub(crate) fn new(
+        background: &'a SimplexMesh<D>,
+        facets: &'a [Facet<D>],
+        touched: &'a TouchedCells,
+        depth: &'a [i32],
+        options: &OverlayOptions,
+    ) -> Self {
+        let extent = background.vertices().iter().fold(0.0_f64, |r, x| r.max(x.amax()));
+        let planes = Planes { background, facets, resolution: 2.0 * f64::EPSILON * extent };
+        let size = mesh::equilateral_side::<D>(background.volume() / background.n_cells() as f64);
+        // Coordinates themselves carry round-off.
+        Self { planes, touched, depth, thinnest: options.relative_tolerance * size + 4.0 * planes.resolution }
     }
 }

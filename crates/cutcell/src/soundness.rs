@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use mesh::search::SurfaceIndex;
 use mesh::{BodyId, FacetId, Placed, Point, VertexId};
+use rayon::prelude::*;
 
 use crate::Error;
 use crate::exact::{HalfSpace, pierces};
@@ -94,37 +95,51 @@ const DEPTH: f64 = 1e-9;
 pub(crate) fn check_self_intersections<const D: usize>(body: BodyId, surface: &Placed<'_, D>) -> Result<(), Error> {
     let boundary = surface.boundary();
     let index = SurfaceIndex::new(surface);
-    let mut near = Vec::new();
-    let mut size = 0.0_f64;
-    for facet in boundary.facets() {
-        let points = surface.facet_points(facet);
-        let origin = surface.facet_points(FacetId(0))[0];
-        size = points[..D].iter().fold(size, |size, x| size.max((x - origin).amax()));
+    let origin = surface.facet_points(FacetId(0))[0];
+    let farthest =
+        |facet: FacetId| surface.facet_points(facet)[..D].iter().fold(0.0, |r: f64, x| r.max((x - origin).amax()));
+    let size = boundary.facets().map(farthest).fold(0.0, f64::max);
+    (0..boundary.n_facets())
+        .into_par_iter()
+        .with_min_len(FACETS_PER_CHUNK)
+        .map_init(Vec::new, |near, facet| piercing(surface, &index, FacetId::new(facet), DEPTH * size, near))
+        .find_map_first(|found| found)
+        .map_or(Ok(()), |(facet, other, point)| Err(Error::SelfIntersection { body, facet, other, point }))
+}
+
+/// A facet, the first one that pierces it by more than a depth, and where about; `near` is memory.
+fn piercing<const D: usize>(
+    surface: &Placed<'_, D>,
+    index: &SurfaceIndex<D>,
+    facet: FacetId,
+    depth: f64,
+    near: &mut Vec<FacetId>,
+) -> Option<(FacetId, FacetId, [f64; 3])> {
+    let boundary = surface.boundary();
+    let points = &surface.facet_points(facet)[..D];
+    if surface.facet_normal(facet).iter().all(|c| *c == 0.0) {
+        return None;
     }
-    for facet in boundary.facets() {
-        let points = &surface.facet_points(facet)[..D];
-        let (low, high) = points.iter().fold((points[0], points[0]), |(low, high), x| (low.inf(x), high.sup(x)));
-        if surface.facet_normal(facet).iter().all(|c| *c == 0.0) {
-            continue;
-        }
-        let plane = HalfSpace::through(points);
-        index.facets_overlapping(&low, &high, &mut near);
-        for &other in near.iter().filter(|&&other| other != facet) {
-            let vertices = boundary.facet(other);
-            // A segment has one side, a triangle three.
-            for k in 0..if D > 2 { D } else { 1 } {
-                let ends = [vertices[k], vertices[(k + 1) % D]];
-                if ends.iter().any(|v| boundary.facet(facet).contains(v)) {
-                    continue;
-                }
-                let [a, b] = ends.map(|v| surface.positions()[v.index()]);
-                let depth = plane.distance(&a).0.abs().min(plane.distance(&b).0.abs());
-                if depth > DEPTH * size && pierces(&a, &b, points) {
-                    let point = in_space(&((a + b) * 0.5));
-                    return Err(Error::SelfIntersection { body, facet, other, point });
-                }
+    let (low, high) = points.iter().fold((points[0], points[0]), |(low, high), x| (low.inf(x), high.sup(x)));
+    let plane = HalfSpace::through(points);
+    index.facets_overlapping(&low, &high, near);
+    for &other in near.iter().filter(|&&other| other != facet) {
+        let vertices = boundary.facet(other);
+        // A segment has one side, a triangle three.
+        for k in 0..if D > 2 { D } else { 1 } {
+            let ends = [vertices[k], vertices[(k + 1) % D]];
+            if ends.iter().any(|v| boundary.facet(facet).contains(v)) {
+                continue;
+            }
+            let [a, b] = ends.map(|v| surface.positions()[v.index()]);
+            let reach = plane.distance(&a).0.abs().min(plane.distance(&b).0.abs());
+            if reach > depth && pierces(&a, &b, points) {
+                return Some((facet, other, in_space(&((a + b) * 0.5))));
             }
         }
     }
-    Ok(())
+    None
 }
+
+/// Facets that a thread looks at in one go, at least.
+const FACETS_PER_CHUNK: usize = 128;

@@ -71,15 +71,16 @@ impl<const D: usize> Facet<D> {
     }
 }
 
-/// The facets of all surfaces that have an area, in the order of bodies and facets.
+/// Collects the facets of all surfaces that have an area, in the order of bodies and facets.
 ///
 /// # Errors
 /// Surfaces that are refused, see [`Error`].
 pub(crate) fn collect<const D: usize>(
     surfaces: &[Placed<'_, D>],
     options: &OverlayOptions,
-) -> Result<Vec<Facet<D>>, Error> {
-    let mut facets = Vec::with_capacity(surfaces.iter().map(|s| s.boundary().n_facets()).sum());
+    facets: &mut Vec<Facet<D>>,
+) -> Result<(), Error> {
+    facets.clear();
     let mut first_vertex = 0;
     for (index, surface) in surfaces.iter().enumerate() {
         let body = BodyId::new(index);
@@ -99,7 +100,7 @@ pub(crate) fn collect<const D: usize>(
         }
         first_vertex += surface.positions().len() as u32;
     }
-    Ok(facets)
+    Ok(())
 }
 
 fn rim_points<const D: usize>(points: &[Point<D>], normal: &Vector<D>, local: usize) -> [Point<D>; 3] {

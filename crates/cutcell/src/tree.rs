@@ -3,7 +3,7 @@
 use mesh::{CellId, FacetId};
 use smallvec::SmallVec;
 
-use crate::clip::{Piece, Place, Polygon};
+use crate::clip::{Piece, Place, Polygon, Polygons, Side};
 use crate::exact::{Corner, HalfSpace, Plane, Planes};
 
 /// What lies on one side of a node.
@@ -15,12 +15,12 @@ enum Child {
 
 /// A convex region divided by the plane of a facet.
 #[derive(Clone, Debug)]
-struct Node<const D: usize> {
+struct Node {
     plane: Plane,
     /// The section of the region by the plane.
-    section: Polygon<D>,
+    section: Polygon,
     /// Facets with an area on the section.
-    cover: Vec<u32>,
+    cover: SmallVec<[u32; 4]>,
     /// What lies behind the plane, and in front of it.
     children: [Child; 2],
 }
@@ -28,19 +28,21 @@ struct Node<const D: usize> {
 /// A binary space partition of a cell, a plane only where its facet is. All decisions are exact.
 #[derive(Clone, Debug)]
 pub(crate) struct Tree<const D: usize> {
-    nodes: Vec<Node<D>>,
+    nodes: Vec<Node>,
     leaves: Vec<Piece<D>>,
+    /// Pieces to use again.
+    spare: Vec<Piece<D>>,
     root: Child,
     /// Bit `i`: a facet lies on face `i` of the cell.
     aligned: u8,
 }
 
 /// Where two leaves touch: a polygon between the one behind it and the one in front of it.
-#[derive(Clone, Debug)]
-pub(crate) struct Wall<const D: usize> {
-    pub(crate) behind: usize,
-    pub(crate) front: usize,
-    pub(crate) polygon: Polygon<D>,
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Wall {
+    pub(crate) behind: u32,
+    pub(crate) front: u32,
+    pub(crate) polygon: Polygon,
     pub(crate) cover: Cover,
 }
 
@@ -53,18 +55,40 @@ pub(crate) struct Cover {
     pub(crate) first: [Option<u32>; 2],
 }
 
+/// What is called for each leaf that a polygon touches.
+type Visit<'a, const D: usize> = &'a mut dyn FnMut(&mut Polygons<D>, usize, Polygon);
+
 impl<const D: usize> Tree<D> {
+    /// A tree without leaves.
+    pub(crate) fn new() -> Self {
+        Self { nodes: Vec::new(), leaves: Vec::new(), spare: Vec::new(), root: Child::Leaf(0), aligned: 0 }
+    }
+
     /// Divides a cell by the facets (indices) that may touch it.
-    pub(crate) fn new(planes: &Planes<'_, D>, cell: CellId, facets: &[u32]) -> Self {
-        let leaves = vec![whole_cell(planes, cell)];
-        let mut tree = Self { nodes: Vec::new(), leaves, root: Child::Leaf(0), aligned: 0 };
+    pub(crate) fn divide(&mut self, planes: &Planes<'_, D>, polygons: &mut Polygons<D>, cell: CellId, facets: &[u32]) {
+        self.set_whole(planes, cell);
         let walls = cell_walls(planes, cell);
         for &facet in facets {
-            if let Some(polygon) = clip_to_cell(planes, &walls, facet, &mut tree.aligned) {
-                tree.root = tree.insert(planes, tree.root, facet, polygon);
+            if let Some(polygon) = clip_to_cell(planes, polygons, &walls, facet, &mut self.aligned) {
+                self.root = self.insert(planes, polygons, self.root, facet, polygon);
             }
         }
-        tree
+    }
+
+    /// Makes the cell the only leaf.
+    pub(crate) fn set_whole(&mut self, planes: &Planes<'_, D>, cell: CellId) {
+        self.nodes.clear();
+        self.spare.append(&mut self.leaves);
+        self.root = Child::Leaf(0);
+        self.aligned = 0;
+        let ids = planes.background.cell_to_facet(cell);
+        let mut faces = [Plane::mesh(ids[0]); 4];
+        for (slot, &id) in faces.iter_mut().zip(ids) {
+            *slot = Plane::mesh(id);
+        }
+        let mut whole = self.spare.pop().unwrap_or_default();
+        whole.set_simplex(planes.background.simplex(cell).points(), faces);
+        self.leaves.push(whole);
     }
 
     /// Whether a facet lies on a face (local number) of the cell.
@@ -77,19 +101,26 @@ impl<const D: usize> Tree<D> {
     }
 
     /// Divides the leaves below `at` that a piece of a facet runs through.
-    fn insert(&mut self, planes: &Planes<'_, D>, at: Child, facet: u32, polygon: Polygon<D>) -> Child {
+    fn insert(
+        &mut self,
+        planes: &Planes<'_, D>,
+        polygons: &mut Polygons<D>,
+        at: Child,
+        facet: u32,
+        polygon: Polygon,
+    ) -> Child {
         match at {
             Child::Node(n) => {
                 let n = n as usize;
                 let plane = self.nodes[n].plane;
-                match polygon.place(planes, plane, &planes.half_space(plane)) {
+                match polygons.place(planes, polygon, plane, &planes.half_space(plane)) {
                     Place::On if self.nodes[n].cover.contains(&facet) => {}
                     Place::On => self.nodes[n].cover.push(facet),
-                    Place::Behind => self.insert_below(planes, n, 0, facet, polygon),
-                    Place::Front => self.insert_below(planes, n, 1, facet, polygon),
+                    Place::Behind => self.insert_below(planes, polygons, n, 0, facet, polygon),
+                    Place::Front => self.insert_below(planes, polygons, n, 1, facet, polygon),
                     Place::Both(parts) => {
-                        for (side, part) in (*parts).into_iter().enumerate() {
-                            self.insert_below(planes, n, side, facet, part);
+                        for (side, part) in parts.into_iter().enumerate() {
+                            self.insert_below(planes, polygons, n, side, facet, part);
                         }
                     }
                 }
@@ -97,58 +128,77 @@ impl<const D: usize> Tree<D> {
             }
             Child::Leaf(leaf) => {
                 let plane = Plane::facet(facet);
-                let Some(([behind, front], section)) = self.leaves[leaf as usize].split(planes, plane) else {
+                let mut parts: [Piece<D>; 2] = std::array::from_fn(|_| self.spare.pop().unwrap_or_default());
+                let section = self.leaves[leaf as usize].split(planes, plane, polygons, parts.each_mut());
+                let [mut behind, front] = parts;
+                let Some(section) = section else {
+                    self.spare.extend([behind, front]);
                     return at;
                 };
                 let children = [at, Child::Leaf(self.leaves.len() as u32)];
-                self.leaves[leaf as usize] = behind;
+                std::mem::swap(&mut self.leaves[leaf as usize], &mut behind);
+                self.spare.push(behind);
                 self.leaves.push(front);
-                self.nodes.push(Node { plane, section, cover: vec![facet], children });
+                self.nodes.push(Node { plane, section, cover: SmallVec::from_slice(&[facet]), children });
                 Child::Node(self.nodes.len() as u32 - 1)
             }
         }
     }
 
-    fn insert_below(&mut self, planes: &Planes<'_, D>, node: usize, side: usize, facet: u32, polygon: Polygon<D>) {
+    fn insert_below(
+        &mut self,
+        planes: &Planes<'_, D>,
+        polygons: &mut Polygons<D>,
+        node: usize,
+        side: usize,
+        facet: u32,
+        polygon: Polygon,
+    ) {
         let child = self.nodes[node].children[side];
-        self.nodes[node].children[side] = self.insert(planes, child, facet, polygon);
+        self.nodes[node].children[side] = self.insert(planes, polygons, child, facet, polygon);
     }
 
-    /// All walls between leaves.
-    pub(crate) fn walls(&self, planes: &Planes<'_, D>) -> Vec<Wall<D>> {
-        let mut walls = Vec::new();
+    /// All walls between leaves, in the place of `walls`.
+    pub(crate) fn find_walls(&self, planes: &Planes<'_, D>, polygons: &mut Polygons<D>, walls: &mut Vec<Wall>) {
+        walls.clear();
         for node in &self.nodes {
-            for (polygon, cover) in self.covered(planes, node) {
-                self.descend(planes, node.children[0], polygon, &mut |behind, polygon| {
-                    self.descend(planes, node.children[1], polygon, &mut |front, polygon| {
-                        walls.push(Wall { behind, front, polygon, cover });
+            let [behind, front] = node.children;
+            self.for_each_cover(planes, polygons, node, |polygons, polygon, cover| {
+                self.descend(planes, polygons, behind, polygon, &mut |polygons, behind, polygon| {
+                    self.descend(planes, polygons, front, polygon, &mut |_, front, polygon| {
+                        walls.push(Wall { behind: behind as u32, front: front as u32, polygon, cover });
                     });
                 });
-            }
+            });
         }
-        walls
     }
 
-    /// The section of a node, divided into what facets cover and what they do not.
-    fn covered(&self, planes: &Planes<'_, D>, node: &Node<D>) -> Vec<(Polygon<D>, Cover)> {
+    /// Divides the section of a node into what facets cover and what they do not.
+    fn for_each_cover(
+        &self,
+        planes: &Planes<'_, D>,
+        polygons: &mut Polygons<D>,
+        node: &Node,
+        mut visit: impl FnMut(&mut Polygons<D>, Polygon, Cover),
+    ) {
         let normal = planes.half_space(node.plane).normal;
-        let mut pieces = vec![(node.section.clone(), Cover::default())];
+        let mut pieces: SmallVec<[(Polygon, Cover); 8]> = SmallVec::new();
+        let mut divided: SmallVec<[(Polygon, Cover); 8]> = SmallVec::new();
+        pieces.push((node.section, Cover::default()));
         for &facet in &node.cover {
             let points_back = planes.facets[facet as usize].normal.dot(&normal) < 0.0;
-            let mut divided = Vec::with_capacity(pieces.len() + D);
-            for (polygon, mut cover) in pieces {
+            for (polygon, mut cover) in pieces.drain(..) {
                 let mut rest = Some(polygon);
                 for rim in 0..D {
                     let Some(polygon) = rest else { break };
                     let plane = Plane::rim(facet, rim);
-                    rest = match polygon.place(planes, plane, &planes.half_space(plane)) {
+                    rest = match polygons.place(planes, polygon, plane, &planes.half_space(plane)) {
                         Place::Behind => Some(polygon),
                         Place::On | Place::Front => {
                             divided.push((polygon, cover));
                             None
                         }
-                        Place::Both(parts) => {
-                            let [inside, outside] = *parts;
+                        Place::Both([inside, outside]) => {
                             divided.push((outside, cover));
                             Some(inside)
                         }
@@ -160,33 +210,42 @@ impl<const D: usize> Tree<D> {
                     divided.push((polygon, cover));
                 }
             }
-            pieces = divided;
+            std::mem::swap(&mut pieces, &mut divided);
         }
-        pieces
+        for (polygon, cover) in pieces {
+            visit(polygons, polygon, cover);
+        }
     }
 
     /// Divides a polygon among the leaves that it touches, from one side.
-    pub(crate) fn locate(&self, planes: &Planes<'_, D>, polygon: Polygon<D>, mut visit: impl FnMut(usize, Polygon<D>)) {
-        self.descend(planes, self.root, polygon, &mut visit);
+    pub(crate) fn locate(
+        &self,
+        planes: &Planes<'_, D>,
+        polygons: &mut Polygons<D>,
+        polygon: Polygon,
+        visit: Visit<'_, D>,
+    ) {
+        self.descend(planes, polygons, self.root, polygon, visit);
     }
 
     fn descend(
         &self,
         planes: &Planes<'_, D>,
+        polygons: &mut Polygons<D>,
         at: Child,
-        polygon: Polygon<D>,
-        visit: &mut dyn FnMut(usize, Polygon<D>),
+        polygon: Polygon,
+        visit: Visit<'_, D>,
     ) {
         match at {
-            Child::Leaf(leaf) => visit(leaf as usize, polygon),
+            Child::Leaf(leaf) => visit(polygons, leaf as usize, polygon),
             Child::Node(n) => {
                 let Node { plane, children: [behind, front], .. } = self.nodes[n as usize];
-                match polygon.place(planes, plane, &planes.half_space(plane)) {
-                    Place::On | Place::Behind => self.descend(planes, behind, polygon, visit),
-                    Place::Front => self.descend(planes, front, polygon, visit),
+                match polygons.place(planes, polygon, plane, &planes.half_space(plane)) {
+                    Place::On | Place::Behind => self.descend(planes, polygons, behind, polygon, visit),
+                    Place::Front => self.descend(planes, polygons, front, polygon, visit),
                     Place::Both(parts) => {
-                        for (part, child) in (*parts).into_iter().zip([behind, front]) {
-                            self.descend(planes, child, part, visit);
+                        for (part, child) in parts.into_iter().zip([behind, front]) {
+                            self.descend(planes, polygons, child, part, visit);
                         }
                     }
                 }
@@ -195,28 +254,16 @@ impl<const D: usize> Tree<D> {
     }
 }
 
-/// A cell in one piece.
-pub(crate) fn whole_cell<const D: usize>(planes: &Planes<'_, D>, cell: CellId) -> Piece<D> {
-    let ids = planes.background.cell_to_facet(cell);
-    let mut faces = [Plane::mesh(ids[0]); 4];
-    for (slot, &id) in faces.iter_mut().zip(ids) {
-        *slot = Plane::mesh(id);
-    }
-    Piece::simplex(planes.background.simplex(cell).points(), faces)
-}
-
 /// A facet as a polygon.
-fn facet_polygon<const D: usize>(planes: &Planes<'_, D>, facet: u32) -> Polygon<D> {
+fn add_facet<const D: usize>(planes: &Planes<'_, D>, polygons: &mut Polygons<D>, facet: u32) -> Polygon {
     let plane = Plane::facet(facet);
     let of = &planes.facets[facet as usize];
     let rims: [Plane; 3] = std::array::from_fn(|k| Plane::rim(facet, k));
-    let corner = |k: usize| {
+    let side = |k: usize| {
         let on = if D == 2 { [plane, rims[k], plane] } else { [plane, rims[k], rims[(k + 2) % 3]] };
-        Corner::of_surface(of.points()[k], on, of.vertices[k])
+        Side { corner: Corner::of_surface(of.points()[k], on, of.vertices[k]), beyond: rims[k] }
     };
-    let mut polygon = Polygon::on(plane);
-    (0..D).for_each(|k| polygon.push(corner(k), rims[k]));
-    polygon
+    polygons.push(plane, (0..D).map(side))
 }
 
 /// A face of a cell, and whether the cell lies in front of it.
@@ -235,23 +282,26 @@ fn cell_walls<const D: usize>(planes: &Planes<'_, D>, cell: CellId) -> SmallVec<
 /// What of a facet lies inside a cell; notes if it lies on a face instead.
 fn clip_to_cell<const D: usize>(
     planes: &Planes<'_, D>,
+    polygons: &mut Polygons<D>,
     walls: &[CellWall<D>],
     facet: u32,
     aligned: &mut u8,
-) -> Option<Polygon<D>> {
-    let mut polygon = facet_polygon(planes, facet);
+) -> Option<Polygon> {
+    let whole = add_facet(planes, polygons, facet);
+    let mut polygon = whole;
     for (local, (plane, half_space, is_in_front)) in walls.iter().enumerate() {
-        match (polygon.place(planes, *plane, half_space), *is_in_front) {
+        match (polygons.place(planes, polygon, *plane, half_space), *is_in_front) {
             (Place::On, _) => {
                 *aligned |= 1 << local;
+                polygons.forget(whole);
                 return None;
             }
             (Place::Behind, false) | (Place::Front, true) => {}
-            (Place::Behind, true) | (Place::Front, false) => return None,
-            (Place::Both(parts), is_in_front) => {
-                let [behind, front] = *parts;
-                polygon = if is_in_front { front } else { behind };
+            (Place::Behind, true) | (Place::Front, false) => {
+                polygons.forget(whole);
+                return None;
             }
+            (Place::Both([behind, front]), is_in_front) => polygon = if is_in_front { front } else { behind },
         }
     }
     Some(polygon)

@@ -128,7 +128,7 @@ fn plane() -> Result<String, AnyError> {
 }
 
 /// Corners of a convex polygon in order.
-fn ring(piece: &cutcell::Polytope<2>) -> Vec<Point<2>> {
+fn ring(piece: cutcell::Polytope<'_, 2>) -> Vec<Point<2>> {
     let edges: Vec<&[u32]> = piece.faces().map(|(_, ends)| ends).collect();
     let mut at = edges[0][0];
     edges

@@ -4,7 +4,7 @@ use std::sync::OnceLock;
 
 use crate::search::CellIndex;
 use crate::topology::Topology;
-use crate::{BoundaryMesh, CellId, Error, FacetId, MAX_CELL_VERTICES, Point, Simplex, Tag, VertexId};
+use crate::{BoundaryMesh, CellId, Error, FacetId, MAX_CELL_VERTICES, Point, Simplex, Tag, VertexId, simplex_measure};
 
 /// A conforming mesh of triangles (D = 2) or tetrahedra (D = 3), immutable after construction.
 ///
@@ -15,9 +15,18 @@ pub struct SimplexMesh<const D: usize> {
     vertices: Vec<Point<D>>,
     cell_to_vertex: Vec<VertexId>,
     topology: Topology,
+    measures: Measures,
     tag_names: Vec<String>,
     facet_tag: Vec<Option<Tag>>,
     cell_index: OnceLock<CellIndex<D>>,
+}
+
+/// Volumes and areas, for all that passes over the whole mesh again and again.
+#[derive(Clone, Debug)]
+struct Measures {
+    cell_to_volume: Vec<f64>,
+    facet_to_measure: Vec<f64>,
+    volume: f64,
 }
 
 impl<const D: usize> SimplexMesh<D> {
@@ -40,6 +49,7 @@ impl<const D: usize> SimplexMesh<D> {
         if let Some(index) = vertices.iter().position(|x| x.iter().any(|c| !c.is_finite())) {
             return Err(Error::NotFinite { vertex: VertexId::new(index) });
         }
+        let mut cell_to_volume = Vec::with_capacity(cell_to_vertex.len() / stride);
         for (index, cell_vertices) in cell_to_vertex.chunks_exact(stride).enumerate() {
             let cell = CellId::new(index);
             if let Some(&vertex) = cell_vertices.iter().find(|v| v.index() >= vertices.len()) {
@@ -49,10 +59,31 @@ impl<const D: usize> SimplexMesh<D> {
             if volume.is_nan() || volume <= 0.0 {
                 return Err(Error::Orientation { cell, volume });
             }
+            cell_to_volume.push(volume);
         }
         let topology = Topology::new::<D>(&cell_to_vertex)?;
+        let facet_to_measure = topology
+            .facet_to_vertex
+            .chunks_exact(D)
+            .map(|corners| {
+                let mut points = [Point::zeros(); MAX_CELL_VERTICES];
+                for (slot, v) in points.iter_mut().zip(corners) {
+                    *slot = vertices[v.index()];
+                }
+                simplex_measure(&points[..D])
+            })
+            .collect();
+        let measures = Measures { volume: cell_to_volume.iter().sum(), cell_to_volume, facet_to_measure };
         let facet_tag = vec![None; topology.facet_to_cell.len()];
-        Ok(Self { vertices, cell_to_vertex, topology, tag_names: Vec::new(), facet_tag, cell_index: OnceLock::new() })
+        Ok(Self {
+            vertices,
+            cell_to_vertex,
+            topology,
+            measures,
+            tag_names: Vec::new(),
+            facet_tag,
+            cell_index: OnceLock::new(),
+        })
     }
 
     /// The same mesh with its boundary facets tagged: `name_of` maps the points of a boundary facet to the name
@@ -144,8 +175,20 @@ impl<const D: usize> SimplexMesh<D> {
     }
 
     /// Volume (area in 2D) of a cell.
+    #[inline]
     pub fn cell_volume(&self, cell: CellId) -> f64 {
-        self.simplex(cell).volume()
+        self.measures.cell_to_volume[cell.index()]
+    }
+
+    /// Volume (area in 2D) of all cells.
+    pub fn volume(&self) -> f64 {
+        self.measures.volume
+    }
+
+    /// Area (length in 2D) of a facet.
+    #[inline]
+    pub fn facet_measure(&self, facet: FacetId) -> f64 {
+        self.measures.facet_to_measure[facet.index()]
     }
 
     /// Vertices of a facet, `D` of them, ordered outwards as seen from its first cell.

@@ -156,8 +156,8 @@ fn a_dof_takes_the_value_of_the_side_it_overlaps_most() {
     let background = grid(2);
     let strip = |y: f64| cut_by_rectangles(&background, &[[-0.5, y, 1.5, y + 0.02]]);
     let side = |cut: &CutMesh<2>, y: f64, part: PartId| {
-        let pieces = cut.part_pieces(part);
-        if pieces.iter().all(|piece| piece.inner_point()[1] < y + 0.01) && !pieces.is_empty() { -1.0 } else { 1.0 }
+        let mut pieces = cut.part_pieces(part);
+        if pieces.len() > 0 && pieces.all(|piece| piece.inner_point()[1] < y + 0.01) { -1.0 } else { 1.0 }
     };
     let values = |cut: &CutMesh<2>, space: &XfemSpace<2>, y: f64| {
         let mut values = vec![Vector::<2>::new(1.0, 0.0); space.len()];

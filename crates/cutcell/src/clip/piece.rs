@@ -3,15 +3,15 @@
 use mesh::Point;
 use smallvec::SmallVec;
 
-use super::polygon::{Distances, Polygon, differ};
-use super::polytope::{FaceLabel, Polytope};
+use super::polygon::{Polygon, Polygons, Side, differ};
+use super::polytope::{FaceLabel, Polytopes};
 use crate::exact::{Corner, Plane, PlaneKind, Planes};
 
 /// A convex polygon (D = 2) or polyhedron (D = 3) whose corners are exact.
 ///
 /// Faces are loops of corners: edges from one corner to the next with the inside on the left (2D), polygons that turn
 /// counter-clockwise as seen from outside (3D).
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Piece<const D: usize> {
     pub(crate) corners: Vec<Corner<D>>,
     /// The plane of each face, and where its loop ends.
@@ -21,16 +21,22 @@ pub(crate) struct Piece<const D: usize> {
 }
 
 impl<const D: usize> Piece<D> {
-    /// A positively oriented simplex with the planes of its faces, face `i` opposite to point `i`.
-    pub(crate) fn simplex(points: &[Point<D>], planes: [Plane; 4]) -> Self {
+    fn clear(&mut self) {
+        self.corners.clear();
+        self.faces.clear();
+        self.loops.clear();
+    }
+
+    /// Becomes a positively oriented simplex with the planes of its faces, face `i` opposite to point `i`.
+    pub(crate) fn set_simplex(&mut self, points: &[Point<D>], planes: [Plane; 4]) {
+        self.clear();
         let others = |i: usize| (0..=D).filter(move |&k| k != i);
-        let mut piece = Self::with_room_for(D + 1, D + 1, D * (D + 1));
         for (i, &x) in points.iter().enumerate() {
             let mut on = [planes[i]; 3];
             for (slot, k) in on.iter_mut().zip(others(i)) {
                 *slot = planes[k];
             }
-            piece.corners.push(Corner::of_mesh(x, on));
+            self.corners.push(Corner::of_mesh(x, on));
         }
         for opposite in 0..=D {
             let mut corners = [0; 3];
@@ -42,18 +48,9 @@ impl<const D: usize> Piece<D> {
             }
             for k in 0..D {
                 // The edge from `k` to the next corner of a triangle lies opposite to the remaining corner.
-                piece.loops.push((corners[k] as u32, planes[corners[(k + 2) % 3]]));
+                self.loops.push((corners[k] as u32, planes[corners[(k + 2) % 3]]));
             }
-            piece.close_face(planes[opposite]);
-        }
-        piece
-    }
-
-    fn with_room_for(n_corners: usize, n_faces: usize, n_loops: usize) -> Self {
-        Self {
-            corners: Vec::with_capacity(n_corners),
-            faces: Vec::with_capacity(n_faces),
-            loops: Vec::with_capacity(n_loops),
+            self.close_face(planes[opposite]);
         }
     }
 
@@ -78,31 +75,41 @@ impl<const D: usize> Piece<D> {
         self.faces[face].0
     }
 
-    /// A face as a polygon of its plane.
-    pub(crate) fn face(&self, face: usize) -> Polygon<D> {
-        let (plane, corners) = self.loop_of(face);
-        let mut polygon = Polygon::on(plane);
-        for &(corner, side) in corners {
-            polygon.push(self.corners[corner as usize], side);
-        }
-        polygon
+    /// A face as the sides of a polygon of its plane.
+    pub(crate) fn face(&self, face: usize) -> impl Iterator<Item = Side<D>> + '_ {
+        let (_, corners) = self.loop_of(face);
+        corners.iter().map(|&(corner, beyond)| Side { corner: self.corners[corner as usize], beyond })
     }
 
-    /// Divides by a plane into the parts behind it and in front of it; also gives the section, a polygon on the plane.
-    /// `None` if one of the parts is empty.
-    pub(crate) fn split(&self, planes: &Planes<'_, D>, by: Plane) -> Option<([Self; 2], Polygon<D>)> {
+    /// Divides by a plane into the parts behind it and in front of it; gives the section, a polygon on the plane.
+    /// `None`, and no parts, if one of them is empty.
+    pub(crate) fn split(
+        &self,
+        planes: &Planes<'_, D>,
+        by: Plane,
+        polygons: &mut Polygons<D>,
+        parts: [&mut Self; 2],
+    ) -> Option<Polygon> {
         let half_space = planes.half_space(by);
-        let distances: Distances = self.corners.iter().map(|corner| planes.side(corner, by, &half_space)).collect();
-        if !(distances.iter().any(|d| *d < 0.0) && distances.iter().any(|d| *d > 0.0)) {
+        let mut distances = Distances::new();
+        let (mut is_behind, mut is_in_front) = (false, false);
+        for corner in &self.corners {
+            let distance = planes.side(corner, by, &half_space);
+            is_behind |= distance < 0.0;
+            is_in_front |= distance > 0.0;
+            distances.push(distance);
+        }
+        if !(is_behind && is_in_front) {
             return None;
         }
         let crossings = self.crossings(&distances, |plane, a, b, side| {
             let on = if D == 2 { [plane, by, by] } else { [plane, side, by] };
             planes.crossing([a, b].map(|k| (&self.corners[k], distances[k])), on, &half_space)
         });
-        let (behind, section) = self.half(&distances, 1.0, by, &crossings);
-        let (front, _) = self.half(&distances, -1.0, by, &crossings);
-        Some(([behind, front], section))
+        let [behind, front] = parts;
+        self.half(&distances, 1.0, by, &crossings, behind);
+        self.half(&distances, -1.0, by, &crossings, front);
+        Some(polygons.push(by, behind.face(behind.n_faces() - 1)))
     }
 
     /// The part behind a plane, from the signed distances of the corners, with rounding only.
@@ -111,7 +118,9 @@ impl<const D: usize> Piece<D> {
             let (x, y) = (self.corners[a].x, self.corners[b].x);
             Corner::of_mesh(x + (y - x) * (distances[a] / (distances[a] - distances[b])), [self.faces[0].0; 3])
         });
-        self.half(distances, 1.0, self.faces[0].0, &crossings).0
+        let mut behind = Self::default();
+        self.half(distances, 1.0, self.faces[0].0, &crossings, &mut behind);
+        behind
     }
 
     /// Corners where the edges cross a plane, each once. `crossing` takes the plane of a face, the two ends of an edge of
@@ -121,7 +130,7 @@ impl<const D: usize> Piece<D> {
         for face in 0..self.n_faces() {
             let (plane, corners) = self.loop_of(face);
             for k in 0..if D == 2 { 1 } else { corners.len() } {
-                let ((a, side), (b, _)) = (corners[k], corners[(k + 1) % corners.len()]);
+                let ((a, side), (b, _)) = (corners[k], corners[if k + 1 < corners.len() { k + 1 } else { 0 }]);
                 // In 3D every edge belongs to two faces, once in either direction.
                 if (D == 2 || a < b) && differ(distances[a as usize], distances[b as usize]) {
                     crossings.push(([a.min(b), a.max(b)], crossing(plane, a as usize, b as usize, side)));
@@ -131,14 +140,14 @@ impl<const D: usize> Piece<D> {
         crossings
     }
 
-    /// The part on one side (`sign` 1: behind) of a plane, and its face on the plane.
-    fn half(&self, distances: &[f64], sign: f64, by: Plane, crossings: &Crossings<D>) -> (Self, Polygon<D>) {
-        let n_old = self.corners.len();
-        let mut half =
-            Self::with_room_for(n_old + crossings.len(), self.n_faces() + 1, self.loops.len() + 3 * crossings.len());
-        // New numbers of old corners, then of crossings.
-        let mut numbers: SmallVec<[u32; 32]> = SmallVec::from_elem(u32::MAX, n_old + crossings.len());
+    /// The part on one side (`sign` 1: behind) of a plane, its face on the plane the last one.
+    fn half(&self, distances: &[f64], sign: f64, by: Plane, crossings: &Crossings<D>, half: &mut Self) {
+        half.clear();
+        let n_corners = self.corners.len();
+        // Numbers in the half of these corners, then of the crossings.
+        let mut numbers: SmallVec<[u32; 32]> = SmallVec::from_elem(u32::MAX, n_corners + crossings.len());
         let mut section = Section::new();
+        let mut on_plane: SmallVec<[bool; 16]> = SmallVec::new();
         for face in 0..self.n_faces() {
             let (plane, corners) = self.loop_of(face);
             let n = corners.len();
@@ -146,17 +155,20 @@ impl<const D: usize> Piece<D> {
                 continue;
             }
             let start = half.loops.len();
-            let mut on_plane: SmallVec<[bool; 16]> = SmallVec::new();
-            let mut keep = |old: usize, side: Plane, is_on_plane: bool| {
-                if numbers[old] == u32::MAX {
-                    numbers[old] = half.corners.len() as u32;
-                    half.corners.push(if old < n_old { self.corners[old] } else { crossings[old - n_old].1 });
+            on_plane.clear();
+            let mut keep = |corner: usize, side: Plane, is_on_plane: bool| {
+                if numbers[corner] == u32::MAX {
+                    numbers[corner] = half.corners.len() as u32;
+                    half.corners.push(match corner.checked_sub(n_corners) {
+                        None => self.corners[corner],
+                        Some(crossing) => crossings[crossing].1,
+                    });
                 }
-                half.loops.push((numbers[old], side));
+                half.loops.push((numbers[corner], side));
                 on_plane.push(is_on_plane);
             };
             for k in 0..n {
-                let ((a, side), (b, _)) = (corners[k], corners[(k + 1) % n]);
+                let ((a, side), (b, _)) = (corners[k], corners[if k + 1 < n { k + 1 } else { 0 }]);
                 let (at, next) = (distances[a as usize], distances[b as usize]);
                 if sign * at <= 0.0 {
                     keep(a as usize, side, at == 0.0);
@@ -164,7 +176,7 @@ impl<const D: usize> Piece<D> {
                 if (D > 2 || k + 1 < n) && differ(at, next) {
                     let ends = [a.min(b), a.max(b)];
                     let found = crossings.iter().position(|crossing| crossing.0 == ends);
-                    keep(n_old + found.unwrap_or(0), side, true);
+                    keep(n_corners + found.unwrap_or(0), side, true);
                 }
             }
             let n = on_plane.len();
@@ -172,20 +184,22 @@ impl<const D: usize> Piece<D> {
                 // The half enters the plane where this edge ends, and leaves it where this edge begins.
                 section.extend((0..n).filter(|&k| on_plane[k]).map(|k| (half.loops[start + k].0, k as u32, plane)));
             } else {
-                for k in (0..n).filter(|&k| on_plane[k] && on_plane[(k + 1) % n]) {
-                    half.loops[start + k].1 = by;
-                    section.push((half.loops[start + (k + 1) % n].0, half.loops[start + k].0, plane));
+                for k in 0..n {
+                    let next = if k + 1 < n { k + 1 } else { 0 };
+                    if on_plane[k] && on_plane[next] {
+                        half.loops[start + k].1 = by;
+                        section.push((half.loops[start + next].0, half.loops[start + k].0, plane));
+                    }
                 }
             }
             half.close_face(plane);
         }
-        let polygon = half.close(section, by);
-        (half, polygon)
+        half.close(section, by);
     }
 
     /// Adds the face on a plane from its sides: in 3D edges (from, to, plane beyond), in 2D its two ends, the first one
     /// marked with 1.
-    fn close(&mut self, mut section: Section, by: Plane) -> Polygon<D> {
+    fn close(&mut self, mut section: Section, by: Plane) {
         if D == 2 {
             section.sort_by_key(|end| std::cmp::Reverse(end.1));
         } else {
@@ -197,13 +211,8 @@ impl<const D: usize> Piece<D> {
                 }
             }
         }
-        let mut polygon = Polygon::on(by);
-        for &(corner, _, side) in &section {
-            polygon.push(self.corners[corner as usize], side);
-            self.loops.push((corner, side));
-        }
+        self.loops.extend(section.iter().map(|&(corner, _, side)| (corner, side)));
         self.close_face(by);
-        polygon
     }
 
     /// Volume (area in 2D). Simplices that round-off turns inside out count nothing.
@@ -255,21 +264,22 @@ impl<const D: usize> Piece<D> {
         }
     }
 
-    /// The piece with rounded corners, faces labelled for the cell with the given facets.
-    pub(crate) fn rounded(&self, cell_facets: &[mesh::FacetId]) -> Polytope<D> {
-        let label = |&(plane, _): &(Plane, u32)| match plane.kind() {
+    /// Adds the piece with rounded corners, faces labelled for the cell with the given facets.
+    pub(crate) fn round_into(&self, polytopes: &mut Polytopes<D>, cell_facets: &[mesh::FacetId]) {
+        let label = |plane: Plane| match plane.kind() {
             PlaneKind::Facet(facet) | PlaneKind::Rim(facet, _) => FaceLabel::Facet(facet),
             PlaneKind::Mesh(id) => FaceLabel::Cell(cell_facets.iter().position(|&f| f == id).unwrap_or(0) as u8),
         };
-        Polytope::new(
-            self.corners.iter().map(|corner| corner.x).collect(),
-            self.faces.iter().map(label).collect(),
-            self.faces.iter().map(|face| face.1).collect(),
-            self.loops.iter().map(|corner| corner.0).collect(),
-        )
+        polytopes.push(
+            self.corners.iter().map(|corner| corner.x),
+            self.faces.iter().map(|&(plane, end)| (label(plane), end)),
+            self.loops.iter().map(|corner| corner.0),
+        );
     }
 }
 
+/// Signed distances of the corners from a plane, with exact signs.
+type Distances = SmallVec<[f64; 32]>;
 /// Crossed edges with the corners on them.
 type Crossings<const D: usize> = SmallVec<[([u32; 2], Corner<D>); 8]>;
 /// Sides of the face on a dividing plane while it is put together.
@@ -284,7 +294,9 @@ mod tests {
     fn check_division<const D: usize>() {
         let mut corners = vec![Point::<D>::zeros()];
         corners.extend((0..D).map(|k| Point::<D>::from_fn(|i, _| f64::from(u8::from(i == k)))));
-        let mut pieces = vec![Piece::simplex(&corners, [Plane::facet(0); 4])];
+        let mut simplex = Piece::default();
+        simplex.set_simplex(&corners, [Plane::facet(0); 4]);
+        let mut pieces = vec![simplex];
         let volume = pieces[0].volume();
         for step in 0..6 {
             let normal = Point::<D>::from_fn(|k, _| ((1 + step * D + k) as f64 * 1.7).sin()).normalize();
@@ -306,7 +318,9 @@ mod tests {
         assert!((sum - volume).abs() < 1e-14, "{sum} {volume}");
         for piece in &pieces {
             // The cones over the faces from any point, with signs, make up the piece only if the faces close it.
-            let rounded = piece.rounded(&[]);
+            let mut polytopes = Polytopes::default();
+            piece.round_into(&mut polytopes, &[]);
+            let rounded = polytopes.get(0);
             let apex = Point::<D>::repeat(7.0);
             let mut cones = 0.0;
             for (_, face) in rounded.faces() {

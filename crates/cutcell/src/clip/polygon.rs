@@ -1,85 +1,128 @@
-//! Convex pieces of a plane: segments in 2D, polygons in 3D.
+//! Convex pieces of planes: segments in 2D, polygons in 3D.
 
 use mesh::Point;
 use smallvec::SmallVec;
 
 use crate::exact::{Corner, HalfSpace, Plane, Planes};
 
-/// Points of a convex face, on the stack if they are few.
-pub(crate) type Points<const D: usize> = SmallVec<[Point<D>; 8]>;
-
 /// A convex piece of a plane with exact corners: a segment (2D), or a polygon that turns counter-clockwise around the
-/// normal of the plane (3D), with the planes that bound its sides.
-#[derive(Clone, Debug)]
-pub(crate) struct Polygon<const D: usize> {
+/// normal of the plane (3D). Its sides are among those of [`Polygons`].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Polygon {
     pub(crate) plane: Plane,
-    pub(crate) corners: SmallVec<[Corner<D>; 8]>,
-    /// The plane that meets this one in the side from corner `k` to the next; of no meaning in 2D.
-    pub(crate) sides: SmallVec<[Plane; 8]>,
+    first: u32,
+    end: u32,
 }
 
-impl<const D: usize> Polygon<D> {
-    /// A polygon without corners.
-    pub(crate) fn on(plane: Plane) -> Self {
-        Self { plane, corners: SmallVec::new(), sides: SmallVec::new() }
+/// A corner, and the plane that meets that of the polygon in the side from this corner to the next; of no meaning in 2D.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Side<const D: usize> {
+    pub(crate) corner: Corner<D>,
+    pub(crate) beyond: Plane,
+}
+
+/// The polygons of one cell: division adds polygons, and nothing is removed before the next cell.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Polygons<const D: usize> {
+    sides: Vec<Side<D>>,
+    distances: Vec<f64>,
+}
+
+impl<const D: usize> Polygons<D> {
+    pub(crate) fn clear(&mut self) {
+        self.sides.clear();
     }
 
-    pub(crate) fn push(&mut self, corner: Corner<D>, side: Plane) {
-        self.corners.push(corner);
-        self.sides.push(side);
+    /// Adds a polygon.
+    pub(crate) fn push(&mut self, plane: Plane, sides: impl IntoIterator<Item = Side<D>>) -> Polygon {
+        let first = self.sides.len() as u32;
+        self.sides.extend(sides);
+        Polygon { plane, first, end: self.sides.len() as u32 }
     }
 
-    pub(crate) fn points(&self) -> Points<D> {
-        self.corners.iter().map(|corner| corner.x).collect()
+    /// Forgets a polygon and all that were added after it.
+    pub(crate) fn forget(&mut self, polygon: Polygon) {
+        self.sides.truncate(polygon.first as usize);
     }
 
-    /// On which side of a plane the polygon lies.
-    pub(crate) fn place(&self, planes: &Planes<'_, D>, by: Plane, half_space: &HalfSpace<D>) -> Place<D> {
-        let distances: Distances = self.corners.iter().map(|corner| planes.side(corner, by, half_space)).collect();
-        match (distances.iter().any(|d| *d < 0.0), distances.iter().any(|d| *d > 0.0)) {
+    pub(crate) fn sides(&self, polygon: Polygon) -> &[Side<D>] {
+        &self.sides[polygon.first as usize..polygon.end as usize]
+    }
+
+    /// Rounded corners.
+    pub(crate) fn points(&self, polygon: Polygon) -> Points<D> {
+        self.sides(polygon).iter().map(|side| side.corner.x).collect()
+    }
+
+    /// On which side of a plane a polygon lies.
+    pub(crate) fn place(
+        &mut self,
+        planes: &Planes<'_, D>,
+        polygon: Polygon,
+        by: Plane,
+        half_space: &HalfSpace<D>,
+    ) -> Place {
+        self.distances.clear();
+        let (mut is_behind, mut is_in_front) = (false, false);
+        for side in &self.sides[polygon.first as usize..polygon.end as usize] {
+            let distance = planes.side(&side.corner, by, half_space);
+            is_behind |= distance < 0.0;
+            is_in_front |= distance > 0.0;
+            self.distances.push(distance);
+        }
+        match (is_behind, is_in_front) {
             (false, false) => Place::On,
             (true, false) => Place::Behind,
             (false, true) => Place::Front,
-            (true, true) => Place::Both(Box::new(self.divided(planes, by, half_space, &distances))),
+            (true, true) => Place::Both(self.divided(planes, polygon, by, half_space)),
         }
     }
 
-    fn divided(&self, planes: &Planes<'_, D>, by: Plane, half_space: &HalfSpace<D>, distances: &[f64]) -> [Self; 2] {
-        let n = self.corners.len();
-        let mut parts = [Self::on(self.plane), Self::on(self.plane)];
-        // Whether the corners of the parts lie on the plane.
-        let mut on_plane: [SmallVec<[bool; 8]>; 2] = Default::default();
-        for k in 0..n {
-            for (part, sign) in [1.0, -1.0].into_iter().enumerate() {
-                if sign * distances[k] <= 0.0 {
-                    parts[part].push(self.corners[k], self.sides[k]);
-                    on_plane[part].push(distances[k] == 0.0);
-                }
-            }
-            let next = (k + 1) % n;
-            // A segment has one side only, which is a polygon's own plane.
-            if (D > 2 || next > k) && differ(distances[k], distances[next]) {
-                let on = if D > 2 { [self.plane, self.sides[k], by] } else { [self.plane, by, by] };
-                let ends = [k, next].map(|end| (&self.corners[end], distances[end]));
-                let corner = planes.crossing(ends, on, half_space);
-                for part in 0..2 {
-                    parts[part].push(corner, self.sides[k]);
-                    on_plane[part].push(true);
-                }
+    /// The parts behind a plane and in front of it, from the distances of the corners.
+    fn divided(
+        &mut self,
+        planes: &Planes<'_, D>,
+        polygon: Polygon,
+        by: Plane,
+        half_space: &HalfSpace<D>,
+    ) -> [Polygon; 2] {
+        let first = polygon.first as usize;
+        let n = polygon.end as usize - first;
+        // Corners after which a side crosses the plane: two of a convex polygon, one of a segment, which has one side.
+        let mut crossings: SmallVec<[(usize, Corner<D>); 2]> = SmallVec::new();
+        for k in 0..if D > 2 { n } else { n - 1 } {
+            let ends = [k, if k + 1 < n { k + 1 } else { 0 }];
+            let distances = ends.map(|end| self.distances[end]);
+            if differ(distances[0], distances[1]) {
+                let [a, b] = ends.map(|end| &self.sides[first + end].corner);
+                let beyond = self.sides[first + k].beyond;
+                let on = if D > 2 { [polygon.plane, beyond, by] } else { [polygon.plane, by, by] };
+                crossings.push((k, planes.crossing([(a, distances[0]), (b, distances[1])], on, half_space)));
             }
         }
-        for (part, on_plane) in parts.iter_mut().zip(on_plane) {
-            let n = on_plane.len();
-            for k in (0..n).filter(|&k| on_plane[k] && on_plane[(k + 1) % n]) {
-                part.sides[k] = by;
+        [1.0, -1.0].map(|sign| {
+            let start = self.sides.len();
+            for k in 0..n {
+                let side = self.sides[first + k];
+                if sign * self.distances[k] <= 0.0 {
+                    // A side that leaves the part on the plane goes on along the plane.
+                    let next = sign * self.distances[if k + 1 < n { k + 1 } else { 0 }];
+                    let leaves = self.distances[k] == 0.0 && next >= 0.0;
+                    self.sides.push(Side { corner: side.corner, beyond: if leaves { by } else { side.beyond } });
+                }
+                if let Some((_, corner)) = crossings.iter().find(|crossing| crossing.0 == k) {
+                    // Behind the crossing the part has either the rest of this side or the plane.
+                    let leaves = sign * self.distances[k] < 0.0;
+                    self.sides.push(Side { corner: *corner, beyond: if leaves { by } else { side.beyond } });
+                }
             }
-        }
-        parts
+            Polygon { plane: polygon.plane, first: start as u32, end: self.sides.len() as u32 }
+        })
     }
 }
 
 /// Where a polygon lies with respect to a plane.
-pub(crate) enum Place<const D: usize> {
+pub(crate) enum Place {
     /// On the plane.
     On,
     /// Behind it.
@@ -87,11 +130,11 @@ pub(crate) enum Place<const D: usize> {
     /// In front of it.
     Front,
     /// On both sides, with the parts behind and in front.
-    Both(Box<[Polygon<D>; 2]>),
+    Both([Polygon; 2]),
 }
 
-/// Signed distances of the corners of a piece from a plane, with exact signs.
-pub(super) type Distances = SmallVec<[f64; 16]>;
+/// Points of a convex face, on the stack if they are few.
+pub(crate) type Points<const D: usize> = SmallVec<[Point<D>; 8]>;
 
 /// Whether two distances lie strictly on different sides.
 #[inline]

@@ -11,48 +11,45 @@ pub enum FaceLabel {
     Facet(u32),
 }
 
-/// A convex polygon (D = 2) or polyhedron (D = 3).
+/// A convex polygon (D = 2) or polyhedron (D = 3) of a [`crate::CutMesh`].
 ///
 /// Faces are loops of points: edges from one point to the next with the inside on the left (2D), polygons that
 /// turn counter-clockwise as seen from outside (3D).
-#[derive(Clone, Debug, Default)]
-pub struct Polytope<const D: usize> {
-    points: Vec<Point<D>>,
-    labels: Vec<FaceLabel>,
-    offsets: Vec<u32>,
-    loops: Vec<u32>,
+#[derive(Clone, Copy, Debug)]
+pub struct Polytope<'a, const D: usize> {
+    points: &'a [Point<D>],
+    /// The label of each face, and where its loop ends.
+    faces: &'a [(FaceLabel, u32)],
+    loops: &'a [u32],
 }
 
-impl<const D: usize> Polytope<D> {
-    pub(super) fn new(points: Vec<Point<D>>, labels: Vec<FaceLabel>, offsets: Vec<u32>, loops: Vec<u32>) -> Self {
-        Self { points, labels, offsets, loops }
-    }
-
+impl<'a, const D: usize> Polytope<'a, D> {
     /// Points.
-    pub fn points(&self) -> &[Point<D>] {
-        &self.points
+    pub fn points(&self) -> &'a [Point<D>] {
+        self.points
     }
 
     /// Number of faces.
     pub fn n_faces(&self) -> usize {
-        self.labels.len()
+        self.faces.len()
     }
 
     /// Label and points (indices) of a face.
     #[inline]
-    pub fn face(&self, face: usize) -> (FaceLabel, &[u32]) {
-        let start = if face == 0 { 0 } else { self.offsets[face - 1] as usize };
-        (self.labels[face], &self.loops[start..self.offsets[face] as usize])
+    pub fn face(&self, face: usize) -> (FaceLabel, &'a [u32]) {
+        let start = if face == 0 { 0 } else { self.faces[face - 1].1 as usize };
+        let (label, end) = self.faces[face];
+        (label, &self.loops[start..end as usize])
     }
 
     /// All faces in order.
-    pub fn faces(&self) -> impl Iterator<Item = (FaceLabel, &[u32])> {
-        (0..self.n_faces()).map(|f| self.face(f))
+    pub fn faces(self) -> impl Iterator<Item = (FaceLabel, &'a [u32])> {
+        (0..self.n_faces()).map(move |f| self.face(f))
     }
 
     /// Positions of the points of a face.
-    pub fn face_points(&self, face: usize) -> impl Iterator<Item = Point<D>> + '_ {
-        self.face(face).1.iter().map(|&k| self.points[k as usize])
+    pub fn face_points(self, face: usize) -> impl Iterator<Item = Point<D>> + 'a {
+        self.face(face).1.iter().map(move |&k| self.points[k as usize])
     }
 
     /// Calls `visit` with the points of each simplex of a decomposition into positively oriented simplices.
@@ -84,5 +81,57 @@ impl<const D: usize> Polytope<D> {
     /// A point in the inside: the mean of the points.
     pub fn inner_point(&self) -> Point<D> {
         self.points.iter().sum::<Point<D>>() / self.points.len() as f64
+    }
+}
+
+/// Any number of polytopes in four arrays.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Polytopes<const D: usize> {
+    points: Vec<Point<D>>,
+    faces: Vec<(FaceLabel, u32)>,
+    loops: Vec<u32>,
+    /// Where each polytope ends in the other arrays.
+    ends: Vec<[u32; 3]>,
+}
+
+impl<const D: usize> Polytopes<D> {
+    pub(crate) fn clear(&mut self) {
+        self.points.clear();
+        self.faces.clear();
+        self.loops.clear();
+        self.ends.clear();
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.ends.len()
+    }
+
+    /// Adds a polytope; ends of loops are those in its own `loops`.
+    pub(super) fn push(
+        &mut self,
+        points: impl Iterator<Item = Point<D>>,
+        faces: impl Iterator<Item = (FaceLabel, u32)>,
+        loops: impl Iterator<Item = u32>,
+    ) {
+        self.points.extend(points);
+        self.faces.extend(faces);
+        self.loops.extend(loops);
+        self.ends.push([self.points.len() as u32, self.faces.len() as u32, self.loops.len() as u32]);
+    }
+
+    /// Adds all polytopes of others.
+    pub(crate) fn append(&mut self, others: &Self) {
+        let shift = [self.points.len() as u32, self.faces.len() as u32, self.loops.len() as u32];
+        self.points.extend_from_slice(&others.points);
+        self.faces.extend_from_slice(&others.faces);
+        self.loops.extend_from_slice(&others.loops);
+        self.ends.extend(others.ends.iter().map(|end| std::array::from_fn(|k| end[k] + shift[k])));
+    }
+
+    pub(crate) fn get(&self, index: usize) -> Polytope<'_, D> {
+        let start = if index == 0 { [0; 3] } else { self.ends[index - 1] };
+        let end = self.ends[index];
+        let range = |k: usize| start[k] as usize..end[k] as usize;
+        Polytope { points: &self.points[range(0)], faces: &self.faces[range(1)], loops: &self.loops[range(2)] }
     }
 }

@@ -1,7 +1,7 @@
 //! `cutwater cut`
 
 use cutwater::io::Error;
-use cutwater::io::cut::{BackgroundSource, CutSettings, CutSummary, cut_files};
+use cutwater::io::cut::{BackgroundSource, CutSeconds, CutSettings, CutSummary, cut_files};
 
 use crate::CutArguments;
 
@@ -35,8 +35,8 @@ fn print_table(summary: &CutSummary) {
     println!("volume        domain {}, fluid {}", summary.domain_volume, summary.fluid_volume);
     println!("              solid {}, wet area {}", summary.solid_volume, summary.surface_area);
     println!("smallest part {:.3e} of its cell", summary.smallest_fraction);
-    let classify = seconds.classify.map_or(String::new(), |classify| format!("classify {classify:.3} s, "));
-    println!("time          {classify}cut {:.3} s, quadrature {:.3} s", seconds.clip, seconds.quadrature);
+    let CutSeconds { classify, clip, quadrature, .. } = *seconds;
+    println!("time          classify {classify:.3} s, cut {clip:.3} s, quadrature {quadrature:.3} s");
     println!("errors        relative, largest");
     for (name, error, meaning) in [
         ("partition", max_relative_error.partition, "parts and covered pieces make up each cell"),

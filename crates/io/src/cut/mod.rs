@@ -16,9 +16,8 @@ mod sum;
 mod summary;
 
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
-use cutcell::{CutMesh, OverlayOptions};
+use cutcell::{CutMesh, OverlayOptions, Workspace};
 use mesh::{BodyId, Placed, SimplexMesh, Vector};
 
 use crate::Error;
@@ -105,9 +104,9 @@ pub fn cut_files(paths: &[impl AsRef<Path>], settings: &CutSettings) -> Result<S
         placement::shift(&mut surfaces, seed, placement::cube_size(&background));
     }
     let placed: Vec<Placed<'_, _>> = surfaces.iter().map(Surface::placed).collect();
-    let begin = Instant::now();
-    let cut = CutMesh::overlay(&background, &placed, &OverlayOptions::new()).map_err(refused)?;
-    let summary = CutSummary::new(&background, &cut, begin.elapsed().as_secs_f64());
+    let mut workspace = Workspace::new();
+    let cut = workspace.overlay(&background, &placed, &OverlayOptions::new()).map_err(refused)?;
+    let summary = CutSummary::new(&background, &cut, workspace.times());
     Ok(SurfaceCut { surfaces, background, cut, summary })
 }
 

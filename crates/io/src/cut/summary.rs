@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use cutcell::CutMesh;
+use cutcell::{CutMesh, OverlayTimes};
 use mesh::SimplexMesh;
 
 use super::CutErrors;
@@ -41,8 +41,8 @@ pub struct CutSummary {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "simulation", derive(serde::Serialize, serde::Deserialize))]
 pub struct CutSeconds {
-    /// Finding which cells are fluid, covered and cut; `None` while it is counted in `clip`.
-    pub classify: Option<f64>,
+    /// Checking the surfaces, and finding which cells they may cut and how many bodies surround the others.
+    pub classify: f64,
     /// Cutting cells into parts, and joining parts of neighbours.
     pub clip: f64,
     /// Quadrature of degree two on all fluid parts, with one integral over them.
@@ -52,18 +52,17 @@ pub struct CutSeconds {
 }
 
 impl CutSeconds {
-    /// The stages of an overlay that took `overlay` seconds.
-    ///
-    /// `CutMesh::overlay` classifies and clips in one call and does not tell the two apart: this is the place to do so once
-    /// its report does.
-    fn of_overlay(overlay: f64, quadrature: f64) -> Self {
-        Self { classify: None, clip: overlay, quadrature, total: overlay + quadrature }
+    /// The stages of an overlay, and of the quadrature after it.
+    fn of_overlay(overlay: OverlayTimes, quadrature: f64) -> Self {
+        let classify = (overlay.check + overlay.classify).as_secs_f64();
+        let clip = (overlay.clip + overlay.join).as_secs_f64();
+        Self { classify, clip, quadrature, total: classify + clip + quadrature }
     }
 }
 
 impl CutSummary {
-    /// Measures a cut whose overlay took that many seconds.
-    pub(super) fn new<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>, overlay_seconds: f64) -> Self {
+    /// Measures a cut whose overlay took that long.
+    pub(super) fn new<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>, overlay: OverlayTimes) -> Self {
         let begin = Instant::now();
         let moments = Moments::new(background, cut);
         let quadrature_seconds = begin.elapsed().as_secs_f64();
@@ -80,7 +79,7 @@ impl CutSummary {
             solid_volume: domain_volume - fluid_volume,
             surface_area: Sum::of(cut.interface().iter().map(|piece| piece.measure)),
             smallest_fraction: report.smallest_fraction,
-            seconds: CutSeconds::of_overlay(overlay_seconds, quadrature_seconds),
+            seconds: CutSeconds::of_overlay(overlay, quadrature_seconds),
             max_relative_error: identities::check(background, cut, &moments),
         }
     }

@@ -17,7 +17,7 @@ pub fn fluid_grid<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>)
         if cut.is_whole(part) {
             push_whole(&mut grid, background, cell);
         } else {
-            cut.part_pieces(part).iter().for_each(|piece| push_piece(&mut grid, piece));
+            cut.part_pieces(part).for_each(|piece| push_piece(&mut grid, piece));
         }
         parts.resize(grid.n_cells(), i64::from(part.0));
         cells.resize(grid.n_cells(), i64::from(cell.0));
@@ -75,7 +75,7 @@ fn push_simplex<const D: usize>(grid: &mut Grid, corners: &[Point<D>]) {
     grid.push_cell(simplex_type(points.len()), points);
 }
 
-fn push_piece<const D: usize>(grid: &mut Grid, piece: &Polytope<D>) {
+fn push_piece<const D: usize>(grid: &mut Grid, piece: Polytope<'_, D>) {
     if D == 2 {
         let points: Vec<u64> = ring(piece).iter().map(|x| grid.push_point(x)).collect();
         grid.push_cell(CellType::Polygon, points);
@@ -85,7 +85,7 @@ fn push_piece<const D: usize>(grid: &mut Grid, piece: &Polytope<D>) {
 }
 
 /// Corners of a convex polygon, counter-clockwise.
-pub(crate) fn ring<const D: usize>(piece: &Polytope<D>) -> Vec<Point<D>> {
+pub(crate) fn ring<const D: usize>(piece: Polytope<'_, D>) -> Vec<Point<D>> {
     let n = piece.n_faces();
     let edges: Vec<(u32, u32)> = piece.faces().map(|(_, corners)| (corners[0], corners[1])).collect();
     let mut corners = Vec::with_capacity(n);

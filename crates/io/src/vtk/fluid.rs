@@ -28,7 +28,7 @@ pub fn fluid_grid<const D: usize>(background: &SimplexMesh<D>, fluid: &FluidStat
         if fluid.cut.is_whole(part) {
             output.push_whole(part, cell);
         } else {
-            fluid.cut.part_pieces(part).iter().for_each(|piece| output.push_piece(part, cell, piece));
+            fluid.cut.part_pieces(part).for_each(|piece| output.push_piece(part, cell, piece));
         }
         cells.extend((before..output.grid.n_cells()).map(|_| (part, cell)));
     }
@@ -75,7 +75,7 @@ impl<const D: usize> FluidOutput<'_, D> {
         self.grid.push_cell(simplex_type(D + 1), points[..=D].iter().copied());
     }
 
-    fn push_piece(&mut self, part: PartId, cell: CellId, piece: &Polytope<D>) {
+    fn push_piece(&mut self, part: PartId, cell: CellId, piece: Polytope<'_, D>) {
         if D == 2 {
             let points: Vec<u64> = ring(piece).iter().map(|x| self.push_interpolated(part, cell, x)).collect();
             self.grid.push_cell(CellType::Polygon, points);
@@ -131,7 +131,7 @@ pub(crate) fn fluid_polygons<const D: usize>(
         if cut.is_whole(part) {
             polygons.push((part, background.simplex(cut.part_cell(part)).points().to_vec()));
         } else {
-            polygons.extend(cut.part_pieces(part).iter().map(|piece| (part, ring(piece))));
+            polygons.extend(cut.part_pieces(part).map(|piece| (part, ring(piece))));
         }
     }
     polygons

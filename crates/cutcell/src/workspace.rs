@@ -1,0 +1,138 @@
+//! Memory of overlays.
+
+use std::ops::Range;
+use std::time::{Duration, Instant};
+
+use mesh::{Placed, SimplexMesh};
+use rayon::prelude::*;
+
+use crate::cell::{CellCut, Kept};
+use crate::classify::depths;
+use crate::faces::Faces;
+use crate::overlay::Cutting;
+use crate::surface::{self, Facet};
+use crate::touched::TouchedCells;
+use crate::{CutMesh, Error, OverlayOptions};
+
+/// Memory for one overlay after the other, for simulations that cut in every step: what an overlay needs is allocated
+/// once, and with [`Workspace::recycle`] what it returns, too.
+///
+/// ```
+/// use cutcell::{OverlayOptions, Workspace};
+/// use mesh::{Placed, generate::structured_box};
+///
+/// let background = structured_box::<2>([0.0, 0.0], [4.0, 4.0], [8, 8])?;
+/// let mut square = structured_box::<2>([1.1, 1.2], [2.3, 3.1], [3, 5])?;
+/// let boundary = square.boundary();
+/// let mut positions = square.vertices().to_vec();
+/// let mut workspace = Workspace::new();
+/// for step in 0..3 {
+///     let cut = workspace.overlay(&background, &[Placed::new(&boundary, &positions)], &OverlayOptions::new())?;
+///     assert!((cut.fluid_volume() - (16.0 - 1.2 * 1.9)).abs() < 1e-12);
+///     workspace.recycle(cut);
+///     positions.iter_mut().for_each(|x| x[0] += 0.1);
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Default)]
+pub struct Workspace<const D: usize> {
+    facets: Vec<Facet<D>>,
+    touched: TouchedCells,
+    depth: Vec<i32>,
+    pub(crate) runs: Vec<Run<D>>,
+    pub(crate) sides: [CellCut<D>; 2],
+    spare: Option<CutMesh<D>>,
+    times: OverlayTimes,
+}
+
+/// Touched cells that are cut by one thread, one after the other.
+#[derive(Debug, Default)]
+pub(crate) struct Run<const D: usize> {
+    cut: CellCut<D>,
+    pub(crate) kept: Kept<D>,
+}
+
+/// Wall-clock time of the stages of an overlay, for reports only.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct OverlayTimes {
+    /// Surfaces are checked.
+    pub check: Duration,
+    /// The cells that facets may touch are found, and the number of bodies around each vertex.
+    pub classify: Duration,
+    /// These cells are cut.
+    pub clip: Duration,
+    /// Parts are numbered, and joined on the faces of the background.
+    pub join: Duration,
+}
+
+impl<const D: usize> Workspace<D> {
+    /// No memory yet.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// As [`CutMesh::overlay`].
+    ///
+    /// # Errors
+    /// See [`CutMesh::overlay`].
+    pub fn overlay(
+        &mut self,
+        background: &SimplexMesh<D>,
+        surfaces: &[Placed<'_, D>],
+        options: &OverlayOptions,
+    ) -> Result<CutMesh<D>, Error> {
+        let start = Instant::now();
+        surface::collect(surfaces, options, &mut self.facets)?;
+        self.times.check = start.elapsed();
+        let start = Instant::now();
+        self.touched.find(background, &self.facets);
+        depths(background, &self.facets, &self.touched, &mut self.depth);
+        self.times.classify = start.elapsed();
+        let facets = std::mem::take(&mut self.facets);
+        let touched = std::mem::take(&mut self.touched);
+        let depth = std::mem::take(&mut self.depth);
+        let cut = self.cut(&Cutting::new(background, &facets, &touched, &depth, options));
+        (self.facets, self.touched, self.depth) = (facets, touched, depth);
+        Ok(cut)
+    }
+
+    /// Cuts all touched cells.
+    pub(crate) fn cut(&mut self, cutting: &Cutting<'_, D>) -> CutMesh<D> {
+        let start = Instant::now();
+        let n_cells = cutting.touched.cells.len();
+        let n_runs = n_cells.div_ceil(CELLS_PER_RUN).min(RUNS_PER_THREAD * rayon::current_num_threads());
+        self.runs.resize_with(n_runs.max(self.runs.len()), Run::default);
+        let cells_of = |run: usize| -> Range<usize> { run * n_cells / n_runs..(run + 1) * n_cells / n_runs };
+        self.runs[..n_runs].par_iter_mut().enumerate().for_each(|(run, Run { cut, kept })| {
+            kept.clear();
+            for k in cells_of(run) {
+                cut.cut(cutting, k);
+                cut.keep(&cutting.planes, cutting.touched.cells[k], kept);
+            }
+        });
+        self.times.clip = start.elapsed();
+        let start = Instant::now();
+        let mut mesh = self.spare.take().unwrap_or_default();
+        mesh.clear();
+        let kept: Vec<&Kept<D>> = self.runs[..n_runs].iter().map(|run| &run.kept).collect();
+        mesh.add_cells(cutting, &kept);
+        Faces::new(cutting, &kept).add_to(&mut mesh, &mut self.sides);
+        self.times.join = start.elapsed();
+        mesh
+    }
+
+    /// Takes the memory of a cut mesh that is of no more use for the next overlay.
+    pub fn recycle(&mut self, cut: CutMesh<D>) {
+        self.spare = Some(cut);
+    }
+
+    /// How long the stages of the last overlay took.
+    pub fn times(&self) -> OverlayTimes {
+        self.times
+    }
+}
+
+/// Fewer cells than this are not worth a thread.
+const CELLS_PER_RUN: usize = 32;
+/// More runs than threads: cells with many facets lie side by side.
+const RUNS_PER_THREAD: usize = 8;
