@@ -5,7 +5,7 @@ use smallvec::SmallVec;
 
 use super::polygon::{Polygon, Polygons, Side, differ};
 use super::polytope::{FaceLabel, Polytopes};
-use crate::exact::{Corner, Plane, PlaneKind, Planes};
+use crate::exact::{Corner, Plane, PlaneKind, Planes, signed_volume};
 
 /// A convex polygon (D = 2) or polyhedron (D = 3) whose corners are exact.
 ///
@@ -94,7 +94,7 @@ impl<const D: usize> Piece<D> {
         let mut distances = Distances::new();
         let (mut is_behind, mut is_in_front) = (false, false);
         for corner in &self.corners {
-            let distance = planes.side(corner, by, &half_space);
+            let distance = planes.side(corner, by, &half_space, &mut polygons.known);
             is_behind |= distance < 0.0;
             is_in_front |= distance > 0.0;
             distances.push(distance);
@@ -104,7 +104,7 @@ impl<const D: usize> Piece<D> {
         }
         let crossings = self.crossings(&distances, |plane, a, b, side| {
             let on = if D == 2 { [plane, by, by] } else { [plane, side, by] };
-            planes.crossing([a, b].map(|k| (&self.corners[k], distances[k])), on, &half_space)
+            planes.crossing([a, b].map(|k| (&self.corners[k], distances[k])), on, &half_space, &mut polygons.known)
         });
         let [behind, front] = parts;
         self.half(&distances, 1.0, by, &crossings, behind);
@@ -125,7 +125,11 @@ impl<const D: usize> Piece<D> {
 
     /// Corners where the edges cross a plane, each once. `crossing` takes the plane of a face, the two ends of an edge of
     /// it, and the plane of the face beyond the edge.
-    fn crossings(&self, distances: &[f64], crossing: impl Fn(Plane, usize, usize, Plane) -> Corner<D>) -> Crossings<D> {
+    fn crossings(
+        &self,
+        distances: &[f64],
+        mut crossing: impl FnMut(Plane, usize, usize, Plane) -> Corner<D>,
+    ) -> Crossings<D> {
         let mut crossings = Crossings::new();
         for face in 0..self.n_faces() {
             let (plane, corners) = self.loop_of(face);
@@ -218,7 +222,7 @@ impl<const D: usize> Piece<D> {
     /// Volume (area in 2D). Simplices that round-off turns inside out count nothing.
     pub(crate) fn volume(&self) -> f64 {
         let mut volume = 0.0;
-        self.for_each_simplex(|points| volume += mesh::Simplex::new(points).volume().max(0.0));
+        self.for_each_simplex(|points| volume += signed_volume(points).max(0.0));
         volume
     }
 

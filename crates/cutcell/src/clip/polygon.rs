@@ -3,7 +3,7 @@
 use mesh::Point;
 use smallvec::SmallVec;
 
-use crate::exact::{Corner, HalfSpace, Plane, Planes};
+use crate::exact::{Corner, HalfSpace, Known, Plane, Planes};
 
 /// A convex piece of a plane with exact corners: a segment (2D), or a polygon that turns counter-clockwise around the
 /// normal of the plane (3D). Its sides are among those of [`Polygons`].
@@ -26,11 +26,13 @@ pub(crate) struct Side<const D: usize> {
 pub(crate) struct Polygons<const D: usize> {
     sides: Vec<Side<D>>,
     distances: Vec<f64>,
+    pub(super) known: Known,
 }
 
 impl<const D: usize> Polygons<D> {
     pub(crate) fn clear(&mut self) {
         self.sides.clear();
+        self.known.clear();
     }
 
     /// Adds a polygon.
@@ -65,7 +67,7 @@ impl<const D: usize> Polygons<D> {
         self.distances.clear();
         let (mut is_behind, mut is_in_front) = (false, false);
         for side in &self.sides[polygon.first as usize..polygon.end as usize] {
-            let distance = planes.side(&side.corner, by, half_space);
+            let distance = planes.side(&side.corner, by, half_space, &mut self.known);
             is_behind |= distance < 0.0;
             is_in_front |= distance > 0.0;
             self.distances.push(distance);
@@ -97,7 +99,10 @@ impl<const D: usize> Polygons<D> {
                 let [a, b] = ends.map(|end| &self.sides[first + end].corner);
                 let beyond = self.sides[first + k].beyond;
                 let on = if D > 2 { [polygon.plane, beyond, by] } else { [polygon.plane, by, by] };
-                crossings.push((k, planes.crossing([(a, distances[0]), (b, distances[1])], on, half_space)));
+                crossings.push((
+                    k,
+                    planes.crossing([(a, distances[0]), (b, distances[1])], on, half_space, &mut self.known),
+                ));
             }
         }
         [1.0, -1.0].map(|sign| {

@@ -2,6 +2,8 @@
 
 use mesh::Point;
 
+use crate::exact::signed_volume;
+
 /// Where a face of a [`Polytope`] comes from.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum FaceLabel {
@@ -74,7 +76,7 @@ impl<'a, const D: usize> Polytope<'a, D> {
     /// Volume (area in 2D). Simplices that round-off turns inside out count nothing.
     pub fn volume(&self) -> f64 {
         let mut volume = 0.0;
-        self.for_each_simplex(|points| volume += mesh::Simplex::new(points).volume().max(0.0));
+        self.for_each_simplex(|points| volume += signed_volume(points).max(0.0));
         volume
     }
 

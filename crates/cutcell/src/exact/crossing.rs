@@ -22,6 +22,23 @@ pub(super) fn determinant<const D: usize>(facet: &[Point<D>], x: &Point<D>) -> f
     }
 }
 
+/// Volume (area in 2D) of a simplex, negative for one turned inside out. Its sign is exact, and a small value is right to a
+/// few digits: needles whose corners differ by little more than round-off keep theirs.
+pub(crate) fn signed_volume<const D: usize>(simplex: &[Point<D>]) -> f64 {
+    let volume = mesh::Simplex::new(simplex).volume();
+    let length = simplex[1..].iter().fold(0.0_f64, |length, x| length.max((x - simplex[0]).amax()));
+    if volume.abs() > 32.0 * f64::EPSILON * length.powi(D as i32) {
+        return volume;
+    }
+    match D {
+        2 => orient2d(coord(&simplex[1]), coord(&simplex[2]), coord(&simplex[0])) / 2.0,
+        _ => {
+            let [apex, a, b, c] = [0, 1, 2, 3].map(|k| coord_3d(&simplex[k]));
+            orient3d(a, b, c, apex) / 6.0
+        }
+    }
+}
+
 fn sign(value: f64) -> i32 {
     i32::from(value > 0.0) - i32::from(value < 0.0)
 }
@@ -92,10 +109,11 @@ fn normal<const D: usize>([a, b, c]: [&Point<D>; 3]) -> [f64; 3] {
 
 /// Components of `(x - y) × (p - q)`, with exact signs: the two may be parallel, or almost.
 fn cross_of_differences<const D: usize>([x, y]: [&Point<D>; 2], [p, q]: [&Point<D>; 2]) -> [f64; 3] {
-    let difference = |a: &Point<D>, b: &Point<D>, k: usize| Exact::of(a[k % 3]).minus(&Exact::of(b[k % 3]));
+    let difference = |a: &Point<D>, b: &Point<D>, k: usize| Exact::difference(a[k % 3], b[k % 3]);
     std::array::from_fn(|k| {
-        let first = difference(x, y, k + 1).times(&difference(p, q, k + 2));
-        first.minus(&difference(x, y, k + 2).times(&difference(p, q, k + 1))).value()
+        let first = (difference(x, y, k + 1), difference(p, q, k + 2));
+        let second = (difference(x, y, k + 2), difference(p, q, k + 1));
+        Exact::sum_of_products(&[(false, &first.0, &first.1), (true, &second.0, &second.1)]).value()
     })
 }
 

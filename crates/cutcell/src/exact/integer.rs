@@ -1,11 +1,9 @@
 //! Exact arithmetic: sums, differences and products of floating-point numbers without rounding.
 
-use std::cmp::Ordering;
-
 use smallvec::{SmallVec, smallvec};
 
 /// Digits to the base 2⁶⁴, the lowest first.
-type Digits = SmallVec<[u64; 16]>;
+type Digits = SmallVec<[u64; 4]>;
 
 /// An integer times a power of 2⁶⁴, of any size: what sums and products of floating-point numbers are.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -17,28 +15,75 @@ pub(super) struct Exact {
     exponent: i32,
 }
 
+/// A floating-point number as an integer times a power of 2.
+fn decompose(value: f64) -> (i128, i32) {
+    let bits = value.to_bits();
+    let (biased, fraction) = ((bits >> 52 & 0x7ff) as i32, bits & ((1 << 52) - 1));
+    let (mantissa, power) = if biased == 0 { (fraction, -1074) } else { (fraction | 1 << 52, biased - 1075) };
+    (if value.is_sign_negative() { -i128::from(mantissa) } else { i128::from(mantissa) }, power)
+}
+
 impl Exact {
-    fn new(is_negative: bool, mut digits: Digits, mut exponent: i32) -> Self {
-        while digits.last() == Some(&0) {
-            digits.pop();
-        }
-        let zeros = digits.iter().take_while(|d| **d == 0).count();
-        if zeros > 0 {
-            digits.drain(..zeros);
-            exponent += zeros as i32;
-        }
-        if digits.is_empty() {
-            return Self::default();
-        }
-        Self { is_negative, digits, exponent }
+    fn new(is_negative: bool, digits: &[u64], exponent: i32) -> Self {
+        let Some(first) = digits.iter().position(|d| *d != 0) else { return Self::default() };
+        let end = digits.iter().rposition(|d| *d != 0).map_or(0, |last| last + 1);
+        Self { is_negative, digits: Digits::from_slice(&digits[first..end]), exponent: exponent + first as i32 }
+    }
+
+    /// An integer below 2¹²⁶ times a power of 2.
+    fn of_integer(value: i128, power: i32) -> Self {
+        let (magnitude, shift) = (value.unsigned_abs(), power.rem_euclid(64));
+        let low = magnitude << shift;
+        let high = if shift == 0 { 0 } else { (magnitude >> (128 - shift)) as u64 };
+        Self::new(value < 0, &[low as u64, (low >> 64) as u64, high], power.div_euclid(64))
     }
 
     pub(super) fn of(value: f64) -> Self {
-        let bits = value.to_bits();
-        let (biased, fraction) = ((bits >> 52 & 0x7ff) as i32, bits & ((1 << 52) - 1));
-        let (mantissa, power) = if biased == 0 { (fraction, -1074) } else { (fraction | 1 << 52, biased - 1075) };
-        let wide = u128::from(mantissa) << power.rem_euclid(64);
-        Self::new(value.is_sign_negative(), smallvec![wide as u64, (wide >> 64) as u64], power.div_euclid(64))
+        let (mantissa, power) = decompose(value);
+        Self::of_integer(mantissa, power)
+    }
+
+    pub(super) fn difference(a: f64, b: f64) -> Self {
+        let ((x, p), (y, q)) = (decompose(a), decompose(b));
+        let low = p.min(q);
+        if x == 0 || y == 0 || p.max(q) - low > 64 {
+            let (one, a, b) = (Self::of(1.0), Self::of(a), Self::of(b));
+            return Self::sum_of_products(&[(false, &a, &one), (true, &b, &one)]);
+        }
+        Self::of_integer((x << (p - low)) - (y << (q - low)), low)
+    }
+
+    /// The sum of products `±a b`, negative where marked.
+    pub(super) fn sum_of_products(terms: &[(bool, &Self, &Self)]) -> Self {
+        let (mut low, mut high) = (i32::MAX, i32::MIN);
+        for (_, a, b) in terms.iter().filter(|(_, a, b)| !a.digits.is_empty() && !b.digits.is_empty()) {
+            low = low.min(a.exponent + b.exponent);
+            high = high.max(a.exponent + b.exponent + (a.digits.len() + b.digits.len()) as i32);
+        }
+        if low > high {
+            return Self::default();
+        }
+        // One digit more than the largest term, for carries and for the sign: a two's complement.
+        let mut sum: SmallVec<[u64; 32]> = smallvec![0; (high - low) as usize + 1];
+        for &(is_subtracted, a, b) in terms {
+            if a.digits.is_empty() || b.digits.is_empty() {
+                continue;
+            }
+            let at = &mut sum[(a.exponent + b.exponent - low) as usize..];
+            if is_subtracted == (a.is_negative == b.is_negative) {
+                subtract_product(at, &a.digits, &b.digits);
+            } else {
+                add_product(at, &a.digits, &b.digits);
+            }
+        }
+        let is_negative = sum.last().is_some_and(|top| top >> 63 == 1);
+        if is_negative {
+            let mut carry = true;
+            for digit in &mut sum {
+                (*digit, carry) = (!*digit).overflowing_add(u64::from(carry));
+            }
+        }
+        Self::new(is_negative, &sum, low)
     }
 
     /// Nearly the nearest floating-point number; with the right sign, whatever the size.
@@ -50,110 +95,104 @@ impl Exact {
         let magnitude = leading * 2.0_f64.powi(power.clamp(-900, 800));
         if self.is_negative { -magnitude } else { magnitude }
     }
+}
 
-    pub(super) fn plus(&self, other: &Self) -> Self {
-        self.sum(other, other.is_negative)
-    }
-
-    pub(super) fn minus(&self, other: &Self) -> Self {
-        self.sum(other, !other.is_negative)
-    }
-
-    /// The sum with the magnitude of `other` and the given sign.
-    fn sum(&self, other: &Self, is_negative: bool) -> Self {
-        if other.digits.is_empty() {
-            return self.clone();
+fn add_product(sum: &mut [u64], a: &[u64], b: &[u64]) {
+    for (i, &a) in a.iter().enumerate() {
+        let mut carry = 0;
+        for (digit, &b) in sum[i..].iter_mut().zip(b) {
+            let wide = u128::from(a) * u128::from(b) + u128::from(*digit) + carry;
+            *digit = wide as u64;
+            carry = wide >> 64;
         }
-        if self.digits.is_empty() {
-            return Self { is_negative, ..other.clone() };
-        }
-        let exponent = self.exponent.min(other.exponent);
-        let (mut a, mut b) = (self.aligned(exponent), other.aligned(exponent));
-        if self.is_negative == is_negative {
-            add(&mut a, &b);
-            return Self::new(is_negative, a, exponent);
-        }
-        match compare(&a, &b) {
-            Ordering::Equal => Self::default(),
-            Ordering::Greater => {
-                subtract(&mut a, &b);
-                Self::new(self.is_negative, a, exponent)
+        let mut carry = carry as u64;
+        for digit in &mut sum[i + b.len()..] {
+            if carry == 0 {
+                break;
             }
-            Ordering::Less => {
-                subtract(&mut b, &a);
-                Self::new(is_negative, b, exponent)
-            }
+            let overflows;
+            (*digit, overflows) = digit.overflowing_add(carry);
+            carry = u64::from(overflows);
         }
-    }
-
-    /// Digits from a power at most that of the lowest one.
-    fn aligned(&self, exponent: i32) -> Digits {
-        let mut digits: Digits = smallvec![0; (self.exponent - exponent) as usize];
-        digits.extend_from_slice(&self.digits);
-        digits
-    }
-
-    pub(super) fn times(&self, other: &Self) -> Self {
-        let mut digits: Digits = smallvec![0; self.digits.len() + other.digits.len()];
-        for (i, &a) in self.digits.iter().enumerate() {
-            let mut carry = 0;
-            for (j, &b) in other.digits.iter().enumerate() {
-                let sum = u128::from(a) * u128::from(b) + u128::from(digits[i + j]) + carry;
-                digits[i + j] = sum as u64;
-                carry = sum >> 64;
-            }
-            digits[i + other.digits.len()] = carry as u64;
-        }
-        Self::new(self.is_negative != other.is_negative, digits, self.exponent + other.exponent)
     }
 }
 
-fn add(a: &mut Digits, b: &[u64]) {
-    if a.len() < b.len() {
-        a.resize(b.len(), 0);
+fn subtract_product(sum: &mut [u64], a: &[u64], b: &[u64]) {
+    for (i, &a) in a.iter().enumerate() {
+        let mut borrow = 0;
+        for (digit, &b) in sum[i..].iter_mut().zip(b) {
+            let wide = u128::from(a) * u128::from(b) + borrow;
+            let overflows;
+            (*digit, overflows) = digit.overflowing_sub(wide as u64);
+            borrow = (wide >> 64) + u128::from(overflows);
+        }
+        let mut borrow = borrow as u64;
+        for digit in &mut sum[i + b.len()..] {
+            if borrow == 0 {
+                break;
+            }
+            let overflows;
+            (*digit, overflows) = digit.overflowing_sub(borrow);
+            borrow = u64::from(overflows);
+        }
     }
-    let mut carry = false;
-    for (k, digit) in a.iter_mut().enumerate() {
-        let (sum, first) = digit.overflowing_add(b.get(k).copied().unwrap_or(0));
-        let (sum, second) = sum.overflowing_add(u64::from(carry));
-        *digit = sum;
-        carry = first || second;
-    }
-    if carry {
-        a.push(1);
-    }
-}
-
-/// For `a > b`.
-fn subtract(a: &mut Digits, b: &[u64]) {
-    let mut borrow = false;
-    for (k, digit) in a.iter_mut().enumerate() {
-        let (difference, first) = digit.overflowing_sub(b.get(k).copied().unwrap_or(0));
-        let (difference, second) = difference.overflowing_sub(u64::from(borrow));
-        *digit = difference;
-        borrow = first || second;
-    }
-}
-
-/// Numbers without leading zeros.
-fn compare(a: &[u64], b: &[u64]) -> Ordering {
-    a.len().cmp(&b.len()).then_with(|| a.iter().rev().cmp(b.iter().rev()))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn plus(a: &Exact, b: &Exact) -> Exact {
+        let one = Exact::of(1.0);
+        Exact::sum_of_products(&[(false, a, &one), (false, b, &one)])
+    }
+
+    fn minus(a: &Exact, b: &Exact) -> Exact {
+        let one = Exact::of(1.0);
+        Exact::sum_of_products(&[(false, a, &one), (true, b, &one)])
+    }
+
+    fn times(a: &Exact, b: &Exact) -> Exact {
+        Exact::sum_of_products(&[(false, a, b)])
+    }
+
     #[test]
     fn nothing_is_lost() {
         let (a, b) = (Exact::of(1e20), Exact::of(1.0 + f64::EPSILON));
-        let sum = a.plus(&b);
-        assert_eq!(sum.minus(&a), b);
+        let sum = plus(&a, &b);
+        assert_eq!(minus(&sum, &a), b);
         // (a + b)² - a² - 2ab - b² = 0
-        let two_ab = a.times(&b).times(&Exact::of(2.0));
-        assert_eq!(sum.times(&sum).minus(&a.times(&a)).minus(&two_ab).minus(&b.times(&b)), Exact::default());
-        assert_eq!(Exact::of(1.0).minus(&Exact::of(1e-30)).minus(&Exact::of(1.0)).value(), -1e-30);
+        let two_a = times(&a, &Exact::of(2.0));
+        let terms = [(false, &sum, &sum), (true, &a, &a), (true, &two_a, &b), (true, &b, &b)];
+        assert_eq!(Exact::sum_of_products(&terms), Exact::default());
+        let small = minus(&minus(&Exact::of(1.0), &Exact::of(1e-30)), &Exact::of(1.0));
+        assert_eq!(small.value(), -1e-30);
         assert_eq!(Exact::of(-0.0), Exact::of(0.0));
+    }
+
+    #[test]
+    fn differences_are_those_of_the_numbers() {
+        let values = [0.0, 1.0, -1.0 / 3.0, 1e-17, 1e17 / 3.0, -5e-324, 1e300, 2.0_f64.powi(64), 0.1];
+        for a in values {
+            for b in values {
+                assert_eq!(Exact::difference(a, b), minus(&Exact::of(a), &Exact::of(b)), "{a} - {b}");
+                assert_eq!(plus(&Exact::difference(a, b), &Exact::of(b)), Exact::of(a), "{a} - {b}");
+            }
+        }
+    }
+
+    #[test]
+    fn carries_and_borrows_run_through_all_digits() {
+        // (2¹²⁸ - 1) + 1 and 2¹²⁸ - 1, and the same below zero.
+        let (one, power) = (Exact::of(1.0), Exact::of(2.0_f64.powi(128)));
+        let below = minus(&power, &one);
+        assert_eq!(below.digits.as_slice(), [u64::MAX; 2]);
+        assert_eq!(plus(&below, &one), power);
+        assert_eq!(minus(&one, &power), minus(&Exact::default(), &below));
+        // (2¹²⁸ - 1)² = 2²⁵⁶ - 2¹²⁹ + 1
+        let expected = plus(&minus(&times(&power, &power), &times(&power, &Exact::of(2.0))), &one);
+        assert_eq!(times(&below, &below), expected);
+        assert_eq!(Exact::sum_of_products(&[(true, &below, &below), (false, &below, &below)]), Exact::default());
     }
 
     #[test]
@@ -171,11 +210,11 @@ mod tests {
     #[test]
     fn products_of_many_factors_keep_their_sign() {
         let third = Exact::of(1.0 / 3.0);
-        let power = (0..9).fold(Exact::of(1.0), |product, _| product.times(&third));
-        let again = (0..9).fold(Exact::of(1.0), |product, _| third.times(&product));
+        let power = (0..9).fold(Exact::of(1.0), |product, _| times(&product, &third));
+        let again = (0..9).fold(Exact::of(1.0), |product, _| times(&third, &product));
         let tiny = Exact::of(-1e-120);
-        assert_eq!(power.plus(&tiny).minus(&again), tiny);
-        let tiny = (0..40).fold(Exact::of(-1.0), |product, _| product.times(&Exact::of(1e-30)));
-        assert!(tiny.value() < 0.0);
+        assert_eq!(minus(&plus(&power, &tiny), &again), tiny);
+        let tiny = (0..40).fold(Exact::of(-1.0), |product, _| times(&product, &Exact::of(1e-30)));
+        assert!(tiny.value() < 0.0, "{}", tiny.value());
     }
 }

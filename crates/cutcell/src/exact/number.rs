@@ -1,6 +1,7 @@
 //! What the formulas of planes and corners need of a number.
 
 use super::integer::Exact;
+use super::planes::{Known, Solved};
 
 /// A number that remembers enough to say when its sign is certain.
 pub(super) trait Number: Clone + Default {
@@ -8,13 +9,15 @@ pub(super) trait Number: Clone + Default {
     fn of(value: f64) -> Self;
     /// `a - b`, not rounded.
     fn difference(a: f64, b: f64) -> Self;
-    fn plus(&self, other: &Self) -> Self;
-    fn minus(&self, other: &Self) -> Self;
-    fn times(&self, other: &Self) -> Self;
+    /// The sum of products `±a b`, negative where marked; of one term at least.
+    fn sum_of_products(terms: &[(bool, &Self, &Self)]) -> Self;
     /// The value, rounded.
     fn value(&self) -> f64;
     /// How wrong the value may be, beyond one unit in its last place.
     fn doubt(&self) -> f64;
+
+    /// What is known in numbers of this kind.
+    fn solved(known: &mut Known) -> &mut Solved<Self>;
 
     /// The value, if its sign is certain.
     fn certain(&self) -> Option<f64> {
@@ -29,19 +32,11 @@ impl Number for Exact {
     }
 
     fn difference(a: f64, b: f64) -> Self {
-        Self::of(a).minus(&Self::of(b))
+        Self::difference(a, b)
     }
 
-    fn plus(&self, other: &Self) -> Self {
-        self.plus(other)
-    }
-
-    fn minus(&self, other: &Self) -> Self {
-        self.minus(other)
-    }
-
-    fn times(&self, other: &Self) -> Self {
-        self.times(other)
+    fn sum_of_products(terms: &[(bool, &Self, &Self)]) -> Self {
+        Self::sum_of_products(terms)
     }
 
     fn value(&self) -> f64 {
@@ -51,11 +46,15 @@ impl Number for Exact {
     fn doubt(&self) -> f64 {
         0.0
     }
+
+    fn solved(known: &mut Known) -> &mut Solved<Self> {
+        &mut known.exact
+    }
 }
 
 /// A number of twice the precision, with the sum of the absolute values of the terms that it was made of: round-off is
 /// a fraction of that.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Double {
     high: f64,
     low: f64,
@@ -70,6 +69,19 @@ impl Double {
     fn new(sum: (f64, f64), terms: f64) -> Self {
         Self { high: sum.0, low: sum.1, terms }
     }
+
+    fn plus(self, other: Self) -> Self {
+        let (high, error) = two_sum(self.high, other.high);
+        let (low, lowest) = two_sum(self.low, other.low);
+        let (high, error) = fast_two_sum(high, error + low);
+        Self::new(fast_two_sum(high, error + lowest), self.terms + other.terms)
+    }
+
+    fn times(self, other: Self) -> Self {
+        let (high, error) = two_product(self.high, other.high);
+        let low = error + (self.high * other.low + self.low * other.high);
+        Self::new(fast_two_sum(high, low), self.terms * other.terms)
+    }
 }
 
 impl Number for Double {
@@ -82,21 +94,12 @@ impl Number for Double {
         Self::new(difference, difference.0.abs())
     }
 
-    fn plus(&self, other: &Self) -> Self {
-        let (high, error) = two_sum(self.high, other.high);
-        let (low, lowest) = two_sum(self.low, other.low);
-        let (high, error) = fast_two_sum(high, error + low);
-        Self::new(fast_two_sum(high, error + lowest), self.terms + other.terms)
-    }
-
-    fn minus(&self, other: &Self) -> Self {
-        self.plus(&Self { high: -other.high, low: -other.low, terms: other.terms })
-    }
-
-    fn times(&self, other: &Self) -> Self {
-        let (high, error) = two_product(self.high, other.high);
-        let low = error + (self.high * other.low + self.low * other.high);
-        Self::new(fast_two_sum(high, low), self.terms * other.terms)
+    fn sum_of_products(terms: &[(bool, &Self, &Self)]) -> Self {
+        terms.iter().fold(Self::default(), |sum, &(is_subtracted, a, b)| {
+            let product = a.times(*b);
+            let (high, low) = if is_subtracted { (-product.high, -product.low) } else { (product.high, product.low) };
+            sum.plus(Self { high, low, ..product })
+        })
     }
 
     fn value(&self) -> f64 {
@@ -107,6 +110,10 @@ impl Number for Double {
         // Beyond that, products may have left the range of the exponent.
         let in_range = self.terms == 0.0 || (self.terms > 1e-200 && self.terms < 1e200);
         if in_range { ROUND_OFF * self.terms } else { f64::INFINITY }
+    }
+
+    fn solved(known: &mut Known) -> &mut Solved<Self> {
+        &mut known.double
     }
 }
 

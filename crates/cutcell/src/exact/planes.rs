@@ -6,6 +6,8 @@
 //! planes are known to have in common where that suffices, and with exact arithmetic otherwise. The coordinates that a
 //! corner carries are that point rounded.
 
+use std::collections::HashMap;
+
 use mesh::{FacetId, Point, SimplexMesh, Vector, facet_normal};
 
 use super::crossing::determinant;
@@ -14,7 +16,7 @@ use super::number::{Double, Number};
 use crate::surface::Facet;
 
 /// Name of a plane.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub(crate) struct Plane(u32);
 
 /// What a plane goes through.
@@ -119,6 +121,39 @@ impl<const D: usize> Corner<D> {
     }
 }
 
+/// What was computed beyond ordinary precision in the cell at hand: the same planes and corners come up again and again.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Known {
+    /// Signed distances of corners (by their planes, and their number as a vertex) from planes.
+    sides: HashMap<([Plane; 3], u32, Plane), f64>,
+    pub(super) double: Solved<Double>,
+    pub(super) exact: Solved<Exact>,
+}
+
+impl Known {
+    pub(crate) fn clear(&mut self) {
+        self.sides.clear();
+        self.double.clear();
+        self.exact.clear();
+    }
+}
+
+/// Planes and points with numbers of one kind.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Solved<N> {
+    /// Normal of a plane, and its product with each point of the plane.
+    planes: HashMap<Plane, ([N; 3], N)>,
+    /// The point in which planes meet: numerators of the coordinates, and their common denominator.
+    corners: HashMap<[Plane; 3], ([N; 3], N)>,
+}
+
+impl<N> Solved<N> {
+    fn clear(&mut self) {
+        self.planes.clear();
+        self.corners.clear();
+    }
+}
+
 /// All planes of an overlay.
 #[derive(Clone, Copy)]
 pub(crate) struct Planes<'a, const D: usize> {
@@ -167,22 +202,23 @@ impl<const D: usize> Planes<'_, D> {
 
     /// Signed distance of a corner from a plane, positive in front of it; its sign is exact.
     #[inline]
-    pub(crate) fn side(&self, corner: &Corner<D>, plane: Plane, half_space: &HalfSpace<D>) -> f64 {
+    pub(crate) fn side(&self, corner: &Corner<D>, plane: Plane, half_space: &HalfSpace<D>, known: &mut Known) -> f64 {
         let (distance, doubt) = half_space.distance(&corner.x);
         if distance.abs() > doubt + corner.error {
             distance
         } else if corner.on[..D].contains(&plane) || self.meet_known(corner, plane) {
             0.0
         } else {
-            self.exact_side(corner, plane)
+            self.exact_side(corner, plane, known)
         }
     }
 
     /// Whether a facet lies on a plane.
     pub(crate) fn lies_on(&self, facet: u32, plane: Plane) -> bool {
         let (of, half_space, on) = (&self.facets[facet as usize], self.half_space(plane), [Plane::facet(facet); 3]);
+        let mut known = Known::default();
         let corner = |k: usize| Corner::of_surface(of.points()[k], on, of.vertices[k]);
-        (0..D).all(|k| self.side(&corner(k), plane, &half_space) == 0.0)
+        (0..D).all(|k| self.side(&corner(k), plane, &half_space, &mut known) == 0.0)
     }
 
     /// Whether the plane goes through the corner because both contain the same vertex or edge of a surface.
@@ -200,49 +236,52 @@ impl<const D: usize> Planes<'_, D> {
     }
 
     #[cold]
-    fn exact_side(&self, corner: &Corner<D>, plane: Plane) -> f64 {
-        let points = self.points(plane);
-        if corner.error == 0.0 {
-            return -determinant(&points[..D], &corner.x) / normal_length(&points[..D]);
+    fn exact_side(&self, corner: &Corner<D>, plane: Plane, known: &mut Known) -> f64 {
+        let question = (corner.on, corner.vertex, plane);
+        if let Some(&side) = known.sides.get(&question) {
+            return side;
         }
-        let ratio = self
-            .determinants::<Double>(&corner.on, &points)
-            .or_else(|| self.determinants::<Exact>(&corner.on, &points));
-        ratio.map_or(0.0, |[numerator, denominator]| {
-            let distance = numerator / denominator / normal_length(&points[..D]);
-            (numerator.signum() * denominator.signum()) * distance.abs().max(f64::MIN_POSITIVE)
-        })
+        let points = self.points(plane);
+        let side = if corner.error == 0.0 {
+            -determinant(&points[..D], &corner.x) / normal_length(&points[..D])
+        } else {
+            let ratio = self.determinants::<Double>(&corner.on, plane, known);
+            ratio.or_else(|| self.determinants::<Exact>(&corner.on, plane, known)).map_or(
+                0.0,
+                |[numerator, denominator]| {
+                    let distance = numerator / denominator / normal_length(&points[..D]);
+                    (numerator.signum() * denominator.signum()) * distance.abs().max(f64::MIN_POSITIVE)
+                },
+            )
+        };
+        known.sides.insert(question, side);
+        side
     }
 
-    /// Numerator and denominator of the product of a point in which planes meet with the normal of another plane
-    /// through `points`, less that of the plane itself. `None` if a sign is not certain, or zero.
-    fn determinants<N: Number>(&self, on: &[Plane; 3], points: &[Point<D>; 3]) -> Option<[f64; 2]> {
-        let ((x, w), (normal, offset)) = (self.homogeneous::<N>(on), coefficients::<N, D>(points));
-        let mut sum = N::default().minus(&offset.times(&w));
-        for k in 0..D {
-            sum = sum.plus(&normal[k].times(&x[k]));
-        }
+    /// Numerator and denominator of the product of a point in which planes meet with the normal of another plane,
+    /// less that of the plane itself. `None` if a sign is not certain, or zero.
+    fn determinants<N: Number>(&self, on: &[Plane; 3], plane: Plane, known: &mut Known) -> Option<[f64; 2]> {
+        let solved = N::solved(known);
+        self.solve_corner(on, solved);
+        self.solve_plane(plane, solved);
+        let ((x, w), (normal, offset)) = (&solved.corners[on], &solved.planes[&plane]);
+        let terms =
+            [(true, offset, w), (false, &normal[0], &x[0]), (false, &normal[1], &x[1]), (false, &normal[2], &x[2])];
+        let sum = N::sum_of_products(&terms[..=D]);
         let (numerator, denominator) = (sum.certain()?, w.certain()?);
         (numerator != 0.0 && denominator != 0.0).then_some([numerator, denominator])
     }
 
-    /// The point in which planes meet: numerators of the coordinates, and their common denominator.
-    fn homogeneous<N: Number>(&self, on: &[Plane; 3]) -> ([N; 3], N) {
-        let mut planes: [([N; 3], N); 3] = Default::default();
-        for (slot, &plane) in planes.iter_mut().zip(&on[..D]) {
-            *slot = coefficients::<N, D>(&self.points(plane));
+    fn solve_plane<N: Number>(&self, plane: Plane, solved: &mut Solved<N>) {
+        solved.planes.entry(plane).or_insert_with(|| coefficients::<N, D>(&self.points(plane)));
+    }
+
+    fn solve_corner<N: Number>(&self, on: &[Plane; 3], solved: &mut Solved<N>) {
+        if !solved.corners.contains_key(on) {
+            on.iter().for_each(|&plane| self.solve_plane(plane, solved));
+            let corner = meet::<N, D>(on.map(|plane| &solved.planes[&plane]));
+            solved.corners.insert(*on, corner);
         }
-        let [(a, p), (b, q), (c, r)] = &planes;
-        if D == 2 {
-            let minor = |p: &N, q: &N, r: &N, s: &N| p.times(s).minus(&q.times(r));
-            return (
-                [minor(p, q, &a[1], &b[1]), minor(q, p, &b[0], &a[0]), N::default()],
-                minor(&a[0], &a[1], &b[0], &b[1]),
-            );
-        }
-        let (bc, ca, ab) = (cross(b, c), cross(c, a), cross(a, b));
-        let x = std::array::from_fn(|k| p.times(&bc[k]).plus(&q.times(&ca[k])).plus(&r.times(&ab[k])));
-        (x, a[0].times(&bc[0]).plus(&a[1].times(&bc[1])).plus(&a[2].times(&bc[2])))
     }
 
     /// The corner in which the edge between `a` and `b` meets a plane, with their distances of opposite signs from
@@ -252,6 +291,7 @@ impl<const D: usize> Planes<'_, D> {
         ends: [(&Corner<D>, f64); 2],
         on: [Plane; 3],
         half_space: &HalfSpace<D>,
+        known: &mut Known,
     ) -> Corner<D> {
         if let Some(corner) = self.common_vertex(on) {
             return corner;
@@ -265,7 +305,7 @@ impl<const D: usize> Planes<'_, D> {
         if error <= 1024.0 * self.resolution {
             return Corner { x, error, on, vertex: NONE };
         }
-        self.exact_crossing(on, x, error)
+        self.exact_crossing(on, x, error, known)
     }
 
     /// A vertex of a surface, if that is where the planes meet.
@@ -282,16 +322,18 @@ impl<const D: usize> Planes<'_, D> {
     }
 
     #[cold]
-    fn exact_crossing(&self, on: [Plane; 3], rounded: Point<D>, error: f64) -> Corner<D> {
+    fn exact_crossing(&self, on: [Plane; 3], rounded: Point<D>, error: f64, known: &mut Known) -> Corner<D> {
         let rounded = Corner { x: rounded, error, on, vertex: NONE };
         let good = |corner: &Corner<D>| corner.error <= 8.0 * self.resolution;
-        let double = self.coordinates::<Double>(&rounded).filter(good);
-        double.or_else(|| self.coordinates::<Exact>(&rounded)).unwrap_or(rounded)
+        let double = self.coordinates::<Double>(&rounded, known).filter(good);
+        double.or_else(|| self.coordinates::<Exact>(&rounded, known)).unwrap_or(rounded)
     }
 
     /// The same corner with coordinates that are as good as their numbers.
-    fn coordinates<N: Number>(&self, corner: &Corner<D>) -> Option<Corner<D>> {
-        let (numerators, denominator) = self.homogeneous::<N>(&corner.on);
+    fn coordinates<N: Number>(&self, corner: &Corner<D>, known: &mut Known) -> Option<Corner<D>> {
+        let solved = N::solved(known);
+        self.solve_corner(&corner.on, solved);
+        let (numerators, denominator) = &solved.corners[&corner.on];
         let w = denominator.certain().filter(|w| *w != 0.0)?;
         let mut x = corner.x;
         let mut doubt = f64::MIN_POSITIVE;
@@ -309,24 +351,40 @@ fn normal_length<const D: usize>(points: &[Point<D>]) -> f64 {
     if D == 2 { measure } else { 2.0 * measure }
 }
 
+/// The point in which planes meet: numerators of the coordinates, and their common denominator.
+fn meet<N: Number, const D: usize>(planes: [&([N; 3], N); 3]) -> ([N; 3], N) {
+    let [(a, p), (b, q), (c, r)] = planes;
+    if D == 2 {
+        let minor = |p: &N, q: &N, r: &N, s: &N| N::sum_of_products(&[(false, p, s), (true, q, r)]);
+        let numerators = [minor(p, q, &a[1], &b[1]), minor(q, p, &b[0], &a[0]), N::default()];
+        return (numerators, minor(&a[0], &a[1], &b[0], &b[1]));
+    }
+    let (bc, ca, ab) = (cross(b, c), cross(c, a), cross(a, b));
+    let x = std::array::from_fn(|k| N::sum_of_products(&[(false, p, &bc[k]), (false, q, &ca[k]), (false, r, &ab[k])]));
+    (x, N::sum_of_products(&[(false, &a[0], &bc[0]), (false, &a[1], &bc[1]), (false, &a[2], &bc[2])]))
+}
+
 /// Normal of the plane through points, and its product with each point of the plane.
 fn coefficients<N: Number, const D: usize>(points: &[Point<D>; 3]) -> ([N; 3], N) {
     let difference = |p: usize| -> [N; 3] {
         std::array::from_fn(|k| if k < D { N::difference(points[p][k], points[0][k]) } else { N::default() })
     };
     let a = difference(1);
-    let normal =
-        if D == 2 { [a[1].clone(), N::default().minus(&a[0]), N::default()] } else { cross(&a, &difference(2)) };
-    let mut offset = N::default();
-    for k in 0..D {
-        offset = offset.plus(&normal[k].times(&N::of(points[0][k])));
-    }
+    let normal = if D == 2 {
+        let [_, y, zero] = a;
+        [y, N::difference(points[0][0], points[1][0]), zero]
+    } else {
+        cross(&a, &difference(2))
+    };
+    let x: [N; 3] = std::array::from_fn(|k| if k < D { N::of(points[0][k]) } else { N::default() });
+    let terms = [(false, &normal[0], &x[0]), (false, &normal[1], &x[1]), (false, &normal[2], &x[2])];
+    let offset = N::sum_of_products(&terms[..D]);
     (normal, offset)
 }
 
 fn cross<N: Number>(a: &[N; 3], b: &[N; 3]) -> [N; 3] {
     std::array::from_fn(|k| {
         let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-        a[i].times(&b[j]).minus(&a[j].times(&b[i]))
+        N::sum_of_products(&[(false, &a[i], &b[j]), (true, &a[j], &b[i])])
     })
 }
