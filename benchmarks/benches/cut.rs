@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use benchmarks::{RESOLUTIONS, background, ball, polygon, sphere};
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use cutcell::{CutMesh, OverlayOptions};
+use cutcell::{CutMesh, OverlayOptions, Workspace};
 use mesh::generate::structured_box;
 use mesh::{BoundaryMesh, Placed, Point, QuadratureRule, SimplexMesh, SimplexRule};
 
@@ -36,7 +36,8 @@ fn cut(c: &mut Criterion) {
 }
 
 /// A disk as a polygon and a sphere as triangles as large as the cells, in boxes of N² squares and N³ cubes, with
-/// rules of order 2 on cut parts and pieces. For comparison with peers: `RAYON_NUM_THREADS=1`.
+/// rules of order 2 on cut parts and pieces, in memory that is used again. For comparison with peers:
+/// `RAYON_NUM_THREADS=1`.
 fn explicit_surfaces(c: &mut Criterion) {
     let mut group = c.benchmark_group("cut");
     group.sample_size(10).measurement_time(Duration::from_secs(4)).warm_up_time(Duration::from_millis(500));
@@ -44,13 +45,31 @@ fn explicit_surfaces(c: &mut Criterion) {
         let background = structured_box::<2>([-0.5; 2], [0.5; 2], [n; 2]).expect("a box");
         let (positions, boundary) = polygon(CENTRE, 0.4, edges);
         let id = BenchmarkId::new("disk", format!("2d/{n}/{edges}"));
-        group.bench_function(id, |b| b.iter(|| black_box(overlay_with_rules(&background, &boundary, &positions))));
+        let mut workspace = Workspace::new();
+        group.bench_function(id, |b| {
+            b.iter(|| black_box(overlay_with_rules(&mut workspace, &background, &boundary, &positions)));
+        });
     }
-    for n in [32, 64] {
+    // As many cut cells, and ever more cells far from them.
+    for n in [64, 128, 256, 512] {
+        let background = structured_box::<2>([-0.5; 2], [0.5; 2], [n; 2]).expect("a box");
+        let (positions, boundary) = polygon(CENTRE, 0.4 * 64.0 / n as f64, 256);
+        let id = BenchmarkId::new("far-cells", format!("2d/{n}"));
+        group.throughput(Throughput::Elements(background.n_cells() as u64));
+        let mut workspace = Workspace::new();
+        group.bench_function(id, |b| {
+            b.iter(|| black_box(overlay_with_rules(&mut workspace, &background, &boundary, &positions)));
+        });
+    }
+    group.throughput(Throughput::Elements(1));
+    for n in [16, 32, 64] {
         let background = structured_box::<3>([-0.5; 3], [0.5; 3], [n; 3]).expect("a box");
         let (positions, boundary) = sphere(CENTRE, 0.4, (0.63 * n as f64) as u32);
         let id = BenchmarkId::new("sphere", format!("3d/{n}"));
-        group.bench_function(id, |b| b.iter(|| black_box(overlay_with_rules(&background, &boundary, &positions))));
+        let mut workspace = Workspace::new();
+        group.bench_function(id, |b| {
+            b.iter(|| black_box(overlay_with_rules(&mut workspace, &background, &boundary, &positions)));
+        });
     }
     group.finish();
 }
@@ -59,18 +78,20 @@ fn explicit_surfaces(c: &mut Criterion) {
 const CENTRE: [f64; 3] = [0.041_421_356_237_309_5, 0.073_205_080_756_887_7, 0.023_606_797_749_979];
 
 fn overlay_with_rules<const D: usize>(
+    workspace: &mut Workspace<D>,
     background: &SimplexMesh<D>,
     boundary: &BoundaryMesh<D>,
     positions: &[Point<D>],
 ) -> [QuadratureRule<D>; 2] {
     let surface = [Placed::new(boundary, positions)];
-    let cut = CutMesh::overlay(background, &surface, &OverlayOptions::new()).expect("a sound surface");
+    let cut = workspace.overlay(background, &surface, &OverlayOptions::new()).expect("a sound surface");
     let rules = [D, D - 1].map(|dimension| SimplexRule::of_degree(dimension, 2));
     let mut points = [QuadratureRule::default(), QuadratureRule::default()];
     for part in cut.all_parts().filter(|&part| !cut.is_whole(part)) {
         cut.part_quadrature(background, part, &rules[0], &mut points[0]);
     }
     cut.interface().iter().for_each(|piece| points[1].push_simplex(&rules[1], &piece.points[..D]));
+    workspace.recycle(cut);
     points
 }
 

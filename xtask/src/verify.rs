@@ -2,11 +2,14 @@
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use std::time::{SystemTime, UNIX_EPOCH};
 
 use crate::process::{Outcome, cargo, root, succeeds, target};
 
-/// Number of random placements per property of `cutcell`, quick and full.
-const CUTCELL_CASES: [&str; 2] = ["2000", "50000"];
+/// Number of random placements for each of the twelve properties of `cutcell`, quick and full.
+const CUTCELL_CASES: [&str; 2] = ["2000", "100000"];
+/// Largest grid and number of placements of each scanned surface, quick and full.
+const SURFACES: [[&str; 2]; 2] = [["10", "2"], ["40", "20"]];
 
 /// Flags of the task.
 #[derive(clap::Args)]
@@ -51,13 +54,20 @@ fn validation(mode: &str) -> Command {
     cargo(&["run", "--release", "--quiet", "--package", "validation", "--", mode])
 }
 
-/// The property suite of `cutcell` with many more random placements than `cargo test` takes.
+/// The property suite of `cutcell` with many more random placements than `cargo test` takes, and scanned surfaces at more
+/// places. The full suite takes another seed every time; `CUTCELL_SEED` repeats one.
 fn verify_cutcell(full: bool) -> Outcome {
     let cases = CUTCELL_CASES[usize::from(full)];
-    println!("# cutcell: properties over {cases} random placements");
-    let mut command =
+    let fresh = || SystemTime::now().duration_since(UNIX_EPOCH).map_or(7, |time| time.as_secs() % 1_000_000);
+    let seed = std::env::var("CUTCELL_SEED").unwrap_or_else(|_| if full { fresh() } else { 7 }.to_string());
+    println!("# cutcell: twelve properties over {cases} random placements each, CUTCELL_SEED={seed}");
+    let mut properties =
         cargo(&["test", "--release", "--package", "cutcell", "--test", "properties", "--test", "degenerate"]);
-    succeeds(command.env("CUTCELL_CASES", cases))
+    let good = succeeds(properties.env("CUTCELL_CASES", cases).env("CUTCELL_SEED", seed))?;
+    let [grid, placements] = SURFACES[usize::from(full)];
+    println!("# cutcell: scanned surfaces in boxes of up to {grid}³ cubes, {placements} placements each");
+    let mut surfaces = cargo(&["test", "--release", "--package", "io", "--test", "surfaces", "--", "--nocapture"]);
+    Ok(good & succeeds(surfaces.env("SURFACE_GRID", grid).env("SURFACE_PLACEMENTS", placements))?)
 }
 
 /// Runs a short case and reads its files with VTK's own Python reader, in a virtual environment of its own.

@@ -58,7 +58,7 @@ impl<const D: usize> Capsule<D> {
         options: &OverlayOptions,
     ) -> Result<Self, Error> {
         let (mut all, mut touched, mut depth) = (Vec::new(), TouchedCells::default(), Vec::new());
-        surface::collect(surfaces, options, &mut all)?;
+        surface::collect(background, surfaces, options, &mut all)?;
         touched.find(background, &all);
         depths(background, &all, &touched, &mut depth);
         let depth = depth[background.cell(cell)[0].index()];

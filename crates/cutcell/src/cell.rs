@@ -2,7 +2,7 @@
 
 use mesh::{CellId, FacetId};
 
-use crate::clip::{Piece, Points, Polygon, Polygons, Polytopes, Side};
+use crate::clip::{Points, Polygon, Polygons, Polytopes, Side};
 use crate::cut_mesh::for_each_face_simplex;
 use crate::exact::{End, Plane, Planes, crossing};
 use crate::overlay::Cutting;
@@ -137,8 +137,10 @@ impl<const D: usize> CellCut<D> {
         self.polygons.clear();
         self.tree.divide(planes, &mut self.polygons, cell, facets);
         self.tree.find_walls(planes, &mut self.polygons, &mut self.walls);
+        let diameter = planes.background.simplex(cell).diameter();
+        let doubt = 32.0 * f64::EPSILON * diameter.powi(D as i32);
         self.leaf_volumes.clear();
-        self.leaf_volumes.extend(self.tree.leaves().iter().map(Piece::volume));
+        self.leaf_volumes.extend(self.tree.leaves().iter().map(|leaf| leaf.volume(doubt)));
         // The thickest piece contains the mean of its corners beyond doubt.
         let (thickest, _) =
             self.leaf_volumes.iter().enumerate().fold((0, f64::NEG_INFINITY), |best, (leaf, &volume)| {
@@ -146,8 +148,9 @@ impl<const D: usize> CellCut<D> {
             });
         let start = planes.background.vertex(first);
         let at = self.tree.leaves()[thickest].inner_point();
-        let change: i32 =
-            facets.iter().map(|&f| crossing(&start, End::Point(&at), planes.facets[f as usize].points())).sum();
+        // The way from the vertex lies in the cell.
+        let step = |&f: &u32| crossing(&start, End::Point(&at), planes.facets[f as usize].points());
+        let change: i32 = self.tree.near().iter().map(step).sum();
         self.spread(thickest, cutting.depth[first.index()] + change);
         let n_parts = self.number_parts();
         self.volumes.clear();
@@ -161,7 +164,7 @@ impl<const D: usize> CellCut<D> {
         self.wet.extend(self.walls.iter().filter_map(|wall| wet_piece(&self.labels, wall)));
         self.thin.clear();
         self.n_left_out = 0;
-        self.leave_out_thin_parts(planes.background.simplex(cell).diameter(), cutting.thinnest);
+        self.leave_out_thin_parts(diameter, doubt, cutting.thinnest);
         self.wet.sort_by_key(|wet| wet.facet);
     }
 
@@ -285,7 +288,7 @@ impl<const D: usize> CellCut<D> {
         view
     }
 
-    fn leave_out_thin_parts(&mut self, diameter: f64, thinnest: f64) {
+    fn leave_out_thin_parts(&mut self, diameter: f64, doubt: f64, thinnest: f64) {
         // No piece has a larger surface than a box around the cell.
         let most = thinnest * (2 * D) as f64 * diameter.powi(D as i32 - 1);
         let mut is_thin: Vec<bool> = self.volumes.iter().map(|&volume| volume <= most).collect();
@@ -297,7 +300,7 @@ impl<const D: usize> CellCut<D> {
             if let Some(part) = label.part()
                 && is_thin[part as usize]
             {
-                let volume = leaf.volume();
+                let volume = leaf.volume(doubt);
                 is_thin[part as usize] = volume <= 0.0 || volume <= 0.5 * thinnest * leaf.surface();
             }
         }

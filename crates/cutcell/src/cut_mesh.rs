@@ -160,7 +160,8 @@ impl<const D: usize> CutMesh<D> {
         } else {
             for piece in self.part_pieces(part) {
                 piece.for_each_simplex(|points| {
-                    if mesh::Simplex::new(points).volume() > 0.0 {
+                    // Not so small that a weight would be zero.
+                    if mesh::Simplex::new(points).volume() > f64::MIN_POSITIVE {
                         visit(points);
                     }
                 });
@@ -261,7 +262,7 @@ fn simplex_overlap<const D: usize>(a: &[Point<D>], b: &[Point<D>]) -> f64 {
             common = common.behind(&outwards);
         }
     }
-    common.volume()
+    common.volume(0.0)
 }
 
 impl<const D: usize> InterfacePiece<D> {

@@ -21,6 +21,22 @@ pub enum Error {
         /// The vertex.
         vertex: VertexId,
     },
+    /// A coordinate is so large that nothing in the background could be told apart from there.
+    #[error(
+        "body {body}: vertex {vertex} of facet {facet} at {point:?} is too far from the background (beyond {limit:e})"
+    )]
+    TooFar {
+        /// The body.
+        body: BodyId,
+        /// The facet.
+        facet: FacetId,
+        /// The vertex.
+        vertex: VertexId,
+        /// Where it is.
+        point: [f64; 3],
+        /// Largest coordinate of the background times [`crate::FARTHEST`].
+        limit: f64,
+    },
     /// The surface has a rim. Close it: every rim of a facet must be shared with one other facet.
     #[error("body {body}: the surface is open at facet {facet}, near vertex {vertex} at {point:?}")]
     Open {

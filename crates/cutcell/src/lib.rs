@@ -25,6 +25,8 @@
 //!   cells agree.
 //! - Coordinates of corners are exact points rounded: parts and covered pieces of a cell add up to its volume, and
 //!   pieces of a facet to the facet, up to the round-off of the coordinates.
+//! - Coordinates of surfaces below 1e-60 count as zero, those beyond [`FARTHEST`] times the background are refused: products
+//!   stay in the range of numbers.
 //! - Weights of quadrature rules are positive and points lie inside their part.
 //! - Fluid parts thinner than [`OverlayOptions::relative_tolerance`] cell sizes are left out, and the facets behind them
 //!   border the next cell: bodies this close touch, and a facet this close to a face of the background lies on it.
@@ -65,6 +67,7 @@ pub use cut_mesh::{BoundaryPiece, CellState, CutMesh, InterfacePiece, PartFace, 
 pub use error::Error;
 pub use overlay::OverlayOptions;
 pub use report::{CutReport, SLIVER};
+pub use soundness::FARTHEST;
 pub use workspace::{OverlayTimes, Workspace};
 
 pub use mesh;

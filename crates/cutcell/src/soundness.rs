@@ -9,6 +9,10 @@ use rayon::prelude::*;
 use crate::Error;
 use crate::exact::{HalfSpace, pierces};
 
+/// How much larger than those of the background coordinates of a surface may be. A facet that large is known to as many
+/// digits less.
+pub const FARTHEST: f64 = 1e9;
+
 fn in_space<const D: usize>(x: &Point<D>) -> [f64; 3] {
     let mut point = [0.0; 3];
     point[..D].copy_from_slice(x.as_slice());
@@ -18,8 +22,8 @@ fn in_space<const D: usize>(x: &Point<D>) -> [f64; 3] {
 /// Refuses surfaces that do not bound a body.
 ///
 /// # Errors
-/// Surfaces that are empty, open, non-manifold, turned inwards, or have coordinates that are not finite.
-pub(crate) fn check_surface<const D: usize>(body: BodyId, surface: &Placed<'_, D>) -> Result<(), Error> {
+/// Surfaces that are empty, open, non-manifold, turned inwards, or have coordinates that are not finite or beyond a limit.
+pub(crate) fn check_surface<const D: usize>(body: BodyId, surface: &Placed<'_, D>, limit: f64) -> Result<(), Error> {
     let boundary = surface.boundary();
     if boundary.n_facets() == 0 {
         return Err(Error::Empty { body });
@@ -33,6 +37,9 @@ pub(crate) fn check_surface<const D: usize>(body: BodyId, surface: &Placed<'_, D
             let x = surface.positions()[vertex.index()];
             if x.iter().any(|c| !c.is_finite()) {
                 return Err(Error::NotFinite { body, facet, vertex });
+            }
+            if x.amax() > limit {
+                return Err(Error::TooFar { body, facet, vertex, point: in_space(&x), limit });
             }
         }
         for k in 0..D {

@@ -1,10 +1,13 @@
 //! All facets of all surfaces of an overlay, checked.
 
-use mesh::{BodyId, FacetId, Placed, Point, Vector};
+use mesh::{BodyId, FacetId, Placed, Point, SimplexMesh, Vector};
 
 use crate::exact::HalfSpace;
-use crate::soundness::{check_self_intersections, check_surface};
+use crate::soundness::{FARTHEST, check_self_intersections, check_surface};
 use crate::{Error, OverlayOptions};
+
+/// Smaller coordinates are zero: products of three of them would leave the range of numbers.
+const SMALLEST: f64 = 1e-60;
 
 /// One facet of one surface.
 #[derive(Clone, Debug)]
@@ -27,7 +30,10 @@ impl<const D: usize> Facet<D> {
     /// A facet with its `D` corners and their numbers among the vertices of all surfaces.
     pub(crate) fn new(body: BodyId, id: FacetId, corners: &[Point<D>], vertices: [u32; 3]) -> Self {
         let mut points = [Point::zeros(); 4];
-        points[..D].copy_from_slice(corners);
+        for (slot, x) in points.iter_mut().zip(corners) {
+            *slot = x.map(|c| if c.abs() < SMALLEST { 0.0 } else { c });
+        }
+        let corners = &points[..D];
         let normal = mesh::facet_normal(corners);
         let (mut low, mut high) = (points[0], points[0]);
         for x in corners {
@@ -76,15 +82,17 @@ impl<const D: usize> Facet<D> {
 /// # Errors
 /// Surfaces that are refused, see [`Error`].
 pub(crate) fn collect<const D: usize>(
+    background: &SimplexMesh<D>,
     surfaces: &[Placed<'_, D>],
     options: &OverlayOptions,
     facets: &mut Vec<Facet<D>>,
 ) -> Result<(), Error> {
     facets.clear();
+    let extent = background.vertices().iter().fold(0.0_f64, |r, x| r.max(x.amax()));
     let mut first_vertex = 0;
     for (index, surface) in surfaces.iter().enumerate() {
         let body = BodyId::new(index);
-        check_surface(body, surface)?;
+        check_surface(body, surface, FARTHEST * extent)?;
         if options.refuse_self_intersections {
             check_self_intersections(body, surface)?;
         }
@@ -105,7 +113,8 @@ pub(crate) fn collect<const D: usize>(
 
 fn rim_points<const D: usize>(points: &[Point<D>], normal: &Vector<D>, local: usize) -> [Point<D>; 3] {
     let (a, b) = (points[local], points[(local + 1) % D]);
-    let tip = a + normal * (points[1] - points[0]).norm();
+    // As far away as the facet is large, but not so near that round-off turns the plane.
+    let tip = a + normal * (points[1] - points[0]).norm().max(1e-6 * a.amax());
     let mut through = [Point::zeros(); 3];
     match (D, local) {
         (2, 0) => through[..2].copy_from_slice(&[a, tip]),

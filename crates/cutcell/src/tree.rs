@@ -35,6 +35,8 @@ pub(crate) struct Tree<const D: usize> {
     root: Child,
     /// Bit `i`: a facet lies on face `i` of the cell.
     aligned: u8,
+    /// Facets that have a point in common with the closed cell, perhaps.
+    near: Vec<u32>,
 }
 
 /// Where two leaves touch: a polygon between the one behind it and the one in front of it.
@@ -61,7 +63,14 @@ type Visit<'a, const D: usize> = &'a mut dyn FnMut(&mut Polygons<D>, usize, Poly
 impl<const D: usize> Tree<D> {
     /// A tree without leaves.
     pub(crate) fn new() -> Self {
-        Self { nodes: Vec::new(), leaves: Vec::new(), spare: Vec::new(), root: Child::Leaf(0), aligned: 0 }
+        Self {
+            nodes: Vec::new(),
+            leaves: Vec::new(),
+            spare: Vec::new(),
+            root: Child::Leaf(0),
+            aligned: 0,
+            near: Vec::new(),
+        }
     }
 
     /// Divides a cell by the facets (indices) that may touch it.
@@ -69,7 +78,9 @@ impl<const D: usize> Tree<D> {
         self.set_whole(planes, cell);
         let walls = cell_walls(planes, cell);
         for &facet in facets {
-            if let Some(polygon) = clip_to_cell(planes, polygons, &walls, facet, &mut self.aligned) {
+            let Some(crossed) = crossed_walls(planes, &walls, facet) else { continue };
+            self.near.push(facet);
+            if let Some(polygon) = clip_to_cell(planes, polygons, &crossed, facet, &mut self.aligned) {
                 self.root = self.insert(planes, polygons, self.root, facet, polygon);
             }
         }
@@ -81,6 +92,7 @@ impl<const D: usize> Tree<D> {
         self.spare.append(&mut self.leaves);
         self.root = Child::Leaf(0);
         self.aligned = 0;
+        self.near.clear();
         let ids = planes.background.cell_to_facet(cell);
         let mut faces = [Plane::mesh(ids[0]); 4];
         for (slot, &id) in faces.iter_mut().zip(ids) {
@@ -94,6 +106,11 @@ impl<const D: usize> Tree<D> {
     /// Whether a facet lies on a face (local number) of the cell.
     pub(crate) fn is_aligned(&self, face: usize) -> bool {
         self.aligned >> face & 1 == 1
+    }
+
+    /// Facets without any that have no point in common with the closed cell beyond doubt.
+    pub(crate) fn near(&self) -> &[u32] {
+        &self.near
     }
 
     pub(crate) fn leaves(&self) -> &[Piece<D>] {
@@ -266,33 +283,67 @@ fn add_facet<const D: usize>(planes: &Planes<'_, D>, polygons: &mut Polygons<D>,
     polygons.push(plane, (0..D).map(side))
 }
 
-/// A face of a cell, and whether the cell lies in front of it.
-type CellWall<const D: usize> = (Plane, HalfSpace<D>, bool);
-
-fn cell_walls<const D: usize>(planes: &Planes<'_, D>, cell: CellId) -> SmallVec<[CellWall<D>; 4]> {
-    let background = planes.background;
-    let wall = |&face: &FacetId| {
-        // The normals of faces point out of their first cell.
-        let plane = Plane::mesh(face);
-        (plane, planes.half_space(plane), background.facet_to_cell(face)[0] != Some(cell))
-    };
-    background.cell_to_facet(cell).iter().map(wall).collect()
+/// A face of a cell (local number), and whether the cell lies in front of it.
+#[derive(Clone, Copy)]
+struct CellWall<const D: usize> {
+    local: usize,
+    plane: Plane,
+    half_space: HalfSpace<D>,
+    is_in_front: bool,
 }
 
-/// What of a facet lies inside a cell; notes if it lies on a face instead.
+type CellWalls<const D: usize> = SmallVec<[CellWall<D>; 4]>;
+
+fn cell_walls<const D: usize>(planes: &Planes<'_, D>, cell: CellId) -> CellWalls<D> {
+    let background = planes.background;
+    let wall = |(local, &face): (usize, &FacetId)| {
+        // The normals of faces point out of their first cell.
+        let plane = Plane::mesh(face);
+        let is_in_front = background.facet_to_cell(face)[0] != Some(cell);
+        CellWall { local, plane, half_space: planes.half_space(plane), is_in_front }
+    };
+    background.cell_to_facet(cell).iter().enumerate().map(wall).collect()
+}
+
+/// Walls that a facet may cross or touch; `None` if all of it lies strictly beyond one of them.
+fn crossed_walls<'w, const D: usize>(
+    planes: &Planes<'_, D>,
+    walls: &'w [CellWall<D>],
+    facet: u32,
+) -> Option<SmallVec<[&'w CellWall<D>; 4]>> {
+    let mut crossed = SmallVec::new();
+    for wall in walls {
+        let (mut is_beyond, mut is_within) = (true, true);
+        for x in planes.facets[facet as usize].points() {
+            let (distance, doubt) = wall.half_space.distance(x);
+            let outwards = if wall.is_in_front { -distance } else { distance };
+            is_beyond &= outwards > doubt;
+            is_within &= outwards < -doubt;
+        }
+        if is_beyond {
+            return None;
+        }
+        if !is_within {
+            crossed.push(wall);
+        }
+    }
+    Some(crossed)
+}
+
+/// What of a facet lies within walls of a cell; notes if it lies on one instead.
 fn clip_to_cell<const D: usize>(
     planes: &Planes<'_, D>,
     polygons: &mut Polygons<D>,
-    walls: &[CellWall<D>],
+    walls: &[&CellWall<D>],
     facet: u32,
     aligned: &mut u8,
 ) -> Option<Polygon> {
     let whole = add_facet(planes, polygons, facet);
     let mut polygon = whole;
-    for (local, (plane, half_space, is_in_front)) in walls.iter().enumerate() {
-        match (polygons.place(planes, polygon, *plane, half_space), *is_in_front) {
+    for wall in walls {
+        match (polygons.place(planes, polygon, wall.plane, &wall.half_space), wall.is_in_front) {
             (Place::On, _) => {
-                *aligned |= 1 << local;
+                *aligned |= 1 << wall.local;
                 polygons.forget(whole);
                 return None;
             }

@@ -82,7 +82,7 @@ impl<const D: usize> Workspace<D> {
         options: &OverlayOptions,
     ) -> Result<CutMesh<D>, Error> {
         let start = Instant::now();
-        surface::collect(surfaces, options, &mut self.facets)?;
+        surface::collect(background, surfaces, options, &mut self.facets)?;
         self.times.check = start.elapsed();
         let start = Instant::now();
         self.touched.find(background, &self.facets);

@@ -219,3 +219,11 @@ fn needles_whose_volume_is_lost_in_round_off_are_parts() {
     ];
     check_pair(&corners.map(Point::<3>::from));
 }
+
+#[test]
+fn facets_much_smaller_than_the_round_off_of_their_coordinates() {
+    let body = Body::<2>::cuboid(&Point::<2>::zeros(), &Point::<2>::new(0.75, 1e-18));
+    check(&grid(), &[&body], Some(body.volume()));
+    let body = Body::<3>::cuboid(&Point::<3>::zeros(), &Point::<3>::new(0.75, 1e-18, 1e-18));
+    check(&grid(), &[&body], Some(body.volume()));
+}

@@ -290,6 +290,8 @@ fn bad_surfaces_are_refused() {
     assert!(matches!(crossed, Error::SelfIntersection { .. }), "{crossed}");
     let nan = vec![positions[0], P::new(f64::NAN, 0.0), positions[2]];
     assert!(matches!(try_facets(&[0, 1, 1, 2, 2, 0], &nan), Err(Error::NotFinite { .. })));
+    let far = vec![P::new(0.1, 0.1), P::new(0.4, 1e300), P::new(0.2, 0.3)];
+    assert!(matches!(try_facets(&[0, 1, 1, 2, 2, 0], &far), Err(Error::TooFar { limit: 1e9, .. })));
     assert!(matches!(try_facets(&[0, 1, 1, 2, 2, 0, 0, 1, 1, 2, 2, 0], &positions), Err(Error::NonManifold { .. })));
 }
 

@@ -16,7 +16,7 @@ pub(crate) fn face_overlap<const D: usize>(
     out.clear();
     match D {
         2 => {
-            let Some(line) = Line::through(b) else { return 0.0 };
+            let Some(line) = Line::through(a) else { return 0.0 };
             let (a, b) = (line.sorted(a), line.sorted(b));
             let low = if a[0].0 > b[0].0 { a[0] } else { b[0] };
             let high = if a[1].0 < b[1].0 { a[1] } else { b[1] };

@@ -219,10 +219,11 @@ impl<const D: usize> Piece<D> {
         self.close_face(by);
     }
 
-    /// Volume (area in 2D). Simplices that round-off turns inside out count nothing.
-    pub(crate) fn volume(&self) -> f64 {
+    /// Volume (area in 2D), of simplices with no more round-off than `doubt` or exact ones. Those that are inside out count
+    /// nothing.
+    pub(crate) fn volume(&self, doubt: f64) -> f64 {
         let mut volume = 0.0;
-        self.for_each_simplex(|points| volume += signed_volume(points).max(0.0));
+        self.for_each_simplex(|points| volume += signed_volume(points, doubt).max(0.0));
         volume
     }
 
@@ -301,7 +302,7 @@ mod tests {
         let mut simplex = Piece::default();
         simplex.set_simplex(&corners, [Plane::facet(0); 4]);
         let mut pieces = vec![simplex];
-        let volume = pieces[0].volume();
+        let volume = pieces[0].volume(0.0);
         for step in 0..6 {
             let normal = Point::<D>::from_fn(|k, _| ((1 + step * D + k) as f64 * 1.7).sin()).normalize();
             let at = Point::<D>::repeat(0.2 + 0.02 * step as f64);
@@ -317,8 +318,8 @@ mod tests {
             pieces = pieces.iter().flat_map(divide).collect();
         }
         assert!(pieces.len() > 6);
-        assert!(pieces.iter().all(|piece| piece.volume() > 0.0));
-        let sum: f64 = pieces.iter().map(Piece::volume).sum();
+        assert!(pieces.iter().all(|piece| piece.volume(0.0) > 0.0));
+        let sum: f64 = pieces.iter().map(|piece| piece.volume(0.0)).sum();
         assert!((sum - volume).abs() < 1e-14, "{sum} {volume}");
         for piece in &pieces {
             // The cones over the faces from any point, with signs, make up the piece only if the faces close it.

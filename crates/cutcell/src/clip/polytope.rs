@@ -75,8 +75,10 @@ impl<'a, const D: usize> Polytope<'a, D> {
 
     /// Volume (area in 2D). Simplices that round-off turns inside out count nothing.
     pub fn volume(&self) -> f64 {
+        let extent = self.points.iter().fold(0.0_f64, |extent, x| extent.max((x - self.points[0]).amax()));
+        let doubt = 64.0 * f64::EPSILON * extent.powi(D as i32);
         let mut volume = 0.0;
-        self.for_each_simplex(|points| volume += signed_volume(points).max(0.0));
+        self.for_each_simplex(|points| volume += signed_volume(points, doubt).max(0.0));
         volume
     }
 

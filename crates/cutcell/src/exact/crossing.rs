@@ -22,12 +22,11 @@ pub(super) fn determinant<const D: usize>(facet: &[Point<D>], x: &Point<D>) -> f
     }
 }
 
-/// Volume (area in 2D) of a simplex, negative for one turned inside out. Its sign is exact, and a small value is right to a
-/// few digits: needles whose corners differ by little more than round-off keep theirs.
-pub(crate) fn signed_volume<const D: usize>(simplex: &[Point<D>]) -> f64 {
+/// Volume (area in 2D) of a simplex, negative for one turned inside out. If round-off may be as large as `doubt`, its sign is
+/// exact and a small value right to a few digits: needles whose corners differ by little more than round-off keep theirs.
+pub(crate) fn signed_volume<const D: usize>(simplex: &[Point<D>], doubt: f64) -> f64 {
     let volume = mesh::Simplex::new(simplex).volume();
-    let length = simplex[1..].iter().fold(0.0_f64, |length, x| length.max((x - simplex[0]).amax()));
-    if volume.abs() > 32.0 * f64::EPSILON * length.powi(D as i32) {
+    if volume.abs() > doubt {
         return volume;
     }
     match D {
