@@ -7,7 +7,7 @@ use mesh::{BodyId, FacetId, Placed, Point, VertexId};
 use rayon::prelude::*;
 
 use crate::Error;
-use crate::exact::{HalfSpace, pierces};
+use crate::exact::{HalfSpace, is_degenerate, pierces};
 
 /// How much larger than those of the background coordinates of a surface may be. A facet that large is known to as many
 /// digits less.
@@ -124,7 +124,7 @@ fn piercing<const D: usize>(
 ) -> Option<(FacetId, FacetId, [f64; 3])> {
     let boundary = surface.boundary();
     let points = &surface.facet_points(facet)[..D];
-    if surface.facet_normal(facet).iter().all(|c| *c == 0.0) {
+    if is_degenerate(points) {
         return None;
     }
     let (low, high) = points.iter().fold((points[0], points[0]), |(low, high), x| (low.inf(x), high.sup(x)));

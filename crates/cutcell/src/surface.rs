@@ -2,7 +2,7 @@
 
 use mesh::{BodyId, FacetId, Placed, Point, SimplexMesh, Vector};
 
-use crate::exact::HalfSpace;
+use crate::exact::{HalfSpace, is_degenerate};
 use crate::soundness::{FARTHEST, check_self_intersections, check_surface};
 use crate::{Error, OverlayOptions};
 
@@ -34,13 +34,13 @@ impl<const D: usize> Facet<D> {
             *slot = x.map(|c| if c.abs() < SMALLEST { 0.0 } else { c });
         }
         let corners = &points[..D];
-        let normal = mesh::facet_normal(corners);
+        let plane = HalfSpace::through(corners);
+        let normal = plane.normal;
         let (mut low, mut high) = (points[0], points[0]);
         for x in corners {
             low = low.inf(x);
             high = high.sup(x);
         }
-        let plane = HalfSpace::through(corners);
         let rims = std::array::from_fn(|k| HalfSpace::through(&rim_points(corners, &normal, k % D)[..D]));
         Self { body, id, points, vertices, normal, plane, rims, low, high }
     }
@@ -97,14 +97,15 @@ pub(crate) fn collect<const D: usize>(
             check_self_intersections(body, surface)?;
         }
         for id in surface.boundary().facets() {
-            if surface.facet_normal(id).iter().all(|c| *c == 0.0) {
+            let corners = &surface.facet_points(id)[..D];
+            if is_degenerate(corners) {
                 continue;
             }
             let mut vertices = [0; 3];
             for (slot, v) in vertices.iter_mut().zip(surface.boundary().facet(id)) {
                 *slot = first_vertex + v.0;
             }
-            facets.push(Facet::new(body, id, &surface.facet_points(id)[..D], vertices));
+            facets.push(Facet::new(body, id, corners, vertices));
         }
         first_vertex += surface.positions().len() as u32;
     }

@@ -227,3 +227,10 @@ fn facets_much_smaller_than_the_round_off_of_their_coordinates() {
     let body = Body::<3>::cuboid(&Point::<3>::zeros(), &Point::<3>::new(0.75, 1e-18, 1e-18));
     check(&grid(), &[&body], Some(body.volume()));
 }
+
+#[test]
+fn a_needle_with_an_edge_that_is_almost_a_point() {
+    let corners = [[1e-9, 2.0, 0.25], [0.25, 0.25, 0.25], [0.0, 1e-18, 0.0], [0.0, 0.0, 0.0]];
+    let body = Body::simplex(corners.map(Point::<3>::from).to_vec());
+    check(&grid(), &[&body], None);
+}

@@ -155,12 +155,17 @@ impl<const D: usize> Piece<D> {
         for face in 0..self.n_faces() {
             let (plane, corners) = self.loop_of(face);
             let n = corners.len();
-            if corners.iter().all(|&(k, _)| sign * distances[k as usize] >= 0.0) {
+            let (mut is_within, mut is_beyond) = (true, true);
+            for &(k, _) in corners {
+                let outwards = sign * distances[k as usize];
+                is_within &= outwards < 0.0;
+                is_beyond &= outwards >= 0.0;
+            }
+            if is_beyond {
                 continue;
             }
             let start = half.loops.len();
-            on_plane.clear();
-            let mut keep = |corner: usize, side: Plane, is_on_plane: bool| {
+            let mut keep = |corner: usize, side: Plane| {
                 if numbers[corner] == u32::MAX {
                     numbers[corner] = half.corners.len() as u32;
                     half.corners.push(match corner.checked_sub(n_corners) {
@@ -169,18 +174,25 @@ impl<const D: usize> Piece<D> {
                     });
                 }
                 half.loops.push((numbers[corner], side));
-                on_plane.push(is_on_plane);
             };
+            if is_within {
+                corners.iter().for_each(|&(k, side)| keep(k as usize, side));
+                half.close_face(plane);
+                continue;
+            }
+            on_plane.clear();
             for k in 0..n {
                 let ((a, side), (b, _)) = (corners[k], corners[if k + 1 < n { k + 1 } else { 0 }]);
                 let (at, next) = (distances[a as usize], distances[b as usize]);
                 if sign * at <= 0.0 {
-                    keep(a as usize, side, at == 0.0);
+                    keep(a as usize, side);
+                    on_plane.push(at == 0.0);
                 }
                 if (D > 2 || k + 1 < n) && differ(at, next) {
                     let ends = [a.min(b), a.max(b)];
                     let found = crossings.iter().position(|crossing| crossing.0 == ends);
-                    keep(n_corners + found.unwrap_or(0), side, true);
+                    keep(n_corners + found.unwrap_or(0), side);
+                    on_plane.push(true);
                 }
             }
             let n = on_plane.len();

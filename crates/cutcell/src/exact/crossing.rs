@@ -98,8 +98,13 @@ fn coord_3d<const D: usize>(x: &Point<D>) -> Coord3D<f64> {
     Coord3D { x: x[0], y: x[1], z: x[2] }
 }
 
-/// Components of the normal `(b - a) × (c - a)`, with exact signs.
-fn normal<const D: usize>([a, b, c]: [&Point<D>; 3]) -> [f64; 3] {
+/// Whether the corners of a facet coincide (2D) or lie on a line (3D), exactly.
+pub(crate) fn is_degenerate<const D: usize>(facet: &[Point<D>]) -> bool {
+    if D == 2 { facet[0] == facet[1] } else { normal([&facet[0], &facet[1], &facet[2]]) == [0.0; 3] }
+}
+
+/// Components of the normal `(b - a) × (c - a)`, with exact signs, and small ones right to a few digits.
+pub(super) fn normal<const D: usize>([a, b, c]: [&Point<D>; 3]) -> [f64; 3] {
     std::array::from_fn(|k| {
         let along = |x: &Point<D>| Coord { x: x[(k + 1) % 3], y: x[(k + 2) % 3] };
         orient2d(along(a), along(b), along(c))

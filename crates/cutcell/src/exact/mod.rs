@@ -5,5 +5,5 @@ mod integer;
 mod number;
 mod planes;
 
-pub(crate) use crossing::{End, crossing, pierces, signed_volume};
+pub(crate) use crossing::{End, crossing, is_degenerate, pierces, signed_volume};
 pub(crate) use planes::{Corner, HalfSpace, Known, Plane, PlaneKind, Planes};

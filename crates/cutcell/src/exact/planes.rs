@@ -10,7 +10,7 @@ use std::collections::HashMap;
 
 use mesh::{FacetId, Point, SimplexMesh, Vector, facet_normal};
 
-use super::crossing::determinant;
+use super::crossing::{determinant, normal};
 use super::integer::Exact;
 use super::number::{Double, Number};
 use crate::surface::Facet;
@@ -66,11 +66,10 @@ pub(crate) struct HalfSpace<const D: usize> {
 }
 
 impl<const D: usize> HalfSpace<D> {
-    /// Through `D` points.
+    /// Through `D` points that do not coincide (2D) or lie on a line (3D).
     pub(crate) fn through(points: &[Point<D>]) -> Self {
-        let normal = facet_normal(points);
         if D == 2 {
-            return Self { origin: points[0], normal, slack: 16.0 * f64::EPSILON };
+            return Self { origin: points[0], normal: facet_normal(points), slack: 16.0 * f64::EPSILON };
         }
         // The two shortest sides give the normal with the least cancellation.
         let sides = [points[1] - points[0], points[2] - points[1], points[0] - points[2]];
@@ -84,7 +83,13 @@ impl<const D: usize> HalfSpace<D> {
         }
         let length = n.norm();
         let slack = f64::EPSILON * (8.0 * lengths[i] * lengths[j] / length + 8.0);
-        Self { origin: points[j], normal: n / length, slack }
+        if slack < 1e-6 {
+            return Self { origin: points[j], normal: n / length, slack };
+        }
+        // A needle whose width is lost in the round-off of its sides.
+        let n = normal([&points[0], &points[1], &points[2]]);
+        let n = Vector::<D>::from_fn(|k, _| n[k]);
+        Self { origin: points[j], normal: n / n.norm(), slack: 64.0 * f64::EPSILON }
     }
 
     /// Distance of a point from the plane, positive in front of it, and how wrong it may be.
@@ -302,10 +307,46 @@ impl<const D: usize> Planes<'_, D> {
         let off = a.error.max(b.error);
         let doubt = off + half_space.distance(&a.x).1.max(half_space.distance(&b.x).1);
         let error = off + self.resolution + along.norm() * doubt / (at_a - at_b).abs();
-        if error <= 1024.0 * self.resolution {
+        let good = |error: f64| error <= 1024.0 * self.resolution;
+        if good(error) {
             return Corner { x, error, on, vertex: NONE };
         }
-        self.exact_crossing(on, x, error, known)
+        // Errors grow from corner to corner where planes meet at small angles; those of the planes themselves do not.
+        match self.on_planes(&x, &on) {
+            Some((x, error)) if good(error) => Corner { x, error, on, vertex: NONE },
+            _ => self.exact_crossing(on, x, error, known),
+        }
+    }
+
+    /// The point in which planes meet near `x`, by one step of Newton's method, and how far it may be off.
+    fn on_planes(&self, x: &Point<D>, on: &[Plane; 3]) -> Option<(Point<D>, f64)> {
+        let half_spaces = on.map(|plane| self.half_space(plane));
+        let n = half_spaces.map(|half_space| half_space.normal);
+        // Columns of the inverse of the matrix of normals, times its determinant.
+        let columns: [Vector<D>; 3] = std::array::from_fn(|k| {
+            if D == 2 {
+                let other = n[1 - k.min(1)];
+                let sign = if k == 0 { 1.0 } else { -1.0 };
+                return Vector::from_fn(|i, _| if i == 0 { sign * other[1] } else { -sign * other[0] });
+            }
+            let (a, b) = (n[(k + 1) % 3], n[(k + 2) % 3]);
+            Vector::from_fn(|i, _| a[(i + 1) % D] * b[(i + 2) % D] - a[(i + 2) % D] * b[(i + 1) % D])
+        });
+        let determinant = n[0].dot(&columns[0]);
+        if determinant.abs() < 1e-6 {
+            return None;
+        }
+        let mut step = Vector::<D>::zeros();
+        let mut error = 4.0 * self.resolution;
+        for (half_space, column) in half_spaces.iter().zip(&columns).take(D) {
+            let (distance, doubt) = half_space.distance(x);
+            let column = column / determinant;
+            step -= column * distance;
+            error += 2.0 * column.norm() * doubt;
+        }
+        // What the step is wrong by with its normals and its determinant.
+        let slack = half_spaces.iter().fold(16.0 * f64::EPSILON, |slack, half_space| slack.max(half_space.slack));
+        Some((x + step, error + 6.0 * slack / determinant.abs() * step.norm()))
     }
 
     /// A vertex of a surface, if that is where the planes meet.
@@ -348,7 +389,13 @@ impl<const D: usize> Planes<'_, D> {
 /// Length of the normal of a plane through points: what a determinant is to be divided by.
 fn normal_length<const D: usize>(points: &[Point<D>]) -> f64 {
     let measure = mesh::simplex_measure(points);
-    if D == 2 { measure } else { 2.0 * measure }
+    if D == 2 {
+        measure
+    } else if measure > 0.0 {
+        2.0 * measure
+    } else {
+        Vector::<3>::from(normal([&points[0], &points[1], &points[2]])).norm()
+    }
 }
 
 /// The point in which planes meet: numerators of the coordinates, and their common denominator.
