@@ -80,7 +80,12 @@ impl BlockSystem {
         self
     }
 
-    fn assemble_linear(&mut self, contributions: &[&dyn Contributions]) {
+    /// Evaluates the linear contributions anew on the known pattern: for items whose dofs stayed what they were while
+    /// their coefficients changed. Matrix and residual are those at x = 0 without the nonlinear ones.
+    ///
+    /// # Panics
+    /// The contributions do not belong to this system.
+    pub fn assemble_linear(&mut self, contributions: &[&dyn Contributions]) {
         let n = self.pattern.n_unknowns();
         self.residual.clear();
         self.residual.resize(n, 0.0);

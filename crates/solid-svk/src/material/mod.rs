@@ -1,9 +1,11 @@
 //! Material laws: stored energy, first Piola stress and its directional derivative.
 
 mod check;
+mod linear_elastic;
 mod saint_venant_kirchhoff;
 
 pub use check::{MaterialCheck, check_material};
+pub use linear_elastic::LinearElastic;
 pub use saint_venant_kirchhoff::SaintVenantKirchhoff;
 
 use mesh::Tensor;
@@ -30,6 +32,11 @@ pub trait Material<const D: usize>: Send + Sync + std::fmt::Debug {
 
     /// Cauchy stress normal to the plane in plane strain; without meaning, and never asked for, in 3D.
     fn out_of_plane_stress(&self, f: &Tensor<D>) -> f64;
+
+    /// Whether the stress is linear in `f - I`; internal work is then assembled once per nonlinear solve.
+    fn is_linear(&self) -> bool {
+        false
+    }
 }
 
 /// Lame parameters of an isotropic material; in 2D those of plane strain, which are the same numbers.
