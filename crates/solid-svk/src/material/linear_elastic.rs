@@ -1,6 +1,6 @@
 //! Linear elasticity: Hooke's law between infinitesimal strain and stress.
 
-use mesh::{Tensor, sym};
+use mesh::{MAX_CELL_VERTICES, Tensor, Vector, sym};
 
 use super::{LameParameters, Material};
 
@@ -46,6 +46,25 @@ impl<const D: usize> Material<D> for LinearElastic {
         self.hooke(h)
     }
 
+    /// `K_ij = λ g_i ⊗ g_j + μ g_j ⊗ g_i + μ (g_i·g_j) I`.
+    #[inline]
+    fn for_each_stiffness(
+        &self,
+        _f: &Tensor<D>,
+        g: &[Vector<D>; MAX_CELL_VERTICES],
+        visit: &mut dyn FnMut(usize, usize, &Tensor<D>),
+    ) {
+        let LameParameters { mu, lambda } = self.lame;
+        for i in 0..=D {
+            for j in 0..=i {
+                let mut block = g[i] * g[j].transpose() * lambda + g[j] * g[i].transpose() * mu;
+                let diagonal = mu * g[i].dot(&g[j]);
+                (0..D).for_each(|a| block[(a, a)] += diagonal);
+                visit(i, j, &block);
+            }
+        }
+    }
+
     /// `λ tr e`, as `e_zz = 0`.
     #[inline]
     fn out_of_plane_stress(&self, f: &Tensor<D>) -> f64 {
@@ -68,7 +87,10 @@ mod tests {
 
     fn is_consistent<const D: usize>() {
         let check = check_material::<D>(&LinearElastic::new(lame()), 20);
-        assert!(check.first_piola.max(check.derivative).max(check.reference_stress) < 1e-8, "{check:?}");
+        assert!(
+            check.first_piola.max(check.derivative).max(check.stiffness).max(check.reference_stress) < 1e-8,
+            "{check:?}"
+        );
         assert!(check.objectivity > 1e-3, "finite rotations strain a linear material: {check:?}");
     }
 
