@@ -71,7 +71,8 @@ impl Stripes {
         mut tangent: Option<&'a mut [f64]>,
     ) -> Vec<Stripe<'a>> {
         let column_ptr = pattern.column_ptr();
-        let mut stripes: Vec<Stripe<'a>> = (0..self.n).map(|_| Stripe { blocks: Vec::new() }).collect();
+        let mut stripes: Vec<Stripe<'a>> =
+            (0..self.n).map(|_| Stripe { is_whole: self.n == 1, blocks: Vec::new() }).collect();
         for (stripe, range) in &self.ranges {
             let entries = column_ptr[range.start] as usize..column_ptr[range.end] as usize;
             let (of_block, rest) = residual.split_at_mut(range.len());
@@ -90,6 +91,8 @@ impl Stripes {
 
 /// What one thread writes.
 pub(crate) struct Stripe<'a> {
+    /// Whether it is the only one: its one block has everything, and nothing is looked up.
+    is_whole: bool,
     blocks: Vec<Block<'a>>,
 }
 
@@ -106,11 +109,7 @@ impl Stripe<'_> {
     /// Adds those columns of an item that belong to this stripe; `positions` and `tangent` are stored column by column.
     #[inline]
     pub(crate) fn add(&mut self, dofs: &[DofId], positions: &[u32], residual: &[f64], tangent: &[f64]) {
-        if let [block] = self.blocks.as_mut_slice()
-            && block.first_entry == 0
-            && block.first == 0
-        {
-            // One stripe with everything in it: nothing to look up.
+        if let Some(block) = self.blocks.first_mut().filter(|_| self.is_whole) {
             for (dof, value) in dofs.iter().zip(residual) {
                 block.residual[dof.index()] += value;
             }
