@@ -1,5 +1,7 @@
 //! The global residual and tangent of one nonlinear solve.
 
+use std::time::Instant;
+
 use crate::scatter::{Affine, Scatter, Stripes, Work};
 use crate::{BlockLayout, Constraints, Contributions, DofId, MatrixView, Pattern, Unknowns};
 
@@ -47,6 +49,7 @@ pub struct BlockSystem {
     pub(crate) keys: Vec<u64>,
     has_nonlinear: bool,
     timings: Vec<ContributionTiming>,
+    seconds_pattern: f64,
     scatter: Scatter,
     affine: Affine,
 }
@@ -71,11 +74,13 @@ impl BlockSystem {
         let n = layout.len();
         self.layout = layout.clone();
         self.keys.clear();
+        let begin = Instant::now();
         let pattern_changed = self.pattern.rebuild(n, contributions);
         let n_stripes = Stripes::wanted(n);
         if pattern_changed || n_stripes != self.stripes.len() {
             self.stripes = self.stripes.recycle(n_stripes, layout, &self.pattern);
         }
+        self.seconds_pattern = begin.elapsed().as_secs_f64();
         self.constrained.clear();
         self.constrained.resize(n, false);
         self.prescribed.clear();
@@ -251,6 +256,11 @@ impl BlockSystem {
     /// Whether every contribution is linear.
     pub fn is_linear(&self) -> bool {
         !self.has_nonlinear
+    }
+
+    /// Wall-clock time in which the pattern was built, or found to be known.
+    pub fn seconds_pattern(&self) -> f64 {
+        self.seconds_pattern
     }
 
     /// Times per contribution since the system was built.
