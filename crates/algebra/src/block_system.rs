@@ -129,12 +129,11 @@ impl BlockSystem {
         let n = self.pattern.n_unknowns();
         let mut residual = std::mem::take(&mut self.linear_residual);
         let mut values = std::mem::take(&mut self.linear_values);
-        residual.clear();
         residual.resize(n, 0.0);
-        values.clear();
         values.resize(self.pattern.n_entries(), 0.0);
-        let origin = std::mem::take(&mut self.residual);
-        let mut origin = Self::zeros(origin, n);
+        let mut origin = std::mem::take(&mut self.residual);
+        origin.clear();
+        origin.resize(n, 0.0);
         self.add(contributions, true, &origin, &mut residual, Some(&mut values));
         let (column_ptr, rows) = (self.pattern.column_ptr(), self.pattern.rows());
         for &(dof, prescribed) in self.prescribed.iter().filter(|(_, prescribed)| *prescribed != 0.0) {
@@ -148,13 +147,6 @@ impl BlockSystem {
         origin.copy_from_slice(&residual);
         (self.residual, self.linear_residual, self.linear_values) = (origin, residual, values);
         self.matrix_is_linear = true;
-    }
-
-    /// Zeros in old memory.
-    fn zeros(mut memory: Vec<f64>, n: usize) -> Vec<f64> {
-        memory.clear();
-        memory.resize(n, 0.0);
-        memory
     }
 
     /// Evaluates residual and matrix at `x`, which satisfies the constraints.
@@ -195,7 +187,7 @@ impl BlockSystem {
         self.residual = residual;
     }
 
-    /// Adds the linear or the nonlinear contributions.
+    /// Adds the linear contributions to zero, or the nonlinear ones to what is there.
     fn add(
         &mut self,
         contributions: &[&dyn Contributions],
@@ -215,7 +207,8 @@ impl BlockSystem {
         }
         let with_tangent = values.is_some();
         let dealt = self.stripes.deal(&self.pattern, residual, values);
-        self.scatter.add(&works, x, &self.stripes, dealt, with_tangent, |index, seconds| {
+        let how = (linear, with_tangent);
+        self.scatter.add(&works, x, &self.stripes, dealt, how, |index, seconds| {
             self.timings[index].calls += 1;
             self.timings[index].seconds += seconds;
         });

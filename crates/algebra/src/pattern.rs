@@ -33,6 +33,7 @@ struct Scratch {
     incidence: Vec<Incidence>,
     /// One number per row, with a meaning of its own in each pass.
     mark: Vec<u32>,
+    /// Rows in the order in which they were found, then the positions of the mirror images of the entries.
     unsorted: Vec<u32>,
     signature: Vec<u64>,
     /// What `first_item`, `first_dof` and `dofs` were before.
@@ -81,7 +82,7 @@ impl Pattern {
         self.sort_by_column(n);
         self.collect_rows(n);
         self.sort_rows(n);
-        self.map_items(n);
+        self.map_items();
         self.group_nodes(n);
         true
     }
@@ -149,23 +150,28 @@ impl Pattern {
         }
     }
 
-    /// Finds the rows of each column, in any order.
+    /// Finds the rows of each column, in any order, and writes to `positions` where in that order each entry stands.
     fn collect_rows(&mut self, n: usize) {
-        let Scratch { first_incidence, incidence, mark, unsorted, .. } = &mut self.scratch;
+        let Scratch { first_incidence, incidence, mark: place, unsorted, .. } = &mut self.scratch;
         unsorted.clear();
         self.column_ptr.clear();
         self.column_ptr.push(0);
-        mark.clear();
-        mark.resize(n, u32::MAX);
+        self.positions.resize(self.first_position.last().copied().unwrap_or(0), 0);
+        place.clear();
+        place.resize(n, u32::MAX);
         for column in 0..n {
-            mark[column] = column as u32;
+            // Places before the first of this column are those of other columns.
+            let first = unsorted.len() as u32;
+            place[column] = first;
             unsorted.push(column as u32);
             for item in &incidence[first_incidence[column]..first_incidence[column + 1]] {
-                for row in &self.dofs[item.dofs()] {
-                    if mark[row.index()] != column as u32 {
-                        mark[row.index()] = column as u32;
+                for (entry, row) in self.positions[item.positions()].iter_mut().zip(&self.dofs[item.dofs()]) {
+                    let place = &mut place[row.index()];
+                    if *place == u32::MAX || *place < first {
+                        *place = unsorted.len() as u32;
                         unsorted.push(row.0);
                     }
+                    *entry = *place;
                 }
             }
             assert!(unsorted.len() < u32::MAX as usize, "too many entries");
@@ -173,30 +179,33 @@ impl Pattern {
         }
     }
 
-    /// Sorts the rows: the pattern is symmetric, and columns visited in order append themselves to their rows in order.
+    /// Sorts the rows: the pattern is symmetric, and columns visited in order append themselves to their rows in order. So
+    /// each entry learns where its mirror image comes to stand.
     fn sort_rows(&mut self, n: usize) {
-        let Scratch { mark: next, unsorted, .. } = &mut self.scratch;
+        let Scratch { mark: next, unsorted: mirror, .. } = &mut self.scratch;
         next.copy_from_slice(&self.column_ptr[..n]);
-        self.rows.resize(unsorted.len(), 0);
+        self.rows.resize(mirror.len(), 0);
         for column in 0..n {
-            for &row in &unsorted[self.column_ptr[column] as usize..self.column_ptr[column + 1] as usize] {
-                self.rows[next[row as usize] as usize] = column as u32;
-                next[row as usize] += 1;
+            for entry in &mut mirror[self.column_ptr[column] as usize..self.column_ptr[column + 1] as usize] {
+                let next = &mut next[*entry as usize];
+                self.rows[*next as usize] = column as u32;
+                *entry = *next;
+                *next += 1;
             }
         }
     }
 
-    /// Writes the scatter map.
-    fn map_items(&mut self, n: usize) {
-        let Scratch { first_incidence, incidence, mark: position, .. } = &mut self.scratch;
-        self.positions.resize(self.first_position.last().copied().unwrap_or(0), 0);
-        for column in 0..n {
-            for k in self.column_ptr[column]..self.column_ptr[column + 1] {
-                position[self.rows[k as usize] as usize] = k;
-            }
-            for item in &incidence[first_incidence[column]..first_incidence[column + 1]] {
-                for (entry, row) in self.positions[item.positions()].iter_mut().zip(&self.dofs[item.dofs()]) {
-                    *entry = position[row.index()];
+    /// Writes the scatter map: the position of an entry of an item is that of the mirror image of its mirror image.
+    fn map_items(&mut self) {
+        let mirror = &self.scratch.unsorted;
+        for (range, dofs) in self.first_position.windows(2).zip(self.first_dof.windows(2)) {
+            let (positions, len) = (&mut self.positions[range[0]..range[1]], dofs[1] - dofs[0]);
+            for column in 0..len {
+                for row in 0..=column {
+                    let (upper, lower) = (column * len + row, row * len + column);
+                    let of_upper = mirror[positions[lower] as usize];
+                    positions[lower] = mirror[positions[upper] as usize];
+                    positions[upper] = of_upper;
                 }
             }
         }

@@ -33,20 +33,23 @@ pub(crate) struct Scatter {
 }
 
 impl Scatter {
-    /// Adds all items of some contributions to the stripes that were dealt out, and tells the time that each took: that of
-    /// the slowest stripe.
+    /// Adds all items of some contributions to what the stripes that were dealt out hold, or to zero, and tells the time that
+    /// each took: that of the slowest stripe.
     pub(crate) fn add(
         &mut self,
         works: &[Work<'_>],
         x: &[f64],
         stripes: &Stripes,
         mut dealt: Vec<Stripe<'_>>,
-        with_tangent: bool,
+        (from_zero, with_tangent): (bool, bool),
         mut tell: impl FnMut(usize, f64),
     ) {
         self.of_stripe.resize_with(stripes.len(), Default::default);
         let n_rounds = works.iter().map(|work| work.map.len()).max().unwrap_or(0).div_ceil(ITEMS_PER_ROUND);
         let run = |(k, (stripe, (local, seconds))): (usize, (&mut Stripe<'_>, &mut (LocalSystem, Vec<f64>)))| {
+            if from_zero {
+                stripe.clear();
+            }
             seconds.clear();
             seconds.resize(works.len(), 0.0);
             for round in 0..n_rounds {

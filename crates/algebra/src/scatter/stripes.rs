@@ -106,6 +106,14 @@ struct Block<'a> {
 }
 
 impl Stripe<'_> {
+    /// Sets everything to zero: each thread its own, as reading and writing memory is a good part of an assembly.
+    pub(crate) fn clear(&mut self) {
+        for block in &mut self.blocks {
+            block.residual.fill(0.0);
+            block.columns.iter_mut().for_each(|columns| columns.fill(0.0));
+        }
+    }
+
     /// Adds those columns of an item that belong to this stripe; `positions` and `tangent` are stored column by column.
     #[inline]
     pub(crate) fn add(&mut self, dofs: &[DofId], positions: &[u32], residual: &[f64], tangent: &[f64]) {
