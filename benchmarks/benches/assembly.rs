@@ -60,6 +60,8 @@ fn known_pattern(c: &mut Criterion) {
     elasticity::<2>(&mut group, "finite-elasticity/2d/n448", 448, SaintVenantKirchhoff::new(lame));
     elasticity::<3>(&mut group, "finite-elasticity/3d/n32", 32, SaintVenantKirchhoff::new(lame));
     cut_stokes(&mut group, "2d/n256", UnfittedStokes::around_disk(256, StokesWeights::PUBLISHED));
+    let published = UnfittedStokes::around_disk(256, StokesWeights::PUBLISHED).with_published_forms();
+    cut_stokes(&mut group, "2d/n256/published-forms", published);
     cut_stokes(&mut group, "3d/n32", UnfittedStokes::around_sphere(32, StokesWeights::PUBLISHED));
     let setup = whirl(224);
     with_first_problem(&setup, |problem, x| {

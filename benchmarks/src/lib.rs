@@ -16,6 +16,7 @@ use solver::{
     State, StepForms, StepGeometry, StepSystem, SupportKind,
 };
 
+mod published_forms;
 mod unfitted_stokes;
 
 pub use unfitted_stokes::{StokesErrors, StokesProblem, StokesWeights, UnfittedStokes};

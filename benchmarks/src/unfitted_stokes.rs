@@ -13,12 +13,13 @@ use mesh::generate::structured_box;
 use mesh::{BoundaryMesh, Placed, Point, SimplexMesh, Tensor, Vector, VertexId};
 use xfem_space::{BoundaryValues, FaceValues, PartValues, XfemSpace, boundary_dofs};
 
+use crate::published_forms::{TransposedGradient, project_sides};
 use crate::{BODY_CENTRE, polygon, sphere};
 
 /// Radius of the disk.
 const RADIUS: f64 = 0.2;
 /// Dynamic viscosity.
-const VISCOSITY: f64 = 1.0;
+pub(crate) const VISCOSITY: f64 = 1.0;
 /// Degree of quadrature of the forms.
 const DEGREE: usize = 2;
 /// Degree of quadrature of the errors.
@@ -44,7 +45,7 @@ impl StokesWeights {
 }
 
 /// Velocity of the solution, `(sin πx cos πy, -cos πx sin πy)`, without third component.
-fn velocity<const D: usize>(x: &Point<D>, _time: f64) -> Vector<D> {
+pub(crate) fn velocity<const D: usize>(x: &Point<D>, _time: f64) -> Vector<D> {
     let ((sx, cx), (sy, cy)) = ((PI * x[0]).sin_cos(), (PI * x[1]).sin_cos());
     let mut u = Vector::zeros();
     u[0] = sx * cy;
@@ -78,6 +79,11 @@ fn force<const D: usize>(x: &Point<D>, _time: f64) -> Vector<D> {
     f
 }
 
+/// Traction of the solution with the published forms, `μ ∇u n - p n`.
+fn published_traction<const D: usize>(x: &Point<D>, n: &Vector<D>, _time: f64) -> Vector<D> {
+    velocity_gradient(x) * n * VISCOSITY - n * pressure(x)
+}
+
 /// Traction of the solution, `T n`.
 fn traction<const D: usize>(x: &Point<D>, n: &Vector<D>, _time: f64) -> Vector<D> {
     NewtonianFluid { density: 1.0, viscosity: VISCOSITY }.stress(pressure(x), &velocity_gradient(x)) * n
@@ -89,17 +95,18 @@ fn traction<const D: usize>(x: &Point<D>, n: &Vector<D>, _time: f64) -> Vector<D
 /// The background has N² squares of two triangles, or N³ cubes of six tetrahedra.
 pub struct UnfittedStokes<const D: usize> {
     weights: StokesWeights,
-    background: SimplexMesh<D>,
-    cut: CutMesh<D>,
-    space: XfemSpace<D>,
-    parts: PartValues<D>,
+    has_published_forms: bool,
+    pub(crate) background: SimplexMesh<D>,
+    pub(crate) cut: CutMesh<D>,
+    pub(crate) space: XfemSpace<D>,
+    pub(crate) parts: PartValues<D>,
     faces: FaceValues<D>,
-    pieces: PieceValues<D>,
+    pub(crate) pieces: PieceValues<D>,
     at_rest: Vec<Vector<D>>,
     layout: BlockLayout,
     velocity: FieldId,
     pressure: FieldId,
-    constraints: Constraints,
+    pub(crate) constraints: Constraints,
     mortar: MortarForm,
 }
 
@@ -110,6 +117,7 @@ pub struct StokesProblem<'a, const D: usize> {
     faces: FluidFaces<'a, D>,
     outlet: OpenBoundary<'a, D>,
     interface: InterfacePieces<'a, D>,
+    transposed_gradient: Option<TransposedGradient<'a, D>>,
 }
 
 /// Errors of a discrete solution over the fluid.
@@ -145,6 +153,7 @@ impl<const D: usize> UnfittedStokes<D> {
         }
         Self {
             weights,
+            has_published_forms: false,
             at_rest: vec![Vector::zeros(); space.len()],
             mortar: MortarForm::new(NewtonianFluid { density: 1.0, viscosity: VISCOSITY }, weights.nitsche),
             background,
@@ -207,7 +216,10 @@ impl<const D: usize> UnfittedStokes<D> {
                 geometry: &geometry,
                 fields,
                 values: BoundaryValues::new(&self.background, &self.cut, right, DEGREE + 1),
-                traction: Traction { traction: Some(&traction), time: 0.0 },
+                traction: Traction {
+                    traction: Some(if self.has_published_forms { &published_traction } else { &traction }),
+                    time: 0.0,
+                },
                 backflow: None,
             },
             interface: InterfacePieces {
@@ -217,6 +229,7 @@ impl<const D: usize> UnfittedStokes<D> {
                 bodies: &[BodySide::Prescribed { velocity: &velocity, time: 0.0 }],
                 form: &self.mortar,
             },
+            transposed_gradient: self.has_published_forms.then_some(TransposedGradient { stokes: self, fields }),
         })
     }
 
@@ -271,6 +284,15 @@ impl UnfittedStokes<2> {
         let n_edges = (std::f64::consts::TAU * RADIUS * f64::from(n)).round() as u32;
         Self::new(n, &polygon(BODY_CENTRE, RADIUS, n_edges), weights)
     }
+
+    /// The same with the viscous form and the data on the sides of the published comparison: `μ (∇u, ∇v)` and a local L2
+    /// projection. Only for comparing errors.
+    #[must_use]
+    pub fn with_published_forms(mut self) -> Self {
+        self.has_published_forms = true;
+        project_sides(&mut self);
+        self
+    }
 }
 
 impl UnfittedStokes<3> {
@@ -287,7 +309,9 @@ impl<const D: usize> NonlinearProblem for StokesProblem<'_, D> {
     }
 
     fn contributions(&self) -> Vec<&dyn Contributions> {
-        vec![&self.cells, &self.faces, &self.outlet, &self.interface]
+        let mut all: Vec<&dyn Contributions> = vec![&self.cells, &self.faces, &self.outlet, &self.interface];
+        all.extend(self.transposed_gradient.iter().map(|c| c as &dyn Contributions));
+        all
     }
 
     fn constraints(&self) -> &Constraints {

@@ -103,8 +103,8 @@ impl Pattern {
             for item in 0..contribution.len() {
                 contribution.dofs(item, dofs);
                 let first = first_dof.last().copied().unwrap_or(0);
-                if let Some(dof) = dofs[first..].iter().find(|dof| dof.index() >= n) {
-                    panic!("{} item {item}: dof {} of {n}", contribution.name(), dof.index());
+                for dof in &dofs[first..] {
+                    assert!(dof.index() < n, "{} item {item}: dof {} of {n}", contribution.name(), dof.index());
                 }
                 first_dof.push(dofs.len());
             }
