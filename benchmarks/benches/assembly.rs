@@ -1,12 +1,17 @@
-//! Assembly: the pattern, each contribution alone, and the whole system.
+//! Assembly: the pattern, each contribution alone, the whole system, and the forms that peers are measured with.
 
 use std::collections::BTreeSet;
 use std::hint::black_box;
 use std::time::Duration;
 
-use algebra::{BlockSystem, NonlinearProblem};
-use benchmarks::{RESOLUTIONS, falling_ball, with_first_problem};
-use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use algebra::{BlockSystem, Constraints, NonlinearProblem};
+use benchmarks::{
+    RESOLUTIONS, StokesWeights, UnfittedStokes, elastic_box, falling_ball, whirl, with_first_problem,
+    with_internal_work,
+};
+use criterion::measurement::WallTime;
+use criterion::{BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use solid_svk::{LameParameters, LinearElastic, Material, SaintVenantKirchhoff};
 
 fn assembly(c: &mut Criterion) {
     let mut group = c.benchmark_group("assembly");
@@ -45,5 +50,56 @@ fn assembly(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, assembly);
+/// What peers are measured with, in elements per second with a known pattern. For comparison: `RAYON_NUM_THREADS=1`.
+fn known_pattern(c: &mut Criterion) {
+    let mut group = c.benchmark_group("assembly");
+    group.sample_size(10).measurement_time(Duration::from_secs(3)).warm_up_time(Duration::from_millis(500));
+    let lame = LameParameters { mu: 1.0, lambda: 2.0 };
+    elasticity::<2>(&mut group, "elasticity/2d/n448", 448, LinearElastic::new(lame));
+    elasticity::<3>(&mut group, "elasticity/3d/n32", 32, LinearElastic::new(lame));
+    elasticity::<2>(&mut group, "finite-elasticity/2d/n448", 448, SaintVenantKirchhoff::new(lame));
+    elasticity::<3>(&mut group, "finite-elasticity/3d/n32", 32, SaintVenantKirchhoff::new(lame));
+    cut_stokes(&mut group, "2d/n256", UnfittedStokes::around_disk(256, StokesWeights::PUBLISHED));
+    let published = UnfittedStokes::around_disk(256, StokesWeights::PUBLISHED).with_published_forms();
+    cut_stokes(&mut group, "2d/n256/published-forms", published);
+    cut_stokes(&mut group, "3d/n32", UnfittedStokes::around_sphere(32, StokesWeights::PUBLISHED));
+    let setup = whirl(224);
+    with_first_problem(&setup, |problem, x| {
+        let all = problem.contributions();
+        let mut system = BlockSystem::new(problem.layout(), &all, problem.constraints());
+        group.throughput(Throughput::Elements(setup.background.n_cells() as u64));
+        group.bench_function("navier-stokes/2d/n224", |b| b.iter(|| system.assemble(&all, x)));
+    });
+    group.finish();
+}
+
+/// Matrix and residual of the internal work of a box.
+fn elasticity<const D: usize>(
+    group: &mut BenchmarkGroup<'_, WallTime>,
+    id: &str,
+    n: usize,
+    material: impl Material<D> + 'static,
+) {
+    let body = elastic_box::<D>(n, material);
+    group.throughput(Throughput::Elements(body.0.mesh().n_cells() as u64));
+    with_internal_work(&body, |layout, work, x| {
+        let mut system = BlockSystem::new(layout, &[work], &Constraints::new());
+        group.bench_function(id, |b| {
+            b.iter(|| if work.is_linear() { system.assemble_linear(&[work]) } else { system.assemble(&[work], x) });
+        });
+    });
+}
+
+/// Weights of the faces, matrix and right-hand side; and before that the shape values on parts, faces and pieces.
+fn cut_stokes<const D: usize>(group: &mut BenchmarkGroup<'_, WallTime>, place: &str, mut stokes: UnfittedStokes<D>) {
+    group.throughput(Throughput::Elements(stokes.n_active() as u64));
+    let mut system = stokes
+        .with_problem(|problem| BlockSystem::new(problem.layout(), &problem.contributions(), problem.constraints()));
+    group.bench_function(format!("cut-stokes/{place}"), |b| {
+        b.iter(|| stokes.with_problem(|problem| system.assemble_linear(&problem.contributions())));
+    });
+    group.bench_function(format!("cut-stokes-shapes/{place}"), |b| b.iter(|| stokes.evaluate_shapes()));
+}
+
+criterion_group!(benches, assembly, known_pattern);
 criterion_main!(benches);

@@ -3,7 +3,7 @@
 use std::hint::black_box;
 use std::time::Duration;
 
-use benchmarks::{RESOLUTIONS, background, ball, polygon, sphere};
+use benchmarks::{BODY_CENTRE, RESOLUTIONS, background, ball, polygon, sphere};
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use cutcell::{CutMesh, OverlayOptions, Workspace};
 use mesh::generate::structured_box;
@@ -43,7 +43,7 @@ fn explicit_surfaces(c: &mut Criterion) {
     group.sample_size(10).measurement_time(Duration::from_secs(4)).warm_up_time(Duration::from_millis(500));
     for (n, edges) in [(128, 256), (256, 256), (256, 4096), (512, 256)] {
         let background = structured_box::<2>([-0.5; 2], [0.5; 2], [n; 2]).expect("a box");
-        let (positions, boundary) = polygon(CENTRE, 0.4, edges);
+        let (positions, boundary) = polygon(BODY_CENTRE, 0.4, edges);
         let id = BenchmarkId::new("disk", format!("2d/{n}/{edges}"));
         let mut workspace = Workspace::new();
         group.bench_function(id, |b| {
@@ -64,7 +64,7 @@ fn explicit_surfaces(c: &mut Criterion) {
     group.throughput(Throughput::Elements(1));
     for n in [16, 32, 64] {
         let background = structured_box::<3>([-0.5; 3], [0.5; 3], [n; 3]).expect("a box");
-        let (positions, boundary) = sphere(CENTRE, 0.4, (0.63 * n as f64) as u32);
+        let (positions, boundary) = sphere(BODY_CENTRE, 0.4, (0.63 * n as f64) as u32);
         let id = BenchmarkId::new("sphere", format!("3d/{n}"));
         let mut workspace = Workspace::new();
         group.bench_function(id, |b| {
@@ -73,9 +73,6 @@ fn explicit_surfaces(c: &mut Criterion) {
     }
     group.finish();
 }
-
-/// Where the peers put it, too.
-const CENTRE: [f64; 3] = [0.041_421_356_237_309_5, 0.073_205_080_756_887_7, 0.023_606_797_749_979];
 
 fn overlay_with_rules<const D: usize>(
     workspace: &mut Workspace<D>,

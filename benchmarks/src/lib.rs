@@ -1,18 +1,25 @@
 //! Fixtures of the benchmarks: a ball in a box at three resolutions.
 
-use algebra::{BlockSystem, NewtonSettings, NonlinearProblem};
+use std::sync::Arc;
+
+use algebra::{BlockLayout, BlockSystem, Contributions, NewtonSettings, NonlinearProblem};
 use contact::{ContactForm, Penalty, RigidPlane};
 use cutcell::{CutMesh, OverlayOptions};
 use fluid_ns::NewtonianFluid;
 use fluid_ns::terms::CipProfile;
-use mesh::generate::{BallOptions, Size, graded_box, half_ball};
+use mesh::generate::{BallOptions, Size, graded_box, half_ball, structured_box};
 use mesh::{BodyId, BoundaryMesh, Point, SimplexMesh, Vector, VertexId};
 use solid_svk::boundary::{tagged_facets, vertices_of};
-use solid_svk::{LameParameters, SaintVenantKirchhoff, SolidForm, SolidMesh};
+use solid_svk::{LameParameters, Material, SaintVenantKirchhoff, SolidCells, SolidForm, SolidMesh, StepRule};
 use solver::{
     Body, BodyKind, BodySupport, Contact, ContactObstacle, ElasticBody, FluidBoundary, FluidSetup, FsiProblem, Setup,
     State, StepForms, StepGeometry, StepSystem, SupportKind,
 };
+
+mod published_forms;
+mod unfitted_stokes;
+
+pub use unfitted_stokes::{StokesErrors, StokesProblem, StokesWeights, UnfittedStokes};
 
 // The code of the README and of the guides is compiled here, where all libraries are in sight.
 #[cfg(doctest)]
@@ -55,6 +62,9 @@ pub fn ball(resolution: Resolution) -> SimplexMesh<2> {
     let options = BallOptions { area_preserving: false };
     half_ball([0.0, 4.0 + GAP], 4.0, resolution.fine, &options).expect("a ball of positive radius and size")
 }
+
+/// Centre of disk and sphere in boxes around the origin: where the peers put it, too.
+pub const BODY_CENTRE: [f64; 3] = [0.041_421_356_237_309_5, 0.073_205_080_756_887_7, 0.023_606_797_749_979];
 
 /// A disk as a surface: a polygon with its corners on the circle around the first two coordinates of `centre`.
 pub fn polygon(centre: [f64; 3], radius: f64, n_edges: u32) -> (Vec<Point<2>>, BoundaryMesh<2>) {
@@ -145,6 +155,52 @@ pub fn falling_ball(resolution: Resolution) -> Setup<2> {
         newton: NewtonSettings::new(1e-8),
         overlay: OverlayOptions::new(),
     }
+}
+
+/// Fluid that turns in a box of N x N squares without bodies: convection, and interior penalties on all faces.
+pub fn whirl(n: usize) -> Setup<2> {
+    let background = structured_box([0.0, 0.0], [1.0, 1.0], [n, n]).expect("a box");
+    let walls = ["left", "right", "bottom", "top"].map(|name| background.tag(name).expect("sides of a box are tagged"));
+    Setup {
+        fluid: FluidSetup {
+            material: NewtonianFluid { density: 1.0, viscosity: 1e-2 },
+            cip: CipProfile::Consistent { gamma_u: 0.1 },
+            gamma_pressure: 0.1,
+            gamma_ghost: 1.0,
+            convection: Some(false),
+            body_force: None,
+            initial_velocity: Some(Arc::new(|x| Vector::<2>::new(x[1] - 0.5, 0.5 - x[0]))),
+            boundary: walls.map(|tag| (tag, FluidBoundary::NoSlip)).into(),
+        },
+        background,
+        bodies: Vec::new(),
+        contacts: Vec::new(),
+        gamma_sigma: 0.0,
+        dt: 1e-2,
+        newton: NewtonSettings::new(1e-8),
+        overlay: OverlayOptions::new(),
+    }
+}
+
+/// An elastic unit square or cube, divided into `n` bricks along each side.
+pub fn elastic_box<const D: usize>(n: usize, material: impl Material<D> + 'static) -> (SolidMesh<D>, SolidForm<D>) {
+    let mesh = structured_box([0.0; D], [1.0; D], [n; D]).expect("a box");
+    let form = SolidForm::new(1.0, material, Vector::zeros()).expect("a positive density");
+    (SolidMesh::new(mesh).expect("a mesh with positive cells"), form)
+}
+
+/// Calls a closure with the layout of a body, its internal work and a state.
+pub fn with_internal_work<const D: usize, R>(
+    (solid, form): &(SolidMesh<D>, SolidForm<D>),
+    then: impl FnOnce(&BlockLayout, &dyn Contributions, &[f64]) -> R,
+) -> R {
+    let rest = vec![Vector::zeros(); solid.mesh().n_vertices()];
+    let step = StepRule::implicit_euler(1.0, &rest, &rest).expect("a positive time step");
+    let mut layout = BlockLayout::new();
+    let field = layout.push("velocity", solid.n_dofs());
+    let cells = SolidCells::new(solid, form, &step, &layout, field).expect("a field of the size of the body");
+    let x: Vec<f64> = (0..layout.len()).map(|k| 1e-3 * (k as f64).sin()).collect();
+    then(&layout, &cells.internal_work(), &x)
 }
 
 /// Calls a closure with the problem of the first step and its starting guess.

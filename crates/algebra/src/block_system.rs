@@ -2,8 +2,8 @@
 
 use std::time::Instant;
 
-use crate::scatter::{Scatter, Target};
-use crate::{BlockLayout, Constraints, Contributions, MatrixView, Pattern, Unknowns};
+use crate::scatter::{Affine, Scatter, Stripes, Work};
+use crate::{BlockLayout, Constraints, Contributions, DofId, MatrixView, Pattern, Unknowns};
 
 /// Time spent in one contribution, for reports only.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -14,7 +14,7 @@ pub struct ContributionTiming {
     pub items: usize,
     /// How often all its items were evaluated and added.
     pub calls: usize,
-    /// Wall-clock time of all calls.
+    /// Wall-clock time of all calls, that of the slowest thread.
     pub seconds: f64,
 }
 
@@ -25,21 +25,33 @@ pub struct ContributionTiming {
 ///
 /// `residual = K x + r₀ + Σ nonlinear residuals,    matrix = K + Σ nonlinear tangents`
 ///
-/// with constrained rows and columns replaced by the identity and a zero residual. Blocks are the index ranges of the
-/// layout, not separate matrices. The contributions handed to later calls must be those of the construction.
+/// with constrained rows and columns replaced by the identity and a zero residual. What prescribed values add to `K x` is
+/// constant, so it goes into `r₀`, and `K` is stored without constrained rows and columns from the beginning. Blocks are
+/// the index ranges of the layout, not separate matrices. The contributions handed to later calls must be those of the
+/// construction.
 #[derive(Debug, Default)]
 pub struct BlockSystem {
     layout: BlockLayout,
     pattern: Pattern,
+    stripes: Stripes,
+    /// `K`, without constrained rows and columns.
+    linear_values: Vec<f64>,
+    /// `r₀`, with what prescribed values add.
+    linear_residual: Vec<f64>,
+    /// The matrix where there are nonlinear contributions, once it has been assembled.
     values: Vec<f64>,
     residual: Vec<f64>,
-    linear_values: Vec<f64>,
-    linear_residual: Vec<f64>,
+    matrix_is_linear: bool,
     constrained: Vec<bool>,
+    prescribed: Vec<(DofId, f64)>,
+    /// Entries in constrained rows and columns, with the value that each of them takes.
+    eliminated: Vec<(u32, f64)>,
     pub(crate) keys: Vec<u64>,
     has_nonlinear: bool,
     timings: Vec<ContributionTiming>,
+    seconds_pattern: f64,
     scatter: Scatter,
+    affine: Affine,
 }
 
 impl BlockSystem {
@@ -62,13 +74,22 @@ impl BlockSystem {
         let n = layout.len();
         self.layout = layout.clone();
         self.keys.clear();
-        self.pattern = self.pattern.recycle(n, contributions);
+        let begin = Instant::now();
+        let pattern_changed = self.pattern.rebuild(n, contributions);
+        let n_stripes = Stripes::wanted(n);
+        if pattern_changed || n_stripes != self.stripes.len() {
+            self.stripes = self.stripes.recycle(n_stripes, layout, &self.pattern);
+        }
+        self.seconds_pattern = begin.elapsed().as_secs_f64();
         self.constrained.clear();
         self.constrained.resize(n, false);
-        for (dof, _) in constraints.iter() {
+        self.prescribed.clear();
+        for (dof, value) in constraints.iter() {
             assert!(dof.index() < n, "constrained dof {} of {n} unknowns", dof.index());
             self.constrained[dof.index()] = true;
+            self.prescribed.push((dof, value));
         }
+        self.find_eliminated();
         self.has_nonlinear = contributions.iter().any(|c| !c.is_linear() && !c.is_empty());
         self.timings.clear();
         self.timings.extend(contributions.iter().map(|c| ContributionTiming {
@@ -80,18 +101,52 @@ impl BlockSystem {
         self
     }
 
-    fn assemble_linear(&mut self, contributions: &[&dyn Contributions]) {
+    /// Finds the entries in constrained columns, and in constrained rows: the pattern is symmetric.
+    fn find_eliminated(&mut self) {
+        self.eliminated.clear();
+        let (column_ptr, rows) = (self.pattern.column_ptr(), self.pattern.rows());
+        for (dof, _) in &self.prescribed {
+            let range = column_ptr[dof.index()] as usize..column_ptr[dof.index() + 1] as usize;
+            for k in range {
+                let other = rows[k] as usize;
+                self.eliminated.push((k as u32, if other == dof.index() { 1.0 } else { 0.0 }));
+                if !self.constrained[other] {
+                    let begin = column_ptr[other] as usize;
+                    let in_row = rows[begin..column_ptr[other + 1] as usize].partition_point(|&row| row < dof.0);
+                    self.eliminated.push(((begin + in_row) as u32, 0.0));
+                }
+            }
+        }
+    }
+
+    /// Evaluates the linear contributions anew on the known pattern: for items whose dofs stayed what they were while
+    /// their coefficients changed. Matrix and residual are those at x = 0 without the nonlinear ones, where unknowns without
+    /// a prescribed value are zero.
+    ///
+    /// # Panics
+    /// The contributions do not belong to this system.
+    pub fn assemble_linear(&mut self, contributions: &[&dyn Contributions]) {
         let n = self.pattern.n_unknowns();
-        self.residual.clear();
-        self.residual.resize(n, 0.0);
-        self.values.clear();
-        self.values.resize(self.pattern.n_entries(), 0.0);
-        let origin = vec![0.0; n];
-        self.add(contributions, true, &origin, true);
-        self.linear_values.clone_from(&self.values);
-        self.linear_residual.clone_from(&self.residual);
-        self.eliminate_rows();
-        self.eliminate_matrix();
+        let mut residual = std::mem::take(&mut self.linear_residual);
+        let mut values = std::mem::take(&mut self.linear_values);
+        residual.resize(n, 0.0);
+        values.resize(self.pattern.n_entries(), 0.0);
+        let mut origin = std::mem::take(&mut self.residual);
+        origin.clear();
+        origin.resize(n, 0.0);
+        self.add(contributions, true, &origin, &mut residual, Some(&mut values));
+        let (column_ptr, rows) = (self.pattern.column_ptr(), self.pattern.rows());
+        for &(dof, prescribed) in self.prescribed.iter().filter(|(_, prescribed)| *prescribed != 0.0) {
+            let column = column_ptr[dof.index()] as usize..column_ptr[dof.index() + 1] as usize;
+            for (&row, value) in rows[column.clone()].iter().zip(&values[column]) {
+                residual[row as usize] += value * prescribed;
+            }
+        }
+        self.eliminated.iter().for_each(|&(k, value)| values[k as usize] = value);
+        self.prescribed.iter().for_each(|(dof, _)| residual[dof.index()] = 0.0);
+        origin.copy_from_slice(&residual);
+        (self.residual, self.linear_residual, self.linear_values) = (origin, residual, values);
+        self.matrix_is_linear = true;
     }
 
     /// Evaluates residual and matrix at `x`, which satisfies the constraints.
@@ -99,11 +154,16 @@ impl BlockSystem {
     /// # Panics
     /// `x` or the contributions do not belong to this system.
     pub fn assemble(&mut self, contributions: &[&dyn Contributions], x: &[f64]) {
-        self.start_residual(x);
-        self.values.copy_from_slice(&self.linear_values);
-        self.add(contributions, false, x, true);
-        self.eliminate_rows();
-        self.eliminate_matrix();
+        let mut values = std::mem::take(&mut self.values);
+        if self.has_nonlinear {
+            values.resize(self.linear_values.len(), 0.0);
+            self.evaluate(contributions, x, Some(&mut values));
+            self.eliminated.iter().for_each(|&(k, value)| values[k as usize] = value);
+        } else {
+            self.evaluate(contributions, x, None);
+        }
+        self.values = values;
+        self.matrix_is_linear = !self.has_nonlinear;
     }
 
     /// Evaluates only the residual at `x`; the matrix stays what it was.
@@ -111,55 +171,47 @@ impl BlockSystem {
     /// # Panics
     /// `x` or the contributions do not belong to this system.
     pub fn assemble_residual(&mut self, contributions: &[&dyn Contributions], x: &[f64]) {
-        self.start_residual(x);
-        self.add(contributions, false, x, false);
-        self.eliminate_rows();
+        self.evaluate(contributions, x, None);
     }
 
-    /// `residual = r₀ + K x`
-    fn start_residual(&mut self, x: &[f64]) {
+    /// Residual at `x`, and the matrix before elimination if it is wanted.
+    fn evaluate(&mut self, contributions: &[&dyn Contributions], x: &[f64], mut values: Option<&mut [f64]>) {
         assert_eq!(x.len(), self.pattern.n_unknowns(), "length of the state");
-        self.residual.copy_from_slice(&self.linear_residual);
-        let linear = view(&self.pattern, &self.linear_values);
-        sprs::prod::mul_acc_mat_vec_csc(linear, x, self.residual.as_mut_slice());
+        let mut residual = std::mem::take(&mut self.residual);
+        let at = (self.linear_residual.as_slice(), x);
+        self.affine.evaluate(&self.pattern, &self.linear_values, values.as_deref_mut(), at, &mut residual);
+        if self.has_nonlinear {
+            self.add(contributions, false, x, &mut residual, values);
+        }
+        self.prescribed.iter().for_each(|(dof, _)| residual[dof.index()] = 0.0);
+        self.residual = residual;
     }
 
-    /// Adds the linear or the nonlinear contributions.
-    fn add(&mut self, contributions: &[&dyn Contributions], linear: bool, x: &[f64], with_tangent: bool) {
+    /// Adds the linear contributions to zero, or the nonlinear ones to what is there.
+    fn add(
+        &mut self,
+        contributions: &[&dyn Contributions],
+        linear: bool,
+        x: &[f64],
+        residual: &mut [f64],
+        values: Option<&mut [f64]>,
+    ) {
         assert_eq!(contributions.len(), self.timings.len(), "number of contributions");
-        for (k, contribution) in contributions.iter().enumerate() {
-            if contribution.is_linear() != linear || contribution.is_empty() {
-                continue;
-            }
-            let map = self.pattern.map(k);
-            assert_eq!(contribution.len(), map.len(), "items of {}", contribution.name());
-            let start = Instant::now();
-            let tangent = with_tangent.then_some(self.values.as_mut_slice());
-            self.scatter.add(*contribution, &map, x, Target { residual: &mut self.residual, tangent });
-            self.timings[k].calls += 1;
-            self.timings[k].seconds += start.elapsed().as_secs_f64();
-        }
-    }
-
-    fn eliminate_rows(&mut self) {
-        for (value, constrained) in self.residual.iter_mut().zip(&self.constrained) {
-            if *constrained {
-                *value = 0.0;
+        let mut works = Vec::with_capacity(contributions.len());
+        for (index, &contribution) in contributions.iter().enumerate() {
+            if contribution.is_linear() == linear && !contribution.is_empty() {
+                let map = self.pattern.map(index);
+                assert_eq!(contribution.len(), map.len(), "items of {}", contribution.name());
+                works.push(Work { index, contribution, map });
             }
         }
-    }
-
-    fn eliminate_matrix(&mut self) {
-        let ptr = self.pattern.column_ptr();
-        for column in 0..self.pattern.n_unknowns() {
-            let range = ptr[column] as usize..ptr[column + 1] as usize;
-            let rows = &self.pattern.rows()[range.clone()];
-            for (value, &row) in self.values[range].iter_mut().zip(rows) {
-                if self.constrained[column] || self.constrained[row as usize] {
-                    *value = if row as usize == column { 1.0 } else { 0.0 };
-                }
-            }
-        }
+        let with_tangent = values.is_some();
+        let dealt = self.stripes.deal(&self.pattern, residual, values);
+        let how = (linear, with_tangent);
+        self.scatter.add(&works, x, &self.stripes, dealt, how, |index, seconds| {
+            self.timings[index].calls += 1;
+            self.timings[index].seconds += seconds;
+        });
     }
 
     /// The fields of the unknowns.
@@ -179,7 +231,9 @@ impl BlockSystem {
 
     /// The matrix of the last assembly.
     pub fn matrix(&self) -> MatrixView<'_> {
-        view(&self.pattern, &self.values)
+        let values = if self.matrix_is_linear { &self.linear_values } else { &self.values };
+        let n = self.pattern.n_unknowns();
+        MatrixView::new_csc((n, n), self.pattern.column_ptr(), self.pattern.rows(), values)
     }
 
     /// The residual of the last assembly.
@@ -197,13 +251,13 @@ impl BlockSystem {
         !self.has_nonlinear
     }
 
+    /// Wall-clock time in which the pattern was built, or found to be known.
+    pub fn seconds_pattern(&self) -> f64 {
+        self.seconds_pattern
+    }
+
     /// Times per contribution since the system was built.
     pub fn timings(&self) -> &[ContributionTiming] {
         &self.timings
     }
-}
-
-fn view<'a>(pattern: &'a Pattern, values: &'a [f64]) -> MatrixView<'a> {
-    let n = pattern.n_unknowns();
-    MatrixView::new_csc((n, n), pattern.column_ptr(), pattern.rows(), values)
 }

@@ -14,7 +14,7 @@ pub trait Contributions: Sync {
         self.len() == 0
     }
 
-    /// Writes the dofs of an item to `out` (which arrives empty). They are distinct, and the same at every call.
+    /// Appends the dofs of an item to `out`. They are distinct, and the same at every call.
     fn dofs(&self, item: usize, out: &mut Vec<DofId>);
 
     /// Adds residual and tangent of an item at the state `x` (the global vector) to `out`, which arrives as a

@@ -27,15 +27,19 @@ impl LocalSystem {
         self.tangent.resize(n * n, 0.0);
     }
 
+    /// Makes this a system with `n` unknowns of which only the residual will be read: that is zero, the tangent is not.
+    pub fn reset_residual(&mut self, n: usize) {
+        self.n = n;
+        self.residual_only = true;
+        self.residual.clear();
+        self.residual.resize(n, 0.0);
+        self.tangent.resize(n * n, 0.0);
+    }
+
     /// Whether the tangent will be read. A kernel may skip the work for it when it will not; it need not.
     #[inline]
     pub fn wants_tangent(&self) -> bool {
         !self.residual_only
-    }
-
-    /// Declares whether the tangent will be read.
-    pub fn set_wants_tangent(&mut self, wanted: bool) {
-        self.residual_only = !wanted;
     }
 
     /// Number of unknowns.
@@ -78,6 +82,12 @@ impl LocalSystem {
                 *t += v;
             }
         }
+    }
+
+    /// A column of the tangent, to add to; it has one entry per unknown.
+    #[inline]
+    pub fn column_mut(&mut self, column: usize) -> &mut [f64] {
+        &mut self.tangent[column * self.n..][..self.n]
     }
 
     /// The residual.

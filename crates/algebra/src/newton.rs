@@ -72,8 +72,16 @@ pub struct NewtonReport {
     pub correction_history: Vec<f64>,
     /// Wall-clock time of pattern and assembly.
     pub seconds_assembly: f64,
+    /// The pattern's share of it.
+    pub seconds_pattern: f64,
+    /// How often the system was evaluated, with or without its matrix.
+    pub assemblies: usize,
     /// Wall-clock time of the linear solver.
     pub seconds_linear: f64,
+    /// The factorisations' share of it.
+    pub seconds_factorization: f64,
+    /// Linear solves.
+    pub solves: usize,
     /// Entries of the matrix.
     pub nnz: usize,
     /// Times per contribution.
@@ -165,6 +173,7 @@ pub fn newton(
     let n_factorizations = work.solver.n_factorizations();
     let report = NewtonReport {
         seconds_assembly: begin.elapsed().as_secs_f64(),
+        seconds_pattern: work.system.seconds_pattern(),
         nnz: work.system.pattern().n_entries(),
         ..NewtonReport::default()
     };
@@ -282,13 +291,16 @@ impl Solve<'_> {
             self.system.assemble_residual(&self.contributions, x);
         }
         self.report.seconds_assembly += begin.elapsed().as_secs_f64();
+        self.report.assemblies += 1;
         if self.system.residual().iter().all(|r| r.is_finite()) { Ok(()) } else { Err(Stop::NotFinite) }
     }
 
     fn factorize(&mut self) -> Result<(), Stop> {
         let begin = Instant::now();
         let outcome = self.solver.factorize(self.system.matrix(), self.system.unknowns());
-        self.report.seconds_linear += begin.elapsed().as_secs_f64();
+        let seconds = begin.elapsed().as_secs_f64();
+        self.report.seconds_linear += seconds;
+        self.report.seconds_factorization += seconds;
         outcome.map_err(Stop::Linear)
     }
 
@@ -297,6 +309,7 @@ impl Solve<'_> {
         let begin = Instant::now();
         let outcome = self.solver.solve(self.system.residual(), &mut self.correction, self.settings.forcing);
         self.report.seconds_linear += begin.elapsed().as_secs_f64();
+        self.report.solves += 1;
         self.report.linear_iterations += outcome.map_err(Stop::Linear)?.iterations;
         Ok(())
     }

@@ -18,7 +18,7 @@ pub struct Pattern {
     first_dof: Vec<usize>,
     /// Item to its first entry in `positions`.
     first_position: Vec<usize>,
-    dofs: Vec<u32>,
+    dofs: Vec<DofId>,
     positions: Vec<u32>,
     nodes: Vec<u32>,
     scratch: Scratch,
@@ -33,8 +33,11 @@ struct Scratch {
     incidence: Vec<Incidence>,
     /// One number per row, with a meaning of its own in each pass.
     mark: Vec<u32>,
+    /// Rows in the order in which they were found, then the positions of the mirror images of the entries.
     unsorted: Vec<u32>,
     signature: Vec<u64>,
+    /// What `first_item`, `first_dof` and `dofs` were before.
+    before: (Vec<usize>, Vec<usize>, Vec<DofId>),
 }
 
 /// One column of one item.
@@ -64,46 +67,63 @@ impl Pattern {
     /// # Panics
     /// A contribution names a dof outside of the `n` unknowns, or there are more entries than `u32` can number.
     pub fn new(n: usize, contributions: &[&dyn Contributions]) -> Self {
-        Self::default().recycle(n, contributions)
+        let mut pattern = Self::default();
+        pattern.rebuild(n, contributions);
+        pattern
     }
 
-    /// As [`Pattern::new`], in the memory of an old pattern.
-    pub fn recycle(mut self, n: usize, contributions: &[&dyn Contributions]) -> Self {
+    /// Makes this the pattern of other contributions, in its own memory; returns whether it changed. Where the dofs of all
+    /// items are what they were, nothing else is computed.
+    pub(crate) fn rebuild(&mut self, n: usize, contributions: &[&dyn Contributions]) -> bool {
         assert!(n < u32::MAX as usize, "{n} unknowns do not fit");
-        self.collect_dofs(n, contributions);
+        if !self.collect_dofs(n, contributions) {
+            return false;
+        }
         self.sort_by_column(n);
         self.collect_rows(n);
         self.sort_rows(n);
-        self.map_items(n);
+        self.map_items();
         self.group_nodes(n);
-        self
+        true
     }
 
-    fn collect_dofs(&mut self, n: usize, contributions: &[&dyn Contributions]) {
-        self.first_item.clear();
-        self.first_item.push(0);
-        self.first_dof.clear();
-        self.first_dof.push(0);
-        self.first_position.clear();
-        self.first_position.push(0);
-        self.dofs.clear();
-        let mut of_item: Vec<DofId> = Vec::new();
-        let mut n_positions = 0;
+    /// Asks all items for their dofs; returns whether the pattern is to be built anew.
+    fn collect_dofs(&mut self, n: usize, contributions: &[&dyn Contributions]) -> bool {
+        let before = &mut self.scratch.before;
+        std::mem::swap(&mut before.0, &mut self.first_item);
+        std::mem::swap(&mut before.1, &mut self.first_dof);
+        std::mem::swap(&mut before.2, &mut self.dofs);
+        let Self { first_item, first_dof, dofs, .. } = self;
+        first_item.clear();
+        first_item.push(0);
+        first_dof.clear();
+        first_dof.push(0);
+        dofs.clear();
         for contribution in contributions {
             for item in 0..contribution.len() {
-                of_item.clear();
-                contribution.dofs(item, &mut of_item);
-                for dof in &of_item {
+                contribution.dofs(item, dofs);
+                let first = first_dof.last().copied().unwrap_or(0);
+                for dof in &dofs[first..] {
                     assert!(dof.index() < n, "{} item {item}: dof {} of {n}", contribution.name(), dof.index());
-                    self.dofs.push(dof.0);
                 }
-                n_positions += of_item.len() * of_item.len();
-                self.first_dof.push(self.dofs.len());
-                self.first_position.push(n_positions);
+                first_dof.push(dofs.len());
             }
-            self.first_item.push(self.first_dof.len() - 1);
+            first_item.push(first_dof.len() - 1);
+        }
+        let before = &self.scratch.before;
+        if n == self.n_unknowns() && before.0 == self.first_item && before.1 == self.first_dof && before.2 == self.dofs
+        {
+            return false;
+        }
+        self.first_position.clear();
+        self.first_position.push(0);
+        let mut n_positions = 0;
+        for range in self.first_dof.windows(2) {
+            n_positions += (range[1] - range[0]).pow(2);
+            self.first_position.push(n_positions);
         }
         assert!(n_positions <= u32::MAX as usize, "too many entries");
+        true
     }
 
     fn sort_by_column(&mut self, n: usize) {
@@ -111,8 +131,8 @@ impl Pattern {
         // Counting sort: `first_incidence[c + 1]` runs from the begin to the end of column c while it is filled.
         first_incidence.clear();
         first_incidence.resize(n + 2, 0);
-        for &dof in &self.dofs {
-            first_incidence[dof as usize + 2] += 1;
+        for dof in &self.dofs {
+            first_incidence[dof.index() + 2] += 1;
         }
         for column in 2..n + 2 {
             first_incidence[column] += first_incidence[column - 1];
@@ -121,8 +141,8 @@ impl Pattern {
         incidence.resize(self.dofs.len(), Incidence::default());
         for (range, first_position) in self.first_dof.windows(2).zip(&self.first_position) {
             let len = range[1] - range[0];
-            for (local, &dof) in self.dofs[range[0]..range[1]].iter().enumerate() {
-                let next = &mut first_incidence[dof as usize + 1];
+            for (local, dof) in self.dofs[range[0]..range[1]].iter().enumerate() {
+                let next = &mut first_incidence[dof.index() + 1];
                 let first_position = (first_position + local * len) as u32;
                 incidence[*next] = Incidence { first_dof: range[0] as u32, len: len as u32, first_position };
                 *next += 1;
@@ -130,23 +150,28 @@ impl Pattern {
         }
     }
 
-    /// Finds the rows of each column, in any order.
+    /// Finds the rows of each column, in any order, and writes to `positions` where in that order each entry stands.
     fn collect_rows(&mut self, n: usize) {
-        let Scratch { first_incidence, incidence, mark, unsorted, .. } = &mut self.scratch;
+        let Scratch { first_incidence, incidence, mark: place, unsorted, .. } = &mut self.scratch;
         unsorted.clear();
         self.column_ptr.clear();
         self.column_ptr.push(0);
-        mark.clear();
-        mark.resize(n, u32::MAX);
+        self.positions.resize(self.first_position.last().copied().unwrap_or(0), 0);
+        place.clear();
+        place.resize(n, u32::MAX);
         for column in 0..n {
-            mark[column] = column as u32;
+            // Places before the first of this column are those of other columns.
+            let first = unsorted.len() as u32;
+            place[column] = first;
             unsorted.push(column as u32);
             for item in &incidence[first_incidence[column]..first_incidence[column + 1]] {
-                for &row in &self.dofs[item.dofs()] {
-                    if mark[row as usize] != column as u32 {
-                        mark[row as usize] = column as u32;
-                        unsorted.push(row);
+                for (entry, row) in self.positions[item.positions()].iter_mut().zip(&self.dofs[item.dofs()]) {
+                    let place = &mut place[row.index()];
+                    if *place == u32::MAX || *place < first {
+                        *place = unsorted.len() as u32;
+                        unsorted.push(row.0);
                     }
+                    *entry = *place;
                 }
             }
             assert!(unsorted.len() < u32::MAX as usize, "too many entries");
@@ -154,30 +179,33 @@ impl Pattern {
         }
     }
 
-    /// Sorts the rows: the pattern is symmetric, and columns visited in order append themselves to their rows in order.
+    /// Sorts the rows: the pattern is symmetric, and columns visited in order append themselves to their rows in order. So
+    /// each entry learns where its mirror image comes to stand.
     fn sort_rows(&mut self, n: usize) {
-        let Scratch { mark: next, unsorted, .. } = &mut self.scratch;
+        let Scratch { mark: next, unsorted: mirror, .. } = &mut self.scratch;
         next.copy_from_slice(&self.column_ptr[..n]);
-        self.rows.resize(unsorted.len(), 0);
+        self.rows.resize(mirror.len(), 0);
         for column in 0..n {
-            for &row in &unsorted[self.column_ptr[column] as usize..self.column_ptr[column + 1] as usize] {
-                self.rows[next[row as usize] as usize] = column as u32;
-                next[row as usize] += 1;
+            for entry in &mut mirror[self.column_ptr[column] as usize..self.column_ptr[column + 1] as usize] {
+                let next = &mut next[*entry as usize];
+                self.rows[*next as usize] = column as u32;
+                *entry = *next;
+                *next += 1;
             }
         }
     }
 
-    /// Writes the scatter map.
-    fn map_items(&mut self, n: usize) {
-        let Scratch { first_incidence, incidence, mark: position, .. } = &mut self.scratch;
-        self.positions.resize(self.first_position.last().copied().unwrap_or(0), 0);
-        for column in 0..n {
-            for k in self.column_ptr[column]..self.column_ptr[column + 1] {
-                position[self.rows[k as usize] as usize] = k;
-            }
-            for item in &incidence[first_incidence[column]..first_incidence[column + 1]] {
-                for (entry, &row) in self.positions[item.positions()].iter_mut().zip(&self.dofs[item.dofs()]) {
-                    *entry = position[row as usize];
+    /// Writes the scatter map: the position of an entry of an item is that of the mirror image of its mirror image.
+    fn map_items(&mut self) {
+        let mirror = &self.scratch.unsorted;
+        for (range, dofs) in self.first_position.windows(2).zip(self.first_dof.windows(2)) {
+            let (positions, len) = (&mut self.positions[range[0]..range[1]], dofs[1] - dofs[0]);
+            for column in 0..len {
+                for row in 0..=column {
+                    let (upper, lower) = (column * len + row, row * len + column);
+                    let of_upper = mirror[positions[lower] as usize];
+                    positions[lower] = mirror[positions[upper] as usize];
+                    positions[upper] = of_upper;
                 }
             }
         }
@@ -200,13 +228,18 @@ impl Pattern {
             let first = counted.peek().filter(|_| largest <= LARGEST_ITEM).copied();
             signature.push(counted.fold(0, |hash, item| mix(hash, item.first_dof)));
             let twin = first.and_then(|item| {
-                let is_twin = |dof: &&u32| (**dof as usize) < column && signature[**dof as usize] == signature[column];
+                let is_twin = |dof: &&DofId| dof.index() < column && signature[dof.index()] == signature[column];
                 self.dofs[item.dofs()].iter().find(is_twin)
             });
-            let node = twin.map_or(n_nodes, |dof| self.nodes[*dof as usize]);
+            let node = twin.map_or(n_nodes, |dof| self.nodes[dof.index()]);
             n_nodes = n_nodes.max(node + 1);
             self.nodes.push(node);
         }
+    }
+
+    /// Dofs of all items, with the item to its first one.
+    pub(crate) fn item_dofs(&self) -> impl Iterator<Item = &[DofId]> {
+        self.first_dof.windows(2).map(|range| &self.dofs[range[0]..range[1]])
     }
 
     /// Number of unknowns.
@@ -245,7 +278,7 @@ fn mix(hash: u64, item: u32) -> u64 {
     (hash ^ (u64::from(item) + 1)).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29)
 }
 
-/// Rows and matrix positions of the items of one contribution.
+/// Dofs of the items of one contribution, and where their entries go.
 #[derive(Clone, Debug)]
 pub struct ItemMap<'a> {
     pattern: &'a Pattern,
@@ -263,9 +296,14 @@ impl<'a> ItemMap<'a> {
         self.items.is_empty()
     }
 
+    /// Number of the first item among those of all contributions.
+    pub(crate) fn first(&self) -> usize {
+        self.items.start
+    }
+
     /// Global dofs of an item.
     #[inline]
-    pub fn dofs(&self, item: usize) -> &'a [u32] {
+    pub fn dofs(&self, item: usize) -> &'a [DofId] {
         let k = self.items.start + item;
         &self.pattern.dofs[self.pattern.first_dof[k]..self.pattern.first_dof[k + 1]]
     }

@@ -160,6 +160,50 @@ fn bits_do_not_depend_on_the_number_of_threads() {
 }
 
 #[test]
+fn a_single_field_is_divided_among_threads() {
+    // Far couplings, so that many items touch several threads' shares.
+    let n = 2000;
+    let dofs =
+        (0..n).map(|k| vec![k, (k + 1) % n, (7 * k + 900) % n]).filter(|d| d[2] != d[0] && d[2] != d[1]).collect();
+    let items = Items { dofs, is_linear: false };
+    let mut x = state(n);
+    let constraints: Constraints = [(DofId(3), 0.5), (DofId(1500), -0.25)].into_iter().collect();
+    constraints.apply(&mut x);
+    let reference = dense(n, &[&items], &constraints, &x);
+    for threads in [1, 2, 3] {
+        rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(|| {
+            let mut system = BlockSystem::new(&layout(n), &[&items], &constraints);
+            system.assemble(&[&items], &x);
+            assert_matches_dense(&system, n, reference.clone());
+        });
+    }
+}
+
+/// Contributions whose coefficients change while their dofs stay.
+#[test]
+fn a_known_pattern_takes_other_coefficients_and_other_constraints() {
+    let n = 12;
+    let dofs: Vec<Vec<usize>> = (0..n).map(|k| vec![k, (k + 5) % n, (k + 1) % n]).collect();
+    // The first list has other entries, as its items have other numbers.
+    let mut turned = dofs.clone();
+    turned.rotate_left(4);
+    let x = state(n);
+    let (mut system, mut pattern) = (BlockSystem::default(), Vec::new());
+    for (dofs, constrained) in [(&dofs, 3), (&dofs, 8), (&turned, 8), (&dofs, 3)] {
+        let items = [true, false].map(|is_linear| Items { dofs: dofs.clone(), is_linear });
+        let list: [&dyn Contributions; 2] = [&items[0], &items[1]];
+        let constraints: Constraints = [(DofId(constrained), 0.5)].into_iter().collect();
+        let mut x = x.clone();
+        constraints.apply(&mut x);
+        system = system.recycle(&layout(n), &list, &constraints);
+        system.assemble(&list, &x);
+        assert_matches_dense(&system, n, dense(n, &list, &constraints, &x));
+        pattern.push(system.pattern().rows().to_vec());
+    }
+    assert!(pattern.iter().all(|rows| *rows == pattern[0]));
+}
+
+#[test]
 fn a_recycled_system_is_a_new_system() {
     let mut recycled = BlockSystem::default();
     for m in [6, 3, 9, 1] {

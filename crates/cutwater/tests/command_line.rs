@@ -37,10 +37,47 @@ fn run_writes_into_the_directory_and_prints_lines() {
     let output = cutwater(&["run", "--out", &shown, "--timings"]);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     let printed = text(&output.stdout);
-    assert!(printed.contains("step 3/3") && printed.contains("linear") && printed.contains("d_min"), "{printed}");
+    assert!(printed.contains("step 3/3") && printed.contains("d_min"), "{printed}");
     assert!(directory.join("history.csv").exists() && directory.join("summary.json").exists());
     let quiet = cutwater(&["run", "--out", &shown, "--quiet"]);
     assert!(quiet.status.success() && quiet.stdout.is_empty() && quiet.stderr.is_empty());
+}
+
+/// Calls, and milliseconds per step, of the line of the table that begins with a name.
+fn timing(printed: &str, name: &str) -> (usize, f64) {
+    let begin = format!("{name} ");
+    let line = printed.lines().find(|line| line.trim_start().starts_with(&begin)).unwrap_or_else(|| panic!("{name}"));
+    let mut numbers = line.trim_start()[name.len()..].split_whitespace();
+    let calls = numbers.next().and_then(|n| n.parse().ok()).expect("a number of calls");
+    (calls, numbers.nth(1).and_then(|n| n.parse().ok()).expect("milliseconds"))
+}
+
+#[test]
+fn timings_of_all_stages_and_contributions() {
+    let directory = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("timings");
+    let output = cutwater(&["run", "--out", &directory.display().to_string(), "--timings", "--quiet"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let printed = text(&output.stdout);
+    for stage in ["cut", "space", "transfer", "pattern"] {
+        assert_eq!(timing(&printed, stage).0, 3, "once per step: {printed}");
+    }
+    let (assemblies, assembly) = timing(&printed, "assembly");
+    let iterations = timing(&printed, "linear solve").0;
+    assert!(assemblies > iterations && iterations >= 3 && timing(&printed, "factorisation").0 >= 1, "{printed}");
+    let contributions = [
+        ("fluid cells", 3),
+        ("fluid convection", assemblies),
+        ("fluid faces", 3),
+        ("solid internal work", assemblies),
+        ("interface", 3),
+    ];
+    for (name, calls) in contributions {
+        assert_eq!(timing(&printed, name).0, calls, "linear ones once per step: {printed}");
+    }
+    let of_contributions: f64 = contributions.iter().map(|(name, _)| timing(&printed, name).1).sum();
+    assert!(0.0 < of_contributions && of_contributions <= assembly, "{printed}");
+    // The picture at the end, the state at the start, and the steps.
+    assert!(timing(&printed, "output").0 >= 4, "{printed}");
 }
 
 #[test]

@@ -5,6 +5,7 @@ use cutcell::{CutMesh, PartId};
 use mesh::{MAX_CELL_VERTICES, SimplexMesh, Vector};
 use xfem_space::{FaceValues, PartValues, XfemSpace, cutcell};
 
+use crate::part_kernel::PartKernel;
 use crate::terms::{
     BodyForce, CipPressure, CipVelocity, Convection, GhostPenalty, Incompressibility, Inertia, Viscous,
 };
@@ -31,7 +32,8 @@ pub struct FluidForm<'a, const D: usize> {
 }
 
 impl<const D: usize> FluidForm<'_, D> {
-    fn linear_cell_terms(&self) -> [Option<&dyn CellTerm<D>>; 4] {
+    /// The terms that [`FluidCells`] adds up, one by one: what its fused kernel has to agree with.
+    pub fn linear_cell_terms(&self) -> [Option<&dyn CellTerm<D>>; 4] {
         [
             self.inertia.as_ref().map(|t| t as &dyn CellTerm<D>),
             Some(&self.viscous),
@@ -92,8 +94,8 @@ impl FluidFields<'_> {
 }
 
 impl<const D: usize> FluidGeometry<'_, D> {
-    /// A part with its local state.
-    fn cell(&self, fields: &FluidFields<'_>, part: PartId, x: &[f64]) -> FluidCell<'_, D> {
+    /// A part with its local state, as the terms see it.
+    pub fn cell(&self, fields: &FluidFields<'_>, part: PartId, x: &[f64]) -> FluidCell<'_, D> {
         let mut cell = FluidCell {
             simplex: self.background.simplex(self.cut.part_cell(part)),
             gradients: self.parts.gradients(part),
@@ -140,10 +142,11 @@ impl<const D: usize> Contributions for FluidCells<'_, D> {
     }
 
     fn add(&self, item: usize, x: &[f64], out: &mut LocalSystem) {
-        let cell = self.geometry.cell(&self.fields, PartId(item as u32), x);
-        for term in self.form.linear_cell_terms().into_iter().flatten() {
-            term.add(&cell, out);
-        }
+        let part = PartId(item as u32);
+        let cell = self.geometry.cell(&self.fields, part, x);
+        let kernel = PartKernel::new(cell.gradients, self.geometry.parts.mass(part), &cell.velocities);
+        kernel.add_linear(self.form, &cell, out);
+        self.form.body_force.add(&cell, out);
     }
 
     fn is_linear(&self) -> bool {
@@ -179,7 +182,13 @@ impl<const D: usize> Contributions for FluidConvection<'_, D> {
 
     fn add(&self, item: usize, x: &[f64], out: &mut LocalSystem) {
         if let Some(convection) = &self.form.convection {
-            convection.add(&self.geometry.cell(&self.fields, PartId(item as u32), x), out);
+            let FluidGeometry { parts, space, .. } = self.geometry;
+            let part = PartId(item as u32);
+            let mut velocities = [Vector::zeros(); MAX_CELL_VERTICES];
+            for (slot, &dof) in velocities.iter_mut().zip(space.dofs(part)) {
+                *slot = self.fields.velocity_at(x, dof);
+            }
+            PartKernel::new(parts.gradients(part), parts.mass(part), &velocities).add_convection(convection, out);
         }
     }
 }
@@ -249,9 +258,10 @@ impl<const D: usize> Contributions for FluidFaces<'_, D> {
         }
         for (i, j_i) in value.jumps().iter().enumerate() {
             out.add(i, weight * jump * j_i);
-            for (k, j_k) in value.jumps().iter().enumerate() {
-                out.add_tangent(i, k, weight * j_i * j_k);
-            }
+        }
+        for (k, j_k) in value.jumps().iter().enumerate() {
+            let rows = out.column_mut(k).iter_mut().zip(value.jumps());
+            rows.for_each(|(row, j_i)| *row += weight * j_k * j_i);
         }
     }
 

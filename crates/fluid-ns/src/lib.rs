@@ -20,6 +20,9 @@
 //! | backflow stabilisation on open boundaries | `terms/backflow.rs` |
 //! | traction given on open boundaries | `terms/traction.rs` |
 //!
+//! Inertia, viscous work, incompressibility and convection are evaluated together, in closed form, by `part_kernel.rs`; the
+//! files of the terms are its specification, and the test compares them.
+//!
 //! `u*` is the transferred history; all stabilisation weights use it, never the unknown, so that they are constant
 //! during Newton's method.
 
@@ -28,6 +31,7 @@ mod face;
 mod fluid;
 mod form;
 mod open_boundary;
+mod part_kernel;
 pub mod terms;
 
 pub use cell::{CellTerm, FluidCell, FluidPoint};

@@ -44,4 +44,4 @@ pub use run::{RunOptions, Sizes, StepProgress, default_directory, run, sizes};
 #[cfg(feature = "simulation")]
 pub use scenario::ScenarioFile;
 #[cfg(feature = "simulation")]
-pub use summary::{Comparison, Summary, SummarySeconds};
+pub use summary::{Comparison, Summary, SummarySeconds, Timing};

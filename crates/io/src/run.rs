@@ -231,7 +231,9 @@ impl<const D: usize> RunFiles<D> {
         if self.output.plots && self.summary.summary.steps > 0 {
             self.draw(scenario, setup)?;
         }
-        self.summary.summary.seconds.output += clock.elapsed().as_secs_f64();
+        let seconds = clock.elapsed().as_secs_f64();
+        self.summary.summary.seconds.output += seconds;
+        self.summary.summary.add_timing("output", None, 1, seconds);
         self.summary.summary.wall_seconds = self.begin.elapsed().as_secs_f64();
         self.write_summary()?;
         Ok(self.summary.summary)

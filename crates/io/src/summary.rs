@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
-use solver::{StageSeconds, StepView};
+use solver::{StageSeconds, StepReport, StepView};
 
 use crate::Error;
 use crate::files::write_whole;
@@ -64,6 +64,9 @@ pub struct Summary {
     pub wall_seconds: f64,
     /// Wall-clock time per stage.
     pub seconds: SummarySeconds,
+    /// The same in detail: each stage, and within the assembly each contribution.
+    #[serde(default)]
+    pub timings: Vec<Timing>,
     /// Wall-clock time of one factorisation of the last matrix, measured at the end of the run: the unit that a step is
     /// measured in.
     #[serde(default)]
@@ -89,6 +92,19 @@ pub struct SummarySeconds {
     pub output: f64,
 }
 
+/// Wall-clock time of a stage, or of a contribution within a stage.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Timing {
+    /// The stage.
+    pub stage: String,
+    /// The contribution, if this is a part of the stage: `fluid cells`, `interface`, ...
+    pub contribution: Option<String>,
+    /// How often.
+    pub calls: usize,
+    /// All calls together.
+    pub seconds: f64,
+}
+
 /// A computed number beside a known one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Comparison {
@@ -107,6 +123,33 @@ pub struct Comparison {
 }
 
 impl Summary {
+    /// Adds to the time of a stage, or of a contribution within a stage.
+    pub(crate) fn add_timing(&mut self, stage: &str, contribution: Option<&str>, calls: usize, seconds: f64) {
+        let is_it = |timing: &&mut Timing| timing.stage == stage && timing.contribution.as_deref() == contribution;
+        if let Some(timing) = self.timings.iter_mut().find(is_it) {
+            timing.calls += calls;
+            timing.seconds += seconds;
+        } else {
+            let contribution = contribution.map(str::to_owned);
+            self.timings.push(Timing { stage: stage.to_owned(), contribution, calls, seconds });
+        }
+    }
+
+    fn add_timings<const D: usize>(&mut self, report: &StepReport<D>, seconds_output: f64) {
+        let (seconds, newton) = (&report.seconds, &report.newton);
+        self.add_timing("cut", None, 1, seconds.cut);
+        self.add_timing("space", None, 1, seconds.space - seconds.transfer);
+        self.add_timing("transfer", None, 1, seconds.transfer);
+        self.add_timing("pattern", None, 1, newton.seconds_pattern);
+        self.add_timing("assembly", None, newton.assemblies, seconds.assembly - newton.seconds_pattern);
+        for timing in newton.timings.iter().filter(|timing| timing.calls > 0) {
+            self.add_timing("assembly", Some(timing.name), timing.calls, timing.seconds);
+        }
+        self.add_timing("factorisation", None, newton.factorizations, newton.seconds_factorization);
+        self.add_timing("linear solve", None, newton.solves, seconds.linear - newton.seconds_factorization);
+        self.add_timing("output", None, 1, seconds_output);
+    }
+
     /// Writes the summary; the file is complete whenever it is visible.
     ///
     /// # Errors
@@ -157,7 +200,8 @@ impl SummaryBuilder {
         summary.newton_iterations += report.newton.iterations;
         summary.factorizations += report.newton.factorizations;
         summary.wall_seconds = wall_seconds;
-        let StageSeconds { cut, space, assembly, linear } = report.seconds;
+        summary.add_timings(report, seconds_output);
+        let StageSeconds { cut, space, assembly, linear, .. } = report.seconds;
         let total = &mut summary.seconds;
         for (sum, seconds) in [
             (&mut total.cut, cut),

@@ -147,6 +147,7 @@ fn summary_has_exactly_the_agreed_keys() {
         "factorizations",
         "wall_seconds",
         "seconds",
+        "timings",
         "peak_rss_bytes",
         "refactorization_seconds",
         "comparisons",

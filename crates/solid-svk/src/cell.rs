@@ -15,7 +15,7 @@ pub struct SolidCell<'a, const D: usize> {
     /// Reference volume.
     pub volume: f64,
     /// Gradients of the shape functions.
-    pub gradients: &'a [Vector<D>],
+    pub gradients: &'a [Vector<D>; MAX_CELL_VERTICES],
     /// Displacements `d`.
     pub displacement: [Vector<D>; MAX_CELL_VERTICES],
     /// Accelerations `a`.
@@ -62,7 +62,7 @@ impl<'a, const D: usize> SolidCell<'a, D> {
     /// Gradient of the displacement, constant on the cell.
     #[inline]
     pub fn grad_displacement(&self) -> Tensor<D> {
-        gradient(&self.displacement, self.gradients)
+        gradient(&self.displacement[..=D], &self.gradients[..=D])
     }
 }
 

@@ -124,7 +124,7 @@ impl<const D: usize> Contributions for LinearCells<'_, D> {
     }
 }
 
-/// Internal work of a body: nonlinear in velocity.
+/// Internal work of a body: nonlinear in velocity, but for a linear material.
 #[derive(Clone, Copy, Debug)]
 pub struct InternalWorkCells<'a, const D: usize> {
     cells: SolidCells<'a, D>,
@@ -141,6 +141,10 @@ impl<const D: usize> Contributions for InternalWorkCells<'_, D> {
 
     fn add(&self, item: usize, x: &[f64], out: &mut LocalSystem) {
         self.cells.form.internal_work.add(&self.cells.cell(item, x), out);
+    }
+
+    fn is_linear(&self) -> bool {
+        self.cells.form.internal_work.material.is_linear()
     }
 
     fn name(&self) -> &'static str {

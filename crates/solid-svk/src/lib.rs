@@ -51,7 +51,7 @@ pub use cell::{SolidCell, SolidTerm};
 pub use error::Error;
 pub use facet::{FacetTerm, SolidFacet, SolidFacets};
 pub use form::{InternalWorkCells, LinearCells, SolidCells, SolidForm};
-pub use material::{LameParameters, Material, SaintVenantKirchhoff};
+pub use material::{LameParameters, LinearElastic, Material, SaintVenantKirchhoff};
 pub use solid_mesh::SolidMesh;
 pub use step_rule::StepRule;
 

@@ -1,7 +1,7 @@
 //! A body in its reference configuration: mesh, boundary, gradients and volumes of the cells.
 
 use algebra::{BlockLayout, FieldId};
-use mesh::{BoundaryMesh, CellId, Placed, Point, SimplexMesh, Vector};
+use mesh::{BoundaryMesh, CellId, MAX_CELL_VERTICES, Placed, Point, SimplexMesh, Vector};
 
 use crate::Error;
 use crate::error::length;
@@ -11,8 +11,7 @@ use crate::error::length;
 pub struct SolidMesh<const D: usize> {
     mesh: SimplexMesh<D>,
     boundary: BoundaryMesh<D>,
-    /// Stride `D + 1`.
-    gradients: Vec<Vector<D>>,
+    gradients: Vec<[Vector<D>; MAX_CELL_VERTICES]>,
     volumes: Vec<f64>,
 }
 
@@ -22,7 +21,7 @@ impl<const D: usize> SolidMesh<D> {
     /// # Errors
     /// [`Error::DegenerateCell`]: a cell without finite gradients.
     pub fn new(mesh: SimplexMesh<D>) -> Result<Self, Error> {
-        let mut gradients = Vec::with_capacity(mesh.n_cells() * (D + 1));
+        let mut gradients = Vec::with_capacity(mesh.n_cells());
         let mut volumes = Vec::with_capacity(mesh.n_cells());
         for cell in mesh.cells() {
             let simplex = mesh.simplex(cell);
@@ -30,7 +29,7 @@ impl<const D: usize> SolidMesh<D> {
             if of_cell.iter().any(|g| !g.norm_squared().is_finite()) {
                 return Err(Error::DegenerateCell { cell });
             }
-            gradients.extend_from_slice(&of_cell[..=D]);
+            gradients.push(of_cell);
             volumes.push(simplex.volume());
         }
         let boundary = mesh.boundary();
@@ -57,10 +56,10 @@ impl<const D: usize> SolidMesh<D> {
         D * self.mesh.n_vertices()
     }
 
-    /// Gradients of the shape functions of a cell, one per vertex.
+    /// Gradients of the shape functions of a cell; the first `D + 1` count, the others are zero.
     #[inline]
-    pub fn gradients(&self, cell: CellId) -> &[Vector<D>] {
-        &self.gradients[cell.index() * (D + 1)..][..=D]
+    pub fn gradients(&self, cell: CellId) -> &[Vector<D>; MAX_CELL_VERTICES] {
+        &self.gradients[cell.index()]
     }
 
     /// Reference volume of a cell.

@@ -1,6 +1,7 @@
 //! The geometry of a step: everything that is computed once and frozen during Newton's method.
 
 use std::cell::OnceCell;
+use std::time::Instant;
 
 use cutcell::CutMesh;
 use interface_dg::PieceValues;
@@ -32,6 +33,8 @@ pub struct StepGeometry<const D: usize> {
     pub pieces: PieceValues<D>,
     /// Velocity history `u*`.
     pub history: Transferred<D>,
+    /// Wall-clock time of the transfer, for reports only.
+    pub seconds_transfer: f64,
 }
 
 impl<const D: usize> StepGeometry<D> {
@@ -42,7 +45,9 @@ impl<const D: usize> StepGeometry<D> {
         let old =
             VelocityField { cut: &previous.fluid.cut, space: &previous.fluid.space, values: &previous.fluid.velocity };
         let bodies = BodyVelocity { setup, previous, positions: &positions, index: OnceCell::new() };
+        let begin = Instant::now();
         let history = transfer(background, old, &cut, &space, &|_, x| bodies.at(x));
+        let seconds_transfer = begin.elapsed().as_secs_f64();
         let parts = PartValues::new(background, &cut, PART_DEGREE);
         let mut faces = FaceValues::new(background, &cut, &space, &parts);
         for (tag, condition) in &setup.fluid.boundary {
@@ -51,7 +56,7 @@ impl<const D: usize> StepGeometry<D> {
             }
         }
         let pieces = PieceValues::new(background, &cut, &parts, PIECE_DEGREE);
-        Self { positions, cut, space, parts, faces, pieces, history }
+        Self { positions, cut, space, parts, faces, pieces, history, seconds_transfer }
     }
 }
 

@@ -17,6 +17,8 @@ pub struct StageSeconds {
     pub cut: f64,
     /// Space, history, shape values.
     pub space: f64,
+    /// The history's share of it.
+    pub transfer: f64,
     /// Pattern and assembly.
     pub assembly: f64,
     /// Linear solver.

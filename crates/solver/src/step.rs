@@ -38,6 +38,7 @@ pub fn advance<const D: usize>(
     let seconds = StageSeconds {
         cut: seconds_cut,
         space: clock.elapsed().as_secs_f64() - seconds_cut,
+        transfer: geometry.seconds_transfer,
         ..StageSeconds::default()
     };
     let system = StepSystem::new(setup, &geometry, previous).map_err(|e| failed(e.into()))?;

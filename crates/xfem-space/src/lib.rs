@@ -18,7 +18,7 @@ mod transfer;
 pub use boundary::{BoundaryPoint, BoundaryValues, boundary_dofs};
 pub use classes::Classes;
 pub use face_values::{FaceValue, FaceValues};
-pub use part_values::{PartPoint, PartValues};
+pub use part_values::{PartMass, PartPoint, PartValues};
 pub use space::XfemSpace;
 pub use transfer::{Transferred, VelocityField, transfer};
 

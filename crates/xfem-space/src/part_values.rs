@@ -15,22 +15,68 @@ pub struct PartPoint {
     pub shape: [f64; MAX_CELL_VERTICES],
 }
 
-/// Quadrature points and gradients of all parts of a cut: immutable, computed once per step.
+/// Pairs of vertices of the largest cell.
+const MAX_PAIRS: usize = MAX_CELL_VERTICES * (MAX_CELL_VERTICES + 1) / 2;
+
+/// `m_ij = ∫ N_i N_j` over a part. As the shape functions add up to one, `Σ_j m_ij = ∫ N_i`, and all entries add up to the
+/// volume: no integral of constants, P1 functions or products of two of them needs anything else.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PartMass {
+    lower_triangle: [f64; MAX_PAIRS],
+}
+
+impl PartMass {
+    /// Over a whole cell: `m_ij = V (1 + δ_ij)/((D + 1)(D + 2))`.
+    fn of_whole(volume: f64, dimension: usize) -> Self {
+        let mut mass = Self::default();
+        let off_diagonal = volume / ((dimension + 1) * (dimension + 2)) as f64;
+        for i in 0..=dimension {
+            for j in 0..=i {
+                mass.lower_triangle[i * (i + 1) / 2 + j] = if i == j { 2.0 * off_diagonal } else { off_diagonal };
+            }
+        }
+        mass
+    }
+
+    /// By a rule that is exact for products.
+    fn of_points(points: &[PartPoint]) -> Self {
+        let mut mass = Self::default();
+        for q in points {
+            let mut entries = mass.lower_triangle.iter_mut();
+            for (i, n_i) in q.shape.iter().enumerate() {
+                entries.by_ref().zip(&q.shape[..=i]).for_each(|(entry, n_j)| *entry += q.weight * n_i * n_j);
+            }
+        }
+        mass
+    }
+
+    /// `m_ij`
+    #[inline]
+    pub fn at(&self, i: usize, j: usize) -> f64 {
+        let (row, column) = (i.max(j), i.min(j));
+        self.lower_triangle[row * (row + 1) / 2 + column]
+    }
+}
+
+/// Quadrature points, moments and gradients of all parts of a cut: immutable, computed once per step.
 #[derive(Clone, Debug)]
 pub struct PartValues<const D: usize> {
     gradients: Vec<[Vector<D>; MAX_CELL_VERTICES]>,
+    masses: Vec<PartMass>,
     cell_sizes: Vec<f64>,
     offsets: Vec<u32>,
     points: Vec<PartPoint>,
 }
 
 impl<const D: usize> PartValues<D> {
-    /// Values with a rule that is exact for polynomials of the given degree on every part.
+    /// Values with a rule that is exact for polynomials of the given degree (at least 2) on every part.
     pub fn new(background: &SimplexMesh<D>, cut: &CutMesh<D>, degree: usize) -> Self {
+        debug_assert!(degree >= 2, "moments are of degree 2");
         let rule = SimplexRule::of_degree(D, degree);
         let n = cut.n_parts();
         let mut values = Self {
             gradients: Vec::with_capacity(n),
+            masses: Vec::with_capacity(n),
             cell_sizes: Vec::with_capacity(n),
             offsets: Vec::with_capacity(n + 1),
             points: Vec::with_capacity(n * rule.points().len()),
@@ -48,7 +94,12 @@ impl<const D: usize> PartValues<D> {
                 values
                     .points
                     .extend(points.map(|(shape, weight)| PartPoint { weight: weight * volume, shape: *shape }));
-            } else if cut.part_volume(part) > NEGLIGIBLE_FRACTION * volume {
+                values.masses.push(PartMass::of_whole(volume, D));
+                values.offsets.push(values.points.len() as u32);
+                continue;
+            }
+            let first = values.points.len();
+            if cut.part_volume(part) > NEGLIGIBLE_FRACTION * volume {
                 on_part.points.clear();
                 on_part.weights.clear();
                 cut.part_quadrature(background, part, &rule, &mut on_part);
@@ -61,6 +112,7 @@ impl<const D: usize> PartValues<D> {
                     values.points.push(PartPoint { weight, shape });
                 }
             }
+            values.masses.push(PartMass::of_points(&values.points[first..]));
             values.offsets.push(values.points.len() as u32);
         }
         values
@@ -70,6 +122,12 @@ impl<const D: usize> PartValues<D> {
     #[inline]
     pub fn gradients(&self, part: PartId) -> &[Vector<D>; MAX_CELL_VERTICES] {
         &self.gradients[part.index()]
+    }
+
+    /// Moments of a part; zero for a part of negligible volume.
+    #[inline]
+    pub fn mass(&self, part: PartId) -> &PartMass {
+        &self.masses[part.index()]
     }
 
     /// Size `h_K` of the cell of a part: side of the equilateral simplex of the same volume.

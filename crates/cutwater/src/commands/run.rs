@@ -97,17 +97,27 @@ fn print_summary(summary: &Summary, directory: &str) {
     println!("  largest penetration {:.3e} cm", summary.max_penetration);
 }
 
+/// A line per stage; under the assembly a line per contribution, and what is left: zeros, copies, known linear parts.
 fn print_timings(summary: &Summary) {
-    let seconds = &summary.seconds;
-    let per_step = 1e3 / summary.steps.max(1) as f64;
-    for (stage, total) in [
-        ("cut", seconds.cut),
-        ("space", seconds.space),
-        ("assembly", seconds.assembly),
-        ("linear", seconds.linear),
-        ("output", seconds.output),
-    ] {
-        println!("  {stage:<9} {total:8.2} s {:8.1} ms per step", total * per_step);
+    let steps = summary.steps.max(1) as f64;
+    let all: f64 = summary.timings.iter().filter(|t| t.contribution.is_none()).map(|t| t.seconds).sum();
+    println!("  {:<32} {:>8} {:>10} {:>12} {:>7}", "stage", "calls", "seconds", "ms per step", "share");
+    let line = |name: &str, calls: &str, seconds: f64| {
+        let (per_step, share) = (1e3 * seconds / steps, 100.0 * seconds / all);
+        println!("  {name:<32} {calls:>8} {seconds:>10.3} {per_step:>12.3} {share:>6.1}%");
+    };
+    for stage in summary.timings.iter().filter(|timing| timing.contribution.is_none()) {
+        line(&stage.stage, &stage.calls.to_string(), stage.seconds);
+        let mut rest = stage.seconds;
+        for part in summary.timings.iter().filter(|timing| timing.stage == stage.stage) {
+            if let Some(name) = &part.contribution {
+                line(&format!("  {name}"), &part.calls.to_string(), part.seconds);
+                rest -= part.seconds;
+            }
+        }
+        if rest < stage.seconds {
+            line("  rest", "", rest);
+        }
     }
     println!("  {} Newton iterations, {} factorisations", summary.newton_iterations, summary.factorizations);
 }

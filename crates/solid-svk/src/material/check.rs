@@ -1,6 +1,6 @@
 //! Consistency of a material law with itself.
 
-use mesh::{Tensor, det};
+use mesh::{MAX_CELL_VERTICES, Tensor, Vector, det};
 
 use super::Material;
 
@@ -11,6 +11,8 @@ pub struct MaterialCheck {
     pub first_piola: f64,
     /// Derivative of the first Piola stress against central differences of it.
     pub derivative: f64,
+    /// Blocks of the stiffness against the derivative, relative to the largest of them.
+    pub stiffness: f64,
     /// Energy and stress after a rotation of space: `W(QF) = W(F)`, `P(QF) = Q P(F)`.
     pub objectivity: f64,
     /// Stress of the undeformed state.
@@ -20,12 +22,33 @@ pub struct MaterialCheck {
 impl MaterialCheck {
     /// The largest of the deviations.
     pub fn largest(&self) -> f64 {
-        self.first_piola.max(self.derivative).max(self.objectivity).max(self.reference_stress)
+        self.first_piola.max(self.derivative).max(self.stiffness).max(self.objectivity).max(self.reference_stress)
     }
 }
 
-/// Checks a material law at pseudo-random deformations: `P` is the derivative of `W`, `dP` that of `P`, both are
-/// objective, and the reference state is free of stress.
+/// Deviation of the blocks of the stiffness from the derivative they are made of; directions are the columns of `pair`.
+fn stiffness_deviation<const D: usize>(material: &dyn Material<D>, f: &Tensor<D>, pair: &[Tensor<D>; 2]) -> f64 {
+    let mut g = [Vector::<D>::zeros(); MAX_CELL_VERTICES];
+    (0..=D).for_each(|i| g[i] = pair[i / D].column(i % D).into_owned());
+    let (mut largest, mut deviation, mut n_blocks) = (0.0_f64, 0.0_f64, 0);
+    material.for_each_stiffness(f, &g, &mut |i, j, block| {
+        n_blocks += 1;
+        for (row, column, block) in [(i, j, *block), (j, i, block.transpose())] {
+            for b in 0..D {
+                let mut h = Tensor::<D>::zeros();
+                h.set_row(b, &g[column].transpose());
+                let expected = material.first_piola_derivative(f, &h) * g[row];
+                largest = largest.max(expected.norm());
+                deviation = deviation.max((expected - block.column(b)).norm());
+            }
+        }
+    });
+    let is_complete = n_blocks == (D + 1) * (D + 2) / 2;
+    if is_complete { deviation / largest } else { f64::INFINITY }
+}
+
+/// Checks a material law at pseudo-random deformations: `P` is the derivative of `W`, `dP` that of `P`, the
+/// stiffness follows from it, energy and stress are objective, and the reference state is free of stress.
 pub fn check_material<const D: usize>(material: &dyn Material<D>, n_states: usize) -> MaterialCheck {
     let mut state = 1_u64;
     // Numbers in (-1, 1) from a linear congruential generator (Knuth's MMIX constants).
@@ -54,6 +77,7 @@ pub fn check_material<const D: usize>(material: &dyn Material<D>, n_states: usiz
         let slope = (material.first_piola(&ahead) - material.first_piola(&behind)) / (2.0 * step);
         let derivative = material.first_piola_derivative(&f, &h);
         check.derivative = check.derivative.max((slope - derivative).norm() / scale);
+        check.stiffness = check.stiffness.max(stiffness_deviation(material, &f, &[tensor(), tensor()]));
         // Cayley's transform of a skew tensor is a rotation.
         let skew = 0.5 * (h - h.transpose());
         if let Some(inverse) = (identity + skew).try_inverse() {

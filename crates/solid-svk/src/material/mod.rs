@@ -1,12 +1,14 @@
 //! Material laws: stored energy, first Piola stress and its directional derivative.
 
 mod check;
+mod linear_elastic;
 mod saint_venant_kirchhoff;
 
 pub use check::{MaterialCheck, check_material};
+pub use linear_elastic::LinearElastic;
 pub use saint_venant_kirchhoff::SaintVenantKirchhoff;
 
-use mesh::Tensor;
+use mesh::{MAX_CELL_VERTICES, Tensor, Vector};
 
 use crate::Error;
 use crate::error::positive;
@@ -28,8 +30,36 @@ pub trait Material<const D: usize>: Send + Sync + std::fmt::Debug {
     /// Derivative of the first Piola stress at `f` in direction `h`.
     fn first_piola_derivative(&self, f: &Tensor<D>, h: &Tensor<D>) -> Tensor<D>;
 
+    /// Calls `visit(i, j, K_ij)` for all `j <= i` with the blocks of the stiffness between directions `g`, one per vertex:
+    ///
+    /// `(K_ij)_ab = (dP[e_b ⊗ g_j] g_i)_a`, and `K_ji = K_ijᵀ` because the stress has an energy.
+    ///
+    /// This is where the time of an assembly goes: a material that knows its blocks in closed form should say so.
+    fn for_each_stiffness(
+        &self,
+        f: &Tensor<D>,
+        g: &[Vector<D>; MAX_CELL_VERTICES],
+        visit: &mut dyn FnMut(usize, usize, &Tensor<D>),
+    ) {
+        for j in 0..=D {
+            let mut blocks = [Tensor::<D>::zeros(); MAX_CELL_VERTICES];
+            for b in 0..D {
+                let mut h = Tensor::<D>::zeros();
+                h.set_row(b, &g[j].transpose());
+                let dp = self.first_piola_derivative(f, &h);
+                (j..=D).for_each(|i| blocks[i].set_column(b, &(dp * g[i])));
+            }
+            (j..=D).for_each(|i| visit(i, j, &blocks[i]));
+        }
+    }
+
     /// Cauchy stress normal to the plane in plane strain; without meaning, and never asked for, in 3D.
     fn out_of_plane_stress(&self, f: &Tensor<D>) -> f64;
+
+    /// Whether the stress is linear in `f - I`; internal work is then assembled once per nonlinear solve.
+    fn is_linear(&self) -> bool {
+        false
+    }
 }
 
 /// Lame parameters of an isotropic material; in 2D those of plane strain, which are the same numbers.

@@ -1,6 +1,6 @@
 //! The Saint Venant-Kirchhoff material: Hooke's law between Green-Lagrange strain and second Piola stress.
 
-use mesh::{Tensor, det};
+use mesh::{MAX_CELL_VERTICES, Tensor, Vector, det};
 
 use super::{LameParameters, Material};
 use crate::kinematics::{green_lagrange, green_lagrange_derivative};
@@ -45,6 +45,30 @@ impl<const D: usize> Material<D> for SaintVenantKirchhoff {
     #[inline]
     fn first_piola_derivative(&self, f: &Tensor<D>, h: &Tensor<D>) -> Tensor<D> {
         h * self.hooke(&green_lagrange(f)) + f * self.hooke(&green_lagrange_derivative(f, h))
+    }
+
+    /// With `G = F g`: `K_ij = λ G_i ⊗ G_j + μ G_j ⊗ G_i + (g_i·g_j) μ F Fᵀ + (g_i·S g_j) I`.
+    #[inline]
+    fn for_each_stiffness(
+        &self,
+        f: &Tensor<D>,
+        g: &[Vector<D>; MAX_CELL_VERTICES],
+        visit: &mut dyn FnMut(usize, usize, &Tensor<D>),
+    ) {
+        let LameParameters { mu, lambda } = self.lame;
+        let stress = self.hooke(&green_lagrange(f));
+        let left = f * f.transpose() * mu;
+        let pushed = g.map(|g| f * g);
+        for i in 0..=D {
+            let traction = stress * g[i];
+            for j in 0..=i {
+                let (with_lambda, with_mu) = (pushed[i] * pushed[j].transpose(), pushed[j] * pushed[i].transpose());
+                let mut block = with_lambda * lambda + with_mu * mu + left * g[i].dot(&g[j]);
+                let geometric = traction.dot(&g[j]);
+                (0..D).for_each(|a| block[(a, a)] += geometric);
+                visit(i, j, &block);
+            }
+        }
     }
 
     /// `S_zz / J = λ (tr E) / J`, as `E_zz = 0` and `F_zz = 1`.

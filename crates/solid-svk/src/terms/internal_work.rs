@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use algebra::LocalSystem;
-use mesh::{Tensor, Vector};
 
 use crate::kinematics::deformation_gradient;
 use crate::{Material, SolidCell, SolidTerm};
@@ -13,8 +12,8 @@ use crate::{Material, SolidCell, SolidTerm};
 /// Source: paper, Sec. 2.1 and forms after Eq. (4); the law of Sec. 4.1 is that of `S = F⁻¹ P`.
 /// Couples: solid velocity × solid velocity.   Domain: reference cells.
 /// Units (cgs, per unit depth in 2D): residual dyn/cm, tangent dyn·s/cm².
-/// With g_i = ∇N_i (constant on a cell, P1), H = e_b ⊗ g_j and `d = d_pred + c_d v`:
-///   residual_i = |K| P g_i,    column b of tangent_ij = |K| c_d dP\[H\] g_i.
+/// With g_i = ∇N_i (constant on a cell, P1) and `d = d_pred + c_d v`:
+///   residual_i = |K| P g_i,    column b of tangent_ij = |K| c_d dP\[e_b ⊗ g_j\] g_i.
 #[derive(Clone, Debug)]
 pub struct InternalWork<const D: usize> {
     /// Material law.
@@ -33,17 +32,12 @@ impl<const D: usize> SolidTerm<D> for InternalWork<D> {
         if !out.wants_tangent() {
             return;
         }
-        for j in cell.nodes() {
-            for b in 0..D {
-                let mut e_b = Vector::<D>::zeros();
-                e_b[b] = 1.0;
-                let h: Tensor<D> = e_b * cell.gradients[j].transpose();
-                let dp = scale * self.material.first_piola_derivative(&f, &h);
-                for i in cell.nodes() {
-                    let column = dp * cell.gradients[i];
-                    out.add_block(cell.velocity(i), cell.velocity(j) + b, D, column.as_slice());
-                }
+        self.material.for_each_stiffness(&f, cell.gradients, &mut |i, j, block| {
+            let block = block * scale;
+            out.add_block(cell.velocity(i), cell.velocity(j), D, block.as_slice());
+            if i != j {
+                out.add_block(cell.velocity(j), cell.velocity(i), D, block.transpose().as_slice());
             }
-        }
+        });
     }
 }

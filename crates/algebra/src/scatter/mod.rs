@@ -1,0 +1,82 @@
+//! Evaluation of items and their addition, in parallel and yet with the same bits for any number of threads.
+
+mod affine;
+mod stripes;
+
+pub(crate) use affine::Affine;
+pub(crate) use stripes::Stripes;
+
+use std::time::Instant;
+
+use rayon::prelude::*;
+
+use crate::pattern::ItemMap;
+use crate::scatter::stripes::Stripe;
+use crate::{Contributions, LocalSystem};
+
+/// Items of the largest contribution between two changes of contribution. Cells, faces and pieces are numbered alike, so that
+/// those of one round write to the same part of the matrix, and find it in the cache.
+const ITEMS_PER_ROUND: usize = 4096;
+
+/// A contribution and where its items go.
+pub(crate) struct Work<'a> {
+    /// Its number.
+    pub(crate) index: usize,
+    pub(crate) contribution: &'a dyn Contributions,
+    pub(crate) map: ItemMap<'a>,
+}
+
+/// Recycled memory of each stripe: the local system, and the seconds that each contribution took.
+#[derive(Debug, Default)]
+pub(crate) struct Scatter {
+    of_stripe: Vec<(LocalSystem, Vec<f64>)>,
+}
+
+impl Scatter {
+    /// Adds all items of some contributions to what the stripes that were dealt out hold, or to zero, and tells the time that
+    /// each took: that of the slowest stripe.
+    pub(crate) fn add(
+        &mut self,
+        works: &[Work<'_>],
+        x: &[f64],
+        stripes: &Stripes,
+        mut dealt: Vec<Stripe<'_>>,
+        (from_zero, with_tangent): (bool, bool),
+        mut tell: impl FnMut(usize, f64),
+    ) {
+        self.of_stripe.resize_with(stripes.len(), Default::default);
+        let n_rounds = works.iter().map(|work| work.map.len()).max().unwrap_or(0).div_ceil(ITEMS_PER_ROUND);
+        let run = |(k, (stripe, (local, seconds))): (usize, (&mut Stripe<'_>, &mut (LocalSystem, Vec<f64>)))| {
+            if from_zero {
+                stripe.clear();
+            }
+            seconds.clear();
+            seconds.resize(works.len(), 0.0);
+            for round in 0..n_rounds {
+                for (work, seconds) in works.iter().zip(seconds.iter_mut()) {
+                    let begin = Instant::now();
+                    let items = work.map.len() * round / n_rounds..work.map.len() * (round + 1) / n_rounds;
+                    for item in items.filter(|item| stripes.touches(work.map.first() + item, k)) {
+                        let dofs = work.map.dofs(item);
+                        if with_tangent {
+                            local.reset(dofs.len());
+                        } else {
+                            local.reset_residual(dofs.len());
+                        }
+                        work.contribution.add(item, x, local);
+                        stripe.add(dofs, work.map.positions(item), local.residual(), local.tangent());
+                    }
+                    *seconds += begin.elapsed().as_secs_f64();
+                }
+            }
+        };
+        if dealt.len() == 1 {
+            dealt.iter_mut().zip(&mut self.of_stripe).enumerate().for_each(run);
+        } else {
+            dealt.par_iter_mut().zip(&mut self.of_stripe).enumerate().for_each(run);
+        }
+        for (k, work) in works.iter().enumerate() {
+            tell(work.index, self.of_stripe.iter().map(|(_, seconds)| seconds[k]).fold(0.0, f64::max));
+        }
+    }
+}
