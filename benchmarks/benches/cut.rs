@@ -53,7 +53,7 @@ fn explicit_surfaces(c: &mut Criterion) {
     // As many cut cells, and ever more cells far from them.
     for n in [64, 128, 256, 512] {
         let background = structured_box::<2>([-0.5; 2], [0.5; 2], [n; 2]).expect("a box");
-        let (positions, boundary) = polygon(CENTRE, 0.4 * 64.0 / n as f64, 256);
+        let (positions, boundary) = polygon(BODY_CENTRE, 0.4 * 64.0 / n as f64, 256);
         let id = BenchmarkId::new("far-cells", format!("2d/{n}"));
         group.throughput(Throughput::Elements(background.n_cells() as u64));
         let mut workspace = Workspace::new();

@@ -14,7 +14,16 @@ const ROOMS: [(&str, &[&str]); 27] = [
     ("smallvec", &["crates/cutcell/src"]),
     ("sprs", &["crates/algebra/src"]),
     ("faer", &["crates/algebra/src/faer_view.rs", "crates/algebra/src/linear"]),
-    ("rayon", &["crates/algebra/src/scatter", "crates/cutcell/src/workspace.rs", "crates/cutcell/src/touched.rs", "crates/cutcell/src/soundness.rs", "crates/xfem-space/src"]),
+    (
+        "rayon",
+        &[
+            "crates/algebra/src/scatter",
+            "crates/cutcell/src/workspace.rs",
+            "crates/cutcell/src/touched.rs",
+            "crates/cutcell/src/soundness.rs",
+            "crates/xfem-space/src",
+        ],
+    ),
     ("thiserror", &["crates"]),
     ("tracing", &["crates"]),
     ("serde", &["crates/io/src", "validation/src"]),
