@@ -234,3 +234,13 @@ fn a_needle_with_an_edge_that_is_almost_a_point() {
     let body = Body::simplex(corners.map(Point::<3>::from).to_vec());
     check(&grid(), &[&body], None);
 }
+
+#[test]
+fn a_tetrahedron_that_sticks_out_by_almost_nothing() {
+    let near = 8.0 / 12.0 - 1e-11;
+    let third = 4.0 / 12.0;
+    let corners =
+        [[7.0 / 12.0, 1.0 / 12.0, 10.0 / 12.0], [8.0 / 12.0, near, 0.0], [-1e-9, 0.0, near], [third, third, third]];
+    let body = Body::simplex(corners.map(Point::<3>::from).to_vec());
+    check(&grid(), &[&body], None);
+}

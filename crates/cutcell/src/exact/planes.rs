@@ -10,7 +10,7 @@ use std::collections::HashMap;
 
 use mesh::{FacetId, Point, SimplexMesh, Vector, facet_normal};
 
-use super::crossing::{determinant, normal};
+use super::crossing::{cross_of_differences, determinant};
 use super::integer::Exact;
 use super::number::{Double, Number};
 use crate::surface::Facet;
@@ -83,13 +83,13 @@ impl<const D: usize> HalfSpace<D> {
         }
         let length = n.norm();
         let slack = f64::EPSILON * (8.0 * lengths[i] * lengths[j] / length + 8.0);
-        if slack < 1e-6 {
+        if slack < 1e-11 {
             return Self { origin: points[j], normal: n / length, slack };
         }
-        // A needle whose width is lost in the round-off of its sides.
-        let n = normal([&points[0], &points[1], &points[2]]);
+        // A needle: the round-off of its sides would turn the normal.
+        let n = cross_of_differences([&points[1], &points[0]], [&points[2], &points[0]]);
         let n = Vector::<D>::from_fn(|k, _| n[k]);
-        Self { origin: points[j], normal: n / n.norm(), slack: 64.0 * f64::EPSILON }
+        Self { origin: points[j], normal: n / n.norm(), slack: 16.0 * f64::EPSILON }
     }
 
     /// Distance of a point from the plane, positive in front of it, and how wrong it may be.
@@ -394,7 +394,7 @@ fn normal_length<const D: usize>(points: &[Point<D>]) -> f64 {
     } else if measure > 0.0 {
         2.0 * measure
     } else {
-        Vector::<3>::from(normal([&points[0], &points[1], &points[2]])).norm()
+        Vector::<3>::from(cross_of_differences([&points[1], &points[0]], [&points[2], &points[0]])).norm()
     }
 }
 
