@@ -29,7 +29,8 @@ impl Coordinate {
                 let shift = 10.0_f64.powi(-i32::from(size % 19));
                 plane(k) + if is_negative { -shift } else { shift }
             }
-            // Facets are known to round-off of their own size: beyond this, identities hold to fewer digits.
+            // Facets are known to the round-off of their own size: identities hold to fewer digits than this checks for
+            // coordinates from a thousand to what is refused.
             Self::Any(x) if x.abs() < 1e9 => x % 1e3,
             Self::Any(x) => x,
         }

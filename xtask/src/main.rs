@@ -4,6 +4,7 @@
 mod bench;
 mod docs;
 mod process;
+mod python;
 mod tidy;
 mod validate;
 mod verify;

@@ -1,10 +1,11 @@
 //! `cargo xtask verify`: exact solutions, output read back, long property suites.
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Command;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use crate::process::{Outcome, cargo, root, succeeds, target};
+use crate::python::python_with;
 
 /// Number of random placements for each of the twelve properties of `cutcell`, quick and full.
 const CUTCELL_CASES: [&str; 2] = ["2000", "100000"];
@@ -73,7 +74,7 @@ fn verify_cutcell(full: bool) -> Outcome {
 /// Runs a short case and reads its files with VTK's own Python reader, in a virtual environment of its own.
 fn verify_vtk(out: &Path) -> Outcome {
     println!("# vtk: files of a short run, read by VTK");
-    let Some(python) = python_with_vtk()? else {
+    let Some(python) = python_with("python-vtk", &["vtk"], "import vtkmodules.vtkIOXML")? else {
         println!("failed: Python with the package vtk is needed (python3 -m venv, pip install vtk) and not to be had");
         return Ok(false);
     };
@@ -84,21 +85,4 @@ fn verify_vtk(out: &Path) -> Outcome {
         return Ok(false);
     }
     succeeds(Command::new(python).arg(root().join("validation/check_vtk.py")).arg(run.join("files")))
-}
-
-/// A Python that has VTK; `None` if there is none and it cannot be installed.
-fn python_with_vtk() -> std::io::Result<Option<PathBuf>> {
-    let environment = target().join("python-vtk");
-    let python = environment.join("bin/python");
-    let has_vtk = |python: &Path| {
-        let mut probe = Command::new(python);
-        let status = probe.args(["-c", "import vtkmodules.vtkIOXML"]).stderr(Stdio::null()).status();
-        status.is_ok_and(|s| s.success())
-    };
-    if has_vtk(&python) {
-        return Ok(Some(python));
-    }
-    let made = Command::new("python3").args(["-m", "venv"]).arg(&environment).status().is_ok_and(|s| s.success());
-    let installed = made && succeeds(Command::new(&python).args(["-m", "pip", "install", "--quiet", "vtk"]))?;
-    Ok((installed && has_vtk(&python)).then_some(python))
 }

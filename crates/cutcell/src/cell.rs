@@ -164,7 +164,7 @@ impl<const D: usize> CellCut<D> {
         self.wet.extend(self.walls.iter().filter_map(|wall| wet_piece(&self.labels, wall)));
         self.thin.clear();
         self.n_left_out = 0;
-        self.leave_out_thin_parts(diameter, doubt, cutting.thinnest);
+        self.leave_out_thin_parts(diameter, cutting.thinnest);
         self.wet.sort_by_key(|wet| wet.facet);
     }
 
@@ -288,7 +288,7 @@ impl<const D: usize> CellCut<D> {
         view
     }
 
-    fn leave_out_thin_parts(&mut self, diameter: f64, doubt: f64, thinnest: f64) {
+    fn leave_out_thin_parts(&mut self, diameter: f64, thinnest: f64) {
         // No piece has a larger surface than a box around the cell.
         let most = thinnest * (2 * D) as f64 * diameter.powi(D as i32 - 1);
         let mut is_thin: Vec<bool> = self.volumes.iter().map(|&volume| volume <= most).collect();
@@ -296,11 +296,10 @@ impl<const D: usize> CellCut<D> {
             return;
         }
         // A part is as thick as its thickest piece: thin ones may hang on a small tip that is as wide as it is long.
-        for (label, leaf) in self.labels.iter().zip(self.tree.leaves()) {
+        for ((label, leaf), &volume) in self.labels.iter().zip(self.tree.leaves()).zip(&self.leaf_volumes) {
             if let Some(part) = label.part()
                 && is_thin[part as usize]
             {
-                let volume = leaf.volume(doubt);
                 is_thin[part as usize] = volume <= 0.0 || volume <= 0.5 * thinnest * leaf.surface();
             }
         }

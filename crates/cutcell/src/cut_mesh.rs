@@ -81,7 +81,7 @@ pub struct BoundaryPiece<const D: usize> {
 /// A background mesh cut by the surfaces of bodies; read-only.
 ///
 /// Fluid is the background without the union of the bodies.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct CutMesh<const D: usize> {
     pub(crate) cell_to_state: Vec<CellState>,
     /// Offsets into the parts, one more entry than there are cells.

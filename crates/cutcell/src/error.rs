@@ -23,7 +23,7 @@ pub enum Error {
     },
     /// A coordinate is so large that nothing in the background could be told apart from there.
     #[error(
-        "body {body}: vertex {vertex} of facet {facet} at {point:?} is too far from the background (beyond {limit:e})"
+        "body {body}: vertex {vertex} of facet {facet} at {point:?} is too far from the background (beyond {limit:e}): move or scale it"
     )]
     TooFar {
         /// The body.

@@ -47,7 +47,7 @@ impl<const D: usize> CutMesh<D> {
     /// background belong to the cell on the fluid side.
     ///
     /// # Errors
-    /// See [`Error`]: surfaces that are empty, open, non-manifold, turned inwards, self-intersecting, or not finite.
+    /// See [`Error`]: surfaces that are empty, open, non-manifold, turned inwards, self-intersecting, not finite, or too far away.
     pub fn overlay(
         background: &SimplexMesh<D>,
         surfaces: &[Placed<'_, D>],

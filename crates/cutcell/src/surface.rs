@@ -6,8 +6,15 @@ use crate::exact::{HalfSpace, is_degenerate};
 use crate::soundness::{FARTHEST, check_self_intersections, check_surface};
 use crate::{Error, OverlayOptions};
 
+/// Square of the sine of an angle of a triangle below which two of its sides do not tell where a point is.
+const NEEDLE: f64 = 1e-12;
+
 /// Smaller coordinates are zero: products of three of them would leave the range of numbers.
 const SMALLEST: f64 = 1e-60;
+
+fn flushed<const D: usize>(x: &Point<D>) -> Point<D> {
+    x.map(|c| if c.abs() < SMALLEST { 0.0 } else { c })
+}
 
 /// One facet of one surface.
 #[derive(Clone, Debug)]
@@ -31,7 +38,7 @@ impl<const D: usize> Facet<D> {
     pub(crate) fn new(body: BodyId, id: FacetId, corners: &[Point<D>], vertices: [u32; 3]) -> Self {
         let mut points = [Point::zeros(); 4];
         for (slot, x) in points.iter_mut().zip(corners) {
-            *slot = x.map(|c| if c.abs() < SMALLEST { 0.0 } else { c });
+            *slot = flushed(x);
         }
         let corners = &points[..D];
         let plane = HalfSpace::through(corners);
@@ -69,8 +76,18 @@ impl<const D: usize> Facet<D> {
                 let (a, b) = (self.points[1] - origin, self.points[2] - origin);
                 let (aa, ab, bb, ra, rb) = (a.dot(&a), a.dot(&b), b.dot(&b), r.dot(&a), r.dot(&b));
                 let det = aa * bb - ab * ab;
-                let (l1, l2) = ((ra * bb - rb * ab) / det, (rb * aa - ra * ab) / det);
-                coordinates[..3].copy_from_slice(&[1.0 - l1 - l2, l1, l2]);
+                if det > NEEDLE * aa * bb {
+                    let (l1, l2) = ((ra * bb - rb * ab) / det, (rb * aa - ra * ab) / det);
+                    coordinates[..3].copy_from_slice(&[1.0 - l1 - l2, l1, l2]);
+                } else {
+                    // As wide as round-off: its longest side stands for it.
+                    let length = |k: usize| (self.points[(k + 1) % 3] - self.points[k]).norm_squared();
+                    let k = (1..3).fold(0, |longest, k| if length(k) > length(longest) { k } else { longest });
+                    let side = self.points[(k + 1) % 3] - self.points[k];
+                    let l = ((x - self.points[k]).dot(&side) / side.norm_squared()).clamp(0.0, 1.0);
+                    coordinates[k] = 1.0 - l;
+                    coordinates[(k + 1) % 3] = l;
+                }
             }
         }
         coordinates
@@ -97,7 +114,8 @@ pub(crate) fn collect<const D: usize>(
             check_self_intersections(body, surface)?;
         }
         for id in surface.boundary().facets() {
-            let corners = &surface.facet_points(id)[..D];
+            let corners = surface.facet_points(id).map(|x| flushed(&x));
+            let corners = &corners[..D];
             if is_degenerate(corners) {
                 continue;
             }

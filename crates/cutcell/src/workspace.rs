@@ -14,8 +14,8 @@ use crate::surface::{self, Facet};
 use crate::touched::TouchedCells;
 use crate::{CutMesh, Error, OverlayOptions};
 
-/// Memory for one overlay after the other, for simulations that cut in every step: what an overlay needs is allocated
-/// once, and with [`Workspace::recycle`] what it returns, too.
+/// Memory for one overlay after the other: what grows with the cut cells is allocated once, and with
+/// [`Workspace::recycle`] what an overlay returns, too.
 ///
 /// ```
 /// use cutcell::{OverlayOptions, Workspace};

@@ -160,6 +160,48 @@ fn a_thin_plate_makes_two_parts() {
 }
 
 #[test]
+fn a_workspace_gives_what_a_fresh_overlay_gives() {
+    let backgrounds = [grid(4), grid(9), grid(3)];
+    let bodies = [sphere(0.6, 4), cube().moved(|x| x * 0.4), sphere(0.3, 6)];
+    let mut workspace = cutcell::Workspace::new();
+    for (step, background) in backgrounds.iter().cycle().take(7).enumerate() {
+        let shift = P::new(0.01, 0.02, -0.013) * step as f64;
+        let moved: Vec<Surface> = bodies[step % 3..].iter().map(|body| body.moved(|x| x + shift)).collect();
+        let placed: Vec<_> = moved.iter().map(Surface::placed).collect();
+        let cut = workspace.overlay(background, &placed, &OverlayOptions::new()).expect("sound surfaces");
+        assert!(
+            cut == CutMesh::overlay(background, &placed, &OverlayOptions::new()).expect("sound surfaces"),
+            "step {step}"
+        );
+        assert!(cut.report().n_cut_cells > 0);
+        if step % 2 == 0 {
+            workspace.recycle(cut);
+        }
+        // What is refused leaves nothing behind.
+        let inwards = moved[0].moved(|x| P::new(-x[0], x[1], x[2]));
+        assert!(workspace.overlay(background, &[inwards.placed()], &OverlayOptions::new()).is_err());
+    }
+}
+
+#[test]
+fn pieces_of_needles_have_barycentric_coordinates() {
+    // The third corner almost lies on the side between the two others.
+    let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 1e-9, 0.0], [0.4, 0.3, 0.8]];
+    let body = Surface::new(points.map(P::from).to_vec(), &[[1, 0, 2], [0, 1, 3], [1, 2, 3], [2, 0, 3]]);
+    let body = body.moved(|x| x - P::new(0.3, 0.1, 0.2));
+    assert!(body.placed().enclosed_volume() > 0.0);
+    let cut = overlay(&grid(3), &[&body]);
+    assert!(!cut.interface().is_empty());
+    for piece in cut.interface() {
+        let corners = body.placed().facet_points(piece.facet);
+        for (x, barycentric) in piece.points.iter().zip(&piece.barycentric) {
+            let there: P = corners.iter().zip(barycentric).map(|(corner, l)| corner * *l).sum();
+            assert!((there - x).norm() < 1e-8, "{x} from {barycentric:?}");
+        }
+    }
+}
+
+#[test]
 fn a_surface_that_pierces_itself_is_refused_unless_told_otherwise() {
     // Two cubes that overlap, as one surface.
     let (first, second) = (cube(), cube().moved(|x| x * 0.8 + P::new(0.5, 0.1, 0.2)));

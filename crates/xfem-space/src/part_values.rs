@@ -71,7 +71,7 @@ pub struct PartValues<const D: usize> {
 impl<const D: usize> PartValues<D> {
     /// Values with a rule that is exact for polynomials of the given degree (at least 2) on every part.
     pub fn new(background: &SimplexMesh<D>, cut: &CutMesh<D>, degree: usize) -> Self {
-        debug_assert!(degree >= 2, "moments are of degree 2");
+        assert!(degree >= 2, "moments are of degree 2");
         let rule = SimplexRule::of_degree(D, degree);
         let n = cut.n_parts();
         let mut values = Self {

@@ -89,7 +89,7 @@ impl<'a, const D: usize> Polytope<'a, D> {
 }
 
 /// Any number of polytopes in four arrays.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Polytopes<const D: usize> {
     points: Vec<Point<D>>,
     faces: Vec<(FaceLabel, u32)>,

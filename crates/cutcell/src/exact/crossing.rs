@@ -13,8 +13,8 @@ fn coord<const D: usize>(x: &Point<D>) -> Coord<f64> {
 }
 
 /// Determinant of a point with respect to the plane of a facet: positive behind the facet, on the side of the body.
-/// Its sign is exact, and so is a small value to a few digits: round-off in the normal of a small facet does not grow
-/// with the distance from it.
+/// Its sign is exact; values that are not lost in round-off are as good as that allows: round-off in the normal of a small
+/// facet does not grow with the distance from it.
 pub(super) fn determinant<const D: usize>(facet: &[Point<D>], x: &Point<D>) -> f64 {
     match D {
         2 => orient2d(coord(&facet[0]), coord(&facet[1]), coord(x)),
@@ -23,7 +23,7 @@ pub(super) fn determinant<const D: usize>(facet: &[Point<D>], x: &Point<D>) -> f
 }
 
 /// Volume (area in 2D) of a simplex, negative for one turned inside out. If round-off may be as large as `doubt`, its sign is
-/// exact and a small value right to a few digits: needles whose corners differ by little more than round-off keep theirs.
+/// exact all the same: needles whose corners differ by little more than round-off keep a volume.
 pub(crate) fn signed_volume<const D: usize>(simplex: &[Point<D>], doubt: f64) -> f64 {
     let volume = mesh::Simplex::new(simplex).volume();
     if volume.abs() > doubt {

@@ -88,12 +88,22 @@ impl Exact {
 
     /// Nearly the nearest floating-point number; with the right sign, whatever the size.
     pub(super) fn value(&self) -> f64 {
+        let (leading, power) = self.leading();
+        leading * 2.0_f64.powi((64 * power).clamp(-900, 800))
+    }
+
+    /// The quotient, nearly the nearest floating-point number; numbers of any size may be divided by each other.
+    pub(super) fn over(&self, other: &Self) -> f64 {
+        let ((a, p), (b, q)) = (self.leading(), other.leading());
+        a / b * 2.0_f64.powi((64 * (p - q)).clamp(-900, 800))
+    }
+
+    /// The leading digits with the sign, and the power of 2⁶⁴ that they are to be multiplied by.
+    fn leading(&self) -> (f64, i32) {
         let base = 2.0_f64.powi(64);
-        let n = self.digits.len();
-        let leading = self.digits.iter().rev().take(3).fold(0.0, |value, &digit| value * base + digit as f64);
-        let power = 64 * (self.exponent + n.saturating_sub(3) as i32);
-        let magnitude = leading * 2.0_f64.powi(power.clamp(-900, 800));
-        if self.is_negative { -magnitude } else { magnitude }
+        let magnitude = self.digits.iter().rev().take(3).fold(0.0, |value, &digit| value * base + digit as f64);
+        let power = self.exponent + self.digits.len().saturating_sub(3) as i32;
+        (if self.is_negative { -magnitude } else { magnitude }, power)
     }
 }
 
@@ -205,6 +215,15 @@ mod tests {
             }
             assert_eq!(back.signum(), value.signum());
         }
+    }
+
+    #[test]
+    fn quotients_of_numbers_beyond_the_range_of_floating_point() {
+        let third = Exact::of(1.0 / 3.0);
+        let tiny = (0..20).fold(Exact::of(1.0), |product, _| times(&product, &Exact::of(1e-30)));
+        assert_eq!(times(&third, &tiny).over(&tiny), 1.0 / 3.0);
+        assert_eq!(tiny.over(&times(&tiny, &Exact::of(-0.25))), -4.0);
+        assert_eq!(times(&tiny, &tiny).over(&tiny).signum(), 1.0);
     }
 
     #[test]

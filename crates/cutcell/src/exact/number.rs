@@ -13,6 +13,8 @@ pub(super) trait Number: Clone + Default {
     fn sum_of_products(terms: &[(bool, &Self, &Self)]) -> Self;
     /// The value, rounded.
     fn value(&self) -> f64;
+    /// The quotient, rounded.
+    fn over(&self, other: &Self) -> f64;
     /// How wrong the value may be, beyond one unit in its last place.
     fn doubt(&self) -> f64;
 
@@ -41,6 +43,10 @@ impl Number for Exact {
 
     fn value(&self) -> f64 {
         self.value()
+    }
+
+    fn over(&self, other: &Self) -> f64 {
+        self.over(other)
     }
 
     fn doubt(&self) -> f64 {
@@ -104,6 +110,10 @@ impl Number for Double {
 
     fn value(&self) -> f64 {
         self.high
+    }
+
+    fn over(&self, other: &Self) -> f64 {
+        self.high / other.high
     }
 
     fn doubt(&self) -> f64 {

@@ -250,22 +250,18 @@ impl<const D: usize> Planes<'_, D> {
         let side = if corner.error == 0.0 {
             -determinant(&points[..D], &corner.x) / normal_length(&points[..D])
         } else {
-            let ratio = self.determinants::<Double>(&corner.on, plane, known);
-            ratio.or_else(|| self.determinants::<Exact>(&corner.on, plane, known)).map_or(
-                0.0,
-                |[numerator, denominator]| {
-                    let distance = numerator / denominator / normal_length(&points[..D]);
-                    (numerator.signum() * denominator.signum()) * distance.abs().max(f64::MIN_POSITIVE)
-                },
-            )
+            let ratio = self.ratio::<Double>(&corner.on, plane, known);
+            ratio
+                .or_else(|| self.ratio::<Exact>(&corner.on, plane, known))
+                .map_or(0.0, |[ratio, sign]| sign * (ratio / normal_length(&points[..D])).abs().max(f64::MIN_POSITIVE))
         };
         known.sides.insert(question, side);
         side
     }
 
-    /// Numerator and denominator of the product of a point in which planes meet with the normal of another plane,
-    /// less that of the plane itself. `None` if a sign is not certain, or zero.
-    fn determinants<N: Number>(&self, on: &[Plane; 3], plane: Plane, known: &mut Known) -> Option<[f64; 2]> {
+    /// The product of a point in which planes meet with the normal of another plane, less that of the plane itself, and
+    /// its sign. `None` if the sign is not certain, or zero.
+    fn ratio<N: Number>(&self, on: &[Plane; 3], plane: Plane, known: &mut Known) -> Option<[f64; 2]> {
         let solved = N::solved(known);
         self.solve_corner(on, solved);
         self.solve_plane(plane, solved);
@@ -274,7 +270,7 @@ impl<const D: usize> Planes<'_, D> {
             [(true, offset, w), (false, &normal[0], &x[0]), (false, &normal[1], &x[1]), (false, &normal[2], &x[2])];
         let sum = N::sum_of_products(&terms[..=D]);
         let (numerator, denominator) = (sum.certain()?, w.certain()?);
-        (numerator != 0.0 && denominator != 0.0).then_some([numerator, denominator])
+        (numerator != 0.0 && denominator != 0.0).then(|| [sum.over(w), numerator.signum() * denominator.signum()])
     }
 
     fn solve_plane<N: Number>(&self, plane: Plane, solved: &mut Solved<N>) {
@@ -379,7 +375,7 @@ impl<const D: usize> Planes<'_, D> {
         let mut x = corner.x;
         let mut doubt = f64::MIN_POSITIVE;
         for k in 0..D {
-            x[k] = numerators[k].value() / w;
+            x[k] = numerators[k].over(denominator);
             doubt += (numerators[k].doubt() + denominator.doubt() * x[k].abs()) / w.abs();
         }
         Some(Corner { x, error: 4.0 * f64::EPSILON * x.amax() + doubt, ..*corner })
@@ -390,8 +386,11 @@ impl<const D: usize> Planes<'_, D> {
 fn normal_length<const D: usize>(points: &[Point<D>]) -> f64 {
     let measure = mesh::simplex_measure(points);
     if D == 2 {
-        measure
-    } else if measure > 0.0 {
+        return measure;
+    }
+    let sides = [points[1] - points[0], points[2] - points[0]];
+    // The measure of a needle would be round-off.
+    if measure > 1e-6 * sides[0].norm_squared().max(sides[1].norm_squared()) {
         2.0 * measure
     } else {
         Vector::<3>::from(cross_of_differences([&points[1], &points[0]], [&points[2], &points[0]])).norm()
