@@ -51,6 +51,9 @@ impl<const D: usize> Capsule<D> {
     ///
     /// # Errors
     /// As [`CutMesh::overlay`]: surfaces that are refused.
+    ///
+    /// # Panics
+    /// If the background has no such cell.
     pub fn around(
         background: &SimplexMesh<D>,
         surfaces: &[Placed<'_, D>],

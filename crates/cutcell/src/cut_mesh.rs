@@ -287,6 +287,9 @@ impl<const D: usize> InterfacePiece<D> {
 
 /// Calls `visit` with the corners of each simplex of a fan over a convex face; simplices without area are left out.
 pub(crate) fn for_each_face_simplex<const D: usize>(polygon: &[Point<D>], mut visit: impl FnMut([Point<D>; 3])) {
+    if polygon.len() < D {
+        return;
+    }
     let mut corners = [Point::<D>::zeros(); 3];
     corners[0] = polygon[0];
     for k in 1..=polygon.len() + 1 - D {

@@ -244,3 +244,35 @@ fn a_tetrahedron_that_sticks_out_by_almost_nothing() {
     let body = Body::simplex(corners.map(Point::<3>::from).to_vec());
     check(&grid(), &[&body], None);
 }
+
+/// The unit cube with a vertex on one of its upper edges that only one side of the edge knows, and a facet without width
+/// between the two: what is left where a mesh was repaired. `depth` is how far the vertex sticks out.
+fn cube_with_a_cap(depth: f64) -> Body<3> {
+    let mut body = Body::cuboid(&Point::<3>::zeros(), &Point::repeat(1.0));
+    body.positions.push(Point::<3>::new(0.4, -depth, 1.0 + depth / 3.0));
+    let squares = [[0, 2, 3, 1], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let sides = squares.into_iter().flat_map(|[a, b, c, d]| [a, b, c, a, c, d]);
+    Body::new(body.positions, sides.chain([4, 8, 7, 8, 5, 7, 4, 7, 6, 4, 5, 8]))
+}
+
+#[test]
+fn facets_without_width_wherever_they_are() {
+    let background = structured_box::<3>([-1.0; 3], [1.0; 3], [3; 3]).expect("a box");
+    for depth in [0.0, 1e-16, 1e-13, 1e-10, 1e-6] {
+        for step in 0..8 {
+            let t = f64::from(step);
+            let turn = mesh::nalgebra::Rotation3::from_euler_angles(1.1 * t, 0.7 * t, 1.9 * t);
+            let mut body = cube_with_a_cap(depth);
+            body.positions.iter_mut().for_each(|x| *x = turn * (*x - Point::repeat(0.5)));
+            // With no depth the rounded corners of the cap may pierce it.
+            let options = OverlayOptions::new().without_self_intersection_check();
+            let cut = CutMesh::overlay(&background, &[body.placed()], &options).expect("closed");
+            check_identities(&background, &cut);
+            let area: f64 = cut.interface().iter().map(|piece| piece.measure).sum();
+            assert!(
+                (cut.fluid_volume() - 7.0).abs() < 1e-5 && (area - 6.0).abs() < 1e-5,
+                "depth {depth}, {step}: {area}"
+            );
+        }
+    }
+}

@@ -37,11 +37,29 @@ pub enum Error {
         /// What is wrong.
         problem: crate::cut::MeshProblem,
     },
+    /// A grid of no cubes, or of too many.
+    #[error("a grid of {n} cubes along each axis: choose `--grid` from 1 to {most}")]
+    GridSize {
+        /// Cubes along an axis.
+        n: usize,
+        /// The largest number.
+        most: usize,
+    },
+    /// A cut violates its identities: a fault of the program, not of the input.
+    #[error(
+        "the cut is not to be trusted: {identity} is violated by {by:.1e}; please report it with the surface and the command"
+    )]
+    Violated {
+        /// The identity that is violated most.
+        identity: &'static str,
+        /// By how much, relative.
+        by: f64,
+    },
     /// A box of cubes around surfaces cannot be built. Choose another number of cubes.
     #[error("cannot put a grid around the surfaces: {0}")]
     Grid(mesh::Error),
     /// Surfaces are unfit for cutting; body, facet and point are inside.
-    #[error("cannot cut by {}: {source}", listed(.paths))]
+    #[error("cannot cut by {}: {source}{}", listed(.paths), advice(.source))]
     Cut {
         /// The files, one per body.
         paths: Vec<PathBuf>,
@@ -88,6 +106,17 @@ pub enum Error {
     #[cfg(feature = "simulation")]
     #[error(transparent)]
     Step(#[from] solver::StepError),
+}
+
+/// What to do about a surface that is refused, where the message does not say it.
+fn advice(refused: &cutcell::Error) -> &'static str {
+    match refused {
+        cutcell::Error::Inward { .. } => " (`--flip` does it)",
+        cutcell::Error::Open { .. } => ": close it",
+        cutcell::Error::NonManifold { .. } => ": divide the body there, or join its vertices differently",
+        cutcell::Error::SelfIntersection { .. } => ": give the parts as bodies of their own, or mend the surface",
+        _ => "",
+    }
 }
 
 /// The files of bodies; their numbers beside them if there are several.

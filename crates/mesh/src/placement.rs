@@ -10,7 +10,10 @@ pub struct Placed<'m, const D: usize> {
 }
 
 impl<'m, const D: usize> Placed<'m, D> {
-    /// The boundary at the given positions (one per vertex of the mesh whose vertices the boundary names).
+    /// The boundary at the given positions (one per vertex of the mesh whose vertices the boundary names). Segments of a
+    /// plane boundary run counter-clockwise around the body, triangles turn counter-clockwise as seen from outside.
+    ///
+    /// What is done with the surface panics if there are fewer positions than vertices.
     pub fn new(boundary: &'m BoundaryMesh<D>, positions: &'m [Point<D>]) -> Self {
         Self { boundary, positions }
     }

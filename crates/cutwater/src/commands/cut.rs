@@ -26,7 +26,7 @@ pub(crate) fn cut(arguments: &CutArguments) -> Result<(), Error> {
     } else {
         print_table(&result.summary);
     }
-    Ok(())
+    result.summary.max_relative_error.check()
 }
 
 fn print_table(summary: &CutSummary) {

@@ -16,6 +16,7 @@ pub(crate) fn exit_code(error: &Error) -> ExitCode {
     match error {
         Error::Read { .. } | Error::NotUtf8 { .. } | Error::Scenario(_) => ExitCode::from(2),
         Error::Surface { .. } | Error::MeshFile { .. } | Error::Grid(_) | Error::Cut { .. } => ExitCode::from(2),
+        Error::GridSize { .. } => ExitCode::from(2),
         _ => ExitCode::FAILURE,
     }
 }

@@ -27,6 +27,25 @@ pub struct CutErrors {
     pub adjacency: f64,
 }
 
+impl CutErrors {
+    /// Refuses what is well above round-off.
+    ///
+    /// # Errors
+    /// [`crate::Error::Violated`].
+    pub fn check(&self) -> Result<(), crate::Error> {
+        /// Above the round-off of coordinates far from the origin, and below any cut that is wrong.
+        const LARGEST: f64 = 1e-8;
+        let all = [
+            ("partition", self.partition),
+            ("normals", self.normals),
+            ("divergence", self.divergence),
+            ("adjacency", self.adjacency),
+        ];
+        let (identity, by) = all.into_iter().fold(all[0], |worst, next| if next.1 > worst.1 { next } else { worst });
+        if by <= LARGEST { Ok(()) } else { Err(crate::Error::Violated { identity, by }) }
+    }
+}
+
 /// Measures all identities of a cut.
 pub(super) fn check<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>, moments: &Moments<D>) -> CutErrors {
     CutErrors {

@@ -97,7 +97,7 @@ pub fn cut_files(paths: &[impl AsRef<Path>], settings: &CutSettings) -> Result<S
         placement::rotate(&mut surfaces, seed);
     }
     let background = match &settings.background {
-        BackgroundSource::Grid(n) => placement::grid_around(&surfaces, *n).map_err(Error::Grid)?,
+        BackgroundSource::Grid(n) => placement::grid_around(&surfaces, *n)?,
         BackgroundSource::File(path) => read_tetrahedra(path)?,
     };
     if let Some(seed) = settings.shift {

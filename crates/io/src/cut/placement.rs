@@ -4,17 +4,25 @@ use mesh::generate::structured_box;
 use mesh::nalgebra::{Quaternion, UnitQuaternion};
 use mesh::{Point, SimplexMesh};
 
+use crate::Error;
 use crate::surface::Surface;
 
 /// Free space on every side of the surfaces, as a fraction of their longest extent.
 const MARGIN: f64 = 0.1;
 
-/// A box of `n`³ cubes with the centre of the surfaces.
-pub(super) fn grid_around(surfaces: &[Surface], n: usize) -> Result<SimplexMesh<3>, mesh::Error> {
+/// Most cubes along an axis: 20 million tetrahedra, which take some ten gigabytes.
+pub(super) const MOST_CUBES: usize = 150;
+
+/// A box of `n`³ cubes with the centre of the surfaces, at most [`MOST_CUBES`] along each axis.
+pub(super) fn grid_around(surfaces: &[Surface], n: usize) -> Result<SimplexMesh<3>, Error> {
+    if !(1..=MOST_CUBES).contains(&n) {
+        return Err(Error::GridSize { n, most: MOST_CUBES });
+    }
     let (low, high) = bounds(surfaces);
     let half_edge = (0.5 + MARGIN) * (high - low).amax();
     let centre = 0.5 * (low + high);
     structured_box(centre.add_scalar(-half_edge).into(), centre.add_scalar(half_edge).into(), [n; 3])
+        .map_err(Error::Grid)
 }
 
 /// Edge of the cubes of a mesh that has six tetrahedra in each, and of a mesh with as many cells in the same volume.
