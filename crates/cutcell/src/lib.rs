@@ -13,6 +13,11 @@
 //! - A *part face* ([`PartFace`]) is an interior face of the background seen by one pair of parts that share fluid
 //!   on it; next to a cut cell it is a *ghost face*.
 //!
+//! A disk and a thin bar in a box of triangles, and the fluid parts of tetrahedra behind a turned cube, drawn apart:
+//!
+#![doc = concat!("<div>\n", include_str!("../../../docs/src/images/cut-mesh-plane.svg"), "</div>\n")]
+#![doc = concat!("<div>\n", include_str!("../../../docs/src/images/cut-mesh-space.svg"), "</div>\n")]
+//!
 //! # How it works
 //! Every cell that facets touch is divided by the planes of those facets into convex pieces, a plane only through the
 //! pieces that its facet runs through: a tree of planes per cell. A piece of a facet that reaches a node of the tree
