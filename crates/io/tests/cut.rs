@@ -157,8 +157,8 @@ fn what_cannot_be_cut_is_refused_with_file_body_and_place() {
     assert!(message.contains("inward.obj") && message.contains("inwards"), "{message}");
     let flipped = cut_files(&[&inward], &CutSettings { flip: true, ..grid(3) }).expect("a cut").summary;
     check(&flipped, 1.2_f64.powi(3), 1.0 / 6.0, 1.5 + 0.75_f64.sqrt());
-    assert!(matches!(cut_files(&[&cube], &grid(0)), Err(Error::Grid(_))));
-    assert!(matches!(cut_files(&[&cube], &grid(1 << 40)), Err(Error::Grid(_))));
+    assert!(matches!(cut_files(&[&cube], &grid(0)), Err(Error::GridSize { n: 0, .. })));
+    assert!(matches!(cut_files(&[&cube], &grid(1 << 40)), Err(Error::GridSize { .. })));
     let wide = write("wide.obj", &CUBE.replace('1', "1e308"));
     assert!(cut_files(&[&wide], &grid(2)).is_err());
 }

@@ -7,6 +7,8 @@ pub(crate) fn config(usual: u32) -> ProptestConfig {
     let number = |name: &str| std::env::var(name).ok().and_then(|value| value.parse().ok());
     ProptestConfig {
         cases: number("CUTCELL_CASES").map_or(usual, |cases| cases as u32),
+        // Long runs reject many shifts.
+        max_local_rejects: u32::MAX,
         failure_persistence: None,
         rng_seed: proptest::test_runner::RngSeed::Fixed(number("CUTCELL_SEED").unwrap_or(7)),
         ..ProptestConfig::default()
