@@ -231,7 +231,7 @@ fn compare_with_peers() -> Outcome {
         match (measured.get(peer.id), theirs) {
             (Some(ours), Some(theirs)) => {
                 println!(
-                    "{:34} {:10.2} {:10.2} {:8.2}",
+                    "{:34} {:10.2} {:10.2} {:8.3}",
                     peer.id,
                     1e3 * ours.seconds,
                     1e3 * theirs,
