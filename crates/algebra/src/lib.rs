@@ -74,6 +74,6 @@ pub use linear::{
     LinearMap, LinearReport, LinearSolver, MatrixView, Unknowns,
 };
 pub use local_system::LocalSystem;
-pub use newton::{NewtonError, NewtonReport, NewtonSettings, NonlinearProblem, newton};
+pub use newton::{Forcing, NewtonError, NewtonReport, NewtonSettings, NonlinearProblem, newton};
 pub use pattern::{ItemMap, Pattern};
 pub use workspace::Workspace;

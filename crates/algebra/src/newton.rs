@@ -44,16 +44,63 @@ pub struct NewtonSettings {
     /// The factorisation is kept while a correction with it is at most this fraction of the one before. Zero: exact
     /// Newton with one factorisation per correction.
     pub contraction: f64,
-    /// Relative residual to which an iterative method solves for a correction.
-    pub forcing: f64,
-    /// Most halvings of a correction until the scaled residual decreases. Zero: no line search.
+    /// How accurately an iterative method solves for a correction.
+    pub forcing: Forcing,
+    /// Most halvings of a correction until the scaled residual decreases, once corrections with exact tangents have grown.
+    /// Zero: no line search.
     pub max_halvings: usize,
 }
 
+/// Relative residual to which an iterative method solves for a correction (in the norms of [`crate::LinearSolver::solve`]).
+/// A direct method takes no notice of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Forcing {
+    /// The same for every correction.
+    Constant(f64),
+    /// As much as the last correction has reduced the nonlinear residual, to the power of the golden ratio: a linear system is
+    /// solved as accurately as its linearisation is worth, and no more accurately than the nonlinear tolerance asks.
+    ///
+    /// Source: Eisenstat and Walker 1996, Choosing the forcing terms in an inexact Newton method, doi:10.1137/0917003,
+    /// choice 2 with its safeguard; Kelley 1995, Iterative methods for linear and nonlinear equations,
+    /// doi:10.1137/1.9781611970944, Eq. (6.20), for the last correction.
+    Adaptive {
+        /// For the first correction.
+        first: f64,
+        /// For all corrections.
+        largest: f64,
+    },
+}
+
+impl Forcing {
+    /// Factor and exponent of choice 2.
+    const GAMMA: f64 = 0.9;
+    const EXPONENT: f64 = 1.618_033_988_749_895;
+    /// Where the safeguard against forcing that falls too fast begins.
+    const SAFEGUARD: f64 = 0.1;
+
+    /// The forcing of a correction, of which a reduction of the residual to the fraction `enough` is asked at most; `last` has
+    /// the forcing of the correction before and the fraction to which that reduced the residual.
+    fn next(self, last: Option<(f64, f64)>, enough: f64) -> f64 {
+        match self {
+            Self::Constant(forcing) => forcing,
+            Self::Adaptive { first, largest } => {
+                let forcing = last.map_or(first, |(forcing, reduction)| {
+                    let wanted = Self::GAMMA * reduction.powf(Self::EXPONENT);
+                    let floor = Self::GAMMA * forcing.powf(Self::EXPONENT);
+                    if floor > Self::SAFEGUARD { wanted.max(floor) } else { wanted }
+                });
+                forcing.max(0.5 * enough).min(largest)
+            }
+        }
+    }
+}
+
 impl NewtonSettings {
-    /// Keeps factorisations down to a contraction of 0.25; at most 30 corrections; no line search.
+    /// Keeps factorisations down to a contraction of 0.25; at most 30 corrections; adaptive forcing from 1e-3, at most 0.1;
+    /// corrections that grow are halved at most 8 times.
     pub fn new(tolerance: f64) -> Self {
-        Self { tolerance, max_iterations: 30, contraction: 0.25, forcing: 1e-4, max_halvings: 0 }
+        let forcing = Forcing::Adaptive { first: 1e-3, largest: 0.1 };
+        Self { tolerance, max_iterations: 30, contraction: 0.25, forcing, max_halvings: 8 }
     }
 }
 
@@ -147,8 +194,9 @@ fn last(report: &NewtonReport) -> f64 {
 /// unconstrained dofs, let `s = max(‖C⁻¹ x‖, ‖C⁻¹ x_start‖)` and `θ = ‖C⁻¹ dx‖ / ‖C⁻¹ dx_previous‖`. The state is accepted
 /// if, after a full correction dx,
 ///
-/// - the estimated error `θ/(1−θ) ‖C⁻¹ dx‖` is at most `tolerance · s` (for the first correction, which has no θ, the
-///   correction itself; zero if every contribution is linear),
+/// - the estimated error `max(θ, η)/(1−θ) ‖C⁻¹ dx‖`, with the relative residual η that the linear solver reached, is at most
+///   `tolerance · s` (for the first correction, which has no θ, the correction itself; with η alone if every contribution is
+///   linear),
 /// - the new residual satisfies `‖R r‖ ≤ tolerance · s`,
 /// - the correction did not change the regime.
 ///
@@ -184,6 +232,7 @@ pub fn newton(
         start: x.to_vec(),
         previous: vec![0.0; x.len()],
         correction: vec![0.0; x.len()],
+        last: None,
         system: &mut work.system,
         solver: work.solver.as_mut(),
         report,
@@ -211,6 +260,18 @@ enum Stop {
     NotFinite,
 }
 
+/// How a correction was solved for.
+#[derive(Clone, Copy)]
+struct LinearSolve {
+    forcing: f64,
+    /// Scaled residual before the correction.
+    before: f64,
+    /// Scaled residual after it, in the same scales.
+    after: f64,
+    /// Relative residual of the linear system that was reached.
+    reached: f64,
+}
+
 /// A nonlinear solve on its way.
 struct Solve<'a> {
     problem: &'a dyn NonlinearProblem,
@@ -219,6 +280,7 @@ struct Solve<'a> {
     start: Vec<f64>,
     previous: Vec<f64>,
     correction: Vec<f64>,
+    last: Option<LinearSolve>,
     system: &'a mut BlockSystem,
     solver: &'a mut dyn LinearSolver,
     report: NewtonReport,
@@ -229,20 +291,20 @@ impl Solve<'_> {
         let tolerance = self.settings.tolerance;
         let mut regime = self.problem.regime(x);
         let mut renew = true;
-        let mut n_growths = 0;
+        let (mut n_growths, mut is_searching) = (0, false);
         self.assemble(x, true)?;
         loop {
             // Correction at x, where the system is assembled: with its tangent if that is to be renewed.
             if renew {
                 self.factorize()?;
             }
-            self.solve()?;
+            self.solve(x)?;
             let mut theta = self.contraction();
             if !renew && theta.is_some_and(|t| t >= 1.0) {
                 renew = true;
                 self.assemble(x, true)?;
                 self.factorize()?;
-                self.solve()?;
+                self.solve(x)?;
                 theta = self.contraction();
             }
             n_growths = if renew && theta.is_some_and(|t| t >= 1.0) { n_growths + 1 } else { 0 };
@@ -250,7 +312,8 @@ impl Solve<'_> {
             if self.report.residual_history.is_empty() {
                 self.report.residual_history.push(ratio(self.row_norm(), self.size(x).max(correction)));
             }
-            let step = self.step(x);
+            is_searching |= n_growths > 0;
+            let step = if is_searching && renew { self.search(x) } else { self.step(x, 1.0) };
             self.report.iterations += 1;
             let correction = ratio(correction, self.size(x));
             self.report.correction_history.push(correction);
@@ -265,7 +328,11 @@ impl Solve<'_> {
             renew |= regime_changed;
             let may_stop = error <= tolerance && !regime_changed;
             self.assemble(x, renew && !may_stop)?;
-            let residual = ratio(self.row_norm(), self.size(x));
+            let residual = self.row_norm();
+            if let Some(last) = &mut self.last {
+                last.after = residual;
+            }
+            let residual = ratio(residual, self.size(x));
             self.report.residual_history.push(residual);
             if may_stop && residual <= tolerance {
                 return Ok(());
@@ -304,13 +371,19 @@ impl Solve<'_> {
         outcome.map_err(Stop::Linear)
     }
 
-    /// Computes the correction with the factorisation at hand; its sign is that of the residual.
-    fn solve(&mut self) -> Result<(), Stop> {
+    /// Computes the correction at `x` with the factorisation at hand; its sign is that of the residual.
+    fn solve(&mut self, x: &[f64]) -> Result<(), Stop> {
+        let before = self.row_norm();
+        let enough = ratio(self.settings.tolerance * self.size(x), before);
+        let last = self.last.map(|last| (last.forcing, ratio(last.after, last.before)));
+        let forcing = self.settings.forcing.next(last, enough);
         let begin = Instant::now();
-        let outcome = self.solver.solve(self.system.residual(), &mut self.correction, self.settings.forcing);
+        let outcome = self.solver.solve(self.system.residual(), &mut self.correction, forcing);
         self.report.seconds_linear += begin.elapsed().as_secs_f64();
         self.report.solves += 1;
-        self.report.linear_iterations += outcome.map_err(Stop::Linear)?.iterations;
+        let linear = outcome.map_err(Stop::Linear)?;
+        self.report.linear_iterations += linear.iterations;
+        self.last = Some(LinearSolve { forcing, before, after: before, reached: linear.backward_error });
         Ok(())
     }
 
@@ -320,31 +393,46 @@ impl Solve<'_> {
         (self.report.iterations > 0).then(|| ratio(self.column_norm(&self.correction), previous))
     }
 
-    /// Error after the correction over the size of the correction.
+    /// Error after the correction over the size of the correction: what is nonlinear, and what the linear solver left.
     fn error_factor(&self, theta: Option<f64>, step: f64) -> f64 {
+        let left = self.last.map_or(0.0, |last| last.reached);
         match theta {
             _ if step < 1.0 => f64::INFINITY,
-            _ if self.system.is_linear() => 0.0,
+            _ if self.system.is_linear() => left,
             None => 1.0,
-            Some(t) if t < 1.0 => t / (1.0 - t),
+            Some(t) if t < 1.0 => t.max(left) / (1.0 - t),
             Some(_) => f64::INFINITY,
         }
     }
 
-    /// Subtracts the correction from `x`, halved as often as the line search wants; returns the fraction taken.
-    fn step(&mut self, x: &mut [f64]) -> f64 {
-        let before = if self.settings.max_halvings > 0 { self.row_norm() } else { f64::INFINITY };
-        let mut step = 1.0;
-        subtract(x, step, &self.correction);
+    /// Subtracts a fraction of the correction from `x`; returns the fraction.
+    fn step(&self, x: &mut [f64], fraction: f64) -> f64 {
+        for (x, dx) in x.iter_mut().zip(&self.correction) {
+            *x -= fraction * dx;
+        }
+        fraction
+    }
+
+    /// Subtracts the correction from `x`, halved until the scaled residual decreases (Armijo's rule), at most as often as the
+    /// settings allow; returns the fraction.
+    ///
+    /// A full step that begins or ends contact may well increase the residual before the next one brings it down; halving it
+    /// would only cost iterations. Therefore the search waits for a correction that grows although its tangent is exact, and
+    /// then serves all corrections with exact tangents.
+    fn search(&mut self, x: &mut [f64]) -> f64 {
+        const LEAST_DECREASE: f64 = 1e-4;
+        let before = self.row_norm();
+        let mut fraction = self.step(x, 1.0);
         for _ in 0..self.settings.max_halvings {
-            let decreases = self.assemble(x, false).is_ok() && self.row_norm() <= (1.0 - 1e-4 * step) * before;
+            let decreases =
+                self.assemble(x, false).is_ok() && self.row_norm() <= (1.0 - LEAST_DECREASE * fraction) * before;
             if decreases || before == 0.0 {
                 break;
             }
-            step *= 0.5;
-            subtract(x, -step, &self.correction);
+            fraction *= 0.5;
+            self.step(x, -fraction);
         }
-        step
+        fraction
     }
 
     /// `‖R r‖` over the unconstrained dofs (constrained rows of the residual are zero).
@@ -363,12 +451,6 @@ impl Solve<'_> {
     /// Size of the state, to which errors are relative.
     fn size(&self, x: &[f64]) -> f64 {
         self.column_norm(x).max(self.column_norm(&self.start))
-    }
-}
-
-fn subtract(x: &mut [f64], factor: f64, correction: &[f64]) {
-    for (x, dx) in x.iter_mut().zip(correction) {
-        *x -= factor * dx;
     }
 }
 

@@ -2,9 +2,11 @@
 
 mod common;
 
+use std::sync::{Arc, Mutex};
+
 use algebra::{
-    BlockLayout, Constraints, Contributions, DofId, LinearError, LocalSystem, NewtonError, NewtonSettings,
-    NonlinearProblem, Workspace, newton,
+    BlockLayout, Constraints, Contributions, DirectSolver, DofId, Equilibration, Forcing, LinearError, LinearReport,
+    LinearSolver, LocalSystem, MatrixView, NewtonError, NewtonSettings, NonlinearProblem, Unknowns, Workspace, newton,
 };
 use common::{Flow, Problem};
 
@@ -173,16 +175,19 @@ fn a_change_of_regime_renews_the_factorisation_and_forbids_to_stop() {
 fn divergence_is_reported_with_its_history_and_the_start_is_restored() {
     let arctan = Scalar::new(|x: f64| (x.atan(), 1.0 / (1.0 + x * x)));
     for settings in [exact(1e-10), NewtonSettings::new(1e-10)] {
+        let settings = NewtonSettings { max_halvings: 0, ..settings };
         let mut x = [1.5];
         let error = newton(&arctan, &mut x, &mut Workspace::new(), &settings).unwrap_err();
         assert!(matches!(error, NewtonError::Diverged { .. }), "{error:?}");
         assert!(error.report().residual_history.len() > 3);
         assert_eq!(x, [1.5]);
     }
-    let settings = NewtonSettings { max_halvings: 8, ..exact(1e-10) };
-    let mut x = [1.5];
-    newton(&arctan, &mut x, &mut Workspace::new(), &settings).unwrap();
-    assert!(x[0].abs() < 1e-10);
+    // With a line search both converge, from far away too.
+    for (settings, start) in [(exact(1e-10), 1.5), (NewtonSettings::new(1e-10), 1.5), (exact(1e-10), 3.0)] {
+        let mut x = [start];
+        newton(&arctan, &mut x, &mut Workspace::new(), &settings).unwrap();
+        assert!(x[0].abs() < 1e-10);
+    }
 }
 
 #[test]
@@ -198,4 +203,69 @@ fn other_failures_are_named() {
     let flat = Scalar::new(|x: f64| (x * x - 1.0, 2.0 * x));
     let error = newton(&flat, &mut [0.0], &mut Workspace::new(), &settings).unwrap_err();
     assert!(matches!(error, NewtonError::Linear { source: LinearError::EmptyColumn { column: 0 }, .. }));
+}
+
+/// A linear solver that leaves exactly as large a residual as it may, and notes how large that was, with the right-hand side.
+struct Lazy {
+    direct: DirectSolver,
+    notes: Arc<Mutex<Vec<[f64; 2]>>>,
+}
+
+impl LinearSolver for Lazy {
+    fn factorize(&mut self, matrix: MatrixView<'_>, unknowns: Unknowns<'_>) -> Result<(), LinearError> {
+        self.direct.factorize(matrix, unknowns)
+    }
+    fn solve(&mut self, rhs: &[f64], x: &mut [f64], tolerance: f64) -> Result<LinearReport, LinearError> {
+        let report = self.direct.solve(rhs, x, tolerance)?;
+        x.iter_mut().for_each(|x| *x *= 1.0 - tolerance);
+        self.notes.lock().unwrap().push([tolerance, rhs[0]]);
+        Ok(LinearReport { backward_error: tolerance, ..report })
+    }
+    fn equilibration(&self) -> &Equilibration {
+        self.direct.equilibration()
+    }
+    fn n_factorizations(&self) -> usize {
+        self.direct.n_factorizations()
+    }
+}
+
+fn lazy() -> (Workspace, Arc<Mutex<Vec<[f64; 2]>>>) {
+    let notes = Arc::default();
+    (Workspace::with_solver(Box::new(Lazy { direct: DirectSolver::new(), notes: Arc::clone(&notes) })), notes)
+}
+
+#[test]
+fn adaptive_forcing_keeps_the_order_of_newton_and_wastes_nothing_at_the_end() {
+    let (mut work, notes) = lazy();
+    let settings = NewtonSettings { forcing: Forcing::Adaptive { first: 0.05, largest: 0.1 }, ..exact(1e-9) };
+    let mut x = [3.0];
+    let report = newton(&Scalar::new(cubic), &mut x, &mut work, &settings).unwrap();
+    assert!((x[0] - 2.0).abs() < 3e-9, "{x:?}");
+    let notes = notes.lock().unwrap();
+    let n = notes.len();
+    assert!(n > 4 && n == report.iterations && notes[0][0] == 0.05, "{notes:?}");
+    for (k, pair) in notes.windows(2).enumerate() {
+        let ([_, before], [forcing, after]) = (pair[0], pair[1]);
+        let wanted = (0.9 * (after / before).powf(1.618_033_988_749_895)).min(0.1);
+        if k + 2 < n {
+            assert!((forcing - wanted).abs() < 1e-12, "{notes:?}");
+        } else {
+            // The last correction is solved for only as far as the nonlinear tolerance needs it.
+            assert!(forcing > 2.0 * wanted, "{notes:?}");
+        }
+    }
+    let c = &report.correction_history;
+    let rate = |k: usize| (c[k + 1] / c[k]).ln() / (c[k] / c[k - 1]).ln();
+    assert!((1..c.len() - 2).all(|k| rate(k) > 1.3), "{c:?}");
+}
+
+#[test]
+fn constant_forcing_converges_at_its_rate() {
+    let problem = Scalar::new(|x: f64| (x - 1.0, 1.0));
+    let (mut work, _) = lazy();
+    let settings = NewtonSettings { forcing: Forcing::Constant(0.1), ..NewtonSettings::new(2e-6) };
+    let mut x = [0.0];
+    let report = newton(&problem, &mut x, &mut work, &settings).unwrap();
+    assert!((x[0] - 1.0).abs() < 4e-6, "{x:?}");
+    assert_eq!(report.iterations, 6, "{report:?}");
 }
