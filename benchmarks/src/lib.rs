@@ -152,6 +152,7 @@ pub fn falling_ball(resolution: Resolution) -> Setup<2> {
         contacts: vec![contact],
         gamma_sigma: 1e5,
         dt: 1e-3,
+        most_halvings: 0,
         newton: NewtonSettings::new(1e-8),
         overlay: OverlayOptions::new(),
     }
@@ -177,6 +178,7 @@ pub fn whirl(n: usize) -> Setup<2> {
         contacts: Vec::new(),
         gamma_sigma: 0.0,
         dt: 1e-2,
+        most_halvings: 0,
         newton: NewtonSettings::new(1e-8),
         overlay: OverlayOptions::new(),
     }
@@ -210,7 +212,7 @@ pub fn with_first_problem<R>(setup: &Setup<2>, then: impl FnOnce(&FsiProblem<'_,
     let surfaces = setup.surfaces(&positions);
     let cut = CutMesh::overlay(&setup.background, &surfaces, &setup.overlay).expect("the ball cuts the background");
     let geometry = StepGeometry::new(setup, &start, positions, cut);
-    let system = StepSystem::new(setup, &geometry, &start).expect("the parts of the setup fit");
+    let system = StepSystem::new(setup, &geometry, &start, setup.dt).expect("the parts of the setup fit");
     let forms = StepForms::new(setup, &geometry, &system);
     let problem = FsiProblem::new(setup, &geometry, &system, &forms, &start).expect("the parts of the setup fit");
     let x = problem.initial_guess(&geometry, &start);

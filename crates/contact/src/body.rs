@@ -1,5 +1,7 @@
 //! A body as contact sees it: a boundary, positions that follow from velocities, and where these are in the system.
 
+use std::ops::Range;
+
 use algebra::{BlockLayout, DofId, FieldId};
 use mesh::{BoundaryMesh, Point, Vector, VertexId};
 
@@ -65,6 +67,11 @@ impl<'a, const D: usize> ContactBody<'a, D> {
         self.first_dof == other.first_dof
     }
 
+    /// Where its velocities are in a global vector.
+    pub fn range(&self) -> Range<usize> {
+        self.first_dof..self.first_dof + D * self.predicted.len()
+    }
+
     /// The dofs of a vertex.
     #[inline]
     pub(crate) fn dofs(&self, vertex: VertexId) -> impl Iterator<Item = DofId> + use<D> {
@@ -75,7 +82,7 @@ impl<'a, const D: usize> ContactBody<'a, D> {
     /// Positions at the velocities in the global vector `x`.
     #[inline]
     pub fn motion(&self, x: &'a [f64]) -> Motion<'a, D> {
-        let velocity = &x[self.first_dof..self.first_dof + D * self.predicted.len()];
+        let velocity = &x[self.range()];
         Motion { predicted: self.predicted, velocity, displacement_per_velocity: self.displacement_per_velocity }
     }
 }

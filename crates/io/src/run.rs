@@ -165,7 +165,7 @@ impl<const D: usize> RunFiles<D> {
         let clock = Instant::now();
         let step = view.state.step;
         let every = self.output.vtk_every;
-        let is_output = every > 0 && (step.is_multiple_of(every) || step == self.n_steps);
+        let is_output = view.ends_step() && every > 0 && (step.is_multiple_of(every) || step == self.n_steps);
         if is_output {
             self.write_fields(view)?;
         }
@@ -255,7 +255,9 @@ struct Progress<'p> {
 
 impl<const D: usize> Observer<D> for Progress<'_> {
     fn after_step(&mut self, view: &StepView<'_, D>) -> Result<(), ObserverError> {
-        let (Some(tell), Some(report)) = (self.report.as_mut(), view.report) else { return Ok(()) };
+        let (Some(tell), Some(report)) = (self.report.as_mut(), view.report.filter(|_| view.ends_step())) else {
+            return Ok(());
+        };
         let leading = leading_body(view.setup).and_then(|index| BodyMeasures::new(view, index, self.bottom));
         tell(&StepProgress {
             step: view.state.step,

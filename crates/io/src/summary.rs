@@ -28,6 +28,9 @@ pub struct Summary {
     pub dt: f64,
     /// Steps done.
     pub steps: usize,
+    /// Steps that were divided, because Newton's method failed or contact may have been missed.
+    #[serde(default)]
+    pub divided_steps: usize,
     /// Cells of the background.
     pub cells: usize,
     /// Most unknowns of a step.
@@ -195,6 +198,7 @@ impl SummaryBuilder {
         };
         let summary = &mut self.summary;
         summary.steps = view.state.step;
+        summary.divided_steps += usize::from(view.ends_step() && report.substep.dt < view.setup.dt);
         summary.dofs = summary.dofs.max(report.n_dofs);
         summary.nnz = summary.nnz.max(report.newton.nnz);
         summary.newton_iterations += report.newton.iterations;

@@ -52,9 +52,29 @@ pub enum Stage {
     /// Newton's method failed; the history of residuals is inside.
     #[error("solving the coupled problem")]
     Newton(#[from] NewtonError),
+    /// Points of a contact moved farther in the step than it was looked for obstacles: contact may have been missed. Take
+    /// smaller steps.
+    #[error(
+        "contact {contact} may have been missed: its bodies move by {motion:e} in a step, and it looks {room:e} ahead"
+    )]
+    MissedContact {
+        /// Number of the contact.
+        contact: usize,
+        /// Relative motion in the step, at most.
+        motion: f64,
+        /// Motion for which obstacles were looked for.
+        room: f64,
+    },
     /// An observer failed.
     #[error("writing results")]
     Observer(crate::ObserverError),
+}
+
+impl Stage {
+    /// Whether a smaller step may succeed.
+    pub fn asks_for_a_smaller_step(&self) -> bool {
+        matches!(self, Self::Newton(_) | Self::MissedContact { .. })
+    }
 }
 
 /// A step that failed: when, and in which stage.

@@ -32,7 +32,7 @@ pub use setup::{
     PrescribedBody, Setup, SupportKind, TimeField, TractionField,
 };
 pub use state::{BodyState, FluidState, State};
-pub use step::advance;
+pub use step::{Substep, advance, advance_by};
 pub use system::StepSystem;
 pub use time_loop::TimeLoop;
 

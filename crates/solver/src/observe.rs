@@ -14,12 +14,19 @@ pub struct StepView<'a, const D: usize> {
     pub report: Option<&'a StepReport<D>>,
 }
 
+impl<const D: usize> StepView<'_, D> {
+    /// Whether a whole step of the setup ends here, and not only a part of one that was divided.
+    pub fn ends_step(&self) -> bool {
+        self.report.is_none_or(|report| report.substep.is_last)
+    }
+}
+
 /// An observer that could not do its work.
 pub type ObserverError = Box<dyn std::error::Error + Send + Sync>;
 
 /// Something that looks at every step: writes files, collects histories, shows progress.
 pub trait Observer<const D: usize> {
-    /// Called with the state at the start, then after every step.
+    /// Called with the state at the start, then after every step, and after every part of a step that was divided.
     ///
     /// # Errors
     /// Anything; the run stops.

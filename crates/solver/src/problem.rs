@@ -177,7 +177,7 @@ fn contact_facets<'a, const D: usize>(
         ContactBody::new(boundary, positions, rule.displacement_per_velocity(), &system.layout, *field).map_err(refuse)
     };
     let fastest =
-        |id: BodyId| previous.bodies[id.index()].velocity.iter().map(Vector::norm).fold(0.0, f64::max) * setup.dt;
+        |id: BodyId| previous.bodies[id.index()].velocity.iter().map(Vector::norm).fold(0.0, f64::max) * system.dt;
     let (master, motion) = match &contact.obstacle {
         ContactObstacle::Rigid(_) => (None, fastest(contact.body)),
         ContactObstacle::Body { body: master, .. } => (Some(body(*master)?), fastest(contact.body) + fastest(*master)),

@@ -8,7 +8,7 @@ use mesh::{Point, Vector};
 use solid_svk::energy::BodyBalance;
 use xfem_space::PartValues;
 
-use crate::{BodyState, FsiProblem, Setup, State, StepGeometry, StepSystem};
+use crate::{BodyState, FsiProblem, Setup, State, StepGeometry, StepSystem, Substep};
 
 /// Wall-clock time per stage of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -72,6 +72,8 @@ pub struct BodyReport<const D: usize> {
 /// Everything that a step has to say about itself.
 #[derive(Clone, Debug)]
 pub struct StepReport<const D: usize> {
+    /// The step, or the part of a step.
+    pub substep: Substep,
     /// Newton's method.
     pub newton: NewtonReport,
     /// The cut.
@@ -101,6 +103,7 @@ impl<const D: usize> StepReport<D> {
     #[allow(clippy::too_many_arguments)]
     pub(crate) fn new(
         setup: &Setup<D>,
+        substep: Substep,
         geometry: &StepGeometry<D>,
         system: &StepSystem<D>,
         problem: &FsiProblem<'_, D>,
@@ -112,9 +115,11 @@ impl<const D: usize> StepReport<D> {
     ) -> Self {
         let contacts: Vec<_> = problem.contacts.iter().map(|contact| ContactReport::new(contact, x)).collect();
         let tractions = interface_tractions(&problem.interface, x);
-        let mut bodies: Vec<_> = (0..setup.bodies.len()).map(|b| body_report(setup, b, previous, state)).collect();
+        let mut bodies: Vec<_> =
+            (0..setup.bodies.len()).map(|b| body_report(setup, b, substep.dt, previous, state)).collect();
         add_forces(setup, &state.fluid.cut, &tractions, &contacts, &mut bodies);
         Self {
+            substep,
             cut: state.fluid.cut.report().clone(),
             bodies,
             contacts,
@@ -141,7 +146,13 @@ impl<const D: usize> StepReport<D> {
     }
 }
 
-fn body_report<const D: usize>(setup: &Setup<D>, b: usize, previous: &State<D>, state: &State<D>) -> BodyReport<D> {
+fn body_report<const D: usize>(
+    setup: &Setup<D>,
+    b: usize,
+    dt: f64,
+    previous: &State<D>,
+    state: &State<D>,
+) -> BodyReport<D> {
     let body = &setup.bodies[b];
     let now = &state.bodies[b];
     let positions = now.positions(body.reference());
@@ -155,7 +166,7 @@ fn body_report<const D: usize>(setup: &Setup<D>, b: usize, previous: &State<D>, 
             .map(|elastic| BodyBalance::new(&elastic.solid, &elastic.form, &state.displacement, &state.velocity))
     };
     let forces = balance(&previous.bodies[b]).zip(balance(now)).map(|(before, after)| ForceBalance {
-        inertia: (after.momentum - before.momentum) / setup.dt,
+        inertia: (after.momentum - before.momentum) / dt,
         body_force: body.elastic().map_or(Vector::zeros(), |e| e.form.body_force.acceleration * after.mass),
         pressure: Vector::zeros(),
         viscous: Vector::zeros(),
@@ -167,7 +178,7 @@ fn body_report<const D: usize>(setup: &Setup<D>, b: usize, previous: &State<D>, 
         forces,
         lowest: (lowest, at(&positions)),
         lowest_velocity: at(&now.velocity),
-        lowest_acceleration: (at(&now.velocity) - at(&previous.bodies[b].velocity)) / setup.dt,
+        lowest_acceleration: (at(&now.velocity) - at(&previous.bodies[b].velocity)) / dt,
         highest: positions.iter().map(height).fold(f64::NEG_INFINITY, f64::max),
     }
 }

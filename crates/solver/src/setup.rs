@@ -31,6 +31,8 @@ pub struct Setup<const D: usize> {
     pub gamma_sigma: f64,
     /// Time step.
     pub dt: f64,
+    /// How often a step may be halved that fails (see [`crate::TimeLoop::run`]). Zero: the run stops with the first failure.
+    pub most_halvings: usize,
     /// Newton's method.
     pub newton: NewtonSettings,
     /// The overlay.

@@ -10,7 +10,7 @@ use crate::{Setup, StepError};
 /// The state at one time.
 #[derive(Clone, Debug)]
 pub struct State<const D: usize> {
-    /// Number of steps since the start.
+    /// Number of whole steps since the start.
     pub step: usize,
     /// Time.
     pub time: f64,

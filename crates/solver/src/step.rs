@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use algebra::{Workspace, newton};
+use contact::ContactBody;
 use cutcell::CutMesh;
 use mesh::Vector;
 
@@ -14,9 +15,18 @@ use crate::{
     StepSystem,
 };
 
+/// A step of the setup, or a part of one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Substep {
+    /// Its length.
+    pub dt: f64,
+    /// Whether a step of the setup ends with it.
+    pub is_last: bool,
+}
+
 /// Advances the coupled problem by one step of implicit Euler on the geometry of the previous state.
 ///
-/// A function of setup and state: the workspace recycles memory and changes no bits.
+/// See [`advance_by`].
 ///
 /// # Errors
 /// [`StepError`] with the stage that failed; the previous state is untouched.
@@ -25,7 +35,22 @@ pub fn advance<const D: usize>(
     previous: &State<D>,
     work: &mut Workspace,
 ) -> Result<(State<D>, StepReport<D>), StepError> {
-    let end = previous.next_time(setup.dt);
+    advance_by(setup, previous, Substep { dt: setup.dt, is_last: true }, work)
+}
+
+/// Advances the coupled problem by a step, or a part of one, of implicit Euler on the geometry of the previous state.
+///
+/// A function of setup and state: the workspace recycles memory and changes no bits.
+///
+/// # Errors
+/// [`StepError`] with the stage that failed; the previous state is untouched.
+pub fn advance_by<const D: usize>(
+    setup: &Setup<D>,
+    previous: &State<D>,
+    substep: Substep,
+    work: &mut Workspace,
+) -> Result<(State<D>, StepReport<D>), StepError> {
+    let end = previous.next_time(substep.dt);
     let failed = |stage: Stage| StepError::at(previous.step + 1, end, stage);
     let clock = Instant::now();
 
@@ -41,14 +66,16 @@ pub fn advance<const D: usize>(
         transfer: geometry.seconds_transfer,
         ..StageSeconds::default()
     };
-    let system = StepSystem::new(setup, &geometry, previous).map_err(|e| failed(e.into()))?;
+    let system = StepSystem::new(setup, &geometry, previous, substep.dt).map_err(|e| failed(e.into()))?;
     let forms = StepForms::new(setup, &geometry, &system);
     let problem = FsiProblem::new(setup, &geometry, &system, &forms, previous).map_err(|e| failed(e.into()))?;
     let mut x = problem.initial_guess(&geometry, previous);
     let solve = newton(&problem, &mut x, work, &setup.newton).map_err(|e| failed(e.into()))?;
 
-    let state = accept(setup, &geometry, &system, previous, &x);
-    let report = StepReport::new(setup, &geometry, &system, &problem, solve, &x, previous, &state, seconds);
+    check_contacts(&problem, &system, &x).map_err(failed)?;
+
+    let state = accept(setup, substep, &geometry, &system, previous, &x);
+    let report = StepReport::new(setup, substep, &geometry, &system, &problem, solve, &x, previous, &state, seconds);
     Ok((state, report))
 }
 
@@ -61,9 +88,30 @@ fn check_interface<const D: usize>(cut: &CutMesh<D>) -> Result<(), Stage> {
     if uncovered > LARGEST_SHARE * interface { Err(Stage::Interface { uncovered, interface }) } else { Ok(()) }
 }
 
+/// Refuses a step in which points of a contact moved farther than it was looked for obstacles: contact may have been missed.
+fn check_contacts<const D: usize>(problem: &FsiProblem<'_, D>, system: &StepSystem<D>, x: &[f64]) -> Result<(), Stage> {
+    let motion = |body: &ContactBody<'_, D>| {
+        let speed =
+            x[body.range()].chunks_exact(D).map(|v| Vector::<D>::from_column_slice(v).norm()).fold(0.0, f64::max);
+        speed * system.dt
+    };
+    for (contact, facets) in problem.contacts.iter().enumerate() {
+        let pair = facets.pair();
+        // A rigid obstacle is seen from everywhere.
+        let Some(master) = &pair.master else { continue };
+        let motion = motion(&pair.slave) + motion(master);
+        let room = pair.reach - facets.form().law.offset();
+        if motion > room {
+            return Err(Stage::MissedContact { contact, motion, room });
+        }
+    }
+    Ok(())
+}
+
 /// The new state from the solution of a step.
 fn accept<const D: usize>(
     setup: &Setup<D>,
+    substep: Substep,
     geometry: &StepGeometry<D>,
     system: &StepSystem<D>,
     previous: &State<D>,
@@ -84,7 +132,7 @@ fn accept<const D: usize>(
         }
     });
     State {
-        step: previous.step + 1,
+        step: previous.step + usize::from(substep.is_last),
         time: system.time,
         bodies: bodies.collect(),
         fluid: FluidState {

@@ -29,6 +29,8 @@ pub struct StepSystem<const D: usize> {
     pub constraints: Constraints,
     /// Pockets with a free pressure constant.
     pub pockets: Vec<Pocket>,
+    /// Length of the step.
+    pub dt: f64,
     /// Time at the end of the step.
     pub time: f64,
     /// The mortar's form.
@@ -36,11 +38,11 @@ pub struct StepSystem<const D: usize> {
 }
 
 impl<const D: usize> StepSystem<D> {
-    /// The system of the step after `previous`.
+    /// The system of the step of length `dt` after `previous`.
     ///
     /// # Errors
     /// [`SetupError`]: a support does not fit its body.
-    pub fn new(setup: &Setup<D>, geometry: &StepGeometry<D>, previous: &State<D>) -> Result<Self, SetupError> {
+    pub fn new(setup: &Setup<D>, geometry: &StepGeometry<D>, previous: &State<D>, dt: f64) -> Result<Self, SetupError> {
         let mut layout = BlockLayout::new();
         let velocity = layout.push("velocity", D * geometry.space.len());
         let pressure = layout.push("pressure", geometry.space.len());
@@ -49,7 +51,7 @@ impl<const D: usize> StepSystem<D> {
             bodies.push(match &body.kind {
                 BodyKind::Prescribed(_) => None,
                 BodyKind::Elastic(elastic) => {
-                    let rule = StepRule::implicit_euler(setup.dt, &state.displacement, &state.velocity)
+                    let rule = StepRule::implicit_euler(dt, &state.displacement, &state.velocity)
                         .map_err(|source| SetupError::Solid { body: body.name.clone(), source })?;
                     Some((layout.push(&body.name, elastic.solid.n_dofs()), rule))
                 }
@@ -62,7 +64,8 @@ impl<const D: usize> StepSystem<D> {
             bodies,
             constraints: Constraints::new(),
             pockets: Vec::new(),
-            time: previous.next_time(setup.dt),
+            dt,
+            time: previous.next_time(dt),
             mortar: MortarForm::new(setup.fluid.material, setup.gamma_sigma),
         };
         system.constrain_fluid(setup, geometry);
@@ -85,7 +88,7 @@ impl<const D: usize> StepSystem<D> {
         let fluid = &setup.fluid;
         let (density, viscosity) = (fluid.material.density, fluid.material.viscosity);
         FluidForm {
-            inertia: Some(Inertia { density, dt: setup.dt }),
+            inertia: Some(Inertia { density, dt: self.dt }),
             viscous: Viscous { viscosity },
             incompressibility: Incompressibility,
             convection: fluid.convection.map(|skew| Convection { density, skew }),
@@ -95,7 +98,7 @@ impl<const D: usize> StepSystem<D> {
                 gamma_pressure: fluid.gamma_pressure,
                 density,
                 viscosity,
-                rate: setup.dt.recip(),
+                rate: self.dt.recip(),
             },
             ghost_penalty: GhostPenalty { gamma_ghost: fluid.gamma_ghost, viscosity },
         }

@@ -2,7 +2,7 @@
 
 use algebra::Workspace;
 
-use crate::{Observer, Setup, Stage, State, StepError, StepView, advance};
+use crate::{Observer, Setup, Stage, State, StepError, StepView, Substep, advance_by};
 
 /// A run: the setup, the state so far, and recycled memory.
 pub struct TimeLoop<'a, const D: usize> {
@@ -34,6 +34,10 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
 
     /// Shows the state to the observers, then takes `n_steps` steps and shows each of them.
     ///
+    /// A step in which Newton's method fails or contact may have been missed is taken again in two halves, from the same state;
+    /// halves are divided further, down to [`Setup::most_halvings`] halvings. The next half, and the next step, are tried whole.
+    /// Observers see the parts as well ([`crate::StepReport::substep`]).
+    ///
     /// # Errors
     /// The first step or observer that fails; the state is the last good one.
     pub fn run(&mut self, n_steps: usize, observers: &mut [&mut dyn Observer<D>]) -> Result<(), StepError> {
@@ -43,13 +47,35 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
             observer.after_step(&start).map_err(|e| StepError::at(step, time, Stage::Observer(e)))?;
         }
         for _ in 0..n_steps {
-            let (state, report) = advance(self.setup, &self.state, &mut self.work)?;
-            let view = StepView { setup: self.setup, previous: &self.state, state: &state, report: Some(&report) };
-            for observer in observers.iter_mut() {
-                observer.after_step(&view).map_err(|e| StepError::at(state.step, state.time, Stage::Observer(e)))?;
-            }
-            self.state = state;
+            self.step(Substep { dt: self.setup.dt, is_last: true }, self.setup.most_halvings, observers)?;
         }
         Ok(())
+    }
+
+    /// Takes a step, or both halves of it.
+    fn step(
+        &mut self,
+        substep: Substep,
+        most_halvings: usize,
+        observers: &mut [&mut dyn Observer<D>],
+    ) -> Result<(), StepError> {
+        match advance_by(self.setup, &self.state, substep, &mut self.work) {
+            Ok((state, report)) => {
+                let view = StepView { setup: self.setup, previous: &self.state, state: &state, report: Some(&report) };
+                for observer in observers.iter_mut() {
+                    observer
+                        .after_step(&view)
+                        .map_err(|e| StepError::at(state.step, state.time, Stage::Observer(e)))?;
+                }
+                self.state = state;
+                Ok(())
+            }
+            Err(failure) if most_halvings > 0 && failure.source.asks_for_a_smaller_step() => {
+                let dt = 0.5 * substep.dt;
+                self.step(Substep { dt, is_last: false }, most_halvings - 1, observers)?;
+                self.step(Substep { dt, ..substep }, most_halvings - 1, observers)
+            }
+            Err(failure) => Err(failure),
+        }
     }
 }

@@ -23,7 +23,7 @@ fn check(setup: &Setup<2>, speed: f64, names: &mut Vec<&'static str>) {
     let positions = setup.positions(&previous.bodies);
     let cut = CutMesh::overlay(&setup.background, &setup.surfaces(&positions), &setup.overlay).expect("a cut");
     let geometry = StepGeometry::new(setup, &previous, positions, cut);
-    let system = StepSystem::new(setup, &geometry, &previous).expect("a system");
+    let system = StepSystem::new(setup, &geometry, &previous, setup.dt).expect("a system");
     let forms = StepForms::new(setup, &geometry, &system);
     let problem = FsiProblem::new(setup, &geometry, &system, &forms, &previous).expect("a problem");
     let mut x = problem.initial_guess(&geometry, &previous);

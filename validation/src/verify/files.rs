@@ -60,7 +60,7 @@ struct Expected(BTreeMap<String, Content>);
 impl<const D: usize> Observer<D> for Expected {
     fn after_step(&mut self, view: &StepView<'_, D>) -> Result<(), ObserverError> {
         let step = view.state.step;
-        if !step.is_multiple_of(EVERY) {
+        if !view.ends_step() || !step.is_multiple_of(EVERY) {
             return Ok(());
         }
         let cut = &view.state.fluid.cut;

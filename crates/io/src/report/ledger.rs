@@ -69,7 +69,7 @@ impl Ledger<'_> {
         let first = times.iter().position(|t| *t >= begin - 1e-9)?.checked_sub(1)?;
         let last = end.map_or(times.len() - 1, |end| times.iter().position(|t| *t >= end - 1e-9).unwrap_or(first));
         let change = |values: &[f64]| values.get(last).zip(values.get(first)).map(|(b, a)| b - a);
-        let work = |values: &[f64]| values.get(first + 1..=last).map(|v| v.iter().sum::<f64>() * self.summary.dt);
+        let work = |values: &[f64]| Some(integral(&times, values)?[last] - integral(&times, values)?[first]);
         let kinetic = change(&self.of_bodies(self.history, "energy_kinetic_solid")?)?;
         let elastic = change(&self.of_bodies(self.history, "energy_elastic")?)?;
         let gravity = change(&self.of_bodies(self.history, "energy_gravity")?)?;
@@ -154,7 +154,8 @@ impl Ledger<'_> {
         add("largest net leak through the interface", largest("leak_net"), "cm²/s");
         add("largest absolute leak", largest("leak_absolute"), "cm²/s");
         add("largest net leak over the flow that the bodies displace", Some(self.summary.max_interface_leak), "");
-        let net = self.history.column("leak_net").map(|v| v.iter().sum::<f64>() * self.summary.dt);
+        let times = self.history.column("time");
+        let net = times.zip(self.history.column("leak_net")).and_then(|(t, v)| integral(&t, &v)?.last().copied());
         add("fluid gained through the interface over the whole run", net, "cm²");
         add("largest relative change of the fluid's volume", drift(self.diagnostics.column("fluid_volume")), "");
         let volume = self.diagnostics.column(&format!("{}volume", self.prefix));
@@ -168,4 +169,15 @@ impl Ledger<'_> {
         );
         table("What is lost and what is kept", &["", ""], &rows)
     }
+}
+
+/// Integrals of a rate from the start to the end of each row's step, over which it holds; `None` if a row is missing.
+fn integral(times: &[f64], rates: &[f64]) -> Option<Vec<f64>> {
+    let (mut sum, mut begin) = (0.0, 0.0);
+    let mut add = |(&end, &rate): (&f64, &f64)| {
+        sum += rate * (end - begin);
+        begin = end;
+        sum
+    };
+    (times.len() == rates.len()).then(|| times.iter().zip(rates).map(&mut add).collect())
 }

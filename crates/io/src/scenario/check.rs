@@ -34,6 +34,10 @@ pub(super) fn check(file: &ScenarioFile) -> Result<(), ScenarioError> {
     if scenario.solver.newton.max_iterations == 0 {
         return Err(file.error("solver.newton.max_iterations", Problem::Range { value: 0.0, must: "at least 1" }));
     }
+    if scenario.time.most_halvings > MOST_HALVINGS {
+        let value = scenario.time.most_halvings as f64;
+        return Err(file.error("time.most_halvings", Problem::Range { value, must: "at most 20" }));
+    }
     if scenario.output.compression > 9 {
         let value = f64::from(scenario.output.compression);
         return Err(file.error("output.compression", Problem::Range { value, must: "from 0 to 9" }));
@@ -93,6 +97,9 @@ fn numbers(file: &ScenarioFile) -> Vec<(String, f64, &'static str)> {
     push("solver.newton.tolerance", scenario.solver.newton.tolerance, POSITIVE);
     all
 }
+
+/// A step a million times smaller is no remedy.
+const MOST_HALVINGS: usize = 20;
 
 /// More steps than any run can take: a slip in the exponent of step or end.
 const MAX_STEPS: f64 = 1e9;

@@ -64,6 +64,7 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
         contacts,
         gamma_sigma: scenario.interface.gamma_sigma,
         dt: scenario.time.step,
+        most_halvings: scenario.time.most_halvings,
         newton: NewtonSettings { max_iterations: newton.max_iterations, ..NewtonSettings::new(newton.tolerance) },
         // The surfaces are those of meshes; in a run a body may come to fold onto itself.
         overlay: OverlayOptions::new().without_self_intersection_check(),

@@ -59,6 +59,18 @@ pub struct Time {
     pub step: f64,
     /// End, s; a multiple of the step.
     pub end: f64,
+    /// How often a step that fails is halved before the run stops; 4 if not given, 0 to stop at once.
+    #[serde(default = "most_halvings", skip_serializing_if = "is_most_halvings")]
+    pub most_halvings: usize,
+}
+
+fn most_halvings() -> usize {
+    4
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref)] // what serde asks for
+fn is_most_halvings(value: &usize) -> bool {
+    *value == most_halvings()
 }
 
 /// `[fluid]`

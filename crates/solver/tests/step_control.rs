@@ -1,0 +1,125 @@
+//! Steps that fail are divided, and what the parts do is what smaller steps do.
+
+mod fixture;
+
+use fixture::*;
+use solver::algebra::{LaggedSettings, LaggedSolver, NewtonSettings, Workspace};
+use solver::contact::{ContactForm, DeformableObstacle, Penalty};
+use solver::mesh::generate::structured_box;
+use solver::mesh::{BodyId, FacetId};
+use solver::{
+    BodySupport, Contact, ContactObstacle, Observer, ObserverError, Setup, Stage, State, StepView, Substep,
+    SupportKind, TimeLoop, advance_by,
+};
+
+/// A block that is thrown down onto a clamped one, so hard that in the first step it moves farther than contact looks ahead.
+fn thrown_block(most_halvings: usize) -> Setup<2> {
+    let background = structured_box::<2>([0.0, 0.0], [2.0, 2.0], [12, 12]).expect("a box");
+    let mut setup = setup(background, fluid(1e-3, 1e-2), 1e-3);
+    setup.newton = NewtonSettings::new(1e-8);
+    setup.most_halvings = most_halvings;
+    on_sides(&mut setup, &["bottom"], || solver::FluidBoundary::NoSlip);
+    let block = structured_box::<2>([0.75, 1.15], [1.25, 1.65], [2, 2]).expect("a box");
+    let ground = structured_box::<2>([0.15, 0.2], [1.85, 0.45], [6, 1]).expect("a box");
+    setup.bodies.push(elastic("block", block, 1.0, 2e6, 8e6, V::new(0.0, -4e5)));
+    setup.bodies.push(elastic("ground", ground, 1.0, 2e6, 8e6, V::zeros()));
+    let solid = &mut elastic_mut(&mut setup.bodies[1]).solid;
+    let bottom = solver::solid_svk::boundary::tagged_facets(solid, "bottom").expect("a side");
+    let vertices = solver::solid_svk::boundary::vertices_of(solid, &bottom);
+    elastic_mut(&mut setup.bodies[1]).supports.push(BodySupport { vertices, kind: SupportKind::Clamped });
+    let facets = |body: usize| -> Vec<FacetId> { setup.bodies[body].boundary().facets().collect() };
+    let surface = DeformableObstacle::new(setup.bodies[1].boundary().clone(), facets(1)).expect("a surface");
+    setup.contacts.push(Contact {
+        body: BodyId(0),
+        facets: facets(0),
+        form: ContactForm::new(Penalty::new(1e8, 0.05).expect("a law"), 0.02).expect("a contact"),
+        obstacle: ContactObstacle::Body { body: BodyId(1), surface },
+    });
+    setup
+}
+
+/// Number, end and length of a step or a part of one.
+type Part = (usize, f64, Substep);
+
+/// The steps as an observer sees them.
+#[derive(Default)]
+struct Parts(Vec<Part>);
+
+impl Observer<2> for Parts {
+    fn after_step(&mut self, view: &StepView<'_, 2>) -> Result<(), ObserverError> {
+        if let Some(report) = view.report {
+            assert_eq!(view.ends_step(), report.substep.is_last);
+            self.0.push((view.state.step, view.state.time, report.substep));
+        }
+        Ok(())
+    }
+}
+
+fn take_steps(setup: &Setup<2>, n: usize) -> (State<2>, Vec<Part>, Result<(), solver::StepError>) {
+    let start = State::initial(setup).expect("a cut");
+    let mut run = TimeLoop::new(setup, start, Workspace::new());
+    let mut parts = Parts::default();
+    let outcome = run.run(n, &mut [&mut parts]);
+    (run.state().clone(), parts.0, outcome)
+}
+
+#[test]
+fn a_step_that_may_miss_contact_is_taken_in_parts() {
+    let setup = thrown_block(6);
+    let (state, parts, outcome) = take_steps(&setup, 2);
+    outcome.expect("parts of steps that succeed");
+    // It looks 0.04 ahead at the start and would move by 0.4.
+    assert!(parts[0].2.dt <= 0.5 * setup.dt, "{parts:?}");
+    assert_eq!((state.step, state.time), (2, 2e-3));
+    assert_eq!(parts.iter().filter(|(_, _, substep)| substep.is_last).count(), 2);
+    let mut time = 0.0;
+    for (step, end, Substep { dt, is_last }) in &parts {
+        time += dt;
+        assert!((time - end).abs() < 1e-15);
+        // The number of the step is that of whole steps.
+        assert_eq!(*step, if *is_last { (time / setup.dt).round() as usize } else { (time / setup.dt) as usize });
+    }
+    // A later part is longer than the first: steps grow back.
+    assert!(parts.iter().any(|(_, _, substep)| substep.dt > parts[0].2.dt), "{parts:?}");
+
+    // The same steps, one after the other.
+    let (mut by_hand, mut work) = (State::initial(&setup).expect("a cut"), Workspace::new());
+    for (_, _, substep) in parts {
+        by_hand = advance_by(&setup, &by_hand, substep, &mut work).expect("a part").0;
+    }
+    assert_eq!(by_hand.bodies, state.bodies);
+    assert_eq!(by_hand.fluid.pressure, state.fluid.pressure);
+}
+
+#[test]
+fn without_halvings_the_run_stops_at_the_last_good_state() {
+    let setup = thrown_block(0);
+    let (state, parts, outcome) = take_steps(&setup, 1);
+    let error = outcome.expect_err("contact may be missed");
+    assert!(
+        matches!(error.source, Stage::MissedContact { contact: 0, motion, room } if motion > room && room > 0.03),
+        "{error:?}"
+    );
+    assert!(parts.is_empty() && state.time == 0.0);
+    // One halving is not enough; the error names the part that failed.
+    let (_, _, outcome) = take_steps(&thrown_block(1), 1);
+    let error = outcome.expect_err("contact may still be missed");
+    assert_eq!((error.step, error.time), (1, 5e-4));
+}
+
+#[test]
+fn a_failure_of_newton_is_repaired_by_smaller_steps() {
+    // Four corrections are too few for the first touch in one long step.
+    let mut setup = falling_ball(0.8, 1.0005, 1.0, false);
+    setup.dt = 8e-3;
+    setup.newton.max_iterations = 4;
+    let mut work = Workspace::with_solver(Box::new(LaggedSolver::new(LaggedSettings::default())));
+    let start = State::initial(&setup).expect("a cut");
+    let whole = advance_by(&setup, &start, Substep { dt: setup.dt, is_last: true }, &mut work);
+    assert!(matches!(whole.expect_err("too few corrections").source, Stage::Newton(_)));
+    setup.most_halvings = 8;
+    let (state, parts, outcome) = take_steps(&setup, 1);
+    outcome.expect("parts of the step");
+    assert_eq!(state.time, setup.dt);
+    assert!(parts.len() > 1);
+}
