@@ -218,7 +218,7 @@ impl LinearSolver for Lazy {
     fn solve(&mut self, rhs: &[f64], x: &mut [f64], tolerance: f64) -> Result<LinearReport, LinearError> {
         let report = self.direct.solve(rhs, x, tolerance)?;
         x.iter_mut().for_each(|x| *x *= 1.0 - tolerance);
-        self.notes.lock().unwrap().push([tolerance, rhs[0]]);
+        self.notes.lock().expect("one thread").push([tolerance, rhs[0]]);
         Ok(LinearReport { backward_error: tolerance, ..report })
     }
     fn equilibration(&self) -> &Equilibration {

@@ -28,8 +28,8 @@ pub struct Summary {
     pub dt: f64,
     /// Steps done.
     pub steps: usize,
-    /// Steps that were divided, because Newton's method failed or contact may have been missed.
-    #[serde(default)]
+    /// Steps that were divided, because Newton's method failed or contact may have been missed; not written if there are none.
+    #[serde(default, skip_serializing_if = "is_zero")]
     pub divided_steps: usize,
     /// Cells of the background.
     pub cells: usize,
@@ -78,6 +78,11 @@ pub struct Summary {
     pub peak_rss_bytes: Option<u64>,
     /// Comparisons with numbers known from elsewhere.
     pub comparisons: Vec<Comparison>,
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref)] // what serde asks for
+fn is_zero(value: &usize) -> bool {
+    *value == 0
 }
 
 /// Wall-clock time per stage.

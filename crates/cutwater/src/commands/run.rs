@@ -85,6 +85,9 @@ fn print_summary(summary: &Summary, directory: &str) {
     println!("{}: {} steps in {:.1} s, results in {directory}", summary.case, summary.steps, summary.wall_seconds);
     let half = if summary.half_domain { " (of a half domain)" } else { "" };
     println!("  {} cells, up to {} unknowns{half}, profile {}", summary.cells, summary.dofs, summary.profile);
+    if summary.divided_steps > 0 {
+        println!("  {} steps failed and were taken in parts", summary.divided_steps);
+    }
     let Some(contact) = summary.contact_time else {
         println!("  no contact");
         return;
