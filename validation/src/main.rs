@@ -69,6 +69,9 @@ enum Mode {
         /// The long version.
         #[arg(long)]
         full: bool,
+        /// Store what is measured, and write the page docs/src/verification.md from all that is stored.
+        #[arg(long)]
+        document: bool,
         /// Where results go.
         #[arg(long, default_value = "target/verification")]
         out: PathBuf,
@@ -87,7 +90,9 @@ fn main() -> ExitCode {
             validate::run(&cases, effort, &out).and_then(|passes| report::write(&cases, quick, &out).map(|()| passes))
         }
         Mode::Report { cases, quick, out } => report::write(&cases, quick, &out).map(|()| true),
-        Mode::Verify { names, quick: _, full, out } => verify::run(&names, full, &out),
+        Mode::Verify { names, quick: _, full, document, out } => {
+            verify::run(&verify::Request { names: &names, full, document, out: &out })
+        }
     };
     match outcome {
         Ok(true) => ExitCode::SUCCESS,

@@ -25,6 +25,9 @@ pub(crate) struct Arguments {
     /// The long version.
     #[arg(long)]
     full: bool,
+    /// Store what is measured, and write the page docs/src/verification.md from all that is stored.
+    #[arg(long)]
+    document: bool,
     /// Where results go.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -46,6 +49,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     if all || !others.is_empty() {
         let mut command = validation("verify");
         command.args(others).arg(if arguments.full { "--full" } else { "--quick" }).arg("--out").arg(&out);
+        command.args(arguments.document.then_some("--document"));
         good &= succeeds(&mut command)?;
     }
     Ok(good)

@@ -1,35 +1,108 @@
-//! What is known exactly, one file each.
+//! What is known exactly or published elsewhere, one file a check.
 
+mod document;
+mod exact;
 mod files;
+mod flow;
+mod orders;
+mod record;
 mod symmetry;
 
 use std::path::Path;
 
+use self::record::Record;
 use crate::Outcome;
 
-/// Something to verify: whether in full, and where results go.
-type Check = fn(bool, &Path) -> Outcome;
+type Failure = Box<dyn std::error::Error>;
 
-/// Everything there is, by name. What only prepares data for another program runs when it is asked for by name.
-const CHECKS: [(&str, Check, bool); 2] = [("symmetry", symmetry::check, true), ("files", files::check, false)];
+/// A named check.
+struct Check {
+    name: &'static str,
+    /// What is checked, in a sentence.
+    about: &'static str,
+    /// Measures, in full or in short; results may go to the directory.
+    measure: fn(&mut Record, &Path) -> Result<(), Failure>,
+}
 
-/// Runs the named checks, or all; true if all hold.
+/// All checks, in the order of the page.
+const CHECKS: [Check; 3] = [
+    Check {
+        name: "exact",
+        about: "Solutions that the discrete spaces contain, at random positions of the body.",
+        measure: exact::measure,
+    },
+    Check {
+        name: "orders",
+        about: "Orders of convergence of flows that are known, around bodies at rest and in motion.",
+        measure: orders::measure,
+    },
+    Check {
+        name: "symmetry",
+        about: "Half of a symmetric domain and the whole of it: the same contact.",
+        measure: symmetry::measure,
+    },
+];
+
+/// What only prepares data for another program: runs when it is asked for by name.
+const FILES: &str = "files";
+
+/// How a run is asked for.
+pub(crate) struct Request<'a> {
+    /// The checks; all if there is none.
+    pub(crate) names: &'a [String],
+    /// The long versions.
+    pub(crate) full: bool,
+    /// Whether to store what was measured, and to write the page of the book.
+    pub(crate) document: bool,
+    /// Where results go.
+    pub(crate) out: &'a Path,
+}
+
+/// Runs checks; true if all hold.
 ///
 /// # Errors
 /// There is no check of that name, or one of them cannot be done.
-pub(crate) fn run(names: &[String], full: bool, out: &Path) -> Outcome {
-    if let Some(name) = names.iter().find(|name| !CHECKS.iter().any(|(known, ..)| known == name)) {
-        let known: Vec<&str> = CHECKS.iter().map(|(known, ..)| *known).collect();
-        return Err(format!("there is no check {name:?}; there are {}", known.join(", ")).into());
+pub(crate) fn run(request: &Request<'_>) -> Outcome {
+    let known: Vec<&str> = CHECKS.iter().map(|check| check.name).collect();
+    if let Some(name) = request.names.iter().find(|name| **name != FILES && !known.contains(&name.as_str())) {
+        return Err(format!("there is no check {name:?}; there are {}, {FILES}", known.join(", ")).into());
     }
-    let mut holds = true;
-    for (name, check, is_standard) in CHECKS {
-        if (names.is_empty() && is_standard) || names.iter().any(|n| n == name) {
-            println!("# {name}");
-            let this = check(full, &out.join(name))?;
-            println!("  {}", if this { "pass" } else { "FAIL" });
-            holds &= this;
-        }
+    let is_asked = |name: &str| request.names.iter().any(|n| n == name);
+    let mut records = Vec::new();
+    for check in CHECKS.iter().filter(|check| request.names.is_empty() || is_asked(check.name)) {
+        println!("# {}: {}", check.name, check.about);
+        let mut record = Record::new(check.name, check.about, request.full);
+        (check.measure)(&mut record, &request.out.join(check.name))?;
+        print(&record);
+        records.push(record);
+        // After every check, so that a long run that is stopped leaves what it has.
+        write_json(&records, request.out)?;
     }
-    Ok(holds)
+    if request.document {
+        document::update(&records, &known)?;
+    }
+    let files = if is_asked(FILES) { files::check(request.full, &request.out.join(FILES))? } else { true };
+    Ok(files && records.iter().all(Record::holds))
+}
+
+/// All rows in one list, `DIR/verify.json`.
+fn write_json(records: &[Record], out: &Path) -> Result<(), Failure> {
+    std::fs::create_dir_all(out)?;
+    let rows: Vec<_> = records.iter().flat_map(|record| &record.rows).collect();
+    Ok(std::fs::write(out.join("verify.json"), serde_json::to_string_pretty(&rows)? + "\n")?)
+}
+
+fn print(record: &Record) {
+    let mut lines = vec![["quantity", "computed", "reference", "tolerance", "verdict"].map(str::to_owned)];
+    lines.extend(record.rows.iter().map(|row| {
+        let [computed, reference] = document::numbers(row);
+        [row.quantity.clone(), computed, reference, row.tolerance.clone(), row.verdict.clone()]
+    }));
+    let width = |column: usize| lines.iter().map(|line| line[column].chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..5).map(width).collect();
+    for line in &lines {
+        let cells: Vec<String> = line.iter().zip(&widths).map(|(cell, w)| format!("{cell:<w$}")).collect();
+        println!("  {}", cells.join("  ").trim_end());
+    }
+    record.notes.iter().for_each(|note| println!("  {note}"));
 }

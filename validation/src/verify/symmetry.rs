@@ -8,7 +8,8 @@ use cutwater::io::scenario::{Case, CaseVisitor};
 use cutwater::io::{Error, ScenarioFile};
 use cutwater::solver::{Observer, ObserverError, State, StepView, TimeLoop};
 
-use crate::Outcome;
+use super::Failure;
+use super::record::Record;
 use crate::case::scenario_path;
 
 /// Largest lateral drift of the centre, cm.
@@ -26,16 +27,13 @@ const MIRRORED: [&str; 4] =
 ///
 /// # Errors
 /// A run fails.
-pub(super) fn check(full: bool, _out: &Path) -> Outcome {
-    let half = fall(full, &[])?;
-    let whole = fall(full, &MIRRORED)?;
-    for (name, Fall { contact, release, .. }) in [("half", &half), ("whole", &whole)] {
-        let at = |time: &Option<f64>| time.map_or("none".to_owned(), |t| format!("{t:.4} s"));
-        println!("  {name}: contact {}, release {}", at(contact), at(release));
-    }
-    println!("  lateral drift of the whole ball: {:.1e} cm, at most {DRIFT:.0e}", whole.drift);
-    let is_same = half.contact.is_some() && half.contact == whole.contact && half.release == whole.release;
-    Ok(is_same && whole.drift < DRIFT)
+pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
+    let (half, whole) = (fall(record.full, &[])?, fall(record.full, &MIRRORED)?);
+    let time = |time: Option<f64>| time.unwrap_or(f64::NAN);
+    record.near("contact of the whole ball [s]; reference: of the half", time(whole.contact), time(half.contact), 0.0);
+    record.near("release of the whole ball [s]; reference: of the half", time(whole.release), time(half.release), 0.0);
+    record.at_most("lateral drift of the whole ball [cm]", whole.drift, DRIFT);
+    Ok(())
 }
 
 fn fall(full: bool, set: &[&str]) -> Result<Fall, Error> {

@@ -74,6 +74,8 @@ pub struct Panel {
     pub x_range: Option<(f64, f64)>,
     /// Whether the horizontal axis is logarithmic.
     pub x_is_log: bool,
+    /// Whether the vertical axis is logarithmic; points below zero are left out.
+    pub y_is_log: bool,
 }
 
 /// Panels side by side, with one legend.
@@ -183,6 +185,10 @@ impl Panel {
         if self.x_is_log { x.log10() } else { x }
     }
 
+    fn ordinate(&self, y: f64) -> f64 {
+        if self.y_is_log { y.log10() } else { y }
+    }
+
     /// Ranges of both axes; none if there is nothing to show.
     fn ranges(&self) -> Option<(Range<f64>, Range<f64>)> {
         let is_shown = |x: f64| self.x_range.is_none_or(|(a, b)| a <= x && x <= b);
@@ -194,7 +200,8 @@ impl Panel {
         let extent = |values: &mut dyn Iterator<Item = f64>| {
             values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)))
         };
-        let (low, high) = extent(&mut points().map(|(_, y)| y).chain(rings).chain(self.levels.iter().copied()));
+        let heights = points().map(|(_, y)| y).chain(rings).chain(self.levels.iter().copied());
+        let (low, high) = extent(&mut heights.map(|y| self.ordinate(y)).filter(|y| y.is_finite()));
         let (begin, end) = self.x_range.unwrap_or_else(|| extent(&mut points().map(|(x, _)| x)));
         if !(low.is_finite() && begin.is_finite()) {
             return None;
@@ -235,7 +242,7 @@ impl Panel {
             Ok(())
         };
         for level in &self.levels {
-            dashed((x_range.start, *level), (x_range.end, *level), INK)?;
+            dashed((x_range.start, self.ordinate(*level)), (x_range.end, self.ordinate(*level)), INK)?;
         }
         for event in &self.events {
             let x = self.abscissa(event.x);
@@ -245,7 +252,7 @@ impl Panel {
         }
         for curve in &self.curves {
             let points = || {
-                let points = curve.points.iter().map(|(x, y)| (self.abscissa(*x), *y));
+                let points = curve.points.iter().map(|(x, y)| (self.abscissa(*x), self.ordinate(*y)));
                 points.filter(|(x, y)| y.is_finite() && x_range.contains(x) || *x == x_range.end)
             };
             let stroke = colour(curve.colour).stroke_width(canvas.px(1.8));
@@ -256,7 +263,7 @@ impl Panel {
             }
         }
         for event in &self.events {
-            let at = (self.abscissa(event.x), event.y.unwrap_or(f64::NAN));
+            let at = (self.abscissa(event.x), event.y.map_or(f64::NAN, |y| self.ordinate(y)));
             if x_range.contains(&at.0) && y_range.contains(&at.1) {
                 let ring = Circle::new(at, canvas.px(4.5), colour(event.colour).stroke_width(canvas.px(1.8)));
                 chart.draw_series(std::iter::once(ring)).map_err(text_of)?;
@@ -297,7 +304,9 @@ impl Panel {
             let (width, _) = area.estimate_text_size(&text, &style).map_err(text_of)?;
             area.draw_text(&text, &style, (x - width as i32 / 2, origin.1 + px(8.0))).map_err(text_of)?;
         }
-        for (v, text) in ticks(&y_range, 7.0) {
+        let y_ticks: Vec<(f64, String)> =
+            if self.y_is_log { decades(&y_range).collect() } else { ticks(&y_range, 7.0).collect() };
+        for (v, text) in y_ticks {
             let (_, y) = on_area(x_range.start, v);
             line((origin.0, y), (corner.0, y), GRID)?;
             line((origin.0 - px(4.0), y), (origin.0, y), INK)?;
@@ -333,7 +342,11 @@ fn decades(range: &Range<f64>) -> impl Iterator<Item = (f64, String)> + use<> {
     let values = powers.flat_map(|power| [1.0, 2.0, 5.0].map(|m| (m, power)));
     let logs = values.map(|(m, power): (f64, i32)| {
         let digits = usize::try_from(-power).unwrap_or(0);
-        let text = if power > 4 { format!("{m}e{power}") } else { format!("{:.digits$}", m * 10_f64.powi(power)) };
+        let text = if !(-4..=4).contains(&power) {
+            format!("{m}e{power}")
+        } else {
+            format!("{:.digits$}", m * 10_f64.powi(power))
+        };
         (m.log10() + f64::from(power), text)
     });
     let is_power = |at: f64| (at - at.round()).abs() < 1e-9;

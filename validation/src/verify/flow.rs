@@ -1,0 +1,243 @@
+//! Flows that are known everywhere, around bodies that cut the mesh, and the errors of discrete ones.
+
+use std::sync::Arc;
+
+use cutwater::algebra::{NewtonSettings, Workspace};
+use cutwater::cutcell::OverlayOptions;
+use cutwater::fluid_ns::NewtonianFluid;
+use cutwater::fluid_ns::terms::CipProfile;
+use cutwater::mesh::{self, BoundaryMesh, Point, SimplexMesh, VertexId};
+use cutwater::solver::{
+    Body, BodyKind, FluidBoundary, FluidSetup, PrescribedBody, Setup, State, StepReport, TimeField, advance,
+};
+use cutwater::xfem_space::PartValues;
+
+use super::Failure;
+
+pub(super) type P = Point<2>;
+pub(super) type V = mesh::Vector<2>;
+pub(super) type T = mesh::Tensor<2>;
+
+/// A flow that is known everywhere and always.
+pub(super) trait Flow: Send + Sync + 'static {
+    fn velocity(&self, x: &P, t: f64) -> V;
+    /// `∂u_i/∂x_j` in row i, column j.
+    fn gradient(&self, x: &P, t: f64) -> T;
+    fn pressure(&self, x: &P, t: f64) -> f64;
+    /// Force per volume that keeps it going.
+    fn force(&self, _x: &P, _t: f64) -> V {
+        V::zeros()
+    }
+}
+
+/// Fluid with a known flow on its sides, to be completed by bodies.
+pub(super) struct Known<F> {
+    pub(super) flow: Arc<F>,
+    pub(super) density: f64,
+    pub(super) viscosity: f64,
+    /// Whether there is convection.
+    pub(super) convects: bool,
+    /// Sides where the traction of the flow is given; its velocity is on all others.
+    pub(super) open: &'static [&'static str],
+}
+
+/// Names of the sides of a box.
+const SIDES: [&str; 4] = ["left", "right", "bottom", "top"];
+/// `γ_Σ` of the interface, in front of `μ/h`: far above the constant of the trace inequality of P1, far below what spoils the
+/// condition.
+const GAMMA_SIGMA: f64 = 100.0;
+/// Weights of the stabilisation: consistent interior penalty of the velocity, of the pressure, ghost penalty.
+const GAMMAS: [f64; 3] = [0.05, 0.05, 0.1];
+
+impl<F: Flow> Known<F> {
+    /// The problem on a background, at rest at first where `starts` is false.
+    pub(super) fn setup(&self, background: SimplexMesh<2>, dt: f64) -> Setup<2> {
+        let [gamma_u, gamma_pressure, gamma_ghost] = GAMMAS;
+        let (at_start, forcing) = (Arc::clone(&self.flow), Arc::clone(&self.flow));
+        let mut boundary = Vec::new();
+        for side in SIDES {
+            let Some(tag) = background.tag(side) else { continue };
+            let condition = if self.open.contains(&side) {
+                let (flow, viscosity) = (Arc::clone(&self.flow), self.viscosity);
+                FluidBoundary::Open {
+                    traction: Some(Arc::new(move |x, n, t| {
+                        let gradient = flow.gradient(x, t);
+                        (gradient + gradient.transpose()) * n * viscosity - n * flow.pressure(x, t)
+                    })),
+                    backflow: false,
+                }
+            } else {
+                FluidBoundary::Velocity(self.velocity())
+            };
+            boundary.push((tag, condition));
+        }
+        Setup {
+            background,
+            fluid: FluidSetup {
+                material: NewtonianFluid { density: self.density, viscosity: self.viscosity },
+                cip: CipProfile::Consistent { gamma_u },
+                gamma_pressure,
+                gamma_ghost,
+                convection: self.convects.then_some(false),
+                body_force: Some(Arc::new(move |x, t| forcing.force(x, t))),
+                initial_velocity: Some(Arc::new(move |x| at_start.velocity(x, 0.0))),
+                boundary,
+            },
+            bodies: Vec::new(),
+            contacts: Vec::new(),
+            gamma_sigma: GAMMA_SIGMA,
+            dt,
+            most_halvings: 0,
+            newton: NewtonSettings::new(1e-11),
+            overlay: OverlayOptions::new(),
+        }
+    }
+
+    /// Its velocity as a field.
+    pub(super) fn velocity(&self) -> TimeField<2> {
+        let flow = Arc::clone(&self.flow);
+        Arc::new(move |x, t| flow.velocity(x, t))
+    }
+
+    /// Errors of a state in L2: velocity, its gradient, and pressure, from which the mean difference is taken if only
+    /// velocities are given.
+    pub(super) fn errors(&self, setup: &Setup<2>, state: &State<2>) -> Errors {
+        let shift = if self.open.is_empty() { self.mean_pressure_error(setup, state) } else { 0.0 };
+        let mut squares = [0.0; 3];
+        for_each_point(setup, state, |at| {
+            let t = state.time;
+            squares[0] += at.weight * (at.velocity - self.flow.velocity(&at.x, t)).norm_squared();
+            squares[1] += at.weight * (at.gradient - self.flow.gradient(&at.x, t)).norm_squared();
+            squares[2] += at.weight * (at.pressure - self.flow.pressure(&at.x, t) - shift).powi(2);
+        });
+        let [velocity, gradient, pressure] = squares.map(f64::sqrt);
+        Errors { velocity, gradient, pressure }
+    }
+
+    fn mean_pressure_error(&self, setup: &Setup<2>, state: &State<2>) -> f64 {
+        let (mut integral, mut volume) = (0.0, 0.0);
+        for_each_point(setup, state, |at| {
+            integral += at.weight * (at.pressure - self.flow.pressure(&at.x, state.time));
+            volume += at.weight;
+        });
+        integral / volume
+    }
+}
+
+/// Errors in L2.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Errors {
+    pub(super) velocity: f64,
+    pub(super) gradient: f64,
+    pub(super) pressure: f64,
+}
+
+/// Discrete fields at a quadrature point of the fluid.
+struct At {
+    weight: f64,
+    x: P,
+    velocity: V,
+    gradient: T,
+    pressure: f64,
+}
+
+fn for_each_point(setup: &Setup<2>, state: &State<2>, mut visit: impl FnMut(At)) {
+    let fluid = &state.fluid;
+    let parts = PartValues::new(&setup.background, &fluid.cut, 4);
+    for part in fluid.cut.all_parts() {
+        let dofs = fluid.space.dofs(part);
+        let cell = setup.background.simplex(fluid.cut.part_cell(part));
+        let gradient: T =
+            dofs.iter().zip(parts.gradients(part)).map(|(&k, g)| fluid.velocity[k as usize] * g.transpose()).sum();
+        for q in parts.points(part) {
+            visit(At {
+                weight: q.weight,
+                x: cell.points().iter().zip(&q.shape).map(|(x, n)| x * *n).sum(),
+                velocity: dofs.iter().zip(&q.shape).map(|(&k, n)| fluid.velocity[k as usize] * *n).sum(),
+                gradient,
+                pressure: dofs.iter().zip(&q.shape).map(|(&k, n)| fluid.pressure[k as usize] * *n).sum(),
+            });
+        }
+    }
+}
+
+/// A body with a given motion whose surface is the polygon through corners, counter-clockwise; loops after the first are
+/// holes, clockwise.
+pub(super) fn polygon(
+    loops: &[Vec<P>],
+    position: impl Fn(&P, f64) -> P + Send + Sync + 'static,
+    velocity: TimeField<2>,
+) -> Body<2> {
+    let mut facets = Vec::new();
+    let mut first = 0;
+    for corners in loops {
+        let n = corners.len();
+        facets.extend((0..n).flat_map(|k| [VertexId::new(first + k), VertexId::new(first + (k + 1) % n)]));
+        first += n;
+    }
+    let body = PrescribedBody {
+        boundary: BoundaryMesh::from_facets(facets),
+        reference: loops.concat(),
+        position: Arc::new(position),
+        velocity,
+    };
+    Body { name: "body".to_owned(), kind: BodyKind::Prescribed(body) }
+}
+
+/// Corners of a regular polygon with the area of the disk.
+pub(super) fn disk(centre: P, radius: f64, n: usize) -> Vec<P> {
+    let step = std::f64::consts::TAU / n as f64;
+    let radius = radius * (step / step.sin()).sqrt();
+    (0..n).map(|k| centre + P::new((step * k as f64).cos(), (step * k as f64).sin()) * radius).collect()
+}
+
+/// Takes steps from the state at the start; returns the last state and its report.
+pub(super) fn run(setup: &Setup<2>, n_steps: usize) -> Result<(State<2>, StepReport<2>), Failure> {
+    let mut work = Workspace::new();
+    let mut state = State::initial(setup)?;
+    let mut last = None;
+    for _ in 0..n_steps {
+        let (next, report) = advance(setup, &state, &mut work)?;
+        state = next;
+        last = Some(report);
+    }
+    Ok((state, last.ok_or("no steps")?))
+}
+
+/// Integral of the divergence of the velocity over the fluid.
+pub(super) fn divergence(setup: &Setup<2>, state: &State<2>) -> f64 {
+    let mut sum = 0.0;
+    for_each_point(setup, state, |at| sum += at.weight * at.gradient.trace());
+    sum
+}
+
+/// Force of the fluid on a body, and its moment about a point: the variational traction of the mortar.
+pub(super) fn force(state: &State<2>, report: &StepReport<2>, body: usize, about: &P) -> (V, f64) {
+    let mut sum = (V::zeros(), 0.0);
+    let pieces = state.fluid.cut.interface().iter().zip(&report.tractions);
+    for (piece, traction) in pieces.filter(|(piece, _)| piece.body.index() == body) {
+        let force = traction.total() * piece.measure;
+        let arm = (piece.points[0] + piece.points[1]) * 0.5 - about;
+        sum.0 += force;
+        sum.1 += arm[0] * force[1] - arm[1] * force[0];
+    }
+    sum
+}
+
+/// Numbers between 0 and 1 that are the same in every run.
+pub(super) struct Random(pub(super) u64);
+
+impl Random {
+    pub(super) fn next(&mut self) -> f64 {
+        // Splitmix: Steele, Lea and Flood 2014, doi:10.1145/2714064.2660195.
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    pub(super) fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.next()
+    }
+}

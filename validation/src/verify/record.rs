@@ -1,0 +1,194 @@
+//! What a check has measured.
+
+use cutwater::io::plot::{Curve, Panel};
+use serde::{Deserialize, Serialize};
+
+/// One number, and what it is held against.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Row {
+    /// Name of the check.
+    pub(crate) check: String,
+    /// What was measured.
+    pub(crate) quantity: String,
+    /// Its value; none if it is not finite.
+    pub(crate) computed: Option<f64>,
+    /// What it should be, or its bound.
+    pub(crate) reference: Option<f64>,
+    /// How `computed` is compared with `reference`.
+    pub(crate) tolerance: String,
+    /// `pass`, `FAIL`, or `-` for a number that is only shown.
+    pub(crate) verdict: String,
+}
+
+impl Row {
+    /// Whether nothing is wrong.
+    pub(crate) fn holds(&self) -> bool {
+        self.verdict != "FAIL"
+    }
+}
+
+/// Measured numbers as curves.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Figure {
+    /// What is shown, with its unit.
+    pub(crate) title: String,
+    /// What runs to the right.
+    pub(crate) x_title: String,
+    /// Names and points.
+    pub(crate) curves: Vec<(String, Vec<(f64, f64)>)>,
+    /// Whether both axes are logarithmic.
+    pub(crate) is_log: bool,
+}
+
+impl Figure {
+    /// The figure for the chart library.
+    pub(crate) fn panel(&self) -> Panel {
+        let curves = self.curves.iter().enumerate().map(|(colour, (label, points))| Curve {
+            label: label.clone(),
+            colour,
+            points: points.clone(),
+            dots: self.is_log || points.len() < 30,
+        });
+        Panel {
+            title: self.title.clone(),
+            x_title: self.x_title.clone(),
+            curves: curves.collect(),
+            x_is_log: self.is_log,
+            y_is_log: self.is_log,
+            ..Panel::default()
+        }
+    }
+}
+
+/// Everything that a check has to say.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Record {
+    /// Name of the check.
+    pub(crate) check: String,
+    /// What is checked, in a sentence.
+    pub(crate) about: String,
+    /// Whether the long version was run.
+    pub(crate) full: bool,
+    /// The numbers.
+    pub(crate) rows: Vec<Row>,
+    /// The curves.
+    pub(crate) figures: Vec<Figure>,
+    /// What one should know of the numbers: settings, and reasons where a bound is missed.
+    pub(crate) notes: Vec<String>,
+}
+
+impl Record {
+    pub(crate) fn new(check: &str, about: &str, full: bool) -> Self {
+        Self { check: check.to_owned(), about: about.to_owned(), full, ..Self::default() }
+    }
+
+    /// Whether every number passes.
+    pub(crate) fn holds(&self) -> bool {
+        self.rows.iter().all(Row::holds)
+    }
+
+    /// A number that must be within `tolerance` of a reference.
+    pub(crate) fn near(&mut self, quantity: impl Into<String>, computed: f64, reference: f64, tolerance: f64) {
+        let holds = (computed - reference).abs() <= tolerance;
+        self.push(quantity.into(), computed, Some(reference), format!("± {}", short(tolerance)), Some(holds));
+    }
+
+    /// A number that must be within a fraction of a reference.
+    pub(crate) fn near_relative(&mut self, quantity: impl Into<String>, computed: f64, reference: f64, fraction: f64) {
+        let holds = (computed - reference).abs() <= fraction * reference.abs();
+        self.push(quantity.into(), computed, Some(reference), format!("± {} %", short(100.0 * fraction)), Some(holds));
+    }
+
+    /// A number with a largest value.
+    pub(crate) fn at_most(&mut self, quantity: impl Into<String>, computed: f64, bound: f64) {
+        self.push(quantity.into(), computed, Some(bound), "at most".to_owned(), Some(computed <= bound));
+    }
+
+    /// A number with a smallest value.
+    pub(crate) fn at_least(&mut self, quantity: impl Into<String>, computed: f64, bound: f64) {
+        self.push(quantity.into(), computed, Some(bound), "at least".to_owned(), Some(computed >= bound));
+    }
+
+    /// A number that is only shown, beside a known one if there is one.
+    pub(crate) fn show(&mut self, quantity: impl Into<String>, computed: f64, reference: Option<f64>) {
+        self.push(quantity.into(), computed, reference, String::new(), None);
+    }
+
+    /// A remark.
+    pub(crate) fn note(&mut self, text: impl Into<String>) {
+        self.notes.push(text.into());
+    }
+
+    fn push(
+        &mut self,
+        quantity: String,
+        computed: f64,
+        reference: Option<f64>,
+        tolerance: String,
+        holds: Option<bool>,
+    ) {
+        let verdict = holds.map_or("-", |holds| if holds { "pass" } else { "FAIL" }).to_owned();
+        let computed = Some(computed).filter(|value| value.is_finite());
+        self.rows.push(Row { check: self.check.clone(), quantity, computed, reference, tolerance, verdict });
+    }
+
+    /// Observed orders of convergence between neighbours of a sequence of sizes and errors, of which the last must be at
+    /// least `order`; the errors are shown.
+    pub(crate) fn order(&mut self, quantity: &str, unit: &str, errors: &[(f64, f64)], order: f64) {
+        for (size, error) in errors {
+            self.show(format!("{quantity} at {unit} = {}", short(*size)), *error, None);
+        }
+        let observed = errors.windows(2).map(|w| (w[0].1 / w[1].1).ln() / (w[0].0 / w[1].0).ln());
+        self.at_least(format!("order of {quantity}"), observed.last().unwrap_or(f64::NAN), order);
+    }
+}
+
+/// Four significant digits.
+pub(crate) fn short(x: f64) -> String {
+    if x != 0.0 && !(1e-3..1e5).contains(&x.abs()) {
+        return format!("{x:.3e}");
+    }
+    let digits = if x == 0.0 { 0 } else { (3 - x.abs().log10().floor() as i32).clamp(0, 9) };
+    let text = format!("{x:.*}", digits as usize);
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn verdicts_follow_their_bounds() {
+        let mut record = Record::new("x", "", false);
+        record.near("a", 1.05, 1.0, 0.1);
+        record.at_most("b", 2.0, 2.0);
+        record.show("c", 7.0, None);
+        assert!(record.holds());
+        for fail in [
+            |r: &mut Record| r.near("a", 1.2, 1.0, 0.1),
+            |r: &mut Record| r.near_relative("a", -103.0, -100.0, 0.02),
+            |r: &mut Record| r.at_most("b", f64::NAN, 2.0),
+            |r: &mut Record| r.at_least("b", 1.0, 2.0),
+            |r: &mut Record| r.order("e", "h", &[(0.2, 4.0), (0.1, 2.0)], 1.9),
+        ] {
+            let mut other = record.clone();
+            fail(&mut other);
+            assert!(!other.holds(), "{other:?}");
+        }
+    }
+
+    #[test]
+    fn the_last_order_counts() {
+        let mut record = Record::new("x", "", false);
+        record.order("e", "h", &[(0.4, 5.0), (0.2, 4.0), (0.1, 1.0)], 1.99);
+        assert!(record.holds());
+        assert_eq!(record.rows.last().and_then(|row| row.computed), Some(2.0));
+    }
+
+    #[test]
+    fn numbers_are_short() {
+        for (x, text) in [(0.0, "0"), (17.27, "17.27"), (1e-9, "1.000e-9"), (0.05, "0.05"), (-594.5, "-594.5")] {
+            assert_eq!(short(x), text);
+        }
+    }
+}
