@@ -2,7 +2,10 @@
 
 mod common;
 
-use algebra::{BlockLayout, BlockSystem, Contributions, DirectSolver, LinearError, LinearSolver, MatrixView, Unknowns};
+use algebra::{
+    BlockLayout, BlockSystem, Contributions, DirectSolver, LinearError, LinearSolver, MatrixView, Unknowns,
+    condition_number,
+};
 use common::{Flow, max_norm, state};
 
 /// A column-compressed matrix from a dense one given by rows, with its zeros stored.
@@ -200,4 +203,21 @@ fn the_same_pattern_is_analysed_once_and_old_factors_keep_solving() {
     drop(system);
     solver.solve(&rhs, &mut again, 0.0).unwrap();
     assert_eq!(x, again);
+}
+
+#[test]
+fn the_condition_number_is_that_of_the_equilibrated_matrix() {
+    let of = |matrix: &Dense| {
+        let nodes: Vec<u32> = (0..matrix.n as u32).collect();
+        condition_number(matrix.view(), Unknowns { layout: &BlockLayout::new(), nodes: &nodes, keys: &[] })
+    };
+    // Scales do not count.
+    let diagonal = of(&Dense::new(&[&[4.0, 0.0], &[0.0, 1024.0]])).expect("a regular matrix");
+    assert!((diagonal - 1.0).abs() < 1e-3, "{diagonal}");
+    // Eigenvalues 1 + b and 1 - b; not symmetric, the singular values of a shear.
+    let symmetric = of(&Dense::new(&[&[1.0, 0.999], &[0.999, 1.0]])).expect("a regular matrix");
+    assert!((symmetric / 1999.0 - 1.0).abs() < 1e-3, "{symmetric}");
+    let shear = of(&Dense::new(&[&[1.0, 1.0], &[0.0, 1.0]])).expect("a regular matrix");
+    let golden = 0.5 * (1.0 + 5.0_f64.sqrt());
+    assert!((shear / golden.powi(2) - 1.0).abs() < 1e-3, "{shear}");
 }

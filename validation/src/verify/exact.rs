@@ -78,7 +78,7 @@ fn background() -> Result<SimplexMesh<2>, Failure> {
 }
 
 /// Velocity `a x + b`, pressure `g · x + p`, in a body force that makes it a steady flow.
-struct Linear {
+pub(super) struct Linear {
     a: T,
     b: V,
     g: V,
@@ -104,11 +104,11 @@ impl Flow for Linear {
 }
 
 impl Linear {
-    fn at_rest(g: V) -> Self {
+    pub(super) fn at_rest(g: V) -> Self {
         Self { a: T::zeros(), b: V::zeros(), g, p: 1.7, density: 1.2, convects: false }
     }
 
-    fn known(self, viscosity: f64, open: &'static [&'static str]) -> Known<Self> {
+    pub(super) fn known(self, viscosity: f64, open: &'static [&'static str]) -> Known<Self> {
         Known { density: self.density, convects: self.convects, flow: Arc::new(self), viscosity, open }
     }
 }

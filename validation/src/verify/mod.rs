@@ -4,8 +4,10 @@ mod document;
 mod exact;
 mod files;
 mod flow;
+mod lubrication;
 mod orders;
 mod record;
+mod robustness;
 mod symmetry;
 
 use std::path::Path;
@@ -25,7 +27,7 @@ struct Check {
 }
 
 /// All checks, in the order of the page.
-const CHECKS: [Check; 3] = [
+const CHECKS: [Check; 5] = [
     Check {
         name: "exact",
         about: "Solutions that the discrete spaces contain, at random positions of the body.",
@@ -35,6 +37,16 @@ const CHECKS: [Check; 3] = [
         name: "orders",
         about: "Orders of convergence of flows that are known, around bodies at rest and in motion.",
         measure: orders::measure,
+    },
+    Check {
+        name: "lubrication",
+        about: "A cylinder that approaches a wall, against the exact force in Stokes flow.",
+        measure: lubrication::measure,
+    },
+    Check {
+        name: "robustness",
+        about: "Bodies close to vertices and lines of the mesh: condition numbers, continuity, scatter of forces.",
+        measure: robustness::measure,
     },
     Check {
         name: "symmetry",

@@ -102,9 +102,9 @@ fn centre() -> P {
     P::new(0.041_421_356_237_309_5, 0.073_205_080_756_887_7)
 }
 
-/// A disk with edges of length h.
-fn hole(radius: f64, n: usize) -> Vec<P> {
-    disk(centre(), radius, (std::f64::consts::TAU * radius * n as f64).round() as usize)
+/// A disk with edges of length 1/n.
+fn hole(centre: P, radius: f64, n: usize) -> Vec<P> {
+    disk(centre, radius, (std::f64::consts::TAU * radius * n as f64).round() as usize)
 }
 
 fn steady<F: Flow>(known: &Known<F>, setup: &Setup<2>) -> Result<Measured, Failure> {
@@ -112,7 +112,7 @@ fn steady<F: Flow>(known: &Known<F>, setup: &Setup<2>) -> Result<Measured, Failu
     Ok((known.errors(setup, &state), None))
 }
 
-struct StokesPolynomial;
+pub(super) struct StokesPolynomial;
 
 impl Flow for StokesPolynomial {
     fn velocity(&self, x: &P, _: f64) -> V {
@@ -128,11 +128,15 @@ impl Flow for StokesPolynomial {
     }
 }
 
+/// The flow without convection, with the traction given on the right.
+pub(super) fn known_polynomial() -> Known<StokesPolynomial> {
+    Known { flow: Arc::new(StokesPolynomial), density: 1.0, viscosity: 1.0, convects: false, open: &["right"] }
+}
+
 fn stokes_polynomial(n: usize) -> Result<Measured, Failure> {
-    let known =
-        Known { flow: Arc::new(StokesPolynomial), density: 1.0, viscosity: 1.0, convects: false, open: &["right"] };
+    let known = known_polynomial();
     let mut setup = known.setup(square(n)?, STEADY);
-    setup.bodies.push(polygon(&[hole(0.2, n)], |x, _| *x, known.velocity()));
+    setup.bodies.push(polygon(&[hole(centre(), 0.2, n)], |x, _| *x, known.velocity()));
     steady(&known, &setup)
 }
 
@@ -163,47 +167,55 @@ fn kovasznay(n: usize) -> Result<Measured, Failure> {
     let known =
         Known { flow: Arc::new(flow), density: 1.0, viscosity: 1.0 / REYNOLDS, convects: true, open: &["right"] };
     let mut setup = known.setup(square(n)?, STEADY);
-    setup.bodies.push(polygon(&[hole(0.2, n)], |x, _| *x, known.velocity()));
+    setup.bodies.push(polygon(&[hole(centre(), 0.2, n)], |x, _| *x, known.velocity()));
     steady(&known, &setup)
 }
 
 /// Flow between cylinders of radii 0.25 and 0.5, of which the inner one turns with speed 1.
-struct Couette;
+pub(super) struct Couette {
+    centre: P,
+}
 
 impl Couette {
     const A: f64 = -1.0 / 3.0;
     const B: f64 = 1.0 / 12.0;
     /// Moment of the fluid on the inner cylinder, `-4 π μ Ω r1² r2²/(r2² - r1²)`.
-    const TORQUE: f64 = -PI / 3.0;
+    pub(super) const TORQUE: f64 = -PI / 3.0;
 }
 
 impl Flow for Couette {
     fn velocity(&self, x: &P, _: f64) -> V {
-        let d = x - centre();
+        let d = x - self.centre;
         V::new(-d[1], d[0]) * (Self::A + Self::B / d.norm_squared())
     }
     fn gradient(&self, x: &P, _: f64) -> T {
-        let d = x - centre();
+        let d = x - self.centre;
         let r2 = d.norm_squared();
         let turn = V::new(-d[1], d[0]);
         T::new(0.0, -1.0, 1.0, 0.0) * (Self::A + Self::B / r2) - turn * d.transpose() * (2.0 * Self::B / (r2 * r2))
     }
     fn pressure(&self, x: &P, _: f64) -> f64 {
-        let r2 = (x - centre()).norm_squared();
+        let r2 = (x - self.centre).norm_squared();
         0.5 * Self::A * Self::A * r2 + Self::A * Self::B * r2.ln() - 0.5 * Self::B * Self::B / r2
     }
 }
 
-fn couette(n: usize) -> Result<Measured, Failure> {
-    let known = Known { flow: Arc::new(Couette), density: 1.0, viscosity: 1.0, convects: true, open: &[] };
+/// The annulus in a box of squares of size 1/n.
+pub(super) fn couette_setup(n: usize, centre: P) -> Result<(Known<Couette>, Setup<2>), Failure> {
+    let known = Known { flow: Arc::new(Couette { centre }), density: 1.0, viscosity: 1.0, convects: true, open: &[] };
     let background = structured_box::<2>([-0.6; 2], [0.7; 2], [13 * n / 10; 2])?;
     let mut setup = known.setup(background, STEADY);
     let square = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[x, y]| P::new(x, y) * 2.0);
-    let mut ring = hole(0.5, n);
+    let mut ring = hole(centre, 0.5, n);
     ring.reverse();
-    setup.bodies.push(polygon(&[hole(0.25, n)], |x, _| *x, known.velocity()));
+    setup.bodies.push(polygon(&[hole(centre, 0.25, n)], |x, _| *x, known.velocity()));
     setup.bodies.push(polygon(&[square.to_vec(), ring], |x, _| *x, known.velocity()));
     setup.fluid.boundary.clear();
+    Ok((known, setup))
+}
+
+fn couette(n: usize) -> Result<Measured, Failure> {
+    let (known, setup) = couette_setup(n, centre())?;
     let (state, report) = flow::run(&setup, 1)?;
     let (_, torque) = flow::force(&state, &report, 0, &centre());
     Ok((known.errors(&setup, &state), Some((torque / Couette::TORQUE - 1.0).abs())))
@@ -243,7 +255,7 @@ fn disk_vortex(n: usize) -> Result<Measured, Failure> {
     let mut setup = known.setup(square(n)?, STEADY);
     let square = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[x, y]| P::new(x, y) * 2.0);
     // Inscribed in the circle it would be smaller than the disk; that of the same area is in error by h² too.
-    let mut wall = hole(DiskVortex::RADIUS, n);
+    let mut wall = hole(centre(), DiskVortex::RADIUS, n);
     wall.reverse();
     setup.bodies.push(polygon(&[square.to_vec(), wall], |x, _| *x, Arc::new(|_, _| V::zeros())));
     setup.fluid.boundary.clear();
@@ -283,7 +295,7 @@ fn taylor_green(n: usize, dt: f64) -> Result<Measured, Failure> {
     let known = Known { flow: Arc::new(flow), density: 1.0, viscosity, convects: true, open: &["right"] };
     let mut setup = known.setup(square(n)?, dt);
     let speed = V::new(-0.4, 0.15);
-    setup.bodies.push(polygon(&[hole(0.2, n)], move |x, t| x + speed * t, known.velocity()));
+    setup.bodies.push(polygon(&[hole(centre(), 0.2, n)], move |x, t| x + speed * t, known.velocity()));
     let (state, _) = flow::run(&setup, (END / dt).round() as usize)?;
     Ok((known.errors(&setup, &state), None))
 }

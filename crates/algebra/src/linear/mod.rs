@@ -1,11 +1,13 @@
 //! Solvers of the linear systems of Newton's method.
 
+mod condition;
 mod direct;
 mod equilibration;
 mod factors;
 mod gmres;
 mod lagged;
 
+pub use condition::condition_number;
 pub use direct::DirectSolver;
 pub use equilibration::Equilibration;
 pub use gmres::{Gmres, GmresReport, GmresSettings, LinearMap};
