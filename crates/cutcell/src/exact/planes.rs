@@ -230,14 +230,16 @@ impl<const D: usize> Planes<'_, D> {
     fn meet_known(&self, corner: &Corner<D>, plane: Plane) -> bool {
         let (vertices, n) = self.vertices(plane);
         let vertices = &vertices[..n];
+        if n == 0 {
+            return false;
+        }
         if corner.vertex != NONE && vertices.contains(&corner.vertex) {
             return true;
         }
-        let common = |a: Plane, b: Plane| {
-            let ((a, n_a), (b, n_b)) = (self.vertices(a), self.vertices(b));
-            vertices.iter().filter(|v| a[..n_a].contains(v) && b[..n_b].contains(v)).count()
-        };
-        n >= D - 1 && (0..D).any(|i| (0..i).any(|j| common(corner.on[i], corner.on[j]) >= D - 1))
+        let others = corner.on.map(|other| self.vertices(other));
+        let contains = |i: usize, v: &u32| others[i].0[..others[i].1].contains(v);
+        let common = |i: usize, j: usize| vertices.iter().filter(|v| contains(i, v) && contains(j, v)).count();
+        (0..D).any(|i| (0..i).any(|j| common(i, j) >= D - 1))
     }
 
     #[cold]
