@@ -148,13 +148,15 @@ impl<const D: usize> Piece<D> {
     fn half(&self, distances: &[f64], sign: f64, by: Plane, crossings: &Crossings<D>, half: &mut Self) {
         half.clear();
         // Numbers in the half; those of corners beyond the plane are never used.
-        let mut numbers: SmallVec<[u32; 32]> = SmallVec::new();
-        for (corner, &distance) in self.corners.iter().zip(distances) {
-            numbers.push(half.corners.len() as u32);
+        half.corners.reserve(self.corners.len() + crossings.len());
+        let mut number = |(corner, &distance): (&Corner<D>, &f64)| {
+            let number = half.corners.len() as u32;
             if sign * distance <= 0.0 {
                 half.corners.push(*corner);
             }
-        }
+            number
+        };
+        let numbers: SmallVec<[u32; 32]> = self.corners.iter().zip(distances).map(&mut number).collect();
         let first_crossing = half.corners.len() as u32;
         half.corners.extend(crossings.iter().map(|crossing| crossing.1));
         half.loops.reserve(self.loops.len() + 3 * crossings.len());
@@ -176,10 +178,10 @@ impl<const D: usize> Piece<D> {
                 continue;
             }
             let (start, n) = (half.loops.len(), corners.len());
-            let mut leaving: SmallVec<[usize; 4]> = SmallVec::new();
+            let n_sides = section.len();
             let mut keep = |number: u32, side: Plane, leaves: bool| {
-                if leaves {
-                    leaving.push(half.loops.len());
+                if leaves && D > 2 {
+                    section.push((half.loops.len() as u32, number, plane));
                 }
                 half.loops.push((number, if leaves { by } else { side }));
             };
@@ -201,8 +203,9 @@ impl<const D: usize> Piece<D> {
                 let ends = (0..n).filter(|&k| sign * distances[corners[k].0 as usize] >= 0.0);
                 section.extend(ends.map(|k| (half.loops[start + k].0, k as u32, plane)));
             } else {
-                let next = |k: usize| if k + 1 < half.loops.len() { k + 1 } else { start };
-                section.extend(leaving.iter().map(|&k| (half.loops[next(k)].0, half.loops[k].0, plane)));
+                // So far the sides of the section start at positions in the loop, not at corners.
+                let next = |k: u32| if k as usize + 1 < half.loops.len() { k as usize + 1 } else { start };
+                section[n_sides..].iter_mut().for_each(|side| side.0 = half.loops[next(side.0)].0);
             }
             half.close_face(plane);
         }
