@@ -46,6 +46,10 @@ impl<'a, const D: usize> Faces<'a, D> {
                 continue;
             };
             let cells = [first, second];
+            if cells.iter().all(|&cell| self.cutting.touched.position(cell).is_none()) {
+                self.add_untouched(cut, facet, cells);
+                continue;
+            }
             match cells.map(|cell| self.view(cut, cell, facet)) {
                 [FaceView::Dry, FaceView::Dry] => {}
                 // Without facets on the face, two single parts share all of it.
@@ -55,6 +59,15 @@ impl<'a, const D: usize> Faces<'a, D> {
                 }
                 _ => self.join(cut, facet, cells, sides),
             }
+        }
+    }
+
+    /// Adds a face between cells that no facet touches: all of it is wet, or nothing.
+    fn add_untouched(&self, cut: &mut CutMesh<D>, facet: FacetId, cells: [CellId; 2]) {
+        if cells.iter().all(|&cell| cut.cell_state(cell) == CellState::Fluid) {
+            let parts = cells.map(|cell| PartId(cut.cell_to_part[cell.index()]));
+            let measure = self.cutting.planes.background.facet_measure(facet);
+            cut.part_faces.push(PartFace { facet, parts, measure, is_ghost: false });
         }
     }
 

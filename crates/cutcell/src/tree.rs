@@ -20,9 +20,17 @@ struct Node {
     /// The section of the region by the plane.
     section: Polygon,
     /// Facets with an area on the section.
-    cover: SmallVec<[u32; 4]>,
+    cover: SmallVec<[Covering; 2]>,
     /// What lies behind the plane, and in front of it.
     children: [Child; 2],
+}
+
+/// A facet with an area on the section of a node.
+#[derive(Clone, Copy, Debug)]
+struct Covering {
+    facet: u32,
+    /// Bit `i`: rim `i` of the facet bounds that area. The others lie beyond the section and do not divide it.
+    rims: u8,
 }
 
 /// A binary space partition of a cell, a plane only where its facet is. All decisions are exact.
@@ -131,8 +139,8 @@ impl<const D: usize> Tree<D> {
                 let n = n as usize;
                 let plane = self.nodes[n].plane;
                 match polygons.place(planes, polygon, plane, &planes.half_space(plane)) {
-                    Place::On if self.nodes[n].cover.contains(&facet) => {}
-                    Place::On => self.nodes[n].cover.push(facet),
+                    Place::On if self.nodes[n].cover.iter().any(|other| other.facet == facet) => {}
+                    Place::On => self.nodes[n].cover.push(Covering { facet, rims: polygons.rims(polygon, facet) }),
                     Place::Behind => self.insert_below(planes, polygons, n, 0, facet, polygon),
                     Place::Front => self.insert_below(planes, polygons, n, 1, facet, polygon),
                     Place::Both(parts) => {
@@ -156,7 +164,8 @@ impl<const D: usize> Tree<D> {
                 std::mem::swap(&mut self.leaves[leaf as usize], &mut behind);
                 self.spare.push(behind);
                 self.leaves.push(front);
-                self.nodes.push(Node { plane, section, cover: SmallVec::from_slice(&[facet]), children });
+                let cover = SmallVec::from_iter([Covering { facet, rims: polygons.rims(polygon, facet) }]);
+                self.nodes.push(Node { plane, section, cover, children });
                 Child::Node(self.nodes.len() as u32 - 1)
             }
         }
@@ -202,11 +211,11 @@ impl<const D: usize> Tree<D> {
         let mut pieces: SmallVec<[(Polygon, Cover); 8]> = SmallVec::new();
         let mut divided: SmallVec<[(Polygon, Cover); 8]> = SmallVec::new();
         pieces.push((node.section, Cover::default()));
-        for &facet in &node.cover {
+        for &Covering { facet, rims } in &node.cover {
             let points_back = planes.facets[facet as usize].normal.dot(&normal) < 0.0;
             for (polygon, mut cover) in pieces.drain(..) {
                 let mut rest = Some(polygon);
-                for rim in 0..D {
+                for rim in (0..D).filter(|rim| rims >> rim & 1 == 1) {
                     let Some(polygon) = rest else { break };
                     let plane = Plane::rim(facet, rim);
                     rest = match polygons.place(planes, polygon, plane, &planes.half_space(plane)) {
@@ -341,7 +350,8 @@ fn clip_to_cell<const D: usize>(
     let whole = add_facet(planes, polygons, facet);
     let mut polygon = whole;
     for wall in walls {
-        match (polygons.place(planes, polygon, wall.plane, &wall.half_space), wall.is_in_front) {
+        let is_in_front = wall.is_in_front;
+        match (polygons.place_one(planes, polygon, wall.plane, &wall.half_space, is_in_front), is_in_front) {
             (Place::On, _) => {
                 *aligned |= 1 << wall.local;
                 polygons.forget(whole);
@@ -352,7 +362,7 @@ fn clip_to_cell<const D: usize>(
                 polygons.forget(whole);
                 return None;
             }
-            (Place::Both([behind, front]), is_in_front) => polygon = if is_in_front { front } else { behind },
+            (Place::Both(within), _) => polygon = within,
         }
     }
     Some(polygon)

@@ -147,14 +147,22 @@ impl<const D: usize> Piece<D> {
     /// The part on one side (`sign` 1: behind) of a plane, its face on the plane the last one.
     fn half(&self, distances: &[f64], sign: f64, by: Plane, crossings: &Crossings<D>, half: &mut Self) {
         half.clear();
-        let n_corners = self.corners.len();
-        // Numbers in the half of these corners, then of the crossings.
-        let mut numbers: SmallVec<[u32; 32]> = SmallVec::from_elem(u32::MAX, n_corners + crossings.len());
+        // Numbers in the half; those of corners beyond the plane are never used.
+        half.corners.reserve(self.corners.len() + crossings.len());
+        let mut number = |(corner, &distance): (&Corner<D>, &f64)| {
+            let number = half.corners.len() as u32;
+            if sign * distance <= 0.0 {
+                half.corners.push(*corner);
+            }
+            number
+        };
+        let numbers: SmallVec<[u32; 32]> = self.corners.iter().zip(distances).map(&mut number).collect();
+        let first_crossing = half.corners.len() as u32;
+        half.corners.extend(crossings.iter().map(|crossing| crossing.1));
+        half.loops.reserve(self.loops.len() + 3 * crossings.len());
         let mut section = Section::new();
-        let mut on_plane: SmallVec<[bool; 16]> = SmallVec::new();
         for face in 0..self.n_faces() {
             let (plane, corners) = self.loop_of(face);
-            let n = corners.len();
             let (mut is_within, mut is_beyond) = (true, true);
             for &(k, _) in corners {
                 let outwards = sign * distances[k as usize];
@@ -164,49 +172,40 @@ impl<const D: usize> Piece<D> {
             if is_beyond {
                 continue;
             }
-            let start = half.loops.len();
-            let mut keep = |corner: usize, side: Plane| {
-                if numbers[corner] == u32::MAX {
-                    numbers[corner] = half.corners.len() as u32;
-                    half.corners.push(match corner.checked_sub(n_corners) {
-                        None => self.corners[corner],
-                        Some(crossing) => crossings[crossing].1,
-                    });
-                }
-                half.loops.push((numbers[corner], side));
-            };
             if is_within {
-                corners.iter().for_each(|&(k, side)| keep(k as usize, side));
+                half.loops.extend(corners.iter().map(|&(k, side)| (numbers[k as usize], side)));
                 half.close_face(plane);
                 continue;
             }
-            on_plane.clear();
+            let (start, n) = (half.loops.len(), corners.len());
+            let n_sides = section.len();
+            let mut keep = |number: u32, side: Plane, leaves: bool| {
+                if leaves && D > 2 {
+                    section.push((half.loops.len() as u32, number, plane));
+                }
+                half.loops.push((number, if leaves { by } else { side }));
+            };
             for k in 0..n {
                 let ((a, side), (b, _)) = (corners[k], corners[if k + 1 < n { k + 1 } else { 0 }]);
-                let (at, next) = (distances[a as usize], distances[b as usize]);
-                if sign * at <= 0.0 {
-                    keep(a as usize, side);
-                    on_plane.push(at == 0.0);
+                let (at, next) = (sign * distances[a as usize], sign * distances[b as usize]);
+                // A loop that leaves the half goes on along the plane.
+                if at <= 0.0 {
+                    keep(numbers[a as usize], side, at == 0.0 && next >= 0.0);
                 }
                 if (D > 2 || k + 1 < n) && differ(at, next) {
-                    let ends = [a.min(b), a.max(b)];
-                    let found = crossings.iter().position(|crossing| crossing.0 == ends);
-                    keep(n_corners + found.unwrap_or(0), side);
-                    on_plane.push(true);
+                    let edge = [a.min(b), a.max(b)];
+                    let crossing = crossings.iter().position(|crossing| crossing.0 == edge).unwrap_or(0);
+                    keep(first_crossing + crossing as u32, side, at < 0.0);
                 }
             }
-            let n = on_plane.len();
             if D == 2 {
                 // The half enters the plane where this edge ends, and leaves it where this edge begins.
-                section.extend((0..n).filter(|&k| on_plane[k]).map(|k| (half.loops[start + k].0, k as u32, plane)));
+                let ends = (0..n).filter(|&k| sign * distances[corners[k].0 as usize] >= 0.0);
+                section.extend(ends.map(|k| (half.loops[start + k].0, k as u32, plane)));
             } else {
-                for k in 0..n {
-                    let next = if k + 1 < n { k + 1 } else { 0 };
-                    if on_plane[k] && on_plane[next] {
-                        half.loops[start + k].1 = by;
-                        section.push((half.loops[start + next].0, half.loops[start + k].0, plane));
-                    }
-                }
+                // So far the sides of the section start at positions in the loop, not at corners.
+                let next = |k: u32| if k as usize + 1 < half.loops.len() { k as usize + 1 } else { start };
+                section[n_sides..].iter_mut().for_each(|side| side.0 = half.loops[next(side.0)].0);
             }
             half.close_face(plane);
         }

@@ -56,14 +56,52 @@ impl<const D: usize> Polygons<D> {
         self.sides(polygon).iter().map(|side| side.corner.x).collect()
     }
 
-    /// On which side of a plane a polygon lies.
+    /// Rims (bits) of a facet that a piece of it has sides on; those of a segment are not told apart.
+    pub(crate) fn rims(&self, polygon: Polygon, facet: u32) -> u8 {
+        if D == 2 {
+            return 0b11;
+        }
+        let is_side = |rim: &usize| self.sides(polygon).iter().any(|side| side.beyond == Plane::rim(facet, *rim));
+        (0..D).filter(is_side).map(|rim| 1 << rim).sum()
+    }
+
+    /// On which side of a plane a polygon lies, with its parts behind the plane and in front of it.
     pub(crate) fn place(
         &mut self,
         planes: &Planes<'_, D>,
         polygon: Polygon,
         by: Plane,
         half_space: &HalfSpace<D>,
-    ) -> Place {
+    ) -> Place<[Polygon; 2]> {
+        self.place_with(planes, polygon, by, half_space, |polygons, crossings| {
+            [1.0, -1.0].map(|sign| polygons.part(polygon, by, crossings, sign))
+        })
+    }
+
+    /// The same with one part only: that in front of the plane or that behind it.
+    pub(crate) fn place_one(
+        &mut self,
+        planes: &Planes<'_, D>,
+        polygon: Polygon,
+        by: Plane,
+        half_space: &HalfSpace<D>,
+        is_in_front: bool,
+    ) -> Place<Polygon> {
+        self.place_with(planes, polygon, by, half_space, |polygons, crossings| {
+            polygons.part(polygon, by, crossings, if is_in_front { -1.0 } else { 1.0 })
+        })
+    }
+
+    /// On which side of a plane a polygon lies, with what `divide` makes of it from the distances of its corners and the
+    /// corners where its sides cross the plane.
+    fn place_with<P>(
+        &mut self,
+        planes: &Planes<'_, D>,
+        polygon: Polygon,
+        by: Plane,
+        half_space: &HalfSpace<D>,
+        divide: impl FnOnce(&mut Self, &Crossings<D>) -> P,
+    ) -> Place<P> {
         self.distances.clear();
         let (mut is_behind, mut is_in_front) = (false, false);
         for side in &self.sides[polygon.first as usize..polygon.end as usize] {
@@ -76,67 +114,71 @@ impl<const D: usize> Polygons<D> {
             (false, false) => Place::On,
             (true, false) => Place::Behind,
             (false, true) => Place::Front,
-            (true, true) => Place::Both(self.divided(planes, polygon, by, half_space)),
+            (true, true) => {
+                let crossings = self.crossings(planes, polygon, by, half_space);
+                Place::Both(divide(self, &crossings))
+            }
         }
     }
 
-    /// The parts behind a plane and in front of it, from the distances of the corners.
-    fn divided(
+    /// Corners where the sides of a polygon cross a plane, from the distances of its corners.
+    fn crossings(
         &mut self,
         planes: &Planes<'_, D>,
         polygon: Polygon,
         by: Plane,
         half_space: &HalfSpace<D>,
-    ) -> [Polygon; 2] {
-        let first = polygon.first as usize;
-        let n = polygon.end as usize - first;
-        // Corners after which a side crosses the plane: two of a convex polygon, one of a segment, which has one side.
-        let mut crossings: SmallVec<[(usize, Corner<D>); 2]> = SmallVec::new();
+    ) -> Crossings<D> {
+        let sides = &self.sides[polygon.first as usize..polygon.end as usize];
+        let n = sides.len();
+        let mut crossings = Crossings::new();
         for k in 0..if D > 2 { n } else { n - 1 } {
-            let ends = [k, if k + 1 < n { k + 1 } else { 0 }];
-            let distances = ends.map(|end| self.distances[end]);
-            if differ(distances[0], distances[1]) {
-                let [a, b] = ends.map(|end| &self.sides[first + end].corner);
-                let beyond = self.sides[first + k].beyond;
-                let on = if D > 2 { [polygon.plane, beyond, by] } else { [polygon.plane, by, by] };
-                crossings.push((
-                    k,
-                    planes.crossing([(a, distances[0]), (b, distances[1])], on, half_space, &mut self.known),
-                ));
+            let next = if k + 1 < n { k + 1 } else { 0 };
+            let (at, at_next) = (self.distances[k], self.distances[next]);
+            if differ(at, at_next) {
+                let on = if D > 2 { [polygon.plane, sides[k].beyond, by] } else { [polygon.plane, by, by] };
+                let ends = [(&sides[k].corner, at), (&sides[next].corner, at_next)];
+                crossings.push((k, planes.crossing(ends, on, half_space, &mut self.known)));
             }
         }
-        [1.0, -1.0].map(|sign| {
-            let start = self.sides.len();
-            for k in 0..n {
-                let side = self.sides[first + k];
-                if sign * self.distances[k] <= 0.0 {
-                    // A side that leaves the part on the plane goes on along the plane.
-                    let next = sign * self.distances[if k + 1 < n { k + 1 } else { 0 }];
-                    let leaves = self.distances[k] == 0.0 && next >= 0.0;
-                    self.sides.push(Side { corner: side.corner, beyond: if leaves { by } else { side.beyond } });
-                }
-                if let Some((_, corner)) = crossings.iter().find(|crossing| crossing.0 == k) {
-                    // Behind the crossing the part has either the rest of this side or the plane.
-                    let leaves = sign * self.distances[k] < 0.0;
-                    self.sides.push(Side { corner: *corner, beyond: if leaves { by } else { side.beyond } });
-                }
+        crossings
+    }
+
+    /// The part on one side (`sign` 1: behind) of a plane, from the distances of the corners.
+    fn part(&mut self, polygon: Polygon, by: Plane, crossings: &Crossings<D>, sign: f64) -> Polygon {
+        let (first, start) = (polygon.first as usize, self.sides.len());
+        let n = polygon.end as usize - first;
+        for k in 0..n {
+            let side = self.sides[first + k];
+            let (at, next) = (sign * self.distances[k], sign * self.distances[if k + 1 < n { k + 1 } else { 0 }]);
+            // Where the rim leaves the part, the part goes on along the plane.
+            if at <= 0.0 {
+                let leaves = at == 0.0 && next >= 0.0;
+                self.sides.push(Side { corner: side.corner, beyond: if leaves { by } else { side.beyond } });
             }
-            Polygon { plane: polygon.plane, first: start as u32, end: self.sides.len() as u32 }
-        })
+            if let Some((_, corner)) = crossings.iter().find(|crossing| crossing.0 == k) {
+                self.sides.push(Side { corner: *corner, beyond: if at < 0.0 { by } else { side.beyond } });
+            }
+        }
+        Polygon { plane: polygon.plane, first: start as u32, end: self.sides.len() as u32 }
     }
 }
 
 /// Where a polygon lies with respect to a plane.
-pub(crate) enum Place {
+pub(crate) enum Place<P> {
     /// On the plane.
     On,
     /// Behind it.
     Behind,
     /// In front of it.
     Front,
-    /// On both sides, with the parts behind and in front.
-    Both([Polygon; 2]),
+    /// On both sides, with its parts.
+    Both(P),
 }
+
+/// Corners after which a side crosses a plane, with the crossings: two of a convex polygon, one of a segment, which has
+/// one side.
+type Crossings<const D: usize> = SmallVec<[(usize, Corner<D>); 2]>;
 
 /// Points of a convex face, on the stack if they are few.
 pub(crate) type Points<const D: usize> = SmallVec<[Point<D>; 8]>;

@@ -47,6 +47,10 @@ impl Plane {
         Self(4 * facet + 1 + local as u32)
     }
 
+    fn is_mesh(self) -> bool {
+        self.0 & MESH != 0
+    }
+
     pub(crate) fn kind(self) -> PlaneKind {
         match (self.0 & MESH, self.0 % 4) {
             (0, 0) => PlaneKind::Facet(self.0 / 4),
@@ -206,12 +210,16 @@ impl<const D: usize> Planes<'_, D> {
     }
 
     /// Signed distance of a corner from a plane, positive in front of it; its sign is exact.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn side(&self, corner: &Corner<D>, plane: Plane, half_space: &HalfSpace<D>, known: &mut Known) -> f64 {
         let (distance, doubt) = half_space.distance(&corner.x);
-        if distance.abs() > doubt + corner.error {
-            distance
-        } else if corner.on[..D].contains(&plane) || self.meet_known(corner, plane) {
+        if distance.abs() > doubt + corner.error { distance } else { self.side_in_doubt(corner, plane, known) }
+    }
+
+    /// The same where rounded coordinates do not tell.
+    #[inline(never)]
+    fn side_in_doubt(&self, corner: &Corner<D>, plane: Plane, known: &mut Known) -> f64 {
+        if corner.on[..D].contains(&plane) || self.meet_known(corner, plane) {
             0.0
         } else {
             self.exact_side(corner, plane, known)
@@ -230,14 +238,16 @@ impl<const D: usize> Planes<'_, D> {
     fn meet_known(&self, corner: &Corner<D>, plane: Plane) -> bool {
         let (vertices, n) = self.vertices(plane);
         let vertices = &vertices[..n];
+        if n == 0 {
+            return false;
+        }
         if corner.vertex != NONE && vertices.contains(&corner.vertex) {
             return true;
         }
-        let common = |a: Plane, b: Plane| {
-            let ((a, n_a), (b, n_b)) = (self.vertices(a), self.vertices(b));
-            vertices.iter().filter(|v| a[..n_a].contains(v) && b[..n_b].contains(v)).count()
-        };
-        n >= D - 1 && (0..D).any(|i| (0..i).any(|j| common(corner.on[i], corner.on[j]) >= D - 1))
+        let others = corner.on.map(|other| self.vertices(other));
+        let contains = |i: usize, v: &u32| others[i].0[..others[i].1].contains(v);
+        let common = |i: usize, j: usize| vertices.iter().filter(|v| contains(i, v) && contains(j, v)).count();
+        (0..D).any(|i| (0..i).any(|j| common(i, j) >= D - 1))
     }
 
     #[cold]
@@ -347,13 +357,14 @@ impl<const D: usize> Planes<'_, D> {
 
     /// A vertex of a surface, if that is where the planes meet.
     fn common_vertex(&self, on: [Plane; 3]) -> Option<Corner<D>> {
-        let facet = match on[D - 1].kind() {
-            PlaneKind::Mesh(_) => return None,
-            PlaneKind::Facet(f) | PlaneKind::Rim(f, _) => &self.facets[f as usize],
-        };
+        if on[..D].iter().any(|plane| plane.is_mesh()) {
+            return None;
+        }
         let vertices = on.map(|plane| self.vertices(plane));
         let (own, n) = vertices[D - 1];
         let vertex = own[..n].iter().find(|&v| vertices[..D - 1].iter().all(|(others, m)| others[..*m].contains(v)))?;
+        let (PlaneKind::Facet(f) | PlaneKind::Rim(f, _)) = on[D - 1].kind() else { return None };
+        let facet = &self.facets[f as usize];
         let k = facet.vertices[..D].iter().position(|v| v == vertex)?;
         Some(Corner::of_surface(facet.points()[k], on, *vertex))
     }
