@@ -114,6 +114,13 @@ impl<F: Flow> Known<F> {
         Errors { velocity, gradient, pressure }
     }
 
+    /// Kinetic energy of the known flow over the fluid of a state.
+    pub(super) fn kinetic_energy(&self, setup: &Setup<2>, state: &State<2>) -> f64 {
+        let mut twice = 0.0;
+        for_each_point(setup, state, |at| twice += at.weight * self.flow.velocity(&at.x, state.time).norm_squared());
+        0.5 * self.density * twice
+    }
+
     fn mean_pressure_error(&self, setup: &Setup<2>, state: &State<2>) -> f64 {
         let (mut integral, mut volume) = (0.0, 0.0);
         for_each_point(setup, state, |at| {

@@ -8,6 +8,7 @@ mod lubrication;
 mod orders;
 mod record;
 mod robustness;
+mod shear_layer;
 mod symmetry;
 
 use std::path::Path;
@@ -27,7 +28,7 @@ struct Check {
 }
 
 /// All checks, in the order of the page.
-const CHECKS: [Check; 5] = [
+const CHECKS: [Check; 6] = [
     Check {
         name: "exact",
         about: "Solutions that the discrete spaces contain, at random positions of the body.",
@@ -47,6 +48,11 @@ const CHECKS: [Check; 5] = [
         name: "robustness",
         about: "Bodies close to vertices and lines of the mesh: condition numbers, continuity, scatter of forces.",
         measure: robustness::measure,
+    },
+    Check {
+        name: "shear-layer",
+        about: "A fluid layer over an elastic one, sheared by a plate: the coupled problem against its exact solution.",
+        measure: shear_layer::measure,
     },
     Check {
         name: "symmetry",

@@ -135,11 +135,23 @@ impl Record {
     /// Observed orders of convergence between neighbours of a sequence of sizes and errors, of which the last must be at
     /// least `order`; the errors are shown.
     pub(crate) fn order(&mut self, quantity: &str, unit: &str, errors: &[(f64, f64)], order: f64) {
+        let observed = self.show_errors(quantity, unit, errors);
+        self.at_least(format!("order of {quantity} in {unit}"), observed, order);
+    }
+
+    /// The same where no order is asked.
+    pub(crate) fn show_order(&mut self, quantity: &str, unit: &str, errors: &[(f64, f64)]) {
+        let observed = self.show_errors(quantity, unit, errors);
+        self.show(format!("order of {quantity} in {unit}"), observed, None);
+    }
+
+    /// Shows errors; returns the last observed order.
+    fn show_errors(&mut self, quantity: &str, unit: &str, errors: &[(f64, f64)]) -> f64 {
         for (size, error) in errors {
             self.show(format!("{quantity} at {unit} = {}", short(*size)), *error, None);
         }
         let observed = errors.windows(2).map(|w| (w[0].1 / w[1].1).ln() / (w[0].0 / w[1].0).ln());
-        self.at_least(format!("order of {quantity}"), observed.last().unwrap_or(f64::NAN), order);
+        observed.last().unwrap_or(f64::NAN)
     }
 }
 
