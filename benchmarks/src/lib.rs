@@ -32,6 +32,9 @@ struct CutcellAlone;
 /// Gap between ball and ground: cut cells lie in the fine part of the background, contact does not act.
 const GAP: f64 = 0.2;
 
+/// Distance of ball and ground from which on the penalty of contact acts.
+const CONTACT_SIZE: f64 = 0.1;
+
 /// A resolution, with the name that it has in benchmark ids.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Resolution {
@@ -59,8 +62,12 @@ pub fn background(resolution: Resolution) -> SimplexMesh<2> {
 
 /// The half ball just above the ground.
 pub fn ball(resolution: Resolution) -> SimplexMesh<2> {
+    ball_above(resolution, GAP)
+}
+
+fn ball_above(resolution: Resolution, gap: f64) -> SimplexMesh<2> {
     let options = BallOptions { area_preserving: false };
-    half_ball([0.0, 4.0 + GAP], 4.0, resolution.fine, &options).expect("a ball of positive radius and size")
+    half_ball([0.0, 4.0 + gap], 4.0, resolution.fine, &options).expect("a ball of positive radius and size")
 }
 
 /// Centre of disk and sphere in boxes around the origin: where the peers put it, too.
@@ -105,8 +112,17 @@ pub fn sphere(centre: [f64; 3], radius: f64, n: u32) -> (Vec<Point<3>>, Boundary
     (positions, BoundaryMesh::from_facets(facets))
 }
 
-/// The elastic ball in the fluid of the paper's cases.
+/// The elastic ball in the fluid of the paper's cases, above the ground.
 pub fn falling_ball(resolution: Resolution) -> Setup<2> {
+    ball_in_fluid(resolution, GAP)
+}
+
+/// The same with the ball so close to the ground that the penalty of contact acts.
+pub fn ball_in_contact(resolution: Resolution) -> Setup<2> {
+    ball_in_fluid(resolution, 0.5 * CONTACT_SIZE)
+}
+
+fn ball_in_fluid(resolution: Resolution, gap: f64) -> Setup<2> {
     let background = background(resolution);
     let tag = |name: &str| background.tag(name).expect("sides of a box are tagged");
     let open = || FluidBoundary::Open { traction: None, backflow: true };
@@ -125,7 +141,7 @@ pub fn falling_ball(resolution: Resolution) -> Setup<2> {
             (tag("top"), open()),
         ],
     };
-    let solid = SolidMesh::new(ball(resolution)).expect("a mesh with positive cells");
+    let solid = SolidMesh::new(ball_above(resolution, gap)).expect("a mesh with positive cells");
     let surface = tagged_facets(&solid, "surface").expect("a ball has a surface");
     let diameter = tagged_facets(&solid, "left").expect("a half ball has a diameter");
     let support = BodySupport { vertices: vertices_of(&solid, &diameter), kind: SupportKind::Symmetry { axis: 0 } };
@@ -142,7 +158,8 @@ pub fn falling_ball(resolution: Resolution) -> Setup<2> {
     let contact = Contact {
         body: BodyId(0),
         facets: surface,
-        form: ContactForm::new(Penalty::new(1e8, 0.1).expect("a positive penalty"), 0.1).expect("a positive size"),
+        form: ContactForm::new(Penalty::new(1e8, CONTACT_SIZE).expect("a positive penalty"), CONTACT_SIZE)
+            .expect("a positive size"),
         obstacle: ContactObstacle::Rigid(Box::new(ground)),
     };
     Setup {
@@ -206,7 +223,10 @@ pub fn with_internal_work<const D: usize, R>(
 }
 
 /// Calls a closure with the problem of the first step and its starting guess.
-pub fn with_first_problem<R>(setup: &Setup<2>, then: impl FnOnce(&FsiProblem<'_, 2>, &[f64]) -> R) -> R {
+pub fn with_first_problem<const D: usize, R>(
+    setup: &Setup<D>,
+    then: impl FnOnce(&FsiProblem<'_, D>, &[f64]) -> R,
+) -> R {
     let start = State::initial(setup).expect("the ball cuts the background");
     let positions = setup.positions(&start.bodies);
     let surfaces = setup.surfaces(&positions);
@@ -220,11 +240,18 @@ pub fn with_first_problem<R>(setup: &Setup<2>, then: impl FnOnce(&FsiProblem<'_,
 }
 
 /// The assembled system of the first step.
-pub fn first_system(setup: &Setup<2>) -> BlockSystem {
-    with_first_problem(setup, |problem, x| {
-        let contributions = problem.contributions();
-        let mut system = BlockSystem::new(problem.layout(), &contributions, problem.constraints());
-        system.assemble(&contributions, x);
-        system
-    })
+pub fn first_system<const D: usize>(setup: &Setup<D>) -> BlockSystem {
+    with_first_problem(setup, |problem, x| system_at(problem, x))
+}
+
+/// The assembled system of unfitted Stokes flow.
+pub fn stokes_system<const D: usize>(stokes: &UnfittedStokes<D>) -> BlockSystem {
+    stokes.with_problem(|problem| system_at(problem, &vec![0.0; problem.layout().len()]))
+}
+
+fn system_at(problem: &dyn NonlinearProblem, x: &[f64]) -> BlockSystem {
+    let contributions = problem.contributions();
+    let mut system = BlockSystem::new(problem.layout(), &contributions, problem.constraints());
+    system.assemble(&contributions, x);
+    system
 }
