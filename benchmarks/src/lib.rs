@@ -175,6 +175,54 @@ fn ball_in_fluid(resolution: Resolution, gap: f64) -> Setup<2> {
     }
 }
 
+/// An elastic square or cube that falls in a box of N squares or cubes along each side, with cells of the same size: the
+/// coupled problem at any size in two and three dimensions. Its weight, stiffness and time step are of the paper's order.
+pub fn falling_box<const D: usize>(n: usize) -> Setup<D> {
+    const SIDE: f64 = 10.0;
+    let background = structured_box([0.0; D], [SIDE; D], [n; D]).expect("a box");
+    let open = |name: &str| name == "top";
+    let boundary = unfitted_stokes::SIDES.iter().filter_map(|name| {
+        let condition =
+            if open(name) { FluidBoundary::Open { traction: None, backflow: true } } else { FluidBoundary::NoSlip };
+        background.tag(name).map(|tag| (tag, condition))
+    });
+    let fluid = FluidSetup {
+        material: NewtonianFluid { density: 1.0, viscosity: 1e-2 },
+        cip: CipProfile::Consistent { gamma_u: 0.1 },
+        gamma_pressure: 0.1,
+        gamma_ghost: 1.0,
+        convection: Some(false),
+        body_force: None,
+        initial_velocity: None,
+        boundary: boundary.collect(),
+    };
+    // Off the planes of the background, and a little above the middle.
+    let corner: [f64; D] = std::array::from_fn(|axis| 3.0 + BODY_CENTRE[axis]);
+    let body = structured_box(corner, corner.map(|x| x + 0.4 * SIDE), [(2 * n).div_ceil(5); D]).expect("a box");
+    let mut gravity = Vector::<D>::zeros();
+    gravity[1] = -1e3;
+    let elastic = ElasticBody {
+        solid: SolidMesh::new(body).expect("a mesh with positive cells"),
+        form: SolidForm::new(1.0, SaintVenantKirchhoff::new(LameParameters { mu: 2e6, lambda: 8e6 }), gravity)
+            .expect("a positive density"),
+        supports: Vec::new(),
+        loads: Vec::new(),
+        initial_displacement: None,
+        initial_velocity: None,
+    };
+    Setup {
+        fluid,
+        background,
+        bodies: vec![Body { name: "box".to_owned(), kind: BodyKind::Elastic(Box::new(elastic)) }],
+        contacts: Vec::new(),
+        gamma_sigma: 1e5,
+        dt: 1e-3,
+        most_halvings: 0,
+        newton: NewtonSettings::new(1e-8),
+        overlay: OverlayOptions::new(),
+    }
+}
+
 /// Fluid that turns in a box of N x N squares without bodies: convection, and interior penalties on all faces.
 pub fn whirl(n: usize) -> Setup<2> {
     let background = structured_box([0.0, 0.0], [1.0, 1.0], [n, n]).expect("a box");

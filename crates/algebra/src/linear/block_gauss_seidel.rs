@@ -26,7 +26,7 @@ pub struct BlockGaussSeidelSettings {
 impl Default for BlockGaussSeidelSettings {
     /// ILUT for the first block, which is the fluid, and Cholesky for the bodies.
     fn default() -> Self {
-        let fluid = BlockSolver::Incomplete(Fill::Threshold { drop: 1e-2, growth: 2.0 });
+        let fluid = BlockSolver::Incomplete(Fill::THRESHOLD);
         Self { solvers: vec![fluid, BlockSolver::Cholesky], stiff: 0.1, restart: 80, max_iterations: 400 }
     }
 }

@@ -29,6 +29,11 @@ pub enum Fill {
     },
 }
 
+impl Fill {
+    /// ILUT that keeps about twice the entries of the matrix: the fewest seconds on the fluid's block.
+    pub const THRESHOLD: Self = Self::Threshold { drop: 1e-2, growth: 2.0 };
+}
+
 /// Incomplete LU factors of a matrix of small dense blocks, one row and column of blocks per node.
 ///
 /// Unknowns of a node (components of velocity, and pressure) are eliminated together, with partial pivoting among them; so a
