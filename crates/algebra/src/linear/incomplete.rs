@@ -417,9 +417,9 @@ fn schur_diagonal(matrix: &CsMatI<f64, u32>, n_primal: usize) -> Vec<f64> {
 #[inline]
 fn subtract_product(c: &mut [f64], a: &[f64], b: &[f64], [m, k, n]: [usize; 3]) {
     match (m, k) {
-        (2, 2) => subtract_product_of::<2, 2>(c, a, b),
-        (3, 3) => subtract_product_of::<3, 3>(c, a, b),
-        (4, 4) => subtract_product_of::<4, 4>(c, a, b),
+        (2, 2) => subtract_square_product(c, a, b, [0.0; 2]),
+        (3, 3) => subtract_square_product(c, a, b, [0.0; 3]),
+        (4, 4) => subtract_square_product(c, a, b, [0.0; 4]),
         _ => {
             for j in 0..n {
                 for l in 0..k {
@@ -433,17 +433,18 @@ fn subtract_product(c: &mut [f64], a: &[f64], b: &[f64], [m, k, n]: [usize; 3]) 
     }
 }
 
+/// The same with square blocks on the left, of the size of the scratch memory `sum`.
 #[inline]
-fn subtract_product_of<const M: usize, const K: usize>(c: &mut [f64], a: &[f64], b: &[f64]) {
-    let (a, _) = a.as_chunks::<M>();
-    for (c, b) in c.as_chunks_mut::<M>().0.iter_mut().zip(b.as_chunks::<K>().0) {
-        let mut sum = *c;
+fn subtract_square_product<const D: usize>(c: &mut [f64], a: &[f64], b: &[f64], mut sum: [f64; D]) {
+    let (a, _) = a.as_chunks::<D>();
+    for (c, b) in c.as_chunks_mut::<D>().0.iter_mut().zip(b.as_chunks::<D>().0) {
+        sum.copy_from_slice(c);
         for (a, factor) in a.iter().zip(b) {
-            for i in 0..M {
+            for i in 0..D {
                 sum[i] -= a[i] * factor;
             }
         }
-        *c = sum;
+        c.copy_from_slice(&sum);
     }
 }
 
