@@ -3,6 +3,8 @@
 //! solve). A process per size, so that its peak of memory is that of the size. Seconds are processor time of all threads,
 //! which other work on the machine disturbs less than the clock; shares of stages are by the clock.
 
+#![allow(clippy::print_stdout)]
+
 use algebra::{
     BlockGaussSeidel, BlockGaussSeidelSettings, DirectSolver, LaggedSettings, LaggedSolver, LinearSolver, Workspace,
 };

@@ -127,7 +127,7 @@ fn blocks_of_a_preconditioner() {
     }
     let fluid = "blocks = { fluid = \"cholesky\", bodies = \"lu\" }";
     expect(lagged, &sweep(fluid), &key("blocks.fluid"), &["unknown value `cholesky`", "ilut"]);
-    expect(lagged, &sweep("blocks = { fluid = \"lu\" }"), &key("blocks"), &["`bodies` is missing"]);
+    expect(lagged, &sweep("blocks = { fluid = \"lu\" }"), "solver.linear", &["`bodies` is missing"]);
     expect(lagged, &sweep("restart = 0"), &key("restart"), &["at least 1"]);
     expect(lagged, "\"lagged-lu\", restart = 30 }", &key("restart"), &["no effect", "lagged-lu"]);
 }
