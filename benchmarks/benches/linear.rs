@@ -1,12 +1,54 @@
-//! Linear solvers: factorisation with known pattern, and solve.
+//! Linear solvers: direct with a known pattern and with a new one, and FGMRES with block Gauss-Seidel, set-up included.
 
 use std::time::Duration;
 
-use algebra::{DirectSolver, LinearSolver};
-use benchmarks::{RESOLUTIONS, falling_ball, first_system};
-use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use algebra::{BlockGaussSeidel, BlockGaussSeidelSettings, BlockSolver, BlockSystem, DirectSolver, Fill, LinearSolver};
+use benchmarks::{
+    RESOLUTIONS, StokesWeights, UnfittedStokes, ball_in_contact, falling_ball, first_system, stokes_system,
+};
+use criterion::measurement::WallTime;
+use criterion::{BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 
-fn linear(c: &mut Criterion) {
+/// Relative residual of the iterative solvers.
+const TOLERANCE: f64 = 1e-8;
+
+/// Preconditioners of the bench, with their names.
+fn preconditioners() -> [(&'static str, Vec<BlockSolver>); 3] {
+    [
+        ("gmres-lu", vec![BlockSolver::Lu]),
+        ("gmres-ilu", vec![BlockSolver::Incomplete(Fill::Pattern), BlockSolver::Cholesky]),
+        ("gmres-ilut", vec![BlockSolver::Incomplete(Fill::THRESHOLD), BlockSolver::Cholesky]),
+    ]
+}
+
+fn solve(solver: &mut dyn LinearSolver, system: &BlockSystem, x: &mut [f64]) -> usize {
+    solver.factorize(system.matrix(), system.unknowns()).expect("a regular matrix");
+    solver.solve(system.residual(), x, TOLERANCE).expect("a solution").iterations
+}
+
+/// Set-up and solve with each of the preconditioners that are named.
+fn iterative(group: &mut BenchmarkGroup<'_, WallTime>, system: &BlockSystem, place: &str, names: &[&str]) {
+    let mut x = vec![0.0; system.layout().len()];
+    group.throughput(Throughput::Elements(x.len() as u64));
+    for (name, solvers) in preconditioners().into_iter().filter(|(name, _)| names.contains(name)) {
+        let settings = BlockGaussSeidelSettings { solvers, ..BlockGaussSeidelSettings::default() };
+        group.bench_function(BenchmarkId::new(name, place), |b| {
+            let mut solver = BlockGaussSeidel::new(settings.clone());
+            b.iter(|| solve(&mut solver, system, &mut x));
+        });
+    }
+}
+
+/// Factorisation of a new pattern and solve.
+fn direct(group: &mut BenchmarkGroup<'_, WallTime>, system: &BlockSystem, place: &str) {
+    let mut x = vec![0.0; system.layout().len()];
+    group.throughput(Throughput::Elements(x.len() as u64));
+    group.bench_function(BenchmarkId::new("lu-factor", place), |b| {
+        b.iter(|| solve(&mut DirectSolver::new(), system, &mut x));
+    });
+}
+
+fn coupled(c: &mut Criterion) {
     let mut group = c.benchmark_group("linear");
     group.sample_size(10).measurement_time(Duration::from_secs(3)).warm_up_time(Duration::from_millis(500));
     for resolution in RESOLUTIONS {
@@ -22,9 +64,32 @@ fn linear(c: &mut Criterion) {
         group.bench_function(BenchmarkId::new("lu-solve", &place), |b| {
             b.iter(|| solver.solve(system.residual(), &mut x, 0.0));
         });
+        iterative(&mut group, &system, &place, &["gmres-lu", "gmres-ilu", "gmres-ilut"]);
+        let contact = first_system(&ball_in_contact(resolution));
+        iterative(&mut group, &contact, &format!("2d/{}/contact", resolution.name), &["gmres-lu", "gmres-ilut"]);
     }
     group.finish();
 }
 
-criterion_group!(benches, linear);
+/// Steady Stokes flow around a cut disk and a cut sphere.
+fn stokes(c: &mut Criterion) {
+    let mut group = c.benchmark_group("linear");
+    group.sample_size(10).measurement_time(Duration::from_secs(3)).warm_up_time(Duration::from_millis(500));
+    for n in [32, 64, 128] {
+        let system = stokes_system(&UnfittedStokes::around_disk(n, StokesWeights::PUBLISHED));
+        direct(&mut group, &system, &format!("2d/n{n}"));
+        iterative(&mut group, &system, &format!("2d/n{n}"), &["gmres-ilu", "gmres-ilut"]);
+    }
+    for n in [8, 12, 16, 24] {
+        let system = stokes_system(&UnfittedStokes::around_sphere(n, StokesWeights::PUBLISHED));
+        // Larger ones take seconds to minutes: see `RESULTS.md`.
+        if n <= 12 {
+            direct(&mut group, &system, &format!("3d/n{n}"));
+        }
+        iterative(&mut group, &system, &format!("3d/n{n}"), &["gmres-ilu", "gmres-ilut"]);
+    }
+    group.finish();
+}
+
+criterion_group!(benches, coupled, stokes);
 criterion_main!(benches);

@@ -3,24 +3,38 @@
 use std::hint::black_box;
 use std::time::Duration;
 
-use algebra::Workspace;
-use benchmarks::{RESOLUTIONS, falling_ball};
-use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use solver::{State, advance};
+use algebra::{BlockGaussSeidel, BlockGaussSeidelSettings, Workspace};
+use benchmarks::{RESOLUTIONS, falling_ball, falling_box};
+use criterion::measurement::WallTime;
+use criterion::{BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use solver::{Setup, State, advance};
 
 fn time_step(c: &mut Criterion) {
     let mut group = c.benchmark_group("time_step");
     group.sample_size(10).measurement_time(Duration::from_secs(5)).warm_up_time(Duration::from_millis(500));
     for resolution in RESOLUTIONS {
-        let setup = falling_ball(resolution);
-        let start = State::initial(&setup).expect("the ball cuts the background");
-        let mut work = Workspace::new();
-        group.throughput(Throughput::Elements(setup.background.n_cells() as u64));
-        group.bench_function(BenchmarkId::new("advance/2d", resolution.name), |b| {
-            b.iter(|| black_box(advance(&setup, &start, &mut work).expect("the first step converges")));
-        });
+        first_step(&mut group, &falling_ball(resolution), Workspace::new(), "advance/2d", resolution.name);
+    }
+    for n in [8, 12] {
+        let solver = BlockGaussSeidel::new(BlockGaussSeidelSettings::default());
+        let work = Workspace::with_solver(Box::new(solver));
+        first_step(&mut group, &falling_box::<3>(n), work, "advance/3d", &format!("n{n}"));
     }
     group.finish();
+}
+
+fn first_step<const D: usize>(
+    group: &mut BenchmarkGroup<'_, WallTime>,
+    setup: &Setup<D>,
+    mut work: Workspace,
+    name: &str,
+    size: &str,
+) {
+    let start = State::initial(setup).expect("the body cuts the background");
+    group.throughput(Throughput::Elements(setup.background.n_cells() as u64));
+    group.bench_function(BenchmarkId::new(name, size), |b| {
+        b.iter(|| black_box(advance(setup, &start, &mut work).expect("the first step converges")));
+    });
 }
 
 criterion_group!(benches, time_step);

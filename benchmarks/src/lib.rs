@@ -32,6 +32,9 @@ struct CutcellAlone;
 /// Gap between ball and ground: cut cells lie in the fine part of the background, contact does not act.
 const GAP: f64 = 0.2;
 
+/// Distance of ball and ground from which on the penalty of contact acts.
+const CONTACT_SIZE: f64 = 0.1;
+
 /// A resolution, with the name that it has in benchmark ids.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Resolution {
@@ -59,8 +62,12 @@ pub fn background(resolution: Resolution) -> SimplexMesh<2> {
 
 /// The half ball just above the ground.
 pub fn ball(resolution: Resolution) -> SimplexMesh<2> {
+    ball_above(resolution, GAP)
+}
+
+fn ball_above(resolution: Resolution, gap: f64) -> SimplexMesh<2> {
     let options = BallOptions { area_preserving: false };
-    half_ball([0.0, 4.0 + GAP], 4.0, resolution.fine, &options).expect("a ball of positive radius and size")
+    half_ball([0.0, 4.0 + gap], 4.0, resolution.fine, &options).expect("a ball of positive radius and size")
 }
 
 /// Centre of disk and sphere in boxes around the origin: where the peers put it, too.
@@ -105,8 +112,17 @@ pub fn sphere(centre: [f64; 3], radius: f64, n: u32) -> (Vec<Point<3>>, Boundary
     (positions, BoundaryMesh::from_facets(facets))
 }
 
-/// The elastic ball in the fluid of the paper's cases.
+/// The elastic ball in the fluid of the paper's cases, above the ground.
 pub fn falling_ball(resolution: Resolution) -> Setup<2> {
+    ball_in_fluid(resolution, GAP)
+}
+
+/// The same with the ball so close to the ground that the penalty of contact acts.
+pub fn ball_in_contact(resolution: Resolution) -> Setup<2> {
+    ball_in_fluid(resolution, 0.5 * CONTACT_SIZE)
+}
+
+fn ball_in_fluid(resolution: Resolution, gap: f64) -> Setup<2> {
     let background = background(resolution);
     let tag = |name: &str| background.tag(name).expect("sides of a box are tagged");
     let open = || FluidBoundary::Open { traction: None, backflow: true };
@@ -125,7 +141,7 @@ pub fn falling_ball(resolution: Resolution) -> Setup<2> {
             (tag("top"), open()),
         ],
     };
-    let solid = SolidMesh::new(ball(resolution)).expect("a mesh with positive cells");
+    let solid = SolidMesh::new(ball_above(resolution, gap)).expect("a mesh with positive cells");
     let surface = tagged_facets(&solid, "surface").expect("a ball has a surface");
     let diameter = tagged_facets(&solid, "left").expect("a half ball has a diameter");
     let support = BodySupport { vertices: vertices_of(&solid, &diameter), kind: SupportKind::Symmetry { axis: 0 } };
@@ -142,7 +158,8 @@ pub fn falling_ball(resolution: Resolution) -> Setup<2> {
     let contact = Contact {
         body: BodyId(0),
         facets: surface,
-        form: ContactForm::new(Penalty::new(1e8, 0.1).expect("a positive penalty"), 0.1).expect("a positive size"),
+        form: ContactForm::new(Penalty::new(1e8, CONTACT_SIZE).expect("a positive penalty"), CONTACT_SIZE)
+            .expect("a positive size"),
         obstacle: ContactObstacle::Rigid(Box::new(ground)),
     };
     Setup {
@@ -150,6 +167,54 @@ pub fn falling_ball(resolution: Resolution) -> Setup<2> {
         background,
         bodies: vec![Body { name: "ball".to_owned(), kind: BodyKind::Elastic(Box::new(elastic)) }],
         contacts: vec![contact],
+        gamma_sigma: 1e5,
+        dt: 1e-3,
+        most_halvings: 0,
+        newton: NewtonSettings::new(1e-8),
+        overlay: OverlayOptions::new(),
+    }
+}
+
+/// An elastic square or cube that falls in a box of N squares or cubes along each side, with cells of the same size: the
+/// coupled problem at any size in two and three dimensions. Its weight, stiffness and time step are of the paper's order.
+pub fn falling_box<const D: usize>(n: usize) -> Setup<D> {
+    const SIDE: f64 = 10.0;
+    let background = structured_box([0.0; D], [SIDE; D], [n; D]).expect("a box");
+    let open = |name: &str| name == "top";
+    let boundary = unfitted_stokes::SIDES.iter().filter_map(|name| {
+        let condition =
+            if open(name) { FluidBoundary::Open { traction: None, backflow: true } } else { FluidBoundary::NoSlip };
+        background.tag(name).map(|tag| (tag, condition))
+    });
+    let fluid = FluidSetup {
+        material: NewtonianFluid { density: 1.0, viscosity: 1e-2 },
+        cip: CipProfile::Consistent { gamma_u: 0.1 },
+        gamma_pressure: 0.1,
+        gamma_ghost: 1.0,
+        convection: Some(false),
+        body_force: None,
+        initial_velocity: None,
+        boundary: boundary.collect(),
+    };
+    // Off the planes of the background, and a little above the middle.
+    let corner: [f64; D] = std::array::from_fn(|axis| 3.0 + BODY_CENTRE[axis]);
+    let body = structured_box(corner, corner.map(|x| x + 0.4 * SIDE), [(2 * n).div_ceil(5); D]).expect("a box");
+    let mut gravity = Vector::<D>::zeros();
+    gravity[1] = -1e3;
+    let elastic = ElasticBody {
+        solid: SolidMesh::new(body).expect("a mesh with positive cells"),
+        form: SolidForm::new(1.0, SaintVenantKirchhoff::new(LameParameters { mu: 2e6, lambda: 8e6 }), gravity)
+            .expect("a positive density"),
+        supports: Vec::new(),
+        loads: Vec::new(),
+        initial_displacement: None,
+        initial_velocity: None,
+    };
+    Setup {
+        fluid,
+        background,
+        bodies: vec![Body { name: "box".to_owned(), kind: BodyKind::Elastic(Box::new(elastic)) }],
+        contacts: Vec::new(),
         gamma_sigma: 1e5,
         dt: 1e-3,
         most_halvings: 0,
@@ -206,7 +271,10 @@ pub fn with_internal_work<const D: usize, R>(
 }
 
 /// Calls a closure with the problem of the first step and its starting guess.
-pub fn with_first_problem<R>(setup: &Setup<2>, then: impl FnOnce(&FsiProblem<'_, 2>, &[f64]) -> R) -> R {
+pub fn with_first_problem<const D: usize, R>(
+    setup: &Setup<D>,
+    then: impl FnOnce(&FsiProblem<'_, D>, &[f64]) -> R,
+) -> R {
     let start = State::initial(setup).expect("the ball cuts the background");
     let positions = setup.positions(&start.bodies);
     let surfaces = setup.surfaces(&positions);
@@ -220,11 +288,18 @@ pub fn with_first_problem<R>(setup: &Setup<2>, then: impl FnOnce(&FsiProblem<'_,
 }
 
 /// The assembled system of the first step.
-pub fn first_system(setup: &Setup<2>) -> BlockSystem {
-    with_first_problem(setup, |problem, x| {
-        let contributions = problem.contributions();
-        let mut system = BlockSystem::new(problem.layout(), &contributions, problem.constraints());
-        system.assemble(&contributions, x);
-        system
-    })
+pub fn first_system<const D: usize>(setup: &Setup<D>) -> BlockSystem {
+    with_first_problem(setup, |problem, x| system_at(problem, x))
+}
+
+/// The assembled system of unfitted Stokes flow.
+pub fn stokes_system<const D: usize>(stokes: &UnfittedStokes<D>) -> BlockSystem {
+    stokes.with_problem(|problem| system_at(problem, &vec![0.0; problem.layout().len()]))
+}
+
+fn system_at(problem: &dyn NonlinearProblem, x: &[f64]) -> BlockSystem {
+    let contributions = problem.contributions();
+    let mut system = BlockSystem::new(problem.layout(), &contributions, problem.constraints());
+    system.assemble(&contributions, x);
+    system
 }

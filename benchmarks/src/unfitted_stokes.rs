@@ -276,7 +276,7 @@ fn falling_diagonals<const D: usize>(n: usize) -> SimplexMesh<D> {
 }
 
 /// Names of the sides of a box.
-const SIDES: [&str; 6] = ["left", "right", "bottom", "top", "back", "front"];
+pub(crate) const SIDES: [&str; 6] = ["left", "right", "bottom", "top", "back", "front"];
 
 impl UnfittedStokes<2> {
     /// Around a disk with edges as long as those of the N² squares.

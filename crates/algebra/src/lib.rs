@@ -70,8 +70,9 @@ pub use constraints::Constraints;
 pub use contributions::Contributions;
 pub use layout::{BlockLayout, DofId, FieldId};
 pub use linear::{
-    DirectSolver, Equilibration, Gmres, GmresReport, GmresSettings, LaggedSettings, LaggedSolver, LinearError,
-    LinearMap, LinearReport, LinearSolver, MatrixView, Unknowns, condition_number,
+    BlockGaussSeidel, BlockGaussSeidelSettings, BlockSolver, DirectSolver, Equilibration, Fill, Gmres, GmresReport,
+    GmresSettings, LaggedSettings, LaggedSolver, LinearError, LinearMap, LinearReport, LinearSolver, MatrixView,
+    Unknowns, condition_number,
 };
 pub use local_system::LocalSystem;
 pub use newton::{Forcing, NewtonError, NewtonReport, NewtonSettings, NonlinearProblem, newton};

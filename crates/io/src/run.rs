@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use algebra::{LaggedSettings, LaggedSolver, Workspace};
+use algebra::{BlockGaussSeidel, BlockGaussSeidelSettings, BlockSolver, Fill, LaggedSettings, LaggedSolver, Workspace};
 use solver::{Observer, ObserverError, Setup, State, StepView, TimeLoop};
 
 use crate::diagnostics::Diagnostics;
@@ -11,7 +11,7 @@ use crate::files::{create_directory, write_whole};
 use crate::history::{History, HistoryTable, column_prefix};
 use crate::measures::{BodyMeasures, leading_body};
 use crate::scenario::lower::{Case, CaseVisitor, lower};
-use crate::scenario::schema::{Cip, Linear, Output, Preconditioner};
+use crate::scenario::schema::{Blocks, BodyBlock, Cip, FluidBlock, Linear, Output, Preconditioner};
 use crate::scenario::{Scenario, ScenarioFile};
 use crate::summary::{Summary, SummaryBuilder, peak_rss_bytes};
 use crate::vtk::fluid::fluid_grid;
@@ -98,8 +98,29 @@ impl CaseVisitor for Run<'_, '_> {
 fn workspace(linear: &Linear) -> Workspace {
     match linear {
         Linear::Direct {} => Workspace::new(),
-        Linear::Gmres { preconditioner: Preconditioner::LaggedLu } => {
+        Linear::Gmres { preconditioner: Preconditioner::LaggedLu, .. } => {
             Workspace::with_solver(Box::new(LaggedSolver::new(LaggedSettings::default())))
+        }
+        Linear::Gmres { preconditioner: Preconditioner::BlockGaussSeidel, restart, blocks } => {
+            let mut settings = BlockGaussSeidelSettings::default();
+            if let Some(restart) = restart {
+                settings.restart = *restart;
+            }
+            if let Some(Blocks { fluid, bodies }) = blocks {
+                let fluid = match fluid {
+                    FluidBlock::Lu => BlockSolver::Lu,
+                    FluidBlock::Ilu => BlockSolver::Incomplete(Fill::Pattern),
+                    FluidBlock::Ilut => BlockSolver::Incomplete(Fill::THRESHOLD),
+                };
+                let bodies = match bodies {
+                    BodyBlock::Lu => BlockSolver::Lu,
+                    BodyBlock::Cholesky => BlockSolver::Cholesky,
+                    BodyBlock::Ilu => BlockSolver::Incomplete(Fill::Pattern),
+                    BodyBlock::Ilut => BlockSolver::Incomplete(Fill::THRESHOLD),
+                };
+                settings.solvers = vec![fluid, bodies];
+            }
+            Workspace::with_solver(Box::new(BlockGaussSeidel::new(settings)))
         }
     }
 }

@@ -116,6 +116,23 @@ fn a_preconditioner_that_there_is_not() {
 }
 
 #[test]
+fn blocks_of_a_preconditioner() {
+    let key = |key: &str| format!("solver.linear.{key}");
+    let lagged = "\"lagged-lu\" }";
+    let sweep = |more: &str| format!("\"block-gauss-seidel\", {more} }}");
+    let blocks = "blocks = { fluid = \"lu\", bodies = \"ilut\" }";
+    for legal in ["restart = 30", blocks, &format!("restart = 30, {blocks}")] {
+        let (text, _) = with(lagged, &sweep(legal));
+        assert!(ScenarioFile::parse(Path::new("case.toml"), &text, &[]).is_ok(), "{legal}");
+    }
+    let fluid = "blocks = { fluid = \"cholesky\", bodies = \"lu\" }";
+    expect(lagged, &sweep(fluid), &key("blocks.fluid"), &["unknown value `cholesky`", "ilut"]);
+    expect(lagged, &sweep("blocks = { fluid = \"lu\" }"), "solver.linear", &["`bodies` is missing"]);
+    expect(lagged, &sweep("restart = 0"), &key("restart"), &["at least 1"]);
+    expect(lagged, "\"lagged-lu\", restart = 30 }", &key("restart"), &["no effect", "lagged-lu"]);
+}
+
+#[test]
 fn unknown_names() {
     expect("body     = \"ball\"", "body = \"bal\"", "contact.0.body", &["no body `bal`", "did you mean `ball`?"]);
     let body = "obstacle = { kind = \"body\", name = \"ground\" } #";

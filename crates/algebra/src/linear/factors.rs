@@ -9,6 +9,7 @@ use faer::{Conj, MatMut, Par};
 use sprs::CsMatI;
 
 use super::LinearError;
+use super::nodes::NodeGraph;
 use crate::faer_view::faer_view;
 
 /// Growth of the probing solve from which on the matrix counts as singular.
@@ -86,14 +87,8 @@ impl Factors {
 
     /// Solves once with a fixed right-hand side of `n` pseudo-random signs to see how large the inverse is.
     pub(super) fn probe(&mut self, n: usize, solution: &mut Vec<f64>) -> Result<f64, LinearError> {
-        let mut state: u64 = 0x9e37_79b9_7f4a_7c15;
         solution.clear();
-        solution.resize_with(n, || {
-            state ^= state << 13;
-            state ^= state >> 7;
-            state ^= state << 17;
-            if state >> 63 == 0 { 1.0 } else { -1.0 }
-        });
+        solution.extend(signs().take(n));
         self.substitute(solution)?;
         let growth = max_norm(solution);
         if growth < SINGULAR_GROWTH { Ok(growth) } else { Err(LinearError::Singular { growth }) }
@@ -115,6 +110,17 @@ impl Factors {
         );
         Ok(())
     }
+}
+
+/// Pseudo-random signs, always the same.
+pub(super) fn signs() -> impl Iterator<Item = f64> {
+    let mut state: u64 = 0x9e37_79b9_7f4a_7c15;
+    std::iter::repeat_with(move || {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        if state >> 63 == 0 { 1.0 } else { -1.0 }
+    })
 }
 
 /// Largest absolute entry; infinite if an entry is not a number.
@@ -169,43 +175,13 @@ fn order_nodes(
     nodes: &[u32],
     scratch: &mut Scratch,
 ) -> Result<Vec<u32>, FaerError> {
-    let n_nodes = nodes.iter().max().map_or(0, |last| *last as usize + 1);
-    let mut first = vec![0; n_nodes + 1];
-    for node in nodes {
-        first[*node as usize + 1] += 1;
-    }
-    for node in 0..n_nodes {
-        first[node + 1] += first[node];
-    }
-    let mut members = vec![0; nodes.len()];
-    let mut next = first.clone();
-    for (dof, node) in nodes.iter().enumerate() {
-        members[next[*node as usize]] = dof;
-        next[*node as usize] += 1;
-    }
-    let of_node = |node: usize| &members[first[node]..first[node + 1]];
-
-    let (mut column_ptr, mut rows) = (vec![0], Vec::new());
-    let mut mark = vec![usize::MAX; n_nodes];
-    for node in 0..n_nodes {
-        for &dof in of_node(node) {
-            for row in a.row_idx_of_col_raw(dof) {
-                let row = nodes[*row as usize];
-                if mark[row as usize] != node {
-                    mark[row as usize] = node;
-                    rows.push(row);
-                }
-            }
-        }
-        let begin = *column_ptr.last().unwrap_or(&0) as usize;
-        rows[begin..].sort_unstable();
-        column_ptr.push(rows.len() as u32);
-    }
-    let pattern = SymbolicSparseColMatRef::new_checked(n_nodes, n_nodes, &column_ptr, None, &rows);
+    let graph = NodeGraph::new(a.col_ptr(), a.row_idx(), nodes);
+    let n_nodes = graph.len();
+    let pattern = SymbolicSparseColMatRef::new_checked(n_nodes, n_nodes, &graph.column_ptr, None, &graph.rows);
     let [mut order, mut position] = [(); 2].map(|()| vec![0; n_nodes]);
-    let stack = scratch.get(colamd::order_scratch::<u32>(n_nodes, n_nodes, rows.len()))?;
+    let stack = scratch.get(colamd::order_scratch::<u32>(n_nodes, n_nodes, graph.rows.len()))?;
     colamd::order(&mut order, &mut position, pattern, colamd::Control::default(), stack)?;
-    Ok(order.iter().flat_map(|node| of_node(*node as usize)).map(|dof| *dof as u32).collect())
+    Ok(order.iter().flat_map(|node| graph.unknowns(*node)).copied().collect())
 }
 
 fn inverse(order: &[u32]) -> Vec<u32> {

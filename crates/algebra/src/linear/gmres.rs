@@ -1,5 +1,7 @@
 //! Restarted flexible GMRES.
 
+use sprs::CsMatI;
+
 use super::LinearError;
 
 /// When to stop.
@@ -83,6 +85,25 @@ impl Gmres {
             report.iterations += n.max(1);
             self.correct(x, n);
         }
+    }
+
+    /// Solves with a matrix compressed by columns, from zero.
+    pub(super) fn solve_matrix(
+        &mut self,
+        matrix: &CsMatI<f64, u32>,
+        precondition: &mut LinearMap<'_>,
+        rhs: &[f64],
+        x: &mut Vec<f64>,
+        settings: &GmresSettings,
+    ) -> Result<GmresReport, LinearError> {
+        x.clear();
+        x.resize(rhs.len(), 0.0);
+        let mut apply = |x: &[f64], y: &mut [f64]| {
+            y.fill(0.0);
+            sprs::prod::mul_acc_mat_vec_csc(matrix.view(), x, y);
+            Ok(())
+        };
+        self.solve(&mut apply, precondition, rhs, x, settings)
     }
 
     /// Builds a basis of at most `most` vectors from a residual of norm `size`, until the residual of the least-squares

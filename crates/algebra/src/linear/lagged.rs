@@ -3,7 +3,9 @@
 use sprs::CsMatI;
 
 use super::factors::Factors;
-use super::gmres::{Gmres, GmresSettings};
+use super::gmres::{Gmres, GmresReport, GmresSettings};
+use super::scaled::Scaled;
+use super::subdomain::{BlockSolver, Subdomain, with_neighbours};
 use super::{Equilibration, LinearError, LinearReport, LinearSolver, MatrixView, Unknowns, check_sides};
 
 /// When old factors are good enough.
@@ -49,13 +51,6 @@ pub struct LaggedSolver {
     solution: Vec<f64>,
 }
 
-/// A matrix with its scales.
-#[derive(Default)]
-struct Scaled {
-    scales: Equilibration,
-    matrix: Option<CsMatI<f64, u32>>,
-}
-
 /// The matrix that was factorised last.
 struct Base {
     scaled: Scaled,
@@ -73,9 +68,7 @@ struct Patch {
     row_ratio: Vec<f64>,
     column_ratio: Vec<f64>,
     /// Changed unknowns and their neighbours.
-    members: Vec<u32>,
-    factors: Factors,
-    work: Vec<f64>,
+    changed: Subdomain,
     base_work: Vec<f64>,
 }
 
@@ -133,7 +126,7 @@ impl Patch {
             ratio.clear();
             ratio.resize(n, 1.0);
         }
-        self.members.clear();
+        self.changed.clear();
     }
 
     /// Relates the present unknowns to those of the base.
@@ -157,9 +150,9 @@ impl Patch {
     }
 
     /// Finds the unknowns whose row or column has changed by more than `change`, and their neighbours.
-    fn find_members(&mut self, matrix: &CsMatI<f64, u32>, base: &Base, change: f64) {
+    fn find_changed(&self, matrix: &CsMatI<f64, u32>, base: &Base, change: f64) -> Vec<u32> {
         let n = matrix.rows();
-        let Some(old) = &base.scaled.matrix else { return };
+        let Some(old) = &base.scaled.matrix else { return Vec::new() };
         let mut from_base = vec![NONE; old.rows()];
         for (i, k) in self.to_base.iter().enumerate() {
             if *k != NONE {
@@ -203,47 +196,7 @@ impl Patch {
                 }
             }
         }
-        let mut is_member = changed.clone();
-        for (j, entries) in matrix.outer_iterator().enumerate() {
-            if changed[j] {
-                entries.indices().iter().for_each(|i| is_member[*i as usize] = true);
-            }
-        }
-        self.members.clear();
-        self.members.extend((0..n as u32).filter(|i| is_member[*i as usize]));
-    }
-
-    /// Factorises the rows and columns of the members.
-    fn factorize(&mut self, matrix: &CsMatI<f64, u32>, nodes: &[u32]) -> Result<(), LinearError> {
-        if self.members.is_empty() {
-            return Ok(());
-        }
-        let mut position = vec![NONE; matrix.rows()];
-        for (k, i) in self.members.iter().enumerate() {
-            position[*i as usize] = k as u32;
-        }
-        let (mut column_ptr, mut rows, mut values) = (vec![0], Vec::new(), Vec::new());
-        for j in &self.members {
-            let Some(column) = matrix.outer_view(*j as usize) else { continue };
-            for (i, value) in column.iter().filter(|(i, _)| position[*i] != NONE) {
-                rows.push(position[i]);
-                values.push(*value);
-            }
-            column_ptr.push(rows.len() as u32);
-        }
-        let n = self.members.len();
-        // Nodes numbered without gaps, in the order of their first member.
-        let mut names = std::collections::BTreeMap::new();
-        let local_nodes: Vec<u32> = self
-            .members
-            .iter()
-            .map(|i| {
-                let next = names.len() as u32;
-                *names.entry(nodes[*i as usize]).or_insert(next)
-            })
-            .collect();
-        self.factors.clear_pattern();
-        self.factors.factorize(&CsMatI::new_csc((n, n), column_ptr, rows, values), &local_nodes)
+        with_neighbours(matrix, &changed)
     }
 
     /// `z ≈ A⁻¹ r`: the old factors, then those of the members on what is left.
@@ -266,45 +219,41 @@ impl Patch {
         for ((z, k), ratio) in z.iter_mut().zip(&self.to_base).zip(&self.column_ratio) {
             *z = if *k == NONE { 0.0 } else { self.base_work[*k as usize] * ratio };
         }
-        if self.members.is_empty() {
+        if self.changed.members().is_empty() {
             return Ok(());
         }
         self.base_work.clear();
-        self.base_work.resize(r.len(), 0.0);
+        self.base_work.extend(r.iter().map(|r| -r));
         sprs::prod::mul_acc_mat_vec_csc(matrix.view(), &*z, self.base_work.as_mut_slice());
-        self.work.clear();
-        self.work.extend(self.members.iter().map(|i| r[*i as usize] - self.base_work[*i as usize]));
-        self.factors.substitute(&mut self.work)?;
-        for (i, dz) in self.members.iter().zip(&self.work) {
-            z[*i as usize] += dz;
-        }
-        Ok(())
+        self.base_work.iter_mut().for_each(|r| *r = -*r);
+        self.changed.correct(&self.base_work, z)
     }
 }
 
 impl LinearSolver for LaggedSolver {
     fn factorize(&mut self, matrix: MatrixView<'_>, unknowns: Unknowns<'_>) -> Result<(), LinearError> {
-        assert!(matrix.is_csc() && matrix.rows() == matrix.cols(), "a square matrix compressed by columns");
         assert_eq!(matrix.rows(), unknowns.nodes.len(), "nodes of the unknowns");
-        self.present.matrix = None;
-        self.present.scales.compute(matrix)?;
-        let (rows, mut values) = (matrix.indices().to_vec(), matrix.data().to_vec());
-        self.present.scales.scale(matrix, &mut values);
-        let scaled = CsMatI::new_csc(matrix.shape(), matrix.proper_indptr().to_vec(), rows, values);
+        let n = matrix.rows();
+        self.present.set(matrix)?;
         self.nodes.clear();
         self.nodes.extend_from_slice(unknowns.nodes);
         self.keys.clear();
         self.keys.extend_from_slice(unknowns.keys);
-        let n = scaled.rows();
-        let scaled = self.present.matrix.insert(scaled);
         if n == 0 {
             return Ok(());
         }
-        if let Some(base) = self.base.as_ref().filter(|_| !self.wants_factors && self.keys.len() == n) {
-            self.patch.relate(&self.keys, &self.present.scales, base);
-            self.patch.find_members(scaled, base, self.settings.change);
-            if (self.patch.members.len() as f64) <= self.settings.largest_share * n as f64
-                && self.patch.factorize(scaled, &self.nodes).is_ok()
+        if let Scaled { scales, matrix: Some(scaled) } = &self.present
+            && let Some(base) = self.base.as_ref().filter(|_| !self.wants_factors && self.keys.len() == n)
+        {
+            self.patch.relate(&self.keys, scales, base);
+            let changed = self.patch.find_changed(scaled, base, self.settings.change);
+            let n_changed = changed.len();
+            if n_changed as f64 <= self.settings.largest_share * n as f64
+                && self
+                    .patch
+                    .changed
+                    .factorize(scaled, changed, n_changed, &self.nodes, scales, BlockSolver::Lu)
+                    .is_ok()
             {
                 return Ok(());
             }
@@ -318,8 +267,7 @@ impl LinearSolver for LaggedSolver {
         if matrix.rows() == 0 {
             return Ok(LinearReport::default());
         }
-        self.rhs.clear();
-        self.rhs.extend(rhs.iter().zip(self.present.scales.row()).map(|(b, r)| b * r));
+        self.present.scale_rhs(rhs, &mut self.rhs);
         let settings =
             GmresSettings { tolerance, restart: self.settings.restart, max_iterations: self.settings.restart };
         let mut iterations = 0;
@@ -332,9 +280,7 @@ impl LinearSolver for LaggedSolver {
         let report = outcome?;
         iterations += report.iterations;
         self.wants_factors |= report.iterations > self.settings.most_iterations;
-        for ((x, y), c) in x.iter_mut().zip(&self.solution).zip(self.present.scales.column()) {
-            *x = y * c;
-        }
+        self.present.unscale(&self.solution, x);
         Ok(LinearReport { iterations, backward_error: report.residual })
     }
 
@@ -353,23 +299,12 @@ impl LinearSolver for LaggedSolver {
 
 impl LaggedSolver {
     /// FGMRES from zero for the scaled right-hand side.
-    fn iterate(&mut self, settings: &GmresSettings) -> Result<super::gmres::GmresReport, LinearError> {
+    fn iterate(&mut self, settings: &GmresSettings) -> Result<GmresReport, LinearError> {
         let (Some(matrix), Some(base)) = (&self.present.matrix, &mut self.base) else {
             return Err(LinearError::NotFactorized);
         };
-        self.solution.clear();
-        self.solution.resize(self.rhs.len(), 0.0);
         let patch = &mut self.patch;
-        self.gmres.solve(
-            &mut |x, y| {
-                y.fill(0.0);
-                sprs::prod::mul_acc_mat_vec_csc(matrix.view(), x, y);
-                Ok(())
-            },
-            &mut |r, z| patch.apply(matrix, &mut base.factors, r, z),
-            &self.rhs,
-            &mut self.solution,
-            settings,
-        )
+        let mut precondition = |r: &[f64], z: &mut [f64]| patch.apply(matrix, &mut base.factors, r, z);
+        self.gmres.solve_matrix(matrix, &mut precondition, &self.rhs, &mut self.solution, settings)
     }
 }

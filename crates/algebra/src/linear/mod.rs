@@ -1,17 +1,26 @@
 //! Solvers of the linear systems of Newton's method.
 
+mod block_gauss_seidel;
+mod cholesky;
 mod condition;
 mod direct;
 mod equilibration;
 mod factors;
 mod gmres;
+mod incomplete;
 mod lagged;
+mod nodes;
+mod scaled;
+mod subdomain;
 
+pub use block_gauss_seidel::{BlockGaussSeidel, BlockGaussSeidelSettings};
 pub use condition::condition_number;
 pub use direct::DirectSolver;
 pub use equilibration::Equilibration;
 pub use gmres::{Gmres, GmresReport, GmresSettings, LinearMap};
+pub use incomplete::Fill;
 pub use lagged::{LaggedSettings, LaggedSolver};
+pub use subdomain::BlockSolver;
 
 use crate::BlockLayout;
 
@@ -102,6 +111,12 @@ pub enum LinearError {
     Singular {
         /// Lower bound of the norm of the inverse of the equilibrated matrix (infinite if a pivot was zero).
         growth: f64,
+    },
+    /// Incomplete factors are far from their matrix.
+    #[error("incomplete factors are unstable (relative error {error:e}): keep more fill, or factorise completely")]
+    Unstable {
+        /// Error of the factors on a vector of signs, relative to it (infinite without a pivot).
+        error: f64,
     },
     /// The computed solution does not satisfy the system.
     #[error("backward error {backward_error:e} exceeds {bound:e}")]

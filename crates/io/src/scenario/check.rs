@@ -1,7 +1,7 @@
 //! Checks of single values that their types cannot express.
 
 use super::problem::{Problem, ScenarioError};
-use super::schema::{Background, Cip, ContactLaw, Material, Shape, Size};
+use super::schema::{Background, Cip, ContactLaw, Linear, Material, Preconditioner, Shape, Size};
 use super::{GivenFluidCondition, ScenarioFile};
 use crate::scenario::schema::FluidCondition;
 
@@ -31,6 +31,7 @@ pub(super) fn check(file: &ScenarioFile) -> Result<(), ScenarioError> {
     time(file)?;
     alpha(file)?;
     names(file)?;
+    linear(file)?;
     if scenario.solver.newton.max_iterations == 0 {
         return Err(file.error("solver.newton.max_iterations", Problem::Range { value: 0.0, must: "at least 1" }));
     }
@@ -41,6 +42,19 @@ pub(super) fn check(file: &ScenarioFile) -> Result<(), ScenarioError> {
     if scenario.output.compression > 9 {
         let value = f64::from(scenario.output.compression);
         return Err(file.error("output.compression", Problem::Range { value, must: "from 0 to 9" }));
+    }
+    Ok(())
+}
+
+/// Values of the iterative solver that do not fit its preconditioner, or cannot be.
+fn linear(file: &ScenarioFile) -> Result<(), ScenarioError> {
+    let Linear::Gmres { preconditioner, restart, blocks } = &file.scenario().solver.linear else { return Ok(()) };
+    let given = [("solver.linear.restart", restart.is_some()), ("solver.linear.blocks", blocks.is_some())];
+    if let (Preconditioner::LaggedLu, Some((key, _))) = (preconditioner, given.iter().find(|(_, is_given)| *is_given)) {
+        return Err(file.error(key, Problem::NoEffect { with: "preconditioner = \"lagged-lu\"" }));
+    }
+    if *restart == Some(0) {
+        return Err(file.error("solver.linear.restart", Problem::Range { value: 0.0, must: "at least 1" }));
     }
     Ok(())
 }

@@ -163,6 +163,12 @@ pub enum Problem {
         /// `dt (2 μ_s + λ_s)`.
         need: f64,
     },
+    /// A value that nothing would look at.
+    #[error("this has no effect with {with}: take it out")]
+    NoEffect {
+        /// What it does not go with.
+        with: &'static str,
+    },
     /// Two keys of which exactly one is needed.
     #[error("give either {a} or {b}")]
     Either {

@@ -366,6 +366,12 @@ pub enum Linear {
     Gmres {
         /// Preconditioner.
         preconditioner: Preconditioner,
+        /// Iterations before a restart; 80 if left out. For block Gauss-Seidel.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        restart: Option<usize>,
+        /// Solvers of the blocks; ILUT and Cholesky if left out. For block Gauss-Seidel.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        blocks: Option<Blocks>,
     },
 }
 
@@ -375,6 +381,44 @@ pub enum Linear {
 pub enum Preconditioner {
     /// The factors of an old matrix, mended where an interface has moved.
     LaggedLu,
+    /// One solve with the fluid, then one with each body, then one with the stiff couplings between them.
+    BlockGaussSeidel,
+}
+
+/// How the blocks of a block Gauss-Seidel preconditioner are solved for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Blocks {
+    /// Velocity and pressure of the fluid.
+    pub fluid: FluidBlock,
+    /// Every body.
+    pub bodies: BodyBlock,
+}
+
+/// A solver of the fluid's block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum FluidBlock {
+    /// Sparse LU.
+    Lu,
+    /// Incomplete LU without fill.
+    Ilu,
+    /// Incomplete LU with a threshold.
+    Ilut,
+}
+
+/// A solver of a body's block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum BodyBlock {
+    /// Sparse LU.
+    Lu,
+    /// Sparse Cholesky; LU where the block is not symmetric and positive definite.
+    Cholesky,
+    /// Incomplete LU without fill.
+    Ilu,
+    /// Incomplete LU with a threshold.
+    Ilut,
 }
 
 fn is_false(value: &bool) -> bool {

@@ -1,0 +1,94 @@
+//! Time and memory of one size, for tables of growth: `growth step2 0.1` (five steps of the falling ball with cells of that
+//! size), `growth step3 12` (five steps of the falling cube), `growth stokes3 28` and `growth stokes3-lu 28` (one linear
+//! solve). A process per size, so that its peak of memory is that of the size. Seconds are processor time of all threads,
+//! which other work on the machine disturbs less than the clock; shares of stages are by the clock.
+
+#![allow(clippy::print_stdout)]
+
+use algebra::{
+    BlockGaussSeidel, BlockGaussSeidelSettings, DirectSolver, LaggedSettings, LaggedSolver, LinearSolver, Workspace,
+};
+use benchmarks::{Resolution, StokesWeights, UnfittedStokes, falling_ball, falling_box, stokes_system};
+use solver::{Setup, State, advance};
+
+/// Steps of which the mean is taken: the first one and four with factors that may lag.
+const N_STEPS: usize = 5;
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let [kind, size] = arguments.as_slice() else { return Err("give a kind and a size".into()) };
+    let sweep = || BlockGaussSeidel::new(BlockGaussSeidelSettings::default());
+    let row = match kind.as_str() {
+        "step2" => {
+            let fine = size.parse()?;
+            let setup = falling_ball(Resolution { name: "given", fine, coarse: 5.0 * fine });
+            steps(&setup, Box::new(LaggedSolver::new(LaggedSettings::default())))?
+        }
+        "step3" => steps(&falling_box::<3>(size.parse()?), Box::new(sweep()))?,
+        "stokes3" => stokes(size.parse()?, &mut sweep())?,
+        "stokes3-lu" => stokes(size.parse()?, &mut DirectSolver::new())?,
+        _ => return Err(format!("there is no kind {kind}").into()),
+    };
+    println!("{kind} {size}: {row}, peak {} MB", peak_memory().map_or("?".to_owned(), |kb| (kb / 1024).to_string()));
+    Ok(())
+}
+
+/// Mean over a few steps from rest.
+fn steps<const D: usize>(
+    setup: &Setup<D>,
+    solver: Box<dyn LinearSolver>,
+) -> Result<String, Box<dyn std::error::Error>> {
+    let mut state = State::initial(setup)?;
+    let mut work = Workspace::with_solver(solver);
+    let (mut cut, mut space, mut assembly, mut linear) = (0.0, 0.0, 0.0, 0.0);
+    let (mut n, mut solves, mut iterations, mut factorizations) = (0, 0, 0, 0);
+    let begin = processor_time()?;
+    for _ in 0..N_STEPS {
+        let (next, report) = advance(setup, &state, &mut work)?;
+        cut += report.seconds.cut;
+        space += report.seconds.space;
+        assembly += report.seconds.assembly;
+        linear += report.seconds.linear;
+        n = report.n_dofs;
+        solves += report.newton.solves;
+        iterations += report.newton.linear_iterations;
+        factorizations += report.newton.factorizations;
+        state = next;
+    }
+    let total = (processor_time()? - begin) / N_STEPS as f64;
+    let sum = cut + space + assembly + linear;
+    let [cut, space, assembly, linear] = [cut, space, assembly, linear].map(|stage| 100.0 * stage / sum);
+    Ok(format!(
+        "{n} unknowns, {total:.3} s per step (cut {cut:.0} %, space {space:.0} %, assembly {assembly:.0} %, linear \
+         {linear:.0} %), {factorizations} factorisations, {solves} solves, {iterations} iterations"
+    ))
+}
+
+/// One solve of Stokes flow around a cut sphere, set-up included.
+fn stokes(n: u32, solver: &mut dyn LinearSolver) -> Result<String, Box<dyn std::error::Error>> {
+    let system = stokes_system(&UnfittedStokes::around_sphere(n, StokesWeights::PUBLISHED));
+    let mut x = vec![0.0; system.layout().len()];
+    let begin = processor_time()?;
+    solver.factorize(system.matrix(), system.unknowns())?;
+    let set_up = processor_time()? - begin;
+    let report = solver.solve(system.residual(), &mut x, 1e-8)?;
+    let total = processor_time()? - begin;
+    let n_unknowns = x.len();
+    Ok(format!("{n_unknowns} unknowns, {total:.3} s (set-up {set_up:.3}), {} iterations", report.iterations))
+}
+
+/// Processor time of this process so far, s.
+fn processor_time() -> Result<f64, Box<dyn std::error::Error>> {
+    /// Linux counts in these, whatever its own clock does.
+    const TICKS_PER_SECOND: f64 = 100.0;
+    let stat = std::fs::read_to_string("/proc/self/stat")?;
+    let after_name = stat.rsplit(") ").next().unwrap_or_default();
+    let ticks = after_name.split_whitespace().skip(11).take(2).map(str::parse::<f64>).sum::<Result<f64, _>>()?;
+    Ok(ticks / TICKS_PER_SECOND)
+}
+
+/// Largest resident memory of this process so far, kB, where the system tells.
+fn peak_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?.split_whitespace().next()?.parse().ok()
+}

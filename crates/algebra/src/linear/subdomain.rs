@@ -1,0 +1,169 @@
+//! Rows and columns of a matrix that are solved for together.
+
+use std::collections::BTreeMap;
+
+use sprs::CsMatI;
+
+use super::cholesky::CholeskyFactors;
+use super::factors::Factors;
+use super::incomplete::{Fill, IncompleteFactors};
+use super::{Equilibration, LinearError};
+
+/// How a diagonal block is solved for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum BlockSolver {
+    /// Sparse LU.
+    Lu,
+    /// Sparse Cholesky where the block is symmetric and positive definite before it is scaled, else sparse LU.
+    Cholesky,
+    /// Incomplete LU, node by node.
+    Incomplete(Fill),
+}
+
+/// A set of unknowns with factors of their rows and columns: one step of a multiplicative Schwarz method.
+///
+/// Source: Smith, Bjørstad and Gropp 1996, Domain decomposition, chapter 1.
+#[derive(Default)]
+pub(super) struct Subdomain {
+    members: Vec<u32>,
+    factors: BlockFactors,
+    correction: Vec<f64>,
+}
+
+/// Factors of a diagonal block.
+enum BlockFactors {
+    Lu(Box<Factors>),
+    Cholesky(Box<CholeskyFactors>),
+    Incomplete(Box<IncompleteFactors>),
+}
+
+impl Default for BlockFactors {
+    fn default() -> Self {
+        Self::Lu(Box::default())
+    }
+}
+
+/// Position of what is no member.
+const NONE: u32 = u32::MAX;
+
+impl Subdomain {
+    /// Factorises the rows and columns of `members`, ascending, of an equilibrated matrix. From `n_primal` on they are
+    /// multipliers.
+    ///
+    /// # Errors
+    /// See [`LinearError`].
+    pub(super) fn factorize(
+        &mut self,
+        matrix: &CsMatI<f64, u32>,
+        members: Vec<u32>,
+        n_primal: usize,
+        nodes: &[u32],
+        scales: &Equilibration,
+        solver: BlockSolver,
+    ) -> Result<(), LinearError> {
+        self.members = members;
+        if self.members.is_empty() {
+            return Ok(());
+        }
+        let block = restricted(matrix, &self.members);
+        let nodes = renumbered(nodes, &self.members);
+        // Memory of factors is used again by factors of the same kind.
+        let old = std::mem::take(&mut self.factors);
+        if let BlockSolver::Incomplete(fill) = solver {
+            let mut factors = if let BlockFactors::Incomplete(factors) = old { factors } else { Box::default() };
+            factors.factorize(&block, &nodes, n_primal, fill)?;
+            self.factors = BlockFactors::Incomplete(factors);
+            return Ok(());
+        }
+        if solver == BlockSolver::Cholesky {
+            let ratios = self.members.iter().map(|i| scales.row()[*i as usize] / scales.column()[*i as usize]);
+            if let Some(factors) = CholeskyFactors::new(&block, ratios.collect())? {
+                self.factors = BlockFactors::Cholesky(Box::new(factors));
+                return Ok(());
+            }
+        }
+        let mut factors = if let BlockFactors::Lu(factors) = old { factors } else { Box::default() };
+        factors.clear_pattern();
+        factors.factorize(&block, &nodes)?;
+        factors.probe(block.rows(), &mut self.correction)?;
+        self.factors = BlockFactors::Lu(factors);
+        Ok(())
+    }
+
+    /// The unknowns.
+    pub(super) fn members(&self) -> &[u32] {
+        &self.members
+    }
+
+    /// Forgets the members.
+    pub(super) fn clear(&mut self) {
+        self.members.clear();
+    }
+
+    /// Adds to `z` what the factors make of the residual.
+    pub(super) fn correct(&mut self, residual: &[f64], z: &mut [f64]) -> Result<(), LinearError> {
+        if self.members.is_empty() {
+            return Ok(());
+        }
+        self.correction.clear();
+        self.correction.extend(self.members.iter().map(|i| residual[*i as usize]));
+        match &mut self.factors {
+            BlockFactors::Lu(factors) => factors.substitute(&mut self.correction)?,
+            BlockFactors::Cholesky(factors) => factors.substitute(&mut self.correction),
+            BlockFactors::Incomplete(factors) => factors.substitute(&mut self.correction),
+        }
+        for (i, dz) in self.members.iter().zip(&self.correction) {
+            z[*i as usize] += dz;
+        }
+        Ok(())
+    }
+
+    /// Takes the last correction out of the residual.
+    pub(super) fn update(&self, matrix: &CsMatI<f64, u32>, residual: &mut [f64]) {
+        for (j, dz) in self.members.iter().zip(&self.correction) {
+            let Some(column) = matrix.outer_view(*j as usize) else { continue };
+            for (i, value) in column.iter() {
+                residual[i] -= value * dz;
+            }
+        }
+    }
+}
+
+/// Marked unknowns and all that these act on, ascending.
+pub(super) fn with_neighbours(matrix: &CsMatI<f64, u32>, is_marked: &[bool]) -> Vec<u32> {
+    let mut is_member = is_marked.to_vec();
+    for (column, is_marked) in matrix.outer_iterator().zip(is_marked) {
+        if *is_marked {
+            column.indices().iter().for_each(|i| is_member[*i as usize] = true);
+        }
+    }
+    (0..is_member.len() as u32).filter(|i| is_member[*i as usize]).collect()
+}
+
+/// The rows and columns of the members.
+fn restricted(matrix: &CsMatI<f64, u32>, members: &[u32]) -> CsMatI<f64, u32> {
+    let mut position = vec![NONE; matrix.rows()];
+    for (k, i) in members.iter().enumerate() {
+        position[*i as usize] = k as u32;
+    }
+    let (mut column_ptr, mut rows, mut values) = (vec![0], Vec::new(), Vec::new());
+    for j in members {
+        let Some(column) = matrix.outer_view(*j as usize) else { continue };
+        for (i, value) in column.iter().filter(|(i, _)| position[*i] != NONE) {
+            rows.push(position[i]);
+            values.push(*value);
+        }
+        column_ptr.push(rows.len() as u32);
+    }
+    CsMatI::new_csc((members.len(), members.len()), column_ptr, rows, values)
+}
+
+/// Nodes of the members, numbered without gaps in the order of their first member.
+fn renumbered(nodes: &[u32], members: &[u32]) -> Vec<u32> {
+    let mut names = BTreeMap::new();
+    let number = |i: &u32| {
+        let next = names.len() as u32;
+        *names.entry(nodes[*i as usize]).or_insert(next)
+    };
+    members.iter().map(number).collect()
+}

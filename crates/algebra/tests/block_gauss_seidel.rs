@@ -1,0 +1,224 @@
+//! Block Gauss-Seidel: cases where a block solver or the sweep is exact, and cases that must be refused.
+
+use algebra::{
+    BlockGaussSeidel, BlockGaussSeidelSettings, BlockLayout, BlockSolver, DirectSolver, Fill, LinearError,
+    LinearReport, LinearSolver, Unknowns,
+};
+use sprs::{CsMatI, TriMatI};
+
+type Matrix = CsMatI<f64, u32>;
+
+const ALL: Fill = Fill::Threshold { drop: 0.0, growth: 1e3 };
+
+fn matrix(n: usize, entries: impl IntoIterator<Item = (usize, usize, f64)>) -> Matrix {
+    let mut triplets = TriMatI::new((n, n));
+    entries.into_iter().for_each(|(i, j, value)| triplets.add_triplet(i, j, value));
+    triplets.to_csc()
+}
+
+/// A five-point stencil on an `m` by `m` grid, with convection, from unknown `first` on.
+fn stencil(m: usize, first: usize, convection: f64) -> Vec<(usize, usize, f64)> {
+    let mut entries = Vec::new();
+    for k in 0..m * m {
+        let row = first + k;
+        entries.push((row, row, 4.1 + convection));
+        if k % m > 0 {
+            entries.push((row, row - 1, -1.0 - convection));
+            entries.push((row - 1, row, -1.0));
+        }
+        if k >= m {
+            entries.push((row, row - m, -1.0));
+            entries.push((row - m, row, -1.0));
+        }
+    }
+    entries
+}
+
+fn settings(solvers: &[BlockSolver]) -> BlockGaussSeidelSettings {
+    BlockGaussSeidelSettings { solvers: solvers.to_vec(), max_iterations: 200, ..BlockGaussSeidelSettings::default() }
+}
+
+/// Solves with fields of the given sizes, and compares with the direct solver if it converges.
+fn solve(
+    matrix: &Matrix,
+    fields: &[usize],
+    nodes: &[u32],
+    settings: BlockGaussSeidelSettings,
+) -> Result<(LinearReport, BlockGaussSeidel), LinearError> {
+    let mut layout = BlockLayout::new();
+    for n in fields {
+        layout.push("field", *n);
+    }
+    let unknowns = Unknowns { layout: &layout, nodes, keys: &[] };
+    let rhs: Vec<f64> = (0..matrix.rows()).map(|k| 1.0 + (k as f64 * 0.37).sin()).collect();
+    let (mut x, mut exact) = (vec![0.0; rhs.len()], vec![0.0; rhs.len()]);
+    let mut solver = BlockGaussSeidel::new(settings);
+    solver.factorize(matrix.view(), unknowns)?;
+    let report = solver.solve(&rhs, &mut x, 1e-10)?;
+    let mut direct = DirectSolver::new();
+    direct.factorize(matrix.view(), unknowns)?;
+    direct.solve(&rhs, &mut exact, 0.0)?;
+    let size = exact.iter().fold(0.0_f64, |s, x| s.max(x.abs()));
+    let error = x.iter().zip(&exact).fold(0.0_f64, |d, (a, b)| d.max((a - b).abs())) / size;
+    assert!(error < 1e-7, "error {error:e} of {report:?}");
+    Ok((report, solver))
+}
+
+fn own_nodes(n: usize) -> Vec<u32> {
+    (0..n as u32).collect()
+}
+
+#[test]
+fn incomplete_factors_without_fill_are_exact() {
+    let n = 50;
+    let chain = (0..n).flat_map(|i| [(i, i, 3.0), (i, (i + 1) % n, if i + 1 < n { -1.5 } else { 0.0 })]);
+    let chain = chain.chain((1..n).map(|i| (i, i - 1, -0.7)));
+    let chain = matrix(n, chain.filter(|(_, _, value)| *value != 0.0));
+    let one = [BlockSolver::Incomplete(Fill::Pattern)];
+    assert_eq!(solve(&chain, &[n], &own_nodes(n), settings(&one)).unwrap().0.iterations, 1);
+    // A chain of nodes: couplings inside and between nodes of two and three unknowns.
+    let node = |i: usize| (2 * i / 5) as u32;
+    let nodes: Vec<u32> = (0..n).map(node).collect();
+    let entries = (0..n).flat_map(|i| (0..n).map(move |j| (i, j))).filter(|(i, j)| node(*i).abs_diff(node(*j)) <= 1);
+    let value = |i: usize, j: usize| if i == j { 6.0 } else { ((7 * i + 3 * j) as f64).sin() };
+    let coupled = matrix(n, entries.map(|(i, j)| (i, j, value(i, j))));
+    assert_eq!(solve(&coupled, &[n], &nodes, settings(&one)).unwrap().0.iterations, 1);
+}
+
+#[test]
+fn incomplete_factors_with_all_fill_are_exact_and_with_less_are_not() {
+    let m = 12;
+    let grid = matrix(m * m, stencil(m, 0, 0.5));
+    let iterations = |fill| {
+        let settings = settings(&[BlockSolver::Incomplete(fill)]);
+        solve(&grid, &[m * m], &own_nodes(m * m), settings).unwrap().0.iterations
+    };
+    assert_eq!(iterations(ALL), 1);
+    let [pattern, coarse, fine] =
+        [Fill::Pattern, Fill::Threshold { drop: 1e-2, growth: 2.0 }, Fill::Threshold { drop: 1e-4, growth: 4.0 }]
+            .map(iterations);
+    assert!(1 < fine && fine < coarse && coarse < pattern && pattern < 30, "{fine} {coarse} {pattern}");
+}
+
+#[test]
+fn a_node_is_a_saddle_point() {
+    // Two unknowns per node, the second with a zero on the diagonal: eliminated alone it has no pivot.
+    let n = 40;
+    let entries = (0..n / 2).flat_map(|k| {
+        let own = [(2 * k, 2 * k, 4.0), (2 * k, 2 * k + 1, 2.0), (2 * k + 1, 2 * k, 2.0)];
+        let next = (k + 1 < n / 2).then_some([(2 * k, 2 * k + 2, -1.0), (2 * k + 2, 2 * k, -1.0)]);
+        own.into_iter().chain(next.into_iter().flatten())
+    });
+    let saddle = matrix(n, entries);
+    let nodes: Vec<u32> = (0..n as u32).map(|k| k / 2).collect();
+    let one = [BlockSolver::Incomplete(Fill::Pattern)];
+    assert_eq!(solve(&saddle, &[n], &nodes, settings(&one)).unwrap().0.iterations, 1);
+    // Reverse Cuthill-McKee takes the second unknown, a leaf, before or after its only neighbour.
+    let scalar = solve(&saddle, &[n], &own_nodes(n), settings(&one));
+    assert!(matches!(scalar, Err(LinearError::Unstable { error }) if error.is_infinite()), "{:?}", scalar.err());
+}
+
+#[test]
+fn unstable_incomplete_factors_are_refused() {
+    // Convection that turns far stronger than diffusion, without upwinding: factors without fill grow exponentially.
+    let m = 40;
+    let mut entries = stencil(m, 0, 0.0);
+    for (i, j, value) in &mut entries {
+        let (lower, upper) = (*i.max(j), *i.min(j));
+        let strength = 30.0 * ((lower % m) as f64 - 20.0);
+        if lower - upper == m {
+            *value += if *i == lower { -strength } else { strength };
+        } else if lower > upper {
+            *value += if *i == lower { 700.0 } else { -700.0 };
+        }
+    }
+    let turning = matrix(m * m, entries);
+    let one = settings(&[BlockSolver::Incomplete(Fill::Pattern)]);
+    let outcome = solve(&turning, &[m * m], &own_nodes(m * m), one);
+    assert!(matches!(outcome, Err(LinearError::Unstable { error }) if error > 10.0), "{:?}", outcome.err());
+}
+
+/// Two grids; the second one acts on the first by `coupling`, and back by `back`.
+fn two_grids(m: usize, coupling: f64, back: f64) -> Matrix {
+    let mut entries = stencil(m, 0, 0.5);
+    entries.extend(stencil(m, m * m, 0.0));
+    entries.extend((0..m).flat_map(|k| [(m * m + k, k, coupling), (k, m * m + k, back)]));
+    matrix(2 * m * m, entries)
+}
+
+#[test]
+fn a_sweep_is_exact_for_block_triangular_matrices() {
+    let m = 8;
+    let n = m * m;
+    let without_patch = BlockGaussSeidelSettings { stiff: 1e3, ..settings(&[BlockSolver::Lu]) };
+    let nodes = own_nodes(2 * n);
+    let (report, solver) = solve(&two_grids(m, 0.8, 0.0), &[n, n], &nodes, without_patch.clone()).unwrap();
+    assert_eq!((report.iterations, solver.block_sizes(), solver.patch_size()), (1, vec![n, n], 0));
+    let (report, _) = solve(&two_grids(m, 0.8, 0.8), &[n, n], &nodes, without_patch.clone()).unwrap();
+    assert!(report.iterations > 3, "{report:?}");
+    // Fields that share a node are one block, here with exact factors.
+    let mut shared = nodes;
+    shared[n] = 0;
+    let (report, solver) = solve(&two_grids(m, 0.8, 0.8), &[n, n], &shared, without_patch).unwrap();
+    assert_eq!((report.iterations, solver.block_sizes()), (1, vec![2 * n]));
+}
+
+#[test]
+fn stiff_ties_between_blocks_need_the_patch() {
+    // The sides of two grids tied by a penalty.
+    let m = 24;
+    let n = m * m;
+    let mut entries = stencil(m, 0, 0.5);
+    entries.extend(stencil(m, n, 0.0));
+    for k in 0..m {
+        let penalty = 1e6;
+        let (a, b) = (k, n + k);
+        entries.extend([(a, a, penalty), (a, b, -penalty), (b, a, -penalty), (b, b, penalty)]);
+    }
+    let tied = matrix(2 * n, entries);
+    let iterations = |stiff| {
+        let settings = BlockGaussSeidelSettings { stiff, ..settings(&[BlockSolver::Lu]) };
+        solve(&tied, &[n, n], &own_nodes(2 * n), settings)
+            .map(|(report, solver)| (report.iterations, solver.patch_size()))
+    };
+    let (with, size) = iterations(0.1).unwrap();
+    assert!(with < 15 && size == 4 * m, "{with} iterations, {size} unknowns in the patch");
+    let (without, none) = iterations(1e3).unwrap();
+    assert!(without > 20 && none == 0, "{without} iterations without patch");
+}
+
+#[test]
+fn cholesky_is_lu_where_it_can_be_and_falls_back_where_it_cannot() {
+    let m = 10;
+    let symmetric = stencil(m, 0, 0.0);
+    let badly_scaled = symmetric.iter().map(|(i, j, v)| (*i, *j, v * 10_f64.powi((i % 7 + j % 7) as i32)));
+    let indefinite = symmetric.iter().map(|(i, j, v)| (*i, *j, if i == j { v - 3.0 } else { *v }));
+    let cases = [matrix(m * m, badly_scaled), matrix(m * m, indefinite), matrix(m * m, stencil(m, 0, 0.5))];
+    for case in &cases {
+        let (report, _) = solve(case, &[m * m], &own_nodes(m * m), settings(&[BlockSolver::Cholesky])).unwrap();
+        assert_eq!(report.iterations, 1);
+    }
+}
+
+#[test]
+fn stalls_are_errors_and_leave_the_solution_alone() {
+    let m = 20;
+    let grid = matrix(m * m, stencil(m, 0, 0.1));
+    let nodes = own_nodes(m * m);
+    let few = BlockGaussSeidelSettings { max_iterations: 3, ..settings(&[BlockSolver::Incomplete(Fill::Pattern)]) };
+    let mut layout = BlockLayout::new();
+    layout.push("field", m * m);
+    let unknowns = Unknowns { layout: &layout, nodes: &nodes, keys: &[] };
+    let mut solver = BlockGaussSeidel::new(few);
+    let mut x = vec![7.0; m * m];
+    assert_eq!(solver.solve(&vec![1.0; m * m], &mut x, 1e-8), Err(LinearError::NotFactorized));
+    solver.factorize(grid.view(), unknowns).unwrap();
+    let outcome = solver.solve(&vec![1.0; m * m], &mut x, 1e-12);
+    assert!(matches!(outcome, Err(LinearError::NotConverged { iterations: 3, .. })), "{outcome:?}");
+    assert!(x.iter().all(|x| *x == 7.0));
+    // A matrix that cannot be factorised leaves no solver behind.
+    let singular = matrix(2, [(0, 0, 1.0), (0, 1, 1.0), (1, 0, 1.0), (1, 1, 1.0)]);
+    let two = Unknowns { layout: &BlockLayout::new(), nodes: &[0, 0], keys: &[] };
+    assert!(solver.factorize(singular.view(), two).is_err());
+    assert_eq!(solver.solve(&[1.0, 1.0], &mut [0.0; 2], 1e-8), Err(LinearError::NotFactorized));
+}
