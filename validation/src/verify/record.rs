@@ -150,8 +150,8 @@ impl Record {
         for (size, error) in errors {
             self.show(format!("{quantity} at {unit} = {}", short(*size)), *error, None);
         }
-        let observed = errors.windows(2).map(|w| (w[0].1 / w[1].1).ln() / (w[0].0 / w[1].0).ln());
-        observed.last().unwrap_or(f64::NAN)
+        let mut observed = errors.windows(2).map(|w| (w[0].1 / w[1].1).ln() / (w[0].0 / w[1].0).ln());
+        observed.next_back().unwrap_or(f64::NAN)
     }
 }
 
