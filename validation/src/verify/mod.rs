@@ -6,6 +6,7 @@ mod files;
 mod flow;
 mod lubrication;
 mod orders;
+mod peer;
 mod record;
 mod robustness;
 mod shear_layer;
@@ -28,7 +29,7 @@ struct Check {
 }
 
 /// All checks, in the order of the page.
-const CHECKS: [Check; 6] = [
+const CHECKS: [Check; 7] = [
     Check {
         name: "exact",
         about: "Solutions that the discrete spaces contain, at random positions of the body.",
@@ -38,6 +39,11 @@ const CHECKS: [Check; 6] = [
         name: "orders",
         about: "Orders of convergence of flows that are known, around bodies at rest and in motion.",
         measure: orders::measure,
+    },
+    Check {
+        name: "peer",
+        about: "Errors of unfitted Stokes flow beside those of ngsxfem on the same mesh.",
+        measure: peer::measure,
     },
     Check {
         name: "lubrication",

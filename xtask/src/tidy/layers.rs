@@ -15,7 +15,7 @@ const LAYERS: [(&str, &[&str], &[&str]); 14] = [
     ("solver", NUMERICS, &[]),
     ("io", SIMULATION, &[]),
     ("cutwater", EVERYTHING, &[]),
-    ("validation", &["cutwater"], &[]),
+    ("validation", &["cutwater", "benchmarks"], &[]),
     ("benchmarks", SIMULATION, &[]),
     ("xtask", &[], &[]),
 ];
