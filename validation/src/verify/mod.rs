@@ -1,5 +1,6 @@
 //! What is known exactly or published elsewhere, one file a check.
 
+mod added_mass;
 mod document;
 mod exact;
 mod files;
@@ -29,7 +30,7 @@ struct Check {
 }
 
 /// All checks, in the order of the page.
-const CHECKS: [Check; 7] = [
+const CHECKS: [Check; 8] = [
     Check {
         name: "exact",
         about: "Solutions that the discrete spaces contain, at random positions of the body.",
@@ -59,6 +60,11 @@ const CHECKS: [Check; 7] = [
         name: "shear-layer",
         about: "A fluid layer over an elastic one, sheared by a plate: the coupled problem against its exact solution.",
         measure: shear_layer::measure,
+    },
+    Check {
+        name: "added-mass",
+        about: "The acceleration with which a ball begins to fall, against that of a rigid one in ideal fluid.",
+        measure: added_mass::measure,
     },
     Check {
         name: "symmetry",

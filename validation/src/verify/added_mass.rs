@@ -1,0 +1,96 @@
+//! The ball of the cases begins to fall: it has to take the fluid around it along.
+
+use std::path::Path;
+
+use cutwater::algebra::{LaggedSettings, LaggedSolver, Workspace};
+use cutwater::io::ScenarioFile;
+use cutwater::io::scenario::lower::lower;
+use cutwater::io::scenario::{Case, CaseVisitor};
+use cutwater::solver::{Observer, ObserverError, State, StepView, TimeLoop};
+
+use super::Failure;
+use super::record::{Figure, Record, short};
+use crate::case::scenario_path;
+
+/// Acceleration of a rigid ball in ideal fluid, `-g m/(m + M_a)` with the added mass of the case's box, cm/s².
+const RIGID: f64 = -594.5;
+/// Largest relative error of the extrapolated acceleration.
+const ACCURACY: f64 = 0.005;
+
+/// Measures the acceleration of a ball ten thousand times as stiff, and the mean of the elastic one over 10 ms.
+///
+/// # Errors
+/// A run fails.
+pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
+    let sizes: &[f64] = if record.full { &[0.4, 0.2, 0.1, 0.05] } else { &[0.8, 0.4, 0.2] };
+    let stiff = ["body.0.material.mu=2e10", "body.0.material.lambda=8e10", "time.step=1e-3", "time.end=1e-3"];
+    let elastic = ["time.step=1e-3", "time.end=0.01"];
+    let mut curves = Vec::new();
+    for (name, changes) in [("stiff ball, first 1 ms", &stiff[..]), ("elastic ball, mean of 10 ms", &elastic[..])] {
+        let mut curve = Vec::new();
+        for &h in sizes {
+            let acceleration = acceleration(h, changes)?;
+            record.show(format!("{name}: acceleration at h = {} cm [cm/s²]", short(h)), acceleration, Some(RIGID));
+            curve.push((h, acceleration));
+        }
+        let [.., (_, coarse), (_, fine)] = curve[..] else { return Err("two meshes at least".into()) };
+        // The mesh carries a layer of its own thickness along: the error is of first order.
+        let limit = 2.0 * fine - coarse;
+        if changes.len() == stiff.len() {
+            record.near_relative(format!("{name}: extrapolated to h = 0 [cm/s²]"), limit, RIGID, ACCURACY);
+        } else {
+            let approaches = curve.windows(2).all(|w| (w[1].1 - RIGID).abs() < (w[0].1 - RIGID).abs());
+            record.at_least(
+                format!("{name}: every refinement is nearer to that of a rigid ball"),
+                f64::from(approaches),
+                1.0,
+            );
+        }
+        curves.push((name.to_owned(), curve));
+    }
+    record.figures.push(Figure {
+        title: "Acceleration of the ball [cm/s²]".to_owned(),
+        x_title: "h [cm]".to_owned(),
+        curves,
+        is_log: false,
+    });
+    record.note("The virtual barrier with cells of one size and the consistent profile of the interior penalty; linear extrapolation from the last two meshes.");
+    Ok(())
+}
+
+fn acceleration(h: f64, changes: &[&str]) -> Result<f64, Failure> {
+    let mut set = vec![
+        format!("background.size={h}"),
+        format!("body.0.shape.size={h}"),
+        "fluid.cip={profile=\"consistent\",gamma_u=0.1}".to_owned(),
+    ];
+    set.extend(changes.iter().map(|change| (*change).to_owned()));
+    Ok(lower(&ScenarioFile::read(&scenario_path("virtual-barrier"), &set)?, Run)??)
+}
+
+/// Velocity of the centre of mass over time, after the last step.
+#[derive(Default)]
+struct Mean(f64);
+
+impl<const D: usize> Observer<D> for Mean {
+    fn after_step(&mut self, view: &StepView<'_, D>) -> Result<(), ObserverError> {
+        if let Some(balance) = view.report.and_then(|report| report.bodies[0].balance.as_ref()) {
+            self.0 = balance.momentum[D - 1] / balance.mass / view.state.time;
+        }
+        Ok(())
+    }
+}
+
+struct Run;
+
+impl CaseVisitor for Run {
+    type Output = Result<f64, cutwater::io::Error>;
+
+    fn visit<const D: usize>(self, case: Case<D>) -> Self::Output {
+        let mut mean = Mean::default();
+        let state = State::initial(&case.setup)?;
+        let work = Workspace::with_solver(Box::new(LaggedSolver::new(LaggedSettings::default())));
+        TimeLoop::new(&case.setup, state, work).run(case.n_steps, &mut [&mut mean])?;
+        Ok(mean.0)
+    }
+}
