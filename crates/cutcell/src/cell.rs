@@ -3,11 +3,10 @@
 use mesh::{CellId, FacetId};
 
 use crate::clip::{Points, Polygon, Polygons, Polytopes, Side};
-use crate::cut_mesh::for_each_face_simplex;
 use crate::exact::{End, Plane, Planes, crossing};
 use crate::overlay::Cutting;
+use crate::surface::FacetPoint;
 use crate::tree::{Tree, Wall};
-use crate::{InterfacePiece, PartId};
 
 /// What is known of a convex piece of a cell that no facet crosses.
 #[derive(Clone, Copy, Debug)]
@@ -48,7 +47,7 @@ pub(crate) struct WetPiece {
 pub(crate) enum FaceView {
     /// Covered.
     Dry,
-    /// Wet by one part, over that measure.
+    /// Wet by one part, over that measure; what the first cell of the face sees counts, for the other it is zero.
     Wet(u32, f64),
     /// Anything else: several parts, facets on the face, parts that are too thin to count.
     Mixed,
@@ -66,21 +65,31 @@ pub(crate) struct Kept<const D: usize> {
     /// Convex pieces of bodies, with their cells.
     pub(crate) covered: Polytopes<D>,
     pub(crate) covered_to_cell: Vec<CellId>,
-    /// Pieces of interface inside the cells; parts are numbered from zero in each cell.
-    pub(crate) interface: Vec<InterfacePiece<D>>,
+    /// Convex pieces of interface inside the cells, with their corners one after the other.
+    pub(crate) wet: Vec<KeptWet>,
+    pub(crate) wet_corners: Vec<FacetPoint<D>>,
 }
 
 /// What is kept of one touched cell.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct KeptCell {
     pub(crate) n_parts: u32,
-    pub(crate) n_interface: u32,
+    pub(crate) n_wet: u32,
     /// Whether no facet divides the cell.
     pub(crate) is_whole: bool,
     /// Number of parts that are too thin to count.
     pub(crate) n_left_out: u32,
     /// Measure of each face that is wet by one part only, with that part.
     pub(crate) faces: [FaceView; 4],
+}
+
+/// A convex piece of a facet with fluid in front of it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct KeptWet {
+    /// Numbered from zero in each cell.
+    pub(crate) part: u32,
+    pub(crate) facet: u32,
+    pub(crate) n_corners: u32,
 }
 
 impl<const D: usize> Kept<D> {
@@ -91,7 +100,8 @@ impl<const D: usize> Kept<D> {
         self.part_to_piece_end.clear();
         self.covered.clear();
         self.covered_to_cell.clear();
-        self.interface.clear();
+        self.wet.clear();
+        self.wet_corners.clear();
     }
 }
 
@@ -239,7 +249,11 @@ impl<const D: usize> CellCut<D> {
     /// Adds what is to be kept of the cell.
     pub(crate) fn keep(&self, planes: &Planes<'_, D>, cell: CellId, kept: &mut Kept<D>) {
         let ids = planes.background.cell_to_facet(cell);
-        let faces = std::array::from_fn(|local| ids.get(local).map_or(FaceView::Dry, |&id| self.view(local, id)));
+        let view = |local: usize, id: FacetId| {
+            let is_first = planes.background.facet_to_cell(id)[0] == Some(cell);
+            self.view(local, id, is_first)
+        };
+        let faces = std::array::from_fn(|local| ids.get(local).map_or(FaceView::Dry, |&id| view(local, id)));
         let leaves = self.tree.leaves();
         let is_whole = leaves.len() == 1;
         for (part, &volume) in self.volumes.iter().enumerate() {
@@ -254,30 +268,30 @@ impl<const D: usize> CellCut<D> {
                 kept.covered_to_cell.push(cell);
             }
         }
-        let n_before = kept.interface.len();
-        for wet in &self.wet {
-            let facet = &planes.facets[wet.facet as usize];
-            for_each_face_simplex(&self.polygons.points(wet.polygon), |corners| {
-                kept.interface.push(InterfacePiece::new(cell, PartId(wet.part), facet, corners));
-            });
+        for &WetPiece { part, facet, polygon } in &self.wet {
+            let sides = self.polygons.sides(polygon);
+            let of = &planes.facets[facet as usize];
+            kept.wet_corners.extend(sides.iter().map(|side| of.point(side.corner.x)));
+            kept.wet.push(KeptWet { part, facet, n_corners: sides.len() as u32 });
         }
         kept.cells.push(KeptCell {
             n_parts: self.volumes.len() as u32,
-            n_interface: (kept.interface.len() - n_before) as u32,
+            n_wet: self.wet.len() as u32,
             is_whole,
             n_left_out: self.n_left_out,
             faces,
         });
     }
 
-    fn view(&self, local: usize, id: FacetId) -> FaceView {
+    fn view(&self, local: usize, id: FacetId, is_first: bool) -> FaceView {
         if self.tree.is_aligned(local) || !self.thin.is_empty() {
             return FaceView::Mixed;
         }
         let mut view = FaceView::Dry;
         for (leaf, piece) in self.tree.leaves().iter().enumerate() {
             let Some(part) = self.fluid_part(leaf) else { continue };
-            if let Some(measure) = piece.measure_on(Plane::mesh(id)) {
+            if let Some(face) = piece.face_on(Plane::mesh(id)) {
+                let measure = if is_first { piece.face_measure(face) } else { 0.0 };
                 view = match view {
                     FaceView::Dry => FaceView::Wet(part, measure),
                     FaceView::Wet(same, sum) if same == part => FaceView::Wet(part, sum + measure),

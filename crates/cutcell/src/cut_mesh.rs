@@ -4,6 +4,7 @@ use mesh::{BodyId, CellId, FacetId, Point, QuadratureRule, SimplexMesh, SimplexR
 
 use crate::clip::{Piece, Polytopes};
 use crate::exact::Plane;
+use crate::surface::{Facet, FacetPoint};
 use crate::{CutReport, Polytope};
 
 /// What the bodies leave of a background cell.
@@ -266,37 +267,41 @@ fn simplex_overlap<const D: usize>(a: &[Point<D>], b: &[Point<D>]) -> f64 {
 }
 
 impl<const D: usize> InterfacePiece<D> {
-    /// A piece from its corners.
-    pub(crate) fn new(cell: CellId, part: PartId, facet: &crate::surface::Facet<D>, corners: [Point<D>; 3]) -> Self {
-        let barycentric = corners.map(|x| {
-            let l = facet.barycentric(&x);
-            [l[0], l[1], l[2]]
+    /// Adds the simplices of a fan over a convex piece of a facet; those without area are left out.
+    pub(crate) fn push_fan(
+        cell: CellId,
+        part: PartId,
+        facet: &Facet<D>,
+        corners: &[FacetPoint<D>],
+        out: &mut Vec<Self>,
+    ) {
+        for_each_fan_simplex::<D>(corners.len(), |at| {
+            let points = at.map(|k| k.map_or(Point::zeros(), |k| corners[k].x));
+            let measure = simplex_measure(&points[..D]);
+            if measure > 0.0 {
+                let barycentric = at.map(|k| k.map_or([0.0; 3], |k| corners[k].barycentric));
+                let (body, normal) = (facet.body, facet.normal);
+                out.push(Self { cell, part, body, facet: facet.id, points, barycentric, normal, measure });
+            }
         });
-        Self {
-            cell,
-            part,
-            body: facet.body,
-            facet: facet.id,
-            points: corners,
-            barycentric,
-            normal: facet.normal,
-            measure: simplex_measure(&corners[..D]),
-        }
     }
 }
 
 /// Calls `visit` with the corners of each simplex of a fan over a convex face; simplices without area are left out.
 pub(crate) fn for_each_face_simplex<const D: usize>(polygon: &[Point<D>], mut visit: impl FnMut([Point<D>; 3])) {
-    if polygon.len() < D {
-        return;
-    }
-    let mut corners = [Point::<D>::zeros(); 3];
-    corners[0] = polygon[0];
-    for k in 1..=polygon.len() + 1 - D {
-        corners[1..D].copy_from_slice(&polygon[k..k + D - 1]);
+    for_each_fan_simplex::<D>(polygon.len(), |at| {
+        let corners = at.map(|k| k.map_or(Point::zeros(), |k| polygon[k]));
         if simplex_measure(&corners[..D]) > 0.0 {
             visit(corners);
         }
+    });
+}
+
+/// Calls `visit` with the `D` corners (numbers) of each simplex of a fan over a convex face.
+#[inline]
+fn for_each_fan_simplex<const D: usize>(n_corners: usize, mut visit: impl FnMut([Option<usize>; 3])) {
+    for k in 1..(n_corners + 2).saturating_sub(D) {
+        visit([Some(0), Some(k), Some(k + 1)].map(|at| at.filter(|&at| at < k + D - 1)));
     }
 }
 

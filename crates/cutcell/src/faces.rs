@@ -33,7 +33,9 @@ impl<'a, const D: usize> Faces<'a, D> {
         aligned.dedup();
         cut.report.n_aligned_facets = aligned.len();
         // These pieces were found face by face.
-        cut.interface.sort_by_key(|piece| (piece.cell, piece.body, piece.facet));
+        if cut.report.n_aligned_pieces > 0 {
+            cut.interface.sort_by_key(|piece| (piece.cell, piece.body, piece.facet));
+        }
     }
 
     fn add_faces(&self, cut: &mut CutMesh<D>, sides: &mut [CellCut<D>; 2]) {
@@ -189,9 +191,8 @@ impl<'a, const D: usize> Faces<'a, D> {
             let mut left = Vec::new();
             for polygon in rest {
                 if face_overlap(&polygon, &by, &normal, tolerance, &mut overlap) > 0.0 {
-                    for_each_face_simplex(&overlap, |corners| {
-                        cut.interface.push(InterfacePiece::new(face.cells[side], part, facet, corners));
-                    });
+                    let corners: Vec<_> = overlap.iter().map(|&x| facet.point(x)).collect();
+                    InterfacePiece::push_fan(face.cells[side], part, facet, &corners, &mut cut.interface);
                     face_difference(&polygon, &by, &normal, tolerance, &mut left);
                 } else {
                     left.push(polygon);

@@ -82,7 +82,8 @@ impl<const D: usize> CutMesh<D> {
         let mut touched = cutting.touched.cells.iter();
         for kept in kept {
             let n_pieces = self.pieces.len() as u32;
-            let (mut part, mut wet) = (0, 0);
+            let mut part = 0;
+            let (mut wet, mut corners) = (kept.wet.iter(), &kept.wet_corners[..]);
             for (of, &cell) in kept.cells.iter().zip(&mut touched) {
                 self.add_untouched(cutting, next, cell);
                 next = CellId(cell.0 + 1);
@@ -102,10 +103,12 @@ impl<const D: usize> CutMesh<D> {
                     self.report.n_slivers += usize::from(fraction < SLIVER);
                     part += 1;
                 }
-                for piece in &kept.interface[wet..wet + of.n_interface as usize] {
-                    self.interface.push(InterfacePiece { part: PartId(first_part + piece.part.0), ..*piece });
+                for piece in wet.by_ref().take(of.n_wet as usize) {
+                    let (own, others) = corners.split_at(piece.n_corners as usize);
+                    let facet = &cutting.planes.facets[piece.facet as usize];
+                    InterfacePiece::push_fan(cell, PartId(first_part + piece.part), facet, own, &mut self.interface);
+                    corners = others;
                 }
-                wet += of.n_interface as usize;
                 self.close_cell(first_part, state);
             }
             self.pieces.append(&kept.pieces);

@@ -16,6 +16,13 @@ fn flushed<const D: usize>(x: &Point<D>) -> Point<D> {
     x.map(|c| if c.abs() < SMALLEST { 0.0 } else { c })
 }
 
+/// A point on a facet.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FacetPoint<const D: usize> {
+    pub(crate) x: Point<D>,
+    pub(crate) barycentric: [f64; 3],
+}
+
 /// One facet of one surface.
 #[derive(Clone, Debug)]
 pub(crate) struct Facet<const D: usize> {
@@ -61,8 +68,14 @@ impl<const D: usize> Facet<D> {
         rim_points(self.points(), &self.normal, local)
     }
 
+    /// A point on the facet with its place there.
+    pub(crate) fn point(&self, x: Point<D>) -> FacetPoint<D> {
+        let [a, b, c, _] = self.barycentric(&x);
+        FacetPoint { x, barycentric: [a, b, c] }
+    }
+
     /// Barycentric coordinates on the facet of a point on it.
-    pub(crate) fn barycentric(&self, x: &Point<D>) -> [f64; 4] {
+    fn barycentric(&self, x: &Point<D>) -> [f64; 4] {
         let origin = self.points[0];
         let r = x - origin;
         let mut coordinates = [0.0; 4];

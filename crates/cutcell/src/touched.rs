@@ -12,7 +12,6 @@ pub(crate) struct TouchedCells {
     offsets: Vec<u32>,
     facets: Vec<u32>,
     cell_to_touched: Vec<u32>,
-    pairs: Vec<(CellId, u32)>,
 }
 
 const UNTOUCHED: u32 = u32::MAX;
@@ -43,22 +42,30 @@ impl TouchedCells {
             pairs
         };
         let found: Vec<Vec<(CellId, u32)>> = facets.par_chunks(FACETS_PER_CHUNK).enumerate().map(pairs_of).collect();
-        self.pairs.clear();
-        found.iter().for_each(|pairs| self.pairs.extend_from_slice(pairs));
-        self.pairs.par_sort_unstable();
+        // Counted first, then every facet goes to the next place of its cell: facets of a cell stay in their order.
+        let pairs = || found.iter().flatten().map(|&(cell, facet)| (cell.index(), facet));
+        self.cell_to_touched.clear();
+        self.cell_to_touched.resize(background.n_cells(), 0);
+        pairs().for_each(|(cell, _)| self.cell_to_touched[cell] += 1);
         self.cells.clear();
         self.offsets.clear();
         self.offsets.push(0);
+        let mut n_facets = 0;
+        for (cell, slot) in self.cell_to_touched.iter_mut().enumerate() {
+            let count = std::mem::replace(slot, UNTOUCHED);
+            if count > 0 {
+                *slot = self.cells.len() as u32;
+                self.cells.push(CellId::new(cell));
+                self.offsets.push(n_facets);
+                n_facets += count;
+            }
+        }
         self.facets.clear();
-        self.facets.extend(self.pairs.iter().map(|pair| pair.1));
-        self.cell_to_touched.clear();
-        self.cell_to_touched.resize(background.n_cells(), UNTOUCHED);
-        let mut end = 0;
-        for group in self.pairs.chunk_by(|a, b| a.0 == b.0) {
-            self.cell_to_touched[group[0].0.index()] = self.cells.len() as u32;
-            self.cells.push(group[0].0);
-            end += group.len() as u32;
-            self.offsets.push(end);
+        self.facets.resize(n_facets as usize, 0);
+        for (cell, facet) in pairs() {
+            let next = &mut self.offsets[self.cell_to_touched[cell] as usize + 1];
+            self.facets[*next as usize] = facet;
+            *next += 1;
         }
     }
 

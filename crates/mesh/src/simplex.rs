@@ -87,10 +87,10 @@ pub(crate) fn diameter<const D: usize>(points: &[Point<D>]) -> f64 {
     let mut largest = 0.0_f64;
     for (i, a) in points.iter().enumerate() {
         for b in &points[i + 1..] {
-            largest = largest.max((a - b).norm());
+            largest = largest.max((a - b).norm_squared());
         }
     }
-    largest
+    largest.sqrt()
 }
 
 /// Measure of the simplex spanned by the points: length of a segment, area of a triangle, volume of a

@@ -65,7 +65,7 @@ impl<const D: usize> Piece<D> {
 
     /// The plane of a face and its loop.
     #[inline]
-    fn loop_of(&self, face: usize) -> (Plane, &[(u32, Plane)]) {
+    fn loop_of(&self, face: usize) -> Face<'_> {
         let start = if face == 0 { 0 } else { self.faces[face - 1].1 as usize };
         let (plane, end) = self.faces[face];
         (plane, &self.loops[start..end as usize])
@@ -107,19 +107,19 @@ impl<const D: usize> Piece<D> {
             planes.crossing([a, b].map(|k| (&self.corners[k], distances[k])), on, &half_space, &mut polygons.known)
         });
         let [behind, front] = parts;
-        self.half(&distances, 1.0, by, &crossings, behind);
-        self.half(&distances, -1.0, by, &crossings, front);
+        self.divide(&distances, by, &crossings, [&mut *behind, front]);
         Some(polygons.push(by, behind.face(behind.n_faces() - 1)))
     }
 
     /// The part behind a plane, from the signed distances of the corners, with rounding only.
     pub(crate) fn behind(&self, distances: &[f64]) -> Self {
+        let by = self.faces[0].0;
         let crossings = self.crossings(distances, |_, a, b, _| {
             let (x, y) = (self.corners[a].x, self.corners[b].x);
-            Corner::of_mesh(x + (y - x) * (distances[a] / (distances[a] - distances[b])), [self.faces[0].0; 3])
+            Corner::of_mesh(x + (y - x) * (distances[a] / (distances[a] - distances[b])), [by; 3])
         });
-        let mut behind = Self::default();
-        self.half(distances, 1.0, self.faces[0].0, &crossings, &mut behind);
+        let [mut behind, mut front] = [Self::default(), Self::default()];
+        self.divide(distances, by, &crossings, [&mut behind, &mut front]);
         behind
     }
 
@@ -144,72 +144,115 @@ impl<const D: usize> Piece<D> {
         crossings
     }
 
-    /// The part on one side (`sign` 1: behind) of a plane, its face on the plane the last one.
-    fn half(&self, distances: &[f64], sign: f64, by: Plane, crossings: &Crossings<D>, half: &mut Self) {
-        half.clear();
-        // Numbers in the half; those of corners beyond the plane are never used.
-        half.corners.reserve(self.corners.len() + crossings.len());
-        let mut number = |(corner, &distance): (&Corner<D>, &f64)| {
-            let number = half.corners.len() as u32;
-            if sign * distance <= 0.0 {
-                half.corners.push(*corner);
-            }
-            number
-        };
-        let numbers: SmallVec<[u32; 32]> = self.corners.iter().zip(distances).map(&mut number).collect();
-        let first_crossing = half.corners.len() as u32;
-        half.corners.extend(crossings.iter().map(|crossing| crossing.1));
-        half.loops.reserve(self.loops.len() + 3 * crossings.len());
-        let mut section = Section::new();
+    /// Makes the parts behind and in front of a plane, their faces on the plane the last ones.
+    fn divide(&self, distances: &[f64], by: Plane, crossings: &Crossings<D>, mut parts: [&mut Self; 2]) {
+        let corners = self.divide_corners(distances, crossings, &mut parts);
+        let corners = Divided { corners: &corners, crossings };
+        let mut sections = [Section::new(), Section::new()];
         for face in 0..self.n_faces() {
-            let (plane, corners) = self.loop_of(face);
-            let (mut is_within, mut is_beyond) = (true, true);
-            for &(k, _) in corners {
-                let outwards = sign * distances[k as usize];
-                is_within &= outwards < 0.0;
-                is_beyond &= outwards >= 0.0;
+            let face = self.loop_of(face);
+            let (lowest, highest) = corners.range(face.1);
+            if lowest < 0 && highest > 0 {
+                let [exit, entry] = corners.meetings(face.1);
+                parts[0].add_crossed(0, face, &corners, [&entry, &exit], by, &mut sections[0]);
+                parts[1].add_crossed(1, face, &corners, [&exit, &entry], by, &mut sections[1]);
+            } else if lowest < 0 {
+                parts[0].add_uncrossed(0, face, &corners, by, &mut sections[0]);
+            } else if highest > 0 {
+                parts[1].add_uncrossed(1, face, &corners, by, &mut sections[1]);
             }
-            if is_beyond {
+        }
+        for (part, section) in parts.into_iter().zip(sections) {
+            part.close(section, by);
+        }
+    }
+
+    /// Gives the parts behind and in front of a plane their corners, crossings last.
+    fn divide_corners(
+        &self,
+        distances: &[f64],
+        crossings: &[Crossing<D>],
+        parts: &mut [&mut Self; 2],
+    ) -> SmallVec<[DividedCorner; 32]> {
+        parts.iter_mut().for_each(|part| part.clear());
+        let divide = |(corner, &distance): (&Corner<D>, &f64)| {
+            let numbers = [0, 1].map(|side: usize| parts[side].corners.len() as u32);
+            if distance <= 0.0 {
+                parts[0].corners.push(*corner);
+            }
+            if distance >= 0.0 {
+                parts[1].corners.push(*corner);
+            }
+            DividedCorner { side: i8::from(distance > 0.0) - i8::from(distance < 0.0), numbers }
+        };
+        let mut divided: SmallVec<[DividedCorner; 32]> = self.corners.iter().zip(distances).map(divide).collect();
+        let numbers = [0, 1].map(|side: usize| parts[side].corners.len() as u32);
+        divided.extend((0..crossings.len() as u32).map(|k| DividedCorner { side: 0, numbers: numbers.map(|n| n + k) }));
+        for part in parts {
+            part.corners.extend(crossings.iter().map(|crossing| crossing.1));
+        }
+        divided
+    }
+
+    /// Adds what lies on one side (0 behind, 1 in front) of a face that the plane crosses, given where its loop comes to
+    /// this side and where it leaves it again.
+    fn add_crossed(
+        &mut self,
+        side: usize,
+        (plane, rim): Face<'_>,
+        corners: &Divided<'_, D>,
+        [from, to]: [&Meeting; 2],
+        by: Plane,
+        section: &mut Section,
+    ) {
+        let [first, last] = [from, to].map(|meeting| meeting.numbers[side]);
+        if D > 2 {
+            self.loops.push((first, from.beyond));
+            let mut k = from.after;
+            loop {
+                self.loops.push((corners.of(rim[k].0).numbers[side], rim[k].1));
+                if k == to.before {
+                    break;
+                }
+                k = following(rim, k);
+            }
+            self.loops.push((last, by));
+            section.push((first, last, plane));
+        } else if from.after == 1 {
+            // The edge comes from the other side.
+            self.loops.extend([(first, by), (corners.of(rim[1].0).numbers[side], by)]);
+            section.push((first, 0, plane));
+        } else {
+            self.loops.extend([(corners.of(rim[0].0).numbers[side], by), (last, by)]);
+            section.push((last, 1, plane));
+        }
+        self.close_face(plane);
+    }
+
+    /// Adds a face that lies on one side of the plane, perhaps with an edge (a point in 2D) on it.
+    fn add_uncrossed(
+        &mut self,
+        side: usize,
+        (plane, rim): Face<'_>,
+        corners: &Divided<'_, D>,
+        by: Plane,
+        section: &mut Section,
+    ) {
+        let start = self.loops.len();
+        self.loops.extend(rim.iter().map(|&(corner, beyond)| (corners.of(corner).numbers[side], beyond)));
+        self.close_face(plane);
+        for (k, &(corner, _)) in rim.iter().enumerate() {
+            let next = following(rim, k);
+            if corners.of(corner).side != 0 {
                 continue;
-            }
-            if is_within {
-                half.loops.extend(corners.iter().map(|&(k, side)| (numbers[k as usize], side)));
-                half.close_face(plane);
-                continue;
-            }
-            let (start, n) = (half.loops.len(), corners.len());
-            let n_sides = section.len();
-            let mut keep = |number: u32, side: Plane, leaves: bool| {
-                if leaves && D > 2 {
-                    section.push((half.loops.len() as u32, number, plane));
-                }
-                half.loops.push((number, if leaves { by } else { side }));
-            };
-            for k in 0..n {
-                let ((a, side), (b, _)) = (corners[k], corners[if k + 1 < n { k + 1 } else { 0 }]);
-                let (at, next) = (sign * distances[a as usize], sign * distances[b as usize]);
-                // A loop that leaves the half goes on along the plane.
-                if at <= 0.0 {
-                    keep(numbers[a as usize], side, at == 0.0 && next >= 0.0);
-                }
-                if (D > 2 || k + 1 < n) && differ(at, next) {
-                    let edge = [a.min(b), a.max(b)];
-                    let crossing = crossings.iter().position(|crossing| crossing.0 == edge).unwrap_or(0);
-                    keep(first_crossing + crossing as u32, side, at < 0.0);
-                }
             }
             if D == 2 {
-                // The half enters the plane where this edge ends, and leaves it where this edge begins.
-                let ends = (0..n).filter(|&k| sign * distances[corners[k].0 as usize] >= 0.0);
-                section.extend(ends.map(|k| (half.loops[start + k].0, k as u32, plane)));
-            } else {
-                // So far the sides of the section start at positions in the loop, not at corners.
-                let next = |k: u32| if k as usize + 1 < half.loops.len() { k as usize + 1 } else { start };
-                section[n_sides..].iter_mut().for_each(|side| side.0 = half.loops[next(side.0)].0);
+                section.push((self.loops[start + k].0, k as u32, plane));
+            } else if corners.of(rim[next].0).side == 0 {
+                self.loops[start + k].1 = by;
+                section.push((self.loops[start + next].0, self.loops[start + k].0, plane));
             }
-            half.close_face(plane);
         }
-        half.close(section, by);
     }
 
     /// Adds the face on a plane from its sides: in 3D edges (from, to, plane beyond), in 2D its two ends, the first one
@@ -243,13 +286,12 @@ impl<const D: usize> Piece<D> {
         (0..self.n_faces()).map(|face| self.face_measure(face)).sum()
     }
 
-    /// Measure of the face on a plane, if there is one.
-    pub(crate) fn measure_on(&self, plane: Plane) -> Option<f64> {
-        let face = self.faces.iter().position(|face| face.0 == plane)?;
-        Some(self.face_measure(face))
+    /// The face on a plane, if there is one.
+    pub(crate) fn face_on(&self, plane: Plane) -> Option<usize> {
+        self.faces.iter().position(|face| face.0 == plane)
     }
 
-    fn face_measure(&self, face: usize) -> f64 {
+    pub(crate) fn face_measure(&self, face: usize) -> f64 {
         let x = |(k, _): (u32, Plane)| self.corners[k as usize].x;
         let (_, corners) = self.loop_of(face);
         if D == 2 {
@@ -294,12 +336,78 @@ impl<const D: usize> Piece<D> {
     }
 }
 
+/// The plane of a face and its loop.
+type Face<'a> = (Plane, &'a [(u32, Plane)]);
 /// Signed distances of the corners from a plane, with exact signs.
 type Distances = SmallVec<[f64; 32]>;
-/// Crossed edges with the corners on them.
-type Crossings<const D: usize> = SmallVec<[([u32; 2], Corner<D>); 8]>;
+/// A crossed edge with the corner on it.
+type Crossing<const D: usize> = ([u32; 2], Corner<D>);
+type Crossings<const D: usize> = SmallVec<[Crossing<D>; 8]>;
 /// Sides of the face on a dividing plane while it is put together.
 type Section = SmallVec<[(u32, u32, Plane); 16]>;
+
+/// A corner of a piece that a plane divides.
+#[derive(Clone, Copy)]
+struct DividedCorner {
+    /// -1 behind the plane, 0 on it, 1 in front of it.
+    side: i8,
+    /// Numbers in the parts behind and in front; that beyond the plane is never used.
+    numbers: [u32; 2],
+}
+
+/// The corners of a piece that a plane divides, and after them those where its edges cross the plane.
+struct Divided<'a, const D: usize> {
+    corners: &'a [DividedCorner],
+    crossings: &'a [Crossing<D>],
+}
+
+/// Where the loop of a face meets a plane on its way to the other side.
+struct Meeting {
+    numbers: [u32; 2],
+    /// Plane beyond the edge that goes on from there.
+    beyond: Plane,
+    /// Positions in the loop of the last corner on this side, and of the first one on the other.
+    before: usize,
+    after: usize,
+}
+
+impl<const D: usize> Divided<'_, D> {
+    fn of(&self, corner: u32) -> &DividedCorner {
+        &self.corners[corner as usize]
+    }
+
+    /// The lowest and the highest side on which a loop has corners.
+    fn range(&self, rim: &[(u32, Plane)]) -> (i8, i8) {
+        rim.iter().fold((1, -1), |(lowest, highest), corner| {
+            let side = self.of(corner.0).side;
+            (side.min(lowest), side.max(highest))
+        })
+    }
+
+    /// Where a loop with corners on both sides leaves the side behind the plane, and that in front of it.
+    fn meetings(&self, rim: &[(u32, Plane)]) -> [Meeting; 2] {
+        let side = |k: usize| self.of(rim[k].0).side;
+        [-1, 1].map(|from| {
+            let leaves = |&k: &usize| side(k) == from && side(following(rim, k)) != from;
+            let before = (0..rim.len()).find(leaves).unwrap_or(0);
+            let next = following(rim, before);
+            let ((a, beyond), (b, beyond_next)) = (rim[before], rim[next]);
+            if side(next) == 0 {
+                let numbers = self.of(b).numbers;
+                return Meeting { numbers, beyond: beyond_next, before, after: following(rim, next) };
+            }
+            let edge = [a.min(b), a.max(b)];
+            let crossing = self.crossings.iter().position(|crossing| crossing.0 == edge).unwrap_or(0);
+            let numbers = self.corners[self.corners.len() - self.crossings.len() + crossing].numbers;
+            Meeting { numbers, beyond, before, after: next }
+        })
+    }
+}
+
+/// The position after another one in a loop.
+fn following(rim: &[(u32, Plane)], k: usize) -> usize {
+    if k + 1 < rim.len() { k + 1 } else { 0 }
+}
 
 #[cfg(test)]
 mod tests {

@@ -77,8 +77,8 @@ impl<const D: usize> HalfSpace<D> {
         }
         // The two shortest sides give the normal with the least cancellation.
         let sides = [points[1] - points[0], points[2] - points[1], points[0] - points[2]];
-        let lengths = sides.map(|s| s.norm());
-        let longest = (0..3).fold(0, |l, k| if lengths[k] > lengths[l] { k } else { l });
+        let squares = sides.map(|s| s.norm_squared());
+        let longest = (0..3).fold(0, |l, k| if squares[k] > squares[l] { k } else { l });
         let (i, j) = ((longest + 1) % 3, (longest + 2) % 3);
         let mut n = Vector::<D>::zeros();
         for k in 0..3 {
@@ -86,7 +86,7 @@ impl<const D: usize> HalfSpace<D> {
             n[k] = sides[i][p] * sides[j][q] - sides[i][q] * sides[j][p];
         }
         let length = n.norm();
-        let slack = f64::EPSILON * (8.0 * lengths[i] * lengths[j] / length + 8.0);
+        let slack = f64::EPSILON * (8.0 * (squares[i] * squares[j]).sqrt() / length + 8.0);
         if slack < 1e-11 {
             return Self { origin: points[j], normal: n / length, slack };
         }
@@ -312,7 +312,9 @@ impl<const D: usize> Planes<'_, D> {
         let x = a.x + along * (at_a / (at_a - at_b));
         let off = a.error.max(b.error);
         let doubt = off + half_space.distance(&a.x).1.max(half_space.distance(&b.x).1);
-        let error = off + self.resolution + along.norm() * doubt / (at_a - at_b).abs();
+        // No less than the length of the edge.
+        let length: f64 = along.iter().map(|c| c.abs()).sum();
+        let error = off + self.resolution + length * doubt / (at_a - at_b).abs();
         let good = |error: f64| error <= 1024.0 * self.resolution;
         if good(error) {
             return Corner { x, error, on, vertex: NONE };
