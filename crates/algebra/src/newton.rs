@@ -135,6 +135,30 @@ pub struct NewtonReport {
     pub timings: Vec<ContributionTiming>,
 }
 
+impl NewtonReport {
+    /// Adds the work of a solve that came to nothing: counts and times, not its histories.
+    pub fn add_work(&mut self, other: &Self) {
+        self.iterations += other.iterations;
+        self.factorizations += other.factorizations;
+        self.linear_iterations += other.linear_iterations;
+        self.seconds_assembly += other.seconds_assembly;
+        self.seconds_pattern += other.seconds_pattern;
+        self.assemblies += other.assemblies;
+        self.seconds_linear += other.seconds_linear;
+        self.seconds_factorization += other.seconds_factorization;
+        self.solves += other.solves;
+        for theirs in &other.timings {
+            match self.timings.iter_mut().find(|mine| mine.name == theirs.name) {
+                Some(mine) => {
+                    mine.calls += theirs.calls;
+                    mine.seconds += theirs.seconds;
+                }
+                None => self.timings.push(theirs.clone()),
+            }
+        }
+    }
+}
+
 /// Why a nonlinear solve stopped; every variant holds the report up to that point with the full histories.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NewtonError {
@@ -298,10 +322,12 @@ impl Solve<'_> {
             if renew {
                 self.factorize()?;
             }
+            let last = self.last;
             self.solve(x)?;
             let mut theta = self.contraction();
             if !renew && theta.is_some_and(|t| t >= 1.0) {
                 renew = true;
+                self.last = last;
                 self.assemble(x, true)?;
                 self.factorize()?;
                 self.solve(x)?;
@@ -313,7 +339,7 @@ impl Solve<'_> {
                 self.report.residual_history.push(ratio(self.row_norm(), self.size(x).max(correction)));
             }
             is_searching |= n_growths > 0;
-            let step = if is_searching && renew { self.search(x) } else { self.step(x, 1.0) };
+            let step = if is_searching && renew { self.search(x)? } else { self.step(x, 1.0) };
             self.report.iterations += 1;
             let correction = ratio(correction, self.size(x));
             self.report.correction_history.push(correction);
@@ -413,26 +439,29 @@ impl Solve<'_> {
         fraction
     }
 
-    /// Subtracts the correction from `x`, halved until the scaled residual decreases (Armijo's rule), at most as often as the
-    /// settings allow; returns the fraction.
+    /// Subtracts the correction from `x`, halved until the scaled residual decreases (Armijo's rule); returns the fraction. If
+    /// no halving that the settings allow makes it decrease, the iteration has diverged.
     ///
     /// A full step that begins or ends contact may well increase the residual before the next one brings it down; halving it
     /// would only cost iterations. Therefore the search waits for a correction that grows although its tangent is exact, and
     /// then serves all corrections with exact tangents.
-    fn search(&mut self, x: &mut [f64]) -> f64 {
+    fn search(&mut self, x: &mut [f64]) -> Result<f64, Stop> {
         const LEAST_DECREASE: f64 = 1e-4;
         let before = self.row_norm();
         let mut fraction = self.step(x, 1.0);
-        for _ in 0..self.settings.max_halvings {
-            let decreases =
-                self.assemble(x, false).is_ok() && self.row_norm() <= (1.0 - LEAST_DECREASE * fraction) * before;
-            if decreases || before == 0.0 {
-                break;
-            }
-            fraction *= 0.5;
-            self.step(x, -fraction);
+        if self.settings.max_halvings == 0 || before == 0.0 {
+            return Ok(fraction);
         }
-        fraction
+        for halvings in 0..=self.settings.max_halvings {
+            if self.assemble(x, false).is_ok() && self.row_norm() <= (1.0 - LEAST_DECREASE * fraction) * before {
+                return Ok(fraction);
+            }
+            if halvings < self.settings.max_halvings {
+                fraction *= 0.5;
+                self.step(x, -fraction);
+            }
+        }
+        Err(Stop::Diverged)
     }
 
     /// `‖R r‖` over the unconstrained dofs (constrained rows of the residual are zero).
@@ -457,4 +486,22 @@ impl Solve<'_> {
 /// A quotient of norms that is zero if the first one is.
 fn ratio(a: f64, b: f64) -> f64 {
     if a == 0.0 { 0.0 } else { a / b }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn forcing_falls_with_the_residual_but_not_too_fast_nor_too_far() {
+        let forcing = Forcing::Adaptive { first: 0.5, largest: 0.9 };
+        assert_eq!(forcing.next(None, 0.0), 0.5);
+        // The safeguard: after a rough solve the next one is not asked to be exact at once.
+        assert!((forcing.next(Some((0.5, 1e-3)), 0.0) - 0.9 * 0.5_f64.powf(Forcing::EXPONENT)).abs() < 1e-15);
+        // After a good one it does not hold back.
+        assert!((forcing.next(Some((0.2, 0.01)), 0.0) - 0.9 * 0.01_f64.powf(Forcing::EXPONENT)).abs() < 1e-15);
+        assert_eq!(forcing.next(Some((0.2, 1e-9)), 0.3), 0.15);
+        assert_eq!(forcing.next(Some((0.2, 1.5)), 0.0), 0.9);
+        assert_eq!(Forcing::Constant(0.3).next(Some((0.2, 1.5)), 0.0), 0.3);
+    }
 }

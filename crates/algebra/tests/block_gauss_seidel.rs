@@ -222,3 +222,42 @@ fn stalls_are_errors_and_leave_the_solution_alone() {
     assert!(solver.factorize(singular.view(), two).is_err());
     assert_eq!(solver.solve(&[1.0, 1.0], &mut [0.0; 2], 1e-8), Err(LinearError::NotFactorized));
 }
+
+#[test]
+fn patterns_need_not_be_symmetric() {
+    let chain = |upper: bool| {
+        let off = move |k: usize| if upper { (k, k + 1, 1.0) } else { (k + 1, k, 1.0) };
+        matrix(12, (0..12).map(|k| (k, k, 1.0)).chain((0..11).map(off)))
+    };
+    for upper in [false, true] {
+        for fill in [Fill::None, ALL] {
+            let solvers = settings(&[BlockSolver::Incomplete(fill)]);
+            let (report, _) = solve(&chain(upper), &[12], &own_nodes(12), solvers).unwrap_or_else(|e| panic!("{e}"));
+            // A triangular matrix has exact factors without fill.
+            assert!(report.iterations <= 2, "{report:?}");
+        }
+    }
+}
+
+#[test]
+fn a_singular_patch_is_left_out() {
+    // Regular as a whole; of the patch {0, 1, 2, 5} two unknowns see nothing but unknown 0.
+    let symmetric = [(0, 1, 0.5), (0, 2, 0.5), (1, 3, 1.0), (2, 4, 1.0), (0, 5, -1.0)];
+    let diagonal = [(0, 0, 2.0), (3, 3, 1.0), (4, 4, 1.0), (5, 5, 2.0)];
+    let both = symmetric.into_iter().flat_map(|(i, j, v)| [(i, j, v), (j, i, v)]);
+    let saddle = matrix(6, diagonal.into_iter().chain(both));
+    solve(&saddle, &[5, 1], &own_nodes(6), settings(&[BlockSolver::Lu])).unwrap_or_else(|e| panic!("{e}"));
+}
+
+#[test]
+fn numbers_whose_squares_overflow_are_an_error() {
+    let one = matrix(2, [(0, 0, 1.0), (1, 1, 1.0)]);
+    let nodes = own_nodes(2);
+    let mut layout = BlockLayout::new();
+    layout.push("field", 2);
+    let mut solver = BlockGaussSeidel::new(settings(&[BlockSolver::Lu]));
+    solver.factorize(one.view(), Unknowns { layout: &layout, nodes: &nodes, keys: &[] }).unwrap_or_else(|e| panic!("{e}"));
+    let mut x = [7.0; 2];
+    let outcome = solver.solve(&[1e200, 1e200], &mut x, 1e-10);
+    assert!(matches!(outcome, Err(LinearError::NotConverged { .. })) && x == [7.0; 2], "{outcome:?} {x:?}");
+}

@@ -191,6 +191,18 @@ fn divergence_is_reported_with_its_history_and_the_start_is_restored() {
 }
 
 #[test]
+fn a_search_that_finds_no_decrease_ends_the_iteration() {
+    // From 20 the first full step overshoots to -600, where even 1/256 of the next one is too long.
+    let arctan = Scalar::new(|x: f64| (x.atan(), 1.0 / (1.0 + x * x)));
+    let mut x = [20.0];
+    let error = newton(&arctan, &mut x, &mut Workspace::new(), &exact(1e-10)).unwrap_err();
+    assert!(matches!(&error, NewtonError::Diverged { report } if report.iterations == 1), "{error:?}");
+    let settings = NewtonSettings { max_halvings: 12, ..exact(1e-10) };
+    newton(&arctan, &mut x, &mut Workspace::new(), &settings).unwrap();
+    assert!(x[0].abs() < 1e-10);
+}
+
+#[test]
 fn other_failures_are_named() {
     let no_root = Scalar::new(|x: f64| (x * x + 1.0, 2.0 * x));
     let settings = NewtonSettings { max_iterations: 3, ..exact(1e-10) };

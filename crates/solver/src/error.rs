@@ -1,6 +1,6 @@
 //! Which page of the step stopped.
 
-use algebra::NewtonError;
+use algebra::{LinearError, NewtonError, NewtonReport};
 
 /// A setup whose parts do not fit together.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -64,6 +64,8 @@ pub enum Stage {
         motion: f64,
         /// Motion for which obstacles were looked for.
         room: f64,
+        /// The solve that came to nothing.
+        newton: Box<NewtonReport>,
     },
     /// An observer failed.
     #[error("writing results")]
@@ -71,9 +73,27 @@ pub enum Stage {
 }
 
 impl Stage {
-    /// Whether a smaller step may succeed.
+    /// Whether a smaller step may succeed: not if the matrix is too large for the memory, or has no inverse because of its
+    /// pattern.
     pub fn asks_for_a_smaller_step(&self) -> bool {
-        matches!(self, Self::Newton(_) | Self::MissedContact { .. })
+        let Self::Newton(newton) = self else { return matches!(self, Self::MissedContact { .. }) };
+        let NewtonError::Linear { source, .. } = newton else { return true };
+        !matches!(
+            source,
+            LinearError::OutOfMemory { .. }
+                | LinearError::EmptyRow { .. }
+                | LinearError::EmptyColumn { .. }
+                | LinearError::StructurallySingular { .. }
+        )
+    }
+
+    /// What the nonlinear solver did before the failure.
+    pub fn newton_report(&self) -> Option<&NewtonReport> {
+        match self {
+            Self::Newton(newton) => Some(newton.report()),
+            Self::MissedContact { newton, .. } => Some(newton),
+            _ => None,
+        }
     }
 }
 

@@ -134,6 +134,13 @@ impl<const D: usize> StepReport<D> {
         }
     }
 
+    /// Adds the work of nonlinear solves that came to nothing.
+    pub(crate) fn add_work(&mut self, lost: &NewtonReport) {
+        self.newton.add_work(lost);
+        self.seconds.assembly += lost.seconds_assembly;
+        self.seconds.linear += lost.seconds_linear;
+    }
+
     /// Sum of all energies: kinetic of fluid and solids, elastic, of gravity, stored in contacts.
     pub fn total_energy(&self) -> f64 {
         let solids: f64 = self

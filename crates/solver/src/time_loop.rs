@@ -1,6 +1,6 @@
 //! Step after step.
 
-use algebra::Workspace;
+use algebra::{NewtonReport, Workspace};
 
 use crate::{Observer, Setup, Stage, State, StepError, StepView, Substep, advance_by};
 
@@ -9,12 +9,14 @@ pub struct TimeLoop<'a, const D: usize> {
     setup: &'a Setup<D>,
     state: State<D>,
     work: Workspace,
+    /// What failed attempts have cost since the last part that succeeded.
+    lost: NewtonReport,
 }
 
 impl<'a, const D: usize> TimeLoop<'a, D> {
     /// A run that starts from a state.
     pub fn new(setup: &'a Setup<D>, state: State<D>, work: Workspace) -> Self {
-        Self { setup, state, work }
+        Self { setup, state, work, lost: NewtonReport::default() }
     }
 
     /// The state so far.
@@ -36,10 +38,11 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
     ///
     /// A step in which Newton's method fails or contact may have been missed is taken again in two halves, from the same state;
     /// halves are divided further, down to [`Setup::most_halvings`] halvings. The next half, and the next step, are tried whole.
-    /// Observers see the parts as well ([`crate::StepReport::substep`]).
+    /// Observers see the parts as well ([`crate::StepReport::substep`]); a part that succeeds also counts the work of the
+    /// nonlinear solves that failed before it.
     ///
     /// # Errors
-    /// The first step or observer that fails; the state is the last good one.
+    /// The first step or observer that fails; the state is the last good one, at the end of a part if the step was divided.
     pub fn run(&mut self, n_steps: usize, observers: &mut [&mut dyn Observer<D>]) -> Result<(), StepError> {
         let (step, time) = (self.state.step, self.state.time);
         let start = StepView { setup: self.setup, previous: &self.state, state: &self.state, report: None };
@@ -60,7 +63,8 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         observers: &mut [&mut dyn Observer<D>],
     ) -> Result<(), StepError> {
         match advance_by(self.setup, &self.state, substep, &mut self.work) {
-            Ok((state, report)) => {
+            Ok((state, mut report)) => {
+                report.add_work(&std::mem::take(&mut self.lost));
                 let view = StepView { setup: self.setup, previous: &self.state, state: &state, report: Some(&report) };
                 for observer in observers.iter_mut() {
                     observer
@@ -71,6 +75,9 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
                 Ok(())
             }
             Err(failure) if most_halvings > 0 && failure.source.asks_for_a_smaller_step() => {
+                if let Some(newton) = failure.source.newton_report() {
+                    self.lost.add_work(newton);
+                }
                 let dt = 0.5 * substep.dt;
                 self.step(Substep { dt, is_last: false }, most_halvings - 1, observers)?;
                 self.step(Substep { dt, ..substep }, most_halvings - 1, observers)

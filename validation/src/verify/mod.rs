@@ -107,9 +107,9 @@ pub(crate) fn run(request: &Request<'_>) -> Outcome {
         records.push(record);
         // After every check, so that a long run that is stopped leaves what it has.
         write_json(&records, request.out)?;
-    }
-    if request.document {
-        document::update(&records, &known)?;
+        if request.document {
+            document::update(&records, &known)?;
+        }
     }
     let files = if is_asked(FILES) { files::check(request.full, &request.out.join(FILES))? } else { true };
     Ok(files && records.iter().all(Record::holds))

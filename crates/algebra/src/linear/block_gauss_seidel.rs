@@ -94,7 +94,12 @@ impl BlockGaussSeidel {
             subdomain.factorize(matrix, block.members, block.n_primal, unknowns.nodes, scales, solver)?;
         }
         let n_stiff = stiff.len();
-        self.patch.factorize(matrix, stiff, n_stiff, unknowns.nodes, scales, BlockSolver::Lu)
+        let patched = self.patch.factorize(matrix, stiff, n_stiff, unknowns.nodes, scales, BlockSolver::Lu);
+        // A part of a saddle point may be singular where the whole is not: then the blocks have to do.
+        if patched.is_err() {
+            self.patch.clear();
+        }
+        Ok(())
     }
 }
 

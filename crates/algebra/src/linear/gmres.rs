@@ -66,6 +66,9 @@ impl Gmres {
             x.fill(0.0);
             return Ok(report);
         }
+        if !size.is_finite() {
+            return Err(LinearError::NotConverged { iterations: 0, residual: f64::INFINITY });
+        }
         let bound = settings.tolerance * size;
         let mut residual = vec![0.0; rhs.len()];
         loop {

@@ -159,7 +159,7 @@ impl IncompleteFactors {
         fill: Fill,
     ) -> Result<(), LinearError> {
         let column_ptr = matrix.indptr();
-        let graph = NodeGraph::new(column_ptr.raw_storage(), matrix.indices(), nodes);
+        let graph = NodeGraph::new(column_ptr.raw_storage(), matrix.indices(), nodes).both_ways();
         let order = graph.reverse_cuthill_mckee();
         self.unknowns.clear();
         self.first.clear();

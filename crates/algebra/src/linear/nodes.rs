@@ -51,6 +51,26 @@ impl NodeGraph {
         graph
     }
 
+    /// The graph with every coupling in both directions: that of `A + Aᵀ`.
+    pub(super) fn both_ways(mut self) -> Self {
+        let mut neighbours = vec![Vec::new(); self.len()];
+        for node in 0..self.len() as u32 {
+            for &other in self.neighbours(node) {
+                neighbours[node as usize].push(other);
+                neighbours[other as usize].push(node);
+            }
+        }
+        self.rows.clear();
+        self.column_ptr.truncate(1);
+        for list in &mut neighbours {
+            list.sort_unstable();
+            list.dedup();
+            self.rows.extend_from_slice(list);
+            self.column_ptr.push(self.rows.len() as u32);
+        }
+        self
+    }
+
     /// Number of nodes.
     pub(super) fn len(&self) -> usize {
         self.first.len().saturating_sub(1)
@@ -65,7 +85,7 @@ impl NodeGraph {
         &self.rows[self.column_ptr[node as usize] as usize..self.column_ptr[node as usize + 1] as usize]
     }
 
-    /// Nodes in reverse Cuthill-McKee order: coupled ones come close to each other.
+    /// Nodes in reverse Cuthill-McKee order: coupled ones come close to each other. The graph goes both ways.
     ///
     /// Source: George and Liu 1981, Computer solution of large sparse positive definite systems, chapter 4.
     pub(super) fn reverse_cuthill_mckee(&self) -> Vec<u32> {

@@ -74,7 +74,7 @@ impl Frames {
     /// Adds the state after a step if it is one of about 150 of the run.
     pub(super) fn watch<const D: usize>(&mut self, view: &StepView<'_, D>, n_steps: usize, distance: Option<f64>) {
         let every = n_steps.div_ceil(FRAMES).max(1);
-        if !view.state.step.is_multiple_of(every) && view.state.step != n_steps {
+        if !view.ends_step() || !view.state.step.is_multiple_of(every) && view.state.step != n_steps {
             return;
         }
         let touches = view.report.is_some_and(|r| r.contacts.iter().any(contact::ContactReport::is_active));
