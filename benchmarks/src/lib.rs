@@ -10,7 +10,9 @@ use fluid_ns::terms::CipProfile;
 use mesh::generate::{BallOptions, Size, graded_box, half_ball, structured_box};
 use mesh::{BodyId, BoundaryMesh, Point, SimplexMesh, Vector, VertexId};
 use solid_svk::boundary::{tagged_facets, vertices_of};
-use solid_svk::{LameParameters, Material, SaintVenantKirchhoff, SolidCells, SolidForm, SolidMesh, StepRule, TimeScheme};
+use solid_svk::{
+    LameParameters, Material, SaintVenantKirchhoff, SolidCells, SolidForm, SolidMesh, StepRule, TimeScheme,
+};
 use solver::{
     Body, BodyKind, BodySupport, Contact, ContactObstacle, ElasticBody, FluidBoundary, FluidSetup, FsiProblem, Setup,
     State, StepForms, StepGeometry, StepSystem, SupportKind,

@@ -61,9 +61,8 @@ pub(crate) fn constrain<const D: usize>(
                     Support::Displacement(&displacement)
                 }
             };
-            let values =
-                support_values(&elastic.solid, &support.vertices, kind, &unknown.rule, layout, unknown.field)
-                    .map_err(|source| SetupError::Solid { body: body.name.clone(), source })?;
+            let values = support_values(&elastic.solid, &support.vertices, kind, &unknown.rule, layout, unknown.field)
+                .map_err(|source| SetupError::Solid { body: body.name.clone(), source })?;
             values.into_iter().for_each(|(dof, value)| constraints.set(dof, value));
         }
     }

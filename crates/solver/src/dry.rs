@@ -2,7 +2,9 @@
 //!
 //! The same bodies, supports, loads, contacts and time schemes as in the coupled problem, without background, cut and space.
 
-use algebra::{BlockLayout, Constraints, Contributions, NewtonReport, NewtonSettings, NonlinearProblem, Workspace, newton};
+use algebra::{
+    BlockLayout, Constraints, Contributions, NewtonReport, NewtonSettings, NonlinearProblem, Workspace, newton,
+};
 use contact::ContactReport;
 use solid_svk::energy::BodyBalance;
 

@@ -69,8 +69,14 @@ impl<'a, const D: usize> FsiProblem<'a, D> {
         previous: &State<D>,
     ) -> Result<Self, SetupError> {
         let fields = system.fields();
-        let bodies =
-            BodyForms::new(&setup.bodies, &setup.contacts, &system.bodies, &system.layout, &previous.bodies, system.dt)?;
+        let bodies = BodyForms::new(
+            &setup.bodies,
+            &setup.contacts,
+            &system.bodies,
+            &system.layout,
+            &previous.bodies,
+            system.dt,
+        )?;
         let fluid_geometry = &forms.fluid_geometry;
         Ok(Self {
             system,

@@ -9,8 +9,7 @@ use mesh::Vector;
 use crate::bodies;
 use crate::problem::StepForms;
 use crate::{
-    FluidState, FsiProblem, Setup, Stage, StageSeconds, State, StepError, StepGeometry, StepReport,
-    StepSystem,
+    FluidState, FsiProblem, Setup, Stage, StageSeconds, State, StepError, StepGeometry, StepReport, StepSystem,
 };
 
 /// A step of the setup, or a part of one.

@@ -7,9 +7,7 @@ use mesh::generate::{BallOptions, Size, ball, graded_box, half_ball, mirrored, s
 use mesh::{FacetId, Point, SimplexMesh, Vector};
 use solid_svk::boundary::{facets_without_tags, tagged_facets, vertices_of};
 use solid_svk::terms::Traction;
-use solid_svk::{
-    FacetTerm, GeneralisedAlpha, LameParameters, SaintVenantKirchhoff, SolidForm, SolidMesh, TimeScheme,
-};
+use solid_svk::{FacetTerm, GeneralisedAlpha, LameParameters, SaintVenantKirchhoff, SolidForm, SolidMesh, TimeScheme};
 use solver::{Body, BodyKind, BodySupport, Contact, ContactObstacle, ElasticBody, PointField, SupportKind};
 
 use super::lower::{body_id, side_axis, unknown_name, vector};
