@@ -205,6 +205,7 @@ pub fn falling_box<const D: usize>(n: usize) -> Setup<D> {
     let mut gravity = Vector::<D>::zeros();
     gravity[1] = -1e3;
     let elastic = ElasticBody {
+        scheme: TimeScheme::ImplicitEuler,
         solid: SolidMesh::new(body).expect("a mesh with positive cells"),
         form: SolidForm::new(1.0, SaintVenantKirchhoff::new(LameParameters { mu: 2e6, lambda: 8e6 }), gravity)
             .expect("a positive density"),

@@ -54,8 +54,8 @@ pub struct Kinematics<const D: usize> {
 /// One step of a time scheme, with the velocity `v` at its end as the unknown.
 ///
 /// The balance of momentum holds at a **stage** of the step, `(ρ a_stage, w) + (P(F(d_stage)), ∇w) = ..`: at its end for implicit
-/// Euler, between its ends for generalised-α. Terms see the stage and nothing else of the scheme; another scheme is another
-/// constructor.
+/// Euler, between its ends for generalised-α. Terms see the stage and nothing else of the scheme; what touches
+/// the body, contact and fluid, sees the end. Another scheme is another constructor.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StepRule<const D: usize> {
     end: Kinematics<D>,
@@ -167,7 +167,7 @@ impl<const D: usize> StepRule<D> {
         &self.end
     }
 
-    /// Displacement and acceleration at which momentum is balanced: those that forces follow from.
+    /// Displacement and acceleration at which momentum is balanced: those of inertia, internal work and loads.
     #[inline]
     pub fn stage(&self) -> &Kinematics<D> {
         self.stage.as_ref().unwrap_or(&self.end)

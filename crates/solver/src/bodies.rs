@@ -17,7 +17,7 @@ pub struct BodyUnknown<const D: usize> {
     pub field: FieldId,
     /// Displacement and acceleration.
     pub rule: StepRule<D>,
-    /// Positions of the vertices at the stage of the step, at zero velocity.
+    /// Positions of the vertices at the end of the step, at zero velocity.
     pub predicted: Vec<Point<D>>,
 }
 
@@ -35,7 +35,7 @@ pub(crate) fn unknowns<const D: usize>(
             .scheme
             .step(dt, &state.displacement, &state.velocity, state.acceleration.as_deref())
             .map_err(refuse)?;
-        let predicted = elastic.solid.positions(rule.stage().displacement.predicted()).map_err(refuse)?;
+        let predicted = elastic.solid.positions(rule.end().displacement.predicted()).map_err(refuse)?;
         Ok(Some(BodyUnknown { field: layout.push(&body.name, elastic.solid.n_dofs()), rule, predicted }))
     };
     bodies.iter().zip(previous).map(unknown).collect()
@@ -159,23 +159,16 @@ fn contact_facets<'a, const D: usize>(
         let Some(BodyUnknown { field, rule, predicted }) = &unknowns[id.index()] else {
             return Err(SetupError::NotElastic { index, body: id });
         };
-        let slope = rule.stage().displacement.slope();
+        let slope = rule.end().displacement.slope();
         ContactBody::new(bodies[id.index()].boundary(), predicted, slope, layout, *field).map_err(refuse)
     };
-    let scheme = |id: BodyId| bodies[id.index()].elastic().map(|elastic| elastic.scheme);
     let fastest = |id: BodyId| previous[id.index()].velocity.iter().map(Vector::norm).fold(0.0, f64::max) * dt;
     let (master, motion) = match &contact.obstacle {
         ContactObstacle::Rigid(_) => (None, fastest(contact.body)),
         ContactObstacle::Body { body: master, .. } => (Some(body(*master)?), fastest(contact.body) + fastest(*master)),
     };
-    let slave = body(contact.body)?;
-    if let ContactObstacle::Body { body: master, .. } = &contact.obstacle
-        && scheme(contact.body) != scheme(*master)
-    {
-        return Err(SetupError::MixedSchemes { index });
-    }
     let pair = ContactPair {
-        slave,
+        slave: body(contact.body)?,
         facets: &contact.facets,
         obstacle: contact.obstacle.geometry(),
         master,

@@ -40,7 +40,7 @@ pub struct DryState<const D: usize> {
 pub struct DryReport<const D: usize> {
     /// Newton's method.
     pub newton: NewtonReport,
-    /// The contacts, at the stage of the step at which forces act.
+    /// The contacts.
     pub contacts: Vec<ContactReport<D>>,
 }
 

@@ -29,13 +29,6 @@ pub enum SetupError {
         /// Number of the body.
         body: mesh::BodyId,
     },
-    /// A contact between bodies with different time schemes: they balance forces at different times of the step, and the gap
-    /// between them would be that of no time. Give both the same scheme.
-    #[error("contact {index} is between bodies with different time schemes")]
-    MixedSchemes {
-        /// Number of the contact.
-        index: usize,
-    },
 }
 
 /// The stage of a step that failed.

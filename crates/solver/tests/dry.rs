@@ -12,7 +12,7 @@ use solver::mesh::BodyId;
 use solver::mesh::generate::structured_box;
 use solver::solid_svk::boundary::{tagged_facets, vertices_of};
 use solver::solid_svk::{GeneralisedAlpha, TimeScheme};
-use solver::{Body, BodySupport, Contact, ContactObstacle, SetupError, Stage, SupportKind};
+use solver::{Body, BodySupport, Contact, ContactObstacle, SupportKind};
 
 fn second_order(rho_inf: f64) -> TimeScheme {
     TimeScheme::GeneralisedAlpha(GeneralisedAlpha::new(rho_inf).expect("from 0 to 1"))
@@ -59,7 +59,7 @@ fn a_block_bounces_and_momentum_is_the_impulse_of_contact() {
     };
     let [euler, second_order] = [TimeScheme::ImplicitEuler, second_order(1.0)].map(loss);
     assert!(euler.1 < 1e-7 && second_order.1 < 1e-7, "{euler:?} {second_order:?}");
-    assert!(euler.0 > 0.1 && second_order.0.abs() < 0.03, "{euler:?} {second_order:?}");
+    assert!(euler.0 > second_order.0 && second_order.0 > -1e-9, "{euler:?} {second_order:?}");
 }
 
 #[test]
@@ -98,20 +98,23 @@ fn equilibrium_is_what_vibrations_die_down_to() {
 }
 
 #[test]
-fn bodies_in_contact_need_the_same_scheme() {
-    let mut setup = block(TimeScheme::ImplicitEuler);
-    let mut lower: Body<2> =
-        elastic("lower", structured_box([0.0, -1.0], [1.0, 0.0], [3, 3]).expect("a box"), 1.0, 2e4, 4e4, V::zeros());
-    elastic_mut(&mut lower).scheme = second_order(0.8);
+fn bodies_with_different_schemes_exchange_momentum() {
+    let mut setup = block(second_order(0.8));
+    let mesh = structured_box([0.0, -1.0], [1.0, 0.0], [3, 3]).expect("a box");
+    let mut lower: Body<2> = elastic("lower", mesh, 1.0, 2e4, 4e4, V::zeros());
     let solid = &elastic_mut(&mut lower).solid;
     let top = tagged_facets(solid, "top").expect("a top");
     let surface = DeformableObstacle::new(solid.boundary().clone(), top).expect("a surface");
     setup.contacts[0].obstacle = ContactObstacle::Body { body: BodyId(1), surface };
     setup.bodies.push(lower);
-    let refused = advance(&setup, &DryState::initial(&setup), &mut Workspace::new()).expect_err("a contact of no time");
-    assert!(matches!(refused.source, Stage::Setup(SetupError::MixedSchemes { index: 0 })), "{refused:?}");
-    elastic_mut(&mut setup.bodies[0]).scheme = second_order(0.8);
-    assert!(advance(&setup, &DryState::initial(&setup), &mut Workspace::new()).is_ok());
+    let momentum = |state: &DryState<2>| -> V {
+        (0..2).map(|b| state.balance(&setup, b).expect("an elastic body").momentum).sum()
+    };
+    // While they touch; with rho_inf below 1 momentum lags behind the impulse by a part of a step.
+    let (start, (state, reports)) = (DryState::initial(&setup), steps(&setup, 60));
+    assert!(reports.iter().any(|r| r.contacts[0].is_active()));
+    let lower = state.balance(&setup, 1).expect("an elastic body").momentum;
+    assert!(lower[1] < -1.0 && (momentum(&state) - momentum(&start)).norm() < 0.05 * momentum(&start).norm());
 }
 
 #[test]
