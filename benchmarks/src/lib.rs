@@ -10,7 +10,9 @@ use fluid_ns::terms::CipProfile;
 use mesh::generate::{BallOptions, Size, graded_box, half_ball, structured_box};
 use mesh::{BodyId, BoundaryMesh, Point, SimplexMesh, Vector, VertexId};
 use solid_svk::boundary::{tagged_facets, vertices_of};
-use solid_svk::{LameParameters, Material, SaintVenantKirchhoff, SolidCells, SolidForm, SolidMesh, StepRule};
+use solid_svk::{
+    LameParameters, Material, SaintVenantKirchhoff, SolidCells, SolidForm, SolidMesh, StepRule, TimeScheme,
+};
 use solver::{
     Body, BodyKind, BodySupport, Contact, ContactObstacle, ElasticBody, FluidBoundary, FluidSetup, FsiProblem, Setup,
     State, StepForms, StepGeometry, StepSystem, SupportKind,
@@ -148,6 +150,7 @@ fn ball_in_fluid(resolution: Resolution, gap: f64) -> Setup<2> {
     let material = SaintVenantKirchhoff::new(LameParameters { mu: 2e6, lambda: 8e6 });
     let elastic = ElasticBody {
         form: SolidForm::new(1.0, material, Vector::<2>::new(0.0, -1e3)).expect("a positive density"),
+        scheme: TimeScheme::ImplicitEuler,
         solid,
         supports: vec![support],
         loads: Vec::new(),
@@ -202,6 +205,7 @@ pub fn falling_box<const D: usize>(n: usize) -> Setup<D> {
     let mut gravity = Vector::<D>::zeros();
     gravity[1] = -1e3;
     let elastic = ElasticBody {
+        scheme: TimeScheme::ImplicitEuler,
         solid: SolidMesh::new(body).expect("a mesh with positive cells"),
         form: SolidForm::new(1.0, SaintVenantKirchhoff::new(LameParameters { mu: 2e6, lambda: 8e6 }), gravity)
             .expect("a positive density"),

@@ -7,7 +7,7 @@ use algebra::LocalSystem;
 use crate::kinematics::gradient;
 use crate::{SolidMesh, StepRule};
 
-/// A cell in the reference configuration with the local state at the end of the step.
+/// A cell in the reference configuration with the local state at the stage of the step.
 ///
 /// Arrays have one entry per vertex of the cell; entries beyond are zero.
 #[derive(Clone, Copy, Debug)]
@@ -32,18 +32,19 @@ impl<'a, const D: usize> SolidCell<'a, D> {
     pub fn new(mesh: &'a SolidMesh<D>, step: &StepRule<D>, cell: CellId, velocity: &[f64]) -> Self {
         let mut displacement = [Vector::zeros(); MAX_CELL_VERTICES];
         let mut acceleration = [Vector::zeros(); MAX_CELL_VERTICES];
+        let stage = step.stage();
         for (k, vertex) in mesh.mesh().cell(cell).iter().enumerate() {
             let v = Vector::from_column_slice(&velocity[D * vertex.index()..][..D]);
-            displacement[k] = step.displacement(vertex.index(), &v);
-            acceleration[k] = step.acceleration(vertex.index(), &v);
+            displacement[k] = stage.displacement.at(vertex.index(), &v);
+            acceleration[k] = stage.acceleration.at(vertex.index(), &v);
         }
         Self {
             volume: mesh.volume(cell),
             gradients: mesh.gradients(cell),
             displacement,
             acceleration,
-            displacement_per_velocity: step.displacement_per_velocity(),
-            acceleration_per_velocity: step.acceleration_per_velocity(),
+            displacement_per_velocity: stage.displacement.slope(),
+            acceleration_per_velocity: stage.acceleration.slope(),
         }
     }
 

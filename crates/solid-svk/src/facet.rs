@@ -6,7 +6,7 @@ use mesh::{FacetId, MAX_CELL_VERTICES, Point, Vector, simplex_measure};
 use crate::error::length;
 use crate::{Error, SolidMesh, StepRule};
 
-/// A boundary facet with its vertices at the end of the step.
+/// A boundary facet with its vertices at the stage of the step.
 #[derive(Clone, Copy, Debug)]
 pub struct SolidFacet<const D: usize> {
     /// Measure (length, area) in the reference configuration.
@@ -94,12 +94,12 @@ impl<const D: usize> Contributions for SolidFacets<'_, D> {
         for (k, vertex) in self.mesh.boundary().facet(self.facets[item]).iter().enumerate() {
             let v = Vector::from_column_slice(&x[self.first_dof + D * vertex.index()..][..D]);
             reference[k] = self.mesh.mesh().vertex(*vertex);
-            points[k] = reference[k] + self.step.displacement(vertex.index(), &v);
+            points[k] = reference[k] + self.step.stage().displacement.at(vertex.index(), &v);
         }
         let facet = SolidFacet {
             reference_measure: simplex_measure(&reference[..D]),
             points,
-            displacement_per_velocity: self.step.displacement_per_velocity(),
+            displacement_per_velocity: self.step.stage().displacement.slope(),
         };
         self.term.add(&facet, out);
     }

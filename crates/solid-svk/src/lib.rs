@@ -1,7 +1,7 @@
 //! Elastodynamics in the reference configuration, Saint Venant-Kirchhoff first.
 //!
 //! The unknown of a body is the **velocity** `v` of its vertices at the end of the step; displacement and
-//! acceleration follow from it by a [`StepRule`]: `d = d_pred + c_d v`, `a = c_a v - a_pred`.
+//! acceleration follow from it by a [`StepRule`], which a [`TimeScheme`] gives: `d = d_pred + c_d v`, `a = c_a v - a_pred`.
 //!
 //! Weak form on the reference domain, for all test functions `w` (residual = left minus right side):
 //!
@@ -46,6 +46,7 @@ mod facet;
 mod form;
 mod solid_mesh;
 mod step_rule;
+mod time_scheme;
 
 pub use cell::{SolidCell, SolidTerm};
 pub use error::Error;
@@ -53,7 +54,8 @@ pub use facet::{FacetTerm, SolidFacet, SolidFacets};
 pub use form::{InternalWorkCells, LinearCells, SolidCells, SolidForm};
 pub use material::{LameParameters, LinearElastic, Material, SaintVenantKirchhoff};
 pub use solid_mesh::SolidMesh;
-pub use step_rule::StepRule;
+pub use step_rule::{AffineInVelocity, Kinematics, StepRule};
+pub use time_scheme::{GeneralisedAlpha, TimeScheme};
 
 pub use algebra;
 pub use mesh;

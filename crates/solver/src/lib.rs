@@ -9,6 +9,9 @@
 //!
 //! This crate composes; of integrals it evaluates only those of its reports.
 
+pub mod dry;
+
+mod bodies;
 mod error;
 mod geometry;
 mod observe;
@@ -21,6 +24,7 @@ mod step;
 mod system;
 mod time_loop;
 
+pub use bodies::{BodyForms, BodyUnknown};
 pub use error::{SetupError, Stage, StepError};
 pub use geometry::StepGeometry;
 pub use observe::{Observer, ObserverError, StepView};

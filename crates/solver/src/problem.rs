@@ -1,15 +1,14 @@
 //! The coupled problem of one step, by composition.
 
 use algebra::{BlockLayout, Constraints, Contributions, FieldId, NonlinearProblem};
-use contact::{ContactBody, ContactFacets, ContactPair};
 use fluid_ns::terms::{Backflow, Traction};
 use fluid_ns::{FluidCells, FluidConvection, FluidFaces, FluidForm, FluidGeometry, OpenBoundary};
 use interface_dg::{BodySide, InterfacePieces};
-use mesh::{BodyId, Tag, Vector};
-use solid_svk::{InternalWorkCells, LinearCells, SolidCells, SolidFacets};
+use mesh::Tag;
 use xfem_space::{BoundaryValues, XfemSpace};
 
-use crate::setup::{BodyKind, Contact, ContactObstacle, FluidBoundary};
+use crate::bodies::{self, BodyForms};
+use crate::setup::{BodyKind, FluidBoundary};
 use crate::system::fluid_geometry;
 use crate::{Setup, SetupError, State, StepGeometry, StepSystem};
 
@@ -30,7 +29,9 @@ impl<'a, const D: usize> StepForms<'a, D> {
             (BodyKind::Prescribed(given), _) => {
                 BodySide::Prescribed { velocity: given.velocity.as_ref(), time: system.time }
             }
-            (BodyKind::Elastic(_), Some((field, _))) => BodySide::Elastic { field: *field, boundary: body.boundary() },
+            (BodyKind::Elastic(_), Some(unknown)) => {
+                BodySide::Elastic { field: unknown.field, boundary: body.boundary() }
+            }
             (BodyKind::Elastic(_), None) => unreachable!("elastic bodies have a field"),
         });
         Self {
@@ -49,12 +50,10 @@ pub struct FsiProblem<'a, const D: usize> {
     convection: FluidConvection<'a, D>,
     fluid_faces: FluidFaces<'a, D>,
     open_boundaries: Vec<OpenBoundary<'a, D>>,
-    solids: Vec<(LinearCells<'a, D>, InternalWorkCells<'a, D>)>,
-    loads: Vec<SolidFacets<'a, D>>,
+    /// Bodies and contacts.
+    pub bodies: BodyForms<'a, D>,
     /// The interface.
     pub interface: InterfacePieces<'a, D>,
-    /// The contacts, in the order of the setup.
-    pub contacts: Vec<ContactFacets<'a, D>>,
 }
 
 impl<'a, const D: usize> FsiProblem<'a, D> {
@@ -70,26 +69,14 @@ impl<'a, const D: usize> FsiProblem<'a, D> {
         previous: &State<D>,
     ) -> Result<Self, SetupError> {
         let fields = system.fields();
-        let mut solids = Vec::new();
-        let mut loads = Vec::new();
-        for (body, unknown) in setup.bodies.iter().zip(&system.bodies) {
-            let (BodyKind::Elastic(elastic), Some((field, rule))) = (&body.kind, unknown) else { continue };
-            let refuse = |source| SetupError::Solid { body: body.name.clone(), source };
-            let cells = SolidCells::new(&elastic.solid, &elastic.form, rule, &system.layout, *field).map_err(refuse)?;
-            solids.push((cells.linear(), cells.internal_work()));
-            for (facets, term) in &elastic.loads {
-                loads.push(
-                    SolidFacets::new(&elastic.solid, term.as_ref(), facets, rule, &system.layout, *field)
-                        .map_err(refuse)?,
-                );
-            }
-        }
-        let contacts = setup
-            .contacts
-            .iter()
-            .enumerate()
-            .map(|(index, contact)| contact_facets(setup, geometry, system, previous, index, contact))
-            .collect::<Result<_, _>>()?;
+        let bodies = BodyForms::new(
+            &setup.bodies,
+            &setup.contacts,
+            &system.bodies,
+            &system.layout,
+            &previous.bodies,
+            system.dt,
+        )?;
         let fluid_geometry = &forms.fluid_geometry;
         Ok(Self {
             system,
@@ -98,8 +85,7 @@ impl<'a, const D: usize> FsiProblem<'a, D> {
             convection: FluidConvection { geometry: fluid_geometry, fields, form: &forms.fluid },
             fluid_faces: FluidFaces::new(fluid_geometry, fields, &forms.fluid),
             open_boundaries: open_boundaries(setup, geometry, system, fluid_geometry),
-            solids,
-            loads,
+            bodies,
             interface: InterfacePieces {
                 geometry: fluid_geometry,
                 fields,
@@ -107,7 +93,6 @@ impl<'a, const D: usize> FsiProblem<'a, D> {
                 bodies: &forms.sides,
                 form: &system.mortar,
             },
-            contacts,
         })
     }
 
@@ -123,12 +108,7 @@ impl<'a, const D: usize> FsiProblem<'a, D> {
         for (slot, source) in pressure.iter_mut().zip(&geometry.history.sources) {
             *slot = source.map_or(0.0, |dof| previous.fluid.pressure[dof as usize]);
         }
-        for (unknown, state) in self.system.bodies.iter().zip(&previous.bodies) {
-            let Some((field, _)) = unknown else { continue };
-            for (slot, v) in x[layout.range(*field)].chunks_exact_mut(D).zip(&state.velocity) {
-                slot.copy_from_slice(v.as_slice());
-            }
-        }
+        bodies::set_velocities(&self.system.bodies, &previous.bodies, layout, &mut x);
         x
     }
 }
@@ -159,40 +139,6 @@ fn open_boundaries<'a, const D: usize>(
         .collect()
 }
 
-fn contact_facets<'a, const D: usize>(
-    setup: &'a Setup<D>,
-    geometry: &'a StepGeometry<D>,
-    system: &'a StepSystem<D>,
-    previous: &State<D>,
-    index: usize,
-    contact: &'a Contact<D>,
-) -> Result<ContactFacets<'a, D>, SetupError> {
-    let refuse = |source| SetupError::Contact { index, source };
-    let body = |id: BodyId| -> Result<ContactBody<'a, D>, SetupError> {
-        let Some((field, rule)) = &system.bodies[id.index()] else {
-            return Err(SetupError::NotElastic { index, body: id });
-        };
-        let boundary = setup.bodies[id.index()].boundary();
-        let positions = &geometry.positions[id.index()];
-        ContactBody::new(boundary, positions, rule.displacement_per_velocity(), &system.layout, *field).map_err(refuse)
-    };
-    let fastest =
-        |id: BodyId| previous.bodies[id.index()].velocity.iter().map(Vector::norm).fold(0.0, f64::max) * system.dt;
-    let (master, motion) = match &contact.obstacle {
-        ContactObstacle::Rigid(_) => (None, fastest(contact.body)),
-        ContactObstacle::Body { body: master, .. } => (Some(body(*master)?), fastest(contact.body) + fastest(*master)),
-    };
-    let pair = ContactPair {
-        slave: body(contact.body)?,
-        facets: &contact.facets,
-        obstacle: contact.obstacle.geometry(),
-        master,
-        // Twice the motion of the last step, and some room to penetrate.
-        reach: contact.form.law.offset() + 2.0 * motion + 2.0 * contact.form.element_size(),
-    };
-    ContactFacets::new(&contact.form, pair).map_err(refuse)
-}
-
 impl<const D: usize> NonlinearProblem for FsiProblem<'_, D> {
     fn layout(&self) -> &BlockLayout {
         &self.system.layout
@@ -201,13 +147,9 @@ impl<const D: usize> NonlinearProblem for FsiProblem<'_, D> {
     fn contributions(&self) -> Vec<&dyn Contributions> {
         let mut all: Vec<&dyn Contributions> = vec![&self.fluid_cells, &self.convection, &self.fluid_faces];
         all.extend(self.open_boundaries.iter().map(|c| c as &dyn Contributions));
-        for (linear, internal_work) in &self.solids {
-            all.push(linear);
-            all.push(internal_work);
-        }
-        all.extend(self.loads.iter().map(|c| c as &dyn Contributions));
+        all.extend(self.bodies.solids());
         all.push(&self.interface);
-        all.extend(self.contacts.iter().map(|c| c as &dyn Contributions));
+        all.extend(self.bodies.contacts());
         all
     }
 
@@ -235,13 +177,14 @@ impl<const D: usize> NonlinearProblem for FsiProblem<'_, D> {
         let mut keys = Vec::with_capacity(layout.len());
         keys.extend(scalar.iter().flat_map(|key| (0..D).map(move |a| tag(self.system.velocity, a) | key)));
         keys.extend(scalar.iter().map(|key| tag(self.system.pressure, 0) | key));
-        for (field, _) in self.system.bodies.iter().flatten() {
-            keys.extend((0..layout.range(*field).len()).map(|k| tag(*field, 0) | k as u64));
+        for unknown in self.system.bodies.iter().flatten() {
+            let field = unknown.field;
+            keys.extend((0..layout.range(field).len()).map(|k| tag(field, 0) | k as u64));
         }
         keys
     }
 
     fn regime(&self, x: &[f64]) -> u64 {
-        self.contacts.iter().fold(0, |hash, contact| hash.rotate_left(1) ^ contact.regime(x))
+        self.bodies.regime(x)
     }
 }

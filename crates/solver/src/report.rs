@@ -113,7 +113,7 @@ impl<const D: usize> StepReport<D> {
         state: &State<D>,
         seconds: StageSeconds,
     ) -> Self {
-        let contacts: Vec<_> = problem.contacts.iter().map(|contact| ContactReport::new(contact, x)).collect();
+        let contacts: Vec<_> = problem.bodies.contacts.iter().map(|contact| ContactReport::new(contact, x)).collect();
         let tractions = interface_tractions(&problem.interface, x);
         let mut bodies: Vec<_> =
             (0..setup.bodies.len()).map(|b| body_report(setup, b, substep.dt, previous, state)).collect();

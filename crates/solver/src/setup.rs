@@ -8,7 +8,7 @@ use cutcell::OverlayOptions;
 use fluid_ns::NewtonianFluid;
 use fluid_ns::terms::CipProfile;
 use mesh::{BodyId, BoundaryMesh, FacetId, Point, SimplexMesh, Tag, Vector, VertexId};
-use solid_svk::{FacetTerm, SolidForm, SolidMesh};
+use solid_svk::{FacetTerm, SolidForm, SolidMesh, TimeScheme};
 
 /// A vector at a point.
 pub type PointField<const D: usize> = Arc<dyn Fn(&Point<D>) -> Vector<D> + Send + Sync>;
@@ -101,6 +101,8 @@ pub struct ElasticBody<const D: usize> {
     pub solid: SolidMesh<D>,
     /// Material, inertia, body force.
     pub form: SolidForm<D>,
+    /// How it is advanced in time; the fluid is always advanced by implicit Euler.
+    pub scheme: TimeScheme,
     /// What holds it.
     pub supports: Vec<BodySupport<D>>,
     /// Loads on facets of its boundary.

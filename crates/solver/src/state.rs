@@ -35,13 +35,15 @@ pub struct FluidState<const D: usize> {
     pub pressure: Vec<f64>,
 }
 
-/// Displacement and velocity of the vertices of a body.
+/// Displacement, velocity and acceleration of the vertices of a body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BodyState<const D: usize> {
     /// Displacement from the reference positions.
     pub displacement: Vec<Vector<D>>,
     /// Velocity.
     pub velocity: Vec<Vector<D>>,
+    /// Acceleration; `None` at the start, where it follows from the first step, and where the motion is prescribed.
+    pub acceleration: Option<Vec<Vector<D>>>,
 }
 
 impl<const D: usize> BodyState<D> {
@@ -54,9 +56,7 @@ impl<const D: usize> BodyState<D> {
 impl<const D: usize> State<D> {
     /// Time after one more step. Multiples of the step are hit as such: sums of a decimal number drift.
     pub fn next_time(&self, dt: f64) -> f64 {
-        let time = self.time + dt;
-        let steps = (time / dt).round();
-        if (time - steps * dt).abs() <= 1e-9 * time { steps * dt } else { time }
+        next_time(self.time, dt)
     }
 
     /// The state at time zero.
@@ -80,14 +80,26 @@ impl<const D: usize> State<D> {
     }
 }
 
-fn initial_body<const D: usize>(kind: &BodyKind<D>) -> BodyState<D> {
+/// Time one step after a time; multiples of the step are hit as such.
+pub(crate) fn next_time(time: f64, dt: f64) -> f64 {
+    let time = time + dt;
+    let steps = (time / dt).round();
+    if (time - steps * dt).abs() <= 1e-9 * time { steps * dt } else { time }
+}
+
+/// A body at time zero.
+pub(crate) fn initial_body<const D: usize>(kind: &BodyKind<D>) -> BodyState<D> {
     match kind {
         BodyKind::Elastic(body) => {
             let vertices = body.solid.mesh().vertices();
             let evaluate = |field: &Option<crate::PointField<D>>| {
                 vertices.iter().map(|x| field.as_ref().map_or(Vector::zeros(), |f| f(x))).collect()
             };
-            BodyState { displacement: evaluate(&body.initial_displacement), velocity: evaluate(&body.initial_velocity) }
+            BodyState {
+                displacement: evaluate(&body.initial_displacement),
+                velocity: evaluate(&body.initial_velocity),
+                acceleration: None,
+            }
         }
         BodyKind::Prescribed(body) => prescribed_body(body, 0.0),
     }
@@ -99,6 +111,7 @@ pub(crate) fn prescribed_body<const D: usize>(body: &crate::PrescribedBody<D>, t
     BodyState {
         velocity: at.iter().map(|x| (body.velocity)(x, time)).collect(),
         displacement: at.iter().zip(&body.reference).map(|(x, reference)| x - reference).collect(),
+        acceleration: None,
     }
 }
 

@@ -3,16 +3,13 @@
 use std::time::Instant;
 
 use algebra::{Workspace, newton};
-use contact::ContactBody;
 use cutcell::CutMesh;
 use mesh::Vector;
 
+use crate::bodies;
 use crate::problem::StepForms;
-use crate::setup::BodyKind;
-use crate::state::prescribed_body;
 use crate::{
-    BodyState, FluidState, FsiProblem, Setup, Stage, StageSeconds, State, StepError, StepGeometry, StepReport,
-    StepSystem,
+    FluidState, FsiProblem, Setup, Stage, StageSeconds, State, StepError, StepGeometry, StepReport, StepSystem,
 };
 
 /// A step of the setup, or a part of one.
@@ -24,7 +21,7 @@ pub struct Substep {
     pub is_last: bool,
 }
 
-/// Advances the coupled problem by one step of implicit Euler on the geometry of the previous state.
+/// Advances the coupled problem by one step on the geometry of the previous state.
 ///
 /// See [`advance_by`].
 ///
@@ -38,7 +35,7 @@ pub fn advance<const D: usize>(
     advance_by(setup, previous, Substep { dt: setup.dt, is_last: true }, work)
 }
 
-/// Advances the coupled problem by a step, or a part of one, of implicit Euler on the geometry of the previous state.
+/// Advances the coupled problem by a step, or a part of one, on the geometry of the previous state.
 ///
 /// A function of setup and state: the workspace recycles memory and changes no bits.
 ///
@@ -72,7 +69,7 @@ pub fn advance_by<const D: usize>(
     let mut x = problem.initial_guess(&geometry, previous);
     let solve = newton(&problem, &mut x, work, &setup.newton).map_err(|e| failed(e.into()))?;
 
-    check_contacts(&problem, &system, &x).map_err(failed)?;
+    problem.bodies.check_contacts(&x).map_err(failed)?;
 
     let state = accept(setup, substep, &geometry, &system, previous, &x);
     let report = StepReport::new(setup, substep, &geometry, &system, &problem, solve, &x, previous, &state, seconds);
@@ -86,26 +83,6 @@ fn check_interface<const D: usize>(cut: &CutMesh<D>) -> Result<(), Stage> {
     let uncovered = cut.report().uncovered_measure;
     let interface: f64 = cut.interface().iter().map(|piece| piece.measure).sum();
     if uncovered > LARGEST_SHARE * interface { Err(Stage::Interface { uncovered, interface }) } else { Ok(()) }
-}
-
-/// Refuses a step in which points of a contact moved farther than it was looked for obstacles: contact may have been missed.
-fn check_contacts<const D: usize>(problem: &FsiProblem<'_, D>, system: &StepSystem<D>, x: &[f64]) -> Result<(), Stage> {
-    let motion = |body: &ContactBody<'_, D>| {
-        let speed =
-            x[body.range()].chunks_exact(D).map(|v| Vector::<D>::from_column_slice(v).norm()).fold(0.0, f64::max);
-        speed * system.dt
-    };
-    for (contact, facets) in problem.contacts.iter().enumerate() {
-        let pair = facets.pair();
-        // A rigid obstacle is seen from everywhere.
-        let Some(master) = &pair.master else { continue };
-        let motion = motion(&pair.slave) + motion(master);
-        let room = pair.reach - facets.form().law.offset();
-        if motion > room {
-            return Err(Stage::MissedContact { contact, motion, room });
-        }
-    }
-    Ok(())
 }
 
 /// The new state from the solution of a step.
@@ -122,19 +99,10 @@ fn accept<const D: usize>(
     };
     let mut pressure = x[system.layout.range(system.pressure)].to_vec();
     system.pockets.iter().for_each(|pocket| pocket.remove_mean(geometry, &mut pressure));
-    let bodies = setup.bodies.iter().zip(&system.bodies).map(|(body, unknown)| match (&body.kind, unknown) {
-        (BodyKind::Prescribed(given), _) => prescribed_body(given, system.time),
-        (BodyKind::Elastic(_), None) => unreachable!("elastic bodies have a field"),
-        (BodyKind::Elastic(_), Some((field, rule))) => {
-            let velocity = vectors(system.layout.range(*field));
-            let displacement = velocity.iter().enumerate().map(|(i, v)| rule.displacement(i, v)).collect();
-            BodyState { displacement, velocity }
-        }
-    });
     State {
         step: previous.step + usize::from(substep.is_last),
         time: system.time,
-        bodies: bodies.collect(),
+        bodies: bodies::accept(&setup.bodies, &system.bodies, &system.layout, system.time, x),
         fluid: FluidState {
             positions: geometry.positions.clone(),
             cut: geometry.cut.clone(),

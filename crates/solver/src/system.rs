@@ -6,12 +6,10 @@ use fluid_ns::terms::{
 };
 use fluid_ns::{FluidFields, FluidForm, FluidGeometry};
 use interface_dg::MortarForm;
-use mesh::Point;
-use solid_svk::StepRule;
-use solid_svk::boundary::{Support, support_values};
 use xfem_space::boundary_dofs;
 
-use crate::setup::{BodyKind, FluidBoundary, SupportKind};
+use crate::bodies::{self, BodyUnknown};
+use crate::setup::FluidBoundary;
 use crate::{Pocket, Setup, SetupError, State, StepGeometry, pockets};
 
 /// The unknowns of a step and what is prescribed of them: velocity and pressure of the fluid, then the velocity of
@@ -23,8 +21,8 @@ pub struct StepSystem<const D: usize> {
     pub velocity: FieldId,
     /// Fluid pressure.
     pub pressure: FieldId,
-    /// Velocity field and step rule of each body; `None` where the motion is prescribed.
-    pub bodies: Vec<Option<(FieldId, StepRule<D>)>>,
+    /// Velocity of each body; `None` where the motion is prescribed.
+    pub bodies: Vec<Option<BodyUnknown<D>>>,
     /// Prescribed unknowns.
     pub constraints: Constraints,
     /// Pockets with a free pressure constant.
@@ -46,17 +44,7 @@ impl<const D: usize> StepSystem<D> {
         let mut layout = BlockLayout::new();
         let velocity = layout.push("velocity", D * geometry.space.len());
         let pressure = layout.push("pressure", geometry.space.len());
-        let mut bodies = Vec::with_capacity(setup.bodies.len());
-        for (body, state) in setup.bodies.iter().zip(&previous.bodies) {
-            bodies.push(match &body.kind {
-                BodyKind::Prescribed(_) => None,
-                BodyKind::Elastic(elastic) => {
-                    let rule = StepRule::implicit_euler(dt, &state.displacement, &state.velocity)
-                        .map_err(|source| SetupError::Solid { body: body.name.clone(), source })?;
-                    Some((layout.push(&body.name, elastic.solid.n_dofs()), rule))
-                }
-            });
-        }
+        let bodies = bodies::unknowns(&setup.bodies, &previous.bodies, dt, &mut layout)?;
         let mut system = Self {
             layout,
             velocity,
@@ -69,8 +57,8 @@ impl<const D: usize> StepSystem<D> {
             mortar: MortarForm::new(setup.fluid.material, setup.gamma_sigma),
         };
         system.constrain_fluid(setup, geometry);
-        system.constrain_bodies(setup)?;
-        let fields: Vec<_> = system.bodies.iter().map(|body| body.as_ref().map(|(field, _)| *field)).collect();
+        bodies::constrain(&setup.bodies, &system.bodies, &system.layout, system.time, &mut system.constraints)?;
+        let fields: Vec<_> = system.bodies.iter().map(|body| body.as_ref().map(|unknown| unknown.field)).collect();
         system.pockets = pockets(setup, geometry, &system.layout, &fields, &system.constraints);
         for pocket in &system.pockets {
             system.constraints.set(system.layout.dof(system.pressure, pocket.dof as usize), 0.0);
@@ -129,28 +117,6 @@ impl<const D: usize> StepSystem<D> {
                 }
             }
         }
-    }
-
-    fn constrain_bodies(&mut self, setup: &Setup<D>) -> Result<(), SetupError> {
-        for (body, unknown) in setup.bodies.iter().zip(&self.bodies) {
-            let (BodyKind::Elastic(elastic), Some((field, rule))) = (&body.kind, unknown) else { continue };
-            let time = self.time;
-            for support in &elastic.supports {
-                let displacement;
-                let kind = match &support.kind {
-                    SupportKind::Clamped => Support::Clamped,
-                    SupportKind::Symmetry { axis } => Support::Symmetry { axis: *axis },
-                    SupportKind::Displacement(given) => {
-                        displacement = move |x: &Point<D>| given(x, time);
-                        Support::Displacement(&displacement)
-                    }
-                };
-                let values = support_values(&elastic.solid, &support.vertices, kind, rule, &self.layout, *field)
-                    .map_err(|source| SetupError::Solid { body: body.name.clone(), source })?;
-                values.into_iter().for_each(|(dof, value)| self.constraints.set(dof, value));
-            }
-        }
-        Ok(())
     }
 }
 

@@ -3,6 +3,7 @@
 use cutwater::io::plot::{Curve, Panel, column_curve};
 use cutwater::io::report::html::{chart, escape, gallery, number, table, verdict};
 use cutwater::io::report::{CaseResult, Section};
+use cutwater::solid_svk::TimeScheme;
 
 use super::Failure;
 use crate::bounds::impact::{Impact, impact};
@@ -86,7 +87,10 @@ fn potential_flow(cases: &[CaseResult]) -> Result<String, Failure> {
 
 fn dry_impact(is_quick: bool) -> Result<String, Failure> {
     let steps = if is_quick { &STEPS[..3] } else { &STEPS[..] };
-    let impacts = steps.iter().map(|&dt| impact(SIZE, SPEED, dt)).collect::<Result<Vec<Impact>, Failure>>()?;
+    let impacts = steps
+        .iter()
+        .map(|&dt| impact(SIZE, SPEED, dt, TimeScheme::ImplicitEuler))
+        .collect::<Result<Vec<Impact>, Failure>>()?;
     let row = |i: &Impact| {
         vec![
             number(i.dt),

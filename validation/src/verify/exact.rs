@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use cutwater::mesh::SimplexMesh;
 use cutwater::mesh::generate::{BallOptions, Size, ball, graded_box};
-use cutwater::solid_svk::{LameParameters, SaintVenantKirchhoff, SolidForm, SolidMesh};
+use cutwater::solid_svk::{LameParameters, SaintVenantKirchhoff, SolidForm, SolidMesh, TimeScheme};
 use cutwater::solver::{Body, BodyKind, ElasticBody, FluidBoundary, Setup, State};
 
 use super::Failure;
@@ -206,6 +206,7 @@ fn elastic(
     let mesh = ball::<2>([centre[0], centre[1]], radius, 0.1, &BallOptions { area_preserving: false })?;
     let material = SaintVenantKirchhoff::new(LameParameters { mu: MU, lambda: LAMBDA });
     let body = ElasticBody {
+        scheme: TimeScheme::ImplicitEuler,
         solid: SolidMesh::new(mesh)?,
         form: SolidForm::new(0.7, material, V::zeros())?,
         supports: Vec::new(),

@@ -1,10 +1,17 @@
 //! What is known exactly or published elsewhere, one file a check.
 
 mod added_mass;
+mod bar;
+mod contact_patch;
+mod csm;
+mod disk_impact;
+mod disk_modes;
 mod document;
+mod dry;
 mod exact;
 mod files;
 mod flow;
+mod hertz;
 mod lubrication;
 mod orders;
 mod peer;
@@ -30,7 +37,7 @@ struct Check {
 }
 
 /// All checks, in the order of the page.
-const CHECKS: [Check; 8] = [
+const CHECKS: [Check; 14] = [
     Check {
         name: "exact",
         about: "Solutions that the discrete spaces contain, at random positions of the body.",
@@ -70,6 +77,28 @@ const CHECKS: [Check; 8] = [
         name: "symmetry",
         about: "Half of a symmetric domain and the whole of it: the same contact.",
         measure: symmetry::measure,
+    },
+    Check {
+        name: "csm",
+        about: "The flag of the Turek-Hron benchmark under its weight, at rest and swinging.",
+        measure: csm::measure,
+    },
+    Check { name: "disk-modes", about: "Frequencies of a free elastic disk.", measure: disk_modes::measure },
+    Check {
+        name: "contact-patch",
+        about: "Contact that transmits a uniform pressure: a block on a plane, and two blocks.",
+        measure: contact_patch::measure,
+    },
+    Check { name: "hertz", about: "A cylinder pressed on a rigid plane.", measure: hertz::measure },
+    Check {
+        name: "bar",
+        about: "A bar that hits the floor: times and pressures of its contacts.",
+        measure: bar::measure,
+    },
+    Check {
+        name: "disk-impact",
+        about: "A disk that hits a rigid plane without a fluid around it.",
+        measure: disk_impact::measure,
     },
 ];
 

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use cutwater::mesh::VertexId;
 use cutwater::mesh::generate::structured_box;
-use cutwater::solid_svk::{LameParameters, SaintVenantKirchhoff, SolidForm, SolidMesh};
+use cutwater::solid_svk::{LameParameters, SaintVenantKirchhoff, SolidForm, SolidMesh, TimeScheme};
 use cutwater::solver::{Body, BodyKind, BodySupport, ElasticBody, FluidBoundary, SupportKind};
 
 use super::Failure;
@@ -102,6 +102,7 @@ fn errors([n_x, n_y]: [usize; 2], steps: usize) -> Result<[f64; 2], Failure> {
         solid: SolidMesh::new(mesh)?,
         form: SolidForm::new(DENSITY, material, V::zeros())?,
         supports: vec![support],
+        scheme: TimeScheme::ImplicitEuler,
         loads: Vec::new(),
         initial_displacement: Some(Arc::new(move |x| V::new(at_start.displacement(x[1], 0.0), 0.0))),
         initial_velocity: Some(Arc::new(move |x| V::new(velocity.speed(x[1], 0.0), 0.0))),

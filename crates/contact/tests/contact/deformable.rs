@@ -142,7 +142,8 @@ fn action_is_reaction<const D: usize>() {
             let mut moment = Vector::<D>::zeros();
             let mut power = 0.0;
             for (body, total) in bodies.iter().zip(&mut force) {
-                let moved = body.step(DT).displacements(&body.solid.velocity(layout, body.field, x).unwrap()).unwrap();
+                let velocity = body.solid.velocity(layout, body.field, x).unwrap();
+                let moved = body.step(DT).end().displacement.values(&velocity).unwrap();
                 for (vertex, at) in body.solid.positions(&moved).unwrap().iter().enumerate() {
                     let f = Vector::<D>::from_fn(|a, _| -r[layout.dof(body.field, D * vertex + a).index()]);
                     *total += f;

@@ -85,7 +85,7 @@ impl<const D: usize> Body<D> {
     /// Takes over the state at the end of a step.
     pub(crate) fn accept(&mut self, step: &StepRule<D>, layout: &BlockLayout, x: &[f64]) {
         self.velocity = self.solid.velocity(layout, self.field, x).unwrap();
-        self.displacement = step.displacements(&self.velocity).unwrap();
+        self.displacement = step.end().displacement.values(&self.velocity).unwrap();
     }
 }
 

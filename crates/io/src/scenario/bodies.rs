@@ -7,7 +7,7 @@ use mesh::generate::{BallOptions, Size, ball, graded_box, half_ball, mirrored, s
 use mesh::{FacetId, Point, SimplexMesh, Vector};
 use solid_svk::boundary::{facets_without_tags, tagged_facets, vertices_of};
 use solid_svk::terms::Traction;
-use solid_svk::{FacetTerm, LameParameters, SaintVenantKirchhoff, SolidForm, SolidMesh};
+use solid_svk::{FacetTerm, GeneralisedAlpha, LameParameters, SaintVenantKirchhoff, SolidForm, SolidMesh, TimeScheme};
 use solver::{Body, BodyKind, BodySupport, Contact, ContactObstacle, ElasticBody, PointField, SupportKind};
 
 use super::lower::{body_id, side_axis, unknown_name, vector};
@@ -31,7 +31,14 @@ pub(super) fn body<const D: usize>(file: &ScenarioFile, index: usize) -> Result<
         let value: Vector<D> = vector(file, &path(key), values)?;
         Ok(Some(Arc::new(move |_: &Point<D>| value)))
     };
+    let scheme = match given.time_scheme {
+        None | Some(schema::TimeScheme::ImplicitEuler {}) => TimeScheme::ImplicitEuler,
+        Some(schema::TimeScheme::GeneralisedAlpha { rho_inf }) => {
+            TimeScheme::GeneralisedAlpha(GeneralisedAlpha::new(rho_inf).map_err(|e| fail("time_scheme.rho_inf", e))?)
+        }
+    };
     let elastic = ElasticBody {
+        scheme,
         supports,
         loads,
         initial_displacement: constant("initial_displacement", &given.initial_displacement)?,

@@ -166,6 +166,9 @@ pub struct Body {
     pub density: f64,
     /// Acceleration of gravity, cm/s².
     pub gravity: Vec<f64>,
+    /// How it is advanced in time; implicit Euler, as the fluid, if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub time_scheme: Option<TimeScheme>,
     /// What holds on tagged parts of the surface; parts that are not named are free.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub boundary: BTreeMap<String, BodyCondition>,
@@ -241,6 +244,19 @@ pub enum Material {
         /// Poisson's ratio.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         poisson: Option<f64>,
+    },
+}
+
+/// How a body is advanced in time.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum TimeScheme {
+    /// First order, as the fluid.
+    ImplicitEuler {},
+    /// Second order.
+    GeneralisedAlpha {
+        /// Spectral radius for the fastest vibrations, from 0 (removed in a step) to 1 (kept).
+        rho_inf: f64,
     },
 }
 

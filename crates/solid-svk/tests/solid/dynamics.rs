@@ -27,7 +27,7 @@ fn advance<const D: usize>(
     let idle = (0..5).map(|k| (algebra::DofId(k), 0.0));
     Problem::new(&layout, contributions, idle).solve(&mut x, tolerance);
     let velocity = mesh.velocity(&layout, field, &x).unwrap();
-    (step.displacements(&velocity).unwrap(), velocity)
+    (step.end().displacement.values(&velocity).unwrap(), velocity)
 }
 
 #[test]

@@ -6,3 +6,4 @@ mod dynamics;
 mod setting;
 mod statics;
 mod tangents;
+mod time_schemes;

@@ -4,7 +4,7 @@ use crate::setting::{Random, ball_material, one_field, unit_box};
 use algebra::{Contributions, check_tangent};
 use mesh::Vector;
 use solid_svk::terms::{FollowerPressure, Traction};
-use solid_svk::{FacetTerm, SolidCells, SolidFacets, SolidForm, StepRule};
+use solid_svk::{FacetTerm, GeneralisedAlpha, SolidCells, SolidFacets, SolidForm, TimeScheme};
 
 fn tangents_are_exact<const D: usize>() {
     let mesh = unit_box::<D>(2);
@@ -15,8 +15,10 @@ fn tangents_are_exact<const D: usize>() {
     let loads: [&dyn FacetTerm<D>; 2] =
         [&FollowerPressure { pressure: 3e5 }, &Traction { traction: Vector::repeat(2.0) }];
     let facets: Vec<_> = mesh.boundary().facets().collect();
-    for _ in 0..3 {
-        let step = StepRule::implicit_euler(1e-2, &random.vectors(n, 0.02), &random.vectors(n, 5.0)).unwrap();
+    let second_order = TimeScheme::GeneralisedAlpha(GeneralisedAlpha::new(0.8).unwrap());
+    for scheme in [TimeScheme::ImplicitEuler, second_order, TimeScheme::QuasiStatic] {
+        let [d, v, a] = [0.02, 5.0, 200.0].map(|scale| random.vectors(n, scale));
+        let step = scheme.step(1e-2, &d, &v, Some(&a)).unwrap();
         let cells = SolidCells::new(&mesh, &form, &step, &layout, field).unwrap();
         let x = random.numbers(layout.len(), 5.0);
         let (linear, work) = (cells.linear(), cells.internal_work());

@@ -1,0 +1,124 @@
+//! Contact that transmits a uniform pressure: a block on a plane, and two blocks.
+//!
+//! Source: the patch test of Taylor and Papadopoulos 1991 in the form of the Tribol library's tests, for two unit squares.
+
+use std::path::Path;
+
+use cutwater::contact::{ContactForm, DeformableObstacle, Penalty};
+use cutwater::mesh::BodyId;
+use cutwater::mesh::generate::structured_box;
+use cutwater::solid_svk::boundary::tagged_facets;
+use cutwater::solid_svk::{LameParameters, SaintVenantKirchhoff, TimeScheme};
+use cutwater::solver::{Contact, ContactObstacle, ElasticBody, SupportKind};
+
+use super::Failure;
+use super::dry::{Run, V, elastic, floor, hold, pushed};
+use super::record::Record;
+
+/// Both Lame parameters.
+const LAME: f64 = 50.0;
+/// How far the top is pushed down.
+const PUSHED: f64 = 0.01;
+/// Pressure over penetration.
+const STIFFNESS: f64 = 1e5;
+/// What round-off of a solved system may leave.
+const ROUND_OFF: f64 = 1e-9;
+
+/// Pressure on the reference area of a block in plane strain at a vertical stretch, its sides free.
+fn pressure(stretch: f64) -> f64 {
+    -4.0 * LAME * (2.0 * LAME) / (3.0 * LAME) * stretch * (stretch * stretch - 1.0) / 2.0
+}
+
+/// The stretch of `n` unit blocks in a pile that is pushed, with the penetration under or between them.
+fn stretch(n: f64) -> f64 {
+    let (mut low, mut high) = (0.9, 1.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        // Penetration is what the blocks do not take of the push.
+        if pressure(middle) > STIFFNESS * (PUSHED - n * (1.0 - middle)) { low = middle } else { high = middle }
+    }
+    0.5 * (low + high)
+}
+
+fn block(bottom: f64, n: usize, top: f64) -> Result<ElasticBody<2>, Failure> {
+    let mesh = structured_box::<2>([0.0, bottom], [1.0, bottom + 1.0], [n, n])?;
+    let material = SaintVenantKirchhoff::new(LameParameters::new(LAME, LAME)?);
+    let mut body = elastic(mesh, 1.0, material, V::zeros(), TimeScheme::QuasiStatic)?;
+    hold(&mut body, "left", SupportKind::Symmetry { axis: 0 })?;
+    if top != 0.0 {
+        hold(&mut body, "top", pushed([None, Some(-top)]))?;
+    } else {
+        hold(&mut body, "bottom", SupportKind::Symmetry { axis: 1 })?;
+    }
+    Ok(body)
+}
+
+/// Deviation of force and displacement from the uniform state, beside the pressure and the push.
+struct Deviation {
+    force: f64,
+    displacement: f64,
+}
+
+/// Blocks in a pile with the given bottoms, the highest one first and pushed.
+fn deviation(mut run: Run, bottoms: &[f64]) -> Result<Deviation, Failure> {
+    let report = run.advance()?;
+    let stretch = stretch(bottoms.len() as f64);
+    let force = (report.contacts[0].force[1] - pressure(stretch)).abs() / pressure(stretch);
+    let lateral = (1.0 - (stretch * stretch - 1.0) / 3.0).sqrt();
+    let mut displacement = 0.0_f64;
+    for (k, (body, state)) in run.setup.bodies.iter().zip(&run.state.bodies).enumerate() {
+        // The highest block hangs from its top, the lowest of two stands on its bottom.
+        let (fixed, moved) = if k == 0 { (bottoms[0] + 1.0, -PUSHED) } else { (bottoms[k], 0.0) };
+        for (x, d) in body.reference().iter().zip(&state.displacement) {
+            let exact = V::new((lateral - 1.0) * x[0], moved + (stretch - 1.0) * (x[1] - fixed));
+            displacement = displacement.max((d - exact).norm() / PUSHED);
+        }
+    }
+    Ok(Deviation { force, displacement })
+}
+
+fn on_a_plane(n: usize) -> Result<Deviation, Failure> {
+    let body = block(0.0, n, PUSHED)?;
+    let contact = floor(&body, "bottom", STIFFNESS)?;
+    deviation(Run::new(vec![body], vec![contact], 1.0, 1e-11), &[0.0])
+}
+
+fn two(n_slave: usize, n_master: usize) -> Result<Deviation, Failure> {
+    let (upper, lower) = (block(1.0, n_slave, PUSHED)?, block(0.0, n_master, 0.0)?);
+    let surface = DeformableObstacle::new(lower.solid.boundary().clone(), tagged_facets(&lower.solid, "top")?)?;
+    let contact = Contact {
+        body: BodyId::new(0),
+        facets: tagged_facets(&upper.solid, "bottom")?,
+        // The size of the contact is also the distance to look ahead.
+        form: ContactForm::new(Penalty::new(0.1 * STIFFNESS, 0.0)?, 0.1)?,
+        obstacle: ContactObstacle::Body { body: BodyId::new(1), surface },
+    };
+    deviation(Run::new(vec![upper, lower], vec![contact], 1.0, 1e-11), &[1.0, 0.0])
+}
+
+/// Measures.
+///
+/// # Errors
+/// Newton's method fails.
+pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
+    let plane = on_a_plane(if record.full { 16 } else { 5 })?;
+    record.at_most("block on a plane: error of the force, relative", plane.force, ROUND_OFF);
+    record.at_most("block on a plane: error of displacement beside the push", plane.displacement, ROUND_OFF);
+    for (slave, master) in [(3, 3), (8, 4)] {
+        let nested = two(slave, master)?;
+        record.at_most(format!("blocks of {slave} on {master}, nested: force"), nested.force, ROUND_OFF);
+        record.at_most(format!("blocks of {slave} on {master}, nested: displacement"), nested.displacement, ROUND_OFF);
+    }
+    for (slave, master) in [(4, 3), (3, 4), (16, 3)] {
+        let other = two(slave, master)?;
+        record.show(format!("blocks of {slave} on {master}: force"), other.force, None);
+        record.at_most(format!("blocks of {slave} on {master}: displacement"), other.displacement, 1e-3);
+    }
+    record.show("two blocks: pressure", pressure(stretch(2.0)), Some(0.66667));
+    record.note(
+        "The exact states are those of Saint Venant-Kirchhoff blocks with the uniform penetration of the penalty; 0.66667 is the \
+         pressure of linear elasticity. Quadrature on the slave's facets does not see the corners of the master's functions: where \
+         meshes are not nested the test passes up to that error.",
+    );
+    Ok(())
+}

@@ -1,0 +1,197 @@
+//! The flag of the Turek-Hron benchmark without a fluid, under its weight: at rest, and swinging.
+//!
+//! Source: Turek and Hron 2006, Proposal for numerical benchmarking of fluid-structure interaction between an elastic object and
+//! laminar incompressible flow, doi:10.1007/3-540-34596-5_15, CSM1 to CSM3. SI units.
+
+use std::path::Path;
+
+use cutwater::mesh::VertexId;
+use cutwater::mesh::generate::structured_box;
+use cutwater::solid_svk::{LameParameters, SaintVenantKirchhoff, TimeScheme};
+use cutwater::solver::{BodySupport, SupportKind};
+
+use super::Failure;
+use super::dry::{P, Run, V, elastic, mapped, second_order};
+use super::record::{Figure, Record};
+
+const LENGTH: f64 = 0.35;
+const THICKNESS: f64 = 0.02;
+/// The point whose displacement is measured, and the cylinder that holds the other end.
+const TIP: [f64; 2] = [0.6, 0.2];
+const CYLINDER: ([f64; 2], f64) = ([0.2, 0.2], 0.05);
+const DENSITY: f64 = 1e3;
+const GRAVITY: f64 = 2.0;
+/// Shear modulus of CSM1 and CSM3, and of CSM2; λ = 4 μ, which is ν = 0.4.
+const SOFT: f64 = 0.5e6;
+const STIFF: f64 = 2e6;
+/// Vertical displacement of the tip.
+const CSM1: f64 = -66.10e-3;
+const CSM2: f64 = -16.97e-3;
+/// Mean, amplitude, frequency of CSM3.
+const CSM3: [f64; 3] = [-63.607e-3, 65.160e-3, 1.0995];
+/// Rows of cells across the flag, and displacements of CSM1 with P1 of another code (NGSolve).
+const PEER: [(usize, f64); 5] = [(2, -28.99e-3), (4, -49.89e-3), (8, -61.06e-3), (16, -64.74e-3), (32, -65.75e-3)];
+/// Half of the last printed digit of these.
+const PEER_DIGITS: f64 = 5e-6;
+/// Steps in which the weight is applied at rest.
+const LOAD_STEPS: u32 = 4;
+
+/// The flag.
+#[derive(Clone, Copy)]
+struct Flag {
+    /// Rows of cells across it, each of squares in two triangles.
+    rows: usize,
+    mu: f64,
+    /// Whether its end follows the cylinder, as that of the benchmark; a straight end is at the cylinder's rightmost point.
+    is_fitted: bool,
+}
+
+impl Flag {
+    /// The flag under a part of its weight.
+    fn run(self, gravity: f64, scheme: TimeScheme, dt: f64) -> Result<Run, Failure> {
+        let columns = (self.rows as f64 * LENGTH / THICKNESS).round() as usize;
+        let [x, y] = TIP;
+        let (low, high) = ([x - LENGTH, y - 0.5 * THICKNESS], [x, y + 0.5 * THICKNESS]);
+        let mesh = structured_box::<2>(low, high, [columns, self.rows])?;
+        let held: Vec<VertexId> =
+            (0..mesh.n_vertices()).map(VertexId::new).filter(|&v| mesh.vertex(v)[0] < low[0] + 1e-9).collect();
+        let ([cx, cy], radius) = CYLINDER;
+        let mesh = mapped(&mesh, |at| {
+            let end = cx + (radius.powi(2) - (at[1] - cy).powi(2)).sqrt();
+            let stretch = if self.is_fitted { (x - end) / LENGTH } else { 1.0 };
+            P::new(x - (x - at[0]) * stretch, at[1])
+        })?;
+        let material = SaintVenantKirchhoff::new(LameParameters::new(self.mu, 4.0 * self.mu)?);
+        let mut body = elastic(mesh, DENSITY, material, V::new(0.0, -gravity), scheme)?;
+        body.supports.push(BodySupport { vertices: held, kind: SupportKind::Clamped });
+        Ok(Run::new(vec![body], Vec::new(), dt, 1e-9))
+    }
+
+    /// Displacement of the tip at rest.
+    fn rest(self) -> Result<V, Failure> {
+        let mut run = self.run(0.0, TimeScheme::QuasiStatic, 1.0)?;
+        for k in 1..=LOAD_STEPS {
+            let state = run.state;
+            run = self.run(GRAVITY * f64::from(k) / f64::from(LOAD_STEPS), TimeScheme::QuasiStatic, 1.0)?;
+            run.state = state;
+            run.advance()?;
+        }
+        displacement(&run)
+    }
+
+    /// Times and vertical displacements of the tip over two swings and more.
+    fn swing(self, scheme: TimeScheme, dt: f64) -> Result<Vec<(f64, f64)>, Failure> {
+        let mut run = self.run(GRAVITY, scheme, dt)?;
+        let mut signal = vec![(0.0, 0.0)];
+        while run.state.time < 2.4 / CSM3[2] {
+            run.advance()?;
+            signal.push((run.state.time, displacement(&run)?[1]));
+        }
+        Ok(signal)
+    }
+}
+
+/// Displacement of the tip, where the two halves of the end meet.
+fn displacement(run: &Run) -> Result<V, Failure> {
+    let mesh = run.body()?.solid.mesh();
+    let tip = P::from(TIP);
+    let at = mesh.vertices().iter().position(|x| (x - tip).norm() < 1e-9).ok_or("no vertex at the tip")?;
+    Ok(run.state.bodies[0].displacement[at])
+}
+
+/// Mean, amplitude and frequency: the frequency between all passages of the middle downwards, the others from the last two.
+fn periodic(signal: &[(f64, f64)]) -> Result<[f64; 3], Failure> {
+    let range = |samples: &[(f64, f64)]| {
+        samples.windows(3).fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), w| {
+            // The extremum of the parabola through three samples, if it lies between them.
+            let (slope, curvature) = (0.5 * (w[2].1 - w[0].1), w[2].1 - 2.0 * w[1].1 + w[0].1);
+            let is_inside = curvature != 0.0 && (slope / curvature).abs() <= 1.0;
+            let value = if is_inside { w[1].1 - 0.5 * slope * slope / curvature } else { w[1].1 };
+            (low.min(value), high.max(value))
+        })
+    };
+    let (low, high) = range(signal);
+    let middle = 0.5 * (low + high);
+    let passages: Vec<(usize, f64)> = (1..signal.len())
+        .filter(|&k| signal[k - 1].1 > middle && signal[k].1 <= middle)
+        .map(|k| {
+            let [(t0, u0), (t1, u1)] = [signal[k - 1], signal[k]];
+            (k, t0 + (t1 - t0) * (u0 - middle) / (u0 - u1))
+        })
+        .collect();
+    let ([(_, first), ..], [.., before, last]) = (&passages[..], &passages[..]) else {
+        return Err("the flag does not swing twice".into());
+    };
+    let (low, high) = range(&signal[before.0 - 1..=last.0]);
+    Ok([0.5 * (high + low), 0.5 * (high - low), (passages.len() - 1) as f64 / (last.1 - first)])
+}
+
+/// The limit of values on two meshes, with the numbers of rows, whose errors fall with the square of the size.
+fn extrapolated(rows: [usize; 2], [coarse, fine]: [f64; 2]) -> f64 {
+    fine + (fine - coarse) / ((rows[1] as f64 / rows[0] as f64).powi(2) - 1.0)
+}
+
+/// Measures.
+///
+/// # Errors
+/// A step fails.
+pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
+    let flag = |rows: usize, mu: f64| Flag { rows, mu, is_fitted: true };
+    let peers = if record.full { &PEER[..] } else { &PEER[..4] };
+    let mut errors = Vec::new();
+    let mut values = Vec::new();
+    for &(rows, peer) in peers {
+        let u = flag(rows, SOFT).rest()?[1];
+        record.show(format!("CSM1, {rows} rows: u_y [m]"), u, Some(CSM1));
+        let bound = (peer - CSM1).abs() + PEER_DIGITS;
+        record.at_most(
+            format!("CSM1, {rows} rows: error of u_y beside that of NGSolve's P1 [m]"),
+            (u - CSM1).abs(),
+            bound,
+        );
+        errors.push((1.0 / rows as f64, (u - CSM1).abs()));
+        values.push(u);
+    }
+    let [.., coarse, fine] = values[..] else { return Err("two meshes are needed".into()) };
+    record.near_relative("CSM1: extrapolated u_y [m]", extrapolated([1, 2], [coarse, fine]), CSM1, 5e-3);
+    record.order("error of u_y, CSM1", "1/rows", &errors, 1.7);
+    let rows = if record.full { [16, 32] } else { [8, 16] };
+    let both = |flag: &dyn Fn(usize) -> Flag| -> Result<[f64; 2], Failure> {
+        Ok([flag(rows[0]).rest()?[1], flag(rows[1]).rest()?[1]])
+    };
+    let stiff = both(&|rows| flag(rows, STIFF))?;
+    record.show(format!("CSM2, {} rows: u_y [m]", rows[1]), stiff[1], Some(CSM2));
+    record.near_relative("CSM2: extrapolated u_y [m]", extrapolated(rows, stiff), CSM2, 5e-3);
+    let straight = both(&|rows| Flag { rows, mu: SOFT, is_fitted: false })?;
+    record.show("CSM1, straight end: extrapolated u_y [m]", extrapolated(rows, straight), Some(CSM1));
+
+    let (rows, dt) = if record.full { ([8, 16], 5e-3) } else { ([6, 10], 1e-2) };
+    let scheme = second_order(0.8)?;
+    let signals = [flag(rows[0], SOFT).swing(scheme, dt)?, flag(rows[1], SOFT).swing(scheme, dt)?];
+    let [coarse, fine] = [periodic(&signals[0])?, periodic(&signals[1])?];
+    let tolerances = [0.02, 0.02, 0.01];
+    for (k, name) in ["mean of u_y [m]", "amplitude of u_y [m]", "frequency [Hz]"].iter().enumerate() {
+        record.show(format!("CSM3, {} rows: {name}", rows[0]), coarse[k], Some(CSM3[k]));
+        record.show(format!("CSM3, {} rows: {name}", rows[1]), fine[k], Some(CSM3[k]));
+        let limit = extrapolated(rows, [coarse[k], fine[k]]);
+        record.near_relative(format!("CSM3: extrapolated {name}"), limit, CSM3[k], tolerances[k]);
+    }
+    let euler = flag(rows[0], SOFT).swing(TimeScheme::ImplicitEuler, dt)?;
+    let late = euler.iter().filter(|at| at.0 > 1.0 / CSM3[2]).map(|at| at.1);
+    let (low, high) = late.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), u| (a.min(u), b.max(u)));
+    let quantity = format!("CSM3, {} rows, implicit Euler: amplitude of u_y in the second swing [m]", rows[0]);
+    record.show(quantity, 0.5 * (high - low), Some(CSM3[1]));
+    let names = [format!("{} rows", rows[0]), format!("{} rows", rows[1]), format!("{} rows, implicit Euler", rows[0])];
+    record.figures.push(Figure {
+        title: "CSM3: u_y of the tip [m]".to_owned(),
+        x_title: "t [s]".to_owned(),
+        curves: names.into_iter().zip(signals.into_iter().chain([euler])).collect(),
+        is_log: false,
+    });
+    record.note(format!(
+        "A flag of {LENGTH} by {THICKNESS}, its end clamped to the cylinder, squares in two triangles; CSM3 with generalised-α, rho_inf = 0.8, \
+         dt = {dt}. Linear triangles are too stiff in bending; their errors fall with the square of the size, which \
+         extrapolation uses."
+    ));
+    Ok(())
+}

@@ -1,0 +1,98 @@
+//! A cylinder that is pressed on a rigid plane.
+//!
+//! Source: Hertz 1882; Johnson 1985, Contact Mechanics, doi:10.1017/CBO9781139171731, Sec. 4.2(c).
+
+use std::f64::consts::PI;
+use std::path::Path;
+
+use cutwater::mesh::generate::structured_box;
+use cutwater::solid_svk::{LameParameters, SaintVenantKirchhoff, TimeScheme};
+
+use super::Failure;
+use super::dry::{P, Run, V, elastic, floor, hold, mapped, pushed};
+use super::record::{Figure, Record};
+
+/// Radius, cm.
+const RADIUS: f64 = 4.0;
+/// Height and half of the width of the part of the cylinder that is computed, cm: many times the contact.
+const EXTENT: f64 = 2.0;
+/// How far its top is pushed down, cm: contact is then a thirtieth of the radius, where strains are small.
+const PUSHED: f64 = 8e-3;
+/// Lame parameters, dyn/cm^2, and what follows: `E/(1 - ν²)`.
+const MU: f64 = 2e6;
+const LAMBDA: f64 = 8e6;
+const MODULUS: f64 = 4.0 * MU * (LAMBDA + MU) / (LAMBDA + 2.0 * MU);
+/// Pressure over penetration, dyn/cm^3: penetration is below a hundredth of the approach.
+const STIFFNESS: f64 = 1e10;
+/// How strongly cells are graded towards the contact.
+const GRADING: f64 = 4.0;
+/// Steps in which the push is applied.
+const LOAD_STEPS: u32 = 3;
+
+/// Measures.
+///
+/// # Errors
+/// Newton's method fails.
+pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
+    let n = if record.full { 128 } else { 96 };
+    let graded = |s: f64| EXTENT * (GRADING * s).sinh() / GRADING.sinh();
+    // Across the middle without a change of pattern: where that changes, the pressure of linear triangles has a kink.
+    let mesh = mapped(&structured_box::<2>([-1.0, 0.0], [1.0, 1.0], [2 * n, n])?, |x| {
+        let across = graded(x[0]);
+        let surface = RADIUS - (RADIUS.powi(2) - across.powi(2)).sqrt();
+        P::new(across, surface + graded(x[1]) * (EXTENT - surface) / EXTENT)
+    })?;
+    let material = SaintVenantKirchhoff::new(LameParameters::new(MU, LAMBDA)?);
+    let mut body = elastic(mesh, 1.0, material, V::zeros(), TimeScheme::QuasiStatic)?;
+    hold(&mut body, "top", pushed([Some(0.0), Some(-PUSHED)]))?;
+    let contact = floor(&body, "bottom", STIFFNESS)?;
+    let mut run = Run::new(vec![body], vec![contact], f64::from(LOAD_STEPS).recip(), 1e-10);
+    let mut load = f64::NAN;
+    for _ in 0..LOAD_STEPS {
+        load = run.advance()?.contacts[0].force[1];
+    }
+
+    let radius = (4.0 * load * RADIUS / (PI * MODULUS)).sqrt();
+    let peak = 2.0 * load / (PI * radius);
+    let positions = run.state.bodies[0].positions(run.setup.bodies[0].reference());
+    let mut surface: Vec<(f64, f64)> = run.setup.contacts[0]
+        .facets
+        .iter()
+        .flat_map(|&f| run.setup.bodies[0].boundary().facet(f))
+        .map(|v| (positions[v.index()][0], -positions[v.index()][1] * STIFFNESS))
+        // The half to the right; the middle moves by round-off.
+        .filter(|at| at.0 > -1e-6)
+        .collect();
+    surface.sort_by(|a, b| a.0.total_cmp(&b.0));
+    surface.dedup();
+    let inside = surface.iter().take_while(|at| at.1 > 0.0).count();
+    let (Some(centre), Some(last), Some(next)) = (surface.first(), surface[..inside].last(), surface.get(inside))
+    else {
+        return Err("there is no contact, or nothing but contact".into());
+    };
+    // Penetration is linear along a facet.
+    let edge = last.0 + (next.0 - last.0) * last.1 / (last.1 - next.1);
+    let exact = |x: f64| peak * (1.0 - (x / radius).powi(2)).max(0.0).sqrt();
+    let scatter =
+        surface.iter().filter(|at| at.0 < 0.9 * radius).map(|at| (at.1 - exact(at.0)).abs() / peak).fold(0.0, f64::max);
+    record.at_least("half-width over the largest cell in contact", radius / (next.0 - last.0), 20.0);
+    record.near_relative("half-width a [cm]", edge, radius, 0.05);
+    record.near_relative("largest pressure p0 [dyn/cm²]", centre.1, peak, 0.03);
+    record.show("largest deviation of the pressure within 0.9 a, over p0", scatter, None);
+    record.show("load P [dyn/cm]", load, None);
+    let pressures: Vec<_> = surface.iter().filter(|at| at.0 < 1.5 * radius).map(|&(x, p)| (x, p.max(0.0))).collect();
+    record.figures.push(Figure {
+        title: "contact pressure [dyn/cm²]".to_owned(),
+        x_title: "distance from the centre [cm]".to_owned(),
+        curves: vec![
+            ("Hertz".to_owned(), pressures.iter().map(|&(x, _)| (x, exact(x))).collect()),
+            ("computed".to_owned(), pressures),
+        ],
+        is_log: false,
+    });
+    record.note(format!(
+        "A cylinder of radius {RADIUS} cm up to {EXTENT} cm from the contact, twice {n} by {n} squares in two triangles, graded; a and p0 of \
+         Hertz follow from the computed load."
+    ));
+    Ok(())
+}
