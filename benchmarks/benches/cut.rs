@@ -45,6 +45,7 @@ fn explicit_surfaces(c: &mut Criterion) {
         let background = structured_box::<2>([-0.5; 2], [0.5; 2], [n; 2]).expect("a box");
         let (positions, boundary) = polygon(BODY_CENTRE, 0.4, edges);
         let id = BenchmarkId::new("disk", format!("2d/{n}/{edges}"));
+        group.throughput(Throughput::Elements(2 * (n as u64).pow(2)));
         let mut workspace = Workspace::new();
         group.bench_function(id, |b| {
             b.iter(|| black_box(overlay_with_rules(&mut workspace, &background, &boundary, &positions)));
@@ -61,11 +62,11 @@ fn explicit_surfaces(c: &mut Criterion) {
             b.iter(|| black_box(overlay_with_rules(&mut workspace, &background, &boundary, &positions)));
         });
     }
-    group.throughput(Throughput::Elements(1));
     for n in [16, 32, 64] {
         let background = structured_box::<3>([-0.5; 3], [0.5; 3], [n; 3]).expect("a box");
         let (positions, boundary) = sphere(BODY_CENTRE, 0.4, (0.63 * n as f64) as u32);
         let id = BenchmarkId::new("sphere", format!("3d/{n}"));
+        group.throughput(Throughput::Elements(6 * (n as u64).pow(3)));
         let mut workspace = Workspace::new();
         group.bench_function(id, |b| {
             b.iter(|| black_box(overlay_with_rules(&mut workspace, &background, &boundary, &positions)));

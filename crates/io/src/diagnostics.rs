@@ -24,7 +24,7 @@ const FORCES: [&str; 7] = [
 /// Column of the power of the fluid on a body.
 const POWER: &str = "fluid_power";
 
-/// Writes one row per step beside the history; the file is complete after every row.
+/// Writes one row per step, or part of a step, beside the history; the file is complete after every row.
 ///
 /// Columns: `time`; of each body, with the prefix of the history, `volume`, of a plate `min_thickness`, the vertical forces,
 /// and the power of the fluid on the body (with the mean traction on each piece of the interface); then `fluid_volume` and `total_energy`. The remainder is what supports and contacts as master make up for:

@@ -45,7 +45,7 @@ const RUN: [&str; 14] = [
     "seconds_output",
 ];
 
-/// Writes one row per step; the file is complete after every row.
+/// Writes one row per step, or per part of a step that was divided; the file is complete after every row.
 ///
 /// With one body the columns are `time`, those of the body, those of the run. With several, the columns of each body
 /// carry its name as a prefix, `NAME_d_min`. The energy of contacts is that of all contacts.

@@ -85,7 +85,9 @@ impl CaseVisitor for Run<'_, '_> {
         let mut time_loop = TimeLoop::new(&case.setup, state, workspace(&scenario.solver.linear));
         let outcome = time_loop.run(case.n_steps, &mut [&mut files, &mut progress]);
         if outcome.is_ok() {
+            let clock = Instant::now();
             files.summary.summary.refactorization_seconds = time_loop.workspace().time_refactorization().ok();
+            files.summary.summary.add_timing("measuring a refactorisation", None, 1, clock.elapsed().as_secs_f64());
         }
         let files = files.finish(scenario, &case.setup);
         // A step that failed says more than a picture that could not be drawn.

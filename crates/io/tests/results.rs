@@ -218,3 +218,32 @@ fn the_mirrored_case_is_the_full_one() {
     let area = |case: &Case<2>| State::initial(&case.setup).expect("a state").fluid.cut.fluid_volume();
     assert!((area(&full) - 2.0 * area(&half)).abs() < 1e-9);
 }
+
+#[test]
+fn a_divided_run_has_rows_for_parts_and_files_for_steps() {
+    // Three corrections are too few for the first touch in one step.
+    let directory = fresh_directory("divided");
+    let file = coarse(&["solver.newton.max_iterations=3", "output.plots=true"]);
+    let mut told = Vec::new();
+    let mut progress = |at: &StepProgress| told.push(at.step);
+    let options = RunOptions { directory: directory.clone(), progress: Some(&mut progress) };
+    let summary = run(&file, options).unwrap_or_else(|e| panic!("{e}"));
+    assert!(summary.divided_steps > 0 && summary.steps == 5);
+    assert_eq!(told, [1, 2, 3, 4, 5]);
+    let table = HistoryTable::read(&directory.join("history.csv")).unwrap_or_else(|e| panic!("{e}"));
+    let times = table.column("time").expect("a time");
+    assert!(times.len() > 5 && times.windows(2).all(|w| w[1] > w[0]), "{times:?}");
+    assert!(table.column("newton").expect("counts").iter().sum::<f64>() as usize == summary.newton_iterations);
+    // What failed counts: more corrections than the limit, in a row of a part that came after a failure.
+    assert!(table.column("newton").expect("counts").iter().any(|n| *n > 3.0));
+    let mut files: Vec<String> = fs::read_dir(directory.join("vtk"))
+        .expect("a directory")
+        .map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned())
+        .filter(|name| name.starts_with("fluid"))
+        .collect();
+    files.sort();
+    assert_eq!(files, [0, 2, 4, 5].map(|step| format!("fluid_{step:06}.vtu")));
+    let frames: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(directory.join("frames.json")).expect("frames")).expect("JSON");
+    assert_eq!(frames["frames"].as_array().map(Vec::len), Some(6));
+}

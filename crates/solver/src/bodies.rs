@@ -1,6 +1,6 @@
 //! The bodies and contacts of one step, with a fluid around them or without.
 
-use algebra::{BlockLayout, Constraints, Contributions, FieldId};
+use algebra::{BlockLayout, Constraints, Contributions, FieldId, NewtonReport};
 use contact::{ContactBody, ContactFacets, ContactPair};
 use mesh::{BodyId, Point, Vector};
 use solid_svk::boundary::{Support, support_values};
@@ -125,7 +125,7 @@ impl<'a, const D: usize> BodyForms<'a, D> {
 
     /// Refuses a step in which points of a contact moved farther than it was looked for obstacles: contact may have been
     /// missed.
-    pub(crate) fn check_contacts(&self, x: &[f64]) -> Result<(), Stage> {
+    pub(crate) fn check_contacts(&self, x: &[f64], newton: &NewtonReport) -> Result<(), Stage> {
         let motion = |body: &ContactBody<'_, D>| {
             let speed =
                 x[body.range()].chunks_exact(D).map(|v| Vector::<D>::from_column_slice(v).norm()).fold(0.0, f64::max);
@@ -136,13 +136,26 @@ impl<'a, const D: usize> BodyForms<'a, D> {
             // A rigid obstacle is seen from everywhere.
             let Some(master) = &pair.master else { continue };
             let motion = motion(&pair.slave) + motion(master);
-            let room = pair.reach - facets.form().law.offset();
-            if motion > room {
-                return Err(Stage::MissedContact { contact, motion, room });
+            let offset = facets.form().law.offset();
+            let room = pair.reach - offset;
+            let apart = distance_of_boxes(pair.slave.predicted(), master.predicted());
+            if motion > room && apart <= motion + offset {
+                return Err(Stage::MissedContact { contact, motion, room, newton: Box::new(newton.clone()) });
             }
         }
         Ok(())
     }
+}
+
+/// Distance of the bounding boxes of two sets of points, at most that of the points.
+fn distance_of_boxes<const D: usize>(a: &[Point<D>], b: &[Point<D>]) -> f64 {
+    let bound = |points: &[Point<D>], axis: usize, of: fn(f64, f64) -> f64| points.iter().map(|x| x[axis]).reduce(of);
+    let gap = |axis: usize| {
+        let [low_a, low_b] = [a, b].map(|points| bound(points, axis, f64::min).unwrap_or(f64::INFINITY));
+        let [high_a, high_b] = [a, b].map(|points| bound(points, axis, f64::max).unwrap_or(f64::NEG_INFINITY));
+        (low_a - high_b).max(low_b - high_a).max(0.0)
+    };
+    (0..D).map(|axis| gap(axis).powi(2)).sum::<f64>().sqrt()
 }
 
 fn contact_facets<'a, const D: usize>(

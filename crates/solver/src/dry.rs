@@ -103,7 +103,7 @@ pub fn advance<const D: usize>(
     let mut x = vec![0.0; layout.len()];
     bodies::set_velocities(&unknowns, &previous.bodies, &layout, &mut x);
     let newton = newton(&problem, &mut x, work, &setup.newton).map_err(|e| failed(e.into()))?;
-    problem.forms.check_contacts(&x).map_err(failed)?;
+    problem.forms.check_contacts(&x, &newton).map_err(failed)?;
     let contacts = problem.forms.contacts.iter().map(|contact| ContactReport::new(contact, &x)).collect();
     let bodies = bodies::accept(&setup.bodies, &unknowns, &layout, time, &x);
     Ok((DryState { step, time, bodies }, DryReport { newton, contacts }))

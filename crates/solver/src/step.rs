@@ -37,7 +37,8 @@ pub fn advance<const D: usize>(
 
 /// Advances the coupled problem by a step, or a part of one, on the geometry of the previous state.
 ///
-/// A function of setup and state: the workspace recycles memory and changes no bits.
+/// A function of setup and state: the workspace recycles memory and, but for a linear solver that keeps old factors
+/// ([`Workspace::forget`]), changes no bits.
 ///
 /// # Errors
 /// [`StepError`] with the stage that failed; the previous state is untouched.
@@ -69,7 +70,7 @@ pub fn advance_by<const D: usize>(
     let mut x = problem.initial_guess(&geometry, previous);
     let solve = newton(&problem, &mut x, work, &setup.newton).map_err(|e| failed(e.into()))?;
 
-    problem.bodies.check_contacts(&x).map_err(failed)?;
+    problem.bodies.check_contacts(&x, &solve).map_err(failed)?;
 
     let state = accept(setup, substep, &geometry, &system, previous, &x);
     let report = StepReport::new(setup, substep, &geometry, &system, &problem, solve, &x, previous, &state, seconds);

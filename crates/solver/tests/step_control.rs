@@ -97,7 +97,7 @@ fn without_halvings_the_run_stops_at_the_last_good_state() {
     let (state, parts, outcome) = take_steps(&setup, 1);
     let error = outcome.expect_err("contact may be missed");
     assert!(
-        matches!(error.source, Stage::MissedContact { contact: 0, motion, room } if motion > room && room > 0.03),
+        matches!(error.source, Stage::MissedContact { contact: 0, motion, room, .. } if motion > room && room > 0.03),
         "{error:?}"
     );
     assert!(parts.is_empty() && state.time == 0.0);

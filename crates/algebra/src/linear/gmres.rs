@@ -198,6 +198,15 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
+/// Euclidean norm; of numbers whose squares leave the range of numbers, too.
 fn norm(a: &[f64]) -> f64 {
-    dot(a, a).sqrt()
+    let plain = dot(a, a).sqrt();
+    if (1e-140..1e140).contains(&plain) {
+        return plain;
+    }
+    let largest = a.iter().fold(0.0, |largest: f64, v| if v.is_nan() { *v } else { largest.max(v.abs()) });
+    if largest == 0.0 || !largest.is_finite() {
+        return largest;
+    }
+    largest * a.iter().map(|v| (v / largest).powi(2)).sum::<f64>().sqrt()
 }

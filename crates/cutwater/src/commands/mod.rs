@@ -36,6 +36,10 @@ pub(crate) fn explain(error: &Error) -> String {
     if let Error::Step(step) = error
         && let Stage::Newton(newton) = &step.source
     {
+        if step.source.asks_for_a_smaller_step() {
+            text += "\n  a step that fails is halved up to `time.most_halvings` times; try a smaller `time.step`, or more \
+                     `solver.newton.max_iterations`";
+        }
         let report = newton.report();
         text += "\n  iteration   relative residual   relative correction";
         for (k, residual) in report.residual_history.iter().enumerate() {
