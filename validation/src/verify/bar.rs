@@ -121,7 +121,11 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
             for (event, at, exact) in [("begins", first, times[0]), ("ends", last, times[1])] {
                 let quantity = format!("{name}, {what} {event}, in steps");
                 let [at, exact] = [at / step, exact / step];
-                if is_gated { record.near(quantity, at, exact, 1.0) } else { record.show(quantity, at, Some(exact)) }
+                if is_gated {
+                    record.near(quantity, at, exact, 1.0 + ROUND_OFF)
+                } else {
+                    record.show(quantity, at, Some(exact))
+                }
             }
             let quantity = format!("{name}, {what}: last touch, in steps");
             record.show(quantity, touching / step, Some(times[1] / step));
@@ -165,10 +169,14 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
     record.note(format!(
         "{n} cells, penalty {PENALTY} E/h, generalised-α with rho_inf = {RHO_INF}; times in steps of h/c. Linear elasticity: strains are up to a \
          third, and the exact solution is that of the linear bar. A contact begins and ends where the pressure passes half of its mean: \
-         dispersion smears the jumps over a few cells, and the last touch is later by that."
+         dispersion smears the jumps over a few cells, and the last touch is later by that. In \
+         steps of h/c this width grows with the third root of the number of cells: 200 cells miss the end of the first bounce by two steps, \
+         50 by one."
     ));
     Ok(())
 }
 
+/// Of a time, in steps.
+const ROUND_OFF: f64 = 1e-6;
 /// Spectral radius of the generalised-α scheme.
 const RHO_INF: f64 = 0.8;
