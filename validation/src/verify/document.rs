@@ -19,7 +19,7 @@ fn root() -> PathBuf {
 /// # Errors
 /// A file cannot be read or written.
 pub(super) fn update(records: &[Record], order: &[&str]) -> Result<(), Failure> {
-    let store = root().join("validation/results/verification.json");
+    let store = root().join("validation/verification.json");
     let mut all: BTreeMap<String, Record> = match std::fs::read_to_string(&store) {
         Ok(text) => serde_json::from_str(&text)?,
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => BTreeMap::new(),
