@@ -58,6 +58,8 @@ impl BlockSystem {
     /// Builds the pattern and assembles the linear contributions; matrix and residual are those at x = 0 without the
     /// nonlinear ones until [`BlockSystem::assemble`] is called.
     ///
+    /// Contributions that name tied dofs are to be given as [`crate::Tied`] ones.
+    ///
     /// # Panics
     /// A contribution or a constraint names a dof outside of the layout.
     pub fn new(layout: &BlockLayout, contributions: &[&dyn Contributions], constraints: &Constraints) -> Self {
@@ -88,6 +90,12 @@ impl BlockSystem {
             assert!(dof.index() < n, "constrained dof {} of {n} unknowns", dof.index());
             self.constrained[dof.index()] = true;
             self.prescribed.push((dof, value));
+        }
+        // Nothing is said of tied dofs but that their corrections are zero, until these follow from those of the others.
+        for (dof, _) in constraints.ties() {
+            assert!(dof.index() < n, "tied dof {} of {n} unknowns", dof.index());
+            self.constrained[dof.index()] = true;
+            self.prescribed.push((dof, 0.0));
         }
         self.find_eliminated();
         self.has_nonlinear = contributions.iter().any(|c| !c.is_linear() && !c.is_empty());

@@ -1,13 +1,16 @@
-//! Unknowns with a prescribed value.
+//! Unknowns with a prescribed value, and unknowns that follow from others.
 
 use std::collections::BTreeMap;
 
 use crate::DofId;
 
-/// Prescribed values of dofs.
+/// Prescribed values of dofs, and dofs tied to others.
 ///
 /// A constrained dof keeps its row and column in the system: the row becomes the identity with a zero residual and
 /// the column is dropped, because a state that satisfies the constraints from the start has zero corrections there.
+///
+/// A tied dof is a linear combination of other dofs. What contributions have to say about it is said of those, with the same
+/// factors ([`crate::Tied`]), so that the system is the one of the free dofs alone; the corrections of tied dofs follow.
 ///
 /// ```
 /// use algebra::{Constraints, DofId};
@@ -18,10 +21,15 @@ use crate::DofId;
 /// let mut x = [0.0; 3];
 /// constraints.apply(&mut x);
 /// assert_eq!(x, [0.0, 0.0, 5.0]);
+///
+/// constraints.tie(DofId(1), &[(DofId(0), 1.0), (DofId(2), 2.0)]);
+/// constraints.apply(&mut x);
+/// assert_eq!(x, [0.0, 10.0, 5.0]);
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Constraints {
     values: BTreeMap<DofId, f64>,
+    ties: BTreeMap<DofId, Vec<(DofId, f64)>>,
 }
 
 impl Constraints {
@@ -32,7 +40,30 @@ impl Constraints {
 
     /// Prescribes the value of a dof; a later assignment of the same dof replaces an earlier one.
     pub fn set(&mut self, dof: DofId, value: f64) {
+        self.ties.remove(&dof);
         self.values.insert(dof, value);
+    }
+
+    /// Makes a dof the sum of others with factors. Those others may have a prescribed value, but must not be tied themselves; a
+    /// later assignment of the same dof replaces an earlier one.
+    pub fn tie(&mut self, dof: DofId, to: &[(DofId, f64)]) {
+        self.values.remove(&dof);
+        self.ties.insert(dof, to.to_vec());
+    }
+
+    /// All tied dofs with what they follow from, in the order of the dofs.
+    pub fn ties(&self) -> impl Iterator<Item = (DofId, &[(DofId, f64)])> + '_ {
+        self.ties.iter().map(|(&dof, to)| (dof, to.as_slice()))
+    }
+
+    /// Makes tied entries of `x` follow from the others: true of states, and of corrections.
+    ///
+    /// # Panics
+    /// A dof lies outside of `x`.
+    pub fn apply_ties(&self, x: &mut [f64]) {
+        for (dof, to) in self.ties() {
+            x[dof.index()] = to.iter().map(|(other, factor)| factor * x[other.index()]).sum();
+        }
     }
 
     /// The prescribed value of a dof, if it is constrained.
@@ -40,22 +71,22 @@ impl Constraints {
         self.values.get(&dof).copied()
     }
 
-    /// Number of constrained dofs.
+    /// Number of dofs that are prescribed or tied.
     pub fn len(&self) -> usize {
-        self.values.len()
+        self.values.len() + self.ties.len()
     }
 
     /// Whether no dof is constrained.
     pub fn is_empty(&self) -> bool {
-        self.values.is_empty()
+        self.len() == 0
     }
 
-    /// All constrained dofs with their values, in the order of the dofs.
+    /// All prescribed dofs with their values, in the order of the dofs.
     pub fn iter(&self) -> impl Iterator<Item = (DofId, f64)> + '_ {
         self.values.iter().map(|(&dof, &value)| (dof, value))
     }
 
-    /// Writes the prescribed values into `x`.
+    /// Writes the prescribed values into `x`, and what follows from them and the others.
     ///
     /// # Panics
     /// A constrained dof lies outside of `x`.
@@ -64,11 +95,12 @@ impl Constraints {
             assert!(dof.index() < x.len(), "constrained dof {} of {} unknowns", dof.index(), x.len());
             x[dof.index()] = value;
         }
+        self.apply_ties(x);
     }
 }
 
 impl FromIterator<(DofId, f64)> for Constraints {
     fn from_iter<T: IntoIterator<Item = (DofId, f64)>>(iter: T) -> Self {
-        Self { values: iter.into_iter().collect() }
+        Self { values: iter.into_iter().collect(), ties: BTreeMap::new() }
     }
 }

@@ -62,6 +62,7 @@ mod local_system;
 mod newton;
 mod pattern;
 mod scatter;
+mod tied;
 mod workspace;
 
 pub use block_system::{BlockSystem, ContributionTiming};
@@ -77,4 +78,5 @@ pub use linear::{
 pub use local_system::LocalSystem;
 pub use newton::{Forcing, NewtonError, NewtonReport, NewtonSettings, NonlinearProblem, newton};
 pub use pattern::{ItemMap, Pattern};
+pub use tied::Tied;
 pub use workspace::Workspace;

@@ -1,5 +1,7 @@
 //! Residual and tangent of one item (cell, face, piece).
 
+use crate::tied::Scratch;
+
 /// A small dense system: what one item adds to the global residual and tangent.
 ///
 /// Rows and columns are local, in the order of the item's dofs. The tangent is stored column by column.
@@ -9,6 +11,8 @@ pub struct LocalSystem {
     residual: Vec<f64>,
     tangent: Vec<f64>,
     residual_only: bool,
+    /// Memory for an item of other unknowns from which this one is made.
+    pub(crate) scratch: Option<Box<Scratch>>,
 }
 
 impl LocalSystem {

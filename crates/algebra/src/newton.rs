@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use crate::linear::{LinearError, LinearSolver};
-use crate::{BlockLayout, BlockSystem, Constraints, ContributionTiming, Contributions, Workspace};
+use crate::{BlockLayout, BlockSystem, Constraints, ContributionTiming, Contributions, Tied, Workspace};
 
 /// Successive growing corrections, each from an exact tangent, after which an iteration counts as diverged.
 const MAX_GROWTHS: usize = 5;
@@ -16,7 +16,7 @@ pub trait NonlinearProblem {
     /// The contributions to residual and tangent; the same at every call.
     fn contributions(&self) -> Vec<&dyn Contributions>;
 
-    /// Unknowns with a prescribed value.
+    /// Unknowns with a prescribed value, and those that follow from others.
     fn constraints(&self) -> &Constraints;
 
     /// For each unknown a number by which it is known again in the problem of another time step, for solvers that keep
@@ -239,7 +239,10 @@ pub fn newton(
 ) -> Result<NewtonReport, NewtonError> {
     assert_eq!(x.len(), problem.layout().len(), "length of the starting guess");
     problem.constraints().apply(x);
-    let contributions = problem.contributions();
+    let plain = problem.contributions();
+    let tied: Vec<Option<Tied<'_>>> = plain.iter().map(|c| Tied::new(*c, problem.constraints())).collect();
+    let contributions: Vec<&dyn Contributions> =
+        plain.iter().zip(&tied).map(|(plain, tied)| tied.as_ref().map_or(*plain, |tied| tied)).collect();
     let begin = Instant::now();
     work.prepare(problem.layout(), &contributions, problem.constraints(), problem.keys());
     let n_factorizations = work.solver.n_factorizations();
@@ -408,6 +411,7 @@ impl Solve<'_> {
         self.report.seconds_linear += begin.elapsed().as_secs_f64();
         self.report.solves += 1;
         let linear = outcome.map_err(Stop::Linear)?;
+        self.problem.constraints().apply_ties(&mut self.correction);
         self.report.linear_iterations += linear.iterations;
         self.last = Some(LinearSolve { forcing, before, after: before, reached: linear.backward_error });
         Ok(())

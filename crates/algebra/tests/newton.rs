@@ -281,3 +281,70 @@ fn constant_forcing_converges_at_its_rate() {
     assert!((x[0] - 1.0).abs() < 4e-6, "{x:?}");
     assert_eq!(report.iterations, 6, "{report:?}");
 }
+
+/// Springs `e + e³` between the neighbours of a row of points.
+struct Row {
+    layout: BlockLayout,
+    constraints: Constraints,
+}
+
+impl Contributions for Row {
+    fn len(&self) -> usize {
+        self.layout.len() - 1
+    }
+    fn dofs(&self, item: usize, out: &mut Vec<DofId>) {
+        out.extend([DofId::new(item), DofId::new(item + 1)]);
+    }
+    fn add(&self, item: usize, x: &[f64], out: &mut LocalSystem) {
+        let e = x[item + 1] - x[item];
+        let (force, stiffness) = (e + e.powi(3), 1.0 + 3.0 * e.powi(2));
+        out.add_vector(0, &[-force, force]);
+        out.add_block(0, 0, 2, &[stiffness, -stiffness, -stiffness, stiffness]);
+    }
+    fn name(&self) -> &'static str {
+        "row"
+    }
+}
+
+impl NonlinearProblem for Row {
+    fn layout(&self) -> &BlockLayout {
+        &self.layout
+    }
+    fn contributions(&self) -> Vec<&dyn Contributions> {
+        vec![self]
+    }
+    fn constraints(&self) -> &Constraints {
+        &self.constraints
+    }
+}
+
+#[test]
+fn tied_unknowns_follow_and_the_others_are_in_equilibrium() {
+    let mut layout = BlockLayout::new();
+    layout.push("positions", 7);
+    let mut constraints = Constraints::new();
+    constraints.set(DofId(0), 0.0);
+    constraints.set(DofId(6), 9.0);
+    // Two springs have a given ratio of lengths, and one point follows from a prescribed one as well.
+    constraints.tie(DofId(2), &[(DofId(1), 0.75), (DofId(3), 0.25)]);
+    constraints.tie(DofId(5), &[(DofId(4), 0.5), (DofId(6), 0.5)]);
+    let row = Row { layout, constraints };
+    let mut x = vec![0.0; 7];
+    let report = newton(&row, &mut x, &mut Workspace::new(), &exact(1e-12)).unwrap();
+    assert_eq!((x[0], x[6]), (0.0, 9.0));
+    assert!((x[2] - 0.75 * x[1] - 0.25 * x[3]).abs() < 1e-12 && (x[5] - 0.5 * (x[4] + x[6])).abs() < 1e-12);
+    // Virtual work on the motions that the ties admit: of points 1, 3 and 4 with what follows them.
+    let force = |k: usize| {
+        let e = x[k + 1] - x[k];
+        e + e.powi(3)
+    };
+    let on = |k: usize| force(k) - force(k - 1);
+    for work in [on(1) + 0.75 * on(2), on(3) + 0.25 * on(2), on(4) + 0.5 * on(5)] {
+        assert!(work.abs() < 1e-10, "{work}");
+    }
+    assert!(on(2).abs() > 0.1, "the tie bears a force");
+    let c = &report.correction_history;
+    let rates: Vec<f64> =
+        c.windows(3).filter(|w| w[2] > 1e-13).map(|w| (w[2] / w[1]).ln() / (w[1] / w[0]).ln()).collect();
+    assert!(rates.last().is_some_and(|rate| *rate > 1.7), "quadratic: {rates:?} {c:?}");
+}

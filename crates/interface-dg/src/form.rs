@@ -9,8 +9,8 @@ use crate::terms::{AdjointConsistency, Consistency, Penalty};
 
 /// What is known of a body's velocity.
 pub enum BodySide<'a, const D: usize> {
-    /// Unknown: component `a` of the velocity of vertex `v` lies at `D v + a` of the field.
-    Elastic {
+    /// Vertex velocities, unknown or tied to unknowns: component `a` of that of vertex `v` lies at `D v + a` of the field.
+    Unknown {
         /// The velocity field of the body.
         field: FieldId,
         /// Its boundary.
@@ -77,7 +77,7 @@ impl<const D: usize> InterfacePieces<'_, D> {
         }
         let body = &self.bodies[piece.body.index()];
         let mut on_facet = [Vector::<D>::zeros(); MAX_CELL_VERTICES];
-        if let BodySide::Elastic { field, boundary } = body {
+        if let BodySide::Unknown { field, boundary } = body {
             for (slot, vertex) in on_facet.iter_mut().zip(boundary.facet(piece.facet)) {
                 let start = self.fields.layout.dof(*field, D * vertex.index()).index();
                 *slot = Vector::from_column_slice(&x[start..start + D]);
@@ -93,7 +93,7 @@ impl<const D: usize> InterfacePieces<'_, D> {
                 pressure += pressures[i] * at.fluid[i];
             }
             match body {
-                BodySide::Elastic { .. } => (0..D).for_each(|k| jump -= on_facet[k] * at.solid[k]),
+                BodySide::Unknown { .. } => (0..D).for_each(|k| jump -= on_facet[k] * at.solid[k]),
                 BodySide::Prescribed { velocity, time } => jump -= velocity(&at.point, *time),
             }
             visit(&MortarPoint {
@@ -104,7 +104,7 @@ impl<const D: usize> InterfacePieces<'_, D> {
                 jump,
                 pressure,
                 traction: viscous_traction + piece.normal * pressure,
-                is_elastic: matches!(body, BodySide::Elastic { .. }),
+                is_unknown: matches!(body, BodySide::Unknown { .. }),
             });
         }
     }
@@ -127,7 +127,7 @@ impl<const D: usize> Contributions for InterfacePieces<'_, D> {
             out.extend((0..D).map(|a| layout.dof(velocity, D * dof as usize + a)));
         }
         out.extend(dofs.iter().map(|&dof| layout.dof(pressure, dof as usize)));
-        if let BodySide::Elastic { field, boundary } = &self.bodies[piece.body.index()] {
+        if let BodySide::Unknown { field, boundary } = &self.bodies[piece.body.index()] {
             for vertex in boundary.facet(piece.facet) {
                 out.extend((0..D).map(|a| layout.dof(*field, D * vertex.index() + a)));
             }

@@ -104,7 +104,7 @@ pub(crate) struct MortarPoint<'a, const D: usize> {
     /// Traction `T^f(u, p) n^f`.
     pub(crate) traction: Vector<D>,
     /// Whether the velocity of the body is unknown.
-    pub(crate) is_elastic: bool,
+    pub(crate) is_unknown: bool,
 }
 
 impl<const D: usize> MortarPoint<'_, D> {
@@ -118,7 +118,7 @@ impl<const D: usize> MortarPoint<'_, D> {
     #[inline]
     pub(crate) fn jump_basis(&self) -> impl Iterator<Item = (usize, f64)> + Clone + '_ {
         let fluid = (0..=D).map(|i| (D * i, self.at.fluid[i]));
-        let n_solid = if self.is_elastic { D } else { 0 };
+        let n_solid = if self.is_unknown { D } else { 0 };
         let first_solid = (D + 1) * (D + 1);
         let solid = (0..n_solid).map(move |k| (first_solid + D * k, -self.at.solid[k]));
         fluid.chain(solid)

@@ -58,7 +58,7 @@ impl Fixture {
         let boundary = self.body.boundary();
         let given = move |_: &Point<2>, _: f64| v;
         let side = if elastic {
-            BodySide::Elastic { field, boundary: &boundary }
+            BodySide::Unknown { field, boundary: &boundary }
         } else {
             BodySide::Prescribed { velocity: &given, time: 0.0 }
         };

@@ -1,47 +1,103 @@
 //! The bodies and contacts of one step, with a fluid around them or without.
 
-use algebra::{BlockLayout, Constraints, Contributions, FieldId, NewtonReport};
+use algebra::{BlockLayout, Constraints, Contributions, DofId, FieldId, NewtonReport};
 use contact::{ContactBody, ContactFacets, ContactPair};
 use mesh::{BodyId, Point, Vector};
+use solid_rigid::modes::n_modes;
+use solid_rigid::{RigidMomentum, RigidMotion, RigidStep};
 use solid_svk::boundary::{Support, support_values};
 use solid_svk::{InternalWorkCells, LinearCells, SolidCells, SolidFacets, StepRule};
 
 use crate::setup::{BodyKind, Contact, ContactObstacle, SupportKind};
-use crate::state::prescribed_body;
-use crate::{Body, BodyState, SetupError, Stage};
+use crate::state::{prescribed_body, rigid_body};
+use crate::{Body, BodyState, ElasticBody, RigidBody, SetupError, Stage};
 
-/// The unknown velocity of an elastic body, and what follows from it.
+/// The velocities of the vertices of a body at the end of a step, and the positions that follow from them.
 #[derive(Clone, Debug)]
 pub struct BodyUnknown<const D: usize> {
-    /// Velocity at the end of the step.
+    /// Velocities of the vertices.
     pub field: FieldId,
-    /// Displacement and acceleration.
-    pub rule: StepRule<D>,
-    /// Positions of the vertices at the end of the step, at zero velocity.
+    /// Positions of the vertices at zero velocity.
     pub predicted: Vec<Point<D>>,
+    /// Derivative of the positions with respect to the velocities.
+    pub displacement_per_velocity: f64,
+    /// What is known of the velocities.
+    pub motion: Motion<D>,
 }
 
-/// Adds the unknowns of the elastic bodies to the layout; `None` where the motion is prescribed.
+/// What is known of the velocities of a body.
+#[derive(Clone, Debug)]
+pub enum Motion<const D: usize> {
+    /// Nothing: each is an unknown. Displacement and acceleration follow from them.
+    Elastic(StepRule<D>),
+    /// They are tied to velocity and spin of the body.
+    Rigid {
+        /// The balance of momentum.
+        step: RigidStep<D>,
+        /// Velocity and spin.
+        unknowns: FieldId,
+    },
+    /// All of them.
+    Prescribed(Vec<Vector<D>>),
+}
+
+/// Adds the unknowns of the bodies to the layout; `None` for a body of prescribed motion that has no contacts.
 pub(crate) fn unknowns<const D: usize>(
     bodies: &[Body<D>],
+    contacts: &[Contact<D>],
     previous: &[BodyState<D>],
-    dt: f64,
+    (time, dt): (f64, f64),
     layout: &mut BlockLayout,
 ) -> Result<Vec<Option<BodyUnknown<D>>>, SetupError> {
-    let unknown = |(body, state): (&Body<D>, &BodyState<D>)| {
-        let BodyKind::Elastic(elastic) = &body.kind else { return Ok(None) };
-        let refuse = |source| SetupError::Solid { body: body.name.clone(), source };
-        let rule = elastic
-            .scheme
-            .step(dt, &state.displacement, &state.velocity, state.acceleration.as_deref())
-            .map_err(refuse)?;
-        let predicted = elastic.solid.positions(rule.end().displacement.predicted()).map_err(refuse)?;
-        Ok(Some(BodyUnknown { field: layout.push(&body.name, elastic.solid.n_dofs()), rule, predicted }))
+    let unknown = |(b, (body, state)): (usize, (&Body<D>, &BodyState<D>))| match &body.kind {
+        BodyKind::Elastic(elastic) => {
+            let refuse = |source| SetupError::Solid { body: body.name.clone(), source };
+            let rule = elastic
+                .scheme
+                .step(dt, &state.displacement, &state.velocity, state.acceleration.as_deref())
+                .map_err(refuse)?;
+            let displacement = &rule.end().displacement;
+            Ok(Some(BodyUnknown {
+                field: layout.push(&body.name, elastic.solid.n_dofs()),
+                predicted: elastic.solid.positions(displacement.predicted()).map_err(refuse)?,
+                displacement_per_velocity: displacement.slope(),
+                motion: Motion::Elastic(rule),
+            }))
+        }
+        BodyKind::Rigid(rigid) => {
+            let refuse = |source| SetupError::Rigid { body: body.name.clone(), source };
+            let begin = rigid_motion(rigid, state);
+            Ok(Some(BodyUnknown {
+                field: layout.push(&body.name, D * rigid.reference.len()),
+                predicted: state.positions(&rigid.reference),
+                displacement_per_velocity: dt,
+                motion: Motion::Rigid {
+                    step: RigidStep::new(&rigid.mass, &begin, rigid.gravity, dt).map_err(refuse)?,
+                    unknowns: layout.push(&format!("{} as a whole", body.name), n_modes(D)),
+                },
+            }))
+        }
+        BodyKind::Prescribed(given) if contacts.iter().any(|contact| contact.names(b)) => {
+            let end = prescribed_body(given, time);
+            let positions = end.positions(&given.reference);
+            Ok(Some(BodyUnknown {
+                field: layout.push(&body.name, D * given.reference.len()),
+                predicted: positions.iter().zip(&end.velocity).map(|(x, v)| x - v * dt).collect(),
+                displacement_per_velocity: dt,
+                motion: Motion::Prescribed(end.velocity),
+            }))
+        }
+        BodyKind::Prescribed(_) => Ok(None),
     };
-    bodies.iter().zip(previous).map(unknown).collect()
+    bodies.iter().zip(previous).enumerate().map(unknown).collect()
 }
 
-/// Prescribes the unknowns that supports hold, at the time of the end of the step.
+/// Motion of a rigid body; at the start if the state has none.
+fn rigid_motion<const D: usize>(body: &RigidBody<D>, state: &BodyState<D>) -> RigidMotion<D> {
+    state.rigid.unwrap_or_else(|| RigidMotion::initial(&body.mass, body.initial_velocity, body.initial_spin))
+}
+
+/// Prescribes the unknowns that supports hold, at the time of the end of the step, and ties those of rigid bodies.
 pub(crate) fn constrain<const D: usize>(
     bodies: &[Body<D>],
     unknowns: &[Option<BodyUnknown<D>>],
@@ -50,29 +106,59 @@ pub(crate) fn constrain<const D: usize>(
     constraints: &mut Constraints,
 ) -> Result<(), SetupError> {
     for (body, unknown) in bodies.iter().zip(unknowns) {
-        let (BodyKind::Elastic(elastic), Some(unknown)) = (&body.kind, unknown) else { continue };
-        for support in &elastic.supports {
-            let displacement;
-            let kind = match &support.kind {
-                SupportKind::Clamped => Support::Clamped,
-                SupportKind::Symmetry { axis } => Support::Symmetry { axis: *axis },
-                SupportKind::Displacement(given) => {
-                    displacement = move |x: &Point<D>| given(x, time);
-                    Support::Displacement(&displacement)
+        let Some(unknown) = unknown else { continue };
+        match (&body.kind, &unknown.motion) {
+            (BodyKind::Elastic(elastic), Motion::Elastic(rule)) => {
+                let values = held(elastic, rule, layout, unknown.field, time)
+                    .map_err(|source| SetupError::Solid { body: body.name.clone(), source })?;
+                values.into_iter().for_each(|(dof, value)| constraints.set(dof, value));
+            }
+            (BodyKind::Rigid(rigid), Motion::Rigid { step, unknowns }) => {
+                step.tie(&unknown.predicted, layout, unknown.field, *unknowns, constraints)
+                    .map_err(|source| SetupError::Rigid { body: body.name.clone(), source })?;
+                let held = (0..n_modes(D)).filter(|m| if *m < D { rigid.held_axes[*m] } else { rigid.holds_rotation });
+                held.for_each(|m| constraints.set(layout.dof(*unknowns, m), 0.0));
+            }
+            (_, Motion::Prescribed(velocity)) => {
+                for (i, v) in velocity.iter().enumerate() {
+                    (0..D).for_each(|a| constraints.set(layout.dof(unknown.field, D * i + a), v[a]));
                 }
-            };
-            let values = support_values(&elastic.solid, &support.vertices, kind, &unknown.rule, layout, unknown.field)
-                .map_err(|source| SetupError::Solid { body: body.name.clone(), source })?;
-            values.into_iter().for_each(|(dof, value)| constraints.set(dof, value));
+            }
+            _ => unreachable!("unknowns are made for the kind of the body"),
         }
     }
     Ok(())
+}
+
+/// What the supports of an elastic body prescribe.
+fn held<const D: usize>(
+    elastic: &ElasticBody<D>,
+    rule: &StepRule<D>,
+    layout: &BlockLayout,
+    field: FieldId,
+    time: f64,
+) -> Result<Vec<(DofId, f64)>, solid_svk::Error> {
+    let mut all = Vec::new();
+    for support in &elastic.supports {
+        let displacement;
+        let kind = match &support.kind {
+            SupportKind::Clamped => Support::Clamped,
+            SupportKind::Symmetry { axis } => Support::Symmetry { axis: *axis },
+            SupportKind::Displacement(given) => {
+                displacement = move |x: &Point<D>| given(x, time);
+                Support::Displacement(&displacement)
+            }
+        };
+        all.extend(support_values(&elastic.solid, &support.vertices, kind, rule, layout, field)?);
+    }
+    Ok(all)
 }
 
 /// What the bodies of a step and their contacts add to the system.
 pub struct BodyForms<'a, const D: usize> {
     cells: Vec<(LinearCells<'a, D>, InternalWorkCells<'a, D>)>,
     loads: Vec<SolidFacets<'a, D>>,
+    rigid: Vec<RigidMomentum<D>>,
     /// The contacts, in the order of the setup.
     pub contacts: Vec<ContactFacets<'a, D>>,
     dt: f64,
@@ -88,11 +174,14 @@ impl<'a, const D: usize> BodyForms<'a, D> {
         previous: &[BodyState<D>],
         dt: f64,
     ) -> Result<Self, SetupError> {
-        let mut forms = Self { cells: Vec::new(), loads: Vec::new(), contacts: Vec::new(), dt };
+        let mut forms = Self { cells: Vec::new(), loads: Vec::new(), rigid: Vec::new(), contacts: Vec::new(), dt };
         for (body, unknown) in bodies.iter().zip(unknowns) {
-            let (BodyKind::Elastic(elastic), Some(BodyUnknown { field, rule, .. })) = (&body.kind, unknown) else {
-                continue;
-            };
+            let Some(BodyUnknown { field, motion, .. }) = unknown else { continue };
+            if let Motion::Rigid { step, unknowns } = motion {
+                let momentum = step.momentum(layout, *unknowns);
+                forms.rigid.push(momentum.map_err(|source| SetupError::Rigid { body: body.name.clone(), source })?);
+            }
+            let (BodyKind::Elastic(elastic), Motion::Elastic(rule)) = (&body.kind, motion) else { continue };
             let refuse = |source| SetupError::Solid { body: body.name.clone(), source };
             let cells = SolidCells::new(&elastic.solid, &elastic.form, rule, layout, *field).map_err(refuse)?;
             forms.cells.push((cells.linear(), cells.internal_work()));
@@ -107,10 +196,11 @@ impl<'a, const D: usize> BodyForms<'a, D> {
         Ok(forms)
     }
 
-    /// Cells, then loads.
+    /// Cells, then loads, then rigid bodies.
     pub(crate) fn solids(&self) -> impl Iterator<Item = &dyn Contributions> {
         let cells = self.cells.iter().flat_map(|(linear, work)| [linear as &dyn Contributions, work]);
-        cells.chain(self.loads.iter().map(|load| load as _))
+        let loads = self.loads.iter().map(|load| load as &dyn Contributions);
+        cells.chain(loads).chain(self.rigid.iter().map(|momentum| momentum as _))
     }
 
     /// Contacts.
@@ -169,11 +259,10 @@ fn contact_facets<'a, const D: usize>(
 ) -> Result<ContactFacets<'a, D>, SetupError> {
     let refuse = |source| SetupError::Contact { index, source };
     let body = |id: BodyId| -> Result<ContactBody<'a, D>, SetupError> {
-        let Some(BodyUnknown { field, rule, predicted }) = &unknowns[id.index()] else {
-            return Err(SetupError::NotElastic { index, body: id });
-        };
-        let slope = rule.end().displacement.slope();
-        ContactBody::new(bodies[id.index()].boundary(), predicted, slope, layout, *field).map_err(refuse)
+        let BodyUnknown { field, predicted, displacement_per_velocity, .. } =
+            unknowns[id.index()].as_ref().unwrap_or_else(|| unreachable!("bodies in contact have a field"));
+        let boundary = bodies[id.index()].boundary();
+        ContactBody::new(boundary, predicted, *displacement_per_velocity, layout, *field).map_err(refuse)
     };
     let fastest = |id: BodyId| previous[id.index()].velocity.iter().map(Vector::norm).fold(0.0, f64::max) * dt;
     let (master, motion) = match &contact.obstacle {
@@ -201,8 +290,10 @@ pub(crate) fn accept<const D: usize>(
 ) -> Vec<BodyState<D>> {
     let state = |(body, unknown): (&Body<D>, &Option<BodyUnknown<D>>)| match (&body.kind, unknown) {
         (BodyKind::Prescribed(given), _) => prescribed_body(given, time),
-        (BodyKind::Elastic(_), None) => unreachable!("elastic bodies have a field"),
-        (BodyKind::Elastic(_), Some(BodyUnknown { field, rule, .. })) => {
+        (BodyKind::Rigid(rigid), Some(BodyUnknown { motion: Motion::Rigid { step, unknowns }, .. })) => {
+            rigid_body(rigid, step.end(&x[layout.range(*unknowns)]))
+        }
+        (BodyKind::Elastic(_), Some(BodyUnknown { field, motion: Motion::Elastic(rule), .. })) => {
             let velocity: Vec<Vector<D>> =
                 x[layout.range(*field)].chunks_exact(D).map(Vector::from_column_slice).collect();
             let end = rule.end();
@@ -210,13 +301,15 @@ pub(crate) fn accept<const D: usize>(
                 displacement: velocity.iter().enumerate().map(|(i, v)| end.displacement.at(i, v)).collect(),
                 acceleration: Some(velocity.iter().enumerate().map(|(i, v)| end.acceleration.at(i, v)).collect()),
                 velocity,
+                rigid: None,
             }
         }
+        _ => unreachable!("unknowns are made for the kind of the body"),
     };
     bodies.iter().zip(unknowns).map(state).collect()
 }
 
-/// Velocities of the elastic bodies, as a starting guess.
+/// Velocities of the bodies, as a starting guess; those that are tied or prescribed follow.
 pub(crate) fn set_velocities<const D: usize>(
     unknowns: &[Option<BodyUnknown<D>>],
     previous: &[BodyState<D>],
@@ -227,6 +320,11 @@ pub(crate) fn set_velocities<const D: usize>(
         let Some(unknown) = unknown else { continue };
         for (slot, v) in x[layout.range(unknown.field)].chunks_exact_mut(D).zip(&state.velocity) {
             slot.copy_from_slice(v.as_slice());
+        }
+        if let (Motion::Rigid { unknowns, .. }, Some(motion)) = (&unknown.motion, &state.rigid) {
+            let whole = &mut x[layout.range(*unknowns)];
+            whole[..D].copy_from_slice(motion.velocity.as_slice());
+            whole[D..].copy_from_slice(&motion.spin[..n_modes(D) - D]);
         }
     }
 }

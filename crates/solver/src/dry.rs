@@ -52,8 +52,7 @@ impl<const D: usize> DryState<D> {
 
     /// Energies, momentum and volume of a body; `None` if its motion is prescribed.
     pub fn balance(&self, setup: &DrySetup<D>, body: usize) -> Option<BodyBalance<D>> {
-        let (elastic, state) = (setup.bodies[body].elastic()?, &self.bodies[body]);
-        Some(BodyBalance::new(&elastic.solid, &elastic.form, &state.displacement, &state.velocity))
+        setup.bodies[body].balance(&self.bodies[body])
     }
 }
 
@@ -93,8 +92,9 @@ pub fn advance<const D: usize>(
     let (step, time) = (previous.step + 1, next_time(previous.time, setup.dt));
     let failed = |stage: Stage| StepError::at(step, time, stage);
     let mut layout = BlockLayout::new();
-    let unknowns =
-        bodies::unknowns(&setup.bodies, &previous.bodies, setup.dt, &mut layout).map_err(|e| failed(e.into()))?;
+    let when = (time, setup.dt);
+    let unknowns = bodies::unknowns(&setup.bodies, &setup.contacts, &previous.bodies, when, &mut layout)
+        .map_err(|e| failed(e.into()))?;
     let mut constraints = Constraints::new();
     bodies::constrain(&setup.bodies, &unknowns, &layout, time, &mut constraints).map_err(|e| failed(e.into()))?;
     let forms = BodyForms::new(&setup.bodies, &setup.contacts, &unknowns, &layout, &previous.bodies, setup.dt)

@@ -21,13 +21,13 @@ pub enum SetupError {
         /// Why.
         source: contact::Error,
     },
-    /// A contact of a body that does not deform.
-    #[error("contact {index} names body {body}, which has a prescribed motion")]
-    NotElastic {
-        /// Number of the contact.
-        index: usize,
-        /// Number of the body.
-        body: mesh::BodyId,
+    /// A rigid body refused its data.
+    #[error("body {body}")]
+    Rigid {
+        /// Name of the body.
+        body: String,
+        /// Why.
+        source: solid_rigid::Error,
     },
 }
 

@@ -85,11 +85,11 @@ impl<const D: usize> BodyVelocity<'_, D> {
                 return vertices.iter().zip(barycentric).map(|(v, l)| velocity[v.index()] * l).sum();
             }
         }
-        for (b, body) in self.setup.bodies.iter().enumerate() {
-            if let BodyKind::Prescribed(prescribed) = &body.kind
+        for b in 0..self.setup.bodies.len() {
+            if let Some(velocity) = self.undeformed(b, x)
                 && index[b].surface.closest_signed(x).is_some_and(|closest| closest.distance < 0.0)
             {
-                return (prescribed.velocity)(x, self.previous.time);
+                return velocity;
             }
         }
         let mut nearest: Option<(f64, Vector<D>)> = None;
@@ -97,18 +97,24 @@ impl<const D: usize> BodyVelocity<'_, D> {
             let Some(closest) = index[b].surface.closest(x) else { continue };
             let distance = (closest.point - x).norm();
             if nearest.is_none_or(|(d, _)| distance < d) {
-                let velocity = match &body.kind {
-                    BodyKind::Prescribed(prescribed) => (prescribed.velocity)(x, self.previous.time),
-                    BodyKind::Elastic(_) => {
-                        let vertices = body.boundary().facet(closest.facet);
-                        let values = &self.previous.bodies[b].velocity;
-                        vertices.iter().zip(closest.barycentric).map(|(v, l)| values[v.index()] * l).sum()
-                    }
+                let on_facet = || {
+                    let vertices = body.boundary().facet(closest.facet);
+                    let values = &self.previous.bodies[b].velocity;
+                    vertices.iter().zip(closest.barycentric).map(|(v, l)| values[v.index()] * l).sum()
                 };
-                nearest = Some((distance, velocity));
+                nearest = Some((distance, self.undeformed(b, x).unwrap_or_else(on_facet)));
             }
         }
         nearest.map_or(Vector::zeros(), |(_, velocity)| velocity)
+    }
+
+    /// Velocity at a point of a body whose velocity is known everywhere.
+    fn undeformed(&self, b: usize, x: &Point<D>) -> Option<Vector<D>> {
+        match &self.setup.bodies[b].kind {
+            BodyKind::Elastic(_) => None,
+            BodyKind::Rigid(_) => self.previous.bodies[b].rigid.map(|motion| motion.velocity_at(x)),
+            BodyKind::Prescribed(given) => Some((given.velocity)(x, self.previous.time)),
+        }
     }
 
     fn build(&self) -> Vec<BodyIndex<D>> {

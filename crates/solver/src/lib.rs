@@ -24,7 +24,7 @@ mod step;
 mod system;
 mod time_loop;
 
-pub use bodies::{BodyForms, BodyUnknown};
+pub use bodies::{BodyForms, BodyUnknown, Motion};
 pub use error::{SetupError, Stage, StepError};
 pub use geometry::StepGeometry;
 pub use observe::{Observer, ObserverError, StepView};
@@ -33,7 +33,7 @@ pub use problem::{FsiProblem, StepForms};
 pub use report::{BodyReport, ForceBalance, StageSeconds, StepReport};
 pub use setup::{
     Body, BodyKind, BodySupport, Contact, ContactObstacle, ElasticBody, FluidBoundary, FluidSetup, PointField,
-    PrescribedBody, Setup, SupportKind, TimeField, TractionField,
+    PrescribedBody, RigidBody, Setup, SupportKind, TimeField, TractionField,
 };
 pub use state::{BodyState, FluidState, State};
 pub use step::{Substep, advance, advance_by};
@@ -46,5 +46,6 @@ pub use cutcell;
 pub use fluid_ns;
 pub use interface_dg;
 pub use mesh;
+pub use solid_rigid;
 pub use solid_svk;
 pub use xfem_space;

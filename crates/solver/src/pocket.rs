@@ -1,13 +1,16 @@
 //! Pockets of fluid whose pressure is known up to a constant only.
 
-use algebra::{BlockLayout, Constraints, FieldId};
+use std::collections::BTreeMap;
+
+use algebra::{BlockLayout, Constraints};
 use cutcell::{InterfacePiece, PartId};
+use solid_rigid::modes::{mode, n_modes};
 use xfem_space::Classes;
 
 use crate::setup::FluidBoundary;
-use crate::{Setup, StepGeometry};
+use crate::{BodyUnknown, Motion, Setup, StepGeometry};
 
-/// A connected set of parts without open boundary and without elastic body around it.
+/// A connected set of parts without open boundary, and without a body around it that can change its volume.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Pocket {
     /// The parts.
@@ -18,12 +21,13 @@ pub struct Pocket {
 
 /// The pockets of a step: wherever walls and bodies of prescribed motion enclose the fluid.
 ///
-/// A body that can give way feels the constant, and an open boundary fixes it; anywhere else the mean has to be fixed.
+/// A body that can give way feels the constant, and an open boundary fixes it; anywhere else the mean has to be fixed. A rigid body
+/// gives way where it parts the fluid from other fluid, as a piston, and not where the fluid is all around it.
 pub fn pockets<const D: usize>(
     setup: &Setup<D>,
     geometry: &StepGeometry<D>,
     layout: &BlockLayout,
-    bodies: &[Option<FieldId>],
+    bodies: &[Option<BodyUnknown<D>>],
     constraints: &Constraints,
 ) -> Vec<Pocket> {
     let cut = &geometry.cut;
@@ -44,6 +48,9 @@ pub fn pockets<const D: usize>(
             is_fixed[classes.lowest(piece.part.0) as usize] = true;
         }
     }
+    for (root, flow) in rigid_flows(geometry, layout, bodies, constraints, |part| classes.lowest(part.0)) {
+        is_fixed[root as usize] |= flow;
+    }
     let mut pockets: Vec<(u32, Pocket)> = Vec::new();
     for part in cut.all_parts() {
         let root = classes.lowest(part.0);
@@ -58,19 +65,49 @@ pub fn pockets<const D: usize>(
     pockets.into_iter().map(|(_, pocket)| pocket).collect()
 }
 
-/// Whether some vertex of the facet behind a piece is free to move along the normal.
+/// Whether rigid bodies can change the volume of pockets: for each pocket with such a body around it, and each of its free modes,
+/// whether the mode has a flow through the pocket's share of the surface. There is none if that is the whole surface.
+fn rigid_flows<const D: usize>(
+    geometry: &StepGeometry<D>,
+    layout: &BlockLayout,
+    bodies: &[Option<BodyUnknown<D>>],
+    constraints: &Constraints,
+    mut root: impl FnMut(PartId) -> u32,
+) -> Vec<(u32, bool)> {
+    /// Flow through a closed surface relative to what would flow through it head-on, at most: round-off.
+    const CLOSED: f64 = 1e-9;
+    let mut flows: BTreeMap<(u32, usize, usize), [f64; 2]> = BTreeMap::new();
+    for (item, piece) in geometry.cut.interface().iter().enumerate() {
+        let body = piece.body.index();
+        let Some(BodyUnknown { motion: Motion::Rigid { step, unknowns }, .. }) = &bodies[body] else { continue };
+        let is_free = |m: &usize| constraints.get(layout.dof(*unknowns, *m)).is_none();
+        for m in (0..n_modes(D)).filter(is_free) {
+            let [flow, largest] = flows.entry((root(piece.part), body, m)).or_default();
+            for at in geometry.pieces.points(item) {
+                let velocity = mode(m, &(at.point - step.centre()));
+                *flow += at.weight * velocity.dot(&piece.normal);
+                *largest += at.weight * velocity.norm();
+            }
+        }
+    }
+    flows.into_iter().map(|((root, ..), [flow, largest])| (root, flow.abs() > CLOSED * largest)).collect()
+}
+
+/// Whether some vertex of the facet behind a piece is free to move along the normal, by itself.
 fn gives_way<const D: usize>(
     setup: &Setup<D>,
     piece: &InterfacePiece<D>,
     layout: &BlockLayout,
-    bodies: &[Option<FieldId>],
+    bodies: &[Option<BodyUnknown<D>>],
     constraints: &Constraints,
 ) -> bool {
-    let Some(field) = bodies[piece.body.index()] else { return false };
+    let Some(BodyUnknown { field, motion: Motion::Elastic(_), .. }) = &bodies[piece.body.index()] else {
+        return false;
+    };
     let vertices = setup.bodies[piece.body.index()].boundary().facet(piece.facet);
     vertices.iter().any(|vertex| {
         (0..D).any(|a| {
-            let is_free = constraints.get(layout.dof(field, D * vertex.index() + a)).is_none();
+            let is_free = constraints.get(layout.dof(*field, D * vertex.index() + a)).is_none();
             is_free && piece.normal[a].abs() > f64::EPSILON
         })
     })

@@ -29,10 +29,8 @@ impl<'a, const D: usize> StepForms<'a, D> {
             (BodyKind::Prescribed(given), _) => {
                 BodySide::Prescribed { velocity: given.velocity.as_ref(), time: system.time }
             }
-            (BodyKind::Elastic(_), Some(unknown)) => {
-                BodySide::Elastic { field: unknown.field, boundary: body.boundary() }
-            }
-            (BodyKind::Elastic(_), None) => unreachable!("elastic bodies have a field"),
+            (_, Some(unknown)) => BodySide::Unknown { field: unknown.field, boundary: body.boundary() },
+            (_, None) => unreachable!("elastic and rigid bodies have a field"),
         });
         Self {
             fluid_geometry: fluid_geometry(setup, geometry),
@@ -177,8 +175,7 @@ impl<const D: usize> NonlinearProblem for FsiProblem<'_, D> {
         let mut keys = Vec::with_capacity(layout.len());
         keys.extend(scalar.iter().flat_map(|key| (0..D).map(move |a| tag(self.system.velocity, a) | key)));
         keys.extend(scalar.iter().map(|key| tag(self.system.pressure, 0) | key));
-        for unknown in self.system.bodies.iter().flatten() {
-            let field = unknown.field;
+        for field in layout.fields().filter(|field| ![self.system.velocity, self.system.pressure].contains(field)) {
             keys.extend((0..layout.range(field).len()).map(|k| tag(field, 0) | k as u64));
         }
         keys

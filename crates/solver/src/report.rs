@@ -4,11 +4,12 @@ use algebra::NewtonReport;
 use contact::ContactReport;
 use cutcell::{CutMesh, CutReport};
 use interface_dg::{InterfaceFlow, InterfaceTraction, interface_flow, interface_tractions};
-use mesh::{Point, Vector};
+use mesh::{Placed, Point, Vector};
 use solid_svk::energy::BodyBalance;
 use xfem_space::PartValues;
 
-use crate::{BodyState, FsiProblem, Setup, State, StepGeometry, StepSystem, Substep};
+use crate::setup::BodyKind;
+use crate::{Body, BodyState, FsiProblem, Setup, State, StepGeometry, StepSystem, Substep};
 
 /// Wall-clock time per stage of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -25,7 +26,7 @@ pub struct StageSeconds {
     pub linear: f64,
 }
 
-/// The forces on an elastic body over a step, of which inertia is the sum: a balance that closes to the accuracy of
+/// The forces on an elastic or rigid body over a step, of which inertia is the sum: a balance that closes to the accuracy of
 /// the nonlinear solve in every direction that no support holds.
 ///
 /// Units (cgs, per unit depth in 2D): dyn.
@@ -168,25 +169,52 @@ fn body_report<const D: usize>(
         .min_by(|&i, &j| height(&positions[i]).total_cmp(&height(&positions[j])))
         .unwrap_or_default();
     let at = |values: &[Vector<D>]| values.get(lowest).copied().unwrap_or_else(Vector::zeros);
-    let balance = |state: &BodyState<D>| {
-        body.elastic()
-            .map(|elastic| BodyBalance::new(&elastic.solid, &elastic.form, &state.displacement, &state.velocity))
-    };
-    let forces = balance(&previous.bodies[b]).zip(balance(now)).map(|(before, after)| ForceBalance {
+    let forces = body.balance(&previous.bodies[b]).zip(body.balance(now)).map(|(before, after)| ForceBalance {
         inertia: (after.momentum - before.momentum) / dt,
-        body_force: body.elastic().map_or(Vector::zeros(), |e| e.form.body_force.acceleration * after.mass),
+        body_force: body.gravity() * after.mass,
         pressure: Vector::zeros(),
         viscous: Vector::zeros(),
         penalty: Vector::zeros(),
         contact: Vector::zeros(),
     });
     BodyReport {
-        balance: balance(now),
+        balance: body.balance(now),
         forces,
         lowest: (lowest, at(&positions)),
         lowest_velocity: at(&now.velocity),
         lowest_acceleration: (at(&now.velocity) - at(&previous.bodies[b].velocity)) / dt,
         highest: positions.iter().map(height).fold(f64::NEG_INFINITY, f64::max),
+    }
+}
+
+impl<const D: usize> Body<D> {
+    /// Acceleration of gravity; none where it has no part in the motion.
+    pub(crate) fn gravity(&self) -> Vector<D> {
+        match &self.kind {
+            BodyKind::Elastic(elastic) => elastic.form.body_force.acceleration,
+            BodyKind::Rigid(rigid) => rigid.gravity,
+            BodyKind::Prescribed(_) => Vector::zeros(),
+        }
+    }
+
+    /// Energies, momentum and volume in a state; `None` if the motion is prescribed.
+    pub fn balance(&self, state: &BodyState<D>) -> Option<BodyBalance<D>> {
+        match (&self.kind, &state.rigid) {
+            (BodyKind::Elastic(elastic), _) => {
+                Some(BodyBalance::new(&elastic.solid, &elastic.form, &state.displacement, &state.velocity))
+            }
+            (BodyKind::Rigid(rigid), Some(motion)) => Some(BodyBalance {
+                kinetic_energy: motion.kinetic_energy(&rigid.mass),
+                elastic_energy: 0.0,
+                potential_energy: -rigid.mass.mass * rigid.gravity.dot(&motion.centre),
+                mass: rigid.mass.mass,
+                centre_of_mass: motion.centre,
+                momentum: motion.velocity * rigid.mass.mass,
+                volume: Placed::new(&rigid.boundary, &rigid.reference).enclosed_volume(),
+                smallest_volume_ratio: 1.0,
+            }),
+            _ => None,
+        }
     }
 }
 
@@ -217,8 +245,7 @@ impl<const D: usize> State<D> {
     pub fn total_energy(&self, setup: &Setup<D>) -> f64 {
         let parts = PartValues::new(&setup.background, &self.fluid.cut, 2);
         let solids = setup.bodies.iter().zip(&self.bodies).filter_map(|(body, state)| {
-            let elastic = body.elastic()?;
-            let b = BodyBalance::new(&elastic.solid, &elastic.form, &state.displacement, &state.velocity);
+            let b = body.balance(state)?;
             Some(b.kinetic_energy + b.elastic_energy + b.potential_energy)
         });
         solids.sum::<f64>() + fluid_kinetic_energy(setup, &parts, self)

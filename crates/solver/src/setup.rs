@@ -7,7 +7,8 @@ use contact::{ContactForm, DeformableObstacle, Obstacle};
 use cutcell::OverlayOptions;
 use fluid_ns::NewtonianFluid;
 use fluid_ns::terms::CipProfile;
-use mesh::{BodyId, BoundaryMesh, FacetId, Point, SimplexMesh, Tag, Vector, VertexId};
+use mesh::{BodyId, BoundaryMesh, FacetId, Placed, Point, SimplexMesh, Tag, Vector, VertexId};
+use solid_rigid::{MassProperties, Spin};
 use solid_svk::{FacetTerm, SolidForm, SolidMesh, TimeScheme};
 
 /// A vector at a point.
@@ -91,6 +92,8 @@ pub struct Body<const D: usize> {
 pub enum BodyKind<const D: usize> {
     /// Elasticity: its velocity is unknown.
     Elastic(Box<ElasticBody<D>>),
+    /// Momentum alone: it does not deform.
+    Rigid(Box<RigidBody<D>>),
     /// A given motion.
     Prescribed(PrescribedBody<D>),
 }
@@ -135,6 +138,51 @@ pub enum SupportKind<const D: usize> {
     Displacement(Arc<dyn Fn(&Point<D>, f64) -> [Option<f64>; D] + Send + Sync>),
 }
 
+/// A body that moves freely without deforming, advanced by implicit Euler.
+pub struct RigidBody<const D: usize> {
+    /// Its surface.
+    pub boundary: BoundaryMesh<D>,
+    /// Reference positions of the vertices of the surface.
+    pub reference: Vec<Point<D>>,
+    /// Mass, centre and moments.
+    pub mass: MassProperties<D>,
+    /// Acceleration of gravity.
+    pub gravity: Vector<D>,
+    /// Axes along which the centre is held.
+    pub held_axes: [bool; D],
+    /// Whether rotation is held.
+    pub holds_rotation: bool,
+    /// Velocity of the centre at the start.
+    pub initial_velocity: Vector<D>,
+    /// Spin at the start, rad/s.
+    pub initial_spin: Spin,
+}
+
+impl<const D: usize> RigidBody<D> {
+    /// A body at rest that nothing holds, of uniform density inside of its surface.
+    ///
+    /// # Errors
+    /// [`solid_rigid::Error`]: density not positive, or a surface that encloses nothing.
+    pub fn new(
+        boundary: BoundaryMesh<D>,
+        reference: Vec<Point<D>>,
+        density: f64,
+        gravity: Vector<D>,
+    ) -> Result<Self, solid_rigid::Error> {
+        let mass = MassProperties::of_surface(&Placed::new(&boundary, &reference), density)?;
+        Ok(Self {
+            boundary,
+            reference,
+            mass,
+            gravity,
+            held_axes: [false; D],
+            holds_rotation: false,
+            initial_velocity: Vector::zeros(),
+            initial_spin: [0.0; 3],
+        })
+    }
+}
+
 /// A body with a given motion.
 pub struct PrescribedBody<const D: usize> {
     /// Its surface.
@@ -172,6 +220,17 @@ pub enum ContactObstacle<const D: usize> {
     },
 }
 
+impl<const D: usize> Contact<D> {
+    /// Whether a body takes part.
+    pub fn names(&self, body: usize) -> bool {
+        let master = match &self.obstacle {
+            ContactObstacle::Rigid(_) => None,
+            ContactObstacle::Body { body, .. } => Some(*body),
+        };
+        self.body.index() == body || master.is_some_and(|master| master.index() == body)
+    }
+}
+
 impl<const D: usize> ContactObstacle<D> {
     /// The geometry.
     pub fn geometry(&self) -> &dyn Obstacle<D> {
@@ -187,7 +246,15 @@ impl<const D: usize> Body<D> {
     pub fn elastic(&self) -> Option<&ElasticBody<D>> {
         match &self.kind {
             BodyKind::Elastic(body) => Some(body),
-            BodyKind::Prescribed(_) => None,
+            BodyKind::Rigid(_) | BodyKind::Prescribed(_) => None,
+        }
+    }
+
+    /// The rigid body, if it is one.
+    pub fn rigid(&self) -> Option<&RigidBody<D>> {
+        match &self.kind {
+            BodyKind::Rigid(body) => Some(body),
+            BodyKind::Elastic(_) | BodyKind::Prescribed(_) => None,
         }
     }
 
@@ -195,6 +262,7 @@ impl<const D: usize> Body<D> {
     pub fn boundary(&self) -> &BoundaryMesh<D> {
         match &self.kind {
             BodyKind::Elastic(body) => body.solid.boundary(),
+            BodyKind::Rigid(body) => &body.boundary,
             BodyKind::Prescribed(body) => &body.boundary,
         }
     }
@@ -203,6 +271,7 @@ impl<const D: usize> Body<D> {
     pub fn reference(&self) -> &[Point<D>] {
         match &self.kind {
             BodyKind::Elastic(body) => body.solid.mesh().vertices(),
+            BodyKind::Rigid(body) => &body.reference,
             BodyKind::Prescribed(body) => &body.reference,
         }
     }

@@ -2,6 +2,7 @@
 
 use cutcell::CutMesh;
 use mesh::{Placed, Point, Vector};
+use solid_rigid::RigidMotion;
 use xfem_space::XfemSpace;
 
 use crate::setup::BodyKind;
@@ -42,8 +43,10 @@ pub struct BodyState<const D: usize> {
     pub displacement: Vec<Vector<D>>,
     /// Velocity.
     pub velocity: Vec<Vector<D>>,
-    /// Acceleration; `None` at the start, where it follows from the first step, and where the motion is prescribed.
+    /// Acceleration of an elastic body; `None` at the start, where it follows from the first step.
     pub acceleration: Option<Vec<Vector<D>>>,
+    /// Position, rotation, velocity and spin of a rigid body, which the others follow from.
+    pub rigid: Option<RigidMotion<D>>,
 }
 
 impl<const D: usize> BodyState<D> {
@@ -99,7 +102,12 @@ pub(crate) fn initial_body<const D: usize>(kind: &BodyKind<D>) -> BodyState<D> {
                 displacement: evaluate(&body.initial_displacement),
                 velocity: evaluate(&body.initial_velocity),
                 acceleration: None,
+                rigid: None,
             }
+        }
+        BodyKind::Rigid(body) => {
+            let motion = RigidMotion::initial(&body.mass, body.initial_velocity, body.initial_spin);
+            rigid_body(body, motion)
         }
         BodyKind::Prescribed(body) => prescribed_body(body, 0.0),
     }
@@ -112,6 +120,18 @@ pub(crate) fn prescribed_body<const D: usize>(body: &crate::PrescribedBody<D>, t
         velocity: at.iter().map(|x| (body.velocity)(x, time)).collect(),
         displacement: at.iter().zip(&body.reference).map(|(x, reference)| x - reference).collect(),
         acceleration: None,
+        rigid: None,
+    }
+}
+
+/// A rigid body in a given motion.
+pub(crate) fn rigid_body<const D: usize>(body: &crate::RigidBody<D>, motion: RigidMotion<D>) -> BodyState<D> {
+    let at: Vec<Point<D>> = body.reference.iter().map(|x| motion.position(&body.mass, x)).collect();
+    BodyState {
+        velocity: at.iter().map(|x| motion.velocity_at(x)).collect(),
+        displacement: at.iter().zip(&body.reference).map(|(x, reference)| x - reference).collect(),
+        acceleration: None,
+        rigid: Some(motion),
     }
 }
 

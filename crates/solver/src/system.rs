@@ -13,7 +13,7 @@ use crate::setup::FluidBoundary;
 use crate::{Pocket, Setup, SetupError, State, StepGeometry, pockets};
 
 /// The unknowns of a step and what is prescribed of them: velocity and pressure of the fluid, then the velocity of
-/// each elastic body.
+/// each body that has an unknown one.
 pub struct StepSystem<const D: usize> {
     /// Where the unknowns lie.
     pub layout: BlockLayout,
@@ -21,7 +21,7 @@ pub struct StepSystem<const D: usize> {
     pub velocity: FieldId,
     /// Fluid pressure.
     pub pressure: FieldId,
-    /// Velocity of each body; `None` where the motion is prescribed.
+    /// Velocity of each body; `None` where the motion is prescribed and nobody asks.
     pub bodies: Vec<Option<BodyUnknown<D>>>,
     /// Prescribed unknowns.
     pub constraints: Constraints,
@@ -44,7 +44,8 @@ impl<const D: usize> StepSystem<D> {
         let mut layout = BlockLayout::new();
         let velocity = layout.push("velocity", D * geometry.space.len());
         let pressure = layout.push("pressure", geometry.space.len());
-        let bodies = bodies::unknowns(&setup.bodies, &previous.bodies, dt, &mut layout)?;
+        let time = previous.next_time(dt);
+        let bodies = bodies::unknowns(&setup.bodies, &setup.contacts, &previous.bodies, (time, dt), &mut layout)?;
         let mut system = Self {
             layout,
             velocity,
@@ -53,13 +54,12 @@ impl<const D: usize> StepSystem<D> {
             constraints: Constraints::new(),
             pockets: Vec::new(),
             dt,
-            time: previous.next_time(dt),
+            time,
             mortar: MortarForm::new(setup.fluid.material, setup.gamma_sigma),
         };
         system.constrain_fluid(setup, geometry);
         bodies::constrain(&setup.bodies, &system.bodies, &system.layout, system.time, &mut system.constraints)?;
-        let fields: Vec<_> = system.bodies.iter().map(|body| body.as_ref().map(|unknown| unknown.field)).collect();
-        system.pockets = pockets(setup, geometry, &system.layout, &fields, &system.constraints);
+        system.pockets = pockets(setup, geometry, &system.layout, &system.bodies, &system.constraints);
         for pocket in &system.pockets {
             system.constraints.set(system.layout.dof(system.pressure, pocket.dof as usize), 0.0);
         }

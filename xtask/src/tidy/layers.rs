@@ -3,12 +3,13 @@
 use super::{Finding, Workspace};
 
 /// Every package with the packages that it may use; any package may use the third list in its tests only.
-const LAYERS: [(&str, &[&str], &[&str]); 14] = [
+const LAYERS: [(&str, &[&str], &[&str]); 15] = [
     ("mesh", &[], &[]),
     ("algebra", &[], &[]),
     ("cutcell", &["mesh"], &[]),
     ("xfem-space", &["mesh", "cutcell", "algebra"], &[]),
     ("fluid-ns", &["mesh", "cutcell", "xfem-space", "algebra"], &[]),
+    ("solid-rigid", &["mesh", "algebra"], &[]),
     ("solid-svk", &["mesh", "algebra"], &[]),
     ("interface-dg", &["mesh", "cutcell", "xfem-space", "algebra", "fluid-ns", "solid-svk"], &[]),
     ("contact", &["mesh", "algebra"], &["solid-svk"]),
@@ -21,11 +22,32 @@ const LAYERS: [(&str, &[&str], &[&str]); 14] = [
 ];
 
 const NUMERICS: &[&str] =
-    &["mesh", "algebra", "cutcell", "xfem-space", "fluid-ns", "solid-svk", "interface-dg", "contact"];
-const SIMULATION: &[&str] =
-    &["mesh", "algebra", "cutcell", "xfem-space", "fluid-ns", "solid-svk", "interface-dg", "contact", "solver"];
-const EVERYTHING: &[&str] =
-    &["mesh", "algebra", "cutcell", "xfem-space", "fluid-ns", "solid-svk", "interface-dg", "contact", "solver", "io"];
+    &["mesh", "algebra", "cutcell", "xfem-space", "fluid-ns", "solid-rigid", "solid-svk", "interface-dg", "contact"];
+const SIMULATION: &[&str] = &[
+    "mesh",
+    "algebra",
+    "cutcell",
+    "xfem-space",
+    "fluid-ns",
+    "solid-rigid",
+    "solid-svk",
+    "interface-dg",
+    "contact",
+    "solver",
+];
+const EVERYTHING: &[&str] = &[
+    "mesh",
+    "algebra",
+    "cutcell",
+    "xfem-space",
+    "fluid-ns",
+    "solid-rigid",
+    "solid-svk",
+    "interface-dg",
+    "contact",
+    "solver",
+    "io",
+];
 
 /// Compares the manifests with the table.
 pub(super) fn check(workspace: &Workspace) -> Vec<Finding> {

@@ -1,0 +1,131 @@
+//! Contributions to dofs that follow from others.
+
+use std::collections::BTreeMap;
+
+use crate::{Constraints, Contributions, DofId, LocalSystem};
+
+/// A contribution of which some dofs are tied, in terms of the dofs that these follow from.
+///
+/// With the state `x = P y` of an item, where `y` has each of its free dofs once, residual and tangent become `Pᵀ r` and
+/// `Pᵀ K P`: the principle of virtual work on the states that the ties admit.
+pub struct Tied<'a> {
+    plain: &'a dyn Contributions,
+    ties: BTreeMap<DofId, &'a [(DofId, f64)]>,
+}
+
+/// Memory for one item in its own dofs.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Scratch {
+    system: LocalSystem,
+    dofs: Vec<DofId>,
+    free: Vec<DofId>,
+    /// Dof to its first entry in `entries`.
+    first_entry: Vec<usize>,
+    /// Rows of `P`: positions in `free`, with factors.
+    entries: Vec<(usize, f64)>,
+}
+
+impl<'a> Tied<'a> {
+    /// A contribution in terms of free dofs; `None` if none of its dofs is tied.
+    pub fn new(plain: &'a dyn Contributions, constraints: &'a Constraints) -> Option<Self> {
+        let ties: BTreeMap<DofId, &[(DofId, f64)]> = constraints.ties().collect();
+        let mut dofs = Vec::new();
+        let mut is_tied = |item: usize| {
+            dofs.clear();
+            plain.dofs(item, &mut dofs);
+            dofs.iter().any(|dof| ties.contains_key(dof))
+        };
+        if ties.is_empty() || !(0..plain.len()).any(&mut is_tied) {
+            return None;
+        }
+        Some(Self { plain, ties })
+    }
+
+    /// Free dofs, each once: those of the item that are not tied, in their order, then those that the others follow from.
+    fn free(&self, dofs: &[DofId], free: &mut Vec<DofId>) {
+        let first = free.len();
+        free.extend(dofs.iter().filter(|dof| !self.ties.contains_key(dof)));
+        for (other, _) in dofs.iter().filter_map(|dof| self.ties.get(dof)).copied().flatten() {
+            if !free[first..].contains(other) {
+                free.push(*other);
+            }
+        }
+    }
+}
+
+impl Scratch {
+    /// Finds the rows of `P`.
+    fn relate(&mut self, ties: &BTreeMap<DofId, &[(DofId, f64)]>) {
+        let Self { dofs, free, first_entry, entries, .. } = self;
+        first_entry.clear();
+        entries.clear();
+        let place = |dof: &DofId| free.iter().position(|other| other == dof);
+        for dof in dofs.iter() {
+            first_entry.push(entries.len());
+            match ties.get(dof) {
+                None => entries.extend(place(dof).map(|at| (at, 1.0))),
+                Some(to) => entries.extend(to.iter().filter_map(|(other, factor)| Some((place(other)?, *factor)))),
+            }
+        }
+        first_entry.push(entries.len());
+    }
+
+    fn row(&self, dof: usize) -> &[(usize, f64)] {
+        &self.entries[self.first_entry[dof]..self.first_entry[dof + 1]]
+    }
+
+    /// Adds `Pᵀ r` and, if it is wanted, `Pᵀ K P`.
+    fn add_to(&self, out: &mut LocalSystem) {
+        for (row, residual) in self.system.residual().iter().enumerate() {
+            self.row(row).iter().for_each(|(to, factor)| out.add(*to, factor * residual));
+        }
+        if !out.wants_tangent() {
+            return;
+        }
+        for column in 0..self.dofs.len() {
+            for (to_column, column_factor) in self.row(column) {
+                for row in 0..self.dofs.len() {
+                    let value = column_factor * self.system.tangent_at(row, column);
+                    self.row(row).iter().for_each(|(to, factor)| out.add_tangent(*to, *to_column, factor * value));
+                }
+            }
+        }
+    }
+}
+
+impl Contributions for Tied<'_> {
+    fn len(&self) -> usize {
+        self.plain.len()
+    }
+
+    fn dofs(&self, item: usize, out: &mut Vec<DofId>) {
+        let mut dofs = Vec::new();
+        self.plain.dofs(item, &mut dofs);
+        self.free(&dofs, out);
+    }
+
+    fn add(&self, item: usize, x: &[f64], out: &mut LocalSystem) {
+        let mut scratch = out.scratch.take().unwrap_or_default();
+        scratch.dofs.clear();
+        self.plain.dofs(item, &mut scratch.dofs);
+        scratch.free.clear();
+        self.free(&scratch.dofs, &mut scratch.free);
+        scratch.relate(&self.ties);
+        if out.wants_tangent() {
+            scratch.system.reset(scratch.dofs.len());
+        } else {
+            scratch.system.reset_residual(scratch.dofs.len());
+        }
+        self.plain.add(item, x, &mut scratch.system);
+        scratch.add_to(out);
+        out.scratch = Some(scratch);
+    }
+
+    fn is_linear(&self) -> bool {
+        self.plain.is_linear()
+    }
+
+    fn name(&self) -> &'static str {
+        self.plain.name()
+    }
+}

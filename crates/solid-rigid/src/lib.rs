@@ -1,0 +1,41 @@
+//! Bodies that move without deforming: three degrees of freedom in 2D, six in 3D.
+//!
+//! The unknowns of a body are the velocity `V` of its centre of mass and its spin `ω` at the end of the step, and with them the
+//! velocity of every point, `v(x) = V + ω × (x - c)`. Geometry is explicit in time as everywhere: `c` and the
+//! positions `x` are those at the begin of the step, so that `v` is linear in the unknowns ([`modes`]).
+//!
+//! | line | formula | file |
+//! |---|---|---|
+//! | balance of momentum | `(M V - P^n)/Δt - M g`, `(J ω - L^n)/Δt` | `terms/momentum.rs` |
+//!
+//! Fluid and contact know of vertex velocities only. They act on a rigid body through those of its surface, which are tied to
+//! the unknowns ([`RigidStep::tie`]): nothing else in the system knows that a body is rigid.
+//!
+//! ```
+//! use mesh::{BoundaryMesh, Placed, Point, VertexId};
+//! use solid_rigid::MassProperties;
+//!
+//! let square = [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]].map(Point::<2>::from);
+//! let sides = BoundaryMesh::from_facets([0, 1, 1, 2, 2, 3, 3, 0].map(VertexId).to_vec());
+//! let mass = MassProperties::of_surface(&Placed::new(&sides, &square), 3.0)?;
+//! assert!((mass.mass - 12.0).abs() < 1e-12);
+//! assert!((mass.second_moment.trace() - 12.0 * (4.0 + 4.0) / 12.0).abs() < 1e-12); // m (a² + b²)/12
+//! # Ok::<(), solid_rigid::Error>(())
+//! ```
+
+pub mod modes;
+pub mod terms;
+
+mod error;
+mod mass;
+mod motion;
+mod step;
+
+pub use error::Error;
+pub use mass::MassProperties;
+pub use modes::Spin;
+pub use motion::RigidMotion;
+pub use step::{RigidMomentum, RigidStep};
+
+pub use algebra;
+pub use mesh;

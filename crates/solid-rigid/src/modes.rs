@@ -1,0 +1,87 @@
+//! Rigid velocities: translations along the axes, then rotations.
+//!
+//! A rotation is a plane with an orientation: in 2D the only one, from the first axis to the second; in 3D the one across
+//! axis `k`, so that the coefficients of the rotations are the components of the vector of angular velocity.
+
+use mesh::{Tensor, Vector};
+
+/// Angular velocity, momentum or torque: one coefficient per rotation; the first `D(D-1)/2` count. Units: rad/s for a velocity.
+pub type Spin = [f64; 3];
+
+/// Number of rotations.
+pub const fn n_rotations(dimension: usize) -> usize {
+    dimension * (dimension - 1) / 2
+}
+
+/// Number of rigid velocities.
+pub const fn n_modes(dimension: usize) -> usize {
+    dimension + n_rotations(dimension)
+}
+
+/// Unit vector along an axis.
+pub(crate) fn axis<const D: usize>(number: usize) -> Vector<D> {
+    Vector::from_fn(|a, _| if a == number { 1.0 } else { 0.0 })
+}
+
+/// `e_k × r`: velocity of rotation `k` at the arm `r`.
+#[inline]
+pub fn rotation<const D: usize>(k: usize, arm: &Vector<D>) -> Vector<D> {
+    let across = if D == 2 { 2 } else { k };
+    let (a, b) = ((across + 1) % 3, (across + 2) % 3);
+    let mut v = Vector::zeros();
+    v[a] = -arm[b];
+    v[b] = arm[a];
+    v
+}
+
+/// Velocity of a mode at the arm `r`.
+#[inline]
+pub fn mode<const D: usize>(number: usize, arm: &Vector<D>) -> Vector<D> {
+    if number < D { axis(number) } else { rotation(number - D, arm) }
+}
+
+/// `ω × r`.
+#[inline]
+pub fn spin_velocity<const D: usize>(spin: &Spin, arm: &Vector<D>) -> Vector<D> {
+    (0..n_rotations(D)).map(|k| rotation(k, arm) * spin[k]).sum()
+}
+
+/// The rotation by the angles `φ` (an axis with its angle as length in 3D), `exp(φ ×)`.
+///
+/// Source: Rodrigues' formula `I + sin θ/θ Φ + (1 - cos θ)/θ² Φ²`, which holds in the plane as well.
+pub fn rotated_by<const D: usize>(angles: &Spin) -> Tensor<D> {
+    let mut generator = Tensor::<D>::zeros();
+    for a in 0..D {
+        generator.set_column(a, &spin_velocity(angles, &axis(a)));
+    }
+    let angle = angles[..n_rotations(D)].iter().map(|a| a * a).sum::<f64>().sqrt();
+    // sin θ/θ, and (1 - cos θ)/θ² without cancellation.
+    let sinc = |t: f64| if t.abs() < 1e-8 { 1.0 } else { t.sin() / t };
+    Tensor::identity() + generator * sinc(angle) + generator * generator * (0.5 * sinc(0.5 * angle).powi(2))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rotations_are_those_of_the_right_hand() {
+        let quarter = std::f64::consts::FRAC_PI_2;
+        let turned = rotated_by::<2>(&[quarter, 0.0, 0.0]) * Vector::<2>::new(1.0, 0.0);
+        assert!((turned - Vector::<2>::new(0.0, 1.0)).norm() < 1e-15);
+        for k in 0..3 {
+            let mut angles = [0.0; 3];
+            angles[k] = quarter;
+            let r = rotated_by::<3>(&angles);
+            let next: Vector<3> = Vector::ith((k + 1) % 3, 1.0);
+            assert!((r * next - Vector::<3>::ith((k + 2) % 3, 1.0)).norm() < 1e-15);
+            assert_eq!(rotation(k, &next), Vector::<3>::ith(k, 1.0).cross(&next));
+        }
+        let r = rotated_by::<3>(&[0.3, -1.2, 2.0]);
+        assert!((r * r.transpose() - Tensor::<3>::identity()).norm() < 1e-14);
+        let axis = Vector::<3>::new(0.3, -1.2, 2.0);
+        assert!((r * axis - axis).norm() < 1e-14);
+        let tiny = rotated_by::<3>(&[1e-5, 0.0, 0.0]);
+        assert!((tiny[(2, 1)] - 1e-5_f64.sin()).abs() < 1e-20 && (1.0 - tiny[(1, 1)] - 0.5e-10).abs() < 1e-16);
+    }
+}

@@ -1,0 +1,5 @@
+//! The terms of a rigid body, one file each.
+
+mod momentum;
+
+pub use momentum::Momentum;

@@ -1,0 +1,281 @@
+//! Rigid bodies, alone, in contact and in the fluid, against exact solutions.
+
+mod fixture;
+
+use std::sync::Arc;
+
+use fixture::*;
+use solver::algebra::{NewtonSettings, Workspace};
+use solver::contact::{ContactForm, DeformableObstacle, Penalty, RigidPlane};
+use solver::cutcell::OverlayOptions;
+use solver::dry::{DryReport, DrySetup, DryState, advance};
+use solver::mesh::generate::{BallOptions, Size, ball, graded_box, structured_box};
+use solver::mesh::{BodyId, Point, SimplexMesh, Tensor, Vector};
+use solver::{Body, BodyKind, Contact, ContactObstacle, FluidBoundary, FluidSetup, RigidBody, Setup, State};
+
+fn disk(centre: [f64; 2], radius: f64, size: f64) -> SimplexMesh<2> {
+    ball::<2>(centre, radius, size, &BallOptions { area_preserving: false }).expect("a disk")
+}
+
+fn dry(bodies: Vec<Body<2>>, contacts: Vec<Contact<2>>, dt: f64) -> DrySetup<2> {
+    DrySetup { bodies, contacts, dt, newton: NewtonSettings::new(1e-12) }
+}
+
+fn steps(setup: &DrySetup<2>, n: usize) -> (DryState<2>, Vec<DryReport<2>>) {
+    let (mut state, mut work, mut reports) = (DryState::initial(setup), Workspace::new(), Vec::new());
+    for _ in 0..n {
+        let (next, report) = advance(setup, &state, &mut work).expect("a step");
+        state = next;
+        reports.push(report);
+    }
+    (state, reports)
+}
+
+fn contact(slave: &Body<2>, stiffness: f64, obstacle: ContactObstacle<2>) -> Contact<2> {
+    Contact {
+        body: BodyId(0),
+        facets: slave.boundary().facets().collect(),
+        form: ContactForm::new(Penalty::new(stiffness, 0.0).expect("a law"), 1.0).expect("a contact"),
+        obstacle,
+    }
+}
+
+fn against(body: usize, bodies: &[Body<2>]) -> ContactObstacle<2> {
+    let boundary = bodies[body].boundary();
+    let surface = DeformableObstacle::new(boundary.clone(), boundary.facets().collect()).expect("a surface");
+    ContactObstacle::Body { body: BodyId(body as u32), surface }
+}
+
+#[test]
+fn a_free_body_falls_and_turns_as_the_scheme_says() {
+    let mut body = rigid("block", &structured_box::<2>([1.0, 2.0], [3.0, 3.0], [2, 1]).expect("a box"), 2.0, {
+        V::new(0.0, -10.0)
+    });
+    rigid_mut(&mut body).initial_velocity = V::new(3.0, 1.0);
+    rigid_mut(&mut body).initial_spin = [4.0, 0.0, 0.0];
+    let (n, dt) = (25, 0.01);
+    let (state, _) = steps(&dry(vec![body], Vec::new(), dt), n);
+    let motion = state.bodies[0].rigid.expect("rigid");
+    let time = n as f64 * dt;
+    // Implicit Euler: v_n = v_0 + g n dt, and the sum of it.
+    let fallen = V::new(3.0, 1.0) * time + V::new(0.0, -10.0) * (dt * dt * (n * (n + 1) / 2) as f64);
+    assert!((motion.centre - P::new(2.0, 2.5) - fallen).norm() < 1e-12);
+    assert!((motion.rotation[(1, 0)] - (4.0 * time).sin()).abs() < 1e-12, "angles add up exactly");
+    let corner = P::new(1.0, 2.0) + state.bodies[0].displacement[0];
+    assert!(((corner - motion.centre).norm() - 1.25_f64.sqrt()).abs() < 1e-12, "and nothing is stretched");
+}
+
+#[test]
+fn a_body_bounces_off_a_plane_as_a_mass_on_a_spring() {
+    // A box whose whole bottom is on the plane: stiffness k per area, width 2, mass 6.
+    let mesh = structured_box::<2>([0.0, 0.0], [2.0, 1.0], [4, 2]).expect("a box");
+    let mut body = rigid("box", &mesh, 3.0, V::zeros());
+    rigid_mut(&mut body).initial_velocity = V::new(0.7, -1.0);
+    let plane = RigidPlane::new(P::zeros(), V::new(0.0, -1.0)).expect("a plane");
+    let stiffness = 3e4;
+    let contacts = vec![contact(&body, stiffness, ContactObstacle::Rigid(Box::new(plane)))];
+    // The sides do not count: their weight in the direction of the normal of the plane would be another spring.
+    let mut setup = dry(vec![body], contacts, 1e-5);
+    let boundary = setup.bodies[0].boundary().clone();
+    let bottom = |f: &solver::mesh::FacetId| boundary.facet(*f).iter().all(|v| mesh.vertices()[v.index()][1] == 0.0);
+    setup.contacts[0].facets.retain(bottom);
+    let half_period = std::f64::consts::PI / (stiffness * 2.0 / 6.0_f64).sqrt();
+    let (state, reports) = steps(&setup, (1.2 * half_period / setup.dt) as usize);
+    let active = reports.iter().filter(|r| r.contacts[0].is_active()).count() as f64 * setup.dt;
+    assert!((active / half_period - 1.0).abs() < 2e-3, "{active} {half_period}");
+    let motion = state.bodies[0].rigid.expect("rigid");
+    let impulse: V = reports.iter().map(|r| r.contacts[0].force * setup.dt).sum();
+    assert!(((motion.velocity - V::new(0.7, -1.0)) * 6.0 - impulse).norm() < 1e-9);
+    assert!((motion.velocity - V::new(0.7, 1.0)).norm() < 5e-3, "{}", motion.velocity);
+    assert!(motion.spin[0].abs() < 1e-9, "hit in the middle");
+}
+
+#[test]
+fn two_bodies_that_collide_off_centre_keep_momentum_and_angular_momentum() {
+    let mut bodies = vec![
+        rigid("ball", &disk([-1.1, 0.3], 1.0, 0.2), 2.0, V::zeros()),
+        rigid("brick", &structured_box::<2>([0.0, -1.0], [0.8, 1.0], [2, 5]).expect("a box"), 1.0, V::zeros()),
+    ];
+    rigid_mut(&mut bodies[0]).initial_velocity = V::new(5.0, 0.0);
+    let contacts = vec![contact(&bodies[0], 1e4, against(1, &bodies))];
+    let setup = dry(bodies, contacts, 1e-4);
+    let whole = |state: &DryState<2>| {
+        let (mut momentum, mut angular, mut energy) = (V::zeros(), 0.0, 0.0);
+        for (b, body) in state.bodies.iter().enumerate() {
+            let motion = body.rigid.expect("rigid");
+            let p = state.balance(&setup, b).expect("rigid").momentum;
+            momentum += p;
+            angular += motion.angular_momentum[0] + motion.centre[0] * p[1] - motion.centre[1] * p[0];
+            energy += state.balance(&setup, b).expect("rigid").energy();
+        }
+        (momentum, angular, energy)
+    };
+    let (before, (state, reports)) = (whole(&DryState::initial(&setup)), steps(&setup, 2000));
+    assert!(reports.iter().any(|r| r.contacts[0].is_active()) && !reports[1999].contacts[0].is_active());
+    let after = whole(&state);
+    assert!((after.0 - before.0).norm() < 1e-9 * before.0.norm());
+    // To the motion within steps: a moment of the force about positions half a step apart.
+    assert!((after.1 - before.1).abs() < 1e-3 * before.0.norm(), "{} {}", before.1, after.1);
+    assert!(after.2 < before.2 && after.2 > 0.9 * before.2, "{} {}", before.2, after.2);
+    assert!(state.bodies[1].rigid.expect("rigid").spin[0].abs() > 0.1, "the brick turns");
+}
+
+#[test]
+fn held_bodies_stay_where_they_are_held() {
+    let mut body =
+        rigid("box", &structured_box::<2>([0.0; 2], [1.0; 2], [1, 1]).expect("a box"), 1.0, V::new(2.0, -3.0));
+    rigid_mut(&mut body).held_axes = [false, true];
+    rigid_mut(&mut body).holds_rotation = true;
+    let (state, _) = steps(&dry(vec![body], Vec::new(), 0.1), 5);
+    let motion = state.bodies[0].rigid.expect("rigid");
+    assert_eq!((motion.velocity[1], motion.spin[0]), (0.0, 0.0));
+    assert!((motion.velocity[0] - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn a_plate_that_moves_as_prescribed_pushes_a_body() {
+    // Without gravity, the body takes the speed of the plate and, the penalty being elastic, twice that when it leaves.
+    let block = structured_box::<2>([0.0, 0.0], [1.0, 1.0], [2, 2]).expect("a box");
+    let plate = structured_box::<2>([-0.5, -1.0], [1.5, 0.0], [2, 1]).expect("a box");
+    let upwards = prescribed(&plate, |x, t| x + V::new(0.0, 2.0 * t), |_, _| V::new(0.0, 2.0));
+    let bodies = vec![rigid("block", &block, 1.0, V::zeros()), upwards];
+    let contacts = vec![contact(&bodies[0], 1e4, against(1, &bodies))];
+    let (state, reports) = steps(&dry(bodies, contacts, 2e-5), 3000);
+    assert!(reports[0].contacts[0].is_active() && !reports[2999].contacts[0].is_active());
+    let velocity = state.bodies[0].rigid.expect("rigid").velocity;
+    assert!((velocity - V::new(0.0, 4.0)).norm() < 0.05, "{velocity}");
+}
+
+/// A closed box of Stokes fluid with a body in it, and the velocity `u(x, t)` on the walls.
+fn in_a_box(body: Body<2>, dt: f64, u: impl Fn(&P, f64) -> V + Send + Sync + 'static) -> Setup<2> {
+    let mut setup =
+        setup(graded_box::<2>([0.0; 2], [2.0; 2], &Size::uniform(0.21)).expect("a box"), fluid(1.3, 0.7), dt);
+    setup.fluid.convection = None;
+    setup.bodies.push(body);
+    let u = Arc::new(u);
+    setup.fluid.initial_velocity = Some(Arc::new({
+        let u = u.clone();
+        move |x| u(x, 0.0)
+    }));
+    on_sides(&mut setup, &SIDES, || FluidBoundary::Velocity(u.clone()));
+    setup
+}
+
+/// A body of the fluid's density in a fluid that moves as a rigid body: `u = U + ω × (x - c)`, `c` moving with `U`. There is no
+/// stress, and the acceleration is `-ω × U`, which a body force makes. Returns the number of uncovered dofs.
+fn neutral(velocity: V, omega: f64, n: usize) -> usize {
+    let (dt, centre) = (0.02, P::new(0.7, 1.2));
+    let mesh = structured_box::<2>([0.5, 0.95], [0.9, 1.45], [2, 3]).expect("a box");
+    let mut body = rigid("square", &mesh, 1.3, V::zeros());
+    rigid_mut(&mut body).initial_velocity = velocity;
+    rigid_mut(&mut body).initial_spin = [omega, 0.0, 0.0];
+    // Positions of the step to time t are those at t - dt.
+    let u = move |x: &P, t: f64| {
+        let arm = x - centre - velocity * (t - dt);
+        velocity + V::new(-arm[1], arm[0]) * omega
+    };
+    let mut setup = in_a_box(body, dt, u);
+    setup.fluid.body_force = Some(Arc::new(move |_, _| V::new(velocity[1], -velocity[0]) * (1.3 * omega)));
+    let (state, reports) = run(&setup, n);
+    let time = state.time;
+    let motion = state.bodies[0].rigid.expect("rigid");
+    assert!((motion.centre - centre - velocity * time).norm() < 1e-10, "{}", motion.centre);
+    assert!((motion.spin[0] - omega).abs() < 1e-9 && (motion.velocity - velocity).norm() < 1e-9);
+    assert!((motion.rotation[(1, 0)] - (omega * time).sin()).abs() < 1e-10);
+    let (error_u, error_p) = fluid_error(&setup, &state, |x| u(x, time), |_| 0.0);
+    assert!(error_u < 1e-9 && error_p < 1e-7, "{error_u:e} {error_p:e}");
+    assert!(reports.iter().all(|r| r.n_pockets == 1), "a body that the fluid is all around does not fix the pressure");
+    reports.iter().map(|r| r.n_uncovered).sum()
+}
+
+#[test]
+fn a_neutral_body_moves_and_turns_with_the_fluid() {
+    assert!(neutral(V::new(1.1, -0.6), 0.0, 12) > 0);
+    assert!(neutral(V::zeros(), 2.5, 30) > 0);
+    // What is uncovered has the velocity that the body has now, not that of the fluid's lagging geometry: exact until then.
+    assert_eq!(neutral(V::new(1.1, -0.6), 2.5, 5), 0);
+}
+
+#[test]
+fn a_heavy_body_at_rest_is_held_by_the_fluid_it_displaces() {
+    // Neutral under gravity: hydrostatic pressure carries it.
+    let gravity = V::new(0.0, -10.0);
+    let body = rigid("disk", &disk([1.03, 0.97], 0.4, 0.15), 1.3, gravity);
+    let mut setup = in_a_box(body, 0.05, |_, _| V::zeros());
+    setup.fluid.body_force = Some(Arc::new(move |_, _| gravity * 1.3));
+    let (state, reports) = run(&setup, 3);
+    // Known up to a constant.
+    let first = setup.background.vertex(state.fluid.space.vertices()[0]);
+    let constant = state.fluid.pressure[0] + 13.0 * first[1];
+    let (error_u, error_p) = fluid_error(&setup, &state, |_| V::zeros(), |x| constant - 13.0 * x[1]);
+    assert!(error_u < 1e-9 && error_p < 1e-6, "{error_u:e} {error_p:e}");
+    let forces = reports[2].bodies[0].forces.expect("rigid");
+    assert!(forces.remainder().norm() < 1e-8 && (forces.pressure + forces.body_force).norm() < 1e-8);
+}
+
+#[test]
+fn a_piston_fixes_the_pressure_behind_it() {
+    // A plate across the box parts the fluid: it can give way, but not without changing both volumes.
+    let plate = structured_box::<2>([-0.2, 0.9], [2.2, 1.15], [4, 1]).expect("a box");
+    let mut body = rigid("plate", &plate, 1.0, V::zeros());
+    rigid_mut(&mut body).held_axes = [true, false];
+    rigid_mut(&mut body).holds_rotation = true;
+    let mut setup = in_a_box(body, 0.05, |_, _| V::zeros());
+    setup.fluid.boundary.retain(|(tag, _)| Some(*tag) != setup.background.tag("top"));
+    let (_, reports) = run(&setup, 1);
+    assert_eq!(reports[0].n_pockets, 0, "open above, and a plate that gives way below");
+    let BodyKind::Rigid(plate) = &mut setup.bodies[0].kind else { panic!("a plate") };
+    plate.held_axes = [true, true];
+    let (_, reports) = run(&setup, 1);
+    assert_eq!(reports[0].n_pockets, 1, "open above, closed below");
+}
+
+#[test]
+fn a_neutral_body_turns_with_the_fluid_in_space() {
+    // u = ω × (x - c) about an axis askew.
+    let (omega, centre, dt) = (Vector::<3>::new(1.3, -0.7, 2.1), Point::<3>::new(1.02, 0.97, 1.05), 0.03);
+    let brick = structured_box::<3>([0.72, 0.72, 0.65], [1.32, 1.22, 1.45], [1, 1, 1]).expect("a box");
+    let mut body =
+        RigidBody::new(brick.boundary(), brick.vertices().to_vec(), 1.3, Vector::<3>::zeros()).expect("a body");
+    body.initial_spin = omega.into();
+    // With the inertia of a ball: it turns steadily without a torque about any axis.
+    body.mass.second_moment = Tensor::<3>::identity() * (body.mass.second_moment.trace() / 3.0);
+    let background = structured_box::<3>([0.0; 3], [2.0; 3], [5, 5, 5]).expect("a box");
+    let u: Arc<dyn Fn(&Point<3>, f64) -> Vector<3> + Send + Sync> = Arc::new(move |x, _| omega.cross(&(x - centre)));
+    let planar = fluid(1.3, 0.7);
+    let mut setup = Setup::<3> {
+        fluid: FluidSetup {
+            material: planar.material,
+            cip: planar.cip,
+            gamma_pressure: planar.gamma_pressure,
+            gamma_ghost: planar.gamma_ghost,
+            convection: None,
+            body_force: None,
+            initial_velocity: Some(Arc::new(move |x| omega.cross(&(x - centre)))),
+            boundary: Vec::new(),
+        },
+        background,
+        bodies: vec![Body { name: "brick".to_owned(), kind: BodyKind::Rigid(Box::new(body)) }],
+        contacts: Vec::new(),
+        gamma_sigma: 1e5,
+        dt,
+        most_halvings: 0,
+        newton: NewtonSettings::new(1e-11),
+        overlay: OverlayOptions::new(),
+    };
+    let sides =
+        ["left", "right", "front", "back", "bottom", "top"].map(|name| setup.background.tag(name).expect("a side"));
+    setup.fluid.boundary = sides.into_iter().map(|tag| (tag, FluidBoundary::Velocity(u.clone()))).collect();
+    let mut state = State::initial(&setup).expect("a cut");
+    for _ in 0..2 {
+        state = solver::advance(&setup, &state, &mut Workspace::new()).expect("a step").0;
+    }
+    let motion = state.bodies[0].rigid.expect("rigid");
+    assert!((Vector::<3>::from(motion.spin) - omega).norm() < 1e-8 && motion.velocity.norm() < 1e-8);
+    let turned = solver::solid_rigid::modes::rotated_by::<3>(&(omega * state.time).into());
+    assert!((motion.rotation - turned).norm() < 1e-8);
+    for (k, &vertex) in state.fluid.space.vertices().iter().enumerate() {
+        let exact = u(&setup.background.vertex(vertex), 0.0);
+        assert!((state.fluid.velocity[k] - exact).norm() < 1e-7 && state.fluid.pressure[k].abs() < 1e-5);
+    }
+}
