@@ -59,13 +59,11 @@ impl<const D: usize> MassProperties<D> {
     pub fn inertia(&self, turned_by: &Tensor<D>) -> [Spin; 3] {
         let moment = turned_by * self.second_moment * turned_by.transpose();
         let mut inertia = [[0.0; 3]; 3];
-        for k in 0..n_rotations(D) {
-            for l in 0..n_rotations(D) {
+        for (k, row) in inertia.iter_mut().enumerate().take(n_rotations(D)) {
+            for (l, entry) in row.iter_mut().enumerate().take(n_rotations(D)) {
                 // ∫ ρ (S_k r)·(S_l r) = S_k : (S_l ∫ ρ r rᵀ), column by column.
-                for a in 0..D {
-                    let of_axis = rotation::<D>(k, &axis(a));
-                    inertia[k][l] += of_axis.dot(&rotation(l, &moment.column(a).into_owned()));
-                }
+                let column = |a: usize| rotation(l, &moment.column(a).into_owned());
+                *entry = (0..D).map(|a| rotation::<D>(k, &axis(a)).dot(&column(a))).sum();
             }
         }
         inertia

@@ -26,11 +26,11 @@ fn mass_centre_and_inertia_of_a_brick_are_exact_in_any_position() {
     assert!((mass.centre - centre).norm() < 1e-12);
     // About its own axes, m (b² + c²)/12 and so on: turned back they must come out.
     let inertia = mass.inertia(&rotated_by::<3>(&turned_by).transpose());
-    for k in 0..3 {
-        for l in 0..3 {
+    for (k, row) in inertia.iter().enumerate() {
+        for (l, found) in row.iter().enumerate() {
             let [p, q] = [size[(k + 1) % 3], size[(k + 2) % 3]];
             let expected = if k == l { mass.mass * (p * p + q * q) / 12.0 } else { 0.0 };
-            assert!((inertia[k][l] - expected).abs() < 1e-11, "{k} {l}: {} {expected}", inertia[k][l]);
+            assert!((found - expected).abs() < 1e-11, "{k} {l}: {found} {expected}");
         }
     }
 }
@@ -47,9 +47,9 @@ fn what_encloses_nothing_is_refused() {
 
 /// Without forces: `(M V - P)/Δt = 0` and `(J ω - L)/Δt = 0`, solved by hand.
 fn free_step(mass: &MassProperties<3>, before: &RigidMotion<3>, dt: f64) -> RigidMotion<3> {
-    let step = RigidStep::new(mass, before, Vector::zeros(), dt).unwrap();
+    let step = RigidStep::new(mass, before, Vector::zeros(), dt).expect("a step");
     let inertia = Tensor::<3>::from_fn(|k, l| step.inertia()[k][l]);
-    let spin = inertia.lu().solve(&Vector::<3>::from(before.angular_momentum)).unwrap();
+    let spin = inertia.lu().solve(&Vector::<3>::from(before.angular_momentum)).expect("a body with inertia");
     let mut unknowns = [0.0; n_modes(3)];
     unknowns[..3].copy_from_slice(before.velocity.as_slice());
     unknowns[3..].copy_from_slice(spin.as_slice());

@@ -85,9 +85,9 @@ impl<const D: usize> BodyVelocity<'_, D> {
                 return vertices.iter().zip(barycentric).map(|(v, l)| velocity[v.index()] * l).sum();
             }
         }
-        for b in 0..self.setup.bodies.len() {
+        for (b, of_body) in index.iter().enumerate() {
             if let Some(velocity) = self.undeformed(b, x)
-                && index[b].surface.closest_signed(x).is_some_and(|closest| closest.distance < 0.0)
+                && of_body.surface.closest_signed(x).is_some_and(|closest| closest.distance < 0.0)
             {
                 return velocity;
             }
