@@ -241,7 +241,7 @@ fn a_neutral_body_turns_with_the_fluid_in_space() {
     // With the inertia of a ball: it turns steadily without a torque about any axis.
     body.mass.second_moment = Tensor::<3>::identity() * (body.mass.second_moment.trace() / 3.0);
     let background = structured_box::<3>([0.0; 3], [2.0; 3], [5, 5, 5]).expect("a box");
-    let u: Arc<dyn Fn(&Point<3>, f64) -> Vector<3> + Send + Sync> = Arc::new(move |x, _| omega.cross(&(x - centre)));
+    let u: solver::TimeField<3> = Arc::new(move |x, _| omega.cross(&(x - centre)));
     let planar = fluid(1.3, 0.7);
     let mut setup = Setup::<3> {
         fluid: FluidSetup {
