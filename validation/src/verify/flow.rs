@@ -8,7 +8,7 @@ use cutwater::fluid_ns::NewtonianFluid;
 use cutwater::fluid_ns::terms::CipProfile;
 use cutwater::mesh::{self, BoundaryMesh, Point, SimplexMesh, VertexId};
 use cutwater::solver::{
-    Body, BodyKind, FluidBoundary, FluidSetup, PrescribedBody, Setup, State, StepReport, TimeField, advance,
+    Body, BodyKind, FluidBoundary, FluidSetup, PrescribedBody, RigidBody, Setup, State, StepReport, TimeField, advance,
 };
 use cutwater::xfem_space::PartValues;
 
@@ -189,6 +189,17 @@ pub(super) fn polygon(
         velocity,
     };
     Body { name: "body".to_owned(), kind: BodyKind::Prescribed(body) }
+}
+
+/// A free rigid body inside of the polygon through corners, counter-clockwise.
+///
+/// # Errors
+/// The polygon encloses nothing, or the density is not positive.
+pub(super) fn rigid_polygon(corners: Vec<P>, density: f64, gravity: V) -> Result<Body<2>, Failure> {
+    let n = corners.len();
+    let sides = (0..n).flat_map(|k| [VertexId::new(k), VertexId::new((k + 1) % n)]).collect();
+    let body = RigidBody::new(BoundaryMesh::from_facets(sides), corners, density, gravity)?;
+    Ok(Body { name: "body".to_owned(), kind: BodyKind::Rigid(Box::new(body)) })
 }
 
 /// Corners of a regular polygon with the area of the disk.

@@ -17,6 +17,7 @@ mod orders;
 mod peer;
 mod record;
 mod robustness;
+mod sedimentation;
 mod shear_layer;
 mod symmetry;
 
@@ -37,7 +38,7 @@ struct Check {
 }
 
 /// All checks, in the order of the page.
-const CHECKS: [Check; 14] = [
+const CHECKS: [Check; 15] = [
     Check {
         name: "exact",
         about: "Solutions that the discrete spaces contain, at random positions of the body.",
@@ -72,6 +73,11 @@ const CHECKS: [Check; 14] = [
         name: "added-mass",
         about: "The acceleration with which a ball begins to fall, against that of a rigid one in ideal fluid.",
         measure: added_mass::measure,
+    },
+    Check {
+        name: "sedimentation",
+        about: "A heavy disk that sinks in a closed box, as a free rigid body.",
+        measure: sedimentation::measure,
     },
     Check {
         name: "symmetry",

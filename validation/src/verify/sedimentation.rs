@@ -1,0 +1,121 @@
+//! A heavy disk sinks in a closed box, as a free rigid body.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use cutwater::algebra::{LaggedSettings, LaggedSolver, NewtonSettings, Workspace};
+use cutwater::mesh::SimplexMesh;
+use cutwater::mesh::generate::{Size, graded_box, mirrored};
+use cutwater::solver::{FluidBoundary, Setup, State, advance};
+
+use super::Failure;
+use super::exact::Linear;
+use super::flow::{Known, P, V, disk, rigid_polygon};
+use super::record::{Figure, Record, short};
+
+/// Width and height of the box, cm.
+const BOX: [f64; 2] = [2.0, 6.0];
+const DIAMETER: f64 = 0.25;
+const START: [f64; 2] = [1.0, 4.0];
+/// Of the disk; that of the fluid is one.
+const DENSITY: f64 = 1.25;
+const VISCOSITY: f64 = 0.1;
+const GRAVITY: f64 = 981.0;
+/// Published largest Reynolds numbers: the middle of 17.15 to 17.45, half of the distance, and what is allowed beyond.
+const REYNOLDS: f64 = 17.3;
+const SPREAD: f64 = 0.15;
+const ACCURACY: f64 = 0.03;
+
+/// Lets the disk sink on several meshes, and with several time steps.
+///
+/// # Errors
+/// A step fails.
+pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
+    // Cells across the disk, and time step.
+    let runs: &[(f64, f64)] = if record.full {
+        &[(8.0, 2e-3), (12.0, 2e-3), (16.0, 2e-3), (24.0, 2e-3), (16.0, 4e-3), (16.0, 1e-3)]
+    } else {
+        &[(8.0, 2e-3), (12.0, 2e-3), (16.0, 2e-3)]
+    };
+    let mut curves = Vec::new();
+    for &(cells, dt) in runs {
+        let fall = sink(DIAMETER / cells, dt)?;
+        let name = format!("{} cells across the disk, dt = {} s", short(cells), short(dt));
+        let largest = fall.reynolds.iter().map(|(_, re)| *re).fold(0.0, f64::max);
+        record.near(format!("largest Re, {name}"), largest, REYNOLDS, SPREAD + ACCURACY * REYNOLDS);
+        record.show(format!("largest drift to the side over the diameter, {name}"), fall.drift / DIAMETER, Some(0.0));
+        record.show(format!("angle turned at the end [rad], {name}"), fall.angle, Some(0.0));
+        record.at_most(
+            format!("weight, fluid and inertia of the disk: remainder over the weight, {name}"),
+            fall.remainder,
+            1e-6,
+        );
+        curves.push((name, fall.reynolds));
+    }
+    record.figures.push(Figure {
+        title: "Reynolds number of the sinking disk".to_owned(),
+        x_title: "time [s]".to_owned(),
+        curves,
+        is_log: false,
+    });
+    record.note(
+        "Case A of Glowinski et al. 2001, doi:10.1006/jcph.2000.6542: density 1.25, diameter 0.25 cm, viscosity 0.1, box of 2 x 6 cm, \
+         g = 981 cm/s² on both phases. Published values 17.15 to 17.45; 3 % are allowed beyond. Until the disk is two diameters above the floor.",
+    );
+    Ok(())
+}
+
+/// How the disk sank.
+struct Fall {
+    /// Time and Reynolds number.
+    reynolds: Vec<(f64, f64)>,
+    /// Largest distance of the centre from the axis.
+    drift: f64,
+    /// Angle at the end.
+    angle: f64,
+    /// Largest imbalance of forces over the weight.
+    remainder: f64,
+}
+
+fn sink(h: f64, dt: f64) -> Result<Fall, Failure> {
+    let setup = setup(h, dt)?;
+    let mut work = Workspace::with_solver(Box::new(LaggedSolver::new(LaggedSettings::default())));
+    let mut state = State::initial(&setup)?;
+    let mut fall = Fall { reynolds: Vec::new(), drift: 0.0, angle: 0.0, remainder: 0.0 };
+    loop {
+        let (next, report) = advance(&setup, &state, &mut work)?;
+        state = next;
+        let motion = state.bodies[0].rigid.ok_or("a rigid body has a motion")?;
+        let forces = report.bodies[0].forces.ok_or("and forces")?;
+        fall.reynolds.push((state.time, -motion.velocity[1] * DIAMETER / VISCOSITY));
+        fall.drift = fall.drift.max((motion.centre[0] - START[0]).abs());
+        fall.angle = motion.rotation[(1, 0)].atan2(motion.rotation[(0, 0)]);
+        fall.remainder = fall.remainder.max(forces.remainder().norm() / forces.body_force.norm());
+        if motion.centre[1] < 2.5 * DIAMETER || state.time > 2.0 {
+            return Ok(fall);
+        }
+    }
+}
+
+fn setup(h: f64, dt: f64) -> Result<Setup<2>, Failure> {
+    let flow = Arc::new(Linear::at_rest(V::zeros()));
+    let fluid = Known { flow, density: 1.0, viscosity: VISCOSITY, convects: true, open: &[] };
+    let mut setup = fluid.setup(background(h)?, dt);
+    setup.newton = NewtonSettings::new(1e-8);
+    for (_, condition) in &mut setup.fluid.boundary {
+        *condition = FluidBoundary::NoSlip;
+    }
+    let gravity = V::new(0.0, -GRAVITY);
+    setup.fluid.body_force = Some(Arc::new(move |_, _| gravity));
+    let n = (4.0 * std::f64::consts::PI * DIAMETER / h).round() as usize;
+    setup.bodies.push(rigid_polygon(disk(P::from(START), 0.5 * DIAMETER, n), DENSITY, gravity)?);
+    Ok(setup)
+}
+
+/// The box, fine where the disk sinks.
+fn background(h: f64) -> Result<SimplexMesh<2>, Failure> {
+    let [from, until] = [START[0] + 1.2 * DIAMETER, BOX[0] - DIAMETER];
+    let size = Size::Graded { fine: h, fine_until: from, coarse: 4.0 * h, coarse_from: until, axis: 0 };
+    let half = graded_box::<2>([START[0], 0.0], BOX, &size)?;
+    Ok(mirrored(&half, 0, START[0])?)
+}
