@@ -149,9 +149,10 @@ fn check_placement<const D: usize>(file: &ScenarioFile, setup: &Setup<D>) -> Res
 }
 
 fn initial_positions<const D: usize>(body: &Body<D>) -> Vec<Point<D>> {
+    let displacement = body.elastic().and_then(|elastic| elastic.initial_displacement.as_ref());
     let moved = |x: &Point<D>| match &body.kind {
-        BodyKind::Elastic(elastic) => elastic.initial_displacement.as_ref().map_or(*x, |d| x + d(x)),
         BodyKind::Prescribed(prescribed) => (prescribed.position)(x, 0.0),
+        _ => displacement.map_or(*x, |d| x + d(x)),
     };
     body.reference().iter().map(moved).collect()
 }
