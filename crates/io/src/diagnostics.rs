@@ -4,10 +4,11 @@ use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use mesh::{Point, simplex_measure};
+use mesh::{Placed, Point, simplex_measure};
 use solver::{Body, Setup, StepView};
 
 use crate::Error;
+use crate::forces::enclosed;
 use crate::history::{column_prefix, number};
 use crate::plot::PLATE;
 
@@ -109,9 +110,9 @@ fn fluid_power<const D: usize>(view: &StepView<'_, D>, index: usize) -> f64 {
     power.sum()
 }
 
-/// Volume of an elastic body at the given positions.
+/// Volume of a body at the given positions.
 fn volume<const D: usize>(body: &Body<D>, positions: &[Point<D>]) -> f64 {
-    let Some(elastic) = body.elastic() else { return f64::NAN };
+    let Some(elastic) = body.elastic() else { return enclosed(&Placed::new(body.boundary(), positions)).0 };
     let mesh = elastic.solid.mesh();
     let corners = |cell| mesh.cell(cell).iter().map(|v| positions[v.index()]).collect::<Vec<_>>();
     mesh.cells().map(|cell| simplex_measure(&corners(cell))).sum()

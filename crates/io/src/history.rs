@@ -7,9 +7,13 @@ use std::path::{Path, PathBuf};
 use solver::{Observer, ObserverError, Setup, StepView};
 
 use crate::Error;
+use crate::forces::FluidForce;
 use crate::measures::BodyMeasures;
 
-/// Columns that every body has.
+/// Names of the axes in columns.
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// Columns that every body has; those of [`FluidForce`] follow.
 const BODY: [&str; 14] = [
     "d_min",
     "d_max",
@@ -48,7 +52,7 @@ const RUN: [&str; 14] = [
 /// Writes one row per step, or per part of a step that was divided; the file is complete after every row.
 ///
 /// With one body the columns are `time`, those of the body, those of the run. With several, the columns of each body
-/// carry its name as a prefix, `NAME_d_min`. The energy of contacts is that of all contacts.
+/// carry its name as a prefix, `NAME_d_min`; the forces of the fluid are those of [`FluidForce`]. The energy of contacts is that of all contacts.
 pub struct History {
     path: PathBuf,
     file: File,
@@ -101,9 +105,25 @@ fn header<const D: usize>(view: &StepView<'_, D>) -> String {
     for index in 0..view.setup.bodies.len() {
         let prefix = column_prefix(view.setup, index);
         names.extend(BODY.iter().map(|column| format!("{prefix}{column}")));
+        names.extend(force_columns::<D>().into_iter().map(|column| format!("{prefix}{column}")));
     }
     names.extend(RUN.iter().map(|column| (*column).to_owned()));
     names.join(",")
+}
+
+/// Names of the columns of a [`FluidForce`].
+fn force_columns<const D: usize>() -> Vec<String> {
+    let of = |what: &str, axes: &[&str]| axes.iter().map(|axis| format!("{what}_{axis}")).collect::<Vec<_>>();
+    let torque = match &AXES[turning::<D>()..] {
+        [_] => vec!["torque".to_owned()],
+        axes => of("torque", axes),
+    };
+    [of("force", &AXES[..D]), of("traction_force", &AXES[..D]), torque].concat()
+}
+
+/// The first axis about which a body can turn: as many as pairs of axes span planes.
+fn turning<const D: usize>() -> usize {
+    AXES.len() - D * (D - 1) / 2
 }
 
 fn row<const D: usize>(view: &StepView<'_, D>, bottom: f64, seconds_output: f64) -> Option<String> {
@@ -117,6 +137,9 @@ fn row<const D: usize>(view: &StepView<'_, D>, bottom: f64, seconds_output: f64)
         values.extend(lengths.into_iter().chain(forces).map(number));
         values.push(body.active_points.to_string());
         values.extend([body.energy_kinetic, body.energy_elastic, body.energy_gravity].map(number));
+        let force = FluidForce::new(view, index)?;
+        values.extend(force.total.iter().chain(&force.traction).map(|f| number(*f)));
+        values.extend(force.torque[turning::<D>()..].iter().map(|m| number(*m)));
     }
     let stored: f64 = report.contacts.iter().map(|contact| contact.stored_energy).sum();
     let flow = [report.fluid_kinetic_energy, stored, report.flow.leak_net, report.flow.leak_absolute];

@@ -20,6 +20,8 @@ mod files;
 #[cfg(feature = "simulation")]
 mod diagnostics;
 #[cfg(feature = "simulation")]
+mod forces;
+#[cfg(feature = "simulation")]
 pub mod history;
 #[cfg(feature = "simulation")]
 mod measures;
@@ -35,6 +37,8 @@ pub mod scenario;
 pub mod summary;
 
 pub use error::Error;
+#[cfg(feature = "simulation")]
+pub use forces::FluidForce;
 #[cfg(feature = "simulation")]
 pub use history::{History, HistoryTable};
 #[cfg(feature = "simulation")]

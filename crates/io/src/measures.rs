@@ -1,6 +1,9 @@
 //! What histories and summaries say about each body after a step.
 
-use solver::{BodyReport, ContactObstacle, Setup, StepView};
+use mesh::Placed;
+use solver::{BodyKind, BodyReport, ContactObstacle, Setup, StepView};
+
+use crate::forces::enclosed;
 
 /// One body after a step; `y` is the last coordinate.
 ///
@@ -18,9 +21,9 @@ pub struct BodyMeasures {
     pub lowest_velocity: f64,
     /// Change of that velocity over the step, per time.
     pub lowest_acceleration: f64,
-    /// Height of the centre of mass.
+    /// Height of the centre of mass; of the area, if the motion is prescribed.
     pub centre_y: f64,
-    /// Vertical velocity of the centre of mass.
+    /// Vertical velocity of that centre.
     pub centre_velocity: f64,
     /// Vertical contact force on the body.
     pub contact_force: f64,
@@ -72,6 +75,12 @@ impl BodyMeasures {
             measures.energy_elastic = balance.elastic_energy;
             measures.energy_gravity = balance.potential_energy;
         }
+        if let BodyKind::Prescribed(prescribed) = &view.setup.bodies[index].kind {
+            let positions = view.state.bodies[index].positions(&prescribed.reference);
+            let (_, centre) = enclosed(&Placed::new(&prescribed.boundary, &positions));
+            measures.centre_y = centre[vertical];
+            measures.centre_velocity = (prescribed.velocity)(&centre, view.state.time)[vertical];
+        }
         for (contact, found) in view.setup.contacts.iter().zip(&report.contacts) {
             if contact.body.index() == index {
                 measures.d_min = found.minimum_gap.map_or(measures.d_min, |gap| gap.min(measures.d_min));
@@ -95,8 +104,9 @@ impl BodyMeasures {
     }
 }
 
-/// The body that a summary speaks of: the slave of the first contact, else the first body.
+/// The body that a summary speaks of: the slave of the first contact, else the first elastic body, else the first body.
 pub(crate) fn leading_body<const D: usize>(setup: &Setup<D>) -> Option<usize> {
     let slave = setup.contacts.first().map(|contact| contact.body.index());
-    slave.or((!setup.bodies.is_empty()).then_some(0))
+    let elastic = || setup.bodies.iter().position(|body| body.elastic().is_some());
+    slave.or_else(elastic).or((!setup.bodies.is_empty()).then_some(0))
 }

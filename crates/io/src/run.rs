@@ -4,18 +4,19 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use algebra::{BlockGaussSeidel, BlockGaussSeidelSettings, BlockSolver, Fill, LaggedSettings, LaggedSolver, Workspace};
-use solver::{Observer, ObserverError, Setup, State, StepView, TimeLoop};
+use solver::{Body, BodyKind, Observer, ObserverError, Setup, State, StepView, TimeLoop};
 
 use crate::diagnostics::Diagnostics;
 use crate::files::{create_directory, write_whole};
 use crate::history::{History, HistoryTable, column_prefix};
 use crate::measures::{BodyMeasures, leading_body};
 use crate::scenario::lower::{Case, CaseVisitor, lower};
-use crate::scenario::schema::{Blocks, BodyBlock, Cip, FluidBlock, Linear, Output, Preconditioner};
+use crate::scenario::schema::{Blocks, BodyBlock, Cip, FluidBlock, Linear, Motion, Output, Preconditioner};
 use crate::scenario::{Scenario, ScenarioFile};
 use crate::summary::{Summary, SummaryBuilder, peak_rss_bytes};
 use crate::vtk::fluid::fluid_grid;
 use crate::vtk::interface::interface_grid;
+use crate::vtk::rigid::rigid_grid;
 use crate::vtk::series::Series;
 use crate::vtk::solid::solid_grid;
 use crate::{Error, plot};
@@ -78,7 +79,7 @@ impl CaseVisitor for Run<'_, '_> {
         let directory = &self.options.directory;
         let scenario = self.file.scenario();
         create_directory(&directory.join("vtk"))?;
-        write_whole(&directory.join("scenario.toml"), self.file.to_toml()?.as_bytes())?;
+        write_scenario(self.file, directory)?;
         let mut files = RunFiles::new(scenario, &case, directory)?;
         let mut progress = Progress { report: self.options.progress, n_steps: case.n_steps, bottom: case.bottom };
         let state = State::initial(&case.setup)?;
@@ -94,6 +95,21 @@ impl CaseVisitor for Run<'_, '_> {
         outcome?;
         files
     }
+}
+
+/// Writes the scenario with copies of the tables that it names, so that it can be run again from the directory.
+fn write_scenario(file: &ScenarioFile, directory: &Path) -> Result<(), Error> {
+    let mut scenario = file.scenario().clone();
+    for (body, source) in file.tables() {
+        let table = std::fs::read(&source).map_err(|error| Error::Read { path: source, source: error })?;
+        let body = &mut scenario.bodies[body];
+        let name = format!("motion-{}.csv", body.name);
+        write_whole(&directory.join(&name), &table)?;
+        if let Some(Motion::Table { file, .. }) = &mut body.motion {
+            *file = name;
+        }
+    }
+    write_whole(&directory.join("scenario.toml"), toml::to_string(&scenario)?.as_bytes())
 }
 
 /// Memory with the linear solver of the scenario.
@@ -138,6 +154,7 @@ struct RunFiles<const D: usize> {
     summary: SummaryBuilder,
     fluid: Series,
     solid: Series,
+    rigid: Series,
     interface: Series,
     moments: plot::Moments<D>,
     frames: Option<plot::FrameRecorder>,
@@ -167,6 +184,7 @@ impl<const D: usize> RunFiles<D> {
             summary: SummaryBuilder::new(start, case.bottom),
             fluid: Series::new(directory, "fluid"),
             solid: Series::new(directory, "solid"),
+            rigid: Series::new(directory, "rigid"),
             interface: Series::new(directory, "interface"),
             moments: plot::Moments::default(),
             frames: plot::FrameRecorder::new(&case.setup, case.n_steps).filter(|_| scenario.output.plots),
@@ -178,8 +196,19 @@ impl<const D: usize> RunFiles<D> {
         let (step, time, level) = (view.state.step, view.state.time, self.output.compression);
         let fluid = fluid_grid(&view.setup.background, &view.state.fluid);
         self.fluid.push(step, time, |path| fluid.write(path, level))?;
-        let solid = solid_grid(view.setup, view.state);
-        self.solid.push(step, time, |path| solid.write(path, level))?;
+        // Series of what there is: ParaView stumbles over grids without points.
+        let bodies = &view.setup.bodies;
+        if bodies.iter().any(|body| body.elastic().is_some()) {
+            let solid = solid_grid(view.setup, view.state);
+            self.solid.push(step, time, |path| solid.write(path, level))?;
+        }
+        if bodies.iter().any(is_prescribed) {
+            let rigid = rigid_grid(view.setup, view.state);
+            self.rigid.push(step, time, |path| rigid.write(path, level))?;
+        }
+        if bodies.is_empty() {
+            return Ok(());
+        }
         let interface = interface_grid(&view.state.fluid, view.report);
         self.interface.push(step, time, |path| interface.write(path, level))
     }
@@ -216,7 +245,18 @@ impl<const D: usize> RunFiles<D> {
 
     /// Draws the history, the fields at contact, after the rebound and at the deepest contact.
     fn draw(&self, scenario: &Scenario, setup: &Setup<D>) -> Result<(), Error> {
-        let Some(leading) = leading_body(setup) else { return Ok(()) };
+        let file = |name: &str| self.directory.join(name);
+        if let Some(leading) = leading_body(setup) {
+            self.draw_histories(scenario, setup, leading)?;
+        }
+        self.draw_fields(setup, leading_body(setup))?;
+        if let Some(frames) = &self.frames {
+            write_whole(&file("frames.json"), serde_json::to_string(frames.frames())?.as_bytes())?;
+        }
+        Ok(())
+    }
+
+    fn draw_histories(&self, scenario: &Scenario, setup: &Setup<D>, leading: usize) -> Result<(), Error> {
         let file = |name: &str| self.directory.join(name);
         let table = HistoryTable::read(&file("history.csv"))?;
         let (prefix, marks) = (column_prefix(setup, leading), &scenario.output.marks);
@@ -228,20 +268,27 @@ impl<const D: usize> RunFiles<D> {
         if let Some(chart) = plot::thickness_chart(&HistoryTable::read(&file("diagnostics.csv"))?, marks) {
             plot::draw_chart(&file("thickness"), &chart)?;
         }
-        if let Some((time, bodies)) = &self.moments.deepest {
+        let bodies = setup.bodies.iter().enumerate().filter(|(_, body)| is_prescribed(body));
+        let named: Vec<_> = bodies.map(|(k, body)| (body.name.clone(), column_prefix(setup, k))).collect();
+        if let Some(chart) = plot::force_chart(&table, &named) {
+            plot::draw_chart(&file("forces"), &chart)?;
+        }
+        Ok(())
+    }
+
+    fn draw_fields(&self, setup: &Setup<D>, leading: Option<usize>) -> Result<(), Error> {
+        let file = |name: &str| self.directory.join(name);
+        if let (Some((time, bodies)), Some(leading)) = (&self.moments.deepest, leading) {
             plot::draw_isolines(&file("displacement"), setup, bodies, &[leading], *time)?;
         }
         if let Some(plot::Moment { time, fluid, bodies }) = &self.moments.contact {
             plot::draw_flow(&file("flow.png"), setup, fluid, *time)?;
-            plot::draw_vorticity(&file("vorticity"), setup, fluid, Some(leading), *time)?;
+            plot::draw_vorticity(&file("vorticity"), setup, fluid, leading, *time)?;
             let all: Vec<usize> = (0..setup.bodies.len()).collect();
             plot::draw_isolines(&file("displacement-contact"), setup, bodies, &all, *time)?;
         }
         if let Some(plot::Moment { time, fluid, .. }) = &self.moments.second_contact {
-            plot::draw_vorticity(&file("vorticity-second-contact"), setup, fluid, Some(leading), *time)?;
-        }
-        if let Some(frames) = &self.frames {
-            write_whole(&file("frames.json"), serde_json::to_string(frames.frames())?.as_bytes())?;
+            plot::draw_vorticity(&file("vorticity-second-contact"), setup, fluid, leading, *time)?;
         }
         Ok(())
     }
@@ -267,6 +314,10 @@ impl<const D: usize> Observer<D> for RunFiles<D> {
     fn after_step(&mut self, view: &StepView<'_, D>) -> Result<(), ObserverError> {
         Ok(self.write_step(view)?)
     }
+}
+
+fn is_prescribed<const D: usize>(body: &Body<D>) -> bool {
+    matches!(body.kind, BodyKind::Prescribed(_))
 }
 
 /// Tells the caller where the run stands.
@@ -301,7 +352,7 @@ pub struct Sizes {
     pub background_cells: usize,
     /// Vertices of the background.
     pub background_vertices: usize,
-    /// Name, cells and vertices of each body.
+    /// Name, cells and vertices of each body; no cells where only the surface counts, because its motion is prescribed.
     pub bodies: Vec<(String, usize, usize)>,
     /// Cut cells at the start.
     pub cut_cells: usize,
@@ -323,10 +374,12 @@ pub fn sizes(file: &ScenarioFile) -> Result<Sizes, Error> {
         type Output = Result<Sizes, Error>;
         fn visit<const D: usize>(self, case: Case<D>) -> Result<Sizes, Error> {
             let state = State::initial(&case.setup)?;
-            let meshes = case.setup.bodies.iter().filter_map(|body| Some((body, body.elastic()?.solid.mesh())));
-            let bodies: Vec<_> =
-                meshes.map(|(body, mesh)| (body.name.clone(), mesh.n_cells(), mesh.n_vertices())).collect();
-            let of_bodies: usize = bodies.iter().map(|(_, _, vertices)| D * vertices).sum();
+            let size = |body: &Body<D>| match body.elastic() {
+                Some(elastic) => (body.name.clone(), elastic.solid.mesh().n_cells(), body.reference().len()),
+                None => (body.name.clone(), 0, body.reference().len()),
+            };
+            let bodies: Vec<_> = case.setup.bodies.iter().map(size).collect();
+            let of_bodies: usize = bodies.iter().filter(|(_, cells, _)| *cells > 0).map(|(.., n)| D * n).sum();
             Ok(Sizes {
                 background_cells: case.setup.background.n_cells(),
                 background_vertices: case.setup.background.n_vertices(),

@@ -15,7 +15,7 @@ const ENERGY_TOLERANCE: f64 = 1e-8;
 const EARLY: f64 = 0.01;
 
 /// What a run comes down to. Distances, velocities and penetrations are those of the leading body: the slave of the
-/// first contact, else the first body.
+/// first contact, else the first elastic body, else the first body.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
     /// Name of the case.
@@ -250,7 +250,9 @@ impl SummaryBuilder {
         let size = view.setup.contacts.iter().find(|c| c.body.index() == index).map(|c| c.form.element_size());
         summary.max_penetration_over_s = size.map(|s| summary.max_penetration / s);
         if summary.mean_acceleration_10ms.is_none() && time >= EARLY * (1.0 - 1e-9) {
-            summary.mean_acceleration_10ms = Some(body.centre_velocity / time);
+            // What is prescribed does not fall.
+            let falls = view.setup.bodies[index].elastic().is_some();
+            summary.mean_acceleration_10ms = falls.then(|| body.centre_velocity / time);
         }
         let lasts = summary.contact_intervals.last().is_some_and(|(_, end)| end.is_none());
         match (lasts, body.active_points > 0) {

@@ -210,7 +210,7 @@ fn changes_from_the_command_line() {
     ];
     let file = ScenarioFile::parse(Path::new("case.toml"), CASE, &strings(&changes)).expect("legal");
     let scenario = file.scenario();
-    assert_eq!((scenario.time.step, scenario.bodies[0].density, file.n_steps()), (5e-4, 2.0, 500));
+    assert_eq!((scenario.time.step, scenario.bodies[0].density, file.n_steps()), (5e-4, Some(2.0), 500));
     assert_eq!(scenario.output.vtk_every, 3);
     // A section that is not in the file is made.
     let text = CASE.replace("[output]  ", "#").replace("vtk_every   = 10", "#").replace("compression = 0", "#");
@@ -243,9 +243,9 @@ fn mistakes_on_the_command_line_name_the_argument() {
 
 #[test]
 fn every_scenario_survives_writing_and_reading() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../validation/cases");
+    let folders = ["validation/cases", "examples"].map(|f| Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(f));
     let mut n = 0;
-    for entry in std::fs::read_dir(folder).expect("the cases") {
+    for entry in folders.iter().flat_map(|folder| std::fs::read_dir(folder).expect("the cases")) {
         let path = entry.expect("an entry").path();
         if path.extension().is_none_or(|extension| extension != "toml") {
             continue;

@@ -15,7 +15,10 @@ pub(crate) fn check(arguments: &ScenarioArguments) -> Result<(), Error> {
         "background: {background_cells} cells, {background_vertices} vertices, {cut_cells} cells cut at the start"
     );
     for (name, cells, vertices) in bodies {
-        println!("body {name}: {cells} cells, {vertices} vertices");
+        match cells {
+            0 => println!("body {name}: prescribed motion, {vertices} vertices on its surface"),
+            _ => println!("body {name}: {cells} cells, {vertices} vertices"),
+        }
     }
     println!("unknowns in the first step: {dofs}");
     println!("steps: {n_steps} of {} s, to {} s", scenario.time.step, scenario.time.end);

@@ -67,6 +67,30 @@ pub fn contact_chart(
     Some(Chart { columns: 2, panels: vec![distance, panel("contact force [dyn/cm]", "contact_force")] })
 }
 
+/// Forces and torque of the fluid on bodies over time, a row of graphs for each: of the mortar's traction, and of the
+/// fluid's alone. Bodies are given by their names and the prefixes of their columns; none if there are no bodies.
+pub fn force_chart(table: &HistoryTable, bodies: &[(String, String)]) -> Option<Chart> {
+    let of_body = |(name, prefix): &(String, String)| {
+        let curve = |label: &str, colour: usize, column: String| Curve {
+            label: label.to_owned(),
+            colour,
+            points: column_curve(table, &format!("{prefix}{column}")),
+            dots: false,
+        };
+        let force = |axis: &str| {
+            let curves = vec![
+                curve("mortar", 0, format!("force_{axis}")),
+                curve("traction alone", 1, format!("traction_force_{axis}")),
+            ];
+            Panel::over_time(format!("{name}: force of the fluid, {axis} [dyn/cm]"), curves)
+        };
+        let torque = vec![curve("", 0, "torque".to_owned())];
+        [force("x"), force("y"), Panel::over_time(format!("{name}: torque of the fluid [dyn]"), torque)]
+    };
+    let panels: Vec<Panel> = bodies.iter().flat_map(of_body).collect();
+    (!panels.is_empty()).then_some(Chart { columns: 3, panels })
+}
+
 /// One column of several runs, each with its name (paper, Figure 12: height of the body for two time steps).
 pub fn comparison_chart(title: &str, column: &str, runs: &[(String, &HistoryTable)]) -> Chart {
     let curve = |(k, (label, table)): (usize, &(String, &HistoryTable))| Curve {

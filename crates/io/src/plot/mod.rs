@@ -23,7 +23,7 @@ use vorticity::Vorticity;
 
 pub use chart::{Chart, Curve, Event, Panel};
 pub use frames::{Frame, Frames};
-pub use histories::{body_chart, column_curve, comparison_chart, contact_chart, thickness_chart};
+pub use histories::{body_chart, column_curve, comparison_chart, contact_chart, force_chart, thickness_chart};
 pub(crate) use isolines::PLATE;
 pub use moments::{Moment, Moments};
 

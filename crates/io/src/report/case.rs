@@ -8,7 +8,7 @@ use super::ledger::Ledger;
 use super::setting::setting;
 use crate::Error;
 use crate::history::HistoryTable;
-use crate::plot::{Panel, body_chart, contact_chart, thickness_chart};
+use crate::plot::{Panel, body_chart, contact_chart, force_chart, thickness_chart};
 use crate::scenario::ScenarioFile;
 use crate::scenario::schema::{Cip, Scenario};
 use crate::summary::{Comparison, Summary};
@@ -73,10 +73,12 @@ impl CaseResult {
         &self.history
     }
 
-    /// Prefix of the columns of the leading body: the slave of the first contact, else the first body.
+    /// Prefix of the columns of the leading body: the slave of the first contact, else the first elastic body, else the
+    /// first body.
     pub fn prefix(&self) -> String {
         let slave = self.scenario.contacts.first().map(|contact| contact.body.as_str());
-        let leading = slave.or(self.scenario.bodies.first().map(|body| body.name.as_str()));
+        let elastic = || self.scenario.bodies.iter().find(|body| body.motion.is_none());
+        let leading = slave.or_else(|| elastic().or(self.scenario.bodies.first()).map(|body| body.name.as_str()));
         leading.map_or_else(String::new, |name| self.prefix_of(name))
     }
 
@@ -117,7 +119,11 @@ impl CaseResult {
         html += "<h3>Histories</h3>";
         let prefix = self.prefix();
         let marks = &self.scenario.output.marks;
-        let mut panels = body_chart(&self.history, &prefix, marks).panels;
+        let bodies = &self.scenario.bodies;
+        let mut panels = if bodies.is_empty() { Vec::new() } else { body_chart(&self.history, &prefix, marks).panels };
+        let moved = bodies.iter().filter(|body| body.motion.is_some());
+        let moved: Vec<_> = moved.map(|body| (body.name.clone(), self.prefix_of(&body.name))).collect();
+        panels.extend(force_chart(&self.history, &moved).into_iter().flat_map(|chart| chart.panels));
         panels.extend(thickness_chart(&self.diagnostics, marks).into_iter().flat_map(|chart| chart.panels));
         html += &legend(&panels);
         html += &charts(panels)?;

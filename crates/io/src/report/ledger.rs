@@ -118,7 +118,9 @@ impl Ledger<'_> {
             ("viscous", "force_viscous", 5),
         ];
         let name = |column: &str| format!("{}{column}", self.prefix);
-        let Some(remainder) = self.diagnostics.column(&name("force_remainder")) else { return Ok(None) };
+        let remainder = self.diagnostics.column(&name("force_remainder"));
+        // A body of prescribed motion has no balance.
+        let Some(remainder) = remainder.filter(|r| r.iter().any(|r| r.is_finite())) else { return Ok(None) };
         let mut largest = 0.0_f64;
         let mut curves = Vec::new();
         for (label, column, colour) in forces {

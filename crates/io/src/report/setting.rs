@@ -120,7 +120,7 @@ fn bodies(svg: &mut String, scenario: &Scenario, frame: &Frame, mirror: Option<f
                 let centre_text = format!("({}, {})", number(centre[0]), number(centre[1]));
                 label(svg, x + 6.0, y + 15.0, "start", &centre_text);
                 label(svg, x - 0.45 * r, y + 5.0, "middle", &body.name);
-                gravity(svg, id, &body.gravity, x - 1.2 * r - 44.0, y - 12.0);
+                gravity(svg, id, body.gravity.as_deref().unwrap_or_default(), x - 1.2 * r - 44.0, y - 12.0);
                 let bottom = frame.y(centre[1] - radius);
                 let floor = floor_below(scenario, frame, centre[1] - radius);
                 let gap = (floor - bottom) / frame.scale;

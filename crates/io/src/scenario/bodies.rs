@@ -4,13 +4,14 @@ use std::sync::Arc;
 
 use contact::{ContactForm, DeformableObstacle, Penalty, RigidPlane};
 use mesh::generate::{BallOptions, Size, ball, graded_box, half_ball, mirrored, structured_box};
-use mesh::{FacetId, Point, SimplexMesh, Vector};
+use mesh::{BodyId, FacetId, Point, SimplexMesh, Vector};
 use solid_svk::boundary::{facets_without_tags, tagged_facets, vertices_of};
 use solid_svk::terms::Traction;
 use solid_svk::{FacetTerm, GeneralisedAlpha, LameParameters, SaintVenantKirchhoff, SolidForm, SolidMesh, TimeScheme};
 use solver::{Body, BodyKind, BodySupport, Contact, ContactObstacle, ElasticBody, PointField, SupportKind};
 
 use super::lower::{body_id, side_axis, unknown_name, vector};
+use super::motion::prescribed;
 use super::problem::{Problem, ScenarioError};
 use super::schema::{self, BodyCondition, ContactLaw, Material, Obstacle, Shape};
 use super::{GivenBodyCondition, PlainBodyCondition, ScenarioFile};
@@ -18,13 +19,29 @@ use super::{GivenBodyCondition, PlainBodyCondition, ScenarioFile};
 /// A body.
 pub(super) fn body<const D: usize>(file: &ScenarioFile, index: usize) -> Result<Body<D>, ScenarioError> {
     let given = &file.scenario().bodies[index];
+    let mesh = shape(file, &format!("body.{index}.shape"), &given.shape)?;
+    let kind = match &given.motion {
+        None => BodyKind::Elastic(Box::new(elastic(file, index, mesh)?)),
+        Some(motion) => BodyKind::Prescribed(prescribed(file, index, motion, &mesh)?),
+    };
+    Ok(Body { name: given.name.clone(), kind })
+}
+
+/// An elastic body on a mesh.
+fn elastic<const D: usize>(
+    file: &ScenarioFile,
+    index: usize,
+    mesh: SimplexMesh<D>,
+) -> Result<ElasticBody<D>, ScenarioError> {
+    let given = &file.scenario().bodies[index];
     let path = |key: &str| format!("body.{index}.{key}");
     let fail = |key: &str, source: solid_svk::Error| file.error(&path(key), source);
-    let solid = SolidMesh::new(shape(file, &path("shape"), &given.shape)?).map_err(|e| fail("shape", e))?;
-    let lame = material(file, &path("material"), &given.material)?;
-    let gravity = vector(file, &path("gravity"), &given.gravity)?;
-    let form =
-        SolidForm::new(given.density, SaintVenantKirchhoff::new(lame), gravity).map_err(|e| fail("density", e))?;
+    let missing = |key: &str| file.missing(&format!("body.{index}"), key);
+    let solid = SolidMesh::new(mesh).map_err(|e| fail("shape", e))?;
+    let lame = material(file, &path("material"), given.material.as_ref().ok_or_else(|| missing("material"))?)?;
+    let density = given.density.ok_or_else(|| missing("density"))?;
+    let gravity = vector(file, &path("gravity"), given.gravity.as_ref().ok_or_else(|| missing("gravity"))?)?;
+    let form = SolidForm::new(density, SaintVenantKirchhoff::new(lame), gravity).map_err(|e| fail("density", e))?;
     let (supports, loads) = conditions(file, &path("boundary"), &solid, given)?;
     let constant = |key: &str, values: &Option<Vec<f64>>| -> Result<Option<PointField<D>>, ScenarioError> {
         let Some(values) = values else { return Ok(None) };
@@ -37,7 +54,7 @@ pub(super) fn body<const D: usize>(file: &ScenarioFile, index: usize) -> Result<
             TimeScheme::GeneralisedAlpha(GeneralisedAlpha::new(rho_inf).map_err(|e| fail("time_scheme.rho_inf", e))?)
         }
     };
-    let elastic = ElasticBody {
+    Ok(ElasticBody {
         scheme,
         supports,
         loads,
@@ -45,8 +62,7 @@ pub(super) fn body<const D: usize>(file: &ScenarioFile, index: usize) -> Result<
         initial_velocity: constant("initial_velocity", &given.initial_velocity)?,
         solid,
         form,
-    };
-    Ok(Body { name: given.name.clone(), kind: BodyKind::Elastic(Box::new(elastic)) })
+    })
 }
 
 fn shape<const D: usize>(file: &ScenarioFile, path: &str, shape: &Shape) -> Result<SimplexMesh<D>, ScenarioError> {
@@ -144,9 +160,17 @@ pub(super) fn contact<const D: usize>(
     let path = |key: &str| format!("contact.{index}.{key}");
     let fail = |source: contact::Error| file.error(&format!("contact.{index}"), source);
     let slave = body_id(file, &path("body"), &given.body, bodies)?;
+    let yields = |body: BodyId| !matches!(bodies[body.index()].kind, BodyKind::Prescribed(_));
+    let nothing_yields = |why| {
+        let body = given.body.clone();
+        Err(file.error(&path("obstacle"), Problem::NothingYields { body, why }))
+    };
     let ContactLaw::Penalty { gamma_contact_0 } = given.law;
     let law = Penalty::new(gamma_contact_0, given.offset).map_err(fail)?;
     let obstacle = match &given.obstacle {
+        Obstacle::RigidPlane { .. } if !yields(slave) => {
+            return nothing_yields("one has a given motion, the other is a rigid plane");
+        }
         Obstacle::RigidPlane { point, normal } => {
             let point: Vector<D> = vector(file, &path("obstacle.point"), point)?;
             let normal: Vector<D> = vector(file, &path("obstacle.normal"), normal)?;
@@ -159,6 +183,9 @@ pub(super) fn contact<const D: usize>(
             let body = body_id(file, &path("obstacle.name"), name, bodies)?;
             if body == slave {
                 return Err(file.error(&path("obstacle.name"), contact::Error::SelfContact));
+            }
+            if !yields(slave) && !yields(body) {
+                return nothing_yields("both have a given motion");
             }
             let boundary = bodies[body.index()].boundary().clone();
             let facets = free_facets(file, body.index(), bodies)?;

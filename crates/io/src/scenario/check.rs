@@ -31,6 +31,7 @@ pub(super) fn check(file: &ScenarioFile) -> Result<(), ScenarioError> {
     time(file)?;
     alpha(file)?;
     names(file)?;
+    bodies(file)?;
     linear(file)?;
     if scenario.solver.newton.max_iterations == 0 {
         return Err(file.error("solver.newton.max_iterations", Problem::Range { value: 0.0, must: "at least 1" }));
@@ -92,7 +93,7 @@ fn numbers(file: &ScenarioFile) -> Vec<(String, f64, &'static str)> {
     }
     for (k, body) in scenario.bodies.iter().enumerate() {
         let path = |key: &str| format!("body.{k}.{key}");
-        push(&path("density"), body.density, POSITIVE);
+        body.density.iter().for_each(|density| push(&path("density"), *density, POSITIVE));
         match &body.shape {
             Shape::Ball { radius, size, .. } | Shape::HalfBall { radius, size, .. } => {
                 push(&path("shape.radius"), *radius, POSITIVE);
@@ -133,6 +134,9 @@ fn time(file: &ScenarioFile) -> Result<(), ScenarioError> {
     Err(file.error("time.step", Problem::Indivisible { step, end, step_below, end_below }))
 }
 
+/// The first so many keys of elastic bodies are needed.
+const NEEDED: usize = 3;
+
 /// Only the fluid's traction crosses the interface.
 fn alpha(file: &ScenarioFile) -> Result<(), ScenarioError> {
     let scenario = file.scenario();
@@ -141,12 +145,41 @@ fn alpha(file: &ScenarioFile) -> Result<(), ScenarioError> {
         return Ok(());
     }
     let stiffness = scenario.bodies.iter().map(|body| {
-        let Material::SaintVenantKirchhoff { mu, lambda, young, .. } = body.material;
+        let Some(Material::SaintVenantKirchhoff { mu, lambda, young, .. }) = body.material else { return 0.0 };
         mu.zip(lambda).map_or(young.unwrap_or_default(), |(mu, lambda)| 2.0 * mu + lambda)
     });
     let need = scenario.time.step * stiffness.fold(0.0, f64::max);
     let have = scenario.interface.gamma_sigma * scenario.fluid.viscosity;
     Err(file.error("interface.alpha", Problem::Alpha { alpha, have, need }))
+}
+
+/// Elastic bodies have what they need, others nothing that they do not look at.
+fn bodies(file: &ScenarioFile) -> Result<(), ScenarioError> {
+    for (k, body) in file.scenario().bodies.iter().enumerate() {
+        let of_elastic = [
+            ("material", body.material.is_some()),
+            ("density", body.density.is_some()),
+            ("gravity", body.gravity.is_some()),
+            ("time_scheme", body.time_scheme.is_some()),
+            ("boundary", !body.boundary.is_empty()),
+            ("initial_displacement", body.initial_displacement.is_some()),
+            ("initial_velocity", body.initial_velocity.is_some()),
+        ];
+        let path = |key: &str| format!("body.{k}.{key}");
+        match body.motion {
+            None => {
+                if let Some((key, _)) = of_elastic[..NEEDED].iter().find(|(_, is_given)| !is_given) {
+                    return Err(file.missing(&format!("body.{k}"), key));
+                }
+            }
+            Some(_) => {
+                if let Some((key, _)) = of_elastic.iter().find(|(_, is_given)| *is_given) {
+                    return Err(file.error(&path(key), Problem::NoEffect { with: "a motion" }));
+                }
+            }
+        }
+    }
+    Ok(())
 }
 
 /// Names are unique and can be parts of file names.

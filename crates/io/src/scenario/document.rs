@@ -62,6 +62,11 @@ impl Document {
         Ok((document, scenario))
     }
 
+    /// The file that it was read from.
+    pub(super) fn file(&self) -> &Path {
+        &self.file
+    }
+
     /// The place of a key, or of the nearest table around it that is there.
     pub(super) fn place(&self, path: &str) -> Place {
         let mut known = path;
@@ -241,6 +246,7 @@ fn in_words(expected: &str) -> &str {
         "a string" => "a string",
         "a boolean" => "true or false",
         "a sequence" => "a list",
+        tagged if tagged.starts_with("internally tagged enum") => "a table with a kind",
         other => other,
     }
 }

@@ -3,7 +3,7 @@
 use algebra::NewtonSettings;
 use cutcell::{CutMesh, OverlayOptions};
 use mesh::{BodyId, Placed, Point, Vector};
-use solver::{Body, Setup};
+use solver::{Body, BodyKind, Setup};
 
 use super::bodies::{body, contact};
 use super::fluid::{background, fluid};
@@ -149,8 +149,11 @@ fn check_placement<const D: usize>(file: &ScenarioFile, setup: &Setup<D>) -> Res
 }
 
 fn initial_positions<const D: usize>(body: &Body<D>) -> Vec<Point<D>> {
-    let displacement = body.elastic().and_then(|elastic| elastic.initial_displacement.clone());
-    let moved = |x: &Point<D>| displacement.as_ref().map_or(*x, |d| x + d(x));
+    let displacement = body.elastic().and_then(|elastic| elastic.initial_displacement.as_ref());
+    let moved = |x: &Point<D>| match &body.kind {
+        BodyKind::Prescribed(prescribed) => (prescribed.position)(x, 0.0),
+        _ => displacement.map_or(*x, |d| x + d(x)),
+    };
     body.reference().iter().map(moved).collect()
 }
 

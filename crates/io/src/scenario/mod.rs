@@ -6,15 +6,17 @@ mod condition;
 mod document;
 mod fluid;
 pub mod lower;
+mod motion;
 pub mod problem;
 pub mod schema;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 pub use condition::{
     Axis, GivenBodyCondition, GivenFluidCondition, GradedSize, InflowProfile, PlainBodyCondition, PlainFluidCondition,
 };
 pub use lower::{Case, CaseVisitor};
+pub use motion::{FormulaError, TableError};
 pub use problem::{Place, Problem, ScenarioError};
 pub use schema::Scenario;
 
@@ -70,6 +72,20 @@ impl ScenarioFile {
     /// Number of steps.
     pub fn n_steps(&self) -> usize {
         (self.scenario.time.end / self.scenario.time.step).round() as usize
+    }
+
+    /// The tables of motion that it names: number of the body, and where the table lies.
+    pub(crate) fn tables(&self) -> impl Iterator<Item = (usize, PathBuf)> {
+        let bodies = self.scenario.bodies.iter().enumerate();
+        bodies.filter_map(|(body, given)| match &given.motion {
+            Some(schema::Motion::Table { file, .. }) => Some((body, motion::table_path(self, file))),
+            _ => None,
+        })
+    }
+
+    /// A key that is missing in a table.
+    fn missing(&self, table: &str, key: &str) -> ScenarioError {
+        self.error(table, Problem::Missing { key: key.to_owned() })
     }
 
     /// An error at a key.

@@ -3,6 +3,8 @@
 use std::fmt;
 use std::path::PathBuf;
 
+use super::motion::{FormulaError, TableError};
+
 /// A place in a scenario: file and line, or the command-line argument that set the value, and the key.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Place {
@@ -212,6 +214,35 @@ pub enum Problem {
     OutsideDomain {
         /// The body.
         name: String,
+    },
+    /// A formula that has no value, or no rate of change, at some time of the run.
+    #[error(
+        "the {what} of the formula `{formula}` at t = {time} is {number}; change it so that it moves smoothly through the \
+         whole run"
+    )]
+    FormulaValue {
+        /// The formula.
+        formula: String,
+        /// Value or derivative.
+        what: &'static str,
+        /// What it is.
+        number: f64,
+        /// When.
+        time: f64,
+    },
+    /// A formula that is none.
+    #[error(transparent)]
+    Formula(#[from] FormulaError),
+    /// A table that is no motion of the body.
+    #[error(transparent)]
+    Table(#[from] TableError),
+    /// A contact in which nothing can yield.
+    #[error("neither `{body}` nor its obstacle can yield: {why}; take the contact out, or make `{body}` elastic")]
+    NothingYields {
+        /// What must not touch.
+        body: String,
+        /// Why.
+        why: &'static str,
     },
     /// A mesh that cannot be made.
     #[error(transparent)]

@@ -160,12 +160,18 @@ pub struct Body {
     pub name: String,
     /// Shape and size of cells.
     pub shape: Shape,
-    /// Material.
-    pub material: Material,
-    /// Density, g/cm³.
-    pub density: f64,
-    /// Acceleration of gravity, cm/s².
-    pub gravity: Vec<f64>,
+    /// Its motion; without one the body is elastic, and what follows says how.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub motion: Option<Motion>,
+    /// Material of an elastic body.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub material: Option<Material>,
+    /// Density of an elastic body, g/cm³.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub density: Option<f64>,
+    /// Acceleration of gravity of an elastic body, cm/s².
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gravity: Option<Vec<f64>>,
     /// How it is advanced in time; implicit Euler, as the fluid, if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub time_scheme: Option<TimeScheme>,
@@ -223,6 +229,40 @@ pub enum Shape {
         /// Number of bricks along each axis, each of two triangles; or `size`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         n: Option<Vec<usize>>,
+    },
+}
+
+/// What moves a body that is not elastic. Angles are in radians, counter-clockwise.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Motion {
+    /// None: an obstacle at rest.
+    Fixed {},
+    /// A steady rotation, from the start.
+    Rotating {
+        /// The point that stays, cm.
+        centre: Vec<f64>,
+        /// Angle per time, 1/s.
+        angular_velocity: f64,
+    },
+    /// Formulas in the time `t`.
+    Formula {
+        /// Displacement from the shape's place, cm; one formula for each axis.
+        displacement: Vec<String>,
+        /// Angle by which the body is turned about its centre; not turned if not given.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        angle: Option<String>,
+        /// The centre before it is displaced, cm; for an angle.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        centre: Option<Vec<f64>>,
+    },
+    /// A table of times with displacements and angles.
+    Table {
+        /// A CSV file, relative to the scenario.
+        file: String,
+        /// The centre before it is displaced, cm; for a column of angles.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        centre: Option<Vec<f64>>,
     },
 }
 

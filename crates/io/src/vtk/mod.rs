@@ -5,6 +5,8 @@ pub mod cut;
 pub mod fluid;
 #[cfg(feature = "simulation")]
 pub mod interface;
+#[cfg(feature = "simulation")]
+pub mod rigid;
 pub mod series;
 #[cfg(feature = "simulation")]
 pub mod solid;

@@ -1,0 +1,231 @@
+//! Bodies whose motion a scenario prescribes: where they are, and how fast, at any time.
+
+mod formula;
+mod table;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use mesh::{BoundaryMesh, Point, SimplexMesh, Vector, VertexId};
+use solver::PrescribedBody;
+
+use super::ScenarioFile;
+use super::lower::vector;
+use super::problem::{Problem, ScenarioError};
+use super::schema::Motion;
+use formula::{Dual, Formula};
+use table::Table;
+
+pub use formula::FormulaError;
+pub use table::TableError;
+
+/// Largest part of the end time by which the last row of a table may come too early: round-off.
+const ROUND_OFF: f64 = 1e-9;
+
+/// How far a rigid body has moved and turned, and how fast it moves and turns.
+///
+/// It turns counter-clockwise in the plane of the first two axes; angles are in radians.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Pose<const D: usize> {
+    displacement: Vector<D>,
+    velocity: Vector<D>,
+    angle: f64,
+    angular_velocity: f64,
+}
+
+impl<const D: usize> Default for Pose<D> {
+    fn default() -> Self {
+        Self { displacement: Vector::zeros(), velocity: Vector::zeros(), angle: 0.0, angular_velocity: 0.0 }
+    }
+}
+
+/// What gives the pose at a time.
+enum Path<const D: usize> {
+    Fixed,
+    Rotating { angular_velocity: f64 },
+    Formula { displacement: [Formula; D], angle: Option<Formula> },
+    Table(Table<D>),
+}
+
+impl<const D: usize> Path<D> {
+    fn at(&self, t: f64) -> Pose<D> {
+        match self {
+            Self::Fixed => Pose::default(),
+            Self::Rotating { angular_velocity } => {
+                Pose { angle: angular_velocity * t, angular_velocity: *angular_velocity, ..Pose::default() }
+            }
+            Self::Formula { displacement, angle } => {
+                let mut pose = Pose::default();
+                for (axis, formula) in displacement.iter().enumerate() {
+                    let Dual { value, rate } = formula.at(t);
+                    (pose.displacement[axis], pose.velocity[axis]) = (value, rate);
+                }
+                if let Some(formula) = angle {
+                    let Dual { value, rate } = formula.at(t);
+                    (pose.angle, pose.angular_velocity) = (value, rate);
+                }
+                pose
+            }
+            Self::Table(table) => table.at(t),
+        }
+    }
+}
+
+/// A motion that keeps all distances: `x(t) = c + d(t) + R(t) (X - c)`, with the velocity
+/// `d'(t) + ω(t) × (x - c - d(t))`.
+struct RigidMotion<const D: usize> {
+    centre: Point<D>,
+    path: Path<D>,
+}
+
+impl<const D: usize> RigidMotion<D> {
+    fn position(&self, reference: &Point<D>, t: f64) -> Point<D> {
+        let pose = self.path.at(t);
+        let arm = reference - self.centre;
+        let (sin, cos) = pose.angle.sin_cos();
+        let mut turned = arm;
+        (turned[0], turned[1]) = (cos * arm[0] - sin * arm[1], sin * arm[0] + cos * arm[1]);
+        self.centre + pose.displacement + turned
+    }
+
+    fn velocity(&self, at: &Point<D>, t: f64) -> Vector<D> {
+        let pose = self.path.at(t);
+        let arm = at - self.centre - pose.displacement;
+        let mut velocity = pose.velocity;
+        velocity[0] -= pose.angular_velocity * arm[1];
+        velocity[1] += pose.angular_velocity * arm[0];
+        velocity
+    }
+}
+
+/// Body `index` with the motion that is prescribed for it.
+pub(super) fn prescribed<const D: usize>(
+    file: &ScenarioFile,
+    index: usize,
+    motion: &Motion,
+    shape: &SimplexMesh<D>,
+) -> Result<PrescribedBody<D>, ScenarioError> {
+    let motion = Arc::new(rigid(file, &format!("body.{index}.motion"), motion)?);
+    let (boundary, reference) = surface(shape);
+    let position = Arc::clone(&motion);
+    Ok(PrescribedBody {
+        boundary,
+        reference,
+        position: Arc::new(move |x, t| position.position(x, t)),
+        velocity: Arc::new(move |x, t| motion.velocity(x, t)),
+    })
+}
+
+/// The surface of a mesh with its own vertices.
+fn surface<const D: usize>(mesh: &SimplexMesh<D>) -> (BoundaryMesh<D>, Vec<Point<D>>) {
+    let whole = mesh.boundary();
+    let mut numbers: Vec<Option<VertexId>> = vec![None; mesh.n_vertices()];
+    let mut reference = Vec::new();
+    let mut facets = Vec::with_capacity(D * whole.n_facets());
+    for vertex in whole.facets().flat_map(|facet| whole.facet(facet)) {
+        facets.push(*numbers[vertex.index()].get_or_insert_with(|| {
+            reference.push(mesh.vertex(*vertex));
+            VertexId::new(reference.len() - 1)
+        }));
+    }
+    (BoundaryMesh::from_facets(facets), reference)
+}
+
+fn rigid<const D: usize>(file: &ScenarioFile, path: &str, motion: &Motion) -> Result<RigidMotion<D>, ScenarioError> {
+    let at = |key: &str| format!("{path}.{key}");
+    // Without an angle nothing would look at a centre.
+    let centre = |given: &Option<Vec<f64>>, turns: bool| -> Result<Point<D>, ScenarioError> {
+        match (given, turns) {
+            (Some(centre), true) => vector(file, &at("centre"), centre),
+            (None, false) => Ok(Point::zeros()),
+            (None, true) => Err(file.missing(path, "centre")),
+            (Some(_), false) => Err(file.error(&at("centre"), Problem::NoEffect { with: "a motion without an angle" })),
+        }
+    };
+    match motion {
+        Motion::Fixed {} => Ok(RigidMotion { centre: Point::zeros(), path: Path::Fixed }),
+        Motion::Rotating { centre, angular_velocity } => Ok(RigidMotion {
+            centre: vector(file, &at("centre"), centre)?,
+            path: Path::Rotating { angular_velocity: *angular_velocity },
+        }),
+        Motion::Formula { displacement, angle, centre: given } => {
+            let formula = |key: &str, text: &String| read_formula(file, &at(key), text);
+            let read = displacement.iter().enumerate().map(|(k, text)| formula(&format!("displacement.{k}"), text));
+            let read: Vec<Formula> = read.collect::<Result<_, _>>()?;
+            let wrong = || Problem::Components { found: displacement.len(), dimension: D };
+            let displacement = read.try_into().map_err(|_| file.error(&at("displacement"), wrong()))?;
+            let angle = angle.as_ref().map(|text| formula("angle", text)).transpose()?;
+            Ok(RigidMotion { centre: centre(given, angle.is_some())?, path: Path::Formula { displacement, angle } })
+        }
+        Motion::Table { file: name, centre: given } => {
+            let table = read_table(file, &at("file"), name)?;
+            Ok(RigidMotion { centre: centre(given, table.turns())?, path: Path::Table(table) })
+        }
+    }
+}
+
+/// A formula that has a finite value and a finite rate at every step.
+fn read_formula(file: &ScenarioFile, path: &str, text: &str) -> Result<Formula, ScenarioError> {
+    let formula = Formula::parse(text).map_err(|e| file.error(path, e))?;
+    let step = file.scenario().time.step;
+    for time in (0..=file.n_steps()).map(|k| k as f64 * step) {
+        let Dual { value, rate } = formula.at(time);
+        for (what, number) in [("value", value), ("derivative", rate)] {
+            if !number.is_finite() {
+                let formula = formula.text().to_owned();
+                return Err(file.error(path, Problem::FormulaValue { formula, what, number, time }));
+            }
+        }
+    }
+    Ok(formula)
+}
+
+/// A table that covers the run.
+fn read_table<const D: usize>(file: &ScenarioFile, path: &str, name: &str) -> Result<Table<D>, ScenarioError> {
+    let found = table_path(file, name);
+    let table = Table::read(&found).map_err(|e| file.error(path, e))?;
+    let ((first, last), end) = (table.range(), file.scenario().time.end);
+    if first > 0.0 || last < end * (1.0 - ROUND_OFF) {
+        let what =
+            format!("it covers the times {first} to {last}, but the run needs 0 to {end}; add rows or end earlier");
+        return Err(file.error(path, TableError { path: found, line: None, what }));
+    }
+    Ok(table)
+}
+
+/// Where a table lies: relative to the scenario.
+pub(super) fn table_path(file: &ScenarioFile, name: &str) -> PathBuf {
+    file.document.file().parent().map_or_else(|| PathBuf::from(name), |folder| folder.join(name))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn formula(text: &str) -> Formula {
+        Formula::parse(text).unwrap_or_else(|e| panic!("{e}"))
+    }
+
+    #[test]
+    fn velocity_is_the_rate_of_the_position_of_every_point() {
+        let centre = Point::<2>::new(0.3, -0.2);
+        let displacement = [formula("0.4*sin(3*t)"), formula("t^2 - 1")];
+        let swaying = Path::Formula { displacement, angle: Some(formula("1.5*cos(2*t)")) };
+        for path in [Path::Fixed, Path::Rotating { angular_velocity: -2.5 }, swaying] {
+            let motion = RigidMotion { centre, path };
+            for x in [centre, Point::<2>::new(1.0, 2.0), Point::<2>::new(-0.7, 0.1)] {
+                for t in [0.0, 0.3, 1.7] {
+                    let h = 1e-5;
+                    let difference = (motion.position(&x, t + h) - motion.position(&x, t - h)) / (2.0 * h);
+                    let velocity = motion.velocity(&motion.position(&x, t), t);
+                    assert!((velocity - difference).norm() < 1e-8, "{velocity} {difference}");
+                    let arm = motion.position(&x, t) - motion.position(&centre, t);
+                    assert!((arm.norm() - (x - centre).norm()).abs() < 1e-14);
+                }
+            }
+        }
+        let quarter = RigidMotion { centre, path: Path::Rotating { angular_velocity: std::f64::consts::FRAC_PI_2 } };
+        let turned = quarter.position(&(centre + Vector::<2>::new(1.0, 0.0)), 1.0);
+        assert!((turned - centre - Vector::<2>::new(0.0, 1.0)).norm() < 1e-15, "counter-clockwise");
+    }
+}

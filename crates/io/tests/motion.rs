@@ -1,0 +1,329 @@
+//! Bodies of prescribed motion: what a scenario may say of them, what it may not, and what a run leaves.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use io::report::{CaseResult, Report};
+use io::scenario::lower::case;
+use io::{Error, HistoryTable, RunOptions, ScenarioFile, run, sizes};
+use mesh::Point;
+use solver::BodyKind;
+
+const CASE: &str = include_str!("../../../examples/oscillating-cylinder.toml");
+const COARSE: [&str; 4] =
+    ["background.size=0.03", "body.0.shape.size=0.015", "background.boundary.left.ramp=0.1", "output.vtk_every=2"];
+const MOTION: &str = r#"{ kind = "formula", displacement = ["0", "0.05*sin(2*pi*0.25*t)"] }"#;
+
+/// An elastic bar downstream of the cylinder.
+const BAR: &str = r#"
+[[body]]
+name     = "bar"
+shape    = { kind = "box", min = [0.5, 0.15], max = [0.6, 0.25], n = [2, 2] }
+material = { kind = "saint-venant-kirchhoff", mu = 10.0, lambda = 40.0 }
+density  = 1.0
+gravity  = [0.0, 0.0]
+"#;
+
+/// A contact of a body with another.
+fn contact(body: &str, obstacle: &str) -> String {
+    format!(
+        "\n[[contact]]\nbody = \"{body}\"\nlaw = {{ kind = \"penalty\", gamma_contact_0 = 10.0 }}\nsize = 0.05\n\
+         offset = 0.01\nobstacle = {obstacle}\n"
+    )
+}
+
+fn fresh_directory(name: &str) -> PathBuf {
+    let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("motion").join(name);
+    let _ = fs::remove_dir_all(&path);
+    fs::create_dir_all(&path).unwrap_or_else(|e| panic!("{e}"));
+    path
+}
+
+/// The coarse case with a motion in the place of the formula, and texts added.
+fn with_motion(motion: &str, more: &str, sets: &[&str]) -> Result<ScenarioFile, Error> {
+    let sets: Vec<String> = COARSE.iter().chain(sets).map(|set| (*set).to_owned()).collect();
+    assert!(CASE.contains(MOTION));
+    let text = CASE.replace(MOTION, motion) + more;
+    ScenarioFile::parse(&PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("motion/case.toml"), &text, &sets)
+}
+
+fn legal(motion: &str, more: &str, sets: &[&str]) -> ScenarioFile {
+    with_motion(motion, more, sets).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// Expects an error at a key, on the line of some text, with all the given words.
+fn expect(motion: &str, more: &str, on: &str, key: &str, words: &[&str]) {
+    let error = match with_motion(motion, more, &[]) {
+        Ok(file) => sizes(&file).expect_err("a mistake"),
+        Err(error) => error,
+    };
+    let message = error.to_string();
+    let Error::Scenario(error) = error else { panic!("not an error of the scenario: {message}") };
+    let text = CASE.replace(MOTION, motion) + more;
+    let at = text.find(on).unwrap_or_else(|| panic!("{on}"));
+    let line = text[..at].matches('\n').count() + 1;
+    assert_eq!((error.place.line, error.place.key.as_str()), (line, key), "{message}");
+    words.iter().for_each(|word| assert!(message.contains(word), "`{word}` is not in: {message}"));
+}
+
+/// Where a vertex of the first body is, and how fast, beside its reference.
+fn moved(file: &ScenarioFile, t: f64) -> Vec<[Point<2>; 3]> {
+    let case = case::<2>(file).unwrap_or_else(|e| panic!("{e}"));
+    let BodyKind::Prescribed(body) = &case.setup.bodies[0].kind else { panic!("not prescribed") };
+    let at = |x: &Point<2>| (body.position)(x, t);
+    body.reference.iter().map(|x| [*x, at(x), (body.velocity)(&at(x), t)]).collect()
+}
+
+#[test]
+fn each_kind_moves_the_body_as_it_says() {
+    let file = legal(r#"{ kind = "fixed" }"#, "", &[]);
+    assert!(moved(&file, 3.0).iter().all(|[x, y, v]| x == y && v.norm() == 0.0));
+    let file = legal(r#"{ kind = "rotating", centre = [0.2, 0.2], angular_velocity = 2.0 }"#, "", &[]);
+    for [x, y, v] in moved(&file, 0.7) {
+        let (arm, turned) = (x - Point::<2>::new(0.2, 0.2), y - Point::<2>::new(0.2, 0.2));
+        assert!((turned[1].atan2(turned[0]) - arm[1].atan2(arm[0]) - 1.4).sin().abs() < 1e-12);
+        assert!((v - Point::<2>::new(-2.0 * turned[1], 2.0 * turned[0])).norm() < 1e-13);
+    }
+    let file = legal(MOTION, "", &[]);
+    for [x, y, v] in moved(&file, 0.5) {
+        let (sin, cos) = (std::f64::consts::FRAC_PI_4).sin_cos();
+        assert!((y - x - Point::<2>::new(0.0, 0.05 * sin)).norm() < 1e-15);
+        assert!((v - Point::<2>::new(0.0, 0.05 * 0.5 * std::f64::consts::PI * cos)).norm() < 1e-15);
+    }
+    fresh_directory("tables");
+    let table = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("motion/tables/straight.csv");
+    fs::write(&table, "time,x,y,angle\n0,0,0.01,0\n4,0.04,0.01,2\n8,0.08,0.01,4\n").expect("a writable directory");
+    let file = legal(r#"{ kind = "table", file = "tables/straight.csv", centre = [0.2, 0.2] }"#, "", &[]);
+    for [_, y, v] in moved(&file, 1.0) {
+        let turned = y - Point::<2>::new(0.21, 0.21);
+        assert!((turned.norm() - 0.05).abs() < 0.01);
+        assert!((v - Point::<2>::new(0.01 - 0.5 * turned[1], 0.5 * turned[0])).norm() < 1e-13);
+    }
+}
+
+#[test]
+fn motions_survive_writing_and_reading() {
+    for motion in [
+        r#"{ kind = "fixed" }"#,
+        r#"{ kind = "rotating", centre = [0.2, 0.2], angular_velocity = -2 }"#,
+        r#"{ kind = "formula", displacement = ["t", "0"], angle = "0.1*t", centre = [0.2, 0.2] }"#,
+        r#"{ kind = "table", file = "motion.csv" }"#,
+    ] {
+        let file = legal(motion, "", &[]);
+        let text = file.to_toml().expect("text");
+        let again = ScenarioFile::parse(Path::new("again.toml"), &text, &[]).unwrap_or_else(|e| panic!("{e}\n{text}"));
+        assert_eq!(file.scenario(), again.scenario());
+    }
+}
+
+#[test]
+fn mistakes_in_a_motion_are_told_with_line_and_key() {
+    let motion = |path: &str| format!("body.0.motion{path}");
+    let expect = |given: &str, key: &str, words: &[&str]| expect(given, "", "motion = {", &motion(key), words);
+    expect(r#"{ kind = "fixd" }"#, ".kind", &["did you mean `fixed`?", "formula"]);
+    expect(r#"{ kind = "fixed", centre = [0, 0] }"#, ".centre", &["unknown key"]);
+    expect(r#"{ kind = "rotating", centre = [0.2, 0.2] }"#, "", &["`angular_velocity` is missing"]);
+    expect(r#"{ kind = "rotating", centre = [0.2], angular_velocity = 1 }"#, ".centre", &["1 components"]);
+    expect(r#"{ kind = "formula", displacement = ["t"] }"#, ".displacement", &["1 components"]);
+    expect(
+        r#"{ kind = "formula", displacement = ["0", "2t"] }"#,
+        ".displacement.1",
+        &["`2t`", "character 2", "operator"],
+    );
+    expect(r#"{ kind = "formula", displacement = ["sin(x)", "0"] }"#, ".displacement.0", &["`x` is not known", "cosh"]);
+    expect(r#"{ kind = "formula", displacement = ["0", "1/(t - 2)"] }"#, ".displacement.1", &["value", "t = 2 is inf"]);
+    expect(
+        r#"{ kind = "formula", displacement = ["sqrt(t)", "0"] }"#,
+        ".displacement.0",
+        &["derivative", "t = 0 is inf"],
+    );
+    expect(r#"{ kind = "formula", displacement = ["ln(-t)", "0"] }"#, ".displacement.0", &["value", "change it"]);
+    expect(r#"{ kind = "formula", displacement = ["0", "0"], angle = "t" }"#, "", &["`centre` is missing"]);
+    expect(
+        r#"{ kind = "formula", displacement = ["0", "0"], centre = [0, 0] }"#,
+        ".centre",
+        &["no effect", "without an angle", "take it out"],
+    );
+    expect(
+        r#"{ kind = "table", file = "none.csv" }"#,
+        ".file",
+        &["none.csv", "cannot be read", "relative to the scenario"],
+    );
+    let folder = fresh_directory("wrong");
+    for (name, text, words) in [
+        ("row", "time,x,y\n0,0,0\n1,0\n", vec!["row.csv:3: ", "2 values"]),
+        ("late", "time,x,y\n0.1,0,0\n9,0,0\n", vec!["late.csv: ", "0.1 to 9", "needs 0 to 8"]),
+        ("early", "time,x,y\n0,0,0\n7.9,0,0\n", vec!["0 to 7.9", "add rows or end earlier"]),
+    ] {
+        fs::write(folder.join(format!("{name}.csv")), text).expect("a writable directory");
+        expect(&format!(r#"{{ kind = "table", file = "wrong/{name}.csv" }}"#), ".file", &words);
+    }
+    fs::write(folder.join("turns.csv"), "time,x,y,angle\n0,0,0,0\n9,0,0,1\n").expect("a writable directory");
+    expect(r#"{ kind = "table", file = "wrong/turns.csv" }"#, "", &["`centre` is missing"]);
+}
+
+#[test]
+fn what_only_elastic_bodies_have_is_refused() {
+    for (key, value) in [
+        ("material", r#"{ kind = "saint-venant-kirchhoff", mu = 1.0, lambda = 1.0 }"#),
+        ("density", "1.0"),
+        ("gravity", "[0.0, 0.0]"),
+        ("time_scheme", r#"{ kind = "implicit-euler" }"#),
+        ("boundary", r#"{ surface = "clamped" }"#),
+        ("initial_displacement", "[0.0, 0.0]"),
+        ("initial_velocity", "[0.0, 0.0]"),
+    ] {
+        let given = format!("{key} = {value}");
+        let motion = format!("{MOTION}\n{given}");
+        expect(
+            &motion,
+            "",
+            &format!("\n{given}")[1..],
+            &format!("body.0.{key}"),
+            &["no effect with a motion", "take it out"],
+        );
+    }
+    for key in ["material", "density", "gravity"] {
+        let line = BAR.lines().find(|line| line.starts_with(key)).expect("a key");
+        expect(
+            MOTION,
+            &BAR.replace(line, ""),
+            "[[body]]\nname     = \"bar\"",
+            "body.1",
+            &[&format!("`{key}` is missing")],
+        );
+    }
+}
+
+#[test]
+fn contacts_in_which_nothing_yields_are_refused() {
+    let plane = contact("cylinder", r#"{ kind = "rigid-plane", point = [0.0, 0.0], normal = [0.0, -1.0] }"#);
+    expect(MOTION, &plane, "obstacle = ", "contact.0.obstacle", &["neither `cylinder`", "rigid plane", "elastic"]);
+    let post = "\n[[body]]\nname = \"post\"\nshape = { kind = \"box\", min = [0.5, 0.0], max = [0.6, 0.1], n = [2, 2] }\n\
+                motion = { kind = \"fixed\" }\n";
+    let both = post.to_owned() + &contact("cylinder", r#"{ kind = "body", name = "post" }"#);
+    expect(MOTION, &both, "obstacle = ", "contact.0.obstacle", &["both have a given motion", "take the contact out"]);
+    // As an obstacle of an elastic body it is lowered.
+    let file = legal(MOTION, &(BAR.to_owned() + &contact("bar", r#"{ kind = "body", name = "cylinder" }"#)), &[]);
+    assert_eq!(case::<2>(&file).unwrap_or_else(|e| panic!("{e}")).setup.contacts.len(), 1);
+}
+
+#[test]
+fn bodies_are_placed_where_they_are_at_the_start() {
+    let away = r#"{ kind = "formula", displacement = ["3 + t", "0"] }"#;
+    expect(away, "", "shape  = {", "body.0.shape", &["no vertex of body `cylinder`"]);
+    let file = legal(r#"{ kind = "formula", displacement = ["0.35", "0"] }"#, BAR, &[]);
+    assert!(sizes(&file).expect_err("on the bar").to_string().contains("overlap"));
+}
+
+fn column(directory: &Path, name: &str) -> Vec<f64> {
+    let table = HistoryTable::read(&directory.join("history.csv")).unwrap_or_else(|e| panic!("{e}"));
+    table.column(name).unwrap_or_else(|| panic!("{name}"))
+}
+
+/// Everything that the report shows of a run can be shown.
+fn report(directory: &Path) -> String {
+    let case = CaseResult::read(directory, "a-run", "A run").unwrap_or_else(|e| panic!("{e}"));
+    Report { cases: vec![case], ..Report::default() }.html().unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// Whether a number that is none came onto a page, outside of encoded pictures and scripts.
+fn is_broken(page: &str) -> bool {
+    let page = page.rsplit_once("<script>").map_or(page, |(before, _)| before);
+    [">NaN", " NaN", ">inf<", ">-inf"].iter().any(|word| page.contains(word))
+}
+
+#[test]
+fn a_cylinder_in_a_channel_feels_drag() {
+    let directory = fresh_directory("fixed");
+    // On the axis of the channel.
+    let sets = ["time.end=0.5", "body.0.shape.centre=[0.3, 0.205]"];
+    let summary = run(&legal(r#"{ kind = "fixed" }"#, "", &sets), RunOptions::into_directory(&directory))
+        .unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!((summary.steps, summary.mean_acceleration_10ms), (10, None));
+    let [drag, lift, traction, torque] =
+        ["force_x", "force_y", "traction_force_x", "torque"].map(|name| column(&directory, name));
+    for k in 5..10 {
+        assert!(drag[k] > 5e-3 && drag[k] < 5e-2, "{drag:?}");
+        assert!(lift[k].abs() < 0.1 * drag[k], "{lift:?}");
+        assert!((traction[k] - drag[k]).abs() < 0.5 * drag[k], "{traction:?} {drag:?}");
+        assert!(torque[k].abs() < 0.1 * drag[k] * 0.05, "{torque:?}");
+    }
+    assert!(column(&directory, "centre_y").iter().all(|y| (y - 0.205).abs() < 1e-12));
+    for file in ["forces.png", "history.png", "flow.png", "vorticity.png", "rigid.pvd", "fluid.pvd", "frames.json"] {
+        assert!(fs::metadata(directory.join(file)).is_ok_and(|data| data.len() > 200), "{file}");
+    }
+    assert!(!directory.join("solid.pvd").exists());
+    let page = report(&directory);
+    assert!(page.contains("cylinder: force of the fluid, x") && !is_broken(&page));
+    // The same again, digit by digit.
+    let again = fresh_directory("fixed-again");
+    run(&legal(r#"{ kind = "fixed" }"#, "", &sets), RunOptions::into_directory(&again))
+        .unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!((drag, torque), (column(&again, "force_x"), column(&again, "torque")));
+}
+
+#[test]
+fn a_rotating_cylinder_feels_a_torque_against_its_turn() {
+    let directory = fresh_directory("rotating");
+    let motion = r#"{ kind = "rotating", centre = [0.2, 0.2], angular_velocity = 4.0 }"#;
+    let sets = [
+        "background.size=0.015",
+        "body.0.shape.size=0.0075",
+        "fluid.viscosity=1.0",
+        "time.end=0.2",
+        "background.boundary.left=no-slip",
+        "output.plots=false",
+        "output.vtk_every=0",
+    ];
+    run(&legal(motion, "", &sets), RunOptions::into_directory(&directory)).unwrap_or_else(|e| panic!("{e}"));
+    let torque = column(&directory, "torque");
+    assert!(torque.iter().all(|m| *m < 0.0), "{torque:?}");
+    // Stokes flow around it without walls: 4 π μ r² ω. In a circle as wide as the channel it is 1.07 times that, and
+    // the cells of this mesh, a third of the radius, add 12 %.
+    let stokes = 4.0 * std::f64::consts::PI * 0.05_f64.powi(2) * 4.0;
+    let last = torque[torque.len() - 1];
+    assert!(-last > stokes && -last < 1.2 * stokes, "{torque:?} {stokes}");
+}
+
+#[test]
+fn a_table_moves_a_body_beside_an_elastic_one() {
+    let directory = fresh_directory("mixed");
+    let table = directory.join("up.csv");
+    fs::write(&table, "time,x,y\n0,0,0\n0.1,0,0.004\n0.2,0,0.016\n0.3,0,0.03\n").expect("a writable directory");
+    let motion = r#"{ kind = "table", file = "mixed/up.csv" }"#;
+    let results = directory.join("results");
+    let file = legal(motion, BAR, &["time.end=0.2"]);
+    let summary = run(&file, RunOptions::into_directory(&results)).unwrap_or_else(|e| panic!("{e}"));
+    assert!(summary.mean_acceleration_10ms.is_some(), "that of the elastic body");
+    let height = column(&results, "cylinder_centre_y");
+    assert!((height[3] - 0.216).abs() < 1e-12 && (height[1] - 0.204).abs() < 1e-12, "{height:?}");
+    assert!(column(&results, "cylinder_centre_velocity").iter().all(|v| *v > 0.0));
+    assert!(column(&results, "bar_force_x").iter().chain(&column(&results, "cylinder_force_y")).all(|f| f.is_finite()));
+    for file in ["solid.pvd", "rigid.pvd", "interface.pvd", "forces.svg"] {
+        assert!(results.join(file).exists(), "{file}");
+    }
+    let page = report(&results);
+    assert!(!is_broken(&page));
+    // What was run can be run again from where it was left, without the table it was run with.
+    fs::remove_file(&table).expect("the table");
+    let left = ScenarioFile::read(&results.join("scenario.toml"), &[]).unwrap_or_else(|e| panic!("{e}"));
+    run(&left, RunOptions::into_directory(directory.join("again"))).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(column(&directory.join("again"), "cylinder_force_x"), column(&results, "cylinder_force_x"));
+}
+
+#[test]
+fn a_channel_without_bodies_is_a_run_too() {
+    let directory = fresh_directory("empty");
+    let begin = CASE.find("[[body]]").expect("a body");
+    let end = CASE.find("[interface]").expect("an interface");
+    let text = CASE[..begin].to_owned() + &CASE[end..];
+    let sets = ["background.size=0.1", "time.end=0.2", "output.vtk_every=2"].map(str::to_owned);
+    let file = ScenarioFile::parse(Path::new("empty.toml"), &text, &sets).unwrap_or_else(|e| panic!("{e}"));
+    run(&file, RunOptions::into_directory(&directory)).unwrap_or_else(|e| panic!("{e}"));
+    for file in ["flow.png", "vorticity.png", "fluid.pvd", "frames.json"] {
+        assert!(directory.join(file).exists(), "{file}");
+    }
+    assert!(!directory.join("solid.pvd").exists() && !directory.join("interface.pvd").exists());
+    report(&directory);
+}
