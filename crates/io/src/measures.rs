@@ -104,9 +104,9 @@ impl BodyMeasures {
     }
 }
 
-/// The body that a summary speaks of: the slave of the first contact, else the first elastic body, else the first body.
+/// The body that a summary speaks of: the slave of the first contact, else the first body that is moved by forces, else the first body.
 pub(crate) fn leading_body<const D: usize>(setup: &Setup<D>) -> Option<usize> {
     let slave = setup.contacts.first().map(|contact| contact.body.index());
-    let elastic = || setup.bodies.iter().position(|body| body.elastic().is_some());
-    slave.or_else(elastic).or((!setup.bodies.is_empty()).then_some(0))
+    let moved = || setup.bodies.iter().position(|body| !matches!(body.kind, BodyKind::Prescribed(_)));
+    slave.or_else(moved).or((!setup.bodies.is_empty()).then_some(0))
 }

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use algebra::{BlockGaussSeidel, BlockGaussSeidelSettings, BlockSolver, Fill, LaggedSettings, LaggedSolver, Workspace};
+use solver::solid_rigid::modes::n_modes;
 use solver::{Body, BodyKind, Observer, ObserverError, Setup, State, StepView, TimeLoop};
 
 use crate::diagnostics::Diagnostics;
@@ -202,7 +203,7 @@ impl<const D: usize> RunFiles<D> {
             let solid = solid_grid(view.setup, view.state);
             self.solid.push(step, time, |path| solid.write(path, level))?;
         }
-        if bodies.iter().any(is_prescribed) {
+        if bodies.iter().any(is_rigid) {
             let rigid = rigid_grid(view.setup, view.state);
             self.rigid.push(step, time, |path| rigid.write(path, level))?;
         }
@@ -268,7 +269,7 @@ impl<const D: usize> RunFiles<D> {
         if let Some(chart) = plot::thickness_chart(&HistoryTable::read(&file("diagnostics.csv"))?, marks) {
             plot::draw_chart(&file("thickness"), &chart)?;
         }
-        let bodies = setup.bodies.iter().enumerate().filter(|(_, body)| is_prescribed(body));
+        let bodies = setup.bodies.iter().enumerate().filter(|(_, body)| is_rigid(body));
         let named: Vec<_> = bodies.map(|(k, body)| (body.name.clone(), column_prefix(setup, k))).collect();
         if let Some(chart) = plot::force_chart(&table, &named) {
             plot::draw_chart(&file("forces"), &chart)?;
@@ -316,8 +317,9 @@ impl<const D: usize> Observer<D> for RunFiles<D> {
     }
 }
 
-fn is_prescribed<const D: usize>(body: &Body<D>) -> bool {
-    matches!(body.kind, BodyKind::Prescribed(_))
+/// Whether a body does not deform.
+fn is_rigid<const D: usize>(body: &Body<D>) -> bool {
+    body.elastic().is_none()
 }
 
 /// Tells the caller where the run stands.
@@ -352,7 +354,7 @@ pub struct Sizes {
     pub background_cells: usize,
     /// Vertices of the background.
     pub background_vertices: usize,
-    /// Name, cells and vertices of each body; no cells where only the surface counts, because its motion is prescribed.
+    /// Name, cells and vertices of each body; no cells where only the surface counts, because it does not deform.
     pub bodies: Vec<(String, usize, usize)>,
     /// Cut cells at the start.
     pub cut_cells: usize,
@@ -379,7 +381,13 @@ pub fn sizes(file: &ScenarioFile) -> Result<Sizes, Error> {
                 None => (body.name.clone(), 0, body.reference().len()),
             };
             let bodies: Vec<_> = case.setup.bodies.iter().map(size).collect();
-            let of_bodies: usize = bodies.iter().filter(|(_, cells, _)| *cells > 0).map(|(.., n)| D * n).sum();
+            let system = |body: &Body<D>| match &body.kind {
+                BodyKind::Elastic(_) => D * body.reference().len(),
+                // Tied vertices, and the body as a whole.
+                BodyKind::Rigid(_) => D * body.reference().len() + n_modes(D),
+                BodyKind::Prescribed(_) => 0,
+            };
+            let of_bodies: usize = case.setup.bodies.iter().map(system).sum();
             Ok(Sizes {
                 background_cells: case.setup.background.n_cells(),
                 background_vertices: case.setup.background.n_vertices(),

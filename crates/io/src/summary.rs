@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
-use solver::{StageSeconds, StepReport, StepView};
+use solver::{BodyKind, StageSeconds, StepReport, StepView};
 
 use crate::Error;
 use crate::files::write_whole;
@@ -251,7 +251,7 @@ impl SummaryBuilder {
         summary.max_penetration_over_s = size.map(|s| summary.max_penetration / s);
         if summary.mean_acceleration_10ms.is_none() && time >= EARLY * (1.0 - 1e-9) {
             // What is prescribed does not fall.
-            let falls = view.setup.bodies[index].elastic().is_some();
+            let falls = !matches!(view.setup.bodies[index].kind, BodyKind::Prescribed(_));
             summary.mean_acceleration_10ms = falls.then(|| body.centre_velocity / time);
         }
         let lasts = summary.contact_intervals.last().is_some_and(|(_, end)| end.is_none());

@@ -180,7 +180,7 @@ fn what_only_elastic_bodies_have_is_refused() {
             "",
             &format!("\n{given}")[1..],
             &format!("body.0.{key}"),
-            &["no effect with a motion", "take it out"],
+            &["no effect with a motion that is given", "take it out"],
         );
     }
     for key in ["material", "density", "gravity"] {
@@ -206,6 +206,80 @@ fn contacts_in_which_nothing_yields_are_refused() {
     // As an obstacle of an elastic body it is lowered.
     let file = legal(MOTION, &(BAR.to_owned() + &contact("bar", r#"{ kind = "body", name = "cylinder" }"#)), &[]);
     assert_eq!(case::<2>(&file).unwrap_or_else(|e| panic!("{e}")).setup.contacts.len(), 1);
+}
+
+/// The cylinder as a free body.
+const FREE: &str = "{ kind = \"free\" }\ndensity = 1.5\ngravity = [0.0, -9.81]";
+
+#[test]
+fn free_bodies_need_a_mass_and_take_nothing_of_elastic_ones() {
+    legal(FREE, "", &[]);
+    legal(&format!("{FREE}\ninitial_velocity = [0.1, 0.0]"), "", &[]);
+    let free = |more: &str| FREE.replace(" }", &format!(", {more} }}"));
+    for more in [r#"held = ["x", "rotation"]"#, r#"held = ["y"], initial_spin = -2.0"#] {
+        let file = legal(&free(more), "", &[]);
+        let again = ScenarioFile::parse(Path::new("again.toml"), &file.to_toml().expect("text"), &[]).expect("legal");
+        assert_eq!(again.scenario(), file.scenario());
+    }
+    let density = |text: &str| FREE.replace("density = 1.5", text);
+    expect(&density(""), "", "[[body]]", "body.0", &["`density` is missing"]);
+    expect(&density("density = 0.0"), "", "density = 0.0", "body.0.density", &["positive"]);
+    let clamped = r#"boundary = { surface = "clamped" }"#;
+    let words = ["no effect with a body that does not deform", "take it out"];
+    expect(&format!("{FREE}\n{clamped}"), "", clamped, "body.0.boundary", &words);
+    let held = free(r#"held = ["x", "z"]"#);
+    expect(&held, "", "held", "body.0.motion.held.1", &["no effect with two dimensions"]);
+    expect(&free(r#"held = ["rotatoin"]"#), "", "held", "body.0.motion.held.0", &["rotatoin", "rotation"]);
+    let thrown = free(r#"held = ["x"]"#) + "\ninitial_velocity = [0.1, 0.0]";
+    expect(&thrown, "", "initial_velocity", "body.0.initial_velocity.0", &["no effect with an axis that is held"]);
+    let spun = free(r#"held = ["rotation"], initial_spin = 1.0"#);
+    expect(&spun, "", "initial_spin", "body.0.motion.initial_spin", &["no effect with a rotation that is held"]);
+}
+
+#[test]
+fn a_free_cylinder_sinks_with_the_force_that_is_reported() {
+    let directory = fresh_directory("free");
+    let sets = [
+        "fluid.body_force=[0.0,-9.81]",
+        "time.step=0.01",
+        "time.end=0.1",
+        "background.boundary.left=no-slip",
+        "background.boundary.right=no-slip",
+    ];
+    let file = legal(FREE, "", &sets);
+    let summary = run(&file, RunOptions::into_directory(&directory)).unwrap_or_else(|e| panic!("{e}"));
+    let (velocity, force) = (column(&directory, "centre_velocity"), column(&directory, "force_y"));
+    let mass = 1.5 * std::f64::consts::PI * 0.05_f64.powi(2);
+    let mut before = 0.0;
+    for (v, f) in velocity.iter().zip(&force) {
+        let inertia = mass * (v - before) / 0.01;
+        assert!((inertia + mass * 9.81 - f).abs() < 1e-6 * mass * 9.81, "{inertia} {f}");
+        before = *v;
+    }
+    // Buoyancy and the fluid that it takes along: more than the first by itself, less than twice the mass of fluid.
+    let acceleration = -velocity[0] / 0.01;
+    assert!(acceleration < 9.81 * 0.5 / 2.5 && acceleration > 9.81 * 0.5 / 3.5, "{velocity:?}");
+    assert!(velocity.windows(2).all(|v| v[1] < v[0]), "{velocity:?}");
+    assert!(summary.mean_acceleration_10ms.is_some_and(|a| a < 0.0), "it is the leading body");
+    assert!(directory.join("rigid.pvd").exists() && !directory.join("solid.pvd").exists());
+    assert!(!is_broken(&report(&directory)));
+}
+
+#[test]
+fn a_cylinder_that_moves_as_told_pushes_an_elastic_bar() {
+    let directory = fresh_directory("pushed");
+    let towards = r#"{ kind = "formula", displacement = ["0.5*t", "0"] }"#;
+    let pair = BAR.replace("min = [0.5, 0.15], max = [0.6, 0.25]", "min = [0.27, 0.15], max = [0.37, 0.25]")
+        + &contact("bar", r#"{ kind = "body", name = "cylinder" }"#);
+    let sets = ["time.step=0.01", "time.end=0.15", "background.boundary.left=no-slip", "output.plots=false"];
+    let file = legal(towards, &pair, &sets);
+    let summary = run(&file, RunOptions::into_directory(&directory)).unwrap_or_else(|e| panic!("{e}"));
+    assert!(summary.contact_time.is_some(), "they touch");
+    // Gap 0.02, offset 0.01, and the bar gives way.
+    let active = column(&directory, "bar_active_points");
+    assert!(active[0] == 0.0 && active[14] > 0.0, "{active:?}");
+    let velocity = column(&directory, "bar_contact_power");
+    assert!(velocity.iter().all(|power| power.is_finite()));
 }
 
 #[test]

@@ -16,7 +16,7 @@ pub(crate) fn check(arguments: &ScenarioArguments) -> Result<(), Error> {
     );
     for (name, cells, vertices) in bodies {
         match cells {
-            0 => println!("body {name}: prescribed motion, {vertices} vertices on its surface"),
+            0 => println!("body {name}: does not deform, {vertices} vertices on its surface"),
             _ => println!("body {name}: {cells} cells, {vertices} vertices"),
         }
     }

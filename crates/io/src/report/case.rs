@@ -10,7 +10,7 @@ use crate::Error;
 use crate::history::HistoryTable;
 use crate::plot::{Panel, body_chart, contact_chart, force_chart, thickness_chart};
 use crate::scenario::ScenarioFile;
-use crate::scenario::schema::{Cip, Scenario};
+use crate::scenario::schema::{Body, Cip, Motion, Scenario};
 use crate::summary::{Comparison, Summary};
 
 /// Pictures of fields that a run leaves: file and caption.
@@ -73,12 +73,15 @@ impl CaseResult {
         &self.history
     }
 
-    /// Prefix of the columns of the leading body: the slave of the first contact, else the first elastic body, else the
-    /// first body.
+    /// Prefix of the columns of the leading body: the slave of the first contact, else the first body that is moved by
+    /// forces, else the first body.
     pub fn prefix(&self) -> String {
         let slave = self.scenario.contacts.first().map(|contact| contact.body.as_str());
-        let elastic = || self.scenario.bodies.iter().find(|body| body.motion.is_none());
-        let leading = slave.or_else(|| elastic().or(self.scenario.bodies.first()).map(|body| body.name.as_str()));
+        let moved = || {
+            let is_moved = |body: &&Body| matches!(body.motion, None | Some(Motion::Free { .. }));
+            self.scenario.bodies.iter().find(is_moved)
+        };
+        let leading = slave.or_else(|| moved().or(self.scenario.bodies.first()).map(|body| body.name.as_str()));
         leading.map_or_else(String::new, |name| self.prefix_of(name))
     }
 

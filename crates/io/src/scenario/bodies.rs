@@ -11,7 +11,7 @@ use solid_svk::{FacetTerm, GeneralisedAlpha, LameParameters, SaintVenantKirchhof
 use solver::{Body, BodyKind, BodySupport, Contact, ContactObstacle, ElasticBody, PointField, SupportKind};
 
 use super::lower::{body_id, side_axis, unknown_name, vector};
-use super::motion::prescribed;
+use super::motion::undeformed;
 use super::problem::{Problem, ScenarioError};
 use super::schema::{self, BodyCondition, ContactLaw, Material, Obstacle, Shape};
 use super::{GivenBodyCondition, PlainBodyCondition, ScenarioFile};
@@ -22,7 +22,7 @@ pub(super) fn body<const D: usize>(file: &ScenarioFile, index: usize) -> Result<
     let mesh = shape(file, &format!("body.{index}.shape"), &given.shape)?;
     let kind = match &given.motion {
         None => BodyKind::Elastic(Box::new(elastic(file, index, mesh)?)),
-        Some(motion) => BodyKind::Prescribed(prescribed(file, index, motion, &mesh)?),
+        Some(motion) => undeformed(file, index, motion, &mesh)?,
     };
     Ok(Body { name: given.name.clone(), kind })
 }

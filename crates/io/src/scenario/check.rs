@@ -1,7 +1,7 @@
 //! Checks of single values that their types cannot express.
 
 use super::problem::{Problem, ScenarioError};
-use super::schema::{Background, Cip, ContactLaw, Linear, Material, Preconditioner, Shape, Size};
+use super::schema::{Background, Cip, ContactLaw, Linear, Material, Motion, Preconditioner, Shape, Size};
 use super::{GivenFluidCondition, ScenarioFile};
 use crate::scenario::schema::FluidCondition;
 
@@ -134,9 +134,6 @@ fn time(file: &ScenarioFile) -> Result<(), ScenarioError> {
     Err(file.error("time.step", Problem::Indivisible { step, end, step_below, end_below }))
 }
 
-/// The first so many keys of elastic bodies are needed.
-const NEEDED: usize = 3;
-
 /// Only the fluid's traction crosses the interface.
 fn alpha(file: &ScenarioFile) -> Result<(), ScenarioError> {
     let scenario = file.scenario();
@@ -153,10 +150,10 @@ fn alpha(file: &ScenarioFile) -> Result<(), ScenarioError> {
     Err(file.error("interface.alpha", Problem::Alpha { alpha, have, need }))
 }
 
-/// Elastic bodies have what they need, others nothing that they do not look at.
+/// Bodies have what they need, and nothing that they do not look at.
 fn bodies(file: &ScenarioFile) -> Result<(), ScenarioError> {
     for (k, body) in file.scenario().bodies.iter().enumerate() {
-        let of_elastic = [
+        let given = [
             ("material", body.material.is_some()),
             ("density", body.density.is_some()),
             ("gravity", body.gravity.is_some()),
@@ -165,17 +162,21 @@ fn bodies(file: &ScenarioFile) -> Result<(), ScenarioError> {
             ("initial_displacement", body.initial_displacement.is_some()),
             ("initial_velocity", body.initial_velocity.is_some()),
         ];
-        let path = |key: &str| format!("body.{k}.{key}");
-        match body.motion {
-            None => {
-                if let Some((key, _)) = of_elastic[..NEEDED].iter().find(|(_, is_given)| !is_given) {
-                    return Err(file.missing(&format!("body.{k}"), key));
-                }
+        let all = given.map(|(key, _)| key);
+        // What is needed, what may be given, and what others have no effect with.
+        let (needed, allowed, with): (&[&str], &[&str], _) = match &body.motion {
+            None => (&["material", "density", "gravity"], &all, "an elastic body"),
+            Some(Motion::Free { .. }) => {
+                (&["density", "gravity"], &["density", "gravity", "initial_velocity"], "a body that does not deform")
             }
-            Some(_) => {
-                if let Some((key, _)) = of_elastic.iter().find(|(_, is_given)| *is_given) {
-                    return Err(file.error(&path(key), Problem::NoEffect { with: "a motion" }));
-                }
+            Some(_) => (&[], &[], "a motion that is given"),
+        };
+        for (key, is_given) in given {
+            if !is_given && needed.contains(&key) {
+                return Err(file.missing(&format!("body.{k}"), key));
+            }
+            if is_given && !allowed.contains(&key) {
+                return Err(file.error(&format!("body.{k}.{key}"), Problem::NoEffect { with }));
             }
         }
     }

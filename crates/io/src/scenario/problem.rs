@@ -250,6 +250,9 @@ pub enum Problem {
     /// A body that cannot be made.
     #[error(transparent)]
     Solid(#[from] solid_svk::Error),
+    /// A rigid body that cannot be made.
+    #[error(transparent)]
+    Rigid(#[from] solver::solid_rigid::Error),
     /// A contact that cannot be made.
     #[error(transparent)]
     Contact(#[from] contact::Error),

@@ -166,10 +166,10 @@ pub struct Body {
     /// Material of an elastic body.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub material: Option<Material>,
-    /// Density of an elastic body, g/cm³.
+    /// Density of an elastic or free body, g/cm³.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub density: Option<f64>,
-    /// Acceleration of gravity of an elastic body, cm/s².
+    /// Acceleration of gravity of an elastic or free body, cm/s².
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gravity: Option<Vec<f64>>,
     /// How it is advanced in time; implicit Euler, as the fluid, if not given.
@@ -232,7 +232,7 @@ pub enum Shape {
     },
 }
 
-/// What moves a body that is not elastic. Angles are in radians, counter-clockwise.
+/// What moves a body that does not deform. Angles are in radians, counter-clockwise.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Motion {
@@ -256,6 +256,15 @@ pub enum Motion {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         centre: Option<Vec<f64>>,
     },
+    /// Its weight, the fluid and contacts: a free rigid body, with `density`, `gravity` and `initial_velocity`.
+    Free {
+        /// What is held all the same.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        held: Vec<Held>,
+        /// Angular velocity at the start, 1/s; none if not given.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        initial_spin: Option<f64>,
+    },
     /// A table of times with displacements and angles.
     Table {
         /// A CSV file, relative to the scenario.
@@ -264,6 +273,20 @@ pub enum Motion {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         centre: Option<Vec<f64>>,
     },
+}
+
+/// A motion that a free body does not make.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Held {
+    /// Of its centre along the first axis.
+    X,
+    /// Of its centre along the second axis.
+    Y,
+    /// Of its centre along the third axis.
+    Z,
+    /// Turning.
+    Rotation,
 }
 
 /// Material of a body.

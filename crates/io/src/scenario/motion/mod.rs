@@ -1,4 +1,4 @@
-//! Bodies whose motion a scenario prescribes: where they are, and how fast, at any time.
+//! Bodies that do not deform: those whose motion a scenario prescribes, where they are, and how fast, at any time; and free ones.
 
 mod formula;
 mod table;
@@ -7,12 +7,13 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use mesh::{BoundaryMesh, Point, SimplexMesh, Vector, VertexId};
-use solver::PrescribedBody;
+use solver::solid_rigid::modes::n_rotations;
+use solver::{BodyKind, PrescribedBody, RigidBody};
 
 use super::ScenarioFile;
 use super::lower::vector;
 use super::problem::{Problem, ScenarioError};
-use super::schema::Motion;
+use super::schema::{self, Held, Motion};
 use formula::{Dual, Formula};
 use table::Table;
 
@@ -73,12 +74,12 @@ impl<const D: usize> Path<D> {
 
 /// A motion that keeps all distances: `x(t) = c + d(t) + R(t) (X - c)`, with the velocity
 /// `d'(t) + ω(t) × (x - c - d(t))`.
-struct RigidMotion<const D: usize> {
+struct GivenMotion<const D: usize> {
     centre: Point<D>,
     path: Path<D>,
 }
 
-impl<const D: usize> RigidMotion<D> {
+impl<const D: usize> GivenMotion<D> {
     fn position(&self, reference: &Point<D>, t: f64) -> Point<D> {
         let pose = self.path.at(t);
         let arm = reference - self.centre;
@@ -98,22 +99,94 @@ impl<const D: usize> RigidMotion<D> {
     }
 }
 
-/// Body `index` with the motion that is prescribed for it.
-pub(super) fn prescribed<const D: usize>(
+/// Body `index`, which does not deform: with the motion that is given, or free.
+pub(super) fn undeformed<const D: usize>(
     file: &ScenarioFile,
     index: usize,
     motion: &Motion,
     shape: &SimplexMesh<D>,
-) -> Result<PrescribedBody<D>, ScenarioError> {
-    let motion = Arc::new(rigid(file, &format!("body.{index}.motion"), motion)?);
+) -> Result<BodyKind<D>, ScenarioError> {
+    let path = format!("body.{index}.motion");
     let (boundary, reference) = surface(shape);
+    let motion = match motion {
+        Motion::Free { held, initial_spin } => {
+            let body = free(file, index, (boundary, reference), held, *initial_spin)?;
+            return Ok(BodyKind::Rigid(Box::new(body)));
+        }
+        Motion::Fixed {} => GivenMotion { centre: Point::zeros(), path: Path::Fixed },
+        Motion::Rotating { centre, angular_velocity } => GivenMotion {
+            centre: vector(file, &format!("{path}.centre"), centre)?,
+            path: Path::Rotating { angular_velocity: *angular_velocity },
+        },
+        Motion::Formula { displacement, angle, centre } => {
+            formulas(file, &path, displacement, angle.as_ref(), centre.as_ref())?
+        }
+        Motion::Table { file: name, centre } => {
+            let table = read_table(file, &format!("{path}.file"), name)?;
+            GivenMotion {
+                centre: turning_centre(file, &path, centre.as_ref(), table.turns())?,
+                path: Path::Table(table),
+            }
+        }
+    };
+    let motion = Arc::new(motion);
     let position = Arc::clone(&motion);
-    Ok(PrescribedBody {
+    Ok(BodyKind::Prescribed(PrescribedBody {
         boundary,
         reference,
         position: Arc::new(move |x, t| position.position(x, t)),
         velocity: Arc::new(move |x, t| motion.velocity(x, t)),
-    })
+    }))
+}
+
+/// A free rigid body.
+fn free<const D: usize>(
+    file: &ScenarioFile,
+    index: usize,
+    (boundary, reference): (BoundaryMesh<D>, Vec<Point<D>>),
+    held: &[Held],
+    initial_spin: Option<f64>,
+) -> Result<RigidBody<D>, ScenarioError> {
+    let given: &schema::Body = &file.scenario().bodies[index];
+    let path = |key: &str| format!("body.{index}.{key}");
+    let missing = |key: &str| file.missing(&format!("body.{index}"), key);
+    let density = given.density.ok_or_else(|| missing("density"))?;
+    let gravity = vector(file, &path("gravity"), given.gravity.as_ref().ok_or_else(|| missing("gravity"))?)?;
+    let mut body = RigidBody::new(boundary, reference, density, gravity).map_err(|e| file.error(&path("shape"), e))?;
+    for (k, motion) in held.iter().enumerate() {
+        let axis = match motion {
+            Held::X => 0,
+            Held::Y => 1,
+            Held::Z => 2,
+            Held::Rotation => {
+                body.holds_rotation = true;
+                continue;
+            }
+        };
+        let Some(slot) = body.held_axes.get_mut(axis) else {
+            let with = "two dimensions";
+            return Err(file.error(&path(&format!("motion.held.{k}")), Problem::NoEffect { with }));
+        };
+        *slot = true;
+    }
+    let mut spin = [0.0; 3];
+    // The plane of the first two axes: the only rotation in 2D, the last one in 3D.
+    spin[n_rotations(D) - 1] = initial_spin.unwrap_or_default();
+    body.initial_spin = spin;
+    if let Some(velocity) = &given.initial_velocity {
+        body.initial_velocity = vector(file, &path("initial_velocity"), velocity)?;
+    }
+    // What is held does not move at the start either.
+    for (axis, velocity) in body.initial_velocity.iter().enumerate() {
+        if body.held_axes[axis] && *velocity != 0.0 {
+            let with = "an axis that is held";
+            return Err(file.error(&path(&format!("initial_velocity.{axis}")), Problem::NoEffect { with }));
+        }
+    }
+    if body.holds_rotation && initial_spin.is_some_and(|spin| spin != 0.0) {
+        return Err(file.error(&path("motion.initial_spin"), Problem::NoEffect { with: "a rotation that is held" }));
+    }
+    Ok(body)
 }
 
 /// The surface of a mesh with its own vertices.
@@ -131,37 +204,38 @@ fn surface<const D: usize>(mesh: &SimplexMesh<D>) -> (BoundaryMesh<D>, Vec<Point
     (BoundaryMesh::from_facets(facets), reference)
 }
 
-fn rigid<const D: usize>(file: &ScenarioFile, path: &str, motion: &Motion) -> Result<RigidMotion<D>, ScenarioError> {
-    let at = |key: &str| format!("{path}.{key}");
-    // Without an angle nothing would look at a centre.
-    let centre = |given: &Option<Vec<f64>>, turns: bool| -> Result<Point<D>, ScenarioError> {
-        match (given, turns) {
-            (Some(centre), true) => vector(file, &at("centre"), centre),
-            (None, false) => Ok(Point::zeros()),
-            (None, true) => Err(file.missing(path, "centre")),
-            (Some(_), false) => Err(file.error(&at("centre"), Problem::NoEffect { with: "a motion without an angle" })),
-        }
-    };
-    match motion {
-        Motion::Fixed {} => Ok(RigidMotion { centre: Point::zeros(), path: Path::Fixed }),
-        Motion::Rotating { centre, angular_velocity } => Ok(RigidMotion {
-            centre: vector(file, &at("centre"), centre)?,
-            path: Path::Rotating { angular_velocity: *angular_velocity },
-        }),
-        Motion::Formula { displacement, angle, centre: given } => {
-            let formula = |key: &str, text: &String| read_formula(file, &at(key), text);
-            let read = displacement.iter().enumerate().map(|(k, text)| formula(&format!("displacement.{k}"), text));
-            let read: Vec<Formula> = read.collect::<Result<_, _>>()?;
-            let wrong = || Problem::Components { found: displacement.len(), dimension: D };
-            let displacement = read.try_into().map_err(|_| file.error(&at("displacement"), wrong()))?;
-            let angle = angle.as_ref().map(|text| formula("angle", text)).transpose()?;
-            Ok(RigidMotion { centre: centre(given, angle.is_some())?, path: Path::Formula { displacement, angle } })
-        }
-        Motion::Table { file: name, centre: given } => {
-            let table = read_table(file, &at("file"), name)?;
-            Ok(RigidMotion { centre: centre(given, table.turns())?, path: Path::Table(table) })
-        }
+/// The centre about which a body turns; without an angle nothing would look at it.
+fn turning_centre<const D: usize>(
+    file: &ScenarioFile,
+    path: &str,
+    given: Option<&Vec<f64>>,
+    turns: bool,
+) -> Result<Point<D>, ScenarioError> {
+    let at = format!("{path}.centre");
+    match (given, turns) {
+        (Some(centre), true) => vector(file, &at, centre),
+        (None, false) => Ok(Point::zeros()),
+        (None, true) => Err(file.missing(path, "centre")),
+        (Some(_), false) => Err(file.error(&at, Problem::NoEffect { with: "a motion without an angle" })),
     }
+}
+
+/// A motion by formulas.
+fn formulas<const D: usize>(
+    file: &ScenarioFile,
+    path: &str,
+    displacement: &[String],
+    angle: Option<&String>,
+    centre: Option<&Vec<f64>>,
+) -> Result<GivenMotion<D>, ScenarioError> {
+    let formula = |key: &str, text: &String| read_formula(file, &format!("{path}.{key}"), text);
+    let read = displacement.iter().enumerate().map(|(k, text)| formula(&format!("displacement.{k}"), text));
+    let read: Vec<Formula> = read.collect::<Result<_, _>>()?;
+    let wrong = || Problem::Components { found: displacement.len(), dimension: D };
+    let displacement = read.try_into().map_err(|_| file.error(&format!("{path}.displacement"), wrong()))?;
+    let angle = angle.map(|text| formula("angle", text)).transpose()?;
+    let centre = turning_centre(file, path, centre, angle.is_some())?;
+    Ok(GivenMotion { centre, path: Path::Formula { displacement, angle } })
 }
 
 /// A formula that has a finite value and a finite rate at every step.
@@ -212,7 +286,7 @@ mod tests {
         let displacement = [formula("0.4*sin(3*t)"), formula("t^2 - 1")];
         let swaying = Path::Formula { displacement, angle: Some(formula("1.5*cos(2*t)")) };
         for path in [Path::Fixed, Path::Rotating { angular_velocity: -2.5 }, swaying] {
-            let motion = RigidMotion { centre, path };
+            let motion = GivenMotion { centre, path };
             for x in [centre, Point::<2>::new(1.0, 2.0), Point::<2>::new(-0.7, 0.1)] {
                 for t in [0.0, 0.3, 1.7] {
                     let h = 1e-5;
@@ -224,7 +298,7 @@ mod tests {
                 }
             }
         }
-        let quarter = RigidMotion { centre, path: Path::Rotating { angular_velocity: std::f64::consts::FRAC_PI_2 } };
+        let quarter = GivenMotion { centre, path: Path::Rotating { angular_velocity: std::f64::consts::FRAC_PI_2 } };
         let turned = quarter.position(&(centre + Vector::<2>::new(1.0, 0.0)), 1.0);
         assert!((turned - centre - Vector::<2>::new(0.0, 1.0)).norm() < 1e-15, "counter-clockwise");
     }
