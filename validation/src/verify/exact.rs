@@ -9,7 +9,7 @@ use cutwater::solid_svk::{LameParameters, SaintVenantKirchhoff, SolidForm, Solid
 use cutwater::solver::{Body, BodyKind, ElasticBody, FluidBoundary, Setup, State};
 
 use super::Failure;
-use super::flow::{self, Flow, Known, P, Random, T, V, disk, polygon};
+use super::flow::{self, Flow, Known, P, Random, T, V, disk, polygon, rigid_polygon};
 use super::record::Record;
 
 /// Largest error that counts as round-off of a solved system.
@@ -67,6 +67,18 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
     add(
         &["pressurised disk: velocity", "pressurised disk: pressure", "pressurised disk: velocity of the disk"],
         worst(8, pressurised_disk)?,
+    );
+    add(
+        &[
+            "neutral rigid body in hydrostatic pressure: velocity",
+            "the same: pressure",
+            "the same: velocity and spin of the body",
+        ],
+        worst(10, neutral)?,
+    );
+    add(
+        &["rigid body in fluid that turns about its centre: velocity", "the same: velocity and spin of the body"],
+        worst(11, turning)?,
     );
     add(&["pocket: pressure up to its mean", "pocket: mean of the pressure"], worst(9, pocket)?);
     record.note(format!("{n} random positions each, on a mesh of size {SIZE} that knows nothing of the body."));
@@ -144,16 +156,49 @@ fn hydrostatic(centre: P, _: &mut Random) -> Result<Vec<f64>, Failure> {
     Ok(vec![u, p, (force + weight).norm()])
 }
 
+/// A polygon without any symmetry.
+fn nonagon(centre: P, random: &mut Random) -> Vec<P> {
+    let turn = random.between(0.0, 1.0);
+    let corner = |k: u32| {
+        let (angle, radius) = (turn + f64::from(k) * std::f64::consts::TAU / 9.0, random.between(0.2, 0.45));
+        centre + P::new(angle.cos(), angle.sin()) * radius
+    };
+    (0..9).map(corner).collect()
+}
+
+/// A free body of the density of the fluid under gravity: the pressure carries it.
+fn neutral(centre: P, random: &mut Random) -> Result<Vec<f64>, Failure> {
+    let g = V::new(0.4, -2.5);
+    let known = Linear::at_rest(g).known(0.1, &["top"]);
+    let mut setup = known.setup(background()?, 0.05);
+    setup.bodies.push(rigid_polygon(nonagon(centre, random), known.density, g / known.density)?);
+    let (state, _) = flow::run(&setup, 3)?;
+    let [u, p] = nodal_errors(&known, &setup, &state);
+    let motion = state.bodies[0].rigid.ok_or("a rigid body has a motion")?;
+    Ok(vec![u, p, motion.velocity.norm().max(motion.spin[0].abs())])
+}
+
+/// Fluid that turns as one, and a free body that turns in it about its centre of mass, whatever its shape.
+fn turning(centre: P, random: &mut Random) -> Result<Vec<f64>, Failure> {
+    let spin = 1.3;
+    let mut body = rigid_polygon(nonagon(centre, random), 0.8, V::zeros())?;
+    let BodyKind::Rigid(rigid) = &mut body.kind else { return Err("a rigid body".into()) };
+    rigid.initial_spin[0] = spin;
+    let (turn, about) = (T::new(0.0, -spin, spin, 0.0), rigid.mass.centre);
+    let linear = Linear { a: turn, b: -(turn * about), g: V::zeros(), p: 0.0, density: 1.2, convects: false };
+    let known = linear.known(0.7, &[]);
+    let mut setup = known.setup(background()?, 0.05);
+    setup.bodies.push(body);
+    let (state, _) = flow::run(&setup, 4)?;
+    let motion = state.bodies[0].rigid.ok_or("a rigid body has a motion")?;
+    let error = motion.velocity.norm().max((motion.spin[0] - spin).abs());
+    Ok(vec![nodal_errors(&known, &setup, &state)[0], error])
+}
+
 fn uniform_pressure(centre: P, random: &mut Random) -> Result<Vec<f64>, Failure> {
     let known = Linear::at_rest(V::zeros()).known(0.1, &["right", "top"]);
     let mut setup = known.setup(background()?, 0.05);
-    let (about, turn) = (centre, random.between(0.0, 1.0));
-    // A polygon without any symmetry.
-    let corners = (0..9).map(|k| {
-        let (angle, radius) = (turn + f64::from(k) * 0.698_131_700_797_731_8, random.between(0.2, 0.45));
-        about + P::new(angle.cos(), angle.sin()) * radius
-    });
-    setup.bodies.push(polygon(&[corners.collect()], |x, _| *x, Arc::new(|_, _| V::zeros())));
+    setup.bodies.push(polygon(&[nonagon(centre, random)], |x, _| *x, Arc::new(|_, _| V::zeros())));
     let (state, report) = flow::run(&setup, 2)?;
     let (force, moment) = flow::force(&state, &report, 0, &centre);
     Ok(vec![nodal_errors(&known, &setup, &state)[0], force.norm(), moment.abs()])
