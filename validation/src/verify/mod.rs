@@ -12,6 +12,7 @@ mod exact;
 mod files;
 mod flow;
 mod hertz;
+mod immersed_modes;
 mod lubrication;
 mod orders;
 mod peer;
@@ -37,7 +38,7 @@ struct Check {
 }
 
 /// All checks, in the order of the page.
-const CHECKS: [Check; 14] = [
+const CHECKS: [Check; 15] = [
     Check {
         name: "exact",
         about: "Solutions that the discrete spaces contain, at random positions of the body.",
@@ -84,6 +85,11 @@ const CHECKS: [Check; 14] = [
         measure: csm::measure,
     },
     Check { name: "disk-modes", about: "Frequencies of a free elastic disk.", measure: disk_modes::measure },
+    Check {
+        name: "immersed-modes",
+        about: "Frequencies of an elastic disk in a fluid at rest.",
+        measure: immersed_modes::measure,
+    },
     Check {
         name: "contact-patch",
         about: "Contact that transmits a uniform pressure: a block on a plane, and two blocks.",
