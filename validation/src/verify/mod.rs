@@ -20,6 +20,7 @@ mod record;
 mod robustness;
 mod shear_layer;
 mod symmetry;
+mod wan_turek;
 
 use std::path::Path;
 
@@ -38,7 +39,7 @@ struct Check {
 }
 
 /// All checks, in the order of the page.
-const CHECKS: [Check; 15] = [
+const CHECKS: [Check; 16] = [
     Check {
         name: "exact",
         about: "Solutions that the discrete spaces contain, at random positions of the body.",
@@ -73,6 +74,11 @@ const CHECKS: [Check; 15] = [
         name: "added-mass",
         about: "The acceleration with which a ball begins to fall, against that of a rigid one in ideal fluid.",
         measure: added_mass::measure,
+    },
+    Check {
+        name: "wan-turek",
+        about: "A cylinder that oscillates in a closed channel: drag, lift, and their noise.",
+        measure: wan_turek::measure,
     },
     Check {
         name: "symmetry",
