@@ -16,22 +16,22 @@ use super::exact::Linear;
 use super::flow::Known;
 use super::record::{Figure, Record, short};
 
-/// Disk and fluid of the falling balls: radius, cm; density of both, g/cm^3; Lame parameters, dyn/cm^2; viscosity, poise.
+/// Disk and fluid of the falling balls: radius, cm; density of both, g/cm^3; Lame parameters, dyn/cm^2; viscosity, P.
 const RADIUS: f64 = 4.0;
 const DENSITY: f64 = 1.0;
 const MU: f64 = 2e6;
 const LAMBDA: f64 = 8e6;
 const VISCOSITY: f64 = 1e-2;
-/// `n` and `ω R/c_s` of the first mode with `n` waves around the disk: roots of the frequency determinant of a disk in plane strain,
-/// `ν = 0.4`, on which an unbounded ideal fluid of its density acts with the pressure `-ρ (R/n) ω² u_r`.
+/// `n` and `ω R/c_s` of the first mode with `n` waves around the disk: roots of the frequency determinant of a disk in plane
+/// strain, `ν = 0.4`, on which an unbounded ideal fluid of its density acts with the pressure `-ρ (R/n) ω² u_r`.
 const MODES: [(u32, f64); 2] = [(2, 1.67555), (3, 2.65868)];
 /// Largest relative error of the frequency of the finest mesh.
 const ACCURACY: f64 = 0.03;
 /// Half the width of the box, in radii. The sides are open: for a circle of that radius the added mass of mode `n` is smaller by
 /// `2 BOX^{-2n}`, and the frequency of `n = 2` higher by 0.04 %.
 const BOX: f64 = 6.0;
-/// Penalties `γ_Σ` of the mortar: that of the flows that are known, which lets a fluid of so little viscosity slip as an ideal one
-/// does, and that of the cases, which makes it stick.
+/// Penalties `γ_Σ` of the mortar: that of the flows that are known, which lets a fluid of so little viscosity slip as an
+/// ideal one does, and that of the cases, which makes it stick.
 const GAMMAS: [(f64, &str); 2] = [(1e2, "slips"), (1e5, "sticks")];
 /// Time steps in a period, and periods that are counted.
 const STEPS: f64 = 40.0;
@@ -75,10 +75,11 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
         is_log: false,
     });
     record.note(format!(
-        "{STEPS} steps in a period, {PERIODS} periods from the shape of the mode at rest; generalised-α (rho_inf = 0.8) for the disk, \
-         implicit Euler for the fluid. Open box of {} by {} cm; h at the surface of the disk, in both meshes. The finest mesh counts, \
-         without extrapolation. The penalty of the mortar decides whether a layer of fluid that is far thinner than the cells \
-         slips along the disk (γ_Σ = {}) or sticks to it ({}); one that sticks carries a layer as thick as a cell along.",
+        "{STEPS} steps in a period, {PERIODS} periods from the shape of the mode at rest; generalised-α (rho_inf = 0.8) for \
+         the disk, implicit Euler for the fluid. Open box of {} by {} cm; h at the surface of the disk, in both meshes. The \
+         finest mesh counts, without extrapolation. The viscous layer is far thinner than the cells, and the penalty of the \
+         mortar decides whether the fluid slips along the disk (γ_Σ = {}), as ideal fluid does, or sticks to it ({}): then a \
+         layer of the thickness of cells goes along with it.",
         short(2.0 * BOX * RADIUS),
         short(2.0 * BOX * RADIUS),
         short(GAMMAS[0].0),
@@ -141,8 +142,8 @@ fn background(h: f64) -> Result<SimplexMesh<2>, Failure> {
     mapped(&even, |s| P::new(RADIUS * (b * s[0]).sinh(), RADIUS * (b * s[1]).sinh()))
 }
 
-/// A mode of the disk of radius one, `∇φ + curl ψ` with `φ = J_n(κ ω r) cos nθ`, `ψ = B J_n(ω r) sin nθ` and no shear stress on the
-/// surface.
+/// A mode of the disk of radius one, `∇φ + curl ψ` with `φ = J_n(κ ω r) cos nθ`, `ψ = B J_n(ω r) sin nθ` and no shear stress
+/// on the surface.
 #[derive(Clone, Copy)]
 struct Mode {
     n: u32,
