@@ -12,6 +12,7 @@ mod exact;
 mod files;
 mod flow;
 mod hertz;
+mod immersed_modes;
 mod lubrication;
 mod orders;
 mod peer;
@@ -20,6 +21,7 @@ mod robustness;
 mod sedimentation;
 mod shear_layer;
 mod symmetry;
+mod wan_turek;
 
 use std::path::Path;
 
@@ -38,7 +40,7 @@ struct Check {
 }
 
 /// All checks, in the order of the page.
-const CHECKS: [Check; 15] = [
+const CHECKS: [Check; 17] = [
     Check {
         name: "exact",
         about: "Solutions that the discrete spaces contain, at random positions of the body.",
@@ -80,6 +82,11 @@ const CHECKS: [Check; 15] = [
         measure: sedimentation::measure,
     },
     Check {
+        name: "wan-turek",
+        about: "A cylinder that oscillates in a closed channel: drag, lift, and their noise.",
+        measure: wan_turek::measure,
+    },
+    Check {
         name: "symmetry",
         about: "Half of a symmetric domain and the whole of it: the same contact.",
         measure: symmetry::measure,
@@ -90,6 +97,11 @@ const CHECKS: [Check; 15] = [
         measure: csm::measure,
     },
     Check { name: "disk-modes", about: "Frequencies of a free elastic disk.", measure: disk_modes::measure },
+    Check {
+        name: "immersed-modes",
+        about: "Frequencies of an elastic disk in a fluid at rest.",
+        measure: immersed_modes::measure,
+    },
     Check {
         name: "contact-patch",
         about: "Contact that transmits a uniform pressure: a block on a plane, and two blocks.",
