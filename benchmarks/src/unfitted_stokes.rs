@@ -226,7 +226,7 @@ impl<const D: usize> UnfittedStokes<D> {
                 geometry: &geometry,
                 fields,
                 values: &self.pieces,
-                bodies: &[BodySide::Prescribed { velocity: &velocity, time: 0.0 }],
+                bodies: &[BodySide::Prescribed { velocity: &|x, _| velocity(x, 0.0), times: [0.0; 2] }],
                 form: &self.mortar,
             },
             transposed_gradient: self.has_published_forms.then_some(TransposedGradient { stokes: self, fields }),

@@ -1,6 +1,6 @@
 //! Unknowns with a prescribed value, and unknowns that follow from others.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::DofId;
 
@@ -30,6 +30,8 @@ use crate::DofId;
 pub struct Constraints {
     values: BTreeMap<DofId, f64>,
     ties: BTreeMap<DofId, Vec<(DofId, f64)>>,
+    /// What dofs are, or once were, tied to.
+    masters: BTreeSet<DofId>,
 }
 
 impl Constraints {
@@ -46,13 +48,24 @@ impl Constraints {
 
     /// Makes a dof the sum of others with factors. Those others may have a prescribed value, but must not be tied themselves; a
     /// later assignment of the same dof replaces an earlier one.
+    ///
+    /// # Panics
+    /// One of the others is tied, or this dof is one of those that others are tied to.
     pub fn tie(&mut self, dof: DofId, to: &[(DofId, f64)]) {
+        assert!(!self.masters.contains(&dof), "dof {} is what others are tied to", dof.index());
+        assert!(to.iter().all(|(other, _)| *other != dof && !self.ties.contains_key(other)), "a chain of ties");
         self.values.remove(&dof);
+        self.masters.extend(to.iter().map(|(other, _)| *other));
         self.ties.insert(dof, to.to_vec());
     }
 
+    /// What a dof follows from, if it is tied.
+    pub fn tie_of(&self, dof: DofId) -> Option<&[(DofId, f64)]> {
+        self.ties.get(&dof).map(Vec::as_slice)
+    }
+
     /// All tied dofs with what they follow from, in the order of the dofs.
-    pub fn ties(&self) -> impl Iterator<Item = (DofId, &[(DofId, f64)])> + '_ {
+    pub fn ties(&self) -> impl DoubleEndedIterator<Item = (DofId, &[(DofId, f64)])> + '_ {
         self.ties.iter().map(|(&dof, to)| (dof, to.as_slice()))
     }
 
@@ -101,6 +114,6 @@ impl Constraints {
 
 impl FromIterator<(DofId, f64)> for Constraints {
     fn from_iter<T: IntoIterator<Item = (DofId, f64)>>(iter: T) -> Self {
-        Self { values: iter.into_iter().collect(), ties: BTreeMap::new() }
+        Self { values: iter.into_iter().collect(), ..Self::default() }
     }
 }

@@ -239,11 +239,11 @@ pub fn newton(
 ) -> Result<NewtonReport, NewtonError> {
     assert_eq!(x.len(), problem.layout().len(), "length of the starting guess");
     problem.constraints().apply(x);
+    let begin = Instant::now();
     let plain = problem.contributions();
     let tied: Vec<Option<Tied<'_>>> = plain.iter().map(|c| Tied::new(*c, problem.constraints())).collect();
     let contributions: Vec<&dyn Contributions> =
         plain.iter().zip(&tied).map(|(plain, tied)| tied.as_ref().map_or(*plain, |tied| tied)).collect();
-    let begin = Instant::now();
     work.prepare(problem.layout(), &contributions, problem.constraints(), problem.keys());
     let n_factorizations = work.solver.n_factorizations();
     let report = NewtonReport {

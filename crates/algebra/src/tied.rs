@@ -1,7 +1,5 @@
 //! Contributions to dofs that follow from others.
 
-use std::collections::BTreeMap;
-
 use crate::{Constraints, Contributions, DofId, LocalSystem};
 
 /// A contribution of which some dofs are tied, in terms of the dofs that these follow from.
@@ -10,7 +8,7 @@ use crate::{Constraints, Contributions, DofId, LocalSystem};
 /// `Pᵀ K P`: the principle of virtual work on the states that the ties admit.
 pub struct Tied<'a> {
     plain: &'a dyn Contributions,
-    ties: BTreeMap<DofId, &'a [(DofId, f64)]>,
+    constraints: &'a Constraints,
 }
 
 /// Memory for one item in its own dofs.
@@ -28,24 +26,21 @@ pub(crate) struct Scratch {
 impl<'a> Tied<'a> {
     /// A contribution in terms of free dofs; `None` if none of its dofs is tied.
     pub fn new(plain: &'a dyn Contributions, constraints: &'a Constraints) -> Option<Self> {
-        let ties: BTreeMap<DofId, &[(DofId, f64)]> = constraints.ties().collect();
+        let (first, last) = (constraints.ties().next()?.0, constraints.ties().next_back()?.0);
         let mut dofs = Vec::new();
-        let mut is_tied = |item: usize| {
+        let is_tied = |item: usize| {
             dofs.clear();
             plain.dofs(item, &mut dofs);
-            dofs.iter().any(|dof| ties.contains_key(dof))
+            dofs.iter().any(|dof| (first..=last).contains(dof) && constraints.tie_of(*dof).is_some())
         };
-        if ties.is_empty() || !(0..plain.len()).any(&mut is_tied) {
-            return None;
-        }
-        Some(Self { plain, ties })
+        (0..plain.len()).any(is_tied).then_some(Self { plain, constraints })
     }
 
     /// Free dofs, each once: those of the item that are not tied, in their order, then those that the others follow from.
     fn free(&self, dofs: &[DofId], free: &mut Vec<DofId>) {
         let first = free.len();
-        free.extend(dofs.iter().filter(|dof| !self.ties.contains_key(dof)));
-        for (other, _) in dofs.iter().filter_map(|dof| self.ties.get(dof)).copied().flatten() {
+        free.extend(dofs.iter().filter(|dof| self.constraints.tie_of(**dof).is_none()));
+        for (other, _) in dofs.iter().filter_map(|dof| self.constraints.tie_of(*dof)).flatten() {
             if !free[first..].contains(other) {
                 free.push(*other);
             }
@@ -55,14 +50,14 @@ impl<'a> Tied<'a> {
 
 impl Scratch {
     /// Finds the rows of `P`.
-    fn relate(&mut self, ties: &BTreeMap<DofId, &[(DofId, f64)]>) {
+    fn relate(&mut self, constraints: &Constraints) {
         let Self { dofs, free, first_entry, entries, .. } = self;
         first_entry.clear();
         entries.clear();
         let place = |dof: &DofId| free.iter().position(|other| other == dof);
         for dof in dofs.iter() {
             first_entry.push(entries.len());
-            match ties.get(dof) {
+            match constraints.tie_of(*dof) {
                 None => entries.extend(place(dof).map(|at| (at, 1.0))),
                 Some(to) => entries.extend(to.iter().filter_map(|(other, factor)| Some((place(other)?, *factor)))),
             }
@@ -110,7 +105,7 @@ impl Contributions for Tied<'_> {
         self.plain.dofs(item, &mut scratch.dofs);
         scratch.free.clear();
         self.free(&scratch.dofs, &mut scratch.free);
-        scratch.relate(&self.ties);
+        scratch.relate(self.constraints);
         if out.wants_tangent() {
             scratch.system.reset(scratch.dofs.len());
         } else {

@@ -18,11 +18,11 @@ pub enum BodySide<'a, const D: usize> {
     },
     /// Given at every point of the body.
     Prescribed {
-        /// Velocity at a point and time.
+        /// Velocity at a point where the body was at the first time, for the second one.
         #[allow(clippy::type_complexity)]
-        velocity: &'a (dyn Fn(&Point<D>, f64) -> Vector<D> + Send + Sync),
-        /// Time.
-        time: f64,
+        velocity: &'a (dyn Fn(&Point<D>, [f64; 2]) -> Vector<D> + Send + Sync),
+        /// Begin and end of the step.
+        times: [f64; 2],
     },
 }
 
@@ -94,7 +94,7 @@ impl<const D: usize> InterfacePieces<'_, D> {
             }
             match body {
                 BodySide::Unknown { .. } => (0..D).for_each(|k| jump -= on_facet[k] * at.solid[k]),
-                BodySide::Prescribed { velocity, time } => jump -= velocity(&at.point, *time),
+                BodySide::Prescribed { velocity, times } => jump -= velocity(&at.point, *times),
             }
             visit(&MortarPoint {
                 at,

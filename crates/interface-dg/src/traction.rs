@@ -1,6 +1,6 @@
 //! The traction that crosses the interface.
 
-use mesh::Vector;
+use mesh::{Point, Tensor, Vector};
 
 use crate::InterfacePieces;
 
@@ -15,12 +15,26 @@ pub struct InterfaceTraction<const D: usize> {
     pub penalty: Vector<D>,
     /// Velocity jump `u - v_s`, mean over the piece.
     pub jump: Vector<D>,
+    /// The middle `x̄` of the piece.
+    pub middle: Point<D>,
+    /// Mean of `t (x - x̄)ᵀ` with the total traction `t`: what moments need besides the force at the middle.
+    pub first_moment: Tensor<D>,
 }
 
 impl<const D: usize> InterfaceTraction<D> {
     /// What the body feels: fluid traction and penalty, the variational traction of the mortar.
     pub fn total(&self) -> Vector<D> {
         self.fluid + self.penalty
+    }
+
+    /// Mean moment of the total traction about a point: component `k` is that about axis `k`; in 2D only the last one is not zero.
+    pub fn moment(&self, about: &Point<D>) -> [f64; 3] {
+        let moments = self.first_moment + self.total() * (self.middle - about).transpose();
+        let entry = |a: usize, b: usize| if a < D && b < D { moments[(a, b)] } else { 0.0 };
+        std::array::from_fn(|k| {
+            let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+            entry(j, i) - entry(i, j)
+        })
     }
 }
 
@@ -34,6 +48,8 @@ pub fn interface_tractions<const D: usize>(pieces: &InterfacePieces<'_, D>, x: &
                 pressure: Vector::zeros(),
                 penalty: Vector::zeros(),
                 jump: Vector::zeros(),
+                middle: Point::zeros(),
+                first_moment: Tensor::zeros(),
             };
             let mut measure = 0.0;
             pieces.for_each_point(item, x, |q| {
@@ -41,12 +57,17 @@ pub fn interface_tractions<const D: usize>(pieces: &InterfacePieces<'_, D>, x: &
                 mean.fluid -= q.traction * q.at.weight;
                 mean.pressure -= q.piece.normal * (q.pressure * q.at.weight);
                 mean.jump += q.jump * q.at.weight;
-                mean.penalty += q.jump * (q.at.weight * penalty.gamma_sigma * penalty.viscosity / q.cell_size);
+                let by_penalty = q.jump * (q.at.weight * penalty.gamma_sigma * penalty.viscosity / q.cell_size);
+                mean.penalty += by_penalty;
+                mean.middle += q.at.point * q.at.weight;
+                mean.first_moment += (by_penalty - q.traction * q.at.weight) * q.at.point.transpose();
             });
             mean.fluid /= measure;
             mean.pressure /= measure;
             mean.jump /= measure;
             mean.penalty /= measure;
+            mean.middle /= measure;
+            mean.first_moment = mean.first_moment / measure - mean.total() * mean.middle.transpose();
             mean
         })
         .collect()

@@ -56,11 +56,11 @@ impl Fixture {
             history: &history,
         };
         let boundary = self.body.boundary();
-        let given = move |_: &Point<2>, _: f64| v;
+        let given = move |_: &Point<2>, _: [f64; 2]| v;
         let side = if elastic {
             BodySide::Unknown { field, boundary: &boundary }
         } else {
-            BodySide::Prescribed { velocity: &given, time: 0.0 }
+            BodySide::Prescribed { velocity: &given, times: [0.0; 2] }
         };
         let interface = InterfacePieces {
             geometry: &geometry,

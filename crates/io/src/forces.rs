@@ -14,8 +14,8 @@ pub struct FluidForce<const D: usize> {
     pub total: Vector<D>,
     /// Integral of the fluid's traction `T^f n` alone; the difference vanishes under refinement.
     pub traction: Vector<D>,
-    /// Torque of the mortar's traction about the centre of the body's area (3D: volume), with the mean traction on each
-    /// piece; in 2D only its third component is not zero.
+    /// Torque of the mortar's traction about the centre of the body's area (3D: volume); in 2D only its third component is
+    /// not zero.
     pub torque: [f64; 3],
 }
 
@@ -29,26 +29,14 @@ impl<const D: usize> FluidForce<D> {
         let mut force = Self { total: Vector::zeros(), traction: Vector::zeros(), torque: [0.0; 3] };
         let pieces = fluid.cut.interface().iter().zip(&report.tractions);
         for (piece, traction) in pieces.filter(|(piece, _)| piece.body.index() == index) {
-            let middle: Point<D> = piece.points.iter().take(D).sum::<Point<D>>() / D as f64;
-            let total = traction.total() * piece.measure;
-            force.total += total;
+            force.total += traction.total() * piece.measure;
             force.traction += traction.fluid * piece.measure;
-            for (sum, moment) in force.torque.iter_mut().zip(cross(&(middle - centre), &total)) {
-                *sum += moment;
+            for (sum, moment) in force.torque.iter_mut().zip(traction.moment(&centre)) {
+                *sum += moment * piece.measure;
             }
         }
         Some(force)
     }
-}
-
-/// The cross product, in space.
-fn cross<const D: usize>(a: &Vector<D>, b: &Vector<D>) -> [f64; 3] {
-    let in_space = |v: &Vector<D>| -> [f64; 3] { std::array::from_fn(|k| if k < D { v[k] } else { 0.0 }) };
-    let (a, b) = (in_space(a), in_space(b));
-    std::array::from_fn(|k| {
-        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-        a[i] * b[j] - a[j] * b[i]
-    })
 }
 
 /// Area (3D: volume) inside of a closed surface, and its centre: sums over the pyramids between facets and a vertex.
@@ -79,10 +67,5 @@ mod tests {
         let mesh = structured_box::<3>([0.0, 0.0, 1.0], [1.0, 2.0, 4.0], [1, 2, 2]).expect("a box");
         let (volume, centre) = enclosed(&Placed::new(&mesh.boundary(), mesh.vertices()));
         assert!((volume - 6.0).abs() < 1e-14 && (centre - Point::<3>::new(0.5, 1.0, 2.5)).norm() < 1e-14);
-    }
-
-    #[test]
-    fn a_torque_turns_counter_clockwise() {
-        assert_eq!(cross(&Vector::<2>::new(2.0, 0.0), &Vector::<2>::new(0.0, 3.0)), [0.0, 0.0, 6.0]);
     }
 }

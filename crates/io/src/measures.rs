@@ -79,7 +79,7 @@ impl BodyMeasures {
             let positions = view.state.bodies[index].positions(&prescribed.reference);
             let (_, centre) = enclosed(&Placed::new(&prescribed.boundary, &positions));
             measures.centre_y = centre[vertical];
-            measures.centre_velocity = (prescribed.velocity)(&centre, view.state.time)[vertical];
+            measures.centre_velocity = (prescribed.velocity)(&centre, [view.state.time; 2])[vertical];
         }
         for (contact, found) in view.setup.contacts.iter().zip(&report.contacts) {
             if contact.body.index() == index {

@@ -381,13 +381,15 @@ pub fn sizes(file: &ScenarioFile) -> Result<Sizes, Error> {
                 None => (body.name.clone(), 0, body.reference().len()),
             };
             let bodies: Vec<_> = case.setup.bodies.iter().map(size).collect();
-            let system = |body: &Body<D>| match &body.kind {
+            let is_in_contact = |b: usize| case.setup.contacts.iter().any(|contact| contact.names(b));
+            let of_body = |(b, body): (usize, &Body<D>)| match &body.kind {
                 BodyKind::Elastic(_) => D * body.reference().len(),
                 // Tied vertices, and the body as a whole.
                 BodyKind::Rigid(_) => D * body.reference().len() + n_modes(D),
+                BodyKind::Prescribed(_) if is_in_contact(b) => D * body.reference().len(),
                 BodyKind::Prescribed(_) => 0,
             };
-            let of_bodies: usize = case.setup.bodies.iter().map(system).sum();
+            let of_bodies: usize = case.setup.bodies.iter().enumerate().map(of_body).sum();
             Ok(Sizes {
                 background_cells: case.setup.background.n_cells(),
                 background_vertices: case.setup.background.n_vertices(),

@@ -15,7 +15,7 @@ const ENERGY_TOLERANCE: f64 = 1e-8;
 const EARLY: f64 = 0.01;
 
 /// What a run comes down to. Distances, velocities and penetrations are those of the leading body: the slave of the
-/// first contact, else the first elastic body, else the first body.
+/// first contact, else the first body that is not moved as it is told, else the first body.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
     /// Name of the case.

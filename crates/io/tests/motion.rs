@@ -71,7 +71,7 @@ fn moved(file: &ScenarioFile, t: f64) -> Vec<[Point<2>; 3]> {
     let case = case::<2>(file).unwrap_or_else(|e| panic!("{e}"));
     let BodyKind::Prescribed(body) = &case.setup.bodies[0].kind else { panic!("not prescribed") };
     let at = |x: &Point<2>| (body.position)(x, t);
-    body.reference.iter().map(|x| [*x, at(x), (body.velocity)(&at(x), t)]).collect()
+    body.reference.iter().map(|x| [*x, at(x), (body.velocity)(&at(x), [t; 2])]).collect()
 }
 
 #[test]
@@ -263,6 +263,24 @@ fn a_free_cylinder_sinks_with_the_force_that_is_reported() {
     assert!(summary.mean_acceleration_10ms.is_some_and(|a| a < 0.0), "it is the leading body");
     assert!(directory.join("rigid.pvd").exists() && !directory.join("solid.pvd").exists());
     assert!(!is_broken(&report(&directory)));
+}
+
+#[test]
+fn half_a_free_body_on_a_plane_of_symmetry_is_held_and_touches_nothing_there() {
+    let half = r#"{ kind = "half-ball", centre = [0.0, 0.2], radius = 0.05, size = 0.015 }"#;
+    let shape = format!("body.0.shape={half}");
+    let plane = contact("cylinder", r#"{ kind = "rigid-plane", point = [0.0, 0.0], normal = [0.0, -1.0] }"#);
+    let sets = [shape.as_str(), "background.boundary.left=symmetry"];
+    let loose = legal(FREE, &plane, &sets);
+    let message = sizes(&loose).expect_err("it may leave the plane").to_string();
+    assert!(message.contains("body.0.motion") && message.contains(r#"held = ["x", "rotation"]"#), "{message}");
+    let file = legal(&FREE.replace(" }", r#", held = ["x", "rotation"] }"#), &plane, &sets);
+    let setup = case::<2>(&file).unwrap_or_else(|e| panic!("{e}")).setup;
+    let (boundary, reference) = (setup.bodies[0].boundary(), setup.bodies[0].reference());
+    let on_plane = |f: &mesh::FacetId| boundary.facet(*f).iter().all(|v| reference[v.index()][0].abs() < 1e-12);
+    let n_on_plane = boundary.facets().filter(on_plane).count();
+    assert!(n_on_plane > 2 && setup.contacts[0].facets.len() + n_on_plane == boundary.n_facets());
+    assert!(!setup.contacts[0].facets.iter().any(on_plane));
 }
 
 #[test]

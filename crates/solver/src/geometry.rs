@@ -113,7 +113,7 @@ impl<const D: usize> BodyVelocity<'_, D> {
         match &self.setup.bodies[b].kind {
             BodyKind::Elastic(_) => None,
             BodyKind::Rigid(_) => self.previous.bodies[b].rigid.map(|motion| motion.velocity_at(x)),
-            BodyKind::Prescribed(given) => Some((given.velocity)(x, self.previous.time)),
+            BodyKind::Prescribed(given) => Some((given.velocity)(x, [self.previous.time; 2])),
         }
     }
 

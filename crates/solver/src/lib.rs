@@ -33,7 +33,7 @@ pub use problem::{FsiProblem, StepForms};
 pub use report::{BodyReport, ForceBalance, StageSeconds, StepReport};
 pub use setup::{
     Body, BodyKind, BodySupport, Contact, ContactObstacle, ElasticBody, FluidBoundary, FluidSetup, PointField,
-    PrescribedBody, RigidBody, Setup, SupportKind, TimeField, TractionField,
+    PrescribedBody, RigidBody, Setup, SupportKind, SurfaceVelocity, TimeField, TractionField,
 };
 pub use state::{BodyState, FluidState, State};
 pub use step::{Substep, advance, advance_by};

@@ -26,9 +26,10 @@ impl<'a, const D: usize> StepForms<'a, D> {
     /// The forms of a step.
     pub fn new(setup: &'a Setup<D>, geometry: &'a StepGeometry<D>, system: &StepSystem<D>) -> Self {
         let sides = setup.bodies.iter().zip(&system.bodies).map(|(body, unknown)| match (&body.kind, unknown) {
-            (BodyKind::Prescribed(given), _) => {
-                BodySide::Prescribed { velocity: given.velocity.as_ref(), time: system.time }
-            }
+            (BodyKind::Prescribed(given), _) => BodySide::Prescribed {
+                velocity: given.velocity.as_ref(),
+                times: [system.time - system.dt, system.time],
+            },
             (_, Some(unknown)) => BodySide::Unknown { field: unknown.field, boundary: body.boundary() },
             (_, None) => unreachable!("elastic and rigid bodies have a field"),
         });
@@ -171,7 +172,8 @@ impl<const D: usize> NonlinearProblem for FsiProblem<'_, D> {
             })
             .collect();
         let layout = &self.system.layout;
-        let tag = |field: FieldId, component: usize| (field.0 as u64) << 56 | (component as u64) << 52;
+        // 32 bits of vertex, 12 of place, 4 of component, 16 of field.
+        let tag = |field: FieldId, component: usize| (field.0 as u64) << 48 | (component as u64) << 44;
         let mut keys = Vec::with_capacity(layout.len());
         keys.extend(scalar.iter().flat_map(|key| (0..D).map(move |a| tag(self.system.velocity, a) | key)));
         keys.extend(scalar.iter().map(|key| tag(self.system.pressure, 0) | key));

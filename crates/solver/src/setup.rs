@@ -15,6 +15,11 @@ use solid_svk::{FacetTerm, SolidForm, SolidMesh, TimeScheme};
 pub type PointField<const D: usize> = Arc<dyn Fn(&Point<D>) -> Vector<D> + Send + Sync>;
 /// A vector at a point and time.
 pub type TimeField<const D: usize> = Arc<dyn Fn(&Point<D>, f64) -> Vector<D> + Send + Sync>;
+/// Velocity of a body at a point where it was at the first time, for the second one.
+///
+/// Within a step a body is where it was at the begin and has the velocity of the end: a rigid one has the velocity and spin of the
+/// second time, with arms from where its centre was at the first. With equal times it is the velocity at a current position.
+pub type SurfaceVelocity<const D: usize> = Arc<dyn Fn(&Point<D>, [f64; 2]) -> Vector<D> + Send + Sync>;
 /// A traction at a point, given the outward normal, at a time.
 pub type TractionField<const D: usize> = Arc<dyn Fn(&Point<D>, &Vector<D>, f64) -> Vector<D> + Send + Sync>;
 
@@ -191,8 +196,8 @@ pub struct PrescribedBody<const D: usize> {
     pub reference: Vec<Point<D>>,
     /// Position at a time, from the reference position.
     pub position: TimeField<D>,
-    /// Velocity at a current position and time.
-    pub velocity: TimeField<D>,
+    /// Velocity of the surface.
+    pub velocity: SurfaceVelocity<D>,
 }
 
 /// A contact of a body with an obstacle.

@@ -117,7 +117,7 @@ pub(crate) fn initial_body<const D: usize>(kind: &BodyKind<D>) -> BodyState<D> {
 pub(crate) fn prescribed_body<const D: usize>(body: &crate::PrescribedBody<D>, time: f64) -> BodyState<D> {
     let at: Vec<Point<D>> = body.reference.iter().map(|x| (body.position)(x, time)).collect();
     BodyState {
-        velocity: at.iter().map(|x| (body.velocity)(x, time)).collect(),
+        velocity: at.iter().map(|x| (body.velocity)(x, [time; 2])).collect(),
         displacement: at.iter().zip(&body.reference).map(|(x, reference)| x - reference).collect(),
         acceleration: None,
         rigid: None,

@@ -5,7 +5,9 @@ mod fixture;
 use std::sync::Arc;
 
 use fixture::*;
-use solver::algebra::{NewtonSettings, Workspace};
+use solver::algebra::{
+    BlockGaussSeidel, BlockGaussSeidelSettings, LaggedSettings, LaggedSolver, NewtonSettings, Workspace,
+};
 use solver::contact::{ContactForm, DeformableObstacle, Penalty, RigidPlane};
 use solver::cutcell::OverlayOptions;
 use solver::dry::{DryReport, DrySetup, DryState, advance};
@@ -196,6 +198,61 @@ fn a_neutral_body_moves_and_turns_with_the_fluid() {
     assert_eq!(neutral(V::new(1.1, -0.6), 2.5, 5), 0);
 }
 
+/// A square that turns and drifts in a closed box of fluid at rest.
+fn stirring() -> Setup<2> {
+    let mesh = structured_box::<2>([0.6, 0.9], [1.1, 1.3], [3, 2]).expect("a box");
+    let mut body = rigid("square", &mesh, 2.0, V::new(0.0, -3.0));
+    rigid_mut(&mut body).initial_spin = [6.0, 0.0, 0.0];
+    rigid_mut(&mut body).initial_velocity = V::new(0.8, 0.3);
+    let mut setup = in_a_box(body, 0.02, |_, _| V::zeros());
+    setup.fluid.convection = Some(false);
+    setup.newton = NewtonSettings::new(1e-10);
+    setup
+}
+
+#[test]
+fn the_fluid_slows_a_turning_body_by_the_moment_of_its_traction() {
+    let setup = stirring();
+    let (mut state, mut work) = (State::initial(&setup).expect("a cut"), Workspace::new());
+    for _ in 0..5 {
+        let before = state.bodies[0].rigid.expect("rigid");
+        let (next, report) = solver::advance(&setup, &state, &mut work).expect("a step");
+        let pieces = next.fluid.cut.interface().iter().zip(&report.tractions);
+        let moment: f64 = pieces.map(|(piece, traction)| traction.moment(&before.centre)[2] * piece.measure).sum();
+        let after = next.bodies[0].rigid.expect("rigid");
+        let change = (after.angular_momentum[0] - before.angular_momentum[0]) / setup.dt;
+        assert!(change < 0.0 && (change - moment).abs() < 1e-7 * change.abs(), "{change} {moment}");
+        assert!(report.bodies[0].forces.expect("rigid").remainder().norm() < 1e-7);
+        state = next;
+    }
+}
+
+#[test]
+fn ties_are_the_same_for_every_linear_solver_and_number_of_threads() {
+    let setup = stirring();
+    let take = |mut work: Workspace| {
+        let mut state = State::initial(&setup).expect("a cut");
+        for _ in 0..4 {
+            state = solver::advance(&setup, &state, &mut work).expect("a step").0;
+        }
+        state.bodies[0].rigid.expect("rigid")
+    };
+    let direct = take(Workspace::new());
+    let blocks = BlockGaussSeidelSettings::default();
+    for other in [
+        Workspace::with_solver(Box::new(LaggedSolver::new(LaggedSettings::default()))),
+        Workspace::with_solver(Box::new(BlockGaussSeidel::new(blocks))),
+    ] {
+        let found = take(other);
+        assert!((found.velocity - direct.velocity).norm() < 1e-6 * direct.velocity.norm());
+        assert!((found.spin[0] - direct.spin[0]).abs() < 1e-6 * direct.spin[0].abs());
+    }
+    for threads in [1, 2, 5] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        assert_eq!(pool.install(|| take(Workspace::new())), direct, "{threads} threads");
+    }
+}
+
 #[test]
 fn a_heavy_body_at_rest_is_held_by_the_fluid_it_displaces() {
     // Neutral under gravity: hydrostatic pressure carries it.
@@ -213,21 +270,41 @@ fn a_heavy_body_at_rest_is_held_by_the_fluid_it_displaces() {
     assert!(forces.remainder().norm() < 1e-8 && (forces.pressure + forces.body_force).norm() < 1e-8);
 }
 
-#[test]
-fn a_piston_fixes_the_pressure_behind_it() {
-    // A plate across the box parts the fluid: it can give way, but not without changing both volumes.
+/// A plate across the box, which slides up and down; `u` on the walls.
+fn piston(u: impl Fn(&P, f64) -> V + Send + Sync + 'static) -> Setup<2> {
     let plate = structured_box::<2>([-0.2, 0.9], [2.2, 1.15], [4, 1]).expect("a box");
     let mut body = rigid("plate", &plate, 1.0, V::zeros());
     rigid_mut(&mut body).held_axes = [true, false];
     rigid_mut(&mut body).holds_rotation = true;
-    let mut setup = in_a_box(body, 0.05, |_, _| V::zeros());
+    in_a_box(body, 0.05, u)
+}
+
+#[test]
+fn a_piston_fixes_the_pressure_behind_it() {
+    let mut setup = piston(|_, _| V::zeros());
     setup.fluid.boundary.retain(|(tag, _)| Some(*tag) != setup.background.tag("top"));
     let (_, reports) = run(&setup, 1);
     assert_eq!(reports[0].n_pockets, 0, "open above, and a plate that gives way below");
-    let BodyKind::Rigid(plate) = &mut setup.bodies[0].kind else { panic!("a plate") };
-    plate.held_axes = [true, true];
+    rigid_mut(&mut setup.bodies[0]).held_axes = [true, true];
     let (_, reports) = run(&setup, 1);
     assert_eq!(reports[0].n_pockets, 1, "open above, closed below");
+}
+
+#[test]
+fn a_piston_in_a_closed_box_feels_the_difference_of_pressures_only() {
+    // Gravity on the fluid, and on the plate as if it were fluid: all at rest, and the pressure goes on through the plate.
+    let gravity = V::new(0.0, -10.0);
+    let mut setup = piston(|_, _| V::zeros());
+    setup.fluid.body_force = Some(Arc::new(move |_, _| gravity * 1.3));
+    // The plate is 2.4 wide, of which 0.4 are outside.
+    rigid_mut(&mut setup.bodies[0]).gravity = gravity * (1.3 * 2.0 / 2.4);
+    let (state, reports) = run(&setup, 2);
+    assert_eq!(reports[1].n_pockets, 1);
+    let first = setup.background.vertex(state.fluid.space.vertices()[0]);
+    let constant = state.fluid.pressure[0] + 13.0 * first[1];
+    let (error_u, error_p) = fluid_error(&setup, &state, |_| V::zeros(), |x| constant - 13.0 * x[1]);
+    assert!(error_u < 1e-9 && error_p < 1e-6, "{error_u:e} {error_p:e}");
+    assert!(state.bodies[0].rigid.expect("rigid").velocity.norm() < 1e-9);
 }
 
 #[test]

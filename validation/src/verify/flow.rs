@@ -186,7 +186,7 @@ pub(super) fn polygon(
         boundary: BoundaryMesh::from_facets(facets),
         reference: loops.concat(),
         position: Arc::new(position),
-        velocity,
+        velocity: Arc::new(move |x, [_, t]| velocity(x, t)),
     };
     Body { name: "body".to_owned(), kind: BodyKind::Prescribed(body) }
 }
@@ -234,10 +234,8 @@ pub(super) fn force(state: &State<2>, report: &StepReport<2>, body: usize, about
     let mut sum = (V::zeros(), 0.0);
     let pieces = state.fluid.cut.interface().iter().zip(&report.tractions);
     for (piece, traction) in pieces.filter(|(piece, _)| piece.body.index() == body) {
-        let force = traction.total() * piece.measure;
-        let arm = (piece.points[0] + piece.points[1]) * 0.5 - about;
-        sum.0 += force;
-        sum.1 += arm[0] * force[1] - arm[1] * force[0];
+        sum.0 += traction.total() * piece.measure;
+        sum.1 += traction.moment(about)[2] * piece.measure;
     }
     sum
 }

@@ -64,7 +64,7 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
          beyond.",
     );
     record.note(
-        "The Reynolds number is that of the publications, with the density of the *disk*: 31.25 times the largest speed. That it is this one \
+        "The Reynolds number is that of the publications, with the density of the *disk*: 3.125 times the largest speed. That it is this one \
          follows from case B (density 1.5, viscosity 0.01): the fall of Bergmann, Hovnanian, Iollo 2014, Commun. Comput. Phys. 15, 1266, Fig. 19, has the slope \
          13.5 cm/s, which is 506 with the density of the disk and 337 with that of the fluid; published are 438 to 503. With that of the \
          fluid, 17.3 would mean a drag coefficient of 2.0, below that of a cylinder without walls.",

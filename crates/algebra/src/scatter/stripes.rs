@@ -39,7 +39,13 @@ impl Stripes {
         let mut of_dof = vec![0_u8; layout.len()];
         for field in layout.fields() {
             let range = layout.range(field);
-            let bound = |stripe: usize| range.start + range.len() * stripe / n;
+            // The few unknowns of a body as a whole, which many items touch, stay together.
+            let few = range.len() < SMALLEST_STRIPE / 8;
+            let bound = |stripe: usize| match stripe {
+                0 => range.start,
+                _ if few => range.end,
+                _ => range.start + range.len() * stripe / n,
+            };
             for stripe in 0..n {
                 self.ranges.push((stripe, bound(stripe)..bound(stripe + 1)));
                 of_dof[bound(stripe)..bound(stripe + 1)].fill(stripe as u8);

@@ -160,7 +160,11 @@ pub(super) fn contact<const D: usize>(
     let path = |key: &str| format!("contact.{index}.{key}");
     let fail = |source: contact::Error| file.error(&format!("contact.{index}"), source);
     let slave = body_id(file, &path("body"), &given.body, bodies)?;
-    let yields = |body: BodyId| !matches!(bodies[body.index()].kind, BodyKind::Prescribed(_));
+    let yields = |body: BodyId| match &bodies[body.index()].kind {
+        BodyKind::Elastic(_) => true,
+        BodyKind::Rigid(rigid) => !(rigid.holds_rotation && rigid.held_axes.iter().all(|held| *held)),
+        BodyKind::Prescribed(_) => false,
+    };
     let nothing_yields = |why| {
         let body = given.body.clone();
         Err(file.error(&path("obstacle"), Problem::NothingYields { body, why }))

@@ -1,12 +1,13 @@
 //! From the words of a scenario to the types of the solver, with the one switch from run-time to const dimension.
 
 use algebra::NewtonSettings;
-use cutcell::{CutMesh, OverlayOptions};
-use mesh::{BodyId, Placed, Point, Vector};
-use solver::{Body, BodyKind, Setup};
+use cutcell::OverlayOptions;
+use mesh::{BodyId, Vector};
+use solver::{Body, Setup};
 
 use super::bodies::{body, contact};
 use super::fluid::{background, fluid};
+use super::placement::{check_placement, respect_symmetry};
 use super::problem::{Problem, ScenarioError, nearest};
 use super::schema::{Background, FluidCondition};
 use super::{PlainFluidCondition, ScenarioFile};
@@ -57,7 +58,7 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
     let Background::GradedBox(graded) = &scenario.background;
     let symmetry = FluidCondition::Plain(PlainFluidCondition::Symmetry);
     let newton = &scenario.solver.newton;
-    let setup = Setup {
+    let mut setup = Setup {
         fluid: fluid(file, &background)?,
         background,
         bodies,
@@ -70,6 +71,7 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
         overlay: OverlayOptions::new().without_self_intersection_check(),
     };
     check_placement(file, &setup)?;
+    respect_symmetry(file, &mut setup)?;
     Ok(Case {
         n_steps: file.n_steps(),
         half_domain: graded.boundary.values().any(|condition| *condition == symmetry),
@@ -110,62 +112,6 @@ pub(super) fn side_axis<const D: usize>(name: &str) -> Option<usize> {
         "bottom" | "top" => Some(D - 1),
         _ => None,
     }
-}
-
-/// Every body has a vertex in the domain, and no two bodies share space.
-fn check_placement<const D: usize>(file: &ScenarioFile, setup: &Setup<D>) -> Result<(), ScenarioError> {
-    let positions: Vec<Vec<Point<D>>> = setup.bodies.iter().map(initial_positions).collect();
-    let (low, high) = bounds(setup.background.vertices());
-    for (k, (body, positions)) in setup.bodies.iter().zip(&positions).enumerate() {
-        if !positions.iter().any(|x| (0..D).all(|a| low[a] <= x[a] && x[a] <= high[a])) {
-            let problem = Problem::OutsideDomain { name: body.name.clone() };
-            return Err(file.error(&format!("body.{k}.shape"), problem));
-        }
-    }
-    let surfaces = setup.surfaces(&positions);
-    let whole: f64 = setup.background.cells().map(|c| setup.background.cell_volume(c)).sum();
-    let covered = |surfaces: &[Placed<'_, D>]| {
-        CutMesh::overlay(&setup.background, surfaces, &setup.overlay).map(|cut| whole - cut.fluid_volume())
-    };
-    let path = |k: usize| format!("body.{k}.shape");
-    let alone: Vec<f64> = (0..surfaces.len())
-        .map(|k| covered(&surfaces[k..=k]).map_err(|e| file.error(&path(k), e)))
-        .collect::<Result<_, _>>()?;
-    for a in 0..surfaces.len() {
-        for b in a + 1..surfaces.len() {
-            if !boxes_meet(&positions[a], &positions[b]) {
-                continue;
-            }
-            let both = covered(&[surfaces[a], surfaces[b]]).map_err(|e| file.error(&path(b), e))?;
-            let overlap = alone[a] + alone[b] - both;
-            // Volumes carry round-off of the whole domain.
-            if overlap > (1e-9 * alone[a].min(alone[b])).max(1e-12 * whole) {
-                let [a, b_name] = [a, b].map(|k| setup.bodies[k].name.clone());
-                return Err(file.error(&path(b), Problem::Overlap { a, b: b_name, overlap }));
-            }
-        }
-    }
-    Ok(())
-}
-
-fn initial_positions<const D: usize>(body: &Body<D>) -> Vec<Point<D>> {
-    let displacement = body.elastic().and_then(|elastic| elastic.initial_displacement.as_ref());
-    let moved = |x: &Point<D>| match &body.kind {
-        BodyKind::Prescribed(prescribed) => (prescribed.position)(x, 0.0),
-        _ => displacement.map_or(*x, |d| x + d(x)),
-    };
-    body.reference().iter().map(moved).collect()
-}
-
-fn bounds<const D: usize>(points: &[Point<D>]) -> (Point<D>, Point<D>) {
-    points
-        .iter()
-        .fold((Point::repeat(f64::INFINITY), Point::repeat(f64::NEG_INFINITY)), |(a, b), x| (a.inf(x), b.sup(x)))
-}
-
-fn boxes_meet<const D: usize>(a: &[Point<D>], b: &[Point<D>]) -> bool {
-    let ((a_low, a_high), (b_low, b_high)) = (bounds(a), bounds(b));
-    (0..D).all(|k| a_low[k] <= b_high[k] && b_low[k] <= a_high[k])
 }
 
 /// The body of that name.

@@ -7,6 +7,7 @@ mod document;
 mod fluid;
 pub mod lower;
 mod motion;
+mod placement;
 pub mod problem;
 pub mod schema;
 

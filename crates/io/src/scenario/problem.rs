@@ -237,12 +237,24 @@ pub enum Problem {
     #[error(transparent)]
     Table(#[from] TableError),
     /// A contact in which nothing can yield.
-    #[error("neither `{body}` nor its obstacle can yield: {why}; take the contact out, or make `{body}` elastic")]
+    #[error(
+        "neither `{body}` nor its obstacle can yield: {why}; take the contact out, or make `{body}` elastic or free"
+    )]
     NothingYields {
         /// What must not touch.
         body: String,
         /// Why.
         why: &'static str,
+    },
+    /// Half of a free body on a plane of symmetry that may leave it.
+    #[error(
+        "body `{name}` stands on a plane of symmetry, so it must not leave it: add held = [\"{axis}\", \"rotation\"]"
+    )]
+    Unheld {
+        /// The body.
+        name: String,
+        /// The axis across the plane.
+        axis: &'static str,
     },
     /// A mesh that cannot be made.
     #[error(transparent)]

@@ -61,7 +61,7 @@ enum Binary {
 /// A function of one argument with its value and its slope.
 type Function = (&'static str, fn(f64) -> f64, fn(f64) -> f64);
 
-const FUNCTIONS: [Function; 13] = [
+const FUNCTIONS: [Function; 12] = [
     ("sin", f64::sin, f64::cos),
     ("cos", f64::cos, |x| -x.sin()),
     ("tan", f64::tan, |x| 1.0 + x.tan().powi(2)),
@@ -74,8 +74,6 @@ const FUNCTIONS: [Function; 13] = [
     ("exp", f64::exp, f64::exp),
     ("ln", f64::ln, |x| 1.0 / x),
     ("sqrt", f64::sqrt, |x| 0.5 / x.sqrt()),
-    // At the kink the slope of the right side: motions run forwards.
-    ("abs", f64::abs, f64::signum),
 ];
 
 impl Formula {
@@ -136,6 +134,7 @@ impl Binary {
                 let by_base = chained(a.rate, || b.value * a.value.powf(b.value - 1.0));
                 (value, by_base + chained(b.rate, || value * a.value.ln()))
             }
+            Self::Min | Self::Max if a.value.is_nan() || b.value.is_nan() => (f64::NAN, f64::NAN),
             // Where both are equal, the one that is ahead a moment later.
             Self::Min if (a.value, a.rate) <= (b.value, b.rate) => (a.value, a.rate),
             Self::Max if (a.value, a.rate) >= (b.value, b.rate) => (a.value, a.rate),
@@ -319,7 +318,7 @@ impl Reader<'_> {
             _ => None,
         };
         let function = FUNCTIONS.iter().find(|(known, ..)| *known == name);
-        if binary.is_none() && function.is_none() {
+        if binary.is_none() && function.is_none() && name != "abs" {
             return Err(self.refuse(format!("`{name}` is not known")));
         }
         self.take();
@@ -331,7 +330,8 @@ impl Reader<'_> {
                 Node::Binary(binary, Box::new([first, self.sum()?]))
             }
             (None, Some(function)) => Node::Call(*function, Box::new(first)),
-            (None, None) => first,
+            // |x| = max(x, -x), at its kink as well.
+            (None, None) => Node::Binary(Binary::Max, Box::new([first.clone(), Node::Negated(Box::new(first))])),
         };
         self.expect(')')?;
         Ok(node)
@@ -394,6 +394,11 @@ mod tests {
         assert_eq!(at("min(t, 1)", 1.0).rate, 0.0);
         assert_eq!(at("max(0, t - 1)^2", 1.0).rate, 0.0);
         assert_eq!(at("abs(t)", 0.0).rate, 1.0);
+        assert_eq!(at("abs(1 - t)", 1.0).rate, 1.0);
+        assert_eq!((at("abs(t)", -2.0).value, at("abs(t)", -2.0).rate), (2.0, -1.0));
+        for unknown in ["max(0, sqrt(t - 1))", "max(sqrt(t - 1), 0)", "min(sqrt(t - 1), 0)"] {
+            assert!(at(unknown, 0.0).value.is_nan());
+        }
         assert_eq!(at("sqrt(0)*t", 1.0), Dual::default());
         assert!(at("sqrt(t)", 0.0).rate.is_infinite() && at("ln(-t)", 1.0).value.is_nan());
     }
