@@ -14,7 +14,7 @@ use crate::measures::BodyMeasures;
 const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// Columns that every body has; those of [`FluidForce`] follow.
-const BODY: [&str; 14] = [
+const BODY: [&str; 19] = [
     "d_min",
     "d_max",
     "body_height",
@@ -29,6 +29,11 @@ const BODY: [&str; 14] = [
     "energy_kinetic_solid",
     "energy_elastic",
     "energy_gravity",
+    "centre_x",
+    "centre_velocity_x",
+    "angle",
+    "angular_velocity",
+    "contact_force_x",
 ];
 
 /// Columns of the run as a whole.
@@ -137,6 +142,8 @@ fn row<const D: usize>(view: &StepView<'_, D>, bottom: f64, seconds_output: f64)
         values.extend(lengths.into_iter().chain(forces).map(number));
         values.push(body.active_points.to_string());
         values.extend([body.energy_kinetic, body.energy_elastic, body.energy_gravity].map(number));
+        values.extend([body.centre_x, body.centre_velocity_x, body.angle, body.angular_velocity].map(number));
+        values.push(number(body.contact_force_x));
         let force = FluidForce::new(view, index)?;
         values.extend(force.total.iter().chain(&force.traction).map(|f| number(*f)));
         values.extend(force.torque[turning::<D>()..].iter().map(|m| number(*m)));

@@ -1,6 +1,6 @@
 //! What histories and summaries say about each body after a step.
 
-use mesh::Placed;
+use mesh::{Placed, Point, Vector};
 use solver::{BodyKind, BodyReport, ContactObstacle, Setup, StepView};
 
 use crate::forces::enclosed;
@@ -25,6 +25,16 @@ pub struct BodyMeasures {
     pub centre_y: f64,
     /// Vertical velocity of that centre.
     pub centre_velocity: f64,
+    /// Horizontal position of that centre, along the first axis.
+    pub centre_x: f64,
+    /// Horizontal velocity of that centre.
+    pub centre_velocity_x: f64,
+    /// Angle by which the vertices are turned about their mean, in the plane of the first two axes, from -π to π.
+    pub angle: f64,
+    /// Angular velocity of the vertices about their mean, in that plane, 1/s.
+    pub angular_velocity: f64,
+    /// Horizontal contact force on the body, along the first axis.
+    pub contact_force_x: f64,
     /// Vertical contact force on the body.
     pub contact_force: f64,
     /// Power of the contacts in which the body is the slave.
@@ -59,6 +69,11 @@ impl BodyMeasures {
             lowest_acceleration: body.lowest_acceleration[vertical],
             centre_y: f64::NAN,
             centre_velocity: f64::NAN,
+            centre_x: f64::NAN,
+            centre_velocity_x: f64::NAN,
+            angle: 0.0,
+            angular_velocity: 0.0,
+            contact_force_x: 0.0,
             contact_force: 0.0,
             contact_power: 0.0,
             max_penetration: 0.0,
@@ -71,6 +86,8 @@ impl BodyMeasures {
         if let Some(balance) = &body.balance {
             measures.centre_y = balance.centre_of_mass[vertical];
             measures.centre_velocity = balance.momentum[vertical] / balance.mass;
+            measures.centre_x = balance.centre_of_mass[0];
+            measures.centre_velocity_x = balance.momentum[0] / balance.mass;
             measures.energy_kinetic = balance.kinetic_energy;
             measures.energy_elastic = balance.elastic_energy;
             measures.energy_gravity = balance.potential_energy;
@@ -79,11 +96,17 @@ impl BodyMeasures {
             let positions = view.state.bodies[index].positions(&prescribed.reference);
             let (_, centre) = enclosed(&Placed::new(&prescribed.boundary, &positions));
             measures.centre_y = centre[vertical];
-            measures.centre_velocity = (prescribed.velocity)(&centre, [view.state.time; 2])[vertical];
+            let velocity = (prescribed.velocity)(&centre, [view.state.time; 2]);
+            measures.centre_velocity = velocity[vertical];
+            (measures.centre_x, measures.centre_velocity_x) = (centre[0], velocity[0]);
         }
+        let now = &view.state.bodies[index];
+        let reference = view.setup.bodies[index].reference();
+        (measures.angle, measures.angular_velocity) = turn(reference, &now.positions(reference), &now.velocity);
         for (contact, found) in view.setup.contacts.iter().zip(&report.contacts) {
             if contact.body.index() == index {
                 measures.d_min = found.minimum_gap.map_or(measures.d_min, |gap| gap.min(measures.d_min));
+                measures.contact_force_x += found.force[0];
                 measures.contact_force += found.force[vertical];
                 measures.contact_power += found.power;
                 measures.max_penetration = measures.max_penetration.max(found.largest_penetration);
@@ -93,6 +116,7 @@ impl BodyMeasures {
             if let ContactObstacle::Body { body: master, .. } = &contact.obstacle
                 && master.index() == index
             {
+                measures.contact_force_x -= found.force[0];
                 measures.contact_force -= found.force[vertical];
             }
         }
@@ -104,9 +128,43 @@ impl BodyMeasures {
     }
 }
 
+/// Angle by which points are turned about their mean in the plane of the first two axes, that of the rotation nearest to their motion,
+/// and their angular velocity there.
+fn turn<const D: usize>(reference: &[Point<D>], now: &[Point<D>], velocity: &[Vector<D>]) -> (f64, f64) {
+    let mean = |points: &[Point<D>]| points.iter().sum::<Point<D>>() / points.len() as f64;
+    let (before, after, drift) = (mean(reference), mean(now), mean(velocity));
+    let (mut along, mut across, mut swept, mut square) = (0.0, 0.0, 0.0, 0.0);
+    for ((x, y), v) in reference.iter().zip(now).zip(velocity) {
+        let (r, s, v) = (x - before, y - after, v - drift);
+        along += r[0] * s[0] + r[1] * s[1];
+        across += r[0] * s[1] - r[1] * s[0];
+        swept += s[0] * v[1] - s[1] * v[0];
+        square += s[0] * s[0] + s[1] * s[1];
+    }
+    (across.atan2(along), swept / square)
+}
+
 /// The body that a summary speaks of: the slave of the first contact, else the first body that is moved by forces, else the first body.
 pub(crate) fn leading_body<const D: usize>(setup: &Setup<D>) -> Option<usize> {
     let slave = setup.contacts.first().map(|contact| contact.body.index());
     let moved = || setup.bodies.iter().position(|body| !matches!(body.kind, BodyKind::Prescribed(_)));
     slave.or_else(moved).or((!setup.bodies.is_empty()).then_some(0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_turn_is_found_with_its_rate() {
+        let reference = [[0.0, 0.0], [2.0, 0.0], [0.5, 1.0]].map(Point::<2>::from);
+        let (angle, rate) = (2.0_f64, -1.5);
+        let turned = |x: &Point<2>| {
+            Point::<2>::new(3.0 + x[0] * angle.cos() - x[1] * angle.sin(), x[0] * angle.sin() + x[1] * angle.cos())
+        };
+        let now = reference.each_ref().map(turned);
+        let velocity = now.map(|x| Vector::<2>::new(4.0 - rate * x[1], rate * x[0]));
+        let (found, found_rate) = turn(&reference, &now, &velocity);
+        assert!((found - angle).abs() < 1e-14 && (found_rate - rate).abs() < 1e-13);
+    }
 }

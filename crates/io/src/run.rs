@@ -79,6 +79,7 @@ impl CaseVisitor for Run<'_, '_> {
     fn visit<const D: usize>(self, case: Case<D>) -> Result<Summary, Error> {
         let directory = &self.options.directory;
         let scenario = self.file.scenario();
+        remove_series(directory)?;
         create_directory(&directory.join("vtk"))?;
         write_scenario(self.file, directory)?;
         let mut files = RunFiles::new(scenario, &case, directory)?;
@@ -96,6 +97,22 @@ impl CaseVisitor for Run<'_, '_> {
         outcome?;
         files
     }
+}
+
+/// Removes series of fields that an older run has left: they would be taken for those of the new one.
+fn remove_series(directory: &Path) -> Result<(), Error> {
+    const SERIES: [&str; 4] = ["fluid", "solid", "rigid", "interface"];
+    for (folder, ending) in [(directory.to_owned(), "pvd"), (directory.join("vtk"), "vtu")] {
+        let Ok(entries) = std::fs::read_dir(&folder) else { continue };
+        for path in entries.filter_map(|entry| Some(entry.ok()?.path())) {
+            let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+            let is_ours = SERIES.iter().any(|series| name.starts_with(series));
+            if is_ours && path.extension().is_some_and(|found| found == ending) {
+                std::fs::remove_file(&path).map_err(|source| Error::Write { path, source })?;
+            }
+        }
+    }
+    Ok(())
 }
 
 /// Writes the scenario with copies of the tables that it names, so that it can be run again from the directory.

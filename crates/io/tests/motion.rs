@@ -382,12 +382,20 @@ fn a_rotating_cylinder_feels_a_torque_against_its_turn() {
 fn a_table_moves_a_body_beside_an_elastic_one() {
     let directory = fresh_directory("mixed");
     let table = directory.join("up.csv");
-    fs::write(&table, "time,x,y\n0,0,0\n0.1,0,0.004\n0.2,0,0.016\n0.3,0,0.03\n").expect("a writable directory");
+    fs::write(&table, "\u{feff}time,x,y\n0,0,0\n0.1,0,0.004\n0.2,0,0.016\n0.3,0,0.03\n").expect("a writable directory");
     let motion = r#"{ kind = "table", file = "mixed/up.csv" }"#;
     let results = directory.join("results");
+    // What an older run has left goes, what is not of a run stays.
+    fs::create_dir_all(results.join("vtk")).expect("a writable directory");
+    let [old, other] = ["vtk/fluid_099999.vtu", "vtk/mine.vtu"].map(|name| results.join(name));
+    for path in [&old, &other] {
+        fs::write(path, "old").expect("a writable directory");
+    }
     let file = legal(motion, BAR, &["time.end=0.2"]);
     let summary = run(&file, RunOptions::into_directory(&results)).unwrap_or_else(|e| panic!("{e}"));
     assert!(summary.mean_acceleration_10ms.is_some(), "that of the elastic body");
+    assert!(!old.exists() && other.exists());
+    assert!(column(&results, "cylinder_angle").iter().all(|angle| angle.abs() < 1e-12));
     let height = column(&results, "cylinder_centre_y");
     assert!((height[3] - 0.216).abs() < 1e-12 && (height[1] - 0.204).abs() < 1e-12, "{height:?}");
     assert!(column(&results, "cylinder_centre_velocity").iter().all(|v| *v > 0.0));

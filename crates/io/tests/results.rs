@@ -13,7 +13,7 @@ use vtkio::model::{Attribute, DataSet, Piece, UnstructuredGridPiece, VertexNumbe
 
 const HEADER: &str = "time,d_min,d_max,body_height,lowest_velocity,lowest_acceleration,centre_y,centre_velocity,\
 contact_force,contact_power,max_penetration,active_points,energy_kinetic_solid,energy_elastic,energy_gravity,\
-force_x,force_y,traction_force_x,traction_force_y,torque,\
+centre_x,centre_velocity_x,angle,angular_velocity,contact_force_x,force_x,force_y,traction_force_x,traction_force_y,torque,\
 energy_kinetic_fluid,energy_contact,leak_net,leak_absolute,newton,linear_iterations,factorizations,smallest_fraction,dofs,\
 seconds_cut,seconds_space,seconds_assembly,seconds_linear,seconds_output";
 
@@ -198,7 +198,7 @@ fn two_bodies_have_prefixed_columns() {
         ScenarioFile::parse(Path::new("two.toml"), &format!("{case}{second}"), &sets).unwrap_or_else(|e| panic!("{e}"));
     run(&file, RunOptions::into_directory(&directory)).unwrap_or_else(|e| panic!("{e}"));
     let table = HistoryTable::read(&directory.join("history.csv")).expect("a history");
-    assert_eq!(table.names().len(), 1 + 2 * 19 + 14);
+    assert_eq!(table.names().len(), 1 + 2 * 24 + 14);
     assert_eq!(table.names()[1..3], ["ball_d_min", "ball_d_max"]);
     assert_eq!(table.column("block_d_min").expect("a column").len(), 2);
     assert!(!directory.join("fluid.pvd").exists());

@@ -46,6 +46,12 @@ pub enum Stage {
         /// Measure of the whole interface.
         interface: f64,
     },
+    /// A body that is moved by forces has no vertex in the bounds of the background any more.
+    #[error("body {body} has left the domain")]
+    LeftDomain {
+        /// Its name.
+        body: String,
+    },
     /// The parts of the setup do not fit together.
     #[error("composing the problem")]
     Setup(#[from] SetupError),

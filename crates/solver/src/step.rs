@@ -4,10 +4,11 @@ use std::time::Instant;
 
 use algebra::{Workspace, newton};
 use cutcell::CutMesh;
-use mesh::Vector;
+use mesh::{Point, Vector};
 
 use crate::bodies;
 use crate::problem::StepForms;
+use crate::setup::BodyKind;
 use crate::{
     FluidState, FsiProblem, Setup, Stage, StageSeconds, State, StepError, StepGeometry, StepReport, StepSystem,
 };
@@ -53,6 +54,7 @@ pub fn advance_by<const D: usize>(
     let clock = Instant::now();
 
     let positions = setup.positions(&previous.bodies);
+    check_domain(setup, &positions).map_err(failed)?;
     let cut = CutMesh::overlay(&setup.background, &setup.surfaces(&positions), &setup.overlay)
         .map_err(|e| failed(e.into()))?;
     check_interface(&cut).map_err(failed)?;
@@ -75,6 +77,20 @@ pub fn advance_by<const D: usize>(
     let state = accept(setup, substep, &geometry, &system, previous, &x);
     let report = StepReport::new(setup, substep, &geometry, &system, &problem, solve, &x, previous, &state, seconds);
     Ok((state, report))
+}
+
+/// Refuses a body that is moved by forces and has left the bounds of the background: it would fall for ever.
+fn check_domain<const D: usize>(setup: &Setup<D>, positions: &[Vec<Point<D>>]) -> Result<(), Stage> {
+    let vertices = setup.background.vertices().iter();
+    let none = (Point::<D>::repeat(f64::INFINITY), Point::<D>::repeat(f64::NEG_INFINITY));
+    let (low, high) = vertices.fold(none, |(low, high), x| (low.inf(x), high.sup(x)));
+    let is_inside = |x: &Point<D>| (0..D).all(|a| low[a] <= x[a] && x[a] <= high[a]);
+    for (body, positions) in setup.bodies.iter().zip(positions) {
+        if !matches!(body.kind, BodyKind::Prescribed(_)) && !positions.iter().any(is_inside) {
+            return Err(Stage::LeftDomain { body: body.name.clone() });
+        }
+    }
+    Ok(())
 }
 
 /// Refuses a cut with a hole in the coupling of fluid and bodies.

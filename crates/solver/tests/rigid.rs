@@ -13,7 +13,7 @@ use solver::cutcell::OverlayOptions;
 use solver::dry::{DryReport, DrySetup, DryState, advance};
 use solver::mesh::generate::{BallOptions, Size, ball, graded_box, structured_box};
 use solver::mesh::{BodyId, Point, SimplexMesh, Tensor, Vector};
-use solver::{Body, BodyKind, Contact, ContactObstacle, FluidBoundary, FluidSetup, RigidBody, Setup, State};
+use solver::{Body, BodyKind, Contact, ContactObstacle, FluidBoundary, FluidSetup, RigidBody, Setup, Stage, State};
 
 fn disk(centre: [f64; 2], radius: f64, size: f64) -> SimplexMesh<2> {
     ball::<2>(centre, radius, size, &BallOptions { area_preserving: false }).expect("a disk")
@@ -251,6 +251,25 @@ fn ties_are_the_same_for_every_linear_solver_and_number_of_threads() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
         assert_eq!(pool.install(|| take(Workspace::new())), direct, "{threads} threads");
     }
+}
+
+#[test]
+fn a_body_that_has_left_the_domain_ends_the_run() {
+    let mesh = structured_box::<2>([0.8, -0.3], [1.2, 0.05], [2, 2]).expect("a box");
+    let mut body = rigid("stone", &mesh, 50.0, V::zeros());
+    rigid_mut(&mut body).initial_velocity = V::new(0.0, -2.0);
+    let mut setup = in_a_box(body, 0.02, |_, _| V::zeros());
+    setup.fluid.boundary.clear();
+    let mut state = State::initial(&setup).expect("a cut");
+    let failure = (0..10).find_map(|_| match solver::advance(&setup, &state, &mut Workspace::new()) {
+        Ok((next, _)) => {
+            state = next;
+            None
+        }
+        Err(failure) => Some(failure),
+    });
+    let failure = failure.expect("it cannot come back");
+    assert!(matches!(&failure.source, Stage::LeftDomain { body } if body == "stone"), "{failure:?}");
 }
 
 #[test]

@@ -39,7 +39,8 @@ impl<const D: usize> Table<D> {
         let text = std::fs::read_to_string(path).map_err(|e| {
             refuse(None, format!("the table cannot be read ({e}); check its path, relative to the scenario"))
         })?;
-        Self::parse(&text).map_err(|(line, what)| refuse(line, what))
+        // Spreadsheets put a byte order mark in front.
+        Self::parse(text.trim_start_matches('\u{feff}')).map_err(|(line, what)| refuse(line, what))
     }
 
     fn parse(text: &str) -> Result<Self, (Option<usize>, String)> {
