@@ -8,6 +8,12 @@ use crate::{BlockLayout, BlockSystem, Constraints, ContributionTiming, Contribut
 /// Successive growing corrections, each from an exact tangent, after which an iteration counts as diverged.
 const MAX_GROWTHS: usize = 5;
 
+/// A correction with an old factorisation that is a larger fraction of the one before is discarded: the error that it is
+/// estimated to leave, `θ/(1-θ)` of itself, would be no smaller than itself.
+///
+/// Source: Deuflhard 2011, Newton methods for nonlinear problems, doi:10.1007/978-3-642-23899-4, Section 2.1.
+const USELESS: f64 = 0.5;
+
 /// A system of equations `Σ residuals of the contributions = 0`.
 pub trait NonlinearProblem {
     /// The fields of the unknowns.
@@ -211,8 +217,8 @@ fn last(report: &NewtonReport) -> f64 {
 /// Solves a nonlinear problem from the starting guess `x`, into which the constraints are written first.
 ///
 /// The tangent is factorised at the start, and again when the regime changes or when a correction with an old
-/// factorisation is more than `contraction` times the one before; a correction with an old factorisation that does not
-/// contract at all is discarded. Otherwise only the residual is evaluated anew (modified Newton).
+/// factorisation is more than `contraction` times the one before; if it is more than half of the one before it is not even
+/// used, but computed anew. Otherwise only the residual is evaluated (modified Newton).
 ///
 /// **Convergence.** With the row and column scales R, C of the equilibrated tangent and Euclidean norms over the
 /// unconstrained dofs, let `s = max(‖C⁻¹ x‖, ‖C⁻¹ x_start‖)` and `θ = ‖C⁻¹ dx‖ / ‖C⁻¹ dx_previous‖`. The state is accepted
@@ -328,7 +334,7 @@ impl Solve<'_> {
             let last = self.last;
             self.solve(x)?;
             let mut theta = self.contraction();
-            if !renew && theta.is_some_and(|t| t >= 1.0) {
+            if !renew && theta.is_some_and(|t| t > USELESS.max(self.settings.contraction)) {
                 renew = true;
                 self.last = last;
                 self.assemble(x, true)?;

@@ -92,6 +92,15 @@ fn modified_newton_saves_factorisations() {
 }
 
 #[test]
+fn a_poor_correction_with_an_old_tangent_is_not_used() {
+    // x + 0.8 x³ = 1 from zero: the tangent there leads to 1, where it would ask for 0.8 back and that of the place for 0.8/3.4.
+    let stiffening = Scalar::new(|x: f64| (x + 0.8 * x.powi(3) - 1.0, 1.0 + 2.4 * x * x));
+    let report = newton(&stiffening, &mut [0.0], &mut Workspace::new(), &NewtonSettings::new(1e-10)).unwrap();
+    let second = 0.8 / 3.4;
+    assert!((report.correction_history[1] - second / (1.0 - second)).abs() < 1e-12, "{report:?}");
+}
+
+#[test]
 fn a_flow_converges_to_the_same_state_with_exact_and_modified_newton() {
     let flow = Flow::new(12, 3.0);
     let (linear, convection, jumps) = flow.parts();
