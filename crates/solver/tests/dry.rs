@@ -4,10 +4,10 @@ mod fixture;
 
 use std::sync::Arc;
 
-use fixture::{P, V, elastic, elastic_mut, falling_ball, run};
-use solver::algebra::{NewtonSettings, Workspace};
+use fixture::{P, V, elastic, elastic_mut, falling_ball, run, run_dry};
+use solver::algebra::NewtonSettings;
 use solver::contact::{ContactForm, DeformableObstacle, Penalty, RigidPlane};
-use solver::dry::{DryReport, DrySetup, DryState, advance};
+use solver::dry::{DrySetup, DryState};
 use solver::mesh::BodyId;
 use solver::mesh::generate::structured_box;
 use solver::solid_svk::boundary::{tagged_facets, vertices_of};
@@ -34,21 +34,11 @@ fn block(scheme: TimeScheme) -> DrySetup<2> {
     DrySetup { bodies: vec![body], contacts: vec![contact], dt: 5e-4, newton: NewtonSettings::new(1e-10) }
 }
 
-fn steps(setup: &DrySetup<2>, n: usize) -> (DryState<2>, Vec<DryReport<2>>) {
-    let (mut state, mut work, mut reports) = (DryState::initial(setup), Workspace::new(), Vec::new());
-    for _ in 0..n {
-        let (next, report) = advance(setup, &state, &mut work).expect("a step");
-        state = next;
-        reports.push(report);
-    }
-    (state, reports)
-}
-
 #[test]
 fn a_block_bounces_and_momentum_is_the_impulse_of_contact() {
     let loss = |scheme| {
         let setup = block(scheme);
-        let (state, reports) = steps(&setup, 120);
+        let (state, reports) = run_dry(&setup, 120);
         assert!(reports.iter().any(|r| r.contacts[0].is_active()), "the block touches the ground");
         assert!(!reports[119].contacts[0].is_active(), "and leaves it");
         let (before, after) = (DryState::initial(&setup).balance(&setup, 0), state.balance(&setup, 0));
@@ -72,7 +62,7 @@ fn supports_hold() {
         body.form.body_force.acceleration = V::new(0.0, -100.0);
         let top = vertices_of(&body.solid, &tagged_facets(&body.solid, "top").expect("a top"));
         body.supports.push(BodySupport { vertices: top.clone(), kind: SupportKind::Clamped });
-        let (state, _) = steps(&setup, n);
+        let (state, _) = run_dry(&setup, n);
         let displacement = &state.bodies[0].displacement;
         assert!(top.iter().all(|v| displacement[v.index()] == V::zeros()));
         assert!(displacement.iter().any(|d| d[1] < -1e-5));
@@ -90,7 +80,7 @@ fn equilibrium_is_what_vibrations_die_down_to() {
         body.form.body_force.acceleration = V::new(0.0, -100.0);
         let top = vertices_of(&body.solid, &tagged_facets(&body.solid, "top").expect("a top"));
         body.supports.push(BodySupport { vertices: top, kind: SupportKind::Clamped });
-        steps(&setup, n).0.bodies.remove(0).displacement
+        run_dry(&setup, n).0.bodies.remove(0).displacement
     };
     let (rest, late) = (hang(TimeScheme::QuasiStatic, 1.0, 1), hang(TimeScheme::ImplicitEuler, 0.1, 4));
     let largest = rest.iter().map(|d| d.norm()).fold(0.0, f64::max);
@@ -111,7 +101,7 @@ fn bodies_with_different_schemes_exchange_momentum() {
         (0..2).map(|b| state.balance(&setup, b).expect("an elastic body").momentum).sum()
     };
     // While they touch; with rho_inf below 1 momentum lags behind the impulse by a part of a step.
-    let (start, (state, reports)) = (DryState::initial(&setup), steps(&setup, 60));
+    let (start, (state, reports)) = (DryState::initial(&setup), run_dry(&setup, 60));
     assert!(reports.iter().any(|r| r.contacts[0].is_active()));
     let lower = state.balance(&setup, 1).expect("an elastic body").momentum;
     assert!(lower[1] < -1.0 && (momentum(&state) - momentum(&start)).norm() < 0.05 * momentum(&start).norm());

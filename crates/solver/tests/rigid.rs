@@ -10,7 +10,7 @@ use solver::algebra::{
 };
 use solver::contact::{ContactForm, DeformableObstacle, Penalty, RigidPlane};
 use solver::cutcell::OverlayOptions;
-use solver::dry::{DryReport, DrySetup, DryState, advance};
+use solver::dry::{DrySetup, DryState};
 use solver::mesh::generate::{BallOptions, Size, ball, graded_box, structured_box};
 use solver::mesh::{BodyId, Point, SimplexMesh, Tensor, Vector};
 use solver::{Body, BodyKind, Contact, ContactObstacle, FluidBoundary, FluidSetup, RigidBody, Setup, Stage, State};
@@ -21,16 +21,6 @@ fn disk(centre: [f64; 2], radius: f64, size: f64) -> SimplexMesh<2> {
 
 fn dry(bodies: Vec<Body<2>>, contacts: Vec<Contact<2>>, dt: f64) -> DrySetup<2> {
     DrySetup { bodies, contacts, dt, newton: NewtonSettings::new(1e-12) }
-}
-
-fn steps(setup: &DrySetup<2>, n: usize) -> (DryState<2>, Vec<DryReport<2>>) {
-    let (mut state, mut work, mut reports) = (DryState::initial(setup), Workspace::new(), Vec::new());
-    for _ in 0..n {
-        let (next, report) = advance(setup, &state, &mut work).expect("a step");
-        state = next;
-        reports.push(report);
-    }
-    (state, reports)
 }
 
 fn contact(slave: &Body<2>, stiffness: f64, obstacle: ContactObstacle<2>) -> Contact<2> {
@@ -56,7 +46,7 @@ fn a_free_body_falls_and_turns_as_the_scheme_says() {
     rigid_mut(&mut body).initial_velocity = V::new(3.0, 1.0);
     rigid_mut(&mut body).initial_spin = [4.0, 0.0, 0.0];
     let (n, dt) = (25, 0.01);
-    let (state, _) = steps(&dry(vec![body], Vec::new(), dt), n);
+    let (state, _) = run_dry(&dry(vec![body], Vec::new(), dt), n);
     let motion = state.bodies[0].rigid.expect("rigid");
     let time = n as f64 * dt;
     // Implicit Euler: v_n = v_0 + g n dt, and the sum of it.
@@ -82,7 +72,7 @@ fn a_body_bounces_off_a_plane_as_a_mass_on_a_spring() {
     let bottom = |f: &solver::mesh::FacetId| boundary.facet(*f).iter().all(|v| mesh.vertices()[v.index()][1] == 0.0);
     setup.contacts[0].facets.retain(bottom);
     let half_period = std::f64::consts::PI / (stiffness * 2.0 / 6.0_f64).sqrt();
-    let (state, reports) = steps(&setup, (1.2 * half_period / setup.dt) as usize);
+    let (state, reports) = run_dry(&setup, (1.2 * half_period / setup.dt) as usize);
     let active = reports.iter().filter(|r| r.contacts[0].is_active()).count() as f64 * setup.dt;
     assert!((active / half_period - 1.0).abs() < 2e-3, "{active} {half_period}");
     let motion = state.bodies[0].rigid.expect("rigid");
@@ -112,7 +102,7 @@ fn two_bodies_that_collide_off_centre_keep_momentum_and_angular_momentum() {
         }
         (momentum, angular, energy)
     };
-    let (before, (state, reports)) = (whole(&DryState::initial(&setup)), steps(&setup, 2000));
+    let (before, (state, reports)) = (whole(&DryState::initial(&setup)), run_dry(&setup, 2000));
     assert!(reports.iter().any(|r| r.contacts[0].is_active()) && !reports[1999].contacts[0].is_active());
     let after = whole(&state);
     assert!((after.0 - before.0).norm() < 1e-9 * before.0.norm());
@@ -128,7 +118,7 @@ fn held_bodies_stay_where_they_are_held() {
         rigid("box", &structured_box::<2>([0.0; 2], [1.0; 2], [1, 1]).expect("a box"), 1.0, V::new(2.0, -3.0));
     rigid_mut(&mut body).held_axes = [false, true];
     rigid_mut(&mut body).holds_rotation = true;
-    let (state, _) = steps(&dry(vec![body], Vec::new(), 0.1), 5);
+    let (state, _) = run_dry(&dry(vec![body], Vec::new(), 0.1), 5);
     let motion = state.bodies[0].rigid.expect("rigid");
     assert_eq!((motion.velocity[1], motion.spin[0]), (0.0, 0.0));
     assert!((motion.velocity[0] - 1.0).abs() < 1e-12);
@@ -142,7 +132,7 @@ fn a_plate_that_moves_as_prescribed_pushes_a_body() {
     let upwards = prescribed(&plate, |x, t| x + V::new(0.0, 2.0 * t), |_, _| V::new(0.0, 2.0));
     let bodies = vec![rigid("block", &block, 1.0, V::zeros()), upwards];
     let contacts = vec![contact(&bodies[0], 1e4, against(1, &bodies))];
-    let (state, reports) = steps(&dry(bodies, contacts, 2e-5), 3000);
+    let (state, reports) = run_dry(&dry(bodies, contacts, 2e-5), 3000);
     assert!(reports[0].contacts[0].is_active() && !reports[2999].contacts[0].is_active());
     let velocity = state.bodies[0].rigid.expect("rigid").velocity;
     assert!((velocity - V::new(0.0, 4.0)).norm() < 0.05, "{velocity}");
@@ -251,6 +241,34 @@ fn ties_are_the_same_for_every_linear_solver_and_number_of_threads() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
         assert_eq!(pool.install(|| take(Workspace::new())), direct, "{threads} threads");
     }
+}
+
+#[test]
+fn a_plate_that_moves_as_prescribed_pushes_a_body_through_the_fluid_from_either_side_of_the_contact() {
+    let pushed = |slave: usize| {
+        let block = structured_box::<2>([0.7, 0.91], [1.2, 1.3], [3, 3]).expect("a box");
+        let plate = structured_box::<2>([0.5, 0.6], [1.5, 0.9], [5, 2]).expect("a box");
+        let mut setup = in_a_box(rigid("block", &block, 3.0, V::new(0.0, -50.0)), 0.01, |_, _| V::zeros());
+        setup.bodies.push(prescribed(&plate, |x, t| x + V::new(0.0, 0.5 * t), |_, _| V::new(0.0, 0.5)));
+        let mut contact = contact(&setup.bodies[slave], 1e4, against(1 - slave, &setup.bodies));
+        contact.body = BodyId(slave as u32);
+        // A film of fluid stays between them, within which they push each other.
+        contact.form = ContactForm::new(Penalty::new(1e4, 0.02).expect("a law"), 1.0).expect("a contact");
+        setup.contacts.push(contact);
+        let (state, reports) = run(&setup, 12);
+        for report in &reports {
+            // Whichever of the two is the slave, contact is what the other forces of the block leave over.
+            let push = if slave == 0 { report.contacts[0].force } else { -report.contacts[0].force };
+            let forces = report.bodies[0].forces.expect("rigid");
+            assert!((push - forces.contact - forces.remainder()).norm() < 1e-6, "{push} {forces:?}");
+            assert!(push[1] > 29.25, "it carries the weight, which hydrostatic pressure does not here: {push}");
+        }
+        assert!(reports[11].contacts[0].is_active());
+        state.bodies[0].rigid.expect("rigid")
+    };
+    let [block, plate] = [pushed(0), pushed(1)];
+    assert!((block.velocity[1] - 0.5).abs() < 0.05 && (plate.velocity[1] - 0.5).abs() < 0.05, "{block:?} {plate:?}");
+    assert!((block.centre - plate.centre).norm() < 2e-3, "{} {}", block.centre, plate.centre);
 }
 
 #[test]
