@@ -3,10 +3,11 @@
 use std::sync::Arc;
 
 use algebra::{Contributions, DofId, LocalSystem};
-use mesh::{BoundaryMesh, FacetId, Placed, Point, SimplexRule, VertexId};
+use mesh::{BoundaryMesh, FacetId, MAX_CELL_VERTICES, Placed, Point, SimplexRule, VertexId};
 
 use crate::error::{non_negative, positive};
 use crate::obstacle::MAX_FACET_VERTICES;
+use crate::segments::{Segment, divide};
 use crate::site::{ContactNode, MAX_NODES};
 use crate::terms::NormalTraction;
 use crate::{Anchor, Candidates, ContactBody, ContactLaw, ContactPoint, ContactSite, Error, Motion, Obstacle};
@@ -74,6 +75,9 @@ pub struct ContactFacets<'a, const D: usize> {
     /// Entries of `pair.facets` with something in reach.
     items: Vec<usize>,
     measures: Vec<f64>,
+    /// Parts of the items over which quadrature is exact.
+    segments: Vec<Segment<D>>,
+    segment_offsets: Vec<usize>,
     master_offsets: Vec<usize>,
     master_vertices: Vec<VertexId>,
 }
@@ -105,18 +109,28 @@ impl<'a, const D: usize> ContactFacets<'a, D> {
             candidates,
             items: Vec::new(),
             measures: Vec::new(),
+            segments: Vec::new(),
+            segment_offsets: vec![0],
             master_offsets: vec![0],
             master_vertices: Vec::new(),
         };
         for (index, &facet) in pair.facets.iter().enumerate() {
             if let Some(boundary) = pair.obstacle.boundary() {
-                if facets.candidates.list(index).is_empty() {
+                let candidates = facets.candidates.list(index);
+                if candidates.is_empty() {
                     continue;
                 }
-                let vertices = vertices_of(boundary, facets.candidates.list(index));
+                let opposite = Placed::new(boundary, positions);
+                let corners = |points: [Point<D>; MAX_CELL_VERTICES]| std::array::from_fn(|k| points[k]);
+                let opposite = candidates.iter().map(|&candidate| corners(opposite.facet_points(candidate)));
+                facets.segments.extend(divide(&corners(placed.facet_points(facet)), opposite));
+                let vertices = vertices_of(boundary, candidates);
                 facets.master_vertices.extend(vertices);
                 facets.master_offsets.push(facets.master_vertices.len());
+            } else {
+                facets.segments.push(Segment::whole());
             }
+            facets.segment_offsets.push(facets.segments.len());
             facets.items.push(index);
             facets.measures.push(placed.facet_measure(facet));
         }
@@ -165,14 +179,20 @@ impl<'a, const D: usize> ContactFacets<'a, D> {
             nodes[k].row = D * k;
             nodes[k].displacement_per_velocity = slave.displacement_per_velocity();
         }
-        for (q, (shape, weight)) in self.form.rule.points().iter().zip(self.form.rule.weights()).enumerate() {
-            let mut position = Point::zeros();
-            for k in 0..D {
-                nodes[k].share = shape[k];
-                position += points[k] * shape[k];
-            }
-            if let Some(site) = self.site(item, x, position, weight * self.measures[item], &nodes) {
-                visit(q, &site);
+        let rule = &self.form.rule;
+        let segments = &self.segments[self.segment_offsets[item]..self.segment_offsets[item + 1]];
+        for (s, segment) in segments.iter().enumerate() {
+            let measure = segment.share * self.measures[item];
+            for (q, (point, weight)) in rule.points().iter().zip(rule.weights()).enumerate() {
+                let shape = segment.at(point);
+                let mut position = Point::zeros();
+                for k in 0..D {
+                    nodes[k].share = shape[k];
+                    position += points[k] * shape[k];
+                }
+                if let Some(site) = self.site(item, x, position, weight * measure, &nodes) {
+                    visit(s * rule.weights().len() + q, &site);
+                }
             }
         }
     }

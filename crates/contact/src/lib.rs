@@ -10,7 +10,7 @@
 //! |---|---|
 //! | `λ = -(γ_C0/s) [ε - Δ]₊` | `law/penalty.rs` |
 //! | `(-λ n^w, w^s)` on a rigid obstacle | `terms/normal_traction.rs`, `obstacle/rigid_plane.rs` |
-//! | `(-λ n^w, w^s - w^m)` between two bodies | `terms/normal_traction.rs`, `obstacle/deformable.rs` |
+//! | `(-λ n^w, w^s - w^m)` between two bodies | `terms/normal_traction.rs`, `obstacle/deformable.rs`, `segments.rs` |
 //!
 //! Unknowns are the velocities of the bodies at the end of the step, with positions `x = x_pred + c_d v`; component
 //! `a` of vertex `i` is dof `D i + a` of the body's field.
@@ -38,6 +38,7 @@ pub mod terms;
 mod body;
 mod error;
 mod form;
+mod segments;
 mod site;
 
 pub use body::{ContactBody, Motion};

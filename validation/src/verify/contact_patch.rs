@@ -104,21 +104,15 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
     let plane = on_a_plane(if record.full { 16 } else { 5 })?;
     record.at_most("block on a plane: error of the force, relative", plane.force, ROUND_OFF);
     record.at_most("block on a plane: error of displacement beside the push", plane.displacement, ROUND_OFF);
-    for (slave, master) in [(3, 3), (8, 4)] {
-        let nested = two(slave, master)?;
-        record.at_most(format!("blocks of {slave} on {master}, nested: force"), nested.force, ROUND_OFF);
-        record.at_most(format!("blocks of {slave} on {master}, nested: displacement"), nested.displacement, ROUND_OFF);
-    }
-    for (slave, master) in [(4, 3), (3, 4), (16, 3)] {
-        let other = two(slave, master)?;
-        record.show(format!("blocks of {slave} on {master}: force"), other.force, None);
-        record.at_most(format!("blocks of {slave} on {master}: displacement"), other.displacement, 1e-3);
+    for (slave, master) in [(3, 3), (8, 4), (4, 3), (3, 4), (16, 3)] {
+        let blocks = two(slave, master)?;
+        record.at_most(format!("blocks of {slave} on {master}: force"), blocks.force, ROUND_OFF);
+        record.at_most(format!("blocks of {slave} on {master}: displacement"), blocks.displacement, ROUND_OFF);
     }
     record.show("two blocks: pressure", pressure(stretch(2.0)), Some(0.66667));
     record.note(
         "The exact states are those of Saint Venant-Kirchhoff blocks with the uniform penetration of the penalty; 0.66667 is the \
-         pressure of linear elasticity. Quadrature on the slave's facets does not see the corners of the master's functions: where \
-         meshes are not nested the test passes up to that error.",
+         pressure of linear elasticity. Facets of the slave are divided over the edges of the master's, so that meshes need not match.",
     );
     Ok(())
 }

@@ -114,10 +114,12 @@ fn two_blocks<const D: usize>(seed: u64, test: impl Fn(&BlockLayout, &[Body<D>; 
 }
 
 /// Exact at smooth places; a projection within the finite-difference step of an edge of the mesh is none.
-fn tangent_is_exact<const D: usize>() {
+fn tangent_is_exact<const D: usize>(parts: usize) {
     for seed in 0..6 {
         two_blocks::<D>(seed, |_, _, contact, x| {
-            let worst = worst_tangent_entry(contact, 0..contact.len(), x, 1e-6);
+            let part = seed as usize % parts;
+            let items = part * contact.len() / parts..(part + 1) * contact.len() / parts;
+            let worst = worst_tangent_entry(contact, items, x, 1e-6);
             assert!(worst.relative < 1e-6, "{seed}: {worst:?}");
         });
     }
@@ -125,12 +127,13 @@ fn tangent_is_exact<const D: usize>() {
 
 #[test]
 fn tangent_is_exact_in_2d() {
-    tangent_is_exact::<2>();
+    tangent_is_exact::<2>(1);
 }
 
 #[test]
 fn tangent_is_exact_in_3d() {
-    tangent_is_exact::<3>();
+    // Each time another sixth of the facets: there are many points between two surfaces of triangles.
+    tangent_is_exact::<3>(6);
 }
 
 fn action_is_reaction<const D: usize>() {
