@@ -46,15 +46,16 @@ fn picture(check: &str, k: usize) -> String {
 fn page(records: &[&Record]) -> String {
     let mut text = "# Verification\n\n\
         Every number here is measured by `cargo xtask verify NAME`; `--document` stores what it measured and writes this \
-        page. The long versions are `--full`.\n\n\
-        | check | what | version | verdict |\n|---|---|---|---|\n"
+        page. The long versions are `--full`. Times are those of one process on a shared machine with two cores.\n\n\
+        | check | what | version | took | verdict |\n|---|---|---|---|---|\n"
         .to_owned();
     for record in records {
         let failed = record.rows.iter().filter(|row| !row.holds()).count();
         let verdict = if failed == 0 { "pass".to_owned() } else { format!("{failed} missed") };
         let version = if record.full { "full" } else { "quick" };
+        let took = duration(record.seconds);
         // Writing to a string cannot fail.
-        let _ = writeln!(text, "| [{0}](#{0}) | {1} | {version} | {verdict} |", record.check, record.about);
+        let _ = writeln!(text, "| [{0}](#{0}) | {1} | {version} | {took} | {verdict} |", record.check, record.about);
     }
     for record in records {
         let _ = write!(text, "\n## {}\n\n{}\n\n", record.check, record.about);
@@ -77,4 +78,17 @@ fn page(records: &[&Record]) -> String {
 /// Computed number and reference as texts.
 pub(super) fn numbers(row: &Row) -> [String; 2] {
     [row.computed.map_or("not finite".to_owned(), short), row.reference.map_or("-".to_owned(), short)]
+}
+
+/// A time to two digits; empty for zero, which is not known.
+pub(super) fn duration(seconds: f64) -> String {
+    match seconds {
+        0.0 => String::new(),
+        s if s < 99.5 => format!("{} s", short_time(s)),
+        s => format!("{} min", short_time(s / 60.0)),
+    }
+}
+
+fn short_time(x: f64) -> String {
+    if x < 9.95 { format!("{x:.1}") } else { format!("{x:.0}") }
 }

@@ -24,6 +24,7 @@ mod symmetry;
 mod wan_turek;
 
 use std::path::Path;
+use std::time::Instant;
 
 use self::record::Record;
 use crate::Outcome;
@@ -149,7 +150,9 @@ pub(crate) fn run(request: &Request<'_>) -> Outcome {
     for check in CHECKS.iter().filter(|check| request.names.is_empty() || is_asked(check.name)) {
         println!("# {}: {}", check.name, check.about);
         let mut record = Record::new(check.name, check.about, request.full);
+        let begin = Instant::now();
         (check.measure)(&mut record, &request.out.join(check.name))?;
+        record.seconds = begin.elapsed().as_secs_f64();
         print(&record);
         records.push(record);
         // After every check, so that a long run that is stopped leaves what it has.
@@ -157,6 +160,9 @@ pub(crate) fn run(request: &Request<'_>) -> Outcome {
         if request.document {
             document::update(&records, &known)?;
         }
+    }
+    if records.len() > 1 {
+        println!("# {} checks in {}", records.len(), document::duration(records.iter().map(|r| r.seconds).sum()));
     }
     let files = if is_asked(FILES) { files::check(request.full, &request.out.join(FILES))? } else { true };
     Ok(files && records.iter().all(Record::holds))
@@ -182,4 +188,5 @@ fn print(record: &Record) {
         println!("  {}", cells.join("  ").trim_end());
     }
     record.notes.iter().for_each(|note| println!("  {note}"));
+    println!("  (it took {})", document::duration(record.seconds));
 }

@@ -69,6 +69,9 @@ pub(crate) struct Record {
     pub(crate) about: String,
     /// Whether the long version was run.
     pub(crate) full: bool,
+    /// Wall-clock time that it took, in seconds.
+    #[serde(default)]
+    pub(crate) seconds: f64,
     /// The numbers.
     pub(crate) rows: Vec<Row>,
     /// The curves.
