@@ -9,11 +9,10 @@ use solver::algebra::{
     BlockGaussSeidel, BlockGaussSeidelSettings, LaggedSettings, LaggedSolver, NewtonSettings, Workspace,
 };
 use solver::contact::{ContactForm, DeformableObstacle, Penalty, RigidPlane};
-use solver::cutcell::OverlayOptions;
 use solver::dry::{DrySetup, DryState};
 use solver::mesh::generate::{BallOptions, Size, ball, graded_box, structured_box};
-use solver::mesh::{BodyId, Point, SimplexMesh, Tensor, Vector};
-use solver::{Body, BodyKind, Contact, ContactObstacle, FluidBoundary, FluidSetup, RigidBody, Setup, Stage, State};
+use solver::mesh::{BodyId, SimplexMesh};
+use solver::{Body, Contact, ContactObstacle, FluidBoundary, Setup, Stage, State};
 
 fn disk(centre: [f64; 2], radius: f64, size: f64) -> SimplexMesh<2> {
     ball::<2>(centre, radius, size, &BallOptions { area_preserving: false }).expect("a disk")
@@ -342,54 +341,4 @@ fn a_piston_in_a_closed_box_feels_the_difference_of_pressures_only() {
     let (error_u, error_p) = fluid_error(&setup, &state, |_| V::zeros(), |x| constant - 13.0 * x[1]);
     assert!(error_u < 1e-9 && error_p < 1e-6, "{error_u:e} {error_p:e}");
     assert!(state.bodies[0].rigid.expect("rigid").velocity.norm() < 1e-9);
-}
-
-#[test]
-fn a_neutral_body_turns_with_the_fluid_in_space() {
-    // u = ω × (x - c) about an axis askew.
-    let (omega, centre, dt) = (Vector::<3>::new(1.3, -0.7, 2.1), Point::<3>::new(1.02, 0.97, 1.05), 0.03);
-    let brick = structured_box::<3>([0.72, 0.72, 0.65], [1.32, 1.22, 1.45], [1, 1, 1]).expect("a box");
-    let mut body =
-        RigidBody::new(brick.boundary(), brick.vertices().to_vec(), 1.3, Vector::<3>::zeros()).expect("a body");
-    body.initial_spin = omega.into();
-    // With the inertia of a ball: it turns steadily without a torque about any axis.
-    body.mass.second_moment = Tensor::<3>::identity() * (body.mass.second_moment.trace() / 3.0);
-    let background = structured_box::<3>([0.0; 3], [2.0; 3], [5, 5, 5]).expect("a box");
-    let u: solver::TimeField<3> = Arc::new(move |x, _| omega.cross(&(x - centre)));
-    let planar = fluid(1.3, 0.7);
-    let mut setup = Setup::<3> {
-        fluid: FluidSetup {
-            material: planar.material,
-            cip: planar.cip,
-            gamma_pressure: planar.gamma_pressure,
-            gamma_ghost: planar.gamma_ghost,
-            convection: None,
-            body_force: None,
-            initial_velocity: Some(Arc::new(move |x| omega.cross(&(x - centre)))),
-            boundary: Vec::new(),
-        },
-        background,
-        bodies: vec![Body { name: "brick".to_owned(), kind: BodyKind::Rigid(Box::new(body)) }],
-        contacts: Vec::new(),
-        gamma_sigma: 1e5,
-        dt,
-        most_halvings: 0,
-        newton: NewtonSettings::new(1e-11),
-        overlay: OverlayOptions::new(),
-    };
-    let sides =
-        ["left", "right", "front", "back", "bottom", "top"].map(|name| setup.background.tag(name).expect("a side"));
-    setup.fluid.boundary = sides.into_iter().map(|tag| (tag, FluidBoundary::Velocity(u.clone()))).collect();
-    let mut state = State::initial(&setup).expect("a cut");
-    for _ in 0..2 {
-        state = solver::advance(&setup, &state, &mut Workspace::new()).expect("a step").0;
-    }
-    let motion = state.bodies[0].rigid.expect("rigid");
-    assert!((Vector::<3>::from(motion.spin) - omega).norm() < 1e-8 && motion.velocity.norm() < 1e-8);
-    let turned = solver::solid_rigid::modes::rotated_by::<3>(&(omega * state.time).into());
-    assert!((motion.rotation - turned).norm() < 1e-8);
-    for (k, &vertex) in state.fluid.space.vertices().iter().enumerate() {
-        let exact = u(&setup.background.vertex(vertex), 0.0);
-        assert!((state.fluid.velocity[k] - exact).norm() < 1e-7 && state.fluid.pressure[k].abs() < 1e-5);
-    }
 }
