@@ -16,13 +16,13 @@ pub(super) type P = Point<2>;
 pub(super) type V = Vector<2>;
 
 /// An elastic body without supports and loads, at rest.
-pub(super) fn elastic(
-    mesh: SimplexMesh<2>,
+pub(super) fn elastic<const D: usize>(
+    mesh: SimplexMesh<D>,
     density: f64,
-    material: impl Material<2> + 'static,
-    gravity: V,
+    material: impl Material<D> + 'static,
+    gravity: Vector<D>,
     scheme: TimeScheme,
-) -> Result<ElasticBody<2>, Failure> {
+) -> Result<ElasticBody<D>, Failure> {
     Ok(ElasticBody {
         solid: SolidMesh::new(mesh)?,
         form: SolidForm::new(density, material, gravity)?,
@@ -35,7 +35,7 @@ pub(super) fn elastic(
 }
 
 /// Holds a named part of the boundary.
-pub(super) fn hold(body: &mut ElasticBody<2>, part: &str, kind: SupportKind<2>) -> Result<(), Failure> {
+pub(super) fn hold<const D: usize>(body: &mut ElasticBody<D>, part: &str, kind: SupportKind<D>) -> Result<(), Failure> {
     let vertices = vertices_of(&body.solid, &tagged_facets(&body.solid, part)?);
     body.supports.push(BodySupport { vertices, kind });
     Ok(())
@@ -57,16 +57,16 @@ pub(super) fn second_order(rho_inf: f64) -> Result<TimeScheme, Failure> {
 }
 
 /// Bodies on their way.
-pub(super) struct Run {
-    pub(super) setup: DrySetup<2>,
-    pub(super) state: DryState<2>,
+pub(super) struct Run<const D: usize = 2> {
+    pub(super) setup: DrySetup<D>,
+    pub(super) state: DryState<D>,
     work: Workspace,
 }
 
-impl Run {
+impl<const D: usize> Run<D> {
     /// Bodies at time zero.
-    pub(super) fn new(bodies: Vec<ElasticBody<2>>, contacts: Vec<Contact<2>>, dt: f64, tolerance: f64) -> Self {
-        let named = |(k, body): (usize, ElasticBody<2>)| Body {
+    pub(super) fn new(bodies: Vec<ElasticBody<D>>, contacts: Vec<Contact<D>>, dt: f64, tolerance: f64) -> Self {
+        let named = |(k, body): (usize, ElasticBody<D>)| Body {
             name: format!("body {k}"),
             kind: BodyKind::Elastic(Box::new(body)),
         };
@@ -77,14 +77,14 @@ impl Run {
     }
 
     /// One step.
-    pub(super) fn advance(&mut self) -> Result<DryReport<2>, Failure> {
+    pub(super) fn advance(&mut self) -> Result<DryReport<D>, Failure> {
         let (state, report) = advance(&self.setup, &self.state, &mut self.work)?;
         self.state = state;
         Ok(report)
     }
 
     /// The first body.
-    pub(super) fn body(&self) -> Result<&ElasticBody<2>, Failure> {
+    pub(super) fn body(&self) -> Result<&ElasticBody<D>, Failure> {
         Ok(self.setup.bodies.first().and_then(Body::elastic).ok_or("there is no elastic body")?)
     }
 
@@ -101,7 +101,10 @@ pub(super) fn pushed(to: [Option<f64>; 2]) -> SupportKind<2> {
 }
 
 /// The mesh with its vertices moved; boundary parts keep their names.
-pub(super) fn mapped(mesh: &SimplexMesh<2>, map: impl Fn(&P) -> P) -> Result<SimplexMesh<2>, Failure> {
+pub(super) fn mapped<const D: usize>(
+    mesh: &SimplexMesh<D>,
+    map: impl Fn(&Point<D>) -> Point<D>,
+) -> Result<SimplexMesh<D>, Failure> {
     let cells = mesh.cells().flat_map(|cell| mesh.cell(cell)).copied().collect();
     let moved = SimplexMesh::new(mesh.vertices().iter().map(map).collect(), cells)?;
     Ok(moved.with_facet_tags(|facet| mesh.facet_tag(facet).map(|tag| mesh.tag_names()[tag.index()].as_str())))

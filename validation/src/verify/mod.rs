@@ -14,12 +14,14 @@ mod flow;
 mod hertz;
 mod immersed_modes;
 mod lubrication;
+mod mode;
 mod orders;
 mod peer;
 mod record;
 mod robustness;
 mod sedimentation;
 mod shear_layer;
+mod svk_states;
 mod symmetry;
 mod wan_turek;
 
@@ -41,7 +43,7 @@ struct Check {
 }
 
 /// All checks, in the order of the page.
-const CHECKS: [Check; 17] = [
+const CHECKS: [Check; 18] = [
     Check {
         name: "exact",
         about: "Solutions that the discrete spaces contain, at random positions of the body.",
@@ -91,6 +93,11 @@ const CHECKS: [Check; 17] = [
         name: "symmetry",
         about: "Half of a symmetric domain and the whole of it: the same contact.",
         measure: symmetry::measure,
+    },
+    Check {
+        name: "svk-states",
+        about: "Uniform states of a Saint Venant-Kirchhoff body under its loads, in the plane and in space.",
+        measure: svk_states::measure,
     },
     Check {
         name: "csm",
