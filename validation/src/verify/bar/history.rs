@@ -1,0 +1,185 @@
+//! A computed motion of the bar, and the exact one.
+
+use std::sync::Arc;
+
+use cutwater::mesh::generate::structured_box;
+use cutwater::solid_svk::{LameParameters, LinearElastic, TimeScheme};
+use cutwater::solver::SupportKind;
+
+use super::super::Failure;
+use super::super::dry::{Run, V, elastic, floor, hold};
+
+pub(super) const LENGTH: f64 = 10.0;
+const YOUNG: f64 = 900.0;
+const DENSITY: f64 = 1.0;
+pub(super) const HEIGHT: f64 = 5.0;
+pub(super) const GRAVITY: f64 = 10.0;
+/// Speed of both impacts.
+const SPEED: f64 = 10.0;
+/// Speed of waves, and the time in which they cross the bar.
+pub(super) const WAVE: f64 = 30.0;
+const CROSSING: f64 = LENGTH / WAVE;
+/// The contact without gravity, and the two of a period with it.
+pub(super) const IMPACT: Exact = Exact { times: [0.5, 7.0 / 6.0], pressure: [300.0, 300.0] };
+pub(super) const BOUNCES: [Exact; 2] = [
+    Exact { times: [1.0, 5.0 / 3.0], pressure: [300.0, 500.0] },
+    Exact { times: [11.0 / 3.0, 13.0 / 3.0], pressure: [500.0, 300.0] },
+];
+pub(super) const PERIOD: f64 = 16.0 * CROSSING;
+/// Times, and heights of the lower end there, of the bar with gravity.
+pub(super) const HEIGHTS: [(f64, f64); 11] = [
+    (0.5, 3.75),
+    (1.0, 0.0),
+    (4.0 / 3.0, 0.0),
+    (2.0, 5.0 / 3.0),
+    (7.0 / 3.0, 40.0 / 9.0),
+    (8.0 / 3.0, 35.0 / 9.0),
+    (3.0, 40.0 / 9.0),
+    (10.0 / 3.0, 5.0 / 3.0),
+    (4.0, 0.0),
+    (5.0, 40.0 / 9.0),
+    (PERIOD, HEIGHT),
+];
+/// The part of a contact, around its middle, in which the pressure is compared: away from the jumps.
+pub(super) const MIDDLE: f64 = 0.5;
+
+/// Pressure over penetration beside Young's modulus over the size of a cell.
+pub(super) const PENALTY: f64 = 10.0;
+/// An exact contact: its beginning and end, and the pressure that sets in and that ceases there; between them it is linear.
+pub(super) struct Exact {
+    pub(super) times: [f64; 2],
+    pressure: [f64; 2],
+}
+
+impl Exact {
+    /// Pressure at a time of contact.
+    fn at(&self, time: f64) -> f64 {
+        let ([begin, end], [first, last]) = (self.times, self.pressure);
+        first + (last - first) * (time - begin) / (end - begin)
+    }
+
+    /// Its mean.
+    pub(super) fn mean(&self) -> f64 {
+        0.5 * (self.pressure[0] + self.pressure[1])
+    }
+}
+
+/// The exact pressure over a period with gravity.
+pub(super) fn exact_pressure() -> Vec<(f64, f64)> {
+    let contact = |exact: &Exact| {
+        let ([begin, end], [first, last]) = (exact.times, exact.pressure);
+        [(begin, 0.0), (begin, first), (end, last), (end, 0.0)]
+    };
+    BOUNCES.iter().flat_map(contact).chain([(PERIOD, 0.0)]).collect()
+}
+
+/// The bar at the ends of the steps.
+pub(super) struct History {
+    /// Time and floor pressure of each step.
+    pub(super) pressure: Vec<(f64, f64)>,
+    /// Time and height of the lower end.
+    pub(super) height: Vec<(f64, f64)>,
+    /// Time, and energy over that at the start, measured from the undeformed bar on the floor: whenever a wave would have crossed
+    /// the bar again, and at the end.
+    pub(super) energy: Vec<(f64, f64)>,
+}
+
+/// The bar of `n` cells, with a time step in which a wave crosses `courant` of a cell.
+pub(super) fn history(gravity: f64, n: usize, courant: f64, scheme: TimeScheme, end: f64) -> Result<History, Failure> {
+    let size = LENGTH / n as f64;
+    let mesh = structured_box::<2>([0.0, HEIGHT], [size, HEIGHT + LENGTH], [1, n])?;
+    // Without lateral contraction a bar between smooth walls is a bar in one dimension.
+    let material = LinearElastic::new(LameParameters::from_young_poisson(YOUNG, 0.0)?);
+    let mut body = elastic(mesh, DENSITY, material, V::new(0.0, -gravity), scheme)?;
+    for side in ["left", "right"] {
+        hold(&mut body, side, SupportKind::Symmetry { axis: 0 })?;
+    }
+    if gravity == 0.0 {
+        body.initial_velocity = Some(Arc::new(|_| V::new(0.0, -SPEED)));
+    }
+    let contact = floor(&body, "bottom", PENALTY * YOUNG / size)?;
+    let dt = courant * size / WAVE;
+    let mut run = Run::new(vec![body], vec![contact], dt, 1e-9);
+    // Potential energy of the bar that rests on the floor.
+    let rest = size * DENSITY * gravity * 0.5 * LENGTH * LENGTH;
+    let start = run.energy_and_momentum()?.0 - rest;
+    let (mut pressure, mut height, mut energy) = (Vec::new(), Vec::new(), Vec::new());
+    while run.state.time < end - 0.5 * dt {
+        let before = run.state.time;
+        let report = run.advance()?;
+        let time = run.state.time;
+        pressure.push((time, report.contacts[0].force[1] / size));
+        height.push((time, HEIGHT + run.state.bodies[0].displacement[0][1]));
+        if (before / CROSSING).floor() < (time / CROSSING).floor() || time >= end - 0.5 * dt {
+            energy.push((time, (run.energy_and_momentum()?.0 - rest) / start));
+        }
+    }
+    Ok(History { pressure, height, energy })
+}
+
+/// A contact of the bar with the floor.
+pub(super) struct Contact {
+    /// Times at which the pressure passes half of what sets in and of what ceases: where it jumps, and the mesh smears the jump.
+    pub(super) times: [f64; 2],
+    /// Last time at which there is any pressure.
+    pub(super) touching: f64,
+    /// Impulse over the exact duration.
+    pub(super) pressure: f64,
+    /// Root mean square of what the pressure deviates from the exact one in the middle of the contact.
+    pub(super) deviation: f64,
+    /// Half the range of that.
+    pub(super) oscillation: f64,
+}
+
+impl History {
+    /// Energy at the end over that at the start.
+    pub(super) fn kept(&self) -> f64 {
+        self.energy.last().map_or(f64::NAN, |at| at.1)
+    }
+
+    /// How often the bar comes upon the floor.
+    pub(super) fn contacts(&self) -> usize {
+        self.pressure.windows(2).filter(|w| w[0].1 <= 0.0 && w[1].1 > 0.0).count()
+    }
+
+    /// A contact, from the steps within a crossing time of the exact one.
+    pub(super) fn contact(&self, exact: &Exact) -> Contact {
+        let [begin, end] = exact.times;
+        let around = |at: &&(f64, f64)| begin - CROSSING < at.0 && at.0 < end + CROSSING;
+        let steps: Vec<(f64, f64)> = self.pressure.iter().filter(around).copied().collect();
+        let [low, high] = exact.pressure.map(|jump| 0.5 * jump);
+        // Between two steps the pressure counts as linear.
+        let passage = |w: &[(f64, f64)], p: f64| w[0].0 + (w[1].0 - w[0].0) * (p - w[0].1) / (w[1].1 - w[0].1);
+        let first = steps.windows(2).find(|w| w[0].1 <= low && low < w[1].1).map(|w| passage(w, low));
+        let last = steps.windows(2).rfind(|w| w[0].1 > high && high >= w[1].1).map(|w| passage(w, high));
+        let touching = steps.iter().rfind(|at| at.1 > 0.0).map_or(f64::NAN, |at| at.0);
+        let dt = self.pressure[1].0 - self.pressure[0].0;
+        let impulse: f64 = steps.iter().map(|at| at.1 * dt).sum();
+        let is_middle = |time: f64| (time - 0.5 * (begin + end)).abs() < 0.5 * MIDDLE * (end - begin);
+        let deviations: Vec<f64> = steps.iter().filter(|at| is_middle(at.0)).map(|at| at.1 - exact.at(at.0)).collect();
+        let (low, high) =
+            deviations.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), d| (a.min(*d), b.max(*d)));
+        Contact {
+            times: [first, last].map(|t| t.unwrap_or(f64::NAN)),
+            touching,
+            pressure: impulse / (end - begin),
+            deviation: root_mean_square(&deviations),
+            oscillation: 0.5 * (high - low),
+        }
+    }
+
+    /// Root mean square of the errors of the height, with gravity, at the times at which the exact one is listed.
+    pub(super) fn height_error(&self) -> f64 {
+        let errors = HEIGHTS.map(|(time, exact)| {
+            // The last step may end a little before the period does.
+            let k = self.height.partition_point(|at| at.0 < time).clamp(1, self.height.len() - 1);
+            let [(t0, h0), (t1, h1)] = [self.height[k - 1], self.height[k]];
+            h0 + (h1 - h0) * (time - t0) / (t1 - t0) - exact
+        });
+        root_mean_square(&errors)
+    }
+}
+
+fn root_mean_square(values: &[f64]) -> f64 {
+    (values.iter().map(|v| v * v).sum::<f64>() / values.len() as f64).sqrt()
+}
