@@ -11,6 +11,7 @@ mod dry;
 mod exact;
 mod files;
 mod flow;
+mod frame_change;
 mod hertz;
 mod immersed_modes;
 mod lubrication;
@@ -40,7 +41,7 @@ struct Check {
 }
 
 /// All checks, in the order of the page.
-const CHECKS: [Check; 17] = [
+const CHECKS: [Check; 18] = [
     Check {
         name: "exact",
         about: "Solutions that the discrete spaces contain, at random positions of the body.",
@@ -85,6 +86,11 @@ const CHECKS: [Check; 17] = [
         name: "wan-turek",
         about: "A cylinder that oscillates in a closed channel: drag, lift, and their noise.",
         measure: wan_turek::measure,
+    },
+    Check {
+        name: "frame-change",
+        about: "A cylinder at rest in a stream against one that moves through fluid at rest: drag, and its noise.",
+        measure: frame_change::measure,
     },
     Check {
         name: "symmetry",
