@@ -11,6 +11,7 @@ mod dry;
 mod exact;
 mod files;
 mod flow;
+mod frame_change;
 mod hertz;
 mod immersed_modes;
 mod lubrication;
@@ -88,6 +89,11 @@ const CHECKS: [Check; 18] = [
         name: "wan-turek",
         about: "A cylinder that oscillates in a closed channel: drag, lift, and their noise.",
         measure: wan_turek::measure,
+    },
+    Check {
+        name: "frame-change",
+        about: "A cylinder at rest in a stream against one that moves through fluid at rest: drag, and its noise.",
+        measure: frame_change::measure,
     },
     Check {
         name: "symmetry",

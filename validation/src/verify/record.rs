@@ -112,6 +112,12 @@ impl Record {
         self.push(quantity.into(), computed, Some(bound), "at least".to_owned(), Some(computed >= bound));
     }
 
+    /// A number that must be at most some times as large as a reference.
+    pub(crate) fn at_most_times(&mut self, quantity: impl Into<String>, computed: f64, reference: f64, factor: f64) {
+        let tolerance = format!("at most {} times", short(factor));
+        self.push(quantity.into(), computed, Some(reference), tolerance, Some(computed <= factor * reference));
+    }
+
     /// A number that is only shown, beside a known one if there is one.
     pub(crate) fn show(&mut self, quantity: impl Into<String>, computed: f64, reference: Option<f64>) {
         self.push(quantity.into(), computed, reference, String::new(), None);
@@ -177,12 +183,14 @@ mod tests {
         let mut record = Record::new("x", "", false);
         record.near("a", 1.05, 1.0, 0.1);
         record.at_most("b", 2.0, 2.0);
+        record.at_most_times("b", 2.3, 2.0, 1.2);
         record.show("c", 7.0, None);
         assert!(record.holds());
         for fail in [
             |r: &mut Record| r.near("a", 1.2, 1.0, 0.1),
             |r: &mut Record| r.near_relative("a", -103.0, -100.0, 0.02),
             |r: &mut Record| r.at_most("b", f64::NAN, 2.0),
+            |r: &mut Record| r.at_most_times("b", 2.5, 2.0, 1.2),
             |r: &mut Record| r.at_least("b", 1.0, 2.0),
             |r: &mut Record| r.order("e", "h", &[(0.2, 4.0), (0.1, 2.0)], 1.9),
         ] {

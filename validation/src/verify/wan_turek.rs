@@ -169,7 +169,7 @@ impl Signal {
 }
 
 /// Root of the mean square.
-fn rms(values: &[f64]) -> f64 {
+pub(super) fn rms(values: &[f64]) -> f64 {
     (values.iter().map(|v| v * v).sum::<f64>() / values.len() as f64).sqrt()
 }
 
@@ -181,7 +181,7 @@ fn range(values: &[f64]) -> [f64; 2] {
 /// Differences of the values to parabolas, each fitted to a value and `wing` neighbours on either side.
 ///
 /// Source: Savitzky and Golay 1964, doi:10.1021/ac60214a047.
-fn rough(values: &[f64], wing: usize) -> Vec<f64> {
+pub(super) fn rough(values: &[f64], wing: usize) -> Vec<f64> {
     let offsets = || (0..=2 * wing).map(|k| k as f64 - wing as f64);
     let n = offsets().count() as f64;
     let moment = |power: i32| offsets().map(|k| k.powi(power)).sum::<f64>();
@@ -192,7 +192,7 @@ fn rough(values: &[f64], wing: usize) -> Vec<f64> {
 }
 
 /// Slope of the straight line closest to all points of a curve in logarithms.
-fn slope(curve: &[(f64, f64)]) -> f64 {
+pub(super) fn slope(curve: &[(f64, f64)]) -> f64 {
     let logs: Vec<(f64, f64)> = curve.iter().map(|(x, y)| (x.ln(), y.ln())).collect();
     let n = logs.len() as f64;
     let (x, y) = logs.iter().fold((0.0, 0.0), |sum, p| (sum.0 + p.0 / n, sum.1 + p.1 / n));
