@@ -20,6 +20,7 @@ mod record;
 mod robustness;
 mod sedimentation;
 mod shear_layer;
+mod sweep;
 mod symmetry;
 mod wan_turek;
 
@@ -63,7 +64,7 @@ const CHECKS: [Check; 17] = [
     },
     Check {
         name: "robustness",
-        about: "Bodies close to vertices and lines of the mesh: condition numbers, continuity, scatter of forces.",
+        about: "Bodies that pass vertices, edges and faces of the mesh: condition numbers, continuity, scatter of forces.",
         measure: robustness::measure,
     },
     Check {
