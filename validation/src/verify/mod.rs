@@ -2,6 +2,7 @@
 
 mod added_mass;
 mod bar;
+mod conservation;
 mod contact_patch;
 mod csm;
 mod disk_impact;
