@@ -73,7 +73,7 @@ pub use layout::{BlockLayout, DofId, FieldId};
 pub use linear::{
     BlockGaussSeidel, BlockGaussSeidelSettings, BlockSolver, DirectSolver, Equilibration, Fill, Gmres, GmresReport,
     GmresSettings, LaggedSettings, LaggedSolver, LinearError, LinearMap, LinearReport, LinearSolver, MatrixView,
-    Unknowns, condition_number,
+    Scaling, Unknowns, condition_number,
 };
 pub use local_system::LocalSystem;
 pub use newton::{Forcing, NewtonError, NewtonReport, NewtonSettings, NonlinearProblem, newton};

@@ -3,7 +3,7 @@
 mod common;
 
 use algebra::{
-    BlockLayout, BlockSystem, Contributions, DirectSolver, LinearError, LinearSolver, MatrixView, Unknowns,
+    BlockLayout, BlockSystem, Contributions, DirectSolver, LinearError, LinearSolver, MatrixView, Scaling, Unknowns,
     condition_number,
 };
 use common::{Flow, max_norm, state};
@@ -206,18 +206,28 @@ fn the_same_pattern_is_analysed_once_and_old_factors_keep_solving() {
 }
 
 #[test]
-fn the_condition_number_is_that_of_the_equilibrated_matrix() {
-    let of = |matrix: &Dense| {
+fn the_condition_number_is_that_of_the_matrix_or_of_the_equilibrated_one() {
+    let of = |matrix: &Dense, scaling| {
         let nodes: Vec<u32> = (0..matrix.n as u32).collect();
-        condition_number(matrix.view(), Unknowns { layout: &BlockLayout::new(), nodes: &nodes, keys: &[] })
+        let unknowns = Unknowns { layout: &BlockLayout::new(), nodes: &nodes, keys: &[] };
+        condition_number(matrix.view(), unknowns, scaling).expect("a regular matrix")
     };
-    // Scales do not count.
-    let diagonal = of(&Dense::new(&[&[4.0, 0.0], &[0.0, 1024.0]])).expect("a regular matrix");
-    assert!((diagonal - 1.0).abs() < 1e-3, "{diagonal}");
+    let near = |condition: f64, exact: f64| assert!((condition / exact - 1.0).abs() < 1e-3, "{condition} {exact}");
+    // Scales do not count once they are taken out.
+    let diagonal = Dense::new(&[&[4.0, 0.0], &[0.0, 1024.0]]);
+    near(of(&diagonal, Scaling::Equilibrated), 1.0);
+    near(of(&diagonal, Scaling::None), 256.0);
     // Eigenvalues 1 + b and 1 - b; not symmetric, the singular values of a shear.
-    let symmetric = of(&Dense::new(&[&[1.0, 0.999], &[0.999, 1.0]])).expect("a regular matrix");
-    assert!((symmetric / 1999.0 - 1.0).abs() < 1e-3, "{symmetric}");
-    let shear = of(&Dense::new(&[&[1.0, 1.0], &[0.0, 1.0]])).expect("a regular matrix");
+    let symmetric = Dense::new(&[&[1.0, 0.999], &[0.999, 1.0]]);
+    let shear = Dense::new(&[&[1.0, 1.0], &[0.0, 1.0]]);
     let golden = 0.5 * (1.0 + 5.0_f64.sqrt());
-    assert!((shear / golden.powi(2) - 1.0).abs() < 1e-3, "{shear}");
+    for scaling in [Scaling::Equilibrated, Scaling::None] {
+        near(of(&symmetric, scaling), 1999.0);
+        near(of(&shear, scaling), golden.powi(2));
+    }
+    // Scaled and not symmetric: the squares of the singular values have the trace of `A Aᵀ` and its determinant, 4.
+    let scaled = Dense::new(&[&[8.0, 0.5], &[0.0, 0.25]]);
+    let trace = 64.0 + 0.25 + 0.0625_f64;
+    let largest = 0.5 * (trace + (trace * trace - 16.0).sqrt());
+    near(of(&scaled, Scaling::None), largest / 2.0);
 }

@@ -114,13 +114,6 @@ impl<F: Flow> Known<F> {
         Errors { velocity, gradient, pressure }
     }
 
-    /// Kinetic energy of the known flow over the fluid of a state.
-    pub(super) fn kinetic_energy(&self, setup: &Setup<2>, state: &State<2>) -> f64 {
-        let mut twice = 0.0;
-        for_each_point(setup, state, |at| twice += at.weight * self.flow.velocity(&at.x, state.time).norm_squared());
-        0.5 * self.density * twice
-    }
-
     fn mean_pressure_error(&self, setup: &Setup<2>, state: &State<2>) -> f64 {
         let (mut integral, mut volume) = (0.0, 0.0);
         for_each_point(setup, state, |at| {
@@ -137,6 +130,20 @@ pub(super) struct Errors {
     pub(super) velocity: f64,
     pub(super) gradient: f64,
     pub(super) pressure: f64,
+}
+
+/// Norms of the difference of two states with the same cut.
+pub(super) fn differences(setup: &Setup<2>, a: &State<2>, b: &State<2>) -> Errors {
+    let mut between = a.clone();
+    between.fluid.velocity.iter_mut().zip(&b.fluid.velocity).for_each(|(a, b)| *a -= b);
+    between.fluid.pressure.iter_mut().zip(&b.fluid.pressure).for_each(|(a, b)| *a -= b);
+    let mut squares = [0.0; 3];
+    for_each_point(setup, &between, |at| {
+        let of_point = [at.velocity.norm_squared(), at.gradient.norm_squared(), at.pressure.powi(2)];
+        squares.iter_mut().zip(of_point).for_each(|(sum, square)| *sum += at.weight * square);
+    });
+    let [velocity, gradient, pressure] = squares.map(f64::sqrt);
+    Errors { velocity, gradient, pressure }
 }
 
 /// Discrete fields at a quadrature point of the fluid.
@@ -222,12 +229,7 @@ pub(super) fn run(setup: &Setup<2>, n_steps: usize) -> Result<(State<2>, StepRep
     Ok((state, last.ok_or("no steps")?))
 }
 
-/// Integral of the divergence of the velocity over the fluid.
-pub(super) fn divergence(setup: &Setup<2>, state: &State<2>) -> f64 {
-    divergence_within(setup, state, |_| true)
-}
-
-/// The same over a part of it, which no cell is half in.
+/// Integral of the divergence of the velocity over a part of the fluid, which no cell is half in.
 pub(super) fn divergence_within(setup: &Setup<2>, state: &State<2>, contains: impl Fn(&P) -> bool) -> f64 {
     let mut sum = 0.0;
     for_each_point(setup, state, |at| {

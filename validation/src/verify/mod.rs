@@ -2,6 +2,7 @@
 
 mod added_mass;
 mod bar;
+mod conservation;
 mod contact_patch;
 mod csm;
 mod disk_impact;
@@ -23,6 +24,7 @@ mod robustness;
 mod sedimentation;
 mod shear_layer;
 mod svk_states;
+mod sweep;
 mod symmetry;
 mod wan_turek;
 
@@ -44,7 +46,7 @@ struct Check {
 }
 
 /// All checks, in the order of the page.
-const CHECKS: [Check; 18] = [
+const CHECKS: [Check; 19] = [
     Check {
         name: "exact",
         about: "Solutions that the discrete spaces contain, at random positions of the body.",
@@ -67,7 +69,7 @@ const CHECKS: [Check; 18] = [
     },
     Check {
         name: "robustness",
-        about: "Bodies close to vertices and lines of the mesh: condition numbers, continuity, scatter of forces.",
+        about: "Bodies that pass vertices, edges and faces of the mesh: condition numbers, continuity, scatter of forces.",
         measure: robustness::measure,
     },
     Check {

@@ -142,25 +142,35 @@ impl Record {
     }
 
     /// Observed orders of convergence between neighbours of a sequence of sizes and errors, of which the last must be at
-    /// least `order`; the errors are shown.
+    /// least `order`, and all positive: every refinement reduces the error. The errors are shown.
     pub(crate) fn order(&mut self, quantity: &str, unit: &str, errors: &[(f64, f64)], order: f64) {
-        let observed = self.show_errors(quantity, unit, errors);
-        self.at_least(format!("order of {quantity} in {unit}"), observed, order);
+        let [last, least] = self.show_errors(quantity, unit, errors);
+        let reduces = Some(least > 0.0);
+        self.push(
+            format!("order of {quantity} in {unit}, the least of all"),
+            least,
+            Some(0.0),
+            "above".to_owned(),
+            reduces,
+        );
+        self.at_least(format!("order of {quantity} in {unit}"), last, order);
     }
 
     /// The same where no order is asked.
     pub(crate) fn show_order(&mut self, quantity: &str, unit: &str, errors: &[(f64, f64)]) {
-        let observed = self.show_errors(quantity, unit, errors);
-        self.show(format!("order of {quantity} in {unit}"), observed, None);
+        let [last, _] = self.show_errors(quantity, unit, errors);
+        self.show(format!("order of {quantity} in {unit}"), last, None);
     }
 
-    /// Shows errors; returns the last observed order.
-    fn show_errors(&mut self, quantity: &str, unit: &str, errors: &[(f64, f64)]) -> f64 {
+    /// Shows errors; returns the last observed order and the least.
+    fn show_errors(&mut self, quantity: &str, unit: &str, errors: &[(f64, f64)]) -> [f64; 2] {
         for (size, error) in errors {
             self.show(format!("{quantity} at {unit} = {}", short(*size)), *error, None);
         }
         let mut observed = errors.windows(2).map(|w| (w[0].1 / w[1].1).ln() / (w[0].0 / w[1].0).ln());
-        observed.next_back().unwrap_or(f64::NAN)
+        let last = observed.next_back().unwrap_or(f64::NAN);
+        // A number that is none is least.
+        [last, observed.fold(last, |least, order| if order < least || order.is_nan() { order } else { least })]
     }
 }
 
@@ -193,6 +203,8 @@ mod tests {
             |r: &mut Record| r.at_most_times("b", 2.5, 2.0, 1.2),
             |r: &mut Record| r.at_least("b", 1.0, 2.0),
             |r: &mut Record| r.order("e", "h", &[(0.2, 4.0), (0.1, 2.0)], 1.9),
+            |r: &mut Record| r.order("e", "h", &[(0.4, 4.0), (0.2, 4.0), (0.1, 1.0)], 1.9),
+            |r: &mut Record| r.order("e", "h", &[(0.4, f64::NAN), (0.2, 4.0), (0.1, 1.0)], 1.9),
         ] {
             let mut other = record.clone();
             fail(&mut other);
@@ -201,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn the_last_order_counts() {
+    fn the_last_order_counts_if_all_are_positive() {
         let mut record = Record::new("x", "", false);
         record.order("e", "h", &[(0.4, 5.0), (0.2, 4.0), (0.1, 1.0)], 1.99);
         assert!(record.holds());

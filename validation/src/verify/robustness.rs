@@ -1,130 +1,192 @@
-//! Bodies that come close to vertices and lines of the mesh: condition numbers, and what they do to results.
+//! Bodies that pass vertices, edges and faces of the mesh: condition numbers, and what they do to results.
 
 use std::path::Path;
 
-use cutwater::algebra::{Workspace, condition_number};
-use cutwater::mesh::generate::structured_box;
-use cutwater::solver::{State, advance};
+use cutwater::fluid_ns::terms::CipProfile;
+use cutwater::solver::Setup;
 
 use super::Failure;
-use super::flow::{self, P, Random, polygon};
-use super::orders::{Couette, couette_setup, known_polynomial};
+use super::flow::{self, P, Random};
+use super::orders::{Couette, couette_setup};
 use super::record::{Figure, Record};
+use super::sweep::{Dimension, Found, In, Numbers, PLANE, SPACE, Sweep, find};
 
-/// Squares per side of the box.
-const N: usize = 12;
-/// Largest ratio of condition numbers over a sweep with ghost penalty.
+/// Largest ratio of condition numbers of the equilibrated matrix over a sweep with ghost penalty.
 const LARGEST_RATIO: f64 = 10.0;
-/// Distances from 1e-1 to 1e-14 of the size of a cell.
+/// Powers of ten of the distances in cells, on either side.
 const DECADES: std::ops::RangeInclusive<i32> = 1..=14;
-/// A step so long that nothing is left of inertia.
-const STEADY: f64 = 1e9;
-
-/// What a body comes close to.
-#[derive(Clone, Copy)]
-enum Place {
-    /// A corner of the body, to a vertex.
-    Vertex,
-    /// A side of the body, to a line of the mesh that is parallel to it.
-    Line,
-    /// A corner of the body, to the middle of a line of the mesh.
-    Middle,
-}
+/// Those of a short run.
+const FEW_DECADES: [i32; 6] = [1, 3, 6, 9, 12, 14];
+/// Between these distances, on either side, nothing may happen; closer than that round-off may put a surface onto the mesh.
+const NEAR: [f64; 2] = [1e-12, 1e-6];
+/// Largest change there, over the error on this mesh.
+const LARGEST_CHANGE: f64 = 1e-5;
+/// The largest jump at the touch, over the error on this mesh.
+const LARGEST_JUMP: f64 = 1.0;
 
 /// Measures sweeps and scatter.
 ///
 /// # Errors
-/// A step fails.
+/// A mesh cannot be cut, or a step fails.
 pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
-    for (place, name) in
-        [(Place::Vertex, "corner to a vertex"), (Place::Middle, "corner to a line"), (Place::Line, "side to a line")]
-    {
-        let mut curves = Vec::new();
-        for (ghost, label) in [(true, "with ghost penalty"), (false, "without")] {
-            let mut conditions = Vec::new();
-            let (mut solutions, mut energy_error): (Vec<f64>, f64) = (Vec::new(), 0.0);
-            for decade in DECADES {
-                let distance = 10.0_f64.powi(-decade);
-                let [condition, energy, error] = solve(place, distance / N as f64, ghost)?;
-                conditions.push((distance, condition));
-                solutions.push(energy);
-                energy_error = error;
-            }
-            let largest = conditions.iter().map(|(_, c)| *c).fold(0.0, f64::max);
-            let least = conditions.iter().map(|(_, c)| *c).fold(f64::INFINITY, f64::min);
-            if ghost {
-                record.at_most(format!("{name}: condition number, largest over least"), largest / least, LARGEST_RATIO);
-                record.show(format!("{name}: largest condition number"), largest, None);
-                // From 1e-6 to 1e-12 of a cell; then round-off puts the body onto the line, and dofs vanish with their slivers.
-                let (near, touching) = (solutions[11], solutions[13]);
-                let change = solutions[5..=11].iter().map(|s| (s / near - 1.0).abs()).fold(0.0, f64::max);
-                record.at_most(format!("{name}: change of the kinetic energy from 1e-6 h to 1e-12 h"), change, 1e-6);
-                let jump = ((touching - near) / energy_error).abs();
-                record.at_most(format!("{name}: its jump at the touch, over its error on this mesh"), jump, 1.0);
-            } else {
-                record.show(format!("{name}: the same without ghost penalty"), largest / least, None);
-            }
-            curves.push((label.to_owned(), conditions));
-        }
-        record.figures.push(Figure {
-            title: format!("{name}: condition number"),
-            x_title: "distance over h".to_owned(),
-            curves,
-            is_log: true,
-        });
+    for sweep in &PLANE {
+        measure_sweep(record, sweep)?;
+    }
+    for sweep in &SPACE {
+        measure_sweep(record, sweep)?;
     }
     scatter(record)?;
     record.note(
-        "Condition numbers in the Euclidean norm of the equilibrated matrix of a Stokes problem, 12 × 12 squares. The ghost \
-         penalty is taken away with a weight of zero; the interior penalty of the pressure stays.",
+        "Stokes flow, 12 × 12 squares or 5 × 5 × 5 cubes of tetrahedra, bodies of which a vertex, edge or face of the mesh is \
+         left behind and passed: cells keep corners, wedges, slices. Without ghost penalty its weight is zero. In both cases \
+         there is no interior penalty of the velocity; that of the pressure stays, as the pair of spaces needs it. Condition \
+         numbers are in the Euclidean norm, of the matrix as it is and of the equilibrated one, which is what is factorised.",
+    );
+    record.note(
+        "Where cells keep corners with unknowns of their own, the condition number of the matrix as it is grows without bound \
+         without ghost penalty, and does not with it. Along slices and wedges it does not grow, as the mortar couples their \
+         unknowns over the whole length of the interface. Equilibrated it stays where it is in all cases: for linear functions, \
+         scales of rows and columns undo what small parts do.",
+    );
+    record.note(
+        "Jumps at the touch are those of the ghost penalty, which loses or gains the faces of a cell as this loses or gains a \
+         part. The exact force on the bodies is zero. In the annulus, all penalties of gradient jumps are taken away together.",
     );
     Ok(())
 }
 
-/// Condition number, kinetic energy, and the error of that, of the flow with a square body at a distance from a vertex or line.
-fn solve(place: Place, distance: f64, ghost: bool) -> Result<[f64; 3], Failure> {
-    let known = known_polynomial();
-    let h = 1.0 / N as f64;
-    let mut setup = known.setup(structured_box::<2>([-0.5; 2], [0.5; 2], [N; 2])?, STEADY);
-    if !ghost {
-        setup.fluid.gamma_ghost = 0.0;
+/// What is found with or without ghost penalty, from the largest distance before to the largest one past.
+type Findings<const D: usize> = Vec<(f64, Found<D>)>;
+
+fn measure_sweep<const D: usize>(record: &mut Record, sweep: &Sweep<D>) -> Result<(), Failure>
+where
+    In: Dimension<D>,
+{
+    let decades: Vec<i32> = if record.full { DECADES.collect() } else { FEW_DECADES.to_vec() };
+    let before = decades.iter().map(|k| -(10.0_f64.powi(-k)));
+    let distances: Vec<f64> = before.chain([0.0]).chain(decades.iter().rev().map(|k| 10.0_f64.powi(-k))).collect();
+    let name = sweep.name;
+    let mut curves = Vec::new();
+    for (ghost, label) in [(true, "with ghost penalty"), (false, "without")] {
+        let mut findings: Findings<D> = Vec::new();
+        for &distance in &distances {
+            findings.push((distance, find(&sweep.setup(distance, ghost)?)?));
+        }
+        for (k, matrix) in ["equilibrated", "as it is"].into_iter().enumerate() {
+            let conditions = || findings.iter().map(|(_, found)| found.conditions[k]);
+            let (largest, least) = (conditions().fold(0.0, f64::max), conditions().fold(f64::INFINITY, f64::min));
+            let quantity = format!("{name}, {label}: condition number of the matrix {matrix}, largest over least");
+            if ghost && k == 0 {
+                record.at_most(quantity, largest / least, LARGEST_RATIO);
+            } else {
+                record.show(quantity, largest / least, None);
+            }
+            if k == 0 {
+                record.show(format!("{name}, {label}: the largest"), largest, None);
+            }
+            curves.push((format!("{label}, {matrix}"), worse_side(&findings, k)));
+        }
+        let setup = sweep.setup(0.0, ghost)?;
+        let errors = findings.iter().map(|(_, found)| {
+            let flow = found.flow.as_ref();
+            flow.map_or(f64::INFINITY, |flow| flow.differences(&flow.exact(&setup))[0])
+        });
+        let [least, largest] = errors.fold([f64::INFINITY, 0.0], |[a, b], e| [f64::min(a, e), f64::max(b, e)]);
+        record.show(format!("{name}, {label}: largest error of velocities, largest over least"), largest / least, None);
+        if ghost {
+            continuity(record, name, &setup, &findings)?;
+        }
     }
-    // The corner at the upper right comes close to a vertex; its sides are parallel to lines or turned.
-    let corner = P::new(-0.5 + 8.0 * h, -0.5 + 8.0 * h);
-    let side = 3.3 * h;
-    let square = [[-1.0, -1.0], [0.0, -1.0], [0.0, 0.0], [-1.0, 0.0]].map(|[x, y]| P::new(x, y) * side);
-    let turned = |angle: f64| {
-        square.map(|x| P::new(angle.cos() * x[0] - angle.sin() * x[1], angle.sin() * x[0] + angle.cos() * x[1]))
+    record.figures.push(Figure {
+        title: format!("{name}: condition number, the larger of both sides"),
+        x_title: "distance over h".to_owned(),
+        curves,
+        is_log: true,
+    });
+    Ok(())
+}
+
+/// At each distance the worse of the two sides.
+fn worse_side<const D: usize>(findings: &Findings<D>, matrix: usize) -> Vec<(f64, f64)> {
+    let half = findings.len() / 2;
+    let pairs = findings[..half].iter().zip(findings.iter().rev());
+    pairs.map(|((d, a), (_, b))| (d.abs(), a.conditions[matrix].max(b.conditions[matrix]))).collect()
+}
+
+/// How much velocity, pressure, force and kinetic energy change close to the touch, and how much they jump at it.
+fn continuity<const D: usize>(
+    record: &mut Record,
+    name: &str,
+    setup: &Setup<D>,
+    findings: &Findings<D>,
+) -> Result<(), Failure> {
+    let flows = findings.iter().map(|(d, found)| found.flow.as_ref().map(|flow| (*d, flow)));
+    let flows: Vec<(f64, &Numbers<D>)> = flows.collect::<Option<_>>().ok_or("a step fails with ghost penalty")?;
+    let touch = flows[flows.len() / 2].1;
+    let errors = touch.differences(&touch.exact(setup));
+    let [closest, near] = NEAR.map(|d| d * (1.0 + f64::EPSILON));
+    let is_near = |d: f64| d.abs() <= near && d.abs() > 0.5 * closest;
+    let largest = |pairs: &mut dyn Iterator<Item = (&Numbers<D>, &Numbers<D>)>| {
+        pairs.fold([0.0; 2], |largest, (a, b)| {
+            let [u, p, f] = a.differences(b);
+            let of_errors = (u / errors[0]).max(p / errors[1]).max(f / errors[2]);
+            let relative = [of_errors, (a.energy / b.energy - 1.0).abs()];
+            std::array::from_fn(|k| f64::max(largest[k], relative[k]))
+        })
     };
-    let corners = match place {
-        Place::Vertex => turned(0.2).map(|x| corner + x - P::new(distance, 0.6 * distance)),
-        // Half a cell below the vertex, away from the diagonal.
-        Place::Middle => turned(0.2).map(|x| corner + x - P::new(distance, 0.37 * h)),
-        Place::Line => square.map(|x| corner + x - P::new(distance, 0.37 * h)),
-    };
-    setup.bodies.push(polygon(&[corners.to_vec()], |x, _| *x, known.velocity()));
-    let mut work = Workspace::new();
-    let (state, report) = advance(&setup, &State::initial(&setup)?, &mut work)?;
-    let condition = condition_number(work.system().matrix(), work.system().unknowns())?;
-    let energy = report.fluid_kinetic_energy;
-    Ok([condition, energy, energy - known.kinetic_energy(&setup, &state)])
+    let neighbours = || flows.windows(2).map(|pair| (pair[0], pair[1]));
+    let on_one_side = neighbours().filter(|((a, _), (b, _))| is_near(*a) && is_near(*b) && a * b > 0.0);
+    let at_touch = neighbours().filter(|((a, _), (b, _))| a.abs() <= closest && b.abs() <= closest);
+    let changes = largest(&mut on_one_side.map(|((_, a), (_, b))| (a, b)));
+    let jumps = largest(&mut at_touch.map(|((_, a), (_, b))| (a, b)));
+    let what = format!("{name}: velocities, pressures and force, over their errors on this mesh");
+    record.at_most(format!("{what}: largest change from 1e-6 h to 1e-12 h"), changes[0], LARGEST_CHANGE);
+    record.at_most(format!("{what}: largest jump at the touch"), jumps[0], LARGEST_JUMP);
+    record.at_most(format!("{name}: relative change of the kinetic energy from 1e-6 h to 1e-12 h"), changes[1], 1e-6);
+    Ok(())
 }
 
 /// Torques of the flow between cylinders at random places of the mesh.
 fn scatter(record: &mut Record) -> Result<(), Failure> {
     let (n, places) = if record.full { (32, 100) } else { (20, 25) };
-    let mut random = Random(11);
-    let mut torques = Vec::new();
     let h = 1.0 / n as f64;
-    for _ in 0..places {
-        let centre = P::new(random.between(0.0, h), random.between(0.0, h));
-        let (_, setup) = couette_setup(n, centre)?;
-        let (state, report) = flow::run(&setup, 1)?;
-        torques.push(flow::force(&state, &report, 0, &centre).1 / Couette::TORQUE - 1.0);
+    let mut curves = Vec::new();
+    for (ghost, label) in [(true, "with ghost penalty"), (false, "without any penalty of jumps of gradients")] {
+        let mut random = Random(11);
+        let mut torques = Vec::new();
+        for _ in 0..places {
+            let centre = P::new(random.between(0.0, h), random.between(0.0, h));
+            let (_, mut setup) = couette_setup(n, centre)?;
+            if !ghost {
+                setup.fluid.gamma_ghost = 0.0;
+                setup.fluid.cip = CipProfile::Consistent { gamma_u: 0.0 };
+            }
+            let (state, report) = flow::run(&setup, 1)?;
+            torques.push(flow::force(&state, &report, 0, &centre).1 / Couette::TORQUE - 1.0);
+        }
+        torques.sort_unstable_by(f64::total_cmp);
+        let mean = torques.iter().sum::<f64>() / places as f64;
+        let deviation = (torques.iter().map(|t| (t - mean).powi(2)).sum::<f64>() / places as f64).sqrt();
+        let largest = torques.iter().map(|t| (t - mean).abs()).fold(0.0, f64::max);
+        let name = format!("Couette torque, {places} random places, h = 1/{n}, {label}");
+        record.show(format!("{name}: mean relative error"), mean, Some(0.0));
+        for (what, value) in [("standard deviation", deviation), ("largest deviation", largest)] {
+            let quantity = format!("{name}: {what}, beside the mean error");
+            if ghost {
+                record.at_most(quantity, value, mean.abs());
+            } else {
+                record.show(quantity, value, Some(mean.abs()));
+            }
+        }
+        let rank = |k: usize| (k as f64 + 0.5) / places as f64;
+        curves.push((label.to_owned(), torques.iter().enumerate().map(|(k, t)| (rank(k), t - mean)).collect()));
+        curves.push((format!("{label}: error of the mean"), vec![(0.0, mean), (1.0, mean)]));
     }
-    let mean = torques.iter().sum::<f64>() / places as f64;
-    let deviation = (torques.iter().map(|t| (t - mean).powi(2)).sum::<f64>() / places as f64).sqrt();
-    record.show(format!("Couette torque, {places} random places, h = 1/{n}: mean relative error"), mean, Some(0.0));
-    record.at_most("the same: standard deviation, beside the mean error", deviation, mean.abs());
+    record.figures.push(Figure {
+        title: "Couette torque: relative deviations from the mean, sorted".to_owned(),
+        x_title: "share of the places".to_owned(),
+        curves,
+        is_log: false,
+    });
     Ok(())
 }

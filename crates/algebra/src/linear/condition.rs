@@ -9,36 +9,58 @@ use super::{Equilibration, LinearError, MatrixView, Unknowns};
 const CHANGE: f64 = 1e-4;
 const MOST_ITERATIONS: usize = 300;
 
-/// Condition number `‖R A C‖ ‖(R A C)⁻¹‖` of the equilibrated matrix in the Euclidean norm, to a few per cent: from below,
-/// by power iterations with `A` and `Aᵀ` and with their inverses.
+/// In which scales a matrix `A` is looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scaling {
+    /// As it is.
+    None,
+    /// `R A C` of [`Equilibration`], which is what the solvers factorise.
+    Equilibrated,
+}
+
+/// Condition number `‖A‖ ‖A⁻¹‖` in the Euclidean norm, of a matrix or of the equilibrated one, to a few per cent: from below,
+/// by power iterations with `A` and `Aᵀ` and with their inverses. The factors are those of the equilibrated matrix in both cases.
 ///
 /// A measure for people, not for solvers: it takes two factorisations and hundreds of solves.
 ///
 /// # Errors
 /// See [`LinearError`]; a matrix that is singular to working precision has a large number and no error.
-pub fn condition_number(matrix: MatrixView<'_>, unknowns: Unknowns<'_>) -> Result<f64, LinearError> {
+pub fn condition_number(matrix: MatrixView<'_>, unknowns: Unknowns<'_>, scaling: Scaling) -> Result<f64, LinearError> {
     let scales = Equilibration::new(matrix)?;
     let mut values = matrix.data().to_vec();
     scales.scale(matrix, &mut values);
     let (pointers, rows) = (matrix.proper_indptr().to_vec(), matrix.indices().to_vec());
     let scaled: CsMatI<f64, u32> = CsMatI::new_csc(matrix.shape(), pointers, rows, values);
-    let transposed = scaled.transpose_view().to_csc();
     let (mut factors, mut of_transposed) = (Factors::default(), Factors::default());
     factors.factorize(&scaled, unknowns.nodes)?;
-    of_transposed.factorize(&transposed, unknowns.nodes)?;
+    of_transposed.factorize(&scaled.transpose_view().to_csc(), unknowns.nodes)?;
 
+    let is_scaled = scaling == Scaling::Equilibrated;
+    let measured = if is_scaled { scaled.view() } else { matrix };
+    let transposed = measured.transpose_view().to_csc();
+    // A⁻¹ = C (R A C)⁻¹ R, with A or R A C in the place of A.
+    let scale = |x: &mut [f64], scales: &[f64]| {
+        if !is_scaled {
+            x.iter_mut().zip(scales).for_each(|(x, s)| *x *= s);
+        }
+    };
     let n = matrix.rows();
     let mut between = vec![0.0; n];
     let largest = largest_eigenvalue(n, |x| {
         between.fill(0.0);
-        sprs::prod::mul_acc_mat_vec_csc(scaled.view(), &*x, between.as_mut_slice());
+        sprs::prod::mul_acc_mat_vec_csc(measured, &*x, between.as_mut_slice());
         x.fill(0.0);
         sprs::prod::mul_acc_mat_vec_csc(transposed.view(), between.as_slice(), &mut *x);
         Ok(())
     })?;
     let largest_of_inverse = largest_eigenvalue(n, |x| {
+        scale(x, scales.column());
         of_transposed.substitute(x)?;
-        factors.substitute(x)
+        scale(x, scales.row());
+        scale(x, scales.row());
+        factors.substitute(x)?;
+        scale(x, scales.column());
+        Ok(())
     })?;
     Ok((largest * largest_of_inverse).sqrt())
 }

@@ -14,7 +14,7 @@ mod scaled;
 mod subdomain;
 
 pub use block_gauss_seidel::{BlockGaussSeidel, BlockGaussSeidelSettings};
-pub use condition::condition_number;
+pub use condition::{Scaling, condition_number};
 pub use direct::DirectSolver;
 pub use equilibration::Equilibration;
 pub use gmres::{Gmres, GmresReport, GmresSettings, LinearMap};

@@ -111,18 +111,6 @@ impl<const D: usize> Piece<D> {
         Some(polygons.push(by, behind.face(behind.n_faces() - 1)))
     }
 
-    /// The part behind a plane, from the signed distances of the corners, with rounding only.
-    pub(crate) fn behind(&self, distances: &[f64]) -> Self {
-        let by = self.faces[0].0;
-        let crossings = self.crossings(distances, |_, a, b, _| {
-            let (x, y) = (self.corners[a].x, self.corners[b].x);
-            Corner::of_mesh(x + (y - x) * (distances[a] / (distances[a] - distances[b])), [by; 3])
-        });
-        let [mut behind, mut front] = [Self::default(), Self::default()];
-        self.divide(distances, by, &crossings, [&mut behind, &mut front]);
-        behind
-    }
-
     /// Corners where the edges cross a plane, each once. `crossing` takes the plane of a face, the two ends of an edge of
     /// it, and the plane of the face beyond the edge.
     fn crossings(
@@ -413,6 +401,20 @@ fn following(rim: &[(u32, Plane)], k: usize) -> usize {
 mod tests {
     use super::*;
     use crate::exact::Plane;
+
+    impl<const D: usize> Piece<D> {
+        /// The part behind a plane, from the signed distances of the corners, with rounding only.
+        fn behind(&self, distances: &[f64]) -> Self {
+            let by = self.faces[0].0;
+            let crossings = self.crossings(distances, |_, a, b, _| {
+                let (x, y) = (self.corners[a].x, self.corners[b].x);
+                Corner::of_mesh(x + (y - x) * (distances[a] / (distances[a] - distances[b])), [by; 3])
+            });
+            let [mut behind, mut front] = [Self::default(), Self::default()];
+            self.divide(distances, by, &crossings, [&mut behind, &mut front]);
+            behind
+        }
+    }
 
     /// Divides a simplex again and again; the pieces fill it, and their faces close them.
     fn check_division<const D: usize>() {

@@ -2,7 +2,8 @@
 
 use crate::{FaceTerm, FluidFace};
 
-/// `g_h(u, v) = γ_g μ^f h_F ([∇u]n, [∇v]n)_F`: bounds the condition number however small a part is.
+/// `g_h(u, v) = γ_g μ^f h_F ([∇u]n, [∇v]n)_F`: keeps the mortar coercive, and the condition number before any scaling of rows
+/// and columns bounded, however small a part is.
 ///
 /// Source: paper, form after Eq. (4); Burman 2010, DOI 10.1016/j.crma.2010.10.006.
 /// Couples: velocity × velocity, each component by itself.   Domain: faces of cut cells, whole face.

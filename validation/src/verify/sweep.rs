@@ -1,0 +1,277 @@
+//! Bodies that pass vertices, edges and faces of the mesh by a distance of either sign, in the plane and in space.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use cutwater::algebra::{Scaling, Workspace, condition_number};
+use cutwater::fluid_ns::terms::CipProfile;
+use cutwater::mesh::generate::structured_box;
+use cutwater::mesh::search::SurfaceIndex;
+use cutwater::mesh::{Placed, Point, Vector, VertexId};
+use cutwater::solver::{Body, BodyKind, FluidBoundary, FluidSetup, PrescribedBody, Setup, State, TimeField, advance};
+
+use super::Failure;
+use super::flow::{Flow, P, polygon};
+use super::orders::{StokesPolynomial, known_polynomial};
+
+/// Squares per side of the plane box, bricks per side of the one in space; both have sides of length one.
+const N: [usize; 2] = [12, 5];
+/// A step so long that nothing is left of inertia.
+const STEADY: f64 = 1e9;
+/// Vertices at most so far inside of bodies count as fluid, in cells: those that are passed.
+const PASSED: f64 = 0.11;
+
+/// A motion of bodies past something of the mesh.
+pub(super) struct Sweep<const D: usize> {
+    /// What passes what.
+    pub(super) name: &'static str,
+    /// Bodies that are past it by a distance in cells, which is negative before.
+    bodies: fn(f64) -> Result<Vec<Body<D>>, Failure>,
+}
+
+/// Those in the plane.
+pub(super) const PLANE: [Sweep<2>; 5] = [
+    Sweep { name: "side past a vertex", bodies: side_past_a_vertex },
+    Sweep { name: "side past an edge", bodies: side_past_an_edge },
+    Sweep { name: "notch past a vertex", bodies: |s| notch(s, 0.0) },
+    Sweep { name: "notch past an edge", bodies: |s| notch(s, 0.37) },
+    Sweep { name: "two sides that close a gap", bodies: gap },
+];
+
+/// Those in space: slices along a face, wedges along an edge, corners at a vertex are left of cells.
+pub(super) const SPACE: [Sweep<3>; 3] = [
+    Sweep { name: "cube, side past a vertex", bodies: |s| cube([0.5, 0.4], s) },
+    Sweep { name: "cube, side past an edge", bodies: |s| cube([0.0, 0.4], s) },
+    Sweep { name: "cube, side past a face", bodies: |s| cube([0.0, 0.0], s) },
+];
+
+/// A setup in the dimension of its bodies, without any penalty of the jumps of velocity gradients but the ghost penalty.
+pub(super) trait Dimension<const D: usize> {
+    /// Size of the cells.
+    const SIZE: f64;
+
+    /// The steady flow around bodies.
+    ///
+    /// # Errors
+    /// There is no such mesh.
+    fn setup(bodies: Vec<Body<D>>) -> Result<Setup<D>, Failure>;
+}
+
+/// Two dimensions, and three.
+pub(super) struct In;
+
+impl Dimension<2> for In {
+    const SIZE: f64 = 1.0 / N[0] as f64;
+
+    fn setup(bodies: Vec<Body<2>>) -> Result<Setup<2>, Failure> {
+        let mut setup = known_polynomial().setup(structured_box::<2>([-0.5; 2], [0.5; 2], [N[0]; 2])?, STEADY);
+        setup.fluid.cip = CipProfile::Consistent { gamma_u: 0.0 };
+        setup.bodies = bodies;
+        Ok(setup)
+    }
+}
+
+impl Dimension<3> for In {
+    const SIZE: f64 = 1.0 / N[1] as f64;
+
+    fn setup(bodies: Vec<Body<3>>) -> Result<Setup<3>, Failure> {
+        let planar = <Self as Dimension<2>>::setup(Vec::new())?;
+        let background = structured_box::<3>([-0.5; 3], [0.5; 3], [N[1]; 3])?;
+        let side = |name: &str| background.tag(name).ok_or("a box has six sides");
+        let mut boundary = Vec::new();
+        for name in ["left", "front", "back", "bottom", "top"] {
+            boundary.push((side(name)?, FluidBoundary::Velocity(polynomial())));
+        }
+        let traction = |x: &Point<3>, n: &Vector<3>, _: f64| {
+            let x = plane(x);
+            let gradient = StokesPolynomial.gradient(&x, 0.0);
+            let viscous = (gradient + gradient.transpose()) * P::new(n[0], n[1]);
+            Vector::<3>::new(viscous[0], viscous[1], 0.0) - n * StokesPolynomial.pressure(&x, 0.0)
+        };
+        boundary.push((side("right")?, FluidBoundary::Open { traction: Some(Arc::new(traction)), backflow: false }));
+        Ok(Setup {
+            background,
+            fluid: FluidSetup {
+                material: planar.fluid.material,
+                cip: planar.fluid.cip,
+                gamma_pressure: planar.fluid.gamma_pressure,
+                gamma_ghost: planar.fluid.gamma_ghost,
+                convection: None,
+                body_force: None,
+                initial_velocity: None,
+                boundary,
+            },
+            bodies,
+            contacts: Vec::new(),
+            gamma_sigma: planar.gamma_sigma,
+            dt: planar.dt,
+            most_halvings: 0,
+            newton: planar.newton,
+            overlay: planar.overlay,
+        })
+    }
+}
+
+fn plane<const D: usize>(x: &Point<D>) -> P {
+    P::new(x[0], x[1])
+}
+
+/// The flow in the plane, which is one in space too.
+fn polynomial<const D: usize>() -> TimeField<D> {
+    Arc::new(|x, t| {
+        let u = StokesPolynomial.velocity(&plane(x), t);
+        Vector::from_fn(|a, _| if a < 2 { u[a] } else { 0.0 })
+    })
+}
+
+/// A turn from the first axis to another one.
+fn turned<const D: usize>(x: &Point<D>, to: usize, angle: f64) -> Point<D> {
+    let (mut turned, (sin, cos)) = (*x, angle.sin_cos());
+    turned[0] = cos * x[0] - sin * x[to];
+    turned[to] = sin * x[0] + cos * x[to];
+    turned
+}
+
+/// A polygon with corners in cells, turned and then moved to a place of the mesh, in cells from the middle of the box.
+fn placed(corners: &[[f64; 2]], angle: f64, place: [f64; 2]) -> Body<2> {
+    let h = <In as Dimension<2>>::SIZE;
+    let corners = corners.iter().map(|&[x, y]| (turned(&P::new(x, y), 1, angle) + P::from(place)) * h);
+    polygon(&[corners.collect()], |x, _| *x, polynomial())
+}
+
+/// A rectangle in cells, from one corner to the opposite one.
+fn rectangle(low: [f64; 2], high: [f64; 2]) -> [[f64; 2]; 4] {
+    [low, [high[0], low[1]], high, [low[0], high[1]]]
+}
+
+/// Behind the vertex, cells keep a corner.
+fn side_past_a_vertex(s: f64) -> Result<Vec<Body<2>>, Failure> {
+    Ok(vec![placed(&rectangle([s - 3.3, -1.7], [s, 1.6]), 0.4, [2.0, 1.0])])
+}
+
+/// Behind the line, cells keep slices, or corners between two of these.
+fn side_past_an_edge(s: f64) -> Result<Vec<Body<2>>, Failure> {
+    Ok(vec![placed(&rectangle([s - 3.3, -1.67], [s, 1.63]), 0.0, [2.0, 0.0])])
+}
+
+/// A wedge of fluid in a body whose tip reaches a vertex, or a point of the edge above it: cells keep the tip.
+fn notch(s: f64, above: f64) -> Result<Vec<Body<2>>, Failure> {
+    let block = [[-1.7, -1.9], [1.6, -1.9], [1.6, -0.8], [0.0, 0.0], [1.6, 0.8], [1.6, 1.9], [-1.7, 1.9]];
+    Ok(vec![placed(&block.map(|[x, y]| [x + s, y]), 0.2, [1.0, above])])
+}
+
+/// Between two bodies, cells keep a film that has no unknowns in common with the fluid around but at its ends.
+fn gap(s: f64) -> Result<Vec<Body<2>>, Failure> {
+    let place = [0.36, 0.54];
+    let left = placed(&rectangle([s - 2.1, -1.7], [s, 1.6]), 0.15, place);
+    Ok(vec![left, placed(&rectangle([0.0, -1.5], [2.2, 1.8]), 0.15, place)])
+}
+
+/// A cube one of whose sides passes a vertex, turned about two axes.
+fn cube([about_second, about_third]: [f64; 2], s: f64) -> Result<Vec<Body<3>>, Failure> {
+    let brick = structured_box::<3>([s - 1.6, -0.83, -0.77], [s, 0.77, 0.83], [1, 1, 1])?;
+    let place = Point::<3>::new(0.5, 0.5, 0.5);
+    let at = |x: &Point<3>| {
+        let x = turned(&turned(x, 2, about_second), 1, about_third);
+        (x + place) * <In as Dimension<3>>::SIZE
+    };
+    let velocity = polynomial::<3>();
+    let body = PrescribedBody {
+        boundary: brick.boundary(),
+        reference: brick.vertices().iter().map(at).collect(),
+        position: Arc::new(|x, _| *x),
+        velocity: Arc::new(move |x, [_, t]| velocity(x, t)),
+    };
+    Ok(vec![Body { name: "cube".to_owned(), kind: BodyKind::Prescribed(body) }])
+}
+
+/// What is found at one distance.
+pub(super) struct Found<const D: usize> {
+    /// Condition numbers of the equilibrated matrix, and of the matrix as it is.
+    pub(super) conditions: [f64; 2],
+    /// The flow, if the matrix can be solved with.
+    pub(super) flow: Option<Numbers<D>>,
+}
+
+/// Numbers that should not jump.
+pub(super) struct Numbers<const D: usize> {
+    /// Velocity and pressure of vertices in the fluid.
+    at_vertices: BTreeMap<VertexId, (Vector<D>, f64)>,
+    /// Force on all bodies together.
+    force: Vector<D>,
+    /// Kinetic energy of the fluid.
+    pub(super) energy: f64,
+}
+
+impl<const D: usize> Numbers<D> {
+    /// Largest differences of velocity and pressure over the vertices that both know, difference of the forces.
+    pub(super) fn differences(&self, other: &Self) -> [f64; 3] {
+        let mut largest = [0.0, 0.0, (self.force - other.force).norm()];
+        for (vertex, (velocity, pressure)) in &self.at_vertices {
+            let Some((other_velocity, other_pressure)) = other.at_vertices.get(vertex) else { continue };
+            largest[0] = f64::max(largest[0], (velocity - other_velocity).norm());
+            largest[1] = f64::max(largest[1], (pressure - other_pressure).abs());
+        }
+        largest
+    }
+
+    /// The same of the exact flow, which exerts no force on a body, as none acts on the fluid that would be in its place.
+    pub(super) fn exact(&self, setup: &Setup<D>) -> Self {
+        let of = |vertex: VertexId| {
+            let x = setup.background.vertex(vertex);
+            (polynomial()(&x, 0.0), StokesPolynomial.pressure(&plane(&x), 0.0))
+        };
+        let at_vertices = self.at_vertices.keys().map(|&vertex| (vertex, of(vertex))).collect();
+        Self { at_vertices, force: Vector::zeros(), energy: f64::NAN }
+    }
+}
+
+impl<const D: usize> Sweep<D>
+where
+    In: Dimension<D>,
+{
+    /// The problem at a distance in cells.
+    ///
+    /// # Errors
+    /// There is no such mesh.
+    pub(super) fn setup(&self, distance: f64, has_ghost_penalty: bool) -> Result<Setup<D>, Failure> {
+        let mut setup = In::setup((self.bodies)(distance)?)?;
+        if !has_ghost_penalty {
+            setup.fluid.gamma_ghost = 0.0;
+        }
+        Ok(setup)
+    }
+}
+
+/// Solves, and looks at the matrix.
+///
+/// # Errors
+/// The bodies cannot cut the mesh.
+pub(super) fn find<const D: usize>(setup: &Setup<D>) -> Result<Found<D>, Failure>
+where
+    In: Dimension<D>,
+{
+    let mut work = Workspace::new();
+    let step = advance(setup, &State::initial(setup)?, &mut work);
+    let system = work.system();
+    // Without an inverse there is no condition number, or an infinite one.
+    let conditions = [Scaling::Equilibrated, Scaling::None]
+        .map(|scaling| condition_number(system.matrix(), system.unknowns(), scaling).unwrap_or(f64::INFINITY));
+    let Ok((state, report)) = step else { return Ok(Found { conditions, flow: None }) };
+
+    let bodies = setup.bodies.iter().zip(&state.fluid.positions);
+    let surfaces: Vec<_> = bodies.map(|(body, x)| SurfaceIndex::new(&Placed::new(body.boundary(), x))).collect();
+    let depth = |x: &Point<D>| {
+        let distances = surfaces.iter().filter_map(|surface| surface.closest_signed(x));
+        distances.map(|closest| -closest.distance).fold(f64::NEG_INFINITY, f64::max)
+    };
+    let mut at_vertices = BTreeMap::new();
+    for (dof, &vertex) in state.fluid.space.vertices().iter().enumerate() {
+        if depth(&setup.background.vertex(vertex)) < PASSED * <In as Dimension<D>>::SIZE {
+            at_vertices.insert(vertex, (state.fluid.velocity[dof], state.fluid.pressure[dof]));
+        }
+    }
+    let pieces = state.fluid.cut.interface().iter().zip(&report.tractions);
+    let force = pieces.map(|(piece, traction)| traction.total() * piece.measure).sum();
+    Ok(Found { conditions, flow: Some(Numbers { at_vertices, force, energy: report.fluid_kinetic_energy }) })
+}
