@@ -46,7 +46,8 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
         "Where cells keep corners with unknowns of their own, the condition number of the matrix as it is grows without bound \
          without ghost penalty, and does not with it. Along slices and wedges it does not grow, as the mortar couples their \
          unknowns over the whole length of the interface. Equilibrated it stays where it is in all cases: for linear functions, \
-         scales of rows and columns undo what small parts do.",
+         scales of rows and columns undo what small parts do. Unknowns beyond a corner by itself take values of any size without \
+         ghost penalty, but they do not count in the fluid of this step.",
     );
     record.note(
         "Jumps at the touch are those of the ghost penalty, which loses or gains the faces of a cell as this loses or gains a \

@@ -1,6 +1,6 @@
 //! Bodies that pass vertices, edges and faces of the mesh by a distance of either sign, in the plane and in space.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use cutwater::algebra::{Scaling, Workspace, condition_number};
@@ -195,7 +195,7 @@ pub(super) struct Found<const D: usize> {
 
 /// Numbers that should not jump.
 pub(super) struct Numbers<const D: usize> {
-    /// Velocity and pressure of vertices in the fluid.
+    /// Velocity and pressure of vertices in the fluid, without those that have unknowns of several parts.
     at_vertices: BTreeMap<VertexId, (Vector<D>, f64)>,
     /// Force on all bodies together.
     force: Vector<D>,
@@ -265,10 +265,14 @@ where
         let distances = surfaces.iter().filter_map(|surface| surface.closest_signed(x));
         distances.map(|closest| -closest.distance).fold(f64::NEG_INFINITY, f64::max)
     };
-    let mut at_vertices = BTreeMap::new();
-    for (dof, &vertex) in state.fluid.space.vertices().iter().enumerate() {
-        if depth(&setup.background.vertex(vertex)) < PASSED * <In as Dimension<D>>::SIZE {
-            at_vertices.insert(vertex, (state.fluid.velocity[dof], state.fluid.pressure[dof]));
+    let fluid = &state.fluid;
+    let (mut at_vertices, mut seen) = (BTreeMap::new(), BTreeSet::new());
+    for (dof, &vertex) in fluid.space.vertices().iter().enumerate() {
+        if !seen.insert(vertex) {
+            // Fluid on the other side of a body has unknowns at the same vertex.
+            at_vertices.remove(&vertex);
+        } else if depth(&setup.background.vertex(vertex)) < PASSED * <In as Dimension<D>>::SIZE {
+            at_vertices.insert(vertex, (fluid.velocity[dof], fluid.pressure[dof]));
         }
     }
     let pieces = state.fluid.cut.interface().iter().zip(&report.tractions);
