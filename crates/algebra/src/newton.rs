@@ -217,8 +217,8 @@ fn last(report: &NewtonReport) -> f64 {
 /// Solves a nonlinear problem from the starting guess `x`, into which the constraints are written first.
 ///
 /// The tangent is factorised at the start, and again when the regime changes or when a correction with an old
-/// factorisation is more than `contraction` times the one before; if it is more than half of the one before it is not even
-/// used, but computed anew. Otherwise only the residual is evaluated (modified Newton).
+/// factorisation is more than `contraction` times the one before; if it is more than half of the one before (more than `contraction`
+/// times, if that is above a half) it is not even used, but computed anew. Otherwise only the residual is evaluated (modified Newton).
 ///
 /// **Convergence.** With the row and column scales R, C of the equilibrated tangent and Euclidean norms over the
 /// unconstrained dofs, let `s = max(‖C⁻¹ x‖, ‖C⁻¹ x_start‖)` and `θ = ‖C⁻¹ dx‖ / ‖C⁻¹ dx_previous‖`. The state is accepted
@@ -334,7 +334,7 @@ impl Solve<'_> {
             let last = self.last;
             self.solve(x)?;
             let mut theta = self.contraction();
-            if !renew && theta.is_some_and(|t| t > USELESS.max(self.settings.contraction)) {
+            if !renew && theta.is_some_and(|t| t > self.settings.contraction.clamp(USELESS, 1.0)) {
                 renew = true;
                 self.last = last;
                 self.assemble(x, true)?;

@@ -75,7 +75,7 @@ pub struct ContactFacets<'a, const D: usize> {
     /// Entries of `pair.facets` with something in reach.
     items: Vec<usize>,
     measures: Vec<f64>,
-    /// Parts of the items over which quadrature is exact.
+    /// Parts of the items, without kinks of the master's shape functions inside.
     segments: Vec<Segment<D>>,
     segment_offsets: Vec<usize>,
     master_offsets: Vec<usize>,

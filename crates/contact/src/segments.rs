@@ -41,18 +41,18 @@ impl<const D: usize> Segment<D> {
         })
     }
 
-    /// Appends the parts on both sides of the zeros of an affine function.
-    fn split(self, at_vertices: &[f64; D], parts: &mut Vec<Self>) {
-        let values = self.values(at_vertices);
+    /// Appends the parts on both sides of the zeros of an affine function with the given values at the corners. Every edge that
+    /// is divided takes away a corner on one side, so that at most `D` follow each other, whatever round-off says.
+    fn split(self, values: [f64; D], parts: &mut Vec<Self>) {
         let below = values.iter().position(|v| *v < 0.0);
         let above = values.iter().position(|v| *v > 0.0);
         let (Some(i), Some(j)) = (below, above) else { return parts.push(self) };
         let fraction = values[i] / (values[i] - values[j]);
         let zero = std::array::from_fn(|k| self.corners[i][k] + fraction * (self.corners[j][k] - self.corners[i][k]));
         for (replaced, share) in [(j, fraction), (i, 1.0 - fraction)] {
-            let mut part = Self { share: share * self.share, ..self };
-            part.corners[replaced] = zero;
-            part.split(at_vertices, parts);
+            let (mut part, mut values) = (Self { share: share * self.share, ..self }, values);
+            (part.corners[replaced], values[replaced]) = (zero, 0.0);
+            part.split(values, parts);
         }
     }
 }
@@ -82,8 +82,8 @@ fn projected<const D: usize>(points: &[Point<D>; D], facet: &[Point<D>; D]) -> O
     Some(coordinates)
 }
 
-/// Divides a facet of the slave along the edges of facets of the master that face it. Points: the vertices of the facets,
-/// positions at the start of the step; that kinks move on from there during the step is an error of quadrature.
+/// Divides a facet of the slave along the edges of facets of the master that face it. Points: the vertices of the facets, at
+/// positions that are known before the step; that kinks move on from there during the step is an error of quadrature.
 pub(crate) fn divide<const D: usize>(
     slave: &[Point<D>; D],
     master: impl Iterator<Item = [Point<D>; D]>,
@@ -102,7 +102,11 @@ pub(crate) fn divide<const D: usize>(
         for coordinate in &coordinates {
             parts.clear();
             for &segment in &segments {
-                if is_over(&segment) { segment.split(coordinate, &mut parts) } else { parts.push(segment) }
+                if is_over(&segment) {
+                    segment.split(segment.values(coordinate), &mut parts)
+                } else {
+                    parts.push(segment)
+                }
             }
             std::mem::swap(&mut segments, &mut parts);
         }
@@ -151,6 +155,19 @@ mod tests {
         assert_eq!(check(&[point(0.25, 0.1), point(0.4, 0.1)], &master, 1.0), 1, "over a facet exactly");
         let away = [point(0.6, 0.2), point(0.1, 0.1)];
         assert_eq!(divide(&away, master.iter().copied()), [Segment::whole()], "it looks the other way");
+    }
+
+    #[test]
+    fn needles_are_divided_as_well_as_they_can_be() {
+        let point = Point::<3>::new;
+        let slave = [point(0.0, 0.0, 0.1), point(0.0, 1.0, 0.1), point(1.0, 0.0, 0.1)];
+        for k in 0..400 {
+            let (height, shift) = (10.0_f64.powi(-4 - k % 9), 0.9 * (f64::from(k) * 0.618).fract());
+            let needle = [point(-0.1, shift, 0.0), point(1.3, shift - 0.1, 0.0), point(0.3, shift + height, 0.0)];
+            let segments = divide(&slave, [needle].into_iter());
+            let share: f64 = segments.iter().map(|s| s.share).sum();
+            assert!((share - 1.0).abs() < 1e-12 && segments.iter().all(|s| s.share >= 0.0), "{k}: {segments:?}");
+        }
     }
 
     #[test]

@@ -128,7 +128,7 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
         for courant in [2.0, 1.0, 0.5] {
             loss.push(1.0 - history(GRAVITY, n, courant, scheme, PERIOD)?.kept());
             let quantity = format!("{name}, step {courant} h/c: energy lost in a period");
-            record.show(quantity, loss[loss.len() - 1], Some(0.0));
+            record.at_least(quantity, loss[loss.len() - 1], 0.0);
         }
         record.at_most(format!("{name}: energy lost in a period, finest over coarsest step"), loss[2] / loss[0], 1.0);
     }

@@ -13,6 +13,7 @@ use cutwater::xfem_space::PartValues;
 use super::Failure;
 use super::exact::{Linear, background, nonagon};
 use super::flow::{P, Random, T, V, polygon};
+use super::record::worse;
 
 const STEPS: usize = 6;
 const DT: f64 = 0.02;
@@ -151,7 +152,7 @@ fn displaced(corners: Vec<P>, motion: Motion, is_open: bool) -> Result<[f64; 4],
         let of_area = before.map_or(0.0, |(area, growth)| (covered - area) / DT - 0.5 * (growth + flow.growth));
         let now = [flow.residual, flow.outflow - flow.growth, of_area, report.flow.leak_net];
         for (error, value) in errors.iter_mut().zip(now) {
-            *error = if value.is_nan() { value } else { error.max(value.abs() / flow.swept) };
+            *error = worse(*error, value.abs() / flow.swept);
         }
         before = Some((covered, flow.growth));
     }

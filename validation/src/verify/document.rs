@@ -46,7 +46,7 @@ fn picture(check: &str, k: usize) -> String {
 fn page(records: &[&Record]) -> String {
     let mut text = "# Verification\n\n\
         Every number here is measured by `cargo xtask verify NAME`; `--document` stores what it measured and writes this \
-        page. The long versions are `--full`. Times are those of one process on a shared machine with two cores.\n\n\
+        page. The long versions are `--full`. Times are wall-clock times where it was run.\n\n\
         | check | what | version | took | verdict |\n|---|---|---|---|---|\n"
         .to_owned();
     for record in records {

@@ -116,7 +116,7 @@ fn shrink(record: &mut Record) -> Result<(), Failure> {
          less than 0.1 cells with 1e5. The reason: across one layer of cells the velocity is linear, zero on the \
          wall and held to the body's on the other side, so nothing can flow along the film; a parabola needs more \
          layers. The share of the displaced fluid that leaves past the end of the film, at sqrt(2 gap/R), falls from \
-         1 to almost 0. The rest hardly goes through the surface but is lost in the cells (the integral of -div u), \
+         about 1 to almost 0. The rest hardly goes through the surface but is lost in the cells (the integral of -div u), \
          as the stabilisation of the pressure allows. So the force of such films is a matter of its weight γ_p: a \
          tenth of it makes six times the force, ten times of it a quarter.",
     );

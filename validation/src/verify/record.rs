@@ -174,6 +174,11 @@ impl Record {
     }
 }
 
+/// The larger one of two numbers. One that is not a number counts as the largest, so that it does not get lost on the way to a bound.
+pub(crate) fn worse(a: f64, b: f64) -> f64 {
+    if b > a || b.is_nan() { b } else { a }
+}
+
 /// Four significant digits.
 pub(crate) fn short(x: f64) -> String {
     if x != 0.0 && !(1e-3..1e5).contains(&x.abs()) {
@@ -210,6 +215,12 @@ mod tests {
             fail(&mut other);
             assert!(!other.holds(), "{other:?}");
         }
+    }
+
+    #[test]
+    fn what_is_not_a_number_is_the_worst() {
+        assert_eq!([0.5, 2.0, 1.0].into_iter().fold(0.0, worse), 2.0);
+        assert!([1.0, f64::NAN, 2.0].into_iter().fold(0.0, worse).is_nan());
     }
 
     #[test]

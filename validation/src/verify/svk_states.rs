@@ -17,7 +17,7 @@ use cutwater::solver::{BodySupport, ElasticBody, SupportKind};
 
 use super::Failure;
 use super::dry::{Run, elastic, hold, mapped};
-use super::record::{Record, short};
+use super::record::{Record, short, worse};
 
 /// Lame parameters of the falling balls, dyn/cm^2.
 const MU: f64 = 2e6;
@@ -176,8 +176,7 @@ fn deviation<const D: usize>(
         .mesh()
         .cells()
         .map(|cell| (CellStress::new(&body.solid, &body.form, cell, found).cauchy - cauchy).norm() / unit);
-    // A number that is none must not get lost.
-    Ok(moved.chain(stressed).fold(0.0, |most, d| if d <= most { most } else { d }))
+    Ok(moved.chain(stressed).fold(0.0, worse))
 }
 
 fn uniform<const D: usize>(record: &mut Record, state: &Uniform<D>) -> Result<(), Failure> {

@@ -13,6 +13,7 @@ use cutwater::solver::{Body, BodyKind, FluidBoundary, FluidSetup, PrescribedBody
 use super::Failure;
 use super::flow::{Flow, P, polygon};
 use super::orders::{StokesPolynomial, known_polynomial};
+use super::record::worse;
 
 /// Squares per side of the plane box, bricks per side of the one in space; both have sides of length one.
 const N: [usize; 2] = [12, 5];
@@ -209,8 +210,8 @@ impl<const D: usize> Numbers<D> {
         let mut largest = [0.0, 0.0, (self.force - other.force).norm()];
         for (vertex, (velocity, pressure)) in &self.at_vertices {
             let Some((other_velocity, other_pressure)) = other.at_vertices.get(vertex) else { continue };
-            largest[0] = f64::max(largest[0], (velocity - other_velocity).norm());
-            largest[1] = f64::max(largest[1], (pressure - other_pressure).abs());
+            largest[0] = worse(largest[0], (velocity - other_velocity).norm());
+            largest[1] = worse(largest[1], (pressure - other_pressure).abs());
         }
         largest
     }
