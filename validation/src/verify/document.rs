@@ -45,8 +45,9 @@ fn picture(check: &str, k: usize) -> String {
 
 fn page(records: &[&Record]) -> String {
     let mut text = "# Verification\n\n\
-        Every number here is measured by `cargo xtask verify NAME`; `--document` stores what it measured and writes this \
-        page. The long versions are `--full`. Times are wall-clock times where it was run.\n\n\
+        Every number in a table here is measured by `cargo xtask verify NAME`; `--document` stores what it measured and writes this \
+        page. The long versions are `--full`. In rows with `at most` and `at least` the reference is the bound; a verdict `-` \
+        is that of a number which is shown and not bounded. Times are wall-clock times where it was run.\n\n\
         | check | what | version | took | verdict |\n|---|---|---|---|---|\n"
         .to_owned();
     for record in records {
@@ -63,7 +64,8 @@ fn page(records: &[&Record]) -> String {
         for row in &record.rows {
             let verdict = if row.holds() { row.verdict.clone() } else { "**missed**".to_owned() };
             let [computed, reference] = numbers(row);
-            let _ = writeln!(text, "| {} | {computed} | {reference} | {} | {verdict} |", row.quantity, row.tolerance);
+            let quantity = row.quantity.replace('|', "\\|");
+            let _ = writeln!(text, "| {quantity} | {computed} | {reference} | {} | {verdict} |", row.tolerance);
         }
         for note in &record.notes {
             let _ = write!(text, "\n{note}\n");
