@@ -225,8 +225,7 @@ fn swinging(record: &mut Record) -> Result<(), Failure> {
     }
     record.note(format!(
         "CSM3 with generalised-α, rho_inf = 0.8, dt = {dt}, in the second swing. The swings are not quite periodic: how far the tip \
-         comes back, {} mm above its start in the reference, changes slowly from swing to swing, the less the shorter the time \
-         step. Mean and amplitude take half of that each: with dt = 5e-3 the tip comes back to its start within 0.2 mm in the second swing, on all \
+         comes back, {} mm above its start in the reference, changes slowly from swing to swing. Mean and amplitude take half of that each: with dt = 5e-3 the tip comes back to its start within 0.2 mm in the second swing, on all \
          meshes, and the mean is that much lower than that of the reference.",
         short(1e3 * (CSM3[0] + CSM3[1])),
     ));
