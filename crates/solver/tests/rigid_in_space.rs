@@ -7,12 +7,11 @@ use std::sync::Arc;
 use fixture::*;
 use solver::algebra::{NewtonSettings, Workspace};
 use solver::contact::{ContactForm, Penalty, RigidPlane};
-use solver::cutcell::OverlayOptions;
 use solver::dry::DrySetup;
 use solver::mesh::generate::structured_box;
 use solver::mesh::{BodyId, Point, SimplexMesh, Tensor, Vector};
 use solver::solid_rigid::modes::rotated_by;
-use solver::{Contact, ContactObstacle, FluidBoundary, FluidSetup, Setup, State};
+use solver::{Contact, ContactObstacle, FluidBoundary, State};
 
 #[test]
 fn a_brick_that_lands_on_a_corner_is_turned_by_the_impulse() {
@@ -70,30 +69,11 @@ fn a_neutral_body_turns_with_the_fluid() {
     mass.second_moment = Tensor::<3>::identity() * (mass.second_moment.trace() / 3.0);
     let background = structured_box::<3>([0.0; 3], [2.0; 3], [5, 5, 5]).expect("a box");
     let u: solver::TimeField<3> = Arc::new(move |x, _| omega.cross(&(x - centre)));
-    let planar = fluid(1.3, 0.7);
-    let mut setup = Setup::<3> {
-        fluid: FluidSetup {
-            material: planar.material,
-            cip: planar.cip,
-            gamma_pressure: planar.gamma_pressure,
-            gamma_ghost: planar.gamma_ghost,
-            convection: None,
-            body_force: None,
-            initial_velocity: Some(Arc::new(move |x| omega.cross(&(x - centre)))),
-            boundary: Vec::new(),
-        },
-        background,
-        bodies: vec![body],
-        contacts: Vec::new(),
-        gamma_sigma: 1e5,
-        dt,
-        most_halvings: 0,
-        newton: NewtonSettings::new(1e-11),
-        overlay: OverlayOptions::new(),
-    };
-    let sides =
-        ["left", "right", "front", "back", "bottom", "top"].map(|name| setup.background.tag(name).expect("a side"));
-    setup.fluid.boundary = sides.into_iter().map(|tag| (tag, FluidBoundary::Velocity(u.clone()))).collect();
+    let mut setup = setup(background, fluid(1.3, 0.7), dt);
+    setup.fluid.convection = None;
+    setup.fluid.initial_velocity = Some(Arc::new(move |x| omega.cross(&(x - centre))));
+    setup.bodies.push(body);
+    on_sides(&mut setup, &["left", "right", "front", "back", "bottom", "top"], || FluidBoundary::Velocity(u.clone()));
     let mut state = State::initial(&setup).expect("a cut");
     for _ in 0..2 {
         state = solver::advance(&setup, &state, &mut Workspace::new()).expect("a step").0;
