@@ -1,4 +1,4 @@
-//! `cargo xtask bench`: starts criterion, writes what it found, or lays it beside peers.
+//! `cargo xtask bench`: runs the benchmarks, writes their results, or compares them with other packages.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use crate::process::{Outcome, cargo, succeeds, target};
 use crate::python::python_with;
 
-/// The benches of criterion.
+/// Benchmark targets.
 const GROUPS: [&str; 4] = ["cut", "assembly", "linear", "time_step"];
 
 /// Flags of the task.
@@ -24,8 +24,8 @@ pub(crate) struct Arguments {
     /// Run briefly, and write id, median seconds and throughput of each benchmark to this file.
     #[arg(long, value_name = "FILE.json")]
     summary: Option<PathBuf>,
-    /// Measure the cases of other packages, too, with the scripts in the folder that `CUTWATER_PEERS` names, and print the
-    /// ratios; one thread.
+    /// Compare with other packages, on one thread: runs their scripts in the folder given by `CUTWATER_PEERS`, and prints
+    /// ratios of times.
     #[arg(long, conflicts_with_all = ["group", "filter", "summary"])]
     peers: bool,
 }
@@ -55,32 +55,32 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     Ok(true)
 }
 
-/// One group of benchmarks.
+/// Returns the command that runs one group of benchmarks.
 fn criterion(group: &str, filter: Option<&str>) -> Command {
     let mut command = cargo(&["bench", "--package", "benchmarks", "--bench", group, "--"]);
     command.args(filter);
     command
 }
 
-/// What criterion measured.
+/// Result of one benchmark.
 struct Measured {
-    /// Median.
+    /// Median time.
     seconds: f64,
-    /// Cells or pieces that one iteration works on.
+    /// Cells or pieces per iteration.
     elements: Option<f64>,
 }
 
-/// How long benchmarks run.
+/// Duration of benchmarks.
 #[derive(Clone, Copy)]
 enum Effort {
-    /// Until the result settles.
+    /// Until the estimate has converged.
     Brief,
-    /// As they are, in one thread.
+    /// The full duration, on one thread.
     OneThread,
 }
 
-/// Runs groups (name, filter, effort) and reads what criterion wrote into a folder of its own, by id; `None` if one
-/// of them fails.
+/// Runs groups (name, filter, effort) and returns the results by id, or `None` if a group fails. `home` is the folder for
+/// the files of criterion.
 fn measure<'a>(
     home: &Path,
     groups: impl Iterator<Item = (&'a str, Option<&'a str>, Effort)>,
@@ -129,84 +129,39 @@ fn collect(folder: &Path, measured: &mut BTreeMap<String, Measured>) -> io::Resu
     Ok(())
 }
 
-/// A case of ours that a peer's script measures, too.
-struct Peer {
-    /// Group and id of ours.
-    group: &'static str,
-    id: &'static str,
-    script: &'static str,
-    arguments: &'static [&'static str],
-    /// What the row of the script's result has, and the field with the seconds.
-    row: &'static [(&'static str, &'static str)],
-    seconds: &'static str,
-}
+/// A benchmark with the script of another package that measures the same case: group, id, script, its arguments, the row
+/// of its result, and the field with the seconds.
+type Peer = (Text, Text, Text, &'static [Text], &'static [(Text, Text)], Text);
+type Text = &'static str;
 
+const CUT: &str = "A_cutgeom_ngsxfem.py";
+const STOKES: &str = "B_stokes_ngsxfem.py";
+const ASSEMBLY: &str = "C_assembly_ngsolve.py";
+#[rustfmt::skip]
 const PEERS: [Peer; 6] = [
-    Peer {
-        group: "cut",
-        id: "cut/disk/2d/256/256",
-        script: "A_cutgeom_ngsxfem.py",
-        arguments: &["--case", "2d", "--sizes", "256"],
-        row: &[("N", "256")],
-        seconds: "total_s",
-    },
-    Peer {
-        group: "cut",
-        id: "cut/sphere/3d/32",
-        script: "A_cutgeom_ngsxfem.py",
-        arguments: &["--case", "3d", "--sizes", "32"],
-        row: &[("N", "32")],
-        seconds: "total_s",
-    },
-    Peer {
-        group: "assembly",
-        id: "assembly/elasticity/2d/n448",
-        script: "C_assembly_ngsolve.py",
-        arguments: &["--case", "ela"],
-        row: &[("case", "ela"), ("dim", "2"), ("N", "448")],
-        seconds: "t_assemble",
-    },
-    Peer {
-        group: "assembly",
-        id: "assembly/elasticity/3d/n32",
-        script: "C_assembly_ngsolve.py",
-        arguments: &["--case", "ela"],
-        row: &[("case", "ela"), ("dim", "3"), ("N", "32")],
-        seconds: "t_assemble",
-    },
-    Peer {
-        group: "assembly",
-        id: "assembly/cut-stokes/2d/n256",
-        script: "B_stokes_ngsxfem.py",
-        arguments: &["--sizes", "256"],
-        row: &[("N", "256")],
-        seconds: "t_assembly",
-    },
-    Peer {
-        group: "assembly",
-        id: "assembly/navier-stokes/2d/n224",
-        script: "C_assembly_ngsolve.py",
-        arguments: &["--case", "ns", "--sizes", "2x224"],
-        row: &[("case", "ns"), ("N", "224")],
-        seconds: "t_assemble",
-    },
+    ("cut", "cut/disk/2d/256/256", CUT, &["--case", "2d", "--sizes", "256"], &[("N", "256")], "total_s"),
+    ("cut", "cut/sphere/3d/32", CUT, &["--case", "3d", "--sizes", "32"], &[("N", "32")], "total_s"),
+    ("assembly", "assembly/elasticity/2d/n448", ASSEMBLY, &["--case", "ela"], &[("case", "ela"), ("dim", "2"), ("N", "448")], "t_assemble"),
+    ("assembly", "assembly/elasticity/3d/n32", ASSEMBLY, &["--case", "ela"], &[("case", "ela"), ("dim", "3"), ("N", "32")], "t_assemble"),
+    ("assembly", "assembly/cut-stokes/2d/n256", STOKES, &["--sizes", "256"], &[("N", "256")], "t_assembly"),
+    ("assembly", "assembly/navier-stokes/2d/n224", ASSEMBLY, &["--case", "ns", "--sizes", "2x224"], &[("case", "ns"), ("N", "224")], "t_assemble"),
 ];
 
-/// Measures what peers measure, prints both and the ratios.
+/// Measures the cases of [`PEERS`] with both packages and prints the ratios.
 fn compare_with_peers() -> Outcome {
     let Some(scripts) = std::env::var_os("CUTWATER_PEERS").map(PathBuf::from).filter(|folder| folder.is_dir()) else {
-        println!("skipped: CUTWATER_PEERS names no folder of scripts");
+        println!("skipped: CUTWATER_PEERS is not set to a folder of scripts");
         return Ok(true);
     };
     let packages = ["ngsolve", "xfem", "scipy", "numpy"];
     let Some(python) = python_with("python-peers", &packages, "import xfem, scipy")? else {
-        println!("failed: Python with ngsolve and xfem is needed (python3 -m venv, pip install) and not to be had");
+        println!("failed: cannot create a Python environment with ngsolve and xfem (python3 -m venv, pip install)");
         return Ok(false);
     };
     let place = target().join("bench-peers");
     let filters = ["cut", "assembly"].map(|group| {
         let ids: Vec<String> =
-            PEERS.iter().filter(|peer| peer.group == group).map(|peer| format!("^{}$", peer.id)).collect();
+            PEERS.iter().filter(|peer| peer.0 == group).map(|peer| format!("^{}$", peer.1)).collect();
         (group, ids.join("|"))
     });
     let groups = filters.iter().map(|(group, ids)| (*group, Some(ids.as_str()), Effort::OneThread));
@@ -215,42 +170,39 @@ fn compare_with_peers() -> Outcome {
     println!("\n{:34} {:>10} {:>10} {:>8}", "case", "ours, ms", "peer, ms", "ratio");
     let mut results: BTreeMap<String, Value> = BTreeMap::new();
     let mut good = true;
-    for peer in &PEERS {
-        let key = format!("{} {}", peer.script, peer.arguments.join(" "));
+    for (_, id, script, arguments, row, seconds) in PEERS {
+        let key = format!("{script} {}", arguments.join(" "));
         if !results.contains_key(&key) {
             let out = place.join(format!("peer-{}.json", results.len()));
-            let mut script = Command::new(&python);
-            script.arg(scripts.join(peer.script)).args(peer.arguments).args(["--threads", "1", "--out"]).arg(&out);
-            // The scripts leave matrices where they are started.
-            script.current_dir(&place).stdout(Stdio::null()).stderr(Stdio::null());
+            let mut process = Command::new(&python);
+            process.arg(scripts.join(script)).args(arguments).args(["--threads", "1", "--out"]).arg(&out);
+            // The scripts write matrices to the current folder.
+            process.current_dir(&place).stdout(Stdio::null()).stderr(Stdio::null());
             let value =
-                if succeeds(&mut script)? { serde_json::from_str(&fs::read_to_string(&out)?)? } else { Value::Null };
+                if succeeds(&mut process)? { serde_json::from_str(&fs::read_to_string(&out)?)? } else { Value::Null };
             results.insert(key.clone(), value);
         }
-        let theirs = find_row(&results[&key], peer).and_then(|row| row[peer.seconds].as_f64());
-        match (measured.get(peer.id), theirs) {
+        let theirs = find_row(&results[&key], row).and_then(|row| row[seconds].as_f64());
+        match (measured.get(id), theirs) {
             (Some(ours), Some(theirs)) => {
-                println!(
-                    "{:34} {:10.2} {:10.2} {:8.3}",
-                    peer.id,
-                    1e3 * ours.seconds,
-                    1e3 * theirs,
-                    ours.seconds / theirs
-                );
+                let ratio = ours.seconds / theirs;
+                println!("{id:34} {:10.2} {:10.2} {ratio:8.3}", 1e3 * ours.seconds, 1e3 * theirs);
             }
             (ours, theirs) => {
                 good = false;
                 let missing = |is_there: bool| if is_there { "measured" } else { "missing" };
-                println!("{:34} ours {}, peer {}", peer.id, missing(ours.is_some()), missing(theirs.is_some()));
+                println!("{id:34} ours {}, peer {}", missing(ours.is_some()), missing(theirs.is_some()));
             }
         }
     }
-    println!("ratio: our time over the peer's; one thread each, ours wall-clock time, theirs process time");
+    println!(
+        "ratio: time of this package divided by time of the peer, on one thread each; ours is wall-clock time, theirs is process time"
+    );
     Ok(good)
 }
 
-/// The row of a script's result for a case.
-fn find_row<'a>(result: &'a Value, peer: &Peer) -> Option<&'a Value> {
+/// Returns the row of a script's result for a case.
+fn find_row<'a>(result: &'a Value, row: &[(&str, &str)]) -> Option<&'a Value> {
     let text = |value: &Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
-    result["rows"].as_array()?.iter().find(|row| peer.row.iter().all(|(key, value)| text(&row[key]) == *value))
+    result["rows"].as_array()?.iter().find(|found| row.iter().all(|(key, value)| text(&found[key]) == *value))
 }

@@ -26,7 +26,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let has_mdbook = Command::new("mdbook").arg("--version").stdout(Stdio::null()).status().is_ok();
     if !has_mdbook {
         println!(
-            "mdbook is not installed, so the book is not built: `cargo install mdbook`, or read docs/src as it is"
+            "mdbook is not installed, so the book is not built: run `cargo install mdbook`, or read the files in docs/src"
         );
         return Ok(true);
     }

@@ -1,10 +1,11 @@
-//! Flags and processes: what people and CI start. Links none of the libraries, so that it builds in seconds.
-#![allow(clippy::print_stdout, clippy::print_stderr)] // talks on the terminal
+//! Development tasks: `cargo xtask NAME`. Links none of the libraries, so that it builds in seconds.
+#![allow(clippy::print_stdout, clippy::print_stderr)] // a command-line program
 
 mod bench;
 mod docs;
 mod process;
 mod python;
+mod same;
 mod tidy;
 mod validate;
 mod verify;
@@ -14,7 +15,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 
 #[derive(Parser)]
-#[command(name = "cargo xtask", about = "Chores of the workspace", disable_help_subcommand = true)]
+#[command(name = "cargo xtask", about = "Development tasks of the workspace", disable_help_subcommand = true)]
 struct Arguments {
     #[command(subcommand)]
     task: Task,
@@ -22,13 +23,15 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Task {
-    /// Run the cases of the paper and compare with its numbers.
+    /// Run the cases of the paper and compare the results with its numbers.
     Validate(validate::Arguments),
-    /// Compare with exact solutions, read the output back, run the long property suites.
+    /// Compare with exact solutions, read output files back, run the long property suites.
     Verify(verify::Arguments),
-    /// Measure: criterion groups cut, assembly, linear, time_step.
+    /// Run the benchmarks: cut, assembly, linear, time_step.
     Bench(bench::Arguments),
-    /// Check that the code still has the shape that the documents promise.
+    /// Compare two folders of results column by column.
+    Same(same::Arguments),
+    /// Check structure and wording of the code.
     Tidy(tidy::Arguments),
     /// Build the API documentation, the generated pages and the book.
     Docs(docs::Arguments),
@@ -39,6 +42,7 @@ fn main() -> ExitCode {
         Task::Validate(arguments) => validate::run(&arguments),
         Task::Verify(arguments) => verify::run(&arguments),
         Task::Bench(arguments) => bench::run(&arguments),
+        Task::Same(arguments) => same::run(&arguments),
         Task::Tidy(arguments) => tidy::run(&arguments),
         Task::Docs(arguments) => docs::run(&arguments),
     };

@@ -1,32 +1,32 @@
-//! Processes: where the workspace is, and how to start something in it.
+//! Processes, and the folders in which they run.
 
 use std::io;
 use std::path::PathBuf;
 use std::process::Command;
 
-/// Outcome of a task: whether all is well, or why it could not be done.
+/// Outcome of a task: whether it succeeded, or the error that prevented it.
 pub(crate) type Outcome = io::Result<bool>;
 
-/// The folder of the workspace.
+/// Returns the folder of the workspace.
 pub(crate) fn root() -> PathBuf {
-    // Cargo says where the package is; without it, the place where it was built.
+    // Cargo sets the variable at run time; the fallback is the folder at compile time.
     let xtask = std::env::var_os("CARGO_MANIFEST_DIR").map_or(env!("CARGO_MANIFEST_DIR").into(), PathBuf::from);
     xtask.parent().map_or(xtask.clone(), PathBuf::from)
 }
 
-/// Where builds and results go.
+/// Returns the folder of builds and results.
 pub(crate) fn target() -> PathBuf {
     std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), PathBuf::from)
 }
 
-/// The cargo that started us, in the workspace.
+/// Returns a command that runs cargo in the workspace, with the executable that started this process.
 pub(crate) fn cargo(arguments: &[&str]) -> Command {
     let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     command.current_dir(root()).args(arguments);
     command
 }
 
-/// Runs a process to its end and says whether it succeeded.
+/// Runs a process to its end and returns whether it succeeded.
 ///
 /// # Errors
 /// The process cannot be started.

@@ -1,12 +1,12 @@
-//! Python environments of our own.
+//! Python environments below the target folder.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use crate::process::{succeeds, target};
 
-/// The interpreter of an environment below the target folder with the given packages, made if it is not there; `None` if
-/// that cannot be had. `probe` is a statement that works where the packages are.
+/// Returns the interpreter of the environment `name` with the given packages, which is created if necessary; `None` if that
+/// fails. `probe` is a Python statement that succeeds if the packages are installed.
 pub(crate) fn python_with(name: &str, packages: &[&str], probe: &str) -> std::io::Result<Option<PathBuf>> {
     let environment = target().join(name);
     let python = environment.join("bin/python");

@@ -10,17 +10,17 @@ pub(crate) struct Arguments {
     /// Cases to run, by the names of their files in validation/reference; all if none is given.
     #[arg(value_name = "CASE")]
     cases: Vec<String>,
-    /// Coarse meshes, compared with our own stored values: regression, not validation.
+    /// Use coarse meshes and compare with stored values: a regression test, no validation.
     #[arg(long)]
     quick: bool,
-    /// Run studies in the place of cases, by the names of their files in validation/studies, or "all"; outcomes are kept
-    /// in validation/results.
+    /// Run studies instead of cases, by the names of their files in validation/studies, or "all"; their results are
+    /// written as docs/src/studies/NAME.md.
     #[arg(long, value_name = "NAME")]
     study: Vec<String>,
-    /// Do the runs of a study again that an earlier call has done.
+    /// Repeat runs of a study that are stored.
     #[arg(long, requires = "study")]
     again: bool,
-    /// Where results go: DIR/CASE/summary.json and the files of a run.
+    /// Folder of the results: DIR/CASE/summary.json and the files of the run.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }

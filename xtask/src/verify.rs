@@ -1,4 +1,4 @@
-//! `cargo xtask verify`: exact solutions, output read back, long property suites.
+//! `cargo xtask verify`: exact solutions, output files read back, long property suites.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -15,20 +15,20 @@ const SURFACES: [[&str; 2]; 2] = [["10", "2"], ["40", "20"]];
 /// Flags of the task.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// What to verify: `cutcell` (long property suite), `vtk` (files read by VTK), or an entry of the `validation`
+    /// Checks to run: `cutcell` (long property suite), `vtk` (files read by VTK), or an entry of the `validation`
     /// binary; everything if none is given.
     #[arg(value_name = "NAME")]
     names: Vec<String>,
-    /// The short version; this is the default.
+    /// Run the short version (default).
     #[arg(long, conflicts_with = "full")]
     quick: bool,
-    /// The long version.
+    /// Run the long version.
     #[arg(long)]
     full: bool,
-    /// Store what is measured, and write the page docs/src/verification.md from all that is stored.
+    /// Write the measured values into the book: docs/src/verification/NAME.md, with charts.
     #[arg(long)]
     document: bool,
-    /// Where results go.
+    /// Folder of the results.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -59,8 +59,8 @@ fn validation(mode: &str) -> Command {
     cargo(&["run", "--release", "--quiet", "--package", "validation", "--", mode])
 }
 
-/// The property suite of `cutcell` with many more random placements than `cargo test` takes, and scanned surfaces at more
-/// places. The full suite takes another seed every time; `CUTCELL_SEED` repeats one.
+/// Runs the property suite of `cutcell` with more random placements than `cargo test`, and scanned surfaces at more
+/// places. The full suite uses a different seed in every run; set `CUTCELL_SEED` to repeat a run.
 fn verify_cutcell(full: bool) -> Outcome {
     let cases = CUTCELL_CASES[usize::from(full)];
     let fresh = || SystemTime::now().duration_since(UNIX_EPOCH).map_or(7, |time| time.as_secs() % 1_000_000);
@@ -75,11 +75,11 @@ fn verify_cutcell(full: bool) -> Outcome {
     Ok(good & succeeds(surfaces.env("SURFACE_GRID", grid).env("SURFACE_PLACEMENTS", placements))?)
 }
 
-/// Runs a short case and reads its files with VTK's own Python reader, in a virtual environment of its own.
+/// Runs a short case and reads its files with VTK's own Python reader, in a virtual environment.
 fn verify_vtk(out: &Path) -> Outcome {
     println!("# vtk: files of a short run, read by VTK");
     let Some(python) = python_with("python-vtk", &["vtk"], "import vtkmodules.vtkIOXML")? else {
-        println!("failed: Python with the package vtk is needed (python3 -m venv, pip install vtk) and not to be had");
+        println!("failed: cannot create a Python environment with the package vtk (python3 -m venv, pip install vtk)");
         return Ok(false);
     };
     let run = out.join("vtk");

@@ -1,18 +1,18 @@
-//! Every term names its source; the page from equations to files is made from these lines.
+//! Sources of formulas: every term has one, and the page from equations to files is made from them.
 
 use super::source::Source;
-use super::{Finding, Workspace};
+use super::tree::{Finding, Tree};
 
 /// The generated page.
 pub(super) const PAGE: &str = "docs/src/reference/equations.md";
 
-/// Folders of formulas besides `terms/`.
+/// Folders of formulas in addition to `terms/`.
 const LAWS: [&str; 2] = ["crates/contact/src/law/", "crates/solid-svk/src/material/"];
 
-/// Files of laws that are no formulas: traits and checks.
+/// Files in these folders without formulas: traits and checks.
 const NOT_A_LAW: [&str; 2] = ["/mod.rs", "/check.rs"];
 
-/// What has to have a file: how a `Source:` line names it, and what it is.
+/// Equations that must have a file: the name in the `Source:` line, and a description.
 const REQUIRED: [(&str, &str); 7] = [
     ("Eq. (4)", "the semi-discrete problem"),
     ("Eq. (6)", "the contact law"),
@@ -23,7 +23,7 @@ const REQUIRED: [(&str, &str); 7] = [
     ("two-body", "contact of two bodies"),
 ];
 
-/// A formula: what it is, where it comes from, where it stands.
+/// A formula with its source and its file.
 struct Formula {
     title: String,
     formula: String,
@@ -31,16 +31,16 @@ struct Formula {
     path: String,
 }
 
-/// Looks for terms without source, equations without file, and a page that is out of date.
-pub(super) fn check(workspace: &Workspace) -> Vec<Finding> {
+/// Finds terms without source, equations without file, and a page that is out of date.
+pub(super) fn check(tree: &Tree) -> Vec<Finding> {
     let mut findings = Vec::new();
-    for source in formula_files(workspace) {
+    for source in formula_files(tree) {
         if source.path.contains("/terms/") && !source.text.contains("/// Source: ") {
             let advice = "a term without `/// Source: ...`: name the equation, or author, year and DOI";
             findings.push(Finding::new(&source.path, 1, advice));
         }
     }
-    let formulas = formulas(workspace);
+    let formulas = formulas(tree);
     for (equation, what) in REQUIRED {
         if !formulas.iter().any(|formula| formula.source.contains(equation)) {
             findings.push(Finding::new(PAGE, 1, format!("no file has a `Source:` with {equation}, {what}")));
@@ -49,40 +49,40 @@ pub(super) fn check(workspace: &Workspace) -> Vec<Finding> {
     if !formulas.iter().any(|formula| formula.formula.contains("g_h(")) {
         findings.push(Finding::new(PAGE, 1, "no file has the formula of `g_h(u, v)`, the ghost penalty"));
     }
-    if workspace.page(PAGE).is_none_or(|source| source.text != page(workspace)) {
+    if tree.page(PAGE).is_none_or(|source| source.text != page(tree)) {
         findings.push(Finding::new(PAGE, 1, "out of date: run `cargo xtask tidy --fix`"));
     }
     findings
 }
 
-/// The page.
-pub(super) fn page(workspace: &Workspace) -> String {
+/// Returns the text of the page.
+pub(super) fn page(tree: &Tree) -> String {
     let mut page = String::from(
         "# From equations to files\n\n\
          Made by `cargo xtask tidy --fix` from the `Source:` lines of the code; do not edit.\n\n\
          *The paper* is Formaggia, Gatti, Zonca, MOX-Report 44/2019.\n\n\
          | formula | what | source | file |\n|---|---|---|---|\n",
     );
-    for Formula { title, formula, source, path } in formulas(workspace) {
+    for Formula { title, formula, source, path } in formulas(tree) {
         let cell = |text: &str| text.replace('|', "\\|");
         page += &format!("| {} | {} | {} | `{path}` |\n", cell(&formula), cell(&title), cell(&source));
     }
     page
 }
 
-fn formula_files(workspace: &Workspace) -> impl Iterator<Item = &Source> {
-    workspace.rust.iter().filter(|source| {
+fn formula_files(tree: &Tree) -> impl Iterator<Item = &Source> {
+    tree.rust.iter().filter(|source| {
         let is_term = source.is_src() && source.path.contains("/terms/") && !source.path.ends_with("/mod.rs");
         let is_law = LAWS.iter().any(|folder| source.path.starts_with(folder));
         is_term || (is_law && !NOT_A_LAW.iter().any(|end| source.path.ends_with(end)))
     })
 }
 
-fn formulas(workspace: &Workspace) -> Vec<Formula> {
-    formula_files(workspace).flat_map(of_file).collect()
+fn formulas(tree: &Tree) -> Vec<Formula> {
+    formula_files(tree).flat_map(of_file).collect()
 }
 
-/// One formula per doc comment with a source.
+/// Returns the formulas of the doc comments with a source.
 fn of_file(file: &Source) -> Vec<Formula> {
     let title = file.text.lines().next().and_then(|line| line.strip_prefix("//! ")).unwrap_or_default();
     let title = title.trim_end_matches('.').to_owned();

@@ -1,57 +1,66 @@
-//! Small rules: module sentences, sizes of files, names, leftovers, numbers in terms, the list of crates.
+//! Small rules: module sentences, sizes of files, leftovers, numbers in terms, the list of crates; budgets.
 
-use super::source::{Source, words};
-use super::{Finding, Workspace};
+use super::source::Source;
+use super::tree::{Finding, Tree};
 
 /// Largest number of lines of a file.
 const FILE_LINES: usize = 600;
-/// Files that may be longer, each with a reason.
-const LONG_FILES: [(&str, &str); 0] = [];
-/// Largest number of lines of the facade's library and binary together.
-const FACADE_LINES: usize = 150;
-/// Largest number of lines of xtask.
-const XTASK_LINES: usize = 1500;
+/// Longer files, each with a reason.
+const LONG_FILES: &[(&str, &str)] = &[];
+/// Whether an exceeded budget is a finding; otherwise it is only printed.
+pub(super) const BUDGETS_ARE_RULES: bool = false;
+/// Largest numbers of lines of Rust below some folders.
+const BUDGETS: &[(&[&str], usize)] = &[
+    (&["crates/cutwater/src/lib.rs", "crates/cutwater/src/main.rs"], 150),
+    (&["crates/io/src"], 5000),
+    (&["crates/report/src"], 1300),
+    (&["crates/solver/src"], 1400),
+    (&["validation"], 7700),
+    (&["xtask/src"], 1800),
+    (&[""], 44_500),
+];
+/// Largest number of bytes of all JSON files under version control.
+const JSON_BYTES: usize = 50_000;
+/// Largest number of bytes of a file under version control.
+const FILE_BYTES: usize = 600_000;
 /// Largest number of lines of a time step.
 const ADVANCE_LINES: usize = 40;
-/// Leftovers, put together here so that this file does not find itself.
-const LEFTOVERS: [(&str, &str); 4] = [
+/// Leftovers of work in progress and ways around the design, with advice.
+const LEFTOVERS: &[(&str, &str)] = &[
     ("todo!", "do it, or write it to the tracker"),
-    ("unimplemented!", "return an error that says so"),
+    ("unimplemented!", "return an error"),
     ("dbg!", "remove it"),
+    ("too_many_arguments", "collect arguments that belong together in a struct"),
+    ("downcast", "add a method to the trait"),
+    ("as_any", "add a method to the trait"),
+    ("BodyKind", "bodies are implementations of `body::Body`"),
     ("#[ignore", "no test is ignored: make it fast, or move it to `cargo xtask verify`"),
 ];
-/// Words that say nothing about what is inside.
-const EMPTY_WORDS: [&str; 6] = ["utils", "util", "helpers", "common", "misc", "stuff"];
-/// The empty words that name shared files of tests, as cargo's own book does.
-const TEST_FOLDERS: [&str; 1] = ["/tests/common/mod.rs"];
-/// Beginnings of paths that exist on one machine only.
-const MACHINE_PATHS: [&str; 4] = ["/home/", "/Users/", "/root/", "/work/"];
+/// Prefixes of paths that exist on one machine only.
+const MACHINE_PATHS: &[&str] = &["/home/", "/Users/", "/root/", "/work/"];
 /// The page with the list of crates.
 const ARCHITECTURE: &str = "docs/ARCHITECTURE.md";
 
-/// Applies all small rules.
-pub(super) fn check(workspace: &Workspace) -> Vec<Finding> {
+/// Applies all rules of this file but the budgets.
+pub(super) fn check(tree: &Tree) -> Vec<Finding> {
     let mut findings = Vec::new();
-    for source in &workspace.rust {
+    for source in &tree.rust {
         module_sentence(source, &mut findings);
         file_size(source, &mut findings);
         leftovers(source, &mut findings);
-        names(source, &mut findings);
         numbers_in_terms(source, &mut findings);
     }
-    for source in workspace.rust.iter().chain(&workspace.other) {
+    for source in tree.rust.iter().chain(&tree.other) {
         whitespace_and_paths(source, &mut findings);
     }
-    budget(workspace, &["crates/cutwater/src/lib.rs", "crates/cutwater/src/main.rs"], FACADE_LINES, &mut findings);
-    budget(workspace, &["xtask/src/"], XTASK_LINES, &mut findings);
-    step_is_short(workspace, &mut findings);
-    architecture_lists_crates(workspace, &mut findings);
+    step_is_short(tree, &mut findings);
+    architecture_lists_crates(tree, &mut findings);
     findings
 }
 
 fn module_sentence(source: &Source, findings: &mut Vec<Finding>) {
     if !source.text.starts_with("//! ") {
-        findings.push(Finding::new(&source.path, 1, "begin the file with one `//!` sentence that says what it is"));
+        findings.push(Finding::new(&source.path, 1, "begin the file with one `//!` sentence that names its subject"));
     }
 }
 
@@ -67,7 +76,7 @@ fn file_size(source: &Source, findings: &mut Vec<Finding>) {
 }
 
 fn leftovers(source: &Source, findings: &mut Vec<Finding>) {
-    // Tests count too, so this looks at the text, not at the code; only whole lines of comment are left out.
+    // Tests are included, so this reads the text and not the code. Lines of comments are left out.
     let lines = source.lines().filter(|(_, line)| !line.trim_start().starts_with("//"));
     for (number, line) in lines {
         for (leftover, advice) in LEFTOVERS {
@@ -79,34 +88,7 @@ fn leftovers(source: &Source, findings: &mut Vec<Finding>) {
     }
 }
 
-fn names(source: &Source, findings: &mut Vec<Finding>) {
-    let stem = source.path.rsplit('/').next().unwrap_or_default().trim_end_matches(".rs");
-    let folders = source.path.split('/').chain([stem]);
-    if !TEST_FOLDERS.iter().any(|end| source.path.ends_with(end)) {
-        for word in folders.filter(|folder| EMPTY_WORDS.contains(folder)) {
-            findings.push(Finding::new(
-                &source.path,
-                1,
-                format!("`{word}` says nothing: name the file for its subject"),
-            ));
-        }
-    }
-    for (number, line) in source.code_lines() {
-        let names = ["fn ", "struct ", "enum ", "trait ", "mod "].iter().filter_map(|kind| {
-            let offset = words(line, kind.trim()).next()?;
-            let rest = line.get(offset + kind.len()..)?;
-            rest.split(|c: char| !c.is_alphanumeric() && c != '_').next()
-        });
-        for name in names {
-            let is_second = ["2", "_new", "_old", "New", "Old"].iter().any(|end| name.ends_with(end));
-            if is_second && name.len() > 3 {
-                findings.push(Finding::new(&source.path, number, format!("`{name}`: replace the first one instead")));
-            }
-        }
-    }
-}
-
-/// Penalty constants and material data are fields with names; only 0, 1, 2, 3, ... and halves may stand in a term.
+/// Penalty constants and material data must be named fields; a term may contain only small integers and halves.
 fn numbers_in_terms(source: &Source, findings: &mut Vec<Finding>) {
     if !source.path.contains("/terms/") {
         return;
@@ -140,20 +122,36 @@ fn whitespace_and_paths(source: &Source, findings: &mut Vec<Finding>) {
     }
 }
 
-fn budget(workspace: &Workspace, paths: &[&str], lines: usize, findings: &mut Vec<Finding>) {
-    let of = workspace.rust.iter().filter(|source| paths.iter().any(|path| source.path.starts_with(path)));
-    let n: usize = of.map(|source| source.text.lines().count()).sum();
-    if n > lines {
-        let advice = format!("{n} lines in {}, at most {lines}: move work to where it belongs", paths.join(" and "));
-        findings.push(Finding::new(paths[0], 1, advice));
+/// Finds budgets that are exceeded.
+pub(super) fn budgets(tree: &Tree) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    let mut check = |path: &str, n: usize, most: usize, unit: &str| {
+        if n > most {
+            findings.push(Finding::new(path, 1, format!("{n} {unit}, at most {most}")));
+        }
+    };
+    for (folders, most) in BUDGETS {
+        let of = tree.rust.iter().filter(|source| folders.iter().any(|folder| source.path.starts_with(folder)));
+        check(folders[0], of.map(|source| source.text.lines().count()).sum(), *most, "lines of Rust");
     }
+    let is_json = |path: &str| path.ends_with(".json");
+    check(
+        "Cargo.toml",
+        tree.sizes.iter().filter(|(path, _)| is_json(path)).map(|(_, n)| n).sum(),
+        JSON_BYTES,
+        "bytes of JSON",
+    );
+    for (path, n) in &tree.sizes {
+        check(path, *n, FILE_BYTES, "bytes");
+    }
+    findings
 }
 
-/// `advance` is the page that everyone reads first.
-fn step_is_short(workspace: &Workspace, findings: &mut Vec<Finding>) {
+/// `advance` is an entry point for readers and must fit on a screen.
+fn step_is_short(tree: &Tree, findings: &mut Vec<Finding>) {
     let path = "crates/solver/src/step.rs";
-    let Some(step) = workspace.rust.iter().find(|source| source.path == path) else {
-        findings.push(Finding::new(path, 1, "the time step is gone: docs/ARCHITECTURE.md sends readers here"));
+    let Some(step) = tree.rust.iter().find(|source| source.path == path) else {
+        findings.push(Finding::new(path, 1, "the file is missing: docs/ARCHITECTURE.md refers to it"));
         return;
     };
     let first = step.lines().find(|(_, line)| line.starts_with("pub fn advance")).map_or(1, |(number, _)| number);
@@ -161,26 +159,26 @@ fn step_is_short(workspace: &Workspace, findings: &mut Vec<Finding>) {
     let n = last + 1 - first;
     if n > ADVANCE_LINES || n == 1 {
         let advice =
-            format!("`advance` has {n} lines, at most {ADVANCE_LINES}: it only says what happens in which order");
+            format!("`advance` has {n} lines, at most {ADVANCE_LINES}: move details to the functions that it calls");
         findings.push(Finding::new(path, first, advice));
     }
 }
 
-/// The code map has a headline `### name` for each package of the workspace, and no other.
-fn architecture_lists_crates(workspace: &Workspace, findings: &mut Vec<Finding>) {
-    let Some(page) = workspace.page(ARCHITECTURE) else {
-        findings.push(Finding::new(ARCHITECTURE, 1, "the page is gone"));
+/// The code map must have a heading `### name` for each package of the workspace, and no other.
+fn architecture_lists_crates(tree: &Tree, findings: &mut Vec<Finding>) {
+    let Some(page) = tree.page(ARCHITECTURE) else {
+        findings.push(Finding::new(ARCHITECTURE, 1, "the page is missing"));
         return;
     };
-    let headline = |line: &str| line.strip_prefix("### `")?.split('`').next().map(str::to_owned);
-    let listed: Vec<(usize, String)> = page.lines().filter_map(|(n, line)| Some((n, headline(line)?))).collect();
-    for (name, ..) in workspace.manifests() {
+    let heading = |line: &str| line.strip_prefix("### `")?.split('`').next().map(str::to_owned);
+    let listed: Vec<(usize, String)> = page.lines().filter_map(|(n, line)| Some((n, heading(line)?))).collect();
+    for (name, ..) in tree.manifests() {
         if !listed.iter().any(|(_, listed)| listed == name) {
-            findings.push(Finding::new(ARCHITECTURE, 1, format!("`{name}` has no headline in the code map")));
+            findings.push(Finding::new(ARCHITECTURE, 1, format!("`{name}` has no heading in the code map")));
         }
     }
     for (number, name) in &listed {
-        if !workspace.manifests().any(|(package, ..)| package == name) {
+        if !tree.manifests().any(|(package, ..)| package == name) {
             findings.push(Finding::new(ARCHITECTURE, *number, format!("`{name}` is not in the workspace")));
         }
     }

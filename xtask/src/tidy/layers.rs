@@ -1,78 +1,60 @@
-//! Who may depend on whom inside of the workspace.
+//! Who may depend on whom inside of the tree.
 
-use super::{Finding, Workspace};
+use super::tree::{Finding, Tree};
 
-/// Every package with the packages that it may use; any package may use the third list in its tests only.
-const LAYERS: [(&str, &[&str], &[&str]); 15] = [
-    ("mesh", &[], &[]),
-    ("algebra", &[], &[]),
-    ("cutcell", &["mesh"], &[]),
-    ("xfem-space", &["mesh", "cutcell", "algebra"], &[]),
-    ("fluid-ns", &["mesh", "cutcell", "xfem-space", "algebra"], &[]),
-    ("solid-rigid", &["mesh", "algebra"], &[]),
-    ("solid-svk", &["mesh", "algebra"], &[]),
-    ("interface-dg", &["mesh", "cutcell", "xfem-space", "algebra", "fluid-ns", "solid-svk"], &[]),
-    ("contact", &["mesh", "algebra"], &["solid-svk"]),
-    ("solver", NUMERICS, &[]),
-    ("io", SIMULATION, &[]),
-    ("cutwater", EVERYTHING, &[]),
-    ("validation", &["cutwater", "benchmarks"], &[]),
-    ("benchmarks", SIMULATION, &[]),
-    ("xtask", &[], &[]),
+/// Every package with the packages that it may use, and the ones that only its tests may use.
+const LAYERS: &[(&str, &str, &str)] = &[
+    ("mesh", "", ""),
+    ("algebra", "", ""),
+    ("cutcell", "mesh", ""),
+    ("xfem-space", "mesh cutcell", ""),
+    ("fluid-ns", "mesh cutcell xfem-space algebra", ""),
+    ("body", "mesh algebra", ""),
+    ("solid-rigid", "mesh algebra body", ""),
+    ("solid-svk", "mesh algebra body", ""),
+    ("interface-dg", "mesh cutcell xfem-space algebra body fluid-ns", ""),
+    ("contact", "mesh algebra body", "solid-svk"),
+    ("solver", NUMERICS, ""),
+    ("io", SIMULATION, ""),
+    ("report", "mesh solver io", ""),
+    ("cutwater", EVERYTHING, ""),
+    ("validation", "cutwater benchmarks", ""),
+    ("benchmarks", SIMULATION, ""),
+    ("xtask", "", ""),
 ];
 
-const NUMERICS: &[&str] =
-    &["mesh", "algebra", "cutcell", "xfem-space", "fluid-ns", "solid-rigid", "solid-svk", "interface-dg", "contact"];
-const SIMULATION: &[&str] = &[
-    "mesh",
-    "algebra",
-    "cutcell",
-    "xfem-space",
-    "fluid-ns",
-    "solid-rigid",
-    "solid-svk",
-    "interface-dg",
-    "contact",
-    "solver",
-];
-const EVERYTHING: &[&str] = &[
-    "mesh",
-    "algebra",
-    "cutcell",
-    "xfem-space",
-    "fluid-ns",
-    "solid-rigid",
-    "solid-svk",
-    "interface-dg",
-    "contact",
-    "solver",
-    "io",
-];
+const NUMERICS: &str = "mesh algebra body cutcell xfem-space fluid-ns solid-rigid solid-svk interface-dg contact";
+const SIMULATION: &str =
+    "mesh algebra body cutcell xfem-space fluid-ns solid-rigid solid-svk interface-dg contact solver";
+const EVERYTHING: &str =
+    "mesh algebra body cutcell xfem-space fluid-ns solid-rigid solid-svk interface-dg contact solver io report";
 
 /// Compares the manifests with the table.
-pub(super) fn check(workspace: &Workspace) -> Vec<Finding> {
+pub(super) fn check(tree: &Tree) -> Vec<Finding> {
     let mut findings = Vec::new();
-    for (name, manifest, dependencies) in workspace.manifests() {
+    for (name, manifest, dependencies) in tree.manifests() {
         let Some((_, uses, tests_use)) = LAYERS.iter().find(|(package, ..)| *package == name) else {
-            let advice = format!("`{name}` is not in xtask/src/tidy/layers.rs: say there what it may use");
+            let advice =
+                format!("`{name}` is not in xtask/src/tidy/layers.rs: list there the packages that it may use");
             findings.push(Finding::new(&manifest, 1, advice));
             continue;
         };
         for (dependency, kind) in dependencies {
             let is_ours = LAYERS.iter().any(|(package, ..)| *package == dependency);
-            let is_allowed = uses.contains(&dependency) || (kind == "dev" && tests_use.contains(&dependency));
+            let lists = |packages: &str| packages.split(' ').any(|package| package == dependency);
+            let is_allowed = lists(uses) || (kind == "dev" && lists(tests_use));
             if is_ours && !is_allowed {
-                let line = workspace.manifest_line(&manifest, dependency);
+                let line = tree.manifest_line(&manifest, dependency);
                 let advice = format!(
-                    "`{name}` must not use `{dependency}` ({kind}): move what you need below both, or change the \
-                     design first (docs/ARCHITECTURE.md, xtask/src/tidy/layers.rs)"
+                    "`{name}` must not use `{dependency}` ({kind}): move the shared code below both, or change the design \
+                     first (docs/ARCHITECTURE.md, xtask/src/tidy/layers.rs)"
                 );
                 findings.push(Finding::new(&manifest, line, advice));
             }
         }
     }
     for (package, ..) in LAYERS {
-        if !workspace.manifests().any(|(name, ..)| name == package) {
+        if !tree.manifests().any(|(name, ..)| name == *package) {
             findings.push(Finding::new("Cargo.toml", 1, format!("`{package}` is in the layers, not in the workspace")));
         }
     }

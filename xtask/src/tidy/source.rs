@@ -1,29 +1,34 @@
-//! Source files as the rules see them: text, and code without comments, strings and unit tests.
+//! Source files: text, code without comments, strings and unit tests, and prose without code.
 
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// A file of the workspace.
+/// A file of the tree.
 pub(crate) struct Source {
-    /// Path below the workspace, with `/`.
+    /// Path relative to the root of the workspace, with `/`.
     pub(crate) path: String,
-    /// The file as it is.
+    /// The whole file.
     pub(crate) text: String,
     /// The same lines with comments and the contents of strings blanked, up to the unit tests.
     code: String,
+    /// The same lines with everything but comments and strings blanked; the whole text if this is not a Rust file.
+    prose: String,
 }
 
 impl Source {
     /// A source from its text.
     pub(crate) fn new(path: &str, text: String) -> Self {
-        let mut code = if path.ends_with(".rs") { without_comments_and_strings(&text) } else { String::new() };
+        let is_rust = path.ends_with(".rs");
+        let mut code = if is_rust { without_comments_and_strings(&text) } else { String::new() };
+        let prose_of = |(c, code): (char, char)| if c == code && c != '\n' { ' ' } else { c };
+        let prose = if is_rust { text.chars().zip(code.chars()).map(prose_of).collect() } else { text.clone() };
         let is_test = path.contains("/tests/") || path.contains("/benches/");
         let end = if is_test { Some(0) } else { code.find("#[cfg(test)]\nmod ") };
         if let Some(end) = end {
             code.truncate(end);
         }
-        Self { path: path.to_owned(), text, code }
+        Self { path: path.to_owned(), text, code, prose }
     }
 
     /// Lines with their numbers.
@@ -34,6 +39,11 @@ impl Source {
     /// Lines of code outside of tests, with their numbers.
     pub(crate) fn code_lines(&self) -> impl Iterator<Item = (usize, &str)> {
         self.code.lines().enumerate().map(|(k, line)| (k + 1, line))
+    }
+
+    /// Lines of comments and strings, also of tests, with their numbers.
+    pub(crate) fn prose_lines(&self) -> impl Iterator<Item = (usize, &str)> {
+        self.prose.lines().enumerate().map(|(k, line)| (k + 1, line))
     }
 
     /// Code outside of tests.
@@ -66,8 +76,8 @@ pub(crate) fn read(root: &Path, folder: &str, endings: &[&str]) -> io::Result<Ve
     let mut paths = Vec::new();
     collect(&root.join(folder), &mut paths)?;
     paths.sort();
-    let wanted = paths.iter().filter(|path| path.extension().is_some_and(|e| endings.iter().any(|end| e == *end)));
-    wanted
+    let matching = paths.iter().filter(|path| path.extension().is_some_and(|e| endings.iter().any(|end| e == *end)));
+    matching
         .map(|path| {
             let relative = path.strip_prefix(root).unwrap_or(path).to_string_lossy().replace('\\', "/");
             Ok(Source::new(&relative, fs::read_to_string(path)?))
@@ -91,18 +101,18 @@ fn collect(folder: &Path, out: &mut Vec<PathBuf>) -> io::Result<()> {
     Ok(())
 }
 
-/// Whether `text` has `word` at `offset` as a word of its own.
+/// Whether `word` at `offset` is a whole word of `text`.
 pub(crate) fn is_word(text: &str, offset: usize, word: &str) -> bool {
     let inside = |c: char| c.is_alphanumeric() || c == '_';
     !text[..offset].ends_with(inside) && !text[offset + word.len()..].starts_with(inside)
 }
 
-/// Offsets of a word.
+/// Offsets of all occurrences of `word` as a whole word.
 pub(crate) fn words<'a>(text: &'a str, word: &'a str) -> impl Iterator<Item = usize> + 'a {
     text.match_indices(word).map(|(offset, _)| offset).filter(move |&offset| is_word(text, offset, word))
 }
 
-/// Blanks comments and the contents of strings and characters; lines stay where they are.
+/// Replaces comments, strings and characters by spaces; line numbers do not change.
 fn without_comments_and_strings(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     let mut rest = text;
@@ -141,7 +151,7 @@ fn end_of_string(text: &str) -> usize {
     text.len()
 }
 
-/// Length of a character literal at the start, zero for a lifetime.
+/// Length of the character literal at the start of the text; zero for a lifetime.
 fn character_len(text: &str) -> usize {
     let mut characters = text.char_indices().skip(1);
     match (characters.next(), characters.next()) {

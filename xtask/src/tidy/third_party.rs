@@ -1,11 +1,11 @@
-//! In which rooms each third-party crate may be named.
+//! Files that may use each third-party crate: its *room*.
 
 use super::source::words;
-use super::{Finding, Workspace};
+use super::tree::{Finding, Tree};
 
-/// Each crate with the folders and files, or whole packages, that may name it; tests and benches may name anything
-/// that their manifest lists.
-const ROOMS: [(&str, &[&str]); 27] = [
+/// Third-party crates with the folders and files that may use them. Tests and benchmarks may use every dependency of their
+/// manifest.
+const ROOMS: &[(&str, &[&str])] = &[
     ("nalgebra", &["crates"]),
     ("parry2d-f64", &["crates/mesh/src/search/parry.rs"]),
     ("parry3d-f64", &["crates/mesh/src/search/parry.rs"]),
@@ -18,7 +18,7 @@ const ROOMS: [(&str, &[&str]); 27] = [
         "rayon",
         &[
             "crates/algebra/src/scatter",
-            "crates/cutcell/src/workspace.rs",
+            "crates/cutcell/src/cutter.rs",
             "crates/cutcell/src/touched.rs",
             "crates/cutcell/src/soundness.rs",
             "crates/xfem-space/src",
@@ -26,11 +26,15 @@ const ROOMS: [(&str, &[&str]); 27] = [
     ),
     ("thiserror", &["crates"]),
     ("tracing", &["crates"]),
-    ("serde", &["crates/io/src", "validation/src"]),
-    ("serde_json", &["crates/io/src", "crates/cutwater/src/commands", "validation/src", "xtask/src"]),
+    ("serde", &["crates/io/src", "crates/report/src", "validation/src"]),
+    (
+        "serde_json",
+        &["crates/io/src", "crates/report/src", "crates/cutwater/src/commands", "validation/src", "xtask/src"],
+    ),
     ("toml", &["crates/io/src", "validation/src"]),
     ("vtkio", &["crates/io/src"]),
-    ("plotters", &["crates/io/src/plot"]),
+    ("plotters", &["validation/src/chart.rs"]),
+    ("base64", &["crates/report/src/frames.rs"]),
     ("mshio", &["crates/io/src"]),
     ("clap", &["crates/cutwater/src/main.rs", "crates/cutwater/src/commands", "validation/src", "xtask/src"]),
     ("indicatif", &["crates/cutwater/src", "validation/src"]),
@@ -39,29 +43,30 @@ const ROOMS: [(&str, &[&str]); 27] = [
     ("proptest", TESTS_ONLY),
     ("insta", TESTS_ONLY),
     ("i_overlay", TESTS_ONLY),
-    ("png", TESTS_ONLY),
+    ("png", &["crates/report/src"]),
     ("tempfile", TESTS_ONLY),
     ("approx", TESTS_ONLY),
 ];
 
 const TESTS_ONLY: &[&str] = &[];
 
-/// Packages of `crates/` that stay free of nalgebra: dimension ends at the local system.
+/// The package without nalgebra: it has no space dimension.
 const WITHOUT_NALGEBRA: &str = "crates/algebra/";
 
-/// Compares manifests and paths in the code with the table.
-pub(super) fn check(workspace: &Workspace) -> Vec<Finding> {
+/// Compares manifests and code with the table.
+pub(super) fn check(tree: &Tree) -> Vec<Finding> {
     let mut findings = Vec::new();
-    let ours: Vec<&str> = workspace.manifests().map(|(name, ..)| name).collect();
-    for (name, manifest, dependencies) in workspace.manifests() {
+    let ours: Vec<&str> = tree.manifests().map(|(name, ..)| name).collect();
+    for (name, manifest, dependencies) in tree.manifests() {
         let folder = manifest.trim_end_matches("Cargo.toml").to_owned();
         for (dependency, kind) in dependencies {
             if ours.contains(&dependency) {
                 continue;
             }
-            let line = workspace.manifest_line(&manifest, dependency);
+            let line = tree.manifest_line(&manifest, dependency);
             let Some((_, rooms)) = ROOMS.iter().find(|(package, _)| *package == dependency) else {
-                let advice = format!("`{dependency}` has no room: use what is there, or add it to third_party.rs");
+                let advice =
+                    format!("`{dependency}` has no room: use a crate of the list, or add it to third_party.rs");
                 findings.push(Finding::new(&manifest, line, advice));
                 continue;
             };
@@ -73,7 +78,7 @@ pub(super) fn check(workspace: &Workspace) -> Vec<Finding> {
             }
         }
     }
-    for source in workspace.rust.iter().filter(|source| source.is_src()) {
+    for source in tree.rust.iter().filter(|source| source.is_src()) {
         for (package, rooms) in ROOMS {
             let is_in_room = |room: &&str| source.path == *room || source.path.starts_with(&format!("{room}/"));
             if rooms.iter().any(is_in_room) {
@@ -90,7 +95,7 @@ pub(super) fn check(workspace: &Workspace) -> Vec<Finding> {
     findings
 }
 
-/// Whether the word at an offset begins a path: `name::...`, `use name;`, `#[name(...)]` is none.
+/// Whether the word at an offset begins a path: `name::...` or `use name;`, but not `#[name(...)]`.
 fn is_path(code: &str, offset: usize, len: usize) -> bool {
     let before = code[..offset].trim_end();
     let is_first = !before.ends_with("::") && !before.ends_with("mod") && !before.ends_with('.');

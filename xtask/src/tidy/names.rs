@@ -1,0 +1,63 @@
+//! Names of files, functions and types.
+
+use std::collections::BTreeMap;
+
+use super::source::{Source, words};
+use super::tree::{Finding, Tree};
+
+/// File names without content.
+const EMPTY_WORDS: &[&str] = &["utils", "util", "helpers", "common", "misc", "stuff", "kernel"];
+/// Shared files of tests, named as in cargo's own book.
+const TEST_FOLDERS: &[&str] = &["/tests/common/mod.rs"];
+/// Ends of the name of a second version.
+const SECOND: &[&str] = &["2", "_new", "_old", "New", "Old"];
+/// Type names that several crates may define.
+const SHARED: &[&str] = &["Error"];
+/// Folder of the terms of a crate. The name of a term is that of the physics, which several crates have.
+const TERMS: &str = "/terms/";
+
+/// Checks all names.
+pub(super) fn check(tree: &Tree) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    let mut types: BTreeMap<&str, Vec<(&Source, usize)>> = BTreeMap::new();
+    for source in &tree.rust {
+        file_name(source, &mut findings);
+        for (number, line) in source.code_lines() {
+            let declared =
+                ["fn", "struct", "enum", "trait", "type", "mod"].iter().filter_map(|kind| name_after(line, kind));
+            for (kind, name) in declared {
+                if name.len() > 3 && SECOND.iter().any(|end| name.ends_with(end)) {
+                    let advice = format!("`{name}`: replace the first version instead");
+                    findings.push(Finding::new(&source.path, number, advice));
+                }
+                let is_type = ["struct", "enum", "trait", "type"].contains(&kind) && line.starts_with("pub ");
+                if is_type && source.is_src() && !source.path.contains(TERMS) && source.package().starts_with("crates/")
+                {
+                    types.entry(name).or_default().push((source, number));
+                }
+            }
+        }
+    }
+    for (name, places) in types {
+        if places.len() > 1 && !SHARED.contains(&name) {
+            let (source, number) = places[1];
+            let advice = format!("`{name}` is also a type in {}: one name, one meaning", places[0].0.path);
+            findings.push(Finding::new(&source.path, number, advice));
+        }
+    }
+    findings
+}
+
+/// Name in a declaration of the given kind on a line.
+fn name_after<'a, 'k>(line: &'a str, kind: &'k str) -> Option<(&'k str, &'a str)> {
+    let rest = line[words(line, kind).next()? + kind.len()..].strip_prefix(' ')?;
+    Some((kind, rest.split(|c: char| !c.is_alphanumeric() && c != '_').next()?))
+}
+
+fn file_name(source: &Source, findings: &mut Vec<Finding>) {
+    let path = source.path.trim_end_matches(".rs");
+    let is_test_folder = TEST_FOLDERS.iter().any(|end| source.path.ends_with(end));
+    for word in path.split('/').filter(|word| !is_test_folder && EMPTY_WORDS.contains(word)) {
+        findings.push(Finding::new(&source.path, 1, format!("`{word}` has no content: name the file for its subject")));
+    }
+}

@@ -1,0 +1,131 @@
+//! Phrases that comments, messages and pages must not contain.
+
+use super::source::Source;
+use super::tree::{Finding, Tree};
+
+/// Folders and files whose prose is not checked yet.
+const UNCHECKED: &[&str] = &[];
+
+/// This file contains the list.
+const LIST: &str = "xtask/src/tidy/prose.rs";
+
+/// Phrases with better ones. `^` is the start of a sentence that is not a question; alternatives are separated by `|`.
+const PHRASES: &[(&str, &str)] = &[
+    ("^what", "begin with a verb (functions) or a noun phrase (types)"),
+    ("is what|are what|was what", "name the thing"),
+    ("told|tell|tells|wants|owes|speaks|asks|begs", "code is not a person: is given, determines, requires"),
+    ("has to say|have to say|nothing to say|says how|says what|says whether|says where", "states, contains, returns"),
+    ("nobody|somebody|is asked|are asked|asked for|asked to", "if needed, requested, is evaluated"),
+    (
+        "that is none|which is none|that are none|that is no|that are no|which is no|which are no",
+        "missing, invalid, NaN, not a",
+    ),
+    ("comes to nothing|come to nothing|came to nothing|comes down to|come down to", "fails, has no effect, amounts to"),
+    ("gives way|give way", "yields, moves"),
+    (
+        "beside a|beside the|beside its|beside one|beside known|beside it|beside that|beside those",
+        "relative to, compared with, in addition to",
+    ),
+    ("for ever|again and again|over and over|in one go|to and fro|by and by", "repeatedly, at once, periodically"),
+    (
+        "all the same|of no more use|is of no use|to be had|at hand",
+        "nevertheless, no longer needed, available, current",
+    ),
+    ("to be trusted|not to be trusted|mend|mended", "reliable, repair"),
+    ("in the place of|in the way of", "instead of"),
+    ("make up for|makes up for|made up for", "compensate, balance"),
+    ("all that it takes|whatever it takes", "the data that ... depends on"),
+    ("a little|a bit|a hair|about as good as", "slightly, within round-off; give the number"),
+    ("talks|talk|feel|feels|hopes|wishes|thinks|believes", "code is not a person"),
+    ("make sense|makes sense|make no sense|makes no sense|senseless", "valid, invalid"),
+    ("tell apart|told apart|knows none|knows nothing", "distinguish, does not depend on"),
+];
+
+/// Looks for the phrases, across line breaks.
+pub(super) fn check(tree: &Tree) -> Vec<Finding> {
+    let is_checked = |path: &str| path != LIST && !UNCHECKED.iter().any(|folder| path.starts_with(folder));
+    let sources = tree.rust.iter().chain(&tree.other).filter(|source| is_checked(&source.path));
+    sources.flat_map(of_file).collect()
+}
+
+/// A word of a text, in lower case and without punctuation.
+struct Word {
+    text: String,
+    line: usize,
+    begins_sentence: bool,
+    ends_question: bool,
+}
+
+fn of_file(source: &Source) -> Vec<Finding> {
+    let words = prose(source);
+    let mut findings = Vec::new();
+    for (phrases, better) in PHRASES {
+        for phrase in phrases.split('|') {
+            let wanted: Vec<&str> = phrase.trim_start_matches('^').split(' ').collect();
+            for window in (0..words.len()).filter_map(|k| words.get(k..k + wanted.len())) {
+                let is_found = window.iter().zip(&wanted).all(|(word, wanted)| word.text == *wanted)
+                    && window[1..].iter().all(|word| !word.begins_sentence);
+                let is_statement = !phrase.starts_with('^') || (window[0].begins_sentence && !window[0].ends_question);
+                if is_found && is_statement {
+                    findings.push(Finding::new(&source.path, window[0].line, format!("\"{phrase}\": {better}")));
+                }
+            }
+        }
+    }
+    findings
+}
+
+/// Words of the comments and strings of a Rust file, or of all lines of another file.
+fn prose(source: &Source) -> Vec<Word> {
+    let mut words: Vec<Word> = Vec::new();
+    let mut begins_sentence = true;
+    let mut first_of_sentence = 0;
+    for (line, text) in source.prose_lines() {
+        let text = text.trim_start().trim_start_matches(['/', '!']).trim_start();
+        // A list item, a heading or an empty line ends a sentence.
+        begins_sentence |= text.is_empty() || text.starts_with(['-', '*', '#', '|']);
+        for token in text.split_whitespace() {
+            let trimmed = token.trim_matches(|c: char| ".,;:!?()[]\"*".contains(c));
+            if trimmed.chars().any(char::is_alphanumeric) {
+                if begins_sentence {
+                    first_of_sentence = words.len();
+                }
+                words.push(Word { text: trimmed.to_lowercase(), line, begins_sentence, ends_question: false });
+                begins_sentence = false;
+            }
+            begins_sentence |= token.ends_with(['.', '!', '?', ':']);
+            if token.ends_with('?')
+                && let Some(word) = words.get_mut(first_of_sentence)
+            {
+                word.ends_question = true;
+            }
+        }
+    }
+    words
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lines(path: &str, text: &str) -> Vec<usize> {
+        of_file(&Source::new(path, text.to_owned())).iter().map(|finding| finding.line).collect()
+    }
+
+    #[test]
+    fn phrases_are_found_in_comments_and_strings_and_across_lines() {
+        assert_eq!(
+            lines("a.rs", "//! What a mesh is.\n/// A solve that comes\n/// to nothing.\nfn tell() {}\n"),
+            [1, 2]
+        );
+        assert_eq!(lines("a.rs", "fn a() { b(\"the step that is\n none\"); }\n"), [1]);
+        assert_eq!(lines("a.md", "It has to\nsay this.\n"), [1]);
+    }
+
+    #[test]
+    fn questions_code_and_other_words_are_not() {
+        assert!(lines("a.rs", "// What is a part?\nlet tell = wants(nobody);\n").is_empty());
+        assert!(lines("a.rs", "/// The value that is `None`. Retold, it asked.\n").is_empty());
+        assert!(lines("a.md", "a number that is\n\nnone\n").is_empty());
+    }
+}
