@@ -1,4 +1,4 @@
-//! Bodies of any shape at hostile places: refused, or cut with all identities.
+//! Bodies of any shape in degenerate positions: the overlay returns an error, or a cut that satisfies all identities.
 
 #![no_main]
 
@@ -12,7 +12,7 @@ use libfuzzer_sys::fuzz_target;
 use mesh::generate::structured_box;
 use mesh::{BoundaryMesh, Placed, Point, VertexId};
 
-/// A coordinate in the unit box, on planes of the background or almost; or any number at all.
+/// A coordinate on a plane of the background, near one, or any number.
 #[derive(Arbitrary, Clone, Copy, Debug)]
 enum Coordinate {
     Plane(u8),
@@ -29,8 +29,8 @@ impl Coordinate {
                 let shift = 10.0_f64.powi(-i32::from(size % 19));
                 plane(k) + if is_negative { -shift } else { shift }
             }
-            // Facets are known to the round-off of their own size: identities hold to fewer digits than this checks for
-            // coordinates from a thousand to what is refused.
+            // The accuracy of a facet is relative to its size. For coordinates above a thousand, identities hold with
+            // fewer digits than are checked.
             Self::Any(x) if x.abs() < 1e9 => x % 1e3,
             Self::Any(x) => x,
         }

@@ -1,4 +1,4 @@
-//! Any bytes as an STL or OBJ file: a surface or an error, and what is read can be cut or is refused.
+//! Any bytes as an STL or OBJ file: reading and cutting return a result or an error.
 
 #![no_main]
 
@@ -20,7 +20,7 @@ fuzz_target!(|data: (bool, &[u8])| {
     }
 });
 
-/// A file of this process.
+/// Returns the path of a temporary file of this process.
 fn file(extension: &str) -> PathBuf {
     std::env::temp_dir().join(format!("cutwater-fuzz-{}.{extension}", std::process::id()))
 }

@@ -1,7 +1,7 @@
 //! Two disks that overlap cut a box of triangles: volumes, parts, and an integral over the fluid.
 //! `cargo run --release -p cutcell --example disk`
 
-// An example tells what it does.
+// The example prints its results.
 #![allow(clippy::print_stdout)]
 
 use std::f64::consts::PI;
@@ -38,7 +38,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         }
         println!("  ∫ y²              {:.12}", points.integrate(|x| x[1] * x[1]));
 
-        // The interface is closed, whatever lies on whatever.
+        // The interface is closed, also where surfaces overlap.
         let normals: Vector<2> = cut.interface().iter().map(|piece| piece.normal * piece.measure).sum();
         println!("  ∫ n               {:.1e} on {} pieces", normals.norm(), cut.interface().len());
 

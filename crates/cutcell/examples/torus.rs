@@ -1,7 +1,8 @@
-//! A torus turns inside a box of tetrahedra: the volume stays, whatever the position; a thin one makes several parts in a cell.
+//! A torus that turns inside a box of tetrahedra. The volume is independent of the position; a thin torus divides cells into
+//! several parts.
 //! `cargo run --release -p cutcell --example torus`
 
-// An example tells what it does.
+// The example prints its results.
 #![allow(clippy::print_stdout)]
 
 use std::f64::consts::TAU;
@@ -33,7 +34,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let background = structured_box::<3>([-1.0; 3], [1.0; 3], [12; 3])?;
     for (name, tube) in [("thick", 0.25), ("thin", 0.04)] {
         let (surface, reference) = torus(0.65, tube, 48, 16);
-        let exact = Placed::new(&surface, &reference).enclosed_volume();
+        let exact = Placed::new(&surface, &reference).enclosed().volume;
         println!("{name} torus of {} triangles, volume {exact:.12}", surface.n_facets());
         println!("  angle   cut cells   parts in a cell   smallest part   volume error   wet area");
         for angle in [0.0, 1e-9, 0.3, 0.9] {

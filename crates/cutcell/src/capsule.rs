@@ -1,4 +1,4 @@
-//! Minimal reproducing cases: one cell and the facets that touch it.
+//! Minimal reproducible cases: one cell and the facets that touch it.
 
 use std::fmt;
 use std::str::FromStr;
@@ -6,15 +6,15 @@ use std::str::FromStr;
 use mesh::{BodyId, CellId, FacetId, Placed, Point, SimplexMesh, VertexId};
 
 use crate::classify::depths;
-use crate::overlay::Cutting;
+use crate::cutting::Cutting;
 use crate::surface::{self, Facet};
 use crate::touched::TouchedCells;
-use crate::{CutMesh, Error, OverlayOptions, Workspace};
+use crate::{CutMesh, Cutter, Error, OverlayOptions};
 
-/// A cell with the facets that touch it: all that the cut of the cell depends on, to the last bit.
+/// A cell with the facets that touch it. They determine the cut of the cell bit for bit.
 ///
-/// Written with `Display` and read with `FromStr` as a small text that a report of a fault can contain and a test can
-/// read back. The facets need not close; [`Capsule::overlay`] cuts the cell by them all the same.
+/// `Display` writes a short text for defect reports and tests, and `FromStr` reads it back. The facets need not form a
+/// closed surface; [`Capsule::overlay`] cuts the cell nevertheless.
 ///
 /// ```
 /// use cutcell::{Capsule, OverlayOptions};
@@ -39,7 +39,7 @@ pub struct Capsule<const D: usize> {
     depth: i32,
     /// Vertices of the facets.
     vertices: Vec<Point<D>>,
-    /// Body, facet, and vertices (positions in `vertices`; the first `D` count).
+    /// Body, facet, and vertices (positions in `vertices`; only the first `D` are used).
     facets: Vec<(BodyId, FacetId, [u32; 3])>,
 }
 
@@ -47,13 +47,13 @@ pub struct Capsule<const D: usize> {
 const TITLE: &str = "cutcell capsule 1";
 
 impl<const D: usize> Capsule<D> {
-    /// The case of one cell of an overlay.
+    /// Extracts one cell of an overlay.
     ///
     /// # Errors
-    /// As [`CutMesh::overlay`]: surfaces that are refused.
+    /// As [`CutMesh::overlay`].
     ///
     /// # Panics
-    /// If the background has no such cell.
+    /// If the cell does not exist.
     pub fn around(
         background: &SimplexMesh<D>,
         surfaces: &[Placed<'_, D>],
@@ -84,7 +84,7 @@ impl<const D: usize> Capsule<D> {
         Ok(capsule)
     }
 
-    /// Cuts the cell: the cell alone is the background, its faces are the boundary.
+    /// Cuts the cell; the background is the cell alone.
     ///
     /// # Errors
     /// [`Error::Capsule`] if the corners do not form a cell.
@@ -101,10 +101,10 @@ impl<const D: usize> Capsule<D> {
         let mut touched = TouchedCells::default();
         touched.find(&background, &facets);
         let depth = vec![self.depth; background.n_vertices()];
-        Ok(Workspace::new().cut(&Cutting::new(&background, &facets, &touched, &depth, options)))
+        Ok(Cutter::new().cut(&Cutting::new(&background, &facets, &touched, &depth, options)))
     }
 
-    /// The cell as a mesh.
+    /// Returns the cell as a mesh.
     ///
     /// # Errors
     /// [`Error::Capsule`] if the corners do not form a cell.
@@ -118,7 +118,7 @@ impl<const D: usize> fmt::Display for Capsule<D> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{TITLE}\ndimension {D}\ndepth {}\ncell", self.depth)?;
         let write_points = |f: &mut fmt::Formatter<'_>, points: &[Point<D>]| {
-            // The shortest decimals that give the same number back.
+            // The shortest decimals that parse to the same number.
             points.iter().try_for_each(|x| {
                 let words: Vec<String> = x.iter().map(|c| format!("{c:e}")).collect();
                 writeln!(f, "{}", words.join(" "))
@@ -135,7 +135,7 @@ impl<const D: usize> fmt::Display for Capsule<D> {
     }
 }
 
-/// The lines of a capsule, with their numbers.
+/// Numbered lines of the text of a capsule.
 struct Lines<'a>(std::iter::Enumerate<std::str::Lines<'a>>);
 
 impl<'a> Lines<'a> {
@@ -144,7 +144,7 @@ impl<'a> Lines<'a> {
         self.0.next().map(|(index, line)| (index + 1, line)).ok_or_else(missing)
     }
 
-    /// The number after a keyword.
+    /// Reads the number after a keyword.
     fn number<T: FromStr>(&mut self, keyword: &str) -> Result<T, Error> {
         let (line, text) = self.next(keyword)?;
         let number = text.strip_prefix(keyword).and_then(|rest| rest.split_whitespace().next()?.parse().ok());
@@ -186,7 +186,7 @@ impl<const D: usize> FromStr for Capsule<D> {
         for _ in 0..n_facets {
             let words = lines.numbers::<u32>(D + 2, "a body, a facet and its vertices")?;
             if words[2..].iter().any(|&v| v >= n_vertices) {
-                return Err(Error::Capsule { line: 0, what: format!("facet {} names an unknown vertex", words[1]) });
+                return Err(Error::Capsule { line: 0, what: format!("facet {} has an unknown vertex", words[1]) });
             }
             let mut corners = [0; 3];
             corners[..D].copy_from_slice(&words[2..]);

@@ -1,40 +1,40 @@
-//! Cutting one background cell.
+//! The cut of one background cell.
 
 use mesh::{CellId, FacetId};
 
 use crate::clip::{Points, Polygon, Polygons, Polytopes, Side};
+use crate::cutting::Cutting;
 use crate::exact::{End, Plane, Planes, crossing};
-use crate::overlay::Cutting;
 use crate::surface::FacetPoint;
 use crate::tree::{Tree, Wall};
 
-/// What is known of a convex piece of a cell that no facet crosses.
+/// Properties of a leaf: a convex piece of a cell that no facet crosses.
 #[derive(Clone, Copy, Debug)]
 struct Label {
     /// Number of bodies around it.
     depth: i32,
-    /// Fluid part of the cell that it belongs to; meaningless in a body.
+    /// Fluid part of the cell to which it belongs; not used inside a body.
     part: u32,
 }
 
-/// In place of the number of a part that is too thin to count.
+/// Number of parts that are left out because they are too thin.
 const THIN: u32 = u32::MAX;
-/// In place of a number of bodies.
+/// Unknown number of bodies.
 const UNKNOWN: i32 = i32::MIN;
 
 impl Label {
-    /// The part of a piece of fluid.
+    /// The part of a leaf in the fluid.
     fn part(self) -> Option<u32> {
         (self.depth <= 0).then_some(self.part)
     }
 
-    /// The part of a piece of fluid that is thick enough to count.
+    /// The part of a leaf in the fluid, unless it is left out.
     fn fluid_part(self) -> Option<u32> {
         self.part().filter(|&part| part != THIN)
     }
 }
 
-/// A piece of a facet with fluid on the side of its normal and the body on the other.
+/// A piece of a facet with fluid in front of it and a body behind it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WetPiece {
     part: u32,
@@ -47,46 +47,46 @@ pub(crate) struct WetPiece {
 pub(crate) enum FaceView {
     /// Covered.
     Dry,
-    /// Wet by one part, over that measure; what the first cell of the face sees counts, for the other it is zero.
+    /// Wet by one part, with the wet measure. The measure is computed by the first cell of the face, and zero in the other.
     Wet(u32, f64),
-    /// Anything else: several parts, facets on the face, parts that are too thin to count.
+    /// All other cases: several parts, facets on the face, parts that are left out.
     Mixed,
 }
 
-/// What is kept of a number of touched cells, in their order.
+/// Results of the cut of a number of touched cells, in ascending order.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Kept<const D: usize> {
     pub(crate) cells: Vec<KeptCell>,
     /// Volume of each part.
     pub(crate) volumes: Vec<f64>,
-    /// Convex pieces of the parts, none for cells in one piece, and where those of each part end.
+    /// Convex pieces of the parts, except for undivided cells, and the end of the pieces of each part.
     pub(crate) pieces: Polytopes<D>,
     pub(crate) part_to_piece_end: Vec<u32>,
-    /// Convex pieces of bodies, with their cells.
+    /// Convex pieces inside bodies, with their cells.
     pub(crate) covered: Polytopes<D>,
     pub(crate) covered_to_cell: Vec<CellId>,
-    /// Convex pieces of interface inside the cells, with their corners one after the other.
+    /// Convex pieces of the interface inside the cells, and the corners of all of them.
     pub(crate) wet: Vec<KeptWet>,
     pub(crate) wet_corners: Vec<FacetPoint<D>>,
 }
 
-/// What is kept of one touched cell.
+/// Result of the cut of one touched cell.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct KeptCell {
     pub(crate) n_parts: u32,
     pub(crate) n_wet: u32,
     /// Whether no facet divides the cell.
     pub(crate) is_whole: bool,
-    /// Number of parts that are too thin to count.
+    /// Number of parts that are left out.
     pub(crate) n_left_out: u32,
-    /// Measure of each face that is wet by one part only, with that part.
+    /// The faces as seen from the cell.
     pub(crate) faces: [FaceView; 4],
 }
 
 /// A convex piece of a facet with fluid in front of it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct KeptWet {
-    /// Numbered from zero in each cell.
+    /// Number of the part, from zero in each cell.
     pub(crate) part: u32,
     pub(crate) facet: u32,
     pub(crate) n_corners: u32,
@@ -105,21 +105,21 @@ impl<const D: usize> Kept<D> {
     }
 }
 
-/// A cell with everything that facets do to its inside; one after the other in the same memory.
+/// The cut of a cell, in memory that is reused for other cells.
 #[derive(Clone, Debug)]
 pub(crate) struct CellCut<const D: usize> {
     tree: Tree<D>,
     polygons: Polygons<D>,
     walls: Vec<Wall>,
-    /// Of the leaves of the tree.
+    /// One entry per leaf of the tree.
     labels: Vec<Label>,
     leaf_volumes: Vec<f64>,
     /// Volume of each part of the cell.
     volumes: Vec<f64>,
     wet: Vec<WetPiece>,
-    /// Pieces of facets in front of which the fluid is too thin to count.
+    /// Pieces of facets in front of which the fluid is left out.
     thin: Vec<WetPiece>,
-    /// Number of parts that are too thin to count.
+    /// Number of parts that are left out.
     n_left_out: u32,
 }
 
@@ -140,7 +140,7 @@ impl<const D: usize> Default for CellCut<D> {
 }
 
 impl<const D: usize> CellCut<D> {
-    /// Becomes the touched cell at position `k`, cut by the facets that may touch it; the same every time.
+    /// Cuts the touched cell at position `k`. The result is deterministic.
     pub(crate) fn cut(&mut self, cutting: &Cutting<'_, D>, k: usize) {
         let (planes, cell, facets) = (&cutting.planes, cutting.touched.cells[k], cutting.touched.facets(k));
         let first = planes.background.cell(cell)[0];
@@ -151,14 +151,14 @@ impl<const D: usize> CellCut<D> {
         let doubt = 32.0 * f64::EPSILON * diameter.powi(D as i32);
         self.leaf_volumes.clear();
         self.leaf_volumes.extend(self.tree.leaves().iter().map(|leaf| leaf.volume(doubt)));
-        // The thickest piece contains the mean of its corners beyond doubt.
+        // The mean of the corners of the thickest piece certainly lies inside of it.
         let (thickest, _) =
             self.leaf_volumes.iter().enumerate().fold((0, f64::NEG_INFINITY), |best, (leaf, &volume)| {
                 if volume > best.1 { (leaf, volume) } else { best }
             });
         let start = planes.background.vertex(first);
         let at = self.tree.leaves()[thickest].inner_point();
-        // The way from the vertex lies in the cell.
+        // The segment from the vertex lies in the cell.
         let step = |&f: &u32| crossing(&start, End::Point(&at), planes.facets[f as usize].points());
         let change: i32 = self.tree.near().iter().map(step).sum();
         self.spread(thickest, cutting.depth[first.index()] + change);
@@ -178,7 +178,7 @@ impl<const D: usize> CellCut<D> {
         self.wet.sort_by_key(|wet| wet.facet);
     }
 
-    /// Becomes a whole cell that no facet touches, all of it one part or none.
+    /// Sets the result to an undivided cell: one part, or none.
     pub(crate) fn set_whole(&mut self, planes: &Planes<'_, D>, cell: CellId, is_fluid: bool) {
         self.polygons.clear();
         self.tree.set_whole(planes, cell);
@@ -188,7 +188,7 @@ impl<const D: usize> CellCut<D> {
         self.thin.clear();
     }
 
-    /// The number of bodies around each leaf, from that around one of them.
+    /// Computes the number of bodies around each leaf from that around one of them.
     fn spread(&mut self, from: usize, depth: i32) {
         self.labels.clear();
         self.labels.resize(self.tree.leaves().len(), Label { depth: UNKNOWN, part: 0 });
@@ -213,10 +213,10 @@ impl<const D: usize> CellCut<D> {
         self.labels.iter_mut().filter(|label| label.depth == UNKNOWN).for_each(|label| label.depth = depth);
     }
 
-    /// Numbers the connected sets of fluid leaves in the order of their first leaf; returns how many there are.
+    /// Numbers the connected sets of fluid leaves in the order of their first leaf; returns their number.
     fn number_parts(&mut self) -> u32 {
         let labels = &mut self.labels;
-        // The lowest leaf of the set first, ...
+        // First, each leaf gets the lowest leaf of its set.
         labels.iter_mut().enumerate().for_each(|(leaf, label)| label.part = leaf as u32);
         let mut changed = true;
         while changed {
@@ -231,7 +231,7 @@ impl<const D: usize> CellCut<D> {
                 }
             }
         }
-        // ... then its number.
+        // Then, the lowest leaf is replaced by the number of the set.
         let mut n_parts = 0;
         for leaf in 0..labels.len() {
             if let Some(lowest) = labels[leaf].part() {
@@ -246,7 +246,7 @@ impl<const D: usize> CellCut<D> {
         n_parts
     }
 
-    /// Adds what is to be kept of the cell.
+    /// Adds the result to `kept`.
     pub(crate) fn keep(&self, planes: &Planes<'_, D>, cell: CellId, kept: &mut Kept<D>) {
         let ids = planes.background.cell_to_facet(cell);
         let view = |local: usize, id: FacetId| {
@@ -303,13 +303,13 @@ impl<const D: usize> CellCut<D> {
     }
 
     fn leave_out_thin_parts(&mut self, diameter: f64, thinnest: f64) {
-        // No piece has a larger surface than a box around the cell.
+        // A box around the cell bounds the surface of every piece.
         let most = thinnest * (2 * D) as f64 * diameter.powi(D as i32 - 1);
         let mut is_thin: Vec<bool> = self.volumes.iter().map(|&volume| volume <= most).collect();
         if !is_thin.contains(&true) {
             return;
         }
-        // A part is as thick as its thickest piece: thin ones may hang on a small tip that is as wide as it is long.
+        // The thickness of a part is that of its thickest piece, since even a small tip may be as wide as it is long.
         for ((label, leaf), &volume) in self.labels.iter().zip(self.tree.leaves()).zip(&self.leaf_volumes) {
             if let Some(part) = label.part()
                 && is_thin[part as usize]
@@ -335,7 +335,7 @@ impl<const D: usize> CellCut<D> {
         });
     }
 
-    /// Leaves with the sides of their faces on a plane.
+    /// Leaves with a face on a plane, and the sides of that face.
     pub(crate) fn faces(&self, on: Plane) -> impl Iterator<Item = (usize, impl Iterator<Item = Side<D>>)> {
         self.tree.leaves().iter().enumerate().flat_map(move |(leaf, piece)| {
             (0..piece.n_faces()).filter(move |&f| piece.plane(f) == on).map(move |f| (leaf, piece.face(f)))
@@ -359,18 +359,18 @@ impl<const D: usize> CellCut<D> {
         polygons.forget(polygon);
     }
 
-    /// The part of a leaf that counts as fluid.
+    /// The part of a leaf in the fluid, unless it is left out.
     pub(crate) fn fluid_part(&self, leaf: usize) -> Option<u32> {
         self.labels[leaf].fluid_part()
     }
 
-    /// Pieces of facets in front of which the fluid is too thin to count.
+    /// Pieces of facets in front of which the fluid is left out.
     pub(crate) fn thin(&self) -> impl Iterator<Item = (u32, Points<D>)> {
         self.thin.iter().map(|wet| (wet.facet, self.polygons.points(wet.polygon)))
     }
 }
 
-/// The piece of interface on a wall between fluid and body.
+/// Returns the interface piece on a wall between fluid and body.
 fn wet_piece(labels: &[Label], wall: &Wall) -> Option<WetPiece> {
     let (part, facet) = match (labels[wall.behind as usize].part(), labels[wall.front as usize].part()) {
         (None, Some(part)) => (part, wall.cover.first[0]?),

@@ -1,6 +1,6 @@
-//! How many bodies surround each vertex of the background.
+//! Number of bodies around each vertex of the background.
 
-use mesh::{CellId, Point, SimplexMesh, VertexId};
+use mesh::{Aabb, CellId, Point, SimplexMesh};
 
 use crate::exact::{End, crossing};
 use crate::surface::Facet;
@@ -8,11 +8,11 @@ use crate::touched::TouchedCells;
 
 const UNKNOWN: i32 = i32::MIN;
 
-/// Number of bodies around each vertex of the background, exact, with vertices on a surface shifted by an
+/// Computes the number of bodies around each vertex of the background, exactly; vertices on a surface are shifted by an
 /// infinitesimal.
 ///
-/// One vertex of each connected set of cells is found by counting crossings on the way from a point outside of
-/// everything; from there the number spreads along cell edges, which change it only where facets touch the cell.
+/// For one vertex of each connected set of cells, counts crossings on a segment from a point outside all surfaces. For the
+/// others, follows edges of cells, on which the number changes only if facets touch the cell.
 pub(crate) fn depths<const D: usize>(
     background: &SimplexMesh<D>,
     facets: &[Facet<D>],
@@ -22,7 +22,7 @@ pub(crate) fn depths<const D: usize>(
     depth.clear();
     depth.resize(background.n_vertices(), UNKNOWN);
     let far = outside_of_everything(background, facets);
-    // Neighbouring cells mostly have neighbouring numbers: a few passes reach everything.
+    // Neighbouring cells mostly have consecutive numbers, so that a few passes suffice.
     let mut waiting: Vec<CellId> = background.cells().collect();
     while let Some(&start) = waiting.first() {
         let first = background.cell(start)[0];
@@ -40,7 +40,7 @@ pub(crate) fn depths<const D: usize>(
     }
 }
 
-/// Gives all vertices of a cell their number from one that has it; returns whether there was one.
+/// Computes the numbers of all vertices of a cell from one that is known; returns whether there is one.
 fn spread<const D: usize>(
     background: &SimplexMesh<D>,
     facets: &[Facet<D>],
@@ -64,15 +64,7 @@ fn spread<const D: usize>(
 }
 
 fn outside_of_everything<const D: usize>(background: &SimplexMesh<D>, facets: &[Facet<D>]) -> Point<D> {
-    let mut high = background.vertex(VertexId(0));
-    let mut low = high;
-    for x in background.vertices() {
-        high = high.sup(x);
-        low = low.inf(x);
-    }
-    for facet in facets {
-        high = high.sup(&facet.high);
-        low = low.inf(&facet.low);
-    }
-    high + (high - low) + Point::repeat(1.0)
+    let of_background = Aabb::of_points(background.vertices());
+    let bounds = facets.iter().fold(of_background, |bounds, facet| bounds.union(&facet.bounds));
+    bounds.high + bounds.extent() + Point::repeat(1.0)
 }

@@ -1,4 +1,4 @@
-//! The result of laying closed surfaces over a background mesh.
+//! A background mesh cut by closed surfaces.
 
 use mesh::{BodyId, CellId, FacetId, Point, QuadratureRule, SimplexMesh, SimplexRule, Vector, simplex_measure};
 
@@ -6,18 +6,18 @@ use crate::clip::Polytopes;
 use crate::surface::{Facet, FacetPoint};
 use crate::{CutReport, Polytope};
 
-/// What the bodies leave of a background cell.
+/// State of a background cell relative to the bodies.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum CellState {
-    /// All fluid: one part, the whole cell.
+    /// Outside of all bodies: one part, the whole cell.
     Fluid,
-    /// Wholly inside the bodies: no part.
+    /// Inside the bodies: no part.
     Covered,
     /// Crossed by a surface: any number of parts.
     Cut,
 }
 
-/// A fluid part: a connected piece of fluid inside one cell. Parts are numbered in the order of their cells.
+/// A fluid part: a connected component of the fluid inside one cell. Parts are numbered in the order of their cells.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct PartId(pub u32);
 
@@ -29,8 +29,8 @@ impl PartId {
     }
 }
 
-/// A piece of the fluid-structure interface inside (or on the rim of) one background cell and one facet: a
-/// simplex of dimension `D - 1`, wet by one fluid part.
+/// A piece of the fluid-structure interface in one background cell (or on its boundary) and on one facet: a simplex of
+/// dimension `D - 1`, wet by one fluid part.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InterfacePiece<const D: usize> {
     /// The cell of the fluid part.
@@ -43,8 +43,8 @@ pub struct InterfacePiece<const D: usize> {
     pub facet: FacetId,
     /// Corners; the first `D` count.
     pub points: [Point<D>; 3],
-    /// Barycentric coordinates of the corners on the facet; they survive when the body moves. The first `D`
-    /// entries of the first `D` arrays count.
+    /// Barycentric coordinates of the corners in the facet, also valid after the body has moved. Only the first `D`
+    /// entries of the first `D` arrays are used.
     pub barycentric: [[f64; 3]; 3],
     /// Unit normal out of the body.
     pub normal: Vector<D>,
@@ -52,20 +52,20 @@ pub struct InterfacePiece<const D: usize> {
     pub measure: f64,
 }
 
-/// An interior face of the background seen by one pair of fluid parts, one in either cell, that share fluid there.
+/// The portion of an interior face of the background that is shared by two fluid parts, one in each cell.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct PartFace {
     /// The face.
     pub facet: FacetId,
     /// Parts in the first and the second cell of the face.
     pub parts: [PartId; 2],
-    /// Measure of the fluid that the two parts share on the face.
+    /// Measure of the shared portion.
     pub measure: f64,
     /// Whether one of the two cells is cut: such faces carry ghost penalties.
     pub is_ghost: bool,
 }
 
-/// A piece of the background's own boundary wet by one fluid part: a simplex of dimension `D - 1`.
+/// A piece of the boundary of the background, wet by one fluid part: a simplex of dimension `D - 1`.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct BoundaryPiece<const D: usize> {
     /// The boundary face.
@@ -78,17 +78,15 @@ pub struct BoundaryPiece<const D: usize> {
     pub measure: f64,
 }
 
-/// A background mesh cut by the surfaces of bodies; read-only.
-///
-/// Fluid is the background without the union of the bodies.
+/// A background mesh cut by the surfaces of bodies; immutable. See the crate's documentation for definitions.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CutMesh<const D: usize> {
     pub(crate) cell_to_state: Vec<CellState>,
-    /// Offsets into the parts, one more entry than there are cells.
+    /// Offsets into the parts; one more entry than cells.
     pub(crate) cell_to_part: Vec<u32>,
     pub(crate) part_to_cell: Vec<CellId>,
     pub(crate) part_to_volume: Vec<f64>,
-    /// Offsets into `pieces`, one more entry than there are parts; parts of uncut cells have none.
+    /// Offsets into `pieces`; one more entry than parts. Parts of uncut cells have no pieces.
     pub(crate) part_to_piece: Vec<u32>,
     pub(crate) pieces: Polytopes<D>,
     /// Covered pieces of cut cells, and their cells.
@@ -135,32 +133,32 @@ impl<const D: usize> CutMesh<D> {
         self.part_to_volume[part.index()]
     }
 
-    /// Whether the part is the whole of its cell.
+    /// Whether the part is the whole cell.
     #[inline]
     pub fn is_whole(&self, part: PartId) -> bool {
         self.cell_state(self.part_cell(part)) == CellState::Fluid
     }
 
-    /// Convex pieces that make up a part of a cut cell; none if the part is the whole cell.
+    /// Convex pieces of a part; empty if the part is the whole cell.
     pub fn part_pieces(&self, part: PartId) -> impl ExactSizeIterator<Item = Polytope<'_, D>> {
         let k = part.index();
         (self.part_to_piece[k] as usize..self.part_to_piece[k + 1] as usize).map(|piece| self.pieces.get(piece))
     }
 
-    /// Covered pieces of cut cells, with their cells: the solid side of the cut.
+    /// Pieces of cut cells inside the bodies, with their cells.
     pub fn covered_pieces(&self) -> impl ExactSizeIterator<Item = (CellId, Polytope<'_, D>)> {
         self.covered_to_cell.iter().enumerate().map(|(k, &cell)| (cell, self.covered_pieces.get(k)))
     }
 
-    /// Calls `visit` with the points of each positively oriented simplex of a decomposition of a part; simplices
-    /// that round-off leaves without volume are left out.
+    /// Calls `visit` with the points of each simplex of a decomposition of a part into positively oriented simplices.
+    /// Simplices without volume in rounded coordinates are left out.
     pub fn for_each_simplex(&self, background: &SimplexMesh<D>, part: PartId, mut visit: impl FnMut(&[Point<D>])) {
         if self.is_whole(part) {
             visit(background.simplex(self.part_cell(part)).points());
         } else {
             for piece in self.part_pieces(part) {
                 piece.for_each_simplex(|points| {
-                    // Not so small that a weight would be zero.
+                    // Weights of quadrature rules must not underflow.
                     if mesh::Simplex::new(points).volume() > f64::MIN_POSITIVE {
                         visit(points);
                     }
@@ -169,8 +167,8 @@ impl<const D: usize> CutMesh<D> {
         }
     }
 
-    /// Appends a quadrature rule on a part, built from a rule on its simplices. Weights are positive, points lie
-    /// inside the part.
+    /// Appends a quadrature rule on a part, composed of rules on simplices. Weights are positive, and points lie inside
+    /// the part.
     pub fn part_quadrature(
         &self,
         background: &SimplexMesh<D>,
@@ -186,7 +184,7 @@ impl<const D: usize> CutMesh<D> {
         &self.interface
     }
 
-    /// Interior faces, once per pair of parts that share fluid on them, in the order of faces.
+    /// Part faces, in the order of the faces of the background.
     pub fn part_faces(&self) -> &[PartFace] {
         &self.part_faces
     }
@@ -203,7 +201,7 @@ impl<const D: usize> CutMesh<D> {
 
     /// Volume of the fluid.
     pub fn fluid_volume(&self) -> f64 {
-        // Round-off of many equal cells would add up: it is summed by itself (Neumaier).
+        // Compensated summation (Neumaier), since errors of many equal cells would add up.
         let (mut sum, mut lost) = (0.0_f64, 0.0);
         for &volume in &self.part_to_volume {
             let next = sum + volume;
@@ -213,12 +211,12 @@ impl<const D: usize> CutMesh<D> {
         sum + lost
     }
 
-    /// Counts and qualities of the cut.
+    /// Counts and quality measures of the cut.
     pub fn report(&self) -> &CutReport {
         &self.report
     }
 
-    /// Volume that a part of this cut has in common with a part of another cut of the same background.
+    /// Computes the common volume of a part of this cut and a part of another cut of the same background.
     pub fn overlap_volume(&self, background: &SimplexMesh<D>, part: PartId, other: &Self, other_part: PartId) -> f64 {
         if self.part_cell(part) != other.part_cell(other_part) {
             return 0.0;
@@ -237,7 +235,7 @@ impl<const D: usize> CutMesh<D> {
     }
 }
 
-/// Volume common to two positively oriented simplices.
+/// Computes the common volume of two positively oriented simplices.
 fn simplex_overlap<const D: usize>(a: &[Point<D>], b: &[Point<D>]) -> f64 {
     for k in 0..D {
         let range = |s: &[Point<D>]| {
@@ -249,7 +247,7 @@ fn simplex_overlap<const D: usize>(a: &[Point<D>], b: &[Point<D>]) -> f64 {
         }
     }
     let Some(gradients) = mesh::Simplex::new(b).barycentric_gradients() else { return 0.0 };
-    // Inside `b` the barycentric coordinate of every corner is positive.
+    // Inside `b`, all barycentric coordinates are positive.
     let mut planes = [(Vector::zeros(), Point::zeros()); 4];
     for (corner, plane) in planes[..=D].iter_mut().enumerate() {
         *plane = (-gradients[corner], b[(corner + 1) % (D + 1)]);
@@ -259,7 +257,7 @@ fn simplex_overlap<const D: usize>(a: &[Point<D>], b: &[Point<D>]) -> f64 {
     volume_behind(corners, &planes[..=D])
 }
 
-/// Volume of what a simplex has behind planes, each with a normal and a point.
+/// Computes the volume of the part of a simplex behind all planes, each given by a normal and a point.
 fn volume_behind<const D: usize>(corners: [Point<D>; 4], planes: &[(Vector<D>, Point<D>)]) -> f64 {
     let Some(((normal, origin), others)) = planes.split_first() else {
         return mesh::Simplex::new(&corners[..=D]).volume().max(0.0);
@@ -267,8 +265,8 @@ fn volume_behind<const D: usize>(corners: [Point<D>; 4], planes: &[(Vector<D>, P
     volume_behind_one(corners, corners.map(|x| normal.dot(&(x - origin))), others)
 }
 
-/// The same from the signed distances to the first plane. Edges that it crosses are divided there, until none is left: with
-/// simplices only, signs that round-off makes up are those of some plane.
+/// Computes the same, given the signed distances of the corners from the first plane. Recursively divides edges that cross
+/// the plane, so that all pieces are simplices; the result is then the exact volume for some perturbed plane.
 fn volume_behind_one<const D: usize>(
     corners: [Point<D>; 4],
     distances: [f64; 4],
@@ -300,7 +298,7 @@ fn volume_behind_one<const D: usize>(
 }
 
 impl<const D: usize> InterfacePiece<D> {
-    /// Adds the simplices of a fan over a convex piece of a facet; those without area are left out.
+    /// Adds the simplices of a fan over a convex piece of a facet, except those without area.
     pub(crate) fn push_fan(
         cell: CellId,
         part: PartId,
@@ -320,7 +318,7 @@ impl<const D: usize> InterfacePiece<D> {
     }
 }
 
-/// Calls `visit` with the corners of each simplex of a fan over a convex face; simplices without area are left out.
+/// Calls `visit` with the corners of each simplex of a fan over a convex face, except those without area.
 pub(crate) fn for_each_face_simplex<const D: usize>(polygon: &[Point<D>], mut visit: impl FnMut([Point<D>; 3])) {
     for_each_fan_simplex::<D>(polygon.len(), |at| {
         let corners = at.map(|k| k.map_or(Point::zeros(), |k| polygon[k]));
@@ -330,7 +328,7 @@ pub(crate) fn for_each_face_simplex<const D: usize>(polygon: &[Point<D>], mut vi
     });
 }
 
-/// Calls `visit` with the `D` corners (numbers) of each simplex of a fan over a convex face.
+/// Calls `visit` with the `D` corner indices of each simplex of a fan over a convex face.
 #[inline]
 fn for_each_fan_simplex<const D: usize>(n_corners: usize, mut visit: impl FnMut([Option<usize>; 3])) {
     for k in 1..(n_corners + 2).saturating_sub(D) {
@@ -338,7 +336,7 @@ fn for_each_fan_simplex<const D: usize>(n_corners: usize, mut visit: impl FnMut(
     }
 }
 
-/// Measure of a convex face.
+/// Computes the measure of a convex face.
 pub(crate) fn measure<const D: usize>(polygon: &[Point<D>]) -> f64 {
     let mut sum = 0.0;
     for_each_face_simplex(polygon, |corners| sum += simplex_measure(&corners[..D]));
@@ -349,7 +347,7 @@ pub(crate) fn measure<const D: usize>(polygon: &[Point<D>]) -> f64 {
 mod tests {
     use super::*;
 
-    /// Simplices with corners on few lines and planes but for round-off: slivers of all kinds.
+    /// Checks simplices whose corners lie on a few lines and planes up to round-off: slivers of all kinds.
     fn check_slivers<const D: usize>() {
         let mut state = 7_u64;
         let mut random = |n: u64| {
@@ -383,7 +381,7 @@ mod tests {
     }
 
     #[test]
-    fn overlaps_of_slivers_are_theirs_at_most() {
+    fn overlaps_of_slivers_are_not_larger_than_the_slivers() {
         check_slivers::<2>();
         check_slivers::<3>();
     }

@@ -1,29 +1,29 @@
-//! How the parts of neighbouring cells meet on the faces of the background.
+//! Connection of parts on the faces of the background.
 
 use mesh::{CellId, FacetId, Point, Vector, simplex_measure};
 
 use crate::cell::{CellCut, FaceView, Kept};
 use crate::clip::{Points, face_difference, face_overlap};
 use crate::cut_mesh::{for_each_face_simplex, measure};
+use crate::cutting::Cutting;
 use crate::exact::Plane;
-use crate::overlay::Cutting;
 use crate::{BoundaryPiece, CellState, CutMesh, InterfacePiece, PartFace, PartId};
 
 /// The faces of the background with the cells that were cut.
 pub(crate) struct Faces<'a, const D: usize> {
     cutting: &'a Cutting<'a, D>,
-    /// Faces of the touched cells.
+    /// Faces of the touched cells, as seen from them.
     views: Vec<[FaceView; 4]>,
 }
 
 impl<'a, const D: usize> Faces<'a, D> {
-    /// With what was kept of the touched cells.
+    /// Collects the faces of the touched cells.
     pub(crate) fn new(cutting: &'a Cutting<'a, D>, kept: &[&Kept<D>]) -> Self {
         let views = kept.iter().flat_map(|kept| kept.cells.iter().map(|cell| cell.faces)).collect();
         Self { cutting, views }
     }
 
-    /// Adds part faces, wet boundary, and the interface on faces. Cells are cut again in `sides`.
+    /// Adds part faces, wet boundary, and the interface on faces. Where needed, cells are cut again in `sides`.
     pub(crate) fn add_to(&self, cut: &mut CutMesh<D>, sides: &mut [CellCut<D>; 2]) {
         let n_inside = cut.interface.len();
         self.add_faces(cut, sides);
@@ -32,7 +32,7 @@ impl<'a, const D: usize> Faces<'a, D> {
         aligned.sort_unstable();
         aligned.dedup();
         cut.report.n_aligned_facets = aligned.len();
-        // These pieces were found face by face.
+        // Restores the order of cells, since these pieces were added face by face.
         if cut.report.n_aligned_pieces > 0 {
             cut.interface.sort_by_key(|piece| (piece.cell, piece.body, piece.facet));
         }
@@ -54,7 +54,7 @@ impl<'a, const D: usize> Faces<'a, D> {
             }
             match cells.map(|cell| self.view(cut, cell, facet)) {
                 [FaceView::Dry, FaceView::Dry] => {}
-                // Without facets on the face, two single parts share all of it.
+                // Without facets on the face, the only part on each side shares all of it.
                 [FaceView::Wet(a, measure), FaceView::Wet(b, _)] => {
                     let parts = [PartId(a), PartId(b)];
                     cut.part_faces.push(PartFace { facet, parts, measure, is_ghost: is_ghost(cut, cells) });
@@ -64,7 +64,7 @@ impl<'a, const D: usize> Faces<'a, D> {
         }
     }
 
-    /// Adds a face between cells that no facet touches: all of it is wet, or nothing.
+    /// Adds a face between untouched cells, which is wet or dry as a whole.
     fn add_untouched(&self, cut: &mut CutMesh<D>, facet: FacetId, cells: [CellId; 2]) {
         if cells.iter().all(|&cell| cut.cell_state(cell) == CellState::Fluid) {
             let parts = cells.map(|cell| PartId(cut.cell_to_part[cell.index()]));
@@ -73,7 +73,7 @@ impl<'a, const D: usize> Faces<'a, D> {
         }
     }
 
-    /// A face as seen from a cell, with the part numbered among all.
+    /// Returns a face as seen from a cell, with the global number of the part.
     fn view(&self, cut: &CutMesh<D>, cell: CellId, facet: FacetId) -> FaceView {
         let background = self.cutting.planes.background;
         let first_part = cut.cell_to_part[cell.index()];
@@ -87,7 +87,7 @@ impl<'a, const D: usize> Faces<'a, D> {
         }
     }
 
-    /// The number of a face within one of its cells.
+    /// Returns the local number of a face in one of its cells.
     fn local(&self, cell: CellId, facet: FacetId) -> usize {
         self.cutting.planes.background.cell_to_facet(cell).iter().position(|&f| f == facet).unwrap_or(0)
     }
@@ -101,7 +101,7 @@ impl<'a, const D: usize> Faces<'a, D> {
         points
     }
 
-    /// One side of a face with all its pieces.
+    /// Cuts the cell on one side of a face again.
     fn cut_side(&self, cut: &CutMesh<D>, cell: CellId, side: &mut CellCut<D>) {
         match self.cutting.touched.position(cell) {
             Some(k) => side.cut(self.cutting, k),
@@ -128,7 +128,7 @@ impl<'a, const D: usize> Faces<'a, D> {
         }
     }
 
-    /// Pairs the pieces of an interior face seen from its two cells: fluid on both sides joins two parts, fluid on one
+    /// Intersects the pieces of an interior face on its two sides: fluid on both sides connects two parts, fluid on one
     /// side is interface.
     fn join(&self, cut: &mut CutMesh<D>, facet: FacetId, cells: [CellId; 2], sides: &mut [CellCut<D>; 2]) {
         cells.iter().zip(sides.iter_mut()).for_each(|(&cell, side)| self.cut_side(cut, cell, side));
@@ -160,8 +160,8 @@ impl<'a, const D: usize> Faces<'a, D> {
         }
     }
 
-    /// Interface on a face of the background: fluid in cell `side`, a body in the cell `beyond`, or a layer of fluid too
-    /// thin to count and then the body.
+    /// Adds interface on a face of the background: fluid in cell `side`; in the cell `beyond` a body, or a layer of fluid
+    /// that is left out in front of a body.
     fn add_interface(
         &self,
         cut: &mut CutMesh<D>,
@@ -204,23 +204,23 @@ impl<'a, const D: usize> Faces<'a, D> {
     }
 }
 
-/// How far from a face a facet in front of a layer of no thickness may lie, in thicknesses: a layer may be thicker at
-/// one end.
+/// Largest distance from a face of a facet behind a layer that is left out, in units of the tolerance. A layer may be
+/// thicker at one end.
 const REACH: f64 = 16.0;
 
-/// An interior face of the background while the parts on its two sides are joined.
+/// An interior face of the background, with the parts on its two sides.
 struct SharedFace<const D: usize> {
     facet: FacetId,
     cells: [CellId; 2],
-    /// Out of the first cell.
+    /// Unit normal, out of the first cell.
     normal: Vector<D>,
     is_ghost: bool,
-    /// Number of part faces before this face.
+    /// Index of the first part face on this face.
     first: usize,
 }
 
 impl<const D: usize> SharedFace<D> {
-    /// Adds to what two parts share on the face.
+    /// Adds to the measure that two parts share.
     fn add(&self, cut: &mut CutMesh<D>, parts: [PartId; 2], measure: f64) {
         match cut.part_faces[self.first..].iter_mut().find(|face| face.parts == parts) {
             Some(face) => face.measure += measure,

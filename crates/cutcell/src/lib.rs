@@ -1,42 +1,44 @@
-//! Cutting a simplicial background mesh by the explicit, moving, closed surfaces of any number of bodies.
+//! Cuts of a simplicial background mesh by the closed, moving surfaces of any number of bodies.
 //!
 //! # Definitions
-//! - *Fluid* is the background without the union of the bodies. A body is what its surface encloses; a place that a
-//!   surface encloses twice is inside once.
+//! - A *body* is the region enclosed by its surface, also where the surface encloses it more than once. *Fluid* is the
+//!   background without the union of the bodies.
 //! - A background cell is in the state [`CellState::Fluid`] (untouched), [`CellState::Covered`] (inside the
 //!   bodies) or [`CellState::Cut`].
-//! - A *fluid part* ([`PartId`]) is one connected piece of fluid inside one cell. An uncut fluid cell has exactly
-//!   one part; a cell crossed by a thin body has two or more. Parts are made of convex pieces ([`Polytope`]); the
-//!   covered pieces of cut cells are the solid side.
-//! - An *interface piece* ([`InterfacePiece`]) is a piece of a body's facet with fluid in front of it; it knows its
-//!   cell, part, body and facet. Where several bodies share a facet, one of them owns the piece.
-//! - A *part face* ([`PartFace`]) is an interior face of the background seen by one pair of parts that share fluid
-//!   on it; next to a cut cell it is a *ghost face*.
+//! - A *fluid part* ([`PartId`]) is a connected component of the fluid inside one cell. An uncut fluid cell has exactly
+//!   one part; a cell crossed by a thin body has two or more. A part of a cut cell is a union of convex pieces
+//!   ([`Polytope`]). The bodies' side of the cut is given by the covered pieces of cut cells.
+//! - An *interface piece* ([`InterfacePiece`]) is a piece of a body's facet with fluid in front of it; it stores its
+//!   cell, part, body and facet. If several bodies share a facet, the piece belongs to one of them.
+//! - A *part face* ([`PartFace`]) is the wet portion of an interior face of the background that two parts share. Next to
+//!   a cut cell, it is a *ghost face*.
 //!
-//! A disk and a thin bar in a box of triangles, and the fluid parts of tetrahedra behind a turned cube, drawn apart:
+//! Fluid parts of a box of triangles with a disk and a thin bar, and of tetrahedra around a rotated cube (exploded view):
 //!
 #![doc = concat!("<div>\n", include_str!("../../../docs/src/images/cut-mesh-plane.svg"), "</div>\n")]
 #![doc = concat!("<div>\n", include_str!("../../../docs/src/images/cut-mesh-space.svg"), "</div>\n")]
 //!
-//! # How it works
-//! Every cell that facets touch is divided by the planes of those facets into convex pieces, a plane only through the
-//! pieces that its facet runs through: a tree of planes per cell. A piece of a facet that reaches a node of the tree
-//! lies on it; what reaches a leaf divides it. Walls between leaves follow from the tree, the number of bodies around
-//! each leaf from the facets on the walls, starting at one leaf where crossings are counted.
+//! # Algorithm
+//! Every cell that facets touch is divided into convex pieces by the planes of these facets. A plane divides only the
+//! pieces that its facet crosses, so the division is a binary tree of planes per cell. Facets are inserted one after the
+//! other: a piece of a facet descends to the leaves that it crosses, and divides them. Walls between leaves follow from
+//! the tree. The number of bodies around a leaf is computed for one leaf by counting crossings, and for the others from
+//! the facets on the walls.
 //!
 //! # Accuracy
-//! - Every decision is exact: on which side of a plane a corner lies is a rational number of the input, decided with
-//!   exact arithmetic where rounding leaves a doubt. There is no tolerance, no shifting of points, and neighbouring
-//!   cells agree.
-//! - Coordinates of corners are exact points rounded: parts and covered pieces of a cell add up to its volume, and
-//!   pieces of a facet to the facet, up to the round-off of the coordinates.
-//! - Coordinates of surfaces below 1e-60 count as zero, those beyond [`FARTHEST`] times the background are refused: products
-//!   stay in the range of numbers.
-//! - Weights of quadrature rules are positive and points lie inside their part.
+//! - Every geometric decision is exact: the side of a plane on which a corner lies is the sign of a rational function of
+//!   the input, evaluated with exact arithmetic if rounding makes it uncertain. No tolerance is used, no point is moved,
+//!   and neighbouring cells agree.
+//! - Coordinates of corners are exact points, rounded. The volumes of parts and covered pieces add up to that of the cell,
+//!   and the measures of the pieces of a facet to that of the facet, up to the round-off of the coordinates.
+//! - Coordinates of surfaces below 1e-60 are set to zero, and those beyond [`FARTHEST`] times the background are errors,
+//!   so that products do not overflow or underflow.
+//! - Weights of quadrature rules are positive, and points lie inside their part.
 //! - Fluid parts thinner than [`OverlayOptions::relative_tolerance`] cell sizes are left out, and the facets behind them
-//!   border the next cell: bodies this close touch, and a facet this close to a face of the background lies on it.
-//! - Surfaces that are open, non-manifold, turned inwards, self-intersecting or not finite are refused with the place
-//!   where they are ([`Error`]). A cell whose cut looks wrong can be kept as a [`Capsule`].
+//!   belong to the neighbouring cell. Bodies at such a distance touch each other, and facets at such a distance from a
+//!   face of the background lie on it.
+//! - Surfaces that are open, non-manifold, oriented inwards, self-intersecting or not finite are errors with their
+//!   location ([`Error`]). A cell can be stored as a [`Capsule`] to reproduce a defect.
 //!
 //! ```
 //! use cutcell::{CutMesh, OverlayOptions};
@@ -50,29 +52,31 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod build;
 mod capsule;
 mod cell;
 mod classify;
 mod clip;
 mod cut_mesh;
+mod cutter;
+mod cutting;
 mod error;
 mod exact;
 mod faces;
-mod overlay;
+mod options;
 mod report;
 mod soundness;
 mod surface;
 mod touched;
 mod tree;
-mod workspace;
 
 pub use capsule::Capsule;
 pub use clip::{FaceLabel, Polytope};
 pub use cut_mesh::{BoundaryPiece, CellState, CutMesh, InterfacePiece, PartFace, PartId};
+pub use cutter::{Cutter, OverlayTimes};
 pub use error::Error;
-pub use overlay::OverlayOptions;
+pub use options::OverlayOptions;
 pub use report::{CutReport, SLIVER};
 pub use soundness::FARTHEST;
-pub use workspace::{OverlayTimes, Workspace};
 
 pub use mesh;

@@ -1,9 +1,9 @@
-//! What an overlay found.
+//! Counts and quality measures of a cut.
 
-/// Fraction of its cell below which a fluid part is called a sliver.
+/// Fraction of the volume of the cell below which a fluid part is a sliver.
 pub const SLIVER: f64 = 1e-6;
 
-/// Counts and qualities of a cut; nothing in here is an error.
+/// Counts and quality measures of a cut. No value indicates an error.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CutReport {
     /// Cells in the state `Fluid`.
@@ -14,16 +14,16 @@ pub struct CutReport {
     pub n_covered_cells: usize,
     /// Largest number of fluid parts in one cell.
     pub max_parts: usize,
-    /// Smallest ratio of the volume of a part to the volume of its cell; one if nothing is cut.
+    /// Smallest ratio of the volume of a part to the volume of its cell; one if no cell is cut.
     pub smallest_fraction: f64,
-    /// Fluid parts smaller than [`SLIVER`] of their cell.
+    /// Fluid parts smaller than [`SLIVER`] times their cell.
     pub n_slivers: usize,
     /// Fluid parts left out because they are too thin, see [`crate::OverlayOptions::relative_tolerance`].
     pub n_left_out: usize,
-    /// Facets with an interface piece on a face of the background.
+    /// Facets with interface pieces on faces of the background.
     pub n_aligned_facets: usize,
     /// Interface pieces on faces of the background.
     pub n_aligned_pieces: usize,
-    /// Measure of faces between fluid and body that no facet covers; zero up to round-off for sound input.
+    /// Measure of faces between fluid and body without a facet; zero up to round-off for valid input.
     pub uncovered_measure: f64,
 }

@@ -1,16 +1,16 @@
-//! Whether surfaces bound bodies.
+//! Checks that surfaces bound bodies.
 
 use std::collections::HashMap;
 
 use mesh::search::SurfaceIndex;
-use mesh::{BodyId, FacetId, Placed, Point, VertexId};
+use mesh::{Aabb, BodyId, FacetId, Placed, Point, VertexId};
 use rayon::prelude::*;
 
 use crate::Error;
 use crate::exact::{HalfSpace, is_degenerate, pierces};
 
-/// How much larger than those of the background coordinates of a surface may be. A facet that large is known to as many
-/// digits less.
+/// Largest ratio of the coordinates of a surface to those of the background. The relative accuracy of a facet decreases in
+/// proportion.
 pub const FARTHEST: f64 = 1e9;
 
 fn in_space<const D: usize>(x: &Point<D>) -> [f64; 3] {
@@ -19,17 +19,16 @@ fn in_space<const D: usize>(x: &Point<D>) -> [f64; 3] {
     point
 }
 
-/// Refuses surfaces that do not bound a body.
+/// Checks that a surface bounds a body.
 ///
 /// # Errors
-/// Surfaces that are empty, open, non-manifold, turned inwards, or have coordinates that are not finite or beyond a limit.
+/// The surface is empty, open, non-manifold or oriented inwards, or has coordinates that are not finite or beyond a limit.
 pub(crate) fn check_surface<const D: usize>(body: BodyId, surface: &Placed<'_, D>, limit: f64) -> Result<(), Error> {
     let boundary = surface.boundary();
     if boundary.n_facets() == 0 {
         return Err(Error::Empty { body });
     }
-    // A rim is a facet without one of its vertices; the surface is closed when every rim is seen once from either
-    // side.
+    // A rim is a facet without one of its vertices. The surface is closed if every rim occurs once in each direction.
     let mut rims: HashMap<[VertexId; 2], (i32, u32, FacetId)> = HashMap::with_capacity(boundary.n_facets() * 2);
     for facet in boundary.facets() {
         let vertices = boundary.facet(facet);
@@ -69,7 +68,7 @@ pub(crate) fn check_surface<const D: usize>(body: BodyId, surface: &Placed<'_, D
             Error::Open { body, facet, vertex, point }
         });
     }
-    let volume = surface.enclosed_volume();
+    let volume = surface.enclosed().volume;
     if volume < 0.0 {
         let (facet, point) = outermost(surface);
         return Err(Error::Inward { body, facet, point, volume });
@@ -77,8 +76,8 @@ pub(crate) fn check_surface<const D: usize>(body: BodyId, surface: &Placed<'_, D
     Ok(())
 }
 
-/// The facet that looks most along the first axis among those at the farthest vertex that way, and that vertex: if the
-/// surface is turned inwards, this facet shows it.
+/// Returns the vertex farthest along the first axis, and among its facets the one with the normal closest to that axis. If
+/// the surface is oriented inwards, so is this facet.
 fn outermost<const D: usize>(surface: &Placed<'_, D>) -> (FacetId, [f64; 3]) {
     let mut found = (FacetId(0), Point::<D>::repeat(f64::NEG_INFINITY), 0.0);
     for facet in surface.boundary().facets() {
@@ -92,10 +91,10 @@ fn outermost<const D: usize>(surface: &Placed<'_, D>) -> (FacetId, [f64; 3]) {
     (found.0, in_space(&found.1))
 }
 
-/// How deep a surface may run into itself, as a fraction of its size.
+/// Depth up to which a surface may intersect itself, as a fraction of its size.
 const DEPTH: f64 = 1e-9;
 
-/// Refuses surfaces in which a rim of one facet pierces another facet.
+/// Checks that no side of a facet pierces another facet.
 ///
 /// # Errors
 /// [`Error::SelfIntersection`] for the first facet that is pierced.
@@ -114,7 +113,7 @@ pub(crate) fn check_self_intersections<const D: usize>(body: BodyId, surface: &P
         .map_or(Ok(()), |(facet, other, point)| Err(Error::SelfIntersection { body, facet, other, point }))
 }
 
-/// A facet, the first one that pierces it by more than a depth, and where about; `near` is memory.
+/// Returns the facet, the first facet that pierces it by more than `depth`, and the location; `near` is a buffer.
 fn piercing<const D: usize>(
     surface: &Placed<'_, D>,
     index: &SurfaceIndex<D>,
@@ -127,9 +126,8 @@ fn piercing<const D: usize>(
     if is_degenerate(points) {
         return None;
     }
-    let (low, high) = points.iter().fold((points[0], points[0]), |(low, high), x| (low.inf(x), high.sup(x)));
     let plane = HalfSpace::through(points);
-    index.facets_overlapping(&low, &high, near);
+    index.facets_overlapping(&Aabb::of_points(points), near);
     for &other in near.iter().filter(|&&other| other != facet) {
         let vertices = boundary.facet(other);
         // A segment has one side, a triangle three.
@@ -148,5 +146,5 @@ fn piercing<const D: usize>(
     None
 }
 
-/// Facets that a thread looks at in one go, at least.
+/// Smallest number of facets that a thread checks at once.
 const FACETS_PER_CHUNK: usize = 128;

@@ -1,15 +1,15 @@
-//! All facets of all surfaces of an overlay, checked.
+//! The facets of all surfaces of an overlay.
 
-use mesh::{BodyId, FacetId, Placed, Point, SimplexMesh, Vector};
+use mesh::{Aabb, BodyId, FacetId, Placed, Point, SimplexMesh, Vector};
 
 use crate::exact::{HalfSpace, is_degenerate};
 use crate::soundness::{FARTHEST, check_self_intersections, check_surface};
 use crate::{Error, OverlayOptions};
 
-/// Square of the sine of an angle of a triangle below which two of its sides do not tell where a point is.
+/// Square of the sine of an angle of a triangle below which its sides are treated as parallel.
 const NEEDLE: f64 = 1e-12;
 
-/// Smaller coordinates are zero: products of three of them would leave the range of numbers.
+/// Smaller coordinates are set to zero, since products of three of them would underflow.
 const SMALLEST: f64 = 1e-60;
 
 fn flushed<const D: usize>(x: &Point<D>) -> Point<D> {
@@ -29,19 +29,18 @@ pub(crate) struct Facet<const D: usize> {
     pub(crate) body: BodyId,
     pub(crate) id: FacetId,
     points: [Point<D>; 4],
-    /// Numbers of the corners among the vertices of all surfaces.
+    /// Indices of the corners among the vertices of all surfaces.
     pub(crate) vertices: [u32; 3],
     /// Unit normal, out of the body.
     pub(crate) normal: Vector<D>,
     pub(crate) plane: HalfSpace<D>,
-    /// Upright planes through the rims, see [`crate::exact::Plane::rim`].
+    /// Planes through the sides, normal to the facet, see [`crate::exact::Plane::rim`].
     pub(crate) rims: [HalfSpace<D>; 3],
-    pub(crate) low: Point<D>,
-    pub(crate) high: Point<D>,
+    pub(crate) bounds: Aabb<D>,
 }
 
 impl<const D: usize> Facet<D> {
-    /// A facet with its `D` corners and their numbers among the vertices of all surfaces.
+    /// Creates a facet from its `D` corners and their indices among the vertices of all surfaces.
     pub(crate) fn new(body: BodyId, id: FacetId, corners: &[Point<D>], vertices: [u32; 3]) -> Self {
         let mut points = [Point::zeros(); 4];
         for (slot, x) in points.iter_mut().zip(corners) {
@@ -50,31 +49,27 @@ impl<const D: usize> Facet<D> {
         let corners = &points[..D];
         let plane = HalfSpace::through(corners);
         let normal = plane.normal;
-        let (mut low, mut high) = (points[0], points[0]);
-        for x in corners {
-            low = low.inf(x);
-            high = high.sup(x);
-        }
+        let bounds = Aabb::of_points(corners);
         let rims = std::array::from_fn(|k| HalfSpace::through(&rim_points(corners, &normal, k % D)[..D]));
-        Self { body, id, points, vertices, normal, plane, rims, low, high }
+        Self { body, id, points, vertices, normal, plane, rims, bounds }
     }
 
     pub(crate) fn points(&self) -> &[Point<D>] {
         &self.points[..D]
     }
 
-    /// Points of the upright plane through a rim; the first `D` count. All of them are points to take as they are.
+    /// Points that define the plane through a rim, exactly; only the first `D` are used.
     pub(crate) fn rim_points(&self, local: usize) -> [Point<D>; 3] {
         rim_points(self.points(), &self.normal, local)
     }
 
-    /// A point on the facet with its place there.
+    /// Returns a point on the facet with its barycentric coordinates.
     pub(crate) fn point(&self, x: Point<D>) -> FacetPoint<D> {
         let [a, b, c, _] = self.barycentric(&x);
         FacetPoint { x, barycentric: [a, b, c] }
     }
 
-    /// Barycentric coordinates on the facet of a point on it.
+    /// Computes the barycentric coordinates of a point on the facet.
     fn barycentric(&self, x: &Point<D>) -> [f64; 4] {
         let origin = self.points[0];
         let r = x - origin;
@@ -93,7 +88,7 @@ impl<const D: usize> Facet<D> {
                     let (l1, l2) = ((ra * bb - rb * ab) / det, (rb * aa - ra * ab) / det);
                     coordinates[..3].copy_from_slice(&[1.0 - l1 - l2, l1, l2]);
                 } else {
-                    // As wide as round-off: its longest side stands for it.
+                    // The width is round-off: the longest side represents the facet.
                     let length = |k: usize| (self.points[(k + 1) % 3] - self.points[k]).norm_squared();
                     let k = (1..3).fold(0, |longest, k| if length(k) > length(longest) { k } else { longest });
                     let side = self.points[(k + 1) % 3] - self.points[k];
@@ -107,10 +102,10 @@ impl<const D: usize> Facet<D> {
     }
 }
 
-/// Collects the facets of all surfaces that have an area, in the order of bodies and facets.
+/// Collects the facets of positive measure of all surfaces, in the order of bodies and facets.
 ///
 /// # Errors
-/// Surfaces that are refused, see [`Error`].
+/// Invalid surfaces, see [`Error`].
 pub(crate) fn collect<const D: usize>(
     background: &SimplexMesh<D>,
     surfaces: &[Placed<'_, D>],
@@ -145,7 +140,7 @@ pub(crate) fn collect<const D: usize>(
 
 fn rim_points<const D: usize>(points: &[Point<D>], normal: &Vector<D>, local: usize) -> [Point<D>; 3] {
     let (a, b) = (points[local], points[(local + 1) % D]);
-    // As far away as the facet is large, but not so near that round-off turns the plane.
+    // The distance is the size of the facet, but large enough that round-off does not turn the plane.
     let tip = a + normal * (points[1] - points[0]).norm().max(1e-6 * a.amax());
     let mut through = [Point::zeros(); 3];
     match (D, local) {

@@ -1,4 +1,4 @@
-//! The broad phase: which cells a facet may touch.
+//! Broad phase: the cells that facets may touch.
 
 use mesh::{CellId, SimplexMesh};
 use rayon::prelude::*;
@@ -15,7 +15,7 @@ pub(crate) struct TouchedCells {
 }
 
 const UNTOUCHED: u32 = u32::MAX;
-/// Facets that a thread looks at in one go.
+/// Number of facets that a thread processes at once.
 const FACETS_PER_CHUNK: usize = 128;
 
 impl TouchedCells {
@@ -35,14 +35,14 @@ impl TouchedCells {
         let pairs_of = |(chunk, facets): (usize, &[Facet<D>])| {
             let (mut pairs, mut near) = (Vec::new(), Vec::new());
             for (k, facet) in facets.iter().enumerate() {
-                index.cells_overlapping(&facet.low, &facet.high, &mut near);
+                index.cells_overlapping(&facet.bounds, &mut near);
                 let number = (chunk * FACETS_PER_CHUNK + k) as u32;
                 pairs.extend(near.iter().filter(|&&cell| touches(facet, cell)).map(|&cell| (cell, number)));
             }
             pairs
         };
         let found: Vec<Vec<(CellId, u32)>> = facets.par_chunks(FACETS_PER_CHUNK).enumerate().map(pairs_of).collect();
-        // Counted first, then every facet goes to the next place of its cell: facets of a cell stay in their order.
+        // Counting sort: the facets of a cell stay in ascending order.
         let pairs = || found.iter().flatten().map(|&(cell, facet)| (cell.index(), facet));
         self.cell_to_touched.clear();
         self.cell_to_touched.resize(background.n_cells(), 0);
@@ -69,12 +69,12 @@ impl TouchedCells {
         }
     }
 
-    /// Facets of the touched cell at position `k`.
+    /// Facets that may touch the cell at position `k` of the touched cells.
     pub(crate) fn facets(&self, k: usize) -> &[u32] {
         &self.facets[self.offsets[k] as usize..self.offsets[k + 1] as usize]
     }
 
-    /// Position of a cell among the touched cells.
+    /// Position of a cell among the touched cells, if it is one.
     pub(crate) fn position(&self, cell: CellId) -> Option<usize> {
         let k = self.cell_to_touched[cell.index()];
         (k != UNTOUCHED).then_some(k as usize)

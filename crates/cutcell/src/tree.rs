@@ -1,4 +1,4 @@
-//! A cell divided by facets: a tree of planes with convex pieces as its leaves.
+//! Binary space partition of a cell by facets, with convex pieces as leaves.
 
 use mesh::{CellId, FacetId};
 use smallvec::SmallVec;
@@ -6,7 +6,7 @@ use smallvec::SmallVec;
 use crate::clip::{Piece, Place, Polygon, Polygons, Side};
 use crate::exact::{Corner, HalfSpace, Plane, Planes};
 
-/// What lies on one side of a node.
+/// The subtree on one side of a node.
 #[derive(Clone, Copy, Debug)]
 enum Child {
     Node(u32),
@@ -19,35 +19,35 @@ struct Node {
     plane: Plane,
     /// The section of the region by the plane.
     section: Polygon,
-    /// Facets with an area on the section.
+    /// Facets that cover a part of the section.
     cover: SmallVec<[Covering; 2]>,
-    /// What lies behind the plane, and in front of it.
+    /// Subtrees behind the plane and in front of it.
     children: [Child; 2],
 }
 
-/// A facet with an area on the section of a node.
+/// A facet that covers a part of the section of a node.
 #[derive(Clone, Copy, Debug)]
 struct Covering {
     facet: u32,
-    /// Bit `i`: rim `i` of the facet bounds that area. The others lie beyond the section and do not divide it.
+    /// Bit `i`: rim `i` of the facet bounds the covered part. The other rims do not divide the section.
     rims: u8,
 }
 
-/// A binary space partition of a cell, a plane only where its facet is. All decisions are exact.
+/// A binary space partition of a cell. A plane divides only the regions that its facet crosses. All decisions are exact.
 #[derive(Clone, Debug)]
 pub(crate) struct Tree<const D: usize> {
     nodes: Vec<Node>,
     leaves: Vec<Piece<D>>,
-    /// Pieces to use again.
+    /// Pieces whose memory is reused.
     spare: Vec<Piece<D>>,
     root: Child,
     /// Bit `i`: a facet lies on face `i` of the cell.
     aligned: u8,
-    /// Facets that have a point in common with the closed cell, perhaps.
+    /// Facets that may have a point in common with the closed cell.
     near: Vec<u32>,
 }
 
-/// Where two leaves touch: a polygon between the one behind it and the one in front of it.
+/// A polygon between two leaves, one behind it and one in front of it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Wall {
     pub(crate) behind: u32,
@@ -59,17 +59,17 @@ pub(crate) struct Wall {
 /// Facets that lie on a wall.
 #[derive(Clone, Copy, Default, Debug)]
 pub(crate) struct Cover {
-    /// Bodies behind the wall less bodies in front of it, through these facets.
+    /// Number of bodies behind the wall minus number in front of it, due to these facets.
     pub(crate) step: i32,
     /// The first facet whose normal points to the front, and the first one whose normal points to the back.
     pub(crate) first: [Option<u32>; 2],
 }
 
-/// What is called for each leaf that a polygon touches.
+/// Callback for each leaf that a polygon touches.
 type Visit<'a, const D: usize> = &'a mut dyn FnMut(&mut Polygons<D>, usize, Polygon);
 
 impl<const D: usize> Tree<D> {
-    /// A tree without leaves.
+    /// Creates a tree without leaves.
     pub(crate) fn new() -> Self {
         Self {
             nodes: Vec::new(),
@@ -94,7 +94,7 @@ impl<const D: usize> Tree<D> {
         }
     }
 
-    /// Makes the cell the only leaf.
+    /// Resets the tree to the cell as the only leaf.
     pub(crate) fn set_whole(&mut self, planes: &Planes<'_, D>, cell: CellId) {
         self.nodes.clear();
         self.spare.append(&mut self.leaves);
@@ -116,7 +116,7 @@ impl<const D: usize> Tree<D> {
         self.aligned >> face & 1 == 1
     }
 
-    /// Facets without any that have no point in common with the closed cell beyond doubt.
+    /// The inserted facets, without those that certainly have no point in common with the closed cell.
     pub(crate) fn near(&self) -> &[u32] {
         &self.near
     }
@@ -125,7 +125,7 @@ impl<const D: usize> Tree<D> {
         &self.leaves
     }
 
-    /// Divides the leaves below `at` that a piece of a facet runs through.
+    /// Divides the leaves below `at` that a piece of a facet crosses; returns the new subtree.
     fn insert(
         &mut self,
         planes: &Planes<'_, D>,
@@ -184,7 +184,7 @@ impl<const D: usize> Tree<D> {
         self.nodes[node].children[side] = self.insert(planes, polygons, child, facet, polygon);
     }
 
-    /// All walls between leaves, in the place of `walls`.
+    /// Replaces `walls` by all walls between leaves.
     pub(crate) fn find_walls(&self, planes: &Planes<'_, D>, polygons: &mut Polygons<D>, walls: &mut Vec<Wall>) {
         walls.clear();
         for node in &self.nodes {
@@ -199,7 +199,8 @@ impl<const D: usize> Tree<D> {
         }
     }
 
-    /// Divides the section of a node into what facets cover and what they do not.
+    /// Divides the section of a node along the boundaries of its facets; calls `visit` with each piece and the facets
+    /// that cover it.
     fn for_each_cover(
         &self,
         planes: &Planes<'_, D>,
@@ -243,7 +244,7 @@ impl<const D: usize> Tree<D> {
         }
     }
 
-    /// Divides a polygon among the leaves that it touches, from one side.
+    /// Divides a polygon among the leaves that it touches; where it lies on a dividing plane, the leaves behind that plane.
     pub(crate) fn locate(
         &self,
         planes: &Planes<'_, D>,
@@ -280,7 +281,7 @@ impl<const D: usize> Tree<D> {
     }
 }
 
-/// A facet as a polygon.
+/// Adds a facet as a polygon.
 fn add_facet<const D: usize>(planes: &Planes<'_, D>, polygons: &mut Polygons<D>, facet: u32) -> Polygon {
     let plane = Plane::facet(facet);
     let of = &planes.facets[facet as usize];
@@ -314,7 +315,7 @@ fn cell_walls<const D: usize>(planes: &Planes<'_, D>, cell: CellId) -> CellWalls
     background.cell_to_facet(cell).iter().enumerate().map(wall).collect()
 }
 
-/// Walls that a facet may cross or touch; `None` if all of it lies strictly beyond one of them.
+/// Returns the walls that a facet may cross or touch, or `None` if it lies strictly beyond one of them.
 fn crossed_walls<'w, const D: usize>(
     planes: &Planes<'_, D>,
     walls: &'w [CellWall<D>],
@@ -339,7 +340,8 @@ fn crossed_walls<'w, const D: usize>(
     Some(crossed)
 }
 
-/// What of a facet lies within walls of a cell; notes if it lies on one instead.
+/// Clips a facet to the walls of a cell. If the facet lies on a wall, sets the bit of the wall in `aligned` and returns
+/// `None`.
 fn clip_to_cell<const D: usize>(
     planes: &Planes<'_, D>,
     polygons: &mut Polygons<D>,

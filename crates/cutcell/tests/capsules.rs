@@ -1,4 +1,4 @@
-//! Cases that once failed, one cell each.
+//! Single cells that failed in earlier versions.
 
 mod identities;
 

@@ -1,5 +1,5 @@
-//! Bodies placed to make trouble: corners on vertices, edges and faces of the background, moved away by almost nothing,
-//! in 2D and 3D.
+//! Bodies in degenerate positions: corners on vertices, edges and faces of the background, or shifted from them by tiny
+//! distances, in 2D and 3D.
 
 mod cases;
 mod identities;
@@ -72,11 +72,11 @@ impl<const D: usize> Body<D> {
     }
 
     fn volume(&self) -> f64 {
-        self.placed().enclosed_volume()
+        self.placed().enclosed().volume
     }
 }
 
-/// Identities in any order of the bodies, and the volume of their union where it is known.
+/// Checks identities in every order of the bodies, and the volume of their union if it is known.
 fn check<const D: usize>(background: &SimplexMesh<D>, bodies: &[&Body<D>], union: Option<f64>) {
     let mut placed: Vec<_> = bodies.iter().map(|body| body.placed()).collect();
     let mut fluid = Vec::new();
@@ -175,8 +175,8 @@ proptest! {
 
 #[test]
 fn steep_facets_do_not_cover_a_face_that_they_touch() {
-    // The lower facet of the second body almost lies on a face of the background; the layer of fluid below it counts as
-    // nothing, and so do the needles that other facets leave in it.
+    // The lower facet of the second body is very close to a face of the background. The layer of fluid below it is left
+    // out, also where other facets cut needles from it.
     let corners = [
         [0.6666666666666666, 0.0, 0.16666666666666666],
         [0.16666666666636665, 0.16666666666666666, 0.3333333333333333],
@@ -245,8 +245,8 @@ fn a_tetrahedron_that_sticks_out_by_almost_nothing() {
     check(&grid(), &[&body], None);
 }
 
-/// The unit cube with a vertex on one of its upper edges that only one side of the edge knows, and a facet without width
-/// between the two: what is left where a mesh was repaired. `depth` is how far the vertex sticks out.
+/// The unit cube with an additional vertex on an upper edge that belongs to the facets on one side only, and a facet of zero
+/// width between the two sides, as in repaired meshes. `depth` is the distance of the vertex from the edge.
 fn cube_with_a_cap(depth: f64) -> Body<3> {
     let mut body = Body::cuboid(&Point::<3>::zeros(), &Point::repeat(1.0));
     body.positions.push(Point::<3>::new(0.4, -depth, 1.0 + depth / 3.0));

@@ -29,7 +29,7 @@ impl Polygon {
     }
 
     fn area(&self) -> f64 {
-        self.placed().enclosed_volume()
+        self.placed().enclosed().volume
     }
 }
 
@@ -38,7 +38,7 @@ fn overlay(background: &SimplexMesh<2>, bodies: &[&Polygon]) -> CutMesh<2> {
     CutMesh::overlay(background, &placed, &OverlayOptions::new()).expect("sound surfaces")
 }
 
-/// Identities, and the fluid area where the union of the bodies is known.
+/// Checks identities, and the fluid area if the union of the bodies is known.
 fn check_union(background: &SimplexMesh<2>, bodies: &[&Polygon], union: f64) {
     let cut = overlay(background, bodies);
     check_identities(background, &cut);
@@ -47,7 +47,7 @@ fn check_union(background: &SimplexMesh<2>, bodies: &[&Polygon], union: f64) {
     assert!((fluid - (domain - union)).abs() < 1e-12 * domain, "fluid {fluid}, expected {}", domain - union);
 }
 
-/// A body wholly inside: also its normals sum to zero and its whole surface is wet.
+/// Checks a body inside the background: its normals sum to zero and its whole surface is wet.
 fn check_immersed(background: &SimplexMesh<2>, body: &Polygon) {
     check_union(background, &[body], body.area());
     let cut = overlay(background, &[body]);
@@ -89,7 +89,7 @@ fn rectangle(low: P, high: P) -> Polygon {
     Polygon::new(vec![low, P::new(high[0], low[1]), high, P::new(low[0], high[1])])
 }
 
-/// Coordinates that tend to coincide with those of the grid, exactly or nearly.
+/// Coordinates that often coincide with those of the grid, exactly or nearly.
 fn nasty_coordinate() -> impl Strategy<Value = f64> {
     let shift = prop_oneof![3 => cases::shift().prop_filter("stays in the grid", |s| s.abs() < 0.1), 1 => -0.05..0.05];
     ((1..8_i32), shift).prop_map(|(k, s)| f64::from(k) / 8.0 + s)
@@ -250,8 +250,8 @@ fn several_bodies_inside_one_cell() {
 
 #[test]
 fn a_hole_filled_by_another_body() {
-    // A frame with a square hole: a polygon that walks around through a slit of zero width is not closed by our
-    // rules, so the frame is made of two Ls.
+    // A frame with a square hole. A single polygon with a slit of zero width is not a valid surface, so the frame consists
+    // of two L-shaped bodies.
     let background = unit_grid(5);
     let p = P::new;
     let lower = Polygon::new(vec![p(0.2, 0.2), p(0.8, 0.2), p(0.8, 0.8), p(0.6, 0.8), p(0.6, 0.4), p(0.2, 0.4)]);
@@ -318,7 +318,7 @@ fn overlap_volumes_of_two_cuts_add_up() {
 
 #[test]
 fn threads_do_not_change_the_result() {
-    // So many touched cells that they are divided in other ways for other numbers of threads.
+    // The number of touched cells is large enough that their division depends on the number of threads.
     let background = unit_grid(160);
     let body = star(P::new(0.5, 0.5), &[0.3; 40], 0.05);
     let run = |threads| {

@@ -80,7 +80,7 @@ fn check_immersed(background: &SimplexMesh<3>, body: &Surface) {
     let cut = overlay(background, &[body]);
     check_identities(background, &cut);
     let domain: f64 = background.cells().map(|c| background.cell_volume(c)).sum();
-    let volume = body.placed().enclosed_volume();
+    let volume = body.placed().enclosed().volume;
     assert!((cut.fluid_volume() - (domain - volume)).abs() < 1e-12 * domain, "{} {volume}", cut.fluid_volume());
     let area: f64 = cut.interface().iter().map(|p| p.measure).sum();
     let exact: f64 = body.boundary.facets().map(|f| body.placed().facet_measure(f)).sum();
@@ -160,26 +160,26 @@ fn a_thin_plate_makes_two_parts() {
 }
 
 #[test]
-fn a_workspace_gives_what_a_fresh_overlay_gives() {
+fn a_cutter_gives_what_a_fresh_overlay_gives() {
     let backgrounds = [grid(4), grid(9), grid(3)];
     let bodies = [sphere(0.6, 4), cube().moved(|x| x * 0.4), sphere(0.3, 6)];
-    let mut workspace = cutcell::Workspace::new();
+    let mut cutter = cutcell::Cutter::new();
     for (step, background) in backgrounds.iter().cycle().take(7).enumerate() {
         let shift = P::new(0.01, 0.02, -0.013) * step as f64;
         let moved: Vec<Surface> = bodies[step % 3..].iter().map(|body| body.moved(|x| x + shift)).collect();
         let placed: Vec<_> = moved.iter().map(Surface::placed).collect();
-        let cut = workspace.overlay(background, &placed, &OverlayOptions::new()).expect("sound surfaces");
+        let cut = cutter.overlay(background, &placed, &OverlayOptions::new()).expect("sound surfaces");
         assert!(
             cut == CutMesh::overlay(background, &placed, &OverlayOptions::new()).expect("sound surfaces"),
             "step {step}"
         );
         assert!(cut.report().n_cut_cells > 0);
         if step % 2 == 0 {
-            workspace.recycle(cut);
+            cutter.recycle(cut);
         }
-        // What is refused leaves nothing behind.
+        // A failed overlay does not change later results.
         let inwards = moved[0].moved(|x| P::new(-x[0], x[1], x[2]));
-        assert!(workspace.overlay(background, &[inwards.placed()], &OverlayOptions::new()).is_err());
+        assert!(cutter.overlay(background, &[inwards.placed()], &OverlayOptions::new()).is_err());
     }
 }
 
@@ -189,7 +189,7 @@ fn pieces_of_needles_have_barycentric_coordinates() {
     let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 1e-9, 0.0], [0.4, 0.3, 0.8]];
     let body = Surface::new(points.map(P::from).to_vec(), &[[1, 0, 2], [0, 1, 3], [1, 2, 3], [2, 0, 3]]);
     let body = body.moved(|x| x - P::new(0.3, 0.1, 0.2));
-    assert!(body.placed().enclosed_volume() > 0.0);
+    assert!(body.placed().enclosed().volume > 0.0);
     let cut = overlay(&grid(3), &[&body]);
     assert!(!cut.interface().is_empty());
     for piece in cut.interface() {

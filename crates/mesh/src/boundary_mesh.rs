@@ -2,11 +2,11 @@
 
 use crate::{CellId, FacetId, Tag, VertexId};
 
-/// Oriented facets of a closed surface; normals point out of the solid (2D: the normal lies to the right of the
-/// edge, the solid to its left; 3D: right-hand rule).
+/// Oriented facets of a closed surface. Normals point out of the solid (2D: to the right of the edge; 3D: right-hand
+/// rule).
 ///
-/// Vertices are those of the solid mesh, so that its positions and velocities apply unchanged. Positions in time
-/// are not stored here; see [`crate::Placed`].
+/// Vertices have the numbers of the solid mesh, so that its positions and velocities can be used. Positions are not
+/// stored; see [`crate::Placed`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct BoundaryMesh<const D: usize> {
     facet_to_vertex: Vec<VertexId>,
@@ -15,10 +15,10 @@ pub struct BoundaryMesh<const D: usize> {
 }
 
 impl<const D: usize> BoundaryMesh<D> {
-    /// A boundary from its facets.
+    /// Creates a boundary from its facets.
     ///
-    /// Shapes: `facet_to_vertex` has stride `D`; `facet_to_cell` and `tags` one entry per facet, or `facet_to_cell`
-    /// may be empty for a surface without a volume mesh.
+    /// Shapes: `facet_to_vertex` has stride `D`; `facet_to_cell` and `tags` have one entry per facet. `facet_to_cell` is
+    /// empty for a surface without a volume mesh.
     ///
     /// # Panics
     /// If the lengths do not match.
@@ -30,7 +30,7 @@ impl<const D: usize> BoundaryMesh<D> {
         Self { facet_to_vertex, facet_to_cell, tags }
     }
 
-    /// A surface without a volume mesh, from its facets (stride `D`).
+    /// Creates a surface without a volume mesh, from its facets (stride `D`).
     pub fn from_facets(facet_to_vertex: Vec<VertexId>) -> Self {
         let tags = vec![None; facet_to_vertex.len() / D];
         Self::new(facet_to_vertex, Vec::new(), tags)
@@ -41,7 +41,7 @@ impl<const D: usize> BoundaryMesh<D> {
         self.tags.len()
     }
 
-    /// All facets in order.
+    /// All facets in ascending order.
     pub fn facets(&self) -> impl Iterator<Item = FacetId> + use<D> {
         (0..self.n_facets()).map(FacetId::new)
     }
@@ -52,7 +52,7 @@ impl<const D: usize> BoundaryMesh<D> {
         &self.facet_to_vertex[facet.index() * D..][..D]
     }
 
-    /// The solid cell behind a facet, if the surface bounds a volume mesh.
+    /// The cell behind a facet; `None` for a surface without a volume mesh.
     #[inline]
     pub fn facet_to_cell(&self, facet: FacetId) -> Option<CellId> {
         self.facet_to_cell.get(facet.index()).copied()

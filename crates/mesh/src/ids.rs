@@ -1,4 +1,4 @@
-//! Indices of mesh entities, one type each so that they cannot be mixed up.
+//! Indices of mesh entities, one type for each kind of entity.
 
 macro_rules! id {
     ($(#[$doc:meta])* $name:ident) => {
@@ -7,14 +7,14 @@ macro_rules! id {
         pub struct $name(pub u32);
 
         impl $name {
-            /// The id of entry `index`.
+            /// Creates the id with the given index.
             #[inline]
             pub fn new(index: usize) -> Self {
                 debug_assert!(index < u32::MAX as usize);
                 Self(index as u32)
             }
 
-            /// Position in the arrays that belong to this kind of entity.
+            /// Position in arrays over this kind of entity.
             #[inline]
             pub fn index(self) -> usize {
                 self.0 as usize
@@ -42,10 +42,10 @@ id!(
     FacetId
 );
 id!(
-    /// A body: a closed surface laid over a background mesh.
+    /// A body, given by a closed surface.
     BodyId
 );
 id!(
-    /// A named part of a boundary, an index into the tag names of its mesh.
+    /// A named part of a boundary: an index into the tag names of its mesh.
     Tag
 );

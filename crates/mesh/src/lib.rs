@@ -1,9 +1,9 @@
-//! Simplicial meshes, their boundaries, positions in time, quadrature on simplices and spatial search.
+//! Simplicial meshes and their boundaries, quadrature on simplices, and spatial search.
 //!
-//! Vocabulary
-//! - a *cell* is a simplex of dimension `D` (triangle, tetrahedron), a *facet* a simplex of dimension `D - 1`;
-//! - cells are positively oriented, local facet `i` of a cell lies opposite to its local vertex `i`;
-//! - a mesh is immutable; a moved mesh is the same mesh *seen at* other positions ([`Placed`]).
+//! Definitions
+//! - A *cell* is a simplex of dimension `D` (triangle, tetrahedron), a *facet* is a simplex of dimension `D - 1`.
+//! - Cells are positively oriented. Local facet `i` of a cell is opposite to its local vertex `i`.
+//! - A mesh is immutable. A moved mesh is the same mesh at other positions of its vertices ([`Placed`]).
 //!
 //! ```
 //! use mesh::generate::{graded_box, Size};
@@ -16,22 +16,26 @@
 pub mod generate;
 pub mod search;
 
+mod aabb;
 mod boundary_mesh;
 mod error;
 mod ids;
 mod placement;
 mod quadrature;
+mod range;
 mod simplex;
 mod simplex_mesh;
 mod tensor;
 mod topology;
 
+pub use aabb::Aabb;
 pub use boundary_mesh::BoundaryMesh;
 pub use error::Error;
 pub use ids::{BodyId, CellId, FacetId, Tag, VertexId};
-pub use placement::{Placed, facet_normal};
+pub use placement::{Enclosed, Placed, facet_normal};
 pub use quadrature::{QuadratureRule, SimplexRule};
-pub use simplex::{MAX_CELL_VERTICES, Simplex, equilateral_side, simplex_measure};
+pub use range::{ParameterError, non_negative, positive, require};
+pub use simplex::{MAX_CELL_VERTICES, MAX_FACET_VERTICES, Simplex, equilateral_side, simplex_measure};
 pub use simplex_mesh::SimplexMesh;
 pub use tensor::{Point, Tensor, Vector, det, sym};
 

@@ -1,8 +1,9 @@
-//! A boundary seen at positions in time.
+//! A boundary at given positions of its vertices.
 
-use crate::{BoundaryMesh, FacetId, MAX_CELL_VERTICES, Point, Vector, simplex_measure};
+use crate::simplex::factorial;
+use crate::{BoundaryMesh, FacetId, MAX_FACET_VERTICES, Point, Tensor, Vector, simplex_measure};
 
-/// A boundary with borrowed positions of its vertices: the current configuration is a view, never a second mesh.
+/// A boundary with borrowed positions of its vertices: the current configuration is a view and not a second mesh.
 #[derive(Clone, Copy, Debug)]
 pub struct Placed<'m, const D: usize> {
     boundary: &'m BoundaryMesh<D>,
@@ -10,15 +11,15 @@ pub struct Placed<'m, const D: usize> {
 }
 
 impl<'m, const D: usize> Placed<'m, D> {
-    /// The boundary at the given positions (one per vertex of the mesh whose vertices the boundary names). Segments of a
-    /// plane boundary run counter-clockwise around the body, triangles turn counter-clockwise as seen from outside.
+    /// Creates the view from one position per vertex of the mesh. Segments run counter-clockwise around the body,
+    /// triangles turn counter-clockwise as seen from outside.
     ///
-    /// What is done with the surface panics if there are fewer positions than vertices.
+    /// Other methods panic if there are fewer positions than vertices.
     pub fn new(boundary: &'m BoundaryMesh<D>, positions: &'m [Point<D>]) -> Self {
         Self { boundary, positions }
     }
 
-    /// The boundary itself.
+    /// The boundary.
     pub fn boundary(&self) -> &'m BoundaryMesh<D> {
         self.boundary
     }
@@ -28,10 +29,10 @@ impl<'m, const D: usize> Placed<'m, D> {
         self.positions
     }
 
-    /// Points of a facet; the first `D` count.
+    /// Positions of the vertices of a facet; only the first `D` are used.
     #[inline]
-    pub fn facet_points(&self, facet: FacetId) -> [Point<D>; MAX_CELL_VERTICES] {
-        let mut points = [Point::zeros(); MAX_CELL_VERTICES];
+    pub fn facet_points(&self, facet: FacetId) -> [Point<D>; MAX_FACET_VERTICES] {
+        let mut points = [Point::zeros(); MAX_FACET_VERTICES];
         for (slot, v) in points.iter_mut().zip(self.boundary.facet(facet)) {
             *slot = self.positions[v.index()];
         }
@@ -43,8 +44,8 @@ impl<'m, const D: usize> Placed<'m, D> {
         simplex_measure(&self.facet_points(facet)[..D])
     }
 
-    /// Normal of a facet, out of the solid, with the measure of the facet as its length (times two in 3D: the
-    /// plain cross product). Zero for a degenerate facet.
+    /// Normal of a facet, out of the solid. Its length is the measure of the facet in 2D and twice the measure in 3D (the
+    /// cross product). Zero for a degenerate facet.
     #[inline]
     pub fn facet_normal_scaled(&self, facet: FacetId) -> Vector<D> {
         scaled_normal(&self.facet_points(facet)[..D])
@@ -56,23 +57,44 @@ impl<'m, const D: usize> Placed<'m, D> {
         facet_normal(&self.facet_points(facet)[..D])
     }
 
-    /// Volume enclosed by the surface, by the divergence theorem; positive when normals point outwards.
-    pub fn enclosed_volume(&self) -> f64 {
+    /// Computes volume, centre and second moment of the region inside the surface, exactly up to round-off.
+    ///
+    /// The region is the signed sum of the simplices between the facets and a point. For a simplex `T` with one vertex at
+    /// the origin and the others at `x_i`: `∫ x xᵀ = |T| (Σ x_i x_iᵀ + s sᵀ)/((D + 1)(D + 2))`, `s = Σ x_i`.
+    pub fn enclosed(&self) -> Enclosed<D> {
         let origin = self.boundary.facets().next().map_or(Point::zeros(), |f| self.facet_points(f)[0]);
-        let double = if D == 3 { 0.5 } else { 1.0 };
-        self.boundary
-            .facets()
-            .map(|f| {
-                let points = self.facet_points(f);
-                let centroid = points[..D].iter().sum::<Point<D>>() / D as f64;
-                (centroid - origin).dot(&self.facet_normal_scaled(f)) * double / D as f64
-            })
-            .sum()
+        let (mut volume, mut first, mut second) = (0.0, Point::<D>::zeros(), Tensor::<D>::zeros());
+        for facet in self.boundary.facets() {
+            let points = self.facet_points(facet).map(|x| x - origin);
+            let corners = &points[..D];
+            // The length of the scaled normal is (D - 1)! times the measure of the facet.
+            let simplex = corners[0].dot(&self.facet_normal_scaled(facet)) / factorial(D);
+            let sum: Point<D> = corners.iter().sum();
+            volume += simplex;
+            first += sum * (simplex / (D + 1) as f64);
+            let squares = corners.iter().map(|x| x * x.transpose()).sum::<Tensor<D>>() + sum * sum.transpose();
+            second += squares * (simplex / ((D + 1) * (D + 2)) as f64);
+        }
+        let arm = first / volume;
+        Enclosed { volume, centre: origin + arm, second_moment: second - arm * arm.transpose() * volume }
     }
 }
 
-/// Unit normal of an oriented facet (segment, triangle): right of the segment, right-hand rule for the triangle;
-/// zero for a degenerate facet.
+/// Moments of the region inside a closed surface.
+///
+/// Units: those of the positions to the power of `D`, 1 and `D + 2`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Enclosed<const D: usize> {
+    /// Volume (area in 2D), positive if the normals point outwards.
+    pub volume: f64,
+    /// Centre; NaN if the volume is zero.
+    pub centre: Point<D>,
+    /// `∫ r rᵀ` with `r = x - centre`; NaN if the volume is zero.
+    pub second_moment: Tensor<D>,
+}
+
+/// Unit normal of an oriented facet: to the right of a segment, by the right-hand rule for a triangle; zero for a
+/// degenerate facet.
 #[inline]
 pub fn facet_normal<const D: usize>(points: &[Point<D>]) -> Vector<D> {
     let n = scaled_normal(points);
@@ -80,7 +102,7 @@ pub fn facet_normal<const D: usize>(points: &[Point<D>]) -> Vector<D> {
     if length > 0.0 { n / length } else { n }
 }
 
-/// Normal of an oriented facet (segment, triangle): right of the segment, right-hand rule for the triangle.
+/// Normal of an oriented facet, see [`Placed::facet_normal_scaled`].
 #[inline]
 pub(crate) fn scaled_normal<const D: usize>(points: &[Point<D>]) -> Vector<D> {
     let mut n = Vector::zeros();
@@ -100,4 +122,28 @@ pub(crate) fn scaled_normal<const D: usize>(points: &[Point<D>]) -> Vector<D> {
         _ => unreachable!("facets are of dimension 1 or 2"),
     }
     n
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::generate::structured_box;
+
+    /// Compares with the moments of a box: its edges divided by twelve, squared.
+    fn check<const D: usize>(low: [f64; D], high: [f64; D], n: [usize; D]) {
+        let mesh = structured_box(low, high, n).unwrap();
+        let [low, high] = [low, high].map(Point::<D>::from);
+        let found = Placed::new(&mesh.boundary(), mesh.vertices()).enclosed();
+        let volume = (high - low).product();
+        assert!((found.volume - volume).abs() < 1e-14 * volume);
+        assert!((found.centre - 0.5 * (low + high)).norm() < 1e-14);
+        let moments = (high - low).map(|edge| edge * edge * volume / 12.0);
+        assert!((found.second_moment - Tensor::from_diagonal(&moments)).norm() < 1e-13 * volume);
+    }
+
+    #[test]
+    fn boxes_have_their_moments() {
+        check([1.0, -2.0], [4.0, 0.0], [3, 2]);
+        check([0.0, 0.0, 1.0], [1.0, 2.0, 4.0], [1, 2, 2]);
+    }
 }

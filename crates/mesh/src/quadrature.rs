@@ -2,7 +2,7 @@
 
 use crate::{MAX_CELL_VERTICES, Point, simplex_measure};
 
-/// A rule on the reference simplex of dimension 0 to 3, in barycentric coordinates; weights sum to one.
+/// A quadrature rule on the reference simplex of dimension 0 to 3, in barycentric coordinates. Weights sum to one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SimplexRule {
     dimension: usize,
@@ -11,11 +11,11 @@ pub struct SimplexRule {
 }
 
 impl SimplexRule {
-    /// Highest polynomial degree that [`SimplexRule::of_degree`] can do.
+    /// Highest polynomial degree of [`SimplexRule::of_degree`].
     pub const MAX_DEGREE: usize = 4;
 
-    /// A rule with positive weights and points inside, exact for polynomials up to `degree` (at most 4, higher
-    /// degrees are clamped), on the simplex of dimension 0 (a point) to 3 (a tetrahedron).
+    /// Returns a rule with positive weights and points inside the simplex of dimension 0 (point) to 3 (tetrahedron), exact
+    /// for polynomials up to `degree` (clamped to 4).
     ///
     /// Sources: Gauss-Legendre; Strang-Fix 1973 (triangle, degree 2 and 4, by orbits); Keast 1986,
     /// DOI 10.1016/0045-7825(86)90059-9, and conical products where the tabulated rule has a negative weight.
@@ -48,7 +48,7 @@ impl SimplexRule {
         .normalised()
     }
 
-    /// Gauss-Lobatto rule with four points on a segment, its end points among them; exact to degree 5.
+    /// Returns the Gauss-Lobatto rule with four points on a segment, including its ends; exact to degree 5.
     pub fn lobatto_segment() -> Self {
         let a = 0.5 * (1.0 - (0.2_f64).sqrt());
         let mut rule = Self::empty(1);
@@ -59,8 +59,8 @@ impl SimplexRule {
         rule
     }
 
-    /// A rule on a facet (segment, triangle) that contains its vertices: Gauss-Lobatto on the segment; vertices,
-    /// edge midpoints and centroid of the triangle (exact to degree 3).
+    /// Returns a rule on a facet with points at its vertices: Gauss-Lobatto on a segment; vertices, edge midpoints and
+    /// centroid of a triangle (exact to degree 3).
     pub fn with_vertices(dimension: usize) -> Self {
         if dimension == 1 {
             return Self::lobatto_segment();
@@ -76,7 +76,7 @@ impl SimplexRule {
         self.dimension
     }
 
-    /// Barycentric coordinates of the points; the first `dimension + 1` count.
+    /// Barycentric coordinates of the points; only the first `dimension + 1` are used.
     pub fn points(&self) -> &[[f64; MAX_CELL_VERTICES]] {
         &self.points
     }
@@ -96,7 +96,7 @@ impl SimplexRule {
         self
     }
 
-    /// Adds all distinct permutations of a point, with the same weight each.
+    /// Adds all distinct permutations of a point, with equal weights.
     fn orbit(mut self, point: [f64; MAX_CELL_VERTICES], weight: f64) -> Self {
         let n = self.dimension + 1;
         let first = self.points.len();
@@ -119,7 +119,7 @@ impl SimplexRule {
         rule
     }
 
-    /// Conical product of Gauss-Legendre rules: positive, inside, degree 4 on the tetrahedron.
+    /// Returns a conical product of Gauss-Legendre rules on the tetrahedron: positive weights, points inside, degree 4.
     fn conical_tetrahedron() -> Self {
         let gauss = gauss_legendre(4);
         let mut rule = Self::empty(3);
@@ -153,7 +153,7 @@ fn permutations(
     }
 }
 
-/// Gauss-Legendre points and weights on (0, 1).
+/// Returns the Gauss-Legendre points and weights on (0, 1).
 fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
     let symmetric: Vec<(f64, f64)> = match n {
         2 => vec![((1.0_f64 / 3.0).sqrt(), 1.0)],
@@ -174,17 +174,17 @@ fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
     rule
 }
 
-/// Points and weights in physical space; weights include the measure. May be empty.
+/// Quadrature points and weights in physical space; may be empty.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct QuadratureRule<const D: usize> {
     /// Points.
     pub points: Vec<Point<D>>,
-    /// Weights; they sum to the measure of the set.
+    /// Weights; their sum is the measure of the domain.
     pub weights: Vec<f64>,
 }
 
 impl<const D: usize> QuadratureRule<D> {
-    /// Appends a tabulated rule mapped to the simplex spanned by `points`.
+    /// Appends a rule, mapped to the simplex with the given points.
     pub fn push_simplex(&mut self, rule: &SimplexRule, points: &[Point<D>]) {
         debug_assert_eq!(points.len(), rule.dimension() + 1);
         let measure = simplex_measure(points);
@@ -194,7 +194,7 @@ impl<const D: usize> QuadratureRule<D> {
         }
     }
 
-    /// Integral of a function.
+    /// Integrates a function.
     pub fn integrate(&self, mut f: impl FnMut(&Point<D>) -> f64) -> f64 {
         self.points.iter().zip(&self.weights).map(|(x, w)| w * f(x)).sum()
     }
@@ -204,7 +204,7 @@ impl<const D: usize> QuadratureRule<D> {
 mod tests {
     use super::*;
 
-    /// Integral of `Π l_i^{k_i}` over a simplex of measure one: `d! Π k_i! / (d + Σ k_i)!`.
+    /// Returns the integral of `Π l_i^{k_i}` over a simplex of measure one: `d! Π k_i! / (d + Σ k_i)!`.
     fn exact(powers: &[usize]) -> f64 {
         let d = powers.len() - 1;
         let f = |n: usize| (1..=n).map(|k| k as f64).product::<f64>();

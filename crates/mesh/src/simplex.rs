@@ -5,14 +5,17 @@ use crate::{Point, Tensor, Vector, det};
 /// Vertices of the largest cell (tetrahedron); per-cell arrays have this capacity.
 pub const MAX_CELL_VERTICES: usize = 4;
 
-/// A cell given by its `D + 1` points (entries beyond are zero).
+/// Vertices of the largest facet (triangle); per-facet arrays have this capacity.
+pub const MAX_FACET_VERTICES: usize = 3;
+
+/// A cell given by its `D + 1` points (further entries are zero).
 #[derive(Clone, Copy, Debug)]
 pub struct Simplex<const D: usize> {
     points: [Point<D>; MAX_CELL_VERTICES],
 }
 
 impl<const D: usize> Simplex<D> {
-    /// The simplex with the given `D + 1` points.
+    /// Creates the simplex with the given `D + 1` points.
     ///
     /// # Panics
     /// If there are not `D + 1` points.
@@ -46,8 +49,7 @@ impl<const D: usize> Simplex<D> {
         det(&self.jacobian()) / factorial(D)
     }
 
-    /// Gradients of the barycentric coordinates, `D + 1` of them (entries beyond are zero), or `None` for a
-    /// degenerate simplex.
+    /// Gradients of the `D + 1` barycentric coordinates (further entries are zero), or `None` for a degenerate simplex.
     #[inline]
     pub fn barycentric_gradients(&self) -> Option<[Vector<D>; MAX_CELL_VERTICES]> {
         let inverse = self.jacobian().try_inverse()?;
@@ -60,7 +62,7 @@ impl<const D: usize> Simplex<D> {
         Some(gradients)
     }
 
-    /// Barycentric coordinates of a point, `D + 1` of them, or `None` for a degenerate simplex.
+    /// The `D + 1` barycentric coordinates of a point, or `None` for a degenerate simplex.
     #[inline]
     pub fn barycentric(&self, x: &Point<D>) -> Option<[f64; MAX_CELL_VERTICES]> {
         let local = self.jacobian().try_inverse()? * (x - self.points[0]);
@@ -93,15 +95,15 @@ pub(crate) fn diameter<const D: usize>(points: &[Point<D>]) -> f64 {
     largest.sqrt()
 }
 
-/// Measure of the simplex spanned by the points: length of a segment, area of a triangle, volume of a
-/// tetrahedron, in a space of any dimension.
+/// Measure of the simplex with the given points in a space of any dimension: length of a segment, area of a triangle,
+/// volume of a tetrahedron.
 pub fn simplex_measure<const D: usize>(points: &[Point<D>]) -> f64 {
     match points.len() {
         0 => 0.0,
         1 => 1.0,
         2 => (points[1] - points[0]).norm(),
         3 => {
-            // Component by component of a ∧ b: no cancellation for slender triangles.
+            // Components of a ∧ b, without cancellation for slender triangles.
             let (a, b) = (points[1] - points[0], points[2] - points[0]);
             let mut squared = 0.0;
             for i in 0..D {

@@ -4,7 +4,10 @@ use std::sync::OnceLock;
 
 use crate::search::CellIndex;
 use crate::topology::Topology;
-use crate::{BoundaryMesh, CellId, Error, FacetId, MAX_CELL_VERTICES, Point, Simplex, Tag, VertexId, simplex_measure};
+use crate::{
+    BoundaryMesh, CellId, Error, FacetId, MAX_CELL_VERTICES, Point, Simplex, Tag, Vector, VertexId, facet_normal,
+    simplex_measure,
+};
 
 /// A conforming mesh of triangles (D = 2) or tetrahedra (D = 3), immutable after construction.
 ///
@@ -21,7 +24,7 @@ pub struct SimplexMesh<const D: usize> {
     cell_index: OnceLock<CellIndex<D>>,
 }
 
-/// Volumes and areas, for all that passes over the whole mesh again and again.
+/// Stored volumes and areas.
 #[derive(Clone, Debug)]
 struct Measures {
     cell_to_volume: Vec<f64>,
@@ -30,7 +33,7 @@ struct Measures {
 }
 
 impl<const D: usize> SimplexMesh<D> {
-    /// A mesh from its vertices and the flat connectivity of its cells.
+    /// Creates a mesh from its vertices and the vertices of its cells.
     ///
     /// Shapes: `cell_to_vertex` has stride `D + 1`.
     ///
@@ -86,8 +89,8 @@ impl<const D: usize> SimplexMesh<D> {
         })
     }
 
-    /// The same mesh with its boundary facets tagged: `name_of` maps the points of a boundary facet to the name
-    /// of its part of the boundary, or to `None`.
+    /// Returns the mesh with tags on its boundary facets. `name_of` maps the points of a boundary facet to the name of its
+    /// part of the boundary, or to `None`.
     #[must_use]
     pub fn with_boundary_tags<'a>(self, name_of: impl Fn(&[Point<D>]) -> Option<&'a str>) -> Self {
         let names: Vec<Option<&'a str>> = self
@@ -103,8 +106,8 @@ impl<const D: usize> SimplexMesh<D> {
         self.with_facet_tags(|facet| names[facet.index()])
     }
 
-    /// The same mesh with its boundary facets tagged: `name_of` maps a boundary facet to the name of its part of
-    /// the boundary, or to `None`. It is not called for interior facets.
+    /// Returns the mesh with tags on its boundary facets. `name_of` maps a boundary facet to the name of its part of the
+    /// boundary, or to `None`; it is not called for interior facets.
     #[must_use]
     pub fn with_facet_tags<'a>(mut self, name_of: impl Fn(FacetId) -> Option<&'a str>) -> Self {
         for facet in self.facets() {
@@ -135,12 +138,12 @@ impl<const D: usize> SimplexMesh<D> {
         self.topology.facet_to_cell.len()
     }
 
-    /// All cells in order.
+    /// All cells in ascending order.
     pub fn cells(&self) -> impl Iterator<Item = CellId> + use<D> {
         (0..self.n_cells()).map(CellId::new)
     }
 
-    /// All facets in order.
+    /// All facets in ascending order.
     pub fn facets(&self) -> impl Iterator<Item = FacetId> + use<D> {
         (0..self.n_facets()).map(FacetId::new)
     }
@@ -168,7 +171,7 @@ impl<const D: usize> SimplexMesh<D> {
         simplex(&self.vertices, self.cell(cell))
     }
 
-    /// A cell as a simplex, with its vertices at other positions (one per vertex of the mesh).
+    /// A cell as a simplex with its vertices at other positions (one per vertex of the mesh).
     #[inline]
     pub fn simplex_at(&self, cell: CellId, positions: &[Point<D>]) -> Simplex<D> {
         simplex(positions, self.cell(cell))
@@ -191,7 +194,7 @@ impl<const D: usize> SimplexMesh<D> {
         self.measures.facet_to_measure[facet.index()]
     }
 
-    /// Vertices of a facet, `D` of them, ordered outwards as seen from its first cell.
+    /// The `D` vertices of a facet, oriented outwards from its first cell.
     #[inline]
     pub fn facet(&self, facet: FacetId) -> &[VertexId] {
         &self.topology.facet_to_vertex[facet.index() * D..][..D]
@@ -203,28 +206,33 @@ impl<const D: usize> SimplexMesh<D> {
         self.topology.facet_to_cell[facet.index()]
     }
 
-    /// Facets of a cell, `D + 1` of them; the one at `i` lies opposite to the vertex at `i`.
+    /// The `D + 1` facets of a cell; facet `i` is opposite to vertex `i`.
     #[inline]
     pub fn cell_to_facet(&self, cell: CellId) -> &[FacetId] {
         &self.topology.cell_to_facet[cell.index() * (D + 1)..][..=D]
     }
 
-    /// The cell on the other side of a facet.
+    /// The cell on the other side of a facet; `None` at the boundary.
     #[inline]
     pub fn neighbour(&self, cell: CellId, facet: FacetId) -> Option<CellId> {
         let [a, b] = self.facet_to_cell(facet);
         if a == Some(cell) { b } else { a }
     }
 
-    /// Whether a facet has one cell only.
+    /// Whether a facet belongs to one cell only.
     #[inline]
     pub fn is_boundary(&self, facet: FacetId) -> bool {
         self.facet_to_cell(facet)[1].is_none()
     }
 
-    /// The cells at their own positions, arranged for search; built at the first call.
+    /// Search structure for the cells; built by the first call.
     pub fn cell_index(&self) -> &CellIndex<D> {
-        self.cell_index.get_or_init(|| CellIndex::new(self, &self.vertices))
+        self.cell_index.get_or_init(|| self.cell_index_at(&self.vertices))
+    }
+
+    /// Builds a search structure for the cells with the vertices at other positions (one per vertex of the mesh).
+    pub fn cell_index_at(&self, positions: &[Point<D>]) -> CellIndex<D> {
+        CellIndex::new(self.cells().map(|cell| self.simplex_at(cell, positions)).collect())
     }
 
     /// Names of the tags.
@@ -232,17 +240,39 @@ impl<const D: usize> SimplexMesh<D> {
         &self.tag_names
     }
 
-    /// The tag of that name.
+    /// The tag with the given name.
     pub fn tag(&self, name: &str) -> Option<Tag> {
         self.tag_names.iter().position(|n| n == name).map(Tag::new)
     }
 
-    /// Tag of a facet; interior facets have none.
+    /// Tag of a facet; `None` for interior facets.
     pub fn facet_tag(&self, facet: FacetId) -> Option<Tag> {
         self.facet_tag[facet.index()]
     }
 
-    /// The boundary of the mesh: facets with one cell, oriented outwards.
+    /// Returns the outward unit normal of the facets with a tag; `None` if there are none or they do not lie in one plane.
+    ///
+    /// Directions may differ by 1e-9, and so may distances from the plane relative to distances within it.
+    pub fn tag_normal(&self, tag: Tag) -> Option<Vector<D>> {
+        const TOLERANCE: f64 = 1e-9;
+        let mut plane = None;
+        for facet in self.facets().filter(|facet| self.facet_tag(*facet) == Some(tag)) {
+            let mut points = [Point::zeros(); MAX_CELL_VERTICES];
+            for (slot, v) in points.iter_mut().zip(self.facet(facet)) {
+                *slot = self.vertex(*v);
+            }
+            let points = &points[..D];
+            let normal = facet_normal(points);
+            let (origin, common) = *plane.get_or_insert((points[0], normal));
+            let is_off = |x: &Point<D>| (x - origin).dot(&common).abs() > TOLERANCE * (x - origin).norm();
+            if (normal - common).norm() > TOLERANCE || points.iter().any(is_off) {
+                return None;
+            }
+        }
+        plane.map(|(_, normal)| normal)
+    }
+
+    /// Returns the boundary of the mesh: facets with one cell, oriented outwards.
     pub fn boundary(&self) -> BoundaryMesh<D> {
         let mut facet_to_vertex = Vec::new();
         let mut facet_to_cell = Vec::new();
@@ -263,4 +293,40 @@ fn simplex<const D: usize>(positions: &[Point<D>], vertices: &[VertexId]) -> Sim
         *slot = positions[v.index()];
     }
     Simplex::new(&points[..=D])
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::generate::{BallOptions, Size, graded_box, half_ball, structured_box};
+    use crate::{SimplexMesh, Vector, VertexId};
+
+    fn normal<const D: usize>(mesh: &SimplexMesh<D>, name: &str) -> Option<Vector<D>> {
+        mesh.tag_normal(mesh.tag(name).unwrap())
+    }
+
+    #[test]
+    fn plane_parts_have_a_normal() {
+        let plane = graded_box([0.0, 0.0], [1.0, 2.0], &Size::uniform(0.3)).unwrap();
+        assert_eq!(normal(&plane, "left"), Some(Vector::<2>::new(-1.0, 0.0)));
+        assert_eq!(normal(&plane, "top"), Some(Vector::<2>::new(0.0, 1.0)));
+        let space = structured_box([0.0; 3], [1.0, 2.0, 3.0], [2, 2, 2]).unwrap();
+        assert_eq!(normal(&space, "front"), Some(Vector::<3>::new(0.0, -1.0, 0.0)));
+        let half = half_ball([1.0, 2.0], 1.0, 0.3, &BallOptions::default()).unwrap();
+        assert_eq!(normal(&half, "left"), Some(Vector::<2>::new(-1.0, 0.0)));
+        assert_eq!(normal(&half, "surface"), None);
+        // One normal, but two planes.
+        let at = |x: f64, y: f64| Vector::<2>::new(x, y);
+        let vertices = vec![at(0.0, 0.0), at(1.0, 0.0), at(0.0, 1.0), at(2.0, 1.0), at(3.0, 1.0), at(2.0, 2.0)];
+        let steps = SimplexMesh::new(vertices, (0..6).map(VertexId::new).collect()).unwrap();
+        let steps = steps.with_boundary_tags(|points| (points[0][1] == points[1][1]).then_some("bottoms"));
+        assert_eq!(normal(&steps, "bottoms"), None);
+        let turned = Vector::<2>::new(0.6, 0.8);
+        let along = Vector::<2>::new(0.8, -0.6);
+        let vertices = plane.vertices().iter().map(|x| turned * x[0] - along * x[1]).collect();
+        let cells = plane.cells().flat_map(|cell| plane.cell(cell).to_vec()).collect();
+        let oblique = SimplexMesh::<2>::new(vertices, cells).unwrap();
+        let oblique =
+            oblique.with_boundary_tags(|points| points.iter().all(|x| x.dot(&turned) > 1.0 - 1e-12).then_some("end"));
+        assert!((normal(&oblique, "end").unwrap() - turned).norm() < 1e-12);
+    }
 }

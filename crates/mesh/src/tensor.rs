@@ -11,7 +11,7 @@ pub type Vector<const D: usize> = SVector<f64, D>;
 /// A second-order tensor.
 pub type Tensor<const D: usize> = SMatrix<f64, D, D>;
 
-/// Determinant of a tensor, without the bounds that nalgebra's own asks for.
+/// Determinant of a tensor; nalgebra's own function has trait bounds on the dimension.
 #[inline]
 pub fn det<const D: usize>(t: &Tensor<D>) -> f64 {
     match D {

@@ -1,4 +1,4 @@
-//! Facets of a simplicial mesh and how cells meet in them.
+//! Facets of a simplicial mesh and their cells.
 
 use std::collections::HashMap;
 
@@ -7,10 +7,10 @@ use crate::{CellId, Error, FacetId, VertexId};
 /// Facets with their vertices and cells.
 #[derive(Clone, Debug)]
 pub(crate) struct Topology {
-    /// Stride `D`; as seen from the first cell, oriented outwards from it.
+    /// Stride `D`; oriented outwards from the first cell.
     pub(crate) facet_to_vertex: Vec<VertexId>,
     pub(crate) facet_to_cell: Vec<[Option<CellId>; 2]>,
-    /// Stride `D + 1`; local facet `i` lies opposite to local vertex `i`.
+    /// Stride `D + 1`; local facet `i` is opposite to local vertex `i`.
     pub(crate) cell_to_facet: Vec<FacetId>,
 }
 
@@ -50,14 +50,14 @@ impl Topology {
     }
 }
 
-/// Vertices of local facet `local` of a positively oriented cell, ordered so that the facet's normal points out
-/// of the cell (2D: the normal lies to the right of the edge; 3D: right-hand rule). The first `D` entries count.
+/// Returns the vertices of a local facet of a positively oriented cell, with the normal out of the cell (2D: to the right
+/// of the edge; 3D: right-hand rule). Only the first `D` entries are used.
 pub(crate) fn outward_facet<const D: usize>(cell: &[VertexId], local: usize) -> [VertexId; 3] {
     let mut facet = [VertexId(u32::MAX); 3];
     for (slot, k) in (0..D).zip((0..=D).filter(|&k| k != local)) {
         facet[slot] = cell[k];
     }
-    // Leaving out vertex `local` keeps the orientation up to the sign (-1)^local.
+    // Without vertex `local`, the orientation has the sign (-1)^local.
     if local % 2 == 1 {
         facet.swap(0, 1);
     }

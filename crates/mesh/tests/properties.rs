@@ -1,10 +1,10 @@
-//! What holds for every generated mesh and every search, whatever the parameters.
+//! Properties of all generated meshes and of spatial search.
 
 use std::f64::consts::PI;
 
 use mesh::generate::{BallOptions, Size, ball, graded_box, half_ball, mirrored, structured_box};
-use mesh::search::{CellIndex, Feature, SurfaceIndex};
-use mesh::{BoundaryMesh, CellId, Error, FacetId, Placed, Point, SimplexMesh, Vector, VertexId};
+use mesh::search::{Feature, SurfaceIndex};
+use mesh::{Aabb, BoundaryMesh, CellId, Error, FacetId, Placed, Point, SimplexMesh, Vector, VertexId};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
@@ -21,7 +21,7 @@ fn volume<const D: usize>(mesh: &SimplexMesh<D>) -> f64 {
     mesh.cells().map(|c| mesh.cell_volume(c)).sum()
 }
 
-/// Facets and cells refer to each other, and the boundary is closed and encloses the cells.
+/// Checks that facets and cells refer to each other, and that the boundary is closed and encloses the cells.
 fn assert_sound<const D: usize>(mesh: &SimplexMesh<D>) {
     for facet in mesh.facets() {
         for cell in mesh.facet_to_cell(facet).into_iter().flatten() {
@@ -36,13 +36,13 @@ fn assert_sound<const D: usize>(mesh: &SimplexMesh<D>) {
     let (volume, size) = (volume(mesh), boundary.facets().map(|f| placed.facet_measure(f)).sum::<f64>());
     let closure: Vector<D> = boundary.facets().map(|f| placed.facet_normal_scaled(f)).sum();
     assert!(closure.norm() < 1e-12 * size, "normals sum to {closure}");
-    assert!((placed.enclosed_volume() - volume).abs() < 1e-11 * volume);
+    assert!((placed.enclosed().volume - volume).abs() < 1e-11 * volume);
     let mut used = vec![false; mesh.n_vertices()];
     mesh.cells().flat_map(|c| mesh.cell(c).to_vec()).for_each(|v| used[v.index()] = true);
     assert!(!used.contains(&false), "every vertex belongs to a cell");
 }
 
-/// Sound, with angles of at least 25 degrees.
+/// Checks a mesh as [`assert_sound`], and that its angles are at least 25 degrees.
 fn assert_well_shaped(mesh: &SimplexMesh<2>) {
     assert_sound(mesh);
     for cell in mesh.cells() {
@@ -55,8 +55,8 @@ fn assert_well_shaped(mesh: &SimplexMesh<2>) {
     }
 }
 
-/// The mean length of the edges at every vertex, relative to the wanted size there, lies within the bounds, and the mean
-/// diameter of the cells is the size.
+/// Checks that the mean length of the edges at every vertex, relative to the specified size, is within the bounds, and that
+/// the mean diameter of the cells is the specified size.
 fn assert_sizes(mesh: &SimplexMesh<2>, size: &Size, low: f64, high: f64) {
     let mut sums = vec![(0.0, 0.0); mesh.n_vertices()];
     let relative_length = |facet: FacetId| {
@@ -78,7 +78,7 @@ fn assert_sizes(mesh: &SimplexMesh<2>, size: &Size, low: f64, high: f64) {
     assert!((mean - 1.0).abs() < 0.035, "mean diameter {mean}");
 }
 
-/// Every tagged facet of a box lies exactly on its side, and every corner is a vertex.
+/// Checks that every tagged facet of a box lies exactly on its side, and that every corner is a vertex.
 fn assert_box_sides(mesh: &SimplexMesh<2>, min: [f64; 2], max: [f64; 2]) {
     let sides = [("left", 0, min[0]), ("right", 0, max[0]), ("bottom", 1, min[1]), ("top", 1, max[1])];
     for (name, axis, value) in sides {
@@ -117,7 +117,7 @@ fn the_meshes_of_the_cases_are_well_shaped() {
 }
 
 #[test]
-fn a_disk_has_the_area_and_the_radius_it_was_asked_for() {
+fn a_disk_has_the_specified_area_or_radius() {
     let centre = Point::<2>::new(1.0, -2.0);
     let on_circle = ball([1.0, -2.0], 3.0, 0.25, &BallOptions::default()).unwrap();
     let boundary = on_circle.boundary();
@@ -194,7 +194,7 @@ fn boxes_in_3d_follow_the_size() {
 }
 
 #[test]
-fn senseless_arguments_are_errors() {
+fn invalid_arguments_are_errors() {
     let options = BallOptions::default();
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-12] {
         assert!(graded_box([0.0, 0.0], [1.0, 1.0], &Size::uniform(bad)).is_err());
@@ -207,7 +207,10 @@ fn senseless_arguments_are_errors() {
     }
     assert!(ball([0.0, f64::NAN], 1.0, 0.1, &options).is_err());
     assert!(matches!(ball([0.0; 3], 1.0, 0.1, &options), Err(Error::Dimension { dimension: 3, .. })));
-    assert!(graded_box([0.0, 0.0], [1e-60, 1e-60], &Size::uniform(1e-61)).is_err(), "below what spade can do");
+    assert!(
+        graded_box([0.0, 0.0], [1e-60, 1e-60], &Size::uniform(1e-61)).is_err(),
+        "below the smallest coordinate of spade"
+    );
 }
 
 #[test]
@@ -245,7 +248,7 @@ proptest! {
     }
 }
 
-/// A box mesh bent out of shape, so that its boundary is neither convex nor flat.
+/// Returns a deformed box mesh, whose boundary is neither convex nor flat.
 fn bent<const D: usize>(n: usize, bend: f64) -> (SimplexMesh<D>, Vec<Point<D>>) {
     let mesh = structured_box([0.0; D], [1.0; D], [n; D]).expect("a sensible box");
     let positions = mesh
@@ -256,7 +259,7 @@ fn bent<const D: usize>(n: usize, bend: f64) -> (SimplexMesh<D>, Vec<Point<D>>) 
     (mesh, positions)
 }
 
-/// All barycentric lattice points of a facet.
+/// Returns all barycentric lattice points of a facet.
 fn lattice<const D: usize>(points: &[Point<D>], n: usize) -> Vec<Point<D>> {
     let mut all = Vec::new();
     for i in 0..=n {
@@ -294,7 +297,7 @@ fn closest_agrees_with_brute_force<const D: usize>(x: Point<D>, bend: f64) {
         }
     }
     // The sign is that of the cells, and following the normal leads from the surface to the point.
-    let inside = CellIndex::new(&mesh, &positions).locate(&x).is_some();
+    let inside = mesh.cell_index_at(&positions).locate(&x).is_some();
     assert!(found.distance.abs() < 1e-8 || inside == (found.distance < 0.0));
     assert!((found.normal.norm() - 1.0).abs() < 1e-13);
     assert!((point + found.normal * found.distance - x).norm() < 1e-12);
@@ -302,7 +305,7 @@ fn closest_agrees_with_brute_force<const D: usize>(x: Point<D>, bend: f64) {
 
 fn search_agrees_with_brute_force<const D: usize>(x: Point<D>, side: f64, bend: f64) {
     let (mesh, positions) = bent::<D>(5, bend);
-    let cells = CellIndex::new(&mesh, &positions);
+    let cells = mesh.cell_index_at(&positions);
     let expected = mesh.cells().find_map(|c| {
         let barycentric = mesh.simplex_at(c, &positions).barycentric(&x)?;
         barycentric.iter().all(|&l| l >= -1e-10).then_some((c, barycentric))
@@ -314,14 +317,14 @@ fn search_agrees_with_brute_force<const D: usize>(x: Point<D>, side: f64, bend: 
         (0..D).all(|k| points.iter().any(|p| p[k] <= max[k]) && points.iter().any(|p| p[k] >= x[k]))
     };
     let mut found = vec![CellId(7)];
-    cells.cells_overlapping(&x, &max, &mut found);
+    cells.cells_overlapping(&Aabb { low: x, high: max }, &mut found);
     let expected: Vec<CellId> = mesh.cells().filter(|&c| meets(mesh.simplex_at(c, &positions).points())).collect();
     assert_eq!(found, expected);
 
     let boundary = mesh.boundary();
     let placed = Placed::new(&boundary, &positions);
     let mut found = Vec::new();
-    SurfaceIndex::new(&placed).facets_overlapping(&x, &max, &mut found);
+    SurfaceIndex::new(&placed).facets_overlapping(&Aabb { low: x, high: max }, &mut found);
     let expected: Vec<FacetId> = boundary.facets().filter(|&f| meets(&placed.facet_points(f)[..D])).collect();
     assert_eq!(found, expected);
 }
@@ -345,7 +348,7 @@ proptest! {
 #[test]
 fn vertices_are_located_in_their_lowest_cell() {
     let mesh = graded_box([0.0, 0.0], [1.0, 1.0], &Size::uniform(0.1)).unwrap();
-    let index = CellIndex::new(&mesh, mesh.vertices());
+    let index = mesh.cell_index();
     for v in (0..mesh.n_vertices()).map(VertexId::new) {
         let lowest = mesh.cells().find(|&c| mesh.cell(c).contains(&v));
         assert_eq!(index.locate(&mesh.vertex(v)).map(|(c, _)| c), lowest);
@@ -360,5 +363,5 @@ fn a_single_facet_can_be_searched() {
     let positions = [Point::<2>::new(0.0, 0.0), Point::<2>::new(1.0, 0.0)];
     let index = SurfaceIndex::new(&Placed::new(&boundary, &positions));
     let found = index.closest_signed(&Point::<2>::new(0.25, 2.0)).unwrap();
-    assert_eq!((found.distance, found.closest.barycentric), (-2.0, [0.75, 0.25, 0.0, 0.0]));
+    assert_eq!((found.distance, found.closest.barycentric), (-2.0, [0.75, 0.25, 0.0]));
 }

@@ -2,10 +2,10 @@
 
 use mesh::{Point, Vector};
 
-/// The overlap of two convex faces (segments in 2D, polygons in 3D) that lie on one plane with the given normal,
-/// written to `out`; returns its measure, zero if they overlap in less than `tolerance` of a length.
+/// Computes the overlap of two convex faces (segments in 2D, polygons in 3D) on a plane with the given normal. Writes it
+/// to `out` and returns its measure, or zero if the length or width of the overlap is below `tolerance`.
 ///
-/// Points of the overlap are points of the two faces wherever possible, so that neighbours see the same numbers.
+/// Where possible, points of the overlap are points of the two faces, so that coordinates in neighbours are equal.
 pub(crate) fn face_overlap<const D: usize>(
     a: &[Point<D>],
     b: &[Point<D>],
@@ -27,7 +27,7 @@ pub(crate) fn face_overlap<const D: usize>(
             (high.1 - low.1).norm()
         }
         _ => {
-            // The sides of a needle have no direction to speak of.
+            // The directions of the sides of a needle are round-off.
             let length = b.iter().map(|x| (x - b[0]).norm()).fold(0.0, f64::max);
             if polygon_area(b, normal) <= tolerance * length {
                 return 0.0;
@@ -45,7 +45,7 @@ pub(crate) fn face_overlap<const D: usize>(
     }
 }
 
-/// What remains of face `a` without face `b`, as convex faces appended to `out`.
+/// Appends face `a` without face `b` to `out`, as convex faces.
 pub(crate) fn face_difference<const D: usize>(
     a: &[Point<D>],
     b: &[Point<D>],
@@ -100,8 +100,7 @@ impl<const D: usize> Line<D> {
     }
 }
 
-/// Calls `visit` with a point and the outward in-plane direction of each side of a convex polygon, whichever way
-/// it turns around the normal.
+/// Calls `visit` with a point and the outward in-plane direction of each side of a convex polygon of any orientation.
 fn for_each_side<const D: usize>(
     polygon: &[Point<D>],
     normal: &Vector<D>,
@@ -122,8 +121,8 @@ fn for_each_side<const D: usize>(
     }
 }
 
-/// Drops points that lie on the line between their neighbours, within the tolerance: the direction of a side between
-/// two points that round-off alone tells apart would be noise.
+/// Removes points within the tolerance of the line between their neighbours. The direction of a side between two points
+/// that differ by round-off would be arbitrary.
 fn simplify<const D: usize>(polygon: &mut Vec<Point<D>>, tolerance: f64) {
     let mut k = 0;
     while k < polygon.len() && polygon.len() > 3 {
@@ -135,7 +134,7 @@ fn simplify<const D: usize>(polygon: &mut Vec<Point<D>>, tolerance: f64) {
         let distance = if length > tolerance {
             (offset - along * (offset.dot(&along) / (length * length))).norm()
         } else {
-            // The neighbours coincide: what sticks out between them has no area.
+            // The neighbours coincide, so the corner between them has no area.
             0.0
         };
         if distance <= tolerance || offset.norm() <= tolerance {
@@ -147,7 +146,7 @@ fn simplify<const D: usize>(polygon: &mut Vec<Point<D>>, tolerance: f64) {
     }
 }
 
-/// Keeps what lies behind the line through `origin` with the given outward direction.
+/// Clips a polygon to the half plane behind the line through `origin` with the given outward direction.
 fn clip<const D: usize>(polygon: &mut Vec<Point<D>>, origin: &Point<D>, outward: &Vector<D>) {
     let distance = |x: &Point<D>| outward.dot(&(x - origin));
     let mut kept = Vec::with_capacity(polygon.len() + 1);

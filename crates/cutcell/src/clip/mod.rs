@@ -1,4 +1,4 @@
-//! Convex pieces of planes and of cells, and their division by planes.
+//! Convex pieces of planes and of cells, divided by planes.
 
 mod face;
 mod piece;

@@ -14,9 +14,9 @@ use crate::exact::{Corner, Plane, PlaneKind, Planes, signed_volume};
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Piece<const D: usize> {
     pub(crate) corners: Vec<Corner<D>>,
-    /// The plane of each face, and where its loop ends.
+    /// Plane of each face, and the end of its loop.
     faces: Vec<(Plane, u32)>,
-    /// Corners of the faces, with the plane of the face on the other side of the edge to the next one.
+    /// Corners of the faces, each with the plane beyond the edge to the next corner.
     loops: Vec<(u32, Plane)>,
 }
 
@@ -27,7 +27,7 @@ impl<const D: usize> Piece<D> {
         self.loops.clear();
     }
 
-    /// Becomes a positively oriented simplex with the planes of its faces, face `i` opposite to point `i`.
+    /// Sets this to a positively oriented simplex with the given planes of its faces; face `i` is opposite to point `i`.
     pub(crate) fn set_simplex(&mut self, points: &[Point<D>], planes: [Plane; 4]) {
         self.clear();
         let others = |i: usize| (0..=D).filter(move |&k| k != i);
@@ -54,7 +54,7 @@ impl<const D: usize> Piece<D> {
         }
     }
 
-    /// What was added to the loops since the last face is a face.
+    /// Ends a face: its loop consists of the entries since the last face.
     fn close_face(&mut self, plane: Plane) {
         self.faces.push((plane, self.loops.len() as u32));
     }
@@ -63,7 +63,7 @@ impl<const D: usize> Piece<D> {
         self.faces.len()
     }
 
-    /// The plane of a face and its loop.
+    /// Plane and loop of a face.
     #[inline]
     fn loop_of(&self, face: usize) -> Face<'_> {
         let start = if face == 0 { 0 } else { self.faces[face - 1].1 as usize };
@@ -75,14 +75,14 @@ impl<const D: usize> Piece<D> {
         self.faces[face].0
     }
 
-    /// A face as the sides of a polygon of its plane.
+    /// Sides of a face.
     pub(crate) fn face(&self, face: usize) -> impl Iterator<Item = Side<D>> + '_ {
         let (_, corners) = self.loop_of(face);
         corners.iter().map(|&(corner, beyond)| Side { corner: self.corners[corner as usize], beyond })
     }
 
-    /// Divides by a plane into the parts behind it and in front of it; gives the section, a polygon on the plane.
-    /// `None`, and no parts, if one of them is empty.
+    /// Divides the piece by a plane into the parts behind it and in front of it; returns the section, a polygon on the
+    /// plane. Returns `None`, without parts, if one of them would be empty.
     pub(crate) fn split(
         &self,
         planes: &Planes<'_, D>,
@@ -111,8 +111,8 @@ impl<const D: usize> Piece<D> {
         Some(polygons.push(by, behind.face(behind.n_faces() - 1)))
     }
 
-    /// Corners where the edges cross a plane, each once. `crossing` takes the plane of a face, the two ends of an edge of
-    /// it, and the plane of the face beyond the edge.
+    /// Returns the corners at which edges cross a plane. `crossing` is called once per edge with the plane of a face, the
+    /// two ends of the edge, and the plane beyond the edge.
     fn crossings(
         &self,
         distances: &[f64],
@@ -123,7 +123,7 @@ impl<const D: usize> Piece<D> {
             let (plane, corners) = self.loop_of(face);
             for k in 0..if D == 2 { 1 } else { corners.len() } {
                 let ((a, side), (b, _)) = (corners[k], corners[if k + 1 < corners.len() { k + 1 } else { 0 }]);
-                // In 3D every edge belongs to two faces, once in either direction.
+                // In 3D, every edge belongs to two faces, in opposite directions.
                 if (D == 2 || a < b) && differ(distances[a as usize], distances[b as usize]) {
                     crossings.push(([a.min(b), a.max(b)], crossing(plane, a as usize, b as usize, side)));
                 }
@@ -132,7 +132,7 @@ impl<const D: usize> Piece<D> {
         crossings
     }
 
-    /// Makes the parts behind and in front of a plane, their faces on the plane the last ones.
+    /// Fills the parts behind and in front of a plane. Their last face is the one on the plane.
     fn divide(&self, distances: &[f64], by: Plane, crossings: &Crossings<D>, mut parts: [&mut Self; 2]) {
         let corners = self.divide_corners(distances, crossings, &mut parts);
         let corners = Divided { corners: &corners, crossings };
@@ -155,7 +155,7 @@ impl<const D: usize> Piece<D> {
         }
     }
 
-    /// Gives the parts behind and in front of a plane their corners, crossings last.
+    /// Fills the corners of the parts behind and in front of a plane, crossings last.
     fn divide_corners(
         &self,
         distances: &[f64],
@@ -182,8 +182,8 @@ impl<const D: usize> Piece<D> {
         divided
     }
 
-    /// Adds what lies on one side (0 behind, 1 in front) of a face that the plane crosses, given where its loop comes to
-    /// this side and where it leaves it again.
+    /// Adds the part on one side (0 behind, 1 in front) of a face that crosses the plane. The loop of the face enters this
+    /// side at the first and leaves it at the second of the given meetings.
     fn add_crossed(
         &mut self,
         side: usize,
@@ -207,7 +207,7 @@ impl<const D: usize> Piece<D> {
             self.loops.push((last, by));
             section.push((first, last, plane));
         } else if from.after == 1 {
-            // The edge comes from the other side.
+            // The edge begins on the other side.
             self.loops.extend([(first, by), (corners.of(rim[1].0).numbers[side], by)]);
             section.push((first, 0, plane));
         } else {
@@ -217,7 +217,7 @@ impl<const D: usize> Piece<D> {
         self.close_face(plane);
     }
 
-    /// Adds a face that lies on one side of the plane, perhaps with an edge (a point in 2D) on it.
+    /// Adds a face on one side of the plane, which may have an edge (a point in 2D) on the plane.
     fn add_uncrossed(
         &mut self,
         side: usize,
@@ -243,13 +243,13 @@ impl<const D: usize> Piece<D> {
         }
     }
 
-    /// Adds the face on a plane from its sides: in 3D edges (from, to, plane beyond), in 2D its two ends, the first one
-    /// marked with 1.
+    /// Adds the face on the dividing plane. `section` contains its edges (from, to, plane beyond) in 3D, and its two ends
+    /// in 2D, the first one marked with 1.
     fn close(&mut self, mut section: Section, by: Plane) {
         if D == 2 {
             section.sort_by_key(|end| std::cmp::Reverse(end.1));
         } else {
-            // Chain the edges.
+            // Sorts the edges into a loop.
             for k in 1..section.len() {
                 let at = section[k - 1].1;
                 if let Some(next) = (k..section.len()).find(|&l| section[l].0 == at) {
@@ -261,8 +261,8 @@ impl<const D: usize> Piece<D> {
         self.close_face(by);
     }
 
-    /// Volume (area in 2D), of simplices with no more round-off than `doubt` or exact ones. Those that are inside out count
-    /// nothing.
+    /// Volume (area in 2D). Simplices of a volume below `doubt`, the bound of round-off, are evaluated exactly; inverted
+    /// simplices are left out.
     pub(crate) fn volume(&self, doubt: f64) -> f64 {
         let mut volume = 0.0;
         self.for_each_simplex(|points| volume += signed_volume(points, doubt).max(0.0));
@@ -274,7 +274,7 @@ impl<const D: usize> Piece<D> {
         (0..self.n_faces()).map(|face| self.face_measure(face)).sum()
     }
 
-    /// The face on a plane, if there is one.
+    /// The face on a plane, if any.
     pub(crate) fn face_on(&self, plane: Plane) -> Option<usize> {
         self.faces.iter().position(|face| face.0 == plane)
     }
@@ -310,7 +310,7 @@ impl<const D: usize> Piece<D> {
         }
     }
 
-    /// Adds the piece with rounded corners, faces labelled for the cell with the given facets.
+    /// Appends the piece with rounded corners to `polytopes`. `cell_facets` are the facets of its cell.
     pub(crate) fn round_into(&self, polytopes: &mut Polytopes<D>, cell_facets: &[mesh::FacetId]) {
         let label = |plane: Plane| match plane.kind() {
             PlaneKind::Facet(facet) | PlaneKind::Rim(facet, _) => FaceLabel::Facet(facet),
@@ -324,14 +324,14 @@ impl<const D: usize> Piece<D> {
     }
 }
 
-/// The plane of a face and its loop.
+/// Plane and loop of a face.
 type Face<'a> = (Plane, &'a [(u32, Plane)]);
 /// Signed distances of the corners from a plane, with exact signs.
 type Distances = SmallVec<[f64; 32]>;
-/// A crossed edge with the corner on it.
+/// A crossed edge, and the corner on it.
 type Crossing<const D: usize> = ([u32; 2], Corner<D>);
 type Crossings<const D: usize> = SmallVec<[Crossing<D>; 8]>;
-/// Sides of the face on a dividing plane while it is put together.
+/// Sides of the face on a dividing plane, see [`Piece::close`].
 type Section = SmallVec<[(u32, u32, Plane); 16]>;
 
 /// A corner of a piece that a plane divides.
@@ -339,20 +339,20 @@ type Section = SmallVec<[(u32, u32, Plane); 16]>;
 struct DividedCorner {
     /// -1 behind the plane, 0 on it, 1 in front of it.
     side: i8,
-    /// Numbers in the parts behind and in front; that beyond the plane is never used.
+    /// Numbers in the parts behind and in front. The number in a part without the corner is not used.
     numbers: [u32; 2],
 }
 
-/// The corners of a piece that a plane divides, and after them those where its edges cross the plane.
+/// Corners of a divided piece, followed by the crossings.
 struct Divided<'a, const D: usize> {
     corners: &'a [DividedCorner],
     crossings: &'a [Crossing<D>],
 }
 
-/// Where the loop of a face meets a plane on its way to the other side.
+/// The point at which the loop of a face meets a plane on the way to the other side.
 struct Meeting {
     numbers: [u32; 2],
-    /// Plane beyond the edge that goes on from there.
+    /// Plane beyond the edge that begins there.
     beyond: Plane,
     /// Positions in the loop of the last corner on this side, and of the first one on the other.
     before: usize,
@@ -364,7 +364,7 @@ impl<const D: usize> Divided<'_, D> {
         &self.corners[corner as usize]
     }
 
-    /// The lowest and the highest side on which a loop has corners.
+    /// Returns the lowest and the highest side on which a loop has corners.
     fn range(&self, rim: &[(u32, Plane)]) -> (i8, i8) {
         rim.iter().fold((1, -1), |(lowest, highest), corner| {
             let side = self.of(corner.0).side;
@@ -372,7 +372,7 @@ impl<const D: usize> Divided<'_, D> {
         })
     }
 
-    /// Where a loop with corners on both sides leaves the side behind the plane, and that in front of it.
+    /// Returns the points at which a loop leaves the side behind the plane and the side in front of it.
     fn meetings(&self, rim: &[(u32, Plane)]) -> [Meeting; 2] {
         let side = |k: usize| self.of(rim[k].0).side;
         [-1, 1].map(|from| {
@@ -392,7 +392,7 @@ impl<const D: usize> Divided<'_, D> {
     }
 }
 
-/// The position after another one in a loop.
+/// Returns the position after `k` in a loop.
 fn following(rim: &[(u32, Plane)], k: usize) -> usize {
     if k + 1 < rim.len() { k + 1 } else { 0 }
 }
@@ -416,7 +416,7 @@ mod tests {
         }
     }
 
-    /// Divides a simplex again and again; the pieces fill it, and their faces close them.
+    /// Divides a simplex repeatedly; checks that the pieces fill it and are closed by their faces.
     fn check_division<const D: usize>() {
         let mut corners = vec![Point::<D>::zeros()];
         corners.extend((0..D).map(|k| Point::<D>::from_fn(|i, _| f64::from(u8::from(i == k)))));

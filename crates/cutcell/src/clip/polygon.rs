@@ -6,7 +6,7 @@ use smallvec::SmallVec;
 use crate::exact::{Corner, HalfSpace, Known, Plane, Planes};
 
 /// A convex piece of a plane with exact corners: a segment (2D), or a polygon that turns counter-clockwise around the
-/// normal of the plane (3D). Its sides are among those of [`Polygons`].
+/// normal of the plane (3D). Its sides are stored in [`Polygons`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Polygon {
     pub(crate) plane: Plane,
@@ -14,14 +14,14 @@ pub(crate) struct Polygon {
     end: u32,
 }
 
-/// A corner, and the plane that meets that of the polygon in the side from this corner to the next; of no meaning in 2D.
+/// A corner, and the plane that intersects the plane of the polygon in the side from this corner to the next (3D only).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Side<const D: usize> {
     pub(crate) corner: Corner<D>,
     pub(crate) beyond: Plane,
 }
 
-/// The polygons of one cell: division adds polygons, and nothing is removed before the next cell.
+/// The polygons of one cell. Divisions add polygons; only [`Polygons::forget`] and [`Polygons::clear`] remove some.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Polygons<const D: usize> {
     sides: Vec<Side<D>>,
@@ -42,7 +42,7 @@ impl<const D: usize> Polygons<D> {
         Polygon { plane, first, end: self.sides.len() as u32 }
     }
 
-    /// Forgets a polygon and all that were added after it.
+    /// Removes a polygon and all polygons that were added after it.
     pub(crate) fn forget(&mut self, polygon: Polygon) {
         self.sides.truncate(polygon.first as usize);
     }
@@ -56,7 +56,7 @@ impl<const D: usize> Polygons<D> {
         self.sides(polygon).iter().map(|side| side.corner.x).collect()
     }
 
-    /// Rims (bits) of a facet that a piece of it has sides on; those of a segment are not told apart.
+    /// Rims of a facet on which a piece of it has sides, as bits. For segments, both bits are set.
     pub(crate) fn rims(&self, polygon: Polygon, facet: u32) -> u8 {
         if D == 2 {
             return 0b11;
@@ -65,7 +65,7 @@ impl<const D: usize> Polygons<D> {
         (0..D).filter(is_side).map(|rim| 1 << rim).sum()
     }
 
-    /// On which side of a plane a polygon lies, with its parts behind the plane and in front of it.
+    /// Classifies a polygon relative to a plane; divides it into the parts behind and in front if it crosses the plane.
     pub(crate) fn place(
         &mut self,
         planes: &Planes<'_, D>,
@@ -78,7 +78,7 @@ impl<const D: usize> Polygons<D> {
         })
     }
 
-    /// The same with one part only: that in front of the plane or that behind it.
+    /// Does the same with only one part: the one in front of the plane or the one behind it.
     pub(crate) fn place_one(
         &mut self,
         planes: &Planes<'_, D>,
@@ -92,8 +92,8 @@ impl<const D: usize> Polygons<D> {
         })
     }
 
-    /// On which side of a plane a polygon lies, with what `divide` makes of it from the distances of its corners and the
-    /// corners where its sides cross the plane.
+    /// Classifies a polygon relative to a plane. If it crosses the plane, calls `divide` with the crossings; distances of
+    /// the corners are then in `self.distances`.
     fn place_with<P>(
         &mut self,
         planes: &Planes<'_, D>,
@@ -121,7 +121,7 @@ impl<const D: usize> Polygons<D> {
         }
     }
 
-    /// Corners where the sides of a polygon cross a plane, from the distances of its corners.
+    /// Computes the corners at which the sides of a polygon cross a plane, from the distances of its corners.
     fn crossings(
         &mut self,
         planes: &Planes<'_, D>,
@@ -144,14 +144,14 @@ impl<const D: usize> Polygons<D> {
         crossings
     }
 
-    /// The part on one side (`sign` 1: behind) of a plane, from the distances of the corners.
+    /// Adds the part on one side of a plane (`sign` 1: behind, -1: in front), from the distances of the corners.
     fn part(&mut self, polygon: Polygon, by: Plane, crossings: &Crossings<D>, sign: f64) -> Polygon {
         let (first, start) = (polygon.first as usize, self.sides.len());
         let n = polygon.end as usize - first;
         for k in 0..n {
             let side = self.sides[first + k];
             let (at, next) = (sign * self.distances[k], sign * self.distances[if k + 1 < n { k + 1 } else { 0 }]);
-            // Where the rim leaves the part, the part goes on along the plane.
+            // Where the boundary leaves the part, the part continues along the plane.
             if at <= 0.0 {
                 let leaves = at == 0.0 && next >= 0.0;
                 self.sides.push(Side { corner: side.corner, beyond: if leaves { by } else { side.beyond } });
@@ -164,7 +164,7 @@ impl<const D: usize> Polygons<D> {
     }
 }
 
-/// Where a polygon lies with respect to a plane.
+/// Position of a polygon relative to a plane.
 pub(crate) enum Place<P> {
     /// On the plane.
     On,
@@ -176,8 +176,7 @@ pub(crate) enum Place<P> {
     Both(P),
 }
 
-/// Corners after which a side crosses a plane, with the crossings: two of a convex polygon, one of a segment, which has
-/// one side.
+/// Indices of the sides that cross a plane, with the crossings: two for a polygon, one for a segment.
 type Crossings<const D: usize> = SmallVec<[(usize, Corner<D>); 2]>;
 
 /// Points of a convex face, on the stack if they are few.

@@ -1,13 +1,13 @@
-//! Convex polygons and polyhedra that remember where each of their faces comes from.
+//! Convex polygons and polyhedra with the origin of each face.
 
 use mesh::Point;
 
 use crate::exact::signed_volume;
 
-/// Where a face of a [`Polytope`] comes from.
+/// Origin of a face of a [`Polytope`].
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum FaceLabel {
-    /// A piece of the local facet of the background cell.
+    /// A piece of the facet with this local number of the background cell.
     Cell(u8),
     /// A piece of the plane through a facet of a surface (index among all facets of an overlay).
     Facet(u32),
@@ -20,7 +20,7 @@ pub enum FaceLabel {
 #[derive(Clone, Copy, Debug)]
 pub struct Polytope<'a, const D: usize> {
     points: &'a [Point<D>],
-    /// The label of each face, and where its loop ends.
+    /// Label of each face, and the end of its loop.
     faces: &'a [(FaceLabel, u32)],
     loops: &'a [u32],
 }
@@ -73,7 +73,7 @@ impl<'a, const D: usize> Polytope<'a, D> {
         }
     }
 
-    /// Volume (area in 2D). Simplices that round-off turns inside out count nothing.
+    /// Volume (area in 2D), without simplices that are inverted by round-off.
     pub fn volume(&self) -> f64 {
         let extent = self.points.iter().fold(0.0_f64, |extent, x| extent.max((x - self.points[0]).amax()));
         let doubt = 64.0 * f64::EPSILON * extent.powi(D as i32);
@@ -82,19 +82,19 @@ impl<'a, const D: usize> Polytope<'a, D> {
         volume
     }
 
-    /// A point in the inside: the mean of the points.
+    /// The mean of the points, which lies inside.
     pub fn inner_point(&self) -> Point<D> {
         self.points.iter().sum::<Point<D>>() / self.points.len() as f64
     }
 }
 
-/// Any number of polytopes in four arrays.
+/// Polytopes, stored in four arrays.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Polytopes<const D: usize> {
     points: Vec<Point<D>>,
     faces: Vec<(FaceLabel, u32)>,
     loops: Vec<u32>,
-    /// Where each polytope ends in the other arrays.
+    /// Ends of each polytope in the other arrays.
     ends: Vec<[u32; 3]>,
 }
 
@@ -110,7 +110,7 @@ impl<const D: usize> Polytopes<D> {
         self.ends.len()
     }
 
-    /// Adds a polytope; ends of loops are those in its own `loops`.
+    /// Adds a polytope. Ends of loops are relative to its own `loops`.
     pub(super) fn push(
         &mut self,
         points: impl Iterator<Item = Point<D>>,
@@ -123,7 +123,7 @@ impl<const D: usize> Polytopes<D> {
         self.ends.push([self.points.len() as u32, self.faces.len() as u32, self.loops.len() as u32]);
     }
 
-    /// Adds all polytopes of others.
+    /// Appends all polytopes of `others`.
     pub(crate) fn append(&mut self, others: &Self) {
         let shift = [self.points.len() as u32, self.faces.len() as u32, self.loops.len() as u32];
         self.points.extend_from_slice(&others.points);

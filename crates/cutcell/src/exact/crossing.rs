@@ -1,7 +1,7 @@
-//! How a segment crosses a facet.
+//! Crossings of segments and facets.
 //!
-//! Mesh vertices count as shifted by an infinitesimal `(ε, ε², ...)`, so that a vertex on a surface, or a surface
-//! vertex on a mesh edge, has an answer that is the same wherever it is asked (simulation of simplicity).
+//! Mesh vertices are shifted by an infinitesimal `(ε, ε², ...)`, so that predicates are consistent for vertices on a
+//! surface and surface vertices on a mesh edge (simulation of simplicity).
 
 use mesh::Point;
 use robust::{Coord, Coord3D, orient2d, orient3d};
@@ -12,9 +12,8 @@ fn coord<const D: usize>(x: &Point<D>) -> Coord<f64> {
     Coord { x: x[0], y: x[1] }
 }
 
-/// Determinant of a point with respect to the plane of a facet: positive behind the facet, on the side of the body.
-/// Its sign is exact; values that are not lost in round-off are as good as that allows: round-off in the normal of a small
-/// facet does not grow with the distance from it.
+/// Determinant of a point relative to the plane of a facet: positive behind the facet, on the side of the body. The sign is
+/// exact, and the value is accurate, since round-off in the normal of a small facet does not grow with the distance.
 pub(super) fn determinant<const D: usize>(facet: &[Point<D>], x: &Point<D>) -> f64 {
     match D {
         2 => orient2d(coord(&facet[0]), coord(&facet[1]), coord(x)),
@@ -22,8 +21,8 @@ pub(super) fn determinant<const D: usize>(facet: &[Point<D>], x: &Point<D>) -> f
     }
 }
 
-/// Volume (area in 2D) of a simplex, negative for one turned inside out. If round-off may be as large as `doubt`, its sign is
-/// exact all the same: needles whose corners differ by little more than round-off keep a volume.
+/// Volume (area in 2D) of a simplex, negative if it is inverted. If the value is below `doubt`, the bound of round-off, it
+/// is computed with an exact sign, so that needles of nearly coincident corners keep a volume.
 pub(crate) fn signed_volume<const D: usize>(simplex: &[Point<D>], doubt: f64) -> f64 {
     let volume = mesh::Simplex::new(simplex).volume();
     if volume.abs() > doubt {
@@ -46,17 +45,17 @@ fn first_nonzero(signs: [f64; 3]) -> i32 {
     signs.iter().map(|&s| sign(s)).find(|&s| s != 0).unwrap_or(1)
 }
 
-/// End of a segment: a point as it is, or a mesh vertex that counts as shifted by an infinitesimal.
+/// End of a segment: a point, or a mesh vertex that is shifted by an infinitesimal.
 #[derive(Clone, Copy)]
 pub(crate) enum End<'a, const D: usize> {
-    /// A point in the inside of a convex piece.
+    /// A point inside a convex piece.
     Point(&'a Point<D>),
     /// A mesh vertex.
     Vertex(&'a Point<D>),
 }
 
-/// How the number of bodies around changes on the way from `from` to `to` through a facet: +1 into the body, -1
-/// out of it, 0 where the segment misses the facet. Exact.
+/// Change of the number of surrounding bodies along the segment from `from` to `to` due to a facet, exact: +1 into the
+/// body, -1 out of it, 0 if the segment does not cross the facet. `from` is a mesh vertex.
 pub(crate) fn crossing<const D: usize>(from: &Point<D>, to: End<'_, D>, facet: &[Point<D>]) -> i32 {
     match D {
         2 => crossing_2d(from, to, &facet[0], &facet[1]),
@@ -64,13 +63,12 @@ pub(crate) fn crossing<const D: usize>(from: &Point<D>, to: End<'_, D>, facet: &
     }
 }
 
-/// `from` is a mesh vertex.
 fn crossing_2d<const D: usize>(from: &Point<D>, to: End<'_, D>, a: &Point<D>, b: &Point<D>) -> i32 {
     let (q, to_is_vertex) = match to {
         End::Point(x) => (x, false),
         End::Vertex(x) => (x, true),
     };
-    // Side of a mesh vertex with respect to the line a -> b.
+    // Side of a mesh vertex relative to the line a -> b.
     let side_of_vertex =
         |x: &Point<D>| first_nonzero([orient2d(coord(a), coord(b), coord(x)), a[1] - b[1], b[0] - a[0]]);
     let side_from = side_of_vertex(from);
@@ -82,7 +80,7 @@ fn crossing_2d<const D: usize>(from: &Point<D>, to: End<'_, D>, a: &Point<D>, b:
     if side_from == side_to {
         return 0;
     }
-    // Side of a facet vertex with respect to the line from -> q, whose vertices move by (ε, ε²).
+    // Side of a facet vertex relative to the line from -> q, whose vertices move by (ε, ε²).
     let side = |x: &Point<D>| {
         let exact = orient2d(coord(from), coord(q), coord(x));
         if to_is_vertex {
@@ -111,7 +109,7 @@ fn normal<const D: usize>([a, b, c]: [&Point<D>; 3]) -> [f64; 3] {
     })
 }
 
-/// Components of `(x - y) × (p - q)`, rounded from the exact ones: the two may be parallel, or almost.
+/// Components of `(x - y) × (p - q)`, rounded from exact values, since the two vectors may be nearly parallel.
 pub(super) fn cross_of_differences<const D: usize>([x, y]: [&Point<D>; 2], [p, q]: [&Point<D>; 2]) -> [f64; 3] {
     let difference = |a: &Point<D>, b: &Point<D>, k: usize| Exact::difference(a[k % 3], b[k % 3]);
     std::array::from_fn(|k| {
@@ -121,7 +119,6 @@ pub(super) fn cross_of_differences<const D: usize>([x, y]: [&Point<D>; 2], [p, q
     })
 }
 
-/// `from` is a mesh vertex.
 fn crossing_3d<const D: usize>(from: &Point<D>, to: End<'_, D>, facet: [&Point<D>; 3]) -> i32 {
     let (q, to_is_vertex) = match to {
         End::Point(x) => (x, false),
@@ -137,7 +134,7 @@ fn crossing_3d<const D: usize>(from: &Point<D>, to: End<'_, D>, facet: [&Point<D
     if side_from == side_to || side_to == 0 {
         return 0;
     }
-    // On which side of an edge of the facet the line passes.
+    // Side of an edge of the facet on which the line passes.
     let passes = |x: &Point<D>, y: &Point<D>| {
         let exact = sign(orient3d(coord_3d(from), coord_3d(q), coord_3d(x), coord_3d(y)));
         if exact != 0 {
@@ -153,7 +150,7 @@ fn crossing_3d<const D: usize>(from: &Point<D>, to: End<'_, D>, facet: [&Point<D
     if ab == bc && bc == ca { side_to } else { 0 }
 }
 
-/// Whether the segment from `a` to `b` runs through the inside of a facet, strictly from one side to the other. Exact.
+/// Whether the segment from `a` to `b` crosses the interior of a facet, strictly from one side to the other. Exact.
 pub(crate) fn pierces<const D: usize>(a: &Point<D>, b: &Point<D>, facet: &[Point<D>]) -> bool {
     let opposite = |p: f64, q: f64| sign(p) * sign(q) < 0;
     if !opposite(determinant(facet, a), determinant(facet, b)) {

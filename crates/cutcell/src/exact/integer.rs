@@ -5,17 +5,17 @@ use smallvec::{SmallVec, smallvec};
 /// Digits to the base 2⁶⁴, the lowest first.
 type Digits = SmallVec<[u64; 4]>;
 
-/// An integer times a power of 2⁶⁴, of any size: what sums and products of floating-point numbers are.
+/// An integer times a power of 2⁶⁴, of any size. Contains all sums and products of floating-point numbers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Exact {
     is_negative: bool,
-    /// Without zeros at either end; none for zero.
+    /// Digits without zeros at either end; empty for zero.
     digits: Digits,
     /// Power of the lowest digit.
     exponent: i32,
 }
 
-/// A floating-point number as an integer times a power of 2.
+/// Returns a floating-point number as an integer times a power of 2.
 fn decompose(value: f64) -> (i128, i32) {
     let bits = value.to_bits();
     let (biased, fraction) = ((bits >> 52 & 0x7ff) as i32, bits & ((1 << 52) - 1));
@@ -53,7 +53,7 @@ impl Exact {
         Self::of_integer((x << (p - low)) - (y << (q - low)), low)
     }
 
-    /// The sum of products `±a b`, negative where marked.
+    /// Computes the sum of products `±a b`; terms with the mark `true` are subtracted.
     pub(super) fn sum_of_products(terms: &[(bool, &Self, &Self)]) -> Self {
         let (mut low, mut high) = (i32::MAX, i32::MIN);
         for (_, a, b) in terms.iter().filter(|(_, a, b)| !a.digits.is_empty() && !b.digits.is_empty()) {
@@ -63,7 +63,7 @@ impl Exact {
         if low > high {
             return Self::default();
         }
-        // One digit more than the largest term, for carries and for the sign: a two's complement.
+        // One digit more than the largest term, for carries and the sign (two's complement).
         let mut sum: SmallVec<[u64; 32]> = smallvec![0; (high - low) as usize + 1];
         for &(is_subtracted, a, b) in terms {
             if a.digits.is_empty() || b.digits.is_empty() {
@@ -86,19 +86,19 @@ impl Exact {
         Self::new(is_negative, &sum, low)
     }
 
-    /// Nearly the nearest floating-point number; with the right sign, whatever the size.
+    /// Floating-point approximation with the correct sign, clamped to the range of floating-point numbers.
     pub(super) fn value(&self) -> f64 {
         let (leading, power) = self.leading();
         leading * 2.0_f64.powi((64 * power).clamp(-900, 800))
     }
 
-    /// The quotient, nearly the nearest floating-point number; numbers of any size may be divided by each other.
+    /// Floating-point approximation of the quotient, also for numbers beyond the range of floating point.
     pub(super) fn over(&self, other: &Self) -> f64 {
         let ((a, p), (b, q)) = (self.leading(), other.leading());
         a / b * 2.0_f64.powi((64 * (p - q)).clamp(-900, 800))
     }
 
-    /// The leading digits with the sign, and the power of 2⁶⁴ that they are to be multiplied by.
+    /// The leading digits with the sign, and the power of 2⁶⁴ of their unit.
     fn leading(&self) -> (f64, i32) {
         let base = 2.0_f64.powi(64);
         let magnitude = self.digits.iter().rev().take(3).fold(0.0, |value, &digit| value * base + digit as f64);
@@ -209,7 +209,7 @@ mod tests {
     fn values_come_back() {
         for value in [1.0, -1.5, 0.1, -1e-300, 5e-324, 1e300, f64::MAX, 1.0 / 3.0, -123_456.789e-20] {
             let back = Exact::of(value).value();
-            // Beyond the range that `value` clamps to only the sign is meant.
+            // Beyond the range to which `value` is clamped, only the sign is correct.
             if value.abs() > 1e-200 && value.abs() < 1e200 {
                 assert_eq!(back, value);
             }

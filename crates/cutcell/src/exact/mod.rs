@@ -1,9 +1,13 @@
-//! Exact decisions: everything that a cut decides by a sign is decided here.
+//! Exact predicates: all signs on which a cut depends.
 
 mod crossing;
 mod integer;
 mod number;
+mod plane;
 mod planes;
+mod solved;
 
 pub(crate) use crossing::{End, crossing, is_degenerate, pierces, signed_volume};
-pub(crate) use planes::{Corner, HalfSpace, Known, Plane, PlaneKind, Planes};
+pub(crate) use plane::{HalfSpace, Plane, PlaneKind};
+pub(crate) use planes::{Corner, Planes};
+pub(crate) use solved::Known;

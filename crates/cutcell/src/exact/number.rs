@@ -1,25 +1,21 @@
-//! What the formulas of planes and corners need of a number.
+//! Numbers with certain signs.
 
 use super::integer::Exact;
-use super::planes::{Known, Solved};
 
-/// A number that remembers enough to say when its sign is certain.
+/// A number with a bound of its error.
 pub(super) trait Number: Clone + Default {
-    /// The number itself.
+    /// Converts a floating-point number exactly.
     fn of(value: f64) -> Self;
-    /// `a - b`, not rounded.
+    /// `a - b`, exact.
     fn difference(a: f64, b: f64) -> Self;
-    /// The sum of products `±a b`, negative where marked; of one term at least.
+    /// Sum of products `±a b` of at least one term; terms with the mark `true` are subtracted.
     fn sum_of_products(terms: &[(bool, &Self, &Self)]) -> Self;
     /// The value, rounded.
     fn value(&self) -> f64;
     /// The quotient, rounded.
     fn over(&self, other: &Self) -> f64;
-    /// How wrong the value may be, beyond one unit in its last place.
+    /// Bound of the error of the value, in addition to one unit in its last place.
     fn doubt(&self) -> f64;
-
-    /// What is known in numbers of this kind.
-    fn solved(known: &mut Known) -> &mut Solved<Self>;
 
     /// The value, if its sign is certain.
     fn certain(&self) -> Option<f64> {
@@ -52,14 +48,9 @@ impl Number for Exact {
     fn doubt(&self) -> f64 {
         0.0
     }
-
-    fn solved(known: &mut Known) -> &mut Solved<Self> {
-        &mut known.exact
-    }
 }
 
-/// A number of twice the precision, with the sum of the absolute values of the terms that it was made of: round-off is
-/// a fraction of that.
+/// A number of double the precision of `f64`, with the sum of the absolute values of its terms as the scale of round-off.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Double {
     high: f64,
@@ -67,8 +58,8 @@ pub(super) struct Double {
     terms: f64,
 }
 
-/// Bound on the round-off of a determinant relative to the sum of its terms: each of its fewer than 40 operations adds
-/// at most 2⁻¹⁰⁰.
+/// Bound of the round-off of a determinant relative to the sum of its terms: less than 40 operations with at most 2⁻¹⁰⁰
+/// each.
 const ROUND_OFF: f64 = 1e-28;
 
 impl Double {
@@ -117,13 +108,9 @@ impl Number for Double {
     }
 
     fn doubt(&self) -> f64 {
-        // Beyond that, products may have left the range of the exponent.
+        // Outside of this range, products may have overflowed or underflowed.
         let in_range = self.terms == 0.0 || (self.terms > 1e-200 && self.terms < 1e200);
         if in_range { ROUND_OFF * self.terms } else { f64::INFINITY }
-    }
-
-    fn solved(known: &mut Known) -> &mut Solved<Self> {
-        &mut known.double
     }
 }
 

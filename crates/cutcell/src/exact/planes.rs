@@ -1,165 +1,42 @@
-//! Planes given by points of the input, and corners given by the planes that meet in them.
+//! Planes defined by points of the input, and corners defined by the planes that intersect there.
 //!
-//! Every plane goes through `D` points whose coordinates are floating-point numbers, every corner of every piece of
-//! a cut is such a point itself or the point in which `D` planes meet. On which side of a plane a corner lies is
-//! therefore a rational number of the input: it is computed with rounding as long as that is certain, from what the
-//! planes are known to have in common where that suffices, and with exact arithmetic otherwise. The coordinates that a
-//! corner carries are that point rounded.
+//! Every plane is defined by `D` points with floating-point coordinates. Every corner of every piece of a cut is such a
+//! point or the intersection of `D` planes, so the signed distance of a corner from a plane is a rational function of the
+//! input. Its sign is computed with rounded numbers if they are certain, otherwise from vertices and edges that the planes
+//! share, and otherwise with exact arithmetic. The stored coordinates of a corner are rounded.
 
-use std::collections::HashMap;
-
-use mesh::{FacetId, Point, SimplexMesh, Vector, facet_normal};
+use mesh::{Point, SimplexMesh, Vector};
 
 use super::crossing::{cross_of_differences, determinant};
 use super::integer::Exact;
 use super::number::{Double, Number};
+use super::plane::{HalfSpace, Plane, PlaneKind};
+use super::solved::{Cache, Known, Solved};
 use crate::surface::Facet;
 
-/// Name of a plane.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
-pub(crate) struct Plane(u32);
-
-/// What a plane goes through.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) enum PlaneKind {
-    /// A face of the background.
-    Mesh(FacetId),
-    /// A facet (index among all facets).
-    Facet(u32),
-    /// A rim of a facet, upright on it.
-    Rim(u32, usize),
-}
-
-const MESH: u32 = 1 << 31;
-
-impl Plane {
-    pub(crate) fn mesh(facet: FacetId) -> Self {
-        Self(facet.0 | MESH)
-    }
-
-    pub(crate) fn facet(facet: u32) -> Self {
-        Self(4 * facet)
-    }
-
-    /// The plane through rim `local` of a facet and its normal; its front lies outside of the facet. Rim `k` of a
-    /// triangle goes from corner `k` to the next one, that of a segment is its corner `k`.
-    pub(crate) fn rim(facet: u32, local: usize) -> Self {
-        Self(4 * facet + 1 + local as u32)
-    }
-
-    fn is_mesh(self) -> bool {
-        self.0 & MESH != 0
-    }
-
-    pub(crate) fn kind(self) -> PlaneKind {
-        match (self.0 & MESH, self.0 % 4) {
-            (0, 0) => PlaneKind::Facet(self.0 / 4),
-            (0, rim) => PlaneKind::Rim(self.0 / 4, rim as usize - 1),
-            _ => PlaneKind::Mesh(FacetId(self.0 & !MESH)),
-        }
-    }
-}
-
-/// A plane with rounding: distances are correct up to `slack` times the distance from the origin.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct HalfSpace<const D: usize> {
-    pub(crate) origin: Point<D>,
-    /// Unit normal.
-    pub(crate) normal: Vector<D>,
-    slack: f64,
-}
-
-impl<const D: usize> HalfSpace<D> {
-    /// Through `D` points that do not coincide (2D) or lie on a line (3D).
-    pub(crate) fn through(points: &[Point<D>]) -> Self {
-        if D == 2 {
-            return Self { origin: points[0], normal: facet_normal(points), slack: 16.0 * f64::EPSILON };
-        }
-        // The two shortest sides give the normal with the least cancellation.
-        let sides = [points[1] - points[0], points[2] - points[1], points[0] - points[2]];
-        let squares = sides.map(|s| s.norm_squared());
-        let longest = (0..3).fold(0, |l, k| if squares[k] > squares[l] { k } else { l });
-        let (i, j) = ((longest + 1) % 3, (longest + 2) % 3);
-        let mut n = Vector::<D>::zeros();
-        for k in 0..3 {
-            let (p, q) = ((k + 1) % 3, (k + 2) % 3);
-            n[k] = sides[i][p] * sides[j][q] - sides[i][q] * sides[j][p];
-        }
-        let length = n.norm();
-        let slack = f64::EPSILON * (8.0 * (squares[i] * squares[j]).sqrt() / length + 8.0);
-        if slack < 1e-11 {
-            return Self { origin: points[j], normal: n / length, slack };
-        }
-        // A needle: the round-off of its sides would turn the normal.
-        let n = cross_of_differences([&points[1], &points[0]], [&points[2], &points[0]]);
-        let n = Vector::<D>::from_fn(|k, _| n[k]);
-        Self { origin: points[j], normal: n / n.norm(), slack: 16.0 * f64::EPSILON }
-    }
-
-    /// Distance of a point from the plane, positive in front of it, and how wrong it may be.
-    #[inline]
-    pub(crate) fn distance(&self, x: &Point<D>) -> (f64, f64) {
-        let r = x - self.origin;
-        (self.normal.dot(&r), self.slack * r.iter().map(|c| c.abs()).sum::<f64>())
-    }
-}
-
-/// A corner of a piece: a point of the input, or the point in which `D` planes meet, rounded.
+/// A corner of a piece: a point of the input, or the rounded intersection of `D` planes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Corner<const D: usize> {
     pub(crate) x: Point<D>,
-    /// How far the rounded point may be off; zero for points of the input.
+    /// Bound of the error of the rounded point; zero for points of the input.
     error: f64,
-    /// Planes that meet here; the first `D` count.
+    /// Planes that intersect here; only the first `D` are used.
     on: [Plane; 3],
-    /// Number of the vertex of a surface that this is, or `NONE`.
+    /// Number of the surface vertex at this corner, or `NONE`.
     vertex: u32,
 }
 
 const NONE: u32 = u32::MAX;
 
 impl<const D: usize> Corner<D> {
-    /// A vertex of the background on known planes.
+    /// Creates a corner at a vertex of the background.
     pub(crate) fn of_mesh(x: Point<D>, on: [Plane; 3]) -> Self {
         Self { x, error: 0.0, on, vertex: NONE }
     }
 
-    /// A vertex of a surface on known planes.
+    /// Creates a corner at a vertex of a surface.
     pub(crate) fn of_surface(x: Point<D>, on: [Plane; 3], vertex: u32) -> Self {
         Self { x, error: 0.0, on, vertex }
-    }
-}
-
-/// What was computed beyond ordinary precision in the cell at hand: the same planes and corners come up again and again.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Known {
-    /// Signed distances of corners (by their planes, and their number as a vertex) from planes.
-    sides: HashMap<([Plane; 3], u32, Plane), f64>,
-    pub(super) double: Solved<Double>,
-    pub(super) exact: Solved<Exact>,
-}
-
-impl Known {
-    pub(crate) fn clear(&mut self) {
-        self.sides.clear();
-        self.double.clear();
-        self.exact.clear();
-    }
-}
-
-/// Planes and points with numbers of one kind.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Solved<N> {
-    /// Normal of a plane, and its product with each point of the plane.
-    planes: HashMap<Plane, ([N; 3], N)>,
-    /// The point in which planes meet: numerators of the coordinates, and their common denominator.
-    corners: HashMap<[Plane; 3], ([N; 3], N)>,
-}
-
-impl<N> Solved<N> {
-    fn clear(&mut self) {
-        self.planes.clear();
-        self.corners.clear();
     }
 }
 
@@ -173,7 +50,7 @@ pub(crate) struct Planes<'a, const D: usize> {
 }
 
 impl<const D: usize> Planes<'_, D> {
-    /// The plane with rounding.
+    /// Returns a plane in rounded numbers.
     pub(crate) fn half_space(&self, plane: Plane) -> HalfSpace<D> {
         match plane.kind() {
             PlaneKind::Mesh(_) => HalfSpace::through(&self.points(plane)[..D]),
@@ -182,7 +59,7 @@ impl<const D: usize> Planes<'_, D> {
         }
     }
 
-    /// The points that a plane goes through; the first `D` count.
+    /// Returns the points that define a plane; only the first `D` are used.
     fn points(&self, plane: Plane) -> [Point<D>; 3] {
         let mut points = [Point::zeros(); 3];
         match plane.kind() {
@@ -197,7 +74,7 @@ impl<const D: usize> Planes<'_, D> {
         points
     }
 
-    /// Vertices of surfaces that a plane goes through.
+    /// Returns the surface vertices on a plane that follow from its definition, and their number.
     fn vertices(&self, plane: Plane) -> ([u32; 3], usize) {
         match plane.kind() {
             PlaneKind::Mesh(_) => ([0; 3], 0),
@@ -209,14 +86,14 @@ impl<const D: usize> Planes<'_, D> {
         }
     }
 
-    /// Signed distance of a corner from a plane, positive in front of it; its sign is exact.
+    /// Signed distance of a corner from a plane, positive in front of it, with exact sign.
     #[inline(always)]
     pub(crate) fn side(&self, corner: &Corner<D>, plane: Plane, half_space: &HalfSpace<D>, known: &mut Known) -> f64 {
         let (distance, doubt) = half_space.distance(&corner.x);
         if distance.abs() > doubt + corner.error { distance } else { self.side_in_doubt(corner, plane, known) }
     }
 
-    /// The same where rounded coordinates do not tell.
+    /// Computes the same if rounded coordinates are not sufficient.
     #[inline(never)]
     fn side_in_doubt(&self, corner: &Corner<D>, plane: Plane, known: &mut Known) -> f64 {
         if corner.on[..D].contains(&plane) || self.meet_known(corner, plane) {
@@ -234,7 +111,7 @@ impl<const D: usize> Planes<'_, D> {
         (0..D).all(|k| self.side(&corner(k), plane, &half_space, &mut known) == 0.0)
     }
 
-    /// Whether the plane goes through the corner because both contain the same vertex or edge of a surface.
+    /// Whether the corner lies on the plane because both contain the same vertex or edge of a surface.
     fn meet_known(&self, corner: &Corner<D>, plane: Plane) -> bool {
         let (vertices, n) = self.vertices(plane);
         let vertices = &vertices[..n];
@@ -269,10 +146,10 @@ impl<const D: usize> Planes<'_, D> {
         side
     }
 
-    /// The product of a point in which planes meet with the normal of another plane, less that of the plane itself, and
-    /// its sign. `None` if the sign is not certain, or zero.
-    fn ratio<N: Number>(&self, on: &[Plane; 3], plane: Plane, known: &mut Known) -> Option<[f64; 2]> {
-        let solved = N::solved(known);
+    /// Scalar product of the intersection of planes with the normal of another plane, minus the same product of a point
+    /// of that plane, and its sign. `None` if the sign is uncertain or zero.
+    fn ratio<N: Number>(&self, on: &[Plane; 3], plane: Plane, known: &mut impl Cache<N>) -> Option<[f64; 2]> {
+        let solved = known.solved();
         self.solve_corner(on, solved);
         self.solve_plane(plane, solved);
         let ((x, w), (normal, offset)) = (&solved.corners[on], &solved.planes[&plane]);
@@ -295,8 +172,8 @@ impl<const D: usize> Planes<'_, D> {
         }
     }
 
-    /// The corner in which the edge between `a` and `b` meets a plane, with their distances of opposite signs from
-    /// the plane, and the `D` planes (that one the last) that meet there.
+    /// Computes the corner in which the edge between two corners crosses a plane. `ends` are the two corners with their
+    /// distances from the plane, of opposite signs; `on` are the `D` planes that intersect there, the crossed one last.
     pub(crate) fn crossing(
         &self,
         ends: [(&Corner<D>, f64); 2],
@@ -312,21 +189,21 @@ impl<const D: usize> Planes<'_, D> {
         let x = a.x + along * (at_a / (at_a - at_b));
         let off = a.error.max(b.error);
         let doubt = off + half_space.distance(&a.x).1.max(half_space.distance(&b.x).1);
-        // No less than the length of the edge.
+        // An upper bound of the length of the edge.
         let length: f64 = along.iter().map(|c| c.abs()).sum();
         let error = off + self.resolution + length * doubt / (at_a - at_b).abs();
         let good = |error: f64| error <= 1024.0 * self.resolution;
         if good(error) {
             return Corner { x, error, on, vertex: NONE };
         }
-        // Errors grow from corner to corner where planes meet at small angles; those of the planes themselves do not.
+        // If planes intersect at small angles, errors accumulate from corner to corner; errors of the planes do not.
         match self.on_planes(&x, &on) {
             Some((x, error)) if good(error) => Corner { x, error, on, vertex: NONE },
             _ => self.exact_crossing(on, x, error, known),
         }
     }
 
-    /// The point in which planes meet near `x`, by one step of Newton's method, and how far it may be off.
+    /// Computes the intersection of planes near `x` by one step of Newton's method, and the bound of its error.
     fn on_planes(&self, x: &Point<D>, on: &[Plane; 3]) -> Option<(Point<D>, f64)> {
         let half_spaces = on.map(|plane| self.half_space(plane));
         let n = half_spaces.map(|half_space| half_space.normal);
@@ -352,12 +229,12 @@ impl<const D: usize> Planes<'_, D> {
             step -= column * distance;
             error += 2.0 * column.norm() * doubt;
         }
-        // What the step is wrong by with its normals and its determinant.
+        // Error of the step due to the errors of the normals and the determinant.
         let slack = half_spaces.iter().fold(16.0 * f64::EPSILON, |slack, half_space| slack.max(half_space.slack));
         Some((x + step, error + 6.0 * slack / determinant.abs() * step.norm()))
     }
 
-    /// A vertex of a surface, if that is where the planes meet.
+    /// Returns the surface vertex in which the planes intersect, if it follows from their definitions.
     fn common_vertex(&self, on: [Plane; 3]) -> Option<Corner<D>> {
         if on[..D].iter().any(|plane| plane.is_mesh()) {
             return None;
@@ -379,9 +256,9 @@ impl<const D: usize> Planes<'_, D> {
         double.or_else(|| self.coordinates::<Exact>(&rounded, known)).unwrap_or(rounded)
     }
 
-    /// The same corner with coordinates that are as good as their numbers.
-    fn coordinates<N: Number>(&self, corner: &Corner<D>, known: &mut Known) -> Option<Corner<D>> {
-        let solved = N::solved(known);
+    /// Recomputes the coordinates of a corner with numbers of kind `N`.
+    fn coordinates<N: Number>(&self, corner: &Corner<D>, known: &mut impl Cache<N>) -> Option<Corner<D>> {
+        let solved = known.solved();
         self.solve_corner(&corner.on, solved);
         let (numerators, denominator) = &solved.corners[&corner.on];
         let w = denominator.certain().filter(|w| *w != 0.0)?;
@@ -395,14 +272,14 @@ impl<const D: usize> Planes<'_, D> {
     }
 }
 
-/// Length of the normal of a plane through points: what a determinant is to be divided by.
+/// Length of the normal of a plane through points: the ratio of a determinant to the distance.
 fn normal_length<const D: usize>(points: &[Point<D>]) -> f64 {
     let measure = mesh::simplex_measure(points);
     if D == 2 {
         return measure;
     }
     let sides = [points[1] - points[0], points[2] - points[0]];
-    // The measure of a needle would be round-off.
+    // The rounded measure of a needle would be inaccurate.
     if measure > 1e-6 * sides[0].norm_squared().max(sides[1].norm_squared()) {
         2.0 * measure
     } else {
@@ -410,7 +287,7 @@ fn normal_length<const D: usize>(points: &[Point<D>]) -> f64 {
     }
 }
 
-/// The point in which planes meet: numerators of the coordinates, and their common denominator.
+/// Computes the intersection of planes: numerators of the coordinates, and their common denominator.
 fn meet<N: Number, const D: usize>(planes: [&([N; 3], N); 3]) -> ([N; 3], N) {
     let [(a, p), (b, q), (c, r)] = planes;
     if D == 2 {
@@ -423,7 +300,7 @@ fn meet<N: Number, const D: usize>(planes: [&([N; 3], N); 3]) -> ([N; 3], N) {
     (x, N::sum_of_products(&[(false, &a[0], &bc[0]), (false, &a[1], &bc[1]), (false, &a[2], &bc[2])]))
 }
 
-/// Normal of the plane through points, and its product with each point of the plane.
+/// Computes the normal of the plane through points, and its scalar product with the points of the plane.
 fn coefficients<N: Number, const D: usize>(points: &[Point<D>; 3]) -> ([N; 3], N) {
     let difference = |p: usize| -> [N; 3] {
         std::array::from_fn(|k| if k < D { N::difference(points[p][k], points[0][k]) } else { N::default() })

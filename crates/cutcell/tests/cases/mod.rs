@@ -1,8 +1,8 @@
-//! What the property tests share: their number, and coordinates that are likely to make trouble.
+//! Shared settings of the property tests: number of cases, and coordinates of degenerate positions.
 
 use proptest::prelude::*;
 
-/// A short run with a fixed seed; `CUTCELL_CASES` makes it long, with the seed of `CUTCELL_SEED`.
+/// Returns a short run with a fixed seed, unless `CUTCELL_CASES` and `CUTCELL_SEED` are set.
 pub(crate) fn config(usual: u32) -> ProptestConfig {
     let number = |name: &str| std::env::var(name).ok().and_then(|value| value.parse().ok());
     ProptestConfig {
@@ -15,7 +15,7 @@ pub(crate) fn config(usual: u32) -> ProptestConfig {
     }
 }
 
-/// Nothing, almost nothing, or something, of either sign.
+/// Shifts of either sign: zero, tiny, or small.
 pub(crate) fn shift() -> impl Strategy<Value = f64> {
     let sizes = prop_oneof![6 => Just(0.0), 10 => (1..18_i32).prop_map(|k| 10.0_f64.powi(-k)), 1 => Just(1.0)];
     (sizes, prop::bool::ANY).prop_map(|(size, negative)| if negative { -size } else { size })

@@ -3,10 +3,10 @@
 use cutcell::{CellState, CutMesh};
 use mesh::{FacetId, Point, QuadratureRule, SimplexMesh, SimplexRule, Vector, equilateral_side, facet_normal};
 
-/// Checks all identities; lengths are compared relative to the size of the background.
+/// Checks all identities; errors are relative to the size of the background.
 ///
 /// # Panics
-/// If one does not hold.
+/// If an identity does not hold.
 pub(crate) fn check_identities<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>) {
     let size = background.vertices().iter().fold(0.0_f64, |r, x| r.max(x.amax()));
     check_partition(background, cut, size);
@@ -17,7 +17,7 @@ pub(crate) fn check_identities<const D: usize>(background: &SimplexMesh<D>, cut:
     check_divergence(background, cut, 1e-10 * (2.0 * size).powi(D as i32));
 }
 
-/// Parts and covered pieces make up each cell, but for the round-off of its coordinates.
+/// Checks that volumes of parts and covered pieces add up to that of the cell, up to the round-off of its coordinates.
 fn check_partition<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>, size: f64) {
     let mut volume = vec![0.0; background.n_cells()];
     for part in cut.all_parts() {
@@ -41,7 +41,7 @@ fn check_partition<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>
     }
 }
 
-/// Every part is closed: faces shared with neighbours, interface and boundary leave no gap.
+/// Checks that every part is closed: faces shared with neighbours, interface and boundary have no gap.
 fn check_closure<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>, tolerance: f64) {
     let mut area = vec![Vector::<D>::zeros(); cut.n_parts()];
     for face in cut.part_faces() {
@@ -63,7 +63,7 @@ fn check_closure<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>, 
     }
 }
 
-/// Divergence theorem for x and for x |x|²/(D + 2), whose divergence is |x|².
+/// Checks the divergence theorem for x and for x |x|²/(D + 2), whose divergence is |x|².
 fn check_divergence<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>, tolerance: f64) {
     let rule = SimplexRule::of_degree(D, 2);
     let on_faces = SimplexRule::of_degree(D - 1, 3);

@@ -2,25 +2,23 @@
 
 use std::f64::consts::PI;
 
-use super::size::{MEAN_EDGE, affordable, positive};
+use super::size::{MEAN_EDGE, affordable};
 use super::triangulate::{Outline, filled};
-use crate::{Error, SimplexMesh};
+use crate::{Error, SimplexMesh, positive, require};
 
-/// How a ball is approximated by a polygon.
+/// Approximation of a ball by a polygon.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct BallOptions {
-    /// Scale the radius so that the polygon has the area of the ball; otherwise its vertices lie on the ball.
+    /// Whether the polygon has the area of the ball; otherwise its vertices lie on the ball.
     pub area_preserving: bool,
 }
 
-/// A ball with cells of size `h` and equally spaced boundary vertices, its boundary tagged "surface"; in 2D, with
-/// angles of at least 25 degrees.
-///
-/// Sizes larger than the radius are cut down to it.
+/// Generates a disk with cells of size `h` (at most the radius), equally spaced boundary vertices and angles of at least 25
+/// degrees. Its boundary has the tag "surface".
 ///
 /// # Errors
-/// [`Error::Generate`]: centre, radius or size not finite, radius or size not positive, or far too many cells.
-/// [`Error::Dimension`]: there are disks only, so far.
+/// [`Error::Parameter`]: centre, radius or size not finite, radius or size not positive, or too many cells.
+/// [`Error::Dimension`]: `D` is not 2.
 pub fn ball<const D: usize>(
     centre: [f64; D],
     radius: f64,
@@ -34,10 +32,8 @@ pub fn ball<const D: usize>(
     Ok(filled(outline, |_| circle.h)?.with_boundary_tags(|_| Some("surface")))
 }
 
-/// The half of [`ball`] with `x >= centre[0]`: vertices on the plane of symmetry lie exactly on it, and facets there
-/// are tagged "left", all others "surface".
-///
-/// Mirrored, it is a ball with the same boundary vertices as [`ball`] up to round-off.
+/// Generates the half of a [`ball`] with `x >= centre[0]`. Vertices on the plane of symmetry lie exactly on it, and facets
+/// there have the tag "left", all others "surface". The boundary vertices are those of [`ball`] up to round-off.
 ///
 /// # Errors
 /// As [`ball`].
@@ -67,14 +63,14 @@ struct Circle {
     radius: f64,
     /// Mean length of the edges.
     h: f64,
-    /// Boundary segments of one half.
+    /// Number of boundary segments of one half.
     n_half: usize,
 }
 
 impl Circle {
     fn new<const D: usize>(centre: &[f64; D], radius: f64, h: f64, options: &BallOptions) -> Result<Self, Error> {
-        if let Some(&value) = centre.iter().find(|c| !c.is_finite()) {
-            return Err(Error::Generate { what: "centre", value, must: "be finite" });
+        for &c in centre {
+            require(c.is_finite(), "centre", c, "finite")?;
         }
         positive("radius", radius)?;
         positive("size", h)?;
@@ -89,8 +85,7 @@ impl Circle {
         Ok(Self { centre: [x, y], radius: radius * scale, h, n_half })
     }
 
-    /// Node `i` relative to the centre, counter-clockwise from the lowest one; those on the vertical diameter lie exactly
-    /// on it.
+    /// Node `i` relative to the centre, counter-clockwise from the lowest one. The nodes on the vertical diameter are exact.
     fn node(&self, i: usize) -> [f64; 2] {
         if i == 0 {
             return [0.0, -self.radius];

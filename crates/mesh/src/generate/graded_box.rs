@@ -5,18 +5,18 @@ use super::size::{MEAN_EDGE, Size, affordable, divided};
 use super::triangulate::{Outline, filled};
 use crate::{Error, SimplexMesh};
 
-/// A box with cells of the given size; its facets are tagged by side, and vertices on a side have exactly its
-/// coordinate.
+/// Generates a box with cells of the given size. Facets are tagged by side, and coordinates of vertices on a side are
+/// exact.
 ///
-/// In 2D an unstructured triangulation with angles of at least 25 degrees, tags "left", "right" (low and high `x`),
-/// "bottom", "top" (low and high `y`). In 3D bricks divided into 6 tetrahedra each, tags "left", "right", "front",
-/// "back" (low and high `y`), "bottom", "top"; where the size is graded along an axis, bricks are graded along it and have
-/// the finest size across.
+/// In 2D, the mesh is an unstructured triangulation with angles of at least 25 degrees and the tags "left", "right" (low
+/// and high `x`), "bottom", "top" (low and high `y`). In 3D, it consists of bricks divided into 6 tetrahedra each, with the
+/// tags "left", "right", "front", "back" (low and high `y`), "bottom", "top"; bricks are graded along the axis of a graded
+/// size, and have the finest size along the other axes.
 ///
-/// Sizes larger than the shortest side are cut down to it.
+/// Sizes are at most the length of the shortest side.
 ///
 /// # Errors
-/// [`Error::Generate`]: a side or a size that is not positive and finite, or far too many cells.
+/// [`Error::Parameter`]: a side or a size that is not positive and finite, or too many cells.
 pub fn graded_box<const D: usize>(min: [f64; D], max: [f64; D], size: &Size) -> Result<SimplexMesh<D>, Error> {
     check_sides(&min, &max)?;
     size.check(D)?;
@@ -42,7 +42,7 @@ fn bricks<const D: usize>(min: [f64; D], max: [f64; D], size: &Size, most: f64) 
     brick_mesh(axes)
 }
 
-/// Triangles with edges of mean length `h`.
+/// Generates triangles with edges of mean length `h`.
 fn triangulated<const D: usize>(
     min: [f64; D],
     max: [f64; D],
@@ -66,5 +66,6 @@ fn expect_affordable<const D: usize>(min: [f64; D], max: [f64; D], h: &impl Fn(f
         let h = h(min[0] + (i as f64 + 0.5) * dx, min[1] + (j as f64 + 0.5) * dy);
         (dx / h) * (dy / h) * 4.0 / 3.0_f64.sqrt()
     };
-    affordable((0..SAMPLES * SAMPLES).map(|k| cells(k % SAMPLES, k / SAMPLES)).sum())
+    affordable((0..SAMPLES * SAMPLES).map(|k| cells(k % SAMPLES, k / SAMPLES)).sum())?;
+    Ok(())
 }

@@ -1,35 +1,31 @@
 //! Boxes divided into bricks, and bricks into simplices.
 
 use super::size::affordable;
-use crate::{Error, Point, SimplexMesh, VertexId};
+use crate::{Error, ParameterError, Point, SimplexMesh, VertexId, positive, require};
 
-/// A box of `n[0] x n[1] (x n[2])` equal bricks, each divided by Kuhn's rule into 2 triangles or 6 tetrahedra.
+/// Generates a box of `n[0] x n[1] (x n[2])` equal bricks, each divided by Kuhn's rule into 2 triangles or 6 tetrahedra.
 ///
-/// All diagonals run the same way: from the lowest corner of a brick to its highest. Vertices are numbered with the
-/// first coordinate fastest. Tags are those of [`super::graded_box`].
+/// All diagonals run from the lowest corner of a brick to its highest. Vertices are numbered with the first coordinate
+/// fastest. Tags are those of [`super::graded_box`].
 ///
 /// # Errors
-/// [`Error::Generate`]: a side without positive length, no bricks along an axis, or far too many of them.
+/// [`Error::Parameter`]: a side without positive length, no bricks along an axis, or too many cells.
 pub fn structured_box<const D: usize>(min: [f64; D], max: [f64; D], n: [usize; D]) -> Result<SimplexMesh<D>, Error> {
     check_sides(&min, &max)?;
-    if n.contains(&0) {
-        return Err(Error::Generate { what: "number of bricks along an axis", value: 0.0, must: "be at least 1" });
-    }
+    require(!n.contains(&0), "number of bricks along an axis", 0.0, "at least 1")?;
     affordable(n.iter().map(|&n| n as f64).product())?;
     brick_mesh(std::array::from_fn(|axis| evenly_divided(min[axis], max[axis], n[axis])))
 }
 
 /// Checks that every side of a box has positive, finite length.
-pub(super) fn check_sides<const D: usize>(min: &[f64; D], max: &[f64; D]) -> Result<(), Error> {
+pub(super) fn check_sides<const D: usize>(min: &[f64; D], max: &[f64; D]) -> Result<(), ParameterError> {
     for (a, b) in min.iter().zip(max) {
-        if !(a.is_finite() && b.is_finite() && (b - a).is_finite() && b > a) {
-            return Err(Error::Generate { what: "side of the box", value: b - a, must: "be positive and finite" });
-        }
+        positive("side of the box", b - a)?;
     }
     Ok(())
 }
 
-/// The mesh of the bricks between the given coordinates along each axis.
+/// Generates the mesh of the bricks between the given coordinates along each axis.
 pub(super) fn brick_mesh<const D: usize>(axes: [Vec<f64>; D]) -> Result<SimplexMesh<D>, Error> {
     let nodes: [usize; D] = std::array::from_fn(|axis| axes[axis].len());
     let bricks: [usize; D] = std::array::from_fn(|axis| nodes[axis] - 1);
@@ -61,7 +57,7 @@ pub(super) fn brick_mesh<const D: usize>(axes: [Vec<f64>; D]) -> Result<SimplexM
     Ok(with_side_tags(SimplexMesh::new(vertices, cell_to_vertex)?, min, max))
 }
 
-/// The mesh with the facets on the sides of the box tagged; coordinates on a side must equal it bitwise.
+/// Returns the mesh with tags on the sides of the box; coordinates on a side must be exact.
 pub(super) fn with_side_tags<const D: usize>(mesh: SimplexMesh<D>, min: [f64; D], max: [f64; D]) -> SimplexMesh<D> {
     mesh.with_boundary_tags(|points| {
         let on = |axis: usize, value: f64| points.iter().all(|x| x[axis] == value);
@@ -75,7 +71,7 @@ pub(super) fn with_side_tags<const D: usize>(mesh: SimplexMesh<D>, min: [f64; D]
     })
 }
 
-/// Names of the two sides of a box across an axis, the lower first.
+/// Names of the two sides of a box normal to an axis, the lower one first.
 pub(super) fn side_names<const D: usize>(axis: usize) -> [&'static str; 2] {
     match (D, axis) {
         (_, 0) => ["left", "right"],
@@ -90,7 +86,7 @@ fn evenly_divided(min: f64, max: f64, n: usize) -> Vec<f64> {
     nodes
 }
 
-/// Position of entry `index` in an array of the given shape, the first axis fastest.
+/// Returns the position of entry `index` in an array of the given shape, the first axis fastest.
 fn multi_index<const D: usize>(mut index: usize, shape: &[usize; D]) -> [usize; D] {
     std::array::from_fn(|axis| {
         let at = index % shape[axis];
@@ -99,8 +95,8 @@ fn multi_index<const D: usize>(mut index: usize, shape: &[usize; D]) -> [usize; 
     })
 }
 
-/// Kuhn's simplices of the unit cube: paths from corner 0 to the opposite one, one axis at a time. A corner is the
-/// set of axes along which it is shifted, as bits; orientation is positive.
+/// Returns Kuhn's simplices of the unit cube, positively oriented: paths along edges from corner 0 to the opposite corner.
+/// Bit `k` of a corner is its coordinate on axis `k`.
 fn kuhn_paths<const D: usize>() -> Vec<Vec<usize>> {
     let mut paths = vec![vec![0_usize]];
     for _ in 0..D {
@@ -160,7 +156,7 @@ mod tests {
     }
 
     #[test]
-    fn senseless_boxes_are_errors() {
+    fn invalid_boxes_are_errors() {
         assert!(structured_box([0.0, 0.0], [1.0, 0.0], [1, 1]).is_err());
         assert!(structured_box([0.0, f64::NAN], [1.0, 1.0], [1, 1]).is_err());
         assert!(structured_box([0.0, 0.0], [1.0, 1.0], [1, 0]).is_err());

@@ -1,40 +1,33 @@
-//! A half mesh completed by its mirror image.
+//! Meshes completed by their mirror images.
 
 use super::grid::side_names;
-use crate::{CellId, Error, FacetId, Point, SimplexMesh, VertexId};
+use crate::{CellId, Error, FacetId, Point, SimplexMesh, VertexId, require};
 
-/// Vertices this close to the plane, relative to the extent of the mesh across it, count as lying on it.
+/// Vertices within this distance of the plane, relative to the extent of the mesh normal to it, lie on the plane.
 const ON_PLANE: f64 = 1e-12;
 
-/// The mesh together with its mirror image across the plane `x[axis] == plane`, welded in the vertices on the plane.
+/// Returns the union of a mesh and its mirror image at the plane `x[axis] == plane`.
 ///
-/// Vertices and cells of the given half come first and keep their ids; vertices within 1e-12 (relative to the extent
-/// of the mesh) of the plane are put on it. Facets on the plane become interior. Mirrored facets keep the tag of
-/// their original, except that the names of opposite sides across the plane are swapped: "left" and "right" for
-/// axis 0, "front" and "back" (3D) or "bottom" and "top" (2D) for axis 1, "bottom" and "top" for axis 2.
+/// Vertices and cells of the given half come first and keep their ids. Vertices within 1e-12 of the plane (relative to the
+/// extent of the mesh) are moved onto it, and facets on it become interior. Mirrored facets have the tag of their original,
+/// but names of opposite sides are swapped: "left" and "right" for axis 0, "front" and "back" (3D) or "bottom" and "top"
+/// (2D) for axis 1, "bottom" and "top" for axis 2.
 ///
 /// # Errors
-/// [`Error::Generate`]: no such axis, vertices on both sides of the plane, or no boundary facet on it.
+/// [`Error::Parameter`]: `axis` not below `D`, vertices on both sides of the plane, or no boundary facet on it.
 pub fn mirrored<const D: usize>(mesh: &SimplexMesh<D>, axis: usize, plane: f64) -> Result<SimplexMesh<D>, Error> {
-    if axis >= D {
-        return Err(Error::Generate { what: "axis", value: axis as f64, must: "be below the dimension" });
-    }
-    if !plane.is_finite() {
-        return Err(Error::Generate { what: "plane", value: plane, must: "be finite" });
-    }
+    require(axis < D, "axis", axis as f64, "below the dimension")?;
+    require(plane.is_finite(), "plane", plane, "finite")?;
     let (low, high) = mesh
         .vertices()
         .iter()
         .fold((0.0_f64, 0.0_f64), |(low, high), x| (low.min(x[axis] - plane), high.max(x[axis] - plane)));
     let tolerance = ON_PLANE * (high - low);
-    if low < -tolerance && high > tolerance {
-        return Err(Error::Generate { what: "plane", value: plane, must: "have the mesh on one side" });
-    }
+    let is_outside = low >= -tolerance || high <= tolerance;
+    require(is_outside, "plane", plane, "a plane with the whole mesh on one side")?;
     let on_plane = |x: &Point<D>| (x[axis] - plane).abs() <= tolerance;
     let touches = |facet: FacetId| mesh.facet(facet).iter().all(|&v| on_plane(&mesh.vertex(v)));
-    if !mesh.facets().any(touches) {
-        return Err(Error::Generate { what: "plane", value: plane, must: "contain facets of the mesh" });
-    }
+    require(mesh.facets().any(touches), "plane", plane, "a plane that contains facets of the mesh")?;
 
     let mut vertices = mesh.vertices().to_vec();
     let mut image = Vec::with_capacity(vertices.len());
@@ -51,7 +44,7 @@ pub fn mirrored<const D: usize>(mesh: &SimplexMesh<D>, axis: usize, plane: f64) 
     }
     let mut cell_to_vertex: Vec<VertexId> = mesh.cells().flat_map(|c| mesh.cell(c).iter().copied()).collect();
     for cell in mesh.cells() {
-        // Reflection turns a cell inside out; swapping two vertices turns it back.
+        // Reflection inverts a cell; swapping two vertices restores the orientation.
         cell_to_vertex.extend((0..=D).map(|local| image[mesh.cell(cell)[swapped(local)].index()]));
     }
     let whole = SimplexMesh::new(vertices, cell_to_vertex)?;
@@ -75,7 +68,7 @@ pub fn mirrored<const D: usize>(mesh: &SimplexMesh<D>, axis: usize, plane: f64) 
     Ok(whole.with_facet_tags(|facet| names[facet.index()]))
 }
 
-/// Local vertex of the original that is vertex `local` of the image.
+/// Returns the local vertex of the original for vertex `local` of the image.
 fn swapped(local: usize) -> usize {
     match local {
         0 => 1,

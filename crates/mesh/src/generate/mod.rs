@@ -1,4 +1,4 @@
-//! Meshes without outside tools: boxes, balls and their mirror images.
+//! Mesh generators for boxes, balls and their mirror images.
 
 mod ball;
 mod graded_box;

@@ -1,14 +1,14 @@
-//! Size fields: how large cells should be, and how an interval is divided accordingly.
+//! Size fields: the size of cells as a function of position, and the division of intervals.
 
-use crate::{Error, Point};
+use crate::{ParameterError, Point, positive, require};
 
-/// Largest slope of a size field; steeper ones cannot be followed by well-shaped triangles.
+/// Largest slope of a size field that well-shaped triangles can follow.
 const STEEPEST: f64 = 0.5;
 
-/// Mean length of the edges of triangles over their size.
+/// Ratio of the mean length of edges to the size.
 ///
-/// The size is the mean diameter of the cells (to 3 %), as `h` is the diameter of a cell in the analysis of finite elements; the
-/// longest edges of the triangles of our meshes are longer than the mean edge by 1.08 to 1.09.
+/// The size is the mean diameter of the cells (to 3 %), since `h` is the diameter in the analysis of finite elements. In
+/// generated meshes, the longest edge of a triangle is 1.08 to 1.09 times the mean edge.
 pub(super) const MEAN_EDGE: f64 = 0.92;
 
 /// The size of cells as a function of position: the mean diameter of triangles, the sides of bricks.
@@ -19,10 +19,10 @@ pub enum Size {
         /// The size.
         h: f64,
     },
-    /// Fine at low, coarse at high values of one coordinate, and linear in between with a slope of at most one half.
+    /// Fine at low and coarse at high values of one coordinate, linear in between with a slope of at most one half.
     ///
-    /// Triangles follow slopes up to 0.1 closely; steeper ones keep their angles, but edges near the kink at `fine_until`
-    /// may be up to twice as long as wanted.
+    /// Triangles follow slopes up to 0.1 closely. At larger slopes, angles stay good, but edges near `fine_until` may be up
+    /// to twice as long as specified.
     Graded {
         /// Size up to `fine_until`.
         fine: f64,
@@ -38,7 +38,7 @@ pub enum Size {
 }
 
 impl Size {
-    /// The same size everywhere.
+    /// Returns the uniform size `h`.
     pub fn uniform(h: f64) -> Self {
         Self::Uniform { h }
     }
@@ -51,7 +51,7 @@ impl Size {
         self.along(|axis| x[axis])
     }
 
-    /// Size where the coordinates are the given ones.
+    /// Size at the point with the given coordinates.
     pub(super) fn along(&self, coordinate: impl Fn(usize) -> f64) -> f64 {
         match *self {
             Self::Uniform { h } => h,
@@ -62,7 +62,7 @@ impl Size {
         }
     }
 
-    /// The smallest size anywhere.
+    /// The smallest size.
     pub(super) fn finest(&self) -> f64 {
         match *self {
             Self::Uniform { h } => h,
@@ -70,62 +70,37 @@ impl Size {
         }
     }
 
-    /// Checks that the field makes sense in a space of the given dimension.
-    pub(super) fn check(&self, dimension: usize) -> Result<(), Error> {
+    /// Checks the parameters of the field for a space of the given dimension.
+    pub(super) fn check(&self, dimension: usize) -> Result<(), ParameterError> {
         match *self {
-            Self::Uniform { h } => positive("size", h),
+            Self::Uniform { h } => positive("size", h).map(|_| ()),
             Self::Graded { fine, fine_until, coarse, coarse_from, axis } => {
                 positive("fine size", fine)?;
                 positive("coarse size", coarse)?;
-                if !fine_until.is_finite() {
-                    return Err(Error::Generate { what: "fine_until", value: fine_until, must: "be finite" });
-                }
-                if coarse < fine {
-                    return Err(Error::Generate {
-                        what: "coarse size",
-                        value: coarse,
-                        must: "not be below the fine one",
-                    });
-                }
+                require(fine_until.is_finite(), "fine_until", fine_until, "finite")?;
+                require(coarse >= fine, "coarse size", coarse, "at least the fine size")?;
                 let length = coarse_from - fine_until;
                 let shortest = (coarse - fine) / STEEPEST;
-                if !length.is_finite() || length <= 0.0 || length < shortest * (1.0 - 1e-9) {
-                    let must = "exceed fine_until by at least twice the difference of the sizes";
-                    return Err(Error::Generate { what: "coarse_from", value: coarse_from, must });
-                }
-                if axis >= dimension {
-                    let must = "be below the dimension";
-                    return Err(Error::Generate { what: "axis", value: axis as f64, must });
-                }
-                Ok(())
+                let is_long_enough = length.is_finite() && length > 0.0 && length >= shortest * (1.0 - 1e-9);
+                let must = "larger than fine_until by at least twice the difference of the sizes";
+                require(is_long_enough, "coarse_from", coarse_from, must)?;
+                require(axis < dimension, "axis", axis as f64, "below the dimension").map(|_| ())
             }
         }
     }
 }
 
-/// Checks that a parameter is positive and finite.
-pub(super) fn positive(what: &'static str, value: f64) -> Result<(), Error> {
-    if value.is_finite() && value > 0.0 {
-        return Ok(());
-    }
-    Err(Error::Generate { what, value, must: "be positive and finite" })
-}
-
-/// Meshes with more cells are refused; they are mistakes rather than wishes.
+/// Largest number of cells that a generator accepts.
 const MOST_CELLS: f64 = 5e7;
 
-/// Checks that a mesh of about so many cells is not absurdly large.
-pub(super) fn affordable(n_cells: f64) -> Result<(), Error> {
-    if n_cells <= MOST_CELLS {
-        return Ok(());
-    }
-    Err(Error::Generate { what: "number of cells", value: n_cells, must: "be at most 5e7; increase the size" })
+/// Checks that a mesh of about `n_cells` cells is not too large.
+pub(super) fn affordable(n_cells: f64) -> Result<f64, ParameterError> {
+    require(n_cells <= MOST_CELLS, "number of cells", n_cells, "at most 5e7 (increase the size)")
 }
 
-/// Divides `[min, max]` into intervals of length about `h(x)`; the end points are kept bitwise.
-///
-/// The nodes are equally spaced in the integral of `1/h`.
-pub(super) fn divided(min: f64, max: f64, h: impl Fn(f64) -> f64) -> Result<Vec<f64>, Error> {
+/// Divides `[min, max]` into intervals of length about `h(x)`, equally spaced in the integral of `1/h`. The end points are
+/// exact.
+pub(super) fn divided(min: f64, max: f64, h: impl Fn(f64) -> f64) -> Result<Vec<f64>, ParameterError> {
     const SAMPLES: usize = 4096;
     let step = (max - min) / SAMPLES as f64;
     let mut count = vec![0.0; SAMPLES + 1];

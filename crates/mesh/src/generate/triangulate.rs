@@ -5,11 +5,11 @@ use spade::{DelaunayTriangulation, HierarchyHintGenerator, Point2, PositionInTri
 use super::size::affordable;
 use crate::{Error, Point, SimplexMesh, VertexId};
 
-/// A triangle counts as too coarse when its circumradius exceeds this times that of the wanted equilateral one.
+/// Largest ratio of the circumradius of a triangle to that of the equilateral triangle of the specified size.
 const COARSE: f64 = 1.25;
-/// No two points start closer than this times the wanted size.
+/// Smallest distance of inserted points relative to the specified size.
 const CLOSEST: f64 = 0.72;
-/// Mean relative length of the edges at a point, beyond which it is removed or gets a new neighbour.
+/// Mean relative length of the edges at a point outside of which it is removed or gets a new neighbour.
 const LENGTHS: std::ops::Range<f64> = 0.84..1.19;
 /// Triangles with smaller angles are repaired.
 const GOOD_ANGLE: f64 = 30.0;
@@ -23,30 +23,30 @@ type Searchable = DelaunayTriangulation<Point2<f64>, (), (), (), HierarchyHintGe
 
 /// Boundary points of a convex polygon, counter-clockwise.
 pub(super) struct Outline {
-    /// All points are relative to this one.
+    /// Origin of the coordinates of all points.
     origin: [f64; 2],
     points: Vec<[f64; 2]>,
 }
 
 impl Outline {
-    /// An outline without points yet, which will be relative to `origin`.
+    /// Creates an outline without points, with coordinates relative to `origin`.
     pub(super) fn around(origin: [f64; 2]) -> Self {
         Self { origin, points: Vec::new() }
     }
 
-    /// Appends a side; its last point is left out, as it starts the next side.
+    /// Appends a side without its last point, which is the first point of the next side.
     pub(super) fn side(&mut self, points: impl Iterator<Item = [f64; 2]>) {
         self.points.extend(points);
         self.points.pop();
     }
 }
 
-/// The polygon filled with triangles of edge length about `h` (of a point relative to the origin of the outline); no
-/// points are added on its boundary.
+/// Triangulates a polygon with edges of length about `h`, without new points on its boundary. `h` is a function of the
+/// position relative to the origin of the outline.
 ///
-/// Circumcentres of triangles that are too coarse are inserted, the worst first. Then points move to the weighted
-/// centroids of their neighbourhoods while the triangulation is kept Delaunay; in between, points are removed where edges
-/// are too short, added where they are too long, and both where angles are small. Nothing is random.
+/// Inserts circumcentres of triangles that are too coarse, the worst first. Then moves points to the weighted centroids of
+/// their neighbourhoods, and updates the Delaunay triangulation. Between these passes, removes points where edges are too
+/// short, adds points where they are too long, and does both where angles are small. The result is deterministic.
 pub(super) fn filled<const D: usize>(outline: Outline, h: impl Fn([f64; 2]) -> f64) -> Result<SimplexMesh<D>, Error> {
     let n_fixed = outline.points.len();
     let mut points = outline.points;
@@ -92,7 +92,7 @@ fn smoothed(
     Ok(Triangulated { points: points.to_vec(), triangles, smallest_angle })
 }
 
-/// Removes points with short edges and adds points beside those with long ones; whether anything was done.
+/// Removes points with short edges and adds points next to those with long edges; returns whether there were any.
 fn balance(points: &mut Vec<[f64; 2]>, triangles: &[[usize; 3]], n_fixed: usize, h: &impl Fn([f64; 2]) -> f64) -> bool {
     let mut lengths = vec![(0.0, 0.0); points.len()];
     for triangle in triangles {
@@ -124,7 +124,7 @@ fn balance(points: &mut Vec<[f64; 2]>, triangles: &[[usize; 3]], n_fixed: usize,
     replace(points, &removed, added)
 }
 
-/// Removes and adds points; whether there were any.
+/// Removes and adds points; returns whether there were any.
 fn replace(points: &mut Vec<[f64; 2]>, removed: &[bool], added: Vec<[f64; 2]>) -> bool {
     let before = points.len();
     let mut keep = removed.iter().map(|r| !r);
@@ -134,8 +134,8 @@ fn replace(points: &mut Vec<[f64; 2]>, removed: &[bool], added: Vec<[f64; 2]>) -
     changed
 }
 
-/// At triangles with small angles, removes a point where the shortest edge is short for its place and adds one where
-/// the longest is long; whether anything was done.
+/// At each triangle with a small angle, removes a point if its edges are too short, or adds one if they are too long;
+/// returns whether there were any.
 fn repair(points: &mut Vec<[f64; 2]>, n_fixed: usize, h: &impl Fn([f64; 2]) -> f64) -> Result<bool, Error> {
     let mut touched = vec![false; points.len()];
     let mut removed = vec![false; points.len()];
@@ -207,7 +207,7 @@ fn insert(points: &mut Vec<[f64; 2]>, h: &impl Fn([f64; 2]) -> f64) -> Result<()
     }
 }
 
-/// Moves every free point to the centroid of its triangles, each weighted by how many wanted cells fit into it.
+/// Moves every free point to the centroid of its triangles, weighted by their area relative to the specified size.
 fn smooth(points: &mut [[f64; 2]], n_fixed: usize, h: &impl Fn([f64; 2]) -> f64) -> Result<(), Error> {
     let mut sums = vec![[0.0; 3]; points.len()];
     for triangle in triangles(points)? {
@@ -225,7 +225,7 @@ fn smooth(points: &mut [[f64; 2]], n_fixed: usize, h: &impl Fn([f64; 2]) -> f64)
     Ok(())
 }
 
-/// The Delaunay triangles of the points, counter-clockwise.
+/// Returns the Delaunay triangles of the points, counter-clockwise.
 fn triangles(points: &[[f64; 2]]) -> Result<Vec<[usize; 3]>, Error> {
     let positions = points.iter().map(|p| Point2::new(p[0], p[1])).collect();
     let delaunay = DelaunayTriangulation::<Point2<f64>>::bulk_load_stable(positions).map_err(failed)?;

@@ -1,12 +1,12 @@
 //! Cells near a box, and the cell that contains a point.
 
 use super::parry::BoxTree;
-use crate::{CellId, MAX_CELL_VERTICES, Point, Simplex, SimplexMesh};
+use crate::{Aabb, CellId, MAX_CELL_VERTICES, Point, Simplex};
 
-/// Barycentric coordinates down to minus this count as inside.
+/// Barycentric coordinates above minus this value are inside.
 const TOLERANCE: f64 = 1e-10;
 
-/// The cells of a mesh at fixed positions, arranged for search.
+/// Search structure for the cells of a mesh at fixed positions; see [`crate::SimplexMesh::cell_index`].
 #[derive(Clone)]
 pub struct CellIndex<const D: usize> {
     simplices: Vec<Simplex<D>>,
@@ -20,32 +20,28 @@ impl<const D: usize> std::fmt::Debug for CellIndex<D> {
 }
 
 impl<const D: usize> CellIndex<D> {
-    /// The cells of the mesh with its vertices at the given positions (one per vertex).
-    ///
-    /// # Panics
-    /// If there are fewer positions than vertices.
-    pub fn new(mesh: &SimplexMesh<D>, positions: &[Point<D>]) -> Self {
-        let simplices: Vec<Simplex<D>> = mesh.cells().map(|cell| mesh.simplex_at(cell, positions)).collect();
-        let tree = BoxTree::around(simplices.iter().map(Simplex::points));
+    /// Builds the index of the given cells.
+    pub(crate) fn new(simplices: Vec<Simplex<D>>) -> Self {
+        let tree = BoxTree::new(simplices.iter().map(|simplex| Aabb::of_points(simplex.points())));
         Self { simplices, tree }
     }
 
-    /// Replaces `out` by all cells whose bounding boxes overlap the box from `min` to `max`, in ascending order.
+    /// Replaces `out` by all cells whose bounding boxes overlap `region`, in ascending order.
     ///
-    /// Boxes are inflated a little: no cell that meets the box is missing, a few that do not may be there.
-    pub fn cells_overlapping(&self, min: &Point<D>, max: &Point<D>, out: &mut Vec<CellId>) {
+    /// Bounding boxes are slightly inflated: every cell that meets the region is found, and possibly a few others.
+    pub fn cells_overlapping(&self, region: &Aabb<D>, out: &mut Vec<CellId>) {
         out.clear();
-        self.tree.overlapping(min, max, |leaf| out.push(CellId(leaf)));
+        self.tree.overlapping(region, |leaf| out.push(CellId(leaf)));
         out.sort_unstable();
     }
 
-    /// The cell that contains the point and the barycentric coordinates of the point in it.
+    /// Returns the cell that contains the point, with the barycentric coordinates of the point.
     ///
-    /// A cell contains points with all barycentric coordinates above -1e-10, so that round-off opens no gaps between
-    /// cells; of several such cells, the one with the lowest id is given.
+    /// A cell contains the points whose barycentric coordinates are at least -1e-10, so that round-off does not open gaps
+    /// between cells. If several cells contain the point, the one with the lowest id is returned.
     pub fn locate(&self, x: &Point<D>) -> Option<(CellId, [f64; MAX_CELL_VERTICES])> {
         let mut found: Option<(CellId, [f64; MAX_CELL_VERTICES])> = None;
-        self.tree.overlapping(x, x, |leaf| {
+        self.tree.overlapping(&Aabb { low: *x, high: *x }, |leaf| {
             let cell = CellId(leaf);
             if found.is_some_and(|(lowest, _)| lowest < cell) {
                 return;

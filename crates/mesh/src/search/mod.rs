@@ -1,8 +1,10 @@
 //! Spatial search: closest points on a surface, cells and facets near a box.
 
 mod cells;
+mod closest;
 mod parry;
 mod surface;
 
 pub use cells::CellIndex;
-pub use surface::{ClosestPoint, Feature, SignedClosestPoint, SurfaceIndex};
+pub use closest::{Feature, Foot, VertexToFacet};
+pub use surface::{ClosestPoint, SignedClosestPoint, SurfaceIndex};

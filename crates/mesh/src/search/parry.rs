@@ -1,4 +1,4 @@
-//! Trees of boxes: the broad phase of every search, and the only file that names parry.
+//! Trees of bounding boxes: the broad phase of every search. The only file that depends on parry.
 
 use parry2d_f64::bounding_volume::Aabb as PlanarBox;
 use parry2d_f64::math::Vector as PlanarVector;
@@ -7,12 +7,12 @@ use parry3d_f64::bounding_volume::Aabb as SpatialBox;
 use parry3d_f64::math::Vector as SpatialVector;
 use parry3d_f64::partitioning::{self as spatial, Bvh as SpatialTree, BvhBuildStrategy as SpatialStrategy};
 
-use crate::Point;
+use crate::{Aabb, Point};
 
-/// Boxes are inflated by this fraction of their largest side or coordinate, so that round-off hides none.
+/// Boxes are inflated by this fraction of their largest side or coordinate, so that round-off does not lose overlaps.
 const INFLATION: f64 = 1e-9;
 
-/// A tree of axis-parallel boxes, numbered in the order in which they were given.
+/// A tree of bounding boxes, numbered in the order in which they were given.
 #[derive(Clone)]
 pub(super) struct BoxTree<const D: usize> {
     tree: Tree,
@@ -25,32 +25,32 @@ enum Tree {
 }
 
 impl<const D: usize> BoxTree<D> {
-    /// The tree of the boxes around the given sets of points.
-    pub(super) fn around<'p>(sets: impl Iterator<Item = &'p [Point<D>]>) -> Self {
-        let boxes = sets.map(box_around);
+    /// Builds the tree of the given boxes, slightly inflated.
+    pub(super) fn new(boxes: impl Iterator<Item = Aabb<D>>) -> Self {
+        let boxes = boxes.map(|b| b.expanded(INFLATION * b.extent().amax().max(b.low.amax()).max(b.high.amax())));
         let tree = match D {
             2 => {
-                let leaves: Vec<_> = boxes.map(|(min, max)| planar_box(&min, &max)).collect();
+                let leaves: Vec<_> = boxes.map(|b| planar_box(&b)).collect();
                 Tree::Planar(PlanarTree::from_leaves(PlanarStrategy::Binned, &leaves))
             }
             _ => {
-                let leaves: Vec<_> = boxes.map(|(min, max)| spatial_box(&min, &max)).collect();
+                let leaves: Vec<_> = boxes.map(|b| spatial_box(&b)).collect();
                 Tree::Spatial(SpatialTree::from_leaves(SpatialStrategy::Binned, &leaves))
             }
         };
         Self { tree }
     }
 
-    /// Visits every box that overlaps the one from `min` to `max`, and perhaps some that barely do not.
-    pub(super) fn overlapping(&self, min: &Point<D>, max: &Point<D>, visit: impl FnMut(u32)) {
+    /// Visits every box that overlaps the region, and possibly some that are within round-off of it.
+    pub(super) fn overlapping(&self, region: &Aabb<D>, visit: impl FnMut(u32)) {
         match &self.tree {
-            Tree::Planar(tree) => tree.intersect_aabb(&planar_box(min, max)).for_each(visit),
-            Tree::Spatial(tree) => tree.intersect_aabb(&spatial_box(min, max)).for_each(visit),
+            Tree::Planar(tree) => tree.intersect_aabb(&planar_box(region)).for_each(visit),
+            Tree::Spatial(tree) => tree.intersect_aabb(&spatial_box(region)).for_each(visit),
         }
     }
 
-    /// The box with the smallest `distance` of its content from `x`, which must be no less than the distance of the
-    /// box; `None` without boxes.
+    /// Returns the box whose content has the smallest `distance` from `x`, or `None` if there are no boxes. The distance of
+    /// the content must not be smaller than that of the box.
     pub(super) fn nearest(&self, x: &Point<D>, distance: impl Fn(u32) -> f64) -> Option<u32> {
         match &self.tree {
             Tree::Planar(tree) => {
@@ -70,18 +70,6 @@ impl<const D: usize> BoxTree<D> {
     }
 }
 
-/// Corners of the slightly inflated box around the points.
-fn box_around<const D: usize>(points: &[Point<D>]) -> (Point<D>, Point<D>) {
-    let mut min = Point::<D>::repeat(f64::INFINITY);
-    let mut max = -min;
-    for x in points {
-        min = min.inf(x);
-        max = max.sup(x);
-    }
-    let margin = Point::repeat(INFLATION * (max - min).amax().max(min.amax()).max(max.amax()));
-    (min - margin, max + margin)
-}
-
 fn planar_vector<const D: usize>(x: &Point<D>) -> PlanarVector {
     PlanarVector::new(x[0], x[1])
 }
@@ -90,10 +78,10 @@ fn spatial_vector<const D: usize>(x: &Point<D>) -> SpatialVector {
     SpatialVector::new(x[0], x[1], x[2])
 }
 
-fn planar_box<const D: usize>(min: &Point<D>, max: &Point<D>) -> PlanarBox {
-    PlanarBox::new(planar_vector(min), planar_vector(max))
+fn planar_box<const D: usize>(bounds: &Aabb<D>) -> PlanarBox {
+    PlanarBox::new(planar_vector(&bounds.low), planar_vector(&bounds.high))
 }
 
-fn spatial_box<const D: usize>(min: &Point<D>, max: &Point<D>) -> SpatialBox {
-    SpatialBox::new(spatial_vector(min), spatial_vector(max))
+fn spatial_box<const D: usize>(bounds: &Aabb<D>) -> SpatialBox {
+    SpatialBox::new(spatial_vector(&bounds.low), spatial_vector(&bounds.high))
 }

@@ -1,62 +1,14 @@
-//! Laying surfaces over a background mesh.
+//! Assembly of the cells of an overlay to a [`CutMesh`].
 
-use mesh::{CellId, Placed, SimplexMesh};
+use mesh::CellId;
 
 use crate::cell::Kept;
-use crate::exact::Planes;
+use crate::cutting::Cutting;
 use crate::report::SLIVER;
-use crate::surface::Facet;
-use crate::touched::TouchedCells;
-use crate::{CellState, CutMesh, CutReport, Error, InterfacePiece, PartId, Workspace};
-
-/// Settings of an overlay.
-#[derive(Clone, Debug, PartialEq)]
-pub struct OverlayOptions {
-    /// Thickness up to which a fluid part is left out, as a fraction of the mean cell size: bodies this close to each
-    /// other touch, and a facet this close to a face of the background lies on it.
-    pub relative_tolerance: f64,
-    /// Whether surfaces that intersect themselves are refused. The check costs about as much as the cut of a fine surface;
-    /// a simulation that checked its surfaces once may go without.
-    pub refuse_self_intersections: bool,
-}
-
-impl OverlayOptions {
-    /// A tolerance of 1e-13 cell sizes; surfaces that intersect themselves are refused.
-    pub fn new() -> Self {
-        Self { relative_tolerance: 1e-13, refuse_self_intersections: true }
-    }
-
-    /// The same without the check for self-intersections.
-    #[must_use]
-    pub fn without_self_intersection_check(self) -> Self {
-        Self { refuse_self_intersections: false, ..self }
-    }
-}
-
-impl Default for OverlayOptions {
-    fn default() -> Self {
-        Self::new()
-    }
-}
+use crate::{CellState, CutMesh, CutReport, InterfacePiece, PartId};
 
 impl<const D: usize> CutMesh<D> {
-    /// Cuts a background mesh by the closed surfaces of any number of bodies.
-    ///
-    /// Bodies may touch and overlap each other and stick out of the background; fluid is the background without
-    /// their union. Facets on the boundary of the background border no fluid; facets on an interior face of the
-    /// background belong to the cell on the fluid side.
-    ///
-    /// # Errors
-    /// See [`Error`]: surfaces that are empty, open, non-manifold, turned inwards, self-intersecting, not finite, or too far away.
-    pub fn overlay(
-        background: &SimplexMesh<D>,
-        surfaces: &[Placed<'_, D>],
-        options: &OverlayOptions,
-    ) -> Result<Self, Error> {
-        Workspace::new().overlay(background, surfaces, options)
-    }
-
-    /// Empty, in the same memory.
+    /// Removes all entries; keeps the allocations.
     pub(crate) fn clear(&mut self) {
         self.cell_to_state.clear();
         self.cell_to_part.clear();
@@ -72,7 +24,7 @@ impl<const D: usize> CutMesh<D> {
         self.report = CutReport { smallest_fraction: 1.0, ..CutReport::default() };
     }
 
-    /// Adds all cells in their order: those that facets touch, and those between them.
+    /// Adds all cells in ascending order: touched cells, and the untouched cells between them.
     pub(crate) fn add_cells(&mut self, cutting: &Cutting<'_, D>, kept: &[&Kept<D>]) {
         let background = cutting.planes.background;
         self.cell_to_state.reserve(background.n_cells());
@@ -119,7 +71,7 @@ impl<const D: usize> CutMesh<D> {
         self.cell_to_part.push(self.part_to_cell.len() as u32);
     }
 
-    /// Adds the cells from one up to another one, none of which is touched.
+    /// Adds the cells `from..to`, which are untouched.
     fn add_untouched(&mut self, cutting: &Cutting<'_, D>, from: CellId, to: CellId) {
         let background = cutting.planes.background;
         let n_pieces = self.part_to_piece.last().copied().unwrap_or(0);
@@ -139,7 +91,7 @@ impl<const D: usize> CutMesh<D> {
         self.part_to_piece.push(piece_end);
     }
 
-    /// Notes the state of a cell whose parts were added.
+    /// Stores the state of a cell whose parts have been added.
     fn close_cell(&mut self, first_part: u32, state: CellState) {
         match state {
             CellState::Fluid => self.report.n_fluid_cells += 1,
@@ -149,32 +101,5 @@ impl<const D: usize> CutMesh<D> {
         self.cell_to_part.push(first_part);
         self.cell_to_state.push(state);
         self.report.max_parts = self.report.max_parts.max(self.part_to_cell.len() - first_part as usize);
-    }
-}
-
-/// All that it takes to cut a cell.
-#[derive(Clone, Copy)]
-pub(crate) struct Cutting<'a, const D: usize> {
-    pub(crate) planes: Planes<'a, D>,
-    pub(crate) touched: &'a TouchedCells,
-    /// Number of bodies around each vertex of the background.
-    pub(crate) depth: &'a [i32],
-    /// Thickness of what counts as nothing.
-    pub(crate) thinnest: f64,
-}
-
-impl<'a, const D: usize> Cutting<'a, D> {
-    pub(crate) fn new(
-        background: &'a SimplexMesh<D>,
-        facets: &'a [Facet<D>],
-        touched: &'a TouchedCells,
-        depth: &'a [i32],
-        options: &OverlayOptions,
-    ) -> Self {
-        let extent = background.vertices().iter().fold(0.0_f64, |r, x| r.max(x.amax()));
-        let planes = Planes { background, facets, resolution: 2.0 * f64::EPSILON * extent };
-        let size = mesh::equilateral_side::<D>(background.volume() / background.n_cells() as f64);
-        // Coordinates themselves carry round-off.
-        Self { planes, touched, depth, thinnest: options.relative_tolerance * size + 4.0 * planes.resolution }
     }
 }

@@ -1,4 +1,4 @@
-//! Memory of overlays.
+//! The stages of an overlay.
 
 use std::ops::Range;
 use std::time::{Duration, Instant};
@@ -8,34 +8,34 @@ use rayon::prelude::*;
 
 use crate::cell::{CellCut, Kept};
 use crate::classify::depths;
+use crate::cutting::Cutting;
 use crate::faces::Faces;
-use crate::overlay::Cutting;
 use crate::surface::{self, Facet};
 use crate::touched::TouchedCells;
 use crate::{CutMesh, Error, OverlayOptions};
 
-/// Memory for one overlay after the other: what grows with the cut cells is allocated once, and with
-/// [`Workspace::recycle`] what an overlay returns, too.
+/// Cuts one background mesh repeatedly with little allocation: memory that grows with the number of cut cells is kept, and
+/// also that of results which are returned to [`Cutter::recycle`].
 ///
 /// ```
-/// use cutcell::{OverlayOptions, Workspace};
+/// use cutcell::{OverlayOptions, Cutter};
 /// use mesh::{Placed, generate::structured_box};
 ///
 /// let background = structured_box::<2>([0.0, 0.0], [4.0, 4.0], [8, 8])?;
 /// let mut square = structured_box::<2>([1.1, 1.2], [2.3, 3.1], [3, 5])?;
 /// let boundary = square.boundary();
 /// let mut positions = square.vertices().to_vec();
-/// let mut workspace = Workspace::new();
+/// let mut cutter = Cutter::new();
 /// for step in 0..3 {
-///     let cut = workspace.overlay(&background, &[Placed::new(&boundary, &positions)], &OverlayOptions::new())?;
+///     let cut = cutter.overlay(&background, &[Placed::new(&boundary, &positions)], &OverlayOptions::new())?;
 ///     assert!((cut.fluid_volume() - (16.0 - 1.2 * 1.9)).abs() < 1e-12);
-///     workspace.recycle(cut);
+///     cutter.recycle(cut);
 ///     positions.iter_mut().for_each(|x| x[0] += 0.1);
 /// }
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Default)]
-pub struct Workspace<const D: usize> {
+pub struct Cutter<const D: usize> {
     facets: Vec<Facet<D>>,
     touched: TouchedCells,
     depth: Vec<i32>,
@@ -45,33 +45,33 @@ pub struct Workspace<const D: usize> {
     times: OverlayTimes,
 }
 
-/// Touched cells that are cut by one thread, one after the other.
+/// Touched cells that one thread cuts in sequence.
 #[derive(Debug, Default)]
 pub(crate) struct Run<const D: usize> {
     cut: CellCut<D>,
     pub(crate) kept: Kept<D>,
 }
 
-/// Wall-clock time of the stages of an overlay, for reports only.
+/// Wall-clock times of the stages of an overlay.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct OverlayTimes {
-    /// Surfaces are checked.
+    /// Check of the surfaces.
     pub check: Duration,
-    /// The cells that facets may touch are found, and the number of bodies around each vertex.
+    /// Search for cells that facets may touch, and number of bodies around each vertex.
     pub classify: Duration,
-    /// These cells are cut.
+    /// Cut of these cells.
     pub clip: Duration,
-    /// Parts are numbered, and joined on the faces of the background.
+    /// Numbering of parts, and their connection on the faces of the background.
     pub join: Duration,
 }
 
-impl<const D: usize> Workspace<D> {
-    /// No memory yet.
+impl<const D: usize> Cutter<D> {
+    /// Creates a cutter without memory.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// As [`CutMesh::overlay`].
+    /// Cuts a background mesh as [`CutMesh::overlay`] does.
     ///
     /// # Errors
     /// See [`CutMesh::overlay`].
@@ -121,18 +121,37 @@ impl<const D: usize> Workspace<D> {
         mesh
     }
 
-    /// Takes the memory of a cut mesh that is of no more use for the next overlay.
+    /// Keeps the memory of a cut mesh for the next overlay.
     pub fn recycle(&mut self, cut: CutMesh<D>) {
         self.spare = Some(cut);
     }
 
-    /// How long the stages of the last overlay took.
+    /// Times of the last overlay.
     pub fn times(&self) -> OverlayTimes {
         self.times
     }
 }
 
-/// Fewer cells than this are not worth a thread.
+impl<const D: usize> CutMesh<D> {
+    /// Cuts a background mesh by the closed surfaces of any number of bodies.
+    ///
+    /// Bodies may touch and overlap each other and extend beyond the background; fluid is the background without
+    /// their union. Facets on the boundary of the background have no fluid in front of them; facets on an interior face
+    /// of the background belong to the cell on the fluid side.
+    ///
+    /// # Errors
+    /// See [`Error`]: surfaces that are empty, open, non-manifold, oriented inwards, self-intersecting, not finite, or too
+    /// far away.
+    pub fn overlay(
+        background: &SimplexMesh<D>,
+        surfaces: &[Placed<'_, D>],
+        options: &OverlayOptions,
+    ) -> Result<Self, Error> {
+        Cutter::new().overlay(background, surfaces, options)
+    }
+}
+
+/// Smallest number of cells of a run.
 const CELLS_PER_RUN: usize = 32;
-/// More runs than threads: cells with many facets lie side by side.
+/// Runs are more numerous than threads, since cells with many facets are often neighbours.
 const RUNS_PER_THREAD: usize = 8;
