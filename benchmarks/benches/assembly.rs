@@ -1,13 +1,13 @@
-//! Assembly: the pattern, each contribution alone, the whole system, and the forms that peers are measured with.
+//! Assembly: the pattern, each contribution alone, the whole system, and forms for the comparison with other packages.
 
 use std::collections::BTreeSet;
 use std::hint::black_box;
 use std::time::Duration;
 
-use algebra::{BlockSystem, Constraints, NonlinearProblem};
+use algebra::{BlockSystem, Constraints, Equations};
 use benchmarks::{
-    RESOLUTIONS, StokesWeights, UnfittedStokes, elastic_box, falling_ball, whirl, with_first_problem,
-    with_internal_work,
+    RESOLUTIONS, StokesWeights, UnfittedStokes, contributions, elastic_box, falling_ball, n_background_cells, whirl,
+    with_first_problem, with_internal_work,
 };
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
@@ -19,8 +19,8 @@ fn assembly(c: &mut Criterion) {
     for resolution in RESOLUTIONS {
         let place = format!("2d/{}", resolution.name);
         with_first_problem(&falling_ball(resolution), |problem, x| {
-            let all = problem.contributions();
-            let (layout, constraints) = (problem.layout(), problem.constraints());
+            let all = contributions(&problem.equations);
+            let Equations { layout, constraints, .. } = problem.equations;
             group.throughput(Throughput::Elements(layout.len() as u64));
             group.bench_function(BenchmarkId::new("pattern-and-linear", &place), |b| {
                 b.iter(|| black_box(BlockSystem::new(layout, &all, constraints)));
@@ -50,7 +50,7 @@ fn assembly(c: &mut Criterion) {
     group.finish();
 }
 
-/// What peers are measured with, in elements per second with a known pattern. For comparison: `RAYON_NUM_THREADS=1`.
+/// Forms for the comparison with other packages, in elements per second with a known pattern and `RAYON_NUM_THREADS=1`.
 fn known_pattern(c: &mut Criterion) {
     let mut group = c.benchmark_group("assembly");
     group.sample_size(10).measurement_time(Duration::from_secs(3)).warm_up_time(Duration::from_millis(500));
@@ -65,15 +65,15 @@ fn known_pattern(c: &mut Criterion) {
     cut_stokes(&mut group, "3d/n32", UnfittedStokes::around_sphere(32, StokesWeights::PUBLISHED));
     let setup = whirl(224);
     with_first_problem(&setup, |problem, x| {
-        let all = problem.contributions();
-        let mut system = BlockSystem::new(problem.layout(), &all, problem.constraints());
-        group.throughput(Throughput::Elements(setup.background.n_cells() as u64));
+        let mut system = system_of(&problem.equations);
+        let all = contributions(&problem.equations);
+        group.throughput(Throughput::Elements(n_background_cells(&setup) as u64));
         group.bench_function("navier-stokes/2d/n224", |b| b.iter(|| system.assemble(&all, x)));
     });
     group.finish();
 }
 
-/// Matrix and residual of the internal work of a box.
+/// Measures matrix and residual of the internal work of a box.
 fn elasticity<const D: usize>(
     group: &mut BenchmarkGroup<'_, WallTime>,
     id: &str,
@@ -90,15 +90,18 @@ fn elasticity<const D: usize>(
     });
 }
 
-/// Weights of the faces, matrix and right-hand side; and before that the shape values on parts, faces and pieces.
+/// Measures weights of the faces, matrix and right-hand side, with and without the shape values on parts, faces and pieces.
 fn cut_stokes<const D: usize>(group: &mut BenchmarkGroup<'_, WallTime>, place: &str, mut stokes: UnfittedStokes<D>) {
     group.throughput(Throughput::Elements(stokes.n_active() as u64));
-    let mut system = stokes
-        .with_problem(|problem| BlockSystem::new(problem.layout(), &problem.contributions(), problem.constraints()));
+    let mut system = stokes.with_equations(system_of);
     group.bench_function(format!("cut-stokes/{place}"), |b| {
-        b.iter(|| stokes.with_problem(|problem| system.assemble_linear(&problem.contributions())));
+        b.iter(|| stokes.with_equations(|equations| system.assemble_linear(&contributions(equations))));
     });
     group.bench_function(format!("cut-stokes-shapes/{place}"), |b| b.iter(|| stokes.evaluate_shapes()));
+}
+
+fn system_of(equations: &Equations<'_>) -> BlockSystem {
+    BlockSystem::new(equations.layout, &contributions(equations), equations.constraints)
 }
 
 criterion_group!(benches, assembly, known_pattern);

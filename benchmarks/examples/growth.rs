@@ -1,7 +1,7 @@
-//! Time and memory of one size, for tables of growth: `growth step2 0.1` (five steps of the falling ball with cells of that
-//! size), `growth step3 12` (five steps of the falling cube), `growth stokes3 28` and `growth stokes3-lu 28` (one linear
-//! solve). A process per size, so that its peak of memory is that of the size. Seconds are processor time of all threads,
-//! which other work on the machine disturbs less than the clock; shares of stages are by the clock.
+//! Time and memory of a problem of given size: `growth step2 0.1` (five steps of the falling ball with cells of this size),
+//! `growth step3 12` (five steps of the falling cube), `growth stokes3 28` and `growth stokes3-lu 28` (one linear solve).
+//! Use one process per size, since the peak of memory is that of the process. Seconds are processor time of all threads,
+//! which depends less on other work of the machine than wall-clock time; shares of stages are of wall-clock time.
 
 #![allow(clippy::print_stdout)]
 
@@ -9,9 +9,9 @@ use algebra::{
     BlockGaussSeidel, BlockGaussSeidelSettings, DirectSolver, LaggedSettings, LaggedSolver, LinearSolver, Workspace,
 };
 use benchmarks::{Resolution, StokesWeights, UnfittedStokes, falling_ball, falling_box, stokes_system};
-use solver::{Setup, State, advance};
+use solver::{Setup, State, Substep, advance};
 
-/// Steps of which the mean is taken: the first one and four with factors that may lag.
+/// Number of steps for means: the first one, and four with possibly lagged factors.
 const N_STEPS: usize = 5;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -33,7 +33,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// Mean over a few steps from rest.
+/// Measures means over the first steps from rest.
 fn steps<const D: usize>(
     setup: &Setup<D>,
     solver: Box<dyn LinearSolver>,
@@ -44,7 +44,7 @@ fn steps<const D: usize>(
     let (mut n, mut solves, mut iterations, mut factorizations) = (0, 0, 0, 0);
     let begin = processor_time()?;
     for _ in 0..N_STEPS {
-        let (next, report) = advance(setup, &state, &mut work)?;
+        let (next, report) = advance(setup, &state, Substep::whole(setup.dt), &mut work)?;
         cut += report.seconds.cut;
         space += report.seconds.space;
         assembly += report.seconds.assembly;
@@ -64,22 +64,24 @@ fn steps<const D: usize>(
     ))
 }
 
-/// One solve of Stokes flow around a cut sphere, set-up included.
+/// Measures one solve of Stokes flow around a cut sphere, including the set-up.
 fn stokes(n: u32, solver: &mut dyn LinearSolver) -> Result<String, Box<dyn std::error::Error>> {
-    let system = stokes_system(&UnfittedStokes::around_sphere(n, StokesWeights::PUBLISHED));
+    let mut system = stokes_system(&UnfittedStokes::around_sphere(n, StokesWeights::PUBLISHED));
     let mut x = vec![0.0; system.layout().len()];
     let begin = processor_time()?;
-    solver.factorize(system.matrix(), system.unknowns())?;
+    system.equilibrate()?;
+    let linear = system.linear_system()?;
+    solver.factorize(&linear)?;
     let set_up = processor_time()? - begin;
-    let report = solver.solve(system.residual(), &mut x, 1e-8)?;
+    let report = solver.solve(&linear, system.residual(), &mut x, 1e-8)?;
     let total = processor_time()? - begin;
     let n_unknowns = x.len();
     Ok(format!("{n_unknowns} unknowns, {total:.3} s (set-up {set_up:.3}), {} iterations", report.iterations))
 }
 
-/// Processor time of this process so far, s.
+/// Processor time of this process, s.
 fn processor_time() -> Result<f64, Box<dyn std::error::Error>> {
-    /// Linux counts in these, whatever its own clock does.
+    /// Unit of the counters of Linux.
     const TICKS_PER_SECOND: f64 = 100.0;
     let stat = std::fs::read_to_string("/proc/self/stat")?;
     let after_name = stat.rsplit(") ").next().unwrap_or_default();
@@ -87,7 +89,7 @@ fn processor_time() -> Result<f64, Box<dyn std::error::Error>> {
     Ok(ticks / TICKS_PER_SECOND)
 }
 
-/// Largest resident memory of this process so far, kB, where the system tells.
+/// Largest resident memory of this process, kB, if the system provides it.
 fn peak_memory() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?.split_whitespace().next()?.parse().ok()

@@ -1,31 +1,34 @@
-//! Stokes flow around a disk or sphere that cuts the mesh, with a known solution.
+//! Stokes flow around a disk or sphere that cuts the mesh, with a known solution; with the forms of this library, or with
+//! those of a published comparison.
 
+use std::collections::HashMap;
 use std::f64::consts::PI;
 
-use algebra::{BlockLayout, Constraints, Contributions, FieldId, NonlinearProblem};
-use cutcell::{CutMesh, OverlayOptions};
+use algebra::time::{QuasiStatic, StepRule};
+use algebra::{BlockLayout, Constraints, Contributions, DofId, Equations, FieldId, Integral, LocalSystem};
+use body::{SurfaceMotion, SurfaceVelocity};
+use cutcell::{CutMesh, OverlayOptions, PartId};
 use fluid_ns::terms::{
     BodyForce, CipPressure, CipProfile, CipVelocity, GhostPenalty, Incompressibility, Traction, Viscous,
 };
-use fluid_ns::{FluidCells, FluidFaces, FluidFields, FluidForm, FluidGeometry, NewtonianFluid, OpenBoundary};
-use interface_dg::{BodySide, InterfacePieces, MortarForm, PieceValues};
+use fluid_ns::{FluidFields, FluidForm, FluidGeometry, NewtonianFluid, OpenBoundary};
+use interface_dg::{InterfacePoints, MortarForm, PieceValues};
 use mesh::generate::structured_box;
-use mesh::{BoundaryMesh, Placed, Point, SimplexMesh, Tensor, Vector, VertexId};
+use mesh::{BoundaryMesh, MAX_CELL_VERTICES, Placed, Point, SimplexMesh, SimplexRule, Tensor, Vector, VertexId};
 use xfem_space::{BoundaryValues, FaceValues, PartValues, XfemSpace, boundary_dofs};
 
-use crate::published_forms::{TransposedGradient, project_sides};
-use crate::{BODY_CENTRE, polygon, sphere};
+use crate::shapes::{BODY_CENTRE, SIDES, polygon, sphere};
 
 /// Radius of the disk.
 const RADIUS: f64 = 0.2;
 /// Dynamic viscosity.
-pub(crate) const VISCOSITY: f64 = 1.0;
-/// Degree of quadrature of the forms.
+const VISCOSITY: f64 = 1.0;
+/// Degree of quadrature on the interface.
 const DEGREE: usize = 2;
 /// Degree of quadrature of the errors.
 const ERROR_DEGREE: usize = 4;
 
-/// The weights of the stabilisation, each in front of the form that this library has for it.
+/// Weights of the stabilisation terms, in the form of this library.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StokesWeights {
     /// `γ_Σ` of `γ_Σ μ/h_K (u - g, v)`.
@@ -37,15 +40,15 @@ pub struct StokesWeights {
 }
 
 impl StokesWeights {
-    /// The numbers of the published comparison: 20, 0.05, 0.1.
+    /// Weights of the published comparison: 20, 0.05, 0.1.
     ///
-    /// There h is the side of a square everywhere. Here `h_K` is the side of the equilateral triangle of the same area,
+    /// There, h is the side of a square everywhere. Here, `h_K` is the side of the equilateral triangle of the same area,
     /// 1.07 h, and `h_F` the length of the face, h on two of three faces and 1.41 h on diagonals.
     pub const PUBLISHED: Self = Self { nitsche: 20.0, pressure: 0.05, ghost: 0.1 };
 }
 
 /// Velocity of the solution, `(sin πx cos πy, -cos πx sin πy)`, without third component.
-pub(crate) fn velocity<const D: usize>(x: &Point<D>, _time: f64) -> Vector<D> {
+fn velocity<const D: usize>(x: &Point<D>, _time: f64) -> Vector<D> {
     let ((sx, cx), (sy, cy)) = ((PI * x[0]).sin_cos(), (PI * x[1]).sin_cos());
     let mut u = Vector::zeros();
     u[0] = sx * cy;
@@ -53,7 +56,7 @@ pub(crate) fn velocity<const D: usize>(x: &Point<D>, _time: f64) -> Vector<D> {
     u
 }
 
-/// Its gradient.
+/// Gradient of the velocity.
 fn velocity_gradient<const D: usize>(x: &Point<D>) -> Tensor<D> {
     let ((sx, cx), (sy, cy)) = ((PI * x[0]).sin_cos(), (PI * x[1]).sin_cos());
     let mut gradient = Tensor::zeros();
@@ -89,35 +92,28 @@ fn traction<const D: usize>(x: &Point<D>, n: &Vector<D>, _time: f64) -> Vector<D
     NewtonianFluid { density: 1.0, viscosity: VISCOSITY }.stress(pressure(x), &velocity_gradient(x)) * n
 }
 
-/// Cut, space and shape values of steady Stokes flow in the box `[-1/2, 1/2]^D` without a ball of radius 0.2: the
-/// velocity is given on the ball (weakly) and on all sides but `x = 1/2`, where the traction is.
+/// Cut, space and shape values of steady Stokes flow in the box `[-1/2, 1/2]^D` around a ball of radius 0.2. The velocity
+/// is prescribed on the ball (weakly) and on all sides except `x = 1/2`, where the traction is prescribed.
 ///
 /// The background has N² squares of two triangles, or N³ cubes of six tetrahedra.
 pub struct UnfittedStokes<const D: usize> {
     weights: StokesWeights,
     has_published_forms: bool,
-    pub(crate) background: SimplexMesh<D>,
-    pub(crate) cut: CutMesh<D>,
-    pub(crate) space: XfemSpace<D>,
-    pub(crate) parts: PartValues<D>,
+    background: SimplexMesh<D>,
+    cut: CutMesh<D>,
+    space: XfemSpace<D>,
+    parts: PartValues<D>,
     faces: FaceValues<D>,
-    pub(crate) pieces: PieceValues<D>,
+    pieces: PieceValues<D>,
     at_rest: Vec<Vector<D>>,
+    rule: StepRule<Vector<D>>,
+    boundary: BoundaryMesh<D>,
+    positions: Vec<Point<D>>,
     layout: BlockLayout,
     velocity: FieldId,
     pressure: FieldId,
-    pub(crate) constraints: Constraints,
+    constraints: Constraints,
     mortar: MortarForm,
-}
-
-/// The problem, ready to be solved.
-pub struct StokesProblem<'a, const D: usize> {
-    stokes: &'a UnfittedStokes<D>,
-    cells: FluidCells<'a, D>,
-    faces: FluidFaces<'a, D>,
-    outlet: OpenBoundary<'a, D>,
-    interface: InterfacePieces<'a, D>,
-    transposed_gradient: Option<TransposedGradient<'a, D>>,
 }
 
 /// Errors of a discrete solution over the fluid.
@@ -132,29 +128,30 @@ pub struct StokesErrors {
 }
 
 impl<const D: usize> UnfittedStokes<D> {
-    fn new(n: u32, (positions, boundary): &(Vec<Point<D>>, BoundaryMesh<D>), weights: StokesWeights) -> Self {
+    fn new(n: u32, (positions, boundary): (Vec<Point<D>>, BoundaryMesh<D>), weights: StokesWeights) -> Self {
         let background = falling_diagonals::<D>(n as usize);
-        let cut = CutMesh::overlay(&background, &[Placed::new(boundary, positions)], &OverlayOptions::new())
+        let cut = CutMesh::overlay(&background, &[Placed::new(&boundary, &positions)], &OverlayOptions::new())
             .expect("a closed surface");
         let space = XfemSpace::new(&background, &cut);
-        let parts = PartValues::new(&background, &cut, DEGREE);
+        let parts = PartValues::new(&background, &cut);
         let faces = FaceValues::new(&background, &cut, &space, &parts);
         let pieces = PieceValues::new(&background, &cut, &parts, DEGREE);
         let mut layout = BlockLayout::new();
-        let velocity_field = layout.push("velocity", D * space.len());
-        let pressure = layout.push("pressure", space.len());
+        let velocity_field = layout.push("velocity", space.len(), D);
+        let pressure = layout.push_on(velocity_field, "pressure", 1);
         let mut constraints = Constraints::new();
         for name in SIDES.iter().filter(|name| **name != "right") {
             let Some(tag) = background.tag(name) else { continue };
             for dof in boundary_dofs(&background, &cut, &space, tag) {
                 let u = velocity(&background.vertex(space.vertex(dof)), 0.0);
-                (0..D).for_each(|a| constraints.set(layout.dof(velocity_field, D * dof as usize + a), u[a]));
+                (0..D).for_each(|a| constraints.set(layout.dof(velocity_field, dof as usize, a), u[a]));
             }
         }
         Self {
             weights,
             has_published_forms: false,
             at_rest: vec![Vector::zeros(); space.len()],
+            rule: StepRule::new(&QuasiStatic, &[1.0], &[]),
             mortar: MortarForm::new(NewtonianFluid { density: 1.0, viscosity: VISCOSITY }, weights.nitsche),
             background,
             cut,
@@ -162,6 +159,8 @@ impl<const D: usize> UnfittedStokes<D> {
             parts,
             faces,
             pieces,
+            boundary,
+            positions,
             layout,
             velocity: velocity_field,
             pressure,
@@ -174,15 +173,15 @@ impl<const D: usize> UnfittedStokes<D> {
         self.background.cells().filter(|&cell| self.cut.parts(cell).len() > 0).count()
     }
 
-    /// Computes the shape values on parts, faces and interface pieces anew: what a step does before it assembles.
+    /// Recomputes the shape values on parts, faces and interface pieces, as every time step does before assembly.
     pub fn evaluate_shapes(&mut self) {
-        self.parts = PartValues::new(&self.background, &self.cut, DEGREE);
+        self.parts = PartValues::new(&self.background, &self.cut);
         self.faces = FaceValues::new(&self.background, &self.cut, &self.space, &self.parts);
         self.pieces = PieceValues::new(&self.background, &self.cut, &self.parts, DEGREE);
     }
 
-    /// Calls a closure with the problem.
-    pub fn with_problem<R>(&self, then: impl FnOnce(&StokesProblem<'_, D>) -> R) -> R {
+    /// Calls a closure with the equations.
+    pub fn with_equations<R>(&self, then: impl FnOnce(&Equations<'_>) -> R) -> R {
         let geometry = FluidGeometry {
             background: &self.background,
             cut: &self.cut,
@@ -190,13 +189,14 @@ impl<const D: usize> UnfittedStokes<D> {
             parts: &self.parts,
             faces: &self.faces,
             history: &self.at_rest,
+            rule: &self.rule,
         };
         let form = FluidForm {
             inertia: None,
             viscous: Viscous { viscosity: VISCOSITY },
             incompressibility: Incompressibility,
             convection: None,
-            body_force: BodyForce { force: Some(&force), time: 0.0 },
+            body_force: Some(BodyForce { force: &force, time: 0.0 }),
             cip_velocity: CipVelocity { profile: CipProfile::Consistent { gamma_u: 0.0 }, density: 1.0 },
             cip_pressure: CipPressure {
                 gamma_pressure: self.weights.pressure,
@@ -206,61 +206,64 @@ impl<const D: usize> UnfittedStokes<D> {
             },
             ghost_penalty: GhostPenalty { gamma_ghost: self.weights.ghost, viscosity: VISCOSITY },
         };
-        let fields = FluidFields { layout: &self.layout, velocity: self.velocity, pressure: self.pressure };
+        let fields = self.fields();
         let right = self.background.tag("right").expect("sides of a box are tagged");
-        then(&StokesProblem {
-            stokes: self,
-            cells: FluidCells { geometry: &geometry, fields, form: &form },
-            faces: FluidFaces::new(&geometry, fields, &form),
-            outlet: OpenBoundary {
-                geometry: &geometry,
-                fields,
-                values: BoundaryValues::new(&self.background, &self.cut, right, DEGREE + 1),
-                traction: Traction {
-                    traction: Some(if self.has_published_forms { &published_traction } else { &traction }),
-                    time: 0.0,
-                },
-                backflow: None,
-            },
-            interface: InterfacePieces {
-                geometry: &geometry,
-                fields,
-                values: &self.pieces,
-                bodies: &[BodySide::Prescribed { velocity: &|x, _| velocity(x, 0.0), times: [0.0; 2] }],
-                form: &self.mortar,
-            },
-            transposed_gradient: self.has_published_forms.then_some(TransposedGradient { stokes: self, fields }),
-        })
+        let outlet = BoundaryValues::new(&self.background, &self.cut, right, DEGREE + 1);
+        let traction =
+            Traction { traction: if self.has_published_forms { &published_traction } else { &traction }, time: 0.0 };
+        let ball = SurfaceMotion {
+            boundary: &self.boundary,
+            begin: self.positions.clone(),
+            predicted: self.positions.clone(),
+            slope: 0.0,
+            velocity: SurfaceVelocity::Given(Box::new(|x| velocity(x, 0.0))),
+        };
+        let interface = InterfacePoints {
+            geometry,
+            fields,
+            values: &self.pieces,
+            surfaces: vec![&ball],
+            fluid: NewtonianFluid { density: 1.0, viscosity: VISCOSITY },
+        };
+        let mut contributions = form.contributions(geometry, fields);
+        let outlet = OpenBoundary::new(geometry, fields, &outlet);
+        contributions.push(Box::new(Integral::linear("open boundary", outlet, vec![&traction])));
+        contributions.push(Box::new(self.mortar.contributions(interface)));
+        if self.has_published_forms {
+            contributions.push(Box::new(TransposedGradient { stokes: self, fields }));
+        }
+        then(&Equations { layout: &self.layout, contributions, constraints: &self.constraints })
     }
 
-    /// Errors of a discrete solution.
+    fn fields(&self) -> FluidFields<'_> {
+        FluidFields { layout: &self.layout, velocity: self.velocity, pressure: self.pressure }
+    }
+
+    /// Computes the errors of a discrete solution.
     pub fn errors(&self, x: &[f64]) -> StokesErrors {
-        let parts = PartValues::new(&self.background, &self.cut, ERROR_DEGREE);
-        let fields = FluidFields { layout: &self.layout, velocity: self.velocity, pressure: self.pressure };
+        let fields = self.fields();
         let mut squares = [0.0; 3];
         for part in self.cut.all_parts() {
             let dofs = self.space.dofs(part);
-            let corners = self.background.simplex(self.cut.part_cell(part));
             let mut gradient = Tensor::<D>::zeros();
-            for (&dof, g) in dofs.iter().zip(parts.gradients(part)) {
+            for (&dof, g) in dofs.iter().zip(self.parts.gradients(part)) {
                 gradient += fields.velocity_at::<D>(x, dof) * g.transpose();
             }
-            for q in parts.points(part) {
-                let at: Point<D> = corners.points().iter().zip(&q.shape).map(|(x, n)| x * *n).sum();
-                let u: Vector<D> = dofs.iter().zip(&q.shape).map(|(&k, n)| fields.velocity_at(x, k) * *n).sum();
-                let p: f64 = dofs.iter().zip(&q.shape).map(|(&k, n)| fields.pressure_at(x, k) * n).sum();
-                squares[0] += q.weight * (u - velocity(&at, 0.0)).norm_squared();
-                squares[1] += q.weight * (gradient - velocity_gradient(&at)).norm_squared();
-                squares[2] += q.weight * (p - pressure(&at)).powi(2);
-            }
+            self.parts.for_each_point(&self.background, &self.cut, part, ERROR_DEGREE, |at, weight, shape| {
+                let u: Vector<D> = dofs.iter().zip(shape).map(|(&k, n)| fields.velocity_at(x, k) * *n).sum();
+                let p: f64 = dofs.iter().zip(shape).map(|(&k, n)| fields.pressure_at(x, k) * n).sum();
+                squares[0] += weight * (u - velocity(at, 0.0)).norm_squared();
+                squares[1] += weight * (gradient - velocity_gradient(at)).norm_squared();
+                squares[2] += weight * (p - pressure(at)).powi(2);
+            });
         }
         let [velocity, gradient, pressure] = squares.map(f64::sqrt);
         StokesErrors { velocity, gradient, pressure }
     }
 }
 
-/// The box with the diagonals of its squares from the lower right to the upper left, as peers lay them: the mirror image
-/// of the library's own.
+/// Returns the box with the diagonals of its squares from the lower right to the upper left, as in the published
+/// comparison: the mirror image of [`structured_box`].
 fn falling_diagonals<const D: usize>(n: usize) -> SimplexMesh<D> {
     let rising = structured_box::<D>([-0.5; D], [0.5; D], [n; D]).expect("a box");
     let mirrored = |x: &Point<D>| Point::<D>::from_fn(|axis, _| if axis == 0 { -x[axis] } else { x[axis] });
@@ -275,18 +278,15 @@ fn falling_diagonals<const D: usize>(n: usize) -> SimplexMesh<D> {
     SimplexMesh::new(vertices, cells).expect("positive cells").with_boundary_tags(side_of)
 }
 
-/// Names of the sides of a box.
-pub(crate) const SIDES: [&str; 6] = ["left", "right", "bottom", "top", "back", "front"];
-
 impl UnfittedStokes<2> {
-    /// Around a disk with edges as long as those of the N² squares.
+    /// Creates the problem around a disk, with edges of the length of the sides of the N² squares.
     pub fn around_disk(n: u32, weights: StokesWeights) -> Self {
         let n_edges = (std::f64::consts::TAU * RADIUS * f64::from(n)).round() as u32;
-        Self::new(n, &polygon(BODY_CENTRE, RADIUS, n_edges), weights)
+        Self::new(n, polygon(BODY_CENTRE, RADIUS, n_edges), weights)
     }
 
-    /// The same with the viscous form and the data on the sides of the published comparison: `μ (∇u, ∇v)` and a local L2
-    /// projection. Only for comparing errors.
+    /// Returns the problem with the viscous form `μ (∇u, ∇v)` and the boundary values (a local L2 projection) of the
+    /// published comparison, to compare errors.
     #[must_use]
     pub fn with_published_forms(mut self) -> Self {
         self.has_published_forms = true;
@@ -296,25 +296,108 @@ impl UnfittedStokes<2> {
 }
 
 impl UnfittedStokes<3> {
-    /// Around a sphere with facets as large as the sides of the N³ cubes.
+    /// Creates the problem around a sphere, with facets of the size of the sides of the N³ cubes.
     pub fn around_sphere(n: u32, weights: StokesWeights) -> Self {
         let n_per_octant = (0.5 * std::f64::consts::PI * RADIUS * f64::from(n)).ceil() as u32;
-        Self::new(n, &sphere(BODY_CENTRE, RADIUS, n_per_octant), weights)
+        Self::new(n, sphere(BODY_CENTRE, RADIUS, n_per_octant), weights)
     }
 }
 
-impl<const D: usize> NonlinearProblem for StokesProblem<'_, D> {
-    fn layout(&self) -> &BlockLayout {
-        &self.stokes.layout
+/// `-μ (∇uᵀ, ∇v)_Ω + μ (∇uᵀ n^f, v)_Σ + μ (u - g, ∇vᵀ n^f)_Σ`
+///
+/// Changes the viscous form from `2 μ (D(u), ∇v)` to `μ (∇u, ∇v)`, and the traction on the ball to `μ ∇u n - p n`. Items
+/// are the parts, then the interface pieces.
+struct TransposedGradient<'a, const D: usize> {
+    stokes: &'a UnfittedStokes<D>,
+    fields: FluidFields<'a>,
+}
+
+impl<const D: usize> TransposedGradient<'_, D> {
+    fn part(&self, item: usize) -> PartId {
+        let n_parts = self.stokes.cut.n_parts();
+        if item < n_parts { PartId(item as u32) } else { self.stokes.cut.interface()[item - n_parts].part }
+    }
+}
+
+impl<const D: usize> Contributions for TransposedGradient<'_, D> {
+    fn name(&self) -> &'static str {
+        "transposed gradient"
     }
 
-    fn contributions(&self) -> Vec<&dyn Contributions> {
-        let mut all: Vec<&dyn Contributions> = vec![&self.cells, &self.faces, &self.outlet, &self.interface];
-        all.extend(self.transposed_gradient.iter().map(|c| c as &dyn Contributions));
-        all
+    fn len(&self) -> usize {
+        self.stokes.cut.n_parts() + self.stokes.cut.interface().len()
     }
 
-    fn constraints(&self) -> &Constraints {
-        &self.stokes.constraints
+    fn dofs(&self, item: usize, out: &mut Vec<DofId>) {
+        for &dof in self.stokes.space.dofs(self.part(item)) {
+            out.extend(self.fields.layout.node(self.fields.velocity, dof as usize));
+        }
     }
+
+    fn add(&self, item: usize, x: &[f64], out: &mut LocalSystem) {
+        let part = self.part(item);
+        let g = self.stokes.parts.gradients(part);
+        let dofs = self.stokes.space.dofs(part);
+        let mut u = [Vector::<D>::zeros(); MAX_CELL_VERTICES];
+        u.iter_mut().zip(dofs).for_each(|(u, &dof)| *u = self.fields.velocity_at(x, dof));
+        let grad_u: Tensor<D> = u.iter().zip(g).map(|(u, g)| u * g.transpose()).sum();
+        let n_parts = self.stokes.cut.n_parts();
+        let Some(piece) = item.checked_sub(n_parts) else {
+            let weight = -VISCOSITY * self.stokes.parts.moments(part).volume();
+            for i in 0..=D {
+                out.add_vector::<D>(D * i, grad_u.transpose() * g[i] * weight);
+                for j in 0..=D {
+                    out.add_block::<D, D>(D * i, D * j, g[j] * g[i].transpose() * weight);
+                }
+            }
+            return;
+        };
+        let n = -self.stokes.cut.interface()[piece].normal;
+        for q in self.stokes.pieces.points(piece) {
+            let weight = VISCOSITY * q.weight;
+            let jump = u.iter().zip(&q.fluid).map(|(u, n)| u * *n).sum::<Vector<D>>() - velocity(&q.point, 0.0);
+            for i in 0..=D {
+                let force = grad_u.transpose() * n * q.fluid[i] + n * g[i].dot(&jump);
+                out.add_vector::<D>(D * i, force * weight);
+                for j in 0..=D {
+                    let k = g[j] * n.transpose() * q.fluid[i] + n * g[i].transpose() * q.fluid[j];
+                    out.add_block::<D, D>(D * i, D * j, k * weight);
+                }
+            }
+        }
+    }
+
+    fn is_linear(&self) -> bool {
+        true
+    }
+}
+
+/// Replaces the velocities on the sides of a square by those of the published comparison: the L2 projection on each edge,
+/// and the mean of both edges at each vertex. Unconstrained dofs stay unconstrained.
+fn project_sides(stokes: &mut UnfittedStokes<2>) {
+    let rule = SimplexRule::of_degree(1, 4);
+    let mut at_vertex: HashMap<u32, (Vector<2>, f64)> = HashMap::new();
+    for facet in stokes.background.facets().filter(|&facet| stokes.background.is_boundary(facet)) {
+        let ends = stokes.background.facet(facet);
+        let corners: Vec<Point<2>> = ends.iter().map(|&v| stokes.background.vertex(v)).collect();
+        for (k, end) in ends.iter().enumerate() {
+            let (sum, n) = at_vertex.entry(end.0).or_insert((Vector::zeros(), 0.0));
+            *n += 1.0;
+            for (l, weight) in rule.points().iter().zip(rule.weights()) {
+                let u = velocity(&(corners[0] * l[0] + corners[1] * l[1]), 0.0);
+                // The dual basis of the two shape functions on an edge of unit length.
+                *sum += u * (weight * (6.0 * l[k] - 2.0));
+            }
+        }
+    }
+    let mut projected = Constraints::new();
+    for (node, vertex) in stokes.space.vertices().iter().enumerate() {
+        for (component, dof) in stokes.layout.node(stokes.velocity, node).enumerate() {
+            if stokes.constraints.get(dof).is_some() {
+                let (sum, n) = at_vertex[&vertex.0];
+                projected.set(dof, sum[component] / n);
+            }
+        }
+    }
+    stokes.constraints = projected;
 }

@@ -1,18 +1,18 @@
-//! Stokes flow around a cut disk and a cut sphere: errors against those of another code, and their orders.
+//! Stokes flow around a cut disk and a cut sphere: errors compared with those of another code, and their orders.
 
-use algebra::{NewtonSettings, NonlinearProblem, Workspace, newton};
+use algebra::{NewtonSettings, Workspace, newton};
 use benchmarks::{StokesErrors, StokesWeights, UnfittedStokes};
 
 fn errors<const D: usize>(stokes: &UnfittedStokes<D>) -> StokesErrors {
-    stokes.with_problem(|problem| {
-        let mut x = vec![0.0; problem.layout().len()];
-        newton(problem, &mut x, &mut Workspace::new(), &NewtonSettings::new(1e-9)).expect("a linear problem");
+    stokes.with_equations(|equations| {
+        let mut x = vec![0.0; equations.layout.len()];
+        newton(equations, &mut x, &mut Workspace::new(), &NewtonSettings::new(1e-9)).expect("a linear problem");
         stokes.errors(&x)
     })
 }
 
-/// Errors on all meshes of a table, which are those of the table within 5 %. What differs still: polygons, and the lengths that
-/// scale the penalties (see `StokesWeights`).
+/// Computes the errors on all meshes of a table and checks that they agree with it within 5 %. The remaining differences are
+/// the polygons, and the lengths in the penalties (see `StokesWeights`).
 fn compare(table: [Row; 3], forms: fn(UnfittedStokes<2>) -> UnfittedStokes<2>) -> [StokesErrors; 3] {
     table.map(|(n, velocity, gradient, pressure)| {
         let ours = errors(&forms(UnfittedStokes::around_disk(n, StokesWeights::PUBLISHED)));
@@ -25,8 +25,8 @@ fn compare(table: [Row; 3], forms: fn(UnfittedStokes<2>) -> UnfittedStokes<2>) -
 /// N, then errors of velocity (L2), its gradient, and pressure (L2).
 type Row = (u32, f64, f64, f64);
 
-/// ngsxfem 2.1.2608 with the forms of this library: `2 μ (D(u), ∇v)` with its own traction, and velocities on the sides
-/// given at the vertices.
+/// ngsxfem 2.1.2608 with the forms of this library: `2 μ (D(u), ∇v)` with the corresponding traction, and velocities on the
+/// sides interpolated at the vertices.
 const SAME_FORMS: [Row; 3] =
     [(32, 1.3104e-3, 0.15050, 2.9498e-2), (64, 3.3769e-4, 0.075252, 9.4179e-3), (128, 8.5874e-5, 0.037620, 3.0999e-3)];
 
@@ -48,7 +48,7 @@ fn errors_are_the_published_ones_with_the_published_forms() {
 }
 
 #[test]
-fn errors_fall_in_3d() {
+fn errors_decrease_in_3d() {
     let [coarse, fine] = [6, 12].map(|n| errors(&UnfittedStokes::around_sphere(n, StokesWeights::PUBLISHED)));
     let orders = [
         (coarse.velocity / fine.velocity).log2(),

@@ -2,8 +2,9 @@
 
 use std::time::Instant;
 
+use crate::linear::{LinearError, LinearSystem, ScaledMatrix};
 use crate::scatter::{Affine, Scatter, Stripes, Work};
-use crate::{BlockLayout, Constraints, Contributions, DofId, MatrixView, Pattern, Unknowns};
+use crate::{BlockLayout, Constraints, Contributions, DofId, MatrixView, Pattern};
 
 /// Time spent in one contribution, for reports only.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -25,18 +26,17 @@ pub struct ContributionTiming {
 ///
 /// `residual = K x + r₀ + Σ nonlinear residuals,    matrix = K + Σ nonlinear tangents`
 ///
-/// with constrained rows and columns replaced by the identity and a zero residual. What prescribed values add to `K x` is
-/// constant, so it goes into `r₀`, and `K` is stored without constrained rows and columns from the beginning. Blocks are
-/// the index ranges of the layout, not separate matrices. The contributions handed to later calls must be those of the
-/// construction.
-#[derive(Debug, Default)]
+/// with constrained rows and columns replaced by the identity and a zero residual. The share of prescribed values in `K x` is
+/// constant and therefore part of `r₀`; `K` is stored without constrained rows and columns. Blocks are the index ranges of
+/// the layout, not separate matrices. Later calls must be given the same contributions as the constructor.
+#[derive(Default)]
 pub struct BlockSystem {
     layout: BlockLayout,
     pattern: Pattern,
     stripes: Stripes,
     /// `K`, without constrained rows and columns.
     linear_values: Vec<f64>,
-    /// `r₀`, with what prescribed values add.
+    /// `r₀`, including the share of prescribed values.
     linear_residual: Vec<f64>,
     /// The matrix where there are nonlinear contributions, once it has been assembled.
     values: Vec<f64>,
@@ -46,7 +46,8 @@ pub struct BlockSystem {
     prescribed: Vec<(DofId, f64)>,
     /// Entries in constrained rows and columns, with the value that each of them takes.
     eliminated: Vec<(u32, f64)>,
-    pub(crate) keys: Vec<u64>,
+    /// The matrix of the last [`BlockSystem::equilibrate`] in its scales.
+    scaled: ScaledMatrix,
     has_nonlinear: bool,
     timings: Vec<ContributionTiming>,
     seconds_pattern: f64,
@@ -75,7 +76,6 @@ impl BlockSystem {
     ) -> Self {
         let n = layout.len();
         self.layout = layout.clone();
-        self.keys.clear();
         let begin = Instant::now();
         let pattern_changed = self.pattern.rebuild(n, contributions);
         let n_stripes = Stripes::wanted(n);
@@ -91,7 +91,7 @@ impl BlockSystem {
             self.constrained[dof.index()] = true;
             self.prescribed.push((dof, value));
         }
-        // Nothing is said of tied dofs but that their corrections are zero, until these follow from those of the others.
+        // The corrections of tied dofs are zero in the system; they follow from those of their masters afterwards.
         for (dof, _) in constraints.ties() {
             assert!(dof.index() < n, "tied dof {} of {n} unknowns", dof.index());
             self.constrained[dof.index()] = true;
@@ -120,7 +120,8 @@ impl BlockSystem {
                 self.eliminated.push((k as u32, if other == dof.index() { 1.0 } else { 0.0 }));
                 if !self.constrained[other] {
                     let begin = column_ptr[other] as usize;
-                    let in_row = rows[begin..column_ptr[other + 1] as usize].partition_point(|&row| row < dof.0);
+                    let in_row = rows[begin..column_ptr[other + 1] as usize]
+                        .partition_point(|&row| (row as usize) < dof.index());
                     self.eliminated.push(((begin + in_row) as u32, 0.0));
                 }
             }
@@ -174,7 +175,7 @@ impl BlockSystem {
         self.matrix_is_linear = !self.has_nonlinear;
     }
 
-    /// Evaluates only the residual at `x`; the matrix stays what it was.
+    /// Evaluates only the residual at `x`; the matrix is unchanged.
     ///
     /// # Panics
     /// `x` or the contributions do not belong to this system.
@@ -195,7 +196,7 @@ impl BlockSystem {
         self.residual = residual;
     }
 
-    /// Adds the linear contributions to zero, or the nonlinear ones to what is there.
+    /// Adds the linear contributions to zero, or the nonlinear ones to the current values.
     fn add(
         &mut self,
         contributions: &[&dyn Contributions],
@@ -227,11 +228,6 @@ impl BlockSystem {
         &self.layout
     }
 
-    /// Layout, nodes and keys of the unknowns, for linear solvers.
-    pub fn unknowns(&self) -> Unknowns<'_> {
-        Unknowns { layout: &self.layout, nodes: self.pattern.nodes(), keys: &self.keys }
-    }
-
     /// The sparsity pattern.
     pub fn pattern(&self) -> &Pattern {
         &self.pattern
@@ -242,6 +238,40 @@ impl BlockSystem {
         let values = if self.matrix_is_linear { &self.linear_values } else { &self.values };
         let n = self.pattern.n_unknowns();
         MatrixView::new_csc((n, n), self.pattern.column_ptr(), self.pattern.rows(), values)
+    }
+
+    /// Equilibrates the matrix of the last assembly. Later assemblies do not change the equilibrated copy.
+    ///
+    /// # Errors
+    /// A row or column is zero, or an entry is not finite.
+    pub fn equilibrate(&mut self) -> Result<(), LinearError> {
+        let mut scaled = std::mem::take(&mut self.scaled);
+        let outcome = scaled.set(self.matrix());
+        self.scaled = scaled;
+        outcome
+    }
+
+    /// The matrix of the last [`BlockSystem::equilibrate`] as a linear system.
+    ///
+    /// # Errors
+    /// [`LinearError::NotFactorized`]: no matrix was equilibrated, or the last one has no scales.
+    pub fn linear_system(&self) -> Result<LinearSystem<'_>, LinearError> {
+        self.scaled.system(&self.layout)
+    }
+
+    /// `‖R r‖`: Euclidean norm of the residual in the row scales of the last [`BlockSystem::equilibrate`], over the
+    /// unconstrained dofs (constrained rows of the residual are zero).
+    pub fn row_norm(&self) -> f64 {
+        let scale = self.scaled.scales().row();
+        self.residual.iter().zip(scale).map(|(r, s)| (r * s).powi(2)).sum::<f64>().sqrt()
+    }
+
+    /// `‖C⁻¹ v‖`: Euclidean norm of a state or correction in the column scales of the last
+    /// [`BlockSystem::equilibrate`], over the unconstrained dofs.
+    pub fn column_norm(&self, v: &[f64]) -> f64 {
+        let scale = self.scaled.scales().column();
+        let free = v.iter().zip(scale).zip(&self.constrained).filter(|(_, constrained)| !**constrained);
+        free.map(|((v, s), _)| (v / s).powi(2)).sum::<f64>().sqrt()
     }
 
     /// The residual of the last assembly.

@@ -5,7 +5,7 @@ use crate::{Contributions, DofId, LocalSystem};
 /// The entry of a tangent that deviates most from its finite difference.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TangentDeviation {
-    /// `|tangent − difference|`, without what round-off explains, relative to the smaller one of the largest entries
+    /// `|tangent − difference|`, less the bound of round-off, relative to the smaller one of the largest entries
     /// of the row and of the column; infinite if both are zero but the difference is not.
     pub relative: f64,
     /// Item of the entry.
@@ -35,8 +35,8 @@ pub struct TangentDeviation {
 ///     fn add(&self, item: usize, x: &[f64], out: &mut LocalSystem) {
 ///         let e = x[item + 1] - x[item];
 ///         let (force, stiffness) = (e + e.powi(3), 1.0 + 3.0 * e.powi(2));
-///         out.add_vector(0, &[-force, force]);
-///         out.add_block(0, 0, 2, &[stiffness, -stiffness, -stiffness, stiffness]);
+///         out.add_vector(0, [-force, force]);
+///         out.add_block(0, 0, [[stiffness, -stiffness], [-stiffness, stiffness]]);
 ///     }
 ///     fn name(&self) -> &'static str { "springs" }
 /// }
@@ -105,7 +105,7 @@ struct Sizes {
     column: Vec<f64>,
     /// `Σ |tangent_ij x_j| + |residual_i|`
     terms: Vec<f64>,
-    /// What round-off can do to the residual.
+    /// Bound of the round-off error of the residual.
     round_off: Vec<f64>,
 }
 

@@ -9,20 +9,22 @@ use crate::DofId;
 /// A constrained dof keeps its row and column in the system: the row becomes the identity with a zero residual and
 /// the column is dropped, because a state that satisfies the constraints from the start has zero corrections there.
 ///
-/// A tied dof is a linear combination of other dofs. What contributions have to say about it is said of those, with the same
-/// factors ([`crate::Tied`]), so that the system is the one of the free dofs alone; the corrections of tied dofs follow.
+/// A tied dof is a linear combination of other dofs, its masters. Its residual and tangent entries are distributed to the
+/// masters with the same factors ([`crate::Tied`]), so that the system is that of the free dofs alone. The corrections of
+/// tied dofs follow from those of their masters.
 ///
 /// ```
 /// use algebra::{Constraints, DofId};
 ///
 /// let mut constraints = Constraints::new();
-/// constraints.set(DofId(2), 1.0);
-/// constraints.set(DofId(2), 5.0); // the last assignment wins
+/// let [a, b, c] = [0, 1, 2].map(DofId::new);
+/// constraints.set(c, 1.0);
+/// constraints.set(c, 5.0); // the last assignment wins
 /// let mut x = [0.0; 3];
 /// constraints.apply(&mut x);
 /// assert_eq!(x, [0.0, 0.0, 5.0]);
 ///
-/// constraints.tie(DofId(1), &[(DofId(0), 1.0), (DofId(2), 2.0)]);
+/// constraints.tie(b, &[(a, 1.0), (c, 2.0)]);
 /// constraints.apply(&mut x);
 /// assert_eq!(x, [0.0, 10.0, 5.0]);
 /// ```
@@ -30,7 +32,7 @@ use crate::DofId;
 pub struct Constraints {
     values: BTreeMap<DofId, f64>,
     ties: BTreeMap<DofId, Vec<(DofId, f64)>>,
-    /// What dofs are, or once were, tied to.
+    /// Masters of tied dofs, including those of former ties.
     masters: BTreeSet<DofId>,
 }
 
@@ -50,21 +52,21 @@ impl Constraints {
     /// later assignment of the same dof replaces an earlier one.
     ///
     /// # Panics
-    /// One of the others is tied, or this dof is one of those that others are tied to.
+    /// One of the masters is itself tied, or this dof is a master of other dofs.
     pub fn tie(&mut self, dof: DofId, to: &[(DofId, f64)]) {
-        assert!(!self.masters.contains(&dof), "dof {} is what others are tied to", dof.index());
+        assert!(!self.masters.contains(&dof), "dof {} is a master of other dofs", dof.index());
         assert!(to.iter().all(|(other, _)| *other != dof && !self.ties.contains_key(other)), "a chain of ties");
         self.values.remove(&dof);
         self.masters.extend(to.iter().map(|(other, _)| *other));
         self.ties.insert(dof, to.to_vec());
     }
 
-    /// What a dof follows from, if it is tied.
+    /// Returns the masters of a dof and their factors, if it is tied.
     pub fn tie_of(&self, dof: DofId) -> Option<&[(DofId, f64)]> {
         self.ties.get(&dof).map(Vec::as_slice)
     }
 
-    /// All tied dofs with what they follow from, in the order of the dofs.
+    /// Returns all tied dofs with their masters and factors, in the order of the dofs.
     pub fn ties(&self) -> impl DoubleEndedIterator<Item = (DofId, &[(DofId, f64)])> + '_ {
         self.ties.iter().map(|(&dof, to)| (dof, to.as_slice()))
     }
@@ -99,7 +101,7 @@ impl Constraints {
         self.values.iter().map(|(&dof, &value)| (dof, value))
     }
 
-    /// Writes the prescribed values into `x`, and what follows from them and the others.
+    /// Writes the prescribed values into `x`, then the values of tied dofs.
     ///
     /// # Panics
     /// A constrained dof lies outside of `x`.

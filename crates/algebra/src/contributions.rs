@@ -1,31 +1,65 @@
-//! The only seam between physics and algebra.
+//! The seam between physics and algebra.
 
 use crate::{DofId, LocalSystem};
 
 /// A set of items (cells, faces, interface pieces, contact facets) that each add a small dense system.
 ///
-/// Sparsity pattern, parallel assembly, finite-difference check and benchmarks are written once, for this trait.
+/// Sparsity pattern, parallel assembly, finite-difference check and benchmarks are written once, for this trait. Weak
+/// forms implement it through [`crate::Integral`].
 pub trait Contributions: Sync {
     /// Number of items.
     fn len(&self) -> usize;
 
-    /// Whether there is nothing to add.
+    /// Whether there are no items.
     fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Appends the dofs of an item to `out`. They are distinct, and the same at every call.
+    /// Appends the dofs of an item to `out`. They are distinct, and the same in every call.
     fn dofs(&self, item: usize, out: &mut Vec<DofId>);
 
-    /// Adds residual and tangent of an item at the state `x` (the global vector) to `out`, which arrives as a
-    /// zero system with one row per dof of the item.
+    /// Adds residual and tangent of an item at the state `x` (the global vector) to `out`, a zero system with one row per
+    /// dof of the item.
     fn add(&self, item: usize, x: &[f64], out: &mut LocalSystem);
 
-    /// Whether the tangent does not depend on `x`; such contributions are assembled once per nonlinear solve.
+    /// Whether the tangent does not depend on `x`. Such contributions are assembled once per nonlinear solve.
     fn is_linear(&self) -> bool {
         false
     }
 
+    /// Returns a hash of the non-smooth state at `x`, such as the set of points in contact.
+    ///
+    /// When it changes, Newton's method renews the factorisation, and does not accept the iterate.
+    fn regime(&self, _x: &[f64]) -> u64 {
+        0
+    }
+
     /// Name for timings and reports.
     fn name(&self) -> &'static str;
+}
+
+impl<C: Contributions + ?Sized> Contributions for &C {
+    fn len(&self) -> usize {
+        (**self).len()
+    }
+
+    fn dofs(&self, item: usize, out: &mut Vec<DofId>) {
+        (**self).dofs(item, out);
+    }
+
+    fn add(&self, item: usize, x: &[f64], out: &mut LocalSystem) {
+        (**self).add(item, x, out);
+    }
+
+    fn is_linear(&self) -> bool {
+        (**self).is_linear()
+    }
+
+    fn regime(&self, x: &[f64]) -> u64 {
+        (**self).regime(x)
+    }
+
+    fn name(&self) -> &'static str {
+        (**self).name()
+    }
 }

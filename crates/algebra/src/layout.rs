@@ -4,95 +4,227 @@ use std::ops::Range;
 
 /// A global degree of freedom: a row and column of the system.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
-pub struct DofId(pub u32);
+pub struct DofId(u32);
 
 impl DofId {
     /// The dof at position `index` of the global vector.
     #[inline]
-    pub fn new(index: usize) -> Self {
+    pub const fn new(index: usize) -> Self {
         debug_assert!(index < u32::MAX as usize);
         Self(index as u32)
     }
 
     /// Position in the global vector.
     #[inline]
-    pub fn index(self) -> usize {
+    pub const fn index(self) -> usize {
         self.0 as usize
     }
 }
 
 /// A field of unknowns, registered in a [`BlockLayout`].
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
-pub struct FieldId(pub u32);
+pub struct FieldId(u32);
 
-/// The fields of a problem, one contiguous range of dofs each, in the order in which they were registered.
+impl FieldId {
+    /// The field that was registered after `number` others.
+    pub const fn new(number: usize) -> Self {
+        Self(number as u32)
+    }
+
+    /// Number of fields registered before this one.
+    #[inline]
+    pub const fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// Identity of a dof across time steps: field, component and key of the node.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub struct DofKey {
+    field: u32,
+    component: u32,
+    node: u64,
+}
+
+/// The fields of a problem, one contiguous range of dofs each, in the order of their registration.
+///
+/// A field has a number of *components* (unknowns) at each of its *nodes*. Component `c` of node `k` is dof
+/// `components * k + c` of the field. Fields may share nodes, as velocity and pressure do. Nodes guide orderings and
+/// preconditioners; they do not change solutions.
+///
+/// A node has a *key*, by which solvers that keep old factors recognise it in the system of another time step. The default
+/// key is the number of the node in its field.
 ///
 /// ```
-/// let mut layout = algebra::BlockLayout::new();
-/// let velocity = layout.push("velocity", 10);
-/// let pressure = layout.push("pressure", 5);
+/// use algebra::{BlockLayout, DofId};
+///
+/// let mut layout = BlockLayout::new();
+/// let velocity = layout.push("velocity", 5, 2);
+/// let pressure = layout.push_on(velocity, "pressure", 1);
 /// assert_eq!(layout.range(pressure), 10..15);
-/// assert_eq!(layout.dof(velocity, 3).index(), 3);
-/// assert_eq!(layout.len(), 15);
+/// assert_eq!(layout.dof(velocity, 3, 1), DofId::new(7));
+/// assert_eq!(layout.nodes(), [0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 0, 1, 2, 3, 4]);
 /// ```
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct BlockLayout {
-    names: Vec<String>,
-    offsets: Vec<usize>,
+    fields: Vec<Field>,
+    /// Keys of each set of nodes; empty for default keys.
+    keys: Vec<Vec<u64>>,
+    n_dofs: usize,
+    n_nodes: usize,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Field {
+    name: String,
+    first_dof: usize,
+    components: usize,
+    first_node: usize,
+    n_nodes: usize,
+    /// Index into `BlockLayout::keys`.
+    node_set: usize,
+}
+
+impl Field {
+    fn range(&self) -> Range<usize> {
+        self.first_dof..self.first_dof + self.components * self.n_nodes
+    }
 }
 
 impl BlockLayout {
-    /// A layout without fields.
+    /// Creates a layout without fields.
     pub fn new() -> Self {
-        Self { names: Vec::new(), offsets: vec![0] }
+        Self::default()
     }
 
-    /// Registers a field with `len` unknowns.
-    pub fn push(&mut self, name: &str, len: usize) -> FieldId {
-        if self.offsets.is_empty() {
-            self.offsets.push(0);
-        }
-        let field = FieldId(self.names.len() as u32);
-        self.names.push(name.to_owned());
-        self.offsets.push(self.len() + len);
-        field
+    /// Registers a field on `n_nodes` nodes of its own.
+    pub fn push(&mut self, name: &str, n_nodes: usize, components: usize) -> FieldId {
+        self.push_nodes(name, n_nodes, components, Vec::new())
+    }
+
+    /// Registers a field on nodes of its own, one for each of the distinct `keys`.
+    pub fn push_keyed(&mut self, name: &str, keys: Vec<u64>, components: usize) -> FieldId {
+        self.push_nodes(name, keys.len(), components, keys)
+    }
+
+    /// Registers a field on the nodes of another one.
+    pub fn push_on(&mut self, other: FieldId, name: &str, components: usize) -> FieldId {
+        let Field { first_node, n_nodes, node_set, .. } = self.fields[other.index()];
+        self.add(Field { name: name.to_owned(), first_dof: self.n_dofs, components, first_node, n_nodes, node_set })
+    }
+
+    fn push_nodes(&mut self, name: &str, n_nodes: usize, components: usize, keys: Vec<u64>) -> FieldId {
+        let (first_node, node_set) = (self.n_nodes, self.keys.len());
+        self.keys.push(keys);
+        self.n_nodes += n_nodes;
+        self.add(Field { name: name.to_owned(), first_dof: self.n_dofs, components, first_node, n_nodes, node_set })
+    }
+
+    fn add(&mut self, field: Field) -> FieldId {
+        self.n_dofs = field.range().end;
+        self.fields.push(field);
+        FieldId::new(self.fields.len() - 1)
     }
 
     /// Number of unknowns.
     pub fn len(&self) -> usize {
-        self.offsets.last().copied().unwrap_or(0)
+        self.n_dofs
     }
 
     /// Whether there are no unknowns.
     pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
-    /// Number of fields.
-    pub fn n_fields(&self) -> usize {
-        self.names.len()
+        self.n_dofs == 0
     }
 
     /// All fields in order.
     pub fn fields(&self) -> impl Iterator<Item = FieldId> + use<> {
-        (0..self.names.len() as u32).map(FieldId)
-    }
-
-    /// Dofs of a field, as positions in the global vector.
-    pub fn range(&self, field: FieldId) -> Range<usize> {
-        let k = field.0 as usize;
-        self.offsets[k]..self.offsets[k + 1]
-    }
-
-    /// Dof number `local` of a field.
-    #[inline]
-    pub fn dof(&self, field: FieldId, local: usize) -> DofId {
-        debug_assert!(local < self.range(field).len());
-        DofId::new(self.offsets[field.0 as usize] + local)
+        (0..self.fields.len()).map(FieldId::new)
     }
 
     /// Name of a field.
     pub fn name(&self, field: FieldId) -> &str {
-        &self.names[field.0 as usize]
+        &self.fields[field.index()].name
+    }
+
+    /// Number of nodes of a field.
+    pub fn n_nodes(&self, field: FieldId) -> usize {
+        self.fields[field.index()].n_nodes
+    }
+
+    /// Number of the set of nodes of a field; fields that share nodes have the same one.
+    pub fn node_set(&self, field: FieldId) -> usize {
+        self.fields[field.index()].node_set
+    }
+
+    /// Dofs of a field, as positions in the global vector.
+    pub fn range(&self, field: FieldId) -> Range<usize> {
+        self.fields[field.index()].range()
+    }
+
+    /// Dof of one component at a node.
+    #[inline]
+    pub fn dof(&self, field: FieldId, node: usize, component: usize) -> DofId {
+        let Field { first_dof, components, .. } = self.fields[field.index()];
+        debug_assert!(component < components && node < self.n_nodes(field));
+        DofId::new(first_dof + components * node + component)
+    }
+
+    /// Dofs of all components at a node.
+    #[inline]
+    pub fn node(&self, field: FieldId, node: usize) -> impl DoubleEndedIterator<Item = DofId> + use<> {
+        let Field { first_dof, components, .. } = self.fields[field.index()];
+        debug_assert!(node < self.n_nodes(field));
+        let first = first_dof + components * node;
+        (first..first + components).map(DofId::new)
+    }
+
+    /// Values of a field with `N` components at a node of the global vector `x`.
+    ///
+    /// # Panics
+    /// The field has another number of components.
+    #[inline]
+    pub fn at<const N: usize>(&self, field: FieldId, node: usize, x: &[f64]) -> [f64; N] {
+        let Field { first_dof, components, .. } = self.fields[field.index()];
+        assert!(components == N, "a field of {components} components is read as one of {N}");
+        let mut values = [0.0; N];
+        values.copy_from_slice(&x[first_dof + N * node..][..N]);
+        values
+    }
+
+    /// Values of a field with `N` components at all its nodes.
+    ///
+    /// # Panics
+    /// The field has another number of components.
+    pub fn values<const N: usize>(&self, field: FieldId, x: &[f64]) -> impl Iterator<Item = [f64; N]> {
+        (0..self.n_nodes(field)).map(move |node| self.at(field, node, x))
+    }
+
+    /// Writes the values of a field at its nodes, in order, into the global vector `x`.
+    pub fn set<const N: usize>(&self, field: FieldId, values: impl IntoIterator<Item = [f64; N]>, x: &mut [f64]) {
+        for (slot, value) in x[self.range(field)].chunks_exact_mut(N).zip(values) {
+            slot.copy_from_slice(&value);
+        }
+    }
+
+    /// Node of each dof, numbered over all fields.
+    pub fn nodes(&self) -> Vec<u32> {
+        let of_field = |f: &Field| {
+            let (first, components) = (f.first_node, f.components);
+            (first..first + f.n_nodes).flat_map(move |node| std::iter::repeat_n(node as u32, components))
+        };
+        self.fields.iter().flat_map(of_field).collect()
+    }
+
+    /// Key of each dof.
+    pub fn keys(&self) -> Vec<DofKey> {
+        let mut keys = Vec::with_capacity(self.n_dofs);
+        for (number, field) in self.fields.iter().enumerate() {
+            for k in 0..field.n_nodes {
+                let node = self.keys[field.node_set].get(k).copied().unwrap_or(k as u64);
+                let dof = |component: usize| DofKey { field: number as u32, component: component as u32, node };
+                keys.extend((0..field.components).map(dof));
+            }
+        }
+        keys
     }
 }

@@ -1,8 +1,8 @@
 //! Residual and tangent of one item (cell, face, piece).
 
-use crate::tied::Scratch;
+use crate::DofId;
 
-/// A small dense system: what one item adds to the global residual and tangent.
+/// A small dense system: the contribution of one item to the global residual and tangent.
 ///
 /// Rows and columns are local, in the order of the item's dofs. The tangent is stored column by column.
 #[derive(Clone, Debug, Default)]
@@ -11,17 +11,29 @@ pub struct LocalSystem {
     residual: Vec<f64>,
     tangent: Vec<f64>,
     residual_only: bool,
-    /// Memory for an item of other unknowns from which this one is made.
+    /// Work space of [`crate::Tied`].
     pub(crate) scratch: Option<Box<Scratch>>,
 }
 
+/// Memory for one item in its own dofs, some of which are tied to others.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Scratch {
+    pub(crate) system: LocalSystem,
+    pub(crate) dofs: Vec<DofId>,
+    pub(crate) free: Vec<DofId>,
+    /// Dof to its first entry in `entries`.
+    pub(crate) first_entry: Vec<usize>,
+    /// Rows of `P`: positions in `free`, with factors.
+    pub(crate) entries: Vec<(usize, f64)>,
+}
+
 impl LocalSystem {
-    /// An empty system; [`LocalSystem::reset`] gives it a size.
+    /// Creates an empty system; [`LocalSystem::reset`] gives it a size.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Makes this a zero system with `n` unknowns that wants its tangent, keeping its memory.
+    /// Resets to a zero system of size `n` with tangent; keeps the allocation.
     pub fn reset(&mut self, n: usize) {
         self.n = n;
         self.residual_only = false;
@@ -31,7 +43,7 @@ impl LocalSystem {
         self.tangent.resize(n * n, 0.0);
     }
 
-    /// Makes this a system with `n` unknowns of which only the residual will be read: that is zero, the tangent is not.
+    /// Resets to a system of size `n` of which only the residual is read. The residual is zero; the tangent is arbitrary.
     pub fn reset_residual(&mut self, n: usize) {
         self.n = n;
         self.residual_only = true;
@@ -40,7 +52,7 @@ impl LocalSystem {
         self.tangent.resize(n * n, 0.0);
     }
 
-    /// Whether the tangent will be read. A kernel may skip the work for it when it will not; it need not.
+    /// Whether the tangent is read. A term may skip its tangent otherwise.
     #[inline]
     pub fn wants_tangent(&self) -> bool {
         !self.residual_only
@@ -69,26 +81,31 @@ impl LocalSystem {
         self.tangent[column * self.n + row] += value;
     }
 
-    /// Adds a vector to the residual, from `row` on.
+    /// Adds a vector of `N` entries to the residual, from `row` on.
     #[inline]
-    pub fn add_vector(&mut self, row: usize, values: &[f64]) {
-        for (r, v) in self.residual[row..row + values.len()].iter_mut().zip(values) {
+    pub fn add_vector<const N: usize>(&mut self, row: usize, values: impl Into<[f64; N]>) {
+        for (r, v) in self.residual[row..row + N].iter_mut().zip(values.into()) {
             *r += v;
         }
     }
 
-    /// Adds a block with `n_rows` rows, given column by column, at (`row`, `column`) of the tangent.
+    /// Adds a block of `R` rows and `C` columns, given column by column, at (`row`, `column`) of the tangent.
     #[inline]
-    pub fn add_block(&mut self, row: usize, column: usize, n_rows: usize, block: &[f64]) {
-        for (k, source) in block.chunks_exact(n_rows).enumerate() {
+    pub fn add_block<const R: usize, const C: usize>(
+        &mut self,
+        row: usize,
+        column: usize,
+        block: impl Into<[[f64; R]; C]>,
+    ) {
+        for (k, source) in block.into().into_iter().enumerate() {
             let start = (column + k) * self.n + row;
-            for (t, v) in self.tangent[start..start + n_rows].iter_mut().zip(source) {
+            for (t, v) in self.tangent[start..start + R].iter_mut().zip(source) {
                 *t += v;
             }
         }
     }
 
-    /// A column of the tangent, to add to; it has one entry per unknown.
+    /// A column of the tangent, for accumulation; it has one entry per unknown.
     #[inline]
     pub fn column_mut(&mut self, column: usize) -> &mut [f64] {
         &mut self.tangent[column * self.n..][..self.n]

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use crate::linear::{LinearError, LinearSolver};
-use crate::{BlockLayout, BlockSystem, Constraints, ContributionTiming, Contributions, Tied, Workspace};
+use crate::{BlockLayout, BlockSystem, Constraints, ContributionTiming, Contributions, Forcing, Tied, Workspace};
 
 /// Successive growing corrections, each from an exact tangent, after which an iteration counts as diverged.
 const MAX_GROWTHS: usize = 5;
@@ -15,28 +15,19 @@ const MAX_GROWTHS: usize = 5;
 const USELESS: f64 = 0.5;
 
 /// A system of equations `Σ residuals of the contributions = 0`.
-pub trait NonlinearProblem {
+pub struct Equations<'p> {
     /// The fields of the unknowns.
-    fn layout(&self) -> &BlockLayout;
+    pub layout: &'p BlockLayout,
+    /// The contributions to residual and tangent.
+    pub contributions: Vec<Box<dyn Contributions + 'p>>,
+    /// Prescribed unknowns, and unknowns tied to others.
+    pub constraints: &'p Constraints,
+}
 
-    /// The contributions to residual and tangent; the same at every call.
-    fn contributions(&self) -> Vec<&dyn Contributions>;
-
-    /// Unknowns with a prescribed value, and those that follow from others.
-    fn constraints(&self) -> &Constraints;
-
-    /// For each unknown a number by which it is known again in the problem of another time step, for solvers that keep
-    /// old factors; empty if there is nothing to know again.
-    fn keys(&self) -> Vec<u64> {
-        Vec::new()
-    }
-
-    /// A hash of the non-smooth state at `x`, such as the set of facets in contact.
-    ///
-    /// When it changes the factorisation is renewed, and an iteration that changes it is never the last one.
-    fn regime(&self, x: &[f64]) -> u64 {
-        let _ = x;
-        0
+impl Equations<'_> {
+    /// Returns a hash of the non-smooth state at `x`; see [`Contributions::regime`].
+    pub fn regime(&self, x: &[f64]) -> u64 {
+        self.contributions.iter().fold(0, |hash, contribution| hash.rotate_left(1) ^ contribution.regime(x))
     }
 }
 
@@ -57,50 +48,6 @@ pub struct NewtonSettings {
     pub max_halvings: usize,
 }
 
-/// Relative residual to which an iterative method solves for a correction (in the norms of [`crate::LinearSolver::solve`]).
-/// A direct method takes no notice of it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Forcing {
-    /// The same for every correction.
-    Constant(f64),
-    /// As much as the last correction has reduced the nonlinear residual, to the power of the golden ratio: a linear system is
-    /// solved as accurately as its linearisation is worth, and no more accurately than the nonlinear tolerance asks.
-    ///
-    /// Source: Eisenstat and Walker 1996, Choosing the forcing terms in an inexact Newton method, doi:10.1137/0917003,
-    /// choice 2 with its safeguard; Kelley 1995, Iterative methods for linear and nonlinear equations,
-    /// doi:10.1137/1.9781611970944, Eq. (6.20), for the last correction.
-    Adaptive {
-        /// For the first correction.
-        first: f64,
-        /// For all corrections.
-        largest: f64,
-    },
-}
-
-impl Forcing {
-    /// Factor and exponent of choice 2.
-    const GAMMA: f64 = 0.9;
-    const EXPONENT: f64 = 1.618_033_988_749_895;
-    /// Where the safeguard against forcing that falls too fast begins.
-    const SAFEGUARD: f64 = 0.1;
-
-    /// The forcing of a correction, of which a reduction of the residual to the fraction `enough` is asked at most; `last` has
-    /// the forcing of the correction before and the fraction to which that reduced the residual.
-    fn next(self, last: Option<(f64, f64)>, enough: f64) -> f64 {
-        match self {
-            Self::Constant(forcing) => forcing,
-            Self::Adaptive { first, largest } => {
-                let forcing = last.map_or(first, |(forcing, reduction)| {
-                    let wanted = Self::GAMMA * reduction.powf(Self::EXPONENT);
-                    let floor = Self::GAMMA * forcing.powf(Self::EXPONENT);
-                    if floor > Self::SAFEGUARD { wanted.max(floor) } else { wanted }
-                });
-                forcing.max(0.5 * enough).min(largest)
-            }
-        }
-    }
-}
-
 impl NewtonSettings {
     /// Keeps factorisations down to a contraction of 0.25; at most 30 corrections; adaptive forcing from 1e-3, at most 0.1;
     /// corrections that grow are halved at most 8 times.
@@ -110,7 +57,7 @@ impl NewtonSettings {
     }
 }
 
-/// What a nonlinear solve did.
+/// Statistics of a nonlinear solve.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct NewtonReport {
     /// Corrections that were added to the state.
@@ -142,7 +89,7 @@ pub struct NewtonReport {
 }
 
 impl NewtonReport {
-    /// Adds the work of a solve that came to nothing: counts and times, not its histories.
+    /// Adds the counts and times of a failed solve, but not its histories.
     pub fn add_work(&mut self, other: &Self) {
         self.iterations += other.iterations;
         self.factorizations += other.factorizations;
@@ -171,7 +118,7 @@ pub enum NewtonError {
     /// Corrections from exact tangents kept growing. Try a better starting guess, a smaller step or a line search.
     #[error("Newton diverged after {} iterations", .report.iterations)]
     Diverged {
-        /// What was done.
+        /// Statistics of the solve.
         report: Box<NewtonReport>,
     },
     /// The iteration limit was reached, with `regime_changed` while the regime was still changing.
@@ -179,7 +126,7 @@ pub enum NewtonError {
     NotConverged {
         /// Whether the last correction changed the regime.
         regime_changed: bool,
-        /// What was done.
+        /// Statistics of the solve.
         report: Box<NewtonReport>,
     },
     /// The linear system could not be solved.
@@ -187,19 +134,19 @@ pub enum NewtonError {
     Linear {
         /// Why.
         source: LinearError,
-        /// What was done.
+        /// Statistics of the solve.
         report: Box<NewtonReport>,
     },
     /// The residual is infinite or not a number.
     #[error("the residual is not finite after {} Newton iterations", .report.iterations)]
     NotFinite {
-        /// What was done.
+        /// Statistics of the solve.
         report: Box<NewtonReport>,
     },
 }
 
 impl NewtonError {
-    /// What was done before the error.
+    /// Returns the statistics of the solve up to the error.
     pub fn report(&self) -> &NewtonReport {
         match self {
             Self::Diverged { report }
@@ -238,19 +185,19 @@ fn last(report: &NewtonReport) -> f64 {
 /// # Panics
 /// `x` does not have the length of the layout, or a contribution or constraint names a dof outside of it.
 pub fn newton(
-    problem: &dyn NonlinearProblem,
+    equations: &Equations<'_>,
     x: &mut [f64],
     work: &mut Workspace,
     settings: &NewtonSettings,
 ) -> Result<NewtonReport, NewtonError> {
-    assert_eq!(x.len(), problem.layout().len(), "length of the starting guess");
-    problem.constraints().apply(x);
+    let Equations { layout, contributions: plain, constraints } = equations;
+    assert_eq!(x.len(), layout.len(), "length of the starting guess");
+    constraints.apply(x);
     let begin = Instant::now();
-    let plain = problem.contributions();
-    let tied: Vec<Option<Tied<'_>>> = plain.iter().map(|c| Tied::new(*c, problem.constraints())).collect();
+    let tied: Vec<Option<Tied<'_>>> = plain.iter().map(|c| Tied::new(c.as_ref(), constraints)).collect();
     let contributions: Vec<&dyn Contributions> =
-        plain.iter().zip(&tied).map(|(plain, tied)| tied.as_ref().map_or(*plain, |tied| tied)).collect();
-    work.prepare(problem.layout(), &contributions, problem.constraints(), problem.keys());
+        plain.iter().zip(&tied).map(|(plain, tied)| tied.as_ref().map_or(plain.as_ref(), |tied| tied as _)).collect();
+    work.prepare(layout, &contributions, constraints);
     let n_factorizations = work.solver.n_factorizations();
     let report = NewtonReport {
         seconds_assembly: begin.elapsed().as_secs_f64(),
@@ -259,7 +206,7 @@ pub fn newton(
         ..NewtonReport::default()
     };
     let mut solve = Solve {
-        problem,
+        equations,
         contributions,
         settings,
         start: x.to_vec(),
@@ -307,7 +254,7 @@ struct LinearSolve {
 
 /// A nonlinear solve on its way.
 struct Solve<'a> {
-    problem: &'a dyn NonlinearProblem,
+    equations: &'a Equations<'a>,
     contributions: Vec<&'a dyn Contributions>,
     settings: &'a NewtonSettings,
     start: Vec<f64>,
@@ -322,7 +269,7 @@ struct Solve<'a> {
 impl Solve<'_> {
     fn run(&mut self, x: &mut [f64]) -> Result<(), Stop> {
         let tolerance = self.settings.tolerance;
-        let mut regime = self.problem.regime(x);
+        let mut regime = self.equations.regime(x);
         let mut renew = true;
         let (mut n_growths, mut is_searching) = (0, false);
         self.assemble(x, true)?;
@@ -343,9 +290,9 @@ impl Solve<'_> {
                 theta = self.contraction();
             }
             n_growths = if renew && theta.is_some_and(|t| t >= 1.0) { n_growths + 1 } else { 0 };
-            let correction = self.column_norm(&self.correction);
+            let correction = self.system.column_norm(&self.correction);
             if self.report.residual_history.is_empty() {
-                self.report.residual_history.push(ratio(self.row_norm(), self.size(x).max(correction)));
+                self.report.residual_history.push(ratio(self.system.row_norm(), self.size(x).max(correction)));
             }
             is_searching |= n_growths > 0;
             let step = if is_searching && renew { self.search(x)? } else { self.step(x, 1.0) };
@@ -358,12 +305,12 @@ impl Solve<'_> {
             std::mem::swap(&mut self.previous, &mut self.correction);
 
             // The new state: its regime and residual decide whether it is accepted.
-            let old_regime = std::mem::replace(&mut regime, self.problem.regime(x));
+            let old_regime = std::mem::replace(&mut regime, self.equations.regime(x));
             let regime_changed = regime != old_regime;
             renew |= regime_changed;
             let may_stop = error <= tolerance && !regime_changed;
             self.assemble(x, renew && !may_stop)?;
-            let residual = self.row_norm();
+            let residual = self.system.row_norm();
             if let Some(last) = &mut self.last {
                 last.after = residual;
             }
@@ -399,25 +346,26 @@ impl Solve<'_> {
 
     fn factorize(&mut self) -> Result<(), Stop> {
         let begin = Instant::now();
-        let outcome = self.solver.factorize(self.system.matrix(), self.system.unknowns());
+        let outcome = self.system.equilibrate().and_then(|()| self.solver.factorize(&self.system.linear_system()?));
         let seconds = begin.elapsed().as_secs_f64();
         self.report.seconds_linear += seconds;
         self.report.seconds_factorization += seconds;
         outcome.map_err(Stop::Linear)
     }
 
-    /// Computes the correction at `x` with the factorisation at hand; its sign is that of the residual.
+    /// Computes the correction at `x` with the current factorisation; its sign is that of the residual.
     fn solve(&mut self, x: &[f64]) -> Result<(), Stop> {
-        let before = self.row_norm();
+        let before = self.system.row_norm();
         let enough = ratio(self.settings.tolerance * self.size(x), before);
         let last = self.last.map(|last| (last.forcing, ratio(last.after, last.before)));
         let forcing = self.settings.forcing.next(last, enough);
         let begin = Instant::now();
-        let outcome = self.solver.solve(self.system.residual(), &mut self.correction, forcing);
+        let solve = |system| self.solver.solve(&system, self.system.residual(), &mut self.correction, forcing);
+        let outcome = self.system.linear_system().and_then(solve);
         self.report.seconds_linear += begin.elapsed().as_secs_f64();
         self.report.solves += 1;
         let linear = outcome.map_err(Stop::Linear)?;
-        self.problem.constraints().apply_ties(&mut self.correction);
+        self.equations.constraints.apply_ties(&mut self.correction);
         self.report.linear_iterations += linear.iterations;
         self.last = Some(LinearSolve { forcing, before, after: before, reached: linear.backward_error });
         Ok(())
@@ -425,11 +373,11 @@ impl Solve<'_> {
 
     /// `θ`: size of the correction over that of the one before, if there was one.
     fn contraction(&self) -> Option<f64> {
-        let previous = self.column_norm(&self.previous);
-        (self.report.iterations > 0).then(|| ratio(self.column_norm(&self.correction), previous))
+        let previous = self.system.column_norm(&self.previous);
+        (self.report.iterations > 0).then(|| ratio(self.system.column_norm(&self.correction), previous))
     }
 
-    /// Error after the correction over the size of the correction: what is nonlinear, and what the linear solver left.
+    /// Estimates the error after a correction relative to its size, from the contraction rate and the linear residual.
     fn error_factor(&self, theta: Option<f64>, step: f64) -> f64 {
         let left = self.last.map_or(0.0, |last| last.reached);
         match theta {
@@ -457,13 +405,13 @@ impl Solve<'_> {
     /// then serves all corrections with exact tangents.
     fn search(&mut self, x: &mut [f64]) -> Result<f64, Stop> {
         const LEAST_DECREASE: f64 = 1e-4;
-        let before = self.row_norm();
+        let before = self.system.row_norm();
         let mut fraction = self.step(x, 1.0);
         if self.settings.max_halvings == 0 || before == 0.0 {
             return Ok(fraction);
         }
         for halvings in 0..=self.settings.max_halvings {
-            if self.assemble(x, false).is_ok() && self.row_norm() <= (1.0 - LEAST_DECREASE * fraction) * before {
+            if self.assemble(x, false).is_ok() && self.system.row_norm() <= (1.0 - LEAST_DECREASE * fraction) * before {
                 return Ok(fraction);
             }
             if halvings < self.settings.max_halvings {
@@ -474,44 +422,13 @@ impl Solve<'_> {
         Err(Stop::Diverged)
     }
 
-    /// `‖R r‖` over the unconstrained dofs (constrained rows of the residual are zero).
-    fn row_norm(&self) -> f64 {
-        let scale = self.solver.equilibration().row();
-        self.system.residual().iter().zip(scale).map(|(r, s)| (r * s).powi(2)).sum::<f64>().sqrt()
-    }
-
-    /// `‖C⁻¹ v‖` over the unconstrained dofs.
-    fn column_norm(&self, v: &[f64]) -> f64 {
-        let scale = self.solver.equilibration().column();
-        let free = v.iter().zip(scale).zip(self.system.constrained()).filter(|(_, constrained)| !**constrained);
-        free.map(|((v, s), _)| (v / s).powi(2)).sum::<f64>().sqrt()
-    }
-
     /// Size of the state, to which errors are relative.
     fn size(&self, x: &[f64]) -> f64 {
-        self.column_norm(x).max(self.column_norm(&self.start))
+        self.system.column_norm(x).max(self.system.column_norm(&self.start))
     }
 }
 
 /// A quotient of norms that is zero if the first one is.
 fn ratio(a: f64, b: f64) -> f64 {
     if a == 0.0 { 0.0 } else { a / b }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn forcing_falls_with_the_residual_but_not_too_fast_nor_too_far() {
-        let forcing = Forcing::Adaptive { first: 0.5, largest: 0.9 };
-        assert_eq!(forcing.next(None, 0.0), 0.5);
-        // The safeguard: after a rough solve the next one is not asked to be exact at once.
-        assert!((forcing.next(Some((0.5, 1e-3)), 0.0) - 0.9 * 0.5_f64.powf(Forcing::EXPONENT)).abs() < 1e-15);
-        // After a good one it does not hold back.
-        assert!((forcing.next(Some((0.2, 0.01)), 0.0) - 0.9 * 0.01_f64.powf(Forcing::EXPONENT)).abs() < 1e-15);
-        assert_eq!(forcing.next(Some((0.2, 1e-9)), 0.3), 0.15);
-        assert_eq!(forcing.next(Some((0.2, 1.5)), 0.0), 0.9);
-        assert_eq!(Forcing::Constant(0.3).next(Some((0.2, 1.5)), 0.0), 0.3);
-    }
 }

@@ -20,7 +20,6 @@ pub struct Pattern {
     first_position: Vec<usize>,
     dofs: Vec<DofId>,
     positions: Vec<u32>,
-    nodes: Vec<u32>,
     scratch: Scratch,
 }
 
@@ -35,15 +34,14 @@ struct Scratch {
     mark: Vec<u32>,
     /// Rows in the order in which they were found, then the positions of the mirror images of the entries.
     unsorted: Vec<u32>,
-    signature: Vec<u64>,
-    /// What `first_item`, `first_dof` and `dofs` were before.
+    /// The previous `first_item`, `first_dof` and `dofs`.
     before: (Vec<usize>, Vec<usize>, Vec<DofId>),
 }
 
 /// One column of one item.
 #[derive(Clone, Copy, Debug, Default)]
 struct Incidence {
-    /// First entry of the item in `dofs`, which also tells items apart.
+    /// First entry of the item in `dofs`; it also identifies the item.
     first_dof: u32,
     /// Number of dofs of the item.
     len: u32,
@@ -72,8 +70,8 @@ impl Pattern {
         pattern
     }
 
-    /// Makes this the pattern of other contributions, in its own memory; returns whether it changed. Where the dofs of all
-    /// items are what they were, nothing else is computed.
+    /// Recomputes the pattern for other contributions, keeping the allocations; returns whether it changed. If the dofs of all
+    /// items are unchanged, nothing else is computed.
     pub(crate) fn rebuild(&mut self, n: usize, contributions: &[&dyn Contributions]) -> bool {
         assert!(n < u32::MAX as usize, "{n} unknowns do not fit");
         if !self.collect_dofs(n, contributions) {
@@ -83,11 +81,10 @@ impl Pattern {
         self.collect_rows(n);
         self.sort_rows(n);
         self.map_items();
-        self.group_nodes(n);
         true
     }
 
-    /// Asks all items for their dofs; returns whether the pattern is to be built anew.
+    /// Collects the dofs of all items; returns whether they differ from the previous ones.
     fn collect_dofs(&mut self, n: usize, contributions: &[&dyn Contributions]) -> bool {
         let before = &mut self.scratch.before;
         std::mem::swap(&mut before.0, &mut self.first_item);
@@ -169,7 +166,7 @@ impl Pattern {
                     let place = &mut place[row.index()];
                     if *place == u32::MAX || *place < first {
                         *place = unsorted.len() as u32;
-                        unsorted.push(row.0);
+                        unsorted.push(row.index() as u32);
                     }
                     *entry = *place;
                 }
@@ -211,32 +208,6 @@ impl Pattern {
         }
     }
 
-    /// Finds the dofs that occur in the same items.
-    ///
-    /// Items of at most 3/4 of the size of the largest one around a dof do not count: a face that couples a single
-    /// component, or a term that leaves out the pressure, must not tell the components of a node apart.
-    fn group_nodes(&mut self, n: usize) {
-        const LARGEST_ITEM: u32 = 64;
-        let Scratch { first_incidence, incidence, signature, .. } = &mut self.scratch;
-        signature.clear();
-        self.nodes.clear();
-        let mut n_nodes = 0;
-        for column in 0..n {
-            let items = &incidence[first_incidence[column]..first_incidence[column + 1]];
-            let largest = items.iter().map(|item| item.len).max().unwrap_or(0);
-            let mut counted = items.iter().filter(|item| 4 * item.len > 3 * largest).peekable();
-            let first = counted.peek().filter(|_| largest <= LARGEST_ITEM).copied();
-            signature.push(counted.fold(0, |hash, item| mix(hash, item.first_dof)));
-            let twin = first.and_then(|item| {
-                let is_twin = |dof: &&DofId| dof.index() < column && signature[dof.index()] == signature[column];
-                self.dofs[item.dofs()].iter().find(is_twin)
-            });
-            let node = twin.map_or(n_nodes, |dof| self.nodes[dof.index()]);
-            n_nodes = n_nodes.max(node + 1);
-            self.nodes.push(node);
-        }
-    }
-
     /// Dofs of all items, with the item to its first one.
     pub(crate) fn item_dofs(&self) -> impl Iterator<Item = &[DofId]> {
         self.first_dof.windows(2).map(|range| &self.dofs[range[0]..range[1]])
@@ -257,11 +228,6 @@ impl Pattern {
         &self.column_ptr
     }
 
-    /// Dof to its node: dofs that occur in the same (large) items, such as the components of a field at a vertex.
-    pub fn nodes(&self) -> &[u32] {
-        &self.nodes
-    }
-
     /// Rows of all entries, ascending within each column.
     pub fn rows(&self) -> &[u32] {
         &self.rows
@@ -271,11 +237,6 @@ impl Pattern {
     pub fn map(&self, contribution: usize) -> ItemMap<'_> {
         ItemMap { pattern: self, items: self.first_item[contribution]..self.first_item[contribution + 1] }
     }
-}
-
-/// Mixes an item into a hash.
-fn mix(hash: u64, item: u32) -> u64 {
-    (hash ^ (u64::from(item) + 1)).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29)
 }
 
 /// Dofs of the items of one contribution, and where their entries go.

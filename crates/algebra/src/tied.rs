@@ -1,5 +1,6 @@
 //! Contributions to dofs that follow from others.
 
+use crate::local_system::Scratch;
 use crate::{Constraints, Contributions, DofId, LocalSystem};
 
 /// A contribution of which some dofs are tied, in terms of the dofs that these follow from.
@@ -9,18 +10,6 @@ use crate::{Constraints, Contributions, DofId, LocalSystem};
 pub struct Tied<'a> {
     plain: &'a dyn Contributions,
     constraints: &'a Constraints,
-}
-
-/// Memory for one item in its own dofs.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Scratch {
-    system: LocalSystem,
-    dofs: Vec<DofId>,
-    free: Vec<DofId>,
-    /// Dof to its first entry in `entries`.
-    first_entry: Vec<usize>,
-    /// Rows of `P`: positions in `free`, with factors.
-    entries: Vec<(usize, f64)>,
 }
 
 impl<'a> Tied<'a> {
@@ -118,6 +107,10 @@ impl Contributions for Tied<'_> {
 
     fn is_linear(&self) -> bool {
         self.plain.is_linear()
+    }
+
+    fn regime(&self, x: &[f64]) -> u64 {
+        self.plain.regime(x)
     }
 
     fn name(&self) -> &'static str {

@@ -1,27 +1,25 @@
 //! Memory that outlives one nonlinear solve.
 
-use std::time::Instant;
-
-use crate::linear::{DirectSolver, LinearError, LinearSolver};
+use crate::linear::{DirectSolver, LinearSolver};
 use crate::{BlockLayout, BlockSystem, Constraints, Contributions};
 
-/// Owns the system, the linear solver and their recycled memory.
+/// The system and the linear solver, with their recycled memory.
 ///
-/// Size and pattern may change from solve to solve. With the direct solver a workspace never changes results: a solve gives
-/// the same bits with a used workspace as with a new one. A solver that keeps old factors ([`crate::LaggedSolver`]) gives the
-/// same result to its tolerance; after [`Workspace::forget`] it gives the same bits.
+/// Size and pattern may change from solve to solve. With the direct solver a workspace does not change results: a solve
+/// gives the same bits in a used workspace as in a new one. A solver that keeps old factors ([`crate::LaggedSolver`]) gives
+/// the same result to its tolerance, and the same bits after [`Workspace::forget`].
 pub struct Workspace {
     pub(crate) system: BlockSystem,
     pub(crate) solver: Box<dyn LinearSolver>,
 }
 
 impl Workspace {
-    /// A workspace with the sparse direct solver.
+    /// Creates a workspace with the sparse direct solver.
     pub fn new() -> Self {
         Self::with_solver(Box::new(DirectSolver::new()))
     }
 
-    /// A workspace with another linear solver.
+    /// Creates a workspace with another linear solver.
     pub fn with_solver(solver: Box<dyn LinearSolver>) -> Self {
         Self { system: BlockSystem::default(), solver }
     }
@@ -31,26 +29,7 @@ impl Workspace {
         &self.system
     }
 
-    /// Factorises the matrix of the last solve directly and returns the median of the wall-clock seconds that three
-    /// factorisations with a known pattern take: the measure of what a time step costs.
-    ///
-    /// # Errors
-    /// See [`LinearError`].
-    pub fn time_refactorization(&self) -> Result<f64, LinearError> {
-        let (matrix, unknowns) = (self.system.matrix(), self.system.unknowns());
-        let mut solver = DirectSolver::new();
-        solver.factorize(matrix, unknowns)?;
-        let mut seconds = [0.0; 3];
-        for time in &mut seconds {
-            let begin = Instant::now();
-            solver.factorize(matrix, unknowns)?;
-            *time = begin.elapsed().as_secs_f64();
-        }
-        seconds.sort_by(f64::total_cmp);
-        Ok(seconds[1])
-    }
-
-    /// Makes the next solve independent of those before.
+    /// Makes the next solve independent of earlier ones.
     pub fn forget(&mut self) {
         self.solver.forget();
     }
@@ -66,11 +45,8 @@ impl Workspace {
         layout: &BlockLayout,
         contributions: &[&dyn Contributions],
         constraints: &Constraints,
-        keys: Vec<u64>,
     ) {
-        assert!(keys.is_empty() || keys.len() == layout.len(), "one key for each unknown");
         self.system = std::mem::take(&mut self.system).recycle(layout, contributions, constraints);
-        self.system.keys = keys;
     }
 }
 

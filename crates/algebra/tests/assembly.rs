@@ -92,7 +92,7 @@ fn assert_matches_dense(system: &BlockSystem, n: usize, reference: (Vec<f64>, Ve
 
 fn layout(n: usize) -> BlockLayout {
     let mut layout = BlockLayout::new();
-    layout.push("x", n);
+    layout.push("x", n, 1);
     layout
 }
 
@@ -167,7 +167,7 @@ fn a_single_field_is_divided_among_threads() {
         (0..n).map(|k| vec![k, (k + 1) % n, (7 * k + 900) % n]).filter(|d| d[2] != d[0] && d[2] != d[1]).collect();
     let items = Items { dofs, is_linear: false };
     let mut x = state(n);
-    let constraints: Constraints = [(DofId(3), 0.5), (DofId(1500), -0.25)].into_iter().collect();
+    let constraints: Constraints = [(DofId::new(3), 0.5), (DofId::new(1500), -0.25)].into_iter().collect();
     constraints.apply(&mut x);
     let reference = dense(n, &[&items], &constraints, &x);
     for threads in [1, 2, 3] {
@@ -192,7 +192,7 @@ fn a_known_pattern_takes_other_coefficients_and_other_constraints() {
     for (dofs, constrained) in [(&dofs, 3), (&dofs, 8), (&turned, 8), (&dofs, 3)] {
         let items = [true, false].map(|is_linear| Items { dofs: dofs.clone(), is_linear });
         let list: [&dyn Contributions; 2] = [&items[0], &items[1]];
-        let constraints: Constraints = [(DofId(constrained), 0.5)].into_iter().collect();
+        let constraints: Constraints = [(DofId::new(constrained), 0.5)].into_iter().collect();
         let mut x = x.clone();
         constraints.apply(&mut x);
         system = system.recycle(&layout(n), &list, &constraints);
@@ -232,11 +232,12 @@ fn the_tangent_check_finds_a_wrong_entry_and_a_wrong_residual() {
             2
         }
         fn dofs(&self, _: usize, out: &mut Vec<DofId>) {
-            out.extend([DofId(0), DofId(1)]);
+            out.extend([DofId::new(0), DofId::new(1)]);
         }
         fn add(&self, item: usize, x: &[f64], out: &mut LocalSystem) {
-            out.add_vector(0, &[3.0 * x[0], x[0] * x[1]]);
-            out.add_block(0, 0, 2, &[3.0, x[1], 0.0, if item == 1 && !self.claims_linear { -x[0] } else { x[0] }]);
+            let wrong = if item == 1 && !self.claims_linear { -x[0] } else { x[0] };
+            out.add_vector(0, [3.0 * x[0], x[0] * x[1]]);
+            out.add_block(0, 0, [[3.0, x[1]], [0.0, wrong]]);
         }
         fn is_linear(&self) -> bool {
             self.claims_linear
@@ -254,16 +255,23 @@ fn the_tangent_check_finds_a_wrong_entry_and_a_wrong_residual() {
 }
 
 #[test]
-fn components_at_a_vertex_are_one_node() {
-    let flow = Flow::new(7, 1.0);
-    let (linear, convection, jumps) = flow.parts();
-    let list: [&dyn Contributions; 5] = [&linear, &convection, &jumps[0], &jumps[1], &jumps[2]];
-    let pattern = Pattern::new(flow.layout.len(), &list);
-    let n = flow.grid.n_vertices();
-    let expected: Vec<u32> = (0..3 * n as u32).map(|dof| dof % n as u32).collect();
-    assert_eq!(pattern.nodes(), expected);
-    let huge = Items { dofs: vec![(0..100).collect()], is_linear: true };
-    assert_eq!(Pattern::new(101, &[&huge]).nodes(), (0..101).collect::<Vec<u32>>());
+fn nodes_and_keys_are_those_of_the_fields() {
+    let mut layout = BlockLayout::new();
+    let velocity = layout.push_keyed("velocity", vec![7, 5, 9], 2);
+    let pressure = layout.push_on(velocity, "pressure", 1);
+    let body = layout.push("body", 2, 2);
+    assert_eq!(layout.nodes(), [0, 0, 1, 1, 2, 2, 0, 1, 2, 3, 3, 4, 4]);
+    assert_eq!((layout.node_set(velocity), layout.node_set(pressure)), (0, 0));
+    assert_eq!(layout.node(body, 1).map(DofId::index).collect::<Vec<_>>(), [11, 12]);
+    // A key names field, component and node, whatever other nodes there are.
+    let mut later = BlockLayout::new();
+    let moved = later.push_keyed("velocity", vec![9, 4], 2);
+    later.push_on(moved, "pressure", 1);
+    later.push("body", 2, 2);
+    let (keys, later_keys) = (layout.keys(), later.keys());
+    let found = |dof: usize| keys.iter().position(|key| *key == later_keys[dof]);
+    let expected = [Some(4), Some(5), None, None, Some(8), None, Some(9), Some(10), Some(11), Some(12)];
+    assert_eq!(std::array::from_fn(found), expected);
 }
 
 #[test]

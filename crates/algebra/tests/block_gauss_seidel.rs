@@ -2,7 +2,7 @@
 
 use algebra::{
     BlockGaussSeidel, BlockGaussSeidelSettings, BlockLayout, BlockSolver, DirectSolver, Fill, LinearError,
-    LinearReport, LinearSolver, Unknowns,
+    LinearReport, LinearSolver, ScaledMatrix,
 };
 use sprs::{CsMatI, TriMatI};
 
@@ -38,34 +38,35 @@ fn settings(solvers: &[BlockSolver]) -> BlockGaussSeidelSettings {
     BlockGaussSeidelSettings { solvers: solvers.to_vec(), max_iterations: 200, ..BlockGaussSeidelSettings::default() }
 }
 
-/// Solves with fields of the given sizes, and compares with the direct solver if it converges.
+/// Fields of scalar unknowns, each on nodes of its own.
+fn scalar_fields(sizes: &[usize]) -> BlockLayout {
+    let mut layout = BlockLayout::new();
+    for n in sizes {
+        layout.push("field", *n, 1);
+    }
+    layout
+}
+
+/// Solves with the fields of a layout, and compares with the direct solver if it converges.
 fn solve(
     matrix: &Matrix,
-    fields: &[usize],
-    nodes: &[u32],
+    layout: &BlockLayout,
     settings: BlockGaussSeidelSettings,
 ) -> Result<(LinearReport, BlockGaussSeidel), LinearError> {
-    let mut layout = BlockLayout::new();
-    for n in fields {
-        layout.push("field", *n);
-    }
-    let unknowns = Unknowns { layout: &layout, nodes, keys: &[] };
+    let scaled = ScaledMatrix::new(matrix.view())?;
+    let system = scaled.system(layout)?;
     let rhs: Vec<f64> = (0..matrix.rows()).map(|k| 1.0 + (k as f64 * 0.37).sin()).collect();
     let (mut x, mut exact) = (vec![0.0; rhs.len()], vec![0.0; rhs.len()]);
     let mut solver = BlockGaussSeidel::new(settings);
-    solver.factorize(matrix.view(), unknowns)?;
-    let report = solver.solve(&rhs, &mut x, 1e-10)?;
+    solver.factorize(&system)?;
+    let report = solver.solve(&system, &rhs, &mut x, 1e-10)?;
     let mut direct = DirectSolver::new();
-    direct.factorize(matrix.view(), unknowns)?;
-    direct.solve(&rhs, &mut exact, 0.0)?;
+    direct.factorize(&system)?;
+    direct.solve(&system, &rhs, &mut exact, 0.0)?;
     let size = exact.iter().fold(0.0_f64, |s, x| s.max(x.abs()));
     let error = x.iter().zip(&exact).fold(0.0_f64, |d, (a, b)| d.max((a - b).abs())) / size;
     assert!(error < 1e-7, "error {error:e} of {report:?}");
     Ok((report, solver))
-}
-
-fn own_nodes(n: usize) -> Vec<u32> {
-    (0..n as u32).collect()
 }
 
 #[test]
@@ -75,14 +76,18 @@ fn incomplete_factors_without_fill_are_exact() {
     let chain = chain.chain((1..n).map(|i| (i, i - 1, -0.7)));
     let chain = matrix(n, chain.filter(|(_, _, value)| *value != 0.0));
     let one = [BlockSolver::Incomplete(Fill::Pattern)];
-    assert_eq!(solve(&chain, &[n], &own_nodes(n), settings(&one)).unwrap().0.iterations, 1);
-    // A chain of nodes: couplings inside and between nodes of two and three unknowns.
-    let node = |i: usize| (2 * i / 5) as u32;
-    let nodes: Vec<u32> = (0..n).map(node).collect();
-    let entries = (0..n).flat_map(|i| (0..n).map(move |j| (i, j))).filter(|(i, j)| node(*i).abs_diff(node(*j)) <= 1);
+    assert_eq!(solve(&chain, &scalar_fields(&[n]), settings(&one)).unwrap().0.iterations, 1);
+    // Two chains of nodes one after the other: couplings inside and between nodes of two and of three unknowns.
+    let mut layout = BlockLayout::new();
+    layout.push("pairs", 10, 2);
+    layout.push("triples", 10, 3);
+    let nodes = layout.nodes();
+    let field = |i: usize| i < 20;
+    let are_coupled = |i: usize, j: usize| field(i) == field(j) && nodes[i].abs_diff(nodes[j]) <= 1;
+    let entries = (0..n).flat_map(|i| (0..n).map(move |j| (i, j))).filter(|(i, j)| are_coupled(*i, *j));
     let value = |i: usize, j: usize| if i == j { 6.0 } else { ((7 * i + 3 * j) as f64).sin() };
     let coupled = matrix(n, entries.map(|(i, j)| (i, j, value(i, j))));
-    assert_eq!(solve(&coupled, &[n], &nodes, settings(&one)).unwrap().0.iterations, 1);
+    assert_eq!(solve(&coupled, &layout, settings(&one)).unwrap().0.iterations, 1);
 }
 
 #[test]
@@ -91,7 +96,7 @@ fn incomplete_factors_with_all_fill_are_exact_and_with_less_are_not() {
     let grid = matrix(m * m, stencil(m, 0, 0.5));
     let iterations = |fill| {
         let settings = settings(&[BlockSolver::Incomplete(fill)]);
-        solve(&grid, &[m * m], &own_nodes(m * m), settings).unwrap().0.iterations
+        solve(&grid, &scalar_fields(&[m * m]), settings).unwrap().0.iterations
     };
     assert_eq!(iterations(ALL), 1);
     let [pattern, coarse, fine] =
@@ -110,11 +115,12 @@ fn a_node_is_a_saddle_point() {
         own.into_iter().chain(next.into_iter().flatten())
     });
     let saddle = matrix(n, entries);
-    let nodes: Vec<u32> = (0..n as u32).map(|k| k / 2).collect();
+    let mut pairs = BlockLayout::new();
+    pairs.push("pairs", n / 2, 2);
     let one = [BlockSolver::Incomplete(Fill::Pattern)];
-    assert_eq!(solve(&saddle, &[n], &nodes, settings(&one)).unwrap().0.iterations, 1);
+    assert_eq!(solve(&saddle, &pairs, settings(&one)).unwrap().0.iterations, 1);
     // Reverse Cuthill-McKee takes the second unknown, a leaf, before or after its only neighbour.
-    let scalar = solve(&saddle, &[n], &own_nodes(n), settings(&one));
+    let scalar = solve(&saddle, &scalar_fields(&[n]), settings(&one));
     assert!(matches!(scalar, Err(LinearError::Unstable { error }) if error.is_infinite()), "{:?}", scalar.err());
 }
 
@@ -134,7 +140,7 @@ fn unstable_incomplete_factors_are_refused() {
     }
     let turning = matrix(m * m, entries);
     let one = settings(&[BlockSolver::Incomplete(Fill::Pattern)]);
-    let outcome = solve(&turning, &[m * m], &own_nodes(m * m), one);
+    let outcome = solve(&turning, &scalar_fields(&[m * m]), one);
     assert!(matches!(outcome, Err(LinearError::Unstable { error }) if error > 10.0), "{:?}", outcome.err());
 }
 
@@ -151,15 +157,16 @@ fn a_sweep_is_exact_for_block_triangular_matrices() {
     let m = 8;
     let n = m * m;
     let without_patch = BlockGaussSeidelSettings { stiff: 1e3, ..settings(&[BlockSolver::Lu]) };
-    let nodes = own_nodes(2 * n);
-    let (report, solver) = solve(&two_grids(m, 0.8, 0.0), &[n, n], &nodes, without_patch.clone()).unwrap();
+    let two = scalar_fields(&[n, n]);
+    let (report, solver) = solve(&two_grids(m, 0.8, 0.0), &two, without_patch.clone()).unwrap();
     assert_eq!((report.iterations, solver.block_sizes(), solver.patch_size()), (1, vec![n, n], 0));
-    let (report, _) = solve(&two_grids(m, 0.8, 0.8), &[n, n], &nodes, without_patch.clone()).unwrap();
+    let (report, _) = solve(&two_grids(m, 0.8, 0.8), &two, without_patch.clone()).unwrap();
     assert!(report.iterations > 3, "{report:?}");
-    // Fields that share a node are one block, here with exact factors.
-    let mut shared = nodes;
-    shared[n] = 0;
-    let (report, solver) = solve(&two_grids(m, 0.8, 0.8), &[n, n], &shared, without_patch).unwrap();
+    // Fields on the same nodes are one block, here with exact factors.
+    let mut shared = BlockLayout::new();
+    let first = shared.push("first", n, 1);
+    shared.push_on(first, "second", 1);
+    let (report, solver) = solve(&two_grids(m, 0.8, 0.8), &shared, without_patch).unwrap();
     assert_eq!((report.iterations, solver.block_sizes()), (1, vec![2 * n]));
 }
 
@@ -178,8 +185,7 @@ fn stiff_ties_between_blocks_need_the_patch() {
     let tied = matrix(2 * n, entries);
     let iterations = |stiff| {
         let settings = BlockGaussSeidelSettings { stiff, ..settings(&[BlockSolver::Lu]) };
-        solve(&tied, &[n, n], &own_nodes(2 * n), settings)
-            .map(|(report, solver)| (report.iterations, solver.patch_size()))
+        solve(&tied, &scalar_fields(&[n, n]), settings).map(|(report, solver)| (report.iterations, solver.patch_size()))
     };
     let (with, size) = iterations(0.1).unwrap();
     assert!(with < 15 && size == 4 * m, "{with} iterations, {size} unknowns in the patch");
@@ -195,7 +201,7 @@ fn cholesky_is_lu_where_it_can_be_and_falls_back_where_it_cannot() {
     let indefinite = symmetric.iter().map(|(i, j, v)| (*i, *j, if i == j { v - 3.0 } else { *v }));
     let cases = [matrix(m * m, badly_scaled), matrix(m * m, indefinite), matrix(m * m, stencil(m, 0, 0.5))];
     for case in &cases {
-        let (report, _) = solve(case, &[m * m], &own_nodes(m * m), settings(&[BlockSolver::Cholesky])).unwrap();
+        let (report, _) = solve(case, &scalar_fields(&[m * m]), settings(&[BlockSolver::Cholesky])).unwrap();
         assert_eq!(report.iterations, 1);
     }
 }
@@ -204,23 +210,23 @@ fn cholesky_is_lu_where_it_can_be_and_falls_back_where_it_cannot() {
 fn stalls_are_errors_and_leave_the_solution_alone() {
     let m = 20;
     let grid = matrix(m * m, stencil(m, 0, 0.1));
-    let nodes = own_nodes(m * m);
     let few = BlockGaussSeidelSettings { max_iterations: 3, ..settings(&[BlockSolver::Incomplete(Fill::Pattern)]) };
-    let mut layout = BlockLayout::new();
-    layout.push("field", m * m);
-    let unknowns = Unknowns { layout: &layout, nodes: &nodes, keys: &[] };
+    let layout = scalar_fields(&[m * m]);
+    let scaled = ScaledMatrix::new(grid.view()).unwrap();
+    let system = scaled.system(&layout).unwrap();
     let mut solver = BlockGaussSeidel::new(few);
     let mut x = vec![7.0; m * m];
-    assert_eq!(solver.solve(&vec![1.0; m * m], &mut x, 1e-8), Err(LinearError::NotFactorized));
-    solver.factorize(grid.view(), unknowns).unwrap();
-    let outcome = solver.solve(&vec![1.0; m * m], &mut x, 1e-12);
+    assert_eq!(solver.solve(&system, &vec![1.0; m * m], &mut x, 1e-8), Err(LinearError::NotFactorized));
+    solver.factorize(&system).unwrap();
+    let outcome = solver.solve(&system, &vec![1.0; m * m], &mut x, 1e-12);
     assert!(matches!(outcome, Err(LinearError::NotConverged { iterations: 3, .. })), "{outcome:?}");
     assert!(x.iter().all(|x| *x == 7.0));
     // A matrix that cannot be factorised leaves no solver behind.
     let singular = matrix(2, [(0, 0, 1.0), (0, 1, 1.0), (1, 0, 1.0), (1, 1, 1.0)]);
-    let two = Unknowns { layout: &BlockLayout::new(), nodes: &[0, 0], keys: &[] };
-    assert!(solver.factorize(singular.view(), two).is_err());
-    assert_eq!(solver.solve(&[1.0, 1.0], &mut [0.0; 2], 1e-8), Err(LinearError::NotFactorized));
+    let (scaled, two) = (ScaledMatrix::new(singular.view()).unwrap(), scalar_fields(&[2]));
+    let system = scaled.system(&two).unwrap();
+    assert!(solver.factorize(&system).is_err());
+    assert_eq!(solver.solve(&system, &[1.0, 1.0], &mut [0.0; 2], 1e-8), Err(LinearError::NotFactorized));
 }
 
 #[test]
@@ -232,7 +238,7 @@ fn patterns_need_not_be_symmetric() {
     for upper in [false, true] {
         for fill in [Fill::Pattern, ALL] {
             let solvers = settings(&[BlockSolver::Incomplete(fill)]);
-            let (report, _) = solve(&chain(upper), &[12], &own_nodes(12), solvers).unwrap_or_else(|e| panic!("{e}"));
+            let (report, _) = solve(&chain(upper), &scalar_fields(&[12]), solvers).unwrap_or_else(|e| panic!("{e}"));
             // A triangular matrix has exact factors without fill.
             assert!(report.iterations <= 2, "{report:?}");
         }
@@ -246,21 +252,20 @@ fn a_singular_patch_is_left_out() {
     let diagonal = [(0, 0, 2.0), (3, 3, 1.0), (4, 4, 1.0), (5, 5, 2.0)];
     let both = symmetric.into_iter().flat_map(|(i, j, v)| [(i, j, v), (j, i, v)]);
     let saddle = matrix(6, diagonal.into_iter().chain(both));
-    solve(&saddle, &[5, 1], &own_nodes(6), settings(&[BlockSolver::Lu])).unwrap_or_else(|e| panic!("{e}"));
+    solve(&saddle, &scalar_fields(&[5, 1]), settings(&[BlockSolver::Lu])).unwrap_or_else(|e| panic!("{e}"));
 }
 
 #[test]
 fn numbers_whose_squares_leave_the_range_are_solved_for() {
     let laplace = matrix(9, stencil(3, 0, 0.0));
-    let nodes = own_nodes(9);
-    let mut layout = BlockLayout::new();
-    layout.push("field", 9);
-    let unknowns = Unknowns { layout: &layout, nodes: &nodes, keys: &[] };
+    let layout = scalar_fields(&[9]);
+    let scaled = ScaledMatrix::new(laplace.view()).unwrap_or_else(|e| panic!("{e}"));
+    let system = scaled.system(&layout).unwrap_or_else(|e| panic!("{e}"));
     let mut solver = BlockGaussSeidel::new(settings(&[BlockSolver::Incomplete(Fill::Pattern)]));
-    solver.factorize(laplace.view(), unknowns).unwrap_or_else(|e| panic!("{e}"));
+    solver.factorize(&system).unwrap_or_else(|e| panic!("{e}"));
     let solve = |solver: &mut BlockGaussSeidel, size: f64| {
         let mut x = [0.0; 9];
-        solver.solve(&[size; 9], &mut x, 1e-10).unwrap_or_else(|e| panic!("{e}"));
+        solver.solve(&system, &[size; 9], &mut x, 1e-10).unwrap_or_else(|e| panic!("{e}"));
         x.map(|x| x / size)
     };
     let one = solve(&mut solver, 1.0);
@@ -269,6 +274,6 @@ fn numbers_whose_squares_leave_the_range_are_solved_for() {
         assert!(x.iter().zip(one).all(|(a, b)| (a - b).abs() < 1e-8), "{size:e} {x:?}");
     }
     let mut x = [7.0; 9];
-    let outcome = solver.solve(&[f64::MAX; 9], &mut x, 1e-10);
+    let outcome = solver.solve(&system, &[f64::MAX; 9], &mut x, 1e-10);
     assert!(outcome.is_err() || x.iter().all(|x| x.is_finite()), "{outcome:?} {x:?}");
 }

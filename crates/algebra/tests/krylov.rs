@@ -1,7 +1,8 @@
 //! FGMRES, and factors that serve matrices of other sizes.
 
 use algebra::{
-    BlockLayout, DirectSolver, Gmres, GmresSettings, LaggedSettings, LaggedSolver, LinearError, LinearSolver, Unknowns,
+    BlockLayout, DirectSolver, Gmres, GmresSettings, LaggedSettings, LaggedSolver, LinearError, LinearReport,
+    LinearSolver, ScaledMatrix,
 };
 use sprs::{CsMatI, TriMatI};
 
@@ -30,8 +31,21 @@ fn grid(m: usize, centre: [f64; 2], convection: f64) -> (CsMatI<f64, u32>, Vec<u
     (triplets.to_csc(), keys)
 }
 
-fn unknowns<'a>(layout: &'a BlockLayout, nodes: &'a [u32], keys: &'a [u64]) -> Unknowns<'a> {
-    Unknowns { layout, nodes, keys }
+/// Factorises and solves.
+fn solve(
+    solver: &mut dyn LinearSolver,
+    matrix: &CsMatI<f64, u32>,
+    keys: &[u64],
+    tolerance: f64,
+) -> Result<(Vec<f64>, LinearReport), LinearError> {
+    let mut layout = BlockLayout::new();
+    layout.push_keyed("x", keys.to_vec(), 1);
+    let scaled = ScaledMatrix::new(matrix.view())?;
+    let system = scaled.system(&layout)?;
+    let mut x = vec![0.0; keys.len()];
+    solver.factorize(&system)?;
+    let report = solver.solve(&system, &right_side(keys), &mut x, tolerance)?;
+    Ok((x, report))
 }
 
 /// A right-hand side without symmetry.
@@ -104,20 +118,13 @@ fn gmres_breaks_down_happily_and_stops_at_a_kernel() {
 #[test]
 fn old_factors_serve_while_a_body_moves() {
     let m = 60;
-    let layout = BlockLayout::new();
     let mut lagged = LaggedSolver::new(LaggedSettings::default());
     let n_steps = 12;
     let mut sizes = Vec::new();
     for step in 0..n_steps {
         let (matrix, keys) = grid(m, [30.0 + 0.4 * step as f64, 28.0 + 0.2 * step as f64], 0.3 + 0.01 * step as f64);
-        let nodes: Vec<u32> = (0..keys.len() as u32).collect();
-        let rhs = right_side(&keys);
-        let (mut x, mut exact) = (vec![0.0; rhs.len()], vec![0.0; rhs.len()]);
-        lagged.factorize(matrix.view(), unknowns(&layout, &nodes, &keys)).unwrap();
-        let report = lagged.solve(&rhs, &mut x, 1e-10).unwrap();
-        let mut direct = DirectSolver::new();
-        direct.factorize(matrix.view(), unknowns(&layout, &nodes, &keys)).unwrap();
-        direct.solve(&rhs, &mut exact, 0.0).unwrap();
+        let (x, report) = solve(&mut lagged, &matrix, &keys, 1e-10).unwrap();
+        let (exact, _) = solve(&mut DirectSolver::new(), &matrix, &keys, 0.0).unwrap();
         assert!(difference(&x, &exact) < 1e-8, "step {step}: {}", difference(&x, &exact));
         assert!(report.iterations <= 25, "step {step}: {} iterations", report.iterations);
         sizes.push(keys.len());
@@ -129,14 +136,9 @@ fn old_factors_serve_while_a_body_moves() {
 
 #[test]
 fn a_solver_that_forgets_gives_the_bits_of_a_new_one() {
-    let layout = BlockLayout::new();
     let solve = |solver: &mut LaggedSolver, centre: f64| {
         let (matrix, keys) = grid(30, [centre, 14.0], 0.2);
-        let nodes: Vec<u32> = (0..keys.len() as u32).collect();
-        let mut x = vec![0.0; keys.len()];
-        solver.factorize(matrix.view(), unknowns(&layout, &nodes, &keys)).unwrap();
-        solver.solve(&right_side(&keys), &mut x, 1e-6).unwrap();
-        x
+        solve(solver, &matrix, &keys, 1e-6).unwrap().0
     };
     let mut used = LaggedSolver::new(LaggedSettings::default());
     solve(&mut used, 13.0);
@@ -151,15 +153,10 @@ fn a_solver_that_forgets_gives_the_bits_of_a_new_one() {
 
 #[test]
 fn an_impossible_matrix_is_an_error_and_the_next_one_is_solved() {
-    let layout = BlockLayout::new();
     let mut solver = LaggedSolver::new(LaggedSettings::default());
     let singular: CsMatI<f64, u32> = CsMatI::new_csc((2, 2), vec![0, 2, 4], vec![0, 1, 0, 1], vec![1.0; 4]);
-    let outcome = solver.factorize(singular.view(), unknowns(&layout, &[0, 1], &[0, 1]));
-    assert!(outcome.is_err());
+    assert!(solve(&mut solver, &singular, &[0, 1], 1e-8).is_err());
     let (matrix, keys) = grid(10, [5.0, 5.0], 0.1);
-    let nodes: Vec<u32> = (0..keys.len() as u32).collect();
-    let mut x = vec![0.0; keys.len()];
-    solver.factorize(matrix.view(), unknowns(&layout, &nodes, &keys)).unwrap();
-    solver.solve(&right_side(&keys), &mut x, 1e-8).unwrap();
+    let (x, _) = solve(&mut solver, &matrix, &keys, 1e-8).unwrap();
     assert!(x.iter().all(|x| x.is_finite()));
 }

@@ -3,8 +3,8 @@
 mod common;
 
 use algebra::{
-    BlockLayout, BlockSystem, Contributions, DirectSolver, LinearError, LinearSolver, MatrixView, Scaling, Unknowns,
-    condition_number,
+    BlockLayout, BlockSystem, Contributions, DirectSolver, LinearError, LinearReport, LinearSolver, MatrixView,
+    ScaledMatrix, Scaling, condition_number,
 };
 use common::{Flow, max_norm, state};
 
@@ -40,18 +40,28 @@ fn product(matrix: MatrixView<'_>, x: &[f64]) -> Vec<f64> {
     y
 }
 
-/// Factorises a matrix whose unknowns are all their own nodes.
-fn factorize(solver: &mut DirectSolver, matrix: MatrixView<'_>) -> Result<(), LinearError> {
-    let nodes: Vec<u32> = (0..matrix.rows() as u32).collect();
-    solver.factorize(matrix, Unknowns { layout: &BlockLayout::new(), nodes: &nodes, keys: &[] })
+/// One field of scalar unknowns.
+fn layout(n: usize) -> BlockLayout {
+    let mut layout = BlockLayout::new();
+    layout.push("x", n, 1);
+    layout
+}
+
+fn solve_with(
+    solver: &mut DirectSolver,
+    matrix: MatrixView<'_>,
+    rhs: &[f64],
+) -> Result<(Vec<f64>, LinearReport), LinearError> {
+    let (scaled, layout) = (ScaledMatrix::new(matrix)?, layout(matrix.rows()));
+    let system = scaled.system(&layout)?;
+    let mut x = vec![0.0; rhs.len()];
+    solver.factorize(&system)?;
+    let report = solver.solve(&system, rhs, &mut x, 0.0)?;
+    Ok((x, report))
 }
 
 fn solve(matrix: MatrixView<'_>, rhs: &[f64]) -> Result<Vec<f64>, LinearError> {
-    let mut solver = DirectSolver::new();
-    let mut x = vec![0.0; rhs.len()];
-    factorize(&mut solver, matrix)?;
-    solver.solve(rhs, &mut x, 0.0)?;
-    Ok(x)
+    solve_with(&mut DirectSolver::new(), matrix, rhs).map(|(x, _)| x)
 }
 
 /// A flow system with its problem.
@@ -61,6 +71,7 @@ fn assembled(m: usize) -> (BlockSystem, Flow) {
     let list: [&dyn Contributions; 3] = [&linear, &convection, &jumps[2]];
     let mut system = BlockSystem::new(&flow.layout, &list, &flow.constraints);
     system.assemble(&list, &state(flow.layout.len()));
+    system.equilibrate().expect("a regular matrix");
     (system, flow)
 }
 
@@ -109,10 +120,7 @@ fn penalties_of_1e9_do_not_spoil_the_solution() {
     let stiff = MatrixView::new_csc((n, n), indptr.raw_storage(), matrix.indices(), &values);
     let exact = state(n);
     let rhs = product(stiff, &exact);
-    let mut solver = DirectSolver::new();
-    factorize(&mut solver, stiff).unwrap();
-    let mut x = vec![0.0; n];
-    let report = solver.solve(&rhs, &mut x, 0.0).unwrap();
+    let (x, report) = solve_with(&mut DirectSolver::new(), stiff, &rhs).unwrap();
     assert!(report.backward_error < 1e-12, "{report:?}");
     // The residual of the unscaled system, row by row.
     let achieved = product(stiff, &x);
@@ -154,9 +162,9 @@ fn a_pattern_without_a_transversal_is_an_error() {
 fn a_free_pressure_constant_is_an_error() {
     for m in [4, 40] {
         let mut flow = Flow::new(m, 0.0);
-        let pressure = flow.layout.dof(algebra::FieldId(2), 0);
+        let pressure = flow.layout.dof(algebra::FieldId::new(2), 0, 0);
         flow.constraints = flow.constraints.iter().filter(|(dof, _)| *dof != pressure).collect();
-        // The lid leaks at its corners, but no row feels a constant pressure once velocities are prescribed.
+        // The lid leaks at its corners, but a constant pressure enters no row once velocities are prescribed.
         let (linear, _, jumps) = flow.parts();
         let list: [&dyn Contributions; 2] = [&linear, &jumps[2]];
         let system = BlockSystem::new(&flow.layout, &list, &flow.constraints);
@@ -168,19 +176,24 @@ fn a_free_pressure_constant_is_an_error() {
 #[test]
 fn the_solver_survives_errors_and_changes_of_pattern_and_is_reproducible() {
     let mut used = DirectSolver::new();
-    let mut x = vec![0.0; 2];
-    assert!(matches!(used.solve(&[1.0, 1.0], &mut x, 0.0), Err(LinearError::NotFactorized)));
+    let singular = ScaledMatrix::new(Dense::new(&[&[1.0, 1.0], &[1.0, 1.0]]).view()).unwrap();
+    let two = layout(2);
+    let singular = singular.system(&two).unwrap();
+    let not_factorized = |solver: &mut DirectSolver| {
+        matches!(solver.solve(&singular, &[1.0, 1.0], &mut [0.0; 2], 0.0), Err(LinearError::NotFactorized))
+    };
+    assert!(not_factorized(&mut used));
     for m in [12, 30, 5, 30] {
         let (system, flow) = assembled(m);
-        let singular = Dense::new(&[&[1.0, 1.0], &[1.0, 1.0]]);
-        assert!(factorize(&mut used, singular.view()).is_err());
-        assert!(matches!(used.solve(&[1.0, 1.0], &mut x, 0.0), Err(LinearError::NotFactorized)));
+        assert!(used.factorize(&singular).is_err());
+        assert!(not_factorized(&mut used));
         let n = flow.layout.len();
         let mut new = DirectSolver::new();
         let (mut a, mut b) = (vec![0.0; n], vec![0.0; n]);
         for (solver, x) in [(&mut used, &mut a), (&mut new, &mut b)] {
-            solver.factorize(system.matrix(), system.unknowns()).unwrap();
-            solver.solve(system.residual(), x, 0.0).unwrap();
+            let linear = system.linear_system().unwrap();
+            solver.factorize(&linear).unwrap();
+            solver.solve(&linear, system.residual(), x, 0.0).unwrap();
         }
         assert!(a.iter().zip(&b).all(|(a, b)| a.to_bits() == b.to_bits()), "m = {m}");
         assert!(max_norm(&a) > 0.0);
@@ -189,28 +202,28 @@ fn the_solver_survives_errors_and_changes_of_pattern_and_is_reproducible() {
 
 #[test]
 fn the_same_pattern_is_analysed_once_and_old_factors_keep_solving() {
-    let (system, flow) = assembled(10);
+    let (mut system, flow) = assembled(10);
     let n = flow.layout.len();
     let mut solver = DirectSolver::new();
     let mut x = vec![0.0; n];
     let mut again = vec![0.0; n];
     for _ in 0..3 {
-        solver.factorize(system.matrix(), system.unknowns()).unwrap();
+        solver.factorize(&system.linear_system().unwrap()).unwrap();
     }
-    solver.solve(system.residual(), &mut x, 0.0).unwrap();
-    assert_eq!((solver.n_symbolic_factorizations(), solver.n_factorizations()), (1, 3));
     let rhs = system.residual().to_vec();
-    drop(system);
-    solver.solve(&rhs, &mut again, 0.0).unwrap();
+    solver.solve(&system.linear_system().unwrap(), &rhs, &mut x, 0.0).unwrap();
+    assert_eq!((solver.n_symbolic_factorizations(), solver.n_factorizations()), (1, 3));
+    // A new assembly does not change the equilibrated matrix.
+    let (linear, convection, jumps) = flow.parts();
+    system.assemble(&[&linear, &convection, &jumps[2]], &vec![0.0; n]);
+    solver.solve(&system.linear_system().unwrap(), &rhs, &mut again, 0.0).unwrap();
     assert_eq!(x, again);
 }
 
 #[test]
 fn the_condition_number_is_that_of_the_matrix_or_of_the_equilibrated_one() {
     let of = |matrix: &Dense, scaling| {
-        let nodes: Vec<u32> = (0..matrix.n as u32).collect();
-        let unknowns = Unknowns { layout: &BlockLayout::new(), nodes: &nodes, keys: &[] };
-        condition_number(matrix.view(), unknowns, scaling).expect("a regular matrix")
+        condition_number(matrix.view(), &layout(matrix.n), scaling).expect("a regular matrix")
     };
     let near = |condition: f64, exact: f64| assert!((condition / exact - 1.0).abs() < 1e-3, "{condition} {exact}");
     // Scales do not count once they are taken out.

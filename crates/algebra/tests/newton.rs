@@ -5,24 +5,20 @@ mod common;
 use std::sync::{Arc, Mutex};
 
 use algebra::{
-    BlockLayout, Constraints, Contributions, DirectSolver, DofId, Equilibration, Forcing, LinearError, LinearReport,
-    LinearSolver, LocalSystem, MatrixView, NewtonError, NewtonSettings, NonlinearProblem, Unknowns, Workspace, newton,
+    BlockLayout, Constraints, Contributions, DirectSolver, DofId, Equations, Forcing, LinearError, LinearReport,
+    LinearSolver, LinearSystem, LocalSystem, NewtonError, NewtonReport, NewtonSettings, Workspace,
 };
-use common::{Flow, Problem};
+use common::Flow;
 
 /// One scalar equation `f(x) = 0`, given by value and derivative.
 struct Scalar<F: Fn(f64) -> (f64, f64) + Sync> {
     function: F,
-    layout: BlockLayout,
-    constraints: Constraints,
     regime: fn(f64) -> u64,
 }
 
 impl<F: Fn(f64) -> (f64, f64) + Sync> Scalar<F> {
     fn new(function: F) -> Self {
-        let mut layout = BlockLayout::new();
-        layout.push("x", 1);
-        Self { function, layout, constraints: Constraints::new(), regime: |_| 0 }
+        Self { function, regime: |_| 0 }
     }
 }
 
@@ -31,31 +27,33 @@ impl<F: Fn(f64) -> (f64, f64) + Sync> Contributions for Scalar<F> {
         1
     }
     fn dofs(&self, _: usize, out: &mut Vec<DofId>) {
-        out.push(DofId(0));
+        out.push(DofId::new(0));
     }
     fn add(&self, _: usize, x: &[f64], out: &mut LocalSystem) {
         let (value, derivative) = (self.function)(x[0]);
         out.add(0, value);
         out.add_tangent(0, 0, derivative);
     }
+    fn regime(&self, x: &[f64]) -> u64 {
+        (self.regime)(x[0])
+    }
     fn name(&self) -> &'static str {
         "scalar"
     }
 }
 
-impl<F: Fn(f64) -> (f64, f64) + Sync> NonlinearProblem for Scalar<F> {
-    fn layout(&self) -> &BlockLayout {
-        &self.layout
-    }
-    fn contributions(&self) -> Vec<&dyn Contributions> {
-        vec![self]
-    }
-    fn constraints(&self) -> &Constraints {
-        &self.constraints
-    }
-    fn regime(&self, x: &[f64]) -> u64 {
-        (self.regime)(x[0])
-    }
+/// Newton's method for a contribution that couples all unknowns.
+fn newton(
+    of: &dyn Contributions,
+    x: &mut [f64],
+    work: &mut Workspace,
+    settings: &NewtonSettings,
+) -> Result<NewtonReport, NewtonError> {
+    let mut layout = BlockLayout::new();
+    layout.push("x", x.len(), 1);
+    let constraints = Constraints::new();
+    let equations = Equations { layout: &layout, contributions: vec![Box::new(of)], constraints: &constraints };
+    algebra::newton(&equations, x, work, settings)
 }
 
 fn exact(tolerance: f64) -> NewtonSettings {
@@ -103,14 +101,12 @@ fn a_poor_correction_with_an_old_tangent_is_not_used() {
 #[test]
 fn a_flow_converges_to_the_same_state_with_exact_and_modified_newton() {
     let flow = Flow::new(12, 3.0);
-    let (linear, convection, jumps) = flow.parts();
-    let list: Vec<&dyn Contributions> = vec![&linear, &convection, &jumps[2]];
-    let problem = Problem { layout: &flow.layout, contributions: list, constraints: &flow.constraints };
+    let equations = flow.equations();
     let n = flow.layout.len();
     let (mut a, mut b) = (vec![0.0; n], vec![0.0; n]);
     let mut work = Workspace::new();
-    let first = newton(&problem, &mut a, &mut work, &exact(1e-11)).unwrap();
-    let second = newton(&problem, &mut b, &mut work, &NewtonSettings::new(1e-11)).unwrap();
+    let first = algebra::newton(&equations, &mut a, &mut work, &exact(1e-11)).unwrap();
+    let second = algebra::newton(&equations, &mut b, &mut work, &NewtonSettings::new(1e-11)).unwrap();
     assert!(second.factorizations < first.factorizations, "{first:?} {second:?}");
     assert!(a.iter().zip(&b).all(|(a, b)| (a - b).abs() < 1e-8));
     for (dof, value) in flow.constraints.iter() {
@@ -126,14 +122,11 @@ fn a_used_workspace_and_more_threads_give_the_same_bits() {
     let mut used = Workspace::new();
     for m in [9, 14, 6] {
         let flow = Flow::new(m, 3.0);
-        let (linear, convection, jumps) = flow.parts();
-        let list: Vec<&dyn Contributions> = vec![&linear, &convection, &jumps[2]];
-        let problem = || Problem { layout: &flow.layout, contributions: list.clone(), constraints: &flow.constraints };
         let solve = |work: &mut Workspace, threads: usize| {
             let mut x = vec![0.0; flow.layout.len()];
             rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(|| {
                 let work = work;
-                newton(&problem(), &mut x, work, &NewtonSettings::new(1e-10)).unwrap();
+                algebra::newton(&flow.equations(), &mut x, work, &NewtonSettings::new(1e-10)).unwrap();
             });
             x.iter().map(|v| v.to_bits()).collect::<Vec<_>>()
         };
@@ -145,22 +138,20 @@ fn a_used_workspace_and_more_threads_give_the_same_bits() {
 #[test]
 fn a_linear_problem_takes_one_correction() {
     let flow = Flow::new(8, 0.0);
-    let (linear, _, jumps) = flow.parts();
-    let problem =
-        Problem { layout: &flow.layout, contributions: vec![&linear, &jumps[2]], constraints: &flow.constraints };
+    let equations = flow.equations();
     let mut x = vec![0.0; flow.layout.len()];
     let mut work = Workspace::new();
-    let report = newton(&problem, &mut x, &mut work, &NewtonSettings::new(1e-10)).unwrap();
+    let report = algebra::newton(&equations, &mut x, &mut work, &NewtonSettings::new(1e-10)).unwrap();
     assert_eq!((report.iterations, report.factorizations), (1, 1));
-    let again = newton(&problem, &mut x, &mut work, &NewtonSettings::new(1e-10)).unwrap();
+    let again = algebra::newton(&equations, &mut x, &mut work, &NewtonSettings::new(1e-10)).unwrap();
     assert_eq!(again.iterations, 1);
 }
 
 #[test]
 fn without_unknowns_there_is_nothing_to_do() {
     let (layout, constraints) = (BlockLayout::new(), Constraints::new());
-    let problem = Problem { layout: &layout, contributions: vec![], constraints: &constraints };
-    assert_eq!(newton(&problem, &mut [], &mut Workspace::new(), &exact(1e-8)).unwrap().iterations, 0);
+    let equations = Equations { layout: &layout, contributions: vec![], constraints: &constraints };
+    assert_eq!(algebra::newton(&equations, &mut [], &mut Workspace::new(), &exact(1e-8)).unwrap().iterations, 0);
 }
 
 #[test]
@@ -233,17 +224,20 @@ struct Lazy {
 }
 
 impl LinearSolver for Lazy {
-    fn factorize(&mut self, matrix: MatrixView<'_>, unknowns: Unknowns<'_>) -> Result<(), LinearError> {
-        self.direct.factorize(matrix, unknowns)
+    fn factorize(&mut self, system: &LinearSystem<'_>) -> Result<(), LinearError> {
+        self.direct.factorize(system)
     }
-    fn solve(&mut self, rhs: &[f64], x: &mut [f64], tolerance: f64) -> Result<LinearReport, LinearError> {
-        let report = self.direct.solve(rhs, x, tolerance)?;
+    fn solve(
+        &mut self,
+        system: &LinearSystem<'_>,
+        rhs: &[f64],
+        x: &mut [f64],
+        tolerance: f64,
+    ) -> Result<LinearReport, LinearError> {
+        let report = self.direct.solve(system, rhs, x, tolerance)?;
         x.iter_mut().for_each(|x| *x *= 1.0 - tolerance);
         self.notes.lock().expect("one thread").push([tolerance, rhs[0]]);
         Ok(LinearReport { backward_error: tolerance, ..report })
-    }
-    fn equilibration(&self) -> &Equilibration {
-        self.direct.equilibration()
     }
     fn n_factorizations(&self) -> usize {
         self.direct.n_factorizations()
@@ -293,13 +287,12 @@ fn constant_forcing_converges_at_its_rate() {
 
 /// Springs `e + e³` between the neighbours of a row of points.
 struct Row {
-    layout: BlockLayout,
-    constraints: Constraints,
+    points: usize,
 }
 
 impl Contributions for Row {
     fn len(&self) -> usize {
-        self.layout.len() - 1
+        self.points - 1
     }
     fn dofs(&self, item: usize, out: &mut Vec<DofId>) {
         out.extend([DofId::new(item), DofId::new(item + 1)]);
@@ -307,39 +300,28 @@ impl Contributions for Row {
     fn add(&self, item: usize, x: &[f64], out: &mut LocalSystem) {
         let e = x[item + 1] - x[item];
         let (force, stiffness) = (e + e.powi(3), 1.0 + 3.0 * e.powi(2));
-        out.add_vector(0, &[-force, force]);
-        out.add_block(0, 0, 2, &[stiffness, -stiffness, -stiffness, stiffness]);
+        out.add_vector(0, [-force, force]);
+        out.add_block(0, 0, [[stiffness, -stiffness], [-stiffness, stiffness]]);
     }
     fn name(&self) -> &'static str {
         "row"
     }
 }
 
-impl NonlinearProblem for Row {
-    fn layout(&self) -> &BlockLayout {
-        &self.layout
-    }
-    fn contributions(&self) -> Vec<&dyn Contributions> {
-        vec![self]
-    }
-    fn constraints(&self) -> &Constraints {
-        &self.constraints
-    }
-}
-
 #[test]
 fn tied_unknowns_follow_and_the_others_are_in_equilibrium() {
     let mut layout = BlockLayout::new();
-    layout.push("positions", 7);
+    layout.push("positions", 7, 1);
     let mut constraints = Constraints::new();
-    constraints.set(DofId(0), 0.0);
-    constraints.set(DofId(6), 9.0);
+    constraints.set(DofId::new(0), 0.0);
+    constraints.set(DofId::new(6), 9.0);
     // Two springs have a given ratio of lengths, and one point follows from a prescribed one as well.
-    constraints.tie(DofId(2), &[(DofId(1), 0.75), (DofId(3), 0.25)]);
-    constraints.tie(DofId(5), &[(DofId(4), 0.5), (DofId(6), 0.5)]);
-    let row = Row { layout, constraints };
+    constraints.tie(DofId::new(2), &[(DofId::new(1), 0.75), (DofId::new(3), 0.25)]);
+    constraints.tie(DofId::new(5), &[(DofId::new(4), 0.5), (DofId::new(6), 0.5)]);
+    let row = Box::new(Row { points: 7 });
+    let equations = Equations { layout: &layout, contributions: vec![row], constraints: &constraints };
     let mut x = vec![0.0; 7];
-    let report = newton(&row, &mut x, &mut Workspace::new(), &exact(1e-12)).unwrap();
+    let report = algebra::newton(&equations, &mut x, &mut Workspace::new(), &exact(1e-12)).unwrap();
     assert_eq!((x[0], x[6]), (0.0, 9.0));
     assert!((x[2] - 0.75 * x[1] - 0.25 * x[3]).abs() < 1e-12 && (x[5] - 0.5 * (x[4] + x[6])).abs() < 1e-12);
     // Virtual work on the motions that the ties admit: of points 1, 3 and 4 with what follows them.

@@ -1,13 +1,13 @@
 //! Gap, penetration, active area, force, power and energy of a contact.
 
-use algebra::Contributions;
+use algebra::Sites;
 use mesh::{Point, Vector};
 
-use crate::{ContactFacets, Motion};
+use crate::{ContactSites, Positions};
 
-/// What happens between a slave and its obstacle at one state.
+/// Contact between a slave and its obstacle at one state.
 ///
-/// Units (cgs, per unit depth in 2D): force dyn/cm, power erg/(s cm), energy erg/cm, area cm.
+/// Forces, powers and energies are per unit depth in 2D; areas are lengths there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactReport<const D: usize> {
     /// Smallest gap of the slave's vertices to the whole obstacle; `None` without vertices or obstacle.
@@ -28,9 +28,9 @@ pub struct ContactReport<const D: usize> {
 
 impl<const D: usize> ContactReport<D> {
     /// The report at the state `x`, with the velocities at the end of the step.
-    pub fn new(facets: &ContactFacets<'_, D>, x: &[f64]) -> Self {
+    pub fn new(sites: &ContactSites<'_, D>, x: &[f64]) -> Self {
         let mut report = Self {
-            minimum_gap: minimum_gap(facets, x),
+            minimum_gap: minimum_gap(sites, x),
             largest_penetration: 0.0,
             n_active: 0,
             active_area: 0.0,
@@ -38,24 +38,20 @@ impl<const D: usize> ContactReport<D> {
             power: 0.0,
             stored_energy: 0.0,
         };
-        let law = &facets.form().law;
-        let mut dofs = Vec::new();
-        for item in 0..facets.len() {
-            dofs.clear();
-            facets.dofs(item, &mut dofs);
-            facets.for_each_site(item, x, |_, site| {
+        let law = &sites.pair().form.law;
+        for item in 0..sites.len() {
+            sites.visit(item, x, |site| {
                 if !site.is_active {
                     return;
                 }
                 report.n_active += 1;
                 report.active_area += site.weight;
                 report.largest_penetration = report.largest_penetration.max(law.offset() - site.at.gap);
-                report.stored_energy += site.weight * law.energy_density(site.at);
-                let force = site.projection.normal * (site.weight * site.traction.value);
+                report.stored_energy += site.weight * law.energy_density(&site.at);
+                let force = site.frame.vector(&site.traction.value) * site.weight;
                 report.force += force;
                 for node in site.nodes() {
-                    let velocity = Vector::<D>::from_fn(|a, _| x[dofs[node.row + a].index()]);
-                    report.power += node.share * force.dot(&velocity);
+                    report.power += node.share * force.dot(&node.velocity);
                 }
             });
         }
@@ -69,14 +65,12 @@ impl<const D: usize> ContactReport<D> {
 }
 
 /// Smallest gap of the vertices of the slave's facets, to the whole obstacle and not to the candidates only.
-fn minimum_gap<const D: usize>(facets: &ContactFacets<'_, D>, x: &[f64]) -> Option<f64> {
-    let pair = facets.pair();
-    let slave = pair.slave.motion(x);
-    let master = pair.master.map_or(Motion::frozen(&[]), |master| master.motion(x));
-    let mut vertices: Vec<_> = pair.facets.iter().flat_map(|&f| pair.slave.boundary().facet(f)).copied().collect();
+fn minimum_gap<const D: usize>(sites: &ContactSites<'_, D>, x: &[f64]) -> Option<f64> {
+    let (pair, layout) = (sites.pair(), sites.layout());
+    let mut vertices: Vec<_> = pair.facets.iter().flat_map(|&f| pair.slave.boundary.facet(f)).copied().collect();
     vertices.sort_unstable();
     vertices.dedup();
-    let points: Vec<Point<D>> = vertices.into_iter().map(|v| slave.position(v)).collect();
-    let projections = pair.obstacle.project_all(&points, master);
+    let points: Vec<Point<D>> = vertices.into_iter().map(|v| pair.slave.position_at(v, layout, x)).collect();
+    let projections = pair.obstacle.project_all(&points, Positions::at_end(pair.master, layout, x));
     points.iter().zip(projections).filter_map(|(x, found)| Some(found?.gap(x))).reduce(f64::min)
 }

@@ -1,9 +1,8 @@
-//! One quadrature point of contact: what the term sees.
+//! Contact points as terms see them.
 
-use mesh::{Point, Vector};
+use mesh::{MAX_FACET_VERTICES, Vector};
 
-use crate::obstacle::MAX_FACET_VERTICES;
-use crate::{ContactPoint, ContactTraction, Projection};
+use crate::{ContactPoint, ContactTraction, Frame, Projection};
 
 /// Vertices that can take part at one point: those of the slave's facet and those of the anchor.
 pub(crate) const MAX_NODES: usize = 2 * MAX_FACET_VERTICES;
@@ -11,37 +10,48 @@ pub(crate) const MAX_NODES: usize = 2 * MAX_FACET_VERTICES;
 /// A vertex that takes part in contact at one point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactNode<const D: usize> {
-    /// First local row of its velocity.
-    pub row: usize,
+    /// First local row of its velocity; `None` if its motion is prescribed.
+    pub row: Option<usize>,
     /// Its share `s_a` in the relative motion `x - Π(x)`: shape function at the slave, minus barycentric coordinate at
     /// the master.
     pub share: f64,
     /// Derivative `G_a` of its barycentric coordinate with respect to `x`; zero at the slave.
     pub gradient: Vector<D>,
-    /// `c_d` of its body.
-    pub displacement_per_velocity: f64,
+    /// `c_d` of its body: derivative of its position with respect to its velocity.
+    pub slope: f64,
+    /// Displacement of the vertex over the step.
+    pub displacement: Vector<D>,
+    /// Velocity of the vertex at the end of the step.
+    pub velocity: Vector<D>,
 }
 
 impl<const D: usize> ContactNode<D> {
     pub(crate) fn none() -> Self {
-        Self { row: 0, share: 0.0, gradient: Vector::zeros(), displacement_per_velocity: 0.0 }
+        let zero = Vector::zeros();
+        Self { row: None, share: 0.0, gradient: zero, slope: 0.0, displacement: zero, velocity: zero }
     }
 }
 
 /// A quadrature point of the slave's surface, its projection and the traction between them.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct ContactSite<const D: usize> {
-    /// Quadrature weight, measure of the facet included.
+    /// Number of the point within its item.
+    pub number: usize,
+    /// Quadrature weight with the measure of the facet at the begin of the step.
     pub weight: f64,
-    /// Position at the end of the step.
-    pub x: Point<D>,
-    /// Closest point of the obstacle.
+    /// Closest point of the obstacle, at the end of the step.
     pub projection: Projection<D>,
-    /// What the law was asked.
+    /// Normal and tangents.
+    pub frame: Frame<D>,
+    /// Stress on the slave's surface.
+    pub stress: Vector<D>,
+    /// Derivatives of the stress, with the local rows of the dofs on which it depends.
+    pub stress_derivatives: Vec<(usize, Vector<D>)>,
+    /// Arguments of the law.
     pub at: ContactPoint,
-    /// What it answered.
+    /// Result of the law.
     pub traction: ContactTraction,
-    /// Whether the law says that there is contact.
+    /// Whether the law reports contact.
     pub is_active: bool,
     pub(crate) nodes: [ContactNode<D>; MAX_NODES],
     pub(crate) n_nodes: usize,

@@ -1,105 +1,129 @@
-//! One fluid part as its terms see it.
+//! Fluid parts as terms see them.
 
-use algebra::LocalSystem;
-use mesh::{MAX_CELL_VERTICES, Point, Simplex, Tensor, Vector};
-use xfem_space::PartPoint;
+use algebra::{DofId, Sites};
+use cutcell::PartId;
+use mesh::{MAX_CELL_VERTICES, Point, Tensor, Vector};
+use xfem_space::{Moments, cutcell};
+
+use crate::{FluidFields, FluidGeometry};
+
+/// A P1 vector field at the stage of the step, affine in the unknown velocity `v`: nodal values and derivative.
+#[derive(Clone, Copy, Debug)]
+pub struct Nodal<const D: usize> {
+    /// One value per node; the first `D + 1` count.
+    pub values: [Vector<D>; MAX_CELL_VERTICES],
+    /// Derivative of a nodal value with respect to `v` at the same node.
+    pub slope: f64,
+}
+
+impl<const D: usize> Nodal<D> {
+    fn zero() -> Self {
+        Self { values: [Vector::zeros(); MAX_CELL_VERTICES], slope: 0.0 }
+    }
+
+    /// Gradient for given gradients of the shape functions, `grad[(a, b)] = ∂u_a/∂x_b`.
+    #[inline]
+    pub fn gradient(&self, gradients: &[Vector<D>; MAX_CELL_VERTICES]) -> Tensor<D> {
+        (0..=D).map(|i| self.values[i] * gradients[i].transpose()).sum()
+    }
+}
 
 /// A fluid part with its local state. P1: gradients are constant on it.
 ///
 /// Local unknowns: velocity component `a` of node `i` at row `D i + a`, then the pressures of the nodes.
 pub struct FluidCell<'a, const D: usize> {
-    /// The background cell.
-    pub simplex: Simplex<D>,
     /// Gradients of the shape functions; the first `D + 1` count.
     pub gradients: &'a [Vector<D>; MAX_CELL_VERTICES],
-    /// Quadrature points of the part.
-    pub points: &'a [PartPoint],
-    /// Velocity of each node.
-    pub velocities: [Vector<D>; MAX_CELL_VERTICES],
+    /// Moments of the part.
+    pub moments: &'a Moments,
+    /// Velocity.
+    pub velocity: Nodal<D>,
+    /// Acceleration.
+    pub acceleration: Nodal<D>,
     /// Pressure of each node.
     pub pressures: [f64; MAX_CELL_VERTICES],
-    /// History `u*` of each node.
-    pub histories: [Vector<D>; MAX_CELL_VERTICES],
-}
-
-/// A quadrature point with the fields evaluated.
-pub struct FluidPoint<const D: usize> {
-    /// Weight.
-    pub weight: f64,
-    /// Shape values; the first `D + 1` count.
-    pub shape: [f64; MAX_CELL_VERTICES],
-    /// Velocity.
-    pub velocity: Vector<D>,
-    /// Pressure.
-    pub pressure: f64,
-    /// History `u*`.
-    pub history: Vector<D>,
+    geometry: FluidGeometry<'a, D>,
+    part: PartId,
 }
 
 impl<const D: usize> FluidCell<'_, D> {
-    /// Local nodes.
-    #[inline]
-    pub fn nodes(&self) -> std::ops::RangeInclusive<usize> {
-        0..=D
-    }
-
     /// First row of the velocity of a node.
     #[inline]
-    pub fn velocity(&self, node: usize) -> usize {
+    pub fn velocity_row(&self, node: usize) -> usize {
         D * node
     }
 
     /// Row of the pressure of a node.
     #[inline]
-    pub fn pressure(&self, node: usize) -> usize {
+    pub fn pressure_row(&self, node: usize) -> usize {
         D * (D + 1) + node
     }
 
-    /// Velocity gradient, `grad_u[(a, b)] = ∂u_a/∂x_b`.
-    #[inline]
-    pub fn grad_u(&self) -> Tensor<D> {
-        let mut grad_u = Tensor::zeros();
-        for i in self.nodes() {
-            grad_u += self.velocities[i] * self.gradients[i].transpose();
-        }
-        grad_u
-    }
-
-    /// Volume of the part, as its quadrature sees it.
-    #[inline]
-    pub fn volume(&self) -> f64 {
-        self.points.iter().map(|q| q.weight).sum()
-    }
-
-    /// Quadrature points with the fields.
-    #[inline]
-    pub fn points(&self) -> impl Iterator<Item = FluidPoint<D>> + '_ {
-        self.points.iter().map(|q| {
-            let mut point = FluidPoint {
-                weight: q.weight,
-                shape: q.shape,
-                velocity: Vector::zeros(),
-                pressure: 0.0,
-                history: Vector::zeros(),
-            };
-            for i in self.nodes() {
-                point.velocity += self.velocities[i] * q.shape[i];
-                point.pressure += self.pressures[i] * q.shape[i];
-                point.history += self.histories[i] * q.shape[i];
-            }
-            point
-        })
-    }
-
-    /// Position of a quadrature point.
-    #[inline]
-    pub fn position(&self, shape: &[f64; MAX_CELL_VERTICES]) -> Point<D> {
-        self.simplex.points().iter().zip(shape).map(|(x, n)| x * *n).sum()
+    /// Calls `visit` with position, weight and shape values of the points of a rule that is exact for the given degree.
+    pub fn for_each_point(&self, degree: usize, visit: impl FnMut(&Point<D>, f64, &[f64; MAX_CELL_VERTICES])) {
+        let FluidGeometry { background, cut, parts, .. } = self.geometry;
+        parts.for_each_point(background, cut, self.part, degree, visit);
     }
 }
 
-/// A term integrated over fluid parts: residual and tangent next to each other.
-pub trait CellTerm<const D: usize>: Sync {
-    /// Adds the term's own line of the equation, with the paper's sign.
-    fn add(&self, cell: &FluidCell<'_, D>, out: &mut LocalSystem);
+/// The parts of a step: one item and one site per part.
+#[derive(Clone, Copy)]
+pub struct FluidCells<'a, const D: usize> {
+    geometry: FluidGeometry<'a, D>,
+    fields: FluidFields<'a>,
+    with_pressure: bool,
+}
+
+impl<'a, const D: usize> FluidCells<'a, D> {
+    /// Creates the sites of terms that couple velocity and pressure.
+    pub fn new(geometry: FluidGeometry<'a, D>, fields: FluidFields<'a>) -> Self {
+        Self { geometry, fields, with_pressure: true }
+    }
+
+    /// Creates the sites of terms that couple velocities only. Their items have no rows of pressures, and their sites
+    /// neither pressure nor acceleration.
+    pub fn of_velocity(geometry: FluidGeometry<'a, D>, fields: FluidFields<'a>) -> Self {
+        Self { geometry, fields, with_pressure: false }
+    }
+}
+
+impl<'a, const D: usize> Sites for FluidCells<'a, D> {
+    type Site = FluidCell<'a, D>;
+
+    fn len(&self) -> usize {
+        self.geometry.cut.n_parts()
+    }
+
+    fn dofs(&self, item: usize, out: &mut Vec<DofId>) {
+        let dofs = self.geometry.space.dofs(PartId(item as u32));
+        let FluidFields { layout, velocity, pressure } = self.fields;
+        dofs.iter().for_each(|&dof| out.extend(layout.node(velocity, dof as usize)));
+        if self.with_pressure {
+            dofs.iter().for_each(|&dof| out.extend(layout.node(pressure, dof as usize)));
+        }
+    }
+
+    #[inline]
+    fn visit(&self, item: usize, x: &[f64], mut visit: impl FnMut(&Self::Site)) {
+        let FluidGeometry { space, parts, rule, .. } = self.geometry;
+        let part = PartId(item as u32);
+        let mut cell = FluidCell {
+            gradients: parts.gradients(part),
+            moments: parts.moments(part),
+            velocity: Nodal { slope: rule.stage.velocity.slope, ..Nodal::zero() },
+            acceleration: Nodal { slope: rule.stage.acceleration.slope, ..Nodal::zero() },
+            pressures: [0.0; MAX_CELL_VERTICES],
+            geometry: self.geometry,
+            part,
+        };
+        for (i, &dof) in space.dofs(part).iter().enumerate() {
+            let v = self.fields.velocity_at(x, dof);
+            cell.velocity.values[i] = rule.stage.velocity.at(dof as usize, v);
+            if self.with_pressure {
+                cell.acceleration.values[i] = rule.stage.acceleration.at(dof as usize, v);
+                cell.pressures[i] = self.fields.pressure_at(x, dof);
+            }
+        }
+        visit(&cell);
+    }
 }

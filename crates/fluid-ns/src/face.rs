@@ -1,7 +1,10 @@
-//! One face between two fluid parts as face terms see it.
+//! Faces between fluid parts as penalties see them.
 
+use algebra::{Contributions, DofId, LocalSystem};
 use mesh::Vector;
 use xfem_space::FaceValue;
+
+use crate::{FluidFields, FluidGeometry};
 
 /// A face with the history on it.
 pub struct FluidFace<'a, const D: usize> {
@@ -14,7 +17,7 @@ pub struct FluidFace<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> FluidFace<'a, D> {
-    /// A face with the history given per dof.
+    /// Creates a face from the history, one value per dof of the space.
     pub fn new(value: &'a FaceValue<D>, history: &[Vector<D>]) -> Self {
         let mut face = Self { value, normal_speed: 0.0, speed: 0.0 };
         for &dof in value.face_dofs() {
@@ -26,8 +29,74 @@ impl<'a, const D: usize> FluidFace<'a, D> {
     }
 }
 
-/// A penalty on jumps of normal derivatives: `c_F ([∇φ]n, [∇ψ]n)_F` for each component of a field.
-pub trait FaceTerm<const D: usize>: Sync {
-    /// The weight `c_F`; units: viscosity x length for velocity, length² / viscosity x length for pressure.
-    fn weight(&self, face: &FluidFace<'_, D>) -> f64;
+/// The face penalties `c_F ([∇φ]n, [∇ψ]n)_F` of all components of velocity and pressure.
+///
+/// One item per face and component (velocity components, then pressure), so that the pattern holds no couplings that are
+/// always zero.
+pub struct FluidFaces<'a, const D: usize> {
+    fields: FluidFields<'a>,
+    geometry: FluidGeometry<'a, D>,
+    /// Weights of velocity and pressure, with the measure of the face.
+    weights: Vec<[f64; 2]>,
+}
+
+impl<'a, const D: usize> FluidFaces<'a, D> {
+    /// Evaluates the weights `c_F` of velocity and pressure on all faces.
+    pub fn new(
+        geometry: FluidGeometry<'a, D>,
+        fields: FluidFields<'a>,
+        weights: impl Fn(&FluidFace<'_, D>) -> [f64; 2],
+    ) -> Self {
+        let weights = |value: &FaceValue<D>| {
+            let face = FluidFace::new(value, geometry.history);
+            weights(&face).map(|weight| weight * value.measure * value.share)
+        };
+        Self { fields, geometry, weights: geometry.faces.as_slice().iter().map(weights).collect() }
+    }
+}
+
+impl<const D: usize> Contributions for FluidFaces<'_, D> {
+    fn name(&self) -> &'static str {
+        "fluid faces"
+    }
+
+    fn len(&self) -> usize {
+        self.weights.len() * (D + 1)
+    }
+
+    fn dofs(&self, item: usize, out: &mut Vec<DofId>) {
+        let (face, component) = (item / (D + 1), item % (D + 1));
+        let FluidFields { layout, velocity, pressure } = self.fields;
+        let (field, component) = if component < D { (velocity, component) } else { (pressure, 0) };
+        let dofs = self.geometry.faces.as_slice()[face].dofs();
+        out.extend(dofs.iter().map(|&dof| layout.dof(field, dof as usize, component)));
+    }
+
+    fn add(&self, item: usize, x: &[f64], out: &mut LocalSystem) {
+        let (face, component) = (item / (D + 1), item % (D + 1));
+        let value = &self.geometry.faces.as_slice()[face];
+        if value.odd_component == Some(component) {
+            return;
+        }
+        let weight = self.weights[face][usize::from(component == D)];
+        let mut jump = 0.0;
+        for (&dof, j) in value.dofs().iter().zip(value.jumps()) {
+            jump += j * if component < D {
+                self.fields.velocity_at::<D>(x, dof)[component]
+            } else {
+                self.fields.pressure_at(x, dof)
+            };
+        }
+        for (i, j_i) in value.jumps().iter().enumerate() {
+            out.add(i, weight * jump * j_i);
+        }
+        for (k, j_k) in value.jumps().iter().enumerate() {
+            let rows = out.column_mut(k).iter_mut().zip(value.jumps());
+            rows.for_each(|(row, j_i)| *row += weight * j_k * j_i);
+        }
+    }
+
+    fn is_linear(&self) -> bool {
+        true
+    }
 }

@@ -10,7 +10,7 @@
 //!
 //! | term | file |
 //! |---|---|
-//! | `ρ/dt (u - u*, v)` | `terms/inertia.rs` |
+//! | `ρ (a, v)` | `terms/inertia.rs` |
 //! | `2 μ (D(u), ∇v)` | `terms/viscous.rs` |
 //! | `-(p, ∇·v) + (q, ∇·u)` | `terms/incompressibility.rs` |
 //! | `ρ (u·∇u, v)` | `terms/convection.rs` |
@@ -20,9 +20,6 @@
 //! | backflow stabilisation on open boundaries | `terms/backflow.rs` |
 //! | traction given on open boundaries | `terms/traction.rs` |
 //!
-//! Inertia, viscous work, incompressibility and convection are evaluated together, in closed form, by `part_kernel.rs`; the
-//! files of the terms are its specification, and the test compares them.
-//!
 //! `u*` is the transferred history; all stabilisation weights use it, never the unknown, so that they are constant
 //! during Newton's method.
 
@@ -30,15 +27,16 @@ mod cell;
 mod face;
 mod fluid;
 mod form;
+mod geometry;
 mod open_boundary;
-mod part_kernel;
 pub mod terms;
 
-pub use cell::{CellTerm, FluidCell, FluidPoint};
-pub use face::{FaceTerm, FluidFace};
+pub use cell::{FluidCell, FluidCells, Nodal};
+pub use face::{FluidFace, FluidFaces};
 pub use fluid::NewtonianFluid;
-pub use form::{FluidCells, FluidConvection, FluidFaces, FluidFields, FluidForm, FluidGeometry};
-pub use open_boundary::{BoundaryTerm, OpenBoundary};
+pub use form::FluidForm;
+pub use geometry::{FluidFields, FluidGeometry};
+pub use open_boundary::{OpenBoundary, OpenPoint};
 
 pub use mesh;
 pub use xfem_space;

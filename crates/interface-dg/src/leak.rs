@@ -1,6 +1,8 @@
-//! How well the interface keeps fluid and solid together.
+//! Flow through the interface, which measures the error of the coupling.
 
-use crate::InterfacePieces;
+use algebra::Sites;
+
+use crate::InterfacePoints;
 
 /// Flow through the interface.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -14,16 +16,16 @@ pub struct InterfaceFlow {
 }
 
 /// Flow through the interface of a step at the state `x`.
-pub fn interface_flow<const D: usize>(pieces: &InterfacePieces<'_, D>, x: &[f64]) -> InterfaceFlow {
+pub fn interface_flow<const D: usize>(points: &InterfacePoints<'_, D>, x: &[f64]) -> InterfaceFlow {
     let mut flow = InterfaceFlow::default();
-    for (item, piece) in pieces.geometry.cut.interface().iter().enumerate() {
-        pieces.for_each_point(item, x, |q| {
+    for (item, piece) in points.geometry.cut.interface().iter().enumerate() {
+        points.visit(item, x, |q| {
             let through = q.jump.dot(&piece.normal);
             flow.leak_net += q.at.weight * through;
             flow.leak_absolute += q.at.weight * through.abs();
             let mut fluid = 0.0;
-            for (i, &dof) in pieces.geometry.space.dofs(piece.part).iter().enumerate() {
-                fluid += pieces.fields.velocity_at::<D>(x, dof).dot(&piece.normal) * q.at.fluid[i];
+            for (i, &dof) in points.geometry.space.dofs(piece.part).iter().enumerate() {
+                fluid += points.fields.velocity_at::<D>(x, dof).dot(&piece.normal) * q.at.fluid[i];
             }
             flow.swept += q.at.weight * (fluid - through).abs();
         });

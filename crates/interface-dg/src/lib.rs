@@ -8,17 +8,24 @@
 //! | `-(u - v_s, T^f(v, -q) n^f)` | `terms/adjoint_consistency.rs` |
 //! | `γ_Σ μ^f/h_K (u - v_s, v - w)` | `terms/penalty.rs` |
 //!
-//! The side of the body is elastic (its velocity is unknown) or prescribed (its velocity is given).
+//! The velocity of the body is unknown, or given at every point ([`body::SurfaceVelocity`]).
 
 mod form;
 mod leak;
 mod piece_values;
+mod pockets;
+mod points;
+mod stress;
 pub mod terms;
 mod traction;
 
-pub use form::{BodySide, InterfacePieces, MortarForm};
+pub use form::MortarForm;
 pub use leak::{InterfaceFlow, interface_flow};
 pub use piece_values::{PiecePoint, PieceValues};
+pub use pockets::{Pocket, pockets};
+pub use points::{InterfacePoints, MortarPoint};
+pub use stress::FluidStress;
+use terms::Penalty;
 pub use traction::{InterfaceTraction, interface_tractions};
 
 pub use fluid_ns;

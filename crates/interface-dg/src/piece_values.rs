@@ -1,6 +1,6 @@
 //! Traces of fluid and solid on interface pieces.
 
-use cutcell::{CutMesh, InterfacePiece};
+use cutcell::CutMesh;
 use mesh::{MAX_CELL_VERTICES, Point, SimplexMesh, SimplexRule, Vector};
 use xfem_space::{PartValues, cutcell};
 
@@ -81,52 +81,5 @@ impl<const D: usize> PieceValues<D> {
     #[inline]
     pub fn cell_size(&self, piece: usize) -> f64 {
         self.cell_sizes[piece]
-    }
-}
-
-/// An interface piece with its local state, at one quadrature point.
-///
-/// Local unknowns: velocity component `a` of fluid node `i` at row `D i + a`, then the pressures of the fluid nodes,
-/// then (elastic body) the velocity of the vertices of the facet.
-pub(crate) struct MortarPoint<'a, const D: usize> {
-    /// Geometry and shape values.
-    pub(crate) at: &'a PiecePoint<D>,
-    /// The piece.
-    pub(crate) piece: &'a InterfacePiece<D>,
-    /// Gradients of the fluid's shape functions.
-    pub(crate) gradients: &'a [Vector<D>; MAX_CELL_VERTICES],
-    /// Size `h_K` of the background cell.
-    pub(crate) cell_size: f64,
-    /// Fluid velocity minus velocity of the body.
-    pub(crate) jump: Vector<D>,
-    /// Pressure.
-    pub(crate) pressure: f64,
-    /// Traction `T^f(u, p) n^f`.
-    pub(crate) traction: Vector<D>,
-    /// Whether the velocity of the body is unknown.
-    pub(crate) is_unknown: bool,
-}
-
-impl<const D: usize> MortarPoint<'_, D> {
-    /// Normal `n^f = -n`, into the body.
-    #[inline]
-    pub(crate) fn fluid_normal(&self) -> Vector<D> {
-        -self.piece.normal
-    }
-
-    /// The basis of the jump `v - w`: first row and value of each vector-valued test function.
-    #[inline]
-    pub(crate) fn jump_basis(&self) -> impl Iterator<Item = (usize, f64)> + Clone + '_ {
-        let fluid = (0..=D).map(|i| (D * i, self.at.fluid[i]));
-        let n_solid = if self.is_unknown { D } else { 0 };
-        let first_solid = (D + 1) * (D + 1);
-        let solid = (0..n_solid).map(move |k| (first_solid + D * k, -self.at.solid[k]));
-        fluid.chain(solid)
-    }
-
-    /// Row of the pressure of a fluid node.
-    #[inline]
-    pub(crate) fn pressure_row(&self, node: usize) -> usize {
-        D * (D + 1) + node
     }
 }

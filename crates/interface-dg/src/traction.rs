@@ -2,7 +2,9 @@
 
 use mesh::{Point, Tensor, Vector};
 
-use crate::InterfacePieces;
+use algebra::Sites;
+
+use crate::{InterfacePoints, Penalty};
 
 /// Means over one interface piece.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,12 +19,12 @@ pub struct InterfaceTraction<const D: usize> {
     pub jump: Vector<D>,
     /// The middle `x̄` of the piece.
     pub middle: Point<D>,
-    /// Mean of `t (x - x̄)ᵀ` with the total traction `t`: what moments need besides the force at the middle.
+    /// Mean of `t (x - x̄)ᵀ` with the total traction `t`, which moments contain in addition to the force at the middle.
     pub first_moment: Tensor<D>,
 }
 
 impl<const D: usize> InterfaceTraction<D> {
-    /// What the body feels: fluid traction and penalty, the variational traction of the mortar.
+    /// Returns the traction on the body, fluid traction plus penalty: the variational traction of the mortar.
     pub fn total(&self) -> Vector<D> {
         self.fluid + self.penalty
     }
@@ -39,9 +41,12 @@ impl<const D: usize> InterfaceTraction<D> {
 }
 
 /// Tractions of all pieces of a step at the state `x`, in the order of the pieces.
-pub fn interface_tractions<const D: usize>(pieces: &InterfacePieces<'_, D>, x: &[f64]) -> Vec<InterfaceTraction<D>> {
-    let penalty = &pieces.form.penalty;
-    (0..pieces.geometry.cut.interface().len())
+pub fn interface_tractions<const D: usize>(
+    points: &InterfacePoints<'_, D>,
+    penalty: &Penalty,
+    x: &[f64],
+) -> Vec<InterfaceTraction<D>> {
+    (0..points.len())
         .map(|item| {
             let mut mean = InterfaceTraction {
                 fluid: Vector::zeros(),
@@ -52,12 +57,12 @@ pub fn interface_tractions<const D: usize>(pieces: &InterfacePieces<'_, D>, x: &
                 first_moment: Tensor::zeros(),
             };
             let mut measure = 0.0;
-            pieces.for_each_point(item, x, |q| {
+            points.visit(item, x, |q| {
                 measure += q.at.weight;
                 mean.fluid -= q.traction * q.at.weight;
                 mean.pressure -= q.piece.normal * (q.pressure * q.at.weight);
                 mean.jump += q.jump * q.at.weight;
-                let by_penalty = q.jump * (q.at.weight * penalty.gamma_sigma * penalty.viscosity / q.cell_size);
+                let by_penalty = q.jump * (q.at.weight * penalty.coefficient(q));
                 mean.penalty += by_penalty;
                 mean.middle += q.at.point * q.at.weight;
                 mean.first_moment += (by_penalty - q.traction * q.at.weight) * q.at.point.transpose();

@@ -1,12 +1,16 @@
 //! The mortar on one cut cell: values by hand, action and reaction, leak and traction.
 
-use algebra::{BlockLayout, Contributions, LocalSystem};
+use algebra::time::{ImplicitEuler, StepRule};
+use algebra::{BlockLayout, Contributions, LocalSystem, check_tangent};
+use body::{SurfaceMotion, SurfaceStress, SurfaceVelocity};
 use fluid_ns::mesh::generate::structured_box;
-use fluid_ns::mesh::{Placed, Point, SimplexMesh, Vector};
+use fluid_ns::mesh::{BodyId, Placed, Point, SimplexMesh, Tensor, Vector};
 use fluid_ns::xfem_space::cutcell::{CutMesh, OverlayOptions};
 use fluid_ns::xfem_space::{FaceValues, PartValues, XfemSpace};
 use fluid_ns::{FluidFields, FluidGeometry, NewtonianFluid};
-use interface_dg::{BodySide, InterfacePieces, MortarForm, PieceValues, fluid_ns, interface_flow, interface_tractions};
+use interface_dg::{
+    FluidStress, InterfacePoints, MortarForm, PieceValues, fluid_ns, interface_flow, interface_tractions,
+};
 
 type V = Vector<2>;
 
@@ -29,89 +33,90 @@ impl Fixture {
         Self { background, body, cut, space }
     }
 
-    /// Residual sums: force on the fluid, flux in the pressure rows, force on the body; and the largest row sums.
-    fn with_pieces<R>(
+    /// Visits the interface, the state, and the residual sums: force on fluid and body, flux in the pressure rows.
+    fn with_points<R>(
         &self,
         gamma_sigma: f64,
         u: impl Fn(&Point<2>) -> V,
-        p: f64,
+        p: impl Fn(&Point<2>) -> f64,
         v: V,
         elastic: bool,
-        visit: impl FnOnce(&InterfacePieces<'_, 2>, &[f64], [V; 2], f64) -> R,
+        visit: impl FnOnce(&InterfacePoints<'_, 2>, &MortarForm, &[f64], [V; 2], f64) -> R,
     ) -> R {
-        let parts = PartValues::new(&self.background, &self.cut, 2);
+        let parts = PartValues::new(&self.background, &self.cut);
         let faces = FaceValues::new(&self.background, &self.cut, &self.space, &parts);
-        let pieces = PieceValues::new(&self.background, &self.cut, &parts, 2);
+        let values = PieceValues::new(&self.background, &self.cut, &parts, 2);
         let history = vec![V::zeros(); self.space.len()];
+        let rule = StepRule::new(&ImplicitEuler, &[1.0], &[]);
         let mut layout = BlockLayout::new();
-        let velocity = layout.push("velocity", 2 * self.space.len());
-        let pressure = layout.push("pressure", self.space.len());
-        let field = layout.push("body", 2 * self.body.n_vertices());
-        let geometry = FluidGeometry {
-            background: &self.background,
-            cut: &self.cut,
-            space: &self.space,
-            parts: &parts,
-            faces: &faces,
-            history: &history,
-        };
+        let velocity = layout.push("velocity", self.space.len(), 2);
+        let pressure = layout.push_on(velocity, "pressure", 1);
+        let field = layout.push("body", self.body.n_vertices(), 2);
         let boundary = self.body.boundary();
-        let given = move |_: &Point<2>, _: [f64; 2]| v;
-        let side = if elastic {
-            BodySide::Unknown { field, boundary: &boundary }
-        } else {
-            BodySide::Prescribed { velocity: &given, times: [0.0; 2] }
+        let surface = SurfaceMotion {
+            boundary: &boundary,
+            begin: self.body.vertices().to_vec(),
+            predicted: self.body.vertices().to_vec(),
+            slope: 1.0,
+            velocity: if elastic {
+                SurfaceVelocity::Field(field)
+            } else {
+                SurfaceVelocity::Given(Box::new(move |_| v))
+            },
         };
-        let interface = InterfacePieces {
-            geometry: &geometry,
+        let fluid = NewtonianFluid { density: 1.0, viscosity: 0.5 };
+        let Self { background, cut, space, .. } = self;
+        let points = InterfacePoints {
+            geometry: FluidGeometry {
+                background,
+                cut,
+                space,
+                parts: &parts,
+                faces: &faces,
+                history: &history,
+                rule: &rule,
+            },
             fields: FluidFields { layout: &layout, velocity, pressure },
-            values: &pieces,
-            bodies: &[side],
-            form: &MortarForm::new(NewtonianFluid { density: 1.0, viscosity: 0.5 }, gamma_sigma),
+            values: &values,
+            surfaces: vec![&surface],
+            fluid,
         };
+        let form = MortarForm::new(fluid, gamma_sigma);
+        let at = |k: &fluid_ns::mesh::VertexId| background.vertex(*k);
         let mut x = vec![0.0; layout.len()];
-        for (k, &vertex) in self.space.vertices().iter().enumerate() {
-            x[2 * k..2 * k + 2].copy_from_slice(u(&self.background.vertex(vertex)).as_slice());
-            x[layout.dof(pressure, k).index()] = p;
-        }
-        x[layout.range(field)].chunks_exact_mut(2).for_each(|slot| slot.copy_from_slice(v.as_slice()));
-        let (mut dofs, mut local) = (Vec::new(), LocalSystem::new());
-        let (mut force, mut flux) = ([V::zeros(); 2], 0.0);
+        layout.set(velocity, space.vertices().iter().map(|k| u(&at(k)).into()), &mut x);
+        layout.set(pressure, space.vertices().iter().map(|k| [p(&at(k))]), &mut x);
+        layout.set(field, vec![v.into(); self.body.n_vertices()], &mut x);
+        let interface = form.contributions(points.clone());
+        assert!(check_tangent(&interface, &x, 1e-5) < 1e-9);
+        let (mut dofs, mut local, mut sum) = (Vec::new(), LocalSystem::new(), vec![0.0; layout.len()]);
         for item in 0..interface.len() {
             dofs.clear();
             interface.dofs(item, &mut dofs);
             local.reset(dofs.len());
             interface.add(item, &x, &mut local);
-            for (dof, r) in dofs.iter().zip(local.residual()) {
-                let k = dof.index();
-                if layout.range(pressure).contains(&k) {
-                    flux += r;
-                } else {
-                    let of_body = layout.range(field).contains(&k);
-                    let first = if of_body { layout.range(field).start } else { 0 };
-                    force[usize::from(of_body)][(k - first) % 2] += r;
-                }
-            }
+            dofs.iter().zip(local.residual()).for_each(|(dof, r)| sum[dof.index()] += r);
         }
-        visit(&interface, &x, force, flux)
+        let force = [velocity, field].map(|field| layout.values::<2>(field, &sum).map(V::from).sum());
+        visit(&points, &form, &x, force, sum[layout.range(pressure)].iter().sum())
     }
 }
 
 #[test]
 fn pressure_pushes_fluid_and_body_apart() {
     // u = v: no jump. -(T n^f, v - w) with T n^f = -p n^f, n^f = (0, -1), on a length of 2.
-    Fixture::new().with_pieces(
+    Fixture::new().with_points(
         1e3,
         |_| V::new(1.0, 0.5),
-        3.0,
+        |_| 3.0,
         V::new(1.0, 0.5),
         true,
-        |pieces, x, force, flux| {
+        |points, form, x, force, flux| {
             assert!((force[0] - V::new(0.0, -6.0)).norm() < 1e-12, "{}", force[0]);
             assert!((force[0] + force[1]).norm() < 1e-12, "action and reaction");
             assert!(flux.abs() < 1e-12);
-            for t in interface_tractions(pieces, x) {
-                // The body feels -p n with n = (0, 1).
+            for t in interface_tractions(points, &form.penalty, x) {
+                // The traction on the body is -p n with n = (0, 1).
                 assert!((t.total() - V::new(0.0, -3.0)).norm() < 1e-12 && t.jump.norm() < 1e-12);
             }
         },
@@ -121,16 +126,20 @@ fn pressure_pushes_fluid_and_body_apart() {
 #[test]
 fn shear_drags_the_body_along() {
     // u = (y - 0.4, 0): no jump on the interface; viscous traction on the body μ (1, 0).
-    Fixture::new().with_pieces(
+    Fixture::new().with_points(
         1e3,
         |x| V::new(x[1] - 0.4, 0.0),
-        0.0,
+        |_| 0.0,
         V::zeros(),
         true,
-        |pieces, x, force, _| {
+        |points, form, x, force, _| {
             assert!((force[1] - V::new(-1.0, 0.0)).norm() < 1e-12, "{}", force[1]);
             assert!((force[0] + force[1]).norm() < 1e-12);
-            assert!(interface_tractions(pieces, x).iter().all(|t| (t.fluid - V::new(0.5, 0.0)).norm() < 1e-12));
+            assert!(
+                interface_tractions(points, &form.penalty, x)
+                    .iter()
+                    .all(|t| (t.fluid - V::new(0.5, 0.0)).norm() < 1e-12)
+            );
         },
     );
 }
@@ -139,13 +148,13 @@ fn shear_drags_the_body_along() {
 fn a_jump_is_penalised_and_counted_as_leak() {
     for elastic in [true, false] {
         // Fluid at rest, body moving up with 2: jump (0, -2); every cell has h_K = √(0.5 · 4/√3).
-        Fixture::new().with_pieces(
+        Fixture::new().with_points(
             100.0,
             |_| V::zeros(),
-            0.0,
+            |_| 0.0,
             V::new(0.0, 2.0),
             elastic,
-            |pieces, x, force, flux| {
+            |points, _, x, force, flux| {
                 let h = (0.5 * 4.0 / 3.0_f64.sqrt()).sqrt();
                 let penalty = 100.0 * 0.5 / h * -2.0 * 2.0;
                 assert!((force[0] - V::new(0.0, penalty)).norm() < 1e-10, "{}", force[0]);
@@ -153,10 +162,57 @@ fn a_jump_is_penalised_and_counted_as_leak() {
                 assert!((force[1] - reaction).norm() < 1e-10);
                 // -(u - v_s)·n^f q: jump·n^f = 2 on a length of 2.
                 assert!((flux + 4.0).abs() < 1e-12, "{flux}");
-                let flow = interface_flow(pieces, x);
+                let flow = interface_flow(points, x);
                 assert!((flow.leak_net + 4.0).abs() < 1e-12 && (flow.leak_absolute - 4.0).abs() < 1e-12);
                 assert!((flow.swept - 4.0).abs() < 1e-12);
             },
         );
     }
+}
+
+/// The traction of linear fields is that of their gradients, and its derivatives are differences.
+#[test]
+fn fluid_stress_is_the_traction_of_the_fluid() {
+    let gradient = Tensor::<2>::new(0.7, -1.1, 0.4, 0.3);
+    let p = |x: &Point<2>| 2.0 - 3.0 * x[0] + 0.5 * x[1];
+    let u = |x: &Point<2>| gradient * x + V::new(0.2, -0.4);
+    Fixture::new().with_points(1e3, u, p, V::zeros(), true, |points, _, x, _, _| {
+        let stress = FluidStress::new(points.clone(), BodyId(0));
+        let surface = points.surfaces[0];
+        let (mut dofs, mut derivatives, mut unused) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut n_wet, mut worst) = (0, [0.0_f64; 2]);
+        for facet in surface.boundary.facets() {
+            dofs.clear();
+            stress.dofs(facet, &mut dofs);
+            for share in [0.0, 0.13, 0.5, 0.72, 1.0] {
+                let barycentric = [1.0 - share, share];
+                let found = stress.at(facet, &barycentric, x, &mut derivatives);
+                assert_eq!(derivatives.len(), dofs.len());
+                let corners = surface.boundary.facet(facet);
+                let at: Point<2> = (0..2).map(|k| surface.begin[corners[k].index()] * barycentric[k]).sum();
+                // The top of the body is wet; the other sides lie on the boundary of the background.
+                if corners.iter().any(|v| surface.begin[v.index()][1] < 0.3) {
+                    assert_eq!(found, V::zeros());
+                    continue;
+                }
+                n_wet += 1;
+                let normal = V::new(0.0, 1.0);
+                let expected = (gradient + gradient.transpose()) * normal * 0.5 - normal * p(&at);
+                worst[0] = worst[0].max((found - expected).norm() / expected.norm());
+                for (dof, derivative) in dofs.iter().zip(&derivatives) {
+                    let mut moved = x.to_vec();
+                    let mut with = |value: f64| {
+                        moved[dof.index()] = value;
+                        stress.at(facet, &barycentric, &moved, &mut unused)
+                    };
+                    let (value, step) = (x[dof.index()], 1e-3);
+                    let difference = (with(value + step) - with(value - step)) / (2.0 * step);
+                    worst[1] = worst[1].max((difference - derivative).norm());
+                }
+                assert!(derivatives.iter().any(|derivative| derivative.norm() > 0.1));
+            }
+        }
+        assert_eq!(n_wet, 3 * 5);
+        assert!(worst[0] < 1e-13 && worst[1] < 1e-11, "{worst:?}");
+    });
 }

@@ -8,8 +8,7 @@
 //! |---|---|---|
 //! | balance of momentum | `(M V - P^n)/Δt - M g`, `(J ω - L^n)/Δt` | `terms/momentum.rs` |
 //!
-//! Fluid and contact know of vertex velocities only. They act on a rigid body through those of its surface, which are tied to
-//! the unknowns ([`RigidStep::tie`]): nothing else in the system knows that a body is rigid.
+//! Fluid and contact act on the velocities of vertices, which are tied to the unknowns of the body ([`RigidBody`]).
 //!
 //! ```
 //! use mesh::{BoundaryMesh, Placed, Point, VertexId};
@@ -29,13 +28,14 @@ pub mod terms;
 mod error;
 mod mass;
 mod motion;
-mod step;
+mod rigid;
 
 pub use error::Error;
 pub use mass::MassProperties;
 pub use modes::Spin;
 pub use motion::RigidMotion;
-pub use step::{RigidMomentum, RigidStep};
+pub use rigid::RigidBody;
 
 pub use algebra;
+pub use body;
 pub use mesh;

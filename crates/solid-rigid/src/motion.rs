@@ -1,9 +1,9 @@
-//! Where a rigid body is and how it moves.
+//! Position and velocity of a rigid body.
 
 use mesh::{Point, Tensor, Vector};
 
+use crate::MassProperties;
 use crate::modes::{Spin, n_rotations, rotated_by, spin_velocity};
-use crate::{MassProperties, RigidStep};
 
 /// Position and velocity of a rigid body at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,17 +28,41 @@ impl<const D: usize> RigidMotion<D> {
         Self { centre: mass.centre, rotation, velocity, spin, angular_momentum }
     }
 
-    /// The motion at the end of a step of length `dt` with velocity and spin there.
+    /// Returns the motion at the end of a step of length `dt` with velocity and spin there.
     ///
-    /// The angular momentum is that of the balance over the step, `J(R^n) ω`: without torque it is kept exactly.
-    pub fn after(&self, step: &RigidStep<D>, velocity: Vector<D>, spin: Spin) -> Self {
-        let dt = step.dt();
+    /// The angular momentum is that of the balance over the step, `J(R^n) ω` with the `inertia` at its begin: without
+    /// torque it is conserved exactly.
+    pub fn after(&self, inertia: &[Spin; 3], dt: f64, velocity: Vector<D>, spin: Spin) -> Self {
         Self {
             centre: self.centre + velocity * dt,
             rotation: rotated_by::<D>(&spin.map(|omega| omega * dt)) * self.rotation,
             velocity,
             spin,
-            angular_momentum: product(step.inertia(), &spin, n_rotations(D)),
+            angular_momentum: product(inertia, &spin, n_rotations(D)),
+        }
+    }
+
+    /// Writes centre, rotation (column by column), velocity, spin and angular momentum as one list of numbers.
+    pub fn to_numbers(&self) -> Vec<f64> {
+        let vectors = self.centre.iter().chain(&self.rotation).chain(&self.velocity);
+        vectors.chain(&self.spin).chain(&self.angular_momentum).copied().collect()
+    }
+
+    /// Reads the numbers of [`RigidMotion::to_numbers`].
+    ///
+    /// # Panics
+    /// The list has another length.
+    pub fn from_numbers(numbers: &[f64]) -> Self {
+        let (centre, rest) = numbers.split_at(D);
+        let (rotation, rest) = rest.split_at(D * D);
+        let (velocity, rest) = rest.split_at(D);
+        let spin = |k: usize| std::array::from_fn(|a| rest[3 * k + a]);
+        Self {
+            centre: Point::from_column_slice(centre),
+            rotation: Tensor::from_column_slice(rotation),
+            velocity: Vector::from_column_slice(velocity),
+            spin: spin(0),
+            angular_momentum: spin(1),
         }
     }
 

@@ -1,15 +1,16 @@
-//! One cell of a body: what a term sees.
+//! Cells of a body as terms see them.
 
+use algebra::time::StepRule;
+use algebra::{BlockLayout, DofId, FieldId, LocalSystem, Sites};
 use mesh::{CellId, MAX_CELL_VERTICES, Tensor, Vector};
 
-use algebra::LocalSystem;
-
+use crate::SolidMesh;
 use crate::kinematics::gradient;
-use crate::{SolidMesh, StepRule};
 
 /// A cell in the reference configuration with the local state at the stage of the step.
 ///
-/// Arrays have one entry per vertex of the cell; entries beyond are zero.
+/// Arrays have one entry per vertex of the cell; the remaining entries are zero. Component `a` of the velocity of vertex
+/// `i` is local row `D i + a`.
 #[derive(Clone, Copy, Debug)]
 pub struct SolidCell<'a, const D: usize> {
     /// Reference volume.
@@ -21,33 +22,12 @@ pub struct SolidCell<'a, const D: usize> {
     /// Accelerations `a`.
     pub acceleration: [Vector<D>; MAX_CELL_VERTICES],
     /// `c_d`: derivative of displacement with respect to velocity.
-    pub displacement_per_velocity: f64,
+    pub displacement_slope: f64,
     /// `c_a`: derivative of acceleration with respect to velocity.
-    pub acceleration_per_velocity: f64,
+    pub acceleration_slope: f64,
 }
 
-impl<'a, const D: usize> SolidCell<'a, D> {
-    /// A cell of a body at the velocities `velocity` (those of the body, `D` per vertex).
-    #[inline]
-    pub fn new(mesh: &'a SolidMesh<D>, step: &StepRule<D>, cell: CellId, velocity: &[f64]) -> Self {
-        let mut displacement = [Vector::zeros(); MAX_CELL_VERTICES];
-        let mut acceleration = [Vector::zeros(); MAX_CELL_VERTICES];
-        let stage = step.stage();
-        for (k, vertex) in mesh.mesh().cell(cell).iter().enumerate() {
-            let v = Vector::from_column_slice(&velocity[D * vertex.index()..][..D]);
-            displacement[k] = stage.displacement.at(vertex.index(), &v);
-            acceleration[k] = stage.acceleration.at(vertex.index(), &v);
-        }
-        Self {
-            volume: mesh.volume(cell),
-            gradients: mesh.gradients(cell),
-            displacement,
-            acceleration,
-            displacement_per_velocity: stage.displacement.slope(),
-            acceleration_per_velocity: stage.acceleration.slope(),
-        }
-    }
-
+impl<const D: usize> SolidCell<'_, D> {
     /// Local vertices.
     #[inline]
     pub fn nodes(&self) -> std::ops::RangeInclusive<usize> {
@@ -56,7 +36,7 @@ impl<'a, const D: usize> SolidCell<'a, D> {
 
     /// First local row of the velocity of a local vertex.
     #[inline]
-    pub fn velocity(&self, node: usize) -> usize {
+    pub fn row(&self, node: usize) -> usize {
         D * node
     }
 
@@ -65,10 +45,58 @@ impl<'a, const D: usize> SolidCell<'a, D> {
     pub fn grad_displacement(&self) -> Tensor<D> {
         gradient(&self.displacement[..=D], &self.gradients[..=D])
     }
+
+    /// Adds a vector to the residual of a node.
+    #[inline]
+    pub(crate) fn add(&self, node: usize, value: Vector<D>, out: &mut LocalSystem) {
+        out.add_vector::<D>(self.row(node), value);
+    }
 }
 
-/// A term of the weak form that lives on the reference cells of a body.
-pub trait SolidTerm<const D: usize> {
-    /// Adds residual and tangent (with respect to velocity) of this term on one cell.
-    fn add(&self, cell: &SolidCell<'_, D>, out: &mut LocalSystem);
+/// The cells of a body in one step: one item and one site per cell.
+#[derive(Clone, Copy)]
+pub struct SolidCells<'a, const D: usize> {
+    mesh: &'a SolidMesh<D>,
+    rule: &'a StepRule<Vector<D>>,
+    layout: &'a BlockLayout,
+    field: FieldId,
+}
+
+impl<'a, const D: usize> SolidCells<'a, D> {
+    /// Creates the cells of a body whose velocity is `field`.
+    pub fn new(mesh: &'a SolidMesh<D>, rule: &'a StepRule<Vector<D>>, layout: &'a BlockLayout, field: FieldId) -> Self {
+        Self { mesh, rule, layout, field }
+    }
+}
+
+impl<'a, const D: usize> Sites for SolidCells<'a, D> {
+    type Site = SolidCell<'a, D>;
+
+    fn len(&self) -> usize {
+        self.mesh.mesh().n_cells()
+    }
+
+    fn dofs(&self, item: usize, out: &mut Vec<DofId>) {
+        for vertex in self.mesh.mesh().cell(CellId::new(item)) {
+            out.extend(self.layout.node(self.field, vertex.index()));
+        }
+    }
+
+    fn visit(&self, item: usize, x: &[f64], mut visit: impl FnMut(&Self::Site)) {
+        let (cell, stage) = (CellId::new(item), &self.rule.stage);
+        let mut site = SolidCell {
+            volume: self.mesh.volume(cell),
+            gradients: self.mesh.gradients(cell),
+            displacement: [Vector::zeros(); MAX_CELL_VERTICES],
+            acceleration: [Vector::zeros(); MAX_CELL_VERTICES],
+            displacement_slope: stage.displacement.slope,
+            acceleration_slope: stage.acceleration.slope,
+        };
+        for (k, vertex) in self.mesh.mesh().cell(cell).iter().enumerate() {
+            let v = self.layout.at(self.field, vertex.index(), x).into();
+            site.displacement[k] = stage.displacement.at(vertex.index(), v);
+            site.acceleration[k] = stage.acceleration.at(vertex.index(), v);
+        }
+        visit(&site);
+    }
 }

@@ -1,12 +1,14 @@
 //! Loads on boundary facets of a body.
 
-use algebra::{BlockLayout, Contributions, DofId, FieldId, LocalSystem};
+use algebra::time::StepRule;
+use algebra::{BlockLayout, DofId, FieldId, Sites};
 use mesh::{FacetId, MAX_CELL_VERTICES, Point, Vector, simplex_measure};
 
-use crate::error::length;
-use crate::{Error, SolidMesh, StepRule};
+use crate::SolidMesh;
 
 /// A boundary facet with its vertices at the stage of the step.
+///
+/// Component `a` of the velocity of vertex `i` is local row `D i + a`.
 #[derive(Clone, Copy, Debug)]
 pub struct SolidFacet<const D: usize> {
     /// Measure (length, area) in the reference configuration.
@@ -14,7 +16,7 @@ pub struct SolidFacet<const D: usize> {
     /// Positions `x = X + d` of the vertices; the first `D` count.
     pub points: [Point<D>; MAX_CELL_VERTICES],
     /// `c_d`: derivative of displacement with respect to velocity.
-    pub displacement_per_velocity: f64,
+    pub displacement_slope: f64,
 }
 
 impl<const D: usize> SolidFacet<D> {
@@ -26,89 +28,57 @@ impl<const D: usize> SolidFacet<D> {
 
     /// First local row of the velocity of a local vertex.
     #[inline]
-    pub fn velocity(&self, node: usize) -> usize {
+    pub fn row(&self, node: usize) -> usize {
         D * node
     }
 }
 
-/// A term of the weak form that lives on boundary facets of a body.
-pub trait FacetTerm<const D: usize>: Send + Sync + std::fmt::Debug {
-    /// Adds residual and tangent (with respect to velocity) of this term on one facet.
-    fn add(&self, facet: &SolidFacet<D>, out: &mut LocalSystem);
-
-    /// Whether the tangent does not depend on the state.
-    fn is_linear(&self) -> bool;
-
-    /// Name for timings and reports.
-    fn name(&self) -> &'static str;
-}
-
-/// One load on a list of boundary facets of a body.
-#[derive(Clone, Copy, Debug)]
+/// Facets of the boundary of a body in one step: one item and one site per facet.
+#[derive(Clone, Copy)]
 pub struct SolidFacets<'a, const D: usize> {
     mesh: &'a SolidMesh<D>,
-    term: &'a dyn FacetTerm<D>,
     facets: &'a [FacetId],
-    step: &'a StepRule<D>,
-    first_dof: usize,
+    rule: &'a StepRule<Vector<D>>,
+    layout: &'a BlockLayout,
+    field: FieldId,
 }
 
 impl<'a, const D: usize> SolidFacets<'a, D> {
-    /// The load `term` on the given facets of the boundary of `mesh`.
-    ///
-    /// # Errors
-    /// [`Error::Length`]: field or step rule do not fit the mesh. [`Error::UnknownFacet`]: no such facet.
+    /// Creates the sites on facets of a body whose velocity is `field`.
     pub fn new(
         mesh: &'a SolidMesh<D>,
-        term: &'a dyn FacetTerm<D>,
         facets: &'a [FacetId],
-        step: &'a StepRule<D>,
-        layout: &BlockLayout,
+        rule: &'a StepRule<Vector<D>>,
+        layout: &'a BlockLayout,
         field: FieldId,
-    ) -> Result<Self, Error> {
-        let range = layout.range(field);
-        length("field of the body", range.len(), mesh.n_dofs())?;
-        length("step rule", step.n_vertices(), mesh.mesh().n_vertices())?;
-        let n_facets = mesh.boundary().n_facets();
-        if let Some(&facet) = facets.iter().find(|f| f.index() >= n_facets) {
-            return Err(Error::UnknownFacet { facet, n_facets });
-        }
-        Ok(Self { mesh, term, facets, step, first_dof: range.start })
+    ) -> Self {
+        Self { mesh, facets, rule, layout, field }
     }
 }
 
-impl<const D: usize> Contributions for SolidFacets<'_, D> {
+impl<const D: usize> Sites for SolidFacets<'_, D> {
+    type Site = SolidFacet<D>;
+
     fn len(&self) -> usize {
         self.facets.len()
     }
 
     fn dofs(&self, item: usize, out: &mut Vec<DofId>) {
         for vertex in self.mesh.boundary().facet(self.facets[item]) {
-            out.extend((0..D).map(|a| DofId::new(self.first_dof + D * vertex.index() + a)));
+            out.extend(self.layout.node(self.field, vertex.index()));
         }
     }
 
-    fn add(&self, item: usize, x: &[f64], out: &mut LocalSystem) {
+    fn visit(&self, item: usize, x: &[f64], mut visit: impl FnMut(&Self::Site)) {
+        let displacement = &self.rule.stage.displacement;
         let mut points = [Point::zeros(); MAX_CELL_VERTICES];
         let mut reference = points;
         for (k, vertex) in self.mesh.boundary().facet(self.facets[item]).iter().enumerate() {
-            let v = Vector::from_column_slice(&x[self.first_dof + D * vertex.index()..][..D]);
+            let v = self.layout.at(self.field, vertex.index(), x).into();
             reference[k] = self.mesh.mesh().vertex(*vertex);
-            points[k] = reference[k] + self.step.stage().displacement.at(vertex.index(), &v);
+            points[k] = reference[k] + displacement.at(vertex.index(), v);
         }
-        let facet = SolidFacet {
-            reference_measure: simplex_measure(&reference[..D]),
-            points,
-            displacement_per_velocity: self.step.stage().displacement.slope(),
-        };
-        self.term.add(&facet, out);
-    }
-
-    fn is_linear(&self) -> bool {
-        self.term.is_linear()
-    }
-
-    fn name(&self) -> &'static str {
-        self.term.name()
+        let reference_measure = simplex_measure(&reference[..D]);
+        visit(&SolidFacet { reference_measure, points, displacement_slope: displacement.slope });
     }
 }

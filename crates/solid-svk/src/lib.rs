@@ -1,7 +1,8 @@
 //! Elastodynamics in the reference configuration, Saint Venant-Kirchhoff first.
 //!
-//! The unknown of a body is the **velocity** `v` of its vertices at the end of the step; displacement and
-//! acceleration follow from it by a [`StepRule`], which a [`TimeScheme`] gives: `d = d_pred + c_d v`, `a = c_a v - a_pred`.
+//! This crate hosts all deformable solids. The unknown of a body is the **velocity** `v` of its vertices at the end of the
+//! step; displacement and acceleration follow from it by the time scheme ([`algebra::time`]): `d = d_pred + c_d v`,
+//! `a = a_pred + c_a v`. [`ElasticBody`] is the body that a simulation uses; the example below assembles its parts by hand.
 //!
 //! Weak form on the reference domain, for all test functions `w` (residual = left minus right side):
 //!
@@ -13,12 +14,11 @@
 //! | dead load | `-(t, w)` on facets | `terms/traction.rs` |
 //! | follower pressure | `(p J F⁻ᵀ N, w)` on facets | `terms/pressure.rs` |
 //!
-//! Component `a` of the velocity of vertex `i` is dof `D i + a` of the body's field.
-//!
 //! ```
+//! use algebra::time::{ImplicitEuler, Level, StepRule};
 //! use algebra::{BlockLayout, Contributions};
 //! use mesh::{Point, SimplexMesh, Vector, VertexId};
-//! use solid_svk::{LameParameters, SaintVenantKirchhoff, SolidCells, SolidForm, SolidMesh, StepRule};
+//! use solid_svk::{LameParameters, SaintVenantKirchhoff, SolidCells, SolidForm, SolidMesh};
 //!
 //! let corners = vec![Point::<2>::new(0.0, 0.0), Point::<2>::new(1.0, 0.0), Point::<2>::new(0.0, 1.0)];
 //! let solid = SolidMesh::new(SimplexMesh::new(corners, (0..3).map(VertexId).collect())?)?;
@@ -26,36 +26,41 @@
 //! let form = SolidForm::new(7.8, steel, Vector::<2>::new(0.0, -981.0))?;
 //!
 //! let rest = vec![Vector::<2>::zeros(); 3];
-//! let step = StepRule::implicit_euler(1e-3, &rest, &rest)?;
+//! let level = Level { displacement: rest.clone(), velocity: rest, ..Level::default() };
+//! let rule = StepRule::new(&ImplicitEuler, &[1e-3], &[level]);
 //! let mut layout = BlockLayout::new();
-//! let velocity = layout.push("solid velocity", solid.n_dofs());
-//! let cells = SolidCells::new(&solid, &form, &step, &layout, velocity)?;
-//! assert_eq!(cells.linear().len() + cells.internal_work().len(), 2);
+//! let velocity = layout.push("solid velocity", 3, 2);
+//! let cells = SolidCells::new(&solid, &rule, &layout, velocity);
+//! assert_eq!(form.inertia_and_body_force(cells).len() + form.internal_work(cells).len(), 2);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-pub mod boundary;
 pub mod energy;
 pub mod kinematics;
 pub mod material;
+pub mod supports;
 pub mod terms;
 
 mod cell;
+mod elastic;
 mod error;
 mod facet;
 mod form;
+mod load;
 mod solid_mesh;
-mod step_rule;
-mod time_scheme;
+mod stress;
 
-pub use cell::{SolidCell, SolidTerm};
+pub use cell::{SolidCell, SolidCells};
+pub use elastic::{ElasticBody, ElasticOptions};
 pub use error::Error;
-pub use facet::{FacetTerm, SolidFacet, SolidFacets};
-pub use form::{InternalWorkCells, LinearCells, SolidCells, SolidForm};
+pub use facet::{SolidFacet, SolidFacets};
+pub use form::SolidForm;
+pub use load::Load;
 pub use material::{LameParameters, LinearElastic, Material, SaintVenantKirchhoff};
 pub use solid_mesh::SolidMesh;
-pub use step_rule::{AffineInVelocity, Kinematics, StepRule};
-pub use time_scheme::{GeneralisedAlpha, TimeScheme};
+pub use stress::SolidStress;
+pub use supports::{Support, SupportKind};
 
 pub use algebra;
+pub use body;
 pub use mesh;

@@ -1,35 +1,9 @@
-//! Which page of the step stopped.
+//! Errors of time steps.
 
 use algebra::{LinearError, NewtonError, NewtonReport};
 
-/// A setup whose parts do not fit together.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum SetupError {
-    /// A solid refused its data.
-    #[error("body {body}")]
-    Solid {
-        /// Name of the body.
-        body: String,
-        /// Why.
-        source: solid_svk::Error,
-    },
-    /// A contact refused its data.
-    #[error("contact {index}")]
-    Contact {
-        /// Number of the contact.
-        index: usize,
-        /// Why.
-        source: contact::Error,
-    },
-    /// A rigid body refused its data.
-    #[error("body {body}")]
-    Rigid {
-        /// Name of the body.
-        body: String,
-        /// Why.
-        source: solid_rigid::Error,
-    },
-}
+/// An observer that could not do its work.
+pub type ObserverError = Box<dyn std::error::Error + Send + Sync>;
 
 /// The stage of a step that failed.
 #[derive(Debug, thiserror::Error)]
@@ -37,8 +11,8 @@ pub enum Stage {
     /// The surfaces cannot cut the background: a body is turned inside out or torn.
     #[error("cutting the background")]
     Cut(#[from] cutcell::Error),
-    /// The cut leaves a part of the interface without a facet: fluid and body would not feel each other there. Move
-    /// the body, or the mesh, by a fraction of a cell, and report the case.
+    /// The cut leaves a part of the interface without a facet, where fluid and body would not be coupled. Move the body, or
+    /// the mesh, by a fraction of a cell, and report the case.
     #[error("the cut leaves {uncovered:e} of an interface of {interface:e} without a facet")]
     Interface {
         /// Measure of the interface without a facet.
@@ -46,36 +20,34 @@ pub enum Stage {
         /// Measure of the whole interface.
         interface: f64,
     },
-    /// A body that is moved by forces has no vertex in the bounds of the background any more.
+    /// A movable body has no vertex inside the bounding box of the background any more.
     #[error("body {body} has left the domain")]
     LeftDomain {
         /// Its name.
         body: String,
     },
-    /// The parts of the setup do not fit together.
-    #[error("composing the problem")]
-    Setup(#[from] SetupError),
     /// Newton's method failed; the history of residuals is inside.
     #[error("solving the coupled problem")]
     Newton(#[from] NewtonError),
-    /// Points of a contact moved farther in the step than it was looked for obstacles: contact may have been missed. Take
-    /// smaller steps.
+    /// Bodies in contact moved farther in the step than obstacles were searched: contact may have been missed. Take smaller
+    /// steps.
     #[error(
-        "contact {contact} may have been missed: its bodies move by {motion:e} in a step, and it looks {room:e} ahead"
+        "contact {contact} may have been missed: its bodies move by {motion:e} in a step, and obstacles were searched \
+         within {room:e}; take smaller steps"
     )]
     MissedContact {
         /// Number of the contact.
         contact: usize,
         /// Relative motion in the step, at most.
         motion: f64,
-        /// Motion for which obstacles were looked for.
+        /// Motion for which obstacles were searched.
         room: f64,
-        /// The solve that came to nothing.
+        /// Report of the nonlinear solve, which is discarded.
         newton: Box<NewtonReport>,
     },
     /// An observer failed.
     #[error("writing results")]
-    Observer(crate::ObserverError),
+    Observer(ObserverError),
 }
 
 impl Stage {
@@ -93,7 +65,7 @@ impl Stage {
         )
     }
 
-    /// What the nonlinear solver did before the failure.
+    /// Report of the nonlinear solver before the failure.
     pub fn newton_report(&self) -> Option<&NewtonReport> {
         match self {
             Self::Newton(newton) => Some(newton.report()),
@@ -111,7 +83,7 @@ pub struct StepError {
     pub step: usize,
     /// Time at the end of the step.
     pub time: f64,
-    /// What failed.
+    /// The stage that failed, with its error.
     pub source: Stage,
 }
 

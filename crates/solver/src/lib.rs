@@ -4,43 +4,39 @@
 //! computed once per step and is read-only during Newton's method:
 //!
 //! ```text
-//! state^n -> surfaces -> CutMesh -> XfemSpace -> history -> FsiProblem -> x -> state^{n+1} -> observers
+//! state^n -> Step (surfaces, CutMesh, XfemSpace, history, unknowns) -> Problem -> x -> state^{n+1} -> observers
 //! ```
 //!
-//! This crate composes; of integrals it evaluates only those of its reports.
+//! Without a fluid the same step advances bodies in vacuum. This crate composes; the only integrals that it evaluates are
+//! those of its reports.
 
-pub mod dry;
-
-mod bodies;
+mod contact_step;
 mod error;
-mod geometry;
+mod fluid_step;
+mod interior;
 mod observe;
-mod pocket;
+mod prepare;
 mod problem;
 mod report;
+mod seconds;
 mod setup;
 mod state;
 mod step;
-mod system;
 mod time_loop;
 
-pub use bodies::{BodyForms, BodyUnknown, Motion};
-pub use error::{SetupError, Stage, StepError};
-pub use geometry::StepGeometry;
-pub use observe::{Observer, ObserverError, StepView};
-pub use pocket::{Pocket, pockets};
-pub use problem::{FsiProblem, StepForms};
-pub use report::{BodyReport, ForceBalance, StageSeconds, StepReport};
-pub use setup::{
-    Body, BodyKind, BodySupport, Contact, ContactObstacle, ElasticBody, FluidBoundary, FluidSetup, PointField,
-    PrescribedBody, RigidBody, Setup, SupportKind, SurfaceVelocity, TimeField, TractionField,
-};
-pub use state::{BodyState, FluidState, State};
-pub use step::{Substep, advance, advance_by};
-pub use system::StepSystem;
+pub use error::{ObserverError, Stage, StepError};
+pub use observe::{Observer, StepView};
+pub use prepare::{Step, Substep};
+pub use problem::Problem;
+pub use report::{BodyReport, FluidReport, ForceBalance, StepReport};
+pub use seconds::StageSeconds;
+pub use setup::{Contact, ContactObstacle, FluidBoundary, FluidSetup, Setup, TractionField};
+pub use state::{FluidState, State};
+pub use step::advance;
 pub use time_loop::TimeLoop;
 
 pub use algebra;
+pub use body;
 pub use contact;
 pub use cutcell;
 pub use fluid_ns;

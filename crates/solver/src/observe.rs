@@ -1,8 +1,8 @@
-//! How results leave the time loop.
+//! Interface through which results leave the time loop.
 
-use crate::{Setup, State, StepReport};
+use crate::{ObserverError, Setup, State, StepReport};
 
-/// What an observer sees after a step.
+/// Data that an observer is given after a step.
 pub struct StepView<'a, const D: usize> {
     /// The problem.
     pub setup: &'a Setup<D>,
@@ -10,7 +10,7 @@ pub struct StepView<'a, const D: usize> {
     pub previous: &'a State<D>,
     /// The state after the step. The fluid's fields live on the geometry at the start of the step.
     pub state: &'a State<D>,
-    /// What the step reports; `None` for the state at the start.
+    /// Report of the step; `None` for the state at the start.
     pub report: Option<&'a StepReport<D>>,
 }
 
@@ -20,9 +20,6 @@ impl<const D: usize> StepView<'_, D> {
         self.report.is_none_or(|report| report.substep.is_last)
     }
 }
-
-/// An observer that could not do its work.
-pub type ObserverError = Box<dyn std::error::Error + Send + Sync>;
 
 /// Something that looks at every step: writes files, collects histories, shows progress.
 pub trait Observer<const D: usize> {

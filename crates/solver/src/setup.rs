@@ -3,52 +3,43 @@
 use std::sync::Arc;
 
 use algebra::NewtonSettings;
-use contact::{ContactForm, DeformableObstacle, Obstacle};
+use body::{Body, BodyState, PointField, TimeField};
+use contact::{ContactForm, DeformableObstacle, Obstacle, check_pair};
 use cutcell::OverlayOptions;
 use fluid_ns::NewtonianFluid;
 use fluid_ns::terms::CipProfile;
-use mesh::{BodyId, BoundaryMesh, FacetId, Placed, Point, SimplexMesh, Tag, Vector, VertexId};
-use solid_rigid::{MassProperties, Spin};
-use solid_svk::{FacetTerm, SolidForm, SolidMesh, TimeScheme};
+use mesh::{BodyId, FacetId, Placed, Point, SimplexMesh, Tag, Vector};
 
-/// A vector at a point.
-pub type PointField<const D: usize> = Arc<dyn Fn(&Point<D>) -> Vector<D> + Send + Sync>;
-/// A vector at a point and time.
-pub type TimeField<const D: usize> = Arc<dyn Fn(&Point<D>, f64) -> Vector<D> + Send + Sync>;
-/// Velocity of a body at a point where it was at the first time, for the second one.
-///
-/// Within a step a body is where it was at the begin and has the velocity of the end: a rigid one has the velocity and spin of the
-/// second time, with arms from where its centre was at the first. With equal times it is the velocity at a current position.
-pub type SurfaceVelocity<const D: usize> = Arc<dyn Fn(&Point<D>, [f64; 2]) -> Vector<D> + Send + Sync>;
 /// A traction at a point, given the outward normal, at a time.
 pub type TractionField<const D: usize> = Arc<dyn Fn(&Point<D>, &Vector<D>, f64) -> Vector<D> + Send + Sync>;
 
-/// A coupled problem: background, fluid, bodies, contacts and parameters.
+/// A coupled problem: fluid, bodies, contacts and parameters.
 pub struct Setup<const D: usize> {
-    /// The background mesh.
-    pub background: SimplexMesh<D>,
-    /// The fluid.
-    pub fluid: FluidSetup<D>,
+    /// The fluid; `None` for bodies in vacuum.
+    pub fluid: Option<FluidSetup<D>>,
     /// The bodies, in the order of the overlay.
-    pub bodies: Vec<Body<D>>,
+    pub bodies: Vec<Arc<dyn Body<D>>>,
     /// The contacts.
     pub contacts: Vec<Contact<D>>,
-    /// Penalty parameter `γ_Σ` of the mortar.
-    pub gamma_sigma: f64,
     /// Time step.
     pub dt: f64,
-    /// How often a step may be halved that fails (see [`crate::TimeLoop::run`]). Zero: the run stops with the first failure.
+    /// Number of times that a failing step may be halved (see [`crate::TimeLoop::run`]). Zero: the run stops with the first
+    /// failure.
     pub most_halvings: usize,
     /// Newton's method.
     pub newton: NewtonSettings,
-    /// The overlay.
-    pub overlay: OverlayOptions,
 }
 
-/// The fluid with its stabilisation and boundary conditions.
+/// The fluid with its background mesh, stabilisation and boundary conditions.
 pub struct FluidSetup<const D: usize> {
+    /// The background mesh.
+    pub background: SimplexMesh<D>,
+    /// The overlay of the bodies.
+    pub overlay: OverlayOptions,
     /// Density and viscosity.
     pub material: NewtonianFluid,
+    /// Penalty parameter `γ_Σ` of the mortar.
+    pub gamma_sigma: f64,
     /// Interior penalty of the velocity.
     pub cip: CipProfile,
     /// `γ_p` of the interior penalty of the pressure.
@@ -59,9 +50,9 @@ pub struct FluidSetup<const D: usize> {
     pub convection: Option<bool>,
     /// Force per volume.
     pub body_force: Option<TimeField<D>>,
-    /// Velocity at the start; at rest if `None`.
+    /// Velocity at the start; zero if `None`.
     pub initial_velocity: Option<PointField<D>>,
-    /// What holds on the tagged parts of the boundary; parts that are not listed are open.
+    /// Conditions on the tagged parts of the boundary; parts that are not listed are open.
     pub boundary: Vec<(Tag, FluidBoundary<D>)>,
 }
 
@@ -85,131 +76,20 @@ pub enum FluidBoundary<const D: usize> {
     },
 }
 
-/// A body.
-pub struct Body<const D: usize> {
-    /// Name, for reports and files.
-    pub name: String,
-    /// What moves it.
-    pub kind: BodyKind<D>,
-}
-
-/// What moves a body.
-pub enum BodyKind<const D: usize> {
-    /// Elasticity: its velocity is unknown.
-    Elastic(Box<ElasticBody<D>>),
-    /// Momentum alone: it does not deform.
-    Rigid(Box<RigidBody<D>>),
-    /// A given motion.
-    Prescribed(PrescribedBody<D>),
-}
-
-/// An elastic body.
-pub struct ElasticBody<const D: usize> {
-    /// Mesh in the reference configuration.
-    pub solid: SolidMesh<D>,
-    /// Material, inertia, body force.
-    pub form: SolidForm<D>,
-    /// How it is advanced in time; the fluid is always advanced by implicit Euler.
-    pub scheme: TimeScheme,
-    /// What holds it.
-    pub supports: Vec<BodySupport<D>>,
-    /// Loads on facets of its boundary.
-    pub loads: Vec<(Vec<FacetId>, Arc<dyn FacetTerm<D>>)>,
-    /// Displacement at the start; none if `None`.
-    pub initial_displacement: Option<PointField<D>>,
-    /// Velocity at the start; at rest if `None`.
-    pub initial_velocity: Option<PointField<D>>,
-}
-
-/// A support of an elastic body.
-pub struct BodySupport<const D: usize> {
-    /// The vertices that it holds.
-    pub vertices: Vec<VertexId>,
-    /// How.
-    pub kind: SupportKind<D>,
-}
-
-/// How a support holds.
-pub enum SupportKind<const D: usize> {
-    /// No motion.
-    Clamped,
-    /// No motion along an axis.
-    Symmetry {
-        /// Number of the axis, from 0.
-        axis: usize,
-    },
-    /// Displacement components given at a reference point and time.
-    #[allow(clippy::type_complexity)]
-    Displacement(Arc<dyn Fn(&Point<D>, f64) -> [Option<f64>; D] + Send + Sync>),
-}
-
-/// A body that moves freely without deforming, advanced by implicit Euler.
-pub struct RigidBody<const D: usize> {
-    /// Its surface.
-    pub boundary: BoundaryMesh<D>,
-    /// Reference positions of the vertices of the surface.
-    pub reference: Vec<Point<D>>,
-    /// Mass, centre and moments.
-    pub mass: MassProperties<D>,
-    /// Acceleration of gravity.
-    pub gravity: Vector<D>,
-    /// Axes along which the centre is held.
-    pub held_axes: [bool; D],
-    /// Whether rotation is held.
-    pub holds_rotation: bool,
-    /// Velocity of the centre at the start.
-    pub initial_velocity: Vector<D>,
-    /// Spin at the start, rad/s.
-    pub initial_spin: Spin,
-}
-
-impl<const D: usize> RigidBody<D> {
-    /// A body at rest that nothing holds, of uniform density inside of its surface.
-    ///
-    /// # Errors
-    /// [`solid_rigid::Error`]: density not positive, or a surface that encloses nothing.
-    pub fn new(
-        boundary: BoundaryMesh<D>,
-        reference: Vec<Point<D>>,
-        density: f64,
-        gravity: Vector<D>,
-    ) -> Result<Self, solid_rigid::Error> {
-        let mass = MassProperties::of_surface(&Placed::new(&boundary, &reference), density)?;
-        Ok(Self {
-            boundary,
-            reference,
-            mass,
-            gravity,
-            held_axes: [false; D],
-            holds_rotation: false,
-            initial_velocity: Vector::zeros(),
-            initial_spin: [0.0; 3],
-        })
+impl<const D: usize> FluidSetup<D> {
+    /// Whether fluid may cross the parts of the boundary with a tag.
+    pub(crate) fn is_open(&self, tag: Option<Tag>) -> bool {
+        let condition = self.boundary.iter().find(|(other, _)| Some(*other) == tag).map(|(_, condition)| condition);
+        matches!(condition, None | Some(FluidBoundary::Open { .. }))
     }
-}
-
-/// A body with a given motion.
-pub struct PrescribedBody<const D: usize> {
-    /// Its surface.
-    pub boundary: BoundaryMesh<D>,
-    /// Reference positions of the vertices of the surface.
-    pub reference: Vec<Point<D>>,
-    /// Position at a time, from the reference position.
-    pub position: TimeField<D>,
-    /// Velocity of the surface.
-    pub velocity: SurfaceVelocity<D>,
 }
 
 /// A contact of a body with an obstacle.
 pub struct Contact<const D: usize> {
-    /// The slave.
-    pub body: BodyId,
-    /// Facets of its boundary that may come into contact.
-    pub facets: Vec<FacetId>,
-    /// Law and contact size.
-    pub form: ContactForm<D>,
-    /// The obstacle.
-    pub obstacle: ContactObstacle<D>,
+    body: BodyId,
+    facets: Vec<FacetId>,
+    form: ContactForm<D>,
+    obstacle: ContactObstacle<D>,
 }
 
 /// An obstacle.
@@ -226,58 +106,72 @@ pub enum ContactObstacle<const D: usize> {
 }
 
 impl<const D: usize> Contact<D> {
-    /// Whether a body takes part.
-    pub fn names(&self, body: usize) -> bool {
-        let master = match &self.obstacle {
+    /// Creates the contact of a body, the slave, with an obstacle. `facets` are those of its boundary that may come into
+    /// contact.
+    ///
+    /// # Errors
+    /// [`contact::Error`]: a facet or a body that does not exist, a body that is its own obstacle, or an obstacle that is not
+    /// the surface of its body.
+    pub fn new(
+        bodies: &[Arc<dyn Body<D>>],
+        body: BodyId,
+        facets: Vec<FacetId>,
+        form: ContactForm<D>,
+        obstacle: ContactObstacle<D>,
+    ) -> Result<Self, contact::Error> {
+        let n_bodies = bodies.len();
+        let find = |id: BodyId| bodies.get(id.index()).ok_or(contact::Error::UnknownBody { body: id, n_bodies });
+        let slave = find(body)?;
+        let contact = Self { body, facets, form, obstacle };
+        let master = contact.master().map(find).transpose()?;
+        if contact.master() == Some(body) {
+            return Err(contact::Error::SelfContact);
+        }
+        let surface = master.map(|master| master.surface());
+        check_pair(slave.surface(), &contact.facets, contact.geometry(), surface)?;
+        Ok(contact)
+    }
+
+    /// The slave.
+    pub fn body(&self) -> BodyId {
+        self.body
+    }
+
+    /// The body of a deformable obstacle.
+    pub fn master(&self) -> Option<BodyId> {
+        match &self.obstacle {
             ContactObstacle::Rigid(_) => None,
             ContactObstacle::Body { body, .. } => Some(*body),
-        };
-        self.body.index() == body || master.is_some_and(|master| master.index() == body)
+        }
     }
-}
 
-impl<const D: usize> ContactObstacle<D> {
-    /// The geometry.
+    /// Facets of the slave that may come into contact.
+    pub fn facets(&self) -> &[FacetId] {
+        &self.facets
+    }
+
+    /// Law, contact size and quadrature.
+    pub fn form(&self) -> &ContactForm<D> {
+        &self.form
+    }
+
+    /// The obstacle.
     pub fn geometry(&self) -> &dyn Obstacle<D> {
-        match self {
-            Self::Rigid(obstacle) => obstacle.as_ref(),
-            Self::Body { surface, .. } => surface,
+        match &self.obstacle {
+            ContactObstacle::Rigid(obstacle) => obstacle.as_ref(),
+            ContactObstacle::Body { surface, .. } => surface,
         }
     }
 }
 
-impl<const D: usize> Body<D> {
-    /// The elastic body, if it is one.
-    pub fn elastic(&self) -> Option<&ElasticBody<D>> {
-        match &self.kind {
-            BodyKind::Elastic(body) => Some(body),
-            BodyKind::Rigid(_) | BodyKind::Prescribed(_) => None,
-        }
+impl<const D: usize> Setup<D> {
+    /// Positions of the vertices of each body in the given states.
+    pub fn positions(&self, states: &[BodyState<D>]) -> Vec<Vec<Point<D>>> {
+        self.bodies.iter().zip(states).map(|(body, state)| state.positions(body.reference())).collect()
     }
 
-    /// The rigid body, if it is one.
-    pub fn rigid(&self) -> Option<&RigidBody<D>> {
-        match &self.kind {
-            BodyKind::Rigid(body) => Some(body),
-            BodyKind::Elastic(_) | BodyKind::Prescribed(_) => None,
-        }
-    }
-
-    /// The surface.
-    pub fn boundary(&self) -> &BoundaryMesh<D> {
-        match &self.kind {
-            BodyKind::Elastic(body) => body.solid.boundary(),
-            BodyKind::Rigid(body) => &body.boundary,
-            BodyKind::Prescribed(body) => &body.boundary,
-        }
-    }
-
-    /// Reference positions of the vertices.
-    pub fn reference(&self) -> &[Point<D>] {
-        match &self.kind {
-            BodyKind::Elastic(body) => body.solid.mesh().vertices(),
-            BodyKind::Rigid(body) => &body.reference,
-            BodyKind::Prescribed(body) => &body.reference,
-        }
+    /// The surfaces of the bodies at the given positions.
+    pub fn surfaces<'a>(&'a self, positions: &'a [Vec<Point<D>>]) -> Vec<Placed<'a, D>> {
+        self.bodies.iter().zip(positions).map(|(body, x)| Placed::new(body.surface(), x)).collect()
     }
 }

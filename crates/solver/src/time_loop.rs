@@ -2,14 +2,14 @@
 
 use algebra::{NewtonReport, Workspace};
 
-use crate::{Observer, Setup, Stage, State, StepError, StepView, Substep, advance_by};
+use crate::{Observer, Setup, Stage, State, StepError, StepView, Substep, advance};
 
 /// A run: the setup, the state so far, and recycled memory.
 pub struct TimeLoop<'a, const D: usize> {
     setup: &'a Setup<D>,
     state: State<D>,
     work: Workspace,
-    /// What failed attempts have cost since the last part that succeeded.
+    /// Work of failed attempts since the last part that succeeded.
     lost: NewtonReport,
 }
 
@@ -50,7 +50,7 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
             observer.after_step(&start).map_err(|e| StepError::at(step, time, Stage::Observer(e)))?;
         }
         for _ in 0..n_steps {
-            self.step(Substep { dt: self.setup.dt, is_last: true }, self.setup.most_halvings, observers)?;
+            self.step(Substep::whole(self.setup.dt), self.setup.most_halvings, observers)?;
         }
         Ok(())
     }
@@ -62,7 +62,7 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         most_halvings: usize,
         observers: &mut [&mut dyn Observer<D>],
     ) -> Result<(), StepError> {
-        match advance_by(self.setup, &self.state, substep, &mut self.work) {
+        match advance(self.setup, &self.state, substep, &mut self.work) {
             Ok((state, mut report)) => {
                 report.add_work(&std::mem::take(&mut self.lost));
                 let view = StepView { setup: self.setup, previous: &self.state, state: &state, report: Some(&report) };

@@ -5,8 +5,12 @@ mod fixture;
 use std::sync::Arc;
 
 use fixture::*;
+use solver::body::StepTime;
+use solver::cutcell::{CutMesh, OverlayOptions};
 use solver::mesh::generate::{BallOptions, Size, ball, graded_box, structured_box};
-use solver::{FluidBoundary, Setup};
+use solver::solid_svk::{Support, SupportKind};
+use solver::xfem_space::{Sources, XfemSpace};
+use solver::{FluidBoundary, Setup, Step};
 
 fn background() -> solver::mesh::SimplexMesh<2> {
     graded_box::<2>([0.0, 0.0], [2.0, 1.5], &Size::uniform(0.13)).expect("a box")
@@ -23,41 +27,44 @@ fn uniform_pressure_around_a_closed_elastic_body() {
     for pressure in [1.0, 100.0] {
         let s = (1.0_f64 - pressure / (lambda + mu)).sqrt();
         let centre = P::new(0.91, 0.73);
-        let mut setup = setup(background(), fluid(1.0, 0.1), 1e-2);
+        let mut setup = setup(fluid(background(), 1.0, 0.1), 1e-2);
         on_sides(&mut setup, &SIDES, || FluidBoundary::Open {
             traction: Some(Arc::new(move |_, n, _| n * -pressure)),
             backflow: true,
         });
-        let mut body = elastic("disk", disk([0.91, 0.73], 0.4, 0.11), 1.0, mu, lambda, V::zeros());
-        elastic_mut(&mut body).initial_displacement = Some(Arc::new(move |x| (x - centre) * (s - 1.0)));
-        setup.bodies.push(body);
+        let stretched = |s: f64| {
+            let mut body = elastic("disk", disk([0.91, 0.73], 0.4, 0.11), 1.0, mu, lambda, V::zeros());
+            body.options.initial_displacement = Some(Arc::new(move |x| (x - centre) * (s - 1.0)));
+            body.body()
+        };
+        setup.bodies.push(stretched(s));
         let (state, _) = run(&setup, 3);
         let (u, p) = fluid_error(&setup, &state, |_| V::zeros(), |_| pressure);
         assert!(u < 1e-9 && p < 1e-9 * pressure.max(1.0), "u {u:e}, p {p:e}");
-        let v = state.bodies[0].velocity.iter().map(|v| v.norm()).fold(0.0, f64::max);
+        let v = state.bodies[0].velocity().iter().map(|v| v.norm()).fold(0.0, f64::max);
         assert!(v < 1e-9, "the disk moves with {v:e}");
         // Another size of the disk is no equilibrium.
         let mut wrong = setup;
-        elastic_mut(&mut wrong.bodies[0]).initial_displacement = Some(Arc::new(move |x| (x - centre) * (s - 1.001)));
+        wrong.bodies[0] = stretched(s - 0.001);
         let (state, _) = run(&wrong, 1);
-        assert!(state.bodies[0].velocity.iter().any(|v| v.norm() > 1e-3));
+        assert!(state.bodies[0].velocity().iter().any(|v| v.norm() > 1e-3));
     }
 }
 
 fn translating(dt: f64, u: V, n_steps: usize) {
-    let mut setup = setup(background(), fluid(1.3, 0.05), dt);
-    setup.fluid.initial_velocity = Some(Arc::new(move |_| u));
+    let mut setup = setup(fluid(background(), 1.3, 0.05), dt);
+    fluid_of(&mut setup).initial_velocity = Some(Arc::new(move |_| u));
     on_sides(&mut setup, &SIDES, || FluidBoundary::Velocity(Arc::new(move |_, _| u)));
     let mut body = elastic("disk", disk([0.5, 0.55], 0.3, 0.09), 0.7, 2e3, 8e3, V::zeros());
-    elastic_mut(&mut body).initial_velocity = Some(Arc::new(move |_| u));
-    setup.bodies.push(body);
+    body.options.initial_velocity = Some(Arc::new(move |_| u));
+    setup.bodies.push(body.body());
     let (state, reports) = run(&setup, n_steps);
     let (error_u, error_p) = fluid_error(&setup, &state, |_| u, |_| 0.0);
     assert!(error_u < 1e-9 && error_p < 1e-9, "u {error_u:e}, p {error_p:e}");
-    for (v, d) in state.bodies[0].velocity.iter().zip(&state.bodies[0].displacement) {
+    for (v, d) in state.bodies[0].velocity().iter().zip(state.bodies[0].displacement()) {
         assert!((v - u).norm() < 1e-9 && (d - u * state.time).norm() < 1e-9);
     }
-    assert!(reports.iter().map(|r| r.n_uncovered).sum::<usize>() > 0, "the motion uncovers dofs");
+    assert!(reports.iter().map(|r| wet_report(r).n_uncovered).sum::<usize>() > 0, "the motion uncovers dofs");
 }
 
 #[test]
@@ -78,14 +85,14 @@ fn linear_flow(
     gradient: [[f64; 2]; 2],
     grad_p: V,
 ) {
-    let rho = setup.fluid.material.density;
+    let rho = fluid_of(&mut setup).material.density;
     let exact_p = move |x: &P| 1.7 + grad_p.dot(x);
     let a = solver::mesh::Tensor::<2>::from_fn(|i, j| gradient[i][j]);
     let u = exact_u.clone();
-    setup.fluid.body_force = Some(Arc::new(move |x, _| a * u(x) * rho + grad_p));
+    fluid_of(&mut setup).body_force = Some(Arc::new(move |x, _| a * u(x) * rho + grad_p));
     let u = exact_u.clone();
-    setup.fluid.initial_velocity = Some(Arc::new(u));
-    let stress = (a + a.transpose()) * setup.fluid.material.viscosity;
+    fluid_of(&mut setup).initial_velocity = Some(Arc::new(u));
+    let stress = (a + a.transpose()) * fluid_of(&mut setup).material.viscosity;
     let u = exact_u.clone();
     on_sides(&mut setup, &["right", "bottom"], || {
         let u = u.clone();
@@ -95,7 +102,7 @@ fn linear_flow(
         traction: Some(Arc::new(move |x, n, _| stress * n - n * exact_p(x))),
         backflow: false,
     });
-    if setup.fluid.boundary.len() < 4 {
+    if fluid_of(&mut setup).boundary.len() < 4 {
         let u = exact_u.clone();
         on_sides(&mut setup, &["left"], || {
             let u = u.clone();
@@ -105,7 +112,7 @@ fn linear_flow(
     let (state, reports) = run(&setup, 3);
     let (error_u, error_p) = fluid_error(&setup, &state, exact_u, exact_p);
     assert!(error_u < 1e-9 && error_p < 1e-9, "u {error_u:e}, p {error_p:e}");
-    assert!(reports.iter().all(|r| r.cut.n_cut_cells > 10));
+    assert!(reports.iter().all(|r| wet_report(r).cut.n_cut_cells > 10));
 }
 
 #[test]
@@ -113,14 +120,14 @@ fn linear_velocity_and_hydrostatic_pressure_around_a_prescribed_interface() {
     let u = |x: &P| V::new(0.3 + 0.5 * x[0] - 0.8 * x[1], -0.2 + 1.1 * x[0] - 0.5 * x[1]);
     let gradient = [[0.5, -0.8], [1.1, -0.5]];
     for (k, viscosity) in [0.01, 1.0].into_iter().enumerate() {
-        let mut setup = setup(background(), fluid(1.2, viscosity), 0.05);
+        let mut setup = setup(fluid(background(), 1.2, viscosity), 0.05);
         let shift = 0.031 * k as f64;
         let mesh = disk([0.9 + shift, 0.7 - shift], 0.37, 0.1);
         setup.bodies.push(prescribed(&mesh, |x, _| *x, move |x, _| u(x)));
         linear_flow(setup, u, gradient, V::new(-0.7, 2.5));
     }
     // The same while the interface moves through the mesh.
-    let mut setup = setup(background(), fluid(1.2, 0.1), 0.05);
+    let mut setup = setup(fluid(background(), 1.2, 0.1), 0.05);
     let mesh = structured_box::<2>([0.5, 0.4], [0.9, 0.83], [4, 4]).expect("a box");
     setup.bodies.push(prescribed(&mesh, |x, t| x + V::new(2.0 * t, t), move |x, _| u(x)));
     linear_flow(setup, u, gradient, V::new(-0.7, 2.5));
@@ -130,7 +137,7 @@ fn linear_velocity_and_hydrostatic_pressure_around_a_prescribed_interface() {
 fn the_tangential_traction_on_a_symmetry_line_is_free() {
     // u = (a x, -a y) has no normal velocity and no shear on x = 0.
     let u = |x: &P| V::new(0.6 * x[0], 0.4 - 0.6 * x[1]);
-    let mut setup = setup(background(), fluid(1.2, 0.3), 0.05);
+    let mut setup = setup(fluid(background(), 1.2, 0.3), 0.05);
     on_sides(&mut setup, &["left"], || FluidBoundary::Symmetry { axis: 0 });
     setup.bodies.push(prescribed(&disk([0.9, 0.7], 0.37, 0.1), |x, _| *x, move |x, _| u(x)));
     // The pressure of a symmetric flow is symmetric.
@@ -141,35 +148,35 @@ fn the_tangential_traction_on_a_symmetry_line_is_free() {
 fn an_enclosed_pocket_has_a_pressure_of_mean_zero() {
     let u = |x: &P| V::new(0.5 * x[0] - 0.8 * x[1], 1.1 * x[0] - 0.5 * x[1]);
     let a = solver::mesh::Tensor::<2>::new(0.5, -0.8, 1.1, -0.5);
-    let mut setup = setup(background(), fluid(1.0, 0.2), 0.05);
-    setup.fluid.initial_velocity = Some(Arc::new(u));
-    setup.fluid.body_force = Some(Arc::new(move |x, _| a * u(x) + V::new(0.0, -3.0)));
+    let mut setup = setup(fluid(background(), 1.0, 0.2), 0.05);
+    fluid_of(&mut setup).initial_velocity = Some(Arc::new(u));
+    fluid_of(&mut setup).body_force = Some(Arc::new(move |x, _| a * u(x) + V::new(0.0, -3.0)));
     on_sides(&mut setup, &SIDES, || FluidBoundary::Velocity(Arc::new(move |x, _| u(x))));
     setup.bodies.push(prescribed(&disk([0.9, 0.7], 0.37, 0.1), |x, _| *x, move |x, _| u(x)));
     let (state, reports) = run(&setup, 2);
-    assert_eq!(reports[0].n_pockets, 1);
-    let shift = state.fluid.pressure[0] + 3.0 * setup.background.vertex(state.fluid.space.vertex(0))[1];
+    assert_eq!(wet_report(&reports[0]).n_pockets, 1);
+    let shift = wet(&state).pressure[0] + 3.0 * background().vertex(wet(&state).space.vertex(0))[1];
     let (error_u, error_p) = fluid_error(&setup, &state, u, |x| shift - 3.0 * x[1]);
     assert!(error_u < 1e-9 && error_p < 1e-8, "u {error_u:e}, p {error_p:e}");
     // The mean of -3 y over the box without the polygon, which is symmetric about its centre.
-    let fluid = state.fluid.cut.fluid_volume();
+    let fluid = wet(&state).cut.fluid_volume();
     let mean = -3.0 * (3.0 * 0.75 - (3.0 - fluid) * 0.7) / fluid;
     assert!((shift + mean).abs() < 1e-4, "{shift} {mean}");
 }
 
 #[test]
 fn a_clamped_body_does_not_fix_the_pressure() {
-    // Four walls and a body that cannot give way: nothing but the mean fixes the constant.
-    let mut setup = setup(background(), fluid(1.0, 0.1), 0.05);
-    setup.fluid.body_force = Some(Arc::new(|_, _| V::new(0.0, -2.0)));
+    // Four walls and a body that cannot move: only the mean fixes the constant.
+    let mut setup = setup(fluid(background(), 1.0, 0.1), 0.05);
+    fluid_of(&mut setup).body_force = Some(Arc::new(|_, _| V::new(0.0, -2.0)));
     on_sides(&mut setup, &SIDES, || FluidBoundary::NoSlip);
     let mut body = elastic("disk", disk([0.91, 0.73], 0.4, 0.11), 1.0, 2e3, 8e3, V::zeros());
-    let all = (0..body.reference().len()).map(solver::mesh::VertexId::new).collect();
-    elastic_mut(&mut body).supports.push(solver::BodySupport { vertices: all, kind: solver::SupportKind::Clamped });
-    setup.bodies.push(body);
+    let vertices = (0..body.solid.mesh().n_vertices()).map(solver::mesh::VertexId::new).collect();
+    body.options.supports.push(Support { vertices, kind: SupportKind::Clamped });
+    setup.bodies.push(body.body());
     let (state, reports) = run(&setup, 1);
-    assert_eq!(reports[0].n_pockets, 1);
-    let shift = state.fluid.pressure[0] + 2.0 * setup.background.vertex(state.fluid.space.vertex(0))[1];
+    assert_eq!(wet_report(&reports[0]).n_pockets, 1);
+    let shift = wet(&state).pressure[0] + 2.0 * background().vertex(wet(&state).space.vertex(0))[1];
     let (u, p) = fluid_error(&setup, &state, |_| V::zeros(), |x| shift - 2.0 * x[1]);
     assert!(u < 1e-9 && p < 1e-9, "u {u:e}, p {p:e}");
 }
@@ -177,21 +184,22 @@ fn a_clamped_body_does_not_fix_the_pressure() {
 #[test]
 fn every_pocket_has_its_own_mean() {
     // A wall across the box makes two pockets, with the same linear pressure up to their constants.
-    let mut setup = setup(background(), fluid(1.0, 0.1), 0.05);
-    setup.fluid.body_force = Some(Arc::new(|_, _| V::new(3.0, 0.0)));
+    let mut setup = setup(fluid(background(), 1.0, 0.1), 0.05);
+    fluid_of(&mut setup).body_force = Some(Arc::new(|_, _| V::new(3.0, 0.0)));
     on_sides(&mut setup, &SIDES, || FluidBoundary::NoSlip);
     let wall = structured_box::<2>([1.21, -0.1], [1.38, 1.6], [1, 9]).expect("a wall");
     setup.bodies.push(prescribed(&wall, |x, _| *x, |_, _| V::zeros()));
     let (state, reports) = run(&setup, 1);
-    assert_eq!(reports[0].n_pockets, 2);
+    let background = background();
+    assert_eq!(wet_report(&reports[0]).n_pockets, 2);
     let middle = |x: &P| if x[0] < 1.3 { 0.605 } else { 1.69 };
     let mut worst = 0.0_f64;
-    for part in state.fluid.cut.all_parts() {
-        let left = setup.background.simplex(state.fluid.cut.part_cell(part)).centroid()[0] < 1.295;
-        for &dof in state.fluid.space.dofs(part) {
-            let x = setup.background.vertex(state.fluid.space.vertex(dof));
+    for part in wet(&state).cut.all_parts() {
+        let left = background.simplex(wet(&state).cut.part_cell(part)).centroid()[0] < 1.295;
+        for &dof in wet(&state).space.dofs(part) {
+            let x = background.vertex(wet(&state).space.vertex(dof));
             let centre = middle(&P::new(if left { 0.0 } else { 2.0 }, 0.0));
-            worst = worst.max((state.fluid.pressure[dof as usize] - 3.0 * (x[0] - centre)).abs());
+            worst = worst.max((wet(&state).pressure[dof as usize] - 3.0 * (x[0] - centre)).abs());
         }
     }
     assert!(worst < 1e-9, "{worst:e}");
@@ -202,31 +210,37 @@ fn uncovered_fluid_takes_the_velocity_of_the_body_that_was_there() {
     // Two bodies that turn and slide while nothing else moves: a vertex that comes out of one takes that one's velocity.
     let turn = |x: &P| V::new(-(x[1] - 0.5), x[0] - 0.5) * 3.0;
     let slide = V::new(0.0, 2.0);
-    let mut setup = setup(background(), fluid(1.0, 0.1), 0.05);
+    let mut setup = setup(fluid(background(), 1.0, 0.1), 0.05);
     on_sides(&mut setup, &SIDES, || FluidBoundary::Open { traction: None, backflow: false });
     let mut first = elastic("turning", disk([0.5, 0.5], 0.3, 0.08), 1.0, 2e3, 8e3, V::zeros());
-    elastic_mut(&mut first).initial_velocity = Some(Arc::new(turn));
+    first.options.initial_velocity = Some(Arc::new(turn));
     let mut second = elastic("sliding", disk([1.5, 0.5], 0.25, 0.08), 1.0, 2e3, 8e3, V::zeros());
-    elastic_mut(&mut second).initial_velocity = Some(Arc::new(move |_| slide));
-    setup.bodies.extend([first, second]);
+    second.options.initial_velocity = Some(Arc::new(move |_| slide));
+    setup.bodies.extend([first.body(), second.body()]);
     // Both jump by two cells at once: the lower parts of their old places are uncovered, the velocities stay.
     let previous = solver::State::initial(&setup).expect("a cut");
     let mut moved = previous.clone();
     let jump = V::new(0.0, 0.2);
     for body in &mut moved.bodies {
-        body.displacement.iter_mut().for_each(|d| *d = jump);
+        body.levels[0].displacement.iter_mut().for_each(|d| *d = jump);
     }
-    let positions = setup.positions(&moved.bodies);
-    let cut = solver::cutcell::CutMesh::overlay(&setup.background, &setup.surfaces(&positions), &setup.overlay)
-        .expect("a cut");
-    let geometry = solver::StepGeometry::new(&setup, &moved, positions, cut);
+    let (positions, background) = (setup.positions(&moved.bodies), background());
+    let cut = CutMesh::overlay(&background, &setup.surfaces(&positions), &OverlayOptions::new()).expect("a cut");
+    let space = XfemSpace::new(&background, &cut);
+    let sources = Sources::between(&background, (&wet(&moved).cut, &wet(&moved).space), (&cut, &space));
+    // The starting guess of a step is the history on its space.
+    let time = StepTime { start: 0.0, end: setup.dt, lengths: vec![setup.dt] };
+    let step = Step::prepare(&setup, &moved, time).expect("a cut");
+    let velocity = step.layout.fields().next().expect("the velocity");
+    let history: Vec<V> = step.layout.values(velocity, &step.guess()).map(V::from).collect();
+    assert_eq!(history.len(), space.len());
     let mut n_inside = 0;
-    for dof in 0..geometry.space.len() {
-        if geometry.history.sources[dof].is_some() {
+    for dof in 0..space.len() {
+        if sources.earlier_dofs()[dof].is_some() {
             continue;
         }
-        let x = setup.background.vertex(geometry.space.vertex(dof as u32));
-        let value = geometry.history.values[dof];
+        let x = background.vertex(space.vertex(dof as u32));
+        let value = history[dof];
         let (from_first, from_second) = ((x - P::new(0.5, 0.7)).norm(), (x - P::new(1.5, 0.7)).norm());
         if from_first < 0.29 {
             assert!((value - turn(&(x - jump))).norm() < 1e-12, "{x} {value}");

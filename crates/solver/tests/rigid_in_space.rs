@@ -5,13 +5,11 @@ mod fixture;
 use std::sync::Arc;
 
 use fixture::*;
-use solver::algebra::{NewtonSettings, Workspace};
-use solver::contact::{ContactForm, Penalty, RigidPlane};
-use solver::dry::DrySetup;
+use solver::algebra::Workspace;
 use solver::mesh::generate::structured_box;
-use solver::mesh::{BodyId, Point, SimplexMesh, Tensor, Vector};
+use solver::mesh::{Point, SimplexMesh, Tensor, Vector};
 use solver::solid_rigid::modes::rotated_by;
-use solver::{Contact, ContactObstacle, FluidBoundary, State};
+use solver::{FluidBoundary, State, Substep};
 
 #[test]
 fn a_brick_that_lands_on_a_corner_is_turned_by_the_impulse() {
@@ -27,16 +25,10 @@ fn a_brick_that_lands_on_a_corner_is_turned_by_the_impulse() {
     let mesh = SimplexMesh::new(arms.iter().map(|arm| centre + arm).collect(), cells).expect("a brick");
     let mut body = rigid("brick", &mesh, density, Vector::<3>::zeros());
     let start = Vector::<3>::new(0.3, -0.2, -1.0);
-    rigid_mut(&mut body).initial_velocity = start;
-    let plane = RigidPlane::new(Point::<3>::zeros(), Vector::<3>::new(0.0, 0.0, -1.0)).expect("a plane");
-    let contact = Contact {
-        body: BodyId(0),
-        facets: body.boundary().facets().collect(),
-        form: ContactForm::new(Penalty::new(1e7, 0.0).expect("a law"), 1.0).expect("a contact"),
-        obstacle: ContactObstacle::Rigid(Box::new(plane)),
-    };
-    let setup = DrySetup { bodies: vec![body], contacts: vec![contact], dt: 2e-6, newton: NewtonSettings::new(1e-12) };
-    let (state, reports) = run_dry(&setup, 4000);
+    body.initial_velocity = start;
+    let mut setup = dry(vec![Arc::new(body)], 2e-6);
+    setup.contacts.push(contact(&setup.bodies, 0, (1e7, 0.0, 1.0), ground()));
+    let (state, reports) = run(&setup, 4000);
     let active: Vec<usize> = (0..reports.len()).filter(|&k| reports[k].contacts[0].is_active()).collect();
     assert!(active.len() > 100 && !active.contains(&(reports.len() - 1)), "{}", active.len());
 
@@ -47,7 +39,7 @@ fn a_brick_that_lands_on_a_corner_is_turned_by_the_impulse() {
     let normal = Vector::<3>::z();
     let spun = turn * (turn.transpose() * arm.cross(&normal)).component_div(&inertia);
     let impulse = 2.0 / (mass.recip() + spun.cross(&arm)[2]);
-    let motion = state.bodies[0].rigid.expect("rigid");
+    let motion = motion(&state, 0);
     let (velocity, spin) = (start + normal * (impulse / mass), spun * impulse);
     assert!((motion.velocity - velocity).norm() < 0.03 * velocity.norm(), "{} {velocity}", motion.velocity);
     assert!((Vector::<3>::from(motion.spin) - spin).norm() < 0.03 * spin.norm(), "{:?} {spin}", motion.spin);
@@ -63,27 +55,27 @@ fn a_neutral_body_turns_with_the_fluid() {
     let (omega, centre, dt) = (Vector::<3>::new(1.3, -0.7, 2.1), Point::<3>::new(1.02, 0.97, 1.05), 0.03);
     let brick = structured_box::<3>([0.72, 0.72, 0.65], [1.32, 1.22, 1.45], [1, 1, 1]).expect("a box");
     let mut body = rigid("brick", &brick, 1.3, Vector::<3>::zeros());
-    rigid_mut(&mut body).initial_spin = omega.into();
+    body.initial_spin = omega.into();
     // With the inertia of a ball: it turns steadily without a torque about any axis.
-    let mass = &mut rigid_mut(&mut body).mass;
+    let mass = &mut body.mass;
     mass.second_moment = Tensor::<3>::identity() * (mass.second_moment.trace() / 3.0);
     let background = structured_box::<3>([0.0; 3], [2.0; 3], [5, 5, 5]).expect("a box");
-    let u: solver::TimeField<3> = Arc::new(move |x, _| omega.cross(&(x - centre)));
-    let mut setup = setup(background, fluid(1.3, 0.7), dt);
-    setup.fluid.convection = None;
-    setup.fluid.initial_velocity = Some(Arc::new(move |x| omega.cross(&(x - centre))));
-    setup.bodies.push(body);
+    let u: solver::body::TimeField<3> = Arc::new(move |x, _| omega.cross(&(x - centre)));
+    let mut setup = setup(fluid(background, 1.3, 0.7), dt);
+    fluid_of(&mut setup).convection = None;
+    fluid_of(&mut setup).initial_velocity = Some(Arc::new(move |x| omega.cross(&(x - centre))));
+    setup.bodies.push(Arc::new(body));
     on_sides(&mut setup, &["left", "right", "front", "back", "bottom", "top"], || FluidBoundary::Velocity(u.clone()));
     let mut state = State::initial(&setup).expect("a cut");
     for _ in 0..2 {
-        state = solver::advance(&setup, &state, &mut Workspace::new()).expect("a step").0;
+        state = solver::advance(&setup, &state, Substep::whole(dt), &mut Workspace::new()).expect("a step").0;
     }
-    let motion = state.bodies[0].rigid.expect("rigid");
+    let motion = motion(&state, 0);
     assert!((Vector::<3>::from(motion.spin) - omega).norm() < 1e-8 && motion.velocity.norm() < 1e-8);
     let turned = solver::solid_rigid::modes::rotated_by::<3>(&(omega * state.time).into());
     assert!((motion.rotation - turned).norm() < 1e-8);
-    for (k, &vertex) in state.fluid.space.vertices().iter().enumerate() {
-        let exact = u(&setup.background.vertex(vertex), 0.0);
-        assert!((state.fluid.velocity[k] - exact).norm() < 1e-7 && state.fluid.pressure[k].abs() < 1e-5);
+    for (k, &vertex) in wet(&state).space.vertices().iter().enumerate() {
+        let exact = u(&fluid_of(&mut setup).background.vertex(vertex), 0.0);
+        assert!((wet(&state).velocity[k] - exact).norm() < 1e-7 && wet(&state).pressure[k].abs() < 1e-5);
     }
 }

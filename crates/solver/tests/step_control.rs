@@ -1,40 +1,33 @@
-//! Steps that fail are divided, and what the parts do is what smaller steps do.
+//! Steps that fail are divided, and their parts have the same result as smaller steps.
 
 mod fixture;
 
 use fixture::*;
 use solver::algebra::{LaggedSettings, LaggedSolver, NewtonSettings, Workspace};
-use solver::contact::{ContactForm, DeformableObstacle, Penalty};
+use solver::contact::DeformableObstacle;
+use solver::mesh::BodyId;
 use solver::mesh::generate::structured_box;
-use solver::mesh::{BodyId, FacetId};
-use solver::{
-    BodySupport, Contact, ContactObstacle, Observer, ObserverError, Setup, Stage, State, StepView, Substep,
-    SupportKind, TimeLoop, advance_by,
-};
+use solver::solid_svk::SupportKind;
+use solver::{ContactObstacle, Observer, ObserverError, Setup, Stage, State, StepView, Substep, TimeLoop, advance};
 
 /// A block that is thrown down onto a clamped one, so hard that in the first step it moves farther than contact looks ahead.
-fn thrown_block(most_halvings: usize) -> Setup<2> {
+fn thrown_block(most_halvings: usize, lift: f64) -> Setup<2> {
     let background = structured_box::<2>([0.0, 0.0], [2.0, 2.0], [12, 12]).expect("a box");
-    let mut setup = setup(background, fluid(1e-3, 1e-2), 1e-3);
+    let mut setup = setup(fluid(background, 1e-3, 1e-2), 1e-3);
     setup.newton = NewtonSettings::new(1e-8);
     setup.most_halvings = most_halvings;
     on_sides(&mut setup, &["bottom"], || solver::FluidBoundary::NoSlip);
     let block = structured_box::<2>([0.75, 0.55], [1.25, 1.05], [2, 2]).expect("a box");
     let ground = structured_box::<2>([0.15, 0.2], [1.85, 0.45], [6, 1]).expect("a box");
-    setup.bodies.push(elastic("block", block, 1.0, 2e6, 8e6, V::new(0.0, -4e5)));
-    setup.bodies.push(elastic("ground", ground, 1.0, 2e6, 8e6, V::zeros()));
-    let solid = &mut elastic_mut(&mut setup.bodies[1]).solid;
-    let bottom = solver::solid_svk::boundary::tagged_facets(solid, "bottom").expect("a side");
-    let vertices = solver::solid_svk::boundary::vertices_of(solid, &bottom);
-    elastic_mut(&mut setup.bodies[1]).supports.push(BodySupport { vertices, kind: SupportKind::Clamped });
-    let facets = |body: usize| -> Vec<FacetId> { setup.bodies[body].boundary().facets().collect() };
-    let surface = DeformableObstacle::new(setup.bodies[1].boundary().clone(), facets(1)).expect("a surface");
-    setup.contacts.push(Contact {
-        body: BodyId(0),
-        facets: facets(0),
-        form: ContactForm::new(Penalty::new(1e8, 0.05).expect("a law"), 0.02).expect("a contact"),
-        obstacle: ContactObstacle::Body { body: BodyId(1), surface },
-    });
+    let mut block = elastic("block", block, 1.0, 2e6, 8e6, V::new(0.0, -4e5));
+    block.options.initial_displacement = Some(std::sync::Arc::new(move |_| V::new(0.0, lift)));
+    let mut ground = elastic("ground", ground, 1.0, 2e6, 8e6, V::zeros());
+    ground.support("bottom", SupportKind::Clamped);
+    setup.bodies.extend([block.body(), ground.body()]);
+    let boundary = setup.bodies[1].surface();
+    let surface = DeformableObstacle::new(boundary.clone(), boundary.facets().collect()).expect("a surface");
+    let obstacle = ContactObstacle::Body { body: BodyId(1), surface };
+    setup.contacts.push(contact(&setup.bodies, 0, (1e8, 0.05, 0.02), obstacle));
     setup
 }
 
@@ -65,7 +58,7 @@ fn take_steps(setup: &Setup<2>, n: usize) -> (State<2>, Vec<Part>, Result<(), so
 
 #[test]
 fn a_step_that_may_miss_contact_is_taken_in_parts() {
-    let setup = thrown_block(6);
+    let setup = thrown_block(6, 0.0);
     let n = 4;
     let (state, parts, outcome) = take_steps(&setup, n);
     outcome.expect("parts of steps that succeed");
@@ -87,15 +80,15 @@ fn a_step_that_may_miss_contact_is_taken_in_parts() {
     // The same steps, one after the other.
     let (mut by_hand, mut work) = (State::initial(&setup).expect("a cut"), Workspace::new());
     for (_, _, substep) in parts {
-        by_hand = advance_by(&setup, &by_hand, substep, &mut work).expect("a part").0;
+        by_hand = advance(&setup, &by_hand, substep, &mut work).expect("a part").0;
     }
     assert_eq!(by_hand.bodies, state.bodies);
-    assert_eq!(by_hand.fluid.pressure, state.fluid.pressure);
+    assert_eq!(wet(&by_hand).pressure, wet(&state).pressure);
 }
 
 #[test]
 fn without_halvings_the_run_stops_at_the_last_good_state() {
-    let setup = thrown_block(0);
+    let setup = thrown_block(0, 0.0);
     let (state, parts, outcome) = take_steps(&setup, 1);
     let error = outcome.expect_err("contact may be missed");
     assert!(
@@ -104,7 +97,7 @@ fn without_halvings_the_run_stops_at_the_last_good_state() {
     );
     assert!(parts.is_empty() && state.time == 0.0);
     // One halving is not enough; the error names the part that failed.
-    let (_, _, outcome) = take_steps(&thrown_block(1), 1);
+    let (_, _, outcome) = take_steps(&thrown_block(1, 0.0), 1);
     let error = outcome.expect_err("contact may still be missed");
     assert_eq!((error.step, error.time), (1, 5e-4));
 }
@@ -117,7 +110,7 @@ fn a_failure_of_newton_is_repaired_by_smaller_steps() {
     setup.newton.max_iterations = 4;
     let mut work = Workspace::with_solver(Box::new(LaggedSolver::new(LaggedSettings::default())));
     let start = State::initial(&setup).expect("a cut");
-    let whole = advance_by(&setup, &start, Substep { dt: setup.dt, is_last: true }, &mut work);
+    let whole = advance(&setup, &start, Substep::whole(setup.dt), &mut work);
     assert!(matches!(whole.expect_err("too few corrections").source, Stage::Newton(_)));
     setup.most_halvings = 8;
     let (state, parts, outcome) = take_steps(&setup, 1);
@@ -129,8 +122,7 @@ fn a_failure_of_newton_is_repaired_by_smaller_steps() {
 #[test]
 fn bodies_far_apart_may_move_as_they_like() {
     // As far in a step as contact does not look, but with more than that between them.
-    let mut setup = thrown_block(0);
-    elastic_mut(&mut setup.bodies[0]).initial_displacement = Some(std::sync::Arc::new(|_| V::new(0.0, 0.4)));
+    let setup = thrown_block(0, 0.4);
     let (state, parts, outcome) = take_steps(&setup, 1);
     outcome.expect("nothing to miss");
     assert!(state.step == 1 && parts.len() == 1);

@@ -3,10 +3,10 @@
 mod fixture;
 
 use fixture::*;
-use solver::algebra::{NonlinearProblem, check_tangent};
-use solver::cutcell::CutMesh;
+use solver::algebra::check_tangent;
+use solver::body::StepTime;
 use solver::mesh::generate::{BallOptions, ball};
-use solver::{FsiProblem, Setup, State, StepForms, StepGeometry, StepSystem};
+use solver::{Setup, State, Step};
 
 /// Numbers between -1 and 1 that look random.
 fn noise(k: usize) -> f64 {
@@ -17,21 +17,20 @@ fn noise(k: usize) -> f64 {
 /// Checks all contributions of the first step at a state that is random in every field.
 fn check(setup: &Setup<2>, speed: f64, names: &mut Vec<&'static str>) {
     let mut previous = State::initial(setup).expect("a cut");
-    for (k, u) in previous.fluid.velocity.iter_mut().enumerate() {
-        *u = V::new(noise(2 * k), noise(2 * k + 1)) * speed;
+    if let Some(fluid) = &mut previous.fluid {
+        for (k, u) in fluid.velocity.iter_mut().enumerate() {
+            *u = V::new(noise(2 * k), noise(2 * k + 1)) * speed;
+        }
     }
-    let positions = setup.positions(&previous.bodies);
-    let cut = CutMesh::overlay(&setup.background, &setup.surfaces(&positions), &setup.overlay).expect("a cut");
-    let geometry = StepGeometry::new(setup, &previous, positions, cut);
-    let system = StepSystem::new(setup, &geometry, &previous, setup.dt).expect("a system");
-    let forms = StepForms::new(setup, &geometry, &system);
-    let problem = FsiProblem::new(setup, &geometry, &system, &forms, &previous).expect("a problem");
-    let mut x = problem.initial_guess(&geometry, &previous);
+    let time = StepTime { start: 0.0, end: setup.dt, lengths: vec![setup.dt] };
+    let step = Step::prepare(setup, &previous, time).expect("a cut");
+    let problem = step.problem();
+    let mut x = step.guess();
     for (k, value) in x.iter_mut().enumerate() {
         *value += speed * noise(7 * k + 3);
     }
-    for contribution in problem.contributions() {
-        let worst = check_tangent(contribution, &x, 1e-4 * speed);
+    for contribution in &problem.equations.contributions {
+        let worst = check_tangent(contribution.as_ref(), &x, 1e-4 * speed);
         assert!(worst < 1e-6, "{}: {worst:e}", contribution.name());
         if !contribution.is_empty() {
             names.push(contribution.name());
@@ -45,8 +44,8 @@ fn tangents_are_exact() {
     // Close to the ground, so that many points are in contact; both profiles, with and without the skew part.
     let mut setup = falling_ball(0.9, 0.3, 0.6, false);
     check(&setup, 3.0, &mut names);
-    setup.fluid.cip = solver::fluid_ns::terms::CipProfile::Consistent { gamma_u: 0.1 };
-    setup.fluid.convection = Some(true);
+    fluid_of(&mut setup).cip = solver::fluid_ns::terms::CipProfile::Consistent { gamma_u: 0.1 };
+    fluid_of(&mut setup).convection = Some(true);
     let other = ball::<2>([6.0, 12.0], 1.3, 0.5, &BallOptions { area_preserving: false }).expect("a disk");
     setup.bodies.push(prescribed(&other, |x, _| *x, |x, _| V::new(x[1], -x[0])));
     check(&setup, 3.0, &mut names);

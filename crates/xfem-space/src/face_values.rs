@@ -1,7 +1,7 @@
 //! Jumps of normal derivatives over faces.
 
 use cutcell::{CellState, CutMesh, PartId};
-use mesh::{FacetId, MAX_CELL_VERTICES, Point, SimplexMesh, Tag, Vector, facet_normal, simplex_measure};
+use mesh::{FacetId, MAX_CELL_VERTICES, Point, SimplexMesh, Tag, Vector, VertexId, facet_normal, simplex_measure};
 
 use crate::{PartValues, XfemSpace};
 
@@ -79,24 +79,21 @@ impl<const D: usize> FaceValue<D> {
     }
 
     /// Adds the normal derivatives of a part, times `sign`; the dof off the face goes to the slot `opposite`.
-    #[allow(clippy::too_many_arguments)]
-    fn add_side(
-        &mut self,
-        background: &SimplexMesh<D>,
-        cut: &CutMesh<D>,
-        space: &XfemSpace<D>,
-        values: &PartValues<D>,
-        part: PartId,
-        opposite: usize,
-        sign: f64,
-    ) {
-        let vertices = background.facet(self.facet);
-        for (local, vertex) in background.cell(cut.part_cell(part)).iter().enumerate() {
-            let slot = vertices.iter().position(|v| v == vertex).unwrap_or(opposite);
-            self.dofs[slot] = space.dofs(part)[local];
-            self.jumps[slot] += sign * values.gradients(part)[local].dot(&self.normal);
+    fn add_side(&mut self, side: &Side<'_, D>, opposite: usize, sign: f64) {
+        for (local, vertex) in side.vertices.iter().enumerate() {
+            let slot = side.facet.iter().position(|v| v == vertex).unwrap_or(opposite);
+            self.dofs[slot] = side.dofs[local];
+            self.jumps[slot] += sign * side.gradients[local].dot(&self.normal);
         }
     }
+}
+
+/// The part on one side of a face.
+struct Side<'a, const D: usize> {
+    facet: &'a [VertexId],
+    vertices: &'a [VertexId],
+    dofs: &'a [u32],
+    gradients: &'a [Vector<D>],
 }
 
 /// All faces between parts, as seen by face terms: once per pair of parts, over the whole face.
@@ -113,8 +110,14 @@ impl<const D: usize> FaceValues<D> {
             .iter()
             .map(|face| {
                 let mut value = FaceValue::new(background, face.facet, face.is_ghost);
-                value.add_side(background, cut, space, values, face.parts[0], D, 1.0);
-                value.add_side(background, cut, space, values, face.parts[1], D + 1, -1.0);
+                let side = |part: PartId| Side {
+                    facet: background.facet(face.facet),
+                    vertices: background.cell(cut.part_cell(part)),
+                    dofs: space.dofs(part),
+                    gradients: values.gradients(part),
+                };
+                value.add_side(&side(face.parts[0]), D, 1.0);
+                value.add_side(&side(face.parts[1]), D + 1, -1.0);
                 value
             })
             .collect();
@@ -146,7 +149,13 @@ impl<const D: usize> FaceValues<D> {
             value.odd_component = Some(axis);
             value.n_dofs = D + 1;
             // The mirror image has the opposite normal derivative.
-            value.add_side(background, cut, space, values, piece.part, D, 2.0);
+            let side = Side {
+                facet: background.facet(piece.facet),
+                vertices: background.cell(cut.part_cell(piece.part)),
+                dofs: space.dofs(piece.part),
+                gradients: values.gradients(piece.part),
+            };
+            value.add_side(&side, D, 2.0);
             self.faces.push(value);
         }
     }

@@ -4,8 +4,8 @@
 //! same dof when their parts share a piece of a face that contains the vertex.* Standard and extended dofs need no
 //! separate bookkeeping, and a thin body inside one cell carries two independent sets of values.
 //!
-//! [`XfemSpace`] numbers the dofs, [`PartValues`] and [`FaceValues`] hold shape values for assembly,
-//! [`transfer`] carries a field from one space to the next.
+//! [`XfemSpace`] numbers the dofs, [`PartValues`] and [`FaceValues`] hold integrals of shape functions for assembly, and
+//! [`Sources`] carry fields from one space to the next.
 
 mod boundary;
 mod classes;
@@ -18,9 +18,9 @@ mod transfer;
 pub use boundary::{BoundaryPoint, BoundaryValues, boundary_dofs};
 pub use classes::Classes;
 pub use face_values::{FaceValue, FaceValues};
-pub use part_values::{PartMass, PartPoint, PartValues};
+pub use part_values::{Moments, PartValues};
 pub use space::XfemSpace;
-pub use transfer::{Transferred, VelocityField, transfer};
+pub use transfer::Sources;
 
 pub use cutcell;
 pub use mesh;

@@ -43,6 +43,18 @@ impl<const D: usize> XfemSpace<D> {
         self.dof_to_vertex[dof as usize]
     }
 
+    /// Keys of the dofs: vertex, and place among the dofs of the vertex. They identify dofs across time steps.
+    pub fn keys(&self) -> Vec<u64> {
+        let n_vertices = self.dof_to_vertex.iter().map(|v| v.index() + 1).max().unwrap_or(0);
+        let mut n_seen = vec![0_u64; n_vertices];
+        let key = |vertex: &VertexId| {
+            let place = &mut n_seen[vertex.index()];
+            *place += 1;
+            (*place - 1) << 32 | vertex.index() as u64
+        };
+        self.dof_to_vertex.iter().map(key).collect()
+    }
+
     /// Vertices of all dofs.
     pub fn vertices(&self) -> &[VertexId] {
         &self.dof_to_vertex

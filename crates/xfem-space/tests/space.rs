@@ -3,7 +3,7 @@
 use cutcell::{CutMesh, OverlayOptions, PartId};
 use mesh::generate::structured_box;
 use mesh::{BoundaryMesh, CellId, Placed, Point, SimplexMesh, Vector, VertexId};
-use xfem_space::{FaceValues, PartValues, VelocityField, XfemSpace, boundary_dofs, cutcell, mesh, transfer};
+use xfem_space::{FaceValues, PartValues, Sources, XfemSpace, boundary_dofs, cutcell, mesh};
 
 type P = Point<2>;
 
@@ -74,7 +74,7 @@ fn jumps_vanish_on_linear_functions_and_shapes_sum_to_one() {
     let background = grid(4);
     let cut = cut_by_rectangles(&background, &[[0.13, 0.22, 0.61, 0.71]]);
     let space = XfemSpace::new(&background, &cut);
-    let parts = PartValues::new(&background, &cut, 2);
+    let parts = PartValues::new(&background, &cut);
     let faces = FaceValues::new(&background, &cut, &space, &parts);
     let linear = |v: VertexId| 1.0 + 2.0 * background.vertex(v)[0] - 3.0 * background.vertex(v)[1];
     for face in faces.as_slice() {
@@ -82,16 +82,27 @@ fn jumps_vanish_on_linear_functions_and_shapes_sum_to_one() {
         assert!(jump.abs() < 1e-12);
         assert!(face.jumps().iter().any(|j| j.abs() > 1.0), "a hat function has a jump");
     }
-    let (mut volume, mut integral) = (0.0, 0.0);
+    let (mut volume, mut of_moments, mut integral) = (0.0, 0.0, 0.0);
     for part in cut.all_parts() {
-        for q in parts.points(part) {
-            assert!((q.shape[..3].iter().sum::<f64>() - 1.0).abs() < 1e-12);
-            volume += q.weight;
-            integral += q.weight
-                * space.dofs(part).iter().zip(&q.shape).map(|(&k, n)| n * linear(space.vertex(k))).sum::<f64>();
+        let mut moments = [[0.0; 3]; 3];
+        parts.for_each_point(&background, &cut, part, 2, |_, weight, shape| {
+            assert!((shape[..3].iter().sum::<f64>() - 1.0).abs() < 1e-12);
+            volume += weight;
+            integral +=
+                weight * space.dofs(part).iter().zip(shape).map(|(&k, n)| n * linear(space.vertex(k))).sum::<f64>();
+            for (row, n_i) in moments.iter_mut().zip(shape) {
+                row.iter_mut().zip(shape).for_each(|(entry, n_j)| *entry += weight * n_i * n_j);
+            }
+        });
+        for (i, row) in moments.iter().enumerate() {
+            for (j, entry) in row.iter().enumerate() {
+                assert!((parts.moments(part).at(i, j) - entry).abs() < 1e-15, "moment of part {part:?}");
+            }
         }
+        of_moments += parts.moments(part).volume();
     }
     assert!((volume - cut.fluid_volume()).abs() < 1e-13);
+    assert!((of_moments - cut.fluid_volume()).abs() < 1e-13);
     // The integral of 1 + 2 x - 3 y over the square without the rectangle.
     let rectangle = 0.48 * 0.49 * (1.0 + 2.0 * 0.37 - 3.0 * 0.465);
     assert!((integral - (0.5 - rectangle)).abs() < 1e-13, "{integral}");
@@ -118,13 +129,13 @@ fn transfer_keeps_linear_fields_and_extends_with_the_body() {
     let (old_space, new_space) = (XfemSpace::new(&background, &old_cut), XfemSpace::new(&background, &new_cut));
     let linear = |x: &P| Vector::<2>::new(1.0 + x[0] - x[1], 2.0 * x[1]);
     let values: Vec<_> = old_space.vertices().iter().map(|&v| linear(&background.vertex(v))).collect();
-    let old = VelocityField { cut: &old_cut, space: &old_space, values: &values };
-    let moved = transfer(&background, old, &new_cut, &new_space, &|_, x| linear(x));
-    for (dof, value) in moved.values.iter().enumerate() {
+    let old = (&old_cut, &old_space);
+    let moved = Sources::between(&background, old, (&new_cut, &new_space));
+    for (dof, value) in moved.carry(&background, &new_space, &values, linear).iter().enumerate() {
         assert_eq!(*value, linear(&background.vertex(new_space.vertex(dof as u32))));
     }
-    let same = transfer(&background, old, &old_cut, &old_space, &|_, _| unreachable!("nothing is uncovered"));
-    assert_eq!(same.values, values);
+    let same = Sources::between(&background, old, old);
+    assert_eq!(same.carry(&background, &old_space, &values, |_| unreachable!("nothing is uncovered")), values);
     assert_eq!(same.n_uncovered(), 0);
 }
 
@@ -135,24 +146,25 @@ fn a_body_that_moves_far_uncovers_its_old_place() {
     let new_cut = cut_by_rectangles(&background, &[[0.52, 0.52, 0.88, 0.88]]);
     let (old_space, new_space) = (XfemSpace::new(&background, &old_cut), XfemSpace::new(&background, &new_cut));
     let values = vec![Vector::<2>::new(1.0, 2.0); old_space.len()];
-    let old = VelocityField { cut: &old_cut, space: &old_space, values: &values };
-    let moved = transfer(&background, old, &new_cut, &new_space, &|_, _| Vector::<2>::new(-1.0, 0.0));
+    let moved = Sources::between(&background, (&old_cut, &old_space), (&new_cut, &new_space));
+    let carried = moved.carry(&background, &new_space, &values, |_| Vector::<2>::new(-1.0, 0.0));
     // The vertices with x and y in 0.2, 0.3, 0.4 had no part; those whose cells were all covered are uncovered.
     let uncovered: Vec<P> = (0..new_space.len())
-        .filter(|&k| moved.sources[k].is_none())
+        .filter(|&k| moved.earlier_dofs()[k].is_none())
         .map(|k| background.vertex(new_space.vertex(k as u32)))
         .collect();
     assert!(!uncovered.is_empty());
+    assert_eq!(uncovered.len(), moved.n_uncovered());
     assert!(uncovered.iter().all(|x| (0.15..0.45).contains(&x[0]) && (0.15..0.45).contains(&x[1])), "{uncovered:?}");
-    for (k, value) in moved.values.iter().enumerate() {
-        assert_eq!(value[0], if moved.sources[k].is_none() { -1.0 } else { 1.0 });
+    for (value, source) in carried.iter().zip(moved.earlier_dofs()) {
+        assert_eq!(value[0], if source.is_none() { -1.0 } else { 1.0 });
     }
 }
 
 #[test]
 fn a_dof_takes_the_value_of_the_side_it_overlaps_most() {
     // A strip through the lower row of cells, with -1 below it and +1 above it. It moves by less than its own height and
-    // by more: what is now below it overlaps what was below it the most, and the other way round.
+    // by more. The largest overlap of the fluid below it is then with the fluid that was below it, and likewise above.
     let background = grid(2);
     let strip = |y: f64| cut_by_rectangles(&background, &[[-0.5, y, 1.5, y + 0.02]]);
     let side = |cut: &CutMesh<2>, y: f64, part: PartId| {
@@ -175,9 +187,10 @@ fn a_dof_takes_the_value_of_the_side_it_overlaps_most() {
     for y in [0.25, 0.30, 0.20] {
         let cut = strip(y);
         let space = XfemSpace::new(&background, &cut);
-        let old = VelocityField { cut: &old_cut, space: &old_space, values: &old_values };
-        let moved = transfer(&background, old, &cut, &space, &|_, _| unreachable!("every part overlaps its old self"));
-        assert_eq!(moved.values, values(&cut, &space, y), "strip at {y}");
+        let moved = Sources::between(&background, (&old_cut, &old_space), (&cut, &space));
+        let carried =
+            moved.carry(&background, &space, &old_values, |_| unreachable!("every part overlaps its earlier self"));
+        assert_eq!(carried, values(&cut, &space, y), "strip at {y}");
     }
     // Four cells wide, so that volumes have to be summed over the class: at the vertex between a cell in which the
     // lower part was small and one in which it was large, the sum decides.
@@ -189,9 +202,7 @@ fn a_dof_takes_the_value_of_the_side_it_overlaps_most() {
     };
     let (old_cut, new_cut) = (wedge(0.3, 0.7), wedge(0.33, 0.73));
     let (old_space, new_space) = (XfemSpace::new(&fine, &old_cut), XfemSpace::new(&fine, &new_cut));
-    let values: Vec<_> = (0..old_space.len()).map(|k| Vector::<2>::new(k as f64, 0.0)).collect();
-    let old = VelocityField { cut: &old_cut, space: &old_space, values: &values };
-    let moved = transfer(&fine, old, &new_cut, &new_space, &|_, _| Vector::zeros());
+    let moved = Sources::between(&fine, (&old_cut, &old_space), (&new_cut, &new_space));
     for new_dof in 0..new_space.len() as u32 {
         // By brute force over all pairs of parts, from the lowest dof on.
         let mut best = (None, 0.0);
@@ -209,6 +220,6 @@ fn a_dof_takes_the_value_of_the_side_it_overlaps_most() {
                 best = (Some(old_dof), volume);
             }
         }
-        assert_eq!(moved.sources[new_dof as usize], best.0);
+        assert_eq!(moved.earlier_dofs()[new_dof as usize], best.0);
     }
 }

@@ -4,9 +4,8 @@ use sprs::CsMatI;
 
 use super::gmres::{Gmres, GmresSettings};
 use super::incomplete::Fill;
-use super::scaled::Scaled;
 use super::subdomain::{BlockSolver, Subdomain, with_neighbours};
-use super::{Equilibration, LinearError, LinearReport, LinearSolver, MatrixView, Unknowns, check_sides};
+use super::{LinearError, LinearReport, LinearSolver, LinearSystem};
 use crate::BlockLayout;
 
 /// How blocks are solved for, and when to stop.
@@ -42,7 +41,7 @@ impl Default for BlockGaussSeidelSettings {
 /// Source of the sweep over fluid and solids: Formaggia, Gatti and Zonca 2019, MOX-Report 44/2019, section 4.
 pub struct BlockGaussSeidel {
     settings: BlockGaussSeidelSettings,
-    present: Scaled,
+    is_factorized: bool,
     blocks: Vec<Subdomain>,
     patch: Subdomain,
     n_factorizations: usize,
@@ -57,7 +56,7 @@ impl BlockGaussSeidel {
     pub fn new(settings: BlockGaussSeidelSettings) -> Self {
         Self {
             settings,
-            present: Scaled::default(),
+            is_factorized: false,
             blocks: Vec::new(),
             patch: Subdomain::default(),
             n_factorizations: 0,
@@ -78,24 +77,23 @@ impl BlockGaussSeidel {
         self.patch.members().len()
     }
 
-    fn factorize_blocks(&mut self, unknowns: Unknowns<'_>) -> Result<(), LinearError> {
-        let Scaled { scales, matrix: Some(matrix) } = &self.present else { return Err(LinearError::NotFactorized) };
+    fn factorize_blocks(&mut self, system: &LinearSystem<'_>) -> Result<(), LinearError> {
         self.n_factorizations += 1;
-        let blocks = blocks(unknowns.layout, unknowns.nodes);
-        let mut block_of = vec![0; matrix.rows()];
+        let blocks = blocks(system.layout);
+        let mut block_of = vec![0; system.len()];
         for (k, block) in blocks.iter().enumerate() {
             block.members.iter().for_each(|i| block_of[*i as usize] = k);
         }
-        let stiff = stiffly_coupled(matrix, &block_of, self.settings.stiff);
+        let stiff = stiffly_coupled(system.matrix, &block_of, self.settings.stiff);
         self.blocks.resize_with(blocks.len(), Subdomain::default);
         for (k, (subdomain, block)) in self.blocks.iter_mut().zip(blocks).enumerate() {
             let solver = self.settings.solvers.get(k).or(self.settings.solvers.last());
             let solver = solver.copied().unwrap_or(BlockSolver::Lu);
-            subdomain.factorize(matrix, block.members, block.n_primal, unknowns.nodes, scales, solver)?;
+            subdomain.factorize(system, block.members, block.n_primal, solver)?;
         }
         let n_stiff = stiff.len();
-        let patched = self.patch.factorize(matrix, stiff, n_stiff, unknowns.nodes, scales, BlockSolver::Lu);
-        // A part of a saddle point may be singular where the whole is not: then the blocks have to do.
+        let patched = self.patch.factorize(system, stiff, n_stiff, BlockSolver::Lu);
+        // A part of a saddle point may be singular where the whole is not; then the sweep runs without the patch.
         if patched.is_err() {
             self.patch.clear();
         }
@@ -107,31 +105,25 @@ impl BlockGaussSeidel {
 struct Block {
     /// Ascending.
     members: Vec<u32>,
-    /// How many of them are not multipliers: those of its first field.
+    /// Number of those that are not multipliers: the unknowns of the first field.
     n_primal: usize,
 }
 
-/// The blocks: fields that share nodes are one. All unknowns are one block if the layout does not belong to them.
-fn blocks(layout: &BlockLayout, nodes: &[u32]) -> Vec<Block> {
-    if layout.len() != nodes.len() {
-        return vec![Block { members: (0..nodes.len() as u32).collect(), n_primal: nodes.len() }];
-    }
-    let mut field_of_node = vec![None; nodes.len()];
-    let mut first_field: Vec<usize> = (0..layout.n_fields()).collect();
-    for (field, id) in layout.fields().enumerate() {
-        for node in &nodes[layout.range(id)] {
-            let other: usize = *field_of_node[*node as usize].get_or_insert(field);
-            let (a, b) = (first_field[other], first_field[field]);
-            first_field.iter_mut().filter(|first| **first == a.max(b)).for_each(|first| *first = a.min(b));
+/// Returns the blocks: fields on the same nodes are one.
+fn blocks(layout: &BlockLayout) -> Vec<Block> {
+    let mut blocks: Vec<(usize, Block)> = Vec::new();
+    for field in layout.fields().filter(|field| !layout.range(*field).is_empty()) {
+        let range = layout.range(field);
+        let members = range.start as u32..range.end as u32;
+        match blocks.iter_mut().find(|(node_set, _)| *node_set == layout.node_set(field)) {
+            Some((_, block)) => block.members.extend(members),
+            None => {
+                let block = Block { members: members.collect(), n_primal: range.len() };
+                blocks.push((layout.node_set(field), block));
+            }
         }
     }
-    let ranges: Vec<_> = layout.fields().map(|id| layout.range(id)).collect();
-    let members_of = |block: usize| {
-        let fields = first_field.iter().zip(&ranges).filter(move |(first, _)| **first == block);
-        fields.flat_map(|(_, range)| range.start as u32..range.end as u32).collect()
-    };
-    let first_fields = (0..ranges.len()).filter(|field| first_field[*field] == *field && !ranges[*field].is_empty());
-    first_fields.map(|field| Block { members: members_of(field), n_primal: ranges[field].len() }).collect()
+    blocks.into_iter().map(|(_, block)| block).collect()
 }
 
 /// Unknowns with stiff couplings to another block, and all that these act on.
@@ -148,16 +140,24 @@ fn stiffly_coupled(matrix: &CsMatI<f64, u32>, block_of: &[usize], stiff: f64) ->
 }
 
 impl LinearSolver for BlockGaussSeidel {
-    fn factorize(&mut self, matrix: MatrixView<'_>, unknowns: Unknowns<'_>) -> Result<(), LinearError> {
-        assert_eq!(matrix.rows(), unknowns.nodes.len(), "nodes of the unknowns");
-        self.present.set(matrix)?;
-        self.factorize_blocks(unknowns).inspect_err(|_| self.present.matrix = None)
+    fn factorize(&mut self, system: &LinearSystem<'_>) -> Result<(), LinearError> {
+        self.is_factorized = false;
+        self.factorize_blocks(system)?;
+        self.is_factorized = true;
+        Ok(())
     }
 
-    fn solve(&mut self, rhs: &[f64], x: &mut [f64], tolerance: f64) -> Result<LinearReport, LinearError> {
-        let Some(matrix) = &self.present.matrix else { return Err(LinearError::NotFactorized) };
-        check_sides(matrix.rows(), rhs, x)?;
-        self.present.scale_rhs(rhs, &mut self.rhs);
+    fn solve(
+        &mut self,
+        system: &LinearSystem<'_>,
+        rhs: &[f64],
+        x: &mut [f64],
+        tolerance: f64,
+    ) -> Result<LinearReport, LinearError> {
+        if !self.is_factorized {
+            return Err(LinearError::NotFactorized);
+        }
+        system.scale_rhs(rhs, x, &mut self.rhs)?;
         let BlockGaussSeidelSettings { restart, max_iterations, .. } = self.settings;
         let (blocks, patch, residual) = (&mut self.blocks, &mut self.patch, &mut self.residual);
         let mut sweep = |r: &[f64], z: &mut [f64]| {
@@ -167,19 +167,15 @@ impl LinearSolver for BlockGaussSeidel {
             while let Some(step) = steps.next() {
                 step.correct(residual, z)?;
                 if steps.peek().is_some() {
-                    step.update(matrix, residual);
+                    step.update(system.matrix, residual);
                 }
             }
             Ok(())
         };
         let settings = GmresSettings { tolerance, restart, max_iterations };
-        let report = self.gmres.solve_matrix(matrix, &mut sweep, &self.rhs, &mut self.solution, &settings)?;
-        self.present.unscale(&self.solution, x);
+        let report = self.gmres.solve_matrix(system.matrix, &mut sweep, &self.rhs, &mut self.solution, &settings)?;
+        system.unscale(&self.solution, x);
         Ok(LinearReport { iterations: report.iterations, backward_error: report.residual })
-    }
-
-    fn equilibration(&self) -> &Equilibration {
-        &self.present.scales
     }
 
     fn n_factorizations(&self) -> usize {

@@ -1,20 +1,19 @@
 //! How well a matrix is conditioned.
 
-use sprs::CsMatI;
-
 use super::factors::Factors;
-use super::{Equilibration, LinearError, MatrixView, Unknowns};
+use super::{LinearError, LinearSystem, MatrixView, ScaledMatrix};
+use crate::BlockLayout;
 
 /// Relative change from one iteration to the next at which an eigenvalue counts as found, and most iterations.
 const CHANGE: f64 = 1e-4;
 const MOST_ITERATIONS: usize = 300;
 
-/// In which scales a matrix `A` is looked at.
+/// The scales in which a matrix `A` is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scaling {
     /// As it is.
     None,
-    /// `R A C` of [`Equilibration`], which is what the solvers factorise.
+    /// `R A C` of [`Equilibration`], the matrix that the solvers factorise.
     Equilibrated,
 }
 
@@ -25,20 +24,18 @@ pub enum Scaling {
 ///
 /// # Errors
 /// See [`LinearError`]; a matrix that is singular to working precision has a large number and no error.
-pub fn condition_number(matrix: MatrixView<'_>, unknowns: Unknowns<'_>, scaling: Scaling) -> Result<f64, LinearError> {
-    let scales = Equilibration::new(matrix)?;
-    let mut values = matrix.data().to_vec();
-    scales.scale(matrix, &mut values);
-    let (pointers, rows) = (matrix.proper_indptr().to_vec(), matrix.indices().to_vec());
-    let scaled: CsMatI<f64, u32> = CsMatI::new_csc(matrix.shape(), pointers, rows, values);
+pub fn condition_number(matrix: MatrixView<'_>, layout: &BlockLayout, scaling: Scaling) -> Result<f64, LinearError> {
+    let scaled = ScaledMatrix::new(matrix)?;
+    let LinearSystem { matrix: scaled, scales, .. } = scaled.system(layout)?;
+    let nodes = layout.nodes();
     let (mut factors, mut of_transposed) = (Factors::default(), Factors::default());
-    factors.factorize(&scaled, unknowns.nodes)?;
-    of_transposed.factorize(&scaled.transpose_view().to_csc(), unknowns.nodes)?;
+    factors.factorize(scaled, &nodes)?;
+    of_transposed.factorize(&scaled.transpose_view().to_csc(), &nodes)?;
 
     let is_scaled = scaling == Scaling::Equilibrated;
     let measured = if is_scaled { scaled.view() } else { matrix };
     let transposed = measured.transpose_view().to_csc();
-    // A⁻¹ = C (R A C)⁻¹ R, with A or R A C in the place of A.
+    // A⁻¹ = C (R A C)⁻¹ R; the inverse of R A C itself needs no scales.
     let scale = |x: &mut [f64], scales: &[f64]| {
         if !is_scaled {
             x.iter_mut().zip(scales).for_each(|(x, s)| *x *= s);

@@ -1,9 +1,7 @@
-//! Sparse LU (faer) inside equilibration and iterative refinement.
-
-use sprs::CsMatI;
+//! Sparse LU (faer) with iterative refinement.
 
 use super::factors::{Factors, max_norm};
-use super::{Equilibration, LinearError, LinearReport, LinearSolver, MatrixView, Unknowns, check_sides};
+use super::{LinearError, LinearReport, LinearSolver, LinearSystem};
 
 /// Largest accepted backward error of a solution.
 const BACKWARD_ERROR_BOUND: f64 = 1e-11;
@@ -14,25 +12,21 @@ const MAX_REFINEMENTS: usize = 2;
 
 /// Sparse LU with partial pivoting and a COLAMD ordering of the nodes.
 ///
-/// The matrix is equilibrated ([`Equilibration`]) and factorised in one thread, so that bits do not depend on the number of
-/// threads. Every solution is refined at most twice with its true residual and accepted only if its backward error
+/// The equilibrated matrix is factorised in one thread, so that bits do not depend on the number of threads. Every
+/// solution is refined at most twice with its true residual and accepted only if its backward error
 ///
 /// `‖b − A x‖ / (‖A‖ ‖x‖ + ‖b‖)`, maximum norms of the equilibrated system,
 ///
-/// is below 1e-11. A matrix is refused as singular if the solution for a fixed right-hand side of pseudo-random signs
+/// is below 1e-11. A matrix is rejected as singular if the solution for a fixed right-hand side of pseudo-random signs
 /// is larger than 1e13.
 ///
-/// The symbolic factorisation is kept while the pattern stays the same, the memory of the factors always.
+/// The symbolic factorisation is kept while the pattern stays the same. The memory of the factors is always kept.
 #[derive(Default)]
 pub struct DirectSolver {
-    scales: Equilibration,
-    /// The equilibrated matrix; none before the first factorisation and after one that failed.
-    matrix: Option<CsMatI<f64, u32>>,
+    factors: Factors,
+    is_factorized: bool,
     /// Largest absolute row sum of the equilibrated matrix.
     norm: f64,
-    /// Nodes of the unknowns, for which the ordering was made.
-    nodes: Vec<u32>,
-    factors: Factors,
     growth: f64,
     rhs: Vec<f64>,
     solution: Vec<f64>,
@@ -40,12 +34,12 @@ pub struct DirectSolver {
 }
 
 impl DirectSolver {
-    /// A solver without a matrix.
+    /// Creates a solver without a matrix.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// How often a pattern was analysed so far.
+    /// Number of analyses of a pattern so far.
     pub fn n_symbolic_factorizations(&self) -> usize {
         self.factors.n_symbolic
     }
@@ -54,65 +48,50 @@ impl DirectSolver {
     pub fn growth(&self) -> f64 {
         self.growth
     }
-
-    /// Copies the scaled values into `owned`, a matrix with the pattern of `matrix`, and measures their norm.
-    fn scale(&mut self, matrix: MatrixView<'_>, owned: &mut CsMatI<f64, u32>) {
-        let row_sum = &mut self.residual;
-        row_sum.clear();
-        row_sum.resize(matrix.rows(), 0.0);
-        self.scales.scale(matrix, owned.data_mut());
-        owned.indices().iter().zip(owned.data()).for_each(|(row, value)| row_sum[*row as usize] += value.abs());
-        self.norm = max_norm(row_sum);
-    }
 }
 
 impl LinearSolver for DirectSolver {
-    fn factorize(&mut self, matrix: MatrixView<'_>, unknowns: Unknowns<'_>) -> Result<(), LinearError> {
-        assert!(matrix.is_csc() && matrix.rows() == matrix.cols(), "a square matrix compressed by columns");
-        assert_eq!(matrix.rows(), unknowns.nodes.len(), "nodes of the unknowns");
-        let previous = self.matrix.take();
-        self.scales.compute(matrix)?;
-        let column_ptr = matrix.proper_indptr();
-        let mut owned = match previous {
-            Some(m)
-                if m.proper_indptr() == column_ptr
-                    && m.indices() == matrix.indices()
-                    && self.nodes == unknowns.nodes =>
-            {
-                m
-            }
-            _ => {
-                self.factors.clear_pattern();
-                self.nodes.clear();
-                self.nodes.extend_from_slice(unknowns.nodes);
-                let (rows, values) = (matrix.indices().to_vec(), matrix.data().to_vec());
-                CsMatI::new_csc(matrix.shape(), column_ptr.to_vec(), rows, values)
-            }
-        };
-        self.scale(matrix, &mut owned);
-        if owned.rows() > 0 {
-            self.factors.factorize(&owned, &self.nodes)?;
-            self.growth = self.factors.probe(owned.rows(), &mut self.solution)?;
+    fn factorize(&mut self, system: &LinearSystem<'_>) -> Result<(), LinearError> {
+        self.is_factorized = false;
+        let matrix = system.matrix;
+        let row_sum = &mut self.residual;
+        row_sum.clear();
+        row_sum.resize(matrix.rows(), 0.0);
+        matrix.indices().iter().zip(matrix.data()).for_each(|(row, value)| row_sum[*row as usize] += value.abs());
+        self.norm = max_norm(row_sum);
+        if !system.is_empty() {
+            self.factors.factorize(matrix, &system.layout.nodes())?;
+            self.growth = self.factors.probe(system.len(), &mut self.solution)?;
         }
-        self.matrix = Some(owned);
+        self.is_factorized = true;
         Ok(())
     }
 
-    fn solve(&mut self, rhs: &[f64], x: &mut [f64], _tolerance: f64) -> Result<LinearReport, LinearError> {
-        let Some(matrix) = &self.matrix else { return Err(LinearError::NotFactorized) };
-        check_sides(matrix.rows(), rhs, x)?;
-        if matrix.rows() == 0 {
-            return Ok(LinearReport::default());
+    fn solve(
+        &mut self,
+        system: &LinearSystem<'_>,
+        rhs: &[f64],
+        x: &mut [f64],
+        _tolerance: f64,
+    ) -> Result<LinearReport, LinearError> {
+        if !self.is_factorized {
+            return Err(LinearError::NotFactorized);
         }
-        self.rhs.clear();
-        self.rhs.extend(rhs.iter().zip(self.scales.row()).map(|(b, r)| b * r));
+        system.scale_rhs(rhs, x, &mut self.rhs)?;
+        let mut report = LinearReport::default();
+        if system.is_empty() {
+            return Ok(report);
+        }
         self.solution.clone_from(&self.rhs);
         self.factors.substitute(&mut self.solution)?;
-        let mut report = LinearReport::default();
         loop {
             self.residual.clear();
             self.residual.extend(self.rhs.iter().map(|b| -b));
-            sprs::prod::mul_acc_mat_vec_csc(matrix.view(), self.solution.as_slice(), self.residual.as_mut_slice());
+            sprs::prod::mul_acc_mat_vec_csc(
+                system.matrix.view(),
+                self.solution.as_slice(),
+                self.residual.as_mut_slice(),
+            );
             let size = self.norm * max_norm(&self.solution) + max_norm(&self.rhs);
             if !size.is_finite() {
                 return Err(LinearError::Singular { growth: f64::INFINITY });
@@ -123,22 +102,14 @@ impl LinearSolver for DirectSolver {
                 break;
             }
             self.factors.substitute(&mut self.residual)?;
-            for (x, dx) in self.solution.iter_mut().zip(&self.residual) {
-                *x -= dx;
-            }
+            self.solution.iter_mut().zip(&self.residual).for_each(|(x, dx)| *x -= dx);
             report.iterations += 1;
         }
         if report.backward_error > BACKWARD_ERROR_BOUND {
             return Err(LinearError::Inaccurate { backward_error: report.backward_error, bound: BACKWARD_ERROR_BOUND });
         }
-        for ((x, y), c) in x.iter_mut().zip(&self.solution).zip(self.scales.column()) {
-            *x = y * c;
-        }
+        system.unscale(&self.solution, x);
         Ok(report)
-    }
-
-    fn equilibration(&self) -> &Equilibration {
-        &self.scales
     }
 
     fn n_factorizations(&self) -> usize {

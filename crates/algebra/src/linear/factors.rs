@@ -29,20 +29,18 @@ pub(super) struct Factors {
     pub(super) n_numeric: usize,
 }
 
-/// What depends only on the pattern.
+/// The part of the factors that depends only on the pattern of the matrix and its nodes, which are kept to recognise them.
 struct Symbolic {
+    column_ptr: Vec<u32>,
+    rows: Vec<u32>,
+    nodes: Vec<u32>,
     supernodes: SymbolicSupernodalLu<u32>,
     column_order: Vec<u32>,
     column_position: Vec<u32>,
 }
 
 impl Factors {
-    /// Forgets the pattern.
-    pub(super) fn clear_pattern(&mut self) {
-        self.symbolic = None;
-    }
-
-    /// Computes the factors. Without [`Factors::clear_pattern`] the matrix has the pattern of the one before.
+    /// Computes the factors. A pattern is analysed again only if it differs from that of the previous matrix.
     pub(super) fn factorize(&mut self, matrix: &CsMatI<f64, u32>, nodes: &[u32]) -> Result<(), LinearError> {
         let n_unknowns = matrix.rows();
         let error = |cause: LuError| match cause {
@@ -52,6 +50,9 @@ impl Factors {
         let column_ptr = matrix.indptr();
         let a = faer_view(column_ptr.raw_storage(), matrix.indices(), matrix.data());
         let transposed = a.transpose().to_col_major().map_err(|e| error(e.into()))?;
+        let is_known =
+            |known: &Symbolic| known.column_ptr == a.col_ptr() && known.rows == a.row_idx() && known.nodes == nodes;
+        self.symbolic = self.symbolic.take().filter(is_known);
         let symbolic = match &mut self.symbolic {
             Some(symbolic) => symbolic,
             none => {
@@ -123,7 +124,7 @@ pub(super) fn signs() -> impl Iterator<Item = f64> {
     })
 }
 
-/// Largest absolute entry; infinite if an entry is not a number.
+/// Largest absolute entry; infinite if an entry is NaN.
 pub(super) fn max_norm(x: &[f64]) -> f64 {
     x.iter().fold(0.0, |max: f64, v| if v.is_nan() { f64::INFINITY } else { max.max(v.abs()) })
 }
@@ -163,7 +164,8 @@ fn analyse(
         stack,
         Default::default(),
     )?;
-    Ok(Symbolic { supernodes, column_order, column_position })
+    let (column_ptr, rows) = (a.col_ptr().to_vec(), a.row_idx().to_vec());
+    Ok(Symbolic { column_ptr, rows, nodes: nodes.to_vec(), supernodes, column_order, column_position })
 }
 
 /// Orders the columns by COLAMD, node by node.
@@ -199,7 +201,7 @@ struct Scratch {
 }
 
 impl Scratch {
-    /// A stack of at least the size that is asked for.
+    /// Returns a stack of at least the required size.
     fn get(&mut self, need: StackReq) -> Result<&mut MemStack, FaerError> {
         let fits = |have: &StackReq| have.size_bytes() >= need.size_bytes() && have.align_bytes() >= need.align_bytes();
         let memory = match self.memory.take() {

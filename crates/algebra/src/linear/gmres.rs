@@ -15,7 +15,7 @@ pub struct GmresSettings {
     pub max_iterations: usize,
 }
 
-/// What an iteration did.
+/// Statistics of an iterative solve.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GmresReport {
     /// Applications of the preconditioner.
@@ -51,7 +51,7 @@ impl Gmres {
     /// Solves `A x = rhs` from the starting guess `x`.
     ///
     /// # Errors
-    /// [`LinearError::NotConverged`] after the last iteration, with the best solution in `x`; what the maps return.
+    /// [`LinearError::NotConverged`] after the last iteration, with the best solution in `x`; errors of the maps.
     pub fn solve(
         &mut self,
         apply: &mut LinearMap<'_>,
@@ -84,7 +84,7 @@ impl Gmres {
             }
             let most = settings.restart.min(settings.max_iterations - report.iterations);
             let n = self.cycle(apply, precondition, &residual, left, bound, most)?;
-            // A direction in the kernel of the operator counts, though it is of no use.
+            // A direction in the kernel of the operator counts as an iteration, although it does not reduce the residual.
             report.iterations += n.max(1);
             self.correct(x, n);
         }
@@ -141,7 +141,7 @@ impl Gmres {
                 }
             }
             let mut below = norm(next);
-            // What round-off leaves of a vector in the span of the basis is no direction.
+            // For a vector in the span of the basis the remainder is round-off and must not become a direction.
             let is_exhausted = below <= f64::EPSILON * before;
             if is_exhausted {
                 below = 0.0;

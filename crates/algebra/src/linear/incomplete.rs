@@ -15,7 +15,7 @@ const SHIFTS: [f64; 4] = [0.0, 10.0, 40.0, 160.0];
 /// errors below one, and growth in unstable ones is exponential: where the bound lies does not matter.
 const LARGEST_ERROR: f64 = 10.0;
 
-/// What incomplete factors keep.
+/// Rule for the entries that incomplete factors keep.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Fill {
     /// ILU(0): entries where the matrix has some.
@@ -36,10 +36,10 @@ impl Fill {
 
 /// Incomplete LU factors of a matrix of small dense blocks, one row and column of blocks per node.
 ///
-/// Unknowns of a node (components of velocity, and pressure) are eliminated together, with partial pivoting among them; so a
-/// saddle point inside a node is no obstacle. What counts as an entry, dropped or kept as a whole, is a block, with
-/// its Frobenius norm. Where every unknown is its own node these are the ILU(0) and ILUT of the textbook. Nodes are taken in
-/// reverse Cuthill-McKee order.
+/// Unknowns of a node (components of velocity, and pressure) are eliminated together, with partial pivoting among them.
+/// Saddle points inside a node are therefore admissible. Blocks are dropped or kept as a whole, by their Frobenius norm. If
+/// every unknown is its own node, the factors are those of the textbook ILU(0) and ILUT. Nodes are eliminated in reverse
+/// Cuthill-McKee order.
 ///
 /// The factors of a saddle point may be unstable: the Schur complement of the multiplier (of the pressure) is
 /// `C - B A⁻¹ G`, of which incomplete factors see little more than `C`, and the stabilisation `C` of smooth pressures is
@@ -62,7 +62,7 @@ pub(super) struct IncompleteFactors {
     upper: BlockRows,
     /// Inverses of its diagonal blocks.
     pivots: BlockRows,
-    /// What is added to the diagonal, in the order of elimination.
+    /// Shifts of the diagonal, in the order of elimination.
     shift: Vec<f64>,
     work: Vec<f64>,
     scratch: Vec<f64>,
@@ -362,7 +362,7 @@ fn by_rows(matrix: &CsMatI<f64, u32>, unknowns: &[u32], first: &[usize]) -> Bloc
             range.map(move |k| (place, rows[k] as usize, values[k]))
         })
     };
-    // Two passes over the columns: what each row has, then its values.
+    // Two passes over the columns: the first finds the blocks of each row, the second fills in their values.
     let mut blocks = BlockRows { row_ptr: vec![0; n_rows + 1], value_ptr: vec![0; n_rows + 1], ..BlockRows::default() };
     let mut mark = vec![NONE; n_rows];
     for column in 0..n_rows {

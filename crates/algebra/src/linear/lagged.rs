@@ -4,9 +4,9 @@ use sprs::CsMatI;
 
 use super::factors::Factors;
 use super::gmres::{Gmres, GmresReport, GmresSettings};
-use super::scaled::Scaled;
 use super::subdomain::{BlockSolver, Subdomain, with_neighbours};
-use super::{Equilibration, LinearError, LinearReport, LinearSolver, MatrixView, Unknowns, check_sides};
+use super::{Equilibration, LinearError, LinearReport, LinearSolver, LinearSystem};
+use crate::DofKey;
 
 /// When old factors are good enough.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,18 +32,17 @@ impl Default for LaggedSettings {
 ///
 /// The factors of an old matrix, applied to the unknowns that both have, precondition FGMRES for the present one. Where an
 /// interface moved, rows have changed entirely; these unknowns and their neighbours are solved for anew with small factors
-/// of their own, on the residual that the old factors leave (a multiplicative Schwarz step). Unknowns are told apart by
-/// their keys ([`Unknowns::keys`]); without keys every matrix is factorised.
+/// of their own, on the residual that the old factors leave (a multiplicative Schwarz step). Unknowns are matched by
+/// their keys ([`crate::BlockLayout::keys`]).
 ///
 /// The matrix is factorised when the last solve took many iterations, when many unknowns have changed, or when a solve does
 /// not converge: counts decide, never times, so that runs can be repeated bit by bit.
 pub struct LaggedSolver {
     settings: LaggedSettings,
-    present: Scaled,
-    keys: Vec<u64>,
-    nodes: Vec<u32>,
     base: Option<Base>,
     patch: Patch,
+    /// Whether the factors and the patch belong to the matrix that was given last.
+    is_factorized: bool,
     wants_factors: bool,
     n_factorizations: usize,
     gmres: Gmres,
@@ -52,11 +51,14 @@ pub struct LaggedSolver {
 }
 
 /// The matrix that was factorised last.
+#[derive(Default)]
 struct Base {
-    scaled: Scaled,
+    scales: Equilibration,
+    /// `None` before the first factorisation.
+    matrix: Option<CsMatI<f64, u32>>,
     factors: Factors,
     /// Keys of its unknowns with their positions, sorted.
-    keys: Vec<(u64, u32)>,
+    keys: Vec<(DofKey, u32)>,
 }
 
 /// How the present unknowns relate to those of the base, and the factors where the matrix has changed.
@@ -79,11 +81,9 @@ impl LaggedSolver {
     pub fn new(settings: LaggedSettings) -> Self {
         Self {
             settings,
-            present: Scaled::default(),
-            keys: Vec::new(),
-            nodes: Vec::new(),
             base: None,
             patch: Patch::default(),
+            is_factorized: false,
             wants_factors: false,
             n_factorizations: 0,
             gmres: Gmres::default(),
@@ -93,22 +93,16 @@ impl LaggedSolver {
     }
 
     /// Factorises the present matrix, which becomes the base.
-    fn renew(&mut self) -> Result<(), LinearError> {
-        let Some(matrix) = &self.present.matrix else { return Err(LinearError::NotFactorized) };
-        let n = matrix.rows();
-        let mut base = self.base.take().unwrap_or_else(|| Base {
-            scaled: Scaled::default(),
-            factors: Factors::default(),
-            keys: Vec::new(),
-        });
-        base.factors.clear_pattern();
+    fn renew(&mut self, system: &LinearSystem<'_>) -> Result<(), LinearError> {
+        let n = system.len();
+        let mut base = self.base.take().unwrap_or_default();
         self.n_factorizations += 1;
-        base.factors.factorize(matrix, &self.nodes)?;
+        base.factors.factorize(system.matrix, &system.layout.nodes())?;
         base.factors.probe(n, &mut self.solution)?;
-        base.scaled.scales.clone_from(&self.present.scales);
-        base.scaled.matrix = Some(matrix.clone());
+        base.scales.clone_from(system.scales);
+        base.matrix = Some(system.matrix.clone());
         base.keys.clear();
-        base.keys.extend(self.keys.iter().zip(0..).map(|(key, k)| (*key, k)));
+        base.keys.extend(system.layout.keys().into_iter().zip(0..));
         base.keys.sort_unstable();
         self.base = Some(base);
         self.wants_factors = false;
@@ -130,13 +124,13 @@ impl Patch {
     }
 
     /// Relates the present unknowns to those of the base.
-    fn relate(&mut self, keys: &[u64], scales: &Equilibration, base: &Base) {
+    fn relate(&mut self, system: &LinearSystem<'_>, base: &Base) {
         self.to_base.clear();
-        self.to_base.extend(keys.iter().map(|key| {
+        self.to_base.extend(system.layout.keys().iter().map(|key| {
             let found = base.keys.binary_search_by_key(key, |(key, _)| *key);
             found.map_or(NONE, |k| base.keys[k].1)
         }));
-        let old = &base.scaled.scales;
+        let (old, scales) = (&base.scales, system.scales);
         for (ratio, (old, present)) in [
             (&mut self.row_ratio, (old.row(), scales.row())),
             (&mut self.column_ratio, (old.column(), scales.column())),
@@ -152,7 +146,7 @@ impl Patch {
     /// Finds the unknowns whose row or column has changed by more than `change`, and their neighbours.
     fn find_changed(&self, matrix: &CsMatI<f64, u32>, base: &Base, change: f64) -> Vec<u32> {
         let n = matrix.rows();
-        let Some(old) = &base.scaled.matrix else { return Vec::new() };
+        let Some(old) = &base.matrix else { return Vec::new() };
         let mut from_base = vec![NONE; old.rows()];
         for (i, k) in self.to_base.iter().enumerate() {
             if *k != NONE {
@@ -199,7 +193,7 @@ impl Patch {
         with_neighbours(matrix, &changed)
     }
 
-    /// `z ≈ A⁻¹ r`: the old factors, then those of the members on what is left.
+    /// Computes `z ≈ A⁻¹ r`: the old factors, then those of the members on the remaining residual.
     fn apply(
         &mut self,
         matrix: &CsMatI<f64, u32>,
@@ -231,61 +225,51 @@ impl Patch {
 }
 
 impl LinearSolver for LaggedSolver {
-    fn factorize(&mut self, matrix: MatrixView<'_>, unknowns: Unknowns<'_>) -> Result<(), LinearError> {
-        assert_eq!(matrix.rows(), unknowns.nodes.len(), "nodes of the unknowns");
-        let n = matrix.rows();
-        self.present.set(matrix)?;
-        self.nodes.clear();
-        self.nodes.extend_from_slice(unknowns.nodes);
-        self.keys.clear();
-        self.keys.extend_from_slice(unknowns.keys);
-        if n == 0 {
-            return Ok(());
-        }
-        if let Scaled { scales, matrix: Some(scaled) } = &self.present
-            && let Some(base) = self.base.as_ref().filter(|_| !self.wants_factors && self.keys.len() == n)
-        {
-            self.patch.relate(&self.keys, scales, base);
-            let changed = self.patch.find_changed(scaled, base, self.settings.change);
+    fn factorize(&mut self, system: &LinearSystem<'_>) -> Result<(), LinearError> {
+        self.is_factorized = false;
+        if let Some(base) = self.base.as_ref().filter(|_| !self.wants_factors && !system.is_empty()) {
+            self.patch.relate(system, base);
+            let changed = self.patch.find_changed(system.matrix, base, self.settings.change);
             let n_changed = changed.len();
-            if n_changed as f64 <= self.settings.largest_share * n as f64
-                && self
-                    .patch
-                    .changed
-                    .factorize(scaled, changed, n_changed, &self.nodes, scales, BlockSolver::Lu)
-                    .is_ok()
-            {
-                return Ok(());
-            }
+            let is_small = n_changed as f64 <= self.settings.largest_share * system.len() as f64;
+            let patch = &mut self.patch.changed;
+            self.is_factorized = is_small && patch.factorize(system, changed, n_changed, BlockSolver::Lu).is_ok();
         }
-        self.renew()
+        if !self.is_factorized && !system.is_empty() {
+            self.renew(system)?;
+        }
+        self.is_factorized = true;
+        Ok(())
     }
 
-    fn solve(&mut self, rhs: &[f64], x: &mut [f64], tolerance: f64) -> Result<LinearReport, LinearError> {
-        let Some(matrix) = &self.present.matrix else { return Err(LinearError::NotFactorized) };
-        check_sides(matrix.rows(), rhs, x)?;
-        if matrix.rows() == 0 {
+    fn solve(
+        &mut self,
+        system: &LinearSystem<'_>,
+        rhs: &[f64],
+        x: &mut [f64],
+        tolerance: f64,
+    ) -> Result<LinearReport, LinearError> {
+        if !self.is_factorized {
+            return Err(LinearError::NotFactorized);
+        }
+        system.scale_rhs(rhs, x, &mut self.rhs)?;
+        if system.is_empty() {
             return Ok(LinearReport::default());
         }
-        self.present.scale_rhs(rhs, &mut self.rhs);
         let settings =
             GmresSettings { tolerance, restart: self.settings.restart, max_iterations: self.settings.restart };
         let mut iterations = 0;
-        let mut outcome = self.iterate(&settings);
+        let mut outcome = self.iterate(system, &settings);
         if let Err(LinearError::NotConverged { iterations: n, .. }) = outcome {
             iterations += n;
-            self.renew()?;
-            outcome = self.iterate(&settings);
+            self.renew(system)?;
+            outcome = self.iterate(system, &settings);
         }
         let report = outcome?;
         iterations += report.iterations;
         self.wants_factors |= report.iterations > self.settings.most_iterations;
-        self.present.unscale(&self.solution, x);
+        system.unscale(&self.solution, x);
         Ok(LinearReport { iterations, backward_error: report.residual })
-    }
-
-    fn equilibration(&self) -> &Equilibration {
-        &self.present.scales
     }
 
     fn n_factorizations(&self) -> usize {
@@ -298,12 +282,10 @@ impl LinearSolver for LaggedSolver {
 }
 
 impl LaggedSolver {
-    /// FGMRES from zero for the scaled right-hand side.
-    fn iterate(&mut self, settings: &GmresSettings) -> Result<GmresReport, LinearError> {
-        let (Some(matrix), Some(base)) = (&self.present.matrix, &mut self.base) else {
-            return Err(LinearError::NotFactorized);
-        };
-        let patch = &mut self.patch;
+    /// Runs FGMRES from zero for the scaled right-hand side.
+    fn iterate(&mut self, system: &LinearSystem<'_>, settings: &GmresSettings) -> Result<GmresReport, LinearError> {
+        let (matrix, patch) = (system.matrix, &mut self.patch);
+        let Some(base) = &mut self.base else { return Err(LinearError::NotFactorized) };
         let mut precondition = |r: &[f64], z: &mut [f64]| patch.apply(matrix, &mut base.factors, r, z);
         self.gmres.solve_matrix(matrix, &mut precondition, &self.rhs, &mut self.solution, settings)
     }

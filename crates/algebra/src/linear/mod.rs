@@ -10,8 +10,8 @@ mod gmres;
 mod incomplete;
 mod lagged;
 mod nodes;
-mod scaled;
 mod subdomain;
+mod system;
 
 pub use block_gauss_seidel::{BlockGaussSeidel, BlockGaussSeidelSettings};
 pub use condition::{Scaling, condition_number};
@@ -21,56 +21,45 @@ pub use gmres::{Gmres, GmresReport, GmresSettings, LinearMap};
 pub use incomplete::Fill;
 pub use lagged::{LaggedSettings, LaggedSolver};
 pub use subdomain::BlockSolver;
-
-use crate::BlockLayout;
+pub use system::{LinearSystem, ScaledMatrix};
 
 /// A borrowed sparse matrix, compressed by columns, with sorted rows.
 pub type MatrixView<'a> = sprs::CsMatViewI<'a, f64, u32>;
 
-/// What a linear solver may know about the unknowns of a matrix.
-#[derive(Clone, Copy, Debug)]
-pub struct Unknowns<'a> {
-    /// The fields, for block preconditioners.
-    pub layout: &'a BlockLayout,
-    /// Unknown to its node: a number below the count of unknowns, shared by unknowns with almost the same couplings.
-    /// It guides orderings and changes no solution.
-    pub nodes: &'a [u32],
-    /// Unknown to its key, by which it is known again in the system of another time step; no keys if there is nothing to
-    /// know again.
-    pub keys: &'a [u64],
-}
-
-/// Solves linear systems with the matrix that it was given last.
-///
-/// A solver keeps what it needs of the matrix: between two factorisations the caller may overwrite its own copy, and
-/// solves go on with the old one (modified Newton).
+/// A solver of linear systems.
 pub trait LinearSolver: Send {
-    /// Prepares solves with a square `matrix`.
+    /// Prepares solves with the matrix of a system.
     ///
-    /// # Panics
-    /// The matrix is not square or not compressed by columns, or has another size than `unknowns`.
-    fn factorize(&mut self, matrix: MatrixView<'_>, unknowns: Unknowns<'_>) -> Result<(), LinearError>;
+    /// # Errors
+    /// See [`LinearError`].
+    fn factorize(&mut self, system: &LinearSystem<'_>) -> Result<(), LinearError>;
 
-    /// Solves `A x = rhs` for the matrix of the last [`LinearSolver::factorize`]; a residual of `tolerance` relative to the
-    /// right-hand side (Euclidean norms of the equilibrated system) is enough.
+    /// Solves `A x = rhs` for the system of the last [`LinearSolver::factorize`], which is passed again.
     ///
-    /// On error `x` is unchanged.
+    /// Iterative solvers stop at a residual of `tolerance` relative to the right-hand side (Euclidean norms of the
+    /// equilibrated system). On error `x` is unchanged.
+    ///
+    /// # Errors
+    /// See [`LinearError`].
     ///
     /// # Panics
     /// `rhs` or `x` does not have the size of the matrix.
-    fn solve(&mut self, rhs: &[f64], x: &mut [f64], tolerance: f64) -> Result<LinearReport, LinearError>;
+    fn solve(
+        &mut self,
+        system: &LinearSystem<'_>,
+        rhs: &[f64],
+        x: &mut [f64],
+        tolerance: f64,
+    ) -> Result<LinearReport, LinearError>;
 
-    /// Row and column scales of the matrix of the last [`LinearSolver::factorize`].
-    fn equilibration(&self) -> &Equilibration;
-
-    /// How often a whole matrix was factorised so far.
+    /// Number of factorisations of a whole matrix so far.
     fn n_factorizations(&self) -> usize;
 
-    /// Makes the next solves independent of all matrices before.
+    /// Makes the next solves independent of all earlier matrices.
     fn forget(&mut self) {}
 }
 
-/// What one linear solve did.
+/// Work and accuracy of one linear solve.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LinearReport {
     /// Steps of iterative refinement, or iterations of an iterative method.
@@ -79,7 +68,7 @@ pub struct LinearReport {
     pub backward_error: f64,
 }
 
-/// Why a linear system could not be solved.
+/// Errors of linear solvers.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LinearError {
     /// A row of the matrix is zero: an unknown has no equation. Constrain it, or take it out of the system.
@@ -94,7 +83,7 @@ pub enum LinearError {
         /// The column.
         column: usize,
     },
-    /// An entry of the matrix or of the right-hand side is infinite or not a number.
+    /// An entry of the matrix or of the right-hand side is infinite or NaN.
     #[error("row {row} of the linear system is not finite")]
     NotFinite {
         /// Row of the entry.
@@ -140,16 +129,7 @@ pub enum LinearError {
         /// Size of the system.
         n_unknowns: usize,
     },
-    /// A solve was asked for before a factorisation, or after one that failed.
+    /// There is no factorised matrix: none was given yet, or its factorisation failed.
     #[error("there is no factorised matrix")]
     NotFactorized,
-}
-
-/// Checks a right-hand side and the room for a solution against the size of a matrix.
-///
-/// # Panics
-/// A length is wrong.
-fn check_sides(n: usize, rhs: &[f64], x: &[f64]) -> Result<(), LinearError> {
-    assert!(rhs.len() == n && x.len() == n, "length of right-hand side and solution");
-    rhs.iter().position(|b| !b.is_finite()).map_or(Ok(()), |row| Err(LinearError::NotFinite { row }))
 }

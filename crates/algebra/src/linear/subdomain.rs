@@ -7,7 +7,7 @@ use sprs::CsMatI;
 use super::cholesky::CholeskyFactors;
 use super::factors::Factors;
 use super::incomplete::{Fill, IncompleteFactors};
-use super::{Equilibration, LinearError};
+use super::{LinearError, LinearSystem};
 
 /// How a diagonal block is solved for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,7 +43,7 @@ impl Default for BlockFactors {
     }
 }
 
-/// Position of what is no member.
+/// Position of unknowns that are not members.
 const NONE: u32 = u32::MAX;
 
 impl Subdomain {
@@ -54,19 +54,17 @@ impl Subdomain {
     /// See [`LinearError`].
     pub(super) fn factorize(
         &mut self,
-        matrix: &CsMatI<f64, u32>,
+        system: &LinearSystem<'_>,
         members: Vec<u32>,
         n_primal: usize,
-        nodes: &[u32],
-        scales: &Equilibration,
         solver: BlockSolver,
     ) -> Result<(), LinearError> {
         self.members = members;
         if self.members.is_empty() {
             return Ok(());
         }
-        let block = restricted(matrix, &self.members);
-        let nodes = renumbered(nodes, &self.members);
+        let block = restricted(system.matrix, &self.members);
+        let nodes = renumbered(&system.layout.nodes(), &self.members);
         // Memory of factors is used again by factors of the same kind.
         let old = std::mem::take(&mut self.factors);
         if let BlockSolver::Incomplete(fill) = solver {
@@ -76,14 +74,14 @@ impl Subdomain {
             return Ok(());
         }
         if solver == BlockSolver::Cholesky {
-            let ratios = self.members.iter().map(|i| scales.row()[*i as usize] / scales.column()[*i as usize]);
+            let (row, column) = (system.scales.row(), system.scales.column());
+            let ratios = self.members.iter().map(|i| row[*i as usize] / column[*i as usize]);
             if let Some(factors) = CholeskyFactors::new(&block, ratios.collect())? {
                 self.factors = BlockFactors::Cholesky(Box::new(factors));
                 return Ok(());
             }
         }
         let mut factors = if let BlockFactors::Lu(factors) = old { factors } else { Box::default() };
-        factors.clear_pattern();
         factors.factorize(&block, &nodes)?;
         factors.probe(block.rows(), &mut self.correction)?;
         self.factors = BlockFactors::Lu(factors);
@@ -100,7 +98,7 @@ impl Subdomain {
         self.members.clear();
     }
 
-    /// Adds to `z` what the factors make of the residual.
+    /// Adds the correction by the factors, applied to the residual, to `z`.
     pub(super) fn correct(&mut self, residual: &[f64], z: &mut [f64]) -> Result<(), LinearError> {
         if self.members.is_empty() {
             return Ok(());

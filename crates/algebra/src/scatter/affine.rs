@@ -15,7 +15,7 @@ pub(crate) struct Affine {
 }
 
 impl Affine {
-    /// Evaluates `y`, and copies the entries of `K` on the way if somebody wants them.
+    /// Evaluates `y` and, if `copy` is given, copies the entries of `K` into it.
     pub(crate) fn evaluate(
         &mut self,
         pattern: &Pattern,

@@ -33,8 +33,8 @@ pub(crate) struct Scatter {
 }
 
 impl Scatter {
-    /// Adds all items of some contributions to what the stripes that were dealt out hold, or to zero, and tells the time that
-    /// each took: that of the slowest stripe.
+    /// Adds all items of the contributions to the values in the stripes, or to zero. Reports the time of each contribution:
+    /// that of the slowest stripe.
     pub(crate) fn add(
         &mut self,
         works: &[Work<'_>],

@@ -1,4 +1,4 @@
-//! Which thread writes what: a division of the unknowns into stripes, one for each thread.
+//! Division of the unknowns into stripes, one for each thread, so that no two threads write the same entry.
 
 use std::ops::Range;
 
@@ -22,7 +22,7 @@ pub(crate) struct Stripes {
 }
 
 impl Stripes {
-    /// Number of stripes for some unknowns and the threads at hand.
+    /// Returns the number of stripes for a number of unknowns and the threads of the current pool.
     pub(crate) fn wanted(n_unknowns: usize) -> usize {
         rayon::current_num_threads().min(n_unknowns / SMALLEST_STRIPE).clamp(1, u8::MAX as usize)
     }
@@ -95,9 +95,9 @@ impl Stripes {
     }
 }
 
-/// What one thread writes.
+/// Columns that one thread writes.
 pub(crate) struct Stripe<'a> {
-    /// Whether it is the only one: its one block has everything, and nothing is looked up.
+    /// Whether it is the only one. Its single block then contains all columns, and no search is needed.
     is_whole: bool,
     blocks: Vec<Block<'a>>,
 }

@@ -1,7 +1,7 @@
 //! A flow-like problem on a structured triangulation: three fields, cells of 9 dofs, faces of 4 dofs per field.
 #![allow(dead_code)]
 
-use algebra::{BlockLayout, Constraints, Contributions, DofId, FieldId, LocalSystem, NonlinearProblem};
+use algebra::{BlockLayout, Constraints, Contributions, DofId, Equations, FieldId, LocalSystem};
 
 /// Triangles of the unit square with `m` × `m` squares, and their interior faces.
 pub(crate) struct Grid {
@@ -68,21 +68,31 @@ impl Flow {
     pub(crate) fn new(m: usize, convection: f64) -> Self {
         let grid = Grid::new(m);
         let mut layout = BlockLayout::new();
-        for name in ["u", "v", "p"] {
-            layout.push(name, grid.n_vertices());
-        }
+        let u = layout.push("u", grid.n_vertices(), 1);
+        layout.push_on(u, "v", 1);
+        layout.push_on(u, "p", 1);
         let mut constraints = Constraints::new();
         for vertex in (0..grid.n_vertices()).filter(|v| grid.on_boundary(*v)) {
             let lid = vertex >= m * (m + 1);
-            constraints.set(layout.dof(FieldId(0), vertex), if lid { 1.0 } else { 0.0 });
-            constraints.set(layout.dof(FieldId(1), vertex), 0.0);
+            constraints.set(layout.dof(FieldId::new(0), vertex, 0), if lid { 1.0 } else { 0.0 });
+            constraints.set(layout.dof(FieldId::new(1), vertex, 0), 0.0);
         }
-        constraints.set(layout.dof(FieldId(2), 0), 0.0);
+        constraints.set(layout.dof(FieldId::new(2), 0, 0), 0.0);
         Self { grid, layout, constraints, mass: 1.0, viscosity: 0.01, convection }
     }
 
     fn cell_dofs(&self, cell: usize) -> impl Iterator<Item = DofId> + '_ {
-        self.grid.cells[cell].into_iter().flat_map(move |v| (0..3).map(move |f| self.layout.dof(FieldId(f), v)))
+        self.grid.cells[cell].into_iter().flat_map(move |v| (0..3).map(move |f| self.layout.dof(FieldId::new(f), v, 0)))
+    }
+
+    /// Mass, diffusion, incompressibility, convection and jumps of the pressure.
+    pub(crate) fn equations(&self) -> Equations<'_> {
+        let (linear, convection, jumps) = self.parts();
+        let mut contributions: Vec<Box<dyn Contributions + '_>> = vec![Box::new(linear), Box::new(jumps[2])];
+        if self.convection != 0.0 {
+            contributions.insert(1, Box::new(convection));
+        }
+        Equations { layout: &self.layout, contributions, constraints: &self.constraints }
     }
 
     pub(crate) fn parts(&self) -> (LinearCells<'_>, ConvectionCells<'_>, [FaceJumps<'_>; 3]) {
@@ -91,6 +101,7 @@ impl Flow {
 }
 
 /// Mass, diffusion and incompressibility.
+#[derive(Clone, Copy)]
 pub(crate) struct LinearCells<'a>(&'a Flow);
 
 impl Contributions for LinearCells<'_> {
@@ -133,6 +144,7 @@ impl Contributions for LinearCells<'_> {
 }
 
 /// `(u · ∇ u, v)` with the mean velocity of the cell.
+#[derive(Clone, Copy)]
 pub(crate) struct ConvectionCells<'a>(&'a Flow);
 
 impl Contributions for ConvectionCells<'_> {
@@ -170,9 +182,10 @@ impl Contributions for ConvectionCells<'_> {
 }
 
 /// A stabilisation by jumps between the two cells of a face, for one field.
+#[derive(Clone, Copy)]
 pub(crate) struct FaceJumps<'a> {
     flow: &'a Flow,
-    field: u32,
+    field: usize,
 }
 
 impl Contributions for FaceJumps<'_> {
@@ -180,11 +193,11 @@ impl Contributions for FaceJumps<'_> {
         self.flow.grid.faces.len()
     }
     fn dofs(&self, item: usize, out: &mut Vec<DofId>) {
-        out.extend(self.flow.grid.faces[item].map(|v| self.flow.layout.dof(FieldId(self.field), v)));
+        out.extend(self.flow.grid.faces[item].map(|v| self.flow.layout.dof(FieldId::new(self.field), v, 0)));
     }
     fn add(&self, item: usize, x: &[f64], out: &mut LocalSystem) {
         let weights = [1.0, 1.0, -1.0, -1.0];
-        let dofs = self.flow.grid.faces[item].map(|v| self.flow.layout.dof(FieldId(self.field), v));
+        let dofs = self.flow.grid.faces[item].map(|v| self.flow.layout.dof(FieldId::new(self.field), v, 0));
         let size = if self.field == 2 { 0.01 } else { 0.001 };
         let jump: f64 = dofs.iter().zip(weights).map(|(d, w)| w * x[d.index()]).sum();
         for i in 0..4 {
@@ -199,25 +212,6 @@ impl Contributions for FaceJumps<'_> {
     }
     fn name(&self) -> &'static str {
         "face jumps"
-    }
-}
-
-/// A problem from parts.
-pub(crate) struct Problem<'a> {
-    pub(crate) layout: &'a BlockLayout,
-    pub(crate) contributions: Vec<&'a dyn Contributions>,
-    pub(crate) constraints: &'a Constraints,
-}
-
-impl NonlinearProblem for Problem<'_> {
-    fn layout(&self) -> &BlockLayout {
-        self.layout
-    }
-    fn contributions(&self) -> Vec<&dyn Contributions> {
-        self.contributions.clone()
-    }
-    fn constraints(&self) -> &Constraints {
-        self.constraints
     }
 }
 

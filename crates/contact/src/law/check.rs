@@ -1,19 +1,19 @@
 //! Consistency of a contact law with itself.
 
-use super::{ContactLaw, ContactPoint};
+use super::{ContactLaw, ContactPoint, ContactTraction};
 
 /// Deviations found by [`check_law`], relative to the largest traction; all of them should be small.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LawCheck {
-    /// Largest tension: traction must not be positive.
+    /// Largest tension: the normal traction must not be positive.
     pub tension: f64,
-    /// Largest drop of traction where the gap grows.
+    /// Largest decrease of the normal traction from one point to the next. Points are given with increasing gaps.
     pub monotonicity: f64,
-    /// Traction where the law says that there is no contact.
+    /// Traction at inactive points.
     pub inactive: f64,
-    /// Derivative with respect to the gap against central differences, away from kinks.
+    /// Derivatives with respect to gap, slip and stress, compared with central differences away from kinks.
     pub derivative: f64,
-    /// Traction against central differences of the stored energy, where there is any.
+    /// Normal traction compared with central differences of the stored energy, if there is any.
     pub energy: f64,
 }
 
@@ -24,31 +24,57 @@ impl LawCheck {
     }
 }
 
-/// Checks a law at the given gaps, in increasing order: sign, monotonicity, derivatives.
-pub fn check_law(law: &dyn ContactLaw, element_size: f64, gaps: &[f64]) -> LawCheck {
-    let at = |gap: f64| ContactPoint { gap, element_size, normal_stress: 0.0 };
-    let value = |gap: f64| law.traction(at(gap)).value;
-    let energy = |gap: f64| law.energy_density(at(gap));
-    let scale = gaps.iter().map(|&gap| value(gap).abs()).fold(f64::MIN_POSITIVE, f64::max);
-    let stores = gaps.iter().any(|&gap| energy(gap) != 0.0);
-    let step = f64::EPSILON.cbrt() * element_size;
+/// Number of scalars on which a law may depend: gap, two slips, three stresses.
+const N_ARGUMENTS: usize = 6;
+
+/// Returns the point with one argument changed.
+fn moved(at: &ContactPoint, argument: usize, by: f64) -> ContactPoint {
+    let mut moved = *at;
+    match argument {
+        0 => moved.gap += by,
+        1 | 2 => moved.slip[argument - 1] += by,
+        _ => moved.stress[argument - 3] += by,
+    }
+    moved
+}
+
+/// Checks a law at the given points, in the order of increasing gaps: sign, monotonicity, and the derivatives with respect
+/// to everything that the law may depend on.
+pub fn check_law(law: &dyn ContactLaw, points: &[ContactPoint]) -> LawCheck {
+    let normal = |at: &ContactPoint| law.traction(at).value[0];
+    let largest = |values: [f64; 3]| values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    let scale = points.iter().map(|at| largest(law.traction(at).value)).fold(f64::MIN_POSITIVE, f64::max);
+    let stores = points.iter().any(|at| law.energy_density(at) != 0.0);
     let mut check = LawCheck::default();
     let mut before = f64::NEG_INFINITY;
-    for &gap in gaps {
-        let traction = law.traction(at(gap));
-        check.tension = check.tension.max(traction.value / scale);
-        check.monotonicity = check.monotonicity.max((before - traction.value) / scale);
-        before = traction.value;
-        if !law.is_active(at(gap)) {
-            check.inactive = check.inactive.max(traction.value.abs() / scale);
+    for at in points {
+        let ContactTraction { value, by_gap, by_slip, by_stress } = law.traction(at);
+        check.tension = check.tension.max(value[0] / scale);
+        check.monotonicity = check.monotonicity.max((before - value[0]) / scale);
+        before = value[0];
+        if !law.is_active(at) {
+            check.inactive = check.inactive.max(largest(value) / scale);
         }
-        if law.is_active(at(gap - step)) == law.is_active(at(gap + step)) {
-            let slope = (value(gap + step) - value(gap - step)) / (2.0 * step);
-            check.derivative = check.derivative.max((slope - traction.d_gap).abs() * element_size / scale);
+        let derivatives = [by_gap, by_slip[0], by_slip[1], by_stress[0], by_stress[1], by_stress[2]];
+        for (argument, derivative) in derivatives.iter().enumerate().take(N_ARGUMENTS) {
+            // Lengths vary on the scale of the contact size, stresses on that of the traction.
+            let size = if argument < 3 { at.size } else { scale };
+            let step = f64::EPSILON.cbrt() * size;
+            let (below, above) = (moved(at, argument, -step), moved(at, argument, step));
+            if law.is_active(&below) != law.is_active(&above) {
+                continue;
+            }
+            let (from, to) = (law.traction(&below).value, law.traction(&above).value);
+            for k in 0..3 {
+                let slope = (to[k] - from[k]) / (2.0 * step);
+                check.derivative = check.derivative.max((slope - derivative[k]).abs() * size / scale);
+            }
         }
-        if stores {
-            let slope = (energy(gap + step) - energy(gap - step)) / (2.0 * step);
-            check.energy = check.energy.max((slope - traction.value).abs() / scale);
+        let step = f64::EPSILON.cbrt() * at.size;
+        let (below, above) = (moved(at, 0, -step), moved(at, 0, step));
+        if stores && law.is_active(&below) == law.is_active(&above) {
+            let slope = (law.energy_density(&above) - law.energy_density(&below)) / (2.0 * step);
+            check.energy = check.energy.max((slope - normal(at)).abs() / scale);
         }
     }
     check

@@ -1,4 +1,4 @@
-//! Contact laws: normal traction as a function of the gap.
+//! Contact laws: traction as a function of gap, slip and stress, in the frame of the contact point.
 
 mod check;
 mod penalty;
@@ -6,47 +6,69 @@ mod penalty;
 pub use check::{LawCheck, check_law};
 pub use penalty::Penalty;
 
-/// What a law may depend on, at one point of the slave's surface.
-///
-/// Units: cm, cm, dyn/cm².
-#[derive(Clone, Copy, Debug, PartialEq)]
+use crate::Local;
+
+/// The state on which a law may depend, at one point of the slave's surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactPoint {
-    /// Gap `Δ`, negative when the point has penetrated.
+    /// Gap `Δ`, negative when the point has penetrated; a length.
     pub gap: f64,
-    /// Contact size `s` of the scenario.
-    pub element_size: f64,
-    /// Normal stress of the slave; for consistent laws (paper, Remark 1). The forms here pass zero.
-    pub normal_stress: f64,
+    /// Slip over the step along each tangent: displacement of the slave's point relative to its closest point; a length.
+    pub slip: [f64; 2],
+    /// Traction `σ n` on the slave's surface in the frame, force per area; zero if the law has no [`StressSource`].
+    pub stress: Local,
+    /// Contact size `s`, a length.
+    pub size: f64,
+    /// Length of the time step.
+    pub dt: f64,
 }
 
-/// Normal traction and its derivatives.
+/// Traction on the slave in the frame, force per area, and its derivatives.
 ///
-/// Units: dyn/cm², dyn/cm³, 1.
+/// The first component is `λ ≤ 0` along `n^w`, which points into the obstacle; the others are friction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactTraction {
-    /// `λ ≤ 0`; the force on the slave is `λ n^w`, away from the obstacle.
-    pub value: f64,
-    /// Derivative with respect to the gap, not negative.
-    pub d_gap: f64,
-    /// Derivative with respect to the normal stress.
-    pub d_normal_stress: f64,
+    /// The traction.
+    pub value: Local,
+    /// Derivative with respect to the gap.
+    pub by_gap: Local,
+    /// Derivatives with respect to each component of the slip.
+    pub by_slip: [Local; 2],
+    /// Derivatives with respect to each component of the stress.
+    pub by_stress: [Local; 3],
 }
 
-/// A frictionless contact law. One criterion, [`ContactLaw::is_active`], serves force, active set and reported
-/// contact times.
-pub trait ContactLaw: Send + Sync + std::fmt::Debug {
-    /// Normal traction at a point.
-    fn traction(&self, at: ContactPoint) -> ContactTraction;
+/// The stress on which a law depends.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum StressSource {
+    /// None.
+    #[default]
+    None,
+    /// The stress of the slave.
+    Solid,
+    /// The stress of the fluid in front of the slave; zero where there is no fluid.
+    Fluid,
+}
 
-    /// Whether there is contact at a point.
-    fn is_active(&self, at: ContactPoint) -> bool;
+/// A contact law. One criterion, [`ContactLaw::is_active`], serves force, active set and reported contact times.
+pub trait ContactLaw: Send + Sync + std::fmt::Debug {
+    /// Traction at a point.
+    fn traction(&self, at: &ContactPoint) -> ContactTraction;
+
+    /// Whether there is contact at a point; the traction is zero otherwise.
+    fn is_active(&self, at: &ContactPoint) -> bool;
 
     /// Distance `ε` that the law keeps between slave and obstacle.
     fn offset(&self) -> f64;
 
-    /// Energy per area that contact has stored, whose derivative with respect to the gap is the traction; zero for
-    /// laws that store none.
-    ///
-    /// Units: erg/cm².
-    fn energy_density(&self, at: ContactPoint) -> f64;
+    /// Stored energy per area, whose derivative with respect to the gap is the normal traction; zero for laws without
+    /// energy.
+    fn energy_density(&self, _at: &ContactPoint) -> f64 {
+        0.0
+    }
+
+    /// The stress that [`ContactPoint::stress`] holds.
+    fn stress(&self) -> StressSource {
+        StressSource::None
+    }
 }

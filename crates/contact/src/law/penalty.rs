@@ -1,13 +1,14 @@
 //! Penalty contact with an offset.
 
+use mesh::{non_negative, positive};
+
 use super::{ContactLaw, ContactPoint, ContactTraction};
 use crate::Error;
-use crate::error::{non_negative, positive};
 
 /// `λ = -(γ_C0/s) [ε - Δ]₊`, with stored energy `1/2 (γ_C0/s) [ε - Δ]₊²`
 ///
 /// Source: paper, Eq. (6) and Remark 2, whose last equality has the wrong sign.
-/// Units: `γ_C0` dyn/cm², `s` and `ε` cm, `λ` dyn/cm².
+/// Units: `γ_C0` and `λ` force per area, `s` and `ε` lengths.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Penalty {
     gamma_contact_0: f64,
@@ -33,16 +34,20 @@ impl Penalty {
 
 impl ContactLaw for Penalty {
     #[inline]
-    fn traction(&self, at: ContactPoint) -> ContactTraction {
+    fn traction(&self, at: &ContactPoint) -> ContactTraction {
         if !self.is_active(at) {
             return ContactTraction::default();
         }
-        let gamma_contact = self.gamma_contact_0 / at.element_size;
-        ContactTraction { value: -gamma_contact * (self.offset - at.gap), d_gap: gamma_contact, d_normal_stress: 0.0 }
+        let gamma_contact = self.gamma_contact_0 / at.size;
+        ContactTraction {
+            value: [-gamma_contact * (self.offset - at.gap), 0.0, 0.0],
+            by_gap: [gamma_contact, 0.0, 0.0],
+            ..ContactTraction::default()
+        }
     }
 
     #[inline]
-    fn is_active(&self, at: ContactPoint) -> bool {
+    fn is_active(&self, at: &ContactPoint) -> bool {
         at.gap < self.offset
     }
 
@@ -52,8 +57,8 @@ impl ContactLaw for Penalty {
     }
 
     #[inline]
-    fn energy_density(&self, at: ContactPoint) -> f64 {
-        0.5 * self.gamma_contact_0 / at.element_size * (self.offset - at.gap).max(0.0).powi(2)
+    fn energy_density(&self, at: &ContactPoint) -> f64 {
+        0.5 * self.gamma_contact_0 / at.size * (self.offset - at.gap).max(0.0).powi(2)
     }
 }
 
@@ -65,8 +70,8 @@ mod tests {
     #[test]
     fn is_a_law() {
         for offset in [0.0, 0.1] {
-            let gaps: Vec<f64> = (-20..20).map(|k| 0.013 * f64::from(k) + 0.001).collect();
-            let check = check_law(&Penalty::new(1e8, offset).unwrap(), 0.1, &gaps);
+            let at = |k: i32| ContactPoint { gap: 0.013 * f64::from(k) + 0.001, size: 0.1, ..ContactPoint::default() };
+            let check = check_law(&Penalty::new(1e8, offset).unwrap(), &(-20..20).map(at).collect::<Vec<_>>());
             assert!(check.largest() < 1e-8, "{check:?}");
         }
     }
@@ -74,9 +79,9 @@ mod tests {
     #[test]
     fn nothing_happens_at_the_offset() {
         let law = Penalty::new(1e8, 0.1).unwrap();
-        let at = ContactPoint { gap: 0.1, element_size: 0.1, normal_stress: 0.0 };
-        assert_eq!(law.traction(at), ContactTraction::default());
-        assert!(!law.is_active(at) && law.energy_density(at) == 0.0);
+        let at = ContactPoint { gap: 0.1, size: 0.1, ..ContactPoint::default() };
+        assert_eq!(law.traction(&at), ContactTraction::default());
+        assert!(!law.is_active(&at) && law.energy_density(&at) == 0.0);
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use mesh::{FacetId, Point, Vector};
 
 use super::Obstacle;
-use crate::Motion;
+use crate::Positions;
 
 /// Deviations found by [`check_obstacle`], relative to the extent of the points; all of them should be small.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -33,13 +33,13 @@ impl ObstacleCheck {
 /// derivatives.
 pub fn check_obstacle<const D: usize>(
     obstacle: &dyn Obstacle<D>,
-    motion: Motion<'_, D>,
+    at: Positions<'_, D>,
     candidates: &[FacetId],
     points: &[Point<D>],
 ) -> ObstacleCheck {
     let extent = points.iter().map(|x| (x - points[0]).norm()).fold(f64::MIN_POSITIVE, f64::max);
     let step = f64::EPSILON.cbrt() * extent;
-    let project = |x: &Point<D>| obstacle.project(x, motion, candidates);
+    let project = |x: &Point<D>| obstacle.project(x, at, candidates);
     let mut check = ObstacleCheck::default();
     for x in points {
         let Some(found) = project(x) else { continue };

@@ -8,14 +8,11 @@ pub use check::{ObstacleCheck, check_obstacle};
 pub use deformable::DeformableObstacle;
 pub use rigid_plane::RigidPlane;
 
-use mesh::{BoundaryMesh, FacetId, Placed, Point, Tensor, Vector};
+use mesh::{BoundaryMesh, FacetId, MAX_FACET_VERTICES, Placed, Point, Tensor, Vector};
 
-use crate::Motion;
+use crate::Positions;
 
-/// Vertices of the largest facet (triangle).
-pub const MAX_FACET_VERTICES: usize = 3;
-
-/// What holds the closest point, and takes the reaction.
+/// Support of the closest point, on which the reaction acts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Anchor<const D: usize> {
     /// Nothing that moves.
@@ -40,7 +37,7 @@ pub struct Projection<const D: usize> {
     pub normal: Vector<D>,
     /// Derivative of the normal with respect to `x`, the obstacle at rest: `[(a, b)] = ∂n_a/∂x_b`, symmetric.
     pub normal_gradient: Tensor<D>,
-    /// What takes the reaction.
+    /// Support on which the reaction acts.
     pub anchor: Anchor<D>,
 }
 
@@ -86,11 +83,11 @@ impl Candidates {
 
 /// Geometry that a body must not enter.
 pub trait Obstacle<const D: usize>: Send + Sync + std::fmt::Debug {
-    /// Closest point to `x`, or `None` if there is none among the candidates.
+    /// Returns the closest point to `x`, or `None` if no candidate has one.
     ///
-    /// `motion`: positions of the vertices of the obstacle's own body; `candidates`: the facets to look at. Rigid
+    /// `positions`: those of the vertices of the obstacle's own body; `candidates`: the facets to look at. Rigid
     /// obstacles ignore both.
-    fn project(&self, x: &Point<D>, motion: Motion<'_, D>, candidates: &[FacetId]) -> Option<Projection<D>>;
+    fn project(&self, x: &Point<D>, positions: Positions<'_, D>, candidates: &[FacetId]) -> Option<Projection<D>>;
 
     /// The boundary that the facets of candidates and anchors belong to; `None` for a rigid obstacle.
     fn boundary(&self) -> Option<&BoundaryMesh<D>> {
@@ -98,8 +95,8 @@ pub trait Obstacle<const D: usize>: Send + Sync + std::fmt::Debug {
     }
 
     /// Closest points of the whole obstacle to many points, `None` where there is none.
-    fn project_all(&self, points: &[Point<D>], motion: Motion<'_, D>) -> Vec<Option<Projection<D>>> {
-        points.iter().map(|x| self.project(x, motion, &[])).collect()
+    fn project_all(&self, points: &[Point<D>], positions: Positions<'_, D>) -> Vec<Option<Projection<D>>> {
+        points.iter().map(|x| self.project(x, positions, &[])).collect()
     }
 
     /// For each of the slave's `facets`, the facets of the obstacle within `reach`, the slave as placed and the

@@ -1,5 +1,5 @@
 //! The terms of contact, one file each.
 
-mod normal_traction;
+mod contact_work;
 
-pub use normal_traction::NormalTraction;
+pub use contact_work::ContactWork;

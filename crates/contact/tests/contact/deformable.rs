@@ -1,12 +1,17 @@
 //! Another body as the obstacle: projection, tangent, action and reaction.
 
-use algebra::{BlockLayout, Contributions, DofId, worst_tangent_entry};
+use algebra::{Contributions, DofId, worst_tangent_entry};
+use body::{Body, BodyState};
 use contact::obstacle::check_obstacle;
-use contact::{ContactFacets, ContactForm, ContactPair, ContactReport, DeformableObstacle, Motion, Obstacle, Penalty};
+use contact::{
+    ContactForm, ContactItems, ContactLaw, ContactPoint, ContactReport, ContactSites, DeformableObstacle, Obstacle,
+    Penalty, Positions,
+};
 use mesh::generate::{BallOptions, ball, structured_box};
 use mesh::{FacetId, Point, Vector};
+use solid_svk::ElasticBody;
 
-use crate::setting::{Body, Random, residual, soft};
+use crate::setting::{Coulomb, NitscheLike, Random, Scene, block, n_active, residual, soft, with_velocity, work};
 
 const GAMMA: f64 = 1e3;
 const SIZE: f64 = 0.1;
@@ -24,7 +29,7 @@ fn gap_is_the_signed_distance<const D: usize>() {
     let mesh = structured_box([0.0; D], [1.0; D], [3; D]).unwrap();
     let all: Vec<_> = mesh.boundary().facets().collect();
     let obstacle = DeformableObstacle::new(mesh.boundary(), all.clone()).unwrap();
-    let motion = Motion::frozen(mesh.vertices());
+    let positions = Positions::Fixed(mesh.vertices());
     let mut random = Random::new(2);
     let mut points: Vec<Point<D>> = (0..400).map(|_| Point::repeat(0.5) + random.vector()).collect();
     // Right over vertices and edges of the mesh, and on the surface.
@@ -33,7 +38,7 @@ fn gap_is_the_signed_distance<const D: usize>() {
         points.push(Point::from_fn(|_, _| ((random.number() + 1.0) * 6.0).round() / 6.0 - 0.5));
     }
     for x in &points {
-        let projection = obstacle.project(x, motion, &all).unwrap();
+        let projection = obstacle.project(x, positions, &all).unwrap();
         let (gap, exact) = (projection.gap(x), distance_from_box(x));
         assert!((gap - exact).abs() < 1e-14, "{x}: {gap} {exact}");
         assert!((projection.normal.norm() - 1.0).abs() < 1e-14);
@@ -44,12 +49,12 @@ fn gap_is_the_signed_distance<const D: usize>() {
         }
     }
     // Smooth away from the kinks of the distance, which few of the points in general position are close to.
-    let check = check_obstacle(&obstacle, motion, &all, &points[..400]);
+    let check = check_obstacle(&obstacle, positions, &all, &points[..400]);
     assert_eq!(check.n_projected, 400);
     assert!(check.largest() < 1e-6, "{check:?}");
-    assert!(obstacle.project(&points[0], motion, &[]).is_none());
-    for (x, found) in points.iter().zip(obstacle.project_all(&points, motion)) {
-        assert_eq!(found.unwrap().gap(x), obstacle.project(x, motion, &all).unwrap().gap(x));
+    assert!(obstacle.project(&points[0], positions, &[]).is_none());
+    for (x, found) in points.iter().zip(obstacle.project_all(&points, positions)) {
+        assert_eq!(found.unwrap().gap(x), obstacle.project(x, positions, &all).unwrap().gap(x));
     }
 }
 
@@ -68,12 +73,12 @@ fn gap_to_a_disk() {
     let mesh = ball([1.0, 2.0], 4.0, 0.1, &BallOptions::default()).unwrap();
     let all: Vec<_> = mesh.boundary().facets().collect();
     let obstacle = DeformableObstacle::<2>::new(mesh.boundary(), all.clone()).unwrap();
-    let motion = Motion::frozen(mesh.vertices());
+    let positions = Positions::Fixed(mesh.vertices());
     let mut random = Random::new(9);
     for _ in 0..200 {
         let x = Point::<2>::new(1.0, 2.0) + random.vector() * 8.0;
         let away = x - Point::<2>::new(1.0, 2.0);
-        let projection = obstacle.project(&x, motion, &all).unwrap();
+        let projection = obstacle.project(&x, positions, &all).unwrap();
         // The polygon lies inside the disk by at most h²/(8 r).
         assert!((projection.gap(&x) - (away.norm() - 4.0)).abs() < 4e-4);
         // Outside, the normal differs from the radius by at most h/(2 r).
@@ -81,45 +86,56 @@ fn gap_to_a_disk() {
     }
 }
 
+/// A test of two bodies with their step, contact and state.
+type Test<'t, const D: usize> = dyn Fn(&[ElasticBody<D>; 2], &Scene<'_, D>, &ContactSites<'_, D>, &[f64]) + 't;
+
 /// Two blocks, the upper one shifted and turned against the lower one, both of them deformed at random.
-fn two_blocks<const D: usize>(seed: u64, test: impl Fn(&BlockLayout, &[Body<D>; 2], &ContactFacets<'_, D>, &[f64])) {
-    let mut layout = BlockLayout::new();
+fn two_blocks<const D: usize>(seed: u64, law: impl ContactLaw + 'static, test: &Test<'_, D>) {
     let min: [f64; D] = std::array::from_fn(|a| if a + 1 == D { 1.0 } else { 0.37 });
     let max: [f64; D] = std::array::from_fn(|a| if a + 1 == D { 2.0 } else { 1.53 });
     let mut random = Random::new(seed);
-    let mut bodies = [
-        Body::block(&mut layout, min, max, [3; D], soft()),
-        Body::block(&mut layout, [0.0; D], [1.0; D], [2; D], soft()),
+    let bodies = [
+        block(min, max, [3; D], soft(), with_velocity(Vector::zeros())),
+        block([0.0; D], [1.0; D], [2; D], soft(), with_velocity(Vector::zeros())),
     ];
-    for body in &mut bodies {
-        body.displacement.iter_mut().for_each(|d| *d = random.vector() * 0.05);
-    }
-    let [upper, lower] = &bodies;
-    let positions = [upper.positions(), lower.positions()];
-    let form = ContactForm::new(Penalty::new(GAMMA, OFFSET).unwrap(), SIZE).unwrap();
-    let facets: [Vec<FacetId>; 2] = [0, 1].map(|k| bodies[k].solid.boundary().facets().collect());
-    let obstacle = DeformableObstacle::new(lower.solid.boundary().clone(), facets[1].clone()).unwrap();
-    let pair = ContactPair {
-        slave: upper.contact(&positions[0], DT, &layout),
-        facets: &facets[0],
-        obstacle: &obstacle,
-        master: Some(lower.contact(&positions[1], DT, &layout)),
-        reach: 0.3,
-    };
-    let contact = ContactFacets::new(&form, pair).unwrap();
-    let x = random.numbers(layout.len(), 2.0);
-    assert!(contact.len() < facets[0].len() && !contact.is_empty());
+    let states = bodies.each_ref().map(|body| {
+        let displacement: Vec<_> = body.reference().iter().map(|_| random.vector() * 0.05).collect();
+        let velocity = vec![Vector::zeros(); displacement.len()];
+        BodyState::new(displacement, velocity)
+    });
+    let scene = Scene::new(&bodies, &states, DT);
+    let form = ContactForm::new(law, SIZE).unwrap();
+    let facets: [Vec<FacetId>; 2] = bodies.each_ref().map(|body| body.surface().facets().collect());
+    let obstacle = DeformableObstacle::new(bodies[1].surface().clone(), facets[1].clone()).unwrap();
+    let pair = scene.pair(&form, &facets[0], &obstacle);
+    let items = ContactItems::new(&pair, &scene.layout, 0.3);
+    let contact = ContactSites::new(&items, pair, &scene.layout);
+    let x = random.numbers(scene.layout.len(), 2.0);
+    let n_items = work(contact.clone()).len();
+    assert!(n_items < facets[0].len() && n_items > 0);
     assert!(ContactReport::new(&contact, &x).n_active > 3);
-    test(&layout, &bodies, &contact, &x);
+    test(&bodies, &scene, &contact, &x);
+}
+
+fn penalty() -> Penalty {
+    Penalty::new(GAMMA, OFFSET).unwrap()
 }
 
 /// Exact at smooth places; a projection within the finite-difference step of an edge of the mesh is none.
-fn tangent_is_exact<const D: usize>(parts: usize) {
+fn tangent_is_exact<const D: usize>(
+    law: impl ContactLaw + Copy + 'static,
+    parts: usize,
+    n: usize,
+    condition: fn(&ContactPoint) -> bool,
+) {
     for seed in 0..6 {
-        two_blocks::<D>(seed, |_, _, contact, x| {
+        two_blocks::<D>(seed, law, &|_, _, contact, x| {
+            let found = n_active(contact, x, condition);
+            assert!(found >= n, "{found} points");
+            let contact = work(contact.clone());
             let part = seed as usize % parts;
             let items = part * contact.len() / parts..(part + 1) * contact.len() / parts;
-            let worst = worst_tangent_entry(contact, items, x, 1e-6);
+            let worst = worst_tangent_entry(&contact, items, x, 1e-6);
             assert!(worst.relative < 1e-6, "{seed}: {worst:?}");
         });
     }
@@ -127,32 +143,46 @@ fn tangent_is_exact<const D: usize>(parts: usize) {
 
 #[test]
 fn tangent_is_exact_in_2d() {
-    tangent_is_exact::<2>(1);
+    tangent_is_exact::<2>(penalty(), 1, 1, |_| true);
 }
 
 #[test]
 fn tangent_is_exact_in_3d() {
     // Each time another sixth of the facets: there are many points between two surfaces of triangles.
-    tangent_is_exact::<3>(6);
+    tangent_is_exact::<3>(penalty(), 6, 1, |_| true);
+}
+
+#[test]
+fn tangent_with_stress_is_exact() {
+    let law = NitscheLike { gamma: 200.0, offset: OFFSET };
+    tangent_is_exact::<2>(law, 1, 4, |at| at.stress[0].abs() > 1.0);
+    tangent_is_exact::<3>(law, 6, 30, |at| at.stress[0].abs() > 1.0);
+}
+
+#[test]
+fn tangent_with_friction_is_exact() {
+    let law = Coulomb { gamma: 200.0, offset: OFFSET, friction: 0.4, transition: 0.02 };
+    tangent_is_exact::<2>(law, 1, 4, |at| at.slip[0].abs() > 1e-3);
+    tangent_is_exact::<3>(law, 6, 30, |at| at.slip.iter().all(|slip| slip.abs() > 1e-3));
 }
 
 fn action_is_reaction<const D: usize>() {
     for seed in 0..6 {
-        two_blocks::<D>(seed, |layout, bodies, contact, x| {
-            let r = residual(contact, x.len(), x);
+        two_blocks::<D>(seed, penalty(), &|bodies, scene, contact, x| {
+            let (r, layout) = (residual(contact, x), &scene.layout);
             let report = ContactReport::new(contact, x);
             let mut force = [Vector::<D>::zeros(); 2];
             let mut moment = Vector::<D>::zeros();
             let mut power = 0.0;
-            for (body, total) in bodies.iter().zip(&mut force) {
-                let velocity = body.solid.velocity(layout, body.field, x).unwrap();
-                let moved = body.step(DT).end().displacement.values(&velocity).unwrap();
-                for (vertex, at) in body.solid.positions(&moved).unwrap().iter().enumerate() {
-                    let f = Vector::<D>::from_fn(|a, _| -r[layout.dof(body.field, D * vertex + a).index()]);
+            let ends = bodies.iter().zip(scene.end(x));
+            for (((body, end), total), step) in ends.zip(&mut force).zip(&scene.steps) {
+                let field = step.surface().field().unwrap();
+                for (vertex, at) in end.positions(body.reference()).iter().enumerate() {
+                    let f = -Vector::<D>::from(layout.at(field, vertex, &r));
                     *total += f;
                     // All pairs of axes, one after the other.
                     moment += Vector::from_fn(|a, _| at[a] * f[(a + 1) % D] - at[(a + 1) % D] * f[a]);
-                    power += (0..D).map(|a| f[a] * x[layout.dof(body.field, D * vertex + a).index()]).sum::<f64>();
+                    power += f.dot(&end.velocity()[vertex]);
                 }
             }
             let scale = report.force.norm();
@@ -176,10 +206,10 @@ fn action_is_reaction_in_3d() {
 
 #[test]
 fn residual_is_the_derivative_of_the_stored_energy() {
-    two_blocks::<3>(3, |layout, _, contact, x| {
-        let r = residual(contact, x.len(), x);
+    two_blocks::<3>(3, penalty(), &|_, _, contact, x| {
+        let r = residual(contact, x);
         let mut random = Random::new(77);
-        let direction = random.numbers(layout.len(), 1.0);
+        let direction = random.numbers(x.len(), 1.0);
         let energy = |t: f64| {
             let moved: Vec<_> = x.iter().zip(&direction).map(|(x, d)| x + t * d).collect();
             ContactReport::new(contact, &moved).stored_energy
@@ -192,18 +222,18 @@ fn residual_is_the_derivative_of_the_stored_energy() {
 
 #[test]
 fn pattern_holds_while_the_projection_moves() {
-    two_blocks::<2>(1, |layout, _, contact, x| {
+    two_blocks::<2>(1, penalty(), &|_, _, contact, x| {
+        let integral = work(contact.clone());
         let dofs = |item: usize| {
             let mut dofs: Vec<DofId> = Vec::new();
-            contact.dofs(item, &mut dofs);
+            integral.dofs(item, &mut dofs);
             dofs
         };
-        let before: Vec<_> = (0..contact.len()).map(dofs).collect();
+        let before: Vec<_> = (0..integral.len()).map(dofs).collect();
         let mut random = Random::new(4);
         let moved: Vec<_> = x.iter().map(|x| x + 5.0 * random.number()).collect();
-        assert_ne!(contact.regime(x), contact.regime(&moved));
-        let r = residual(contact, layout.len(), &moved);
-        assert!(r.iter().all(|r| r.is_finite()));
-        assert_eq!(before, (0..contact.len()).map(dofs).collect::<Vec<_>>());
+        assert_ne!(integral.regime(x), integral.regime(&moved));
+        assert!(residual(contact, &moved).iter().all(|r| r.is_finite()));
+        assert_eq!(before, (0..integral.len()).map(dofs).collect::<Vec<_>>());
     });
 }

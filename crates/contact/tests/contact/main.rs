@@ -4,6 +4,7 @@
 
 mod deformable;
 mod dynamics;
+mod laws;
 mod patch;
 mod rigid;
 mod setting;

@@ -1,12 +1,15 @@
 //! A block and a rigid plane.
 
-use algebra::{BlockLayout, Contributions, check_tangent};
+use algebra::{Sites, check_tangent};
+use body::{Body, BodyState};
 use contact::{
-    ContactBody, ContactFacets, ContactForm, ContactPair, ContactReport, DeformableObstacle, Error, Penalty, RigidPlane,
+    ContactForm, ContactItems, ContactLaw, ContactPair, ContactPoint, ContactReport, ContactSites, DeformableObstacle,
+    Error, Obstacle, Penalty, RigidPlane, check_pair,
 };
-use mesh::{FacetId, Point, Vector};
+use mesh::{BoundaryMesh, FacetId, Point, Vector};
+use solid_svk::ElasticBody;
 
-use crate::setting::{Body, Random, residual, soft};
+use crate::setting::{Coulomb, NitscheLike, Random, Scene, block, n_active, residual, soft, with_velocity, work};
 
 const GAMMA: f64 = 1e6;
 const SIZE: f64 = 0.1;
@@ -20,29 +23,39 @@ fn ground<const D: usize>() -> RigidPlane<D> {
     RigidPlane::new(Point::zeros(), down).unwrap()
 }
 
+/// A unit block over the ground, its step and its contact.
+type Test<'t, const D: usize> = dyn Fn(&ElasticBody<D>, &Scene<'_, D>, &ContactSites<'_, D>) + 't;
+
 /// A unit block at a height over the ground, all of its facets ready for contact.
-fn over_ground<const D: usize>(height: f64, test: impl Fn(&BlockLayout, &Body<D>, &ContactFacets<'_, D>)) {
-    let mut layout = BlockLayout::new();
-    layout.push("other", 4);
-    let mut min = [0.0; D];
-    let mut max = [1.0; D];
+fn over_ground<const D: usize>(height: f64, law: impl ContactLaw + 'static, test: &Test<'_, D>) {
+    let (mut min, mut max) = ([0.0; D], [1.0; D]);
     min[D - 1] = height;
     max[D - 1] = height + 1.0;
-    let body = Body::block(&mut layout, min, max, [3; D], soft());
-    let form = ContactForm::new(Penalty::new(GAMMA, OFFSET).unwrap(), SIZE).unwrap();
-    let positions = body.positions();
-    let facets: Vec<_> = body.solid.boundary().facets().collect();
+    let bodies = [block(min, max, [3; D], soft(), with_velocity(Vector::zeros()))];
+    let states: [BodyState<D>; 1] = [bodies[0].start()];
+    let scene = Scene::new(&bodies, &states, DT);
+    let form = ContactForm::new(law, SIZE).unwrap();
+    let facets: Vec<_> = bodies[0].surface().facets().collect();
     let obstacle = ground();
-    let slave = body.contact(&positions, DT, &layout);
-    let pair = ContactPair { slave, facets: &facets, obstacle: &obstacle, master: None, reach: 0.0 };
-    test(&layout, &body, &ContactFacets::new(&form, pair).unwrap());
+    let pair = scene.pair(&form, &facets, &obstacle);
+    let items = ContactItems::new(&pair, &scene.layout, 0.0);
+    test(&bodies[0], &scene, &ContactSites::new(&items, pair, &scene.layout));
+}
+
+fn penalty() -> Penalty {
+    Penalty::new(GAMMA, OFFSET).unwrap()
+}
+
+/// The global vector in which every vertex of the only body has a velocity.
+fn velocities<const D: usize>(body: &ElasticBody<D>, velocity: impl Fn(&Point<D>) -> Vector<D>) -> Vec<f64> {
+    body.reference().iter().flat_map(|x| velocity(x).iter().copied().collect::<Vec<_>>()).collect()
 }
 
 fn no_force_above_the_offset<const D: usize>() {
     for height in [OFFSET, 0.2] {
-        over_ground::<D>(height, |layout, _, contact| {
-            let x = vec![0.0; layout.len()];
-            assert!(residual(contact, x.len(), &x).iter().all(|&r| r == 0.0));
+        over_ground::<D>(height, penalty(), &|_, scene, contact| {
+            let x = vec![0.0; scene.layout.len()];
+            assert!(residual(contact, &x).iter().all(|&r| r == 0.0));
             let report = ContactReport::new(contact, &x);
             assert!(!report.is_active() && report.force.norm() == 0.0 && report.stored_energy == 0.0);
             assert!((report.minimum_gap.unwrap() - height).abs() < 1e-15);
@@ -64,15 +77,14 @@ fn no_force_above_the_offset_in_3d() {
 fn resultant_is_law_times_area<const D: usize>() {
     let height = 0.2;
     let sunk = -0.01;
-    over_ground::<D>(height, |layout, body, contact| {
+    over_ground::<D>(height, penalty(), &|body, scene, contact| {
         let mut velocity = Vector::zeros();
         velocity[D - 1] = (sunk - height) / DT;
-        let mut x = vec![0.0; layout.len()];
-        let all = vec![velocity; body.solid.mesh().n_vertices()];
-        body.solid.set_velocity(layout, body.field, &all, &mut x).unwrap();
-        let base: Vec<_> = body.solid.boundary().facets().filter(|&f| is_base(body, f)).collect();
-        let pair = ContactPair { facets: &base, ..*contact.pair() };
-        let contact = ContactFacets::new(contact.form(), pair).unwrap();
+        let x = velocities(body, |_| velocity);
+        let base: Vec<_> = body.surface().facets().filter(|&f| is_base(body, f)).collect();
+        let pair = ContactPair { facets: &base, ..contact.pair().clone() };
+        let items = ContactItems::new(&pair, &scene.layout, 0.0);
+        let contact = ContactSites::new(&items, pair, &scene.layout);
         let report = ContactReport::new(&contact, &x);
         let pressure = GAMMA / SIZE * (OFFSET - sunk);
         assert!((report.active_area - 1.0).abs() < 1e-13);
@@ -84,14 +96,13 @@ fn resultant_is_law_times_area<const D: usize>() {
         assert!((report.stored_energy - energy).abs() < 1e-12 * energy);
         assert!((report.largest_penetration - (OFFSET - sunk)).abs() < 1e-14);
         assert!((report.minimum_gap.unwrap() - sunk).abs() < 1e-14);
-        let r = residual(&contact, x.len(), &x);
-        let force: Vector<D> = r[layout.range(body.field)].chunks_exact(D).map(Vector::from_column_slice).sum();
+        let force: Vector<D> = residual(&contact, &x).chunks_exact(D).map(Vector::from_column_slice).sum();
         assert!((force + report.force).norm() < 1e-12 * pressure);
     });
 }
 
-fn is_base<const D: usize>(body: &Body<D>, facet: FacetId) -> bool {
-    body.solid.mesh().tag("bottom") == body.solid.boundary().tag(facet)
+fn is_base<const D: usize>(body: &ElasticBody<D>, facet: FacetId) -> bool {
+    body.solid().mesh().tag("bottom") == body.surface().tag(facet)
 }
 
 #[test]
@@ -104,37 +115,54 @@ fn resultant_is_law_times_area_in_3d() {
     resultant_is_law_times_area::<3>();
 }
 
-fn tangent_is_exact<const D: usize>() {
+/// The tangent at random states in which at least `n` active points meet a condition.
+fn tangent_is_exact<const D: usize>(
+    law: impl ContactLaw + Copy + 'static,
+    n: usize,
+    condition: fn(&ContactPoint) -> bool,
+    (step, tolerance): (f64, f64),
+) {
     for seed in 0..4 {
-        over_ground::<D>(0.03, |layout, _, contact| {
-            let x = Random::new(seed).numbers(layout.len(), 3.0);
-            assert!(ContactReport::new(contact, &x).is_active());
-            assert!(!contact.is_linear());
-            let deviation = check_tangent(contact, &x, 1e-7);
-            assert!(deviation < 1e-8, "{deviation:e}");
+        over_ground::<D>(0.03, law, &|_, scene, contact| {
+            // The numbers of a field in front of the body come first.
+            let x = Random::new(seed).numbers(4 + scene.layout.len(), 3.0).split_off(4);
+            let found = n_active(contact, &x, condition);
+            assert!(found >= n, "{found} points");
+            let deviation = check_tangent(&work(contact.clone()), &x, step);
+            assert!(deviation < tolerance, "{deviation:e}");
         });
     }
 }
 
 #[test]
 fn tangent_is_exact_in_2d() {
-    tangent_is_exact::<2>();
+    tangent_is_exact::<2>(penalty(), 1, |_| true, (1e-7, 1e-8));
 }
 
 #[test]
 fn tangent_is_exact_in_3d() {
-    tangent_is_exact::<3>();
+    tangent_is_exact::<3>(penalty(), 1, |_| true, (1e-7, 1e-8));
+}
+
+#[test]
+fn tangent_with_stress_is_exact() {
+    let law = NitscheLike { gamma: 200.0, offset: 0.2 };
+    tangent_is_exact::<2>(law, 8, |at| at.stress[0].abs() > 1.0, (1e-6, 1e-7));
+    tangent_is_exact::<3>(law, 8, |at| at.stress[0].abs() > 1.0, (1e-6, 1e-7));
+}
+
+#[test]
+fn tangent_with_friction_is_exact() {
+    let law = Coulomb { gamma: 200.0, offset: OFFSET, friction: 0.4, transition: 0.02 };
+    tangent_is_exact::<2>(law, 4, |at| at.slip[0].abs() > 1e-3, (1e-6, 1e-7));
+    tangent_is_exact::<3>(law, 8, |at| at.slip.iter().all(|slip| slip.abs() > 1e-3), (1e-6, 1e-7));
 }
 
 #[test]
 fn regime_is_the_active_set() {
-    over_ground::<2>(0.1, |layout, body, contact| {
+    over_ground::<2>(0.1, penalty(), &|body, _, contact| {
         let at = |height: f64, tilt: f64| {
-            let velocity = |p: &Point<2>| Vector::<2>::new(0.0, (height - 0.1 + tilt * p[0]) / DT);
-            let all: Vec<_> = body.solid.mesh().vertices().iter().map(velocity).collect();
-            let mut x = vec![0.0; layout.len()];
-            body.solid.set_velocity(layout, body.field, &all, &mut x).unwrap();
-            contact.regime(&x)
+            contact.regime(&velocities(body, |p| Vector::<2>::new(0.0, (height - 0.1 + tilt * p[0]) / DT)))
         };
         assert_eq!(at(0.3, 0.0), at(0.1, 0.2));
         assert_ne!(at(0.3, 0.0), at(0.04, 0.0));
@@ -145,23 +173,22 @@ fn regime_is_the_active_set() {
 
 #[test]
 fn nonsense_is_refused() {
-    over_ground::<2>(0.1, |layout, body, contact| {
-        let form = contact.form();
-        let pair = *contact.pair();
-        let unknown = [FacetId(1000)];
-        let far = ContactPair { facets: &unknown, ..pair };
-        assert!(matches!(ContactFacets::new(form, far), Err(Error::UnknownFacet { .. })));
-        let lonely = ContactPair { master: Some(pair.slave), ..pair };
-        assert!(matches!(ContactFacets::new(form, lonely), Err(Error::Master)));
-        let facets = body.solid.boundary().facets().collect();
-        let itself = DeformableObstacle::new(body.solid.boundary().clone(), facets).unwrap();
-        let narcissus = ContactPair { obstacle: &itself, master: Some(pair.slave), ..pair };
-        assert!(matches!(ContactFacets::new(form, narcissus), Err(Error::SelfContact)));
-        let negative = ContactPair { reach: -1.0, ..pair };
-        assert!(matches!(ContactFacets::new(form, negative), Err(Error::Parameter { .. })));
-        assert!(ContactForm::<2>::new(Penalty::new(1.0, 0.0).unwrap(), 0.0).is_err());
-        let positions = body.positions();
-        let few = ContactBody::new(body.solid.boundary(), &positions[1..], DT, layout, body.field);
-        assert!(matches!(few, Err(Error::Field { .. })));
+    over_ground::<2>(0.1, penalty(), &|body, _, _| {
+        let (slave, ground) = (body.surface(), ground());
+        let check = |facet, obstacle: &dyn Obstacle<2>, master: Option<&BoundaryMesh<2>>| {
+            check_pair(slave, &[FacetId(facet)], obstacle, master)
+        };
+        let block = DeformableObstacle::new(slave.clone(), slave.facets().collect()).unwrap();
+        let other = BoundaryMesh::from_facets(slave.facet(FacetId(0)).to_vec());
+        assert_eq!((check(0, &ground, None), check(0, &block, Some(slave))), (Ok(()), Ok(())));
+        assert!(matches!(check(1000, &ground, None), Err(Error::UnknownFacet { .. })));
+        assert_eq!(check(0, &ground, Some(slave)), Err(Error::Master));
+        assert_eq!(check(0, &block, None), Err(Error::Master));
+        assert_eq!(check(0, &block, Some(&other)), Err(Error::Master));
+        let unknown = DeformableObstacle::new(slave.clone(), vec![FacetId(1000)]);
+        assert!(matches!(unknown, Err(Error::UnknownFacet { .. })));
+        for size in [0.0, -1.0, f64::NAN] {
+            assert!(matches!(ContactForm::<2>::new(penalty(), size), Err(Error::Parameter(_))));
+        }
     });
 }

@@ -1,92 +1,114 @@
-//! Bodies, steps and sums of contributions for the tests.
+//! Bodies, steps, laws and sums of contributions for the tests.
 
-use algebra::{BlockLayout, Constraints, Contributions, DofId, FieldId, LocalSystem, NewtonReport, NewtonSettings};
-use algebra::{NonlinearProblem, Workspace};
-use contact::{ContactBody, ContactFacets};
+use std::sync::Arc;
+
+use algebra::{
+    BlockLayout, Constraints, Contributions, DofId, Equations, Integral, LocalSystem, NewtonReport, NewtonSettings,
+    Sites, Workspace,
+};
+use body::{Body, BodyState, BodyStep, StepTime};
+use contact::terms::ContactWork;
+use contact::{
+    ContactForm, ContactItems, ContactLaw, ContactPair, ContactPoint, ContactReport, ContactSites, ContactTraction,
+    Obstacle, StressSource,
+};
 use mesh::generate::structured_box;
-use mesh::{Point, Vector};
-use solid_svk::{LameParameters, SaintVenantKirchhoff, SolidForm, SolidMesh, StepRule};
+use mesh::{FacetId, Vector};
+use solid_svk::{ElasticBody, ElasticOptions, LameParameters, SaintVenantKirchhoff, SolidForm, SolidMesh};
 
-/// A problem made of given contributions; the last ones are contacts.
-pub(crate) struct Problem<'a, const D: usize> {
-    pub(crate) layout: &'a BlockLayout,
-    pub(crate) solids: Vec<&'a dyn Contributions>,
-    pub(crate) contacts: Vec<&'a ContactFacets<'a, D>>,
-    pub(crate) constraints: Constraints,
+/// Bodies in one step. The first one is the slave, and the second one, if there is one, is the master.
+pub(crate) struct Scene<'a, const D: usize> {
+    pub(crate) layout: BlockLayout,
+    pub(crate) steps: Vec<Box<dyn BodyStep<D> + 'a>>,
+    dt: f64,
 }
 
-impl<const D: usize> NonlinearProblem for Problem<'_, D> {
-    fn layout(&self) -> &BlockLayout {
-        self.layout
+impl<'a, const D: usize> Scene<'a, D> {
+    pub(crate) fn new(bodies: &'a [ElasticBody<D>], states: &'a [BodyState<D>], dt: f64) -> Self {
+        let mut layout = BlockLayout::new();
+        let time = StepTime { start: 0.0, end: dt, lengths: vec![dt] };
+        let steps = bodies.iter().zip(states).map(|(body, state)| body.step(state, &time, &mut layout)).collect();
+        Self { layout, steps, dt }
     }
 
-    fn contributions(&self) -> Vec<&dyn Contributions> {
-        let contacts = self.contacts.iter().map(|&c| c as &dyn Contributions);
-        self.solids.iter().copied().chain(contacts).collect()
+    /// Slave and obstacle, with the stress if the law depends on it.
+    pub(crate) fn pair<'s>(
+        &'s self,
+        form: &'s ContactForm<D>,
+        facets: &'s [FacetId],
+        obstacle: &'s dyn Obstacle<D>,
+    ) -> ContactPair<'s, D> {
+        let [slave, master] = [0, 1].map(|k| self.steps.get(k).map(|step| step.surface()));
+        let stress = self.steps[0].stress(&self.layout).filter(|_| form.law.stress() == StressSource::Solid);
+        ContactPair {
+            form,
+            slave: slave.unwrap(),
+            facets,
+            obstacle,
+            master,
+            stress: stress.map(Arc::from),
+            dt: self.dt,
+        }
     }
 
-    fn constraints(&self) -> &Constraints {
-        &self.constraints
+    /// The velocities at the begin of the step.
+    pub(crate) fn guess(&self) -> Vec<f64> {
+        let mut x = vec![0.0; self.layout.len()];
+        self.steps.iter().for_each(|step| step.guess(&self.layout, &mut x));
+        x
     }
 
-    fn regime(&self, x: &[f64]) -> u64 {
-        self.contacts.iter().fold(0, |hash, contact| hash.rotate_left(1) ^ contact.regime(x))
+    pub(crate) fn solve(&self, contact: ContactSites<'_, D>, x: &mut [f64], tolerance: f64) -> NewtonReport {
+        let (layout, mut constraints) = (&self.layout, Constraints::new());
+        self.steps.iter().for_each(|step| step.constrain(layout, &mut constraints));
+        let mut contributions: Vec<Box<dyn Contributions + '_>> = Vec::new();
+        self.steps.iter().for_each(|step| contributions.extend(step.contributions(layout)));
+        contributions.push(Box::new(work(contact)));
+        let equations = Equations { layout, contributions, constraints: &constraints };
+        algebra::newton(&equations, x, &mut Workspace::new(), &NewtonSettings::new(tolerance)).unwrap()
+    }
+
+    /// Solves from the velocities at the begin of the step; returns report, states at the end, and iterations.
+    pub(crate) fn advance(
+        &self,
+        pair: ContactPair<'_, D>,
+        reach: f64,
+        tolerance: f64,
+    ) -> (ContactReport<D>, Vec<BodyState<D>>, usize) {
+        let items = ContactItems::new(&pair, &self.layout, reach);
+        let sites = ContactSites::new(&items, pair, &self.layout);
+        let mut x = self.guess();
+        let iterations = self.solve(sites.clone(), &mut x, tolerance).iterations;
+        (ContactReport::new(&sites, &x), self.end(&x), iterations)
+    }
+
+    pub(crate) fn end(&self, x: &[f64]) -> Vec<BodyState<D>> {
+        self.steps.iter().map(|step| step.end(&self.layout, x)).collect()
     }
 }
 
-impl<const D: usize> Problem<'_, D> {
-    pub(crate) fn solve(&self, x: &mut [f64], tolerance: f64) -> NewtonReport {
-        algebra::newton(self, x, &mut Workspace::new(), &NewtonSettings::new(tolerance)).unwrap()
-    }
+/// The weak form of a contact.
+pub(crate) fn work<'a, const D: usize>(sites: ContactSites<'a, D>) -> Integral<'a, ContactSites<'a, D>> {
+    Integral::new("contact", sites, vec![&ContactWork])
 }
 
-/// One body with its field in a layout.
-pub(crate) struct Body<const D: usize> {
-    pub(crate) solid: SolidMesh<D>,
-    pub(crate) form: SolidForm<D>,
-    pub(crate) field: FieldId,
-    pub(crate) displacement: Vec<Vector<D>>,
-    pub(crate) velocity: Vec<Vector<D>>,
+/// A box of unit density.
+pub(crate) fn block<const D: usize>(
+    min: [f64; D],
+    max: [f64; D],
+    n: [usize; D],
+    lame: LameParameters,
+    options: impl FnOnce(&SolidMesh<D>) -> ElasticOptions<D>,
+) -> ElasticBody<D> {
+    let solid = SolidMesh::new(structured_box(min, max, n).unwrap()).unwrap();
+    let form = SolidForm::new(1.0, SaintVenantKirchhoff::new(lame), Vector::zeros()).unwrap();
+    let options = options(&solid);
+    ElasticBody::new("body", solid, form, options).unwrap()
 }
 
-impl<const D: usize> Body<D> {
-    /// A box at rest.
-    pub(crate) fn block(
-        layout: &mut BlockLayout,
-        min: [f64; D],
-        max: [f64; D],
-        n: [usize; D],
-        lame: LameParameters,
-    ) -> Self {
-        let solid = SolidMesh::new(structured_box(min, max, n).unwrap()).unwrap();
-        let form = SolidForm::new(1.0, SaintVenantKirchhoff::new(lame), Vector::zeros()).unwrap();
-        let field = layout.push("body", solid.n_dofs());
-        let rest = vec![Vector::zeros(); solid.mesh().n_vertices()];
-        Self { solid, form, field, displacement: rest.clone(), velocity: rest }
-    }
-
-    pub(crate) fn step(&self, dt: f64) -> StepRule<D> {
-        StepRule::implicit_euler(dt, &self.displacement, &self.velocity).unwrap()
-    }
-
-    pub(crate) fn positions(&self) -> Vec<Point<D>> {
-        self.solid.positions(&self.displacement).unwrap()
-    }
-
-    pub(crate) fn contact<'a>(
-        &'a self,
-        positions: &'a [Point<D>],
-        dt: f64,
-        layout: &BlockLayout,
-    ) -> ContactBody<'a, D> {
-        ContactBody::new(self.solid.boundary(), positions, dt, layout, self.field).unwrap()
-    }
-
-    /// Takes over the state at the end of a step.
-    pub(crate) fn accept(&mut self, step: &StepRule<D>, layout: &BlockLayout, x: &[f64]) {
-        self.velocity = self.solid.velocity(layout, self.field, x).unwrap();
-        self.displacement = step.end().displacement.values(&self.velocity).unwrap();
-    }
+/// Options of a body without supports that starts with a velocity.
+pub(crate) fn with_velocity<const D: usize>(velocity: Vector<D>) -> impl FnOnce(&SolidMesh<D>) -> ElasticOptions<D> {
+    move |_| ElasticOptions { initial_velocity: Some(Arc::new(move |_| velocity)), ..ElasticOptions::default() }
 }
 
 pub(crate) fn soft() -> LameParameters {
@@ -115,9 +137,10 @@ impl Random {
     }
 }
 
-/// Residual of a contribution.
-pub(crate) fn residual(contribution: &dyn Contributions, n: usize, x: &[f64]) -> Vec<f64> {
-    let mut sum = vec![0.0; n];
+/// Residual of a contact.
+pub(crate) fn residual<const D: usize>(sites: &ContactSites<'_, D>, x: &[f64]) -> Vec<f64> {
+    let contribution = work(sites.clone());
+    let mut sum = vec![0.0; x.len()];
     let (mut dofs, mut local): (Vec<DofId>, _) = (Vec::new(), LocalSystem::new());
     for item in 0..contribution.len() {
         dofs.clear();
@@ -131,4 +154,89 @@ pub(crate) fn residual(contribution: &dyn Contributions, n: usize, x: &[f64]) ->
         dofs.iter().zip(local.residual()).for_each(|(d, r)| sum[d.index()] += r);
     }
     sum
+}
+
+/// Number of active points at which a condition holds.
+pub(crate) fn n_active<const D: usize>(
+    sites: &ContactSites<'_, D>,
+    x: &[f64],
+    condition: impl Fn(&ContactPoint) -> bool,
+) -> usize {
+    let mut n = 0;
+    for item in 0..sites.len() {
+        sites.visit(item, x, |site| n += usize::from(site.is_active && condition(&site.at)));
+    }
+    n
+}
+
+/// A law that depends on the stress of the slave as that of Nitsche does: `λ = -[γ (ε - Δ) - σ_n]₊`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct NitscheLike {
+    pub(crate) gamma: f64,
+    pub(crate) offset: f64,
+}
+
+impl ContactLaw for NitscheLike {
+    fn traction(&self, at: &ContactPoint) -> ContactTraction {
+        if !self.is_active(at) {
+            return ContactTraction::default();
+        }
+        let mut traction = ContactTraction::default();
+        traction.value[0] = -(self.gamma * (self.offset - at.gap) - at.stress[0]);
+        traction.by_gap[0] = self.gamma;
+        traction.by_stress[0][0] = 1.0;
+        traction
+    }
+
+    fn is_active(&self, at: &ContactPoint) -> bool {
+        self.gamma * (self.offset - at.gap) > at.stress[0]
+    }
+
+    fn offset(&self) -> f64 {
+        self.offset
+    }
+
+    fn stress(&self) -> StressSource {
+        StressSource::Solid
+    }
+}
+
+/// Penalty with regularised Coulomb friction: `λ = -γ [ε - Δ]₊` and `τ = μ λ u/√(|u|² + δ²)` with the slip `u`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Coulomb {
+    pub(crate) gamma: f64,
+    pub(crate) offset: f64,
+    pub(crate) friction: f64,
+    /// Slip `δ` of the transition from stick to slip.
+    pub(crate) transition: f64,
+}
+
+impl ContactLaw for Coulomb {
+    fn traction(&self, at: &ContactPoint) -> ContactTraction {
+        if !self.is_active(at) {
+            return ContactTraction::default();
+        }
+        let [u, v] = at.slip;
+        let length = u.hypot(v).hypot(self.transition);
+        let normal = -self.gamma * (self.offset - at.gap);
+        let [along, by_gap] = [normal, self.gamma].map(|force| self.friction * force / length);
+        let by_slip = |j: usize, k: usize| {
+            let identity = if j == k { 1.0 } else { 0.0 };
+            along * (identity - at.slip[j] * at.slip[k] / length.powi(2))
+        };
+        ContactTraction {
+            value: [normal, along * u, along * v],
+            by_gap: [self.gamma, by_gap * u, by_gap * v],
+            by_slip: [0, 1].map(|j| [0.0, by_slip(j, 0), by_slip(j, 1)]),
+            ..ContactTraction::default()
+        }
+    }
+
+    fn is_active(&self, at: &ContactPoint) -> bool {
+        at.gap < self.offset
+    }
+
+    fn offset(&self) -> f64 {
+        self.offset
+    }
 }

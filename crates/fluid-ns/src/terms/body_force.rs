@@ -1,31 +1,31 @@
 //! Body force on the fluid.
 
-use algebra::LocalSystem;
+use algebra::{LocalSystem, Term};
 use mesh::{Point, Vector};
 
-use crate::{CellTerm, FluidCell};
+use crate::FluidCell;
 
-/// `-(f^f, v)_{Ω^f}`, force per volume.
+/// Degree of quadrature: a linear force times a P1 function.
+const DEGREE: usize = 2;
+
+/// `-(f^f, v)_{Ω^f}`, force per volume
 ///
 /// Source: paper, right side of Eq. (4).
 /// Couples: velocity.   Domain: fluid parts of active cells.
-/// Units (cgs, per unit depth in 2D): residual dyn.
+/// Units: force (2D: per unit depth).
 pub struct BodyForce<'a, const D: usize> {
-    /// Force per volume at a point and time; `None` for no force.
+    /// Force per volume at a point and time.
     #[allow(clippy::type_complexity)]
-    pub force: Option<&'a (dyn Fn(&Point<D>, f64) -> Vector<D> + Send + Sync)>,
-    /// Time.
+    pub force: &'a (dyn Fn(&Point<D>, f64) -> Vector<D> + Send + Sync),
+    /// Time of the stage.
     pub time: f64,
 }
 
-impl<const D: usize> CellTerm<D> for BodyForce<'_, D> {
+impl<const D: usize> Term<FluidCell<'_, D>> for BodyForce<'_, D> {
     fn add(&self, cell: &FluidCell<'_, D>, out: &mut LocalSystem) {
-        let Some(force) = self.force else { return };
-        for q in cell.points {
-            let f = force(&cell.position(&q.shape), self.time) * q.weight;
-            for i in cell.nodes() {
-                out.add_vector(cell.velocity(i), (f * -q.shape[i]).as_slice());
-            }
-        }
+        cell.for_each_point(DEGREE, |x, weight, shape| {
+            let f = (self.force)(x, self.time) * weight;
+            (0..=D).for_each(|i| out.add_vector::<D>(cell.velocity_row(i), f * -shape[i]));
+        });
     }
 }

@@ -1,8 +1,8 @@
 //! Continuous interior penalty.
 
-use crate::{FaceTerm, FluidFace};
+use crate::FluidFace;
 
-/// How the velocity penalty scales. It is a numerical viscosity, and the paper does not state it.
+/// Scaling of the velocity penalty. It is a numerical viscosity; the paper does not state it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CipProfile {
     /// `c_F = γ_u ρ h_F² |u*·n|_F`, which vanishes under refinement.
@@ -10,7 +10,7 @@ pub enum CipProfile {
         /// `γ_u`, 0.1 by experience.
         gamma_u: f64,
     },
-    /// `c_F = γ_1 ρ |F| |u*·n|_F L^{3-D}` with the measure of the face in the place of `h_F²`, L one unit of length.
+    /// `c_F = γ_1 ρ |F| |u*·n|_F L^{3-D}` with the measure of the face instead of `h_F²`, L one unit of length.
     /// In 2D the weight is h instead of h²: a calibration to the paper's results, not a consistent scaling.
     Paper {
         /// `γ_1`, 0.7 by calibration.
@@ -23,7 +23,7 @@ pub enum CipProfile {
 /// Source: paper, `s_h` in Eq. (4), form and constants not given there; Burman, Fernández, Hansbo 2006,
 /// DOI 10.1137/040617686 (consistent profile).
 /// Couples: velocity × velocity, each component by itself.   Domain: interior faces of active parts, whole face.
-/// Units (cgs): c_F poise·cm.
+/// Units: `c_F` viscosity × length.
 pub struct CipVelocity {
     /// The scaling.
     pub profile: CipProfile,
@@ -31,8 +31,9 @@ pub struct CipVelocity {
     pub density: f64,
 }
 
-impl<const D: usize> FaceTerm<D> for CipVelocity {
-    fn weight(&self, face: &FluidFace<'_, D>) -> f64 {
+impl CipVelocity {
+    /// The weight `c_F` of a face.
+    pub fn weight<const D: usize>(&self, face: &FluidFace<'_, D>) -> f64 {
         let scale = match self.profile {
             CipProfile::Consistent { gamma_u } => gamma_u * face.value.diameter * face.value.diameter,
             CipProfile::Paper { gamma_1 } => gamma_1 * face.value.measure,
@@ -47,7 +48,7 @@ impl<const D: usize> FaceTerm<D> for CipVelocity {
 /// Source: paper, `s_h` in Eq. (4); scaling as in Burman, Fernández, Hansbo 2006, DOI 10.1137/040617686, with the
 /// time step in the parameter, which matters on small steps.
 /// Couples: pressure × pressure.   Domain: interior faces of active parts, whole face.
-/// Units (cgs): weight cm³·s/g·cm.
+/// Units: weight length²/viscosity × length.
 pub struct CipPressure {
     /// `γ_p`.
     pub gamma_pressure: f64,
@@ -55,12 +56,13 @@ pub struct CipPressure {
     pub density: f64,
     /// Dynamic viscosity `μ^f`.
     pub viscosity: f64,
-    /// `1/dt`, or zero for a steady problem.
+    /// Derivative of acceleration with respect to velocity: `1/Δt` for implicit Euler, zero for a steady problem.
     pub rate: f64,
 }
 
-impl<const D: usize> FaceTerm<D> for CipPressure {
-    fn weight(&self, face: &FluidFace<'_, D>) -> f64 {
+impl CipPressure {
+    /// The weight `c_F` of a face.
+    pub fn weight<const D: usize>(&self, face: &FluidFace<'_, D>) -> f64 {
         let h = face.value.diameter;
         let inverse_tau = self.density * self.rate + self.density * face.speed / h + self.viscosity / (h * h);
         self.gamma_pressure * h / inverse_tau

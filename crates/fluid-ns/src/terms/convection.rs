@@ -1,16 +1,18 @@
 //! Convection.
 
-use algebra::LocalSystem;
+use algebra::{LocalSystem, Term};
 use mesh::Tensor;
 
-use crate::{CellTerm, FluidCell};
+use crate::FluidCell;
 
-/// `c(u, u, v) = ρ^f (u·∇u, v)_{Ω^f}`, optionally with the skew part `+ ρ^f/2 ((∇·u) u, v)`.
+/// `c(u, u, v) = ρ^f (u·∇u, v)_{Ω^f}`, optionally with the skew part `+ ρ^f/2 ((∇·u) u, v)`
 ///
 /// Source: paper, forms after Eq. (4).
 /// Couples: velocity × velocity.   Domain: fluid parts of active cells.
-/// Units (cgs, per unit depth in 2D): residual dyn, tangent dyn·s/cm.
-/// tangent_ij = ∫ ρ N_i ( N_j ∇u + (u·g_j) I ), exact.
+/// Units: force (2D: per unit depth).
+/// With `g_i = ∇N_i`, `w_i = ρ ∫ N_i u`, `G = ∇u + σ (∇·u) I`, the velocity `u` at the stage of slope `s`, and `σ = 1/2`
+/// with the skew part, else 0:
+///   residual_i = G w_i,    tangent_ij = s ( ρ m_ij G + (w_i·g_j) I + σ w_i ⊗ g_j ).
 pub struct Convection {
     /// Density `ρ^f`.
     pub density: f64,
@@ -18,26 +20,27 @@ pub struct Convection {
     pub skew: bool,
 }
 
-impl<const D: usize> CellTerm<D> for Convection {
+impl<const D: usize> Term<FluidCell<'_, D>> for Convection {
+    #[inline]
     fn add(&self, cell: &FluidCell<'_, D>, out: &mut LocalSystem) {
-        let grad_u = cell.grad_u();
-        let half_divergence = if self.skew { 0.5 * grad_u.trace() } else { 0.0 };
-        for q in cell.points() {
-            let weight = self.density * q.weight;
-            let force = (grad_u * q.velocity + q.velocity * half_divergence) * weight;
-            for i in cell.nodes() {
-                out.add_vector(cell.velocity(i), (force * q.shape[i]).as_slice());
+        let (g, u) = (cell.gradients, &cell.velocity);
+        let grad_u = u.gradient(g);
+        let skew = if self.skew { 0.5 } else { 0.0 };
+        let transport = grad_u + Tensor::identity() * (skew * grad_u.trace());
+        for i in 0..=D {
+            let w_i = cell.moments.weighted(i, &u.values) * self.density;
+            out.add_vector::<D>(cell.velocity_row(i), transport * w_i);
+            if !out.wants_tangent() {
+                continue;
             }
-            for j in cell.nodes() {
-                let g_j = cell.gradients[j];
-                let along = q.velocity.dot(&g_j) + half_divergence * q.shape[j];
-                let mut k = grad_u * q.shape[j] + Tensor::identity() * along;
+            let w_i = w_i * u.slope;
+            for (j, g_j) in g[..=D].iter().enumerate() {
+                let mut block = transport * (self.density * u.slope * cell.moments.at(i, j));
+                block += Tensor::from_diagonal_element(w_i.dot(g_j));
                 if self.skew {
-                    k += q.velocity * g_j.transpose() * 0.5;
+                    block += w_i * (g_j * skew).transpose();
                 }
-                for i in cell.nodes() {
-                    out.add_block(cell.velocity(i), cell.velocity(j), D, (k * (weight * q.shape[i])).as_slice());
-                }
+                out.add_block::<D, D>(cell.velocity_row(i), cell.velocity_row(j), block);
             }
         }
     }

@@ -1,13 +1,13 @@
 //! Ghost penalty.
 
-use crate::{FaceTerm, FluidFace};
+use crate::FluidFace;
 
 /// `g_h(u, v) = γ_g μ^f h_F ([∇u]n, [∇v]n)_F`: keeps the mortar coercive, and the condition number before any scaling of rows
 /// and columns bounded, however small a part is.
 ///
 /// Source: paper, form after Eq. (4); Burman 2010, DOI 10.1016/j.crma.2010.10.006.
 /// Couples: velocity × velocity, each component by itself.   Domain: faces of cut cells, whole face.
-/// Units (cgs): weight poise·cm.
+/// Units: weight viscosity × length.
 pub struct GhostPenalty {
     /// `γ_g`.
     pub gamma_ghost: f64,
@@ -15,8 +15,9 @@ pub struct GhostPenalty {
     pub viscosity: f64,
 }
 
-impl<const D: usize> FaceTerm<D> for GhostPenalty {
-    fn weight(&self, face: &FluidFace<'_, D>) -> f64 {
+impl GhostPenalty {
+    /// The weight `c_F` of a face.
+    pub fn weight<const D: usize>(&self, face: &FluidFace<'_, D>) -> f64 {
         if face.value.is_ghost { self.gamma_ghost * self.viscosity * face.value.diameter } else { 0.0 }
     }
 }

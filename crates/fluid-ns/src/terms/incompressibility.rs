@@ -1,31 +1,38 @@
 //! Incompressibility and its reaction, the pressure.
 
-use algebra::LocalSystem;
+use algebra::{LocalSystem, Term};
+use mesh::Vector;
 
-use crate::{CellTerm, FluidCell};
+use crate::FluidCell;
 
 /// `b(p, v) - b(q, u) = -(p, ∇·v)_{Ω^f} + (q, ∇·u)_{Ω^f}`
 ///
 /// Source: paper, forms after Eq. (4).
 /// Couples: velocity × pressure, pressure × velocity.   Domain: fluid parts of active cells.
-/// Units (cgs, per unit depth in 2D): residual dyn and cm²/s.
+/// Units: force and volume/time (2D: per unit depth).
+/// With `g_i = ∇N_i`, `m_i = ∫ N_i`, and the velocity `u` at the stage of slope `s`:
+///   residual_i = -g_i Σ_j m_j p_j and m_i ∇·u,    tangent_ij = -m_j g_i and s m_i g_jᵀ.
 pub struct Incompressibility;
 
-impl<const D: usize> CellTerm<D> for Incompressibility {
+impl<const D: usize> Term<FluidCell<'_, D>> for Incompressibility {
+    #[inline]
     fn add(&self, cell: &FluidCell<'_, D>, out: &mut LocalSystem) {
-        let divergence = cell.grad_u().trace();
-        for q in cell.points() {
-            for i in cell.nodes() {
-                let g_i = cell.gradients[i] * q.weight;
-                out.add_vector(cell.velocity(i), (g_i * -q.pressure).as_slice());
-                out.add(cell.pressure(i), q.weight * q.shape[i] * divergence);
-                for j in cell.nodes() {
-                    for a in 0..D {
-                        let coupling = g_i[a] * q.shape[j];
-                        out.add_tangent(cell.velocity(i) + a, cell.pressure(j), -coupling);
-                        out.add_tangent(cell.pressure(j), cell.velocity(i) + a, coupling);
-                    }
-                }
+        let (g, m) = (cell.gradients, cell.moments);
+        let divergence: f64 = (0..=D).map(|i| cell.velocity.values[i].dot(&g[i])).sum();
+        let pressure: f64 = (0..=D).map(|j| m.of(j) * cell.pressures[j]).sum();
+        for (i, g_i) in g[..=D].iter().enumerate() {
+            out.add_vector::<D>(cell.velocity_row(i), g_i * -pressure);
+            out.add(cell.pressure_row(i), m.of(i) * divergence);
+        }
+        if !out.wants_tangent() {
+            return;
+        }
+        for j in 0..=D {
+            let (moment, g_j) = (m.of(j), g[j] * cell.velocity.slope);
+            for (i, g_i) in g[..=D].iter().enumerate() {
+                let column: Vector<D> = g_i * -moment;
+                out.add_block::<D, 1>(cell.velocity_row(i), cell.pressure_row(j), column);
+                out.add_block::<1, D>(cell.pressure_row(i), cell.velocity_row(j), (g_j * m.of(i)).transpose());
             }
         }
     }

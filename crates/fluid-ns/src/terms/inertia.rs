@@ -1,34 +1,38 @@
 //! Inertia of the fluid.
 
-use algebra::LocalSystem;
+use algebra::{LocalSystem, Term};
+use mesh::Tensor;
 
-use crate::{CellTerm, FluidCell};
+use crate::FluidCell;
 
-/// `ρ^f/dt (u - u*, v)_{Ω^f}`
+/// `ρ^f (a, v)_{Ω^f}`; implicit Euler: `ρ^f/Δt (u - u*, v)`
 ///
 /// Source: paper, fully discrete form after Eq. (11).
 /// Couples: velocity × velocity.   Domain: fluid parts of active cells.
-/// Units (cgs, per unit depth in 2D): residual dyn, tangent dyn·s/cm.
+/// Units: force (2D: per unit depth).
+/// With `m_ij = ∫ N_i N_j` and the acceleration `a` at the stage of slope `s`:
+///   residual_i = ρ Σ_j m_ij a_j,    tangent_ij = s ρ m_ij I.
 pub struct Inertia {
     /// Density `ρ^f`.
     pub density: f64,
-    /// Time step.
-    pub dt: f64,
 }
 
-impl<const D: usize> CellTerm<D> for Inertia {
+impl<const D: usize> Term<FluidCell<'_, D>> for Inertia {
+    #[inline]
     fn add(&self, cell: &FluidCell<'_, D>, out: &mut LocalSystem) {
-        let rate = self.density / self.dt;
-        for q in cell.points() {
-            let change = (q.velocity - q.history) * (rate * q.weight);
-            for i in cell.nodes() {
-                out.add_vector(cell.velocity(i), (change * q.shape[i]).as_slice());
-                for j in cell.nodes() {
-                    let mass = rate * q.weight * q.shape[i] * q.shape[j];
-                    for a in 0..D {
-                        out.add_tangent(cell.velocity(i) + a, cell.velocity(j) + a, mass);
-                    }
-                }
+        let acceleration = &cell.acceleration;
+        for i in 0..=D {
+            let force = cell.moments.weighted(i, &acceleration.values) * self.density;
+            out.add_vector::<D>(cell.velocity_row(i), force);
+        }
+        if !out.wants_tangent() {
+            return;
+        }
+        let weight = self.density * acceleration.slope;
+        for j in 0..=D {
+            for i in 0..=D {
+                let block = Tensor::<D>::from_diagonal_element(weight * cell.moments.at(i, j));
+                out.add_block::<D, D>(cell.velocity_row(i), cell.velocity_row(j), block);
             }
         }
     }

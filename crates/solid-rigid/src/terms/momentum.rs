@@ -1,21 +1,58 @@
 //! Balance of momentum and of angular momentum of a rigid body.
 
-use algebra::LocalSystem;
+use algebra::{BlockLayout, DofId, FieldId, LocalSystem, Sites, Term};
 use mesh::Vector;
 
 use crate::modes::{Spin, n_rotations};
 
+/// A rigid body as its term sees it: velocity of the centre and spin at the end of the step.
+#[derive(Clone, Copy, Debug)]
+pub struct RigidVelocity<const D: usize> {
+    /// Velocity `V` of the centre, local rows from 0.
+    pub velocity: Vector<D>,
+    /// Spin `ω`, local rows from `D`.
+    pub spin: Spin,
+}
+
+/// The unknowns of a rigid body in `D` dimensions: one item with one site.
+#[derive(Clone, Copy)]
+pub struct RigidCentre<'a, const D: usize> {
+    /// The layout.
+    pub layout: &'a BlockLayout,
+    /// Field with one node: translations, then rotations.
+    pub whole: FieldId,
+}
+
+impl<const D: usize> Sites for RigidCentre<'_, D> {
+    type Site = RigidVelocity<D>;
+
+    fn len(&self) -> usize {
+        1
+    }
+
+    fn dofs(&self, _item: usize, out: &mut Vec<DofId>) {
+        out.extend(self.layout.node(self.whole, 0));
+    }
+
+    fn visit(&self, _item: usize, x: &[f64], mut visit: impl FnMut(&Self::Site)) {
+        let whole = &x[self.layout.range(self.whole)];
+        let mut spin = [0.0; 3];
+        spin[..n_rotations(D)].copy_from_slice(&whole[D..]);
+        visit(&RigidVelocity { velocity: Vector::from_column_slice(&whole[..D]), spin });
+    }
+}
+
 /// `M (V - V^n)/Δt - M g` for translations, `(J ω - L^n)/Δt` for rotations
 ///
-/// Source: Newton's and Euler's laws of motion, implicit Euler in time, with the inertia `J` of the rotation at step n: the rigid
-/// velocities as test functions in the inertia of the paper, fully discrete problem after Eq. (4).
+/// Source: Newton's and Euler's laws of motion, implicit Euler in time, with the inertia `J` of the rotation at step n: the
+/// rigid velocities as test functions in the inertia of the paper, fully discrete problem after Eq. (4).
 /// Couples: velocity and spin × velocity and spin.   Domain: the body.
-/// Units (cgs, per unit depth in 2D): residual dyn/cm and dyn, tangent g/(s cm) and g·cm/s.
+/// Units: force and torque (2D: per unit depth).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Momentum<const D: usize> {
     /// Mass `M`.
     pub mass: f64,
-    /// Inertia `J` about the centre, rows of the rotations that count.
+    /// Inertia `J` about the centre; the first rows and columns count, one per rotation.
     pub inertia: [Spin; 3],
     /// Acceleration `g` of gravity.
     pub gravity: Vector<D>,
@@ -23,22 +60,21 @@ pub struct Momentum<const D: usize> {
     pub velocity: Vector<D>,
     /// Angular momentum `L^n` at the begin of the step.
     pub angular_momentum: Spin,
-    /// Length `Δt` of the step.
-    pub dt: f64,
+    /// Inverse `1/Δt` of the length of the step.
+    pub rate: f64,
 }
 
-impl<const D: usize> Momentum<D> {
-    /// Adds the term, given the velocity of the centre and the spin at the end of the step.
-    pub fn add(&self, velocity: &Vector<D>, spin: &[f64], out: &mut LocalSystem) {
+impl<const D: usize> Term<RigidVelocity<D>> for Momentum<D> {
+    fn add(&self, body: &RigidVelocity<D>, out: &mut LocalSystem) {
         for a in 0..D {
-            out.add(a, self.mass * ((velocity[a] - self.velocity[a]) / self.dt - self.gravity[a]));
-            out.add_tangent(a, a, self.mass / self.dt);
+            out.add(a, self.mass * ((body.velocity[a] - self.velocity[a]) * self.rate - self.gravity[a]));
+            out.add_tangent(a, a, self.mass * self.rate);
         }
         for k in 0..n_rotations(D) {
-            let momentum: f64 = spin.iter().zip(&self.inertia[k]).map(|(omega, j)| j * omega).sum();
-            out.add(D + k, (momentum - self.angular_momentum[k]) / self.dt);
+            let momentum: f64 = body.spin.iter().zip(&self.inertia[k]).map(|(omega, j)| j * omega).sum();
+            out.add(D + k, (momentum - self.angular_momentum[k]) * self.rate);
             for l in 0..n_rotations(D) {
-                out.add_tangent(D + k, D + l, self.inertia[k][l] / self.dt);
+                out.add_tangent(D + k, D + l, self.inertia[k][l] * self.rate);
             }
         }
     }

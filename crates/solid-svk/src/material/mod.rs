@@ -8,10 +8,9 @@ pub use check::{MaterialCheck, check_material};
 pub use linear_elastic::LinearElastic;
 pub use saint_venant_kirchhoff::SaintVenantKirchhoff;
 
-use mesh::{MAX_CELL_VERTICES, Tensor, Vector};
+use mesh::{MAX_CELL_VERTICES, Tensor, Vector, positive, require};
 
 use crate::Error;
-use crate::error::positive;
 
 /// A hyperelastic material; in 2D in plane strain.
 ///
@@ -53,7 +52,7 @@ pub trait Material<const D: usize>: Send + Sync + std::fmt::Debug {
         }
     }
 
-    /// Cauchy stress normal to the plane in plane strain; without meaning, and never asked for, in 3D.
+    /// Returns the Cauchy stress normal to the plane in plane strain; undefined in 3D, where it is never called.
     fn out_of_plane_stress(&self, f: &Tensor<D>) -> f64;
 
     /// Whether the stress is linear in `f - I`; internal work is then assembled once per nonlinear solve.
@@ -80,9 +79,8 @@ impl LameParameters {
     /// [`Error::Parameter`]: `mu` not positive, or the bulk modulus `lambda + 2 mu/3` not positive.
     pub fn new(mu: f64, lambda: f64) -> Result<Self, Error> {
         positive("shear modulus mu", mu)?;
-        if !(lambda.is_finite() && 3.0 * lambda + 2.0 * mu > 0.0) {
-            return Err(Error::Parameter { what: "lambda", value: lambda, must: "finite and above -2 mu/3" });
-        }
+        let is_stable = lambda.is_finite() && 3.0 * lambda + 2.0 * mu > 0.0;
+        require(is_stable, "lambda", lambda, "finite and above -2 mu/3")?;
         Ok(Self { mu, lambda })
     }
 
@@ -92,9 +90,7 @@ impl LameParameters {
     /// [`Error::Parameter`]: `young` not positive, or `poisson` not between -1 and 1/2.
     pub fn from_young_poisson(young: f64, poisson: f64) -> Result<Self, Error> {
         positive("Young's modulus", young)?;
-        if !(poisson > -1.0 && poisson < 0.5) {
-            return Err(Error::Parameter { what: "Poisson's ratio", value: poisson, must: "between -1 and 1/2" });
-        }
+        require(poisson > -1.0 && poisson < 0.5, "Poisson's ratio", poisson, "between -1 and 1/2")?;
         let mu = young / (2.0 * (1.0 + poisson));
         let lambda = young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson));
         Self::new(mu, lambda)

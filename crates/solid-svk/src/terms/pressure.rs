@@ -1,25 +1,25 @@
 //! Uniform pressure on the moving boundary.
 
-use algebra::LocalSystem;
+use algebra::{LocalSystem, Term};
 use mesh::{Tensor, Vector, det};
 
-use crate::{FacetTerm, SolidFacet};
+use crate::SolidFacet;
 
 /// `(p n, w)_{Γ(d)} = (p J F⁻ᵀ N, w)_{Γ̂}`: a pressure `p` that presses along the current normal
 ///
 /// Source: follower load; Bonet, Wood 2008, Nonlinear Continuum Mechanics for Finite Element Analysis, Sec. 6.5.
 /// Couples: solid velocity × solid velocity.   Domain: given boundary facets, current configuration.
-/// Units (cgs, per unit depth in 2D): residual dyn/cm, tangent dyn·s/cm².
+/// Units: force (2D: per unit depth).
 /// With the edges a_k = x_k - x_0 of the facet, the area vector is multilinear,
 /// `(|F| n)_c = det(e_c, a_1, .., a_{D-1})/(D - 1)!`:
 ///   residual_i = p/D |F| n,    column b of tangent_ik = c_d p/D ∂(|F| n)/∂x_k · e_b.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FollowerPressure {
-    /// Pressure from outside, dyn/cm².
+    /// Pressure from outside.
     pub pressure: f64,
 }
 
-impl<const D: usize> FacetTerm<D> for FollowerPressure {
+impl<const D: usize> Term<SolidFacet<D>> for FollowerPressure {
     #[inline]
     fn add(&self, facet: &SolidFacet<D>, out: &mut LocalSystem) {
         // Column 0 is a place for the unit vector.
@@ -30,29 +30,21 @@ impl<const D: usize> FacetTerm<D> for FollowerPressure {
         let per_node = self.pressure / (D * (1..D).product::<usize>()) as f64;
         let load = per_node * area_vector(&edges);
         for i in facet.nodes() {
-            out.add_vector(facet.velocity(i), load.as_slice());
+            out.add_vector::<D>(facet.row(i), load);
         }
         for k in 1..D {
             for b in 0..D {
                 let mut e_b = Vector::<D>::zeros();
-                e_b[b] = facet.displacement_per_velocity * per_node;
+                e_b[b] = facet.displacement_slope * per_node;
                 let mut varied = edges;
                 varied.set_column(k, &e_b);
                 let column = area_vector(&varied);
                 for i in facet.nodes() {
-                    out.add_block(facet.velocity(i), facet.velocity(k) + b, D, column.as_slice());
-                    out.add_block(facet.velocity(i), facet.velocity(0) + b, D, (-column).as_slice());
+                    out.add_block::<D, 1>(facet.row(i), facet.row(k) + b, column);
+                    out.add_block::<D, 1>(facet.row(i), facet.row(0) + b, -column);
                 }
             }
         }
-    }
-
-    fn is_linear(&self) -> bool {
-        false
-    }
-
-    fn name(&self) -> &'static str {
-        "solid pressure"
     }
 }
 

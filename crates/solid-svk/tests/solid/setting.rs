@@ -1,44 +1,70 @@
 //! A body alone: layout, step and contributions for the tests.
 
+use algebra::time::{Level, StepRule, TimeScheme};
 use algebra::{
-    BlockLayout, Constraints, Contributions, DofId, FieldId, NewtonReport, NewtonSettings, NonlinearProblem, Workspace,
+    BlockLayout, Constraints, Contributions, DofId, Equations, FieldId, NewtonReport, NewtonSettings, Workspace,
 };
 use mesh::{Point, Vector};
-use solid_svk::{LameParameters, SaintVenantKirchhoff, SolidForm, SolidMesh};
+use solid_svk::{LameParameters, SaintVenantKirchhoff, SolidCells, SolidForm, SolidMesh};
 
-/// A problem made of given contributions.
-pub(crate) struct Problem<'a> {
-    pub(crate) layout: &'a BlockLayout,
-    pub(crate) contributions: Vec<&'a dyn Contributions>,
-    pub(crate) constraints: Constraints,
+/// Dofs of the field in front of the body.
+const N_OTHER: usize = 5;
+
+/// Solves for the body; the field in front is held.
+pub(crate) fn solve(
+    layout: &BlockLayout,
+    contributions: Vec<Box<dyn Contributions + '_>>,
+    mut constraints: Constraints,
+    x: &mut [f64],
+    tolerance: f64,
+) -> NewtonReport {
+    (0..N_OTHER).for_each(|k| constraints.set(DofId::new(k), 0.0));
+    let equations = Equations { layout, contributions, constraints: &constraints };
+    algebra::newton(&equations, x, &mut Workspace::new(), &NewtonSettings::new(tolerance)).unwrap()
 }
 
-impl NonlinearProblem for Problem<'_> {
-    fn layout(&self) -> &BlockLayout {
-        self.layout
-    }
-
-    fn contributions(&self) -> Vec<&dyn Contributions> {
-        self.contributions.clone()
-    }
-
-    fn constraints(&self) -> &Constraints {
-        &self.constraints
-    }
+/// A level without acceleration.
+pub(crate) fn level<const D: usize>(displacement: Vec<Vector<D>>, velocity: Vec<Vector<D>>) -> Level<Vector<D>> {
+    Level { displacement, velocity, acceleration: Vec::new() }
 }
 
-impl<'a> Problem<'a> {
-    pub(crate) fn new(
-        layout: &'a BlockLayout,
-        contributions: Vec<&'a dyn Contributions>,
-        values: impl IntoIterator<Item = (DofId, f64)>,
-    ) -> Self {
-        Self { layout, contributions, constraints: values.into_iter().collect() }
-    }
+pub(crate) fn at_rest<const D: usize>(mesh: &SolidMesh<D>) -> Level<Vector<D>> {
+    let zero = vec![Vector::zeros(); mesh.mesh().n_vertices()];
+    level(zero.clone(), zero)
+}
 
-    pub(crate) fn solve(&self, x: &mut [f64], tolerance: f64) -> NewtonReport {
-        algebra::newton(self, x, &mut Workspace::new(), &NewtonSettings::new(tolerance)).unwrap()
-    }
+pub(crate) fn rule<const D: usize>(scheme: &dyn TimeScheme, dt: f64, level: &Level<Vector<D>>) -> StepRule<Vector<D>> {
+    StepRule::new(scheme, &[dt], std::slice::from_ref(level))
+}
+
+/// The global vector with given velocities of the body.
+pub(crate) fn state<const D: usize>(layout: &BlockLayout, field: FieldId, velocity: &[Vector<D>]) -> Vec<f64> {
+    let mut x = vec![0.0; layout.len()];
+    layout.set(field, velocity.iter().map(|v| (*v).into()), &mut x);
+    x
+}
+
+pub(crate) fn velocities<const D: usize>(layout: &BlockLayout, field: FieldId, x: &[f64]) -> Vec<Vector<D>> {
+    layout.values(field, x).map(Vector::from).collect()
+}
+
+/// One step of a body without supports.
+pub(crate) fn advance<const D: usize>(
+    mesh: &SolidMesh<D>,
+    form: &SolidForm<D>,
+    scheme: &dyn TimeScheme,
+    dt: f64,
+    tolerance: f64,
+    level: &Level<Vector<D>>,
+) -> Level<Vector<D>> {
+    let (layout, field) = one_field(mesh);
+    let rule = rule(scheme, dt, level);
+    let cells = SolidCells::new(mesh, &rule, &layout, field);
+    let mut x = state(&layout, field, &level.velocity);
+    let contributions: Vec<Box<dyn Contributions + '_>> =
+        vec![Box::new(form.inertia_and_body_force(cells)), Box::new(form.internal_work(cells))];
+    solve(&layout, contributions, Constraints::new(), &mut x, tolerance);
+    rule.level(velocities(&layout, field, &x))
 }
 
 /// The material of the ball in the paper, Sec. 4.
@@ -59,8 +85,8 @@ pub(crate) fn unit_box<const D: usize>(n: usize) -> SolidMesh<D> {
 pub(crate) fn one_field<const D: usize>(mesh: &SolidMesh<D>) -> (BlockLayout, FieldId) {
     let mut layout = BlockLayout::new();
     // A field in front, so that the body does not begin at zero.
-    layout.push("other", 5);
-    let field = layout.push("solid velocity", mesh.n_dofs());
+    layout.push("other", N_OTHER, 1);
+    let field = layout.push("solid velocity", mesh.mesh().n_vertices(), D);
     (layout, field)
 }
 

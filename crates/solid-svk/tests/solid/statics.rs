@@ -1,37 +1,62 @@
 //! Exact static states: rigid motions, uniform strain, pressurised bodies.
 
 use crate::setting::{
-    Problem, Random, ball_material, largest, largest_difference, one_field, residual, unit_box, weightless,
+    Random, at_rest, ball_material, largest, largest_difference, one_field, residual, rule, solve, state, unit_box,
+    velocities, weightless,
 };
-use algebra::Contributions;
+use algebra::time::{QuasiStatic, StepRule};
+use algebra::{BlockLayout, Constraints, FieldId, Integral};
 use mesh::generate::{BallOptions, Size, ball, graded_box};
 use mesh::nalgebra::Rotation3;
-use mesh::{Point, Tensor, Vector, det};
-use solid_svk::boundary::{Support, support_values, tagged_facets, vertices_of};
-use solid_svk::energy::CellStress;
+use mesh::{Point, Tensor, Vector, VertexId, det};
+use solid_svk::energy::cell_stress;
+use solid_svk::supports::{Support, SupportKind, tagged_facets, vertices_of};
 use solid_svk::terms::FollowerPressure;
-use solid_svk::{Material, SolidCells, SolidFacets, SolidMesh, StepRule};
+use solid_svk::{Material, SolidCells, SolidFacets, SolidMesh};
+use std::sync::Arc;
 
-/// A step of unit length from rest: the velocity is the displacement, and without inertia the step is a static solve.
-fn static_step<const D: usize>(mesh: &SolidMesh<D>) -> StepRule<D> {
-    let rest = vec![Vector::zeros(); mesh.mesh().n_vertices()];
-    StepRule::implicit_euler(1.0, &rest, &rest).unwrap()
+/// A body in a step of unit length from rest: its velocity is its displacement.
+struct Fixture<'m, const D: usize> {
+    mesh: &'m SolidMesh<D>,
+    layout: BlockLayout,
+    field: FieldId,
+    rule: StepRule<Vector<D>>,
+}
+
+impl<'m, const D: usize> Fixture<'m, D> {
+    fn new(mesh: &'m SolidMesh<D>) -> Self {
+        let (layout, field) = one_field(mesh);
+        Self { mesh, layout, field, rule: rule(&QuasiStatic, 1.0, &at_rest(mesh)) }
+    }
+
+    fn cells(&self) -> SolidCells<'_, D> {
+        SolidCells::new(self.mesh, &self.rule, &self.layout, self.field)
+    }
+
+    fn state(&self, displacement: &[Vector<D>]) -> Vec<f64> {
+        state(&self.layout, self.field, displacement)
+    }
+
+    fn displacement(&self, x: &[f64]) -> Vec<Vector<D>> {
+        velocities(&self.layout, self.field, x)
+    }
+
+    fn hold(&self, vertices: Vec<VertexId>, kind: SupportKind<D>, constraints: &mut Constraints) {
+        Support { vertices, kind }.constrain(self.mesh, &self.rule, 1.0, &self.layout, self.field, constraints);
+    }
 }
 
 fn rotation_is_free_of_stress<const D: usize>(q: Tensor<D>) {
     let mesh = unit_box::<D>(3);
     let form = weightless();
-    let (layout, field) = one_field(&mesh);
-    let step = static_step(&mesh);
-    let cells = SolidCells::new(&mesh, &form, &step, &layout, field).unwrap();
+    let body = Fixture::new(&mesh);
     let displacement: Vec<_> = mesh.mesh().vertices().iter().map(|x| q * x - x + Vector::repeat(0.3)).collect();
-    let mut x = vec![0.0; layout.len()];
-    mesh.set_velocity(&layout, field, &displacement, &mut x).unwrap();
-    let r = residual(&[&cells.internal_work()], &x);
+    let x = body.state(&displacement);
+    let r = residual(&[&form.internal_work(body.cells())], &x);
     // Forces of a unit strain are of the order of the shear modulus.
     assert!(largest(&r) < 1e-13 * 2e6, "{:e}", largest(&r));
     for cell in mesh.mesh().cells() {
-        let stress = CellStress::new(&mesh, &form, cell, &displacement);
+        let stress = cell_stress(&mesh, &form, cell, &displacement);
         assert!(stress.cauchy.norm() < 1e-12 * 2e6 && stress.von_mises() < 1e-5);
     }
 }
@@ -50,33 +75,30 @@ fn rotation_is_free_of_stress_in_3d() {
 /// Linear data on the whole boundary give the linear field inside, on any mesh and at any size of strain.
 fn uniform_strain_is_exact<const D: usize>(mesh: &SolidMesh<D>, strain: f64) {
     let form = weightless();
-    let (layout, field) = one_field(mesh);
-    let step = static_step(mesh);
-    let cells = SolidCells::new(mesh, &form, &step, &layout, field).unwrap();
+    let body = Fixture::new(mesh);
     let mut random = Random::new(3);
     let gradient = Tensor::<D>::from_fn(|_, _| strain * random.number());
     let exact = |x: &Point<D>| gradient * x;
-    let prescribed = |x: &Point<D>| -> [Option<f64>; D] { std::array::from_fn(|a| Some(exact(x)[a])) };
+    let prescribed = move |x: &Point<D>, _| -> [Option<f64>; D] { std::array::from_fn(|a| Some((gradient * x)[a])) };
     let boundary: Vec<_> = mesh.boundary().facets().collect();
     let vertices = vertices_of(mesh, &boundary);
     assert!(vertices.len() < mesh.mesh().n_vertices());
-    let values = support_values(mesh, &vertices, Support::Displacement(&prescribed), &step, &layout, field).unwrap();
-    assert_eq!(values.len(), D * vertices.len());
-    let work = cells.internal_work();
+    let mut constraints = Constraints::new();
+    let n_held = D * vertices.len();
+    body.hold(vertices, SupportKind::Displacement(Arc::new(prescribed)), &mut constraints);
+    assert_eq!(constraints.len(), n_held);
+    let work = form.internal_work(body.cells());
     // Not far from the solution: boundary data alone would turn cells next to the boundary inside out.
     let near: Vec<_> = mesh.mesh().vertices().iter().map(|x| exact(x) + random.vector() * (0.02 * strain)).collect();
-    let mut x = vec![0.0; layout.len()];
-    mesh.set_velocity(&layout, field, &near, &mut x).unwrap();
-    // The field in front belongs to nobody here.
-    let idle = (0..5).map(|k| (algebra::DofId(k), 0.0));
-    Problem::new(&layout, vec![&work], values.into_iter().chain(idle)).solve(&mut x, 1e-12);
-    let found = mesh.velocity(&layout, field, &x).unwrap();
+    let mut x = body.state(&near);
+    solve(&body.layout, vec![Box::new(work)], constraints, &mut x, 1e-12);
+    let found = body.displacement(&x);
     let expected: Vec<_> = mesh.mesh().vertices().iter().map(exact).collect();
     let error = largest_difference(&found, &expected) / strain;
     assert!(error < 1e-10, "{error:e}");
     let p = ball_material().first_piola(&(Tensor::identity() + gradient));
     for cell in mesh.mesh().cells() {
-        let sigma = CellStress::new(mesh, &form, cell, &found).cauchy;
+        let sigma = cell_stress(mesh, &form, cell, &found).cauchy;
         let expected = p * (Tensor::identity() + gradient).transpose() / det(&(Tensor::identity() + gradient));
         assert!((sigma - expected).norm() < 1e-8 * expected.norm());
     }
@@ -104,28 +126,26 @@ fn stretched_bar_in_plane_strain() {
         let mesh = graded_box([0.0, 0.0], [1.0, 1.0], &Size::uniform(0.3)).unwrap();
         let mesh = SolidMesh::<2>::new(mesh).unwrap();
         let form = weightless();
-        let (layout, field) = one_field(&mesh);
-        let step = static_step(&mesh);
-        let cells = SolidCells::new(&mesh, &form, &step, &layout, field).unwrap();
-        let stretched = |_: &Point<2>| [Some(stretch - 1.0), None];
-        let mut values: Vec<_> = (0..5).map(|k| (algebra::DofId(k), 0.0)).collect();
+        let body = Fixture::new(&mesh);
+        let stretched = move |_: &Point<2>, _| [Some(stretch - 1.0), None];
+        let mut constraints = Constraints::new();
         for (name, support) in [
-            ("left", Support::Symmetry { axis: 0 }),
-            ("bottom", Support::Symmetry { axis: 1 }),
-            ("right", Support::Displacement(&stretched)),
+            ("left", SupportKind::Symmetry { axis: 0 }),
+            ("bottom", SupportKind::Symmetry { axis: 1 }),
+            ("right", SupportKind::Displacement(Arc::new(stretched))),
         ] {
             let vertices = vertices_of(&mesh, &tagged_facets(&mesh, name).unwrap());
-            values.extend(support_values(&mesh, &vertices, support, &step, &layout, field).unwrap());
+            body.hold(vertices, support, &mut constraints);
         }
-        let work = cells.internal_work();
-        let mut x = vec![0.0; layout.len()];
-        Problem::new(&layout, vec![&work], values).solve(&mut x, 1e-12);
-        let displacement = mesh.velocity(&layout, field, &x).unwrap();
+        let work = form.internal_work(body.cells());
+        let mut x = vec![0.0; body.layout.len()];
+        solve(&body.layout, vec![Box::new(work)], constraints, &mut x, 1e-12);
+        let displacement = body.displacement(&x);
         for (reference, d) in mesh.mesh().vertices().iter().zip(&displacement) {
             assert!((d[1] - (lateral - 1.0) * reference[1]).abs() < 1e-6, "{d}");
         }
         for cell in mesh.mesh().cells() {
-            let stress = CellStress::new(&mesh, &form, cell, &displacement);
+            let stress = cell_stress(&mesh, &form, cell, &displacement);
             assert!((stress.cauchy[(0, 0)] - sigma).abs() < 1.0);
             assert!(stress.cauchy[(1, 1)].abs() < 1e-4);
             let (s, z) = (stress.cauchy[(0, 0)], stress.out_of_plane);
@@ -141,23 +161,20 @@ fn pressurised_disk() {
     let options = BallOptions { area_preserving: false };
     let mesh = SolidMesh::<2>::new(ball([0.0, 0.0], 4.0, 0.87, &options).unwrap()).unwrap();
     let form = weightless();
-    let (layout, field) = one_field(&mesh);
-    let step = static_step(&mesh);
-    let cells = SolidCells::new(&mesh, &form, &step, &layout, field).unwrap();
-    let work = cells.internal_work();
+    let body = Fixture::new(&mesh);
     let facets: Vec<_> = mesh.boundary().facets().collect();
     for (pressure, rim) in [(1e4, -2.000500e-3), (1e5, -2.0050252e-2), (1e6, -0.20526681)] {
         let s = (1.0_f64 - pressure / 1e7).sqrt();
         assert!((4.0 * (s - 1.0) - rim).abs() < 1e-6 * rim.abs());
-        let load = FollowerPressure { pressure };
-        let load = SolidFacets::new(&mesh, &load, &facets, &step, &layout, field).unwrap();
+        let term = FollowerPressure { pressure };
+        let sites = SolidFacets::new(&mesh, &facets, &body.rule, &body.layout, body.field);
+        let load = Integral::new("pressure", sites, vec![&term]);
         let exact: Vec<_> = mesh.mesh().vertices().iter().map(|x| x * (s - 1.0)).collect();
-        let mut x = vec![0.0; layout.len()];
-        mesh.set_velocity(&layout, field, &exact, &mut x).unwrap();
-        let r = residual(&[&work, &load], &x);
+        let x = body.state(&exact);
+        let r = residual(&[&form.internal_work(body.cells()), &load], &x);
         assert!(largest(&r) < 1e-13 * 1e7, "{:e}", largest(&r));
         for cell in mesh.mesh().cells() {
-            let sigma = CellStress::new(&mesh, &form, cell, &exact).cauchy;
+            let sigma = cell_stress(&mesh, &form, cell, &exact).cauchy;
             assert!((sigma + Tensor::<2>::identity() * pressure).norm() < 1e-8 * 1e7);
         }
         // Found again from rest. Two vertices on the horizontal axis take the rigid motions.
@@ -165,13 +182,13 @@ fn pressurised_disk() {
         let vertices: Vec<_> = mesh.mesh().vertices().iter().enumerate().collect();
         let rim_vertices: Vec<_> = vertices.iter().filter(on_axis).map(|(i, _)| *i).collect();
         assert_eq!(rim_vertices.len(), 2);
-        let mut values: Vec<_> = (0..5).map(|k| (algebra::DofId(k), 0.0)).collect();
-        values.extend(rim_vertices.iter().map(|&i| (layout.dof(field, 2 * i + 1), 0.0)));
-        values.push((layout.dof(field, 2 * rim_vertices[0]), exact[rim_vertices[0]][0]));
-        let mut x = vec![0.0; layout.len()];
-        let contributions: Vec<&dyn Contributions> = vec![&work, &load];
-        Problem::new(&layout, contributions, values).solve(&mut x, 1e-12);
-        let found = mesh.velocity(&layout, field, &x).unwrap();
+        let dof = |vertex, axis| body.layout.dof(body.field, vertex, axis);
+        let mut constraints: Constraints = rim_vertices.iter().map(|&i| (dof(i, 1), 0.0)).collect();
+        constraints.set(dof(rim_vertices[0], 0), exact[rim_vertices[0]][0]);
+        let mut x = vec![0.0; body.layout.len()];
+        let work = form.internal_work(body.cells());
+        solve(&body.layout, vec![Box::new(work), Box::new(load)], constraints, &mut x, 1e-12);
+        let found = body.displacement(&x);
         assert!(largest_difference(&found, &exact) < 1e-9);
     }
 }
@@ -181,16 +198,14 @@ fn pressurised_cube() {
     // x = s X with σ = S/s, so (3 λ + 2 μ)(s² - 1)/(2 s) = -p.
     let mesh = unit_box::<3>(2);
     let form = weightless();
-    let (layout, field) = one_field(&mesh);
-    let step = static_step(&mesh);
-    let cells = SolidCells::new(&mesh, &form, &step, &layout, field).unwrap();
+    let body = Fixture::new(&mesh);
     let facets: Vec<_> = mesh.boundary().facets().collect();
     let s = 0.97;
-    let load = FollowerPressure { pressure: -2.8e7 * (s * s - 1.0) / (2.0 * s) };
-    let load = SolidFacets::new(&mesh, &load, &facets, &step, &layout, field).unwrap();
+    let term = FollowerPressure { pressure: -2.8e7 * (s * s - 1.0) / (2.0 * s) };
+    let sites = SolidFacets::new(&mesh, &facets, &body.rule, &body.layout, body.field);
+    let load = Integral::new("pressure", sites, vec![&term]);
     let exact: Vec<_> = mesh.mesh().vertices().iter().map(|x| x * (s - 1.0)).collect();
-    let mut x = vec![0.0; layout.len()];
-    mesh.set_velocity(&layout, field, &exact, &mut x).unwrap();
-    let r = residual(&[&cells.internal_work(), &load], &x);
+    let x = body.state(&exact);
+    let r = residual(&[&form.internal_work(body.cells()), &load], &x);
     assert!(largest(&r) < 1e-14 * 2.8e7, "{:e}", largest(&r));
 }

@@ -1,31 +1,42 @@
-//! Tangents against finite differences at random states.
+//! Tangents and stresses against finite differences at random states.
 
-use crate::setting::{Random, ball_material, one_field, unit_box};
-use algebra::{Contributions, check_tangent};
-use mesh::Vector;
+use crate::setting::{Random, ball_material, one_field, rule, unit_box};
+use algebra::time::{GeneralisedAlpha, ImplicitEuler, Level, QuasiStatic, TimeScheme};
+use algebra::{Contributions, Integral, Term, check_tangent};
+use body::SurfaceStress;
+use mesh::{Point, Tensor, Vector};
+use solid_svk::kinematics::cauchy_stress;
 use solid_svk::terms::{FollowerPressure, Traction};
-use solid_svk::{FacetTerm, GeneralisedAlpha, SolidCells, SolidFacets, SolidForm, TimeScheme};
+use solid_svk::{Material, SolidCells, SolidFacet, SolidFacets, SolidForm, SolidStress};
+
+fn schemes() -> [Box<dyn TimeScheme>; 3] {
+    [Box::new(ImplicitEuler), Box::new(GeneralisedAlpha::new(0.8).unwrap()), Box::new(QuasiStatic)]
+}
+
+/// Displacement, velocity and acceleration that are random.
+fn random_level<const D: usize>(random: &mut Random, n: usize) -> Level<Vector<D>> {
+    let [displacement, velocity, acceleration] = [0.02, 5.0, 200.0].map(|scale| random.vectors(n, scale));
+    Level { displacement, velocity, acceleration }
+}
 
 fn tangents_are_exact<const D: usize>() {
     let mesh = unit_box::<D>(2);
     let (layout, field) = one_field(&mesh);
     let mut random = Random::new(7);
-    let n = mesh.mesh().n_vertices();
     let form = SolidForm::new(1.3, ball_material(), random.vector() * 1e3).unwrap();
-    let loads: [&dyn FacetTerm<D>; 2] =
+    let loads: [&dyn Term<SolidFacet<D>>; 2] =
         [&FollowerPressure { pressure: 3e5 }, &Traction { traction: Vector::repeat(2.0) }];
     let facets: Vec<_> = mesh.boundary().facets().collect();
-    let second_order = TimeScheme::GeneralisedAlpha(GeneralisedAlpha::new(0.8).unwrap());
-    for scheme in [TimeScheme::ImplicitEuler, second_order, TimeScheme::QuasiStatic] {
-        let [d, v, a] = [0.02, 5.0, 200.0].map(|scale| random.vectors(n, scale));
-        let step = scheme.step(1e-2, &d, &v, Some(&a)).unwrap();
-        let cells = SolidCells::new(&mesh, &form, &step, &layout, field).unwrap();
+    for scheme in schemes() {
+        let rule = rule(scheme.as_ref(), 1e-2, &random_level(&mut random, mesh.mesh().n_vertices()));
+        let cells = SolidCells::new(&mesh, &rule, &layout, field);
         let x = random.numbers(layout.len(), 5.0);
-        let (linear, work) = (cells.linear(), cells.internal_work());
+        let (linear, work) = (form.inertia_and_body_force(cells), form.internal_work(cells));
         assert!(linear.is_linear() && !work.is_linear());
         let mut all: Vec<(&dyn Contributions, f64)> = vec![(&linear, 1e-10), (&work, 1e-6)];
-        let loads = loads.map(|term| SolidFacets::new(&mesh, term, &facets, &step, &layout, field).unwrap());
-        all.extend(loads.iter().map(|l| (l as &dyn Contributions, 1e-7)));
+        let sites = SolidFacets::new(&mesh, &facets, &rule, &layout, field);
+        let loads = loads.map(|term| Integral::new("load", sites, vec![term]));
+        all.extend(loads.iter().map(|load| (load as &dyn Contributions, 1e-7)));
         for (contribution, tolerance) in all {
             let deviation = check_tangent(contribution, &x, 1e-4);
             assert!(deviation < tolerance, "{}: {deviation:e}", contribution.name());
@@ -41,4 +52,57 @@ fn tangents_are_exact_in_2d() {
 #[test]
 fn tangents_are_exact_in_3d() {
     tangents_are_exact::<3>();
+}
+
+/// The stress on the surface is the Cauchy stress times the current normal, at the stage; its derivatives are differences.
+fn stress_on_the_surface<const D: usize>() {
+    let mesh = unit_box::<D>(2);
+    let (layout, field) = one_field(&mesh);
+    let mut random = Random::new(11);
+    let material = ball_material();
+    let mut worst = [0.0_f64; 2];
+    for scheme in schemes() {
+        let rule = rule(scheme.as_ref(), 1e-2, &random_level(&mut random, mesh.mesh().n_vertices()));
+        let x = random.numbers(layout.len(), 5.0);
+        let stress = SolidStress::new(&mesh, &material, &rule, &layout, field);
+        let velocity = layout.values(field, &x).map(Vector::<D>::from).enumerate();
+        let displacement: Vec<_> = velocity.map(|(i, v)| rule.stage.displacement.at(i, v)).collect();
+        let positions: Vec<Point<D>> = mesh.mesh().vertices().iter().zip(&displacement).map(|(x, d)| x + d).collect();
+        let barycentric = [1.0 / D as f64; D];
+        let (mut dofs, mut derivatives, mut unused) = (Vec::new(), Vec::new(), Vec::new());
+        for facet in mesh.boundary().facets() {
+            let found = stress.at(facet, &barycentric, &x, &mut derivatives);
+            let cell = mesh.boundary().facet_to_cell(facet).unwrap();
+            let vertices = mesh.mesh().cell(cell).iter().zip(mesh.gradients(cell));
+            let gradient: Tensor<D> = vertices.map(|(v, g)| displacement[v.index()] * g.transpose()).sum();
+            let f = Tensor::identity() + gradient;
+            let expected = cauchy_stress(&f, &material.first_piola(&f)) * mesh.placed(&positions).facet_normal(facet);
+            worst[0] = worst[0].max((found - expected).norm() / expected.norm());
+            dofs.clear();
+            stress.dofs(facet, &mut dofs);
+            assert_eq!((dofs.len(), derivatives.len()), (D * (D + 1), D * (D + 1)));
+            let largest = derivatives.iter().fold(0.0_f64, |largest, derivative| largest.max(derivative.norm()));
+            for (dof, derivative) in dofs.iter().zip(&derivatives) {
+                let step = 1e-4 * (1.0 + x[dof.index()].abs());
+                let mut at = |by: f64| {
+                    let mut moved = x.clone();
+                    moved[dof.index()] += by;
+                    stress.at(facet, &barycentric, &moved, &mut unused)
+                };
+                let difference = (at(step) - at(-step)) / (2.0 * step);
+                worst[1] = worst[1].max((difference - derivative).norm() / largest);
+            }
+        }
+    }
+    assert!(worst[0] < 1e-12 && worst[1] < 1e-7, "{worst:?}");
+}
+
+#[test]
+fn stress_on_the_surface_in_2d() {
+    stress_on_the_surface::<2>();
+}
+
+#[test]
+fn stress_on_the_surface_in_3d() {
+    stress_on_the_surface::<3>();
 }

@@ -1,0 +1,81 @@
+//! The traits of bodies.
+
+use algebra::{BlockLayout, Constraints, Contributions};
+use mesh::{BoundaryMesh, Point, Vector};
+
+use crate::{Balance, BodyState, CellOutput, StepTime, SurfaceMotion, SurfaceStress};
+
+/// A body: a closed surface that moves, and whatever lies behind it. Fluid and contact see the surface only.
+pub trait Body<const D: usize>: Send + Sync {
+    /// Name, for reports and files.
+    fn name(&self) -> &str;
+
+    /// The surface. Vertices are those of [`Body::reference`].
+    fn surface(&self) -> &BoundaryMesh<D>;
+
+    /// Reference positions of all vertices.
+    fn reference(&self) -> &[Point<D>];
+
+    /// Whether forces move the body. Bodies of prescribed motion, and bodies that are held in every way, are not moved.
+    fn is_movable(&self) -> bool;
+
+    /// The state at time zero.
+    fn start(&self) -> BodyState<D>;
+
+    /// The body in the step from `begin` to the end of `time`. Registers its unknowns in `layout`.
+    fn step<'s>(
+        &'s self,
+        begin: &'s BodyState<D>,
+        time: &StepTime,
+        layout: &mut BlockLayout,
+    ) -> Box<dyn BodyStep<D> + 's>;
+
+    /// Returns a map from points to the distance and velocity of the body in a state: the extension of the fluid's
+    /// velocity to points that the body has left. Indices for the search are built in this call.
+    fn locator<'s>(&'s self, state: &'s BodyState<D>, time: f64) -> Locator<'s, D>;
+
+    /// Mass, momentum, energies, centre and volume; `None` for a body of prescribed motion.
+    fn balance(&self, state: &BodyState<D>) -> Option<Balance<D>>;
+
+    /// Cells with their stresses, for output. A body without cells is drawn as its surface.
+    fn cells(&self, _state: &BodyState<D>) -> Option<CellOutput<'_, D>> {
+        None
+    }
+}
+
+/// A body in one time step.
+pub trait BodyStep<const D: usize>: Sync {
+    /// Motion of the surface.
+    fn surface(&self) -> &SurfaceMotion<'_, D>;
+
+    /// Adds prescribed values and ties of the body's unknowns.
+    fn constrain(&self, layout: &BlockLayout, constraints: &mut Constraints);
+
+    /// The weak form of the body.
+    fn contributions<'p>(&'p self, layout: &'p BlockLayout) -> Vec<Box<dyn Contributions + 'p>>;
+
+    /// Writes the starting guess of the unknowns.
+    fn guess(&self, layout: &BlockLayout, x: &mut [f64]);
+
+    /// The state at the end of the step for the solution `x`.
+    fn end(&self, layout: &BlockLayout, x: &[f64]) -> BodyState<D>;
+
+    /// Stress of the body on its surface; `None` for bodies without stress.
+    fn stress<'p>(&'p self, _layout: &'p BlockLayout) -> Option<Box<dyn SurfaceStress<D> + 'p>> {
+        None
+    }
+}
+
+/// A map from points to the body as seen from there; `None` for a body without a surface.
+pub type Locator<'s, const D: usize> = Box<dyn Fn(&Point<D>) -> Option<Located<D>> + 's>;
+
+/// A body seen from a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Located<const D: usize> {
+    /// Whether the point lies inside the body.
+    pub is_inside: bool,
+    /// Distance of the point from the surface; not significant inside.
+    pub distance: f64,
+    /// Velocity of the body at the point, or at the closest point of its surface.
+    pub velocity: Vector<D>,
+}

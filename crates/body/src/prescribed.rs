@@ -1,0 +1,103 @@
+//! Bodies of prescribed motion: the smallest implementation of the traits.
+
+use algebra::{BlockLayout, Constraints, Contributions};
+use mesh::search::SurfaceIndex;
+use mesh::{BoundaryMesh, Placed, Point};
+
+use crate::{
+    Balance, Body, BodyState, BodyStep, Located, Locator, ParticleVelocity, StepTime, SurfaceMotion, SurfaceVelocity,
+    TimeField,
+};
+
+/// A body with a prescribed motion. It has no unknowns.
+pub struct PrescribedBody<const D: usize> {
+    /// Name.
+    pub name: String,
+    /// The surface.
+    pub boundary: BoundaryMesh<D>,
+    /// Reference positions of the vertices of the surface.
+    pub reference: Vec<Point<D>>,
+    /// Position at a time, from the reference position.
+    pub position: TimeField<D>,
+    /// Velocity of the particles of the surface.
+    pub velocity: ParticleVelocity<D>,
+}
+
+impl<const D: usize> PrescribedBody<D> {
+    fn state(&self, time: f64) -> BodyState<D> {
+        let at: Vec<Point<D>> = self.reference.iter().map(|x| (self.position)(x, time)).collect();
+        let displacement = at.iter().zip(&self.reference).map(|(x, reference)| x - reference).collect();
+        BodyState::new(displacement, at.iter().map(|x| (self.velocity)(x, [time; 2])).collect())
+    }
+}
+
+impl<const D: usize> Body<D> for PrescribedBody<D> {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn surface(&self) -> &BoundaryMesh<D> {
+        &self.boundary
+    }
+
+    fn reference(&self) -> &[Point<D>] {
+        &self.reference
+    }
+
+    fn is_movable(&self) -> bool {
+        false
+    }
+
+    fn start(&self) -> BodyState<D> {
+        self.state(0.0)
+    }
+
+    fn step<'s>(&'s self, begin: &'s BodyState<D>, time: &StepTime, _: &mut BlockLayout) -> Box<dyn BodyStep<D> + 's> {
+        let (times, end) = ([time.end - time.length(), time.end], self.state(time.end));
+        let surface = SurfaceMotion {
+            boundary: &self.boundary,
+            begin: begin.positions(&self.reference),
+            predicted: end.positions(&self.reference),
+            slope: 0.0,
+            velocity: SurfaceVelocity::Given(Box::new(move |x| (self.velocity)(x, times))),
+        };
+        Box::new(PrescribedStep { surface, end })
+    }
+
+    fn locator<'s>(&'s self, state: &'s BodyState<D>, time: f64) -> Locator<'s, D> {
+        let index = SurfaceIndex::new(&Placed::new(&self.boundary, &state.positions(&self.reference)));
+        Box::new(move |x| {
+            let distance = index.closest_signed(x)?.distance;
+            let velocity = (self.velocity)(x, [time; 2]);
+            Some(Located { is_inside: distance < 0.0, distance: distance.abs(), velocity })
+        })
+    }
+
+    fn balance(&self, _: &BodyState<D>) -> Option<Balance<D>> {
+        None
+    }
+}
+
+/// A body of prescribed motion in one step.
+struct PrescribedStep<'s, const D: usize> {
+    surface: SurfaceMotion<'s, D>,
+    end: BodyState<D>,
+}
+
+impl<const D: usize> BodyStep<D> for PrescribedStep<'_, D> {
+    fn surface(&self) -> &SurfaceMotion<'_, D> {
+        &self.surface
+    }
+
+    fn constrain(&self, _: &BlockLayout, _: &mut Constraints) {}
+
+    fn contributions<'p>(&'p self, _: &'p BlockLayout) -> Vec<Box<dyn Contributions + 'p>> {
+        Vec::new()
+    }
+
+    fn guess(&self, _: &BlockLayout, _: &mut [f64]) {}
+
+    fn end(&self, _: &BlockLayout, _: &[f64]) -> BodyState<D> {
+        self.end.clone()
+    }
+}

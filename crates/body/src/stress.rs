@@ -1,0 +1,19 @@
+//! Stresses on surfaces.
+
+use algebra::DofId;
+use mesh::{FacetId, Vector};
+
+/// Traction `σ n` on the surface of a body, seen from one side, with its derivatives; `n` points out of the body.
+///
+/// A consistent contact law reads it. Implementations: the stress of a solid behind the surface, and that of the fluid in
+/// front of it.
+pub trait SurfaceStress<const D: usize>: Send + Sync {
+    /// Appends the dofs on which the traction anywhere on a facet depends; they are frozen for the step.
+    fn dofs(&self, facet: FacetId, out: &mut Vec<DofId>);
+
+    /// Returns the traction at a point of a facet, given by barycentric coordinates, at the state `x`. Writes to
+    /// `derivatives[k]` the derivative with respect to dof `k` of [`SurfaceStress::dofs`].
+    ///
+    /// Units: force per area.
+    fn at(&self, facet: FacetId, barycentric: &[f64], x: &[f64], derivatives: &mut Vec<Vector<D>>) -> Vector<D>;
+}

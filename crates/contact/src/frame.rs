@@ -1,0 +1,102 @@
+//! The frame of a contact point: normal and tangents.
+
+use mesh::{Tensor, Vector};
+
+/// Components of a vector in a [`Frame`]: along the normal, then along the tangents; in the plane the last one is zero.
+pub type Local = [f64; 3];
+
+/// Cosine of the angle below which a normal is close to a coordinate axis. One of the axes is always farther away.
+const CLOSE: f64 = 0.8;
+
+/// An orthonormal frame whose first axis is the normal `n^w`, with the derivatives of its axes with respect to `n^w`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frame<const D: usize> {
+    /// The axes; the first `D` count.
+    pub axes: [Vector<D>; 3],
+    /// `by_normal[i]` maps a change of the normal to that of axis `i`.
+    pub by_normal: [Tensor<D>; 3],
+}
+
+impl<const D: usize> Frame<D> {
+    /// Creates the frame of a unit normal. In the plane the tangent is the normal turned by a right angle. In space the
+    /// first tangent lies in the plane of the normal and the first coordinate axis that is not close to it. Frames are
+    /// smooth around normals along the axes.
+    pub fn new(normal: Vector<D>) -> Self {
+        let mut frame = Self { axes: [Vector::zeros(); 3], by_normal: [Tensor::zeros(); 3] };
+        frame.axes[0] = normal;
+        frame.by_normal[0] = Tensor::identity();
+        if D == 2 {
+            frame.by_normal[1] = Tensor::from_fn(|i, j| j as f64 - i as f64);
+            frame.by_normal[1].neg_mut();
+            frame.axes[1] = frame.by_normal[1] * normal;
+        } else {
+            let mut axis = Vector::<D>::zeros();
+            axis[normal.iter().position(|component| component.abs() < CLOSE).unwrap_or(0)] = 1.0;
+            let along = axis.dot(&normal);
+            let across = axis - normal * along;
+            let length = across.norm();
+            let tangent = across / length;
+            let by_normal = -(normal * axis.transpose() + Tensor::identity() * along) / length;
+            frame.axes[1] = tangent;
+            frame.by_normal[1] = by_normal - tangent * (tangent.transpose() * by_normal);
+            frame.axes[2] = cross(&normal) * tangent;
+            frame.by_normal[2] = cross(&normal) * frame.by_normal[1] - cross(&tangent);
+        }
+        frame
+    }
+
+    /// Components of a vector.
+    #[inline]
+    pub fn components(&self, vector: &Vector<D>) -> Local {
+        self.axes.map(|axis| axis.dot(vector))
+    }
+
+    /// The vector with given components.
+    #[inline]
+    pub fn vector(&self, components: &Local) -> Vector<D> {
+        self.axes.iter().zip(components).map(|(axis, value)| axis * *value).sum()
+    }
+}
+
+/// The matrix of `w -> v × w`, in space.
+fn cross<const D: usize>(v: &Vector<D>) -> Tensor<D> {
+    let mut matrix = Tensor::zeros();
+    for k in 0..D {
+        let (i, j) = ((k + 1) % D, (k + 2) % D);
+        matrix[(i, j)] = -v[k];
+        matrix[(j, i)] = v[k];
+    }
+    matrix
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn check<const D: usize>(normal: Vector<D>) {
+        let normal = normal.normalize();
+        let frame = Frame::new(normal);
+        for i in 0..D {
+            for j in 0..D {
+                let expected = f64::from(u8::from(i == j));
+                assert!((frame.axes[i].dot(&frame.axes[j]) - expected).abs() < 1e-15, "{i} {j}");
+            }
+            // Derivatives in tangential directions against central differences.
+            for tangent in &frame.axes[1..D] {
+                let h = 1e-6;
+                let at = |h: f64| Frame::new((normal + tangent * h).normalize()).axes[i];
+                let difference = (at(h) - at(-h)) / (2.0 * h);
+                assert!((frame.by_normal[i] * tangent - difference).norm() < 1e-9, "{i}");
+            }
+        }
+        let v = Vector::<D>::from_fn(|a, _| 1.0 + a as f64);
+        assert!((frame.vector(&frame.components(&v)) - v).norm() < 1e-14);
+    }
+
+    #[test]
+    fn frames_are_orthonormal_and_know_their_derivatives() {
+        check(Vector::<2>::new(0.3, -0.8));
+        check(Vector::<3>::new(0.3, -0.8, 0.1));
+        check(Vector::<3>::new(0.0, 0.0, -1.0));
+    }
+}

@@ -1,0 +1,339 @@
+//! Contact points of one step: who meets whom, and where.
+
+use std::sync::Arc;
+
+use algebra::{BlockLayout, DofId, Sites};
+use body::{SurfaceMotion, SurfaceStress};
+use mesh::{BoundaryMesh, FacetId, MAX_FACET_VERTICES, Placed, Point, SimplexRule, Vector, VertexId, positive};
+
+use crate::segments::{Segment, divide};
+use crate::site::{ContactNode, MAX_NODES};
+use crate::{
+    Anchor, Candidates, ContactLaw, ContactPoint, ContactSite, ContactTraction, Error, Frame, Obstacle, Positions,
+};
+
+/// Law, contact size and quadrature of a contact: everything constant in time but the bodies.
+#[derive(Clone, Debug)]
+pub struct ContactForm<const D: usize> {
+    /// The law.
+    pub law: Arc<dyn ContactLaw>,
+    size: f64,
+    rule: SimplexRule,
+}
+
+impl<const D: usize> ContactForm<D> {
+    /// Creates a contact with a law and the contact size `s`, integrated with a rule that contains the vertices of the
+    /// facets.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`]: contact size not positive.
+    pub fn new(law: impl ContactLaw + 'static, size: f64) -> Result<Self, Error> {
+        positive("contact size", size)?;
+        Ok(Self { law: Arc::new(law), size, rule: SimplexRule::with_vertices(D - 1) })
+    }
+
+    /// Contact size `s`.
+    pub fn size(&self) -> f64 {
+        self.size
+    }
+}
+
+/// Slave and obstacle in one step.
+#[derive(Clone)]
+pub struct ContactPair<'a, const D: usize> {
+    /// Law, size and quadrature.
+    pub form: &'a ContactForm<D>,
+    /// The surface that is integrated over.
+    pub slave: &'a SurfaceMotion<'a, D>,
+    /// Facets of it that may come into contact: no symmetry lines, no clamped parts.
+    pub facets: &'a [FacetId],
+    /// Geometry that the slave must not enter.
+    pub obstacle: &'a dyn Obstacle<D>,
+    /// The surface of a deformable obstacle.
+    pub master: Option<&'a SurfaceMotion<'a, D>>,
+    /// Stress on the slave's surface, if the law depends on it.
+    pub stress: Option<Arc<dyn SurfaceStress<D> + 'a>>,
+    /// Length of the step.
+    pub dt: f64,
+}
+
+/// Checks that facets and surfaces fit together.
+///
+/// # Errors
+/// [`Error::UnknownFacet`]: the slave's surface does not have one of the facets. [`Error::Master`]: a deformable obstacle
+/// without its surface or with another one, or a rigid obstacle with a surface.
+pub fn check_pair<const D: usize>(
+    slave: &BoundaryMesh<D>,
+    facets: &[FacetId],
+    obstacle: &dyn Obstacle<D>,
+    master: Option<&BoundaryMesh<D>>,
+) -> Result<(), Error> {
+    let n_facets = slave.n_facets();
+    if let Some(&facet) = facets.iter().find(|f| f.index() >= n_facets) {
+        return Err(Error::UnknownFacet { facet, n_facets });
+    }
+    if obstacle.boundary() == master { Ok(()) } else { Err(Error::Master) }
+}
+
+/// Facets that may touch in one step, with their segments, measures and dofs. It borrows nothing.
+///
+/// An item is a facet of the slave with something in reach.
+#[derive(Clone, Debug, Default)]
+pub struct ContactItems<const D: usize> {
+    candidates: Candidates,
+    /// Entries of [`ContactPair::facets`], one per item.
+    items: Vec<usize>,
+    /// Measures of the facets at the begin of the step.
+    measures: Vec<f64>,
+    /// Parts of the items without kinks of the master's shape functions inside.
+    segments: Ragged<Segment<D>>,
+    /// Vertices of the candidates of an item, each once, in order, with their first local rows.
+    masters: Ragged<(VertexId, Option<usize>)>,
+    /// Dofs of an item, each once: those of slave, master and stress.
+    dofs: Ragged<DofId>,
+    /// Local rows of the dofs of the stress, in its order.
+    stress_rows: Ragged<usize>,
+}
+
+/// A list of lists in one piece of memory.
+#[derive(Clone, Debug)]
+struct Ragged<T> {
+    entries: Vec<T>,
+    offsets: Vec<usize>,
+}
+
+impl<T> Default for Ragged<T> {
+    fn default() -> Self {
+        Self { entries: Vec::new(), offsets: vec![0] }
+    }
+}
+
+impl<T> Ragged<T> {
+    fn push(&mut self, list: impl IntoIterator<Item = T>) {
+        self.entries.extend(list);
+        self.offsets.push(self.entries.len());
+    }
+
+    fn list(&self, index: usize) -> &[T] {
+        &self.entries[self.offsets[index]..self.offsets[index + 1]]
+    }
+}
+
+/// Local row of a dof; appends the dof if it is new.
+fn row_of(dof: DofId, dofs: &mut Vec<DofId>) -> usize {
+    dofs.iter().position(|known| *known == dof).unwrap_or_else(|| {
+        dofs.push(dof);
+        dofs.len() - 1
+    })
+}
+
+impl<const D: usize> ContactItems<D> {
+    /// Finds candidates within `reach` of the slave's facets at the begin of the step: at least the offset of the law plus
+    /// the relative motion in the step. A point without an obstacle in reach carries no traction.
+    pub fn new(pair: &ContactPair<'_, D>, layout: &BlockLayout, reach: f64) -> Self {
+        let &ContactPair { slave, facets, obstacle, master, .. } = pair;
+        let placed = Placed::new(slave.boundary, &slave.begin);
+        let positions = master.map_or(&[][..], |master| &master.begin);
+        let mut all = Self { candidates: obstacle.candidates(placed, facets, positions, reach), ..Self::default() };
+        for (index, &facet) in facets.iter().enumerate() {
+            let candidates = all.candidates.list(index);
+            if master.is_some() && candidates.is_empty() {
+                continue;
+            }
+            let mut dofs = Vec::new();
+            let mut first_row = |surface: &SurfaceMotion<'_, D>, vertex: VertexId| {
+                let nodes = surface.field().map(|field| layout.node(field, vertex.index()));
+                // The dofs of a vertex follow each other, unless some of them are known from elsewhere already.
+                nodes.and_then(|dofs_of| dofs_of.map(|dof| row_of(dof, &mut dofs)).min())
+            };
+            for &vertex in slave.boundary.facet(facet) {
+                first_row(slave, vertex);
+            }
+            if let Some(master) = master {
+                let opposite = Placed::new(master.boundary, positions);
+                let corners = |points: [Point<D>; MAX_FACET_VERTICES]| std::array::from_fn(|k| points[k]);
+                let opposite = candidates.iter().map(|&candidate| corners(opposite.facet_points(candidate)));
+                all.segments.push(divide(&corners(placed.facet_points(facet)), opposite));
+                let vertices = vertices_of(master.boundary, candidates);
+                let rows: Vec<_> = vertices.into_iter().map(|vertex| (vertex, first_row(master, vertex))).collect();
+                all.masters.push(rows);
+            } else {
+                all.segments.push([Segment::whole()]);
+                all.masters.push([]);
+            }
+            let mut stress_dofs = Vec::new();
+            if let Some(stress) = &pair.stress {
+                stress.dofs(facet, &mut stress_dofs);
+            }
+            all.stress_rows.push(stress_dofs.into_iter().map(|dof| row_of(dof, &mut dofs)));
+            all.dofs.push(dofs);
+            all.items.push(index);
+            all.measures.push(placed.facet_measure(facet));
+        }
+        all
+    }
+}
+
+/// The quadrature points of a contact in one step.
+///
+/// Time levels: the *weight* has the measure of the slave's facet at the begin of the step; *gap, slip and frame* are those at
+/// its end; the *stress* is that of the unknown state.
+#[derive(Clone)]
+pub struct ContactSites<'a, const D: usize> {
+    items: &'a ContactItems<D>,
+    pair: ContactPair<'a, D>,
+    layout: &'a BlockLayout,
+}
+
+impl<'a, const D: usize> ContactSites<'a, D> {
+    /// Creates the points of the items of a pair.
+    pub fn new(items: &'a ContactItems<D>, pair: ContactPair<'a, D>, layout: &'a BlockLayout) -> Self {
+        Self { items, pair, layout }
+    }
+
+    /// Slave and obstacle.
+    pub fn pair(&self) -> &ContactPair<'a, D> {
+        &self.pair
+    }
+
+    /// The layout.
+    pub fn layout(&self) -> &'a BlockLayout {
+        self.layout
+    }
+
+    /// A vertex of a surface, with position and displacement at the state `x`.
+    fn node(
+        &self,
+        surface: &SurfaceMotion<'_, D>,
+        vertex: VertexId,
+        row: Option<usize>,
+        x: &[f64],
+    ) -> (Point<D>, ContactNode<D>) {
+        let position = surface.position_at(vertex, self.layout, x);
+        let displacement = position - surface.begin[vertex.index()];
+        let velocity = surface.velocity_at(vertex, self.layout, x);
+        (position, ContactNode { row, slope: surface.slope, displacement, velocity, ..ContactNode::none() })
+    }
+
+    /// One point, given its position and the nodes of the slave; `None` without an obstacle in reach.
+    fn site(
+        &self,
+        item: usize,
+        position: &Point<D>,
+        slave: &[ContactNode<D>; MAX_NODES],
+        x: &[f64],
+    ) -> Option<ContactSite<D>> {
+        let ContactPair { form, obstacle, master, dt, .. } = self.pair;
+        let candidates = self.items.candidates.list(self.items.items[item]);
+        let projection = obstacle.project(position, Positions::at_end(master, self.layout, x), candidates)?;
+        let (mut nodes, mut n_nodes) = (*slave, D);
+        if let (Anchor::Facet { facet, barycentric, barycentric_gradient }, Some(master)) = (projection.anchor, master)
+        {
+            for (k, &vertex) in master.boundary.facet(facet).iter().enumerate() {
+                let masters = self.items.masters.list(item);
+                let Ok(local) = masters.binary_search_by_key(&vertex, |(vertex, _)| *vertex) else { continue };
+                nodes[D + k] = self.node(master, vertex, masters[local].1, x).1;
+                nodes[D + k].share = -barycentric[k];
+                nodes[D + k].gradient = barycentric_gradient[k];
+                n_nodes = D + k + 1;
+            }
+        }
+        let at = ContactPoint { gap: projection.gap(position), size: form.size, dt, ..ContactPoint::default() };
+        Some(ContactSite {
+            number: 0,
+            weight: 0.0,
+            projection,
+            frame: Frame::new(projection.normal),
+            stress: Vector::zeros(),
+            stress_derivatives: Vec::new(),
+            at,
+            traction: ContactTraction::default(),
+            is_active: false,
+            nodes,
+            n_nodes,
+        })
+    }
+
+    /// Evaluates slip, stress and law.
+    fn complete(&self, item: usize, barycentric: &[f64; D], x: &[f64], site: &mut ContactSite<D>) {
+        let slip: Vector<D> = site.nodes().iter().map(|node| node.displacement * node.share).sum();
+        let [_, along @ ..] = site.frame.components(&slip);
+        site.at.slip = along;
+        if let Some(stress) = &self.pair.stress {
+            let (facet, mut derivatives) = (self.pair.facets[self.items.items[item]], Vec::new());
+            site.stress = stress.at(facet, barycentric, x, &mut derivatives);
+            site.stress_derivatives = self.items.stress_rows.list(item).iter().copied().zip(derivatives).collect();
+            site.at.stress = site.frame.components(&site.stress);
+        }
+        let law = &self.pair.form.law;
+        site.is_active = law.is_active(&site.at);
+        if site.is_active {
+            site.traction = law.traction(&site.at);
+        }
+    }
+}
+
+impl<const D: usize> Sites for ContactSites<'_, D> {
+    type Site = ContactSite<D>;
+
+    fn len(&self) -> usize {
+        self.items.items.len()
+    }
+
+    fn dofs(&self, item: usize, out: &mut Vec<DofId>) {
+        out.extend_from_slice(self.items.dofs.list(item));
+    }
+
+    fn visit(&self, item: usize, x: &[f64], mut visit: impl FnMut(&Self::Site)) {
+        let ContactPair { form, slave, facets, .. } = self.pair;
+        let mut points = [Point::zeros(); D];
+        let mut nodes = [ContactNode::none(); MAX_NODES];
+        for (k, &vertex) in slave.boundary.facet(facets[self.items.items[item]]).iter().enumerate() {
+            (points[k], nodes[k]) = self.node(slave, vertex, slave.field().map(|_| D * k), x);
+        }
+        let rule = &form.rule;
+        for (s, segment) in self.items.segments.list(item).iter().enumerate() {
+            let measure = segment.share * self.items.measures[item];
+            for (q, (point, weight)) in rule.points().iter().zip(rule.weights()).enumerate() {
+                let shape = segment.at(point);
+                let mut position = Point::zeros();
+                for k in 0..D {
+                    nodes[k].share = shape[k];
+                    position += points[k] * shape[k];
+                }
+                if let Some(mut site) = self.site(item, &position, &nodes, x) {
+                    site.number = s * rule.weights().len() + q;
+                    site.weight = weight * measure;
+                    self.complete(item, &shape, x, &mut site);
+                    visit(&site);
+                }
+            }
+        }
+    }
+
+    /// Hash of the set of active points: two states with the same active set have the same value.
+    fn regime(&self, x: &[f64]) -> u64 {
+        // Fowler-Noll-Vo hash of the numbers of the active points.
+        const OFFSET: u64 = 0xcbf2_9ce4_8422_2325;
+        const PRIME: u64 = 0x0100_0000_01b3;
+        let mut hash = OFFSET;
+        for item in 0..self.len() {
+            self.visit(item, x, |site| {
+                if site.is_active {
+                    for number in [self.items.items[item], site.number] {
+                        hash = (hash ^ number as u64).wrapping_mul(PRIME);
+                    }
+                }
+            });
+        }
+        hash
+    }
+}
+
+/// Vertices of facets, each once, in order.
+fn vertices_of<const D: usize>(boundary: &BoundaryMesh<D>, facets: &[FacetId]) -> Vec<VertexId> {
+    let mut vertices: Vec<_> = facets.iter().flat_map(|&f| boundary.facet(f)).copied().collect();
+    vertices.sort_unstable();
+    vertices.dedup();
+    vertices
+}

@@ -1,0 +1,51 @@
+//! The geometry and the fields of the fluid in a step.
+
+use algebra::time::StepRule;
+use algebra::{BlockLayout, FieldId};
+use cutcell::CutMesh;
+use mesh::{SimplexMesh, Vector};
+use xfem_space::{FaceValues, PartValues, XfemSpace, cutcell};
+
+/// Geometry of a step, and the time rule on it, shared by all fluid terms.
+#[derive(Clone, Copy)]
+pub struct FluidGeometry<'a, const D: usize> {
+    /// The background.
+    pub background: &'a SimplexMesh<D>,
+    /// The cut.
+    pub cut: &'a CutMesh<D>,
+    /// The space.
+    pub space: &'a XfemSpace<D>,
+    /// Moments of parts.
+    pub parts: &'a PartValues<D>,
+    /// Jumps over faces.
+    pub faces: &'a FaceValues<D>,
+    /// Velocity history `u*`, one value per dof of the space. The weights of all stabilisations depend on it.
+    pub history: &'a [Vector<D>],
+    /// Velocity and acceleration at the stage, one value per dof of the space.
+    pub rule: &'a StepRule<Vector<D>>,
+}
+
+/// Velocity and pressure in the global vector; both have the dofs of the space as nodes.
+#[derive(Clone, Copy)]
+pub struct FluidFields<'a> {
+    /// The layout.
+    pub layout: &'a BlockLayout,
+    /// The velocity.
+    pub velocity: FieldId,
+    /// The pressure.
+    pub pressure: FieldId,
+}
+
+impl FluidFields<'_> {
+    /// Velocity of a dof of the space.
+    #[inline]
+    pub fn velocity_at<const D: usize>(&self, x: &[f64], dof: u32) -> Vector<D> {
+        self.layout.at(self.velocity, dof as usize, x).into()
+    }
+
+    /// Pressure of a dof of the space.
+    #[inline]
+    pub fn pressure_at(&self, x: &[f64], dof: u32) -> f64 {
+        x[self.layout.dof(self.pressure, dof as usize, 0).index()]
+    }
+}

@@ -1,0 +1,136 @@
+//! The quadrature points of the interface with their local states.
+
+use algebra::{DofId, Sites};
+use body::{SurfaceMotion, SurfaceVelocity};
+use cutcell::InterfacePiece;
+use fluid_ns::{FluidFields, FluidGeometry, NewtonianFluid};
+use mesh::{MAX_CELL_VERTICES, Tensor, Vector};
+use xfem_space::cutcell;
+
+use crate::piece_values::{PiecePoint, PieceValues};
+
+/// The interface pieces of a step: one item per piece, one site per quadrature point.
+#[derive(Clone)]
+pub struct InterfacePoints<'a, const D: usize> {
+    /// Geometry of the step.
+    pub geometry: FluidGeometry<'a, D>,
+    /// The fluid's fields.
+    pub fields: FluidFields<'a>,
+    /// Quadrature points.
+    pub values: &'a PieceValues<D>,
+    /// The surfaces of the bodies, in the order of the overlay.
+    pub surfaces: Vec<&'a SurfaceMotion<'a, D>>,
+    /// The fluid.
+    pub fluid: NewtonianFluid,
+}
+
+/// A quadrature point of the interface with its local state.
+///
+/// Local unknowns: velocity component `a` of fluid node `i` at row `D i + a`, then the pressures of the fluid nodes,
+/// then the velocity of the vertices of the facet, unless the motion of the body is prescribed.
+pub struct MortarPoint<'a, const D: usize> {
+    /// Geometry and shape values.
+    pub at: &'a PiecePoint<D>,
+    /// The piece.
+    pub piece: &'a InterfacePiece<D>,
+    /// Gradients of the fluid's shape functions.
+    pub gradients: &'a [Vector<D>; MAX_CELL_VERTICES],
+    /// Size `h_K` of the background cell.
+    pub cell_size: f64,
+    /// Fluid velocity minus velocity of the body.
+    pub jump: Vector<D>,
+    /// Pressure.
+    pub pressure: f64,
+    /// Traction `T^f(u, p) n^f`.
+    pub traction: Vector<D>,
+    /// Whether the velocity of the body is unknown.
+    pub is_unknown: bool,
+}
+
+impl<const D: usize> MortarPoint<'_, D> {
+    /// Normal `n^f = -n`, into the body.
+    #[inline]
+    pub fn fluid_normal(&self) -> Vector<D> {
+        -self.piece.normal
+    }
+
+    /// The basis of the jump `v - w`: first row and value of each vector-valued test function.
+    #[inline]
+    pub fn jump_basis(&self) -> impl Iterator<Item = (usize, f64)> + Clone + '_ {
+        let fluid = (0..=D).map(|i| (D * i, self.at.fluid[i]));
+        let n_solid = if self.is_unknown { D } else { 0 };
+        let first_solid = (D + 1) * (D + 1);
+        let solid = (0..n_solid).map(move |k| (first_solid + D * k, -self.at.solid[k]));
+        fluid.chain(solid)
+    }
+
+    /// Row of the pressure of a fluid node.
+    #[inline]
+    pub fn pressure_row(&self, node: usize) -> usize {
+        D * (D + 1) + node
+    }
+}
+
+impl<'a, const D: usize> Sites for InterfacePoints<'a, D> {
+    type Site = MortarPoint<'a, D>;
+
+    fn len(&self) -> usize {
+        self.geometry.cut.interface().len()
+    }
+
+    fn dofs(&self, item: usize, out: &mut Vec<DofId>) {
+        let piece = &self.geometry.cut.interface()[item];
+        let FluidFields { layout, velocity, pressure } = self.fields;
+        let dofs = self.geometry.space.dofs(piece.part);
+        dofs.iter().for_each(|&dof| out.extend(layout.node(velocity, dof as usize)));
+        dofs.iter().for_each(|&dof| out.extend(layout.node(pressure, dof as usize)));
+        let surface = self.surfaces[piece.body.index()];
+        if let Some(field) = surface.field() {
+            let vertices = surface.boundary.facet(piece.facet).iter();
+            vertices.for_each(|vertex| out.extend(layout.node(field, vertex.index())));
+        }
+    }
+
+    fn visit(&self, item: usize, x: &[f64], mut visit: impl FnMut(&Self::Site)) {
+        let piece = &self.geometry.cut.interface()[item];
+        let gradients = self.values.gradients(item);
+        let mut velocities = [Vector::<D>::zeros(); MAX_CELL_VERTICES];
+        let mut pressures = [0.0; MAX_CELL_VERTICES];
+        let mut grad_u = Tensor::<D>::zeros();
+        for (i, &dof) in self.geometry.space.dofs(piece.part).iter().enumerate() {
+            velocities[i] = self.fields.velocity_at(x, dof);
+            pressures[i] = self.fields.pressure_at(x, dof);
+            grad_u += velocities[i] * gradients[i].transpose();
+        }
+        let surface = self.surfaces[piece.body.index()];
+        let mut on_facet = [Vector::<D>::zeros(); MAX_CELL_VERTICES];
+        if let Some(field) = surface.field() {
+            for (slot, vertex) in on_facet.iter_mut().zip(surface.boundary.facet(piece.facet)) {
+                *slot = self.fields.layout.at(field, vertex.index(), x).into();
+            }
+        }
+        let viscous_traction = self.fluid.viscous_traction(&grad_u, &-piece.normal);
+        for at in self.values.points(item) {
+            let mut jump = Vector::zeros();
+            let mut pressure = 0.0;
+            for i in 0..=D {
+                jump += velocities[i] * at.fluid[i];
+                pressure += pressures[i] * at.fluid[i];
+            }
+            match &surface.velocity {
+                SurfaceVelocity::Field(_) => (0..D).for_each(|k| jump -= on_facet[k] * at.solid[k]),
+                SurfaceVelocity::Given(velocity) => jump -= velocity(&at.point),
+            }
+            visit(&MortarPoint {
+                at,
+                piece,
+                gradients,
+                cell_size: self.values.cell_size(item),
+                jump,
+                pressure,
+                traction: viscous_traction + piece.normal * pressure,
+                is_unknown: surface.field().is_some(),
+            });
+        }
+    }
+}

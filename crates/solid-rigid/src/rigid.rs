@@ -1,0 +1,213 @@
+//! Rigid bodies.
+
+use algebra::time::{ImplicitEuler, TimeScheme};
+use algebra::{BlockLayout, Constraints, Contributions, DofId, FieldId, Integral};
+use body::{Balance, Body, BodyState, BodyStep, Located, Locator, StepTime, SurfaceMotion, SurfaceVelocity};
+use mesh::search::SurfaceIndex;
+use mesh::{BoundaryMesh, Placed, Point, Vector};
+
+use crate::modes::{Spin, mode, n_modes};
+use crate::terms::{Momentum, RigidCentre};
+use crate::{Error, MassProperties, RigidMotion};
+
+/// A body that moves freely without deforming, advanced by implicit Euler.
+///
+/// Inner numbers of its state: those of [`RigidMotion::to_numbers`].
+pub struct RigidBody<const D: usize> {
+    /// Name.
+    pub name: String,
+    /// The surface.
+    pub boundary: BoundaryMesh<D>,
+    /// Reference positions of the vertices of the surface.
+    pub reference: Vec<Point<D>>,
+    /// Mass, centre and second moment.
+    pub mass: MassProperties<D>,
+    /// Acceleration of gravity.
+    pub gravity: Vector<D>,
+    /// Axes along which the centre is held.
+    pub held_axes: [bool; D],
+    /// Whether rotation is held.
+    pub holds_rotation: bool,
+    /// Velocity of the centre at the start.
+    pub initial_velocity: Vector<D>,
+    /// Spin at the start, rad/time.
+    pub initial_spin: Spin,
+}
+
+impl<const D: usize> RigidBody<D> {
+    /// Creates a body at rest without supports, of uniform density inside its surface.
+    ///
+    /// # Errors
+    /// Density not positive, or a surface that does not enclose a positive volume.
+    pub fn new(
+        name: &str,
+        boundary: BoundaryMesh<D>,
+        reference: Vec<Point<D>>,
+        density: f64,
+        gravity: Vector<D>,
+    ) -> Result<Self, Error> {
+        let mass = MassProperties::of_surface(&Placed::new(&boundary, &reference), density)?;
+        Ok(Self {
+            name: name.to_owned(),
+            boundary,
+            reference,
+            mass,
+            gravity,
+            held_axes: [false; D],
+            holds_rotation: false,
+            initial_velocity: Vector::zeros(),
+            initial_spin: [0.0; 3],
+        })
+    }
+
+    /// The motion of the body in a state.
+    pub fn motion(&self, state: &BodyState<D>) -> RigidMotion<D> {
+        RigidMotion::from_numbers(&state.inner)
+    }
+
+    fn holds(&self, mode: usize) -> bool {
+        self.held_axes.get(mode).copied().unwrap_or(self.holds_rotation)
+    }
+
+    fn state(&self, motion: &RigidMotion<D>) -> BodyState<D> {
+        let at: Vec<Point<D>> = self.reference.iter().map(|x| motion.position(&self.mass, x)).collect();
+        let displacement = at.iter().zip(&self.reference).map(|(x, reference)| x - reference).collect();
+        let velocity = at.iter().map(|x| motion.velocity_at(x)).collect();
+        BodyState { inner: motion.to_numbers(), ..BodyState::new(displacement, velocity) }
+    }
+}
+
+impl<const D: usize> Body<D> for RigidBody<D> {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn surface(&self) -> &BoundaryMesh<D> {
+        &self.boundary
+    }
+
+    fn reference(&self) -> &[Point<D>] {
+        &self.reference
+    }
+
+    fn is_movable(&self) -> bool {
+        (0..n_modes(D)).any(|m| !self.holds(m))
+    }
+
+    fn start(&self) -> BodyState<D> {
+        self.state(&RigidMotion::initial(&self.mass, self.initial_velocity, self.initial_spin))
+    }
+
+    fn step<'s>(
+        &'s self,
+        begin: &'s BodyState<D>,
+        time: &StepTime,
+        layout: &mut BlockLayout,
+    ) -> Box<dyn BodyStep<D> + 's> {
+        let motion = self.motion(begin);
+        let momentum = Momentum {
+            mass: self.mass.mass,
+            inertia: self.mass.inertia(&motion.rotation),
+            gravity: self.gravity,
+            velocity: motion.velocity,
+            angular_momentum: motion.angular_momentum,
+            rate: ImplicitEuler.weights(&time.lengths, false).acceleration.slope,
+        };
+        let vertices = layout.push(&self.name, self.reference.len(), D);
+        let whole = layout.push(&format!("{} as a whole", self.name), 1, n_modes(D));
+        let positions = begin.positions(&self.reference);
+        let surface = SurfaceMotion {
+            boundary: &self.boundary,
+            begin: positions.clone(),
+            predicted: positions,
+            slope: time.length(),
+            velocity: SurfaceVelocity::Field(vertices),
+        };
+        Box::new(RigidStep { body: self, begin, dt: time.length(), motion, momentum, vertices, whole, surface })
+    }
+
+    fn locator<'s>(&'s self, state: &'s BodyState<D>, _: f64) -> Locator<'s, D> {
+        let motion = self.motion(state);
+        let index = SurfaceIndex::new(&Placed::new(&self.boundary, &state.positions(&self.reference)));
+        Box::new(move |x| {
+            let distance = index.closest_signed(x)?.distance;
+            Some(Located { is_inside: distance < 0.0, distance: distance.abs(), velocity: motion.velocity_at(x) })
+        })
+    }
+
+    fn balance(&self, state: &BodyState<D>) -> Option<Balance<D>> {
+        let motion = self.motion(state);
+        let mass = self.mass.mass;
+        Some(Balance {
+            kinetic_energy: motion.kinetic_energy(&self.mass),
+            elastic_energy: 0.0,
+            potential_energy: -mass * self.gravity.dot(&motion.centre),
+            mass,
+            centre_of_mass: motion.centre,
+            momentum: motion.velocity * mass,
+            body_force: self.gravity * mass,
+            volume: Placed::new(&self.boundary, &self.reference).enclosed().volume,
+            smallest_volume_ratio: 1.0,
+        })
+    }
+}
+
+/// A rigid body in one step.
+///
+/// Velocity `V` and spin `ω` are the unknowns. The velocities of the vertices are tied to them, `v_i = V + ω × (x_i - c)`
+/// with the positions at the begin of the step, so that fluid and contact act on a rigid body as on any other.
+struct RigidStep<'s, const D: usize> {
+    body: &'s RigidBody<D>,
+    begin: &'s BodyState<D>,
+    dt: f64,
+    motion: RigidMotion<D>,
+    momentum: Momentum<D>,
+    /// Velocities of the vertices.
+    vertices: FieldId,
+    /// Velocity and spin.
+    whole: FieldId,
+    surface: SurfaceMotion<'s, D>,
+}
+
+impl<const D: usize> BodyStep<D> for RigidStep<'_, D> {
+    fn surface(&self) -> &SurfaceMotion<'_, D> {
+        &self.surface
+    }
+
+    fn constrain(&self, layout: &BlockLayout, constraints: &mut Constraints) {
+        for (i, x) in self.surface.begin.iter().enumerate() {
+            let arm = x - self.motion.centre;
+            for (a, dof) in layout.node(self.vertices, i).enumerate() {
+                let masters = layout.node(self.whole, 0).enumerate().map(|(m, to)| (to, mode(m, &arm)[a]));
+                let masters: Vec<(DofId, f64)> = masters.filter(|(_, factor)| *factor != 0.0).collect();
+                constraints.tie(dof, &masters);
+            }
+        }
+        for (m, dof) in layout.node(self.whole, 0).enumerate() {
+            if self.body.holds(m) {
+                constraints.set(dof, 0.0);
+            }
+        }
+    }
+
+    fn contributions<'p>(&'p self, layout: &'p BlockLayout) -> Vec<Box<dyn Contributions + 'p>> {
+        let centre = RigidCentre { layout, whole: self.whole };
+        vec![Box::new(Integral::linear("rigid body", centre, vec![&self.momentum]))]
+    }
+
+    fn guess(&self, layout: &BlockLayout, x: &mut [f64]) {
+        layout.set(self.vertices, self.begin.velocity().iter().map(|v| (*v).into()), x);
+        let RigidMotion { velocity, spin, .. } = &self.motion;
+        for (value, dof) in velocity.iter().chain(spin).zip(layout.node(self.whole, 0)) {
+            x[dof.index()] = *value;
+        }
+    }
+
+    fn end(&self, layout: &BlockLayout, x: &[f64]) -> BodyState<D> {
+        let whole = &x[layout.range(self.whole)];
+        let mut spin = [0.0; 3];
+        spin[..whole.len() - D].copy_from_slice(&whole[D..]);
+        let velocity = Vector::from_column_slice(&whole[..D]);
+        self.body.state(&self.motion.after(&self.momentum.inertia, self.dt, velocity, spin))
+    }
+}

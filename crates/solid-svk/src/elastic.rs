@@ -1,0 +1,213 @@
+//! Elastic bodies.
+
+use std::sync::Arc;
+
+use algebra::time::{ImplicitEuler, StepRule, TimeScheme};
+use algebra::{BlockLayout, Constraints, Contributions, FieldId, Integral};
+use body::{
+    Balance, Body, BodyState, BodyStep, CellOutput, Located, Locator, PointField, StepTime, SurfaceMotion,
+    SurfaceStress, SurfaceVelocity,
+};
+use mesh::search::SurfaceIndex;
+use mesh::{BoundaryMesh, Point, Vector, require};
+
+use crate::energy::{balance, cell_stress};
+use crate::supports::{Support, SupportKind};
+use crate::{Error, Load, SolidCells, SolidFacets, SolidForm, SolidMesh, SolidStress};
+
+/// Time scheme, supports, loads and start of an elastic body.
+#[derive(Clone)]
+pub struct ElasticOptions<const D: usize> {
+    /// Scheme of the body.
+    pub scheme: Arc<dyn TimeScheme>,
+    /// Supports; where two hold the same dof, the later one is in force.
+    pub supports: Vec<Support<D>>,
+    /// Loads on the boundary.
+    pub loads: Vec<Load<D>>,
+    /// Displacement at the start; zero if `None`.
+    pub initial_displacement: Option<PointField<D>>,
+    /// Velocity at the start; zero if `None`.
+    pub initial_velocity: Option<PointField<D>>,
+}
+
+impl<const D: usize> Default for ElasticOptions<D> {
+    /// Implicit Euler, no supports, no loads, at rest.
+    fn default() -> Self {
+        Self {
+            scheme: Arc::new(ImplicitEuler),
+            supports: Vec::new(),
+            loads: Vec::new(),
+            initial_displacement: None,
+            initial_velocity: None,
+        }
+    }
+}
+
+/// An elastic body: a mesh in the reference configuration whose vertex velocities are unknown.
+pub struct ElasticBody<const D: usize> {
+    name: String,
+    solid: SolidMesh<D>,
+    form: SolidForm<D>,
+    options: ElasticOptions<D>,
+}
+
+impl<const D: usize> ElasticBody<D> {
+    /// Creates a body from mesh and weak form.
+    ///
+    /// # Errors
+    /// [`Error::UnknownVertex`], [`Error::UnknownFacet`]: a support or load names one that the mesh does not have.
+    /// [`Error::Parameter`]: a support along an axis that does not exist.
+    pub fn new(name: &str, solid: SolidMesh<D>, form: SolidForm<D>, options: ElasticOptions<D>) -> Result<Self, Error> {
+        let (n_vertices, n_facets) = (solid.mesh().n_vertices(), solid.boundary().n_facets());
+        for support in &options.supports {
+            if let Some(&vertex) = support.vertices.iter().find(|v| v.index() >= n_vertices) {
+                return Err(Error::UnknownVertex { vertex, n_vertices });
+            }
+            if let SupportKind::Symmetry { axis } = support.kind {
+                require(axis < D, "axis of symmetry", axis as f64, "below the dimension")?;
+            }
+        }
+        if let Some(&facet) = options.loads.iter().flat_map(|load| &load.facets).find(|f| f.index() >= n_facets) {
+            return Err(Error::UnknownFacet { facet, n_facets });
+        }
+        Ok(Self { name: name.to_owned(), solid, form, options })
+    }
+
+    /// The mesh.
+    pub fn solid(&self) -> &SolidMesh<D> {
+        &self.solid
+    }
+
+    /// The weak form.
+    pub fn form(&self) -> &SolidForm<D> {
+        &self.form
+    }
+
+    fn at_start(&self, field: &Option<PointField<D>>) -> Vec<Vector<D>> {
+        let vertices = self.solid.mesh().vertices();
+        vertices.iter().map(|x| field.as_ref().map_or(Vector::zeros(), |f| f(x))).collect()
+    }
+}
+
+impl<const D: usize> Body<D> for ElasticBody<D> {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn surface(&self) -> &BoundaryMesh<D> {
+        self.solid.boundary()
+    }
+
+    fn reference(&self) -> &[Point<D>] {
+        self.solid.mesh().vertices()
+    }
+
+    fn is_movable(&self) -> bool {
+        true
+    }
+
+    fn start(&self) -> BodyState<D> {
+        let options = &self.options;
+        BodyState::new(self.at_start(&options.initial_displacement), self.at_start(&options.initial_velocity))
+    }
+
+    fn step<'s>(
+        &'s self,
+        begin: &'s BodyState<D>,
+        time: &StepTime,
+        layout: &mut BlockLayout,
+    ) -> Box<dyn BodyStep<D> + 's> {
+        let rule = StepRule::new(self.options.scheme.as_ref(), &time.lengths, &begin.levels);
+        let field = layout.push(&self.name, self.reference().len(), D);
+        let end = &rule.end.displacement;
+        let predicted = |(i, x): (usize, &Point<D>)| x + end.at(i, Vector::zeros());
+        let surface = SurfaceMotion {
+            boundary: self.surface(),
+            begin: begin.positions(self.reference()),
+            predicted: self.reference().iter().enumerate().map(predicted).collect(),
+            slope: end.slope,
+            velocity: SurfaceVelocity::Field(field),
+        };
+        Box::new(ElasticStep { body: self, begin, end: time.end, rule, field, surface })
+    }
+
+    fn locator<'s>(&'s self, state: &'s BodyState<D>, _: f64) -> Locator<'s, D> {
+        let positions = state.positions(self.reference());
+        let cells = self.solid.mesh().cell_index_at(&positions);
+        let surface = SurfaceIndex::new(&self.solid.placed(&positions));
+        let interpolated = |vertices: &[mesh::VertexId], barycentric: &[f64]| {
+            vertices.iter().zip(barycentric).map(|(v, l)| state.velocity()[v.index()] * *l).sum()
+        };
+        Box::new(move |x| {
+            if let Some((cell, barycentric)) = cells.locate(x) {
+                let velocity = interpolated(self.solid.mesh().cell(cell), &barycentric);
+                return Some(Located { is_inside: true, distance: 0.0, velocity });
+            }
+            let closest = surface.closest(x)?;
+            let velocity = interpolated(self.surface().facet(closest.facet), &closest.barycentric);
+            Some(Located { is_inside: false, distance: (closest.point - x).norm(), velocity })
+        })
+    }
+
+    fn balance(&self, state: &BodyState<D>) -> Option<Balance<D>> {
+        Some(balance(&self.solid, &self.form, state.displacement(), state.velocity()))
+    }
+
+    fn cells(&self, state: &BodyState<D>) -> Option<CellOutput<'_, D>> {
+        let mesh = self.solid.mesh();
+        let stress = mesh.cells().map(|cell| cell_stress(&self.solid, &self.form, cell, state.displacement()));
+        Some(CellOutput { mesh, stress: stress.collect() })
+    }
+}
+
+/// An elastic body in one step.
+struct ElasticStep<'s, const D: usize> {
+    body: &'s ElasticBody<D>,
+    begin: &'s BodyState<D>,
+    /// Time at the end.
+    end: f64,
+    rule: StepRule<Vector<D>>,
+    field: FieldId,
+    surface: SurfaceMotion<'s, D>,
+}
+
+impl<const D: usize> BodyStep<D> for ElasticStep<'_, D> {
+    fn surface(&self) -> &SurfaceMotion<'_, D> {
+        &self.surface
+    }
+
+    fn constrain(&self, layout: &BlockLayout, constraints: &mut Constraints) {
+        for support in &self.body.options.supports {
+            support.constrain(&self.body.solid, &self.rule, self.end, layout, self.field, constraints);
+        }
+    }
+
+    fn contributions<'p>(&'p self, layout: &'p BlockLayout) -> Vec<Box<dyn Contributions + 'p>> {
+        let ElasticBody { solid, form, options, .. } = self.body;
+        let cells = SolidCells::new(solid, &self.rule, layout, self.field);
+        let mut all: Vec<Box<dyn Contributions + 'p>> =
+            vec![Box::new(form.inertia_and_body_force(cells)), Box::new(form.internal_work(cells))];
+        for load in &options.loads {
+            let facets = SolidFacets::new(solid, &load.facets, &self.rule, layout, self.field);
+            let integral = if load.is_linear { Integral::linear } else { Integral::new };
+            all.push(Box::new(integral(load.name, facets, vec![load.term.as_ref()])));
+        }
+        all
+    }
+
+    fn guess(&self, layout: &BlockLayout, x: &mut [f64]) {
+        layout.set(self.field, self.begin.velocity().iter().map(|v| (*v).into()), x);
+    }
+
+    fn end(&self, layout: &BlockLayout, x: &[f64]) -> BodyState<D> {
+        let velocity = layout.values(self.field, x).map(Vector::<D>::from).collect();
+        let older = self.begin.levels.iter().take(self.body.options.scheme.depth() - 1).cloned();
+        let levels = std::iter::once(self.rule.level(velocity)).chain(older).collect();
+        BodyState { levels, inner: Vec::new() }
+    }
+
+    fn stress<'p>(&'p self, layout: &'p BlockLayout) -> Option<Box<dyn SurfaceStress<D> + 'p>> {
+        let material = self.body.form.internal_work.material.as_ref();
+        Some(Box::new(SolidStress::new(&self.body.solid, material, &self.rule, layout, self.field)))
+    }
+}

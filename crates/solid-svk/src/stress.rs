@@ -1,0 +1,76 @@
+//! Stress of a solid on its surface.
+
+use algebra::time::StepRule;
+use algebra::{BlockLayout, DofId, FieldId, Sites};
+use body::SurfaceStress;
+use mesh::{CellId, FacetId, Placed, Tensor, Vector, det};
+
+use crate::kinematics::deformation_gradient;
+use crate::{Material, SolidCell, SolidCells, SolidMesh};
+
+/// Traction of the cell behind a facet, `P N / (|F|/|F̂|) = σ n`: nominal stress over the current measure of the facet.
+///
+/// It is constant on a facet. The displacement is that of the stage of the step.
+pub struct SolidStress<'a, const D: usize> {
+    mesh: &'a SolidMesh<D>,
+    material: &'a dyn Material<D>,
+    cells: SolidCells<'a, D>,
+}
+
+impl<'a, const D: usize> SolidStress<'a, D> {
+    /// Creates the stress of a body whose velocity is `field`.
+    pub fn new(
+        mesh: &'a SolidMesh<D>,
+        material: &'a dyn Material<D>,
+        rule: &'a StepRule<Vector<D>>,
+        layout: &'a BlockLayout,
+        field: FieldId,
+    ) -> Self {
+        Self { mesh, material, cells: SolidCells::new(mesh, rule, layout, field) }
+    }
+
+    fn cell(&self, facet: FacetId) -> Option<CellId> {
+        self.mesh.boundary().facet_to_cell(facet)
+    }
+
+    /// Nanson's formula: `σ n = P N / |J F⁻ᵀ N|`, with the derivative in the direction of each local unknown.
+    fn traction(&self, cell: &SolidCell<'_, D>, normal: &Vector<D>, derivatives: &mut Vec<Vector<D>>) -> Vector<D> {
+        let f = deformation_gradient(&cell.grad_displacement());
+        let Some(inverse) = f.try_inverse() else { return Vector::zeros() };
+        // a = J F⁻ᵀ N: current area vector per reference area; da = (tr(H F⁻¹) I - (H F⁻¹)ᵀ) a.
+        let area = inverse.transpose() * normal * det(&f);
+        let ratio = area.norm();
+        let nominal = self.material.first_piola(&f) * normal;
+        let traction = nominal / ratio;
+        for node in cell.nodes() {
+            for b in 0..D {
+                let mut h = Tensor::<D>::zeros();
+                h.set_row(b, &(cell.gradients[node] * cell.displacement_slope).transpose());
+                let h_inverse = h * inverse;
+                let d_area = area * h_inverse.trace() - h_inverse.transpose() * area;
+                let d_ratio = area.dot(&d_area) / ratio;
+                let d_nominal = self.material.first_piola_derivative(&f, &h) * normal;
+                derivatives.push((d_nominal - traction * d_ratio) / ratio);
+            }
+        }
+        traction
+    }
+}
+
+impl<const D: usize> SurfaceStress<D> for SolidStress<'_, D> {
+    fn dofs(&self, facet: FacetId, out: &mut Vec<DofId>) {
+        if let Some(cell) = self.cell(facet) {
+            self.cells.dofs(cell.index(), out);
+        }
+    }
+
+    fn at(&self, facet: FacetId, _: &[f64], x: &[f64], derivatives: &mut Vec<Vector<D>>) -> Vector<D> {
+        derivatives.clear();
+        let Some(cell) = self.cell(facet) else { return Vector::zeros() };
+        let reference = Placed::new(self.mesh.boundary(), self.mesh.mesh().vertices());
+        let normal = reference.facet_normal(facet);
+        let mut traction = Vector::zeros();
+        self.cells.visit(cell.index(), x, |site| traction = self.traction(site, &normal, derivatives));
+        traction
+    }
+}

@@ -1,0 +1,97 @@
+//! Supports of a body: clamps, symmetry planes and prescribed displacements, as values of its velocity.
+
+use std::sync::Arc;
+
+use algebra::time::StepRule;
+use algebra::{BlockLayout, Constraints, FieldId};
+use mesh::{FacetId, Point, Vector, VertexId};
+
+use crate::{Error, SolidMesh};
+
+/// A support of an elastic body.
+#[derive(Clone)]
+pub struct Support<const D: usize> {
+    /// The vertices that it holds.
+    pub vertices: Vec<VertexId>,
+    /// Constraint on them.
+    pub kind: SupportKind<D>,
+}
+
+/// Constraint of a support on its vertices.
+#[derive(Clone)]
+pub enum SupportKind<const D: usize> {
+    /// No motion.
+    Clamped,
+    /// No motion along a coordinate axis.
+    Symmetry {
+        /// Number of the axis, from 0.
+        axis: usize,
+    },
+    /// Displacement at the end of the step, given at a reference position and time; components with `None` are free.
+    #[allow(clippy::type_complexity)]
+    Displacement(Arc<dyn Fn(&Point<D>, f64) -> [Option<f64>; D] + Send + Sync>),
+}
+
+impl<const D: usize> Support<D> {
+    /// Prescribes the velocities of the held vertices at the time of the end of the step.
+    ///
+    /// Where two supports hold the same dof the later one is in force; clamps and symmetry planes agree there.
+    pub fn constrain(
+        &self,
+        mesh: &SolidMesh<D>,
+        rule: &StepRule<Vector<D>>,
+        time: f64,
+        layout: &BlockLayout,
+        field: FieldId,
+        constraints: &mut Constraints,
+    ) {
+        let end = &rule.end.displacement;
+        for &vertex in &self.vertices {
+            let velocity: [Option<f64>; D] = match &self.kind {
+                SupportKind::Clamped => [Some(0.0); D],
+                SupportKind::Symmetry { axis } => std::array::from_fn(|a| (a == *axis).then_some(0.0)),
+                SupportKind::Displacement(displacement) => {
+                    let prescribed = displacement(&mesh.mesh().vertex(vertex), time);
+                    // v = (d - d_pred)/c_d
+                    let still = end.at(vertex.index(), Vector::zeros());
+                    std::array::from_fn(|a| prescribed[a].map(|d| (d - still[a]) / end.slope))
+                }
+            };
+            for (dof, value) in layout.node(field, vertex.index()).zip(velocity) {
+                if let Some(value) = value {
+                    constraints.set(dof, value);
+                }
+            }
+        }
+    }
+}
+
+/// Returns the boundary facets with the tag of that name.
+///
+/// # Errors
+/// [`Error::UnknownTag`]: the mesh has no such tag.
+pub fn tagged_facets<const D: usize>(mesh: &SolidMesh<D>, name: &str) -> Result<Vec<FacetId>, Error> {
+    let tag = mesh.mesh().tag(name).ok_or_else(|| Error::UnknownTag { name: name.to_owned() })?;
+    Ok(mesh.boundary().facets().filter(|&f| mesh.boundary().tag(f) == Some(tag)).collect())
+}
+
+/// Returns the boundary facets with none of the given tags, for example those that may come into contact.
+///
+/// # Errors
+/// [`Error::UnknownTag`]: the mesh has no such tag.
+pub fn facets_without_tags<const D: usize>(mesh: &SolidMesh<D>, names: &[&str]) -> Result<Vec<FacetId>, Error> {
+    let mut excluded = Vec::with_capacity(names.len());
+    for &name in names {
+        excluded.push(mesh.mesh().tag(name).ok_or_else(|| Error::UnknownTag { name: name.to_owned() })?);
+    }
+    let free = |f: &FacetId| mesh.boundary().tag(*f).is_none_or(|tag| !excluded.contains(&tag));
+    Ok(mesh.boundary().facets().filter(free).collect())
+}
+
+/// Returns the vertices of boundary facets, each once, in order.
+pub fn vertices_of<const D: usize>(mesh: &SolidMesh<D>, facets: &[FacetId]) -> Vec<VertexId> {
+    let mut vertices: Vec<_> = facets.iter().flat_map(|&f| mesh.boundary().facet(f)).copied().collect();
+    vertices.sort_unstable();
+    vertices.dedup();
+    vertices
+}

@@ -1,0 +1,96 @@
+//! A contact in one step: candidates, reach, and the check that none was missed.
+
+use std::sync::Arc;
+
+use algebra::{BlockLayout, NewtonReport};
+use body::{BodyStep, SurfaceMotion, SurfaceStress};
+use contact::{ContactItems, ContactPair, ContactSites, StressSource};
+use interface_dg::FluidStress;
+use mesh::{Aabb, BodyId, Vector, VertexId};
+
+use crate::fluid_step::FluidStep;
+use crate::setup::Contact;
+use crate::{Stage, State};
+
+/// The fluid and the bodies of a step, between which contacts act.
+#[derive(Clone, Copy)]
+pub(crate) struct Partners<'p, const D: usize> {
+    pub(crate) layout: &'p BlockLayout,
+    pub(crate) fluid: Option<&'p FluidStep<'p, D>>,
+    pub(crate) bodies: &'p [Box<dyn BodyStep<D> + 'p>],
+    /// Length of the step.
+    pub(crate) dt: f64,
+}
+
+/// A contact in one step. It borrows nothing; [`ContactStep::sites`] borrows it together with the bodies.
+pub(crate) struct ContactStep<const D: usize> {
+    items: ContactItems<D>,
+    /// Distance within which obstacles were searched.
+    reach: f64,
+}
+
+/// Slave and obstacle of a contact in a step.
+fn pair<'p, const D: usize>(contact: &'p Contact<D>, step: Partners<'p, D>) -> ContactPair<'p, D> {
+    let surface = |id: BodyId| step.bodies[id.index()].surface();
+    let stress: Option<Arc<dyn SurfaceStress<D> + 'p>> = match contact.form().law.stress() {
+        StressSource::None => None,
+        StressSource::Solid => step.bodies[contact.body().index()].stress(step.layout).map(Arc::from),
+        StressSource::Fluid => step.fluid.map(|fluid| {
+            let points = fluid.interface(step.layout, step.bodies);
+            Arc::new(FluidStress::new(points, contact.body())) as _
+        }),
+    };
+    ContactPair {
+        form: contact.form(),
+        slave: surface(contact.body()),
+        facets: contact.facets(),
+        obstacle: contact.geometry(),
+        master: contact.master().map(surface),
+        stress,
+        dt: step.dt,
+    }
+}
+
+impl<const D: usize> ContactStep<D> {
+    /// Searches for obstacles within the offset of the law, twice the motion of the last step, and some room to penetrate.
+    pub(crate) fn new(contact: &Contact<D>, previous: &State<D>, step: Partners<'_, D>) -> Self {
+        let fastest = |id: BodyId| {
+            let velocity = previous.bodies[id.index()].velocity();
+            velocity.iter().map(Vector::norm).fold(0.0, f64::max) * step.dt
+        };
+        let motion = fastest(contact.body()) + contact.master().map_or(0.0, fastest);
+        let reach = contact.form().law.offset() + 2.0 * motion + 2.0 * contact.form().size();
+        Self { items: ContactItems::new(&pair(contact, step), step.layout, reach), reach }
+    }
+
+    /// The quadrature points of the contact.
+    pub(crate) fn sites<'p>(&'p self, contact: &'p Contact<D>, step: Partners<'p, D>) -> ContactSites<'p, D> {
+        ContactSites::new(&self.items, pair(contact, step), step.layout)
+    }
+
+    /// Returns an error if the bodies moved farther than obstacles were searched. A rigid obstacle is seen from everywhere.
+    pub(crate) fn check(
+        &self,
+        number: usize,
+        contact: &Contact<D>,
+        step: Partners<'_, D>,
+        x: &[f64],
+        newton: &NewtonReport,
+    ) -> Result<(), Stage> {
+        let Some(master) = contact.master() else { return Ok(()) };
+        let [slave, master] = [contact.body(), master].map(|id| step.bodies[id.index()].surface());
+        let motion = |surface: &SurfaceMotion<'_, D>| {
+            let vertices = (0..surface.begin.len()).map(VertexId::new);
+            let speed = vertices.map(|v| surface.velocity_at(v, step.layout, x).norm()).fold(0.0, f64::max);
+            speed * step.dt
+        };
+        let motion = motion(slave) + motion(master);
+        let offset = contact.form().law.offset();
+        let room = self.reach - offset;
+        let apart = Aabb::of_points(&slave.begin).distance(&Aabb::of_points(&master.begin));
+        if motion > room && apart <= motion + offset {
+            return Err(Stage::MissedContact { contact: number, motion, room, newton: Box::new(newton.clone()) });
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,259 @@
+//! The fluid in one step: cut, space, history, terms and boundary values.
+
+use std::time::Instant;
+
+use algebra::time::{ImplicitEuler, Level, StepRule};
+use algebra::{BlockLayout, Constraints, Contributions, FieldId, Integral};
+use body::{BodyStep, StepTime};
+use cutcell::CutMesh;
+use fluid_ns::terms::{
+    Backflow, BodyForce, CipPressure, CipVelocity, Convection, GhostPenalty, Incompressibility, Inertia, Traction,
+    Viscous,
+};
+use fluid_ns::{FluidFields, FluidForm, FluidGeometry, OpenBoundary};
+use interface_dg::{InterfacePoints, MortarForm, PieceValues, Pocket};
+use mesh::{Point, Vector};
+use xfem_space::{BoundaryValues, FaceValues, PartValues, Sources, XfemSpace, boundary_dofs};
+
+use crate::interior::Interior;
+use crate::setup::{FluidBoundary, FluidSetup};
+use crate::{FluidState, Setup, Stage, StageSeconds, State};
+
+/// Degree of quadrature on interface pieces: products of two P1 functions.
+const PIECE_DEGREE: usize = 2;
+/// Degree of quadrature on open boundaries: products of three P1 functions.
+const BOUNDARY_DEGREE: usize = 3;
+
+/// The fluid in one step.
+pub(crate) struct FluidStep<'a, const D: usize> {
+    pub(crate) setup: &'a FluidSetup<D>,
+    /// Positions of the vertices of each body at the start of the step.
+    positions: Vec<Vec<Point<D>>>,
+    pub(crate) cut: CutMesh<D>,
+    space: XfemSpace<D>,
+    pub(crate) parts: PartValues<D>,
+    faces: FaceValues<D>,
+    pieces: PieceValues<D>,
+    pub(crate) sources: Sources,
+    /// Velocity history `u*`, one value per dof.
+    history: Vec<Vector<D>>,
+    rule: StepRule<Vector<D>>,
+    pub(crate) velocity: FieldId,
+    pub(crate) pressure: FieldId,
+    form: FluidForm<'a, D>,
+    pub(crate) mortar: MortarForm,
+    open_boundaries: Vec<OpenTerms<'a, D>>,
+}
+
+/// Points and terms of one open boundary.
+struct OpenTerms<'a, const D: usize> {
+    values: BoundaryValues<D>,
+    traction: Option<Traction<'a, D>>,
+    backflow: Option<Backflow>,
+}
+
+impl<'a, const D: usize> FluidStep<'a, D> {
+    /// Cuts the background, builds the space on the cut, carries the velocity over and registers the unknowns.
+    pub(crate) fn new(
+        setup: &'a Setup<D>,
+        fluid: &'a FluidSetup<D>,
+        (previous, before): (&State<D>, &FluidState<D>),
+        positions: Vec<Vec<Point<D>>>,
+        time: &StepTime,
+        (layout, seconds): (&mut BlockLayout, &mut StageSeconds),
+    ) -> Result<Self, Stage> {
+        let background = &fluid.background;
+        let clock = Instant::now();
+        let cut = CutMesh::overlay(background, &setup.surfaces(&positions), &fluid.overlay)?;
+        check_interface(&cut)?;
+        seconds.cut = clock.elapsed().as_secs_f64();
+        let space = XfemSpace::new(background, &cut);
+        let clock = Instant::now();
+        let sources = Sources::between(background, (&before.cut, &before.space), (&cut, &space));
+        let interior = Interior::new(setup, previous);
+        let history = sources.carry(background, &space, &before.velocity, |x| interior.velocity(x));
+        seconds.transfer = clock.elapsed().as_secs_f64();
+        let parts = PartValues::new(background, &cut);
+        let mut faces = FaceValues::new(background, &cut, &space, &parts);
+        for (tag, condition) in &fluid.boundary {
+            if let FluidBoundary::Symmetry { axis } = condition {
+                faces.add_symmetry_plane(background, &cut, &space, &parts, *tag, *axis);
+            }
+        }
+        let pieces = PieceValues::new(background, &cut, &parts, PIECE_DEGREE);
+        let level = Level { velocity: history.clone(), ..Level::default() };
+        let rule = StepRule::new(&ImplicitEuler, &time.lengths, &[level]);
+        let velocity = layout.push_keyed("velocity", space.keys(), D);
+        let pressure = layout.push_on(velocity, "pressure", 1);
+        let stage = time.stage(rule.alpha_f);
+        Ok(Self {
+            setup: fluid,
+            form: form(fluid, rule.stage.acceleration.slope, stage),
+            mortar: MortarForm::new(fluid.material, fluid.gamma_sigma),
+            open_boundaries: open_boundaries(fluid, &cut, stage),
+            positions,
+            cut,
+            space,
+            parts,
+            faces,
+            pieces,
+            sources,
+            history,
+            rule,
+            velocity,
+            pressure,
+        })
+    }
+
+    /// Geometry and time rule as fluid terms see them.
+    pub(crate) fn geometry(&self) -> FluidGeometry<'_, D> {
+        FluidGeometry {
+            background: &self.setup.background,
+            cut: &self.cut,
+            space: &self.space,
+            parts: &self.parts,
+            faces: &self.faces,
+            history: &self.history,
+            rule: &self.rule,
+        }
+    }
+
+    fn fields<'p>(&self, layout: &'p BlockLayout) -> FluidFields<'p> {
+        FluidFields { layout, velocity: self.velocity, pressure: self.pressure }
+    }
+
+    /// The interface with the bodies of the step.
+    pub(crate) fn interface<'p>(
+        &'p self,
+        layout: &'p BlockLayout,
+        bodies: &'p [Box<dyn BodyStep<D> + 'p>],
+    ) -> InterfacePoints<'p, D> {
+        InterfacePoints {
+            geometry: self.geometry(),
+            fields: self.fields(layout),
+            values: &self.pieces,
+            surfaces: bodies.iter().map(|body| body.surface()).collect(),
+            fluid: self.setup.material,
+        }
+    }
+
+    /// The terms on parts, faces and open boundaries.
+    pub(crate) fn contributions<'p>(&'p self, layout: &'p BlockLayout) -> Vec<Box<dyn Contributions + 'p>> {
+        let (geometry, fields) = (self.geometry(), self.fields(layout));
+        let mut all = self.form.contributions(geometry, fields);
+        for OpenTerms { values, traction, backflow } in &self.open_boundaries {
+            let points = OpenBoundary::new(geometry, fields, values);
+            let mut integral = Integral::linear("open boundary", points, Vec::new());
+            integral.extend(traction.as_ref());
+            integral.extend(backflow.as_ref());
+            all.push(Box::new(integral));
+        }
+        all
+    }
+
+    /// Sets symmetry planes, then prescribed velocities, then walls: where two meet, the later one is in force.
+    pub(crate) fn constrain(&self, layout: &BlockLayout, time: f64, constraints: &mut Constraints) {
+        let background = &self.setup.background;
+        let mut set = |order: usize| {
+            for (tag, condition) in &self.setup.boundary {
+                let dofs = || boundary_dofs(background, &self.cut, &self.space, *tag).into_iter();
+                let node = |dof: u32| layout.node(self.velocity, dof as usize);
+                match condition {
+                    FluidBoundary::Symmetry { axis } if order == 0 => {
+                        dofs().for_each(|dof| constraints.set(layout.dof(self.velocity, dof as usize, *axis), 0.0));
+                    }
+                    FluidBoundary::Velocity(velocity) if order == 1 => dofs().for_each(|dof| {
+                        let value = velocity(&background.vertex(self.space.vertex(dof)), time);
+                        node(dof).zip(value.iter()).for_each(|(dof, value)| constraints.set(dof, *value));
+                    }),
+                    FluidBoundary::NoSlip if order == 2 => {
+                        dofs().for_each(|dof| node(dof).for_each(|dof| constraints.set(dof, 0.0)));
+                    }
+                    _ => {}
+                }
+            }
+        };
+        (0..3).for_each(&mut set);
+    }
+
+    /// Writes the history of the velocity, and the pressures of the previous step.
+    pub(crate) fn guess(&self, layout: &BlockLayout, pressure: &[f64], x: &mut [f64]) {
+        layout.set(self.velocity, self.history.iter().map(|u| (*u).into()), x);
+        let earlier = self.sources.earlier_dofs().iter();
+        layout.set(self.pressure, earlier.map(|dof| [dof.map_or(0.0, |dof| pressure[dof as usize])]), x);
+    }
+
+    /// Kinetic energy for the velocities in `x`.
+    pub(crate) fn kinetic_energy(&self, layout: &BlockLayout, x: &[f64]) -> f64 {
+        let velocity: Vec<Vector<D>> = layout.values(self.velocity, x).map(Vector::from).collect();
+        kinetic_energy(self.setup.material.density, &self.cut, &self.space, &self.parts, &velocity)
+    }
+
+    /// The fluid at the end of the step.
+    pub(crate) fn finish(self, layout: &BlockLayout, pockets: &[Pocket], x: &[f64]) -> FluidState<D> {
+        let mut pressure = x[layout.range(self.pressure)].to_vec();
+        pockets.iter().for_each(|pocket| pocket.remove_mean(self.geometry(), &mut pressure));
+        let velocity = layout.values(self.velocity, x).map(Vector::from).collect();
+        FluidState { positions: self.positions, cut: self.cut, space: self.space, velocity, pressure }
+    }
+}
+
+/// The terms of the fluid. `rate` is the derivative of the acceleration with respect to the velocity.
+fn form<const D: usize>(fluid: &FluidSetup<D>, rate: f64, time: f64) -> FluidForm<'_, D> {
+    let (density, viscosity) = (fluid.material.density, fluid.material.viscosity);
+    FluidForm {
+        inertia: Some(Inertia { density }),
+        viscous: Viscous { viscosity },
+        incompressibility: Incompressibility,
+        convection: fluid.convection.map(|skew| Convection { density, skew }),
+        body_force: fluid.body_force.as_ref().map(|force| BodyForce { force: force.as_ref(), time }),
+        cip_velocity: CipVelocity { profile: fluid.cip, density },
+        cip_pressure: CipPressure { gamma_pressure: fluid.gamma_pressure, density, viscosity, rate },
+        ghost_penalty: GhostPenalty { gamma_ghost: fluid.gamma_ghost, viscosity },
+    }
+}
+
+fn open_boundaries<'a, const D: usize>(fluid: &'a FluidSetup<D>, cut: &CutMesh<D>, time: f64) -> Vec<OpenTerms<'a, D>> {
+    let mut open = Vec::new();
+    for (tag, condition) in &fluid.boundary {
+        if let FluidBoundary::Open { traction, backflow } = condition
+            && (traction.is_some() || *backflow)
+        {
+            open.push(OpenTerms {
+                values: BoundaryValues::new(&fluid.background, cut, *tag, BOUNDARY_DEGREE),
+                traction: traction.as_ref().map(|traction| Traction { traction: traction.as_ref(), time }),
+                backflow: backflow.then_some(Backflow { density: fluid.material.density }),
+            });
+        }
+    }
+    open
+}
+
+/// Returns an error if a part of the interface has no facet, and with it no coupling of fluid and body.
+fn check_interface<const D: usize>(cut: &CutMesh<D>) -> Result<(), Stage> {
+    /// Largest share of the interface that round-off can leave without a facet.
+    const LARGEST_SHARE: f64 = 1e-6;
+    let uncovered = cut.report().uncovered_measure;
+    let interface: f64 = cut.interface().iter().map(|piece| piece.measure).sum();
+    if uncovered > LARGEST_SHARE * interface { Err(Stage::Interface { uncovered, interface }) } else { Ok(()) }
+}
+
+/// `1/2 (ρ u, u)` of a velocity with one value per dof.
+pub(crate) fn kinetic_energy<const D: usize>(
+    density: f64,
+    cut: &CutMesh<D>,
+    space: &XfemSpace<D>,
+    parts: &PartValues<D>,
+    velocity: &[Vector<D>],
+) -> f64 {
+    let mut twice = 0.0;
+    for part in cut.all_parts() {
+        let (moments, dofs) = (parts.moments(part), space.dofs(part));
+        for (i, a) in dofs.iter().enumerate() {
+            for (j, b) in dofs.iter().enumerate() {
+                twice += moments.at(i, j) * velocity[*a as usize].dot(&velocity[*b as usize]);
+            }
+        }
+    }
+    0.5 * density * twice
+}

@@ -1,0 +1,154 @@
+//! Everything that is frozen during Newton's method.
+
+use std::time::Instant;
+
+use algebra::{BlockLayout, Constraints, NewtonReport};
+use body::{BodyState, BodyStep, StepTime};
+use interface_dg::{Pocket, pockets};
+use mesh::{Aabb, Point};
+
+use crate::contact_step::{ContactStep, Partners};
+use crate::fluid_step::FluidStep;
+use crate::{Setup, Stage, StageSeconds, State};
+
+/// A step of the setup, or a part of one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Substep {
+    /// Its length.
+    pub dt: f64,
+    /// Whether a step of the setup ends with it.
+    pub is_last: bool,
+}
+
+impl Substep {
+    /// Creates a whole step.
+    pub fn whole(dt: f64) -> Self {
+        Self { dt, is_last: true }
+    }
+}
+
+/// One step: fluid, bodies and contacts on the geometry at its start, with their unknowns.
+pub struct Step<'a, const D: usize> {
+    pub(crate) setup: &'a Setup<D>,
+    pub(crate) previous: &'a State<D>,
+    pub(crate) time: StepTime,
+    /// The unknowns: velocity and pressure of the fluid, then those of each body.
+    pub layout: BlockLayout,
+    pub(crate) fluid: Option<FluidStep<'a, D>>,
+    pub(crate) bodies: Vec<Box<dyn BodyStep<D> + 'a>>,
+    pub(crate) contacts: Vec<ContactStep<D>>,
+    pub(crate) constraints: Constraints,
+    pub(crate) pockets: Vec<Pocket>,
+    pub(crate) seconds: StageSeconds,
+}
+
+impl<'a, const D: usize> Step<'a, D> {
+    /// Prepares the step after `previous`.
+    ///
+    /// # Errors
+    /// A body has left the background, or the surfaces cannot cut it.
+    pub fn prepare(setup: &'a Setup<D>, previous: &'a State<D>, time: StepTime) -> Result<Self, Stage> {
+        let clock = Instant::now();
+        let mut layout = BlockLayout::new();
+        let mut seconds = StageSeconds::default();
+        let fluid = match setup.fluid.as_ref().zip(previous.fluid.as_ref()) {
+            Some((fluid, before)) => {
+                let positions = setup.positions(&previous.bodies);
+                check_domain(setup, fluid.background.vertices(), &positions)?;
+                Some(FluidStep::new(setup, fluid, (previous, before), positions, &time, (&mut layout, &mut seconds))?)
+            }
+            None => None,
+        };
+        let begun = setup.bodies.iter().zip(&previous.bodies);
+        let bodies: Vec<_> = begun.map(|(body, state)| body.step(state, &time, &mut layout)).collect();
+        let mut step = Self {
+            setup,
+            previous,
+            time,
+            layout,
+            fluid,
+            bodies,
+            contacts: Vec::new(),
+            constraints: Constraints::new(),
+            pockets: Vec::new(),
+            seconds,
+        };
+        let contact = |contact| ContactStep::new(contact, previous, step.partners());
+        step.contacts = setup.contacts.iter().map(contact).collect();
+        step.constrain();
+        step.seconds.space = clock.elapsed().as_secs_f64() - step.seconds.cut;
+        Ok(step)
+    }
+
+    /// The fluid and the bodies, between which contacts act.
+    pub(crate) fn partners(&self) -> Partners<'_, D> {
+        let (layout, bodies) = (&self.layout, &self.bodies[..]);
+        Partners { layout, fluid: self.fluid.as_ref(), bodies, dt: self.time.length() }
+    }
+
+    /// Boundary values of the fluid, then supports and ties of the bodies, then the pressures of pockets.
+    fn constrain(&mut self) {
+        let mut constraints = Constraints::new();
+        if let Some(fluid) = &self.fluid {
+            fluid.constrain(&self.layout, self.time.end, &mut constraints);
+        }
+        self.bodies.iter().for_each(|body| body.constrain(&self.layout, &mut constraints));
+        if let Some(fluid) = &self.fluid {
+            let points = fluid.interface(&self.layout, &self.bodies);
+            self.pockets = pockets(&points, &constraints, |tag| fluid.setup.is_open(tag));
+            for pocket in &self.pockets {
+                constraints.set(self.layout.dof(fluid.pressure, pocket.dof as usize, 0), 0.0);
+            }
+        }
+        self.constraints = constraints;
+    }
+
+    /// The previous state on the new unknowns, as a starting guess.
+    pub fn guess(&self) -> Vec<f64> {
+        let mut x = vec![0.0; self.layout.len()];
+        if let (Some(fluid), Some(before)) = (&self.fluid, &self.previous.fluid) {
+            fluid.guess(&self.layout, &before.pressure, &mut x);
+        }
+        self.bodies.iter().for_each(|body| body.guess(&self.layout, &mut x));
+        x
+    }
+
+    /// Returns an error if points of a contact moved farther than obstacles were searched: contact may have been missed.
+    pub(crate) fn check_contacts(&self, x: &[f64], newton: &NewtonReport) -> Result<(), Stage> {
+        for (number, (contact, step)) in self.setup.contacts.iter().zip(&self.contacts).enumerate() {
+            step.check(number, contact, self.partners(), x, newton)?;
+        }
+        Ok(())
+    }
+
+    /// The bodies at the end of the step.
+    pub(crate) fn bodies_at_end(&self, x: &[f64]) -> Vec<BodyState<D>> {
+        self.bodies.iter().map(|body| body.end(&self.layout, x)).collect()
+    }
+
+    /// The state at the end of the step; takes cut and space with it.
+    pub(crate) fn finish(self, substep: Substep, x: &[f64], bodies: Vec<BodyState<D>>) -> State<D> {
+        State {
+            step: self.previous.step + usize::from(substep.is_last),
+            time: self.time.end,
+            fluid: self.fluid.map(|fluid| fluid.finish(&self.layout, &self.pockets, x)),
+            bodies,
+            lengths: self.time.lengths,
+        }
+    }
+}
+
+/// Returns an error if a movable body has left the bounding box of the background, where nothing can stop it.
+fn check_domain<const D: usize>(
+    setup: &Setup<D>,
+    background: &[Point<D>],
+    positions: &[Vec<Point<D>>],
+) -> Result<(), Stage> {
+    let bounds = Aabb::of_points(background);
+    for (body, positions) in setup.bodies.iter().zip(positions) {
+        if body.is_movable() && !positions.iter().any(|x| bounds.contains(x)) {
+            return Err(Stage::LeftDomain { body: body.name().to_owned() });
+        }
+    }
+    Ok(())
+}

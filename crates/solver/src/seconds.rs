@@ -1,0 +1,16 @@
+//! Wall-clock times of a step.
+
+/// Wall-clock time per stage of a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StageSeconds {
+    /// Cutting the background.
+    pub cut: f64,
+    /// Space, history, shape values.
+    pub space: f64,
+    /// The history's share of it.
+    pub transfer: f64,
+    /// Pattern and assembly.
+    pub assembly: f64,
+    /// Linear solver.
+    pub linear: f64,
+}
