@@ -17,12 +17,16 @@
 pub mod prelude;
 
 pub use algebra;
+pub use body;
 pub use contact;
 pub use cutcell;
 pub use fluid_ns;
 pub use interface_dg;
 pub use io;
 pub use mesh;
+#[cfg(feature = "report")]
+pub use report;
+pub use solid_rigid;
 pub use solid_svk;
 pub use solver;
 pub use xfem_space;

@@ -8,6 +8,8 @@ use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
 
+use commands::Failure;
+
 /// Elastic bodies moving, deforming and colliding inside an incompressible fluid.
 #[derive(Parser)]
 #[command(version, about)]
@@ -22,6 +24,9 @@ enum Command {
     Run(RunArguments),
     /// Check a scenario: read it, build its meshes, print sizes; run nothing.
     Check(ScenarioArguments),
+    /// Write the page of a run again, or the run as a picture in motion.
+    #[cfg(feature = "report")]
+    Report(ReportArguments),
     /// Cut a mesh of tetrahedra by closed surfaces; print volumes, areas and how well identities hold.
     Cut(CutArguments),
 }
@@ -49,6 +54,20 @@ struct RunArguments {
     /// Print the time per stage at the end.
     #[arg(long)]
     timings: bool,
+    /// Do not write report.html.
+    #[cfg(feature = "report")]
+    #[arg(long)]
+    no_report: bool,
+}
+
+#[cfg(feature = "report")]
+#[derive(Args)]
+struct ReportArguments {
+    /// Directory of results.
+    directory: PathBuf,
+    /// Write an animated PNG instead of the page.
+    #[arg(long, value_name = "FILE")]
+    picture: Option<PathBuf>,
 }
 
 #[derive(Args)]
@@ -82,14 +101,16 @@ struct CutArguments {
 fn main() -> ExitCode {
     let done = match Cli::parse().command {
         Command::Run(arguments) => commands::run::run(&arguments),
-        Command::Check(arguments) => commands::check::check(&arguments),
-        Command::Cut(arguments) => commands::cut::cut(&arguments),
+        Command::Check(arguments) => commands::check::check(&arguments).map_err(Failure::from),
+        #[cfg(feature = "report")]
+        Command::Report(arguments) => commands::report::report(&arguments),
+        Command::Cut(arguments) => commands::cut::cut(&arguments).map_err(Failure::from),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("{}", commands::explain(&error));
-            commands::exit_code(&error)
+            eprintln!("{}", error.explain());
+            error.exit_code()
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The binary: what it prints, what it leaves behind, how it exits.
+//! Output, files and exit codes of the binary.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -38,9 +38,53 @@ fn run_writes_into_the_directory_and_prints_lines() {
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     let printed = text(&output.stdout);
     assert!(printed.contains("step 3/3") && printed.contains("d_min"), "{printed}");
-    assert!(directory.join("history.csv").exists() && directory.join("summary.json").exists());
-    let quiet = cutwater(&["run", "--out", &shown, "--quiet"]);
+    for file in ["history.csv", "summary.json", "frames.json", "report.html"] {
+        assert!(directory.join(file).exists(), "{file}");
+    }
+    let page = std::fs::read_to_string(directory.join("report.html")).expect("a page");
+    let again = Command::new(env!("CARGO_BIN_EXE_cutwater")).arg("report").arg(&directory).output().expect("a start");
+    assert!(again.status.success() && text(&again.stdout).trim().ends_with("report.html"));
+    assert_eq!(std::fs::read_to_string(directory.join("report.html")).expect("a page"), page);
+    let picture = directory.join("run.png");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_cutwater"));
+    let drawn = command.arg("report").arg(&directory).arg("--picture").arg(&picture).output().expect("a start");
+    assert!(drawn.status.success(), "{}", text(&drawn.stderr));
+    assert!(std::fs::read(&picture).expect("a picture").starts_with(b"\x89PNG"));
+    std::fs::remove_file(directory.join("report.html")).expect("the page");
+    let quiet = cutwater(&["run", "--out", &shown, "--quiet", "--no-report"]);
     assert!(quiet.status.success() && quiet.stdout.is_empty() && quiet.stderr.is_empty());
+    assert!(!directory.join("report.html").exists());
+}
+
+#[test]
+fn a_scenario_without_a_fluid_is_checked_run_and_reported() {
+    let scenario = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("dry.toml");
+    let text_of_case = std::fs::read_to_string(case()).expect("the case");
+    let (begin, bodies) = (text_of_case.find("[fluid]"), text_of_case.find("[[body]]"));
+    let (interface, contact) = (text_of_case.find("[interface]"), text_of_case.find("[[contact]]"));
+    let part = |from: Option<usize>, to: Option<usize>| &text_of_case[from.expect("a section")..to.expect("a section")];
+    let dry = [part(Some(0), begin), part(bodies, interface), part(contact, Some(text_of_case.len()))].concat();
+    std::fs::write(&scenario, dry).expect("a writable directory");
+    let cutwater = |command: &str, more: &[&str]| {
+        let sets = ["--set", "body.0.shape.size=1.0", "--set", "time.end=0.003"];
+        let mut binary = Command::new(env!("CARGO_BIN_EXE_cutwater"));
+        let output = binary.arg(command).arg(&scenario).args(sets).args(more).output().expect("the binary starts");
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        text(&output.stdout)
+    };
+    let printed = cutwater("check", &[]);
+    assert!(printed.contains("body ball:") && printed.contains("steps: 3"), "{printed}");
+    assert!(!printed.contains("background"), "{printed}");
+    let directory = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("dry");
+    let printed = cutwater("run", &["--out", &directory.display().to_string()]);
+    assert!(printed.contains("step 3/3") && !printed.contains("profile"), "{printed}");
+    let page = std::fs::read_to_string(directory.join("report.html")).expect("a page");
+    assert!(page.contains("unknowns, at most") && !page.contains("interior penalty of the velocity"));
+    let picture = directory.join("run.png");
+    let mut binary = Command::new(env!("CARGO_BIN_EXE_cutwater"));
+    let drawn = binary.arg("report").arg(&directory).arg("--picture").arg(&picture).output().expect("a start");
+    assert!(drawn.status.success(), "{}", text(&drawn.stderr));
+    assert!(std::fs::read(&picture).expect("a picture").starts_with(b"\x89PNG"));
 }
 
 /// Calls, and milliseconds per step, of the line of the table that begins with a name.
@@ -76,8 +120,7 @@ fn timings_of_all_stages_and_contributions() {
     }
     let of_contributions: f64 = contributions.iter().map(|(name, _)| timing(&printed, name).1).sum();
     assert!(0.0 < of_contributions && of_contributions <= assembly, "{printed}");
-    // The picture at the end, the state at the start, and the steps.
-    assert!(timing(&printed, "output").0 >= 4, "{printed}");
+    assert_eq!(timing(&printed, "output").0, 3, "once per step: {printed}");
 }
 
 #[test]
@@ -95,5 +138,14 @@ fn a_failed_run_exits_with_1_and_the_residuals() {
     assert_eq!(output.status.code(), Some(1));
     let printed = text(&output.stderr);
     assert!(printed.contains("relative residual") && printed.contains(&shown), "{printed}");
-    assert!(directory.join("summary.json").exists());
+    assert!(directory.join("summary.json").exists() && directory.join("report.html").exists());
+}
+
+#[test]
+fn a_report_of_what_is_no_run_exits_with_2() {
+    let directory = Path::new(env!("CARGO_TARGET_TMPDIR")).join("no-run");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_cutwater"));
+    let output = command.arg("report").arg(&directory).output().expect("the binary starts");
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("summary.json"), "{}", text(&output.stderr));
 }

@@ -1,4 +1,4 @@
-//! `cutwater cut`: what it prints, what it leaves behind, how it exits.
+//! Output, files and exit codes of `cutwater cut`.
 
 use std::path::PathBuf;
 use std::process::{Command, Output};

@@ -1,7 +1,7 @@
 //! Cuts a box of tetrahedra by a surface from an STL (or OBJ) file and writes the pieces for ParaView:
 //! `cargo run --release -p io --example cut_stl -- SURFACE [CUBES [DIRECTORY]]`.
 
-// An example tells what it does.
+// An example prints its results.
 #![allow(clippy::print_stdout)]
 
 use std::path::PathBuf;

@@ -104,7 +104,7 @@ fn plane() -> Result<String, AnyError> {
     for face in cut.ghost_faces() {
         let ends: Vec<Point<2>> = background.facet(face.facet).iter().map(|&v| background.vertex(v)).collect();
         let middle = 0.5 * (ends[0] + ends[1]);
-        // The middle of the face, so that neighbours can be told apart.
+        // Only the middle half of the face is drawn, so that neighbours remain distinct.
         svg.polygon(ends.iter().map(|x| place(&(middle + 0.5 * (x - middle)))), "none", GHOST, 2.5);
     }
     for piece in cut.interface() {

@@ -1,4 +1,4 @@
-//! What can go wrong between text and files.
+//! Errors of reading and writing files.
 
 use std::path::PathBuf;
 
@@ -26,7 +26,7 @@ pub enum Error {
     Surface {
         /// The file.
         path: PathBuf,
-        /// Where and what.
+        /// Position and cause.
         malformed: crate::surface::Malformed,
     },
     /// A mesh file is malformed, or holds no mesh of tetrahedra.
@@ -34,7 +34,7 @@ pub enum Error {
     MeshFile {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// The defect.
         problem: crate::cut::MeshProblem,
     },
     /// A grid of no cubes, or of too many.
@@ -47,7 +47,7 @@ pub enum Error {
     },
     /// A cut violates its identities: a fault of the program, not of the input.
     #[error(
-        "the cut is not to be trusted: {identity} is violated by {by:.1e}; please report it with the surface and the command"
+        "the cut failed a consistency check: {identity} is violated by {by:.1e}; please report it with surface and command"
     )]
     Violated {
         /// The identity that is violated most.
@@ -90,31 +90,23 @@ pub enum Error {
         /// Why.
         source: Box<vtkio::Error>,
     },
-    /// A report cannot be written as JSON.
+    /// A summary cannot be written as JSON, or read from it.
     #[cfg(feature = "simulation")]
-    #[error("cannot write the summary as JSON: {0}")]
+    #[error("the summary is not valid JSON: {0}")]
     Json(#[from] serde_json::Error),
-    /// A picture cannot be drawn.
-    #[error("cannot draw {}: {message}", .path.display())]
-    Plot {
-        /// The file.
-        path: PathBuf,
-        /// What the plotting library says.
-        message: String,
-    },
     /// A step failed; the stage is inside. Files up to the step before are complete.
     #[cfg(feature = "simulation")]
     #[error(transparent)]
     Step(#[from] solver::StepError),
 }
 
-/// What to do about a surface that is refused, where the message does not say it.
+/// Advice on a refused surface, where the message does not contain it.
 fn advice(refused: &cutcell::Error) -> &'static str {
     match refused {
         cutcell::Error::Inward { .. } => " (`--flip` does it)",
         cutcell::Error::Open { .. } => ": close it",
         cutcell::Error::NonManifold { .. } => ": divide the body there, or join its vertices differently",
-        cutcell::Error::SelfIntersection { .. } => ": give the parts as bodies of their own, or mend the surface",
+        cutcell::Error::SelfIntersection { .. } => ": give the parts as separate bodies, or repair the surface",
         _ => "",
     }
 }

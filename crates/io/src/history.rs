@@ -1,174 +1,224 @@
-//! `history.csv`: one row per step.
+//! `history.csv` and `diagnostics.csv`: one row per step, or per part of a step that was divided.
 
 use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use solver::{Observer, ObserverError, Setup, StepView};
+use solver::{FluidReport, ForceBalance, Setup, StepReport, StepView};
 
 use crate::Error;
-use crate::forces::FluidForce;
 use crate::measures::BodyMeasures;
 
-/// Names of the axes in columns.
-const AXES: [&str; 3] = ["x", "y", "z"];
+/// The file that a column belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Table {
+    /// `history.csv`: motion, contact, energies, cost.
+    History,
+    /// `diagnostics.csv`: balances and volumes.
+    Diagnostics,
+}
 
-/// Columns that every body has; those of [`FluidForce`] follow.
-const BODY: [&str; 19] = [
-    "d_min",
-    "d_max",
-    "body_height",
-    "lowest_velocity",
-    "lowest_acceleration",
-    "centre_y",
-    "centre_velocity",
-    "contact_force",
-    "contact_power",
-    "max_penetration",
-    "active_points",
-    "energy_kinetic_solid",
-    "energy_elastic",
-    "energy_gravity",
-    "centre_x",
-    "centre_velocity_x",
-    "angle",
-    "angular_velocity",
-    "contact_force_x",
-];
+/// How the number of a column follows from a step.
+enum Value<const D: usize> {
+    /// A number of a body: the column appears once for each body.
+    Body(fn(&BodyMeasures<'_, D>) -> f64),
+    /// A component of a vector of a body, with the number of the axis.
+    Component(fn(&BodyMeasures<'_, D>, usize) -> f64, usize),
+    /// A number of the whole run.
+    Run(fn(&RunMeasures<'_, D>) -> f64),
+}
 
-/// Columns of the run as a whole.
-const RUN: [&str; 14] = [
-    "energy_kinetic_fluid",
-    "energy_contact",
-    "leak_net",
-    "leak_absolute",
-    "newton",
-    "linear_iterations",
-    "factorizations",
-    "smallest_fraction",
-    "dofs",
-    "seconds_cut",
-    "seconds_space",
-    "seconds_assembly",
-    "seconds_linear",
-    "seconds_output",
-];
+/// A column of one of the files.
+struct Column<const D: usize> {
+    table: Table,
+    name: String,
+    value: Value<D>,
+}
 
-/// Writes one row per step, or per part of a step that was divided; the file is complete after every row.
+/// The run as a whole after a step.
+struct RunMeasures<'a, const D: usize> {
+    view: &'a StepView<'a, D>,
+    step: &'a StepReport<D>,
+    /// Wall-clock time of the output of the step.
+    seconds_output: f64,
+}
+
+impl<const D: usize> RunMeasures<'_, D> {
+    /// A quantity of the fluid; zero without a fluid.
+    fn fluid(&self, of: impl FnOnce(&FluidReport<D>) -> f64) -> f64 {
+        self.step.fluid.as_ref().map_or(0.0, of)
+    }
+}
+
+/// All columns, in the order of the files. In a row the columns of the bodies stand before those of the run.
+#[rustfmt::skip] // one line per column
+fn columns<const D: usize>() -> Vec<Column<D>> {
+    use Table::{Diagnostics, History};
+    let column = |table, name: &str, value| Column { table, name: name.to_owned(), value };
+    let body = |table, name, of| column(table, name, Value::Body(of));
+    let component = |table, name: String, of, axis| Column { table, name, value: Value::Component(of, axis) };
+    let run = |table, name, of| column(table, name, Value::Run(of));
+    let mut all = vec![
+        body(History, "d_min", |b| b.distance),
+        body(History, "d_max", |b| b.distance + b.height()),
+        body(History, "body_height", |b| b.height()),
+        body(History, "lowest_velocity", |b| b.body().lowest_velocity[D - 1]),
+        body(History, "lowest_acceleration", |b| b.body().lowest_acceleration[D - 1]),
+        body(History, "centre_y", |b| b.centre[D - 1]),
+        body(History, "centre_velocity", |b| b.centre_velocity[D - 1]),
+        body(History, "contact_force", |b| b.contact_force[D - 1]),
+        body(History, "contact_power", |b| b.contacts().map(|contact| contact.power).sum()),
+        body(History, "max_penetration", |b| b.penetration()),
+        body(History, "active_points", |b| b.active_points() as f64),
+        body(History, "energy_kinetic_solid", |b| b.body().balance.as_ref().map_or(0.0, |e| e.kinetic_energy)),
+        body(History, "energy_elastic", |b| b.body().balance.as_ref().map_or(0.0, |e| e.elastic_energy)),
+        body(History, "energy_gravity", |b| b.body().balance.as_ref().map_or(0.0, |e| e.potential_energy)),
+        body(History, "centre_x", |b| b.centre[0]),
+        body(History, "centre_velocity_x", |b| b.centre_velocity[0]),
+        body(History, "angle", |b| b.rotation[0]),
+        body(History, "angular_velocity", |b| b.rotation[1]),
+        body(History, "contact_force_x", |b| b.contact_force[0]),
+        body(Diagnostics, "volume", |b| b.volume()),
+        body(Diagnostics, "force_inertia", |b| vertical(b, |f| f.inertia[D - 1])),
+        body(Diagnostics, "force_gravity", |b| vertical(b, |f| f.body_force[D - 1])),
+        body(Diagnostics, "force_pressure", |b| vertical(b, |f| f.pressure[D - 1])),
+        body(Diagnostics, "force_viscous", |b| vertical(b, |f| f.viscous[D - 1])),
+        body(Diagnostics, "force_penalty", |b| vertical(b, |f| f.penalty[D - 1])),
+        body(Diagnostics, "force_contact", |b| vertical(b, |f| f.contact[D - 1])),
+        body(Diagnostics, "force_remainder", |b| vertical(b, |f| f.remainder()[D - 1])),
+        body(Diagnostics, "fluid_power", |b| b.fluid_power()),
+        run(History, "energy_kinetic_fluid", |r| r.fluid(|fluid| fluid.kinetic_energy)),
+        run(History, "energy_contact", |r| r.step.contacts.iter().map(|contact| contact.stored_energy).sum()),
+        run(History, "leak_net", |r| r.fluid(|fluid| fluid.flow.leak_net)),
+        run(History, "leak_absolute", |r| r.fluid(|fluid| fluid.flow.leak_absolute)),
+        run(History, "newton", |r| r.step.newton.iterations as f64),
+        run(History, "linear_iterations", |r| r.step.newton.linear_iterations as f64),
+        run(History, "factorizations", |r| r.step.newton.factorizations as f64),
+        run(History, "smallest_fraction", |r| r.fluid(|fluid| fluid.cut.smallest_fraction)),
+        run(History, "dofs", |r| r.step.n_dofs as f64),
+        run(History, "seconds_cut", |r| microseconds(r.step.seconds.cut)),
+        run(History, "seconds_space", |r| microseconds(r.step.seconds.space)),
+        run(History, "seconds_assembly", |r| microseconds(r.step.seconds.assembly)),
+        run(History, "seconds_linear", |r| microseconds(r.step.seconds.linear)),
+        run(History, "seconds_output", |r| microseconds(r.seconds_output)),
+        run(Diagnostics, "fluid_volume", |r| r.view.state.fluid.as_ref().map_or(0.0, |fluid| fluid.cut.fluid_volume())),
+        run(Diagnostics, "total_energy", |r| r.step.total_energy()),
+    ];
+    const AXES: [&str; 3] = ["x", "y", "z"];
+    for (axis, name) in AXES.iter().enumerate().take(D) {
+        all.push(component(History, format!("force_{name}"), |b, axis| b.fluid.total[axis], axis));
+    }
+    for (axis, name) in AXES.iter().enumerate().take(D) {
+        all.push(component(History, format!("traction_force_{name}"), |b, axis| b.fluid.traction[axis], axis));
+    }
+    // In the plane a body rotates about the third axis only.
+    let rotation_axes = AXES.len() - D * (D - 1) / 2;
+    for (axis, name) in AXES.iter().enumerate().skip(rotation_axes) {
+        let name = if D == 2 { "torque".to_owned() } else { format!("torque_{name}") };
+        all.push(component(History, name, |b, axis| b.fluid.torque[axis], axis));
+    }
+    all
+}
+
+/// A vertical force on a body; not a number if its motion is prescribed.
+fn vertical<const D: usize>(body: &BodyMeasures<'_, D>, of: fn(&ForceBalance<D>) -> f64) -> f64 {
+    body.body().forces.as_ref().map_or(f64::NAN, of)
+}
+
+/// A time rounded to a microsecond.
+fn microseconds(seconds: f64) -> f64 {
+    (seconds * 1e6).round() / 1e6
+}
+
+/// Writes `history.csv` and `diagnostics.csv`; both are complete after every row.
 ///
-/// With one body the columns are `time`, those of the body, those of the run. With several, the columns of each body
-/// carry its name as a prefix, `NAME_d_min`; the forces of the fluid are those of [`FluidForce`]. The energy of contacts is that of all contacts.
-pub struct History {
-    path: PathBuf,
-    file: File,
-    bottom: f64,
-    has_header: bool,
+/// A row has the time, the columns of each body, and those of the run. With several bodies the columns of a body carry its
+/// name as a prefix: `NAME_d_min`.
+pub(crate) struct History<const D: usize> {
+    columns: Vec<Column<D>>,
+    files: [(Table, PathBuf, File); 2],
 }
 
-impl History {
-    /// A history in a new file; `bottom` is the height from which distances are measured without a contact.
-    ///
-    /// # Errors
-    /// [`Error::Write`].
-    pub fn create(path: &Path, bottom: f64) -> Result<Self, Error> {
-        let file = File::create(path).map_err(|source| Error::Write { path: path.to_owned(), source })?;
-        Ok(Self { path: path.to_owned(), file, bottom, has_header: false })
-    }
-
-    /// Writes the row of a step, with the time that output took.
-    ///
-    /// # Errors
-    /// [`Error::Write`].
-    pub fn write<const D: usize>(&mut self, view: &StepView<'_, D>, seconds_output: f64) -> Result<(), Error> {
-        let mut text = String::new();
-        if !self.has_header {
-            text = header(view) + "\n";
-            self.has_header = true;
+impl<const D: usize> History<D> {
+    /// Creates both files with their headers.
+    pub(crate) fn create(directory: &Path, setup: &Setup<D>) -> Result<Self, Error> {
+        let open = |table, name: &str| {
+            let path = directory.join(name);
+            let file = File::create(&path).map_err(|source| Error::Write { path: path.clone(), source })?;
+            Ok::<_, Error>((table, path, file))
+        };
+        let files = [open(Table::History, "history.csv")?, open(Table::Diagnostics, "diagnostics.csv")?];
+        let mut history = Self { columns: columns(), files };
+        for k in 0..history.files.len() {
+            let line = history.header(history.files[k].0, setup);
+            history.push(k, &line)?;
         }
-        if let Some(row) = row(view, self.bottom, seconds_output) {
-            text += &row;
-            text.push('\n');
+        Ok(history)
+    }
+
+    fn header(&self, table: Table, setup: &Setup<D>) -> String {
+        let of_table = |column: &&Column<D>| column.table == table;
+        let of_run = |column: &&Column<D>| matches!(column.value, Value::Run(_));
+        let mut names = vec!["time".to_owned()];
+        for body in 0..setup.bodies.len() {
+            let prefix = column_prefix(setup, body);
+            let columns = self.columns.iter().filter(|c| of_table(c) && !of_run(c));
+            names.extend(columns.map(|column| format!("{prefix}{}", column.name)));
         }
-        let written = self.file.write_all(text.as_bytes()).and_then(|()| self.file.flush());
-        written.map_err(|source| Error::Write { path: self.path.clone(), source })
+        let columns = self.columns.iter().filter(|c| of_table(c) && of_run(c));
+        names.extend(columns.map(|column| column.name.clone()));
+        names.join(",")
+    }
+
+    /// Writes the rows of a step. `bodies` are the measures of all bodies, `seconds_output` the wall-clock time that output
+    /// took.
+    pub(crate) fn write(
+        &mut self,
+        view: &StepView<'_, D>,
+        bodies: &[BodyMeasures<'_, D>],
+        seconds_output: f64,
+    ) -> Result<(), Error> {
+        let Some(step) = view.report else { return Ok(()) };
+        let run = RunMeasures { view, step, seconds_output };
+        for k in 0..self.files.len() {
+            let columns = || self.columns.iter().filter(|column| column.table == self.files[k].0);
+            let mut row = vec![view.state.time];
+            for body in bodies {
+                row.extend(columns().filter_map(|column| match column.value {
+                    Value::Body(of) => Some(of(body)),
+                    Value::Component(of, axis) => Some(of(body, axis)),
+                    Value::Run(_) => None,
+                }));
+            }
+            row.extend(
+                columns().filter_map(|column| if let Value::Run(of) = column.value { Some(of(&run)) } else { None }),
+            );
+            let line = row.into_iter().map(number).collect::<Vec<_>>().join(",");
+            self.push(k, &line)?;
+        }
+        Ok(())
+    }
+
+    fn push(&mut self, file: usize, line: &str) -> Result<(), Error> {
+        let (_, path, file) = &mut self.files[file];
+        let written = file.write_all(format!("{line}\n").as_bytes()).and_then(|()| file.flush());
+        written.map_err(|source| Error::Write { path: path.clone(), source })
     }
 }
 
-impl<const D: usize> Observer<D> for History {
-    fn after_step(&mut self, view: &StepView<'_, D>) -> Result<(), ObserverError> {
-        Ok(self.write(view, 0.0)?)
-    }
-}
-
-/// What the columns of a body begin with: nothing if it is the only one.
-pub(crate) fn column_prefix<const D: usize>(setup: &Setup<D>, body: usize) -> String {
-    if setup.bodies.len() == 1 { String::new() } else { format!("{}_", setup.bodies[body].name) }
-}
-
-fn header<const D: usize>(view: &StepView<'_, D>) -> String {
-    let mut names = vec!["time".to_owned()];
-    for index in 0..view.setup.bodies.len() {
-        let prefix = column_prefix(view.setup, index);
-        names.extend(BODY.iter().map(|column| format!("{prefix}{column}")));
-        names.extend(force_columns::<D>().into_iter().map(|column| format!("{prefix}{column}")));
-    }
-    names.extend(RUN.iter().map(|column| (*column).to_owned()));
-    names.join(",")
-}
-
-/// Names of the columns of a [`FluidForce`].
-fn force_columns<const D: usize>() -> Vec<String> {
-    let of = |what: &str, axes: &[&str]| axes.iter().map(|axis| format!("{what}_{axis}")).collect::<Vec<_>>();
-    let torque = match &AXES[turning::<D>()..] {
-        [_] => vec!["torque".to_owned()],
-        axes => of("torque", axes),
-    };
-    [of("force", &AXES[..D]), of("traction_force", &AXES[..D]), torque].concat()
-}
-
-/// The first axis about which a body can turn: as many as pairs of axes span planes.
-fn turning<const D: usize>() -> usize {
-    AXES.len() - D * (D - 1) / 2
-}
-
-fn row<const D: usize>(view: &StepView<'_, D>, bottom: f64, seconds_output: f64) -> Option<String> {
-    let report = view.report?;
-    let mut values = vec![number(view.state.time)];
-    for index in 0..view.setup.bodies.len() {
-        let body = BodyMeasures::new(view, index, bottom)?;
-        let lengths = [body.d_min, body.d_max, body.body_height, body.lowest_velocity, body.lowest_acceleration];
-        let forces =
-            [body.centre_y, body.centre_velocity, body.contact_force, body.contact_power, body.max_penetration];
-        values.extend(lengths.into_iter().chain(forces).map(number));
-        values.push(body.active_points.to_string());
-        values.extend([body.energy_kinetic, body.energy_elastic, body.energy_gravity].map(number));
-        values.extend([body.centre_x, body.centre_velocity_x, body.angle, body.angular_velocity].map(number));
-        values.push(number(body.contact_force_x));
-        let force = FluidForce::new(view, index)?;
-        values.extend(force.total.iter().chain(&force.traction).map(|f| number(*f)));
-        values.extend(force.torque[turning::<D>()..].iter().map(|m| number(*m)));
-    }
-    let stored: f64 = report.contacts.iter().map(|contact| contact.stored_energy).sum();
-    let flow = [report.fluid_kinetic_energy, stored, report.flow.leak_net, report.flow.leak_absolute];
-    values.extend(flow.map(number));
-    let newton = &report.newton;
-    values.extend([newton.iterations, newton.linear_iterations, newton.factorizations].map(|n| n.to_string()));
-    values.push(number(report.cut.smallest_fraction));
-    values.push(report.n_dofs.to_string());
-    let seconds = &report.seconds;
-    let stages = [seconds.cut, seconds.space, seconds.assembly, seconds.linear, seconds_output];
-    values.extend(stages.map(|s| format!("{s:.6}")));
-    Some(values.join(","))
+/// Prefix of the columns of a body: empty if it is the only one.
+fn column_prefix<const D: usize>(setup: &Setup<D>, body: usize) -> String {
+    if setup.bodies.len() == 1 { String::new() } else { format!("{}_", setup.bodies[body].name()) }
 }
 
 /// Shortest text that reads back as the same number.
-pub(crate) fn number(value: f64) -> String {
-    // No negative zeros.
+fn number(value: f64) -> String {
+    // Adding zero turns a negative zero into a positive one.
     let value = value + 0.0;
     if value != 0.0 && (value.abs() < 1e-4 || value.abs() >= 1e12) { format!("{value:e}") } else { value.to_string() }
 }
 
-/// A history that was read back.
+/// A table of numbers that was read back from a CSV file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct HistoryTable {
     names: Vec<String>,
@@ -176,7 +226,7 @@ pub struct HistoryTable {
 }
 
 impl HistoryTable {
-    /// Reads a history; an incomplete last row is left out.
+    /// Reads a table. An incomplete last row, as a run that was stopped may leave, is ignored.
     ///
     /// # Errors
     /// [`Error::Read`].
@@ -206,7 +256,7 @@ impl HistoryTable {
         self.rows.is_empty()
     }
 
-    /// A column; `None` if there is none of that name.
+    /// The column of a name, if there is one.
     pub fn column(&self, name: &str) -> Option<Vec<f64>> {
         let index = self.names.iter().position(|n| n == name)?;
         Some(self.rows.iter().map(|row| row[index]).collect())

@@ -1,12 +1,12 @@
-//! Text in, files out: scenarios, histories, field files and pictures.
+//! Text in, files out: scenarios, histories and field files.
 //!
-//! This is the only crate that knows a file format. The half that needs the solver sits behind the default feature
+//! This is the only crate that knows a file format. The half that needs the solver is behind the default feature
 //! `simulation`. A run in three lines:
 //!
 //! ```no_run
-//! use io::{RunOptions, ScenarioFile, run};
+//! use io::{ScenarioFile, run};
 //! let scenario = ScenarioFile::read("validation/cases/virtual-barrier.toml".as_ref(), &[])?;
-//! let summary = run(&scenario, RunOptions::into_directory("results"))?;
+//! let summary = run(&scenario, "results".as_ref(), &mut ())?;
 //! # Ok::<(), io::Error>(())
 //! ```
 
@@ -18,34 +18,29 @@ mod error;
 mod files;
 
 #[cfg(feature = "simulation")]
-mod diagnostics;
-#[cfg(feature = "simulation")]
-mod forces;
-#[cfg(feature = "simulation")]
-pub mod history;
+mod history;
 #[cfg(feature = "simulation")]
 mod measures;
-#[cfg(feature = "simulation")]
-pub mod plot;
-#[cfg(feature = "simulation")]
-pub mod report;
 #[cfg(feature = "simulation")]
 mod run;
 #[cfg(feature = "simulation")]
 pub mod scenario;
 #[cfg(feature = "simulation")]
-pub mod summary;
+mod summary;
+#[cfg(feature = "simulation")]
+mod watch;
 
 pub use error::Error;
+pub use files::write_whole;
 #[cfg(feature = "simulation")]
-pub use forces::FluidForce;
+pub use history::HistoryTable;
 #[cfg(feature = "simulation")]
-pub use history::{History, HistoryTable};
+pub use measures::{distance, leading_body};
 #[cfg(feature = "simulation")]
-pub use measures::BodyMeasures;
+pub use run::{Sizes, default_directory, run, sizes};
 #[cfg(feature = "simulation")]
-pub use run::{RunOptions, Sizes, StepProgress, default_directory, run, sizes};
+pub use scenario::{Case, ScenarioFile};
 #[cfg(feature = "simulation")]
-pub use scenario::ScenarioFile;
+pub use summary::{Summary, Timing};
 #[cfg(feature = "simulation")]
-pub use summary::{Comparison, Summary, SummarySeconds, Timing};
+pub use watch::{Progress, StepProgress, Watch};

@@ -1,136 +1,171 @@
-//! What histories and summaries say about each body after a step.
+//! Quantities of one body after a step, from which histories and summaries are made.
 
+use contact::ContactReport;
 use mesh::{Placed, Point, Vector};
-use solver::{BodyKind, BodyReport, ContactObstacle, Setup, StepView};
+use solver::{BodyReport, Setup, StepReport, StepView};
 
-use crate::forces::enclosed;
-
-/// One body after a step; `y` is the last coordinate.
+/// One body after a step. The last axis is vertical.
 ///
-/// Units (cgs, per unit depth in 2D): lengths cm, velocities cm/s, forces dyn/cm, powers erg/(s cm), energies erg/cm.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BodyMeasures {
-    /// Smallest gap to the obstacles of the body; without a contact, height of its lowest vertex over the bottom of the
-    /// background.
-    pub d_min: f64,
-    /// `d_min` plus the height of the body.
-    pub d_max: f64,
-    /// Vertical extent.
-    pub body_height: f64,
-    /// Vertical velocity of the lowest vertex.
-    pub lowest_velocity: f64,
-    /// Change of that velocity over the step, per time.
-    pub lowest_acceleration: f64,
-    /// Height of the centre of mass; of the area, if the motion is prescribed.
-    pub centre_y: f64,
-    /// Vertical velocity of that centre.
-    pub centre_velocity: f64,
-    /// Horizontal position of that centre, along the first axis.
-    pub centre_x: f64,
-    /// Horizontal velocity of that centre.
-    pub centre_velocity_x: f64,
-    /// Angle by which the vertices are turned about their mean, in the plane of the first two axes, from -π to π.
-    pub angle: f64,
-    /// Angular velocity of the vertices about their mean, in that plane, 1/s.
-    pub angular_velocity: f64,
-    /// Horizontal contact force on the body, along the first axis.
-    pub contact_force_x: f64,
-    /// Vertical contact force on the body.
-    pub contact_force: f64,
-    /// Power of the contacts in which the body is the slave.
-    pub contact_power: f64,
-    /// Largest violation of the offset.
-    pub max_penetration: f64,
-    /// Quadrature points in contact.
-    pub active_points: usize,
-    /// Kinetic energy.
-    pub energy_kinetic: f64,
-    /// Elastic energy.
-    pub energy_elastic: f64,
-    /// Potential energy of gravity, zero at the origin.
-    pub energy_gravity: f64,
-    /// Energy stored in the contacts in which the body is the slave.
-    pub energy_contact: f64,
+/// Lengths, forces, powers and energies are in the units of the scenario, per unit depth in 2D.
+pub(crate) struct BodyMeasures<'a, const D: usize> {
+    pub(crate) view: &'a StepView<'a, D>,
+    pub(crate) step: &'a StepReport<D>,
+    pub(crate) index: usize,
+    /// Positions of the vertices at the end of the step.
+    positions: Vec<Point<D>>,
+    /// Smallest gap to the obstacles of the body; without a contact, height of its lowest vertex above the background's
+    /// lowest vertex.
+    pub(crate) distance: f64,
+    /// Centre of mass, or of the enclosed volume if the motion is prescribed.
+    pub(crate) centre: Point<D>,
+    /// Velocity of the centre.
+    pub(crate) centre_velocity: Vector<D>,
+    /// Contact force on the body, as slave and as master.
+    pub(crate) contact_force: Vector<D>,
+    /// Angle by which the vertices are rotated about their mean in the plane of the first two axes, from -π to π, and
+    /// their angular velocity there.
+    pub(crate) rotation: [f64; 2],
+    /// Force and torque of the fluid.
+    pub(crate) fluid: FluidForce<D>,
 }
 
-impl BodyMeasures {
-    /// The measures of body `index`; `None` before the first step.
-    pub fn new<const D: usize>(view: &StepView<'_, D>, index: usize, bottom: f64) -> Option<Self> {
-        let report = view.report?;
-        let body: &BodyReport<D> = &report.bodies[index];
-        let vertical = D - 1;
-        let lowest = body.lowest.1[vertical];
-        let body_height = body.highest - lowest;
-        let mut measures = Self {
-            d_min: f64::INFINITY,
-            d_max: 0.0,
-            body_height,
-            lowest_velocity: body.lowest_velocity[vertical],
-            lowest_acceleration: body.lowest_acceleration[vertical],
-            centre_y: f64::NAN,
-            centre_velocity: f64::NAN,
-            centre_x: f64::NAN,
-            centre_velocity_x: f64::NAN,
-            angle: 0.0,
-            angular_velocity: 0.0,
-            contact_force_x: 0.0,
-            contact_force: 0.0,
-            contact_power: 0.0,
-            max_penetration: 0.0,
-            active_points: 0,
-            energy_kinetic: 0.0,
-            energy_elastic: 0.0,
-            energy_gravity: 0.0,
-            energy_contact: 0.0,
+impl<'a, const D: usize> BodyMeasures<'a, D> {
+    /// The measures of body `index`; `None` before the first step. `bottom` is the height of the background's lowest
+    /// vertex.
+    pub(crate) fn new(view: &'a StepView<'a, D>, index: usize, bottom: f64) -> Option<Self> {
+        let step = view.report?;
+        let (body, now) = (&view.setup.bodies[index], &view.state.bodies[index]);
+        let positions = now.positions(body.reference());
+        let (centre, centre_velocity) = match &step.bodies[index].balance {
+            Some(balance) => (balance.centre_of_mass, balance.momentum / balance.mass),
+            None => {
+                let centre = Placed::new(body.surface(), &positions).enclosed().centre;
+                let located = body.locator(now, view.state.time)(&centre);
+                (centre, located.map_or(Vector::repeat(f64::NAN), |body| body.velocity))
+            }
         };
-        if let Some(balance) = &body.balance {
-            measures.centre_y = balance.centre_of_mass[vertical];
-            measures.centre_velocity = balance.momentum[vertical] / balance.mass;
-            measures.centre_x = balance.centre_of_mass[0];
-            measures.centre_velocity_x = balance.momentum[0] / balance.mass;
-            measures.energy_kinetic = balance.kinetic_energy;
-            measures.energy_elastic = balance.elastic_energy;
-            measures.energy_gravity = balance.potential_energy;
-        }
-        if let BodyKind::Prescribed(prescribed) = &view.setup.bodies[index].kind {
-            let positions = view.state.bodies[index].positions(&prescribed.reference);
-            let (_, centre) = enclosed(&Placed::new(&prescribed.boundary, &positions));
-            measures.centre_y = centre[vertical];
-            let velocity = (prescribed.velocity)(&centre, [view.state.time; 2]);
-            measures.centre_velocity = velocity[vertical];
-            (measures.centre_x, measures.centre_velocity_x) = (centre[0], velocity[0]);
-        }
-        let now = &view.state.bodies[index];
-        let reference = view.setup.bodies[index].reference();
-        (measures.angle, measures.angular_velocity) = turn(reference, &now.positions(reference), &now.velocity);
-        for (contact, found) in view.setup.contacts.iter().zip(&report.contacts) {
-            if contact.body.index() == index {
-                measures.d_min = found.minimum_gap.map_or(measures.d_min, |gap| gap.min(measures.d_min));
-                measures.contact_force_x += found.force[0];
-                measures.contact_force += found.force[vertical];
-                measures.contact_power += found.power;
-                measures.max_penetration = measures.max_penetration.max(found.largest_penetration);
-                measures.active_points += found.n_active;
-                measures.energy_contact += found.stored_energy;
+        let mut contact_force = Vector::zeros();
+        for (contact, found) in view.setup.contacts.iter().zip(&step.contacts) {
+            if contact.body().index() == index {
+                contact_force += found.force;
             }
-            if let ContactObstacle::Body { body: master, .. } = &contact.obstacle
-                && master.index() == index
-            {
-                measures.contact_force_x -= found.force[0];
-                measures.contact_force -= found.force[vertical];
+            if contact.master().is_some_and(|master| master.index() == index) {
+                contact_force -= found.force;
             }
         }
-        if measures.d_min.is_infinite() {
-            measures.d_min = lowest - bottom;
-        }
-        measures.d_max = measures.d_min + body_height;
-        Some(measures)
+        Some(Self {
+            distance: distance(view, index, bottom)?,
+            rotation: rotation(body.reference(), &positions, now.velocity()),
+            fluid: FluidForce::new(view, step, index),
+            view,
+            step,
+            index,
+            positions,
+            centre,
+            centre_velocity,
+            contact_force,
+        })
+    }
+
+    /// The report of the step on the body.
+    pub(crate) fn body(&self) -> &'a BodyReport<D> {
+        &self.step.bodies[self.index]
+    }
+
+    /// Vertical extent.
+    pub(crate) fn height(&self) -> f64 {
+        self.body().highest - self.body().lowest.1[D - 1]
+    }
+
+    /// The contacts in which the body is the slave.
+    pub(crate) fn contacts(&self) -> impl Iterator<Item = &'a ContactReport<D>> {
+        let contacts = self.view.setup.contacts.iter().zip(&self.step.contacts);
+        contacts.filter(|(contact, _)| contact.body().index() == self.index).map(|(_, found)| found)
+    }
+
+    /// Largest violation of the offset of a contact.
+    pub(crate) fn penetration(&self) -> f64 {
+        self.contacts().map(|contact| contact.largest_penetration).fold(0.0, f64::max)
+    }
+
+    /// Quadrature points in contact.
+    pub(crate) fn active_points(&self) -> usize {
+        self.contacts().map(|contact| contact.n_active).sum()
+    }
+
+    /// Volume of the body (2D: area).
+    pub(crate) fn volume(&self) -> f64 {
+        Placed::new(self.view.setup.bodies[self.index].surface(), &self.positions).enclosed().volume
+    }
+
+    /// Power of the fluid on the body: the mean traction on each piece of the interface times the velocity of the body in
+    /// the middle of the piece.
+    pub(crate) fn fluid_power(&self) -> f64 {
+        let (Some(fluid), Some(report)) = (&self.view.state.fluid, &self.step.fluid) else { return 0.0 };
+        let boundary = self.view.setup.bodies[self.index].surface();
+        let velocities = self.view.state.bodies[self.index].velocity();
+        let pieces = fluid.cut.interface().iter().zip(&report.tractions);
+        let of_body = pieces.filter(|(piece, _)| piece.body.index() == self.index);
+        let power = of_body.map(|(piece, traction)| {
+            let share = |vertex: usize| (0..D).map(|k| piece.barycentric[k][vertex]).sum::<f64>() / D as f64;
+            let vertices = boundary.facet(piece.facet).iter().enumerate();
+            let velocity = vertices.map(|(k, v)| velocities[v.index()] * share(k)).sum::<Point<D>>();
+            piece.measure * traction.total().dot(&velocity)
+        });
+        power.sum()
     }
 }
 
-/// Angle by which points are turned about their mean in the plane of the first two axes, that of the rotation nearest to their motion,
-/// and their angular velocity there.
-fn turn<const D: usize>(reference: &[Point<D>], now: &[Point<D>], velocity: &[Vector<D>]) -> (f64, f64) {
+/// Force and torque of the fluid on a body in a step: sums over the pieces of the interface, on the geometry on which the
+/// step was integrated.
+pub(crate) struct FluidForce<const D: usize> {
+    /// Integral of the mortar's traction, `∫ T^f n + γ_Σ μ/h (u - v)`: the force in the discrete equations, equal to the
+    /// residual of the fluid's equations tested with a rigid motion.
+    pub(crate) total: Vector<D>,
+    /// Integral of the fluid's traction `T^f n` alone; the difference to `total` vanishes under refinement.
+    pub(crate) traction: Vector<D>,
+    /// Torque of the mortar's traction about the centre of the enclosed volume; in 2D only the third component is not
+    /// zero.
+    pub(crate) torque: [f64; 3],
+}
+
+impl<const D: usize> FluidForce<D> {
+    fn new(view: &StepView<'_, D>, step: &StepReport<D>, index: usize) -> Self {
+        let mut force = Self { total: Vector::zeros(), traction: Vector::zeros(), torque: [0.0; 3] };
+        let (Some(fluid), Some(report)) = (&view.state.fluid, &step.fluid) else { return force };
+        let centre = Placed::new(view.setup.bodies[index].surface(), &fluid.positions[index]).enclosed().centre;
+        let pieces = fluid.cut.interface().iter().zip(&report.tractions);
+        for (piece, traction) in pieces.filter(|(piece, _)| piece.body.index() == index) {
+            force.total += traction.total() * piece.measure;
+            force.traction += traction.fluid * piece.measure;
+            for (sum, moment) in force.torque.iter_mut().zip(traction.moment(&centre)) {
+                *sum += moment * piece.measure;
+            }
+        }
+        force
+    }
+}
+
+/// Smallest gap of a body to its obstacles; without a contact, height of its lowest vertex above `bottom`. `None` before
+/// the first step.
+pub fn distance<const D: usize>(view: &StepView<'_, D>, index: usize, bottom: f64) -> Option<f64> {
+    let report = view.report?;
+    let contacts = view.setup.contacts.iter().zip(&report.contacts);
+    let gaps = contacts.filter(|(c, _)| c.body().index() == index).filter_map(|(_, found)| found.minimum_gap);
+    Some(gaps.reduce(f64::min).unwrap_or_else(|| report.bodies[index].lowest.1[D - 1] - bottom))
+}
+
+/// The leading body, of which summaries and progress report distance and contact: the slave of the first contact, else the
+/// first body that forces move, else the first body.
+pub fn leading_body<const D: usize>(setup: &Setup<D>) -> Option<usize> {
+    let slave = setup.contacts.first().map(|contact| contact.body().index());
+    let movable = || setup.bodies.iter().position(|body| body.is_movable());
+    slave.or_else(movable).or((!setup.bodies.is_empty()).then_some(0))
+}
+
+/// Angle and angular velocity of points about their mean in the plane of the first two axes: those of the rotation nearest
+/// to their motion.
+fn rotation<const D: usize>(reference: &[Point<D>], now: &[Point<D>], velocity: &[Vector<D>]) -> [f64; 2] {
     let mean = |points: &[Point<D>]| points.iter().sum::<Point<D>>() / points.len() as f64;
     let (before, after, drift) = (mean(reference), mean(now), mean(velocity));
     let (mut along, mut across, mut swept, mut square) = (0.0, 0.0, 0.0, 0.0);
@@ -141,14 +176,7 @@ fn turn<const D: usize>(reference: &[Point<D>], now: &[Point<D>], velocity: &[Ve
         swept += s[0] * v[1] - s[1] * v[0];
         square += s[0] * s[0] + s[1] * s[1];
     }
-    (across.atan2(along), swept / square)
-}
-
-/// The body that a summary speaks of: the slave of the first contact, else the first body that is moved by forces, else the first body.
-pub(crate) fn leading_body<const D: usize>(setup: &Setup<D>) -> Option<usize> {
-    let slave = setup.contacts.first().map(|contact| contact.body.index());
-    let moved = || setup.bodies.iter().position(|body| !matches!(body.kind, BodyKind::Prescribed(_)));
-    slave.or_else(moved).or((!setup.bodies.is_empty()).then_some(0))
+    [across.atan2(along), swept / square]
 }
 
 #[cfg(test)]
@@ -156,7 +184,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_turn_is_found_with_its_rate() {
+    fn a_rotation_is_found_with_its_rate() {
         let reference = [[0.0, 0.0], [2.0, 0.0], [0.5, 1.0]].map(Point::<2>::from);
         let (angle, rate) = (2.0_f64, -1.5);
         let turned = |x: &Point<2>| {
@@ -164,7 +192,7 @@ mod tests {
         };
         let now = reference.each_ref().map(turned);
         let velocity = now.map(|x| Vector::<2>::new(4.0 - rate * x[1], rate * x[0]));
-        let (found, found_rate) = turn(&reference, &now, &velocity);
+        let [found, found_rate] = rotation(&reference, &now, &velocity);
         assert!((found - angle).abs() < 1e-14 && (found_rate - rate).abs() < 1e-13);
     }
 }

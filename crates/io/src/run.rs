@@ -1,107 +1,73 @@
 //! From a scenario to a directory of results.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Instant;
 
-use algebra::{BlockGaussSeidel, BlockGaussSeidelSettings, BlockSolver, Fill, LaggedSettings, LaggedSolver, Workspace};
-use solver::solid_rigid::modes::n_modes;
-use solver::{Body, BodyKind, Observer, ObserverError, Setup, State, StepView, TimeLoop};
+use solver::body::{Body, BodyState, StepTime};
+use solver::{Observer, ObserverError, State, Step, StepError, StepView, TimeLoop};
 
-use crate::diagnostics::Diagnostics;
-use crate::files::{create_directory, write_whole};
-use crate::history::{History, HistoryTable, column_prefix};
+use crate::Error;
+use crate::files::create_directory;
+use crate::history::History;
 use crate::measures::{BodyMeasures, leading_body};
-use crate::scenario::lower::{Case, CaseVisitor, lower};
-use crate::scenario::schema::{Blocks, BodyBlock, Cip, FluidBlock, Linear, Motion, Output, Preconditioner};
-use crate::scenario::{Scenario, ScenarioFile};
-use crate::summary::{Summary, SummaryBuilder, peak_rss_bytes};
+use crate::scenario::{Case, CaseVisitor, Output, Scenario, ScenarioFile, lower};
+use crate::summary::{Summary, SummaryBuilder, UnitLabels, peak_rss_bytes};
+use crate::vtk::Grid;
+use crate::vtk::bodies::{Shown, bodies_grid};
 use crate::vtk::fluid::fluid_grid;
 use crate::vtk::interface::interface_grid;
-use crate::vtk::rigid::rigid_grid;
 use crate::vtk::series::Series;
-use crate::vtk::solid::solid_grid;
-use crate::{Error, plot};
+use crate::watch::Watch;
 
-/// How to run a scenario.
-pub struct RunOptions<'a> {
-    /// Where results go.
-    pub directory: PathBuf,
-    /// Called after every step.
-    pub progress: Option<&'a mut dyn FnMut(&StepProgress)>,
-}
+/// Series of field files, by the names of their indices.
+const SERIES: [&str; 4] = ["fluid", "solid", "rigid", "interface"];
 
-impl RunOptions<'_> {
-    /// Results into a directory, without progress.
-    pub fn into_directory(directory: impl Into<PathBuf>) -> Self {
-        Self { directory: directory.into(), progress: None }
-    }
-}
-
-/// Where a run stands.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StepProgress {
-    /// Steps done.
-    pub step: usize,
-    /// Steps in all.
-    pub n_steps: usize,
-    /// Time reached.
-    pub time: f64,
-    /// Smallest distance of the leading body.
-    pub d_min: Option<f64>,
-    /// Newton corrections of the step.
-    pub newton_iterations: usize,
-    /// Whether there is contact.
-    pub in_contact: bool,
-}
-
-/// Where results go if the command line names no directory.
+/// The directory of results if the command line names none.
 pub fn default_directory(scenario: &Scenario) -> PathBuf {
-    scenario.output.directory.as_ref().map_or_else(|| Path::new("results").join(&scenario.name), PathBuf::from)
+    scenario.output.directory.as_ref().map_or_else(|| Path::new("results").join(scenario.name.as_str()), PathBuf::from)
 }
 
-/// Runs a scenario and writes `history.csv`, `diagnostics.csv`, `summary.json`, `scenario.toml`, VTK series, pictures and
-/// the frames of an animation, `frames.json`.
+/// Runs a scenario and writes `history.csv`, `diagnostics.csv`, `summary.json`, `scenario.toml` and field files into a
+/// directory. `watch` attaches an observer to the run; `&mut ()` attaches none.
 ///
 /// # Errors
 /// [`Error`]; if a step failed, the files are complete up to the step before it.
-pub fn run(file: &ScenarioFile, options: RunOptions<'_>) -> Result<Summary, Error> {
-    lower(file, Run { file, options })?
+pub fn run(file: &ScenarioFile, directory: &Path, watch: &mut impl Watch) -> Result<Summary, Error> {
+    lower(file, Run { file, directory, watch })?
 }
 
-struct Run<'a, 'p> {
+struct Run<'a, W> {
     file: &'a ScenarioFile,
-    options: RunOptions<'p>,
+    directory: &'a Path,
+    watch: &'a mut W,
 }
 
-impl CaseVisitor for Run<'_, '_> {
+impl<W: Watch> CaseVisitor for Run<'_, W> {
     type Output = Result<Summary, Error>;
 
     fn visit<const D: usize>(self, case: Case<D>) -> Result<Summary, Error> {
-        let directory = &self.options.directory;
-        let scenario = self.file.scenario();
+        let Self { file, directory, watch } = self;
         remove_series(directory)?;
         create_directory(&directory.join("vtk"))?;
-        write_scenario(self.file, directory)?;
-        let mut files = RunFiles::new(scenario, &case, directory)?;
-        let mut progress = Progress { report: self.options.progress, n_steps: case.n_steps, bottom: case.bottom };
-        let state = State::initial(&case.setup)?;
-        let mut time_loop = TimeLoop::new(&case.setup, state, workspace(&scenario.solver.linear));
-        let outcome = time_loop.run(case.n_steps, &mut [&mut files, &mut progress]);
-        if outcome.is_ok() {
-            let clock = Instant::now();
-            files.summary.summary.refactorization_seconds = time_loop.workspace().time_refactorization().ok();
-            files.summary.summary.add_timing("measuring a refactorisation", None, 1, clock.elapsed().as_secs_f64());
+        file.write(directory)?;
+        let mut files = RunFiles::new(file.scenario(), &case, directory)?;
+        let mut observer = watch.observer(&case);
+        let mut observers: Vec<&mut dyn Observer<D>> = vec![&mut files];
+        if let Some(observer) = &mut observer {
+            observers.push(observer.as_mut());
         }
-        let files = files.finish(scenario, &case.setup);
-        // A step that failed says more than a picture that could not be drawn.
+        let state = State::initial(&case.setup)?;
+        let outcome = TimeLoop::new(&case.setup, state, case.workspace).run(case.n_steps, &mut observers);
+        drop(observer);
+        files.write_summary()?;
         outcome?;
-        files
+        Ok(files.summary.summary)
     }
 }
 
-/// Removes series of fields that an older run has left: they would be taken for those of the new one.
+/// Removes series of fields of an earlier run, which would otherwise mix with those of this one.
 fn remove_series(directory: &Path) -> Result<(), Error> {
-    const SERIES: [&str; 4] = ["fluid", "solid", "rigid", "interface"];
     for (folder, ending) in [(directory.to_owned(), "pvd"), (directory.join("vtk"), "vtu")] {
         let Ok(entries) = std::fs::read_dir(&folder) else { continue };
         for path in entries.filter_map(|entry| Some(entry.ok()?.path())) {
@@ -115,120 +81,64 @@ fn remove_series(directory: &Path) -> Result<(), Error> {
     Ok(())
 }
 
-/// Writes the scenario with copies of the tables that it names, so that it can be run again from the directory.
-fn write_scenario(file: &ScenarioFile, directory: &Path) -> Result<(), Error> {
-    let mut scenario = file.scenario().clone();
-    for (body, source) in file.tables() {
-        let table = std::fs::read(&source).map_err(|error| Error::Read { path: source, source: error })?;
-        let body = &mut scenario.bodies[body];
-        let name = format!("motion-{}.csv", body.name);
-        write_whole(&directory.join(&name), &table)?;
-        if let Some(Motion::Table { file, .. }) = &mut body.motion {
-            *file = name;
-        }
-    }
-    write_whole(&directory.join("scenario.toml"), toml::to_string(&scenario)?.as_bytes())
-}
-
-/// Memory with the linear solver of the scenario.
-fn workspace(linear: &Linear) -> Workspace {
-    match linear {
-        Linear::Direct {} => Workspace::new(),
-        Linear::Gmres { preconditioner: Preconditioner::LaggedLu, .. } => {
-            Workspace::with_solver(Box::new(LaggedSolver::new(LaggedSettings::default())))
-        }
-        Linear::Gmres { preconditioner: Preconditioner::BlockGaussSeidel, restart, blocks } => {
-            let mut settings = BlockGaussSeidelSettings::default();
-            if let Some(restart) = restart {
-                settings.restart = *restart;
-            }
-            if let Some(Blocks { fluid, bodies }) = blocks {
-                let fluid = match fluid {
-                    FluidBlock::Lu => BlockSolver::Lu,
-                    FluidBlock::Ilu => BlockSolver::Incomplete(Fill::Pattern),
-                    FluidBlock::Ilut => BlockSolver::Incomplete(Fill::THRESHOLD),
-                };
-                let bodies = match bodies {
-                    BodyBlock::Lu => BlockSolver::Lu,
-                    BodyBlock::Cholesky => BlockSolver::Cholesky,
-                    BodyBlock::Ilu => BlockSolver::Incomplete(Fill::Pattern),
-                    BodyBlock::Ilut => BlockSolver::Incomplete(Fill::THRESHOLD),
-                };
-                settings.solvers = vec![fluid, bodies];
-            }
-            Workspace::with_solver(Box::new(BlockGaussSeidel::new(settings)))
-        }
-    }
-}
-
-/// Writes everything that a run leaves behind.
+/// Writes the files of a run.
 struct RunFiles<const D: usize> {
     directory: PathBuf,
     output: Output,
     n_steps: usize,
     bottom: f64,
-    history: History,
-    diagnostics: Diagnostics,
+    history: History<D>,
     summary: SummaryBuilder,
-    fluid: Series,
-    solid: Series,
-    rigid: Series,
-    interface: Series,
-    moments: plot::Moments<D>,
-    frames: Option<plot::FrameRecorder>,
+    series: [Series; 4],
     begin: Instant,
 }
 
 impl<const D: usize> RunFiles<D> {
     fn new(scenario: &Scenario, case: &Case<D>, directory: &Path) -> Result<Self, Error> {
+        let setup = &case.setup;
+        let leading = leading_body(setup);
+        let contact = setup.contacts.iter().find(|contact| Some(contact.body().index()) == leading);
         let start = Summary {
-            case: scenario.name.clone(),
-            profile: match scenario.fluid.cip {
-                Cip::Paper { .. } => "paper".to_owned(),
-                Cip::Consistent { .. } => "consistent".to_owned(),
-            },
+            case: case.name.clone(),
+            dimension: D,
+            units: UnitLabels::new(&case.units, D),
+            profile: scenario.fluid.as_ref().map_or("", |fluid| fluid.cip.name()).to_owned(),
             half_domain: case.half_domain,
-            dt: case.setup.dt,
-            cells: case.setup.background.n_cells(),
+            dt: setup.dt,
+            cells: setup.fluid.as_ref().map_or(0, |fluid| fluid.background.n_cells()),
+            bodies: setup.bodies.iter().map(|body| body.name().to_owned()).collect(),
+            leading: leading.map(|index| setup.bodies[index].name().to_owned()),
+            contact_offset: contact.map(|contact| contact.form().law.offset()),
             ..Summary::default()
         };
         Ok(Self {
             directory: directory.to_owned(),
-            output: scenario.output.clone(),
+            output: case.output.clone(),
             n_steps: case.n_steps,
             bottom: case.bottom,
-            history: History::create(&directory.join("history.csv"), case.bottom)?,
-            diagnostics: Diagnostics::create(&directory.join("diagnostics.csv"), &case.setup)?,
-            summary: SummaryBuilder::new(start, case.bottom),
-            fluid: Series::new(directory, "fluid"),
-            solid: Series::new(directory, "solid"),
-            rigid: Series::new(directory, "rigid"),
-            interface: Series::new(directory, "interface"),
-            moments: plot::Moments::default(),
-            frames: plot::FrameRecorder::new(&case.setup, case.n_steps).filter(|_| scenario.output.plots),
+            history: History::create(directory, setup)?,
+            summary: SummaryBuilder::new(start),
+            series: SERIES.map(|name| Series::new(directory, name)),
             begin: Instant::now(),
         })
     }
 
     fn write_fields(&mut self, view: &StepView<'_, D>) -> Result<(), Error> {
-        let (step, time, level) = (view.state.step, view.state.time, self.output.compression);
-        let fluid = fluid_grid(&view.setup.background, &view.state.fluid);
-        self.fluid.push(step, time, |path| fluid.write(path, level))?;
-        // Series of what there is: ParaView stumbles over grids without points.
-        let bodies = &view.setup.bodies;
-        if bodies.iter().any(|body| body.elastic().is_some()) {
-            let solid = solid_grid(view.setup, view.state);
-            self.solid.push(step, time, |path| solid.write(path, level))?;
+        let (setup, state) = (view.setup, view.state);
+        // No series without points: ParaView does not read empty grids.
+        let fluid = setup.fluid.as_ref().zip(state.fluid.as_ref());
+        let grids: [Option<Grid>; 4] = [
+            fluid.map(|(setup, fluid)| fluid_grid(&setup.background, fluid)),
+            bodies_grid(setup, state, Shown::Cells),
+            bodies_grid(setup, state, Shown::Surfaces),
+            fluid.filter(|_| !setup.bodies.is_empty()).map(|(_, fluid)| interface_grid(fluid, view.report)),
+        ];
+        for (series, grid) in self.series.iter_mut().zip(grids) {
+            if let Some(grid) = grid {
+                series.push(state.step, state.time, |path| grid.write(path, self.output.compression))?;
+            }
         }
-        if bodies.iter().any(is_rigid) {
-            let rigid = rigid_grid(view.setup, view.state);
-            self.rigid.push(step, time, |path| rigid.write(path, level))?;
-        }
-        if bodies.is_empty() {
-            return Ok(());
-        }
-        let interface = interface_grid(&view.state.fluid, view.report);
-        self.interface.push(step, time, |path| interface.write(path, level))
+        Ok(())
     }
 
     fn write_step(&mut self, view: &StepView<'_, D>) -> Result<(), Error> {
@@ -239,17 +149,11 @@ impl<const D: usize> RunFiles<D> {
         if is_output {
             self.write_fields(view)?;
         }
-        if self.output.plots {
-            self.moments.watch(view, step == self.n_steps);
-        }
-        if let Some(frames) = &mut self.frames {
-            let leading = leading_body(view.setup).and_then(|index| BodyMeasures::new(view, index, self.bottom));
-            frames.watch(view, leading.map(|body| body.d_min));
-        }
         let seconds = clock.elapsed().as_secs_f64();
-        self.summary.add(view, seconds, self.begin.elapsed().as_secs_f64());
-        self.history.write(view, seconds)?;
-        self.diagnostics.write(view)?;
+        let bodies = (0..view.setup.bodies.len()).map(|index| BodyMeasures::new(view, index, self.bottom));
+        let bodies: Vec<_> = bodies.flatten().collect();
+        self.summary.add(view, &bodies, seconds);
+        self.history.write(view, &bodies, seconds)?;
         if is_output || step.is_multiple_of(10) || step == self.n_steps {
             self.write_summary()?;
         }
@@ -257,110 +161,16 @@ impl<const D: usize> RunFiles<D> {
     }
 
     fn write_summary(&mut self) -> Result<(), Error> {
-        self.summary.summary.peak_rss_bytes = peak_rss_bytes();
-        self.summary.summary.write(&self.directory.join("summary.json"))
-    }
-
-    /// Draws the history, the fields at contact, after the rebound and at the deepest contact.
-    fn draw(&self, scenario: &Scenario, setup: &Setup<D>) -> Result<(), Error> {
-        let file = |name: &str| self.directory.join(name);
-        if let Some(leading) = leading_body(setup) {
-            self.draw_histories(scenario, setup, leading)?;
-        }
-        self.draw_fields(setup, leading_body(setup))?;
-        if let Some(frames) = &self.frames {
-            write_whole(&file("frames.json"), serde_json::to_string(frames.frames())?.as_bytes())?;
-        }
-        Ok(())
-    }
-
-    fn draw_histories(&self, scenario: &Scenario, setup: &Setup<D>, leading: usize) -> Result<(), Error> {
-        let file = |name: &str| self.directory.join(name);
-        let table = HistoryTable::read(&file("history.csv"))?;
-        let (prefix, marks) = (column_prefix(setup, leading), &scenario.output.marks);
-        plot::draw_chart(&file("history"), &plot::body_chart(&table, &prefix, marks))?;
-        let offset = scenario.contacts.iter().find(|c| c.body == setup.bodies[leading].name).map(|c| c.offset);
-        if let Some(chart) = plot::contact_chart(&table, &self.summary.summary, &prefix, marks, offset) {
-            plot::draw_chart(&file("contact"), &chart)?;
-        }
-        if let Some(chart) = plot::thickness_chart(&HistoryTable::read(&file("diagnostics.csv"))?, marks) {
-            plot::draw_chart(&file("thickness"), &chart)?;
-        }
-        let bodies = setup.bodies.iter().enumerate().filter(|(_, body)| is_rigid(body));
-        let named: Vec<_> = bodies.map(|(k, body)| (body.name.clone(), column_prefix(setup, k))).collect();
-        if let Some(chart) = plot::force_chart(&table, &named) {
-            plot::draw_chart(&file("forces"), &chart)?;
-        }
-        Ok(())
-    }
-
-    fn draw_fields(&self, setup: &Setup<D>, leading: Option<usize>) -> Result<(), Error> {
-        let file = |name: &str| self.directory.join(name);
-        if let (Some((time, bodies)), Some(leading)) = (&self.moments.deepest, leading) {
-            plot::draw_isolines(&file("displacement"), setup, bodies, &[leading], *time)?;
-        }
-        if let Some(plot::Moment { time, fluid, bodies }) = &self.moments.contact {
-            plot::draw_flow(&file("flow.png"), setup, fluid, *time)?;
-            plot::draw_vorticity(&file("vorticity"), setup, fluid, leading, *time)?;
-            let all: Vec<usize> = (0..setup.bodies.len()).collect();
-            plot::draw_isolines(&file("displacement-contact"), setup, bodies, &all, *time)?;
-        }
-        if let Some(plot::Moment { time, fluid, .. }) = &self.moments.second_contact {
-            plot::draw_vorticity(&file("vorticity-second-contact"), setup, fluid, leading, *time)?;
-        }
-        Ok(())
-    }
-
-    /// Writes the summary and the pictures.
-    fn finish(mut self, scenario: &Scenario, setup: &Setup<D>) -> Result<Summary, Error> {
-        let clock = Instant::now();
-        // Complete before the pictures, whatever becomes of them.
-        self.write_summary()?;
-        if self.output.plots && self.summary.summary.steps > 0 {
-            self.draw(scenario, setup)?;
-        }
-        let seconds = clock.elapsed().as_secs_f64();
-        self.summary.summary.seconds.output += seconds;
-        self.summary.summary.add_timing("output", None, 1, seconds);
-        self.summary.summary.wall_seconds = self.begin.elapsed().as_secs_f64();
-        self.write_summary()?;
-        Ok(self.summary.summary)
+        let summary = &mut self.summary.summary;
+        summary.wall_seconds = self.begin.elapsed().as_secs_f64();
+        summary.peak_rss_bytes = peak_rss_bytes();
+        summary.write(&self.directory.join("summary.json"))
     }
 }
 
 impl<const D: usize> Observer<D> for RunFiles<D> {
     fn after_step(&mut self, view: &StepView<'_, D>) -> Result<(), ObserverError> {
         Ok(self.write_step(view)?)
-    }
-}
-
-/// Whether a body does not deform.
-fn is_rigid<const D: usize>(body: &Body<D>) -> bool {
-    body.elastic().is_none()
-}
-
-/// Tells the caller where the run stands.
-struct Progress<'p> {
-    report: Option<&'p mut dyn FnMut(&StepProgress)>,
-    n_steps: usize,
-    bottom: f64,
-}
-
-impl<const D: usize> Observer<D> for Progress<'_> {
-    fn after_step(&mut self, view: &StepView<'_, D>) -> Result<(), ObserverError> {
-        let (Some(tell), Some(report)) = (self.report.as_mut(), view.report.filter(|_| view.ends_step())) else {
-            return Ok(());
-        };
-        let leading = leading_body(view.setup).and_then(|index| BodyMeasures::new(view, index, self.bottom));
-        tell(&StepProgress {
-            step: view.state.step,
-            n_steps: self.n_steps,
-            time: view.state.time,
-            d_min: leading.map(|body| body.d_min),
-            newton_iterations: report.newton.iterations,
-            in_contact: report.contacts.iter().any(contact::ContactReport::is_active),
-        });
-        Ok(())
     }
 }
 
@@ -393,25 +203,20 @@ pub fn sizes(file: &ScenarioFile) -> Result<Sizes, Error> {
         type Output = Result<Sizes, Error>;
         fn visit<const D: usize>(self, case: Case<D>) -> Result<Sizes, Error> {
             let state = State::initial(&case.setup)?;
-            let size = |body: &Body<D>| match body.elastic() {
-                Some(elastic) => (body.name.clone(), elastic.solid.mesh().n_cells(), body.reference().len()),
-                None => (body.name.clone(), 0, body.reference().len()),
+            let setup = &case.setup;
+            let size = |body: &Arc<dyn Body<D>>, state: &BodyState<D>| {
+                let cells = body.cells(state).map_or(0, |cells| cells.mesh.n_cells());
+                (body.name().to_owned(), cells, body.reference().len())
             };
-            let bodies: Vec<_> = case.setup.bodies.iter().map(size).collect();
-            let is_in_contact = |b: usize| case.setup.contacts.iter().any(|contact| contact.names(b));
-            let of_body = |(b, body): (usize, &Body<D>)| match &body.kind {
-                BodyKind::Elastic(_) => D * body.reference().len(),
-                // Tied vertices, and the body as a whole.
-                BodyKind::Rigid(_) => D * body.reference().len() + n_modes(D),
-                BodyKind::Prescribed(_) if is_in_contact(b) => D * body.reference().len(),
-                BodyKind::Prescribed(_) => 0,
-            };
-            let of_bodies: usize = case.setup.bodies.iter().enumerate().map(of_body).sum();
+            let bodies = setup.bodies.iter().zip(&state.bodies).map(|(body, state)| size(body, state)).collect();
+            let background = setup.fluid.as_ref().map(|fluid| &fluid.background);
+            let time = StepTime { start: 0.0, end: setup.dt, lengths: vec![setup.dt] };
+            let step = Step::prepare(setup, &state, time).map_err(|stage| StepError::at(1, setup.dt, stage))?;
             Ok(Sizes {
-                background_cells: case.setup.background.n_cells(),
-                background_vertices: case.setup.background.n_vertices(),
-                cut_cells: state.fluid.cut.report().n_cut_cells,
-                dofs: (D + 1) * state.fluid.space.len() + of_bodies,
+                background_cells: background.map_or(0, |mesh| mesh.n_cells()),
+                background_vertices: background.map_or(0, |mesh| mesh.n_vertices()),
+                cut_cells: state.fluid.as_ref().map_or(0, |fluid| fluid.cut.report().n_cut_cells),
+                dofs: step.layout.len(),
                 n_steps: case.n_steps,
                 half_domain: case.half_domain,
                 bodies,

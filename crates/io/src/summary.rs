@@ -1,103 +1,117 @@
-//! `summary.json`: what a run comes down to.
+//! `summary.json`: sizes, contacts, checks and times of a run.
 
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
-use solver::{BodyKind, StageSeconds, StepReport, StepView};
+use solver::{StepReport, StepView};
 
 use crate::Error;
 use crate::files::write_whole;
 use crate::measures::{BodyMeasures, leading_body};
+use crate::scenario::{Quantity, Units};
 
 /// A step may raise the energy by this fraction of the largest energy: round-off.
 const ENERGY_TOLERANCE: f64 = 1e-8;
-/// Time over which the first mean acceleration is taken, s.
-const EARLY: f64 = 0.01;
 
-/// What a run comes down to. Distances, velocities and penetrations are those of the leading body: the slave of the
-/// first contact, else the first body that is not moved as it is told, else the first body.
+/// Sizes, contacts, checks and times of a run. Distances, penetrations and contacts are those of the leading body: the
+/// slave of the first contact, else the first body that forces move, else the first body.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
     /// Name of the case.
     pub case: String,
+    /// Dimension of space; in the plane forces, energies and volumes are per unit depth.
+    pub dimension: usize,
+    /// Names of units.
+    pub units: UnitLabels,
     /// Profile of the interior penalty of the velocity.
     pub profile: String,
     /// Whether forces, masses and energies are those of one half of a symmetric problem.
     pub half_domain: bool,
-    /// Time step, s.
+    /// Time step.
     pub dt: f64,
     /// Steps done.
     pub steps: usize,
-    /// Steps that were divided, because Newton's method failed or contact may have been missed; not written if there are none.
+    /// Steps that were divided, because Newton's method failed or contact may have been missed; not written if zero.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub divided_steps: usize,
     /// Cells of the background.
     pub cells: usize,
-    /// Most unknowns of a step.
+    /// Largest number of unknowns of a step.
     pub dofs: usize,
-    /// Most matrix entries of a step.
+    /// Largest number of matrix entries of a step.
     pub nnz: usize,
+    /// Names of the bodies, in the order of the columns of `history.csv`.
+    #[serde(default)]
+    pub bodies: Vec<String>,
+    /// Name of the leading body.
+    #[serde(default)]
+    pub leading: Option<String>,
+    /// Distance at which the first contact of the leading body begins.
+    #[serde(default)]
+    pub contact_offset: Option<f64>,
     /// End of the first step with contact.
     pub contact_time: Option<f64>,
-    /// End of the first later step without.
+    /// End of the first later step without contact.
     pub release_time: Option<f64>,
     /// Begin and end of each contact; no end if it lasts.
     pub contact_intervals: Vec<(f64, Option<f64>)>,
-    /// Largest smallest distance after the first release.
-    pub max_height: Option<f64>,
-    /// When.
-    pub max_height_time: Option<f64>,
     /// Largest violation of the offset.
     pub max_penetration: f64,
-    /// The same over the contact size.
+    /// The same divided by the contact size.
     pub max_penetration_over_s: Option<f64>,
     /// Smallest distance.
     pub min_distance: Option<f64>,
-    /// Vertical velocity of the centre after 10 ms over that time.
-    pub mean_acceleration_10ms: Option<f64>,
-    /// Whether no step raised the sum of all energies by more than 1e-8 of the largest.
+    /// Whether no step raised the sum of all energies by more than 1e-8 of the largest sum.
     pub energy_monotone: bool,
-    /// Largest net flow through the interface over the flow that the bodies displace.
+    /// Largest net flow through the interface divided by the flow that the bodies displace.
     pub max_interface_leak: f64,
     /// Newton corrections.
     pub newton_iterations: usize,
     /// Factorisations.
     pub factorizations: usize,
-    /// Wall-clock time so far.
+    /// Wall-clock time so far, s.
     pub wall_seconds: f64,
-    /// Wall-clock time per stage.
-    pub seconds: SummarySeconds,
-    /// The same in detail: each stage, and within the assembly each contribution.
+    /// Wall-clock time of each stage, and within the assembly of each contribution.
     #[serde(default)]
     pub timings: Vec<Timing>,
-    /// Wall-clock time of one factorisation of the last matrix, measured at the end of the run: the unit that a step is
-    /// measured in.
-    #[serde(default)]
-    pub refactorization_seconds: Option<f64>,
-    /// Largest resident memory of the process, where the system tells.
+    /// Largest resident memory of the process, where the operating system reports it.
     pub peak_rss_bytes: Option<u64>,
-    /// Comparisons with numbers known from elsewhere.
-    pub comparisons: Vec<Comparison>,
 }
 
-#[allow(clippy::trivially_copy_pass_by_ref)] // what serde asks for
+/// Names of the units of a run; those of force, energy, volume and flow are per unit depth in the plane.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[allow(missing_docs)] // each field is the unit of the quantity it names
+pub struct UnitLabels {
+    pub length: String,
+    pub time: String,
+    pub velocity: String,
+    pub acceleration: String,
+    pub force: String,
+    pub energy: String,
+    pub volume: String,
+    /// Volume per time.
+    pub flow: String,
+}
+
+impl UnitLabels {
+    pub(crate) fn new(units: &Units, dimension: usize) -> Self {
+        let volume = |time| Quantity { length: dimension as i8, mass: 0, time };
+        Self {
+            length: units.label(Quantity::LENGTH),
+            time: units.label(Quantity::TIME),
+            velocity: units.label(Quantity::VELOCITY),
+            acceleration: units.label(Quantity::ACCELERATION),
+            force: units.total_label(Quantity::FORCE, dimension),
+            energy: units.total_label(Quantity::ENERGY, dimension),
+            volume: units.label(volume(0)),
+            flow: units.label(volume(-1)),
+        }
+    }
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref)] // the signature that serde requires
 fn is_zero(value: &usize) -> bool {
     *value == 0
-}
-
-/// Wall-clock time per stage.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct SummarySeconds {
-    /// Cutting.
-    pub cut: f64,
-    /// Space, history, shape values.
-    pub space: f64,
-    /// Pattern and assembly.
-    pub assembly: f64,
-    /// Linear solver.
-    pub linear: f64,
-    /// Files.
-    pub output: f64,
 }
 
 /// Wall-clock time of a stage, or of a contribution within a stage.
@@ -107,32 +121,15 @@ pub struct Timing {
     pub stage: String,
     /// The contribution, if this is a part of the stage: `fluid cells`, `interface`, ...
     pub contribution: Option<String>,
-    /// How often.
+    /// Number of calls.
     pub calls: usize,
-    /// All calls together.
+    /// All calls together, s.
     pub seconds: f64,
-}
-
-/// A computed number beside a known one.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Comparison {
-    /// What.
-    pub quantity: String,
-    /// The known number.
-    pub paper: Option<f64>,
-    /// Ours.
-    pub computed: Option<f64>,
-    /// Ours minus the known one.
-    pub deviation: Option<f64>,
-    /// Accepted interval.
-    pub band: Option<[f64; 2]>,
-    /// Whether ours lies in it.
-    pub verdict: String,
 }
 
 impl Summary {
     /// Adds to the time of a stage, or of a contribution within a stage.
-    pub(crate) fn add_timing(&mut self, stage: &str, contribution: Option<&str>, calls: usize, seconds: f64) {
+    fn add_timing(&mut self, stage: &str, contribution: Option<&str>, calls: usize, seconds: f64) {
         let is_it = |timing: &&mut Timing| timing.stage == stage && timing.contribution.as_deref() == contribution;
         if let Some(timing) = self.timings.iter_mut().find(is_it) {
             timing.calls += calls;
@@ -178,11 +175,10 @@ impl Summary {
     }
 }
 
-/// Builds a summary from step to step.
+/// Builds a summary step by step.
 #[derive(Clone, Debug)]
 pub(crate) struct SummaryBuilder {
     pub(crate) summary: Summary,
-    bottom: f64,
     energy: Option<f64>,
     largest_energy: f64,
     largest_rise: f64,
@@ -190,13 +186,18 @@ pub(crate) struct SummaryBuilder {
 }
 
 impl SummaryBuilder {
-    pub(crate) fn new(start: Summary, bottom: f64) -> Self {
+    pub(crate) fn new(start: Summary) -> Self {
         let summary = Summary { energy_monotone: true, ..start };
-        Self { summary, bottom, energy: None, largest_energy: 0.0, largest_rise: 0.0, largest_swept: 0.0 }
+        Self { summary, energy: None, largest_energy: 0.0, largest_rise: 0.0, largest_swept: 0.0 }
     }
 
-    /// Takes in a step.
-    pub(crate) fn add<const D: usize>(&mut self, view: &StepView<'_, D>, seconds_output: f64, wall_seconds: f64) {
+    /// Adds a step, with the measures of all bodies and the wall-clock time that output took.
+    pub(crate) fn add<const D: usize>(
+        &mut self,
+        view: &StepView<'_, D>,
+        bodies: &[BodyMeasures<'_, D>],
+        seconds_output: f64,
+    ) {
         let Some(report) = view.report else {
             self.add_energy(view.state.total_energy(view.setup));
             return;
@@ -208,28 +209,16 @@ impl SummaryBuilder {
         summary.nnz = summary.nnz.max(report.newton.nnz);
         summary.newton_iterations += report.newton.iterations;
         summary.factorizations += report.newton.factorizations;
-        summary.wall_seconds = wall_seconds;
         summary.add_timings(report, seconds_output);
-        let StageSeconds { cut, space, assembly, linear, .. } = report.seconds;
-        let total = &mut summary.seconds;
-        for (sum, seconds) in [
-            (&mut total.cut, cut),
-            (&mut total.space, space),
-            (&mut total.assembly, assembly),
-            (&mut total.linear, linear),
-            (&mut total.output, seconds_output),
-        ] {
-            *sum += seconds;
-        }
-        if report.flow.swept > 0.0 {
-            // A body at rest displaces nothing: it is measured against a hundredth of what it displaced before.
-            self.largest_swept = self.largest_swept.max(report.flow.swept);
-            let leak = report.flow.leak_net.abs() / report.flow.swept.max(1e-2 * self.largest_swept);
+        if let Some(flow) = report.fluid.as_ref().map(|fluid| fluid.flow).filter(|flow| flow.swept > 0.0) {
+            // A body at rest displaces nothing: the leak is divided by at least a hundredth of the largest displaced flow.
+            self.largest_swept = self.largest_swept.max(flow.swept);
+            let leak = flow.leak_net.abs() / flow.swept.max(1e-2 * self.largest_swept);
             summary.max_interface_leak = summary.max_interface_leak.max(leak);
         }
         self.add_energy(report.total_energy());
-        if let Some(body) = leading_body(view.setup) {
-            self.add_body(view, body);
+        if let Some(leading) = leading_body(view.setup) {
+            self.add_body(&bodies[leading]);
         }
     }
 
@@ -241,39 +230,24 @@ impl SummaryBuilder {
         self.summary.energy_monotone = self.largest_rise <= ENERGY_TOLERANCE * self.largest_energy;
     }
 
-    fn add_body<const D: usize>(&mut self, view: &StepView<'_, D>, index: usize) {
-        let Some(body) = BodyMeasures::new(view, index, self.bottom) else { return };
-        let time = view.state.time;
+    fn add_body<const D: usize>(&mut self, body: &BodyMeasures<'_, D>) {
+        let (setup, time) = (body.view.setup, body.view.state.time);
         let summary = &mut self.summary;
-        summary.min_distance = Some(summary.min_distance.map_or(body.d_min, |d| d.min(body.d_min)));
-        summary.max_penetration = summary.max_penetration.max(body.max_penetration);
-        let size = view.setup.contacts.iter().find(|c| c.body.index() == index).map(|c| c.form.element_size());
+        summary.min_distance = Some(summary.min_distance.map_or(body.distance, |d| d.min(body.distance)));
+        summary.max_penetration = summary.max_penetration.max(body.penetration());
+        let size = setup.contacts.iter().find(|c| c.body().index() == body.index).map(|c| c.form().size());
         summary.max_penetration_over_s = size.map(|s| summary.max_penetration / s);
-        if summary.mean_acceleration_10ms.is_none() && time >= EARLY * (1.0 - 1e-9) {
-            // What is prescribed does not fall.
-            let falls = !matches!(view.setup.bodies[index].kind, BodyKind::Prescribed(_));
-            summary.mean_acceleration_10ms = falls.then(|| body.centre_velocity / time);
-        }
-        let lasts = summary.contact_intervals.last().is_some_and(|(_, end)| end.is_none());
-        match (lasts, body.active_points > 0) {
-            (false, true) => summary.contact_intervals.push((time, None)),
-            (true, false) => {
-                if let Some(last) = summary.contact_intervals.last_mut() {
-                    last.1 = Some(time);
-                }
-            }
+        match summary.contact_intervals.last_mut().filter(|(_, end)| end.is_none()) {
+            None if body.active_points() > 0 => summary.contact_intervals.push((time, None)),
+            Some(lasting) if body.active_points() == 0 => lasting.1 = Some(time),
             _ => {}
         }
         summary.contact_time = summary.contact_intervals.first().map(|(begin, _)| *begin);
         summary.release_time = summary.contact_intervals.first().and_then(|(_, end)| *end);
-        if summary.release_time.is_some() && summary.max_height.is_none_or(|height| body.d_min > height) {
-            summary.max_height = Some(body.d_min);
-            summary.max_height_time = Some(time);
-        }
     }
 }
 
-/// Largest resident memory of this process, where `/proc` tells.
+/// Largest resident memory of this process, where `/proc` reports it.
 pub(crate) fn peak_rss_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;

@@ -1,8 +1,8 @@
-//! Every mistake in a scenario file is told with file, line and key, and with what to do.
+//! Errors in scenario files name file, line, key and remedy.
 
 use std::path::{Path, PathBuf};
 
-use io::scenario::{Place, Problem};
+use io::scenario::Location;
 use io::{Error, ScenarioFile, sizes};
 
 const CASE: &str = include_str!("../../../validation/cases/virtual-barrier.toml");
@@ -26,10 +26,10 @@ fn with(from: &str, to: &str) -> (String, usize) {
     (CASE.replacen(from, to, 1), CASE[..at].matches('\n').count() + 1)
 }
 
-fn parts(error: Error) -> (Place, Problem, String) {
+fn parts(error: Error) -> (Location, String) {
     let text = error.to_string();
     let Error::Scenario(error) = error else { panic!("not an error of the scenario: {text}") };
-    (*error.place, error.problem, text)
+    (*error.at, text)
 }
 
 /// Replaces, and expects an error at that line and key whose text contains all the given words.
@@ -41,8 +41,8 @@ fn expect(from: &str, to: &str, key: &str, words: &[&str]) {
 fn expect_at(text: &str, line: usize, key: &str, words: &[&str]) {
     // A change of the size would hide a mistake in it.
     let sets = if key.starts_with("background.size") { &COARSE[1..] } else { &COARSE };
-    let (place, _, message) = parts(error_of(text, sets));
-    assert_eq!((place.line, place.key.as_str(), place.argument), (line, key, None), "{message}");
+    let (at, message) = parts(error_of(text, sets));
+    assert_eq!((at.line, at.key.as_str(), at.argument), (line, key, None), "{message}");
     assert!(message.starts_with(&format!("case.toml:{line}: {key}")), "{message}");
     for word in words {
         assert!(message.contains(word), "`{word}` is not in: {message}");
@@ -80,6 +80,33 @@ fn missing_values() {
 }
 
 #[test]
+fn sections_of_a_fluid_are_given_together() {
+    let without = |sections: &[(&str, &str)]| {
+        let mut text = CASE.to_owned();
+        for (begin, end) in sections {
+            let range = text.find(begin).expect("a section")..text.find(end).expect("the next section");
+            text.replace_range(range, "");
+        }
+        parts(error_of(&text, &[COARSE[1]]))
+    };
+    let (fluid, background, interface) =
+        (("[fluid]", "[background]"), ("[background]", "[[body]]"), ("[interface]", "[[contact]]"));
+    for (sections, missing) in [
+        (vec![background], "background"),
+        (vec![interface], "interface"),
+        (vec![fluid], "fluid"),
+        (vec![fluid, background], "fluid"),
+        (vec![interface, fluid], "fluid"),
+        (vec![background, interface], "background"),
+    ] {
+        let (at, message) = without(&sections);
+        assert_eq!((at.line, at.key.as_str()), (1, ""), "{message}");
+        let expected = format!("`{missing}` is missing");
+        assert!(message.starts_with("case.toml:1: ") && message.contains(&expected), "{message}");
+    }
+}
+
+#[test]
 fn wrong_types() {
     expect("density        = 1.0", "density = \"heavy\"", "fluid.density", &["string \"heavy\"", "a number"]);
     expect("radius = 4.0", "radius = true", "body.0.shape.radius", &["boolean `true`", "a number"]);
@@ -98,8 +125,8 @@ fn numbers_out_of_range() {
     expect("step = 1.0e-3", "step = 7.0e-4", "time.step", &["does not divide", "use step ="]);
     expect("step = 1.0e-3", "step = 1.0e-300", "time.step", &["needs more than", "exponents"]);
     expect("alpha       = 1.0", "alpha = 0.5", "interface.alpha", &["gamma_sigma", "must be 1"]);
-    expect("dimension = 2", "dimension = 4", "dimension", &["2 or 3"]);
-    expect("dimension = 2", "dimension = 3", "dimension", &["not available yet"]);
+    expect("dimension = 2", "dimension = 4", "dimension", &["from 2 to 3"]);
+    expect("min  = [0.0, 0.0]", "min = [0.0, 0.0, 0.0]", "background.min", &["3 components", "dimension = 2 needs 2"]);
     expect("mu = 2.0e6, lambda", "young = 2.0e6, lambda", "body.0.material", &["either mu and lambda or young"]);
     expect("compression = 0", "compression = 12", "output.compression", &["from 0 to 9"]);
 }
@@ -127,16 +154,16 @@ fn blocks_of_a_preconditioner() {
     }
     let fluid = "blocks = { fluid = \"cholesky\", bodies = \"lu\" }";
     expect(lagged, &sweep(fluid), &key("blocks.fluid"), &["unknown value `cholesky`", "ilut"]);
-    expect(lagged, &sweep("blocks = { fluid = \"lu\" }"), "solver.linear", &["`bodies` is missing"]);
+    expect(lagged, &sweep("blocks = { fluid = \"lu\" }"), &key("blocks"), &["`bodies` is missing"]);
     expect(lagged, &sweep("restart = 0"), &key("restart"), &["at least 1"]);
     expect(lagged, "\"lagged-lu\", restart = 30 }", &key("restart"), &["no effect", "lagged-lu"]);
 }
 
 #[test]
 fn unknown_names() {
-    expect("body     = \"ball\"", "body = \"bal\"", "contact.0.body", &["no body `bal`", "did you mean `ball`?"]);
+    expect("body     = \"ball\"", "body = \"bal\"", "contact.0.body", &["unknown body `bal`", "did you mean `ball`?"]);
     let body = "obstacle = { kind = \"body\", name = \"ground\" } #";
-    expect("obstacle = {", body, "contact.0.obstacle.name", &["no body `ground`", "ball"]);
+    expect("obstacle = {", body, "contact.0.obstacle.name", &["unknown body `ground`", "ball"]);
     expect("boundary = { left = \"symmetry\" }", "boundary = { lft = \"symmetry\" }", "body.0.boundary.lft", &["left"]);
     expect("right = \"free\"", "rigth = \"free\"", "background.boundary.rigth", &["did you mean `right`?"]);
 }
@@ -175,15 +202,15 @@ fn bodies_may_stick_out_but_not_be_away() {
 fn names_are_unique_and_plain() {
     let twice = format!("{CASE}{SECOND}").replace("\"block\"", "\"ball\"");
     let line = twice.lines().count() - 4;
-    expect_at(&twice, line, "body.1.name", &["taken"]);
-    expect("name      = \"virtual-barrier\"", "name = \"a/b\"", "name", &["no file name"]);
+    expect_at(&twice, line, "body.1.name", &["the name of another body"]);
+    expect("name      = \"virtual-barrier\"", "name = \"a/b\"", "name", &["not a file name"]);
 }
 
 #[test]
 fn text_that_is_not_toml() {
     let (text, line) = with("step = 1.0e-3", "step = = 1.0e-3");
-    let (place, _, message) = parts(error_of(&text, &[]));
-    assert_eq!(place.line, line, "{message}");
+    let (at, message) = parts(error_of(&text, &[]));
+    assert_eq!(at.line, line, "{message}");
     assert!(message.contains("not valid TOML"), "{message}");
 }
 
@@ -210,17 +237,15 @@ fn changes_from_the_command_line() {
     ];
     let file = ScenarioFile::parse(Path::new("case.toml"), CASE, &strings(&changes)).expect("legal");
     let scenario = file.scenario();
-    assert_eq!((scenario.time.step, scenario.bodies[0].density, file.n_steps()), (5e-4, Some(2.0), 500));
+    assert_eq!(
+        (*scenario.time.step, *scenario.bodies[0].density.clone().expect("given"), file.n_steps()),
+        (5e-4, 2.0, 500)
+    );
     assert_eq!(scenario.output.vtk_every, 3);
     // A section that is not in the file is made.
     let text = CASE.replace("[output]  ", "#").replace("vtk_every   = 10", "#").replace("compression = 0", "#");
-    let text: String = text
-        .lines()
-        .filter(|l| !l.contains("plots ") && !l.contains("marks") && !l.contains("label =") && *l != "]")
-        .collect::<Vec<_>>()
-        .join("\n");
     let file = ScenarioFile::parse(Path::new("case.toml"), &text, &strings(&["output.vtk_every=7"])).expect("legal");
-    assert_eq!((file.scenario().output.vtk_every, file.scenario().output.plots), (7, true));
+    assert_eq!((file.scenario().output.vtk_every, file.scenario().output.compression), (7, 0));
 }
 
 #[test]
@@ -235,8 +260,8 @@ fn mistakes_on_the_command_line_name_the_argument() {
         ("time.step", "", "KEY=VALUE"),
         ("contact.0.obstacle.normal=[0.0, 0.0]", "contact.0.obstacle.normal", "direction"),
     ] {
-        let (place, _, message) = parts(error_of(CASE, &[COARSE[0], COARSE[1], set]));
-        assert_eq!((place.argument.as_deref(), place.key.as_str()), (Some(set), key), "{message}");
+        let (at, message) = parts(error_of(CASE, &[COARSE[0], COARSE[1], set]));
+        assert_eq!((at.argument.as_deref(), at.key.as_str()), (Some(set), key), "{message}");
         assert!(message.starts_with(&format!("--set {set}")) && message.contains(word), "{message}");
     }
 }

@@ -1,6 +1,6 @@
 //! Surfaces from files, cut by boxes of tetrahedra. The scanned ones are found through `CUTWATER_SURFACES`.
 
-// Says what was skipped.
+// Names the skipped test.
 #![allow(clippy::print_stdout)]
 
 #[path = "../../cutcell/tests/identities/mod.rs"]
@@ -11,8 +11,8 @@ use std::path::{Path, PathBuf};
 use cutcell::{CutMesh, OverlayOptions};
 use identities::check_identities;
 use io::surface::Surface;
-use mesh::Point;
 use mesh::generate::structured_box;
+use mesh::{Aabb, Point};
 
 /// File, volume and area: of the triangulated surface, exact to the digits.
 const SURFACES: [(&str, f64, f64); 11] = [
@@ -42,11 +42,7 @@ fn check(surface: &Surface, n: usize, placement: u32) -> Result<(), String> {
     let t = f64::from(placement);
     let turn = mesh::nalgebra::Rotation3::from_euler_angles(1.1 * t, 0.7 * t, 1.9 * t);
     let surface = surface.moved(|x| turn * x);
-    let (mut low, mut high) = (surface.positions()[0], surface.positions()[0]);
-    for x in surface.positions() {
-        low = low.inf(x);
-        high = high.sup(x);
-    }
+    let Aabb { low, high } = Aabb::of_points(surface.positions());
     let margin = (high - low) * (0.1 + 0.03 * (0.37 * t).sin().abs());
     let background =
         structured_box::<3>((low - margin).into(), (high + margin * 1.1).into(), [n; 3]).map_err(|e| e.to_string())?;
@@ -54,7 +50,7 @@ fn check(surface: &Surface, n: usize, placement: u32) -> Result<(), String> {
     let cut = CutMesh::overlay(&background, &[surface.placed()], &OverlayOptions::new()).map_err(|e| e.to_string())?;
     check_identities(&background, &cut);
     let domain = (high - low + margin * 2.1).product();
-    let volume = surface.placed().enclosed_volume();
+    let volume = surface.placed().enclosed().volume;
     let area: f64 = surface.boundary().facets().map(|f| surface.placed().facet_measure(f)).sum();
     let wet: f64 = cut.interface().iter().map(|piece| piece.measure).sum();
     let volume_error = (domain - cut.fluid_volume() - volume).abs() / volume;
@@ -83,7 +79,7 @@ fn scanned_surfaces_keep_their_volume_and_area() {
         let mut surface = Surface::read(&path).expect("a surface");
         let exact: f64 = surface.boundary().facets().map(|f| surface.placed().facet_measure(f)).sum();
         assert!((exact - area).abs() < 1e-9 * area, "{name}: area {exact}, not {area}");
-        let enclosed = surface.placed().enclosed_volume();
+        let enclosed = surface.placed().enclosed().volume;
         assert!((enclosed - volume).abs() < 1e-9 * volume.abs(), "{name}: volume {enclosed}, not {volume}");
         if volume < 0.0 {
             let background = structured_box::<3>([-1.0; 3], [1.0; 3], [1; 3]).expect("a box");
@@ -117,7 +113,7 @@ const TETRAHEDRON: &str =
 #[test]
 fn obj_ascii_and_binary_stl_give_the_same_surface() {
     let obj = Surface::read(&write("tetrahedron.obj", TETRAHEDRON.as_bytes())).expect("an OBJ");
-    assert!((obj.placed().enclosed_volume() - 1.0 / 6.0).abs() < 1e-15);
+    assert!((obj.placed().enclosed().volume - 1.0 / 6.0).abs() < 1e-15);
     assert_eq!(obj.positions().len(), 4);
     let mut ascii = "solid t\n".to_owned();
     let mut binary = vec![b's'; 80];
@@ -136,10 +132,10 @@ fn obj_ascii_and_binary_stl_give_the_same_surface() {
     ascii.push_str("endsolid t\n");
     for path in [write("t.stl", ascii.as_bytes()), write("b.STL", &binary)] {
         let stl = Surface::read(&path).expect("an STL");
-        assert_eq!(stl.placed().enclosed_volume(), obj.placed().enclosed_volume());
+        assert_eq!(stl.placed().enclosed().volume, obj.placed().enclosed().volume);
         assert_eq!((stl.positions().len(), stl.boundary().n_facets()), (4, 4));
     }
-    assert!(obj.flipped().placed().enclosed_volume() < 0.0);
+    assert!(obj.flipped().placed().enclosed().volume < 0.0);
 }
 
 #[test]

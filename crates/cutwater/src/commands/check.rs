@@ -1,5 +1,6 @@
 //! `cutwater check`
 
+use cutwater::io::scenario::Quantity;
 use cutwater::io::{Error, ScenarioFile, Sizes, sizes};
 
 use crate::ScenarioArguments;
@@ -10,10 +11,14 @@ pub(crate) fn check(arguments: &ScenarioArguments) -> Result<(), Error> {
     let scenario = file.scenario();
     let Sizes { background_cells, background_vertices, bodies, cut_cells, dofs, n_steps, half_domain } = sizes(&file)?;
     let half = if half_domain { ", half of a symmetric problem" } else { "" };
-    println!("{}: dimension {}, units cgs{half}", scenario.name, scenario.dimension);
-    println!(
-        "background: {background_cells} cells, {background_vertices} vertices, {cut_cells} cells cut at the start"
-    );
+    let unit = |quantity| scenario.units.label(quantity);
+    let (length, mass, time) = (unit(Quantity::LENGTH), unit(Quantity::MASS), unit(Quantity::TIME));
+    println!("{}: dimension {}, units {length}, {mass}, {time}{half}", *scenario.name, scenario.dimension);
+    if scenario.fluid.is_some() {
+        println!(
+            "background: {background_cells} cells, {background_vertices} vertices, {cut_cells} cells cut at the start"
+        );
+    }
     for (name, cells, vertices) in bodies {
         match cells {
             0 => println!("body {name}: does not deform, {vertices} vertices on its surface"),
@@ -21,6 +26,6 @@ pub(crate) fn check(arguments: &ScenarioArguments) -> Result<(), Error> {
         }
     }
     println!("unknowns in the first step: {dofs}");
-    println!("steps: {n_steps} of {} s, to {} s", scenario.time.step, scenario.time.end);
+    println!("steps: {n_steps} of {} {time}, to {} {time}", *scenario.time.step, scenario.time.end);
     Ok(())
 }

@@ -5,7 +5,7 @@ use cutwater::io::cut::{BackgroundSource, CutSeconds, CutSettings, CutSummary, c
 
 use crate::CutArguments;
 
-/// Cuts a mesh by surfaces and prints what came out.
+/// Cuts a mesh by surfaces and prints the results.
 pub(crate) fn cut(arguments: &CutArguments) -> Result<(), Error> {
     let settings = CutSettings {
         background: match (&arguments.background, arguments.grid) {

@@ -1,28 +1,71 @@
-//! The commands, and how their errors are told.
+//! The commands, and how their errors are shown.
 
 pub(crate) mod check;
 pub(crate) mod cut;
+#[cfg(feature = "report")]
+pub(crate) mod report;
 pub(crate) mod run;
 
-use std::error::Error as _;
 use std::fmt::Write;
 use std::process::ExitCode;
 
 use cutwater::io::Error;
 use cutwater::solver::Stage;
 
-/// 2 for input that cannot be run, 1 for a run that failed.
-pub(crate) fn exit_code(error: &Error) -> ExitCode {
-    match error {
-        Error::Read { .. } | Error::NotUtf8 { .. } | Error::Scenario(_) => ExitCode::from(2),
-        Error::Surface { .. } | Error::MeshFile { .. } | Error::Grid(_) | Error::Cut { .. } => ExitCode::from(2),
-        Error::GridSize { .. } => ExitCode::from(2),
-        _ => ExitCode::FAILURE,
+/// Why a command failed.
+pub(crate) enum Failure {
+    /// Input that cannot be run, or a run that failed.
+    Run(Error),
+    /// The page of a run cannot be written.
+    #[cfg(feature = "report")]
+    Report(cutwater::report::Error),
+}
+
+impl From<Error> for Failure {
+    fn from(error: Error) -> Self {
+        Self::Run(error)
     }
 }
 
-/// An error with its causes, and the history of residuals if Newton's method failed.
-pub(crate) fn explain(error: &Error) -> String {
+#[cfg(feature = "report")]
+impl From<cutwater::report::Error> for Failure {
+    fn from(error: cutwater::report::Error) -> Self {
+        // Where files of a run are missing, the error is that of reading them.
+        if let cutwater::report::Error::Results(error) = error { Self::Run(error) } else { Self::Report(error) }
+    }
+}
+
+impl Failure {
+    /// 2 for input that cannot be run, 1 for a run that failed.
+    pub(crate) fn exit_code(&self) -> ExitCode {
+        match self {
+            Self::Run(
+                Error::Read { .. }
+                | Error::NotUtf8 { .. }
+                | Error::Scenario(_)
+                | Error::Surface { .. }
+                | Error::MeshFile { .. }
+                | Error::Grid(_)
+                | Error::Cut { .. }
+                | Error::GridSize { .. },
+            ) => ExitCode::from(2),
+            _ => ExitCode::FAILURE,
+        }
+    }
+
+    /// The error with its causes, and the history of residuals if Newton's method failed.
+    pub(crate) fn explain(&self) -> String {
+        match self {
+            Self::Run(Error::Step(step)) => chain(step) + &residuals(step),
+            Self::Run(error) => chain(error),
+            #[cfg(feature = "report")]
+            Self::Report(error) => chain(error),
+        }
+    }
+}
+
+/// An error with its causes.
+fn chain(error: &dyn std::error::Error) -> String {
     let mut text = format!("error: {error}");
     let mut cause = error.source();
     while let Some(inner) = cause {
@@ -33,21 +76,24 @@ pub(crate) fn explain(error: &Error) -> String {
         }
         cause = inner.source();
     }
-    if let Error::Step(step) = error
-        && let Stage::Newton(newton) = &step.source
-    {
-        if step.source.asks_for_a_smaller_step() {
-            text += "\n  a step that fails is halved up to `time.most_halvings` times; try a smaller `time.step`, or more \
-                     `solver.newton.max_iterations`";
-        }
-        let report = newton.report();
-        text += "\n  iteration   relative residual   relative correction";
-        for (k, residual) in report.residual_history.iter().enumerate() {
-            let correction = k.checked_sub(1).and_then(|k| report.correction_history.get(k));
-            let correction = correction.map_or_else(|| "-".to_owned(), |c| format!("{c:.3e}"));
-            // Writing to a string cannot fail.
-            let _ = write!(text, "\n  {k:9}   {residual:17.3e}   {correction:>19}");
-        }
+    text
+}
+
+/// Advice and the history of residuals, if Newton's method failed.
+fn residuals(step: &cutwater::solver::StepError) -> String {
+    let Stage::Newton(newton) = &step.source else { return String::new() };
+    let mut text = String::new();
+    if step.source.asks_for_a_smaller_step() {
+        text += "\n  a step that fails is halved up to `time.most_halvings` times; try a smaller `time.step`, or more \
+                 `solver.newton.max_iterations`";
+    }
+    let report = newton.report();
+    text += "\n  iteration   relative residual   relative correction";
+    for (k, residual) in report.residual_history.iter().enumerate() {
+        let correction = k.checked_sub(1).and_then(|k| report.correction_history.get(k));
+        let correction = correction.map_or_else(|| "-".to_owned(), |c| format!("{c:.3e}"));
+        // Writing to a string cannot fail.
+        let _ = write!(text, "\n  {k:9}   {residual:17.3e}   {correction:>19}");
     }
     text
 }

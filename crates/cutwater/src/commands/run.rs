@@ -3,26 +3,37 @@
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
-use cutwater::io::{Error, RunOptions, ScenarioFile, StepProgress, Summary, default_directory, run as run_scenario};
+use cutwater::io::{Error, Progress, ScenarioFile, StepProgress, Summary, default_directory, run as run_scenario};
+#[cfg(feature = "report")]
+use cutwater::report::Recorder;
 use indicatif::{ProgressBar, ProgressStyle};
 
+use super::Failure;
 use crate::RunArguments;
 
 /// Time between two lines where there is no terminal.
 const LINE_EVERY: Duration = Duration::from_secs(5);
 
-/// Runs a scenario, shows its progress and prints what came out.
-pub(crate) fn run(arguments: &RunArguments) -> Result<(), Error> {
+/// Runs a scenario, shows its progress, writes its page and prints a summary.
+pub(crate) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let file = ScenarioFile::read(&arguments.scenario.file, &arguments.scenario.sets)?;
     let directory = arguments.out.clone().unwrap_or_else(|| default_directory(file.scenario()));
     let shown = directory.display().to_string();
-    let mut options = RunOptions::into_directory(directory);
     let mut display = Display::new(file.n_steps());
-    let mut tell = |at: &StepProgress| display.show(at);
-    if !arguments.quiet {
-        options.progress = Some(&mut tell);
-    }
-    let outcome = run_scenario(&file, options);
+    let progress = (!arguments.quiet).then_some(Progress(|at: &StepProgress| display.show(at)));
+    #[cfg(feature = "report")]
+    let outcome = {
+        let mut recorder = (!arguments.no_report).then(Recorder::default);
+        let outcome = run_scenario(&file, &directory, &mut (progress, &mut recorder));
+        // The steps before a failure deserve a page too.
+        if let (Some(recorder), Ok(_) | Err(Error::Step(_))) = (recorder, &outcome) {
+            recorder.write(&directory)?;
+            cutwater::report::write(&directory)?;
+        }
+        outcome
+    };
+    #[cfg(not(feature = "report"))]
+    let outcome = run_scenario(&file, &directory, &mut { progress });
     display.finish();
     let summary = outcome.inspect_err(|error| {
         if let Error::Step(step) = error {
@@ -84,7 +95,12 @@ impl Display {
 fn print_summary(summary: &Summary, directory: &str) {
     println!("{}: {} steps in {:.1} s, results in {directory}", summary.case, summary.steps, summary.wall_seconds);
     let half = if summary.half_domain { " (of a half domain)" } else { "" };
-    println!("  {} cells, up to {} unknowns{half}, profile {}", summary.cells, summary.dofs, summary.profile);
+    // Without a fluid there is neither a background nor a profile.
+    if summary.profile.is_empty() {
+        println!("  up to {} unknowns", summary.dofs);
+    } else {
+        println!("  {} cells, up to {} unknowns{half}, profile {}", summary.cells, summary.dofs, summary.profile);
+    }
     if summary.divided_steps > 0 {
         println!("  {} steps failed and were taken in parts", summary.divided_steps);
     }
@@ -94,13 +110,10 @@ fn print_summary(summary: &Summary, directory: &str) {
     };
     let release = summary.release_time.map_or("none".to_owned(), |t| format!("{t:.4} s"));
     println!("  first contact {contact:.4} s, release {release}");
-    if let (Some(height), Some(time)) = (summary.max_height, summary.max_height_time) {
-        println!("  highest afterwards: d_min {height:.3} cm at {time:.4} s");
-    }
-    println!("  largest penetration {:.3e} cm", summary.max_penetration);
+    println!("  largest penetration {:.3e} {}", summary.max_penetration, summary.units.length);
 }
 
-/// A line per stage; under the assembly a line per contribution, and what is left: zeros, copies, known linear parts.
+/// A line per stage; under the assembly a line per contribution, and the rest: zeros, copies, known linear parts.
 fn print_timings(summary: &Summary) {
     let steps = summary.steps.max(1) as f64;
     let all: f64 = summary.timings.iter().filter(|t| t.contribution.is_none()).map(|t| t.seconds).sum();

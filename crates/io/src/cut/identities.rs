@@ -1,7 +1,9 @@
-//! Identities that a cut keeps for any surfaces, and how far it misses them.
+//! Identities that hold for the cut by any surfaces, and the errors in them.
 
 use cutcell::{CutMesh, FaceLabel, PartId};
-use mesh::{FacetId, MAX_CELL_VERTICES, Point, QuadratureRule, SimplexMesh, SimplexRule, Vector, simplex_measure};
+use mesh::{
+    Aabb, FacetId, MAX_CELL_VERTICES, Point, QuadratureRule, SimplexMesh, SimplexRule, Vector, simplex_measure,
+};
 
 use super::sum::Sum;
 use super::{face_normal, face_points};
@@ -16,19 +18,19 @@ const ON_FACE: f64 = 1e-9;
 pub struct CutErrors {
     /// `|parts + covered - |K|| / |K|`, the largest over all cells `K`.
     pub partition: f64,
-    /// `|∫ n| / area` over the wet interface; what bodies cover of the boundary of the background closes the interface
-    /// where they stick out.
+    /// `|∫ n| / area` over the wet interface; the covered part of the boundary of the background closes the interface
+    /// where bodies stick out.
     pub normals: f64,
     /// `|∫ div F - ∮ F·n| / ∫ div F` over the fluid, the larger for a linear and a quadratic `F`, with
     /// `F_a = r_a` and `F_a = r_a²`, `r` from the lowest corner of the background.
     pub divergence: f64,
-    /// What a fluid part has on a face of its cell, without what it shares there with parts on the other side, over the
-    /// measure of the face; the largest over all faces of all parts. Interface on the face itself is not shared.
+    /// Area of a fluid part on a face of its cell that is not shared with parts on the other side, relative to the measure of
+    /// the face; the largest over all faces of all parts. Interface on the face itself is not shared.
     pub adjacency: f64,
 }
 
 impl CutErrors {
-    /// Refuses what is well above round-off.
+    /// Returns an error if an identity is violated by well more than round-off.
     ///
     /// # Errors
     /// [`crate::Error::Violated`].
@@ -92,7 +94,7 @@ fn normals<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>) -> f64
     relative(sum.norm(), cut.interface().iter().map(|piece| piece.measure).sum())
 }
 
-/// Integrals over the fluid that the divergence theorem speaks of.
+/// Integrals over the fluid in the divergence theorem.
 pub(super) struct Moments<const D: usize> {
     /// Lowest corner of the background.
     origin: Point<D>,
@@ -103,7 +105,7 @@ pub(super) struct Moments<const D: usize> {
 impl<const D: usize> Moments<D> {
     /// Integrates by quadrature of degree two on every part.
     pub(super) fn new(background: &SimplexMesh<D>, cut: &CutMesh<D>) -> Self {
-        let origin = background.vertices().iter().fold(Point::<D>::repeat(f64::INFINITY), |low, x| low.inf(x));
+        let origin = Aabb::of_points(background.vertices()).low;
         let rule = SimplexRule::of_degree(D, 2);
         let mut inside = QuadratureRule::default();
         let first = Sum::of(cut.all_parts().map(|part| {
@@ -139,7 +141,7 @@ impl<const D: usize> Moments<D> {
 }
 
 fn adjacency<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>) -> f64 {
-    // By part and local facet of its cell: what is not shared, and what may be interface.
+    // Unshared area, and area that may be interface, by part and local facet of its cell.
     let mut unshared = vec![[0.0; MAX_CELL_VERTICES]; cut.n_parts()];
     let mut aligned = unshared.clone();
     for part in cut.all_parts() {
@@ -173,7 +175,7 @@ fn adjacency<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>) -> f
     largest
 }
 
-/// Adds what a part has on each face of its cell.
+/// Adds the area of a part on each face of its cell.
 fn add_faces<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>, part: PartId, on_face: &mut [f64]) {
     if cut.is_whole(part) {
         for (sum, &facet) in on_face.iter_mut().zip(background.cell_to_facet(cut.part_cell(part))) {

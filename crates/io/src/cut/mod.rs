@@ -11,13 +11,14 @@
 
 mod background;
 mod identities;
+mod mesh_problem;
 mod placement;
 mod sum;
 mod summary;
 
 use std::path::{Path, PathBuf};
 
-use cutcell::{CutMesh, OverlayOptions, Workspace};
+use cutcell::{CutMesh, Cutter, OverlayOptions};
 use mesh::{BodyId, Placed, SimplexMesh, Vector};
 
 use crate::Error;
@@ -25,14 +26,15 @@ use crate::files::create_directory;
 use crate::surface::Surface;
 use crate::vtk::cut::{body_grid, fluid_grid, interface_grid};
 
-pub use background::{MeshProblem, read_tetrahedra};
+pub use background::read_tetrahedra;
 pub use identities::CutErrors;
+pub use mesh_problem::MeshProblem;
 pub use summary::{CutSeconds, CutSummary};
 
 /// Level of zlib in the field files.
 const COMPRESSION: u32 = 4;
 
-/// What the surfaces are laid over.
+/// The mesh that the surfaces cut.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum BackgroundSource {
     /// A box of this many cubes along each axis, six tetrahedra each, around the surfaces: a tenth of their longest
@@ -73,15 +75,15 @@ pub struct SurfaceCut {
     pub background: SimplexMesh<3>,
     /// The cut.
     pub cut: CutMesh<3>,
-    /// What it comes down to.
+    /// Summary of the cut.
     pub summary: CutSummary,
 }
 
 /// Reads closed surfaces, one body each, and cuts a background by them.
 ///
 /// # Errors
-/// [`Error::Read`], [`Error::Surface`], [`Error::MeshFile`] for files that cannot be understood; [`Error::Grid`] for a
-/// senseless grid; [`Error::Cut`] for surfaces that are empty, open, non-manifold or turned inwards.
+/// [`Error::Read`], [`Error::Surface`], [`Error::MeshFile`] for files that cannot be read; [`Error::Grid`] for an
+/// invalid grid; [`Error::Cut`] for surfaces that are empty, open, non-manifold or turned inwards.
 pub fn cut_files(paths: &[impl AsRef<Path>], settings: &CutSettings) -> Result<SurfaceCut, Error> {
     let refused = |source| Error::Cut { paths: paths.iter().map(|path| path.as_ref().to_owned()).collect(), source };
     let mut surfaces = Vec::with_capacity(paths.len());
@@ -90,7 +92,7 @@ pub fn cut_files(paths: &[impl AsRef<Path>], settings: &CutSettings) -> Result<S
         if surface.boundary().n_facets() == 0 {
             return Err(refused(cutcell::Error::Empty { body: BodyId::new(index) }));
         }
-        let is_inward = settings.flip && surface.placed().enclosed_volume() < 0.0;
+        let is_inward = settings.flip && surface.placed().enclosed().volume < 0.0;
         surfaces.push(if is_inward { surface.flipped() } else { surface });
     }
     if let Some(seed) = settings.rotate {
@@ -104,14 +106,14 @@ pub fn cut_files(paths: &[impl AsRef<Path>], settings: &CutSettings) -> Result<S
         placement::shift(&mut surfaces, seed, placement::cube_size(&background));
     }
     let placed: Vec<Placed<'_, _>> = surfaces.iter().map(Surface::placed).collect();
-    let mut workspace = Workspace::new();
-    let cut = workspace.overlay(&background, &placed, &OverlayOptions::new()).map_err(refused)?;
-    let summary = CutSummary::new(&background, &cut, workspace.times());
+    let mut cutter = Cutter::new();
+    let cut = cutter.overlay(&background, &placed, &OverlayOptions::new()).map_err(refused)?;
+    let summary = CutSummary::new(&background, &cut, cutter.times());
     Ok(SurfaceCut { surfaces, background, cut, summary })
 }
 
 impl SurfaceCut {
-    /// Writes `fluid.vtu` (fluid parts), `body.vtu` (what the bodies cover) and `interface.vtu` (interface pieces) into a
+    /// Writes `fluid.vtu` (fluid parts), `body.vtu` (the covered region) and `interface.vtu` (interface pieces) into a
     /// directory, which is created; see [`crate::vtk::cut`] for the fields.
     ///
     /// # Errors

@@ -2,7 +2,7 @@
 
 use mesh::generate::structured_box;
 use mesh::nalgebra::{Quaternion, UnitQuaternion};
-use mesh::{Point, SimplexMesh};
+use mesh::{Aabb, Point, SimplexMesh};
 
 use crate::Error;
 use crate::surface::Surface;
@@ -18,11 +18,10 @@ pub(super) fn grid_around(surfaces: &[Surface], n: usize) -> Result<SimplexMesh<
     if !(1..=MOST_CUBES).contains(&n) {
         return Err(Error::GridSize { n, most: MOST_CUBES });
     }
-    let (low, high) = bounds(surfaces);
-    let half_edge = (0.5 + MARGIN) * (high - low).amax();
-    let centre = 0.5 * (low + high);
-    structured_box(centre.add_scalar(-half_edge).into(), centre.add_scalar(half_edge).into(), [n; 3])
-        .map_err(Error::Grid)
+    let bounds = bounds(surfaces);
+    let half_edge = (0.5 + MARGIN) * bounds.extent().amax();
+    let Aabb { low, high } = Aabb::of_points([&bounds.centre()]).expanded(half_edge);
+    structured_box(low.into(), high.into(), [n; 3]).map_err(Error::Grid)
 }
 
 /// Edge of the cubes of a mesh that has six tetrahedra in each, and of a mesh with as many cells in the same volume.
@@ -33,8 +32,7 @@ pub(super) fn cube_size(background: &SimplexMesh<3>) -> f64 {
 
 /// Turns the surfaces together about the centre of their box.
 pub(super) fn rotate(surfaces: &mut [Surface], seed: u64) {
-    let (low, high) = bounds(surfaces);
-    let centre = 0.5 * (low + high);
+    let centre = bounds(surfaces).centre();
     let turn = Random(seed).rotation();
     move_all(surfaces, |x| centre + turn * (x - centre));
 }
@@ -52,10 +50,9 @@ fn move_all(surfaces: &mut [Surface], map: impl Fn(&Point<3>) -> Point<3>) {
     }
 }
 
-/// The lowest and the highest coordinates of all vertices.
-fn bounds(surfaces: &[Surface]) -> (Point<3>, Point<3>) {
-    let everything = (Point::repeat(f64::INFINITY), Point::repeat(f64::NEG_INFINITY));
-    surfaces.iter().flat_map(Surface::positions).fold(everything, |(low, high), x| (low.inf(x), high.sup(x)))
+/// Bounding box of all vertices.
+fn bounds(surfaces: &[Surface]) -> Aabb<3> {
+    Aabb::of_points(surfaces.iter().flat_map(Surface::positions))
 }
 
 /// Random numbers that a seed determines: SplitMix64 (Steele, Lea, Flood 2014).

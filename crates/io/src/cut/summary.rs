@@ -1,4 +1,4 @@
-//! What a cut comes down to.
+//! Summary of a cut.
 
 use std::time::Instant;
 
@@ -9,7 +9,7 @@ use super::CutErrors;
 use super::identities::{self, Moments};
 use super::sum::Sum;
 
-/// What a cut comes down to. Lengths are those of the surfaces' files.
+/// Summary of a cut. Lengths are those of the surfaces' files.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "simulation", derive(serde::Serialize, serde::Deserialize))]
 pub struct CutSummary {

@@ -1,73 +1,243 @@
-//! Background mesh and fluid of a scenario.
+//! Background mesh, fluid and mortar of a scenario.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
 
+use cutcell::OverlayOptions;
 use fluid_ns::NewtonianFluid;
 use fluid_ns::terms::CipProfile;
 use mesh::generate::{Size, graded_box, mirrored};
-use mesh::{Point, SimplexMesh, Vector};
-use solver::{FluidBoundary, FluidSetup, TimeField};
+use mesh::{Aabb, Point, SimplexMesh, Tag, Vector};
+use solver::body::TimeField;
+use solver::{FluidBoundary, FluidSetup};
 
-use super::lower::{side_axis, unknown_name, vector};
-use super::problem::{Problem, ScenarioError};
-use super::schema::{self, Background, Cip, Convection, FluidCondition};
-use super::{GivenFluidCondition, InflowProfile, PlainFluidCondition, ScenarioFile};
+use super::error::ScenarioError;
+use super::field::Field;
+use super::geometry::normal_along_axis;
+use super::key::Quantity;
+use super::table::{At, Components, Named, OrTable, choices, keys};
 
-/// The background mesh.
-pub(super) fn background<const D: usize>(file: &ScenarioFile) -> Result<SimplexMesh<D>, ScenarioError> {
-    let Background::GradedBox(graded) = &file.scenario().background;
-    let min: Vector<D> = vector(file, "background.min", &graded.min)?;
-    let max: Vector<D> = vector(file, "background.max", &graded.max)?;
-    let size = match &graded.size {
-        schema::Size::Uniform(h) => Size::uniform(*h),
-        schema::Size::Graded(size) => Size::Graded {
-            fine: size.fine,
-            fine_until: size.fine_until,
-            coarse: size.coarse,
-            coarse_from: size.coarse_from,
-            axis: size.axis.index(),
+keys! {
+    /// The fluid.
+    pub struct Fluid {
+        /// Density.
+        density: f64 [unit(Quantity::DENSITY), positive],
+        /// Dynamic viscosity.
+        viscosity: f64 [unit(Quantity::VISCOSITY), positive],
+        /// Parameter `γ_g` of the ghost penalty.
+        gamma_ghost: f64 [non_negative],
+        /// Parameter `γ_p` of the interior penalty of the pressure.
+        gamma_pressure: f64 [positive],
+        /// Interior penalty of the velocity.
+        cip: Cip,
+        /// Form of the convective term.
+        convection: Convection = "standard",
+        /// Force per volume; none if left out.
+        body_force: Option<Field> [unit(Quantity::FORCE_DENSITY)],
+        /// Velocity at the start; at rest if left out.
+        initial_velocity: Option<Field> [unit(Quantity::VELOCITY)],
+    }
+}
+
+choices! {
+    /// Interior penalty of the velocity.
+    pub enum Cip ["profile"] {
+        /// Weights a face by its measure; calibrated to the results of the paper.
+        Paper = "paper" {
+            /// Parameter `γ_1`.
+            gamma_1: f64 [non_negative],
+        },
+        /// Weights a face by the square of its diameter; vanishes under refinement.
+        Consistent = "consistent" {
+            /// Parameter `γ_u`.
+            gamma_u: f64 [non_negative],
+        },
+    }
+}
+
+impl Cip {
+    /// Returns the name of the profile.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Paper { .. } => "paper",
+            Self::Consistent { .. } => "consistent",
+        }
+    }
+}
+
+choices! {
+    /// Form of the convective term.
+    #[derive(Copy, Eq)]
+    pub enum Convection {
+        /// `ρ (u·∇u, v)`.
+        Standard = "standard",
+        /// `ρ (u·∇u, v) + ρ/2 (∇·u, u·v)`.
+        Skew = "skew",
+        /// No convection: Stokes flow.
+        None = "none",
+    }
+}
+
+keys! {
+    /// Mortar between fluid and bodies.
+    pub struct Interface {
+        /// Penalty parameter `γ_Σ` on the jump of the velocity.
+        gamma_sigma: f64 [positive],
+        /// Weight of the traction of the fluid; must be 1.
+        alpha: At<f64>,
+    }
+}
+
+choices! {
+    /// Background mesh, on which the fluid is discretised.
+    pub enum Background ["kind"] {
+        /// Box with cells of graded size; sides `left`, `right`, `bottom`, `top`, and in 3D `front`, `back`.
+        GradedBox = "graded-box" {
+            /// Lowest corner.
+            min: Components<f64> [unit(Quantity::LENGTH)],
+            /// Highest corner.
+            max: At<Components<f64>> [unit(Quantity::LENGTH)],
+            /// Mean diameter of the cells: a number, or sizes graded along an axis.
+            size: At<OrTable<f64, GradedSize>> [unit(Quantity::LENGTH), positive],
+            /// Whether the mirror image across the left side is added.
+            mirrored: bool = false,
+            /// Condition on each side.
+            boundary: At<Named<FluidCondition>>,
+        },
+    }
+}
+
+keys! {
+    /// Size of cells that is linear in a coordinate between a fine and a coarse region.
+    pub struct GradedSize {
+        /// Size where the coordinate is above `coarse_from`.
+        coarse: f64 [unit(Quantity::LENGTH), positive],
+        /// Size where the coordinate is below `fine_until`.
+        fine: f64 [unit(Quantity::LENGTH), positive],
+        /// Coordinate up to which cells are fine.
+        fine_until: f64 [unit(Quantity::LENGTH)],
+        /// Coordinate from which on cells are coarse.
+        coarse_from: f64 [unit(Quantity::LENGTH)],
+        /// The coordinate.
+        axis: Axis,
+    }
+}
+
+choices! {
+    /// A coordinate axis.
+    #[derive(Copy, Eq)]
+    pub enum Axis {
+        /// First axis.
+        X = "x",
+        /// Second axis.
+        Y = "y",
+        /// Third axis.
+        Z = "z",
+    }
+}
+
+choices! {
+    /// Condition on a part of the boundary of the fluid.
+    pub enum FluidCondition ["kind"] {
+        /// No velocity.
+        NoSlip = "no-slip",
+        /// No velocity across a plane, no traction along it.
+        Symmetry = "symmetry" {
+            /// Normal of the plane; that of the facets if left out.
+            normal: Option<Components<f64>>,
+        },
+        /// No traction; inflow is stabilised.
+        Free = "free",
+        /// Given velocity.
+        Velocity = "velocity" {
+            /// Velocity.
+            value: Field [unit(Quantity::VELOCITY)],
+        },
+        /// Inflow normal to a plane part.
+        Inflow = "inflow" {
+            /// Profile of the velocity.
+            profile: InflowProfile,
+            /// Largest speed.
+            maximum: f64 [unit(Quantity::VELOCITY)],
+            /// Time over which the speed rises smoothly from zero; at once if left out.
+            ramp: Option<f64> [unit(Quantity::TIME), positive],
+        },
+        /// Given traction; inflow is stabilised.
+        Traction = "traction" {
+            /// Force per area on the fluid.
+            value: Field [unit(Quantity::PRESSURE)],
+        },
+        /// Constant pressure outside: the traction `-p n`; inflow is stabilised.
+        Pressure = "pressure" {
+            /// Pressure `p`.
+            value: f64 [unit(Quantity::PRESSURE)],
+        },
+    }
+}
+
+choices! {
+    /// Profile of an inflow.
+    #[derive(Copy, Eq)]
+    pub enum InflowProfile {
+        /// Parabola over the extent of the part along each axis, zero at its ends.
+        Parabolic = "parabolic",
+    }
+}
+
+/// Builds the background mesh.
+fn background<const D: usize>(given: &At<Background>) -> Result<SimplexMesh<D>, ScenarioError> {
+    let Background::GradedBox { min, max, size, mirrored: is_mirrored, .. } = &**given;
+    let field = match &**size {
+        OrTable::Plain(h) => Size::uniform(*h),
+        OrTable::Table(graded) => Size::Graded {
+            fine: graded.fine,
+            fine_until: graded.fine_until,
+            coarse: graded.coarse,
+            coarse_from: graded.coarse_from,
+            axis: graded.axis as usize,
         },
     };
-    let fail = |path: &str, source: mesh::Error| file.error(path, source);
-    let mesh = graded_box::<D>(min.into(), max.into(), &size).map_err(|e| fail(culprit(&e), e))?;
-    if graded.mirrored {
-        return mirrored(&mesh, 0, min[0]).map_err(|e| fail("background.mirrored", e));
-    }
-    Ok(mesh)
+    let min = min.vector::<D>();
+    let box_mesh = graded_box(min.into(), max.vector::<D>().into(), &field).map_err(|error| {
+        let at = match error {
+            mesh::Error::Parameter(parameter) if parameter.what == "side of the box" => &max.at,
+            mesh::Error::Parameter(_) => &size.at,
+            _ => &given.at,
+        };
+        at.error(error)
+    })?;
+    if *is_mirrored { mirrored(&box_mesh, 0, min[0]).map_err(|error| given.at.error(error)) } else { Ok(box_mesh) }
 }
 
-/// The key that an error of the generator is about.
-fn culprit(error: &mesh::Error) -> &'static str {
-    match error {
-        mesh::Error::Generate { what: "side of the box", .. } => "background.max",
-        mesh::Error::Generate { .. } => "background.size",
-        _ => "background",
-    }
-}
-
-/// The fluid with its boundary conditions.
+/// Builds the fluid with its boundary conditions; `times` are the start and the end of the run.
 pub(super) fn fluid<const D: usize>(
-    file: &ScenarioFile,
-    background: &SimplexMesh<D>,
+    fluid: &Fluid,
+    interface: &Interface,
+    given: &At<Background>,
+    times: [f64; 2],
 ) -> Result<FluidSetup<D>, ScenarioError> {
-    let fluid = &file.scenario().fluid;
-    let Background::GradedBox(graded) = &file.scenario().background;
+    let background = background::<D>(given)?;
+    let Background::GradedBox { boundary: conditions, .. } = &**given;
     let sides = background.tag_names();
-    if let Some(name) = graded.boundary.keys().find(|name| !sides.contains(name)) {
-        return Err(unknown_name(file, &format!("background.boundary.{name}"), "side", name, sides));
+    if let Some((name, condition)) = conditions.0.iter().find(|(name, _)| !sides.contains(name)) {
+        return Err(condition.at.unknown("side", name, sides.iter().map(String::as_str)));
     }
     let mut boundary = Vec::new();
-    for side in sides {
-        let missing = || file.error("background.boundary", Problem::Missing { key: side.clone() });
-        let condition = graded.boundary.get(side).ok_or_else(missing)?;
-        let tag = background.tag(side).ok_or_else(missing)?;
-        boundary.push((tag, fluid_boundary(file, background, side, condition)?));
+    for (index, side) in sides.iter().enumerate() {
+        let found = conditions.0.iter().find(|(name, _)| name == side);
+        let missing = || conditions.at.invalid(format!("the condition on side `{side}` is missing; add it"));
+        let (_, condition) = found.ok_or_else(missing)?;
+        let tag = Tag::new(index);
+        boundary.push((tag, fluid_boundary(&background, tag, condition, times)?));
     }
-    let constant = |path: &str, values: &Option<Vec<f64>>| -> Result<Option<Vector<D>>, ScenarioError> {
-        values.as_ref().map(|v| vector(file, path, v)).transpose()
-    };
+    let points = background.vertices();
+    let body_force = fluid.body_force.as_ref().map(|force| force.over_time(points, &times)).transpose()?;
+    let initial_velocity = fluid.initial_velocity.as_ref().map(|velocity| velocity.at_start(points)).transpose()?;
     Ok(FluidSetup {
+        background,
+        // The surfaces of meshes are simple; during a run an elastic body may fold onto itself.
+        overlay: OverlayOptions::new().without_self_intersection_check(),
+        gamma_sigma: interface.gamma_sigma,
         material: NewtonianFluid { density: fluid.density, viscosity: fluid.viscosity },
         cip: match fluid.cip {
             Cip::Paper { gamma_1 } => CipProfile::Paper { gamma_1 },
@@ -80,58 +250,60 @@ pub(super) fn fluid<const D: usize>(
             Convection::Skew => Some(true),
             Convection::None => None,
         },
-        body_force: constant("fluid.body_force", &fluid.body_force)?.map(|f| Arc::new(move |_: &Point<D>, _| f) as _),
-        initial_velocity: constant("fluid.initial_velocity", &fluid.initial_velocity)?
-            .map(|u| Arc::new(move |_: &Point<D>| u) as _),
+        body_force,
+        initial_velocity,
         boundary,
     })
 }
 
-/// What holds on one side.
+/// Returns the vertices of the facets with a tag.
+fn tagged_vertices<const D: usize>(mesh: &SimplexMesh<D>, tag: Tag) -> Vec<Point<D>> {
+    let facets = mesh.facets().filter(|facet| mesh.facet_tag(*facet) == Some(tag));
+    facets.flat_map(|facet| mesh.facet(facet)).map(|vertex| mesh.vertex(*vertex)).collect()
+}
+
+/// Builds the condition on one part of the boundary.
 fn fluid_boundary<const D: usize>(
-    file: &ScenarioFile,
     background: &SimplexMesh<D>,
-    side: &str,
-    condition: &FluidCondition,
+    tag: Tag,
+    condition: &At<FluidCondition>,
+    times: [f64; 2],
 ) -> Result<FluidBoundary<D>, ScenarioError> {
-    let path = format!("background.boundary.{side}");
-    let axis = side_axis::<D>(side).unwrap_or_default();
-    Ok(match condition {
-        FluidCondition::Plain(PlainFluidCondition::NoSlip) => FluidBoundary::NoSlip,
-        FluidCondition::Plain(PlainFluidCondition::Symmetry) => FluidBoundary::Symmetry { axis },
-        FluidCondition::Plain(PlainFluidCondition::Free) => FluidBoundary::Open { traction: None, backflow: true },
-        FluidCondition::Given(GivenFluidCondition::Velocity { value }) => {
-            let u: Vector<D> = vector(file, &format!("{path}.value"), value)?;
-            FluidBoundary::Velocity(Arc::new(move |_, _| u))
+    let points = || tagged_vertices(background, tag);
+    Ok(match &**condition {
+        FluidCondition::NoSlip => FluidBoundary::NoSlip,
+        FluidCondition::Symmetry { normal } => {
+            let (axis, _) = normal_along_axis(&condition.at, background, tag, normal.as_ref())?;
+            FluidBoundary::Symmetry { axis }
         }
-        FluidCondition::Given(GivenFluidCondition::Inflow { profile, maximum, ramp }) => {
-            FluidBoundary::Velocity(inflow(background, side, axis, *profile, *maximum, *ramp))
+        FluidCondition::Free => FluidBoundary::Open { traction: None, backflow: true },
+        FluidCondition::Velocity { value } => FluidBoundary::Velocity(value.over_time(&points(), &times)?),
+        FluidCondition::Inflow { profile: InflowProfile::Parabolic, maximum, ramp } => {
+            let (axis, normal) = normal_along_axis(&condition.at, background, tag, None)?;
+            FluidBoundary::Velocity(parabolic_inflow(&points(), axis, -normal[axis], *maximum, *ramp))
         }
-        FluidCondition::Given(GivenFluidCondition::Traction { value }) => {
-            let t: Vector<D> = vector(file, &format!("{path}.value"), value)?;
-            FluidBoundary::Open { traction: Some(Arc::new(move |_, _, _| t)), backflow: true }
+        FluidCondition::Traction { value } => {
+            let value = value.over_time(&points(), &times)?;
+            FluidBoundary::Open { traction: Some(Arc::new(move |x, _, t| value(x, t))), backflow: true }
         }
-        FluidCondition::Given(GivenFluidCondition::Pressure { value }) => {
+        FluidCondition::Pressure { value } => {
             let p = *value;
             FluidBoundary::Open { traction: Some(Arc::new(move |_, n: &Vector<D>, _| n * -p)), backflow: true }
         }
     })
 }
 
-/// Inflow normal to a side, zero at the ends of its extent, rising as `(1 - cos(π t/ramp))/2`.
-fn inflow<const D: usize>(
-    background: &SimplexMesh<D>,
-    side: &str,
+/// Returns the inflow along an axis that is zero at the ends of the extent of the points and rises as
+/// `(1 - cos(π t/ramp))/2`.
+fn parabolic_inflow<const D: usize>(
+    points: &[Point<D>],
     axis: usize,
-    profile: InflowProfile,
+    inward: f64,
     maximum: f64,
     ramp: Option<f64>,
 ) -> TimeField<D> {
-    let corner = background.vertices()[0];
-    let (low, high) = background.vertices().iter().fold((corner, corner), |(a, b), x| (a.inf(x), b.sup(x)));
-    let inward = if matches!(side, "left" | "bottom" | "front") { 1.0 } else { -1.0 };
+    let Aabb { low, high } = Aabb::of_points(points);
     Arc::new(move |x, t| {
-        let InflowProfile::Parabolic = profile;
         let across = (0..D).filter(|k| *k != axis).map(|k| {
             let s = (x[k] - low[k]) / (high[k] - low[k]);
             4.0 * s * (1.0 - s)
@@ -141,4 +313,22 @@ fn inflow<const D: usize>(
         u[axis] = inward * maximum * rise * across.product::<f64>();
         u
     })
+}
+
+impl Interface {
+    /// Checks the weight of the traction of the fluid, the only one that is implemented; `need` is the least stable
+    /// `γ_Σ μ^f` with another weight.
+    pub(super) fn check(&self, viscosity: f64, need: f64) -> Result<(), ScenarioError> {
+        let alpha = *self.alpha;
+        if alpha == 1.0 {
+            return Ok(());
+        }
+        let have = self.gamma_sigma * viscosity;
+        let message = format!(
+            "this is {alpha}, but must be 1: with a share of the traction of the solid the mortar is stable only if \
+             gamma_sigma * viscosity ({have:e}) exceeds about step * (2 mu + lambda) ({need:e}), and its adjoint is not \
+             implemented"
+        );
+        Err(self.alpha.at.invalid(message))
+    }
 }

@@ -1,5 +1,7 @@
 //! Triangulated surfaces from files: STL (ASCII and binary) and OBJ.
 
+mod coordinates;
+mod malformed;
 mod obj;
 mod stl;
 
@@ -9,6 +11,7 @@ use std::path::Path;
 use mesh::{BoundaryMesh, Placed, Point, VertexId};
 
 use crate::Error;
+pub use malformed::{Malformed, Place};
 
 /// A surface without a volume mesh: vertices and oriented triangles.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,7 +27,7 @@ impl Surface {
     /// two equal vertices are left out. Whether the surface is closed is for `cutcell` to say.
     ///
     /// # Errors
-    /// [`Error::Read`], [`Error::Surface`] with the line (or byte) and what is wrong there.
+    /// [`Error::Read`], [`Error::Surface`] with the line (or byte) and the cause.
     pub fn read(path: &Path) -> Result<Self, Error> {
         let bytes = std::fs::read(path).map_err(|source| Error::Read { path: path.to_owned(), source })?;
         let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
@@ -87,54 +90,4 @@ impl Surface {
     pub fn placed(&self) -> Placed<'_, 3> {
         Placed::new(&self.boundary, &self.positions)
     }
-}
-
-/// Where a surface file is wrong.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
-    /// Its name.
-    Name,
-    /// A line, from 1.
-    Line(usize),
-    /// A byte, from 0.
-    Byte(usize),
-}
-
-impl std::fmt::Display for Place {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Name => f.write_str("name"),
-            Self::Line(line) => write!(f, "line {line}"),
-            Self::Byte(byte) => write!(f, "byte {byte}"),
-        }
-    }
-}
-
-/// What is wrong with a surface file.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{at}: {what}")]
-pub struct Malformed {
-    /// Where.
-    pub at: Place,
-    /// What, and what was expected.
-    pub what: String,
-}
-
-impl Malformed {
-    fn line(line: usize, what: impl Into<String>) -> Self {
-        Self { at: Place::Line(line), what: what.into() }
-    }
-}
-
-/// Three numbers from words of a line.
-fn coordinates<'a>(line: usize, mut words: impl Iterator<Item = &'a str>) -> Result<[f64; 3], Malformed> {
-    let mut x = [0.0_f64; 3];
-    for slot in &mut x {
-        let word = words.next().ok_or_else(|| Malformed::line(line, "a vertex needs three coordinates"))?;
-        *slot = word.parse().map_err(|_| Malformed::line(line, format!("`{word}` is not a number")))?;
-        if !slot.is_finite() {
-            return Err(Malformed::line(line, format!("the coordinate `{word}` is not finite")));
-        }
-    }
-    Ok(x)
 }

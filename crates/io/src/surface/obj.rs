@@ -1,6 +1,7 @@
 //! Wavefront OBJ: vertices and faces; everything else is ignored.
 
-use super::{Malformed, Place, coordinates};
+use super::coordinates::coordinates;
+use super::{Malformed, Place};
 
 /// Corners of all triangles; faces with more corners are fanned.
 pub(super) fn parse(bytes: &[u8]) -> Result<Vec<[[f64; 3]; 3]>, Malformed> {

@@ -1,6 +1,7 @@
 //! STL, ASCII and binary.
 
-use super::{Malformed, Place, coordinates};
+use super::coordinates::coordinates;
+use super::{Malformed, Place};
 
 const HEADER: usize = 80;
 const RECORD: usize = 50;

@@ -1,4 +1,4 @@
-//! A cut mesh: its fluid parts, what the bodies cover, and the interface between them.
+//! A cut mesh: its fluid parts, the region covered by bodies, and the interface between them.
 
 use cutcell::{CellState, CutMesh, Polytope};
 use mesh::{CellId, Point, SimplexMesh};
@@ -29,7 +29,7 @@ pub fn fluid_grid<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>)
     grid
 }
 
-/// What the bodies cover: whole cells, and the convex pieces of cut ones (divided into tetrahedra in 3D).
+/// The region that the bodies cover: whole cells, and the convex pieces of cut ones (divided into tetrahedra in 3D).
 ///
 /// Fields of cells: `cell` of the background, `cut` (1 in cut cells).
 pub fn body_grid<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>) -> Grid {

@@ -103,7 +103,7 @@ impl<const D: usize> FluidOutput<'_, D> {
 }
 
 /// Curl of the velocity on a part; in 2D its third component.
-pub(crate) fn curl<const D: usize>(
+pub fn curl<const D: usize>(
     background: &SimplexMesh<D>,
     fluid: &FluidState<D>,
     part: PartId,
@@ -121,11 +121,9 @@ pub(crate) fn curl<const D: usize>(
     curl
 }
 
-/// The fluid polygons of a cut, as lists of corners with their part; for pictures.
-pub(crate) fn fluid_polygons<const D: usize>(
-    background: &SimplexMesh<D>,
-    cut: &CutMesh<D>,
-) -> Vec<(PartId, Vec<Point<D>>)> {
+/// The polygons of the fluid in the plane: the corners of each uncut cell and of each convex piece of a cut one, with its
+/// part.
+pub fn fluid_polygons<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>) -> Vec<(PartId, Vec<Point<D>>)> {
     let mut polygons = Vec::new();
     for part in cut.all_parts() {
         if cut.is_whole(part) {

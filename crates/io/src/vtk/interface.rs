@@ -14,7 +14,7 @@ pub fn interface_grid<const D: usize>(fluid: &FluidState<D>, report: Option<&Ste
     for (k, piece) in fluid.cut.interface().iter().enumerate() {
         let corners: [u64; 3] = std::array::from_fn(|c| if c < D { grid.push_point(&piece.points[c]) } else { 0 });
         grid.push_cell(simplex_type(D), corners[..D].iter().copied());
-        let traction = report.and_then(|report| report.tractions.get(k));
+        let traction = report.and_then(|report| report.fluid.as_ref()?.tractions.get(k));
         let zero = Vector::zeros();
         total.extend(in_space(&traction.map_or(zero, |t| t.total())));
         of_fluid.extend(in_space(&traction.map_or(zero, |t| t.fluid)));

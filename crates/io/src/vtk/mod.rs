@@ -1,15 +1,13 @@
 //! Field files for ParaView: one `.vtu` per output, and a `.pvd` index over time.
 
+#[cfg(feature = "simulation")]
+pub mod bodies;
 pub mod cut;
 #[cfg(feature = "simulation")]
 pub mod fluid;
 #[cfg(feature = "simulation")]
 pub mod interface;
-#[cfg(feature = "simulation")]
-pub mod rigid;
 pub mod series;
-#[cfg(feature = "simulation")]
-pub mod solid;
 
 use std::path::Path;
 

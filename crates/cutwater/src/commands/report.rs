@@ -1,0 +1,18 @@
+//! `cutwater report`
+
+use cutwater::report::{write, write_picture};
+
+use super::Failure;
+use crate::ReportArguments;
+
+/// Writes the page of a run again, or the run as an animated PNG.
+pub(crate) fn report(arguments: &ReportArguments) -> Result<(), Failure> {
+    match &arguments.picture {
+        Some(path) => {
+            write_picture(&arguments.directory, path)?;
+            println!("{}", path.display());
+        }
+        None => println!("{}", write(&arguments.directory)?.display()),
+    }
+    Ok(())
+}

@@ -1,0 +1,309 @@
+//! Elastic, free and prescribed bodies of a scenario.
+
+use std::sync::Arc;
+
+use algebra::time::{GeneralisedAlpha, ImplicitEuler};
+use mesh::{FacetId, SimplexMesh, Vector};
+use solid_svk::supports::{facets_without_tags, tagged_facets, vertices_of};
+use solid_svk::{
+    ElasticBody, ElasticOptions, LameParameters, Load, SaintVenantKirchhoff, SolidForm, SolidMesh, Support, SupportKind,
+};
+use solver::body::Body as AnyBody;
+use solver::solid_rigid::RigidBody;
+use solver::solid_rigid::modes::n_rotations;
+
+use super::error::{ErrorKind, Location, ScenarioError};
+use super::field::Field;
+use super::geometry::{Geometry, Shape, normal_along_axis};
+use super::key::Quantity;
+use super::motion::{Held, Motion, prescribed};
+use super::solver::Time;
+use super::table::{At, Components, Named, choices, keys};
+
+keys! {
+    /// Body: elastic without a `motion`, rigid with one.
+    pub struct Body {
+        /// Name, for reports, columns and contacts: letters, digits, `-`, `_` and dots.
+        name: At<String>,
+        /// Shape.
+        shape: At<Shape>,
+        /// Motion of a body that does not deform; without one the body is elastic.
+        motion: Option<At<Motion>>,
+        /// Material of an elastic body.
+        material: Option<At<Material>>,
+        /// Density of an elastic or free body.
+        density: Option<At<f64>> [unit(Quantity::DENSITY), positive],
+        /// Acceleration of gravity of an elastic or free body.
+        gravity: Option<At<Components<f64>>> [unit(Quantity::ACCELERATION)],
+        /// Time scheme of an elastic body; `implicit-euler` if left out.
+        time_scheme: Option<At<TimeScheme>>,
+        /// Conditions on tagged parts of the surface of an elastic body; other parts are free.
+        boundary: Option<At<Named<BodyCondition>>>,
+        /// Displacement of an elastic body at the start; none if left out.
+        initial_displacement: Option<Field> [unit(Quantity::LENGTH)],
+        /// Velocity of an elastic or free body at the start; at rest if left out.
+        initial_velocity: Option<Field> [unit(Quantity::VELOCITY)],
+    }
+}
+
+choices! {
+    /// Material of an elastic body.
+    pub enum Material ["kind"] {
+        /// `S = 2 μ E + λ tr(E) I`; with `mu` and `lambda`, or with `young` and `poisson`.
+        SaintVenantKirchhoff = "saint-venant-kirchhoff" {
+            /// Shear modulus `μ`.
+            mu: Option<f64> [unit(Quantity::PRESSURE)],
+            /// First Lamé parameter `λ`.
+            lambda: Option<f64> [unit(Quantity::PRESSURE)],
+            /// Young's modulus.
+            young: Option<f64> [unit(Quantity::PRESSURE)],
+            /// Poisson's ratio.
+            poisson: Option<f64>,
+        },
+    }
+}
+
+choices! {
+    /// Time scheme of an elastic body.
+    pub enum TimeScheme ["kind"] {
+        /// First order, as for the fluid; dissipates all vibrations.
+        ImplicitEuler = "implicit-euler",
+        /// Second order.
+        GeneralisedAlpha = "generalised-alpha" {
+            /// Factor by which a step reduces the fastest vibrations.
+            rho_inf: f64 [between(0.0, 1.0)],
+        },
+    }
+}
+
+choices! {
+    /// Condition on a part of the surface of an elastic body.
+    pub enum BodyCondition ["kind"] {
+        /// No motion across a plane.
+        Symmetry = "symmetry" {
+            /// Normal of the plane; that of the facets if left out.
+            normal: Option<Components<f64>>,
+        },
+        /// No motion.
+        Clamped = "clamped",
+        /// Given displacement.
+        Displacement = "displacement" {
+            /// Displacement.
+            value: Field [unit(Quantity::LENGTH)],
+        },
+        /// Constant load that keeps its direction.
+        Traction = "traction" {
+            /// Force per area of the undeformed surface.
+            value: Components<f64> [unit(Quantity::PRESSURE)],
+        },
+    }
+}
+
+impl Body {
+    /// Returns a required value.
+    fn needed<'v, T>(at: &Location, key: &'static str, value: &'v Option<At<T>>) -> Result<&'v At<T>, ScenarioError> {
+        value.as_ref().ok_or_else(|| at.error(ErrorKind::Missing(key)))
+    }
+
+    /// Checks that the keys belong to the motion of the body.
+    pub(super) fn check(&self, at: &Location) -> Result<(), ScenarioError> {
+        fn place<T>(value: &Option<At<T>>) -> Option<&Location> {
+            value.as_ref().map(|value| &value.at)
+        }
+        let given = [
+            ("material", place(&self.material)),
+            ("density", place(&self.density)),
+            ("gravity", place(&self.gravity)),
+            ("time_scheme", place(&self.time_scheme)),
+            ("boundary", place(&self.boundary)),
+            ("initial_displacement", place(&self.initial_displacement)),
+            ("initial_velocity", place(&self.initial_velocity)),
+        ];
+        let (needed, allowed, with): (&[&str], &[&str], _) = match self.motion.as_deref() {
+            None => (&["material", "density", "gravity"], &given.map(|(key, _)| key), "an elastic body"),
+            Some(Motion::Free { .. }) => {
+                (&["density", "gravity"], &["density", "gravity", "initial_velocity"], "a body that does not deform")
+            }
+            Some(_) => (&[], &[], "a motion that is given"),
+        };
+        for (key, place) in given {
+            match place {
+                None if needed.contains(&key) => return Err(at.error(ErrorKind::Missing(key))),
+                Some(place) if !allowed.contains(&key) => return Err(place.error(ErrorKind::NoEffect(with))),
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns a bound of the stiffness of the material: `2 μ + λ`, or Young's modulus.
+    pub(super) fn stiffness(&self) -> f64 {
+        let Some(Material::SaintVenantKirchhoff { mu, lambda, young, .. }) = self.material.as_deref() else {
+            return 0.0;
+        };
+        mu.zip(*lambda).map_or(young.unwrap_or_default(), |(mu, lambda)| 2.0 * mu + lambda)
+    }
+}
+
+/// Builds a body.
+pub(super) fn body<const D: usize>(given: &At<Body>, time: &Time) -> Result<Built<D>, ScenarioError> {
+    let geometry = Geometry::new(&given.shape)?;
+    let body: Arc<dyn AnyBody<D>> = match (given.motion.as_ref(), geometry) {
+        (None, Geometry::Mesh(mesh)) => return elastic(given, *mesh, time),
+        (None, Geometry::Surface(..)) => {
+            let message =
+                "an elastic body needs a mesh, and this shape is a surface; use another kind, or give a motion";
+            return Err(given.shape.at.invalid(message));
+        }
+        (Some(motion), geometry) => match &**motion {
+            Motion::Free { held, initial_spin } => Arc::new(free(given, geometry, held, initial_spin.as_ref())?),
+            _ => Arc::new(prescribed(&given.name, motion, time, geometry.into_surface())?),
+        },
+    };
+    Ok(Built { contact_facets: body.surface().facets().collect(), body })
+}
+
+/// A body, and the facets of its surface that may come into contact.
+pub(super) struct Built<const D: usize> {
+    pub(super) body: Arc<dyn AnyBody<D>>,
+    pub(super) contact_facets: Vec<FacetId>,
+}
+
+/// Builds an elastic body on a mesh.
+fn elastic<const D: usize>(given: &At<Body>, mesh: SimplexMesh<D>, time: &Time) -> Result<Built<D>, ScenarioError> {
+    let solid = SolidMesh::new(mesh).map_err(|error| given.shape.at.error(error))?;
+    let lame = lame_parameters(Body::needed(&given.at, "material", &given.material)?)?;
+    let density = Body::needed(&given.at, "density", &given.density)?;
+    let gravity = Body::needed(&given.at, "gravity", &given.gravity)?.vector();
+    let form = SolidForm::new(**density, SaintVenantKirchhoff::new(lame), gravity).map_err(|e| density.at.error(e))?;
+    let (supports, loads) = match &given.boundary {
+        Some(conditions) => supports_and_loads(conditions, &solid, time)?,
+        None => Default::default(),
+    };
+    let scheme: Arc<dyn algebra::time::TimeScheme> = match given.time_scheme.as_deref() {
+        Some(TimeScheme::GeneralisedAlpha { rho_inf }) => {
+            let outside = || given.at.invalid("rho_inf must be from 0 to 1".to_owned());
+            Arc::new(GeneralisedAlpha::new(*rho_inf).ok_or_else(outside)?)
+        }
+        Some(TimeScheme::ImplicitEuler) | None => Arc::new(ImplicitEuler),
+    };
+    let at_start =
+        |field: &Option<Field>| field.as_ref().map(|field| field.at_start(solid.mesh().vertices())).transpose();
+    let options = ElasticOptions {
+        scheme,
+        supports,
+        loads,
+        initial_displacement: at_start(&given.initial_displacement)?,
+        initial_velocity: at_start(&given.initial_velocity)?,
+    };
+    let contact_facets = free_facets(given, &solid)?;
+    let body = ElasticBody::new(&given.name, solid, form, options).map_err(|error| given.at.error(error))?;
+    Ok(Built { body: Arc::new(body), contact_facets })
+}
+
+/// Returns the facets that may come into contact: those on no plane of symmetry and not clamped.
+fn free_facets<const D: usize>(given: &At<Body>, solid: &SolidMesh<D>) -> Result<Vec<FacetId>, ScenarioError> {
+    let Some(boundary) = &given.boundary else { return Ok(solid.boundary().facets().collect()) };
+    let is_held =
+        |condition: &BodyCondition| matches!(condition, BodyCondition::Symmetry { .. } | BodyCondition::Clamped);
+    let held = boundary.0.iter().filter(|(_, condition)| is_held(condition));
+    let held: Vec<&str> = held.map(|(name, _)| name.as_str()).collect();
+    facets_without_tags(solid, &held).map_err(|error| boundary.at.error(error))
+}
+
+fn lame_parameters(material: &At<Material>) -> Result<LameParameters, ScenarioError> {
+    let Material::SaintVenantKirchhoff { mu, lambda, young, poisson } = **material;
+    let parameters = match (mu, lambda, young, poisson) {
+        (Some(mu), Some(lambda), None, None) => LameParameters::new(mu, lambda),
+        (None, None, Some(young), Some(poisson)) => LameParameters::from_young_poisson(young, poisson),
+        _ => return Err(material.at.error(ErrorKind::Either("mu and lambda", "young and poisson"))),
+    };
+    parameters.map_err(|error| material.at.error(error))
+}
+
+/// Builds supports and loads from the conditions on parts of the surface.
+fn supports_and_loads<const D: usize>(
+    conditions: &Named<BodyCondition>,
+    solid: &SolidMesh<D>,
+    time: &Time,
+) -> Result<(Vec<Support<D>>, Vec<Load<D>>), ScenarioError> {
+    let mesh = solid.mesh();
+    let mut supports = Vec::new();
+    let mut loads = Vec::new();
+    for (name, condition) in &conditions.0 {
+        let unknown = || condition.at.unknown("part of the surface", name, mesh.tag_names().iter().map(String::as_str));
+        let tag = mesh.tag(name).ok_or_else(unknown)?;
+        let facets = tagged_facets(solid, name).map_err(|_| unknown())?;
+        let vertices = vertices_of(solid, &facets);
+        let kind = match &**condition {
+            BodyCondition::Clamped => SupportKind::Clamped,
+            BodyCondition::Symmetry { normal } => {
+                let (axis, _) = normal_along_axis(&condition.at, mesh, tag, normal.as_ref())?;
+                SupportKind::Symmetry { axis }
+            }
+            BodyCondition::Displacement { value } => {
+                let points: Vec<_> = vertices.iter().map(|vertex| mesh.vertex(*vertex)).collect();
+                let displacement = value.over_time(&points, &[0.0, time.end])?;
+                SupportKind::Displacement(Arc::new(move |x, t| {
+                    let d = displacement(x, t);
+                    std::array::from_fn(|axis| Some(d[axis]))
+                }))
+            }
+            BodyCondition::Traction { value } => {
+                loads.push(Load::traction(facets, value.vector()));
+                continue;
+            }
+        };
+        supports.push(Support { vertices, kind });
+    }
+    // In vertices of two supports the later one counts: a clamp, else a displacement, else a plane of symmetry.
+    supports.sort_by_key(|support| match support.kind {
+        SupportKind::Symmetry { .. } => 0,
+        SupportKind::Displacement(_) => 1,
+        SupportKind::Clamped => 2,
+    });
+    Ok((supports, loads))
+}
+
+/// Builds a free rigid body.
+fn free<const D: usize>(
+    given: &At<Body>,
+    geometry: Geometry<D>,
+    held: &[At<Held>],
+    initial_spin: Option<&At<f64>>,
+) -> Result<RigidBody<D>, ScenarioError> {
+    let density = **Body::needed(&given.at, "density", &given.density)?;
+    let gravity = Body::needed(&given.at, "gravity", &given.gravity)?.vector();
+    let (boundary, reference) = geometry.into_surface();
+    let mut body = RigidBody::new(&given.name, boundary, reference, density, gravity)
+        .map_err(|error| given.shape.at.error(error))?;
+    for motion in held {
+        let axis = match **motion {
+            Held::X => 0,
+            Held::Y => 1,
+            Held::Z => 2,
+            Held::Rotation => {
+                body.holds_rotation = true;
+                continue;
+            }
+        };
+        let no_effect = || motion.at.error(ErrorKind::NoEffect("two dimensions"));
+        *body.held_axes.get_mut(axis).ok_or_else(no_effect)? = true;
+    }
+    let spin = initial_spin.map_or(0.0, |spin| **spin);
+    // The plane of the first two axes: the only rotation in 2D, the last one in 3D.
+    body.initial_spin[n_rotations(D) - 1] = spin;
+    if let Some(velocity) = &given.initial_velocity {
+        let value: Vector<D> = velocity.constant().ok_or_else(|| {
+            velocity.at.invalid("a rigid body has one velocity at the start; give numbers instead of formulas")
+        })?;
+        body.initial_velocity = value;
+        if let Some(axis) = (0..D).find(|axis| body.held_axes[*axis] && value[*axis] != 0.0) {
+            return Err(velocity.at.part(axis).error(ErrorKind::NoEffect("an axis that is held")));
+        }
+    }
+    if let Some(given) = initial_spin.filter(|_| body.holds_rotation && spin != 0.0) {
+        return Err(given.at.error(ErrorKind::NoEffect("a rotation that is held")));
+    }
+    Ok(body)
+}

@@ -1,0 +1,192 @@
+//! From the values of a scenario to a problem of dimension 2 or 3.
+
+use algebra::Workspace;
+use cutcell::{CutMesh, OverlayOptions};
+use mesh::{Aabb, FacetId, Placed, Point};
+use solver::{FluidBoundary, FluidSetup, Setup};
+
+use super::body::{Built, body};
+use super::contact::contact;
+use super::error::{ErrorKind, Location, ScenarioError};
+use super::file::{Output, Scenario, ScenarioFile};
+use super::fluid::fluid;
+use super::motion::{Held, Motion};
+use super::units::Units;
+
+/// A scenario ready to run.
+pub struct Case<const D: usize> {
+    /// Name of the results.
+    pub name: String,
+    /// Units of all numbers.
+    pub units: Units,
+    /// Settings of the output.
+    pub output: Output,
+    /// The problem.
+    pub setup: Setup<D>,
+    /// Memory with the linear solver of the scenario.
+    pub workspace: Workspace,
+    /// Number of steps.
+    pub n_steps: usize,
+    /// Whether a side of the background is a plane of symmetry: forces, masses and energies are those of a half.
+    pub half_domain: bool,
+    /// Lowest last coordinate of the background.
+    pub bottom: f64,
+}
+
+/// Operation on a case of either dimension.
+pub trait CaseVisitor {
+    /// Result.
+    type Output;
+
+    /// Carries out the operation.
+    fn visit<const D: usize>(self, case: Case<D>) -> Self::Output;
+}
+
+/// Builds the case of a scenario and passes it to a visitor.
+///
+/// # Errors
+/// [`ScenarioError`]: names that do not exist, meshes that cannot be generated, bodies that overlap or lie outside.
+pub fn lower<V: CaseVisitor>(file: &ScenarioFile, visitor: V) -> Result<V::Output, ScenarioError> {
+    match file.scenario().dimension {
+        2 => Ok(visitor.visit(case::<2>(file)?)),
+        _ => Ok(visitor.visit(case::<3>(file)?)),
+    }
+}
+
+/// Builds the case of a scenario in dimension `D`.
+///
+/// # Errors
+/// As [`lower`]; another dimension.
+pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioError> {
+    let scenario = file.scenario();
+    let root = file.location();
+    if scenario.dimension != D {
+        return Err(root.invalid(format!("the scenario has dimension {}, not {D}", scenario.dimension)));
+    }
+    let time = &scenario.time;
+    let missing = |key| root.error(ErrorKind::Missing(key));
+    let fluid = match (&scenario.fluid, &scenario.background, &scenario.interface) {
+        (Some(given), Some(background), Some(interface)) => {
+            Some(fluid::<D>(given, interface, background, [0.0, time.end])?)
+        }
+        (Some(_), None, _) => return Err(missing("background")),
+        (Some(_), _, None) => return Err(missing("interface")),
+        (None, None, None) => None,
+        (None, ..) => return Err(missing("fluid")),
+    };
+    let mut built = scenario.bodies.iter().map(|given| body::<D>(given, time)).collect::<Result<Vec<_>, _>>()?;
+    if let Some(fluid) = &fluid {
+        respect_symmetry(scenario, fluid, &mut built)?;
+    }
+    let contacts = scenario.contacts.iter().map(|given| contact(given, &built)).collect::<Result<Vec<_>, _>>()?;
+    let bodies = built.into_iter().map(|built| built.body).collect();
+    let setup = Setup {
+        fluid,
+        bodies,
+        contacts,
+        dt: *time.step,
+        most_halvings: time.most_halvings,
+        newton: scenario.solver.newton.settings(),
+    };
+    let is_symmetry = |(_, condition): &(_, FluidBoundary<D>)| matches!(condition, FluidBoundary::Symmetry { .. });
+    if let Some(fluid) = &setup.fluid {
+        check_placement(scenario, &setup, fluid)?;
+    }
+    let in_fluid = |of: fn(&FluidSetup<D>) -> f64| setup.fluid.as_ref().map_or(0.0, of);
+    Ok(Case {
+        name: scenario.name.to_string(),
+        units: scenario.units.clone(),
+        output: scenario.output.clone(),
+        workspace: scenario.solver.linear.workspace(),
+        n_steps: time.n_steps(),
+        half_domain: setup.fluid.iter().flat_map(|fluid| &fluid.boundary).any(is_symmetry),
+        bottom: in_fluid(|fluid| Aabb::of_points(fluid.background.vertices()).low[D - 1]),
+        setup,
+    })
+}
+
+/// Checks that every body has a vertex in the domain and that no two bodies overlap.
+fn check_placement<const D: usize>(
+    scenario: &Scenario,
+    setup: &Setup<D>,
+    fluid: &FluidSetup<D>,
+) -> Result<(), ScenarioError> {
+    let background = &fluid.background;
+    let at = |k: usize| -> &Location { &scenario.bodies[k].shape.at };
+    let starts = setup.bodies.iter().map(|body| body.start().positions(body.reference()));
+    let positions: Vec<Vec<Point<D>>> = starts.collect();
+    let domain = Aabb::of_points(background.vertices());
+    for (k, (body, positions)) in setup.bodies.iter().zip(&positions).enumerate() {
+        if !positions.iter().any(|x| domain.contains(x)) {
+            let name = body.name();
+            let message = format!("no vertex of body `{name}` lies in the domain; move it, or enlarge the background");
+            return Err(at(k).invalid(message));
+        }
+    }
+    let surfaces = setup.surfaces(&positions);
+    let whole: f64 = background.cells().map(|c| background.cell_volume(c)).sum();
+    let covered = |k: usize, surfaces: &[Placed<'_, D>]| {
+        let cut = CutMesh::overlay(background, surfaces, &OverlayOptions::new());
+        cut.map(|cut| whole - cut.fluid_volume()).map_err(|error| at(k).error(error))
+    };
+    let alone: Vec<f64> =
+        (0..surfaces.len()).map(|k| covered(k, &surfaces[k..=k])).collect::<Result<_, ScenarioError>>()?;
+    for a in 0..surfaces.len() {
+        for b in a + 1..surfaces.len() {
+            if !Aabb::of_points(&positions[a]).overlaps(&Aabb::of_points(&positions[b])) {
+                continue;
+            }
+            let overlap = alone[a] + alone[b] - covered(b, &[surfaces[a], surfaces[b]])?;
+            // Volumes have round-off relative to the whole domain.
+            if overlap > (1e-9 * alone[a].min(alone[b])).max(1e-12 * whole) {
+                let [a, b_name] = [a, b].map(|k| setup.bodies[k].name());
+                return Err(at(b).invalid(format!(
+                    "bodies `{a}` and `{b_name}` overlap at the start by {overlap:.3e} (area or volume); move one of them"
+                )));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Largest distance of a plane of symmetry from a vertex on it, relative to the size of the domain.
+const ON_PLANE: f64 = 1e-9;
+
+/// Removes facets of bodies that do not deform from contacts if they lie on planes of symmetry, and checks that free bodies
+/// are held there.
+fn respect_symmetry<const D: usize>(
+    scenario: &Scenario,
+    fluid: &FluidSetup<D>,
+    built: &mut [Built<D>],
+) -> Result<(), ScenarioError> {
+    let background = &fluid.background;
+    let room = Aabb::of_points(background.vertices()).extent().max() * ON_PLANE;
+    let planes = fluid.boundary.iter().filter_map(|(tag, condition)| {
+        let FluidBoundary::Symmetry { axis } = condition else { return None };
+        let facet = background.facets().find(|facet| background.facet_tag(*facet) == Some(*tag))?;
+        Some((*axis, background.vertex(background.facet(facet)[0])[*axis]))
+    });
+    let planes: Vec<(usize, f64)> = planes.collect();
+    for (given, Built { body, contact_facets }) in scenario.bodies.iter().zip(built) {
+        let Some(motion) = &given.motion else { continue };
+        let positions = body.start().positions(body.reference());
+        let on_plane = |facet: FacetId| {
+            let is_on = |(axis, at): &&(usize, f64)| {
+                body.surface().facet(facet).iter().all(|v| (positions[v.index()][*axis] - at).abs() <= room)
+            };
+            planes.iter().find(is_on)
+        };
+        contact_facets.retain(|facet| on_plane(*facet).is_none());
+        let Motion::Free { held, .. } = &**motion else { continue };
+        let is_held = |what: Held| held.iter().any(|held| **held == what);
+        let is_loose =
+            |(axis, _): &&(usize, f64)| !(is_held([Held::X, Held::Y, Held::Z][*axis]) && is_held(Held::Rotation));
+        if let Some((axis, _)) = body.surface().facets().filter_map(on_plane).find(is_loose) {
+            let (name, axis) = (body.name(), ["x", "y", "z"][*axis]);
+            return Err(motion.at.invalid(format!(
+                "body `{name}` stands on a plane of symmetry, so it must not leave it: add held = [\"{axis}\", \"rotation\"]"
+            )));
+        }
+    }
+    Ok(())
+}

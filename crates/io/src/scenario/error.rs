@@ -1,0 +1,198 @@
+//! Errors in a scenario, with their place.
+
+use std::fmt;
+use std::path::PathBuf;
+
+use super::formula::FormulaError;
+use super::motion_table::TableError;
+
+/// Place of a key or value: the file and line, or the command-line argument that set the value, and the path of the key.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Location {
+    /// Scenario file.
+    pub file: PathBuf,
+    /// Line, from 1.
+    pub line: usize,
+    /// Argument of `--set`, if the value came from there.
+    pub argument: Option<String>,
+    /// Path of the key, such as `body.0.shape.radius`; empty for the file as a whole.
+    pub key: String,
+}
+
+impl Location {
+    /// Returns an error at this location.
+    pub(super) fn error(&self, kind: impl Into<ErrorKind>) -> ScenarioError {
+        ScenarioError { at: Box::new(self.clone()), kind: kind.into() }
+    }
+
+    /// Returns an error without a kind of its own; the message states what is wrong and the remedy.
+    pub(super) fn invalid(&self, message: impl Into<String>) -> ScenarioError {
+        self.error(ErrorKind::Invalid(message.into()))
+    }
+
+    /// Returns an error about a name that is not among the known ones.
+    pub(super) fn unknown<'k>(
+        &self,
+        what: &'static str,
+        found: &str,
+        known: impl IntoIterator<Item = &'k str>,
+    ) -> ScenarioError {
+        let known: Vec<&str> = known.into_iter().collect();
+        let nearest = nearest(found, known.iter().copied());
+        let known = known.join(", ");
+        self.error(ErrorKind::Unknown { what, found: found.to_owned(), nearest, known })
+    }
+
+    /// Returns the location of a part, on the same line.
+    pub(super) fn part(&self, key: impl fmt::Display) -> Self {
+        Self { key: format!("{}.{key}", self.key), ..self.clone() }
+    }
+}
+
+impl fmt::Display for Location {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.argument {
+            Some(argument) => write!(f, "--set {argument}")?,
+            None => write!(f, "{}:{}", self.file.display(), self.line)?,
+        }
+        if self.key.is_empty() { Ok(()) } else { write!(f, ": {}", self.key) }
+    }
+}
+
+/// Error of a scenario that cannot be run.
+#[derive(Debug, thiserror::Error)]
+#[error("{at}: {kind}")]
+pub struct ScenarioError {
+    /// Location.
+    pub at: Box<Location>,
+    /// Cause and remedy.
+    pub kind: ErrorKind,
+}
+
+/// Cause of an error, with the remedy.
+#[derive(Debug, thiserror::Error)]
+pub enum ErrorKind {
+    /// The text is not TOML.
+    #[error("not valid TOML: {0}")]
+    Syntax(String),
+    /// An argument of `--set` that cannot be applied: cause and remedy.
+    #[error("{0}")]
+    Override(String),
+    /// A key, value or name that does not exist.
+    #[error("unknown {what} `{found}`{} Known here: {known}", suggestion(.nearest))]
+    Unknown {
+        /// Kind of the named thing.
+        what: &'static str,
+        /// The name.
+        found: String,
+        /// The nearest known name, if one is near.
+        nearest: Option<String>,
+        /// All known names.
+        known: String,
+    },
+    /// A missing key.
+    #[error("the key `{0}` is missing; add it")]
+    Missing(&'static str),
+    /// A value of the wrong type.
+    #[error("this is {found}, but must be {expected}")]
+    Type {
+        /// Type and value found.
+        found: String,
+        /// Types that are accepted.
+        expected: String,
+    },
+    /// A number out of its range, infinite or NaN.
+    #[error("this is {value}, but must be {must}")]
+    Range {
+        /// The number.
+        value: f64,
+        /// The range.
+        must: String,
+    },
+    /// A vector of the wrong length.
+    #[error("this has {found} components, but dimension = {dimension} needs {dimension}")]
+    Components {
+        /// Number of components.
+        found: usize,
+        /// Dimension of space.
+        dimension: usize,
+    },
+    /// A key that has no effect with another setting.
+    #[error("this has no effect with {0}: take it out")]
+    NoEffect(&'static str),
+    /// Two alternatives of which exactly one must be given.
+    #[error("give either {0} or {1}")]
+    Either(&'static str, &'static str),
+    /// A combination of values that cannot be run: cause and remedy.
+    #[error("{0}")]
+    Invalid(String),
+    /// A text that is not a formula.
+    #[error(transparent)]
+    Formula(#[from] FormulaError),
+    /// A CSV file that is not a motion of the body.
+    #[error(transparent)]
+    Table(#[from] TableError),
+    /// A mesh that cannot be generated.
+    #[error(transparent)]
+    Mesh(#[from] mesh::Error),
+    /// Invalid data of an elastic body.
+    #[error(transparent)]
+    Solid(#[from] solid_svk::Error),
+    /// Invalid data of a rigid body.
+    #[error(transparent)]
+    Rigid(#[from] solver::solid_rigid::Error),
+    /// Invalid data of a contact.
+    #[error(transparent)]
+    Contact(#[from] contact::Error),
+    /// Surfaces of bodies that cannot cut the background.
+    #[error("the bodies cannot cut the background: {0}")]
+    Cut(#[from] cutcell::Error),
+}
+
+fn suggestion(nearest: &Option<String>) -> String {
+    nearest.as_ref().map_or_else(|| ".".to_owned(), |name| format!("; did you mean `{name}`?"))
+}
+
+/// Returns the known word nearest to a word if at most a third of its letters differ.
+fn nearest<'k>(word: &str, known: impl IntoIterator<Item = &'k str>) -> Option<String> {
+    known
+        .into_iter()
+        .map(|candidate| (distance(word, candidate), candidate))
+        .min_by_key(|(d, _)| *d)
+        .filter(|(d, candidate)| 3 * d <= word.len().max(candidate.len()).max(3))
+        .map(|(_, candidate)| candidate.to_owned())
+}
+
+/// Returns the least number of insertions, deletions, substitutions and swaps of neighbours between two words.
+fn distance(a: &str, b: &str) -> usize {
+    let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
+    let mut table = vec![vec![0; b.len() + 1]; a.len() + 1];
+    for i in 0..=a.len() {
+        for j in 0..=b.len() {
+            if i == 0 || j == 0 {
+                table[i][j] = i + j;
+                continue;
+            }
+            let substituted = table[i - 1][j - 1] + usize::from(a[i - 1] != b[j - 1]);
+            let mut least = substituted.min(table[i - 1][j] + 1).min(table[i][j - 1] + 1);
+            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
+                least = least.min(table[i - 2][j - 2] + 1);
+            }
+            table[i][j] = least;
+        }
+    }
+    table[a.len()][b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slips_are_recognised() {
+        assert_eq!(nearest("viscosty", ["density", "viscosity"]).as_deref(), Some("viscosity"));
+        assert_eq!(nearest("radios", ["centre", "radius"]).as_deref(), Some("radius"));
+        assert_eq!(nearest("rigth", ["left", "right"]).as_deref(), Some("right"));
+        assert_eq!(nearest("colour", ["centre", "radius"]), None);
+    }
+}

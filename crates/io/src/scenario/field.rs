@@ -1,0 +1,92 @@
+//! Vectors that may depend on position and time: constants, and formulas of `x`, `y`, `z` and `t`.
+
+use std::sync::Arc;
+
+use mesh::{Point, Vector};
+use solver::body::{PointField, TimeField};
+use toml::de::DeValue;
+
+use super::error::ScenarioError;
+use super::formula::Formula;
+use super::key::Form;
+use super::table::{At, Components, Node, Value};
+
+/// A number or a formula in the time `t`.
+impl Value for Formula {
+    const FORM: Form = Form::Formula("t");
+
+    fn read(node: &Node<'_>) -> Result<Self, ScenarioError> {
+        read(node, "t", &Self::FORM)
+    }
+}
+
+/// A number or a formula in position and time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FieldFormula(Formula);
+
+impl Value for FieldFormula {
+    const FORM: Form = Form::Formula("x, y, z, t");
+
+    fn read(node: &Node<'_>) -> Result<Self, ScenarioError> {
+        let variables = if node.document.dimension == 3 { "x, y, z, t" } else { "x, y, t" };
+        read(node, variables, &Self::FORM).map(Self)
+    }
+}
+
+fn read(node: &Node<'_>, variables: &'static str, form: &Form) -> Result<Formula, ScenarioError> {
+    match node.value {
+        DeValue::String(text) => Formula::parse(text, variables).map_err(|error| node.at().error(error)),
+        DeValue::Integer(_) | DeValue::Float(_) => f64::read(node).map(Formula::constant),
+        _ => Err(node.refuse(form)),
+    }
+}
+
+/// Vector that may depend on position and time.
+pub type Field = At<Components<FieldFormula>>;
+
+impl Field {
+    /// Computes the vector at a point and time.
+    fn value<const D: usize>(&self, x: &Point<D>, t: f64) -> Vector<D> {
+        Vector::from_fn(|axis, _| self[axis].0.at(x.as_slice(), t).value)
+    }
+
+    /// Returns the vector if all of its components are numbers.
+    pub(super) fn constant<const D: usize>(&self) -> Option<Vector<D>> {
+        self.iter().all(|local| local.0.is_constant()).then(|| self.value(&Point::zeros(), 0.0))
+    }
+
+    /// Returns the field as a function of position and time.
+    ///
+    /// # Errors
+    /// A value at one of the points, at one of the times, that is not finite.
+    pub(super) fn over_time<const D: usize>(
+        &self,
+        points: &[Point<D>],
+        times: &[f64],
+    ) -> Result<TimeField<D>, ScenarioError> {
+        if let Some(value) = self.constant() {
+            return Ok(Arc::new(move |_, _| value));
+        }
+        for (axis, local) in self.iter().enumerate() {
+            for (x, t) in points.iter().flat_map(|x| times.iter().map(move |t| (x, *t))) {
+                let value = local.0.at(x.as_slice(), t).value;
+                if !value.is_finite() {
+                    let (formula, x) = (local.0.text(), x.as_slice());
+                    let message = format!("the formula `{formula}` is {value} at {x:?}, t = {t}; change it there");
+                    return Err(self.at.part(axis).invalid(message));
+                }
+            }
+        }
+        let field = self.clone();
+        Ok(Arc::new(move |x, t| field.value(x, t)))
+    }
+
+    /// Returns the field at the start as a function of position.
+    ///
+    /// # Errors
+    /// As [`Self::over_time`].
+    pub(super) fn at_start<const D: usize>(&self, points: &[Point<D>]) -> Result<PointField<D>, ScenarioError> {
+        let field = self.over_time(points, &[0.0])?;
+        Ok(Arc::new(move |x| field(x, 0.0)))
+    }
+}

@@ -1,0 +1,168 @@
+//! Top level of a scenario, and the scenario file.
+
+use std::path::{Path, PathBuf};
+
+use toml::de::DeValue;
+
+use super::body::Body;
+use super::contact::Contact;
+use super::error::{Location, ScenarioError};
+use super::fluid::{Background, Fluid, Interface};
+use super::motion::{Motion, table_path};
+use super::overrides::Overrides;
+use super::solver::{Solver, Time};
+use super::table::{At, Document, Node, Value, keys, parse, plain};
+use super::units::Units;
+use crate::Error;
+use crate::files::write_whole;
+
+keys! {
+    /// A scenario.
+    pub struct Scenario {
+        /// Name of the results: letters, digits, `-`, `_` and dots inside.
+        name: At<String>,
+        /// Source of the case, for reports.
+        source: Option<String>,
+        /// Dimension of space.
+        dimension: usize [between(2.0, 3.0)],
+        /// Units of all numbers: a system, or the names of three units.
+        units: Units,
+        /// Time steps.
+        time: Time,
+        /// The fluid.
+        fluid: Option<Fluid>,
+        /// Background mesh with the conditions on its boundary.
+        background: Option<At<Background>>,
+        /// Bodies.
+        bodies as "body": Vec<At<Body>>,
+        /// Mortar between fluid and bodies.
+        interface: Option<Interface>,
+        /// Contacts; bodies without a contact between them pass through each other.
+        contacts as "contact": Vec<At<Contact>>,
+        /// Output.
+        output: Output = {},
+        /// Solution of the equations.
+        solver: Solver,
+    }
+}
+
+keys! {
+    /// Output of a run.
+    pub struct Output {
+        /// Directory of the results, if the command line names none; `results/NAME` if left out.
+        directory: Option<String>,
+        /// Steps between two sets of field files; 0 for none.
+        vtk_every: usize = 10,
+        /// Level of compression of field files, 0 for none.
+        compression: u32 [between(0.0, 9.0)] = 0,
+    }
+}
+
+/// A scenario that was read from a file.
+#[derive(Clone, Debug)]
+pub struct ScenarioFile {
+    path: PathBuf,
+    scenario: Scenario,
+    /// The file with the changes applied.
+    table: toml::Value,
+}
+
+impl ScenarioFile {
+    /// Reads a scenario file and applies changes `KEY=VALUE`, such as `time.step=5e-4` or `body.0.density=2`.
+    ///
+    /// # Errors
+    /// [`Error::Read`], [`Error::NotUtf8`], or [`Error::Scenario`] with file, line and key.
+    pub fn read(path: &Path, sets: &[String]) -> Result<Self, Error> {
+        let bytes = std::fs::read(path).map_err(|source| Error::Read { path: path.to_owned(), source })?;
+        let text = String::from_utf8(bytes).map_err(|error| {
+            let valid = error.utf8_error().valid_up_to();
+            let line = error.as_bytes()[..valid].iter().filter(|b| **b == b'\n').count() + 1;
+            Error::NotUtf8 { path: path.to_owned(), line }
+        })?;
+        Self::parse(path, &text, sets)
+    }
+
+    /// Reads a scenario from text; `path` names it in errors.
+    ///
+    /// # Errors
+    /// [`Error::Scenario`].
+    pub fn parse(path: &Path, text: &str, sets: &[String]) -> Result<Self, Error> {
+        let (file, text, arguments) = (path.to_owned(), text.to_owned(), Vec::new());
+        let mut document = Document { file, text, arguments, dimension: 0 };
+        let overrides = Overrides::read(&mut document, sets)?;
+        let mut table = parse(&document, &document.text)?;
+        overrides.apply(&document, &mut table)?;
+        let table = DeValue::Table(table);
+        document.dimension = Node::root(&document, &table).table(Scenario::KEYS, None)?.get("dimension")?;
+        let scenario = Scenario::read(&Node::root(&document, &table))?;
+        check(&scenario)?;
+        Ok(Self { path: path.to_owned(), scenario, table: plain(&table) })
+    }
+
+    /// Returns the scenario.
+    pub fn scenario(&self) -> &Scenario {
+        &self.scenario
+    }
+
+    /// Returns the location of the file as a whole.
+    pub(crate) fn location(&self) -> Location {
+        Location { file: self.path.clone(), line: 1, ..Location::default() }
+    }
+
+    /// Returns the scenario as text, with the changes applied.
+    ///
+    /// # Errors
+    /// [`Error::Text`]: it cannot be written as TOML.
+    pub fn to_toml(&self) -> Result<String, Error> {
+        Ok(toml::to_string(&self.table)?)
+    }
+
+    /// Returns the number of steps.
+    pub fn n_steps(&self) -> usize {
+        self.scenario.time.n_steps()
+    }
+
+    /// Writes `scenario.toml` with copies of the tables that it names, so that it can be run from the directory.
+    ///
+    /// # Errors
+    /// [`Error::Read`], [`Error::Write`], [`Error::Text`].
+    pub(crate) fn write(&self, directory: &Path) -> Result<(), Error> {
+        let mut copy = self.clone();
+        for (k, body) in self.scenario.bodies.iter().enumerate() {
+            let Some(Motion::Table { file, .. }) = body.motion.as_deref() else { continue };
+            let path = table_path(file);
+            let table = std::fs::read(&path).map_err(|source| Error::Read { path, source })?;
+            let name = format!("motion-{}.csv", body.name.as_str());
+            write_whole(&directory.join(&name), &table)?;
+            let motion = copy.table.get_mut("body").and_then(|bodies| bodies.get_mut(k)?.get_mut("motion"));
+            if let Some(entry) = motion.and_then(|motion| motion.get_mut("file")) {
+                *entry = toml::Value::String(name);
+            }
+        }
+        write_whole(&directory.join("scenario.toml"), copy.to_toml()?.as_bytes())
+    }
+}
+
+/// Checks combinations of values.
+fn check(scenario: &Scenario) -> Result<(), ScenarioError> {
+    scenario.time.check()?;
+    if let (Some(interface), Some(fluid)) = (&scenario.interface, &scenario.fluid) {
+        let stiffness = scenario.bodies.iter().map(|body| body.stiffness()).fold(0.0, f64::max);
+        interface.check(fluid.viscosity, *scenario.time.step * stiffness)?;
+    }
+    let is_plain = |name: &str| !name.is_empty() && name.chars().all(|c| c.is_alphanumeric() || "-_.".contains(c));
+    let refuse = |name: &At<String>, why| Err(name.at.invalid(format!("the name `{}` is {why}", name.as_str())));
+    if !is_plain(&scenario.name) || scenario.name.starts_with('.') {
+        return refuse(&scenario.name, "not a file name: use letters, digits, -, _ and dots inside");
+    }
+    for (k, body) in scenario.bodies.iter().enumerate() {
+        if !is_plain(&body.name) {
+            return refuse(&body.name, "not a column name: use letters, digits, -, _ and dots");
+        }
+        if scenario.bodies[..k].iter().any(|other| other.name == body.name) {
+            return refuse(&body.name, "the name of another body; give each its own");
+        }
+        body.check(&body.at)?;
+    }
+    scenario.solver.linear.check()
+}

@@ -1,0 +1,186 @@
+//! Time steps, Newton's method and linear solver of a scenario.
+
+use algebra::{
+    BlockGaussSeidel, BlockGaussSeidelSettings, BlockSolver, Fill, LaggedSettings, LaggedSolver, NewtonSettings,
+    Workspace,
+};
+
+use super::error::{ErrorKind, ScenarioError};
+use super::key::Quantity;
+use super::table::{At, choices, keys};
+
+keys! {
+    /// Time steps.
+    pub struct Time {
+        /// Length of a step.
+        step: At<f64> [unit(Quantity::TIME), positive],
+        /// End of the run, a multiple of the step.
+        end: f64 [unit(Quantity::TIME), positive],
+        /// Number of times that a step is halved, if Newton's method fails or a contact may have been missed, before the
+        /// run stops.
+        most_halvings: usize [between(0.0, 20.0)] = 4,
+    }
+}
+
+/// Largest difference of the end time from a multiple of the step, relative to the end time.
+const ROUND_OFF: f64 = 1e-9;
+
+/// Largest number of steps; more point to a wrong exponent in step or end.
+const MAX_STEPS: f64 = 1e9;
+
+impl Time {
+    /// Returns the number of steps.
+    pub fn n_steps(&self) -> usize {
+        (self.end / *self.step).round() as usize
+    }
+
+    /// Checks that the step divides the end time.
+    pub(super) fn check(&self) -> Result<(), ScenarioError> {
+        let (step, end) = (*self.step, self.end);
+        let n = (end / step).round();
+        if n > MAX_STEPS {
+            return Err(self.step.at.invalid(format!(
+                "the step {step:e} needs more than {MAX_STEPS:e} steps to the end {end:e}; check the exponents of both"
+            )));
+        }
+        if n >= 1.0 && (n * step - end).abs() <= ROUND_OFF * end {
+            return Ok(());
+        }
+        let step_below = end / (end / step).ceil();
+        let end_below = step * (end / step).floor().max(1.0);
+        Err(self.step.at.invalid(format!(
+            "the step {step} does not divide the end time {end}; use step = {step_below} or end = {end_below}"
+        )))
+    }
+}
+
+keys! {
+    /// Solution of the equations of a step.
+    pub struct Solver {
+        /// Newton's method.
+        newton: Newton,
+        /// Linear solver.
+        linear: Linear,
+    }
+}
+
+keys! {
+    /// Newton's method.
+    pub struct Newton {
+        /// Relative tolerance.
+        tolerance: f64 [positive],
+        /// Largest number of corrections in a step.
+        max_iterations: usize [between(1.0, f64::INFINITY)],
+    }
+}
+
+choices! {
+    /// Linear solver.
+    pub enum Linear ["kind"] {
+        /// Sparse LU factorisation of every matrix.
+        Direct = "direct",
+        /// Restarted flexible GMRES.
+        Gmres = "gmres" {
+            /// Preconditioner.
+            preconditioner: Preconditioner,
+            /// Iterations before a restart, with `block-gauss-seidel`; 80 if left out.
+            restart: Option<At<usize>> [between(1.0, f64::INFINITY)],
+            /// Solvers of the blocks, with `block-gauss-seidel`; `ilut` and `cholesky` if left out.
+            blocks: Option<At<Blocks>>,
+        },
+    }
+}
+
+choices! {
+    /// Preconditioner.
+    #[derive(Copy, Eq)]
+    pub enum Preconditioner {
+        /// Factors of an earlier matrix, updated near the interface; fast where the flow changes slowly.
+        LaggedLu = "lagged-lu",
+        /// One solve for the fluid, one for each body and one for the stiff couplings between them; little memory, for
+        /// large systems.
+        BlockGaussSeidel = "block-gauss-seidel",
+    }
+}
+
+keys! {
+    /// Solvers of the blocks of a block Gauss-Seidel preconditioner.
+    pub struct Blocks {
+        /// Solver for velocity and pressure of the fluid.
+        fluid: FluidBlock,
+        /// Solver for every body.
+        bodies: BodyBlock,
+    }
+}
+
+choices! {
+    /// Solver of the block of the fluid.
+    #[derive(Copy, Eq)]
+    pub enum FluidBlock {
+        /// Sparse LU.
+        Lu = "lu",
+        /// Incomplete LU without fill.
+        Ilu = "ilu",
+        /// Incomplete LU with a threshold.
+        Ilut = "ilut",
+    }
+}
+
+choices! {
+    /// Solver of the block of a body.
+    #[derive(Copy, Eq)]
+    pub enum BodyBlock {
+        /// Sparse LU.
+        Lu = "lu",
+        /// Sparse Cholesky; LU if the block is not symmetric and positive definite.
+        Cholesky = "cholesky",
+        /// Incomplete LU without fill.
+        Ilu = "ilu",
+        /// Incomplete LU with a threshold.
+        Ilut = "ilut",
+    }
+}
+
+impl Newton {
+    /// Returns the settings of Newton's method.
+    pub(super) fn settings(&self) -> NewtonSettings {
+        NewtonSettings { max_iterations: self.max_iterations, ..NewtonSettings::new(self.tolerance) }
+    }
+}
+
+impl Linear {
+    /// Checks that all settings belong to the preconditioner.
+    pub(super) fn check(&self) -> Result<(), ScenarioError> {
+        let Self::Gmres { preconditioner: Preconditioner::LaggedLu, restart, blocks } = self else { return Ok(()) };
+        let given = restart.as_ref().map(|restart| &restart.at).or(blocks.as_ref().map(|blocks| &blocks.at));
+        let with = "preconditioner = \"lagged-lu\"";
+        given.map_or(Ok(()), |at| Err(at.error(ErrorKind::NoEffect(with))))
+    }
+
+    /// Returns memory with this linear solver.
+    pub fn workspace(&self) -> Workspace {
+        let Self::Gmres { preconditioner, restart, blocks } = self else { return Workspace::new() };
+        if *preconditioner == Preconditioner::LaggedLu {
+            return Workspace::with_solver(Box::new(LaggedSolver::new(LaggedSettings::default())));
+        }
+        let mut settings = BlockGaussSeidelSettings::default();
+        if let Some(restart) = restart {
+            settings.restart = **restart;
+        }
+        if let Some(blocks) = blocks {
+            let fluid = match blocks.fluid {
+                FluidBlock::Lu => BlockSolver::Lu,
+                FluidBlock::Ilu => BlockSolver::Incomplete(Fill::Pattern),
+                FluidBlock::Ilut => BlockSolver::Incomplete(Fill::THRESHOLD),
+            };
+            let bodies = match blocks.bodies {
+                BodyBlock::Lu => BlockSolver::Lu,
+                BodyBlock::Cholesky => BlockSolver::Cholesky,
+                BodyBlock::Ilu => BlockSolver::Incomplete(Fill::Pattern),
+                BodyBlock::Ilut => BlockSolver::Incomplete(Fill::THRESHOLD),
+            };
+            settings.solvers = vec![fluid, bodies];
+        }
+        Workspace::with_solver(Box::new(BlockGaussSeidel::new(settings)))
+    }
+}

@@ -1,0 +1,490 @@
+//! Typed cursor over a TOML document: values with their location, and tables whose keys are declared.
+//!
+//! [`keys!`] declares a table and [`choices!`] an enumeration of words, each with its reader: the type of a field is the
+//! type of its key, its comment is the sentence of the reference page.
+
+use std::ops::Deref;
+use std::path::PathBuf;
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use super::error::{ErrorKind, Location, ScenarioError};
+use super::key::{Choice, Form, Key};
+
+/// Text of a scenario, by which offsets become lines.
+#[derive(Clone, Debug)]
+pub(super) struct Document {
+    /// Scenario file.
+    pub(super) file: PathBuf,
+    /// Its text.
+    pub(super) text: String,
+    /// Arguments of `--set`, each with its first offset; they follow the text.
+    pub(super) arguments: Vec<(usize, String)>,
+    /// Dimension of space, the length of vectors.
+    pub(super) dimension: usize,
+}
+
+impl Document {
+    /// Returns the location of an offset.
+    pub(super) fn locate(&self, offset: usize, key: &str) -> Location {
+        let argument = self.arguments.iter().rev().find(|(start, _)| *start <= offset).map(|(_, set)| set.clone());
+        let line = self.text.bytes().take(offset).filter(|b| *b == b'\n').count() + 1;
+        Location { file: self.file.clone(), line, argument, key: key.to_owned() }
+    }
+}
+
+/// A value with its location.
+#[derive(Clone)]
+pub(super) struct Node<'d> {
+    pub(super) document: &'d Document,
+    pub(super) value: &'d DeValue<'d>,
+    /// Offset of the key, or of the value in a list.
+    start: usize,
+    key: String,
+}
+
+impl<'d> Node<'d> {
+    /// Returns the whole document.
+    pub(super) fn root(document: &'d Document, value: &'d DeValue<'d>) -> Self {
+        Self { document, value, start: 0, key: String::new() }
+    }
+
+    /// Returns the location.
+    pub(super) fn at(&self) -> Location {
+        self.document.locate(self.start, &self.key)
+    }
+
+    fn below(&self, key: &str, start: usize, value: &'d DeValue<'d>) -> Self {
+        let key = if self.key.is_empty() { key.to_owned() } else { format!("{}.{key}", self.key) };
+        Self { document: self.document, value, start, key }
+    }
+
+    /// Returns the items of a list; `None` for another value.
+    pub(super) fn items(&self) -> Option<Vec<Node<'d>>> {
+        let DeValue::Array(items) = self.value else { return None };
+        let item = |(k, item): (usize, &'d Spanned<DeValue<'d>>)| {
+            self.below(&k.to_string(), item.span().start, item.get_ref())
+        };
+        Some(items.iter().enumerate().map(item).collect())
+    }
+
+    /// Returns the entries of a table, in the order of their names; `None` for another value.
+    pub(super) fn entries(&self) -> Option<Vec<(&'d str, Node<'d>)>> {
+        let DeValue::Table(table) = self.value else { return None };
+        let entry = |(key, value): (&'d Spanned<_>, &'d Spanned<DeValue<'d>>)| {
+            let name: &'d std::borrow::Cow<'d, str> = key.get_ref();
+            (name.as_ref(), self.below(name, key.span().start, value.get_ref()))
+        };
+        Some(table.iter().map(entry).collect())
+    }
+
+    /// Returns an error about the type of the value.
+    pub(super) fn refuse(&self, expected: &Form) -> ScenarioError {
+        let found = match self.value {
+            DeValue::String(text) => format!("the string \"{text}\""),
+            DeValue::Boolean(value) => format!("the boolean `{value}`"),
+            DeValue::Integer(_) | DeValue::Float(_) => {
+                format!("the number `{}`", number(self.value).unwrap_or(f64::NAN))
+            }
+            DeValue::Datetime(_) => "a date".to_owned(),
+            DeValue::Array(_) => "a list".to_owned(),
+            DeValue::Table(_) => "a table".to_owned(),
+        };
+        self.at().error(ErrorKind::Type { found, expected: expected.to_string() })
+    }
+
+    /// Checks the range of the number, or of all numbers of the list.
+    fn check(&self, key: &Key) -> Result<(), ScenarioError> {
+        if let Some(value) = number(self.value).filter(|value| !key.range.contains(*value)) {
+            return Err(self.at().error(ErrorKind::Range { value, must: key.range.to_string() }));
+        }
+        self.items().into_iter().flatten().try_for_each(|item| item.check(key))
+    }
+
+    /// Opens the value as a table with declared keys and, if given, a tag.
+    ///
+    /// # Errors
+    /// Another type, or a key that is not declared.
+    pub(super) fn table(&self, keys: &'static [Key], tag: Option<&'static str>) -> Result<Table<'d>, ScenarioError> {
+        let entries = self.entries().ok_or_else(|| self.refuse(&Form::Table(keys)))?;
+        let mut names = tag.into_iter().chain(keys.iter().map(|key| key.name));
+        if let Some((name, node)) = entries.iter().find(|(name, _)| !names.clone().any(|known| known == *name)) {
+            return Err(node.at().unknown("key", name, names.by_ref()));
+        }
+        Ok(Table { node: self.clone(), entries, keys })
+    }
+
+    /// Reads the word of a choice and opens the table that comes with it.
+    pub(super) fn choice(
+        &self,
+        tag: Option<&'static str>,
+        choices: &'static [Choice],
+    ) -> Result<(&'static str, Table<'d>), ScenarioError> {
+        let (word, node) = match (self.value, tag) {
+            (DeValue::String(word), _) => (word, self.clone()),
+            (DeValue::Table(_), Some(tag)) => {
+                let mut entries = self.entries().into_iter().flatten();
+                let found = entries.find(|(name, _)| *name == tag);
+                let (_, node) = found.ok_or_else(|| self.at().error(ErrorKind::Missing(tag)))?;
+                match node.value {
+                    DeValue::String(word) => (word, node),
+                    _ => return Err(node.refuse(&Form::Text)),
+                }
+            }
+            _ => return Err(self.refuse(&Form::Choice { tag, choices })),
+        };
+        let Some(choice) = choices.iter().find(|choice| choice.word == word.as_ref()) else {
+            return Err(node.at().unknown("value", word, choices.iter().map(|choice| choice.word)));
+        };
+        let table = match self.value {
+            DeValue::Table(_) => self.table(choice.keys, tag)?,
+            _ => Table { node: self.clone(), entries: Vec::new(), keys: choice.keys },
+        };
+        Ok((choice.word, table))
+    }
+}
+
+/// Returns a value as a number; whole numbers may be written with a base.
+fn number(value: &DeValue<'_>) -> Option<f64> {
+    match value {
+        DeValue::Float(number) => Some(number.as_str().parse().unwrap_or(f64::NAN)),
+        DeValue::Integer(number) => {
+            Some(i64::from_str_radix(number.as_str(), number.radix()).map_or(f64::NAN, |value| value as f64))
+        }
+        _ => None,
+    }
+}
+
+/// Returns a value without locations, to be written as TOML.
+pub(super) fn plain(value: &DeValue<'_>) -> toml::Value {
+    match value {
+        DeValue::String(text) => toml::Value::String(text.to_string()),
+        DeValue::Integer(number) => {
+            toml::Value::Integer(i64::from_str_radix(number.as_str(), number.radix()).unwrap_or_default())
+        }
+        DeValue::Float(_) => toml::Value::Float(number(value).unwrap_or_default()),
+        DeValue::Boolean(value) => toml::Value::Boolean(*value),
+        DeValue::Datetime(value) => toml::Value::Datetime(*value),
+        DeValue::Array(items) => toml::Value::Array(items.iter().map(|item| plain(item.get_ref())).collect()),
+        DeValue::Table(table) => toml::Value::Table(
+            table.iter().map(|(key, item)| (key.get_ref().to_string(), plain(item.get_ref()))).collect(),
+        ),
+    }
+}
+
+/// A table with declared keys.
+pub(super) struct Table<'d> {
+    node: Node<'d>,
+    entries: Vec<(&'d str, Node<'d>)>,
+    keys: &'static [Key],
+}
+
+impl Table<'_> {
+    /// Reads the value of a declared key.
+    ///
+    /// # Errors
+    /// A missing key, a wrong type, or a number out of the declared range.
+    pub(super) fn get<T: Value>(&self, name: &'static str) -> Result<T, ScenarioError> {
+        let key = self.keys.iter().find(|key| key.name == name);
+        if let Some((_, node)) = self.entries.iter().find(|(found, _)| *found == name) {
+            key.map_or(Ok(()), |key| node.check(key))?;
+            return T::read(node);
+        }
+        let default = key.and_then(|key| key.default).and_then(|text| DeValue::parse(text).ok());
+        if let Some(default) = default {
+            // A default has the location of the table.
+            let (document, key) = (self.node.document, self.node.key.clone());
+            return T::read(&Node { document, value: default.get_ref(), start: self.node.start, key });
+        }
+        T::absent().ok_or_else(|| self.node.at().error(ErrorKind::Missing(name)))
+    }
+}
+
+/// A value of a scenario.
+pub(super) trait Value: Sized {
+    /// Type, for messages and the reference page.
+    const FORM: Form;
+    /// Whether the key may be left out.
+    const IS_OPTIONAL: bool = false;
+
+    /// Reads the value.
+    fn read(node: &Node<'_>) -> Result<Self, ScenarioError>;
+
+    /// Returns the value of a key that was left out.
+    fn absent() -> Option<Self> {
+        None
+    }
+}
+
+/// A value with its location; equal to another one if the values are.
+#[derive(Clone, Debug)]
+pub struct At<T> {
+    value: T,
+    /// The location.
+    pub at: Location,
+}
+
+impl<T> Deref for At<T> {
+    type Target = T;
+
+    fn deref(&self) -> &T {
+        &self.value
+    }
+}
+
+impl<T: PartialEq> PartialEq for At<T> {
+    fn eq(&self, other: &Self) -> bool {
+        self.value == other.value
+    }
+}
+
+impl<T: Value> Value for At<T> {
+    const FORM: Form = T::FORM;
+
+    fn read(node: &Node<'_>) -> Result<Self, ScenarioError> {
+        Ok(Self { value: T::read(node)?, at: node.at() })
+    }
+}
+
+impl<T: Value> Value for Option<T> {
+    const FORM: Form = T::FORM;
+    const IS_OPTIONAL: bool = true;
+
+    fn read(node: &Node<'_>) -> Result<Self, ScenarioError> {
+        T::read(node).map(Some)
+    }
+
+    fn absent() -> Option<Self> {
+        Some(None)
+    }
+}
+
+impl<T: Value> Value for Vec<T> {
+    const FORM: Form = Form::List(&T::FORM);
+    const IS_OPTIONAL: bool = true;
+
+    fn read(node: &Node<'_>) -> Result<Self, ScenarioError> {
+        node.items().ok_or_else(|| node.refuse(&Self::FORM))?.iter().map(T::read).collect()
+    }
+
+    fn absent() -> Option<Self> {
+        Some(Vec::new())
+    }
+}
+
+/// Values with names, in the order of the names.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Named<T>(pub Vec<(String, At<T>)>);
+
+impl<T: Value> Value for Named<T> {
+    const FORM: Form = Form::Named(&T::FORM);
+    const IS_OPTIONAL: bool = true;
+
+    fn read(node: &Node<'_>) -> Result<Self, ScenarioError> {
+        let entries = node.entries().ok_or_else(|| node.refuse(&Self::FORM))?;
+        let read = |(name, node): &(&str, Node<'_>)| Ok(((*name).to_owned(), At::read(node)?));
+        Ok(Self(entries.iter().map(read).collect::<Result<_, _>>()?))
+    }
+
+    fn absent() -> Option<Self> {
+        Some(Self(Vec::new()))
+    }
+}
+
+/// One value for each axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Components<T>(Vec<T>);
+
+impl<T> Deref for Components<T> {
+    type Target = [T];
+
+    fn deref(&self) -> &[T] {
+        &self.0
+    }
+}
+
+impl<T: Value> Value for Components<T> {
+    const FORM: Form = Form::Components(&T::FORM);
+
+    fn read(node: &Node<'_>) -> Result<Self, ScenarioError> {
+        let items = node.items().ok_or_else(|| node.refuse(&Self::FORM))?;
+        let (found, dimension) = (items.len(), node.document.dimension);
+        if found != dimension {
+            return Err(node.at().error(ErrorKind::Components { found, dimension }));
+        }
+        Ok(Self(items.iter().map(T::read).collect::<Result<_, _>>()?))
+    }
+}
+
+impl Components<f64> {
+    /// Returns the vector; `D` is the dimension of the scenario.
+    pub fn vector<const D: usize>(&self) -> mesh::Vector<D> {
+        mesh::Vector::from_fn(|axis, _| self.0[axis])
+    }
+}
+
+/// A value, or a table that states more.
+#[derive(Clone, Debug, PartialEq)]
+pub enum OrTable<T, K> {
+    /// The value.
+    Plain(T),
+    /// The table.
+    Table(K),
+}
+
+impl<T: Value, K: Value> Value for OrTable<T, K> {
+    const FORM: Form = Form::OrTable(&T::FORM, &K::FORM);
+
+    fn read(node: &Node<'_>) -> Result<Self, ScenarioError> {
+        match node.value {
+            DeValue::Table(_) => K::read(node).map(Self::Table),
+            _ => T::read(node).map(Self::Plain).map_err(|error| match error.kind {
+                ErrorKind::Type { .. } => node.refuse(&Self::FORM),
+                _ => error,
+            }),
+        }
+    }
+}
+
+/// Implements [`Value`] for types that one kind of TOML value represents.
+macro_rules! plain_values {
+    ($($Type:ty, $form:ident, $of:expr;)+) => {$(
+        impl Value for $Type {
+            const FORM: Form = Form::$form;
+
+            fn read(node: &Node<'_>) -> Result<Self, ScenarioError> {
+                let of: fn(&DeValue<'_>) -> Option<Self> = $of;
+                of(node.value).ok_or_else(|| node.refuse(&Self::FORM))
+            }
+        }
+    )+};
+}
+
+plain_values! {
+    f64, Number, number;
+    bool, Flag, |value| value.as_bool();
+    String, Text, |value| value.as_str().map(str::to_owned);
+    usize, Whole, |value| value.as_integer().and_then(|n| Self::from_str_radix(n.as_str(), n.radix()).ok());
+    u32, Whole, |value| value.as_integer().and_then(|n| Self::from_str_radix(n.as_str(), n.radix()).ok());
+}
+
+/// Declares a table of a scenario and derives its reader.
+///
+/// A field is a key: `name: type [unit(..), range] = default`, with one sentence as its comment. The default is TOML.
+macro_rules! keys {
+    (
+        $(#[doc = $doc:literal])+
+        pub struct $Name:ident { $($fields:tt)* }
+    ) => {
+        $crate::scenario::table::keys! { @fields
+            [$(#[doc = $doc])+] $Name $($fields)*
+        }
+    };
+    (@fields [$(#[doc = $doc:literal])+] $Name:ident $(
+        $(#[doc = $about:literal])+
+        $field:ident $(as $key:literal)? : $Type:ty $([$($spec:ident $(($($argument:expr),*))?),*])? $(= $default:tt)?
+    ),* $(,)?) => {
+        $(#[doc = $doc])+
+        #[derive(Clone, Debug, PartialEq)]
+        pub struct $Name { $($(#[doc = $about])+ pub $field: $Type),* }
+
+        impl $Name {
+            /// Declarations of the keys.
+            pub const KEYS: &'static [$crate::scenario::key::Key] = &[$(
+                $crate::scenario::table::key!(
+                    [$($about)+] $field $(as $key)?, $Type, [$($($spec $(($($argument),*))?),*)?], $($default)?
+                )
+            ),*];
+        }
+
+        impl $crate::scenario::table::Value for $Name {
+            const FORM: $crate::scenario::key::Form = $crate::scenario::key::Form::Table(Self::KEYS);
+
+            fn read(
+                node: &$crate::scenario::table::Node<'_>,
+            ) -> Result<Self, $crate::scenario::error::ScenarioError> {
+                let table = node.table(Self::KEYS, None)?;
+                Ok(Self { $($field: table.get($crate::scenario::table::name!($field $(as $key)?))?),* })
+            }
+        }
+    };
+}
+
+/// Declares an enumeration of words, each perhaps with further keys, and derives its reader.
+macro_rules! choices {
+    (
+        $(#[doc = $doc:literal])+
+        $(#[derive($($derive:ident),*)])?
+        pub enum $Name:ident $([$tag:literal])? { $(
+            $(#[doc = $about_word:literal])+
+            $Word:ident = $word:literal $({ $(
+                $(#[doc = $about:literal])+
+                $field:ident : $Type:ty $([$($spec:ident $(($($argument:expr),*))?),*])? $(= $default:tt)?
+            ),* $(,)? })?
+        ),* $(,)? }
+    ) => {
+        $(#[doc = $doc])+
+        #[derive(Clone, Debug, PartialEq $(, $($derive),*)?)]
+        pub enum $Name { $($(#[doc = $about_word])+ $Word $({ $($(#[doc = $about])+ $field: $Type),* })?),* }
+
+        impl $crate::scenario::table::Value for $Name {
+            const FORM: $crate::scenario::key::Form = $crate::scenario::key::Form::Choice {
+                tag: [$(Some($tag),)? None][0],
+                choices: &[$($crate::scenario::key::Choice {
+                    word: $word,
+                    about: concat!($($about_word),+),
+                    keys: &[$($($crate::scenario::table::key!(
+                        [$($about)+] $field, $Type, [$($($spec $(($($argument),*))?),*)?], $($default)?
+                    )),*)?],
+                }),*],
+            };
+
+            fn read(
+                node: &$crate::scenario::table::Node<'_>,
+            ) -> Result<Self, $crate::scenario::error::ScenarioError> {
+                let $crate::scenario::key::Form::Choice { tag, choices } = Self::FORM else {
+                    return Err(node.refuse(&Self::FORM));
+                };
+                let (word, _table) = node.choice(tag, choices)?;
+                match word {
+                    $($word => Ok(Self::$Word $({ $($field: _table.get(stringify!($field))?),* })?),)*
+                    _ => Err(node.refuse(&Self::FORM)),
+                }
+            }
+        }
+    };
+}
+
+/// Declaration of one key, from a field of [`keys!`] or [`choices!`].
+macro_rules! key {
+    ([$($about:literal)+] $field:ident $(as $key:literal)?, $Type:ty, [$($spec:ident $(($($argument:expr),*))?),*], $($default:tt)?) => {
+        $crate::scenario::key::Key::new(
+            $crate::scenario::table::name!($field $(as $key)?),
+            concat!($($about),+),
+            <$Type as $crate::scenario::table::Value>::FORM,
+            <$Type as $crate::scenario::table::Value>::IS_OPTIONAL,
+            [$(Some(stringify!($default)),)? None][0],
+        )$(.$spec($($($argument),*)?))*
+    };
+}
+
+/// Name of a key: that of its field if it is not given.
+macro_rules! name {
+    ($field:ident) => {
+        stringify!($field)
+    };
+    ($field:ident as $key:literal) => {
+        $key
+    };
+}
+
+pub(super) use {choices, key, keys, name};
+
+/// Parses a TOML document.
+pub(super) fn parse<'t>(document: &Document, text: &'t str) -> Result<DeTable<'t>, ScenarioError> {
+    DeTable::parse(text).map(Spanned::into_inner).map_err(|error| {
+        let offset = error.span().map_or(0, |span| span.start);
+        document.locate(offset, "").error(ErrorKind::Syntax(error.message().to_owned()))
+    })
+}

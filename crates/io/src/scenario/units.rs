@@ -1,0 +1,112 @@
+//! Units: labels of the numbers of a scenario. Nothing is converted.
+
+use super::key::Quantity;
+use super::table::{OrTable, choices, keys};
+
+choices! {
+    /// System of units with names of its own for derived quantities.
+    #[derive(Copy, Eq)]
+    pub enum System {
+        /// Centimetre, gram, second: dyn, erg, poise.
+        Cgs = "cgs",
+        /// Metre, kilogram, second: N, J, Pa.
+        Si = "si",
+    }
+}
+
+keys! {
+    /// Names of three base units.
+    pub struct UnitNames {
+        /// Unit of length, such as `"mm"`.
+        length: String,
+        /// Unit of mass, such as `"g"`.
+        mass: String,
+        /// Unit of time, such as `"ms"`.
+        time: String,
+    }
+}
+
+/// Units of all numbers of a scenario.
+pub type Units = OrTable<System, UnitNames>;
+
+/// Quantities with unit names of their own in the systems cgs and SI.
+const NAMED: [(Quantity, [&str; 2]); 6] = [
+    (Quantity::FORCE, ["dyn", "N"]),
+    (Quantity::PRESSURE, ["dyn/cm²", "Pa"]),
+    (Quantity::FORCE_DENSITY, ["dyn/cm³", "N/m³"]),
+    (Quantity::VISCOSITY, ["poise", "Pa s"]),
+    (Quantity::ENERGY, ["erg", "J"]),
+    (Quantity::POWER, ["erg/s", "W"]),
+];
+
+impl Units {
+    /// Returns the unit of a quantity, such as `cm/s` or `dyn`; empty for pure numbers.
+    pub fn label(&self, quantity: Quantity) -> String {
+        let base = match self {
+            Self::Plain(system) => {
+                let k = *system as usize;
+                if let Some((_, names)) = NAMED.iter().find(|(named, _)| *named == quantity) {
+                    return names[k].to_owned();
+                }
+                [["g", "cm", "s"], ["kg", "m", "s"]][k]
+            }
+            Self::Table(names) => [names.mass.as_str(), &names.length, &names.time],
+        };
+        let exponents = [quantity.mass, quantity.length, quantity.time];
+        let product = |sign: i8| {
+            let factors = base.iter().zip(exponents).filter(|(_, exponent)| exponent * sign > 0);
+            let powers = factors.map(|(unit, exponent)| match exponent.abs() {
+                1 => (*unit).to_owned(),
+                2 => format!("{unit}²"),
+                3 => format!("{unit}³"),
+                n => format!("{unit}^{n}"),
+            });
+            powers.collect::<Vec<String>>()
+        };
+        quotient(&product(1).join(" "), &product(-1))
+    }
+
+    /// Returns the unit of a force, mass, energy or power of a whole body: in 2D that of the quantity per unit depth.
+    pub fn total_label(&self, quantity: Quantity, dimension: usize) -> String {
+        let label = self.label(quantity);
+        if dimension == 3 {
+            return label;
+        }
+        let (above, below) = label.split_once('/').unwrap_or((&label, ""));
+        let below = [below.to_owned(), self.label(Quantity::LENGTH)];
+        quotient(above, &below.into_iter().filter(|unit| !unit.is_empty()).collect::<Vec<_>>())
+    }
+}
+
+fn quotient(above: &str, below: &[String]) -> String {
+    match below {
+        [] => above.to_owned(),
+        [one] => format!("{}/{one}", if above.is_empty() { "1" } else { above }),
+        _ => format!("{}/({})", if above.is_empty() { "1" } else { above }, below.join(" ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn labels_follow_from_the_base_units() {
+        let named = UnitNames { length: "mm".to_owned(), mass: "g".to_owned(), time: "ms".to_owned() };
+        let (cgs, si, own) = (Units::Plain(System::Cgs), Units::Plain(System::Si), Units::Table(named));
+        for (quantity, labels) in [
+            (Quantity::NUMBER, ["", "", ""]),
+            (Quantity::VELOCITY, ["cm/s", "m/s", "mm/ms"]),
+            (Quantity::DENSITY, ["g/cm³", "kg/m³", "g/mm³"]),
+            (Quantity::RATE, ["1/s", "1/s", "1/ms"]),
+            (Quantity::FORCE, ["dyn", "N", "g mm/ms²"]),
+            (Quantity::PRESSURE, ["dyn/cm²", "Pa", "g/(mm ms²)"]),
+        ] {
+            assert_eq!([cgs.label(quantity), si.label(quantity), own.label(quantity)], labels);
+        }
+        assert_eq!(cgs.total_label(Quantity::POWER, 2), "erg/(s cm)");
+        assert_eq!(cgs.total_label(Quantity::FORCE, 2), "dyn/cm");
+        assert_eq!(own.total_label(Quantity::FORCE, 2), "g mm/(ms² mm)");
+        assert_eq!(si.total_label(Quantity::ENERGY, 3), "J");
+    }
+}

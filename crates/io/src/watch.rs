@@ -1,0 +1,99 @@
+//! How a program attaches observers to a run.
+
+use contact::ContactReport;
+use solver::{Observer, ObserverError, StepView};
+
+use crate::measures::{distance, leading_body};
+use crate::scenario::Case;
+
+/// A source of observers for a run, whose dimension becomes known only when its scenario is read.
+///
+/// `()` attaches none, `None` neither, and a pair attaches those of both members.
+pub trait Watch {
+    /// Returns the observer of a run, if any. It borrows from `self`, so that the collected data remain after the run.
+    fn observer<const D: usize>(&mut self, case: &Case<D>) -> Option<Box<dyn Observer<D> + '_>>;
+}
+
+impl Watch for () {
+    fn observer<const D: usize>(&mut self, _: &Case<D>) -> Option<Box<dyn Observer<D> + '_>> {
+        None
+    }
+}
+
+impl<W: Watch> Watch for Option<W> {
+    fn observer<const D: usize>(&mut self, case: &Case<D>) -> Option<Box<dyn Observer<D> + '_>> {
+        self.as_mut()?.observer(case)
+    }
+}
+
+impl<W: Watch> Watch for &mut W {
+    fn observer<const D: usize>(&mut self, case: &Case<D>) -> Option<Box<dyn Observer<D> + '_>> {
+        (**self).observer(case)
+    }
+}
+
+impl<A: Watch, B: Watch> Watch for (A, B) {
+    fn observer<const D: usize>(&mut self, case: &Case<D>) -> Option<Box<dyn Observer<D> + '_>> {
+        match (self.0.observer(case), self.1.observer(case)) {
+            (Some(a), Some(b)) => Some(Box::new(Both(a, b))),
+            (a, b) => a.or(b),
+        }
+    }
+}
+
+struct Both<'a, const D: usize>(Box<dyn Observer<D> + 'a>, Box<dyn Observer<D> + 'a>);
+
+impl<const D: usize> Observer<D> for Both<'_, D> {
+    fn after_step(&mut self, view: &StepView<'_, D>) -> Result<(), ObserverError> {
+        self.0.after_step(view)?;
+        self.1.after_step(view)
+    }
+}
+
+/// Progress of a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepProgress {
+    /// Steps done.
+    pub step: usize,
+    /// Steps in all.
+    pub n_steps: usize,
+    /// Time reached.
+    pub time: f64,
+    /// Smallest distance of the leading body.
+    pub d_min: Option<f64>,
+    /// Newton corrections of the step.
+    pub newton_iterations: usize,
+    /// Whether there is contact.
+    pub in_contact: bool,
+}
+
+/// Calls a function after every whole step.
+pub struct Progress<F>(pub F);
+
+impl<F: FnMut(&StepProgress)> Watch for Progress<F> {
+    fn observer<const D: usize>(&mut self, case: &Case<D>) -> Option<Box<dyn Observer<D> + '_>> {
+        Some(Box::new(ProgressObserver { call: &mut self.0, n_steps: case.n_steps, bottom: case.bottom }))
+    }
+}
+
+struct ProgressObserver<'a, F> {
+    call: &'a mut F,
+    n_steps: usize,
+    bottom: f64,
+}
+
+impl<F: FnMut(&StepProgress), const D: usize> Observer<D> for ProgressObserver<'_, F> {
+    fn after_step(&mut self, view: &StepView<'_, D>) -> Result<(), ObserverError> {
+        if let Some(report) = view.report.filter(|_| view.ends_step()) {
+            (self.call)(&StepProgress {
+                step: view.state.step,
+                n_steps: self.n_steps,
+                time: view.state.time,
+                d_min: leading_body(view.setup).and_then(|index| distance(view, index, self.bottom)),
+                newton_iterations: report.newton.iterations,
+                in_contact: report.contacts.iter().any(ContactReport::is_active),
+            });
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,160 @@
+//! Fields, boundary conditions and surfaces of scenarios, as they arrive in the problem.
+
+use std::path::Path;
+
+use algebra::{BlockLayout, Constraints};
+use io::scenario::case::{Case, case};
+use io::{ScenarioFile, sizes};
+use mesh::{Placed, Point, Vector};
+use solver::body::StepTime;
+use solver::{FluidBoundary, FluidSetup};
+
+const CHANNEL: &str = include_str!("../../../examples/oscillating-cylinder.toml");
+const BALL: &str = include_str!("../../../validation/cases/virtual-barrier.toml");
+const COARSE_CHANNEL: [&str; 2] = ["background.size=0.1", "body.0.shape.size=0.02"];
+const COARSE_BALL: [&str; 2] = ["background.size=1.0", "body.0.shape.size=1.0"];
+
+fn read(text: &str, sets: &[&[&str]]) -> Result<ScenarioFile, io::Error> {
+    let sets: Vec<String> = sets.concat().iter().map(|set| (*set).to_owned()).collect();
+    ScenarioFile::parse(Path::new("case.toml"), text, &sets)
+}
+
+fn problem(text: &str, sets: &[&[&str]]) -> Case<2> {
+    let file = read(text, sets).unwrap_or_else(|e| panic!("{e}"));
+    case::<2>(&file).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// Expects an error that contains the words.
+fn refused(text: &str, sets: &[&[&str]], words: &[&str]) {
+    let message = read(text, sets).and_then(|file| sizes(&file)).expect_err("a mistake").to_string();
+    words.iter().for_each(|word| assert!(message.contains(word), "`{word}` is not in: {message}"));
+}
+
+/// The fluid, which all cases here have.
+fn wet(case: &Case<2>) -> &FluidSetup<2> {
+    case.setup.fluid.as_ref().unwrap_or_else(|| panic!("a fluid"))
+}
+
+/// The condition on a side.
+fn side<'c>(case: &'c Case<2>, name: &str) -> &'c FluidBoundary<2> {
+    let tag = wet(case).background.tag(name).unwrap_or_else(|| panic!("{name}"));
+    let found = wet(case).boundary.iter().find(|(other, _)| *other == tag);
+    &found.unwrap_or_else(|| panic!("{name}")).1
+}
+
+#[test]
+fn fields_are_numbers_or_formulas_of_position_and_time() {
+    let sets = [
+        "fluid.body_force=[\"x*t\", 2]",
+        "fluid.initial_velocity=[\"y^2\", \"-x\"]",
+        "background.boundary.top={ kind = \"velocity\", value = [\"sin(pi*x)*t\", 0] }",
+        "background.boundary.bottom={ kind = \"traction\", value = [0, \"x + y\"] }",
+    ];
+    let case = problem(CHANNEL, &[&COARSE_CHANNEL, &sets]);
+    let x = Point::<2>::new(0.5, 0.3);
+    let fluid = wet(&case);
+    assert_eq!(fluid.body_force.as_ref().map(|f| f(&x, 3.0)), Some(Vector::<2>::new(1.5, 2.0)));
+    assert_eq!(fluid.initial_velocity.as_ref().map(|u| u(&x)), Some(Vector::<2>::new(0.09, -0.5)));
+    let FluidBoundary::Velocity(velocity) = side(&case, "top") else { panic!("a velocity") };
+    assert!((velocity(&x, 2.0) - Vector::<2>::new(2.0, 0.0)).norm() < 1e-15);
+    let FluidBoundary::Open { traction: Some(traction), .. } = side(&case, "bottom") else { panic!("a traction") };
+    assert_eq!(traction(&x, &Vector::<2>::new(0.0, -1.0), 0.0), Vector::<2>::new(0.0, 0.8));
+
+    let displaced = "body.0.initial_displacement=[\"0.1*x\", \"0.2\"]";
+    let case = problem(BALL, &[&COARSE_BALL, &[displaced]]);
+    let body = &case.setup.bodies[0];
+    for (x, displacement) in body.reference().iter().zip(body.start().displacement()) {
+        assert!((displacement - Vector::<2>::new(0.1 * x[0], 0.2)).norm() < 1e-15);
+    }
+}
+
+#[test]
+fn fields_that_cannot_be_evaluated_are_refused() {
+    let expect = |set: &str, words: &[&str]| refused(CHANNEL, &[&COARSE_CHANNEL, &[set]], words);
+    expect("fluid.body_force=[\"z\", 0]", &["fluid.body_force.0", "`z` is not known", "x, y, t"]);
+    expect("fluid.body_force=[\"1/x\", 0]", &["fluid.body_force.0", "`1/x` is inf", "[0.0, 0.0]", "change it"]);
+    expect("fluid.body_force=[0, \"1/(8 - t)\"]", &["fluid.body_force.1", "t = 8"]);
+    expect("fluid.body_force=[0, true]", &["fluid.body_force.1", "the boolean `true`", "a number or a formula"]);
+    expect("fluid.body_force=[0]", &["fluid.body_force", "1 components"]);
+    let free = "body.0.motion={ kind = \"free\" }";
+    let sets = [free, "body.0.density=1", "body.0.gravity=[0, 0]", "body.0.initial_velocity=[\"x\", 0]"];
+    refused(CHANNEL, &[&COARSE_CHANNEL, &sets], &["body.0.initial_velocity", "numbers instead of formulas"]);
+}
+
+#[test]
+fn symmetry_and_inflow_take_their_direction_from_the_facets() {
+    let sets = [
+        "background.boundary.top={ kind = \"inflow\", profile = \"parabolic\", maximum = 2 }",
+        "background.boundary.right=symmetry",
+        "background.boundary.bottom={ kind = \"symmetry\", normal = [0, -2] }",
+    ];
+    let case = problem(CHANNEL, &[&COARSE_CHANNEL, &sets]);
+    assert!(case.half_domain);
+    assert!(matches!(side(&case, "right"), FluidBoundary::Symmetry { axis: 0 }));
+    assert!(matches!(side(&case, "bottom"), FluidBoundary::Symmetry { axis: 1 }));
+    let FluidBoundary::Velocity(velocity) = side(&case, "top") else { panic!("an inflow") };
+    assert!((velocity(&Point::<2>::new(1.1, 0.41), 0.0) - Vector::<2>::new(0.0, -2.0)).norm() < 1e-15);
+    let FluidBoundary::Velocity(velocity) = side(&case, "left") else { panic!("an inflow") };
+    assert!((velocity(&Point::<2>::new(0.0, 0.205), 5.0) - Vector::<2>::new(0.3, 0.0)).norm() < 1e-15);
+    // The diameter of the half ball is a plane of symmetry, its arc is not plane.
+    let case = problem(BALL, &[&COARSE_BALL]);
+    let (body, mut layout, mut held) = (&case.setup.bodies[0], BlockLayout::new(), Constraints::new());
+    let start = body.start();
+    body.step(&start, &StepTime { start: 0.0, end: 1.0, lengths: vec![1.0] }, &mut layout)
+        .constrain(&layout, &mut held);
+    let velocity = layout.fields().next().unwrap_or_else(|| panic!("a velocity"));
+    for (node, x) in body.reference().iter().enumerate() {
+        let found: Vec<_> = layout.node(velocity, node).map(|dof| held.get(dof)).collect();
+        assert_eq!(found, [(x[0] == 0.0).then_some(0.0), None], "{x}");
+    }
+    let expect = |set: &str, words: &[&str]| refused(BALL, &[&COARSE_BALL, &[set]], words);
+    expect("body.0.boundary.surface=symmetry", &["body.0.boundary.surface", "not plane"]);
+    let left = |normal: &str| format!("background.boundary.left={{ kind = \"symmetry\", normal = {normal} }}");
+    expect(&left("[1, 1]"), &["background.boundary.left", "not along an axis", "oblique"]);
+    expect(&left("[0, 0]"), &["background.boundary.left.normal", "zero"]);
+}
+
+#[test]
+fn polygons_are_surfaces_of_bodies_that_do_not_deform() {
+    let corners = ["[0.2, 0.1]", "[0.4, 0.2]", "[0.2, 0.3]"];
+    let shape = |corners: &[&str]| {
+        format!("body.0.shape={{ kind = \"polygon\", corners = [{}], size = 0.05 }}", corners.join(", "))
+    };
+    let [a, b, c] = corners;
+    for order in [[a, b, c], [c, b, a]] {
+        let case = problem(CHANNEL, &[&COARSE_CHANNEL[..1], &[&shape(&order)]]);
+        let body = &case.setup.bodies[0];
+        let placed = Placed::new(body.surface(), body.reference());
+        // Sides of 0.224, 0.224 and 0.2 have 5, 5 and 4 segments.
+        assert_eq!((body.surface().n_facets(), body.reference().len()), (14, 14));
+        assert!((placed.enclosed().volume - 0.02).abs() < 1e-15);
+    }
+    let expect = |shape: String, words: &[&str]| refused(CHANNEL, &[&COARSE_CHANNEL[..1], &[&shape]], words);
+    expect(shape(&[a, b]), &["body.0.shape.corners", "2 corners"]);
+    expect(shape(&[a, b, "[0.2, 0.2]", "[0.4, 0.1]", c]), &["body.0.shape", "cannot cut the background"]);
+    let elastic = format!("body.0.{}", &shape(&corners)["body.0.".len()..]);
+    refused(BALL, &[&COARSE_BALL[..1], &[&elastic]], &["body.0.shape", "needs a mesh", "give a motion"]);
+}
+
+#[test]
+fn units_are_labels() {
+    use io::scenario::Quantity;
+    let names = "units={ length = \"mm\", mass = \"g\", time = \"ms\" }";
+    for (set, length, density) in [("units=cgs", "cm", "g/cm³"), ("units=si", "m", "kg/m³"), (names, "mm", "g/mm³")]
+    {
+        let file = read(BALL, &[&[set]]).unwrap_or_else(|e| panic!("{e}"));
+        let units = &file.scenario().units;
+        assert_eq!((units.label(Quantity::LENGTH), units.label(Quantity::DENSITY)), (length.into(), density.into()));
+    }
+    refused(BALL, &[&["units={ length = \"mm\", mass = \"g\" }"]], &["units", "`time` is missing"]);
+    refused(BALL, &[&["units=3"]], &["units", "the number `3`", "\"cgs\" or \"si\" or a table"]);
+}
+
+#[test]
+fn a_word_may_stand_for_a_table_with_its_kind() {
+    let short = read(CHANNEL, &[&["body.0.motion=fixed"]]).unwrap_or_else(|e| panic!("{e}"));
+    let long = read(CHANNEL, &[&["body.0.motion={ kind = \"fixed\" }"]]).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(short.scenario(), long.scenario());
+    refused(CHANNEL, &[&["body.0.motion=rotating"]], &["body.0.motion", "`centre` is missing"]);
+    refused(CHANNEL, &[&["body.0.motion={ file = \"a.csv\" }"]], &["body.0.motion", "`kind` is missing"]);
+}

@@ -1,0 +1,152 @@
+//! Bodies without a fluid: a scenario that has neither `[fluid]` nor `[background]` nor `[interface]`.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use io::{HistoryTable, ScenarioFile, Summary, run, sizes};
+use mesh::generate::structured_box;
+use mesh::{BodyId, Point, Vector};
+use solver::algebra::{NewtonSettings, Workspace};
+use solver::body::Body;
+use solver::contact::{ContactForm, Penalty, RigidPlane};
+use solver::solid_svk::{ElasticBody, ElasticOptions, LameParameters, SaintVenantKirchhoff, SolidForm, SolidMesh};
+use solver::{Contact, ContactObstacle, Setup, State, StepReport, Substep, advance};
+
+/// An elastic block that falls on a plane and bounces.
+const CASE: &str = r#"
+name      = "dry-block"
+dimension = 2
+units     = "si"
+
+[time]
+step = 1.0e-3
+end  = 0.06
+
+[[body]]
+name             = "block"
+shape            = { kind = "box", min = [0.0, 0.01], max = [1.0, 0.51], n = [4, 2] }
+material         = { kind = "saint-venant-kirchhoff", mu = 4.0e5, lambda = 1.6e6 }
+density          = 1000.0
+gravity          = [0.0, -10.0]
+initial_velocity = [0.0, -1.0]
+
+[[contact]]
+body     = "block"
+law      = { kind = "penalty", gamma_contact_0 = 1.0e6 }
+size     = 0.1
+offset   = 0.005
+obstacle = { kind = "rigid-plane", point = [0.0, 0.0], normal = [0.0, -1.0] }
+
+[output]
+vtk_every = 20
+
+[solver]
+newton = { tolerance = 1.0e-10, max_iterations = 30 }
+linear = { kind = "direct" }
+"#;
+const DT: f64 = 1e-3;
+const N_STEPS: usize = 60;
+
+fn file() -> ScenarioFile {
+    ScenarioFile::parse(Path::new("dry.toml"), CASE, &[]).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn fresh_directory(name: &str) -> PathBuf {
+    let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("dry").join(name);
+    let _ = std::fs::remove_dir_all(&path);
+    path
+}
+
+/// The block of the scenario, built from the library.
+fn block() -> Setup<2> {
+    let mesh = structured_box([0.0, 0.01], [1.0, 0.51], [4, 2]).expect("a box");
+    let material = SaintVenantKirchhoff::new(LameParameters { mu: 4e5, lambda: 1.6e6 });
+    let form = SolidForm::new(1000.0, material, Vector::<2>::new(0.0, -10.0)).expect("a form");
+    let options = ElasticOptions {
+        initial_velocity: Some(Arc::new(|_| Vector::<2>::new(0.0, -1.0))),
+        ..ElasticOptions::default()
+    };
+    let solid = SolidMesh::new(mesh).expect("a mesh");
+    let body: Arc<dyn Body<2>> = Arc::new(ElasticBody::new("block", solid, form, options).expect("a body"));
+    let facets = body.surface().facets().collect();
+    let bodies = vec![body];
+    let plane = RigidPlane::new(Point::<2>::zeros(), Vector::<2>::new(0.0, -1.0)).expect("a plane");
+    let form = ContactForm::new(Penalty::new(1e6, 0.005).expect("a law"), 0.1).expect("a size");
+    let contact = Contact::new(&bodies, BodyId(0), facets, form, ContactObstacle::Rigid(Box::new(plane)));
+    let contacts = vec![contact.expect("a contact")];
+    Setup { fluid: None, bodies, contacts, dt: DT, most_halvings: 0, newton: NewtonSettings::new(1e-10) }
+}
+
+fn reports(setup: &Setup<2>) -> Vec<StepReport<2>> {
+    let (mut state, mut work) = (State::initial(setup).expect("a state"), Workspace::new());
+    let mut step = || {
+        let (next, report) = advance(setup, &state, Substep::whole(DT), &mut work).expect("a step");
+        state = next;
+        report
+    };
+    (0..N_STEPS).map(|_| step()).collect()
+}
+
+#[test]
+fn a_block_without_a_fluid_moves_as_in_the_library() {
+    let directory = fresh_directory("run");
+    let summary = run(&file(), &directory, &mut ()).unwrap_or_else(|e| panic!("{e}"));
+    let table = HistoryTable::read(&directory.join("history.csv")).unwrap_or_else(|e| panic!("{e}"));
+    let column = |name: &str| table.column(name).unwrap_or_else(|| panic!("no column {name}"));
+    let reports = reports(&block());
+    let check = |name: &str, of: fn(&StepReport<2>) -> f64| {
+        assert_eq!(column(name), reports.iter().map(of).collect::<Vec<f64>>(), "{name}");
+    };
+    check("centre_y", |r| r.bodies[0].balance.as_ref().map_or(f64::NAN, |b| b.centre_of_mass[1]));
+    check("energy_kinetic_solid", |r| r.bodies[0].balance.as_ref().map_or(f64::NAN, |b| b.kinetic_energy));
+    check("energy_elastic", |r| r.bodies[0].balance.as_ref().map_or(f64::NAN, |b| b.elastic_energy));
+    check("energy_gravity", |r| r.bodies[0].balance.as_ref().map_or(f64::NAN, |b| b.potential_energy));
+    check("energy_contact", |r| r.contacts[0].stored_energy);
+    check("contact_force", |r| r.contacts[0].force[1]);
+    check("active_points", |r| r.contacts[0].n_active as f64);
+    check("max_penetration", |r| r.contacts[0].largest_penetration);
+    check("dofs", |r| r.n_dofs as f64);
+    // There is no fluid.
+    for name in ["energy_kinetic_fluid", "leak_net", "force_y", "torque", "smallest_fraction"] {
+        assert!(column(name).iter().all(|value| *value == 0.0), "{name}");
+    }
+    // The block falls freely through the distance from gap to offset, is stopped, and thrown back.
+    let force = column("contact_force");
+    assert!(force[..4].iter().all(|f| *f == 0.0) && force.iter().any(|f| *f > 1e4), "{force:?}");
+    let velocity = column("centre_velocity");
+    assert!((velocity[0] + 1.0 + 10.0 * DT).abs() < 1e-9 && velocity[N_STEPS - 1] > 0.1, "{velocity:?}");
+    let (contact, release) = (summary.contact_time.expect("contact"), summary.release_time.expect("release"));
+    assert!(contact > 3.5e-3 && contact < 7e-3 && release > contact + 0.01 && release < 0.06, "{contact} {release}");
+    assert!(summary.energy_monotone && summary.max_penetration > 0.0, "{summary:?}");
+    assert_eq!((summary.steps, summary.divided_steps, summary.cells), (N_STEPS, 0, 0));
+    assert_eq!((summary.leading.as_deref(), summary.profile.as_str(), summary.half_domain), (Some("block"), "", false));
+    assert_eq!((summary.dofs, summary.max_interface_leak), (2 * 15, 0.0));
+    assert_eq!(Summary::read(&directory.join("summary.json")).expect("a summary"), summary);
+}
+
+#[test]
+fn only_the_body_has_field_files() {
+    let directory = fresh_directory("fields");
+    run(&file(), &directory, &mut ()).unwrap_or_else(|e| panic!("{e}"));
+    for series in ["fluid", "rigid", "interface"] {
+        assert!(!directory.join(format!("{series}.pvd")).exists(), "{series}");
+    }
+    let files = std::fs::read_dir(directory.join("vtk")).expect("a directory");
+    let mut names: Vec<String> =
+        files.map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned()).collect();
+    names.sort();
+    assert_eq!(names, [0, 20, 40, 60].map(|step| format!("solid_{step:06}.vtu")));
+    let index = std::fs::read_to_string(directory.join("solid.pvd")).expect("an index");
+    assert_eq!(index.matches("file=").count(), names.len());
+    // The scenario that was left can be read again.
+    let again = ScenarioFile::read(&directory.join("scenario.toml"), &[]).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(again.scenario(), file().scenario());
+}
+
+#[test]
+fn sizes_are_those_of_the_body() {
+    let sizes = sizes(&file()).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(sizes.bodies, [("block".to_owned(), 16, 15)]);
+    assert_eq!((sizes.background_cells, sizes.background_vertices, sizes.cut_cells), (0, 0, 0));
+    assert_eq!((sizes.dofs, sizes.n_steps, sizes.half_domain), (2 * 15, N_STEPS, false));
+}

@@ -1,0 +1,153 @@
+//! Scenarios in three dimensions: boxes that fall through a fluid in a closed box, free and elastic.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use io::{HistoryTable, ScenarioFile, run, sizes};
+
+/// A cube falls in a closed box of fluid, one and a half times as dense.
+const CASE: &str = r#"
+name      = "cube"
+dimension = 3
+units     = "si"
+
+[time]
+step = 0.02
+end  = 0.1
+
+[fluid]
+density        = 1.0
+viscosity      = 0.1
+gamma_ghost    = 1.0
+gamma_pressure = 0.1
+cip            = { profile = "consistent", gamma_u = 0.1 }
+body_force     = [0.0, 0.0, "-10*1"]
+
+[background]
+kind = "graded-box"
+min  = [0.0, 0.0, 0.0]
+max  = [1.0, 1.0, 1.0]
+size = 0.3
+boundary = { left = "no-slip", right = "no-slip", front = "no-slip", back = "no-slip", bottom = "no-slip", top = "no-slip" }
+
+[[body]]
+name    = "cube"
+shape   = { kind = "box", min = [0.31, 0.32, 0.53], max = [0.71, 0.72, 0.93], n = [2, 2, 2] }
+motion  = { kind = "free" }
+density = 1.5
+gravity = [0.0, 0.0, -10.0]
+
+[interface]
+gamma_sigma = 1.0e2
+alpha       = 1.0
+
+[output]
+vtk_every = 5
+
+[solver]
+newton = { tolerance = 1.0e-8, max_iterations = 20 }
+linear = { kind = "direct" }
+"#;
+
+/// A plane below the cube; contact begins 3 cm below the place of the cube.
+const FLOOR: &str = r#"
+[[contact]]
+body     = "cube"
+law      = { kind = "penalty", gamma_contact_0 = 100.0 }
+size     = 0.1
+offset   = 0.05
+obstacle = { kind = "rigid-plane", point = [0.0, 0.0, 0.45], normal = [0.0, 0.0, -1.0] }
+"#;
+
+const FREE: &str = "motion  = { kind = \"free\" }";
+
+fn scenario(text: &str, sets: &[&str]) -> ScenarioFile {
+    let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
+    ScenarioFile::parse(Path::new("cube.toml"), text, &sets).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// Runs a scenario and returns a function that reads columns of its history, and the directory.
+fn history(name: &str, file: &ScenarioFile) -> (HistoryTable, PathBuf) {
+    let directory = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("space").join(name);
+    let _ = fs::remove_dir_all(&directory);
+    run(file, &directory, &mut ()).unwrap_or_else(|e| panic!("{e}"));
+    (HistoryTable::read(&directory.join("history.csv")).unwrap_or_else(|e| panic!("{e}")), directory)
+}
+
+fn column(table: &HistoryTable, name: &str) -> Vec<f64> {
+    table.column(name).unwrap_or_else(|| panic!("{name}"))
+}
+
+fn message(text: &str, sets: &[&str]) -> String {
+    let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
+    let file = ScenarioFile::parse(Path::new("cube.toml"), text, &sets);
+    file.and_then(|file| sizes(&file)).expect_err("a mistake").to_string()
+}
+
+#[test]
+fn a_free_cube_falls_with_the_force_that_is_reported() {
+    let (table, directory) = history("free", &scenario(CASE, &[]));
+    let (velocity, force, height) =
+        (column(&table, "centre_velocity"), column(&table, "force_z"), column(&table, "centre_y"));
+    let mass = 1.5 * 0.4_f64.powi(3);
+    let (mut before, mut at) = (0.0, 0.73);
+    for k in 0..5 {
+        let inertia = mass * (velocity[k] - before) / 0.02;
+        assert!((inertia + 10.0 * mass - force[k]).abs() < 1e-6 * 10.0 * mass, "{inertia} {force:?}");
+        at += 0.02 * velocity[k];
+        assert!((height[k] - at).abs() < 1e-9, "{height:?}");
+        before = velocity[k];
+    }
+    // Slower than buoyancy alone allows, 10 (1 - 1/1.5), because fluid is accelerated as well.
+    assert!(velocity[0] < 0.0 && -velocity[0] / 0.02 < 10.0 / 3.0, "{velocity:?}");
+    assert!(velocity.windows(2).all(|v| v[1] < v[0]), "{velocity:?}");
+    for file in ["fluid.pvd", "rigid.pvd", "interface.pvd", "vtk/fluid_000005.vtu", "vtk/rigid_000005.vtu"] {
+        assert!(directory.join(file).exists(), "{file}");
+    }
+    let left = ScenarioFile::read(&directory.join("scenario.toml"), &[]).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(left.scenario(), scenario(CASE, &[]).scenario());
+}
+
+#[test]
+fn a_cube_lands_on_a_plane() {
+    let sets = ["time.end=0.3", "fluid.viscosity=0.01", "body.0.initial_velocity=[0.0, 0.0, -1.0]"];
+    let (table, _) = history("landing", &scenario(&format!("{CASE}{FLOOR}"), &sets));
+    let (gap, force, velocity) =
+        (column(&table, "d_min"), column(&table, "contact_force"), column(&table, "centre_velocity"));
+    for (gap, force) in gap.iter().zip(&force) {
+        assert!((*gap < 0.05) == (*force > 0.0), "{gap} {force}");
+    }
+    // It comes to rest where the plane, 1000 N/m³ over 0.16 m², carries its weight without buoyancy, 0.32 N.
+    assert!(gap[0] > 0.07 && velocity[0] < -0.4 && velocity[14].abs() < 0.01, "{gap:?} {velocity:?}");
+    assert!((force[14] - 0.32).abs() < 0.1 * 0.32, "{force:?}");
+    assert!((gap[14] - (0.05 - 0.002)).abs() < 0.001, "{gap:?}");
+}
+
+#[test]
+fn an_elastic_cube_is_compressed_by_its_weight() {
+    let elastic = "material = { kind = \"saint-venant-kirchhoff\", young = 1.0e4, poisson = 0.3 }\n\
+                   boundary = { top = \"clamped\", left = \"symmetry\" }";
+    let text = CASE.replace(FREE, elastic);
+    let (table, directory) = history("elastic", &scenario(&text, &["time.end=0.04", "output.vtk_every=2"]));
+    let energy = column(&table, "energy_elastic");
+    assert!(energy.iter().all(|e| *e > 0.0), "{energy:?}");
+    let height = column(&table, "centre_y");
+    assert!(height.iter().all(|y| *y < 0.73 && *y > 0.72), "the top is held: {height:?}");
+    assert!(directory.join("vtk/solid_000002.vtu").exists());
+}
+
+#[test]
+fn planar_shapes_and_vectors_are_refused() {
+    let cube = CASE.lines().find(|line| line.starts_with("shape")).expect("a shape");
+    for (shape, word) in [
+        ("{ kind = \"ball\", centre = [0.5, 0.5, 0.7], radius = 0.2, size = 0.1 }", "dimension = 2"),
+        ("{ kind = \"polygon\", corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0]], size = 0.1 }", "two dimensions"),
+        ("{ kind = \"box\", min = [0.3, 0.3], max = [0.7, 0.7, 0.9], n = [2, 2, 2] }", "2 components"),
+        ("{ kind = \"box\", min = [0.3, 0.3, 0.5], max = [0.7, 0.7, 0.9], n = [2, 2] }", "2 components"),
+    ] {
+        let found = message(&CASE.replace(cube, &format!("shape = {shape}")), &[]);
+        assert!(found.contains("cube.toml:") && found.contains("body.0.shape") && found.contains(word), "{found}");
+    }
+    let found = message(CASE, &["background.boundary.front=fre"]);
+    assert!(found.contains("background.boundary.front") && found.contains("did you mean `free`?"), "{found}");
+}

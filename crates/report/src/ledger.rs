@@ -1,0 +1,184 @@
+//! Balances of energy, of the forces on a body, and of volumes.
+
+use io::HistoryTable;
+
+use crate::html::{gallery, number, table};
+use crate::{Curve, Error, Results};
+
+/// Energies, forces and volumes of a run.
+pub(crate) struct Ledger<'a> {
+    pub(crate) results: &'a Results,
+}
+
+impl Ledger<'_> {
+    /// Sum of a column over all bodies.
+    fn of_bodies(&self, table: &HistoryTable, column: &str) -> Option<Vec<f64>> {
+        let bodies = &self.results.summary.bodies;
+        let columns = bodies.iter().map(|name| table.column(&format!("{}{column}", self.results.prefix(name))));
+        let columns: Vec<_> = columns.collect::<Option<_>>()?;
+        Some((0..table.len()).map(|k| columns.iter().map(|column| column[k]).sum()).collect())
+    }
+
+    /// The energies over time, and their sum.
+    pub(crate) fn energies(&self) -> Result<String, Error> {
+        let Results { history, diagnostics, summary, .. } = self.results;
+        let units = &summary.units;
+        let times = history.column("time").unwrap_or_default();
+        let curve = |label: &str, values: Option<Vec<f64>>| {
+            let values = values.unwrap_or_default();
+            // Potential energy is known up to a constant.
+            let shift = if label.starts_with("potential") { values.first().copied().unwrap_or(0.0) } else { 0.0 };
+            Curve::new(label, times.iter().copied().zip(values.into_iter().map(|v| v - shift)).collect())
+        };
+        let energies = vec![
+            curve("kinetic, bodies", self.of_bodies(history, "energy_kinetic_solid")),
+            curve("elastic", self.of_bodies(history, "energy_elastic")),
+            curve("potential of gravity", self.of_bodies(history, "energy_gravity")),
+            curve("stored in contact", history.column("energy_contact")),
+            curve("kinetic, fluid", history.column("energy_kinetic_fluid")),
+        ];
+        let mut each = self.results.over_time("energies", &units.energy, energies);
+        each.caption = "The potential energy is zero at the first step.".to_owned();
+        let sum = self.results.curve("sum of all energies", diagnostics, "total_energy");
+        let mut sum = self.results.over_time("sum of all energies", &units.energy, vec![sum]);
+        sum.caption = "Without work of inflow, prescribed motion or forces on the fluid it never grows: viscosity, \
+                       stabilisation, open sides and implicit Euler dissipate."
+            .to_owned();
+        Ok(gallery(&[each.html()?, sum.html()?]))
+    }
+
+    /// Changes of energies and work from the last step before the first contact to its end; `None` without a contact.
+    pub(crate) fn contact(&self) -> Option<String> {
+        let Results { history, diagnostics, summary, .. } = self.results;
+        let units = &summary.units;
+        let times = history.column("time")?;
+        let &(begin, end) = summary.contact_intervals.first()?;
+        let first = times.iter().position(|t| *t >= begin - 1e-9)?.checked_sub(1)?;
+        let last = end.map_or(times.len() - 1, |end| times.iter().position(|t| *t >= end - 1e-9).unwrap_or(first));
+        let change = |values: &[f64]| values.get(last).zip(values.get(first)).map(|(b, a)| b - a);
+        let work = |values: &[f64]| Some(integral(&times, values)?[last] - integral(&times, values)?[first]);
+        let bodies_kinetic = self.of_bodies(history, "energy_kinetic_solid")?;
+        let stored = history.column("energy_contact")?;
+        let kinetic = change(&bodies_kinetic)?;
+        let elastic = change(&self.of_bodies(history, "energy_elastic")?)?;
+        let gravity = change(&self.of_bodies(history, "energy_gravity")?)?;
+        let fluid = change(&history.column("energy_kinetic_fluid")?)?;
+        let released = change(&stored)?;
+        let by_contact = work(&self.of_bodies(history, "contact_power")?)?;
+        let by_fluid = work(&self.of_bodies(diagnostics, "fluid_power")?)?;
+        let impact = bodies_kinetic[first];
+        let largest = stored.get(first..=last)?.iter().copied().fold(0.0, f64::max);
+        let rows = [
+            ("change of the kinetic energy of the bodies", kinetic),
+            ("change of the elastic energy", elastic),
+            ("change of the potential energy of gravity", gravity),
+            ("change of the kinetic energy of the fluid", fluid),
+            ("work of the fluid on the bodies", by_fluid),
+            ("work of contact on the bodies", by_contact),
+            ("dissipated in the bodies by the time scheme", by_fluid + by_contact - (kinetic + elastic + gravity)),
+            ("dissipated in the contact by the time scheme", -by_contact - released),
+            ("dissipated in the fluid: viscosity, stabilisation, time scheme, open sides", -by_fluid - fluid),
+            ("largest energy stored in the contact", largest),
+        ];
+        let row = |(what, value): &(&str, f64)| {
+            vec![(*what).to_owned(), number(*value), format!("{} %", number((1e3 * value / impact).round() / 10.0))]
+        };
+        let caption = format!(
+            "Energy in the first contact, from {} to {} {}, and relative to the kinetic energy of the bodies before it, \
+             {} {}.",
+            number(times[first]),
+            number(times[last]),
+            units.time,
+            number(impact),
+            units.energy,
+        );
+        let head = ["", &units.energy, "of the impact"];
+        Some(table(&caption, &head, &rows.iter().map(row).collect::<Vec<_>>()))
+    }
+
+    /// Forces and volumes.
+    pub(crate) fn balances(&self) -> Result<String, Error> {
+        Ok(gallery(&[self.forces()?, format!("<div>{}</div>", self.volumes())]))
+    }
+
+    /// The vertical forces on the leading body, and how well they balance; empty if its motion is prescribed.
+    fn forces(&self) -> Result<String, Error> {
+        let Results { diagnostics, summary, .. } = self.results;
+        let units = &summary.units;
+        let forces = [
+            ("inertia", "force_inertia"),
+            ("pressure", "force_pressure"),
+            ("viscous", "force_viscous"),
+            ("mortar penalty", "force_penalty"),
+            ("contact", "force_contact"),
+            ("gravity", "force_gravity"),
+        ];
+        let name = |column: &str| format!("{}{column}", self.results.leading_prefix());
+        let remainder = diagnostics.column(&name("force_remainder")).unwrap_or_default();
+        if !remainder.iter().any(|r| r.is_finite()) {
+            return Ok(String::new());
+        }
+        let curves = forces.map(|(label, column)| self.results.curve(label, diagnostics, &name(column)));
+        let largest = curves.iter().flat_map(|curve| &curve.points).map(|(_, f)| f.abs()).fold(0.0, f64::max);
+        let error = remainder.iter().map(|r| r.abs()).fold(0.0, f64::max) / largest.max(f64::MIN_POSITIVE);
+        let mut chart = self.results.over_time("vertical forces", &units.force, curves.into());
+        chart.caption = format!("Inertia is the sum of all others, up to {} of the largest force.", number(error));
+        chart.html()
+    }
+
+    /// Leaks and volumes.
+    fn volumes(&self) -> String {
+        let Results { history, diagnostics, summary, .. } = self.results;
+        let units = &summary.units;
+        let mut rows = Vec::new();
+        let mut add = |what: &str, value: Option<f64>, unit: &str| {
+            if let Some(value) = value.filter(|value| value.is_finite()) {
+                rows.push(vec![what.to_owned(), format!("{} {unit}", number(value))]);
+            }
+        };
+        let largest = |column: &str| Some(history.column(column)?.iter().map(|v| v.abs()).fold(0.0, f64::max));
+        let drift = |values: Option<Vec<f64>>| {
+            let values = values?;
+            let first = *values.first()?;
+            Some(values.iter().map(|v| (v - first).abs()).fold(0.0, f64::max) / first.abs())
+        };
+        add("largest net leak through the interface", largest("leak_net"), &units.flow);
+        add("largest absolute leak", largest("leak_absolute"), &units.flow);
+        add("largest net leak, relative to the flow that the bodies displace", Some(summary.max_interface_leak), "");
+        let times = history.column("time");
+        let net = times.zip(history.column("leak_net")).and_then(|(t, v)| integral(&t, &v)?.last().copied());
+        add("fluid gained through the interface over the whole run", net, &units.volume);
+        add("largest relative change of the volume of the fluid", drift(diagnostics.column("fluid_volume")), "");
+        let volume = diagnostics.column(&format!("{}volume", self.results.leading_prefix()));
+        add("largest relative change of the volume of the leading body", drift(volume), "");
+        let fraction = history.column("smallest_fraction");
+        add(
+            "smallest fluid part of a cell, relative to the cell",
+            fraction.map(|v| v.into_iter().fold(1.0, f64::min)),
+            "",
+        );
+        table("", &["", ""], &rows)
+    }
+}
+
+/// Integrals of a rate from the start to the end of each row's step, over which it holds; `None` if a row is missing.
+fn integral(times: &[f64], rates: &[f64]) -> Option<Vec<f64>> {
+    let (mut sum, mut begin) = (0.0, 0.0);
+    let mut add = |(&end, &rate): (&f64, &f64)| {
+        sum += rate * (end - begin);
+        begin = end;
+        sum
+    };
+    (times.len() == rates.len()).then(|| times.iter().zip(rates).map(&mut add).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::integral;
+
+    #[test]
+    fn a_rate_holds_over_the_step_that_ends_in_its_row() {
+        assert_eq!(integral(&[0.5, 2.0], &[4.0, -1.0]), Some(vec![2.0, 0.5]));
+        assert_eq!(integral(&[0.5], &[4.0, -1.0]), None);
+    }
+}

@@ -1,0 +1,50 @@
+//! A self-contained page for the results of a run: `report.html`.
+//!
+//! The page opens from the file system without a network. It contains the scenario, the animation, fields at chosen moments,
+//! interactive histories (drawn by uPlot), contacts, energies and timings. A [`Recorder`] attached to the run collects the
+//! frames of the animation; everything else is read from the files of the run, so the page can be written again later.
+//!
+//! ```no_run
+//! use io::{ScenarioFile, run};
+//! use report::Recorder;
+//!
+//! let directory = "results".as_ref();
+//! let mut recorder = Recorder::default();
+//! run(&ScenarioFile::read("scenario.toml".as_ref(), &[])?, directory, &mut recorder)?;
+//! recorder.write(directory)?;
+//! report::write(directory)?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod chart;
+mod error;
+mod frames;
+pub mod html;
+mod ledger;
+mod page;
+mod picture;
+pub mod plane;
+mod raster;
+mod results;
+
+use std::path::{Path, PathBuf};
+
+pub use chart::{Chart, Curve};
+pub use error::Error;
+pub use frames::{Frames, Packed, Recorder, Snapshot};
+pub use html::{Page, Section};
+pub use page::part;
+pub use picture::write_picture;
+pub use results::Results;
+
+/// Writes `report.html` into a directory of results and returns its path.
+///
+/// # Errors
+/// [`Error`]: files of the run are missing or malformed, or the page cannot be written.
+pub fn write(directory: &Path) -> Result<PathBuf, Error> {
+    let results = Results::read(directory)?;
+    let path = directory.join("report.html");
+    Page { title: results.summary.case.clone(), lead: page::lead(&results), sections: page::sections(&results)? }
+        .write(&path)?;
+    Ok(path)
+}

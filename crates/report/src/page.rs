@@ -1,0 +1,244 @@
+//! The sections of the page of one run.
+
+use std::fmt::Write;
+
+use serde_json::json;
+
+use crate::html::{data, duration, escape, gallery, number, optional, table};
+use crate::ledger::Ledger;
+use crate::{Chart, Error, Frames, Results, Section, Snapshot};
+
+/// Writes the introduction of the page, one sentence that summarises the run.
+pub(crate) fn lead(results: &Results) -> String {
+    let summary = &results.summary;
+    let time = &results.summary.units.time;
+    let end = results.history.column("time").and_then(|times| times.last().copied()).unwrap_or(0.0);
+    let contact = match (summary.contact_time, summary.release_time) {
+        (Some(begin), Some(end)) => format!("First contact at {} {time}, until {} {time}.", number(begin), number(end)),
+        (Some(begin), None) => format!("Contact from {} {time} to the end.", number(begin)),
+        (None, _) => "No contact.".to_owned(),
+    };
+    format!(
+        "<p>{} steps to {} {time}, computed in {}. {contact}</p>",
+        summary.steps,
+        number(end),
+        duration(summary.wall_seconds)
+    )
+}
+
+/// All sections of a run, in order.
+///
+/// # Errors
+/// [`Error::Json`].
+pub(crate) fn sections(results: &Results) -> Result<Vec<Section>, Error> {
+    let ledger = Ledger { results };
+    let energy = ledger.energies()? + &ledger.contact().unwrap_or_default();
+    let scenario = format!("<pre>{}</pre>", escape(&results.scenario));
+    let all = [
+        ("run", "The run", run(results)?),
+        ("moments", "Fields", moments(results)?),
+        ("histories", "Histories", histories(results, &[])?),
+        ("contacts", "Contacts", contacts(results, &[])?),
+        ("energies", "Energies", energy),
+        ("balances", "Forces and volumes", ledger.balances()?),
+        ("timings", "Timings", timings(results)?),
+        ("scenario", "Scenario", scenario),
+    ];
+    let filled = all.into_iter().filter(|(_, _, html)| !html.is_empty());
+    Ok(filled.map(|(id, title, html)| Section::new(id, title, html)).collect())
+}
+
+/// A run as a part of a page about several: animation and sizes, histories with marked times, contacts, fields, energies and
+/// balances, with titles one level below those of sections.
+///
+/// # Errors
+/// [`Error::Json`].
+pub fn part(results: &Results, marks: &[(String, f64)]) -> Result<String, Error> {
+    let ledger = Ledger { results };
+    let mut html = run(results)?;
+    for (title, part) in [
+        ("Histories", histories(results, marks)?),
+        ("Contacts", contacts(results, marks)?),
+        ("Fields", moments(results)?),
+        ("Energies", ledger.energies()? + &ledger.contact().unwrap_or_default()),
+        ("Forces and volumes", ledger.balances()?),
+    ] {
+        if !part.is_empty() {
+            // Writing to a string cannot fail.
+            let _ = write!(html, "<h3>{title}</h3>{part}");
+        }
+    }
+    Ok(html)
+}
+
+/// Animation and sizes.
+fn run(results: &Results) -> Result<String, Error> {
+    let summary = &results.summary;
+    let (length, time) = (&summary.units.length, &summary.units.time);
+    let half =
+        if summary.half_domain { "; half of a symmetric problem: so are forces, masses and energies" } else { "" };
+    let bodies: Vec<String> = summary.bodies.iter().map(|name| escape(name)).collect();
+    // A run without a fluid has no profile.
+    let has_fluid = !summary.profile.is_empty();
+    let mut rows = vec![("bodies", if bodies.is_empty() { "none".to_owned() } else { bodies.join(", ") })];
+    if has_fluid {
+        rows.push(("background", format!("{} cells{half}", summary.cells)));
+    }
+    rows.push(("unknowns, at most", summary.dofs.to_string()));
+    rows.push(("time step", format!("{} {time}, {} steps", number(summary.dt), summary.steps)));
+    if has_fluid {
+        rows.push(("interior penalty of the velocity", escape(&summary.profile)));
+    }
+    if let Some(leading) = summary.leading.as_ref().filter(|_| bodies.len() > 1) {
+        rows.push(("leading body", escape(leading)));
+    }
+    if let Some(offset) = summary.contact_offset {
+        rows.push(("contact begins at a distance of", format!("{} {length}", number(offset))));
+        rows.push(("largest violation of it", format!("{} {length}", number(summary.max_penetration))));
+    }
+    rows.push(("smallest distance", format!("{} {length}", optional(summary.min_distance))));
+    rows.push(("divided steps", summary.divided_steps.to_string()));
+    rows.push(("sum of energies never grew", if summary.energy_monotone { "yes" } else { "no" }.to_owned()));
+    let rows: Vec<_> = rows.into_iter().map(|(what, value)| vec![what.to_owned(), value]).collect();
+    let facts = format!("<div>{}</div>", table("", &["", ""], &rows));
+    Ok(gallery(&[animation(results)?, facts]))
+}
+
+/// The animation; empty without frames.
+fn animation(results: &Results) -> Result<String, Error> {
+    let Some(frames) = results.frames.as_ref().filter(|frames| !frames.frames.is_empty()) else {
+        return Ok(String::new());
+    };
+    let data = drawing(results, frames, frames.frames.iter())?;
+    let label = escape(&format!("Animation: bodies and speed of the fluid, {}", results.summary.case));
+    Ok(format!(
+        "<figure class=\"animation\"><canvas role=\"img\" aria-label=\"{label}\"></canvas>\
+         <div class=\"controls\"><button type=\"button\" aria-label=\"Play or pause\">Play</button>\
+         <input type=\"range\" min=\"0\" value=\"0\" aria-label=\"Time of the animation\"><output></output></div>\
+         <figcaption>Bodies, and speed of the fluid on a coarse raster.</figcaption>{data}</figure>"
+    ))
+}
+
+/// Fields at chosen moments; empty without frames.
+fn moments(results: &Results) -> Result<String, Error> {
+    let Some(frames) = &results.frames else { return Ok(String::new()) };
+    let mut moments: Vec<_> = frames.moments.iter().collect();
+    moments.sort_by(|a, b| a.1.time.total_cmp(&b.1.time));
+    let figure = |(title, frame): (&String, &Snapshot)| {
+        let title = escape(title);
+        let data = drawing(results, frames, [frame].into_iter())?;
+        Ok(format!(
+            "<figure class=\"moment\"><h4>{title}</h4><canvas role=\"img\" aria-label=\"Speed of the fluid: {title}\">\
+             </canvas><output></output>{data}</figure>"
+        ))
+    };
+    let figures = moments.into_iter().map(figure).collect::<Result<Vec<_>, Error>>()?;
+    Ok(if figures.is_empty() { String::new() } else { format!("<div class=\"moments\">{}</div>", figures.concat()) })
+}
+
+/// The data of frames for the script that draws them.
+fn drawing<'a>(results: &Results, frames: &Frames, shown: impl Iterator<Item = &'a Snapshot>) -> Result<String, Error> {
+    let Frames { low, high, mirror, unit, .. } = frames;
+    data(&json!({
+        "low": low, "high": high, "mirror": mirror, "unit": unit,
+        "units": results.summary.units,
+        "frames": shown.collect::<Vec<_>>(),
+    }))
+}
+
+/// Histories of all bodies, with marked times.
+fn histories(results: &Results, marks: &[(String, f64)]) -> Result<String, Error> {
+    let Results { history, summary, .. } = results;
+    let units = &summary.units;
+    let vertical = ["x", "y", "z"][summary.dimension.saturating_sub(1).min(2)];
+    let bodies = &summary.bodies;
+    let curves = |column: &str| {
+        let curve = |name: &String| results.curve(name, history, &format!("{}{column}", results.prefix(name)));
+        bodies.iter().map(curve).collect::<Vec<_>>()
+    };
+    let mut charts = vec![
+        results.over_time("smallest distance", &units.length, curves("d_min")),
+        results.over_time("velocity of the centre, vertical", &units.velocity, curves("centre_velocity")),
+        results.over_time("height of the body", &units.length, curves("body_height")),
+        results.over_time("velocity of the lowest point", &units.velocity, curves("lowest_velocity")),
+        results.over_time("acceleration of the lowest point", &units.acceleration, curves("lowest_acceleration")),
+        results.over_time("position of the centre, x", &units.length, curves("centre_x")),
+        results.over_time("force of the fluid, x", &units.force, curves("force_x")),
+        results.over_time(
+            &format!("force of the fluid, {vertical}"),
+            &units.force,
+            curves(&format!("force_{vertical}")),
+        ),
+        results.over_time("torque of the fluid", &units.energy, curves("torque")),
+        results.over_time("angle", "rad", curves("angle")),
+    ];
+    charts.iter_mut().for_each(|chart| chart.marks = marks.to_vec());
+    Ok(gallery(&charts.iter().map(Chart::html).collect::<Result<Vec<_>, Error>>()?))
+}
+
+/// Table of the contacts, and the first one in detail; empty without a contact.
+fn contacts(results: &Results, marks: &[(String, f64)]) -> Result<String, Error> {
+    let Results { summary, history, .. } = results;
+    let units = &summary.units;
+    let Some(&(begin, end)) = summary.contact_intervals.first() else { return Ok(String::new()) };
+    let row = |(k, (begin, end)): (usize, &(f64, Option<f64>))| {
+        let lasts = end.map_or("to the end".to_owned(), |end| number(end - begin));
+        vec![(k + 1).to_string(), number(*begin), optional(*end), lasts]
+    };
+    // A body that trembles on an obstacle has hundreds of contacts.
+    let shown = summary.contact_intervals.iter().take(12).enumerate();
+    let rows: Vec<_> = shown.map(row).collect();
+    let time = &units.time;
+    let head = ["", &format!("begin [{time}]"), &format!("end [{time}]"), &format!("lasts [{time}]")];
+    let caption = format!("{} contacts in all.", summary.contact_intervals.len());
+    let last = history.column("time").and_then(|times| times.last().copied()).unwrap_or(begin);
+    let end = end.unwrap_or(last);
+    let margin = (0.4 * (end - begin)).max(5.0 * summary.dt);
+    let window = Some((begin - margin, (end + margin).min(last)));
+    let prefix = results.leading_prefix();
+    let chart = |title: &str, unit: &str, column: &str| {
+        let curve = results.curve(title, history, &format!("{prefix}{column}"));
+        Chart { window, marks: marks.to_vec(), ..results.over_time(title, unit, vec![curve]) }
+    };
+    let mut distance = chart("smallest distance, first contact", &units.length, "d_min");
+    distance.levels = summary.contact_offset.into_iter().collect();
+    let force = chart("contact force, vertical", &units.force, "contact_force");
+    Ok(table(&caption, &head, &rows) + &gallery(&[distance.html()?, force.html()?]))
+}
+
+/// Wall-clock times, and the work of the solver over time.
+fn timings(results: &Results) -> Result<String, Error> {
+    let Results { summary, history, .. } = results;
+    let steps = summary.steps.max(1) as f64;
+    let stages = summary.timings.iter().filter(|timing| timing.contribution.is_none());
+    let all: f64 = stages.clone().map(|timing| timing.seconds).sum();
+    let mut rows = Vec::new();
+    for stage in stages {
+        for timing in summary.timings.iter().filter(|timing| timing.stage == stage.stage) {
+            let name = timing.contribution.as_ref().map_or_else(
+                || escape(&timing.stage),
+                |contribution| format!("<span class=\"part\">{}</span>", escape(contribution)),
+            );
+            let share = 100.0 * timing.seconds / all.max(f64::MIN_POSITIVE);
+            let numbers = [format!("{:.3}", timing.seconds), format!("{:.2}", 1e3 * timing.seconds / steps)];
+            let [seconds, per_step] = numbers;
+            rows.push(vec![name, timing.calls.to_string(), seconds, per_step, format!("{share:.1} %")]);
+        }
+    }
+    let memory = summary.peak_rss_bytes.map_or(String::new(), |bytes| format!(", {} MB of memory", bytes / 1_000_000));
+    let caption = format!(
+        "{} Newton iterations and {} factorisations in {}{memory}.",
+        summary.newton_iterations,
+        summary.factorizations,
+        duration(summary.wall_seconds)
+    );
+    let times = table(&caption, &["", "calls", "seconds", "ms per step", "share"], &rows);
+    let work = ["newton", "linear_iterations", "factorizations"].map(|name| results.curve(name, history, name));
+    let stages = ["cut", "space", "assembly", "linear", "output"];
+    let seconds = stages.map(|name| results.curve(name, history, &format!("seconds_{name}")));
+    let figures = [
+        Chart { title: "iterations per step".to_owned(), ..results.over_time("", "", work.into()) }.html()?,
+        results.over_time("wall-clock time per step", "s", seconds.into()).html()?,
+    ];
+    Ok(times + &gallery(&figures))
+}
