@@ -1,4 +1,4 @@
-//! What a case is and what it has to give: the files in `reference/`.
+//! Cases and their expected numbers: the files in `reference/`.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-/// A case: a scenario, changes to it, and what has to come out.
+/// A case: a scenario, changes to it, and the expected numbers.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Reference {
@@ -19,7 +19,7 @@ pub(crate) struct Reference {
     /// Changes of the scenario, as for `cutwater run --set`.
     #[serde(default)]
     pub(crate) set: Vec<String>,
-    /// What has to come out.
+    /// The expected numbers.
     #[serde(rename = "comparison")]
     pub(crate) comparisons: Vec<Comparison>,
     /// The short version.
@@ -43,7 +43,7 @@ pub(crate) struct Comparison {
     pub(crate) place: Option<String>,
     /// The interval that a number has to lie in.
     pub(crate) band: Option<[f64; 2]>,
-    /// What a property has to be, in the place of a band.
+    /// The expected value of a property, instead of a band.
     pub(crate) expected: Option<bool>,
     /// Why the band is as wide as it is.
     pub(crate) reason: String,
@@ -104,7 +104,7 @@ pub(crate) fn stems(folder: &Path) -> std::io::Result<Vec<String>> {
 /// The reference of a case.
 ///
 /// # Errors
-/// There is none, or it is not as it should be.
+/// The case is missing or invalid.
 pub(crate) fn read(name: &str) -> Result<Reference, String> {
     let path = folder().join("reference").join(name).with_extension("toml");
     if !path.is_file() {

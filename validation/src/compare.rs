@@ -1,6 +1,8 @@
-//! Verdicts: what was computed against what was asked.
+//! Verdicts: computed numbers compared with expected ones.
 
-use cutwater::io;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
 
 use crate::case::Comparison;
 use crate::metrics::Metric;
@@ -10,15 +12,59 @@ const ROUND_OFF: f64 = 1e-9;
 /// Relative deviation from our own stored values that counts as a change.
 const QUICK_TOLERANCE: f64 = 2e-2;
 
-/// Outcomes as `summary.json` has them.
+/// Values of [`Compared::verdict`].
 const PASS: &str = "pass";
 const FAIL: &str = "fail";
+/// File of the comparisons in a directory of results.
+const FILE: &str = "comparisons.json";
 
-/// A row of the report.
+/// A computed number and a known one.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Compared {
+    /// The quantity, with its unit.
+    pub(crate) quantity: String,
+    /// The known number: of the paper, or stored.
+    pub(crate) known: Option<f64>,
+    /// The computed number.
+    pub(crate) computed: Option<f64>,
+    /// The computed number minus the known one.
+    pub(crate) deviation: Option<f64>,
+    /// The accepted interval.
+    pub(crate) band: Option<[f64; 2]>,
+    /// Whether the computed number lies in it: `pass` or `fail`.
+    verdict: String,
+}
+
+impl Compared {
+    /// Whether the computed number lies in the band.
+    pub(crate) fn passes(&self) -> bool {
+        self.verdict == PASS
+    }
+}
+
+/// Writes comparisons into the directory of a run.
+///
+/// # Errors
+/// The file cannot be written.
+pub(crate) fn write(directory: &Path, rows: &[Row]) -> Result<(), Box<dyn std::error::Error>> {
+    let comparisons: Vec<&Compared> = rows.iter().map(|row| &row.comparison).collect();
+    Ok(std::fs::write(directory.join(FILE), serde_json::to_string_pretty(&comparisons)? + "\n")?)
+}
+
+/// Reads the comparisons of a run; none if it was not compared.
+///
+/// # Errors
+/// The file is malformed.
+pub(crate) fn read(directory: &Path) -> Result<Vec<Compared>, Box<dyn std::error::Error>> {
+    let path = directory.join(FILE);
+    if path.is_file() { Ok(serde_json::from_str(&std::fs::read_to_string(path)?)?) } else { Ok(Vec::new()) }
+}
+
+/// A row of the table.
 #[derive(Clone, Debug)]
 pub(crate) struct Row {
-    /// What goes into `summary.json`.
-    pub(crate) comparison: io::Comparison,
+    /// The numbers.
+    pub(crate) comparison: Compared,
     /// Whether the number stands for no (0) or yes (1).
     pub(crate) is_property: bool,
     /// Why the band is as it is.
@@ -26,9 +72,9 @@ pub(crate) struct Row {
 }
 
 impl Row {
-    /// Whether what was computed is what was asked.
+    /// Whether the computed number is as expected.
     pub(crate) fn passes(&self) -> bool {
-        self.comparison.verdict == PASS
+        self.comparison.passes()
     }
 
     fn new(
@@ -45,9 +91,9 @@ impl Row {
             "" => asked.quantity.clone(),
             unit => format!("{}, {unit}", asked.quantity),
         };
-        let comparison = io::Comparison {
+        let comparison = Compared {
             quantity,
-            paper: known,
+            known,
             computed,
             deviation: computed.zip(known).map(|(computed, known)| computed - known),
             band,

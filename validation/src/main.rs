@@ -1,10 +1,13 @@
-//! The falling balls of the paper against its numbers, and the code against what is known exactly.
-#![allow(clippy::print_stdout, clippy::print_stderr)] // talks on the terminal
+//! The falling balls of the paper compared with its numbers, and the code compared with exact solutions.
+#![allow(clippy::print_stdout, clippy::print_stderr)] // prints to the terminal
 
 mod bounds;
 mod case;
+mod chart;
 mod compare;
+mod figures;
 mod metrics;
+mod outcome;
 mod report;
 mod study;
 mod table;
@@ -16,8 +19,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
-/// Whether all is well, or why it could not be said.
-type Outcome = Result<bool, Box<dyn std::error::Error>>;
+use self::outcome::Outcome;
 
 #[derive(Parser)]
 #[command(about, disable_help_subcommand = true)]
@@ -32,16 +34,16 @@ enum Mode {
     Validate {
         /// Cases to run, by the names of their references; all if none is given.
         cases: Vec<String>,
-        /// Coarse meshes, compared with our own stored values: regression, not validation.
+        /// Use coarse meshes and compare with stored values: a regression test, not a validation.
         #[arg(long)]
         quick: bool,
-        /// Store what --quick computes as the values that it will be compared with.
+        /// Store the values of --quick for later comparisons.
         #[arg(long, requires = "quick")]
         regenerate: bool,
-        /// Run studies in the place of cases: the names of their files in studies/, or "all".
+        /// Run studies instead of cases: the names of their files in studies/, or "all".
         #[arg(long, value_name = "NAME", conflicts_with_all = ["cases", "quick", "regenerate"])]
         study: Vec<String>,
-        /// Do the runs of a study again that an earlier call has done.
+        /// Repeat runs of a study whose results are there.
         #[arg(long, requires = "study")]
         again: bool,
         /// Where results go.
@@ -52,16 +54,16 @@ enum Mode {
     Report {
         /// Cases to show; all with results if none is given.
         cases: Vec<String>,
-        /// Say that the results are those of --quick.
+        /// Label the results as those of --quick.
         #[arg(long)]
         quick: bool,
         /// Where results are.
         #[arg(long, default_value = "target/validation")]
         out: PathBuf,
     },
-    /// Compare with what is known exactly.
+    /// Compare with exact solutions and published numbers.
     Verify {
-        /// What to verify; everything if nothing is given.
+        /// Checks to run; all if none is given.
         names: Vec<String>,
         /// The short version; this is the default.
         #[arg(long, conflicts_with = "full")]
@@ -69,7 +71,7 @@ enum Mode {
         /// The long version.
         #[arg(long)]
         full: bool,
-        /// Store what is measured, and write the page docs/src/verification.md from all that is stored.
+        /// Write what was measured into the book: docs/src/verification/NAME.md, with charts.
         #[arg(long)]
         document: bool,
         /// Where results go.

@@ -1,15 +1,26 @@
 //! The numbers of a run, by the names that references use.
 
+use std::io::Write;
 use std::path::Path;
+use std::time::Instant;
 
-use cutwater::io::{HistoryTable, Summary};
+use cutwater::algebra::{DirectSolver, LinearSolver, ScaledMatrix, Workspace};
+use cutwater::io::{Case, HistoryTable, Watch};
+use cutwater::mesh::Point;
+use cutwater::report::Results;
+use cutwater::solver::body::Body;
+use cutwater::solver::{Observer, ObserverError, StepView, advance};
 
 use crate::case::Comparison;
 
-/// Whole steps in units of a factorisation of their matrix; not in `summary.json`.
+/// Whole steps in units of a factorisation of their matrix.
 pub(crate) const REFACTORIZATIONS_PER_STEP: &str = "refactorizations_per_step";
-/// Whether the run reached its end; not in `summary.json`.
+/// Whether the run reached its end.
 const FINISHED: &str = "finished";
+/// Time over which the first mean acceleration is taken, s.
+const EARLY: f64 = 0.01;
+/// Bodies this many times wider than high are plates.
+pub(crate) const PLATE: f64 = 8.0;
 
 /// A number, or a property as 0 or 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,47 +43,79 @@ impl Metric {
     }
 }
 
-/// What a run has to say.
+/// The numbers of a run: those of `summary.json`, and those that only these cases need.
 pub(crate) struct Metrics {
     summary: serde_json::Value,
+    rebound: Option<Rebound>,
+    early_acceleration: Option<f64>,
     finished: bool,
     refactorizations_per_step: Option<f64>,
 }
 
 impl Metrics {
-    /// The metrics of a run from its summary, and whether it reached its end.
+    /// The metrics of a run, and whether it reached its end.
     ///
     /// # Errors
     /// The summary has no JSON form.
-    pub(crate) fn new(summary: &Summary, finished: bool) -> Result<Self, serde_json::Error> {
-        Ok(Self { summary: serde_json::to_value(summary)?, finished, refactorizations_per_step: None })
+    pub(crate) fn new(results: &Results, finished: bool) -> Result<Self, serde_json::Error> {
+        Ok(Self {
+            summary: serde_json::to_value(&results.summary)?,
+            rebound: Rebound::new(results),
+            early_acceleration: early_acceleration(results),
+            finished,
+            refactorizations_per_step: None,
+        })
     }
 
-    /// Compares the median step of a run with a factorisation of its last matrix.
-    ///
-    /// # Errors
-    /// The history cannot be read.
-    pub(crate) fn measure_cost(&mut self, summary: &Summary, directory: &Path) -> Result<(), cutwater::io::Error> {
-        let Some(step) = median_step_seconds(&HistoryTable::read(&directory.join("history.csv"))?) else {
-            return Ok(());
-        };
-        let Some(refactorization) = summary.refactorization_seconds else { return Ok(()) };
-        println!("  median step {:.1} ms, refactorisation {:.1} ms", 1e3 * step, 1e3 * refactorization);
-        self.refactorizations_per_step = Some(step / refactorization);
-        Ok(())
+    /// Divides the median time of a step by the time of a factorisation.
+    pub(crate) fn measure_cost(&mut self, results: &Results, factorization: &Factorization) {
+        let Some((step, seconds)) = median_step_seconds(&results.history).zip(factorization.seconds) else { return };
+        println!("  median step {:.1} ms, refactorisation {:.1} ms", 1e3 * step, 1e3 * seconds);
+        self.refactorizations_per_step = Some(step / seconds);
     }
 
-    /// The metric that a comparison asks for, if the run has it.
+    /// The metric of a comparison, if the run has it.
     pub(crate) fn get(&self, asked: &Comparison) -> Option<Metric> {
         match asked.key.as_str() {
             REFACTORIZATIONS_PER_STEP => self.refactorizations_per_step.map(Metric::number),
             FINISHED => Some(Metric::property(self.finished)),
+            "max_height" => self.rebound.map(|rebound| Metric::number(rebound.height)),
+            "max_height_time" => self.rebound.map(|rebound| Metric::number(rebound.time)),
+            "mean_acceleration_10ms" => self.early_acceleration.map(Metric::number),
             key => {
                 let value = &self.summary[key];
                 value.as_f64().map(Metric::number).or(value.as_bool().map(Metric::property))
             }
         }
     }
+}
+
+/// The highest point of the leading body after its first contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Rebound {
+    /// Largest smallest distance after the release.
+    pub(crate) height: f64,
+    /// When.
+    pub(crate) time: f64,
+}
+
+impl Rebound {
+    /// The rebound of a run; `None` if contact did not end.
+    pub(crate) fn new(results: &Results) -> Option<Self> {
+        let release = results.summary.release_time?;
+        let distances = results.history.column(&format!("{}d_min", results.leading_prefix()))?;
+        let after = results.history.column("time")?.into_iter().zip(distances).filter(|(time, _)| *time >= release);
+        let rebounds = after.map(|(time, height)| Self { height, time });
+        rebounds.reduce(|highest, now| if now.height > highest.height { now } else { highest })
+    }
+}
+
+/// Vertical velocity of the centre of the leading body after 10 ms, divided by that time.
+fn early_acceleration(results: &Results) -> Option<f64> {
+    let times = results.history.column("time")?;
+    let velocities = results.history.column(&format!("{}centre_velocity", results.leading_prefix()))?;
+    let (time, velocity) = times.into_iter().zip(velocities).find(|(time, _)| *time >= EARLY * (1.0 - 1e-9))?;
+    Some(velocity / time)
 }
 
 /// Median over the steps of the time of all stages together.
@@ -85,8 +128,114 @@ fn median_step_seconds(history: &HistoryTable) -> Option<f64> {
     median(&mut steps)
 }
 
-/// The median; none of nothing.
+/// The median; `None` of nothing.
 pub(crate) fn median(values: &mut [f64]) -> Option<f64> {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied()
+}
+
+/// Measures the cost of a sparse LU factorisation of the system of the first step, with a known pattern.
+#[derive(Debug, Default)]
+pub(crate) struct Factorization {
+    seconds: Option<f64>,
+}
+
+impl Watch for Factorization {
+    fn observer<const D: usize>(&mut self, _: &Case<D>) -> Option<Box<dyn Observer<D> + '_>> {
+        Some(Box::new(self))
+    }
+}
+
+impl<const D: usize> Observer<D> for &mut Factorization {
+    fn after_step(&mut self, view: &StepView<'_, D>) -> Result<(), ObserverError> {
+        let Some(report) = view.report.filter(|_| self.seconds.is_none()) else { return Ok(()) };
+        // The step once more, in memory of its own that keeps the system.
+        let mut work = Workspace::new();
+        advance(view.setup, view.previous, report.substep, &mut work)?;
+        let matrix = ScaledMatrix::new(work.system().matrix())?;
+        let system = matrix.system(work.system().layout())?;
+        let mut solver = DirectSolver::new();
+        solver.factorize(&system)?;
+        let mut seconds = [0.0; 3];
+        for time in &mut seconds {
+            let begin = Instant::now();
+            solver.factorize(&system)?;
+            *time = begin.elapsed().as_secs_f64();
+        }
+        self.seconds = median(&mut seconds);
+        Ok(())
+    }
+}
+
+/// File of the thickness of plates in a directory of results.
+pub(crate) const THICKNESS: &str = "thickness.csv";
+
+/// Writes the smallest thickness of each plate after every step: `time`, then a column for each plate.
+pub(crate) struct Thickness<'a> {
+    pub(crate) directory: &'a Path,
+}
+
+impl Watch for Thickness<'_> {
+    fn observer<const D: usize>(&mut self, case: &Case<D>) -> Option<Box<dyn Observer<D> + '_>> {
+        let plates: Vec<usize> =
+            (0..case.setup.bodies.len()).filter(|k| is_plate(case.setup.bodies[*k].as_ref())).collect();
+        if D != 2 || plates.is_empty() {
+            return None;
+        }
+        let names: Vec<&str> = plates.iter().map(|&plate| case.setup.bodies[plate].name()).collect();
+        let text = format!("time,{}\n", names.join(","));
+        Some(Box::new(ThicknessRows { path: self.directory.join(THICKNESS), plates, text }))
+    }
+}
+
+struct ThicknessRows {
+    path: std::path::PathBuf,
+    plates: Vec<usize>,
+    /// Rows that are not written yet.
+    text: String,
+}
+
+impl<const D: usize> Observer<D> for ThicknessRows {
+    fn after_step(&mut self, view: &StepView<'_, D>) -> Result<(), ObserverError> {
+        let is_new = view.report.is_none();
+        if !is_new {
+            let thickness = |&plate: &usize| {
+                let body = &view.setup.bodies[plate];
+                smallest_thickness(body.as_ref(), &view.state.bodies[plate].positions(body.reference())).to_string()
+            };
+            let row: Vec<String> = self.plates.iter().map(thickness).collect();
+            self.text = format!("{},{}\n", view.state.time, row.join(","));
+        }
+        let mut file =
+            std::fs::OpenOptions::new().create(true).write(true).append(!is_new).truncate(is_new).open(&self.path)?;
+        Ok(file.write_all(self.text.as_bytes())?)
+    }
+}
+
+/// Whether a body is many times wider than high. Of a plate that a plane of symmetry cuts there is one half.
+pub(crate) fn is_plate<const D: usize>(body: &dyn Body<D>) -> bool {
+    let extent = |k: usize| {
+        let along = || body.reference().iter().map(|x| x[k]);
+        along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
+    };
+    (0..D - 1).all(|k| extent(k) > 0.5 * PLATE * extent(D - 1))
+}
+
+/// Smallest height of a body over its width: upper minus lower side. Both are straight between the vertices, so that the
+/// smallest value is at one of them.
+fn smallest_thickness<const D: usize>(body: &dyn Body<D>, positions: &[Point<D>]) -> f64 {
+    let boundary = body.surface();
+    let edges: Vec<[[f64; 2]; 2]> = boundary
+        .facets()
+        .map(|facet| boundary.facet(facet))
+        .map(|ends| [0, 1].map(|k| [positions[ends[k].index()][0], positions[ends[k].index()][D - 1]]))
+        .collect();
+    let thickness = |x: f64| {
+        let heights = edges.iter().filter(|[a, b]| a[0].min(b[0]) <= x && x <= a[0].max(b[0]) && a[0] != b[0]);
+        let heights = heights.map(|[a, b]| a[1] + (b[1] - a[1]) * (x - a[0]) / (b[0] - a[0]));
+        let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), y| (low.min(y), high.max(y)));
+        high - low
+    };
+    let all = edges.iter().flatten().map(|x| thickness(x[0]));
+    all.filter(|t| t.is_finite()).fold(f64::INFINITY, f64::min)
 }

@@ -1,8 +1,8 @@
-//! The table that people read.
+//! Tables of comparisons on the terminal.
 
 use crate::compare::Row;
 
-/// Relative deviation that is no more than round-off.
+/// Relative deviation that counts as round-off.
 const ROUND_OFF: f64 = 1e-9;
 
 /// Prints rows; `known` is the headline of the numbers to compare with.
@@ -13,11 +13,11 @@ pub(crate) fn print(rows: &[Row], known: &str) {
         let comparison = &row.comparison;
         [
             comparison.quantity.clone(),
-            comparison.paper.map_or_else(dash, value),
+            comparison.known.map_or_else(dash, value),
             comparison.computed.map_or_else(dash, value),
-            comparison.deviation.filter(|_| !row.is_property).map_or_else(dash, |d| deviation(d, comparison.paper)),
+            comparison.deviation.filter(|_| !row.is_property).map_or_else(dash, |d| deviation(d, comparison.known)),
             comparison.band.map_or_else(dash, |band| interval(band, value)),
-            comparison.verdict.clone(),
+            if row.passes() { "pass" } else { "fail" }.to_owned(),
         ]
     }));
     let width = |column: usize| cells.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
@@ -42,7 +42,7 @@ fn yes_or_no(x: f64) -> String {
     if x == 0.0 { "no" } else { "yes" }.to_owned()
 }
 
-/// A deviation with its sign; round-off is none.
+/// Formats a deviation with its sign; round-off counts as zero.
 fn deviation(d: f64, known: Option<f64>) -> String {
     match known {
         Some(known) if d.abs() <= ROUND_OFF * known.abs() => "0".to_owned(),

@@ -5,18 +5,20 @@ use std::fs;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use cutwater::io::{self, RunOptions, ScenarioFile, StepProgress, Summary, SummarySeconds};
+use cutwater::io::{self, Progress, ScenarioFile, StepProgress, Summary};
+use cutwater::report::{Recorder, Results};
 
-use crate::Outcome;
 use crate::case::{self, QuickValues, Reference};
-use crate::compare::{Row, with_paper, with_stored};
-use crate::metrics::{Metrics, REFACTORIZATIONS_PER_STEP};
+use crate::compare::{self, Row, with_paper, with_stored};
+use crate::figures::Figures;
+use crate::metrics::{Factorization, Metrics, REFACTORIZATIONS_PER_STEP, Thickness};
+use crate::outcome::Outcome;
 use crate::table;
 
 /// Time between two lines of progress.
 const PROGRESS: Duration = Duration::from_secs(10);
 
-/// How much to compute, and what to compare with.
+/// Extent of the computations, and references of the comparisons.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Effort {
     /// The resolution of the paper, compared with the paper.
@@ -78,7 +80,7 @@ fn run_case(
     }
     let file = ScenarioFile::read(&case::scenario_path(&reference.scenario), &set)?;
     let mut last = Instant::now();
-    let mut progress = |at: &StepProgress| {
+    let progress = Progress(|at: &StepProgress| {
         if last.elapsed() > PROGRESS {
             last = Instant::now();
             let distance = at.d_min.map_or(String::new(), |d| format!(", d_min {d:.3}"));
@@ -87,26 +89,27 @@ fn run_case(
                 at.step, at.n_steps, at.time, at.newton_iterations
             );
         }
-    };
-    let mut options = RunOptions::into_directory(directory);
-    options.progress = Some(&mut progress);
-    let outcome = io::run(&file, options);
+    });
+    let (mut factorization, mut recorder) = (Factorization::default(), Recorder::default());
+    // Pictures and costs are those of the paper's resolution.
+    let in_full = (!is_quick).then_some(((&mut factorization, &mut recorder), Figures { directory }));
+    let outcome = io::run(&file, directory, &mut ((progress, Thickness { directory }), in_full));
     let finished = outcome.is_ok();
-    let mut summary = match outcome {
-        Ok(summary) => summary,
-        Err(error) => {
-            print_error(&error);
-            if !matches!(error, io::Error::Step(_)) {
-                return Ok(false);
-            }
-            // The steps before the failure are worth a table.
-            Summary::read(&directory.join("summary.json"))?
+    if let Err(error) = outcome {
+        print_error(&error);
+        // The steps before the failure are worth a table.
+        if !matches!(error, io::Error::Step(_)) {
+            return Ok(false);
         }
-    };
-    print_sizes(&summary);
-    let mut metrics = Metrics::new(&summary, finished)?;
+    }
+    if !is_quick {
+        recorder.write(directory)?;
+    }
+    let results = Results::read(directory)?;
+    print_sizes(&results.summary);
+    let mut metrics = Metrics::new(&results, finished)?;
     if finished && !is_quick {
-        metrics.measure_cost(&summary, directory)?;
+        metrics.measure_cost(&results, &factorization);
     }
     let asked = reference.comparisons.iter().filter(|asked| !is_quick || asked.key != REFACTORIZATIONS_PER_STEP);
     if effort == Effort::Regenerate {
@@ -120,8 +123,7 @@ fn run_case(
         })
         .collect();
     table::print(&rows, if is_quick { "stored" } else { "paper" });
-    summary.comparisons = rows.iter().map(|row| row.comparison.clone()).collect();
-    summary.write(&directory.join("summary.json"))?;
+    compare::write(directory, &rows)?;
     Ok(rows.iter().all(Row::passes))
 }
 
@@ -139,10 +141,9 @@ fn print_sizes(summary: &Summary) {
     let Summary { steps, cells, dofs, newton_iterations, factorizations, wall_seconds, .. } = summary;
     println!("  {steps} steps; {cells} background cells, at most {dofs} unknowns");
     println!("  {newton_iterations} Newton iterations, {factorizations} factorisations, {wall_seconds:.1} s in all");
-    let SummarySeconds { cut, space, assembly, linear, output } = summary.seconds;
-    println!(
-        "  seconds: cut {cut:.1}, space {space:.1}, assembly {assembly:.1}, linear {linear:.1}, output {output:.1}"
-    );
+    let stages = summary.timings.iter().filter(|timing| timing.contribution.is_none());
+    let stages: Vec<String> = stages.map(|timing| format!("{} {:.1}", timing.stage, timing.seconds)).collect();
+    println!("  seconds: {}", stages.join(", "));
 }
 
 /// Stores the values of short runs.

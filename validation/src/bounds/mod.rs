@@ -1,4 +1,4 @@
-//! What is known about the falling balls without the method: bounds and limits.
+//! Bounds and limits for the falling balls that do not depend on the method.
 
 pub(crate) mod impact;
 pub(crate) mod potential;

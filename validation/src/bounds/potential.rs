@@ -1,7 +1,5 @@
 //! A rigid disk that falls through an ideal fluid onto a wall: a lower bound of all contact times.
 
-use cutwater::io::scenario::schema::{Obstacle, Scenario, Shape};
-
 /// Gap over the wall in cm, and added mass over the mass of the disk, in the box of the paper with no pressure on its
 /// open sides: radius 4, box (-10, 10) x (0, 15), from a boundary-element solution of potential flow.
 const ADDED_MASS: [(f64, f64); 12] = [
@@ -23,22 +21,28 @@ const GRAVITY: f64 = 1e3;
 /// Intervals of the integration.
 const INTERVALS: usize = 600;
 
-/// The gap in which the ball of a scenario starts, and that at which contact begins; none if the table is not for it.
-pub(crate) fn gaps(scenario: &Scenario) -> Option<(f64, f64)> {
-    let contact = scenario.contacts.first()?;
-    let ball = scenario.bodies.iter().find(|body| body.name == contact.body)?;
-    let (Shape::Ball { centre, radius, .. } | Shape::HalfBall { centre, radius, .. }) = &ball.shape else {
-        return None;
-    };
-    let ground = match &contact.obstacle {
-        Obstacle::RigidPlane { point, .. } => *point.last()?,
-        Obstacle::Body { name } => match &scenario.bodies.iter().find(|body| body.name == *name)?.shape {
-            Shape::Box { max, .. } => *max.last()?,
-            Shape::Ball { .. } | Shape::HalfBall { .. } => return None,
-        },
+/// The gap in which the ball of a scenario (its TOML text) starts, and that at which contact begins; `None` if the table of
+/// added masses does not hold for it.
+pub(crate) fn gaps(scenario: &str) -> Option<(f64, f64)> {
+    let scenario: toml::Table = scenario.parse().ok()?;
+    let height = |value: &toml::Value, key: &str| number(value.get(key)?.as_array()?.last()?);
+    let contact = scenario.get("contact")?.as_array()?.first()?;
+    let bodies = scenario.get("body")?.as_array()?;
+    let shape = |name: &toml::Value| bodies.iter().find(|body| body.get("name") == Some(name))?.get("shape");
+    let ball = shape(contact.get("body")?)?;
+    let radius = number(ball.get("radius")?)?;
+    let obstacle = contact.get("obstacle")?;
+    let ground = match obstacle.get("name") {
+        Some(name) => height(shape(name)?, "max")?,
+        None => height(obstacle, "point")?,
     };
     // The table is that of one radius.
-    (*radius == 4.0).then_some((centre.last()? - radius - ground, contact.offset))
+    (radius == 4.0).then_some((height(ball, "centre")? - radius - ground, number(contact.get("offset")?)?))
+}
+
+/// A number of a scenario, written with or without a decimal point.
+fn number(value: &toml::Value) -> Option<f64> {
+    value.as_float().or(value.as_integer().map(|integer| integer as f64))
 }
 
 /// A moment of the fall.
@@ -105,6 +109,16 @@ pub(crate) fn arrival(start: f64, end: f64) -> Falling {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn gaps_are_read_from_scenarios() {
+        let read =
+            |name: &str| std::fs::read_to_string(crate::case::scenario_path(name)).ok().as_deref().and_then(gaps);
+        assert_eq!(read("virtual-barrier"), Some((6.0, 3.0)));
+        assert!(read("rigid-ground").is_some_and(|(start, offset)| start > offset && offset > 0.0));
+        assert!(read("flexible-ground").is_some_and(|(start, offset)| start > offset && offset > 0.0));
+        assert_eq!(gaps("name = \"no contact\""), None);
+    }
 
     #[test]
     fn the_added_mass_meets_its_table_and_falls_with_the_gap() {

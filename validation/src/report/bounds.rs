@@ -1,13 +1,15 @@
 //! The part of the page about bounds that do not depend on the method.
 
-use cutwater::io::plot::{Curve, Panel, column_curve};
-use cutwater::io::report::html::{chart, escape, gallery, number, table, verdict};
-use cutwater::io::report::{CaseResult, Section};
-use cutwater::solid_svk::TimeScheme;
+use std::sync::Arc;
 
-use super::Failure;
+use cutwater::algebra::time::ImplicitEuler;
+use cutwater::report::html::{escape, gallery, number, table, verdict};
+use cutwater::report::{Chart, Curve, Section};
+
+use super::case_result::CaseResult;
 use crate::bounds::impact::{Impact, impact};
 use crate::bounds::potential::{added_mass, arrival, fall, gaps};
+use crate::outcome::Failure;
 
 /// Falls whose times and speeds are listed.
 const FALLS: [(f64, f64); 5] = [(6.0, 3.0), (6.0, 0.1), (3.0, 0.1), (1.0, 0.1), (1.0, 0.05)];
@@ -24,7 +26,7 @@ pub(super) fn section(cases: &[CaseResult], is_quick: bool) -> Result<Section, F
         .to_owned();
     html += &potential_flow(cases)?;
     html += &dry_impact(is_quick)?;
-    Ok(super::section("bounds", "Independent bounds", html))
+    Ok(Section::new("bounds", "Independent bounds", html))
 }
 
 fn potential_flow(cases: &[CaseResult]) -> Result<String, Failure> {
@@ -45,42 +47,42 @@ fn potential_flow(cases: &[CaseResult]) -> Result<String, Failure> {
     let rows: Vec<Vec<String>> = cases
         .iter()
         .filter_map(|case| {
-            let (start, offset) = gaps(case.scenario())?;
-            let contact = case.summary.contact_time?;
+            let (start, offset) = gaps(&case.results.scenario)?;
+            let contact = case.results.summary.contact_time?;
             let bound = arrival(start, offset).time;
             let delay = format!("{} %", number((1e3 * (contact / bound - 1.0)).round() / 10.0));
             // A contact is known to a time step.
-            let holds = contact + case.summary.dt >= bound;
-            Some(vec![escape(&case.title), format!("{bound:.4}"), number(contact), delay, verdict(holds)])
+            let holds = contact + case.results.summary.dt >= bound;
+            Some(vec![escape(&case.reference.title), format!("{bound:.4}"), number(contact), delay, verdict(holds)])
         })
         .collect();
     if !rows.is_empty() {
         html += &table("", &["case", "bound [s]", "contact [s]", "later by", "bound holds"], &rows);
     }
     let gaps_of_curve = (1..=120).map(|k| 0.05 * f64::from(k));
-    let mass = Curve::plain(gaps_of_curve.map(|gap| (gap, added_mass(gap))).collect());
+    let mass = Curve::new("added mass", gaps_of_curve.map(|gap| (gap, added_mass(gap))).collect());
+    let chart = |title: String, x_label: &str, curves: Vec<Curve>, caption: &str| {
+        Chart { caption: caption.to_owned(), ..Chart::new(title, x_label, curves) }.html()
+    };
     let mut figures = vec![chart(
-        &Panel {
-            x_title: "gap [cm]".to_owned(),
-            ..Panel::over_time("added mass over the mass of the disk", vec![mass])
-        },
-        "Added mass of the disk in the box of the paper, with no pressure on its open sides.",
+        "added mass, relative to the mass of the disk".to_owned(),
+        "gap [cm]",
+        vec![mass],
+        "In the box of the paper, with no pressure on its open sides.",
     )?];
-    let mut starts: Vec<f64> = Vec::new();
-    for (start, _) in cases.iter().filter_map(|case| gaps(case.scenario())) {
-        if !starts.contains(&start) {
-            starts.push(start);
-        }
-    }
+    let started = || cases.iter().filter_map(|case| Some((case, gaps(&case.results.scenario)?.0)));
+    let mut starts: Vec<f64> = started().map(|(_, start)| start).collect();
+    starts.sort_by(f64::total_cmp);
+    starts.dedup();
     for start in starts {
         let bound = fall(start, 0.05).into_iter().map(|at| (at.time, at.gap)).collect();
-        let mut curves = vec![Curve { label: "ideal fluid".to_owned(), colour: 4, points: bound, dots: false }];
-        for case in cases.iter().filter(|case| gaps(case.scenario()).is_some_and(|(gap, _)| gap == start)) {
-            let points = column_curve(case.history(), &format!("{}d_min", case.prefix()));
-            curves.push(Curve { label: case.name.clone(), colour: curves.len() - 1, points, dots: false });
-        }
+        let mut curves = vec![Curve::new("ideal fluid", bound)];
+        curves.extend(started().filter(|(_, gap)| *gap == start).map(|(case, _)| {
+            let column = format!("{}d_min", case.results.leading_prefix());
+            case.results.curve(&case.name, &case.results.history, &column)
+        }));
         let title = format!("smallest distance [cm], start at {}", number(start));
-        figures.push(chart(&Panel::over_time(title, curves), "No computed fall may be faster than the ideal one.")?);
+        figures.push(chart(title, "time [s]", curves, "No computed fall may be faster than the ideal one.")?);
     }
     Ok(html + &gallery(&figures))
 }
@@ -89,7 +91,7 @@ fn dry_impact(is_quick: bool) -> Result<String, Failure> {
     let steps = if is_quick { &STEPS[..3] } else { &STEPS[..] };
     let impacts = steps
         .iter()
-        .map(|&dt| impact(SIZE, SPEED, dt, TimeScheme::ImplicitEuler))
+        .map(|&dt| impact(SIZE, SPEED, dt, Arc::new(ImplicitEuler)))
         .collect::<Result<Vec<Impact>, Failure>>()?;
     let row = |i: &Impact| {
         vec![
@@ -111,32 +113,21 @@ fn dry_impact(is_quick: bool) -> Result<String, Failure> {
         "largest elastic energy",
         "energy lost",
     ];
-    let curve = |value: &dyn Fn(&Impact) -> f64| Curve {
-        points: impacts.iter().map(|i| (i.dt, value(i))).collect(),
-        dots: true,
-        ..Curve::default()
+    let chart = |title: &str, value: fn(&Impact) -> f64, level: f64, caption: &str| {
+        let curve = Curve::new(title, impacts.iter().map(|i| (i.dt, value(i))).collect());
+        let (levels, caption) = (vec![level], caption.to_owned());
+        Chart { x_is_log: true, levels, caption, ..Chart::new(title, "Δt [s]", vec![curve]) }.html()
     };
-    let panel = |title: &str, curve: Curve, level: f64| Panel {
-        x_title: "Δt [s]".to_owned(),
-        x_is_log: true,
-        levels: vec![level],
-        ..Panel::over_time(title, vec![curve])
-    };
+    let after = "Velocity of the centre after the impact, relative to that before; dashed: the explicit computation.";
     let figures = [
-        chart(
-            &panel("restitution", curve(&|i| i.restitution), 0.982),
-            "Velocity of the centre after over before the impact; dashed: the explicit computation.",
-        )?,
-        chart(
-            &panel("contact lasts [ms]", curve(&|i| 1e3 * i.duration), 11.1),
-            "From the first to the last step in contact.",
-        )?,
+        chart("restitution", |i| i.restitution, 0.982, after)?,
+        chart("contact lasts [ms]", |i| 1e3 * i.duration, 11.1, "From the first to the last step in contact.")?,
     ];
     let text = format!(
         "<h3>The same disk without a fluid</h3>\
          <p>The disk of the paper's material hits a rigid plane at {SPEED} cm/s, the speed at the virtual barrier, with the \
-         contact penalty of the cases, implicit Euler and cells of {SIZE} cm. Nothing but the time scheme can take \
-         energy; what is missing after the impact is what implicit Euler costs. The last row is an independent explicit \
+         contact penalty of the cases, implicit Euler and cells of {SIZE} cm. Only the time scheme can take \
+         energy; the loss in the impact is that of implicit Euler. The last row is an independent explicit \
          computation that keeps the energy to 2·10⁻⁴. With fluid, contact lasts longer by about the square root of one \
          plus the added mass over the mass, and the fluid takes its share of the rebound.</p>"
     );

@@ -1,4 +1,4 @@
-//! What a study varies: the files in `studies/`.
+//! Definitions of studies: the files in `studies/`.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -13,7 +13,7 @@ use crate::case;
 pub(super) struct Definition {
     /// Headline.
     pub(super) title: String,
-    /// What was learned, as paragraphs.
+    /// Conclusions, as paragraphs.
     #[serde(default)]
     pub(super) note: Vec<String>,
     /// The series.
@@ -26,14 +26,14 @@ pub(super) struct Definition {
 pub(super) struct Series {
     /// Its name, unlike all others of the study.
     pub(super) name: String,
-    /// What is varied, with its unit.
+    /// The varied quantity, with its unit.
     pub(super) parameter: String,
     /// Name of the scenario in `cases/`.
     pub(super) scenario: String,
     /// Changes of the scenario that all runs share, as for `cutwater run --set`.
     #[serde(default)]
     pub(super) set: Vec<String>,
-    /// What is varied: keys of the scenario, and by what the value is multiplied for each.
+    /// Keys of the scenario that are varied, with the factor on the value for each.
     pub(super) vary: BTreeMap<String, f64>,
     /// The values.
     pub(super) values: Vec<f64>,
@@ -50,11 +50,6 @@ impl Series {
     }
 }
 
-/// Where outcomes are kept.
-pub(super) fn results() -> PathBuf {
-    case::folder().join("results")
-}
-
 /// The names of all studies, in order.
 ///
 /// # Errors
@@ -66,7 +61,7 @@ pub(crate) fn names() -> std::io::Result<Vec<String>> {
 /// A study.
 ///
 /// # Errors
-/// There is none of this name, or it is not as it should be.
+/// No study has this name, or its definition is invalid.
 pub(super) fn read(name: &str) -> Result<Definition, String> {
     let known = names().unwrap_or_default();
     if !known.iter().any(|k| k == name) {

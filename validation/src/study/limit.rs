@@ -1,6 +1,17 @@
-//! What a sequence of numbers tends to.
+//! The limit of a sequence of numbers.
 
-use cutwater::io::report::Limit;
+/// The limit of a sequence.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Limit {
+    /// The limit.
+    pub(super) value: f64,
+    /// Half of the width of the interval that should contain it.
+    pub(super) uncertainty: f64,
+    /// Observed order; `None` where the differences do not shrink or change sign.
+    pub(super) order: Option<f64>,
+    /// Whether the differences between the members of the sequence shrink.
+    pub(super) shrinks: bool,
+}
 
 /// Orders that a sequence is believed to have.
 const ORDERS: std::ops::RangeInclusive<f64> = 0.5..=2.0;

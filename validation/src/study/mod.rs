@@ -1,25 +1,56 @@
-//! Studies: a case again and again with one number changed. Definitions are in `studies/`, outcomes in `results/`.
+//! Studies: runs of a case that differ in one number. Definitions are in `studies/`, outcomes in the book.
 
 mod definition;
 mod limit;
 
 use std::path::Path;
-use std::time::Instant;
 
-use cutwater::io::report::{CaseResult, Limit, Study, StudyRun, StudySeries, machine};
-use cutwater::io::{self, HistoryTable, RunOptions, ScenarioFile, Summary};
+use cutwater::io::{self, ScenarioFile};
+use cutwater::report::Results;
 
 pub(crate) use self::definition::names;
 use self::definition::{Definition, Series};
-use crate::Outcome;
+use self::limit::{Limit, richardson};
 use crate::bounds::potential::{arrival, gaps};
 use crate::case;
-use crate::report::commit;
+use crate::metrics::Rebound;
+use crate::outcome::{Failure, Outcome};
+use crate::report::{commit, machine};
+use crate::verify::document;
+use crate::verify::record::{Figure, Record, Table, short};
 
-type Failure = Box<dyn std::error::Error>;
+/// Folder of the pages of studies in `docs/src`.
+const FOLDER: &str = "studies";
+/// File with the version of the code in the directory of a run.
+const VERSION: &str = "version.txt";
 
-/// Runs studies; true if every run came to its end. Runs that an earlier call has done, with the same changes of the
-/// scenario, are kept unless all are wanted again. The outcome is written after every run.
+/// The outcome of a run.
+#[derive(Clone, Debug, Default)]
+struct Run {
+    value: f64,
+    /// Why the run stopped before its end.
+    failure: Option<String>,
+    /// First contact: the end of the first step in contact.
+    contact_time: Option<f64>,
+    /// When the distance passes the contact offset: the contact time to a fraction of a step.
+    arrival_time: Option<f64>,
+    release_time: Option<f64>,
+    n_contacts: usize,
+    /// Smallest distance at the end of the first approach.
+    closest: Option<f64>,
+    rebound: Option<Rebound>,
+    cells: usize,
+    steps: usize,
+    seconds: f64,
+    /// When an ideal fluid would let the ball come as close as the contact offset.
+    bound: Option<f64>,
+    /// Version of the code.
+    version: String,
+}
+
+/// Runs studies; true if every run came to its end. The results of a run are kept in a directory of its own; a run whose
+/// directory has all steps of the same scenario is not done again, unless `again` is set. The page of a study in the book is
+/// written when all its runs are done.
 ///
 /// # Errors
 /// There is no such study, or a file cannot be read or written.
@@ -28,119 +59,154 @@ pub(crate) fn run(names: &[String], again: bool, out: &Path) -> Outcome {
     let mut all_finished = true;
     for (name, definition) in studies {
         println!("# {name}: {}", definition.title);
-        all_finished &= run_study(name, &definition, again, out)?;
+        let mut runs = Vec::new();
+        for series in &definition.series {
+            let run = |&value: &f64| run_one(name, series, value, again, out);
+            runs.push(series.values.iter().map(run).collect::<Result<Vec<_>, Failure>>()?);
+        }
+        all_finished &= runs.iter().flatten().all(|run| run.failure.is_none());
+        let mut versions: Vec<&str> = runs.iter().flatten().map(|run| run.version.as_str()).collect();
+        versions.sort_unstable();
+        versions.dedup();
+        let version = format!("{} ({})", versions.join(", "), machine().trim_end_matches('.'));
+        document::write(
+            FOLDER,
+            &record(name, &definition, &runs),
+            &format!("cargo xtask validate --study {name}"),
+            &version,
+        )?;
     }
     Ok(all_finished)
 }
 
-fn run_study(name: &str, definition: &Definition, again: bool, out: &Path) -> Outcome {
-    let path = definition::results().join(name).with_extension("json");
-    let known = if again { Vec::new() } else { Study::read(&path)?.map_or(Vec::new(), |study| study.runs) };
-    let mut study = Study {
-        name: name.to_owned(),
-        title: definition.title.clone(),
-        note: definition.note.clone(),
-        ..Study::default()
-    };
-    for series in &definition.series {
-        let mut header =
-            StudySeries { name: series.name.clone(), parameter: series.parameter.clone(), ..<_>::default() };
-        if series.limit {
-            header.bound = bound(series)?;
-        }
-        study.series.push(header);
-        for &value in &series.values {
-            let set = series.changes(value);
-            let is_it = |run: &&StudyRun| run.series == series.name && run.value == value && run.set == set;
-            let run = match known.iter().find(is_it) {
-                Some(run) => run.clone(),
-                None => {
-                    let run = run_one(name, series, value, set, out)?;
-                    study.runs.push(run.clone());
-                    write(&mut study, definition, &known, &path)?;
-                    study.runs.pop();
-                    run
-                }
-            };
-            print(&run);
-            study.runs.push(run);
-        }
-    }
-    write(&mut study, definition, &[], &path)?;
-    for (name, limit) in study.series.iter().filter_map(|series| Some((&series.name, series.limit?))) {
-        let order = limit.order.map_or("no order".to_owned(), |order| format!("order {order:.2}"));
-        println!(
-            "  {name}: limit {:.4} +- {:.4} s, {order}, differences shrink: {}",
-            limit.value, limit.uncertainty, limit.shrinks
-        );
-    }
-    Ok(study.runs.iter().all(|run| run.failure.is_none()))
-}
-
-/// Writes the outcome so far; runs of an earlier call that are still to be looked at stay in the file.
-fn write(study: &mut Study, definition: &Definition, known: &[StudyRun], path: &Path) -> Result<(), Failure> {
-    for (header, series) in study.series.iter_mut().zip(&definition.series) {
-        header.limit = if series.limit { limit_of(&study.runs, &series.name) } else { None };
-    }
-    let n = study.runs.len();
-    let is_new = |run: &&StudyRun| !study.runs.iter().any(|r| r.series == run.series && r.value == run.value);
-    let kept: Vec<StudyRun> = known.iter().filter(is_new).cloned().collect();
-    study.runs.extend(kept);
-    study.write(path)?;
-    study.runs.truncate(n);
-    Ok(())
-}
-
-/// The limit of the contact times of a series.
-fn limit_of(runs: &[StudyRun], series: &str) -> Option<Limit> {
-    let members = runs.iter().filter(|run| run.series == series);
-    let times: Vec<(f64, f64)> = members.filter_map(|run| Some((run.value, run.arrival_time?))).collect();
-    limit::richardson(&times)
-}
-
-/// When an ideal fluid lets the ball of a series come as close as its contact offset.
-fn bound(series: &Series) -> Result<Option<f64>, Failure> {
-    let Some(&value) = series.values.first() else { return Ok(None) };
-    let file = ScenarioFile::read(&case::scenario_path(&series.scenario), &series.changes(value))?;
-    Ok(gaps(file.scenario()).map(|(start, offset)| arrival(start, offset).time))
-}
-
-fn run_one(study: &str, series: &Series, value: f64, set: Vec<String>, out: &Path) -> Result<StudyRun, Failure> {
-    let started = Instant::now();
+fn run_one(study: &str, series: &Series, value: f64, again: bool, out: &Path) -> Result<Run, Failure> {
     let stem = format!("{}-{value}", series.name.replace(|c: char| !c.is_ascii_alphanumeric(), "-"));
     let directory = out.join("studies").join(study).join(stem);
-    let mut all = vec![format!("name={study}"), "output.vtk_every=0".to_owned(), "output.plots=false".to_owned()];
-    all.extend_from_slice(&set);
-    let file = ScenarioFile::read(&case::scenario_path(&series.scenario), &all)?;
-    let failure = match io::run(&file, RunOptions::into_directory(&directory)) {
-        Ok(_) => None,
-        Err(error @ io::Error::Step(_)) => Some(chain(&error)),
-        Err(error) => return Err(error.into()),
+    let mut set = vec![format!("name={study}"), "output.vtk_every=0".to_owned()];
+    set.extend(series.changes(value));
+    let file = ScenarioFile::read(&case::scenario_path(&series.scenario), &set)?;
+    let is_same = std::fs::read_to_string(directory.join("scenario.toml"))
+        .is_ok_and(|text| file.to_toml().is_ok_and(|t| t == text));
+    let is_done = |results: &Results| results.summary.steps == file.n_steps();
+    let known = Results::read(&directory).ok().filter(|results| !again && is_same && is_done(results));
+    let (results, failure) = match known {
+        Some(results) => (results, None),
+        None => {
+            let failure = match io::run(&file, &directory, &mut ()) {
+                Ok(_) => None,
+                Err(error @ io::Error::Step(_)) => Some(chain(&error)),
+                Err(error) => return Err(error.into()),
+            };
+            std::fs::write(directory.join(VERSION), commit().unwrap_or_default())?;
+            (Results::read(&directory)?, failure)
+        }
     };
-    let case = CaseResult::read(&directory, study, &series.name)?;
-    let Summary { contact_time, release_time, max_height, max_height_time, cells, steps, .. } = case.summary;
-    let offset = case.scenario().contacts.first().map(|contact| contact.offset);
-    let (times, distances) = distances(case.history(), &case.prefix());
-    let closest = first_approach(&times, &distances);
-    Ok(StudyRun {
-        series: series.name.clone(),
+    let column = |name: String| results.history.column(&name).unwrap_or_default();
+    let (times, distances) = (column("time".to_owned()), column(format!("{}d_min", results.leading_prefix())));
+    let summary = &results.summary;
+    let run = Run {
         value,
-        set,
         failure,
-        contact_time,
-        arrival_time: offset.and_then(|offset| passes(&times, &distances, offset)),
-        release_time,
-        contact_intervals: case.summary.contact_intervals.clone(),
-        closest: closest.map(|(_, distance)| distance),
-        closest_time: closest.map(|(time, _)| time),
-        max_height,
-        max_height_time,
-        cells,
-        steps,
-        wall_seconds: Some(started.elapsed().as_secs_f64()),
-        commit: commit().unwrap_or_default(),
-        machine: machine(),
-    })
+        contact_time: summary.contact_time,
+        arrival_time: summary.contact_offset.and_then(|offset| passes(&times, &distances, offset)),
+        release_time: summary.release_time,
+        n_contacts: summary.contact_intervals.len(),
+        closest: first_approach(&distances),
+        rebound: Rebound::new(&results),
+        cells: summary.cells,
+        steps: summary.steps,
+        seconds: summary.wall_seconds,
+        bound: gaps(&results.scenario).map(|(start, offset)| arrival(start, offset).time),
+        version: std::fs::read_to_string(directory.join(VERSION)).unwrap_or_default(),
+    };
+    println!("  {}", [vec![series.name.clone()], row(&run)].concat().join(", "));
+    Ok(run)
+}
+
+/// Columns of the table of a study, after the name of the series; those of [`row`].
+const HEAD: [&str; 11] = [
+    "value",
+    "contact [s]",
+    "release [s]",
+    "contacts",
+    "closest on first approach [cm]",
+    "highest [cm]",
+    "at [s]",
+    "cells",
+    "steps",
+    "wall [s]",
+    "remark",
+];
+
+fn row(run: &Run) -> Vec<String> {
+    let time = |time: Option<f64>| time.map_or("-".to_owned(), |time| format!("{time:.4}"));
+    let length = |length: Option<f64>| length.map_or("-".to_owned(), short);
+    vec![
+        short(run.value),
+        time(run.arrival_time.or(run.contact_time)),
+        time(run.release_time),
+        run.n_contacts.to_string(),
+        length(run.closest),
+        length(run.rebound.map(|rebound| rebound.height)),
+        time(run.rebound.map(|rebound| rebound.time)),
+        run.cells.to_string(),
+        run.steps.to_string(),
+        format!("{:.0}", run.seconds),
+        run.failure.clone().unwrap_or_default(),
+    ]
+}
+
+/// The outcome of a study as a record.
+fn record(name: &str, definition: &Definition, runs: &[Vec<Run>]) -> Record {
+    let mut record = Record::new(name, &definition.title, true);
+    record.seconds = runs.iter().flatten().map(|run| run.seconds).sum();
+    let all = || definition.series.iter().zip(runs);
+    let limits: Vec<Vec<String>> =
+        all().filter(|(series, _)| series.limit).filter_map(|(s, runs)| limit_row(s, runs)).collect();
+    if !limits.is_empty() {
+        let head = ["contact time", "bound [s]", "above it", "limit [s]", "observed order", "differences shrink"];
+        record.tables.push(Table { head: head.map(str::to_owned).into(), rows: limits });
+    }
+    let rows = all().flat_map(|(series, runs)| runs.iter().map(|run| [vec![series.name.clone()], row(run)].concat()));
+    let head = ["series"].iter().chain(&HEAD).map(|name| (*name).to_owned()).collect();
+    record.tables.push(Table { head, rows: rows.collect() });
+    record.notes.clone_from(&definition.note);
+    // Series that vary the same quantity share their charts.
+    let pairs: Vec<(&Series, &Vec<Run>)> = all().collect();
+    for group in pairs.chunk_by(|a, b| a.0.parameter == b.0.parameter) {
+        let mut chart = |title: &str, value: &dyn Fn(&Run) -> Option<f64>| {
+            let curve = |(series, runs): &(&Series, &Vec<Run>)| {
+                let mut points: Vec<_> = runs.iter().filter_map(|run| Some((run.value, value(run)?))).collect();
+                points.sort_by(|a, b| a.0.total_cmp(&b.0));
+                (series.name.clone(), points)
+            };
+            let curves: Vec<_> = group.iter().map(curve).filter(|(_, points)| !points.is_empty()).collect();
+            if !curves.is_empty() {
+                let x_title = group[0].0.parameter.clone();
+                record.figures.push(Figure { title: title.to_owned(), x_title, curves, is_log: false });
+            }
+        };
+        chart("contact [s]", &|run| run.arrival_time.or(run.contact_time));
+        chart("highest point after rebound [cm]", &|run| Some(run.rebound?.height));
+    }
+    record
+}
+
+/// The limit of the contact times of a series, with its bound; `None` if there is no limit.
+fn limit_row(series: &Series, runs: &[Run]) -> Option<Vec<String>> {
+    let times: Vec<(f64, f64)> = runs.iter().filter_map(|run| Some((run.value, run.arrival_time?))).collect();
+    let Limit { value, uncertainty, order, shrinks } = richardson(&times)?;
+    let bound = runs.first()?.bound;
+    let yes_or_no = |holds: bool| if holds { "yes" } else { "no" }.to_owned();
+    let is_above = |bound: f64| runs.iter().filter_map(|run| run.contact_time).all(|time| time >= bound);
+    Some(vec![
+        series.name.clone(),
+        bound.map_or("-".to_owned(), |bound| format!("{bound:.4}")),
+        bound.map_or("-".to_owned(), |bound| yes_or_no(is_above(bound))),
+        format!("{value:.4} ± {uncertainty:.4}"),
+        order.map_or("-".to_owned(), |order| format!("{order:.1}")),
+        yes_or_no(shrinks),
+    ])
 }
 
 /// An error with its causes in one line.
@@ -154,12 +220,6 @@ fn chain(error: &dyn std::error::Error) -> String {
     text
 }
 
-/// Times and smallest distances of a run.
-fn distances(history: &HistoryTable, prefix: &str) -> (Vec<f64>, Vec<f64>) {
-    let column = |name: &str| history.column(name).unwrap_or_default();
-    (column("time"), column(&format!("{prefix}d_min")))
-}
-
 /// When the distance first falls to a level: in the step in which it does, with the speed of the step before. Contact holds
 /// the distance at the level, so that interpolation would always find the end of the step.
 fn passes(times: &[f64], distances: &[f64], level: f64) -> Option<f64> {
@@ -169,25 +229,9 @@ fn passes(times: &[f64], distances: &[f64], level: f64) -> Option<f64> {
     Some((times[k - 1] + share).min(times[k]))
 }
 
-/// The first time at which the distance stops falling, and the distance there.
-fn first_approach(times: &[f64], distances: &[f64]) -> Option<(f64, f64)> {
-    let k = distances.windows(2).position(|pair| pair[1] > pair[0])?;
-    Some((times[k], distances[k]))
-}
-
-fn print(run: &StudyRun) {
-    let StudyRun { series, value, cells, steps, .. } = run;
-    let number = |x: Option<f64>| x.map_or("-".to_owned(), |x| format!("{x:.4}"));
-    println!(
-        "  {series}, {value}: contact {}, release {}, closest {}, highest {} at {}; {cells} cells, {steps} steps, {} s{}",
-        number(run.arrival_time.or(run.contact_time)),
-        number(run.release_time),
-        number(run.closest),
-        number(run.max_height),
-        number(run.max_height_time),
-        run.wall_seconds.map_or("-".to_owned(), |s| format!("{s:.0}")),
-        run.failure.as_ref().map_or(String::new(), |failure| format!("; {failure}")),
-    );
+/// The distance when it first stops falling.
+fn first_approach(distances: &[f64]) -> Option<f64> {
+    distances.windows(2).find(|pair| pair[1] > pair[0]).map(|pair| pair[0])
 }
 
 #[cfg(test)]
@@ -198,12 +242,26 @@ mod tests {
     fn the_approach_is_read_off_the_distances() {
         let times = [0.1, 0.2, 0.3, 0.4, 0.5];
         let distances = [1.0, 0.5, 0.2, 0.25, 0.1];
-        assert_eq!(first_approach(&times, &distances), Some((0.3, 0.2)));
+        assert_eq!(first_approach(&distances), Some(0.2));
         assert!((passes(&times, &distances, 0.25).unwrap() - 0.25).abs() < 1e-15);
         // The end of the step at the latest.
         assert_eq!(passes(&times, &distances, 0.1), Some(0.5));
         assert!((passes(&[0.1, 0.2, 0.3], &[1.0, 0.99, 0.5], 0.5).unwrap() - 0.3).abs() < 1e-15);
         assert_eq!(passes(&times, &distances, 0.05), None);
-        assert_eq!(first_approach(&times[..3], &distances[..3]), None);
+        assert_eq!(first_approach(&distances[..3]), None);
+    }
+
+    #[test]
+    fn a_record_has_a_row_for_each_run_and_the_limit_of_each_series() {
+        let definition: Definition = toml::from_str(
+            "title = 'T'\n[[series]]\nname = 'a'\nparameter = 'h [cm]'\nscenario = 'x'\nvary = { k = 1.0 }\n\
+             values = [0.4, 0.2, 0.1]\nlimit = true",
+        )
+        .unwrap();
+        let run = |value: f64| Run { value, arrival_time: Some(0.1 + value), bound: Some(0.05), ..Run::default() };
+        let record = record("t", &definition, &[vec![run(0.4), run(0.2), run(0.1)]]);
+        assert_eq!(record.tables[0].rows[0][3], "0.1000 ± 0.1250");
+        assert_eq!((record.tables[1].rows.len(), record.tables[1].head.len()), (3, record.tables[1].rows[0].len()));
+        assert_eq!(record.figures.len(), 1, "no run has a rebound");
     }
 }

@@ -1,16 +1,17 @@
 //! The ball of the cases begins to fall: it has to take the fluid around it along.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use cutwater::algebra::{LaggedSettings, LaggedSolver, Workspace};
 use cutwater::io::ScenarioFile;
-use cutwater::io::scenario::lower::lower;
-use cutwater::io::scenario::{Case, CaseVisitor};
-use cutwater::solver::{BodyKind, Observer, ObserverError, RigidBody, Setup, State, StepView, TimeLoop};
+use cutwater::io::scenario::{Case, CaseVisitor, lower};
+use cutwater::solid_rigid::RigidBody;
+use cutwater::solver::{Observer, ObserverError, Setup, State, StepView, TimeLoop};
 
-use super::Failure;
 use super::record::{Figure, Record, short};
 use crate::case::scenario_path;
+use crate::outcome::Failure;
 
 /// Acceleration of a rigid ball in ideal fluid, `-g m/(m + M_a)` with the added mass of the case's box, cm/s².
 const RIGID: f64 = -594.5;
@@ -102,12 +103,16 @@ impl CaseVisitor for Run {
 
 /// Makes a rigid body of the half ball, held on its plane of symmetry.
 fn make_rigid<const D: usize>(setup: &mut Setup<D>) -> Result<(), Failure> {
-    let elastic = setup.bodies[0].elastic().ok_or("the ball is elastic")?;
-    let (mesh, form) = (elastic.solid.mesh(), &elastic.form);
-    let (boundary, vertices) = (elastic.solid.boundary().clone(), mesh.vertices().to_vec());
-    let mut rigid = RigidBody::new(boundary, vertices, form.inertia.density, form.body_force.acceleration)?;
+    let ball = &setup.bodies[0];
+    let start = ball.start();
+    let solid = ball.cells(&start).ok_or("the ball is elastic")?.mesh;
+    let balance = ball.balance(&start).ok_or("the ball is elastic")?;
+    let density = balance.mass / solid.cells().map(|cell| solid.simplex(cell).volume()).sum::<f64>();
+    let gravity = balance.body_force / balance.mass;
+    let (surface, reference) = (ball.surface().clone(), ball.reference().to_vec());
+    let mut rigid = RigidBody::new(ball.name(), surface, reference, density, gravity)?;
     rigid.held_axes[0] = true;
     rigid.holds_rotation = true;
-    setup.bodies[0].kind = BodyKind::Rigid(Box::new(rigid));
+    setup.bodies[0] = Arc::new(rigid);
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! A bar that hits the floor, once and again and again.
+//! A bar that hits the floor, once and repeatedly.
 //!
 //! Source: Doyen, Ern and Piperno 2011, Time-integration schemes for the finite element dynamic Signorini problem,
 //! doi:10.1137/100791440. Any consistent units.
@@ -6,16 +6,17 @@
 mod history;
 
 use std::path::Path;
+use std::sync::Arc;
 
-use cutwater::solid_svk::TimeScheme;
+use cutwater::algebra::time::ImplicitEuler;
 
 use self::history::{
     BOUNCES, Contact, GRAVITY, HEIGHT, HEIGHTS, History, IMPACT, LENGTH, MIDDLE, PENALTY, PERIOD, WAVE, exact_pressure,
     history,
 };
-use super::Failure;
-use super::dry::second_order;
+use super::dry::{Scheme, second_order};
 use super::record::{Figure, Record, short};
+use crate::outcome::Failure;
 
 /// Spectral radius of the generalised-α scheme.
 const RHO_INF: f64 = 0.8;
@@ -34,17 +35,17 @@ fn undispersed(rho_inf: f64) -> f64 {
 /// A way to advance the bar.
 struct Method {
     name: &'static str,
-    scheme: TimeScheme,
-    /// Of a cell, what a wave crosses in a step.
+    scheme: Scheme,
+    /// Fraction of a cell that a wave crosses in a step.
     courant: f64,
-    /// Whether it is asked to meet the exact solution.
+    /// Whether it has to meet the exact solution.
     is_gated: bool,
 }
 
-/// Shows the contacts of a bar of `n` cells beside the exact ones; returns the history with gravity, and the error of the last
-/// event.
+/// Records the contacts of a bar of `n` cells with the exact ones as reference; returns the history with gravity, and the error
+/// of the last event.
 fn contacts(record: &mut Record, n: usize, method: &Method) -> Result<(History, f64), Failure> {
-    let Method { name, scheme, courant, is_gated } = *method;
+    let Method { name, ref scheme, courant, is_gated } = *method;
     let step = courant * LENGTH / n as f64 / WAVE;
     let impact = history(0.0, n, courant, scheme, 2.0)?;
     let bounce = history(GRAVITY, n, courant, scheme, PERIOD)?;
@@ -82,9 +83,9 @@ fn contacts(record: &mut Record, n: usize, method: &Method) -> Result<(History, 
     Ok((bounce, late.abs()))
 }
 
-/// Shows what many periods leave of the energy of a bar of `n` cells, and how often it comes upon the floor; returns the energy.
+/// Records the energy of a bar of `n` cells after many periods and the number of its contacts; returns the energy.
 fn long(record: &mut Record, n: usize, method: &Method) -> Result<Vec<(f64, f64)>, Failure> {
-    let Method { name, scheme, courant, .. } = *method;
+    let Method { name, ref scheme, courant, .. } = *method;
     let long = history(GRAVITY, n, courant, scheme, f64::from(PERIODS) * PERIOD)?;
     let what = format!("{n} cells, {name}, {PERIODS} periods");
     record.show(format!("{what}: energy at the end over that at the start"), long.kept(), Some(1.0));
@@ -98,12 +99,12 @@ fn long(record: &mut Record, n: usize, method: &Method) -> Result<Vec<(f64, f64)
 /// A step fails.
 pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
     let (cells, n) = if record.full { (&[25, 50, 100, 200][..], 200) } else { (&[25, 50][..], 50) };
-    let euler = TimeScheme::ImplicitEuler;
+    let euler: Scheme = Arc::new(ImplicitEuler);
     let second = second_order(RHO_INF)?;
     let methods = [
-        Method { name: "implicit Euler", scheme: euler, courant: 1.0, is_gated: false },
-        Method { name: "generalised-α, step h/c", scheme: second, courant: 1.0, is_gated: false },
-        Method { name: "generalised-α", scheme: second, courant: undispersed(RHO_INF), is_gated: true },
+        Method { name: "implicit Euler", scheme: Arc::clone(&euler), courant: 1.0, is_gated: false },
+        Method { name: "generalised-α, step h/c", scheme: Arc::clone(&second), courant: 1.0, is_gated: false },
+        Method { name: "generalised-α", scheme: Arc::clone(&second), courant: undispersed(RHO_INF), is_gated: true },
     ];
     let exact = |points: Vec<(f64, f64)>| vec![("exact".to_owned(), points)];
     let mut curves = [exact(HEIGHTS.to_vec()), exact(exact_pressure()), Vec::new()];
@@ -119,7 +120,7 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
         }
         record.show_order(&format!("error of the time when the second bounce ends, {}", method.name), "h", &errors);
     }
-    for (name, scheme) in [("implicit Euler", euler), ("generalised-α", second)] {
+    for (name, scheme) in [("implicit Euler", &euler), ("generalised-α", &second)] {
         for courant in [2.0, 1.0, 0.5] {
             let loss = 1.0 - history(0.0, n, courant, scheme, 2.0)?.kept();
             record.show(format!("{name}, step {courant} h/c: energy lost in the impact"), loss, Some(0.0));

@@ -1,19 +1,19 @@
-//! Volume that a moving body displaces: what the cut owes to it, cell by cell, and what the equation of continuity makes of
-//! it. The mesh does not move, so there is no velocity of the mesh to be consistent with: what can be wrong is the closure of
-//! cut cells, and the balance of sweep, outflow and leak.
+//! Conservation of the volume that a moving body displaces: in the cut, cell by cell, and in the equation of continuity. As
+//! the mesh does not move, no velocity of the mesh enters. The closure of cut cells is checked, and the balance of sweep,
+//! outflow and leak.
 
 use std::sync::Arc;
 
 use cutwater::algebra::Workspace;
 use cutwater::cutcell::FaceLabel;
 use cutwater::mesh::FacetId;
-use cutwater::solver::{BodyKind, FluidBoundary, Setup, State, advance};
+use cutwater::solver::{FluidBoundary, Setup, State, Substep, advance};
 use cutwater::xfem_space::PartValues;
 
-use super::Failure;
-use super::exact::{Linear, background, nonagon};
-use super::flow::{P, Random, T, V, polygon};
+use super::flow::{P, Random, T, V, fluid_mut, fluid_of, polygon_of_particles, wet, wet_report};
+use super::linear_flow::{Linear, background, nonagon};
 use super::record::worse;
+use crate::outcome::Failure;
 
 const STEPS: usize = 6;
 const DT: f64 = 0.02;
@@ -57,7 +57,7 @@ impl Motion {
 
 /// Fluxes of the discrete velocity out of all fluid parts.
 struct Fluxes {
-    /// Sum over parts of `|∫ div u - ∮ u·n|`, and over faces of what the two sides do not agree on.
+    /// Sum over parts of `|∫ div u - ∮ u·n|`, and over faces of the differences between the two sides.
     residual: f64,
     /// Flow out of the box.
     outflow: f64,
@@ -67,8 +67,8 @@ struct Fluxes {
 }
 
 fn fluxes(setup: &Setup<2>, state: &State<2>, motion: &Motion) -> Fluxes {
-    let (background, fluid) = (&setup.background, &state.fluid);
-    let (cut, values) = (&fluid.cut, PartValues::new(background, &fluid.cut, 2));
+    let (background, fluid) = (&fluid_of(setup).background, wet(state));
+    let (cut, values) = (&fluid.cut, PartValues::new(background, &fluid.cut));
     let mut through_faces = vec![0.0; background.n_facets()];
     let mut residuals = vec![0.0; cut.n_parts()];
     // Velocity of a part, which is linear, at a point of its cell or beyond.
@@ -81,7 +81,7 @@ fn fluxes(setup: &Setup<2>, state: &State<2>, motion: &Motion) -> Fluxes {
         let cell = cut.part_cell(part);
         let of_gradients = fluid.space.dofs(part).iter().zip(values.gradients(part));
         let divergence: f64 = of_gradients.map(|(&dof, g)| fluid.velocity[dof as usize].dot(g)).sum();
-        residuals[part.index()] += divergence * values.points(part).iter().map(|q| q.weight).sum::<f64>();
+        residuals[part.index()] += divergence * values.moments(part).volume();
         let mut leave = |from: P, to: P, face: FacetId| {
             let flux = velocity(part, &((from + to) * 0.5)).dot(&V::new(to[1] - from[1], from[0] - to[0]));
             residuals[part.index()] -= flux;
@@ -130,27 +130,24 @@ fn fluxes(setup: &Setup<2>, state: &State<2>, motion: &Motion) -> Fluxes {
 fn displaced(corners: Vec<P>, motion: Motion, is_open: bool) -> Result<[f64; 4], Failure> {
     let known = Linear::at_rest(V::zeros()).known(0.05, if is_open { &["top"] } else { &[] });
     let mut setup = known.setup(background()?, DT);
-    for (_, condition) in &mut setup.fluid.boundary {
+    for (_, condition) in &mut fluid_mut(&mut setup).boundary {
         if matches!(condition, FluidBoundary::Velocity(_)) {
             *condition = FluidBoundary::NoSlip;
         }
     }
-    let mut body = polygon(&[corners], move |x, t| motion.position(x, t), Arc::new(move |x, t| motion.velocity(x, t)));
-    if let BodyKind::Prescribed(given) = &mut body.kind {
-        given.velocity = Arc::new(move |x, [t, _]| motion.velocity(x, t));
-    }
-    setup.bodies.push(body);
+    let velocity = Arc::new(move |x: &P, [t, _]: [f64; 2]| motion.velocity(x, t));
+    setup.bodies.push(polygon_of_particles(&[corners], move |x, t| motion.position(x, t), velocity));
     let (mut state, mut work) = (State::initial(&setup)?, Workspace::new());
     let mut errors = [0.0_f64; 4];
     let mut before: Option<(f64, f64)> = None;
     for _ in 0..STEPS {
-        let (next, report) = advance(&setup, &state, &mut work)?;
+        let (next, report) = advance(&setup, &state, Substep::whole(setup.dt), &mut work)?;
         state = next;
         let flow = fluxes(&setup, &state, &motion);
-        let covered = BOX - state.fluid.cut.fluid_volume();
+        let covered = BOX - wet(&state).cut.fluid_volume();
         // Velocities at corners are constant or turn: rates are linear in time or zero, and the trapezoidal rule is exact.
         let of_area = before.map_or(0.0, |(area, growth)| (covered - area) / DT - 0.5 * (growth + flow.growth));
-        let now = [flow.residual, flow.outflow - flow.growth, of_area, report.flow.leak_net];
+        let now = [flow.residual, flow.outflow - flow.growth, of_area, wet_report(&report).flow.leak_net];
         for (error, value) in errors.iter_mut().zip(now) {
             *error = worse(*error, value.abs() / flow.swept);
         }

@@ -3,17 +3,18 @@
 //! Source: the patch test of Taylor and Papadopoulos 1991 in the form of the Tribol library's tests, for two unit squares.
 
 use std::path::Path;
+use std::sync::Arc;
 
+use cutwater::algebra::time::QuasiStatic;
 use cutwater::contact::{ContactForm, DeformableObstacle, Penalty};
 use cutwater::mesh::BodyId;
 use cutwater::mesh::generate::structured_box;
-use cutwater::solid_svk::boundary::tagged_facets;
-use cutwater::solid_svk::{LameParameters, SaintVenantKirchhoff, TimeScheme};
-use cutwater::solver::{Contact, ContactObstacle, ElasticBody, SupportKind};
+use cutwater::solid_svk::{LameParameters, SaintVenantKirchhoff, SupportKind};
+use cutwater::solver::ContactObstacle;
 
-use super::Failure;
-use super::dry::{Run, V, elastic, floor, hold, pushed};
+use super::dry::{Elastic, Run, Touch, V, elastic, floor, pushed};
 use super::record::Record;
+use crate::outcome::Failure;
 
 /// Both Lame parameters.
 const LAME: f64 = 50.0;
@@ -21,7 +22,7 @@ const LAME: f64 = 50.0;
 const PUSHED: f64 = 0.01;
 /// Pressure over penetration.
 const STIFFNESS: f64 = 1e5;
-/// What round-off of a solved system may leave.
+/// Tolerance for the round-off of a solved system.
 const ROUND_OFF: f64 = 1e-9;
 
 /// Pressure on the reference area of a block in plane strain at a vertical stretch, its sides free.
@@ -34,26 +35,26 @@ fn stretch(n: f64) -> f64 {
     let (mut low, mut high) = (0.9, 1.0);
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
-        // Penetration is what the blocks do not take of the push.
+        // The penetration is the push minus the compression of the blocks.
         if pressure(middle) > STIFFNESS * (PUSHED - n * (1.0 - middle)) { low = middle } else { high = middle }
     }
     0.5 * (low + high)
 }
 
-fn block(bottom: f64, n: usize, top: f64) -> Result<ElasticBody<2>, Failure> {
+fn block(bottom: f64, n: usize, top: f64) -> Result<Elastic<2>, Failure> {
     let mesh = structured_box::<2>([0.0, bottom], [1.0, bottom + 1.0], [n, n])?;
     let material = SaintVenantKirchhoff::new(LameParameters::new(LAME, LAME)?);
-    let mut body = elastic(mesh, 1.0, material, V::zeros(), TimeScheme::QuasiStatic)?;
-    hold(&mut body, "left", SupportKind::Symmetry { axis: 0 })?;
+    let mut body = elastic(mesh, 1.0, material, V::zeros(), Arc::new(QuasiStatic))?;
+    body.hold("left", SupportKind::Symmetry { axis: 0 })?;
     if top != 0.0 {
-        hold(&mut body, "top", pushed([None, Some(-top)]))?;
+        body.hold("top", pushed([None, Some(-top)]))?;
     } else {
-        hold(&mut body, "bottom", SupportKind::Symmetry { axis: 1 })?;
+        body.hold("bottom", SupportKind::Symmetry { axis: 1 })?;
     }
     Ok(body)
 }
 
-/// Deviation of force and displacement from the uniform state, beside the pressure and the push.
+/// Deviation of force and displacement from the uniform state, relative to the pressure and the push.
 struct Deviation {
     force: f64,
     displacement: f64,
@@ -69,7 +70,7 @@ fn deviation(mut run: Run, bottoms: &[f64]) -> Result<Deviation, Failure> {
     for (k, (body, state)) in run.setup.bodies.iter().zip(&run.state.bodies).enumerate() {
         // The highest block hangs from its top, the lowest of two stands on its bottom.
         let (fixed, moved) = if k == 0 { (bottoms[0] + 1.0, -PUSHED) } else { (bottoms[k], 0.0) };
-        for (x, d) in body.reference().iter().zip(&state.displacement) {
+        for (x, d) in body.reference().iter().zip(state.displacement()) {
             let exact = V::new((lateral - 1.0) * x[0], moved + (stretch - 1.0) * (x[1] - fixed));
             displacement = displacement.max((d - exact).norm() / PUSHED);
         }
@@ -80,20 +81,19 @@ fn deviation(mut run: Run, bottoms: &[f64]) -> Result<Deviation, Failure> {
 fn on_a_plane(n: usize) -> Result<Deviation, Failure> {
     let body = block(0.0, n, PUSHED)?;
     let contact = floor(&body, "bottom", STIFFNESS)?;
-    deviation(Run::new(vec![body], vec![contact], 1.0, 1e-11), &[0.0])
+    deviation(Run::new(vec![body], Some(contact), 1.0, 1e-11)?, &[0.0])
 }
 
 fn two(n_slave: usize, n_master: usize) -> Result<Deviation, Failure> {
     let (upper, lower) = (block(1.0, n_slave, PUSHED)?, block(0.0, n_master, 0.0)?);
-    let surface = DeformableObstacle::new(lower.solid.boundary().clone(), tagged_facets(&lower.solid, "top")?)?;
-    let contact = Contact {
-        body: BodyId::new(0),
-        facets: tagged_facets(&upper.solid, "bottom")?,
+    let surface = DeformableObstacle::new(lower.solid.boundary().clone(), lower.part("top")?)?;
+    let contact = Touch {
+        facets: upper.part("bottom")?,
         // The size of the contact is also the distance to look ahead.
         form: ContactForm::new(Penalty::new(0.1 * STIFFNESS, 0.0)?, 0.1)?,
         obstacle: ContactObstacle::Body { body: BodyId::new(1), surface },
     };
-    deviation(Run::new(vec![upper, lower], vec![contact], 1.0, 1e-11), &[1.0, 0.0])
+    deviation(Run::new(vec![upper, lower], Some(contact), 1.0, 1e-11)?, &[1.0, 0.0])
 }
 
 /// Measures.
@@ -103,7 +103,7 @@ fn two(n_slave: usize, n_master: usize) -> Result<Deviation, Failure> {
 pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
     let plane = on_a_plane(if record.full { 16 } else { 5 })?;
     record.at_most("block on a plane: error of the force, relative", plane.force, ROUND_OFF);
-    record.at_most("block on a plane: error of displacement beside the push", plane.displacement, ROUND_OFF);
+    record.at_most("block on a plane: error of displacement relative to the push", plane.displacement, ROUND_OFF);
     for (slave, master) in [(3, 3), (8, 4), (4, 3), (3, 4), (16, 3)] {
         let blocks = two(slave, master)?;
         record.at_most(format!("blocks of {slave} on {master}: force"), blocks.force, ROUND_OFF);

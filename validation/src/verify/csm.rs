@@ -4,15 +4,16 @@
 //! laminar incompressible flow, doi:10.1007/3-540-34596-5_15, CSM1 to CSM3. SI units.
 
 use std::path::Path;
+use std::sync::Arc;
 
+use cutwater::algebra::time::{ImplicitEuler, QuasiStatic};
 use cutwater::mesh::VertexId;
 use cutwater::mesh::generate::structured_box;
-use cutwater::solid_svk::{LameParameters, SaintVenantKirchhoff, TimeScheme};
-use cutwater::solver::{BodySupport, SupportKind};
+use cutwater::solid_svk::{LameParameters, SaintVenantKirchhoff, Support, SupportKind};
 
-use super::Failure;
-use super::dry::{P, Run, V, elastic, mapped, second_order};
+use super::dry::{P, Run, Scheme, V, elastic, mapped, second_order};
 use super::record::{Figure, Record, short};
+use crate::outcome::Failure;
 
 const LENGTH: f64 = 0.35;
 const THICKNESS: f64 = 0.02;
@@ -36,7 +37,7 @@ const SAME: f64 = 1e-3;
 /// Steps in which the weight is applied at rest.
 const LOAD_STEPS: u32 = 4;
 
-/// What is compared of a swing, and the largest relative error.
+/// Quantities of a swing that are compared, with the largest relative error.
 const COMPARED: [(&str, f64); 3] =
     [("mean of u_y [m]", 0.02), ("amplitude of u_y [m]", 0.02), ("frequency [Hz]", 0.01)];
 /// Swings of the comparison, of which the last one that is complete counts.
@@ -56,7 +57,7 @@ struct Flag {
 
 impl Flag {
     /// The flag under a part of its weight.
-    fn run(self, gravity: f64, scheme: TimeScheme, dt: f64) -> Result<Run, Failure> {
+    fn run(self, gravity: f64, scheme: Scheme, dt: f64) -> Result<Run, Failure> {
         let columns = (self.rows as f64 * LENGTH / THICKNESS).round() as usize;
         let [x, y] = TIP;
         let (low, high) = ([x - LENGTH, y - 0.5 * THICKNESS], [x, y + 0.5 * THICKNESS]);
@@ -71,16 +72,16 @@ impl Flag {
         })?;
         let material = SaintVenantKirchhoff::new(LameParameters::new(self.mu, 4.0 * self.mu)?);
         let mut body = elastic(mesh, DENSITY, material, V::new(0.0, -gravity), scheme)?;
-        body.supports.push(BodySupport { vertices: held, kind: SupportKind::Clamped });
-        Ok(Run::new(vec![body], Vec::new(), dt, 1e-9))
+        body.options.supports.push(Support { vertices: held, kind: SupportKind::Clamped });
+        Run::new(vec![body], None, dt, 1e-9)
     }
 
     /// Displacement of the tip at rest.
     fn rest(self) -> Result<V, Failure> {
-        let mut run = self.run(0.0, TimeScheme::QuasiStatic, 1.0)?;
+        let mut run = self.run(0.0, Arc::new(QuasiStatic), 1.0)?;
         for k in 1..=LOAD_STEPS {
             let state = run.state;
-            run = self.run(GRAVITY * f64::from(k) / f64::from(LOAD_STEPS), TimeScheme::QuasiStatic, 1.0)?;
+            run = self.run(GRAVITY * f64::from(k) / f64::from(LOAD_STEPS), Arc::new(QuasiStatic), 1.0)?;
             run.state = state;
             run.advance()?;
         }
@@ -88,7 +89,7 @@ impl Flag {
     }
 
     /// Times and vertical displacements of the tip over a number of swings of the benchmark.
-    fn swing(self, scheme: TimeScheme, dt: f64, swings: f64) -> Result<Vec<(f64, f64)>, Failure> {
+    fn swing(self, scheme: Scheme, dt: f64, swings: f64) -> Result<Vec<(f64, f64)>, Failure> {
         let mut run = self.run(GRAVITY, scheme, dt)?;
         let mut signal = vec![(0.0, 0.0)];
         while run.state.time < swings / CSM3[2] {
@@ -101,10 +102,10 @@ impl Flag {
 
 /// Displacement of the tip, where the two halves of the end meet.
 fn displacement(run: &Run) -> Result<V, Failure> {
-    let mesh = run.body()?.solid.mesh();
+    let mesh = run.body().solid().mesh();
     let tip = P::from(TIP);
     let at = mesh.vertices().iter().position(|x| (x - tip).norm() < 1e-9).ok_or("no vertex at the tip")?;
-    Ok(run.state.bodies[0].displacement[at])
+    Ok(run.state.bodies[0].displacement()[at])
 }
 
 /// Mean, amplitude and frequency of each swing, from one passage of the middle downwards to the next.
@@ -156,8 +157,8 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
     for &(rows, peer) in peer {
         let u = flag(rows, SOFT).rest()?[1];
         record.show(format!("CSM1, {rows} rows: u_y [m]"), u, Some(CSM1));
-        // The same element on as many squares: it is the same number up to the printed digits and the sense of the diagonals.
-        record.near_relative(format!("CSM1, {rows} rows: u_y beside that of NGSolve's P1 [m]"), u, peer, SAME);
+        // The same element on as many squares: the results agree up to the printed digits and the direction of the diagonals.
+        record.near_relative(format!("CSM1, {rows} rows: u_y compared with NGSolve's P1 [m]"), u, peer, SAME);
         errors.push((1.0 / rows as f64, (u - CSM1).abs()));
         values.push(u);
     }
@@ -189,7 +190,7 @@ fn swinging(record: &mut Record) -> Result<(), Failure> {
     let scheme = second_order(0.8)?;
     let (mut found, mut curves) = (Vec::new(), Vec::new());
     for &rows in rows {
-        let signal = flag(rows).swing(scheme, dt, SWINGS)?;
+        let signal = flag(rows).swing(Arc::clone(&scheme), dt, SWINGS)?;
         found.push(last(&signal)?);
         curves.push((format!("{rows} rows"), signal));
     }
@@ -214,7 +215,7 @@ fn swinging(record: &mut Record) -> Result<(), Failure> {
             record.near_relative(extrapolated, limit, CSM3[k], tolerance);
         }
     }
-    let euler = flag(rows[0]).swing(TimeScheme::ImplicitEuler, dt, SWINGS)?;
+    let euler = flag(rows[0]).swing(Arc::new(ImplicitEuler), dt, SWINGS)?;
     let quantity = format!("CSM3, {} rows, implicit Euler: amplitude of u_y in the second swing [m]", rows[0]);
     record.show(quantity, last(&euler)?[1], Some(CSM3[1]));
     curves.push((format!("{} rows, implicit Euler", rows[0]), euler));
@@ -232,7 +233,7 @@ fn swinging(record: &mut Record) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Many swings of a coarse flag with several time steps: what comes of the last one, and how far the tip comes back in each.
+/// Computes many swings of a coarse flag with several time steps: records the last one, and the return of the tip in each.
 fn time_steps(record: &mut Record, flag: &dyn Fn(usize) -> Flag) -> Result<(), Failure> {
     let (rows, many, steps) = LONG;
     let mut curves = Vec::new();

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use super::Failure;
 use super::dry::{Run, second_order};
 use super::mode::{Mode, frequency};
 use super::record::{Figure, Record, short};
+use crate::outcome::Failure;
 
 /// `n` and `ω R/c_s` of the first mode with `n` waves around the disk: roots of the frequency determinant of a free disk in plane
 /// strain with `ν = 0.4`.
@@ -19,12 +19,12 @@ const PERIODS: f64 = 10.0;
 fn found(mode: &Mode, size: f64) -> Result<f64, Failure> {
     let period = 1.0 / mode.hertz();
     let body = mode.disk(size, second_order(0.8)?)?;
-    let amplitude = mode.projection(&body);
-    let mut run = Run::new(vec![body], Vec::new(), period * size / STEPS, 1e-9);
+    let amplitude = mode.projection(&body.solid);
+    let mut run = Run::new(vec![body], None, period * size / STEPS, 1e-9)?;
     let mut samples = Vec::new();
     while run.state.time < PERIODS * period {
         run.advance()?;
-        samples.push((run.state.time, amplitude(&run.state.bodies[0].displacement)));
+        samples.push((run.state.time, amplitude(run.state.bodies[0].displacement())));
     }
     frequency(&samples)
 }

@@ -1,80 +1,88 @@
-//! The page of the book with all records, and the store that it is made of.
+//! Records as pages of the book: one Markdown file for each, with its charts.
 
-use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use cutwater::io::plot::panel_svg;
-
-use super::Failure;
 use super::record::{Record, Row, short};
+use crate::chart::svg;
+use crate::outcome::Failure;
 
-/// Where the sources of this program are.
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().map_or_else(PathBuf::new, Path::to_owned)
-}
+/// Folder of the pages of checks in `docs/src`.
+pub(super) const FOLDER: &str = "verification";
 
-/// Stores records beside those of checks that were not run now, and writes the page from all.
+/// Writes the page of a record into a folder of the book, and its charts. The page names the command that measured it and
+/// the version of the code.
 ///
 /// # Errors
-/// A file cannot be read or written.
-pub(super) fn update(records: &[Record], order: &[&str]) -> Result<(), Failure> {
-    let store = root().join("validation/verification.json");
-    let mut all: BTreeMap<String, Record> = match std::fs::read_to_string(&store) {
-        Ok(text) => serde_json::from_str(&text)?,
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => BTreeMap::new(),
-        Err(error) => return Err(error.into()),
-    };
-    all.extend(records.iter().map(|record| (record.check.clone(), record.clone())));
-    all.retain(|name, _| order.contains(&name.as_str()));
-    std::fs::write(&store, serde_json::to_string_pretty(&all)? + "\n")?;
-    let source = root().join("docs/src");
-    let sorted: Vec<&Record> = order.iter().filter_map(|name| all.get(*name)).collect();
-    std::fs::write(source.join("verification.md"), page(&sorted))?;
-    for record in sorted {
-        for (k, figure) in record.figures.iter().enumerate() {
-            std::fs::write(source.join(picture(&record.check, k)), panel_svg(&figure.panel())?)?;
-        }
+/// A chart cannot be drawn, or a file cannot be written.
+pub(crate) fn write(folder: &str, record: &Record, command: &str, version: &str) -> Result<(), Failure> {
+    let source = source();
+    let text = markdown(folder, record, command, version);
+    std::fs::create_dir_all(source.join(folder))?;
+    std::fs::write(source.join(folder).join(&record.check).with_extension("md"), text)?;
+    for (k, figure) in record.figures.iter().enumerate() {
+        let path = source.join("images").join(picture(folder, record, k));
+        std::fs::write(path, svg(&figure.chart(), figure.is_log)?)?;
     }
     Ok(())
 }
 
-fn picture(check: &str, k: usize) -> String {
-    format!("images/verification-{check}-{k}.svg")
+/// The folder of the pages of the book.
+pub(crate) fn source() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/src")
 }
 
-fn page(records: &[&Record]) -> String {
-    let mut text = "# Verification\n\n\
-        Every number in a table here is measured by `cargo xtask verify NAME`; `--document` stores what it measured and writes this \
-        page. The long versions are `--full`. In rows with `at most` and `at least` the reference is the bound; a verdict `-` \
-        is that of a number which is shown and not bounded. Times are wall-clock times where it was run.\n\n\
-        | check | what | version | took | verdict |\n|---|---|---|---|---|\n"
-        .to_owned();
-    for record in records {
-        let failed = record.rows.iter().filter(|row| !row.holds()).count();
-        let verdict = if failed == 0 { "pass".to_owned() } else { format!("{failed} missed") };
-        let version = if record.full { "full" } else { "quick" };
-        let took = duration(record.seconds);
-        // Writing to a string cannot fail.
-        let _ = writeln!(text, "| [{0}](#{0}) | {1} | {version} | {took} | {verdict} |", record.check, record.about);
+/// Version of the code and its date, if git knows them; else empty.
+pub(super) fn version() -> String {
+    let date = std::process::Command::new("git").args(["log", "-1", "--format=%cs"]).output().ok();
+    let date = date.and_then(|output| String::from_utf8(output.stdout).ok()).unwrap_or_default();
+    crate::report::commit().map_or_else(String::new, |commit| format!("{commit}, {}", date.trim()))
+}
+
+fn picture(folder: &str, record: &Record, k: usize) -> String {
+    format!("{}-{}-{k}.svg", folder, record.check)
+}
+
+fn markdown(folder: &str, record: &Record, command: &str, version: &str) -> String {
+    let failed = record.rows.iter().filter(|row| !row.holds()).count();
+    let verdict = match (record.rows.len(), failed) {
+        (0, _) => String::new(),
+        (_, 0) => "pass; ".to_owned(),
+        (_, failed) => format!("**{failed} missed**; "),
+    };
+    let took = match duration(record.seconds) {
+        time if time.is_empty() => time,
+        time => format!("; it took {time}"),
+    };
+    let version = if version.is_empty() { String::new() } else { format!(", measured with version {version}") };
+    let mut text = format!("# {}\n\n{}\n\n{verdict}`{command}`{version}{took}.\n", record.check, record.about);
+    // Writing to a string cannot fail.
+    if !record.rows.is_empty() {
+        text += "\n| quantity | computed | reference | tolerance | verdict |\n|---|---|---|---|---|\n";
     }
-    for record in records {
-        let _ = write!(text, "\n## {}\n\n{}\n\n", record.check, record.about);
-        text += "| quantity | computed | reference | tolerance | verdict |\n|---|---|---|---|---|\n";
-        for row in &record.rows {
-            let verdict = if row.holds() { row.verdict.clone() } else { "**missed**".to_owned() };
-            let [computed, reference] = numbers(row);
-            let quantity = row.quantity.replace('|', "\\|");
-            let _ = writeln!(text, "| {quantity} | {computed} | {reference} | {} | {verdict} |", row.tolerance);
-        }
-        for note in &record.notes {
-            let _ = write!(text, "\n{note}\n");
-        }
-        for (k, figure) in record.figures.iter().enumerate() {
-            let _ = write!(text, "\n![{}]({})\n", figure.title, picture(&record.check, k));
-        }
+    for row in &record.rows {
+        let verdict = if row.holds() { row.verdict.clone() } else { "**missed**".to_owned() };
+        let [computed, reference] = numbers(row);
+        let _ =
+            writeln!(text, "| {} | {computed} | {reference} | {} | {verdict} |", cell(&row.quantity), row.tolerance);
+    }
+    for table in &record.tables {
+        let line = |cells: &[String]| cells.iter().map(|text| cell(text)).collect::<Vec<_>>().join(" | ");
+        let _ = write!(text, "\n| {} |\n|{}\n", line(&table.head), "---|".repeat(table.head.len()));
+        table.rows.iter().for_each(|row| text += &format!("| {} |\n", line(row)));
+    }
+    for note in &record.notes {
+        let _ = write!(text, "\n{note}\n");
+    }
+    for (k, figure) in record.figures.iter().enumerate() {
+        let _ = write!(text, "\n![{}](../images/{})\n", figure.title, picture(folder, record, k));
     }
     text
+}
+
+/// A text inside a cell of a table.
+fn cell(text: &str) -> String {
+    text.replace('|', "\\|")
 }
 
 /// Computed number and reference as texts.
@@ -82,8 +90,8 @@ pub(super) fn numbers(row: &Row) -> [String; 2] {
     [row.computed.map_or("not finite".to_owned(), short), row.reference.map_or("-".to_owned(), short)]
 }
 
-/// A time to two digits; empty for zero, which is not known.
-pub(super) fn duration(seconds: f64) -> String {
+/// A time with two digits; empty for zero, which stands for an unknown one.
+pub(crate) fn duration(seconds: f64) -> String {
     match seconds {
         0.0 => String::new(),
         s if s < 99.5 => format!("{} s", short_time(s)),
@@ -93,4 +101,46 @@ pub(super) fn duration(seconds: f64) -> String {
 
 fn short_time(x: f64) -> String {
     if x < 9.95 { format!("{x:.1}") } else { format!("{x:.0}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::verify::record::Table;
+
+    #[test]
+    fn a_page_has_all_parts_of_its_record() {
+        let mut record = Record::new("x", "About x.", true);
+        record.at_most("a | b", 2.0, 1.0);
+        record.tables.push(Table { head: vec!["p".into(), "q".into()], rows: vec![vec!["1".into(), "2".into()]] });
+        record.note("A note.");
+        record.figures.push(super::super::record::Figure { title: "f".into(), ..Default::default() });
+        let text = markdown(FOLDER, &record, "run x", "abc, today");
+        for part in [
+            "# x\n\nAbout x.\n\n**1 missed**; `run x`, measured with version abc, today.\n",
+            "| a \\| b | 2 | 1 | at most | **missed** |",
+            "| p | q |\n|---|---|\n| 1 | 2 |",
+            "\nA note.\n",
+            "![f](../images/verification-x-0.svg)",
+        ] {
+            assert!(text.contains(part), "{part}\n{text}");
+        }
+    }
+
+    #[test]
+    fn the_book_links_to_the_page_of_every_check() {
+        let read = |name: &str| std::fs::read_to_string(source().join(name)).unwrap_or_default();
+        for check in &crate::verify::CHECKS {
+            let link = format!("[{0}](verification/{0}.md)", check.name);
+            assert_eq!(
+                (read("verification.md").matches(&link).count(), read("SUMMARY.md").matches(&link).count()),
+                (1, 1),
+                "{link}"
+            );
+            assert!(
+                read(&format!("verification/{}.md", check.name)).starts_with(&format!("# {}\n", check.name)),
+                "{link}"
+            );
+        }
+    }
 }

@@ -2,18 +2,47 @@
 
 use std::sync::Arc;
 
+use cutwater::algebra::time::{GeneralisedAlpha, TimeScheme};
 use cutwater::algebra::{NewtonSettings, Workspace};
 use cutwater::contact::{ContactForm, Penalty, RigidPlane};
-use cutwater::mesh::{BodyId, Point, SimplexMesh, Vector};
-use cutwater::solid_svk::boundary::{tagged_facets, vertices_of};
-use cutwater::solid_svk::{GeneralisedAlpha, Material, SolidForm, SolidMesh, TimeScheme};
-use cutwater::solver::dry::{DryReport, DrySetup, DryState, advance};
-use cutwater::solver::{Body, BodyKind, BodySupport, Contact, ContactObstacle, ElasticBody, SupportKind};
+use cutwater::mesh::{BodyId, FacetId, Point, SimplexMesh, Vector};
+use cutwater::solid_svk::supports::{tagged_facets, vertices_of};
+use cutwater::solid_svk::{ElasticBody, ElasticOptions, Material, SolidForm, SolidMesh, Support, SupportKind};
+use cutwater::solver::body::Body;
+use cutwater::solver::{Contact, ContactObstacle, Setup, State, StepReport, Substep, advance};
 
-use super::Failure;
+use crate::outcome::Failure;
 
 pub(super) type P = Point<2>;
 pub(super) type V = Vector<2>;
+/// A time scheme of an elastic body.
+pub(crate) type Scheme = Arc<dyn TimeScheme>;
+
+/// The parts of an elastic body.
+pub(super) struct Elastic<const D: usize> {
+    pub(super) solid: SolidMesh<D>,
+    pub(super) form: SolidForm<D>,
+    pub(super) options: ElasticOptions<D>,
+}
+
+impl<const D: usize> Elastic<D> {
+    /// The body.
+    pub(super) fn body(self, name: &str) -> Result<Arc<ElasticBody<D>>, Failure> {
+        Ok(Arc::new(ElasticBody::new(name, self.solid, self.form, self.options)?))
+    }
+
+    /// Holds a named part of the boundary.
+    pub(super) fn hold(&mut self, part: &str, kind: SupportKind<D>) -> Result<(), Failure> {
+        let vertices = vertices_of(&self.solid, &tagged_facets(&self.solid, part)?);
+        self.options.supports.push(Support { vertices, kind });
+        Ok(())
+    }
+
+    /// Facets of a named part of the boundary.
+    pub(super) fn part(&self, name: &str) -> Result<Vec<FacetId>, Failure> {
+        Ok(tagged_facets(&self.solid, name)?)
+    }
+}
 
 /// An elastic body without supports and loads, at rest.
 pub(super) fn elastic<const D: usize>(
@@ -21,78 +50,86 @@ pub(super) fn elastic<const D: usize>(
     density: f64,
     material: impl Material<D> + 'static,
     gravity: Vector<D>,
-    scheme: TimeScheme,
-) -> Result<ElasticBody<D>, Failure> {
-    Ok(ElasticBody {
-        solid: SolidMesh::new(mesh)?,
-        form: SolidForm::new(density, material, gravity)?,
-        scheme,
-        supports: Vec::new(),
-        loads: Vec::new(),
-        initial_displacement: None,
-        initial_velocity: None,
-    })
+    scheme: Scheme,
+) -> Result<Elastic<D>, Failure> {
+    let options = ElasticOptions { scheme, ..ElasticOptions::default() };
+    Ok(Elastic { solid: SolidMesh::new(mesh)?, form: SolidForm::new(density, material, gravity)?, options })
 }
 
-/// Holds a named part of the boundary.
-pub(super) fn hold<const D: usize>(body: &mut ElasticBody<D>, part: &str, kind: SupportKind<D>) -> Result<(), Failure> {
-    let vertices = vertices_of(&body.solid, &tagged_facets(&body.solid, part)?);
-    body.supports.push(BodySupport { vertices, kind });
-    Ok(())
+/// A contact of the first body.
+pub(super) struct Touch<const D: usize> {
+    pub(super) facets: Vec<FacetId>,
+    pub(super) form: ContactForm<D>,
+    pub(super) obstacle: ContactObstacle<D>,
 }
 
-/// A plane `y = 0` that a named part of a body must not pass, with the pressure `stiffness` times penetration.
-pub(super) fn floor(body: &ElasticBody<2>, part: &str, stiffness: f64) -> Result<Contact<2>, Failure> {
-    Ok(Contact {
-        body: BodyId::new(0),
-        facets: tagged_facets(&body.solid, part)?,
+/// Contact of a named part of a body with the plane `y = 0` below it; the pressure is `stiffness` times penetration.
+pub(super) fn floor(body: &Elastic<2>, part: &str, stiffness: f64) -> Result<Touch<2>, Failure> {
+    Ok(Touch {
+        facets: body.part(part)?,
         form: ContactForm::new(Penalty::new(stiffness, 0.0)?, 1.0)?,
         obstacle: ContactObstacle::Rigid(Box::new(RigidPlane::new(P::zeros(), V::new(0.0, -1.0))?)),
     })
 }
 
 /// The generalised-α scheme.
-pub(super) fn second_order(rho_inf: f64) -> Result<TimeScheme, Failure> {
-    Ok(TimeScheme::GeneralisedAlpha(GeneralisedAlpha::new(rho_inf)?))
+pub(super) fn second_order(rho_inf: f64) -> Result<Scheme, Failure> {
+    Ok(Arc::new(GeneralisedAlpha::new(rho_inf).ok_or("rho_inf is from 0 to 1")?))
 }
 
-/// Bodies on their way.
+/// Elastic bodies in motion.
 pub(super) struct Run<const D: usize = 2> {
-    pub(super) setup: DrySetup<D>,
-    pub(super) state: DryState<D>,
+    pub(super) setup: Setup<D>,
+    pub(super) state: State<D>,
+    bodies: Vec<Arc<ElasticBody<D>>>,
     work: Workspace,
 }
 
 impl<const D: usize> Run<D> {
-    /// Bodies at time zero.
-    pub(super) fn new(bodies: Vec<ElasticBody<D>>, contacts: Vec<Contact<D>>, dt: f64, tolerance: f64) -> Self {
-        let named = |(k, body): (usize, ElasticBody<D>)| Body {
-            name: format!("body {k}"),
-            kind: BodyKind::Elastic(Box::new(body)),
-        };
-        let bodies = bodies.into_iter().enumerate().map(named).collect();
-        let setup = DrySetup { bodies, contacts, dt, newton: NewtonSettings::new(tolerance) };
-        let state = DryState::initial(&setup);
-        Self { setup, state, work: Workspace::new() }
+    /// Bodies at time zero, with a contact of the first one.
+    pub(super) fn new(
+        bodies: Vec<Elastic<D>>,
+        touch: Option<Touch<D>>,
+        dt: f64,
+        tolerance: f64,
+    ) -> Result<Self, Failure> {
+        let built = bodies.into_iter().enumerate().map(|(k, body)| body.body(&format!("body {k}")));
+        let bodies = built.collect::<Result<Vec<_>, _>>()?;
+        let any: Vec<Arc<dyn Body<D>>> = bodies.iter().map(|body| Arc::clone(body) as _).collect();
+        let contact = |Touch { facets, form, obstacle }| Contact::new(&any, BodyId::new(0), facets, form, obstacle);
+        let contacts = touch.map(contact).transpose()?.into_iter().collect();
+        let setup = dry_setup(any, contacts, dt, tolerance);
+        let state = State::initial(&setup)?;
+        Ok(Self { setup, state, bodies, work: Workspace::new() })
     }
 
     /// One step.
-    pub(super) fn advance(&mut self) -> Result<DryReport<D>, Failure> {
-        let (state, report) = advance(&self.setup, &self.state, &mut self.work)?;
+    pub(super) fn advance(&mut self) -> Result<StepReport<D>, Failure> {
+        let (state, report) = advance(&self.setup, &self.state, Substep::whole(self.setup.dt), &mut self.work)?;
         self.state = state;
         Ok(report)
     }
 
     /// The first body.
-    pub(super) fn body(&self) -> Result<&ElasticBody<D>, Failure> {
-        Ok(self.setup.bodies.first().and_then(Body::elastic).ok_or("there is no elastic body")?)
+    pub(super) fn body(&self) -> &ElasticBody<D> {
+        &self.bodies[0]
     }
 
     /// Kinetic, elastic and potential energy of the first body, and its vertical momentum.
     pub(super) fn energy_and_momentum(&self) -> Result<(f64, f64), Failure> {
-        let balance = self.state.balance(&self.setup, 0).ok_or("there is no elastic body")?;
+        let balance = self.setup.bodies[0].balance(&self.state.bodies[0]).ok_or("there is no elastic body")?;
         Ok((balance.energy(), balance.momentum[1]))
     }
+}
+
+/// Bodies in vacuum.
+pub(crate) fn dry_setup<const D: usize>(
+    bodies: Vec<Arc<dyn Body<D>>>,
+    contacts: Vec<Contact<D>>,
+    dt: f64,
+    tolerance: f64,
+) -> Setup<D> {
+    Setup { fluid: None, bodies, contacts, dt, most_halvings: 0, newton: NewtonSettings::new(tolerance) }
 }
 
 /// A displacement that grows linearly in time until 1; components with `None` are free.

@@ -3,22 +3,25 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use cutwater::mesh::SimplexMesh;
-use cutwater::mesh::generate::{BallOptions, Size, ball, graded_box};
-use cutwater::solid_svk::{LameParameters, SaintVenantKirchhoff, SolidForm, SolidMesh, TimeScheme};
-use cutwater::solver::{Body, BodyKind, ElasticBody, FluidBoundary, Setup, State};
+use cutwater::algebra::time::ImplicitEuler;
+use cutwater::mesh::generate::{BallOptions, ball};
+use cutwater::solid_rigid::RigidMotion;
+use cutwater::solid_svk::{ElasticBody, ElasticOptions, LameParameters, SaintVenantKirchhoff, SolidForm, SolidMesh};
+use cutwater::solver::body::Body;
+use cutwater::solver::{FluidBoundary, Setup, State};
 
-use super::Failure;
 use super::conservation;
-use super::flow::{self, Flow, Known, P, Random, T, V, disk, polygon, rigid_polygon};
+use super::flow::{
+    self, Flow, Known, P, Random, T, V, disk, fluid_mut, fluid_of, polygon, rigid_polygon, wet, wet_report,
+};
+use super::linear_flow::{Linear, SIZE, background, nonagon};
 use super::record::Record;
+use crate::outcome::Failure;
 
 /// Largest error that counts as round-off of a solved system.
 const ROUND_OFF: f64 = 1e-9;
 /// Random positions in short and in full.
 const POSITIONS: [usize; 2] = [3, 20];
-/// Size of the background's cells.
-const SIZE: f64 = 0.13;
 
 /// Measures all of it, each at random positions of the bodies.
 ///
@@ -33,7 +36,7 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
             let centre = P::new(random.between(0.8, 1.2), random.between(0.65, 0.85));
             let errors = of(centre, &mut random)?;
             worst.resize(errors.len(), 0.0);
-            // A number that is none is worst.
+            // NaN counts as the largest error.
             worst
                 .iter_mut()
                 .zip(errors)
@@ -99,62 +102,23 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
         record.show(format!("{name}, over its sweep: net flow through the surface, relative to it"), values[3], None);
     }
     record.note(
-        "The mesh does not move: conservation of volume is that the fluid parts of the cells close, face by face and with the \
-         interface, and that what leaves the box is what the body displaces. The test function 1 of the equation of continuity \
-         makes the sum of divergence and leak zero, not the leak by itself, as the mortar holds velocities together weakly.",
+        "The mesh does not move. Conservation of volume therefore requires that the fluid parts of the cells close, face by face \
+         and with the interface, and that the outflow of the box equals the volume that the body displaces. The test function 1 \
+         of the equation of continuity makes the sum of divergence and leak zero, not the leak by itself, because the mortar \
+         couples velocities weakly.",
     );
-    record.note(format!("{n} random positions each, on a mesh of size {SIZE} that knows nothing of the body."));
+    record.note(format!("{n} random positions each, on a mesh of size {SIZE} that is not fitted to the body."));
     Ok(())
-}
-
-pub(super) fn background() -> Result<SimplexMesh<2>, Failure> {
-    Ok(graded_box::<2>([0.0, 0.0], [2.0, 1.5], &Size::uniform(SIZE))?)
-}
-
-/// Velocity `a x + b`, pressure `g · x + p`, in a body force that makes it a steady flow.
-pub(super) struct Linear {
-    a: T,
-    b: V,
-    g: V,
-    p: f64,
-    density: f64,
-    convects: bool,
-}
-
-impl Flow for Linear {
-    fn velocity(&self, x: &P, _: f64) -> V {
-        self.a * x + self.b
-    }
-    fn gradient(&self, _: &P, _: f64) -> T {
-        self.a
-    }
-    fn pressure(&self, x: &P, _: f64) -> f64 {
-        self.p + self.g.dot(x)
-    }
-    fn force(&self, x: &P, t: f64) -> V {
-        let inertia = if self.convects { self.a * self.velocity(x, t) * self.density } else { V::zeros() };
-        inertia + self.g
-    }
-}
-
-impl Linear {
-    pub(super) fn at_rest(g: V) -> Self {
-        Self { a: T::zeros(), b: V::zeros(), g, p: 1.7, density: 1.2, convects: false }
-    }
-
-    pub(super) fn known(self, viscosity: f64, open: &'static [&'static str]) -> Known<Self> {
-        Known { density: self.density, convects: self.convects, flow: Arc::new(self), viscosity, open }
-    }
 }
 
 /// Largest errors of velocity and pressure over the dofs.
 fn nodal_errors<F: Flow>(known: &Known<F>, setup: &Setup<2>, state: &State<2>) -> [f64; 2] {
     let mut errors = [0.0_f64; 2];
-    for (k, &vertex) in state.fluid.space.vertices().iter().enumerate() {
-        let x = setup.background.vertex(vertex);
+    for (k, &vertex) in wet(state).space.vertices().iter().enumerate() {
+        let x = fluid_of(setup).background.vertex(vertex);
         let t = state.time;
-        errors[0] = errors[0].max((state.fluid.velocity[k] - known.flow.velocity(&x, t)).norm());
-        errors[1] = errors[1].max((state.fluid.pressure[k] - known.flow.pressure(&x, t)).abs());
+        errors[0] = errors[0].max((wet(state).velocity[k] - known.flow.velocity(&x, t)).norm());
+        errors[1] = errors[1].max((wet(state).pressure[k] - known.flow.pressure(&x, t)).abs());
     }
     errors
 }
@@ -178,25 +142,15 @@ fn hydrostatic(centre: P, _: &mut Random) -> Result<Vec<f64>, Failure> {
     Ok(vec![u, p, (force + weight).norm()])
 }
 
-/// A polygon without any symmetry.
-pub(super) fn nonagon(centre: P, random: &mut Random) -> Vec<P> {
-    let turn = random.between(0.0, 1.0);
-    let corner = |k: u32| {
-        let (angle, radius) = (turn + f64::from(k) * std::f64::consts::TAU / 9.0, random.between(0.2, 0.45));
-        centre + P::new(angle.cos(), angle.sin()) * radius
-    };
-    (0..9).map(corner).collect()
-}
-
 /// A free body of the density of the fluid under gravity: the pressure carries it.
 fn neutral(centre: P, random: &mut Random) -> Result<Vec<f64>, Failure> {
     let g = V::new(0.4, -2.5);
     let known = Linear::at_rest(g).known(0.1, &["top"]);
     let mut setup = known.setup(background()?, 0.05);
-    setup.bodies.push(rigid_polygon(nonagon(centre, random), known.density, g / known.density)?);
+    setup.bodies.push(Arc::new(rigid_polygon(nonagon(centre, random), known.density, g / known.density)?));
     let (state, _) = flow::run(&setup, 3)?;
     let [u, p] = nodal_errors(&known, &setup, &state);
-    let motion = state.bodies[0].rigid.ok_or("a rigid body has a motion")?;
+    let motion = RigidMotion::<2>::from_numbers(&state.bodies[0].inner);
     Ok(vec![u, p, motion.velocity.norm().max(motion.spin[0].abs())])
 }
 
@@ -204,15 +158,14 @@ fn neutral(centre: P, random: &mut Random) -> Result<Vec<f64>, Failure> {
 fn turning(centre: P, random: &mut Random) -> Result<Vec<f64>, Failure> {
     let spin = 1.3;
     let mut body = rigid_polygon(nonagon(centre, random), 0.8, V::zeros())?;
-    let BodyKind::Rigid(rigid) = &mut body.kind else { return Err("a rigid body".into()) };
-    rigid.initial_spin[0] = spin;
-    let (turn, about) = (T::new(0.0, -spin, spin, 0.0), rigid.mass.centre);
+    body.initial_spin[0] = spin;
+    let (turn, about) = (T::new(0.0, -spin, spin, 0.0), body.mass.centre);
     let linear = Linear { a: turn, b: -(turn * about), g: V::zeros(), p: 0.0, density: 1.2, convects: false };
     let known = linear.known(0.7, &[]);
     let mut setup = known.setup(background()?, 0.05);
-    setup.bodies.push(body);
+    setup.bodies.push(Arc::new(body));
     let (state, _) = flow::run(&setup, 4)?;
-    let motion = state.bodies[0].rigid.ok_or("a rigid body has a motion")?;
+    let motion = RigidMotion::<2>::from_numbers(&state.bodies[0].inner);
     let error = motion.velocity.norm().max((motion.spin[0] - spin).abs());
     Ok(vec![nodal_errors(&known, &setup, &state)[0], error])
 }
@@ -256,7 +209,7 @@ fn annulus(centre: P, _: &mut Random) -> Result<Vec<f64>, Failure> {
     hole.reverse();
     setup.bodies.push(polygon(&[disk(centre, 0.25, 17)], |x, _| *x, known.velocity()));
     setup.bodies.push(polygon(&[square.to_vec(), hole], |x, _| *x, known.velocity()));
-    setup.fluid.boundary.clear();
+    fluid_mut(&mut setup).boundary.clear();
     let (state, report) = flow::run(&setup, 2)?;
     // Dofs of cut cells lie in the bodies, where the flow goes on.
     let [u, _] = nodal_errors(&known, &setup, &state);
@@ -269,19 +222,17 @@ fn elastic(
     radius: f64,
     displacement: impl Fn(&P) -> V + Send + Sync + 'static,
     velocity: V,
-) -> Result<Body<2>, Failure> {
+) -> Result<Arc<dyn Body<2>>, Failure> {
     let mesh = ball::<2>([centre[0], centre[1]], radius, 0.1, &BallOptions { area_preserving: false })?;
     let material = SaintVenantKirchhoff::new(LameParameters { mu: MU, lambda: LAMBDA });
-    let body = ElasticBody {
-        scheme: TimeScheme::ImplicitEuler,
-        solid: SolidMesh::new(mesh)?,
-        form: SolidForm::new(0.7, material, V::zeros())?,
-        supports: Vec::new(),
-        loads: Vec::new(),
+    let form = SolidForm::new(0.7, material, V::zeros())?;
+    let options = ElasticOptions {
+        scheme: Arc::new(ImplicitEuler),
         initial_displacement: Some(Arc::new(displacement)),
         initial_velocity: Some(Arc::new(move |_| velocity)),
+        ..ElasticOptions::default()
     };
-    Ok(Body { name: "disk".to_owned(), kind: BodyKind::Elastic(Box::new(body)) })
+    Ok(Arc::new(ElasticBody::new("disk", SolidMesh::new(mesh)?, form, options)?))
 }
 
 const MU: f64 = 2e3;
@@ -295,7 +246,7 @@ fn translation(centre: P, random: &mut Random) -> Result<Vec<f64>, Failure> {
     setup.bodies.push(elastic(centre, 0.3, |_| V::zeros(), u)?);
     let (state, _) = flow::run(&setup, 10)?;
     let body = &state.bodies[0];
-    let drift = body.velocity.iter().zip(&body.displacement);
+    let drift = body.velocity().iter().zip(body.displacement());
     let drift = drift.map(|(v, d)| (v - u).norm() + (d - u * state.time).norm()).fold(0.0, f64::max);
     let [u, p] = nodal_errors(&known, &setup, &state);
     Ok(vec![u, p, drift])
@@ -307,14 +258,14 @@ fn pressurised_disk(centre: P, random: &mut Random) -> Result<Vec<f64>, Failure>
     let scale = (1.0 - pressure / (LAMBDA + MU)).sqrt();
     let known = Linear::at_rest(V::zeros()).known(0.1, &[]);
     let mut setup = known.setup(background()?, 1e-2);
-    for (_, condition) in &mut setup.fluid.boundary {
+    for (_, condition) in &mut fluid_mut(&mut setup).boundary {
         *condition = FluidBoundary::Open { traction: Some(Arc::new(move |_, n, _| n * -pressure)), backflow: true };
     }
     setup.bodies.push(elastic(centre, 0.4, move |x| (x - centre) * (scale - 1.0), V::zeros())?);
     let (state, _) = flow::run(&setup, 2)?;
     let largest = |values: &[V]| values.iter().map(V::norm).fold(0.0, f64::max);
-    let p = state.fluid.pressure.iter().map(|p| (p / pressure - 1.0).abs()).fold(0.0, f64::max);
-    Ok(vec![largest(&state.fluid.velocity), p, largest(&state.bodies[0].velocity)])
+    let p = wet(&state).pressure.iter().map(|p| (p / pressure - 1.0).abs()).fold(0.0, f64::max);
+    Ok(vec![largest(&wet(&state).velocity), p, largest(state.bodies[0].velocity())])
 }
 
 /// Fluid shut in by a ring has a pressure of mean zero, beside fluid with an open side.
@@ -326,17 +277,17 @@ fn pocket(centre: P, _: &mut Random) -> Result<Vec<f64>, Failure> {
     hole.reverse();
     setup.bodies.push(polygon(&[disk(centre, 0.5, 37), hole], |x, _| *x, Arc::new(|_, _| V::zeros())));
     let (state, report) = flow::run(&setup, 1)?;
-    if report.n_pockets != 1 {
-        return Err(format!("{} pockets in place of one", report.n_pockets).into());
+    if wet_report(&report).n_pockets != 1 {
+        return Err(format!("{} pockets in place of one", wet_report(&report).n_pockets).into());
     }
-    let cut = &state.fluid.cut;
-    let inside = |part| (setup.background.simplex(cut.part_cell(part)).centroid() - centre).norm() < 0.42;
+    let cut = &wet(&state).cut;
+    let inside = |part| (fluid_of(&setup).background.simplex(cut.part_cell(part)).centroid() - centre).norm() < 0.42;
     let (mut error, mut mean, mut shift) = (0.0_f64, 0.0, None);
     for part in cut.all_parts().filter(|part| inside(*part)) {
-        let dofs = state.fluid.space.dofs(part);
+        let dofs = wet(&state).space.dofs(part);
         let difference = |dof: u32| {
-            let x = setup.background.vertex(state.fluid.space.vertex(dof));
-            state.fluid.pressure[dof as usize] - g.dot(&(x - centre))
+            let x = fluid_of(&setup).background.vertex(wet(&state).space.vertex(dof));
+            wet(&state).pressure[dof as usize] - g.dot(&(x - centre))
         };
         let shift = *shift.get_or_insert(difference(dofs[0]));
         dofs.iter().for_each(|&dof| error = error.max((difference(dof) - shift).abs()));

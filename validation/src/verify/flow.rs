@@ -7,12 +7,14 @@ use cutwater::cutcell::OverlayOptions;
 use cutwater::fluid_ns::NewtonianFluid;
 use cutwater::fluid_ns::terms::CipProfile;
 use cutwater::mesh::{self, BoundaryMesh, Point, SimplexMesh, VertexId};
+use cutwater::solid_rigid::RigidBody;
+use cutwater::solver::body::{Body, ParticleVelocity, PrescribedBody, TimeField};
 use cutwater::solver::{
-    Body, BodyKind, FluidBoundary, FluidSetup, PrescribedBody, RigidBody, Setup, State, StepReport, TimeField, advance,
+    FluidBoundary, FluidReport, FluidSetup, FluidState, Setup, State, StepReport, Substep, advance,
 };
 use cutwater::xfem_space::PartValues;
 
-use super::Failure;
+use crate::outcome::Failure;
 
 pub(super) type P = Point<2>;
 pub(super) type V = mesh::Vector<2>;
@@ -72,8 +74,10 @@ impl<F: Flow> Known<F> {
             boundary.push((tag, condition));
         }
         Setup {
-            background,
-            fluid: FluidSetup {
+            fluid: Some(FluidSetup {
+                background,
+                overlay: OverlayOptions::new(),
+                gamma_sigma: GAMMA_SIGMA,
                 material: NewtonianFluid { density: self.density, viscosity: self.viscosity },
                 cip: CipProfile::Consistent { gamma_u },
                 gamma_pressure,
@@ -82,14 +86,12 @@ impl<F: Flow> Known<F> {
                 body_force: Some(Arc::new(move |x, t| forcing.force(x, t))),
                 initial_velocity: Some(Arc::new(move |x| at_start.velocity(x, 0.0))),
                 boundary,
-            },
+            }),
             bodies: Vec::new(),
             contacts: Vec::new(),
-            gamma_sigma: GAMMA_SIGMA,
             dt,
             most_halvings: 0,
             newton: NewtonSettings::new(1e-11),
-            overlay: OverlayOptions::new(),
         }
     }
 
@@ -135,8 +137,10 @@ pub(super) struct Errors {
 /// Norms of the difference of two states with the same cut.
 pub(super) fn differences(setup: &Setup<2>, a: &State<2>, b: &State<2>) -> Errors {
     let mut between = a.clone();
-    between.fluid.velocity.iter_mut().zip(&b.fluid.velocity).for_each(|(a, b)| *a -= b);
-    between.fluid.pressure.iter_mut().zip(&b.fluid.pressure).for_each(|(a, b)| *a -= b);
+    if let (Some(between), Some(b)) = (&mut between.fluid, &b.fluid) {
+        between.velocity.iter_mut().zip(&b.velocity).for_each(|(a, b)| *a -= b);
+        between.pressure.iter_mut().zip(&b.pressure).for_each(|(a, b)| *a -= b);
+    }
     let mut squares = [0.0; 3];
     for_each_point(setup, &between, |at| {
         let of_point = [at.velocity.norm_squared(), at.gradient.norm_squared(), at.pressure.powi(2)];
@@ -156,22 +160,21 @@ struct At {
 }
 
 fn for_each_point(setup: &Setup<2>, state: &State<2>, mut visit: impl FnMut(At)) {
-    let fluid = &state.fluid;
-    let parts = PartValues::new(&setup.background, &fluid.cut, 4);
+    let (background, fluid) = (&fluid_of(setup).background, wet(state));
+    let parts = PartValues::new(background, &fluid.cut);
     for part in fluid.cut.all_parts() {
         let dofs = fluid.space.dofs(part);
-        let cell = setup.background.simplex(fluid.cut.part_cell(part));
         let gradient: T =
             dofs.iter().zip(parts.gradients(part)).map(|(&k, g)| fluid.velocity[k as usize] * g.transpose()).sum();
-        for q in parts.points(part) {
+        parts.for_each_point(background, &fluid.cut, part, 4, |x, weight, shape| {
             visit(At {
-                weight: q.weight,
-                x: cell.points().iter().zip(&q.shape).map(|(x, n)| x * *n).sum(),
-                velocity: dofs.iter().zip(&q.shape).map(|(&k, n)| fluid.velocity[k as usize] * *n).sum(),
+                weight,
+                x: *x,
+                velocity: dofs.iter().zip(shape).map(|(&k, n)| fluid.velocity[k as usize] * *n).sum(),
                 gradient,
-                pressure: dofs.iter().zip(&q.shape).map(|(&k, n)| fluid.pressure[k as usize] * *n).sum(),
+                pressure: dofs.iter().zip(shape).map(|(&k, n)| fluid.pressure[k as usize] * *n).sum(),
             });
-        }
+        });
     }
 }
 
@@ -181,7 +184,16 @@ pub(super) fn polygon(
     loops: &[Vec<P>],
     position: impl Fn(&P, f64) -> P + Send + Sync + 'static,
     velocity: TimeField<2>,
-) -> Body<2> {
+) -> Arc<dyn Body<2>> {
+    polygon_of_particles(loops, position, Arc::new(move |x, [_, t]| velocity(x, t)))
+}
+
+/// As [`polygon`], with the velocity of the particles of the surface.
+pub(super) fn polygon_of_particles(
+    loops: &[Vec<P>],
+    position: impl Fn(&P, f64) -> P + Send + Sync + 'static,
+    velocity: ParticleVelocity<2>,
+) -> Arc<dyn Body<2>> {
     let mut facets = Vec::new();
     let mut first = 0;
     for corners in loops {
@@ -189,24 +201,43 @@ pub(super) fn polygon(
         facets.extend((0..n).flat_map(|k| [VertexId::new(first + k), VertexId::new(first + (k + 1) % n)]));
         first += n;
     }
-    let body = PrescribedBody {
+    Arc::new(PrescribedBody {
+        name: "body".to_owned(),
         boundary: BoundaryMesh::from_facets(facets),
         reference: loops.concat(),
         position: Arc::new(position),
-        velocity: Arc::new(move |x, [_, t]| velocity(x, t)),
-    };
-    Body { name: "body".to_owned(), kind: BodyKind::Prescribed(body) }
+        velocity,
+    })
 }
 
 /// A free rigid body inside of the polygon through corners, counter-clockwise.
 ///
 /// # Errors
 /// The polygon encloses nothing, or the density is not positive.
-pub(super) fn rigid_polygon(corners: Vec<P>, density: f64, gravity: V) -> Result<Body<2>, Failure> {
+pub(super) fn rigid_polygon(corners: Vec<P>, density: f64, gravity: V) -> Result<RigidBody<2>, Failure> {
     let n = corners.len();
     let sides = (0..n).flat_map(|k| [VertexId::new(k), VertexId::new((k + 1) % n)]).collect();
-    let body = RigidBody::new(BoundaryMesh::from_facets(sides), corners, density, gravity)?;
-    Ok(Body { name: "body".to_owned(), kind: BodyKind::Rigid(Box::new(body)) })
+    Ok(RigidBody::new("body", BoundaryMesh::from_facets(sides), corners, density, gravity)?)
+}
+
+/// The fluid of a setup; all checks of flows have one.
+pub(super) fn fluid_of<const D: usize>(setup: &Setup<D>) -> &FluidSetup<D> {
+    setup.fluid.as_ref().expect("the setup has a fluid")
+}
+
+/// As [`fluid_of`], to change it.
+pub(super) fn fluid_mut<const D: usize>(setup: &mut Setup<D>) -> &mut FluidSetup<D> {
+    setup.fluid.as_mut().expect("the setup has a fluid")
+}
+
+/// The fluid of a state.
+pub(super) fn wet<const D: usize>(state: &State<D>) -> &FluidState<D> {
+    state.fluid.as_ref().expect("the state has a fluid")
+}
+
+/// The fluid's part of a report.
+pub(super) fn wet_report<const D: usize>(report: &StepReport<D>) -> &FluidReport<D> {
+    report.fluid.as_ref().expect("the report has a fluid")
 }
 
 /// Corners of a regular polygon with the area of the disk.
@@ -222,7 +253,7 @@ pub(super) fn run(setup: &Setup<2>, n_steps: usize) -> Result<(State<2>, StepRep
     let mut state = State::initial(setup)?;
     let mut last = None;
     for _ in 0..n_steps {
-        let (next, report) = advance(setup, &state, &mut work)?;
+        let (next, report) = advance(setup, &state, Substep::whole(setup.dt), &mut work)?;
         state = next;
         last = Some(report);
     }
@@ -243,7 +274,7 @@ pub(super) fn divergence_within(setup: &Setup<2>, state: &State<2>, contains: im
 /// Force of the fluid on a body, and its moment about a point: the variational traction of the mortar.
 pub(super) fn force(state: &State<2>, report: &StepReport<2>, body: usize, about: &P) -> (V, f64) {
     let mut sum = (V::zeros(), 0.0);
-    let pieces = state.fluid.cut.interface().iter().zip(&report.tractions);
+    let pieces = wet(state).cut.interface().iter().zip(&wet_report(report).tractions);
     for (piece, traction) in pieces.filter(|(piece, _)| piece.body.index() == body) {
         sum.0 += traction.total() * piece.measure;
         sum.1 += traction.moment(about)[2] * piece.measure;

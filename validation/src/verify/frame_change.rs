@@ -5,13 +5,14 @@ use std::sync::Arc;
 
 use cutwater::algebra::{LaggedSettings, LaggedSolver, NewtonSettings, Workspace};
 use cutwater::mesh::generate::structured_box;
-use cutwater::solver::{FluidBoundary, Setup, State, TimeField, advance};
+use cutwater::solver::body::TimeField;
+use cutwater::solver::{FluidBoundary, Setup, State, Substep, advance};
 
-use super::Failure;
-use super::exact::Linear;
-use super::flow::{Known, P, V, disk, polygon};
+use super::flow::{Known, P, V, disk, fluid_mut, fluid_of, polygon, wet, wet_report};
+use super::linear_flow::Linear;
 use super::record::{Figure, Record, short};
 use super::wan_turek::{rms, rough, slope};
+use crate::outcome::Failure;
 
 /// Length and half of the height of the channel, in diameters of the cylinder; its walls move with the fluid.
 const CHANNEL: [f64; 2] = [12.0, 2.0];
@@ -126,7 +127,7 @@ impl Pair {
         (mean(&self.moving) / mean(&self.fixed) - 1.0).abs()
     }
 
-    /// RMS of what is not smooth in the drag of the moving one, over its mean.
+    /// RMS of the noise in the drag of the moving one, relative to its mean.
     fn noise(&self) -> f64 {
         let wing = (WING / self.courant).round().max(2.0) as usize;
         rms(&rough(&self.moving, wing)) / mean(&self.moving)
@@ -159,9 +160,9 @@ fn setup(cells: usize, dt: f64, moves: bool) -> Result<Setup<2>, Failure> {
     let [start, speed, stream] = if moves { [0.5 * TRAVEL, -1.0, 0.0] } else { [0.0, 0.0, 1.0] };
     let stream: TimeField<2> = Arc::new(move |_, _| V::new(stream, 0.0));
     let at_start = Arc::clone(&stream);
-    setup.fluid.initial_velocity = Some(Arc::new(move |x| at_start(x, 0.0)));
-    let bottom = setup.background.tag("bottom");
-    for (tag, condition) in &mut setup.fluid.boundary {
+    fluid_mut(&mut setup).initial_velocity = Some(Arc::new(move |x| at_start(x, 0.0)));
+    let bottom = fluid_of(&setup).background.tag("bottom");
+    for (tag, condition) in &mut fluid_mut(&mut setup).boundary {
         *condition = if Some(*tag) == bottom {
             FluidBoundary::Symmetry { axis: 1 }
         } else {
@@ -185,10 +186,10 @@ fn drag(setup: &Setup<2>) -> Result<Vec<f64>, Failure> {
     let mut drag = Vec::new();
     // Half a step of room for round-off.
     while state.time < TRAVEL - 0.5 * setup.dt {
-        let (next, report) = advance(setup, &state, &mut work)?;
+        let (next, report) = advance(setup, &state, Substep::whole(setup.dt), &mut work)?;
         state = next;
         if state.time > BEGIN {
-            let pieces = state.fluid.cut.interface().iter().zip(&report.tractions);
+            let pieces = wet(&state).cut.interface().iter().zip(&wet_report(&report).tractions);
             // Twice for the other half, twice for the coefficient.
             drag.push(pieces.map(|(piece, on_piece)| 4.0 * on_piece.total()[0] * piece.measure).sum());
         }

@@ -4,21 +4,22 @@
 
 use std::f64::consts::PI;
 use std::path::Path;
+use std::sync::Arc;
 
+use cutwater::algebra::time::QuasiStatic;
 use cutwater::mesh::VertexId;
 use cutwater::mesh::generate::structured_box;
-use cutwater::solid_svk::{LameParameters, SaintVenantKirchhoff, TimeScheme};
-use cutwater::solver::{BodySupport, SupportKind};
+use cutwater::solid_svk::{LameParameters, SaintVenantKirchhoff, Support, SupportKind};
 
-use super::Failure;
-use super::dry::{P, Run, V, elastic, floor, hold, mapped, pushed};
+use super::dry::{P, Run, V, elastic, floor, mapped, pushed};
 use super::record::{Figure, Record};
+use crate::outcome::Failure;
 
 /// Radius, cm.
 const RADIUS: f64 = 4.0;
 /// How far its middle is pushed down, cm: contact is then a thirtieth of the radius, where strains are small.
 const PUSHED: f64 = 1e-2;
-/// Lame parameters, dyn/cm^2, and what follows: `E/(1 - ν²)`.
+/// Lame parameters, dyn/cm^2, and `E/(1 - ν²)`, which follows from them.
 const MU: f64 = 2e6;
 const LAMBDA: f64 = 8e6;
 const MODULUS: f64 = 4.0 * MU * (LAMBDA + MU) / (LAMBDA + 2.0 * MU);
@@ -57,13 +58,13 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
     let mesh =
         mapped(&structured_box::<2>([-1.0, 0.0], [1.0, 1.0], [2 * n, n])?, |x| half_disk(graded(x[0]), graded(x[1])))?;
     let material = SaintVenantKirchhoff::new(LameParameters::new(MU, LAMBDA)?);
-    let mut body = elastic(mesh, 1.0, material, V::zeros(), TimeScheme::QuasiStatic)?;
+    let mut body = elastic(mesh, 1.0, material, V::zeros(), Arc::new(QuasiStatic))?;
     // Nothing shears the plane of symmetry; the vertex in its middle is on the axis.
-    hold(&mut body, "top", pushed([None, Some(-PUSHED)]))?;
+    body.hold("top", pushed([None, Some(-PUSHED)]))?;
     let centre = VertexId::new(body.solid.mesh().n_vertices() - 1 - n);
-    body.supports.push(BodySupport { vertices: vec![centre], kind: SupportKind::Symmetry { axis: 0 } });
+    body.options.supports.push(Support { vertices: vec![centre], kind: SupportKind::Symmetry { axis: 0 } });
     let contact = floor(&body, "bottom", STIFFNESS)?;
-    let mut run = Run::new(vec![body], vec![contact], f64::from(LOAD_STEPS).recip(), 1e-10);
+    let mut run = Run::new(vec![body], Some(contact), f64::from(LOAD_STEPS).recip(), 1e-10)?;
     let mut load = f64::NAN;
     for _ in 0..LOAD_STEPS {
         load = run.advance()?.contacts[0].force[1];
@@ -73,9 +74,9 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
     let peak = 2.0 * load / (PI * radius);
     let positions = run.state.bodies[0].positions(run.setup.bodies[0].reference());
     let mut surface: Vec<(f64, f64)> = run.setup.contacts[0]
-        .facets
+        .facets()
         .iter()
-        .flat_map(|&f| run.setup.bodies[0].boundary().facet(f))
+        .flat_map(|&f| run.setup.bodies[0].surface().facet(f))
         .map(|v| (positions[v.index()][0], -positions[v.index()][1] * STIFFNESS))
         // The half to the right; the middle moves by round-off.
         .filter(|at| at.0 > -1e-6)
@@ -95,7 +96,7 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
     record.at_least("half-width over the largest cell in contact", radius / (next.0 - last.0), 20.0);
     record.near_relative("half-width a [cm]", edge, radius, 0.05);
     record.near_relative("largest pressure p0 [dyn/cm²]", lowest.1, peak, 0.03);
-    let pole = run.state.bodies[0].displacement[n][1];
+    let pole = run.state.bodies[0].displacement()[n][1];
     record.near_relative("approach δ of the pole and the middle [cm]", PUSHED + pole, approach(load, radius), 0.05);
     record.show("largest deviation of the pressure within 0.9 a, over p0", scatter, None);
     record.show("load P [dyn/cm]", load, None);
@@ -112,7 +113,7 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
     record.note(format!(
         "The lower half of a cylinder of radius {RADIUS} cm, twice {n} by {n} squares in two triangles, graded towards the contact. Its middle \
          plane goes down by {PUSHED} cm, which is a plane of symmetry of a cylinder between two planes. a, p0 and δ follow from the \
-         computed load; δ is what the pole comes nearer to the middle, without the penetration of the penalty."
+         computed load; δ is the approach of the pole to the middle, without the penetration of the penalty."
     ));
     Ok(())
 }

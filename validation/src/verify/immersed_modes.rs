@@ -1,4 +1,4 @@
-//! An elastic disk that vibrates in a fluid at rest: what it takes along of the fluid lowers its frequencies.
+//! An elastic disk that vibrates in a fluid at rest: the added mass of the fluid lowers its frequencies.
 
 use std::f64::consts::SQRT_2;
 use std::path::Path;
@@ -7,14 +7,14 @@ use std::sync::Arc;
 use cutwater::algebra::{LaggedSettings, LaggedSolver, NewtonSettings, Workspace};
 use cutwater::mesh::SimplexMesh;
 use cutwater::mesh::generate::structured_box;
-use cutwater::solver::{Body, BodyKind, FluidBoundary, Setup, State, advance};
+use cutwater::solver::{FluidBoundary, Setup, State, Substep, advance};
 
-use super::Failure;
 use super::dry::{P, V, mapped, second_order};
-use super::exact::Linear;
-use super::flow::Known;
+use super::flow::{Known, fluid_mut};
+use super::linear_flow::Linear;
 use super::mode::{self, DENSITY, Mode, RADIUS};
 use super::record::{Figure, Record, short};
+use crate::outcome::Failure;
 
 /// Viscosity of the falling balls' fluid, P; its density is that of the disk.
 const VISCOSITY: f64 = 1e-2;
@@ -89,14 +89,14 @@ fn frequency(mode: &Mode, h: f64, steps: f64, gamma: f64) -> Result<f64, Failure
     let period = 1.0 / mode.hertz();
     let mut setup = fluid(h, period / steps, gamma)?;
     let body = mode.disk(h, second_order(0.8)?)?;
-    let amplitude = mode.projection(&body);
-    setup.bodies.push(Body { name: "disk".to_owned(), kind: BodyKind::Elastic(Box::new(body)) });
+    let amplitude = mode.projection(&body.solid);
+    setup.bodies.push(body.body("disk")?);
     let mut work = Workspace::with_solver(Box::new(LaggedSolver::new(LaggedSettings::default())));
     let mut state = State::initial(&setup)?;
     let mut samples = Vec::new();
     while state.time < (PERIODS + 0.5) * period {
-        state = advance(&setup, &state, &mut work)?.0;
-        samples.push((state.time, amplitude(&state.bodies[0].displacement)));
+        state = advance(&setup, &state, Substep::whole(setup.dt), &mut work)?.0;
+        samples.push((state.time, amplitude(state.bodies[0].displacement())));
     }
     mode::frequency(&samples)
 }
@@ -107,8 +107,8 @@ fn fluid(h: f64, dt: f64, gamma: f64) -> Result<Setup<2>, Failure> {
     let fluid = Known { flow, density: DENSITY, viscosity: VISCOSITY, convects: true, open: &[] };
     let mut setup = fluid.setup(background(h)?, dt);
     setup.newton = NewtonSettings::new(1e-9);
-    setup.gamma_sigma = gamma;
-    for (_, condition) in &mut setup.fluid.boundary {
+    fluid_mut(&mut setup).gamma_sigma = gamma;
+    for (_, condition) in &mut fluid_mut(&mut setup).boundary {
         *condition = FluidBoundary::Open { traction: None, backflow: false };
     }
     Ok(setup)

@@ -1,4 +1,4 @@
-//! What is known exactly or published elsewhere, one file a check.
+//! Checks against exact solutions and published numbers, one file for each.
 
 mod added_mass;
 mod bar;
@@ -7,7 +7,7 @@ mod contact_patch;
 mod csm;
 mod disk_impact;
 mod disk_modes;
-mod document;
+pub(crate) mod document;
 mod dry;
 mod exact;
 mod files;
@@ -15,11 +15,12 @@ mod flow;
 mod frame_change;
 mod hertz;
 mod immersed_modes;
+mod linear_flow;
 mod lubrication;
 mod mode;
 mod orders;
 mod peer;
-mod record;
+pub(crate) mod record;
 mod robustness;
 mod sedimentation;
 mod shear_layer;
@@ -32,14 +33,14 @@ use std::path::Path;
 use std::time::Instant;
 
 use self::record::Record;
-use crate::Outcome;
+use crate::outcome::{Failure, Outcome};
 
-type Failure = Box<dyn std::error::Error>;
+pub(crate) use dry::{Scheme, dry_setup};
 
 /// A named check.
 struct Check {
     name: &'static str,
-    /// What is checked, in a sentence.
+    /// Subject of the check, in a sentence.
     about: &'static str,
     /// Measures, in full or in short; results may go to the directory.
     measure: fn(&mut Record, &Path) -> Result<(), Failure>,
@@ -59,7 +60,7 @@ const CHECKS: [Check; 19] = [
     },
     Check {
         name: "peer",
-        about: "Errors of unfitted Stokes flow beside those of ngsxfem on the same mesh.",
+        about: "Errors of unfitted Stokes flow compared with those of ngsxfem on the same mesh.",
         measure: peer::measure,
     },
     Check {
@@ -136,16 +137,16 @@ const CHECKS: [Check; 19] = [
     },
 ];
 
-/// What only prepares data for another program: runs when it is asked for by name.
+/// Prepares data for an independent reader; runs only if it is named.
 const FILES: &str = "files";
 
-/// How a run is asked for.
+/// Checks to run, and options.
 pub(crate) struct Request<'a> {
-    /// The checks; all if there is none.
+    /// Names of the checks; all if empty.
     pub(crate) names: &'a [String],
     /// The long versions.
     pub(crate) full: bool,
-    /// Whether to store what was measured, and to write the page of the book.
+    /// Whether to write the pages of the book.
     pub(crate) document: bool,
     /// Where results go.
     pub(crate) out: &'a Path,
@@ -170,10 +171,12 @@ pub(crate) fn run(request: &Request<'_>) -> Outcome {
         record.seconds = begin.elapsed().as_secs_f64();
         print(&record);
         records.push(record);
-        // After every check, so that a long run that is stopped leaves what it has.
+        // After every check, so that a long run that is stopped keeps its results so far.
         write_json(&records, request.out)?;
-        if request.document {
-            document::update(&records, &known)?;
+        if let (true, Some(record)) = (request.document, records.last()) {
+            let full = if request.full { " --full" } else { "" };
+            let command = format!("cargo xtask verify {}{full} --document", record.check);
+            document::write(document::FOLDER, record, &command, &document::version())?;
         }
     }
     if records.len() > 1 {

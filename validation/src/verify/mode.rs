@@ -4,18 +4,17 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use cutwater::mesh::generate::{BallOptions, ball};
-use cutwater::solid_svk::{LameParameters, SaintVenantKirchhoff, TimeScheme};
-use cutwater::solver::ElasticBody;
+use cutwater::solid_svk::{LameParameters, SaintVenantKirchhoff, SolidMesh};
 
-use super::Failure;
-use super::dry::{P, V, elastic};
+use super::dry::{Elastic, P, Scheme, V, elastic};
+use crate::outcome::Failure;
 
 /// The disk of the falling balls: radius, cm; density, g/cm^3; Lame parameters, dyn/cm^2.
 pub(super) const RADIUS: f64 = 4.0;
 pub(super) const DENSITY: f64 = 1.0;
 const MU: f64 = 2e6;
 const LAMBDA: f64 = 8e6;
-/// Largest displacement beside the radius: small enough for linear elasticity.
+/// Largest displacement relative to the radius: small enough for linear elasticity.
 const STRAIN: f64 = 1e-4;
 
 /// A mode of the disk, `∇φ + curl ψ` with `φ = J_n(κ ω r) cos nθ`, `ψ = B J_n(ω r) sin nθ` and no shear stress
@@ -49,11 +48,11 @@ impl Mode {
         self.waves[1] * (MU / DENSITY).sqrt() / RADIUS / TAU
     }
 
-    /// Displacement beside that of the surface, at most about one, at a point of the disk.
+    /// Returns the displacement at a point of the disk relative to that of the surface, at most about one.
     fn at(&self, x: &P) -> V {
         let x = x / RADIUS;
         let n = f64::from(self.n);
-        // The limit at the centre is as good as the value near it.
+        // At the centre, the value next to it replaces the limit.
         let (r, angle) = (x.norm().max(1e-9), x[1].atan2(x[0]));
         let ([phi, d_phi], [psi, d_psi]) = (radial(self.n, self.waves[0], r), radial(self.n, self.waves[1], r));
         let outward = (d_phi + n * self.shear * psi / r) * (n * angle).cos() / self.scale;
@@ -66,23 +65,23 @@ impl Mode {
     ///
     /// # Errors
     /// The disk has no mesh of that size.
-    pub(super) fn disk(&self, size: f64, scheme: TimeScheme) -> Result<ElasticBody<2>, Failure> {
+    pub(super) fn disk(&self, size: f64, scheme: Scheme) -> Result<Elastic<2>, Failure> {
         let mesh = ball::<2>([0.0, 0.0], RADIUS, size, &BallOptions { area_preserving: true })?;
         let material = SaintVenantKirchhoff::new(LameParameters::new(MU, LAMBDA)?);
         let mut body = elastic(mesh, DENSITY, material, V::zeros(), scheme)?;
         let mode = *self;
-        body.initial_displacement = Some(Arc::new(move |x| mode.at(x) * (STRAIN * RADIUS)));
+        body.options.initial_displacement = Some(Arc::new(move |x| mode.at(x) * (STRAIN * RADIUS)));
         Ok(body)
     }
 
-    /// What takes the amplitude of the mode out of the displacements of a disk: other modes are orthogonal to it, with the
-    /// mass of the vertices.
-    pub(super) fn projection(&self, body: &ElasticBody<2>) -> impl Fn(&[V]) -> f64 + use<> {
-        let mesh = body.solid.mesh();
+    /// Returns the projection of displacements of a disk on the mode. Other modes are orthogonal to it, with the mass of the
+    /// vertices.
+    pub(super) fn projection(&self, solid: &SolidMesh<2>) -> impl Fn(&[V]) -> f64 + use<> {
+        let mesh = solid.mesh();
         let mut weights: Vec<V> = mesh.vertices().iter().map(|x| self.at(x)).collect();
         let mut mass = vec![0.0; weights.len()];
         for cell in mesh.cells() {
-            mesh.cell(cell).iter().for_each(|v| mass[v.index()] += body.solid.volume(cell));
+            mesh.cell(cell).iter().for_each(|v| mass[v.index()] += solid.volume(cell));
         }
         weights.iter_mut().zip(&mass).for_each(|(weight, mass)| *weight *= *mass);
         move |displacement| displacement.iter().zip(&weights).map(|(d, w)| d.dot(w)).sum()

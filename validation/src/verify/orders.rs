@@ -8,9 +8,9 @@ use cutwater::mesh::SimplexMesh;
 use cutwater::mesh::generate::structured_box;
 use cutwater::solver::{Setup, State};
 
-use super::Failure;
-use super::flow::{self, Errors, Flow, Known, P, T, V, disk, polygon};
+use super::flow::{self, Errors, Flow, Known, P, T, V, disk, fluid_mut, polygon};
 use super::record::{Figure, Record};
+use crate::outcome::Failure;
 
 /// Asked orders of velocity, its gradient and pressure in L2, in h; of the velocity in the time step.
 const ORDERS: [f64; 3] = [1.9, 0.95, 1.4];
@@ -50,7 +50,7 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
-/// What one mesh says: its errors, and a number of its own.
+/// Results on one mesh: the errors, and an optional additional number.
 type Measured = (Errors, Option<f64>);
 
 /// Orders in h; the numbers of their own with their sizes.
@@ -239,7 +239,7 @@ pub(super) fn couette_setup(n: usize, centre: P) -> Result<(Known<Couette>, Setu
     ring.reverse();
     setup.bodies.push(polygon(&[hole(centre, 0.25, n)], |x, _| *x, known.velocity()));
     setup.bodies.push(polygon(&[square.to_vec(), ring], |x, _| *x, known.velocity()));
-    setup.fluid.boundary.clear();
+    fluid_mut(&mut setup).boundary.clear();
     Ok((known, setup))
 }
 
@@ -287,7 +287,7 @@ fn disk_vortex(n: usize) -> Result<Measured, Failure> {
     let mut wall = hole(centre(), DiskVortex::RADIUS, n);
     wall.reverse();
     setup.bodies.push(polygon(&[square.to_vec(), wall], |x, _| *x, Arc::new(|_, _| V::zeros())));
-    setup.fluid.boundary.clear();
+    fluid_mut(&mut setup).boundary.clear();
     steady(&known, &setup)
 }
 

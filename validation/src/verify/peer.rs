@@ -1,12 +1,12 @@
-//! Errors of unfitted Stokes flow beside those of another code on the same mesh.
+//! Errors of unfitted Stokes flow compared with those of another code on the same mesh.
 
 use std::path::Path;
 
 use benchmarks::{StokesErrors, StokesWeights, UnfittedStokes};
-use cutwater::algebra::{NewtonSettings, NonlinearProblem, Workspace, newton};
+use cutwater::algebra::{NewtonSettings, Workspace, newton};
 
-use super::Failure;
 use super::record::Record;
+use crate::outcome::Failure;
 
 /// Largest ratio of our errors to those of the peer.
 const LARGEST_RATIO: f64 = 1.2;
@@ -66,9 +66,9 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
 }
 
 fn errors(stokes: &UnfittedStokes<2>) -> Result<[f64; 3], Failure> {
-    stokes.with_problem(|problem| {
-        let mut x = vec![0.0; problem.layout().len()];
-        newton(problem, &mut x, &mut Workspace::new(), &NewtonSettings::new(1e-9))?;
+    stokes.with_equations(|equations| {
+        let mut x = vec![0.0; equations.layout.len()];
+        newton(equations, &mut x, &mut Workspace::new(), &NewtonSettings::new(1e-9))?;
         let StokesErrors { velocity, gradient, pressure } = stokes.errors(&x);
         Ok([velocity, gradient, pressure])
     })

@@ -1,18 +1,18 @@
-//! What a check has measured.
+//! The outcome of a check: numbers with verdicts, curves and notes.
 
-use cutwater::io::plot::{Curve, Panel};
-use serde::{Deserialize, Serialize};
+use cutwater::report::{Chart, Curve};
+use serde::Serialize;
 
-/// One number, and what it is held against.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// A number with its reference.
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) struct Row {
     /// Name of the check.
     pub(crate) check: String,
-    /// What was measured.
+    /// The measured quantity.
     pub(crate) quantity: String,
     /// Its value; none if it is not finite.
     pub(crate) computed: Option<f64>,
-    /// What it should be, or its bound.
+    /// The expected value, or the bound.
     pub(crate) reference: Option<f64>,
     /// How `computed` is compared with `reference`.
     pub(crate) tolerance: String,
@@ -28,11 +28,11 @@ impl Row {
 }
 
 /// Measured numbers as curves.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Figure {
-    /// What is shown, with its unit.
+    /// The quantity, with its unit.
     pub(crate) title: String,
-    /// What runs to the right.
+    /// Label of the horizontal axis.
     pub(crate) x_title: String,
     /// Names and points.
     pub(crate) curves: Vec<(String, Vec<(f64, f64)>)>,
@@ -41,42 +41,40 @@ pub(crate) struct Figure {
 }
 
 impl Figure {
-    /// The figure for the chart library.
-    pub(crate) fn panel(&self) -> Panel {
-        let curves = self.curves.iter().enumerate().map(|(colour, (label, points))| Curve {
-            label: label.clone(),
-            colour,
-            points: points.clone(),
-            dots: self.is_log || points.len() < 30,
-        });
-        Panel {
-            title: self.title.clone(),
-            x_title: self.x_title.clone(),
-            curves: curves.collect(),
-            x_is_log: self.is_log,
-            y_is_log: self.is_log,
-            ..Panel::default()
-        }
+    /// The figure as a chart.
+    pub(crate) fn chart(&self) -> Chart {
+        let curves = self.curves.iter().map(|(label, points)| Curve::new(label.as_str(), points.clone())).collect();
+        Chart { x_is_log: self.is_log, ..Chart::new(self.title.as_str(), self.x_title.as_str(), curves) }
     }
 }
 
-/// Everything that a check has to say.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+/// A table of texts.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Table {
+    /// Names of the columns.
+    pub(crate) head: Vec<String>,
+    /// The rows.
+    pub(crate) rows: Vec<Vec<String>>,
+}
+
+/// The outcome of a check or of a study.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Record {
     /// Name of the check.
     pub(crate) check: String,
-    /// What is checked, in a sentence.
+    /// Subject of the check, in a sentence.
     pub(crate) about: String,
     /// Whether the long version was run.
     pub(crate) full: bool,
     /// Wall-clock time that it took, in seconds.
-    #[serde(default)]
     pub(crate) seconds: f64,
     /// The numbers.
     pub(crate) rows: Vec<Row>,
+    /// Further tables.
+    pub(crate) tables: Vec<Table>,
     /// The curves.
     pub(crate) figures: Vec<Figure>,
-    /// What one should know of the numbers: settings, and reasons where a bound is missed.
+    /// Settings, and reasons where a bound is missed.
     pub(crate) notes: Vec<String>,
 }
 
@@ -118,7 +116,7 @@ impl Record {
         self.push(quantity.into(), computed, Some(reference), tolerance, Some(computed <= factor * reference));
     }
 
-    /// A number that is only shown, beside a known one if there is one.
+    /// A number that is only shown, with a known one if there is one.
     pub(crate) fn show(&mut self, quantity: impl Into<String>, computed: f64, reference: Option<f64>) {
         self.push(quantity.into(), computed, reference, String::new(), None);
     }
@@ -156,7 +154,7 @@ impl Record {
         self.at_least(format!("order of {quantity} in {unit}"), last, order);
     }
 
-    /// The same where no order is asked.
+    /// The same without a required order.
     pub(crate) fn show_order(&mut self, quantity: &str, unit: &str, errors: &[(f64, f64)]) {
         let [last, _] = self.show_errors(quantity, unit, errors);
         self.show(format!("order of {quantity} in {unit}"), last, None);
@@ -169,7 +167,7 @@ impl Record {
         }
         let mut observed = errors.windows(2).map(|w| (w[0].1 / w[1].1).ln() / (w[0].0 / w[1].0).ln());
         let last = observed.next_back().unwrap_or(f64::NAN);
-        // A number that is none is least.
+        // NaN counts as the least.
         [last, observed.fold(last, |least, order| if order < least || order.is_nan() { order } else { least })]
     }
 }

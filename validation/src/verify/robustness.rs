@@ -1,15 +1,15 @@
-//! Bodies that pass vertices, edges and faces of the mesh: condition numbers, and what they do to results.
+//! Bodies that pass vertices, edges and faces of the mesh: condition numbers, and effects on results.
 
 use std::path::Path;
 
 use cutwater::fluid_ns::terms::CipProfile;
 use cutwater::solver::Setup;
 
-use super::Failure;
-use super::flow::{self, P, Random};
+use super::flow::{self, P, Random, fluid_mut};
 use super::orders::{Couette, couette_setup};
 use super::record::{Figure, Record, worse};
 use super::sweep::{Dimension, Found, In, Numbers, PLANE, SPACE, Sweep, find};
+use crate::outcome::Failure;
 
 /// Largest ratio of condition numbers of the equilibrated matrix over a sweep with ghost penalty.
 const LARGEST_RATIO: f64 = 10.0;
@@ -40,7 +40,7 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
         "Stokes flow, 12 × 12 squares or 5 × 5 × 5 cubes of tetrahedra, bodies of which a vertex, edge or face of the mesh is \
          left behind and passed: cells keep corners, wedges, slices. Without ghost penalty its weight is zero. In both cases \
          there is no interior penalty of the velocity; that of the pressure stays, as the pair of spaces needs it. Condition \
-         numbers are in the Euclidean norm, of the matrix as it is and of the equilibrated one, which is what is factorised.",
+         numbers are in the Euclidean norm, of the matrix as it is and of the equilibrated one, which is factorised.",
     );
     record.note(
         "Where cells keep corners with unknowns of their own, the condition number of the matrix as it is grows without bound \
@@ -56,7 +56,7 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
-/// What is found with or without ghost penalty, from the largest distance before to the largest one past.
+/// Results with or without ghost penalty, from the largest distance before to the largest one past.
 type Findings<const D: usize> = Vec<(f64, Found<D>)>;
 
 fn measure_sweep<const D: usize>(record: &mut Record, sweep: &Sweep<D>) -> Result<(), Failure>
@@ -159,8 +159,8 @@ fn scatter(record: &mut Record) -> Result<(), Failure> {
             let centre = P::new(random.between(0.0, h), random.between(0.0, h));
             let (_, mut setup) = couette_setup(n, centre)?;
             if !ghost {
-                setup.fluid.gamma_ghost = 0.0;
-                setup.fluid.cip = CipProfile::Consistent { gamma_u: 0.0 };
+                fluid_mut(&mut setup).gamma_ghost = 0.0;
+                fluid_mut(&mut setup).cip = CipProfile::Consistent { gamma_u: 0.0 };
             }
             let (state, report) = flow::run(&setup, 1)?;
             torques.push(flow::force(&state, &report, 0, &centre).1 / Couette::TORQUE - 1.0);
@@ -172,7 +172,7 @@ fn scatter(record: &mut Record) -> Result<(), Failure> {
         let name = format!("Couette torque, {places} random places, h = 1/{n}, {label}");
         record.show(format!("{name}: mean relative error"), mean, Some(0.0));
         for (what, value) in [("standard deviation", deviation), ("largest deviation", largest)] {
-            let quantity = format!("{name}: {what}, beside the mean error");
+            let quantity = format!("{name}: {what}, relative to the mean error");
             if ghost {
                 record.at_most(quantity, value, mean.abs());
             } else {

@@ -6,12 +6,13 @@ use std::sync::Arc;
 use cutwater::algebra::{LaggedSettings, LaggedSolver, NewtonSettings, Workspace};
 use cutwater::mesh::SimplexMesh;
 use cutwater::mesh::generate::{Size, graded_box, mirrored};
-use cutwater::solver::{FluidBoundary, Setup, State, advance};
+use cutwater::solid_rigid::RigidMotion;
+use cutwater::solver::{FluidBoundary, Setup, State, Substep, advance};
 
-use super::Failure;
-use super::exact::Linear;
-use super::flow::{Known, P, V, disk, rigid_polygon};
+use super::flow::{Known, P, V, disk, fluid_mut, rigid_polygon};
+use super::linear_flow::Linear;
 use super::record::{Figure, Record, short};
+use crate::outcome::Failure;
 
 /// Width and height of the box, cm.
 const BOX: [f64; 2] = [2.0, 6.0];
@@ -101,9 +102,9 @@ fn sink(h: f64, dt: f64) -> Result<Fall, Failure> {
     let mut state = State::initial(&setup)?;
     let mut fall = Fall { reynolds: Vec::new(), drift: 0.0, angle: 0.0, remainder: 0.0 };
     loop {
-        let (next, report) = advance(&setup, &state, &mut work)?;
+        let (next, report) = advance(&setup, &state, Substep::whole(setup.dt), &mut work)?;
         state = next;
-        let motion = state.bodies[0].rigid.ok_or("a rigid body has a motion")?;
+        let motion = RigidMotion::<2>::from_numbers(&state.bodies[0].inner);
         let forces = report.bodies[0].forces.ok_or("and forces")?;
         fall.reynolds.push((state.time, -motion.velocity[1] * DENSITY * DIAMETER / VISCOSITY));
         fall.drift = fall.drift.max((motion.centre[0] - START[0]).abs());
@@ -120,13 +121,13 @@ fn setup(h: f64, dt: f64) -> Result<Setup<2>, Failure> {
     let fluid = Known { flow, density: 1.0, viscosity: VISCOSITY, convects: true, open: &[] };
     let mut setup = fluid.setup(background(h)?, dt);
     setup.newton = NewtonSettings::new(1e-8);
-    for (_, condition) in &mut setup.fluid.boundary {
+    for (_, condition) in &mut fluid_mut(&mut setup).boundary {
         *condition = FluidBoundary::NoSlip;
     }
     let gravity = V::new(0.0, -GRAVITY);
-    setup.fluid.body_force = Some(Arc::new(move |_, _| gravity));
+    fluid_mut(&mut setup).body_force = Some(Arc::new(move |_, _| gravity));
     let n = (4.0 * std::f64::consts::PI * DIAMETER / h).round() as usize;
-    setup.bodies.push(rigid_polygon(disk(P::from(START), 0.5 * DIAMETER, n), DENSITY, gravity)?);
+    setup.bodies.push(Arc::new(rigid_polygon(disk(P::from(START), 0.5 * DIAMETER, n), DENSITY, gravity)?));
     Ok(setup)
 }
 

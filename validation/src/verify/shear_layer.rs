@@ -5,17 +5,17 @@ use std::path::Path;
 use std::sync::Arc;
 
 use cutwater::algebra::Workspace;
+use cutwater::algebra::time::ImplicitEuler;
 use cutwater::mesh::generate::structured_box;
 use cutwater::mesh::{FacetId, VertexId};
-use cutwater::solid_svk::terms::Traction;
-use cutwater::solid_svk::{LameParameters, SaintVenantKirchhoff, SolidForm, SolidMesh, TimeScheme};
-use cutwater::solver::{
-    Body, BodyKind, BodySupport, ElasticBody, FluidBoundary, Setup, State, StepReport, SupportKind, advance,
+use cutwater::solid_svk::{
+    ElasticBody, ElasticOptions, LameParameters, Load, SaintVenantKirchhoff, SolidForm, SolidMesh, Support, SupportKind,
 };
+use cutwater::solver::{FluidBoundary, Setup, State, StepReport, Substep, advance};
 
-use super::Failure;
-use super::flow::{self, Flow, Known, P, T, V};
+use super::flow::{self, Flow, Known, P, T, V, fluid_mut, fluid_of, wet};
 use super::record::{Figure, Record, short};
+use crate::outcome::Failure;
 
 /// Height of the elastic layer, and of both.
 const INTERFACE: f64 = 0.5;
@@ -50,7 +50,7 @@ const ORDERS: [f64; 2] = [1.9, 0.95];
 /// A step fails.
 pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
     let layer = Layer::new();
-    // The closed form beside the published numbers of the example.
+    // The closed form is compared with the published numbers of the example.
     record.near_relative(
         "closed form: amplitude of the interface velocity",
         layer.at_interface.abs(),
@@ -121,7 +121,7 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
-/// What one run gives.
+/// Results of one run.
 struct Measured {
     /// Error of the velocity of the fluid in L2, cm²/s.
     fluid: f64,
@@ -146,13 +146,14 @@ fn run(n: [usize; 2], steps: usize) -> Result<Measured, Failure> {
     let layer = Arc::new(Layer::new());
     let known = Known { flow: Arc::clone(&layer), density: DENSITY, viscosity: VISCOSITY, convects: true, open: &[] };
     let mut setup = setup(&known, n, END / steps as f64)?;
+    let solid = solid(n)?;
     let mut work = Workspace::new();
     let mut state = State::initial(&setup)?;
     let mut amplitudes = [Complex(0.0, 0.0); 3];
     for step in 1..=steps {
         let end = state.time + setup.dt;
-        load_ends(&mut setup, &layer, end)?;
-        let (next, report) = advance(&setup, &state, &mut work)?;
+        setup.bodies = vec![Arc::new(body(&layer, solid.clone(), end)?)];
+        let (next, report) = advance(&setup, &state, Substep::whole(setup.dt), &mut work)?;
         state = next;
         // Real parts of the amplitudes times i, and times i².
         if 2 * step == steps || step == steps {
@@ -161,12 +162,12 @@ fn run(n: [usize; 2], steps: usize) -> Result<Measured, Failure> {
             }
         }
     }
-    let vertices = setup.bodies[0].reference().iter().zip(&state.bodies[0].displacement);
+    let vertices = setup.bodies[0].reference().iter().zip(state.bodies[0].displacement());
     let errors = vertices.map(|(x, d)| (d[0] - layer.displacement(x[1], state.time)).abs());
     let solid = errors.fold(0.0, f64::max);
     Ok(Measured {
         fluid: known.errors(&setup, &state).velocity,
-        displacement: state.bodies[0].displacement.clone(),
+        displacement: state.bodies[0].displacement().to_vec(),
         solid,
         amplitudes,
     })
@@ -179,12 +180,12 @@ fn largest_change(a: &[V], b: &[V]) -> f64 {
 /// Means over x, in the order of [`KNOWN`].
 fn values(setup: &Setup<2>, state: &State<2>, report: &StepReport<2>) -> [f64; 3] {
     let mean = |values: Vec<f64>| values.iter().sum::<f64>() / values.len() as f64;
-    let of_body = setup.bodies[0].reference().iter().zip(&state.bodies[0].displacement);
+    let of_body = setup.bodies[0].reference().iter().zip(state.bodies[0].displacement());
     let displacement = of_body.filter(|(x, _)| x[1] == INTERFACE && is_in_box(x[0])).map(|(_, d)| d[0]);
     let stress = flow::force(state, report, 0, &P::zeros()).0[0] / LENGTH;
     // One-sided difference of second order, over the plate and the two rows of vertices below it.
     let vertices =
-        || state.fluid.space.vertices().iter().map(|v| setup.background.vertex(*v)).zip(&state.fluid.velocity);
+        || wet(state).space.vertices().iter().map(|v| fluid_of(setup).background.vertex(*v)).zip(&wet(state).velocity);
     let below = vertices().map(|(x, _)| x[1]).filter(|y| *y < PLATE).fold(0.0, f64::max);
     let spacing = PLATE - below;
     let row = |k: f64| {
@@ -202,56 +203,57 @@ fn setup(known: &Known<Layer>, [n_x, n_y]: [usize; 2], dt: f64) -> Result<Setup<
     let background = structured_box::<2>([0.0, 0.0], [LENGTH, PLATE], [(2 * n_x).div_ceil(5), rows])?;
     let mut setup = known.setup(background, dt);
     // Nothing depends on x: no vertical motion at the sides, and no normal traction.
-    for (tag, condition) in &mut setup.fluid.boundary {
-        if ["left", "right"].map(|side| setup.background.tag(side)).contains(&Some(*tag)) {
+    let sides = ["left", "right"].map(|side| fluid_of(&setup).background.tag(side));
+    for (tag, condition) in &mut fluid_mut(&mut setup).boundary {
+        if sides.contains(&Some(*tag)) {
             *condition = FluidBoundary::Symmetry { axis: 1 };
         }
     }
-    // The body is longer than the box, so that its ends stay out of the fluid. They are free to slide, and the part of its
-    // upper side that sticks out is loaded as if there were fluid.
-    let mesh = structured_box::<2>([-OVERHANG, 0.0], [LENGTH + OVERHANG, INTERFACE], [4 * n_x / 5, n_y / 2])?;
+    setup.bodies.push(Arc::new(body(&known.flow, solid([n_x, n_y])?, 0.0)?));
+    Ok(setup)
+}
+
+/// The elastic layer. It is longer than the box, so that its ends stay out of the fluid.
+fn solid([n_x, n_y]: [usize; 2]) -> Result<SolidMesh<2>, Failure> {
+    let (low, high) = ([-OVERHANG, 0.0], [LENGTH + OVERHANG, INTERFACE]);
+    Ok(SolidMesh::new(structured_box::<2>(low, high, [4 * n_x / 5, n_y / 2])?)?)
+}
+
+/// The body for the step that ends at a time. Its ends are free to slide. The part of its upper side beyond the box carries the
+/// shear stress of the fluid.
+fn body(layer: &Arc<Layer>, solid: SolidMesh<2>, time: f64) -> Result<ElasticBody<2>, Failure> {
+    let mesh = solid.mesh();
     let on_base = |x: &P| x[1] == 0.0;
     let at_end = |x: &P| (x[0] - 0.5 * LENGTH).abs() > 0.5 * LENGTH + OVERHANG - ROUND_OFF;
     let vertices = |of: &dyn Fn(&P) -> bool| {
         let all = (0..mesh.n_vertices()).map(VertexId::new);
         all.filter(|v| of(&mesh.vertex(*v))).collect::<Vec<_>>()
     };
-    let supports = vec![
-        BodySupport { vertices: vertices(&on_base), kind: SupportKind::Clamped },
-        BodySupport { vertices: vertices(&|x| at_end(x) && !on_base(x)), kind: SupportKind::Symmetry { axis: 1 } },
-    ];
-    let (at_start, velocity) = (Arc::clone(&known.flow), Arc::clone(&known.flow));
-    let material = SaintVenantKirchhoff::new(LameParameters { mu: MU, lambda: 4.0 * MU });
-    let body = ElasticBody {
-        solid: SolidMesh::new(mesh)?,
-        form: SolidForm::new(DENSITY, material, V::zeros())?,
-        supports,
-        scheme: TimeScheme::ImplicitEuler,
-        loads: Vec::new(),
-        initial_displacement: Some(Arc::new(move |x| V::new(at_start.displacement(x[1], 0.0), 0.0))),
-        initial_velocity: Some(Arc::new(move |x| V::new(velocity.speed(x[1], 0.0), 0.0))),
-    };
-    setup.bodies.push(Body { name: "layer".to_owned(), kind: BodyKind::Elastic(Box::new(body)) });
-    Ok(setup)
-}
-
-fn is_in_box(x: f64) -> bool {
-    (-ROUND_OFF..=LENGTH + ROUND_OFF).contains(&x)
-}
-
-/// Puts the shear stress of the fluid on the upper side of the body beyond the box, for the step that ends at a time.
-fn load_ends(setup: &mut Setup<2>, layer: &Layer, time: f64) -> Result<(), Failure> {
-    let BodyKind::Elastic(body) = &mut setup.bodies[0].kind else { return Err("an elastic body".into()) };
-    let mesh = body.solid.mesh();
-    let boundary = body.solid.boundary();
+    let boundary = solid.boundary();
     let sticks_out = |facet: &FacetId| {
         let ends = boundary.facet(*facet).iter().map(|v| mesh.vertex(*v)).collect::<Vec<_>>();
         ends.iter().all(|x| x[1] == INTERFACE) && !is_in_box(0.5 * (ends[0][0] + ends[1][0]))
     };
     let facets: Vec<FacetId> = boundary.facets().filter(sticks_out).collect();
     let stress = VISCOSITY * layer.gradient(&P::new(0.0, INTERFACE), time)[(0, 1)];
-    body.loads = vec![(facets, Arc::new(Traction { traction: V::new(stress, 0.0) }))];
-    Ok(())
+    let (at_start, velocity) = (Arc::clone(layer), Arc::clone(layer));
+    let options = ElasticOptions {
+        scheme: Arc::new(ImplicitEuler),
+        supports: vec![
+            Support { vertices: vertices(&on_base), kind: SupportKind::Clamped },
+            Support { vertices: vertices(&|x| at_end(x) && !on_base(x)), kind: SupportKind::Symmetry { axis: 1 } },
+        ],
+        loads: vec![Load::traction(facets, V::new(stress, 0.0))],
+        initial_displacement: Some(Arc::new(move |x| V::new(at_start.displacement(x[1], 0.0), 0.0))),
+        initial_velocity: Some(Arc::new(move |x| V::new(velocity.speed(x[1], 0.0), 0.0))),
+    };
+    let material = SaintVenantKirchhoff::new(LameParameters { mu: MU, lambda: 4.0 * MU });
+    let form = SolidForm::new(DENSITY, material, V::zeros())?;
+    Ok(ElasticBody::new("layer", solid, form, options)?)
+}
+
+fn is_in_box(x: f64) -> bool {
+    (-ROUND_OFF..=LENGTH + ROUND_OFF).contains(&x)
 }
 
 /// The time-harmonic solution: `d = A sin k y` below the interface, `u = B cosh κ(y - H_s) + C sinh κ(y - H_s)` above, real

@@ -6,25 +6,23 @@ use std::f64::consts::PI;
 use std::path::Path;
 use std::sync::Arc;
 
+use cutwater::algebra::time::QuasiStatic;
 use cutwater::mesh::generate::{BallOptions, half_ball, structured_box};
 use cutwater::mesh::nalgebra::Rotation3;
 use cutwater::mesh::{Point, Tensor, Vector, VertexId, det};
-use cutwater::solid_svk::boundary::tagged_facets;
-use cutwater::solid_svk::energy::CellStress;
-use cutwater::solid_svk::terms::{FollowerPressure, Traction};
-use cutwater::solid_svk::{LameParameters, SaintVenantKirchhoff, TimeScheme};
-use cutwater::solver::{BodySupport, ElasticBody, SupportKind};
+use cutwater::solid_svk::energy::cell_stress;
+use cutwater::solid_svk::{LameParameters, Load, SaintVenantKirchhoff, Support, SupportKind};
 
-use super::Failure;
-use super::dry::{Run, elastic, hold, mapped};
+use super::dry::{Elastic, Run, elastic, mapped};
 use super::record::{Record, short, worse};
+use crate::outcome::Failure;
 
 /// Lame parameters of the falling balls, dyn/cm^2.
 const MU: f64 = 2e6;
 const LAMBDA: f64 = 8e6;
-/// Axial first Piola-Kirchhoff stress beside the modulus of the state: that of the stretches 0.8, 0.9, 1.05, 1.1 and 1.2.
+/// Axial first Piola-Kirchhoff stress relative to the modulus of the state, for the stretches 0.8, 0.9, 1.05, 1.1 and 1.2.
 const LOADS: [f64; 5] = [-0.144, -0.0855, 0.053_812_5, 0.1155, 0.264];
-/// Shears, each beside the height of the block.
+/// Shears, relative to the height of the block.
 const SHEARS: [f64; 2] = [0.1, 0.3];
 /// Pressures on the disk, dyn/cm^2.
 const PRESSURES: [f64; 3] = [1e4, 1e5, 1e6];
@@ -33,7 +31,7 @@ const ANGLE: f64 = 2.1;
 const TURNS: u32 = 60;
 /// Radius of the disk, cm.
 const RADIUS: f64 = 4.0;
-/// Largest deviation beside the exact values.
+/// Largest deviation relative to the exact values.
 const ROUND_OFF: f64 = 1e-9;
 
 /// The sides of a box, by axis.
@@ -119,20 +117,20 @@ impl<const D: usize> Uniform<D> {
     }
 
     /// The body under the dead loads `P N` on all of its sides.
-    fn body(&self) -> Result<ElasticBody<D>, Failure> {
+    fn body(&self) -> Result<Elastic<D>, Failure> {
         let mut body = block()?;
         for (axis, sides) in SIDES[D - 2].iter().enumerate() {
             for (k, side) in sides.iter().enumerate() {
                 let traction = self.piola.column(axis) * if k == 0 { -1.0 } else { 1.0 };
-                let facets = tagged_facets(&body.solid, side)?;
-                body.loads.push((facets, Arc::new(Traction { traction })));
+                let facets = body.part(side)?;
+                body.options.loads.push(Load::traction(facets, traction));
                 if self.planes[axis][k] {
-                    hold(&mut body, side, SupportKind::Symmetry { axis })?;
+                    body.hold(side, SupportKind::Symmetry { axis })?;
                 }
             }
         }
         if let Some(axis) = self.base {
-            hold(&mut body, SIDES[D - 2][axis][0], SupportKind::Clamped)?;
+            body.hold(SIDES[D - 2][axis][0], SupportKind::Clamped)?;
         }
         Ok(body)
     }
@@ -144,38 +142,38 @@ impl<const D: usize> Uniform<D> {
 }
 
 /// The unit square or cube with cells of different shapes.
-fn block<const D: usize>() -> Result<ElasticBody<D>, Failure> {
+fn block<const D: usize>() -> Result<Elastic<D>, Failure> {
     let n = if D == 2 { 6 } else { 3 };
     let mesh = mapped(&structured_box::<D>([0.0; D], [1.0; D], [n; D])?, |x| {
         // The sides stay where they are, bitwise.
         x + Vector::from_fn(|a, _| 0.3 * (1.0 + a as f64) * x.iter().map(|c| c * (1.0 - c)).product::<f64>())
     })?;
     let material = SaintVenantKirchhoff::new(LameParameters::new(MU, LAMBDA)?);
-    elastic(mesh, 1.0, material, Vector::zeros(), TimeScheme::QuasiStatic)
+    elastic(mesh, 1.0, material, Vector::zeros(), Arc::new(QuasiStatic))
 }
 
-/// Advances a body from rest to time one, and finds the largest deviation of displacement, beside the largest one, and of
-/// Cauchy stress, beside a unit of stress.
+/// Advances a body from rest to time one. Returns the larger of two deviations: that of the displacement, relative to the
+/// largest one, and that of the Cauchy stress, relative to a unit of stress.
 fn deviation<const D: usize>(
-    body: ElasticBody<D>,
+    body: Elastic<D>,
     steps: u32,
     displacement: impl Fn(&Point<D>) -> Vector<D>,
     cauchy: &Tensor<D>,
     unit: f64,
 ) -> Result<f64, Failure> {
-    let mut run = Run::new(vec![body], Vec::new(), f64::from(steps).recip(), 1e-12);
+    let mut run = Run::new(vec![body], None, f64::from(steps).recip(), 1e-12)?;
     for _ in 0..steps {
         run.advance()?;
     }
-    let (body, found) = (run.body()?, &run.state.bodies[0].displacement);
-    let exact: Vec<_> = body.solid.mesh().vertices().iter().map(displacement).collect();
+    let (body, found) = (run.body(), run.state.bodies[0].displacement());
+    let exact: Vec<_> = body.solid().mesh().vertices().iter().map(displacement).collect();
     let largest = exact.iter().map(Vector::norm).fold(0.0, f64::max);
     let moved = exact.iter().zip(found).map(|(exact, found)| (exact - found).norm() / largest);
     let stressed = body
-        .solid
+        .solid()
         .mesh()
         .cells()
-        .map(|cell| (CellStress::new(&body.solid, &body.form, cell, found).cauchy - cauchy).norm() / unit);
+        .map(|cell| (cell_stress(body.solid(), body.form(), cell, found).cauchy - cauchy).norm() / unit);
     Ok(moved.chain(stressed).fold(0.0, worse))
 }
 
@@ -191,21 +189,21 @@ fn uniform<const D: usize>(record: &mut Record, state: &Uniform<D>) -> Result<()
 fn turned<const D: usize>(rotation: impl Fn(f64) -> Tensor<D> + Copy + Send + Sync + 'static) -> Result<f64, Failure> {
     let mut body = block::<D>()?;
     let turned = move |x: &Point<D>, time: f64| (rotation(ANGLE * time) * x - x).map(Some).into();
-    hold(&mut body, "bottom", SupportKind::Displacement(Arc::new(turned)))?;
+    body.hold("bottom", SupportKind::Displacement(Arc::new(turned)))?;
     let end = rotation(ANGLE);
     deviation(body, TURNS, |x| end * x - x, &Tensor::zeros(), MU)
 }
 
 /// A body under a pressure from all sides, with symmetry planes through the origin.
 fn pressed<const D: usize>(
-    mut body: ElasticBody<D>,
+    mut body: Elastic<D>,
     sides: &[&str],
     pressure: f64,
     fixed: &Point<D>,
 ) -> Result<f64, Failure> {
     for side in sides {
-        let facets = tagged_facets(&body.solid, side)?;
-        body.loads.push((facets, Arc::new(FollowerPressure { pressure })));
+        let facets = body.part(side)?;
+        body.options.loads.push(Load::pressure(facets, pressure));
     }
     let strain = scale::<D>(pressure) - 1.0;
     let cauchy = Tensor::identity() * -pressure;
@@ -219,9 +217,9 @@ fn disk(pressure: f64) -> Result<f64, Failure> {
     let lowest = heights.min_by(|a, b| a.1.total_cmp(&b.1)).ok_or("a disk without vertices")?.0;
     let fixed = mesh.vertex(lowest);
     let material = SaintVenantKirchhoff::new(LameParameters::new(MU, LAMBDA)?);
-    let mut body = elastic(mesh, 1.0, material, Vector::zeros(), TimeScheme::QuasiStatic)?;
-    hold(&mut body, "left", SupportKind::Symmetry { axis: 0 })?;
-    body.supports.push(BodySupport { vertices: vec![lowest], kind: SupportKind::Symmetry { axis: 1 } });
+    let mut body = elastic(mesh, 1.0, material, Vector::zeros(), Arc::new(QuasiStatic))?;
+    body.hold("left", SupportKind::Symmetry { axis: 0 })?;
+    body.options.supports.push(Support { vertices: vec![lowest], kind: SupportKind::Symmetry { axis: 1 } });
     pressed(body, &["surface"], pressure, &fixed)
 }
 
@@ -229,7 +227,7 @@ fn disk(pressure: f64) -> Result<f64, Failure> {
 fn cube(pressure: f64) -> Result<f64, Failure> {
     let mut body = block::<3>()?;
     for (axis, [low, _]) in SIDES[1].iter().enumerate() {
-        hold(&mut body, low, SupportKind::Symmetry { axis })?;
+        body.hold(low, SupportKind::Symmetry { axis })?;
     }
     pressed(body, &["right", "back", "top"], pressure, &Point::<3>::zeros())
 }
@@ -267,9 +265,10 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
         record.at_most(format!("cube under the pressure {}", short(pressure)), cube(pressure)?, ROUND_OFF);
     }
     record.note(format!(
-        "The larger one of two deviations: that of displacement, beside the largest displacement, and that of the Cauchy stress of any cell, \
-         beside the norm of the exact one (μ where there is none). Every state is solved for from rest under dead loads P N, or \
-         under a pressure that follows the surface; a rotation is forced upon one side, in {TURNS} steps. λ = {}, μ = {} dyn/cm².",
+        "The larger of two deviations: that of displacement, relative to the largest displacement, and that of the Cauchy stress \
+         of any cell, relative to the norm of the exact one (μ where this is zero). Every state is solved for from rest under \
+         dead loads P N, or under a pressure that follows the surface; a rotation is forced upon one side, in {TURNS} steps. \
+         λ = {}, μ = {} dyn/cm².",
         short(LAMBDA),
         short(MU),
     ));

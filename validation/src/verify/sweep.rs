@@ -8,12 +8,13 @@ use cutwater::fluid_ns::terms::CipProfile;
 use cutwater::mesh::generate::structured_box;
 use cutwater::mesh::search::SurfaceIndex;
 use cutwater::mesh::{Placed, Point, Vector, VertexId};
-use cutwater::solver::{Body, BodyKind, FluidBoundary, FluidSetup, PrescribedBody, Setup, State, TimeField, advance};
+use cutwater::solver::body::{Body, PrescribedBody, TimeField};
+use cutwater::solver::{FluidBoundary, FluidSetup, Setup, State, Substep, advance};
 
-use super::Failure;
-use super::flow::{Flow, P, polygon};
+use super::flow::{Flow, P, fluid_mut, fluid_of, polygon, wet, wet_report};
 use super::orders::{StokesPolynomial, known_polynomial};
 use super::record::worse;
+use crate::outcome::Failure;
 
 /// Squares per side of the plane box, bricks per side of the one in space; both have sides of length one.
 const N: [usize; 2] = [12, 5];
@@ -22,12 +23,14 @@ const STEADY: f64 = 1e9;
 /// Vertices at most so far inside of bodies count as fluid, in cells: those that are passed.
 const PASSED: f64 = 0.11;
 
+type Bodies<const D: usize> = Vec<Arc<dyn Body<D>>>;
+
 /// A motion of bodies past something of the mesh.
 pub(super) struct Sweep<const D: usize> {
-    /// What passes what.
+    /// Names of the body and of the part of the mesh that it passes.
     pub(super) name: &'static str,
     /// Bodies that are past it by a distance in cells, which is negative before.
-    bodies: fn(f64) -> Result<Vec<Body<D>>, Failure>,
+    bodies: fn(f64) -> Result<Bodies<D>, Failure>,
 }
 
 /// Those in the plane.
@@ -55,7 +58,7 @@ pub(super) trait Dimension<const D: usize> {
     ///
     /// # Errors
     /// There is no such mesh.
-    fn setup(bodies: Vec<Body<D>>) -> Result<Setup<D>, Failure>;
+    fn setup(bodies: Vec<Arc<dyn Body<D>>>) -> Result<Setup<D>, Failure>;
 }
 
 /// Two dimensions, and three.
@@ -64,9 +67,9 @@ pub(super) struct In;
 impl Dimension<2> for In {
     const SIZE: f64 = 1.0 / N[0] as f64;
 
-    fn setup(bodies: Vec<Body<2>>) -> Result<Setup<2>, Failure> {
+    fn setup(bodies: Vec<Arc<dyn Body<2>>>) -> Result<Setup<2>, Failure> {
         let mut setup = known_polynomial().setup(structured_box::<2>([-0.5; 2], [0.5; 2], [N[0]; 2])?, STEADY);
-        setup.fluid.cip = CipProfile::Consistent { gamma_u: 0.0 };
+        fluid_mut(&mut setup).cip = CipProfile::Consistent { gamma_u: 0.0 };
         setup.bodies = bodies;
         Ok(setup)
     }
@@ -75,8 +78,7 @@ impl Dimension<2> for In {
 impl Dimension<3> for In {
     const SIZE: f64 = 1.0 / N[1] as f64;
 
-    fn setup(bodies: Vec<Body<3>>) -> Result<Setup<3>, Failure> {
-        let planar = <Self as Dimension<2>>::setup(Vec::new())?;
+    fn setup(bodies: Vec<Arc<dyn Body<3>>>) -> Result<Setup<3>, Failure> {
         let background = structured_box::<3>([-0.5; 3], [0.5; 3], [N[1]; 3])?;
         let side = |name: &str| background.tag(name).ok_or("a box has six sides");
         let mut boundary = Vec::new();
@@ -90,26 +92,21 @@ impl Dimension<3> for In {
             Vector::<3>::new(viscous[0], viscous[1], 0.0) - n * StokesPolynomial.pressure(&x, 0.0)
         };
         boundary.push((side("right")?, FluidBoundary::Open { traction: Some(Arc::new(traction)), backflow: false }));
-        Ok(Setup {
+        let Setup { fluid, dt, newton, .. } = <Self as Dimension<2>>::setup(Vec::new())?;
+        let fluid = fluid.map(|planar| FluidSetup {
             background,
-            fluid: FluidSetup {
-                material: planar.fluid.material,
-                cip: planar.fluid.cip,
-                gamma_pressure: planar.fluid.gamma_pressure,
-                gamma_ghost: planar.fluid.gamma_ghost,
-                convection: None,
-                body_force: None,
-                initial_velocity: None,
-                boundary,
-            },
-            bodies,
-            contacts: Vec::new(),
-            gamma_sigma: planar.gamma_sigma,
-            dt: planar.dt,
-            most_halvings: 0,
-            newton: planar.newton,
             overlay: planar.overlay,
-        })
+            gamma_sigma: planar.gamma_sigma,
+            material: planar.material,
+            cip: planar.cip,
+            gamma_pressure: planar.gamma_pressure,
+            gamma_ghost: planar.gamma_ghost,
+            convection: None,
+            body_force: None,
+            initial_velocity: None,
+            boundary,
+        });
+        Ok(Setup { fluid, bodies, contacts: Vec::new(), dt, most_halvings: 0, newton })
     }
 }
 
@@ -134,7 +131,7 @@ fn turned<const D: usize>(x: &Point<D>, to: usize, angle: f64) -> Point<D> {
 }
 
 /// A polygon with corners in cells, turned and then moved to a place of the mesh, in cells from the middle of the box.
-fn placed(corners: &[[f64; 2]], angle: f64, place: [f64; 2]) -> Body<2> {
+fn placed(corners: &[[f64; 2]], angle: f64, place: [f64; 2]) -> Arc<dyn Body<2>> {
     let h = <In as Dimension<2>>::SIZE;
     let corners = corners.iter().map(|&[x, y]| (turned(&P::new(x, y), 1, angle) + P::from(place)) * h);
     polygon(&[corners.collect()], |x, _| *x, polynomial())
@@ -146,30 +143,30 @@ fn rectangle(low: [f64; 2], high: [f64; 2]) -> [[f64; 2]; 4] {
 }
 
 /// Behind the vertex, cells keep a corner.
-fn side_past_a_vertex(s: f64) -> Result<Vec<Body<2>>, Failure> {
+fn side_past_a_vertex(s: f64) -> Result<Bodies<2>, Failure> {
     Ok(vec![placed(&rectangle([s - 3.3, -1.7], [s, 1.6]), 0.4, [2.0, 1.0])])
 }
 
 /// Behind the line, cells keep slices, or corners between two of these.
-fn side_past_an_edge(s: f64) -> Result<Vec<Body<2>>, Failure> {
+fn side_past_an_edge(s: f64) -> Result<Bodies<2>, Failure> {
     Ok(vec![placed(&rectangle([s - 3.3, -1.67], [s, 1.63]), 0.0, [2.0, 0.0])])
 }
 
 /// A wedge of fluid in a body whose tip reaches a vertex, or a point of the edge above it: cells keep the tip.
-fn notch(s: f64, above: f64) -> Result<Vec<Body<2>>, Failure> {
+fn notch(s: f64, above: f64) -> Result<Bodies<2>, Failure> {
     let block = [[-1.7, -1.9], [1.6, -1.9], [1.6, -0.8], [0.0, 0.0], [1.6, 0.8], [1.6, 1.9], [-1.7, 1.9]];
     Ok(vec![placed(&block.map(|[x, y]| [x + s, y]), 0.2, [1.0, above])])
 }
 
 /// Between two bodies, cells keep a film that has no unknowns in common with the fluid around but at its ends.
-fn gap(s: f64) -> Result<Vec<Body<2>>, Failure> {
+fn gap(s: f64) -> Result<Bodies<2>, Failure> {
     let place = [0.36, 0.54];
     let left = placed(&rectangle([s - 2.1, -1.7], [s, 1.6]), 0.15, place);
     Ok(vec![left, placed(&rectangle([0.0, -1.5], [2.2, 1.8]), 0.15, place)])
 }
 
 /// A cube one of whose sides passes a vertex, turned about two axes.
-fn cube([about_second, about_third]: [f64; 2], s: f64) -> Result<Vec<Body<3>>, Failure> {
+fn cube([about_second, about_third]: [f64; 2], s: f64) -> Result<Bodies<3>, Failure> {
     let brick = structured_box::<3>([s - 1.6, -0.83, -0.77], [s, 0.77, 0.83], [1, 1, 1])?;
     let place = Point::<3>::new(0.5, 0.5, 0.5);
     let at = |x: &Point<3>| {
@@ -178,15 +175,16 @@ fn cube([about_second, about_third]: [f64; 2], s: f64) -> Result<Vec<Body<3>>, F
     };
     let velocity = polynomial::<3>();
     let body = PrescribedBody {
+        name: "cube".to_owned(),
         boundary: brick.boundary(),
         reference: brick.vertices().iter().map(at).collect(),
         position: Arc::new(|x, _| *x),
         velocity: Arc::new(move |x, [_, t]| velocity(x, t)),
     };
-    Ok(vec![Body { name: "cube".to_owned(), kind: BodyKind::Prescribed(body) }])
+    Ok(vec![Arc::new(body)])
 }
 
-/// What is found at one distance.
+/// Results at one distance.
 pub(super) struct Found<const D: usize> {
     /// Condition numbers of the equilibrated matrix, and of the matrix as it is.
     pub(super) conditions: [f64; 2],
@@ -219,7 +217,7 @@ impl<const D: usize> Numbers<D> {
     /// The same of the exact flow, which exerts no force on a body, as none acts on the fluid that would be in its place.
     pub(super) fn exact(&self, setup: &Setup<D>) -> Self {
         let of = |vertex: VertexId| {
-            let x = setup.background.vertex(vertex);
+            let x = fluid_of(setup).background.vertex(vertex);
             (polynomial()(&x, 0.0), StokesPolynomial.pressure(&plane(&x), 0.0))
         };
         let at_vertices = self.at_vertices.keys().map(|&vertex| (vertex, of(vertex))).collect();
@@ -238,7 +236,7 @@ where
     pub(super) fn setup(&self, distance: f64, has_ghost_penalty: bool) -> Result<Setup<D>, Failure> {
         let mut setup = In::setup((self.bodies)(distance)?)?;
         if !has_ghost_penalty {
-            setup.fluid.gamma_ghost = 0.0;
+            fluid_mut(&mut setup).gamma_ghost = 0.0;
         }
         Ok(setup)
     }
@@ -253,30 +251,30 @@ where
     In: Dimension<D>,
 {
     let mut work = Workspace::new();
-    let step = advance(setup, &State::initial(setup)?, &mut work);
+    let step = advance(setup, &State::initial(setup)?, Substep::whole(setup.dt), &mut work);
     let system = work.system();
     // Without an inverse there is no condition number, or an infinite one.
     let conditions = [Scaling::Equilibrated, Scaling::None]
-        .map(|scaling| condition_number(system.matrix(), system.unknowns(), scaling).unwrap_or(f64::INFINITY));
+        .map(|scaling| condition_number(system.matrix(), system.layout(), scaling).unwrap_or(f64::INFINITY));
     let Ok((state, report)) = step else { return Ok(Found { conditions, flow: None }) };
 
-    let bodies = setup.bodies.iter().zip(&state.fluid.positions);
-    let surfaces: Vec<_> = bodies.map(|(body, x)| SurfaceIndex::new(&Placed::new(body.boundary(), x))).collect();
+    let bodies = setup.bodies.iter().zip(&wet(&state).positions);
+    let surfaces: Vec<_> = bodies.map(|(body, x)| SurfaceIndex::new(&Placed::new(body.surface(), x))).collect();
     let depth = |x: &Point<D>| {
         let distances = surfaces.iter().filter_map(|surface| surface.closest_signed(x));
         distances.map(|closest| -closest.distance).fold(f64::NEG_INFINITY, f64::max)
     };
-    let fluid = &state.fluid;
+    let fluid = wet(&state);
     let (mut at_vertices, mut seen) = (BTreeMap::new(), BTreeSet::new());
     for (dof, &vertex) in fluid.space.vertices().iter().enumerate() {
         if !seen.insert(vertex) {
             // Fluid on the other side of a body has unknowns at the same vertex.
             at_vertices.remove(&vertex);
-        } else if depth(&setup.background.vertex(vertex)) < PASSED * <In as Dimension<D>>::SIZE {
+        } else if depth(&fluid_of(setup).background.vertex(vertex)) < PASSED * <In as Dimension<D>>::SIZE {
             at_vertices.insert(vertex, (fluid.velocity[dof], fluid.pressure[dof]));
         }
     }
-    let pieces = state.fluid.cut.interface().iter().zip(&report.tractions);
+    let pieces = wet(&state).cut.interface().iter().zip(&wet_report(&report).tractions);
     let force = pieces.map(|(piece, traction)| traction.total() * piece.measure).sum();
-    Ok(Found { conditions, flow: Some(Numbers { at_vertices, force, energy: report.fluid_kinetic_energy }) })
+    Ok(Found { conditions, flow: Some(Numbers { at_vertices, force, energy: wet_report(&report).kinetic_energy }) })
 }

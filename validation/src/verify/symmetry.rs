@@ -3,19 +3,18 @@
 use std::path::Path;
 
 use cutwater::algebra::Workspace;
-use cutwater::io::scenario::lower::lower;
-use cutwater::io::scenario::{Case, CaseVisitor};
+use cutwater::io::scenario::{Case, CaseVisitor, lower};
 use cutwater::io::{Error, ScenarioFile};
 use cutwater::solver::{Observer, ObserverError, State, StepView, TimeLoop};
 
-use super::Failure;
 use super::record::Record;
 use crate::case::scenario_path;
+use crate::outcome::Failure;
 
 /// Largest lateral drift of the centre, cm.
 const DRIFT: f64 = 1e-4;
 /// The virtual barrier without files, to the time shortly after its release.
-const SHORT: [&str; 3] = ["time.end=0.14", "output.vtk_every=0", "output.plots=false"];
+const SHORT: [&str; 2] = ["time.end=0.14", "output.vtk_every=0"];
 /// Coarse meshes for the quick version.
 const COARSE: [&str; 4] =
     ["background.size.fine=0.4", "background.size.coarse=1.0", "body.0.shape.size=0.4", "time.step=2e-3"];
@@ -42,7 +41,7 @@ fn fall(full: bool, set: &[&str]) -> Result<Fall, Error> {
     lower(&ScenarioFile::read(&scenario_path("virtual-barrier"), &set)?, Run)?
 }
 
-/// What a run comes down to.
+/// Key results of a run.
 #[derive(Default)]
 struct Fall {
     contact: Option<f64>,

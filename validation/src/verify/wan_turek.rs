@@ -1,4 +1,4 @@
-//! A cylinder that swings to and fro in a closed channel: drag and lift, and how noisy they are while it cuts the mesh.
+//! An oscillating cylinder in a closed channel: drag and lift, and their noise while the cylinder cuts the mesh.
 
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -7,12 +7,12 @@ use std::sync::Arc;
 use cutwater::algebra::{LaggedSettings, LaggedSolver, NewtonSettings, Workspace};
 use cutwater::mesh::SimplexMesh;
 use cutwater::mesh::generate::{Size, graded_box, mirrored};
-use cutwater::solver::{FluidBoundary, Setup, State, advance};
+use cutwater::solver::{FluidBoundary, Setup, State, Substep, advance};
 
-use super::Failure;
-use super::exact::Linear;
-use super::flow::{Known, P, V, disk, polygon};
+use super::flow::{Known, P, V, disk, fluid_mut, polygon, wet, wet_report};
+use super::linear_flow::Linear;
 use super::record::{Figure, Record, short};
+use crate::outcome::Failure;
 
 /// Length and height of the channel; where the centre of the cylinder begins; its diameter, m.
 const CHANNEL: [f64; 2] = [2.2, 0.41];
@@ -34,14 +34,14 @@ const ENDS: [f64; 2] = [1.0, 7.5];
 /// and the largest relative error of the finest mesh: P1, and first order in time.
 const KNOWN_RMS: f64 = 2.05;
 const ACCURACY: f64 = 0.05;
-/// Least order in h at which the noise has to fall, over all meshes: half of what is expected. Spurious forces of a boundary
+/// Least order in h at which the noise has to fall, over all meshes: half of the expected one. Spurious forces of a boundary
 /// that moves through cells go like h²/dt (Seo and Mittal 2011, doi:10.1016/j.jcp.2011.06.003), so first order at fixed dt/h.
 const NOISE_ORDER: f64 = 0.5;
 /// Steps to either side that the smooth signal is fitted to, as many more as steps are shorter: together with the one between
 /// they pass four cells at full speed.
 const WING: usize = 5;
 
-/// Measures forces and their noise on several meshes, and in full what the time step does to them.
+/// Measures forces and their noise on several meshes, and in the full check the effect of the time step.
 ///
 /// # Errors
 /// A step fails.
@@ -63,7 +63,7 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
     if record.full {
         record.near_relative("RMS of C_D, finest mesh", rms(&finest.drag), KNOWN_RMS, ACCURACY);
         record.near_relative("RMS of C_D by traction, finest mesh", rms(&finest.by_traction), KNOWN_RMS, ACCURACY);
-        record.show("C_D(t) + C_D(t + T/2) from t = 3.5 s on, RMS beside that of C_D", finest.asymmetry(3.5), None);
+        record.show("C_D(t) + C_D(t + T/2) from t = 3.5 s on, RMS relative to C_D", finest.asymmetry(3.5), None);
         record.show("the same on the mesh before", coarse.asymmetry(3.5), None);
         for part in [2, 4] {
             let h = SIZES[0];
@@ -140,7 +140,7 @@ impl Signal {
         values.iter().enumerate().map(|(k, value)| (self.begin + k as f64 * self.dt, *value)).collect()
     }
 
-    /// RMS of what is not smooth in a signal, over half the range of the drag.
+    /// Returns the RMS of the noise in a signal, relative to half the range of the drag.
     fn noise(&self, values: &[f64]) -> f64 {
         let [least, largest] = range(&self.drag);
         rms(&rough(values, self.wing)) / (0.5 * (largest - least))
@@ -213,7 +213,7 @@ fn setup(h: f64, part: usize) -> Result<Setup<2>, Failure> {
     let fluid = Known { flow, density: 1.0, viscosity: VISCOSITY, convects: true, open: &[] };
     let mut setup = fluid.setup(background(h)?, dt);
     setup.newton = NewtonSettings::new(1e-8);
-    for (_, condition) in &mut setup.fluid.boundary {
+    for (_, condition) in &mut fluid_mut(&mut setup).boundary {
         *condition = FluidBoundary::NoSlip;
     }
     // Edges shorter than those of the mesh.
@@ -242,13 +242,13 @@ fn run(h: f64, part: usize, end: f64) -> Result<Signal, Failure> {
     let mut signal = Signal { dt: setup.dt, wing: WING * part, ..Signal::default() };
     // Half a step of room for round-off.
     while state.time < end - 0.5 * setup.dt {
-        let (next, report) = advance(&setup, &state, &mut work)?;
+        let (next, report) = advance(&setup, &state, Substep::whole(setup.dt), &mut work)?;
         state = next;
         if state.time < BEGIN {
             continue;
         }
         let (mut total, mut traction) = (V::zeros(), V::zeros());
-        for (piece, on_piece) in state.fluid.cut.interface().iter().zip(&report.tractions) {
+        for (piece, on_piece) in wet(&state).cut.interface().iter().zip(&wet_report(&report).tractions) {
             total += on_piece.total() * (scale * piece.measure);
             traction += on_piece.fluid * (scale * piece.measure);
         }
@@ -274,7 +274,7 @@ mod tests {
 
     #[test]
     fn noise_is_found_on_a_smooth_signal() {
-        // What the fit to eleven values, with weights (-36, 9, 44, 69, 84, 89, ...)/429, keeps of a sign that alternates.
+        // Share of an alternating sign in the fit to eleven values, with weights (-36, 9, 44, 69, 84, 89, ...)/429.
         let kept = (89.0 - 2.0 * (84.0 - 69.0 + 44.0 - 9.0 - 36.0)) / 429.0;
         let values: Vec<f64> =
             (0..200).map(|k| f64::from(k % 2 * 2 - 1) * 1e-2 + (f64::from(k) * 0.03).sin()).collect();

@@ -3,11 +3,10 @@
 use std::sync::Arc;
 
 use cutwater::mesh::generate::structured_box;
-use cutwater::solid_svk::{LameParameters, LinearElastic, TimeScheme};
-use cutwater::solver::SupportKind;
+use cutwater::solid_svk::{LameParameters, LinearElastic, SupportKind};
 
-use super::super::Failure;
-use super::super::dry::{Run, V, elastic, floor, hold};
+use super::super::dry::{Run, Scheme, V, elastic, floor};
+use crate::outcome::Failure;
 
 pub(super) const LENGTH: f64 = 10.0;
 const YOUNG: f64 = 900.0;
@@ -85,21 +84,21 @@ pub(super) struct History {
 }
 
 /// The bar of `n` cells, with a time step in which a wave crosses `courant` of a cell.
-pub(super) fn history(gravity: f64, n: usize, courant: f64, scheme: TimeScheme, end: f64) -> Result<History, Failure> {
+pub(super) fn history(gravity: f64, n: usize, courant: f64, scheme: &Scheme, end: f64) -> Result<History, Failure> {
     let size = LENGTH / n as f64;
     let mesh = structured_box::<2>([0.0, HEIGHT], [size, HEIGHT + LENGTH], [1, n])?;
     // Without lateral contraction a bar between smooth walls is a bar in one dimension.
     let material = LinearElastic::new(LameParameters::from_young_poisson(YOUNG, 0.0)?);
-    let mut body = elastic(mesh, DENSITY, material, V::new(0.0, -gravity), scheme)?;
+    let mut body = elastic(mesh, DENSITY, material, V::new(0.0, -gravity), Arc::clone(scheme))?;
     for side in ["left", "right"] {
-        hold(&mut body, side, SupportKind::Symmetry { axis: 0 })?;
+        body.hold(side, SupportKind::Symmetry { axis: 0 })?;
     }
     if gravity == 0.0 {
-        body.initial_velocity = Some(Arc::new(|_| V::new(0.0, -SPEED)));
+        body.options.initial_velocity = Some(Arc::new(|_| V::new(0.0, -SPEED)));
     }
     let contact = floor(&body, "bottom", PENALTY * YOUNG / size)?;
     let dt = courant * size / WAVE;
-    let mut run = Run::new(vec![body], vec![contact], dt, 1e-9);
+    let mut run = Run::new(vec![body], Some(contact), dt, 1e-9)?;
     // Potential energy of the bar that rests on the floor.
     let rest = size * DENSITY * gravity * 0.5 * LENGTH * LENGTH;
     let start = run.energy_and_momentum()?.0 - rest;
@@ -109,7 +108,7 @@ pub(super) fn history(gravity: f64, n: usize, courant: f64, scheme: TimeScheme, 
         let report = run.advance()?;
         let time = run.state.time;
         pressure.push((time, report.contacts[0].force[1] / size));
-        height.push((time, HEIGHT + run.state.bodies[0].displacement[0][1]));
+        height.push((time, HEIGHT + run.state.bodies[0].displacement()[0][1]));
         if (before / CROSSING).floor() < (time / CROSSING).floor() || time >= end - 0.5 * dt {
             energy.push((time, (run.energy_and_momentum()?.0 - rest) / start));
         }
@@ -125,7 +124,7 @@ pub(super) struct Contact {
     pub(super) touching: f64,
     /// Impulse over the exact duration.
     pub(super) pressure: f64,
-    /// Root mean square of what the pressure deviates from the exact one in the middle of the contact.
+    /// Returns the root mean square of the deviation of the pressure from the exact one in the middle of the contact.
     pub(super) deviation: f64,
     /// Half the range of that.
     pub(super) oscillation: f64,
@@ -171,7 +170,7 @@ impl History {
     /// Root mean square of the errors of the height, with gravity, at the times at which the exact one is listed.
     pub(super) fn height_error(&self) -> f64 {
         let errors = HEIGHTS.map(|(time, exact)| {
-            // The last step may end a little before the period does.
+            // The last step may end slightly before the period does.
             let k = self.height.partition_point(|at| at.0 < time).clamp(1, self.height.len() - 1);
             let [(t0, h0), (t1, h1)] = [self.height[k - 1], self.height[k]];
             h0 + (h1 - h0) * (time - t0) / (t1 - t0) - exact

@@ -1,0 +1,65 @@
+//! Linear flow in a box, with a body that cuts the mesh: the setting of several checks.
+
+use std::sync::Arc;
+
+use cutwater::mesh::SimplexMesh;
+use cutwater::mesh::generate::{Size, graded_box};
+
+use super::flow::{Flow, Known, P, Random, T, V};
+use crate::outcome::Failure;
+
+/// Size of the cells of the background.
+pub(super) const SIZE: f64 = 0.13;
+
+/// Returns the background: a box of 2 x 1.5.
+pub(super) fn background() -> Result<SimplexMesh<2>, Failure> {
+    Ok(graded_box::<2>([0.0, 0.0], [2.0, 1.5], &Size::uniform(SIZE))?)
+}
+
+/// Velocity `a x + b` and pressure `g · x + p`, with the body force that makes the flow steady.
+pub(super) struct Linear {
+    pub(super) a: T,
+    pub(super) b: V,
+    pub(super) g: V,
+    pub(super) p: f64,
+    pub(super) density: f64,
+    pub(super) convects: bool,
+}
+
+impl Flow for Linear {
+    fn velocity(&self, x: &P, _: f64) -> V {
+        self.a * x + self.b
+    }
+    fn gradient(&self, _: &P, _: f64) -> T {
+        self.a
+    }
+    fn pressure(&self, x: &P, _: f64) -> f64 {
+        self.p + self.g.dot(x)
+    }
+    fn force(&self, x: &P, t: f64) -> V {
+        let inertia = if self.convects { self.a * self.velocity(x, t) * self.density } else { V::zeros() };
+        inertia + self.g
+    }
+}
+
+impl Linear {
+    /// Returns the fluid at rest with the pressure gradient `g`.
+    pub(super) fn at_rest(g: V) -> Self {
+        Self { a: T::zeros(), b: V::zeros(), g, p: 1.7, density: 1.2, convects: false }
+    }
+
+    /// Returns the flow as a problem with the given viscosity and open sides.
+    pub(super) fn known(self, viscosity: f64, open: &'static [&'static str]) -> Known<Self> {
+        Known { density: self.density, convects: self.convects, flow: Arc::new(self), viscosity, open }
+    }
+}
+
+/// A polygon without any symmetry.
+pub(super) fn nonagon(centre: P, random: &mut Random) -> Vec<P> {
+    let turn = random.between(0.0, 1.0);
+    let corner = |k: u32| {
+        let (angle, radius) = (turn + f64::from(k) * std::f64::consts::TAU / 9.0, random.between(0.2, 0.45));
+        centre + P::new(angle.cos(), angle.sin()) * radius
+    };
+    (0..9).map(corner).collect()
+}
