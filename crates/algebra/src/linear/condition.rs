@@ -13,7 +13,7 @@ const MOST_ITERATIONS: usize = 300;
 pub enum Scaling {
     /// As it is.
     None,
-    /// `R A C` of [`Equilibration`], the matrix that the solvers factorise.
+    /// `R A C` of [`super::Equilibration`], the matrix that the solvers factorise.
     Equilibrated,
 }
 
