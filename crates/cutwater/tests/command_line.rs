@@ -76,8 +76,10 @@ fn a_scenario_without_a_fluid_is_checked_run_and_reported() {
     assert!(printed.contains("body ball:") && printed.contains("steps: 3"), "{printed}");
     assert!(!printed.contains("background"), "{printed}");
     let directory = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("dry");
-    let printed = cutwater("run", &["--out", &directory.display().to_string()]);
+    let units = "units={ length = \"mm\", mass = \"g\", time = \"ms\" }";
+    let printed = cutwater("run", &["--out", &directory.display().to_string(), "--set", units]);
     assert!(printed.contains("step 3/3") && !printed.contains("profile"), "{printed}");
+    assert!(printed.contains("t = 0.0030 ms, d_min") && printed.contains(" mm,"), "{printed}");
     let page = std::fs::read_to_string(directory.join("report.html")).expect("a page");
     assert!(page.contains("unknowns, at most") && !page.contains("interior penalty of the velocity"));
     let picture = directory.join("run.png");

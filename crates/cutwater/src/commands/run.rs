@@ -3,6 +3,7 @@
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
+use cutwater::io::scenario::{Quantity, Units};
 use cutwater::io::{Error, Progress, ScenarioFile, StepProgress, Summary, default_directory, run as run_scenario};
 #[cfg(feature = "report")]
 use cutwater::report::Recorder;
@@ -19,7 +20,7 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let file = ScenarioFile::read(&arguments.scenario.file, &arguments.scenario.sets)?;
     let directory = arguments.out.clone().unwrap_or_else(|| default_directory(file.scenario()));
     let shown = directory.display().to_string();
-    let mut display = Display::new(file.n_steps());
+    let mut display = Display::new(file.n_steps(), &file.scenario().units);
     let progress = (!arguments.quiet).then_some(Progress(|at: &StepProgress| display.show(at)));
     #[cfg(feature = "report")]
     let outcome = {
@@ -55,22 +56,27 @@ struct Display {
     /// When the first step was done: meshes are built before.
     begin: Option<Instant>,
     last_line: Option<Instant>,
+    /// Labels of length and time.
+    units: [String; 2],
 }
 
 impl Display {
-    fn new(n_steps: usize) -> Self {
+    fn new(n_steps: usize, units: &Units) -> Self {
         let bar = std::io::stderr().is_terminal().then(|| {
             let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}, {eta} left");
             ProgressBar::new(n_steps as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
         });
-        Self { bar, begin: None, last_line: None }
+        let units = [Quantity::LENGTH, Quantity::TIME].map(|quantity| units.label(quantity));
+        Self { bar, begin: None, last_line: None, units }
     }
 
     fn show(&mut self, at: &StepProgress) {
         let begin = *self.begin.get_or_insert_with(Instant::now);
-        let distance = at.d_min.map_or(String::new(), |d| format!(", d_min {d:.4} cm"));
+        let [length, time] = &self.units;
+        let distance = at.d_min.map_or(String::new(), |d| format!(", d_min {d:.4} {length}"));
         let contact = if at.in_contact { ", contact" } else { "" };
-        let message = format!("t = {:.4} s{distance}{contact}, {} Newton iterations", at.time, at.newton_iterations);
+        let message =
+            format!("t = {:.4} {time}{distance}{contact}, {} Newton iterations", at.time, at.newton_iterations);
         if let Some(bar) = &self.bar {
             bar.set_message(message);
             bar.set_position(at.step as u64);
@@ -108,8 +114,9 @@ fn print_summary(summary: &Summary, directory: &str) {
         println!("  no contact");
         return;
     };
-    let release = summary.release_time.map_or("none".to_owned(), |t| format!("{t:.4} s"));
-    println!("  first contact {contact:.4} s, release {release}");
+    let time = &summary.units.time;
+    let release = summary.release_time.map_or("none".to_owned(), |t| format!("{t:.4} {time}"));
+    println!("  first contact {contact:.4} {time}, release {release}");
     println!("  largest penetration {:.3e} {}", summary.max_penetration, summary.units.length);
 }
 
