@@ -7,8 +7,6 @@ use xfem_space::{BoundaryPoint, BoundaryValues};
 use crate::{FluidFields, FluidGeometry};
 
 /// A quadrature point of an open boundary with the fields evaluated.
-///
-/// Local row `D i + a` is component `a` of the velocity of node `i` of the part.
 pub struct OpenPoint<'a, const D: usize> {
     /// Geometry and shape values.
     pub at: &'a BoundaryPoint<D>,
@@ -16,6 +14,14 @@ pub struct OpenPoint<'a, const D: usize> {
     pub velocity: Vector<D>,
     /// History `u*`.
     pub history: Vector<D>,
+}
+
+impl<const D: usize> OpenPoint<'_, D> {
+    /// First row of the velocity of a node.
+    #[inline]
+    pub fn velocity_row(&self, node: usize) -> usize {
+        D * node
+    }
 }
 
 /// Quadrature points of an open boundary: one item with one site each.

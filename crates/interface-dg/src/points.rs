@@ -57,11 +57,17 @@ impl<const D: usize> MortarPoint<'_, D> {
     /// The basis of the jump `v - w`: first row and value of each vector-valued test function.
     #[inline]
     pub fn jump_basis(&self) -> impl Iterator<Item = (usize, f64)> + Clone + '_ {
-        let fluid = (0..=D).map(|i| (D * i, self.at.fluid[i]));
+        let fluid = (0..=D).map(|i| (self.velocity_row(i), self.at.fluid[i]));
         let n_solid = if self.is_unknown { D } else { 0 };
         let first_solid = (D + 1) * (D + 1);
         let solid = (0..n_solid).map(move |k| (first_solid + D * k, -self.at.solid[k]));
         fluid.chain(solid)
+    }
+
+    /// First row of the velocity of a fluid node.
+    #[inline]
+    pub fn velocity_row(&self, node: usize) -> usize {
+        D * node
     }
 
     /// Row of the pressure of a fluid node.

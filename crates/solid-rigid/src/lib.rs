@@ -25,11 +25,13 @@
 pub mod modes;
 pub mod terms;
 
+mod centre;
 mod error;
 mod mass;
 mod motion;
 mod rigid;
 
+pub use centre::{RigidCentre, RigidVelocity};
 pub use error::Error;
 pub use mass::MassProperties;
 pub use modes::Spin;

@@ -6,8 +6,9 @@ use body::{Balance, Body, BodyState, BodyStep, Located, Locator, StepTime, Surfa
 use mesh::search::SurfaceIndex;
 use mesh::{BoundaryMesh, Placed, Point, Vector};
 
+use crate::centre::RigidCentre;
 use crate::modes::{Spin, mode, n_modes};
-use crate::terms::{Momentum, RigidCentre};
+use crate::terms::Momentum;
 use crate::{Error, MassProperties, RigidMotion};
 
 /// A body that moves freely without deforming, advanced by implicit Euler.

@@ -1,4 +1,4 @@
-//! Small rules: module sentences, sizes of files, leftovers, numbers in terms, the list of crates; budgets.
+//! Small rules: module sentences, sizes of files, numbers in terms, the list of crates; budgets.
 
 use super::source::Source;
 use super::tree::{Finding, Tree};
@@ -25,17 +25,6 @@ const JSON_BYTES: usize = 50_000;
 const FILE_BYTES: usize = 600_000;
 /// Largest number of lines of a time step.
 const ADVANCE_LINES: usize = 40;
-/// Leftovers of work in progress and ways around the design, with advice.
-const LEFTOVERS: &[(&str, &str)] = &[
-    ("todo!", "do it, or write it to the tracker"),
-    ("unimplemented!", "return an error"),
-    ("dbg!", "remove it"),
-    ("too_many_arguments", "collect arguments that belong together in a struct"),
-    ("downcast", "add a method to the trait"),
-    ("as_any", "add a method to the trait"),
-    ("BodyKind", "bodies are implementations of `body::Body`"),
-    ("#[ignore", "no test is ignored: make it fast, or move it to `cargo xtask verify`"),
-];
 /// Prefixes of paths that exist on one machine only.
 const MACHINE_PATHS: &[&str] = &["/home/", "/Users/", "/root/", "/work/"];
 /// The page with the list of crates.
@@ -47,7 +36,6 @@ pub(super) fn check(tree: &Tree) -> Vec<Finding> {
     for source in &tree.rust {
         module_sentence(source, &mut findings);
         file_size(source, &mut findings);
-        leftovers(source, &mut findings);
         numbers_in_terms(source, &mut findings);
     }
     for source in tree.rust.iter().chain(&tree.other) {
@@ -72,19 +60,6 @@ fn file_size(source: &Source, findings: &mut Vec<Finding>) {
             n,
             format!("{n} lines, at most {FILE_LINES}: split the file by subject"),
         ));
-    }
-}
-
-fn leftovers(source: &Source, findings: &mut Vec<Finding>) {
-    // Tests are included, so this reads the text and not the code. Lines of comments are left out.
-    let lines = source.lines().filter(|(_, line)| !line.trim_start().starts_with("//"));
-    for (number, line) in lines {
-        for (leftover, advice) in LEFTOVERS {
-            let is_named = line.contains(&format!("\"{leftover}"));
-            if line.contains(leftover) && !is_named {
-                findings.push(Finding::new(&source.path, number, format!("`{leftover}`: {advice}")));
-            }
-        }
     }
 }
 

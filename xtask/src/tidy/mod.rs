@@ -6,6 +6,7 @@ mod equations;
 mod hygiene;
 mod layers;
 mod names;
+mod places;
 mod prose;
 mod source;
 mod third_party;
@@ -34,6 +35,7 @@ fn findings(tree: &Tree) -> Vec<Finding> {
         equations::check,
         hygiene::check,
         names::check,
+        places::check,
         circles::check,
         prose::check,
     ];
@@ -110,6 +112,11 @@ mod tests {
         check_finds("crates/mesh/tests/a.rs", &format!("//! A.\n#[{}]\n", "ignore"), 2, "no test is ignored");
         check_finds("crates/mesh/src/a.rs", &format!("//! A.\n//  {}/a/b\n", "/home"), 2, "one machine");
         check_finds("crates/mesh/src/a.rs", &format!("//! A.\n{}", "\n".repeat(600)), 601, "split the file");
+        check_finds("crates/solver/src/a.rs", "//! A.\nfn a(b: &RigidBody<2>) {}\n", 2, "dyn body::Body");
+        check_finds("crates/solver/src/a.rs", "//! A.\nfn a() { b[D * i] / dt }\n", 2, "row function");
+        check_finds("crates/solver/src/a.rs", "//! A.\nfn a() { b / dt }\n", 2, "time scheme");
+        check_finds("crates/solver/src/a.rs", "//! A.\npub trait FilmTerm {}\n", 2, "new kind of term");
+        check_finds(term, "//! A.\npub struct Point {}\n", 2, "`Point` is no term");
         check_finds("crates/solver/src/a.rs", "//! A.\nuse faer::Mat;\n", 2, "outside of its room");
         check_finds("crates/solver/src/a.rs", "//! A.\nfn a<const D: usize>() where [(); D]: {}\n", 2, "where-clause");
         check_finds("crates/solver/src/a.rs", "//! A.\nfn a() { b::<2>() }\n", 2, "literal dimension");

@@ -22,10 +22,10 @@ impl<const D: usize> Term<OpenPoint<'_, D>> for Backflow {
             return;
         }
         for i in 0..=D {
-            out.add_vector::<D>(D * i, q.velocity * (inflow * q.at.shape[i]));
+            out.add_vector::<D>(q.velocity_row(i), q.velocity * (inflow * q.at.shape[i]));
             for j in 0..=D {
                 let block = Tensor::<D>::from_diagonal_element(inflow * q.at.shape[i] * q.at.shape[j]);
-                out.add_block::<D, D>(D * i, D * j, block);
+                out.add_block::<D, D>(q.velocity_row(i), q.velocity_row(j), block);
             }
         }
     }

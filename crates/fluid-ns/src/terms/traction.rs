@@ -21,6 +21,6 @@ pub struct Traction<'a, const D: usize> {
 impl<const D: usize> Term<OpenPoint<'_, D>> for Traction<'_, D> {
     fn add(&self, q: &OpenPoint<'_, D>, out: &mut LocalSystem) {
         let t = (self.traction)(&q.at.point, &q.at.normal, self.time) * q.at.weight;
-        (0..=D).for_each(|i| out.add_vector::<D>(D * i, t * -q.at.shape[i]));
+        (0..=D).for_each(|i| out.add_vector::<D>(q.velocity_row(i), t * -q.at.shape[i]));
     }
 }

@@ -22,10 +22,10 @@ impl<const D: usize> Term<MortarPoint<'_, D>> for AdjointConsistency {
         let weight = -q.at.weight;
         for i in 0..=D {
             let test = self.fluid.viscous_traction_by_velocity(&q.gradients[i], &n).transpose();
-            out.add_vector::<D>(D * i, test * q.jump * weight);
+            out.add_vector::<D>(q.velocity_row(i), test * q.jump * weight);
             out.add(q.pressure_row(i), weight * q.at.fluid[i] * q.jump.dot(&n));
             for (column, basis) in q.jump_basis() {
-                out.add_block::<D, D>(D * i, column, test * (weight * basis));
+                out.add_block::<D, D>(q.velocity_row(i), column, test * (weight * basis));
                 let row = n.transpose() * (weight * q.at.fluid[i] * basis);
                 out.add_block::<1, D>(q.pressure_row(i), column, row);
             }

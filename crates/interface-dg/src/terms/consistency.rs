@@ -24,7 +24,7 @@ impl<const D: usize> Term<MortarPoint<'_, D>> for Consistency {
             out.add_vector::<D>(row, q.traction * weight);
             for j in 0..=D {
                 let by_velocity = self.fluid.viscous_traction_by_velocity(&q.gradients[j], &n);
-                out.add_block::<D, D>(row, D * j, by_velocity * weight);
+                out.add_block::<D, D>(row, q.velocity_row(j), by_velocity * weight);
                 out.add_block::<D, 1>(row, q.pressure_row(j), n * (-weight * q.at.fluid[j]));
             }
         }

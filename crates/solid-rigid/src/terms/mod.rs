@@ -2,4 +2,4 @@
 
 mod momentum;
 
-pub use momentum::{Momentum, RigidCentre, RigidVelocity};
+pub use momentum::Momentum;

@@ -7,7 +7,7 @@ use crate::SolidFacet;
 
 /// `(p n, w)_{Γ(d)} = (p J F⁻ᵀ N, w)_{Γ̂}`: a pressure `p` that presses along the current normal
 ///
-/// Source: follower load; Bonet, Wood 2008, Nonlinear Continuum Mechanics for Finite Element Analysis, Sec. 6.5.
+/// Source: follower load; Bonet, Wood 1997, Nonlinear Continuum Mechanics for Finite Element Analysis, Sec. 6.5.
 /// Couples: solid velocity × solid velocity.   Domain: given boundary facets, current configuration.
 /// Units: force (2D: per unit depth).
 /// With the edges a_k = x_k - x_0 of the facet, the area vector is multilinear,
