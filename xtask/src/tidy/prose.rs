@@ -1,4 +1,4 @@
-//! Phrases that comments, messages and pages must not contain.
+//! Phrases that comments, messages and pages must not contain, and the first words of the comments of functions.
 
 use super::source::Source;
 use super::tree::{Finding, Tree};
@@ -45,7 +45,28 @@ const PHRASES: &[(&str, &str)] = &[
 pub(super) fn check(tree: &Tree) -> Vec<Finding> {
     let is_checked = |path: &str| path != LIST && !UNCHECKED.iter().any(|folder| path.starts_with(folder));
     let sources = tree.rust.iter().chain(&tree.other).filter(|source| is_checked(&source.path));
-    sources.flat_map(of_file).collect()
+    sources.flat_map(|source| of_file(source).into_iter().chain(verbs(source))).collect()
+}
+
+/// Finds functions outside of tests whose comment does not begin with a verb in the third person.
+fn verbs(source: &Source) -> Vec<Finding> {
+    let is_skipped = |line: &str| line.starts_with("///") || line.starts_with("#[");
+    let lines: Vec<&str> = source.text.lines().take(source.code_lines().count()).map(str::trim_start).collect();
+    let mut findings = Vec::new();
+    for (k, line) in lines.iter().enumerate() {
+        let Some(comment) = line.strip_prefix("/// ").filter(|_| k == 0 || !lines[k - 1].starts_with("///")) else {
+            continue;
+        };
+        let declaration = lines[k..].iter().find(|line| !is_skipped(line)).copied().unwrap_or_default();
+        let is_function = declaration.split('(').next().is_some_and(|head| head.split(' ').any(|word| word == "fn"));
+        let first = comment.split(' ').next().unwrap_or_default();
+        let is_verb = first.ends_with('s') && first.starts_with(char::is_uppercase);
+        if is_function && !is_verb {
+            let advice = format!("\"{first} ...\": begin the comment of a function with a verb, such as Returns");
+            findings.push(Finding::new(&source.path, k + 1, advice));
+        }
+    }
+    findings
 }
 
 /// A word of a text, in lower case and without punctuation.
@@ -120,6 +141,16 @@ mod tests {
         );
         assert_eq!(lines("a.rs", "fn a() { b(\"the step that is\n none\"); }\n"), [1]);
         assert_eq!(lines("a.md", "It has to\nsay this.\n"), [1]);
+    }
+
+    #[test]
+    fn comments_of_functions_begin_with_verbs() {
+        let lines = |text: &str| -> Vec<usize> {
+            let findings = verbs(&Source::new("crates/mesh/src/a.rs", text.to_owned()));
+            findings.iter().map(|finding| finding.line).collect()
+        };
+        assert_eq!(lines("/// Number of cells.\n///\n/// More.\n#[inline]\npub fn n_cells() {}\n"), [1]);
+        assert!(lines("/// Returns it.\n/// More.\nfn n() {}\n/// A mesh.\npub struct Mesh(fn(u8));\n").is_empty());
     }
 
     #[test]
