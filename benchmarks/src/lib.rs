@@ -207,7 +207,7 @@ pub fn with_internal_work<const D: usize, R>(
     let rule = StepRule::new(&ImplicitEuler, &[1.0], &[level]);
     let mut layout = BlockLayout::new();
     let field = layout.push("velocity", solid.mesh().n_vertices(), D);
-    let work = form.internal_work(SolidCells::new(solid, &rule, &layout, field));
+    let work = form.internal_work(SolidCells { solid, rule: &rule, layout: &layout, velocity: field });
     let x: Vec<f64> = (0..layout.len()).map(|k| 1e-3 * (k as f64).sin()).collect();
     then(&layout, &work, &x)
 }

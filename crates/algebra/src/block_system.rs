@@ -209,9 +209,9 @@ impl BlockSystem {
         let mut works = Vec::with_capacity(contributions.len());
         for (index, &contribution) in contributions.iter().enumerate() {
             if contribution.is_linear() == linear && !contribution.is_empty() {
-                let map = self.pattern.map(index);
-                assert_eq!(contribution.len(), map.len(), "items of {}", contribution.name());
-                works.push(Work { index, contribution, map });
+                let items = self.pattern.items(index);
+                assert_eq!(contribution.len(), items.len(), "items of {}", contribution.name());
+                works.push(Work { index, contribution, pattern: &self.pattern, items });
             }
         }
         let with_tangent = values.is_some();

@@ -1,5 +1,7 @@
 //! Finite-difference check of tangents, for tests of any [`Contributions`].
 
+use std::collections::BTreeSet;
+
 use crate::{Contributions, DofId, LocalSystem};
 
 /// The entry of a tangent that deviates most from its finite difference.
@@ -21,6 +23,9 @@ pub struct TangentDeviation {
 /// Unknown `j` is moved by `±step (1 + |x_j|)`; 1e-6 to 1e-5 is a good step for smooth residuals. For linear
 /// contributions `residual(x) = tangent x + residual(0)` is checked too. [`worst_tangent_entry`] says which entry is
 /// wrong.
+///
+/// # Panics
+/// An item has a dof twice.
 ///
 /// ```
 /// use algebra::{Contributions, DofId, LocalSystem, check_tangent};
@@ -47,6 +52,9 @@ pub fn check_tangent(contribution: &dyn Contributions, x: &[f64], step: f64) -> 
 }
 
 /// As [`check_tangent`], for some items, with the place of the worst deviation.
+///
+/// # Panics
+/// An item has a dof twice.
 pub fn worst_tangent_entry(
     contribution: &dyn Contributions,
     items: impl IntoIterator<Item = usize>,
@@ -66,6 +74,8 @@ pub fn worst_tangent_entry(
         dofs.clear();
         contribution.dofs(item, &mut dofs);
         let n = dofs.len();
+        let distinct: BTreeSet<DofId> = dofs.iter().copied().collect();
+        assert_eq!(distinct.len(), n, "{} item {item}: a dof occurs twice", contribution.name());
         evaluate(item, x, n, &mut at_x);
         let sizes = Sizes::new(&at_x, &dofs, x);
         let mut compare = |row: usize, column: usize, error: f64, noise: f64, scale: f64| {

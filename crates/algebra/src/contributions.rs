@@ -37,29 +37,3 @@ pub trait Contributions: Sync {
     /// Name for timings and reports.
     fn name(&self) -> &'static str;
 }
-
-impl<C: Contributions + ?Sized> Contributions for &C {
-    fn len(&self) -> usize {
-        (**self).len()
-    }
-
-    fn dofs(&self, item: usize, out: &mut Vec<DofId>) {
-        (**self).dofs(item, out);
-    }
-
-    fn add(&self, item: usize, x: &[f64], out: &mut LocalSystem) {
-        (**self).add(item, x, out);
-    }
-
-    fn is_linear(&self) -> bool {
-        (**self).is_linear()
-    }
-
-    fn regime(&self, x: &[f64]) -> u64 {
-        (**self).regime(x)
-    }
-
-    fn name(&self) -> &'static str {
-        (**self).name()
-    }
-}

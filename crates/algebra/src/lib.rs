@@ -73,12 +73,12 @@ pub use forcing::Forcing;
 pub use integral::{Integral, Sites, Term};
 pub use layout::{BlockLayout, DofId, DofKey, FieldId};
 pub use linear::{
-    BlockGaussSeidel, BlockGaussSeidelSettings, BlockSolver, DirectSolver, Equilibration, Fill, Gmres, GmresReport,
-    GmresSettings, LaggedSettings, LaggedSolver, LinearError, LinearMap, LinearReport, LinearSolver, LinearSystem,
-    MatrixView, ScaledMatrix, Scaling, condition_number,
+    BlockGaussSeidel, BlockGaussSeidelSettings, BlockSolver, DirectSolver, Equilibration, Fill, Gmres, GmresSettings,
+    LaggedSettings, LaggedSolver, LinearError, LinearMap, LinearReport, LinearSolver, LinearSystem, MatrixView,
+    ScaledMatrix, Scaling, condition_number,
 };
 pub use local_system::LocalSystem;
 pub use newton::{Equations, NewtonError, NewtonReport, NewtonSettings, newton};
-pub use pattern::{ItemMap, Pattern};
+pub use pattern::Pattern;
 pub use tied::Tied;
 pub use workspace::Workspace;

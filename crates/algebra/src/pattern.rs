@@ -208,11 +208,6 @@ impl Pattern {
         }
     }
 
-    /// Dofs of all items, with the item to its first one.
-    pub(crate) fn item_dofs(&self) -> impl Iterator<Item = &[DofId]> {
-        self.first_dof.windows(2).map(|range| &self.dofs[range[0]..range[1]])
-    }
-
     /// Number of unknowns.
     pub fn n_unknowns(&self) -> usize {
         self.column_ptr.len().saturating_sub(1)
@@ -233,46 +228,25 @@ impl Pattern {
         &self.rows
     }
 
-    /// Where items of contribution number `contribution` (in the order of construction) go.
-    pub fn map(&self, contribution: usize) -> ItemMap<'_> {
-        ItemMap { pattern: self, items: self.first_item[contribution]..self.first_item[contribution + 1] }
-    }
-}
-
-/// Dofs of the items of one contribution, and where their entries go.
-#[derive(Clone, Debug)]
-pub struct ItemMap<'a> {
-    pattern: &'a Pattern,
-    items: Range<usize>,
-}
-
-impl<'a> ItemMap<'a> {
-    /// Number of items.
-    pub fn len(&self) -> usize {
-        self.items.len()
+    /// Numbers of the items of a contribution (in the order of construction) among those of all contributions.
+    pub(crate) fn items(&self, contribution: usize) -> Range<usize> {
+        self.first_item[contribution]..self.first_item[contribution + 1]
     }
 
-    /// Whether there are no items.
-    pub fn is_empty(&self) -> bool {
-        self.items.is_empty()
-    }
-
-    /// Number of the first item among those of all contributions.
-    pub(crate) fn first(&self) -> usize {
-        self.items.start
+    /// Number of items of all contributions.
+    pub(crate) fn n_items(&self) -> usize {
+        self.first_dof.len().saturating_sub(1)
     }
 
     /// Global dofs of an item.
     #[inline]
-    pub fn dofs(&self, item: usize) -> &'a [DofId] {
-        let k = self.items.start + item;
-        &self.pattern.dofs[self.pattern.first_dof[k]..self.pattern.first_dof[k + 1]]
+    pub(crate) fn dofs(&self, item: usize) -> &[DofId] {
+        &self.dofs[self.first_dof[item]..self.first_dof[item + 1]]
     }
 
     /// Positions of the tangent entries of an item in the value array, column by column.
     #[inline]
-    pub fn positions(&self, item: usize) -> &'a [u32] {
-        let k = self.items.start + item;
-        &self.pattern.positions[self.pattern.first_position[k]..self.pattern.first_position[k + 1]]
+    pub(crate) fn positions(&self, item: usize) -> &[u32] {
+        &self.positions[self.first_position[item]..self.first_position[item + 1]]
     }
 }

@@ -3,47 +3,24 @@
 mod common;
 
 use algebra::{BlockLayout, BlockSystem, Constraints, Contributions, DofId, LocalSystem, Pattern, check_tangent};
-use common::{Flow, max_norm, state};
+use common::{Flow, Part, max_norm, refs, scalar_field, state};
 use proptest::prelude::*;
 
 /// Items with given dofs, a full tangent of distinct entries and a residual that is affine or quadratic.
-struct Items {
-    dofs: Vec<Vec<usize>>,
-    is_linear: bool,
-}
-
-fn entry(item: usize, i: usize, j: usize) -> f64 {
-    ((7 * item + 3 * i + j) as f64).sin()
-}
-
-impl Contributions for Items {
-    fn len(&self) -> usize {
-        self.dofs.len()
-    }
-    fn dofs(&self, item: usize, out: &mut Vec<DofId>) {
-        out.extend(self.dofs[item].iter().map(|d| DofId::new(*d)));
-    }
-    fn add(&self, item: usize, x: &[f64], out: &mut LocalSystem) {
-        for (i, _) in self.dofs[item].iter().enumerate() {
+fn items(dofs: &[Vec<usize>], is_linear: bool) -> Part<'_> {
+    let add = move |item: usize, x: &[f64], out: &mut LocalSystem| {
+        for i in 0..dofs[item].len() {
             out.add(i, 0.5 + i as f64);
-            for (j, dof) in self.dofs[item].iter().enumerate() {
-                let k = entry(item, i, j);
-                if self.is_linear {
-                    out.add(i, k * x[*dof]);
-                    out.add_tangent(i, j, k);
-                } else {
-                    out.add(i, k * x[*dof].powi(2));
-                    out.add_tangent(i, j, 2.0 * k * x[*dof]);
-                }
+            for (j, dof) in dofs[item].iter().enumerate() {
+                let k = ((7 * item + 3 * i + j) as f64).sin();
+                let (value, slope) = if is_linear { (x[*dof], 1.0) } else { (x[*dof].powi(2), 2.0 * x[*dof]) };
+                out.add(i, k * value);
+                out.add_tangent(i, j, k * slope);
             }
         }
-    }
-    fn is_linear(&self) -> bool {
-        self.is_linear
-    }
-    fn name(&self) -> &'static str {
-        "items"
-    }
+    };
+    let part = Part::new("items", dofs.len(), |item| dofs[item].clone(), add);
+    if is_linear { part.linear() } else { part }
 }
 
 /// Residual and tangent, column by column, by adding everything into a dense matrix.
@@ -90,12 +67,6 @@ fn assert_matches_dense(system: &BlockSystem, n: usize, reference: (Vec<f64>, Ve
     }
 }
 
-fn layout(n: usize) -> BlockLayout {
-    let mut layout = BlockLayout::new();
-    layout.push("x", n, 1);
-    layout
-}
-
 fn distinct_dofs(n: usize, max_items: usize) -> impl Strategy<Value = Vec<Vec<usize>>> {
     prop::collection::vec(
         prop::sample::subsequence((0..n).collect::<Vec<_>>(), 0..=n.min(5)).prop_shuffle(),
@@ -111,13 +82,12 @@ proptest! {
         constrained in prop::collection::vec(0..12_usize, 0..4),
     ) {
         let n = 12;
-        let linear = Items { dofs: linear, is_linear: true };
-        let nonlinear = Items { dofs: nonlinear, is_linear: false };
-        let list: [&dyn Contributions; 2] = [&linear, &nonlinear];
+        let parts = [items(&linear, true), items(&nonlinear, false)];
+        let list = refs(&parts);
         let pattern = Pattern::new(n, &list);
         for column in 0..n {
             let mut rows: Vec<u32> = vec![column as u32];
-            for dofs in linear.dofs.iter().chain(&nonlinear.dofs).filter(|dofs| dofs.contains(&column)) {
+            for dofs in linear.iter().chain(&nonlinear).filter(|dofs| dofs.contains(&column)) {
                 rows.extend(dofs.iter().map(|d| *d as u32));
             }
             rows.sort_unstable();
@@ -128,14 +98,13 @@ proptest! {
         let constraints: Constraints = constrained.iter().map(|d| (DofId::new(*d), 0.7)).collect();
         let mut x = state(n);
         constraints.apply(&mut x);
-        let mut system = BlockSystem::new(&layout(n), &list, &constraints);
+        let mut system = BlockSystem::new(&scalar_field(n), &list, &constraints);
         system.assemble(&list, &x);
         assert_matches_dense(&system, n, dense(n, &list, &constraints, &x));
         let residual = system.residual().to_vec();
         system.assemble_residual(&list, &x);
         prop_assert_eq!(system.residual(), &residual[..]);
-        prop_assert!(check_tangent(&linear, &x, 1e-5) < 1e-8);
-        prop_assert!(check_tangent(&nonlinear, &x, 1e-5) < 1e-8);
+        prop_assert!(list.iter().all(|part| check_tangent(*part, &x, 1e-5) < 1e-8));
     }
 }
 
@@ -145,8 +114,8 @@ fn bits_do_not_depend_on_the_number_of_threads() {
     let x = state(flow.layout.len());
     let assemble = |threads: usize| {
         rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(|| {
-            let (linear, convection, jumps) = flow.parts();
-            let list: [&dyn Contributions; 5] = [&linear, &convection, &jumps[0], &jumps[1], &jumps[2]];
+            let parts = [flow.parts(), vec![flow.jumps(0), flow.jumps(1)]].concat();
+            let list = refs(&parts);
             let mut system = BlockSystem::new(&flow.layout, &list, &flow.constraints);
             system.assemble(&list, &x);
             let bits = |v: &[f64]| v.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
@@ -163,16 +132,16 @@ fn bits_do_not_depend_on_the_number_of_threads() {
 fn a_single_field_is_divided_among_threads() {
     // Far couplings, so that many items touch several threads' shares.
     let n = 2000;
-    let dofs =
-        (0..n).map(|k| vec![k, (k + 1) % n, (7 * k + 900) % n]).filter(|d| d[2] != d[0] && d[2] != d[1]).collect();
-    let items = Items { dofs, is_linear: false };
+    let dofs = (0..n).map(|k| vec![k, (k + 1) % n, (7 * k + 900) % n]);
+    let dofs: Vec<_> = dofs.filter(|d| d[2] != d[0] && d[2] != d[1]).collect();
+    let items = items(&dofs, false);
     let mut x = state(n);
     let constraints: Constraints = [(DofId::new(3), 0.5), (DofId::new(1500), -0.25)].into_iter().collect();
     constraints.apply(&mut x);
     let reference = dense(n, &[&items], &constraints, &x);
     for threads in [1, 2, 3] {
         rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(|| {
-            let mut system = BlockSystem::new(&layout(n), &[&items], &constraints);
+            let mut system = BlockSystem::new(&scalar_field(n), &[&items], &constraints);
             system.assemble(&[&items], &x);
             assert_matches_dense(&system, n, reference.clone());
         });
@@ -190,12 +159,12 @@ fn a_known_pattern_takes_other_coefficients_and_other_constraints() {
     let x = state(n);
     let (mut system, mut pattern) = (BlockSystem::default(), Vec::new());
     for (dofs, constrained) in [(&dofs, 3), (&dofs, 8), (&turned, 8), (&dofs, 3)] {
-        let items = [true, false].map(|is_linear| Items { dofs: dofs.clone(), is_linear });
-        let list: [&dyn Contributions; 2] = [&items[0], &items[1]];
+        let parts = [true, false].map(|is_linear| items(dofs, is_linear));
+        let list = refs(&parts);
         let constraints: Constraints = [(DofId::new(constrained), 0.5)].into_iter().collect();
         let mut x = x.clone();
         constraints.apply(&mut x);
-        system = system.recycle(&layout(n), &list, &constraints);
+        system = system.recycle(&scalar_field(n), &list, &constraints);
         system.assemble(&list, &x);
         assert_matches_dense(&system, n, dense(n, &list, &constraints, &x));
         pattern.push(system.pattern().rows().to_vec());
@@ -208,8 +177,8 @@ fn a_recycled_system_is_a_new_system() {
     let mut recycled = BlockSystem::default();
     for m in [6, 3, 9, 1] {
         let flow = Flow::new(m, 1.0);
-        let (linear, convection, jumps) = flow.parts();
-        let list: [&dyn Contributions; 3] = [&linear, &convection, &jumps[2]];
+        let parts = flow.parts();
+        let list = refs(&parts);
         let x = state(flow.layout.len());
         recycled = recycled.recycle(&flow.layout, &list, &flow.constraints);
         let mut new = BlockSystem::new(&flow.layout, &list, &flow.constraints);
@@ -224,33 +193,20 @@ fn a_recycled_system_is_a_new_system() {
 
 #[test]
 fn the_tangent_check_finds_a_wrong_entry_and_a_wrong_residual() {
-    struct Wrong {
-        claims_linear: bool,
-    }
-    impl Contributions for Wrong {
-        fn len(&self) -> usize {
-            2
-        }
-        fn dofs(&self, _: usize, out: &mut Vec<DofId>) {
-            out.extend([DofId::new(0), DofId::new(1)]);
-        }
-        fn add(&self, item: usize, x: &[f64], out: &mut LocalSystem) {
-            let wrong = if item == 1 && !self.claims_linear { -x[0] } else { x[0] };
+    let wrong = |claims_linear: bool| {
+        let add = move |item: usize, x: &[f64], out: &mut LocalSystem| {
+            let wrong = if item == 1 && !claims_linear { -x[0] } else { x[0] };
             out.add_vector(0, [3.0 * x[0], x[0] * x[1]]);
             out.add_block(0, 0, [[3.0, x[1]], [0.0, wrong]]);
-        }
-        fn is_linear(&self) -> bool {
-            self.claims_linear
-        }
-        fn name(&self) -> &'static str {
-            "wrong"
-        }
-    }
-    let worst = algebra::worst_tangent_entry(&Wrong { claims_linear: false }, 0..2, &[1.0, 2.0], 1e-6);
+        };
+        let part = Part::new("wrong", 2, |_| vec![0, 1], add);
+        if claims_linear { part.linear() } else { part }
+    };
+    let worst = algebra::worst_tangent_entry(&wrong(false), 0..2, &[1.0, 2.0], 1e-6);
     assert_eq!((worst.item, worst.row, worst.column), (1, 1, 1));
     assert!(worst.relative > 0.5);
-    assert!(check_tangent(&Wrong { claims_linear: true }, &[1.0, 2.0], 1e-6) > 0.1);
-    let nan = algebra::worst_tangent_entry(&Wrong { claims_linear: false }, 0..1, &[f64::NAN, 2.0], 1e-6);
+    assert!(check_tangent(&wrong(true), &[1.0, 2.0], 1e-6) > 0.1);
+    let nan = algebra::worst_tangent_entry(&wrong(false), 0..1, &[f64::NAN, 2.0], 1e-6);
     assert!(nan.relative.is_nan());
 }
 
@@ -277,6 +233,5 @@ fn nodes_and_keys_are_those_of_the_fields() {
 #[test]
 #[should_panic(expected = "items item 0: dof 5 of 3")]
 fn a_dof_outside_of_the_layout_is_named() {
-    let items = Items { dofs: vec![vec![0, 5]], is_linear: true };
-    let _ = Pattern::new(3, &[&items]);
+    let _ = Pattern::new(3, &[&items(&[vec![0, 5]], true)]);
 }

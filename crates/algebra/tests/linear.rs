@@ -3,10 +3,10 @@
 mod common;
 
 use algebra::{
-    BlockLayout, BlockSystem, Contributions, DirectSolver, LinearError, LinearReport, LinearSolver, MatrixView,
-    ScaledMatrix, Scaling, condition_number,
+    BlockSystem, DirectSolver, LinearError, LinearReport, LinearSolver, MatrixView, ScaledMatrix, Scaling,
+    condition_number,
 };
-use common::{Flow, max_norm, state};
+use common::{Flow, max_norm, refs, scalar_field, state};
 
 /// A column-compressed matrix from a dense one given by rows, with its zeros stored.
 struct Dense {
@@ -40,19 +40,12 @@ fn product(matrix: MatrixView<'_>, x: &[f64]) -> Vec<f64> {
     y
 }
 
-/// One field of scalar unknowns.
-fn layout(n: usize) -> BlockLayout {
-    let mut layout = BlockLayout::new();
-    layout.push("x", n, 1);
-    layout
-}
-
 fn solve_with(
     solver: &mut DirectSolver,
     matrix: MatrixView<'_>,
     rhs: &[f64],
 ) -> Result<(Vec<f64>, LinearReport), LinearError> {
-    let (scaled, layout) = (ScaledMatrix::new(matrix)?, layout(matrix.rows()));
+    let (scaled, layout) = (ScaledMatrix::new(matrix)?, scalar_field(matrix.rows()));
     let system = scaled.system(&layout)?;
     let mut x = vec![0.0; rhs.len()];
     solver.factorize(&system)?;
@@ -67,10 +60,8 @@ fn solve(matrix: MatrixView<'_>, rhs: &[f64]) -> Result<Vec<f64>, LinearError> {
 /// A flow system with its problem.
 fn assembled(m: usize) -> (BlockSystem, Flow) {
     let flow = Flow::new(m, 1.0);
-    let (linear, convection, jumps) = flow.parts();
-    let list: [&dyn Contributions; 3] = [&linear, &convection, &jumps[2]];
-    let mut system = BlockSystem::new(&flow.layout, &list, &flow.constraints);
-    system.assemble(&list, &state(flow.layout.len()));
+    let mut system = BlockSystem::new(&flow.layout, &refs(&flow.parts()), &flow.constraints);
+    system.assemble(&refs(&flow.parts()), &state(flow.layout.len()));
     system.equilibrate().expect("a regular matrix");
     (system, flow)
 }
@@ -165,9 +156,7 @@ fn a_free_pressure_constant_is_an_error() {
         let pressure = flow.layout.dof(algebra::FieldId::new(2), 0, 0);
         flow.constraints = flow.constraints.iter().filter(|(dof, _)| *dof != pressure).collect();
         // The lid leaks at its corners, but a constant pressure enters no row once velocities are prescribed.
-        let (linear, _, jumps) = flow.parts();
-        let list: [&dyn Contributions; 2] = [&linear, &jumps[2]];
-        let system = BlockSystem::new(&flow.layout, &list, &flow.constraints);
+        let system = BlockSystem::new(&flow.layout, &refs(&flow.parts()), &flow.constraints);
         let outcome = solve(system.matrix(), &vec![0.0; flow.layout.len()]);
         assert!(matches!(outcome, Err(LinearError::Singular { .. })), "m = {m}: {:?}", outcome.map(|_| ()));
     }
@@ -177,7 +166,7 @@ fn a_free_pressure_constant_is_an_error() {
 fn the_solver_survives_errors_and_changes_of_pattern_and_is_reproducible() {
     let mut used = DirectSolver::new();
     let singular = ScaledMatrix::new(Dense::new(&[&[1.0, 1.0], &[1.0, 1.0]]).view()).unwrap();
-    let two = layout(2);
+    let two = scalar_field(2);
     let singular = singular.system(&two).unwrap();
     let not_factorized = |solver: &mut DirectSolver| {
         matches!(solver.solve(&singular, &[1.0, 1.0], &mut [0.0; 2], 0.0), Err(LinearError::NotFactorized))
@@ -214,8 +203,7 @@ fn the_same_pattern_is_analysed_once_and_old_factors_keep_solving() {
     solver.solve(&system.linear_system().unwrap(), &rhs, &mut x, 0.0).unwrap();
     assert_eq!((solver.n_symbolic_factorizations(), solver.n_factorizations()), (1, 3));
     // A new assembly does not change the equilibrated matrix.
-    let (linear, convection, jumps) = flow.parts();
-    system.assemble(&[&linear, &convection, &jumps[2]], &vec![0.0; n]);
+    system.assemble(&refs(&flow.parts()), &vec![0.0; n]);
     solver.solve(&system.linear_system().unwrap(), &rhs, &mut again, 0.0).unwrap();
     assert_eq!(x, again);
 }
@@ -223,7 +211,7 @@ fn the_same_pattern_is_analysed_once_and_old_factors_keep_solving() {
 #[test]
 fn the_condition_number_is_that_of_the_matrix_or_of_the_equilibrated_one() {
     let of = |matrix: &Dense, scaling| {
-        condition_number(matrix.view(), &layout(matrix.n), scaling).expect("a regular matrix")
+        condition_number(matrix.view(), &scalar_field(matrix.n), scaling).expect("a regular matrix")
     };
     let near = |condition: f64, exact: f64| assert!((condition / exact - 1.0).abs() < 1e-3, "{condition} {exact}");
     // Scales do not count once they are taken out.

@@ -5,54 +5,31 @@ mod common;
 use std::sync::{Arc, Mutex};
 
 use algebra::{
-    BlockLayout, Constraints, Contributions, DirectSolver, DofId, Equations, Forcing, LinearError, LinearReport,
-    LinearSolver, LinearSystem, LocalSystem, NewtonError, NewtonReport, NewtonSettings, Workspace,
+    BlockLayout, Constraints, DirectSolver, DofId, Equations, Forcing, LinearError, LinearReport, LinearSolver,
+    LinearSystem, LocalSystem, NewtonError, NewtonReport, NewtonSettings, Workspace,
 };
-use common::Flow;
+use common::{Flow, Part, scalar_field, springs};
 
 /// One scalar equation `f(x) = 0`, given by value and derivative.
-struct Scalar<F: Fn(f64) -> (f64, f64) + Sync> {
-    function: F,
-    regime: fn(f64) -> u64,
-}
-
-impl<F: Fn(f64) -> (f64, f64) + Sync> Scalar<F> {
-    fn new(function: F) -> Self {
-        Self { function, regime: |_| 0 }
-    }
-}
-
-impl<F: Fn(f64) -> (f64, f64) + Sync> Contributions for Scalar<F> {
-    fn len(&self) -> usize {
-        1
-    }
-    fn dofs(&self, _: usize, out: &mut Vec<DofId>) {
-        out.push(DofId::new(0));
-    }
-    fn add(&self, _: usize, x: &[f64], out: &mut LocalSystem) {
-        let (value, derivative) = (self.function)(x[0]);
+fn scalar<'a>(function: impl Fn(f64) -> (f64, f64) + Send + Sync + 'a) -> Part<'a> {
+    let add = move |_: usize, x: &[f64], out: &mut LocalSystem| {
+        let (value, derivative) = function(x[0]);
         out.add(0, value);
         out.add_tangent(0, 0, derivative);
-    }
-    fn regime(&self, x: &[f64]) -> u64 {
-        (self.regime)(x[0])
-    }
-    fn name(&self) -> &'static str {
-        "scalar"
-    }
+    };
+    Part::new("scalar", 1, |_| vec![0], add)
 }
 
 /// Newton's method for a contribution that couples all unknowns.
 fn newton(
-    of: &dyn Contributions,
+    of: &Part<'_>,
     x: &mut [f64],
     work: &mut Workspace,
     settings: &NewtonSettings,
 ) -> Result<NewtonReport, NewtonError> {
-    let mut layout = BlockLayout::new();
-    layout.push("x", x.len(), 1);
-    let constraints = Constraints::new();
-    let equations = Equations { layout: &layout, contributions: vec![Box::new(of)], constraints: &constraints };
+    let (layout, constraints) = (scalar_field(x.len()), Constraints::new());
+    let contributions = vec![Box::new(of.clone()) as _];
+    let equations = Equations { layout: &layout, contributions, constraints: &constraints };
     algebra::newton(&equations, x, work, settings)
 }
 
@@ -64,23 +41,27 @@ fn cubic(x: f64) -> (f64, f64) {
     (x.powi(3) - 8.0, 3.0 * x * x)
 }
 
+/// Order of convergence of the corrections, from each three in a row that are not round-off.
+fn rates(report: &NewtonReport) -> Vec<f64> {
+    let corrections = report.correction_history.windows(3).filter(|c| c[2] > 1e-13);
+    corrections.map(|c| (c[2] / c[1]).ln() / (c[1] / c[0]).ln()).collect()
+}
+
 #[test]
 fn exact_newton_converges_quadratically() {
-    let problem = Scalar::new(cubic);
+    let problem = scalar(cubic);
     let mut x = [3.0];
     let report = newton(&problem, &mut x, &mut Workspace::new(), &exact(1e-12)).unwrap();
     assert!((x[0] - 2.0).abs() < 1e-14);
     assert_eq!(report.factorizations, report.iterations);
     assert_eq!(report.residual_history.len(), report.iterations + 1);
-    let c = &report.correction_history;
-    let rates: Vec<f64> =
-        c.windows(3).filter(|w| w[2] > 1e-13).map(|w| (w[2] / w[1]).ln() / (w[1] / w[0]).ln()).collect();
+    let rates = rates(&report);
     assert!(rates.last().is_some_and(|rate| *rate > 1.8), "{rates:?}");
 }
 
 #[test]
 fn modified_newton_saves_factorisations() {
-    let problem = Scalar::new(cubic);
+    let problem = scalar(cubic);
     let mut work = Workspace::new();
     let mut x = [2.2];
     let report = newton(&problem, &mut x, &mut work, &NewtonSettings::new(1e-10)).unwrap();
@@ -92,7 +73,7 @@ fn modified_newton_saves_factorisations() {
 #[test]
 fn a_poor_correction_with_an_old_tangent_is_not_used() {
     // x + 0.8 x³ = 1 from zero: the tangent there leads to 1, where it would ask for 0.8 back and that of the place for 0.8/3.4.
-    let stiffening = Scalar::new(|x: f64| (x + 0.8 * x.powi(3) - 1.0, 1.0 + 2.4 * x * x));
+    let stiffening = scalar(|x: f64| (x + 0.8 * x.powi(3) - 1.0, 1.0 + 2.4 * x * x));
     let report = newton(&stiffening, &mut [0.0], &mut Workspace::new(), &NewtonSettings::new(1e-10)).unwrap();
     let second = 0.8 / 3.4;
     assert!((report.correction_history[1] - second / (1.0 - second)).abs() < 1e-12, "{report:?}");
@@ -157,15 +138,15 @@ fn without_unknowns_there_is_nothing_to_do() {
 #[test]
 fn a_change_of_regime_renews_the_factorisation_and_forbids_to_stop() {
     // Soft below 1, a thousand times stiffer above: x = 1 + 4/1000.
-    let mut problem = Scalar::new(|x: f64| if x < 1.0 { (x - 5.0, 1.0) } else { (1.0 + 1e3 * (x - 1.0) - 5.0, 1e3) });
-    problem.regime = |x| u64::from(x >= 1.0);
+    let mut problem = scalar(|x: f64| if x < 1.0 { (x - 5.0, 1.0) } else { (1.0 + 1e3 * (x - 1.0) - 5.0, 1e3) });
+    problem.regime = |x| u64::from(x[0] >= 1.0);
     let mut x = [0.0];
     let report = newton(&problem, &mut x, &mut Workspace::new(), &NewtonSettings::new(1e-10)).unwrap();
     assert!((x[0] - 1.004).abs() < 1e-12);
     assert_eq!(report.factorizations, 2);
     // A regime that changes at every evaluation never lets the iteration stop.
-    let mut drifting = Scalar::new(|_: f64| (1.0, 1.0));
-    drifting.regime = f64::to_bits;
+    let mut drifting = scalar(|_: f64| (1.0, 1.0));
+    drifting.regime = |x| x[0].to_bits();
     let settings = NewtonSettings { max_iterations: 4, max_halvings: 0, ..NewtonSettings::new(10.0) };
     let error = newton(&drifting, &mut [0.0], &mut Workspace::new(), &settings).unwrap_err();
     assert!(matches!(error, NewtonError::NotConverged { regime_changed: true, .. }), "{error:?}");
@@ -173,7 +154,7 @@ fn a_change_of_regime_renews_the_factorisation_and_forbids_to_stop() {
 
 #[test]
 fn divergence_is_reported_with_its_history_and_the_start_is_restored() {
-    let arctan = Scalar::new(|x: f64| (x.atan(), 1.0 / (1.0 + x * x)));
+    let arctan = scalar(|x: f64| (x.atan(), 1.0 / (1.0 + x * x)));
     for settings in [exact(1e-10), NewtonSettings::new(1e-10)] {
         let settings = NewtonSettings { max_halvings: 0, ..settings };
         let mut x = [1.5];
@@ -193,7 +174,7 @@ fn divergence_is_reported_with_its_history_and_the_start_is_restored() {
 #[test]
 fn a_search_that_finds_no_decrease_ends_the_iteration() {
     // From 20 the first full step overshoots to -600, where even 1/256 of the next one is too long.
-    let arctan = Scalar::new(|x: f64| (x.atan(), 1.0 / (1.0 + x * x)));
+    let arctan = scalar(|x: f64| (x.atan(), 1.0 / (1.0 + x * x)));
     let mut x = [20.0];
     let error = newton(&arctan, &mut x, &mut Workspace::new(), &exact(1e-10)).unwrap_err();
     assert!(matches!(&error, NewtonError::Diverged { report } if report.iterations == 1), "{error:?}");
@@ -204,15 +185,15 @@ fn a_search_that_finds_no_decrease_ends_the_iteration() {
 
 #[test]
 fn other_failures_are_named() {
-    let no_root = Scalar::new(|x: f64| (x * x + 1.0, 2.0 * x));
+    let no_root = scalar(|x: f64| (x * x + 1.0, 2.0 * x));
     let settings = NewtonSettings { max_iterations: 3, ..exact(1e-10) };
     let error = newton(&no_root, &mut [0.3], &mut Workspace::new(), &settings).unwrap_err();
     assert!(matches!(error, NewtonError::NotConverged { regime_changed: false, .. } | NewtonError::Diverged { .. }));
     assert_eq!(error.report().iterations, 3);
-    let root = Scalar::new(|x: f64| ((x - 1.0).sqrt(), 0.5));
+    let root = scalar(|x: f64| ((x - 1.0).sqrt(), 0.5));
     let error = newton(&root, &mut [3.0], &mut Workspace::new(), &settings).unwrap_err();
     assert!(matches!(error, NewtonError::NotFinite { .. }), "{error:?}");
-    let flat = Scalar::new(|x: f64| (x * x - 1.0, 2.0 * x));
+    let flat = scalar(|x: f64| (x * x - 1.0, 2.0 * x));
     let error = newton(&flat, &mut [0.0], &mut Workspace::new(), &settings).unwrap_err();
     assert!(matches!(error, NewtonError::Linear { source: LinearError::EmptyColumn { column: 0 }, .. }));
 }
@@ -254,7 +235,7 @@ fn adaptive_forcing_keeps_the_order_of_newton_and_wastes_nothing_at_the_end() {
     let (mut work, notes) = lazy();
     let settings = NewtonSettings { forcing: Forcing::Adaptive { first: 0.05, largest: 0.1 }, ..exact(1e-9) };
     let mut x = [3.0];
-    let report = newton(&Scalar::new(cubic), &mut x, &mut work, &settings).unwrap();
+    let report = newton(&scalar(cubic), &mut x, &mut work, &settings).unwrap();
     assert!((x[0] - 2.0).abs() < 3e-9, "{x:?}");
     let notes = notes.lock().unwrap();
     let n = notes.len();
@@ -269,14 +250,13 @@ fn adaptive_forcing_keeps_the_order_of_newton_and_wastes_nothing_at_the_end() {
             assert!(forcing > 2.0 * wanted, "{notes:?}");
         }
     }
-    let c = &report.correction_history;
-    let rate = |k: usize| (c[k + 1] / c[k]).ln() / (c[k] / c[k - 1]).ln();
-    assert!((1..c.len() - 2).all(|k| rate(k) > 1.3), "{c:?}");
+    let rates = rates(&report);
+    assert!(rates[..rates.len() - 1].iter().all(|rate| *rate > 1.3), "{rates:?}");
 }
 
 #[test]
 fn constant_forcing_converges_at_its_rate() {
-    let problem = Scalar::new(|x: f64| (x - 1.0, 1.0));
+    let problem = scalar(|x: f64| (x - 1.0, 1.0));
     let (mut work, _) = lazy();
     let settings = NewtonSettings { forcing: Forcing::Constant(0.1), ..NewtonSettings::new(2e-6) };
     let mut x = [0.0];
@@ -285,40 +265,16 @@ fn constant_forcing_converges_at_its_rate() {
     assert_eq!(report.iterations, 6, "{report:?}");
 }
 
-/// Springs `e + e³` between the neighbours of a row of points.
-struct Row {
-    points: usize,
-}
-
-impl Contributions for Row {
-    fn len(&self) -> usize {
-        self.points - 1
-    }
-    fn dofs(&self, item: usize, out: &mut Vec<DofId>) {
-        out.extend([DofId::new(item), DofId::new(item + 1)]);
-    }
-    fn add(&self, item: usize, x: &[f64], out: &mut LocalSystem) {
-        let e = x[item + 1] - x[item];
-        let (force, stiffness) = (e + e.powi(3), 1.0 + 3.0 * e.powi(2));
-        out.add_vector(0, [-force, force]);
-        out.add_block(0, 0, [[stiffness, -stiffness], [-stiffness, stiffness]]);
-    }
-    fn name(&self) -> &'static str {
-        "row"
-    }
-}
-
 #[test]
 fn tied_unknowns_follow_and_the_others_are_in_equilibrium() {
-    let mut layout = BlockLayout::new();
-    layout.push("positions", 7, 1);
+    let layout = scalar_field(7);
     let mut constraints = Constraints::new();
     constraints.set(DofId::new(0), 0.0);
     constraints.set(DofId::new(6), 9.0);
     // Two springs have a given ratio of lengths, and one point follows from a prescribed one as well.
     constraints.tie(DofId::new(2), &[(DofId::new(1), 0.75), (DofId::new(3), 0.25)]);
     constraints.tie(DofId::new(5), &[(DofId::new(4), 0.5), (DofId::new(6), 0.5)]);
-    let row = Box::new(Row { points: 7 });
+    let row = Box::new(springs(7));
     let equations = Equations { layout: &layout, contributions: vec![row], constraints: &constraints };
     let mut x = vec![0.0; 7];
     let report = algebra::newton(&equations, &mut x, &mut Workspace::new(), &exact(1e-12)).unwrap();
@@ -334,8 +290,6 @@ fn tied_unknowns_follow_and_the_others_are_in_equilibrium() {
         assert!(work.abs() < 1e-10, "{work}");
     }
     assert!(on(2).abs() > 0.1, "the tie bears a force");
-    let c = &report.correction_history;
-    let rates: Vec<f64> =
-        c.windows(3).filter(|w| w[2] > 1e-13).map(|w| (w[2] / w[1]).ln() / (w[1] / w[0]).ln()).collect();
-    assert!(rates.last().is_some_and(|rate| *rate > 1.7), "quadratic: {rates:?} {c:?}");
+    let rates = rates(&report);
+    assert!(rates.last().is_some_and(|rate| *rate > 1.7), "quadratic: {rates:?} {report:?}");
 }

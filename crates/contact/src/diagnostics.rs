@@ -67,9 +67,7 @@ impl<const D: usize> ContactReport<D> {
 /// Smallest gap of the vertices of the slave's facets, to the whole obstacle and not to the candidates only.
 fn minimum_gap<const D: usize>(sites: &ContactSites<'_, D>, x: &[f64]) -> Option<f64> {
     let (pair, layout) = (sites.pair(), sites.layout());
-    let mut vertices: Vec<_> = pair.facets.iter().flat_map(|&f| pair.slave.boundary.facet(f)).copied().collect();
-    vertices.sort_unstable();
-    vertices.dedup();
+    let vertices = pair.slave.boundary.vertices_of(pair.facets);
     let points: Vec<Point<D>> = vertices.into_iter().map(|v| pair.slave.position_at(v, layout, x)).collect();
     let projections = pair.obstacle.project_all(&points, Positions::at_end(pair.master, layout, x));
     points.iter().zip(projections).filter_map(|(x, found)| Some(found?.gap(x))).reduce(f64::min)

@@ -44,7 +44,7 @@ pub use diagnostics::ContactReport;
 pub use error::Error;
 pub use frame::{Frame, Local};
 pub use law::{ContactLaw, ContactPoint, ContactTraction, Penalty, StressSource};
-pub use obstacle::{Anchor, Candidates, DeformableObstacle, Obstacle, Projection, RigidPlane};
+pub use obstacle::{Anchor, DeformableObstacle, Obstacle, Projection, RigidPlane};
 pub use positions::Positions;
 pub use site::{ContactNode, ContactSite};
 pub use sites::{ContactForm, ContactItems, ContactPair, ContactSites, check_pair};

@@ -8,9 +8,7 @@ use mesh::{BoundaryMesh, FacetId, MAX_FACET_VERTICES, Placed, Point, SimplexRule
 
 use crate::segments::{Segment, divide};
 use crate::site::{ContactNode, MAX_NODES};
-use crate::{
-    Anchor, Candidates, ContactLaw, ContactPoint, ContactSite, ContactTraction, Error, Frame, Obstacle, Positions,
-};
+use crate::{Anchor, ContactLaw, ContactPoint, ContactSite, ContactTraction, Error, Frame, Obstacle, Positions};
 
 /// Law, contact size and quadrature of a contact: everything constant in time but the bodies.
 #[derive(Clone, Debug)]
@@ -76,47 +74,29 @@ pub fn check_pair<const D: usize>(
 }
 
 /// Facets that may touch in one step, with their segments, measures and dofs. It borrows nothing.
-///
-/// An item is a facet of the slave with something in reach.
-#[derive(Clone, Debug, Default)]
-pub struct ContactItems<const D: usize> {
-    candidates: Candidates,
-    /// Entries of [`ContactPair::facets`], one per item.
-    items: Vec<usize>,
-    /// Measures of the facets at the begin of the step.
-    measures: Vec<f64>,
-    /// Parts of the items without kinks of the master's shape functions inside.
-    segments: Ragged<Segment<D>>,
-    /// Vertices of the candidates of an item, each once, in order, with their first local rows.
-    masters: Ragged<(VertexId, Option<usize>)>,
-    /// Dofs of an item, each once: those of slave, master and stress.
-    dofs: Ragged<DofId>,
-    /// Local rows of the dofs of the stress, in its order.
-    stress_rows: Ragged<usize>,
-}
-
-/// A list of lists in one piece of memory.
 #[derive(Clone, Debug)]
-struct Ragged<T> {
-    entries: Vec<T>,
-    offsets: Vec<usize>,
+pub struct ContactItems<const D: usize> {
+    items: Vec<Item<D>>,
 }
 
-impl<T> Default for Ragged<T> {
-    fn default() -> Self {
-        Self { entries: Vec::new(), offsets: vec![0] }
-    }
-}
-
-impl<T> Ragged<T> {
-    fn push(&mut self, list: impl IntoIterator<Item = T>) {
-        self.entries.extend(list);
-        self.offsets.push(self.entries.len());
-    }
-
-    fn list(&self, index: usize) -> &[T] {
-        &self.entries[self.offsets[index]..self.offsets[index + 1]]
-    }
+/// A facet of the slave with something in reach.
+#[derive(Clone, Debug)]
+struct Item<const D: usize> {
+    /// Position in [`ContactPair::facets`].
+    number: usize,
+    facet: FacetId,
+    /// Measure of the facet at the begin of the step.
+    measure: f64,
+    /// Facets of the obstacle that it may touch.
+    candidates: Vec<FacetId>,
+    /// Parts of the facet without kinks of the master's shape functions inside.
+    segments: Vec<Segment<D>>,
+    /// Vertices of the candidates, each once, in order, with their first local rows.
+    masters: Vec<(VertexId, Option<usize>)>,
+    /// Dofs, each once: those of slave, master and stress.
+    dofs: Vec<DofId>,
+    /// Local rows of the dofs of the stress, in its order.
+    stress_rows: Vec<usize>,
 }
 
 /// Local row of a dof; appends the dof if it is new.
@@ -134,9 +114,9 @@ impl<const D: usize> ContactItems<D> {
         let &ContactPair { slave, facets, obstacle, master, .. } = pair;
         let placed = Placed::new(slave.boundary, &slave.begin);
         let positions = master.map_or(&[][..], |master| &master.begin);
-        let mut all = Self { candidates: obstacle.candidates(placed, facets, positions, reach), ..Self::default() };
-        for (index, &facet) in facets.iter().enumerate() {
-            let candidates = all.candidates.list(index);
+        let mut items = Vec::new();
+        let candidates = obstacle.candidates(placed, facets, positions, reach);
+        for ((number, &facet), candidates) in facets.iter().enumerate().zip(candidates) {
             if master.is_some() && candidates.is_empty() {
                 continue;
             }
@@ -149,28 +129,24 @@ impl<const D: usize> ContactItems<D> {
             for &vertex in slave.boundary.facet(facet) {
                 first_row(slave, vertex);
             }
+            let (mut segments, mut masters) = (vec![Segment::whole()], Vec::new());
             if let Some(master) = master {
                 let opposite = Placed::new(master.boundary, positions);
                 let corners = |points: [Point<D>; MAX_FACET_VERTICES]| std::array::from_fn(|k| points[k]);
                 let opposite = candidates.iter().map(|&candidate| corners(opposite.facet_points(candidate)));
-                all.segments.push(divide(&corners(placed.facet_points(facet)), opposite));
-                let vertices = vertices_of(master.boundary, candidates);
-                let rows: Vec<_> = vertices.into_iter().map(|vertex| (vertex, first_row(master, vertex))).collect();
-                all.masters.push(rows);
-            } else {
-                all.segments.push([Segment::whole()]);
-                all.masters.push([]);
+                segments = divide(&corners(placed.facet_points(facet)), opposite);
+                let vertices = master.boundary.vertices_of(&candidates);
+                masters = vertices.into_iter().map(|vertex| (vertex, first_row(master, vertex))).collect();
             }
             let mut stress_dofs = Vec::new();
             if let Some(stress) = &pair.stress {
                 stress.dofs(facet, &mut stress_dofs);
             }
-            all.stress_rows.push(stress_dofs.into_iter().map(|dof| row_of(dof, &mut dofs)));
-            all.dofs.push(dofs);
-            all.items.push(index);
-            all.measures.push(placed.facet_measure(facet));
+            let stress_rows = stress_dofs.into_iter().map(|dof| row_of(dof, &mut dofs)).collect();
+            let measure = placed.facet_measure(facet);
+            items.push(Item { number, facet, measure, candidates, segments, masters, dofs, stress_rows });
         }
-        all
+        Self { items }
     }
 }
 
@@ -215,61 +191,57 @@ impl<'a, const D: usize> ContactSites<'a, D> {
         (position, ContactNode { row, slope: surface.slope, displacement, velocity, ..ContactNode::none() })
     }
 
-    /// One point, given its position and the nodes of the slave; `None` without an obstacle in reach.
+    /// One point with its number and weight, given its position and the nodes of the slave; `None` without an obstacle in
+    /// reach.
     fn site(
         &self,
-        item: usize,
+        item: &Item<D>,
+        (number, weight): (usize, f64),
         position: &Point<D>,
+        barycentric: &[f64; D],
         slave: &[ContactNode<D>; MAX_NODES],
         x: &[f64],
     ) -> Option<ContactSite<D>> {
         let ContactPair { form, obstacle, master, dt, .. } = self.pair;
-        let candidates = self.items.candidates.list(self.items.items[item]);
-        let projection = obstacle.project(position, Positions::at_end(master, self.layout, x), candidates)?;
+        let projection = obstacle.project(position, Positions::at_end(master, self.layout, x), &item.candidates)?;
         let (mut nodes, mut n_nodes) = (*slave, D);
         if let (Anchor::Facet { facet, barycentric, barycentric_gradient }, Some(master)) = (projection.anchor, master)
         {
             for (k, &vertex) in master.boundary.facet(facet).iter().enumerate() {
-                let masters = self.items.masters.list(item);
-                let Ok(local) = masters.binary_search_by_key(&vertex, |(vertex, _)| *vertex) else { continue };
-                nodes[D + k] = self.node(master, vertex, masters[local].1, x).1;
+                let Ok(local) = item.masters.binary_search_by_key(&vertex, |(vertex, _)| *vertex) else { continue };
+                nodes[D + k] = self.node(master, vertex, item.masters[local].1, x).1;
                 nodes[D + k].share = -barycentric[k];
                 nodes[D + k].gradient = barycentric_gradient[k];
                 n_nodes = D + k + 1;
             }
         }
-        let at = ContactPoint { gap: projection.gap(position), size: form.size, dt, ..ContactPoint::default() };
+        let frame = Frame::new(projection.normal);
+        let slip: Vector<D> = nodes[..n_nodes].iter().map(|node| node.displacement * node.share).sum();
+        let [_, slip @ ..] = frame.components(&slip);
+        let gap = projection.gap(position);
+        let mut at = ContactPoint { gap, slip, size: form.size, dt, ..ContactPoint::default() };
+        let (mut stress, mut stress_derivatives) = (Vector::zeros(), Vec::new());
+        if let Some(source) = &self.pair.stress {
+            let mut derivatives = Vec::new();
+            stress = source.at(item.facet, barycentric, x, &mut derivatives);
+            stress_derivatives = item.stress_rows.iter().copied().zip(derivatives).collect();
+            at.stress = frame.components(&stress);
+        }
+        let is_active = form.law.is_active(&at);
+        let traction = if is_active { form.law.traction(&at) } else { ContactTraction::default() };
         Some(ContactSite {
-            number: 0,
-            weight: 0.0,
+            number,
+            weight,
             projection,
-            frame: Frame::new(projection.normal),
-            stress: Vector::zeros(),
-            stress_derivatives: Vec::new(),
+            frame,
+            stress,
+            stress_derivatives,
             at,
-            traction: ContactTraction::default(),
-            is_active: false,
+            traction,
+            is_active,
             nodes,
             n_nodes,
         })
-    }
-
-    /// Evaluates slip, stress and law.
-    fn complete(&self, item: usize, barycentric: &[f64; D], x: &[f64], site: &mut ContactSite<D>) {
-        let slip: Vector<D> = site.nodes().iter().map(|node| node.displacement * node.share).sum();
-        let [_, along @ ..] = site.frame.components(&slip);
-        site.at.slip = along;
-        if let Some(stress) = &self.pair.stress {
-            let (facet, mut derivatives) = (self.pair.facets[self.items.items[item]], Vec::new());
-            site.stress = stress.at(facet, barycentric, x, &mut derivatives);
-            site.stress_derivatives = self.items.stress_rows.list(item).iter().copied().zip(derivatives).collect();
-            site.at.stress = site.frame.components(&site.stress);
-        }
-        let law = &self.pair.form.law;
-        site.is_active = law.is_active(&site.at);
-        if site.is_active {
-            site.traction = law.traction(&site.at);
-        }
     }
 }
 
@@ -281,19 +253,18 @@ impl<const D: usize> Sites for ContactSites<'_, D> {
     }
 
     fn dofs(&self, item: usize, out: &mut Vec<DofId>) {
-        out.extend_from_slice(self.items.dofs.list(item));
+        out.extend_from_slice(&self.items.items[item].dofs);
     }
 
     fn visit(&self, item: usize, x: &[f64], mut visit: impl FnMut(&Self::Site)) {
-        let ContactPair { form, slave, facets, .. } = self.pair;
+        let (item, slave, rule) = (&self.items.items[item], self.pair.slave, &self.pair.form.rule);
         let mut points = [Point::zeros(); D];
         let mut nodes = [ContactNode::none(); MAX_NODES];
-        for (k, &vertex) in slave.boundary.facet(facets[self.items.items[item]]).iter().enumerate() {
+        for (k, &vertex) in slave.boundary.facet(item.facet).iter().enumerate() {
             (points[k], nodes[k]) = self.node(slave, vertex, slave.field().map(|_| D * k), x);
         }
-        let rule = &form.rule;
-        for (s, segment) in self.items.segments.list(item).iter().enumerate() {
-            let measure = segment.share * self.items.measures[item];
+        for (s, segment) in item.segments.iter().enumerate() {
+            let measure = segment.share * item.measure;
             for (q, (point, weight)) in rule.points().iter().zip(rule.weights()).enumerate() {
                 let shape = segment.at(point);
                 let mut position = Point::zeros();
@@ -301,10 +272,8 @@ impl<const D: usize> Sites for ContactSites<'_, D> {
                     nodes[k].share = shape[k];
                     position += points[k] * shape[k];
                 }
-                if let Some(mut site) = self.site(item, &position, &nodes, x) {
-                    site.number = s * rule.weights().len() + q;
-                    site.weight = weight * measure;
-                    self.complete(item, &shape, x, &mut site);
+                let place = (s * rule.weights().len() + q, weight * measure);
+                if let Some(site) = self.site(item, place, &position, &shape, &nodes, x) {
                     visit(&site);
                 }
             }
@@ -317,10 +286,10 @@ impl<const D: usize> Sites for ContactSites<'_, D> {
         const OFFSET: u64 = 0xcbf2_9ce4_8422_2325;
         const PRIME: u64 = 0x0100_0000_01b3;
         let mut hash = OFFSET;
-        for item in 0..self.len() {
-            self.visit(item, x, |site| {
+        for (k, item) in self.items.items.iter().enumerate() {
+            self.visit(k, x, |site| {
                 if site.is_active {
-                    for number in [self.items.items[item], site.number] {
+                    for number in [item.number, site.number] {
                         hash = (hash ^ number as u64).wrapping_mul(PRIME);
                     }
                 }
@@ -328,12 +297,4 @@ impl<const D: usize> Sites for ContactSites<'_, D> {
         }
         hash
     }
-}
-
-/// Vertices of facets, each once, in order.
-fn vertices_of<const D: usize>(boundary: &BoundaryMesh<D>, facets: &[FacetId]) -> Vec<VertexId> {
-    let mut vertices: Vec<_> = facets.iter().flat_map(|&f| boundary.facet(f)).copied().collect();
-    vertices.sort_unstable();
-    vertices.dedup();
-    vertices
 }

@@ -92,15 +92,6 @@ impl<'a, const D: usize> Faces<'a, D> {
         self.cutting.planes.background.cell_to_facet(cell).iter().position(|&f| f == facet).unwrap_or(0)
     }
 
-    fn points(&self, facet: FacetId) -> [Point<D>; 3] {
-        let background = self.cutting.planes.background;
-        let mut points = [Point::zeros(); 3];
-        for (slot, &v) in points.iter_mut().zip(background.facet(facet)) {
-            *slot = background.vertex(v);
-        }
-        points
-    }
-
     /// Cuts the cell on one side of a face again.
     fn cut_side(&self, cut: &CutMesh<D>, cell: CellId, side: &mut CellCut<D>) {
         match self.cutting.touched.position(cell) {
@@ -113,7 +104,7 @@ impl<'a, const D: usize> Faces<'a, D> {
         match (self.view(cut, cell, facet), cut.cell_state(cell)) {
             (FaceView::Dry, _) => {}
             (FaceView::Wet(part, _), CellState::Fluid) => {
-                add_wet_boundary(cut, facet, PartId(part), &self.points(facet)[..D]);
+                add_wet_boundary(cut, facet, PartId(part), &self.cutting.planes.background.facet_points(facet)[..D]);
             }
             _ => {
                 self.cut_side(cut, cell, side);
@@ -146,7 +137,7 @@ impl<'a, const D: usize> Faces<'a, D> {
         let face = SharedFace {
             facet,
             cells,
-            normal: mesh::facet_normal(&self.points(facet)[..D]),
+            normal: mesh::facet_normal(&self.cutting.planes.background.facet_points(facet)[..D]),
             is_ghost: is_ghost(cut, cells),
             first: cut.part_faces.len(),
         };

@@ -1,13 +1,15 @@
 //! Bodies in degenerate positions: corners on vertices, edges and faces of the background, or shifted from them by tiny
 //! distances, in 2D and 3D.
 
+mod bodies;
 mod cases;
 mod identities;
 
+use bodies::Body;
 use cutcell::{CutMesh, OverlayOptions};
 use identities::check_identities;
 use mesh::generate::structured_box;
-use mesh::{BoundaryMesh, Placed, Point, SimplexMesh, VertexId};
+use mesh::{Point, SimplexMesh};
 use proptest::prelude::*;
 
 /// Cells along each side of the background, the unit cube.
@@ -34,48 +36,6 @@ fn place<const D: usize>() -> impl Strategy<Value = Point<D>> {
     )
 }
 
-/// Corners and oriented facets of a closed surface.
-struct Body<const D: usize> {
-    positions: Vec<Point<D>>,
-    boundary: BoundaryMesh<D>,
-}
-
-impl<const D: usize> Body<D> {
-    fn new(positions: Vec<Point<D>>, facets: impl IntoIterator<Item = u32>) -> Self {
-        Self { positions, boundary: BoundaryMesh::from_facets(facets.into_iter().map(VertexId).collect()) }
-    }
-
-    /// A simplex, turned the right way round.
-    fn simplex(mut corners: Vec<Point<D>>) -> Self {
-        if mesh::Simplex::new(&corners).volume() < 0.0 {
-            corners.swap(0, 1);
-        }
-        match D {
-            2 => Self::new(corners, [0, 1, 1, 2, 2, 0]),
-            _ => Self::new(corners, [1, 2, 3, 0, 3, 2, 0, 1, 3, 0, 2, 1]),
-        }
-    }
-
-    /// A box from corner to corner.
-    fn cuboid(low: &Point<D>, high: &Point<D>) -> Self {
-        let corner = |k: usize| Point::<D>::from_fn(|i, _| if k >> i & 1 == 0 { low[i] } else { high[i] });
-        let positions = (0..1 << D).map(corner).collect();
-        if D == 2 {
-            return Self::new(positions, [0, 1, 1, 3, 3, 2, 2, 0]);
-        }
-        let squares = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-        Self::new(positions, squares.into_iter().flat_map(|[a, b, c, d]| [a, b, c, a, c, d]))
-    }
-
-    fn placed(&self) -> Placed<'_, D> {
-        Placed::new(&self.boundary, &self.positions)
-    }
-
-    fn volume(&self) -> f64 {
-        self.placed().enclosed().volume
-    }
-}
-
 /// Checks identities in every order of the bodies, and the volume of their union if it is known.
 fn check<const D: usize>(background: &SimplexMesh<D>, bodies: &[&Body<D>], union: Option<f64>) {
     let mut placed: Vec<_> = bodies.iter().map(|body| body.placed()).collect();
@@ -86,7 +46,7 @@ fn check<const D: usize>(background: &SimplexMesh<D>, bodies: &[&Body<D>], union
         fluid.push(cut.fluid_volume());
         placed.rotate_left(1);
     }
-    let domain: f64 = background.cells().map(|c| background.cell_volume(c)).sum();
+    let domain = background.volume();
     let expected = union.map_or(fluid[0], |union| domain - union);
     assert!(fluid.iter().all(|v| (v - expected).abs() < 1e-12 * domain), "fluid {fluid:?}, expected {expected}");
 }
@@ -120,7 +80,7 @@ fn check_boxes<const D: usize>(c: &[Point<D>]) {
     let volume = |low: &Point<D>, high: &Point<D>| (high - low).sup(&Point::zeros()).product();
     if (ha - la).min() > 1e-9 && (hb - lb).min() > 1e-9 {
         let union = volume(&la, &ha) + volume(&lb, &hb) - volume(&la.sup(&lb), &ha.inf(&hb));
-        check(&grid(), &[&Body::cuboid(&la, &ha), &Body::cuboid(&lb, &hb)], Some(union));
+        check(&grid(), &[&Body::cuboid(la, ha), &Body::cuboid(lb, hb)], Some(union));
     }
 }
 
@@ -166,8 +126,8 @@ proptest! {
         let turn = mesh::nalgebra::Rotation3::from_euler_angles(angles[0], angles[1], angles[2]);
         let shift = Point::<3>::from_fn(|k, _| 0.25 * shifts[k]);
         for side in [0.5, 3.0 / 7.0] {
-            let mut body = Body::cuboid(&Point::<3>::repeat(-side / 2.0), &Point::repeat(side / 2.0));
-            body.positions.iter_mut().for_each(|x| *x = turn * *x + shift);
+            let body = Body::cuboid(Point::<3>::repeat(-side / 2.0), Point::repeat(side / 2.0));
+            let body = body.moved(|x| turn * x + shift);
             check(&background, &[&body], Some(body.volume()));
         }
     }
@@ -222,9 +182,9 @@ fn needles_whose_volume_is_lost_in_round_off_are_parts() {
 
 #[test]
 fn facets_much_smaller_than_the_round_off_of_their_coordinates() {
-    let body = Body::<2>::cuboid(&Point::<2>::zeros(), &Point::<2>::new(0.75, 1e-18));
+    let body = Body::cuboid(Point::<2>::zeros(), Point::<2>::new(0.75, 1e-18));
     check(&grid(), &[&body], Some(body.volume()));
-    let body = Body::<3>::cuboid(&Point::<3>::zeros(), &Point::<3>::new(0.75, 1e-18, 1e-18));
+    let body = Body::cuboid(Point::<3>::zeros(), Point::<3>::new(0.75, 1e-18, 1e-18));
     check(&grid(), &[&body], Some(body.volume()));
 }
 
@@ -248,7 +208,7 @@ fn a_tetrahedron_that_sticks_out_by_almost_nothing() {
 /// The unit cube with an additional vertex on an upper edge that belongs to the facets on one side only, and a facet of zero
 /// width between the two sides, as in repaired meshes. `depth` is the distance of the vertex from the edge.
 fn cube_with_a_cap(depth: f64) -> Body<3> {
-    let mut body = Body::cuboid(&Point::<3>::zeros(), &Point::repeat(1.0));
+    let mut body = Body::cuboid(Point::<3>::zeros(), Point::repeat(1.0));
     body.positions.push(Point::<3>::new(0.4, -depth, 1.0 + depth / 3.0));
     let squares = [[0, 2, 3, 1], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
     let sides = squares.into_iter().flat_map(|[a, b, c, d]| [a, b, c, a, c, d]);
@@ -262,8 +222,7 @@ fn facets_without_width_wherever_they_are() {
         for step in 0..8 {
             let t = f64::from(step);
             let turn = mesh::nalgebra::Rotation3::from_euler_angles(1.1 * t, 0.7 * t, 1.9 * t);
-            let mut body = cube_with_a_cap(depth);
-            body.positions.iter_mut().for_each(|x| *x = turn * (*x - Point::repeat(0.5)));
+            let body = cube_with_a_cap(depth).moved(|x| turn * (x - Point::repeat(0.5)));
             // With no depth the rounded corners of the cap may pierce it.
             let options = OverlayOptions::new().without_self_intersection_check();
             let cut = CutMesh::overlay(&background, &[body.placed()], &options).expect("closed");

@@ -1,7 +1,7 @@
 //! The mortar on one cut cell: values by hand, action and reaction, leak and traction.
 
 use algebra::time::{ImplicitEuler, StepRule};
-use algebra::{BlockLayout, Contributions, LocalSystem, check_tangent};
+use algebra::{BlockLayout, BlockSystem, Constraints, check_tangent};
 use body::{SurfaceMotion, SurfaceStress, SurfaceVelocity};
 use fluid_ns::mesh::generate::structured_box;
 use fluid_ns::mesh::{BodyId, Placed, Point, SimplexMesh, Tensor, Vector};
@@ -89,15 +89,10 @@ impl Fixture {
         layout.set(field, vec![v.into(); self.body.n_vertices()], &mut x);
         let interface = form.contributions(points.clone());
         assert!(check_tangent(&interface, &x, 1e-5) < 1e-9);
-        let (mut dofs, mut local, mut sum) = (Vec::new(), LocalSystem::new(), vec![0.0; layout.len()]);
-        for item in 0..interface.len() {
-            dofs.clear();
-            interface.dofs(item, &mut dofs);
-            local.reset(dofs.len());
-            interface.add(item, &x, &mut local);
-            dofs.iter().zip(local.residual()).for_each(|(dof, r)| sum[dof.index()] += r);
-        }
-        let force = [velocity, field].map(|field| layout.values::<2>(field, &sum).map(V::from).sum());
+        let mut system = BlockSystem::new(&layout, &[&interface], &Constraints::new());
+        system.assemble_residual(&[&interface], &x);
+        let sum = system.residual();
+        let force = [velocity, field].map(|field| layout.values::<2>(field, sum).map(V::from).sum());
         visit(&points, &form, &x, force, sum[layout.range(pressure)].iter().sum())
     }
 }

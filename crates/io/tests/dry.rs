@@ -6,10 +6,10 @@ use std::sync::Arc;
 use io::{HistoryTable, ScenarioFile, Summary, run, sizes};
 use mesh::generate::structured_box;
 use mesh::{BodyId, Point, Vector};
+use solid_svk::{ElasticBody, ElasticOptions, LameParameters, SaintVenantKirchhoff, SolidForm, SolidMesh};
 use solver::algebra::{NewtonSettings, Workspace};
 use solver::body::Body;
 use solver::contact::{ContactForm, Penalty, RigidPlane};
-use solver::solid_svk::{ElasticBody, ElasticOptions, LameParameters, SaintVenantKirchhoff, SolidForm, SolidMesh};
 use solver::{Contact, ContactObstacle, Setup, State, StepReport, Substep, advance};
 
 /// An elastic block that falls on a plane and bounces.

@@ -52,6 +52,14 @@ impl<const D: usize> BoundaryMesh<D> {
         &self.facet_to_vertex[facet.index() * D..][..D]
     }
 
+    /// Returns the vertices of facets, each once, in order.
+    pub fn vertices_of(&self, facets: &[FacetId]) -> Vec<VertexId> {
+        let mut vertices: Vec<_> = facets.iter().flat_map(|&facet| self.facet(facet)).copied().collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        vertices
+    }
+
     /// The cell behind a facet; `None` for a surface without a volume mesh.
     #[inline]
     pub fn facet_to_cell(&self, facet: FacetId) -> Option<CellId> {

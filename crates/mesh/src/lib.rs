@@ -35,7 +35,7 @@ pub use ids::{BodyId, CellId, FacetId, Tag, VertexId};
 pub use placement::{Enclosed, Placed, facet_normal};
 pub use quadrature::{QuadratureRule, SimplexRule};
 pub use range::{ParameterError, non_negative, positive, require};
-pub use simplex::{MAX_CELL_VERTICES, MAX_FACET_VERTICES, Simplex, equilateral_side, simplex_measure};
+pub use simplex::{MAX_CELL_VERTICES, MAX_FACET_VERTICES, Simplex, diameter, equilateral_side, simplex_measure};
 pub use simplex_mesh::SimplexMesh;
 pub use tensor::{Point, Tensor, Vector, det, sym};
 

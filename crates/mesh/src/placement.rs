@@ -1,6 +1,6 @@
 //! A boundary at given positions of its vertices.
 
-use crate::simplex::factorial;
+use crate::simplex::{factorial, points_of};
 use crate::{BoundaryMesh, FacetId, MAX_FACET_VERTICES, Point, Tensor, Vector, simplex_measure};
 
 /// A boundary with borrowed positions of its vertices: the current configuration is a view and not a second mesh.
@@ -32,23 +32,12 @@ impl<'m, const D: usize> Placed<'m, D> {
     /// Positions of the vertices of a facet; only the first `D` are used.
     #[inline]
     pub fn facet_points(&self, facet: FacetId) -> [Point<D>; MAX_FACET_VERTICES] {
-        let mut points = [Point::zeros(); MAX_FACET_VERTICES];
-        for (slot, v) in points.iter_mut().zip(self.boundary.facet(facet)) {
-            *slot = self.positions[v.index()];
-        }
-        points
+        points_of(self.positions, self.boundary.facet(facet))
     }
 
     /// Measure (length, area) of a facet.
     pub fn facet_measure(&self, facet: FacetId) -> f64 {
         simplex_measure(&self.facet_points(facet)[..D])
-    }
-
-    /// Normal of a facet, out of the solid. Its length is the measure of the facet in 2D and twice the measure in 3D (the
-    /// cross product). Zero for a degenerate facet.
-    #[inline]
-    pub fn facet_normal_scaled(&self, facet: FacetId) -> Vector<D> {
-        scaled_normal(&self.facet_points(facet)[..D])
     }
 
     /// Unit normal of a facet, out of the solid; zero for a degenerate facet.
@@ -68,7 +57,7 @@ impl<'m, const D: usize> Placed<'m, D> {
             let points = self.facet_points(facet).map(|x| x - origin);
             let corners = &points[..D];
             // The length of the scaled normal is (D - 1)! times the measure of the facet.
-            let simplex = corners[0].dot(&self.facet_normal_scaled(facet)) / factorial(D);
+            let simplex = corners[0].dot(&scaled_normal(&self.facet_points(facet)[..D])) / factorial(D);
             let sum: Point<D> = corners.iter().sum();
             volume += simplex;
             first += sum * (simplex / (D + 1) as f64);
@@ -102,9 +91,10 @@ pub fn facet_normal<const D: usize>(points: &[Point<D>]) -> Vector<D> {
     if length > 0.0 { n / length } else { n }
 }
 
-/// Normal of an oriented facet, see [`Placed::facet_normal_scaled`].
+/// Normal of an oriented facet. Its length is the measure of the facet in 2D and twice the measure in 3D (the cross product).
+/// Zero for a degenerate facet.
 #[inline]
-pub(crate) fn scaled_normal<const D: usize>(points: &[Point<D>]) -> Vector<D> {
+fn scaled_normal<const D: usize>(points: &[Point<D>]) -> Vector<D> {
     let mut n = Vector::zeros();
     let a = points[1] - points[0];
     match D {

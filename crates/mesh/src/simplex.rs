@@ -1,6 +1,6 @@
 //! One simplex: affine map, measure, barycentric gradients, sizes.
 
-use crate::{Point, Tensor, Vector, det};
+use crate::{Point, Tensor, Vector, VertexId, det};
 
 /// Vertices of the largest cell (tetrahedron); per-cell arrays have this capacity.
 pub const MAX_CELL_VERTICES: usize = 4;
@@ -84,8 +84,21 @@ impl<const D: usize> Simplex<D> {
     }
 }
 
+/// Positions of vertices; entries beyond their number are zero.
+#[inline]
+pub(crate) fn points_of<const D: usize, const N: usize>(
+    positions: &[Point<D>],
+    vertices: &[VertexId],
+) -> [Point<D>; N] {
+    let mut points = [Point::zeros(); N];
+    for (slot, v) in points.iter_mut().zip(vertices) {
+        *slot = positions[v.index()];
+    }
+    points
+}
+
 /// Largest distance between two of the points.
-pub(crate) fn diameter<const D: usize>(points: &[Point<D>]) -> f64 {
+pub fn diameter<const D: usize>(points: &[Point<D>]) -> f64 {
     let mut largest = 0.0_f64;
     for (i, a) in points.iter().enumerate() {
         for b in &points[i + 1..] {

@@ -3,9 +3,10 @@
 use std::sync::OnceLock;
 
 use crate::search::CellIndex;
+use crate::simplex::points_of;
 use crate::topology::Topology;
 use crate::{
-    BoundaryMesh, CellId, Error, FacetId, MAX_CELL_VERTICES, Point, Simplex, Tag, Vector, VertexId, facet_normal,
+    BoundaryMesh, CellId, Error, FacetId, MAX_CELL_VERTICES, MAX_FACET_VERTICES, Point, Simplex, Tag, Vector, VertexId, facet_normal,
     simplex_measure,
 };
 
@@ -68,13 +69,7 @@ impl<const D: usize> SimplexMesh<D> {
         let facet_to_measure = topology
             .facet_to_vertex
             .chunks_exact(D)
-            .map(|corners| {
-                let mut points = [Point::zeros(); MAX_CELL_VERTICES];
-                for (slot, v) in points.iter_mut().zip(corners) {
-                    *slot = vertices[v.index()];
-                }
-                simplex_measure(&points[..D])
-            })
+            .map(|corners| simplex_measure(&points_of::<D, MAX_FACET_VERTICES>(&vertices, corners)[..D]))
             .collect();
         let measures = Measures { volume: cell_to_volume.iter().sum(), cell_to_volume, facet_to_measure };
         let facet_tag = vec![None; topology.facet_to_cell.len()];
@@ -93,16 +88,8 @@ impl<const D: usize> SimplexMesh<D> {
     /// part of the boundary, or to `None`.
     #[must_use]
     pub fn with_boundary_tags<'a>(self, name_of: impl Fn(&[Point<D>]) -> Option<&'a str>) -> Self {
-        let names: Vec<Option<&'a str>> = self
-            .facets()
-            .map(|facet| {
-                let mut points = [Point::zeros(); MAX_CELL_VERTICES];
-                for (slot, v) in points.iter_mut().zip(self.facet(facet)) {
-                    *slot = self.vertices[v.index()];
-                }
-                self.is_boundary(facet).then(|| name_of(&points[..D])).flatten()
-            })
-            .collect();
+        let name = |facet| if self.is_boundary(facet) { name_of(&self.facet_points(facet)[..D]) } else { None };
+        let names: Vec<Option<&'a str>> = self.facets().map(name).collect();
         self.with_facet_tags(|facet| names[facet.index()])
     }
 
@@ -200,6 +187,12 @@ impl<const D: usize> SimplexMesh<D> {
         &self.topology.facet_to_vertex[facet.index() * D..][..D]
     }
 
+    /// Positions of the vertices of a facet; only the first `D` are used.
+    #[inline]
+    pub fn facet_points(&self, facet: FacetId) -> [Point<D>; MAX_FACET_VERTICES] {
+        points_of(&self.vertices, self.facet(facet))
+    }
+
     /// The one or two cells of a facet.
     #[inline]
     pub fn facet_to_cell(&self, facet: FacetId) -> [Option<CellId>; 2] {
@@ -257,11 +250,7 @@ impl<const D: usize> SimplexMesh<D> {
         const TOLERANCE: f64 = 1e-9;
         let mut plane = None;
         for facet in self.facets().filter(|facet| self.facet_tag(*facet) == Some(tag)) {
-            let mut points = [Point::zeros(); MAX_CELL_VERTICES];
-            for (slot, v) in points.iter_mut().zip(self.facet(facet)) {
-                *slot = self.vertex(*v);
-            }
-            let points = &points[..D];
+            let points = &self.facet_points(facet)[..D];
             let normal = facet_normal(points);
             let (origin, common) = *plane.get_or_insert((points[0], normal));
             let is_off = |x: &Point<D>| (x - origin).dot(&common).abs() > TOLERANCE * (x - origin).norm();
@@ -288,11 +277,7 @@ impl<const D: usize> SimplexMesh<D> {
 
 #[inline]
 fn simplex<const D: usize>(positions: &[Point<D>], vertices: &[VertexId]) -> Simplex<D> {
-    let mut points = [Point::zeros(); MAX_CELL_VERTICES];
-    for (slot, v) in points.iter_mut().zip(vertices) {
-        *slot = positions[v.index()];
-    }
-    Simplex::new(&points[..=D])
+    Simplex::new(&points_of::<D, MAX_CELL_VERTICES>(positions, vertices)[..=D])
 }
 
 #[cfg(test)]

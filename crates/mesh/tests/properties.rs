@@ -34,7 +34,7 @@ fn assert_sound<const D: usize>(mesh: &SimplexMesh<D>) {
     let boundary = mesh.boundary();
     let placed = Placed::new(&boundary, mesh.vertices());
     let (volume, size) = (volume(mesh), boundary.facets().map(|f| placed.facet_measure(f)).sum::<f64>());
-    let closure: Vector<D> = boundary.facets().map(|f| placed.facet_normal_scaled(f)).sum();
+    let closure: Vector<D> = boundary.facets().map(|f| placed.facet_normal(f) * placed.facet_measure(f)).sum();
     assert!(closure.norm() < 1e-12 * size, "normals sum to {closure}");
     assert!((placed.enclosed().volume - volume).abs() < 1e-11 * volume);
     let mut used = vec![false; mesh.n_vertices()];

@@ -2,7 +2,7 @@
 
 use algebra::time::StepRule;
 use algebra::{BlockLayout, DofId, FieldId, LocalSystem, Sites};
-use mesh::{CellId, MAX_CELL_VERTICES, Tensor, Vector};
+use mesh::{CellId, MAX_CELL_VERTICES, Tensor, Vector, VertexId};
 
 use crate::SolidMesh;
 use crate::kinematics::gradient;
@@ -56,16 +56,25 @@ impl<const D: usize> SolidCell<'_, D> {
 /// The cells of a body in one step: one item and one site per cell.
 #[derive(Clone, Copy)]
 pub struct SolidCells<'a, const D: usize> {
-    mesh: &'a SolidMesh<D>,
-    rule: &'a StepRule<Vector<D>>,
-    layout: &'a BlockLayout,
-    field: FieldId,
+    /// The body.
+    pub solid: &'a SolidMesh<D>,
+    /// The step of the time scheme.
+    pub rule: &'a StepRule<Vector<D>>,
+    /// The layout.
+    pub layout: &'a BlockLayout,
+    /// Velocities of the vertices.
+    pub velocity: FieldId,
 }
 
-impl<'a, const D: usize> SolidCells<'a, D> {
-    /// Creates the cells of a body whose velocity is `field`.
-    pub fn new(mesh: &'a SolidMesh<D>, rule: &'a StepRule<Vector<D>>, layout: &'a BlockLayout, field: FieldId) -> Self {
-        Self { mesh, rule, layout, field }
+impl<const D: usize> SolidCells<'_, D> {
+    /// Appends the dofs of vertices.
+    pub(crate) fn dofs_of(&self, vertices: &[VertexId], out: &mut Vec<DofId>) {
+        vertices.iter().for_each(|vertex| out.extend(self.layout.node(self.velocity, vertex.index())));
+    }
+
+    /// Velocity of a vertex at the state `x`.
+    pub(crate) fn velocity_at(&self, vertex: VertexId, x: &[f64]) -> Vector<D> {
+        self.layout.at(self.velocity, vertex.index(), x).into()
     }
 }
 
@@ -73,27 +82,25 @@ impl<'a, const D: usize> Sites for SolidCells<'a, D> {
     type Site = SolidCell<'a, D>;
 
     fn len(&self) -> usize {
-        self.mesh.mesh().n_cells()
+        self.solid.mesh().n_cells()
     }
 
     fn dofs(&self, item: usize, out: &mut Vec<DofId>) {
-        for vertex in self.mesh.mesh().cell(CellId::new(item)) {
-            out.extend(self.layout.node(self.field, vertex.index()));
-        }
+        self.dofs_of(self.solid.mesh().cell(CellId::new(item)), out);
     }
 
     fn visit(&self, item: usize, x: &[f64], mut visit: impl FnMut(&Self::Site)) {
         let (cell, stage) = (CellId::new(item), &self.rule.stage);
         let mut site = SolidCell {
-            volume: self.mesh.volume(cell),
-            gradients: self.mesh.gradients(cell),
+            volume: self.solid.volume(cell),
+            gradients: self.solid.gradients(cell),
             displacement: [Vector::zeros(); MAX_CELL_VERTICES],
             acceleration: [Vector::zeros(); MAX_CELL_VERTICES],
             displacement_slope: stage.displacement.slope,
             acceleration_slope: stage.acceleration.slope,
         };
-        for (k, vertex) in self.mesh.mesh().cell(cell).iter().enumerate() {
-            let v = self.layout.at(self.field, vertex.index(), x).into();
+        for (k, vertex) in self.solid.mesh().cell(cell).iter().enumerate() {
+            let v = self.velocity_at(*vertex, x);
             site.displacement[k] = stage.displacement.at(vertex.index(), v);
             site.acceleration[k] = stage.acceleration.at(vertex.index(), v);
         }

@@ -171,6 +171,12 @@ struct ElasticStep<'s, const D: usize> {
     surface: SurfaceMotion<'s, D>,
 }
 
+impl<const D: usize> ElasticStep<'_, D> {
+    fn cells<'p>(&'p self, layout: &'p BlockLayout) -> SolidCells<'p, D> {
+        SolidCells { solid: &self.body.solid, rule: &self.rule, layout, velocity: self.field }
+    }
+}
+
 impl<const D: usize> BodyStep<D> for ElasticStep<'_, D> {
     fn surface(&self) -> &SurfaceMotion<'_, D> {
         &self.surface
@@ -178,17 +184,16 @@ impl<const D: usize> BodyStep<D> for ElasticStep<'_, D> {
 
     fn constrain(&self, layout: &BlockLayout, constraints: &mut Constraints) {
         for support in &self.body.options.supports {
-            support.constrain(&self.body.solid, &self.rule, self.end, layout, self.field, constraints);
+            support.constrain(self.cells(layout), self.end, constraints);
         }
     }
 
     fn contributions<'p>(&'p self, layout: &'p BlockLayout) -> Vec<Box<dyn Contributions + 'p>> {
-        let ElasticBody { solid, form, options, .. } = self.body;
-        let cells = SolidCells::new(solid, &self.rule, layout, self.field);
+        let (ElasticBody { form, options, .. }, cells) = (self.body, self.cells(layout));
         let mut all: Vec<Box<dyn Contributions + 'p>> =
             vec![Box::new(form.inertia_and_body_force(cells)), Box::new(form.internal_work(cells))];
         for load in &options.loads {
-            let facets = SolidFacets::new(solid, &load.facets, &self.rule, layout, self.field);
+            let facets = SolidFacets { cells, facets: &load.facets };
             let integral = if load.is_linear { Integral::linear } else { Integral::new };
             all.push(Box::new(integral(load.name, facets, vec![load.term.as_ref()])));
         }
@@ -208,6 +213,6 @@ impl<const D: usize> BodyStep<D> for ElasticStep<'_, D> {
 
     fn stress<'p>(&'p self, layout: &'p BlockLayout) -> Option<Box<dyn SurfaceStress<D> + 'p>> {
         let material = self.body.form.internal_work.material.as_ref();
-        Some(Box::new(SolidStress::new(&self.body.solid, material, &self.rule, layout, self.field)))
+        Some(Box::new(SolidStress { cells: self.cells(layout), material }))
     }
 }

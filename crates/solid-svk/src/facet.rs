@@ -1,10 +1,9 @@
 //! Loads on boundary facets of a body.
 
-use algebra::time::StepRule;
-use algebra::{BlockLayout, DofId, FieldId, Sites};
-use mesh::{FacetId, MAX_CELL_VERTICES, Point, Vector, simplex_measure};
+use algebra::{DofId, Sites};
+use mesh::{FacetId, MAX_CELL_VERTICES, Point, simplex_measure};
 
-use crate::SolidMesh;
+use crate::SolidCells;
 
 /// A boundary facet with its vertices at the stage of the step.
 ///
@@ -36,24 +35,10 @@ impl<const D: usize> SolidFacet<D> {
 /// Facets of the boundary of a body in one step: one item and one site per facet.
 #[derive(Clone, Copy)]
 pub struct SolidFacets<'a, const D: usize> {
-    mesh: &'a SolidMesh<D>,
-    facets: &'a [FacetId],
-    rule: &'a StepRule<Vector<D>>,
-    layout: &'a BlockLayout,
-    field: FieldId,
-}
-
-impl<'a, const D: usize> SolidFacets<'a, D> {
-    /// Creates the sites on facets of a body whose velocity is `field`.
-    pub fn new(
-        mesh: &'a SolidMesh<D>,
-        facets: &'a [FacetId],
-        rule: &'a StepRule<Vector<D>>,
-        layout: &'a BlockLayout,
-        field: FieldId,
-    ) -> Self {
-        Self { mesh, facets, rule, layout, field }
-    }
+    /// The cells of the body.
+    pub cells: SolidCells<'a, D>,
+    /// The facets.
+    pub facets: &'a [FacetId],
 }
 
 impl<const D: usize> Sites for SolidFacets<'_, D> {
@@ -64,18 +49,17 @@ impl<const D: usize> Sites for SolidFacets<'_, D> {
     }
 
     fn dofs(&self, item: usize, out: &mut Vec<DofId>) {
-        for vertex in self.mesh.boundary().facet(self.facets[item]) {
-            out.extend(self.layout.node(self.field, vertex.index()));
-        }
+        self.cells.dofs_of(self.cells.solid.boundary().facet(self.facets[item]), out);
     }
 
     fn visit(&self, item: usize, x: &[f64], mut visit: impl FnMut(&Self::Site)) {
-        let displacement = &self.rule.stage.displacement;
+        let SolidCells { solid, rule, .. } = self.cells;
+        let displacement = &rule.stage.displacement;
         let mut points = [Point::zeros(); MAX_CELL_VERTICES];
         let mut reference = points;
-        for (k, vertex) in self.mesh.boundary().facet(self.facets[item]).iter().enumerate() {
-            let v = self.layout.at(self.field, vertex.index(), x).into();
-            reference[k] = self.mesh.mesh().vertex(*vertex);
+        for (k, vertex) in solid.boundary().facet(self.facets[item]).iter().enumerate() {
+            let v = self.cells.velocity_at(*vertex, x);
+            reference[k] = solid.mesh().vertex(*vertex);
             points[k] = reference[k] + displacement.at(vertex.index(), v);
         }
         let reference_measure = simplex_measure(&reference[..D]);

@@ -30,7 +30,7 @@
 //! let rule = StepRule::new(&ImplicitEuler, &[1e-3], &[level]);
 //! let mut layout = BlockLayout::new();
 //! let velocity = layout.push("solid velocity", 3, 2);
-//! let cells = SolidCells::new(&solid, &rule, &layout, velocity);
+//! let cells = SolidCells { solid: &solid, rule: &rule, layout: &layout, velocity };
 //! assert_eq!(form.inertia_and_body_force(cells).len() + form.internal_work(cells).len(), 2);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

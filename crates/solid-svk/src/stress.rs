@@ -1,36 +1,25 @@
 //! Stress of a solid on its surface.
 
-use algebra::time::StepRule;
-use algebra::{BlockLayout, DofId, FieldId, Sites};
+use algebra::{DofId, Sites};
 use body::SurfaceStress;
-use mesh::{CellId, FacetId, Placed, Tensor, Vector, det};
+use mesh::{CellId, FacetId, Tensor, Vector, det};
 
 use crate::kinematics::deformation_gradient;
-use crate::{Material, SolidCell, SolidCells, SolidMesh};
+use crate::{Material, SolidCell, SolidCells};
 
 /// Traction of the cell behind a facet, `P N / (|F|/|F̂|) = σ n`: nominal stress over the current measure of the facet.
 ///
 /// It is constant on a facet. The displacement is that of the stage of the step.
 pub struct SolidStress<'a, const D: usize> {
-    mesh: &'a SolidMesh<D>,
-    material: &'a dyn Material<D>,
-    cells: SolidCells<'a, D>,
+    /// The cells of the body.
+    pub cells: SolidCells<'a, D>,
+    /// The material.
+    pub material: &'a dyn Material<D>,
 }
 
-impl<'a, const D: usize> SolidStress<'a, D> {
-    /// Creates the stress of a body whose velocity is `field`.
-    pub fn new(
-        mesh: &'a SolidMesh<D>,
-        material: &'a dyn Material<D>,
-        rule: &'a StepRule<Vector<D>>,
-        layout: &'a BlockLayout,
-        field: FieldId,
-    ) -> Self {
-        Self { mesh, material, cells: SolidCells::new(mesh, rule, layout, field) }
-    }
-
+impl<const D: usize> SolidStress<'_, D> {
     fn cell(&self, facet: FacetId) -> Option<CellId> {
-        self.mesh.boundary().facet_to_cell(facet)
+        self.cells.solid.boundary().facet_to_cell(facet)
     }
 
     /// Nanson's formula: `σ n = P N / |J F⁻ᵀ N|`, with the derivative in the direction of each local unknown.
@@ -67,8 +56,8 @@ impl<const D: usize> SurfaceStress<D> for SolidStress<'_, D> {
     fn at(&self, facet: FacetId, _: &[f64], x: &[f64], derivatives: &mut Vec<Vector<D>>) -> Vector<D> {
         derivatives.clear();
         let Some(cell) = self.cell(facet) else { return Vector::zeros() };
-        let reference = Placed::new(self.mesh.boundary(), self.mesh.mesh().vertices());
-        let normal = reference.facet_normal(facet);
+        let solid = self.cells.solid;
+        let normal = solid.placed(solid.mesh().vertices()).facet_normal(facet);
         let mut traction = Vector::zeros();
         self.cells.visit(cell.index(), x, |site| traction = self.traction(site, &normal, derivatives));
         traction

@@ -2,11 +2,10 @@
 
 use std::sync::Arc;
 
-use algebra::time::StepRule;
-use algebra::{BlockLayout, Constraints, FieldId};
+use algebra::Constraints;
 use mesh::{FacetId, Point, Vector, VertexId};
 
-use crate::{Error, SolidMesh};
+use crate::{Error, SolidCells, SolidMesh};
 
 /// A support of an elastic body.
 #[derive(Clone)]
@@ -33,25 +32,18 @@ pub enum SupportKind<const D: usize> {
 }
 
 impl<const D: usize> Support<D> {
-    /// Prescribes the velocities of the held vertices at the time of the end of the step.
+    /// Prescribes the velocities of the held vertices of a body at the time of the end of the step.
     ///
     /// Where two supports hold the same dof the later one is in force; clamps and symmetry planes agree there.
-    pub fn constrain(
-        &self,
-        mesh: &SolidMesh<D>,
-        rule: &StepRule<Vector<D>>,
-        time: f64,
-        layout: &BlockLayout,
-        field: FieldId,
-        constraints: &mut Constraints,
-    ) {
+    pub fn constrain(&self, cells: SolidCells<'_, D>, time: f64, constraints: &mut Constraints) {
+        let SolidCells { solid, rule, layout, velocity: field } = cells;
         let end = &rule.end.displacement;
         for &vertex in &self.vertices {
             let velocity: [Option<f64>; D] = match &self.kind {
                 SupportKind::Clamped => [Some(0.0); D],
                 SupportKind::Symmetry { axis } => std::array::from_fn(|a| (a == *axis).then_some(0.0)),
                 SupportKind::Displacement(displacement) => {
-                    let prescribed = displacement(&mesh.mesh().vertex(vertex), time);
+                    let prescribed = displacement(&solid.mesh().vertex(vertex), time);
                     // v = (d - d_pred)/c_d
                     let still = end.at(vertex.index(), Vector::zeros());
                     std::array::from_fn(|a| prescribed[a].map(|d| (d - still[a]) / end.slope))
@@ -90,8 +82,5 @@ pub fn facets_without_tags<const D: usize>(mesh: &SolidMesh<D>, names: &[&str]) 
 
 /// Returns the vertices of boundary facets, each once, in order.
 pub fn vertices_of<const D: usize>(mesh: &SolidMesh<D>, facets: &[FacetId]) -> Vec<VertexId> {
-    let mut vertices: Vec<_> = facets.iter().flat_map(|&f| mesh.boundary().facet(f)).copied().collect();
-    vertices.sort_unstable();
-    vertices.dedup();
-    vertices
+    mesh.boundary().vertices_of(facets)
 }

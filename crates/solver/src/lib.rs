@@ -42,6 +42,4 @@ pub use cutcell;
 pub use fluid_ns;
 pub use interface_dg;
 pub use mesh;
-pub use solid_rigid;
-pub use solid_svk;
 pub use xfem_space;

@@ -5,13 +5,13 @@ mod fixture;
 use std::sync::Arc;
 
 use fixture::*;
+use solid_svk::SupportKind;
 use solver::algebra::NewtonSettings;
 use solver::algebra::time::{GeneralisedAlpha, ImplicitEuler, QuasiStatic, TimeScheme};
 use solver::body::Balance;
 use solver::contact::DeformableObstacle;
 use solver::mesh::BodyId;
 use solver::mesh::generate::structured_box;
-use solver::solid_svk::SupportKind;
 use solver::{ContactObstacle, Setup, State};
 
 type Scheme = Arc<dyn TimeScheme>;

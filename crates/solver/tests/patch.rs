@@ -5,10 +5,10 @@ mod fixture;
 use std::sync::Arc;
 
 use fixture::*;
+use solid_svk::{Support, SupportKind};
 use solver::body::StepTime;
 use solver::cutcell::{CutMesh, OverlayOptions};
 use solver::mesh::generate::{BallOptions, Size, ball, graded_box, structured_box};
-use solver::solid_svk::{Support, SupportKind};
 use solver::xfem_space::{Sources, XfemSpace};
 use solver::{FluidBoundary, Setup, Step};
 

@@ -5,6 +5,7 @@ mod fixture;
 use std::sync::Arc;
 
 use fixture::*;
+use solid_rigid::RigidBody;
 use solver::algebra::{
     BlockGaussSeidel, BlockGaussSeidelSettings, LaggedSettings, LaggedSolver, NewtonSettings, Workspace,
 };
@@ -12,7 +13,6 @@ use solver::body::Body;
 use solver::contact::DeformableObstacle;
 use solver::mesh::generate::{BallOptions, Size, ball, graded_box, structured_box};
 use solver::mesh::{BodyId, SimplexMesh};
-use solver::solid_rigid::RigidBody;
 use solver::{ContactObstacle, FluidBoundary, Setup, Stage, State, Substep};
 
 fn disk(centre: [f64; 2], radius: f64, size: f64) -> SimplexMesh<2> {

@@ -5,10 +5,10 @@ mod fixture;
 use std::sync::Arc;
 
 use fixture::*;
+use solid_rigid::modes::rotated_by;
 use solver::algebra::Workspace;
 use solver::mesh::generate::structured_box;
 use solver::mesh::{Point, SimplexMesh, Tensor, Vector};
-use solver::solid_rigid::modes::rotated_by;
 use solver::{FluidBoundary, State, Substep};
 
 #[test]
@@ -72,7 +72,7 @@ fn a_neutral_body_turns_with_the_fluid() {
     }
     let motion = motion(&state, 0);
     assert!((Vector::<3>::from(motion.spin) - omega).norm() < 1e-8 && motion.velocity.norm() < 1e-8);
-    let turned = solver::solid_rigid::modes::rotated_by::<3>(&(omega * state.time).into());
+    let turned = solid_rigid::modes::rotated_by::<3>(&(omega * state.time).into());
     assert!((motion.rotation - turned).norm() < 1e-8);
     for (k, &vertex) in wet(&state).space.vertices().iter().enumerate() {
         let exact = u(&fluid_of(&mut setup).background.vertex(vertex), 0.0);

@@ -3,11 +3,11 @@
 mod fixture;
 
 use fixture::*;
+use solid_svk::SupportKind;
 use solver::algebra::{LaggedSettings, LaggedSolver, NewtonSettings, Workspace};
 use solver::contact::DeformableObstacle;
 use solver::mesh::BodyId;
 use solver::mesh::generate::structured_box;
-use solver::solid_svk::SupportKind;
 use solver::{ContactObstacle, Observer, ObserverError, Setup, Stage, State, StepView, Substep, TimeLoop, advance};
 
 /// A block that is thrown down onto a clamped one, so hard that in the first step it moves farther than contact looks ahead.

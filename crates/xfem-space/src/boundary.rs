@@ -56,11 +56,7 @@ impl<const D: usize> BoundaryValues<D> {
         let rule = SimplexRule::of_degree(D - 1, degree);
         let mut points = Vec::new();
         for piece in cut.boundary().iter().filter(|piece| background.facet_tag(piece.facet) == Some(tag)) {
-            let mut corners = [Point::<D>::zeros(); MAX_CELL_VERTICES];
-            for (slot, v) in corners.iter_mut().zip(background.facet(piece.facet)) {
-                *slot = background.vertex(*v);
-            }
-            let normal = facet_normal(&corners[..D]);
+            let normal = facet_normal(&background.facet_points(piece.facet)[..D]);
             let simplex = background.simplex(cut.part_cell(piece.part));
             for (barycentric, weight) in rule.points().iter().zip(rule.weights()) {
                 let point: Point<D> = piece.points[..D].iter().zip(barycentric).map(|(x, l)| x * *l).sum();

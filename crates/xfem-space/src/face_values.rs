@@ -1,7 +1,7 @@
 //! Jumps of normal derivatives over faces.
 
-use cutcell::{CellState, CutMesh, PartId};
-use mesh::{FacetId, MAX_CELL_VERTICES, Point, SimplexMesh, Tag, Vector, VertexId, facet_normal, simplex_measure};
+use cutcell::{CellState, CutMesh, PartFace, PartId};
+use mesh::{FacetId, MAX_CELL_VERTICES, SimplexMesh, Tag, Vector, diameter, facet_normal, simplex_measure};
 
 use crate::{PartValues, XfemSpace};
 
@@ -50,26 +50,15 @@ impl<const D: usize> FaceValue<D> {
     pub fn face_dofs(&self) -> &[u32] {
         &self.dofs[..D]
     }
-}
 
-impl<const D: usize> FaceValue<D> {
     fn new(background: &SimplexMesh<D>, facet: FacetId, is_ghost: bool) -> Self {
-        let mut points = [Point::<D>::zeros(); MAX_CELL_VERTICES];
-        for (slot, v) in points.iter_mut().zip(background.facet(facet)) {
-            *slot = background.vertex(*v);
-        }
-        let mut diameter = 0.0_f64;
-        for i in 0..D {
-            for j in 0..i {
-                diameter = diameter.max((points[i] - points[j]).norm());
-            }
-        }
+        let points = &background.facet_points(facet)[..D];
         Self {
             facet,
             is_ghost,
-            measure: simplex_measure(&points[..D]),
-            diameter,
-            normal: facet_normal(&points[..D]),
+            measure: simplex_measure(points),
+            diameter: diameter(points),
+            normal: facet_normal(points),
             share: 1.0,
             odd_component: None,
             n_dofs: D + 2,
@@ -79,21 +68,24 @@ impl<const D: usize> FaceValue<D> {
     }
 
     /// Adds the normal derivatives of a part, times `sign`; the dof off the face goes to the slot `opposite`.
-    fn add_side(&mut self, side: &Side<'_, D>, opposite: usize, sign: f64) {
-        for (local, vertex) in side.vertices.iter().enumerate() {
-            let slot = side.facet.iter().position(|v| v == vertex).unwrap_or(opposite);
-            self.dofs[slot] = side.dofs[local];
-            self.jumps[slot] += sign * side.gradients[local].dot(&self.normal);
+    fn add_side(&mut self, parts: Parts<'_, D>, part: PartId, opposite: usize, sign: f64) {
+        let (on_face, vertices) = (parts.background.facet(self.facet), parts.background.cell(parts.cut.part_cell(part)));
+        let (dofs, gradients) = (parts.space.dofs(part), parts.values.gradients(part));
+        for (local, vertex) in vertices.iter().enumerate() {
+            let slot = on_face.iter().position(|v| v == vertex).unwrap_or(opposite);
+            self.dofs[slot] = dofs[local];
+            self.jumps[slot] += sign * gradients[local].dot(&self.normal);
         }
     }
 }
 
-/// The part on one side of a face.
-struct Side<'a, const D: usize> {
-    facet: &'a [VertexId],
-    vertices: &'a [VertexId],
-    dofs: &'a [u32],
-    gradients: &'a [Vector<D>],
+/// The parts of a cut with their dofs and values.
+#[derive(Clone, Copy)]
+struct Parts<'a, const D: usize> {
+    background: &'a SimplexMesh<D>,
+    cut: &'a CutMesh<D>,
+    space: &'a XfemSpace<D>,
+    values: &'a PartValues<D>,
 }
 
 /// All faces between parts, as seen by face terms: once per pair of parts, over the whole face.
@@ -105,23 +97,14 @@ pub struct FaceValues<const D: usize> {
 impl<const D: usize> FaceValues<D> {
     /// The values on all part faces of a cut.
     pub fn new(background: &SimplexMesh<D>, cut: &CutMesh<D>, space: &XfemSpace<D>, values: &PartValues<D>) -> Self {
-        let faces = cut
-            .part_faces()
-            .iter()
-            .map(|face| {
-                let mut value = FaceValue::new(background, face.facet, face.is_ghost);
-                let side = |part: PartId| Side {
-                    facet: background.facet(face.facet),
-                    vertices: background.cell(cut.part_cell(part)),
-                    dofs: space.dofs(part),
-                    gradients: values.gradients(part),
-                };
-                value.add_side(&side(face.parts[0]), D, 1.0);
-                value.add_side(&side(face.parts[1]), D + 1, -1.0);
-                value
-            })
-            .collect();
-        Self { faces }
+        let parts = Parts { background, cut, space, values };
+        let value = |face: &PartFace| {
+            let mut value = FaceValue::new(background, face.facet, face.is_ghost);
+            value.add_side(parts, face.parts[0], D, 1.0);
+            value.add_side(parts, face.parts[1], D + 1, -1.0);
+            value
+        };
+        Self { faces: cut.part_faces().iter().map(value).collect() }
     }
 
     /// Adds the faces on the tagged symmetry plane across an axis: a domain and its mirror image penalise the jumps
@@ -149,13 +132,7 @@ impl<const D: usize> FaceValues<D> {
             value.odd_component = Some(axis);
             value.n_dofs = D + 1;
             // The mirror image has the opposite normal derivative.
-            let side = Side {
-                facet: background.facet(piece.facet),
-                vertices: background.cell(cut.part_cell(piece.part)),
-                dofs: space.dofs(piece.part),
-                gradients: values.gradients(piece.part),
-            };
-            value.add_side(&side, D, 2.0);
+            value.add_side(Parts { background, cut, space, values }, piece.part, D, 2.0);
             self.faces.push(value);
         }
     }

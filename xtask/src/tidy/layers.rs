@@ -14,7 +14,7 @@ const LAYERS: &[(&str, &str, &str)] = &[
     ("solid-svk", "mesh algebra body", ""),
     ("interface-dg", "mesh cutcell xfem-space algebra body fluid-ns", ""),
     ("contact", "mesh algebra body", "solid-svk"),
-    ("solver", NUMERICS, ""),
+    ("solver", "mesh algebra body cutcell xfem-space fluid-ns interface-dg contact", "solid-rigid solid-svk"),
     ("io", SIMULATION, ""),
     ("report", "mesh solver io", ""),
     ("cutwater", EVERYTHING, ""),
@@ -23,7 +23,6 @@ const LAYERS: &[(&str, &str, &str)] = &[
     ("xtask", "", ""),
 ];
 
-const NUMERICS: &str = "mesh algebra body cutcell xfem-space fluid-ns solid-rigid solid-svk interface-dg contact";
 const SIMULATION: &str =
     "mesh algebra body cutcell xfem-space fluid-ns solid-rigid solid-svk interface-dg contact solver";
 const EVERYTHING: &str =

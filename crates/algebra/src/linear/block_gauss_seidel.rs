@@ -76,29 +76,6 @@ impl BlockGaussSeidel {
     pub fn patch_size(&self) -> usize {
         self.patch.members().len()
     }
-
-    fn factorize_blocks(&mut self, system: &LinearSystem<'_>) -> Result<(), LinearError> {
-        self.n_factorizations += 1;
-        let blocks = blocks(system.layout);
-        let mut block_of = vec![0; system.len()];
-        for (k, block) in blocks.iter().enumerate() {
-            block.members.iter().for_each(|i| block_of[*i as usize] = k);
-        }
-        let stiff = stiffly_coupled(system.matrix, &block_of, self.settings.stiff);
-        self.blocks.resize_with(blocks.len(), Subdomain::default);
-        for (k, (subdomain, block)) in self.blocks.iter_mut().zip(blocks).enumerate() {
-            let solver = self.settings.solvers.get(k).or(self.settings.solvers.last());
-            let solver = solver.copied().unwrap_or(BlockSolver::Lu);
-            subdomain.factorize(system, block.members, block.n_primal, solver)?;
-        }
-        let n_stiff = stiff.len();
-        let patched = self.patch.factorize(system, stiff, n_stiff, BlockSolver::Lu);
-        // A part of a saddle point may be singular where the whole is not; then the sweep runs without the patch.
-        if patched.is_err() {
-            self.patch.clear();
-        }
-        Ok(())
-    }
 }
 
 /// The unknowns of a block.
@@ -142,7 +119,25 @@ fn stiffly_coupled(matrix: &CsMatI<f64, u32>, block_of: &[usize], stiff: f64) ->
 impl LinearSolver for BlockGaussSeidel {
     fn factorize(&mut self, system: &LinearSystem<'_>) -> Result<(), LinearError> {
         self.is_factorized = false;
-        self.factorize_blocks(system)?;
+        self.n_factorizations += 1;
+        let blocks = blocks(system.layout);
+        let mut block_of = vec![0; system.len()];
+        for (k, block) in blocks.iter().enumerate() {
+            block.members.iter().for_each(|i| block_of[*i as usize] = k);
+        }
+        let stiff = stiffly_coupled(system.matrix, &block_of, self.settings.stiff);
+        self.blocks.resize_with(blocks.len(), Subdomain::default);
+        for (k, (subdomain, block)) in self.blocks.iter_mut().zip(blocks).enumerate() {
+            let solver = self.settings.solvers.get(k).or(self.settings.solvers.last());
+            let solver = solver.copied().unwrap_or(BlockSolver::Lu);
+            subdomain.factorize(system, block.members, block.n_primal, solver)?;
+        }
+        let n_stiff = stiff.len();
+        let patched = self.patch.factorize(system, stiff, n_stiff, BlockSolver::Lu);
+        // A part of a saddle point may be singular where the whole is not; then the sweep runs without the patch.
+        if patched.is_err() {
+            self.patch.clear();
+        }
         self.is_factorized = true;
         Ok(())
     }
@@ -173,9 +168,9 @@ impl LinearSolver for BlockGaussSeidel {
             Ok(())
         };
         let settings = GmresSettings { tolerance, restart, max_iterations };
-        let report = self.gmres.solve_matrix(system.matrix, &mut sweep, &self.rhs, &mut self.solution, &settings)?;
+        let report = self.gmres.solve(system.matrix, &mut sweep, &self.rhs, &mut self.solution, &settings)?;
         system.unscale(&self.solution, x);
-        Ok(LinearReport { iterations: report.iterations, backward_error: report.residual })
+        Ok(report)
     }
 
     fn n_factorizations(&self) -> usize {

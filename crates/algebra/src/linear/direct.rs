@@ -27,7 +27,6 @@ pub struct DirectSolver {
     is_factorized: bool,
     /// Largest absolute row sum of the equilibrated matrix.
     norm: f64,
-    growth: f64,
     rhs: Vec<f64>,
     solution: Vec<f64>,
     residual: Vec<f64>,
@@ -43,11 +42,6 @@ impl DirectSolver {
     pub fn n_symbolic_factorizations(&self) -> usize {
         self.factors.n_symbolic
     }
-
-    /// Lower bound of the norm of the inverse of the last equilibrated matrix.
-    pub fn growth(&self) -> f64 {
-        self.growth
-    }
 }
 
 impl LinearSolver for DirectSolver {
@@ -61,7 +55,7 @@ impl LinearSolver for DirectSolver {
         self.norm = max_norm(row_sum);
         if !system.is_empty() {
             self.factors.factorize(matrix, &system.layout.nodes())?;
-            self.growth = self.factors.probe(system.len(), &mut self.solution)?;
+            self.factors.probe(system.len(), &mut self.solution)?;
         }
         self.is_factorized = true;
         Ok(())

@@ -87,12 +87,12 @@ impl Factors {
     }
 
     /// Solves once with a fixed right-hand side of `n` pseudo-random signs to see how large the inverse is.
-    pub(super) fn probe(&mut self, n: usize, solution: &mut Vec<f64>) -> Result<f64, LinearError> {
+    pub(super) fn probe(&mut self, n: usize, solution: &mut Vec<f64>) -> Result<(), LinearError> {
         solution.clear();
         solution.extend(signs().take(n));
         self.substitute(solution)?;
         let growth = max_norm(solution);
-        if growth < SINGULAR_GROWTH { Ok(growth) } else { Err(LinearError::Singular { growth }) }
+        if growth < SINGULAR_GROWTH { Ok(()) } else { Err(LinearError::Singular { growth }) }
     }
 
     /// Solves with the factors, in place.

@@ -2,7 +2,7 @@
 
 use sprs::CsMatI;
 
-use super::LinearError;
+use super::{LinearError, LinearReport};
 
 /// When to stop.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,15 +13,6 @@ pub struct GmresSettings {
     pub restart: usize,
     /// Most iterations.
     pub max_iterations: usize,
-}
-
-/// Statistics of an iterative solve.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct GmresReport {
-    /// Applications of the preconditioner.
-    pub iterations: usize,
-    /// True residual at the end, relative to the right-hand side.
-    pub residual: f64,
 }
 
 /// A linear map: writes the image of its first argument into the second.
@@ -48,22 +39,23 @@ pub struct Gmres {
 }
 
 impl Gmres {
-    /// Solves `A x = rhs` from the starting guess `x`.
+    /// Solves with a matrix compressed by columns, from zero.
     ///
     /// # Errors
-    /// [`LinearError::NotConverged`] after the last iteration, with the best solution in `x`; errors of the maps.
+    /// [`LinearError::NotConverged`] after the last iteration, with the best solution in `x`; errors of the preconditioner.
     pub fn solve(
         &mut self,
-        apply: &mut LinearMap<'_>,
+        matrix: &CsMatI<f64, u32>,
         precondition: &mut LinearMap<'_>,
         rhs: &[f64],
-        x: &mut [f64],
+        x: &mut Vec<f64>,
         settings: &GmresSettings,
-    ) -> Result<GmresReport, LinearError> {
+    ) -> Result<LinearReport, LinearError> {
+        x.clear();
+        x.resize(rhs.len(), 0.0);
         let size = norm(rhs);
-        let mut report = GmresReport::default();
+        let mut report = LinearReport::default();
         if size == 0.0 {
-            x.fill(0.0);
             return Ok(report);
         }
         if !size.is_finite() {
@@ -72,48 +64,30 @@ impl Gmres {
         let bound = settings.tolerance * size;
         let mut residual = vec![0.0; rhs.len()];
         loop {
-            apply(x, &mut residual)?;
+            multiply(matrix, x, &mut residual);
             residual.iter_mut().zip(rhs).for_each(|(r, b)| *r = b - *r);
             let left = norm(&residual);
-            report.residual = left / size;
+            report.backward_error = left / size;
             if left <= bound {
                 return Ok(report);
             }
             if report.iterations >= settings.max_iterations || !left.is_finite() {
-                return Err(LinearError::NotConverged { iterations: report.iterations, residual: report.residual });
+                let LinearReport { iterations, backward_error: residual } = report;
+                return Err(LinearError::NotConverged { iterations, residual });
             }
             let most = settings.restart.min(settings.max_iterations - report.iterations);
-            let n = self.cycle(apply, precondition, &residual, left, bound, most)?;
-            // A direction in the kernel of the operator counts as an iteration, although it does not reduce the residual.
+            let n = self.cycle(matrix, precondition, &residual, left, bound, most)?;
+            // A direction in the kernel of the matrix counts as an iteration, although it does not reduce the residual.
             report.iterations += n.max(1);
             self.correct(x, n);
         }
-    }
-
-    /// Solves with a matrix compressed by columns, from zero.
-    pub(super) fn solve_matrix(
-        &mut self,
-        matrix: &CsMatI<f64, u32>,
-        precondition: &mut LinearMap<'_>,
-        rhs: &[f64],
-        x: &mut Vec<f64>,
-        settings: &GmresSettings,
-    ) -> Result<GmresReport, LinearError> {
-        x.clear();
-        x.resize(rhs.len(), 0.0);
-        let mut apply = |x: &[f64], y: &mut [f64]| {
-            y.fill(0.0);
-            sprs::prod::mul_acc_mat_vec_csc(matrix.view(), x, y);
-            Ok(())
-        };
-        self.solve(&mut apply, precondition, rhs, x, settings)
     }
 
     /// Builds a basis of at most `most` vectors from a residual of norm `size`, until the residual of the least-squares
     /// problem is below the bound; returns how many directions there are.
     fn cycle(
         &mut self,
-        apply: &mut LinearMap<'_>,
+        matrix: &CsMatI<f64, u32>,
         precondition: &mut LinearMap<'_>,
         residual: &[f64],
         size: f64,
@@ -130,7 +104,7 @@ impl Gmres {
             set(&mut self.basis, k + 1, std::iter::repeat_n(0.0, residual.len()));
             let (known, next) = self.basis.split_at_mut(k + 1);
             let next = &mut next[0];
-            apply(&self.directions[k], next)?;
+            multiply(matrix, &self.directions[k], next);
             let before = norm(next);
             let mut column = vec![0.0; k + 1];
             for _ in 0..2 {
@@ -153,7 +127,7 @@ impl Gmres {
             }
             let length = column[k].hypot(below);
             if length == 0.0 {
-                // The direction is in the kernel of the operator.
+                // The direction is in the kernel of the matrix.
                 return Ok(k);
             }
             let (c, s) = (column[k] / length, below / length);
@@ -183,6 +157,12 @@ impl Gmres {
             x.iter_mut().zip(direction).for_each(|(x, d)| *x += weight * d);
         }
     }
+}
+
+/// Writes the product of a matrix and a vector.
+fn multiply(matrix: &CsMatI<f64, u32>, x: &[f64], y: &mut [f64]) {
+    y.fill(0.0);
+    sprs::prod::mul_acc_mat_vec_csc(matrix.view(), x, y);
 }
 
 /// Puts values into entry `k` of a list of vectors, in its memory if there is one.

@@ -3,7 +3,7 @@
 use sprs::CsMatI;
 
 use super::factors::Factors;
-use super::gmres::{Gmres, GmresReport, GmresSettings};
+use super::gmres::{Gmres, GmresSettings};
 use super::subdomain::{BlockSolver, Subdomain, with_neighbours};
 use super::{Equilibration, LinearError, LinearReport, LinearSolver, LinearSystem};
 use crate::DofKey;
@@ -269,7 +269,7 @@ impl LinearSolver for LaggedSolver {
         iterations += report.iterations;
         self.wants_factors |= report.iterations > self.settings.most_iterations;
         system.unscale(&self.solution, x);
-        Ok(LinearReport { iterations, backward_error: report.residual })
+        Ok(LinearReport { iterations, ..report })
     }
 
     fn n_factorizations(&self) -> usize {
@@ -283,10 +283,10 @@ impl LinearSolver for LaggedSolver {
 
 impl LaggedSolver {
     /// Runs FGMRES from zero for the scaled right-hand side.
-    fn iterate(&mut self, system: &LinearSystem<'_>, settings: &GmresSettings) -> Result<GmresReport, LinearError> {
+    fn iterate(&mut self, system: &LinearSystem<'_>, settings: &GmresSettings) -> Result<LinearReport, LinearError> {
         let (matrix, patch) = (system.matrix, &mut self.patch);
         let Some(base) = &mut self.base else { return Err(LinearError::NotFactorized) };
         let mut precondition = |r: &[f64], z: &mut [f64]| patch.apply(matrix, &mut base.factors, r, z);
-        self.gmres.solve_matrix(matrix, &mut precondition, &self.rhs, &mut self.solution, settings)
+        self.gmres.solve(matrix, &mut precondition, &self.rhs, &mut self.solution, settings)
     }
 }

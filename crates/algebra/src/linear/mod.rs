@@ -17,7 +17,7 @@ pub use block_gauss_seidel::{BlockGaussSeidel, BlockGaussSeidelSettings};
 pub use condition::{Scaling, condition_number};
 pub use direct::DirectSolver;
 pub use equilibration::Equilibration;
-pub use gmres::{Gmres, GmresReport, GmresSettings, LinearMap};
+pub use gmres::{Gmres, GmresSettings, LinearMap};
 pub use incomplete::Fill;
 pub use lagged::{LaggedSettings, LaggedSolver};
 pub use subdomain::BlockSolver;
@@ -64,7 +64,8 @@ pub trait LinearSolver: Send {
 pub struct LinearReport {
     /// Steps of iterative refinement, or iterations of an iterative method.
     pub iterations: usize,
-    /// `‖b − A x‖ / (‖A‖ ‖x‖ + ‖b‖)` in maximum norms of the equilibrated system.
+    /// Error of the solution of the equilibrated system. Direct solvers: `‖b − A x‖ / (‖A‖ ‖x‖ + ‖b‖)` in maximum norms;
+    /// iterative ones: `‖b − A x‖ / ‖b‖` in Euclidean norms.
     pub backward_error: f64,
 }
 

@@ -6,24 +6,26 @@ mod stripes;
 pub(crate) use affine::Affine;
 pub(crate) use stripes::Stripes;
 
+use std::ops::Range;
 use std::time::Instant;
 
 use rayon::prelude::*;
 
-use crate::pattern::ItemMap;
 use crate::scatter::stripes::Stripe;
-use crate::{Contributions, LocalSystem};
+use crate::{Contributions, LocalSystem, Pattern};
 
 /// Items of the largest contribution between two changes of contribution. Cells, faces and pieces are numbered alike, so that
 /// those of one round write to the same part of the matrix, and find it in the cache.
 const ITEMS_PER_ROUND: usize = 4096;
 
-/// A contribution and where its items go.
+/// A contribution and where its entries go.
 pub(crate) struct Work<'a> {
     /// Its number.
     pub(crate) index: usize,
     pub(crate) contribution: &'a dyn Contributions,
-    pub(crate) map: ItemMap<'a>,
+    pub(crate) pattern: &'a Pattern,
+    /// Its items among those of the pattern.
+    pub(crate) items: Range<usize>,
 }
 
 /// Recycled memory of each stripe: the local system, and the seconds that each contribution took.
@@ -45,7 +47,7 @@ impl Scatter {
         mut tell: impl FnMut(usize, f64),
     ) {
         self.of_stripe.resize_with(stripes.len(), Default::default);
-        let n_rounds = works.iter().map(|work| work.map.len()).max().unwrap_or(0).div_ceil(ITEMS_PER_ROUND);
+        let n_rounds = works.iter().map(|work| work.items.len()).max().unwrap_or(0).div_ceil(ITEMS_PER_ROUND);
         let run = |(k, (stripe, (local, seconds))): (usize, (&mut Stripe<'_>, &mut (LocalSystem, Vec<f64>)))| {
             if from_zero {
                 stripe.clear();
@@ -55,16 +57,17 @@ impl Scatter {
             for round in 0..n_rounds {
                 for (work, seconds) in works.iter().zip(seconds.iter_mut()) {
                     let begin = Instant::now();
-                    let items = work.map.len() * round / n_rounds..work.map.len() * (round + 1) / n_rounds;
-                    for item in items.filter(|item| stripes.touches(work.map.first() + item, k)) {
-                        let dofs = work.map.dofs(item);
+                    let (first, n_items) = (work.items.start, work.items.len());
+                    let items = first + n_items * round / n_rounds..first + n_items * (round + 1) / n_rounds;
+                    for item in items.filter(|item| stripes.touches(*item, k)) {
+                        let dofs = work.pattern.dofs(item);
                         if with_tangent {
                             local.reset(dofs.len());
                         } else {
                             local.reset_residual(dofs.len());
                         }
-                        work.contribution.add(item, x, local);
-                        stripe.add(dofs, work.map.positions(item), local.residual(), local.tangent());
+                        work.contribution.add(item - first, x, local);
+                        stripe.add(dofs, work.pattern.positions(item), local.residual(), local.tangent());
                     }
                     *seconds += begin.elapsed().as_secs_f64();
                 }

@@ -51,8 +51,8 @@ impl Stripes {
                 of_dof[bound(stripe)..bound(stripe + 1)].fill(stripe as u8);
             }
         }
-        self.of_item.extend(pattern.item_dofs().map(|dofs| {
-            let stripes = dofs.iter().map(|dof| of_dof[dof.index()]);
+        self.of_item.extend((0..pattern.n_items()).map(|item| {
+            let stripes = pattern.dofs(item).iter().map(|dof| of_dof[dof.index()]);
             stripes.fold([u8::MAX, 0], |[first, last], stripe| [first.min(stripe), last.max(stripe)])
         }));
         self

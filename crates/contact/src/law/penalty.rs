@@ -25,11 +25,6 @@ impl Penalty {
         non_negative("contact offset", offset)?;
         Ok(Self { gamma_contact_0, offset })
     }
-
-    /// `γ_C0`.
-    pub fn gamma_contact_0(&self) -> f64 {
-        self.gamma_contact_0
-    }
 }
 
 impl ContactLaw for Penalty {

@@ -3,7 +3,7 @@
 use mesh::search::{Feature, Foot, SurfaceIndex, VertexToFacet};
 use mesh::{Aabb, BoundaryMesh, FacetId, MAX_FACET_VERTICES, Placed, Point, Tensor, Vector, VertexId};
 
-use super::{Anchor, Candidates, Obstacle, Projection};
+use super::{Anchor, Obstacle, Projection};
 use crate::{Error, Positions};
 
 /// Distances below this, relative to the size of a facet, are round-off and have no direction.
@@ -104,14 +104,21 @@ impl<const D: usize> Obstacle<D> for DeformableObstacle<D> {
         points.iter().map(&mut project).collect()
     }
 
-    fn candidates(&self, slave: Placed<'_, D>, facets: &[FacetId], positions: &[Point<D>], reach: f64) -> Candidates {
+    fn candidates(
+        &self,
+        slave: Placed<'_, D>,
+        facets: &[FacetId],
+        positions: &[Point<D>],
+        reach: f64,
+    ) -> Vec<Vec<FacetId>> {
         let index = SurfaceIndex::new(&Placed::new(&self.boundary, positions));
         let mut near = Vec::new();
-        Candidates::from_lists(facets.iter().map(|&facet| {
+        let mut of_facet = |&facet: &FacetId| {
             let region = Aabb::of_points(&slave.facet_points(facet)[..D]).expanded(reach);
             index.facets_overlapping(&region, &mut near);
             near.iter().copied().filter(|f| self.may_touch[f.index()]).collect()
-        }))
+        };
+        facets.iter().map(&mut of_facet).collect()
     }
 }
 

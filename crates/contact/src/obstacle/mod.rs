@@ -51,36 +51,6 @@ impl<const D: usize> Projection<D> {
     }
 }
 
-/// For each facet of a slave, the facets of the obstacle that it may touch in one step.
-///
-/// Found once per step and then frozen, so that the sparsity pattern holds while projections move.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Candidates {
-    offsets: Vec<usize>,
-    facets: Vec<FacetId>,
-}
-
-impl Candidates {
-    /// From one list per facet of the slave.
-    pub fn from_lists(lists: impl IntoIterator<Item = Vec<FacetId>>) -> Self {
-        let mut candidates = Self { offsets: vec![0], facets: Vec::new() };
-        for list in lists {
-            candidates.facets.extend(list);
-            candidates.offsets.push(candidates.facets.len());
-        }
-        candidates
-    }
-
-    /// The list of entry `index`; empty for entries that are not there.
-    #[inline]
-    pub fn list(&self, index: usize) -> &[FacetId] {
-        match (self.offsets.get(index), self.offsets.get(index + 1)) {
-            (Some(&from), Some(&to)) => &self.facets[from..to],
-            _ => &[],
-        }
-    }
-}
-
 /// Geometry that a body must not enter.
 pub trait Obstacle<const D: usize>: Send + Sync + std::fmt::Debug {
     /// Returns the closest point to `x`, or `None` if no candidate has one.
@@ -101,8 +71,15 @@ pub trait Obstacle<const D: usize>: Send + Sync + std::fmt::Debug {
 
     /// For each of the slave's `facets`, the facets of the obstacle within `reach`, the slave as placed and the
     /// obstacle's vertices at `positions`. A rigid obstacle has none.
-    fn candidates(&self, slave: Placed<'_, D>, facets: &[FacetId], positions: &[Point<D>], reach: f64) -> Candidates {
-        let _ = (slave, facets, positions, reach);
-        Candidates::default()
+    ///
+    /// They are found once per step and then frozen, so that the sparsity pattern holds while projections move.
+    fn candidates(
+        &self,
+        _slave: Placed<'_, D>,
+        facets: &[FacetId],
+        _positions: &[Point<D>],
+        _reach: f64,
+    ) -> Vec<Vec<FacetId>> {
+        vec![Vec::new(); facets.len()]
     }
 }

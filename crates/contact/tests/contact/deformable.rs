@@ -59,12 +59,8 @@ fn gap_is_the_signed_distance<const D: usize>() {
 }
 
 #[test]
-fn gap_is_the_signed_distance_in_2d() {
+fn gap_is_the_signed_distance_in_2d_and_3d() {
     gap_is_the_signed_distance::<2>();
-}
-
-#[test]
-fn gap_is_the_signed_distance_in_3d() {
     gap_is_the_signed_distance::<3>();
 }
 
@@ -142,12 +138,8 @@ fn tangent_is_exact<const D: usize>(
 }
 
 #[test]
-fn tangent_is_exact_in_2d() {
+fn tangent_is_exact_in_2d_and_3d() {
     tangent_is_exact::<2>(penalty(), 1, 1, |_| true);
-}
-
-#[test]
-fn tangent_is_exact_in_3d() {
     // Each time another sixth of the facets: there are many points between two surfaces of triangles.
     tangent_is_exact::<3>(penalty(), 6, 1, |_| true);
 }
@@ -195,12 +187,8 @@ fn action_is_reaction<const D: usize>() {
 }
 
 #[test]
-fn action_is_reaction_in_2d() {
+fn action_is_reaction_in_2d_and_3d() {
     action_is_reaction::<2>();
-}
-
-#[test]
-fn action_is_reaction_in_3d() {
     action_is_reaction::<3>();
 }
 

@@ -64,12 +64,8 @@ fn no_force_above_the_offset<const D: usize>() {
 }
 
 #[test]
-fn no_force_above_the_offset_in_2d() {
+fn no_force_above_the_offset_in_2d_and_3d() {
     no_force_above_the_offset::<2>();
-}
-
-#[test]
-fn no_force_above_the_offset_in_3d() {
     no_force_above_the_offset::<3>();
 }
 
@@ -106,12 +102,8 @@ fn is_base<const D: usize>(body: &ElasticBody<D>, facet: FacetId) -> bool {
 }
 
 #[test]
-fn resultant_is_law_times_area_in_2d() {
+fn resultant_is_law_times_area_in_2d_and_3d() {
     resultant_is_law_times_area::<2>();
-}
-
-#[test]
-fn resultant_is_law_times_area_in_3d() {
     resultant_is_law_times_area::<3>();
 }
 
@@ -135,12 +127,8 @@ fn tangent_is_exact<const D: usize>(
 }
 
 #[test]
-fn tangent_is_exact_in_2d() {
+fn tangent_is_exact_in_2d_and_3d() {
     tangent_is_exact::<2>(penalty(), 1, |_| true, (1e-7, 1e-8));
-}
-
-#[test]
-fn tangent_is_exact_in_3d() {
     tangent_is_exact::<3>(penalty(), 1, |_| true, (1e-7, 1e-8));
 }
 

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use algebra::{
-    BlockLayout, Constraints, Contributions, DofId, Equations, Integral, LocalSystem, NewtonReport, NewtonSettings,
-    Sites, Workspace,
+    BlockLayout, BlockSystem, Constraints, Contributions, Equations, Integral, NewtonReport, NewtonSettings, Sites,
+    Workspace,
 };
 use body::{Body, BodyState, BodyStep, StepTime};
 use contact::terms::ContactWork;
@@ -139,21 +139,10 @@ impl Random {
 
 /// Residual of a contact.
 pub(crate) fn residual<const D: usize>(sites: &ContactSites<'_, D>, x: &[f64]) -> Vec<f64> {
-    let contribution = work(sites.clone());
-    let mut sum = vec![0.0; x.len()];
-    let (mut dofs, mut local): (Vec<DofId>, _) = (Vec::new(), LocalSystem::new());
-    for item in 0..contribution.len() {
-        dofs.clear();
-        contribution.dofs(item, &mut dofs);
-        let mut sorted = dofs.clone();
-        sorted.sort_unstable();
-        sorted.dedup();
-        assert_eq!(sorted.len(), dofs.len(), "dofs of an item are distinct");
-        local.reset(dofs.len());
-        contribution.add(item, x, &mut local);
-        dofs.iter().zip(local.residual()).for_each(|(d, r)| sum[d.index()] += r);
-    }
-    sum
+    let work = work(sites.clone());
+    let mut system = BlockSystem::new(sites.layout(), &[&work], &Constraints::new());
+    system.assemble_residual(&[&work], x);
+    system.residual().to_vec()
 }
 
 /// Number of active points at which a condition holds.

@@ -461,12 +461,8 @@ mod tests {
     }
 
     #[test]
-    fn division_keeps_the_volume_in_2d() {
+    fn division_keeps_the_volume_in_2d_and_3d() {
         check_division::<2>();
-    }
-
-    #[test]
-    fn division_keeps_the_volume_in_3d() {
         check_division::<3>();
     }
 }

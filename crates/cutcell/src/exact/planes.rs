@@ -61,17 +61,15 @@ impl<const D: usize> Planes<'_, D> {
 
     /// Returns the points that define a plane; only the first `D` are used.
     fn points(&self, plane: Plane) -> [Point<D>; 3] {
-        let mut points = [Point::zeros(); 3];
         match plane.kind() {
-            PlaneKind::Mesh(facet) => {
-                for (slot, &v) in points.iter_mut().zip(self.background.facet(facet)) {
-                    *slot = self.background.vertex(v);
-                }
+            PlaneKind::Mesh(facet) => self.background.facet_points(facet),
+            PlaneKind::Facet(f) => {
+                let mut points = [Point::zeros(); 3];
+                points[..D].copy_from_slice(self.facets[f as usize].points());
+                points
             }
-            PlaneKind::Facet(f) => points[..D].copy_from_slice(self.facets[f as usize].points()),
-            PlaneKind::Rim(f, local) => points = self.facets[f as usize].rim_points(local),
+            PlaneKind::Rim(f, local) => self.facets[f as usize].rim_points(local),
         }
-        points
     }
 
     /// Returns the surface vertices on a plane that follow from its definition, and their number.

@@ -93,6 +93,5 @@ fn check_divergence<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D
 
 /// Unit normal of a face, out of its first cell.
 fn face_normal<const D: usize>(background: &SimplexMesh<D>, facet: FacetId) -> Vector<D> {
-    let points: Vec<Point<D>> = background.facet(facet).iter().map(|&v| background.vertex(v)).collect();
-    facet_normal(&points)
+    facet_normal(&background.facet_points(facet)[..D])
 }

@@ -4,13 +4,13 @@ use std::sync::Arc;
 
 use algebra::time::{GeneralisedAlpha, ImplicitEuler};
 use mesh::{FacetId, SimplexMesh, Vector};
+use solid_rigid::RigidBody;
+use solid_rigid::modes::n_rotations;
 use solid_svk::supports::{facets_without_tags, tagged_facets, vertices_of};
 use solid_svk::{
     ElasticBody, ElasticOptions, LameParameters, Load, SaintVenantKirchhoff, SolidForm, SolidMesh, Support, SupportKind,
 };
 use solver::body::Body as AnyBody;
-use solver::solid_rigid::RigidBody;
-use solver::solid_rigid::modes::n_rotations;
 
 use super::error::{ErrorKind, Location, ScenarioError};
 use super::field::Field;

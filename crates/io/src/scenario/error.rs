@@ -140,7 +140,7 @@ pub enum ErrorKind {
     Solid(#[from] solid_svk::Error),
     /// Invalid data of a rigid body.
     #[error(transparent)]
-    Rigid(#[from] solver::solid_rigid::Error),
+    Rigid(#[from] solid_rigid::Error),
     /// Invalid data of a contact.
     #[error(transparent)]
     Contact(#[from] contact::Error),

@@ -146,12 +146,8 @@ mod tests {
     }
 
     #[test]
-    fn bricks_fill_the_box_in_2d() {
+    fn bricks_fill_the_box_in_2d_and_3d() {
         fills_the_box::<2>([3, 5]);
-    }
-
-    #[test]
-    fn bricks_fill_the_box_in_3d() {
         fills_the_box::<3>([2, 3, 4]);
     }
 

@@ -95,12 +95,8 @@ mod tests {
     }
 
     #[test]
-    fn is_consistent_in_2d() {
+    fn is_consistent_in_2d_and_3d() {
         is_consistent::<2>();
-    }
-
-    #[test]
-    fn is_consistent_in_3d() {
         is_consistent::<3>();
     }
 

@@ -95,12 +95,8 @@ mod tests {
     }
 
     #[test]
-    fn is_a_material_in_2d() {
+    fn is_a_material_in_2d_and_3d() {
         is_a_material::<2>();
-    }
-
-    #[test]
-    fn is_a_material_in_3d() {
         is_a_material::<3>();
     }
 

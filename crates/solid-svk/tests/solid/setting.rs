@@ -2,7 +2,8 @@
 
 use algebra::time::{Level, StepRule, TimeScheme};
 use algebra::{
-    BlockLayout, Constraints, Contributions, DofId, Equations, FieldId, NewtonReport, NewtonSettings, Workspace,
+    BlockLayout, BlockSystem, Constraints, Contributions, DofId, Equations, FieldId, NewtonReport, NewtonSettings,
+    Workspace,
 };
 use mesh::{Point, Vector};
 use solid_svk::{LameParameters, SaintVenantKirchhoff, SolidCells, SolidForm, SolidMesh};
@@ -59,7 +60,7 @@ pub(crate) fn advance<const D: usize>(
 ) -> Level<Vector<D>> {
     let (layout, field) = one_field(mesh);
     let rule = rule(scheme, dt, level);
-    let cells = SolidCells::new(mesh, &rule, &layout, field);
+    let cells = SolidCells { solid: mesh, rule: &rule, layout: &layout, velocity: field };
     let mut x = state(&layout, field, &level.velocity);
     let contributions: Vec<Box<dyn Contributions + '_>> =
         vec![Box::new(form.inertia_and_body_force(cells)), Box::new(form.internal_work(cells))];
@@ -117,19 +118,10 @@ impl Random {
 }
 
 /// Sum of the residuals of contributions.
-pub(crate) fn residual(contributions: &[&dyn Contributions], x: &[f64]) -> Vec<f64> {
-    let mut sum = vec![0.0; x.len()];
-    let (mut dofs, mut local) = (Vec::new(), algebra::LocalSystem::new());
-    for contribution in contributions {
-        for item in 0..contribution.len() {
-            dofs.clear();
-            contribution.dofs(item, &mut dofs);
-            local.reset(dofs.len());
-            contribution.add(item, x, &mut local);
-            dofs.iter().zip(local.residual()).for_each(|(d, r)| sum[d.index()] += r);
-        }
-    }
-    sum
+pub(crate) fn residual(layout: &BlockLayout, contributions: &[&dyn Contributions], x: &[f64]) -> Vec<f64> {
+    let mut system = BlockSystem::new(layout, contributions, &Constraints::new());
+    system.assemble_residual(contributions, x);
+    system.residual().to_vec()
 }
 
 pub(crate) fn largest(values: &[f64]) -> f64 {

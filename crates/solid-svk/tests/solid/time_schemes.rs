@@ -31,12 +31,8 @@ fn translates_and_falls_exactly<const D: usize>() {
 }
 
 #[test]
-fn translates_and_falls_exactly_in_2d() {
+fn translates_and_falls_exactly_in_2d_and_3d() {
     translates_and_falls_exactly::<2>();
-}
-
-#[test]
-fn translates_and_falls_exactly_in_3d() {
     translates_and_falls_exactly::<3>();
 }
 
