@@ -8,41 +8,45 @@ pub type Local = [f64; 3];
 /// Cosine of the angle below which a normal is close to a coordinate axis. One of the axes is always farther away.
 const CLOSE: f64 = 0.8;
 
-/// An orthonormal frame whose first axis is the normal `n^w`, with the derivatives of its axes with respect to `n^w`.
+/// An orthonormal frame whose first axis is the normal `n^w`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame<const D: usize> {
     /// The axes; the first `D` count.
     pub axes: [Vector<D>; 3],
-    /// `by_normal[i]` maps a change of the normal to that of axis `i`.
-    pub by_normal: [Tensor<D>; 3],
 }
 
 impl<const D: usize> Frame<D> {
     /// Creates the frame of a unit normal. In the plane the tangent is the normal turned by a right angle. In space the
     /// first tangent lies in the plane of the normal and the first coordinate axis that is not close to it. Frames are
     /// smooth around normals along the axes.
+    #[inline]
     pub fn new(normal: Vector<D>) -> Self {
-        let mut frame = Self { axes: [Vector::zeros(); 3], by_normal: [Tensor::zeros(); 3] };
-        frame.axes[0] = normal;
-        frame.by_normal[0] = Tensor::identity();
+        let mut axes = [normal, Vector::zeros(), Vector::zeros()];
         if D == 2 {
-            frame.by_normal[1] = Tensor::from_fn(|i, j| j as f64 - i as f64);
-            frame.by_normal[1].neg_mut();
-            frame.axes[1] = frame.by_normal[1] * normal;
+            axes[1] = right_angle() * normal;
         } else {
-            let mut axis = Vector::<D>::zeros();
-            axis[normal.iter().position(|component| component.abs() < CLOSE).unwrap_or(0)] = 1.0;
-            let along = axis.dot(&normal);
-            let across = axis - normal * along;
-            let length = across.norm();
-            let tangent = across / length;
-            let by_normal = -(normal * axis.transpose() + Tensor::identity() * along) / length;
-            frame.axes[1] = tangent;
-            frame.by_normal[1] = by_normal - tangent * (tangent.transpose() * by_normal);
-            frame.axes[2] = cross(&normal) * tangent;
-            frame.by_normal[2] = cross(&normal) * frame.by_normal[1] - cross(&tangent);
+            let (along, axis) = tangential(&normal);
+            axes[1] = (axis - normal * along).normalize();
+            axes[2] = cross(&normal) * axes[1];
         }
-        frame
+        Self { axes }
+    }
+
+    /// Computes the derivatives of the axes with respect to the normal: the tensor of axis `i` maps a change of the normal to
+    /// that of the axis.
+    pub fn by_normal(&self) -> [Tensor<D>; 3] {
+        let mut by_normal = [Tensor::identity(), Tensor::zeros(), Tensor::zeros()];
+        if D == 2 {
+            by_normal[1] = right_angle();
+        } else {
+            let [normal, tangent, _] = self.axes;
+            let (along, axis) = tangential(&normal);
+            let length = (axis - normal * along).norm();
+            let change = -(normal * axis.transpose() + Tensor::identity() * along) / length;
+            by_normal[1] = change - tangent * (tangent.transpose() * change);
+            by_normal[2] = cross(&normal) * by_normal[1] - cross(&tangent);
+        }
+        by_normal
     }
 
     /// Components of a vector.
@@ -56,6 +60,18 @@ impl<const D: usize> Frame<D> {
     pub fn vector(&self, components: &Local) -> Vector<D> {
         self.axes.iter().zip(components).map(|(axis, value)| axis * *value).sum()
     }
+}
+
+/// The rotation by a right angle in the plane, clockwise.
+fn right_angle<const D: usize>() -> Tensor<D> {
+    Tensor::from_fn(|i, j| i as f64 - j as f64)
+}
+
+/// The component of a unit normal along the first coordinate axis that is not close to it, and that axis.
+fn tangential<const D: usize>(normal: &Vector<D>) -> (f64, Vector<D>) {
+    let mut axis = Vector::<D>::zeros();
+    axis[normal.iter().position(|component| component.abs() < CLOSE).unwrap_or(0)] = 1.0;
+    (axis.dot(normal), axis)
 }
 
 /// The matrix of `w -> v × w`, in space.
@@ -86,7 +102,7 @@ mod tests {
                 let h = 1e-6;
                 let at = |h: f64| Frame::new((normal + tangent * h).normalize()).axes[i];
                 let difference = (at(h) - at(-h)) / (2.0 * h);
-                assert!((frame.by_normal[i] * tangent - difference).norm() < 1e-9, "{i}");
+                assert!((frame.by_normal()[i] * tangent - difference).norm() < 1e-9, "{i}");
             }
         }
         let v = Vector::<D>::from_fn(|a, _| 1.0 + a as f64);

@@ -1,8 +1,8 @@
 //! Contact points as terms see them.
 
-use mesh::{MAX_FACET_VERTICES, Vector};
+use mesh::{MAX_FACET_VERTICES, Point, Tensor, Vector};
 
-use crate::{ContactPoint, ContactTraction, Frame, Projection};
+use crate::{Anchor, ContactPoint, ContactTraction, Frame, Projection};
 
 /// Vertices that can take part at one point: those of the slave's facet and those of the anchor.
 pub(crate) const MAX_NODES: usize = 2 * MAX_FACET_VERTICES;
@@ -58,6 +58,29 @@ pub struct ContactSite<const D: usize> {
 }
 
 impl<const D: usize> ContactSite<D> {
+    /// Creates a point without weight and nodes.
+    pub(crate) fn new() -> Self {
+        let projection = Projection {
+            point: Point::zeros(),
+            normal: Vector::zeros(),
+            normal_gradient: Tensor::zeros(),
+            anchor: Anchor::Fixed,
+        };
+        Self {
+            number: 0,
+            weight: 0.0,
+            projection,
+            frame: Frame { axes: [Vector::zeros(); 3] },
+            stress: Vector::zeros(),
+            stress_derivatives: Vec::new(),
+            at: ContactPoint::default(),
+            traction: ContactTraction::default(),
+            is_active: false,
+            nodes: [ContactNode::none(); MAX_NODES],
+            n_nodes: 0,
+        }
+    }
+
     /// The vertices that take part, those of the slave first.
     #[inline]
     pub fn nodes(&self) -> &[ContactNode<D>] {

@@ -7,7 +7,7 @@ use body::{SurfaceMotion, SurfaceStress};
 use mesh::{BoundaryMesh, FacetId, MAX_FACET_VERTICES, Placed, Point, SimplexRule, Vector, VertexId, positive};
 
 use crate::segments::{Segment, divide};
-use crate::site::{ContactNode, MAX_NODES};
+use crate::site::ContactNode;
 use crate::{Anchor, ContactLaw, ContactPoint, ContactSite, ContactTraction, Error, Frame, Obstacle, Positions};
 
 /// Law, contact size and quadrature of a contact: everything constant in time but the bodies.
@@ -191,57 +191,45 @@ impl<'a, const D: usize> ContactSites<'a, D> {
         (position, ContactNode { row, slope: surface.slope, displacement, velocity, ..ContactNode::none() })
     }
 
-    /// One point with its number and weight, given its position and the nodes of the slave; `None` without an obstacle in
-    /// reach.
-    fn site(
+    /// Evaluates a point, given its position and, in `site`, its weight and the nodes of the slave. Returns whether an
+    /// obstacle is in reach.
+    #[inline]
+    fn evaluate(
         &self,
         item: &Item<D>,
-        (number, weight): (usize, f64),
         position: &Point<D>,
         barycentric: &[f64; D],
-        slave: &[ContactNode<D>; MAX_NODES],
         x: &[f64],
-    ) -> Option<ContactSite<D>> {
+        site: &mut ContactSite<D>,
+    ) -> bool {
         let ContactPair { form, obstacle, master, dt, .. } = self.pair;
-        let projection = obstacle.project(position, Positions::at_end(master, self.layout, x), &item.candidates)?;
-        let (mut nodes, mut n_nodes) = (*slave, D);
+        let positions = Positions::at_end(master, self.layout, x);
+        let Some(projection) = obstacle.project(position, positions, &item.candidates) else { return false };
+        site.n_nodes = D;
         if let (Anchor::Facet { facet, barycentric, barycentric_gradient }, Some(master)) = (projection.anchor, master)
         {
             for (k, &vertex) in master.boundary.facet(facet).iter().enumerate() {
                 let Ok(local) = item.masters.binary_search_by_key(&vertex, |(vertex, _)| *vertex) else { continue };
-                nodes[D + k] = self.node(master, vertex, item.masters[local].1, x).1;
-                nodes[D + k].share = -barycentric[k];
-                nodes[D + k].gradient = barycentric_gradient[k];
-                n_nodes = D + k + 1;
+                let node = self.node(master, vertex, item.masters[local].1, x).1;
+                site.nodes[D + k] = ContactNode { share: -barycentric[k], gradient: barycentric_gradient[k], ..node };
+                site.n_nodes = D + k + 1;
             }
         }
-        let frame = Frame::new(projection.normal);
-        let slip: Vector<D> = nodes[..n_nodes].iter().map(|node| node.displacement * node.share).sum();
-        let [_, slip @ ..] = frame.components(&slip);
+        site.projection = projection;
+        site.frame = Frame::new(projection.normal);
+        let slip: Vector<D> = site.nodes().iter().map(|node| node.displacement * node.share).sum();
+        let [_, slip @ ..] = site.frame.components(&slip);
         let gap = projection.gap(position);
-        let mut at = ContactPoint { gap, slip, size: form.size, dt, ..ContactPoint::default() };
-        let (mut stress, mut stress_derivatives) = (Vector::zeros(), Vec::new());
-        if let Some(source) = &self.pair.stress {
+        site.at = ContactPoint { gap, slip, size: form.size, dt, ..ContactPoint::default() };
+        if let Some(stress) = &self.pair.stress {
             let mut derivatives = Vec::new();
-            stress = source.at(item.facet, barycentric, x, &mut derivatives);
-            stress_derivatives = item.stress_rows.iter().copied().zip(derivatives).collect();
-            at.stress = frame.components(&stress);
+            site.stress = stress.at(item.facet, barycentric, x, &mut derivatives);
+            site.stress_derivatives = item.stress_rows.iter().copied().zip(derivatives).collect();
+            site.at.stress = site.frame.components(&site.stress);
         }
-        let is_active = form.law.is_active(&at);
-        let traction = if is_active { form.law.traction(&at) } else { ContactTraction::default() };
-        Some(ContactSite {
-            number,
-            weight,
-            projection,
-            frame,
-            stress,
-            stress_derivatives,
-            at,
-            traction,
-            is_active,
-            nodes,
-            n_nodes,
-        })
+        site.is_active = form.law.is_active(&site.at);
+        site.traction = if site.is_active { form.law.traction(&site.at) } else { ContactTraction::default() };
+        true
     }
 }
 
@@ -259,9 +247,9 @@ impl<const D: usize> Sites for ContactSites<'_, D> {
     fn visit(&self, item: usize, x: &[f64], mut visit: impl FnMut(&Self::Site)) {
         let (item, slave, rule) = (&self.items.items[item], self.pair.slave, &self.pair.form.rule);
         let mut points = [Point::zeros(); D];
-        let mut nodes = [ContactNode::none(); MAX_NODES];
+        let mut site = ContactSite::new();
         for (k, &vertex) in slave.boundary.facet(item.facet).iter().enumerate() {
-            (points[k], nodes[k]) = self.node(slave, vertex, slave.field().map(|_| D * k), x);
+            (points[k], site.nodes[k]) = self.node(slave, vertex, slave.field().map(|_| D * k), x);
         }
         for (s, segment) in item.segments.iter().enumerate() {
             let measure = segment.share * item.measure;
@@ -269,11 +257,11 @@ impl<const D: usize> Sites for ContactSites<'_, D> {
                 let shape = segment.at(point);
                 let mut position = Point::zeros();
                 for k in 0..D {
-                    nodes[k].share = shape[k];
+                    site.nodes[k].share = shape[k];
                     position += points[k] * shape[k];
                 }
-                let place = (s * rule.weights().len() + q, weight * measure);
-                if let Some(site) = self.site(item, place, &position, &shape, &nodes, x) {
+                (site.number, site.weight) = (s * rule.weights().len() + q, weight * measure);
+                if self.evaluate(item, &position, &shape, x, &mut site) {
                     visit(&site);
                 }
             }

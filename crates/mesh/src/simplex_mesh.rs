@@ -6,8 +6,8 @@ use crate::search::CellIndex;
 use crate::simplex::points_of;
 use crate::topology::Topology;
 use crate::{
-    BoundaryMesh, CellId, Error, FacetId, MAX_CELL_VERTICES, MAX_FACET_VERTICES, Point, Simplex, Tag, Vector, VertexId, facet_normal,
-    simplex_measure,
+    BoundaryMesh, CellId, Error, FacetId, MAX_CELL_VERTICES, MAX_FACET_VERTICES, Point, Simplex, Tag, Vector, VertexId,
+    facet_normal, simplex_measure,
 };
 
 /// A conforming mesh of triangles (D = 2) or tetrahedra (D = 3), immutable after construction.

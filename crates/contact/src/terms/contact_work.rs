@@ -66,7 +66,7 @@ fn force_by_position<const D: usize>(site: &ContactSite<D>, b: &ContactNode<D>) 
     let by_gap = frame.vector(&law.by_gap);
     let mut by_position = by_gap * n.transpose() * -b.share;
     // Axes turn with the normal, and with them the components of slip and stress.
-    let axes = frame.by_normal.map(|axis| axis * by_normal);
+    let axes = frame.by_normal().map(|axis| axis * by_normal);
     for (value, axis) in law.value.iter().zip(&axes) {
         by_position += axis * *value;
     }
