@@ -1,17 +1,18 @@
 //! Triangulated surfaces from files: STL (ASCII and binary) and OBJ.
 
-mod coordinates;
-mod malformed;
 mod obj;
 mod stl;
 
 use std::collections::HashMap;
 use std::path::Path;
+use std::str::SplitWhitespace;
 
 use mesh::{BoundaryMesh, Placed, Point, VertexId};
 
 use crate::Error;
-pub use malformed::{Malformed, Place};
+use crate::files::{extension, read};
+
+type Triangle = [[f64; 3]; 3];
 
 /// A surface without a volume mesh: vertices and oriented triangles.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,14 +30,13 @@ impl Surface {
     /// # Errors
     /// [`Error::Read`], [`Error::Surface`] with the line (or byte) and the cause.
     pub fn read(path: &Path) -> Result<Self, Error> {
-        let bytes = std::fs::read(path).map_err(|source| Error::Read { path: path.to_owned(), source })?;
-        let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
-        let triangles = match extension.as_deref() {
-            Some("stl") => stl::parse(&bytes),
-            Some("obj") => obj::parse(&bytes),
-            _ => Err(Malformed { at: Place::Name, what: "its name must end in .stl or .obj".to_owned() }),
+        let bytes = read(path)?;
+        let triangles = match extension(path).as_str() {
+            "stl" => stl::parse(&bytes),
+            "obj" => obj::parse(&bytes),
+            _ => Err("its name must end in .stl or .obj".to_owned()),
         };
-        let triangles = triangles.map_err(|malformed| Error::Surface { path: path.to_owned(), malformed })?;
+        let triangles = triangles.map_err(|problem| Error::Surface { path: path.to_owned(), problem })?;
         Ok(Self::weld(&triangles))
     }
 
@@ -90,4 +90,23 @@ impl Surface {
     pub fn placed(&self) -> Placed<'_, 3> {
         Placed::new(&self.boundary, &self.positions)
     }
+}
+
+/// Reads a text by the words of its lines; an error gets the number of the line.
+fn for_each_line(text: &str, mut read: impl FnMut(SplitWhitespace<'_>) -> Result<(), String>) -> Result<(), String> {
+    text.lines()
+        .enumerate()
+        .try_for_each(|(k, line)| read(line.split_whitespace()).map_err(|what| format!("line {}: {what}", k + 1)))
+}
+
+fn coordinates<'a>(mut words: impl Iterator<Item = &'a str>) -> Result<[f64; 3], String> {
+    let mut x = [0.0_f64; 3];
+    for slot in &mut x {
+        let word = words.next().ok_or("a vertex needs three coordinates")?;
+        *slot = word.parse().map_err(|_| format!("`{word}` is not a number"))?;
+        if !slot.is_finite() {
+            return Err(format!("the coordinate `{word}` is not finite"));
+        }
+    }
+    Ok(x)
 }
