@@ -67,7 +67,7 @@ impl CutSummary {
             domain_volume,
             fluid_volume,
             solid_volume: domain_volume - fluid_volume,
-            surface_area: cut.interface().iter().map(|piece| piece.measure).sum(),
+            surface_area: sum(cut.interface().iter().map(|piece| piece.measure)),
             smallest_fraction: report.smallest_fraction,
             seconds: CutSeconds { classify, clip, quadrature, total: classify + clip + quadrature },
             max_relative_error: check(background, cut, moment),

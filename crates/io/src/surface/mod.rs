@@ -1,18 +1,16 @@
 //! Triangulated surfaces from files: STL (ASCII and binary) and OBJ.
 
+mod lines;
 mod obj;
 mod stl;
 
 use std::collections::HashMap;
 use std::path::Path;
-use std::str::SplitWhitespace;
 
 use mesh::{BoundaryMesh, Placed, Point, VertexId};
 
 use crate::Error;
 use crate::files::{extension, read};
-
-type Triangle = [[f64; 3]; 3];
 
 /// A surface without a volume mesh: vertices and oriented triangles.
 #[derive(Clone, Debug, PartialEq)]
@@ -90,23 +88,4 @@ impl Surface {
     pub fn placed(&self) -> Placed<'_, 3> {
         Placed::new(&self.boundary, &self.positions)
     }
-}
-
-/// Reads a text by the words of its lines; an error gets the number of the line.
-fn for_each_line(text: &str, mut read: impl FnMut(SplitWhitespace<'_>) -> Result<(), String>) -> Result<(), String> {
-    text.lines()
-        .enumerate()
-        .try_for_each(|(k, line)| read(line.split_whitespace()).map_err(|what| format!("line {}: {what}", k + 1)))
-}
-
-fn coordinates<'a>(mut words: impl Iterator<Item = &'a str>) -> Result<[f64; 3], String> {
-    let mut x = [0.0_f64; 3];
-    for slot in &mut x {
-        let word = words.next().ok_or("a vertex needs three coordinates")?;
-        *slot = word.parse().map_err(|_| format!("`{word}` is not a number"))?;
-        if !slot.is_finite() {
-            return Err(format!("the coordinate `{word}` is not finite"));
-        }
-    }
-    Ok(x)
 }

@@ -1,6 +1,6 @@
 //! Wavefront OBJ: vertices and faces; everything else is ignored.
 
-use super::{Triangle, coordinates, for_each_line};
+use super::lines::{Triangle, coordinates, for_each_line};
 
 /// Returns the corners of all triangles; faces with more corners are fanned.
 pub(super) fn parse(bytes: &[u8]) -> Result<Vec<Triangle>, String> {

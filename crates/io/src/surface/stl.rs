@@ -1,6 +1,6 @@
 //! STL, ASCII and binary.
 
-use super::{Triangle, coordinates, for_each_line};
+use super::lines::{Triangle, coordinates, for_each_line};
 
 const HEADER: usize = 80;
 const RECORD: usize = 50;
