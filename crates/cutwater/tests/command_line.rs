@@ -20,6 +20,15 @@ fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
+/// Draws the picture of a run.
+fn check_picture(directory: &Path) {
+    let picture = directory.join("run.png");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_cutwater"));
+    let drawn = command.arg("report").arg(directory).arg("--picture").arg(&picture).output().expect("a start");
+    assert!(drawn.status.success(), "{}", text(&drawn.stderr));
+    assert!(std::fs::read(&picture).expect("a picture").starts_with(b"\x89PNG"));
+}
+
 #[test]
 fn check_prints_sizes_and_runs_nothing() {
     let output = cutwater(&["check"]);
@@ -45,11 +54,7 @@ fn run_writes_into_the_directory_and_prints_lines() {
     let again = Command::new(env!("CARGO_BIN_EXE_cutwater")).arg("report").arg(&directory).output().expect("a start");
     assert!(again.status.success() && text(&again.stdout).trim().ends_with("report.html"));
     assert_eq!(std::fs::read_to_string(directory.join("report.html")).expect("a page"), page);
-    let picture = directory.join("run.png");
-    let mut command = Command::new(env!("CARGO_BIN_EXE_cutwater"));
-    let drawn = command.arg("report").arg(&directory).arg("--picture").arg(&picture).output().expect("a start");
-    assert!(drawn.status.success(), "{}", text(&drawn.stderr));
-    assert!(std::fs::read(&picture).expect("a picture").starts_with(b"\x89PNG"));
+    check_picture(&directory);
     std::fs::remove_file(directory.join("report.html")).expect("the page");
     let quiet = cutwater(&["run", "--out", &shown, "--quiet", "--no-report"]);
     assert!(quiet.status.success() && quiet.stdout.is_empty() && quiet.stderr.is_empty());
@@ -82,11 +87,7 @@ fn a_scenario_without_a_fluid_is_checked_run_and_reported() {
     assert!(printed.contains("t = 0.0030 ms, d_min") && printed.contains(" mm,"), "{printed}");
     let page = std::fs::read_to_string(directory.join("report.html")).expect("a page");
     assert!(page.contains("unknowns, at most") && !page.contains("interior penalty of the velocity"));
-    let picture = directory.join("run.png");
-    let mut binary = Command::new(env!("CARGO_BIN_EXE_cutwater"));
-    let drawn = binary.arg("report").arg(&directory).arg("--picture").arg(&picture).output().expect("a start");
-    assert!(drawn.status.success(), "{}", text(&drawn.stderr));
-    assert!(std::fs::read(&picture).expect("a picture").starts_with(b"\x89PNG"));
+    check_picture(&directory);
 }
 
 /// Calls, and milliseconds per step, of the line of the table that begins with a name.

@@ -26,27 +26,10 @@ fn json_is_one_object_with_the_promised_keys() {
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     let printed = text(&output.stdout);
     let mut rest = printed.as_str();
-    for key in [
-        "cells",
-        "cut_cells",
-        "covered_cells",
-        "parts_max",
-        "domain_volume",
-        "fluid_volume",
-        "solid_volume",
-        "surface_area",
-        "smallest_fraction",
-        "seconds",
-        "classify",
-        "clip",
-        "quadrature",
-        "total",
-        "max_relative_error",
-        "partition",
-        "normals",
-        "divergence",
-        "adjacency",
-    ] {
+    let keys = "cells cut_cells covered_cells parts_max domain_volume fluid_volume solid_volume surface_area \
+                smallest_fraction seconds classify clip quadrature total max_relative_error partition normals divergence \
+                adjacency";
+    for key in keys.split(' ') {
         let quoted = format!("\"{key}\":");
         let at = rest.find(&quoted).unwrap_or_else(|| panic!("{key} in {printed}"));
         rest = &rest[at + quoted.len()..];

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use cutcell::{CellState, CutMesh, FaceLabel, OverlayOptions};
 use io::surface::Surface;
+use io::vtk::fluid::fluid_polygons;
 use mesh::generate::{BallOptions, ball, structured_box};
 use mesh::nalgebra::Rotation3;
 use mesh::{BoundaryMesh, CellId, Placed, Point, SimplexMesh, VertexId};
@@ -86,6 +87,7 @@ fn plane() -> Result<String, AnyError> {
     let bodies = [Placed::new(&disk_surface, disk.vertices()), Placed::new(&bar_surface, &bar)];
     let cut = CutMesh::overlay(&background, &bodies, &OverlayOptions::new())?;
 
+    let polygons = fluid_polygons(&background, &cut);
     let mut svg = Svg::new(5.75, 3.2, 150.0);
     let place = |x: &Point<2>| [x[0] + 0.1, x[1] + 0.1];
     for cell in background.cells() {
@@ -94,9 +96,9 @@ fn plane() -> Result<String, AnyError> {
     }
     for cell in background.cells().filter(|&cell| cut.cell_state(cell) == CellState::Cut) {
         for (k, part) in cut.parts(cell).enumerate() {
-            for piece in cut.part_pieces(part) {
-                let fill = PARTS[k % PARTS.len()];
-                svg.polygon(ring(piece).iter().map(place), fill, fill, 0.5);
+            let fill = PARTS[k % PARTS.len()];
+            for (_, corners) in polygons.iter().filter(|(other, _)| *other == part) {
+                svg.polygon(corners.iter().map(place), fill, fill, 0.5);
             }
         }
         svg.polygon(background.simplex(cell).points().iter().map(place), "none", MESH, 0.8);
@@ -125,20 +127,6 @@ fn plane() -> Result<String, AnyError> {
     ];
     svg.legend([4.3, 2.7], &entries);
     Ok(svg.finish())
-}
-
-/// Corners of a convex polygon in order.
-fn ring(piece: cutcell::Polytope<'_, 2>) -> Vec<Point<2>> {
-    let edges: Vec<&[u32]> = piece.faces().map(|(_, ends)| ends).collect();
-    let mut at = edges[0][0];
-    edges
-        .iter()
-        .map(|_| {
-            let corner = piece.points()[at as usize];
-            at = edges.iter().find(|ends| ends[0] == at).map_or(at, |ends| ends[1]);
-            corner
-        })
-        .collect()
 }
 
 /// A turned cube in a box of tetrahedra: the fluid parts of the cut cells behind its middle, drawn apart.

@@ -22,20 +22,20 @@ pub enum Error {
         line: usize,
     },
     /// A surface file is malformed.
-    #[error("cannot read the surface {}: {malformed}", .path.display())]
+    #[error("cannot read the surface {}: {problem}", .path.display())]
     Surface {
         /// The file.
         path: PathBuf,
-        /// Position and cause.
-        malformed: crate::surface::Malformed,
+        /// Line or byte, and cause.
+        problem: String,
     },
     /// A mesh file is malformed, or holds no mesh of tetrahedra.
     #[error("cannot read the mesh {}: {problem}", .path.display())]
     MeshFile {
         /// The file.
         path: PathBuf,
-        /// The defect.
-        problem: crate::cut::MeshProblem,
+        /// Cause and remedy.
+        problem: String,
     },
     /// A grid of no cubes, or of too many.
     #[error("a grid of {n} cubes along each axis: choose `--grid` from 1 to {most}")]
@@ -91,7 +91,6 @@ pub enum Error {
         source: Box<vtkio::Error>,
     },
     /// A summary cannot be written as JSON, or read from it.
-    #[cfg(feature = "simulation")]
     #[error("the summary is not valid JSON: {0}")]
     Json(#[from] serde_json::Error),
     /// A step failed; the stage is inside. Files up to the step before are complete.

@@ -1,12 +1,32 @@
-//! Files that are complete whenever they are visible: written under another name, then renamed.
+//! Files as a whole: reading, and writing such that they are complete whenever they are visible.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use crate::Error;
 
-/// Creates a directory and its parents.
+pub(crate) fn read(path: &Path) -> Result<Vec<u8>, Error> {
+    fs::read(path).map_err(|source| Error::Read { path: path.to_owned(), source })
+}
+
+/// Reads a file of text.
+///
+/// # Errors
+/// [`Error::Read`], [`Error::NotUtf8`].
+pub fn read_text(path: &Path) -> Result<String, Error> {
+    String::from_utf8(read(path)?).map_err(|error| {
+        let valid = error.utf8_error().valid_up_to();
+        let line = error.as_bytes()[..valid].iter().filter(|b| **b == b'\n').count() + 1;
+        Error::NotUtf8 { path: path.to_owned(), line }
+    })
+}
+
+/// Returns the extension of a name in lower case; empty if there is none.
+pub(crate) fn extension(path: &Path) -> String {
+    path.extension().map(|extension| extension.to_string_lossy().to_lowercase()).unwrap_or_default()
+}
+
 pub(crate) fn create_directory(path: &Path) -> Result<(), Error> {
     fs::create_dir_all(path).map_err(|source| Error::Write { path: path.to_owned(), source })
 }
@@ -24,16 +44,11 @@ pub(crate) fn write_with<E: From<io::Error>>(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<File>) -> Result<(), E>,
 ) -> Result<(), E> {
-    let partial = partial(path);
+    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    let partial = path.with_file_name(format!(".partial-{name}"));
     let mut file = BufWriter::new(File::create(&partial)?);
     write(&mut file)?;
     file.flush()?;
     fs::rename(&partial, path)?;
     Ok(())
-}
-
-/// Name of a file while it is being written, with the same extension.
-pub(crate) fn partial(path: &Path) -> PathBuf {
-    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    path.with_file_name(format!(".partial-{name}"))
 }

@@ -7,33 +7,16 @@ use std::path::{Path, PathBuf};
 use solver::{FluidReport, ForceBalance, Setup, StepReport, StepView};
 
 use crate::Error;
+use crate::files::read_text;
 use crate::measures::BodyMeasures;
 
-/// The file that a column belongs to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Table {
-    /// `history.csv`: motion, contact, energies, cost.
-    History,
-    /// `diagnostics.csv`: balances and volumes.
-    Diagnostics,
-}
+/// Name and number of a column that appears once for each body.
+type BodyColumn<const D: usize> = (String, Box<dyn Fn(&BodyMeasures<'_, D>) -> f64>);
 
-/// How the number of a column follows from a step.
-enum Value<const D: usize> {
-    /// A number of a body: the column appears once for each body.
-    Body(fn(&BodyMeasures<'_, D>) -> f64),
-    /// A component of a vector of a body, with the number of the axis.
-    Component(fn(&BodyMeasures<'_, D>, usize) -> f64, usize),
-    /// A number of the whole run.
-    Run(fn(&RunMeasures<'_, D>) -> f64),
-}
+type BodyNumber<const D: usize> = fn(&BodyMeasures<'_, D>) -> f64;
 
-/// A column of one of the files.
-struct Column<const D: usize> {
-    table: Table,
-    name: String,
-    value: Value<D>,
-}
+/// Name and number of a column of the run as a whole.
+type RunColumn<const D: usize> = (&'static str, fn(&RunMeasures<'_, D>) -> f64);
 
 /// The run as a whole after a step.
 struct RunMeasures<'a, const D: usize> {
@@ -50,74 +33,95 @@ impl<const D: usize> RunMeasures<'_, D> {
     }
 }
 
-/// All columns, in the order of the files. In a row the columns of the bodies stand before those of the run.
-#[rustfmt::skip] // one line per column
-fn columns<const D: usize>() -> Vec<Column<D>> {
-    use Table::{Diagnostics, History};
-    let column = |table, name: &str, value| Column { table, name: name.to_owned(), value };
-    let body = |table, name, of| column(table, name, Value::Body(of));
-    let component = |table, name: String, of, axis| Column { table, name, value: Value::Component(of, axis) };
-    let run = |table, name, of| column(table, name, Value::Run(of));
-    let mut all = vec![
-        body(History, "d_min", |b| b.distance),
-        body(History, "d_max", |b| b.distance + b.height()),
-        body(History, "body_height", |b| b.height()),
-        body(History, "lowest_velocity", |b| b.body().lowest_velocity[D - 1]),
-        body(History, "lowest_acceleration", |b| b.body().lowest_acceleration[D - 1]),
-        body(History, "centre_y", |b| b.centre[D - 1]),
-        body(History, "centre_velocity", |b| b.centre_velocity[D - 1]),
-        body(History, "contact_force", |b| b.contact_force[D - 1]),
-        body(History, "contact_power", |b| b.contacts().map(|contact| contact.power).sum()),
-        body(History, "max_penetration", |b| b.penetration()),
-        body(History, "active_points", |b| b.active_points() as f64),
-        body(History, "energy_kinetic_solid", |b| b.body().balance.as_ref().map_or(0.0, |e| e.kinetic_energy)),
-        body(History, "energy_elastic", |b| b.body().balance.as_ref().map_or(0.0, |e| e.elastic_energy)),
-        body(History, "energy_gravity", |b| b.body().balance.as_ref().map_or(0.0, |e| e.potential_energy)),
-        body(History, "centre_x", |b| b.centre[0]),
-        body(History, "centre_velocity_x", |b| b.centre_velocity[0]),
-        body(History, "angle", |b| b.rotation[0]),
-        body(History, "angular_velocity", |b| b.rotation[1]),
-        body(History, "contact_force_x", |b| b.contact_force[0]),
-        body(Diagnostics, "volume", |b| b.volume()),
-        body(Diagnostics, "force_inertia", |b| vertical(b, |f| f.inertia[D - 1])),
-        body(Diagnostics, "force_gravity", |b| vertical(b, |f| f.body_force[D - 1])),
-        body(Diagnostics, "force_pressure", |b| vertical(b, |f| f.pressure[D - 1])),
-        body(Diagnostics, "force_viscous", |b| vertical(b, |f| f.viscous[D - 1])),
-        body(Diagnostics, "force_penalty", |b| vertical(b, |f| f.penalty[D - 1])),
-        body(Diagnostics, "force_contact", |b| vertical(b, |f| f.contact[D - 1])),
-        body(Diagnostics, "force_remainder", |b| vertical(b, |f| f.remainder()[D - 1])),
-        body(Diagnostics, "fluid_power", |b| b.fluid_power()),
-        run(History, "energy_kinetic_fluid", |r| r.fluid(|fluid| fluid.kinetic_energy)),
-        run(History, "energy_contact", |r| r.step.contacts.iter().map(|contact| contact.stored_energy).sum()),
-        run(History, "leak_net", |r| r.fluid(|fluid| fluid.flow.leak_net)),
-        run(History, "leak_absolute", |r| r.fluid(|fluid| fluid.flow.leak_absolute)),
-        run(History, "newton", |r| r.step.newton.iterations as f64),
-        run(History, "linear_iterations", |r| r.step.newton.linear_iterations as f64),
-        run(History, "factorizations", |r| r.step.newton.factorizations as f64),
-        run(History, "smallest_fraction", |r| r.fluid(|fluid| fluid.cut.smallest_fraction)),
-        run(History, "dofs", |r| r.step.n_dofs as f64),
-        run(History, "seconds_cut", |r| microseconds(r.step.seconds.cut)),
-        run(History, "seconds_space", |r| microseconds(r.step.seconds.space)),
-        run(History, "seconds_assembly", |r| microseconds(r.step.seconds.assembly)),
-        run(History, "seconds_linear", |r| microseconds(r.step.seconds.linear)),
-        run(History, "seconds_output", |r| microseconds(r.seconds_output)),
-        run(Diagnostics, "fluid_volume", |r| r.view.state.fluid.as_ref().map_or(0.0, |fluid| fluid.cut.fluid_volume())),
-        run(Diagnostics, "total_energy", |r| r.step.total_energy()),
+/// Returns the columns of the bodies in `history.csv`: motion, contact, energies, forces of the fluid.
+fn history_of_bodies<const D: usize>() -> Vec<BodyColumn<D>> {
+    let columns: &[(&str, BodyNumber<D>)] = &[
+        ("d_min", |b| b.distance),
+        ("d_max", |b| b.distance + b.height()),
+        ("body_height", |b| b.height()),
+        ("lowest_velocity", |b| b.body().lowest_velocity[D - 1]),
+        ("lowest_acceleration", |b| b.body().lowest_acceleration[D - 1]),
+        ("centre_y", |b| b.centre[D - 1]),
+        ("centre_velocity", |b| b.centre_velocity[D - 1]),
+        ("contact_force", |b| b.contact_force[D - 1]),
+        ("contact_power", |b| b.contacts().map(|contact| contact.power).sum()),
+        ("max_penetration", |b| b.penetration()),
+        ("active_points", |b| b.active_points() as f64),
+        ("energy_kinetic_solid", |b| b.body().balance.as_ref().map_or(0.0, |e| e.kinetic_energy)),
+        ("energy_elastic", |b| b.body().balance.as_ref().map_or(0.0, |e| e.elastic_energy)),
+        ("energy_gravity", |b| b.body().balance.as_ref().map_or(0.0, |e| e.potential_energy)),
+        ("centre_x", |b| b.centre[0]),
+        ("centre_velocity_x", |b| b.centre_velocity[0]),
+        ("angle", |b| b.rotation[0]),
+        ("angular_velocity", |b| b.rotation[1]),
+        ("contact_force_x", |b| b.contact_force[0]),
     ];
-    const AXES: [&str; 3] = ["x", "y", "z"];
-    for (axis, name) in AXES.iter().enumerate().take(D) {
-        all.push(component(History, format!("force_{name}"), |b, axis| b.fluid.total[axis], axis));
+    let mut columns: Vec<BodyColumn<D>> = columns.iter().map(boxed).collect();
+    let axes = || ["x", "y", "z"].into_iter().enumerate();
+    for (axis, name) in axes().take(D) {
+        columns.push((format!("force_{name}"), Box::new(move |b| b.fluid_force[axis])));
     }
-    for (axis, name) in AXES.iter().enumerate().take(D) {
-        all.push(component(History, format!("traction_force_{name}"), |b, axis| b.fluid.traction[axis], axis));
+    for (axis, name) in axes().take(D) {
+        columns.push((format!("traction_force_{name}"), Box::new(move |b| b.traction_force[axis])));
     }
-    // In the plane a body rotates about the third axis only.
-    let rotation_axes = AXES.len() - D * (D - 1) / 2;
-    for (axis, name) in AXES.iter().enumerate().skip(rotation_axes) {
-        let name = if D == 2 { "torque".to_owned() } else { format!("torque_{name}") };
-        all.push(component(History, name, |b, axis| b.fluid.torque[axis], axis));
+    if D == 2 {
+        columns.push(("torque".to_owned(), Box::new(|b| b.torque[2])));
+    } else {
+        for (axis, name) in axes() {
+            columns.push((format!("torque_{name}"), Box::new(move |b| b.torque[axis])));
+        }
     }
-    all
+    columns
+}
+
+/// Returns the columns of the run in `history.csv`: energies, leaks, cost.
+fn history_of_run<const D: usize>() -> Vec<RunColumn<D>> {
+    let columns: &[RunColumn<D>] = &[
+        ("energy_kinetic_fluid", |r| r.fluid(|fluid| fluid.kinetic_energy)),
+        ("energy_contact", |r| r.step.contacts.iter().map(|contact| contact.stored_energy).sum()),
+        ("leak_net", |r| r.fluid(|fluid| fluid.flow.leak_net)),
+        ("leak_absolute", |r| r.fluid(|fluid| fluid.flow.leak_absolute)),
+        ("newton", |r| r.step.newton.iterations as f64),
+        ("linear_iterations", |r| r.step.newton.linear_iterations as f64),
+        ("factorizations", |r| r.step.newton.factorizations as f64),
+        ("smallest_fraction", |r| r.fluid(|fluid| fluid.cut.smallest_fraction)),
+        ("dofs", |r| r.step.n_dofs as f64),
+        ("seconds_cut", |r| microseconds(r.step.seconds.cut)),
+        ("seconds_space", |r| microseconds(r.step.seconds.space)),
+        ("seconds_assembly", |r| microseconds(r.step.seconds.assembly)),
+        ("seconds_linear", |r| microseconds(r.step.seconds.linear)),
+        ("seconds_output", |r| microseconds(r.seconds_output)),
+    ];
+    columns.to_vec()
+}
+
+/// Returns the columns of the bodies in `diagnostics.csv`: volumes and balances.
+fn diagnostics_of_bodies<const D: usize>() -> Vec<BodyColumn<D>> {
+    let columns: &[(&str, BodyNumber<D>)] = &[
+        ("volume", |b| b.volume()),
+        ("force_inertia", |b| vertical(b, |f| f.inertia[D - 1])),
+        ("force_gravity", |b| vertical(b, |f| f.body_force[D - 1])),
+        ("force_pressure", |b| vertical(b, |f| f.pressure[D - 1])),
+        ("force_viscous", |b| vertical(b, |f| f.viscous[D - 1])),
+        ("force_penalty", |b| vertical(b, |f| f.penalty[D - 1])),
+        ("force_contact", |b| vertical(b, |f| f.contact[D - 1])),
+        ("force_remainder", |b| vertical(b, |f| f.remainder()[D - 1])),
+        ("fluid_power", |b| b.fluid_power()),
+    ];
+    columns.iter().map(boxed).collect()
+}
+
+/// Returns the columns of the run in `diagnostics.csv`.
+fn diagnostics_of_run<const D: usize>() -> Vec<RunColumn<D>> {
+    let columns: &[RunColumn<D>] = &[
+        ("fluid_volume", |r| r.view.state.fluid.as_ref().map_or(0.0, |fluid| fluid.cut.fluid_volume())),
+        ("total_energy", |r| r.step.total_energy()),
+    ];
+    columns.to_vec()
+}
+
+fn boxed<const D: usize>((name, of): &(&str, BodyNumber<D>)) -> BodyColumn<D> {
+    ((*name).to_owned(), Box::new(*of))
 }
 
 /// A vertical force on a body; not a number if its motion is prescribed.
@@ -135,39 +139,26 @@ fn microseconds(seconds: f64) -> f64 {
 /// A row has the time, the columns of each body, and those of the run. With several bodies the columns of a body carry its
 /// name as a prefix: `NAME_d_min`.
 pub(crate) struct History<const D: usize> {
-    columns: Vec<Column<D>>,
-    files: [(Table, PathBuf, File); 2],
+    tables: [Table<D>; 2],
+}
+
+struct Table<const D: usize> {
+    path: PathBuf,
+    file: File,
+    of_bodies: Vec<BodyColumn<D>>,
+    of_run: Vec<RunColumn<D>>,
 }
 
 impl<const D: usize> History<D> {
     /// Creates both files with their headers.
     pub(crate) fn create(directory: &Path, setup: &Setup<D>) -> Result<Self, Error> {
-        let open = |table, name: &str| {
-            let path = directory.join(name);
-            let file = File::create(&path).map_err(|source| Error::Write { path: path.clone(), source })?;
-            Ok::<_, Error>((table, path, file))
-        };
-        let files = [open(Table::History, "history.csv")?, open(Table::Diagnostics, "diagnostics.csv")?];
-        let mut history = Self { columns: columns(), files };
-        for k in 0..history.files.len() {
-            let line = history.header(history.files[k].0, setup);
-            history.push(k, &line)?;
-        }
-        Ok(history)
-    }
-
-    fn header(&self, table: Table, setup: &Setup<D>) -> String {
-        let of_table = |column: &&Column<D>| column.table == table;
-        let of_run = |column: &&Column<D>| matches!(column.value, Value::Run(_));
-        let mut names = vec!["time".to_owned()];
-        for body in 0..setup.bodies.len() {
-            let prefix = column_prefix(setup, body);
-            let columns = self.columns.iter().filter(|c| of_table(c) && !of_run(c));
-            names.extend(columns.map(|column| format!("{prefix}{}", column.name)));
-        }
-        let columns = self.columns.iter().filter(|c| of_table(c) && of_run(c));
-        names.extend(columns.map(|column| column.name.clone()));
-        names.join(",")
+        let history = directory.join("history.csv");
+        let diagnostics = directory.join("diagnostics.csv");
+        let tables = [
+            Table::create(history, setup, history_of_bodies(), history_of_run())?,
+            Table::create(diagnostics, setup, diagnostics_of_bodies(), diagnostics_of_run())?,
+        ];
+        Ok(Self { tables })
     }
 
     /// Writes the rows of a step. `bodies` are the measures of all bodies, `seconds_output` the wall-clock time that output
@@ -180,35 +171,40 @@ impl<const D: usize> History<D> {
     ) -> Result<(), Error> {
         let Some(step) = view.report else { return Ok(()) };
         let run = RunMeasures { view, step, seconds_output };
-        for k in 0..self.files.len() {
-            let columns = || self.columns.iter().filter(|column| column.table == self.files[k].0);
-            let mut row = vec![view.state.time];
-            for body in bodies {
-                row.extend(columns().filter_map(|column| match column.value {
-                    Value::Body(of) => Some(of(body)),
-                    Value::Component(of, axis) => Some(of(body, axis)),
-                    Value::Run(_) => None,
-                }));
-            }
-            row.extend(
-                columns().filter_map(|column| if let Value::Run(of) = column.value { Some(of(&run)) } else { None }),
-            );
-            let line = row.into_iter().map(number).collect::<Vec<_>>().join(",");
-            self.push(k, &line)?;
+        for table in &mut self.tables {
+            let of_bodies = bodies.iter().flat_map(|body| table.of_bodies.iter().map(move |(_, of)| of(body)));
+            let of_run = table.of_run.iter().map(|(_, of)| of(&run));
+            let row = [view.state.time].into_iter().chain(of_bodies).chain(of_run);
+            let row: Vec<String> = row.map(number).collect();
+            table.push(&row)?;
         }
         Ok(())
     }
-
-    fn push(&mut self, file: usize, line: &str) -> Result<(), Error> {
-        let (_, path, file) = &mut self.files[file];
-        let written = file.write_all(format!("{line}\n").as_bytes()).and_then(|()| file.flush());
-        written.map_err(|source| Error::Write { path: path.clone(), source })
-    }
 }
 
-/// Prefix of the columns of a body: empty if it is the only one.
-fn column_prefix<const D: usize>(setup: &Setup<D>, body: usize) -> String {
-    if setup.bodies.len() == 1 { String::new() } else { format!("{}_", setup.bodies[body].name()) }
+impl<const D: usize> Table<D> {
+    fn create(
+        path: PathBuf,
+        setup: &Setup<D>,
+        of_bodies: Vec<BodyColumn<D>>,
+        of_run: Vec<RunColumn<D>>,
+    ) -> Result<Self, Error> {
+        let mut names = vec!["time".to_owned()];
+        for body in &setup.bodies {
+            let prefix = if setup.bodies.len() == 1 { String::new() } else { format!("{}_", body.name()) };
+            names.extend(of_bodies.iter().map(|(name, _)| format!("{prefix}{name}")));
+        }
+        names.extend(of_run.iter().map(|(name, _)| (*name).to_owned()));
+        let file = File::create(&path).map_err(|source| Error::Write { path: path.clone(), source })?;
+        let mut table = Self { path, file, of_bodies, of_run };
+        table.push(&names)?;
+        Ok(table)
+    }
+
+    fn push(&mut self, row: &[String]) -> Result<(), Error> {
+        let line = row.join(",") + "\n";
+        self.file.write_all(line.as_bytes()).map_err(|source| Error::Write { path: self.path.clone(), source })
+    }
 }
 
 /// Shortest text that reads back as the same number.
@@ -231,7 +227,7 @@ impl HistoryTable {
     /// # Errors
     /// [`Error::Read`].
     pub fn read(path: &Path) -> Result<Self, Error> {
-        let text = std::fs::read_to_string(path).map_err(|source| Error::Read { path: path.to_owned(), source })?;
+        let text = read_text(path)?;
         let mut lines = text.lines();
         let names: Vec<String> = lines.next().unwrap_or_default().split(',').map(str::to_owned).collect();
         let rows = lines
@@ -247,13 +243,8 @@ impl HistoryTable {
     }
 
     /// Number of rows.
-    pub fn len(&self) -> usize {
+    pub fn n_rows(&self) -> usize {
         self.rows.len()
-    }
-
-    /// Whether there are no rows.
-    pub fn is_empty(&self) -> bool {
-        self.rows.is_empty()
     }
 
     /// The column of a name, if there is one.

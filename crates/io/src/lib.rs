@@ -31,16 +31,13 @@ mod summary;
 mod watch;
 
 pub use error::Error;
-pub use files::write_whole;
+pub use files::{read_text, write_whole};
 #[cfg(feature = "simulation")]
-pub use history::HistoryTable;
-#[cfg(feature = "simulation")]
-pub use measures::{distance, leading_body};
-#[cfg(feature = "simulation")]
-pub use run::{Sizes, default_directory, run, sizes};
-#[cfg(feature = "simulation")]
-pub use scenario::{Case, ScenarioFile};
-#[cfg(feature = "simulation")]
-pub use summary::{Summary, Timing};
-#[cfg(feature = "simulation")]
-pub use watch::{Progress, StepProgress, Watch};
+pub use {
+    history::HistoryTable,
+    measures::{distance, leading_body},
+    run::{Sizes, default_directory, run, sizes},
+    scenario::{Case, ScenarioFile},
+    summary::{Summary, Timing},
+    watch::{Progress, StepProgress, Watch},
+};

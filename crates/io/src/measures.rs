@@ -1,7 +1,9 @@
 //! Quantities of one body after a step, from which histories and summaries are made.
 
 use contact::ContactReport;
+use cutcell::InterfacePiece;
 use mesh::{Placed, Point, Vector};
+use solver::interface_dg::InterfaceTraction;
 use solver::{BodyReport, Setup, StepReport, StepView};
 
 /// One body after a step. The last axis is vertical.
@@ -25,8 +27,14 @@ pub(crate) struct BodyMeasures<'a, const D: usize> {
     /// Angle by which the vertices are rotated about their mean in the plane of the first two axes, from -π to π, and
     /// their angular velocity there.
     pub(crate) rotation: [f64; 2],
-    /// Force and torque of the fluid.
-    pub(crate) fluid: FluidForce<D>,
+    /// Force of the fluid: the integral of the mortar's traction, `∫ T^f n + γ_Σ μ/h (u - v)`, on the geometry on which the
+    /// step was integrated. It is the residual of the fluid's equations tested with a rigid motion.
+    pub(crate) fluid_force: Vector<D>,
+    /// Integral of the fluid's traction `T^f n` alone; the difference to `fluid_force` vanishes under refinement.
+    pub(crate) traction_force: Vector<D>,
+    /// Torque of the mortar's traction about the centre of the enclosed volume; in 2D only the third component is not
+    /// zero.
+    pub(crate) torque: [f64; 3],
 }
 
 impl<'a, const D: usize> BodyMeasures<'a, D> {
@@ -53,10 +61,9 @@ impl<'a, const D: usize> BodyMeasures<'a, D> {
                 contact_force -= found.force;
             }
         }
-        Some(Self {
+        let mut measures = Self {
             distance: distance(view, index, bottom)?,
             rotation: rotation(body.reference(), &positions, now.velocity()),
-            fluid: FluidForce::new(view, step, index),
             view,
             step,
             index,
@@ -64,7 +71,21 @@ impl<'a, const D: usize> BodyMeasures<'a, D> {
             centre,
             centre_velocity,
             contact_force,
-        })
+            fluid_force: Vector::zeros(),
+            traction_force: Vector::zeros(),
+            torque: [0.0; 3],
+        };
+        if let Some(fluid) = &view.state.fluid {
+            let centre = Placed::new(body.surface(), &fluid.positions[index]).enclosed().centre;
+            for (piece, traction) in pieces(view, step, index) {
+                measures.fluid_force += traction.total() * piece.measure;
+                measures.traction_force += traction.fluid * piece.measure;
+                for (sum, moment) in measures.torque.iter_mut().zip(traction.moment(&centre)) {
+                    *sum += moment * piece.measure;
+                }
+            }
+        }
+        Some(measures)
     }
 
     /// The report of the step on the body.
@@ -72,7 +93,6 @@ impl<'a, const D: usize> BodyMeasures<'a, D> {
         &self.step.bodies[self.index]
     }
 
-    /// Vertical extent.
     pub(crate) fn height(&self) -> f64 {
         self.body().highest - self.body().lowest.1[D - 1]
     }
@@ -101,12 +121,9 @@ impl<'a, const D: usize> BodyMeasures<'a, D> {
     /// Power of the fluid on the body: the mean traction on each piece of the interface times the velocity of the body in
     /// the middle of the piece.
     pub(crate) fn fluid_power(&self) -> f64 {
-        let (Some(fluid), Some(report)) = (&self.view.state.fluid, &self.step.fluid) else { return 0.0 };
         let boundary = self.view.setup.bodies[self.index].surface();
         let velocities = self.view.state.bodies[self.index].velocity();
-        let pieces = fluid.cut.interface().iter().zip(&report.tractions);
-        let of_body = pieces.filter(|(piece, _)| piece.body.index() == self.index);
-        let power = of_body.map(|(piece, traction)| {
+        let power = pieces(self.view, self.step, self.index).map(|(piece, traction)| {
             let share = |vertex: usize| (0..D).map(|k| piece.barycentric[k][vertex]).sum::<f64>() / D as f64;
             let vertices = boundary.facet(piece.facet).iter().enumerate();
             let velocity = vertices.map(|(k, v)| velocities[v.index()] * share(k)).sum::<Point<D>>();
@@ -116,34 +133,15 @@ impl<'a, const D: usize> BodyMeasures<'a, D> {
     }
 }
 
-/// Force and torque of the fluid on a body in a step: sums over the pieces of the interface, on the geometry on which the
-/// step was integrated.
-pub(crate) struct FluidForce<const D: usize> {
-    /// Integral of the mortar's traction, `∫ T^f n + γ_Σ μ/h (u - v)`: the force in the discrete equations, equal to the
-    /// residual of the fluid's equations tested with a rigid motion.
-    pub(crate) total: Vector<D>,
-    /// Integral of the fluid's traction `T^f n` alone; the difference to `total` vanishes under refinement.
-    pub(crate) traction: Vector<D>,
-    /// Torque of the mortar's traction about the centre of the enclosed volume; in 2D only the third component is not
-    /// zero.
-    pub(crate) torque: [f64; 3],
-}
-
-impl<const D: usize> FluidForce<D> {
-    fn new(view: &StepView<'_, D>, step: &StepReport<D>, index: usize) -> Self {
-        let mut force = Self { total: Vector::zeros(), traction: Vector::zeros(), torque: [0.0; 3] };
-        let (Some(fluid), Some(report)) = (&view.state.fluid, &step.fluid) else { return force };
-        let centre = Placed::new(view.setup.bodies[index].surface(), &fluid.positions[index]).enclosed().centre;
-        let pieces = fluid.cut.interface().iter().zip(&report.tractions);
-        for (piece, traction) in pieces.filter(|(piece, _)| piece.body.index() == index) {
-            force.total += traction.total() * piece.measure;
-            force.traction += traction.fluid * piece.measure;
-            for (sum, moment) in force.torque.iter_mut().zip(traction.moment(&centre)) {
-                *sum += moment * piece.measure;
-            }
-        }
-        force
-    }
+/// Returns the pieces of the interface on a body with their tractions; none without a fluid.
+fn pieces<'a, const D: usize>(
+    view: &StepView<'a, D>,
+    step: &'a StepReport<D>,
+    index: usize,
+) -> impl Iterator<Item = (&'a InterfacePiece<D>, &'a InterfaceTraction<D>)> {
+    let cut = view.state.fluid.iter().flat_map(|fluid| fluid.cut.interface());
+    let tractions = step.fluid.iter().flat_map(|fluid| &fluid.tractions);
+    cut.zip(tractions).filter(move |(piece, _)| piece.body.index() == index)
 }
 
 /// Smallest gap of a body to its obstacles; without a contact, height of its lowest vertex above `bottom`. `None` before

@@ -81,7 +81,6 @@ fn remove_series(directory: &Path) -> Result<(), Error> {
     Ok(())
 }
 
-/// Writes the files of a run.
 struct RunFiles<const D: usize> {
     directory: PathBuf,
     output: Output,
@@ -99,9 +98,9 @@ impl<const D: usize> RunFiles<D> {
         let leading = leading_body(setup);
         let contact = setup.contacts.iter().find(|contact| Some(contact.body().index()) == leading);
         let start = Summary {
-            case: case.name.clone(),
+            case: scenario.name.to_string(),
             dimension: D,
-            units: UnitLabels::new(&case.units, D),
+            units: UnitLabels::new(&scenario.units, D),
             profile: scenario.fluid.as_ref().map_or("", |fluid| fluid.cip.name()).to_owned(),
             half_domain: case.half_domain,
             dt: setup.dt,
@@ -113,7 +112,7 @@ impl<const D: usize> RunFiles<D> {
         };
         Ok(Self {
             directory: directory.to_owned(),
-            output: case.output.clone(),
+            output: scenario.output.clone(),
             n_steps: case.n_steps,
             bottom: case.bottom,
             history: History::create(directory, setup)?,

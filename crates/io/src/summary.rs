@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use solver::{StepReport, StepView};
 
 use crate::Error;
-use crate::files::write_whole;
+use crate::files::{read_text, write_whole};
 use crate::measures::{BodyMeasures, leading_body};
 use crate::scenario::{Quantity, Units};
 
@@ -170,8 +170,7 @@ impl Summary {
     /// # Errors
     /// [`Error::Read`], [`Error::Json`].
     pub fn read(path: &Path) -> Result<Self, Error> {
-        let text = std::fs::read_to_string(path).map_err(|source| Error::Read { path: path.to_owned(), source })?;
-        Ok(serde_json::from_str(&text)?)
+        Ok(serde_json::from_str(&read_text(path)?)?)
     }
 }
 

@@ -1,33 +1,19 @@
 //! Fields, boundary conditions and surfaces of scenarios, as they arrive in the problem.
 
-use std::path::Path;
+mod common;
 
 use algebra::{BlockLayout, Constraints};
-use io::scenario::case::{Case, case};
-use io::{ScenarioFile, sizes};
+use common::*;
+use io::scenario::Case;
 use mesh::{Placed, Point, Vector};
 use solver::body::StepTime;
 use solver::{FluidBoundary, FluidSetup};
 
-const CHANNEL: &str = include_str!("../../../examples/oscillating-cylinder.toml");
-const BALL: &str = include_str!("../../../validation/cases/virtual-barrier.toml");
 const COARSE_CHANNEL: [&str; 2] = ["background.size=0.1", "body.0.shape.size=0.02"];
 const COARSE_BALL: [&str; 2] = ["background.size=1.0", "body.0.shape.size=1.0"];
 
-fn read(text: &str, sets: &[&[&str]]) -> Result<ScenarioFile, io::Error> {
-    let sets: Vec<String> = sets.concat().iter().map(|set| (*set).to_owned()).collect();
-    ScenarioFile::parse(Path::new("case.toml"), text, &sets)
-}
-
 fn problem(text: &str, sets: &[&[&str]]) -> Case<2> {
-    let file = read(text, sets).unwrap_or_else(|e| panic!("{e}"));
-    case::<2>(&file).unwrap_or_else(|e| panic!("{e}"))
-}
-
-/// Expects an error that contains the words.
-fn refused(text: &str, sets: &[&[&str]], words: &[&str]) {
-    let message = read(text, sets).and_then(|file| sizes(&file)).expect_err("a mistake").to_string();
-    words.iter().for_each(|word| assert!(message.contains(word), "`{word}` is not in: {message}"));
+    planar_case(&legal(text, sets))
 }
 
 /// The fluid, which all cases here have.
@@ -61,7 +47,7 @@ fn fields_are_numbers_or_formulas_of_position_and_time() {
     assert_eq!(traction(&x, &Vector::<2>::new(0.0, -1.0), 0.0), Vector::<2>::new(0.0, 0.8));
 
     let displaced = "body.0.initial_displacement=[\"0.1*x\", \"0.2\"]";
-    let case = problem(BALL, &[&COARSE_BALL, &[displaced]]);
+    let case = problem(BARRIER, &[&COARSE_BALL, &[displaced]]);
     let body = &case.setup.bodies[0];
     for (x, displacement) in body.reference().iter().zip(body.start().displacement()) {
         assert!((displacement - Vector::<2>::new(0.1 * x[0], 0.2)).norm() < 1e-15);
@@ -97,7 +83,7 @@ fn symmetry_and_inflow_take_their_direction_from_the_facets() {
     let FluidBoundary::Velocity(velocity) = side(&case, "left") else { panic!("an inflow") };
     assert!((velocity(&Point::<2>::new(0.0, 0.205), 5.0) - Vector::<2>::new(0.3, 0.0)).norm() < 1e-15);
     // The diameter of the half ball is a plane of symmetry, its arc is not plane.
-    let case = problem(BALL, &[&COARSE_BALL]);
+    let case = problem(BARRIER, &[&COARSE_BALL]);
     let (body, mut layout, mut held) = (&case.setup.bodies[0], BlockLayout::new(), Constraints::new());
     let start = body.start();
     body.step(&start, &StepTime { start: 0.0, end: 1.0, lengths: vec![1.0] }, &mut layout)
@@ -107,7 +93,7 @@ fn symmetry_and_inflow_take_their_direction_from_the_facets() {
         let found: Vec<_> = layout.node(velocity, node).map(|dof| held.get(dof)).collect();
         assert_eq!(found, [(x[0] == 0.0).then_some(0.0), None], "{x}");
     }
-    let expect = |set: &str, words: &[&str]| refused(BALL, &[&COARSE_BALL, &[set]], words);
+    let expect = |set: &str, words: &[&str]| refused(BARRIER, &[&COARSE_BALL, &[set]], words);
     expect("body.0.boundary.surface=symmetry", &["body.0.boundary.surface", "not plane"]);
     let left = |normal: &str| format!("background.boundary.left={{ kind = \"symmetry\", normal = {normal} }}");
     expect(&left("[1, 1]"), &["background.boundary.left", "not along an axis", "oblique"]);
@@ -133,27 +119,22 @@ fn polygons_are_surfaces_of_bodies_that_do_not_deform() {
     expect(shape(&[a, b]), &["body.0.shape.corners", "2 corners"]);
     expect(shape(&[a, b, "[0.2, 0.2]", "[0.4, 0.1]", c]), &["body.0.shape", "cannot cut the background"]);
     let elastic = format!("body.0.{}", &shape(&corners)["body.0.".len()..]);
-    refused(BALL, &[&COARSE_BALL[..1], &[&elastic]], &["body.0.shape", "needs a mesh", "give a motion"]);
+    refused(BARRIER, &[&COARSE_BALL[..1], &[&elastic]], &["body.0.shape", "needs a mesh", "give a motion"]);
 }
 
 #[test]
-fn units_are_labels() {
-    use io::scenario::Quantity;
-    let names = "units={ length = \"mm\", mass = \"g\", time = \"ms\" }";
-    for (set, length, density) in [("units=cgs", "cm", "g/cm³"), ("units=si", "m", "kg/m³"), (names, "mm", "g/mm³")]
-    {
-        let file = read(BALL, &[&[set]]).unwrap_or_else(|e| panic!("{e}"));
-        let units = &file.scenario().units;
-        assert_eq!((units.label(Quantity::LENGTH), units.label(Quantity::DENSITY)), (length.into(), density.into()));
+fn units_are_a_system_or_three_names() {
+    for set in ["units=cgs", "units=si", "units={ length = \"mm\", mass = \"g\", time = \"ms\" }"] {
+        legal(BARRIER, &[&[set]]);
     }
-    refused(BALL, &[&["units={ length = \"mm\", mass = \"g\" }"]], &["units", "`time` is missing"]);
-    refused(BALL, &[&["units=3"]], &["units", "the number `3`", "\"cgs\" or \"si\" or a table"]);
+    refused(BARRIER, &[&["units={ length = \"mm\", mass = \"g\" }"]], &["units", "`time` is missing"]);
+    refused(BARRIER, &[&["units=3"]], &["units", "the number `3`", "\"cgs\" or \"si\" or a table"]);
 }
 
 #[test]
 fn a_word_may_stand_for_a_table_with_its_kind() {
-    let short = read(CHANNEL, &[&["body.0.motion=fixed"]]).unwrap_or_else(|e| panic!("{e}"));
-    let long = read(CHANNEL, &[&["body.0.motion={ kind = \"fixed\" }"]]).unwrap_or_else(|e| panic!("{e}"));
+    let short = legal(CHANNEL, &[&["body.0.motion=fixed"]]);
+    let long = legal(CHANNEL, &[&["body.0.motion={ kind = \"fixed\" }"]]);
     assert_eq!(short.scenario(), long.scenario());
     refused(CHANNEL, &[&["body.0.motion=rotating"]], &["body.0.motion", "`centre` is missing"]);
     refused(CHANNEL, &[&["body.0.motion={ file = \"a.csv\" }"]], &["body.0.motion", "`kind` is missing"]);

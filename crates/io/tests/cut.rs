@@ -1,7 +1,10 @@
 //! Surfaces from files laid over grids and meshes: exact volumes and areas, and what is refused.
 
-use std::path::{Path, PathBuf};
+mod common;
 
+use std::path::Path;
+
+use common::write;
 use io::Error;
 use io::cut::{BackgroundSource, CutErrors, CutSettings, CutSummary, cut_files, read_tetrahedra};
 
@@ -13,14 +16,6 @@ const MESH: &str = "# vtk DataFile Version 3.0\na cube\nASCII\nDATASET UNSTRUCTU
     0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 0 1\n1 0 1\n0 1 1\n1 1 1\n\
     CELLS 7 34\n3 0 1 3\n4 0 1 3 7\n4 0 5 1 7\n4 0 3 2 7\n4 0 2 6 7\n4 0 4 5 7\n4 0 4 6 7\n\
     CELL_TYPES 7\n5\n10\n10\n10\n10\n10\n10\n";
-
-fn write(name: &str, content: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cut");
-    std::fs::create_dir_all(&folder).expect("a folder");
-    let path = folder.join(name);
-    std::fs::write(&path, content).expect("a file");
-    path
-}
 
 fn grid(n: usize) -> CutSettings {
     CutSettings::new(BackgroundSource::Grid(n))
@@ -125,7 +120,7 @@ fn field_files_are_read_back_as_meshes_of_the_same_volumes() {
     // An array that is shorter than it says.
     let text = std::fs::read_to_string(folder.join("fluid.vtu")).expect("text");
     let end = text.find("</DataArray>").expect("an array");
-    let damaged = write("short.vtu", &format!("{}{}", &text[..end - 8], &text[end..]));
+    let damaged = write("short.vtu", format!("{}{}", &text[..end - 8], &text[end..]));
     assert!(matches!(read_tetrahedra(&damaged), Err(Error::MeshFile { .. })));
     // Triangles only.
     assert!(matches!(volume("interface.vtu"), Err(Error::MeshFile { .. })));
@@ -136,7 +131,7 @@ fn what_cannot_be_cut_is_refused_with_file_body_and_place() {
     let cube = write("sound.obj", CUBE);
     let inward = write(
         "inward.obj",
-        &TETRAHEDRON
+        TETRAHEDRON
             .replace("f 1 3 2", "f 1 2 3")
             .replace("f 1 2 4", "f 1 4 2")
             .replace("f 1 4 3", "f 1 3 4")
@@ -159,7 +154,7 @@ fn what_cannot_be_cut_is_refused_with_file_body_and_place() {
     check(&flipped, 1.2_f64.powi(3), 1.0 / 6.0, 1.5 + 0.75_f64.sqrt());
     assert!(matches!(cut_files(&[&cube], &grid(0)), Err(Error::GridSize { n: 0, .. })));
     assert!(matches!(cut_files(&[&cube], &grid(1 << 40)), Err(Error::GridSize { .. })));
-    let wide = write("wide.obj", &CUBE.replace('1', "1e308"));
+    let wide = write("wide.obj", CUBE.replace('1', "1e308"));
     assert!(cut_files(&[&wide], &grid(2)).is_err());
 }
 

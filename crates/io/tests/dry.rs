@@ -1,9 +1,11 @@
 //! Bodies without a fluid: a scenario that has neither `[fluid]` nor `[background]` nor `[interface]`.
 
-use std::path::{Path, PathBuf};
+mod common;
+
 use std::sync::Arc;
 
-use io::{HistoryTable, ScenarioFile, Summary, run, sizes};
+use common::*;
+use io::{ScenarioFile, Summary, sizes};
 use mesh::generate::structured_box;
 use mesh::{BodyId, Point, Vector};
 use solid_svk::{ElasticBody, ElasticOptions, LameParameters, SaintVenantKirchhoff, SolidForm, SolidMesh};
@@ -47,16 +49,6 @@ linear = { kind = "direct" }
 const DT: f64 = 1e-3;
 const N_STEPS: usize = 60;
 
-fn file() -> ScenarioFile {
-    ScenarioFile::parse(Path::new("dry.toml"), CASE, &[]).unwrap_or_else(|e| panic!("{e}"))
-}
-
-fn fresh_directory(name: &str) -> PathBuf {
-    let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("dry").join(name);
-    let _ = std::fs::remove_dir_all(&path);
-    path
-}
-
 /// The block of the scenario, built from the library.
 fn block() -> Setup<2> {
     let mesh = structured_box([0.0, 0.01], [1.0, 0.51], [4, 2]).expect("a box");
@@ -90,9 +82,8 @@ fn reports(setup: &Setup<2>) -> Vec<StepReport<2>> {
 #[test]
 fn a_block_without_a_fluid_moves_as_in_the_library() {
     let directory = fresh_directory("run");
-    let summary = run(&file(), &directory, &mut ()).unwrap_or_else(|e| panic!("{e}"));
-    let table = HistoryTable::read(&directory.join("history.csv")).unwrap_or_else(|e| panic!("{e}"));
-    let column = |name: &str| table.column(name).unwrap_or_else(|| panic!("no column {name}"));
+    let summary = results(&legal(CASE, &[]), &directory);
+    let column = |name: &str| column(&directory, name);
     let reports = reports(&block());
     let check = |name: &str, of: fn(&StepReport<2>) -> f64| {
         assert_eq!(column(name), reports.iter().map(of).collect::<Vec<f64>>(), "{name}");
@@ -127,7 +118,7 @@ fn a_block_without_a_fluid_moves_as_in_the_library() {
 #[test]
 fn only_the_body_has_field_files() {
     let directory = fresh_directory("fields");
-    run(&file(), &directory, &mut ()).unwrap_or_else(|e| panic!("{e}"));
+    results(&legal(CASE, &[]), &directory);
     for series in ["fluid", "rigid", "interface"] {
         assert!(!directory.join(format!("{series}.pvd")).exists(), "{series}");
     }
@@ -140,12 +131,12 @@ fn only_the_body_has_field_files() {
     assert_eq!(index.matches("file=").count(), names.len());
     // The scenario that was left can be read again.
     let again = ScenarioFile::read(&directory.join("scenario.toml"), &[]).unwrap_or_else(|e| panic!("{e}"));
-    assert_eq!(again.scenario(), file().scenario());
+    assert_eq!(again.scenario(), legal(CASE, &[]).scenario());
 }
 
 #[test]
 fn sizes_are_those_of_the_body() {
-    let sizes = sizes(&file()).unwrap_or_else(|e| panic!("{e}"));
+    let sizes = sizes(&legal(CASE, &[])).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(sizes.bodies, [("block".to_owned(), 16, 15)]);
     assert_eq!((sizes.background_cells, sizes.background_vertices, sizes.cut_cells), (0, 0, 0));
     assert_eq!((sizes.dofs, sizes.n_steps, sizes.half_domain), (2 * 15, N_STEPS, false));

@@ -1,15 +1,16 @@
 //! Bodies of prescribed motion: valid and invalid keys of a scenario, and the files of a run.
 
-use std::fs;
-use std::path::{Path, PathBuf};
+mod common;
 
-use io::scenario::case::case;
-use io::{Error, HistoryTable, ScenarioFile, run, sizes};
+use std::fs;
+use std::path::Path;
+
+use common::*;
+use io::{Error, ScenarioFile, sizes};
 use mesh::Point;
 use solver::algebra::BlockLayout;
 use solver::body::StepTime;
 
-const CASE: &str = include_str!("../../../examples/oscillating-cylinder.toml");
 const COARSE: [&str; 4] =
     ["background.size=0.03", "body.0.shape.size=0.015", "background.boundary.left.ramp=0.1", "output.vtk_every=2"];
 const MOTION: &str = r#"{ kind = "formula", displacement = ["0", "0.05*sin(2*pi*0.25*t)"] }"#;
@@ -32,44 +33,32 @@ fn contact(body: &str, obstacle: &str) -> String {
     )
 }
 
-fn fresh_directory(name: &str) -> PathBuf {
-    let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("motion").join(name);
-    let _ = fs::remove_dir_all(&path);
-    fs::create_dir_all(&path).unwrap_or_else(|e| panic!("{e}"));
-    path
-}
-
 /// The coarse case with a motion instead of the formula, and texts added.
-fn with_motion(motion: &str, more: &str, sets: &[&str]) -> Result<ScenarioFile, Error> {
-    let sets: Vec<String> = COARSE.iter().chain(sets).map(|set| (*set).to_owned()).collect();
-    assert!(CASE.contains(MOTION));
-    let text = CASE.replace(MOTION, motion) + more;
-    ScenarioFile::parse(&PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("motion/case.toml"), &text, &sets)
+fn with_motion(motion: &str, more: &str) -> String {
+    assert!(CHANNEL.contains(MOTION));
+    CHANNEL.replace(MOTION, motion) + more
 }
 
-fn legal(motion: &str, more: &str, sets: &[&str]) -> ScenarioFile {
-    with_motion(motion, more, sets).unwrap_or_else(|e| panic!("{e}"))
+/// Reads a scenario in the directory of all tests, relative to which tables are named.
+fn read(text: &str, sets: &[&str]) -> Result<ScenarioFile, Error> {
+    parse_at(&Path::new(env!("CARGO_TARGET_TMPDIR")).join("motion/case.toml"), text, &[&COARSE, sets])
+}
+
+fn moving(motion: &str, more: &str, sets: &[&str]) -> ScenarioFile {
+    read(&with_motion(motion, more), sets).unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// Expects an error at a key, on the line of some text, with all the given words.
 fn expect(motion: &str, more: &str, on: &str, key: &str, words: &[&str]) {
-    let error = match with_motion(motion, more, &[]) {
-        Ok(file) => sizes(&file).expect_err("a mistake"),
-        Err(error) => error,
-    };
-    let message = error.to_string();
-    let Error::Scenario(error) = error else { panic!("not an error of the scenario: {message}") };
-    let text = CASE.replace(MOTION, motion) + more;
-    let at = text.find(on).unwrap_or_else(|| panic!("{on}"));
-    let line = text[..at].matches('\n').count() + 1;
-    assert_eq!((error.at.line, error.at.key.as_str()), (line, key), "{message}");
-    words.iter().for_each(|word| assert!(message.contains(word), "`{word}` is not in: {message}"));
+    let text = with_motion(motion, more);
+    let begin = text.find(on).unwrap_or_else(|| panic!("{on}"));
+    check_place(mistake(read(&text, &[])), &text, begin, key, words);
 }
 
 /// Returns reference, position and velocity of the vertices of the first body after a step from 0 to `t`. The velocity of
 /// the surface in this step is that at the end.
 fn moved(file: &ScenarioFile, t: f64) -> Vec<[Point<2>; 3]> {
-    let case = case::<2>(file).unwrap_or_else(|e| panic!("{e}"));
+    let case = planar_case(file);
     let body = &case.setup.bodies[0];
     let (start, mut layout) = (body.start(), BlockLayout::new());
     let time = StepTime { start: 0.0, end: t, lengths: vec![t] };
@@ -90,24 +79,23 @@ fn moved(file: &ScenarioFile, t: f64) -> Vec<[Point<2>; 3]> {
 
 #[test]
 fn each_kind_moves_the_body_as_it_says() {
-    let file = legal(r#"{ kind = "fixed" }"#, "", &[]);
+    let file = moving(r#"{ kind = "fixed" }"#, "", &[]);
     assert!(moved(&file, 3.0).iter().all(|[x, y, v]| x == y && v.norm() == 0.0));
-    let file = legal(r#"{ kind = "rotating", centre = [0.2, 0.2], angular_velocity = 2.0 }"#, "", &[]);
+    let file = moving(r#"{ kind = "rotating", centre = [0.2, 0.2], angular_velocity = 2.0 }"#, "", &[]);
     for [x, y, v] in moved(&file, 0.7) {
         let (arm, turned) = (x - Point::<2>::new(0.2, 0.2), y - Point::<2>::new(0.2, 0.2));
         assert!((turned[1].atan2(turned[0]) - arm[1].atan2(arm[0]) - 1.4).sin().abs() < 1e-12);
         assert!((v - Point::<2>::new(-2.0 * turned[1], 2.0 * turned[0])).norm() < 1e-13);
     }
-    let file = legal(MOTION, "", &[]);
+    let file = moving(MOTION, "", &[]);
     for [x, y, v] in moved(&file, 0.5) {
         let (sin, cos) = (std::f64::consts::FRAC_PI_4).sin_cos();
         assert!((y - x - Point::<2>::new(0.0, 0.05 * sin)).norm() < 1e-15);
         assert!((v - Point::<2>::new(0.0, 0.05 * 0.5 * std::f64::consts::PI * cos)).norm() < 1e-15);
     }
-    fresh_directory("tables");
-    let table = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("motion/tables/straight.csv");
+    let table = fresh_directory("tables").join("straight.csv");
     fs::write(&table, "time,x,y,angle\n0,0,0.01,0\n4,0.04,0.01,2\n8,0.08,0.01,4\n").expect("a writable directory");
-    let file = legal(r#"{ kind = "table", file = "tables/straight.csv", centre = [0.2, 0.2] }"#, "", &[]);
+    let file = moving(r#"{ kind = "table", file = "tables/straight.csv", centre = [0.2, 0.2] }"#, "", &[]);
     for [_, y, v] in moved(&file, 1.0) {
         let turned = y - Point::<2>::new(0.21, 0.21);
         assert!((turned.norm() - 0.05).abs() < 0.01);
@@ -123,57 +111,50 @@ fn motions_survive_writing_and_reading() {
         r#"{ kind = "formula", displacement = ["t", "0"], angle = "0.1*t", centre = [0.2, 0.2] }"#,
         r#"{ kind = "table", file = "motion.csv" }"#,
     ] {
-        let file = legal(motion, "", &[]);
-        let text = file.to_toml().expect("text");
-        let again = ScenarioFile::parse(Path::new("again.toml"), &text, &[]).unwrap_or_else(|e| panic!("{e}\n{text}"));
-        assert_eq!(file.scenario(), again.scenario());
+        check_text(&moving(motion, "", &[]));
+    }
+    for more in [r#"held = ["x", "rotation"]"#, r#"held = ["y"], initial_spin = -2.0"#] {
+        check_text(&moving(&free(more), "", &[]));
     }
 }
 
 #[test]
 fn mistakes_in_a_motion_are_told_with_line_and_key() {
-    let motion = |path: &str| format!("body.0.motion{path}");
-    let expect = |given: &str, key: &str, words: &[&str]| expect(given, "", "motion = {", &motion(key), words);
-    expect(r#"{ kind = "fixd" }"#, ".kind", &["did you mean `fixed`?", "formula"]);
-    expect(r#"{ kind = "fixed", centre = [0, 0] }"#, ".centre", &["unknown key"]);
-    expect(r#"{ kind = "rotating", centre = [0.2, 0.2] }"#, "", &["`angular_velocity` is missing"]);
-    expect(r#"{ kind = "rotating", centre = [0.2], angular_velocity = 1 }"#, ".centre", &["1 components"]);
-    expect(r#"{ kind = "formula", displacement = ["t"] }"#, ".displacement", &["1 components"]);
-    expect(
-        r#"{ kind = "formula", displacement = ["0", "2t"] }"#,
-        ".displacement.1",
-        &["`2t`", "character 2", "operator"],
-    );
-    expect(r#"{ kind = "formula", displacement = ["sin(x)", "0"] }"#, ".displacement.0", &["`x` is not known", "cosh"]);
-    expect(r#"{ kind = "formula", displacement = ["0", "1/(t - 2)"] }"#, ".displacement.1", &["value", "t = 2 is inf"]);
-    expect(
-        r#"{ kind = "formula", displacement = ["sqrt(t)", "0"] }"#,
-        ".displacement.0",
-        &["derivative", "t = 0 is inf"],
-    );
-    expect(r#"{ kind = "formula", displacement = ["ln(-t)", "0"] }"#, ".displacement.0", &["value", "change it"]);
-    expect(r#"{ kind = "formula", displacement = ["0", "0"], angle = "t" }"#, "", &["`centre` is missing"]);
-    expect(
-        r#"{ kind = "formula", displacement = ["0", "0"], centre = [0, 0] }"#,
-        ".centre",
-        &["no effect", "without an angle", "take it out"],
-    );
-    expect(
-        r#"{ kind = "table", file = "none.csv" }"#,
-        ".file",
-        &["none.csv", "cannot be read", "relative to the scenario"],
-    );
     let folder = fresh_directory("wrong");
-    for (name, text, words) in [
-        ("row", "time,x,y\n0,0,0\n1,0\n", vec!["row.csv:3: ", "2 values"]),
-        ("late", "time,x,y\n0.1,0,0\n9,0,0\n", vec!["late.csv: ", "0.1 to 9", "needs 0 to 8"]),
-        ("early", "time,x,y\n0,0,0\n7.9,0,0\n", vec!["0 to 7.9", "add rows or end earlier"]),
+    for (name, rows) in [
+        ("row", "time,x,y\n0,0,0\n1,0\n"),
+        ("late", "time,x,y\n0.1,0,0\n9,0,0\n"),
+        ("early", "time,x,y\n0,0,0\n7.9,0,0\n"),
+        ("turns", "time,x,y,angle\n0,0,0,0\n9,0,0,1\n"),
     ] {
-        fs::write(folder.join(format!("{name}.csv")), text).expect("a writable directory");
-        expect(&format!(r#"{{ kind = "table", file = "wrong/{name}.csv" }}"#), ".file", &words);
+        fs::write(folder.join(format!("{name}.csv")), rows).expect("a writable directory");
     }
-    fs::write(folder.join("turns.csv"), "time,x,y,angle\n0,0,0,0\n9,0,0,1\n").expect("a writable directory");
-    expect(r#"{ kind = "table", file = "wrong/turns.csv" }"#, "", &["`centre` is missing"]);
+    let check = |kind: &str, more: &str, key: &str, words: &[&str]| {
+        expect(&format!("{{ kind = \"{kind}\"{more} }}"), "", "motion = {", &format!("body.0.motion{key}"), words);
+    };
+    check("fixd", "", ".kind", &["did you mean `fixed`?", "formula"]);
+    check("fixed", ", centre = [0, 0]", ".centre", &["unknown key"]);
+    check("rotating", ", centre = [0.2, 0.2]", "", &["`angular_velocity` is missing"]);
+    check("rotating", ", centre = [0.2], angular_velocity = 1", ".centre", &["1 components"]);
+    check("formula", r#", displacement = ["t"]"#, ".displacement", &["1 components"]);
+    check("formula", r#", displacement = ["0", "0"], angle = "t""#, "", &["`centre` is missing"]);
+    let words = ["no effect", "without an angle", "take it out"];
+    check("formula", r#", displacement = ["0", "0"], centre = [0, 0]"#, ".centre", &words);
+    for (formula, words) in [
+        ("2t", ["`2t`", "character 2", "operator"]),
+        ("sin(x)", ["`x` is not known", "character 5", "cosh"]),
+        ("1/(t - 2)", ["value", "t = 2 is inf", "change it"]),
+        ("sqrt(t)", ["derivative", "t = 0 is inf", "change it"]),
+        ("ln(-t)", ["value", "`ln(-t)`", "change it"]),
+    ] {
+        check("formula", &format!(", displacement = [\"0\", \"{formula}\"]"), ".displacement.1", &words);
+    }
+    let table = |file: &str, key: &str, words: &[&str]| check("table", &format!(", file = \"{file}\""), key, words);
+    table("none.csv", ".file", &["none.csv", "cannot be read", "relative to the scenario"]);
+    table("wrong/row.csv", ".file", &["row.csv:3: ", "2 values"]);
+    table("wrong/late.csv", ".file", &["late.csv: ", "0.1 to 9", "needs 0 to 8"]);
+    table("wrong/early.csv", ".file", &["0 to 7.9", "add rows or end earlier"]);
+    table("wrong/turns.csv", "", &["`centre` is missing"]);
 }
 
 #[test]
@@ -188,24 +169,13 @@ fn what_only_elastic_bodies_have_is_refused() {
         ("initial_velocity", "[0.0, 0.0]"),
     ] {
         let given = format!("{key} = {value}");
-        let motion = format!("{MOTION}\n{given}");
-        expect(
-            &motion,
-            "",
-            &format!("\n{given}")[1..],
-            &format!("body.0.{key}"),
-            &["no effect with a motion that is given", "take it out"],
-        );
+        let words = ["no effect with a motion that is given", "take it out"];
+        expect(&format!("{MOTION}\n{given}"), "", &given, &format!("body.0.{key}"), &words);
     }
     for key in ["material", "density", "gravity"] {
         let line = BAR.lines().find(|line| line.starts_with(key)).expect("a key");
-        expect(
-            MOTION,
-            &BAR.replace(line, ""),
-            "[[body]]\nname     = \"bar\"",
-            "body.1",
-            &[&format!("`{key}` is missing")],
-        );
+        let missing = format!("`{key}` is missing");
+        expect(MOTION, &BAR.replace(line, ""), "[[body]]\nname     = \"bar\"", "body.1", &[&missing]);
     }
 }
 
@@ -218,23 +188,22 @@ fn contacts_in_which_nothing_yields_are_refused() {
     let both = post.to_owned() + &contact("cylinder", r#"{ kind = "body", name = "post" }"#);
     expect(MOTION, &both, "obstacle = ", "contact.0.obstacle", &["both have a given motion", "take the contact out"]);
     // As an obstacle of an elastic body it is lowered.
-    let file = legal(MOTION, &(BAR.to_owned() + &contact("bar", r#"{ kind = "body", name = "cylinder" }"#)), &[]);
-    assert_eq!(case::<2>(&file).unwrap_or_else(|e| panic!("{e}")).setup.contacts.len(), 1);
+    let file = moving(MOTION, &(BAR.to_owned() + &contact("bar", r#"{ kind = "body", name = "cylinder" }"#)), &[]);
+    assert_eq!(planar_case(&file).setup.contacts.len(), 1);
 }
 
 /// The cylinder as a free body.
 const FREE: &str = "{ kind = \"free\" }\ndensity = 1.5\ngravity = [0.0, -9.81]";
 
+/// The cylinder as a free body with more keys of its motion.
+fn free(more: &str) -> String {
+    FREE.replace(" }", &format!(", {more} }}"))
+}
+
 #[test]
 fn free_bodies_need_a_mass_and_take_nothing_of_elastic_ones() {
-    legal(FREE, "", &[]);
-    legal(&format!("{FREE}\ninitial_velocity = [0.1, 0.0]"), "", &[]);
-    let free = |more: &str| FREE.replace(" }", &format!(", {more} }}"));
-    for more in [r#"held = ["x", "rotation"]"#, r#"held = ["y"], initial_spin = -2.0"#] {
-        let file = legal(&free(more), "", &[]);
-        let again = ScenarioFile::parse(Path::new("again.toml"), &file.to_toml().expect("text"), &[]).expect("legal");
-        assert_eq!(again.scenario(), file.scenario());
-    }
+    moving(FREE, "", &[]);
+    moving(&format!("{FREE}\ninitial_velocity = [0.1, 0.0]"), "", &[]);
     let density = |text: &str| FREE.replace("density = 1.5", text);
     expect(&density(""), "", "[[body]]", "body.0", &["`density` is missing"]);
     expect(&density("density = 0.0"), "", "density = 0.0", "body.0.density", &["positive"]);
@@ -260,8 +229,8 @@ fn a_free_cylinder_sinks_with_the_force_that_is_reported() {
         "background.boundary.left=no-slip",
         "background.boundary.right=no-slip",
     ];
-    let file = legal(FREE, "", &sets);
-    let summary = run(&file, &directory, &mut ()).unwrap_or_else(|e| panic!("{e}"));
+    let file = moving(FREE, "", &sets);
+    let summary = results(&file, &directory);
     let (velocity, force) = (column(&directory, "centre_velocity"), column(&directory, "force_y"));
     let mass = 1.5 * std::f64::consts::PI * 0.05_f64.powi(2);
     let mut before = 0.0;
@@ -284,11 +253,11 @@ fn half_a_free_body_on_a_plane_of_symmetry_is_held_and_touches_nothing_there() {
     let shape = format!("body.0.shape={half}");
     let plane = contact("cylinder", r#"{ kind = "rigid-plane", point = [0.0, 0.0], normal = [0.0, -1.0] }"#);
     let sets = [shape.as_str(), "background.boundary.left=symmetry"];
-    let loose = legal(FREE, &plane, &sets);
+    let loose = moving(FREE, &plane, &sets);
     let message = sizes(&loose).expect_err("it may leave the plane").to_string();
     assert!(message.contains("body.0.motion") && message.contains(r#"held = ["x", "rotation"]"#), "{message}");
-    let file = legal(&FREE.replace(" }", r#", held = ["x", "rotation"] }"#), &plane, &sets);
-    let setup = case::<2>(&file).unwrap_or_else(|e| panic!("{e}")).setup;
+    let file = moving(&FREE.replace(" }", r#", held = ["x", "rotation"] }"#), &plane, &sets);
+    let setup = planar_case(&file).setup;
     let (boundary, reference) = (setup.bodies[0].surface(), setup.bodies[0].reference());
     let on_plane = |f: &mesh::FacetId| boundary.facet(*f).iter().all(|v| reference[v.index()][0].abs() < 1e-12);
     let n_on_plane = boundary.facets().filter(on_plane).count();
@@ -303,8 +272,8 @@ fn a_cylinder_that_moves_as_told_pushes_an_elastic_bar() {
     let pair = BAR.replace("min = [0.5, 0.15], max = [0.6, 0.25]", "min = [0.27, 0.15], max = [0.37, 0.25]")
         + &contact("bar", r#"{ kind = "body", name = "cylinder" }"#);
     let sets = ["time.step=0.01", "time.end=0.15", "background.boundary.left=no-slip"];
-    let file = legal(towards, &pair, &sets);
-    let summary = run(&file, &directory, &mut ()).unwrap_or_else(|e| panic!("{e}"));
+    let file = moving(towards, &pair, &sets);
+    let summary = results(&file, &directory);
     assert!(summary.contact_time.is_some(), "they touch");
     // Gap 0.02, offset 0.01, and the bar yields.
     let active = column(&directory, "bar_active_points");
@@ -317,13 +286,8 @@ fn a_cylinder_that_moves_as_told_pushes_an_elastic_bar() {
 fn bodies_are_placed_where_they_are_at_the_start() {
     let away = r#"{ kind = "formula", displacement = ["3 + t", "0"] }"#;
     expect(away, "", "shape  = {", "body.0.shape", &["no vertex of body `cylinder`"]);
-    let file = legal(r#"{ kind = "formula", displacement = ["0.35", "0"] }"#, BAR, &[]);
+    let file = moving(r#"{ kind = "formula", displacement = ["0.35", "0"] }"#, BAR, &[]);
     assert!(sizes(&file).expect_err("on the bar").to_string().contains("overlap"));
-}
-
-fn column(directory: &Path, name: &str) -> Vec<f64> {
-    let table = HistoryTable::read(&directory.join("history.csv")).unwrap_or_else(|e| panic!("{e}"));
-    table.column(name).unwrap_or_else(|| panic!("{name}"))
 }
 
 #[test]
@@ -331,8 +295,8 @@ fn a_cylinder_in_a_channel_feels_drag() {
     let directory = fresh_directory("fixed");
     // On the axis of the channel.
     let sets = ["time.end=0.5", "body.0.shape.centre=[0.3, 0.205]"];
-    let summary =
-        run(&legal(r#"{ kind = "fixed" }"#, "", &sets), &directory, &mut ()).unwrap_or_else(|e| panic!("{e}"));
+    let file = moving(r#"{ kind = "fixed" }"#, "", &sets);
+    let summary = results(&file, &directory);
     assert_eq!((summary.steps, summary.leading.as_deref()), (10, Some("cylinder")));
     let [drag, lift, traction, torque] =
         ["force_x", "force_y", "traction_force_x", "torque"].map(|name| column(&directory, name));
@@ -349,7 +313,7 @@ fn a_cylinder_in_a_channel_feels_drag() {
     assert!(!directory.join("solid.pvd").exists());
     // The same again, digit by digit.
     let again = fresh_directory("fixed-again");
-    run(&legal(r#"{ kind = "fixed" }"#, "", &sets), &again, &mut ()).unwrap_or_else(|e| panic!("{e}"));
+    results(&file, &again);
     assert_eq!((drag, torque), (column(&again, "force_x"), column(&again, "torque")));
 }
 
@@ -365,7 +329,7 @@ fn a_rotating_cylinder_feels_a_torque_against_its_turn() {
         "background.boundary.left=no-slip",
         "output.vtk_every=0",
     ];
-    run(&legal(motion, "", &sets), &directory, &mut ()).unwrap_or_else(|e| panic!("{e}"));
+    results(&moving(motion, "", &sets), &directory);
     let torque = column(&directory, "torque");
     assert!(torque.iter().all(|m| *m < 0.0), "{torque:?}");
     // Stokes flow around it without walls: 4 π μ r² ω. In a circle as wide as the channel it is 1.07 times that, and
@@ -381,41 +345,38 @@ fn a_table_moves_a_body_beside_an_elastic_one() {
     let table = directory.join("up.csv");
     fs::write(&table, "\u{feff}time,x,y\n0,0,0\n0.1,0,0.004\n0.2,0,0.016\n0.3,0,0.03\n").expect("a writable directory");
     let motion = r#"{ kind = "table", file = "mixed/up.csv" }"#;
-    let results = directory.join("results");
+    let first = directory.join("results");
     // What an older run has left goes, what is not of a run stays.
-    fs::create_dir_all(results.join("vtk")).expect("a writable directory");
-    let [old, other] = ["vtk/fluid_099999.vtu", "vtk/mine.vtu"].map(|name| results.join(name));
+    fs::create_dir_all(first.join("vtk")).expect("a writable directory");
+    let [old, other] = ["vtk/fluid_099999.vtu", "vtk/mine.vtu"].map(|name| first.join(name));
     for path in [&old, &other] {
         fs::write(path, "old").expect("a writable directory");
     }
-    let file = legal(motion, BAR, &["time.end=0.2"]);
-    let summary = run(&file, &results, &mut ()).unwrap_or_else(|e| panic!("{e}"));
+    let file = moving(motion, BAR, &["time.end=0.2"]);
+    let summary = results(&file, &first);
     assert_eq!(summary.leading.as_deref(), Some("bar"), "the first body that forces move");
     assert!(!old.exists() && other.exists());
-    assert!(column(&results, "cylinder_angle").iter().all(|angle| angle.abs() < 1e-12));
-    let height = column(&results, "cylinder_centre_y");
+    assert!(column(&first, "cylinder_angle").iter().all(|angle| angle.abs() < 1e-12));
+    let height = column(&first, "cylinder_centre_y");
     assert!((height[3] - 0.216).abs() < 1e-12 && (height[1] - 0.204).abs() < 1e-12, "{height:?}");
-    assert!(column(&results, "cylinder_centre_velocity").iter().all(|v| *v > 0.0));
-    assert!(column(&results, "bar_force_x").iter().chain(&column(&results, "cylinder_force_y")).all(|f| f.is_finite()));
+    assert!(column(&first, "cylinder_centre_velocity").iter().all(|v| *v > 0.0));
+    assert!(column(&first, "bar_force_x").iter().chain(&column(&first, "cylinder_force_y")).all(|f| f.is_finite()));
     for file in ["solid.pvd", "rigid.pvd", "interface.pvd"] {
-        assert!(results.join(file).exists(), "{file}");
+        assert!(first.join(file).exists(), "{file}");
     }
     // A run can be continued from its checkpoint without the table that it was started with.
     fs::remove_file(&table).expect("the table");
-    let left = ScenarioFile::read(&results.join("scenario.toml"), &[]).unwrap_or_else(|e| panic!("{e}"));
-    run(&left, &directory.join("again"), &mut ()).unwrap_or_else(|e| panic!("{e}"));
-    assert_eq!(column(&directory.join("again"), "cylinder_force_x"), column(&results, "cylinder_force_x"));
+    let left = ScenarioFile::read(&first.join("scenario.toml"), &[]).unwrap_or_else(|e| panic!("{e}"));
+    results(&left, &directory.join("again"));
+    assert_eq!(column(&directory.join("again"), "cylinder_force_x"), column(&first, "cylinder_force_x"));
 }
 
 #[test]
 fn a_channel_without_bodies_is_a_run_too() {
     let directory = fresh_directory("empty");
-    let begin = CASE.find("[[body]]").expect("a body");
-    let end = CASE.find("[interface]").expect("an interface");
-    let text = CASE[..begin].to_owned() + &CASE[end..];
-    let sets = ["background.size=0.1", "time.end=0.2", "output.vtk_every=2"].map(str::to_owned);
-    let file = ScenarioFile::parse(Path::new("empty.toml"), &text, &sets).unwrap_or_else(|e| panic!("{e}"));
-    run(&file, &directory, &mut ()).unwrap_or_else(|e| panic!("{e}"));
+    let (begin, end) = (CHANNEL.find("[[body]]").expect("a body"), CHANNEL.find("[interface]").expect("a section"));
+    let text = CHANNEL[..begin].to_owned() + &CHANNEL[end..];
+    results(&legal(&text, &[&["background.size=0.1", "time.end=0.2", "output.vtk_every=2"]]), &directory);
     assert!(directory.join("fluid.pvd").exists());
     assert!(!directory.join("solid.pvd").exists() && !directory.join("interface.pvd").exists());
 }

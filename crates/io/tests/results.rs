@@ -1,12 +1,15 @@
 //! A tiny run from scenario to files, and what is in the files.
 
-use std::fs;
-use std::path::{Path, PathBuf};
+mod common;
 
-use io::scenario::case::{Case, case};
+use std::fs;
+use std::path::Path;
+
+use common::*;
+use io::scenario::Case;
 use io::vtk::bodies::{Shown, bodies_grid};
 use io::vtk::fluid::fluid_grid;
-use io::{HistoryTable, Progress, ScenarioFile, StepProgress, Summary, Watch, run};
+use io::{Progress, ScenarioFile, StepProgress, Summary, Watch, run};
 use solver::algebra::Workspace;
 use solver::mesh::SimplexMesh;
 use solver::{FluidSetup, Observer, ObserverError, State, StepView, Substep, advance};
@@ -28,15 +31,7 @@ fn coarse(extra: &[&str]) -> ScenarioFile {
         "time.end=0.005",
         "output.vtk_every=2",
     ];
-    let sets: Vec<String> = sets.iter().chain(extra).map(|set| (*set).to_owned()).collect();
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../validation/cases/virtual-barrier.toml");
-    ScenarioFile::read(&path, &sets).unwrap_or_else(|e| panic!("{e}"))
-}
-
-fn fresh_directory(name: &str) -> PathBuf {
-    let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
-    let _ = fs::remove_dir_all(&path);
-    path
+    legal(BARRIER, &[&sets, extra])
 }
 
 fn read_grid(path: &Path) -> UnstructuredGridPiece {
@@ -77,8 +72,8 @@ fn check_directory(directory: &Path, steps: usize) {
     let text = fs::read_to_string(directory.join("history.csv")).expect("a history");
     assert_eq!(text.lines().next(), Some(HEADER));
     assert!(text.ends_with('\n'));
-    let table = HistoryTable::read(&directory.join("history.csv")).expect("a history");
-    assert_eq!(table.len(), steps);
+    let table = history(directory);
+    assert_eq!(table.n_rows(), steps);
     assert!(table.column("d_min").expect("a column").iter().all(|d| d.is_finite()));
     let summary = Summary::read(&directory.join("summary.json")).expect("a summary");
     assert!(summary.steps <= steps);
@@ -107,13 +102,8 @@ fn a_run_leaves_all_files_and_they_are_complete_after_every_step() {
     for file in ["history.csv", "diagnostics.csv", "scenario.toml"] {
         assert!(fs::metadata(directory.join(file)).is_ok_and(|data| data.len() > 500), "{file}");
     }
-    assert!(
-        fs::read_dir(&directory).expect("a directory").all(|e| !e
-            .expect("an entry")
-            .file_name()
-            .to_string_lossy()
-            .starts_with(".partial"))
-    );
+    let mut entries = fs::read_dir(&directory).expect("a directory").map(|entry| entry.expect("an entry").file_name());
+    assert!(entries.all(|name| !name.to_string_lossy().starts_with(".partial")));
     assert_eq!(Summary::read(&directory.join("summary.json")).expect("a summary"), summary);
     assert_eq!((summary.steps, summary.half_domain, summary.profile.as_str()), (5, true, "paper"));
     let first = seen.iter().find(|(_, contact)| *contact).map(|(step, _)| *step as f64 * 1e-3);
@@ -128,44 +118,18 @@ fn a_run_leaves_all_files_and_they_are_complete_after_every_step() {
 fn summary_has_exactly_the_agreed_keys() {
     let text = serde_json::to_value(Summary::default()).expect("JSON");
     let mut keys: Vec<&str> = text.as_object().expect("an object").keys().map(String::as_str).collect();
-    let mut expected = vec![
-        "case",
-        "dimension",
-        "units",
-        "profile",
-        "half_domain",
-        "dt",
-        "steps",
-        "cells",
-        "dofs",
-        "nnz",
-        "bodies",
-        "leading",
-        "contact_offset",
-        "contact_time",
-        "release_time",
-        "contact_intervals",
-        "max_penetration",
-        "max_penetration_over_s",
-        "min_distance",
-        "energy_monotone",
-        "max_interface_leak",
-        "newton_iterations",
-        "factorizations",
-        "wall_seconds",
-        "timings",
-        "peak_rss_bytes",
-    ];
+    let expected = "bodies case cells contact_intervals contact_offset contact_time dimension dofs dt energy_monotone \
+                    factorizations half_domain leading max_interface_leak max_penetration max_penetration_over_s \
+                    min_distance newton_iterations nnz peak_rss_bytes profile release_time steps timings units \
+                    wall_seconds";
     keys.sort_unstable();
-    expected.sort_unstable();
-    assert_eq!(keys, expected);
+    assert_eq!(keys.join(" "), expected);
 }
 
 #[test]
 fn field_files_hold_the_true_domains() {
     let directory = fresh_directory("fields");
-    fs::create_dir_all(&directory).expect("a directory");
-    let Case { setup, .. } = case::<2>(&coarse(&["background.size=0.7"])).unwrap_or_else(|e| panic!("{e}"));
+    let Case { setup, .. } = planar_case(&coarse(&["background.size=0.7"]));
     let start = State::initial(&setup).expect("a state");
     let whole = Substep::whole(setup.dt);
     let (state, _) = advance(&setup, &start, whole, &mut Workspace::new()).expect("a step");
@@ -195,16 +159,12 @@ fn field_files_hold_the_true_domains() {
 #[test]
 fn two_bodies_have_prefixed_columns() {
     let directory = fresh_directory("two-bodies");
-    let case = include_str!("../../../validation/cases/virtual-barrier.toml");
     let second = "\n[[body]]\nname = \"block\"\nshape = { kind = \"box\", min = [6.0, 0.0], max = [8.0, 1.0], n = [2, 1] }\n\
                   material = { kind = \"saint-venant-kirchhoff\", young = 5.6e6, poisson = 0.4 }\ndensity = 1.0\n\
                   gravity = [0.0, 0.0]\nboundary = { bottom = \"clamped\" }\n";
-    let sets =
-        ["background.size=1.0", "body.0.shape.size=1.0", "time.end=0.002", "output.vtk_every=0"].map(str::to_owned);
-    let file =
-        ScenarioFile::parse(Path::new("two.toml"), &format!("{case}{second}"), &sets).unwrap_or_else(|e| panic!("{e}"));
-    run(&file, &directory, &mut ()).unwrap_or_else(|e| panic!("{e}"));
-    let table = HistoryTable::read(&directory.join("history.csv")).expect("a history");
+    let sets = ["background.size=1.0", "body.0.shape.size=1.0", "time.end=0.002", "output.vtk_every=0"];
+    results(&legal(&format!("{BARRIER}{second}"), &[&sets]), &directory);
+    let table = history(&directory);
     assert_eq!(table.names().len(), 1 + 2 * 24 + 14);
     assert_eq!(table.names()[1..3], ["ball_d_min", "ball_d_max"]);
     assert_eq!(table.column("block_d_min").expect("a column").len(), 2);
@@ -219,8 +179,7 @@ fn the_mirrored_case_is_the_full_one() {
         "body.0.shape.mirrored=true",
         "body.0.boundary={}",
     ];
-    let half = case::<2>(&coarse(&[])).unwrap_or_else(|e| panic!("{e}"));
-    let full = case::<2>(&coarse(&full)).unwrap_or_else(|e| panic!("{e}"));
+    let (half, full) = (planar_case(&coarse(&[])), planar_case(&coarse(&full)));
     assert!(half.half_domain && !full.half_domain);
     let n_cells = |case: &Case<2>| background(&case.setup.fluid).n_cells();
     assert_eq!(n_cells(&full), 2 * n_cells(&half));
@@ -258,7 +217,7 @@ fn a_divided_run_has_rows_for_parts_and_files_for_steps() {
     let summary = run(&file, &directory, &mut watch).unwrap_or_else(|e| panic!("{e}"));
     assert!(summary.divided_steps > 0 && summary.steps == 5);
     assert_eq!(told, [1, 2, 3, 4, 5]);
-    let table = HistoryTable::read(&directory.join("history.csv")).unwrap_or_else(|e| panic!("{e}"));
+    let table = history(&directory);
     let times = table.column("time").expect("a time");
     assert!(times.len() > 5 && times.windows(2).all(|w| w[1] > w[0]), "{times:?}");
     assert!(table.column("newton").expect("counts").iter().sum::<f64>() as usize == summary.newton_iterations);

@@ -1,52 +1,30 @@
 //! Errors in scenario files name file, line, key and remedy.
 
-use std::path::{Path, PathBuf};
+mod common;
 
-use io::scenario::Location;
+use std::path::Path;
+
+use common::*;
 use io::{Error, ScenarioFile, sizes};
 
-const CASE: &str = include_str!("../../../validation/cases/virtual-barrier.toml");
 const COARSE: [&str; 2] = ["background.size=1.0", "body.0.shape.size=1.0"];
 
-fn strings(sets: &[&str]) -> Vec<String> {
-    sets.iter().map(|set| (*set).to_owned()).collect()
-}
-
-/// The error of a scenario, found while reading it or while building its meshes.
-fn error_of(text: &str, sets: &[&str]) -> Error {
-    match ScenarioFile::parse(Path::new("case.toml"), text, &strings(sets)) {
-        Ok(file) => sizes(&file).expect_err("a mistake"),
-        Err(error) => error,
-    }
-}
-
-/// The virtual barrier with one text replaced by another, and the line where that happens.
+/// The virtual barrier with one text replaced by another, and where that happens.
 fn with(from: &str, to: &str) -> (String, usize) {
-    let at = CASE.find(from).unwrap_or_else(|| panic!("the case contains {from}"));
-    (CASE.replacen(from, to, 1), CASE[..at].matches('\n').count() + 1)
-}
-
-fn parts(error: Error) -> (Location, String) {
-    let text = error.to_string();
-    let Error::Scenario(error) = error else { panic!("not an error of the scenario: {text}") };
-    (*error.at, text)
+    let at = BARRIER.find(from).unwrap_or_else(|| panic!("the case contains {from}"));
+    (BARRIER.replacen(from, to, 1), at)
 }
 
 /// Replaces, and expects an error at that line and key whose text contains all the given words.
 fn expect(from: &str, to: &str, key: &str, words: &[&str]) {
-    let (text, line) = with(from, to);
-    expect_at(&text, line, key, words);
+    let (text, begin) = with(from, to);
+    expect_at(&text, begin, key, words);
 }
 
-fn expect_at(text: &str, line: usize, key: &str, words: &[&str]) {
+fn expect_at(text: &str, begin: usize, key: &str, words: &[&str]) {
     // A change of the size would hide a mistake in it.
     let sets = if key.starts_with("background.size") { &COARSE[1..] } else { &COARSE };
-    let (at, message) = parts(error_of(text, sets));
-    assert_eq!((at.line, at.key.as_str(), at.argument), (line, key, None), "{message}");
-    assert!(message.starts_with(&format!("case.toml:{line}: {key}")), "{message}");
-    for word in words {
-        assert!(message.contains(word), "`{word}` is not in: {message}");
-    }
+    check_place(mistake(parse(text, &[sets])), text, begin, key, words);
 }
 
 #[test]
@@ -58,6 +36,7 @@ fn unknown_keys() {
     expect("[time]", "[tims]", "tims", &["did you mean `time`?"]);
     expect("mu = 2.0e6", "nu = 2.0e6", "body.0.material.nu", &["did you mean `mu`?"]);
     expect("size     = 0.1  ", "sizes = 0.1", "contact.0.sizes", &["did you mean `size`?"]);
+    expect("radius = 4.0", "colour = 4.0", "body.0.shape.colour", &["unknown key `colour`. Known here: kind, centre"]);
 }
 
 #[test]
@@ -72,8 +51,7 @@ fn unknown_values() {
 #[test]
 fn missing_values() {
     let (text, _) = with("viscosity      =", "# viscosity =");
-    let line = CASE.lines().position(|l| l == "[fluid]").map(|k| k + 1);
-    expect_at(&text, line.expect("a section"), "fluid", &["`viscosity` is missing", "add it"]);
+    expect_at(&text, text.find("[fluid]").expect("a section"), "fluid", &["`viscosity` is missing", "add it"]);
     expect(", gamma_1 = 0.7 }", " }", "fluid.cip", &["`gamma_1` is missing"]);
     expect("radius = 4.0, ", "", "body.0.shape", &["`radius` is missing"]);
     expect(", top = \"free\"", "", "background.boundary", &["`top` is missing"]);
@@ -81,13 +59,13 @@ fn missing_values() {
 
 #[test]
 fn sections_of_a_fluid_are_given_together() {
-    let without = |sections: &[(&str, &str)]| {
-        let mut text = CASE.to_owned();
+    let without = |sections: &[(&str, &str)], missing: &str| {
+        let mut text = BARRIER.to_owned();
         for (begin, end) in sections {
             let range = text.find(begin).expect("a section")..text.find(end).expect("the next section");
             text.replace_range(range, "");
         }
-        parts(error_of(&text, &[COARSE[1]]))
+        check_place(mistake(parse(&text, &[&COARSE[1..]])), &text, 0, "", &[&format!("`{missing}` is missing")]);
     };
     let (fluid, background, interface) =
         (("[fluid]", "[background]"), ("[background]", "[[body]]"), ("[interface]", "[[contact]]"));
@@ -99,10 +77,7 @@ fn sections_of_a_fluid_are_given_together() {
         (vec![interface, fluid], "fluid"),
         (vec![background, interface], "background"),
     ] {
-        let (at, message) = without(&sections);
-        assert_eq!((at.line, at.key.as_str()), (1, ""), "{message}");
-        let expected = format!("`{missing}` is missing");
-        assert!(message.starts_with("case.toml:1: ") && message.contains(&expected), "{message}");
+        without(&sections, missing);
     }
 }
 
@@ -133,8 +108,7 @@ fn numbers_out_of_range() {
 
 #[test]
 fn a_step_that_divides_to_round_off_is_accepted() {
-    let (text, _) = with("step = 1.0e-3", "step = 0.000333333333333333");
-    assert!(ScenarioFile::parse(Path::new("case.toml"), &text, &[]).is_ok());
+    legal(&with("step = 1.0e-3", "step = 0.000333333333333333").0, &[]);
 }
 
 #[test]
@@ -148,9 +122,8 @@ fn blocks_of_a_preconditioner() {
     let lagged = "\"lagged-lu\" }";
     let sweep = |more: &str| format!("\"block-gauss-seidel\", {more} }}");
     let blocks = "blocks = { fluid = \"lu\", bodies = \"ilut\" }";
-    for legal in ["restart = 30", blocks, &format!("restart = 30, {blocks}")] {
-        let (text, _) = with(lagged, &sweep(legal));
-        assert!(ScenarioFile::parse(Path::new("case.toml"), &text, &[]).is_ok(), "{legal}");
+    for more in ["restart = 30", blocks, &format!("restart = 30, {blocks}")] {
+        legal(&with(lagged, &sweep(more)).0, &[]);
     }
     let fluid = "blocks = { fluid = \"cholesky\", bodies = \"lu\" }";
     expect(lagged, &sweep(fluid), &key("blocks.fluid"), &["unknown value `cholesky`", "ilut"]);
@@ -179,47 +152,43 @@ gravity  = [0.0, 0.0]
 
 #[test]
 fn overlapping_bodies() {
-    let text = format!("{CASE}{SECOND}");
-    let line = text.lines().count() - 3;
-    expect_at(&text, line, "body.1.shape", &["`ball`", "`block`", "overlap", "move one of them"]);
+    let text = format!("{BARRIER}{SECOND}");
+    let begin = text.rfind("shape ").expect("a shape");
+    expect_at(&text, begin, "body.1.shape", &["`ball`", "`block`", "overlap", "move one of them"]);
     // Inside of one another is overlap too.
     let text = text
         .replace("min = [3.0, 6.5], max = [9.0, 8.5], size = 1.0", "min = [1.0, 9.0], max = [2.0, 11.0], size = 1.0");
-    expect_at(&text, line, "body.1.shape", &["overlap"]);
+    expect_at(&text, begin, "body.1.shape", &["overlap"]);
 }
 
 #[test]
 fn bodies_may_stick_out_but_not_be_away() {
-    let apart =
-        format!("{CASE}{SECOND}").replace("min = [3.0, 6.5], max = [9.0, 8.5]", "min = [5.0, 1.0], max = [12.0, 2.0]");
-    let file = ScenarioFile::parse(Path::new("case.toml"), &apart, &strings(&COARSE)).expect("legal");
-    assert_eq!(sizes(&file).expect("legal").bodies.len(), 2);
-    let (text, line) = with("centre = [0.0, 10.0]", "centre = [20.0, 10.0]");
-    expect_at(&text, line, "body.0.shape", &["no vertex of body `ball`", "move it"]);
+    let apart = format!("{BARRIER}{SECOND}")
+        .replace("min = [3.0, 6.5], max = [9.0, 8.5]", "min = [5.0, 1.0], max = [12.0, 2.0]");
+    assert_eq!(sizes(&legal(&apart, &[&COARSE])).expect("legal").bodies.len(), 2);
+    let words = ["no vertex of body `ball`", "move it"];
+    expect("centre = [0.0, 10.0]", "centre = [20.0, 10.0]", "body.0.shape", &words);
 }
 
 #[test]
 fn names_are_unique_and_plain() {
-    let twice = format!("{CASE}{SECOND}").replace("\"block\"", "\"ball\"");
-    let line = twice.lines().count() - 4;
-    expect_at(&twice, line, "body.1.name", &["the name of another body"]);
+    let twice = format!("{BARRIER}{SECOND}").replace("\"block\"", "\"ball\"");
+    let begin = twice.rfind("name ").expect("a name");
+    expect_at(&twice, begin, "body.1.name", &["the name of another body"]);
     expect("name      = \"virtual-barrier\"", "name = \"a/b\"", "name", &["not a file name"]);
 }
 
 #[test]
 fn text_that_is_not_toml() {
-    let (text, line) = with("step = 1.0e-3", "step = = 1.0e-3");
-    let (at, message) = parts(error_of(&text, &[]));
-    assert_eq!(at.line, line, "{message}");
-    assert!(message.contains("not valid TOML"), "{message}");
+    let (text, begin) = with("step = 1.0e-3", "step = = 1.0e-3");
+    check_place(mistake(parse(&text, &[])), &text, begin, "", &["not valid TOML"]);
 }
 
 #[test]
 fn files_that_cannot_be_read() {
     let missing = ScenarioFile::read(Path::new("no/such/file.toml"), &[]).expect_err("missing");
     assert!(missing.to_string().contains("no/such/file.toml"), "{missing}");
-    let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("latin-1.toml");
-    std::fs::write(&path, b"name = \"x\"\nsource = \"\xe9\"\n").expect("a writable directory");
+    let path = write("latin-1.toml", b"name = \"x\"\nsource = \"\xe9\"\n");
     let latin = ScenarioFile::read(&path, &[]).expect_err("not UTF-8");
     assert!(matches!(latin, Error::NotUtf8 { line: 2, .. }), "{latin}");
     assert!(latin.to_string().contains("latin-1.toml:2"), "{latin}");
@@ -235,16 +204,16 @@ fn changes_from_the_command_line() {
         "output.vtk_every=3",
         "background.mirrored=true",
     ];
-    let file = ScenarioFile::parse(Path::new("case.toml"), CASE, &strings(&changes)).expect("legal");
+    let file = legal(BARRIER, &[&changes]);
     let scenario = file.scenario();
     assert_eq!(
-        (*scenario.time.step, *scenario.bodies[0].density.clone().expect("given"), file.n_steps()),
+        (*scenario.time.step, *scenario.body[0].density.clone().expect("given"), file.n_steps()),
         (5e-4, 2.0, 500)
     );
     assert_eq!(scenario.output.vtk_every, 3);
     // A section that is not in the file is made.
-    let text = CASE.replace("[output]  ", "#").replace("vtk_every   = 10", "#").replace("compression = 0", "#");
-    let file = ScenarioFile::parse(Path::new("case.toml"), &text, &strings(&["output.vtk_every=7"])).expect("legal");
+    let text = BARRIER.replace("[output]  ", "#").replace("vtk_every   = 10", "#").replace("compression = 0", "#");
+    let file = legal(&text, &[&["output.vtk_every=7"]]);
     assert_eq!((file.scenario().output.vtk_every, file.scenario().output.compression), (7, 0));
 }
 
@@ -260,8 +229,10 @@ fn mistakes_on_the_command_line_name_the_argument() {
         ("time.step", "", "KEY=VALUE"),
         ("contact.0.obstacle.normal=[0.0, 0.0]", "contact.0.obstacle.normal", "direction"),
     ] {
-        let (at, message) = parts(error_of(CASE, &[COARSE[0], COARSE[1], set]));
-        assert_eq!((at.argument.as_deref(), at.key.as_str()), (Some(set), key), "{message}");
+        let error = mistake(parse(BARRIER, &[&COARSE, &[set]]));
+        let message = error.to_string();
+        let Error::Scenario(error) = error else { panic!("not an error of the scenario: {message}") };
+        assert_eq!((error.at.argument.as_deref(), error.at.key.as_str()), (Some(set), key), "{message}");
         assert!(message.starts_with(&format!("--set {set}")) && message.contains(word), "{message}");
     }
 }
@@ -275,10 +246,7 @@ fn every_scenario_survives_writing_and_reading() {
         if path.extension().is_none_or(|extension| extension != "toml") {
             continue;
         }
-        let file = ScenarioFile::read(&path, &[]).unwrap_or_else(|e| panic!("{e}"));
-        let text = file.to_toml().expect("text");
-        let again = ScenarioFile::parse(&path, &text, &[]).unwrap_or_else(|e| panic!("{e}\n{text}"));
-        assert_eq!(file.scenario(), again.scenario());
+        check_text(&ScenarioFile::read(&path, &[]).unwrap_or_else(|e| panic!("{e}")));
         n += 1;
     }
     assert!(n > 0);

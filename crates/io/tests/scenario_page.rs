@@ -86,10 +86,11 @@ impl Rows<'_> {
         let name = format!("{prefix}{}", key.name);
         let path = if self.outer.is_empty() { name.clone() } else { format!("{}.{name}", self.outer) };
         let has_section = self.sections.contains(&path.as_str());
-        let mut value = value(&key.form, key.range);
-        if has_section {
-            value = "see below".to_owned();
-        }
+        let mut value = match key.range {
+            _ if has_section => "see below".to_owned(),
+            Range::Any => key.form.to_string(),
+            range => format!("{}, {range}", key.form),
+        };
         match key.default {
             Some(default) if default != "{}" => value += &format!("; `{default}`"),
             _ if key.is_optional => value += "; optional",
@@ -117,34 +118,6 @@ impl Rows<'_> {
     fn row(&mut self, key: &str, value: &str, unit: &str, about: &str) {
         let _ = writeln!(self.text, "| {key} | {value} | {unit} | {} |", about.trim());
     }
-}
-
-/// Returns the type of a value in words.
-fn value(form: &Form, range: Range) -> String {
-    let range = match range {
-        Range::Any => String::new(),
-        Range::Positive => ", positive".to_owned(),
-        Range::NonNegative => ", not negative".to_owned(),
-        between @ Range::Between(..) => format!(", {between}"),
-    };
-    let form = match form {
-        Form::Number => "number".to_owned(),
-        Form::Whole => "whole number".to_owned(),
-        Form::Flag => "`true` or `false`".to_owned(),
-        Form::Text => "text".to_owned(),
-        Form::Formula(variables) => format!("number or formula in {variables}"),
-        Form::Components(of) => format!("list: {} for each axis", value(of, Range::Any)),
-        Form::List(of) => match value(of, Range::Any).as_str() {
-            "table" => "list of tables".to_owned(),
-            of => format!("list of: {of}"),
-        },
-        Form::Named(_) => "table of names".to_owned(),
-        Form::Table(_) => "table".to_owned(),
-        Form::Choice { tag: Some(tag), .. } => format!("table with a {tag}"),
-        Form::Choice { .. } => "word".to_owned(),
-        Form::OrTable(plain, _) => format!("{} or table", value(plain, Range::Any)),
-    };
-    form + &range
 }
 
 #[test]

@@ -1,9 +1,9 @@
 //! Scenarios in three dimensions: boxes that fall through a fluid in a closed box, free and elastic.
 
-use std::fs;
-use std::path::{Path, PathBuf};
+mod common;
 
-use io::{HistoryTable, ScenarioFile, run, sizes};
+use common::*;
+use io::ScenarioFile;
 
 /// A cube falls in a closed box of fluid, one and a half times as dense.
 const CASE: &str = r#"
@@ -61,34 +61,11 @@ obstacle = { kind = "rigid-plane", point = [0.0, 0.0, 0.45], normal = [0.0, 0.0,
 
 const FREE: &str = "motion  = { kind = \"free\" }";
 
-fn scenario(text: &str, sets: &[&str]) -> ScenarioFile {
-    let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
-    ScenarioFile::parse(Path::new("cube.toml"), text, &sets).unwrap_or_else(|e| panic!("{e}"))
-}
-
-/// Runs a scenario and returns a function that reads columns of its history, and the directory.
-fn history(name: &str, file: &ScenarioFile) -> (HistoryTable, PathBuf) {
-    let directory = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("space").join(name);
-    let _ = fs::remove_dir_all(&directory);
-    run(file, &directory, &mut ()).unwrap_or_else(|e| panic!("{e}"));
-    (HistoryTable::read(&directory.join("history.csv")).unwrap_or_else(|e| panic!("{e}")), directory)
-}
-
-fn column(table: &HistoryTable, name: &str) -> Vec<f64> {
-    table.column(name).unwrap_or_else(|| panic!("{name}"))
-}
-
-fn message(text: &str, sets: &[&str]) -> String {
-    let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
-    let file = ScenarioFile::parse(Path::new("cube.toml"), text, &sets);
-    file.and_then(|file| sizes(&file)).expect_err("a mistake").to_string()
-}
-
 #[test]
 fn a_free_cube_falls_with_the_force_that_is_reported() {
-    let (table, directory) = history("free", &scenario(CASE, &[]));
-    let (velocity, force, height) =
-        (column(&table, "centre_velocity"), column(&table, "force_z"), column(&table, "centre_y"));
+    let directory = fresh_directory("free");
+    results(&legal(CASE, &[]), &directory);
+    let [velocity, force, height] = ["centre_velocity", "force_z", "centre_y"].map(|name| column(&directory, name));
     let mass = 1.5 * 0.4_f64.powi(3);
     let (mut before, mut at) = (0.0, 0.73);
     for k in 0..5 {
@@ -105,15 +82,15 @@ fn a_free_cube_falls_with_the_force_that_is_reported() {
         assert!(directory.join(file).exists(), "{file}");
     }
     let left = ScenarioFile::read(&directory.join("scenario.toml"), &[]).unwrap_or_else(|e| panic!("{e}"));
-    assert_eq!(left.scenario(), scenario(CASE, &[]).scenario());
+    assert_eq!(left.scenario(), legal(CASE, &[]).scenario());
 }
 
 #[test]
 fn a_cube_lands_on_a_plane() {
     let sets = ["time.end=0.3", "fluid.viscosity=0.01", "body.0.initial_velocity=[0.0, 0.0, -1.0]"];
-    let (table, _) = history("landing", &scenario(&format!("{CASE}{FLOOR}"), &sets));
-    let (gap, force, velocity) =
-        (column(&table, "d_min"), column(&table, "contact_force"), column(&table, "centre_velocity"));
+    let directory = fresh_directory("landing");
+    results(&legal(&format!("{CASE}{FLOOR}"), &[&sets]), &directory);
+    let [gap, force, velocity] = ["d_min", "contact_force", "centre_velocity"].map(|name| column(&directory, name));
     for (gap, force) in gap.iter().zip(&force) {
         assert!((*gap < 0.05) == (*force > 0.0), "{gap} {force}");
     }
@@ -127,11 +104,11 @@ fn a_cube_lands_on_a_plane() {
 fn an_elastic_cube_is_compressed_by_its_weight() {
     let elastic = "material = { kind = \"saint-venant-kirchhoff\", young = 1.0e4, poisson = 0.3 }\n\
                    boundary = { top = \"clamped\", left = \"symmetry\" }";
-    let text = CASE.replace(FREE, elastic);
-    let (table, directory) = history("elastic", &scenario(&text, &["time.end=0.04", "output.vtk_every=2"]));
-    let energy = column(&table, "energy_elastic");
+    let directory = fresh_directory("elastic");
+    results(&legal(&CASE.replace(FREE, elastic), &[&["time.end=0.04", "output.vtk_every=2"]]), &directory);
+    let energy = column(&directory, "energy_elastic");
     assert!(energy.iter().all(|e| *e > 0.0), "{energy:?}");
-    let height = column(&table, "centre_y");
+    let height = column(&directory, "centre_y");
     assert!(height.iter().all(|y| *y < 0.73 && *y > 0.72), "the top is held: {height:?}");
     assert!(directory.join("vtk/solid_000002.vtu").exists());
 }
@@ -145,9 +122,8 @@ fn planar_shapes_and_vectors_are_refused() {
         ("{ kind = \"box\", min = [0.3, 0.3], max = [0.7, 0.7, 0.9], n = [2, 2, 2] }", "2 components"),
         ("{ kind = \"box\", min = [0.3, 0.3, 0.5], max = [0.7, 0.7, 0.9], n = [2, 2] }", "2 components"),
     ] {
-        let found = message(&CASE.replace(cube, &format!("shape = {shape}")), &[]);
-        assert!(found.contains("cube.toml:") && found.contains("body.0.shape") && found.contains(word), "{found}");
+        refused(&CASE.replace(cube, &format!("shape = {shape}")), &[], &["case.toml:", "body.0.shape", word]);
     }
-    let found = message(CASE, &["background.boundary.front=fre"]);
-    assert!(found.contains("background.boundary.front") && found.contains("did you mean `free`?"), "{found}");
+    let front = ["background.boundary.front", "did you mean `free`?"];
+    refused(CASE, &[&["background.boundary.front=fre"]], &front);
 }

@@ -3,11 +3,13 @@
 // Names the skipped test.
 #![allow(clippy::print_stdout)]
 
+mod common;
 #[path = "../../cutcell/tests/identities/mod.rs"]
 mod identities;
 
 use std::path::{Path, PathBuf};
 
+use common::write;
 use cutcell::{CutMesh, OverlayOptions};
 use identities::check_identities;
 use io::surface::Surface;
@@ -99,20 +101,12 @@ fn scanned_surfaces_keep_their_volume_and_area() {
     assert!(failures.is_empty(), "{} failures:\n{}", failures.len(), failures.join("\n"));
 }
 
-fn write(name: &str, content: &[u8]) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("surfaces");
-    std::fs::create_dir_all(&folder).expect("a folder");
-    let path = folder.join(name);
-    std::fs::write(&path, content).expect("a file");
-    path
-}
-
 const TETRAHEDRON: &str =
     "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n# comment\nf 1 3 2\nf 1/1 2/2 4/3\nf 1//1 4//2 3//3\nf -3 -2 -1\n";
 
 #[test]
 fn obj_ascii_and_binary_stl_give_the_same_surface() {
-    let obj = Surface::read(&write("tetrahedron.obj", TETRAHEDRON.as_bytes())).expect("an OBJ");
+    let obj = Surface::read(&write("tetrahedron.obj", TETRAHEDRON)).expect("an OBJ");
     assert!((obj.placed().enclosed().volume - 1.0 / 6.0).abs() < 1e-15);
     assert_eq!(obj.positions().len(), 4);
     let mut ascii = "solid t\n".to_owned();
@@ -130,7 +124,7 @@ fn obj_ascii_and_binary_stl_give_the_same_surface() {
         binary.extend([0; 2]);
     }
     ascii.push_str("endsolid t\n");
-    for path in [write("t.stl", ascii.as_bytes()), write("b.STL", &binary)] {
+    for path in [write("t.stl", &ascii), write("b.STL", &binary)] {
         let stl = Surface::read(&path).expect("an STL");
         assert_eq!(stl.placed().enclosed().volume, obj.placed().enclosed().volume);
         assert_eq!((stl.positions().len(), stl.boundary().n_facets()), (4, 4));
@@ -149,7 +143,7 @@ fn malformed_files_are_refused_with_their_place() {
         ("f.obj", "v 0 0\n", "three coordinates"),
         ("g.ply", "ply", "must end in"),
     ] {
-        let message = Surface::read(&write(name, content.as_bytes())).expect_err("malformed").to_string();
+        let message = Surface::read(&write(name, content)).expect_err("malformed").to_string();
         assert!(message.contains(part) && message.contains(name), "{message}");
     }
     let missing = Surface::read(Path::new("no/such.stl")).expect_err("missing").to_string();

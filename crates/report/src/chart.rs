@@ -1,6 +1,5 @@
 //! Charts, drawn by uPlot in the browser: here they are data.
 
-use serde::Serialize;
 use serde_json::{Value, json};
 
 use crate::Error;
@@ -43,18 +42,6 @@ pub struct Chart {
     pub caption: String,
 }
 
-/// Data of a chart for the script of the page.
-#[derive(Serialize)]
-struct Data<'a> {
-    title: &'a str,
-    x_label: &'a str,
-    x_is_log: bool,
-    marks: &'a [(String, f64)],
-    levels: &'a [f64],
-    window: Option<(f64, f64)>,
-    curves: Vec<Value>,
-}
-
 impl Chart {
     /// A chart from its title, the label of its horizontal axis and its curves.
     pub fn new(title: impl Into<String>, x_label: impl Into<String>, curves: Vec<Curve>) -> Self {
@@ -82,12 +69,14 @@ impl Chart {
                 shared = x;
             }
         }
-        let Self { title, x_label, x_is_log, marks, levels, window, .. } = self;
-        let data = data(&Data { title, x_label, x_is_log: *x_is_log, marks, levels, window: *window, curves })?;
+        let data = data(&json!({
+            "title": self.title, "x_label": self.x_label, "x_is_log": self.x_is_log,
+            "marks": self.marks, "levels": self.levels, "window": self.window, "curves": curves,
+        }))?;
         let caption = if self.caption.is_empty() { "" } else { &format!("<p>{}</p>", self.caption) };
         Ok(format!(
             "<figure class=\"chart\" aria-label=\"{0}\"><h4>{0}</h4><div></div>{caption}{data}</figure>",
-            escape(title)
+            escape(&self.title)
         ))
     }
 }

@@ -78,11 +78,9 @@ impl Frames {
         if !path.is_file() {
             return Ok(None);
         }
-        let text = std::fs::read_to_string(&path).map_err(|source| io::Error::Read { path: path.clone(), source })?;
-        serde_json::from_str(&text).map(Some).map_err(|source| Error::Frames { path, source })
+        serde_json::from_str(&io::read_text(&path)?).map(Some).map_err(|source| Error::Frames { path, source })
     }
 
-    /// Points of an outline.
     pub(crate) fn points<'a>(&self, outline: &'a Packed) -> impl Iterator<Item = [f64; 2]> + use<'a> {
         let (low, unit) = (self.low, self.unit);
         let place = move |bytes: &[u8], k: usize| {
@@ -94,10 +92,10 @@ impl Frames {
     fn frame<const D: usize>(&self, view: &StepView<'_, D>, bottom: f64, longest: f64) -> Snapshot {
         let raster = Raster::new(self.low, self.high, longest);
         let fluid = view.setup.fluid.as_ref().zip(view.state.fluid.as_ref());
-        let speeds = match fluid {
-            Some((setup, fluid)) => raster.speeds(&setup.background, fluid),
-            None => vec![None; raster.n[0] * raster.n[1]],
-        };
+        let speeds = fluid.map_or_else(
+            || vec![None; raster.n[0] * raster.n[1]],
+            |(setup, fluid)| raster.speeds(&setup.background, fluid),
+        );
         let largest = speeds.iter().flatten().copied().fold(0.0, f64::max);
         let byte = |speed: f64| (speed / largest.max(1e-12) * f64::from(LARGEST)).round() as u8;
         let bodies = view.setup.bodies.iter().zip(&view.state.bodies);
@@ -159,7 +157,6 @@ impl Watch for Recorder {
     }
 }
 
-/// A recorder during a run.
 struct Recording<'a> {
     frames: &'a mut Frames,
     n_steps: usize,
@@ -174,12 +171,12 @@ struct Recording<'a> {
 impl<const D: usize> Observer<D> for Recording<'_> {
     fn after_step(&mut self, view: &StepView<'_, D>) -> Result<(), ObserverError> {
         let [coarse, fine] = RESOLUTION;
-        let step = view.state.step;
+        let (step, touches) = (view.state.step, touches(view));
         let balances = view.report.iter().flat_map(|report| &report.bodies).filter_map(|body| body.balance.as_ref());
         let elastic: f64 = balances.map(|balance| balance.elastic_energy).sum();
         let moments = [
             ("Start", view.report.is_none()),
-            ("First contact", !self.has_touched && touches(view)),
+            ("First contact", !self.has_touched && touches),
             ("Largest deformation", elastic > RISE * self.elastic),
             ("End", step == self.n_steps && view.ends_step()),
         ];
@@ -187,10 +184,8 @@ impl<const D: usize> Observer<D> for Recording<'_> {
             let frame = self.frames.frame(view, self.bottom, fine);
             self.frames.moments.insert(title.to_owned(), frame);
         }
-        self.has_touched |= touches(view);
-        if elastic > RISE * self.elastic {
-            self.elastic = elastic;
-        }
+        self.has_touched |= touches;
+        self.elastic = if elastic > RISE * self.elastic { elastic } else { self.elastic };
         if view.ends_step() && (step.is_multiple_of(self.every) || step == self.n_steps) {
             let frame = self.frames.frame(view, self.bottom, coarse);
             self.frames.frames.push(frame);

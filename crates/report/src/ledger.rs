@@ -16,7 +16,7 @@ impl Ledger<'_> {
         let bodies = &self.results.summary.bodies;
         let columns = bodies.iter().map(|name| table.column(&format!("{}{column}", self.results.prefix(name))));
         let columns: Vec<_> = columns.collect::<Option<_>>()?;
-        Some((0..table.len()).map(|k| columns.iter().map(|column| column[k]).sum()).collect())
+        Some((0..table.n_rows()).map(|k| columns.iter().map(|column| column[k]).sum()).collect())
     }
 
     /// The energies over time, and their sum.
@@ -55,19 +55,19 @@ impl Ledger<'_> {
         let &(begin, end) = summary.contact_intervals.first()?;
         let first = times.iter().position(|t| *t >= begin - 1e-9)?.checked_sub(1)?;
         let last = end.map_or(times.len() - 1, |end| times.iter().position(|t| *t >= end - 1e-9).unwrap_or(first));
-        let change = |values: &[f64]| values.get(last).zip(values.get(first)).map(|(b, a)| b - a);
-        let work = |values: &[f64]| Some(integral(&times, values)?[last] - integral(&times, values)?[first]);
+        let change = |values: Vec<f64>| Some(values.get(last)? - values.get(first)?);
+        let work = |values: Vec<f64>| change(integral(&times, &values)?);
         let bodies_kinetic = self.of_bodies(history, "energy_kinetic_solid")?;
         let stored = history.column("energy_contact")?;
-        let kinetic = change(&bodies_kinetic)?;
-        let elastic = change(&self.of_bodies(history, "energy_elastic")?)?;
-        let gravity = change(&self.of_bodies(history, "energy_gravity")?)?;
-        let fluid = change(&history.column("energy_kinetic_fluid")?)?;
-        let released = change(&stored)?;
-        let by_contact = work(&self.of_bodies(history, "contact_power")?)?;
-        let by_fluid = work(&self.of_bodies(diagnostics, "fluid_power")?)?;
         let impact = bodies_kinetic[first];
         let largest = stored.get(first..=last)?.iter().copied().fold(0.0, f64::max);
+        let kinetic = change(bodies_kinetic)?;
+        let elastic = change(self.of_bodies(history, "energy_elastic")?)?;
+        let gravity = change(self.of_bodies(history, "energy_gravity")?)?;
+        let fluid = change(history.column("energy_kinetic_fluid")?)?;
+        let released = change(stored)?;
+        let by_contact = work(self.of_bodies(history, "contact_power")?)?;
+        let by_fluid = work(self.of_bodies(diagnostics, "fluid_power")?)?;
         let rows = [
             ("change of the kinetic energy of the bodies", kinetic),
             ("change of the elastic energy", elastic),
@@ -96,7 +96,6 @@ impl Ledger<'_> {
         Some(table(&caption, &head, &rows.iter().map(row).collect::<Vec<_>>()))
     }
 
-    /// Forces and volumes.
     pub(crate) fn balances(&self) -> Result<String, Error> {
         Ok(gallery(&[self.forces()?, format!("<div>{}</div>", self.volumes())]))
     }
@@ -126,38 +125,37 @@ impl Ledger<'_> {
         chart.html()
     }
 
-    /// Leaks and volumes.
     fn volumes(&self) -> String {
         let Results { history, diagnostics, summary, .. } = self.results;
         let units = &summary.units;
-        let mut rows = Vec::new();
-        let mut add = |what: &str, value: Option<f64>, unit: &str| {
-            if let Some(value) = value.filter(|value| value.is_finite()) {
-                rows.push(vec![what.to_owned(), format!("{} {unit}", number(value))]);
-            }
-        };
         let largest = |column: &str| Some(history.column(column)?.iter().map(|v| v.abs()).fold(0.0, f64::max));
         let drift = |values: Option<Vec<f64>>| {
             let values = values?;
             let first = *values.first()?;
             Some(values.iter().map(|v| (v - first).abs()).fold(0.0, f64::max) / first.abs())
         };
-        add("largest net leak through the interface", largest("leak_net"), &units.flow);
-        add("largest absolute leak", largest("leak_absolute"), &units.flow);
-        add("largest net leak, relative to the flow that the bodies displace", Some(summary.max_interface_leak), "");
-        let times = history.column("time");
-        let net = times.zip(history.column("leak_net")).and_then(|(t, v)| integral(&t, &v)?.last().copied());
-        add("fluid gained through the interface over the whole run", net, &units.volume);
-        add("largest relative change of the volume of the fluid", drift(diagnostics.column("fluid_volume")), "");
+        let net = || integral(&history.column("time")?, &history.column("leak_net")?)?.last().copied();
         let volume = diagnostics.column(&format!("{}volume", self.results.leading_prefix()));
-        add("largest relative change of the volume of the leading body", drift(volume), "");
-        let fraction = history.column("smallest_fraction");
-        add(
-            "smallest fluid part of a cell, relative to the cell",
-            fraction.map(|v| v.into_iter().fold(1.0, f64::min)),
-            "",
-        );
-        table("", &["", ""], &rows)
+        let smallest = |values: Vec<f64>| values.into_iter().fold(1.0, f64::min);
+        let relative_leak = Some(summary.max_interface_leak);
+        let rows = [
+            ("largest net leak through the interface", largest("leak_net"), units.flow.as_str()),
+            ("largest absolute leak", largest("leak_absolute"), &units.flow),
+            ("largest net leak, relative to the flow that the bodies displace", relative_leak, ""),
+            ("fluid gained through the interface over the whole run", net(), &units.volume),
+            ("largest relative change of the volume of the fluid", drift(diagnostics.column("fluid_volume")), ""),
+            ("largest relative change of the volume of the leading body", drift(volume), ""),
+            (
+                "smallest fluid part of a cell, relative to the cell",
+                history.column("smallest_fraction").map(smallest),
+                "",
+            ),
+        ];
+        let row = |(what, value, unit): (&str, Option<f64>, &str)| {
+            let value = value.filter(|value| value.is_finite())?;
+            Some(vec![what.to_owned(), format!("{} {unit}", number(value))])
+        };
+        table("", &["", ""], &rows.into_iter().filter_map(row).collect::<Vec<_>>())
     }
 }
 

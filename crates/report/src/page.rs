@@ -1,7 +1,5 @@
 //! The sections of the page of one run.
 
-use std::fmt::Write;
-
 use serde_json::json;
 
 use crate::html::{data, duration, escape, gallery, number, optional, table};
@@ -31,44 +29,37 @@ pub(crate) fn lead(results: &Results) -> String {
 /// # Errors
 /// [`Error::Json`].
 pub(crate) fn sections(results: &Results) -> Result<Vec<Section>, Error> {
-    let ledger = Ledger { results };
-    let energy = ledger.energies()? + &ledger.contact().unwrap_or_default();
-    let scenario = format!("<pre>{}</pre>", escape(&results.scenario));
-    let all = [
-        ("run", "The run", run(results)?),
-        ("moments", "Fields", moments(results)?),
-        ("histories", "Histories", histories(results, &[])?),
-        ("contacts", "Contacts", contacts(results, &[])?),
-        ("energies", "Energies", energy),
-        ("balances", "Forces and volumes", ledger.balances()?),
-        ("timings", "Timings", timings(results)?),
-        ("scenario", "Scenario", scenario),
-    ];
-    let filled = all.into_iter().filter(|(_, _, html)| !html.is_empty());
-    Ok(filled.map(|(id, title, html)| Section::new(id, title, html)).collect())
+    let mut sections = parts(results, &[])?;
+    sections.push(Section::new("timings", "Timings", timings(results)?));
+    sections.push(Section::new("scenario", "Scenario", format!("<pre>{}</pre>", escape(&results.scenario))));
+    Ok(sections)
 }
 
-/// A run as a part of a page about several: animation and sizes, histories with marked times, contacts, fields, energies and
-/// balances, with titles one level below those of sections.
+/// A run as a part of a page about several: its sections without timings and scenario, with titles one level below those of
+/// sections, and histories with marked times.
 ///
 /// # Errors
 /// [`Error::Json`].
 pub fn part(results: &Results, marks: &[(String, f64)]) -> Result<String, Error> {
+    let text = |section: Section| match section.id.as_str() {
+        "run" => section.html,
+        _ => format!("<h3>{}</h3>{}", section.title, section.html),
+    };
+    Ok(parts(results, marks)?.into_iter().map(text).collect())
+}
+
+/// The sections about the results of a run that are not empty.
+fn parts(results: &Results, marks: &[(String, f64)]) -> Result<Vec<Section>, Error> {
     let ledger = Ledger { results };
-    let mut html = run(results)?;
-    for (title, part) in [
-        ("Histories", histories(results, marks)?),
-        ("Contacts", contacts(results, marks)?),
-        ("Fields", moments(results)?),
-        ("Energies", ledger.energies()? + &ledger.contact().unwrap_or_default()),
-        ("Forces and volumes", ledger.balances()?),
-    ] {
-        if !part.is_empty() {
-            // Writing to a string cannot fail.
-            let _ = write!(html, "<h3>{title}</h3>{part}");
-        }
-    }
-    Ok(html)
+    let all = [
+        Section::new("run", "The run", run(results)?),
+        Section::new("moments", "Fields", moments(results)?),
+        Section::new("histories", "Histories", histories(results, marks)?),
+        Section::new("contacts", "Contacts", contacts(results, marks)?),
+        Section::new("energies", "Energies", ledger.energies()? + &ledger.contact().unwrap_or_default()),
+        Section::new("balances", "Forces and volumes", ledger.balances()?),
+    ];
+    Ok(all.into_iter().filter(|section| !section.html.is_empty()).collect())
 }
 
 /// Animation and sizes.
@@ -80,26 +71,22 @@ fn run(results: &Results) -> Result<String, Error> {
     let bodies: Vec<String> = summary.bodies.iter().map(|name| escape(name)).collect();
     // A run without a fluid has no profile.
     let has_fluid = !summary.profile.is_empty();
-    let mut rows = vec![("bodies", if bodies.is_empty() { "none".to_owned() } else { bodies.join(", ") })];
-    if has_fluid {
-        rows.push(("background", format!("{} cells{half}", summary.cells)));
-    }
-    rows.push(("unknowns, at most", summary.dofs.to_string()));
-    rows.push(("time step", format!("{} {time}, {} steps", number(summary.dt), summary.steps)));
-    if has_fluid {
-        rows.push(("interior penalty of the velocity", escape(&summary.profile)));
-    }
-    if let Some(leading) = summary.leading.as_ref().filter(|_| bodies.len() > 1) {
-        rows.push(("leading body", escape(leading)));
-    }
-    if let Some(offset) = summary.contact_offset {
-        rows.push(("contact begins at a distance of", format!("{} {length}", number(offset))));
-        rows.push(("largest violation of it", format!("{} {length}", number(summary.max_penetration))));
-    }
-    rows.push(("smallest distance", format!("{} {length}", optional(summary.min_distance))));
-    rows.push(("divided steps", summary.divided_steps.to_string()));
-    rows.push(("sum of energies never grew", if summary.energy_monotone { "yes" } else { "no" }.to_owned()));
-    let rows: Vec<_> = rows.into_iter().map(|(what, value)| vec![what.to_owned(), value]).collect();
+    let leading = summary.leading.as_ref().filter(|_| bodies.len() > 1);
+    let in_length = |value: f64| format!("{} {length}", number(value));
+    let rows = [
+        Some(("bodies", if bodies.is_empty() { "none".to_owned() } else { bodies.join(", ") })),
+        has_fluid.then(|| ("background", format!("{} cells{half}", summary.cells))),
+        Some(("unknowns, at most", summary.dofs.to_string())),
+        Some(("time step", format!("{} {time}, {} steps", number(summary.dt), summary.steps))),
+        has_fluid.then(|| ("interior penalty of the velocity", escape(&summary.profile))),
+        leading.map(|leading| ("leading body", escape(leading))),
+        summary.contact_offset.map(|offset| ("contact begins at a distance of", in_length(offset))),
+        summary.contact_offset.map(|_| ("largest violation of it", in_length(summary.max_penetration))),
+        Some(("smallest distance", in_length(summary.min_distance.unwrap_or(f64::NAN)))),
+        Some(("divided steps", summary.divided_steps.to_string())),
+        Some(("sum of energies never grew", if summary.energy_monotone { "yes" } else { "no" }.to_owned())),
+    ];
+    let rows: Vec<_> = rows.into_iter().flatten().map(|(what, value)| vec![what.to_owned(), value]).collect();
     let facts = format!("<div>{}</div>", table("", &["", ""], &rows));
     Ok(gallery(&[animation(results)?, facts]))
 }
@@ -151,29 +138,23 @@ fn histories(results: &Results, marks: &[(String, f64)]) -> Result<String, Error
     let Results { history, summary, .. } = results;
     let units = &summary.units;
     let vertical = ["x", "y", "z"][summary.dimension.saturating_sub(1).min(2)];
-    let bodies = &summary.bodies;
-    let curves = |column: &str| {
+    let chart = |title: &str, unit: &str, column: &str| {
         let curve = |name: &String| results.curve(name, history, &format!("{}{column}", results.prefix(name)));
-        bodies.iter().map(curve).collect::<Vec<_>>()
+        let curves = summary.bodies.iter().map(curve).collect();
+        Chart { marks: marks.to_vec(), ..results.over_time(title, unit, curves) }.html()
     };
-    let mut charts = vec![
-        results.over_time("smallest distance", &units.length, curves("d_min")),
-        results.over_time("velocity of the centre, vertical", &units.velocity, curves("centre_velocity")),
-        results.over_time("height of the body", &units.length, curves("body_height")),
-        results.over_time("velocity of the lowest point", &units.velocity, curves("lowest_velocity")),
-        results.over_time("acceleration of the lowest point", &units.acceleration, curves("lowest_acceleration")),
-        results.over_time("position of the centre, x", &units.length, curves("centre_x")),
-        results.over_time("force of the fluid, x", &units.force, curves("force_x")),
-        results.over_time(
-            &format!("force of the fluid, {vertical}"),
-            &units.force,
-            curves(&format!("force_{vertical}")),
-        ),
-        results.over_time("torque of the fluid", &units.energy, curves("torque")),
-        results.over_time("angle", "rad", curves("angle")),
-    ];
-    charts.iter_mut().for_each(|chart| chart.marks = marks.to_vec());
-    Ok(gallery(&charts.iter().map(Chart::html).collect::<Result<Vec<_>, Error>>()?))
+    Ok(gallery(&[
+        chart("smallest distance", &units.length, "d_min")?,
+        chart("velocity of the centre, vertical", &units.velocity, "centre_velocity")?,
+        chart("height of the body", &units.length, "body_height")?,
+        chart("velocity of the lowest point", &units.velocity, "lowest_velocity")?,
+        chart("acceleration of the lowest point", &units.acceleration, "lowest_acceleration")?,
+        chart("position of the centre, x", &units.length, "centre_x")?,
+        chart("force of the fluid, x", &units.force, "force_x")?,
+        chart(&format!("force of the fluid, {vertical}"), &units.force, &format!("force_{vertical}"))?,
+        chart("torque of the fluid", &units.energy, "torque")?,
+        chart("angle", "rad", "angle")?,
+    ]))
 }
 
 /// Table of the contacts, and the first one in detail; empty without a contact.
@@ -220,9 +201,9 @@ fn timings(results: &Results) -> Result<String, Error> {
                 |contribution| format!("<span class=\"part\">{}</span>", escape(contribution)),
             );
             let share = 100.0 * timing.seconds / all.max(f64::MIN_POSITIVE);
-            let numbers = [format!("{:.3}", timing.seconds), format!("{:.2}", 1e3 * timing.seconds / steps)];
-            let [seconds, per_step] = numbers;
-            rows.push(vec![name, timing.calls.to_string(), seconds, per_step, format!("{share:.1} %")]);
+            let (seconds, per_step) = (timing.seconds, 1e3 * timing.seconds / steps);
+            let numbers = [format!("{seconds:.3}"), format!("{per_step:.2}"), format!("{share:.1} %")];
+            rows.push([vec![name, timing.calls.to_string()], numbers.to_vec()].concat());
         }
     }
     let memory = summary.peak_rss_bytes.map_or(String::new(), |bytes| format!(", {} MB of memory", bytes / 1_000_000));

@@ -74,7 +74,6 @@ fn packed(pixels: &[u8], width: usize) -> Vec<u8> {
     rows.flat_map(|row| row.chunks(2).map(|pair| pair[0] << 4 | pair.get(1).copied().unwrap_or(0))).collect()
 }
 
-/// The plane of the pixels.
 struct Canvas<'a> {
     frames: &'a Frames,
     /// Left side of the shown region; with a plane of symmetry that of the mirrored whole.
@@ -117,15 +116,12 @@ impl<'a> Canvas<'a> {
         }
         // An outline is a boundary between a body and anything else.
         let inner = pixels.clone();
-        for k in 0..inner.len() {
+        for k in (0..inner.len()).filter(|k| inner[*k] >= FREE) {
             let (row, column) = (k / self.width, k % self.width);
-            let is_water = |row: usize, column: usize| inner[row * self.width + column] < FREE;
             let rows = row.saturating_sub(1)..(row + 2).min(self.height);
-            if inner[k] >= FREE
-                && rows
-                    .flat_map(|r| (column.saturating_sub(1)..(column + 2).min(self.width)).map(move |c| (r, c)))
-                    .any(|(r, c)| is_water(r, c))
-            {
+            let columns = column.saturating_sub(1)..(column + 2).min(self.width);
+            let is_water = |row: usize| columns.clone().any(|column| inner[row * self.width + column] < FREE);
+            if rows.into_iter().any(is_water) {
                 pixels[k] = INK;
             }
         }

@@ -66,7 +66,6 @@ impl Raster {
         }
     }
 
-    /// The point of a column and row.
     fn point(&self, column: usize, row: usize) -> [f64; 2] {
         let at = |k: usize, i: usize| self.low[k] + (i as f64 + 0.5) * self.step[k];
         [at(0, column), at(1, row)]

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use io::{HistoryTable, Summary};
+use io::{HistoryTable, Summary, read_text};
 
 use crate::{Chart, Curve, Error, Frames};
 
@@ -27,15 +27,12 @@ impl Results {
     /// # Errors
     /// [`Error::Results`], [`Error::Frames`]: files are missing or malformed.
     pub fn read(directory: &Path) -> Result<Self, Error> {
-        let summary = Summary::read(&directory.join("summary.json"))?;
-        let path = directory.join("scenario.toml");
-        let scenario = std::fs::read_to_string(&path).map_err(|source| io::Error::Read { path, source })?;
         Ok(Self {
+            summary: Summary::read(&directory.join("summary.json"))?,
             history: HistoryTable::read(&directory.join("history.csv"))?,
             diagnostics: HistoryTable::read(&directory.join("diagnostics.csv"))?,
             frames: Frames::read(directory)?,
-            scenario,
-            summary,
+            scenario: read_text(&directory.join("scenario.toml"))?,
         })
     }
 

@@ -26,7 +26,7 @@ const LEAVES: &[&str] = &[
     "crates/cutcell/src/clip/polygon.rs",
     "crates/io/src/scenario/case.rs",
     "crates/io/src/scenario/geometry.rs",
-    "crates/io/src/vtk/cut.rs",
+    "crates/io/src/vtk/mod.rs",
     "crates/io/src/vtk/fluid.rs",
     "crates/io/src/history.rs",
     "crates/io/src/surface/mod.rs",

@@ -32,6 +32,7 @@ const ROOMS: &[(&str, &[&str])] = &[
         &["crates/io/src", "crates/report/src", "crates/cutwater/src/commands", "validation/src", "xtask/src"],
     ),
     ("toml", &["crates/io/src", "validation/src"]),
+    ("strsim", &["crates/io/src/scenario/error.rs"]),
     ("vtkio", &["crates/io/src"]),
     ("plotters", &["validation/src/chart.rs"]),
     ("base64", &["crates/report/src/frames.rs"]),

@@ -7,16 +7,13 @@ use crate::CutArguments;
 
 /// Cuts a mesh by surfaces and prints the results.
 pub(crate) fn cut(arguments: &CutArguments) -> Result<(), Error> {
-    let settings = CutSettings {
-        background: match (&arguments.background, arguments.grid) {
-            (Some(path), _) => BackgroundSource::File(path.clone()),
-            // One of the two is there; a grid of nothing would be refused.
-            (None, grid) => BackgroundSource::Grid(grid.unwrap_or(0)),
-        },
-        rotate: arguments.rotate,
-        shift: arguments.shift,
-        flip: arguments.flip,
+    let background = match &arguments.background {
+        Some(path) => BackgroundSource::File(path.clone()),
+        // One of the two is there; a grid of nothing would be refused.
+        None => BackgroundSource::Grid(arguments.grid.unwrap_or(0)),
     };
+    let CutArguments { rotate, shift, flip, .. } = *arguments;
+    let settings = CutSettings { background, rotate, shift, flip };
     let result = cut_files(&arguments.surfaces, &settings)?;
     if let Some(directory) = &arguments.out {
         result.write_vtk(directory)?;

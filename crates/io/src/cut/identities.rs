@@ -1,20 +1,19 @@
 //! Identities that hold for the cut by any surfaces, and the errors in them.
 
-use cutcell::{CutMesh, FaceLabel, PartId};
+use cutcell::{CellState, CutMesh, FaceLabel, PartId};
 use mesh::{
-    Aabb, FacetId, MAX_CELL_VERTICES, Point, QuadratureRule, SimplexMesh, SimplexRule, Vector, simplex_measure,
+    Aabb, FacetId, MAX_CELL_VERTICES, Point, QuadratureRule, SimplexMesh, SimplexRule, Vector, facet_normal,
+    simplex_measure,
 };
 
-use super::sum::Sum;
-use super::{face_normal, face_points};
+use crate::Error;
 
 /// Distance from a face of the background, relative to the size of the cell, up to which interface may count as lying
 /// on it.
 const ON_FACE: f64 = 1e-9;
 
 /// Largest relative errors of a cut: zero but for round-off.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "simulation", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct CutErrors {
     /// `|parts + covered - |K|| / |K|`, the largest over all cells `K`.
     pub partition: f64,
@@ -33,27 +32,25 @@ impl CutErrors {
     /// Returns an error if an identity is violated by well more than round-off.
     ///
     /// # Errors
-    /// [`crate::Error::Violated`].
-    pub fn check(&self) -> Result<(), crate::Error> {
+    /// [`Error::Violated`].
+    pub fn check(&self) -> Result<(), Error> {
         /// Above the round-off of coordinates far from the origin, and below any cut that is wrong.
         const LARGEST: f64 = 1e-8;
-        let all = [
-            ("partition", self.partition),
-            ("normals", self.normals),
-            ("divergence", self.divergence),
-            ("adjacency", self.adjacency),
-        ];
-        let (identity, by) = all.into_iter().fold(all[0], |worst, next| if next.1 > worst.1 { next } else { worst });
-        if by <= LARGEST { Ok(()) } else { Err(crate::Error::Violated { identity, by }) }
+        let Self { partition, normals, divergence, adjacency } = *self;
+        let named =
+            [("partition", partition), ("normals", normals), ("divergence", divergence), ("adjacency", adjacency)];
+        let (identity, by) =
+            named.into_iter().fold(named[0], |worst, next| if next.1 > worst.1 { next } else { worst });
+        if by <= LARGEST { Ok(()) } else { Err(Error::Violated { identity, by }) }
     }
 }
 
-/// Measures all identities of a cut.
-pub(super) fn check<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>, moments: &Moments<D>) -> CutErrors {
+/// Measures all identities of a cut, with the moment that [`quadratic_moment`] returns.
+pub(super) fn check<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>, moment: f64) -> CutErrors {
     CutErrors {
         partition: partition(background, cut),
         normals: normals(background, cut),
-        divergence: moments.divergence(background, cut),
+        divergence: divergence(background, cut, moment),
         adjacency: adjacency(background, cut),
     }
 }
@@ -64,12 +61,9 @@ fn relative(error: f64, scale: f64) -> f64 {
 }
 
 fn partition<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>) -> f64 {
-    let mut missing: Vec<f64> = background
-        .cells()
-        .map(
-            |cell| if cut.cell_state(cell) == cutcell::CellState::Covered { 0.0 } else { background.cell_volume(cell) },
-        )
-        .collect();
+    let is_covered = |cell| cut.cell_state(cell) == CellState::Covered;
+    let volume = |cell| if is_covered(cell) { 0.0 } else { background.cell_volume(cell) };
+    let mut missing: Vec<f64> = background.cells().map(volume).collect();
     for part in cut.all_parts() {
         missing[cut.part_cell(part).index()] -= cut.part_volume(part);
     }
@@ -87,57 +81,47 @@ fn normals<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>) -> f64
     }
     let mut sum = Vector::<D>::zeros();
     for facet in background.facets().filter(|&facet| background.is_boundary(facet)) {
-        let covered = face_measure(background, facet) - wet[facet.index()];
+        let covered = background.facet_measure(facet) - wet[facet.index()];
         sum += face_normal(background, facet) * covered;
     }
     sum += cut.interface().iter().map(|piece| piece.normal * piece.measure).sum::<Vector<D>>();
     relative(sum.norm(), cut.interface().iter().map(|piece| piece.measure).sum())
 }
 
-/// Integrals over the fluid in the divergence theorem.
-pub(super) struct Moments<const D: usize> {
-    /// Lowest corner of the background.
-    origin: Point<D>,
-    /// `∫ Σ_a 2 r_a`.
-    first: f64,
+/// Integrates `Σ_a 2 r_a` over the fluid by quadrature of degree two on every part.
+pub(super) fn quadratic_moment<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>) -> f64 {
+    let origin = Aabb::of_points(background.vertices()).low;
+    let rule = SimplexRule::of_degree(D, 2);
+    let mut inside = QuadratureRule::default();
+    let moments = cut.all_parts().map(|part| {
+        inside.points.clear();
+        inside.weights.clear();
+        cut.part_quadrature(background, part, &rule, &mut inside);
+        inside.integrate(|x| 2.0 * (x - origin).sum())
+    });
+    moments.sum()
 }
 
-impl<const D: usize> Moments<D> {
-    /// Integrates by quadrature of degree two on every part.
-    pub(super) fn new(background: &SimplexMesh<D>, cut: &CutMesh<D>) -> Self {
-        let origin = Aabb::of_points(background.vertices()).low;
-        let rule = SimplexRule::of_degree(D, 2);
-        let mut inside = QuadratureRule::default();
-        let first = Sum::of(cut.all_parts().map(|part| {
-            inside.points.clear();
-            inside.weights.clear();
-            cut.part_quadrature(background, part, &rule, &mut inside);
-            inside.integrate(|x| 2.0 * (x - origin).sum())
-        }));
-        Self { origin, first }
+fn divergence<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>, moment: f64) -> f64 {
+    let origin = Aabb::of_points(background.vertices()).low;
+    let rule = SimplexRule::of_degree(D - 1, 2);
+    let (mut linear, mut quadratic) = (0.0, 0.0);
+    let mut face = QuadratureRule::default();
+    let mut flux = |points: &[Point<D>], normal: Vector<D>| {
+        face.points.clear();
+        face.weights.clear();
+        face.push_simplex(&rule, points);
+        linear += face.integrate(|x| (x - origin).dot(&normal));
+        quadratic += face.integrate(|x| (x - origin).map(|r| r * r).dot(&normal));
+    };
+    for piece in cut.boundary() {
+        flux(&piece.points[..D], face_normal(background, piece.facet));
     }
-
-    fn divergence(&self, background: &SimplexMesh<D>, cut: &CutMesh<D>) -> f64 {
-        let rule = SimplexRule::of_degree(D - 1, 2);
-        let (mut linear, mut quadratic) = (Sum::default(), Sum::default());
-        let mut face = QuadratureRule::default();
-        let mut flux = |points: &[Point<D>], normal: Vector<D>| {
-            face.points.clear();
-            face.weights.clear();
-            face.push_simplex(&rule, points);
-            linear.add(face.integrate(|x| (x - self.origin).dot(&normal)));
-            quadratic.add(face.integrate(|x| (x - self.origin).map(|r| r * r).dot(&normal)));
-        };
-        for piece in cut.boundary() {
-            flux(&piece.points[..D], face_normal(background, piece.facet));
-        }
-        for piece in cut.interface() {
-            flux(&piece.points[..D], -piece.normal);
-        }
-        let volume = Sum::of(cut.all_parts().map(|part| cut.part_volume(part)));
-        let error = |inside: f64, flux: Sum| relative((inside - flux.total()).abs(), inside);
-        error(D as f64 * volume, linear).max(error(self.first, quadratic))
+    for piece in cut.interface() {
+        flux(&piece.points[..D], -piece.normal);
     }
+    let error = |inside: f64, flux: f64| relative((inside - flux).abs(), inside);
+    error(D as f64 * cut.fluid_volume(), linear).max(error(moment, quadratic))
 }
 
 fn adjacency<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>) -> f64 {
@@ -158,7 +142,7 @@ fn adjacency<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>) -> f
     for piece in cut.interface() {
         let near = ON_FACE * background.simplex(piece.cell).diameter();
         for (local, &facet) in background.cell_to_facet(piece.cell).iter().enumerate() {
-            let (normal, origin) = (face_normal(background, facet), face_points(background, facet)[0]);
+            let (normal, origin) = (face_normal(background, facet), background.vertex(background.facet(facet)[0]));
             if piece.points[..D].iter().all(|x| normal.dot(&(x - origin)).abs() <= near) {
                 aligned[piece.part.index()][local] += piece.measure;
             }
@@ -169,7 +153,7 @@ fn adjacency<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>) -> f
         let (unshared, aligned) = (unshared[part.index()], aligned[part.index()]);
         for (local, &facet) in background.cell_to_facet(cut.part_cell(part)).iter().enumerate() {
             let outside = (-unshared[local]).max(unshared[local] - aligned[local]).max(0.0);
-            largest = largest.max(outside / face_measure(background, facet));
+            largest = largest.max(outside / background.facet_measure(facet));
         }
     }
     largest
@@ -179,7 +163,7 @@ fn adjacency<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>) -> f
 fn add_faces<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>, part: PartId, on_face: &mut [f64]) {
     if cut.is_whole(part) {
         for (sum, &facet) in on_face.iter_mut().zip(background.cell_to_facet(cut.part_cell(part))) {
-            *sum += face_measure(background, facet);
+            *sum += background.facet_measure(facet);
         }
         return;
     }
@@ -205,6 +189,8 @@ fn polygon_measure<const D: usize>(polygon: &[Point<D>]) -> f64 {
         .sum()
 }
 
-fn face_measure<const D: usize>(background: &SimplexMesh<D>, facet: FacetId) -> f64 {
-    simplex_measure(&face_points(background, facet)[..D])
+/// Unit normal of a face of the background, out of its first cell.
+fn face_normal<const D: usize>(background: &SimplexMesh<D>, facet: FacetId) -> Vector<D> {
+    let points: Vec<Point<D>> = background.facet(facet).iter().map(|vertex| background.vertex(*vertex)).collect();
+    facet_normal(&points)
 }

@@ -11,15 +11,13 @@
 
 mod background;
 mod identities;
-mod mesh_problem;
 mod placement;
-mod sum;
 mod summary;
 
 use std::path::{Path, PathBuf};
 
 use cutcell::{CutMesh, Cutter, OverlayOptions};
-use mesh::{BodyId, Placed, SimplexMesh, Vector};
+use mesh::{BodyId, Placed, SimplexMesh};
 
 use crate::Error;
 use crate::files::create_directory;
@@ -28,7 +26,6 @@ use crate::vtk::cut::{body_grid, fluid_grid, interface_grid};
 
 pub use background::read_tetrahedra;
 pub use identities::CutErrors;
-pub use mesh_problem::MeshProblem;
 pub use summary::{CutSeconds, CutSummary};
 
 /// Level of zlib in the field files.
@@ -60,7 +57,7 @@ pub struct CutSettings {
 }
 
 impl CutSettings {
-    /// The surfaces as they are in their files.
+    /// Leaves the surfaces as they are in their files.
     pub fn new(background: BackgroundSource) -> Self {
         Self { background, rotate: None, shift: None, flip: false }
     }
@@ -103,7 +100,7 @@ pub fn cut_files(paths: &[impl AsRef<Path>], settings: &CutSettings) -> Result<S
         BackgroundSource::File(path) => read_tetrahedra(path)?,
     };
     if let Some(seed) = settings.shift {
-        placement::shift(&mut surfaces, seed, placement::cube_size(&background));
+        placement::shift(&mut surfaces, seed, &background);
     }
     let placed: Vec<Placed<'_, _>> = surfaces.iter().map(Surface::placed).collect();
     let mut cutter = Cutter::new();
@@ -124,18 +121,4 @@ impl SurfaceCut {
         body_grid(&self.background, &self.cut).write(&directory.join("body.vtu"), COMPRESSION)?;
         interface_grid(&self.cut).write(&directory.join("interface.vtu"), COMPRESSION)
     }
-}
-
-/// Unit normal of a face of the background, out of its first cell.
-fn face_normal<const D: usize>(background: &SimplexMesh<D>, facet: mesh::FacetId) -> Vector<D> {
-    mesh::facet_normal(&face_points(background, facet)[..D])
-}
-
-/// Corners of a face of the background; the first `D` count.
-fn face_points<const D: usize>(background: &SimplexMesh<D>, facet: mesh::FacetId) -> [mesh::Point<D>; 3] {
-    let mut points = [mesh::Point::zeros(); 3];
-    for (slot, &vertex) in points.iter_mut().zip(background.facet(facet)) {
-        *slot = background.vertex(vertex);
-    }
-    points
 }

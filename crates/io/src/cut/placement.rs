@@ -11,7 +11,7 @@ use crate::surface::Surface;
 const MARGIN: f64 = 0.1;
 
 /// Most cubes along an axis: 20 million tetrahedra, which take some ten gigabytes.
-pub(super) const MOST_CUBES: usize = 150;
+const MOST_CUBES: usize = 150;
 
 /// A box of `n`³ cubes with the centre of the surfaces, at most [`MOST_CUBES`] along each axis.
 pub(super) fn grid_around(surfaces: &[Surface], n: usize) -> Result<SimplexMesh<3>, Error> {
@@ -24,33 +24,21 @@ pub(super) fn grid_around(surfaces: &[Surface], n: usize) -> Result<SimplexMesh<
     structured_box(low.into(), high.into(), [n; 3]).map_err(Error::Grid)
 }
 
-/// Edge of the cubes of a mesh that has six tetrahedra in each, and of a mesh with as many cells in the same volume.
-pub(super) fn cube_size(background: &SimplexMesh<3>) -> f64 {
-    let volume: f64 = background.cells().map(|cell| background.cell_volume(cell)).sum();
-    (6.0 * volume / background.n_cells() as f64).cbrt()
-}
-
 /// Turns the surfaces together about the centre of their box.
 pub(super) fn rotate(surfaces: &mut [Surface], seed: u64) {
     let centre = bounds(surfaces).centre();
     let turn = Random(seed).rotation();
-    move_all(surfaces, |x| centre + turn * (x - centre));
+    surfaces.iter_mut().for_each(|surface| *surface = surface.moved(|x| centre + turn * (x - centre)));
 }
 
-/// Shifts the surfaces together, up to half of `size` along each axis.
-pub(super) fn shift(surfaces: &mut [Surface], seed: u64, size: f64) {
+/// Shifts the surfaces together, up to half along each axis of the edge of a cube that six tetrahedra fill.
+pub(super) fn shift(surfaces: &mut [Surface], seed: u64, background: &SimplexMesh<3>) {
+    let edge = (6.0 * background.volume() / background.n_cells() as f64).cbrt();
     let mut random = Random(seed);
-    let shift = Point::from_fn(|_, _| size * (random.unit() - 0.5));
-    move_all(surfaces, |x| x + shift);
+    let shift = Point::from_fn(|_, _| edge * (random.unit() - 0.5));
+    surfaces.iter_mut().for_each(|surface| *surface = surface.moved(|x| x + shift));
 }
 
-fn move_all(surfaces: &mut [Surface], map: impl Fn(&Point<3>) -> Point<3>) {
-    for surface in surfaces {
-        *surface = surface.moved(&map);
-    }
-}
-
-/// Bounding box of all vertices.
 fn bounds(surfaces: &[Surface]) -> Aabb<3> {
     Aabb::of_points(surfaces.iter().flat_map(Surface::positions))
 }

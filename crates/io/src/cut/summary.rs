@@ -6,12 +6,10 @@ use cutcell::{CutMesh, OverlayTimes};
 use mesh::SimplexMesh;
 
 use super::CutErrors;
-use super::identities::{self, Moments};
-use super::sum::Sum;
+use super::identities::{check, quadratic_moment};
 
 /// Summary of a cut. Lengths are those of the surfaces' files.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "simulation", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct CutSummary {
     /// Cells of the background.
     pub cells: usize,
@@ -38,8 +36,7 @@ pub struct CutSummary {
 }
 
 /// Wall time of the stages, s. Reading, building the background and the identities are not in it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "simulation", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct CutSeconds {
     /// Checking the surfaces, and finding which cells they may cut and how many bodies surround the others.
     pub classify: f64,
@@ -51,24 +48,17 @@ pub struct CutSeconds {
     pub total: f64,
 }
 
-impl CutSeconds {
-    /// The stages of an overlay, and of the quadrature after it.
-    fn of_overlay(overlay: OverlayTimes, quadrature: f64) -> Self {
-        let classify = (overlay.check + overlay.classify).as_secs_f64();
-        let clip = (overlay.clip + overlay.join).as_secs_f64();
-        Self { classify, clip, quadrature, total: classify + clip + quadrature }
-    }
-}
-
 impl CutSummary {
     /// Measures a cut whose overlay took that long.
     pub(super) fn new<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>, overlay: OverlayTimes) -> Self {
         let begin = Instant::now();
-        let moments = Moments::new(background, cut);
-        let quadrature_seconds = begin.elapsed().as_secs_f64();
+        let moment = quadratic_moment(background, cut);
+        let quadrature = begin.elapsed().as_secs_f64();
+        let classify = (overlay.check + overlay.classify).as_secs_f64();
+        let clip = (overlay.clip + overlay.join).as_secs_f64();
         let report = cut.report();
-        let domain_volume = Sum::of(background.cells().map(|cell| background.cell_volume(cell)));
-        let fluid_volume = Sum::of(cut.all_parts().map(|part| cut.part_volume(part)));
+        let domain_volume = sum(background.cells().map(|cell| background.cell_volume(cell)));
+        let fluid_volume = sum(cut.all_parts().map(|part| cut.part_volume(part)));
         Self {
             cells: background.n_cells(),
             cut_cells: report.n_cut_cells,
@@ -77,10 +67,10 @@ impl CutSummary {
             domain_volume,
             fluid_volume,
             solid_volume: domain_volume - fluid_volume,
-            surface_area: Sum::of(cut.interface().iter().map(|piece| piece.measure)),
+            surface_area: sum(cut.interface().iter().map(|piece| piece.measure)),
             smallest_fraction: report.smallest_fraction,
-            seconds: CutSeconds::of_overlay(overlay, quadrature_seconds),
-            max_relative_error: identities::check(background, cut, &moments),
+            seconds: CutSeconds { classify, clip, quadrature, total: classify + clip + quadrature },
+            max_relative_error: check(background, cut, moment),
         }
     }
 
@@ -88,8 +78,18 @@ impl CutSummary {
     ///
     /// # Errors
     /// [`crate::Error::Json`].
-    #[cfg(feature = "simulation")]
     pub fn to_json(&self) -> Result<String, crate::Error> {
         Ok(serde_json::to_string(self)?)
     }
+}
+
+/// Adds positive numbers with a round-off that does not grow with their count (Neumaier 1974).
+fn sum(numbers: impl Iterator<Item = f64>) -> f64 {
+    let (mut sum, mut lost) = (0.0_f64, 0.0);
+    for number in numbers {
+        let next = sum + number;
+        lost += if sum >= number { (sum - next) + number } else { (number - next) + sum };
+        sum = next;
+    }
+    sum + lost
 }

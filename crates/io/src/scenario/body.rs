@@ -100,16 +100,16 @@ choices! {
 }
 
 impl Body {
-    /// Returns a required value.
-    fn needed<'v, T>(at: &Location, key: &'static str, value: &'v Option<At<T>>) -> Result<&'v At<T>, ScenarioError> {
-        value.as_ref().ok_or_else(|| at.error(ErrorKind::Missing(key)))
-    }
-
     /// Checks that the keys belong to the motion of the body.
-    pub(super) fn check(&self, at: &Location) -> Result<(), ScenarioError> {
+    pub(super) fn check(&self) -> Result<(), ScenarioError> {
         fn place<T>(value: &Option<At<T>>) -> Option<&Location> {
             value.as_ref().map(|value| &value.at)
         }
+        let (allowed, with): (&[&str], _) = match self.motion.as_deref() {
+            None => return Ok(()),
+            Some(Motion::Free { .. }) => (&["density", "gravity", "initial_velocity"], "a body that does not deform"),
+            Some(_) => (&[], "a motion that is given"),
+        };
         let given = [
             ("material", place(&self.material)),
             ("density", place(&self.density)),
@@ -119,33 +119,16 @@ impl Body {
             ("initial_displacement", place(&self.initial_displacement)),
             ("initial_velocity", place(&self.initial_velocity)),
         ];
-        let (needed, allowed, with): (&[&str], &[&str], _) = match self.motion.as_deref() {
-            None => (&["material", "density", "gravity"], &given.map(|(key, _)| key), "an elastic body"),
-            Some(Motion::Free { .. }) => {
-                (&["density", "gravity"], &["density", "gravity", "initial_velocity"], "a body that does not deform")
-            }
-            Some(_) => (&[], &[], "a motion that is given"),
-        };
-        for (key, place) in given {
-            match place {
-                None if needed.contains(&key) => return Err(at.error(ErrorKind::Missing(key))),
-                Some(place) if !allowed.contains(&key) => return Err(place.error(ErrorKind::NoEffect(with))),
-                _ => {}
-            }
-        }
-        Ok(())
-    }
-
-    /// Returns a bound of the stiffness of the material: `2 μ + λ`, or Young's modulus.
-    pub(super) fn stiffness(&self) -> f64 {
-        let Some(Material::SaintVenantKirchhoff { mu, lambda, young, .. }) = self.material.as_deref() else {
-            return 0.0;
-        };
-        mu.zip(*lambda).map_or(young.unwrap_or_default(), |(mu, lambda)| 2.0 * mu + lambda)
+        let refused = given.iter().filter(|(key, _)| !allowed.contains(key)).find_map(|(_, place)| *place);
+        refused.map_or(Ok(()), |place| Err(place.error(ErrorKind::NoEffect(with))))
     }
 }
 
-/// Builds a body.
+/// Returns the value of a key that a body of this motion needs.
+fn needed<'v, T>(body: &At<Body>, key: &'static str, value: &'v Option<At<T>>) -> Result<&'v At<T>, ScenarioError> {
+    value.as_ref().ok_or_else(|| body.at.error(ErrorKind::Missing(key)))
+}
+
 pub(super) fn body<const D: usize>(given: &At<Body>, time: &Time) -> Result<Built<D>, ScenarioError> {
     let geometry = Geometry::new(&given.shape)?;
     let body: Arc<dyn AnyBody<D>> = match (given.motion.as_ref(), geometry) {
@@ -169,12 +152,11 @@ pub(super) struct Built<const D: usize> {
     pub(super) contact_facets: Vec<FacetId>,
 }
 
-/// Builds an elastic body on a mesh.
 fn elastic<const D: usize>(given: &At<Body>, mesh: SimplexMesh<D>, time: &Time) -> Result<Built<D>, ScenarioError> {
     let solid = SolidMesh::new(mesh).map_err(|error| given.shape.at.error(error))?;
-    let lame = lame_parameters(Body::needed(&given.at, "material", &given.material)?)?;
-    let density = Body::needed(&given.at, "density", &given.density)?;
-    let gravity = Body::needed(&given.at, "gravity", &given.gravity)?.vector();
+    let lame = lame_parameters(needed(given, "material", &given.material)?)?;
+    let density = needed(given, "density", &given.density)?;
+    let gravity = needed(given, "gravity", &given.gravity)?.vector();
     let form = SolidForm::new(**density, SaintVenantKirchhoff::new(lame), gravity).map_err(|e| density.at.error(e))?;
     let (supports, loads) = match &given.boundary {
         Some(conditions) => supports_and_loads(conditions, &solid, time)?,
@@ -221,7 +203,6 @@ fn lame_parameters(material: &At<Material>) -> Result<LameParameters, ScenarioEr
     parameters.map_err(|error| material.at.error(error))
 }
 
-/// Builds supports and loads from the conditions on parts of the surface.
 fn supports_and_loads<const D: usize>(
     conditions: &Named<BodyCondition>,
     solid: &SolidMesh<D>,
@@ -265,30 +246,23 @@ fn supports_and_loads<const D: usize>(
     Ok((supports, loads))
 }
 
-/// Builds a free rigid body.
 fn free<const D: usize>(
     given: &At<Body>,
     geometry: Geometry<D>,
     held: &[At<Held>],
     initial_spin: Option<&At<f64>>,
 ) -> Result<RigidBody<D>, ScenarioError> {
-    let density = **Body::needed(&given.at, "density", &given.density)?;
-    let gravity = Body::needed(&given.at, "gravity", &given.gravity)?.vector();
+    let density = **needed(given, "density", &given.density)?;
+    let gravity = needed(given, "gravity", &given.gravity)?.vector();
     let (boundary, reference) = geometry.into_surface();
     let mut body = RigidBody::new(&given.name, boundary, reference, density, gravity)
         .map_err(|error| given.shape.at.error(error))?;
     for motion in held {
-        let axis = match **motion {
-            Held::X => 0,
-            Held::Y => 1,
-            Held::Z => 2,
-            Held::Rotation => {
-                body.holds_rotation = true;
-                continue;
-            }
-        };
         let no_effect = || motion.at.error(ErrorKind::NoEffect("two dimensions"));
-        *body.held_axes.get_mut(axis).ok_or_else(no_effect)? = true;
+        match **motion {
+            Held::Rotation => body.holds_rotation = true,
+            axis => *body.held_axes.get_mut(axis as usize).ok_or_else(no_effect)? = true,
+        }
     }
     let spin = initial_spin.map_or(0.0, |spin| **spin);
     // The plane of the first two axes: the only rotation in 2D, the last one in 3D.

@@ -7,20 +7,13 @@ use solver::{FluidBoundary, FluidSetup, Setup};
 
 use super::body::{Built, body};
 use super::contact::contact;
-use super::error::{ErrorKind, Location, ScenarioError};
-use super::file::{Output, Scenario, ScenarioFile};
-use super::fluid::fluid;
+use super::error::{ErrorKind, ScenarioError};
+use super::file::{Scenario, ScenarioFile};
+use super::fluid::{fluid, tagged_vertices};
 use super::motion::{Held, Motion};
-use super::units::Units;
 
 /// A scenario ready to run.
 pub struct Case<const D: usize> {
-    /// Name of the results.
-    pub name: String,
-    /// Units of all numbers.
-    pub units: Units,
-    /// Settings of the output.
-    pub output: Output,
     /// The problem.
     pub setup: Setup<D>,
     /// Memory with the linear solver of the scenario.
@@ -74,11 +67,11 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
         (None, None, None) => None,
         (None, ..) => return Err(missing("fluid")),
     };
-    let mut built = scenario.bodies.iter().map(|given| body::<D>(given, time)).collect::<Result<Vec<_>, _>>()?;
+    let mut built = scenario.body.iter().map(|given| body::<D>(given, time)).collect::<Result<Vec<_>, _>>()?;
     if let Some(fluid) = &fluid {
         respect_symmetry(scenario, fluid, &mut built)?;
     }
-    let contacts = scenario.contacts.iter().map(|given| contact(given, &built)).collect::<Result<Vec<_>, _>>()?;
+    let contacts = scenario.contact.iter().map(|given| contact(given, &built)).collect::<Result<Vec<_>, _>>()?;
     let bodies = built.into_iter().map(|built| built.body).collect();
     let setup = Setup {
         fluid,
@@ -89,18 +82,16 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
         newton: scenario.solver.newton.settings(),
     };
     let is_symmetry = |(_, condition): &(_, FluidBoundary<D>)| matches!(condition, FluidBoundary::Symmetry { .. });
+    let mut bottom = 0.0;
     if let Some(fluid) = &setup.fluid {
         check_placement(scenario, &setup, fluid)?;
+        bottom = Aabb::of_points(fluid.background.vertices()).low[D - 1];
     }
-    let in_fluid = |of: fn(&FluidSetup<D>) -> f64| setup.fluid.as_ref().map_or(0.0, of);
     Ok(Case {
-        name: scenario.name.to_string(),
-        units: scenario.units.clone(),
-        output: scenario.output.clone(),
         workspace: scenario.solver.linear.workspace(),
         n_steps: time.n_steps(),
         half_domain: setup.fluid.iter().flat_map(|fluid| &fluid.boundary).any(is_symmetry),
-        bottom: in_fluid(|fluid| Aabb::of_points(fluid.background.vertices()).low[D - 1]),
+        bottom,
         setup,
     })
 }
@@ -112,7 +103,7 @@ fn check_placement<const D: usize>(
     fluid: &FluidSetup<D>,
 ) -> Result<(), ScenarioError> {
     let background = &fluid.background;
-    let at = |k: usize| -> &Location { &scenario.bodies[k].shape.at };
+    let at = |k: usize| &scenario.body[k].shape.at;
     let starts = setup.bodies.iter().map(|body| body.start().positions(body.reference()));
     let positions: Vec<Vec<Point<D>>> = starts.collect();
     let domain = Aabb::of_points(background.vertices());
@@ -124,7 +115,7 @@ fn check_placement<const D: usize>(
         }
     }
     let surfaces = setup.surfaces(&positions);
-    let whole: f64 = background.cells().map(|c| background.cell_volume(c)).sum();
+    let whole = background.volume();
     let covered = |k: usize, surfaces: &[Placed<'_, D>]| {
         let cut = CutMesh::overlay(background, surfaces, &OverlayOptions::new());
         cut.map(|cut| whole - cut.fluid_volume()).map_err(|error| at(k).error(error))
@@ -163,11 +154,10 @@ fn respect_symmetry<const D: usize>(
     let room = Aabb::of_points(background.vertices()).extent().max() * ON_PLANE;
     let planes = fluid.boundary.iter().filter_map(|(tag, condition)| {
         let FluidBoundary::Symmetry { axis } = condition else { return None };
-        let facet = background.facets().find(|facet| background.facet_tag(*facet) == Some(*tag))?;
-        Some((*axis, background.vertex(background.facet(facet)[0])[*axis]))
+        tagged_vertices(background, *tag).first().map(|x| (*axis, x[*axis]))
     });
     let planes: Vec<(usize, f64)> = planes.collect();
-    for (given, Built { body, contact_facets }) in scenario.bodies.iter().zip(built) {
+    for (given, Built { body, contact_facets }) in scenario.body.iter().zip(built) {
         let Some(motion) = &given.motion else { continue };
         let positions = body.start().positions(body.reference());
         let on_plane = |facet: FacetId| {

@@ -4,7 +4,6 @@ use std::fmt;
 use std::path::PathBuf;
 
 use super::formula::FormulaError;
-use super::motion_table::TableError;
 
 /// Place of a key or value: the file and line, or the command-line argument that set the value, and the path of the key.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -20,7 +19,6 @@ pub struct Location {
 }
 
 impl Location {
-    /// Returns an error at this location.
     pub(super) fn error(&self, kind: impl Into<ErrorKind>) -> ScenarioError {
         ScenarioError { at: Box::new(self.clone()), kind: kind.into() }
     }
@@ -38,9 +36,8 @@ impl Location {
         known: impl IntoIterator<Item = &'k str>,
     ) -> ScenarioError {
         let known: Vec<&str> = known.into_iter().collect();
-        let nearest = nearest(found, known.iter().copied());
-        let known = known.join(", ");
-        self.error(ErrorKind::Unknown { what, found: found.to_owned(), nearest, known })
+        let advice = nearest(found, &known).map_or(".".to_owned(), |name| format!("; did you mean `{name}`?"));
+        self.error(ErrorKind::Unknown { what, found: found.to_owned(), advice, known: known.join(", ") })
     }
 
     /// Returns the location of a part, on the same line.
@@ -79,14 +76,14 @@ pub enum ErrorKind {
     #[error("{0}")]
     Override(String),
     /// A key, value or name that does not exist.
-    #[error("unknown {what} `{found}`{} Known here: {known}", suggestion(.nearest))]
+    #[error("unknown {what} `{found}`{advice} Known here: {known}")]
     Unknown {
         /// Kind of the named thing.
         what: &'static str,
         /// The name.
         found: String,
         /// The nearest known name, if one is near.
-        nearest: Option<String>,
+        advice: String,
         /// All known names.
         known: String,
     },
@@ -129,9 +126,6 @@ pub enum ErrorKind {
     /// A text that is not a formula.
     #[error(transparent)]
     Formula(#[from] FormulaError),
-    /// A CSV file that is not a motion of the body.
-    #[error(transparent)]
-    Table(#[from] TableError),
     /// A mesh that cannot be generated.
     #[error(transparent)]
     Mesh(#[from] mesh::Error),
@@ -149,50 +143,9 @@ pub enum ErrorKind {
     Cut(#[from] cutcell::Error),
 }
 
-fn suggestion(nearest: &Option<String>) -> String {
-    nearest.as_ref().map_or_else(|| ".".to_owned(), |name| format!("; did you mean `{name}`?"))
-}
-
 /// Returns the known word nearest to a word if at most a third of its letters differ.
-fn nearest<'k>(word: &str, known: impl IntoIterator<Item = &'k str>) -> Option<String> {
-    known
-        .into_iter()
-        .map(|candidate| (distance(word, candidate), candidate))
-        .min_by_key(|(d, _)| *d)
-        .filter(|(d, candidate)| 3 * d <= word.len().max(candidate.len()).max(3))
-        .map(|(_, candidate)| candidate.to_owned())
-}
-
-/// Returns the least number of insertions, deletions, substitutions and swaps of neighbours between two words.
-fn distance(a: &str, b: &str) -> usize {
-    let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
-    let mut table = vec![vec![0; b.len() + 1]; a.len() + 1];
-    for i in 0..=a.len() {
-        for j in 0..=b.len() {
-            if i == 0 || j == 0 {
-                table[i][j] = i + j;
-                continue;
-            }
-            let substituted = table[i - 1][j - 1] + usize::from(a[i - 1] != b[j - 1]);
-            let mut least = substituted.min(table[i - 1][j] + 1).min(table[i][j - 1] + 1);
-            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
-                least = least.min(table[i - 2][j - 2] + 1);
-            }
-            table[i][j] = least;
-        }
-    }
-    table[a.len()][b.len()]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn slips_are_recognised() {
-        assert_eq!(nearest("viscosty", ["density", "viscosity"]).as_deref(), Some("viscosity"));
-        assert_eq!(nearest("radios", ["centre", "radius"]).as_deref(), Some("radius"));
-        assert_eq!(nearest("rigth", ["left", "right"]).as_deref(), Some("right"));
-        assert_eq!(nearest("colour", ["centre", "radius"]), None);
-    }
+fn nearest<'k>(word: &str, known: &[&'k str]) -> Option<&'k str> {
+    let distances = known.iter().map(|candidate| (strsim::osa_distance(word, candidate), *candidate));
+    let nearest = distances.min_by_key(|(distance, _)| *distance);
+    nearest.filter(|(d, candidate)| 3 * d <= word.len().max(candidate.len()).max(3)).map(|(_, candidate)| candidate)
 }

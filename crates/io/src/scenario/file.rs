@@ -2,19 +2,21 @@
 
 use std::path::{Path, PathBuf};
 
-use toml::de::DeValue;
+use serde::Deserialize;
+use toml::Spanned;
+use toml::de::{DeValue, ValueDeserializer};
 
 use super::body::Body;
 use super::contact::Contact;
-use super::error::{Location, ScenarioError};
+use super::error::{ErrorKind, Location, ScenarioError};
 use super::fluid::{Background, Fluid, Interface};
 use super::motion::{Motion, table_path};
-use super::overrides::Overrides;
+use super::overrides;
 use super::solver::{Solver, Time};
-use super::table::{At, Document, Node, Value, keys, parse, plain};
+use super::table::{At, Document, Node, Value, keys, parse};
 use super::units::Units;
 use crate::Error;
-use crate::files::write_whole;
+use crate::files::{read, read_text, write_whole};
 
 keys! {
     /// A scenario.
@@ -34,11 +36,11 @@ keys! {
         /// Background mesh with the conditions on its boundary.
         background: Option<At<Background>>,
         /// Bodies.
-        bodies as "body": Vec<At<Body>>,
+        body: Vec<At<Body>>,
         /// Mortar between fluid and bodies.
         interface: Option<Interface>,
         /// Contacts; bodies without a contact between them pass through each other.
-        contacts as "contact": Vec<At<Contact>>,
+        contact: Vec<At<Contact>>,
         /// Output.
         output: Output = {},
         /// Solution of the equations.
@@ -73,13 +75,7 @@ impl ScenarioFile {
     /// # Errors
     /// [`Error::Read`], [`Error::NotUtf8`], or [`Error::Scenario`] with file, line and key.
     pub fn read(path: &Path, sets: &[String]) -> Result<Self, Error> {
-        let bytes = std::fs::read(path).map_err(|source| Error::Read { path: path.to_owned(), source })?;
-        let text = String::from_utf8(bytes).map_err(|error| {
-            let valid = error.utf8_error().valid_up_to();
-            let line = error.as_bytes()[..valid].iter().filter(|b| **b == b'\n').count() + 1;
-            Error::NotUtf8 { path: path.to_owned(), line }
-        })?;
-        Self::parse(path, &text, sets)
+        Self::parse(path, &read_text(path)?, sets)
     }
 
     /// Reads a scenario from text; `path` names it in errors.
@@ -89,14 +85,16 @@ impl ScenarioFile {
     pub fn parse(path: &Path, text: &str, sets: &[String]) -> Result<Self, Error> {
         let (file, text, arguments) = (path.to_owned(), text.to_owned(), Vec::new());
         let mut document = Document { file, text, arguments, dimension: 0 };
-        let overrides = Overrides::read(&mut document, sets)?;
-        let mut table = parse(&document, &document.text)?;
-        overrides.apply(&document, &mut table)?;
-        let table = DeValue::Table(table);
-        document.dimension = Node::root(&document, &table).table(Scenario::KEYS, None)?.get("dimension")?;
-        let scenario = Scenario::read(&Node::root(&document, &table))?;
+        let changes = overrides::read(&mut document, sets)?;
+        let mut root = Spanned::new(0..0, DeValue::Table(parse(&document, &document.text)?));
+        overrides::apply(&changes, &document, &mut root)?;
+        let node = Node::root(&document, root.get_ref());
+        document.dimension = node.table(Scenario::KEYS, None)?.get("dimension")?;
+        let scenario = Scenario::read(&Node::root(&document, root.get_ref()))?;
         check(&scenario)?;
-        Ok(Self { path: path.to_owned(), scenario, table: plain(&table) })
+        let syntax = |error: toml::de::Error| document.locate(0, "").error(ErrorKind::Syntax(error.to_string()));
+        let table = toml::Value::deserialize(ValueDeserializer::from(root)).map_err(syntax)?;
+        Ok(Self { path: path.to_owned(), scenario, table })
     }
 
     /// Returns the scenario.
@@ -104,7 +102,6 @@ impl ScenarioFile {
         &self.scenario
     }
 
-    /// Returns the location of the file as a whole.
     pub(crate) fn location(&self) -> Location {
         Location { file: self.path.clone(), line: 1, ..Location::default() }
     }
@@ -128,12 +125,10 @@ impl ScenarioFile {
     /// [`Error::Read`], [`Error::Write`], [`Error::Text`].
     pub(crate) fn write(&self, directory: &Path) -> Result<(), Error> {
         let mut copy = self.clone();
-        for (k, body) in self.scenario.bodies.iter().enumerate() {
+        for (k, body) in self.scenario.body.iter().enumerate() {
             let Some(Motion::Table { file, .. }) = body.motion.as_deref() else { continue };
-            let path = table_path(file);
-            let table = std::fs::read(&path).map_err(|source| Error::Read { path, source })?;
             let name = format!("motion-{}.csv", body.name.as_str());
-            write_whole(&directory.join(&name), &table)?;
+            write_whole(&directory.join(&name), &read(&table_path(file))?)?;
             let motion = copy.table.get_mut("body").and_then(|bodies| bodies.get_mut(k)?.get_mut("motion"));
             if let Some(entry) = motion.and_then(|motion| motion.get_mut("file")) {
                 *entry = toml::Value::String(name);
@@ -146,23 +141,26 @@ impl ScenarioFile {
 /// Checks combinations of values.
 fn check(scenario: &Scenario) -> Result<(), ScenarioError> {
     scenario.time.check()?;
-    if let (Some(interface), Some(fluid)) = (&scenario.interface, &scenario.fluid) {
-        let stiffness = scenario.bodies.iter().map(|body| body.stiffness()).fold(0.0, f64::max);
-        interface.check(fluid.viscosity, *scenario.time.step * stiffness)?;
+    if let Some(alpha) = scenario.interface.as_ref().map(|interface| &interface.alpha).filter(|alpha| ***alpha != 1.0) {
+        return Err(alpha.at.invalid(format!(
+            "this is {}, but must be 1: with a share of the traction of the solid the mortar is stable only if \
+             gamma_sigma * viscosity exceeds about step * (2 mu + lambda), and its adjoint is not implemented",
+            **alpha
+        )));
     }
     let is_plain = |name: &str| !name.is_empty() && name.chars().all(|c| c.is_alphanumeric() || "-_.".contains(c));
     let refuse = |name: &At<String>, why| Err(name.at.invalid(format!("the name `{}` is {why}", name.as_str())));
     if !is_plain(&scenario.name) || scenario.name.starts_with('.') {
         return refuse(&scenario.name, "not a file name: use letters, digits, -, _ and dots inside");
     }
-    for (k, body) in scenario.bodies.iter().enumerate() {
+    for (k, body) in scenario.body.iter().enumerate() {
         if !is_plain(&body.name) {
             return refuse(&body.name, "not a column name: use letters, digits, -, _ and dots");
         }
-        if scenario.bodies[..k].iter().any(|other| other.name == body.name) {
+        if scenario.body[..k].iter().any(|other| other.name == body.name) {
             return refuse(&body.name, "the name of another body; give each its own");
         }
-        body.check(&body.at)?;
+        body.check()?;
     }
     scenario.solver.linear.check()
 }

@@ -184,7 +184,6 @@ choices! {
     }
 }
 
-/// Builds the background mesh.
 fn background<const D: usize>(given: &At<Background>) -> Result<SimplexMesh<D>, ScenarioError> {
     let Background::GradedBox { min, max, size, mirrored: is_mirrored, .. } = &**given;
     let field = match &**size {
@@ -256,13 +255,11 @@ pub(super) fn fluid<const D: usize>(
     })
 }
 
-/// Returns the vertices of the facets with a tag.
-fn tagged_vertices<const D: usize>(mesh: &SimplexMesh<D>, tag: Tag) -> Vec<Point<D>> {
+pub(super) fn tagged_vertices<const D: usize>(mesh: &SimplexMesh<D>, tag: Tag) -> Vec<Point<D>> {
     let facets = mesh.facets().filter(|facet| mesh.facet_tag(*facet) == Some(tag));
     facets.flat_map(|facet| mesh.facet(facet)).map(|vertex| mesh.vertex(*vertex)).collect()
 }
 
-/// Builds the condition on one part of the boundary.
 fn fluid_boundary<const D: usize>(
     background: &SimplexMesh<D>,
     tag: Tag,
@@ -313,22 +310,4 @@ fn parabolic_inflow<const D: usize>(
         u[axis] = inward * maximum * rise * across.product::<f64>();
         u
     })
-}
-
-impl Interface {
-    /// Checks the weight of the traction of the fluid, the only one that is implemented; `need` is the least stable
-    /// `γ_Σ μ^f` with another weight.
-    pub(super) fn check(&self, viscosity: f64, need: f64) -> Result<(), ScenarioError> {
-        let alpha = *self.alpha;
-        if alpha == 1.0 {
-            return Ok(());
-        }
-        let have = self.gamma_sigma * viscosity;
-        let message = format!(
-            "this is {alpha}, but must be 1: with a share of the traction of the solid the mortar is stable only if \
-             gamma_sigma * viscosity ({have:e}) exceeds about step * (2 mu + lambda) ({need:e}), and its adjoint is not \
-             implemented"
-        );
-        Err(self.alpha.at.invalid(message))
-    }
 }

@@ -4,7 +4,6 @@
 //! that the derivative is exact to round-off. Powers bind as usual: `-t^2 = -(t^2)` and `2^3^t = 2^(3^t)`.
 
 use std::f64::consts::{E, PI};
-use std::fmt;
 
 /// Largest number of numbers, names and signs in a formula; bounds the depth of nesting.
 const MOST_TOKENS: usize = 1000;
@@ -36,76 +35,110 @@ pub(super) struct Dual {
     pub(super) rate: f64,
 }
 
-/// A function of position and time.
-#[derive(Clone, Debug, PartialEq)]
+/// A function of position and time; equal to another one if the texts are.
+#[derive(Clone, Debug)]
 pub struct Formula {
     text: String,
     root: Node,
 }
 
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 enum Node {
     Number(f64),
     /// Index in [`VARIABLES`].
     Variable(usize),
-    Negated(Box<Node>),
+    Unary(Unary, Box<Node>),
     Binary(Binary, Box<[Node; 2]>),
-    Call(Function, Box<Node>),
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Binary {
-    Add,
-    Subtract,
-    Multiply,
-    Divide,
-    Power,
-    Min,
-    Max,
-}
+/// Value and derivative of a function of one argument.
+type Unary = (fn(f64) -> f64, fn(f64) -> f64);
 
-/// Name, value and derivative of a function of one argument.
-type Function = (&'static str, fn(f64) -> f64, fn(f64) -> f64);
+type Binary = fn(Dual, Dual) -> Dual;
 
-const FUNCTIONS: [Function; 12] = [
-    ("sin", f64::sin, f64::cos),
-    ("cos", f64::cos, |x| -x.sin()),
-    ("tan", f64::tan, |x| 1.0 + x.tan().powi(2)),
-    ("asin", f64::asin, |x| 1.0 / (1.0 - x * x).sqrt()),
-    ("acos", f64::acos, |x| -1.0 / (1.0 - x * x).sqrt()),
-    ("atan", f64::atan, |x| 1.0 / (1.0 + x * x)),
-    ("sinh", f64::sinh, f64::cosh),
-    ("cosh", f64::cosh, f64::sinh),
-    ("tanh", f64::tanh, |x| 1.0 - x.tanh().powi(2)),
-    ("exp", f64::exp, f64::exp),
-    ("ln", f64::ln, |x| 1.0 / x),
-    ("sqrt", f64::sqrt, |x| 0.5 / x.sqrt()),
+const NEGATION: Unary = (|x| -x, |_| -1.0);
+
+const FUNCTIONS: [(&str, Unary); 12] = [
+    ("sin", (f64::sin, f64::cos)),
+    ("cos", (f64::cos, |x| -x.sin())),
+    ("tan", (f64::tan, |x| 1.0 + x.tan().powi(2))),
+    ("asin", (f64::asin, |x| 1.0 / (1.0 - x * x).sqrt())),
+    ("acos", (f64::acos, |x| -1.0 / (1.0 - x * x).sqrt())),
+    ("atan", (f64::atan, |x| 1.0 / (1.0 + x * x))),
+    ("sinh", (f64::sinh, f64::cosh)),
+    ("cosh", (f64::cosh, f64::sinh)),
+    ("tanh", (f64::tanh, |x| 1.0 - x.tanh().powi(2))),
+    ("exp", (f64::exp, f64::exp)),
+    ("ln", (f64::ln, |x| 1.0 / x)),
+    ("sqrt", (f64::sqrt, |x| 0.5 / x.sqrt())),
 ];
+
+/// Binary operators: the sign, how tightly it binds, how tightly operators on its right must bind to come first, and the
+/// operation.
+const OPERATORS: [(&str, u8, u8, Binary); 5] = [
+    ("+", 1, 2, |a, b| Dual { value: a.value + b.value, rate: a.rate + b.rate }),
+    ("-", 1, 2, |a, b| Dual { value: a.value - b.value, rate: a.rate - b.rate }),
+    ("*", 3, 4, |a, b| Dual { value: a.value * b.value, rate: a.rate * b.value + a.value * b.rate }),
+    ("/", 3, 4, |a, b| Dual { value: a.value / b.value, rate: (a.rate - a.value / b.value * b.rate) / b.value }),
+    ("^", 6, 5, power),
+];
+
+/// How tightly operators on the right of a leading sign must bind to come first.
+const LEADING_SIGN: u8 = 5;
+
+fn power(a: Dual, b: Dual) -> Dual {
+    let value = a.value.powf(b.value);
+    let by_base = chained(a.rate, || b.value * a.value.powf(b.value - 1.0));
+    Dual { value, rate: by_base + chained(b.rate, || value * a.value.ln()) }
+}
+
+/// Functions of two arguments. If the values are equal, the one that is smaller (larger) an instant later counts.
+const BINARY_FUNCTIONS: [(&str, Binary); 2] =
+    [("min", |a, b| chosen(a, b, (a.value, a.rate) <= (b.value, b.rate))), ("max", maximum)];
+
+fn maximum(a: Dual, b: Dual) -> Dual {
+    chosen(a, b, (a.value, a.rate) >= (b.value, b.rate))
+}
+
+fn chosen(a: Dual, b: Dual, is_first: bool) -> Dual {
+    if a.value.is_nan() || b.value.is_nan() {
+        return Dual { value: f64::NAN, rate: f64::NAN };
+    }
+    if is_first { a } else { b }
+}
+
+/// Returns slope times rate. A constant has rate zero, even if the slope is infinite.
+fn chained(rate: f64, slope: impl FnOnce() -> f64) -> f64 {
+    if rate == 0.0 { 0.0 } else { rate * slope() }
+}
+
+impl PartialEq for Formula {
+    fn eq(&self, other: &Self) -> bool {
+        self.text == other.text
+    }
+}
 
 impl Formula {
     /// Parses a formula in the given variables, such as `x, y, t`.
     pub(super) fn parse(text: &str, variables: &'static str) -> Result<Self, FormulaError> {
-        let mut reader = Reader { text, variables, tokens: Vec::new(), next: 0 };
-        reader.tokens = reader.tokenize()?;
-        let root = reader.sum()?;
-        match reader.peek() {
-            Token::End => Ok(Self { text: text.to_owned(), root }),
-            Token::Sign(')') => Err(reader.refuse("there is no `(` for this `)`")),
-            other => Err(reader.refuse(format!("an operator is missing before {other}"))),
+        let mut reader = Reader { text, variables, at: 0, token: "", n_tokens: 0 };
+        reader.advance()?;
+        let root = reader.expression(0)?;
+        match reader.token {
+            "" => Ok(Self { text: text.to_owned(), root }),
+            ")" => Err(reader.refuse("there is no `(` for this `)`")),
+            _ => Err(reader.refuse(format!("an operator is missing before {}", reader.shown()))),
         }
     }
 
-    /// Returns a constant.
     pub(super) fn constant(value: f64) -> Self {
         Self { text: value.to_string(), root: Node::Number(value) }
     }
 
-    /// Returns whether the formula is a number.
     pub(super) fn is_constant(&self) -> bool {
         matches!(self.root, Node::Number(_))
     }
 
-    /// Returns the text of the formula.
     pub(super) fn text(&self) -> &str {
         &self.text
     }
@@ -122,241 +155,146 @@ impl Node {
         match self {
             Self::Number(value) => Dual { value: *value, rate: 0.0 },
             Self::Variable(k) => Dual { value: variables[*k], rate: if VARIABLES[*k] == "t" { 1.0 } else { 0.0 } },
-            Self::Negated(node) => {
-                let x = node.at(variables);
-                Dual { value: -x.value, rate: -x.rate }
-            }
-            Self::Binary(binary, sides) => binary.of(sides[0].at(variables), sides[1].at(variables)),
-            Self::Call((_, value, slope), node) => {
+            Self::Unary((value, slope), node) => {
                 let x = node.at(variables);
                 Dual { value: value(x.value), rate: chained(x.rate, || slope(x.value)) }
             }
+            Self::Binary(operation, sides) => operation(sides[0].at(variables), sides[1].at(variables)),
         }
     }
 }
 
-/// Returns slope times rate. A constant has rate zero, even if the slope is infinite.
-fn chained(rate: f64, slope: impl FnOnce() -> f64) -> f64 {
-    if rate == 0.0 { 0.0 } else { rate * slope() }
-}
-
-impl Binary {
-    fn of(self, a: Dual, b: Dual) -> Dual {
-        let (value, rate) = match self {
-            Self::Add => (a.value + b.value, a.rate + b.rate),
-            Self::Subtract => (a.value - b.value, a.rate - b.rate),
-            Self::Multiply => (a.value * b.value, a.rate * b.value + a.value * b.rate),
-            Self::Divide => (a.value / b.value, (a.rate - a.value / b.value * b.rate) / b.value),
-            Self::Power => {
-                let value = a.value.powf(b.value);
-                let by_base = chained(a.rate, || b.value * a.value.powf(b.value - 1.0));
-                (value, by_base + chained(b.rate, || value * a.value.ln()))
-            }
-            Self::Min | Self::Max if a.value.is_nan() || b.value.is_nan() => (f64::NAN, f64::NAN),
-            // If the values are equal, the one that is smaller (larger) an instant later counts.
-            Self::Min if (a.value, a.rate) <= (b.value, b.rate) => (a.value, a.rate),
-            Self::Max if (a.value, a.rate) >= (b.value, b.rate) => (a.value, a.rate),
-            Self::Min | Self::Max => (b.value, b.rate),
-        };
-        Dual { value, rate }
-    }
-}
-
-#[derive(Clone, Debug, PartialEq)]
-enum Token {
-    Number(f64),
-    Name(String),
-    Sign(char),
-    End,
-}
-
-impl fmt::Display for Token {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Number(value) => write!(f, "`{value}`"),
-            Self::Name(name) => write!(f, "`{name}`"),
-            Self::Sign(sign) => write!(f, "`{sign}`"),
-            Self::End => f.write_str("the end"),
-        }
-    }
-}
-
-/// Recursive-descent parser: sums of products of signed powers.
+/// Parser by precedence of the operators.
 struct Reader<'a> {
     text: &'a str,
     variables: &'static str,
-    tokens: Vec<(usize, Token)>,
-    next: usize,
+    /// Offset of the present token.
+    at: usize,
+    /// The present token: a number, a name or a sign; empty at the end.
+    token: &'a str,
+    n_tokens: usize,
 }
 
 impl Reader<'_> {
-    fn error(&self, at: usize, what: impl Into<String>) -> FormulaError {
-        FormulaError { text: self.text.to_owned(), at: at + 1, what: what.into(), variables: self.variables }
-    }
-
-    /// Returns the tokens of the text, each with the number of its first character; the last is the end.
-    fn tokenize(&self) -> Result<Vec<(usize, Token)>, FormulaError> {
-        let all: Vec<char> = self.text.chars().collect();
-        let mut tokens = Vec::new();
-        let mut at = 0;
-        while let Some(&first) = all.get(at) {
-            let begin = at;
-            let run = |from: usize, is: fn(&char) -> bool| from + all[from..].iter().take_while(|c| is(c)).count();
-            let token = match first {
-                c if c.is_whitespace() => {
-                    at += 1;
-                    continue;
-                }
-                c if c.is_ascii_digit() || c == '.' => {
-                    at = run(at, |c| c.is_ascii_digit() || *c == '.');
-                    if matches!(all.get(at), Some('e' | 'E')) {
-                        let digits = at + 1 + usize::from(matches!(all.get(at + 1), Some('+' | '-')));
-                        // Else the letter is a name of its own.
-                        if all.get(digits).is_some_and(char::is_ascii_digit) {
-                            at = run(digits, char::is_ascii_digit);
-                        }
-                    }
-                    let word: String = all[begin..at].iter().collect();
-                    Token::Number(word.parse().map_err(|_| self.error(begin, format!("`{word}` is not a number")))?)
-                }
-                c if c.is_alphabetic() => {
-                    at = run(at, |c| c.is_alphanumeric() || *c == '_');
-                    Token::Name(all[begin..at].iter().collect())
-                }
-                c if "+-*/^(),".contains(c) => {
-                    at += 1;
-                    Token::Sign(c)
-                }
-                c => return Err(self.error(begin, format!("`{c}` has no meaning here"))),
-            };
-            tokens.push((begin, token));
-            if tokens.len() > MOST_TOKENS {
-                return Err(self.error(begin, format!("it has more than {MOST_TOKENS} numbers, names and signs")));
-            }
-        }
-        tokens.push((all.len(), Token::End));
-        Ok(tokens)
-    }
-
-    fn peek(&self) -> &Token {
-        &self.tokens[self.next].1
-    }
-
-    fn take(&mut self) -> Token {
-        let token = self.peek().clone();
-        // The position never exceeds the end.
-        self.next = (self.next + 1).min(self.tokens.len() - 1);
-        token
-    }
-
-    fn takes(&mut self, sign: char) -> bool {
-        let is_it = *self.peek() == Token::Sign(sign);
-        if is_it {
-            self.take();
-        }
-        is_it
-    }
-
     fn refuse(&self, what: impl Into<String>) -> FormulaError {
-        self.error(self.tokens[self.next].0, what)
+        let at = self.text[..self.at].chars().count() + 1;
+        FormulaError { text: self.text.to_owned(), at, what: what.into(), variables: self.variables }
     }
 
-    fn expect(&mut self, sign: char) -> Result<(), FormulaError> {
-        if self.takes(sign) { Ok(()) } else { Err(self.refuse(format!("`{sign}` is missing before {}", self.peek()))) }
+    fn shown(&self) -> String {
+        if self.token.is_empty() { "the end".to_owned() } else { format!("`{}`", self.token) }
     }
 
-    fn sum(&mut self) -> Result<Node, FormulaError> {
-        let mut left = self.product()?;
-        loop {
-            let binary = match self.peek() {
-                Token::Sign('+') => Binary::Add,
-                Token::Sign('-') => Binary::Subtract,
-                _ => return Ok(left),
-            };
-            self.take();
-            left = Node::Binary(binary, Box::new([left, self.product()?]));
-        }
-    }
-
-    fn product(&mut self) -> Result<Node, FormulaError> {
-        let mut left = self.signed()?;
-        loop {
-            let binary = match self.peek() {
-                Token::Sign('*') => Binary::Multiply,
-                Token::Sign('/') => Binary::Divide,
-                _ => return Ok(left),
-            };
-            self.take();
-            left = Node::Binary(binary, Box::new([left, self.signed()?]));
-        }
-    }
-
-    fn signed(&mut self) -> Result<Node, FormulaError> {
-        if self.takes('-') {
-            return Ok(Node::Negated(Box::new(self.signed()?)));
-        }
-        if self.takes('+') { self.signed() } else { self.power() }
-    }
-
-    fn power(&mut self) -> Result<Node, FormulaError> {
-        let base = self.single()?;
-        if self.takes('^') { Ok(Node::Binary(Binary::Power, Box::new([base, self.signed()?]))) } else { Ok(base) }
-    }
-
-    fn single(&mut self) -> Result<Node, FormulaError> {
-        match self.peek().clone() {
-            Token::Number(value) => {
-                self.take();
-                Ok(Node::Number(value))
+    fn advance(&mut self) -> Result<(), FormulaError> {
+        let rest = self.text[self.at + self.token.len()..].trim_start();
+        self.at = self.text.len() - rest.len();
+        let length = |is: fn(char) -> bool| rest.find(|c| !is(c)).unwrap_or(rest.len());
+        self.token = match rest.chars().next() {
+            None => "",
+            Some(c) if c.is_ascii_digit() || c == '.' => {
+                let mantissa = length(|c| c.is_ascii_digit() || c == '.');
+                &rest[..mantissa + exponent_length(&rest[mantissa..])]
             }
-            Token::Name(name) => self.named(&name),
-            Token::Sign('(') => {
-                self.take();
-                let inner = self.sum()?;
-                self.expect(')')?;
-                Ok(inner)
+            Some(c) if c.is_alphabetic() => &rest[..length(|c| c.is_alphanumeric() || c == '_')],
+            Some(c) if "+-*/^(),".contains(c) => &rest[..1],
+            Some(c) => return Err(self.refuse(format!("`{c}` has no meaning here"))),
+        };
+        self.n_tokens += 1;
+        if self.n_tokens > MOST_TOKENS {
+            return Err(self.refuse(format!("it has more than {MOST_TOKENS} numbers, names and signs")));
+        }
+        Ok(())
+    }
+
+    fn expect(&mut self, sign: &str) -> Result<(), FormulaError> {
+        if self.token != sign {
+            return Err(self.refuse(format!("`{sign}` is missing before {}", self.shown())));
+        }
+        self.advance()
+    }
+
+    /// Reads operands, and the operators between them that bind at least as tightly as given.
+    fn expression(&mut self, least: u8) -> Result<Node, FormulaError> {
+        let mut left = match self.token {
+            "-" => {
+                self.advance()?;
+                Node::Unary(NEGATION, Box::new(self.expression(LEADING_SIGN)?))
             }
-            other => Err(self.refuse(format!("a number, a name or `(` is missing before {other}"))),
+            "+" => {
+                self.advance()?;
+                self.expression(LEADING_SIGN)?
+            }
+            _ => self.operand()?,
+        };
+        while let Some((.., right, operation)) =
+            OPERATORS.iter().find(|(sign, binds, ..)| *sign == self.token && *binds >= least)
+        {
+            self.advance()?;
+            left = Node::Binary(*operation, Box::new([left, self.expression(*right)?]));
+        }
+        Ok(left)
+    }
+
+    fn operand(&mut self) -> Result<Node, FormulaError> {
+        match self.token.chars().next() {
+            Some(c) if c.is_ascii_digit() || c == '.' => {
+                let number = self.token.parse();
+                let number = number.map_err(|_| self.refuse(format!("`{}` is not a number", self.token)))?;
+                self.advance()?;
+                Ok(Node::Number(number))
+            }
+            Some(c) if c.is_alphabetic() => self.named(),
+            Some('(') => self.enclosed(),
+            _ => Err(self.refuse(format!("a number, a name or `(` is missing before {}", self.shown()))),
         }
     }
 
-    fn named(&mut self, name: &str) -> Result<Node, FormulaError> {
-        let variable = VARIABLES.iter().position(|known| *known == name);
-        let is_allowed = self.variables.split(", ").any(|allowed| allowed == name);
-        let constant = match name {
-            _ if is_allowed => variable.map(Node::Variable),
-            "pi" | "PI" | "π" => Some(Node::Number(PI)),
-            "e" | "E" => Some(Node::Number(E)),
-            _ => None,
-        };
-        if let Some(node) = constant {
-            self.take();
-            return Ok(node);
+    /// Reads a variable, a constant or a function with its arguments.
+    fn named(&mut self) -> Result<Node, FormulaError> {
+        let name = self.token;
+        let unknown = self.refuse(format!("`{name}` is not known"));
+        self.advance()?;
+        if self.variables.split(", ").any(|allowed| allowed == name) {
+            return VARIABLES.iter().position(|known| *known == name).map(Node::Variable).ok_or(unknown);
         }
-        let binary = match name {
-            "min" => Some(Binary::Min),
-            "max" => Some(Binary::Max),
-            _ => None,
-        };
-        let function = FUNCTIONS.iter().find(|(known, ..)| *known == name);
-        if binary.is_none() && function.is_none() && name != "abs" {
-            return Err(self.refuse(format!("`{name}` is not known")));
+        if let Some((_, function)) = FUNCTIONS.iter().find(|(known, _)| *known == name) {
+            return self.enclosed().map(|x| Node::Unary(*function, Box::new(x)));
         }
-        self.take();
-        self.expect('(')?;
-        let first = self.sum()?;
-        let node = match (binary, function) {
-            (Some(binary), _) => {
-                self.expect(',')?;
-                Node::Binary(binary, Box::new([first, self.sum()?]))
+        if let Some((_, function)) = BINARY_FUNCTIONS.iter().find(|(known, _)| *known == name) {
+            self.expect("(")?;
+            let first = self.expression(0)?;
+            self.expect(",")?;
+            let second = self.expression(0)?;
+            self.expect(")")?;
+            return Ok(Node::Binary(*function, Box::new([first, second])));
+        }
+        match name {
+            "pi" | "PI" | "π" => Ok(Node::Number(PI)),
+            "e" | "E" => Ok(Node::Number(E)),
+            "abs" => {
+                // |x| = max(x, -x), at its kink as well.
+                let x = self.enclosed()?;
+                Ok(Node::Binary(maximum, Box::new([x.clone(), Node::Unary(NEGATION, Box::new(x))])))
             }
-            (None, Some(function)) => Node::Call(*function, Box::new(first)),
-            // |x| = max(x, -x), at its kink as well.
-            (None, None) => Node::Binary(Binary::Max, Box::new([first.clone(), Node::Negated(Box::new(first))])),
-        };
-        self.expect(')')?;
-        Ok(node)
+            _ => Err(unknown),
+        }
     }
+
+    /// Reads an expression in parentheses.
+    fn enclosed(&mut self) -> Result<Node, FormulaError> {
+        self.expect("(")?;
+        let inner = self.expression(0)?;
+        self.expect(")")?;
+        Ok(inner)
+    }
+}
+
+/// Returns the length of the exponent at the start of a text; without digits the letter is a name of its own.
+fn exponent_length(text: &str) -> usize {
+    let Some(exponent) = text.strip_prefix(['e', 'E']) else { return 0 };
+    let digits = exponent.strip_prefix(['+', '-']).unwrap_or(exponent);
+    let n_digits = digits.find(|c: char| !c.is_ascii_digit()).unwrap_or(digits.len());
+    if n_digits == 0 { 0 } else { text.len() - digits.len() + n_digits }
 }
 
 #[cfg(test)]

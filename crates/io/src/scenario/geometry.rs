@@ -129,9 +129,8 @@ fn polygon<const D: usize>(
         return Err(at.invalid("a polygon exists in two dimensions only; use a box, or dimension = 2"));
     }
     if corners.len() < 3 {
-        return Err(at
-            .part("corners")
-            .invalid(format!("this has {} corners, but a polygon needs three", corners.len())));
+        let message = format!("this has {} corners, but a polygon needs three", corners.len());
+        return Err(at.part("corners").invalid(message));
     }
     let mut corners: Vec<Point<D>> = corners.iter().map(Components::vector).collect();
     let sides = |corners: &[Point<D>]| {

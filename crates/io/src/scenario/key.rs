@@ -13,34 +13,25 @@ pub struct Quantity {
     pub time: i8,
 }
 
+#[allow(missing_docs)] // each constant is the quantity that it names
 impl Quantity {
-    /// A pure number.
     pub const NUMBER: Self = Self::new(0, 0, 0);
-    /// Length.
     pub const LENGTH: Self = Self::new(1, 0, 0);
-    /// Mass.
     pub const MASS: Self = Self::new(0, 1, 0);
-    /// Time.
     pub const TIME: Self = Self::new(0, 0, 1);
-    /// Velocity.
     pub const VELOCITY: Self = Self::new(1, 0, -1);
-    /// Acceleration.
     pub const ACCELERATION: Self = Self::new(1, 0, -2);
     /// Angular velocity.
     pub const RATE: Self = Self::new(0, 0, -1);
-    /// Mass per volume.
     pub const DENSITY: Self = Self::new(-3, 1, 0);
     /// Dynamic viscosity.
     pub const VISCOSITY: Self = Self::new(-1, 1, -1);
-    /// Force.
     pub const FORCE: Self = Self::new(1, 1, -2);
     /// Force per area: pressure, traction, stiffness.
     pub const PRESSURE: Self = Self::new(-1, 1, -2);
     /// Force per volume.
     pub const FORCE_DENSITY: Self = Self::new(-2, 1, -2);
-    /// Energy.
     pub const ENERGY: Self = Self::new(2, 1, -2);
-    /// Power.
     pub const POWER: Self = Self::new(2, 1, -3);
 
     const fn new(length: i8, mass: i8, time: i8) -> Self {
@@ -199,8 +190,10 @@ impl fmt::Display for Form {
             Self::Text => f.write_str("a string"),
             Self::Formula(variables) => write!(f, "a number or a formula in {variables}"),
             Self::Components(of) => write!(f, "a list with {of} for each axis"),
-            Self::List(_) => f.write_str("a list"),
-            Self::Named(_) | Self::Table(_) => f.write_str("a table"),
+            Self::List(Self::Table(_)) => f.write_str("a list of tables"),
+            Self::List(of) => write!(f, "a list; each item is {of}"),
+            Self::Named(_) => f.write_str("a table of names"),
+            Self::Table(_) => f.write_str("a table"),
             Self::Choice { tag, choices } => {
                 let words = choices.iter().filter(|choice| choice.stands_alone()).map(|c| format!("\"{}\"", c.word));
                 let table = tag.map(|tag| format!("a table with a {tag}"));

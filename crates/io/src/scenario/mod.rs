@@ -28,7 +28,6 @@ pub use formula::{Formula, FormulaError};
 pub use geometry::Shape;
 pub use key::{Key, Quantity};
 pub use motion::{Held, Motion};
-pub use motion_table::TableError;
 pub use solver::{Blocks, BodyBlock, FluidBlock, Linear, Newton, Preconditioner, Solver, Time};
 pub use table::{At, Components, Named, OrTable};
 pub use units::{System, UnitNames, Units};

@@ -1,6 +1,6 @@
 //! Motions of bodies that do not deform.
 
-use std::path::{Path as FilePath, PathBuf};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use mesh::{BoundaryMesh, Point, Vector};
@@ -9,7 +9,7 @@ use solver::body::PrescribedBody;
 use super::error::{ErrorKind, ScenarioError};
 use super::formula::{Dual, Formula};
 use super::key::Quantity;
-use super::motion_table::{Pose, Table, TableError};
+use super::motion_table::{Pose, Table};
 use super::solver::Time;
 use super::table::{At, Components, choices};
 
@@ -69,63 +69,31 @@ choices! {
 /// Largest part of the end time by which the last row of a table may come too early: round-off.
 const ROUND_OFF: f64 = 1e-9;
 
-/// Position and angle of a rigid body as functions of time.
-enum Path<const D: usize> {
-    Fixed,
-    Rotating { angular_velocity: f64 },
-    Formula { displacement: Vec<Formula>, angle: Option<Formula> },
-    Table(Table<D>),
-}
-
-impl<const D: usize> Path<D> {
-    fn at(&self, t: f64) -> Pose<D> {
-        match self {
-            Self::Fixed => Pose::default(),
-            Self::Rotating { angular_velocity } => {
-                Pose { angle: angular_velocity * t, angular_velocity: *angular_velocity, ..Pose::default() }
-            }
-            Self::Formula { displacement, angle } => {
-                let mut pose = Pose::default();
-                for (axis, formula) in displacement.iter().enumerate() {
-                    let Dual { value, rate } = formula.at(&[], t);
-                    (pose.displacement[axis], pose.velocity[axis]) = (value, rate);
-                }
-                if let Some(formula) = angle {
-                    let Dual { value, rate } = formula.at(&[], t);
-                    (pose.angle, pose.angular_velocity) = (value, rate);
-                }
-                pose
-            }
-            Self::Table(table) => table.at(t),
-        }
-    }
-}
-
 /// A rigid motion: `x(t) = c + d(t) + R(t) (X - c)`, with the velocity
 /// `d'(t) + ω(t) × (x - c - d(t))`.
 struct GivenMotion<const D: usize> {
     centre: Point<D>,
-    path: Path<D>,
+    path: Box<dyn Fn(f64) -> Pose<D> + Send + Sync>,
 }
 
 impl<const D: usize> GivenMotion<D> {
     /// Computes the position of a point of the body from its reference position.
     fn position(&self, reference: &Point<D>, t: f64) -> Point<D> {
-        let pose = self.path.at(t);
+        let pose = (self.path)(t);
         let arm = reference - self.centre;
-        let (sin, cos) = pose.angle.sin_cos();
+        let (sin, cos) = pose.angle.value.sin_cos();
         let mut turned = arm;
         (turned[0], turned[1]) = (cos * arm[0] - sin * arm[1], sin * arm[0] + cos * arm[1]);
-        self.centre + pose.displacement + turned
+        self.centre + pose.offset() + turned
     }
 
     /// Computes the velocity at time `t` of the point of the body whose position at time `begin` is `at`.
     fn velocity(&self, at: &Point<D>, [begin, t]: [f64; 2]) -> Vector<D> {
-        let pose = self.path.at(t);
-        let arm = at - self.centre - self.path.at(begin).displacement;
-        let mut velocity = pose.velocity;
-        velocity[0] -= pose.angular_velocity * arm[1];
-        velocity[1] += pose.angular_velocity * arm[0];
+        let pose = (self.path)(t);
+        let arm = at - self.centre - (self.path)(begin).offset();
+        let mut velocity = Vector::<D>::from_fn(|axis, _| pose.displacement[axis].rate);
+        velocity[0] -= pose.angle.rate * arm[1];
+        velocity[1] += pose.angle.rate * arm[0];
         velocity
     }
 }
@@ -137,25 +105,33 @@ pub(super) fn prescribed<const D: usize>(
     time: &Time,
     (boundary, reference): (BoundaryMesh<D>, Vec<Point<D>>),
 ) -> Result<PrescribedBody<D>, ScenarioError> {
-    let (path, centre) = match &**motion {
+    let motion = match &**motion {
         // Free bodies have no given motion.
-        Motion::Fixed | Motion::Free { .. } => (Path::Fixed, Point::zeros()),
-        Motion::Rotating { centre, angular_velocity } => {
-            (Path::Rotating { angular_velocity: *angular_velocity }, centre.vector())
+        Motion::Fixed | Motion::Free { .. } => {
+            GivenMotion { centre: Point::zeros(), path: Box::new(|_| Pose::default()) }
+        }
+        Motion::Rotating { centre, angular_velocity: rate } => {
+            let rate = *rate;
+            let path = move |t| Pose { angle: Dual { value: rate * t, rate }, ..Pose::default() };
+            GivenMotion { centre: centre.vector(), path: Box::new(path) }
         }
         Motion::Formula { displacement, angle, centre } => {
-            let displacement = displacement.iter().map(|formula| checked(formula, time)).collect::<Result<_, _>>()?;
+            let axes = displacement.iter().map(|formula| checked(formula, time)).collect::<Result<Vec<_>, _>>()?;
             let angle = angle.as_ref().map(|formula| checked(formula, time)).transpose()?;
             let centre = turning_centre(motion, centre.as_ref(), angle.is_some())?;
-            (Path::Formula { displacement, angle }, centre)
+            let path = move |t| Pose {
+                displacement: std::array::from_fn(|axis| axes[axis].at(&[], t)),
+                angle: angle.as_ref().map_or_else(Dual::default, |formula| formula.at(&[], t)),
+            };
+            GivenMotion { centre, path: Box::new(path) }
         }
         Motion::Table { file, centre } => {
             let table = read_table(file, time)?;
             let centre = turning_centre(motion, centre.as_ref(), table.has_angle())?;
-            (Path::Table(table), centre)
+            GivenMotion { centre, path: Box::new(move |t| table.at(t)) }
         }
     };
-    let motion = Arc::new(GivenMotion { centre, path });
+    let motion = Arc::new(motion);
     let position = Arc::clone(&motion);
     Ok(PrescribedBody {
         name: name.to_owned(),
@@ -204,60 +180,56 @@ fn checked(formula: &At<Formula>, time: &Time) -> Result<Formula, ScenarioError>
 /// Reads a table and checks that it covers the run.
 fn read_table<const D: usize>(file: &At<String>, time: &Time) -> Result<Table<D>, ScenarioError> {
     let path = table_path(file);
-    let table = Table::read(&path).map_err(|error| file.at.error(error))?;
+    let table = Table::read(&path).map_err(|message| file.at.invalid(message))?;
     let ((first, last), end) = (table.range(), time.end);
     if first > 0.0 || last < end * (1.0 - ROUND_OFF) {
-        let what =
-            format!("it covers the times {first} to {last}, but the run needs 0 to {end}; add rows or end earlier");
-        return Err(file.at.error(TableError { path, line: None, what }));
+        let path = path.display();
+        return Err(file.at.invalid(format!(
+            "{path}: it covers the times {first} to {last}, but the run needs 0 to {end}; add rows or end earlier"
+        )));
     }
     Ok(table)
 }
 
 /// Returns the path of a table, whose name is relative to the scenario.
 pub(super) fn table_path(file: &At<String>) -> PathBuf {
-    file.at.file.parent().unwrap_or(FilePath::new("")).join(file.as_str())
+    file.at.file.parent().unwrap_or(Path::new("")).join(file.as_str())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn formula(text: &str) -> Formula {
-        Formula::parse(text, "t").unwrap_or_else(|e| panic!("{e}"))
-    }
-
     #[test]
     fn velocity_is_the_rate_of_the_position_of_every_point() {
+        let swaying = |t: f64| Pose {
+            displacement: [
+                Dual { value: 0.4 * (3.0 * t).sin(), rate: 1.2 * (3.0 * t).cos() },
+                Dual { value: t * t - 1.0, rate: 2.0 * t },
+            ],
+            angle: Dual { value: 1.5 * (2.0 * t).cos(), rate: -3.0 * (2.0 * t).sin() },
+        };
         let centre = Point::<2>::new(0.3, -0.2);
-        let displacement = vec![formula("0.4*sin(3*t)"), formula("t^2 - 1")];
-        let swaying = Path::Formula { displacement, angle: Some(formula("1.5*cos(2*t)")) };
-        for path in [Path::Fixed, Path::Rotating { angular_velocity: -2.5 }, swaying] {
-            let motion = GivenMotion { centre, path };
-            for x in [centre, Point::<2>::new(1.0, 2.0), Point::<2>::new(-0.7, 0.1)] {
-                for t in [0.0, 0.3, 1.7] {
-                    let h = 1e-5;
-                    let difference = (motion.position(&x, t + h) - motion.position(&x, t - h)) / (2.0 * h);
-                    let velocity = motion.velocity(&motion.position(&x, t), [t; 2]);
-                    assert!((velocity - difference).norm() < 1e-8, "{velocity} {difference}");
-                    // The velocity at earlier positions keeps all distances from the centre.
-                    let before = motion.position(&x, t - 0.1) - motion.position(&centre, t - 0.1);
-                    let relative = motion.velocity(&motion.position(&x, t - 0.1), [t - 0.1, t])
-                        - motion.velocity(&motion.position(&centre, t - 0.1), [t - 0.1, t]);
-                    assert!(relative.dot(&before).abs() < 1e-13);
-                    assert!(
-                        (motion.velocity(&motion.position(&centre, t - 0.1), [t - 0.1, t])
-                            - motion.velocity(&motion.position(&centre, t), [t; 2]))
-                        .norm()
-                            < 1e-13
-                    );
-                    let arm = motion.position(&x, t) - motion.position(&centre, t);
-                    assert!((arm.norm() - (x - centre).norm()).abs() < 1e-14);
-                }
+        let motion = GivenMotion { centre, path: Box::new(swaying) };
+        for x in [centre, Point::<2>::new(1.0, 2.0), Point::<2>::new(-0.7, 0.1)] {
+            for t in [0.0, 0.3, 1.7] {
+                let at = |t: f64| motion.position(&x, t);
+                let difference = (at(t + 1e-5) - at(t - 1e-5)) / 2e-5;
+                let velocity = motion.velocity(&at(t), [t; 2]);
+                assert!((velocity - difference).norm() < 1e-8, "{velocity} {difference}");
+                // The velocity at earlier positions keeps all distances from the centre, which moves as at the end.
+                let (before, middle) = (at(t - 0.1), motion.position(&centre, t - 0.1));
+                let of_centre = motion.velocity(&middle, [t - 0.1, t]);
+                let relative = motion.velocity(&before, [t - 0.1, t]) - of_centre;
+                assert!(relative.dot(&(before - middle)).abs() < 1e-13);
+                let at_end = motion.velocity(&motion.position(&centre, t), [t; 2]);
+                assert!((of_centre - at_end).norm() < 1e-13);
+                let arm = at(t) - motion.position(&centre, t);
+                assert!((arm.norm() - (x - centre).norm()).abs() < 1e-14);
             }
         }
-        let quarter = GivenMotion { centre, path: Path::Rotating { angular_velocity: std::f64::consts::FRAC_PI_2 } };
-        let turned = quarter.position(&(centre + Vector::<2>::new(1.0, 0.0)), 1.0);
-        assert!((turned - centre - Vector::<2>::new(0.0, 1.0)).norm() < 1e-15, "counter-clockwise");
+        let quarter = |_| Pose { angle: Dual { value: std::f64::consts::FRAC_PI_2, rate: 0.0 }, ..Pose::default() };
+        let turned = GivenMotion { centre, path: Box::new(quarter) }.position(&(centre + Vector::<2>::x()), 1.0);
+        assert!((turned - centre - Vector::<2>::y()).norm() < 1e-15, "counter-clockwise");
     }
 }

@@ -1,44 +1,34 @@
 //! Motions given by a table of positions over time.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use mesh::Vector;
+
+use super::formula::Dual;
 
 /// Displacement and angle of a rigid body with their rates in time.
 ///
 /// It turns counter-clockwise in the plane of the first two axes; angles are in radians.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Pose<const D: usize> {
-    pub(super) displacement: Vector<D>,
-    pub(super) velocity: Vector<D>,
-    pub(super) angle: f64,
-    pub(super) angular_velocity: f64,
+    pub(super) displacement: [Dual; D],
+    pub(super) angle: Dual,
 }
 
 impl<const D: usize> Default for Pose<D> {
     fn default() -> Self {
-        Self { displacement: Vector::zeros(), velocity: Vector::zeros(), angle: 0.0, angular_velocity: 0.0 }
+        Self { displacement: [Dual::default(); D], angle: Dual::default() }
+    }
+}
+
+impl<const D: usize> Pose<D> {
+    pub(super) fn offset(&self) -> Vector<D> {
+        Vector::from_fn(|axis, _| self.displacement[axis].value)
     }
 }
 
 /// Names of the axes in a header.
 const AXES: [&str; 3] = ["x", "y", "z"];
-
-/// Error in a table of motion.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{}{}: {what}", .path.display(), at_line(.line))]
-pub struct TableError {
-    /// File.
-    pub path: PathBuf,
-    /// Line, from 1; `None` for the whole file.
-    pub line: Option<usize>,
-    /// Cause and remedy.
-    pub what: String,
-}
-
-fn at_line(line: &Option<usize>) -> String {
-    line.map(|line| format!(":{line}")).unwrap_or_default()
-}
 
 /// Motion through the rows of a table, by a natural cubic spline for each column: position, velocity and acceleration are
 /// continuous, and the acceleration is zero at the first and the last row. Two rows define a straight line.
@@ -51,69 +41,68 @@ pub(super) struct Table<const D: usize> {
 
 impl<const D: usize> Table<D> {
     /// Reads a table whose header names `time`, the axes and, if the body turns, `angle`, in any order.
-    pub(super) fn read(path: &Path) -> Result<Self, TableError> {
-        let refuse = |line, what: String| TableError { path: path.to_owned(), line, what };
-        let text = std::fs::read_to_string(path).map_err(|e| {
-            refuse(None, format!("the table cannot be read ({e}); check its path, relative to the scenario"))
-        })?;
+    ///
+    /// # Errors
+    /// A message with file, line, cause and remedy.
+    pub(super) fn read(path: &Path) -> Result<Self, String> {
+        let file = path.display().to_string();
+        let text = std::fs::read_to_string(path)
+            .map_err(|e| format!("{file}: the table cannot be read ({e}); check its path, relative to the scenario"))?;
         // Spreadsheets write a byte order mark first.
-        Self::parse(text.trim_start_matches('\u{feff}')).map_err(|(line, what)| refuse(line, what))
+        Self::parse(&file, text.trim_start_matches('\u{feff}'))
     }
 
-    fn parse(text: &str) -> Result<Self, (Option<usize>, String)> {
-        let has_content = |(_, line): &(usize, &str)| !line.trim().is_empty() && !line.trim_start().starts_with('#');
-        let mut lines = text.lines().enumerate().map(|(k, line)| (k + 1, line)).filter(has_content);
-        let axes = &AXES[..D];
-        let header = || format!("time,{} and, if it turns, angle", axes.join(","));
-        let (line, names) =
-            lines.next().ok_or_else(|| (None, format!("it is empty; begin with the header {}", header())))?;
+    fn parse(file: &str, text: &str) -> Result<Self, String> {
+        let is_row = |line: &&str| !line.is_empty() && !line.starts_with('#');
+        let lines = text.lines().map(str::trim).enumerate().map(|(k, line)| (format!("{file}:{}", k + 1), line));
+        let mut lines = lines.filter(|(_, line)| is_row(line));
+        let header = format!("time,{} and, if it turns, angle", AXES[..D].join(","));
+        let empty = || format!("{file}: it is empty; begin with the header {header}");
+        let (at, names) = lines.next().ok_or_else(empty)?;
         let names: Vec<&str> = names.split(',').map(str::trim).collect();
-        let is_known = |name: &&str| *name == "time" || *name == "angle" || axes.contains(name);
-        if let Some(other) = names.iter().find(|name| !is_known(name)) {
-            return Err((Some(line), format!("`{other}` is not a column of a motion; the header is {}", header())));
+        for (k, name) in names.iter().enumerate() {
+            if !["time", "angle"].iter().chain(&AXES[..D]).any(|known| known == name) {
+                return Err(format!("{at}: `{name}` is not a column of a motion; the header is {header}"));
+            }
+            if names[..k].contains(name) {
+                return Err(format!("{at}: the column `{name}` appears twice; take one out"));
+            }
         }
-        if let Some(twice) = names.iter().enumerate().find(|(k, name)| names[..*k].contains(name)) {
-            return Err((Some(line), format!("the column `{}` appears twice; take one out", twice.1)));
-        }
-        let column = |name: &str| names.iter().position(|n| *n == name);
-        let needed = |name: &str| column(name).ok_or((Some(line), format!("the column `{name}` is missing; add it")));
+        let column = |name: &str| names.iter().position(|found| *found == name);
+        let needed = |name| column(name).ok_or_else(|| format!("{at}: the column `{name}` is missing; add it"));
         let time = needed("time")?;
-        let mut places = [0; D];
-        for (place, name) in places.iter_mut().zip(axes) {
-            *place = needed(name)?;
-        }
+        let axes = AXES[..D].iter().map(|name| needed(name)).collect::<Result<Vec<usize>, _>>()?;
         let mut rows: Vec<Vec<f64>> = Vec::new();
-        for (line, text) in lines {
-            let refuse = |what: String| (Some(line), what);
+        for (at, text) in lines {
             let words: Vec<&str> = text.split(',').map(str::trim).collect();
             if words.len() != names.len() {
                 let (found, all) = (words.len(), names.len());
-                return Err(refuse(format!("this row has {found} values, but the header names {all} columns")));
+                return Err(format!("{at}: this row has {found} values, but the header names {all} columns"));
             }
             let number = |(word, name): (&&str, &&str)| match word.parse::<f64>() {
                 Ok(value) if value.is_finite() => Ok(value),
-                _ => Err(refuse(format!("`{word}` in the column `{name}` is not a finite number; correct it"))),
+                _ => Err(format!("{at}: `{word}` in the column `{name}` is not a finite number; correct it")),
             };
             let row: Vec<f64> = words.iter().zip(&names).map(number).collect::<Result<_, _>>()?;
-            if let Some(before) = rows.last().filter(|before| before[time] >= row[time]) {
-                let (now, before) = (row[time], before[time]);
-                return Err(refuse(format!("time {now} is not after {before} of the previous row; sort the rows")));
+            if let Some(before) = rows.last().map(|before| before[time]).filter(|before| *before >= row[time]) {
+                let now = row[time];
+                return Err(format!("{at}: time {now} is not after {before} of the previous row; sort the rows"));
             }
             rows.push(row);
         }
         if rows.len() < 2 {
-            return Err((None, format!("it has {} rows; a motion needs two or more", rows.len())));
+            return Err(format!("{file}: it has {} rows; a motion needs two or more", rows.len()));
         }
         let values = |place: usize| rows.iter().map(|row| row[place]).collect::<Vec<f64>>();
         let times = values(time);
+        let spline = |place| Spline::natural(&times, values(place));
         Ok(Self {
-            displacement: places.map(|place| Spline::natural(&times, values(place))),
-            angle: column("angle").map(|place| Spline::natural(&times, values(place))),
+            displacement: std::array::from_fn(|axis| spline(axes[axis])),
+            angle: column("angle").map(spline),
             times,
         })
     }
 
-    /// Returns whether the table has a column of angles.
     pub(super) fn has_angle(&self) -> bool {
         self.angle.is_some()
     }
@@ -123,18 +112,13 @@ impl<const D: usize> Table<D> {
         (self.times[0], self.times[self.times.len() - 1])
     }
 
-    /// Computes the pose at a time.
     pub(super) fn at(&self, t: f64) -> Pose<D> {
         let interval = self.times.partition_point(|row| *row <= t).clamp(1, self.times.len() - 1) - 1;
         let ends = [self.times[interval], self.times[interval + 1]];
-        let mut pose = Pose::default();
-        for (axis, spline) in self.displacement.iter().enumerate() {
-            (pose.displacement[axis], pose.velocity[axis]) = spline.at(interval, ends, t);
+        Pose {
+            displacement: self.displacement.each_ref().map(|spline| spline.at(interval, ends, t)),
+            angle: self.angle.as_ref().map_or_else(Dual::default, |angle| angle.at(interval, ends, t)),
         }
-        if let Some(angle) = &self.angle {
-            (pose.angle, pose.angular_velocity) = angle.at(interval, ends, t);
-        }
-        pose
     }
 }
 
@@ -170,13 +154,13 @@ impl Spline {
     }
 
     /// Computes value and rate in interval `k`.
-    fn at(&self, k: usize, [begin, end]: [f64; 2], t: f64) -> (f64, f64) {
+    fn at(&self, k: usize, [begin, end]: [f64; 2], t: f64) -> Dual {
         let h = end - begin;
         let (a, b) = ((end - t) / h, (t - begin) / h);
         let ([y0, y1], [m0, m1]) = ([self.values[k], self.values[k + 1]], [self.curvatures[k], self.curvatures[k + 1]]);
         let value = a * y0 + b * y1 + h * h / 6.0 * ((a * a * a - a) * m0 + (b * b * b - b) * m1);
         let rate = (y1 - y0) / h + h / 6.0 * ((3.0 * b * b - 1.0) * m1 - (3.0 * a * a - 1.0) * m0);
-        (value, rate)
+        Dual { value, rate }
     }
 }
 
@@ -185,17 +169,7 @@ mod tests {
     use super::*;
 
     fn table(text: &str) -> Table<2> {
-        Table::parse(text).unwrap_or_else(|e| panic!("{e:?}"))
-    }
-
-    /// Returns a sine sampled in `n` unequal steps over a period.
-    fn sine(n: usize) -> Table<2> {
-        let row = |k: usize| {
-            let s = k as f64 / n as f64;
-            let t = s + 0.3 * s * (1.0 - s);
-            format!("{t},{},0\n", (std::f64::consts::TAU * t).sin())
-        };
-        table(&("time,x,y\n".to_owned() + &(0..=n).map(row).collect::<String>()))
+        Table::parse("a.csv", text).unwrap_or_else(|e| panic!("{e}"))
     }
 
     #[test]
@@ -204,32 +178,40 @@ mod tests {
         for (t, x, y, angle) in
             [(-1.0, 0.0, 4.0, 1.0), (0.5, 3.0, 1.0, 1.5), (2.0, 6.0, -2.0, 2.0), (1.1, 4.2, -0.2, 1.7)]
         {
-            let pose = table.at(t);
-            assert!((pose.displacement - Vector::<2>::new(x, y)).norm() < 1e-14 && (pose.angle - angle).abs() < 1e-14);
-            assert!((pose.velocity - Vector::<2>::new(2.0, -2.0)).norm() < 1e-14);
+            let Pose { displacement: [found_x, found_y], angle: found_angle } = table.at(t);
+            for (found, value, rate) in [(found_x, x, 2.0), (found_y, y, -2.0), (found_angle, angle, 1.0 / 3.0)] {
+                assert!((found.value - value).abs() < 1e-14 && (found.rate - rate).abs() < 1e-14, "{found:?}");
+            }
         }
         assert_eq!((table.range(), table.has_angle()), ((-1.0, 2.0), true));
     }
 
     #[test]
     fn a_sine_is_interpolated_to_fourth_order_with_continuous_velocity_and_acceleration() {
+        // Unequal steps over a period.
+        let sine = |n: usize| {
+            let row = |k: usize| {
+                let s = k as f64 / n as f64;
+                let t = s + 0.3 * s * (1.0 - s);
+                format!("{t},{},0\n", (std::f64::consts::TAU * t).sin())
+            };
+            table(&("time,x,y\n".to_owned() + &(0..=n).map(row).collect::<String>()))
+        };
         let error = |n: usize| {
             let table = sine(n);
-            let at = |k: usize| k as f64 / 1000.0;
-            (0..=1000)
-                .map(|k| (table.at(at(k)).displacement[0] - (std::f64::consts::TAU * at(k)).sin()).abs())
-                .fold(0.0, f64::max)
+            let error = |t: f64| (table.at(t).displacement[0].value - (std::f64::consts::TAU * t).sin()).abs();
+            (0..=1000).map(|k| error(f64::from(k) / 1000.0)).fold(0.0, f64::max)
         };
         // A sine over whole periods has no curvature at the ends.
         assert!(error(40) < error(20) / 12.0 && error(40) < 1e-5, "{} {}", error(20), error(40));
         let table = sine(20);
-        let velocity = |t: f64| table.at(t).velocity[0];
+        let displacement = |t: f64| table.at(t).displacement[0].value;
+        let velocity = |t: f64| table.at(t).displacement[0].rate;
         for row in &table.times[1..20] {
             let h = 1e-6;
             assert!((velocity(row + 1e-12) - velocity(row - 1e-12)).abs() < 1e-9);
             let acceleration = |t: f64| (velocity(t + 0.5 * h) - velocity(t - 0.5 * h)) / h;
             assert!((acceleration(row + h) - acceleration(row - h)).abs() < 2e-3, "{row}");
-            let displacement = |t: f64| table.at(t).displacement[0];
             let t = row + 0.01;
             assert!(((displacement(t + h) - displacement(t - h)) / (2.0 * h) - velocity(t)).abs() < 1e-8);
         }
@@ -237,20 +219,20 @@ mod tests {
 
     #[test]
     fn errors_name_the_line() {
-        for (text, line, what) in [
-            ("", None, "it is empty"),
-            ("0,1,2\n1,2,3\n", Some(1), "`0` is not a column"),
-            ("time,x\n0,1\n1,2\n", Some(1), "the column `y` is missing"),
-            ("time,x,x,y\n", Some(1), "twice"),
-            ("time,x,y,z\n", Some(1), "`z` is not a column"),
-            ("# c\n\ntime,x,y\n0,1,2\n1,2\n", Some(5), "has 2 values"),
-            ("time,x,y\n0,1,2\n1,a,2\n", Some(3), "`a` in the column `x`"),
-            ("time,x,y\n0,1,2\n1,nan,2\n", Some(3), "not a finite number"),
-            ("time,x,y\n0,1,2\n1,1,2\n1,1,2\n", Some(4), "is not after 1"),
-            ("time,x,y\n0,1,2\n", None, "1 rows"),
+        for (text, message) in [
+            ("", "a.csv: it is empty"),
+            ("0,1,2\n1,2,3\n", "a.csv:1: `0` is not a column"),
+            ("time,x\n0,1\n1,2\n", "a.csv:1: the column `y` is missing"),
+            ("time,x,x,y\n", "a.csv:1: the column `x` appears twice"),
+            ("time,x,y,z\n", "a.csv:1: `z` is not a column"),
+            ("# c\n\ntime,x,y\n0,1,2\n1,2\n", "a.csv:5: this row has 2 values"),
+            ("time,x,y\n0,1,2\n1,a,2\n", "a.csv:3: `a` in the column `x`"),
+            ("time,x,y\n0,1,2\n1,nan,2\n", "a.csv:3: `nan` in the column `x` is not a finite number"),
+            ("time,x,y\n0,1,2\n1,1,2\n1,1,2\n", "a.csv:4: time 1 is not after 1"),
+            ("time,x,y\n0,1,2\n", "a.csv: it has 1 rows"),
         ] {
-            let (at, message) = Table::<2>::parse(text).expect_err(text);
-            assert!(at == line && message.contains(what), "{at:?} {message}");
+            let found = Table::<2>::parse("a.csv", text).expect_err(text);
+            assert!(found.starts_with(message), "{found}");
         }
     }
 }

@@ -142,7 +142,6 @@ choices! {
 }
 
 impl Newton {
-    /// Returns the settings of Newton's method.
     pub(super) fn settings(&self) -> NewtonSettings {
         NewtonSettings { max_iterations: self.max_iterations, ..NewtonSettings::new(self.tolerance) }
     }

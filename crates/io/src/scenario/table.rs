@@ -26,7 +26,6 @@ pub(super) struct Document {
 }
 
 impl Document {
-    /// Returns the location of an offset.
     pub(super) fn locate(&self, offset: usize, key: &str) -> Location {
         let argument = self.arguments.iter().rev().find(|(start, _)| *start <= offset).map(|(_, set)| set.clone());
         let line = self.text.bytes().take(offset).filter(|b| *b == b'\n').count() + 1;
@@ -45,12 +44,10 @@ pub(super) struct Node<'d> {
 }
 
 impl<'d> Node<'d> {
-    /// Returns the whole document.
     pub(super) fn root(document: &'d Document, value: &'d DeValue<'d>) -> Self {
         Self { document, value, start: 0, key: String::new() }
     }
 
-    /// Returns the location.
     pub(super) fn at(&self) -> Location {
         self.document.locate(self.start, &self.key)
     }
@@ -156,23 +153,6 @@ fn number(value: &DeValue<'_>) -> Option<f64> {
     }
 }
 
-/// Returns a value without locations, to be written as TOML.
-pub(super) fn plain(value: &DeValue<'_>) -> toml::Value {
-    match value {
-        DeValue::String(text) => toml::Value::String(text.to_string()),
-        DeValue::Integer(number) => {
-            toml::Value::Integer(i64::from_str_radix(number.as_str(), number.radix()).unwrap_or_default())
-        }
-        DeValue::Float(_) => toml::Value::Float(number(value).unwrap_or_default()),
-        DeValue::Boolean(value) => toml::Value::Boolean(*value),
-        DeValue::Datetime(value) => toml::Value::Datetime(*value),
-        DeValue::Array(items) => toml::Value::Array(items.iter().map(|item| plain(item.get_ref())).collect()),
-        DeValue::Table(table) => toml::Value::Table(
-            table.iter().map(|(key, item)| (key.get_ref().to_string(), plain(item.get_ref()))).collect(),
-        ),
-    }
-}
-
 /// A table with declared keys.
 pub(super) struct Table<'d> {
     node: Node<'d>,
@@ -191,13 +171,11 @@ impl Table<'_> {
             key.map_or(Ok(()), |key| node.check(key))?;
             return T::read(node);
         }
-        let default = key.and_then(|key| key.default).and_then(|text| DeValue::parse(text).ok());
-        if let Some(default) = default {
+        if let Some(default) = key.and_then(|key| key.default).and_then(|text| DeValue::parse(text).ok()) {
             // A default has the location of the table.
-            let (document, key) = (self.node.document, self.node.key.clone());
-            return T::read(&Node { document, value: default.get_ref(), start: self.node.start, key });
+            return T::read(&Node { value: default.get_ref(), ..self.node.clone() });
         }
-        T::absent().ok_or_else(|| self.node.at().error(ErrorKind::Missing(name)))
+        T::ABSENT.map(|absent| absent()).ok_or_else(|| self.node.at().error(ErrorKind::Missing(name)))
     }
 }
 
@@ -205,16 +183,11 @@ impl Table<'_> {
 pub(super) trait Value: Sized {
     /// Type, for messages and the reference page.
     const FORM: Form;
-    /// Whether the key may be left out.
-    const IS_OPTIONAL: bool = false;
+    /// The value of a key that was left out, if that is allowed.
+    const ABSENT: Option<fn() -> Self> = None;
 
     /// Reads the value.
     fn read(node: &Node<'_>) -> Result<Self, ScenarioError>;
-
-    /// Returns the value of a key that was left out.
-    fn absent() -> Option<Self> {
-        None
-    }
 }
 
 /// A value with its location; equal to another one if the values are.
@@ -249,27 +222,19 @@ impl<T: Value> Value for At<T> {
 
 impl<T: Value> Value for Option<T> {
     const FORM: Form = T::FORM;
-    const IS_OPTIONAL: bool = true;
+    const ABSENT: Option<fn() -> Self> = Some(|| None);
 
     fn read(node: &Node<'_>) -> Result<Self, ScenarioError> {
         T::read(node).map(Some)
-    }
-
-    fn absent() -> Option<Self> {
-        Some(None)
     }
 }
 
 impl<T: Value> Value for Vec<T> {
     const FORM: Form = Form::List(&T::FORM);
-    const IS_OPTIONAL: bool = true;
+    const ABSENT: Option<fn() -> Self> = Some(Vec::new);
 
     fn read(node: &Node<'_>) -> Result<Self, ScenarioError> {
         node.items().ok_or_else(|| node.refuse(&Self::FORM))?.iter().map(T::read).collect()
-    }
-
-    fn absent() -> Option<Self> {
-        Some(Vec::new())
     }
 }
 
@@ -279,16 +244,12 @@ pub struct Named<T>(pub Vec<(String, At<T>)>);
 
 impl<T: Value> Value for Named<T> {
     const FORM: Form = Form::Named(&T::FORM);
-    const IS_OPTIONAL: bool = true;
+    const ABSENT: Option<fn() -> Self> = Some(|| Self(Vec::new()));
 
     fn read(node: &Node<'_>) -> Result<Self, ScenarioError> {
         let entries = node.entries().ok_or_else(|| node.refuse(&Self::FORM))?;
         let read = |(name, node): &(&str, Node<'_>)| Ok(((*name).to_owned(), At::read(node)?));
         Ok(Self(entries.iter().map(read).collect::<Result<_, _>>()?))
-    }
-
-    fn absent() -> Option<Self> {
-        Some(Self(Vec::new()))
     }
 }
 
@@ -375,39 +336,34 @@ plain_values! {
 macro_rules! keys {
     (
         $(#[doc = $doc:literal])+
-        pub struct $Name:ident { $($fields:tt)* }
+        pub struct $Name:ident { $(
+            $(#[doc = $about:literal])+
+            $field:ident : $Type:ty $([$($spec:ident $(($($argument:expr),*))?),*])? $(= $default:tt)?
+        ),* $(,)? }
     ) => {
-        $crate::scenario::table::keys! { @fields
-            [$(#[doc = $doc])+] $Name $($fields)*
-        }
-    };
-    (@fields [$(#[doc = $doc:literal])+] $Name:ident $(
-        $(#[doc = $about:literal])+
-        $field:ident $(as $key:literal)? : $Type:ty $([$($spec:ident $(($($argument:expr),*))?),*])? $(= $default:tt)?
-    ),* $(,)?) => {
         $(#[doc = $doc])+
         #[derive(Clone, Debug, PartialEq)]
         pub struct $Name { $($(#[doc = $about])+ pub $field: $Type),* }
 
         impl $Name {
             /// Declarations of the keys.
-            pub const KEYS: &'static [$crate::scenario::key::Key] = &[$(
-                $crate::scenario::table::key!(
-                    [$($about)+] $field $(as $key)?, $Type, [$($($spec $(($($argument),*))?),*)?], $($default)?
-                )
-            ),*];
+            pub const KEYS: &'static [$crate::scenario::key::Key] = &[$($crate::scenario::table::key!(
+                [$($about)+] $field, $Type, [$($($spec $(($($argument),*))?),*)?], $($default)?
+            )),*];
         }
 
-        impl $crate::scenario::table::Value for $Name {
-            const FORM: $crate::scenario::key::Form = $crate::scenario::key::Form::Table(Self::KEYS);
+        const _: () = {
+            use $crate::scenario::{ScenarioError, key::Form, table::{Node, Value}};
 
-            fn read(
-                node: &$crate::scenario::table::Node<'_>,
-            ) -> Result<Self, $crate::scenario::error::ScenarioError> {
-                let table = node.table(Self::KEYS, None)?;
-                Ok(Self { $($field: table.get($crate::scenario::table::name!($field $(as $key)?))?),* })
+            impl Value for $Name {
+                const FORM: Form = Form::Table(Self::KEYS);
+
+                fn read(node: &Node<'_>) -> Result<Self, ScenarioError> {
+                    let table = node.table(Self::KEYS, None)?;
+                    Ok(Self { $($field: table.get(stringify!($field))?),* })
+                }
             }
-        }
+        };
     };
 }
 
@@ -428,60 +384,48 @@ macro_rules! choices {
         #[derive(Clone, Debug, PartialEq $(, $($derive),*)?)]
         pub enum $Name { $($(#[doc = $about_word])+ $Word $({ $($(#[doc = $about])+ $field: $Type),* })?),* }
 
-        impl $crate::scenario::table::Value for $Name {
-            const FORM: $crate::scenario::key::Form = $crate::scenario::key::Form::Choice {
-                tag: [$(Some($tag),)? None][0],
-                choices: &[$($crate::scenario::key::Choice {
-                    word: $word,
-                    about: concat!($($about_word),+),
-                    keys: &[$($($crate::scenario::table::key!(
-                        [$($about)+] $field, $Type, [$($($spec $(($($argument),*))?),*)?], $($default)?
-                    )),*)?],
-                }),*],
-            };
+        const _: () = {
+            use $crate::scenario::{ScenarioError, key::{Choice, Form}, table::{Node, Value}};
 
-            fn read(
-                node: &$crate::scenario::table::Node<'_>,
-            ) -> Result<Self, $crate::scenario::error::ScenarioError> {
-                let $crate::scenario::key::Form::Choice { tag, choices } = Self::FORM else {
-                    return Err(node.refuse(&Self::FORM));
-                };
-                let (word, _table) = node.choice(tag, choices)?;
-                match word {
-                    $($word => Ok(Self::$Word $({ $($field: _table.get(stringify!($field))?),* })?),)*
-                    _ => Err(node.refuse(&Self::FORM)),
+            const TAG: Option<&str> = [$(Some($tag),)? None][0];
+            const CHOICES: &[Choice] = &[$(Choice {
+                word: $word,
+                about: concat!($($about_word),+),
+                keys: &[$($($crate::scenario::table::key!(
+                    [$($about)+] $field, $Type, [$($($spec $(($($argument),*))?),*)?], $($default)?
+                )),*)?],
+            }),*];
+
+            impl Value for $Name {
+                const FORM: Form = Form::Choice { tag: TAG, choices: CHOICES };
+
+                fn read(node: &Node<'_>) -> Result<Self, ScenarioError> {
+                    let (word, _table) = node.choice(TAG, CHOICES)?;
+                    match word {
+                        $($word => Ok(Self::$Word $({ $($field: _table.get(stringify!($field))?),* })?),)*
+                        _ => Err(node.refuse(&Self::FORM)),
+                    }
                 }
             }
-        }
+        };
     };
 }
 
 /// Declaration of one key, from a field of [`keys!`] or [`choices!`].
 macro_rules! key {
-    ([$($about:literal)+] $field:ident $(as $key:literal)?, $Type:ty, [$($spec:ident $(($($argument:expr),*))?),*], $($default:tt)?) => {
+    ([$($about:literal)+] $field:ident, $Type:ty, [$($spec:ident $(($($argument:expr),*))?),*], $($default:tt)?) => {
         $crate::scenario::key::Key::new(
-            $crate::scenario::table::name!($field $(as $key)?),
+            stringify!($field),
             concat!($($about),+),
             <$Type as $crate::scenario::table::Value>::FORM,
-            <$Type as $crate::scenario::table::Value>::IS_OPTIONAL,
+            <$Type as $crate::scenario::table::Value>::ABSENT.is_some(),
             [$(Some(stringify!($default)),)? None][0],
         )$(.$spec($($($argument),*)?))*
     };
 }
 
-/// Name of a key: that of its field if it is not given.
-macro_rules! name {
-    ($field:ident) => {
-        stringify!($field)
-    };
-    ($field:ident as $key:literal) => {
-        $key
-    };
-}
+pub(super) use {choices, key, keys};
 
-pub(super) use {choices, key, keys, name};
-
-/// Parses a TOML document.
 pub(super) fn parse<'t>(document: &Document, text: &'t str) -> Result<DeTable<'t>, ScenarioError> {
     DeTable::parse(text).map(Spanned::into_inner).map_err(|error| {
         let offset = error.span().map_or(0, |span| span.start);

@@ -1,7 +1,6 @@
 //! Triangulated surfaces from files: STL (ASCII and binary) and OBJ.
 
-mod coordinates;
-mod malformed;
+mod lines;
 mod obj;
 mod stl;
 
@@ -11,7 +10,7 @@ use std::path::Path;
 use mesh::{BoundaryMesh, Placed, Point, VertexId};
 
 use crate::Error;
-pub use malformed::{Malformed, Place};
+use crate::files::{extension, read};
 
 /// A surface without a volume mesh: vertices and oriented triangles.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,14 +28,13 @@ impl Surface {
     /// # Errors
     /// [`Error::Read`], [`Error::Surface`] with the line (or byte) and the cause.
     pub fn read(path: &Path) -> Result<Self, Error> {
-        let bytes = std::fs::read(path).map_err(|source| Error::Read { path: path.to_owned(), source })?;
-        let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
-        let triangles = match extension.as_deref() {
-            Some("stl") => stl::parse(&bytes),
-            Some("obj") => obj::parse(&bytes),
-            _ => Err(Malformed { at: Place::Name, what: "its name must end in .stl or .obj".to_owned() }),
+        let bytes = read(path)?;
+        let triangles = match extension(path).as_str() {
+            "stl" => stl::parse(&bytes),
+            "obj" => obj::parse(&bytes),
+            _ => Err("its name must end in .stl or .obj".to_owned()),
         };
-        let triangles = triangles.map_err(|malformed| Error::Surface { path: path.to_owned(), malformed })?;
+        let triangles = triangles.map_err(|problem| Error::Surface { path: path.to_owned(), problem })?;
         Ok(Self::weld(&triangles))
     }
 

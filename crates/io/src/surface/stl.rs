@@ -1,13 +1,12 @@
 //! STL, ASCII and binary.
 
-use super::coordinates::coordinates;
-use super::{Malformed, Place};
+use super::lines::{Triangle, coordinates, for_each_line};
 
 const HEADER: usize = 80;
 const RECORD: usize = 50;
 
-/// Corners of all triangles. Normals in the file are ignored: the order of the corners decides.
-pub(super) fn parse(bytes: &[u8]) -> Result<Vec<[[f64; 3]; 3]>, Malformed> {
+/// Returns the corners of all triangles. Normals in the file are ignored: the order of the corners decides.
+pub(super) fn parse(bytes: &[u8]) -> Result<Vec<Triangle>, String> {
     // Binary files may begin with "solid" too: their length gives them away.
     if let Some(count) = bytes.get(HEADER..HEADER + 4).and_then(|b| b.try_into().ok()).map(u32::from_le_bytes)
         && HEADER + 4 + RECORD * count as usize == bytes.len()
@@ -16,53 +15,47 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Vec<[[f64; 3]; 3]>, Malformed> {
     }
     match std::str::from_utf8(bytes) {
         Ok(text) if text.trim_start().starts_with("solid") => ascii(text),
-        _ => Err(Malformed {
-            at: Place::Byte(0),
-            what: format!("neither ASCII STL (`solid ...`) nor binary STL of the right length ({} bytes)", bytes.len()),
-        }),
+        _ => {
+            let n = bytes.len();
+            Err(format!("neither ASCII STL (`solid ...`) nor binary STL of the right length ({n} bytes)"))
+        }
     }
 }
 
-fn binary(records: &[u8]) -> Result<Vec<[[f64; 3]; 3]>, Malformed> {
+fn binary(records: &[u8]) -> Result<Vec<Triangle>, String> {
     let mut triangles = Vec::with_capacity(records.len() / RECORD);
     for (index, record) in records.chunks_exact(RECORD).enumerate() {
         let mut corners = [[0.0_f64; 3]; 3];
         for (slot, number) in corners.as_flattened_mut().iter_mut().zip(record[12..48].chunks_exact(4)) {
             *slot = f64::from(number.try_into().map(f32::from_le_bytes).unwrap_or(f32::NAN));
-            if !slot.is_finite() {
-                let at = Place::Byte(HEADER + 4 + RECORD * index);
-                return Err(Malformed { at, what: "a coordinate of this triangle is not finite".to_owned() });
-            }
+        }
+        if !corners.as_flattened().iter().all(|x| x.is_finite()) {
+            let byte = HEADER + 4 + RECORD * index;
+            return Err(format!("byte {byte}: a coordinate of this triangle is not finite"));
         }
         triangles.push(corners);
     }
     Ok(triangles)
 }
 
-fn ascii(text: &str) -> Result<Vec<[[f64; 3]; 3]>, Malformed> {
+fn ascii(text: &str) -> Result<Vec<Triangle>, String> {
     let mut triangles = Vec::new();
     let mut corners: Vec<[f64; 3]> = Vec::with_capacity(3);
-    for (index, line) in text.lines().enumerate() {
-        let line_number = index + 1;
-        let mut words = line.split_whitespace();
+    for_each_line(text, |mut words| {
         match words.next() {
-            Some("vertex") => corners.push(coordinates(line_number, words)?),
-            Some("endloop") => match corners.as_slice() {
-                &[a, b, c] => {
-                    triangles.push([a, b, c]);
-                    corners.clear();
-                }
-                _ => {
-                    let what = format!("a facet has {} vertices, not 3", corners.len());
-                    return Err(Malformed::line(line_number, what));
-                }
-            },
+            Some("vertex") => corners.push(coordinates(words)?),
+            Some("endloop") => {
+                let triangle = Triangle::try_from(corners.as_slice());
+                triangles.push(triangle.map_err(|_| format!("a facet has {} vertices, not 3", corners.len()))?);
+                corners.clear();
+            }
             None | Some("solid" | "endsolid" | "facet" | "endfacet" | "outer") => {}
-            Some(word) => return Err(Malformed::line(line_number, format!("`{word}` is no word of STL"))),
+            Some(word) => return Err(format!("`{word}` is no word of STL")),
         }
-    }
+        Ok(())
+    })?;
     if !corners.is_empty() {
-        return Err(Malformed::line(text.lines().count(), "the file ends inside a facet"));
+        return Err(format!("line {}: the file ends inside a facet", text.lines().count()));
     }
     Ok(triangles)
 }

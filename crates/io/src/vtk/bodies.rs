@@ -1,9 +1,10 @@
 //! The bodies at their positions at the end of a step.
 
+use mesh::Tensor;
 use solver::body::CellOutput;
 use solver::{Setup, State};
 
-use super::{Grid, in_space, simplex_type, tensor_in_space};
+use super::{Grid, in_space, simplex_type};
 
 /// The part of bodies that a grid shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,4 +59,13 @@ pub fn bodies_grid<const D: usize>(setup: &Setup<D>, state: &State<D>, shown: Sh
     }
     grid.add_cell_ids("body", ids);
     Some(grid)
+}
+
+/// A tensor with nine components, row by row, with the given one normal to the plane.
+fn tensor_in_space<const D: usize>(t: &Tensor<D>, out_of_plane: f64) -> [f64; 9] {
+    std::array::from_fn(|k| match (k / 3, k % 3) {
+        (a, b) if a < D && b < D => t[(a, b)],
+        (2, 2) => out_of_plane,
+        _ => 0.0,
+    })
 }

@@ -1,8 +1,7 @@
 //! A cut mesh: its fluid parts, the region covered by bodies, and the interface between them.
 
-use cutcell::{CellState, CutMesh, Polytope};
-use mesh::{CellId, Point, SimplexMesh};
-use vtkio::model::CellType;
+use cutcell::{CellState, CutMesh};
+use mesh::{Point, SimplexMesh};
 
 use super::{Grid, in_space, simplex_type};
 
@@ -15,10 +14,9 @@ pub fn fluid_grid<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>)
     for part in cut.all_parts() {
         let cell = cut.part_cell(part);
         if cut.is_whole(part) {
-            push_whole(&mut grid, background, cell);
-        } else {
-            cut.part_pieces(part).for_each(|piece| push_piece(&mut grid, piece));
+            push_simplex(&mut grid, background.simplex(cell).points());
         }
+        cut.part_pieces(part).for_each(|piece| grid.push_piece(piece, Grid::push_point));
         parts.resize(grid.n_cells(), i64::from(part.0));
         cells.resize(grid.n_cells(), i64::from(cell.0));
         is_cut.resize(grid.n_cells(), i64::from(!cut.is_whole(part)));
@@ -36,12 +34,12 @@ pub fn body_grid<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>) 
     let mut grid = Grid::default();
     let (mut cells, mut is_cut) = (Vec::new(), Vec::new());
     for cell in background.cells().filter(|&cell| cut.cell_state(cell) == CellState::Covered) {
-        push_whole(&mut grid, background, cell);
+        push_simplex(&mut grid, background.simplex(cell).points());
         cells.push(i64::from(cell.0));
     }
     is_cut.resize(grid.n_cells(), 0);
     for (cell, piece) in cut.covered_pieces() {
-        push_piece(&mut grid, piece);
+        grid.push_piece(piece, Grid::push_point);
         cells.resize(grid.n_cells(), i64::from(cell.0));
     }
     is_cut.resize(grid.n_cells(), 1);
@@ -66,33 +64,7 @@ pub fn interface_grid<const D: usize>(cut: &CutMesh<D>) -> Grid {
     grid
 }
 
-fn push_whole<const D: usize>(grid: &mut Grid, background: &SimplexMesh<D>, cell: CellId) {
-    push_simplex(grid, background.simplex(cell).points());
-}
-
 fn push_simplex<const D: usize>(grid: &mut Grid, corners: &[Point<D>]) {
     let points: Vec<u64> = corners.iter().map(|x| grid.push_point(x)).collect();
     grid.push_cell(simplex_type(points.len()), points);
-}
-
-fn push_piece<const D: usize>(grid: &mut Grid, piece: Polytope<'_, D>) {
-    if D == 2 {
-        let points: Vec<u64> = ring(piece).iter().map(|x| grid.push_point(x)).collect();
-        grid.push_cell(CellType::Polygon, points);
-    } else {
-        piece.for_each_simplex(|corners| push_simplex(grid, corners));
-    }
-}
-
-/// Corners of a convex polygon, counter-clockwise.
-pub(crate) fn ring<const D: usize>(piece: Polytope<'_, D>) -> Vec<Point<D>> {
-    let n = piece.n_faces();
-    let edges: Vec<(u32, u32)> = piece.faces().map(|(_, corners)| (corners[0], corners[1])).collect();
-    let mut corners = Vec::with_capacity(n);
-    let mut at = edges.first().map_or(0, |edge| edge.0);
-    for _ in 0..n {
-        corners.push(piece.points()[at as usize]);
-        at = edges.iter().find(|edge| edge.0 == at).map_or(at, |edge| edge.1);
-    }
-    corners
 }

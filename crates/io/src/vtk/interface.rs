@@ -1,6 +1,7 @@
 //! The fluid-structure interface: its pieces with the traction that crosses them.
 
 use mesh::Vector;
+use solver::interface_dg::InterfaceTraction;
 use solver::{FluidState, StepReport};
 
 use super::{Grid, in_space, simplex_type};
@@ -9,23 +10,20 @@ use super::{Grid, in_space, simplex_type};
 /// tractions are zero before the first step.
 pub fn interface_grid<const D: usize>(fluid: &FluidState<D>, report: Option<&StepReport<D>>) -> Grid {
     let mut grid = Grid::default();
-    let (mut total, mut of_fluid, mut jump) = (Vec::new(), Vec::new(), Vec::new());
-    let (mut normal, mut ids) = (Vec::new(), Vec::new());
-    for (k, piece) in fluid.cut.interface().iter().enumerate() {
-        let corners: [u64; 3] = std::array::from_fn(|c| if c < D { grid.push_point(&piece.points[c]) } else { 0 });
-        grid.push_cell(simplex_type(D), corners[..D].iter().copied());
-        let traction = report.and_then(|report| report.fluid.as_ref()?.tractions.get(k));
-        let zero = Vector::zeros();
-        total.extend(in_space(&traction.map_or(zero, |t| t.total())));
-        of_fluid.extend(in_space(&traction.map_or(zero, |t| t.fluid)));
-        jump.extend(in_space(&traction.map_or(zero, |t| t.jump)));
-        normal.extend(in_space(&piece.normal));
-        ids.push(i64::from(piece.body.0));
+    let pieces = fluid.cut.interface();
+    for piece in pieces {
+        let points: Vec<u64> = piece.points[..D].iter().map(|x| grid.push_point(x)).collect();
+        grid.push_cell(simplex_type(D), points);
     }
-    grid.add_cell_data("traction", 3, total);
-    grid.add_cell_data("fluid_traction", 3, of_fluid);
-    grid.add_cell_data("velocity_jump", 3, jump);
-    grid.add_cell_data("normal", 3, normal);
-    grid.add_cell_ids("body", ids);
+    let tractions = report.and_then(|report| report.fluid.as_ref()).map(|fluid| &fluid.tractions);
+    let of_pieces = |of: fn(&InterfaceTraction<D>) -> Vector<D>| {
+        let vector = |k| tractions.and_then(|tractions| tractions.get(k)).map_or(Vector::zeros(), of);
+        (0..pieces.len()).flat_map(|k| in_space(&vector(k))).collect()
+    };
+    grid.add_cell_data("traction", 3, of_pieces(|traction| traction.total()));
+    grid.add_cell_data("fluid_traction", 3, of_pieces(|traction| traction.fluid));
+    grid.add_cell_data("velocity_jump", 3, of_pieces(|traction| traction.jump));
+    grid.add_cell_data("normal", 3, pieces.iter().flat_map(|piece| in_space(&piece.normal)).collect());
+    grid.add_cell_ids("body", pieces.iter().map(|piece| i64::from(piece.body.0)).collect());
     grid
 }

@@ -11,8 +11,7 @@ pub mod series;
 
 use std::path::Path;
 
-#[cfg(feature = "simulation")]
-use mesh::Tensor;
+use cutcell::Polytope;
 use mesh::{Point, Vector};
 use vtkio::model::{
     Attribute, Attributes, ByteOrder, CellType, Cells, DataArray, DataSet, UnstructuredGridPiece, Version,
@@ -47,6 +46,23 @@ impl Grid {
         self.connectivity.extend(points);
         self.offsets.push(self.connectivity.len() as u64);
         self.types.push(kind);
+    }
+
+    /// Appends a convex piece: a polygon in 2D, tetrahedra in 3D. `point` appends a corner and returns its number.
+    pub(crate) fn push_piece<const D: usize>(
+        &mut self,
+        piece: Polytope<'_, D>,
+        mut point: impl FnMut(&mut Self, &Point<D>) -> u64,
+    ) {
+        let mut push = |kind, corners: &[Point<D>]| {
+            let points: Vec<u64> = corners.iter().map(|x| point(self, x)).collect();
+            self.push_cell(kind, points);
+        };
+        if D == 2 {
+            push(CellType::Polygon, &ring(piece));
+        } else {
+            piece.for_each_simplex(|corners| push(CellType::Tetra, corners));
+        }
     }
 
     /// Number of points.
@@ -120,16 +136,6 @@ fn in_space<const D: usize>(v: &Vector<D>) -> [f64; 3] {
     std::array::from_fn(|a| if a < D { v[a] } else { 0.0 })
 }
 
-/// A tensor with nine components, row by row, with the given one normal to the plane.
-#[cfg(feature = "simulation")]
-fn tensor_in_space<const D: usize>(t: &Tensor<D>, out_of_plane: f64) -> [f64; 9] {
-    std::array::from_fn(|k| match (k / 3, k % 3) {
-        (a, b) if a < D && b < D => t[(a, b)],
-        (2, 2) => out_of_plane,
-        _ => 0.0,
-    })
-}
-
 /// The type of a simplex with that many points.
 fn simplex_type(n_points: usize) -> CellType {
     match n_points {
@@ -137,4 +143,16 @@ fn simplex_type(n_points: usize) -> CellType {
         3 => CellType::Triangle,
         _ => CellType::Tetra,
     }
+}
+
+/// Returns the corners of a convex polygon, counter-clockwise.
+fn ring<const D: usize>(piece: Polytope<'_, D>) -> Vec<Point<D>> {
+    let edges: Vec<(u32, u32)> = piece.faces().map(|(_, corners)| (corners[0], corners[1])).collect();
+    let mut at = edges.first().map_or(0, |edge| edge.0);
+    let corner = |_| {
+        let corner = piece.points()[at as usize];
+        at = edges.iter().find(|edge| edge.0 == at).map_or(at, |edge| edge.1);
+        corner
+    };
+    (0..edges.len()).map(corner).collect()
 }

@@ -1,6 +1,5 @@
 //! `.pvd` files: which field file belongs to which time.
 
-use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use crate::Error;
@@ -20,11 +19,6 @@ impl Series {
         Self { directory: directory.to_owned(), name: name.to_owned(), entries: Vec::new() }
     }
 
-    /// Path of the index.
-    pub fn index(&self) -> PathBuf {
-        self.directory.join(format!("{}.pvd", self.name))
-    }
-
     /// Writes the field file of a step with a closure, then the index.
     ///
     /// # Errors
@@ -38,14 +32,14 @@ impl Series {
         let file = format!("vtk/{}_{step:06}.vtu", self.name);
         write(&self.directory.join(&file))?;
         self.entries.push((time, file));
-        let mut text = String::from(
-            "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n  <Collection>\n",
+        let entry = |(time, file): &(f64, String)| {
+            format!("    <DataSet timestep=\"{time}\" group=\"\" part=\"0\" file=\"{file}\"/>\n")
+        };
+        let entries: String = self.entries.iter().map(entry).collect();
+        let text = format!(
+            "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n  \
+             <Collection>\n{entries}  </Collection>\n</VTKFile>\n"
         );
-        for (time, file) in &self.entries {
-            // Writing to a string cannot fail.
-            let _ = writeln!(text, "    <DataSet timestep=\"{time}\" group=\"\" part=\"0\" file=\"{file}\"/>");
-        }
-        text += "  </Collection>\n</VTKFile>\n";
-        write_whole(&self.index(), text.as_bytes())
+        write_whole(&self.directory.join(format!("{}.pvd", self.name)), text.as_bytes())
     }
 }
