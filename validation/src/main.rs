@@ -92,20 +92,14 @@ fn main() -> ExitCode {
             validate::run(&cases, effort, &out).and_then(|passes| report::write(&cases, quick, &out).map(|()| passes))
         }
         Mode::Report { cases, quick, out } => report::write(&cases, quick, &out).map(|()| true),
-        Mode::Verify { names, quick: _, full, document, out } => {
-            verify::run(&verify::Request { names: &names, full, document, out: &out })
-        }
+        Mode::Verify { names, quick: _, full, document, out } => verify::run(&names, full, document, &out),
     };
     match outcome {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::FAILURE,
         Err(error) => {
             eprintln!("error: {error}");
-            let mut cause = error.source();
-            while let Some(inner) = cause {
-                eprintln!("  because: {inner}");
-                cause = inner.source();
-            }
+            outcome::causes(error.as_ref()).for_each(|cause| eprintln!("  because: {cause}"));
             ExitCode::from(2)
         }
     }

@@ -7,12 +7,13 @@ use std::time::{Duration, Instant};
 
 use cutwater::io::{self, Progress, ScenarioFile, StepProgress, Summary};
 use cutwater::report::{Recorder, Results};
+use serde_json::json;
 
 use crate::case::{self, QuickValues, Reference};
-use crate::compare::{self, Row, with_paper, with_stored};
+use crate::compare::{self, Compared, as_number, with_paper, with_stored};
 use crate::figures::Figures;
-use crate::metrics::{Factorization, Metrics, REFACTORIZATIONS_PER_STEP, Thickness};
-use crate::outcome::Outcome;
+use crate::metrics::{Factorization, REFACTORIZATIONS_PER_STEP, Thickness, metrics};
+use crate::outcome::{Failure, Outcome, causes};
 use crate::table;
 
 /// Time between two lines of progress.
@@ -107,34 +108,32 @@ fn run_case(
     }
     let results = Results::read(directory)?;
     print_sizes(&results.summary);
-    let mut metrics = Metrics::new(&results, finished)?;
+    let mut metrics = metrics(&results, finished)?;
     if finished && !is_quick {
-        metrics.measure_cost(&results, &factorization);
+        metrics[REFACTORIZATIONS_PER_STEP] = json!(factorization.per_step(&results));
     }
     let asked = reference.comparisons.iter().filter(|asked| !is_quick || asked.key != REFACTORIZATIONS_PER_STEP);
     if effort == Effort::Regenerate {
-        let values = asked.clone().filter_map(|asked| Some((asked.key.clone(), metrics.get(asked)?.value)));
+        let values = asked.clone().filter_map(|asked| Some((asked.key.clone(), as_number(&metrics[&asked.key])?)));
         stored.insert(name.clone(), values.collect::<BTreeMap<_, _>>());
     }
-    let rows: Vec<Row> = asked
+    let rows: Vec<Compared> = asked
         .map(|asked| match is_quick {
-            false => with_paper(asked, metrics.get(asked)),
-            true => with_stored(asked, metrics.get(asked), stored.get(name).and_then(|v| v.get(&asked.key)).copied()),
+            false => with_paper(asked, metrics.get(&asked.key)),
+            true => {
+                let stored = stored.get(name).and_then(|values| values.get(&asked.key));
+                with_stored(asked, metrics.get(&asked.key), stored.copied())
+            }
         })
         .collect();
-    table::print(&rows, if is_quick { "stored" } else { "paper" });
+    table::print_comparisons(&rows, if is_quick { "stored" } else { "paper" });
     compare::write(directory, &rows)?;
-    Ok(rows.iter().all(Row::passes))
+    Ok(rows.iter().all(Compared::passes))
 }
 
-/// An error with its causes.
 fn print_error(error: &dyn std::error::Error) {
     println!("  the run failed: {error}");
-    let mut cause = error.source();
-    while let Some(inner) = cause {
-        println!("    because: {inner}");
-        cause = inner.source();
-    }
+    causes(error).for_each(|cause| println!("    because: {cause}"));
 }
 
 fn print_sizes(summary: &Summary) {
@@ -147,7 +146,7 @@ fn print_sizes(summary: &Summary) {
 }
 
 /// Stores the values of short runs.
-fn write_stored(stored: &QuickValues) -> Result<(), Box<dyn std::error::Error>> {
+fn write_stored(stored: &QuickValues) -> Result<(), Failure> {
     let path = case::quick_values_path();
     if let Some(folder) = path.parent() {
         fs::create_dir_all(folder)?;

@@ -14,10 +14,11 @@ use self::limit::{Limit, richardson};
 use crate::bounds::potential::{arrival, gaps};
 use crate::case;
 use crate::metrics::Rebound;
-use crate::outcome::{Failure, Outcome};
+use crate::outcome::{Failure, Outcome, causes};
 use crate::report::{commit, machine};
+use crate::table::short;
 use crate::verify::document;
-use crate::verify::record::{Figure, Record, Table, short};
+use crate::verify::record::{Record, Table};
 
 /// Folder of the pages of studies in `docs/src`.
 const FOLDER: &str = "studies";
@@ -94,7 +95,9 @@ fn run_one(study: &str, series: &Series, value: f64, again: bool, out: &Path) ->
         None => {
             let failure = match io::run(&file, &directory, &mut ()) {
                 Ok(_) => None,
-                Err(error @ io::Error::Step(_)) => Some(chain(&error)),
+                Err(error @ io::Error::Step(_)) => {
+                    Some(causes(&error).fold(error.to_string(), |text, cause| format!("{text}: {cause}")))
+                }
                 Err(error) => return Err(error.into()),
             };
             std::fs::write(directory.join(VERSION), commit().unwrap_or_default())?;
@@ -182,8 +185,7 @@ fn record(name: &str, definition: &Definition, runs: &[Vec<Run>]) -> Record {
             };
             let curves: Vec<_> = group.iter().map(curve).filter(|(_, points)| !points.is_empty()).collect();
             if !curves.is_empty() {
-                let x_title = group[0].0.parameter.clone();
-                record.figures.push(Figure { title: title.to_owned(), x_title, curves, is_log: false });
+                record.figure(title, &group[0].0.parameter, curves);
             }
         };
         chart("contact [s]", &|run| run.arrival_time.or(run.contact_time));
@@ -207,17 +209,6 @@ fn limit_row(series: &Series, runs: &[Run]) -> Option<Vec<String>> {
         order.map_or("-".to_owned(), |order| format!("{order:.1}")),
         yes_or_no(shrinks),
     ])
-}
-
-/// An error with its causes in one line.
-fn chain(error: &dyn std::error::Error) -> String {
-    let mut text = error.to_string();
-    let mut cause = error.source();
-    while let Some(inner) = cause {
-        text += &format!(": {inner}");
-        cause = inner.source();
-    }
-    text
 }
 
 /// When the distance first falls to a level: in the step in which it does, with the speed of the step before. Contact holds

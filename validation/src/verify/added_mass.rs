@@ -1,6 +1,5 @@
 //! The ball of the cases begins to fall: it has to take the fluid around it along.
 
-use std::path::Path;
 use std::sync::Arc;
 
 use cutwater::algebra::{LaggedSettings, LaggedSolver, Workspace};
@@ -9,9 +8,10 @@ use cutwater::io::scenario::{Case, CaseVisitor, lower};
 use cutwater::solid_rigid::RigidBody;
 use cutwater::solver::{Observer, ObserverError, Setup, State, StepView, TimeLoop};
 
-use super::record::{Figure, Record, short};
+use super::record::Record;
 use crate::case::scenario_path;
 use crate::outcome::Failure;
+use crate::table::short;
 
 /// Acceleration of a rigid ball in ideal fluid, `-g m/(m + M_a)` with the added mass of the case's box, cm/s².
 const RIGID: f64 = -594.5;
@@ -19,10 +19,7 @@ const RIGID: f64 = -594.5;
 const ACCURACY: f64 = 0.005;
 
 /// Measures the first acceleration of a rigid ball, and the mean of the elastic one over 10 ms.
-///
-/// # Errors
-/// A run fails.
-pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
+pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let sizes: &[f64] = if record.full { &[0.4, 0.2, 0.1, 0.05] } else { &[0.8, 0.4, 0.2] };
     let mut curves = Vec::new();
     for (name, is_rigid, n_steps) in [("rigid ball, first 1 ms", true, 1), ("elastic ball, mean of 10 ms", false, 10)] {
@@ -47,12 +44,7 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
         }
         curves.push((name.to_owned(), curve));
     }
-    record.figures.push(Figure {
-        title: "Acceleration of the ball [cm/s²]".to_owned(),
-        x_title: "h [cm]".to_owned(),
-        curves,
-        is_log: false,
-    });
+    record.figure("Acceleration of the ball [cm/s²]", "h [cm]", curves);
     record.note("The virtual barrier with cells of one size and the consistent profile of the interior penalty; linear extrapolation from the last two meshes.");
     Ok(())
 }

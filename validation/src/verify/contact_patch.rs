@@ -2,7 +2,6 @@
 //!
 //! Source: the patch test of Taylor and Papadopoulos 1991 in the form of the Tribol library's tests, for two unit squares.
 
-use std::path::Path;
 use std::sync::Arc;
 
 use cutwater::algebra::time::QuasiStatic;
@@ -96,11 +95,7 @@ fn two(n_slave: usize, n_master: usize) -> Result<Deviation, Failure> {
     deviation(Run::new(vec![upper, lower], Some(contact), 1.0, 1e-11)?, &[1.0, 0.0])
 }
 
-/// Measures.
-///
-/// # Errors
-/// Newton's method fails.
-pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
+pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let plane = on_a_plane(if record.full { 16 } else { 5 })?;
     record.at_most("block on a plane: error of the force, relative", plane.force, ROUND_OFF);
     record.at_most("block on a plane: error of displacement relative to the push", plane.displacement, ROUND_OFF);

@@ -3,7 +3,6 @@
 //! Source: Turek and Hron 2006, Proposal for numerical benchmarking of fluid-structure interaction between an elastic object and
 //! laminar incompressible flow, doi:10.1007/3-540-34596-5_15, CSM1 to CSM3. SI units.
 
-use std::path::Path;
 use std::sync::Arc;
 
 use cutwater::algebra::time::{ImplicitEuler, QuasiStatic};
@@ -12,8 +11,9 @@ use cutwater::mesh::generate::structured_box;
 use cutwater::solid_svk::{LameParameters, SaintVenantKirchhoff, Support, SupportKind};
 
 use super::dry::{P, Run, Scheme, V, elastic, mapped, second_order};
-use super::record::{Figure, Record, short};
+use super::record::Record;
 use crate::outcome::Failure;
+use crate::table::short;
 
 const LENGTH: f64 = 0.35;
 const THICKNESS: f64 = 0.02;
@@ -145,11 +145,7 @@ fn extrapolated(rows: [usize; 2], [coarse, fine]: [f64; 2]) -> f64 {
     fine + (fine - coarse) / ((rows[1] as f64 / rows[0] as f64).powi(2) - 1.0)
 }
 
-/// Measures.
-///
-/// # Errors
-/// A step fails.
-pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
+pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let flag = |rows: usize, mu: f64| Flag { rows, mu, is_fitted: true };
     let mut errors = Vec::new();
     let mut values = Vec::new();
@@ -219,8 +215,7 @@ fn swinging(record: &mut Record) -> Result<(), Failure> {
     let quantity = format!("CSM3, {} rows, implicit Euler: amplitude of u_y in the second swing [m]", rows[0]);
     record.show(quantity, last(&euler)?[1], Some(CSM3[1]));
     curves.push((format!("{} rows, implicit Euler", rows[0]), euler));
-    let title = "CSM3: u_y of the tip [m]".to_owned();
-    record.figures.push(Figure { title, x_title: "t [s]".to_owned(), curves, is_log: false });
+    record.figure("CSM3: u_y of the tip [m]", "t [s]", curves);
     if record.full {
         time_steps(record, &flag)?;
     }
@@ -248,7 +243,6 @@ fn time_steps(record: &mut Record, flag: &dyn Fn(usize) -> Flag) -> Result<(), F
         let highest = swings.iter().enumerate().map(|(k, swing)| ((k + 1) as f64, 1e3 * (swing[0] + swing[1])));
         curves.push((format!("dt = {}", short(dt)), highest.collect()));
     }
-    let title = format!("CSM3, {rows} rows: how far the tip comes back [mm]");
-    record.figures.push(Figure { title, x_title: "swing".to_owned(), curves, is_log: false });
+    record.figure(format!("CSM3, {rows} rows: how far the tip comes back [mm]"), "swing", curves);
     Ok(())
 }

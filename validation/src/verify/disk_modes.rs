@@ -1,11 +1,10 @@
 //! A free elastic disk that vibrates in its own modes.
 
-use std::path::Path;
-
 use super::dry::{Run, second_order};
 use super::mode::{Mode, frequency};
-use super::record::{Figure, Record, short};
+use super::record::Record;
 use crate::outcome::Failure;
+use crate::table::short;
 
 /// `n` and `ω R/c_s` of the first mode with `n` waves around the disk: roots of the frequency determinant of a free disk in plane
 /// strain with `ν = 0.4`.
@@ -29,11 +28,7 @@ fn found(mode: &Mode, size: f64) -> Result<f64, Failure> {
     frequency(&samples)
 }
 
-/// Measures.
-///
-/// # Errors
-/// A step fails.
-pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
+pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let sizes: &[f64] = if record.full { &[0.8, 0.4, 0.2] } else { &[0.8, 0.4] };
     let mut curves = Vec::new();
     for (n, exact) in MODES {
@@ -50,12 +45,7 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
         record.show_order(&format!("error of the frequency, n = {n}"), "size", &errors);
         curves.push((format!("n = {n}"), errors));
     }
-    record.figures.push(Figure {
-        title: "error of the frequency, relative".to_owned(),
-        x_title: "size of cells [cm]".to_owned(),
-        curves,
-        is_log: true,
-    });
+    record.log_figure("error of the frequency, relative", "size of cells [cm]", curves);
     record.note(format!(
         "The disk starts at rest in the shape of the mode; its amplitude is the projection upon the mode, and the frequency follows from \
          all passages of zero in {PERIODS} periods. Generalised-α (rho_inf = 0.8) with {} steps in a period at size 0.4, and \

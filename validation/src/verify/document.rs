@@ -3,9 +3,12 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use super::record::{Record, Row, short};
+use cutwater::report::html::duration;
+
+use super::record::{Record, Row};
 use crate::chart::svg;
 use crate::outcome::Failure;
+use crate::table::short;
 
 /// Folder of the pages of checks in `docs/src`.
 pub(super) const FOLDER: &str = "verification";
@@ -22,7 +25,7 @@ pub(crate) fn write(folder: &str, record: &Record, command: &str, version: &str)
     std::fs::write(source.join(folder).join(&record.check).with_extension("md"), text)?;
     for (k, figure) in record.figures.iter().enumerate() {
         let path = source.join("images").join(picture(folder, record, k));
-        std::fs::write(path, svg(&figure.chart(), figure.is_log)?)?;
+        std::fs::write(path, svg(figure)?)?;
     }
     Ok(())
 }
@@ -50,12 +53,13 @@ fn markdown(folder: &str, record: &Record, command: &str, version: &str) -> Stri
         (_, 0) => "pass; ".to_owned(),
         (_, failed) => format!("**{failed} missed**; "),
     };
-    let took = match duration(record.seconds) {
-        time if time.is_empty() => time,
-        time => format!("; it took {time}"),
-    };
     let version = if version.is_empty() { String::new() } else { format!(", measured with version {version}") };
-    let mut text = format!("# {}\n\n{}\n\n{verdict}`{command}`{version}{took}.\n", record.check, record.about);
+    let mut text = format!(
+        "# {}\n\n{}\n\n{verdict}`{command}`{version}; it took {}.\n",
+        record.check,
+        record.about,
+        duration(record.seconds)
+    );
     // Writing to a string cannot fail.
     if !record.rows.is_empty() {
         text += "\n| quantity | computed | reference | tolerance | verdict |\n|---|---|---|---|---|\n";
@@ -90,19 +94,6 @@ pub(super) fn numbers(row: &Row) -> [String; 2] {
     [row.computed.map_or("not finite".to_owned(), short), row.reference.map_or("-".to_owned(), short)]
 }
 
-/// A time with two digits; empty for zero, which stands for an unknown one.
-pub(crate) fn duration(seconds: f64) -> String {
-    match seconds {
-        0.0 => String::new(),
-        s if s < 99.5 => format!("{} s", short_time(s)),
-        s => format!("{} min", short_time(s / 60.0)),
-    }
-}
-
-fn short_time(x: f64) -> String {
-    if x < 9.95 { format!("{x:.1}") } else { format!("{x:.0}") }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -114,10 +105,10 @@ mod tests {
         record.at_most("a | b", 2.0, 1.0);
         record.tables.push(Table { head: vec!["p".into(), "q".into()], rows: vec![vec!["1".into(), "2".into()]] });
         record.note("A note.");
-        record.figures.push(super::super::record::Figure { title: "f".into(), ..Default::default() });
+        record.figure("f", "x", vec![("c", Vec::new())]);
         let text = markdown(FOLDER, &record, "run x", "abc, today");
         for part in [
-            "# x\n\nAbout x.\n\n**1 missed**; `run x`, measured with version abc, today.\n",
+            "# x\n\nAbout x.\n\n**1 missed**; `run x`, measured with version abc, today; it took 0.0 s.\n",
             "| a \\| b | 2 | 1 | at most | **missed** |",
             "| p | q |\n|---|---|\n| 1 | 2 |",
             "\nA note.\n",

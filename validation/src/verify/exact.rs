@@ -1,6 +1,5 @@
 //! Solutions that the discrete spaces contain: whatever the cut, nothing but round-off may be left.
 
-use std::path::Path;
 use std::sync::Arc;
 
 use cutwater::algebra::time::ImplicitEuler;
@@ -24,10 +23,7 @@ const ROUND_OFF: f64 = 1e-9;
 const POSITIONS: [usize; 2] = [3, 20];
 
 /// Measures all of it, each at random positions of the bodies.
-///
-/// # Errors
-/// A step fails.
-pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
+pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let n = POSITIONS[usize::from(record.full)];
     let worst = |seed: u64, of: fn(P, &mut Random) -> Result<Vec<f64>, Failure>| -> Result<Vec<f64>, Failure> {
         let mut random = Random(seed);

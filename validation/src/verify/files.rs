@@ -32,7 +32,7 @@ const SHORT: [&str; 7] = [
 ///
 /// # Errors
 /// A run fails, or a file cannot be written.
-pub(super) fn check(_full: bool, out: &Path) -> Outcome {
+pub(super) fn check(out: &Path) -> Outcome {
     let set = SHORT.map(str::to_owned);
     let file = ScenarioFile::read(&scenario_path("virtual-barrier"), &set)?;
     io::run(&file, out, &mut ())?;

@@ -1,6 +1,5 @@
 //! A cylinder at rest in a stream, and one that moves as fast through fluid at rest: the same flow, seen from two frames.
 
-use std::path::Path;
 use std::sync::Arc;
 
 use cutwater::algebra::{LaggedSettings, LaggedSolver, NewtonSettings, Workspace};
@@ -10,9 +9,10 @@ use cutwater::solver::{FluidBoundary, Setup, State, Substep, advance};
 
 use super::flow::{Known, P, V, disk, fluid_mut, fluid_of, polygon, wet, wet_report};
 use super::linear_flow::Linear;
-use super::record::{Figure, Record, short};
+use super::record::Record;
 use super::wan_turek::{rms, rough, slope};
 use crate::outcome::Failure;
+use crate::table::short;
 
 /// Length and half of the height of the channel, in diameters of the cylinder; its walls move with the fluid.
 const CHANNEL: [f64; 2] = [12.0, 2.0];
@@ -36,10 +36,7 @@ const NOISE_ORDER: f64 = 0.5;
 const WING: f64 = 1.95;
 
 /// Measures the difference of the drags and the noise of the moving one.
-///
-/// # Errors
-/// A step fails.
-pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
+pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let meshes = if record.full { &FULL[..] } else { &QUICK[..] };
     let (mut differences, mut noises, mut curves) = (Vec::new(), Vec::new(), Vec::new());
     for &cells in meshes {
@@ -64,18 +61,12 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
             Pair::run(cells, courant)?.show(record, &format!("h = D/{cells}, {} cells a step", short(courant)));
         }
     }
-    record.figures.push(Figure {
-        title: "Difference of the drags, and noise of the moving one, over the drag".to_owned(),
-        x_title: "h/D".to_owned(),
-        curves: vec![("difference".to_owned(), differences), ("noise".to_owned(), noises)],
-        is_log: true,
-    });
-    record.figures.push(Figure {
-        title: "Drag of the cylinder at rest and of the moving one".to_owned(),
-        x_title: "t U/D".to_owned(),
-        curves,
-        is_log: false,
-    });
+    record.log_figure(
+        "Difference of the drags, and noise of the moving one, over the drag",
+        "h/D",
+        vec![("difference".to_owned(), differences), ("noise".to_owned(), noises)],
+    );
+    record.figure("Drag of the cylinder at rest and of the moving one", "t U/D", curves);
     if record.full {
         record.note(
             "The difference is mostly one in time: at fixed size of the cells it falls with the step, from 1.6 % at 0.78 \

@@ -3,7 +3,6 @@
 //! Source: Hertz 1882; Johnson 1985, Contact Mechanics, doi:10.1017/CBO9781139171731, Sec. 4.2(c), and 5.6 for the approach.
 
 use std::f64::consts::PI;
-use std::path::Path;
 use std::sync::Arc;
 
 use cutwater::algebra::time::QuasiStatic;
@@ -12,7 +11,7 @@ use cutwater::mesh::generate::structured_box;
 use cutwater::solid_svk::{LameParameters, SaintVenantKirchhoff, Support, SupportKind};
 
 use super::dry::{P, Run, V, elastic, floor, mapped, pushed};
-use super::record::{Figure, Record};
+use super::record::Record;
 use crate::outcome::Failure;
 
 /// Radius, cm.
@@ -48,11 +47,7 @@ fn approach(load: f64, radius: f64) -> f64 {
     load / (PI * MODULUS) * (2.0 * (4.0 * RADIUS / radius).ln() - 1.0)
 }
 
-/// Measures.
-///
-/// # Errors
-/// Newton's method fails.
-pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
+pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let n = if record.full { 192 } else { 128 };
     // Across the middle without a change of pattern: where that changes, the pressure of linear triangles has a kink.
     let mesh =
@@ -101,15 +96,14 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
     record.show("largest deviation of the pressure within 0.9 a, over p0", scatter, None);
     record.show("load P [dyn/cm]", load, None);
     let pressures: Vec<_> = surface.iter().filter(|at| at.0 < 1.5 * radius).map(|&(x, p)| (x, p.max(0.0))).collect();
-    record.figures.push(Figure {
-        title: "contact pressure [dyn/cm²]".to_owned(),
-        x_title: "distance from the centre [cm]".to_owned(),
-        curves: vec![
+    record.figure(
+        "contact pressure [dyn/cm²]",
+        "distance from the centre [cm]",
+        vec![
             ("Hertz".to_owned(), pressures.iter().map(|&(x, _)| (x, exact(x))).collect()),
             ("computed".to_owned(), pressures),
         ],
-        is_log: false,
-    });
+    );
     record.note(format!(
         "The lower half of a cylinder of radius {RADIUS} cm, twice {n} by {n} squares in two triangles, graded towards the contact. Its middle \
          plane goes down by {PUSHED} cm, which is a plane of symmetry of a cylinder between two planes. a, p0 and δ follow from the \

@@ -1,7 +1,6 @@
 //! An elastic disk that vibrates in a fluid at rest: the added mass of the fluid lowers its frequencies.
 
 use std::f64::consts::SQRT_2;
-use std::path::Path;
 use std::sync::Arc;
 
 use cutwater::algebra::{LaggedSettings, LaggedSolver, NewtonSettings, Workspace};
@@ -13,8 +12,9 @@ use super::dry::{P, V, mapped, second_order};
 use super::flow::{Known, fluid_mut};
 use super::linear_flow::Linear;
 use super::mode::{self, DENSITY, Mode, RADIUS};
-use super::record::{Figure, Record, short};
+use super::record::Record;
 use crate::outcome::Failure;
+use crate::table::short;
 
 /// Viscosity of the falling balls' fluid, P; its density is that of the disk.
 const VISCOSITY: f64 = 1e-2;
@@ -33,11 +33,7 @@ const GAMMAS: [(f64, &str); 2] = [(1e2, "slips"), (1e5, "sticks")];
 const STEPS: f64 = 40.0;
 const PERIODS: f64 = 2.5;
 
-/// Measures.
-///
-/// # Errors
-/// A step fails.
-pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
+pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let sizes: &[f64] = if record.full { &[0.8, 0.4, 0.2] } else { &[0.8, 0.4] };
     let mut curves = Vec::new();
     for (n, exact) in MODES.into_iter().take(if record.full { 2 } else { 1 }) {
@@ -64,12 +60,7 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
             record.show(quantity, found, Some(mode.hertz()));
         }
     }
-    record.figures.push(Figure {
-        title: "Frequency over that of a disk in ideal fluid".to_owned(),
-        x_title: "h [cm]".to_owned(),
-        curves,
-        is_log: false,
-    });
+    record.figure("Frequency over that of a disk in ideal fluid", "h [cm]", curves);
     record.note(format!(
         "{STEPS} steps in a period, {PERIODS} periods from the shape of the mode at rest; generalised-α (rho_inf = 0.8) for \
          the disk, implicit Euler for the fluid. Open box of {} by {} cm; h at the surface of the disk, in both meshes. The \

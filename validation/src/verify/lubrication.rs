@@ -1,7 +1,6 @@
 //! A cylinder that approaches a wall in Stokes flow: the force of the film.
 
 use std::f64::consts::PI;
-use std::path::Path;
 use std::sync::Arc;
 
 use cutwater::mesh::SimplexMesh;
@@ -10,8 +9,9 @@ use cutwater::solver::{FluidBoundary, Setup};
 
 use super::flow::{self, P, V, disk, fluid_mut, fluid_of, polygon, wet, wet_report};
 use super::linear_flow::Linear;
-use super::record::{Figure, Record, short};
+use super::record::Record;
 use crate::outcome::Failure;
+use crate::table::short;
 
 /// Gaps, over the radius of the cylinder.
 const GAPS: [f64; 3] = [0.2, 0.1, 0.05];
@@ -32,10 +32,7 @@ const PRESSURE: f64 = 0.05;
 const STEADY: f64 = 1e9;
 
 /// Measures forces for several gaps and numbers of cells across them.
-///
-/// # Errors
-/// A step fails.
-pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
+pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let cells: &[f64] = if record.full { &[0.5, 1.0, 2.0, 4.0, 8.0] } else { &[1.0, 2.0, 4.0] };
     let mut curves = Vec::new();
     for gap in GAPS {
@@ -53,12 +50,7 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
         }
         curves.push((format!("gap {gap} R"), curve));
     }
-    record.figures.push(Figure {
-        title: "Force of the film over the exact one".to_owned(),
-        x_title: "cells across the gap".to_owned(),
-        curves,
-        is_log: false,
-    });
+    record.figure("Force of the film over the exact one", "cells across the gap", curves);
     shrink(record)?;
     record.note(
         "Stokes flow, per unit of viscosity and speed; half of a domain of 60 radii whose mesh is graded towards the \
@@ -103,12 +95,7 @@ fn shrink(record: &mut Record) -> Result<(), Failure> {
         let name = format!("γ_Σ = {}, film of 0.25 cells, γ_p = {}: force", short(gamma_sigma), short(part * PRESSURE));
         record.show(name, force, Some(exact_force(gap)));
     }
-    record.figures.push(Figure {
-        title: "Force over the exact one on one mesh".to_owned(),
-        x_title: "gap over h".to_owned(),
-        curves,
-        is_log: true,
-    });
+    record.log_figure("Force over the exact one on one mesh", "gap over h", curves);
     record.note(
         "Films below four cells, on a mesh of cells of 0.05 R: the force is first too large, at worst at half a cell \
          (2.3 times with γ_Σ = 100, 5.6 times with 1e5), then saturates: from a half to an eighth of a cell it \

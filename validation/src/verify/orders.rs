@@ -1,7 +1,6 @@
 //! Orders of convergence on flows that are known, around bodies at rest and in motion.
 
 use std::f64::consts::PI;
-use std::path::Path;
 use std::sync::Arc;
 
 use cutwater::mesh::SimplexMesh;
@@ -9,7 +8,7 @@ use cutwater::mesh::generate::structured_box;
 use cutwater::solver::{Setup, State};
 
 use super::flow::{self, Errors, Flow, Known, P, T, V, disk, fluid_mut, polygon};
-use super::record::{Figure, Record};
+use super::record::{Points, Record};
 use crate::outcome::Failure;
 
 /// Asked orders of velocity, its gradient and pressure in L2, in h; of the velocity in the time step.
@@ -22,10 +21,7 @@ const STEADY: f64 = 1e9;
 type Sequence = Vec<(f64, Errors)>;
 
 /// Measures all flows.
-///
-/// # Errors
-/// A step fails.
-pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
+pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let sizes: &[usize] = if record.full { &[16, 32, 64, 128] } else { &[16, 32, 64] };
     in_space(record, "Stokes polynomial", sizes, stokes_polynomial)?;
     in_space(record, "Kovasznay", sizes, kovasznay)?;
@@ -71,7 +67,7 @@ fn in_space(
     for ((quantity, order), curve) in QUANTITIES.into_iter().zip(ORDERS).zip(&curves) {
         record.order(&format!("{name}: {quantity} in L2"), "h", curve, order);
     }
-    record.figures.push(figure(format!("{name}: errors in L2"), "h", curves));
+    record.log_figure(format!("{name}: errors in L2"), "h", named(curves));
     Ok(numbers)
 }
 
@@ -89,7 +85,7 @@ fn in_time(record: &mut Record, n: usize) -> Result<(), Failure> {
     record.order(&format!("{name}: u in L2"), "dt", &u, TIME_ORDER);
     record.show_order(&format!("{name}: ∇u in L2"), "dt", &gradient);
     record.show_order(&format!("{name}: p in L2"), "dt", &p);
-    record.figures.push(figure(format!("{name}: errors in L2, {n} × {n} squares"), "time step", [u, gradient, p]));
+    record.log_figure(format!("{name}: errors in L2, {n} × {n} squares"), "time step", named([u, gradient, p]));
 
     let mut sequence = Sequence::new();
     let mut coarser: Option<(f64, State<2>)> = None;
@@ -105,21 +101,20 @@ fn in_time(record: &mut Record, n: usize) -> Result<(), Failure> {
     for (quantity, curve) in QUANTITIES.into_iter().zip(&curves) {
         record.order(&format!("{name}: {quantity} in L2"), "dt", curve, TIME_ORDER);
     }
-    record.figures.push(figure(format!("{name}: in L2, {N_AT_REST} × {N_AT_REST} squares"), "time step", curves));
+    record.log_figure(format!("{name}: in L2, {N_AT_REST} × {N_AT_REST} squares"), "time step", named(curves));
     Ok(())
 }
 
 const QUANTITIES: [&str; 3] = ["u", "∇u", "p"];
 
 /// The errors of each quantity.
-fn of_quantities(sequence: &Sequence) -> [Vec<(f64, f64)>; 3] {
+fn of_quantities(sequence: &Sequence) -> [Points; 3] {
     let pick = |of: fn(&Errors) -> f64| sequence.iter().map(|(size, e)| (*size, of(e))).collect();
     [pick(|e| e.velocity), pick(|e| e.gradient), pick(|e| e.pressure)]
 }
 
-fn figure(title: String, x_title: &str, curves: [Vec<(f64, f64)>; 3]) -> Figure {
-    let labels = ["velocity", "its gradient", "pressure"].map(str::to_owned);
-    Figure { title, x_title: x_title.to_owned(), curves: labels.into_iter().zip(curves).collect(), is_log: true }
+fn named(curves: [Points; 3]) -> Vec<(&'static str, Points)> {
+    ["velocity", "its gradient", "pressure"].into_iter().zip(curves).collect()
 }
 
 fn square(n: usize) -> Result<SimplexMesh<2>, Failure> {

@@ -1,7 +1,5 @@
 //! Errors of unfitted Stokes flow compared with those of another code on the same mesh.
 
-use std::path::Path;
-
 use benchmarks::{StokesErrors, StokesWeights, UnfittedStokes};
 use cutwater::algebra::{NewtonSettings, Workspace, newton};
 
@@ -32,10 +30,7 @@ const OUR_FORMS: [Row; 4] = [
 ];
 
 /// Compares like with like, and shows what the forms make.
-///
-/// # Errors
-/// Newton's method fails.
-pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
+pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let n_meshes = if record.full { 4 } else { 3 };
     for ((n, published), (_, ours)) in PUBLISHED_FORMS.into_iter().zip(OUR_FORMS).take(n_meshes) {
         let around_disk = || UnfittedStokes::around_disk(n, StokesWeights::PUBLISHED);

@@ -1,13 +1,11 @@
 //! Bodies that pass vertices, edges and faces of the mesh: condition numbers, and effects on results.
 
-use std::path::Path;
-
 use cutwater::fluid_ns::terms::CipProfile;
 use cutwater::solver::Setup;
 
 use super::flow::{self, P, Random, fluid_mut};
 use super::orders::{Couette, couette_setup};
-use super::record::{Figure, Record, worse};
+use super::record::{Record, worse};
 use super::sweep::{Dimension, Found, In, Numbers, PLANE, SPACE, Sweep, find};
 use crate::outcome::Failure;
 
@@ -25,10 +23,7 @@ const LARGEST_CHANGE: f64 = 1e-5;
 const LARGEST_JUMP: f64 = 1.0;
 
 /// Measures sweeps and scatter.
-///
-/// # Errors
-/// A mesh cannot be cut, or a step fails.
-pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
+pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     for sweep in &PLANE {
         measure_sweep(record, sweep)?;
     }
@@ -98,12 +93,7 @@ where
             continuity(record, name, &setup, &findings)?;
         }
     }
-    record.figures.push(Figure {
-        title: format!("{name}: condition number, the larger of both sides"),
-        x_title: "distance over h".to_owned(),
-        curves,
-        is_log: true,
-    });
+    record.log_figure(format!("{name}: condition number, the larger of both sides"), "distance over h", curves);
     Ok(())
 }
 
@@ -183,11 +173,6 @@ fn scatter(record: &mut Record) -> Result<(), Failure> {
         curves.push((label.to_owned(), torques.iter().enumerate().map(|(k, t)| (rank(k), t - mean)).collect()));
         curves.push((format!("{label}: error of the mean"), vec![(0.0, mean), (1.0, mean)]));
     }
-    record.figures.push(Figure {
-        title: "Couette torque: relative deviations from the mean, sorted".to_owned(),
-        x_title: "share of the places".to_owned(),
-        curves,
-        is_log: false,
-    });
+    record.figure("Couette torque: relative deviations from the mean, sorted", "share of the places", curves);
     Ok(())
 }

@@ -1,6 +1,5 @@
 //! A heavy disk sinks in a closed box, as a free rigid body.
 
-use std::path::Path;
 use std::sync::Arc;
 
 use cutwater::algebra::{LaggedSettings, LaggedSolver, NewtonSettings, Workspace};
@@ -11,8 +10,9 @@ use cutwater::solver::{FluidBoundary, Setup, State, Substep, advance};
 
 use super::flow::{Known, P, V, disk, fluid_mut, rigid_polygon};
 use super::linear_flow::Linear;
-use super::record::{Figure, Record, short};
+use super::record::Record;
 use crate::outcome::Failure;
+use crate::table::short;
 
 /// Width and height of the box, cm.
 const BOX: [f64; 2] = [2.0, 6.0];
@@ -28,10 +28,7 @@ const SPREAD: f64 = 0.15;
 const ACCURACY: f64 = 0.03;
 
 /// Lets the disk sink on several meshes, and with several time steps.
-///
-/// # Errors
-/// A step fails.
-pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
+pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     // Cells across the disk, and time step.
     let runs: &[(f64, f64)] = if record.full {
         &[(8.0, 2e-3), (12.0, 2e-3), (16.0, 2e-3), (16.0, 4e-3), (16.0, 1e-3)]
@@ -61,12 +58,7 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
         );
         curves.push((name, fall.reynolds));
     }
-    record.figures.push(Figure {
-        title: "Reynolds number of the sinking disk".to_owned(),
-        x_title: "time [s]".to_owned(),
-        curves,
-        is_log: false,
-    });
+    record.figure("Reynolds number of the sinking disk", "time [s]", curves);
     record.note(
         "Case A of Glowinski et al. 2001, doi:10.1006/jcph.2000.6542: density 1.25, diameter 0.25 cm, viscosity 0.1, \
          box of 2 x 6 cm, g = 981 cm/s² on both phases; until the centre is two and a half diameters above the \

@@ -1,7 +1,6 @@
 //! A fluid layer over an elastic one, sheared by an oscillating plate: the one flow with a deforming body that is known exactly.
 
 use std::f64::consts::TAU;
-use std::path::Path;
 use std::sync::Arc;
 
 use cutwater::algebra::Workspace;
@@ -14,8 +13,9 @@ use cutwater::solid_svk::{
 use cutwater::solver::{FluidBoundary, Setup, State, StepReport, Substep, advance};
 
 use super::flow::{self, Flow, Known, P, T, V, fluid_mut, fluid_of, wet};
-use super::record::{Figure, Record, short};
+use super::record::Record;
 use crate::outcome::Failure;
+use crate::table::short;
 
 /// Height of the elastic layer, and of both.
 const INTERFACE: f64 = 0.5;
@@ -45,10 +45,7 @@ const KNOWN: [(&str, [f64; 2]); 3] = [
 const ORDERS: [f64; 2] = [1.9, 0.95];
 
 /// Measures orders in h, with dt ~ h², and in dt.
-///
-/// # Errors
-/// A step fails.
-pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
+pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let layer = Layer::new();
     // The closed form is compared with the published numbers of the example.
     record.near_relative(
@@ -93,12 +90,11 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
                 record.show_order(&name, unit, &errors);
             }
         }
-        record.figures.push(Figure {
-            title: format!("Shear layer: errors against {unit}"),
-            x_title: unit.to_owned(),
-            curves: vec![("fluid velocity".to_owned(), fluid), ("displacement".to_owned(), solid)],
-            is_log: true,
-        });
+        record.log_figure(
+            format!("Shear layer: errors against {unit}"),
+            unit,
+            vec![("fluid velocity".to_owned(), fluid), ("displacement".to_owned(), solid)],
+        );
     }
     let [.., (h, finest)] = &in_space[..] else { return Err("a mesh at least".into()) };
     for ((name, [amplitude, phase]), measured) in KNOWN.into_iter().zip(finest.amplitudes) {

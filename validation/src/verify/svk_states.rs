@@ -3,7 +3,6 @@
 //! Source: `P = F S`, `S = λ tr(E) I + 2 μ E`, `E = (FᵀF - I)/2` for a uniform `F`, in plane strain and in space.
 
 use std::f64::consts::PI;
-use std::path::Path;
 use std::sync::Arc;
 
 use cutwater::algebra::time::QuasiStatic;
@@ -14,8 +13,9 @@ use cutwater::solid_svk::energy::cell_stress;
 use cutwater::solid_svk::{LameParameters, Load, SaintVenantKirchhoff, Support, SupportKind};
 
 use super::dry::{Elastic, Run, elastic, mapped};
-use super::record::{Record, short, worse};
+use super::record::{Record, worse};
 use crate::outcome::Failure;
+use crate::table::short;
 
 /// Lame parameters of the falling balls, dyn/cm^2.
 const MU: f64 = 2e6;
@@ -232,11 +232,7 @@ fn cube(pressure: f64) -> Result<f64, Failure> {
     pressed(body, &["right", "back", "top"], pressure, &Point::<3>::zeros())
 }
 
-/// Measures.
-///
-/// # Errors
-/// Newton's method fails.
-pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
+pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     for load in LOADS {
         uniform(record, &Uniform::<2>::bar(load))?;
     }

@@ -1,7 +1,6 @@
 //! An oscillating cylinder in a closed channel: drag and lift, and their noise while the cylinder cuts the mesh.
 
 use std::f64::consts::TAU;
-use std::path::Path;
 use std::sync::Arc;
 
 use cutwater::algebra::{LaggedSettings, LaggedSolver, NewtonSettings, Workspace};
@@ -11,8 +10,9 @@ use cutwater::solver::{FluidBoundary, Setup, State, Substep, advance};
 
 use super::flow::{Known, P, V, disk, fluid_mut, polygon, wet, wet_report};
 use super::linear_flow::Linear;
-use super::record::{Figure, Record, short};
+use super::record::Record;
 use crate::outcome::Failure;
+use crate::table::short;
 
 /// Length and height of the channel; where the centre of the cylinder begins; its diameter, m.
 const CHANNEL: [f64; 2] = [2.2, 0.41];
@@ -42,10 +42,7 @@ const NOISE_ORDER: f64 = 0.5;
 const WING: usize = 5;
 
 /// Measures forces and their noise on several meshes, and in the full check the effect of the time step.
-///
-/// # Errors
-/// A step fails.
-pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
+pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let (n_meshes, end) = if record.full { (4, ENDS[1]) } else { (3, ENDS[0]) };
     let mut signals = Vec::new();
     for &h in SIZES.iter().take(n_meshes) {
@@ -82,18 +79,12 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
         record.at_least(format!("noise of the {name}: order in h over all meshes"), slope(&curve), NOISE_ORDER);
         curves.push((name.to_owned(), curve));
     }
-    record.figures.push(Figure {
-        title: "Drag coefficient of the oscillating cylinder".to_owned(),
-        x_title: "t [s]".to_owned(),
-        curves: signals.iter().map(|(h, s)| (format!("h = {h}"), s.over_time(&s.drag))).collect(),
-        is_log: false,
-    });
-    record.figures.push(Figure {
-        title: "High-frequency noise over the amplitude of the drag".to_owned(),
-        x_title: "h [m]".to_owned(),
-        curves,
-        is_log: true,
-    });
+    record.figure(
+        "Drag coefficient of the oscillating cylinder",
+        "t [s]",
+        signals.iter().map(|(h, s)| (format!("h = {h}"), s.over_time(&s.drag))).collect(),
+    );
+    record.log_figure("High-frequency noise over the amplitude of the drag", "h [m]", curves);
     record.note(format!(
         "Coefficients 2 F/(ρ U² D) with the largest speed U, from t = {} s on; force of the mortar (traction of the fluid and \
          penalty) unless said otherwise. Noise is the RMS of the difference to a smooth signal, of which each value is \
