@@ -76,17 +76,11 @@ pub(crate) fn quick_values_path() -> PathBuf {
 }
 
 /// The names of all cases, in order.
-///
-/// # Errors
-/// The folder cannot be read.
 pub(crate) fn names() -> std::io::Result<Vec<String>> {
     stems(&folder().join("reference"))
 }
 
 /// The names of the TOML files in a folder, in order.
-///
-/// # Errors
-/// The folder cannot be read.
 pub(crate) fn stems(folder: &Path) -> std::io::Result<Vec<String>> {
     let mut names = Vec::new();
     for entry in fs::read_dir(folder)? {
@@ -115,18 +109,12 @@ pub(crate) fn read(name: &str) -> Result<Reference, String> {
 }
 
 /// The stored values of the short versions; none if there is no file.
-///
-/// # Errors
-/// The file is not as it should be.
 pub(crate) fn read_quick_values() -> Result<QuickValues, String> {
     let path = quick_values_path();
     if path.is_file() { parse(&path) } else { Ok(QuickValues::new()) }
 }
 
 /// Reads a TOML file.
-///
-/// # Errors
-/// It cannot be read, or is not as it should be.
 pub(crate) fn parse<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, String> {
     let text = fs::read_to_string(path).map_err(|error| format!("cannot read {}: {error}", path.display()))?;
     toml::from_str(&text).map_err(|error| format!("{}: {error}", path.display()))

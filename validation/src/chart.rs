@@ -10,9 +10,6 @@ const FONT: &str = "sans-serif";
 
 /// A chart as the text of an SVG picture; if its horizontal axis is logarithmic, the vertical one is too. Points that such
 /// axes do not have are left out.
-///
-/// # Errors
-/// The plotting library fails.
 pub(crate) fn svg(chart: &Chart) -> Result<String, Failure> {
     let is_log = chart.x_is_log;
     let scale = |value: f64| if is_log { value.log10() } else { value };

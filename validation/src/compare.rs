@@ -74,17 +74,11 @@ pub(crate) fn as_number(metric: &Value) -> Option<f64> {
 }
 
 /// Writes comparisons into the directory of a run.
-///
-/// # Errors
-/// The file cannot be written.
 pub(crate) fn write(directory: &Path, rows: &[Compared]) -> Result<(), Failure> {
     Ok(std::fs::write(directory.join(FILE), serde_json::to_string_pretty(rows)? + "\n")?)
 }
 
 /// Reads the comparisons of a run; none if it was not compared.
-///
-/// # Errors
-/// The file is malformed.
 pub(crate) fn read(directory: &Path) -> Result<Vec<Compared>, Failure> {
     let path = directory.join(FILE);
     if path.is_file() { Ok(serde_json::from_str(&std::fs::read_to_string(path)?)?) } else { Ok(Vec::new()) }

@@ -50,17 +50,6 @@ enum Mode {
         #[arg(long, default_value = "target/validation")]
         out: PathBuf,
     },
-    /// Write the report page again from the results of earlier runs.
-    Report {
-        /// Cases to show; all with results if none is given.
-        cases: Vec<String>,
-        /// Label the results as those of --quick.
-        #[arg(long)]
-        quick: bool,
-        /// Where results are.
-        #[arg(long, default_value = "target/validation")]
-        out: PathBuf,
-    },
     /// Compare with exact solutions and published numbers.
     Verify {
         /// Checks to run; all if none is given.
@@ -91,7 +80,6 @@ fn main() -> ExitCode {
             };
             validate::run(&cases, effort, &out).and_then(|passes| report::write(&cases, quick, &out).map(|()| passes))
         }
-        Mode::Report { cases, quick, out } => report::write(&cases, quick, &out).map(|()| true),
         Mode::Verify { names, quick: _, full, document, out } => verify::run(&names, full, document, &out),
     };
     match outcome {

@@ -21,9 +21,6 @@ pub(crate) const PLATE: f64 = 8.0;
 
 /// The numbers and properties of a run by their keys: those of `summary.json`, those that only these cases need, and whether
 /// the run reached its end.
-///
-/// # Errors
-/// The summary has no JSON form.
 pub(crate) fn metrics(results: &Results, finished: bool) -> Result<Value, serde_json::Error> {
     let mut metrics = serde_json::to_value(&results.summary)?;
     let rebound = Rebound::new(results);

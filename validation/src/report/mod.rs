@@ -17,9 +17,6 @@ use crate::outcome::Failure;
 const SETTLED: &str = include_str!("settled.html");
 
 /// Writes `report/index.html` next to the results of the named cases, or of all cases. Cases without results are left out.
-///
-/// # Errors
-/// Results are malformed, or a file cannot be written.
 pub(crate) fn write(cases: &[String], is_quick: bool, out: &Path) -> Result<(), Failure> {
     let names = if cases.is_empty() { case::names()? } else { cases.to_vec() };
     let mut results = Vec::new();

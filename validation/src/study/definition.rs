@@ -51,9 +51,6 @@ impl Series {
 }
 
 /// The names of all studies, in order.
-///
-/// # Errors
-/// The folder cannot be read.
 pub(crate) fn names() -> std::io::Result<Vec<String>> {
     case::stems(&folder())
 }

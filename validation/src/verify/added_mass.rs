@@ -2,16 +2,13 @@
 
 use std::sync::Arc;
 
-use cutwater::algebra::{LaggedSettings, LaggedSolver, Workspace};
 use cutwater::io::ScenarioFile;
-use cutwater::io::scenario::{Case, CaseVisitor, lower};
+use cutwater::io::scenario::case::case;
 use cutwater::solid_rigid::RigidBody;
-use cutwater::solver::{Observer, ObserverError, Setup, State, StepView, TimeLoop};
+use cutwater::solver::Setup;
 
-use super::record::Record;
+use super::{Failure, Record, Run, short};
 use crate::case::scenario_path;
-use crate::outcome::Failure;
-use crate::table::short;
 
 /// Acceleration of a rigid ball in ideal fluid, `-g m/(m + M_a)` with the added mass of the case's box, cm/s².
 const RIGID: f64 = -594.5;
@@ -49,6 +46,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Velocity of the centre of mass over time, after some steps.
 fn acceleration(h: f64, is_rigid: bool, n_steps: usize) -> Result<f64, Failure> {
     let set = [
         format!("background.size={h}"),
@@ -57,44 +55,21 @@ fn acceleration(h: f64, is_rigid: bool, n_steps: usize) -> Result<f64, Failure> 
         "time.step=1e-3".to_owned(),
         "time.end=0.01".to_owned(),
     ];
-    lower(&ScenarioFile::read(&scenario_path("virtual-barrier"), &set)?, Run { is_rigid, n_steps })?
-}
-
-/// Velocity of the centre of mass over time, after the last step.
-#[derive(Default)]
-struct Mean(f64);
-
-impl<const D: usize> Observer<D> for Mean {
-    fn after_step(&mut self, view: &StepView<'_, D>) -> Result<(), ObserverError> {
-        if let Some(balance) = view.report.and_then(|report| report.bodies[0].balance.as_ref()) {
-            self.0 = balance.momentum[D - 1] / balance.mass / view.state.time;
-        }
-        Ok(())
+    let mut case = case::<2>(&ScenarioFile::read(&scenario_path("virtual-barrier"), &set)?)?;
+    if is_rigid {
+        make_rigid(&mut case.setup)?;
     }
-}
-
-struct Run {
-    is_rigid: bool,
-    n_steps: usize,
-}
-
-impl CaseVisitor for Run {
-    type Output = Result<f64, Failure>;
-
-    fn visit<const D: usize>(self, mut case: Case<D>) -> Self::Output {
-        if self.is_rigid {
-            make_rigid(&mut case.setup)?;
-        }
-        let mut mean = Mean::default();
-        let state = State::initial(&case.setup)?;
-        let work = Workspace::with_solver(Box::new(LaggedSolver::new(LaggedSettings::default())));
-        TimeLoop::new(&case.setup, state, work).run(self.n_steps, &mut [&mut mean])?;
-        Ok(mean.0)
+    let mut run = Run::lagged(case.setup)?;
+    let mut report = run.advance()?;
+    for _ in 1..n_steps {
+        report = run.advance()?;
     }
+    let balance = report.bodies[0].balance.as_ref().ok_or("the ball has a mass")?;
+    Ok(balance.momentum[1] / balance.mass / run.state.time)
 }
 
 /// Makes a rigid body of the half ball, held on its plane of symmetry.
-fn make_rigid<const D: usize>(setup: &mut Setup<D>) -> Result<(), Failure> {
+fn make_rigid(setup: &mut Setup<2>) -> Result<(), Failure> {
     let ball = &setup.bodies[0];
     let start = ball.start();
     let solid = ball.cells(&start).ok_or("the ball is elastic")?.mesh;

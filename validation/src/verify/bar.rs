@@ -14,9 +14,7 @@ use self::history::{
     history,
 };
 use super::dry::{Scheme, second_order};
-use super::record::Record;
-use crate::outcome::Failure;
-use crate::table::short;
+use super::{Failure, Record, short};
 
 /// Spectral radius of the generalised-α scheme.
 const RHO_INF: f64 = 0.8;

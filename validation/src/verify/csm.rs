@@ -10,10 +10,9 @@ use cutwater::mesh::VertexId;
 use cutwater::mesh::generate::structured_box;
 use cutwater::solid_svk::{LameParameters, SaintVenantKirchhoff, Support, SupportKind};
 
-use super::dry::{P, Run, Scheme, V, elastic, mapped, second_order};
-use super::record::Record;
-use crate::outcome::Failure;
-use crate::table::short;
+use super::dry::{self, Scheme, elastic, mapped, second_order};
+use super::signal::passage;
+use super::{Failure, P, Record, Run, V, short};
 
 const LENGTH: f64 = 0.35;
 const THICKNESS: f64 = 0.02;
@@ -73,7 +72,7 @@ impl Flag {
         let material = SaintVenantKirchhoff::new(LameParameters::new(self.mu, 4.0 * self.mu)?);
         let mut body = elastic(mesh, DENSITY, material, V::new(0.0, -gravity), scheme)?;
         body.options.supports.push(Support { vertices: held, kind: SupportKind::Clamped });
-        Run::new(vec![body], None, dt, 1e-9)
+        dry::run(vec![body], None, dt, 1e-9)
     }
 
     /// Displacement of the tip at rest.
@@ -102,9 +101,9 @@ impl Flag {
 
 /// Displacement of the tip, where the two halves of the end meet.
 fn displacement(run: &Run) -> Result<V, Failure> {
-    let mesh = run.body().solid().mesh();
     let tip = P::from(TIP);
-    let at = mesh.vertices().iter().position(|x| (x - tip).norm() < 1e-9).ok_or("no vertex at the tip")?;
+    let at =
+        run.setup.bodies[0].reference().iter().position(|x| (x - tip).norm() < 1e-9).ok_or("no vertex at the tip")?;
     Ok(run.state.bodies[0].displacement()[at])
 }
 
@@ -123,10 +122,7 @@ fn swings(signal: &[(f64, f64)]) -> Vec<[f64; 3]> {
     let middle = 0.5 * (low + high);
     let passages: Vec<(usize, f64)> = (1..signal.len())
         .filter(|&k| signal[k - 1].1 > middle && signal[k].1 <= middle)
-        .map(|k| {
-            let [(t0, u0), (t1, u1)] = [signal[k - 1], signal[k]];
-            (k, t0 + (t1 - t0) * (u0 - middle) / (u0 - u1))
-        })
+        .map(|k| (k, passage([signal[k - 1], signal[k]], middle)))
         .collect();
     let swing = |w: &[(usize, f64)]| {
         let (low, high) = range(&signal[w[0].0 - 1..=w[1].0]);

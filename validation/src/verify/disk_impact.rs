@@ -5,10 +5,8 @@ use std::sync::Arc;
 use cutwater::algebra::time::ImplicitEuler;
 
 use super::dry::{Scheme, second_order};
-use super::record::Record;
+use super::{Failure, Record, short};
 use crate::bounds::impact::impact;
-use crate::outcome::Failure;
-use crate::table::short;
 
 /// Speed of the ball at the virtual barrier, cm/s.
 const SPEED: f64 = 52.45;

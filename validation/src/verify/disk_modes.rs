@@ -1,10 +1,8 @@
 //! A free elastic disk that vibrates in its own modes.
 
-use super::dry::{Run, second_order};
+use super::dry::{run, second_order};
 use super::mode::{Mode, frequency};
-use super::record::Record;
-use crate::outcome::Failure;
-use crate::table::short;
+use super::{Failure, Record, short};
 
 /// `n` and `ω R/c_s` of the first mode with `n` waves around the disk: roots of the frequency determinant of a free disk in plane
 /// strain with `ν = 0.4`.
@@ -19,7 +17,7 @@ fn found(mode: &Mode, size: f64) -> Result<f64, Failure> {
     let period = 1.0 / mode.hertz();
     let body = mode.disk(size, second_order(0.8)?)?;
     let amplitude = mode.projection(&body.solid);
-    let mut run = Run::new(vec![body], None, period * size / STEPS, 1e-9)?;
+    let mut run = run(vec![body], None, period * size / STEPS, 1e-9)?;
     let mut samples = Vec::new();
     while run.state.time < PERIODS * period {
         run.advance()?;

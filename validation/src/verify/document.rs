@@ -5,19 +5,15 @@ use std::path::{Path, PathBuf};
 
 use cutwater::report::html::duration;
 
-use super::record::{Record, Row};
+use super::record::Row;
+use super::{Failure, Record, short};
 use crate::chart::svg;
-use crate::outcome::Failure;
-use crate::table::short;
 
 /// Folder of the pages of checks in `docs/src`.
 pub(super) const FOLDER: &str = "verification";
 
 /// Writes the page of a record into a folder of the book, and its charts. The page names the command that measured it and
 /// the version of the code.
-///
-/// # Errors
-/// A chart cannot be drawn, or a file cannot be written.
 pub(crate) fn write(folder: &str, record: &Record, command: &str, version: &str) -> Result<(), Failure> {
     let source = source();
     let text = markdown(folder, record, command, version);

@@ -10,9 +10,9 @@ use cutwater::mesh::VertexId;
 use cutwater::mesh::generate::structured_box;
 use cutwater::solid_svk::{LameParameters, SaintVenantKirchhoff, Support, SupportKind};
 
-use super::dry::{P, Run, V, elastic, floor, mapped, pushed};
-use super::record::Record;
-use crate::outcome::Failure;
+use super::dry::{elastic, floor, mapped, pushed, run};
+use super::signal::passage;
+use super::{Failure, P, Record, V};
 
 /// Radius, cm.
 const RADIUS: f64 = 4.0;
@@ -58,8 +58,8 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     body.hold("top", pushed([None, Some(-PUSHED)]))?;
     let centre = VertexId::new(body.solid.mesh().n_vertices() - 1 - n);
     body.options.supports.push(Support { vertices: vec![centre], kind: SupportKind::Symmetry { axis: 0 } });
-    let contact = floor(&body, "bottom", STIFFNESS)?;
-    let mut run = Run::new(vec![body], Some(contact), f64::from(LOAD_STEPS).recip(), 1e-10)?;
+    let contact = floor(body.part("bottom")?, STIFFNESS, 1.0)?;
+    let mut run = run(vec![body], Some(contact), f64::from(LOAD_STEPS).recip(), 1e-10)?;
     let mut load = f64::NAN;
     for _ in 0..LOAD_STEPS {
         load = run.advance()?.contacts[0].force[1];
@@ -84,7 +84,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
         return Err("there is no contact, or nothing but contact".into());
     };
     // Penetration is linear along a facet.
-    let edge = last.0 + (next.0 - last.0) * last.1 / (last.1 - next.1);
+    let edge = passage([*last, *next], 0.0);
     let exact = |x: f64| peak * (1.0 - (x / radius).powi(2)).max(0.0).sqrt();
     let scatter =
         surface.iter().filter(|at| at.0 < 0.9 * radius).map(|at| (at.1 - exact(at.0)).abs() / peak).fold(0.0, f64::max);

@@ -7,11 +7,10 @@ use cutwater::mesh::SimplexMesh;
 use cutwater::mesh::generate::structured_box;
 use cutwater::solver::{FluidBoundary, Setup};
 
-use super::flow::{self, P, V, disk, fluid_mut, fluid_of, polygon, wet, wet_report};
+use super::dry::mapped;
+use super::flow::{self, At, disk, fluid_mut, fluid_of, interface, polygon};
 use super::linear_flow::Linear;
-use super::record::Record;
-use crate::outcome::Failure;
-use crate::table::short;
+use super::{Failure, P, Record, V, short};
 
 /// Gaps, over the radius of the cylinder.
 const GAPS: [f64; 3] = [0.2, 0.1, 0.05];
@@ -133,16 +132,17 @@ fn force(gap: f64, cells: f64) -> Result<f64, Failure> {
     let setup = approach(graded(gap, gap / cells)?, gap, n)?;
     let (state, report) = flow::run(&setup, 1)?;
     // The other half has the same.
-    Ok(2.0 * flow::force(&state, &report, 0, &P::zeros()).0[1])
+    Ok(2.0 * flow::force(&state, &report, 0, &P::zeros())?.0[1])
 }
 
 /// The cylinder over the wall.
 fn approach(background: SimplexMesh<2>, gap: f64, n_corners: usize) -> Result<Setup<2>, Failure> {
     let known = Linear::at_rest(V::zeros()).known(1.0, &[]);
     let mut setup = known.setup(background, STEADY);
-    let tag = |name: &str| fluid_of(&setup).background.tag(name).ok_or("a side of a box");
+    let fluid = fluid_mut(&mut setup)?;
+    let tag = |name: &str| fluid.background.tag(name).ok_or("a side of a box");
     let open = || FluidBoundary::Open { traction: None, backflow: false };
-    fluid_mut(&mut setup).boundary = vec![
+    fluid.boundary = vec![
         (tag("left")?, FluidBoundary::Symmetry { axis: 0 }),
         (tag("right")?, open()),
         (tag("top")?, open()),
@@ -168,14 +168,14 @@ fn film(gap: f64, gamma_sigma: f64, gamma_pressure: f64) -> Result<Film, Failure
     // Edges of a quarter of a cell, a corner at the lowest point.
     let n = 4 * (2.0 * PI / SIZE).ceil() as usize;
     let mut setup = approach(graded(SERIES_FILM, SIZE)?, gap, n)?;
-    fluid_mut(&mut setup).gamma_sigma = gamma_sigma;
-    fluid_mut(&mut setup).gamma_pressure = gamma_pressure;
+    let fluid = fluid_mut(&mut setup)?;
+    (fluid.gamma_sigma, fluid.gamma_pressure) = (gamma_sigma, gamma_pressure);
     let (state, report) = flow::run(&setup, 1)?;
     // The film ends at the line of the mesh behind its length.
     let length = (2.0 * gap).sqrt();
-    let end = fluid_of(&setup).background.vertices().iter().map(|x| x[0]).filter(|x| *x >= length).fold(FAR, f64::min);
+    let end = fluid_of(&setup)?.background.vertices().iter().map(|x| x[0]).filter(|x| *x >= length).fold(FAR, f64::min);
     let (mut swept, mut through, mut shear, mut of_parabola) = (0.0, 0.0, 0.0, 0.0);
-    for (piece, on_piece) in wet(&state).cut.interface().iter().zip(&wet_report(&report).tractions) {
+    for (piece, on_piece) in interface(&state, &report)? {
         let x = on_piece.middle;
         if x[0] < end && x[1] < 1.0 {
             swept -= piece.normal[1] * piece.measure;
@@ -185,10 +185,12 @@ fn film(gap: f64, gamma_sigma: f64, gamma_pressure: f64) -> Result<Film, Failure
             of_parabola += 6.0 * x[0] / x[1].powi(2) * piece.measure;
         }
     }
-    let lost = -flow::divergence_within(&setup, &state, |x| x[0] < end && x[1] < 1.0) / swept;
+    // No cell is half in the film.
+    let divergence = |at: &At| [if at.x[0] < end && at.x[1] < 1.0 { at.gradient.trace() } else { 0.0 }];
+    let lost = -flow::integrals(&setup, &state, divergence)?[0] / swept;
     let through = through / swept;
     Ok(Film {
-        force: 2.0 * flow::force(&state, &report, 0, &P::zeros()).0[1],
+        force: 2.0 * flow::force(&state, &report, 0, &P::zeros())?.0[1],
         shares: [1.0 - through - lost, through, lost],
         shear: shear / of_parabola,
     })
@@ -202,12 +204,5 @@ fn graded(gap: f64, size: f64) -> Result<SimplexMesh<2>, Failure> {
     let n = (a * b / size).ceil() as usize;
     let even = structured_box::<2>([0.0; 2], [1.0; 2], [n; 2])?;
     let stretch = |s: f64| if s == 1.0 { FAR } else { a * (b * s).sinh() };
-    let vertices = even.vertices().iter().map(|x| P::new(stretch(x[0]), stretch(x[1]))).collect();
-    let cells = even.cells().flat_map(|cell| even.cell(cell).iter().copied()).collect();
-    let side = |facet: &[P]| {
-        let on = |axis: usize, value: f64| facet.iter().all(|x| x[axis] == value);
-        let sides = [(0, 0.0, "left"), (0, FAR, "right"), (1, 0.0, "bottom"), (1, FAR, "top")];
-        sides.into_iter().find(|(axis, value, _)| on(*axis, *value)).map(|(_, _, name)| name)
-    };
-    Ok(SimplexMesh::new(vertices, cells)?.with_boundary_tags(side))
+    mapped(&even, |x| P::new(stretch(x[0]), stretch(x[1])))
 }

@@ -8,7 +8,7 @@ mod csm;
 mod disk_impact;
 mod disk_modes;
 pub(crate) mod document;
-mod dry;
+pub(crate) mod dry;
 mod exact;
 mod files;
 mod flow;
@@ -22,8 +22,10 @@ mod orders;
 mod peer;
 pub(crate) mod record;
 mod robustness;
+mod run;
 mod sedimentation;
 mod shear_layer;
+mod signal;
 mod svk_states;
 mod sweep;
 mod symmetry;
@@ -32,13 +34,17 @@ mod wan_turek;
 use std::path::Path;
 use std::time::Instant;
 
+use cutwater::mesh::{Point, Tensor, Vector};
 use cutwater::report::html::duration;
 
 use self::record::Record;
+pub(crate) use self::run::Run;
 use crate::outcome::{Failure, Outcome};
-use crate::table;
+use crate::table::{self, short};
 
-pub(crate) use dry::{Scheme, dry_setup};
+pub(crate) type P = Point<2>;
+pub(crate) type V = Vector<2>;
+type T = Tensor<2>;
 
 /// A named check.
 struct Check {

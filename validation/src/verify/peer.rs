@@ -3,8 +3,7 @@
 use benchmarks::{StokesErrors, StokesWeights, UnfittedStokes};
 use cutwater::algebra::{NewtonSettings, Workspace, newton};
 
-use super::record::Record;
-use crate::outcome::Failure;
+use super::{Failure, Record};
 
 /// Largest ratio of our errors to those of the peer.
 const LARGEST_RATIO: f64 = 1.2;

@@ -3,7 +3,7 @@
 use cutwater::report::{Chart, Curve};
 use serde::Serialize;
 
-use crate::table::short;
+use super::short;
 
 /// A number with its reference.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -29,6 +29,8 @@ impl Row {
     }
 }
 
+/// Numbers with names.
+pub(super) type Named = Vec<(String, f64)>;
 /// Points of a curve.
 pub(crate) type Points = Vec<(f64, f64)>;
 

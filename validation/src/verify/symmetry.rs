@@ -1,13 +1,12 @@
 //! Half of the domain and the whole of it: the same contact, and a ball that falls straight down.
 
 use cutwater::algebra::Workspace;
-use cutwater::io::scenario::{Case, CaseVisitor, lower};
+use cutwater::io::scenario::case::case;
 use cutwater::io::{Error, ScenarioFile};
 use cutwater::solver::{Observer, ObserverError, State, StepView, TimeLoop};
 
-use super::record::Record;
+use super::{Failure, Record};
 use crate::case::scenario_path;
-use crate::outcome::Failure;
 
 /// Largest lateral drift of the centre, cm.
 const DRIFT: f64 = 1e-4;
@@ -33,7 +32,11 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
 fn fall(full: bool, set: &[&str]) -> Result<Fall, Error> {
     let resolution: &[&str] = if full { &[] } else { &COARSE };
     let set: Vec<String> = SHORT.iter().chain(resolution).chain(set).map(|change| (*change).to_owned()).collect();
-    lower(&ScenarioFile::read(&scenario_path("virtual-barrier"), &set)?, Run)?
+    let case = case::<2>(&ScenarioFile::read(&scenario_path("virtual-barrier"), &set)?)?;
+    let mut fall = Fall::default();
+    let state = State::initial(&case.setup)?;
+    TimeLoop::new(&case.setup, state, Workspace::new()).run(case.n_steps, &mut [&mut fall])?;
+    Ok(fall)
 }
 
 /// Key results of a run.
@@ -45,8 +48,8 @@ struct Fall {
     drift: f64,
 }
 
-impl<const D: usize> Observer<D> for Fall {
-    fn after_step(&mut self, view: &StepView<'_, D>) -> Result<(), ObserverError> {
+impl Observer<2> for Fall {
+    fn after_step(&mut self, view: &StepView<'_, 2>) -> Result<(), ObserverError> {
         let Some(report) = view.report else { return Ok(()) };
         match report.contacts.iter().any(|contact| contact.is_active()) {
             true => self.contact = self.contact.or(Some(view.state.time)),
@@ -56,18 +59,5 @@ impl<const D: usize> Observer<D> for Fall {
         let centres = report.bodies.iter().filter_map(|body| body.balance.as_ref()).map(|b| b.centre_of_mass[0].abs());
         self.drift = centres.fold(self.drift, f64::max);
         Ok(())
-    }
-}
-
-struct Run;
-
-impl CaseVisitor for Run {
-    type Output = Result<Fall, Error>;
-
-    fn visit<const D: usize>(self, case: Case<D>) -> Result<Fall, Error> {
-        let mut fall = Fall::default();
-        let state = State::initial(&case.setup)?;
-        TimeLoop::new(&case.setup, state, Workspace::new()).run(case.n_steps, &mut [&mut fall])?;
-        Ok(fall)
     }
 }

@@ -3,16 +3,14 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use cutwater::algebra::{LaggedSettings, LaggedSolver, NewtonSettings, Workspace};
 use cutwater::mesh::SimplexMesh;
 use cutwater::mesh::generate::{Size, graded_box, mirrored};
-use cutwater::solver::{FluidBoundary, Setup, State, Substep, advance};
+use cutwater::solver::{FluidBoundary, Setup};
 
-use super::flow::{Known, P, V, disk, fluid_mut, polygon, wet, wet_report};
-use super::linear_flow::Linear;
-use super::record::Record;
-use crate::outcome::Failure;
-use crate::table::short;
+use super::flow::{disk, interface, polygon};
+use super::linear_flow::still;
+use super::signal::{range, rms, rough, slope};
+use super::{Failure, P, Record, Run, V, short};
 
 /// Length and height of the channel; where the centre of the cylinder begins; its diameter, m.
 const CHANNEL: [f64; 2] = [2.2, 0.41];
@@ -159,38 +157,6 @@ impl Signal {
     }
 }
 
-/// Root of the mean square.
-pub(super) fn rms(values: &[f64]) -> f64 {
-    (values.iter().map(|v| v * v).sum::<f64>() / values.len() as f64).sqrt()
-}
-
-/// Least and largest value.
-fn range(values: &[f64]) -> [f64; 2] {
-    values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], v| [a.min(*v), b.max(*v)])
-}
-
-/// Differences of the values to parabolas, each fitted to a value and `wing` neighbours on either side.
-///
-/// Source: Savitzky and Golay 1964, doi:10.1021/ac60214a047.
-pub(super) fn rough(values: &[f64], wing: usize) -> Vec<f64> {
-    let offsets = || (0..=2 * wing).map(|k| k as f64 - wing as f64);
-    let n = offsets().count() as f64;
-    let moment = |power: i32| offsets().map(|k| k.powi(power)).sum::<f64>();
-    let (second, fourth) = (moment(2), moment(4));
-    let weights: Vec<f64> = offsets().map(|k| (fourth - second * k * k) / (n * fourth - second * second)).collect();
-    let smooth = |window: &[f64]| window.iter().zip(&weights).map(|(v, w)| v * w).sum::<f64>();
-    values.windows(2 * wing + 1).map(|window| window[wing] - smooth(window)).collect()
-}
-
-/// Slope of the straight line closest to all points of a curve in logarithms.
-pub(super) fn slope(curve: &[(f64, f64)]) -> f64 {
-    let logs: Vec<(f64, f64)> = curve.iter().map(|(x, y)| (x.ln(), y.ln())).collect();
-    let n = logs.len() as f64;
-    let (x, y) = logs.iter().fold((0.0, 0.0), |sum, p| (sum.0 + p.0 / n, sum.1 + p.1 / n));
-    let (xy, xx) = logs.iter().fold((0.0, 0.0), |sum, p| (sum.0 + (p.0 - x) * (p.1 - y), sum.1 + (p.0 - x).powi(2)));
-    xy / xx
-}
-
 /// Largest speed of the cylinder.
 fn speed() -> f64 {
     TAU * FREQUENCY * AMPLITUDE
@@ -200,13 +166,7 @@ fn speed() -> f64 {
 fn setup(h: f64, part: usize) -> Result<Setup<2>, Failure> {
     let half_period = 0.5 / FREQUENCY;
     let dt = half_period / (part as f64 * (half_period / (STEP_OVER_SIZE * h)).round());
-    let flow = Arc::new(Linear::at_rest(V::zeros()));
-    let fluid = Known { flow, density: 1.0, viscosity: VISCOSITY, convects: true, open: &[] };
-    let mut setup = fluid.setup(background(h)?, dt);
-    setup.newton = NewtonSettings::new(1e-8);
-    for (_, condition) in &mut fluid_mut(&mut setup).boundary {
-        *condition = FluidBoundary::NoSlip;
-    }
+    let mut setup = still(background(h)?, VISCOSITY, dt, 1e-8, || FluidBoundary::NoSlip)?;
     // Edges shorter than those of the mesh.
     let n = (2.0 * TAU * DIAMETER / h).max(64.0).round() as usize;
     setup.bodies.push(polygon(
@@ -226,25 +186,22 @@ fn background(h: f64) -> Result<SimplexMesh<2>, Failure> {
 
 /// Forces on a mesh of size `h`, with a part of its time step.
 fn run(h: f64, part: usize, end: f64) -> Result<Signal, Failure> {
-    let setup = setup(h, part)?;
+    let mut run = Run::lagged(setup(h, part)?)?;
     let scale = 2.0 / (speed() * speed() * DIAMETER);
-    let mut work = Workspace::with_solver(Box::new(LaggedSolver::new(LaggedSettings::default())));
-    let mut state = State::initial(&setup)?;
-    let mut signal = Signal { dt: setup.dt, wing: WING * part, ..Signal::default() };
+    let mut signal = Signal { dt: run.setup.dt, wing: WING * part, ..Signal::default() };
     // Half a step of room for round-off.
-    while state.time < end - 0.5 * setup.dt {
-        let (next, report) = advance(&setup, &state, Substep::whole(setup.dt), &mut work)?;
-        state = next;
-        if state.time < BEGIN {
+    while run.state.time < end - 0.5 * run.setup.dt {
+        let report = run.advance()?;
+        if run.state.time < BEGIN {
             continue;
         }
         let (mut total, mut traction) = (V::zeros(), V::zeros());
-        for (piece, on_piece) in wet(&state).cut.interface().iter().zip(&wet_report(&report).tractions) {
+        for (piece, on_piece) in interface(&run.state, &report)? {
             total += on_piece.total() * (scale * piece.measure);
             traction += on_piece.fluid * (scale * piece.measure);
         }
         if signal.drag.is_empty() {
-            signal.begin = state.time;
+            signal.begin = run.state.time;
         }
         signal.drag.push(total[0]);
         signal.by_traction.push(traction[0]);
@@ -258,22 +215,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_parabola_has_no_noise() {
-        let values: Vec<f64> = (0..30).map(f64::from).map(|k| 3.0 - 0.2 * k + 0.01 * k * k).collect();
-        assert!(rms(&rough(&values, 5)) < 1e-13);
-    }
-
-    #[test]
-    fn noise_is_found_on_a_smooth_signal() {
-        // Share of an alternating sign in the fit to eleven values, with weights (-36, 9, 44, 69, 84, 89, ...)/429.
-        let kept = (89.0 - 2.0 * (84.0 - 69.0 + 44.0 - 9.0 - 36.0)) / 429.0;
-        let values: Vec<f64> =
-            (0..200).map(|k| f64::from(k % 2 * 2 - 1) * 1e-2 + (f64::from(k) * 0.03).sin()).collect();
-        let expected = 1e-2 * (1.0 - kept);
-        assert!((rms(&rough(&values, 5)) / expected - 1.0).abs() < 1e-3, "{} {expected}", rms(&rough(&values, 5)));
-    }
-
-    #[test]
     fn a_signal_that_turns_around_every_half_period_is_antisymmetric() {
         let dt = 0.02;
         let drag = (0..375).map(|k| (TAU * FREQUENCY * (BEGIN + f64::from(k) * dt)).sin()).collect();
@@ -283,10 +224,5 @@ mod tests {
         let drag = (0..750).map(|k| (TAU * FREQUENCY * (BEGIN + 0.003 + 0.5 * f64::from(k) * dt)).sin()).collect();
         let other = Signal { dt: 0.5 * dt, begin: BEGIN + 0.003, drag, ..Signal::default() };
         assert!(signal.difference(&other) < 1e-4);
-    }
-
-    #[test]
-    fn the_slope_is_the_power() {
-        assert!((slope(&[(0.4, 0.16), (0.2, 0.04), (0.1, 0.01)]) - 2.0).abs() < 1e-12);
     }
 }
