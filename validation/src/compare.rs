@@ -26,11 +26,9 @@ pub(crate) struct Compared {
     pub(crate) quantity: String,
     /// The known number: of the paper, or stored.
     pub(crate) known: Option<f64>,
-    /// The computed number.
     pub(crate) computed: Option<f64>,
     /// The computed number minus the known one.
     pub(crate) deviation: Option<f64>,
-    /// The accepted interval.
     pub(crate) band: Option<[f64; 2]>,
     /// Whether the computed number lies in it: `pass` or `fail`.
     verdict: String,
@@ -43,7 +41,6 @@ pub(crate) struct Compared {
 }
 
 impl Compared {
-    /// Whether the computed number lies in the band.
     pub(crate) fn passes(&self) -> bool {
         self.verdict == PASS
     }
@@ -84,7 +81,6 @@ pub(crate) fn read(directory: &Path) -> Result<Vec<Compared>, Failure> {
     if path.is_file() { Ok(serde_json::from_str(&std::fs::read_to_string(path)?)?) } else { Ok(Vec::new()) }
 }
 
-/// Compares a run with the paper.
 pub(crate) fn with_paper(asked: &Comparison, computed: Option<&Value>) -> Compared {
     let band = asked.band.or(asked.expected.map(|property| [f64::from(u8::from(property)); 2]));
     let reason = match &asked.place {

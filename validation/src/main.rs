@@ -72,14 +72,8 @@ enum Mode {
 fn main() -> ExitCode {
     let outcome = match Arguments::parse().mode {
         Mode::Validate { study, again, out, .. } if !study.is_empty() => studies(study, again, &out),
-        Mode::Validate { cases, quick, regenerate, out, .. } => {
-            let effort = match (quick, regenerate) {
-                (false, _) => validate::Effort::Paper,
-                (true, false) => validate::Effort::Quick,
-                (true, true) => validate::Effort::Regenerate,
-            };
-            validate::run(&cases, effort, &out).and_then(|passes| report::write(&cases, quick, &out).map(|()| passes))
-        }
+        Mode::Validate { cases, quick, regenerate, out, .. } => validate::run(&cases, quick, regenerate, &out)
+            .and_then(|passes| report::write(&cases, quick, &out).map(|()| passes)),
         Mode::Verify { names, quick: _, full, document, out } => verify::run(&names, full, document, &out),
     };
     match outcome {

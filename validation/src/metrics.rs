@@ -1,12 +1,11 @@
 //! The numbers of a run, by the names that references use.
 
-use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use cutwater::algebra::{DirectSolver, LinearSolver, ScaledMatrix, Workspace};
 use cutwater::io::{Case, HistoryTable, Watch};
-use cutwater::mesh::Point;
+use cutwater::mesh::{Aabb, Point};
 use cutwater::report::Results;
 use cutwater::solver::body::Body;
 use cutwater::solver::{Observer, ObserverError, StepView, advance};
@@ -36,7 +35,6 @@ pub(crate) fn metrics(results: &Results, finished: bool) -> Result<Value, serde_
 pub(crate) struct Rebound {
     /// Largest smallest distance after the release.
     pub(crate) height: f64,
-    /// When.
     pub(crate) time: f64,
 }
 
@@ -139,36 +137,29 @@ impl Watch for Thickness<'_> {
 }
 
 struct ThicknessRows {
-    path: std::path::PathBuf,
+    path: PathBuf,
     plates: Vec<usize>,
-    /// Rows that are not written yet.
     text: String,
 }
 
 impl<const D: usize> Observer<D> for ThicknessRows {
     fn after_step(&mut self, view: &StepView<'_, D>) -> Result<(), ObserverError> {
-        let is_new = view.report.is_none();
-        if !is_new {
+        if view.report.is_some() {
             let thickness = |&plate: &usize| {
                 let body = &view.setup.bodies[plate];
                 smallest_thickness(body.as_ref(), &view.state.bodies[plate].positions(body.reference())).to_string()
             };
             let row: Vec<String> = self.plates.iter().map(thickness).collect();
-            self.text = format!("{},{}\n", view.state.time, row.join(","));
+            self.text += &format!("{},{}\n", view.state.time, row.join(","));
         }
-        let mut file =
-            std::fs::OpenOptions::new().create(true).write(true).append(!is_new).truncate(is_new).open(&self.path)?;
-        Ok(file.write_all(self.text.as_bytes())?)
+        Ok(std::fs::write(&self.path, &self.text)?)
     }
 }
 
 /// Whether a body is many times wider than high. Of a plate that a plane of symmetry cuts there is one half.
 pub(crate) fn is_plate<const D: usize>(body: &dyn Body<D>) -> bool {
-    let extent = |k: usize| {
-        let along = || body.reference().iter().map(|x| x[k]);
-        along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
-    };
-    (0..D - 1).all(|k| extent(k) > 0.5 * PLATE * extent(D - 1))
+    let extent = Aabb::of_points(body.reference()).extent();
+    (0..D - 1).all(|k| extent[k] > 0.5 * PLATE * extent[D - 1])
 }
 
 /// Smallest height of a body over its width: upper minus lower side. Both are straight between the vertices, so that the

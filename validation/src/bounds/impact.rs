@@ -24,7 +24,6 @@ const SILENCE: f64 = 1.5e-3;
 /// Time after which an impact that is not over counts as failed, s.
 const LATEST: f64 = 0.05;
 
-/// Result of an impact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Impact {
     /// Time step, s.

@@ -41,7 +41,6 @@ pub(crate) fn write(cases: &[String], is_quick: bool, out: &Path) -> Result<(), 
     Ok(())
 }
 
-/// The table of all cases.
 fn summary(cases: &[CaseResult]) -> String {
     let rows: Vec<Vec<String>> = cases.iter().map(CaseResult::row).collect();
     let head = ["case", "contact [s]", "release [s]", "highest [cm]", "at [s]", "wall time", "verdict"];
@@ -68,11 +67,16 @@ fn lead(is_quick: bool) -> String {
     )
 }
 
-/// The version of the code, if git knows it.
-pub(crate) fn commit() -> Option<String> {
-    let output = std::process::Command::new("git").args(["describe", "--always", "--dirty"]).output().ok()?;
+/// The output of a command of git, if there is any.
+pub(crate) fn git(arguments: &[&str]) -> Option<String> {
+    let output = std::process::Command::new("git").args(arguments).output().ok()?;
     let text = String::from_utf8(output.stdout).ok()?;
     Some(text.trim().to_owned()).filter(|text| output.status.success() && !text.is_empty())
+}
+
+/// The version of the code, if git knows it.
+pub(crate) fn commit() -> Option<String> {
+    git(&["describe", "--always", "--dirty"])
 }
 
 /// The machine, where the operating system describes it: processor, number of threads, memory.

@@ -44,7 +44,6 @@ const SWINGS: f64 = 2.4;
 /// Rows, swings and time steps of the comparison of time steps.
 const LONG: (usize, f64, [f64; 3]) = (8, 11.0, [1e-2, 5e-3, 2.5e-3]);
 
-/// The flag.
 #[derive(Clone, Copy)]
 struct Flag {
     /// Rows of cells across it, each of squares in two triangles.
@@ -131,7 +130,6 @@ fn swings(signal: &[(f64, f64)]) -> Vec<[f64; 3]> {
     passages.windows(2).map(swing).collect()
 }
 
-/// The last swing.
 fn last(signal: &[(f64, f64)]) -> Result<[f64; 3], Failure> {
     Ok(swings(signal).pop().ok_or("the flag does not swing twice")?)
 }
@@ -175,7 +173,6 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     Ok(())
 }
 
-/// CSM3.
 fn swinging(record: &mut Record) -> Result<(), Failure> {
     let (rows, dt): (&[usize], f64) = if record.full { (&[8, 16, 32], 5e-3) } else { (&[6, 10], 1e-2) };
     let flag = |rows: usize| Flag { rows, mu: SOFT, is_fitted: true };

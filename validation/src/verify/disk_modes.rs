@@ -1,7 +1,7 @@
 //! A free elastic disk that vibrates in its own modes.
 
 use super::dry::{run, second_order};
-use super::mode::{Mode, frequency};
+use super::mode::{Mode, frequency_of};
 use super::{Failure, Record, short};
 
 /// `n` and `ω R/c_s` of the first mode with `n` waves around the disk: roots of the frequency determinant of a free disk in plane
@@ -17,13 +17,8 @@ fn found(mode: &Mode, size: f64) -> Result<f64, Failure> {
     let period = 1.0 / mode.hertz();
     let body = mode.disk(size, second_order(0.8)?)?;
     let amplitude = mode.projection(&body.solid);
-    let mut run = run(vec![body], None, period * size / STEPS, 1e-9)?;
-    let mut samples = Vec::new();
-    while run.state.time < PERIODS * period {
-        run.advance()?;
-        samples.push((run.state.time, amplitude(run.state.bodies[0].displacement())));
-    }
-    frequency(&samples)
+    let run = run(vec![body], None, period * size / STEPS, 1e-9)?;
+    frequency_of(run, PERIODS * period, amplitude)
 }
 
 pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {

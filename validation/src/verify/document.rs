@@ -8,6 +8,7 @@ use cutwater::report::html::duration;
 use super::record::Row;
 use super::{Failure, Record, short};
 use crate::chart::svg;
+use crate::report::{commit, git};
 
 /// Folder of the pages of checks in `docs/src`.
 pub(super) const FOLDER: &str = "verification";
@@ -33,9 +34,8 @@ pub(crate) fn source() -> PathBuf {
 
 /// Version of the code and its date, if git knows them; else empty.
 pub(super) fn version() -> String {
-    let date = std::process::Command::new("git").args(["log", "-1", "--format=%cs"]).output().ok();
-    let date = date.and_then(|output| String::from_utf8(output.stdout).ok()).unwrap_or_default();
-    crate::report::commit().map_or_else(String::new, |commit| format!("{commit}, {}", date.trim()))
+    let date = git(&["log", "-1", "--format=%cs"]).unwrap_or_default();
+    commit().map_or_else(String::new, |commit| format!("{commit}, {date}"))
 }
 
 fn picture(folder: &str, record: &Record, k: usize) -> String {
@@ -80,7 +80,6 @@ fn markdown(folder: &str, record: &Record, command: &str, version: &str) -> Stri
     text
 }
 
-/// A text inside a cell of a table.
 fn cell(text: &str) -> String {
     text.replace('|', "\\|")
 }

@@ -24,7 +24,6 @@ pub(crate) struct Elastic<const D: usize> {
 }
 
 impl<const D: usize> Elastic<D> {
-    /// The body.
     pub(super) fn body(self, name: &str) -> Result<Arc<dyn Body<D>>, Failure> {
         Ok(Arc::new(ElasticBody::new(name, self.solid, self.form, self.options)?))
     }

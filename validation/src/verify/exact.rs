@@ -5,11 +5,12 @@ use std::sync::Arc;
 use cutwater::algebra::time::ImplicitEuler;
 use cutwater::mesh::generate::{BallOptions, ball};
 use cutwater::solid_rigid::RigidMotion;
-use cutwater::solid_svk::{ElasticBody, ElasticOptions, LameParameters, SaintVenantKirchhoff, SolidForm, SolidMesh};
+use cutwater::solid_svk::{LameParameters, SaintVenantKirchhoff};
 use cutwater::solver::body::Body;
 use cutwater::solver::{FluidBoundary, Setup, State};
 
 use super::conservation;
+use super::dry::elastic;
 use super::flow::{
     self, Flow, Known, Random, disk, fluid_mut, fluid_of, outside, polygon, rigid_polygon, set_sides, wet, wet_report,
 };
@@ -95,7 +96,6 @@ fn nodal_errors<F: Flow>(known: &Known<F>, setup: &Setup<2>, state: &State<2>) -
     Ok(errors)
 }
 
-/// Area of a polygon.
 fn area(corners: &[P]) -> f64 {
     let next = corners.iter().cycle().skip(1);
     0.5 * corners.iter().zip(next).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum::<f64>()
@@ -199,7 +199,7 @@ fn annulus(centre: P, _: &mut Random) -> Result<Named, Failure> {
 }
 
 /// An elastic disk, with a displacement and a velocity at the start.
-fn elastic(
+fn elastic_disk(
     centre: P,
     radius: f64,
     displacement: impl Fn(&P) -> V + Send + Sync + 'static,
@@ -207,14 +207,10 @@ fn elastic(
 ) -> Result<Arc<dyn Body<2>>, Failure> {
     let mesh = ball::<2>([centre[0], centre[1]], radius, 0.1, &BallOptions { area_preserving: false })?;
     let material = SaintVenantKirchhoff::new(LameParameters { mu: MU, lambda: LAMBDA });
-    let form = SolidForm::new(0.7, material, V::zeros())?;
-    let options = ElasticOptions {
-        scheme: Arc::new(ImplicitEuler),
-        initial_displacement: Some(Arc::new(displacement)),
-        initial_velocity: Some(Arc::new(move |_| velocity)),
-        ..ElasticOptions::default()
-    };
-    Ok(Arc::new(ElasticBody::new("disk", SolidMesh::new(mesh)?, form, options)?))
+    let mut body = elastic(mesh, 0.7, material, V::zeros(), Arc::new(ImplicitEuler))?;
+    body.options.initial_displacement = Some(Arc::new(displacement));
+    body.options.initial_velocity = Some(Arc::new(move |_| velocity));
+    body.body("disk")
 }
 
 const MU: f64 = 2e3;
@@ -225,7 +221,7 @@ fn translation(centre: P, random: &mut Random) -> Result<Named, Failure> {
     let linear = Linear { b: u, p: 0.0, ..Linear::at_rest(V::zeros()) };
     let known = linear.known(0.05, &["top"]);
     let mut setup = known.setup(background()?, 0.02);
-    setup.bodies.push(elastic(centre, 0.3, |_| V::zeros(), u)?);
+    setup.bodies.push(elastic_disk(centre, 0.3, |_| V::zeros(), u)?);
     let (state, _) = flow::run(&setup, 10)?;
     let body = &state.bodies[0];
     let drift = body.velocity().iter().zip(body.displacement());
@@ -246,7 +242,7 @@ fn pressurised_disk(centre: P, random: &mut Random) -> Result<Named, Failure> {
         traction: Some(Arc::new(move |_, n, _| n * -pressure)),
         backflow: true,
     })?;
-    setup.bodies.push(elastic(centre, 0.4, move |x| (x - centre) * (scale - 1.0), V::zeros())?);
+    setup.bodies.push(elastic_disk(centre, 0.4, move |x| (x - centre) * (scale - 1.0), V::zeros())?);
     let (state, _) = flow::run(&setup, 2)?;
     let largest = |values: &[V]| values.iter().map(V::norm).fold(0.0, f64::max);
     let fluid = wet(&state)?;

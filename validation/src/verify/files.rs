@@ -34,10 +34,8 @@ pub(super) fn check(out: &Path) -> Outcome {
     Ok(true)
 }
 
-/// Contents of a file.
 #[derive(Serialize)]
 struct Content {
-    /// Number of cells.
     cells: usize,
     /// Sum of their areas; lengths do not count.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -7,7 +7,7 @@ use cutwater::cutcell::{InterfacePiece, OverlayOptions};
 use cutwater::fluid_ns::NewtonianFluid;
 use cutwater::fluid_ns::terms::CipProfile;
 use cutwater::interface_dg::InterfaceTraction;
-use cutwater::mesh::{self, BoundaryMesh, Point, SimplexMesh, VertexId};
+use cutwater::mesh::{BoundaryMesh, SimplexMesh, VertexId};
 use cutwater::solid_rigid::RigidBody;
 use cutwater::solver::body::{Body, ParticleVelocity, PrescribedBody, TimeField};
 use cutwater::solver::{
@@ -51,7 +51,6 @@ const GAMMAS: [f64; 3] = [0.05, 0.05, 0.1];
 impl<F: Flow> Known<F> {
     /// The problem on a background, at rest at first where `starts` is false.
     pub(super) fn setup(&self, background: SimplexMesh<2>, dt: f64) -> Setup<2> {
-        let [gamma_u, gamma_pressure, gamma_ghost] = GAMMAS;
         let (at_start, forcing) = (Arc::clone(&self.flow), Arc::clone(&self.flow));
         let mut boundary = Vec::new();
         for side in SIDES {
@@ -70,26 +69,14 @@ impl<F: Flow> Known<F> {
             };
             boundary.push((tag, condition));
         }
-        Setup {
-            fluid: Some(FluidSetup {
-                background,
-                overlay: OverlayOptions::new(),
-                gamma_sigma: GAMMA_SIGMA,
-                material: NewtonianFluid { density: self.density, viscosity: self.viscosity },
-                cip: CipProfile::Consistent { gamma_u },
-                gamma_pressure,
-                gamma_ghost,
-                convection: self.convects.then_some(false),
-                body_force: Some(Arc::new(move |x, t| forcing.force(x, t))),
-                initial_velocity: Some(Arc::new(move |x| at_start.velocity(x, 0.0))),
-                boundary,
-            }),
-            bodies: Vec::new(),
-            contacts: Vec::new(),
-            dt,
-            most_halvings: 0,
-            newton: NewtonSettings::new(1e-11),
-        }
+        let fluid = FluidSetup {
+            convection: self.convects.then_some(false),
+            body_force: Some(Arc::new(move |x, t| forcing.force(x, t))),
+            initial_velocity: Some(Arc::new(move |x| at_start.velocity(x, 0.0))),
+            boundary,
+            ..fluid(background, self.density, self.viscosity)
+        };
+        problem(fluid, dt)
     }
 
     /// Its velocity as a field.
@@ -117,6 +104,30 @@ impl<F: Flow> Known<F> {
         })?;
         Ok(Errors::of_squares(squares))
     }
+}
+
+/// Fluid at rest without forces and conditions, with the settings of all checks.
+pub(super) fn fluid<const D: usize>(background: SimplexMesh<D>, density: f64, viscosity: f64) -> FluidSetup<D> {
+    let [gamma_u, gamma_pressure, gamma_ghost] = GAMMAS;
+    FluidSetup {
+        background,
+        overlay: OverlayOptions::new(),
+        gamma_sigma: GAMMA_SIGMA,
+        material: NewtonianFluid { density, viscosity },
+        cip: CipProfile::Consistent { gamma_u },
+        gamma_pressure,
+        gamma_ghost,
+        convection: None,
+        body_force: None,
+        initial_velocity: None,
+        boundary: Vec::new(),
+    }
+}
+
+/// A fluid without bodies.
+pub(super) fn problem<const D: usize>(fluid: FluidSetup<D>, dt: f64) -> Setup<D> {
+    let newton = NewtonSettings::new(1e-11);
+    Setup { fluid: Some(fluid), bodies: Vec::new(), contacts: Vec::new(), dt, most_halvings: 0, newton }
 }
 
 /// Errors in L2.
@@ -240,7 +251,6 @@ pub(super) fn set_sides(setup: &mut Setup<2>, condition: impl Fn() -> FluidBound
     Ok(())
 }
 
-/// The fluid of a state.
 pub(super) fn wet<const D: usize>(state: &State<D>) -> Result<&FluidState<D>, Failure> {
     Ok(state.fluid.as_ref().ok_or(DRY)?)
 }
@@ -258,7 +268,7 @@ pub(super) fn interface<'s, const D: usize>(
     Ok(wet(state)?.cut.interface().iter().zip(&wet_report(report)?.tractions))
 }
 
-/// What lies outside of a closed curve, in a square around a centre: a polygon with a hole.
+/// The outside of a closed curve, in a square around a centre: a polygon with a hole.
 pub(super) fn outside(mut curve: Vec<P>, centre: P, half: f64) -> [Vec<P>; 2] {
     curve.reverse();
     let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];

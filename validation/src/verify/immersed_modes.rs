@@ -9,7 +9,7 @@ use cutwater::solver::FluidBoundary;
 use super::dry::{mapped, second_order};
 use super::flow::fluid_mut;
 use super::linear_flow::still;
-use super::mode::{self, Mode, RADIUS};
+use super::mode::{Mode, RADIUS, frequency_of};
 use super::{Failure, P, Record, Run, short};
 
 /// Viscosity of the falling balls' fluid, P; its density is that of the disk, one.
@@ -80,13 +80,7 @@ fn frequency(mode: &Mode, h: f64, steps: f64, gamma: f64) -> Result<f64, Failure
     let body = mode.disk(h, second_order(0.8)?)?;
     let amplitude = mode.projection(&body.solid);
     setup.bodies.push(body.body("disk")?);
-    let mut run = Run::lagged(setup)?;
-    let mut samples = Vec::new();
-    while run.state.time < (PERIODS + 0.5) * period {
-        run.advance()?;
-        samples.push((run.state.time, amplitude(run.state.bodies[0].displacement())));
-    }
-    mode::frequency(&samples)
+    frequency_of(Run::lagged(setup)?, (PERIODS + 0.5) * period, amplitude)
 }
 
 /// A box whose cells have size `h` at the disk and grow with the distance.

@@ -8,7 +8,7 @@ use cutwater::solid_svk::{LameParameters, SaintVenantKirchhoff, SolidMesh};
 
 use super::dry::{Elastic, Scheme, elastic};
 use super::signal::passage;
-use super::{Failure, P, V};
+use super::{Failure, P, Run, V};
 
 /// The disk of the falling balls: radius, cm; density, g/cm^3; Lame parameters, dyn/cm^2.
 pub(super) const RADIUS: f64 = 4.0;
@@ -86,11 +86,21 @@ impl Mode {
     }
 }
 
+/// Frequency of the oscillation of the first body until a time, Hz, with its amplitude as a function of displacements.
+pub(super) fn frequency_of(mut run: Run, end: f64, amplitude: impl Fn(&[V]) -> f64) -> Result<f64, Failure> {
+    let mut samples = Vec::new();
+    while run.state.time < end {
+        run.advance()?;
+        samples.push((run.state.time, amplitude(run.state.bodies[0].displacement())));
+    }
+    frequency(&samples)
+}
+
 /// Frequency of a sampled oscillation around zero: the line through the times at which it passes zero.
 ///
 /// # Errors
 /// It passes zero less than three times.
-pub(super) fn frequency(samples: &[(f64, f64)]) -> Result<f64, Failure> {
+fn frequency(samples: &[(f64, f64)]) -> Result<f64, Failure> {
     let passages = samples.windows(2).filter(|w| w[0].1 * w[1].1 < 0.0);
     let times: Vec<f64> = passages.map(|w| passage([w[0], w[1]], 0.0)).collect();
     if times.len() < 3 {

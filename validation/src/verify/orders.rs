@@ -20,7 +20,6 @@ const STEADY: f64 = 1e9;
 /// Errors of a sequence of meshes or steps.
 type Sequence = Vec<(f64, Errors)>;
 
-/// Measures all flows.
 pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let sizes: &[usize] = if record.full { &[16, 32, 64, 128] } else { &[16, 32, 64] };
     in_space(record, "Stokes polynomial", sizes, stokes_polynomial)?;
@@ -136,6 +135,13 @@ fn steady<F: Flow>(known: &Known<F>, setup: &Setup<2>) -> Result<Measured, Failu
     Ok((known.errors(setup, &state)?, None))
 }
 
+/// A steady flow past a disk at rest.
+fn past_disk<F: Flow>(known: &Known<F>, n: usize) -> Result<Measured, Failure> {
+    let mut setup = known.setup(square(n)?, STEADY);
+    setup.bodies.push(polygon(&[hole(centre(), 0.2, n)], |x, _| *x, known.velocity()));
+    steady(known, &setup)
+}
+
 pub(super) struct StokesPolynomial;
 
 impl Flow for StokesPolynomial {
@@ -152,16 +158,10 @@ impl Flow for StokesPolynomial {
     }
 }
 
-/// The flow without convection, with the traction given on the right.
-pub(super) fn known_polynomial() -> Known<StokesPolynomial> {
-    Known { flow: Arc::new(StokesPolynomial), density: 1.0, viscosity: 1.0, convects: false, open: &["right"] }
-}
-
 fn stokes_polynomial(n: usize) -> Result<Measured, Failure> {
-    let known = known_polynomial();
-    let mut setup = known.setup(square(n)?, STEADY);
-    setup.bodies.push(polygon(&[hole(centre(), 0.2, n)], |x, _| *x, known.velocity()));
-    steady(&known, &setup)
+    let flow = Arc::new(StokesPolynomial);
+    let known = Known { flow, density: 1.0, viscosity: 1.0, convects: false, open: &["right"] };
+    past_disk(&known, n)
 }
 
 /// Kovasznay 1948, doi:10.1017/S0305004100023999, at Re = 40.
@@ -190,9 +190,7 @@ fn kovasznay(n: usize) -> Result<Measured, Failure> {
     let flow = Kovasznay { lambda: half - half.hypot(2.0 * PI) };
     let known =
         Known { flow: Arc::new(flow), density: 1.0, viscosity: 1.0 / REYNOLDS, convects: true, open: &["right"] };
-    let mut setup = known.setup(square(n)?, STEADY);
-    setup.bodies.push(polygon(&[hole(centre(), 0.2, n)], |x, _| *x, known.velocity()));
-    steady(&known, &setup)
+    past_disk(&known, n)
 }
 
 /// Flow between cylinders of radii 0.25 and 0.5, of which the inner one turns with speed 1.

@@ -8,9 +8,7 @@ use super::short;
 /// A number with its reference.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) struct Row {
-    /// Name of the check.
     pub(crate) check: String,
-    /// The measured quantity.
     pub(crate) quantity: String,
     /// Its value; none if it is not finite.
     pub(crate) computed: Option<f64>,
@@ -23,7 +21,6 @@ pub(crate) struct Row {
 }
 
 impl Row {
-    /// Whether nothing is wrong.
     pub(crate) fn holds(&self) -> bool {
         self.verdict != "FAIL"
     }
@@ -37,16 +34,13 @@ pub(crate) type Points = Vec<(f64, f64)>;
 /// A table of texts.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Table {
-    /// Names of the columns.
     pub(crate) head: Vec<String>,
-    /// The rows.
     pub(crate) rows: Vec<Vec<String>>,
 }
 
 /// The outcome of a check or of a study.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Record {
-    /// Name of the check.
     pub(crate) check: String,
     /// Subject of the check, in a sentence.
     pub(crate) about: String,
@@ -54,9 +48,7 @@ pub(crate) struct Record {
     pub(crate) full: bool,
     /// Wall-clock time that it took, in seconds.
     pub(crate) seconds: f64,
-    /// The numbers.
     pub(crate) rows: Vec<Row>,
-    /// Further tables.
     pub(crate) tables: Vec<Table>,
     /// Curves of measured numbers; both axes are logarithmic if the horizontal one is.
     pub(crate) figures: Vec<Chart>,
@@ -69,7 +61,6 @@ impl Record {
         Self { check: check.to_owned(), about: about.to_owned(), full, ..Self::default() }
     }
 
-    /// Whether every number passes.
     pub(crate) fn holds(&self) -> bool {
         self.rows.iter().all(Row::holds)
     }
@@ -86,12 +77,10 @@ impl Record {
         self.push(quantity.into(), computed, Some(reference), format!("± {} %", short(100.0 * fraction)), Some(holds));
     }
 
-    /// A number with a largest value.
     pub(crate) fn at_most(&mut self, quantity: impl Into<String>, computed: f64, bound: f64) {
         self.push(quantity.into(), computed, Some(bound), "at most".to_owned(), Some(computed <= bound));
     }
 
-    /// A number with a smallest value.
     pub(crate) fn at_least(&mut self, quantity: impl Into<String>, computed: f64, bound: f64) {
         self.push(quantity.into(), computed, Some(bound), "at least".to_owned(), Some(computed >= bound));
     }
@@ -107,7 +96,6 @@ impl Record {
         self.push(quantity.into(), computed, reference, String::new(), None);
     }
 
-    /// A remark.
     pub(crate) fn note(&mut self, text: impl Into<String>) {
         self.notes.push(text.into());
     }

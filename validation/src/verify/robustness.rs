@@ -23,7 +23,6 @@ const LARGEST_CHANGE: f64 = 1e-5;
 /// The largest jump at the touch, over the error on this mesh.
 const LARGEST_JUMP: f64 = 1.0;
 
-/// Measures sweeps and scatter.
 pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     for sweep in &PLANE {
         measure_sweep(record, sweep)?;

@@ -1,9 +1,14 @@
-//! The time loop of the checks.
+//! The time loop of the checks, and points, vectors and tensors of the plane.
 
 use cutwater::algebra::{LaggedSettings, LaggedSolver, Workspace};
+use cutwater::mesh::{Point, Tensor, Vector};
 use cutwater::solver::{Setup, State, StepReport, Substep, advance};
 
 use crate::outcome::Failure;
+
+pub(crate) type P = Point<2>;
+pub(crate) type V = Vector<2>;
+pub(crate) type T = Tensor<2>;
 
 /// A problem and its state at a time.
 pub(crate) struct Run<const D: usize = 2> {

@@ -73,7 +73,6 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     Ok(())
 }
 
-/// How the disk sank.
 struct Fall {
     /// Time and Reynolds number.
     reynolds: Vec<(f64, f64)>,

@@ -1,6 +1,5 @@
 //! Numbers of sampled signals and curves.
 
-/// Mean of values.
 pub(super) fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }

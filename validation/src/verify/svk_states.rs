@@ -56,7 +56,6 @@ fn scale<const D: usize>(pressure: f64) -> f64 {
 /// A uniform state of the unit square or cube.
 struct Uniform<const D: usize> {
     name: String,
-    /// Deformation gradient.
     gradient: Tensor<D>,
     /// First Piola-Kirchhoff stress in closed form.
     piola: Tensor<D>,

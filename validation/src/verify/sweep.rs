@@ -11,8 +11,8 @@ use cutwater::mesh::{Placed, Point, SimplexMesh, Vector, VertexId};
 use cutwater::solver::body::{Body, PrescribedBody, TimeField};
 use cutwater::solver::{FluidBoundary, FluidSetup, Setup, State, Substep, advance};
 
-use super::flow::{Flow, fluid_mut, fluid_of, interface, polygon, wet, wet_report};
-use super::orders::{StokesPolynomial, known_polynomial};
+use super::flow::{Flow, fluid, fluid_mut, fluid_of, interface, polygon, problem, wet, wet_report};
+use super::orders::StokesPolynomial;
 use super::record::worse;
 use super::{Failure, P};
 
@@ -49,7 +49,6 @@ pub(super) const SPACE: [Sweep<3>; 3] = [
     Sweep { name: "cube, side past a face", bodies: |s| cube([0.0, 0.0], s) },
 ];
 
-/// Size of the cells.
 fn size<const D: usize>() -> f64 {
     1.0 / N[D - 2] as f64
 }
@@ -69,24 +68,15 @@ fn setup<const D: usize>(bodies: Bodies<D>) -> Result<Setup<D>, Failure> {
         Vector::from_fn(|a, _| if a < 2 { viscous[a] } else { 0.0 }) - n * StokesPolynomial.pressure(&x, 0.0)
     };
     boundary.push((side("right")?, FluidBoundary::Open { traction: Some(Arc::new(traction)), backflow: false }));
-    let planar = known_polynomial().setup(structured_box::<2>([-0.5; 2], [0.5; 2], [1; 2])?, STEADY);
-    let Setup { fluid, dt, newton, .. } = planar;
     let at_start = polynomial();
-    let fluid = fluid.map(|planar| FluidSetup {
-        background,
-        overlay: planar.overlay,
-        gamma_sigma: planar.gamma_sigma,
-        material: planar.material,
+    let fluid = FluidSetup {
         cip: CipProfile::Consistent { gamma_u: 0.0 },
-        gamma_pressure: planar.gamma_pressure,
-        gamma_ghost: planar.gamma_ghost,
-        convection: None,
-        body_force: None,
         // In space the flow starts from rest.
         initial_velocity: (D == 2).then(|| Arc::new(move |x: &Point<D>| at_start(x, 0.0)) as _),
         boundary,
-    });
-    Ok(Setup { fluid, bodies, contacts: Vec::new(), dt, most_halvings: 0, newton })
+        ..fluid(background, 1.0, 1.0)
+    };
+    Ok(Setup { bodies, ..problem(fluid, STEADY) })
 }
 
 fn plane<const D: usize>(x: &Point<D>) -> P {

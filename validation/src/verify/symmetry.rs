@@ -19,7 +19,6 @@ const COARSE: [&str; 4] =
 const MIRRORED: [&str; 4] =
     ["background.mirrored=true", "background.boundary.left=free", "body.0.shape.mirrored=true", "body.0.boundary={}"];
 
-/// Runs both and compares.
 pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let (half, whole) = (fall(record.full, &[])?, fall(record.full, &MIRRORED)?);
     let time = |time: Option<f64>| time.unwrap_or(f64::NAN);

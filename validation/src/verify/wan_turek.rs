@@ -56,8 +56,8 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let falls = differences.windows(2).all(|w| w[1] < w[0]);
     record.at_least("every refinement changes the drag less than the one before", f64::from(falls), 1.0);
     if record.full {
-        record.near_relative("RMS of C_D, finest mesh", rms(&finest.drag), KNOWN_RMS, ACCURACY);
-        record.near_relative("RMS of C_D by traction, finest mesh", rms(&finest.by_traction), KNOWN_RMS, ACCURACY);
+        record.near_relative("RMS of C_D, finest mesh", rms(&finest.coefficients[0]), KNOWN_RMS, ACCURACY);
+        record.near_relative("RMS of C_D by traction, finest mesh", rms(&finest.coefficients[1]), KNOWN_RMS, ACCURACY);
         record.show("C_D(t) + C_D(t + T/2) from t = 3.5 s on, RMS relative to C_D", finest.asymmetry(3.5), None);
         record.show("the same on the mesh before", coarse.asymmetry(3.5), None);
         for part in [2, 4] {
@@ -65,22 +65,16 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
             show(record, &format!("h = {h}, dt/{part}"), &run(h, part, end)?);
         }
     }
-    type Pick = fn(&Signal) -> f64;
-    let kinds: [(&str, Pick); 3] = [
-        ("drag", |s| s.noise(&s.drag)),
-        ("drag by traction", |s| s.noise(&s.by_traction)),
-        ("lift", |s| s.noise(&s.lift)),
-    ];
     let mut curves = Vec::new();
-    for (name, pick) in kinds {
-        let curve: Vec<(f64, f64)> = signals.iter().map(|(h, signal)| (*h, pick(signal))).collect();
-        record.at_least(format!("noise of the {name}: order in h over all meshes"), slope(&curve), NOISE_ORDER);
-        curves.push((name.to_owned(), curve));
+    for (k, kind) in KINDS.into_iter().enumerate() {
+        let curve: Vec<(f64, f64)> = signals.iter().map(|(h, signal)| (*h, signal.noise()[k])).collect();
+        record.at_least(format!("noise of the {kind}: order in h over all meshes"), slope(&curve), NOISE_ORDER);
+        curves.push((kind, curve));
     }
     record.figure(
         "Drag coefficient of the oscillating cylinder",
         "t [s]",
-        signals.iter().map(|(h, s)| (format!("h = {h}"), s.over_time(&s.drag))).collect(),
+        signals.iter().map(|(h, s)| (format!("h = {h}"), s.drag_over_time())).collect(),
     );
     record.log_figure("High-frequency noise over the amplitude of the drag", "h [m]", curves);
     record.note(format!(
@@ -98,19 +92,23 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
 
 /// Numbers of one run.
 fn show(record: &mut Record, name: &str, signal: &Signal) {
-    let [least, largest] = range(&signal.drag);
+    let [drag, by_traction, lift] = &signal.coefficients;
+    let [least, largest] = range(drag);
     let known = record.full.then_some(KNOWN_RMS);
-    record.show(format!("{name}: RMS of C_D"), rms(&signal.drag), known);
-    record.show(format!("{name}: RMS of C_D by traction"), rms(&signal.by_traction), known);
+    record.show(format!("{name}: RMS of C_D"), rms(drag), known);
+    record.show(format!("{name}: RMS of C_D by traction"), rms(by_traction), known);
     record.show(format!("{name}: least C_D"), least, None);
     record.show(format!("{name}: largest C_D"), largest, None);
-    record.show(format!("{name}: largest |C_L|"), signal.lift.iter().map(|c| c.abs()).fold(0.0, f64::max), None);
-    record.show(format!("{name}: noise of the drag"), signal.noise(&signal.drag), None);
-    record.show(format!("{name}: noise of the drag by traction"), signal.noise(&signal.by_traction), None);
-    record.show(format!("{name}: noise of the lift"), signal.noise(&signal.lift), None);
+    record.show(format!("{name}: largest |C_L|"), lift.iter().map(|c| c.abs()).fold(0.0, f64::max), None);
+    for (kind, noise) in KINDS.into_iter().zip(signal.noise()) {
+        record.show(format!("{name}: noise of the {kind}"), noise, None);
+    }
 }
 
-/// Coefficients of the force after every step that counts.
+/// Coefficients of the force.
+const KINDS: [&str; 3] = ["drag", "drag by traction", "lift"];
+
+/// Coefficients after every step that counts.
 #[derive(Default)]
 struct Signal {
     dt: f64,
@@ -118,21 +116,19 @@ struct Signal {
     begin: f64,
     /// Steps to either side that smooth values are fitted to.
     wing: usize,
-    drag: Vec<f64>,
-    by_traction: Vec<f64>,
-    lift: Vec<f64>,
+    /// In the order of [`KINDS`].
+    coefficients: [Vec<f64>; 3],
 }
 
 impl Signal {
-    /// Points of a curve.
-    fn over_time(&self, values: &[f64]) -> Vec<(f64, f64)> {
-        values.iter().enumerate().map(|(k, value)| (self.begin + k as f64 * self.dt, *value)).collect()
+    fn drag_over_time(&self) -> Vec<(f64, f64)> {
+        self.coefficients[0].iter().enumerate().map(|(k, drag)| (self.begin + k as f64 * self.dt, *drag)).collect()
     }
 
-    /// Returns the RMS of the noise in a signal, relative to half the range of the drag.
-    fn noise(&self, values: &[f64]) -> f64 {
-        let [least, largest] = range(&self.drag);
-        rms(&rough(values, self.wing)) / (0.5 * (largest - least))
+    /// Returns the RMS of the noise in each coefficient, relative to half the range of the drag.
+    fn noise(&self) -> [f64; 3] {
+        let [least, largest] = range(&self.coefficients[0]);
+        self.coefficients.each_ref().map(|values| rms(&rough(values, self.wing)) / (0.5 * (largest - least)))
     }
 
     /// RMS of the difference of the drags, at the times of this signal that the other has around them.
@@ -140,10 +136,11 @@ impl Signal {
         let at = |t: f64| {
             let place = (t - other.begin) / other.dt;
             let k = place.floor();
-            let pair = (k >= 0.0).then(|| other.drag.get(k as usize).zip(other.drag.get(k as usize + 1)))??;
+            let drag = &other.coefficients[0];
+            let pair = (k >= 0.0).then(|| drag.get(k as usize).zip(drag.get(k as usize + 1)))??;
             Some(pair.0 + (place - k) * (pair.1 - pair.0))
         };
-        let differences = self.over_time(&self.drag).into_iter().filter_map(|(t, drag)| Some(drag - at(t)?));
+        let differences = self.drag_over_time().into_iter().filter_map(|(t, drag)| Some(drag - at(t)?));
         rms(&differences.collect::<Vec<_>>())
     }
 
@@ -151,7 +148,7 @@ impl Signal {
     fn asymmetry(&self, from: f64) -> f64 {
         let half = (0.5 / FREQUENCY / self.dt).round() as usize;
         let first = ((from - self.begin) / self.dt).ceil() as usize;
-        let drag = self.drag.get(first..).unwrap_or_default();
+        let drag = self.coefficients[0].get(first..).unwrap_or_default();
         let sums: Vec<f64> = drag.iter().zip(drag.iter().skip(half)).map(|(a, b)| a + b).collect();
         rms(&sums) / rms(drag)
     }
@@ -200,12 +197,11 @@ fn run(h: f64, part: usize, end: f64) -> Result<Signal, Failure> {
             total += on_piece.total() * (scale * piece.measure);
             traction += on_piece.fluid * (scale * piece.measure);
         }
-        if signal.drag.is_empty() {
+        if signal.coefficients[0].is_empty() {
             signal.begin = run.state.time;
         }
-        signal.drag.push(total[0]);
-        signal.by_traction.push(traction[0]);
-        signal.lift.push(total[1]);
+        let now = [total[0], traction[0], total[1]];
+        signal.coefficients.iter_mut().zip(now).for_each(|(values, value)| values.push(value));
     }
     Ok(signal)
 }
@@ -218,11 +214,12 @@ mod tests {
     fn a_signal_that_turns_around_every_half_period_is_antisymmetric() {
         let dt = 0.02;
         let drag = (0..375).map(|k| (TAU * FREQUENCY * (BEGIN + f64::from(k) * dt)).sin()).collect();
-        let signal = Signal { dt, begin: BEGIN, drag, ..Signal::default() };
+        let of_drag = |dt: f64, begin: f64, drag| Signal { dt, begin, wing: 5, coefficients: [drag, vec![], vec![]] };
+        let signal = of_drag(dt, BEGIN, drag);
         assert!(signal.asymmetry(3.5) < 1e-12);
         // A finer signal of the same, up to linear interpolation.
         let drag = (0..750).map(|k| (TAU * FREQUENCY * (BEGIN + 0.003 + 0.5 * f64::from(k) * dt)).sin()).collect();
-        let other = Signal { dt: 0.5 * dt, begin: BEGIN + 0.003, drag, ..Signal::default() };
+        let other = of_drag(0.5 * dt, BEGIN + 0.003, drag);
         assert!(signal.difference(&other) < 1e-4);
     }
 }

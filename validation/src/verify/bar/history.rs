@@ -58,7 +58,6 @@ impl Exact {
         first + (last - first) * (time - begin) / (end - begin)
     }
 
-    /// Its mean.
     pub(super) fn mean(&self) -> f64 {
         0.5 * (self.pressure[0] + self.pressure[1])
     }
