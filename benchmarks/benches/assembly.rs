@@ -6,8 +6,8 @@ use std::time::Duration;
 
 use algebra::{BlockSystem, Constraints, Equations};
 use benchmarks::{
-    RESOLUTIONS, StokesWeights, UnfittedStokes, contributions, elastic_box, falling_ball, n_background_cells, whirl,
-    with_first_problem, with_internal_work,
+    RESOLUTIONS, UnfittedStokes, contributions, falling_ball, n_background_cells, system, whirl, with_first_problem,
+    with_internal_work,
 };
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
@@ -59,13 +59,13 @@ fn known_pattern(c: &mut Criterion) {
     elasticity::<3>(&mut group, "elasticity/3d/n32", 32, LinearElastic::new(lame));
     elasticity::<2>(&mut group, "finite-elasticity/2d/n448", 448, SaintVenantKirchhoff::new(lame));
     elasticity::<3>(&mut group, "finite-elasticity/3d/n32", 32, SaintVenantKirchhoff::new(lame));
-    cut_stokes(&mut group, "2d/n256", UnfittedStokes::around_disk(256, StokesWeights::PUBLISHED));
-    let published = UnfittedStokes::around_disk(256, StokesWeights::PUBLISHED).with_published_forms();
+    cut_stokes(&mut group, "2d/n256", UnfittedStokes::around_disk(256));
+    let published = UnfittedStokes::around_disk(256).with_published_forms();
     cut_stokes(&mut group, "2d/n256/published-forms", published);
-    cut_stokes(&mut group, "3d/n32", UnfittedStokes::around_sphere(32, StokesWeights::PUBLISHED));
+    cut_stokes(&mut group, "3d/n32", UnfittedStokes::around_sphere(32));
     let setup = whirl(224);
     with_first_problem(&setup, |problem, x| {
-        let mut system = system_of(&problem.equations);
+        let mut system = system(&problem.equations);
         let all = contributions(&problem.equations);
         group.throughput(Throughput::Elements(n_background_cells(&setup) as u64));
         group.bench_function("navier-stokes/2d/n224", |b| b.iter(|| system.assemble(&all, x)));
@@ -80,9 +80,8 @@ fn elasticity<const D: usize>(
     n: usize,
     material: impl Material<D> + 'static,
 ) {
-    let body = elastic_box::<D>(n, material);
-    group.throughput(Throughput::Elements(body.0.mesh().n_cells() as u64));
-    with_internal_work(&body, |layout, work, x| {
+    with_internal_work(n, material, |layout, work, x| {
+        group.throughput(Throughput::Elements(work.len() as u64));
         let mut system = BlockSystem::new(layout, &[work], &Constraints::new());
         group.bench_function(id, |b| {
             b.iter(|| if work.is_linear() { system.assemble_linear(&[work]) } else { system.assemble(&[work], x) });
@@ -93,15 +92,11 @@ fn elasticity<const D: usize>(
 /// Measures weights of the faces, matrix and right-hand side, with and without the shape values on parts, faces and pieces.
 fn cut_stokes<const D: usize>(group: &mut BenchmarkGroup<'_, WallTime>, place: &str, mut stokes: UnfittedStokes<D>) {
     group.throughput(Throughput::Elements(stokes.n_active() as u64));
-    let mut system = stokes.with_equations(system_of);
+    let mut system = stokes.with_equations(system);
     group.bench_function(format!("cut-stokes/{place}"), |b| {
         b.iter(|| stokes.with_equations(|equations| system.assemble_linear(&contributions(equations))));
     });
     group.bench_function(format!("cut-stokes-shapes/{place}"), |b| b.iter(|| stokes.evaluate_shapes()));
-}
-
-fn system_of(equations: &Equations<'_>) -> BlockSystem {
-    BlockSystem::new(equations.layout, &contributions(equations), equations.constraints)
 }
 
 criterion_group!(benches, assembly, known_pattern);

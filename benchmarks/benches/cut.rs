@@ -4,10 +4,11 @@ use std::hint::black_box;
 use std::time::Duration;
 
 use benchmarks::{BODY_CENTRE, RESOLUTIONS, background, ball, polygon, sphere};
-use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use criterion::measurement::WallTime;
+use criterion::{BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use cutcell::{CutMesh, Cutter, OverlayOptions};
 use mesh::generate::structured_box;
-use mesh::{BoundaryMesh, Placed, Point, QuadratureRule, SimplexMesh, SimplexRule};
+use mesh::{BoundaryMesh, Placed, Point, QuadratureRule, SimplexRule};
 
 fn cut(c: &mut Criterion) {
     let mut group = c.benchmark_group("cut");
@@ -42,55 +43,45 @@ fn explicit_surfaces(c: &mut Criterion) {
     let mut group = c.benchmark_group("cut");
     group.sample_size(10).measurement_time(Duration::from_secs(4)).warm_up_time(Duration::from_millis(500));
     for (n, edges) in [(128, 256), (256, 256), (256, 4096), (512, 256)] {
-        let background = structured_box::<2>([-0.5; 2], [0.5; 2], [n; 2]).expect("a box");
-        let (positions, boundary) = polygon(BODY_CENTRE, 0.4, edges);
         let id = BenchmarkId::new("disk", format!("2d/{n}/{edges}"));
-        group.throughput(Throughput::Elements(2 * (n as u64).pow(2)));
-        let mut cutter = Cutter::new();
-        group.bench_function(id, |b| {
-            b.iter(|| black_box(overlay_with_rules(&mut cutter, &background, &boundary, &positions)));
-        });
+        overlay_with_rules::<2>(&mut group, id, n, polygon(BODY_CENTRE, 0.4, edges));
     }
     // A constant number of cut cells, and an increasing number of uncut ones.
     for n in [64, 128, 256, 512] {
-        let background = structured_box::<2>([-0.5; 2], [0.5; 2], [n; 2]).expect("a box");
-        let (positions, boundary) = polygon(BODY_CENTRE, 0.4 * 64.0 / n as f64, 256);
         let id = BenchmarkId::new("far-cells", format!("2d/{n}"));
-        group.throughput(Throughput::Elements(background.n_cells() as u64));
-        let mut cutter = Cutter::new();
-        group.bench_function(id, |b| {
-            b.iter(|| black_box(overlay_with_rules(&mut cutter, &background, &boundary, &positions)));
-        });
+        overlay_with_rules::<2>(&mut group, id, n, polygon(BODY_CENTRE, 0.4 * 64.0 / n as f64, 256));
     }
     for n in [16, 32, 64] {
-        let background = structured_box::<3>([-0.5; 3], [0.5; 3], [n; 3]).expect("a box");
-        let (positions, boundary) = sphere(BODY_CENTRE, 0.4, (0.63 * n as f64) as u32);
         let id = BenchmarkId::new("sphere", format!("3d/{n}"));
-        group.throughput(Throughput::Elements(6 * (n as u64).pow(3)));
-        let mut cutter = Cutter::new();
-        group.bench_function(id, |b| {
-            b.iter(|| black_box(overlay_with_rules(&mut cutter, &background, &boundary, &positions)));
-        });
+        overlay_with_rules::<3>(&mut group, id, n, sphere(BODY_CENTRE, 0.4, (0.63 * n as f64) as u32));
     }
     group.finish();
 }
 
+/// Measures the overlay of a surface on a box of `n` bricks along each side, with rules on cut parts and pieces.
 fn overlay_with_rules<const D: usize>(
-    cutter: &mut Cutter<D>,
-    background: &SimplexMesh<D>,
-    boundary: &BoundaryMesh<D>,
-    positions: &[Point<D>],
-) -> [QuadratureRule<D>; 2] {
-    let surface = [Placed::new(boundary, positions)];
-    let cut = cutter.overlay(background, &surface, &OverlayOptions::new()).expect("a sound surface");
+    group: &mut BenchmarkGroup<'_, WallTime>,
+    id: BenchmarkId,
+    n: usize,
+    (positions, boundary): (Vec<Point<D>>, BoundaryMesh<D>),
+) {
+    let background = structured_box::<D>([-0.5; D], [0.5; D], [n; D]).expect("a box");
+    let surface = [Placed::new(&boundary, &positions)];
     let rules = [D, D - 1].map(|dimension| SimplexRule::of_degree(dimension, 2));
-    let mut points = [QuadratureRule::default(), QuadratureRule::default()];
-    for part in cut.all_parts().filter(|&part| !cut.is_whole(part)) {
-        cut.part_quadrature(background, part, &rules[0], &mut points[0]);
-    }
-    cut.interface().iter().for_each(|piece| points[1].push_simplex(&rules[1], &piece.points[..D]));
-    cutter.recycle(cut);
-    points
+    let mut cutter = Cutter::new();
+    group.throughput(Throughput::Elements(background.n_cells() as u64));
+    group.bench_function(id, |b| {
+        b.iter(|| {
+            let cut = cutter.overlay(&background, &surface, &OverlayOptions::new()).expect("a sound surface");
+            let mut points = [QuadratureRule::default(), QuadratureRule::default()];
+            for part in cut.all_parts().filter(|&part| !cut.is_whole(part)) {
+                cut.part_quadrature(&background, part, &rules[0], &mut points[0]);
+            }
+            cut.interface().iter().for_each(|piece| points[1].push_simplex(&rules[1], &piece.points[..D]));
+            cutter.recycle(cut);
+            black_box(points)
+        });
+    });
 }
 
 criterion_group!(benches, cut, explicit_surfaces);

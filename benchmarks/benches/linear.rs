@@ -3,23 +3,12 @@
 use std::time::Duration;
 
 use algebra::{BlockGaussSeidel, BlockGaussSeidelSettings, BlockSolver, BlockSystem, DirectSolver, Fill, LinearSolver};
-use benchmarks::{
-    RESOLUTIONS, StokesWeights, UnfittedStokes, ball_in_contact, falling_ball, first_system, stokes_system,
-};
+use benchmarks::{RESOLUTIONS, UnfittedStokes, ball_in_contact, falling_ball, first_system, stokes_system};
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 
 /// Relative residual of the iterative solvers.
 const TOLERANCE: f64 = 1e-8;
-
-/// Preconditioners with their names.
-fn preconditioners() -> [(&'static str, Vec<BlockSolver>); 3] {
-    [
-        ("gmres-lu", vec![BlockSolver::Lu]),
-        ("gmres-ilu", vec![BlockSolver::Incomplete(Fill::Pattern), BlockSolver::Cholesky]),
-        ("gmres-ilut", vec![BlockSolver::Incomplete(Fill::THRESHOLD), BlockSolver::Cholesky]),
-    ]
-}
 
 /// Equilibrates and factorises the matrix.
 fn factorize(solver: &mut dyn LinearSolver, system: &mut BlockSystem) {
@@ -27,32 +16,29 @@ fn factorize(solver: &mut dyn LinearSolver, system: &mut BlockSystem) {
     solver.factorize(&system.linear_system().expect("a matrix with scales")).expect("a regular matrix");
 }
 
-fn solve(solver: &mut dyn LinearSolver, system: &mut BlockSystem, x: &mut [f64]) -> usize {
-    factorize(solver, system);
-    let linear = system.linear_system().expect("a matrix with scales");
-    solver.solve(&linear, system.residual(), x, TOLERANCE).expect("a solution").iterations
-}
-
-/// Measures set-up and solve with each of the named preconditioners.
-fn iterative(group: &mut BenchmarkGroup<'_, WallTime>, system: &mut BlockSystem, place: &str, names: &[&str]) {
+/// Measures set-up and solve with each of the named solvers.
+fn solve(group: &mut BenchmarkGroup<'_, WallTime>, system: &mut BlockSystem, place: &str, names: &[&str]) {
     let mut x = vec![0.0; system.layout().len()];
     group.throughput(Throughput::Elements(x.len() as u64));
-    for (name, solvers) in preconditioners().into_iter().filter(|(name, _)| names.contains(name)) {
-        let settings = BlockGaussSeidelSettings { solvers, ..BlockGaussSeidelSettings::default() };
+    for &name in names {
+        let blocks = match name {
+            "gmres-lu" => vec![BlockSolver::Lu],
+            "gmres-ilu" => vec![BlockSolver::Incomplete(Fill::Pattern), BlockSolver::Cholesky],
+            _ => vec![BlockSolver::Incomplete(Fill::THRESHOLD), BlockSolver::Cholesky],
+        };
+        let settings = BlockGaussSeidelSettings { solvers: blocks, ..BlockGaussSeidelSettings::default() };
         group.bench_function(BenchmarkId::new(name, place), |b| {
-            let mut solver = BlockGaussSeidel::new(settings.clone());
-            b.iter(|| solve(&mut solver, system, &mut x));
+            let mut iterative = BlockGaussSeidel::new(settings.clone());
+            b.iter(|| {
+                // The direct solver has a new pattern every time.
+                let direct: &mut dyn LinearSolver = &mut DirectSolver::new();
+                let solver = if name == "lu-factor" { direct } else { &mut iterative };
+                factorize(solver, system);
+                let linear = system.linear_system().expect("a matrix with scales");
+                solver.solve(&linear, system.residual(), &mut x, TOLERANCE).expect("a solution").iterations
+            });
         });
     }
-}
-
-/// Measures factorisation of a new pattern and solve.
-fn direct(group: &mut BenchmarkGroup<'_, WallTime>, system: &mut BlockSystem, place: &str) {
-    let mut x = vec![0.0; system.layout().len()];
-    group.throughput(Throughput::Elements(x.len() as u64));
-    group.bench_function(BenchmarkId::new("lu-factor", place), |b| {
-        b.iter(|| solve(&mut DirectSolver::new(), system, &mut x));
-    });
 }
 
 fn coupled(c: &mut Criterion) {
@@ -72,9 +58,9 @@ fn coupled(c: &mut Criterion) {
         group.bench_function(BenchmarkId::new("lu-solve", &place), |b| {
             b.iter(|| solver.solve(&linear, system.residual(), &mut x, 0.0));
         });
-        iterative(&mut group, &mut system, &place, &["gmres-lu", "gmres-ilu", "gmres-ilut"]);
+        solve(&mut group, &mut system, &place, &["gmres-lu", "gmres-ilu", "gmres-ilut"]);
         let mut contact = first_system(&ball_in_contact(resolution));
-        iterative(&mut group, &mut contact, &format!("2d/{}/contact", resolution.name), &["gmres-lu", "gmres-ilut"]);
+        solve(&mut group, &mut contact, &format!("2d/{}/contact", resolution.name), &["gmres-lu", "gmres-ilut"]);
     }
     group.finish();
 }
@@ -84,17 +70,14 @@ fn stokes(c: &mut Criterion) {
     let mut group = c.benchmark_group("linear");
     group.sample_size(10).measurement_time(Duration::from_secs(3)).warm_up_time(Duration::from_millis(500));
     for n in [32, 64, 128] {
-        let mut system = stokes_system(&UnfittedStokes::around_disk(n, StokesWeights::PUBLISHED));
-        direct(&mut group, &mut system, &format!("2d/n{n}"));
-        iterative(&mut group, &mut system, &format!("2d/n{n}"), &["gmres-ilu", "gmres-ilut"]);
+        let mut system = stokes_system(&UnfittedStokes::around_disk(n));
+        solve(&mut group, &mut system, &format!("2d/n{n}"), &["lu-factor", "gmres-ilu", "gmres-ilut"]);
     }
     for n in [8, 12, 16, 24] {
-        let mut system = stokes_system(&UnfittedStokes::around_sphere(n, StokesWeights::PUBLISHED));
+        let mut system = stokes_system(&UnfittedStokes::around_sphere(n));
         // Larger systems take seconds to minutes, see `RESULTS.md`.
-        if n <= 12 {
-            direct(&mut group, &mut system, &format!("3d/n{n}"));
-        }
-        iterative(&mut group, &mut system, &format!("3d/n{n}"), &["gmres-ilu", "gmres-ilut"]);
+        let first = if n <= 12 { 0 } else { 1 };
+        solve(&mut group, &mut system, &format!("3d/n{n}"), &["lu-factor", "gmres-ilu", "gmres-ilut"][first..]);
     }
     group.finish();
 }

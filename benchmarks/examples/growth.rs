@@ -8,7 +8,7 @@
 use algebra::{
     BlockGaussSeidel, BlockGaussSeidelSettings, DirectSolver, LaggedSettings, LaggedSolver, LinearSolver, Workspace,
 };
-use benchmarks::{Resolution, StokesWeights, UnfittedStokes, falling_ball, falling_box, stokes_system};
+use benchmarks::{Resolution, UnfittedStokes, falling_ball, falling_box, stokes_system};
 use solver::{Setup, State, Substep, advance};
 
 /// Number of steps for means: the first one, and four with possibly lagged factors.
@@ -40,15 +40,13 @@ fn steps<const D: usize>(
 ) -> Result<String, Box<dyn std::error::Error>> {
     let mut state = State::initial(setup)?;
     let mut work = Workspace::with_solver(solver);
-    let (mut cut, mut space, mut assembly, mut linear) = (0.0, 0.0, 0.0, 0.0);
+    let mut stages = [0.0; 4];
     let (mut n, mut solves, mut iterations, mut factorizations) = (0, 0, 0, 0);
     let begin = processor_time()?;
     for _ in 0..N_STEPS {
         let (next, report) = advance(setup, &state, Substep::whole(setup.dt), &mut work)?;
-        cut += report.seconds.cut;
-        space += report.seconds.space;
-        assembly += report.seconds.assembly;
-        linear += report.seconds.linear;
+        let seconds = [report.seconds.cut, report.seconds.space, report.seconds.assembly, report.seconds.linear];
+        stages.iter_mut().zip(seconds).for_each(|(sum, seconds)| *sum += seconds);
         n = report.n_dofs;
         solves += report.newton.solves;
         iterations += report.newton.linear_iterations;
@@ -56,8 +54,8 @@ fn steps<const D: usize>(
         state = next;
     }
     let total = (processor_time()? - begin) / N_STEPS as f64;
-    let sum = cut + space + assembly + linear;
-    let [cut, space, assembly, linear] = [cut, space, assembly, linear].map(|stage| 100.0 * stage / sum);
+    let sum: f64 = stages.iter().sum();
+    let [cut, space, assembly, linear] = stages.map(|stage| 100.0 * stage / sum);
     Ok(format!(
         "{n} unknowns, {total:.3} s per step (cut {cut:.0} %, space {space:.0} %, assembly {assembly:.0} %, linear \
          {linear:.0} %), {factorizations} factorisations, {solves} solves, {iterations} iterations"
@@ -66,7 +64,7 @@ fn steps<const D: usize>(
 
 /// Measures one solve of Stokes flow around a cut sphere, including the set-up.
 fn stokes(n: u32, solver: &mut dyn LinearSolver) -> Result<String, Box<dyn std::error::Error>> {
-    let mut system = stokes_system(&UnfittedStokes::around_sphere(n, StokesWeights::PUBLISHED));
+    let mut system = stokes_system(&UnfittedStokes::around_sphere(n));
     let mut x = vec![0.0; system.layout().len()];
     let begin = processor_time()?;
     system.equilibrate()?;

@@ -22,30 +22,18 @@ mod shapes;
 mod unfitted_stokes;
 
 pub use shapes::{BODY_CENTRE, polygon, sphere};
-pub use unfitted_stokes::{StokesErrors, StokesWeights, UnfittedStokes};
+pub use unfitted_stokes::UnfittedStokes;
 
 // Compiles the code of the README and of the guides, since this package depends on all libraries.
 #[cfg(doctest)]
 #[doc = include_str!("../../README.md")]
-struct Readme;
-#[cfg(doctest)]
 #[doc = include_str!("../../docs/src/guides/cutcell-alone.md")]
-struct CutcellAlone;
-#[cfg(doctest)]
 #[doc = include_str!("../../docs/src/guides/add-a-body.md")]
-struct AddABody;
-#[cfg(doctest)]
 #[doc = include_str!("../../docs/src/guides/add-a-contact-law.md")]
-struct AddAContactLaw;
-#[cfg(doctest)]
 #[doc = include_str!("../../docs/src/guides/add-a-material.md")]
-struct AddAMaterial;
-#[cfg(doctest)]
 #[doc = include_str!("../../docs/src/guides/add-a-term.md")]
-struct AddATerm;
-#[cfg(doctest)]
 #[doc = include_str!("../../docs/src/guides/add-a-time-scheme.md")]
-struct AddATimeScheme;
+struct Documents;
 
 /// Gap between ball and ground, cm: cut cells lie in the fine part of the background, contact is inactive.
 const GAP: f64 = 0.2;
@@ -138,6 +126,11 @@ fn fluid<const D: usize>(background: SimplexMesh<D>, cip: CipProfile) -> FluidSe
     }
 }
 
+fn set_sides<const D: usize>(fluid: &mut FluidSetup<D>, condition: fn(&str) -> FluidBoundary<D>) {
+    let sides = shapes::SIDES.iter().filter_map(|name| Some((fluid.background.tag(name)?, condition(name))));
+    fluid.boundary = sides.collect();
+}
+
 /// Returns an elastic body of the density and stiffness of the paper, under gravity.
 fn elastic<const D: usize>(name: &str, solid: SolidMesh<D>, options: ElasticOptions<D>) -> Arc<dyn Body<D>> {
     let material = SaintVenantKirchhoff::new(LameParameters { mu: 2e6, lambda: 8e6 });
@@ -160,11 +153,10 @@ pub fn falling_box<const D: usize>(n: usize) -> Setup<D> {
     const SIDE: f64 = 10.0;
     let background = structured_box([0.0; D], [SIDE; D], [n; D]).expect("a box");
     let mut fluid = fluid(background, CipProfile::Consistent { gamma_u: 0.1 });
-    for name in shapes::SIDES {
-        let open = FluidBoundary::Open { traction: None, backflow: true };
-        let condition = if name == "top" { open } else { FluidBoundary::NoSlip };
-        fluid.boundary.extend(fluid.background.tag(name).map(|tag| (tag, condition)));
-    }
+    set_sides(&mut fluid, |name| match name {
+        "top" => FluidBoundary::Open { traction: None, backflow: true },
+        _ => FluidBoundary::NoSlip,
+    });
     // Not aligned with the planes of the background.
     let corner: [f64; D] = std::array::from_fn(|axis| 3.0 + BODY_CENTRE[axis]);
     let cube = structured_box(corner, corner.map(|x| x + 0.4 * SIDE), [(2 * n).div_ceil(5); D]).expect("a box");
@@ -178,10 +170,7 @@ pub fn whirl(n: usize) -> Setup<2> {
     let background = structured_box([0.0, 0.0], [1.0, 1.0], [n, n]).expect("a box");
     let mut fluid = fluid(background, CipProfile::Consistent { gamma_u: 0.1 });
     fluid.initial_velocity = Some(Arc::new(|x| Vector::<2>::new(x[1] - 0.5, 0.5 - x[0])));
-    for name in ["left", "right", "bottom", "top"] {
-        let tag = fluid.background.tag(name).expect("sides of a box are tagged");
-        fluid.boundary.push((tag, FluidBoundary::NoSlip));
-    }
+    set_sides(&mut fluid, |_| FluidBoundary::NoSlip);
     setup(fluid, Vec::new(), 1e-2)
 }
 
@@ -190,24 +179,22 @@ pub fn n_background_cells<const D: usize>(setup: &Setup<D>) -> usize {
     setup.fluid.as_ref().map_or(0, |fluid| fluid.background.n_cells())
 }
 
-/// Returns an elastic unit square or cube, divided into `n` bricks along each side.
-pub fn elastic_box<const D: usize>(n: usize, material: impl Material<D> + 'static) -> (SolidMesh<D>, SolidForm<D>) {
-    let mesh = structured_box([0.0; D], [1.0; D], [n; D]).expect("a box");
-    let form = SolidForm::new(1.0, material, Vector::zeros()).expect("a positive density");
-    (SolidMesh::new(mesh).expect("a mesh with positive cells"), form)
-}
-
-/// Calls a closure with the layout of a body, its internal work and a state.
+/// Calls a closure with the layout of an elastic unit square or cube, divided into `n` bricks along each side, its internal
+/// work and a state.
 pub fn with_internal_work<const D: usize, R>(
-    (solid, form): &(SolidMesh<D>, SolidForm<D>),
+    n: usize,
+    material: impl Material<D> + 'static,
     then: impl FnOnce(&BlockLayout, &dyn Contributions, &[f64]) -> R,
 ) -> R {
+    let mesh = structured_box([0.0; D], [1.0; D], [n; D]).expect("a box");
+    let solid = SolidMesh::new(mesh).expect("a mesh with positive cells");
+    let form = SolidForm::new(1.0, material, Vector::zeros()).expect("a positive density");
     let rest = vec![Vector::zeros(); solid.mesh().n_vertices()];
     let level = Level { displacement: rest.clone(), velocity: rest, acceleration: Vec::new() };
     let rule = StepRule::new(&ImplicitEuler, &[1.0], &[level]);
     let mut layout = BlockLayout::new();
     let field = layout.push("velocity", solid.mesh().n_vertices(), D);
-    let work = form.internal_work(SolidCells { solid, rule: &rule, layout: &layout, velocity: field });
+    let work = form.internal_work(SolidCells { solid: &solid, rule: &rule, layout: &layout, velocity: field });
     let x: Vec<f64> = (0..layout.len()).map(|k| 1e-3 * (k as f64).sin()).collect();
     then(&layout, &work, &x)
 }
@@ -235,10 +222,14 @@ pub fn contributions<'e>(equations: &'e Equations<'_>) -> Vec<&'e dyn Contributi
     equations.contributions.iter().map(|contribution| contribution.as_ref() as &dyn Contributions).collect()
 }
 
+/// Returns the system of equations, not assembled yet.
+pub fn system(equations: &Equations<'_>) -> BlockSystem {
+    BlockSystem::new(equations.layout, &contributions(equations), equations.constraints)
+}
+
 fn system_at(equations: &Equations<'_>, x: &[f64]) -> BlockSystem {
-    let contributions = contributions(equations);
-    let mut system = BlockSystem::new(equations.layout, &contributions, equations.constraints);
-    system.assemble(&contributions, x);
+    let mut system = system(equations);
+    system.assemble(&contributions(equations), x);
     system.equilibrate().expect("a regular matrix");
     system
 }

@@ -5,6 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
+use serde::de::DeserializeOwned;
 
 /// A case: a scenario, changes to it, and the expected numbers.
 #[derive(Debug, Deserialize)]
@@ -19,10 +20,8 @@ pub(crate) struct Reference {
     /// Changes of the scenario, as for `cutwater run --set`.
     #[serde(default)]
     pub(crate) set: Vec<String>,
-    /// The expected numbers.
     #[serde(rename = "comparison")]
     pub(crate) comparisons: Vec<Comparison>,
-    /// The short version.
     pub(crate) quick: Quick,
 }
 
@@ -34,7 +33,6 @@ pub(crate) struct Comparison {
     pub(crate) quantity: String,
     /// Its key in `summary.json`.
     pub(crate) key: String,
-    /// Its unit.
     #[serde(default)]
     pub(crate) unit: String,
     /// The paper's number.
@@ -60,36 +58,28 @@ pub(crate) struct Quick {
 /// Our own values on coarse meshes: case to key to value; properties count as 0 or 1.
 pub(crate) type QuickValues = BTreeMap<String, BTreeMap<String, f64>>;
 
-/// The folder of this package.
-pub(crate) fn folder() -> PathBuf {
+fn package() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// The file of a scenario.
 pub(crate) fn scenario_path(name: &str) -> PathBuf {
-    folder().join("cases").join(name).with_extension("toml")
+    package().join("cases").join(name).with_extension("toml")
 }
 
 /// The stored values of the short versions.
 pub(crate) fn quick_values_path() -> PathBuf {
-    folder().join("reference/quick/values.toml")
+    package().join("reference/quick/values.toml")
 }
 
 /// The names of all cases, in order.
-///
-/// # Errors
-/// The folder cannot be read.
 pub(crate) fn names() -> std::io::Result<Vec<String>> {
-    stems(&folder().join("reference"))
+    stems("reference")
 }
 
-/// The names of the TOML files in a folder, in order.
-///
-/// # Errors
-/// The folder cannot be read.
-pub(crate) fn stems(folder: &Path) -> std::io::Result<Vec<String>> {
+/// The names of the TOML files in a folder of this package, in order.
+pub(crate) fn stems(folder: &str) -> std::io::Result<Vec<String>> {
     let mut names = Vec::new();
-    for entry in fs::read_dir(folder)? {
+    for entry in fs::read_dir(package().join(folder))? {
         let path = entry?.path();
         if path.extension().is_some_and(|e| e == "toml")
             && let Some(stem) = path.file_stem()
@@ -102,32 +92,29 @@ pub(crate) fn stems(folder: &Path) -> std::io::Result<Vec<String>> {
 }
 
 /// The reference of a case.
+pub(crate) fn read(name: &str) -> Result<Reference, String> {
+    read_named("reference", "case", name)
+}
+
+/// The TOML file of a name in a folder of this package.
 ///
 /// # Errors
-/// The case is missing or invalid.
-pub(crate) fn read(name: &str) -> Result<Reference, String> {
-    let path = folder().join("reference").join(name).with_extension("toml");
-    if !path.is_file() {
-        let known = names().unwrap_or_default().join(", ");
-        return Err(format!("there is no case {name:?}; there are {known}"));
+/// No file of this kind has that name, or it is invalid.
+pub(crate) fn read_named<T: DeserializeOwned>(folder: &str, kind: &str, name: &str) -> Result<T, String> {
+    let known = stems(folder).unwrap_or_default();
+    if !known.iter().any(|k| k == name) {
+        return Err(format!("there is no {kind} {name:?}; there are {}", known.join(", ")));
     }
-    parse(&path)
+    parse(&package().join(folder).join(format!("{name}.toml")))
 }
 
 /// The stored values of the short versions; none if there is no file.
-///
-/// # Errors
-/// The file is not as it should be.
 pub(crate) fn read_quick_values() -> Result<QuickValues, String> {
     let path = quick_values_path();
     if path.is_file() { parse(&path) } else { Ok(QuickValues::new()) }
 }
 
-/// Reads a TOML file.
-///
-/// # Errors
-/// It cannot be read, or is not as it should be.
-pub(crate) fn parse<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, String> {
+fn parse<T: DeserializeOwned>(path: &Path) -> Result<T, String> {
     let text = fs::read_to_string(path).map_err(|error| format!("cannot read {}: {error}", path.display()))?;
     toml::from_str(&text).map_err(|error| format!("{}: {error}", path.display()))
 }

@@ -8,16 +8,14 @@ use plotters::prelude::*;
 const SIZE: (u32, u32) = (720, 430);
 const FONT: &str = "sans-serif";
 
-/// A chart as the text of an SVG picture, with a logarithmic vertical axis on request. Points that such an axis does not have
-/// are left out.
-///
-/// # Errors
-/// The plotting library fails.
-pub(crate) fn svg(chart: &Chart, y_is_log: bool) -> Result<String, Failure> {
-    let scale = |is_log: bool, value: f64| if is_log { value.log10() } else { value };
-    let label = |is_log: bool| move |value: &f64| tick(if is_log { 10_f64.powf(*value) } else { *value });
+/// A chart as the text of an SVG picture; if its horizontal axis is logarithmic, the vertical one is too. Points that such
+/// axes do not have are left out.
+pub(crate) fn svg(chart: &Chart) -> Result<String, Failure> {
+    let is_log = chart.x_is_log;
+    let scale = |value: f64| if is_log { value.log10() } else { value };
+    let label = |value: &f64| tick(if is_log { 10_f64.powf(*value) } else { *value });
     let curves: Vec<Vec<(f64, f64)>> = (chart.curves.iter())
-        .map(|curve| curve.points.iter().map(|(x, y)| (scale(chart.x_is_log, *x), scale(y_is_log, *y))))
+        .map(|curve| curve.points.iter().map(|(x, y)| (scale(*x), scale(*y))))
         .map(|points| points.filter(|(x, y)| x.is_finite() && y.is_finite()).collect())
         .collect();
     let range = |values: &mut dyn Iterator<Item = f64>| {
@@ -40,8 +38,8 @@ pub(crate) fn svg(chart: &Chart, y_is_log: bool) -> Result<String, Failure> {
             .build_cartesian_2d(x_range, y_range)?;
         axes.configure_mesh()
             .x_desc(chart.x_label.as_str())
-            .x_label_formatter(&label(chart.x_is_log))
-            .y_label_formatter(&label(y_is_log))
+            .x_label_formatter(&label)
+            .y_label_formatter(&label)
             .label_style((FONT, 13))
             .light_line_style(TRANSPARENT)
             .bold_line_style(BLACK.mix(0.12))
@@ -84,8 +82,9 @@ mod tests {
 
     #[test]
     fn a_point_that_a_logarithmic_axis_does_not_have_is_left_out() {
-        let chart = Chart::new("a < b", "x", vec![Curve::new("c", vec![(1.0, 0.0), (2.0, 1.0), (3.0, 10.0)])]);
-        let text = svg(&chart, true).unwrap_or_else(|e| panic!("{e}"));
+        let curve = Curve::new("c", vec![(1.0, 0.0), (2.0, 1.0), (3.0, 10.0)]);
+        let text =
+            svg(&Chart { x_is_log: true, ..Chart::new("a < b", "x", vec![curve]) }).unwrap_or_else(|e| panic!("{e}"));
         assert!(text.contains("<svg") && text.contains("a &lt; b") && !text.contains("inf") && !text.contains("NaN"));
     }
 }

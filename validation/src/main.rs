@@ -50,17 +50,6 @@ enum Mode {
         #[arg(long, default_value = "target/validation")]
         out: PathBuf,
     },
-    /// Write the report page again from the results of earlier runs.
-    Report {
-        /// Cases to show; all with results if none is given.
-        cases: Vec<String>,
-        /// Label the results as those of --quick.
-        #[arg(long)]
-        quick: bool,
-        /// Where results are.
-        #[arg(long, default_value = "target/validation")]
-        out: PathBuf,
-    },
     /// Compare with exact solutions and published numbers.
     Verify {
         /// Checks to run; all if none is given.
@@ -83,29 +72,16 @@ enum Mode {
 fn main() -> ExitCode {
     let outcome = match Arguments::parse().mode {
         Mode::Validate { study, again, out, .. } if !study.is_empty() => studies(study, again, &out),
-        Mode::Validate { cases, quick, regenerate, out, .. } => {
-            let effort = match (quick, regenerate) {
-                (false, _) => validate::Effort::Paper,
-                (true, false) => validate::Effort::Quick,
-                (true, true) => validate::Effort::Regenerate,
-            };
-            validate::run(&cases, effort, &out).and_then(|passes| report::write(&cases, quick, &out).map(|()| passes))
-        }
-        Mode::Report { cases, quick, out } => report::write(&cases, quick, &out).map(|()| true),
-        Mode::Verify { names, quick: _, full, document, out } => {
-            verify::run(&verify::Request { names: &names, full, document, out: &out })
-        }
+        Mode::Validate { cases, quick, regenerate, out, .. } => validate::run(&cases, quick, regenerate, &out)
+            .and_then(|passes| report::write(&cases, quick, &out).map(|()| passes)),
+        Mode::Verify { names, quick: _, full, document, out } => verify::run(&names, full, document, &out),
     };
     match outcome {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::FAILURE,
         Err(error) => {
             eprintln!("error: {error}");
-            let mut cause = error.source();
-            while let Some(inner) = cause {
-                eprintln!("  because: {inner}");
-                cause = inner.source();
-            }
+            outcome::causes(error.as_ref()).for_each(|cause| eprintln!("  because: {cause}"));
             ExitCode::from(2)
         }
     }

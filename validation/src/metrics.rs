@@ -1,93 +1,33 @@
 //! The numbers of a run, by the names that references use.
 
-use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use cutwater::algebra::{DirectSolver, LinearSolver, ScaledMatrix, Workspace};
 use cutwater::io::{Case, HistoryTable, Watch};
-use cutwater::mesh::Point;
+use cutwater::mesh::{Aabb, Point};
 use cutwater::report::Results;
 use cutwater::solver::body::Body;
 use cutwater::solver::{Observer, ObserverError, StepView, advance};
-
-use crate::case::Comparison;
+use serde_json::{Value, json};
 
 /// Whole steps in units of a factorisation of their matrix.
 pub(crate) const REFACTORIZATIONS_PER_STEP: &str = "refactorizations_per_step";
-/// Whether the run reached its end.
-const FINISHED: &str = "finished";
 /// Time over which the first mean acceleration is taken, s.
 const EARLY: f64 = 0.01;
 /// Bodies this many times wider than high are plates.
 pub(crate) const PLATE: f64 = 8.0;
 
-/// A number, or a property as 0 or 1.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Metric {
-    /// The number.
-    pub(crate) value: f64,
-    /// Whether it stands for a property.
-    pub(crate) is_property: bool,
-}
-
-impl Metric {
-    /// A number.
-    pub(crate) fn number(value: f64) -> Self {
-        Self { value, is_property: false }
-    }
-
-    /// A property.
-    pub(crate) fn property(value: bool) -> Self {
-        Self { value: f64::from(u8::from(value)), is_property: true }
-    }
-}
-
-/// The numbers of a run: those of `summary.json`, and those that only these cases need.
-pub(crate) struct Metrics {
-    summary: serde_json::Value,
-    rebound: Option<Rebound>,
-    early_acceleration: Option<f64>,
-    finished: bool,
-    refactorizations_per_step: Option<f64>,
-}
-
-impl Metrics {
-    /// The metrics of a run, and whether it reached its end.
-    ///
-    /// # Errors
-    /// The summary has no JSON form.
-    pub(crate) fn new(results: &Results, finished: bool) -> Result<Self, serde_json::Error> {
-        Ok(Self {
-            summary: serde_json::to_value(&results.summary)?,
-            rebound: Rebound::new(results),
-            early_acceleration: early_acceleration(results),
-            finished,
-            refactorizations_per_step: None,
-        })
-    }
-
-    /// Divides the median time of a step by the time of a factorisation.
-    pub(crate) fn measure_cost(&mut self, results: &Results, factorization: &Factorization) {
-        let Some((step, seconds)) = median_step_seconds(&results.history).zip(factorization.seconds) else { return };
-        println!("  median step {:.1} ms, refactorisation {:.1} ms", 1e3 * step, 1e3 * seconds);
-        self.refactorizations_per_step = Some(step / seconds);
-    }
-
-    /// The metric of a comparison, if the run has it.
-    pub(crate) fn get(&self, asked: &Comparison) -> Option<Metric> {
-        match asked.key.as_str() {
-            REFACTORIZATIONS_PER_STEP => self.refactorizations_per_step.map(Metric::number),
-            FINISHED => Some(Metric::property(self.finished)),
-            "max_height" => self.rebound.map(|rebound| Metric::number(rebound.height)),
-            "max_height_time" => self.rebound.map(|rebound| Metric::number(rebound.time)),
-            "mean_acceleration_10ms" => self.early_acceleration.map(Metric::number),
-            key => {
-                let value = &self.summary[key];
-                value.as_f64().map(Metric::number).or(value.as_bool().map(Metric::property))
-            }
-        }
-    }
+/// The numbers and properties of a run by their keys: those of `summary.json`, those that only these cases need, and whether
+/// the run reached its end.
+pub(crate) fn metrics(results: &Results, finished: bool) -> Result<Value, serde_json::Error> {
+    let mut metrics = serde_json::to_value(&results.summary)?;
+    let rebound = Rebound::new(results);
+    metrics["finished"] = json!(finished);
+    metrics["max_height"] = json!(rebound.map(|rebound| rebound.height));
+    metrics["max_height_time"] = json!(rebound.map(|rebound| rebound.time));
+    metrics["mean_acceleration_10ms"] = json!(early_acceleration(results));
+    Ok(metrics)
 }
 
 /// The highest point of the leading body after its first contact.
@@ -95,7 +35,6 @@ impl Metrics {
 pub(crate) struct Rebound {
     /// Largest smallest distance after the release.
     pub(crate) height: f64,
-    /// When.
     pub(crate) time: f64,
 }
 
@@ -138,6 +77,15 @@ pub(crate) fn median(values: &mut [f64]) -> Option<f64> {
 #[derive(Debug, Default)]
 pub(crate) struct Factorization {
     seconds: Option<f64>,
+}
+
+impl Factorization {
+    /// Divides the median time of a step by the time of a factorisation.
+    pub(crate) fn per_step(&self, results: &Results) -> Option<f64> {
+        let (step, seconds) = median_step_seconds(&results.history).zip(self.seconds)?;
+        println!("  median step {:.1} ms, refactorisation {:.1} ms", 1e3 * step, 1e3 * seconds);
+        Some(step / seconds)
+    }
 }
 
 impl Watch for Factorization {
@@ -189,36 +137,29 @@ impl Watch for Thickness<'_> {
 }
 
 struct ThicknessRows {
-    path: std::path::PathBuf,
+    path: PathBuf,
     plates: Vec<usize>,
-    /// Rows that are not written yet.
     text: String,
 }
 
 impl<const D: usize> Observer<D> for ThicknessRows {
     fn after_step(&mut self, view: &StepView<'_, D>) -> Result<(), ObserverError> {
-        let is_new = view.report.is_none();
-        if !is_new {
+        if view.report.is_some() {
             let thickness = |&plate: &usize| {
                 let body = &view.setup.bodies[plate];
                 smallest_thickness(body.as_ref(), &view.state.bodies[plate].positions(body.reference())).to_string()
             };
             let row: Vec<String> = self.plates.iter().map(thickness).collect();
-            self.text = format!("{},{}\n", view.state.time, row.join(","));
+            self.text += &format!("{},{}\n", view.state.time, row.join(","));
         }
-        let mut file =
-            std::fs::OpenOptions::new().create(true).write(true).append(!is_new).truncate(is_new).open(&self.path)?;
-        Ok(file.write_all(self.text.as_bytes())?)
+        Ok(std::fs::write(&self.path, &self.text)?)
     }
 }
 
 /// Whether a body is many times wider than high. Of a plate that a plane of symmetry cuts there is one half.
 pub(crate) fn is_plate<const D: usize>(body: &dyn Body<D>) -> bool {
-    let extent = |k: usize| {
-        let along = || body.reference().iter().map(|x| x[k]);
-        along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
-    };
-    (0..D - 1).all(|k| extent(k) > 0.5 * PLATE * extent(D - 1))
+    let extent = Aabb::of_points(body.reference()).extent();
+    (0..D - 1).all(|k| extent[k] > 0.5 * PLATE * extent[D - 1])
 }
 
 /// Smallest height of a body over its width: upper minus lower side. Both are straight between the vertices, so that the

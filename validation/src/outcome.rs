@@ -1,6 +1,13 @@
 //! Results of commands.
 
+use std::error::Error;
+
 /// An error of any kind; commands print it with its sources.
-pub(crate) type Failure = Box<dyn std::error::Error>;
+pub(crate) type Failure = Box<dyn Error>;
 /// Whether all checks of a command hold.
 pub(crate) type Outcome = Result<bool, Failure>;
+
+/// The causes of an error, the nearest one first.
+pub(crate) fn causes(error: &dyn Error) -> impl Iterator<Item = &(dyn Error + 'static)> {
+    std::iter::successors(error.source(), |cause| (*cause).source())
+}

@@ -1,36 +1,39 @@
-//! Tables of comparisons on the terminal.
+//! Tables on the terminal.
 
-use crate::compare::Row;
+use crate::compare::Compared;
 
 /// Relative deviation that counts as round-off.
 const ROUND_OFF: f64 = 1e-9;
 
-/// Prints rows; `known` is the headline of the numbers to compare with.
-pub(crate) fn print(rows: &[Row], known: &str) {
-    let mut cells = vec![["quantity", known, "computed", "deviation", "band", "verdict"].map(str::to_owned)];
-    cells.extend(rows.iter().map(|row| {
-        let value = |x: f64| if row.is_property { yes_or_no(x) } else { number(x) };
-        let comparison = &row.comparison;
+/// Prints rows of cells under a headline, in columns.
+pub(crate) fn print<const N: usize>(head: [&str; N], rows: impl Iterator<Item = [String; N]>) {
+    let mut lines = vec![head.map(str::to_owned)];
+    lines.extend(rows);
+    let width = |column: usize| lines.iter().map(|line| line[column].chars().count()).max().unwrap_or(0);
+    let widths: [usize; N] = std::array::from_fn(width);
+    lines.insert(1, widths.map(|width| "-".repeat(width)));
+    for line in &lines {
+        let cells: Vec<String> = line.iter().zip(widths).map(|(cell, w)| format!("{cell:<w$}")).collect();
+        println!("  {}", cells.join("  ").trim_end());
+    }
+}
+
+/// Prints comparisons; `known` is the headline of the numbers to compare with.
+pub(crate) fn print_comparisons(rows: &[Compared], known: &str) {
+    let cells = rows.iter().map(|row| {
+        let value = |x: f64| if row.is_property { yes_or_no(x) } else { short(x) };
         [
-            comparison.quantity.clone(),
-            comparison.known.map_or_else(dash, value),
-            comparison.computed.map_or_else(dash, value),
-            comparison.deviation.filter(|_| !row.is_property).map_or_else(dash, |d| deviation(d, comparison.known)),
-            comparison.band.map_or_else(dash, |band| interval(band, value)),
+            row.quantity.clone(),
+            row.known.map_or_else(dash, value),
+            row.computed.map_or_else(dash, value),
+            row.deviation.filter(|_| !row.is_property).map_or_else(dash, |d| deviation(d, row.known)),
+            row.band.map_or_else(dash, |band| interval(band, value)),
             if row.passes() { "pass" } else { "fail" }.to_owned(),
         ]
-    }));
-    let width = |column: usize| cells.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
-    let widths: Vec<usize> = (0..6).map(width).collect();
-    for (k, row) in cells.iter().enumerate() {
-        let line: Vec<String> = row.iter().zip(&widths).map(|(cell, w)| format!("{cell:<w$}")).collect();
-        println!("  {}", line.join("  ").trim_end());
-        if k == 0 {
-            println!("  {}", widths.iter().map(|w| "-".repeat(*w)).collect::<Vec<_>>().join("  "));
-        }
-    }
+    });
+    print(["quantity", known, "computed", "deviation", "band", "verdict"], cells);
     for row in rows.iter().filter(|row| !row.passes()) {
-        println!("  {}: the band is there because: {}", row.comparison.quantity, row.reason);
+        println!("  {}: the band is there because: {}", row.quantity, row.reason);
     }
 }
 
@@ -46,7 +49,7 @@ fn yes_or_no(x: f64) -> String {
 fn deviation(d: f64, known: Option<f64>) -> String {
     match known {
         Some(known) if d.abs() <= ROUND_OFF * known.abs() => "0".to_owned(),
-        _ => format!("{}{}", if d > 0.0 { "+" } else { "" }, number(d)),
+        _ => format!("{}{}", if d > 0.0 { "+" } else { "" }, short(d)),
     }
 }
 
@@ -55,15 +58,12 @@ fn interval([low, high]: [f64; 2], value: impl Fn(f64) -> String) -> String {
 }
 
 /// Four significant digits, without an exponent where that is readable.
-fn number(x: f64) -> String {
-    if x == 0.0 {
-        return "0".to_owned();
-    }
-    let magnitude = x.abs().log10().floor();
-    if !(-4.0..6.0).contains(&magnitude) {
+pub(crate) fn short(x: f64) -> String {
+    if x != 0.0 && !(1e-3..1e5).contains(&x.abs()) {
         return format!("{x:.3e}");
     }
-    let text = format!("{x:.*}", (3.0 - magnitude).max(0.0) as usize);
+    let digits = if x == 0.0 { 0 } else { (3 - x.abs().log10().floor() as i32).clamp(0, 9) };
+    let text = format!("{x:.*}", digits as usize);
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
@@ -73,10 +73,11 @@ mod tests {
 
     #[test]
     fn numbers_are_short() {
-        for (x, text) in [(0.111, "0.111"), (3.8412, "3.841"), (-573.21, "-573.2"), (0.0, "0"), (1e-7, "1.000e-7")] {
-            assert_eq!(number(x), text);
+        let numbers = [(0.0, "0"), (17.27, "17.27"), (0.05, "0.05"), (3.8412, "3.841"), (-573.21, "-573.2")];
+        for (x, text) in numbers.into_iter().chain([(-594.5, "-594.5"), (0.111, "0.111"), (1e-9, "1.000e-9")]) {
+            assert_eq!(short(x), text);
         }
-        assert_eq!(interval([0.108, 0.114], number), "0.108 to 0.114");
+        assert_eq!(interval([0.108, 0.114], short), "0.108 to 0.114");
         assert_eq!(interval([1.0, 1.0], yes_or_no), "yes");
         assert_eq!((deviation(0.001, Some(0.111)), deviation(1e-17, Some(0.1))), ("+0.001".to_owned(), "0".to_owned()));
     }

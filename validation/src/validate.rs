@@ -7,33 +7,25 @@ use std::time::{Duration, Instant};
 
 use cutwater::io::{self, Progress, ScenarioFile, StepProgress, Summary};
 use cutwater::report::{Recorder, Results};
+use serde_json::json;
 
 use crate::case::{self, QuickValues, Reference};
-use crate::compare::{self, Row, with_paper, with_stored};
+use crate::compare::{self, Compared, as_number, with_paper, with_stored};
 use crate::figures::Figures;
-use crate::metrics::{Factorization, Metrics, REFACTORIZATIONS_PER_STEP, Thickness};
-use crate::outcome::Outcome;
+use crate::metrics::{Factorization, REFACTORIZATIONS_PER_STEP, Thickness, metrics};
+use crate::outcome::{Failure, Outcome, causes};
 use crate::table;
 
 /// Time between two lines of progress.
 const PROGRESS: Duration = Duration::from_secs(10);
 
-/// Extent of the computations, and references of the comparisons.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Effort {
-    /// The resolution of the paper, compared with the paper.
-    Paper,
-    /// Coarse meshes, compared with our own stored values.
-    Quick,
-    /// Coarse meshes, to be stored.
-    Regenerate,
-}
-
-/// Runs cases (all if none is named) and prints a table for each; true if every verdict is good.
+/// Runs cases (all if none is named) and prints a table for each; true if every verdict is good. They are run with the
+/// resolution of the paper and compared with it, or with coarse meshes and compared with our own stored values, which may be
+/// stored anew.
 ///
 /// # Errors
 /// There is no such case, or a file cannot be read or written.
-pub(crate) fn run(cases: &[String], effort: Effort, out: &Path) -> Outcome {
+pub(crate) fn run(cases: &[String], is_quick: bool, regenerate: bool, out: &Path) -> Outcome {
     let names = if cases.is_empty() { case::names()? } else { cases.to_vec() };
     let references = names.iter().map(|name| Ok((name, case::read(name)?))).collect::<Result<Vec<_>, String>>()?;
     let mut stored = case::read_quick_values()?;
@@ -41,22 +33,22 @@ pub(crate) fn run(cases: &[String], effort: Effort, out: &Path) -> Outcome {
     for (name, reference) in references {
         println!("# {name}: {} ({})", reference.title, reference.source);
         let directory = out.join(name);
-        match run_case(name, &reference, effort, &directory, &mut stored) {
-            Ok(true) => {}
-            Ok(false) => failed.push(name),
-            Err(error) => {
+        let passes =
+            run_case(name, &reference, [is_quick, regenerate], &directory, &mut stored).unwrap_or_else(|error| {
                 print_error(error.as_ref());
-                failed.push(name);
-            }
+                false
+            });
+        if !passes {
+            failed.push(name);
         }
         println!("  files are in {}\n", directory.display());
     }
-    match effort {
-        Effort::Paper => println!("Compared with the numbers of the paper."),
-        Effort::Quick => {
-            println!("Coarse meshes, compared with our own stored values: this is regression, not validation.")
-        }
-        Effort::Regenerate => write_stored(&stored)?,
+    if regenerate {
+        write_stored(&stored)?;
+    } else if is_quick {
+        println!("Coarse meshes, compared with our own stored values: this is regression, not validation.");
+    } else {
+        println!("Compared with the numbers of the paper.");
     }
     match failed.as_slice() {
         [] => println!("{} of {} cases are as they should be.", names.len(), names.len()),
@@ -68,11 +60,10 @@ pub(crate) fn run(cases: &[String], effort: Effort, out: &Path) -> Outcome {
 fn run_case(
     name: &String,
     reference: &Reference,
-    effort: Effort,
+    [is_quick, regenerate]: [bool; 2],
     directory: &Path,
     stored: &mut QuickValues,
 ) -> Outcome {
-    let is_quick = effort != Effort::Paper;
     let mut set = vec![format!("name={name}")];
     set.extend_from_slice(&reference.set);
     if is_quick {
@@ -107,34 +98,32 @@ fn run_case(
     }
     let results = Results::read(directory)?;
     print_sizes(&results.summary);
-    let mut metrics = Metrics::new(&results, finished)?;
+    let mut metrics = metrics(&results, finished)?;
     if finished && !is_quick {
-        metrics.measure_cost(&results, &factorization);
+        metrics[REFACTORIZATIONS_PER_STEP] = json!(factorization.per_step(&results));
     }
     let asked = reference.comparisons.iter().filter(|asked| !is_quick || asked.key != REFACTORIZATIONS_PER_STEP);
-    if effort == Effort::Regenerate {
-        let values = asked.clone().filter_map(|asked| Some((asked.key.clone(), metrics.get(asked)?.value)));
+    if regenerate {
+        let values = asked.clone().filter_map(|asked| Some((asked.key.clone(), as_number(&metrics[&asked.key])?)));
         stored.insert(name.clone(), values.collect::<BTreeMap<_, _>>());
     }
-    let rows: Vec<Row> = asked
+    let rows: Vec<Compared> = asked
         .map(|asked| match is_quick {
-            false => with_paper(asked, metrics.get(asked)),
-            true => with_stored(asked, metrics.get(asked), stored.get(name).and_then(|v| v.get(&asked.key)).copied()),
+            false => with_paper(asked, metrics.get(&asked.key)),
+            true => {
+                let stored = stored.get(name).and_then(|values| values.get(&asked.key));
+                with_stored(asked, metrics.get(&asked.key), stored.copied())
+            }
         })
         .collect();
-    table::print(&rows, if is_quick { "stored" } else { "paper" });
+    table::print_comparisons(&rows, if is_quick { "stored" } else { "paper" });
     compare::write(directory, &rows)?;
-    Ok(rows.iter().all(Row::passes))
+    Ok(rows.iter().all(Compared::passes))
 }
 
-/// An error with its causes.
 fn print_error(error: &dyn std::error::Error) {
     println!("  the run failed: {error}");
-    let mut cause = error.source();
-    while let Some(inner) = cause {
-        println!("    because: {inner}");
-        cause = inner.source();
-    }
+    causes(error).for_each(|cause| println!("    because: {cause}"));
 }
 
 fn print_sizes(summary: &Summary) {
@@ -146,8 +135,7 @@ fn print_sizes(summary: &Summary) {
     println!("  seconds: {}", stages.join(", "));
 }
 
-/// Stores the values of short runs.
-fn write_stored(stored: &QuickValues) -> Result<(), Box<dyn std::error::Error>> {
+fn write_stored(stored: &QuickValues) -> Result<(), Failure> {
     let path = case::quick_values_path();
     if let Some(folder) = path.parent() {
         fs::create_dir_all(folder)?;

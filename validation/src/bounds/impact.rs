@@ -3,19 +3,13 @@
 
 use std::sync::Arc;
 
-use cutwater::algebra::Workspace;
-use cutwater::contact::{ContactForm, Penalty, RigidPlane};
+use cutwater::mesh::Aabb;
 use cutwater::mesh::generate::{BallOptions, half_ball};
-use cutwater::mesh::{Aabb, BodyId, Point, Vector};
-use cutwater::solid_svk::supports::{facets_without_tags, tagged_facets, vertices_of};
-use cutwater::solid_svk::{
-    ElasticBody, ElasticOptions, LameParameters, SaintVenantKirchhoff, SolidForm, SolidMesh, Support, SupportKind,
-};
-use cutwater::solver::body::Body;
-use cutwater::solver::{Contact, ContactObstacle, Setup, State, Substep, advance};
+use cutwater::solid_svk::{LameParameters, SaintVenantKirchhoff, SupportKind};
 
 use crate::outcome::Failure;
-use crate::verify::{Scheme, dry_setup};
+use crate::verify::dry::{Scheme, elastic, floor, run};
+use crate::verify::{Run, V};
 
 /// Radius, cm.
 const RADIUS: f64 = 4.0;
@@ -30,7 +24,6 @@ const SILENCE: f64 = 1.5e-3;
 /// Time after which an impact that is not over counts as failed, s.
 const LATEST: f64 = 0.05;
 
-/// Result of an impact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Impact {
     /// Time step, s.
@@ -48,29 +41,14 @@ pub(crate) struct Impact {
 }
 
 /// The disk above the plane: one half of it, by symmetry.
-fn setup(size: f64, speed: f64, dt: f64, scheme: Scheme) -> Result<Setup<2>, Failure> {
+fn start(size: f64, speed: f64, dt: f64, scheme: Scheme) -> Result<Run, Failure> {
     let mesh = half_ball([0.0, RADIUS], RADIUS, size, &BallOptions { area_preserving: false })?;
-    let solid = SolidMesh::new(mesh)?;
-    let facets = facets_without_tags(&solid, &["left"])?;
-    let axis = vertices_of(&solid, &tagged_facets(&solid, "left")?);
     let material = SaintVenantKirchhoff::new(LameParameters::new(MU, LAMBDA)?);
-    let form = SolidForm::new(1.0, material, Vector::zeros())?;
-    let options = ElasticOptions {
-        scheme,
-        supports: vec![Support { vertices: axis, kind: SupportKind::Symmetry { axis: 0 } }],
-        initial_velocity: Some(Arc::new(move |_| Vector::<2>::new(0.0, -speed))),
-        ..ElasticOptions::default()
-    };
-    let bodies: Vec<Arc<dyn Body<2>>> = vec![Arc::new(ElasticBody::new("disk", solid, form, options)?)];
-    let plane = RigidPlane::new(Point::<2>::zeros(), Vector::<2>::new(0.0, -1.0))?;
-    let form = ContactForm::new(Penalty::new(GAMMA_CONTACT, 0.0)?, CONTACT_SIZE)?;
-    let obstacle = ContactObstacle::Rigid(Box::new(plane));
-    let contact = Contact::new(&bodies, BodyId::new(0), facets, form, obstacle)?;
-    Ok(dry_setup(bodies, vec![contact], dt, 1e-9))
-}
-
-fn height(setup: &Setup<2>, state: &State<2>) -> f64 {
-    Aabb::of_points(&state.bodies[0].positions(setup.bodies[0].reference())).extent()[1]
+    let mut body = elastic(mesh, 1.0, material, V::zeros(), scheme)?;
+    body.hold("left", SupportKind::Symmetry { axis: 0 })?;
+    body.options.initial_velocity = Some(Arc::new(move |_| V::new(0.0, -speed)));
+    let contact = floor(body.part("surface")?, GAMMA_CONTACT, CONTACT_SIZE)?;
+    run(vec![body], Some(contact), dt, 1e-9)
 }
 
 /// The impact of the disk with cells of a size, at a speed, with a time step.
@@ -78,24 +56,23 @@ fn height(setup: &Setup<2>, state: &State<2>) -> f64 {
 /// # Errors
 /// A step fails, or the disk does not leave the plane.
 pub(crate) fn impact(size: f64, speed: f64, dt: f64, scheme: Scheme) -> Result<Impact, Failure> {
-    let setup = setup(size, speed, dt, scheme)?;
-    let mut state = State::initial(&setup)?;
-    let mut work = Workspace::new();
-    let balance = |state: &State<2>| setup.bodies[0].balance(&state.bodies[0]).ok_or("the disk is elastic");
-    let before = balance(&state)?;
+    let mut run = start(size, speed, dt, scheme)?;
+    let balance = |run: &Run| run.setup.bodies[0].balance(&run.state.bodies[0]).ok_or("the disk is elastic");
+    let height =
+        |run: &Run| Aabb::of_points(&run.state.bodies[0].positions(run.setup.bodies[0].reference())).extent()[1];
+    let before = balance(&run)?;
     let (mut first, mut last) = (None, 0.0);
-    let (mut smallest_height, mut elastic_peak) = (height(&setup, &state), 0.0_f64);
-    while state.time < LATEST && first.is_none_or(|_| state.time - last < SILENCE) {
-        let (next, report) = advance(&setup, &state, Substep::whole(dt), &mut work)?;
-        state = next;
+    let (mut smallest_height, mut elastic_peak) = (height(&run), 0.0_f64);
+    while run.state.time < LATEST && first.is_none_or(|_| run.state.time - last < SILENCE) {
+        let report = run.advance()?;
         if report.contacts[0].is_active() {
-            first.get_or_insert(state.time - dt);
-            last = state.time;
+            first.get_or_insert(run.state.time - dt);
+            last = run.state.time;
         }
-        smallest_height = smallest_height.min(height(&setup, &state));
-        elastic_peak = elastic_peak.max(balance(&state)?.elastic_energy / before.kinetic_energy);
+        smallest_height = smallest_height.min(height(&run));
+        elastic_peak = elastic_peak.max(balance(&run)?.elastic_energy / before.kinetic_energy);
     }
-    let after = balance(&state)?;
+    let after = balance(&run)?;
     Ok(Impact {
         dt,
         duration: last - first.ok_or("the disk did not reach the plane")?,

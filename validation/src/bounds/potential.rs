@@ -25,6 +25,8 @@ const INTERVALS: usize = 600;
 /// added masses does not hold for it.
 pub(crate) fn gaps(scenario: &str) -> Option<(f64, f64)> {
     let scenario: toml::Table = scenario.parse().ok()?;
+    // Numbers are written with or without a decimal point.
+    let number = |value: &toml::Value| value.clone().try_into::<f64>().ok();
     let height = |value: &toml::Value, key: &str| number(value.get(key)?.as_array()?.last()?);
     let contact = scenario.get("contact")?.as_array()?.first()?;
     let bodies = scenario.get("body")?.as_array()?;
@@ -38,11 +40,6 @@ pub(crate) fn gaps(scenario: &str) -> Option<(f64, f64)> {
     };
     // The table is that of one radius.
     (radius == 4.0).then_some((height(ball, "centre")? - radius - ground, number(contact.get("offset")?)?))
-}
-
-/// A number of a scenario, written with or without a decimal point.
-fn number(value: &toml::Value) -> Option<f64> {
-    value.as_float().or(value.as_integer().map(|integer| integer as f64))
 }
 
 /// A moment of the fall.

@@ -5,7 +5,7 @@ use cutwater::report::plane::outline;
 use cutwater::solver::Setup;
 use cutwater::solver::body::BodyState;
 
-use super::view::{View, bounds, cells, picture};
+use super::view::{View, bounds, picture};
 use crate::metrics::PLATE;
 
 /// Longer side of a view in pixels.
@@ -29,7 +29,7 @@ pub(super) fn draw<const D: usize>(
     let mut views = Vec::new();
     for &index in indices {
         let (body, state) = (setup.bodies[index].as_ref(), &states[index]);
-        let Some(mesh) = cells(body, state) else { continue };
+        let Some(cells) = body.cells(state) else { continue };
         let positions = state.positions(body.reference());
         let (mut low, mut high) = bounds(positions.iter().map(flat), mirror);
         let height = high[1] - low[1];
@@ -45,9 +45,9 @@ pub(super) fn draw<const D: usize>(
         let mut view = View::new(corners.0, corners.1, LONGEST, stretch, mirror);
         let vertical = || state.displacement().iter().map(|d| d[1]);
         let range = (vertical().fold(f64::INFINITY, f64::min), vertical().fold(f64::NEG_INFINITY, f64::max));
-        let at = |cell, k: usize| mesh.cell(cell)[k].index();
+        let at = |cell, k: usize| cells.mesh.cell(cell)[k].index();
         let value = |k: usize| (flat(&positions[k]), state.displacement()[k][1]);
-        let triangles: Vec<_> = mesh.cells().map(|cell| [0, 1, 2].map(|k| value(at(cell, k)))).collect();
+        let triangles: Vec<_> = cells.mesh.cells().map(|cell| [0, 1, 2].map(|k| value(at(cell, k)))).collect();
         view.isolines(&triangles, range, LEVELS, false);
         view.draw(OUTLINE, outline(body, &positions, mirror).into_iter());
         view.bar(range, "cm");

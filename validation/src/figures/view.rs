@@ -1,7 +1,5 @@
 //! A rectangle of the plane as a part of an SVG picture, with a bar of colours.
 
-use cutwater::mesh::SimplexMesh;
-use cutwater::solver::body::{Body, BodyState};
 use std::fmt::Write;
 
 /// Width of the bar with its labels, height of the title, and margin.
@@ -167,11 +165,6 @@ fn colour(share: f64) -> String {
     let k = (at as usize).min(COLOURS.len() - 2);
     let mix = |c: usize| (COLOURS[k][c] + (at - k as f64) * (COLOURS[k + 1][c] - COLOURS[k][c])).round() as u8;
     format!("#{:02x}{:02x}{:02x}", mix(0), mix(1), mix(2))
-}
-
-/// The mesh of a body that deforms.
-pub(super) fn cells<'b, const D: usize>(body: &'b dyn Body<D>, state: &'b BodyState<D>) -> Option<&'b SimplexMesh<D>> {
-    Some(body.cells(state)?.mesh)
 }
 
 /// The segment of a level in a triangle of corners and values; `None` if the level does not cross it.

@@ -5,7 +5,7 @@ use cutwater::mesh::{SimplexMesh, Vector};
 use cutwater::report::plane::{barycentric, outline};
 use cutwater::solver::{FluidState, StepView};
 
-use super::view::{View, bounds, cells, picture};
+use super::view::{View, bounds, picture};
 
 /// Longer side of a view, distance of vectors and length of the longest one, in pixels.
 const LONGEST: f64 = 640.0;
@@ -21,11 +21,12 @@ const SOLID: &str = "fill=\"#e2e4e8\"";
 const OUTLINE: &str = "fill=\"none\" stroke=\"#282c34\" stroke-width=\"1.2\"";
 const VECTOR: &str = "fill=\"none\" stroke=\"#282c34\" stroke-width=\"0.8\" stroke-opacity=\"0.75\"";
 
-/// A triangle of the fluid: positions, velocities, vorticity at the corners.
-struct Triangle {
-    x: [[f64; 2]; 3],
-    velocity: [[f64; 2]; 3],
-    vorticity: [f64; 3],
+/// A corner of a triangle of the fluid.
+#[derive(Clone, Copy)]
+struct Corner {
+    x: [f64; 2],
+    velocity: [f64; 2],
+    vorticity: f64,
 }
 
 /// The figure of a step; `leading` is the body whose lowest point the lower view shows.
@@ -44,18 +45,18 @@ pub(super) fn draw<const D: usize>(view: &StepView<'_, D>, leading: usize, mirro
     let views = [(title, (low, high)), ("near the lowest point".to_owned(), near)].map(|(title, (low, high))| {
         let mut shown = View::new(low, high, LONGEST, 1.0, mirror);
         for ((body, now), positions) in setup.bodies.iter().zip(&view.state.bodies).zip(&fluid.positions) {
-            if let Some(mesh) = cells(body.as_ref(), now) {
-                let corner = |cell, k: usize| flat(&positions[mesh.cell(cell)[k].index()]);
-                shown.draw(SOLID, mesh.cells().map(|cell| [0, 1, 2].map(|k| corner(cell, k))));
+            if let Some(solid) = body.cells(now) {
+                let corner = |cell, k: usize| flat(&positions[solid.mesh.cell(cell)[k].index()]);
+                shown.draw(SOLID, solid.mesh.cells().map(|cell| [0, 1, 2].map(|k| corner(cell, k))));
             }
         }
         let is_seen = |x: &[f64; 2]| (0..2).all(|k| low[k] <= x[k] && x[k] <= high[k]);
-        let seen = triangles.iter().flat_map(|t| t.x.iter().zip(t.vorticity)).filter(|(x, _)| is_seen(x));
-        let mut values: Vec<f64> = seen.map(|(_, vorticity)| vorticity.abs()).collect();
+        let seen = triangles.iter().flatten().filter(|corner| is_seen(&corner.x));
+        let mut values: Vec<f64> = seen.map(|corner| corner.vorticity.abs()).collect();
         values.sort_by(f64::total_cmp);
         // A few large values near corners would leave no levels for the others.
         let largest = values.get(values.len() * 98 / 100).copied().unwrap_or(1.0).max(1e-12);
-        let corners: Vec<_> = triangles.iter().map(|t| [0, 1, 2].map(|k| (t.x[k], t.vorticity[k]))).collect();
+        let corners: Vec<_> = triangles.iter().map(|corners| corners.map(|at| (at.x, at.vorticity))).collect();
         shown.isolines(&corners, (-largest, largest), LEVELS, true);
         for (body, positions) in setup.bodies.iter().zip(&fluid.positions) {
             shown.draw(OUTLINE, outline(body.as_ref(), positions, mirror).into_iter());
@@ -68,12 +69,12 @@ pub(super) fn draw<const D: usize>(view: &StepView<'_, D>, leading: usize, mirro
 }
 
 /// Draws velocity vectors on a lattice; returns the largest speed among them.
-fn vectors(shown: &mut View, triangles: &[Triangle], low: [f64; 2], high: [f64; 2]) -> f64 {
+fn vectors(shown: &mut View, triangles: &[[Corner; 3]], low: [f64; 2], high: [f64; 2]) -> f64 {
     let spacing = shown.length(SPACING);
     let mut found = Vec::new();
     for triangle in triangles {
         let range = |k: usize| {
-            let along = || triangle.x.iter().map(|x| (x[k] - low[k]) / spacing - 0.5);
+            let along = || triangle.iter().map(|corner| (corner.x[k] - low[k]) / spacing - 0.5);
             let last = ((high[k] - low[k]) / spacing - 0.5).floor();
             let (from, to) = (along().fold(f64::INFINITY, f64::min), along().fold(f64::NEG_INFINITY, f64::max));
             (from.ceil().max(0.0) as i64)..=(to.floor().min(last) as i64)
@@ -81,8 +82,8 @@ fn vectors(shown: &mut View, triangles: &[Triangle], low: [f64; 2], high: [f64; 
         for row in range(1) {
             for column in range(0) {
                 let x = [low[0] + (column as f64 + 0.5) * spacing, low[1] + (row as f64 + 0.5) * spacing];
-                if let Some(shares) = barycentric(triangle.x, x) {
-                    let component = |k: usize| (0..3).map(|c| triangle.velocity[c][k] * shares[c]).sum::<f64>();
+                if let Some(shares) = barycentric(triangle.map(|corner| corner.x), x) {
+                    let component = |k: usize| (0..3).map(|c| triangle[c].velocity[k] * shares[c]).sum::<f64>();
                     found.push((x, [component(0), component(1)]));
                 }
             }
@@ -102,7 +103,7 @@ fn vectors(shown: &mut View, triangles: &[Triangle], low: [f64; 2], high: [f64; 
 }
 
 /// Triangles that fill the fluid. The polygons of cut cells end at the bodies, so no value is taken outside the fluid.
-fn triangles<const D: usize>(background: &SimplexMesh<D>, fluid: &FluidState<D>) -> Vec<Triangle> {
+fn triangles<const D: usize>(background: &SimplexMesh<D>, fluid: &FluidState<D>) -> Vec<[Corner; 3]> {
     let vorticity = nodal_vorticity(background, fluid);
     let mut triangles = Vec::new();
     for (part, polygon) in fluid_polygons(background, &fluid.cut) {
@@ -112,17 +113,11 @@ fn triangles<const D: usize>(background: &SimplexMesh<D>, fluid: &FluidState<D>)
             .map(|x| {
                 let shape = simplex.barycentric(x).unwrap_or_default();
                 let u: Vector<D> = dofs.iter().zip(shape).map(|(&k, n)| fluid.velocity[k as usize] * n).sum();
-                ([x[0], x[1]], [u[0], u[1]], dofs.iter().zip(shape).map(|(&k, n)| vorticity[k as usize] * n).sum())
+                let vorticity = dofs.iter().zip(shape).map(|(&k, n)| vorticity[k as usize] * n).sum();
+                Corner { x: [x[0], x[1]], velocity: [u[0], u[1]], vorticity }
             })
             .collect();
-        triangles.extend((2..corners.len()).map(|k| {
-            let at = [0, k - 1, k];
-            Triangle {
-                x: at.map(|i| corners[i].0),
-                velocity: at.map(|i| corners[i].1),
-                vorticity: at.map(|i| corners[i].2),
-            }
-        }));
+        triangles.extend((2..corners.len()).map(|k| [0, k - 1, k].map(|i| corners[i])));
     }
     triangles
 }

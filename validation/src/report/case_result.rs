@@ -12,7 +12,6 @@ use crate::figures::CAPTIONS;
 use crate::metrics::{Rebound, THICKNESS};
 use crate::outcome::Failure;
 
-/// The results of a case.
 pub(crate) struct CaseResult {
     pub(crate) name: String,
     pub(crate) reference: Reference,
@@ -40,7 +39,6 @@ impl CaseResult {
         })
     }
 
-    /// The row of the summary.
     pub(super) fn row(&self) -> Vec<String> {
         let summary = &self.results.summary;
         let rebound = Rebound::new(&self.results);
@@ -61,7 +59,6 @@ impl CaseResult {
         ]
     }
 
-    /// The section of the case.
     pub(super) fn section(&self) -> Result<Section, Failure> {
         let marks = self.marks();
         let mut html = self.lead() + &self.compared() + &part(&self.results, &marks)?;

@@ -17,9 +17,6 @@ use crate::outcome::Failure;
 const SETTLED: &str = include_str!("settled.html");
 
 /// Writes `report/index.html` next to the results of the named cases, or of all cases. Cases without results are left out.
-///
-/// # Errors
-/// Results are malformed, or a file cannot be written.
 pub(crate) fn write(cases: &[String], is_quick: bool, out: &Path) -> Result<(), Failure> {
     let names = if cases.is_empty() { case::names()? } else { cases.to_vec() };
     let mut results = Vec::new();
@@ -44,7 +41,6 @@ pub(crate) fn write(cases: &[String], is_quick: bool, out: &Path) -> Result<(), 
     Ok(())
 }
 
-/// The table of all cases.
 fn summary(cases: &[CaseResult]) -> String {
     let rows: Vec<Vec<String>> = cases.iter().map(CaseResult::row).collect();
     let head = ["case", "contact [s]", "release [s]", "highest [cm]", "at [s]", "wall time", "verdict"];
@@ -71,11 +67,16 @@ fn lead(is_quick: bool) -> String {
     )
 }
 
-/// The version of the code, if git knows it.
-pub(crate) fn commit() -> Option<String> {
-    let output = std::process::Command::new("git").args(["describe", "--always", "--dirty"]).output().ok()?;
+/// The output of a command of git, if there is any.
+pub(crate) fn git(arguments: &[&str]) -> Option<String> {
+    let output = std::process::Command::new("git").args(arguments).output().ok()?;
     let text = String::from_utf8(output.stdout).ok()?;
     Some(text.trim().to_owned()).filter(|text| output.status.success() && !text.is_empty())
+}
+
+/// The version of the code, if git knows it.
+pub(crate) fn commit() -> Option<String> {
+    git(&["describe", "--always", "--dirty"])
 }
 
 /// The machine, where the operating system describes it: processor, number of threads, memory.

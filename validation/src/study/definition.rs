@@ -1,7 +1,6 @@
 //! Definitions of studies: the files in `studies/`.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
@@ -11,12 +10,10 @@ use crate::case;
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Definition {
-    /// Headline.
     pub(super) title: String,
     /// Conclusions, as paragraphs.
     #[serde(default)]
     pub(super) note: Vec<String>,
-    /// The series.
     pub(super) series: Vec<Series>,
 }
 
@@ -35,7 +32,6 @@ pub(super) struct Series {
     pub(super) set: Vec<String>,
     /// Keys of the scenario that are varied, with the factor on the value for each.
     pub(super) vary: BTreeMap<String, f64>,
-    /// The values.
     pub(super) values: Vec<f64>,
     /// Whether the values tend to zero at a constant ratio and the limit of the contact time is wanted.
     #[serde(default)]
@@ -50,28 +46,17 @@ impl Series {
     }
 }
 
+/// Folder of the definitions.
+const FOLDER: &str = "studies";
+
 /// The names of all studies, in order.
-///
-/// # Errors
-/// The folder cannot be read.
 pub(crate) fn names() -> std::io::Result<Vec<String>> {
-    case::stems(&folder())
+    case::stems(FOLDER)
 }
 
 /// A study.
-///
-/// # Errors
-/// No study has this name, or its definition is invalid.
 pub(super) fn read(name: &str) -> Result<Definition, String> {
-    let known = names().unwrap_or_default();
-    if !known.iter().any(|k| k == name) {
-        return Err(format!("there is no study {name:?}; there are {}", known.join(", ")));
-    }
-    case::parse(&folder().join(format!("{name}.toml")))
-}
-
-fn folder() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("studies")
+    case::read_named(FOLDER, "study", name)
 }
 
 #[cfg(test)]

@@ -3,7 +3,6 @@
 /// The limit of a sequence.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Limit {
-    /// The limit.
     pub(super) value: f64,
     /// Half of the width of the interval that should contain it.
     pub(super) uncertainty: f64,

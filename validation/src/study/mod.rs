@@ -5,7 +5,7 @@ mod limit;
 
 use std::path::Path;
 
-use cutwater::io::{self, ScenarioFile};
+use cutwater::io::{self, ScenarioFile, Summary};
 use cutwater::report::Results;
 
 pub(crate) use self::definition::names;
@@ -14,10 +14,11 @@ use self::limit::{Limit, richardson};
 use crate::bounds::potential::{arrival, gaps};
 use crate::case;
 use crate::metrics::Rebound;
-use crate::outcome::{Failure, Outcome};
+use crate::outcome::{Failure, Outcome, causes};
 use crate::report::{commit, machine};
+use crate::table::short;
 use crate::verify::document;
-use crate::verify::record::{Figure, Record, Table, short};
+use crate::verify::record::{Record, Table};
 
 /// Folder of the pages of studies in `docs/src`.
 const FOLDER: &str = "studies";
@@ -30,22 +31,22 @@ struct Run {
     value: f64,
     /// Why the run stopped before its end.
     failure: Option<String>,
-    /// First contact: the end of the first step in contact.
-    contact_time: Option<f64>,
+    summary: Summary,
     /// When the distance passes the contact offset: the contact time to a fraction of a step.
     arrival_time: Option<f64>,
-    release_time: Option<f64>,
-    n_contacts: usize,
     /// Smallest distance at the end of the first approach.
     closest: Option<f64>,
     rebound: Option<Rebound>,
-    cells: usize,
-    steps: usize,
-    seconds: f64,
     /// When an ideal fluid would let the ball come as close as the contact offset.
     bound: Option<f64>,
-    /// Version of the code.
     version: String,
+}
+
+impl Run {
+    /// The contact time: to a fraction of a step, if the distance passes the contact offset.
+    fn first_contact(&self) -> Option<f64> {
+        self.arrival_time.or(self.summary.contact_time)
+    }
 }
 
 /// Runs studies; true if every run came to its end. The results of a run are kept in a directory of its own; a run whose
@@ -94,7 +95,9 @@ fn run_one(study: &str, series: &Series, value: f64, again: bool, out: &Path) ->
         None => {
             let failure = match io::run(&file, &directory, &mut ()) {
                 Ok(_) => None,
-                Err(error @ io::Error::Step(_)) => Some(chain(&error)),
+                Err(error @ io::Error::Step(_)) => {
+                    Some(causes(&error).fold(error.to_string(), |text, cause| format!("{text}: {cause}")))
+                }
                 Err(error) => return Err(error.into()),
             };
             std::fs::write(directory.join(VERSION), commit().unwrap_or_default())?;
@@ -103,21 +106,15 @@ fn run_one(study: &str, series: &Series, value: f64, again: bool, out: &Path) ->
     };
     let column = |name: String| results.history.column(&name).unwrap_or_default();
     let (times, distances) = (column("time".to_owned()), column(format!("{}d_min", results.leading_prefix())));
-    let summary = &results.summary;
     let run = Run {
         value,
         failure,
-        contact_time: summary.contact_time,
-        arrival_time: summary.contact_offset.and_then(|offset| passes(&times, &distances, offset)),
-        release_time: summary.release_time,
-        n_contacts: summary.contact_intervals.len(),
+        arrival_time: results.summary.contact_offset.and_then(|offset| passes(&times, &distances, offset)),
         closest: first_approach(&distances),
         rebound: Rebound::new(&results),
-        cells: summary.cells,
-        steps: summary.steps,
-        seconds: summary.wall_seconds,
         bound: gaps(&results.scenario).map(|(start, offset)| arrival(start, offset).time),
         version: std::fs::read_to_string(directory.join(VERSION)).unwrap_or_default(),
+        summary: results.summary,
     };
     println!("  {}", [vec![series.name.clone()], row(&run)].concat().join(", "));
     Ok(run)
@@ -143,15 +140,15 @@ fn row(run: &Run) -> Vec<String> {
     let length = |length: Option<f64>| length.map_or("-".to_owned(), short);
     vec![
         short(run.value),
-        time(run.arrival_time.or(run.contact_time)),
-        time(run.release_time),
-        run.n_contacts.to_string(),
+        time(run.first_contact()),
+        time(run.summary.release_time),
+        run.summary.contact_intervals.len().to_string(),
         length(run.closest),
         length(run.rebound.map(|rebound| rebound.height)),
         time(run.rebound.map(|rebound| rebound.time)),
-        run.cells.to_string(),
-        run.steps.to_string(),
-        format!("{:.0}", run.seconds),
+        run.summary.cells.to_string(),
+        run.summary.steps.to_string(),
+        format!("{:.0}", run.summary.wall_seconds),
         run.failure.clone().unwrap_or_default(),
     ]
 }
@@ -159,7 +156,7 @@ fn row(run: &Run) -> Vec<String> {
 /// The outcome of a study as a record.
 fn record(name: &str, definition: &Definition, runs: &[Vec<Run>]) -> Record {
     let mut record = Record::new(name, &definition.title, true);
-    record.seconds = runs.iter().flatten().map(|run| run.seconds).sum();
+    record.seconds = runs.iter().flatten().map(|run| run.summary.wall_seconds).sum();
     let all = || definition.series.iter().zip(runs);
     let limits: Vec<Vec<String>> =
         all().filter(|(series, _)| series.limit).filter_map(|(s, runs)| limit_row(s, runs)).collect();
@@ -182,11 +179,10 @@ fn record(name: &str, definition: &Definition, runs: &[Vec<Run>]) -> Record {
             };
             let curves: Vec<_> = group.iter().map(curve).filter(|(_, points)| !points.is_empty()).collect();
             if !curves.is_empty() {
-                let x_title = group[0].0.parameter.clone();
-                record.figures.push(Figure { title: title.to_owned(), x_title, curves, is_log: false });
+                record.figure(title, &group[0].0.parameter, curves);
             }
         };
-        chart("contact [s]", &|run| run.arrival_time.or(run.contact_time));
+        chart("contact [s]", &Run::first_contact);
         chart("highest point after rebound [cm]", &|run| Some(run.rebound?.height));
     }
     record
@@ -198,7 +194,7 @@ fn limit_row(series: &Series, runs: &[Run]) -> Option<Vec<String>> {
     let Limit { value, uncertainty, order, shrinks } = richardson(&times)?;
     let bound = runs.first()?.bound;
     let yes_or_no = |holds: bool| if holds { "yes" } else { "no" }.to_owned();
-    let is_above = |bound: f64| runs.iter().filter_map(|run| run.contact_time).all(|time| time >= bound);
+    let is_above = |bound: f64| runs.iter().filter_map(|run| run.summary.contact_time).all(|time| time >= bound);
     Some(vec![
         series.name.clone(),
         bound.map_or("-".to_owned(), |bound| format!("{bound:.4}")),
@@ -207,17 +203,6 @@ fn limit_row(series: &Series, runs: &[Run]) -> Option<Vec<String>> {
         order.map_or("-".to_owned(), |order| format!("{order:.1}")),
         yes_or_no(shrinks),
     ])
-}
-
-/// An error with its causes in one line.
-fn chain(error: &dyn std::error::Error) -> String {
-    let mut text = error.to_string();
-    let mut cause = error.source();
-    while let Some(inner) = cause {
-        text += &format!(": {inner}");
-        cause = inner.source();
-    }
-    text
 }
 
 /// When the distance first falls to a level: in the step in which it does, with the speed of the step before. Contact holds

@@ -1,17 +1,14 @@
 //! The ball of the cases begins to fall: it has to take the fluid around it along.
 
-use std::path::Path;
 use std::sync::Arc;
 
-use cutwater::algebra::{LaggedSettings, LaggedSolver, Workspace};
 use cutwater::io::ScenarioFile;
-use cutwater::io::scenario::{Case, CaseVisitor, lower};
+use cutwater::io::scenario::case::case;
 use cutwater::solid_rigid::RigidBody;
-use cutwater::solver::{Observer, ObserverError, Setup, State, StepView, TimeLoop};
+use cutwater::solver::Setup;
 
-use super::record::{Figure, Record, short};
+use super::{Failure, Record, Run, short};
 use crate::case::scenario_path;
-use crate::outcome::Failure;
 
 /// Acceleration of a rigid ball in ideal fluid, `-g m/(m + M_a)` with the added mass of the case's box, cm/s².
 const RIGID: f64 = -594.5;
@@ -19,10 +16,7 @@ const RIGID: f64 = -594.5;
 const ACCURACY: f64 = 0.005;
 
 /// Measures the first acceleration of a rigid ball, and the mean of the elastic one over 10 ms.
-///
-/// # Errors
-/// A run fails.
-pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
+pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let sizes: &[f64] = if record.full { &[0.4, 0.2, 0.1, 0.05] } else { &[0.8, 0.4, 0.2] };
     let mut curves = Vec::new();
     for (name, is_rigid, n_steps) in [("rigid ball, first 1 ms", true, 1), ("elastic ball, mean of 10 ms", false, 10)] {
@@ -47,16 +41,12 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
         }
         curves.push((name.to_owned(), curve));
     }
-    record.figures.push(Figure {
-        title: "Acceleration of the ball [cm/s²]".to_owned(),
-        x_title: "h [cm]".to_owned(),
-        curves,
-        is_log: false,
-    });
+    record.figure("Acceleration of the ball [cm/s²]", "h [cm]", curves);
     record.note("The virtual barrier with cells of one size and the consistent profile of the interior penalty; linear extrapolation from the last two meshes.");
     Ok(())
 }
 
+/// Velocity of the centre of mass over time, after some steps.
 fn acceleration(h: f64, is_rigid: bool, n_steps: usize) -> Result<f64, Failure> {
     let set = [
         format!("background.size={h}"),
@@ -65,44 +55,21 @@ fn acceleration(h: f64, is_rigid: bool, n_steps: usize) -> Result<f64, Failure> 
         "time.step=1e-3".to_owned(),
         "time.end=0.01".to_owned(),
     ];
-    lower(&ScenarioFile::read(&scenario_path("virtual-barrier"), &set)?, Run { is_rigid, n_steps })?
-}
-
-/// Velocity of the centre of mass over time, after the last step.
-#[derive(Default)]
-struct Mean(f64);
-
-impl<const D: usize> Observer<D> for Mean {
-    fn after_step(&mut self, view: &StepView<'_, D>) -> Result<(), ObserverError> {
-        if let Some(balance) = view.report.and_then(|report| report.bodies[0].balance.as_ref()) {
-            self.0 = balance.momentum[D - 1] / balance.mass / view.state.time;
-        }
-        Ok(())
+    let mut case = case::<2>(&ScenarioFile::read(&scenario_path("virtual-barrier"), &set)?)?;
+    if is_rigid {
+        make_rigid(&mut case.setup)?;
     }
-}
-
-struct Run {
-    is_rigid: bool,
-    n_steps: usize,
-}
-
-impl CaseVisitor for Run {
-    type Output = Result<f64, Failure>;
-
-    fn visit<const D: usize>(self, mut case: Case<D>) -> Self::Output {
-        if self.is_rigid {
-            make_rigid(&mut case.setup)?;
-        }
-        let mut mean = Mean::default();
-        let state = State::initial(&case.setup)?;
-        let work = Workspace::with_solver(Box::new(LaggedSolver::new(LaggedSettings::default())));
-        TimeLoop::new(&case.setup, state, work).run(self.n_steps, &mut [&mut mean])?;
-        Ok(mean.0)
+    let mut run = Run::lagged(case.setup)?;
+    let mut report = run.advance()?;
+    for _ in 1..n_steps {
+        report = run.advance()?;
     }
+    let balance = report.bodies[0].balance.as_ref().ok_or("the ball has a mass")?;
+    Ok(balance.momentum[1] / balance.mass / run.state.time)
 }
 
 /// Makes a rigid body of the half ball, held on its plane of symmetry.
-fn make_rigid<const D: usize>(setup: &mut Setup<D>) -> Result<(), Failure> {
+fn make_rigid(setup: &mut Setup<2>) -> Result<(), Failure> {
     let ball = &setup.bodies[0];
     let start = ball.start();
     let solid = ball.cells(&start).ok_or("the ball is elastic")?.mesh;

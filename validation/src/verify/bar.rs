@@ -5,7 +5,6 @@
 
 mod history;
 
-use std::path::Path;
 use std::sync::Arc;
 
 use cutwater::algebra::time::ImplicitEuler;
@@ -15,8 +14,7 @@ use self::history::{
     history,
 };
 use super::dry::{Scheme, second_order};
-use super::record::{Figure, Record, short};
-use crate::outcome::Failure;
+use super::{Failure, Record, short};
 
 /// Spectral radius of the generalised-α scheme.
 const RHO_INF: f64 = 0.8;
@@ -93,11 +91,7 @@ fn long(record: &mut Record, n: usize, method: &Method) -> Result<Vec<(f64, f64)
     Ok(long.energy)
 }
 
-/// Measures.
-///
-/// # Errors
-/// A step fails.
-pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
+pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let (cells, n) = if record.full { (&[25, 50, 100, 200][..], 200) } else { (&[25, 50][..], 50) };
     let euler: Scheme = Arc::new(ImplicitEuler);
     let second = second_order(RHO_INF)?;
@@ -145,8 +139,7 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
     }
     let titles = ["height of the lower end", "floor pressure", "energy over that at the start"];
     for (title, curves) in titles.into_iter().zip(curves).filter(|(_, curves)| !curves.is_empty()) {
-        let x_title = "t".to_owned();
-        record.figures.push(Figure { title: title.to_owned(), x_title, curves, is_log: false });
+        record.figure(title, "t", curves);
     }
     record.note(format!(
         "Penalty {PENALTY} E/h, generalised-α with rho_inf = {RHO_INF}. Linear elasticity: strains are up to a third, and the exact solution is \

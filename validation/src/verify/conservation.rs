@@ -4,17 +4,18 @@
 
 use std::sync::Arc;
 
-use cutwater::algebra::Workspace;
 use cutwater::cutcell::FaceLabel;
 use cutwater::mesh::FacetId;
-use cutwater::solver::{FluidBoundary, Setup, State, Substep, advance};
+use cutwater::solver::{FluidBoundary, Setup, State};
 use cutwater::xfem_space::PartValues;
 
-use super::flow::{P, Random, T, V, fluid_mut, fluid_of, polygon_of_particles, wet, wet_report};
+use super::flow::{Random, fluid_mut, fluid_of, polygon_of_particles, wet, wet_report};
 use super::linear_flow::{Linear, background, nonagon};
-use super::record::worse;
-use crate::outcome::Failure;
+use super::record::{Named, worse};
+use super::{Failure, P, Run, T, V};
 
+/// Name of the net leak, which no equation makes zero.
+pub(super) const LEAK: &str = "over its sweep: net flow through the surface, relative to it";
 const STEPS: usize = 6;
 const DT: f64 = 0.02;
 /// Area of the box.
@@ -66,8 +67,8 @@ struct Fluxes {
     swept: f64,
 }
 
-fn fluxes(setup: &Setup<2>, state: &State<2>, motion: &Motion) -> Fluxes {
-    let (background, fluid) = (&fluid_of(setup).background, wet(state));
+fn fluxes(setup: &Setup<2>, state: &State<2>, motion: &Motion) -> Result<Fluxes, Failure> {
+    let (background, fluid) = (&fluid_of(setup)?.background, wet(state)?);
     let (cut, values) = (&fluid.cut, PartValues::new(background, &fluid.cut));
     let mut through_faces = vec![0.0; background.n_facets()];
     let mut residuals = vec![0.0; cut.n_parts()];
@@ -121,51 +122,56 @@ fn fluxes(setup: &Setup<2>, state: &State<2>, motion: &Motion) -> Fluxes {
         }
     }
     let residual = residuals.iter().map(|r| f64::abs(*r)).sum::<f64>() + disagreement;
-    Fluxes { residual, outflow, growth, swept }
+    Ok(Fluxes { residual, outflow, growth, swept })
 }
 
 /// Moves a body of given motion through a box, open at the top or not. The largest errors over the steps, over what the body
 /// sweeps: the sum over all cells of what is missing in the balance of each; outflow and growth of the body; change of the
-/// covered area and sweep of the surface. And the net leak through that, which no equation makes zero.
-fn displaced(corners: Vec<P>, motion: Motion, is_open: bool) -> Result<[f64; 4], Failure> {
+/// covered area and sweep of the surface. And the net leak through that.
+fn displaced(name: &str, corners: Vec<P>, motion: Motion, is_open: bool) -> Result<Named, Failure> {
     let known = Linear::at_rest(V::zeros()).known(0.05, if is_open { &["top"] } else { &[] });
     let mut setup = known.setup(background()?, DT);
-    for (_, condition) in &mut fluid_mut(&mut setup).boundary {
+    for (_, condition) in &mut fluid_mut(&mut setup)?.boundary {
         if matches!(condition, FluidBoundary::Velocity(_)) {
             *condition = FluidBoundary::NoSlip;
         }
     }
     let velocity = Arc::new(move |x: &P, [t, _]: [f64; 2]| motion.velocity(x, t));
     setup.bodies.push(polygon_of_particles(&[corners], move |x, t| motion.position(x, t), velocity));
-    let (mut state, mut work) = (State::initial(&setup)?, Workspace::new());
+    let mut run = Run::new(setup)?;
     let mut errors = [0.0_f64; 4];
     let mut before: Option<(f64, f64)> = None;
     for _ in 0..STEPS {
-        let (next, report) = advance(&setup, &state, Substep::whole(setup.dt), &mut work)?;
-        state = next;
-        let flow = fluxes(&setup, &state, &motion);
-        let covered = BOX - wet(&state).cut.fluid_volume();
+        let report = run.advance()?;
+        let flow = fluxes(&run.setup, &run.state, &motion)?;
+        let covered = BOX - wet(&run.state)?.cut.fluid_volume();
         // Velocities at corners are constant or turn: rates are linear in time or zero, and the trapezoidal rule is exact.
         let of_area = before.map_or(0.0, |(area, growth)| (covered - area) / DT - 0.5 * (growth + flow.growth));
-        let now = [flow.residual, flow.outflow - flow.growth, of_area, wet_report(&report).flow.leak_net];
+        let now = [flow.residual, flow.outflow - flow.growth, of_area, wet_report(&report)?.flow.leak_net];
         for (error, value) in errors.iter_mut().zip(now) {
             *error = worse(*error, value.abs() / flow.swept);
         }
         before = Some((covered, flow.growth));
     }
-    Ok(errors)
+    let names = [
+        "every step, over its sweep: sum of what is missing in the volume balance of each cell",
+        "every step, over its sweep: flow out of the box beside growth of the body",
+        "every step, over its sweep: change of the covered area beside sweep of the surface",
+        LEAK,
+    ];
+    Ok(names.into_iter().zip(errors).map(|(what, error)| (format!("{name}, {what}"), error)).collect())
 }
 
 /// A body that moves and turns in a closed box.
-pub(super) fn closed(centre: P, random: &mut Random) -> Result<Vec<f64>, Failure> {
+pub(super) fn closed(centre: P, random: &mut Random) -> Result<Named, Failure> {
     let motion = rigid(centre, random);
-    Ok(displaced(nonagon(centre, random), motion, false)?.to_vec())
+    displaced("body that moves and turns in a closed box", nonagon(centre, random), motion, false)
 }
 
 /// The same under an open side.
-pub(super) fn open(centre: P, random: &mut Random) -> Result<Vec<f64>, Failure> {
+pub(super) fn open(centre: P, random: &mut Random) -> Result<Named, Failure> {
     let motion = rigid(centre, random);
-    Ok(displaced(nonagon(centre, random), motion, true)?.to_vec())
+    displaced("body that moves and turns under an open side", nonagon(centre, random), motion, true)
 }
 
 fn rigid(about: P, random: &mut Random) -> Motion {
@@ -174,9 +180,10 @@ fn rigid(about: P, random: &mut Random) -> Motion {
 }
 
 /// A body that turns, swells and is sheared under an open side.
-pub(super) fn swelling(about: P, random: &mut Random) -> Result<Vec<f64>, Failure> {
+pub(super) fn swelling(about: P, random: &mut Random) -> Result<Named, Failure> {
     let mut entry = || random.between(-0.5, 0.5);
     let (shear, b) = (T::new(entry(), entry(), entry(), entry()), V::new(entry(), entry()));
     let a = shear + T::new(0.6, -1.0, 1.0, 0.6);
-    Ok(displaced(nonagon(about, random), Motion::Swelling { about, a, b }, true)?.to_vec())
+    let name = "body that turns, swells and is sheared under an open side";
+    displaced(name, nonagon(about, random), Motion::Swelling { about, a, b }, true)
 }

@@ -2,7 +2,6 @@
 //!
 //! Source: the patch test of Taylor and Papadopoulos 1991 in the form of the Tribol library's tests, for two unit squares.
 
-use std::path::Path;
 use std::sync::Arc;
 
 use cutwater::algebra::time::QuasiStatic;
@@ -12,9 +11,9 @@ use cutwater::mesh::generate::structured_box;
 use cutwater::solid_svk::{LameParameters, SaintVenantKirchhoff, SupportKind};
 use cutwater::solver::ContactObstacle;
 
-use super::dry::{Elastic, Run, Touch, V, elastic, floor, pushed};
-use super::record::Record;
-use crate::outcome::Failure;
+use super::dry::{Elastic, Touch, elastic, floor, pushed, run};
+use super::signal::bisect;
+use super::{Failure, Record, Run, V};
 
 /// Both Lame parameters.
 const LAME: f64 = 50.0;
@@ -32,13 +31,8 @@ fn pressure(stretch: f64) -> f64 {
 
 /// The stretch of `n` unit blocks in a pile that is pushed, with the penetration under or between them.
 fn stretch(n: f64) -> f64 {
-    let (mut low, mut high) = (0.9, 1.0);
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        // The penetration is the push minus the compression of the blocks.
-        if pressure(middle) > STIFFNESS * (PUSHED - n * (1.0 - middle)) { low = middle } else { high = middle }
-    }
-    0.5 * (low + high)
+    // The penetration is the push minus the compression of the blocks.
+    bisect([0.9, 1.0], |stretch| pressure(stretch) <= STIFFNESS * (PUSHED - n * (1.0 - stretch)))
 }
 
 fn block(bottom: f64, n: usize, top: f64) -> Result<Elastic<2>, Failure> {
@@ -80,8 +74,8 @@ fn deviation(mut run: Run, bottoms: &[f64]) -> Result<Deviation, Failure> {
 
 fn on_a_plane(n: usize) -> Result<Deviation, Failure> {
     let body = block(0.0, n, PUSHED)?;
-    let contact = floor(&body, "bottom", STIFFNESS)?;
-    deviation(Run::new(vec![body], Some(contact), 1.0, 1e-11)?, &[0.0])
+    let contact = floor(body.part("bottom")?, STIFFNESS, 1.0)?;
+    deviation(run(vec![body], Some(contact), 1.0, 1e-11)?, &[0.0])
 }
 
 fn two(n_slave: usize, n_master: usize) -> Result<Deviation, Failure> {
@@ -93,14 +87,10 @@ fn two(n_slave: usize, n_master: usize) -> Result<Deviation, Failure> {
         form: ContactForm::new(Penalty::new(0.1 * STIFFNESS, 0.0)?, 0.1)?,
         obstacle: ContactObstacle::Body { body: BodyId::new(1), surface },
     };
-    deviation(Run::new(vec![upper, lower], Some(contact), 1.0, 1e-11)?, &[1.0, 0.0])
+    deviation(run(vec![upper, lower], Some(contact), 1.0, 1e-11)?, &[1.0, 0.0])
 }
 
-/// Measures.
-///
-/// # Errors
-/// Newton's method fails.
-pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
+pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let plane = on_a_plane(if record.full { 16 } else { 5 })?;
     record.at_most("block on a plane: error of the force, relative", plane.force, ROUND_OFF);
     record.at_most("block on a plane: error of displacement relative to the push", plane.displacement, ROUND_OFF);

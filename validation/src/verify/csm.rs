@@ -3,7 +3,6 @@
 //! Source: Turek and Hron 2006, Proposal for numerical benchmarking of fluid-structure interaction between an elastic object and
 //! laminar incompressible flow, doi:10.1007/3-540-34596-5_15, CSM1 to CSM3. SI units.
 
-use std::path::Path;
 use std::sync::Arc;
 
 use cutwater::algebra::time::{ImplicitEuler, QuasiStatic};
@@ -11,9 +10,9 @@ use cutwater::mesh::VertexId;
 use cutwater::mesh::generate::structured_box;
 use cutwater::solid_svk::{LameParameters, SaintVenantKirchhoff, Support, SupportKind};
 
-use super::dry::{P, Run, Scheme, V, elastic, mapped, second_order};
-use super::record::{Figure, Record, short};
-use crate::outcome::Failure;
+use super::dry::{self, Scheme, elastic, mapped, second_order};
+use super::signal::passage;
+use super::{Failure, P, Record, Run, V, short};
 
 const LENGTH: f64 = 0.35;
 const THICKNESS: f64 = 0.02;
@@ -45,7 +44,6 @@ const SWINGS: f64 = 2.4;
 /// Rows, swings and time steps of the comparison of time steps.
 const LONG: (usize, f64, [f64; 3]) = (8, 11.0, [1e-2, 5e-3, 2.5e-3]);
 
-/// The flag.
 #[derive(Clone, Copy)]
 struct Flag {
     /// Rows of cells across it, each of squares in two triangles.
@@ -73,7 +71,7 @@ impl Flag {
         let material = SaintVenantKirchhoff::new(LameParameters::new(self.mu, 4.0 * self.mu)?);
         let mut body = elastic(mesh, DENSITY, material, V::new(0.0, -gravity), scheme)?;
         body.options.supports.push(Support { vertices: held, kind: SupportKind::Clamped });
-        Run::new(vec![body], None, dt, 1e-9)
+        dry::run(vec![body], None, dt, 1e-9)
     }
 
     /// Displacement of the tip at rest.
@@ -102,9 +100,9 @@ impl Flag {
 
 /// Displacement of the tip, where the two halves of the end meet.
 fn displacement(run: &Run) -> Result<V, Failure> {
-    let mesh = run.body().solid().mesh();
     let tip = P::from(TIP);
-    let at = mesh.vertices().iter().position(|x| (x - tip).norm() < 1e-9).ok_or("no vertex at the tip")?;
+    let at =
+        run.setup.bodies[0].reference().iter().position(|x| (x - tip).norm() < 1e-9).ok_or("no vertex at the tip")?;
     Ok(run.state.bodies[0].displacement()[at])
 }
 
@@ -123,10 +121,7 @@ fn swings(signal: &[(f64, f64)]) -> Vec<[f64; 3]> {
     let middle = 0.5 * (low + high);
     let passages: Vec<(usize, f64)> = (1..signal.len())
         .filter(|&k| signal[k - 1].1 > middle && signal[k].1 <= middle)
-        .map(|k| {
-            let [(t0, u0), (t1, u1)] = [signal[k - 1], signal[k]];
-            (k, t0 + (t1 - t0) * (u0 - middle) / (u0 - u1))
-        })
+        .map(|k| (k, passage([signal[k - 1], signal[k]], middle)))
         .collect();
     let swing = |w: &[(usize, f64)]| {
         let (low, high) = range(&signal[w[0].0 - 1..=w[1].0]);
@@ -135,7 +130,6 @@ fn swings(signal: &[(f64, f64)]) -> Vec<[f64; 3]> {
     passages.windows(2).map(swing).collect()
 }
 
-/// The last swing.
 fn last(signal: &[(f64, f64)]) -> Result<[f64; 3], Failure> {
     Ok(swings(signal).pop().ok_or("the flag does not swing twice")?)
 }
@@ -145,11 +139,7 @@ fn extrapolated(rows: [usize; 2], [coarse, fine]: [f64; 2]) -> f64 {
     fine + (fine - coarse) / ((rows[1] as f64 / rows[0] as f64).powi(2) - 1.0)
 }
 
-/// Measures.
-///
-/// # Errors
-/// A step fails.
-pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
+pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let flag = |rows: usize, mu: f64| Flag { rows, mu, is_fitted: true };
     let mut errors = Vec::new();
     let mut values = Vec::new();
@@ -183,7 +173,6 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
-/// CSM3.
 fn swinging(record: &mut Record) -> Result<(), Failure> {
     let (rows, dt): (&[usize], f64) = if record.full { (&[8, 16, 32], 5e-3) } else { (&[6, 10], 1e-2) };
     let flag = |rows: usize| Flag { rows, mu: SOFT, is_fitted: true };
@@ -219,8 +208,7 @@ fn swinging(record: &mut Record) -> Result<(), Failure> {
     let quantity = format!("CSM3, {} rows, implicit Euler: amplitude of u_y in the second swing [m]", rows[0]);
     record.show(quantity, last(&euler)?[1], Some(CSM3[1]));
     curves.push((format!("{} rows, implicit Euler", rows[0]), euler));
-    let title = "CSM3: u_y of the tip [m]".to_owned();
-    record.figures.push(Figure { title, x_title: "t [s]".to_owned(), curves, is_log: false });
+    record.figure("CSM3: u_y of the tip [m]", "t [s]", curves);
     if record.full {
         time_steps(record, &flag)?;
     }
@@ -248,7 +236,6 @@ fn time_steps(record: &mut Record, flag: &dyn Fn(usize) -> Flag) -> Result<(), F
         let highest = swings.iter().enumerate().map(|(k, swing)| ((k + 1) as f64, 1e3 * (swing[0] + swing[1])));
         curves.push((format!("dt = {}", short(dt)), highest.collect()));
     }
-    let title = format!("CSM3, {rows} rows: how far the tip comes back [mm]");
-    record.figures.push(Figure { title, x_title: "swing".to_owned(), curves, is_log: false });
+    record.figure(format!("CSM3, {rows} rows: how far the tip comes back [mm]"), "swing", curves);
     Ok(())
 }

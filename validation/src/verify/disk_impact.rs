@@ -1,14 +1,12 @@
 //! A disk that hits a rigid plane without a fluid around it.
 
-use std::path::Path;
 use std::sync::Arc;
 
 use cutwater::algebra::time::ImplicitEuler;
 
 use super::dry::{Scheme, second_order};
-use super::record::{Figure, Record, short};
+use super::{Failure, Record, short};
 use crate::bounds::impact::impact;
-use crate::outcome::Failure;
 
 /// Speed of the ball at the virtual barrier, cm/s.
 const SPEED: f64 = 52.45;
@@ -21,11 +19,7 @@ const HEIGHT: f64 = 7.771;
 /// Spectral radius of the scheme that has to meet them.
 const GATED: f64 = 0.8;
 
-/// Measures.
-///
-/// # Errors
-/// A step fails, or the disk does not leave the plane.
-pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
+pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let (size, steps): (f64, &[f64]) = if record.full { (0.2, &[2e-4, 1e-4, 5e-5]) } else { (0.4, &[2e-4, 1e-4]) };
     let mut schemes: Vec<(String, Scheme, bool)> = vec![("implicit Euler".to_owned(), Arc::new(ImplicitEuler), false)];
     for rho_inf in [0.5, GATED, 1.0] {
@@ -53,12 +47,7 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
     record.near("restitution", found.restitution, RESTITUTION, 0.02);
     record.near("contact lasts [ms]", 1e3 * found.duration, DURATION, 0.4);
     record.near_relative("smallest height [cm]", found.smallest_height, HEIGHT, 0.005);
-    record.figures.push(Figure {
-        title: "energy lost in an impact, over that before".to_owned(),
-        x_title: "time step [s]".to_owned(),
-        curves,
-        is_log: false,
-    });
+    record.figure("energy lost in an impact, over that before", "time step [s]", curves);
     record.note(format!(
         "Cells of {size} cm; generalised-α with three spectral radii. The last rows are those of rho_inf = {GATED} at dt = {} s.",
         short(found.dt)

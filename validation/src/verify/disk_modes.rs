@@ -1,11 +1,8 @@
 //! A free elastic disk that vibrates in its own modes.
 
-use std::path::Path;
-
-use super::dry::{Run, second_order};
-use super::mode::{Mode, frequency};
-use super::record::{Figure, Record, short};
-use crate::outcome::Failure;
+use super::dry::{run, second_order};
+use super::mode::{Mode, frequency_of};
+use super::{Failure, Record, short};
 
 /// `n` and `ω R/c_s` of the first mode with `n` waves around the disk: roots of the frequency determinant of a free disk in plane
 /// strain with `ν = 0.4`.
@@ -20,20 +17,11 @@ fn found(mode: &Mode, size: f64) -> Result<f64, Failure> {
     let period = 1.0 / mode.hertz();
     let body = mode.disk(size, second_order(0.8)?)?;
     let amplitude = mode.projection(&body.solid);
-    let mut run = Run::new(vec![body], None, period * size / STEPS, 1e-9)?;
-    let mut samples = Vec::new();
-    while run.state.time < PERIODS * period {
-        run.advance()?;
-        samples.push((run.state.time, amplitude(run.state.bodies[0].displacement())));
-    }
-    frequency(&samples)
+    let run = run(vec![body], None, period * size / STEPS, 1e-9)?;
+    frequency_of(run, PERIODS * period, amplitude)
 }
 
-/// Measures.
-///
-/// # Errors
-/// A step fails.
-pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
+pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let sizes: &[f64] = if record.full { &[0.8, 0.4, 0.2] } else { &[0.8, 0.4] };
     let mut curves = Vec::new();
     for (n, exact) in MODES {
@@ -50,12 +38,7 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
         record.show_order(&format!("error of the frequency, n = {n}"), "size", &errors);
         curves.push((format!("n = {n}"), errors));
     }
-    record.figures.push(Figure {
-        title: "error of the frequency, relative".to_owned(),
-        x_title: "size of cells [cm]".to_owned(),
-        curves,
-        is_log: true,
-    });
+    record.log_figure("error of the frequency, relative", "size of cells [cm]", curves);
     record.note(format!(
         "The disk starts at rest in the shape of the mode; its amplitude is the projection upon the mode, and the frequency follows from \
          all passages of zero in {PERIODS} periods. Generalised-α (rho_inf = 0.8) with {} steps in a period at size 0.4, and \

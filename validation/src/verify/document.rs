@@ -3,18 +3,18 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use super::record::{Record, Row, short};
+use cutwater::report::html::duration;
+
+use super::record::Row;
+use super::{Failure, Record, short};
 use crate::chart::svg;
-use crate::outcome::Failure;
+use crate::report::{commit, git};
 
 /// Folder of the pages of checks in `docs/src`.
 pub(super) const FOLDER: &str = "verification";
 
 /// Writes the page of a record into a folder of the book, and its charts. The page names the command that measured it and
 /// the version of the code.
-///
-/// # Errors
-/// A chart cannot be drawn, or a file cannot be written.
 pub(crate) fn write(folder: &str, record: &Record, command: &str, version: &str) -> Result<(), Failure> {
     let source = source();
     let text = markdown(folder, record, command, version);
@@ -22,7 +22,7 @@ pub(crate) fn write(folder: &str, record: &Record, command: &str, version: &str)
     std::fs::write(source.join(folder).join(&record.check).with_extension("md"), text)?;
     for (k, figure) in record.figures.iter().enumerate() {
         let path = source.join("images").join(picture(folder, record, k));
-        std::fs::write(path, svg(&figure.chart(), figure.is_log)?)?;
+        std::fs::write(path, svg(figure)?)?;
     }
     Ok(())
 }
@@ -34,9 +34,8 @@ pub(crate) fn source() -> PathBuf {
 
 /// Version of the code and its date, if git knows them; else empty.
 pub(super) fn version() -> String {
-    let date = std::process::Command::new("git").args(["log", "-1", "--format=%cs"]).output().ok();
-    let date = date.and_then(|output| String::from_utf8(output.stdout).ok()).unwrap_or_default();
-    crate::report::commit().map_or_else(String::new, |commit| format!("{commit}, {}", date.trim()))
+    let date = git(&["log", "-1", "--format=%cs"]).unwrap_or_default();
+    commit().map_or_else(String::new, |commit| format!("{commit}, {date}"))
 }
 
 fn picture(folder: &str, record: &Record, k: usize) -> String {
@@ -50,12 +49,13 @@ fn markdown(folder: &str, record: &Record, command: &str, version: &str) -> Stri
         (_, 0) => "pass; ".to_owned(),
         (_, failed) => format!("**{failed} missed**; "),
     };
-    let took = match duration(record.seconds) {
-        time if time.is_empty() => time,
-        time => format!("; it took {time}"),
-    };
     let version = if version.is_empty() { String::new() } else { format!(", measured with version {version}") };
-    let mut text = format!("# {}\n\n{}\n\n{verdict}`{command}`{version}{took}.\n", record.check, record.about);
+    let mut text = format!(
+        "# {}\n\n{}\n\n{verdict}`{command}`{version}; it took {}.\n",
+        record.check,
+        record.about,
+        duration(record.seconds)
+    );
     // Writing to a string cannot fail.
     if !record.rows.is_empty() {
         text += "\n| quantity | computed | reference | tolerance | verdict |\n|---|---|---|---|---|\n";
@@ -80,7 +80,6 @@ fn markdown(folder: &str, record: &Record, command: &str, version: &str) -> Stri
     text
 }
 
-/// A text inside a cell of a table.
 fn cell(text: &str) -> String {
     text.replace('|', "\\|")
 }
@@ -88,19 +87,6 @@ fn cell(text: &str) -> String {
 /// Computed number and reference as texts.
 pub(super) fn numbers(row: &Row) -> [String; 2] {
     [row.computed.map_or("not finite".to_owned(), short), row.reference.map_or("-".to_owned(), short)]
-}
-
-/// A time with two digits; empty for zero, which stands for an unknown one.
-pub(crate) fn duration(seconds: f64) -> String {
-    match seconds {
-        0.0 => String::new(),
-        s if s < 99.5 => format!("{} s", short_time(s)),
-        s => format!("{} min", short_time(s / 60.0)),
-    }
-}
-
-fn short_time(x: f64) -> String {
-    if x < 9.95 { format!("{x:.1}") } else { format!("{x:.0}") }
 }
 
 #[cfg(test)]
@@ -114,10 +100,10 @@ mod tests {
         record.at_most("a | b", 2.0, 1.0);
         record.tables.push(Table { head: vec!["p".into(), "q".into()], rows: vec![vec!["1".into(), "2".into()]] });
         record.note("A note.");
-        record.figures.push(super::super::record::Figure { title: "f".into(), ..Default::default() });
+        record.figure("f", "x", vec![("c", Vec::new())]);
         let text = markdown(FOLDER, &record, "run x", "abc, today");
         for part in [
-            "# x\n\nAbout x.\n\n**1 missed**; `run x`, measured with version abc, today.\n",
+            "# x\n\nAbout x.\n\n**1 missed**; `run x`, measured with version abc, today; it took 0.0 s.\n",
             "| a \\| b | 2 | 1 | at most | **missed** |",
             "| p | q |\n|---|---|\n| 1 | 2 |",
             "\nA note.\n",

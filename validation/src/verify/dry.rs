@@ -2,50 +2,47 @@
 
 use std::sync::Arc;
 
+use cutwater::algebra::NewtonSettings;
 use cutwater::algebra::time::{GeneralisedAlpha, TimeScheme};
-use cutwater::algebra::{NewtonSettings, Workspace};
 use cutwater::contact::{ContactForm, Penalty, RigidPlane};
 use cutwater::mesh::{BodyId, FacetId, Point, SimplexMesh, Vector};
 use cutwater::solid_svk::supports::{tagged_facets, vertices_of};
 use cutwater::solid_svk::{ElasticBody, ElasticOptions, Material, SolidForm, SolidMesh, Support, SupportKind};
 use cutwater::solver::body::Body;
-use cutwater::solver::{Contact, ContactObstacle, Setup, State, StepReport, Substep, advance};
+use cutwater::solver::{Contact, ContactObstacle, Setup};
 
-use crate::outcome::Failure;
+use super::{Failure, P, Run, V};
 
-pub(super) type P = Point<2>;
-pub(super) type V = Vector<2>;
 /// A time scheme of an elastic body.
 pub(crate) type Scheme = Arc<dyn TimeScheme>;
 
 /// The parts of an elastic body.
-pub(super) struct Elastic<const D: usize> {
+pub(crate) struct Elastic<const D: usize> {
     pub(super) solid: SolidMesh<D>,
     pub(super) form: SolidForm<D>,
-    pub(super) options: ElasticOptions<D>,
+    pub(crate) options: ElasticOptions<D>,
 }
 
 impl<const D: usize> Elastic<D> {
-    /// The body.
-    pub(super) fn body(self, name: &str) -> Result<Arc<ElasticBody<D>>, Failure> {
+    pub(super) fn body(self, name: &str) -> Result<Arc<dyn Body<D>>, Failure> {
         Ok(Arc::new(ElasticBody::new(name, self.solid, self.form, self.options)?))
     }
 
     /// Holds a named part of the boundary.
-    pub(super) fn hold(&mut self, part: &str, kind: SupportKind<D>) -> Result<(), Failure> {
+    pub(crate) fn hold(&mut self, part: &str, kind: SupportKind<D>) -> Result<(), Failure> {
         let vertices = vertices_of(&self.solid, &tagged_facets(&self.solid, part)?);
         self.options.supports.push(Support { vertices, kind });
         Ok(())
     }
 
     /// Facets of a named part of the boundary.
-    pub(super) fn part(&self, name: &str) -> Result<Vec<FacetId>, Failure> {
+    pub(crate) fn part(&self, name: &str) -> Result<Vec<FacetId>, Failure> {
         Ok(tagged_facets(&self.solid, name)?)
     }
 }
 
 /// An elastic body without supports and loads, at rest.
-pub(super) fn elastic<const D: usize>(
+pub(crate) fn elastic<const D: usize>(
     mesh: SimplexMesh<D>,
     density: f64,
     material: impl Material<D> + 'static,
@@ -57,17 +54,17 @@ pub(super) fn elastic<const D: usize>(
 }
 
 /// A contact of the first body.
-pub(super) struct Touch<const D: usize> {
+pub(crate) struct Touch<const D: usize> {
     pub(super) facets: Vec<FacetId>,
     pub(super) form: ContactForm<D>,
     pub(super) obstacle: ContactObstacle<D>,
 }
 
-/// Contact of a named part of a body with the plane `y = 0` below it; the pressure is `stiffness` times penetration.
-pub(super) fn floor(body: &Elastic<2>, part: &str, stiffness: f64) -> Result<Touch<2>, Failure> {
+/// Contact of facets with the plane `y = 0` below them, with the penalty of a contact form and its size.
+pub(crate) fn floor(facets: Vec<FacetId>, penalty: f64, size: f64) -> Result<Touch<2>, Failure> {
     Ok(Touch {
-        facets: body.part(part)?,
-        form: ContactForm::new(Penalty::new(stiffness, 0.0)?, 1.0)?,
+        facets,
+        form: ContactForm::new(Penalty::new(penalty, 0.0)?, size)?,
         obstacle: ContactObstacle::Rigid(Box::new(RigidPlane::new(P::zeros(), V::new(0.0, -1.0))?)),
     })
 }
@@ -77,59 +74,19 @@ pub(super) fn second_order(rho_inf: f64) -> Result<Scheme, Failure> {
     Ok(Arc::new(GeneralisedAlpha::new(rho_inf).ok_or("rho_inf is from 0 to 1")?))
 }
 
-/// Elastic bodies in motion.
-pub(super) struct Run<const D: usize = 2> {
-    pub(super) setup: Setup<D>,
-    pub(super) state: State<D>,
-    bodies: Vec<Arc<ElasticBody<D>>>,
-    work: Workspace,
-}
-
-impl<const D: usize> Run<D> {
-    /// Bodies at time zero, with a contact of the first one.
-    pub(super) fn new(
-        bodies: Vec<Elastic<D>>,
-        touch: Option<Touch<D>>,
-        dt: f64,
-        tolerance: f64,
-    ) -> Result<Self, Failure> {
-        let built = bodies.into_iter().enumerate().map(|(k, body)| body.body(&format!("body {k}")));
-        let bodies = built.collect::<Result<Vec<_>, _>>()?;
-        let any: Vec<Arc<dyn Body<D>>> = bodies.iter().map(|body| Arc::clone(body) as _).collect();
-        let contact = |Touch { facets, form, obstacle }| Contact::new(&any, BodyId::new(0), facets, form, obstacle);
-        let contacts = touch.map(contact).transpose()?.into_iter().collect();
-        let setup = dry_setup(any, contacts, dt, tolerance);
-        let state = State::initial(&setup)?;
-        Ok(Self { setup, state, bodies, work: Workspace::new() })
-    }
-
-    /// One step.
-    pub(super) fn advance(&mut self) -> Result<StepReport<D>, Failure> {
-        let (state, report) = advance(&self.setup, &self.state, Substep::whole(self.setup.dt), &mut self.work)?;
-        self.state = state;
-        Ok(report)
-    }
-
-    /// The first body.
-    pub(super) fn body(&self) -> &ElasticBody<D> {
-        &self.bodies[0]
-    }
-
-    /// Kinetic, elastic and potential energy of the first body, and its vertical momentum.
-    pub(super) fn energy_and_momentum(&self) -> Result<(f64, f64), Failure> {
-        let balance = self.setup.bodies[0].balance(&self.state.bodies[0]).ok_or("there is no elastic body")?;
-        Ok((balance.energy(), balance.momentum[1]))
-    }
-}
-
-/// Bodies in vacuum.
-pub(crate) fn dry_setup<const D: usize>(
-    bodies: Vec<Arc<dyn Body<D>>>,
-    contacts: Vec<Contact<D>>,
+/// Bodies in vacuum at time zero, with a contact of the first one.
+pub(crate) fn run<const D: usize>(
+    bodies: Vec<Elastic<D>>,
+    touch: Option<Touch<D>>,
     dt: f64,
     tolerance: f64,
-) -> Setup<D> {
-    Setup { fluid: None, bodies, contacts, dt, most_halvings: 0, newton: NewtonSettings::new(tolerance) }
+) -> Result<Run<D>, Failure> {
+    let built = bodies.into_iter().enumerate().map(|(k, body)| body.body(&format!("body {k}")));
+    let bodies = built.collect::<Result<Vec<_>, _>>()?;
+    let contact = |Touch { facets, form, obstacle }| Contact::new(&bodies, BodyId::new(0), facets, form, obstacle);
+    let contacts = touch.map(contact).transpose()?.into_iter().collect();
+    let newton = NewtonSettings::new(tolerance);
+    Run::new(Setup { fluid: None, bodies, contacts, dt, most_halvings: 0, newton })
 }
 
 /// A displacement that grows linearly in time until 1; components with `None` are free.

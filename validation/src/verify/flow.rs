@@ -3,10 +3,11 @@
 use std::sync::Arc;
 
 use cutwater::algebra::{NewtonSettings, Workspace};
-use cutwater::cutcell::OverlayOptions;
+use cutwater::cutcell::{InterfacePiece, OverlayOptions};
 use cutwater::fluid_ns::NewtonianFluid;
 use cutwater::fluid_ns::terms::CipProfile;
-use cutwater::mesh::{self, BoundaryMesh, Point, SimplexMesh, VertexId};
+use cutwater::interface_dg::InterfaceTraction;
+use cutwater::mesh::{BoundaryMesh, SimplexMesh, VertexId};
 use cutwater::solid_rigid::RigidBody;
 use cutwater::solver::body::{Body, ParticleVelocity, PrescribedBody, TimeField};
 use cutwater::solver::{
@@ -14,11 +15,7 @@ use cutwater::solver::{
 };
 use cutwater::xfem_space::PartValues;
 
-use crate::outcome::Failure;
-
-pub(super) type P = Point<2>;
-pub(super) type V = mesh::Vector<2>;
-pub(super) type T = mesh::Tensor<2>;
+use super::{Failure, P, T, V};
 
 /// A flow that is known everywhere and always.
 pub(super) trait Flow: Send + Sync + 'static {
@@ -54,7 +51,6 @@ const GAMMAS: [f64; 3] = [0.05, 0.05, 0.1];
 impl<F: Flow> Known<F> {
     /// The problem on a background, at rest at first where `starts` is false.
     pub(super) fn setup(&self, background: SimplexMesh<2>, dt: f64) -> Setup<2> {
-        let [gamma_u, gamma_pressure, gamma_ghost] = GAMMAS;
         let (at_start, forcing) = (Arc::clone(&self.flow), Arc::clone(&self.flow));
         let mut boundary = Vec::new();
         for side in SIDES {
@@ -73,26 +69,14 @@ impl<F: Flow> Known<F> {
             };
             boundary.push((tag, condition));
         }
-        Setup {
-            fluid: Some(FluidSetup {
-                background,
-                overlay: OverlayOptions::new(),
-                gamma_sigma: GAMMA_SIGMA,
-                material: NewtonianFluid { density: self.density, viscosity: self.viscosity },
-                cip: CipProfile::Consistent { gamma_u },
-                gamma_pressure,
-                gamma_ghost,
-                convection: self.convects.then_some(false),
-                body_force: Some(Arc::new(move |x, t| forcing.force(x, t))),
-                initial_velocity: Some(Arc::new(move |x| at_start.velocity(x, 0.0))),
-                boundary,
-            }),
-            bodies: Vec::new(),
-            contacts: Vec::new(),
-            dt,
-            most_halvings: 0,
-            newton: NewtonSettings::new(1e-11),
-        }
+        let fluid = FluidSetup {
+            convection: self.convects.then_some(false),
+            body_force: Some(Arc::new(move |x, t| forcing.force(x, t))),
+            initial_velocity: Some(Arc::new(move |x| at_start.velocity(x, 0.0))),
+            boundary,
+            ..fluid(background, self.density, self.viscosity)
+        };
+        problem(fluid, dt)
     }
 
     /// Its velocity as a field.
@@ -103,27 +87,47 @@ impl<F: Flow> Known<F> {
 
     /// Errors of a state in L2: velocity, its gradient, and pressure, from which the mean difference is taken if only
     /// velocities are given.
-    pub(super) fn errors(&self, setup: &Setup<2>, state: &State<2>) -> Errors {
-        let shift = if self.open.is_empty() { self.mean_pressure_error(setup, state) } else { 0.0 };
-        let mut squares = [0.0; 3];
-        for_each_point(setup, state, |at| {
-            let t = state.time;
-            squares[0] += at.weight * (at.velocity - self.flow.velocity(&at.x, t)).norm_squared();
-            squares[1] += at.weight * (at.gradient - self.flow.gradient(&at.x, t)).norm_squared();
-            squares[2] += at.weight * (at.pressure - self.flow.pressure(&at.x, t) - shift).powi(2);
-        });
-        let [velocity, gradient, pressure] = squares.map(f64::sqrt);
-        Errors { velocity, gradient, pressure }
+    pub(super) fn errors(&self, setup: &Setup<2>, state: &State<2>) -> Result<Errors, Failure> {
+        let t = state.time;
+        let shift = if self.open.is_empty() {
+            let [integral, volume] = integrals(setup, state, |at| [at.pressure - self.flow.pressure(&at.x, t), 1.0])?;
+            integral / volume
+        } else {
+            0.0
+        };
+        let squares = integrals(setup, state, |at| {
+            [
+                (at.velocity - self.flow.velocity(&at.x, t)).norm_squared(),
+                (at.gradient - self.flow.gradient(&at.x, t)).norm_squared(),
+                (at.pressure - self.flow.pressure(&at.x, t) - shift).powi(2),
+            ]
+        })?;
+        Ok(Errors::of_squares(squares))
     }
+}
 
-    fn mean_pressure_error(&self, setup: &Setup<2>, state: &State<2>) -> f64 {
-        let (mut integral, mut volume) = (0.0, 0.0);
-        for_each_point(setup, state, |at| {
-            integral += at.weight * (at.pressure - self.flow.pressure(&at.x, state.time));
-            volume += at.weight;
-        });
-        integral / volume
+/// Fluid at rest without forces and conditions, with the settings of all checks.
+pub(super) fn fluid<const D: usize>(background: SimplexMesh<D>, density: f64, viscosity: f64) -> FluidSetup<D> {
+    let [gamma_u, gamma_pressure, gamma_ghost] = GAMMAS;
+    FluidSetup {
+        background,
+        overlay: OverlayOptions::new(),
+        gamma_sigma: GAMMA_SIGMA,
+        material: NewtonianFluid { density, viscosity },
+        cip: CipProfile::Consistent { gamma_u },
+        gamma_pressure,
+        gamma_ghost,
+        convection: None,
+        body_force: None,
+        initial_velocity: None,
+        boundary: Vec::new(),
     }
+}
+
+/// A fluid without bodies.
+pub(super) fn problem<const D: usize>(fluid: FluidSetup<D>, dt: f64) -> Setup<D> {
+    let newton = NewtonSettings::new(1e-11);
+    Setup { fluid: Some(fluid), bodies: Vec::new(), contacts: Vec::new(), dt, most_halvings: 0, newton }
 }
 
 /// Errors in L2.
@@ -134,48 +138,56 @@ pub(super) struct Errors {
     pub(super) pressure: f64,
 }
 
+impl Errors {
+    fn of_squares(squares: [f64; 3]) -> Self {
+        let [velocity, gradient, pressure] = squares.map(f64::sqrt);
+        Self { velocity, gradient, pressure }
+    }
+}
+
 /// Norms of the difference of two states with the same cut.
-pub(super) fn differences(setup: &Setup<2>, a: &State<2>, b: &State<2>) -> Errors {
+pub(super) fn differences(setup: &Setup<2>, a: &State<2>, b: &State<2>) -> Result<Errors, Failure> {
     let mut between = a.clone();
     if let (Some(between), Some(b)) = (&mut between.fluid, &b.fluid) {
         between.velocity.iter_mut().zip(&b.velocity).for_each(|(a, b)| *a -= b);
         between.pressure.iter_mut().zip(&b.pressure).for_each(|(a, b)| *a -= b);
     }
-    let mut squares = [0.0; 3];
-    for_each_point(setup, &between, |at| {
-        let of_point = [at.velocity.norm_squared(), at.gradient.norm_squared(), at.pressure.powi(2)];
-        squares.iter_mut().zip(of_point).for_each(|(sum, square)| *sum += at.weight * square);
-    });
-    let [velocity, gradient, pressure] = squares.map(f64::sqrt);
-    Errors { velocity, gradient, pressure }
+    let squares = |at: &At| [at.velocity.norm_squared(), at.gradient.norm_squared(), at.pressure.powi(2)];
+    Ok(Errors::of_squares(integrals(setup, &between, squares)?))
 }
 
 /// Discrete fields at a quadrature point of the fluid.
-struct At {
-    weight: f64,
-    x: P,
+pub(super) struct At {
+    pub(super) x: P,
     velocity: V,
-    gradient: T,
+    pub(super) gradient: T,
     pressure: f64,
 }
 
-fn for_each_point(setup: &Setup<2>, state: &State<2>, mut visit: impl FnMut(At)) {
-    let (background, fluid) = (&fluid_of(setup).background, wet(state));
+/// Integrals over the fluid.
+pub(super) fn integrals<const N: usize>(
+    setup: &Setup<2>,
+    state: &State<2>,
+    values: impl Fn(&At) -> [f64; N],
+) -> Result<[f64; N], Failure> {
+    let (background, fluid) = (&fluid_of(setup)?.background, wet(state)?);
+    let mut sums = [0.0; N];
     let parts = PartValues::new(background, &fluid.cut);
     for part in fluid.cut.all_parts() {
         let dofs = fluid.space.dofs(part);
         let gradient: T =
             dofs.iter().zip(parts.gradients(part)).map(|(&k, g)| fluid.velocity[k as usize] * g.transpose()).sum();
         parts.for_each_point(background, &fluid.cut, part, 4, |x, weight, shape| {
-            visit(At {
-                weight,
+            let at = At {
                 x: *x,
                 velocity: dofs.iter().zip(shape).map(|(&k, n)| fluid.velocity[k as usize] * *n).sum(),
                 gradient,
                 pressure: dofs.iter().zip(shape).map(|(&k, n)| fluid.pressure[k as usize] * *n).sum(),
-            });
+            };
+            sums.iter_mut().zip(values(&at)).for_each(|(sum, value)| *sum += weight * value);
         });
     }
+    Ok(sums)
 }
 
 /// A body with a given motion whose surface is the polygon through corners, counter-clockwise; loops after the first are
@@ -194,6 +206,17 @@ pub(super) fn polygon_of_particles(
     position: impl Fn(&P, f64) -> P + Send + Sync + 'static,
     velocity: ParticleVelocity<2>,
 ) -> Arc<dyn Body<2>> {
+    Arc::new(PrescribedBody {
+        name: "body".to_owned(),
+        boundary: boundary(loops),
+        reference: loops.concat(),
+        position: Arc::new(position),
+        velocity,
+    })
+}
+
+/// The sides of polygons.
+fn boundary(loops: &[Vec<P>]) -> BoundaryMesh<2> {
     let mut facets = Vec::new();
     let mut first = 0;
     for corners in loops {
@@ -201,43 +224,55 @@ pub(super) fn polygon_of_particles(
         facets.extend((0..n).flat_map(|k| [VertexId::new(first + k), VertexId::new(first + (k + 1) % n)]));
         first += n;
     }
-    Arc::new(PrescribedBody {
-        name: "body".to_owned(),
-        boundary: BoundaryMesh::from_facets(facets),
-        reference: loops.concat(),
-        position: Arc::new(position),
-        velocity,
-    })
+    BoundaryMesh::from_facets(facets)
 }
 
 /// A free rigid body inside of the polygon through corners, counter-clockwise.
-///
-/// # Errors
-/// The polygon encloses nothing, or the density is not positive.
 pub(super) fn rigid_polygon(corners: Vec<P>, density: f64, gravity: V) -> Result<RigidBody<2>, Failure> {
-    let n = corners.len();
-    let sides = (0..n).flat_map(|k| [VertexId::new(k), VertexId::new((k + 1) % n)]).collect();
-    Ok(RigidBody::new("body", BoundaryMesh::from_facets(sides), corners, density, gravity)?)
+    let loops = [corners];
+    Ok(RigidBody::new("body", boundary(&loops), loops.concat(), density, gravity)?)
 }
 
-/// The fluid of a setup; all checks of flows have one.
-pub(super) fn fluid_of<const D: usize>(setup: &Setup<D>) -> &FluidSetup<D> {
-    setup.fluid.as_ref().expect("the setup has a fluid")
+const DRY: &str = "there is no fluid";
+
+/// The fluid of a setup.
+pub(super) fn fluid_of<const D: usize>(setup: &Setup<D>) -> Result<&FluidSetup<D>, Failure> {
+    Ok(setup.fluid.as_ref().ok_or(DRY)?)
 }
 
 /// As [`fluid_of`], to change it.
-pub(super) fn fluid_mut<const D: usize>(setup: &mut Setup<D>) -> &mut FluidSetup<D> {
-    setup.fluid.as_mut().expect("the setup has a fluid")
+pub(super) fn fluid_mut<const D: usize>(setup: &mut Setup<D>) -> Result<&mut FluidSetup<D>, Failure> {
+    Ok(setup.fluid.as_mut().ok_or(DRY)?)
 }
 
-/// The fluid of a state.
-pub(super) fn wet<const D: usize>(state: &State<D>) -> &FluidState<D> {
-    state.fluid.as_ref().expect("the state has a fluid")
+/// Puts one condition on all sides of the box.
+pub(super) fn set_sides(setup: &mut Setup<2>, condition: impl Fn() -> FluidBoundary<2>) -> Result<(), Failure> {
+    fluid_mut(setup)?.boundary.iter_mut().for_each(|(_, on_side)| *on_side = condition());
+    Ok(())
+}
+
+pub(super) fn wet<const D: usize>(state: &State<D>) -> Result<&FluidState<D>, Failure> {
+    Ok(state.fluid.as_ref().ok_or(DRY)?)
 }
 
 /// The fluid's part of a report.
-pub(super) fn wet_report<const D: usize>(report: &StepReport<D>) -> &FluidReport<D> {
-    report.fluid.as_ref().expect("the report has a fluid")
+pub(super) fn wet_report<const D: usize>(report: &StepReport<D>) -> Result<&FluidReport<D>, Failure> {
+    Ok(report.fluid.as_ref().ok_or(DRY)?)
+}
+
+/// The pieces of the interface, with the tractions on them.
+pub(super) fn interface<'s, const D: usize>(
+    state: &'s State<D>,
+    report: &'s StepReport<D>,
+) -> Result<impl Iterator<Item = (&'s InterfacePiece<D>, &'s InterfaceTraction<D>)>, Failure> {
+    Ok(wet(state)?.cut.interface().iter().zip(&wet_report(report)?.tractions))
+}
+
+/// The outside of a closed curve, in a square around a centre: a polygon with a hole.
+pub(super) fn outside(mut curve: Vec<P>, centre: P, half: f64) -> [Vec<P>; 2] {
+    curve.reverse();
+    let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+    [corners.map(|[x, y]| centre + P::new(x, y) * half).to_vec(), curve]
 }
 
 /// Corners of a regular polygon with the area of the disk.
@@ -260,26 +295,14 @@ pub(super) fn run(setup: &Setup<2>, n_steps: usize) -> Result<(State<2>, StepRep
     Ok((state, last.ok_or("no steps")?))
 }
 
-/// Integral of the divergence of the velocity over a part of the fluid, which no cell is half in.
-pub(super) fn divergence_within(setup: &Setup<2>, state: &State<2>, contains: impl Fn(&P) -> bool) -> f64 {
-    let mut sum = 0.0;
-    for_each_point(setup, state, |at| {
-        if contains(&at.x) {
-            sum += at.weight * at.gradient.trace();
-        }
-    });
-    sum
-}
-
 /// Force of the fluid on a body, and its moment about a point: the variational traction of the mortar.
-pub(super) fn force(state: &State<2>, report: &StepReport<2>, body: usize, about: &P) -> (V, f64) {
+pub(super) fn force(state: &State<2>, report: &StepReport<2>, body: usize, about: &P) -> Result<(V, f64), Failure> {
     let mut sum = (V::zeros(), 0.0);
-    let pieces = wet(state).cut.interface().iter().zip(&wet_report(report).tractions);
-    for (piece, traction) in pieces.filter(|(piece, _)| piece.body.index() == body) {
+    for (piece, traction) in interface(state, report)?.filter(|(piece, _)| piece.body.index() == body) {
         sum.0 += traction.total() * piece.measure;
         sum.1 += traction.moment(about)[2] * piece.measure;
     }
-    sum
+    Ok(sum)
 }
 
 /// Numbers between 0 and 1 that are the same in every run.

@@ -1,18 +1,15 @@
 //! A cylinder at rest in a stream, and one that moves as fast through fluid at rest: the same flow, seen from two frames.
 
-use std::path::Path;
 use std::sync::Arc;
 
-use cutwater::algebra::{LaggedSettings, LaggedSolver, NewtonSettings, Workspace};
 use cutwater::mesh::generate::structured_box;
 use cutwater::solver::body::TimeField;
-use cutwater::solver::{FluidBoundary, Setup, State, Substep, advance};
+use cutwater::solver::{FluidBoundary, Setup};
 
-use super::flow::{Known, P, V, disk, fluid_mut, fluid_of, polygon, wet, wet_report};
-use super::linear_flow::Linear;
-use super::record::{Figure, Record, short};
-use super::wan_turek::{rms, rough, slope};
-use crate::outcome::Failure;
+use super::flow::{disk, fluid_mut, interface, polygon};
+use super::linear_flow::still;
+use super::signal::{falls, mean, rms, rough, slope};
+use super::{Failure, P, Record, Run, V, short};
 
 /// Length and half of the height of the channel, in diameters of the cylinder; its walls move with the fluid.
 const CHANNEL: [f64; 2] = [12.0, 2.0];
@@ -36,10 +33,7 @@ const NOISE_ORDER: f64 = 0.5;
 const WING: f64 = 1.95;
 
 /// Measures the difference of the drags and the noise of the moving one.
-///
-/// # Errors
-/// A step fails.
-pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
+pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let meshes = if record.full { &FULL[..] } else { &QUICK[..] };
     let (mut differences, mut noises, mut curves) = (Vec::new(), Vec::new(), Vec::new());
     for &cells in meshes {
@@ -51,7 +45,6 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
         curves.push((format!("moving, D/{cells}"), pair.over_time(&pair.moving)));
         curves.push((format!("fixed, D/{cells}"), pair.over_time(&pair.fixed)));
     }
-    let falls = |curve: &[(f64, f64)]| f64::from(curve.windows(2).all(|w| w[1].1 < w[0].1));
     record.at_least("every refinement makes the difference smaller", falls(&differences), 1.0);
     record.show("difference: order in h over all meshes", slope(&differences), None);
     let finest = differences.last().map_or(f64::NAN, |last| last.1);
@@ -64,18 +57,12 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
             Pair::run(cells, courant)?.show(record, &format!("h = D/{cells}, {} cells a step", short(courant)));
         }
     }
-    record.figures.push(Figure {
-        title: "Difference of the drags, and noise of the moving one, over the drag".to_owned(),
-        x_title: "h/D".to_owned(),
-        curves: vec![("difference".to_owned(), differences), ("noise".to_owned(), noises)],
-        is_log: true,
-    });
-    record.figures.push(Figure {
-        title: "Drag of the cylinder at rest and of the moving one".to_owned(),
-        x_title: "t U/D".to_owned(),
-        curves,
-        is_log: false,
-    });
+    record.log_figure(
+        "Difference of the drags, and noise of the moving one, over the drag",
+        "h/D",
+        vec![("difference".to_owned(), differences), ("noise".to_owned(), noises)],
+    );
+    record.figure("Drag of the cylinder at rest and of the moving one", "t U/D", curves);
     if record.full {
         record.note(
             "The difference is mostly one in time: at fixed size of the cells it falls with the step, from 1.6 % at 0.78 \
@@ -112,8 +99,8 @@ impl Pair {
     fn run(cells: usize, courant: f64) -> Result<Self, Failure> {
         let n_steps = (TRAVEL * cells as f64 / courant).round() as usize;
         let dt = TRAVEL / n_steps as f64;
-        let fixed = drag(&setup(cells, dt, false)?)?;
-        let moving = drag(&setup(cells, dt, true)?)?;
+        let fixed = drag(setup(cells, dt, false)?)?;
+        let moving = drag(setup(cells, dt, true)?)?;
         Ok(Self { dt, courant, fixed, moving })
     }
 
@@ -141,34 +128,19 @@ impl Pair {
     }
 }
 
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len() as f64
-}
-
 /// Half of the channel, with the cylinder at rest in its middle or about to pass it.
 fn setup(cells: usize, dt: f64, moves: bool) -> Result<Setup<2>, Failure> {
-    let known = Known {
-        flow: Arc::new(Linear::at_rest(V::zeros())),
-        density: 1.0,
-        viscosity: 1.0 / REYNOLDS,
-        convects: true,
-        open: &[],
-    };
     let n = CHANNEL.map(|length| (length * cells as f64).round() as usize);
-    let mut setup = known.setup(structured_box::<2>([0.0; 2], CHANNEL, n)?, dt);
-    setup.newton = NewtonSettings::new(1e-8);
     let [start, speed, stream] = if moves { [0.5 * TRAVEL, -1.0, 0.0] } else { [0.0, 0.0, 1.0] };
     let stream: TimeField<2> = Arc::new(move |_, _| V::new(stream, 0.0));
-    let at_start = Arc::clone(&stream);
-    fluid_mut(&mut setup).initial_velocity = Some(Arc::new(move |x| at_start(x, 0.0)));
-    let bottom = fluid_of(&setup).background.tag("bottom");
-    for (tag, condition) in &mut fluid_mut(&mut setup).boundary {
-        *condition = if Some(*tag) == bottom {
-            FluidBoundary::Symmetry { axis: 1 }
-        } else {
-            FluidBoundary::Velocity(Arc::clone(&stream))
-        };
+    let on_side = || FluidBoundary::Velocity(Arc::clone(&stream));
+    let mut setup = still(structured_box::<2>([0.0; 2], CHANNEL, n)?, 1.0 / REYNOLDS, dt, 1e-8, on_side)?;
+    let fluid = fluid_mut(&mut setup)?;
+    let bottom = fluid.background.tag("bottom");
+    for (_, condition) in fluid.boundary.iter_mut().filter(|(tag, _)| Some(*tag) == bottom) {
+        *condition = FluidBoundary::Symmetry { axis: 1 };
     }
+    fluid.initial_velocity = Some(Arc::new(move |x| stream(x, 0.0)));
     let centre = P::new(0.5 * CHANNEL[0] + start, 0.0);
     setup.bodies.push(polygon(
         // Edges of a quarter of a cell.
@@ -180,18 +152,16 @@ fn setup(cells: usize, dt: f64, moves: bool) -> Result<Setup<2>, Failure> {
 }
 
 /// Coefficient of the drag, along the stream, after every step that counts.
-fn drag(setup: &Setup<2>) -> Result<Vec<f64>, Failure> {
-    let mut work = Workspace::with_solver(Box::new(LaggedSolver::new(LaggedSettings::default())));
-    let mut state = State::initial(setup)?;
+fn drag(setup: Setup<2>) -> Result<Vec<f64>, Failure> {
+    let mut run = Run::lagged(setup)?;
     let mut drag = Vec::new();
     // Half a step of room for round-off.
-    while state.time < TRAVEL - 0.5 * setup.dt {
-        let (next, report) = advance(setup, &state, Substep::whole(setup.dt), &mut work)?;
-        state = next;
-        if state.time > BEGIN {
-            let pieces = wet(&state).cut.interface().iter().zip(&wet_report(&report).tractions);
+    while run.state.time < TRAVEL - 0.5 * run.setup.dt {
+        let report = run.advance()?;
+        if run.state.time > BEGIN {
             // Twice for the other half, twice for the coefficient.
-            drag.push(pieces.map(|(piece, on_piece)| 4.0 * on_piece.total()[0] * piece.measure).sum());
+            let on_pieces = interface(&run.state, &report)?;
+            drag.push(on_pieces.map(|(piece, on_piece)| 4.0 * on_piece.total()[0] * piece.measure).sum());
         }
     }
     Ok(drag)

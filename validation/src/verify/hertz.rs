@@ -3,7 +3,6 @@
 //! Source: Hertz 1882; Johnson 1985, Contact Mechanics, doi:10.1017/CBO9781139171731, Sec. 4.2(c), and 5.6 for the approach.
 
 use std::f64::consts::PI;
-use std::path::Path;
 use std::sync::Arc;
 
 use cutwater::algebra::time::QuasiStatic;
@@ -11,9 +10,9 @@ use cutwater::mesh::VertexId;
 use cutwater::mesh::generate::structured_box;
 use cutwater::solid_svk::{LameParameters, SaintVenantKirchhoff, Support, SupportKind};
 
-use super::dry::{P, Run, V, elastic, floor, mapped, pushed};
-use super::record::{Figure, Record};
-use crate::outcome::Failure;
+use super::dry::{elastic, floor, mapped, pushed, run};
+use super::signal::passage;
+use super::{Failure, P, Record, V};
 
 /// Radius, cm.
 const RADIUS: f64 = 4.0;
@@ -48,11 +47,7 @@ fn approach(load: f64, radius: f64) -> f64 {
     load / (PI * MODULUS) * (2.0 * (4.0 * RADIUS / radius).ln() - 1.0)
 }
 
-/// Measures.
-///
-/// # Errors
-/// Newton's method fails.
-pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
+pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let n = if record.full { 192 } else { 128 };
     // Across the middle without a change of pattern: where that changes, the pressure of linear triangles has a kink.
     let mesh =
@@ -63,8 +58,8 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
     body.hold("top", pushed([None, Some(-PUSHED)]))?;
     let centre = VertexId::new(body.solid.mesh().n_vertices() - 1 - n);
     body.options.supports.push(Support { vertices: vec![centre], kind: SupportKind::Symmetry { axis: 0 } });
-    let contact = floor(&body, "bottom", STIFFNESS)?;
-    let mut run = Run::new(vec![body], Some(contact), f64::from(LOAD_STEPS).recip(), 1e-10)?;
+    let contact = floor(body.part("bottom")?, STIFFNESS, 1.0)?;
+    let mut run = run(vec![body], Some(contact), f64::from(LOAD_STEPS).recip(), 1e-10)?;
     let mut load = f64::NAN;
     for _ in 0..LOAD_STEPS {
         load = run.advance()?.contacts[0].force[1];
@@ -89,7 +84,7 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
         return Err("there is no contact, or nothing but contact".into());
     };
     // Penetration is linear along a facet.
-    let edge = last.0 + (next.0 - last.0) * last.1 / (last.1 - next.1);
+    let edge = passage([*last, *next], 0.0);
     let exact = |x: f64| peak * (1.0 - (x / radius).powi(2)).max(0.0).sqrt();
     let scatter =
         surface.iter().filter(|at| at.0 < 0.9 * radius).map(|at| (at.1 - exact(at.0)).abs() / peak).fold(0.0, f64::max);
@@ -101,15 +96,14 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
     record.show("largest deviation of the pressure within 0.9 a, over p0", scatter, None);
     record.show("load P [dyn/cm]", load, None);
     let pressures: Vec<_> = surface.iter().filter(|at| at.0 < 1.5 * radius).map(|&(x, p)| (x, p.max(0.0))).collect();
-    record.figures.push(Figure {
-        title: "contact pressure [dyn/cm²]".to_owned(),
-        x_title: "distance from the centre [cm]".to_owned(),
-        curves: vec![
+    record.figure(
+        "contact pressure [dyn/cm²]",
+        "distance from the centre [cm]",
+        vec![
             ("Hertz".to_owned(), pressures.iter().map(|&(x, _)| (x, exact(x))).collect()),
             ("computed".to_owned(), pressures),
         ],
-        is_log: false,
-    });
+    );
     record.note(format!(
         "The lower half of a cylinder of radius {RADIUS} cm, twice {n} by {n} squares in two triangles, graded towards the contact. Its middle \
          plane goes down by {PUSHED} cm, which is a plane of symmetry of a cylinder between two planes. a, p0 and δ follow from the \

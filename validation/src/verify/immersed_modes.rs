@@ -1,22 +1,18 @@
 //! An elastic disk that vibrates in a fluid at rest: the added mass of the fluid lowers its frequencies.
 
 use std::f64::consts::SQRT_2;
-use std::path::Path;
-use std::sync::Arc;
 
-use cutwater::algebra::{LaggedSettings, LaggedSolver, NewtonSettings, Workspace};
 use cutwater::mesh::SimplexMesh;
 use cutwater::mesh::generate::structured_box;
-use cutwater::solver::{FluidBoundary, Setup, State, Substep, advance};
+use cutwater::solver::FluidBoundary;
 
-use super::dry::{P, V, mapped, second_order};
-use super::flow::{Known, fluid_mut};
-use super::linear_flow::Linear;
-use super::mode::{self, DENSITY, Mode, RADIUS};
-use super::record::{Figure, Record, short};
-use crate::outcome::Failure;
+use super::dry::{mapped, second_order};
+use super::flow::fluid_mut;
+use super::linear_flow::still;
+use super::mode::{Mode, RADIUS, frequency_of};
+use super::{Failure, P, Record, Run, short};
 
-/// Viscosity of the falling balls' fluid, P; its density is that of the disk.
+/// Viscosity of the falling balls' fluid, P; its density is that of the disk, one.
 const VISCOSITY: f64 = 1e-2;
 /// `n` and `ω R/c_s` of the first mode with `n` waves around the disk: roots of the frequency determinant of a disk in plane
 /// strain, `ν = 0.4`, on which an unbounded ideal fluid of its density acts with the pressure `-ρ (R/n) ω² u_r`.
@@ -33,11 +29,7 @@ const GAMMAS: [(f64, &str); 2] = [(1e2, "slips"), (1e5, "sticks")];
 const STEPS: f64 = 40.0;
 const PERIODS: f64 = 2.5;
 
-/// Measures.
-///
-/// # Errors
-/// A step fails.
-pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
+pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let sizes: &[f64] = if record.full { &[0.8, 0.4, 0.2] } else { &[0.8, 0.4] };
     let mut curves = Vec::new();
     for (n, exact) in MODES.into_iter().take(if record.full { 2 } else { 1 }) {
@@ -64,12 +56,7 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
             record.show(quantity, found, Some(mode.hertz()));
         }
     }
-    record.figures.push(Figure {
-        title: "Frequency over that of a disk in ideal fluid".to_owned(),
-        x_title: "h [cm]".to_owned(),
-        curves,
-        is_log: false,
-    });
+    record.figure("Frequency over that of a disk in ideal fluid", "h [cm]", curves);
     record.note(format!(
         "{STEPS} steps in a period, {PERIODS} periods from the shape of the mode at rest; generalised-α (rho_inf = 0.8) for \
          the disk, implicit Euler for the fluid. Open box of {} by {} cm; h at the surface of the disk, in both meshes. The \
@@ -87,33 +74,16 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
 /// Frequency of a mode, Hz.
 fn frequency(mode: &Mode, h: f64, steps: f64, gamma: f64) -> Result<f64, Failure> {
     let period = 1.0 / mode.hertz();
-    let mut setup = fluid(h, period / steps, gamma)?;
+    let open = || FluidBoundary::Open { traction: None, backflow: false };
+    let mut setup = still(background(h)?, VISCOSITY, period / steps, 1e-9, open)?;
+    fluid_mut(&mut setup)?.gamma_sigma = gamma;
     let body = mode.disk(h, second_order(0.8)?)?;
     let amplitude = mode.projection(&body.solid);
     setup.bodies.push(body.body("disk")?);
-    let mut work = Workspace::with_solver(Box::new(LaggedSolver::new(LaggedSettings::default())));
-    let mut state = State::initial(&setup)?;
-    let mut samples = Vec::new();
-    while state.time < (PERIODS + 0.5) * period {
-        state = advance(&setup, &state, Substep::whole(setup.dt), &mut work)?.0;
-        samples.push((state.time, amplitude(state.bodies[0].displacement())));
-    }
-    mode::frequency(&samples)
+    frequency_of(Run::lagged(setup)?, (PERIODS + 0.5) * period, amplitude)
 }
 
-/// The fluid, at rest, in a box with open sides whose cells have size `h` at the disk and grow with the distance.
-fn fluid(h: f64, dt: f64, gamma: f64) -> Result<Setup<2>, Failure> {
-    let flow = Arc::new(Linear::at_rest(V::zeros()));
-    let fluid = Known { flow, density: DENSITY, viscosity: VISCOSITY, convects: true, open: &[] };
-    let mut setup = fluid.setup(background(h)?, dt);
-    setup.newton = NewtonSettings::new(1e-9);
-    fluid_mut(&mut setup).gamma_sigma = gamma;
-    for (_, condition) in &mut fluid_mut(&mut setup).boundary {
-        *condition = FluidBoundary::Open { traction: None, backflow: false };
-    }
-    Ok(setup)
-}
-
+/// A box whose cells have size `h` at the disk and grow with the distance.
 fn background(h: f64) -> Result<SimplexMesh<2>, Failure> {
     // x = R sinh(b s): cells of size b sqrt(R² + x²)/n.
     let b = BOX.asinh();

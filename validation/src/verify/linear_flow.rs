@@ -2,11 +2,13 @@
 
 use std::sync::Arc;
 
+use cutwater::algebra::NewtonSettings;
 use cutwater::mesh::SimplexMesh;
 use cutwater::mesh::generate::{Size, graded_box};
+use cutwater::solver::{FluidBoundary, Setup};
 
-use super::flow::{Flow, Known, P, Random, T, V};
-use crate::outcome::Failure;
+use super::flow::{Flow, Known, Random, set_sides};
+use super::{Failure, P, T, V};
 
 /// Size of the cells of the background.
 pub(super) const SIZE: f64 = 0.13;
@@ -52,6 +54,22 @@ impl Linear {
     pub(super) fn known(self, viscosity: f64, open: &'static [&'static str]) -> Known<Self> {
         Known { density: self.density, convects: self.convects, flow: Arc::new(self), viscosity, open }
     }
+}
+
+/// Returns fluid of density one at rest, with one condition on all sides of its background.
+pub(super) fn still(
+    background: SimplexMesh<2>,
+    viscosity: f64,
+    dt: f64,
+    tolerance: f64,
+    side: impl Fn() -> FluidBoundary<2>,
+) -> Result<Setup<2>, Failure> {
+    let flow = Arc::new(Linear::at_rest(V::zeros()));
+    let known = Known { flow, density: 1.0, viscosity, convects: true, open: &[] };
+    let mut setup = known.setup(background, dt);
+    setup.newton = NewtonSettings::new(tolerance);
+    set_sides(&mut setup, side)?;
+    Ok(setup)
 }
 
 /// A polygon without any symmetry.

@@ -1,17 +1,16 @@
 //! A cylinder that approaches a wall in Stokes flow: the force of the film.
 
 use std::f64::consts::PI;
-use std::path::Path;
 use std::sync::Arc;
 
 use cutwater::mesh::SimplexMesh;
 use cutwater::mesh::generate::structured_box;
 use cutwater::solver::{FluidBoundary, Setup};
 
-use super::flow::{self, P, V, disk, fluid_mut, fluid_of, polygon, wet, wet_report};
+use super::dry::mapped;
+use super::flow::{self, At, disk, fluid_mut, fluid_of, interface, polygon};
 use super::linear_flow::Linear;
-use super::record::{Figure, Record, short};
-use crate::outcome::Failure;
+use super::{Failure, P, Record, V, short};
 
 /// Gaps, over the radius of the cylinder.
 const GAPS: [f64; 3] = [0.2, 0.1, 0.05];
@@ -32,10 +31,7 @@ const PRESSURE: f64 = 0.05;
 const STEADY: f64 = 1e9;
 
 /// Measures forces for several gaps and numbers of cells across them.
-///
-/// # Errors
-/// A step fails.
-pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
+pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let cells: &[f64] = if record.full { &[0.5, 1.0, 2.0, 4.0, 8.0] } else { &[1.0, 2.0, 4.0] };
     let mut curves = Vec::new();
     for gap in GAPS {
@@ -53,12 +49,7 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
         }
         curves.push((format!("gap {gap} R"), curve));
     }
-    record.figures.push(Figure {
-        title: "Force of the film over the exact one".to_owned(),
-        x_title: "cells across the gap".to_owned(),
-        curves,
-        is_log: false,
-    });
+    record.figure("Force of the film over the exact one", "cells across the gap", curves);
     shrink(record)?;
     record.note(
         "Stokes flow, per unit of viscosity and speed; half of a domain of 60 radii whose mesh is graded towards the \
@@ -103,12 +94,7 @@ fn shrink(record: &mut Record) -> Result<(), Failure> {
         let name = format!("γ_Σ = {}, film of 0.25 cells, γ_p = {}: force", short(gamma_sigma), short(part * PRESSURE));
         record.show(name, force, Some(exact_force(gap)));
     }
-    record.figures.push(Figure {
-        title: "Force over the exact one on one mesh".to_owned(),
-        x_title: "gap over h".to_owned(),
-        curves,
-        is_log: true,
-    });
+    record.log_figure("Force over the exact one on one mesh", "gap over h", curves);
     record.note(
         "Films below four cells, on a mesh of cells of 0.05 R: the force is first too large, at worst at half a cell \
          (2.3 times with γ_Σ = 100, 5.6 times with 1e5), then saturates: from a half to an eighth of a cell it \
@@ -146,16 +132,17 @@ fn force(gap: f64, cells: f64) -> Result<f64, Failure> {
     let setup = approach(graded(gap, gap / cells)?, gap, n)?;
     let (state, report) = flow::run(&setup, 1)?;
     // The other half has the same.
-    Ok(2.0 * flow::force(&state, &report, 0, &P::zeros()).0[1])
+    Ok(2.0 * flow::force(&state, &report, 0, &P::zeros())?.0[1])
 }
 
 /// The cylinder over the wall.
 fn approach(background: SimplexMesh<2>, gap: f64, n_corners: usize) -> Result<Setup<2>, Failure> {
     let known = Linear::at_rest(V::zeros()).known(1.0, &[]);
     let mut setup = known.setup(background, STEADY);
-    let tag = |name: &str| fluid_of(&setup).background.tag(name).ok_or("a side of a box");
+    let fluid = fluid_mut(&mut setup)?;
+    let tag = |name: &str| fluid.background.tag(name).ok_or("a side of a box");
     let open = || FluidBoundary::Open { traction: None, backflow: false };
-    fluid_mut(&mut setup).boundary = vec![
+    fluid.boundary = vec![
         (tag("left")?, FluidBoundary::Symmetry { axis: 0 }),
         (tag("right")?, open()),
         (tag("top")?, open()),
@@ -181,14 +168,14 @@ fn film(gap: f64, gamma_sigma: f64, gamma_pressure: f64) -> Result<Film, Failure
     // Edges of a quarter of a cell, a corner at the lowest point.
     let n = 4 * (2.0 * PI / SIZE).ceil() as usize;
     let mut setup = approach(graded(SERIES_FILM, SIZE)?, gap, n)?;
-    fluid_mut(&mut setup).gamma_sigma = gamma_sigma;
-    fluid_mut(&mut setup).gamma_pressure = gamma_pressure;
+    let fluid = fluid_mut(&mut setup)?;
+    (fluid.gamma_sigma, fluid.gamma_pressure) = (gamma_sigma, gamma_pressure);
     let (state, report) = flow::run(&setup, 1)?;
     // The film ends at the line of the mesh behind its length.
     let length = (2.0 * gap).sqrt();
-    let end = fluid_of(&setup).background.vertices().iter().map(|x| x[0]).filter(|x| *x >= length).fold(FAR, f64::min);
+    let end = fluid_of(&setup)?.background.vertices().iter().map(|x| x[0]).filter(|x| *x >= length).fold(FAR, f64::min);
     let (mut swept, mut through, mut shear, mut of_parabola) = (0.0, 0.0, 0.0, 0.0);
-    for (piece, on_piece) in wet(&state).cut.interface().iter().zip(&wet_report(&report).tractions) {
+    for (piece, on_piece) in interface(&state, &report)? {
         let x = on_piece.middle;
         if x[0] < end && x[1] < 1.0 {
             swept -= piece.normal[1] * piece.measure;
@@ -198,10 +185,12 @@ fn film(gap: f64, gamma_sigma: f64, gamma_pressure: f64) -> Result<Film, Failure
             of_parabola += 6.0 * x[0] / x[1].powi(2) * piece.measure;
         }
     }
-    let lost = -flow::divergence_within(&setup, &state, |x| x[0] < end && x[1] < 1.0) / swept;
+    // No cell is half in the film.
+    let divergence = |at: &At| [if at.x[0] < end && at.x[1] < 1.0 { at.gradient.trace() } else { 0.0 }];
+    let lost = -flow::integrals(&setup, &state, divergence)?[0] / swept;
     let through = through / swept;
     Ok(Film {
-        force: 2.0 * flow::force(&state, &report, 0, &P::zeros()).0[1],
+        force: 2.0 * flow::force(&state, &report, 0, &P::zeros())?.0[1],
         shares: [1.0 - through - lost, through, lost],
         shear: shear / of_parabola,
     })
@@ -215,12 +204,5 @@ fn graded(gap: f64, size: f64) -> Result<SimplexMesh<2>, Failure> {
     let n = (a * b / size).ceil() as usize;
     let even = structured_box::<2>([0.0; 2], [1.0; 2], [n; 2])?;
     let stretch = |s: f64| if s == 1.0 { FAR } else { a * (b * s).sinh() };
-    let vertices = even.vertices().iter().map(|x| P::new(stretch(x[0]), stretch(x[1]))).collect();
-    let cells = even.cells().flat_map(|cell| even.cell(cell).iter().copied()).collect();
-    let side = |facet: &[P]| {
-        let on = |axis: usize, value: f64| facet.iter().all(|x| x[axis] == value);
-        let sides = [(0, 0.0, "left"), (0, FAR, "right"), (1, 0.0, "bottom"), (1, FAR, "top")];
-        sides.into_iter().find(|(axis, value, _)| on(*axis, *value)).map(|(_, _, name)| name)
-    };
-    Ok(SimplexMesh::new(vertices, cells)?.with_boundary_tags(side))
+    mapped(&even, |x| P::new(stretch(x[0]), stretch(x[1])))
 }

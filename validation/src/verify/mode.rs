@@ -6,8 +6,9 @@ use std::sync::Arc;
 use cutwater::mesh::generate::{BallOptions, ball};
 use cutwater::solid_svk::{LameParameters, SaintVenantKirchhoff, SolidMesh};
 
-use super::dry::{Elastic, P, Scheme, V, elastic};
-use crate::outcome::Failure;
+use super::dry::{Elastic, Scheme, elastic};
+use super::signal::passage;
+use super::{Failure, P, Run, V};
 
 /// The disk of the falling balls: radius, cm; density, g/cm^3; Lame parameters, dyn/cm^2.
 pub(super) const RADIUS: f64 = 4.0;
@@ -62,9 +63,6 @@ impl Mode {
 
     /// The disk with cells of a size, in the shape of the mode. (A shape that is only close to it holds other modes with as many
     /// waves around the disk, which shift the passages of zero.)
-    ///
-    /// # Errors
-    /// The disk has no mesh of that size.
     pub(super) fn disk(&self, size: f64, scheme: Scheme) -> Result<Elastic<2>, Failure> {
         let mesh = ball::<2>([0.0, 0.0], RADIUS, size, &BallOptions { area_preserving: true })?;
         let material = SaintVenantKirchhoff::new(LameParameters::new(MU, LAMBDA)?);
@@ -88,13 +86,23 @@ impl Mode {
     }
 }
 
+/// Frequency of the oscillation of the first body until a time, Hz, with its amplitude as a function of displacements.
+pub(super) fn frequency_of(mut run: Run, end: f64, amplitude: impl Fn(&[V]) -> f64) -> Result<f64, Failure> {
+    let mut samples = Vec::new();
+    while run.state.time < end {
+        run.advance()?;
+        samples.push((run.state.time, amplitude(run.state.bodies[0].displacement())));
+    }
+    frequency(&samples)
+}
+
 /// Frequency of a sampled oscillation around zero: the line through the times at which it passes zero.
 ///
 /// # Errors
 /// It passes zero less than three times.
-pub(super) fn frequency(samples: &[(f64, f64)]) -> Result<f64, Failure> {
+fn frequency(samples: &[(f64, f64)]) -> Result<f64, Failure> {
     let passages = samples.windows(2).filter(|w| w[0].1 * w[1].1 < 0.0);
-    let times: Vec<f64> = passages.map(|w| w[0].0 + (w[1].0 - w[0].0) * w[0].1 / (w[0].1 - w[1].1)).collect();
+    let times: Vec<f64> = passages.map(|w| passage([w[0], w[1]], 0.0)).collect();
     if times.len() < 3 {
         return Err("the disk does not vibrate".into());
     }

@@ -1,16 +1,15 @@
 //! Orders of convergence on flows that are known, around bodies at rest and in motion.
 
 use std::f64::consts::PI;
-use std::path::Path;
 use std::sync::Arc;
 
 use cutwater::mesh::SimplexMesh;
 use cutwater::mesh::generate::structured_box;
 use cutwater::solver::{Setup, State};
 
-use super::flow::{self, Errors, Flow, Known, P, T, V, disk, fluid_mut, polygon};
-use super::record::{Figure, Record};
-use crate::outcome::Failure;
+use super::flow::{self, Errors, Flow, Known, disk, fluid_mut, outside, polygon};
+use super::record::Points;
+use super::{Failure, P, Record, T, V};
 
 /// Asked orders of velocity, its gradient and pressure in L2, in h; of the velocity in the time step.
 const ORDERS: [f64; 3] = [1.9, 0.95, 1.4];
@@ -21,11 +20,7 @@ const STEADY: f64 = 1e9;
 /// Errors of a sequence of meshes or steps.
 type Sequence = Vec<(f64, Errors)>;
 
-/// Measures all flows.
-///
-/// # Errors
-/// A step fails.
-pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
+pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let sizes: &[usize] = if record.full { &[16, 32, 64, 128] } else { &[16, 32, 64] };
     in_space(record, "Stokes polynomial", sizes, stokes_polynomial)?;
     in_space(record, "Kovasznay", sizes, kovasznay)?;
@@ -71,7 +66,7 @@ fn in_space(
     for ((quantity, order), curve) in QUANTITIES.into_iter().zip(ORDERS).zip(&curves) {
         record.order(&format!("{name}: {quantity} in L2"), "h", curve, order);
     }
-    record.figures.push(figure(format!("{name}: errors in L2"), "h", curves));
+    record.log_figure(format!("{name}: errors in L2"), "h", named(curves));
     Ok(numbers)
 }
 
@@ -89,14 +84,14 @@ fn in_time(record: &mut Record, n: usize) -> Result<(), Failure> {
     record.order(&format!("{name}: u in L2"), "dt", &u, TIME_ORDER);
     record.show_order(&format!("{name}: ∇u in L2"), "dt", &gradient);
     record.show_order(&format!("{name}: p in L2"), "dt", &p);
-    record.figures.push(figure(format!("{name}: errors in L2, {n} × {n} squares"), "time step", [u, gradient, p]));
+    record.log_figure(format!("{name}: errors in L2, {n} × {n} squares"), "time step", named([u, gradient, p]));
 
     let mut sequence = Sequence::new();
     let mut coarser: Option<(f64, State<2>)> = None;
     for dt in steps(5) {
         let (_, setup, state) = taylor_green_past(V::zeros(), N_AT_REST, dt)?;
         if let Some((dt, coarser)) = &coarser {
-            sequence.push((*dt, flow::differences(&setup, coarser, &state)));
+            sequence.push((*dt, flow::differences(&setup, coarser, &state)?));
         }
         coarser = Some((dt, state));
     }
@@ -105,21 +100,20 @@ fn in_time(record: &mut Record, n: usize) -> Result<(), Failure> {
     for (quantity, curve) in QUANTITIES.into_iter().zip(&curves) {
         record.order(&format!("{name}: {quantity} in L2"), "dt", curve, TIME_ORDER);
     }
-    record.figures.push(figure(format!("{name}: in L2, {N_AT_REST} × {N_AT_REST} squares"), "time step", curves));
+    record.log_figure(format!("{name}: in L2, {N_AT_REST} × {N_AT_REST} squares"), "time step", named(curves));
     Ok(())
 }
 
 const QUANTITIES: [&str; 3] = ["u", "∇u", "p"];
 
 /// The errors of each quantity.
-fn of_quantities(sequence: &Sequence) -> [Vec<(f64, f64)>; 3] {
+fn of_quantities(sequence: &Sequence) -> [Points; 3] {
     let pick = |of: fn(&Errors) -> f64| sequence.iter().map(|(size, e)| (*size, of(e))).collect();
     [pick(|e| e.velocity), pick(|e| e.gradient), pick(|e| e.pressure)]
 }
 
-fn figure(title: String, x_title: &str, curves: [Vec<(f64, f64)>; 3]) -> Figure {
-    let labels = ["velocity", "its gradient", "pressure"].map(str::to_owned);
-    Figure { title, x_title: x_title.to_owned(), curves: labels.into_iter().zip(curves).collect(), is_log: true }
+fn named(curves: [Points; 3]) -> Vec<(&'static str, Points)> {
+    ["velocity", "its gradient", "pressure"].into_iter().zip(curves).collect()
 }
 
 fn square(n: usize) -> Result<SimplexMesh<2>, Failure> {
@@ -138,7 +132,14 @@ fn hole(centre: P, radius: f64, n: usize) -> Vec<P> {
 
 fn steady<F: Flow>(known: &Known<F>, setup: &Setup<2>) -> Result<Measured, Failure> {
     let (state, _) = flow::run(setup, 1)?;
-    Ok((known.errors(setup, &state), None))
+    Ok((known.errors(setup, &state)?, None))
+}
+
+/// A steady flow past a disk at rest.
+fn past_disk<F: Flow>(known: &Known<F>, n: usize) -> Result<Measured, Failure> {
+    let mut setup = known.setup(square(n)?, STEADY);
+    setup.bodies.push(polygon(&[hole(centre(), 0.2, n)], |x, _| *x, known.velocity()));
+    steady(known, &setup)
 }
 
 pub(super) struct StokesPolynomial;
@@ -157,16 +158,10 @@ impl Flow for StokesPolynomial {
     }
 }
 
-/// The flow without convection, with the traction given on the right.
-pub(super) fn known_polynomial() -> Known<StokesPolynomial> {
-    Known { flow: Arc::new(StokesPolynomial), density: 1.0, viscosity: 1.0, convects: false, open: &["right"] }
-}
-
 fn stokes_polynomial(n: usize) -> Result<Measured, Failure> {
-    let known = known_polynomial();
-    let mut setup = known.setup(square(n)?, STEADY);
-    setup.bodies.push(polygon(&[hole(centre(), 0.2, n)], |x, _| *x, known.velocity()));
-    steady(&known, &setup)
+    let flow = Arc::new(StokesPolynomial);
+    let known = Known { flow, density: 1.0, viscosity: 1.0, convects: false, open: &["right"] };
+    past_disk(&known, n)
 }
 
 /// Kovasznay 1948, doi:10.1017/S0305004100023999, at Re = 40.
@@ -195,9 +190,7 @@ fn kovasznay(n: usize) -> Result<Measured, Failure> {
     let flow = Kovasznay { lambda: half - half.hypot(2.0 * PI) };
     let known =
         Known { flow: Arc::new(flow), density: 1.0, viscosity: 1.0 / REYNOLDS, convects: true, open: &["right"] };
-    let mut setup = known.setup(square(n)?, STEADY);
-    setup.bodies.push(polygon(&[hole(centre(), 0.2, n)], |x, _| *x, known.velocity()));
-    steady(&known, &setup)
+    past_disk(&known, n)
 }
 
 /// Flow between cylinders of radii 0.25 and 0.5, of which the inner one turns with speed 1.
@@ -234,20 +227,17 @@ pub(super) fn couette_setup(n: usize, centre: P) -> Result<(Known<Couette>, Setu
     let known = Known { flow: Arc::new(Couette { centre }), density: 1.0, viscosity: 1.0, convects: true, open: &[] };
     let background = structured_box::<2>([-0.6; 2], [0.7; 2], [13 * n / 10; 2])?;
     let mut setup = known.setup(background, STEADY);
-    let square = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[x, y]| P::new(x, y) * 2.0);
-    let mut ring = hole(centre, 0.5, n);
-    ring.reverse();
     setup.bodies.push(polygon(&[hole(centre, 0.25, n)], |x, _| *x, known.velocity()));
-    setup.bodies.push(polygon(&[square.to_vec(), ring], |x, _| *x, known.velocity()));
-    fluid_mut(&mut setup).boundary.clear();
+    setup.bodies.push(polygon(&outside(hole(centre, 0.5, n), P::zeros(), 2.0), |x, _| *x, known.velocity()));
+    fluid_mut(&mut setup)?.boundary.clear();
     Ok((known, setup))
 }
 
 fn couette(n: usize) -> Result<Measured, Failure> {
     let (known, setup) = couette_setup(n, centre())?;
     let (state, report) = flow::run(&setup, 1)?;
-    let (_, torque) = flow::force(&state, &report, 0, &centre());
-    Ok((known.errors(&setup, &state), Some((torque / Couette::TORQUE - 1.0).abs())))
+    let (_, torque) = flow::force(&state, &report, 0, &centre())?;
+    Ok((known.errors(&setup, &state)?, Some((torque / Couette::TORQUE - 1.0).abs())))
 }
 
 /// A vortex in a disk of radius 0.4 whose wall is at rest: `u_θ = c (r³ - R² r)`.
@@ -282,12 +272,10 @@ impl Flow for DiskVortex {
 fn disk_vortex(n: usize) -> Result<Measured, Failure> {
     let known = Known { flow: Arc::new(DiskVortex), density: 1.0, viscosity: 1.0, convects: true, open: &[] };
     let mut setup = known.setup(square(n)?, STEADY);
-    let square = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[x, y]| P::new(x, y) * 2.0);
     // Inscribed in the circle it would be smaller than the disk; that of the same area is in error by h² too.
-    let mut wall = hole(centre(), DiskVortex::RADIUS, n);
-    wall.reverse();
-    setup.bodies.push(polygon(&[square.to_vec(), wall], |x, _| *x, Arc::new(|_, _| V::zeros())));
-    fluid_mut(&mut setup).boundary.clear();
+    let wall = outside(hole(centre(), DiskVortex::RADIUS, n), P::zeros(), 2.0);
+    setup.bodies.push(polygon(&wall, |x, _| *x, Arc::new(|_, _| V::zeros())));
+    fluid_mut(&mut setup)?.boundary.clear();
     steady(&known, &setup)
 }
 
@@ -319,7 +307,7 @@ impl Flow for TaylorGreen {
 /// At time 0.4, past a disk that moves through several cells.
 fn taylor_green(n: usize, dt: f64) -> Result<Measured, Failure> {
     let (known, setup, state) = taylor_green_past(V::new(-0.4, 0.15), n, dt)?;
-    Ok((known.errors(&setup, &state), None))
+    Ok((known.errors(&setup, &state)?, None))
 }
 
 /// The same past a disk of any speed.

@@ -1,30 +1,16 @@
 //! Errors of unfitted Stokes flow compared with those of another code on the same mesh.
 
-use std::path::Path;
+use benchmarks::UnfittedStokes;
 
-use benchmarks::{StokesErrors, StokesWeights, UnfittedStokes};
-use cutwater::algebra::{NewtonSettings, Workspace, newton};
-
-use super::record::Record;
-use crate::outcome::Failure;
+use super::{Failure, Record};
 
 /// Largest ratio of our errors to those of the peer.
 const LARGEST_RATIO: f64 = 1.2;
 
-/// N, then errors in L2 of velocity, its gradient and pressure, of ngsxfem 2.1 on the same mesh with the same weights.
-type Row = (u32, [f64; 3]);
-
-/// With its own forms: `μ (∇u, ∇v)`, velocities on the sides by a local L2 projection. As in
-/// `benchmarks/tests/unfitted_stokes.rs`; of the last mesh fewer digits were kept.
-const PUBLISHED_FORMS: [Row; 4] = [
-    (32, [9.382e-4, 0.15064, 2.2667e-2]),
-    (64, [2.3916e-4, 0.075268, 6.8153e-3]),
-    (128, [6.0555e-5, 0.037621, 2.1170e-3]),
-    (256, [1.5e-5, 0.0188, 6.8e-4]),
-];
-/// With the forms of this library: `2 μ (D(u), ∇v)` with its traction, velocities on the sides given at the vertices. From the
+/// N, then errors in L2 of velocity, its gradient and pressure, of ngsxfem on the same mesh with the same weights and the
+/// forms of this library: `2 μ (D(u), ∇v)` with its traction, velocities on the sides given at the vertices. From the
 /// table of errors in `benchmarks/RESULTS.md`.
-const OUR_FORMS: [Row; 4] = [
+const OUR_FORMS: [(u32, [f64; 3]); 4] = [
     (32, [1.310e-3, 0.1505, 2.95e-2]),
     (64, [3.377e-4, 0.0753, 9.42e-3]),
     (128, [8.5874e-5, 0.037620, 3.0999e-3]),
@@ -32,15 +18,11 @@ const OUR_FORMS: [Row; 4] = [
 ];
 
 /// Compares like with like, and shows what the forms make.
-///
-/// # Errors
-/// Newton's method fails.
-pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
+pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let n_meshes = if record.full { 4 } else { 3 };
-    for ((n, published), (_, ours)) in PUBLISHED_FORMS.into_iter().zip(OUR_FORMS).take(n_meshes) {
-        let around_disk = || UnfittedStokes::around_disk(n, StokesWeights::PUBLISHED);
-        let with_ours = errors(&around_disk())?;
-        let with_published = errors(&around_disk().with_published_forms())?;
+    for ((n, published), (_, ours)) in UnfittedStokes::PUBLISHED_ERRORS.into_iter().zip(OUR_FORMS).take(n_meshes) {
+        let with_ours = UnfittedStokes::around_disk(n).errors()?;
+        let with_published = UnfittedStokes::around_disk(n).with_published_forms().errors()?;
         for (k, quantity) in ["u", "∇u", "p"].into_iter().enumerate() {
             let error = |forms: &str| format!("N = {n}, error of {quantity}, {forms}");
             record.at_most_times(error("forms of ngsxfem in both"), with_published[k], published[k], LARGEST_RATIO);
@@ -63,13 +45,4 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
          traction that moves a body. Given the same forms the two codes agree.",
     );
     Ok(())
-}
-
-fn errors(stokes: &UnfittedStokes<2>) -> Result<[f64; 3], Failure> {
-    stokes.with_equations(|equations| {
-        let mut x = vec![0.0; equations.layout.len()];
-        newton(equations, &mut x, &mut Workspace::new(), &NewtonSettings::new(1e-9))?;
-        let StokesErrors { velocity, gradient, pressure } = stokes.errors(&x);
-        Ok([velocity, gradient, pressure])
-    })
 }

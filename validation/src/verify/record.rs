@@ -3,12 +3,12 @@
 use cutwater::report::{Chart, Curve};
 use serde::Serialize;
 
+use super::short;
+
 /// A number with its reference.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) struct Row {
-    /// Name of the check.
     pub(crate) check: String,
-    /// The measured quantity.
     pub(crate) quantity: String,
     /// Its value; none if it is not finite.
     pub(crate) computed: Option<f64>,
@@ -21,46 +21,26 @@ pub(crate) struct Row {
 }
 
 impl Row {
-    /// Whether nothing is wrong.
     pub(crate) fn holds(&self) -> bool {
         self.verdict != "FAIL"
     }
 }
 
-/// Measured numbers as curves.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Figure {
-    /// The quantity, with its unit.
-    pub(crate) title: String,
-    /// Label of the horizontal axis.
-    pub(crate) x_title: String,
-    /// Names and points.
-    pub(crate) curves: Vec<(String, Vec<(f64, f64)>)>,
-    /// Whether both axes are logarithmic.
-    pub(crate) is_log: bool,
-}
-
-impl Figure {
-    /// The figure as a chart.
-    pub(crate) fn chart(&self) -> Chart {
-        let curves = self.curves.iter().map(|(label, points)| Curve::new(label.as_str(), points.clone())).collect();
-        Chart { x_is_log: self.is_log, ..Chart::new(self.title.as_str(), self.x_title.as_str(), curves) }
-    }
-}
+/// Numbers with names.
+pub(super) type Named = Vec<(String, f64)>;
+/// Points of a curve.
+pub(crate) type Points = Vec<(f64, f64)>;
 
 /// A table of texts.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Table {
-    /// Names of the columns.
     pub(crate) head: Vec<String>,
-    /// The rows.
     pub(crate) rows: Vec<Vec<String>>,
 }
 
 /// The outcome of a check or of a study.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Record {
-    /// Name of the check.
     pub(crate) check: String,
     /// Subject of the check, in a sentence.
     pub(crate) about: String,
@@ -68,12 +48,10 @@ pub(crate) struct Record {
     pub(crate) full: bool,
     /// Wall-clock time that it took, in seconds.
     pub(crate) seconds: f64,
-    /// The numbers.
     pub(crate) rows: Vec<Row>,
-    /// Further tables.
     pub(crate) tables: Vec<Table>,
-    /// The curves.
-    pub(crate) figures: Vec<Figure>,
+    /// Curves of measured numbers; both axes are logarithmic if the horizontal one is.
+    pub(crate) figures: Vec<Chart>,
     /// Settings, and reasons where a bound is missed.
     pub(crate) notes: Vec<String>,
 }
@@ -83,7 +61,6 @@ impl Record {
         Self { check: check.to_owned(), about: about.to_owned(), full, ..Self::default() }
     }
 
-    /// Whether every number passes.
     pub(crate) fn holds(&self) -> bool {
         self.rows.iter().all(Row::holds)
     }
@@ -100,12 +77,10 @@ impl Record {
         self.push(quantity.into(), computed, Some(reference), format!("± {} %", short(100.0 * fraction)), Some(holds));
     }
 
-    /// A number with a largest value.
     pub(crate) fn at_most(&mut self, quantity: impl Into<String>, computed: f64, bound: f64) {
         self.push(quantity.into(), computed, Some(bound), "at most".to_owned(), Some(computed <= bound));
     }
 
-    /// A number with a smallest value.
     pub(crate) fn at_least(&mut self, quantity: impl Into<String>, computed: f64, bound: f64) {
         self.push(quantity.into(), computed, Some(bound), "at least".to_owned(), Some(computed >= bound));
     }
@@ -121,9 +96,32 @@ impl Record {
         self.push(quantity.into(), computed, reference, String::new(), None);
     }
 
-    /// A remark.
     pub(crate) fn note(&mut self, text: impl Into<String>) {
         self.notes.push(text.into());
+    }
+
+    /// Curves with names over a common axis.
+    pub(crate) fn figure<L: Into<String>>(
+        &mut self,
+        title: impl Into<String>,
+        x_label: &str,
+        curves: Vec<(L, Points)>,
+    ) {
+        let curves = curves.into_iter().map(|(label, points)| Curve::new(label, points)).collect();
+        self.figures.push(Chart::new(title, x_label, curves));
+    }
+
+    /// The same with logarithmic axes.
+    pub(crate) fn log_figure<L: Into<String>>(
+        &mut self,
+        title: impl Into<String>,
+        x_label: &str,
+        curves: Vec<(L, Points)>,
+    ) {
+        self.figure(title, x_label, curves);
+        if let Some(figure) = self.figures.last_mut() {
+            figure.x_is_log = true;
+        }
     }
 
     fn push(
@@ -177,16 +175,6 @@ pub(crate) fn worse(a: f64, b: f64) -> f64 {
     if b > a || b.is_nan() { b } else { a }
 }
 
-/// Four significant digits.
-pub(crate) fn short(x: f64) -> String {
-    if x != 0.0 && !(1e-3..1e5).contains(&x.abs()) {
-        return format!("{x:.3e}");
-    }
-    let digits = if x == 0.0 { 0 } else { (3 - x.abs().log10().floor() as i32).clamp(0, 9) };
-    let text = format!("{x:.*}", digits as usize);
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -227,12 +215,5 @@ mod tests {
         record.order("e", "h", &[(0.4, 5.0), (0.2, 4.0), (0.1, 1.0)], 1.99);
         assert!(record.holds());
         assert_eq!(record.rows.last().and_then(|row| row.computed), Some(2.0));
-    }
-
-    #[test]
-    fn numbers_are_short() {
-        for (x, text) in [(0.0, "0"), (17.27, "17.27"), (1e-9, "1.000e-9"), (0.05, "0.05"), (-594.5, "-594.5")] {
-            assert_eq!(short(x), text);
-        }
     }
 }

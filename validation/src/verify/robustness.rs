@@ -1,15 +1,14 @@
 //! Bodies that pass vertices, edges and faces of the mesh: condition numbers, and effects on results.
 
-use std::path::Path;
-
 use cutwater::fluid_ns::terms::CipProfile;
-use cutwater::solver::Setup;
+use cutwater::mesh::SimplexMesh;
 
-use super::flow::{self, P, Random, fluid_mut};
+use super::flow::{self, Random, fluid_mut, fluid_of};
 use super::orders::{Couette, couette_setup};
-use super::record::{Figure, Record, worse};
-use super::sweep::{Dimension, Found, In, Numbers, PLANE, SPACE, Sweep, find};
-use crate::outcome::Failure;
+use super::record::worse;
+use super::signal::{mean, rms};
+use super::sweep::{Found, Numbers, PLANE, SPACE, Sweep, find};
+use super::{Failure, P, Record};
 
 /// Largest ratio of condition numbers of the equilibrated matrix over a sweep with ghost penalty.
 const LARGEST_RATIO: f64 = 10.0;
@@ -24,11 +23,7 @@ const LARGEST_CHANGE: f64 = 1e-5;
 /// The largest jump at the touch, over the error on this mesh.
 const LARGEST_JUMP: f64 = 1.0;
 
-/// Measures sweeps and scatter.
-///
-/// # Errors
-/// A mesh cannot be cut, or a step fails.
-pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
+pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     for sweep in &PLANE {
         measure_sweep(record, sweep)?;
     }
@@ -59,10 +54,7 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
 /// Results with or without ghost penalty, from the largest distance before to the largest one past.
 type Findings<const D: usize> = Vec<(f64, Found<D>)>;
 
-fn measure_sweep<const D: usize>(record: &mut Record, sweep: &Sweep<D>) -> Result<(), Failure>
-where
-    In: Dimension<D>,
-{
+fn measure_sweep<const D: usize>(record: &mut Record, sweep: &Sweep<D>) -> Result<(), Failure> {
     let decades: Vec<i32> = if record.full { DECADES.collect() } else { FEW_DECADES.to_vec() };
     let before = decades.iter().map(|k| -(10.0_f64.powi(-k)));
     let distances: Vec<f64> = before.chain([0.0]).chain(decades.iter().rev().map(|k| 10.0_f64.powi(-k))).collect();
@@ -88,22 +80,18 @@ where
             curves.push((format!("{label}, {matrix}"), worse_side(&findings, k)));
         }
         let setup = sweep.setup(0.0, ghost)?;
+        let background = &fluid_of(&setup)?.background;
         let errors = findings.iter().map(|(_, found)| {
             let flow = found.flow.as_ref();
-            flow.map_or(f64::INFINITY, |flow| flow.differences(&flow.exact(&setup))[0])
+            flow.map_or(f64::INFINITY, |flow| flow.differences(&flow.exact(background))[0])
         });
         let [least, largest] = errors.fold([f64::INFINITY, 0.0], |[a, b], e| [f64::min(a, e), worse(b, e)]);
         record.show(format!("{name}, {label}: largest error of velocities, largest over least"), largest / least, None);
         if ghost {
-            continuity(record, name, &setup, &findings)?;
+            continuity(record, name, background, &findings)?;
         }
     }
-    record.figures.push(Figure {
-        title: format!("{name}: condition number, the larger of both sides"),
-        x_title: "distance over h".to_owned(),
-        curves,
-        is_log: true,
-    });
+    record.log_figure(format!("{name}: condition number, the larger of both sides"), "distance over h", curves);
     Ok(())
 }
 
@@ -118,13 +106,13 @@ fn worse_side<const D: usize>(findings: &Findings<D>, matrix: usize) -> Vec<(f64
 fn continuity<const D: usize>(
     record: &mut Record,
     name: &str,
-    setup: &Setup<D>,
+    background: &SimplexMesh<D>,
     findings: &Findings<D>,
 ) -> Result<(), Failure> {
     let flows = findings.iter().map(|(d, found)| found.flow.as_ref().map(|flow| (*d, flow)));
     let flows: Vec<(f64, &Numbers<D>)> = flows.collect::<Option<_>>().ok_or("a step fails with ghost penalty")?;
     let touch = flows[flows.len() / 2].1;
-    let errors = touch.differences(&touch.exact(setup));
+    let errors = touch.differences(&touch.exact(background));
     let [closest, near] = NEAR.map(|d| d * (1.0 + f64::EPSILON));
     let is_near = |d: f64| d.abs() <= near && d.abs() > 0.5 * closest;
     let largest = |pairs: &mut dyn Iterator<Item = (&Numbers<D>, &Numbers<D>)>| {
@@ -159,19 +147,19 @@ fn scatter(record: &mut Record) -> Result<(), Failure> {
             let centre = P::new(random.between(0.0, h), random.between(0.0, h));
             let (_, mut setup) = couette_setup(n, centre)?;
             if !ghost {
-                fluid_mut(&mut setup).gamma_ghost = 0.0;
-                fluid_mut(&mut setup).cip = CipProfile::Consistent { gamma_u: 0.0 };
+                let fluid = fluid_mut(&mut setup)?;
+                (fluid.gamma_ghost, fluid.cip) = (0.0, CipProfile::Consistent { gamma_u: 0.0 });
             }
             let (state, report) = flow::run(&setup, 1)?;
-            torques.push(flow::force(&state, &report, 0, &centre).1 / Couette::TORQUE - 1.0);
+            torques.push(flow::force(&state, &report, 0, &centre)?.1 / Couette::TORQUE - 1.0);
         }
         torques.sort_unstable_by(f64::total_cmp);
-        let mean = torques.iter().sum::<f64>() / places as f64;
-        let deviation = (torques.iter().map(|t| (t - mean).powi(2)).sum::<f64>() / places as f64).sqrt();
-        let largest = torques.iter().map(|t| (t - mean).abs()).fold(0.0, worse);
+        let mean = mean(&torques);
+        let deviations: Vec<f64> = torques.iter().map(|torque| torque - mean).collect();
+        let largest = deviations.iter().map(|d| d.abs()).fold(0.0, worse);
         let name = format!("Couette torque, {places} random places, h = 1/{n}, {label}");
         record.show(format!("{name}: mean relative error"), mean, Some(0.0));
-        for (what, value) in [("standard deviation", deviation), ("largest deviation", largest)] {
+        for (what, value) in [("standard deviation", rms(&deviations)), ("largest deviation", largest)] {
             let quantity = format!("{name}: {what}, relative to the mean error");
             if ghost {
                 record.at_most(quantity, value, mean.abs());
@@ -180,14 +168,9 @@ fn scatter(record: &mut Record) -> Result<(), Failure> {
             }
         }
         let rank = |k: usize| (k as f64 + 0.5) / places as f64;
-        curves.push((label.to_owned(), torques.iter().enumerate().map(|(k, t)| (rank(k), t - mean)).collect()));
+        curves.push((label.to_owned(), deviations.iter().enumerate().map(|(k, d)| (rank(k), *d)).collect()));
         curves.push((format!("{label}: error of the mean"), vec![(0.0, mean), (1.0, mean)]));
     }
-    record.figures.push(Figure {
-        title: "Couette torque: relative deviations from the mean, sorted".to_owned(),
-        x_title: "share of the places".to_owned(),
-        curves,
-        is_log: false,
-    });
+    record.figure("Couette torque: relative deviations from the mean, sorted", "share of the places", curves);
     Ok(())
 }

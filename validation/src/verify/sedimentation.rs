@@ -1,18 +1,15 @@
 //! A heavy disk sinks in a closed box, as a free rigid body.
 
-use std::path::Path;
 use std::sync::Arc;
 
-use cutwater::algebra::{LaggedSettings, LaggedSolver, NewtonSettings, Workspace};
 use cutwater::mesh::SimplexMesh;
 use cutwater::mesh::generate::{Size, graded_box, mirrored};
 use cutwater::solid_rigid::RigidMotion;
-use cutwater::solver::{FluidBoundary, Setup, State, Substep, advance};
+use cutwater::solver::{FluidBoundary, Setup};
 
-use super::flow::{Known, P, V, disk, fluid_mut, rigid_polygon};
-use super::linear_flow::Linear;
-use super::record::{Figure, Record, short};
-use crate::outcome::Failure;
+use super::flow::{disk, fluid_mut, rigid_polygon};
+use super::linear_flow::still;
+use super::{Failure, P, Record, Run, V, short};
 
 /// Width and height of the box, cm.
 const BOX: [f64; 2] = [2.0, 6.0];
@@ -28,10 +25,7 @@ const SPREAD: f64 = 0.15;
 const ACCURACY: f64 = 0.03;
 
 /// Lets the disk sink on several meshes, and with several time steps.
-///
-/// # Errors
-/// A step fails.
-pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
+pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     // Cells across the disk, and time step.
     let runs: &[(f64, f64)] = if record.full {
         &[(8.0, 2e-3), (12.0, 2e-3), (16.0, 2e-3), (16.0, 4e-3), (16.0, 1e-3)]
@@ -61,12 +55,7 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
         );
         curves.push((name, fall.reynolds));
     }
-    record.figures.push(Figure {
-        title: "Reynolds number of the sinking disk".to_owned(),
-        x_title: "time [s]".to_owned(),
-        curves,
-        is_log: false,
-    });
+    record.figure("Reynolds number of the sinking disk", "time [s]", curves);
     record.note(
         "Case A of Glowinski et al. 2001, doi:10.1006/jcph.2000.6542: density 1.25, diameter 0.25 cm, viscosity 0.1, \
          box of 2 x 6 cm, g = 981 cm/s² on both phases; until the centre is two and a half diameters above the \
@@ -84,7 +73,6 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
-/// How the disk sank.
 struct Fall {
     /// Time and Reynolds number.
     reynolds: Vec<(f64, f64)>,
@@ -97,13 +85,11 @@ struct Fall {
 }
 
 fn sink(h: f64, dt: f64) -> Result<Fall, Failure> {
-    let setup = setup(h, dt)?;
-    let mut work = Workspace::with_solver(Box::new(LaggedSolver::new(LaggedSettings::default())));
-    let mut state = State::initial(&setup)?;
+    let mut run = Run::lagged(setup(h, dt)?)?;
     let mut fall = Fall { reynolds: Vec::new(), drift: 0.0, angle: 0.0, remainder: 0.0 };
     loop {
-        let (next, report) = advance(&setup, &state, Substep::whole(setup.dt), &mut work)?;
-        state = next;
+        let report = run.advance()?;
+        let state = &run.state;
         let motion = RigidMotion::<2>::from_numbers(&state.bodies[0].inner);
         let forces = report.bodies[0].forces.ok_or("and forces")?;
         fall.reynolds.push((state.time, -motion.velocity[1] * DENSITY * DIAMETER / VISCOSITY));
@@ -117,15 +103,9 @@ fn sink(h: f64, dt: f64) -> Result<Fall, Failure> {
 }
 
 fn setup(h: f64, dt: f64) -> Result<Setup<2>, Failure> {
-    let flow = Arc::new(Linear::at_rest(V::zeros()));
-    let fluid = Known { flow, density: 1.0, viscosity: VISCOSITY, convects: true, open: &[] };
-    let mut setup = fluid.setup(background(h)?, dt);
-    setup.newton = NewtonSettings::new(1e-8);
-    for (_, condition) in &mut fluid_mut(&mut setup).boundary {
-        *condition = FluidBoundary::NoSlip;
-    }
+    let mut setup = still(background(h)?, VISCOSITY, dt, 1e-8, || FluidBoundary::NoSlip)?;
     let gravity = V::new(0.0, -GRAVITY);
-    fluid_mut(&mut setup).body_force = Some(Arc::new(move |_, _| gravity));
+    fluid_mut(&mut setup)?.body_force = Some(Arc::new(move |_, _| gravity));
     let n = (4.0 * std::f64::consts::PI * DIAMETER / h).round() as usize;
     setup.bodies.push(Arc::new(rigid_polygon(disk(P::from(START), 0.5 * DIAMETER, n), DENSITY, gravity)?));
     Ok(setup)

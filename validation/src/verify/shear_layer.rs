@@ -1,21 +1,20 @@
 //! A fluid layer over an elastic one, sheared by an oscillating plate: the one flow with a deforming body that is known exactly.
 
 use std::f64::consts::TAU;
-use std::path::Path;
 use std::sync::Arc;
 
-use cutwater::algebra::Workspace;
 use cutwater::algebra::time::ImplicitEuler;
 use cutwater::mesh::generate::structured_box;
+use cutwater::mesh::nalgebra::Complex;
 use cutwater::mesh::{FacetId, VertexId};
 use cutwater::solid_svk::{
     ElasticBody, ElasticOptions, LameParameters, Load, SaintVenantKirchhoff, SolidForm, SolidMesh, Support, SupportKind,
 };
-use cutwater::solver::{FluidBoundary, Setup, State, StepReport, Substep, advance};
+use cutwater::solver::{FluidBoundary, Setup, StepReport};
 
-use super::flow::{self, Flow, Known, P, T, V, fluid_mut, fluid_of, wet};
-use super::record::{Figure, Record, short};
-use crate::outcome::Failure;
+use super::flow::{self, Flow, Known, fluid_mut, fluid_of, wet};
+use super::signal::mean;
+use super::{Failure, P, Record, Run, T, V, short};
 
 /// Height of the elastic layer, and of both.
 const INTERFACE: f64 = 0.5;
@@ -45,19 +44,16 @@ const KNOWN: [(&str, [f64; 2]); 3] = [
 const ORDERS: [f64; 2] = [1.9, 0.95];
 
 /// Measures orders in h, with dt ~ h², and in dt.
-///
-/// # Errors
-/// A step fails.
-pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
+pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let layer = Layer::new();
     // The closed form is compared with the published numbers of the example.
     record.near_relative(
         "closed form: amplitude of the interface velocity",
-        layer.at_interface.abs(),
+        layer.at_interface.norm(),
         KNOWN_INTERFACE[0],
         1e-6,
     );
-    record.near("closed form: its phase", layer.at_interface.phase(), KNOWN_INTERFACE[1], 1e-5);
+    record.near("closed form: its phase", layer.at_interface.arg(), KNOWN_INTERFACE[1], 1e-5);
     let sizes: &[usize] = if record.full { &[10, 20, 40, 80] } else { &[10, 20, 40] };
     let mut in_space = Vec::new();
     for &n in sizes {
@@ -93,17 +89,16 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
                 record.show_order(&name, unit, &errors);
             }
         }
-        record.figures.push(Figure {
-            title: format!("Shear layer: errors against {unit}"),
-            x_title: unit.to_owned(),
-            curves: vec![("fluid velocity".to_owned(), fluid), ("displacement".to_owned(), solid)],
-            is_log: true,
-        });
+        record.log_figure(
+            format!("Shear layer: errors against {unit}"),
+            unit,
+            vec![("fluid velocity".to_owned(), fluid), ("displacement".to_owned(), solid)],
+        );
     }
     let [.., (h, finest)] = &in_space[..] else { return Err("a mesh at least".into()) };
     for ((name, [amplitude, phase]), measured) in KNOWN.into_iter().zip(finest.amplitudes) {
-        record.show(format!("{name}: amplitude, h = {}", short(*h)), measured.abs(), Some(amplitude));
-        record.show(format!("{name}: phase, h = {}", short(*h)), measured.phase(), Some(phase));
+        record.show(format!("{name}: amplitude, h = {}", short(*h)), measured.norm(), Some(amplitude));
+        record.show(format!("{name}: phase, h = {}", short(*h)), measured.arg(), Some(phase));
     }
     record.note(
         "The interface cuts the cells; orders in h with dt ~ h². Errors at half a period, from exact values at the \
@@ -129,15 +124,14 @@ struct Measured {
     displacement: Vec<V>,
     solid: f64,
     /// Complex amplitudes, from the values after a quarter and half of the period, in the order of [`KNOWN`].
-    amplitudes: [Complex; 3],
+    amplitudes: [Complex<f64>; 3],
 }
 
 impl Measured {
     /// Relative error of an amplitude.
     fn error(&self, k: usize) -> f64 {
         let (_, [amplitude, phase]) = KNOWN[k];
-        let difference = self.amplitudes[k].plus(Complex(-amplitude * phase.cos(), -amplitude * phase.sin()));
-        difference.abs() / amplitude
+        (self.amplitudes[k] - Complex::from_polar(amplitude, phase)).norm() / amplitude
     }
 }
 
@@ -145,28 +139,26 @@ impl Measured {
 fn run(n: [usize; 2], steps: usize) -> Result<Measured, Failure> {
     let layer = Arc::new(Layer::new());
     let known = Known { flow: Arc::clone(&layer), density: DENSITY, viscosity: VISCOSITY, convects: true, open: &[] };
-    let mut setup = setup(&known, n, END / steps as f64)?;
     let solid = solid(n)?;
-    let mut work = Workspace::new();
-    let mut state = State::initial(&setup)?;
-    let mut amplitudes = [Complex(0.0, 0.0); 3];
+    let mut run = Run::new(setup(&known, n, END / steps as f64)?)?;
+    let mut amplitudes = [Complex::new(0.0, 0.0); 3];
     for step in 1..=steps {
-        let end = state.time + setup.dt;
-        setup.bodies = vec![Arc::new(body(&layer, solid.clone(), end)?)];
-        let (next, report) = advance(&setup, &state, Substep::whole(setup.dt), &mut work)?;
-        state = next;
+        let end = run.state.time + run.setup.dt;
+        run.setup.bodies = vec![Arc::new(body(&layer, solid.clone(), end)?)];
+        let report = run.advance()?;
         // Real parts of the amplitudes times i, and times i².
         if 2 * step == steps || step == steps {
-            for (amplitude, value) in amplitudes.iter_mut().zip(values(&setup, &state, &report)) {
-                *(if step == steps { &mut amplitude.0 } else { &mut amplitude.1 }) = -value;
+            for (amplitude, value) in amplitudes.iter_mut().zip(values(&run, &report)?) {
+                *(if step == steps { &mut amplitude.re } else { &mut amplitude.im }) = -value;
             }
         }
     }
+    let Run { setup, state, .. } = &run;
     let vertices = setup.bodies[0].reference().iter().zip(state.bodies[0].displacement());
     let errors = vertices.map(|(x, d)| (d[0] - layer.displacement(x[1], state.time)).abs());
     let solid = errors.fold(0.0, f64::max);
     Ok(Measured {
-        fluid: known.errors(&setup, &state).velocity,
+        fluid: known.errors(setup, state)?.velocity,
         displacement: state.bodies[0].displacement().to_vec(),
         solid,
         amplitudes,
@@ -178,22 +170,21 @@ fn largest_change(a: &[V], b: &[V]) -> f64 {
 }
 
 /// Means over x, in the order of [`KNOWN`].
-fn values(setup: &Setup<2>, state: &State<2>, report: &StepReport<2>) -> [f64; 3] {
-    let mean = |values: Vec<f64>| values.iter().sum::<f64>() / values.len() as f64;
+fn values(Run { setup, state, .. }: &Run, report: &StepReport<2>) -> Result<[f64; 3], Failure> {
     let of_body = setup.bodies[0].reference().iter().zip(state.bodies[0].displacement());
     let displacement = of_body.filter(|(x, _)| x[1] == INTERFACE && is_in_box(x[0])).map(|(_, d)| d[0]);
-    let stress = flow::force(state, report, 0, &P::zeros()).0[0] / LENGTH;
+    let stress = flow::force(state, report, 0, &P::zeros())?.0[0] / LENGTH;
     // One-sided difference of second order, over the plate and the two rows of vertices below it.
-    let vertices =
-        || wet(state).space.vertices().iter().map(|v| fluid_of(setup).background.vertex(*v)).zip(&wet(state).velocity);
+    let (background, fluid) = (&fluid_of(setup)?.background, wet(state)?);
+    let vertices = || fluid.space.vertices().iter().map(|v| background.vertex(*v)).zip(&fluid.velocity);
     let below = vertices().map(|(x, _)| x[1]).filter(|y| *y < PLATE).fold(0.0, f64::max);
     let spacing = PLATE - below;
     let row = |k: f64| {
         let on_row = vertices().filter(|(x, _)| (x[1] - PLATE + k * spacing).abs() < 0.1 * spacing);
-        mean(on_row.map(|(_, u)| u[0]).collect())
+        mean(&on_row.map(|(_, u)| u[0]).collect::<Vec<_>>())
     };
     let at_plate = VISCOSITY * (3.0 * row(0.0) - 4.0 * row(1.0) + row(2.0)) / (2.0 * spacing);
-    [mean(displacement.collect()), stress, at_plate]
+    Ok([mean(&displacement.collect::<Vec<_>>()), stress, at_plate])
 }
 
 /// The box of fluid and the body below it.
@@ -203,11 +194,10 @@ fn setup(known: &Known<Layer>, [n_x, n_y]: [usize; 2], dt: f64) -> Result<Setup<
     let background = structured_box::<2>([0.0, 0.0], [LENGTH, PLATE], [(2 * n_x).div_ceil(5), rows])?;
     let mut setup = known.setup(background, dt);
     // Nothing depends on x: no vertical motion at the sides, and no normal traction.
-    let sides = ["left", "right"].map(|side| fluid_of(&setup).background.tag(side));
-    for (tag, condition) in &mut fluid_mut(&mut setup).boundary {
-        if sides.contains(&Some(*tag)) {
-            *condition = FluidBoundary::Symmetry { axis: 1 };
-        }
+    let fluid = fluid_mut(&mut setup)?;
+    let sides = ["left", "right"].map(|side| fluid.background.tag(side));
+    for (_, condition) in fluid.boundary.iter_mut().filter(|(tag, _)| sides.contains(&Some(*tag))) {
+        *condition = FluidBoundary::Symmetry { axis: 1 };
     }
     setup.bodies.push(Arc::new(body(&known.flow, solid([n_x, n_y])?, 0.0)?));
     Ok(setup)
@@ -264,11 +254,11 @@ struct Layer {
     /// `κ = sqrt(i ω ρ/μ_f) = (1 + i) s`, this is s.
     s: f64,
     /// `A`
-    solid: Complex,
+    solid: Complex<f64>,
     /// `B`
-    at_interface: Complex,
+    at_interface: Complex<f64>,
     /// `C`
-    shear: Complex,
+    shear: Complex<f64>,
 }
 
 impl Layer {
@@ -277,30 +267,30 @@ impl Layer {
         let s = (0.5 * OMEGA * DENSITY / VISCOSITY).sqrt();
         let (sin, cos) = (wave_number * INTERFACE).sin_cos();
         // For A = 1: iω sin kH = B, μ k cos kH = μ_f κ C; then scaled to the speed of the plate.
-        let b = Complex(0.0, OMEGA * sin);
-        let c = Complex(MU * wave_number * cos / VISCOSITY, 0.0).over(Complex(s, s));
-        let (cosh, sinh) = hyperbolic(s * (PLATE - INTERFACE));
-        let solid = Complex(SPEED, 0.0).over(b.times(cosh).plus(c.times(sinh)));
-        Self { wave_number, s, solid, at_interface: b.times(solid), shear: c.times(solid) }
+        let b = Complex::new(0.0, OMEGA * sin);
+        let c = over(Complex::new(MU * wave_number * cos / VISCOSITY, 0.0), Complex::new(s, s));
+        let [cosh, sinh] = hyperbolic(s * (PLATE - INTERFACE));
+        let solid = over(Complex::new(SPEED, 0.0), b * cosh + c * sinh);
+        Self { wave_number, s, solid, at_interface: b * solid, shear: c * solid }
     }
 
     /// Displacement of the solid.
     fn displacement(&self, y: f64, t: f64) -> f64 {
-        self.solid.real_at(t) * (self.wave_number * y).sin()
+        real_at(self.solid, t) * (self.wave_number * y).sin()
     }
 
     /// Velocity of the solid, and of the fluid above it.
     fn speed(&self, y: f64, t: f64) -> f64 {
         if y <= INTERFACE {
-            return Complex(0.0, OMEGA).times(self.solid).real_at(t) * (self.wave_number * y).sin();
+            return real_at(Complex::new(0.0, OMEGA) * self.solid, t) * (self.wave_number * y).sin();
         }
         self.in_fluid(y, t)
     }
 
     /// Velocity of the fluid, and its smooth continuation.
     fn in_fluid(&self, y: f64, t: f64) -> f64 {
-        let (cosh, sinh) = hyperbolic(self.s * (y - INTERFACE));
-        self.at_interface.times(cosh).plus(self.shear.times(sinh)).real_at(t)
+        let [cosh, sinh] = hyperbolic(self.s * (y - INTERFACE));
+        real_at(self.at_interface * cosh + self.shear * sinh, t)
     }
 }
 
@@ -309,50 +299,27 @@ impl Flow for Layer {
         V::new(self.in_fluid(x[1], t), 0.0)
     }
     fn gradient(&self, x: &P, t: f64) -> T {
-        let (cosh, sinh) = hyperbolic(self.s * (x[1] - INTERFACE));
-        let slope = self.at_interface.times(sinh).plus(self.shear.times(cosh)).times(Complex(self.s, self.s));
-        T::new(0.0, slope.real_at(t), 0.0, 0.0)
+        let [cosh, sinh] = hyperbolic(self.s * (x[1] - INTERFACE));
+        let slope = (self.at_interface * sinh + self.shear * cosh) * Complex::new(self.s, self.s);
+        T::new(0.0, real_at(slope, t), 0.0, 0.0)
     }
     fn pressure(&self, _: &P, _: f64) -> f64 {
         0.0
     }
 }
 
-/// `cosh (1 + i) z` and `sinh (1 + i) z`
-fn hyperbolic(z: f64) -> (Complex, Complex) {
-    let (sin, cos) = z.sin_cos();
-    (Complex(z.cosh() * cos, z.sinh() * sin), Complex(z.sinh() * cos, z.cosh() * sin))
+/// `cosh` and `sinh` of `(1 + i) z`.
+fn hyperbolic(z: f64) -> [Complex<f64>; 2] {
+    let z = Complex::new(z, z);
+    [z.cosh(), z.sinh()]
 }
 
-/// Real and imaginary part.
-#[derive(Clone, Copy)]
-struct Complex(f64, f64);
+/// Real part of an amplitude times `e^{iωt}`.
+fn real_at(amplitude: Complex<f64>, t: f64) -> f64 {
+    (amplitude * Complex::cis(OMEGA * t)).re
+}
 
-impl Complex {
-    fn plus(self, other: Self) -> Self {
-        Self(self.0 + other.0, self.1 + other.1)
-    }
-
-    fn times(self, other: Self) -> Self {
-        Self(self.0 * other.0 - self.1 * other.1, self.0 * other.1 + self.1 * other.0)
-    }
-
-    fn over(self, other: Self) -> Self {
-        let size = other.0 * other.0 + other.1 * other.1;
-        self.times(Self(other.0 / size, -other.1 / size))
-    }
-
-    fn abs(self) -> f64 {
-        self.0.hypot(self.1)
-    }
-
-    fn phase(self) -> f64 {
-        self.1.atan2(self.0)
-    }
-
-    /// Real part of the amplitude times `e^{iωt}`.
-    fn real_at(self, t: f64) -> f64 {
-        let (sin, cos) = (OMEGA * t).sin_cos();
-        self.0 * cos - self.1 * sin
-    }
+/// A quotient, as the product with the inverse.
+fn over(a: Complex<f64>, b: Complex<f64>) -> Complex<f64> {
+    a * (b.conj() / b.norm_sqr())
 }

@@ -3,7 +3,6 @@
 //! Source: `P = F S`, `S = λ tr(E) I + 2 μ E`, `E = (FᵀF - I)/2` for a uniform `F`, in plane strain and in space.
 
 use std::f64::consts::PI;
-use std::path::Path;
 use std::sync::Arc;
 
 use cutwater::algebra::time::QuasiStatic;
@@ -13,9 +12,10 @@ use cutwater::mesh::{Point, Tensor, Vector, VertexId, det};
 use cutwater::solid_svk::energy::cell_stress;
 use cutwater::solid_svk::{LameParameters, Load, SaintVenantKirchhoff, Support, SupportKind};
 
-use super::dry::{Elastic, Run, elastic, mapped};
-use super::record::{Record, short, worse};
-use crate::outcome::Failure;
+use super::dry::{Elastic, elastic, mapped, run};
+use super::record::worse;
+use super::signal::bisect;
+use super::{Failure, Record, short};
 
 /// Lame parameters of the falling balls, dyn/cm^2.
 const MU: f64 = 2e6;
@@ -40,12 +40,7 @@ const SIDES: [&[[&str; 2]]; 2] =
 
 /// Where an increasing function vanishes between 0.6 and 1.5: beyond the limit point of compression, `1/√3`.
 fn root(function: impl Fn(f64) -> f64) -> f64 {
-    let (mut low, mut high) = (0.6, 1.5);
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if function(middle) > 0.0 { high = middle } else { low = middle }
-    }
-    0.5 * (low + high)
+    bisect([0.6, 1.5], |s| function(s) > 0.0)
 }
 
 /// The stretch at which `modulus * stretch (stretch² - 1)/2` is `load * modulus`.
@@ -61,7 +56,6 @@ fn scale<const D: usize>(pressure: f64) -> f64 {
 /// A uniform state of the unit square or cube.
 struct Uniform<const D: usize> {
     name: String,
-    /// Deformation gradient.
     gradient: Tensor<D>,
     /// First Piola-Kirchhoff stress in closed form.
     piola: Tensor<D>,
@@ -161,19 +155,17 @@ fn deviation<const D: usize>(
     cauchy: &Tensor<D>,
     unit: f64,
 ) -> Result<f64, Failure> {
-    let mut run = Run::new(vec![body], None, f64::from(steps).recip(), 1e-12)?;
+    let (solid, form) = (body.solid.clone(), body.form.clone());
+    let mut run = run(vec![body], None, f64::from(steps).recip(), 1e-12)?;
     for _ in 0..steps {
         run.advance()?;
     }
-    let (body, found) = (run.body(), run.state.bodies[0].displacement());
-    let exact: Vec<_> = body.solid().mesh().vertices().iter().map(displacement).collect();
+    let found = run.state.bodies[0].displacement();
+    let exact: Vec<_> = solid.mesh().vertices().iter().map(displacement).collect();
     let largest = exact.iter().map(Vector::norm).fold(0.0, f64::max);
     let moved = exact.iter().zip(found).map(|(exact, found)| (exact - found).norm() / largest);
-    let stressed = body
-        .solid()
-        .mesh()
-        .cells()
-        .map(|cell| (cell_stress(body.solid(), body.form(), cell, found).cauchy - cauchy).norm() / unit);
+    let stressed =
+        solid.mesh().cells().map(|cell| (cell_stress(&solid, &form, cell, found).cauchy - cauchy).norm() / unit);
     Ok(moved.chain(stressed).fold(0.0, worse))
 }
 
@@ -232,23 +224,11 @@ fn cube(pressure: f64) -> Result<f64, Failure> {
     pressed(body, &["right", "back", "top"], pressure, &Point::<3>::zeros())
 }
 
-/// Measures.
-///
-/// # Errors
-/// Newton's method fails.
-pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
-    for load in LOADS {
-        uniform(record, &Uniform::<2>::bar(load))?;
-    }
-    for load in LOADS {
-        uniform(record, &Uniform::<3>::bar(load))?;
-    }
-    for load in LOADS {
-        uniform(record, &Uniform::<2>::confined(load))?;
-    }
-    for load in LOADS {
-        uniform(record, &Uniform::<3>::confined(load))?;
-    }
+pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
+    LOADS.iter().try_for_each(|load| uniform(record, &Uniform::<2>::bar(*load)))?;
+    LOADS.iter().try_for_each(|load| uniform(record, &Uniform::<3>::bar(*load)))?;
+    LOADS.iter().try_for_each(|load| uniform(record, &Uniform::<2>::confined(*load)))?;
+    LOADS.iter().try_for_each(|load| uniform(record, &Uniform::<3>::confined(*load)))?;
     for shear in SHEARS {
         uniform(record, &Uniform::<2>::sheared(shear))?;
         uniform(record, &Uniform::<3>::sheared(shear))?;

@@ -7,14 +7,14 @@ use cutwater::algebra::{Scaling, Workspace, condition_number};
 use cutwater::fluid_ns::terms::CipProfile;
 use cutwater::mesh::generate::structured_box;
 use cutwater::mesh::search::SurfaceIndex;
-use cutwater::mesh::{Placed, Point, Vector, VertexId};
+use cutwater::mesh::{Placed, Point, SimplexMesh, Vector, VertexId};
 use cutwater::solver::body::{Body, PrescribedBody, TimeField};
 use cutwater::solver::{FluidBoundary, FluidSetup, Setup, State, Substep, advance};
 
-use super::flow::{Flow, P, fluid_mut, fluid_of, polygon, wet, wet_report};
-use super::orders::{StokesPolynomial, known_polynomial};
+use super::flow::{Flow, fluid, fluid_mut, fluid_of, interface, polygon, problem, wet, wet_report};
+use super::orders::StokesPolynomial;
 use super::record::worse;
-use crate::outcome::Failure;
+use super::{Failure, P};
 
 /// Squares per side of the plane box, bricks per side of the one in space; both have sides of length one.
 const N: [usize; 2] = [12, 5];
@@ -49,65 +49,34 @@ pub(super) const SPACE: [Sweep<3>; 3] = [
     Sweep { name: "cube, side past a face", bodies: |s| cube([0.0, 0.0], s) },
 ];
 
-/// A setup in the dimension of its bodies, without any penalty of the jumps of velocity gradients but the ghost penalty.
-pub(super) trait Dimension<const D: usize> {
-    /// Size of the cells.
-    const SIZE: f64;
-
-    /// The steady flow around bodies.
-    ///
-    /// # Errors
-    /// There is no such mesh.
-    fn setup(bodies: Vec<Arc<dyn Body<D>>>) -> Result<Setup<D>, Failure>;
+fn size<const D: usize>() -> f64 {
+    1.0 / N[D - 2] as f64
 }
 
-/// Two dimensions, and three.
-pub(super) struct In;
-
-impl Dimension<2> for In {
-    const SIZE: f64 = 1.0 / N[0] as f64;
-
-    fn setup(bodies: Vec<Arc<dyn Body<2>>>) -> Result<Setup<2>, Failure> {
-        let mut setup = known_polynomial().setup(structured_box::<2>([-0.5; 2], [0.5; 2], [N[0]; 2])?, STEADY);
-        fluid_mut(&mut setup).cip = CipProfile::Consistent { gamma_u: 0.0 };
-        setup.bodies = bodies;
-        Ok(setup)
+/// The steady flow around bodies, without any penalty of the jumps of velocity gradients but the ghost penalty.
+fn setup<const D: usize>(bodies: Bodies<D>) -> Result<Setup<D>, Failure> {
+    let background = structured_box::<D>([-0.5; D], [0.5; D], [N[D - 2]; D])?;
+    let side = |name: &str| background.tag(name).ok_or("a box has sides");
+    let mut boundary = Vec::new();
+    for name in if D == 2 { &["left", "bottom", "top"][..] } else { &["left", "front", "back", "bottom", "top"] } {
+        boundary.push((side(name)?, FluidBoundary::Velocity(polynomial())));
     }
-}
-
-impl Dimension<3> for In {
-    const SIZE: f64 = 1.0 / N[1] as f64;
-
-    fn setup(bodies: Vec<Arc<dyn Body<3>>>) -> Result<Setup<3>, Failure> {
-        let background = structured_box::<3>([-0.5; 3], [0.5; 3], [N[1]; 3])?;
-        let side = |name: &str| background.tag(name).ok_or("a box has six sides");
-        let mut boundary = Vec::new();
-        for name in ["left", "front", "back", "bottom", "top"] {
-            boundary.push((side(name)?, FluidBoundary::Velocity(polynomial())));
-        }
-        let traction = |x: &Point<3>, n: &Vector<3>, _: f64| {
-            let x = plane(x);
-            let gradient = StokesPolynomial.gradient(&x, 0.0);
-            let viscous = (gradient + gradient.transpose()) * P::new(n[0], n[1]);
-            Vector::<3>::new(viscous[0], viscous[1], 0.0) - n * StokesPolynomial.pressure(&x, 0.0)
-        };
-        boundary.push((side("right")?, FluidBoundary::Open { traction: Some(Arc::new(traction)), backflow: false }));
-        let Setup { fluid, dt, newton, .. } = <Self as Dimension<2>>::setup(Vec::new())?;
-        let fluid = fluid.map(|planar| FluidSetup {
-            background,
-            overlay: planar.overlay,
-            gamma_sigma: planar.gamma_sigma,
-            material: planar.material,
-            cip: planar.cip,
-            gamma_pressure: planar.gamma_pressure,
-            gamma_ghost: planar.gamma_ghost,
-            convection: None,
-            body_force: None,
-            initial_velocity: None,
-            boundary,
-        });
-        Ok(Setup { fluid, bodies, contacts: Vec::new(), dt, most_halvings: 0, newton })
-    }
+    let traction = |x: &Point<D>, n: &Vector<D>, _: f64| {
+        let x = plane(x);
+        let gradient = StokesPolynomial.gradient(&x, 0.0);
+        let viscous = (gradient + gradient.transpose()) * P::new(n[0], n[1]);
+        Vector::from_fn(|a, _| if a < 2 { viscous[a] } else { 0.0 }) - n * StokesPolynomial.pressure(&x, 0.0)
+    };
+    boundary.push((side("right")?, FluidBoundary::Open { traction: Some(Arc::new(traction)), backflow: false }));
+    let at_start = polynomial();
+    let fluid = FluidSetup {
+        cip: CipProfile::Consistent { gamma_u: 0.0 },
+        // In space the flow starts from rest.
+        initial_velocity: (D == 2).then(|| Arc::new(move |x: &Point<D>| at_start(x, 0.0)) as _),
+        boundary,
+        ..fluid(background, 1.0, 1.0)
+    };
+    Ok(Setup { bodies, ..problem(fluid, STEADY) })
 }
 
 fn plane<const D: usize>(x: &Point<D>) -> P {
@@ -132,7 +101,7 @@ fn turned<const D: usize>(x: &Point<D>, to: usize, angle: f64) -> Point<D> {
 
 /// A polygon with corners in cells, turned and then moved to a place of the mesh, in cells from the middle of the box.
 fn placed(corners: &[[f64; 2]], angle: f64, place: [f64; 2]) -> Arc<dyn Body<2>> {
-    let h = <In as Dimension<2>>::SIZE;
+    let h = size::<2>();
     let corners = corners.iter().map(|&[x, y]| (turned(&P::new(x, y), 1, angle) + P::from(place)) * h);
     polygon(&[corners.collect()], |x, _| *x, polynomial())
 }
@@ -171,7 +140,7 @@ fn cube([about_second, about_third]: [f64; 2], s: f64) -> Result<Bodies<3>, Fail
     let place = Point::<3>::new(0.5, 0.5, 0.5);
     let at = |x: &Point<3>| {
         let x = turned(&turned(x, 2, about_second), 1, about_third);
-        (x + place) * <In as Dimension<3>>::SIZE
+        (x + place) * size::<3>()
     };
     let velocity = polynomial::<3>();
     let body = PrescribedBody {
@@ -215,9 +184,9 @@ impl<const D: usize> Numbers<D> {
     }
 
     /// The same of the exact flow, which exerts no force on a body, as none acts on the fluid that would be in its place.
-    pub(super) fn exact(&self, setup: &Setup<D>) -> Self {
+    pub(super) fn exact(&self, background: &SimplexMesh<D>) -> Self {
         let of = |vertex: VertexId| {
-            let x = fluid_of(setup).background.vertex(vertex);
+            let x = background.vertex(vertex);
             (polynomial()(&x, 0.0), StokesPolynomial.pressure(&plane(&x), 0.0))
         };
         let at_vertices = self.at_vertices.keys().map(|&vertex| (vertex, of(vertex))).collect();
@@ -225,31 +194,19 @@ impl<const D: usize> Numbers<D> {
     }
 }
 
-impl<const D: usize> Sweep<D>
-where
-    In: Dimension<D>,
-{
+impl<const D: usize> Sweep<D> {
     /// The problem at a distance in cells.
-    ///
-    /// # Errors
-    /// There is no such mesh.
     pub(super) fn setup(&self, distance: f64, has_ghost_penalty: bool) -> Result<Setup<D>, Failure> {
-        let mut setup = In::setup((self.bodies)(distance)?)?;
+        let mut setup = setup((self.bodies)(distance)?)?;
         if !has_ghost_penalty {
-            fluid_mut(&mut setup).gamma_ghost = 0.0;
+            fluid_mut(&mut setup)?.gamma_ghost = 0.0;
         }
         Ok(setup)
     }
 }
 
 /// Solves, and looks at the matrix.
-///
-/// # Errors
-/// The bodies cannot cut the mesh.
-pub(super) fn find<const D: usize>(setup: &Setup<D>) -> Result<Found<D>, Failure>
-where
-    In: Dimension<D>,
-{
+pub(super) fn find<const D: usize>(setup: &Setup<D>) -> Result<Found<D>, Failure> {
     let mut work = Workspace::new();
     let step = advance(setup, &State::initial(setup)?, Substep::whole(setup.dt), &mut work);
     let system = work.system();
@@ -258,23 +215,23 @@ where
         .map(|scaling| condition_number(system.matrix(), system.layout(), scaling).unwrap_or(f64::INFINITY));
     let Ok((state, report)) = step else { return Ok(Found { conditions, flow: None }) };
 
-    let bodies = setup.bodies.iter().zip(&wet(&state).positions);
+    let (background, fluid) = (&fluid_of(setup)?.background, wet(&state)?);
+    let bodies = setup.bodies.iter().zip(&fluid.positions);
     let surfaces: Vec<_> = bodies.map(|(body, x)| SurfaceIndex::new(&Placed::new(body.surface(), x))).collect();
     let depth = |x: &Point<D>| {
         let distances = surfaces.iter().filter_map(|surface| surface.closest_signed(x));
         distances.map(|closest| -closest.distance).fold(f64::NEG_INFINITY, f64::max)
     };
-    let fluid = wet(&state);
     let (mut at_vertices, mut seen) = (BTreeMap::new(), BTreeSet::new());
     for (dof, &vertex) in fluid.space.vertices().iter().enumerate() {
         if !seen.insert(vertex) {
             // Fluid on the other side of a body has unknowns at the same vertex.
             at_vertices.remove(&vertex);
-        } else if depth(&fluid_of(setup).background.vertex(vertex)) < PASSED * <In as Dimension<D>>::SIZE {
+        } else if depth(&background.vertex(vertex)) < PASSED * size::<D>() {
             at_vertices.insert(vertex, (fluid.velocity[dof], fluid.pressure[dof]));
         }
     }
-    let pieces = wet(&state).cut.interface().iter().zip(&wet_report(&report).tractions);
-    let force = pieces.map(|(piece, traction)| traction.total() * piece.measure).sum();
-    Ok(Found { conditions, flow: Some(Numbers { at_vertices, force, energy: wet_report(&report).kinetic_energy }) })
+    let force = interface(&state, &report)?.map(|(piece, traction)| traction.total() * piece.measure).sum();
+    let energy = wet_report(&report)?.kinetic_energy;
+    Ok(Found { conditions, flow: Some(Numbers { at_vertices, force, energy }) })
 }

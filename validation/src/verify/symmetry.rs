@@ -1,15 +1,12 @@
 //! Half of the domain and the whole of it: the same contact, and a ball that falls straight down.
 
-use std::path::Path;
-
 use cutwater::algebra::Workspace;
-use cutwater::io::scenario::{Case, CaseVisitor, lower};
+use cutwater::io::scenario::case::case;
 use cutwater::io::{Error, ScenarioFile};
 use cutwater::solver::{Observer, ObserverError, State, StepView, TimeLoop};
 
-use super::record::Record;
+use super::{Failure, Record};
 use crate::case::scenario_path;
-use crate::outcome::Failure;
 
 /// Largest lateral drift of the centre, cm.
 const DRIFT: f64 = 1e-4;
@@ -22,11 +19,7 @@ const COARSE: [&str; 4] =
 const MIRRORED: [&str; 4] =
     ["background.mirrored=true", "background.boundary.left=free", "body.0.shape.mirrored=true", "body.0.boundary={}"];
 
-/// Runs both and compares.
-///
-/// # Errors
-/// A run fails.
-pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
+pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let (half, whole) = (fall(record.full, &[])?, fall(record.full, &MIRRORED)?);
     let time = |time: Option<f64>| time.unwrap_or(f64::NAN);
     record.near("contact of the whole ball [s]; reference: of the half", time(whole.contact), time(half.contact), 0.0);
@@ -38,7 +31,11 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
 fn fall(full: bool, set: &[&str]) -> Result<Fall, Error> {
     let resolution: &[&str] = if full { &[] } else { &COARSE };
     let set: Vec<String> = SHORT.iter().chain(resolution).chain(set).map(|change| (*change).to_owned()).collect();
-    lower(&ScenarioFile::read(&scenario_path("virtual-barrier"), &set)?, Run)?
+    let case = case::<2>(&ScenarioFile::read(&scenario_path("virtual-barrier"), &set)?)?;
+    let mut fall = Fall::default();
+    let state = State::initial(&case.setup)?;
+    TimeLoop::new(&case.setup, state, Workspace::new()).run(case.n_steps, &mut [&mut fall])?;
+    Ok(fall)
 }
 
 /// Key results of a run.
@@ -50,8 +47,8 @@ struct Fall {
     drift: f64,
 }
 
-impl<const D: usize> Observer<D> for Fall {
-    fn after_step(&mut self, view: &StepView<'_, D>) -> Result<(), ObserverError> {
+impl Observer<2> for Fall {
+    fn after_step(&mut self, view: &StepView<'_, 2>) -> Result<(), ObserverError> {
         let Some(report) = view.report else { return Ok(()) };
         match report.contacts.iter().any(|contact| contact.is_active()) {
             true => self.contact = self.contact.or(Some(view.state.time)),
@@ -61,18 +58,5 @@ impl<const D: usize> Observer<D> for Fall {
         let centres = report.bodies.iter().filter_map(|body| body.balance.as_ref()).map(|b| b.centre_of_mass[0].abs());
         self.drift = centres.fold(self.drift, f64::max);
         Ok(())
-    }
-}
-
-struct Run;
-
-impl CaseVisitor for Run {
-    type Output = Result<Fall, Error>;
-
-    fn visit<const D: usize>(self, case: Case<D>) -> Result<Fall, Error> {
-        let mut fall = Fall::default();
-        let state = State::initial(&case.setup)?;
-        TimeLoop::new(&case.setup, state, Workspace::new()).run(case.n_steps, &mut [&mut fall])?;
-        Ok(fall)
     }
 }

@@ -1,18 +1,16 @@
 //! An oscillating cylinder in a closed channel: drag and lift, and their noise while the cylinder cuts the mesh.
 
 use std::f64::consts::TAU;
-use std::path::Path;
 use std::sync::Arc;
 
-use cutwater::algebra::{LaggedSettings, LaggedSolver, NewtonSettings, Workspace};
 use cutwater::mesh::SimplexMesh;
 use cutwater::mesh::generate::{Size, graded_box, mirrored};
-use cutwater::solver::{FluidBoundary, Setup, State, Substep, advance};
+use cutwater::solver::{FluidBoundary, Setup};
 
-use super::flow::{Known, P, V, disk, fluid_mut, polygon, wet, wet_report};
-use super::linear_flow::Linear;
-use super::record::{Figure, Record, short};
-use crate::outcome::Failure;
+use super::flow::{disk, interface, polygon};
+use super::linear_flow::still;
+use super::signal::{range, rms, rough, slope};
+use super::{Failure, P, Record, Run, V, short};
 
 /// Length and height of the channel; where the centre of the cylinder begins; its diameter, m.
 const CHANNEL: [f64; 2] = [2.2, 0.41];
@@ -42,10 +40,7 @@ const NOISE_ORDER: f64 = 0.5;
 const WING: usize = 5;
 
 /// Measures forces and their noise on several meshes, and in the full check the effect of the time step.
-///
-/// # Errors
-/// A step fails.
-pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
+pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let (n_meshes, end) = if record.full { (4, ENDS[1]) } else { (3, ENDS[0]) };
     let mut signals = Vec::new();
     for &h in SIZES.iter().take(n_meshes) {
@@ -61,8 +56,8 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
     let falls = differences.windows(2).all(|w| w[1] < w[0]);
     record.at_least("every refinement changes the drag less than the one before", f64::from(falls), 1.0);
     if record.full {
-        record.near_relative("RMS of C_D, finest mesh", rms(&finest.drag), KNOWN_RMS, ACCURACY);
-        record.near_relative("RMS of C_D by traction, finest mesh", rms(&finest.by_traction), KNOWN_RMS, ACCURACY);
+        record.near_relative("RMS of C_D, finest mesh", rms(&finest.coefficients[0]), KNOWN_RMS, ACCURACY);
+        record.near_relative("RMS of C_D by traction, finest mesh", rms(&finest.coefficients[1]), KNOWN_RMS, ACCURACY);
         record.show("C_D(t) + C_D(t + T/2) from t = 3.5 s on, RMS relative to C_D", finest.asymmetry(3.5), None);
         record.show("the same on the mesh before", coarse.asymmetry(3.5), None);
         for part in [2, 4] {
@@ -70,30 +65,18 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
             show(record, &format!("h = {h}, dt/{part}"), &run(h, part, end)?);
         }
     }
-    type Pick = fn(&Signal) -> f64;
-    let kinds: [(&str, Pick); 3] = [
-        ("drag", |s| s.noise(&s.drag)),
-        ("drag by traction", |s| s.noise(&s.by_traction)),
-        ("lift", |s| s.noise(&s.lift)),
-    ];
     let mut curves = Vec::new();
-    for (name, pick) in kinds {
-        let curve: Vec<(f64, f64)> = signals.iter().map(|(h, signal)| (*h, pick(signal))).collect();
-        record.at_least(format!("noise of the {name}: order in h over all meshes"), slope(&curve), NOISE_ORDER);
-        curves.push((name.to_owned(), curve));
+    for (k, kind) in KINDS.into_iter().enumerate() {
+        let curve: Vec<(f64, f64)> = signals.iter().map(|(h, signal)| (*h, signal.noise()[k])).collect();
+        record.at_least(format!("noise of the {kind}: order in h over all meshes"), slope(&curve), NOISE_ORDER);
+        curves.push((kind, curve));
     }
-    record.figures.push(Figure {
-        title: "Drag coefficient of the oscillating cylinder".to_owned(),
-        x_title: "t [s]".to_owned(),
-        curves: signals.iter().map(|(h, s)| (format!("h = {h}"), s.over_time(&s.drag))).collect(),
-        is_log: false,
-    });
-    record.figures.push(Figure {
-        title: "High-frequency noise over the amplitude of the drag".to_owned(),
-        x_title: "h [m]".to_owned(),
-        curves,
-        is_log: true,
-    });
+    record.figure(
+        "Drag coefficient of the oscillating cylinder",
+        "t [s]",
+        signals.iter().map(|(h, s)| (format!("h = {h}"), s.drag_over_time())).collect(),
+    );
+    record.log_figure("High-frequency noise over the amplitude of the drag", "h [m]", curves);
     record.note(format!(
         "Coefficients 2 F/(ρ U² D) with the largest speed U, from t = {} s on; force of the mortar (traction of the fluid and \
          penalty) unless said otherwise. Noise is the RMS of the difference to a smooth signal, of which each value is \
@@ -109,19 +92,23 @@ pub(super) fn measure(record: &mut Record, _out: &Path) -> Result<(), Failure> {
 
 /// Numbers of one run.
 fn show(record: &mut Record, name: &str, signal: &Signal) {
-    let [least, largest] = range(&signal.drag);
+    let [drag, by_traction, lift] = &signal.coefficients;
+    let [least, largest] = range(drag);
     let known = record.full.then_some(KNOWN_RMS);
-    record.show(format!("{name}: RMS of C_D"), rms(&signal.drag), known);
-    record.show(format!("{name}: RMS of C_D by traction"), rms(&signal.by_traction), known);
+    record.show(format!("{name}: RMS of C_D"), rms(drag), known);
+    record.show(format!("{name}: RMS of C_D by traction"), rms(by_traction), known);
     record.show(format!("{name}: least C_D"), least, None);
     record.show(format!("{name}: largest C_D"), largest, None);
-    record.show(format!("{name}: largest |C_L|"), signal.lift.iter().map(|c| c.abs()).fold(0.0, f64::max), None);
-    record.show(format!("{name}: noise of the drag"), signal.noise(&signal.drag), None);
-    record.show(format!("{name}: noise of the drag by traction"), signal.noise(&signal.by_traction), None);
-    record.show(format!("{name}: noise of the lift"), signal.noise(&signal.lift), None);
+    record.show(format!("{name}: largest |C_L|"), lift.iter().map(|c| c.abs()).fold(0.0, f64::max), None);
+    for (kind, noise) in KINDS.into_iter().zip(signal.noise()) {
+        record.show(format!("{name}: noise of the {kind}"), noise, None);
+    }
 }
 
-/// Coefficients of the force after every step that counts.
+/// Coefficients of the force.
+const KINDS: [&str; 3] = ["drag", "drag by traction", "lift"];
+
+/// Coefficients after every step that counts.
 #[derive(Default)]
 struct Signal {
     dt: f64,
@@ -129,21 +116,19 @@ struct Signal {
     begin: f64,
     /// Steps to either side that smooth values are fitted to.
     wing: usize,
-    drag: Vec<f64>,
-    by_traction: Vec<f64>,
-    lift: Vec<f64>,
+    /// In the order of [`KINDS`].
+    coefficients: [Vec<f64>; 3],
 }
 
 impl Signal {
-    /// Points of a curve.
-    fn over_time(&self, values: &[f64]) -> Vec<(f64, f64)> {
-        values.iter().enumerate().map(|(k, value)| (self.begin + k as f64 * self.dt, *value)).collect()
+    fn drag_over_time(&self) -> Vec<(f64, f64)> {
+        self.coefficients[0].iter().enumerate().map(|(k, drag)| (self.begin + k as f64 * self.dt, *drag)).collect()
     }
 
-    /// Returns the RMS of the noise in a signal, relative to half the range of the drag.
-    fn noise(&self, values: &[f64]) -> f64 {
-        let [least, largest] = range(&self.drag);
-        rms(&rough(values, self.wing)) / (0.5 * (largest - least))
+    /// Returns the RMS of the noise in each coefficient, relative to half the range of the drag.
+    fn noise(&self) -> [f64; 3] {
+        let [least, largest] = range(&self.coefficients[0]);
+        self.coefficients.each_ref().map(|values| rms(&rough(values, self.wing)) / (0.5 * (largest - least)))
     }
 
     /// RMS of the difference of the drags, at the times of this signal that the other has around them.
@@ -151,10 +136,11 @@ impl Signal {
         let at = |t: f64| {
             let place = (t - other.begin) / other.dt;
             let k = place.floor();
-            let pair = (k >= 0.0).then(|| other.drag.get(k as usize).zip(other.drag.get(k as usize + 1)))??;
+            let drag = &other.coefficients[0];
+            let pair = (k >= 0.0).then(|| drag.get(k as usize).zip(drag.get(k as usize + 1)))??;
             Some(pair.0 + (place - k) * (pair.1 - pair.0))
         };
-        let differences = self.over_time(&self.drag).into_iter().filter_map(|(t, drag)| Some(drag - at(t)?));
+        let differences = self.drag_over_time().into_iter().filter_map(|(t, drag)| Some(drag - at(t)?));
         rms(&differences.collect::<Vec<_>>())
     }
 
@@ -162,42 +148,10 @@ impl Signal {
     fn asymmetry(&self, from: f64) -> f64 {
         let half = (0.5 / FREQUENCY / self.dt).round() as usize;
         let first = ((from - self.begin) / self.dt).ceil() as usize;
-        let drag = self.drag.get(first..).unwrap_or_default();
+        let drag = self.coefficients[0].get(first..).unwrap_or_default();
         let sums: Vec<f64> = drag.iter().zip(drag.iter().skip(half)).map(|(a, b)| a + b).collect();
         rms(&sums) / rms(drag)
     }
-}
-
-/// Root of the mean square.
-pub(super) fn rms(values: &[f64]) -> f64 {
-    (values.iter().map(|v| v * v).sum::<f64>() / values.len() as f64).sqrt()
-}
-
-/// Least and largest value.
-fn range(values: &[f64]) -> [f64; 2] {
-    values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], v| [a.min(*v), b.max(*v)])
-}
-
-/// Differences of the values to parabolas, each fitted to a value and `wing` neighbours on either side.
-///
-/// Source: Savitzky and Golay 1964, doi:10.1021/ac60214a047.
-pub(super) fn rough(values: &[f64], wing: usize) -> Vec<f64> {
-    let offsets = || (0..=2 * wing).map(|k| k as f64 - wing as f64);
-    let n = offsets().count() as f64;
-    let moment = |power: i32| offsets().map(|k| k.powi(power)).sum::<f64>();
-    let (second, fourth) = (moment(2), moment(4));
-    let weights: Vec<f64> = offsets().map(|k| (fourth - second * k * k) / (n * fourth - second * second)).collect();
-    let smooth = |window: &[f64]| window.iter().zip(&weights).map(|(v, w)| v * w).sum::<f64>();
-    values.windows(2 * wing + 1).map(|window| window[wing] - smooth(window)).collect()
-}
-
-/// Slope of the straight line closest to all points of a curve in logarithms.
-pub(super) fn slope(curve: &[(f64, f64)]) -> f64 {
-    let logs: Vec<(f64, f64)> = curve.iter().map(|(x, y)| (x.ln(), y.ln())).collect();
-    let n = logs.len() as f64;
-    let (x, y) = logs.iter().fold((0.0, 0.0), |sum, p| (sum.0 + p.0 / n, sum.1 + p.1 / n));
-    let (xy, xx) = logs.iter().fold((0.0, 0.0), |sum, p| (sum.0 + (p.0 - x) * (p.1 - y), sum.1 + (p.0 - x).powi(2)));
-    xy / xx
 }
 
 /// Largest speed of the cylinder.
@@ -209,13 +163,7 @@ fn speed() -> f64 {
 fn setup(h: f64, part: usize) -> Result<Setup<2>, Failure> {
     let half_period = 0.5 / FREQUENCY;
     let dt = half_period / (part as f64 * (half_period / (STEP_OVER_SIZE * h)).round());
-    let flow = Arc::new(Linear::at_rest(V::zeros()));
-    let fluid = Known { flow, density: 1.0, viscosity: VISCOSITY, convects: true, open: &[] };
-    let mut setup = fluid.setup(background(h)?, dt);
-    setup.newton = NewtonSettings::new(1e-8);
-    for (_, condition) in &mut fluid_mut(&mut setup).boundary {
-        *condition = FluidBoundary::NoSlip;
-    }
+    let mut setup = still(background(h)?, VISCOSITY, dt, 1e-8, || FluidBoundary::NoSlip)?;
     // Edges shorter than those of the mesh.
     let n = (2.0 * TAU * DIAMETER / h).max(64.0).round() as usize;
     setup.bodies.push(polygon(
@@ -235,29 +183,25 @@ fn background(h: f64) -> Result<SimplexMesh<2>, Failure> {
 
 /// Forces on a mesh of size `h`, with a part of its time step.
 fn run(h: f64, part: usize, end: f64) -> Result<Signal, Failure> {
-    let setup = setup(h, part)?;
+    let mut run = Run::lagged(setup(h, part)?)?;
     let scale = 2.0 / (speed() * speed() * DIAMETER);
-    let mut work = Workspace::with_solver(Box::new(LaggedSolver::new(LaggedSettings::default())));
-    let mut state = State::initial(&setup)?;
-    let mut signal = Signal { dt: setup.dt, wing: WING * part, ..Signal::default() };
+    let mut signal = Signal { dt: run.setup.dt, wing: WING * part, ..Signal::default() };
     // Half a step of room for round-off.
-    while state.time < end - 0.5 * setup.dt {
-        let (next, report) = advance(&setup, &state, Substep::whole(setup.dt), &mut work)?;
-        state = next;
-        if state.time < BEGIN {
+    while run.state.time < end - 0.5 * run.setup.dt {
+        let report = run.advance()?;
+        if run.state.time < BEGIN {
             continue;
         }
         let (mut total, mut traction) = (V::zeros(), V::zeros());
-        for (piece, on_piece) in wet(&state).cut.interface().iter().zip(&wet_report(&report).tractions) {
+        for (piece, on_piece) in interface(&run.state, &report)? {
             total += on_piece.total() * (scale * piece.measure);
             traction += on_piece.fluid * (scale * piece.measure);
         }
-        if signal.drag.is_empty() {
-            signal.begin = state.time;
+        if signal.coefficients[0].is_empty() {
+            signal.begin = run.state.time;
         }
-        signal.drag.push(total[0]);
-        signal.by_traction.push(traction[0]);
-        signal.lift.push(total[1]);
+        let now = [total[0], traction[0], total[1]];
+        signal.coefficients.iter_mut().zip(now).for_each(|(values, value)| values.push(value));
     }
     Ok(signal)
 }
@@ -267,35 +211,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_parabola_has_no_noise() {
-        let values: Vec<f64> = (0..30).map(f64::from).map(|k| 3.0 - 0.2 * k + 0.01 * k * k).collect();
-        assert!(rms(&rough(&values, 5)) < 1e-13);
-    }
-
-    #[test]
-    fn noise_is_found_on_a_smooth_signal() {
-        // Share of an alternating sign in the fit to eleven values, with weights (-36, 9, 44, 69, 84, 89, ...)/429.
-        let kept = (89.0 - 2.0 * (84.0 - 69.0 + 44.0 - 9.0 - 36.0)) / 429.0;
-        let values: Vec<f64> =
-            (0..200).map(|k| f64::from(k % 2 * 2 - 1) * 1e-2 + (f64::from(k) * 0.03).sin()).collect();
-        let expected = 1e-2 * (1.0 - kept);
-        assert!((rms(&rough(&values, 5)) / expected - 1.0).abs() < 1e-3, "{} {expected}", rms(&rough(&values, 5)));
-    }
-
-    #[test]
     fn a_signal_that_turns_around_every_half_period_is_antisymmetric() {
         let dt = 0.02;
         let drag = (0..375).map(|k| (TAU * FREQUENCY * (BEGIN + f64::from(k) * dt)).sin()).collect();
-        let signal = Signal { dt, begin: BEGIN, drag, ..Signal::default() };
+        let of_drag = |dt: f64, begin: f64, drag| Signal { dt, begin, wing: 5, coefficients: [drag, vec![], vec![]] };
+        let signal = of_drag(dt, BEGIN, drag);
         assert!(signal.asymmetry(3.5) < 1e-12);
         // A finer signal of the same, up to linear interpolation.
         let drag = (0..750).map(|k| (TAU * FREQUENCY * (BEGIN + 0.003 + 0.5 * f64::from(k) * dt)).sin()).collect();
-        let other = Signal { dt: 0.5 * dt, begin: BEGIN + 0.003, drag, ..Signal::default() };
+        let other = of_drag(0.5 * dt, BEGIN + 0.003, drag);
         assert!(signal.difference(&other) < 1e-4);
-    }
-
-    #[test]
-    fn the_slope_is_the_power() {
-        assert!((slope(&[(0.4, 0.16), (0.2, 0.04), (0.1, 0.01)]) - 2.0).abs() < 1e-12);
     }
 }

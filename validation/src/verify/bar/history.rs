@@ -5,8 +5,9 @@ use std::sync::Arc;
 use cutwater::mesh::generate::structured_box;
 use cutwater::solid_svk::{LameParameters, LinearElastic, SupportKind};
 
-use super::super::dry::{Run, Scheme, V, elastic, floor};
-use crate::outcome::Failure;
+use super::super::dry::{Scheme, elastic, floor, run};
+use super::super::signal::{passage, range, rms};
+use super::super::{Failure, Run, V};
 
 pub(super) const LENGTH: f64 = 10.0;
 const YOUNG: f64 = 900.0;
@@ -57,7 +58,6 @@ impl Exact {
         first + (last - first) * (time - begin) / (end - begin)
     }
 
-    /// Its mean.
     pub(super) fn mean(&self) -> f64 {
         0.5 * (self.pressure[0] + self.pressure[1])
     }
@@ -96,12 +96,16 @@ pub(super) fn history(gravity: f64, n: usize, courant: f64, scheme: &Scheme, end
     if gravity == 0.0 {
         body.options.initial_velocity = Some(Arc::new(|_| V::new(0.0, -SPEED)));
     }
-    let contact = floor(&body, "bottom", PENALTY * YOUNG / size)?;
+    let contact = floor(body.part("bottom")?, PENALTY * YOUNG / size, 1.0)?;
     let dt = courant * size / WAVE;
-    let mut run = Run::new(vec![body], Some(contact), dt, 1e-9)?;
+    let mut run = run(vec![body], Some(contact), dt, 1e-9)?;
     // Potential energy of the bar that rests on the floor.
     let rest = size * DENSITY * gravity * 0.5 * LENGTH * LENGTH;
-    let start = run.energy_and_momentum()?.0 - rest;
+    let energy_of = |run: &Run| {
+        let balance = run.setup.bodies[0].balance(&run.state.bodies[0]).ok_or("the bar is elastic")?;
+        Ok::<f64, Failure>(balance.energy() - rest)
+    };
+    let start = energy_of(&run)?;
     let (mut pressure, mut height, mut energy) = (Vec::new(), Vec::new(), Vec::new());
     while run.state.time < end - 0.5 * dt {
         let before = run.state.time;
@@ -110,7 +114,7 @@ pub(super) fn history(gravity: f64, n: usize, courant: f64, scheme: &Scheme, end
         pressure.push((time, report.contacts[0].force[1] / size));
         height.push((time, HEIGHT + run.state.bodies[0].displacement()[0][1]));
         if (before / CROSSING).floor() < (time / CROSSING).floor() || time >= end - 0.5 * dt {
-            energy.push((time, (run.energy_and_momentum()?.0 - rest) / start));
+            energy.push((time, energy_of(&run)? / start));
         }
     }
     Ok(History { pressure, height, energy })
@@ -148,22 +152,21 @@ impl History {
         let steps: Vec<(f64, f64)> = self.pressure.iter().filter(around).copied().collect();
         let [low, high] = exact.pressure.map(|jump| 0.5 * jump);
         // Between two steps the pressure counts as linear.
-        let passage = |w: &[(f64, f64)], p: f64| w[0].0 + (w[1].0 - w[0].0) * (p - w[0].1) / (w[1].1 - w[0].1);
-        let first = steps.windows(2).find(|w| w[0].1 <= low && low < w[1].1).map(|w| passage(w, low));
-        let last = steps.windows(2).rfind(|w| w[0].1 > high && high >= w[1].1).map(|w| passage(w, high));
+        let mut pairs = steps.windows(2).map(|w| [w[0], w[1]]);
+        let last = pairs.clone().rfind(|[a, b]| a.1 > high && high >= b.1).map(|pair| passage(pair, high));
+        let first = pairs.find(|[a, b]| a.1 <= low && low < b.1).map(|pair| passage(pair, low));
         let touching = steps.iter().rfind(|at| at.1 > 0.0).map_or(f64::NAN, |at| at.0);
         let dt = self.pressure[1].0 - self.pressure[0].0;
         let impulse: f64 = steps.iter().map(|at| at.1 * dt).sum();
         let is_middle = |time: f64| (time - 0.5 * (begin + end)).abs() < 0.5 * MIDDLE * (end - begin);
         let deviations: Vec<f64> = steps.iter().filter(|at| is_middle(at.0)).map(|at| at.1 - exact.at(at.0)).collect();
-        let (low, high) =
-            deviations.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), d| (a.min(*d), b.max(*d)));
+        let [least, largest] = range(&deviations);
         Contact {
             times: [first, last].map(|t| t.unwrap_or(f64::NAN)),
             touching,
             pressure: impulse / (end - begin),
-            deviation: root_mean_square(&deviations),
-            oscillation: 0.5 * (high - low),
+            deviation: rms(&deviations),
+            oscillation: 0.5 * (largest - least),
         }
     }
 
@@ -172,13 +175,9 @@ impl History {
         let errors = HEIGHTS.map(|(time, exact)| {
             // The last step may end slightly before the period does.
             let k = self.height.partition_point(|at| at.0 < time).clamp(1, self.height.len() - 1);
-            let [(t0, h0), (t1, h1)] = [self.height[k - 1], self.height[k]];
-            h0 + (h1 - h0) * (time - t0) / (t1 - t0) - exact
+            let [before, after] = [self.height[k - 1], self.height[k]].map(|(t, height)| (height, t));
+            passage([before, after], time) - exact
         });
-        root_mean_square(&errors)
+        rms(&errors)
     }
-}
-
-fn root_mean_square(values: &[f64]) -> f64 {
-    (values.iter().map(|v| v * v).sum::<f64>() / values.len() as f64).sqrt()
 }

@@ -1,0 +1,39 @@
+//! The time loop of the checks, and points, vectors and tensors of the plane.
+
+use cutwater::algebra::{LaggedSettings, LaggedSolver, Workspace};
+use cutwater::mesh::{Point, Tensor, Vector};
+use cutwater::solver::{Setup, State, StepReport, Substep, advance};
+
+use crate::outcome::Failure;
+
+pub(crate) type P = Point<2>;
+pub(crate) type V = Vector<2>;
+pub(crate) type T = Tensor<2>;
+
+/// A problem and its state at a time.
+pub(crate) struct Run<const D: usize = 2> {
+    pub(crate) setup: Setup<D>,
+    pub(crate) state: State<D>,
+    work: Workspace,
+}
+
+impl<const D: usize> Run<D> {
+    /// The problem at time zero, with the direct solver.
+    pub(crate) fn new(setup: Setup<D>) -> Result<Self, Failure> {
+        let state = State::initial(&setup)?;
+        Ok(Self { setup, state, work: Workspace::new() })
+    }
+
+    /// The same with the solver that keeps old factors.
+    pub(super) fn lagged(setup: Setup<D>) -> Result<Self, Failure> {
+        let work = Workspace::with_solver(Box::new(LaggedSolver::new(LaggedSettings::default())));
+        Ok(Self { work, ..Self::new(setup)? })
+    }
+
+    /// Takes one step.
+    pub(crate) fn advance(&mut self) -> Result<StepReport<D>, Failure> {
+        let (state, report) = advance(&self.setup, &self.state, Substep::whole(self.setup.dt), &mut self.work)?;
+        self.state = state;
+        Ok(report)
+    }
+}

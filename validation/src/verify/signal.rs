@@ -1,0 +1,82 @@
+//! Numbers of sampled signals and curves.
+
+pub(super) fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+/// Root of the mean square.
+pub(super) fn rms(values: &[f64]) -> f64 {
+    (values.iter().map(|v| v * v).sum::<f64>() / values.len() as f64).sqrt()
+}
+
+/// Least and largest value.
+pub(super) fn range(values: &[f64]) -> [f64; 2] {
+    values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], v| [a.min(*v), b.max(*v)])
+}
+
+/// Where the straight line through two points has a height.
+pub(super) fn passage([a, b]: [(f64, f64); 2], height: f64) -> f64 {
+    a.0 + (b.0 - a.0) * (height - a.1) / (b.1 - a.1)
+}
+
+/// Where the answer of a question turns from no to yes between two numbers, by bisection.
+pub(super) fn bisect([mut low, mut high]: [f64; 2], is_above: impl Fn(f64) -> bool) -> f64 {
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if is_above(middle) { high = middle } else { low = middle }
+    }
+    0.5 * (low + high)
+}
+
+/// Differences of the values to parabolas, each fitted to a value and `wing` neighbours on either side.
+///
+/// Source: Savitzky and Golay 1964, doi:10.1021/ac60214a047.
+pub(super) fn rough(values: &[f64], wing: usize) -> Vec<f64> {
+    let offsets = || (0..=2 * wing).map(|k| k as f64 - wing as f64);
+    let n = offsets().count() as f64;
+    let moment = |power: i32| offsets().map(|k| k.powi(power)).sum::<f64>();
+    let (second, fourth) = (moment(2), moment(4));
+    let weights: Vec<f64> = offsets().map(|k| (fourth - second * k * k) / (n * fourth - second * second)).collect();
+    let smooth = |window: &[f64]| window.iter().zip(&weights).map(|(v, w)| v * w).sum::<f64>();
+    values.windows(2 * wing + 1).map(|window| window[wing] - smooth(window)).collect()
+}
+
+/// Slope of the straight line closest to all points of a curve in logarithms.
+pub(super) fn slope(curve: &[(f64, f64)]) -> f64 {
+    let logs: Vec<(f64, f64)> = curve.iter().map(|(x, y)| (x.ln(), y.ln())).collect();
+    let n = logs.len() as f64;
+    let (x, y) = logs.iter().fold((0.0, 0.0), |sum, p| (sum.0 + p.0 / n, sum.1 + p.1 / n));
+    let (xy, xx) = logs.iter().fold((0.0, 0.0), |sum, p| (sum.0 + (p.0 - x) * (p.1 - y), sum.1 + (p.0 - x).powi(2)));
+    xy / xx
+}
+
+/// Whether every refinement reduces the second numbers of a curve, as 0 or 1.
+pub(super) fn falls(curve: &[(f64, f64)]) -> f64 {
+    f64::from(curve.windows(2).all(|w| w[1].1 < w[0].1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_parabola_has_no_noise() {
+        let values: Vec<f64> = (0..30).map(f64::from).map(|k| 3.0 - 0.2 * k + 0.01 * k * k).collect();
+        assert!(rms(&rough(&values, 5)) < 1e-13);
+    }
+
+    #[test]
+    fn noise_is_found_on_a_smooth_signal() {
+        // Share of an alternating sign in the fit to eleven values, with weights (-36, 9, 44, 69, 84, 89, ...)/429.
+        let kept = (89.0 - 2.0 * (84.0 - 69.0 + 44.0 - 9.0 - 36.0)) / 429.0;
+        let values: Vec<f64> =
+            (0..200).map(|k| f64::from(k % 2 * 2 - 1) * 1e-2 + (f64::from(k) * 0.03).sin()).collect();
+        let expected = 1e-2 * (1.0 - kept);
+        assert!((rms(&rough(&values, 5)) / expected - 1.0).abs() < 1e-3, "{} {expected}", rms(&rough(&values, 5)));
+    }
+
+    #[test]
+    fn the_slope_is_the_power() {
+        assert!((slope(&[(0.4, 0.16), (0.2, 0.04), (0.1, 0.01)]) - 2.0).abs() < 1e-12);
+    }
+}
