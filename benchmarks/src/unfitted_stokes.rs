@@ -15,7 +15,7 @@ use fluid_ns::{FluidFields, FluidForm, FluidGeometry, NewtonianFluid, OpenBounda
 use interface_dg::{InterfacePoints, MortarForm, PieceValues};
 use mesh::generate::structured_box;
 use mesh::{BoundaryMesh, MAX_CELL_VERTICES, Placed, Point, SimplexMesh, SimplexRule, Tensor, Vector, VertexId};
-use xfem_space::{BoundaryValues, FaceValues, PartValues, XfemSpace, boundary_dofs};
+use xfem_space::{FaceValues, PartValues, XfemSpace, boundary_dofs, boundary_points};
 
 use crate::shapes::{BODY_CENTRE, SIDES, polygon, sphere};
 
@@ -208,7 +208,7 @@ impl<const D: usize> UnfittedStokes<D> {
         };
         let fields = self.fields();
         let right = self.background.tag("right").expect("sides of a box are tagged");
-        let outlet = BoundaryValues::new(&self.background, &self.cut, right, DEGREE + 1);
+        let outlet = boundary_points(&self.background, &self.cut, right, DEGREE + 1);
         let traction =
             Traction { traction: if self.has_published_forms { &published_traction } else { &traction }, time: 0.0 };
         let ball = SurfaceMotion {
@@ -226,7 +226,7 @@ impl<const D: usize> UnfittedStokes<D> {
             fluid: NewtonianFluid { density: 1.0, viscosity: VISCOSITY },
         };
         let mut contributions = form.contributions(geometry, fields);
-        let outlet = OpenBoundary::new(geometry, fields, &outlet);
+        let outlet = OpenBoundary { geometry, fields, points: &outlet };
         contributions.push(Box::new(Integral::linear("open boundary", outlet, vec![&traction])));
         contributions.push(Box::new(self.mortar.contributions(interface)));
         if self.has_published_forms {

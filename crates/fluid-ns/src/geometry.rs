@@ -4,7 +4,7 @@ use algebra::time::StepRule;
 use algebra::{BlockLayout, FieldId};
 use cutcell::CutMesh;
 use mesh::{SimplexMesh, Vector};
-use xfem_space::{FaceValues, PartValues, XfemSpace, cutcell};
+use xfem_space::{FaceValues, PartValues, XfemSpace};
 
 /// Geometry of a step, and the time rule on it, shared by all fluid terms.
 #[derive(Clone, Copy)]

@@ -4,15 +4,15 @@ use algebra::time::{GeneralisedAlpha, ImplicitEuler, Level, StepRule, TimeScheme
 use algebra::{
     BlockLayout, BlockSystem, Constraints, Contributions, FieldId, Integral, LocalSystem, Sites, Term, check_tangent,
 };
-use fluid_ns::mesh::generate::structured_box;
-use fluid_ns::mesh::{Placed, Point, SimplexMesh, Tensor, Vector, VertexId};
+use cutcell::{CutMesh, OverlayOptions, PartId};
 use fluid_ns::terms::{
     Backflow, BodyForce, CipPressure, CipProfile, CipVelocity, Convection, GhostPenalty, Incompressibility, Inertia,
     Traction, Viscous,
 };
-use fluid_ns::xfem_space::cutcell::{CutMesh, OverlayOptions, PartId};
-use fluid_ns::xfem_space::{BoundaryValues, FaceValues, PartValues, XfemSpace};
 use fluid_ns::{FluidCell, FluidCells, FluidFace, FluidFaces, FluidFields, FluidForm, FluidGeometry, OpenBoundary};
+use mesh::generate::structured_box;
+use mesh::{Placed, Point, SimplexMesh, Tensor, Vector, VertexId};
+use xfem_space::{FaceValues, PartValues, XfemSpace, boundary_points};
 
 type V = Vector<2>;
 
@@ -215,9 +215,9 @@ fn open_boundary() {
         let (t, backflow) =
             (traction.then_some(Traction { traction: &t, time: 7.0 }), backflow.then_some(Backflow { density: 3.0 }));
         let tag = fluid.background.tag("bottom").expect("tagged");
-        let values = BoundaryValues::new(&fluid.background, &fluid.cut, tag, 3);
-        assert_eq!(values.points().len(), 2);
-        let points = OpenBoundary::new(fluid.geometry(), fluid.fields(), &values);
+        let values = boundary_points(&fluid.background, &fluid.cut, tag, 3);
+        assert_eq!(values.len(), 2);
+        let points = OpenBoundary { geometry: fluid.geometry(), fields: fluid.fields(), points: &values };
         let mut open = Integral::linear("open boundary", points, Vec::new());
         open.extend(t.as_ref());
         open.extend(backflow.as_ref());

@@ -6,8 +6,8 @@ use crate::search::CellIndex;
 use crate::simplex::points_of;
 use crate::topology::Topology;
 use crate::{
-    BoundaryMesh, CellId, Error, FacetId, MAX_CELL_VERTICES, MAX_FACET_VERTICES, Point, Simplex, Tag, Vector, VertexId, facet_normal,
-    simplex_measure,
+    BoundaryMesh, CellId, Error, FacetId, MAX_CELL_VERTICES, MAX_FACET_VERTICES, Point, Simplex, Tag, Vector, VertexId,
+    facet_normal, simplex_measure,
 };
 
 /// A conforming mesh of triangles (D = 2) or tetrahedra (D = 3), immutable after construction.
@@ -203,13 +203,6 @@ impl<const D: usize> SimplexMesh<D> {
     #[inline]
     pub fn cell_to_facet(&self, cell: CellId) -> &[FacetId] {
         &self.topology.cell_to_facet[cell.index() * (D + 1)..][..=D]
-    }
-
-    /// The cell on the other side of a facet; `None` at the boundary.
-    #[inline]
-    pub fn neighbour(&self, cell: CellId, facet: FacetId) -> Option<CellId> {
-        let [a, b] = self.facet_to_cell(facet);
-        if a == Some(cell) { b } else { a }
     }
 
     /// Whether a facet belongs to one cell only.

@@ -69,7 +69,8 @@ impl<const D: usize> FaceValue<D> {
 
     /// Adds the normal derivatives of a part, times `sign`; the dof off the face goes to the slot `opposite`.
     fn add_side(&mut self, parts: Parts<'_, D>, part: PartId, opposite: usize, sign: f64) {
-        let (on_face, vertices) = (parts.background.facet(self.facet), parts.background.cell(parts.cut.part_cell(part)));
+        let (on_face, vertices) =
+            (parts.background.facet(self.facet), parts.background.cell(parts.cut.part_cell(part)));
         let (dofs, gradients) = (parts.space.dofs(part), parts.values.gradients(part));
         for (local, vertex) in vertices.iter().enumerate() {
             let slot = on_face.iter().position(|v| v == vertex).unwrap_or(opposite);

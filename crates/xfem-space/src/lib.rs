@@ -15,12 +15,9 @@ mod part_values;
 mod space;
 mod transfer;
 
-pub use boundary::{BoundaryPoint, BoundaryValues, boundary_dofs};
+pub use boundary::{BoundaryPoint, boundary_dofs, boundary_points};
 pub use classes::Classes;
 pub use face_values::{FaceValue, FaceValues};
 pub use part_values::{Moments, PartValues};
 pub use space::XfemSpace;
 pub use transfer::Sources;
-
-pub use cutcell;
-pub use mesh;

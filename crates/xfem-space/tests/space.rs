@@ -3,7 +3,7 @@
 use cutcell::{CutMesh, OverlayOptions, PartId};
 use mesh::generate::structured_box;
 use mesh::{BoundaryMesh, CellId, Placed, Point, SimplexMesh, Vector, VertexId};
-use xfem_space::{FaceValues, PartValues, Sources, XfemSpace, boundary_dofs, cutcell, mesh};
+use xfem_space::{FaceValues, PartValues, Sources, XfemSpace, boundary_dofs};
 
 type P = Point<2>;
 
