@@ -15,7 +15,7 @@ use fluid_ns::{FluidFields, FluidForm, FluidGeometry, NewtonianFluid, OpenBounda
 use interface_dg::{InterfacePoints, MortarForm, PieceValues};
 use mesh::generate::structured_box;
 use mesh::{BoundaryMesh, MAX_CELL_VERTICES, Placed, Point, SimplexMesh, SimplexRule, Tensor, Vector, VertexId};
-use xfem_space::{FaceValues, PartValues, XfemSpace, boundary_dofs, boundary_points};
+use xfem_space::{FaceValue, PartValues, XfemSpace, boundary_dofs, boundary_points, face_values};
 
 use crate::shapes::{BODY_CENTRE, SIDES, polygon, sphere};
 
@@ -103,7 +103,7 @@ pub struct UnfittedStokes<const D: usize> {
     cut: CutMesh<D>,
     space: XfemSpace<D>,
     parts: PartValues<D>,
-    faces: FaceValues<D>,
+    faces: Vec<FaceValue<D>>,
     pieces: PieceValues<D>,
     at_rest: Vec<Vector<D>>,
     rule: StepRule<Vector<D>>,
@@ -134,7 +134,7 @@ impl<const D: usize> UnfittedStokes<D> {
             .expect("a closed surface");
         let space = XfemSpace::new(&background, &cut);
         let parts = PartValues::new(&background, &cut);
-        let faces = FaceValues::new(&background, &cut, &space, &parts);
+        let faces = face_values(&background, &cut, &space, &parts);
         let pieces = PieceValues::new(&background, &cut, &parts, DEGREE);
         let mut layout = BlockLayout::new();
         let velocity_field = layout.push("velocity", space.len(), D);
@@ -176,7 +176,7 @@ impl<const D: usize> UnfittedStokes<D> {
     /// Recomputes the shape values on parts, faces and interface pieces, as every time step does before assembly.
     pub fn evaluate_shapes(&mut self) {
         self.parts = PartValues::new(&self.background, &self.cut);
-        self.faces = FaceValues::new(&self.background, &self.cut, &self.space, &self.parts);
+        self.faces = face_values(&self.background, &self.cut, &self.space, &self.parts);
         self.pieces = PieceValues::new(&self.background, &self.cut, &self.parts, DEGREE);
     }
 

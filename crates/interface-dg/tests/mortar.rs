@@ -8,7 +8,7 @@ use fluid_ns::{FluidFields, FluidGeometry, NewtonianFluid};
 use interface_dg::{FluidStress, InterfacePoints, MortarForm, PieceValues, interface_flow, interface_tractions};
 use mesh::generate::structured_box;
 use mesh::{BodyId, Placed, Point, SimplexMesh, Tensor, Vector};
-use xfem_space::{FaceValues, PartValues, XfemSpace};
+use xfem_space::{PartValues, XfemSpace, face_values};
 
 type V = Vector<2>;
 
@@ -42,7 +42,7 @@ impl Fixture {
         visit: impl FnOnce(&InterfacePoints<'_, 2>, &MortarForm, &[f64], [V; 2], f64) -> R,
     ) -> R {
         let parts = PartValues::new(&self.background, &self.cut);
-        let faces = FaceValues::new(&self.background, &self.cut, &self.space, &parts);
+        let faces = face_values(&self.background, &self.cut, &self.space, &parts);
         let values = PieceValues::new(&self.background, &self.cut, &parts, 2);
         let history = vec![V::zeros(); self.space.len()];
         let rule = StepRule::new(&ImplicitEuler, &[1.0], &[]);

@@ -13,7 +13,10 @@ use fluid_ns::terms::{
 use fluid_ns::{FluidFields, FluidForm, FluidGeometry, OpenBoundary};
 use interface_dg::{InterfacePoints, MortarForm, PieceValues, Pocket};
 use mesh::{Point, Vector};
-use xfem_space::{BoundaryPoint, FaceValues, PartValues, Sources, XfemSpace, boundary_dofs, boundary_points};
+use xfem_space::{
+    BoundaryPoint, FaceValue, PartValues, Sources, XfemSpace, boundary_dofs, boundary_points, face_values,
+    symmetry_values,
+};
 
 use crate::interior::extension;
 use crate::setup::{FluidBoundary, FluidSetup};
@@ -32,7 +35,7 @@ pub(crate) struct FluidStep<'a, const D: usize> {
     pub(crate) cut: CutMesh<D>,
     space: XfemSpace<D>,
     pub(crate) parts: PartValues<D>,
-    faces: FaceValues<D>,
+    faces: Vec<FaceValue<D>>,
     pieces: PieceValues<D>,
     pub(crate) sources: Sources,
     /// Velocity history `u*`, one value per dof.
@@ -73,10 +76,10 @@ impl<'a, const D: usize> FluidStep<'a, D> {
         let history = sources.carry(background, &space, &before.velocity, extension(setup, previous));
         seconds.transfer = clock.elapsed().as_secs_f64();
         let parts = PartValues::new(background, &cut);
-        let mut faces = FaceValues::new(background, &cut, &space, &parts);
+        let mut faces = face_values(background, &cut, &space, &parts);
         for (tag, condition) in &fluid.boundary {
             if let FluidBoundary::Symmetry { axis } = condition {
-                faces.add_symmetry_plane(background, &cut, &space, &parts, *tag, *axis);
+                faces.extend(symmetry_values(background, &cut, &space, &parts, (*tag, *axis)));
             }
         }
         let pieces = PieceValues::new(background, &cut, &parts, PIECE_DEGREE);
