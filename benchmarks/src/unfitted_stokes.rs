@@ -18,7 +18,7 @@ use fluid_ns::{FluidFields, FluidForm, FluidGeometry, NewtonianFluid, OpenBounda
 use interface_dg::{InterfacePoints, MortarForm, PieceValues};
 use mesh::generate::structured_box;
 use mesh::{BoundaryMesh, MAX_CELL_VERTICES, Placed, Point, SimplexMesh, SimplexRule, Tensor, Vector, VertexId};
-use xfem_space::{BoundaryValues, FaceValues, PartValues, XfemSpace, boundary_dofs};
+use xfem_space::{FaceValue, PartValues, XfemSpace, boundary_dofs, boundary_points, face_values};
 
 use crate::shapes::{BODY_CENTRE, SIDES, polygon, sphere};
 
@@ -95,7 +95,7 @@ pub struct UnfittedStokes<const D: usize> {
     cut: CutMesh<D>,
     space: XfemSpace<D>,
     parts: PartValues<D>,
-    faces: FaceValues<D>,
+    faces: Vec<FaceValue<D>>,
     pieces: PieceValues<D>,
     at_rest: Vec<Vector<D>>,
     rule: StepRule<Vector<D>>,
@@ -115,7 +115,7 @@ impl<const D: usize> UnfittedStokes<D> {
             .expect("a closed surface");
         let space = XfemSpace::new(&background, &cut);
         let parts = PartValues::new(&background, &cut);
-        let faces = FaceValues::new(&background, &cut, &space, &parts);
+        let faces = face_values(&background, &cut, &space, &parts);
         let pieces = PieceValues::new(&background, &cut, &parts, DEGREE);
         let mut layout = BlockLayout::new();
         let velocity_field = layout.push("velocity", space.len(), D);
@@ -163,7 +163,7 @@ impl<const D: usize> UnfittedStokes<D> {
     /// Recomputes the shape values on parts, faces and interface pieces, as every time step does before assembly.
     pub fn evaluate_shapes(&mut self) {
         self.parts = PartValues::new(&self.background, &self.cut);
-        self.faces = FaceValues::new(&self.background, &self.cut, &self.space, &self.parts);
+        self.faces = face_values(&self.background, &self.cut, &self.space, &self.parts);
         self.pieces = PieceValues::new(&self.background, &self.cut, &self.parts, DEGREE);
     }
 
@@ -190,7 +190,7 @@ impl<const D: usize> UnfittedStokes<D> {
         };
         let fields = self.fields();
         let right = self.background.tag("right").expect("sides of a box are tagged");
-        let outlet = BoundaryValues::new(&self.background, &self.cut, right, DEGREE + 1);
+        let outlet = boundary_points(&self.background, &self.cut, right, DEGREE + 1);
         let traction =
             Traction { traction: if self.has_published_forms { &published_traction } else { &traction }, time: 0.0 };
         let ball = SurfaceMotion {
@@ -208,7 +208,7 @@ impl<const D: usize> UnfittedStokes<D> {
             fluid: NewtonianFluid { density: 1.0, viscosity: VISCOSITY },
         };
         let mut contributions = form.contributions(geometry, fields);
-        let outlet = OpenBoundary::new(geometry, fields, &outlet);
+        let outlet = OpenBoundary { geometry, fields, points: &outlet };
         contributions.push(Box::new(Integral::linear("open boundary", outlet, vec![&traction])));
         contributions.push(Box::new(self.mortar.contributions(interface)));
         if self.has_published_forms {

@@ -26,27 +26,6 @@ pub struct TangentDeviation {
 ///
 /// # Panics
 /// An item has a dof twice.
-///
-/// ```
-/// use algebra::{Contributions, DofId, LocalSystem, check_tangent};
-///
-/// /// Springs between neighbours with force `e + e³` at elongation e.
-/// struct Springs;
-/// impl Contributions for Springs {
-///     fn len(&self) -> usize { 3 }
-///     fn dofs(&self, item: usize, out: &mut Vec<DofId>) {
-///         out.extend([DofId::new(item), DofId::new(item + 1)]);
-///     }
-///     fn add(&self, item: usize, x: &[f64], out: &mut LocalSystem) {
-///         let e = x[item + 1] - x[item];
-///         let (force, stiffness) = (e + e.powi(3), 1.0 + 3.0 * e.powi(2));
-///         out.add_vector(0, [-force, force]);
-///         out.add_block(0, 0, [[stiffness, -stiffness], [-stiffness, stiffness]]);
-///     }
-///     fn name(&self) -> &'static str { "springs" }
-/// }
-/// assert!(check_tangent(&Springs, &[0.0, 0.3, 0.1, 1.0], 1e-5) < 1e-8);
-/// ```
 pub fn check_tangent(contribution: &dyn Contributions, x: &[f64], step: f64) -> f64 {
     worst_tangent_entry(contribution, 0..contribution.len(), x, step).relative
 }

@@ -2,22 +2,19 @@
 
 /// Relative residual to which an iterative method solves for a correction (in the norms of [`crate::LinearSolver::solve`]).
 /// Direct methods ignore it.
+///
+/// The ratio by which the last correction reduced the nonlinear residual, to the power of the golden ratio. A linear system
+/// is then solved about as accurately as its linearisation is, and not beyond the nonlinear tolerance.
+///
+/// Source: Eisenstat and Walker 1996, Choosing the forcing terms in an inexact Newton method, doi:10.1137/0917003, choice 2
+/// with its safeguard; Kelley 1995, Iterative methods for linear and nonlinear equations, doi:10.1137/1.9781611970944,
+/// Eq. (6.20), for the last correction.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Forcing {
-    /// The same for every correction.
-    Constant(f64),
-    /// The ratio by which the last correction reduced the nonlinear residual, to the power of the golden ratio. A linear
-    /// system is then solved about as accurately as its linearisation is, and not beyond the nonlinear tolerance.
-    ///
-    /// Source: Eisenstat and Walker 1996, Choosing the forcing terms in an inexact Newton method, doi:10.1137/0917003,
-    /// choice 2 with its safeguard; Kelley 1995, Iterative methods for linear and nonlinear equations,
-    /// doi:10.1137/1.9781611970944, Eq. (6.20), for the last correction.
-    Adaptive {
-        /// For the first correction.
-        first: f64,
-        /// For all corrections.
-        largest: f64,
-    },
+pub struct Forcing {
+    /// For the first correction.
+    pub first: f64,
+    /// For all corrections.
+    pub largest: f64,
 }
 
 impl Forcing {
@@ -30,17 +27,12 @@ impl Forcing {
     /// Returns the forcing of the next correction. `last` holds the forcing of the previous correction and the ratio by
     /// which that correction reduced the residual. A reduction of the residual to the fraction `enough` suffices.
     pub(crate) fn next(self, last: Option<(f64, f64)>, enough: f64) -> f64 {
-        match self {
-            Self::Constant(forcing) => forcing,
-            Self::Adaptive { first, largest } => {
-                let forcing = last.map_or(first, |(forcing, reduction)| {
-                    let wanted = Self::GAMMA * reduction.powf(Self::EXPONENT);
-                    let floor = Self::GAMMA * forcing.powf(Self::EXPONENT);
-                    if floor > Self::SAFEGUARD { wanted.max(floor) } else { wanted }
-                });
-                forcing.max(0.5 * enough).min(largest)
-            }
-        }
+        let forcing = last.map_or(self.first, |(forcing, reduction)| {
+            let wanted = Self::GAMMA * reduction.powf(Self::EXPONENT);
+            let floor = Self::GAMMA * forcing.powf(Self::EXPONENT);
+            if floor > Self::SAFEGUARD { wanted.max(floor) } else { wanted }
+        });
+        forcing.max(0.5 * enough).min(self.largest)
     }
 }
 
@@ -50,7 +42,7 @@ mod tests {
 
     #[test]
     fn forcing_falls_with_the_residual_but_not_too_fast_nor_too_far() {
-        let forcing = Forcing::Adaptive { first: 0.5, largest: 0.9 };
+        let forcing = Forcing { first: 0.5, largest: 0.9 };
         assert_eq!(forcing.next(None, 0.0), 0.5);
         // The safeguard: after a solve with a large tolerance the next tolerance is bounded from below.
         assert!((forcing.next(Some((0.5, 1e-3)), 0.0) - 0.9 * 0.5_f64.powf(Forcing::EXPONENT)).abs() < 1e-15);
@@ -58,6 +50,5 @@ mod tests {
         assert!((forcing.next(Some((0.2, 0.01)), 0.0) - 0.9 * 0.01_f64.powf(Forcing::EXPONENT)).abs() < 1e-15);
         assert_eq!(forcing.next(Some((0.2, 1e-9)), 0.3), 0.15);
         assert_eq!(forcing.next(Some((0.2, 1.5)), 0.0), 0.9);
-        assert_eq!(Forcing::Constant(0.3).next(Some((0.2, 1.5)), 0.0), 0.3);
     }
 }

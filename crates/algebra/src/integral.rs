@@ -58,11 +58,6 @@ impl<'a, S: Sites> Integral<'a, S> {
     pub fn extend(&mut self, term: Option<&'a impl Term<S::Site>>) {
         self.terms.extend(term.map(|term| term as &dyn Term<S::Site>));
     }
-
-    /// The sites.
-    pub fn sites(&self) -> &S {
-        &self.sites
-    }
 }
 
 impl<S: Sites> Contributions for Integral<'_, S> {

@@ -39,6 +39,7 @@
 //! let mut constraints = Constraints::new();
 //! constraints.set(layout.dof(position, 0, 0), 0.0);
 //! let chain = Box::new(Chain { joints: 4 });
+//! assert!(check_tangent(chain.as_ref(), &[0.0, 0.3, 0.1, 1.0], 1e-5) < 1e-8);
 //! let equations = Equations { layout: &layout, contributions: vec![chain], constraints: &constraints };
 //!
 //! let mut x = vec![0.0; 4];
@@ -52,7 +53,6 @@ mod block_system;
 mod check;
 mod constraints;
 mod contributions;
-mod faer_view;
 mod forcing;
 mod integral;
 mod layout;

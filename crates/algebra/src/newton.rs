@@ -52,7 +52,7 @@ impl NewtonSettings {
     /// Keeps factorisations down to a contraction of 0.25; at most 30 corrections; adaptive forcing from 1e-3, at most 0.1;
     /// corrections that grow are halved at most 8 times.
     pub fn new(tolerance: f64) -> Self {
-        let forcing = Forcing::Adaptive { first: 1e-3, largest: 0.1 };
+        let forcing = Forcing { first: 1e-3, largest: 0.1 };
         Self { tolerance, max_iterations: 30, contraction: 0.25, forcing, max_halvings: 8 }
     }
 }
@@ -197,7 +197,7 @@ pub fn newton(
     let tied: Vec<Option<Tied<'_>>> = plain.iter().map(|c| Tied::new(c.as_ref(), constraints)).collect();
     let contributions: Vec<&dyn Contributions> =
         plain.iter().zip(&tied).map(|(plain, tied)| tied.as_ref().map_or(plain.as_ref(), |tied| tied as _)).collect();
-    work.prepare(layout, &contributions, constraints);
+    work.system = std::mem::take(&mut work.system).recycle(layout, &contributions, constraints);
     let n_factorizations = work.solver.n_factorizations();
     let report = NewtonReport {
         seconds_assembly: begin.elapsed().as_secs_f64(),

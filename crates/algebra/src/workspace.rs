@@ -1,7 +1,7 @@
 //! Memory that outlives one nonlinear solve.
 
+use crate::BlockSystem;
 use crate::linear::{DirectSolver, LinearSolver};
-use crate::{BlockLayout, BlockSystem, Constraints, Contributions};
 
 /// The system and the linear solver, with their recycled memory.
 ///
@@ -32,21 +32,6 @@ impl Workspace {
     /// Makes the next solve independent of earlier ones.
     pub fn forget(&mut self) {
         self.solver.forget();
-    }
-
-    /// The linear solver.
-    pub fn solver(&self) -> &dyn LinearSolver {
-        self.solver.as_ref()
-    }
-
-    /// Builds the system of the next solve in the memory of the last one.
-    pub(crate) fn prepare(
-        &mut self,
-        layout: &BlockLayout,
-        contributions: &[&dyn Contributions],
-        constraints: &Constraints,
-    ) {
-        self.system = std::mem::take(&mut self.system).recycle(layout, contributions, constraints);
     }
 }
 

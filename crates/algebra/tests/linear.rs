@@ -7,29 +7,18 @@ use algebra::{
     condition_number,
 };
 use common::{Flow, max_norm, refs, scalar_field, state};
+use sprs::CsMatI;
 
-/// A column-compressed matrix from a dense one given by rows, with its zeros stored.
-struct Dense {
-    n: usize,
-    ptr: Vec<u32>,
-    rows: Vec<u32>,
-    values: Vec<f64>,
-}
-
-impl Dense {
-    fn new(by_rows: &[&[f64]]) -> Self {
-        let n = by_rows.len();
-        Self {
-            n,
-            ptr: (0..=n).map(|j| (j * n) as u32).collect(),
-            rows: (0..n * n).map(|k| (k % n) as u32).collect(),
-            values: (0..n * n).map(|k| by_rows[k % n][k / n]).collect(),
-        }
-    }
-
-    fn view(&self) -> MatrixView<'_> {
-        MatrixView::new_csc((self.n, self.n), &self.ptr, &self.rows, &self.values)
-    }
+/// A matrix given by rows, with its zeros stored.
+fn dense(by_rows: &[&[f64]]) -> CsMatI<f64, u32> {
+    let n = by_rows.len();
+    let values = (0..n * n).map(|k| by_rows[k % n][k / n]).collect();
+    CsMatI::new_csc(
+        (n, n),
+        (0..=n as u32).map(|j| j * n as u32).collect(),
+        (0..n as u32).cycle().take(n * n).collect(),
+        values,
+    )
 }
 
 fn product(matrix: MatrixView<'_>, x: &[f64]) -> Vec<f64> {
@@ -68,14 +57,14 @@ fn assembled(m: usize) -> (BlockSystem, Flow) {
 
 #[test]
 fn a_small_system() {
-    let a = Dense::new(&[&[0.0, 2.0], &[4.0, 1.0]]);
+    let a = dense(&[&[0.0, 2.0], &[4.0, 1.0]]);
     let x = solve(a.view(), &[2.0, 9.0]).unwrap();
     assert_eq!(x, [2.0, 1.0]);
 }
 
 #[test]
 fn an_empty_system() {
-    let a = Dense::new(&[]);
+    let a = dense(&[]);
     assert_eq!(solve(a.view(), &[]).unwrap(), [0.0; 0]);
 }
 
@@ -83,43 +72,23 @@ fn an_empty_system() {
 fn penalties_of_1e9_do_not_spoil_the_solution() {
     let (system, _) = assembled(16);
     let n = system.residual().len();
-    let matrix = system.matrix();
-    let mut values = matrix.data().to_vec();
+    let mut stiff = system.matrix().to_owned();
     // Penalties 1e9 (x_i - x_j) on the right neighbour i of every 7th unknown j of the first field.
-    let third = n / 3;
-    let position = |i: usize, j: usize| {
-        let (begin, end) = (matrix.indptr().raw_storage()[j], matrix.indptr().raw_storage()[j + 1]);
-        let rows = &matrix.indices()[begin as usize..end as usize];
-        rows.binary_search(&(i as u32)).ok().map(|k| begin as usize + k)
-    };
     let mut n_stiff = 0;
-    for j in (0..third).step_by(7).filter(|j| !system.constrained()[*j]) {
-        let i = j + 1;
-        if i == third || system.constrained()[i] {
-            continue;
-        }
-        let stiff = [(i, j, -1.0), (j, i, -1.0), (i, i, 1.0), (j, j, 1.0)];
-        if stiff.iter().all(|(i, j, _)| position(*i, *j).is_some()) {
-            for (i, j, sign) in stiff {
-                values[position(i, j).unwrap()] += sign * 1e9;
-            }
+    for j in (0..n / 3 - 1).step_by(7).filter(|j| !system.constrained()[*j] && !system.constrained()[*j + 1]) {
+        let entries = [(j + 1, j, -1.0), (j, j + 1, -1.0), (j + 1, j + 1, 1.0), (j, j, 1.0)];
+        if entries.iter().all(|(i, j, _)| stiff.get(*i, *j).is_some()) {
+            entries.iter().for_each(|(i, j, sign)| *stiff.get_mut(*i, *j).unwrap() += sign * 1e9);
             n_stiff += 1;
         }
     }
     assert!(n_stiff > 10);
-    let indptr = matrix.indptr();
-    let stiff = MatrixView::new_csc((n, n), indptr.raw_storage(), matrix.indices(), &values);
-    let exact = state(n);
-    let rhs = product(stiff, &exact);
-    let (x, report) = solve_with(&mut DirectSolver::new(), stiff, &rhs).unwrap();
+    let rhs = product(stiff.view(), &state(n));
+    let (x, report) = solve_with(&mut DirectSolver::new(), stiff.view(), &rhs).unwrap();
     assert!(report.backward_error < 1e-12, "{report:?}");
     // The residual of the unscaled system, row by row.
-    let achieved = product(stiff, &x);
-    let sizes = {
-        let absolute: Vec<f64> = values.iter().map(|v| v.abs()).collect();
-        let a = MatrixView::new_csc((n, n), indptr.raw_storage(), matrix.indices(), &absolute);
-        product(a, &x.iter().map(|v| v.abs()).collect::<Vec<_>>())
-    };
+    let achieved = product(stiff.view(), &x);
+    let sizes = product(stiff.map(|v| v.abs()).view(), &x.iter().map(|v| v.abs()).collect::<Vec<_>>());
     for row in 0..n {
         assert!((achieved[row] - rhs[row]).abs() <= 1e-11 * (sizes[row] + rhs[row].abs()), "row {row}");
     }
@@ -127,17 +96,17 @@ fn penalties_of_1e9_do_not_spoil_the_solution() {
 
 #[test]
 fn singular_matrices_are_errors() {
-    let exactly = Dense::new(&[&[1.0, 2.0, 0.0], &[2.0, 4.0, 0.0], &[0.0, 0.0, 1.0]]);
+    let exactly = dense(&[&[1.0, 2.0, 0.0], &[2.0, 4.0, 0.0], &[0.0, 0.0, 1.0]]);
     assert!(matches!(solve(exactly.view(), &[1.0, 2.0, 1.0]), Err(LinearError::Singular { .. })));
-    let nearly = Dense::new(&[&[1.0, 0.1, 0.3], &[0.7, 0.9, 0.2], &[1.7, 1.0, 0.5]]);
+    let nearly = dense(&[&[1.0, 0.1, 0.3], &[0.7, 0.9, 0.2], &[1.7, 1.0, 0.5]]);
     assert!(matches!(solve(nearly.view(), &[1.0, 1.0, 2.0]), Err(LinearError::Singular { .. })));
-    let empty_row = Dense::new(&[&[1.0, 2.0], &[0.0, 0.0]]);
+    let empty_row = dense(&[&[1.0, 2.0], &[0.0, 0.0]]);
     assert!(matches!(solve(empty_row.view(), &[1.0, 0.0]), Err(LinearError::EmptyRow { row: 1 })));
-    let empty_column = Dense::new(&[&[0.0, 2.0], &[0.0, 1.0]]);
+    let empty_column = dense(&[&[0.0, 2.0], &[0.0, 1.0]]);
     assert!(matches!(solve(empty_column.view(), &[1.0, 0.0]), Err(LinearError::EmptyColumn { column: 0 })));
-    let nan = Dense::new(&[&[1.0, 2.0], &[f64::NAN, 1.0]]);
+    let nan = dense(&[&[1.0, 2.0], &[f64::NAN, 1.0]]);
     assert!(matches!(solve(nan.view(), &[1.0, 0.0]), Err(LinearError::NotFinite { row: 1 })));
-    let fine = Dense::new(&[&[1.0, 2.0], &[0.0, 1.0]]);
+    let fine = dense(&[&[1.0, 2.0], &[0.0, 1.0]]);
     assert!(matches!(solve(fine.view(), &[1.0, f64::INFINITY]), Err(LinearError::NotFinite { row: 1 })));
 }
 
@@ -165,7 +134,7 @@ fn a_free_pressure_constant_is_an_error() {
 #[test]
 fn the_solver_survives_errors_and_changes_of_pattern_and_is_reproducible() {
     let mut used = DirectSolver::new();
-    let singular = ScaledMatrix::new(Dense::new(&[&[1.0, 1.0], &[1.0, 1.0]]).view()).unwrap();
+    let singular = ScaledMatrix::new(dense(&[&[1.0, 1.0], &[1.0, 1.0]]).view()).unwrap();
     let two = scalar_field(2);
     let singular = singular.system(&two).unwrap();
     let not_factorized = |solver: &mut DirectSolver| {
@@ -210,24 +179,24 @@ fn the_same_pattern_is_analysed_once_and_old_factors_keep_solving() {
 
 #[test]
 fn the_condition_number_is_that_of_the_matrix_or_of_the_equilibrated_one() {
-    let of = |matrix: &Dense, scaling| {
-        condition_number(matrix.view(), &scalar_field(matrix.n), scaling).expect("a regular matrix")
+    let of = |matrix: &CsMatI<f64, u32>, scaling| {
+        condition_number(matrix.view(), &scalar_field(matrix.rows()), scaling).expect("a regular matrix")
     };
     let near = |condition: f64, exact: f64| assert!((condition / exact - 1.0).abs() < 1e-3, "{condition} {exact}");
     // Scales do not count once they are taken out.
-    let diagonal = Dense::new(&[&[4.0, 0.0], &[0.0, 1024.0]]);
+    let diagonal = dense(&[&[4.0, 0.0], &[0.0, 1024.0]]);
     near(of(&diagonal, Scaling::Equilibrated), 1.0);
     near(of(&diagonal, Scaling::None), 256.0);
     // Eigenvalues 1 + b and 1 - b; not symmetric, the singular values of a shear.
-    let symmetric = Dense::new(&[&[1.0, 0.999], &[0.999, 1.0]]);
-    let shear = Dense::new(&[&[1.0, 1.0], &[0.0, 1.0]]);
+    let symmetric = dense(&[&[1.0, 0.999], &[0.999, 1.0]]);
+    let shear = dense(&[&[1.0, 1.0], &[0.0, 1.0]]);
     let golden = 0.5 * (1.0 + 5.0_f64.sqrt());
     for scaling in [Scaling::Equilibrated, Scaling::None] {
         near(of(&symmetric, scaling), 1999.0);
         near(of(&shear, scaling), golden.powi(2));
     }
     // Scaled and not symmetric: the squares of the singular values have the trace of `A Aᵀ` and its determinant, 4.
-    let scaled = Dense::new(&[&[8.0, 0.5], &[0.0, 0.25]]);
+    let scaled = dense(&[&[8.0, 0.5], &[0.0, 0.25]]);
     let trace = 64.0 + 0.25 + 0.0625_f64;
     let largest = 0.5 * (trace + (trace * trace - 16.0).sqrt());
     near(of(&scaled, Scaling::None), largest / 2.0);

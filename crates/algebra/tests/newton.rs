@@ -62,12 +62,10 @@ fn exact_newton_converges_quadratically() {
 #[test]
 fn modified_newton_saves_factorisations() {
     let problem = scalar(cubic);
-    let mut work = Workspace::new();
     let mut x = [2.2];
-    let report = newton(&problem, &mut x, &mut work, &NewtonSettings::new(1e-10)).unwrap();
+    let report = newton(&problem, &mut x, &mut Workspace::new(), &NewtonSettings::new(1e-10)).unwrap();
     assert!((x[0] - 2.0).abs() < 1e-10);
     assert!(report.factorizations < report.iterations, "{report:?}");
-    assert_eq!(work.solver().n_factorizations(), report.factorizations);
 }
 
 #[test]
@@ -198,9 +196,11 @@ fn other_failures_are_named() {
     assert!(matches!(error, NewtonError::Linear { source: LinearError::EmptyColumn { column: 0 }, .. }));
 }
 
-/// A linear solver that leaves exactly as large a residual as it may, and notes how large that was, with the right-hand side.
+/// A linear solver that leaves exactly as large a residual as it may, or a fixed one. It notes how large it was, with the
+/// right-hand side.
 struct Lazy {
     direct: DirectSolver,
+    fixed: Option<f64>,
     notes: Arc<Mutex<Vec<[f64; 2]>>>,
 }
 
@@ -216,24 +216,26 @@ impl LinearSolver for Lazy {
         tolerance: f64,
     ) -> Result<LinearReport, LinearError> {
         let report = self.direct.solve(system, rhs, x, tolerance)?;
-        x.iter_mut().for_each(|x| *x *= 1.0 - tolerance);
-        self.notes.lock().expect("one thread").push([tolerance, rhs[0]]);
-        Ok(LinearReport { backward_error: tolerance, ..report })
+        let left = self.fixed.unwrap_or(tolerance);
+        x.iter_mut().for_each(|x| *x *= 1.0 - left);
+        self.notes.lock().expect("one thread").push([left, rhs[0]]);
+        Ok(LinearReport { backward_error: left, ..report })
     }
     fn n_factorizations(&self) -> usize {
         self.direct.n_factorizations()
     }
 }
 
-fn lazy() -> (Workspace, Arc<Mutex<Vec<[f64; 2]>>>) {
+fn lazy(fixed: Option<f64>) -> (Workspace, Arc<Mutex<Vec<[f64; 2]>>>) {
     let notes = Arc::default();
-    (Workspace::with_solver(Box::new(Lazy { direct: DirectSolver::new(), notes: Arc::clone(&notes) })), notes)
+    let solver = Lazy { direct: DirectSolver::new(), fixed, notes: Arc::clone(&notes) };
+    (Workspace::with_solver(Box::new(solver)), notes)
 }
 
 #[test]
 fn adaptive_forcing_keeps_the_order_of_newton_and_wastes_nothing_at_the_end() {
-    let (mut work, notes) = lazy();
-    let settings = NewtonSettings { forcing: Forcing::Adaptive { first: 0.05, largest: 0.1 }, ..exact(1e-9) };
+    let (mut work, notes) = lazy(None);
+    let settings = NewtonSettings { forcing: Forcing { first: 0.05, largest: 0.1 }, ..exact(1e-9) };
     let mut x = [3.0];
     let report = newton(&scalar(cubic), &mut x, &mut work, &settings).unwrap();
     assert!((x[0] - 2.0).abs() < 3e-9, "{x:?}");
@@ -255,10 +257,10 @@ fn adaptive_forcing_keeps_the_order_of_newton_and_wastes_nothing_at_the_end() {
 }
 
 #[test]
-fn constant_forcing_converges_at_its_rate() {
+fn a_linear_solver_that_leaves_a_tenth_converges_at_its_rate() {
     let problem = scalar(|x: f64| (x - 1.0, 1.0));
-    let (mut work, _) = lazy();
-    let settings = NewtonSettings { forcing: Forcing::Constant(0.1), ..NewtonSettings::new(2e-6) };
+    let (mut work, _) = lazy(Some(0.1));
+    let settings = NewtonSettings::new(2e-6);
     let mut x = [0.0];
     let report = newton(&problem, &mut x, &mut work, &settings).unwrap();
     assert!((x[0] - 1.0).abs() < 4e-6, "{x:?}");

@@ -34,6 +34,3 @@ pub type TimeField<const D: usize> = Arc<dyn Fn(&Point<D>, f64) -> Vector<D> + S
 /// The velocity, at the second time, of the particle that is at a point at the first time. With equal times it is the
 /// velocity at a current position.
 pub type ParticleVelocity<const D: usize> = Arc<dyn Fn(&Point<D>, [f64; 2]) -> Vector<D> + Send + Sync>;
-
-pub use algebra;
-pub use mesh;

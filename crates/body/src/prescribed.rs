@@ -67,7 +67,7 @@ impl<const D: usize> Body<D> for PrescribedBody<D> {
     fn locator<'s>(&'s self, state: &'s BodyState<D>, time: f64) -> Locator<'s, D> {
         let index = SurfaceIndex::new(&Placed::new(&self.boundary, &state.positions(&self.reference)));
         Box::new(move |x| {
-            let distance = index.closest_signed(x)?.distance;
+            let distance = index.signed_distance(x)?;
             let velocity = (self.velocity)(x, [time; 2]);
             Some(Located { is_inside: distance < 0.0, distance: distance.abs(), velocity })
         })

@@ -38,7 +38,7 @@ impl<const D: usize> ContactReport<D> {
             power: 0.0,
             stored_energy: 0.0,
         };
-        let law = &sites.pair().form.law;
+        let law = &sites.pair.form.law;
         for item in 0..sites.len() {
             sites.visit(item, x, |site| {
                 if !site.is_active {
@@ -66,7 +66,7 @@ impl<const D: usize> ContactReport<D> {
 
 /// Smallest gap of the vertices of the slave's facets, to the whole obstacle and not to the candidates only.
 fn minimum_gap<const D: usize>(sites: &ContactSites<'_, D>, x: &[f64]) -> Option<f64> {
-    let (pair, layout) = (sites.pair(), sites.layout());
+    let (pair, layout) = (&sites.pair, sites.layout);
     let vertices = pair.slave.boundary.vertices_of(pair.facets);
     let points: Vec<Point<D>> = vertices.into_iter().map(|v| pair.slave.position_at(v, layout, x)).collect();
     let projections = pair.obstacle.project_all(&points, Positions::at_end(pair.master, layout, x));

@@ -48,6 +48,3 @@ pub use obstacle::{Anchor, DeformableObstacle, Obstacle, Projection, RigidPlane}
 pub use positions::Positions;
 pub use site::{ContactNode, ContactSite};
 pub use sites::{ContactForm, ContactItems, ContactPair, ContactSites, check_pair};
-
-pub use algebra;
-pub use mesh;

@@ -156,27 +156,15 @@ impl<const D: usize> ContactItems<D> {
 /// its end; the *stress* is that of the unknown state.
 #[derive(Clone)]
 pub struct ContactSites<'a, const D: usize> {
-    items: &'a ContactItems<D>,
-    pair: ContactPair<'a, D>,
-    layout: &'a BlockLayout,
+    /// Facets that may touch.
+    pub items: &'a ContactItems<D>,
+    /// Slave and obstacle.
+    pub pair: ContactPair<'a, D>,
+    /// The layout.
+    pub layout: &'a BlockLayout,
 }
 
-impl<'a, const D: usize> ContactSites<'a, D> {
-    /// Creates the points of the items of a pair.
-    pub fn new(items: &'a ContactItems<D>, pair: ContactPair<'a, D>, layout: &'a BlockLayout) -> Self {
-        Self { items, pair, layout }
-    }
-
-    /// Slave and obstacle.
-    pub fn pair(&self) -> &ContactPair<'a, D> {
-        &self.pair
-    }
-
-    /// The layout.
-    pub fn layout(&self) -> &'a BlockLayout {
-        self.layout
-    }
-
+impl<const D: usize> ContactSites<'_, D> {
     /// A vertex of a surface, with position and displacement at the state `x`.
     fn node(
         &self,

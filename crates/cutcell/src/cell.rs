@@ -106,7 +106,7 @@ impl<const D: usize> Kept<D> {
 }
 
 /// The cut of a cell, in memory that is reused for other cells.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct CellCut<const D: usize> {
     tree: Tree<D>,
     polygons: Polygons<D>,
@@ -121,22 +121,6 @@ pub(crate) struct CellCut<const D: usize> {
     thin: Vec<WetPiece>,
     /// Number of parts that are left out.
     n_left_out: u32,
-}
-
-impl<const D: usize> Default for CellCut<D> {
-    fn default() -> Self {
-        Self {
-            tree: Tree::new(),
-            polygons: Polygons::default(),
-            walls: Vec::new(),
-            labels: Vec::new(),
-            leaf_volumes: Vec::new(),
-            volumes: Vec::new(),
-            wet: Vec::new(),
-            thin: Vec::new(),
-            n_left_out: 0,
-        }
-    }
 }
 
 impl<const D: usize> CellCut<D> {

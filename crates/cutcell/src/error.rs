@@ -12,54 +12,39 @@ pub enum Error {
         body: BodyId,
     },
     /// A coordinate is NaN or infinite.
-    #[error("body {body}: vertex {vertex} of facet {facet} has a coordinate that is NaN or infinite")]
+    #[error("body {}: vertex {} of facet {} has a coordinate that is NaN or infinite", .at.body, .at.vertex, .at.facet)]
     NotFinite {
-        /// The body.
-        body: BodyId,
-        /// The facet.
-        facet: FacetId,
         /// The vertex.
-        vertex: VertexId,
+        at: SurfaceVertex,
     },
     /// A coordinate is so large that the round-off of the facet is comparable to the background.
     #[error(
-        "body {body}: vertex {vertex} of facet {facet} at {point:?} is too far from the background (beyond {limit:e}): move or scale it"
+        "body {}: vertex {} of facet {} at {:?} is too far from the background (beyond {limit:e}): move or scale it",
+        .at.body, .at.vertex, .at.facet, .at.point
     )]
     TooFar {
-        /// The body.
-        body: BodyId,
-        /// The facet.
-        facet: FacetId,
         /// The vertex.
-        vertex: VertexId,
-        /// Where it is.
-        point: [f64; 3],
+        at: SurfaceVertex,
         /// Largest coordinate of the background times [`crate::FARTHEST`].
         limit: f64,
     },
     /// The surface is not closed. Every side of a facet must be shared with exactly one other facet.
-    #[error("body {body}: the surface is open at facet {facet}, near vertex {vertex} at {point:?}")]
+    #[error(
+        "body {}: the surface is open at facet {}, near vertex {} at {:?}",
+        .at.body, .at.facet, .at.vertex, .at.point
+    )]
     Open {
-        /// The body.
-        body: BodyId,
-        /// A facet at the hole.
-        facet: FacetId,
-        /// A vertex at the hole.
-        vertex: VertexId,
-        /// Where it is.
-        point: [f64; 3],
+        /// A vertex of a facet at the hole.
+        at: SurfaceVertex,
     },
     /// More than two facets share a side.
-    #[error("body {body}: more than two facets meet at facet {facet}, vertex {vertex} at {point:?}")]
+    #[error(
+        "body {}: more than two facets meet at facet {}, vertex {} at {:?}",
+        .at.body, .at.facet, .at.vertex, .at.point
+    )]
     NonManifold {
-        /// The body.
-        body: BodyId,
-        /// One of the facets.
-        facet: FacetId,
-        /// A vertex they share.
-        vertex: VertexId,
-        /// Where it is.
-        point: [f64; 3],
+        /// A vertex that they share, and one of the facets.
+        at: SurfaceVertex,
     },
     /// The normals point into the body. Reverse the facets.
     #[error(
@@ -96,4 +81,17 @@ pub enum Error {
         /// The reason.
         what: String,
     },
+}
+
+/// A vertex of a facet of a body.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SurfaceVertex {
+    /// The body.
+    pub body: BodyId,
+    /// The facet.
+    pub facet: FacetId,
+    /// The vertex.
+    pub vertex: VertexId,
+    /// Where it is.
+    pub point: [f64; 3],
 }

@@ -74,7 +74,7 @@ pub use capsule::Capsule;
 pub use clip::{FaceLabel, Polytope};
 pub use cut_mesh::{BoundaryPiece, CellState, CutMesh, InterfacePiece, PartFace, PartId};
 pub use cutter::{Cutter, OverlayTimes};
-pub use error::Error;
+pub use error::{Error, SurfaceVertex};
 pub use options::OverlayOptions;
 pub use report::{CutReport, SLIVER};
 pub use soundness::FARTHEST;

@@ -6,8 +6,8 @@ use mesh::search::SurfaceIndex;
 use mesh::{Aabb, BodyId, FacetId, Placed, Point, VertexId};
 use rayon::prelude::*;
 
-use crate::Error;
 use crate::exact::{HalfSpace, is_degenerate, pierces};
+use crate::{Error, SurfaceVertex};
 
 /// Largest ratio of the coordinates of a surface to those of the background. The relative accuracy of a facet decreases in
 /// proportion.
@@ -28,6 +28,12 @@ pub(crate) fn check_surface<const D: usize>(body: BodyId, surface: &Placed<'_, D
     if boundary.n_facets() == 0 {
         return Err(Error::Empty { body });
     }
+    let at = |facet: FacetId, vertex: VertexId| SurfaceVertex {
+        body,
+        facet,
+        vertex,
+        point: in_space(&surface.positions()[vertex.index()]),
+    };
     // A rim is a facet without one of its vertices. The surface is closed if every rim occurs once in each direction.
     let mut rims: HashMap<[VertexId; 2], (i32, u32, FacetId)> = HashMap::with_capacity(boundary.n_facets() * 2);
     for facet in boundary.facets() {
@@ -35,10 +41,10 @@ pub(crate) fn check_surface<const D: usize>(body: BodyId, surface: &Placed<'_, D
         for &vertex in vertices {
             let x = surface.positions()[vertex.index()];
             if x.iter().any(|c| !c.is_finite()) {
-                return Err(Error::NotFinite { body, facet, vertex });
+                return Err(Error::NotFinite { at: at(facet, vertex) });
             }
             if x.amax() > limit {
-                return Err(Error::TooFar { body, facet, vertex, point: in_space(&x), limit });
+                return Err(Error::TooFar { at: at(facet, vertex), limit });
             }
         }
         for k in 0..D {
@@ -61,12 +67,8 @@ pub(crate) fn check_surface<const D: usize>(body: BodyId, surface: &Placed<'_, D
         }
     }
     if let Some(([vertex, _], (_, count, facet))) = worst {
-        let point = in_space(&surface.positions()[vertex.index()]);
-        return Err(if count > 2 {
-            Error::NonManifold { body, facet, vertex, point }
-        } else {
-            Error::Open { body, facet, vertex, point }
-        });
+        let at = at(facet, vertex);
+        return Err(if count > 2 { Error::NonManifold { at } } else { Error::Open { at } });
     }
     let volume = surface.enclosed().volume;
     if volume < 0.0 {

@@ -13,6 +13,12 @@ enum Child {
     Leaf(u32),
 }
 
+impl Default for Child {
+    fn default() -> Self {
+        Self::Leaf(0)
+    }
+}
+
 /// A convex region divided by the plane of a facet.
 #[derive(Clone, Debug)]
 struct Node {
@@ -34,7 +40,7 @@ struct Covering {
 }
 
 /// A binary space partition of a cell. A plane divides only the regions that its facet crosses. All decisions are exact.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Tree<const D: usize> {
     nodes: Vec<Node>,
     leaves: Vec<Piece<D>>,
@@ -69,18 +75,6 @@ pub(crate) struct Cover {
 type Visit<'a, const D: usize> = &'a mut dyn FnMut(&mut Polygons<D>, usize, Polygon);
 
 impl<const D: usize> Tree<D> {
-    /// Creates a tree without leaves.
-    pub(crate) fn new() -> Self {
-        Self {
-            nodes: Vec::new(),
-            leaves: Vec::new(),
-            spare: Vec::new(),
-            root: Child::Leaf(0),
-            aligned: 0,
-            near: Vec::new(),
-        }
-    }
-
     /// Divides a cell by the facets (indices) that may touch it.
     pub(crate) fn divide(&mut self, planes: &Planes<'_, D>, polygons: &mut Polygons<D>, cell: CellId, facets: &[u32]) {
         self.set_whole(planes, cell);

@@ -3,7 +3,7 @@
 use algebra::{DofId, Sites};
 use cutcell::PartId;
 use mesh::{MAX_CELL_VERTICES, Point, Tensor, Vector};
-use xfem_space::{Moments, cutcell};
+use xfem_space::Moments;
 
 use crate::{FluidFields, FluidGeometry};
 

@@ -51,7 +51,7 @@ impl<'a, const D: usize> FluidFaces<'a, D> {
             let face = FluidFace::new(value, geometry.history);
             weights(&face).map(|weight| weight * value.measure * value.share)
         };
-        Self { fields, geometry, weights: geometry.faces.as_slice().iter().map(weights).collect() }
+        Self { fields, geometry, weights: geometry.faces.iter().map(weights).collect() }
     }
 }
 
@@ -68,13 +68,13 @@ impl<const D: usize> Contributions for FluidFaces<'_, D> {
         let (face, component) = (item / (D + 1), item % (D + 1));
         let FluidFields { layout, velocity, pressure } = self.fields;
         let (field, component) = if component < D { (velocity, component) } else { (pressure, 0) };
-        let dofs = self.geometry.faces.as_slice()[face].dofs();
+        let dofs = self.geometry.faces[face].dofs();
         out.extend(dofs.iter().map(|&dof| layout.dof(field, dof as usize, component)));
     }
 
     fn add(&self, item: usize, x: &[f64], out: &mut LocalSystem) {
         let (face, component) = (item / (D + 1), item % (D + 1));
-        let value = &self.geometry.faces.as_slice()[face];
+        let value = &self.geometry.faces[face];
         if value.odd_component == Some(component) {
             return;
         }

@@ -4,7 +4,7 @@ use algebra::time::StepRule;
 use algebra::{BlockLayout, FieldId};
 use cutcell::CutMesh;
 use mesh::{SimplexMesh, Vector};
-use xfem_space::{FaceValues, PartValues, XfemSpace, cutcell};
+use xfem_space::{FaceValue, PartValues, XfemSpace};
 
 /// Geometry of a step, and the time rule on it, shared by all fluid terms.
 #[derive(Clone, Copy)]
@@ -18,7 +18,7 @@ pub struct FluidGeometry<'a, const D: usize> {
     /// Moments of parts.
     pub parts: &'a PartValues<D>,
     /// Jumps over faces.
-    pub faces: &'a FaceValues<D>,
+    pub faces: &'a [FaceValue<D>],
     /// Velocity history `u*`, one value per dof of the space. The weights of all stabilisations depend on it.
     pub history: &'a [Vector<D>],
     /// Velocity and acceleration at the stage, one value per dof of the space.

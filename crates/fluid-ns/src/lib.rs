@@ -37,6 +37,3 @@ pub use fluid::NewtonianFluid;
 pub use form::FluidForm;
 pub use geometry::{FluidFields, FluidGeometry};
 pub use open_boundary::{OpenBoundary, OpenPoint};
-
-pub use mesh;
-pub use xfem_space;

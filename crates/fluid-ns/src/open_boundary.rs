@@ -2,7 +2,7 @@
 
 use algebra::{DofId, Sites};
 use mesh::Vector;
-use xfem_space::{BoundaryPoint, BoundaryValues};
+use xfem_space::BoundaryPoint;
 
 use crate::{FluidFields, FluidGeometry};
 
@@ -26,34 +26,30 @@ impl<const D: usize> OpenPoint<'_, D> {
 
 /// Quadrature points of an open boundary: one item with one site each.
 pub struct OpenBoundary<'a, const D: usize> {
-    geometry: FluidGeometry<'a, D>,
-    fields: FluidFields<'a>,
-    values: &'a BoundaryValues<D>,
-}
-
-impl<'a, const D: usize> OpenBoundary<'a, D> {
-    /// Creates the sites at given points.
-    pub fn new(geometry: FluidGeometry<'a, D>, fields: FluidFields<'a>, values: &'a BoundaryValues<D>) -> Self {
-        Self { geometry, fields, values }
-    }
+    /// Geometry of the step.
+    pub geometry: FluidGeometry<'a, D>,
+    /// The fluid's fields.
+    pub fields: FluidFields<'a>,
+    /// The points.
+    pub points: &'a [BoundaryPoint<D>],
 }
 
 impl<'a, const D: usize> Sites for OpenBoundary<'a, D> {
     type Site = OpenPoint<'a, D>;
 
     fn len(&self) -> usize {
-        self.values.points().len()
+        self.points.len()
     }
 
     fn dofs(&self, item: usize, out: &mut Vec<DofId>) {
         let FluidFields { layout, velocity, .. } = self.fields;
-        for &dof in self.geometry.space.dofs(self.values.points()[item].part) {
+        for &dof in self.geometry.space.dofs(self.points[item].part) {
             out.extend(layout.node(velocity, dof as usize));
         }
     }
 
     fn visit(&self, item: usize, x: &[f64], mut visit: impl FnMut(&Self::Site)) {
-        let at = &self.values.points()[item];
+        let at = &self.points[item];
         let mut point = OpenPoint { at, velocity: Vector::zeros(), history: Vector::zeros() };
         for (i, &dof) in self.geometry.space.dofs(at.part).iter().enumerate() {
             point.velocity += self.fields.velocity_at(x, dof) * at.shape[i];

@@ -4,15 +4,15 @@ use algebra::time::{GeneralisedAlpha, ImplicitEuler, Level, StepRule, TimeScheme
 use algebra::{
     BlockLayout, BlockSystem, Constraints, Contributions, FieldId, Integral, LocalSystem, Sites, Term, check_tangent,
 };
-use fluid_ns::mesh::generate::structured_box;
-use fluid_ns::mesh::{Placed, Point, SimplexMesh, Tensor, Vector, VertexId};
+use cutcell::{CutMesh, OverlayOptions, PartId};
 use fluid_ns::terms::{
     Backflow, BodyForce, CipPressure, CipProfile, CipVelocity, Convection, GhostPenalty, Incompressibility, Inertia,
     Traction, Viscous,
 };
-use fluid_ns::xfem_space::cutcell::{CutMesh, OverlayOptions, PartId};
-use fluid_ns::xfem_space::{BoundaryValues, FaceValues, PartValues, XfemSpace};
 use fluid_ns::{FluidCell, FluidCells, FluidFace, FluidFaces, FluidFields, FluidForm, FluidGeometry, OpenBoundary};
+use mesh::generate::structured_box;
+use mesh::{Placed, Point, SimplexMesh, Tensor, Vector, VertexId};
+use xfem_space::{FaceValue, PartValues, XfemSpace, boundary_points, face_values};
 
 type V = Vector<2>;
 
@@ -32,7 +32,7 @@ struct Fixture<const D: usize> {
     cut: CutMesh<D>,
     space: XfemSpace<D>,
     parts: PartValues<D>,
-    faces: FaceValues<D>,
+    faces: Vec<FaceValue<D>>,
     history: Vec<Vector<D>>,
     rule: StepRule<Vector<D>>,
     layout: BlockLayout,
@@ -54,7 +54,7 @@ impl<const D: usize> Fixture<D> {
         let cut = CutMesh::overlay(&background, &surfaces, &OverlayOptions::new()).expect("a closed surface");
         let space = XfemSpace::new(&background, &cut);
         let parts = PartValues::new(&background, &cut);
-        let faces = FaceValues::new(&background, &cut, &space, &parts);
+        let faces = face_values(&background, &cut, &space, &parts);
         let history: Vec<_> = space.vertices().iter().enumerate().map(|(k, v)| history(k, *v)).collect();
         let level = Level { velocity: history.clone(), ..Level::default() };
         let rule = StepRule::new(scheme, &[0.5], &[level]);
@@ -164,7 +164,7 @@ fn weights_of_the_face_terms() {
     // u* = (3, 1) at one end of the face, zero at the other; u*·n = ±2/√2 = √2.
     let history = |_, v| if v == VertexId(2) { V::new(3.0, 1.0) } else { V::zeros() };
     let fluid = Fixture::new(mesh(&SQUARE, &[0, 1, 2, 0, 2, 3]), None, &ImplicitEuler, history);
-    let [value] = fluid.faces.as_slice() else { panic!("one interior face") };
+    let [value] = &fluid.faces[..] else { panic!("one interior face") };
     let h = 2.0_f64.sqrt();
     assert!((value.diameter - h).abs() < 1e-15 && (value.measure - h).abs() < 1e-15);
     let face = FluidFace::new(value, &fluid.history);
@@ -215,9 +215,9 @@ fn open_boundary() {
         let (t, backflow) =
             (traction.then_some(Traction { traction: &t, time: 7.0 }), backflow.then_some(Backflow { density: 3.0 }));
         let tag = fluid.background.tag("bottom").expect("tagged");
-        let values = BoundaryValues::new(&fluid.background, &fluid.cut, tag, 3);
-        assert_eq!(values.points().len(), 2);
-        let points = OpenBoundary::new(fluid.geometry(), fluid.fields(), &values);
+        let values = boundary_points(&fluid.background, &fluid.cut, tag, 3);
+        assert_eq!(values.len(), 2);
+        let points = OpenBoundary { geometry: fluid.geometry(), fields: fluid.fields(), points: &values };
         let mut open = Integral::linear("open boundary", points, Vec::new());
         open.extend(t.as_ref());
         open.extend(backflow.as_ref());

@@ -25,7 +25,4 @@ pub use piece_values::{PiecePoint, PieceValues};
 pub use pockets::{Pocket, pockets};
 pub use points::{InterfacePoints, MortarPoint};
 pub use stress::FluidStress;
-use terms::Penalty;
 pub use traction::{InterfaceTraction, interface_tractions};
-
-pub use fluid_ns;

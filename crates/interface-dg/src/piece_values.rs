@@ -2,7 +2,7 @@
 
 use cutcell::CutMesh;
 use mesh::{MAX_CELL_VERTICES, Point, SimplexMesh, SimplexRule, Vector};
-use xfem_space::{PartValues, cutcell};
+use xfem_space::PartValues;
 
 /// A quadrature point of the interface.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -6,7 +6,7 @@ use algebra::{Constraints, DofId};
 use cutcell::PartId;
 use fluid_ns::FluidGeometry;
 use mesh::{Tag, Vector};
-use xfem_space::{Classes, cutcell};
+use xfem_space::Classes;
 
 use crate::InterfacePoints;
 

@@ -5,7 +5,6 @@ use body::{SurfaceMotion, SurfaceVelocity};
 use cutcell::InterfacePiece;
 use fluid_ns::{FluidFields, FluidGeometry, NewtonianFluid};
 use mesh::{MAX_CELL_VERTICES, Tensor, Vector};
-use xfem_space::cutcell;
 
 use crate::piece_values::{PiecePoint, PieceValues};
 

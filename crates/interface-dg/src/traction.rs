@@ -1,10 +1,10 @@
 //! The traction that crosses the interface.
 
+use algebra::Sites;
 use mesh::{Point, Tensor, Vector};
 
-use algebra::Sites;
-
-use crate::{InterfacePoints, Penalty};
+use crate::InterfacePoints;
+use crate::terms::Penalty;
 
 /// Means over one interface piece.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,14 +3,12 @@
 use algebra::time::{ImplicitEuler, StepRule};
 use algebra::{BlockLayout, BlockSystem, Constraints, check_tangent};
 use body::{SurfaceMotion, SurfaceStress, SurfaceVelocity};
-use fluid_ns::mesh::generate::structured_box;
-use fluid_ns::mesh::{BodyId, Placed, Point, SimplexMesh, Tensor, Vector};
-use fluid_ns::xfem_space::cutcell::{CutMesh, OverlayOptions};
-use fluid_ns::xfem_space::{FaceValues, PartValues, XfemSpace};
+use cutcell::{CutMesh, OverlayOptions};
 use fluid_ns::{FluidFields, FluidGeometry, NewtonianFluid};
-use interface_dg::{
-    FluidStress, InterfacePoints, MortarForm, PieceValues, fluid_ns, interface_flow, interface_tractions,
-};
+use interface_dg::{FluidStress, InterfacePoints, MortarForm, PieceValues, interface_flow, interface_tractions};
+use mesh::generate::structured_box;
+use mesh::{BodyId, Placed, Point, SimplexMesh, Tensor, Vector};
+use xfem_space::{PartValues, XfemSpace, face_values};
 
 type V = Vector<2>;
 
@@ -44,7 +42,7 @@ impl Fixture {
         visit: impl FnOnce(&InterfacePoints<'_, 2>, &MortarForm, &[f64], [V; 2], f64) -> R,
     ) -> R {
         let parts = PartValues::new(&self.background, &self.cut);
-        let faces = FaceValues::new(&self.background, &self.cut, &self.space, &parts);
+        let faces = face_values(&self.background, &self.cut, &self.space, &parts);
         let values = PieceValues::new(&self.background, &self.cut, &parts, 2);
         let history = vec![V::zeros(); self.space.len()];
         let rule = StepRule::new(&ImplicitEuler, &[1.0], &[]);
@@ -82,7 +80,7 @@ impl Fixture {
             fluid,
         };
         let form = MortarForm::new(fluid, gamma_sigma);
-        let at = |k: &fluid_ns::mesh::VertexId| background.vertex(*k);
+        let at = |k: &mesh::VertexId| background.vertex(*k);
         let mut x = vec![0.0; layout.len()];
         layout.set(velocity, space.vertices().iter().map(|k| u(&at(k)).into()), &mut x);
         layout.set(pressure, space.vertices().iter().map(|k| [p(&at(k))]), &mut x);

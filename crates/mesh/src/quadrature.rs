@@ -11,9 +11,6 @@ pub struct SimplexRule {
 }
 
 impl SimplexRule {
-    /// Highest polynomial degree of [`SimplexRule::of_degree`].
-    pub const MAX_DEGREE: usize = 4;
-
     /// Returns a rule with positive weights and points inside the simplex of dimension 0 (point) to 3 (tetrahedron), exact
     /// for polynomials up to `degree` (clamped to 4).
     ///
@@ -69,11 +66,6 @@ impl SimplexRule {
             .orbit([1.0, 0.0, 0.0, 0.0], 1.0 / 20.0)
             .orbit([0.0, 0.5, 0.5, 0.0], 2.0 / 15.0)
             .orbit([1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0, 0.0], 9.0 / 20.0)
-    }
-
-    /// Dimension of the simplex.
-    pub fn dimension(&self) -> usize {
-        self.dimension
     }
 
     /// Barycentric coordinates of the points; only the first `dimension + 1` are used.
@@ -186,7 +178,7 @@ pub struct QuadratureRule<const D: usize> {
 impl<const D: usize> QuadratureRule<D> {
     /// Appends a rule, mapped to the simplex with the given points.
     pub fn push_simplex(&mut self, rule: &SimplexRule, points: &[Point<D>]) {
-        debug_assert_eq!(points.len(), rule.dimension() + 1);
+        debug_assert_eq!(points.len(), rule.dimension + 1);
         let measure = simplex_measure(points);
         for (barycentric, weight) in rule.points().iter().zip(rule.weights()) {
             self.points.push(points.iter().zip(barycentric).map(|(x, l)| x * *l).sum());
@@ -212,7 +204,7 @@ mod tests {
     }
 
     fn check_rule(rule: &SimplexRule, degree: usize) {
-        let n = rule.dimension() + 1;
+        let n = rule.dimension + 1;
         assert!(rule.weights().iter().all(|&w| w > 0.0));
         assert!(rule.points().iter().all(|p| p[..n].iter().all(|&l| (0.0..=1.0).contains(&l))));
         let mut powers = vec![0_usize; n];
@@ -235,7 +227,7 @@ mod tests {
     #[test]
     fn rules_are_exact_to_their_degree() {
         for dimension in 1..=3 {
-            for degree in 1..=SimplexRule::MAX_DEGREE {
+            for degree in 1..=4 {
                 check_rule(&SimplexRule::of_degree(dimension, degree), degree);
             }
         }

@@ -205,13 +205,6 @@ impl<const D: usize> SimplexMesh<D> {
         &self.topology.cell_to_facet[cell.index() * (D + 1)..][..=D]
     }
 
-    /// The cell on the other side of a facet; `None` at the boundary.
-    #[inline]
-    pub fn neighbour(&self, cell: CellId, facet: FacetId) -> Option<CellId> {
-        let [a, b] = self.facet_to_cell(facet);
-        if a == Some(cell) { b } else { a }
-    }
-
     /// Whether a facet belongs to one cell only.
     #[inline]
     pub fn is_boundary(&self, facet: FacetId) -> bool {

@@ -37,7 +37,3 @@ pub use mass::MassProperties;
 pub use modes::Spin;
 pub use motion::RigidMotion;
 pub use rigid::RigidBody;
-
-pub use algebra;
-pub use body;
-pub use mesh;

@@ -131,7 +131,7 @@ impl<const D: usize> Body<D> for RigidBody<D> {
         let motion = self.motion(state);
         let index = SurfaceIndex::new(&Placed::new(&self.boundary, &state.positions(&self.reference)));
         Box::new(move |x| {
-            let distance = index.closest_signed(x)?.distance;
+            let distance = index.signed_distance(x)?;
             Some(Located { is_inside: distance < 0.0, distance: distance.abs(), velocity: motion.velocity_at(x) })
         })
     }

@@ -1,8 +1,8 @@
 //! Mass properties and free motion of rigid bodies against closed forms.
 
+use algebra::{BlockLayout, Constraints, Equations, NewtonSettings, Workspace, check_tangent, newton};
+use body::{Body, BodyState, StepTime};
 use mesh::{BoundaryMesh, ParameterError, Placed, Point, Tensor, Vector, VertexId};
-use solid_rigid::algebra::{BlockLayout, Constraints, Equations, NewtonSettings, Workspace, check_tangent, newton};
-use solid_rigid::body::{Body, BodyState, StepTime};
 use solid_rigid::modes::rotated_by;
 use solid_rigid::{Error, MassProperties, RigidBody, RigidMotion, Spin};
 

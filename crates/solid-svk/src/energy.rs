@@ -1,9 +1,9 @@
 //! Balance and stresses of a body, for reports and output.
 
 use body::{Balance, CellStress};
-use mesh::{CellId, Point, Tensor, Vector};
+use mesh::{CellId, Point, Tensor, Vector, det};
 
-use crate::kinematics::{cauchy_stress, deformation_gradient, gradient, volume_ratio};
+use crate::kinematics::{cauchy_stress, deformation_gradient, gradient};
 use crate::{SolidForm, SolidMesh};
 
 /// Computes the balance of a body from one displacement and one velocity per vertex.
@@ -41,7 +41,7 @@ pub fn balance<const D: usize>(
         balance.centre_of_mass += sum_x * (mass / n);
         balance.mass += mass;
         let f = cell_deformation(mesh, cell, displacement);
-        let ratio = volume_ratio(&f);
+        let ratio = det(&f);
         balance.elastic_energy += mesh.volume(cell) * form.internal_work.material.energy_density(&f);
         balance.volume += mesh.volume(cell) * ratio;
         balance.smallest_volume_ratio = balance.smallest_volume_ratio.min(ratio);

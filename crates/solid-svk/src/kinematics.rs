@@ -34,12 +34,6 @@ pub fn green_lagrange_derivative<const D: usize>(f: &Tensor<D>, h: &Tensor<D>) -
     mesh::sym(&(f.transpose() * h))
 }
 
-/// Ratio of volumes `J = det F`.
-#[inline]
-pub fn volume_ratio<const D: usize>(f: &Tensor<D>) -> f64 {
-    det(f)
-}
-
 /// Cauchy stress `T = P Fᵀ / J` of a first Piola stress.
 ///
 /// Source: paper, Sec. 2.1, with the first Piola stress `P = J T F⁻ᵀ`.

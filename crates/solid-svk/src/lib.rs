@@ -60,7 +60,3 @@ pub use material::{LameParameters, LinearElastic, Material, SaintVenantKirchhoff
 pub use solid_mesh::SolidMesh;
 pub use stress::SolidStress;
 pub use supports::{Support, SupportKind};
-
-pub use algebra;
-pub use body;
-pub use mesh;

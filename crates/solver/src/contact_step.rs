@@ -65,7 +65,7 @@ impl<const D: usize> ContactStep<D> {
 
     /// The quadrature points of the contact.
     pub(crate) fn sites<'p>(&'p self, contact: &'p Contact<D>, step: Partners<'p, D>) -> ContactSites<'p, D> {
-        ContactSites::new(&self.items, pair(contact, step), step.layout)
+        ContactSites { items: &self.items, pair: pair(contact, step), layout: step.layout }
     }
 
     /// Returns an error if the bodies moved farther than obstacles were searched. A rigid obstacle is seen from everywhere.

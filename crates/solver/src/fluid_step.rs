@@ -13,9 +13,12 @@ use fluid_ns::terms::{
 use fluid_ns::{FluidFields, FluidForm, FluidGeometry, OpenBoundary};
 use interface_dg::{InterfacePoints, MortarForm, PieceValues, Pocket};
 use mesh::{Point, Vector};
-use xfem_space::{BoundaryValues, FaceValues, PartValues, Sources, XfemSpace, boundary_dofs};
+use xfem_space::{
+    BoundaryPoint, FaceValue, PartValues, Sources, XfemSpace, boundary_dofs, boundary_points, face_values,
+    symmetry_values,
+};
 
-use crate::interior::Interior;
+use crate::interior::extension;
 use crate::setup::{FluidBoundary, FluidSetup};
 use crate::{FluidState, Setup, Stage, StageSeconds, State};
 
@@ -32,7 +35,7 @@ pub(crate) struct FluidStep<'a, const D: usize> {
     pub(crate) cut: CutMesh<D>,
     space: XfemSpace<D>,
     pub(crate) parts: PartValues<D>,
-    faces: FaceValues<D>,
+    faces: Vec<FaceValue<D>>,
     pieces: PieceValues<D>,
     pub(crate) sources: Sources,
     /// Velocity history `u*`, one value per dof.
@@ -47,7 +50,7 @@ pub(crate) struct FluidStep<'a, const D: usize> {
 
 /// Points and terms of one open boundary.
 struct OpenTerms<'a, const D: usize> {
-    values: BoundaryValues<D>,
+    points: Vec<BoundaryPoint<D>>,
     traction: Option<Traction<'a, D>>,
     backflow: Option<Backflow>,
 }
@@ -70,14 +73,13 @@ impl<'a, const D: usize> FluidStep<'a, D> {
         let space = XfemSpace::new(background, &cut);
         let clock = Instant::now();
         let sources = Sources::between(background, (&before.cut, &before.space), (&cut, &space));
-        let interior = Interior::new(setup, previous);
-        let history = sources.carry(background, &space, &before.velocity, |x| interior.velocity(x));
+        let history = sources.carry(background, &space, &before.velocity, extension(setup, previous));
         seconds.transfer = clock.elapsed().as_secs_f64();
         let parts = PartValues::new(background, &cut);
-        let mut faces = FaceValues::new(background, &cut, &space, &parts);
+        let mut faces = face_values(background, &cut, &space, &parts);
         for (tag, condition) in &fluid.boundary {
             if let FluidBoundary::Symmetry { axis } = condition {
-                faces.add_symmetry_plane(background, &cut, &space, &parts, *tag, *axis);
+                faces.extend(symmetry_values(background, &cut, &space, &parts, (*tag, *axis)));
             }
         }
         let pieces = PieceValues::new(background, &cut, &parts, PIECE_DEGREE);
@@ -141,8 +143,8 @@ impl<'a, const D: usize> FluidStep<'a, D> {
     pub(crate) fn contributions<'p>(&'p self, layout: &'p BlockLayout) -> Vec<Box<dyn Contributions + 'p>> {
         let (geometry, fields) = (self.geometry(), self.fields(layout));
         let mut all = self.form.contributions(geometry, fields);
-        for OpenTerms { values, traction, backflow } in &self.open_boundaries {
-            let points = OpenBoundary::new(geometry, fields, values);
+        for OpenTerms { points, traction, backflow } in &self.open_boundaries {
+            let points = OpenBoundary { geometry, fields, points };
             let mut integral = Integral::linear("open boundary", points, Vec::new());
             integral.extend(traction.as_ref());
             integral.extend(backflow.as_ref());
@@ -220,7 +222,7 @@ fn open_boundaries<'a, const D: usize>(fluid: &'a FluidSetup<D>, cut: &CutMesh<D
             && (traction.is_some() || *backflow)
         {
             open.push(OpenTerms {
-                values: BoundaryValues::new(&fluid.background, cut, *tag, BOUNDARY_DEGREE),
+                points: boundary_points(&fluid.background, cut, *tag, BOUNDARY_DEGREE),
                 traction: traction.as_ref().map(|traction| Traction { traction: traction.as_ref(), time }),
                 backflow: backflow.then_some(Backflow { density: fluid.material.density }),
             });

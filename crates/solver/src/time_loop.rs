@@ -29,11 +29,6 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         &self.work
     }
 
-    /// The recycled memory, for measurements.
-    pub fn workspace_mut(&mut self) -> &mut Workspace {
-        &mut self.work
-    }
-
     /// Shows the state to the observers, then takes `n_steps` steps and shows each of them.
     ///
     /// A step in which Newton's method fails or contact may have been missed is taken again in two halves, from the same state;

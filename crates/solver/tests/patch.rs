@@ -8,16 +8,12 @@ use fixture::*;
 use solid_svk::{Support, SupportKind};
 use solver::body::StepTime;
 use solver::cutcell::{CutMesh, OverlayOptions};
-use solver::mesh::generate::{BallOptions, Size, ball, graded_box, structured_box};
+use solver::mesh::generate::{Size, graded_box, structured_box};
 use solver::xfem_space::{Sources, XfemSpace};
 use solver::{FluidBoundary, Setup, Step};
 
 fn background() -> solver::mesh::SimplexMesh<2> {
     graded_box::<2>([0.0, 0.0], [2.0, 1.5], &Size::uniform(0.13)).expect("a box")
-}
-
-fn disk(centre: [f64; 2], radius: f64, size: f64) -> solver::mesh::SimplexMesh<2> {
-    ball::<2>(centre, radius, size, &BallOptions { area_preserving: false }).expect("a disk")
 }
 
 #[test]

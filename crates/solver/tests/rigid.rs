@@ -9,21 +9,10 @@ use solid_rigid::RigidBody;
 use solver::algebra::{
     BlockGaussSeidel, BlockGaussSeidelSettings, LaggedSettings, LaggedSolver, NewtonSettings, Workspace,
 };
-use solver::body::Body;
-use solver::contact::DeformableObstacle;
-use solver::mesh::generate::{BallOptions, Size, ball, graded_box, structured_box};
+use solver::contact::{self, ContactForm, Penalty};
+use solver::mesh::generate::{Size, graded_box, structured_box};
 use solver::mesh::{BodyId, SimplexMesh};
-use solver::{ContactObstacle, FluidBoundary, Setup, Stage, State, Substep};
-
-fn disk(centre: [f64; 2], radius: f64, size: f64) -> SimplexMesh<2> {
-    ball::<2>(centre, radius, size, &BallOptions { area_preserving: false }).expect("a disk")
-}
-
-fn against(body: usize, bodies: &[Arc<dyn Body<2>>]) -> ContactObstacle<2> {
-    let boundary = bodies[body].surface();
-    let surface = DeformableObstacle::new(boundary.clone(), boundary.facets().collect()).expect("a surface");
-    ContactObstacle::Body { body: BodyId(body as u32), surface }
-}
+use solver::{Contact, FluidBoundary, Setup, Stage, State, Substep, TimeLoop};
 
 #[test]
 fn a_free_body_falls_and_turns_as_the_scheme_says() {
@@ -94,6 +83,18 @@ fn two_bodies_that_collide_off_centre_keep_momentum_and_angular_momentum() {
     assert!((after.1 - before.1).abs() < 1e-3 * before.0.norm(), "{} {}", before.1, after.1);
     assert!(after.2 < before.2 && after.2 > 0.9 * before.2, "{} {}", before.2, after.2);
     assert!(motion(&state, 1).spin[0].abs() > 0.1, "the brick turns");
+}
+
+#[test]
+fn contacts_of_bodies_with_themselves_or_with_none_are_refused() {
+    let bodies = dry(vec![Arc::new(rigid("ball", &disk([0.0; 2], 1.0, 0.4), 1.0, V::zeros()))], 1.0).bodies;
+    let refused = |slave: u32, obstacle| {
+        let form = ContactForm::new(Penalty::new(1.0, 0.0).expect("a law"), 1.0).expect("a contact");
+        Contact::new(&bodies, BodyId(slave), Vec::new(), form, obstacle).err()
+    };
+    assert_eq!(refused(0, against(0, &bodies)), Some(contact::Error::SelfContact));
+    let unknown = contact::Error::UnknownBody { body: BodyId(1), n_bodies: 1 };
+    assert_eq!(refused(1, ground()), Some(unknown));
 }
 
 #[test]
@@ -267,16 +268,9 @@ fn a_body_that_has_left_the_domain_ends_the_run() {
     body.initial_velocity = V::new(0.0, -2.0);
     let mut setup = in_a_box(body, 0.02, |_, _| V::zeros());
     fluid_of(&mut setup).boundary.clear();
-    let mut state = State::initial(&setup).expect("a cut");
-    let failure =
-        (0..10).find_map(|_| match solver::advance(&setup, &state, Substep::whole(setup.dt), &mut Workspace::new()) {
-            Ok((next, _)) => {
-                state = next;
-                None
-            }
-            Err(failure) => Some(failure),
-        });
-    let failure = failure.expect("it cannot come back");
+    let start = State::initial(&setup).expect("a cut");
+    let outcome = TimeLoop::new(&setup, start, Workspace::new()).run(10, &mut []);
+    let failure = outcome.expect_err("it cannot come back");
     assert!(matches!(&failure.source, Stage::LeftDomain { body } if body == "stone"), "{failure:?}");
 }
 

@@ -6,10 +6,9 @@ use std::sync::Arc;
 
 use fixture::*;
 use solid_rigid::modes::rotated_by;
-use solver::algebra::Workspace;
+use solver::FluidBoundary;
 use solver::mesh::generate::structured_box;
 use solver::mesh::{Point, SimplexMesh, Tensor, Vector};
-use solver::{FluidBoundary, State, Substep};
 
 #[test]
 fn a_brick_that_lands_on_a_corner_is_turned_by_the_impulse() {
@@ -66,13 +65,10 @@ fn a_neutral_body_turns_with_the_fluid() {
     fluid_of(&mut setup).initial_velocity = Some(Arc::new(move |x| omega.cross(&(x - centre))));
     setup.bodies.push(Arc::new(body));
     on_sides(&mut setup, &["left", "right", "front", "back", "bottom", "top"], || FluidBoundary::Velocity(u.clone()));
-    let mut state = State::initial(&setup).expect("a cut");
-    for _ in 0..2 {
-        state = solver::advance(&setup, &state, Substep::whole(dt), &mut Workspace::new()).expect("a step").0;
-    }
+    let (state, _) = run(&setup, 2);
     let motion = motion(&state, 0);
     assert!((Vector::<3>::from(motion.spin) - omega).norm() < 1e-8 && motion.velocity.norm() < 1e-8);
-    let turned = solid_rigid::modes::rotated_by::<3>(&(omega * state.time).into());
+    let turned = rotated_by::<3>(&(omega * state.time).into());
     assert!((motion.rotation - turned).norm() < 1e-8);
     for (k, &vertex) in wet(&state).space.vertices().iter().enumerate() {
         let exact = u(&fluid_of(&mut setup).background.vertex(vertex), 0.0);

@@ -5,10 +5,8 @@ mod fixture;
 use fixture::*;
 use solid_svk::SupportKind;
 use solver::algebra::{LaggedSettings, LaggedSolver, NewtonSettings, Workspace};
-use solver::contact::DeformableObstacle;
-use solver::mesh::BodyId;
 use solver::mesh::generate::structured_box;
-use solver::{ContactObstacle, Observer, ObserverError, Setup, Stage, State, StepView, Substep, TimeLoop, advance};
+use solver::{Observer, ObserverError, Setup, Stage, State, StepView, Substep, TimeLoop, advance};
 
 /// A block that is thrown down onto a clamped one, so hard that in the first step it moves farther than contact looks ahead.
 fn thrown_block(most_halvings: usize, lift: f64) -> Setup<2> {
@@ -24,10 +22,7 @@ fn thrown_block(most_halvings: usize, lift: f64) -> Setup<2> {
     let mut ground = elastic("ground", ground, 1.0, 2e6, 8e6, V::zeros());
     ground.support("bottom", SupportKind::Clamped);
     setup.bodies.extend([block.body(), ground.body()]);
-    let boundary = setup.bodies[1].surface();
-    let surface = DeformableObstacle::new(boundary.clone(), boundary.facets().collect()).expect("a surface");
-    let obstacle = ContactObstacle::Body { body: BodyId(1), surface };
-    setup.contacts.push(contact(&setup.bodies, 0, (1e8, 0.05, 0.02), obstacle));
+    setup.contacts.push(contact(&setup.bodies, 0, (1e8, 0.05, 0.02), against(1, &setup.bodies)));
     setup
 }
 

@@ -5,7 +5,6 @@ mod fixture;
 use fixture::*;
 use solver::algebra::check_tangent;
 use solver::body::StepTime;
-use solver::mesh::generate::{BallOptions, ball};
 use solver::{Setup, State, Step};
 
 /// Numbers between -1 and 1 that look random.
@@ -46,8 +45,7 @@ fn tangents_are_exact() {
     check(&setup, 3.0, &mut names);
     fluid_of(&mut setup).cip = solver::fluid_ns::terms::CipProfile::Consistent { gamma_u: 0.1 };
     fluid_of(&mut setup).convection = Some(true);
-    let other = ball::<2>([6.0, 12.0], 1.3, 0.5, &BallOptions { area_preserving: false }).expect("a disk");
-    setup.bodies.push(prescribed(&other, |x, _| *x, |x, _| V::new(x[1], -x[0])));
+    setup.bodies.push(prescribed(&disk([6.0, 12.0], 1.3, 0.5), |x, _| *x, |x, _| V::new(x[1], -x[0])));
     check(&setup, 3.0, &mut names);
     for name in [
         "fluid cells",

@@ -44,37 +44,29 @@ pub struct BoundaryPoint<const D: usize> {
     pub shape: [f64; MAX_CELL_VERTICES],
 }
 
-/// Quadrature points on the wet boundary with some tag.
-#[derive(Clone, Debug)]
-pub struct BoundaryValues<const D: usize> {
-    points: Vec<BoundaryPoint<D>>,
-}
-
-impl<const D: usize> BoundaryValues<D> {
-    /// Points of a rule of the given degree on all wet boundary pieces with the tag.
-    pub fn new(background: &SimplexMesh<D>, cut: &CutMesh<D>, tag: Tag, degree: usize) -> Self {
-        let rule = SimplexRule::of_degree(D - 1, degree);
-        let mut points = Vec::new();
-        for piece in cut.boundary().iter().filter(|piece| background.facet_tag(piece.facet) == Some(tag)) {
-            let normal = facet_normal(&background.facet_points(piece.facet)[..D]);
-            let simplex = background.simplex(cut.part_cell(piece.part));
-            for (barycentric, weight) in rule.points().iter().zip(rule.weights()) {
-                let point: Point<D> = piece.points[..D].iter().zip(barycentric).map(|(x, l)| x * *l).sum();
-                points.push(BoundaryPoint {
-                    facet: piece.facet,
-                    part: piece.part,
-                    point,
-                    normal,
-                    weight: weight * piece.measure,
-                    shape: simplex.barycentric(&point).unwrap_or_default(),
-                });
-            }
+/// Returns the points of a rule of the given degree on all wet boundary pieces with the tag.
+pub fn boundary_points<const D: usize>(
+    background: &SimplexMesh<D>,
+    cut: &CutMesh<D>,
+    tag: Tag,
+    degree: usize,
+) -> Vec<BoundaryPoint<D>> {
+    let rule = SimplexRule::of_degree(D - 1, degree);
+    let mut points = Vec::new();
+    for piece in cut.boundary().iter().filter(|piece| background.facet_tag(piece.facet) == Some(tag)) {
+        let normal = facet_normal(&background.facet_points(piece.facet)[..D]);
+        let simplex = background.simplex(cut.part_cell(piece.part));
+        for (barycentric, weight) in rule.points().iter().zip(rule.weights()) {
+            let point: Point<D> = piece.points[..D].iter().zip(barycentric).map(|(x, l)| x * *l).sum();
+            points.push(BoundaryPoint {
+                facet: piece.facet,
+                part: piece.part,
+                point,
+                normal,
+                weight: weight * piece.measure,
+                shape: simplex.barycentric(&point).unwrap_or_default(),
+            });
         }
-        Self { points }
     }
-
-    /// The points in order.
-    pub fn points(&self) -> &[BoundaryPoint<D>] {
-        &self.points
-    }
+    points
 }

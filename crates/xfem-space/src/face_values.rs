@@ -89,57 +89,49 @@ struct Parts<'a, const D: usize> {
     values: &'a PartValues<D>,
 }
 
-/// All faces between parts, as seen by face terms: once per pair of parts, over the whole face.
-#[derive(Clone, Debug)]
-pub struct FaceValues<const D: usize> {
-    faces: Vec<FaceValue<D>>,
+/// Returns the values on all part faces of a cut: once per pair of parts, over the whole face.
+pub fn face_values<const D: usize>(
+    background: &SimplexMesh<D>,
+    cut: &CutMesh<D>,
+    space: &XfemSpace<D>,
+    values: &PartValues<D>,
+) -> Vec<FaceValue<D>> {
+    let parts = Parts { background, cut, space, values };
+    let value = |face: &PartFace| {
+        let mut value = FaceValue::new(background, face.facet, face.is_ghost);
+        value.add_side(parts, face.parts[0], D, 1.0);
+        value.add_side(parts, face.parts[1], D + 1, -1.0);
+        value
+    };
+    cut.part_faces().iter().map(value).collect()
 }
 
-impl<const D: usize> FaceValues<D> {
-    /// The values on all part faces of a cut.
-    pub fn new(background: &SimplexMesh<D>, cut: &CutMesh<D>, space: &XfemSpace<D>, values: &PartValues<D>) -> Self {
-        let parts = Parts { background, cut, space, values };
-        let value = |face: &PartFace| {
-            let mut value = FaceValue::new(background, face.facet, face.is_ghost);
-            value.add_side(parts, face.parts[0], D, 1.0);
-            value.add_side(parts, face.parts[1], D + 1, -1.0);
-            value
-        };
-        Self { faces: cut.part_faces().iter().map(value).collect() }
-    }
-
-    /// Adds the faces on the tagged symmetry plane across an axis: a domain and its mirror image penalise the jumps
-    /// on them as on any interior face.
-    pub fn add_symmetry_plane(
-        &mut self,
-        background: &SimplexMesh<D>,
-        cut: &CutMesh<D>,
-        space: &XfemSpace<D>,
-        values: &PartValues<D>,
-        tag: Tag,
-        axis: usize,
-    ) {
-        let mut of_face: Vec<(FacetId, PartId)> = Vec::new();
-        for piece in cut.boundary().iter().filter(|piece| background.facet_tag(piece.facet) == Some(tag)) {
-            // The pieces of one face follow each other, in any order of parts.
-            of_face.retain(|(facet, _)| *facet == piece.facet);
-            if of_face.contains(&(piece.facet, piece.part)) {
-                continue;
-            }
-            of_face.push((piece.facet, piece.part));
-            let is_ghost = cut.cell_state(cut.part_cell(piece.part)) == CellState::Cut;
-            let mut value = FaceValue::new(background, piece.facet, is_ghost);
-            value.share = 0.5;
-            value.odd_component = Some(axis);
-            value.n_dofs = D + 1;
-            // The mirror image has the opposite normal derivative.
-            value.add_side(Parts { background, cut, space, values }, piece.part, D, 2.0);
-            self.faces.push(value);
+/// Returns the values on the tagged symmetry plane across an axis: a domain and its mirror image penalise the jumps on them
+/// as on any interior face.
+pub fn symmetry_values<const D: usize>(
+    background: &SimplexMesh<D>,
+    cut: &CutMesh<D>,
+    space: &XfemSpace<D>,
+    values: &PartValues<D>,
+    (tag, axis): (Tag, usize),
+) -> Vec<FaceValue<D>> {
+    let mut faces = Vec::new();
+    let mut of_face: Vec<(FacetId, PartId)> = Vec::new();
+    for piece in cut.boundary().iter().filter(|piece| background.facet_tag(piece.facet) == Some(tag)) {
+        // The pieces of one face follow each other, in any order of parts.
+        of_face.retain(|(facet, _)| *facet == piece.facet);
+        if of_face.contains(&(piece.facet, piece.part)) {
+            continue;
         }
+        of_face.push((piece.facet, piece.part));
+        let is_ghost = cut.cell_state(cut.part_cell(piece.part)) == CellState::Cut;
+        let mut value = FaceValue::new(background, piece.facet, is_ghost);
+        value.share = 0.5;
+        value.odd_component = Some(axis);
+        value.n_dofs = D + 1;
+        // The mirror image has the opposite normal derivative.
+        value.add_side(Parts { background, cut, space, values }, piece.part, D, 2.0);
+        faces.push(value);
     }
-
-    /// The faces in order.
-    pub fn as_slice(&self) -> &[FaceValue<D>] {
-        &self.faces
-    }
+    faces
 }

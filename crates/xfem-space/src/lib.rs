@@ -4,7 +4,7 @@
 //! same dof when their parts share a piece of a face that contains the vertex.* Standard and extended dofs need no
 //! separate bookkeeping, and a thin body inside one cell carries two independent sets of values.
 //!
-//! [`XfemSpace`] numbers the dofs, [`PartValues`] and [`FaceValues`] hold integrals of shape functions for assembly, and
+//! [`XfemSpace`] numbers the dofs, [`PartValues`] and [`FaceValue`] hold integrals of shape functions for assembly, and
 //! [`Sources`] carry fields from one space to the next.
 
 mod boundary;
@@ -15,12 +15,9 @@ mod part_values;
 mod space;
 mod transfer;
 
-pub use boundary::{BoundaryPoint, BoundaryValues, boundary_dofs};
+pub use boundary::{BoundaryPoint, boundary_dofs, boundary_points};
 pub use classes::Classes;
-pub use face_values::{FaceValue, FaceValues};
+pub use face_values::{FaceValue, face_values, symmetry_values};
 pub use part_values::{Moments, PartValues};
 pub use space::XfemSpace;
 pub use transfer::Sources;
-
-pub use cutcell;
-pub use mesh;

@@ -219,8 +219,8 @@ pub(super) fn find<const D: usize>(setup: &Setup<D>) -> Result<Found<D>, Failure
     let bodies = setup.bodies.iter().zip(&fluid.positions);
     let surfaces: Vec<_> = bodies.map(|(body, x)| SurfaceIndex::new(&Placed::new(body.surface(), x))).collect();
     let depth = |x: &Point<D>| {
-        let distances = surfaces.iter().filter_map(|surface| surface.closest_signed(x));
-        distances.map(|closest| -closest.distance).fold(f64::NEG_INFINITY, f64::max)
+        let distances = surfaces.iter().filter_map(|surface| surface.signed_distance(x));
+        distances.map(|distance| -distance).fold(f64::NEG_INFINITY, f64::max)
     };
     let (mut at_vertices, mut seen) = (BTreeMap::new(), BTreeSet::new());
     for (dof, &vertex) in fluid.space.vertices().iter().enumerate() {

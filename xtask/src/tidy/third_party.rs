@@ -13,7 +13,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("robust", &["crates/mesh/src", "crates/cutcell/src/exact/crossing.rs"]),
     ("smallvec", &["crates/cutcell/src"]),
     ("sprs", &["crates/algebra/src"]),
-    ("faer", &["crates/algebra/src/faer_view.rs", "crates/algebra/src/linear"]),
+    ("faer", &["crates/algebra/src/linear"]),
     (
         "rayon",
         &[

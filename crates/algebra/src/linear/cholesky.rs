@@ -7,7 +7,7 @@ use faer::{Conj, MatMut, Par, Side};
 use sprs::CsMatI;
 
 use super::LinearError;
-use crate::faer_view::faer_view;
+use super::factors::faer_view;
 
 /// Largest difference of mirrored entries, relative to their diagonal entries, that counts as round-off.
 const ASYMMETRY: f64 = 1e-10;

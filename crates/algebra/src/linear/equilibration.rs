@@ -18,17 +18,10 @@ pub struct Equilibration {
 }
 
 impl Equilibration {
-    /// Computes the scales of a square matrix.
+    /// Computes the scales of a square matrix, in place.
     ///
     /// # Errors
     /// `EmptyRow`, `EmptyColumn`: a row or column of zeros. `NotFinite`: an entry that is not a finite number.
-    pub fn new(matrix: MatrixView<'_>) -> Result<Self, LinearError> {
-        let mut scales = Self::default();
-        scales.compute(matrix)?;
-        Ok(scales)
-    }
-
-    /// As [`Equilibration::new`], in place.
     pub(crate) fn compute(&mut self, matrix: MatrixView<'_>) -> Result<(), LinearError> {
         let Self { row, column, row_max } = self;
         for scale in [&mut *row, column] {
@@ -102,7 +95,8 @@ mod tests {
         // [ 3e4  1e-3 ]
         let (ptr, rows, values) = ([0, 2, 4], [0, 1, 0, 1], [1e9, 3e4, 2e4, 1e-3]);
         let matrix = MatrixView::new_csc((2, 2), &ptr, &rows, &values);
-        let scales = Equilibration::new(matrix).unwrap();
+        let mut scales = Equilibration::default();
+        scales.compute(matrix).unwrap();
         for s in scales.row().iter().chain(scales.column()) {
             assert_eq!(s.log2().fract(), 0.0);
         }

@@ -4,13 +4,12 @@ use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::perm::PermRef;
 use faer::sparse::linalg::lu::supernodal::{self, SupernodalLu, SymbolicSupernodalLu};
 use faer::sparse::linalg::{LuError, colamd, qr};
-use faer::sparse::{FaerError, SymbolicSparseColMatRef};
+use faer::sparse::{FaerError, SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par};
 use sprs::CsMatI;
 
 use super::LinearError;
 use super::nodes::NodeGraph;
-use crate::faer_view::faer_view;
 
 /// Growth of the probing solve from which on the matrix counts as singular.
 const SINGULAR_GROWTH: f64 = 1e13;
@@ -111,6 +110,16 @@ impl Factors {
         );
         Ok(())
     }
+}
+
+/// Borrows the arrays of a square column-compressed matrix with sorted rows as a faer matrix.
+pub(super) fn faer_view<'a>(
+    column_ptr: &'a [u32],
+    rows: &'a [u32],
+    values: &'a [f64],
+) -> SparseColMatRef<'a, u32, f64> {
+    let n = column_ptr.len() - 1;
+    SparseColMatRef::new(SymbolicSparseColMatRef::new_checked(n, n, column_ptr, None, rows), values)
 }
 
 /// Pseudo-random signs, always the same.

@@ -17,7 +17,7 @@ impl ScaledMatrix {
     /// Equilibrates a matrix.
     ///
     /// # Errors
-    /// See [`Equilibration::new`].
+    /// A row or column of zeros, or an entry that is not finite.
     ///
     /// # Panics
     /// The matrix is not square or not compressed by columns.
@@ -30,7 +30,7 @@ impl ScaledMatrix {
     /// As [`ScaledMatrix::new`], in recycled memory.
     ///
     /// # Errors
-    /// See [`Equilibration::new`]; there is no matrix then.
+    /// As [`ScaledMatrix::new`]; there is no matrix then.
     pub fn set(&mut self, matrix: MatrixView<'_>) -> Result<(), LinearError> {
         assert!(matrix.is_csc() && matrix.rows() == matrix.cols(), "a square matrix compressed by columns");
         let old = self.matrix.take();

@@ -105,7 +105,7 @@ fn two_blocks<const D: usize>(seed: u64, law: impl ContactLaw + 'static, test: &
     let obstacle = DeformableObstacle::new(bodies[1].surface().clone(), facets[1].clone()).unwrap();
     let pair = scene.pair(&form, &facets[0], &obstacle);
     let items = ContactItems::new(&pair, &scene.layout, 0.3);
-    let contact = ContactSites::new(&items, pair, &scene.layout);
+    let contact = ContactSites { items: &items, pair, layout: &scene.layout };
     let x = random.numbers(scene.layout.len(), 2.0);
     let n_items = work(contact.clone()).len();
     assert!(n_items < facets[0].len() && n_items > 0);

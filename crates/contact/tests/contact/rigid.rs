@@ -39,7 +39,7 @@ fn over_ground<const D: usize>(height: f64, law: impl ContactLaw + 'static, test
     let obstacle = ground();
     let pair = scene.pair(&form, &facets, &obstacle);
     let items = ContactItems::new(&pair, &scene.layout, 0.0);
-    test(&bodies[0], &scene, &ContactSites::new(&items, pair, &scene.layout));
+    test(&bodies[0], &scene, &ContactSites { items: &items, pair, layout: &scene.layout });
 }
 
 fn penalty() -> Penalty {
@@ -78,9 +78,9 @@ fn resultant_is_law_times_area<const D: usize>() {
         velocity[D - 1] = (sunk - height) / DT;
         let x = velocities(body, |_| velocity);
         let base: Vec<_> = body.surface().facets().filter(|&f| is_base(body, f)).collect();
-        let pair = ContactPair { facets: &base, ..contact.pair().clone() };
+        let pair = ContactPair { facets: &base, ..contact.pair.clone() };
         let items = ContactItems::new(&pair, &scene.layout, 0.0);
-        let contact = ContactSites::new(&items, pair, &scene.layout);
+        let contact = ContactSites { items: &items, pair, layout: &scene.layout };
         let report = ContactReport::new(&contact, &x);
         let pressure = GAMMA / SIZE * (OFFSET - sunk);
         assert!((report.active_area - 1.0).abs() < 1e-13);

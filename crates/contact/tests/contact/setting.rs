@@ -76,7 +76,7 @@ impl<'a, const D: usize> Scene<'a, D> {
         tolerance: f64,
     ) -> (ContactReport<D>, Vec<BodyState<D>>, usize) {
         let items = ContactItems::new(&pair, &self.layout, reach);
-        let sites = ContactSites::new(&items, pair, &self.layout);
+        let sites = ContactSites { items: &items, pair, layout: &self.layout };
         let mut x = self.guess();
         let iterations = self.solve(sites.clone(), &mut x, tolerance).iterations;
         (ContactReport::new(&sites, &x), self.end(&x), iterations)
@@ -140,7 +140,7 @@ impl Random {
 /// Residual of a contact.
 pub(crate) fn residual<const D: usize>(sites: &ContactSites<'_, D>, x: &[f64]) -> Vec<f64> {
     let work = work(sites.clone());
-    let mut system = BlockSystem::new(sites.layout(), &[&work], &Constraints::new());
+    let mut system = BlockSystem::new(sites.layout, &[&work], &Constraints::new());
     system.assemble_residual(&[&work], x);
     system.residual().to_vec()
 }

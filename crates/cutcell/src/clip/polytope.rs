@@ -81,11 +81,6 @@ impl<'a, const D: usize> Polytope<'a, D> {
         self.for_each_simplex(|points| volume += signed_volume(points, doubt).max(0.0));
         volume
     }
-
-    /// The mean of the points, which lies inside.
-    pub fn inner_point(&self) -> Point<D> {
-        self.points.iter().sum::<Point<D>>() / self.points.len() as f64
-    }
 }
 
 /// Polytopes, stored in four arrays.

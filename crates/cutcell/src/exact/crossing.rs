@@ -7,6 +7,7 @@ use mesh::Point;
 use robust::{Coord, Coord3D, orient2d, orient3d};
 
 use super::integer::Exact;
+use super::number::Number;
 
 fn coord<const D: usize>(x: &Point<D>) -> Coord<f64> {
     Coord { x: x[0], y: x[1] }

@@ -2,6 +2,8 @@
 
 use smallvec::{SmallVec, smallvec};
 
+use super::number::Number;
+
 /// Digits to the base 2⁶⁴, the lowest first.
 type Digits = SmallVec<[u64; 4]>;
 
@@ -38,12 +40,22 @@ impl Exact {
         Self::new(value < 0, &[low as u64, (low >> 64) as u64, high], power.div_euclid(64))
     }
 
-    pub(super) fn of(value: f64) -> Self {
+    /// The leading digits with the sign, and the power of 2⁶⁴ of their unit.
+    fn leading(&self) -> (f64, i32) {
+        let base = 2.0_f64.powi(64);
+        let magnitude = self.digits.iter().rev().take(3).fold(0.0, |value, &digit| value * base + digit as f64);
+        let power = self.exponent + self.digits.len().saturating_sub(3) as i32;
+        (if self.is_negative { -magnitude } else { magnitude }, power)
+    }
+}
+
+impl Number for Exact {
+    fn of(value: f64) -> Self {
         let (mantissa, power) = decompose(value);
         Self::of_integer(mantissa, power)
     }
 
-    pub(super) fn difference(a: f64, b: f64) -> Self {
+    fn difference(a: f64, b: f64) -> Self {
         let ((x, p), (y, q)) = (decompose(a), decompose(b));
         let low = p.min(q);
         if x == 0 || y == 0 || p.max(q) - low > 64 {
@@ -53,8 +65,7 @@ impl Exact {
         Self::of_integer((x << (p - low)) - (y << (q - low)), low)
     }
 
-    /// Computes the sum of products `±a b`; terms with the mark `true` are subtracted.
-    pub(super) fn sum_of_products(terms: &[(bool, &Self, &Self)]) -> Self {
+    fn sum_of_products(terms: &[(bool, &Self, &Self)]) -> Self {
         let (mut low, mut high) = (i32::MAX, i32::MIN);
         for (_, a, b) in terms.iter().filter(|(_, a, b)| !a.digits.is_empty() && !b.digits.is_empty()) {
             low = low.min(a.exponent + b.exponent);
@@ -86,24 +97,20 @@ impl Exact {
         Self::new(is_negative, &sum, low)
     }
 
-    /// Floating-point approximation with the correct sign, clamped to the range of floating-point numbers.
-    pub(super) fn value(&self) -> f64 {
+    /// Clamped to the range of floating-point numbers, with the correct sign.
+    fn value(&self) -> f64 {
         let (leading, power) = self.leading();
         leading * 2.0_f64.powi((64 * power).clamp(-900, 800))
     }
 
-    /// Floating-point approximation of the quotient, also for numbers beyond the range of floating point.
-    pub(super) fn over(&self, other: &Self) -> f64 {
+    /// Holds for numbers beyond the range of floating point as well.
+    fn over(&self, other: &Self) -> f64 {
         let ((a, p), (b, q)) = (self.leading(), other.leading());
         a / b * 2.0_f64.powi((64 * (p - q)).clamp(-900, 800))
     }
 
-    /// The leading digits with the sign, and the power of 2⁶⁴ of their unit.
-    fn leading(&self) -> (f64, i32) {
-        let base = 2.0_f64.powi(64);
-        let magnitude = self.digits.iter().rev().take(3).fold(0.0, |value, &digit| value * base + digit as f64);
-        let power = self.exponent + self.digits.len().saturating_sub(3) as i32;
-        (if self.is_negative { -magnitude } else { magnitude }, power)
+    fn doubt(&self) -> f64 {
+        0.0
     }
 }
 

@@ -1,7 +1,5 @@
 //! Numbers with certain signs.
 
-use super::integer::Exact;
-
 /// A number with a bound of its error.
 pub(super) trait Number: Clone + Default {
     /// Converts a floating-point number exactly.
@@ -21,32 +19,6 @@ pub(super) trait Number: Clone + Default {
     fn certain(&self) -> Option<f64> {
         let (value, doubt) = (self.value(), self.doubt());
         (value.abs() > doubt || doubt == 0.0).then_some(value)
-    }
-}
-
-impl Number for Exact {
-    fn of(value: f64) -> Self {
-        Self::of(value)
-    }
-
-    fn difference(a: f64, b: f64) -> Self {
-        Self::difference(a, b)
-    }
-
-    fn sum_of_products(terms: &[(bool, &Self, &Self)]) -> Self {
-        Self::sum_of_products(terms)
-    }
-
-    fn value(&self) -> f64 {
-        self.value()
-    }
-
-    fn over(&self, other: &Self) -> f64 {
-        self.over(other)
-    }
-
-    fn doubt(&self) -> f64 {
-        0.0
     }
 }
 

@@ -7,4 +7,4 @@ mod surface;
 
 pub use cells::CellIndex;
 pub use closest::{Feature, Foot, VertexToFacet};
-pub use surface::{ClosestPoint, SignedClosestPoint, SurfaceIndex};
+pub use surface::{ClosestPoint, SurfaceIndex};

@@ -1,11 +1,8 @@
-//! Closest points of a surface, with the side on which a point lies.
+//! Closest points of a surface, and the side on which a point lies.
 
 use super::closest::{Feature, Foot, TIE, VertexToFacet};
 use super::parry::BoxTree;
-use crate::{Aabb, BoundaryMesh, FacetId, MAX_FACET_VERTICES, Placed, Point, Vector};
-
-/// Distances below this times the largest coordinate are round-off and have no direction.
-const ROUND_OFF: f64 = 16.0 * f64::EPSILON;
+use crate::{Aabb, BoundaryMesh, FacetId, MAX_FACET_VERTICES, Placed, Point, Vector, VertexId};
 
 /// The point of a surface closest to a given one.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,20 +22,6 @@ impl<const D: usize> ClosestPoint<D> {
     pub fn reach(&self, x: &Point<D>) -> f64 {
         (self.point - x).norm() * (1.0 + TIE)
     }
-}
-
-/// The closest point of a surface, with signed distance and direction.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SignedClosestPoint<const D: usize> {
-    /// The closest point.
-    pub closest: ClosestPoint<D>,
-    /// Unit direction of increasing distance, out of the solid.
-    ///
-    /// Inside a facet, this is the normal of the facet. On an edge or vertex, it is the direction between the two
-    /// points, or the pseudo-normal if they coincide.
-    pub normal: Vector<D>,
-    /// Distance, positive outside of the solid, negative inside.
-    pub distance: f64,
 }
 
 /// Search structure for the facets of a surface at fixed positions.
@@ -84,23 +67,25 @@ impl<const D: usize> SurfaceIndex<D> {
         Some(ClosestPoint { point: foot.point, facet, barycentric: foot.barycentric, feature })
     }
 
-    /// Returns the closest point with signed distance, or `None` as [`SurfaceIndex::closest`] does.
+    /// Returns the distance from the surface, positive outside of the solid and negative inside, or `None` as
+    /// [`SurfaceIndex::closest`] does.
     ///
     /// The sign is correct for every closed surface that does not intersect itself, see
     /// [`VertexToFacet::pseudo_normal`].
-    pub fn closest_signed(&self, x: &Point<D>) -> Option<SignedClosestPoint<D>> {
+    pub fn signed_distance(&self, x: &Point<D>) -> Option<f64> {
         let closest = self.closest(x)?;
-        let position = |vertex: crate::VertexId| self.positions[vertex.index()];
-        let outward = self.vertex_to_facet.pseudo_normal(&self.boundary, position, closest.facet, closest.feature);
         let offset = x - closest.point;
-        let along = offset.dot(&outward);
-        if closest.feature == Feature::Facet {
-            return Some(SignedClosestPoint { closest, normal: outward, distance: along });
-        }
-        let distance = if along < 0.0 { -offset.norm() } else { offset.norm() };
-        let has_direction = distance.abs() > ROUND_OFF * x.amax().max(closest.point.amax());
-        let normal = if has_direction { offset / distance } else { outward };
-        Some(SignedClosestPoint { closest, normal, distance })
+        let along = offset.dot(&self.pseudo_normal(&closest));
+        Some(match closest.feature {
+            Feature::Facet => along,
+            _ if along < 0.0 => -offset.norm(),
+            _ => offset.norm(),
+        })
+    }
+
+    fn pseudo_normal(&self, at: &ClosestPoint<D>) -> Vector<D> {
+        let position = |vertex: VertexId| self.positions[vertex.index()];
+        self.vertex_to_facet.pseudo_normal(&self.boundary, position, at.facet, at.feature)
     }
 
     /// Replaces `out` by all facets whose bounding boxes overlap `region`, in ascending order.
@@ -116,32 +101,25 @@ impl<const D: usize> SurfaceIndex<D> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::VertexId;
     use crate::generate::structured_box;
 
     #[test]
-    fn a_corner_has_features_and_directions() {
+    fn a_corner_has_features_and_distances() {
         let mesh = structured_box([0.0, 0.0], [1.0, 1.0], [1, 1]).unwrap();
         let boundary = mesh.boundary();
         let index = SurfaceIndex::new(&Placed::new(&boundary, mesh.vertices()));
-        let at = |x: f64, y: f64| index.closest_signed(&Point::<2>::new(x, y)).unwrap();
-
-        let beside = at(1.5, 0.25);
-        assert_eq!((beside.closest.feature, beside.distance), (Feature::Facet, 0.5));
-        assert_eq!(beside.normal, Vector::<2>::new(1.0, 0.0));
-        assert_eq!(beside.closest.point, Point::<2>::new(1.0, 0.25));
-
-        let off_corner = at(4.0, 5.0);
-        assert!(matches!(off_corner.closest.feature, Feature::Vertex(_)));
-        assert!((off_corner.distance - 5.0).abs() < 1e-14);
-        assert!((off_corner.normal - Vector::<2>::new(0.6, 0.8)).norm() < 1e-14);
-
-        let on_corner = at(1.0, 1.0);
-        assert_eq!(on_corner.distance, 0.0);
-        assert!((on_corner.normal - Vector::<2>::repeat(0.5_f64.sqrt())).norm() < 1e-14);
-
-        let inside = at(0.5, 0.125);
-        assert_eq!((inside.distance, inside.normal), (-0.125, Vector::<2>::new(0.0, -1.0)));
+        let at = |x: f64, y: f64| {
+            let x = Point::<2>::new(x, y);
+            (index.closest(&x).unwrap(), index.signed_distance(&x).unwrap())
+        };
+        let (beside, distance) = at(1.5, 0.25);
+        assert_eq!((beside.feature, beside.point, distance), (Feature::Facet, Point::<2>::new(1.0, 0.25), 0.5));
+        let (off_corner, distance) = at(4.0, 5.0);
+        assert!(matches!(off_corner.feature, Feature::Vertex(_)) && (distance - 5.0).abs() < 1e-14);
+        let (on_corner, distance) = at(1.0, 1.0);
+        assert_eq!(distance, 0.0);
+        assert!((index.pseudo_normal(&on_corner) - Vector::<2>::repeat(0.5_f64.sqrt())).norm() < 1e-14);
+        assert_eq!(at(0.5, 0.125).1, -0.125);
     }
 
     #[test]
@@ -150,10 +128,10 @@ mod tests {
         let positions = [(0.0, 0.0), (2.0, -1.0), (0.0, 3.0), (-2.0, -1.0)].map(|(x, y)| Point::<2>::new(x, y));
         let boundary = BoundaryMesh::<2>::from_facets([0, 1, 1, 2, 2, 3, 3, 0].map(VertexId).to_vec());
         let index = SurfaceIndex::new(&Placed::new(&boundary, &positions));
-        let inside = index.closest_signed(&Point::<2>::new(0.0, 0.5)).unwrap();
-        assert_eq!(inside.closest.feature, Feature::Vertex(VertexId(0)));
-        assert_eq!((inside.distance, inside.normal), (-0.5, Vector::<2>::new(0.0, -1.0)));
-        assert!(index.closest_signed(&Point::<2>::new(0.0, -0.5)).unwrap().distance > 0.0);
+        let inside = Point::<2>::new(0.0, 0.5);
+        assert_eq!(index.closest(&inside).unwrap().feature, Feature::Vertex(VertexId(0)));
+        assert_eq!(index.signed_distance(&inside), Some(-0.5));
+        assert!(index.signed_distance(&Point::<2>::new(0.0, -0.5)).unwrap() > 0.0);
     }
 
     #[test]
@@ -161,14 +139,13 @@ mod tests {
         let mesh = structured_box([0.0; 3], [1.0; 3], [1; 3]).unwrap();
         let boundary = mesh.boundary();
         let index = SurfaceIndex::new(&Placed::new(&boundary, mesh.vertices()));
-        let found = index.closest_signed(&Point::<3>::new(1.3, 0.5, 1.4)).unwrap();
-        assert_eq!(found.closest.feature, Feature::Edge([VertexId(5), VertexId(7)]));
-        assert!((found.distance - 0.5).abs() < 1e-14);
-        assert!((found.normal - Vector::<3>::new(0.6, 0.0, 0.8)).norm() < 1e-14);
-        let on_edge = index.closest_signed(&Point::<3>::new(1.0, 0.5, 1.0)).unwrap();
-        assert!((on_edge.normal - Vector::<3>::new(0.5_f64.sqrt(), 0.0, 0.5_f64.sqrt())).norm() < 1e-14);
-        let on_corner = index.closest_signed(&Point::<3>::repeat(1.0)).unwrap();
-        assert!((on_corner.normal - Vector::<3>::repeat(1.0 / 3.0_f64.sqrt())).norm() < 1e-14);
+        let beyond = Point::<3>::new(1.3, 0.5, 1.4);
+        assert_eq!(index.closest(&beyond).unwrap().feature, Feature::Edge([VertexId(5), VertexId(7)]));
+        assert!((index.signed_distance(&beyond).unwrap() - 0.5).abs() < 1e-14);
+        let normal = |x: Point<3>| index.pseudo_normal(&index.closest(&x).unwrap());
+        let on_edge = Vector::<3>::new(0.5_f64.sqrt(), 0.0, 0.5_f64.sqrt());
+        assert!((normal(Point::<3>::new(1.0, 0.5, 1.0)) - on_edge).norm() < 1e-14);
+        assert!((normal(Point::<3>::repeat(1.0)) - Vector::<3>::repeat(1.0 / 3.0_f64.sqrt())).norm() < 1e-14);
     }
 
     #[test]
@@ -177,7 +154,7 @@ mod tests {
         assert!(SurfaceIndex::new(&Placed::new(&empty, &[])).closest(&Point::<2>::zeros()).is_none());
         let one = BoundaryMesh::<2>::from_facets(vec![VertexId(0), VertexId(0)]);
         let index = SurfaceIndex::new(&Placed::new(&one, &[Point::<2>::new(1.0, 0.0)]));
-        assert_eq!(index.closest_signed(&Point::<2>::zeros()).unwrap().distance, 1.0);
+        assert_eq!(index.signed_distance(&Point::<2>::zeros()), Some(1.0));
         assert!(index.closest(&Point::<2>::new(f64::NAN, 0.0)).is_none());
     }
 }

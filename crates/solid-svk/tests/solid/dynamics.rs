@@ -32,27 +32,6 @@ fn free_vibration_loses_energy_and_keeps_momentum() {
     assert!(before.energy() > 0.3 * start);
 }
 
-fn falls_freely<const D: usize>() {
-    let mesh = unit_box::<D>(2);
-    let mut gravity = Vector::<D>::zeros();
-    gravity[D - 1] = -981.0;
-    let form = SolidForm::new(2.5, ball_material(), gravity).unwrap();
-    let mut level = at_rest(&mesh);
-    for _ in 0..5 {
-        level = advance(&mesh, &form, &ImplicitEuler, 1e-2, 1e-12, &level);
-    }
-    // Implicit Euler: v = n dt g, d = n (n + 1)/2 dt² g.
-    for (d, v) in level.displacement.iter().zip(&level.velocity) {
-        assert!((v - gravity * 0.05).norm() < 1e-8 && (d - gravity * 15e-4).norm() < 1e-9);
-    }
-}
-
-#[test]
-fn falls_freely_in_2d_and_3d() {
-    falls_freely::<2>();
-    falls_freely::<3>();
-}
-
 #[test]
 fn balances_of_a_turning_and_rising_square() {
     let mesh = unit_box::<2>(4);
