@@ -140,7 +140,16 @@ impl<const D: usize> RunFiles<D> {
         Ok(())
     }
 
-    fn write_step(&mut self, view: &StepView<'_, D>) -> Result<(), Error> {
+    fn write_summary(&mut self) -> Result<(), Error> {
+        let summary = &mut self.summary.summary;
+        summary.wall_seconds = self.begin.elapsed().as_secs_f64();
+        summary.peak_rss_bytes = peak_rss_bytes();
+        summary.write(&self.directory.join("summary.json"))
+    }
+}
+
+impl<const D: usize> Observer<D> for RunFiles<D> {
+    fn after_step(&mut self, view: &StepView<'_, D>) -> Result<(), ObserverError> {
         let clock = Instant::now();
         let step = view.state.step;
         let every = self.output.vtk_every;
@@ -157,19 +166,6 @@ impl<const D: usize> RunFiles<D> {
             self.write_summary()?;
         }
         Ok(())
-    }
-
-    fn write_summary(&mut self) -> Result<(), Error> {
-        let summary = &mut self.summary.summary;
-        summary.wall_seconds = self.begin.elapsed().as_secs_f64();
-        summary.peak_rss_bytes = peak_rss_bytes();
-        summary.write(&self.directory.join("summary.json"))
-    }
-}
-
-impl<const D: usize> Observer<D> for RunFiles<D> {
-    fn after_step(&mut self, view: &StepView<'_, D>) -> Result<(), ObserverError> {
-        Ok(self.write_step(view)?)
     }
 }
 

@@ -1,6 +1,6 @@
 //! From the values of a scenario to a problem of dimension 2 or 3.
 
-use algebra::Workspace;
+use algebra::{NewtonSettings, Workspace};
 use cutcell::{CutMesh, OverlayOptions};
 use mesh::{Aabb, FacetId, Placed, Point};
 use solver::{FluidBoundary, FluidSetup, Setup};
@@ -56,7 +56,7 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
     if scenario.dimension != D {
         return Err(root.invalid(format!("the scenario has dimension {}, not {D}", scenario.dimension)));
     }
-    let time = &scenario.time;
+    let (time, newton) = (&scenario.time, &scenario.solver.newton);
     let missing = |key| root.error(ErrorKind::Missing(key));
     let fluid = match (&scenario.fluid, &scenario.background, &scenario.interface) {
         (Some(given), Some(background), Some(interface)) => {
@@ -79,7 +79,7 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
         contacts,
         dt: *time.step,
         most_halvings: time.most_halvings,
-        newton: scenario.solver.newton.settings(),
+        newton: NewtonSettings { max_iterations: newton.max_iterations, ..NewtonSettings::new(newton.tolerance) },
     };
     let is_symmetry = |(_, condition): &(_, FluidBoundary<D>)| matches!(condition, FluidBoundary::Symmetry { .. });
     let mut bottom = 0.0;

@@ -1,9 +1,6 @@
 //! Time steps, Newton's method and linear solver of a scenario.
 
-use algebra::{
-    BlockGaussSeidel, BlockGaussSeidelSettings, BlockSolver, Fill, LaggedSettings, LaggedSolver, NewtonSettings,
-    Workspace,
-};
+use algebra::{BlockGaussSeidel, BlockGaussSeidelSettings, BlockSolver, Fill, LaggedSettings, LaggedSolver, Workspace};
 
 use super::error::{ErrorKind, ScenarioError};
 use super::key::Quantity;
@@ -138,12 +135,6 @@ choices! {
         Ilu = "ilu",
         /// Incomplete LU with a threshold.
         Ilut = "ilut",
-    }
-}
-
-impl Newton {
-    pub(super) fn settings(&self) -> NewtonSettings {
-        NewtonSettings { max_iterations: self.max_iterations, ..NewtonSettings::new(self.tolerance) }
     }
 }
 
