@@ -48,14 +48,9 @@ fn block(bottom: f64, n: usize, top: f64) -> Result<Elastic<2>, Failure> {
     Ok(body)
 }
 
-/// Deviation of force and displacement from the uniform state, relative to the pressure and the push.
-struct Deviation {
-    force: f64,
-    displacement: f64,
-}
-
-/// Blocks in a pile with the given bottoms, the highest one first and pushed.
-fn deviation(mut run: Run, bottoms: &[f64]) -> Result<Deviation, Failure> {
+/// Deviation of force and displacement from the uniform state, relative to the pressure and the push, of blocks in a pile
+/// with the given bottoms, the highest one first and pushed.
+fn deviation(mut run: Run, bottoms: &[f64]) -> Result<[f64; 2], Failure> {
     let report = run.advance()?;
     let stretch = stretch(bottoms.len() as f64);
     let force = (report.contacts[0].force[1] - pressure(stretch)).abs() / pressure(stretch);
@@ -69,16 +64,16 @@ fn deviation(mut run: Run, bottoms: &[f64]) -> Result<Deviation, Failure> {
             displacement = displacement.max((d - exact).norm() / PUSHED);
         }
     }
-    Ok(Deviation { force, displacement })
+    Ok([force, displacement])
 }
 
-fn on_a_plane(n: usize) -> Result<Deviation, Failure> {
+fn on_a_plane(n: usize) -> Result<[f64; 2], Failure> {
     let body = block(0.0, n, PUSHED)?;
     let contact = floor(body.part("bottom")?, STIFFNESS, 1.0)?;
     deviation(run(vec![body], Some(contact), 1.0, 1e-11)?, &[0.0])
 }
 
-fn two(n_slave: usize, n_master: usize) -> Result<Deviation, Failure> {
+fn two(n_slave: usize, n_master: usize) -> Result<[f64; 2], Failure> {
     let (upper, lower) = (block(1.0, n_slave, PUSHED)?, block(0.0, n_master, 0.0)?);
     let surface = DeformableObstacle::new(lower.solid.boundary().clone(), lower.part("top")?)?;
     let contact = Touch {
@@ -91,13 +86,13 @@ fn two(n_slave: usize, n_master: usize) -> Result<Deviation, Failure> {
 }
 
 pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
-    let plane = on_a_plane(if record.full { 16 } else { 5 })?;
-    record.at_most("block on a plane: error of the force, relative", plane.force, ROUND_OFF);
-    record.at_most("block on a plane: error of displacement relative to the push", plane.displacement, ROUND_OFF);
+    let [force, displacement] = on_a_plane(if record.full { 16 } else { 5 })?;
+    record.at_most("block on a plane: error of the force, relative", force, ROUND_OFF);
+    record.at_most("block on a plane: error of displacement relative to the push", displacement, ROUND_OFF);
     for (slave, master) in [(3, 3), (8, 4), (4, 3), (3, 4), (16, 3)] {
-        let blocks = two(slave, master)?;
-        record.at_most(format!("blocks of {slave} on {master}: force"), blocks.force, ROUND_OFF);
-        record.at_most(format!("blocks of {slave} on {master}: displacement"), blocks.displacement, ROUND_OFF);
+        let [force, displacement] = two(slave, master)?;
+        record.at_most(format!("blocks of {slave} on {master}: force"), force, ROUND_OFF);
+        record.at_most(format!("blocks of {slave} on {master}: displacement"), displacement, ROUND_OFF);
     }
     record.show("two blocks: pressure", pressure(stretch(2.0)), Some(0.66667));
     record.note(
