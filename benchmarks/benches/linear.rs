@@ -65,7 +65,7 @@ fn coupled(c: &mut Criterion) {
     group.finish();
 }
 
-/// Steady Stokes flow around a cut disk and a cut sphere.
+/// Measures steady Stokes flow around a cut disk and a cut sphere.
 fn stokes(c: &mut Criterion) {
     let mut group = c.benchmark_group("linear");
     group.sample_size(10).measurement_time(Duration::from_secs(3)).warm_up_time(Duration::from_millis(500));

@@ -77,7 +77,7 @@ fn stokes(n: u32, solver: &mut dyn LinearSolver) -> Result<String, Box<dyn std::
     Ok(format!("{n_unknowns} unknowns, {total:.3} s (set-up {set_up:.3}), {} iterations", report.iterations))
 }
 
-/// Processor time of this process, s.
+/// Returns the processor time of this process, s.
 fn processor_time() -> Result<f64, Box<dyn std::error::Error>> {
     /// Unit of the counters of Linux.
     const TICKS_PER_SECOND: f64 = 100.0;
@@ -87,7 +87,7 @@ fn processor_time() -> Result<f64, Box<dyn std::error::Error>> {
     Ok(ticks / TICKS_PER_SECOND)
 }
 
-/// Largest resident memory of this process, kB, if the system provides it.
+/// Returns the largest resident memory of this process, kB, if the system provides it.
 fn peak_memory() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?.split_whitespace().next()?.parse().ok()

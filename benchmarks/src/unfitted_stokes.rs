@@ -40,7 +40,7 @@ const NITSCHE: f64 = 20.0;
 const PRESSURE: f64 = 0.05;
 const GHOST: f64 = 0.1;
 
-/// Velocity of the solution, `(sin πx cos πy, -cos πx sin πy)`, without third component.
+/// Returns the velocity of the solution, `(sin πx cos πy, -cos πx sin πy)`, without third component.
 fn velocity<const D: usize>(x: &Point<D>, _time: f64) -> Vector<D> {
     let ((sx, cx), (sy, cy)) = ((PI * x[0]).sin_cos(), (PI * x[1]).sin_cos());
     let mut u = Vector::zeros();
@@ -49,7 +49,7 @@ fn velocity<const D: usize>(x: &Point<D>, _time: f64) -> Vector<D> {
     u
 }
 
-/// Gradient of the velocity.
+/// Returns the gradient of the velocity.
 fn velocity_gradient<const D: usize>(x: &Point<D>) -> Tensor<D> {
     let ((sx, cx), (sy, cy)) = ((PI * x[0]).sin_cos(), (PI * x[1]).sin_cos());
     let mut gradient = Tensor::zeros();
@@ -60,12 +60,12 @@ fn velocity_gradient<const D: usize>(x: &Point<D>) -> Tensor<D> {
     gradient
 }
 
-/// Pressure of the solution, `sin πx cos πy`.
+/// Returns the pressure of the solution, `sin πx cos πy`.
 fn pressure<const D: usize>(x: &Point<D>) -> f64 {
     (PI * x[0]).sin() * (PI * x[1]).cos()
 }
 
-/// Body force, `2 π² μ u + ∇p`.
+/// Returns the body force, `2 π² μ u + ∇p`.
 fn force<const D: usize>(x: &Point<D>, _time: f64) -> Vector<D> {
     let ((sx, cx), (sy, cy)) = ((PI * x[0]).sin_cos(), (PI * x[1]).sin_cos());
     let viscous = 2.0 * PI * PI * VISCOSITY;
@@ -75,12 +75,12 @@ fn force<const D: usize>(x: &Point<D>, _time: f64) -> Vector<D> {
     f
 }
 
-/// Traction of the solution with the published forms, `μ ∇u n - p n`.
+/// Returns the traction of the solution with the published forms, `μ ∇u n - p n`.
 fn published_traction<const D: usize>(x: &Point<D>, n: &Vector<D>, _time: f64) -> Vector<D> {
     velocity_gradient(x) * n * VISCOSITY - n * pressure(x)
 }
 
-/// Traction of the solution, `T n`.
+/// Returns the traction of the solution, `T n`.
 fn traction<const D: usize>(x: &Point<D>, n: &Vector<D>, _time: f64) -> Vector<D> {
     NewtonianFluid { density: 1.0, viscosity: VISCOSITY }.stress(pressure(x), &velocity_gradient(x)) * n
 }
@@ -155,7 +155,7 @@ impl<const D: usize> UnfittedStokes<D> {
         self
     }
 
-    /// Number of active elements: cells with fluid.
+    /// Returns the number of active elements: cells with fluid.
     pub fn n_active(&self) -> usize {
         self.background.cells().filter(|&cell| self.cut.parts(cell).len() > 0).count()
     }

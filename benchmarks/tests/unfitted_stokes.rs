@@ -23,7 +23,7 @@ fn compare(table: [Row; 3], forms: fn(UnfittedStokes<2>) -> UnfittedStokes<2>) -
     })
 }
 
-/// Orders of convergence between a mesh and one of half its size.
+/// Returns the orders of convergence between a mesh and one of half its size.
 fn orders(coarse: [f64; 3], fine: [f64; 3]) -> [f64; 3] {
     [0, 1, 2].map(|k| (coarse[k] / fine[k]).log2())
 }

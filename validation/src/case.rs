@@ -66,17 +66,17 @@ pub(crate) fn scenario_path(name: &str) -> PathBuf {
     package().join("cases").join(name).with_extension("toml")
 }
 
-/// The stored values of the short versions.
+/// Returns the stored values of the short versions.
 pub(crate) fn quick_values_path() -> PathBuf {
     package().join("reference/quick/values.toml")
 }
 
-/// The names of all cases, in order.
+/// Returns the names of all cases, in order.
 pub(crate) fn names() -> std::io::Result<Vec<String>> {
     stems("reference")
 }
 
-/// The names of the TOML files in a folder of this package, in order.
+/// Returns the names of the TOML files in a folder of this package, in order.
 pub(crate) fn stems(folder: &str) -> std::io::Result<Vec<String>> {
     let mut names = Vec::new();
     for entry in fs::read_dir(package().join(folder))? {
@@ -91,12 +91,12 @@ pub(crate) fn stems(folder: &str) -> std::io::Result<Vec<String>> {
     Ok(names)
 }
 
-/// The reference of a case.
+/// Returns the reference of a case.
 pub(crate) fn read(name: &str) -> Result<Reference, String> {
     read_named("reference", "case", name)
 }
 
-/// The TOML file of a name in a folder of this package.
+/// Returns the TOML file of a name in a folder of this package.
 ///
 /// # Errors
 /// No file of this kind has that name, or it is invalid.
@@ -108,7 +108,7 @@ pub(crate) fn read_named<T: DeserializeOwned>(folder: &str, kind: &str, name: &s
     parse(&package().join(folder).join(format!("{name}.toml")))
 }
 
-/// The stored values of the short versions; none if there is no file.
+/// Returns the stored values of the short versions; none if there is no file.
 pub(crate) fn read_quick_values() -> Result<QuickValues, String> {
     let path = quick_values_path();
     if path.is_file() { parse(&path) } else { Ok(QuickValues::new()) }

@@ -8,8 +8,8 @@ use plotters::prelude::*;
 const SIZE: (u32, u32) = (720, 430);
 const FONT: &str = "sans-serif";
 
-/// A chart as the text of an SVG picture; if its horizontal axis is logarithmic, the vertical one is too. Points that such
-/// axes do not have are left out.
+/// Returns a chart as the text of an SVG picture; if its horizontal axis is logarithmic, the vertical one is too.
+/// Points that such axes do not have are left out.
 pub(crate) fn svg(chart: &Chart) -> Result<String, Failure> {
     let is_log = chart.x_is_log;
     let scale = |value: f64| if is_log { value.log10() } else { value };
@@ -59,7 +59,7 @@ pub(crate) fn svg(chart: &Chart) -> Result<String, Failure> {
     Ok(text)
 }
 
-/// The text of a tick: up to four significant digits.
+/// Returns the text of a tick: up to four significant digits.
 fn tick(value: f64) -> String {
     let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
     match rounded.abs() {

@@ -65,7 +65,7 @@ impl Compared {
     }
 }
 
-/// A metric as a number; a property is 0 or 1.
+/// Returns a metric as a number; a property is 0 or 1.
 pub(crate) fn as_number(metric: &Value) -> Option<f64> {
     metric.as_f64().or(metric.as_bool().map(|property| f64::from(u8::from(property))))
 }

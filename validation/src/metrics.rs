@@ -18,8 +18,8 @@ const EARLY: f64 = 0.01;
 /// Bodies this many times wider than high are plates.
 pub(crate) const PLATE: f64 = 8.0;
 
-/// The numbers and properties of a run by their keys: those of `summary.json`, those that only these cases need, and whether
-/// the run reached its end.
+/// Returns the numbers and properties of a run by their keys: those of `summary.json`, those that only these cases
+/// need, and whether the run reached its end.
 pub(crate) fn metrics(results: &Results, finished: bool) -> Result<Value, serde_json::Error> {
     let mut metrics = serde_json::to_value(&results.summary)?;
     let rebound = Rebound::new(results);
@@ -39,7 +39,7 @@ pub(crate) struct Rebound {
 }
 
 impl Rebound {
-    /// The rebound of a run; `None` if contact did not end.
+    /// Returns the rebound of a run; `None` if contact did not end.
     pub(crate) fn new(results: &Results) -> Option<Self> {
         let release = results.summary.release_time?;
         let distances = results.history.column(&format!("{}d_min", results.leading_prefix()))?;
@@ -49,7 +49,7 @@ impl Rebound {
     }
 }
 
-/// Vertical velocity of the centre of the leading body after 10 ms, divided by that time.
+/// Returns the vertical velocity of the centre of the leading body after 10 ms, divided by that time.
 fn early_acceleration(results: &Results) -> Option<f64> {
     let times = results.history.column("time")?;
     let velocities = results.history.column(&format!("{}centre_velocity", results.leading_prefix()))?;
@@ -57,7 +57,7 @@ fn early_acceleration(results: &Results) -> Option<f64> {
     Some(velocity / time)
 }
 
-/// Median over the steps of the time of all stages together.
+/// Returns the median over the steps of the time of all stages together.
 fn median_step_seconds(history: &HistoryTable) -> Option<f64> {
     let stages = ["cut", "space", "assembly", "linear", "output"];
     let columns: Option<Vec<Vec<f64>>> =
@@ -67,7 +67,7 @@ fn median_step_seconds(history: &HistoryTable) -> Option<f64> {
     median(&mut steps)
 }
 
-/// The median; `None` of nothing.
+/// Returns the median; `None` of nothing.
 pub(crate) fn median(values: &mut [f64]) -> Option<f64> {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied()
@@ -156,14 +156,14 @@ impl<const D: usize> Observer<D> for ThicknessRows {
     }
 }
 
-/// Whether a body is many times wider than high. Of a plate that a plane of symmetry cuts there is one half.
+/// Returns whether a body is many times wider than high. Of a plate that a plane of symmetry cuts there is one half.
 pub(crate) fn is_plate<const D: usize>(body: &dyn Body<D>) -> bool {
     let extent = Aabb::of_points(body.reference()).extent();
     (0..D - 1).all(|k| extent[k] > 0.5 * PLATE * extent[D - 1])
 }
 
-/// Smallest height of a body over its width: upper minus lower side. Both are straight between the vertices, so that the
-/// smallest value is at one of them.
+/// Returns the smallest height of a body over its width: upper minus lower side. Both are straight between the
+/// vertices, so that the smallest value is at one of them.
 fn smallest_thickness<const D: usize>(body: &dyn Body<D>, positions: &[Point<D>]) -> f64 {
     let boundary = body.surface();
     let edges: Vec<[[f64; 2]; 2]> = boundary

@@ -7,7 +7,7 @@ pub(crate) type Failure = Box<dyn Error>;
 /// Whether all checks of a command hold.
 pub(crate) type Outcome = Result<bool, Failure>;
 
-/// The causes of an error, the nearest one first.
+/// Returns the causes of an error, the nearest one first.
 pub(crate) fn causes(error: &dyn Error) -> impl Iterator<Item = &(dyn Error + 'static)> {
     std::iter::successors(error.source(), |cause| (*cause).source())
 }

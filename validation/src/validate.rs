@@ -19,9 +19,9 @@ use crate::table;
 /// Time between two lines of progress.
 const PROGRESS: Duration = Duration::from_secs(10);
 
-/// Runs cases (all if none is named) and prints a table for each; true if every verdict is good. They are run with the
-/// resolution of the paper and compared with it, or with coarse meshes and compared with our own stored values, which may be
-/// stored anew.
+/// Returns the runs cases (all if none is named) and prints a table for each; true if every verdict is good. They are
+/// run with the resolution of the paper and compared with it, or with coarse meshes and compared with our own stored
+/// values, which may be stored anew.
 ///
 /// # Errors
 /// There is no such case, or a file cannot be read or written.

@@ -67,7 +67,7 @@ impl BlockSystem {
         Self::default().recycle(layout, contributions, constraints)
     }
 
-    /// As [`BlockSystem::new`], in the memory of an old system of any size.
+    /// Creates a system as [`BlockSystem::new`] does, in the memory of an old system of any size.
     pub fn recycle(
         mut self,
         layout: &BlockLayout,
@@ -183,7 +183,7 @@ impl BlockSystem {
         self.evaluate(contributions, x, None);
     }
 
-    /// Residual at `x`, and the matrix before elimination if it is wanted.
+    /// Evaluates the residual at `x` and, on request, the matrix before elimination.
     fn evaluate(&mut self, contributions: &[&dyn Contributions], x: &[f64], mut values: Option<&mut [f64]>) {
         assert_eq!(x.len(), self.pattern.n_unknowns(), "length of the state");
         let mut residual = std::mem::take(&mut self.residual);
@@ -223,17 +223,17 @@ impl BlockSystem {
         });
     }
 
-    /// The fields of the unknowns.
+    /// Returns the fields of the unknowns.
     pub fn layout(&self) -> &BlockLayout {
         &self.layout
     }
 
-    /// The sparsity pattern.
+    /// Returns the sparsity pattern.
     pub fn pattern(&self) -> &Pattern {
         &self.pattern
     }
 
-    /// The matrix of the last assembly.
+    /// Returns the matrix of the last assembly.
     pub fn matrix(&self) -> MatrixView<'_> {
         let values = if self.matrix_is_linear { &self.linear_values } else { &self.values };
         let n = self.pattern.n_unknowns();
@@ -251,7 +251,7 @@ impl BlockSystem {
         outcome
     }
 
-    /// The matrix of the last [`BlockSystem::equilibrate`] as a linear system.
+    /// Returns the matrix of the last [`BlockSystem::equilibrate`] as a linear system.
     ///
     /// # Errors
     /// [`LinearError::NotFactorized`]: no matrix was equilibrated, or the last one has no scales.
@@ -259,14 +259,14 @@ impl BlockSystem {
         self.scaled.system(&self.layout)
     }
 
-    /// `‖R r‖`: Euclidean norm of the residual in the row scales of the last [`BlockSystem::equilibrate`], over the
-    /// unconstrained dofs (constrained rows of the residual are zero).
+    /// Returns `‖R r‖`: Euclidean norm of the residual in the row scales of the last [`BlockSystem::equilibrate`], over
+    /// the unconstrained dofs (constrained rows of the residual are zero).
     pub fn row_norm(&self) -> f64 {
         let scale = self.scaled.scales().row();
         self.residual.iter().zip(scale).map(|(r, s)| (r * s).powi(2)).sum::<f64>().sqrt()
     }
 
-    /// `‖C⁻¹ v‖`: Euclidean norm of a state or correction in the column scales of the last
+    /// Returns `‖C⁻¹ v‖`: Euclidean norm of a state or correction in the column scales of the last
     /// [`BlockSystem::equilibrate`], over the unconstrained dofs.
     pub fn column_norm(&self, v: &[f64]) -> f64 {
         let scale = self.scaled.scales().column();
@@ -274,27 +274,27 @@ impl BlockSystem {
         free.map(|((v, s), _)| (v / s).powi(2)).sum::<f64>().sqrt()
     }
 
-    /// The residual of the last assembly.
+    /// Returns the residual of the last assembly.
     pub fn residual(&self) -> &[f64] {
         &self.residual
     }
 
-    /// Whether a dof is constrained, for each dof.
+    /// Returns whether a dof is constrained, for each dof.
     pub fn constrained(&self) -> &[bool] {
         &self.constrained
     }
 
-    /// Whether every contribution is linear.
+    /// Returns whether every contribution is linear.
     pub fn is_linear(&self) -> bool {
         !self.has_nonlinear
     }
 
-    /// Wall-clock time in which the pattern was built, or found to be known.
+    /// Returns the wall-clock time in which the pattern was built, or found to be known.
     pub fn seconds_pattern(&self) -> f64 {
         self.seconds_pattern
     }
 
-    /// Times per contribution since the system was built.
+    /// Returns the times per contribution since the system was built.
     pub fn timings(&self) -> &[ContributionTiming] {
         &self.timings
     }

@@ -30,7 +30,7 @@ pub fn check_tangent(contribution: &dyn Contributions, x: &[f64], step: f64) -> 
     worst_tangent_entry(contribution, 0..contribution.len(), x, step).relative
 }
 
-/// As [`check_tangent`], for some items, with the place of the worst deviation.
+/// Checks some items as [`check_tangent`] does, and returns the place of the largest deviation.
 ///
 /// # Panics
 /// An item has a dof twice.

@@ -37,7 +37,7 @@ pub struct Constraints {
 }
 
 impl Constraints {
-    /// No constraint.
+    /// Creates a set without constraints.
     pub fn new() -> Self {
         Self::default()
     }
@@ -81,22 +81,22 @@ impl Constraints {
         }
     }
 
-    /// The prescribed value of a dof, if it is constrained.
+    /// Returns the prescribed value of a dof, if it is constrained.
     pub fn get(&self, dof: DofId) -> Option<f64> {
         self.values.get(&dof).copied()
     }
 
-    /// Number of dofs that are prescribed or tied.
+    /// Returns the number of dofs that are prescribed or tied.
     pub fn len(&self) -> usize {
         self.values.len() + self.ties.len()
     }
 
-    /// Whether no dof is constrained.
+    /// Returns whether no dof is constrained.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// All prescribed dofs with their values, in the order of the dofs.
+    /// Returns all prescribed dofs with their values, in the order of the dofs.
     pub fn iter(&self) -> impl Iterator<Item = (DofId, f64)> + '_ {
         self.values.iter().map(|(&dof, &value)| (dof, value))
     }

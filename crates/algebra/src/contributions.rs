@@ -7,10 +7,10 @@ use crate::{DofId, LocalSystem};
 /// Sparsity pattern, parallel assembly, finite-difference check and benchmarks are written once, for this trait. Weak
 /// forms implement it through [`crate::Integral`].
 pub trait Contributions: Sync {
-    /// Number of items.
+    /// Returns the number of items.
     fn len(&self) -> usize;
 
-    /// Whether there are no items.
+    /// Returns whether there are no items.
     fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -22,7 +22,7 @@ pub trait Contributions: Sync {
     /// dof of the item.
     fn add(&self, item: usize, x: &[f64], out: &mut LocalSystem);
 
-    /// Whether the tangent does not depend on `x`. Such contributions are assembled once per nonlinear solve.
+    /// Returns whether the tangent does not depend on `x`. Such contributions are assembled once per nonlinear solve.
     fn is_linear(&self) -> bool {
         false
     }
@@ -34,6 +34,6 @@ pub trait Contributions: Sync {
         0
     }
 
-    /// Name for timings and reports.
+    /// Returns the name for timings and reports.
     fn name(&self) -> &'static str;
 }

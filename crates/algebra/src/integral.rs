@@ -15,10 +15,10 @@ pub trait Sites: Sync {
     /// State and geometry that a term reads at one place.
     type Site;
 
-    /// Number of items.
+    /// Returns the number of items.
     fn len(&self) -> usize;
 
-    /// Whether there are no items.
+    /// Returns whether there are no items.
     fn is_empty(&self) -> bool {
         self.len() == 0
     }

@@ -7,14 +7,14 @@ use std::ops::Range;
 pub struct DofId(u32);
 
 impl DofId {
-    /// The dof at position `index` of the global vector.
+    /// Creates the dof at position `index` of the global vector.
     #[inline]
     pub const fn new(index: usize) -> Self {
         debug_assert!(index < u32::MAX as usize);
         Self(index as u32)
     }
 
-    /// Position in the global vector.
+    /// Returns the position in the global vector.
     #[inline]
     pub const fn index(self) -> usize {
         self.0 as usize
@@ -26,12 +26,12 @@ impl DofId {
 pub struct FieldId(u32);
 
 impl FieldId {
-    /// The field that was registered after `number` others.
+    /// Creates the field that was registered after `number` others.
     pub const fn new(number: usize) -> Self {
         Self(number as u32)
     }
 
-    /// Number of fields registered before this one.
+    /// Returns the number of fields registered before this one.
     #[inline]
     pub const fn index(self) -> usize {
         self.0 as usize
@@ -126,42 +126,42 @@ impl BlockLayout {
         FieldId::new(self.fields.len() - 1)
     }
 
-    /// Number of unknowns.
+    /// Returns the number of unknowns.
     pub fn len(&self) -> usize {
         self.n_dofs
     }
 
-    /// Whether there are no unknowns.
+    /// Returns whether there are no unknowns.
     pub fn is_empty(&self) -> bool {
         self.n_dofs == 0
     }
 
-    /// All fields in order.
+    /// Returns all fields in order.
     pub fn fields(&self) -> impl Iterator<Item = FieldId> + use<> {
         (0..self.fields.len()).map(FieldId::new)
     }
 
-    /// Name of a field.
+    /// Returns the name of a field.
     pub fn name(&self, field: FieldId) -> &str {
         &self.fields[field.index()].name
     }
 
-    /// Number of nodes of a field.
+    /// Returns the number of nodes of a field.
     pub fn n_nodes(&self, field: FieldId) -> usize {
         self.fields[field.index()].n_nodes
     }
 
-    /// Number of the set of nodes of a field; fields that share nodes have the same one.
+    /// Returns the number of the set of nodes of a field; fields that share nodes have the same one.
     pub fn node_set(&self, field: FieldId) -> usize {
         self.fields[field.index()].node_set
     }
 
-    /// Dofs of a field, as positions in the global vector.
+    /// Returns the dofs of a field, as positions in the global vector.
     pub fn range(&self, field: FieldId) -> Range<usize> {
         self.fields[field.index()].range()
     }
 
-    /// Dof of one component at a node.
+    /// Returns the dof of one component at a node.
     #[inline]
     pub fn dof(&self, field: FieldId, node: usize, component: usize) -> DofId {
         let Field { first_dof, components, .. } = self.fields[field.index()];
@@ -169,7 +169,7 @@ impl BlockLayout {
         DofId::new(first_dof + components * node + component)
     }
 
-    /// Dofs of all components at a node.
+    /// Returns the dofs of all components at a node.
     #[inline]
     pub fn node(&self, field: FieldId, node: usize) -> impl DoubleEndedIterator<Item = DofId> + use<> {
         let Field { first_dof, components, .. } = self.fields[field.index()];
@@ -178,7 +178,7 @@ impl BlockLayout {
         (first..first + components).map(DofId::new)
     }
 
-    /// Values of a field with `N` components at a node of the global vector `x`.
+    /// Returns the values of a field with `N` components at a node of the global vector `x`.
     ///
     /// # Panics
     /// The field has another number of components.
@@ -191,7 +191,7 @@ impl BlockLayout {
         values
     }
 
-    /// Values of a field with `N` components at all its nodes.
+    /// Returns the values of a field with `N` components at all its nodes.
     ///
     /// # Panics
     /// The field has another number of components.
@@ -206,7 +206,7 @@ impl BlockLayout {
         }
     }
 
-    /// Node of each dof, numbered over all fields.
+    /// Returns the node of each dof, numbered over all fields.
     pub fn nodes(&self) -> Vec<u32> {
         let of_field = |f: &Field| {
             let (first, components) = (f.first_node, f.components);
@@ -215,7 +215,7 @@ impl BlockLayout {
         self.fields.iter().flat_map(of_field).collect()
     }
 
-    /// Key of each dof.
+    /// Returns the key of each dof.
     pub fn keys(&self) -> Vec<DofKey> {
         let mut keys = Vec::with_capacity(self.n_dofs);
         for (number, field) in self.fields.iter().enumerate() {

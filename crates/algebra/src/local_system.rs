@@ -52,19 +52,19 @@ impl LocalSystem {
         self.tangent.resize(n * n, 0.0);
     }
 
-    /// Whether the tangent is read. A term may skip its tangent otherwise.
+    /// Returns whether the tangent is read. A term may skip its tangent otherwise.
     #[inline]
     pub fn wants_tangent(&self) -> bool {
         !self.residual_only
     }
 
-    /// Number of unknowns.
+    /// Returns the number of unknowns.
     #[inline]
     pub fn len(&self) -> usize {
         self.n
     }
 
-    /// Whether there are no unknowns.
+    /// Returns whether there are no unknowns.
     pub fn is_empty(&self) -> bool {
         self.n == 0
     }
@@ -105,25 +105,25 @@ impl LocalSystem {
         }
     }
 
-    /// A column of the tangent, for accumulation; it has one entry per unknown.
+    /// Returns a column of the tangent, for accumulation; it has one entry per unknown.
     #[inline]
     pub fn column_mut(&mut self, column: usize) -> &mut [f64] {
         &mut self.tangent[column * self.n..][..self.n]
     }
 
-    /// The residual.
+    /// Returns the residual.
     #[inline]
     pub fn residual(&self) -> &[f64] {
         &self.residual
     }
 
-    /// The tangent, column by column.
+    /// Returns the tangent, column by column.
     #[inline]
     pub fn tangent(&self) -> &[f64] {
         &self.tangent
     }
 
-    /// One entry of the tangent.
+    /// Returns one entry of the tangent.
     #[inline]
     pub fn tangent_at(&self, row: usize, column: usize) -> f64 {
         self.tangent[column * self.n + row]

@@ -371,7 +371,7 @@ impl Solve<'_> {
         Ok(())
     }
 
-    /// `θ`: size of the correction over that of the one before, if there was one.
+    /// Returns `θ`: size of the correction over that of the one before, if there was one.
     fn contraction(&self) -> Option<f64> {
         let previous = self.system.column_norm(&self.previous);
         (self.report.iterations > 0).then(|| ratio(self.system.column_norm(&self.correction), previous))
@@ -422,13 +422,13 @@ impl Solve<'_> {
         Err(Stop::Diverged)
     }
 
-    /// Size of the state, to which errors are relative.
+    /// Returns the size of the state, to which errors are relative.
     fn size(&self, x: &[f64]) -> f64 {
         self.system.column_norm(x).max(self.system.column_norm(&self.start))
     }
 }
 
-/// A quotient of norms that is zero if the first one is.
+/// Returns a quotient of norms that is zero if the first one is.
 fn ratio(a: f64, b: f64) -> f64 {
     if a == 0.0 { 0.0 } else { a / b }
 }

@@ -60,7 +60,7 @@ impl Incidence {
 }
 
 impl Pattern {
-    /// The pattern of `n` unknowns coupled by `contributions`.
+    /// Creates the pattern of `n` unknowns coupled by `contributions`.
     ///
     /// # Panics
     /// A contribution names a dof outside of the `n` unknowns, or there are more entries than `u32` can number.
@@ -208,43 +208,44 @@ impl Pattern {
         }
     }
 
-    /// Number of unknowns.
+    /// Returns the number of unknowns.
     pub fn n_unknowns(&self) -> usize {
         self.column_ptr.len().saturating_sub(1)
     }
 
-    /// Number of stored entries.
+    /// Returns the number of stored entries.
     pub fn n_entries(&self) -> usize {
         self.rows.len()
     }
 
-    /// Column to its first entry; one longer than the number of columns.
+    /// Returns the column to its first entry; one longer than the number of columns.
     pub fn column_ptr(&self) -> &[u32] {
         &self.column_ptr
     }
 
-    /// Rows of all entries, ascending within each column.
+    /// Returns the rows of all entries, ascending within each column.
     pub fn rows(&self) -> &[u32] {
         &self.rows
     }
 
-    /// Numbers of the items of a contribution (in the order of construction) among those of all contributions.
+    /// Returns the numbers of the items of a contribution (in the order of construction) among those of all
+    /// contributions.
     pub(crate) fn items(&self, contribution: usize) -> Range<usize> {
         self.first_item[contribution]..self.first_item[contribution + 1]
     }
 
-    /// Number of items of all contributions.
+    /// Returns the number of items of all contributions.
     pub(crate) fn n_items(&self) -> usize {
         self.first_dof.len().saturating_sub(1)
     }
 
-    /// Global dofs of an item.
+    /// Returns the global dofs of an item.
     #[inline]
     pub(crate) fn dofs(&self, item: usize) -> &[DofId] {
         &self.dofs[self.first_dof[item]..self.first_dof[item + 1]]
     }
 
-    /// Positions of the tangent entries of an item in the value array, column by column.
+    /// Returns the positions of the tangent entries of an item in the value array, column by column.
     #[inline]
     pub(crate) fn positions(&self, item: usize) -> &[u32] {
         &self.positions[self.first_position[item]..self.first_position[item + 1]]

@@ -13,7 +13,7 @@ pub struct Tied<'a> {
 }
 
 impl<'a> Tied<'a> {
-    /// A contribution in terms of free dofs; `None` if none of its dofs is tied.
+    /// Returns a contribution in terms of free dofs; `None` if none of its dofs is tied.
     pub fn new(plain: &'a dyn Contributions, constraints: &'a Constraints) -> Option<Self> {
         let (first, last) = (constraints.ties().next()?.0, constraints.ties().next_back()?.0);
         let mut dofs = Vec::new();
@@ -25,7 +25,8 @@ impl<'a> Tied<'a> {
         (0..plain.len()).any(is_tied).then_some(Self { plain, constraints })
     }
 
-    /// Free dofs, each once: those of the item that are not tied, in their order, then those that the others follow from.
+    /// Lists the free dofs, each once: those of the item that are not tied, in their order, then those that the others
+    /// follow from.
     fn free(&self, dofs: &[DofId], free: &mut Vec<DofId>) {
         let first = free.len();
         free.extend(dofs.iter().filter(|dof| self.constraints.tie_of(**dof).is_none()));

@@ -24,7 +24,7 @@ impl Workspace {
         Self { system: BlockSystem::default(), solver }
     }
 
-    /// The system of the last solve.
+    /// Returns the system of the last solve.
     pub fn system(&self) -> &BlockSystem {
         &self.system
     }

@@ -23,7 +23,7 @@ fn items(dofs: &[Vec<usize>], is_linear: bool) -> Part<'_> {
     if is_linear { part.linear() } else { part }
 }
 
-/// Residual and tangent, column by column, by adding everything into a dense matrix.
+/// Returns the residual and tangent, column by column, by adding everything into a dense matrix.
 fn dense(n: usize, list: &[&dyn Contributions], constraints: &Constraints, x: &[f64]) -> (Vec<f64>, Vec<f64>) {
     let (mut residual, mut tangent) = (vec![0.0; n], vec![0.0; n * n]);
     let mut local = LocalSystem::new();

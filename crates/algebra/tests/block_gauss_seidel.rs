@@ -16,7 +16,7 @@ fn matrix(n: usize, entries: impl IntoIterator<Item = (usize, usize, f64)>) -> M
     triplets.to_csc()
 }
 
-/// A five-point stencil on an `m` by `m` grid, with convection, from unknown `first` on.
+/// Returns a five-point stencil on an `m` by `m` grid, with convection, from unknown `first` on.
 fn stencil(m: usize, first: usize, convection: f64) -> Vec<(usize, usize, f64)> {
     let mut entries = Vec::new();
     for k in 0..m * m {
@@ -38,7 +38,7 @@ fn settings(solvers: &[BlockSolver]) -> BlockGaussSeidelSettings {
     BlockGaussSeidelSettings { solvers: solvers.to_vec(), max_iterations: 200, ..BlockGaussSeidelSettings::default() }
 }
 
-/// Fields of scalar unknowns, each on nodes of its own.
+/// Returns the fields of scalar unknowns, each on nodes of its own.
 fn scalar_fields(sizes: &[usize]) -> BlockLayout {
     let mut layout = BlockLayout::new();
     for n in sizes {
@@ -144,7 +144,7 @@ fn unstable_incomplete_factors_are_refused() {
     assert!(matches!(outcome, Err(LinearError::Unstable { error }) if error > 10.0), "{:?}", outcome.err());
 }
 
-/// Two grids; the second one acts on the first by `coupling`, and back by `back`.
+/// Returns two grids; the second one acts on the first by `coupling`, and back by `back`.
 fn two_grids(m: usize, coupling: f64, back: f64) -> Matrix {
     let mut entries = stencil(m, 0, 0.5);
     entries.extend(stencil(m, m * m, 0.0));

@@ -6,8 +6,8 @@ use algebra::{
 };
 use sprs::{CsMatI, TriMatI};
 
-/// Convection and diffusion on an `m` by `m` grid without the points of a disk; the keys number the grid. Points next to the
-/// disk are tied to it by a large penalty, as an interface does.
+/// Returns the convection and diffusion on an `m` by `m` grid without the points of a disk; the keys number the grid.
+/// Points next to the disk are tied to it by a large penalty, as an interface does.
 fn grid(m: usize, centre: [f64; 2], convection: f64) -> (CsMatI<f64, u32>, Vec<u64>) {
     let inside = |i: usize, j: usize| (i as f64 - centre[0]).hypot(j as f64 - centre[1]) < 0.2 * m as f64;
     let points: Vec<[usize; 2]> = (0..m * m).map(|k| [k % m, k / m]).filter(|[i, j]| !inside(*i, *j)).collect();
@@ -48,7 +48,7 @@ fn solve(
     Ok((x, report))
 }
 
-/// A right-hand side without symmetry.
+/// Returns a right-hand side without symmetry.
 fn right_side(keys: &[u64]) -> Vec<f64> {
     keys.iter().map(|k| 1.0 + (*k as f64 * 0.37).sin()).collect()
 }

@@ -9,7 +9,7 @@ use algebra::{
 use common::{Flow, max_norm, refs, scalar_field, state};
 use sprs::CsMatI;
 
-/// A matrix given by rows, with its zeros stored.
+/// Returns a matrix given by rows, with its zeros stored.
 fn dense(by_rows: &[&[f64]]) -> CsMatI<f64, u32> {
     let n = by_rows.len();
     let values = (0..n * n).map(|k| by_rows[k % n][k / n]).collect();
@@ -46,7 +46,7 @@ fn solve(matrix: MatrixView<'_>, rhs: &[f64]) -> Result<Vec<f64>, LinearError> {
     solve_with(&mut DirectSolver::new(), matrix, rhs).map(|(x, _)| x)
 }
 
-/// A flow system with its problem.
+/// Returns a flow system with its problem.
 fn assembled(m: usize) -> (BlockSystem, Flow) {
     let flow = Flow::new(m, 1.0);
     let mut system = BlockSystem::new(&flow.layout, &refs(&flow.parts()), &flow.constraints);

@@ -10,7 +10,7 @@ use algebra::{
 };
 use common::{Flow, Part, scalar_field, springs};
 
-/// One scalar equation `f(x) = 0`, given by value and derivative.
+/// Returns one scalar equation `f(x) = 0`, given by value and derivative.
 fn scalar<'a>(function: impl Fn(f64) -> (f64, f64) + Send + Sync + 'a) -> Part<'a> {
     let add = move |_: usize, x: &[f64], out: &mut LocalSystem| {
         let (value, derivative) = function(x[0]);
@@ -20,7 +20,7 @@ fn scalar<'a>(function: impl Fn(f64) -> (f64, f64) + Send + Sync + 'a) -> Part<'
     Part::new("scalar", 1, |_| vec![0], add)
 }
 
-/// Newton's method for a contribution that couples all unknowns.
+/// Returns Newton's method for a contribution that couples all unknowns.
 fn newton(
     of: &Part<'_>,
     x: &mut [f64],
@@ -41,7 +41,7 @@ fn cubic(x: f64) -> (f64, f64) {
     (x.powi(3) - 8.0, 3.0 * x * x)
 }
 
-/// Order of convergence of the corrections, from each three in a row that are not round-off.
+/// Returns the order of convergence of the corrections, from each three in a row that are not round-off.
 fn rates(report: &NewtonReport) -> Vec<f64> {
     let corrections = report.correction_history.windows(3).filter(|c| c[2] > 1e-13);
     corrections.map(|c| (c[2] / c[1]).ln() / (c[1] / c[0]).ln()).collect()

@@ -6,12 +6,12 @@ fn generalised_alpha(rho_inf: f64) -> GeneralisedAlpha {
     GeneralisedAlpha::new(rho_inf).expect("a radius from 0 to 1")
 }
 
-/// A level without acceleration; each node is an oscillator.
+/// Returns a level without acceleration; each node is an oscillator.
 fn start(displacement: [f64; 2], velocity: [f64; 2]) -> Level<f64> {
     Level { displacement: displacement.to_vec(), velocity: velocity.to_vec(), acceleration: Vec::new() }
 }
 
-/// One step of `a + ω² d = 0`.
+/// Returns one step of `a + ω² d = 0`.
 fn oscillate(scheme: &dyn TimeScheme, omega: f64, dt: f64, level: Level<f64>) -> Level<f64> {
     let rule = StepRule::new(scheme, &[dt], &[level]);
     let [d, a] = [&rule.stage.displacement, &rule.stage.acceleration];

@@ -7,22 +7,23 @@ use crate::{Balance, BodyState, CellOutput, StepTime, SurfaceMotion, SurfaceStre
 
 /// A body: a closed surface that moves, and whatever lies behind it. Fluid and contact see the surface only.
 pub trait Body<const D: usize>: Send + Sync {
-    /// Name, for reports and files.
+    /// Returns the name, for reports and files.
     fn name(&self) -> &str;
 
-    /// The surface. Vertices are those of [`Body::reference`].
+    /// Returns the surface. Vertices are those of [`Body::reference`].
     fn surface(&self) -> &BoundaryMesh<D>;
 
-    /// Reference positions of all vertices.
+    /// Returns the reference positions of all vertices.
     fn reference(&self) -> &[Point<D>];
 
-    /// Whether forces move the body. Bodies of prescribed motion, and bodies that are held in every way, are not moved.
+    /// Returns whether forces move the body. Bodies of prescribed motion, and bodies that are held in every way, are
+    /// not moved.
     fn is_movable(&self) -> bool;
 
-    /// The state at time zero.
+    /// Returns the state at time zero.
     fn start(&self) -> BodyState<D>;
 
-    /// The body in the step from `begin` to the end of `time`. Registers its unknowns in `layout`.
+    /// Returns the body in the step from `begin` to the end of `time`. Registers its unknowns in `layout`.
     fn step<'s>(
         &'s self,
         begin: &'s BodyState<D>,
@@ -34,10 +35,10 @@ pub trait Body<const D: usize>: Send + Sync {
     /// velocity to points that the body has left. Indices for the search are built in this call.
     fn locator<'s>(&'s self, state: &'s BodyState<D>, time: f64) -> Locator<'s, D>;
 
-    /// Mass, momentum, energies, centre and volume; `None` for a body of prescribed motion.
+    /// Returns the mass, momentum, energies, centre and volume; `None` for a body of prescribed motion.
     fn balance(&self, state: &BodyState<D>) -> Option<Balance<D>>;
 
-    /// Cells with their stresses, for output. A body without cells is drawn as its surface.
+    /// Returns the cells with their stresses, for output. A body without cells is drawn as its surface.
     fn cells(&self, _state: &BodyState<D>) -> Option<CellOutput<'_, D>> {
         None
     }
@@ -45,22 +46,22 @@ pub trait Body<const D: usize>: Send + Sync {
 
 /// A body in one time step.
 pub trait BodyStep<const D: usize>: Sync {
-    /// Motion of the surface.
+    /// Returns the motion of the surface.
     fn surface(&self) -> &SurfaceMotion<'_, D>;
 
     /// Adds prescribed values and ties of the body's unknowns.
     fn constrain(&self, layout: &BlockLayout, constraints: &mut Constraints);
 
-    /// The weak form of the body.
+    /// Returns the weak form of the body.
     fn contributions<'p>(&'p self, layout: &'p BlockLayout) -> Vec<Box<dyn Contributions + 'p>>;
 
     /// Writes the starting guess of the unknowns.
     fn guess(&self, layout: &BlockLayout, x: &mut [f64]);
 
-    /// The state at the end of the step for the solution `x`.
+    /// Returns the state at the end of the step for the solution `x`.
     fn end(&self, layout: &BlockLayout, x: &[f64]) -> BodyState<D>;
 
-    /// Stress of the body on its surface; `None` for bodies without stress.
+    /// Returns the stress of the body on its surface; `None` for bodies without stress.
     fn stress<'p>(&'p self, _layout: &'p BlockLayout) -> Option<Box<dyn SurfaceStress<D> + 'p>> {
         None
     }

@@ -28,7 +28,7 @@ pub struct Balance<const D: usize> {
 }
 
 impl<const D: usize> Balance<D> {
-    /// Kinetic, elastic and potential energy together.
+    /// Returns the kinetic, elastic and potential energy together.
     pub fn energy(&self) -> f64 {
         self.kinetic_energy + self.elastic_energy + self.potential_energy
     }
@@ -55,12 +55,12 @@ pub struct CellStress<const D: usize> {
 const SPATIAL_DIMENSION: f64 = 3.0;
 
 impl<const D: usize> CellStress<D> {
-    /// Pressure: minus a third of the trace of the spatial stress.
+    /// Returns the pressure: minus a third of the trace of the spatial stress.
     pub fn pressure(&self) -> f64 {
         -(self.cauchy.trace() + self.out_of_plane) / SPATIAL_DIMENSION
     }
 
-    /// Von Mises stress `√(3/2 dev σ : dev σ)` of the spatial stress.
+    /// Returns the von Mises stress `√(3/2 dev σ : dev σ)` of the spatial stress.
     pub fn von_mises(&self) -> f64 {
         let squares = self.cauchy.norm_squared() + self.out_of_plane.powi(2);
         (1.5 * (squares - SPATIAL_DIMENSION * self.pressure().powi(2)).max(0.0)).sqrt()

@@ -21,17 +21,17 @@ impl<const D: usize> BodyState<D> {
         Self { levels: vec![level], inner: Vec::new() }
     }
 
-    /// Displacements from the reference positions, one per vertex.
+    /// Returns the displacements from the reference positions, one per vertex.
     pub fn displacement(&self) -> &[Vector<D>] {
         &self.levels[0].displacement
     }
 
-    /// Velocities, one per vertex.
+    /// Returns the velocities, one per vertex.
     pub fn velocity(&self) -> &[Vector<D>] {
         &self.levels[0].velocity
     }
 
-    /// Current positions.
+    /// Returns the current positions.
     pub fn positions(&self, reference: &[Point<D>]) -> Vec<Point<D>> {
         reference.iter().zip(self.displacement()).map(|(x, d)| x + d).collect()
     }

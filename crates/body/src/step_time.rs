@@ -12,12 +12,12 @@ pub struct StepTime {
 }
 
 impl StepTime {
-    /// Length of the step.
+    /// Returns the length of the step.
     pub fn length(&self) -> f64 {
         self.lengths[0]
     }
 
-    /// Time of the stage that lies the fraction `alpha` of the step before its end.
+    /// Returns the time of the stage that lies the fraction `alpha` of the step before its end.
     pub fn stage(&self, alpha: f64) -> f64 {
         if alpha == 0.0 { self.end } else { self.end - alpha * self.length() }
     }

@@ -26,7 +26,7 @@ pub enum SurfaceVelocity<'s, const D: usize> {
 }
 
 impl<const D: usize> SurfaceMotion<'_, D> {
-    /// Field of the vertex velocities; `None` for a given motion.
+    /// Returns the field of the vertex velocities; `None` for a given motion.
     #[inline]
     pub fn field(&self) -> Option<FieldId> {
         match self.velocity {
@@ -35,7 +35,7 @@ impl<const D: usize> SurfaceMotion<'_, D> {
         }
     }
 
-    /// Velocity of a vertex at the end of the step at the state `x`.
+    /// Returns the velocity of a vertex at the end of the step at the state `x`.
     #[inline]
     pub fn velocity_at(&self, vertex: VertexId, layout: &BlockLayout, x: &[f64]) -> Vector<D> {
         match &self.velocity {
@@ -44,7 +44,7 @@ impl<const D: usize> SurfaceMotion<'_, D> {
         }
     }
 
-    /// Position of a vertex at the end of the step at the state `x`.
+    /// Returns the position of a vertex at the end of the step at the state `x`.
     #[inline]
     pub fn position_at(&self, vertex: VertexId, layout: &BlockLayout, x: &[f64]) -> Point<D> {
         let predicted = self.predicted[vertex.index()];

@@ -27,7 +27,7 @@ pub struct ContactReport<const D: usize> {
 }
 
 impl<const D: usize> ContactReport<D> {
-    /// The report at the state `x`, with the velocities at the end of the step.
+    /// Creates the report at the state `x`, with the velocities at the end of the step.
     pub fn new(sites: &ContactSites<'_, D>, x: &[f64]) -> Self {
         let mut report = Self {
             minimum_gap: minimum_gap(sites, x),
@@ -58,13 +58,14 @@ impl<const D: usize> ContactReport<D> {
         report
     }
 
-    /// Whether there is contact.
+    /// Returns whether there is contact.
     pub fn is_active(&self) -> bool {
         self.n_active > 0
     }
 }
 
-/// Smallest gap of the vertices of the slave's facets, to the whole obstacle and not to the candidates only.
+/// Returns the smallest gap of the vertices of the slave's facets, to the whole obstacle and not to the candidates
+/// only.
 fn minimum_gap<const D: usize>(sites: &ContactSites<'_, D>, x: &[f64]) -> Option<f64> {
     let (pair, layout) = (&sites.pair, sites.layout);
     let vertices = pair.slave.boundary.vertices_of(pair.facets);

@@ -55,26 +55,26 @@ impl<const D: usize> Frame<D> {
         self.axes.map(|axis| axis.dot(vector))
     }
 
-    /// The vector with given components.
+    /// Returns the vector with given components.
     #[inline]
     pub fn vector(&self, components: &Local) -> Vector<D> {
         self.axes.iter().zip(components).map(|(axis, value)| axis * *value).sum()
     }
 }
 
-/// The rotation by a right angle in the plane, clockwise.
+/// Returns the rotation by a right angle in the plane, clockwise.
 fn right_angle<const D: usize>() -> Tensor<D> {
     Tensor::from_fn(|i, j| i as f64 - j as f64)
 }
 
-/// The component of a unit normal along the first coordinate axis that is not close to it, and that axis.
+/// Returns the component of a unit normal along the first coordinate axis that is not close to it, and that axis.
 fn tangential<const D: usize>(normal: &Vector<D>) -> (f64, Vector<D>) {
     let mut axis = Vector::<D>::zeros();
     axis[normal.iter().position(|component| component.abs() < CLOSE).unwrap_or(0)] = 1.0;
     (axis.dot(normal), axis)
 }
 
-/// The matrix of `w -> v × w`, in space.
+/// Returns the matrix of `w -> v × w`, in space.
 fn cross<const D: usize>(v: &Vector<D>) -> Tensor<D> {
     let mut matrix = Tensor::zeros();
     for k in 0..D {

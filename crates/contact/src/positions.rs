@@ -26,7 +26,7 @@ impl<'a, const D: usize> Positions<'a, D> {
         surface.map_or(Self::Fixed(&[]), |surface| Self::Moving { surface, layout, x })
     }
 
-    /// Position of a vertex.
+    /// Returns the position of a vertex.
     #[inline]
     pub fn at(&self, vertex: VertexId) -> Point<D> {
         match self {
@@ -35,7 +35,7 @@ impl<'a, const D: usize> Positions<'a, D> {
         }
     }
 
-    /// Positions of all vertices.
+    /// Returns the positions of all vertices.
     pub(crate) fn all(&self) -> Vec<Point<D>> {
         match self {
             Self::Fixed(positions) => positions.to_vec(),

@@ -22,18 +22,18 @@ pub(crate) struct Segment<const D: usize> {
 }
 
 impl<const D: usize> Segment<D> {
-    /// The whole facet.
+    /// Returns the whole facet.
     pub(crate) fn whole() -> Self {
         Self { corners: std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j)))), share: 1.0 }
     }
 
-    /// Barycentric coordinates in the facet of a point given by those in the segment.
+    /// Returns the barycentric coordinates in the facet of a point given by those in the segment.
     #[inline]
     pub(crate) fn at(&self, barycentric: &[f64]) -> [f64; D] {
         std::array::from_fn(|j| self.corners.iter().zip(barycentric).map(|(corner, b)| corner[j] * b).sum())
     }
 
-    /// Values at the corners of an affine function, given at the vertices of the facet.
+    /// Returns the values at the corners of an affine function, given at the vertices of the facet.
     fn values(&self, at_vertices: &[f64; D]) -> [f64; D] {
         self.corners.map(|corner| {
             let value: f64 = corner.iter().zip(at_vertices).map(|(b, v)| b * v).sum();
@@ -57,8 +57,8 @@ impl<const D: usize> Segment<D> {
     }
 }
 
-/// Barycentric coordinates in a facet of the orthogonal projections of points, one array of values at the points for each vertex
-/// of the facet; `None` for a facet without measure.
+/// Returns the barycentric coordinates in a facet of the orthogonal projections of points, one array of values at the
+/// points for each vertex of the facet; `None` for a facet without measure.
 fn projected<const D: usize>(points: &[Point<D>; D], facet: &[Point<D>; D]) -> Option<[[f64; D]; D]> {
     let mut frame = Tensor::<D>::zeros();
     for k in 1..D {
@@ -118,7 +118,7 @@ pub(crate) fn divide<const D: usize>(
 mod tests {
     use super::*;
 
-    /// A facet of the slave over a square of master facets: every segment is over one of them, or over none.
+    /// Returns a facet of the slave over a square of master facets: every segment is over one of them, or over none.
     fn check<const D: usize>(slave: &[Point<D>; D], master: &[[Point<D>; D]], over: f64) -> usize {
         let segments = divide(slave, master.iter().copied());
         let share: f64 = segments.iter().map(|s| s.share).sum();

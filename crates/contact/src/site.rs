@@ -81,7 +81,7 @@ impl<const D: usize> ContactSite<D> {
         }
     }
 
-    /// The vertices that take part, those of the slave first.
+    /// Returns the vertices that take part, those of the slave first.
     #[inline]
     pub fn nodes(&self) -> &[ContactNode<D>] {
         &self.nodes[..self.n_nodes]

@@ -30,7 +30,7 @@ impl<const D: usize> ContactForm<D> {
         Ok(Self { law: Arc::new(law), size, rule: SimplexRule::with_vertices(D - 1) })
     }
 
-    /// Contact size `s`.
+    /// Returns the contact size `s`.
     pub fn size(&self) -> f64 {
         self.size
     }
@@ -99,7 +99,7 @@ struct Item<const D: usize> {
     stress_rows: Vec<usize>,
 }
 
-/// Local row of a dof; appends the dof if it is new.
+/// Returns the local row of a dof; appends the dof if it is new.
 fn row_of(dof: DofId, dofs: &mut Vec<DofId>) -> usize {
     dofs.iter().position(|known| *known == dof).unwrap_or_else(|| {
         dofs.push(dof);
@@ -165,7 +165,7 @@ pub struct ContactSites<'a, const D: usize> {
 }
 
 impl<const D: usize> ContactSites<'_, D> {
-    /// A vertex of a surface, with position and displacement at the state `x`.
+    /// Returns a vertex of a surface, with position and displacement at the state `x`.
     fn node(
         &self,
         surface: &SurfaceMotion<'_, D>,
@@ -256,7 +256,7 @@ impl<const D: usize> Sites for ContactSites<'_, D> {
         }
     }
 
-    /// Hash of the set of active points: two states with the same active set have the same value.
+    /// Returns the hash of the set of active points: two states with the same active set have the same value.
     fn regime(&self, x: &[f64]) -> u64 {
         // Fowler-Noll-Vo hash of the numbers of the active points.
         const OFFSET: u64 = 0xcbf2_9ce4_8422_2325;

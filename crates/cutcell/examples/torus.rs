@@ -12,7 +12,7 @@ use mesh::generate::structured_box;
 use mesh::nalgebra::Rotation3;
 use mesh::{BoundaryMesh, Placed, Point, VertexId};
 
-/// A torus around the third axis, `2 n_around n_across` triangles with normals outwards.
+/// Returns a torus around the third axis, `2 n_around n_across` triangles with normals outwards.
 fn torus(radius: f64, tube: f64, n_around: usize, n_across: usize) -> (BoundaryMesh<3>, Vec<Point<3>>) {
     let mut positions = Vec::with_capacity(n_around * n_across);
     let mut facets = Vec::with_capacity(6 * n_around * n_across);

@@ -23,12 +23,12 @@ const THIN: u32 = u32::MAX;
 const UNKNOWN: i32 = i32::MIN;
 
 impl Label {
-    /// The part of a leaf in the fluid.
+    /// Returns the part of a leaf in the fluid.
     fn part(self) -> Option<u32> {
         (self.depth <= 0).then_some(self.part)
     }
 
-    /// The part of a leaf in the fluid, unless it is left out.
+    /// Returns the part of a leaf in the fluid, unless it is left out.
     fn fluid_part(self) -> Option<u32> {
         self.part().filter(|&part| part != THIN)
     }
@@ -343,12 +343,12 @@ impl<const D: usize> CellCut<D> {
         polygons.forget(polygon);
     }
 
-    /// The part of a leaf in the fluid, unless it is left out.
+    /// Returns the part of a leaf in the fluid, unless it is left out.
     pub(crate) fn fluid_part(&self, leaf: usize) -> Option<u32> {
         self.labels[leaf].fluid_part()
     }
 
-    /// Pieces of facets in front of which the fluid is left out.
+    /// Returns the pieces of facets in front of which the fluid is left out.
     pub(crate) fn thin(&self) -> impl Iterator<Item = (u32, Points<D>)> {
         self.thin.iter().map(|wet| (wet.facet, self.polygons.points(wet.polygon)))
     }

@@ -22,7 +22,7 @@ pub enum CellState {
 pub struct PartId(pub u32);
 
 impl PartId {
-    /// Position in arrays over parts.
+    /// Returns the position in arrays over parts.
     #[inline]
     pub fn index(self) -> usize {
         self.0 as usize
@@ -99,53 +99,53 @@ pub struct CutMesh<const D: usize> {
 }
 
 impl<const D: usize> CutMesh<D> {
-    /// State of a cell.
+    /// Returns the state of a cell.
     #[inline]
     pub fn cell_state(&self, cell: CellId) -> CellState {
         self.cell_to_state[cell.index()]
     }
 
-    /// Fluid parts of a cell.
+    /// Returns the fluid parts of a cell.
     #[inline]
     pub fn parts(&self, cell: CellId) -> impl ExactSizeIterator<Item = PartId> + use<D> {
         (self.cell_to_part[cell.index()]..self.cell_to_part[cell.index() + 1]).map(PartId)
     }
 
-    /// Number of fluid parts.
+    /// Returns the number of fluid parts.
     pub fn n_parts(&self) -> usize {
         self.part_to_cell.len()
     }
 
-    /// All fluid parts in order.
+    /// Returns all fluid parts in order.
     pub fn all_parts(&self) -> impl ExactSizeIterator<Item = PartId> + use<D> {
         (0..self.part_to_cell.len() as u32).map(PartId)
     }
 
-    /// The cell of a part.
+    /// Returns the cell of a part.
     #[inline]
     pub fn part_cell(&self, part: PartId) -> CellId {
         self.part_to_cell[part.index()]
     }
 
-    /// Volume (area in 2D) of a part.
+    /// Returns the volume (area in 2D) of a part.
     #[inline]
     pub fn part_volume(&self, part: PartId) -> f64 {
         self.part_to_volume[part.index()]
     }
 
-    /// Whether the part is the whole cell.
+    /// Returns whether the part is the whole cell.
     #[inline]
     pub fn is_whole(&self, part: PartId) -> bool {
         self.cell_state(self.part_cell(part)) == CellState::Fluid
     }
 
-    /// Convex pieces of a part; empty if the part is the whole cell.
+    /// Returns the convex pieces of a part; empty if the part is the whole cell.
     pub fn part_pieces(&self, part: PartId) -> impl ExactSizeIterator<Item = Polytope<'_, D>> {
         let k = part.index();
         (self.part_to_piece[k] as usize..self.part_to_piece[k + 1] as usize).map(|piece| self.pieces.get(piece))
     }
 
-    /// Pieces of cut cells inside the bodies, with their cells.
+    /// Returns the pieces of cut cells inside the bodies, with their cells.
     pub fn covered_pieces(&self) -> impl ExactSizeIterator<Item = (CellId, Polytope<'_, D>)> {
         self.covered_to_cell.iter().enumerate().map(|(k, &cell)| (cell, self.covered_pieces.get(k)))
     }
@@ -179,27 +179,27 @@ impl<const D: usize> CutMesh<D> {
         self.for_each_simplex(background, part, |points| out.push_simplex(rule, points));
     }
 
-    /// Pieces of the fluid-structure interface, in the order of cells.
+    /// Returns the pieces of the fluid-structure interface, in the order of cells.
     pub fn interface(&self) -> &[InterfacePiece<D>] {
         &self.interface
     }
 
-    /// Part faces, in the order of the faces of the background.
+    /// Returns the part faces, in the order of the faces of the background.
     pub fn part_faces(&self) -> &[PartFace] {
         &self.part_faces
     }
 
-    /// The part faces next to a cut cell.
+    /// Returns the part faces next to a cut cell.
     pub fn ghost_faces(&self) -> impl Iterator<Item = &PartFace> {
         self.part_faces.iter().filter(|face| face.is_ghost)
     }
 
-    /// Wet pieces of the boundary of the background, in the order of faces.
+    /// Returns the wet pieces of the boundary of the background, in the order of faces.
     pub fn boundary(&self) -> &[BoundaryPiece<D>] {
         &self.boundary
     }
 
-    /// Volume of the fluid.
+    /// Returns the volume of the fluid.
     pub fn fluid_volume(&self) -> f64 {
         // Compensated summation (Neumaier), since errors of many equal cells would add up.
         let (mut sum, mut lost) = (0.0_f64, 0.0);
@@ -211,7 +211,7 @@ impl<const D: usize> CutMesh<D> {
         sum + lost
     }
 
-    /// Counts and quality measures of the cut.
+    /// Returns the counts and quality measures of the cut.
     pub fn report(&self) -> &CutReport {
         &self.report
     }

@@ -126,7 +126,7 @@ impl<const D: usize> Cutter<D> {
         self.spare = Some(cut);
     }
 
-    /// Times of the last overlay.
+    /// Returns the times of the last overlay.
     pub fn times(&self) -> OverlayTimes {
         self.times
     }

@@ -58,7 +58,7 @@ impl<const D: usize> Facet<D> {
         &self.points[..D]
     }
 
-    /// Points that define the plane through a rim, exactly; only the first `D` are used.
+    /// Returns the points that define the plane through a rim, exactly; only the first `D` are used.
     pub(crate) fn rim_points(&self, local: usize) -> [Point<D>; 3] {
         rim_points(self.points(), &self.normal, local)
     }

@@ -69,12 +69,12 @@ impl TouchedCells {
         }
     }
 
-    /// Facets that may touch the cell at position `k` of the touched cells.
+    /// Returns the facets that may touch the cell at position `k` of the touched cells.
     pub(crate) fn facets(&self, k: usize) -> &[u32] {
         &self.facets[self.offsets[k] as usize..self.offsets[k + 1] as usize]
     }
 
-    /// Position of a cell among the touched cells, if it is one.
+    /// Returns the position of a cell among the touched cells, if it is one.
     pub(crate) fn position(&self, cell: CellId) -> Option<usize> {
         let k = self.cell_to_touched[cell.index()];
         (k != UNTOUCHED).then_some(k as usize)

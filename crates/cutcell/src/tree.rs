@@ -105,12 +105,12 @@ impl<const D: usize> Tree<D> {
         self.leaves.push(whole);
     }
 
-    /// Whether a facet lies on a face (local number) of the cell.
+    /// Returns whether a facet lies on a face (local number) of the cell.
     pub(crate) fn is_aligned(&self, face: usize) -> bool {
         self.aligned >> face & 1 == 1
     }
 
-    /// The inserted facets, without those that certainly have no point in common with the closed cell.
+    /// Returns the inserted facets, without those that certainly have no point in common with the closed cell.
     pub(crate) fn near(&self) -> &[u32] {
         &self.near
     }

@@ -19,7 +19,8 @@ fn grid<const D: usize>() -> SimplexMesh<D> {
     structured_box::<D>([0.0; D], [1.0; D], [N; D]).expect("a box")
 }
 
-/// A point on a vertex, an edge, a face or in the inside of a cell, shifted. Edges of cells run along sums of axes.
+/// Returns a point on a vertex, an edge, a face or in the inside of a cell, shifted. Edges of cells run along sums of
+/// axes.
 fn place<const D: usize>() -> impl Strategy<Value = Point<D>> {
     let fraction = prop_oneof![3 => Just(0.0), 1 => Just(0.5), 1 => Just(1.0 / 3.0), 1 => 0.0..1.0_f64];
     let direction = prop::collection::vec(0..2_u8, D);
@@ -58,7 +59,7 @@ fn check_simplex<const D: usize>(corners: Vec<Point<D>>) {
     }
 }
 
-/// Two simplices with a common facet, on different sides of it or on the same side.
+/// Checks two simplices with a common facet, on different sides of it or on the same side.
 fn check_pair<const D: usize>(corners: &[Point<D>]) {
     let first = Body::simplex(corners[..=D].to_vec());
     let second = Body::simplex(corners[1..].to_vec());
@@ -205,8 +206,9 @@ fn a_tetrahedron_that_sticks_out_by_almost_nothing() {
     check(&grid(), &[&body], None);
 }
 
-/// The unit cube with an additional vertex on an upper edge that belongs to the facets on one side only, and a facet of zero
-/// width between the two sides, as in repaired meshes. `depth` is the distance of the vertex from the edge.
+/// Returns the unit cube with an additional vertex on an upper edge that belongs to the facets on one side only, and a
+/// facet of zero width between the two sides, as in repaired meshes. `depth` is the distance of the vertex from the
+/// edge.
 fn cube_with_a_cap(depth: f64) -> Body<3> {
     let mut body = Body::cuboid(Point::<3>::zeros(), Point::repeat(1.0));
     body.positions.push(Point::<3>::new(0.4, -depth, 1.0 + depth / 3.0));

@@ -11,12 +11,12 @@ use mesh::{Point, SimplexMesh};
 
 type P = Point<3>;
 
-/// The cube [-1/2, 1/2]³.
+/// Returns the cube [-1/2, 1/2]³.
 fn cube() -> Body<3> {
     Body::cuboid(P::repeat(-0.5), P::repeat(0.5))
 }
 
-/// An octahedron with each triangle divided into n² and put on the sphere.
+/// Returns an octahedron with each triangle divided into n² and put on the sphere.
 fn sphere(radius: f64, n: u32) -> Body<3> {
     let mut positions: Vec<P> = Vec::new();
     let mut triangles = Vec::new();

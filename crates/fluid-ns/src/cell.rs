@@ -21,7 +21,7 @@ impl<const D: usize> Nodal<D> {
         Self { values: [Vector::zeros(); MAX_CELL_VERTICES], slope: 0.0 }
     }
 
-    /// Gradient for given gradients of the shape functions, `grad[(a, b)] = ∂u_a/∂x_b`.
+    /// Returns the gradient for given gradients of the shape functions, `grad[(a, b)] = ∂u_a/∂x_b`.
     #[inline]
     pub fn gradient(&self, gradients: &[Vector<D>; MAX_CELL_VERTICES]) -> Tensor<D> {
         (0..=D).map(|i| self.values[i] * gradients[i].transpose()).sum()
@@ -47,13 +47,13 @@ pub struct FluidCell<'a, const D: usize> {
 }
 
 impl<const D: usize> FluidCell<'_, D> {
-    /// First row of the velocity of a node.
+    /// Returns the first row of the velocity of a node.
     #[inline]
     pub fn velocity_row(&self, node: usize) -> usize {
         D * node
     }
 
-    /// Row of the pressure of a node.
+    /// Returns the row of the pressure of a node.
     #[inline]
     pub fn pressure_row(&self, node: usize) -> usize {
         D * (D + 1) + node

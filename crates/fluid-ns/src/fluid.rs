@@ -12,7 +12,7 @@ pub struct NewtonianFluid {
 }
 
 impl NewtonianFluid {
-    /// Cauchy stress `T^f = -p I + 2 μ D(u)`.
+    /// Returns the Cauchy stress `T^f = -p I + 2 μ D(u)`.
     pub fn stress<const D: usize>(&self, pressure: f64, grad_u: &Tensor<D>) -> Tensor<D> {
         sym(grad_u) * (2.0 * self.viscosity) - Tensor::identity() * pressure
     }
@@ -23,8 +23,8 @@ impl NewtonianFluid {
         (grad_u + grad_u.transpose()) * *normal * self.viscosity
     }
 
-    /// Derivative of the viscous traction with respect to the velocity of a node with shape gradient `g`: column `b` of
-    /// `μ ((g·n) I + g ⊗ n)` is that for component `b`.
+    /// Returns the derivative of the viscous traction with respect to the velocity of a node with shape gradient `g`:
+    /// column `b` of `μ ((g·n) I + g ⊗ n)` is that for component `b`.
     #[inline]
     pub fn viscous_traction_by_velocity<const D: usize>(&self, g: &Vector<D>, normal: &Vector<D>) -> Tensor<D> {
         (Tensor::identity() * g.dot(normal) + g * normal.transpose()) * self.viscosity

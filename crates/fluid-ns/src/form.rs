@@ -28,7 +28,7 @@ pub struct FluidForm<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> FluidForm<'a, D> {
-    /// The weak form on the parts and faces of a step: linear cell terms, convection, face penalties.
+    /// Returns the weak form on the parts and faces of a step: linear cell terms, convection, face penalties.
     pub fn contributions<'p>(
         &'p self,
         geometry: FluidGeometry<'p, D>,
@@ -45,7 +45,7 @@ impl<'a, const D: usize> FluidForm<'a, D> {
         vec![Box::new(linear), Box::new(convection), Box::new(faces)]
     }
 
-    /// Weights of the penalties of velocity and pressure on a face.
+    /// Returns the weights of the penalties of velocity and pressure on a face.
     pub fn face_weights(&self, face: &FluidFace<'_, D>) -> [f64; 2] {
         [self.cip_velocity.weight(face) + self.ghost_penalty.weight(face), self.cip_pressure.weight(face)]
     }

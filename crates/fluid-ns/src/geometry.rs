@@ -37,13 +37,13 @@ pub struct FluidFields<'a> {
 }
 
 impl FluidFields<'_> {
-    /// Velocity of a dof of the space.
+    /// Returns the velocity of a dof of the space.
     #[inline]
     pub fn velocity_at<const D: usize>(&self, x: &[f64], dof: u32) -> Vector<D> {
         self.layout.at(self.velocity, dof as usize, x).into()
     }
 
-    /// Pressure of a dof of the space.
+    /// Returns the pressure of a dof of the space.
     #[inline]
     pub fn pressure_at(&self, x: &[f64], dof: u32) -> f64 {
         x[self.layout.dof(self.pressure, dof as usize, 0).index()]

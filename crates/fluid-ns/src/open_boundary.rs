@@ -17,7 +17,7 @@ pub struct OpenPoint<'a, const D: usize> {
 }
 
 impl<const D: usize> OpenPoint<'_, D> {
-    /// First row of the velocity of a node.
+    /// Returns the first row of the velocity of a node.
     #[inline]
     pub fn velocity_row(&self, node: usize) -> usize {
         D * node

@@ -41,7 +41,7 @@ struct Fixture<const D: usize> {
 }
 
 impl<const D: usize> Fixture<D> {
-    /// The history is given by number and vertex of each dof. The step has the length 0.5.
+    /// Creates a setting. The history is given by number and vertex of each dof. The step has the length 0.5.
     fn new(
         background: SimplexMesh<D>,
         body: Option<&SimplexMesh<D>>,
@@ -77,12 +77,12 @@ impl<const D: usize> Fixture<D> {
         FluidCells::new(self.geometry(), self.fields())
     }
 
-    /// The dof of a vertex that has one.
+    /// Returns the dof of a vertex that has one.
     fn dof(&self, vertex: usize) -> usize {
         self.space.vertices().iter().position(|v| v.index() == vertex).expect("a dof")
     }
 
-    /// Sum of the residuals of all items.
+    /// Returns the sum of the residuals of all items.
     fn assembled(&self, contributions: &dyn Contributions, x: &[f64]) -> Vec<f64> {
         let mut system = BlockSystem::new(&self.layout, &[contributions], &Constraints::new());
         system.assemble_residual(&[contributions], x);
@@ -94,7 +94,7 @@ impl<const D: usize> Fixture<D> {
     }
 }
 
-/// Residual of a cell term on the unit triangle: velocities (x, y of each node), then pressures.
+/// Returns the residual of a cell term on the unit triangle: velocities (x, y of each node), then pressures.
 fn residual(term: &dyn for<'a> Term<FluidCell<'a, 2>>, u: [V; 3], p: [f64; 3], history: [V; 3]) -> Vec<f64> {
     let fluid = Fixture::new(mesh(&TRIANGLE, &[0, 1, 2]), None, &ImplicitEuler, |_, v| history[v.index()]);
     let (vertices, mut x) = (fluid.space.vertices(), vec![0.0; 9]);
@@ -236,7 +236,8 @@ fn open_boundary() {
     assert_close(&force(2.0, false, true), &[0.0, 3.5, 0.0, 3.5, 0.0, 0.0]);
 }
 
-/// A form with all terms but a body force. Inertia, convection and CIP have the density, the others the viscosity.
+/// Returns a form with all terms but a body force. Inertia, convection and CIP have the density, the others the
+/// viscosity.
 fn form<'a, const D: usize>(density: f64, viscosity: f64) -> FluidForm<'a, D> {
     FluidForm {
         inertia: Some(Inertia { density }),
@@ -250,13 +251,13 @@ fn form<'a, const D: usize>(density: f64, viscosity: f64) -> FluidForm<'a, D> {
     }
 }
 
-/// Numbers between -1 and 1 that look random.
+/// Returns the numbers between -1 and 1 that look random.
 fn noise(k: usize) -> f64 {
     let x = ((k as f64 + 1.0) * 12.9898).sin() * 43758.5453;
     2.0 * (x - x.floor()) - 1.0
 }
 
-/// A background cut by a box, with a random history and a stage that is not at the end of the step.
+/// Returns a background cut by a box, with a random history and a stage that is not at the end of the step.
 fn cut_by_a_box<const D: usize>() -> Fixture<D> {
     let background = structured_box::<D>([0.0; D], [1.0; D], [4; D]).expect("a box");
     let body = structured_box::<D>([0.28; D], [0.69; D], [1; D]).expect("a box");
@@ -288,8 +289,8 @@ impl<const D: usize> Field<D> {
 /// The integrand of a term for transporting field, field and test function, linear in each that it depends on.
 type Integrand<const D: usize> = fn(&Field<D>, &Field<D>, &Field<D>) -> f64;
 
-/// Residual and tangent of an integrand on one part, by a rule of degree 4. A quadratic integrand depends on the
-/// transporting field.
+/// Returns the residual and tangent of an integrand on one part, by a rule of degree 4. A quadratic integrand depends
+/// on the transporting field.
 fn by_quadrature<const D: usize>(
     fluid: &Fixture<D>,
     part: PartId,
@@ -339,7 +340,7 @@ fn by_quadrature<const D: usize>(
     out
 }
 
-/// Largest deviation of residual and tangent, relative to the largest entry of each.
+/// Returns the largest deviation of residual and tangent, relative to the largest entry of each.
 fn deviation(found: &LocalSystem, expected: &LocalSystem) -> f64 {
     let relative = |a: &[f64], b: &[f64]| {
         let largest = b.iter().fold(0.0_f64, |m, v| m.max(v.abs()));

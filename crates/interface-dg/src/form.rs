@@ -26,7 +26,8 @@ impl MortarForm {
         }
     }
 
-    /// The weak form on the interface. It is linear: the geometry is frozen and the traction is that of the fluid.
+    /// Returns the weak form on the interface. It is linear: the geometry is frozen and the traction is that of the
+    /// fluid.
     pub fn contributions<'p, const D: usize>(
         &'p self,
         points: InterfacePoints<'p, D>,

@@ -15,7 +15,7 @@ pub struct InterfaceFlow {
     pub swept: f64,
 }
 
-/// Flow through the interface of a step at the state `x`.
+/// Returns the flow through the interface of a step at the state `x`.
 pub fn interface_flow<const D: usize>(points: &InterfacePoints<'_, D>, x: &[f64]) -> InterfaceFlow {
     let mut flow = InterfaceFlow::default();
     for (item, piece) in points.geometry.cut.interface().iter().enumerate() {

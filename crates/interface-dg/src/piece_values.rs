@@ -27,7 +27,7 @@ pub struct PieceValues<const D: usize> {
 }
 
 impl<const D: usize> PieceValues<D> {
-    /// Values with a rule of the given degree on every piece.
+    /// Creates the values with a rule of the given degree on every piece.
     pub fn new(background: &SimplexMesh<D>, cut: &CutMesh<D>, parts: &PartValues<D>, degree: usize) -> Self {
         let rule = SimplexRule::of_degree(D - 1, degree);
         let n = cut.interface().len();
@@ -65,19 +65,19 @@ impl<const D: usize> PieceValues<D> {
         values
     }
 
-    /// Quadrature points of a piece.
+    /// Returns the quadrature points of a piece.
     #[inline]
     pub fn points(&self, piece: usize) -> &[PiecePoint<D>] {
         &self.points[piece * self.per_piece..][..self.per_piece]
     }
 
-    /// Gradients of the shape functions of the fluid part of a piece.
+    /// Returns the gradients of the shape functions of the fluid part of a piece.
     #[inline]
     pub fn gradients(&self, piece: usize) -> &[Vector<D>; MAX_CELL_VERTICES] {
         &self.gradients[piece]
     }
 
-    /// Size `h_K` of the background cell of a piece.
+    /// Returns the size `h_K` of the background cell of a piece.
     #[inline]
     pub fn cell_size(&self, piece: usize) -> f64 {
         self.cell_sizes[piece]

@@ -47,13 +47,13 @@ pub struct MortarPoint<'a, const D: usize> {
 }
 
 impl<const D: usize> MortarPoint<'_, D> {
-    /// Normal `n^f = -n`, into the body.
+    /// Returns the normal `n^f = -n`, into the body.
     #[inline]
     pub fn fluid_normal(&self) -> Vector<D> {
         -self.piece.normal
     }
 
-    /// The basis of the jump `v - w`: first row and value of each vector-valued test function.
+    /// Returns the basis of the jump `v - w`: first row and value of each vector-valued test function.
     #[inline]
     pub fn jump_basis(&self) -> impl Iterator<Item = (usize, f64)> + Clone + '_ {
         let fluid = (0..=D).map(|i| (self.velocity_row(i), self.at.fluid[i]));
@@ -63,13 +63,13 @@ impl<const D: usize> MortarPoint<'_, D> {
         fluid.chain(solid)
     }
 
-    /// First row of the velocity of a fluid node.
+    /// Returns the first row of the velocity of a fluid node.
     #[inline]
     pub fn velocity_row(&self, node: usize) -> usize {
         D * node
     }
 
-    /// Row of the pressure of a fluid node.
+    /// Returns the row of the pressure of a fluid node.
     #[inline]
     pub fn pressure_row(&self, node: usize) -> usize {
         D * (D + 1) + node

@@ -31,7 +31,7 @@ impl<'a, const D: usize> FluidStress<'a, D> {
         self.pieces[begin..].iter().take_while(move |(other, _)| *other == facet).map(|(_, item)| *item)
     }
 
-    /// Whether a piece contains the point with given barycentric coordinates of its facet.
+    /// Returns whether a piece contains the point with given barycentric coordinates of its facet.
     fn contains(&self, item: usize, barycentric: &[f64]) -> bool {
         let corners = &self.points.geometry.cut.interface()[item].barycentric;
         let matrix = Tensor::<D>::from_fn(|row, column| corners[column][row]);
@@ -88,7 +88,7 @@ impl<const D: usize> SurfaceStress<D> for FluidStress<'_, D> {
 }
 
 impl<const D: usize> FluidStress<'_, D> {
-    /// Shape values of the fluid part of a piece at a point of its facet.
+    /// Returns the shape values of the fluid part of a piece at a point of its facet.
     fn shape(&self, item: usize, barycentric: &[f64]) -> [f64; MAX_CELL_VERTICES] {
         let InterfacePoints { geometry, surfaces, .. } = &self.points;
         let piece = &geometry.cut.interface()[item];

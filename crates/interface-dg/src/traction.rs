@@ -29,7 +29,8 @@ impl<const D: usize> InterfaceTraction<D> {
         self.fluid + self.penalty
     }
 
-    /// Mean moment of the total traction about a point: component `k` is that about axis `k`; in 2D only the last one is not zero.
+    /// Returns the mean moment of the total traction about a point: component `k` is that about axis `k`; in 2D only
+    /// the last one is not zero.
     pub fn moment(&self, about: &Point<D>) -> [f64; 3] {
         let moments = self.first_moment + self.total() * (self.middle - about).transpose();
         let entry = |a: usize, b: usize| if a < D && b < D { moments[(a, b)] } else { 0.0 };
@@ -40,7 +41,7 @@ impl<const D: usize> InterfaceTraction<D> {
     }
 }
 
-/// Tractions of all pieces of a step at the state `x`, in the order of the pieces.
+/// Returns the tractions of all pieces of a step at the state `x`, in the order of the pieces.
 pub fn interface_tractions<const D: usize>(
     points: &InterfacePoints<'_, D>,
     penalty: &Penalty,

@@ -77,7 +77,7 @@ impl Svg {
     }
 }
 
-/// A disk and a thin bar in a box of triangles.
+/// Returns a disk and a thin bar in a box of triangles.
 fn plane() -> Result<String, AnyError> {
     let background = structured_box::<2>([0.0, 0.0], [4.0, 3.0], [8, 6])?;
     let disk = ball::<2>([1.32, 1.55], 0.83, 0.08, &BallOptions { area_preserving: true })?;
@@ -129,7 +129,7 @@ fn plane() -> Result<String, AnyError> {
     Ok(svg.finish())
 }
 
-/// A turned cube in a box of tetrahedra: the fluid parts of the cut cells behind its middle, drawn apart.
+/// Returns a turned cube in a box of tetrahedra: the fluid parts of the cut cells behind its middle, drawn apart.
 fn space() -> Result<String, AnyError> {
     let background = structured_box::<3>([-1.0; 3], [1.0; 3], [4; 3])?;
     let turn = Rotation3::from_euler_angles(0.5, 0.4, 0.2);
@@ -169,7 +169,7 @@ fn space() -> Result<String, AnyError> {
     Ok(svg.finish())
 }
 
-/// Normal of a facet of a cell, out of the cell.
+/// Returns the normal of a facet of a cell, out of the cell.
 fn outwards(background: &SimplexMesh<3>, cell: CellId, local: usize) -> Point<3> {
     let facet = background.cell_to_facet(cell)[local];
     let points: Vec<Point<3>> = background.facet(facet).iter().map(|&v| background.vertex(v)).collect();
@@ -177,13 +177,13 @@ fn outwards(background: &SimplexMesh<3>, cell: CellId, local: usize) -> Point<3>
     if background.facet_to_cell(facet)[0] == Some(cell) { normal } else { -normal }
 }
 
-/// A colour, darker where the surface turns away.
+/// Returns a colour, darker where the surface turns away.
 fn shade(colour: [u8; 3], towards: f64) -> String {
     let [r, g, b] = colour.map(|c| (f64::from(c) * (0.55 + 0.45 * towards)).round() as u8);
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-/// The cube with edges of length 1.1 around the origin.
+/// Returns the cube with edges of length 1.1 around the origin.
 fn cube() -> Surface {
     let corner = |k: usize| [k & 1, k >> 1 & 1, k >> 2 & 1].map(|bit| 1.1 * (bit as f64 - 0.5));
     let squares = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];

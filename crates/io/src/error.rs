@@ -99,7 +99,7 @@ pub enum Error {
     Step(#[from] solver::StepError),
 }
 
-/// Advice on a refused surface, where the message does not contain it.
+/// Returns the advice on a refused surface, where the message does not contain it.
 fn advice(refused: &cutcell::Error) -> &'static str {
     match refused {
         cutcell::Error::Inward { .. } => " (`--flip` does it)",
@@ -110,7 +110,7 @@ fn advice(refused: &cutcell::Error) -> &'static str {
     }
 }
 
-/// The files of bodies; their numbers beside them if there are several.
+/// Returns the files of bodies; their numbers beside them if there are several.
 fn listed(paths: &[PathBuf]) -> String {
     match paths {
         [path] => path.display().to_string(),

@@ -27,7 +27,7 @@ struct RunMeasures<'a, const D: usize> {
 }
 
 impl<const D: usize> RunMeasures<'_, D> {
-    /// A quantity of the fluid; zero without a fluid.
+    /// Returns a quantity of the fluid; zero without a fluid.
     fn fluid(&self, of: impl FnOnce(&FluidReport<D>) -> f64) -> f64 {
         self.step.fluid.as_ref().map_or(0.0, of)
     }
@@ -124,12 +124,12 @@ fn boxed<const D: usize>((name, of): &(&str, BodyNumber<D>)) -> BodyColumn<D> {
     ((*name).to_owned(), Box::new(*of))
 }
 
-/// A vertical force on a body; not a number if its motion is prescribed.
+/// Returns a vertical force on a body; not a number if its motion is prescribed.
 fn vertical<const D: usize>(body: &BodyMeasures<'_, D>, of: fn(&ForceBalance<D>) -> f64) -> f64 {
     body.body().forces.as_ref().map_or(f64::NAN, of)
 }
 
-/// A time rounded to a microsecond.
+/// Returns a time rounded to a microsecond.
 fn microseconds(seconds: f64) -> f64 {
     (seconds * 1e6).round() / 1e6
 }
@@ -207,7 +207,7 @@ impl<const D: usize> Table<D> {
     }
 }
 
-/// Shortest text that reads back as the same number.
+/// Returns the shortest text that reads back as the same number.
 fn number(value: f64) -> String {
     // Adding zero turns a negative zero into a positive one.
     let value = value + 0.0;
@@ -237,17 +237,17 @@ impl HistoryTable {
         Ok(Self { names, rows })
     }
 
-    /// Names of the columns.
+    /// Returns the names of the columns.
     pub fn names(&self) -> &[String] {
         &self.names
     }
 
-    /// Number of rows.
+    /// Returns the number of rows.
     pub fn n_rows(&self) -> usize {
         self.rows.len()
     }
 
-    /// The column of a name, if there is one.
+    /// Returns the column of a name, if there is one.
     pub fn column(&self, name: &str) -> Option<Vec<f64>> {
         let index = self.names.iter().position(|n| n == name)?;
         Some(self.rows.iter().map(|row| row[index]).collect())

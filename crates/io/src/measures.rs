@@ -38,8 +38,8 @@ pub(crate) struct BodyMeasures<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> BodyMeasures<'a, D> {
-    /// The measures of body `index`; `None` before the first step. `bottom` is the height of the background's lowest
-    /// vertex.
+    /// Returns the measures of body `index`; `None` before the first step. `bottom` is the height of the background's
+    /// lowest vertex.
     pub(crate) fn new(view: &'a StepView<'a, D>, index: usize, bottom: f64) -> Option<Self> {
         let step = view.report?;
         let (body, now) = (&view.setup.bodies[index], &view.state.bodies[index]);
@@ -88,7 +88,7 @@ impl<'a, const D: usize> BodyMeasures<'a, D> {
         Some(measures)
     }
 
-    /// The report of the step on the body.
+    /// Returns the report of the step on the body.
     pub(crate) fn body(&self) -> &'a BodyReport<D> {
         &self.step.bodies[self.index]
     }
@@ -97,29 +97,29 @@ impl<'a, const D: usize> BodyMeasures<'a, D> {
         self.body().highest - self.body().lowest.1[D - 1]
     }
 
-    /// The contacts in which the body is the slave.
+    /// Returns the contacts in which the body is the slave.
     pub(crate) fn contacts(&self) -> impl Iterator<Item = &'a ContactReport<D>> {
         let contacts = self.view.setup.contacts.iter().zip(&self.step.contacts);
         contacts.filter(|(contact, _)| contact.body().index() == self.index).map(|(_, found)| found)
     }
 
-    /// Largest violation of the offset of a contact.
+    /// Returns the largest violation of the offset of a contact.
     pub(crate) fn penetration(&self) -> f64 {
         self.contacts().map(|contact| contact.largest_penetration).fold(0.0, f64::max)
     }
 
-    /// Quadrature points in contact.
+    /// Returns the quadrature points in contact.
     pub(crate) fn active_points(&self) -> usize {
         self.contacts().map(|contact| contact.n_active).sum()
     }
 
-    /// Volume of the body (2D: area).
+    /// Returns the volume of the body (2D: area).
     pub(crate) fn volume(&self) -> f64 {
         Placed::new(self.view.setup.bodies[self.index].surface(), &self.positions).enclosed().volume
     }
 
-    /// Power of the fluid on the body: the mean traction on each piece of the interface times the velocity of the body in
-    /// the middle of the piece.
+    /// Returns the power of the fluid on the body: the mean traction on each piece of the interface times the velocity
+    /// of the body in the middle of the piece.
     pub(crate) fn fluid_power(&self) -> f64 {
         let boundary = self.view.setup.bodies[self.index].surface();
         let velocities = self.view.state.bodies[self.index].velocity();
@@ -144,8 +144,8 @@ fn pieces<'a, const D: usize>(
     cut.zip(tractions).filter(move |(piece, _)| piece.body.index() == index)
 }
 
-/// Smallest gap of a body to its obstacles; without a contact, height of its lowest vertex above `bottom`. `None` before
-/// the first step.
+/// Returns the smallest gap of a body to its obstacles; without a contact, height of its lowest vertex above `bottom`.
+/// `None` before the first step.
 pub fn distance<const D: usize>(view: &StepView<'_, D>, index: usize, bottom: f64) -> Option<f64> {
     let report = view.report?;
     let contacts = view.setup.contacts.iter().zip(&report.contacts);
@@ -153,16 +153,16 @@ pub fn distance<const D: usize>(view: &StepView<'_, D>, index: usize, bottom: f6
     Some(gaps.reduce(f64::min).unwrap_or_else(|| report.bodies[index].lowest.1[D - 1] - bottom))
 }
 
-/// The leading body, of which summaries and progress report distance and contact: the slave of the first contact, else the
-/// first body that forces move, else the first body.
+/// Returns the leading body, of which summaries and progress report distance and contact: the slave of the first
+/// contact, else the first body that forces move, else the first body.
 pub fn leading_body<const D: usize>(setup: &Setup<D>) -> Option<usize> {
     let slave = setup.contacts.first().map(|contact| contact.body().index());
     let movable = || setup.bodies.iter().position(|body| body.is_movable());
     slave.or_else(movable).or((!setup.bodies.is_empty()).then_some(0))
 }
 
-/// Angle and angular velocity of points about their mean in the plane of the first two axes: those of the rotation nearest
-/// to their motion.
+/// Returns the angle and angular velocity of points about their mean in the plane of the first two axes: those of the
+/// rotation nearest to their motion.
 fn rotation<const D: usize>(reference: &[Point<D>], now: &[Point<D>], velocity: &[Vector<D>]) -> [f64; 2] {
     let mean = |points: &[Point<D>]| points.iter().sum::<Point<D>>() / points.len() as f64;
     let (before, after, drift) = (mean(reference), mean(now), mean(velocity));

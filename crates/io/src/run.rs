@@ -23,7 +23,7 @@ use crate::watch::Watch;
 /// Series of field files, by the names of their indices.
 const SERIES: [&str; 4] = ["fluid", "solid", "rigid", "interface"];
 
-/// The directory of results if the command line names none.
+/// Returns the directory of results if the command line names none.
 pub fn default_directory(scenario: &Scenario) -> PathBuf {
     scenario.output.directory.as_ref().map_or_else(|| Path::new("results").join(scenario.name.as_str()), PathBuf::from)
 }

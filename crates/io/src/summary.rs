@@ -246,7 +246,7 @@ impl SummaryBuilder {
     }
 }
 
-/// Largest resident memory of this process, where `/proc` reports it.
+/// Returns the largest resident memory of this process, where `/proc` reports it.
 pub(crate) fn peak_rss_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;

@@ -16,12 +16,12 @@ fn problem(text: &str, sets: &[&[&str]]) -> Case<2> {
     planar_case(&legal(text, sets))
 }
 
-/// The fluid, which all cases here have.
+/// Returns the fluid, which all cases here have.
 fn wet(case: &Case<2>) -> &FluidSetup<2> {
     case.setup.fluid.as_ref().unwrap_or_else(|| panic!("a fluid"))
 }
 
-/// The condition on a side.
+/// Returns the condition on a side.
 fn side<'c>(case: &'c Case<2>, name: &str) -> &'c FluidBoundary<2> {
     let tag = wet(case).background.tag(name).unwrap_or_else(|| panic!("{name}"));
     let found = wet(case).boundary.iter().find(|(other, _)| *other == tag);

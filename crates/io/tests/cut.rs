@@ -26,7 +26,7 @@ fn check_errors(errors: &CutErrors) {
     assert!([partition, normals, divergence, adjacency].iter().all(|&e| (0.0..1e-12).contains(&e)), "{errors:?}");
 }
 
-/// Volumes and areas of a cut are these, and all identities hold.
+/// Checks volumes and areas of a cut, and that all identities hold.
 fn check(summary: &CutSummary, domain: f64, solid: f64, area: f64) {
     assert!((summary.domain_volume - domain).abs() < 1e-13 * domain, "{summary:?}");
     assert!((summary.solid_volume - solid).abs() < 1e-12 * domain, "{summary:?}");

@@ -49,7 +49,7 @@ linear = { kind = "direct" }
 const DT: f64 = 1e-3;
 const N_STEPS: usize = 60;
 
-/// The block of the scenario, built from the library.
+/// Returns the block of the scenario, built from the library.
 fn block() -> Setup<2> {
     let mesh = structured_box([0.0, 0.01], [1.0, 0.51], [4, 2]).expect("a box");
     let material = SaintVenantKirchhoff::new(LameParameters { mu: 4e5, lambda: 1.6e6 });

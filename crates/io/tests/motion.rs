@@ -25,7 +25,7 @@ density  = 1.0
 gravity  = [0.0, 0.0]
 "#;
 
-/// A contact of a body with another.
+/// Returns a contact of a body with another.
 fn contact(body: &str, obstacle: &str) -> String {
     format!(
         "\n[[contact]]\nbody = \"{body}\"\nlaw = {{ kind = \"penalty\", gamma_contact_0 = 10.0 }}\nsize = 0.05\n\
@@ -33,7 +33,7 @@ fn contact(body: &str, obstacle: &str) -> String {
     )
 }
 
-/// The coarse case with a motion instead of the formula, and texts added.
+/// Returns the coarse case with a motion instead of the formula, and texts added.
 fn with_motion(motion: &str, more: &str) -> String {
     assert!(CHANNEL.contains(MOTION));
     CHANNEL.replace(MOTION, motion) + more
@@ -195,7 +195,7 @@ fn contacts_in_which_nothing_yields_are_refused() {
 /// The cylinder as a free body.
 const FREE: &str = "{ kind = \"free\" }\ndensity = 1.5\ngravity = [0.0, -9.81]";
 
-/// The cylinder as a free body with more keys of its motion.
+/// Returns the cylinder as a free body with more keys of its motion.
 fn free(more: &str) -> String {
     FREE.replace(" }", &format!(", {more} }}"))
 }

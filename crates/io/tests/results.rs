@@ -21,7 +21,7 @@ centre_x,centre_velocity_x,angle,angular_velocity,contact_force_x,force_x,force_
 energy_kinetic_fluid,energy_contact,leak_net,leak_absolute,newton,linear_iterations,factorizations,smallest_fraction,dofs,\
 seconds_cut,seconds_space,seconds_assembly,seconds_linear,seconds_output";
 
-/// The virtual barrier on a coarse mesh, just above it: contact in the first steps.
+/// Returns the virtual barrier on a coarse mesh, just above it: contact in the first steps.
 fn coarse(extra: &[&str]) -> ScenarioFile {
     let sets = [
         "background.size=1.0",
@@ -49,7 +49,7 @@ fn names(attributes: &[Attribute]) -> Vec<&str> {
     attributes.iter().map(|a| if let Attribute::DataArray(array) = a { array.name.as_str() } else { "" }).collect()
 }
 
-/// Sum of the areas of all polygons.
+/// Returns the sum of the areas of all polygons.
 fn area(grid: &UnstructuredGridPiece) -> f64 {
     let points: Vec<f64> = grid.points.cast_into().expect("numbers");
     let VertexNumbers::XML { connectivity, offsets } = &grid.cells.cell_verts else { panic!("not XML") };
@@ -67,7 +67,7 @@ fn area(grid: &UnstructuredGridPiece) -> f64 {
     area
 }
 
-/// Every file that must be readable at any moment is.
+/// Checks that every file which must be readable at any moment is.
 fn check_directory(directory: &Path, steps: usize) {
     let text = fs::read_to_string(directory.join("history.csv")).expect("a history");
     assert_eq!(text.lines().next(), Some(HEADER));

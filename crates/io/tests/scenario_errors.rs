@@ -9,7 +9,7 @@ use io::{Error, ScenarioFile, sizes};
 
 const COARSE: [&str; 2] = ["background.size=1.0", "body.0.shape.size=1.0"];
 
-/// The virtual barrier with one text replaced by another, and where that happens.
+/// Returns the virtual barrier with one text replaced by another, and where that happens.
 fn with(from: &str, to: &str) -> (String, usize) {
     let at = BARRIER.find(from).unwrap_or_else(|| panic!("the case contains {from}"));
     (BARRIER.replacen(from, to, 1), at)

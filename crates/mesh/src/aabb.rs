@@ -12,7 +12,7 @@ pub struct Aabb<const D: usize> {
 }
 
 impl<const D: usize> Aabb<D> {
-    /// The box without points: `low` is infinite, `high` is minus infinity.
+    /// Returns the box without points: `low` is infinite, `high` is minus infinity.
     pub fn empty() -> Self {
         Self { low: Point::repeat(f64::INFINITY), high: Point::repeat(f64::NEG_INFINITY) }
     }
@@ -41,27 +41,27 @@ impl<const D: usize> Aabb<D> {
         self.high - self.low
     }
 
-    /// Centre of the box.
+    /// Returns the centre of the box.
     pub fn centre(&self) -> Point<D> {
         0.5 * (self.low + self.high)
     }
 
-    /// Whether the box or its boundary contains the point.
+    /// Returns whether the box or its boundary contains the point.
     pub fn contains(&self, x: &Point<D>) -> bool {
         (0..D).all(|k| self.low[k] <= x[k] && x[k] <= self.high[k])
     }
 
-    /// Whether the boxes have a point in common.
+    /// Returns whether the boxes have a point in common.
     pub fn overlaps(&self, other: &Self) -> bool {
         (0..D).all(|k| self.low[k] <= other.high[k] && other.low[k] <= self.high[k])
     }
 
-    /// Distance between the boxes; zero if they overlap, infinite if one is empty.
+    /// Returns the distance between the boxes; zero if they overlap, infinite if one is empty.
     pub fn distance(&self, other: &Self) -> f64 {
         (self.low - other.high).sup(&(other.low - self.high)).map(|gap| gap.max(0.0)).norm()
     }
 
-    /// Squared distance from a point; zero inside.
+    /// Returns the squared distance from a point; zero inside.
     #[inline]
     pub fn squared_distance(&self, x: &Point<D>) -> f64 {
         (self.low - x).sup(&(x - self.high)).map(|gap| gap.max(0.0)).norm_squared()

@@ -36,17 +36,17 @@ impl<const D: usize> BoundaryMesh<D> {
         Self::new(facet_to_vertex, Vec::new(), tags)
     }
 
-    /// Number of facets.
+    /// Returns the number of facets.
     pub fn n_facets(&self) -> usize {
         self.tags.len()
     }
 
-    /// All facets in ascending order.
+    /// Returns all facets in ascending order.
     pub fn facets(&self) -> impl Iterator<Item = FacetId> + use<D> {
         (0..self.n_facets()).map(FacetId::new)
     }
 
-    /// Vertices of a facet, `D` of them.
+    /// Returns the vertices of a facet, `D` of them.
     #[inline]
     pub fn facet(&self, facet: FacetId) -> &[VertexId] {
         &self.facet_to_vertex[facet.index() * D..][..D]
@@ -60,13 +60,13 @@ impl<const D: usize> BoundaryMesh<D> {
         vertices
     }
 
-    /// The cell behind a facet; `None` for a surface without a volume mesh.
+    /// Returns the cell behind a facet; `None` for a surface without a volume mesh.
     #[inline]
     pub fn facet_to_cell(&self, facet: FacetId) -> Option<CellId> {
         self.facet_to_cell.get(facet.index()).copied()
     }
 
-    /// Tag of a facet.
+    /// Returns the tag of a facet.
     pub fn tag(&self, facet: FacetId) -> Option<Tag> {
         self.tags[facet.index()]
     }

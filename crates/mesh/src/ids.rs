@@ -14,7 +14,7 @@ macro_rules! id {
                 Self(index as u32)
             }
 
-            /// Position in arrays over this kind of entity.
+            /// Returns the position in arrays over this kind of entity.
             #[inline]
             pub fn index(self) -> usize {
                 self.0 as usize

@@ -19,28 +19,28 @@ impl<'m, const D: usize> Placed<'m, D> {
         Self { boundary, positions }
     }
 
-    /// The boundary.
+    /// Returns the boundary.
     pub fn boundary(&self) -> &'m BoundaryMesh<D> {
         self.boundary
     }
 
-    /// Positions of the vertices.
+    /// Returns the positions of the vertices.
     pub fn positions(&self) -> &'m [Point<D>] {
         self.positions
     }
 
-    /// Positions of the vertices of a facet; only the first `D` are used.
+    /// Returns the positions of the vertices of a facet; only the first `D` are used.
     #[inline]
     pub fn facet_points(&self, facet: FacetId) -> [Point<D>; MAX_FACET_VERTICES] {
         points_of(self.positions, self.boundary.facet(facet))
     }
 
-    /// Measure (length, area) of a facet.
+    /// Returns the measure (length, area) of a facet.
     pub fn facet_measure(&self, facet: FacetId) -> f64 {
         simplex_measure(&self.facet_points(facet)[..D])
     }
 
-    /// Unit normal of a facet, out of the solid; zero for a degenerate facet.
+    /// Returns the unit normal of a facet, out of the solid; zero for a degenerate facet.
     #[inline]
     pub fn facet_normal(&self, facet: FacetId) -> Vector<D> {
         facet_normal(&self.facet_points(facet)[..D])
@@ -82,8 +82,8 @@ pub struct Enclosed<const D: usize> {
     pub second_moment: Tensor<D>,
 }
 
-/// Unit normal of an oriented facet: to the right of a segment, by the right-hand rule for a triangle; zero for a
-/// degenerate facet.
+/// Returns the unit normal of an oriented facet: to the right of a segment, by the right-hand rule for a triangle; zero
+/// for a degenerate facet.
 #[inline]
 pub fn facet_normal<const D: usize>(points: &[Point<D>]) -> Vector<D> {
     let n = scaled_normal(points);
@@ -91,8 +91,8 @@ pub fn facet_normal<const D: usize>(points: &[Point<D>]) -> Vector<D> {
     if length > 0.0 { n / length } else { n }
 }
 
-/// Normal of an oriented facet. Its length is the measure of the facet in 2D and twice the measure in 3D (the cross product).
-/// Zero for a degenerate facet.
+/// Returns the normal of an oriented facet. Its length is the measure of the facet in 2D and twice the measure in 3D
+/// (the cross product). Zero for a degenerate facet.
 #[inline]
 fn scaled_normal<const D: usize>(points: &[Point<D>]) -> Vector<D> {
     let mut n = Vector::zeros();

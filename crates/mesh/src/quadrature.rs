@@ -68,12 +68,12 @@ impl SimplexRule {
             .orbit([1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0, 0.0], 9.0 / 20.0)
     }
 
-    /// Barycentric coordinates of the points; only the first `dimension + 1` are used.
+    /// Returns the barycentric coordinates of the points; only the first `dimension + 1` are used.
     pub fn points(&self) -> &[[f64; MAX_CELL_VERTICES]] {
         &self.points
     }
 
-    /// Weights, as fractions of the measure of the simplex.
+    /// Returns the weights, as fractions of the measure of the simplex.
     pub fn weights(&self) -> &[f64] {
         &self.weights
     }

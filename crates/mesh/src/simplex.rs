@@ -27,13 +27,13 @@ impl<const D: usize> Simplex<D> {
         Self { points: all }
     }
 
-    /// The points, `D + 1` of them.
+    /// Returns the points, `D + 1` of them.
     #[inline]
     pub fn points(&self) -> &[Point<D>] {
         &self.points[..=D]
     }
 
-    /// Jacobian of the map from the reference simplex: column `k` is `x_{k+1} - x_0`.
+    /// Returns the Jacobian of the map from the reference simplex: column `k` is `x_{k+1} - x_0`.
     #[inline]
     pub fn jacobian(&self) -> Tensor<D> {
         let mut j = Tensor::<D>::zeros();
@@ -43,13 +43,14 @@ impl<const D: usize> Simplex<D> {
         j
     }
 
-    /// Volume (area in 2D), positive for positive orientation.
+    /// Returns the volume (area in 2D), positive for positive orientation.
     #[inline]
     pub fn volume(&self) -> f64 {
         det(&self.jacobian()) / factorial(D)
     }
 
-    /// Gradients of the `D + 1` barycentric coordinates (further entries are zero), or `None` for a degenerate simplex.
+    /// Returns the gradients of the `D + 1` barycentric coordinates (further entries are zero), or `None` for a
+    /// degenerate simplex.
     #[inline]
     pub fn barycentric_gradients(&self) -> Option<[Vector<D>; MAX_CELL_VERTICES]> {
         let inverse = self.jacobian().try_inverse()?;
@@ -62,7 +63,7 @@ impl<const D: usize> Simplex<D> {
         Some(gradients)
     }
 
-    /// The `D + 1` barycentric coordinates of a point, or `None` for a degenerate simplex.
+    /// Returns the `D + 1` barycentric coordinates of a point, or `None` for a degenerate simplex.
     #[inline]
     pub fn barycentric(&self, x: &Point<D>) -> Option<[f64; MAX_CELL_VERTICES]> {
         let local = self.jacobian().try_inverse()? * (x - self.points[0]);
@@ -72,19 +73,19 @@ impl<const D: usize> Simplex<D> {
         Some(coordinates)
     }
 
-    /// Mean of the points.
+    /// Returns the mean of the points.
     #[inline]
     pub fn centroid(&self) -> Point<D> {
         self.points().iter().sum::<Point<D>>() / (D + 1) as f64
     }
 
-    /// Largest distance between two points.
+    /// Returns the largest distance between two points.
     pub fn diameter(&self) -> f64 {
         diameter(self.points())
     }
 }
 
-/// Positions of vertices; entries beyond their number are zero.
+/// Returns the positions of vertices; entries beyond their number are zero.
 #[inline]
 pub(crate) fn points_of<const D: usize, const N: usize>(
     positions: &[Point<D>],
@@ -97,7 +98,7 @@ pub(crate) fn points_of<const D: usize, const N: usize>(
     points
 }
 
-/// Largest distance between two of the points.
+/// Returns the largest distance between two of the points.
 pub fn diameter<const D: usize>(points: &[Point<D>]) -> f64 {
     let mut largest = 0.0_f64;
     for (i, a) in points.iter().enumerate() {
@@ -108,8 +109,8 @@ pub fn diameter<const D: usize>(points: &[Point<D>]) -> f64 {
     largest.sqrt()
 }
 
-/// Measure of the simplex with the given points in a space of any dimension: length of a segment, area of a triangle,
-/// volume of a tetrahedron.
+/// Returns the measure of the simplex with the given points in a space of any dimension: length of a segment, area of a
+/// triangle, volume of a tetrahedron.
 pub fn simplex_measure<const D: usize>(points: &[Point<D>]) -> f64 {
     match points.len() {
         0 => 0.0,
@@ -130,7 +131,7 @@ pub fn simplex_measure<const D: usize>(points: &[Point<D>]) -> f64 {
     }
 }
 
-/// Side of the equilateral simplex of dimension `D` with the given volume: the size `h_K` of a cell.
+/// Returns the side of the equilateral simplex of dimension `D` with the given volume: the size `h_K` of a cell.
 #[inline]
 pub fn equilateral_side<const D: usize>(volume: f64) -> f64 {
     match D {

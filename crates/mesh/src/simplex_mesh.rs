@@ -110,108 +110,108 @@ impl<const D: usize> SimplexMesh<D> {
         self
     }
 
-    /// Number of vertices.
+    /// Returns the number of vertices.
     pub fn n_vertices(&self) -> usize {
         self.vertices.len()
     }
 
-    /// Number of cells.
+    /// Returns the number of cells.
     pub fn n_cells(&self) -> usize {
         self.cell_to_vertex.len() / (D + 1)
     }
 
-    /// Number of facets.
+    /// Returns the number of facets.
     pub fn n_facets(&self) -> usize {
         self.topology.facet_to_cell.len()
     }
 
-    /// All cells in ascending order.
+    /// Returns all cells in ascending order.
     pub fn cells(&self) -> impl Iterator<Item = CellId> + use<D> {
         (0..self.n_cells()).map(CellId::new)
     }
 
-    /// All facets in ascending order.
+    /// Returns all facets in ascending order.
     pub fn facets(&self) -> impl Iterator<Item = FacetId> + use<D> {
         (0..self.n_facets()).map(FacetId::new)
     }
 
-    /// Positions of the vertices.
+    /// Returns the positions of the vertices.
     pub fn vertices(&self) -> &[Point<D>] {
         &self.vertices
     }
 
-    /// Position of a vertex.
+    /// Returns the position of a vertex.
     #[inline]
     pub fn vertex(&self, vertex: VertexId) -> Point<D> {
         self.vertices[vertex.index()]
     }
 
-    /// Vertices of a cell, `D + 1` of them.
+    /// Returns the vertices of a cell, `D + 1` of them.
     #[inline]
     pub fn cell(&self, cell: CellId) -> &[VertexId] {
         &self.cell_to_vertex[cell.index() * (D + 1)..][..=D]
     }
 
-    /// A cell as a simplex.
+    /// Returns a cell as a simplex.
     #[inline]
     pub fn simplex(&self, cell: CellId) -> Simplex<D> {
         simplex(&self.vertices, self.cell(cell))
     }
 
-    /// A cell as a simplex with its vertices at other positions (one per vertex of the mesh).
+    /// Returns a cell as a simplex with its vertices at other positions (one per vertex of the mesh).
     #[inline]
     pub fn simplex_at(&self, cell: CellId, positions: &[Point<D>]) -> Simplex<D> {
         simplex(positions, self.cell(cell))
     }
 
-    /// Volume (area in 2D) of a cell.
+    /// Returns the volume (area in 2D) of a cell.
     #[inline]
     pub fn cell_volume(&self, cell: CellId) -> f64 {
         self.measures.cell_to_volume[cell.index()]
     }
 
-    /// Volume (area in 2D) of all cells.
+    /// Returns the volume (area in 2D) of all cells.
     pub fn volume(&self) -> f64 {
         self.measures.volume
     }
 
-    /// Area (length in 2D) of a facet.
+    /// Returns the area (length in 2D) of a facet.
     #[inline]
     pub fn facet_measure(&self, facet: FacetId) -> f64 {
         self.measures.facet_to_measure[facet.index()]
     }
 
-    /// The `D` vertices of a facet, oriented outwards from its first cell.
+    /// Returns the `D` vertices of a facet, oriented outwards from its first cell.
     #[inline]
     pub fn facet(&self, facet: FacetId) -> &[VertexId] {
         &self.topology.facet_to_vertex[facet.index() * D..][..D]
     }
 
-    /// Positions of the vertices of a facet; only the first `D` are used.
+    /// Returns the positions of the vertices of a facet; only the first `D` are used.
     #[inline]
     pub fn facet_points(&self, facet: FacetId) -> [Point<D>; MAX_FACET_VERTICES] {
         points_of(&self.vertices, self.facet(facet))
     }
 
-    /// The one or two cells of a facet.
+    /// Returns the one or two cells of a facet.
     #[inline]
     pub fn facet_to_cell(&self, facet: FacetId) -> [Option<CellId>; 2] {
         self.topology.facet_to_cell[facet.index()]
     }
 
-    /// The `D + 1` facets of a cell; facet `i` is opposite to vertex `i`.
+    /// Returns the `D + 1` facets of a cell; facet `i` is opposite to vertex `i`.
     #[inline]
     pub fn cell_to_facet(&self, cell: CellId) -> &[FacetId] {
         &self.topology.cell_to_facet[cell.index() * (D + 1)..][..=D]
     }
 
-    /// Whether a facet belongs to one cell only.
+    /// Returns whether a facet belongs to one cell only.
     #[inline]
     pub fn is_boundary(&self, facet: FacetId) -> bool {
         self.facet_to_cell(facet)[1].is_none()
     }
 
-    /// Search structure for the cells; built by the first call.
+    /// Returns the search structure for the cells; built by the first call.
     pub fn cell_index(&self) -> &CellIndex<D> {
         self.cell_index.get_or_init(|| self.cell_index_at(&self.vertices))
     }
@@ -221,17 +221,17 @@ impl<const D: usize> SimplexMesh<D> {
         CellIndex::new(self.cells().map(|cell| self.simplex_at(cell, positions)).collect())
     }
 
-    /// Names of the tags.
+    /// Returns the names of the tags.
     pub fn tag_names(&self) -> &[String] {
         &self.tag_names
     }
 
-    /// The tag with the given name.
+    /// Returns the tag with the given name.
     pub fn tag(&self, name: &str) -> Option<Tag> {
         self.tag_names.iter().position(|n| n == name).map(Tag::new)
     }
 
-    /// Tag of a facet; `None` for interior facets.
+    /// Returns the tag of a facet; `None` for interior facets.
     pub fn facet_tag(&self, facet: FacetId) -> Option<Tag> {
         self.facet_tag[facet.index()]
     }

@@ -11,7 +11,7 @@ pub type Vector<const D: usize> = SVector<f64, D>;
 /// A second-order tensor.
 pub type Tensor<const D: usize> = SMatrix<f64, D, D>;
 
-/// Determinant of a tensor; nalgebra's own function has trait bounds on the dimension.
+/// Returns the determinant of a tensor; nalgebra's own function has trait bounds on the dimension.
 #[inline]
 pub fn det<const D: usize>(t: &Tensor<D>) -> f64 {
     match D {
@@ -26,7 +26,7 @@ pub fn det<const D: usize>(t: &Tensor<D>) -> f64 {
     }
 }
 
-/// Symmetric part of a tensor.
+/// Returns the symmetric part of a tensor.
 #[inline]
 pub fn sym<const D: usize>(t: &Tensor<D>) -> Tensor<D> {
     0.5 * (t + t.transpose())

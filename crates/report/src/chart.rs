@@ -15,7 +15,7 @@ pub struct Curve {
 }
 
 impl Curve {
-    /// A curve from its name and points.
+    /// Creates a curve from its name and points.
     pub fn new(label: impl Into<String>, points: Vec<(f64, f64)>) -> Self {
         Self { label: label.into(), points }
     }
@@ -43,12 +43,12 @@ pub struct Chart {
 }
 
 impl Chart {
-    /// A chart from its title, the label of its horizontal axis and its curves.
+    /// Creates a chart from its title, the label of its horizontal axis and its curves.
     pub fn new(title: impl Into<String>, x_label: impl Into<String>, curves: Vec<Curve>) -> Self {
         Self { title: title.into(), x_label: x_label.into(), curves, ..Self::default() }
     }
 
-    /// The chart as a figure; empty without a point to draw.
+    /// Returns the chart as a figure; empty without a point to draw.
     ///
     /// # Errors
     /// [`Error::Json`].
@@ -81,7 +81,7 @@ impl Chart {
     }
 }
 
-/// A number with six significant digits; none if it is not finite.
+/// Returns a number with six significant digits; none if it is not finite.
 fn short(x: f64) -> Value {
     format!("{x:.5e}").parse::<f64>().map_or(Value::Null, |x| json!(x))
 }

@@ -198,7 +198,8 @@ fn touches<const D: usize>(view: &StepView<'_, D>) -> bool {
     view.report.is_some_and(|report| report.contacts.iter().any(|contact| contact.is_active()))
 }
 
-/// Corners of the box around the background; without a fluid, of a box around the bodies at the start with room to move.
+/// Returns the corners of the box around the background; without a fluid, of a box around the bodies at the start with
+/// room to move.
 fn bounds<const D: usize>(setup: &Setup<D>) -> ([f64; 2], [f64; 2]) {
     let bounds = match &setup.fluid {
         Some(fluid) => Aabb::of_points(fluid.background.vertices()),
@@ -211,7 +212,7 @@ fn bounds<const D: usize>(setup: &Setup<D>) -> ([f64; 2], [f64; 2]) {
     (std::array::from_fn(|k| bounds.low[k]), std::array::from_fn(|k| bounds.high[k]))
 }
 
-/// The points of an outline, from its edges in any order.
+/// Returns the points of an outline, from its edges in any order.
 fn ordered(edges: &[[[f64; 2]; 2]]) -> Vec<[f64; 2]> {
     let key = |x: &[f64; 2]| x.map(f64::to_bits);
     let mut next: BTreeMap<[u64; 2], [f64; 2]> = edges.iter().map(|[from, to]| (key(from), *to)).collect();

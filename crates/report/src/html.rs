@@ -33,7 +33,7 @@ pub struct Section {
 }
 
 impl Section {
-    /// A section from its identifier, title and content.
+    /// Creates a section from its identifier, title and content.
     pub fn new(id: &str, title: &str, html: String) -> Self {
         Self { id: id.to_owned(), title: title.to_owned(), html }
     }
@@ -48,7 +48,7 @@ impl Page {
         Ok(io::write_whole(path, self.html().as_bytes())?)
     }
 
-    /// The text of the page.
+    /// Returns the text of the page.
     pub fn html(&self) -> String {
         let title = escape(&self.title);
         let mut page = format!(
@@ -73,12 +73,12 @@ impl Page {
     }
 }
 
-/// Text with the characters that HTML gives a meaning replaced.
+/// Returns the text with the characters that HTML gives a meaning replaced.
 pub fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;").replace('\'', "&#39;")
 }
 
-/// Data for the script of the page, as an element that the browser does not run.
+/// Returns the data for the script of the page, as an element that the browser does not run.
 ///
 /// # Errors
 /// [`Error::Json`].
@@ -88,7 +88,8 @@ pub fn data(value: &impl serde::Serialize) -> Result<String, Error> {
     Ok(format!("<script type=\"application/json\">{text}</script>"))
 }
 
-/// A number with four significant digits, without an exponent where that is readable; a dash if it is not finite.
+/// Returns a number with four significant digits, without an exponent where that is readable; a dash if it is not
+/// finite.
 pub fn number(x: f64) -> String {
     if !x.is_finite() {
         return "–".to_owned();
@@ -111,7 +112,7 @@ pub fn optional(x: Option<f64>) -> String {
     number(x.unwrap_or(f64::NAN))
 }
 
-/// A wall-clock time.
+/// Returns a wall-clock time.
 pub fn duration(seconds: f64) -> String {
     match seconds {
         s if s < 10.0 => format!("{s:.1} s"),
@@ -121,13 +122,13 @@ pub fn duration(seconds: f64) -> String {
     }
 }
 
-/// The word `pass` or `fail`, coloured.
+/// Returns the word `pass` or `fail`, coloured.
 pub fn verdict(passes: bool) -> String {
     let word = if passes { "pass" } else { "fail" };
     format!("<span class=\"verdict {word}\">{word}</span>")
 }
 
-/// A table. Cells are HTML; the first cell of a row is its heading.
+/// Returns a table. Cells are HTML; the first cell of a row is its heading.
 pub fn table(caption: &str, head: &[&str], rows: &[Vec<String>]) -> String {
     let mut html = String::from("<div class=\"scroll\"><table>");
     if !caption.is_empty() {

@@ -11,7 +11,7 @@ pub(crate) struct Ledger<'a> {
 }
 
 impl Ledger<'_> {
-    /// Sum of a column over all bodies.
+    /// Returns the sum of a column over all bodies.
     fn of_bodies(&self, table: &HistoryTable, column: &str) -> Option<Vec<f64>> {
         let bodies = &self.results.summary.bodies;
         let columns = bodies.iter().map(|name| table.column(&format!("{}{column}", self.results.prefix(name))));
@@ -19,7 +19,7 @@ impl Ledger<'_> {
         Some((0..table.n_rows()).map(|k| columns.iter().map(|column| column[k]).sum()).collect())
     }
 
-    /// The energies over time, and their sum.
+    /// Returns the energies over time, and their sum.
     pub(crate) fn energies(&self) -> Result<String, Error> {
         let Results { history, diagnostics, summary, .. } = self.results;
         let units = &summary.units;
@@ -100,7 +100,7 @@ impl Ledger<'_> {
         Ok(gallery(&[self.forces()?, format!("<div>{}</div>", self.volumes())]))
     }
 
-    /// The vertical forces on the leading body, and how well they balance; empty if its motion is prescribed.
+    /// Returns the vertical forces on the leading body, and how well they balance; empty if its motion is prescribed.
     fn forces(&self) -> Result<String, Error> {
         let Results { diagnostics, summary, .. } = self.results;
         let units = &summary.units;

@@ -24,7 +24,7 @@ pub(crate) fn lead(results: &Results) -> String {
     )
 }
 
-/// All sections of a run, in order.
+/// Returns all sections of a run, in order.
 ///
 /// # Errors
 /// [`Error::Json`].
@@ -35,8 +35,8 @@ pub(crate) fn sections(results: &Results) -> Result<Vec<Section>, Error> {
     Ok(sections)
 }
 
-/// A run as a part of a page about several: its sections without timings and scenario, with titles one level below those of
-/// sections, and histories with marked times.
+/// Returns a run as a part of a page about several: its sections without timings and scenario, with titles one level
+/// below those of sections, and histories with marked times.
 ///
 /// # Errors
 /// [`Error::Json`].
@@ -48,7 +48,7 @@ pub fn part(results: &Results, marks: &[(String, f64)]) -> Result<String, Error>
     Ok(parts(results, marks)?.into_iter().map(text).collect())
 }
 
-/// The sections about the results of a run that are not empty.
+/// Returns the sections about the results of a run that are not empty.
 fn parts(results: &Results, marks: &[(String, f64)]) -> Result<Vec<Section>, Error> {
     let ledger = Ledger { results };
     let all = [
@@ -62,7 +62,7 @@ fn parts(results: &Results, marks: &[(String, f64)]) -> Result<Vec<Section>, Err
     Ok(all.into_iter().filter(|section| !section.html.is_empty()).collect())
 }
 
-/// Animation and sizes.
+/// Returns the animation and sizes.
 fn run(results: &Results) -> Result<String, Error> {
     let summary = &results.summary;
     let (length, time) = (&summary.units.length, &summary.units.time);
@@ -91,7 +91,7 @@ fn run(results: &Results) -> Result<String, Error> {
     Ok(gallery(&[animation(results)?, facts]))
 }
 
-/// The animation; empty without frames.
+/// Returns the animation; empty without frames.
 fn animation(results: &Results) -> Result<String, Error> {
     let Some(frames) = results.frames.as_ref().filter(|frames| !frames.frames.is_empty()) else {
         return Ok(String::new());
@@ -106,7 +106,7 @@ fn animation(results: &Results) -> Result<String, Error> {
     ))
 }
 
-/// Fields at chosen moments; empty without frames.
+/// Returns the fields at chosen moments; empty without frames.
 fn moments(results: &Results) -> Result<String, Error> {
     let Some(frames) = &results.frames else { return Ok(String::new()) };
     let mut moments: Vec<_> = frames.moments.iter().collect();
@@ -123,7 +123,7 @@ fn moments(results: &Results) -> Result<String, Error> {
     Ok(if figures.is_empty() { String::new() } else { format!("<div class=\"moments\">{}</div>", figures.concat()) })
 }
 
-/// The data of frames for the script that draws them.
+/// Returns the data of frames for the script that draws them.
 fn drawing<'a>(results: &Results, frames: &Frames, shown: impl Iterator<Item = &'a Snapshot>) -> Result<String, Error> {
     let Frames { low, high, mirror, unit, .. } = frames;
     data(&json!({
@@ -157,7 +157,7 @@ fn histories(results: &Results, marks: &[(String, f64)]) -> Result<String, Error
     ]))
 }
 
-/// Table of the contacts, and the first one in detail; empty without a contact.
+/// Returns the table of the contacts, and the first one in detail; empty without a contact.
 fn contacts(results: &Results, marks: &[(String, f64)]) -> Result<String, Error> {
     let Results { summary, history, .. } = results;
     let units = &summary.units;
@@ -187,7 +187,7 @@ fn contacts(results: &Results, marks: &[(String, f64)]) -> Result<String, Error>
     Ok(table(&caption, &head, &rows) + &gallery(&[distance.html()?, force.html()?]))
 }
 
-/// Wall-clock times, and the work of the solver over time.
+/// Returns the wall-clock times, and the work of the solver over time.
 fn timings(results: &Results) -> Result<String, Error> {
     let Results { summary, history, .. } = results;
     let steps = summary.steps.max(1) as f64;

@@ -68,7 +68,7 @@ fn encode(frames: &Frames, out: impl std::io::Write) -> Result<(), png::Encoding
     writer.finish()
 }
 
-/// Two pixels of four bits in a byte, row by row.
+/// Returns two pixels of four bits in a byte, row by row.
 fn packed(pixels: &[u8], width: usize) -> Vec<u8> {
     let rows = pixels.chunks(width);
     rows.flat_map(|row| row.chunks(2).map(|pair| pair[0] << 4 | pair.get(1).copied().unwrap_or(0))).collect()
@@ -95,7 +95,7 @@ impl<'a> Canvas<'a> {
         Self { frames, left, scale, width, height }
     }
 
-    /// The colours of all pixels, row by row from above.
+    /// Returns the colours of all pixels, row by row from above.
     fn draw(&self, frame: &Snapshot, largest: f64) -> Vec<u8> {
         let outlines: Vec<Vec<[f64; 2]>> = frame.outlines.iter().map(|o| self.frames.points(o).collect()).collect();
         let body = if frame.touches { TOUCHING } else { FREE };
@@ -128,7 +128,7 @@ impl<'a> Canvas<'a> {
         pixels
     }
 
-    /// The image of a position in the computed half.
+    /// Returns the image of a position in the computed half.
     fn folded(&self, x: f64) -> f64 {
         match self.frames.mirror {
             Some(mirror) if x < self.frames.low[0] || x > self.frames.high[0] => 2.0 * mirror - x,
@@ -137,7 +137,7 @@ impl<'a> Canvas<'a> {
     }
 }
 
-/// Where a closed outline crosses a height, in ascending order.
+/// Returns the places where a closed outline crosses a height, in ascending order.
 fn crossings(points: &[[f64; 2]], y: f64) -> Vec<f64> {
     let ends = points.iter().zip(points.iter().cycle().skip(1));
     let crossed = ends.filter(|(a, b)| (a[1] < y) != (b[1] < y));
@@ -146,8 +146,8 @@ fn crossings(points: &[[f64; 2]], y: f64) -> Vec<f64> {
     at
 }
 
-/// The speed at a position: the mean of the points of the raster around it, weighted by how near they are, without those
-/// outside the fluid.
+/// Returns the speed at a position: the mean of the points of the raster around it, weighted by how near they are,
+/// without those outside the fluid.
 fn speed(frames: &Frames, frame: &Snapshot, x: [f64; 2]) -> f64 {
     let at = [0, 1].map(|k| (x[k] - frames.low[k]) / (frames.high[k] - frames.low[k]) * frame.n[k] as f64 - 0.5);
     let (mut sum, mut weights) = (0.0, 0.0);

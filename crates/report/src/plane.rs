@@ -4,7 +4,7 @@ use mesh::Point;
 use solver::body::Body;
 use solver::{FluidBoundary, Setup};
 
-/// Position of a side on the left or right that is a plane of symmetry: pictures then show the whole.
+/// Returns the position of a side on the left or right that is a plane of symmetry: pictures then show the whole.
 pub fn mirror<const D: usize>(setup: &Setup<D>) -> Option<f64> {
     let fluid = setup.fluid.as_ref()?;
     let (tag, _) = fluid.boundary.iter().find(|(_, c)| matches!(c, FluidBoundary::Symmetry { axis: 0 }))?;
@@ -12,7 +12,7 @@ pub fn mirror<const D: usize>(setup: &Setup<D>) -> Option<f64> {
     Some(fluid.background.vertex(fluid.background.facet(facet)[0])[0])
 }
 
-/// The edges of a body, without those on the plane of symmetry.
+/// Returns the edges of a body, without those on the plane of symmetry.
 pub fn outline<const D: usize>(body: &dyn Body<D>, positions: &[Point<D>], mirror: Option<f64>) -> Vec<[[f64; 2]; 2]> {
     let on_plane = |x: &[f64; 2]| mirror.is_some_and(|plane| (x[0] - plane).abs() < 1e-9);
     let boundary = body.surface();
@@ -23,7 +23,7 @@ pub fn outline<const D: usize>(body: &dyn Body<D>, positions: &[Point<D>], mirro
     edges.filter(|ends| !ends.iter().all(on_plane)).collect()
 }
 
-/// Barycentric coordinates of a point in a triangle; `None` outside.
+/// Returns the barycentric coordinates of a point in a triangle; `None` outside.
 pub fn barycentric([a, b, c]: [[f64; 2]; 3], x: [f64; 2]) -> Option<[f64; 3]> {
     let cross = |p: [f64; 2], q: [f64; 2], r: [f64; 2]| (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
     let area = cross(a, b, c);

@@ -15,15 +15,15 @@ pub(crate) struct Raster {
 }
 
 impl Raster {
-    /// A raster of a rectangle with about `longest` points along its longer side.
+    /// Creates a raster of a rectangle with about `longest` points along its longer side.
     pub(crate) fn new(low: [f64; 2], high: [f64; 2], longest: f64) -> Self {
         let step = (high[0] - low[0]).max(high[1] - low[1]) / longest;
         let n = [0, 1].map(|k| ((high[k] - low[k]) / step).round().max(1.0) as usize);
         Self { low, step: [0, 1].map(|k| (high[k] - low[k]) / n[k] as f64), n }
     }
 
-    /// The speed at the points that lie in the fluid, row by row from below. Values of unknowns outside the fluid are
-    /// extrapolations; they appear only through the interpolation within its polygons.
+    /// Returns the speed at the points that lie in the fluid, row by row from below. Values of unknowns outside the
+    /// fluid are extrapolations; they appear only through the interpolation within its polygons.
     pub(crate) fn speeds<const D: usize>(
         &self,
         background: &SimplexMesh<D>,

@@ -36,12 +36,12 @@ impl Results {
         })
     }
 
-    /// Prefix of the columns of a body: empty if it is the only one.
+    /// Returns the prefix of the columns of a body: empty if it is the only one.
     pub fn prefix(&self, body: &str) -> String {
         if self.summary.bodies.len() == 1 { String::new() } else { format!("{body}_") }
     }
 
-    /// Prefix of the columns of the leading body; empty without a body.
+    /// Returns the prefix of the columns of the leading body; empty without a body.
     pub fn leading_prefix(&self) -> String {
         self.summary.leading.as_ref().map_or_else(String::new, |name| self.prefix(name))
     }
@@ -52,7 +52,7 @@ impl Results {
         Curve::new(label, times.into_iter().zip(table.column(column).unwrap_or_default()).collect())
     }
 
-    /// A chart over time, with the unit in its title.
+    /// Returns a chart over time, with the unit in its title.
     pub(crate) fn over_time(&self, title: &str, unit: &str, curves: Vec<Curve>) -> Chart {
         Chart::new(format!("{title} [{unit}]"), format!("time [{}]", self.summary.units.time), curves)
     }

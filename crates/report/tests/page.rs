@@ -26,7 +26,7 @@ fn page(text: &str, sets: &[&str], directory: &Path) -> String {
     fs::read_to_string(path).expect("a page")
 }
 
-/// The virtual barrier on a coarse mesh, just above it: contact in the first steps.
+/// Returns the virtual barrier on a coarse mesh, just above it: contact in the first steps.
 fn barrier(directory: &Path, extra: &[&str]) -> String {
     let text = include_str!("../../../validation/cases/virtual-barrier.toml");
     let sets = [
@@ -40,7 +40,7 @@ fn barrier(directory: &Path, extra: &[&str]) -> String {
     page(text, &[&sets, extra].concat(), directory)
 }
 
-/// No address outside the page, and no number that is not one.
+/// Checks that the page has no address outside of it and no NaN.
 fn check(page: &str) {
     for sign in ["src=\"http", "href=\"http", "url(http", "@import", "src=\"/", "file:"] {
         assert!(!page.contains(sign), "the page refers to another file: {sign}");

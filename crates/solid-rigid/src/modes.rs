@@ -8,22 +8,22 @@ use mesh::{Tensor, Vector};
 /// Angular velocity, momentum or torque: one coefficient per rotation; the first `D(D-1)/2` count. Units: rad/s for a velocity.
 pub type Spin = [f64; 3];
 
-/// Number of rotations.
+/// Returns the number of rotations.
 pub const fn n_rotations(dimension: usize) -> usize {
     dimension * (dimension - 1) / 2
 }
 
-/// Number of rigid velocities.
+/// Returns the number of rigid velocities.
 pub const fn n_modes(dimension: usize) -> usize {
     dimension + n_rotations(dimension)
 }
 
-/// Unit vector along an axis.
+/// Returns the unit vector along an axis.
 pub(crate) fn axis<const D: usize>(number: usize) -> Vector<D> {
     Vector::from_fn(|a, _| if a == number { 1.0 } else { 0.0 })
 }
 
-/// `e_k × r`: velocity of rotation `k` at the arm `r`.
+/// Returns `e_k × r`: velocity of rotation `k` at the arm `r`.
 #[inline]
 pub fn rotation<const D: usize>(k: usize, arm: &Vector<D>) -> Vector<D> {
     let across = if D == 2 { 2 } else { k };
@@ -34,19 +34,19 @@ pub fn rotation<const D: usize>(k: usize, arm: &Vector<D>) -> Vector<D> {
     v
 }
 
-/// Velocity of a mode at the arm `r`.
+/// Returns the velocity of a mode at the arm `r`.
 #[inline]
 pub fn mode<const D: usize>(number: usize, arm: &Vector<D>) -> Vector<D> {
     if number < D { axis(number) } else { rotation(number - D, arm) }
 }
 
-/// `ω × r`.
+/// Returns `ω × r`.
 #[inline]
 pub fn spin_velocity<const D: usize>(spin: &Spin, arm: &Vector<D>) -> Vector<D> {
     (0..n_rotations(D)).map(|k| rotation(k, arm) * spin[k]).sum()
 }
 
-/// The rotation by the angles `φ` (an axis with its angle as length in 3D), `exp(φ ×)`.
+/// Returns the rotation by the angles `φ` (an axis with its angle as length in 3D), `exp(φ ×)`.
 ///
 /// Source: Rodrigues' formula `I + sin θ/θ Φ + (1 - cos θ)/θ² Φ²`, which holds in the plane as well.
 pub fn rotated_by<const D: usize>(angles: &Spin) -> Tensor<D> {

@@ -21,7 +21,7 @@ pub struct RigidMotion<const D: usize> {
 }
 
 impl<const D: usize> RigidMotion<D> {
-    /// The motion at the start, in the reference configuration.
+    /// Returns the motion at the start, in the reference configuration.
     pub fn initial(mass: &MassProperties<D>, velocity: Vector<D>, spin: Spin) -> Self {
         let rotation = Tensor::identity();
         let angular_momentum = product(&mass.inertia(&rotation), &spin, n_rotations(D));
@@ -66,17 +66,17 @@ impl<const D: usize> RigidMotion<D> {
         }
     }
 
-    /// Current position of a point of the body.
+    /// Returns the current position of a point of the body.
     pub fn position(&self, mass: &MassProperties<D>, reference: &Point<D>) -> Point<D> {
         self.centre + self.rotation * (reference - mass.centre)
     }
 
-    /// `V + ω × (x - c)`: velocity of the body at a current position.
+    /// Returns `V + ω × (x - c)`: velocity of the body at a current position.
     pub fn velocity_at(&self, x: &Point<D>) -> Vector<D> {
         self.velocity + spin_velocity(&self.spin, &(x - self.centre))
     }
 
-    /// `1/2 M V² + 1/2 ω·L`.
+    /// Returns `1/2 M V² + 1/2 ω·L`.
     pub fn kinetic_energy(&self, mass: &MassProperties<D>) -> f64 {
         let spinning: f64 = self.spin.iter().zip(&self.angular_momentum).map(|(omega, l)| omega * l).sum();
         0.5 * (mass.mass * self.velocity.norm_squared() + spinning)

@@ -61,7 +61,7 @@ impl<const D: usize> RigidBody<D> {
         })
     }
 
-    /// The motion of the body in a state.
+    /// Returns the motion of the body in a state.
     pub fn motion(&self, state: &BodyState<D>) -> RigidMotion<D> {
         RigidMotion::from_numbers(&state.inner)
     }

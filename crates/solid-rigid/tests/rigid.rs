@@ -6,7 +6,7 @@ use mesh::{BoundaryMesh, ParameterError, Placed, Point, Tensor, Vector, VertexId
 use solid_rigid::modes::rotated_by;
 use solid_rigid::{Error, MassProperties, RigidBody, RigidMotion, Spin};
 
-/// A brick with sides a, b, c, turned and shifted.
+/// Returns a brick with sides a, b, c, turned and shifted.
 fn brick(size: [f64; 3], turned_by: Spin, centre: Point<3>) -> (BoundaryMesh<3>, Vec<Point<3>>) {
     let rotation = rotated_by::<3>(&turned_by);
     let corner = |i: usize| {
@@ -47,7 +47,8 @@ fn what_encloses_nothing_is_refused() {
     assert!(matches!(massless, Err(Error::Parameter(ParameterError { what: "density", .. }))));
 }
 
-/// One step of a body without forces, solved by Newton's method: the contribution is linear, and one iteration is enough.
+/// Returns one step of a body without forces, solved by Newton's method: the contribution is linear, and one iteration
+/// is enough.
 fn free_step(body: &RigidBody<3>, before: &RigidMotion<3>, dt: f64) -> RigidMotion<3> {
     let begin = BodyState { inner: before.to_numbers(), ..body.start() };
     let mut layout = BlockLayout::new();

@@ -28,19 +28,19 @@ pub struct SolidCell<'a, const D: usize> {
 }
 
 impl<const D: usize> SolidCell<'_, D> {
-    /// Local vertices.
+    /// Returns the local vertices.
     #[inline]
     pub fn nodes(&self) -> std::ops::RangeInclusive<usize> {
         0..=D
     }
 
-    /// First local row of the velocity of a local vertex.
+    /// Returns the first local row of the velocity of a local vertex.
     #[inline]
     pub fn row(&self, node: usize) -> usize {
         D * node
     }
 
-    /// Gradient of the displacement, constant on the cell.
+    /// Returns the gradient of the displacement, constant on the cell.
     #[inline]
     pub fn grad_displacement(&self) -> Tensor<D> {
         gradient(&self.displacement[..=D], &self.gradients[..=D])
@@ -72,7 +72,7 @@ impl<const D: usize> SolidCells<'_, D> {
         vertices.iter().for_each(|vertex| out.extend(self.layout.node(self.velocity, vertex.index())));
     }
 
-    /// Velocity of a vertex at the state `x`.
+    /// Returns the velocity of a vertex at the state `x`.
     pub(crate) fn velocity_at(&self, vertex: VertexId, x: &[f64]) -> Vector<D> {
         self.layout.at(self.velocity, vertex.index(), x).into()
     }

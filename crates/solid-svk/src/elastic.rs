@@ -31,7 +31,7 @@ pub struct ElasticOptions<const D: usize> {
 }
 
 impl<const D: usize> Default for ElasticOptions<D> {
-    /// Implicit Euler, no supports, no loads, at rest.
+    /// Returns implicit Euler, no supports, no loads, at rest.
     fn default() -> Self {
         Self {
             scheme: Arc::new(ImplicitEuler),
@@ -73,12 +73,12 @@ impl<const D: usize> ElasticBody<D> {
         Ok(Self { name: name.to_owned(), solid, form, options })
     }
 
-    /// The mesh.
+    /// Returns the mesh.
     pub fn solid(&self) -> &SolidMesh<D> {
         &self.solid
     }
 
-    /// The weak form.
+    /// Returns the weak form.
     pub fn form(&self) -> &SolidForm<D> {
         &self.form
     }

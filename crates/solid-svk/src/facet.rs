@@ -19,13 +19,13 @@ pub struct SolidFacet<const D: usize> {
 }
 
 impl<const D: usize> SolidFacet<D> {
-    /// Local vertices.
+    /// Returns the local vertices.
     #[inline]
     pub fn nodes(&self) -> std::ops::Range<usize> {
         0..D
     }
 
-    /// First local row of the velocity of a local vertex.
+    /// Returns the first local row of the velocity of a local vertex.
     #[inline]
     pub fn row(&self, node: usize) -> usize {
         D * node

@@ -37,12 +37,12 @@ impl<const D: usize> SolidForm<D> {
         })
     }
 
-    /// Inertia and body force: affine in velocity, assembled once per nonlinear solve.
+    /// Returns the inertia and body force: affine in velocity, assembled once per nonlinear solve.
     pub fn inertia_and_body_force<'a>(&'a self, cells: SolidCells<'a, D>) -> Integral<'a, SolidCells<'a, D>> {
         Integral::linear("solid inertia and body force", cells, vec![&self.inertia, &self.body_force])
     }
 
-    /// Internal work: nonlinear in velocity, unless the material is linear.
+    /// Returns the internal work: nonlinear in velocity, unless the material is linear.
     pub fn internal_work<'a>(&'a self, cells: SolidCells<'a, D>) -> Integral<'a, SolidCells<'a, D>> {
         let is_linear = self.internal_work.material.is_linear();
         let integral = if is_linear { Integral::linear } else { Integral::new };

@@ -4,13 +4,13 @@
 
 use mesh::{Tensor, Vector, det};
 
-/// Deformation gradient `F = I + ∇d`.
+/// Returns the deformation gradient `F = I + ∇d`.
 #[inline]
 pub fn deformation_gradient<const D: usize>(grad_d: &Tensor<D>) -> Tensor<D> {
     Tensor::identity() + grad_d
 }
 
-/// Gradient of a P1 field on a cell: `Σ_i d_i ⊗ ∇N_i`.
+/// Returns the gradient of a P1 field on a cell: `Σ_i d_i ⊗ ∇N_i`.
 ///
 /// Shapes: `values` and `gradients`: one entry per vertex of the cell.
 #[inline]
@@ -22,19 +22,19 @@ pub fn gradient<const D: usize>(values: &[Vector<D>], gradients: &[Vector<D>]) -
     sum
 }
 
-/// Green-Lagrange strain `E = (FᵀF - I)/2`; zero for every rigid motion.
+/// Returns the Green-Lagrange strain `E = (FᵀF - I)/2`; zero for every rigid motion.
 #[inline]
 pub fn green_lagrange<const D: usize>(f: &Tensor<D>) -> Tensor<D> {
     0.5 * (f.transpose() * f - Tensor::identity())
 }
 
-/// Derivative of the Green-Lagrange strain at `F` in direction `H`: `(FᵀH + HᵀF)/2`.
+/// Returns the derivative of the Green-Lagrange strain at `F` in direction `H`: `(FᵀH + HᵀF)/2`.
 #[inline]
 pub fn green_lagrange_derivative<const D: usize>(f: &Tensor<D>, h: &Tensor<D>) -> Tensor<D> {
     mesh::sym(&(f.transpose() * h))
 }
 
-/// Cauchy stress `T = P Fᵀ / J` of a first Piola stress.
+/// Returns the Cauchy stress `T = P Fᵀ / J` of a first Piola stress.
 ///
 /// Source: paper, Sec. 2.1, with the first Piola stress `P = J T F⁻ᵀ`.
 /// Units: those of `P` (dyn/cm²).

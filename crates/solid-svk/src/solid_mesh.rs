@@ -14,7 +14,7 @@ pub struct SolidMesh<const D: usize> {
 }
 
 impl<const D: usize> SolidMesh<D> {
-    /// A body that occupies the mesh in its reference configuration.
+    /// Returns a body that occupies the mesh in its reference configuration.
     ///
     /// # Errors
     /// [`Error::DegenerateCell`]: a cell without finite gradients.
@@ -34,28 +34,28 @@ impl<const D: usize> SolidMesh<D> {
         Ok(Self { mesh, boundary, gradients, volumes })
     }
 
-    /// The mesh.
+    /// Returns the mesh.
     pub fn mesh(&self) -> &SimplexMesh<D> {
         &self.mesh
     }
 
-    /// The boundary of the mesh.
+    /// Returns the boundary of the mesh.
     pub fn boundary(&self) -> &BoundaryMesh<D> {
         &self.boundary
     }
 
-    /// The boundary seen at the given positions of the vertices.
+    /// Returns the boundary seen at the given positions of the vertices.
     pub fn placed<'m>(&'m self, positions: &'m [Point<D>]) -> Placed<'m, D> {
         Placed::new(&self.boundary, positions)
     }
 
-    /// Gradients of the shape functions of a cell; the first `D + 1` count, the others are zero.
+    /// Returns the gradients of the shape functions of a cell; the first `D + 1` count, the others are zero.
     #[inline]
     pub fn gradients(&self, cell: CellId) -> &[Vector<D>; MAX_CELL_VERTICES] {
         &self.gradients[cell.index()]
     }
 
-    /// Reference volume of a cell.
+    /// Returns the reference volume of a cell.
     #[inline]
     pub fn volume(&self, cell: CellId) -> f64 {
         self.volumes[cell.index()]

@@ -29,7 +29,7 @@ pub(crate) struct ContactStep<const D: usize> {
     reach: f64,
 }
 
-/// Slave and obstacle of a contact in a step.
+/// Returns the slave and obstacle of a contact in a step.
 fn pair<'p, const D: usize>(contact: &'p Contact<D>, step: Partners<'p, D>) -> ContactPair<'p, D> {
     let surface = |id: BodyId| step.bodies[id.index()].surface();
     let stress: Option<Arc<dyn SurfaceStress<D> + 'p>> = match contact.form().law.stress() {
@@ -63,7 +63,7 @@ impl<const D: usize> ContactStep<D> {
         Self { items: ContactItems::new(&pair(contact, step), step.layout, reach), reach }
     }
 
-    /// The quadrature points of the contact.
+    /// Returns the quadrature points of the contact.
     pub(crate) fn sites<'p>(&'p self, contact: &'p Contact<D>, step: Partners<'p, D>) -> ContactSites<'p, D> {
         ContactSites { items: &self.items, pair: pair(contact, step), layout: step.layout }
     }

@@ -51,8 +51,8 @@ pub enum Stage {
 }
 
 impl Stage {
-    /// Whether a smaller step may succeed: not if the matrix is too large for the memory, or has no inverse because of its
-    /// pattern.
+    /// Returns whether a smaller step may succeed: not if the matrix is too large for the memory, or has no inverse
+    /// because of its pattern.
     pub fn asks_for_a_smaller_step(&self) -> bool {
         let Self::Newton(newton) = self else { return matches!(self, Self::MissedContact { .. }) };
         let NewtonError::Linear { source, .. } = newton else { return true };
@@ -65,7 +65,7 @@ impl Stage {
         )
     }
 
-    /// Report of the nonlinear solver before the failure.
+    /// Returns the report of the nonlinear solver before the failure.
     pub fn newton_report(&self) -> Option<&NewtonReport> {
         match self {
             Self::Newton(newton) => Some(newton.report()),
@@ -88,7 +88,7 @@ pub struct StepError {
 }
 
 impl StepError {
-    /// An error in the given step.
+    /// Creates an error in the given step.
     pub fn at(step: usize, time: f64, source: impl Into<Stage>) -> Self {
         Self { step, time, source: source.into() }
     }

@@ -107,7 +107,7 @@ impl<'a, const D: usize> FluidStep<'a, D> {
         })
     }
 
-    /// Geometry and time rule as fluid terms see them.
+    /// Returns the geometry and time rule as fluid terms see them.
     pub(crate) fn geometry(&self) -> FluidGeometry<'_, D> {
         FluidGeometry {
             background: &self.setup.background,
@@ -124,7 +124,7 @@ impl<'a, const D: usize> FluidStep<'a, D> {
         FluidFields { layout, velocity: self.velocity, pressure: self.pressure }
     }
 
-    /// The interface with the bodies of the step.
+    /// Returns the interface with the bodies of the step.
     pub(crate) fn interface<'p>(
         &'p self,
         layout: &'p BlockLayout,
@@ -139,7 +139,7 @@ impl<'a, const D: usize> FluidStep<'a, D> {
         }
     }
 
-    /// The terms on parts, faces and open boundaries.
+    /// Returns the terms on parts, faces and open boundaries.
     pub(crate) fn contributions<'p>(&'p self, layout: &'p BlockLayout) -> Vec<Box<dyn Contributions + 'p>> {
         let (geometry, fields) = (self.geometry(), self.fields(layout));
         let mut all = self.form.contributions(geometry, fields);
@@ -185,13 +185,13 @@ impl<'a, const D: usize> FluidStep<'a, D> {
         layout.set(self.pressure, earlier.map(|dof| [dof.map_or(0.0, |dof| pressure[dof as usize])]), x);
     }
 
-    /// Kinetic energy for the velocities in `x`.
+    /// Returns the kinetic energy for the velocities in `x`.
     pub(crate) fn kinetic_energy(&self, layout: &BlockLayout, x: &[f64]) -> f64 {
         let velocity: Vec<Vector<D>> = layout.values(self.velocity, x).map(Vector::from).collect();
         kinetic_energy(self.setup.material.density, &self.cut, &self.space, &self.parts, &velocity)
     }
 
-    /// The fluid at the end of the step.
+    /// Returns the fluid at the end of the step.
     pub(crate) fn finish(self, layout: &BlockLayout, pockets: &[Pocket], x: &[f64]) -> FluidState<D> {
         let mut pressure = x[layout.range(self.pressure)].to_vec();
         pockets.iter().for_each(|pocket| pocket.remove_mean(self.geometry(), &mut pressure));
@@ -200,7 +200,7 @@ impl<'a, const D: usize> FluidStep<'a, D> {
     }
 }
 
-/// The terms of the fluid. `rate` is the derivative of the acceleration with respect to the velocity.
+/// Returns the terms of the fluid. `rate` is the derivative of the acceleration with respect to the velocity.
 fn form<const D: usize>(fluid: &FluidSetup<D>, rate: f64, time: f64) -> FluidForm<'_, D> {
     let (density, viscosity) = (fluid.material.density, fluid.material.viscosity);
     FluidForm {
@@ -240,7 +240,7 @@ fn check_interface<const D: usize>(cut: &CutMesh<D>) -> Result<(), Stage> {
     if uncovered > LARGEST_SHARE * interface { Err(Stage::Interface { uncovered, interface }) } else { Ok(()) }
 }
 
-/// `1/2 (ρ u, u)` of a velocity with one value per dof.
+/// Returns `1/2 (ρ u, u)` of a velocity with one value per dof.
 pub(crate) fn kinetic_energy<const D: usize>(
     density: f64,
     cut: &CutMesh<D>,

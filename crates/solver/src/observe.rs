@@ -15,7 +15,7 @@ pub struct StepView<'a, const D: usize> {
 }
 
 impl<const D: usize> StepView<'_, D> {
-    /// Whether a whole step of the setup ends here, and not only a part of one that was divided.
+    /// Returns whether a whole step of the setup ends here, and not only a part of one that was divided.
     pub fn ends_step(&self) -> bool {
         self.report.is_none_or(|report| report.substep.is_last)
     }
@@ -23,7 +23,7 @@ impl<const D: usize> StepView<'_, D> {
 
 /// Something that looks at every step: writes files, collects histories, shows progress.
 pub trait Observer<const D: usize> {
-    /// Called with the state at the start, then after every step, and after every part of a step that was divided.
+    /// Receives the state at the start, then after every step, and after every part of a step that was divided.
     ///
     /// # Errors
     /// Anything; the run stops.

@@ -80,13 +80,13 @@ impl<'a, const D: usize> Step<'a, D> {
         Ok(step)
     }
 
-    /// The fluid and the bodies, between which contacts act.
+    /// Returns the fluid and the bodies, between which contacts act.
     pub(crate) fn partners(&self) -> Partners<'_, D> {
         let (layout, bodies) = (&self.layout, &self.bodies[..]);
         Partners { layout, fluid: self.fluid.as_ref(), bodies, dt: self.time.length() }
     }
 
-    /// Boundary values of the fluid, then supports and ties of the bodies, then the pressures of pockets.
+    /// Constrains boundary values of the fluid, then supports and ties of the bodies, then the pressures of pockets.
     fn constrain(&mut self) {
         let mut constraints = Constraints::new();
         if let Some(fluid) = &self.fluid {
@@ -103,7 +103,7 @@ impl<'a, const D: usize> Step<'a, D> {
         self.constraints = constraints;
     }
 
-    /// The previous state on the new unknowns, as a starting guess.
+    /// Returns the previous state on the new unknowns, as a starting guess.
     pub fn guess(&self) -> Vec<f64> {
         let mut x = vec![0.0; self.layout.len()];
         if let (Some(fluid), Some(before)) = (&self.fluid, &self.previous.fluid) {
@@ -121,12 +121,12 @@ impl<'a, const D: usize> Step<'a, D> {
         Ok(())
     }
 
-    /// The bodies at the end of the step.
+    /// Returns the bodies at the end of the step.
     pub(crate) fn bodies_at_end(&self, x: &[f64]) -> Vec<BodyState<D>> {
         self.bodies.iter().map(|body| body.end(&self.layout, x)).collect()
     }
 
-    /// The state at the end of the step; takes cut and space with it.
+    /// Returns the state at the end of the step; takes cut and space with it.
     pub(crate) fn finish(self, substep: Substep, x: &[f64], bodies: Vec<BodyState<D>>) -> State<D> {
         State {
             step: self.previous.step + usize::from(substep.is_last),

@@ -32,7 +32,7 @@ pub struct ForceBalance<const D: usize> {
 }
 
 impl<const D: usize> ForceBalance<D> {
-    /// Inertia minus all forces: the force of supports, loads and contacts as master.
+    /// Returns the inertia minus all forces: the force of supports, loads and contacts as master.
     pub fn remainder(&self) -> Vector<D> {
         self.inertia - self.body_force - self.pressure - self.viscous - self.penalty - self.contact
     }
@@ -92,7 +92,7 @@ pub struct StepReport<const D: usize> {
 }
 
 impl<const D: usize> Problem<'_, D> {
-    /// The report of a step for its solution `x` and the bodies at its end.
+    /// Returns the report of a step for its solution `x` and the bodies at its end.
     pub(crate) fn report(
         self,
         substep: Substep,
@@ -125,7 +125,7 @@ impl<const D: usize> StepReport<D> {
         self.seconds.linear += lost.seconds_linear;
     }
 
-    /// Sum of all energies: kinetic of fluid and solids, elastic, of gravity, stored in contacts.
+    /// Returns the sum of all energies: kinetic of fluid and solids, elastic, of gravity, stored in contacts.
     pub fn total_energy(&self) -> f64 {
         let bodies: f64 = self.bodies.iter().filter_map(|body| Some(body.balance.as_ref()?.energy())).sum();
         let fluid = self.fluid.as_ref().map_or(0.0, |fluid| fluid.kinetic_energy);
@@ -184,7 +184,7 @@ fn add_forces<const D: usize>(
 }
 
 impl<const D: usize> State<D> {
-    /// Sum of all energies but those stored in contacts: kinetic of fluid and solids, elastic, of gravity.
+    /// Returns the sum of all energies but those stored in contacts: kinetic of fluid and solids, elastic, of gravity.
     pub fn total_energy(&self, setup: &Setup<D>) -> f64 {
         let bodies = setup.bodies.iter().zip(&self.bodies);
         let bodies: f64 = bodies.filter_map(|(body, state)| Some(body.balance(state)?.energy())).sum();

@@ -77,7 +77,7 @@ pub enum FluidBoundary<const D: usize> {
 }
 
 impl<const D: usize> FluidSetup<D> {
-    /// Whether fluid may cross the parts of the boundary with a tag.
+    /// Returns whether fluid may cross the parts of the boundary with a tag.
     pub(crate) fn is_open(&self, tag: Option<Tag>) -> bool {
         let condition = self.boundary.iter().find(|(other, _)| Some(*other) == tag).map(|(_, condition)| condition);
         matches!(condition, None | Some(FluidBoundary::Open { .. }))
@@ -132,12 +132,12 @@ impl<const D: usize> Contact<D> {
         Ok(contact)
     }
 
-    /// The slave.
+    /// Returns the slave.
     pub fn body(&self) -> BodyId {
         self.body
     }
 
-    /// The body of a deformable obstacle.
+    /// Returns the body of a deformable obstacle.
     pub fn master(&self) -> Option<BodyId> {
         match &self.obstacle {
             ContactObstacle::Rigid(_) => None,
@@ -145,17 +145,17 @@ impl<const D: usize> Contact<D> {
         }
     }
 
-    /// Facets of the slave that may come into contact.
+    /// Returns the facets of the slave that may come into contact.
     pub fn facets(&self) -> &[FacetId] {
         &self.facets
     }
 
-    /// Law, contact size and quadrature.
+    /// Returns the law, contact size and quadrature.
     pub fn form(&self) -> &ContactForm<D> {
         &self.form
     }
 
-    /// The obstacle.
+    /// Returns the obstacle.
     pub fn geometry(&self) -> &dyn Obstacle<D> {
         match &self.obstacle {
             ContactObstacle::Rigid(obstacle) => obstacle.as_ref(),
@@ -165,12 +165,12 @@ impl<const D: usize> Contact<D> {
 }
 
 impl<const D: usize> Setup<D> {
-    /// Positions of the vertices of each body in the given states.
+    /// Returns the positions of the vertices of each body in the given states.
     pub fn positions(&self, states: &[BodyState<D>]) -> Vec<Vec<Point<D>>> {
         self.bodies.iter().zip(states).map(|(body, state)| state.positions(body.reference())).collect()
     }
 
-    /// The surfaces of the bodies at the given positions.
+    /// Returns the surfaces of the bodies at the given positions.
     pub fn surfaces<'a>(&'a self, positions: &'a [Vec<Point<D>>]) -> Vec<Placed<'a, D>> {
         self.bodies.iter().zip(positions).map(|(body, x)| Placed::new(body.surface(), x)).collect()
     }

@@ -41,7 +41,7 @@ pub struct FluidState<const D: usize> {
 const KEPT_LENGTHS: usize = 1;
 
 impl<const D: usize> State<D> {
-    /// The state at time zero.
+    /// Returns the state at time zero.
     ///
     /// # Errors
     /// [`StepError`] if the surfaces cannot cut the background.
@@ -61,14 +61,15 @@ impl<const D: usize> State<D> {
         Ok(state)
     }
 
-    /// Time after one more step of length `dt`. Multiples of the step are exact; sums of a decimal number are not.
+    /// Returns the time after one more step of length `dt`. Multiples of the step are exact; sums of a decimal number
+    /// are not.
     pub fn next_time(&self, dt: f64) -> f64 {
         let time = self.time + dt;
         let steps = (time / dt).round();
         if (time - steps * dt).abs() <= 1e-9 * time { steps * dt } else { time }
     }
 
-    /// Times of one more step of length `dt`.
+    /// Returns the times of one more step of length `dt`.
     pub(crate) fn step_time(&self, dt: f64) -> StepTime {
         let lengths = std::iter::once(dt).chain(self.lengths.iter().copied()).take(1 + KEPT_LENGTHS).collect();
         StepTime { start: self.time, end: self.next_time(dt), lengths }

@@ -14,17 +14,17 @@ pub struct TimeLoop<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> TimeLoop<'a, D> {
-    /// A run that starts from a state.
+    /// Creates a run that starts from a state.
     pub fn new(setup: &'a Setup<D>, state: State<D>, work: Workspace) -> Self {
         Self { setup, state, work, lost: NewtonReport::default() }
     }
 
-    /// The state so far.
+    /// Returns the state so far.
     pub fn state(&self) -> &State<D> {
         &self.state
     }
 
-    /// The recycled memory, with the system of the last step.
+    /// Returns the recycled memory, with the system of the last step.
     pub fn workspace(&self) -> &Workspace {
         &self.work
     }

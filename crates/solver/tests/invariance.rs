@@ -6,7 +6,7 @@ use fixture::*;
 use solver::algebra::{LaggedSettings, LaggedSolver, Workspace};
 use solver::{State, Substep};
 
-/// All bits of a state.
+/// Returns all bits of a state.
 fn bits(state: &State<2>) -> Vec<u64> {
     let fluid = wet(state).velocity.iter().flat_map(|u| u.iter()).chain(&wet(state).pressure);
     let bodies = state.bodies.iter().flat_map(|b| b.displacement().iter().chain(b.velocity())).flat_map(|v| v.iter());

@@ -74,7 +74,8 @@ fn a_body_may_cross_several_cells_in_one_step() {
     translating(0.5, V::new(1.0, 0.3), 2);
 }
 
-/// A linear, divergence-free velocity with the body force that makes it a steady solution, and a linear pressure.
+/// Returns a linear, divergence-free velocity with the body force that makes it a steady solution, and a linear
+/// pressure.
 fn linear_flow(
     mut setup: Setup<2>,
     exact_u: impl Fn(&P) -> V + Clone + Send + Sync + 'static,

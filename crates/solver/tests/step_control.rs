@@ -8,7 +8,8 @@ use solver::algebra::{LaggedSettings, LaggedSolver, NewtonSettings, Workspace};
 use solver::mesh::generate::structured_box;
 use solver::{Observer, ObserverError, Setup, Stage, State, StepView, Substep, TimeLoop, advance};
 
-/// A block that is thrown down onto a clamped one, so hard that in the first step it moves farther than contact looks ahead.
+/// Returns a block that is thrown down onto a clamped one, so hard that in the first step it moves farther than contact
+/// looks ahead.
 fn thrown_block(most_halvings: usize, lift: f64) -> Setup<2> {
     let background = structured_box::<2>([0.0, 0.0], [2.0, 2.0], [12, 12]).expect("a box");
     let mut setup = setup(fluid(background, 1e-3, 1e-2), 1e-3);

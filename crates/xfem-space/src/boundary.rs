@@ -5,8 +5,8 @@ use mesh::{FacetId, MAX_CELL_VERTICES, Point, SimplexMesh, SimplexRule, Tag, Vec
 
 use crate::XfemSpace;
 
-/// Dofs with a part that touches the tagged boundary, in ascending order. Vertices of the boundary that are buried
-/// under a body have none.
+/// Returns the dofs with a part that touches the tagged boundary, in ascending order. Vertices of the boundary that are
+/// buried under a body have none.
 pub fn boundary_dofs<const D: usize>(
     background: &SimplexMesh<D>,
     cut: &CutMesh<D>,

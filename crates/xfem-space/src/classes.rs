@@ -8,12 +8,12 @@ pub struct Classes {
 }
 
 impl Classes {
-    /// Every number in a class of its own.
+    /// Creates `n` classes with one number each.
     pub fn new(n: usize) -> Self {
         Self { parent: (0..n as u32).collect() }
     }
 
-    /// The lowest member of the class of a number.
+    /// Returns the lowest member of the class of a number.
     pub fn lowest(&mut self, member: u32) -> u32 {
         let mut lowest = member;
         while self.parent[lowest as usize] != lowest {

@@ -33,19 +33,19 @@ pub struct FaceValue<const D: usize> {
 }
 
 impl<const D: usize> FaceValue<D> {
-    /// The `D + 2` dofs of the two parts (`D + 1` on a symmetry plane); the first `D` lie on the face.
+    /// Returns the `D + 2` dofs of the two parts (`D + 1` on a symmetry plane); the first `D` lie on the face.
     #[inline]
     pub fn dofs(&self) -> &[u32] {
         &self.dofs[..self.n_dofs]
     }
 
-    /// Jump of the normal derivative of the shape function of each dof, first part minus second.
+    /// Returns the jump of the normal derivative of the shape function of each dof, first part minus second.
     #[inline]
     pub fn jumps(&self) -> &[f64] {
         &self.jumps[..self.n_dofs]
     }
 
-    /// The `D` dofs on the face.
+    /// Returns the `D` dofs on the face.
     #[inline]
     pub fn face_dofs(&self) -> &[u32] {
         &self.dofs[..D]

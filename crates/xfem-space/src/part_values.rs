@@ -16,7 +16,7 @@ pub struct Moments {
 }
 
 impl Moments {
-    /// Over a whole cell: `m_ij = V (1 + δ_ij)/((D + 1)(D + 2))`.
+    /// Returns the moments of a whole cell: `m_ij = V (1 + δ_ij)/((D + 1)(D + 2))`.
     fn of_whole(volume: f64, dimension: usize) -> Self {
         let mut moments = Self::default();
         let off_diagonal = volume / ((dimension + 1) * (dimension + 2)) as f64;
@@ -35,25 +35,25 @@ impl Moments {
         }
     }
 
-    /// `∫ N_i N_j`
+    /// Returns `∫ N_i N_j`
     #[inline]
     pub fn at(&self, i: usize, j: usize) -> f64 {
         self.entries[i][j]
     }
 
-    /// `∫ N_i`
+    /// Returns `∫ N_i`
     #[inline]
     pub fn of(&self, i: usize) -> f64 {
         self.entries[i].iter().sum()
     }
 
-    /// `∫ 1`
+    /// Returns `∫ 1`
     #[inline]
     pub fn volume(&self) -> f64 {
         (0..MAX_CELL_VERTICES).map(|i| self.of(i)).sum()
     }
 
-    /// `∫ N_i u = Σ_j m_ij u_j` of a vector field with the values `u_j` at the vertices.
+    /// Returns `∫ N_i u = Σ_j m_ij u_j` of a vector field with the values `u_j` at the vertices.
     #[inline]
     pub fn weighted<const D: usize>(&self, i: usize, values: &[Vector<D>; MAX_CELL_VERTICES]) -> Vector<D> {
         (0..=D).map(|j| values[j] * self.entries[i][j]).sum()
@@ -123,26 +123,26 @@ impl<const D: usize> PartValues<D> {
         }
     }
 
-    /// Gradients of the shape functions of a part; the first `D + 1` count.
+    /// Returns the gradients of the shape functions of a part; the first `D + 1` count.
     #[inline]
     pub fn gradients(&self, part: PartId) -> &[Vector<D>; MAX_CELL_VERTICES] {
         &self.gradients[part.index()]
     }
 
-    /// Moments of a part; zero for a part of negligible volume.
+    /// Returns the moments of a part; zero for a part of negligible volume.
     #[inline]
     pub fn moments(&self, part: PartId) -> &Moments {
         &self.moments[part.index()]
     }
 
-    /// Size `h_K` of the cell of a part: side of the equilateral simplex of the same volume.
+    /// Returns the size `h_K` of the cell of a part: side of the equilateral simplex of the same volume.
     #[inline]
     pub fn cell_size(&self, part: PartId) -> f64 {
         self.cell_sizes[part.index()]
     }
 }
 
-/// Shape values at a point; the first `D + 1` count.
+/// Computes the shape values at a point; the first `D + 1` count.
 fn shape<const D: usize>(
     gradients: &[Vector<D>; MAX_CELL_VERTICES],
     origin: &Point<D>,

@@ -15,35 +15,36 @@ pub struct XfemSpace<const D: usize> {
 }
 
 impl<const D: usize> XfemSpace<D> {
-    /// The space on the fluid parts of a cut.
+    /// Creates the space on the fluid parts of a cut.
     pub fn new(background: &SimplexMesh<D>, cut: &CutMesh<D>) -> Self {
         let (part_to_dof, dof_to_vertex) = number(background, cut);
         Self { part_to_dof, dof_to_vertex }
     }
 
-    /// Number of (scalar) dofs.
+    /// Returns the number of (scalar) dofs.
     pub fn len(&self) -> usize {
         self.dof_to_vertex.len()
     }
 
-    /// Whether there is no fluid.
+    /// Returns whether there is no fluid.
     pub fn is_empty(&self) -> bool {
         self.dof_to_vertex.is_empty()
     }
 
-    /// Dofs of a part, `D + 1` of them, in the order of the vertices of its cell.
+    /// Returns the dofs of a part, `D + 1` of them, in the order of the vertices of its cell.
     #[inline]
     pub fn dofs(&self, part: PartId) -> &[u32] {
         &self.part_to_dof[part.index() * (D + 1)..][..=D]
     }
 
-    /// The vertex that a dof belongs to.
+    /// Returns the vertex that a dof belongs to.
     #[inline]
     pub fn vertex(&self, dof: u32) -> VertexId {
         self.dof_to_vertex[dof as usize]
     }
 
-    /// Keys of the dofs: vertex, and place among the dofs of the vertex. They identify dofs across time steps.
+    /// Returns the keys of the dofs: vertex, and place among the dofs of the vertex. They identify dofs across time
+    /// steps.
     pub fn keys(&self) -> Vec<u64> {
         let n_vertices = self.dof_to_vertex.iter().map(|v| v.index() + 1).max().unwrap_or(0);
         let mut n_seen = vec![0_u64; n_vertices];
@@ -55,7 +56,7 @@ impl<const D: usize> XfemSpace<D> {
         self.dof_to_vertex.iter().map(key).collect()
     }
 
-    /// Vertices of all dofs.
+    /// Returns the vertices of all dofs.
     pub fn vertices(&self) -> &[VertexId] {
         &self.dof_to_vertex
     }

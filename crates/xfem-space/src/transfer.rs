@@ -48,12 +48,12 @@ impl Sources {
         Self { earlier_dofs: best.into_iter().map(|best| best.map(|(dof, _)| dof)).collect() }
     }
 
-    /// The earlier dof of each dof; `None` for uncovered ones.
+    /// Returns the earlier dof of each dof; `None` for uncovered ones.
     pub fn earlier_dofs(&self) -> &[Option<u32>] {
         &self.earlier_dofs
     }
 
-    /// Number of uncovered dofs.
+    /// Returns the number of uncovered dofs.
     pub fn n_uncovered(&self) -> usize {
         self.earlier_dofs.iter().filter(|source| source.is_none()).count()
     }

@@ -21,8 +21,8 @@ const GRAVITY: f64 = 1e3;
 /// Intervals of the integration.
 const INTERVALS: usize = 600;
 
-/// The gap in which the ball of a scenario (its TOML text) starts, and that at which contact begins; `None` if the table of
-/// added masses does not hold for it.
+/// Returns the gap in which the ball of a scenario (its TOML text) starts, and that at which contact begins; `None` if
+/// the table of added masses does not hold for it.
 pub(crate) fn gaps(scenario: &str) -> Option<(f64, f64)> {
     let scenario: toml::Table = scenario.parse().ok()?;
     // Numbers are written with or without a decimal point.
@@ -53,8 +53,8 @@ pub(crate) struct Falling {
     pub(crate) speed: f64,
 }
 
-/// Added mass over the mass of the disk at a gap, with a monotone cubic in the logarithm of the gap; constant outside of
-/// the table.
+/// Returns the added mass over the mass of the disk at a gap, with a monotone cubic in the logarithm of the gap;
+/// constant outside of the table.
 pub(crate) fn added_mass(gap: f64) -> f64 {
     let table = ADDED_MASS.map(|(gap, mass)| (gap.ln(), mass));
     let last = table.len() - 1;
@@ -77,7 +77,7 @@ pub(crate) fn added_mass(gap: f64) -> f64 {
     begin + next * t * t * (3.0 - 2.0 * t) + h * slope(k + 1) * t * t * (t - 1.0)
 }
 
-/// The fall from rest at a gap down to another one.
+/// Returns the fall from rest at a gap down to another one.
 ///
 /// `(m + M) y'' + M'/2 y'^2 = -m g` keeps the energy `(m + M)/2 y'^2 + m g y`, so the speed is known at every gap; with
 /// `gap = start - s^2` the time is the integral of a smooth function of `s`, taken with Simpson's rule.
@@ -97,7 +97,7 @@ pub(crate) fn fall(start: f64, end: f64) -> Vec<Falling> {
     moments
 }
 
-/// The end of a fall.
+/// Returns the end of a fall.
 pub(crate) fn arrival(start: f64, end: f64) -> Falling {
     let moments = fall(start, end);
     moments[moments.len() - 1]

@@ -30,7 +30,7 @@ impl View {
         Self { low, high, scale: [scale, scale * stretch], mirror, inside: String::new(), around: String::new() }
     }
 
-    /// A number of pixels as a length in the plane.
+    /// Returns a number of pixels as a length in the plane.
     pub(super) fn length(&self, pixels: f64) -> f64 {
         pixels / self.scale[0]
     }
@@ -140,7 +140,7 @@ pub(super) fn picture(views: Vec<(String, View)>) -> String {
     )
 }
 
-/// Corners of the box around points and their mirror images.
+/// Returns the corners of the box around points and their mirror images.
 pub(super) fn bounds(points: impl Iterator<Item = [f64; 2]>, mirror: Option<f64>) -> ([f64; 2], [f64; 2]) {
     let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
     for x in points {
@@ -152,14 +152,14 @@ pub(super) fn bounds(points: impl Iterator<Item = [f64; 2]>, mirror: Option<f64>
     (low, high)
 }
 
-/// A step of one, two or five times a power of ten that divides a length into at most about `n` parts.
+/// Returns a step of one, two or five times a power of ten that divides a length into at most about `n` parts.
 fn nice_step(length: f64, n: f64) -> f64 {
     let raw = (length / n).max(f64::MIN_POSITIVE);
     let power = 10_f64.powf(raw.log10().floor());
     [1.0, 2.0, 5.0, 10.0].into_iter().map(|factor| factor * power).find(|step| *step >= raw).unwrap_or(raw)
 }
 
-/// The colour of a value from 0 to 1.
+/// Returns the colour of a value from 0 to 1.
 fn colour(share: f64) -> String {
     let at = share.clamp(0.0, 1.0) * (COLOURS.len() - 1) as f64;
     let k = (at as usize).min(COLOURS.len() - 2);
@@ -167,7 +167,7 @@ fn colour(share: f64) -> String {
     format!("#{:02x}{:02x}{:02x}", mix(0), mix(1), mix(2))
 }
 
-/// The segment of a level in a triangle of corners and values; `None` if the level does not cross it.
+/// Returns the segment of a level in a triangle of corners and values; `None` if the level does not cross it.
 fn level_segment(corners: [([f64; 2], f64); 3], level: f64) -> Option<[[f64; 2]; 2]> {
     let mut ends = Vec::with_capacity(2);
     for (i, j) in [(0, 1), (1, 2), (2, 0)] {

@@ -29,7 +29,7 @@ struct Corner {
     vorticity: f64,
 }
 
-/// The figure of a step; `leading` is the body whose lowest point the lower view shows.
+/// Returns the figure of a step; `leading` is the body whose lowest point the lower view shows.
 pub(super) fn draw<const D: usize>(view: &StepView<'_, D>, leading: usize, mirror: Option<f64>) -> Option<String> {
     let (setup, fluid) = (view.setup, view.state.fluid.as_ref()?);
     let background = &setup.fluid.as_ref()?.background;
@@ -102,7 +102,8 @@ fn vectors(shown: &mut View, triangles: &[[Corner; 3]], low: [f64; 2], high: [f6
     longest
 }
 
-/// Triangles that fill the fluid. The polygons of cut cells end at the bodies, so no value is taken outside the fluid.
+/// Returns the triangles that fill the fluid. The polygons of cut cells end at the bodies, so no value is taken outside
+/// the fluid.
 fn triangles<const D: usize>(background: &SimplexMesh<D>, fluid: &FluidState<D>) -> Vec<[Corner; 3]> {
     let vorticity = nodal_vorticity(background, fluid);
     let mut triangles = Vec::new();

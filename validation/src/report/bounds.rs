@@ -19,7 +19,7 @@ const SPEED: f64 = 52.45;
 const SIZE: f64 = 0.4;
 const STEPS: [f64; 5] = [1e-3, 5e-4, 2e-4, 1e-4, 5e-5];
 
-/// Bounds and limits; the short version takes fewer time steps.
+/// Returns the bounds and limits; the short version takes fewer time steps.
 pub(super) fn section(cases: &[CaseResult], is_quick: bool) -> Result<Section, Failure> {
     let mut html = "<p>Two limits of the problem can be had without cut meshes, stabilisation or coupling. Neither is \
                     a solution of it, but a result that contradicts them is wrong.</p>"

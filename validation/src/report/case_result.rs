@@ -78,7 +78,7 @@ impl CaseResult {
         Ok(Section::new(&self.name, &self.reference.title, html))
     }
 
-    /// Times that the paper states.
+    /// Returns the times that the paper states.
     pub(super) fn marks(&self) -> Vec<(String, f64)> {
         let times = self.reference.comparisons.iter().filter(|asked| asked.unit == "s");
         times.filter_map(|asked| Some((format!("paper: {}", asked.quantity), asked.paper?))).collect()
@@ -91,7 +91,7 @@ impl CaseResult {
         format!("<p>{}. Scenario <code>{}</code>{changes}.</p>", escape(source), escape(scenario))
     }
 
-    /// The table of comparisons; empty if there is none.
+    /// Returns the table of comparisons; empty if there is none.
     pub(super) fn compared(&self) -> String {
         if self.comparisons.is_empty() {
             return String::new();

@@ -67,19 +67,19 @@ fn lead(is_quick: bool) -> String {
     )
 }
 
-/// The output of a command of git, if there is any.
+/// Returns the output of a command of git, if there is any.
 pub(crate) fn git(arguments: &[&str]) -> Option<String> {
     let output = std::process::Command::new("git").args(arguments).output().ok()?;
     let text = String::from_utf8(output.stdout).ok()?;
     Some(text.trim().to_owned()).filter(|text| output.status.success() && !text.is_empty())
 }
 
-/// The version of the code, if git knows it.
+/// Returns the version of the code, if git knows it.
 pub(crate) fn commit() -> Option<String> {
     git(&["describe", "--always", "--dirty"])
 }
 
-/// The machine, where the operating system describes it: processor, number of threads, memory.
+/// Returns the machine, where the operating system describes it: processor, number of threads, memory.
 pub(crate) fn machine() -> String {
     let read = |path: &str| std::fs::read_to_string(path).unwrap_or_default();
     let field = |text: &str, name: &str| {
@@ -94,8 +94,8 @@ pub(crate) fn machine() -> String {
     format!("{processor}, {threads} threads{memory}, {}.", std::env::consts::OS)
 }
 
-/// Runs of the same scenario in common charts: height of the ball (Figure 12 of the paper) and smallest distance. `None` if
-/// no scenario was run twice.
+/// Returns the runs of the same scenario in common charts: height of the ball (Figure 12 of the paper) and smallest
+/// distance. `None` if no scenario was run twice.
 fn comparisons(cases: &[CaseResult]) -> Result<Option<Section>, Failure> {
     let mut scenarios: Vec<&str> = cases.iter().map(|case| case.reference.scenario.as_str()).collect();
     scenarios.sort_unstable();

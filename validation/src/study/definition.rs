@@ -49,12 +49,12 @@ impl Series {
 /// Folder of the definitions.
 const FOLDER: &str = "studies";
 
-/// The names of all studies, in order.
+/// Returns the names of all studies, in order.
 pub(crate) fn names() -> std::io::Result<Vec<String>> {
     case::stems(FOLDER)
 }
 
-/// A study.
+/// Returns a study.
 pub(super) fn read(name: &str) -> Result<Definition, String> {
     case::read_named(FOLDER, "study", name)
 }

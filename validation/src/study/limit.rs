@@ -19,9 +19,9 @@ const SAFETY: [f64; 2] = [1.25, 3.0];
 /// Relative deviation of the ratio of the sizes from a constant.
 const SAME_RATIO: f64 = 1e-6;
 
-/// The limit of `t(h)` for `h` to zero by Richardson extrapolation of the last three of `(h, t)`, which must have a constant
-/// ratio; the observed order is limited to what may be believed, and the uncertainty is that of the grid convergence
-/// index (P. J. Roache, J. Fluids Eng. 116 (1994) 405-413, doi:10.1115/1.2910291).
+/// Returns the limit of `t(h)` for `h` to zero by Richardson extrapolation of the last three of `(h, t)`, which must
+/// have a constant ratio; the observed order is limited to what may be believed, and the uncertainty is that of the
+/// grid convergence index (P. J. Roache, J. Fluids Eng. 116 (1994) 405-413, doi:10.1115/1.2910291).
 ///
 /// Where differences grow or change sign there is no order: the limit is the last member, with three times the largest
 /// difference as uncertainty.

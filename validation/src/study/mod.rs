@@ -43,15 +43,15 @@ struct Run {
 }
 
 impl Run {
-    /// The contact time: to a fraction of a step, if the distance passes the contact offset.
+    /// Returns the contact time: to a fraction of a step, if the distance passes the contact offset.
     fn first_contact(&self) -> Option<f64> {
         self.arrival_time.or(self.summary.contact_time)
     }
 }
 
-/// Runs studies; true if every run came to its end. The results of a run are kept in a directory of its own; a run whose
-/// directory has all steps of the same scenario is not done again, unless `again` is set. The page of a study in the book is
-/// written when all its runs are done.
+/// Returns the runs studies; true if every run came to its end. The results of a run are kept in a directory of its
+/// own; a run whose directory has all steps of the same scenario is not done again, unless `again` is set. The page of
+/// a study in the book is written when all its runs are done.
 ///
 /// # Errors
 /// There is no such study, or a file cannot be read or written.
@@ -153,7 +153,7 @@ fn row(run: &Run) -> Vec<String> {
     ]
 }
 
-/// The outcome of a study as a record.
+/// Returns the outcome of a study as a record.
 fn record(name: &str, definition: &Definition, runs: &[Vec<Run>]) -> Record {
     let mut record = Record::new(name, &definition.title, true);
     record.seconds = runs.iter().flatten().map(|run| run.summary.wall_seconds).sum();
@@ -188,7 +188,7 @@ fn record(name: &str, definition: &Definition, runs: &[Vec<Run>]) -> Record {
     record
 }
 
-/// The limit of the contact times of a series, with its bound; `None` if there is no limit.
+/// Returns the limit of the contact times of a series, with its bound; `None` if there is no limit.
 fn limit_row(series: &Series, runs: &[Run]) -> Option<Vec<String>> {
     let times: Vec<(f64, f64)> = runs.iter().filter_map(|run| Some((run.value, run.arrival_time?))).collect();
     let Limit { value, uncertainty, order, shrinks } = richardson(&times)?;
@@ -205,8 +205,8 @@ fn limit_row(series: &Series, runs: &[Run]) -> Option<Vec<String>> {
     ])
 }
 
-/// When the distance first falls to a level: in the step in which it does, with the speed of the step before. Contact holds
-/// the distance at the level, so that interpolation would always find the end of the step.
+/// Returns the when the distance first falls to a level: in the step in which it does, with the speed of the step
+/// before. Contact holds the distance at the level, so that interpolation would always find the end of the step.
 fn passes(times: &[f64], distances: &[f64], level: f64) -> Option<f64> {
     let k = (2..distances.len()).find(|&k| distances[k - 1] > level && distances[k] <= level)?;
     let speed = (distances[k - 2] - distances[k - 1]) / (times[k - 1] - times[k - 2]);
@@ -214,7 +214,7 @@ fn passes(times: &[f64], distances: &[f64], level: f64) -> Option<f64> {
     Some((times[k - 1] + share).min(times[k]))
 }
 
-/// The distance when it first stops falling.
+/// Returns the distance when it first stops falling.
 fn first_approach(distances: &[f64]) -> Option<f64> {
     distances.windows(2).find(|pair| pair[1] > pair[0]).map(|pair| pair[0])
 }

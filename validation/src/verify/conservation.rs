@@ -41,7 +41,7 @@ impl Motion {
         }
     }
 
-    /// Velocity of the point that is at `x` at a time.
+    /// Returns the velocity of the point that is at `x` at a time.
     fn velocity(&self, x: &P, t: f64) -> V {
         match self {
             Self::Rigid { about, speed, spin } => {
@@ -162,13 +162,13 @@ fn displaced(name: &str, corners: Vec<P>, motion: Motion, is_open: bool) -> Resu
     Ok(names.into_iter().zip(errors).map(|(what, error)| (format!("{name}, {what}"), error)).collect())
 }
 
-/// A body that moves and turns in a closed box.
+/// Returns a body that moves and turns in a closed box.
 pub(super) fn closed(centre: P, random: &mut Random) -> Result<Named, Failure> {
     let motion = rigid(centre, random);
     displaced("body that moves and turns in a closed box", nonagon(centre, random), motion, false)
 }
 
-/// The same under an open side.
+/// Returns the same under an open side.
 pub(super) fn open(centre: P, random: &mut Random) -> Result<Named, Failure> {
     let motion = rigid(centre, random);
     displaced("body that moves and turns under an open side", nonagon(centre, random), motion, true)
@@ -179,7 +179,7 @@ fn rigid(about: P, random: &mut Random) -> Motion {
     Motion::Rigid { about, speed, spin: random.between(1.0, 4.0) }
 }
 
-/// A body that turns, swells and is sheared under an open side.
+/// Returns a body that turns, swells and is sheared under an open side.
 pub(super) fn swelling(about: P, random: &mut Random) -> Result<Named, Failure> {
     let mut entry = || random.between(-0.5, 0.5);
     let (shear, b) = (T::new(entry(), entry(), entry(), entry()), V::new(entry(), entry()));

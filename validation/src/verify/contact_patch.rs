@@ -24,12 +24,12 @@ const STIFFNESS: f64 = 1e5;
 /// Tolerance for the round-off of a solved system.
 const ROUND_OFF: f64 = 1e-9;
 
-/// Pressure on the reference area of a block in plane strain at a vertical stretch, its sides free.
+/// Returns the pressure on the reference area of a block in plane strain at a vertical stretch, its sides free.
 fn pressure(stretch: f64) -> f64 {
     -4.0 * LAME * (2.0 * LAME) / (3.0 * LAME) * stretch * (stretch * stretch - 1.0) / 2.0
 }
 
-/// The stretch of `n` unit blocks in a pile that is pushed, with the penetration under or between them.
+/// Returns the stretch of `n` unit blocks in a pile that is pushed, with the penetration under or between them.
 fn stretch(n: f64) -> f64 {
     // The penetration is the push minus the compression of the blocks.
     bisect([0.9, 1.0], |stretch| pressure(stretch) <= STIFFNESS * (PUSHED - n * (1.0 - stretch)))
@@ -48,8 +48,8 @@ fn block(bottom: f64, n: usize, top: f64) -> Result<Elastic<2>, Failure> {
     Ok(body)
 }
 
-/// Deviation of force and displacement from the uniform state, relative to the pressure and the push, of blocks in a pile
-/// with the given bottoms, the highest one first and pushed.
+/// Returns the deviation of force and displacement from the uniform state, relative to the pressure and the push, of
+/// blocks in a pile with the given bottoms, the highest one first and pushed.
 fn deviation(mut run: Run, bottoms: &[f64]) -> Result<[f64; 2], Failure> {
     let report = run.advance()?;
     let stretch = stretch(bottoms.len() as f64);

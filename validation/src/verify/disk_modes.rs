@@ -12,7 +12,7 @@ const STEPS: f64 = 24.0;
 /// Periods that are counted.
 const PERIODS: f64 = 10.0;
 
-/// Frequency of a disk that starts in the shape of a mode, Hz.
+/// Returns the frequency of a disk that starts in the shape of a mode, Hz.
 fn found(mode: &Mode, size: f64) -> Result<f64, Failure> {
     let period = 1.0 / mode.hertz();
     let body = mode.disk(size, second_order(0.8)?)?;

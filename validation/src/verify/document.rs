@@ -27,12 +27,12 @@ pub(crate) fn write(folder: &str, record: &Record, command: &str, version: &str)
     Ok(())
 }
 
-/// The folder of the pages of the book.
+/// Returns the folder of the pages of the book.
 pub(crate) fn source() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/src")
 }
 
-/// Version of the code and its date, if git knows them; else empty.
+/// Returns the version of the code and its date, if git knows them; else empty.
 pub(super) fn version() -> String {
     let date = git(&["log", "-1", "--format=%cs"]).unwrap_or_default();
     commit().map_or_else(String::new, |commit| format!("{commit}, {date}"))
@@ -84,7 +84,7 @@ fn cell(text: &str) -> String {
     text.replace('|', "\\|")
 }
 
-/// Computed number and reference as texts.
+/// Returns the computed number and reference as texts.
 pub(super) fn numbers(row: &Row) -> [String; 2] {
     [row.computed.map_or("not finite".to_owned(), short), row.reference.map_or("-".to_owned(), short)]
 }

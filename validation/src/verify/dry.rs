@@ -35,13 +35,13 @@ impl<const D: usize> Elastic<D> {
         Ok(())
     }
 
-    /// Facets of a named part of the boundary.
+    /// Returns the facets of a named part of the boundary.
     pub(crate) fn part(&self, name: &str) -> Result<Vec<FacetId>, Failure> {
         Ok(tagged_facets(&self.solid, name)?)
     }
 }
 
-/// An elastic body without supports and loads, at rest.
+/// Returns an elastic body without supports and loads, at rest.
 pub(crate) fn elastic<const D: usize>(
     mesh: SimplexMesh<D>,
     density: f64,
@@ -60,7 +60,7 @@ pub(crate) struct Touch<const D: usize> {
     pub(super) obstacle: ContactObstacle<D>,
 }
 
-/// Contact of facets with the plane `y = 0` below them, with the penalty of a contact form and its size.
+/// Returns the contact of facets with the plane `y = 0` below them, with the penalty of a contact form and its size.
 pub(crate) fn floor(facets: Vec<FacetId>, penalty: f64, size: f64) -> Result<Touch<2>, Failure> {
     Ok(Touch {
         facets,
@@ -69,12 +69,12 @@ pub(crate) fn floor(facets: Vec<FacetId>, penalty: f64, size: f64) -> Result<Tou
     })
 }
 
-/// The generalised-α scheme.
+/// Returns the generalised-α scheme.
 pub(super) fn second_order(rho_inf: f64) -> Result<Scheme, Failure> {
     Ok(Arc::new(GeneralisedAlpha::new(rho_inf).ok_or("rho_inf is from 0 to 1")?))
 }
 
-/// Bodies in vacuum at time zero, with a contact of the first one.
+/// Returns the bodies in vacuum at time zero, with a contact of the first one.
 pub(crate) fn run<const D: usize>(
     bodies: Vec<Elastic<D>>,
     touch: Option<Touch<D>>,
@@ -89,12 +89,12 @@ pub(crate) fn run<const D: usize>(
     Run::new(Setup { fluid: None, bodies, contacts, dt, most_halvings: 0, newton })
 }
 
-/// A displacement that grows linearly in time until 1; components with `None` are free.
+/// Returns a displacement that grows linearly in time until 1; components with `None` are free.
 pub(super) fn pushed(to: [Option<f64>; 2]) -> SupportKind<2> {
     SupportKind::Displacement(Arc::new(move |_, time| to.map(|d| d.map(|d| d * time))))
 }
 
-/// The mesh with its vertices moved; boundary parts keep their names.
+/// Returns the mesh with its vertices moved; boundary parts keep their names.
 pub(super) fn mapped<const D: usize>(
     mesh: &SimplexMesh<D>,
     map: impl Fn(&Point<D>) -> Point<D>,

@@ -79,12 +79,12 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Errors with names of a problem and of its quantities.
+/// Returns the errors with names of a problem and of its quantities.
 fn named<const N: usize>(problem: &str, errors: [(&str, f64); N]) -> Named {
     errors.map(|(quantity, error)| (format!("{problem}: {quantity}"), error)).into()
 }
 
-/// Largest errors of velocity and pressure over the dofs.
+/// Returns the largest errors of velocity and pressure over the dofs.
 fn nodal_errors<F: Flow>(known: &Known<F>, setup: &Setup<2>, state: &State<2>) -> Result<[f64; 2], Failure> {
     let (background, fluid, t) = (&fluid_of(setup)?.background, wet(state)?, state.time);
     let mut errors = [0.0_f64; 2];
@@ -115,7 +115,7 @@ fn hydrostatic(centre: P, _: &mut Random) -> Result<Named, Failure> {
     Ok(named("hydrostatic", [("velocity", u), ("pressure", p), ("buoyancy beside weight of the polygon", buoyancy)]))
 }
 
-/// A free body of the density of the fluid under gravity: the pressure carries it.
+/// Returns a free body of the density of the fluid under gravity: the pressure carries it.
 fn neutral(centre: P, random: &mut Random) -> Result<Named, Failure> {
     let g = V::new(0.4, -2.5);
     let known = Linear::at_rest(g).known(0.1, &["top"]);
@@ -130,7 +130,7 @@ fn neutral(centre: P, random: &mut Random) -> Result<Named, Failure> {
     Ok(errors)
 }
 
-/// Fluid that turns as one, and a free body that turns in it about its centre of mass, whatever its shape.
+/// Returns the fluid that turns as one, and a free body that turns in it about its centre of mass, whatever its shape.
 fn turning(centre: P, random: &mut Random) -> Result<Named, Failure> {
     let spin = 1.3;
     let mut body = rigid_polygon(nonagon(centre, random), 0.8, V::zeros())?;
@@ -182,7 +182,7 @@ fn linear(centre: P, random: &mut Random, name: &str, moves: bool) -> Result<Nam
     Ok(named(name, [("velocity", u), ("pressure", p)]))
 }
 
-/// Fluid between a disk and a ring that turn as one: the velocity is linear, and no moment acts.
+/// Returns the fluid between a disk and a ring that turn as one: the velocity is linear, and no moment acts.
 fn annulus(centre: P, _: &mut Random) -> Result<Named, Failure> {
     let turn = T::new(0.0, -1.3, 1.3, 0.0);
     let linear = Linear { a: turn, b: -(turn * centre), g: V::zeros(), p: 0.0, density: 1.0, convects: false };
@@ -198,7 +198,7 @@ fn annulus(centre: P, _: &mut Random) -> Result<Named, Failure> {
     Ok(named("annulus turning as one", [("velocity", u), ("moment", moment.abs())]))
 }
 
-/// An elastic disk, with a displacement and a velocity at the start.
+/// Returns an elastic disk, with a displacement and a velocity at the start.
 fn elastic_disk(
     centre: P,
     radius: f64,
@@ -232,7 +232,7 @@ fn translation(centre: P, random: &mut Random) -> Result<Named, Failure> {
     Ok(errors)
 }
 
-/// The disk `x = s X` with `(λ + μ)(s² - 1) = -p` balances the pressure p.
+/// Returns the disk `x = s X` with `(λ + μ)(s² - 1) = -p` balances the pressure p.
 fn pressurised_disk(centre: P, random: &mut Random) -> Result<Named, Failure> {
     let pressure = random.between(1.0, 100.0);
     let scale = (1.0 - pressure / (LAMBDA + MU)).sqrt();
@@ -251,7 +251,7 @@ fn pressurised_disk(centre: P, random: &mut Random) -> Result<Named, Failure> {
     Ok(named("pressurised disk", [("velocity", u), ("pressure", p), ("velocity of the disk", v)]))
 }
 
-/// Fluid shut in by a ring has a pressure of mean zero, beside fluid with an open side.
+/// Returns the fluid shut in by a ring has a pressure of mean zero, beside fluid with an open side.
 fn pocket(centre: P, _: &mut Random) -> Result<Named, Failure> {
     let g = V::new(3.0, -2.0);
     let known = Linear::at_rest(g).known(0.1, &["right"]);

@@ -20,10 +20,10 @@ use super::{Failure, P, T, V};
 /// A flow that is known everywhere and always.
 pub(super) trait Flow: Send + Sync + 'static {
     fn velocity(&self, x: &P, t: f64) -> V;
-    /// `∂u_i/∂x_j` in row i, column j.
+    /// Returns `∂u_i/∂x_j` in row i, column j.
     fn gradient(&self, x: &P, t: f64) -> T;
     fn pressure(&self, x: &P, t: f64) -> f64;
-    /// Force per volume that keeps it going.
+    /// Returns the force per volume that keeps it going.
     fn force(&self, _x: &P, _t: f64) -> V {
         V::zeros()
     }
@@ -49,7 +49,7 @@ const GAMMA_SIGMA: f64 = 100.0;
 const GAMMAS: [f64; 3] = [0.05, 0.05, 0.1];
 
 impl<F: Flow> Known<F> {
-    /// The problem on a background, at rest at first where `starts` is false.
+    /// Returns the problem on a background, at rest at first where `starts` is false.
     pub(super) fn setup(&self, background: SimplexMesh<2>, dt: f64) -> Setup<2> {
         let (at_start, forcing) = (Arc::clone(&self.flow), Arc::clone(&self.flow));
         let mut boundary = Vec::new();
@@ -85,8 +85,8 @@ impl<F: Flow> Known<F> {
         Arc::new(move |x, t| flow.velocity(x, t))
     }
 
-    /// Errors of a state in L2: velocity, its gradient, and pressure, from which the mean difference is taken if only
-    /// velocities are given.
+    /// Returns the errors of a state in L2: velocity, its gradient, and pressure, from which the mean difference is
+    /// taken if only velocities are given.
     pub(super) fn errors(&self, setup: &Setup<2>, state: &State<2>) -> Result<Errors, Failure> {
         let t = state.time;
         let shift = if self.open.is_empty() {
@@ -106,7 +106,7 @@ impl<F: Flow> Known<F> {
     }
 }
 
-/// Fluid at rest without forces and conditions, with the settings of all checks.
+/// Returns the fluid at rest without forces and conditions, with the settings of all checks.
 pub(super) fn fluid<const D: usize>(background: SimplexMesh<D>, density: f64, viscosity: f64) -> FluidSetup<D> {
     let [gamma_u, gamma_pressure, gamma_ghost] = GAMMAS;
     FluidSetup {
@@ -124,7 +124,7 @@ pub(super) fn fluid<const D: usize>(background: SimplexMesh<D>, density: f64, vi
     }
 }
 
-/// A fluid without bodies.
+/// Returns a fluid without bodies.
 pub(super) fn problem<const D: usize>(fluid: FluidSetup<D>, dt: f64) -> Setup<D> {
     let newton = NewtonSettings::new(1e-11);
     Setup { fluid: Some(fluid), bodies: Vec::new(), contacts: Vec::new(), dt, most_halvings: 0, newton }
@@ -190,8 +190,8 @@ pub(super) fn integrals<const N: usize>(
     Ok(sums)
 }
 
-/// A body with a given motion whose surface is the polygon through corners, counter-clockwise; loops after the first are
-/// holes, clockwise.
+/// Returns a body with a given motion whose surface is the polygon through corners, counter-clockwise; loops after the
+/// first are holes, clockwise.
 pub(super) fn polygon(
     loops: &[Vec<P>],
     position: impl Fn(&P, f64) -> P + Send + Sync + 'static,
@@ -200,7 +200,7 @@ pub(super) fn polygon(
     polygon_of_particles(loops, position, Arc::new(move |x, [_, t]| velocity(x, t)))
 }
 
-/// As [`polygon`], with the velocity of the particles of the surface.
+/// Returns a polygon as [`polygon`] does, with the velocity of the particles of the surface.
 pub(super) fn polygon_of_particles(
     loops: &[Vec<P>],
     position: impl Fn(&P, f64) -> P + Send + Sync + 'static,
@@ -215,7 +215,7 @@ pub(super) fn polygon_of_particles(
     })
 }
 
-/// The sides of polygons.
+/// Returns the sides of polygons.
 fn boundary(loops: &[Vec<P>]) -> BoundaryMesh<2> {
     let mut facets = Vec::new();
     let mut first = 0;
@@ -227,7 +227,7 @@ fn boundary(loops: &[Vec<P>]) -> BoundaryMesh<2> {
     BoundaryMesh::from_facets(facets)
 }
 
-/// A free rigid body inside of the polygon through corners, counter-clockwise.
+/// Returns a free rigid body inside of the polygon through corners, counter-clockwise.
 pub(super) fn rigid_polygon(corners: Vec<P>, density: f64, gravity: V) -> Result<RigidBody<2>, Failure> {
     let loops = [corners];
     Ok(RigidBody::new("body", boundary(&loops), loops.concat(), density, gravity)?)
@@ -235,12 +235,12 @@ pub(super) fn rigid_polygon(corners: Vec<P>, density: f64, gravity: V) -> Result
 
 const DRY: &str = "there is no fluid";
 
-/// The fluid of a setup.
+/// Returns the fluid of a setup.
 pub(super) fn fluid_of<const D: usize>(setup: &Setup<D>) -> Result<&FluidSetup<D>, Failure> {
     Ok(setup.fluid.as_ref().ok_or(DRY)?)
 }
 
-/// As [`fluid_of`], to change it.
+/// Returns the fluid as [`fluid_of`] does, mutably.
 pub(super) fn fluid_mut<const D: usize>(setup: &mut Setup<D>) -> Result<&mut FluidSetup<D>, Failure> {
     Ok(setup.fluid.as_mut().ok_or(DRY)?)
 }
@@ -255,12 +255,12 @@ pub(super) fn wet<const D: usize>(state: &State<D>) -> Result<&FluidState<D>, Fa
     Ok(state.fluid.as_ref().ok_or(DRY)?)
 }
 
-/// The fluid's part of a report.
+/// Returns the fluid's part of a report.
 pub(super) fn wet_report<const D: usize>(report: &StepReport<D>) -> Result<&FluidReport<D>, Failure> {
     Ok(report.fluid.as_ref().ok_or(DRY)?)
 }
 
-/// The pieces of the interface, with the tractions on them.
+/// Returns the pieces of the interface, with the tractions on them.
 pub(super) fn interface<'s, const D: usize>(
     state: &'s State<D>,
     report: &'s StepReport<D>,
@@ -268,14 +268,14 @@ pub(super) fn interface<'s, const D: usize>(
     Ok(wet(state)?.cut.interface().iter().zip(&wet_report(report)?.tractions))
 }
 
-/// The outside of a closed curve, in a square around a centre: a polygon with a hole.
+/// Returns the outside of a closed curve, in a square around a centre: a polygon with a hole.
 pub(super) fn outside(mut curve: Vec<P>, centre: P, half: f64) -> [Vec<P>; 2] {
     curve.reverse();
     let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
     [corners.map(|[x, y]| centre + P::new(x, y) * half).to_vec(), curve]
 }
 
-/// Corners of a regular polygon with the area of the disk.
+/// Returns the corners of a regular polygon with the area of the disk.
 pub(super) fn disk(centre: P, radius: f64, n: usize) -> Vec<P> {
     let step = std::f64::consts::TAU / n as f64;
     let radius = radius * (step / step.sin()).sqrt();
@@ -295,7 +295,7 @@ pub(super) fn run(setup: &Setup<2>, n_steps: usize) -> Result<(State<2>, StepRep
     Ok((state, last.ok_or("no steps")?))
 }
 
-/// Force of the fluid on a body, and its moment about a point: the variational traction of the mortar.
+/// Returns the force of the fluid on a body, and its moment about a point: the variational traction of the mortar.
 pub(super) fn force(state: &State<2>, report: &StepReport<2>, body: usize, about: &P) -> Result<(V, f64), Failure> {
     let mut sum = (V::zeros(), 0.0);
     for (piece, traction) in interface(state, report)?.filter(|(piece, _)| piece.body.index() == body) {

@@ -109,12 +109,12 @@ impl Pair {
         drag.iter().enumerate().map(|(k, c)| (TRAVEL - (n - 1 - k) as f64 * self.dt, *c)).collect()
     }
 
-    /// Difference of the means over time, over that of the one at rest.
+    /// Returns the difference of the means over time, over that of the one at rest.
     fn difference(&self) -> f64 {
         (mean(&self.moving) / mean(&self.fixed) - 1.0).abs()
     }
 
-    /// RMS of the noise in the drag of the moving one, relative to its mean.
+    /// Returns the RMS of the noise in the drag of the moving one, relative to its mean.
     fn noise(&self) -> f64 {
         let wing = (WING / self.courant).round().max(2.0) as usize;
         rms(&rough(&self.moving, wing)) / mean(&self.moving)
@@ -128,7 +128,7 @@ impl Pair {
     }
 }
 
-/// Half of the channel, with the cylinder at rest in its middle or about to pass it.
+/// Returns half of the channel, with the cylinder at rest in its middle or about to pass it.
 fn setup(cells: usize, dt: f64, moves: bool) -> Result<Setup<2>, Failure> {
     let n = CHANNEL.map(|length| (length * cells as f64).round() as usize);
     let [start, speed, stream] = if moves { [0.5 * TRAVEL, -1.0, 0.0] } else { [0.0, 0.0, 1.0] };
@@ -151,7 +151,7 @@ fn setup(cells: usize, dt: f64, moves: bool) -> Result<Setup<2>, Failure> {
     Ok(setup)
 }
 
-/// Coefficient of the drag, along the stream, after every step that counts.
+/// Returns the coefficient of the drag, along the stream, after every step that counts.
 fn drag(setup: Setup<2>) -> Result<Vec<f64>, Failure> {
     let mut run = Run::lagged(setup)?;
     let mut drag = Vec::new();

@@ -29,20 +29,21 @@ const GRADING: f64 = 4.0;
 /// Steps in which the push is applied.
 const LOAD_STEPS: u32 = 3;
 
-/// A coordinate from -1 to 1 whose steps grow with the distance from zero.
+/// Returns a coordinate from -1 to 1 whose steps grow with the distance from zero.
 fn graded(s: f64) -> f64 {
     (GRADING * s).sinh() / GRADING.sinh()
 }
 
-/// A point of the lower half of the disk: `(0, 0)` is the lowest one, 1 in the second coordinate the middle plane, and the other sides
-/// of the rectangle lie on the circle. (The map of a square on a disk by ellipses.)
+/// Returns a point of the lower half of the disk: `(0, 0)` is the lowest one, 1 in the second coordinate the middle
+/// plane, and the other sides of the rectangle lie on the circle. (The map of a square on a disk by ellipses.)
 fn half_disk(across: f64, up: f64) -> P {
     let down = 1.0 - up;
     let centred = P::new(across * (1.0 - 0.5 * down * down).sqrt(), -down * (1.0 - 0.5 * across * across).sqrt());
     centred * RADIUS + V::new(0.0, RADIUS)
 }
 
-/// How far a pole comes nearer to the middle under a load per length, with the half-width of contact: `P/(π E*) (2 ln(4 R/a) - 1)`.
+/// Returns the approach of a pole to the middle under a load per length, with the half-width of contact: `P/(π E*) (2
+/// ln(4 R/a) - 1)`.
 fn approach(load: f64, radius: f64) -> f64 {
     load / (PI * MODULUS) * (2.0 * (4.0 * RADIUS / radius).ln() - 1.0)
 }

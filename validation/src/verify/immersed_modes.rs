@@ -71,7 +71,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Frequency of a mode, Hz.
+/// Returns the frequency of a mode, Hz.
 fn frequency(mode: &Mode, h: f64, steps: f64, gamma: f64) -> Result<f64, Failure> {
     let period = 1.0 / mode.hertz();
     let open = || FluidBoundary::Open { traction: None, backflow: false };
@@ -83,7 +83,7 @@ fn frequency(mode: &Mode, h: f64, steps: f64, gamma: f64) -> Result<f64, Failure
     frequency_of(Run::lagged(setup)?, (PERIODS + 0.5) * period, amplitude)
 }
 
-/// A box whose cells have size `h` at the disk and grow with the distance.
+/// Returns a box whose cells have size `h` at the disk and grow with the distance.
 fn background(h: f64) -> Result<SimplexMesh<2>, Failure> {
     // x = R sinh(b s): cells of size b sqrt(R² + x²)/n.
     let b = BOX.asinh();

@@ -72,7 +72,7 @@ pub(super) fn still(
     Ok(setup)
 }
 
-/// A polygon without any symmetry.
+/// Returns a polygon without any symmetry.
 pub(super) fn nonagon(centre: P, random: &mut Random) -> Vec<P> {
     let turn = random.between(0.0, 1.0);
     let corner = |k: u32| {

@@ -82,8 +82,8 @@ const CHECKS: [Check; 19] = [
 /// Prepares data for an independent reader; runs only if it is named.
 const FILES: &str = "files";
 
-/// Runs checks (all if none is named), in full or in short; true if all hold. Results go to `out`, pages to the book on
-/// request.
+/// Returns the runs checks (all if none is named), in full or in short; true if all hold. Results go to `out`, pages to
+/// the book on request.
 ///
 /// # Errors
 /// There is no check of that name, or one of them cannot be done.
@@ -117,7 +117,7 @@ pub(crate) fn run(names: &[String], full: bool, document: bool, out: &Path) -> O
     Ok(files && records.iter().all(Record::holds))
 }
 
-/// All rows in one list, `DIR/verify.json`.
+/// Writes all rows in one list, `DIR/verify.json`.
 fn write_json(records: &[Record], out: &Path) -> Result<(), Failure> {
     std::fs::create_dir_all(out)?;
     let rows: Vec<_> = records.iter().flat_map(|record| &record.rows).collect();

@@ -32,7 +32,7 @@ pub(super) struct Mode {
 }
 
 impl Mode {
-    /// The mode with `n` waves around the disk and the frequency `ω R/c_s`.
+    /// Creates the mode with `n` waves around the disk and the frequency `ω R/c_s`.
     pub(super) fn new(n: u32, omega: f64) -> Self {
         let kappa = (MU / (LAMBDA + 2.0 * MU)).sqrt();
         let waves = [kappa * omega, omega];
@@ -61,8 +61,8 @@ impl Mode {
         V::new(angle.cos(), angle.sin()) * outward + V::new(-angle.sin(), angle.cos()) * along
     }
 
-    /// The disk with cells of a size, in the shape of the mode. (A shape that is only close to it holds other modes with as many
-    /// waves around the disk, which shift the passages of zero.)
+    /// Returns the disk with cells of a size, in the shape of the mode. (A shape that is only close to it holds other
+    /// modes with as many waves around the disk, which shift the passages of zero.)
     pub(super) fn disk(&self, size: f64, scheme: Scheme) -> Result<Elastic<2>, Failure> {
         let mesh = ball::<2>([0.0, 0.0], RADIUS, size, &BallOptions { area_preserving: true })?;
         let material = SaintVenantKirchhoff::new(LameParameters::new(MU, LAMBDA)?);
@@ -86,7 +86,8 @@ impl Mode {
     }
 }
 
-/// Frequency of the oscillation of the first body until a time, Hz, with its amplitude as a function of displacements.
+/// Returns the frequency of the oscillation of the first body until a time, Hz, with its amplitude as a function of
+/// displacements.
 pub(super) fn frequency_of(mut run: Run, end: f64, amplitude: impl Fn(&[V]) -> f64) -> Result<f64, Failure> {
     let mut samples = Vec::new();
     while run.state.time < end {
@@ -96,7 +97,7 @@ pub(super) fn frequency_of(mut run: Run, end: f64, amplitude: impl Fn(&[V]) -> f
     frequency(&samples)
 }
 
-/// Frequency of a sampled oscillation around zero: the line through the times at which it passes zero.
+/// Returns the frequency of a sampled oscillation around zero: the line through the times at which it passes zero.
 ///
 /// # Errors
 /// It passes zero less than three times.
@@ -115,7 +116,7 @@ fn frequency(samples: &[(f64, f64)]) -> Result<f64, Failure> {
     Ok(0.5 * squares / slope)
 }
 
-/// `J_n(k r)` and its derivative in r, by their series; for arguments of a few units.
+/// Returns `J_n(k r)` and its derivative in r, by their series; for arguments of a few units.
 fn radial(n: u32, k: f64, r: f64) -> [f64; 2] {
     let half = 0.5 * k * r;
     let mut term = (1..=n).fold(1.0, |product, i| product * half / f64::from(i));

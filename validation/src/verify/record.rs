@@ -65,13 +65,13 @@ impl Record {
         self.rows.iter().all(Row::holds)
     }
 
-    /// A number that must be within `tolerance` of a reference.
+    /// Adds a number that must be within `tolerance` of a reference.
     pub(crate) fn near(&mut self, quantity: impl Into<String>, computed: f64, reference: f64, tolerance: f64) {
         let holds = (computed - reference).abs() <= tolerance;
         self.push(quantity.into(), computed, Some(reference), format!("± {}", short(tolerance)), Some(holds));
     }
 
-    /// A number that must be within a fraction of a reference.
+    /// Adds a number that must be within a fraction of a reference.
     pub(crate) fn near_relative(&mut self, quantity: impl Into<String>, computed: f64, reference: f64, fraction: f64) {
         let holds = (computed - reference).abs() <= fraction * reference.abs();
         self.push(quantity.into(), computed, Some(reference), format!("± {} %", short(100.0 * fraction)), Some(holds));
@@ -85,13 +85,13 @@ impl Record {
         self.push(quantity.into(), computed, Some(bound), "at least".to_owned(), Some(computed >= bound));
     }
 
-    /// A number that must be at most some times as large as a reference.
+    /// Adds a number that must be at most some times as large as a reference.
     pub(crate) fn at_most_times(&mut self, quantity: impl Into<String>, computed: f64, reference: f64, factor: f64) {
         let tolerance = format!("at most {} times", short(factor));
         self.push(quantity.into(), computed, Some(reference), tolerance, Some(computed <= factor * reference));
     }
 
-    /// A number that is only shown, with a known one if there is one.
+    /// Adds a number that is only shown, with a known one if there is one.
     pub(crate) fn show(&mut self, quantity: impl Into<String>, computed: f64, reference: Option<f64>) {
         self.push(quantity.into(), computed, reference, String::new(), None);
     }
@@ -100,7 +100,7 @@ impl Record {
         self.notes.push(text.into());
     }
 
-    /// Curves with names over a common axis.
+    /// Adds curves with names over a common axis.
     pub(crate) fn figure<L: Into<String>>(
         &mut self,
         title: impl Into<String>,
@@ -111,7 +111,7 @@ impl Record {
         self.figures.push(Chart::new(title, x_label, curves));
     }
 
-    /// The same with logarithmic axes.
+    /// Adds the same with logarithmic axes.
     pub(crate) fn log_figure<L: Into<String>>(
         &mut self,
         title: impl Into<String>,
@@ -137,8 +137,8 @@ impl Record {
         self.rows.push(Row { check: self.check.clone(), quantity, computed, reference, tolerance, verdict });
     }
 
-    /// Observed orders of convergence between neighbours of a sequence of sizes and errors, of which the last must be at
-    /// least `order`, and all positive: every refinement reduces the error. The errors are shown.
+    /// Adds observed orders of convergence between neighbours of a sequence of sizes and errors, of which the last must
+    /// be at least `order`, and all positive: every refinement reduces the error. The errors are shown.
     pub(crate) fn order(&mut self, quantity: &str, unit: &str, errors: &[(f64, f64)], order: f64) {
         let [last, least] = self.show_errors(quantity, unit, errors);
         let reduces = Some(least > 0.0);
@@ -152,7 +152,7 @@ impl Record {
         self.at_least(format!("order of {quantity} in {unit}"), last, order);
     }
 
-    /// The same without a required order.
+    /// Adds the orders without a required one.
     pub(crate) fn show_order(&mut self, quantity: &str, unit: &str, errors: &[(f64, f64)]) {
         let [last, _] = self.show_errors(quantity, unit, errors);
         self.show(format!("order of {quantity} in {unit}"), last, None);
@@ -170,7 +170,8 @@ impl Record {
     }
 }
 
-/// The larger one of two numbers. One that is not a number counts as the largest, so that it does not get lost on the way to a bound.
+/// Returns the larger one of two numbers. One that is not a number counts as the largest, so that it does not get lost
+/// on the way to a bound.
 pub(crate) fn worse(a: f64, b: f64) -> f64 {
     if b > a || b.is_nan() { b } else { a }
 }

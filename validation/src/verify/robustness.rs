@@ -95,14 +95,14 @@ fn measure_sweep<const D: usize>(record: &mut Record, sweep: &Sweep<D>) -> Resul
     Ok(())
 }
 
-/// At each distance the worse of the two sides.
+/// Returns the worse of the two sides at each distance.
 fn worse_side<const D: usize>(findings: &Findings<D>, matrix: usize) -> Vec<(f64, f64)> {
     let half = findings.len() / 2;
     let pairs = findings[..half].iter().zip(findings.iter().rev());
     pairs.map(|((d, a), (_, b))| (d.abs(), a.conditions[matrix].max(b.conditions[matrix]))).collect()
 }
 
-/// How much velocity, pressure, force and kinetic energy change close to the touch, and how much they jump at it.
+/// Adds the changes of velocity, pressure, force and kinetic energy close to the touch, and their jumps at it.
 fn continuity<const D: usize>(
     record: &mut Record,
     name: &str,

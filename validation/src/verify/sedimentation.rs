@@ -111,7 +111,7 @@ fn setup(h: f64, dt: f64) -> Result<Setup<2>, Failure> {
     Ok(setup)
 }
 
-/// The box, fine where the disk sinks.
+/// Returns the box, fine where the disk sinks.
 fn background(h: f64) -> Result<SimplexMesh<2>, Failure> {
     let [from, until] = [START[0] + 1.2 * DIAMETER, BOX[0] - DIAMETER];
     let size = Size::Graded { fine: h, fine_until: from, coarse: 4.0 * h, coarse_from: until, axis: 0 };

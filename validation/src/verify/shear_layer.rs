@@ -128,14 +128,14 @@ struct Measured {
 }
 
 impl Measured {
-    /// Relative error of an amplitude.
+    /// Returns the relative error of an amplitude.
     fn error(&self, k: usize) -> f64 {
         let (_, [amplitude, phase]) = KNOWN[k];
         (self.amplitudes[k] - Complex::from_polar(amplitude, phase)).norm() / amplitude
     }
 }
 
-/// Half a period with 1/h cells in x and in y.
+/// Returns half a period with 1/h cells in x and in y.
 fn run(n: [usize; 2], steps: usize) -> Result<Measured, Failure> {
     let layer = Arc::new(Layer::new());
     let known = Known { flow: Arc::clone(&layer), density: DENSITY, viscosity: VISCOSITY, convects: true, open: &[] };
@@ -187,7 +187,7 @@ fn values(Run { setup, state, .. }: &Run, report: &StepReport<2>) -> Result<[f64
     Ok([mean(&displacement.collect::<Vec<_>>()), stress, at_plate])
 }
 
-/// The box of fluid and the body below it.
+/// Returns the box of fluid and the body below it.
 fn setup(known: &Known<Layer>, [n_x, n_y]: [usize; 2], dt: f64) -> Result<Setup<2>, Failure> {
     // An odd number of rows: the interface lies in the middle of cells.
     let rows = 2 * (n_y / 2) + 1;
@@ -203,14 +203,14 @@ fn setup(known: &Known<Layer>, [n_x, n_y]: [usize; 2], dt: f64) -> Result<Setup<
     Ok(setup)
 }
 
-/// The elastic layer. It is longer than the box, so that its ends stay out of the fluid.
+/// Returns the elastic layer. It is longer than the box, so that its ends stay out of the fluid.
 fn solid([n_x, n_y]: [usize; 2]) -> Result<SolidMesh<2>, Failure> {
     let (low, high) = ([-OVERHANG, 0.0], [LENGTH + OVERHANG, INTERFACE]);
     Ok(SolidMesh::new(structured_box::<2>(low, high, [4 * n_x / 5, n_y / 2])?)?)
 }
 
-/// The body for the step that ends at a time. Its ends are free to slide. The part of its upper side beyond the box carries the
-/// shear stress of the fluid.
+/// Returns the body for the step that ends at a time. Its ends are free to slide. The part of its upper side beyond the
+/// box carries the shear stress of the fluid.
 fn body(layer: &Arc<Layer>, solid: SolidMesh<2>, time: f64) -> Result<ElasticBody<2>, Failure> {
     let mesh = solid.mesh();
     let on_base = |x: &P| x[1] == 0.0;
@@ -274,12 +274,12 @@ impl Layer {
         Self { wave_number, s, solid, at_interface: b * solid, shear: c * solid }
     }
 
-    /// Displacement of the solid.
+    /// Returns the displacement of the solid.
     fn displacement(&self, y: f64, t: f64) -> f64 {
         real_at(self.solid, t) * (self.wave_number * y).sin()
     }
 
-    /// Velocity of the solid, and of the fluid above it.
+    /// Returns the velocity of the solid, and of the fluid above it.
     fn speed(&self, y: f64, t: f64) -> f64 {
         if y <= INTERFACE {
             return real_at(Complex::new(0.0, OMEGA) * self.solid, t) * (self.wave_number * y).sin();
@@ -287,7 +287,7 @@ impl Layer {
         self.in_fluid(y, t)
     }
 
-    /// Velocity of the fluid, and its smooth continuation.
+    /// Returns the velocity of the fluid, and its smooth continuation.
     fn in_fluid(&self, y: f64, t: f64) -> f64 {
         let [cosh, sinh] = hyperbolic(self.s * (y - INTERFACE));
         real_at(self.at_interface * cosh + self.shear * sinh, t)
@@ -308,18 +308,18 @@ impl Flow for Layer {
     }
 }
 
-/// `cosh` and `sinh` of `(1 + i) z`.
+/// Returns `cosh` and `sinh` of `(1 + i) z`.
 fn hyperbolic(z: f64) -> [Complex<f64>; 2] {
     let z = Complex::new(z, z);
     [z.cosh(), z.sinh()]
 }
 
-/// Real part of an amplitude times `e^{iωt}`.
+/// Returns the real part of an amplitude times `e^{iωt}`.
 fn real_at(amplitude: Complex<f64>, t: f64) -> f64 {
     (amplitude * Complex::cis(OMEGA * t)).re
 }
 
-/// A quotient, as the product with the inverse.
+/// Returns a quotient, as the product with the inverse.
 fn over(a: Complex<f64>, b: Complex<f64>) -> Complex<f64> {
     a * (b.conj() / b.norm_sqr())
 }

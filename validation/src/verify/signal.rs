@@ -4,22 +4,22 @@ pub(super) fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// Root of the mean square.
+/// Returns the root of the mean square.
 pub(super) fn rms(values: &[f64]) -> f64 {
     (values.iter().map(|v| v * v).sum::<f64>() / values.len() as f64).sqrt()
 }
 
-/// Least and largest value.
+/// Returns the least and largest value.
 pub(super) fn range(values: &[f64]) -> [f64; 2] {
     values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], v| [a.min(*v), b.max(*v)])
 }
 
-/// Where the straight line through two points has a height.
+/// Returns the abscissa at which the straight line through two points has a height.
 pub(super) fn passage([a, b]: [(f64, f64); 2], height: f64) -> f64 {
     a.0 + (b.0 - a.0) * (height - a.1) / (b.1 - a.1)
 }
 
-/// Where the answer of a question turns from no to yes between two numbers, by bisection.
+/// Returns the number between two others at which a condition becomes true, by bisection.
 pub(super) fn bisect([mut low, mut high]: [f64; 2], is_above: impl Fn(f64) -> bool) -> f64 {
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
@@ -28,7 +28,7 @@ pub(super) fn bisect([mut low, mut high]: [f64; 2], is_above: impl Fn(f64) -> bo
     0.5 * (low + high)
 }
 
-/// Differences of the values to parabolas, each fitted to a value and `wing` neighbours on either side.
+/// Returns the differences of the values to parabolas, each fitted to a value and `wing` neighbours on either side.
 ///
 /// Source: Savitzky and Golay 1964, doi:10.1021/ac60214a047.
 pub(super) fn rough(values: &[f64], wing: usize) -> Vec<f64> {
@@ -41,7 +41,7 @@ pub(super) fn rough(values: &[f64], wing: usize) -> Vec<f64> {
     values.windows(2 * wing + 1).map(|window| window[wing] - smooth(window)).collect()
 }
 
-/// Slope of the straight line closest to all points of a curve in logarithms.
+/// Returns the slope of the straight line closest to all points of a curve in logarithms.
 pub(super) fn slope(curve: &[(f64, f64)]) -> f64 {
     let logs: Vec<(f64, f64)> = curve.iter().map(|(x, y)| (x.ln(), y.ln())).collect();
     let n = logs.len() as f64;
@@ -50,7 +50,7 @@ pub(super) fn slope(curve: &[(f64, f64)]) -> f64 {
     xy / xx
 }
 
-/// Whether every refinement reduces the second numbers of a curve, as 0 or 1.
+/// Returns whether every refinement reduces the second numbers of a curve, as 0 or 1.
 pub(super) fn falls(curve: &[(f64, f64)]) -> f64 {
     f64::from(curve.windows(2).all(|w| w[1].1 < w[0].1))
 }

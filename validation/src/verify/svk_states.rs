@@ -38,17 +38,17 @@ const ROUND_OFF: f64 = 1e-9;
 const SIDES: [&[[&str; 2]]; 2] =
     [&[["left", "right"], ["bottom", "top"]], &[["left", "right"], ["front", "back"], ["bottom", "top"]]];
 
-/// Where an increasing function vanishes between 0.6 and 1.5: beyond the limit point of compression, `1/√3`.
+/// Returns the root of an increasing function between 0.6 and 1.5: beyond the limit point of compression, `1/√3`.
 fn root(function: impl Fn(f64) -> f64) -> f64 {
     bisect([0.6, 1.5], |s| function(s) > 0.0)
 }
 
-/// The stretch at which `modulus * stretch (stretch² - 1)/2` is `load * modulus`.
+/// Returns the stretch at which `modulus * stretch (stretch² - 1)/2` is `load * modulus`.
 fn stretch(load: f64) -> f64 {
     root(|s| 0.5 * s * (s * s - 1.0) - load)
 }
 
-/// The factor by which lengths change under a pressure from all sides: `(D λ + 2 μ)(s² - 1)/2 s^(2-D) = -p`.
+/// Returns the factor by which lengths change under a pressure from all sides: `(D λ + 2 μ)(s² - 1)/2 s^(2-D) = -p`.
 fn scale<const D: usize>(pressure: f64) -> f64 {
     root(|s| 0.5 * (D as f64 * LAMBDA + 2.0 * MU) * (s * s - 1.0) * s.powi(2 - D as i32) + pressure)
 }
@@ -66,7 +66,7 @@ struct Uniform<const D: usize> {
 }
 
 impl<const D: usize> Uniform<D> {
-    /// A bar under an axial load, its sides free.
+    /// Returns a bar under an axial load, its sides free.
     fn bar(load: f64) -> Self {
         let (modulus, ratio) = if D == 2 {
             (4.0 * MU * (LAMBDA + MU) / (LAMBDA + 2.0 * MU), LAMBDA / (LAMBDA + 2.0 * MU))
@@ -85,7 +85,7 @@ impl<const D: usize> Uniform<D> {
         }
     }
 
-    /// The same between smooth walls.
+    /// Returns the same between smooth walls.
     fn confined(load: f64) -> Self {
         let axial = stretch(load);
         let mut gradient = Tensor::identity();
@@ -97,7 +97,7 @@ impl<const D: usize> Uniform<D> {
         Self { name: format!("between walls, stretch {}", short(axial)), gradient, piola, planes, base: None }
     }
 
-    /// Simple shear of a base that is held, by the tractions on all other sides.
+    /// Returns simple shear of a base that is held, by the tractions on all other sides.
     fn sheared(shear: f64) -> Self {
         let mut gradient = Tensor::identity();
         gradient[(0, 1)] = shear;
@@ -110,7 +110,7 @@ impl<const D: usize> Uniform<D> {
         Self { name: format!("shear {shear}"), gradient, piola, planes: [[false; 2]; D], base: Some(1) }
     }
 
-    /// The body under the dead loads `P N` on all of its sides.
+    /// Returns the body under the dead loads `P N` on all of its sides.
     fn body(&self) -> Result<Elastic<D>, Failure> {
         let mut body = block()?;
         for (axis, sides) in SIDES[D - 2].iter().enumerate() {
@@ -129,13 +129,13 @@ impl<const D: usize> Uniform<D> {
         Ok(body)
     }
 
-    /// Cauchy stress `P Fᵀ/det F`.
+    /// Returns the Cauchy stress `P Fᵀ/det F`.
     fn cauchy(&self) -> Tensor<D> {
         self.piola * self.gradient.transpose() / det(&self.gradient)
     }
 }
 
-/// The unit square or cube with cells of different shapes.
+/// Returns the unit square or cube with cells of different shapes.
 fn block<const D: usize>() -> Result<Elastic<D>, Failure> {
     let n = if D == 2 { 6 } else { 3 };
     let mesh = mapped(&structured_box::<D>([0.0; D], [1.0; D], [n; D])?, |x| {
@@ -177,7 +177,7 @@ fn uniform<const D: usize>(record: &mut Record, state: &Uniform<D>) -> Result<()
     Ok(())
 }
 
-/// A block whose one side is turned, and takes the others along.
+/// Returns a block whose one side is turned, and takes the others along.
 fn turned<const D: usize>(rotation: impl Fn(f64) -> Tensor<D> + Copy + Send + Sync + 'static) -> Result<f64, Failure> {
     let mut body = block::<D>()?;
     let turned = move |x: &Point<D>, time: f64| (rotation(ANGLE * time) * x - x).map(Some).into();
@@ -186,7 +186,7 @@ fn turned<const D: usize>(rotation: impl Fn(f64) -> Tensor<D> + Copy + Send + Sy
     deviation(body, TURNS, |x| end * x - x, &Tensor::zeros(), MU)
 }
 
-/// A body under a pressure from all sides, with symmetry planes through the origin.
+/// Returns a body under a pressure from all sides, with symmetry planes through the origin.
 fn pressed<const D: usize>(
     mut body: Elastic<D>,
     sides: &[&str],
@@ -202,7 +202,7 @@ fn pressed<const D: usize>(
     deviation(body, 1, |x| (x - fixed) * strain, &cauchy, cauchy.norm())
 }
 
-/// Half of a disk; its lowest vertex keeps its height.
+/// Returns half of a disk; its lowest vertex keeps its height.
 fn disk(pressure: f64) -> Result<f64, Failure> {
     let mesh = half_ball::<2>([0.0, 0.0], RADIUS, 0.5, &BallOptions { area_preserving: false })?;
     let heights = mesh.vertices().iter().enumerate().map(|(v, x)| (VertexId::new(v), x[1]));
@@ -215,7 +215,7 @@ fn disk(pressure: f64) -> Result<f64, Failure> {
     pressed(body, &["surface"], pressure, &fixed)
 }
 
-/// An eighth of a cube.
+/// Returns an eighth of a cube.
 fn cube(pressure: f64) -> Result<f64, Failure> {
     let mut body = block::<3>()?;
     for (axis, [low, _]) in SIDES[1].iter().enumerate() {

@@ -53,7 +53,7 @@ fn size<const D: usize>() -> f64 {
     1.0 / N[D - 2] as f64
 }
 
-/// The steady flow around bodies, without any penalty of the jumps of velocity gradients but the ghost penalty.
+/// Returns the steady flow around bodies, without any penalty of the jumps of velocity gradients but the ghost penalty.
 fn setup<const D: usize>(bodies: Bodies<D>) -> Result<Setup<D>, Failure> {
     let background = structured_box::<D>([-0.5; D], [0.5; D], [N[D - 2]; D])?;
     let side = |name: &str| background.tag(name).ok_or("a box has sides");
@@ -83,7 +83,7 @@ fn plane<const D: usize>(x: &Point<D>) -> P {
     P::new(x[0], x[1])
 }
 
-/// The flow in the plane, which is one in space too.
+/// Returns the flow in the plane, which is one in space too.
 fn polynomial<const D: usize>() -> TimeField<D> {
     Arc::new(|x, t| {
         let u = StokesPolynomial.velocity(&plane(x), t);
@@ -91,7 +91,7 @@ fn polynomial<const D: usize>() -> TimeField<D> {
     })
 }
 
-/// A turn from the first axis to another one.
+/// Returns a turn from the first axis to another one.
 fn turned<const D: usize>(x: &Point<D>, to: usize, angle: f64) -> Point<D> {
     let (mut turned, (sin, cos)) = (*x, angle.sin_cos());
     turned[0] = cos * x[0] - sin * x[to];
@@ -99,42 +99,44 @@ fn turned<const D: usize>(x: &Point<D>, to: usize, angle: f64) -> Point<D> {
     turned
 }
 
-/// A polygon with corners in cells, turned and then moved to a place of the mesh, in cells from the middle of the box.
+/// Returns a polygon with corners in cells, turned and then moved to a place of the mesh, in cells from the middle of
+/// the box.
 fn placed(corners: &[[f64; 2]], angle: f64, place: [f64; 2]) -> Arc<dyn Body<2>> {
     let h = size::<2>();
     let corners = corners.iter().map(|&[x, y]| (turned(&P::new(x, y), 1, angle) + P::from(place)) * h);
     polygon(&[corners.collect()], |x, _| *x, polynomial())
 }
 
-/// A rectangle in cells, from one corner to the opposite one.
+/// Returns a rectangle in cells, from one corner to the opposite one.
 fn rectangle(low: [f64; 2], high: [f64; 2]) -> [[f64; 2]; 4] {
     [low, [high[0], low[1]], high, [low[0], high[1]]]
 }
 
-/// Behind the vertex, cells keep a corner.
+/// Returns the behind the vertex, cells keep a corner.
 fn side_past_a_vertex(s: f64) -> Result<Bodies<2>, Failure> {
     Ok(vec![placed(&rectangle([s - 3.3, -1.7], [s, 1.6]), 0.4, [2.0, 1.0])])
 }
 
-/// Behind the line, cells keep slices, or corners between two of these.
+/// Returns the behind the line, cells keep slices, or corners between two of these.
 fn side_past_an_edge(s: f64) -> Result<Bodies<2>, Failure> {
     Ok(vec![placed(&rectangle([s - 3.3, -1.67], [s, 1.63]), 0.0, [2.0, 0.0])])
 }
 
-/// A wedge of fluid in a body whose tip reaches a vertex, or a point of the edge above it: cells keep the tip.
+/// Returns a wedge of fluid in a body whose tip reaches a vertex, or a point of the edge above it: cells keep the tip.
 fn notch(s: f64, above: f64) -> Result<Bodies<2>, Failure> {
     let block = [[-1.7, -1.9], [1.6, -1.9], [1.6, -0.8], [0.0, 0.0], [1.6, 0.8], [1.6, 1.9], [-1.7, 1.9]];
     Ok(vec![placed(&block.map(|[x, y]| [x + s, y]), 0.2, [1.0, above])])
 }
 
-/// Between two bodies, cells keep a film that has no unknowns in common with the fluid around but at its ends.
+/// Returns the between two bodies, cells keep a film that has no unknowns in common with the fluid around but at its
+/// ends.
 fn gap(s: f64) -> Result<Bodies<2>, Failure> {
     let place = [0.36, 0.54];
     let left = placed(&rectangle([s - 2.1, -1.7], [s, 1.6]), 0.15, place);
     Ok(vec![left, placed(&rectangle([0.0, -1.5], [2.2, 1.8]), 0.15, place)])
 }
 
-/// A cube one of whose sides passes a vertex, turned about two axes.
+/// Returns a cube one of whose sides passes a vertex, turned about two axes.
 fn cube([about_second, about_third]: [f64; 2], s: f64) -> Result<Bodies<3>, Failure> {
     let brick = structured_box::<3>([s - 1.6, -0.83, -0.77], [s, 0.77, 0.83], [1, 1, 1])?;
     let place = Point::<3>::new(0.5, 0.5, 0.5);
@@ -172,7 +174,8 @@ pub(super) struct Numbers<const D: usize> {
 }
 
 impl<const D: usize> Numbers<D> {
-    /// Largest differences of velocity and pressure over the vertices that both know, difference of the forces.
+    /// Returns the largest differences of velocity and pressure over the vertices that both know, difference of the
+    /// forces.
     pub(super) fn differences(&self, other: &Self) -> [f64; 3] {
         let mut largest = [0.0, 0.0, (self.force - other.force).norm()];
         for (vertex, (velocity, pressure)) in &self.at_vertices {
@@ -183,7 +186,8 @@ impl<const D: usize> Numbers<D> {
         largest
     }
 
-    /// The same of the exact flow, which exerts no force on a body, as none acts on the fluid that would be in its place.
+    /// Returns the same of the exact flow, which exerts no force on a body, as none acts on the fluid that would be in
+    /// its place.
     pub(super) fn exact(&self, background: &SimplexMesh<D>) -> Self {
         let of = |vertex: VertexId| {
             let x = background.vertex(vertex);
@@ -195,7 +199,7 @@ impl<const D: usize> Numbers<D> {
 }
 
 impl<const D: usize> Sweep<D> {
-    /// The problem at a distance in cells.
+    /// Returns the problem at a distance in cells.
     pub(super) fn setup(&self, distance: f64, has_ghost_penalty: bool) -> Result<Setup<D>, Failure> {
         let mut setup = setup((self.bodies)(distance)?)?;
         if !has_ghost_penalty {

@@ -90,7 +90,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Numbers of one run.
+/// Shows the numbers of one run.
 fn show(record: &mut Record, name: &str, signal: &Signal) {
     let [drag, by_traction, lift] = &signal.coefficients;
     let [least, largest] = range(drag);
@@ -131,7 +131,7 @@ impl Signal {
         self.coefficients.each_ref().map(|values| rms(&rough(values, self.wing)) / (0.5 * (largest - least)))
     }
 
-    /// RMS of the difference of the drags, at the times of this signal that the other has around them.
+    /// Returns the RMS of the difference of the drags, at the times of this signal that the other has around them.
     fn difference(&self, other: &Self) -> f64 {
         let at = |t: f64| {
             let place = (t - other.begin) / other.dt;
@@ -144,7 +144,7 @@ impl Signal {
         rms(&differences.collect::<Vec<_>>())
     }
 
-    /// RMS of `C_D(t) + C_D(t + T/2)` from a time on, over that of the drag.
+    /// Returns the RMS of `C_D(t) + C_D(t + T/2)` from a time on, over that of the drag.
     fn asymmetry(&self, from: f64) -> f64 {
         let half = (0.5 / FREQUENCY / self.dt).round() as usize;
         let first = ((from - self.begin) / self.dt).ceil() as usize;
@@ -154,12 +154,12 @@ impl Signal {
     }
 }
 
-/// Largest speed of the cylinder.
+/// Returns the largest speed of the cylinder.
 fn speed() -> f64 {
     TAU * FREQUENCY * AMPLITUDE
 }
 
-/// The channel with cells of size `h` where the cylinder comes; half a period is a whole number of steps.
+/// Returns the channel with cells of size `h` where the cylinder comes; half a period is a whole number of steps.
 fn setup(h: f64, part: usize) -> Result<Setup<2>, Failure> {
     let half_period = 0.5 / FREQUENCY;
     let dt = half_period / (part as f64 * (half_period / (STEP_OVER_SIZE * h)).round());
@@ -174,14 +174,14 @@ fn setup(h: f64, part: usize) -> Result<Setup<2>, Failure> {
     Ok(setup)
 }
 
-/// The channel, symmetric, with cells that grow where the cylinder does not come.
+/// Returns the channel, symmetric, with cells that grow where the cylinder does not come.
 fn background(h: f64) -> Result<SimplexMesh<2>, Failure> {
     let fine_until = CENTRE[0] + AMPLITUDE + 2.0 * DIAMETER;
     let size = Size::Graded { fine: h, fine_until, coarse: 3.0 * h, coarse_from: fine_until + 20.0 * h, axis: 0 };
     Ok(mirrored(&graded_box::<2>([CENTRE[0], 0.0], CHANNEL, &size)?, 0, CENTRE[0])?)
 }
 
-/// Forces on a mesh of size `h`, with a part of its time step.
+/// Returns the forces on a mesh of size `h`, with a part of its time step.
 fn run(h: f64, part: usize, end: f64) -> Result<Signal, Failure> {
     let mut run = Run::lagged(setup(h, part)?)?;
     let scale = 2.0 / (speed() * speed() * DIAMETER);

@@ -37,7 +37,7 @@ impl<'a> Package<'a> {
         package
     }
 
-    /// Paths in the code of a file that lead to modules of the package.
+    /// Returns the paths in the code of a file that lead to modules of the package.
     fn paths(&self, module: &Module, source: &Source) -> Vec<Path> {
         let code = source.code();
         let children = self.files.keys().filter(|m| m.len() == module.len() + 1 && m.starts_with(module));
@@ -78,7 +78,7 @@ impl<'a> Package<'a> {
         paths
     }
 
-    /// The module that defines a name which `module` defines or re-exports.
+    /// Returns the module that defines a name which `module` defines or re-exports.
     fn definition(&self, module: Module, name: &str) -> Module {
         let mut module = module;
         // Re-exports of re-exports are few; the bound guards against circles of them.
@@ -91,7 +91,7 @@ impl<'a> Package<'a> {
         module
     }
 
-    /// Files that a file uses, with the line of the first use. Re-exports do not count.
+    /// Returns the files that a file uses, with the line of the first use. Re-exports do not count.
     fn uses(&self, module: &Module, source: &Source) -> BTreeMap<Module, usize> {
         let mut uses = BTreeMap::new();
         for path in self.paths(module, source).into_iter().filter(|path| !path.is_export) {
@@ -149,7 +149,7 @@ fn expand(text: &str) -> Vec<Module> {
     paths
 }
 
-/// Path of the module that is a file: `src/a/b.rs` and `src/a/b/mod.rs` are `a::b`.
+/// Returns the path of the module that is a file: `src/a/b.rs` and `src/a/b/mod.rs` are `a::b`.
 fn module(source: &Source) -> Module {
     let path = source.path.split_once("/src/").map_or("", |(_, path)| path).trim_end_matches(".rs");
     let mut module: Module = path.split('/').map(str::to_owned).collect();
@@ -160,7 +160,7 @@ fn module(source: &Source) -> Module {
     module
 }
 
-/// One circle of files, if there is any.
+/// Returns one circle of files, if there is any.
 fn circle(package: &Package<'_>) -> Option<Finding> {
     let mut uses: BTreeMap<&Module, BTreeMap<Module, usize>> =
         package.files.iter().map(|(module, source)| (module, package.uses(module, source))).collect();

@@ -63,7 +63,8 @@ fn file_size(source: &Source, findings: &mut Vec<Finding>) {
     }
 }
 
-/// Penalty constants and material data must be named fields; a term may contain only small integers and halves.
+/// Finds numbers in terms other than small integers and halves: penalty constants and material data must be named
+/// fields.
 fn numbers_in_terms(source: &Source, findings: &mut Vec<Finding>) {
     if !source.path.contains("/terms/") {
         return;
@@ -122,7 +123,7 @@ pub(super) fn budgets(tree: &Tree) -> Vec<Finding> {
     findings
 }
 
-/// `advance` is an entry point for readers and must fit on a screen.
+/// Checks the length of `advance`, an entry point for readers that must fit on a screen.
 fn step_is_short(tree: &Tree, findings: &mut Vec<Finding>) {
     let path = "crates/solver/src/step.rs";
     let Some(step) = tree.rust.iter().find(|source| source.path == path) else {
@@ -139,7 +140,7 @@ fn step_is_short(tree: &Tree, findings: &mut Vec<Finding>) {
     }
 }
 
-/// The code map must have a heading `### name` for each package of the workspace, and no other.
+/// Checks that the code map has a heading `### name` for each package of the workspace, and no other.
 fn architecture_lists_crates(tree: &Tree, findings: &mut Vec<Finding>) {
     let Some(page) = tree.page(ARCHITECTURE) else {
         findings.push(Finding::new(ARCHITECTURE, 1, "the page is missing"));

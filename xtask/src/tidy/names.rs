@@ -48,7 +48,7 @@ pub(super) fn check(tree: &Tree) -> Vec<Finding> {
     findings
 }
 
-/// Name in a declaration of the given kind on a line.
+/// Returns the name in a declaration of the given kind on a line.
 fn name_after<'a, 'k>(line: &'a str, kind: &'k str) -> Option<(&'k str, &'a str)> {
     let rest = line[words(line, kind).next()? + kind.len()..].strip_prefix(' ')?;
     Some((kind, rest.split(|c: char| !c.is_alphanumeric() && c != '_').next()?))

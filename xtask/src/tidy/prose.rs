@@ -58,9 +58,10 @@ fn verbs(source: &Source) -> Vec<Finding> {
             continue;
         };
         let declaration = lines[k..].iter().find(|line| !is_skipped(line)).copied().unwrap_or_default();
-        let is_function = declaration.split('(').next().is_some_and(|head| head.split(' ').any(|word| word == "fn"));
+        let is_function =
+            declaration.split(['(', '=']).next().is_some_and(|head| head.split(' ').any(|word| word == "fn"));
         let first = comment.split(' ').next().unwrap_or_default();
-        let is_verb = first.ends_with('s') && first.starts_with(char::is_uppercase);
+        let is_verb = first.trim_end_matches(',').ends_with('s') && first.starts_with(char::is_uppercase);
         if is_function && !is_verb {
             let advice = format!("\"{first} ...\": begin the comment of a function with a verb, such as Returns");
             findings.push(Finding::new(&source.path, k + 1, advice));
@@ -96,7 +97,7 @@ fn of_file(source: &Source) -> Vec<Finding> {
     findings
 }
 
-/// Words of the comments and strings of a Rust file, or of all lines of another file.
+/// Returns the words of the comments and strings of a Rust file, or of all lines of another file.
 fn prose(source: &Source) -> Vec<Word> {
     let mut words: Vec<Word> = Vec::new();
     let mut begins_sentence = true;

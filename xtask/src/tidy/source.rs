@@ -17,7 +17,7 @@ pub(crate) struct Source {
 }
 
 impl Source {
-    /// A source from its text.
+    /// Creates a source from its text.
     pub(crate) fn new(path: &str, text: String) -> Self {
         let is_rust = path.ends_with(".rs");
         let mut code = if is_rust { without_comments_and_strings(&text) } else { String::new() };
@@ -31,44 +31,44 @@ impl Source {
         Self { path: path.to_owned(), text, code, prose }
     }
 
-    /// Lines with their numbers.
+    /// Returns the lines with their numbers.
     pub(crate) fn lines(&self) -> impl Iterator<Item = (usize, &str)> {
         self.text.lines().enumerate().map(|(k, line)| (k + 1, line))
     }
 
-    /// Lines of code outside of tests, with their numbers.
+    /// Returns the lines of code outside of tests, with their numbers.
     pub(crate) fn code_lines(&self) -> impl Iterator<Item = (usize, &str)> {
         self.code.lines().enumerate().map(|(k, line)| (k + 1, line))
     }
 
-    /// Lines of comments and strings, also of tests, with their numbers.
+    /// Returns the lines of comments and strings, also of tests, with their numbers.
     pub(crate) fn prose_lines(&self) -> impl Iterator<Item = (usize, &str)> {
         self.prose.lines().enumerate().map(|(k, line)| (k + 1, line))
     }
 
-    /// Code outside of tests.
+    /// Returns the code outside of tests.
     pub(crate) fn code(&self) -> &str {
         &self.code
     }
 
-    /// Number of the line at an offset of the code.
+    /// Returns the number of the line at an offset of the code.
     pub(crate) fn line_at(&self, offset: usize) -> usize {
         self.code[..offset].matches('\n').count() + 1
     }
 
-    /// The folder of the crate: `crates/mesh`, `xtask`, ...
+    /// Returns the folder of the crate: `crates/mesh`, `xtask`, ...
     pub(crate) fn package(&self) -> &str {
         let depth = if self.path.starts_with("crates/") { 2 } else { 1 };
         self.path.match_indices('/').nth(depth - 1).map_or("", |(end, _)| &self.path[..end])
     }
 
-    /// Whether the file is in the folder `src` of a package.
+    /// Returns whether the file is in the folder `src` of a package.
     pub(crate) fn is_src(&self) -> bool {
         self.path.strip_prefix(self.package()).is_some_and(|rest| rest.starts_with("/src/"))
     }
 }
 
-/// Files with the given endings below a folder, in the order of their paths.
+/// Returns the files with the given endings below a folder, in the order of their paths.
 ///
 /// # Errors
 /// A folder or file cannot be read.
@@ -101,13 +101,13 @@ fn collect(folder: &Path, out: &mut Vec<PathBuf>) -> io::Result<()> {
     Ok(())
 }
 
-/// Whether `word` at `offset` is a whole word of `text`.
+/// Returns whether `word` at `offset` is a whole word of `text`.
 pub(crate) fn is_word(text: &str, offset: usize, word: &str) -> bool {
     let inside = |c: char| c.is_alphanumeric() || c == '_';
     !text[..offset].ends_with(inside) && !text[offset + word.len()..].starts_with(inside)
 }
 
-/// Offsets of all occurrences of `word` as a whole word.
+/// Returns the offsets of all occurrences of `word` as a whole word.
 pub(crate) fn words<'a>(text: &'a str, word: &'a str) -> impl Iterator<Item = usize> + 'a {
     text.match_indices(word).map(|(offset, _)| offset).filter(move |&offset| is_word(text, offset, word))
 }
@@ -151,7 +151,7 @@ fn end_of_string(text: &str) -> usize {
     text.len()
 }
 
-/// Length of the character literal at the start of the text; zero for a lifetime.
+/// Returns the length of the character literal at the start of the text; zero for a lifetime.
 fn character_len(text: &str) -> usize {
     let mut characters = text.char_indices().skip(1);
     match (characters.next(), characters.next()) {

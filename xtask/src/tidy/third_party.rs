@@ -26,7 +26,16 @@ const ROOMS: &[(&str, &[&str])] = &[
     ),
     ("thiserror", &["crates"]),
     ("tracing", &["crates"]),
-    ("serde", &["crates/io/src/summary.rs", "crates/io/src/cut", "crates/report/src", "validation/src"]),
+    (
+        "serde",
+        &[
+            "crates/io/src/summary.rs",
+            "crates/io/src/cut",
+            "crates/io/src/scenario/file.rs",
+            "crates/report/src",
+            "validation/src",
+        ],
+    ),
     (
         "serde_json",
         &["crates/io/src", "crates/report/src", "crates/cutwater/src/commands", "validation/src", "xtask/src"],
@@ -96,7 +105,7 @@ pub(super) fn check(tree: &Tree) -> Vec<Finding> {
     findings
 }
 
-/// Whether the word at an offset begins a path: `name::...` or `use name;`, but not `#[name(...)]`.
+/// Returns whether the word at an offset begins a path: `name::...` or `use name;`, but not `#[name(...)]`.
 fn is_path(code: &str, offset: usize, len: usize) -> bool {
     let before = code[..offset].trim_end();
     let is_first = !before.ends_with("::") && !before.ends_with("mod") && !before.ends_with('.');

@@ -69,18 +69,18 @@ impl Tree {
         Ok(Self { root, rust, other, packages, sizes })
     }
 
-    /// A file that is not Rust.
+    /// Returns a file that is not Rust.
     pub(super) fn page(&self, path: &str) -> Option<&Source> {
         self.other.iter().find(|source| source.path == path)
     }
 
-    /// The line of a manifest that names a dependency.
+    /// Returns the line of a manifest that names a dependency.
     pub(super) fn manifest_line(&self, manifest: &str, dependency: &str) -> usize {
         let Some(source) = self.page(manifest) else { return 1 };
         source.lines().find(|(_, line)| line.starts_with(dependency)).map_or(1, |(number, _)| number)
     }
 
-    /// Name, path of the manifest, and dependencies (name, kind) of each package.
+    /// Returns the name, path of the manifest, and dependencies (name, kind) of each package.
     pub(super) fn manifests(&self) -> impl Iterator<Item = (&str, String, Vec<(&str, &str)>)> {
         self.packages.iter().map(|package| {
             let name = package["name"].as_str().unwrap_or_default();

@@ -23,7 +23,7 @@ pub struct BlockGaussSeidelSettings {
 }
 
 impl Default for BlockGaussSeidelSettings {
-    /// ILUT for the first block, which is the fluid, and Cholesky for the bodies.
+    /// Returns ILUT for the first block, which is the fluid, and Cholesky for the bodies.
     fn default() -> Self {
         let fluid = BlockSolver::Incomplete(Fill::THRESHOLD);
         Self { solvers: vec![fluid, BlockSolver::Cholesky], stiff: 0.1, restart: 80, max_iterations: 400 }
@@ -52,7 +52,7 @@ pub struct BlockGaussSeidel {
 }
 
 impl BlockGaussSeidel {
-    /// A solver without a matrix.
+    /// Creates a solver without a matrix.
     pub fn new(settings: BlockGaussSeidelSettings) -> Self {
         Self {
             settings,
@@ -67,12 +67,12 @@ impl BlockGaussSeidel {
         }
     }
 
-    /// Number of unknowns in each block of the last matrix.
+    /// Returns the number of unknowns in each block of the last matrix.
     pub fn block_sizes(&self) -> Vec<usize> {
         self.blocks.iter().map(|block| block.members().len()).collect()
     }
 
-    /// Number of unknowns in the patch over stiff couplings.
+    /// Returns the number of unknowns in the patch over stiff couplings.
     pub fn patch_size(&self) -> usize {
         self.patch.members().len()
     }
@@ -103,7 +103,7 @@ fn blocks(layout: &BlockLayout) -> Vec<Block> {
     blocks.into_iter().map(|(_, block)| block).collect()
 }
 
-/// Unknowns with stiff couplings to another block, and all that these act on.
+/// Returns the unknowns with stiff couplings to another block, and all that these act on.
 fn stiffly_coupled(matrix: &CsMatI<f64, u32>, block_of: &[usize], stiff: f64) -> Vec<u32> {
     let mut is_stiff = vec![false; block_of.len()];
     for (value, (i, j)) in matrix.iter() {

@@ -22,8 +22,8 @@ pub(super) struct CholeskyFactors {
 }
 
 impl CholeskyFactors {
-    /// The factors of an equilibrated matrix, given the ratios of row to column scales; none if it is not symmetric before
-    /// it is scaled, or not positive definite.
+    /// Returns the factors of an equilibrated matrix, given the ratios of row to column scales; none if it is not
+    /// symmetric before it is scaled, or not positive definite.
     ///
     /// # Errors
     /// [`LinearError::OutOfMemory`].
@@ -73,7 +73,7 @@ impl CholeskyFactors {
     }
 }
 
-/// Whether mirrored entries are equal up to round-off.
+/// Returns whether mirrored entries are equal up to round-off.
 fn is_symmetric(matrix: &CsMatI<f64, u32>) -> bool {
     let diagonal: Vec<f64> = (0..matrix.rows()).map(|i| matrix.get(i, i).copied().unwrap_or(0.0)).collect();
     matrix.iter().all(|(value, (i, j))| {

@@ -17,8 +17,9 @@ pub enum Scaling {
     Equilibrated,
 }
 
-/// Condition number `‖A‖ ‖A⁻¹‖` in the Euclidean norm, of a matrix or of the equilibrated one, to a few per cent: from below,
-/// by power iterations with `A` and `Aᵀ` and with their inverses. The factors are those of the equilibrated matrix in both cases.
+/// Returns the condition number `‖A‖ ‖A⁻¹‖` in the Euclidean norm, of a matrix or of the equilibrated one, to a few per
+/// cent: from below, by power iterations with `A` and `Aᵀ` and with their inverses. The factors are those of the
+/// equilibrated matrix in both cases.
 ///
 /// A measure for people, not for solvers: it takes two factorisations and hundreds of solves.
 ///
@@ -62,7 +63,8 @@ pub fn condition_number(matrix: MatrixView<'_>, layout: &BlockLayout, scaling: S
     Ok((largest * largest_of_inverse).sqrt())
 }
 
-/// Largest eigenvalue of a symmetric positive map that works in place, by the power method from a fixed start.
+/// Returns the largest eigenvalue of a symmetric positive map that works in place, by the power method from a fixed
+/// start.
 fn largest_eigenvalue(
     n: usize,
     mut apply: impl FnMut(&mut [f64]) -> Result<(), LinearError>,

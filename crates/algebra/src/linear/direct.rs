@@ -38,7 +38,7 @@ impl DirectSolver {
         Self::default()
     }
 
-    /// Number of analyses of a pattern so far.
+    /// Returns the number of analyses of a pattern so far.
     pub fn n_symbolic_factorizations(&self) -> usize {
         self.factors.n_symbolic
     }

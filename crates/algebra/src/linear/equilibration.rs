@@ -68,18 +68,18 @@ impl Equilibration {
         }
     }
 
-    /// Row scales R.
+    /// Returns the row scales R.
     pub fn row(&self) -> &[f64] {
         &self.row
     }
 
-    /// Column scales C: the unknowns of the scaled system are `C⁻¹ x`.
+    /// Returns the column scales C: the unknowns of the scaled system are `C⁻¹ x`.
     pub fn column(&self) -> &[f64] {
         &self.column
     }
 }
 
-/// The largest power of two that is not above a positive normal number.
+/// Returns the largest power of two that is not above a positive normal number.
 fn power_of_two_below(x: f64) -> f64 {
     const EXPONENT: u64 = 0x7ff0_0000_0000_0000;
     f64::from_bits(x.to_bits() & EXPONENT)

@@ -80,7 +80,7 @@ impl Factors {
         .map_err(error)
     }
 
-    /// Size of the matrix.
+    /// Returns the size of the matrix.
     pub(super) fn len(&self) -> usize {
         self.row_order.len()
     }
@@ -122,7 +122,7 @@ pub(super) fn faer_view<'a>(
     SparseColMatRef::new(SymbolicSparseColMatRef::new_checked(n, n, column_ptr, None, rows), values)
 }
 
-/// Pseudo-random signs, always the same.
+/// Returns the pseudo-random signs, always the same.
 pub(super) fn signs() -> impl Iterator<Item = f64> {
     let mut state: u64 = 0x9e37_79b9_7f4a_7c15;
     std::iter::repeat_with(move || {
@@ -133,7 +133,7 @@ pub(super) fn signs() -> impl Iterator<Item = f64> {
     })
 }
 
-/// Largest absolute entry; infinite if an entry is NaN.
+/// Returns the largest absolute entry; infinite if an entry is NaN.
 pub(super) fn max_norm(x: &[f64]) -> f64 {
     x.iter().fold(0.0, |max: f64, v| if v.is_nan() { f64::INFINITY } else { max.max(v.abs()) })
 }

@@ -178,7 +178,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Euclidean norm; of numbers whose squares leave the range of numbers, too.
+/// Returns the Euclidean norm; of numbers whose squares leave the range of numbers, too.
 fn norm(a: &[f64]) -> f64 {
     let plain = dot(a, a).sqrt();
     if (1e-140..1e140).contains(&plain) {

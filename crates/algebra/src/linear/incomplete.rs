@@ -132,7 +132,7 @@ impl WorkRow {
         self.values.clear();
     }
 
-    /// Range of the values of a block of `size` values, which is zero if there was none.
+    /// Returns the range of the values of a block of `size` values, which is zero if there was none.
     fn block(&mut self, column: u32, size: usize) -> std::ops::Range<usize> {
         let place = &mut self.place[column as usize];
         if *place == NONE {
@@ -193,7 +193,7 @@ impl IncompleteFactors {
         (0..n_rows).try_for_each(|row| self.eliminate(row, rows, fill, &mut work))
     }
 
-    /// `‖M⁻¹ A e - e‖ / ‖e‖` for the factors M of A and a vector e of signs.
+    /// Returns `‖M⁻¹ A e - e‖ / ‖e‖` for the factors M of A and a vector e of signs.
     fn error(&mut self, matrix: &CsMatI<f64, u32>) -> f64 {
         let e: Vec<f64> = signs().take(matrix.rows()).collect();
         let mut image = vec![0.0; e.len()];
@@ -317,7 +317,7 @@ fn subtract_row<'a>(own: &mut [f64], part: &BlockRows, row: usize, at: impl Fn(u
     }
 }
 
-/// Which blocks of one half of a row stay, ascending.
+/// Selects the blocks of one half of a row that stay, ascending.
 fn kept(
     mut columns: Vec<u32>,
     n_known: usize,
@@ -342,7 +342,7 @@ fn kept(
     columns
 }
 
-/// The matrix in rows of blocks, its unknowns in the order of elimination.
+/// Returns the matrix in rows of blocks, its unknowns in the order of elimination.
 fn by_rows(matrix: &CsMatI<f64, u32>, unknowns: &[u32], first: &[usize]) -> BlockRows {
     let n_rows = first.len() - 1;
     let mut row_of = vec![0_u32; unknowns.len()];
@@ -401,7 +401,7 @@ fn by_rows(matrix: &CsMatI<f64, u32>, unknowns: &[u32], first: &[usize]) -> Bloc
     blocks
 }
 
-/// `-diag(B diag(A)⁻¹ G)` for multipliers, the unknowns from `n_primal` on; zero for the others.
+/// Returns `-diag(B diag(A)⁻¹ G)` for multipliers, the unknowns from `n_primal` on; zero for the others.
 fn schur_diagonal(matrix: &CsMatI<f64, u32>, n_primal: usize) -> Vec<f64> {
     let mut schur = vec![0.0; matrix.rows()];
     for (k, column) in matrix.outer_iterator().take(n_primal).enumerate() {
@@ -413,7 +413,7 @@ fn schur_diagonal(matrix: &CsMatI<f64, u32>, n_primal: usize) -> Vec<f64> {
     schur
 }
 
-/// `c -= a b` for blocks of sizes `m x k` and `k x n`, stored by columns.
+/// Computes `c -= a b` for blocks of sizes `m x k` and `k x n`, stored by columns.
 #[inline]
 fn subtract_product(c: &mut [f64], a: &[f64], b: &[f64], [m, k, n]: [usize; 3]) {
     match (m, k) {
@@ -433,7 +433,7 @@ fn subtract_product(c: &mut [f64], a: &[f64], b: &[f64], [m, k, n]: [usize; 3]) 
     }
 }
 
-/// The same with square blocks on the left, of the size of the scratch memory `sum`.
+/// Does the same with square blocks on the left, of the size of the scratch memory `sum`.
 #[inline]
 fn subtract_square_product<const D: usize>(c: &mut [f64], a: &[f64], b: &[f64], mut sum: [f64; D]) {
     let (a, _) = a.as_chunks::<D>();
@@ -452,7 +452,7 @@ fn norm(values: &[f64]) -> f64 {
     values.iter().map(|v| v * v).sum::<f64>().sqrt()
 }
 
-/// Inverse of a dense block, by Gauss-Jordan elimination with partial pivoting; overwrites the block.
+/// Returns the inverse of a dense block, by Gauss-Jordan elimination with partial pivoting; overwrites the block.
 fn inverse(a: &mut [f64], n: usize) -> Option<Vec<f64>> {
     let mut inverse = vec![0.0; n * n];
     (0..n).for_each(|i| inverse[i * n + i] = 1.0);

@@ -77,7 +77,7 @@ struct Patch {
 const NONE: u32 = u32::MAX;
 
 impl LaggedSolver {
-    /// A solver without a matrix.
+    /// Creates a solver without a matrix.
     pub fn new(settings: LaggedSettings) -> Self {
         Self {
             settings,
@@ -112,7 +112,7 @@ impl LaggedSolver {
 }
 
 impl Patch {
-    /// The present matrix is that of the base.
+    /// Records that the present matrix, of size `n`, is that of the base.
     fn is_base(&mut self, n: usize) {
         self.to_base.clear();
         self.to_base.extend(0..n as u32);

@@ -52,7 +52,7 @@ pub trait LinearSolver: Send {
         tolerance: f64,
     ) -> Result<LinearReport, LinearError>;
 
-    /// Number of factorisations of a whole matrix so far.
+    /// Returns the number of factorisations of a whole matrix so far.
     fn n_factorizations(&self) -> usize;
 
     /// Makes the next solves independent of all earlier matrices.

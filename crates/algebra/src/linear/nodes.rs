@@ -16,7 +16,7 @@ pub(super) struct NodeGraph {
 }
 
 impl NodeGraph {
-    /// The graph of a square matrix compressed by columns, given by its pattern and the node of each unknown.
+    /// Creates the graph of a square matrix compressed by columns, given by its pattern and the node of each unknown.
     pub(super) fn new(column_ptr: &[u32], rows: &[u32], nodes: &[u32]) -> Self {
         let n_nodes = nodes.iter().max().map_or(0, |last| *last as usize + 1);
         let mut first = vec![0; n_nodes + 1];
@@ -51,7 +51,7 @@ impl NodeGraph {
         graph
     }
 
-    /// The graph with every coupling in both directions: that of `A + Aᵀ`.
+    /// Returns the graph with every coupling in both directions: that of `A + Aᵀ`.
     pub(super) fn both_ways(mut self) -> Self {
         let mut neighbours = vec![Vec::new(); self.len()];
         for node in 0..self.len() as u32 {
@@ -71,12 +71,12 @@ impl NodeGraph {
         self
     }
 
-    /// Number of nodes.
+    /// Returns the number of nodes.
     pub(super) fn len(&self) -> usize {
         self.first.len().saturating_sub(1)
     }
 
-    /// Unknowns of a node.
+    /// Returns the unknowns of a node.
     pub(super) fn unknowns(&self, node: u32) -> &[u32] {
         &self.unknowns[self.first[node as usize]..self.first[node as usize + 1]]
     }
@@ -85,7 +85,8 @@ impl NodeGraph {
         &self.rows[self.column_ptr[node as usize] as usize..self.column_ptr[node as usize + 1] as usize]
     }
 
-    /// Nodes in reverse Cuthill-McKee order: coupled ones come close to each other. The graph goes both ways.
+    /// Returns the nodes in reverse Cuthill-McKee order: coupled ones come close to each other. The graph goes both
+    /// ways.
     ///
     /// Source: George and Liu 1981, Computer solution of large sparse positive definite systems, chapter 4.
     pub(super) fn reverse_cuthill_mckee(&self) -> Vec<u32> {
@@ -121,7 +122,7 @@ impl NodeGraph {
         }
     }
 
-    /// A node at the rim of the nodes that can be reached from `start`.
+    /// Returns a node at the rim of the nodes that can be reached from `start`.
     fn peripheral(&self, start: u32, level: &mut [u32]) -> u32 {
         let (mut node, mut depth) = (start, None);
         loop {
@@ -133,7 +134,7 @@ impl NodeGraph {
         }
     }
 
-    /// The node with few neighbours among those that are farthest from `start`, and its distance.
+    /// Returns the node with few neighbours among those that are farthest from `start`, and its distance.
     fn farthest(&self, start: u32, level: &mut [u32]) -> (u32, u32) {
         let mut queue = VecDeque::from([start]);
         let mut reached = vec![start];

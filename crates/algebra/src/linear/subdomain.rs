@@ -88,7 +88,7 @@ impl Subdomain {
         Ok(())
     }
 
-    /// The unknowns.
+    /// Returns the unknowns.
     pub(super) fn members(&self) -> &[u32] {
         &self.members
     }
@@ -127,7 +127,7 @@ impl Subdomain {
     }
 }
 
-/// Marked unknowns and all that these act on, ascending.
+/// Returns the marked unknowns and all that these act on, ascending.
 pub(super) fn with_neighbours(matrix: &CsMatI<f64, u32>, is_marked: &[bool]) -> Vec<u32> {
     let mut is_member = is_marked.to_vec();
     for (column, is_marked) in matrix.outer_iterator().zip(is_marked) {
@@ -138,7 +138,7 @@ pub(super) fn with_neighbours(matrix: &CsMatI<f64, u32>, is_marked: &[bool]) -> 
     (0..is_member.len() as u32).filter(|i| is_member[*i as usize]).collect()
 }
 
-/// The rows and columns of the members.
+/// Returns the rows and columns of the members.
 fn restricted(matrix: &CsMatI<f64, u32>, members: &[u32]) -> CsMatI<f64, u32> {
     let mut position = vec![NONE; matrix.rows()];
     for (k, i) in members.iter().enumerate() {
@@ -156,7 +156,7 @@ fn restricted(matrix: &CsMatI<f64, u32>, members: &[u32]) -> CsMatI<f64, u32> {
     CsMatI::new_csc((members.len(), members.len()), column_ptr, rows, values)
 }
 
-/// Nodes of the members, numbered without gaps in the order of their first member.
+/// Returns the nodes of the members, numbered without gaps in the order of their first member.
 fn renumbered(nodes: &[u32], members: &[u32]) -> Vec<u32> {
     let mut names = BTreeMap::new();
     let number = |i: &u32| {

@@ -27,7 +27,7 @@ impl ScaledMatrix {
         Ok(scaled)
     }
 
-    /// As [`ScaledMatrix::new`], in recycled memory.
+    /// Sets the matrix as [`ScaledMatrix::new`] does, in recycled memory.
     ///
     /// # Errors
     /// As [`ScaledMatrix::new`]; there is no matrix then.
@@ -43,12 +43,12 @@ impl ScaledMatrix {
         Ok(())
     }
 
-    /// Row and column scales.
+    /// Returns the row and column scales.
     pub fn scales(&self) -> &Equilibration {
         &self.scales
     }
 
-    /// The system of this matrix.
+    /// Returns the system of this matrix.
     ///
     /// # Errors
     /// [`LinearError::NotFactorized`]: there is no matrix.
@@ -76,12 +76,12 @@ pub struct LinearSystem<'m> {
 }
 
 impl LinearSystem<'_> {
-    /// Number of unknowns.
+    /// Returns the number of unknowns.
     pub fn len(&self) -> usize {
         self.matrix.rows()
     }
 
-    /// Whether there are no unknowns.
+    /// Returns whether there are no unknowns.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

@@ -58,12 +58,12 @@ impl Stripes {
         self
     }
 
-    /// Number of stripes.
+    /// Returns the number of stripes.
     pub(crate) fn len(&self) -> usize {
         self.n
     }
 
-    /// Whether an item may touch a stripe.
+    /// Returns whether an item may touch a stripe.
     #[inline]
     pub(crate) fn touches(&self, item: usize, stripe: usize) -> bool {
         self.of_item.get(item).is_none_or(|&[first, last]| (first as usize..=last as usize).contains(&stripe))

@@ -32,7 +32,7 @@ pub struct Level<V> {
 }
 
 impl<V> Default for Level<V> {
-    /// No lists.
+    /// Creates an empty set of lists.
     fn default() -> Self {
         Self { displacement: Vec::new(), velocity: Vec::new(), acceleration: Vec::new() }
     }
@@ -69,7 +69,7 @@ pub struct Weights {
 
 /// A time scheme: a table of weights.
 pub trait TimeScheme: Send + Sync + Debug {
-    /// Number of known levels that a step reads.
+    /// Returns the number of known levels that a step reads.
     fn depth(&self) -> usize {
         1
     }

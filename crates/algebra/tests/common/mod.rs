@@ -55,12 +55,12 @@ impl Contributions for Part<'_> {
     }
 }
 
-/// The parts as a system takes them.
+/// Returns the parts as a system takes them.
 pub(crate) fn refs<'p>(parts: &'p [Part<'_>]) -> Vec<&'p dyn Contributions> {
     parts.iter().map(|part| part as _).collect()
 }
 
-/// A field of scalar unknowns.
+/// Returns a field of scalar unknowns.
 pub(crate) fn scalar_field(n: usize) -> BlockLayout {
     let mut layout = BlockLayout::new();
     layout.push("x", n, 1);
@@ -115,7 +115,7 @@ impl Grid {
         i == 0 || j == 0 || i == self.m || j == self.m
     }
 
-    /// Area and gradients of the hat functions.
+    /// Returns the area and gradients of the hat functions.
     fn geometry(&self, cell: usize) -> (f64, [[f64; 2]; 3]) {
         let n = self.m + 1;
         let corner = |vertex: usize| [vertex % n, vertex / n].map(|k| k as f64 / self.m as f64);
@@ -158,7 +158,7 @@ impl Flow {
         self.layout.dof(FieldId::new(field), vertex, 0).index()
     }
 
-    /// All parts but convection if that is zero.
+    /// Returns all parts but convection if that is zero.
     pub(crate) fn parts(&self) -> Vec<Part<'_>> {
         let convection = (self.convection != 0.0).then(|| self.convection());
         [self.linear()].into_iter().chain(convection).chain([self.jumps(2)]).collect()
@@ -183,7 +183,7 @@ impl Flow {
         Part::new(name, self.grid.cells.len(), move |cell| dofs(cell).concat(), add)
     }
 
-    /// Mass, viscosity and incompressibility.
+    /// Returns the mass, viscosity and incompressibility.
     fn linear(&self) -> Part<'_> {
         let cells = self.cells("linear cells", |area, g, local, out| {
             for i in 0..3 {
@@ -207,7 +207,7 @@ impl Flow {
         cells.linear()
     }
 
-    /// `(u · ∇ u, v)` with the mean velocity of the cell.
+    /// Returns `(u · ∇ u, v)` with the mean velocity of the cell.
     fn convection(&self) -> Part<'_> {
         let convection = self.convection;
         self.cells("convection cells", move |area, g, u, out| {
@@ -229,7 +229,7 @@ impl Flow {
         })
     }
 
-    /// A stabilisation by jumps between the two cells of a face, for one field.
+    /// Returns a stabilisation by jumps between the two cells of a face, for one field.
     pub(crate) fn jumps(&self, field: usize) -> Part<'_> {
         let dofs = move |face: usize| self.grid.faces[face].map(|vertex| self.dof(field, vertex));
         let add = move |face: usize, x: &[f64], out: &mut LocalSystem| {
@@ -247,12 +247,12 @@ impl Flow {
     }
 }
 
-/// A state without structure.
+/// Returns a state without structure.
 pub(crate) fn state(n: usize) -> Vec<f64> {
     (0..n).map(|i| (i as f64 * 0.37).sin()).collect()
 }
 
-/// Largest absolute entry.
+/// Returns the largest absolute entry.
 pub(crate) fn max_norm(x: &[f64]) -> f64 {
     x.iter().fold(0.0, |max, v| v.abs().max(max))
 }

@@ -18,7 +18,7 @@ pub struct LawCheck {
 }
 
 impl LawCheck {
-    /// The largest of the deviations.
+    /// Returns the largest of the deviations.
     pub fn largest(&self) -> f64 {
         self.tension.max(self.monotonicity).max(self.inactive).max(self.derivative).max(self.energy)
     }

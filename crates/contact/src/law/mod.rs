@@ -52,22 +52,22 @@ pub enum StressSource {
 
 /// A contact law. One criterion, [`ContactLaw::is_active`], serves force, active set and reported contact times.
 pub trait ContactLaw: Send + Sync + std::fmt::Debug {
-    /// Traction at a point.
+    /// Returns the traction at a point.
     fn traction(&self, at: &ContactPoint) -> ContactTraction;
 
-    /// Whether there is contact at a point; the traction is zero otherwise.
+    /// Returns whether there is contact at a point; the traction is zero otherwise.
     fn is_active(&self, at: &ContactPoint) -> bool;
 
-    /// Distance `ε` that the law keeps between slave and obstacle.
+    /// Returns the distance `ε` that the law keeps between slave and obstacle.
     fn offset(&self) -> f64;
 
-    /// Stored energy per area, whose derivative with respect to the gap is the normal traction; zero for laws without
-    /// energy.
+    /// Returns the stored energy per area, whose derivative with respect to the gap is the normal traction; zero for
+    /// laws without energy.
     fn energy_density(&self, _at: &ContactPoint) -> f64 {
         0.0
     }
 
-    /// The stress that [`ContactPoint::stress`] holds.
+    /// Returns the stress that [`ContactPoint::stress`] holds.
     fn stress(&self) -> StressSource {
         StressSource::None
     }

@@ -23,7 +23,7 @@ pub struct ObstacleCheck {
 }
 
 impl ObstacleCheck {
-    /// The largest of the deviations.
+    /// Returns the largest of the deviations.
     pub fn largest(&self) -> f64 {
         self.normal.max(self.idempotence).max(self.distance).max(self.gap_derivative).max(self.mean_normal_derivative)
     }

@@ -122,7 +122,7 @@ impl<const D: usize> Obstacle<D> for DeformableObstacle<D> {
     }
 }
 
-/// Points of a facet; only the first `D` are used.
+/// Returns the points of a facet; only the first `D` are used.
 #[inline]
 fn facet_points<const D: usize>(vertices: &[VertexId], at: Positions<'_, D>) -> [Point<D>; MAX_FACET_VERTICES] {
     let mut points = [Point::zeros(); MAX_FACET_VERTICES];

@@ -42,7 +42,7 @@ pub struct Projection<const D: usize> {
 }
 
 impl<const D: usize> Projection<D> {
-    /// Gap `Δ = (Π(x) - x) · n^w`, negative when `x` has penetrated.
+    /// Returns the gap `Δ = (Π(x) - x) · n^w`, negative when `x` has penetrated.
     ///
     /// Source: paper, Sec. 2.2.
     #[inline]
@@ -59,18 +59,18 @@ pub trait Obstacle<const D: usize>: Send + Sync + std::fmt::Debug {
     /// obstacles ignore both.
     fn project(&self, x: &Point<D>, positions: Positions<'_, D>, candidates: &[FacetId]) -> Option<Projection<D>>;
 
-    /// The boundary that the facets of candidates and anchors belong to; `None` for a rigid obstacle.
+    /// Returns the boundary that the facets of candidates and anchors belong to; `None` for a rigid obstacle.
     fn boundary(&self) -> Option<&BoundaryMesh<D>> {
         None
     }
 
-    /// Closest points of the whole obstacle to many points, `None` where there is none.
+    /// Returns the closest points of the whole obstacle to many points, `None` where there is none.
     fn project_all(&self, points: &[Point<D>], positions: Positions<'_, D>) -> Vec<Option<Projection<D>>> {
         points.iter().map(|x| self.project(x, positions, &[])).collect()
     }
 
-    /// For each of the slave's `facets`, the facets of the obstacle within `reach`, the slave as placed and the
-    /// obstacle's vertices at `positions`. A rigid obstacle has none.
+    /// Returns, for each of the slave's `facets`, the facets of the obstacle within `reach`, the slave as placed and
+    /// the obstacle's vertices at `positions`. A rigid obstacle has none.
     ///
     /// They are found once per step and then frozen, so that the sparsity pattern holds while projections move.
     fn candidates(

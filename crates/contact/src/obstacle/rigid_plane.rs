@@ -15,7 +15,7 @@ pub struct RigidPlane<const D: usize> {
 }
 
 impl<const D: usize> RigidPlane<D> {
-    /// The plane through `point` with a normal (of any length) that points **into the obstacle**.
+    /// Returns the plane through `point` with a normal (of any length) that points **into the obstacle**.
     ///
     /// # Errors
     /// [`Error::Parameter`]: the normal is zero or not finite.

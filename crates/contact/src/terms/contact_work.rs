@@ -48,18 +48,18 @@ impl<const D: usize> Term<ContactSite<D>> for ContactWork {
     }
 }
 
-/// `∂s_a/∂x_b`
+/// Returns `∂s_a/∂x_b`
 fn share_by_position<const D: usize>(site: &ContactSite<D>, a: &ContactNode<D>, b: &ContactNode<D>) -> Vector<D> {
     site.projection.normal * (site.at.gap * a.gradient.dot(&b.gradient)) - a.gradient * b.share
 }
 
-/// Change of the traction with a change of the stress, given in the frame.
+/// Returns the change of the traction with a change of the stress, given in the frame.
 fn force_by_stress<const D: usize>(site: &ContactSite<D>, change: &[f64; 3]) -> Vector<D> {
     let changes = site.traction.by_stress.iter().zip(change);
     changes.map(|(derivative, change)| site.frame.vector(derivative) * *change).sum()
 }
 
-/// `∂f/∂x_b`; column `c` is the change of the traction with component `c` of the position.
+/// Returns `∂f/∂x_b`; column `c` is the change of the traction with component `c` of the position.
 fn force_by_position<const D: usize>(site: &ContactSite<D>, b: &ContactNode<D>) -> Tensor<D> {
     let (n, frame, law) = (site.projection.normal, &site.frame, &site.traction);
     let by_normal = site.projection.normal_gradient * b.share - b.gradient * n.transpose();

@@ -18,7 +18,7 @@ const SIZE: f64 = 0.1;
 const OFFSET: f64 = 0.08;
 const DT: f64 = 1e-2;
 
-/// Signed distance from the unit box.
+/// Returns the signed distance from the unit box.
 fn distance_from_box<const D: usize>(x: &Point<D>) -> f64 {
     let q = x.map(|c| (c - 0.5).abs() - 0.5);
     q.map(|c| c.max(0.0)).norm() + q.max().min(0.0)
@@ -85,7 +85,7 @@ fn gap_to_a_disk() {
 /// A test of two bodies with their step, contact and state.
 type Test<'t, const D: usize> = dyn Fn(&[ElasticBody<D>; 2], &Scene<'_, D>, &ContactSites<'_, D>, &[f64]) + 't;
 
-/// Two blocks, the upper one shifted and turned against the lower one, both of them deformed at random.
+/// Returns two blocks, the upper one shifted and turned against the lower one, both of them deformed at random.
 fn two_blocks<const D: usize>(seed: u64, law: impl ContactLaw + 'static, test: &Test<'_, D>) {
     let min: [f64; D] = std::array::from_fn(|a| if a + 1 == D { 1.0 } else { 0.37 });
     let max: [f64; D] = std::array::from_fn(|a| if a + 1 == D { 2.0 } else { 1.53 });

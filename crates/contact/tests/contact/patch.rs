@@ -15,7 +15,7 @@ const SIZE: f64 = 0.1;
 /// `4 μ (λ + μ)/(λ + 2 μ)` of [`soft`].
 const MODULUS: f64 = 400.0 / 3.0;
 
-/// Nominal pressure of a bar in plane strain at a stretch: `E/(1 - ν²) l (1 - l²)/2`.
+/// Returns the nominal pressure of a bar in plane strain at a stretch: `E/(1 - ν²) l (1 - l²)/2`.
 fn pressure_at(stretch: f64) -> f64 {
     -MODULUS * stretch * (stretch * stretch - 1.0) / 2.0
 }
@@ -29,12 +29,12 @@ fn bisect(mut low: f64, mut high: f64, f: impl Fn(f64) -> f64) -> f64 {
     low
 }
 
-/// A displacement along the last axis.
+/// Returns a displacement along the last axis.
 fn pushed_by<const D: usize>(displacement: f64) -> SupportKind<D> {
     SupportKind::Displacement(Arc::new(move |_, _| std::array::from_fn(|a| (a + 1 == D).then_some(displacement))))
 }
 
-/// A body in equilibrium, supported on tagged parts of its boundary.
+/// Returns a body in equilibrium, supported on tagged parts of its boundary.
 fn supported<const D: usize>(parts: Vec<(&str, SupportKind<D>)>) -> impl FnOnce(&SolidMesh<D>) -> ElasticOptions<D> {
     move |solid| {
         let support =
@@ -69,7 +69,8 @@ fn block_on_a_plane() {
     }
 }
 
-/// Two unit blocks, one on the other, pushed together: largest deviation of the displacement from the uniform state.
+/// Returns two unit blocks, one on the other, pushed together: largest deviation of the displacement from the uniform
+/// state.
 fn two_blocks<const D: usize>(n_slave: usize, n_master: usize) -> f64 {
     let (gamma, pushed) = (1e4, 0.01);
     // Free sides: Young's modulus and Poisson's ratio, those of plane strain in 2D.

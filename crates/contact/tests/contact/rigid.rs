@@ -16,7 +16,7 @@ const SIZE: f64 = 0.1;
 const OFFSET: f64 = 0.05;
 const DT: f64 = 1e-2;
 
-/// The half space below the origin.
+/// Returns the half space below the origin.
 fn ground<const D: usize>() -> RigidPlane<D> {
     let mut down = Vector::zeros();
     down[D - 1] = -1.0;
@@ -26,7 +26,7 @@ fn ground<const D: usize>() -> RigidPlane<D> {
 /// A unit block over the ground, its step and its contact.
 type Test<'t, const D: usize> = dyn Fn(&ElasticBody<D>, &Scene<'_, D>, &ContactSites<'_, D>) + 't;
 
-/// A unit block at a height over the ground, all of its facets ready for contact.
+/// Returns a unit block at a height over the ground, with contact on all of its facets.
 fn over_ground<const D: usize>(height: f64, law: impl ContactLaw + 'static, test: &Test<'_, D>) {
     let (mut min, mut max) = ([0.0; D], [1.0; D]);
     min[D - 1] = height;
@@ -46,7 +46,7 @@ fn penalty() -> Penalty {
     Penalty::new(GAMMA, OFFSET).unwrap()
 }
 
-/// The global vector in which every vertex of the only body has a velocity.
+/// Returns the global vector in which every vertex of the only body has a velocity.
 fn velocities<const D: usize>(body: &ElasticBody<D>, velocity: impl Fn(&Point<D>) -> Vector<D>) -> Vec<f64> {
     body.reference().iter().flat_map(|x| velocity(x).iter().copied().collect::<Vec<_>>()).collect()
 }
@@ -69,7 +69,7 @@ fn no_force_above_the_offset_in_2d_and_3d() {
     no_force_above_the_offset::<3>();
 }
 
-/// A block that sinks rigidly: the force on its base is that of the law times its area.
+/// Checks that the force on the base of a block that sinks rigidly is that of the law times its area.
 fn resultant_is_law_times_area<const D: usize>() {
     let height = 0.2;
     let sunk = -0.01;
@@ -107,7 +107,7 @@ fn resultant_is_law_times_area_in_2d_and_3d() {
     resultant_is_law_times_area::<3>();
 }
 
-/// The tangent at random states in which at least `n` active points meet a condition.
+/// Returns the tangent at random states in which at least `n` active points meet a condition.
 fn tangent_is_exact<const D: usize>(
     law: impl ContactLaw + Copy + 'static,
     n: usize,

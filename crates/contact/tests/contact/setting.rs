@@ -31,7 +31,7 @@ impl<'a, const D: usize> Scene<'a, D> {
         Self { layout, steps, dt }
     }
 
-    /// Slave and obstacle, with the stress if the law depends on it.
+    /// Returns the slave and obstacle, with the stress if the law depends on it.
     pub(crate) fn pair<'s>(
         &'s self,
         form: &'s ContactForm<D>,
@@ -51,7 +51,7 @@ impl<'a, const D: usize> Scene<'a, D> {
         }
     }
 
-    /// The velocities at the begin of the step.
+    /// Returns the velocities at the begin of the step.
     pub(crate) fn guess(&self) -> Vec<f64> {
         let mut x = vec![0.0; self.layout.len()];
         self.steps.iter().for_each(|step| step.guess(&self.layout, &mut x));
@@ -87,12 +87,12 @@ impl<'a, const D: usize> Scene<'a, D> {
     }
 }
 
-/// The weak form of a contact.
+/// Returns the weak form of a contact.
 pub(crate) fn work<'a, const D: usize>(sites: ContactSites<'a, D>) -> Integral<'a, ContactSites<'a, D>> {
     Integral::new("contact", sites, vec![&ContactWork])
 }
 
-/// A box of unit density.
+/// Returns a box of unit density.
 pub(crate) fn block<const D: usize>(
     min: [f64; D],
     max: [f64; D],
@@ -137,7 +137,7 @@ impl Random {
     }
 }
 
-/// Residual of a contact.
+/// Returns the residual of a contact.
 pub(crate) fn residual<const D: usize>(sites: &ContactSites<'_, D>, x: &[f64]) -> Vec<f64> {
     let work = work(sites.clone());
     let mut system = BlockSystem::new(sites.layout, &[&work], &Constraints::new());
@@ -145,7 +145,7 @@ pub(crate) fn residual<const D: usize>(sites: &ContactSites<'_, D>, x: &[f64]) -
     system.residual().to_vec()
 }
 
-/// Number of active points at which a condition holds.
+/// Returns the number of active points at which a condition holds.
 pub(crate) fn n_active<const D: usize>(
     sites: &ContactSites<'_, D>,
     x: &[f64],

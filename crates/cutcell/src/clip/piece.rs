@@ -63,7 +63,7 @@ impl<const D: usize> Piece<D> {
         self.faces.len()
     }
 
-    /// Plane and loop of a face.
+    /// Returns the plane and loop of a face.
     #[inline]
     fn loop_of(&self, face: usize) -> Face<'_> {
         let start = if face == 0 { 0 } else { self.faces[face - 1].1 as usize };
@@ -75,7 +75,7 @@ impl<const D: usize> Piece<D> {
         self.faces[face].0
     }
 
-    /// Sides of a face.
+    /// Returns the sides of a face.
     pub(crate) fn face(&self, face: usize) -> impl Iterator<Item = Side<D>> + '_ {
         let (_, corners) = self.loop_of(face);
         corners.iter().map(|&(corner, beyond)| Side { corner: self.corners[corner as usize], beyond })
@@ -261,20 +261,20 @@ impl<const D: usize> Piece<D> {
         self.close_face(by);
     }
 
-    /// Volume (area in 2D). Simplices of a volume below `doubt`, the bound of round-off, are evaluated exactly; inverted
-    /// simplices are left out.
+    /// Returns the volume (area in 2D). Simplices of a volume below `doubt`, the bound of round-off, are evaluated
+    /// exactly; inverted simplices are left out.
     pub(crate) fn volume(&self, doubt: f64) -> f64 {
         let mut volume = 0.0;
         self.for_each_simplex(|points| volume += signed_volume(points, doubt).max(0.0));
         volume
     }
 
-    /// Measure of the surface.
+    /// Returns the measure of the surface.
     pub(crate) fn surface(&self) -> f64 {
         (0..self.n_faces()).map(|face| self.face_measure(face)).sum()
     }
 
-    /// The face on a plane, if any.
+    /// Returns the face on a plane, if any.
     pub(crate) fn face_on(&self, plane: Plane) -> Option<usize> {
         self.faces.iter().position(|face| face.0 == plane)
     }
@@ -288,7 +288,7 @@ impl<const D: usize> Piece<D> {
         corners[1..].windows(2).map(|pair| mesh::simplex_measure(&[x(corners[0]), x(pair[0]), x(pair[1])])).sum()
     }
 
-    /// Mean of the corners.
+    /// Returns the mean of the corners.
     pub(crate) fn inner_point(&self) -> Point<D> {
         self.corners.iter().map(|corner| corner.x).sum::<Point<D>>() / self.corners.len() as f64
     }
@@ -403,7 +403,7 @@ mod tests {
     use crate::exact::Plane;
 
     impl<const D: usize> Piece<D> {
-        /// The part behind a plane, from the signed distances of the corners, with rounding only.
+        /// Returns the part behind a plane, from the signed distances of the corners, with rounding.
         fn behind(&self, distances: &[f64]) -> Self {
             let by = self.faces[0].0;
             let crossings = self.crossings(distances, |_, a, b, _| {

@@ -51,7 +51,7 @@ impl<const D: usize> Polygons<D> {
         &self.sides[polygon.first as usize..polygon.end as usize]
     }
 
-    /// Rounded corners.
+    /// Returns the rounded corners.
     pub(crate) fn points(&self, polygon: Polygon) -> Points<D> {
         self.sides(polygon).iter().map(|side| side.corner.x).collect()
     }
@@ -182,7 +182,7 @@ type Crossings<const D: usize> = SmallVec<[(usize, Corner<D>); 2]>;
 /// Points of a convex face, on the stack if they are few.
 pub(crate) type Points<const D: usize> = SmallVec<[Point<D>; 8]>;
 
-/// Whether two distances lie strictly on different sides.
+/// Returns whether two distances lie strictly on different sides.
 #[inline]
 pub(super) fn differ(a: f64, b: f64) -> bool {
     (a < 0.0 && b > 0.0) || (a > 0.0 && b < 0.0)

@@ -26,17 +26,17 @@ pub struct Polytope<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> Polytope<'a, D> {
-    /// Points.
+    /// Returns the points.
     pub fn points(&self) -> &'a [Point<D>] {
         self.points
     }
 
-    /// Number of faces.
+    /// Returns the number of faces.
     pub fn n_faces(&self) -> usize {
         self.faces.len()
     }
 
-    /// Label and points (indices) of a face.
+    /// Returns the label and points (indices) of a face.
     #[inline]
     pub fn face(&self, face: usize) -> (FaceLabel, &'a [u32]) {
         let start = if face == 0 { 0 } else { self.faces[face - 1].1 as usize };
@@ -44,12 +44,12 @@ impl<'a, const D: usize> Polytope<'a, D> {
         (label, &self.loops[start..end as usize])
     }
 
-    /// All faces in order.
+    /// Returns all faces in order.
     pub fn faces(self) -> impl Iterator<Item = (FaceLabel, &'a [u32])> {
         (0..self.n_faces()).map(move |f| self.face(f))
     }
 
-    /// Positions of the points of a face.
+    /// Returns the positions of the points of a face.
     pub fn face_points(self, face: usize) -> impl Iterator<Item = Point<D>> + 'a {
         self.face(face).1.iter().map(move |&k| self.points[k as usize])
     }
@@ -73,7 +73,7 @@ impl<'a, const D: usize> Polytope<'a, D> {
         }
     }
 
-    /// Volume (area in 2D), without simplices that are inverted by round-off.
+    /// Returns the volume (area in 2D), without simplices that are inverted by round-off.
     pub fn volume(&self) -> f64 {
         let extent = self.points.iter().fold(0.0_f64, |extent, x| extent.max((x - self.points[0]).amax()));
         let doubt = 64.0 * f64::EPSILON * extent.powi(D as i32);

@@ -13,8 +13,9 @@ fn coord<const D: usize>(x: &Point<D>) -> Coord<f64> {
     Coord { x: x[0], y: x[1] }
 }
 
-/// Determinant of a point relative to the plane of a facet: positive behind the facet, on the side of the body. The sign is
-/// exact, and the value is accurate, since round-off in the normal of a small facet does not grow with the distance.
+/// Returns the determinant of a point relative to the plane of a facet: positive behind the facet, on the side of the
+/// body. The sign is exact, and the value is accurate, since round-off in the normal of a small facet does not grow
+/// with the distance.
 pub(super) fn determinant<const D: usize>(facet: &[Point<D>], x: &Point<D>) -> f64 {
     match D {
         2 => orient2d(coord(&facet[0]), coord(&facet[1]), coord(x)),
@@ -22,8 +23,8 @@ pub(super) fn determinant<const D: usize>(facet: &[Point<D>], x: &Point<D>) -> f
     }
 }
 
-/// Volume (area in 2D) of a simplex, negative if it is inverted. If the value is below `doubt`, the bound of round-off, it
-/// is computed with an exact sign, so that needles of nearly coincident corners keep a volume.
+/// Returns the volume (area in 2D) of a simplex, negative if it is inverted. If the value is below `doubt`, the bound
+/// of round-off, it is computed with an exact sign, so that needles of nearly coincident corners keep a volume.
 pub(crate) fn signed_volume<const D: usize>(simplex: &[Point<D>], doubt: f64) -> f64 {
     let volume = mesh::Simplex::new(simplex).volume();
     if volume.abs() > doubt {
@@ -55,8 +56,8 @@ pub(crate) enum End<'a, const D: usize> {
     Vertex(&'a Point<D>),
 }
 
-/// Change of the number of surrounding bodies along the segment from `from` to `to` due to a facet, exact: +1 into the
-/// body, -1 out of it, 0 if the segment does not cross the facet. `from` is a mesh vertex.
+/// Returns the change of the number of surrounding bodies along the segment from `from` to `to` due to a facet, exact:
+/// +1 into the body, -1 out of it, 0 if the segment does not cross the facet. `from` is a mesh vertex.
 pub(crate) fn crossing<const D: usize>(from: &Point<D>, to: End<'_, D>, facet: &[Point<D>]) -> i32 {
     match D {
         2 => crossing_2d(from, to, &facet[0], &facet[1]),
@@ -97,7 +98,7 @@ fn coord_3d<const D: usize>(x: &Point<D>) -> Coord3D<f64> {
     Coord3D { x: x[0], y: x[1], z: x[2] }
 }
 
-/// Whether the corners of a facet coincide (2D) or lie on a line (3D), exactly.
+/// Returns whether the corners of a facet coincide (2D) or lie on a line (3D), exactly.
 pub(crate) fn is_degenerate<const D: usize>(facet: &[Point<D>]) -> bool {
     if D == 2 { facet[0] == facet[1] } else { normal([&facet[0], &facet[1], &facet[2]]) == [0.0; 3] }
 }
@@ -151,7 +152,8 @@ fn crossing_3d<const D: usize>(from: &Point<D>, to: End<'_, D>, facet: [&Point<D
     if ab == bc && bc == ca { side_to } else { 0 }
 }
 
-/// Whether the segment from `a` to `b` crosses the interior of a facet, strictly from one side to the other. Exact.
+/// Returns whether the segment from `a` to `b` crosses the interior of a facet, strictly from one side to the other.
+/// Exact.
 pub(crate) fn pierces<const D: usize>(a: &Point<D>, b: &Point<D>, facet: &[Point<D>]) -> bool {
     let opposite = |p: f64, q: f64| sign(p) * sign(q) < 0;
     if !opposite(determinant(facet, a), determinant(facet, b)) {
@@ -177,7 +179,7 @@ mod tests {
 
     type P = Point<2>;
 
-    /// Depth of a point with respect to a counter-clockwise polygon, from a far vertex.
+    /// Returns the depth of a point with respect to a counter-clockwise polygon, from a far vertex.
     fn depth(polygon: &[P], to: End<'_, 2>) -> i32 {
         let far = P::new(17.0, 0.3);
         (0..polygon.len()).map(|k| crossing(&far, to, &[polygon[k], polygon[(k + 1) % polygon.len()]])).sum()

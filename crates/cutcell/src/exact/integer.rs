@@ -32,7 +32,7 @@ impl Exact {
         Self { is_negative, digits: Digits::from_slice(&digits[first..end]), exponent: exponent + first as i32 }
     }
 
-    /// An integer below 2¹²⁶ times a power of 2.
+    /// Creates a number from an integer below 2¹²⁶ times a power of 2.
     fn of_integer(value: i128, power: i32) -> Self {
         let (magnitude, shift) = (value.unsigned_abs(), power.rem_euclid(64));
         let low = magnitude << shift;
@@ -40,7 +40,7 @@ impl Exact {
         Self::new(value < 0, &[low as u64, (low >> 64) as u64, high], power.div_euclid(64))
     }
 
-    /// The leading digits with the sign, and the power of 2⁶⁴ of their unit.
+    /// Returns the leading digits with the sign, and the power of 2⁶⁴ of their unit.
     fn leading(&self) -> (f64, i32) {
         let base = 2.0_f64.powi(64);
         let magnitude = self.digits.iter().rev().take(3).fold(0.0, |value, &digit| value * base + digit as f64);
@@ -97,7 +97,7 @@ impl Number for Exact {
         Self::new(is_negative, &sum, low)
     }
 
-    /// Clamped to the range of floating-point numbers, with the correct sign.
+    /// Returns the clamped to the range of floating-point numbers, with the correct sign.
     fn value(&self) -> f64 {
         let (leading, power) = self.leading();
         leading * 2.0_f64.powi((64 * power).clamp(-900, 800))

@@ -4,18 +4,18 @@
 pub(super) trait Number: Clone + Default {
     /// Converts a floating-point number exactly.
     fn of(value: f64) -> Self;
-    /// `a - b`, exact.
+    /// Returns `a - b`, exact.
     fn difference(a: f64, b: f64) -> Self;
-    /// Sum of products `±a b` of at least one term; terms with the mark `true` are subtracted.
+    /// Returns the sum of products `±a b` of at least one term; terms with the mark `true` are subtracted.
     fn sum_of_products(terms: &[(bool, &Self, &Self)]) -> Self;
-    /// The value, rounded.
+    /// Returns the value, rounded.
     fn value(&self) -> f64;
-    /// The quotient, rounded.
+    /// Returns the quotient, rounded.
     fn over(&self, other: &Self) -> f64;
-    /// Bound of the error of the value, in addition to one unit in its last place.
+    /// Returns the bound of the error of the value, in addition to one unit in its last place.
     fn doubt(&self) -> f64;
 
-    /// The value, if its sign is certain.
+    /// Returns the value, if its sign is certain.
     fn certain(&self) -> Option<f64> {
         let (value, doubt) = (self.value(), self.doubt());
         (value.abs() > doubt || doubt == 0.0).then_some(value)
@@ -92,7 +92,7 @@ fn two_sum(a: f64, b: f64) -> (f64, f64) {
     (sum, (a - (sum - virtual_b)) + (b - virtual_b))
 }
 
-/// For `|a| >= |b|`.
+/// Returns the rounded sum and its error, for `|a| >= |b|`.
 fn fast_two_sum(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;
     (sum, b - (sum - a))

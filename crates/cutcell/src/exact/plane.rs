@@ -30,8 +30,9 @@ impl Plane {
         Self(4 * facet)
     }
 
-    /// The plane through rim `local` of a facet that contains the normal of the facet; its front is outside of the facet.
-    /// Rim `k` of a triangle is the side from corner `k` to the next one, rim `k` of a segment is its corner `k`.
+    /// Returns the plane through rim `local` of a facet that contains the normal of the facet; its front is outside of
+    /// the facet. Rim `k` of a triangle is the side from corner `k` to the next one, rim `k` of a segment is its corner
+    /// `k`.
     pub(crate) fn rim(facet: u32, local: usize) -> Self {
         Self(4 * facet + 1 + local as u32)
     }
@@ -85,7 +86,7 @@ impl<const D: usize> HalfSpace<D> {
         Self { origin: points[j], normal: n / n.norm(), slack: 16.0 * f64::EPSILON }
     }
 
-    /// Signed distance of a point from the plane, positive in front of it, and the bound of its error.
+    /// Returns the signed distance of a point from the plane, positive in front of it, and the bound of its error.
     #[inline]
     pub(crate) fn distance(&self, x: &Point<D>) -> (f64, f64) {
         let r = x - self.origin;

@@ -84,7 +84,7 @@ impl<const D: usize> Planes<'_, D> {
         }
     }
 
-    /// Signed distance of a corner from a plane, positive in front of it, with exact sign.
+    /// Returns the signed distance of a corner from a plane, positive in front of it, with exact sign.
     #[inline(always)]
     pub(crate) fn side(&self, corner: &Corner<D>, plane: Plane, half_space: &HalfSpace<D>, known: &mut Known) -> f64 {
         let (distance, doubt) = half_space.distance(&corner.x);
@@ -101,7 +101,7 @@ impl<const D: usize> Planes<'_, D> {
         }
     }
 
-    /// Whether a facet lies on a plane.
+    /// Returns whether a facet lies on a plane.
     pub(crate) fn lies_on(&self, facet: u32, plane: Plane) -> bool {
         let (of, half_space, on) = (&self.facets[facet as usize], self.half_space(plane), [Plane::facet(facet); 3]);
         let mut known = Known::default();
@@ -109,7 +109,7 @@ impl<const D: usize> Planes<'_, D> {
         (0..D).all(|k| self.side(&corner(k), plane, &half_space, &mut known) == 0.0)
     }
 
-    /// Whether the corner lies on the plane because both contain the same vertex or edge of a surface.
+    /// Returns whether the corner lies on the plane because both contain the same vertex or edge of a surface.
     fn meet_known(&self, corner: &Corner<D>, plane: Plane) -> bool {
         let (vertices, n) = self.vertices(plane);
         let vertices = &vertices[..n];
@@ -144,8 +144,8 @@ impl<const D: usize> Planes<'_, D> {
         side
     }
 
-    /// Scalar product of the intersection of planes with the normal of another plane, minus the same product of a point
-    /// of that plane, and its sign. `None` if the sign is uncertain or zero.
+    /// Returns the scalar product of the intersection of planes with the normal of another plane, minus the same
+    /// product of a point of that plane, and its sign. `None` if the sign is uncertain or zero.
     fn ratio<N: Number>(&self, on: &[Plane; 3], plane: Plane, known: &mut impl Cache<N>) -> Option<[f64; 2]> {
         let solved = known.solved();
         self.solve_corner(on, solved);
@@ -270,7 +270,7 @@ impl<const D: usize> Planes<'_, D> {
     }
 }
 
-/// Length of the normal of a plane through points: the ratio of a determinant to the distance.
+/// Returns the length of the normal of a plane through points: the ratio of a determinant to the distance.
 fn normal_length<const D: usize>(points: &[Point<D>]) -> f64 {
     let measure = mesh::simplex_measure(points);
     if D == 2 {

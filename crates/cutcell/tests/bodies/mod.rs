@@ -13,7 +13,7 @@ pub(crate) struct Body<const D: usize> {
 }
 
 impl Body<2> {
-    /// A closed polygon, counter-clockwise.
+    /// Creates a closed polygon, counter-clockwise.
     pub(crate) fn polygon(positions: Vec<Point<2>>) -> Self {
         let n = positions.len() as u32;
         Self::new(positions, (0..n).flat_map(|k| [k, (k + 1) % n]))
@@ -25,7 +25,7 @@ impl<const D: usize> Body<D> {
         Self { positions, boundary: BoundaryMesh::from_facets(facets.into_iter().map(VertexId).collect()) }
     }
 
-    /// A simplex, turned the right way round.
+    /// Returns a simplex with positive orientation.
     pub(crate) fn simplex(mut corners: Vec<Point<D>>) -> Self {
         if mesh::Simplex::new(&corners).volume() < 0.0 {
             corners.swap(0, 1);
@@ -36,7 +36,7 @@ impl<const D: usize> Body<D> {
         }
     }
 
-    /// A box from corner to corner.
+    /// Returns a box from corner to corner.
     pub(crate) fn cuboid(low: Point<D>, high: Point<D>) -> Self {
         let corner = |k: usize| Point::<D>::from_fn(|i, _| if k >> i & 1 == 0 { low[i] } else { high[i] });
         let positions = (0..1 << D).map(corner).collect();

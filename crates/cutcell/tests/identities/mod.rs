@@ -91,7 +91,7 @@ fn check_divergence<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D
     assert!(quadratic.abs() < tolerance * size * size, "divergence theorem, quadratic: {quadratic:e}");
 }
 
-/// Unit normal of a face, out of its first cell.
+/// Returns the unit normal of a face, out of its first cell.
 fn face_normal<const D: usize>(background: &SimplexMesh<D>, facet: FacetId) -> Vector<D> {
     facet_normal(&background.facet_points(facet)[..D])
 }

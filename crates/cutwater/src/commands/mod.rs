@@ -36,7 +36,7 @@ impl From<cutwater::report::Error> for Failure {
 }
 
 impl Failure {
-    /// 2 for input that cannot be run, 1 for a run that failed.
+    /// Returns 2 for input that cannot be run, 1 for a run that failed.
     pub(crate) fn exit_code(&self) -> ExitCode {
         match self {
             Self::Run(
@@ -53,7 +53,7 @@ impl Failure {
         }
     }
 
-    /// The error with its causes, and the history of residuals if Newton's method failed.
+    /// Returns the error with its causes, and the history of residuals if Newton's method failed.
     pub(crate) fn explain(&self) -> String {
         match self {
             Self::Run(Error::Step(step)) => chain(step) + &residuals(step),
@@ -64,7 +64,7 @@ impl Failure {
     }
 }
 
-/// An error with its causes.
+/// Prints an error with its causes.
 fn chain(error: &dyn std::error::Error) -> String {
     let mut text = format!("error: {error}");
     let mut cause = error.source();
@@ -79,7 +79,7 @@ fn chain(error: &dyn std::error::Error) -> String {
     text
 }
 
-/// Advice and the history of residuals, if Newton's method failed.
+/// Returns the advice and the history of residuals, if Newton's method failed.
 fn residuals(step: &cutwater::solver::StepError) -> String {
     let Stage::Newton(newton) = &step.source else { return String::new() };
     let mut text = String::new();

@@ -120,7 +120,8 @@ fn print_summary(summary: &Summary, directory: &str) {
     println!("  largest penetration {:.3e} {}", summary.max_penetration, summary.units.length);
 }
 
-/// A line per stage; under the assembly a line per contribution, and the rest: zeros, copies, known linear parts.
+/// Prints a line per stage; under the assembly a line per contribution, and the rest: zeros, copies, known linear
+/// parts.
 fn print_timings(summary: &Summary) {
     let steps = summary.steps.max(1) as f64;
     let all: f64 = summary.timings.iter().filter(|t| t.contribution.is_none()).map(|t| t.seconds).sum();

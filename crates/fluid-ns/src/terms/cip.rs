@@ -32,7 +32,7 @@ pub struct CipVelocity {
 }
 
 impl CipVelocity {
-    /// The weight `c_F` of a face.
+    /// Returns the weight `c_F` of a face.
     pub fn weight<const D: usize>(&self, face: &FluidFace<'_, D>) -> f64 {
         let scale = match self.profile {
             CipProfile::Consistent { gamma_u } => gamma_u * face.value.diameter * face.value.diameter,
@@ -61,7 +61,7 @@ pub struct CipPressure {
 }
 
 impl CipPressure {
-    /// The weight `c_F` of a face.
+    /// Returns the weight `c_F` of a face.
     pub fn weight<const D: usize>(&self, face: &FluidFace<'_, D>) -> f64 {
         let h = face.value.diameter;
         let inverse_tau = self.density * self.rate + self.density * face.speed / h + self.viscosity / (h * h);

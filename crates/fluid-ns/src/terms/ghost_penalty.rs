@@ -16,7 +16,7 @@ pub struct GhostPenalty {
 }
 
 impl GhostPenalty {
-    /// The weight `c_F` of a face.
+    /// Returns the weight `c_F` of a face.
     pub fn weight<const D: usize>(&self, face: &FluidFace<'_, D>) -> f64 {
         if face.value.is_ghost { self.gamma_ghost * self.viscosity * face.value.diameter } else { 0.0 }
     }

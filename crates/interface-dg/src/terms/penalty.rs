@@ -18,7 +18,7 @@ pub struct Penalty {
 }
 
 impl Penalty {
-    /// Traction on the body per velocity jump, `γ_Σ μ^f/h_K`.
+    /// Returns the traction on the body per velocity jump, `γ_Σ μ^f/h_K`.
     pub(crate) fn coefficient<const D: usize>(&self, q: &MortarPoint<'_, D>) -> f64 {
         self.gamma_sigma * self.viscosity / q.cell_size
     }

@@ -55,7 +55,7 @@ pub(super) fn check<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D
     }
 }
 
-/// An error over its scale. Nothing is wrong with nothing.
+/// Returns an error over its scale. Nothing is wrong with nothing.
 fn relative(error: f64, scale: f64) -> f64 {
     if error == 0.0 || scale == 0.0 { 0.0 } else { error / scale }
 }
@@ -177,7 +177,7 @@ fn add_faces<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>, part
     }
 }
 
-/// Measure of a convex face, by a fan of simplices.
+/// Returns the measure of a convex face, by a fan of simplices.
 fn polygon_measure<const D: usize>(polygon: &[Point<D>]) -> f64 {
     let Some((&apex, rest)) = polygon.split_first() else { return 0.0 };
     let mut corners = [apex; MAX_CELL_VERTICES];
@@ -189,7 +189,7 @@ fn polygon_measure<const D: usize>(polygon: &[Point<D>]) -> f64 {
         .sum()
 }
 
-/// Unit normal of a face of the background, out of its first cell.
+/// Returns the unit normal of a face of the background, out of its first cell.
 fn face_normal<const D: usize>(background: &SimplexMesh<D>, facet: FacetId) -> Vector<D> {
     let points: Vec<Point<D>> = background.facet(facet).iter().map(|vertex| background.vertex(*vertex)).collect();
     facet_normal(&points)

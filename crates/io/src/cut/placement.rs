@@ -13,7 +13,7 @@ const MARGIN: f64 = 0.1;
 /// Most cubes along an axis: 20 million tetrahedra, which take some ten gigabytes.
 const MOST_CUBES: usize = 150;
 
-/// A box of `n`³ cubes with the centre of the surfaces, at most [`MOST_CUBES`] along each axis.
+/// Returns a box of `n`³ cubes with the centre of the surfaces, at most [`MOST_CUBES`] along each axis.
 pub(super) fn grid_around(surfaces: &[Surface], n: usize) -> Result<SimplexMesh<3>, Error> {
     if !(1..=MOST_CUBES).contains(&n) {
         return Err(Error::GridSize { n, most: MOST_CUBES });
@@ -47,7 +47,7 @@ fn bounds(surfaces: &[Surface]) -> Aabb<3> {
 struct Random(u64);
 
 impl Random {
-    /// A number from 0 to 1.
+    /// Returns a number from 0 to 1.
     fn unit(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
@@ -57,7 +57,7 @@ impl Random {
         ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// A rotation, all being equally likely (Shoemake 1992).
+    /// Returns a rotation, all being equally likely (Shoemake 1992).
     fn rotation(&mut self) -> UnitQuaternion<f64> {
         let (share, first, second) = (self.unit(), self.unit(), self.unit());
         let (sin_1, cos_1) = (std::f64::consts::TAU * first).sin_cos();

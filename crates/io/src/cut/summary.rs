@@ -74,7 +74,7 @@ impl CutSummary {
         }
     }
 
-    /// The summary as one JSON object on one line.
+    /// Returns the summary as one JSON object on one line.
     ///
     /// # Errors
     /// [`crate::Error::Json`].

@@ -38,7 +38,7 @@ impl Surface {
         Ok(Self::weld(&triangles))
     }
 
-    /// A surface from the corners of its triangles.
+    /// Creates a surface from the corners of its triangles.
     pub fn weld(triangles: &[[[f64; 3]; 3]]) -> Self {
         let mut positions: Vec<Point<3>> = Vec::new();
         let mut facets: Vec<VertexId> = Vec::with_capacity(3 * triangles.len());
@@ -58,7 +58,7 @@ impl Surface {
         Self { positions, boundary: BoundaryMesh::from_facets(facets) }
     }
 
-    /// The same surface turned inside out.
+    /// Returns the surface with all normals reversed.
     #[must_use]
     pub fn flipped(&self) -> Self {
         let facets = self.boundary.facets().flat_map(|f| {
@@ -68,23 +68,23 @@ impl Surface {
         Self { positions: self.positions.clone(), boundary: BoundaryMesh::from_facets(facets.collect()) }
     }
 
-    /// The same surface with every vertex moved.
+    /// Returns the surface with every vertex moved.
     #[must_use]
     pub fn moved(&self, map: impl Fn(&Point<3>) -> Point<3>) -> Self {
         Self { positions: self.positions.iter().map(map).collect(), boundary: self.boundary.clone() }
     }
 
-    /// Positions of the vertices.
+    /// Returns the positions of the vertices.
     pub fn positions(&self) -> &[Point<3>] {
         &self.positions
     }
 
-    /// The triangles.
+    /// Returns the triangles.
     pub fn boundary(&self) -> &BoundaryMesh<3> {
         &self.boundary
     }
 
-    /// The triangles at their positions, as `cutcell` takes them.
+    /// Returns the triangles at their positions, as `cutcell` takes them.
     pub fn placed(&self) -> Placed<'_, 3> {
         Placed::new(&self.boundary, &self.positions)
     }

@@ -15,7 +15,8 @@ pub enum Shown {
     Surfaces,
 }
 
-/// Displacement and velocity of the vertices of bodies, with the stress of cells; `None` if there is no such body.
+/// Returns the displacement and velocity of the vertices of bodies, with the stress of cells; `None` if there is no
+/// such body.
 pub fn bodies_grid<const D: usize>(setup: &Setup<D>, state: &State<D>, shown: Shown) -> Option<Grid> {
     let mut grid = Grid::default();
     let (mut displacement, mut velocity, mut ids) = (Vec::new(), Vec::new(), Vec::new());
@@ -61,7 +62,7 @@ pub fn bodies_grid<const D: usize>(setup: &Setup<D>, state: &State<D>, shown: Sh
     Some(grid)
 }
 
-/// A tensor with nine components, row by row, with the given one normal to the plane.
+/// Returns a tensor with nine components, row by row, with the given one normal to the plane.
 fn tensor_in_space<const D: usize>(t: &Tensor<D>, out_of_plane: f64) -> [f64; 9] {
     std::array::from_fn(|k| match (k / 3, k % 3) {
         (a, b) if a < D && b < D => t[(a, b)],

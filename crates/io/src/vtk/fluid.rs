@@ -6,7 +6,7 @@ use solver::FluidState;
 
 use super::{Grid, in_space, ring, simplex_type};
 
-/// Velocity, pressure and vorticity on the fluid domain of a state.
+/// Returns the velocity, pressure and vorticity on the fluid domain of a state.
 ///
 /// Cut cells appear as the convex pieces of their fluid parts, with values of the part's own dofs: points are shared only
 /// where the dof is the same. Fields of a state live on the geometry at the start of its step.
@@ -59,7 +59,7 @@ pub fn fluid_grid<const D: usize>(background: &SimplexMesh<D>, fluid: &FluidStat
     grid
 }
 
-/// Curl of the velocity on a part; in 2D its third component.
+/// Returns the curl of the velocity on a part; in 2D its third component.
 pub fn curl<const D: usize>(
     background: &SimplexMesh<D>,
     fluid: &FluidState<D>,
@@ -78,8 +78,8 @@ pub fn curl<const D: usize>(
     curl
 }
 
-/// The polygons of the fluid in the plane: the corners of each uncut cell and of each convex piece of a cut one, with its
-/// part.
+/// Returns the polygons of the fluid in the plane: the corners of each uncut cell and of each convex piece of a cut
+/// one, with its part.
 pub fn fluid_polygons<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>) -> Vec<(PartId, Vec<Point<D>>)> {
     let mut polygons = Vec::new();
     for part in cut.all_parts() {

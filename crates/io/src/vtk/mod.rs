@@ -65,12 +65,12 @@ impl Grid {
         }
     }
 
-    /// Number of points.
+    /// Returns the number of points.
     pub fn n_points(&self) -> usize {
         self.points.len() / 3
     }
 
-    /// Number of cells.
+    /// Returns the number of cells.
     pub fn n_cells(&self) -> usize {
         self.types.len()
     }
@@ -131,12 +131,12 @@ fn attribute(name: &str, components: u32, values: Vec<f64>) -> Attribute {
     Attribute::DataArray(array.with_data(values))
 }
 
-/// A vector with three components.
+/// Returns a vector with three components.
 fn in_space<const D: usize>(v: &Vector<D>) -> [f64; 3] {
     std::array::from_fn(|a| if a < D { v[a] } else { 0.0 })
 }
 
-/// The type of a simplex with that many points.
+/// Returns the type of a simplex with that many points.
 fn simplex_type(n_points: usize) -> CellType {
     match n_points {
         2 => CellType::Line,

@@ -14,7 +14,7 @@ pub struct Series {
 }
 
 impl Series {
-    /// The series `NAME.pvd` in a directory, with its files in the folder `vtk` of that directory.
+    /// Creates the series `NAME.pvd` in a directory, with its files in the folder `vtk` of that directory.
     pub fn new(directory: &Path, name: &str) -> Self {
         Self { directory: directory.to_owned(), name: name.to_owned(), entries: Vec::new() }
     }

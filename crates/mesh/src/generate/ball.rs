@@ -85,7 +85,8 @@ impl Circle {
         Ok(Self { centre: [x, y], radius: radius * scale, h, n_half })
     }
 
-    /// Node `i` relative to the centre, counter-clockwise from the lowest one. The nodes on the vertical diameter are exact.
+    /// Returns the node `i` relative to the centre, counter-clockwise from the lowest one. The nodes on the vertical
+    /// diameter are exact.
     fn node(&self, i: usize) -> [f64; 2] {
         if i == 0 {
             return [0.0, -self.radius];

@@ -71,7 +71,7 @@ pub(super) fn with_side_tags<const D: usize>(mesh: SimplexMesh<D>, min: [f64; D]
     })
 }
 
-/// Names of the two sides of a box normal to an axis, the lower one first.
+/// Returns the names of the two sides of a box normal to an axis, the lower one first.
 pub(super) fn side_names<const D: usize>(axis: usize) -> [&'static str; 2] {
     match (D, axis) {
         (_, 0) => ["left", "right"],

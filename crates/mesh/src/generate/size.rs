@@ -43,7 +43,7 @@ impl Size {
         Self::Uniform { h }
     }
 
-    /// Size at a point.
+    /// Returns the size at a point.
     ///
     /// # Panics
     /// If the size is graded along an axis that the space does not have.
@@ -51,7 +51,7 @@ impl Size {
         self.along(|axis| x[axis])
     }
 
-    /// Size at the point with the given coordinates.
+    /// Returns the size at the point with the given coordinates.
     pub(super) fn along(&self, coordinate: impl Fn(usize) -> f64) -> f64 {
         match *self {
             Self::Uniform { h } => h,
@@ -62,7 +62,7 @@ impl Size {
         }
     }
 
-    /// The smallest size.
+    /// Returns the smallest size.
     pub(super) fn finest(&self) -> f64 {
         match *self {
             Self::Uniform { h } => h,

@@ -134,7 +134,7 @@ fn replace(points: &mut Vec<[f64; 2]>, removed: &[bool], added: Vec<[f64; 2]>) -
     changed
 }
 
-/// At each triangle with a small angle, removes a point if its edges are too short, or adds one if they are too long;
+/// Removes a point at each triangle with a small angle if its edges are too short, or adds one if they are too long;
 /// returns whether there were any.
 fn repair(points: &mut Vec<[f64; 2]>, n_fixed: usize, h: &impl Fn([f64; 2]) -> f64) -> Result<bool, Error> {
     let mut touched = vec![false; points.len()];

@@ -75,14 +75,14 @@ impl<const D: usize> Foot<D> {
         Feature::spanned(vertices, |k| self.face & (1 << k) != 0)
     }
 
-    /// Whether every point at this squared distance is farther away.
+    /// Returns whether every point at this squared distance is farther away.
     #[inline]
     pub fn is_closer_than(&self, squared_distance: f64) -> bool {
         squared_distance > self.squared_distance * (1.0 + TIE)
     }
 
-    /// Whether this point is closer, or equally close and on a feature of higher dimension. A point over the common
-    /// edge of two coplanar facets thus has its closest point on a facet.
+    /// Returns whether this point is closer, or equally close and on a feature of higher dimension. A point over the
+    /// common edge of two coplanar facets thus has its closest point on a facet.
     #[inline]
     pub fn beats(&self, other: &Self) -> bool {
         let tolerance = TIE * other.squared_distance;
@@ -169,13 +169,13 @@ impl VertexToFacet {
         Self { offsets, facets }
     }
 
-    /// Facets around a vertex, in ascending order.
+    /// Returns the facets around a vertex, in ascending order.
     pub fn around(&self, vertex: VertexId) -> &[FacetId] {
         &self.facets[self.offsets[vertex.index()]..self.offsets[vertex.index() + 1]]
     }
 
-    /// Unit mean of the normals of the facets that share a feature of `facet`, with the vertices of `boundary` at the
-    /// given positions.
+    /// Returns the unit mean of the normals of the facets that share a feature of `facet`, with the vertices of
+    /// `boundary` at the given positions.
     ///
     /// At a vertex, normals are weighted by the angles of the facets; at an edge, weights are equal. The sign of the
     /// scalar product with this normal is the side of the surface for every point whose closest point lies on the

@@ -18,7 +18,8 @@ pub struct ClosestPoint<const D: usize> {
 }
 
 impl<const D: usize> ClosestPoint<D> {
-    /// Radius around `x`, whose closest point this is, that reaches every facet which is as close; see [`Foot::beats`].
+    /// Returns the radius around `x`, whose closest point this is, that reaches every facet which is as close; see
+    /// [`Foot::beats`].
     pub fn reach(&self, x: &Point<D>) -> f64 {
         (self.point - x).norm() * (1.0 + TIE)
     }

@@ -20,13 +20,14 @@ pub struct MaterialCheck {
 }
 
 impl MaterialCheck {
-    /// The largest of the deviations.
+    /// Returns the largest of the deviations.
     pub fn largest(&self) -> f64 {
         self.first_piola.max(self.derivative).max(self.stiffness).max(self.objectivity).max(self.reference_stress)
     }
 }
 
-/// Deviation of the blocks of the stiffness from the derivative they are made of; directions are the columns of `pair`.
+/// Returns the deviation of the blocks of the stiffness from the derivative they are made of; directions are the
+/// columns of `pair`.
 fn stiffness_deviation<const D: usize>(material: &dyn Material<D>, f: &Tensor<D>, pair: &[Tensor<D>; 2]) -> f64 {
     let mut g = [Vector::<D>::zeros(); MAX_CELL_VERTICES];
     (0..=D).for_each(|i| g[i] = pair[i / D].column(i % D).into_owned());

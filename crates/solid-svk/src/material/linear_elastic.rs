@@ -17,12 +17,12 @@ pub struct LinearElastic {
 }
 
 impl LinearElastic {
-    /// The material with the given parameters.
+    /// Creates the material with the given parameters.
     pub fn new(lame: LameParameters) -> Self {
         Self { lame }
     }
 
-    /// `2 μ e + λ (tr e) I` of the symmetric part `e` of a gradient.
+    /// Returns `2 μ e + λ (tr e) I` of the symmetric part `e` of a gradient.
     #[inline]
     fn hooke<const D: usize>(&self, gradient: &Tensor<D>) -> Tensor<D> {
         2.0 * self.lame.mu * sym(gradient) + Tensor::identity() * (self.lame.lambda * gradient.trace())
@@ -46,7 +46,7 @@ impl<const D: usize> Material<D> for LinearElastic {
         self.hooke(h)
     }
 
-    /// `K_ij = λ g_i ⊗ g_j + μ g_j ⊗ g_i + μ (g_i·g_j) I`.
+    /// Computes `K_ij = λ g_i ⊗ g_j + μ g_j ⊗ g_i + μ (g_i·g_j) I`.
     #[inline]
     fn for_each_stiffness(
         &self,
@@ -65,7 +65,7 @@ impl<const D: usize> Material<D> for LinearElastic {
         }
     }
 
-    /// `λ tr e`, as `e_zz = 0`.
+    /// Returns `λ tr e`, as `e_zz = 0`.
     #[inline]
     fn out_of_plane_stress(&self, f: &Tensor<D>) -> f64 {
         self.lame.lambda * (f - Tensor::identity()).trace()

@@ -16,17 +16,17 @@ use crate::Error;
 ///
 /// The derivative is directional, so that no tensor of fourth order is ever formed.
 pub trait Material<const D: usize>: Send + Sync + std::fmt::Debug {
-    /// Stored energy per reference volume at the deformation gradient `f`.
+    /// Returns the stored energy per reference volume at the deformation gradient `f`.
     ///
     /// Units: erg/cm³ (2D: erg/cm² per unit depth).
     fn energy_density(&self, f: &Tensor<D>) -> f64;
 
-    /// First Piola stress `P = ∂W/∂F`.
+    /// Returns the first Piola stress `P = ∂W/∂F`.
     ///
     /// Units: dyn/cm².
     fn first_piola(&self, f: &Tensor<D>) -> Tensor<D>;
 
-    /// Derivative of the first Piola stress at `f` in direction `h`.
+    /// Returns the derivative of the first Piola stress at `f` in direction `h`.
     fn first_piola_derivative(&self, f: &Tensor<D>, h: &Tensor<D>) -> Tensor<D>;
 
     /// Calls `visit(i, j, K_ij)` for all `j <= i` with the blocks of the stiffness between directions `g`, one per vertex:
@@ -55,7 +55,7 @@ pub trait Material<const D: usize>: Send + Sync + std::fmt::Debug {
     /// Returns the Cauchy stress normal to the plane in plane strain; undefined in 3D, where it is never called.
     fn out_of_plane_stress(&self, f: &Tensor<D>) -> f64;
 
-    /// Whether the stress is linear in `f - I`; internal work is then assembled once per nonlinear solve.
+    /// Returns whether the stress is linear in `f - I`; internal work is then assembled once per nonlinear solve.
     fn is_linear(&self) -> bool {
         false
     }
@@ -73,7 +73,7 @@ pub struct LameParameters {
 }
 
 impl LameParameters {
-    /// The parameters given directly.
+    /// Returns the parameters given directly.
     ///
     /// # Errors
     /// [`Error::Parameter`]: `mu` not positive, or the bulk modulus `lambda + 2 mu/3` not positive.
@@ -84,7 +84,7 @@ impl LameParameters {
         Ok(Self { mu, lambda })
     }
 
-    /// The parameters of a material with Young's modulus `young` and Poisson's ratio `poisson`.
+    /// Returns the parameters of a material with Young's modulus `young` and Poisson's ratio `poisson`.
     ///
     /// # Errors
     /// [`Error::Parameter`]: `young` not positive, or `poisson` not between -1 and 1/2.

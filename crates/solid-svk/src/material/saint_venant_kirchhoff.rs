@@ -17,12 +17,12 @@ pub struct SaintVenantKirchhoff {
 }
 
 impl SaintVenantKirchhoff {
-    /// The material with the given parameters.
+    /// Creates the material with the given parameters.
     pub fn new(lame: LameParameters) -> Self {
         Self { lame }
     }
 
-    /// `2 μ E + λ (tr E) I`, linear in `E`.
+    /// Returns `2 μ E + λ (tr E) I`, linear in `E`.
     #[inline]
     fn hooke<const D: usize>(&self, e: &Tensor<D>) -> Tensor<D> {
         2.0 * self.lame.mu * e + Tensor::identity() * (self.lame.lambda * e.trace())
@@ -41,13 +41,13 @@ impl<const D: usize> Material<D> for SaintVenantKirchhoff {
         f * self.hooke(&green_lagrange(f))
     }
 
-    /// `H S + F dS`, `dS = 2 μ dE + λ (tr dE) I`, `dE = (FᵀH + HᵀF)/2`.
+    /// Returns `H S + F dS`, `dS = 2 μ dE + λ (tr dE) I`, `dE = (FᵀH + HᵀF)/2`.
     #[inline]
     fn first_piola_derivative(&self, f: &Tensor<D>, h: &Tensor<D>) -> Tensor<D> {
         h * self.hooke(&green_lagrange(f)) + f * self.hooke(&green_lagrange_derivative(f, h))
     }
 
-    /// With `G = F g`: `K_ij = λ G_i ⊗ G_j + μ G_j ⊗ G_i + (g_i·g_j) μ F Fᵀ + (g_i·S g_j) I`.
+    /// Computes `K_ij = λ G_i ⊗ G_j + μ G_j ⊗ G_i + (g_i·g_j) μ F Fᵀ + (g_i·S g_j) I` with `G = F g`.
     #[inline]
     fn for_each_stiffness(
         &self,
@@ -71,7 +71,7 @@ impl<const D: usize> Material<D> for SaintVenantKirchhoff {
         }
     }
 
-    /// `S_zz / J = λ (tr E) / J`, as `E_zz = 0` and `F_zz = 1`.
+    /// Returns `S_zz / J = λ (tr E) / J`, as `E_zz = 0` and `F_zz = 1`.
     #[inline]
     fn out_of_plane_stress(&self, f: &Tensor<D>) -> f64 {
         self.lame.lambda * green_lagrange(f).trace() / det(f)

@@ -48,7 +48,7 @@ impl<const D: usize> Term<SolidFacet<D>> for FollowerPressure {
     }
 }
 
-/// `det(e_c, a_1, ..)` for each c, with the edges in columns 1 to D - 1.
+/// Returns `det(e_c, a_1, ..)` for each c, with the edges in columns 1 to D - 1.
 #[inline]
 fn area_vector<const D: usize>(edges: &Tensor<D>) -> Vector<D> {
     Vector::from_fn(|c, _| {

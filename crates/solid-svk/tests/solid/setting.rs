@@ -24,7 +24,7 @@ pub(crate) fn solve(
     algebra::newton(&equations, x, &mut Workspace::new(), &NewtonSettings::new(tolerance)).unwrap()
 }
 
-/// A level without acceleration.
+/// Returns a level without acceleration.
 pub(crate) fn level<const D: usize>(displacement: Vec<Vector<D>>, velocity: Vec<Vector<D>>) -> Level<Vector<D>> {
     Level { displacement, velocity, acceleration: Vec::new() }
 }
@@ -38,7 +38,7 @@ pub(crate) fn rule<const D: usize>(scheme: &dyn TimeScheme, dt: f64, level: &Lev
     StepRule::new(scheme, &[dt], std::slice::from_ref(level))
 }
 
-/// The global vector with given velocities of the body.
+/// Returns the global vector with given velocities of the body.
 pub(crate) fn state<const D: usize>(layout: &BlockLayout, field: FieldId, velocity: &[Vector<D>]) -> Vec<f64> {
     let mut x = vec![0.0; layout.len()];
     layout.set(field, velocity.iter().map(|v| (*v).into()), &mut x);
@@ -49,7 +49,7 @@ pub(crate) fn velocities<const D: usize>(layout: &BlockLayout, field: FieldId, x
     layout.values(field, x).map(Vector::from).collect()
 }
 
-/// One step of a body without supports.
+/// Returns one step of a body without supports.
 pub(crate) fn advance<const D: usize>(
     mesh: &SolidMesh<D>,
     form: &SolidForm<D>,
@@ -68,17 +68,17 @@ pub(crate) fn advance<const D: usize>(
     rule.level(velocities(&layout, field, &x))
 }
 
-/// The material of the ball in the paper, Sec. 4.
+/// Returns the material of the ball in the paper, Sec. 4.
 pub(crate) fn ball_material() -> SaintVenantKirchhoff {
     SaintVenantKirchhoff::new(LameParameters::new(2e6, 8e6).unwrap())
 }
 
-/// A body of that material without weight.
+/// Returns a body of that material without weight.
 pub(crate) fn weightless<const D: usize>() -> SolidForm<D> {
     SolidForm::new(1.0, ball_material(), Vector::zeros()).unwrap()
 }
 
-/// The unit square or cube, divided into `n` bricks along each side.
+/// Returns the unit square or cube, divided into `n` bricks along each side.
 pub(crate) fn unit_box<const D: usize>(n: usize) -> SolidMesh<D> {
     SolidMesh::new(mesh::generate::structured_box([0.0; D], [1.0; D], [n; D]).unwrap()).unwrap()
 }
@@ -117,7 +117,7 @@ impl Random {
     }
 }
 
-/// Sum of the residuals of contributions.
+/// Returns the sum of the residuals of contributions.
 pub(crate) fn residual(layout: &BlockLayout, contributions: &[&dyn Contributions], x: &[f64]) -> Vec<f64> {
     let mut system = BlockSystem::new(layout, contributions, &Constraints::new());
     system.assemble_residual(contributions, x);

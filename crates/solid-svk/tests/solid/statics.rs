@@ -68,7 +68,7 @@ fn rotation_is_free_of_stress_in_2d_and_3d() {
     rotation_is_free_of_stress(*Rotation3::from_euler_angles(0.4, -1.2, 2.2).matrix());
 }
 
-/// Linear data on the whole boundary give the linear field inside, on any mesh and at any size of strain.
+/// Checks that linear data on the whole boundary give the linear field inside, on any mesh and at any size of strain.
 fn uniform_strain_is_exact<const D: usize>(mesh: &SolidMesh<D>, strain: f64) {
     let form = weightless();
     let body = Fixture::new(mesh);

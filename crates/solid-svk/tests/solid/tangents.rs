@@ -13,7 +13,7 @@ fn schemes() -> [Box<dyn TimeScheme>; 3] {
     [Box::new(ImplicitEuler), Box::new(GeneralisedAlpha::new(0.8).unwrap()), Box::new(QuasiStatic)]
 }
 
-/// Displacement, velocity and acceleration that are random.
+/// Returns the displacement, velocity and acceleration that are random.
 fn random_level<const D: usize>(random: &mut Random, n: usize) -> Level<Vector<D>> {
     let [displacement, velocity, acceleration] = [0.02, 5.0, 200.0].map(|scale| random.vectors(n, scale));
     Level { displacement, velocity, acceleration }
@@ -50,7 +50,8 @@ fn tangents_are_exact_in_2d_and_3d() {
     tangents_are_exact::<3>();
 }
 
-/// The stress on the surface is the Cauchy stress times the current normal, at the stage; its derivatives are differences.
+/// Checks that the stress on the surface is the Cauchy stress times the current normal, at the stage, and its
+/// derivatives.
 fn stress_on_the_surface<const D: usize>() {
     let mesh = unit_box::<D>(2);
     let (layout, field) = one_field(&mesh);

@@ -52,7 +52,7 @@ pub(super) struct Exact {
 }
 
 impl Exact {
-    /// Pressure at a time of contact.
+    /// Returns the pressure at a time of contact.
     fn at(&self, time: f64) -> f64 {
         let ([begin, end], [first, last]) = (self.times, self.pressure);
         first + (last - first) * (time - begin) / (end - begin)
@@ -63,7 +63,7 @@ impl Exact {
     }
 }
 
-/// The exact pressure over a period with gravity.
+/// Returns the exact pressure over a period with gravity.
 pub(super) fn exact_pressure() -> Vec<(f64, f64)> {
     let contact = |exact: &Exact| {
         let ([begin, end], [first, last]) = (exact.times, exact.pressure);
@@ -83,7 +83,7 @@ pub(super) struct History {
     pub(super) energy: Vec<(f64, f64)>,
 }
 
-/// The bar of `n` cells, with a time step in which a wave crosses `courant` of a cell.
+/// Returns the bar of `n` cells, with a time step in which a wave crosses `courant` of a cell.
 pub(super) fn history(gravity: f64, n: usize, courant: f64, scheme: &Scheme, end: f64) -> Result<History, Failure> {
     let size = LENGTH / n as f64;
     let mesh = structured_box::<2>([0.0, HEIGHT], [size, HEIGHT + LENGTH], [1, n])?;
@@ -135,17 +135,17 @@ pub(super) struct Contact {
 }
 
 impl History {
-    /// Energy at the end over that at the start.
+    /// Returns the energy at the end over that at the start.
     pub(super) fn kept(&self) -> f64 {
         self.energy.last().map_or(f64::NAN, |at| at.1)
     }
 
-    /// How often the bar comes upon the floor.
+    /// Returns the number of times that the bar meets the floor.
     pub(super) fn contacts(&self) -> usize {
         self.pressure.windows(2).filter(|w| w[0].1 <= 0.0 && w[1].1 > 0.0).count()
     }
 
-    /// A contact, from the steps within a crossing time of the exact one.
+    /// Returns a contact, from the steps within a crossing time of the exact one.
     pub(super) fn contact(&self, exact: &Exact) -> Contact {
         let [begin, end] = exact.times;
         let around = |at: &&(f64, f64)| begin - CROSSING < at.0 && at.0 < end + CROSSING;
@@ -170,7 +170,8 @@ impl History {
         }
     }
 
-    /// Root mean square of the errors of the height, with gravity, at the times at which the exact one is listed.
+    /// Returns the root mean square of the errors of the height, with gravity, at the times at which the exact one is
+    /// listed.
     pub(super) fn height_error(&self) -> f64 {
         let errors = HEIGHTS.map(|(time, exact)| {
             // The last step may end slightly before the period does.
