@@ -7,17 +7,15 @@ use super::tree::{Finding, Tree};
 const FILE_LINES: usize = 600;
 /// Longer files, each with a reason.
 const LONG_FILES: &[(&str, &str)] = &[];
-/// Whether an exceeded budget is a finding; otherwise it is only printed.
-pub(super) const BUDGETS_ARE_RULES: bool = false;
-/// Largest numbers of lines of Rust below some folders.
+/// Largest numbers of lines of Rust below some folders (docs/adr/0022).
 const BUDGETS: &[(&[&str], usize)] = &[
     (&["crates/cutwater/src/lib.rs", "crates/cutwater/src/main.rs"], 150),
-    (&["crates/io/src"], 5000),
-    (&["crates/report/src"], 1300),
+    (&["crates/io/src"], 6000),
+    (&["crates/report/src"], 1450),
     (&["crates/solver/src"], 1400),
     (&["validation"], 7700),
-    (&["xtask/src"], 1800),
-    (&[""], 44_500),
+    (&["xtask/src"], 2300),
+    (&[""], 48_600),
 ];
 /// Largest number of bytes of all JSON files under version control.
 const JSON_BYTES: usize = 50_000;
@@ -30,7 +28,7 @@ const MACHINE_PATHS: &[&str] = &["/home/", "/Users/", "/root/", "/work/"];
 /// The page with the list of crates.
 const ARCHITECTURE: &str = "docs/ARCHITECTURE.md";
 
-/// Applies all rules of this file but the budgets.
+/// Applies the rules.
 pub(super) fn check(tree: &Tree) -> Vec<Finding> {
     let mut findings = Vec::new();
     for source in &tree.rust {
@@ -41,6 +39,7 @@ pub(super) fn check(tree: &Tree) -> Vec<Finding> {
     for source in tree.rust.iter().chain(&tree.other) {
         whitespace_and_paths(source, &mut findings);
     }
+    budgets(tree, &mut findings);
     step_is_short(tree, &mut findings);
     architecture_lists_crates(tree, &mut findings);
     findings
@@ -99,8 +98,7 @@ fn whitespace_and_paths(source: &Source, findings: &mut Vec<Finding>) {
 }
 
 /// Finds budgets that are exceeded.
-pub(super) fn budgets(tree: &Tree) -> Vec<Finding> {
-    let mut findings = Vec::new();
+fn budgets(tree: &Tree, findings: &mut Vec<Finding>) {
     let mut check = |path: &str, n: usize, most: usize, unit: &str| {
         if n > most {
             findings.push(Finding::new(path, 1, format!("{n} {unit}, at most {most}")));
@@ -120,7 +118,6 @@ pub(super) fn budgets(tree: &Tree) -> Vec<Finding> {
     for (path, n) in &tree.sizes {
         check(path, *n, FILE_BYTES, "bytes");
     }
-    findings
 }
 
 /// Checks the length of `advance`, an entry point for readers that must fit on a screen.

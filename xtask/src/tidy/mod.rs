@@ -28,7 +28,7 @@ pub(crate) struct Arguments {
 
 /// Findings of all rules, in the order of files and lines.
 fn findings(tree: &Tree) -> Vec<Finding> {
-    let mut rules = vec![
+    let rules = [
         layers::check,
         third_party::check,
         dimensions::check,
@@ -39,7 +39,6 @@ fn findings(tree: &Tree) -> Vec<Finding> {
         circles::check,
         prose::check,
     ];
-    rules.extend(hygiene::BUDGETS_ARE_RULES.then_some(hygiene::budgets as fn(&Tree) -> Vec<Finding>));
     let mut findings: Vec<Finding> = rules.iter().flat_map(|check| check(tree)).collect();
     findings.sort_by(|a, b| (&a.path, a.line).cmp(&(&b.path, b.line)));
     findings
@@ -67,9 +66,6 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let findings = findings(&tree);
     for Finding { path, line, advice } in &findings {
         println!("{path}:{line}: {advice}");
-    }
-    for Finding { path, advice, .. } in hygiene::budgets(&tree) {
-        println!("budget of {path}: {advice}");
     }
     println!("tidy: {} Rust files, {} findings", tree.rust.len(), findings.len());
     Ok(findings.is_empty())
