@@ -49,8 +49,8 @@ pub struct NewtonSettings {
 }
 
 impl NewtonSettings {
-    /// Keeps factorisations down to a contraction of 0.25; at most 30 corrections; adaptive forcing from 1e-3, at most 0.1;
-    /// corrections that grow are halved at most 8 times.
+    /// Creates settings that keep a factorisation up to a contraction of 0.25, with at most 30 corrections, adaptive
+    /// forcing (1e-3 first, at most 0.1), and at most 8 halvings of a correction.
     pub fn new(tolerance: f64) -> Self {
         let forcing = Forcing { first: 1e-3, largest: 0.1 };
         Self { tolerance, max_iterations: 30, contraction: 0.25, forcing, max_halvings: 8 }
@@ -331,7 +331,7 @@ impl Solve<'_> {
         }
     }
 
-    /// Evaluates the residual at `x`, and the matrix if it is wanted.
+    /// Evaluates the residual at `x`, and the matrix if requested.
     fn assemble(&mut self, x: &[f64], with_matrix: bool) -> Result<(), Stop> {
         let begin = Instant::now();
         if with_matrix {
@@ -428,7 +428,7 @@ impl Solve<'_> {
     }
 }
 
-/// Returns a quotient of norms that is zero if the first one is.
+/// Returns the quotient of two norms; zero if the numerator is zero.
 fn ratio(a: f64, b: f64) -> f64 {
     if a == 0.0 { 0.0 } else { a / b }
 }

@@ -18,8 +18,8 @@ pub enum Scaling {
 }
 
 /// Returns the condition number `‖A‖ ‖A⁻¹‖` in the Euclidean norm, of a matrix or of the equilibrated one, to a few per
-/// cent: from below, by power iterations with `A` and `Aᵀ` and with their inverses. The factors are those of the
-/// equilibrated matrix in both cases.
+/// cent. It is approached from below, by power iterations with `A` and `Aᵀ` and with their inverses. The factors are
+/// those of the equilibrated matrix in both cases.
 ///
 /// A measure for people, not for solvers: it takes two factorisations and hundreds of solves.
 ///
