@@ -49,7 +49,7 @@ impl<const D: usize> Frame<D> {
         by_normal
     }
 
-    /// Components of a vector.
+    /// Returns the components of a vector in the frame.
     #[inline]
     pub fn components(&self, vector: &Vector<D>) -> Local {
         self.axes.map(|axis| axis.dot(vector))
