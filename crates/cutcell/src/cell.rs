@@ -17,7 +17,7 @@ struct Label {
     part: u32,
 }
 
-/// Number of parts that are left out because they are too thin.
+/// Number in place of a part that is left out because it is too thin.
 const THIN: u32 = u32::MAX;
 /// Unknown number of bodies.
 const UNKNOWN: i32 = i32::MIN;
