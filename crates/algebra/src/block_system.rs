@@ -59,7 +59,7 @@ impl BlockSystem {
     /// Builds the pattern and assembles the linear contributions; matrix and residual are those at x = 0 without the
     /// nonlinear ones until [`BlockSystem::assemble`] is called.
     ///
-    /// Contributions with tied dofs must be wrapped in [`crate::Tied`] ones.
+    /// Contributions with tied dofs must be wrapped in [`crate::Tied`].
     ///
     /// # Panics
     /// A contribution or a constraint names a dof outside of the layout.
