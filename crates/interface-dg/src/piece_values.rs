@@ -11,9 +11,9 @@ pub struct PiecePoint<const D: usize> {
     pub point: Point<D>,
     /// Weight, with the measure.
     pub weight: f64,
-    /// Shape values of the fluid part; the first `D + 1` count.
+    /// Shape values of the fluid part; only the first `D + 1` are used.
     pub fluid: [f64; MAX_CELL_VERTICES],
-    /// Shape values of the solid facet; the first `D` count.
+    /// Shape values of the solid facet; only the first `D` are used.
     pub solid: [f64; MAX_CELL_VERTICES],
 }
 
