@@ -110,7 +110,7 @@ fn advice(refused: &cutcell::Error) -> &'static str {
     }
 }
 
-/// Returns the files of bodies; their numbers beside them if there are several.
+/// Returns the files of bodies, with the numbers of the bodies if there are several.
 fn listed(paths: &[PathBuf]) -> String {
     match paths {
         [path] => path.display().to_string(),

@@ -174,7 +174,7 @@ impl Summary {
     }
 }
 
-/// Builds a summary step by step.
+/// Builder that accumulates a summary step by step.
 #[derive(Clone, Debug)]
 pub(crate) struct SummaryBuilder {
     pub(crate) summary: Summary,

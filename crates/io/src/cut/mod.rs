@@ -41,7 +41,7 @@ pub enum BackgroundSource {
     File(PathBuf),
 }
 
-/// How to lay surfaces over a background.
+/// Placement of surfaces over a background.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CutSettings {
     /// The background.
@@ -57,7 +57,7 @@ pub struct CutSettings {
 }
 
 impl CutSettings {
-    /// Leaves the surfaces as they are in their files.
+    /// Creates settings that leave the surfaces as they are in their files.
     pub fn new(background: BackgroundSource) -> Self {
         Self { background, rotate: None, shift: None, flip: false }
     }
