@@ -66,7 +66,7 @@ pub(crate) fn scenario_path(name: &str) -> PathBuf {
     package().join("cases").join(name).with_extension("toml")
 }
 
-/// Returns the stored values of the short versions.
+/// Returns the path of the stored values of the short versions.
 pub(crate) fn quick_values_path() -> PathBuf {
     package().join("reference/quick/values.toml")
 }
@@ -91,12 +91,12 @@ pub(crate) fn stems(folder: &str) -> std::io::Result<Vec<String>> {
     Ok(names)
 }
 
-/// Returns the reference of a case.
+/// Reads the reference of a case.
 pub(crate) fn read(name: &str) -> Result<Reference, String> {
     read_named("reference", "case", name)
 }
 
-/// Returns the TOML file of a name in a folder of this package.
+/// Reads the TOML file of a name in a folder of this package.
 ///
 /// # Errors
 /// No file of this kind has that name, or it is invalid.
@@ -108,7 +108,7 @@ pub(crate) fn read_named<T: DeserializeOwned>(folder: &str, kind: &str, name: &s
     parse(&package().join(folder).join(format!("{name}.toml")))
 }
 
-/// Returns the stored values of the short versions; none if there is no file.
+/// Reads the stored values of the short versions; empty if there is no file.
 pub(crate) fn read_quick_values() -> Result<QuickValues, String> {
     let path = quick_values_path();
     if path.is_file() { parse(&path) } else { Ok(QuickValues::new()) }

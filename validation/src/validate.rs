@@ -19,8 +19,8 @@ use crate::table;
 /// Time between two lines of progress.
 const PROGRESS: Duration = Duration::from_secs(10);
 
-/// Returns the runs cases (all if none is named) and prints a table for each; true if every verdict is good. They are
-/// run with the resolution of the paper and compared with it, or with coarse meshes and compared with our own stored
+/// Runs cases (all if none is named) and prints a table for each. Returns whether every verdict is good. Cases are run
+/// with the resolution of the paper and compared with it, or with coarse meshes and compared with our own stored
 /// values, which may be stored anew.
 ///
 /// # Errors

@@ -54,7 +54,7 @@ pub(crate) fn names() -> std::io::Result<Vec<String>> {
     case::stems(FOLDER)
 }
 
-/// Returns a study.
+/// Reads a study.
 pub(super) fn read(name: &str) -> Result<Definition, String> {
     case::read_named(FOLDER, "study", name)
 }

@@ -46,7 +46,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Returns the velocity of the centre of mass over time, after some steps.
+/// Computes the velocity of the centre of mass after some steps, divided by the time.
 fn acceleration(h: f64, is_rigid: bool, n_steps: usize) -> Result<f64, Failure> {
     let set = [
         format!("background.size={h}"),

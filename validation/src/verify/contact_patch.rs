@@ -17,7 +17,7 @@ use super::{Failure, Record, Run, V};
 
 /// Both Lame parameters.
 const LAME: f64 = 50.0;
-/// How far the top is pushed down.
+/// Displacement of the top, downwards.
 const PUSHED: f64 = 0.01;
 /// Pressure over penetration.
 const STIFFNESS: f64 = 1e5;

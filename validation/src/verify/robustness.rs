@@ -95,7 +95,7 @@ fn measure_sweep<const D: usize>(record: &mut Record, sweep: &Sweep<D>) -> Resul
     Ok(())
 }
 
-/// Returns the worse of the two sides at each distance.
+/// Returns the larger condition number of the two sides at each distance.
 fn worse_side<const D: usize>(findings: &Findings<D>, matrix: usize) -> Vec<(f64, f64)> {
     let half = findings.len() / 2;
     let pairs = findings[..half].iter().zip(findings.iter().rev());
@@ -135,7 +135,7 @@ fn continuity<const D: usize>(
     Ok(())
 }
 
-/// Torques of the flow between cylinders at random places of the mesh.
+/// Measures torques of the flow between cylinders at random places of the mesh.
 fn scatter(record: &mut Record) -> Result<(), Failure> {
     let (n, places) = if record.full { (32, 100) } else { (20, 25) };
     let h = 1.0 / n as f64;

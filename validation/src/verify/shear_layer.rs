@@ -135,7 +135,7 @@ impl Measured {
     }
 }
 
-/// Returns half a period with 1/h cells in x and in y.
+/// Computes half a period; `n` is the number 1/h in x and in y.
 fn run(n: [usize; 2], steps: usize) -> Result<Measured, Failure> {
     let layer = Arc::new(Layer::new());
     let known = Known { flow: Arc::clone(&layer), density: DENSITY, viscosity: VISCOSITY, convects: true, open: &[] };
@@ -169,7 +169,7 @@ fn largest_change(a: &[V], b: &[V]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max)
 }
 
-/// Means over x, in the order of [`KNOWN`].
+/// Computes means over x, in the order of [`KNOWN`].
 fn values(Run { setup, state, .. }: &Run, report: &StepReport<2>) -> Result<[f64; 3], Failure> {
     let of_body = setup.bodies[0].reference().iter().zip(state.bodies[0].displacement());
     let displacement = of_body.filter(|(x, _)| x[1] == INTERFACE && is_in_box(x[0])).map(|(_, d)| d[0]);
@@ -187,7 +187,7 @@ fn values(Run { setup, state, .. }: &Run, report: &StepReport<2>) -> Result<[f64
     Ok([mean(&displacement.collect::<Vec<_>>()), stress, at_plate])
 }
 
-/// Returns the box of fluid and the body below it.
+/// Returns the setup of the box of fluid and the body below it.
 fn setup(known: &Known<Layer>, [n_x, n_y]: [usize; 2], dt: f64) -> Result<Setup<2>, Failure> {
     // An odd number of rows: the interface lies in the middle of cells.
     let rows = 2 * (n_y / 2) + 1;
@@ -203,7 +203,7 @@ fn setup(known: &Known<Layer>, [n_x, n_y]: [usize; 2], dt: f64) -> Result<Setup<
     Ok(setup)
 }
 
-/// Returns the elastic layer. It is longer than the box, so that its ends stay out of the fluid.
+/// Returns the mesh of the elastic layer. It is longer than the box, so that its ends stay out of the fluid.
 fn solid([n_x, n_y]: [usize; 2]) -> Result<SolidMesh<2>, Failure> {
     let (low, high) = ([-OVERHANG, 0.0], [LENGTH + OVERHANG, INTERFACE]);
     Ok(SolidMesh::new(structured_box::<2>(low, high, [4 * n_x / 5, n_y / 2])?)?)
