@@ -83,7 +83,7 @@ pub(super) fn check(tree: &Tree) -> Vec<Finding> {
             let has_room =
                 rooms.iter().any(|room| room.starts_with(&folder) || folder.starts_with(&format!("{room}/")));
             if kind == "normal" && (!has_room || (dependency == "nalgebra" && folder == WITHOUT_NALGEBRA)) {
-                let advice = format!("`{name}` must not depend on `{dependency}`: it may be used only in {}", rooms.join(", "));
+                let advice = format!("`{name}` must not depend on `{dependency}`: allowed in {}", rooms.join(", "));
                 findings.push(Finding::new(&manifest, line, advice));
             }
         }
