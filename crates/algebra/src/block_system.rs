@@ -13,7 +13,7 @@ pub struct ContributionTiming {
     pub name: &'static str,
     /// Number of items.
     pub items: usize,
-    /// How often all its items were evaluated and added.
+    /// Number of evaluations of all its items.
     pub calls: usize,
     /// Wall-clock time of all calls, that of the slowest thread.
     pub seconds: f64,

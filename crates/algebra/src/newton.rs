@@ -31,7 +31,7 @@ impl Equations<'_> {
     }
 }
 
-/// When to stop, and when to renew the factorisation.
+/// Stopping criteria, and criteria for a new factorisation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NewtonSettings {
     /// Largest accepted error and residual, relative to the state, in scaled norms (see [`newton`]).
@@ -41,7 +41,7 @@ pub struct NewtonSettings {
     /// The factorisation is kept while a correction with it is at most this fraction of the one before. Zero: exact
     /// Newton with one factorisation per correction.
     pub contraction: f64,
-    /// How accurately an iterative method solves for a correction.
+    /// Accuracy of an iterative solve for a correction.
     pub forcing: Forcing,
     /// Most halvings of a correction until the scaled residual decreases, once corrections with exact tangents have grown.
     /// Zero: no line search.
@@ -74,7 +74,7 @@ pub struct NewtonReport {
     pub seconds_assembly: f64,
     /// The pattern's share of it.
     pub seconds_pattern: f64,
-    /// How often the system was evaluated, with or without its matrix.
+    /// Number of evaluations of the system, with or without its matrix.
     pub assemblies: usize,
     /// Wall-clock time of the linear solver.
     pub seconds_linear: f64,
@@ -164,8 +164,9 @@ fn last(report: &NewtonReport) -> f64 {
 /// Solves a nonlinear problem from the starting guess `x`, into which the constraints are written first.
 ///
 /// The tangent is factorised at the start, and again when the regime changes or when a correction with an old
-/// factorisation is more than `contraction` times the one before; if it is more than half of the one before (more than `contraction`
-/// times, if that is above a half) it is not even used, but computed anew. Otherwise only the residual is evaluated (modified Newton).
+/// factorisation is more than `contraction` times the one before; if it is more than half of the one before (more than
+/// `contraction` times, if that is above a half), it is discarded and computed again. Otherwise only the residual is
+/// evaluated (modified Newton).
 ///
 /// **Convergence.** With the row and column scales R, C of the equilibrated tangent and Euclidean norms over the
 /// unconstrained dofs, let `s = max(‖C⁻¹ x‖, ‖C⁻¹ x_start‖)` and `θ = ‖C⁻¹ dx‖ / ‖C⁻¹ dx_previous‖`. The state is accepted
@@ -240,7 +241,7 @@ enum Stop {
     NotFinite,
 }
 
-/// How a correction was solved for.
+/// Data of the linear solve for a correction.
 #[derive(Clone, Copy)]
 struct LinearSolve {
     forcing: f64,

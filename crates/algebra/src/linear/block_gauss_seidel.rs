@@ -8,7 +8,7 @@ use super::subdomain::{BlockSolver, Subdomain, with_neighbours};
 use super::{LinearError, LinearReport, LinearSolver, LinearSystem};
 use crate::BlockLayout;
 
-/// How blocks are solved for, and when to stop.
+/// Solvers of the blocks, and stopping criteria.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BlockGaussSeidelSettings {
     /// Solvers of the blocks in their order; the last one serves all that follow.

@@ -1,4 +1,4 @@
-//! How well a matrix is conditioned.
+//! Condition number of a matrix.
 
 use super::factors::Factors;
 use super::{LinearError, LinearSystem, MatrixView, ScaledMatrix};
@@ -11,7 +11,7 @@ const MOST_ITERATIONS: usize = 300;
 /// The scales in which a matrix `A` is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scaling {
-    /// As it is.
+    /// The matrix without scaling.
     None,
     /// `R A C` of [`super::Equilibration`], the matrix that the solvers factorise.
     Equilibrated,

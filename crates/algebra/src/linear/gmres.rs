@@ -4,7 +4,7 @@ use sprs::CsMatI;
 
 use super::{LinearError, LinearReport};
 
-/// When to stop.
+/// Stopping criteria.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GmresSettings {
     /// Largest accepted residual, relative to the right-hand side (Euclidean norms).

@@ -201,7 +201,7 @@ impl IncompleteFactors {
         self.substitute(&mut image);
         let square: f64 = image.iter().zip(&e).map(|(a, b)| (a - b).powi(2)).sum();
         let error = (square / e.len() as f64).sqrt();
-        // Not a number if values grew beyond all bounds.
+        // NaN if values have overflowed.
         if error.is_nan() { f64::INFINITY } else { error }
     }
 

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-/// Which unknowns each node has, and which nodes a matrix couples.
+/// Unknowns of each node, and couplings of nodes by a matrix.
 #[derive(Debug, Default)]
 pub(super) struct NodeGraph {
     /// Node to its first position in `unknowns`; one longer than the number of nodes.

@@ -9,7 +9,7 @@ use super::factors::Factors;
 use super::incomplete::{Fill, IncompleteFactors};
 use super::{LinearError, LinearSystem};
 
-/// How a diagonal block is solved for.
+/// Solver of a diagonal block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BlockSolver {
     /// Sparse LU.

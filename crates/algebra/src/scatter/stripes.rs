@@ -7,7 +7,7 @@ use crate::{BlockLayout, DofId, Pattern};
 /// Smallest number of unknowns per thread.
 const SMALLEST_STRIPE: usize = 512;
 
-/// The same share of every field for each thread, and the stripes that each item touches.
+/// Stripes with the same share of every field, one for each thread, and the stripes that each item touches.
 ///
 /// A column belongs to the stripe of its dof, with its entries of residual and matrix. Items that touch several stripes
 /// are evaluated in each of them, so that no two threads write to the same place and every entry is summed in the order
