@@ -15,7 +15,7 @@ use crate::Positions;
 /// Support of the closest point, on which the reaction acts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Anchor<const D: usize> {
-    /// Nothing that moves.
+    /// A point that does not move.
     Fixed,
     /// A facet of the obstacle's boundary. Arrays have one entry per vertex of the facet.
     Facet {
