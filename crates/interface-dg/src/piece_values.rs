@@ -7,7 +7,7 @@ use xfem_space::PartValues;
 /// A quadrature point of the interface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PiecePoint<const D: usize> {
-    /// Where.
+    /// Position.
     pub point: Point<D>,
     /// Weight, with the measure.
     pub weight: f64,
