@@ -52,7 +52,7 @@ pub enum Error {
     Violated {
         /// The identity that is violated most.
         identity: &'static str,
-        /// By how much, relative.
+        /// Relative error.
         by: f64,
     },
     /// A box of cubes around surfaces cannot be built. Choose another number of cubes.

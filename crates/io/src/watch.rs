@@ -1,4 +1,4 @@
-//! How a program attaches observers to a run.
+//! Observers that a program attaches to a run.
 
 use contact::ContactReport;
 use solver::{Observer, ObserverError, StepView};

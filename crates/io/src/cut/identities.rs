@@ -29,7 +29,7 @@ pub struct CutErrors {
 }
 
 impl CutErrors {
-    /// Returns an error if an identity is violated by well more than round-off.
+    /// Returns an error if an identity is violated by more than round-off.
     ///
     /// # Errors
     /// [`Error::Violated`].

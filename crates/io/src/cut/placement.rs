@@ -1,4 +1,4 @@
-//! Where surfaces lie on a background: a box around them, random rotations and shifts.
+//! Placement of surfaces on a background: a box around them, random rotations and shifts.
 
 use mesh::generate::structured_box;
 use mesh::nalgebra::{Quaternion, UnitQuaternion};
