@@ -166,7 +166,7 @@ fn contacts(results: &Results, marks: &[(String, f64)]) -> Result<String, Error>
         let lasts = end.map_or("to the end".to_owned(), |end| number(end - begin));
         vec![(k + 1).to_string(), number(*begin), optional(*end), lasts]
     };
-    // A body that trembles on an obstacle has hundreds of contacts.
+    // A body that vibrates on an obstacle may have hundreds of contacts.
     let shown = summary.contact_intervals.iter().take(12).enumerate();
     let rows: Vec<_> = shown.map(row).collect();
     let time = &units.time;
