@@ -2,7 +2,7 @@
 
 use algebra::{LinearError, NewtonError, NewtonReport};
 
-/// An observer that could not do its work.
+/// Error of an observer.
 pub type ObserverError = Box<dyn std::error::Error + Send + Sync>;
 
 /// The stage of a step that failed.
