@@ -15,7 +15,7 @@ pub(crate) struct Reference {
     pub(crate) title: String,
     /// Name of the scenario in `cases/`.
     pub(crate) scenario: String,
-    /// Where the case comes from.
+    /// Source of the case.
     pub(crate) source: String,
     /// Changes of the scenario, as for `cutwater run --set`.
     #[serde(default)]
@@ -37,7 +37,7 @@ pub(crate) struct Comparison {
     pub(crate) unit: String,
     /// The paper's number.
     pub(crate) paper: Option<f64>,
-    /// Where in the paper.
+    /// Place in the paper.
     pub(crate) place: Option<String>,
     /// The interval that a number has to lie in.
     pub(crate) band: Option<[f64; 2]>,

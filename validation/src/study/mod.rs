@@ -29,15 +29,15 @@ const VERSION: &str = "version.txt";
 #[derive(Clone, Debug, Default)]
 struct Run {
     value: f64,
-    /// Why the run stopped before its end.
+    /// Cause if the run stopped before its end.
     failure: Option<String>,
     summary: Summary,
-    /// When the distance passes the contact offset: the contact time to a fraction of a step.
+    /// Time at which the distance passes the contact offset: the contact time to a fraction of a step.
     arrival_time: Option<f64>,
     /// Smallest distance at the end of the first approach.
     closest: Option<f64>,
     rebound: Option<Rebound>,
-    /// When an ideal fluid would let the ball come as close as the contact offset.
+    /// Time at which the ball would reach the contact offset in an ideal fluid.
     bound: Option<f64>,
     version: String,
 }

@@ -26,7 +26,7 @@ const BOX: f64 = 3.0;
 enum Motion {
     /// Translation, and rotation about a point.
     Rigid { about: P, speed: V, spin: f64 },
-    /// Its points move with constant velocities `a (X - about) + b`: it turns, swells, and is sheared.
+    /// Constant velocities `a (X - about) + b` of the points: rotation, growth and shear.
     Swelling { about: P, a: T, b: V },
 }
 

@@ -1,4 +1,4 @@
-//! Solutions that the discrete spaces contain: whatever the cut, nothing but round-off may be left.
+//! Solutions that the discrete spaces contain: for any cut, errors must be round-off.
 
 use std::sync::Arc;
 

@@ -13,9 +13,9 @@ use super::{Failure, P, Record, Run, V, short};
 
 /// Length and half of the height of the channel, in diameters of the cylinder; its walls move with the fluid.
 const CHANNEL: [f64; 2] = [12.0, 2.0];
-/// How far the cylinder moves, around the middle: as much channel ahead as behind, in the mean.
+/// Distance that the cylinder moves, around the middle: on average the channel is as long ahead as behind.
 const TRAVEL: f64 = 3.0;
-/// Of it, what is left out: the start is impulsive.
+/// Part of this distance that is left out, since the start is impulsive.
 const BEGIN: f64 = 1.0;
 /// Density, diameter and speed are one.
 const REYNOLDS: f64 = 20.0;
@@ -25,7 +25,7 @@ const FULL: [usize; 4] = [8, 12, 16, 24];
 /// Cells that the cylinder passes in a step, the same on all meshes; others in full on the second of them.
 const COURANT: f64 = 0.39;
 const OTHER_COURANTS: [f64; 2] = [0.78, 0.195];
-/// Of the drags on the finest mesh: a size that could not be taken for that of another flow.
+/// Largest difference of the drags on the finest mesh. It is smaller than the difference to another flow.
 const LARGEST_DIFFERENCE: f64 = 0.02;
 /// Least order in h at which the noise has to fall, over all meshes, as in the check of the oscillating cylinder.
 const NOISE_ORDER: f64 = 0.5;

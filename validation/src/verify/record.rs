@@ -10,11 +10,11 @@ use super::short;
 pub(crate) struct Row {
     pub(crate) check: String,
     pub(crate) quantity: String,
-    /// Its value; none if it is not finite.
+    /// Value of the quantity; `None` if it is not finite.
     pub(crate) computed: Option<f64>,
     /// The expected value, or the bound.
     pub(crate) reference: Option<f64>,
-    /// How `computed` is compared with `reference`.
+    /// Comparison of `computed` with `reference`, in words.
     pub(crate) tolerance: String,
     /// `pass`, `FAIL`, or `-` for a number that is only shown.
     pub(crate) verdict: String,

@@ -15,7 +15,7 @@ use super::{Failure, P, Record, Run, V, short};
 const BOX: [f64; 2] = [2.0, 6.0];
 const DIAMETER: f64 = 0.25;
 const START: [f64; 2] = [1.0, 4.0];
-/// Of the disk; that of the fluid is one.
+/// Density of the disk; that of the fluid is one.
 const DENSITY: f64 = 1.25;
 const VISCOSITY: f64 = 0.1;
 const GRAVITY: f64 = 981.0;

@@ -19,10 +19,10 @@ use super::{Failure, P, Record, Run, T, V, short};
 /// Height of the elastic layer, and of both.
 const INTERFACE: f64 = 0.5;
 const PLATE: f64 = 1.0;
-/// Length of the box, and how far the body sticks out of it on either side.
+/// Length of the box, and overhang of the body on either side.
 const LENGTH: f64 = 0.4;
 const OVERHANG: f64 = 0.2;
-/// Of coordinates.
+/// Round-off of coordinates.
 const ROUND_OFF: f64 = 1e-9;
 /// Density of both; shear modulus; viscosity; frequency; speed of the plate.
 const DENSITY: f64 = 1.0;
@@ -34,7 +34,8 @@ const SPEED: f64 = 0.01;
 const END: f64 = 0.5;
 /// Interface velocity of the reference, amplitude and phase.
 const KNOWN_INTERFACE: [f64; 2] = [5.555_197e-4, 3.026_732];
-/// The same of what is measured: displacement of the interface, its shear stress, shear stress at the plate.
+/// Amplitude and phase of the measured quantities: displacement of the interface, its shear stress, shear stress at the
+/// plate.
 const KNOWN: [(&str, [f64; 2]); 3] = [
     ("displacement of the interface", [8.841_371e-5, 1.455_936]),
     ("shear stress at the interface", [5.980_346e-4, -1.685_657]),
