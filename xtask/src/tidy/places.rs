@@ -16,7 +16,7 @@ const WORDS: &[(&[&str], &[&str], &str)] = &[
 ];
 const NOWHERE: &[&str] = &[];
 
-/// The same for the code of libraries outside of unit tests.
+/// Words and their places in the code of libraries outside of unit tests.
 const LIBRARY_WORDS: &[(&[&str], &[&str], &str)] = &[
     (
         &["ElasticBody", "RigidBody", "PrescribedBody"],
