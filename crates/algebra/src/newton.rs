@@ -401,9 +401,9 @@ impl Solve<'_> {
     /// Subtracts the correction from `x`, halved until the scaled residual decreases (Armijo's rule); returns the fraction. If
     /// no halving that the settings allow makes it decrease, the iteration has diverged.
     ///
-    /// A full step that begins or ends contact may well increase the residual before the next one brings it down; halving it
-    /// would only cost iterations. Therefore the search waits for a correction that grows although its tangent is exact, and
-    /// then serves all corrections with exact tangents.
+    /// A full step that begins or ends contact may increase the residual before the next one reduces it; halving it
+    /// would cost iterations only. Therefore the search starts with a correction that grows although its tangent is
+    /// exact, and continues for all corrections with exact tangents.
     fn search(&mut self, x: &mut [f64]) -> Result<f64, Stop> {
         const LEAST_DECREASE: f64 = 1e-4;
         let before = self.system.row_norm();

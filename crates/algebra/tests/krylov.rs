@@ -1,4 +1,4 @@
-//! FGMRES, and factors that serve matrices of other sizes.
+//! FGMRES, and factors that are used for matrices of other sizes.
 
 use algebra::{
     BlockLayout, DirectSolver, Gmres, GmresSettings, LaggedSettings, LaggedSolver, LinearError, LinearReport,

@@ -12,7 +12,7 @@ use super::nodes::NodeGraph;
 /// Weights of the shift of multipliers, in the order in which they are tried.
 const SHIFTS: [f64; 4] = [0.0, 10.0, 40.0, 160.0];
 /// Error of the factors on a vector of signs, relative to it, from which on they count as unstable. Stable factors have
-/// errors below one, and growth in unstable ones is exponential: where the bound lies does not matter.
+/// errors below one, and growth in unstable ones is exponential: the exact bound is not important.
 const LARGEST_ERROR: f64 = 10.0;
 
 /// Rule for the entries that incomplete factors keep.

@@ -28,7 +28,8 @@ impl Default for LaggedSettings {
     }
 }
 
-/// Sparse LU that lags: one factorisation serves the matrices of many solves, also when unknowns come and go.
+/// Sparse LU that lags: one factorisation is used for the matrices of many solves, also when unknowns appear and
+/// vanish.
 ///
 /// The factors of an old matrix, applied to the unknowns that both have, precondition FGMRES for the present one. Where
 /// an interface moved, rows have changed entirely; these unknowns and their neighbours are solved for again with small
