@@ -43,7 +43,7 @@ pub(crate) struct Comparison {
     pub(crate) band: Option<[f64; 2]>,
     /// The expected value of a property, instead of a band.
     pub(crate) expected: Option<bool>,
-    /// Why the band is as wide as it is.
+    /// Reason for the width of the band.
     pub(crate) reason: String,
 }
 

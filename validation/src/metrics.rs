@@ -33,7 +33,7 @@ pub(crate) fn metrics(results: &Results, finished: bool) -> Result<Value, serde_
 /// The highest point of the leading body after its first contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Rebound {
-    /// Largest smallest distance after the release.
+    /// Largest value of the smallest distance after the release.
     pub(crate) height: f64,
     pub(crate) time: f64,
 }

@@ -21,7 +21,7 @@ const PROGRESS: Duration = Duration::from_secs(10);
 
 /// Runs cases (all if none is named) and prints a table for each. Returns whether every verdict is good. Cases are run
 /// with the resolution of the paper and compared with it, or with coarse meshes and compared with our own stored
-/// values, which may be stored anew.
+/// values, which may be updated.
 ///
 /// # Errors
 /// There is no such case, or a file cannot be read or written.
@@ -88,7 +88,7 @@ fn run_case(
     let finished = outcome.is_ok();
     if let Err(error) = outcome {
         print_error(&error);
-        // The steps before the failure are worth a table.
+        // A run that failed gets a table of the steps before.
         if !matches!(error, io::Error::Step(_)) {
             return Ok(false);
         }

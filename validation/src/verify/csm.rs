@@ -39,7 +39,7 @@ const LOAD_STEPS: u32 = 4;
 /// Quantities of a swing that are compared, with the largest relative error.
 const COMPARED: [(&str, f64); 3] =
     [("mean of u_y [m]", 0.02), ("amplitude of u_y [m]", 0.02), ("frequency [Hz]", 0.01)];
-/// Swings of the comparison, of which the last one that is complete counts.
+/// Swings of the comparison, of which the last complete one is evaluated.
 const SWINGS: f64 = 2.4;
 /// Rows, swings and time steps of the comparison of time steps.
 const LONG: (usize, f64, [f64; 3]) = (8, 11.0, [1e-2, 5e-3, 2.5e-3]);

@@ -194,7 +194,7 @@ fn annulus(centre: P, _: &mut Random) -> Result<Named, Failure> {
     setup.bodies.push(polygon(&outside(disk(centre, 0.5, 31), centre, 3.0), |x, _| *x, known.velocity()));
     fluid_mut(&mut setup)?.boundary.clear();
     let (state, report) = flow::run(&setup, 2)?;
-    // Dofs of cut cells lie in the bodies, where the flow goes on.
+    // Dofs of cut cells lie in the bodies, where the flow is continued.
     let [u, _] = nodal_errors(&known, &setup, &state)?;
     let (_, moment) = flow::force(&state, &report, 0, &centre)?;
     Ok(named("annulus turning as one", [("velocity", u), ("moment", moment.abs())]))
@@ -281,6 +281,6 @@ fn pocket(centre: P, _: &mut Random) -> Result<Named, Failure> {
         dofs.iter().for_each(|&dof| error = error.max((difference(dof) - shift).abs()));
         mean += shift * cut.part_volume(part);
     }
-    // The polygon is symmetric enough for a linear function to have the mean of its centre: 31 corners, to round-off.
+    // The mean of a linear function over the polygon of 31 corners is its value at the centre, up to round-off.
     Ok(named("pocket", [("pressure up to its mean", error), ("mean of the pressure", mean.abs())]))
 }

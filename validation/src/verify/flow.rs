@@ -42,8 +42,8 @@ pub(super) struct Known<F> {
 
 /// Names of the sides of a box.
 const SIDES: [&str; 4] = ["left", "right", "bottom", "top"];
-/// `γ_Σ` of the interface, in front of `μ/h`: far above the constant of the trace inequality of P1, far below what spoils the
-/// condition.
+/// `γ_Σ` of the interface, in front of `μ/h`: far above the constant of the trace inequality of P1, far below values
+/// that impair the condition number.
 const GAMMA_SIGMA: f64 = 100.0;
 /// Weights of the stabilisation: consistent interior penalty of the velocity, of the pressure, ghost penalty.
 const GAMMAS: [f64; 3] = [0.05, 0.05, 0.1];

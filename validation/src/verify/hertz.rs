@@ -56,7 +56,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
         mapped(&structured_box::<2>([-1.0, 0.0], [1.0, 1.0], [2 * n, n])?, |x| half_disk(graded(x[0]), graded(x[1])))?;
     let material = SaintVenantKirchhoff::new(LameParameters::new(MU, LAMBDA)?);
     let mut body = elastic(mesh, 1.0, material, V::zeros(), Arc::new(QuasiStatic))?;
-    // Nothing shears the plane of symmetry; the vertex in its middle is on the axis.
+    // The plane of symmetry has no shear traction; the vertex in its middle is on the axis.
     body.hold("top", pushed([None, Some(-PUSHED)]))?;
     let centre = VertexId::new(body.solid.mesh().n_vertices() - 1 - n);
     body.options.supports.push(Support { vertices: vec![centre], kind: SupportKind::Symmetry { axis: 0 } });

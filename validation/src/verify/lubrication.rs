@@ -27,7 +27,7 @@ const FILM_CELLS: [f64; 7] = [8.0, 4.0, 2.0, 1.0, 0.5, 0.25, 0.125];
 /// stabilisation.
 const GAMMAS_SIGMA: [f64; 2] = [1e2, 1e5];
 const PRESSURE: f64 = 0.05;
-/// A step so long that nothing is left of inertia.
+/// Length of a step in which inertia is negligible.
 const STEADY: f64 = 1e9;
 
 /// Measures forces for several gaps and numbers of cells across them.

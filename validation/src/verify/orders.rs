@@ -11,10 +11,10 @@ use super::flow::{self, Errors, Flow, Known, disk, fluid_mut, outside, polygon};
 use super::record::Points;
 use super::{Failure, P, Record, T, V};
 
-/// Asked orders of velocity, its gradient and pressure in L2, in h; of the velocity in the time step.
+/// Required orders of velocity, its gradient and pressure in L2, in h; of the velocity in the time step.
 const ORDERS: [f64; 3] = [1.9, 0.95, 1.4];
 const TIME_ORDER: f64 = 0.95;
-/// A step so long that nothing is left of inertia: steady flow.
+/// Length of a step in which inertia is negligible: steady flow.
 const STEADY: f64 = 1e9;
 
 /// Errors of a sequence of meshes or steps.

@@ -41,7 +41,7 @@ const KNOWN: [(&str, [f64; 2]); 3] = [
     ("shear stress at the interface", [5.980_346e-4, -1.685_657]),
     ("shear stress at the plate", [7.919_957e-3, 0.788_526]),
 ];
-/// Asked orders in h and in the time step.
+/// Required orders in h and in the time step.
 const ORDERS: [f64; 2] = [1.9, 0.95];
 
 /// Measures orders in h, with dt ~ h², and in dt.
@@ -83,7 +83,8 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
         for (k, (name, _)) in KNOWN.iter().enumerate() {
             let errors = sequence.iter().map(|(x, m)| (*x, m.error(k))).collect::<Vec<_>>();
             let name = format!("{name}, relative error");
-            // The stress at the plate is a difference quotient with an error of its own; in dt, space leaves its part.
+            // The stress at the plate is a difference quotient with an error of its own; in dt, a part of the error in
+            // space remains.
             if unit == "h" && k < 2 {
                 record.order(&name, unit, &errors, order);
             } else {

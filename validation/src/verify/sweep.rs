@@ -25,7 +25,7 @@ const PASSED: f64 = 0.11;
 
 type Bodies<const D: usize> = Vec<Arc<dyn Body<D>>>;
 
-/// A motion of bodies past something of the mesh.
+/// A motion of bodies past a vertex, edge or face of the mesh.
 pub(super) struct Sweep<const D: usize> {
     /// Names of the body and of the part of the mesh that it passes.
     pub(super) name: &'static str,

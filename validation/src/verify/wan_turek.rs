@@ -24,7 +24,7 @@ const VISCOSITY: f64 = 1e-3;
 const SIZES: [f64; 4] = [0.02, 0.014, 0.01, 0.007];
 /// Time step over size, s/m: 0.39 cells in a step at the largest speed, whatever the mesh.
 const STEP_OVER_SIZE: f64 = 1.0;
-/// Signals count from here on, s: the start, at full speed, is impulsive.
+/// Time from which signals are evaluated, s: the start, at full speed, is impulsive.
 const BEGIN: f64 = 0.25;
 /// End of the quick version, the first time at which the cylinder rests, and of the full one, s.
 const ENDS: [f64; 2] = [1.0, 7.5];

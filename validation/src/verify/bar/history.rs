@@ -45,7 +45,7 @@ pub(super) const MIDDLE: f64 = 0.5;
 
 /// Pressure over penetration, relative to Young's modulus over the size of a cell.
 pub(super) const PENALTY: f64 = 10.0;
-/// An exact contact: its beginning and end, and the pressure that sets in and that ceases there; between them it is linear.
+/// An exact contact: its beginning and end, and the pressures there; between them the pressure is linear.
 pub(super) struct Exact {
     pub(super) times: [f64; 2],
     pressure: [f64; 2],
@@ -122,7 +122,7 @@ pub(super) fn history(gravity: f64, n: usize, courant: f64, scheme: &Scheme, end
 
 /// A contact of the bar with the floor.
 pub(super) struct Contact {
-    /// Times at which the pressure passes half of what sets in and of what ceases: where it jumps, and the mesh smears the jump.
+    /// Times at which the pressure passes half of its jumps at the beginning and at the end, which the mesh smears.
     pub(super) times: [f64; 2],
     /// Last time at which there is any pressure.
     pub(super) touching: f64,
