@@ -1,4 +1,4 @@
-//! Circles among the files of a package.
+//! Dependency cycles among the files of a package.
 
 use std::collections::{BTreeMap, BTreeSet};
 
