@@ -44,7 +44,7 @@ impl<const D: usize> SolidMesh<D> {
         &self.boundary
     }
 
-    /// Returns the boundary seen at the given positions of the vertices.
+    /// Returns the boundary at the given positions of the vertices.
     pub fn placed<'m>(&'m self, positions: &'m [Point<D>]) -> Placed<'m, D> {
         Placed::new(&self.boundary, positions)
     }
