@@ -101,7 +101,7 @@ impl Ledger<'_> {
         Ok(gallery(&[self.forces()?, format!("<div>{}</div>", self.volumes())]))
     }
 
-    /// Returns the vertical forces on the leading body, and how well they balance; empty if its motion is prescribed.
+    /// Returns the vertical forces on the leading body, and their remainder; empty if its motion is prescribed.
     fn forces(&self) -> Result<String, Error> {
         let Results { diagnostics, summary, .. } = self.results;
         let units = &summary.units;
