@@ -50,7 +50,8 @@ fn assembly(c: &mut Criterion) {
     group.finish();
 }
 
-/// Forms for the comparison with other packages, in elements per second with a known pattern and `RAYON_NUM_THREADS=1`.
+/// Measures forms for the comparison with other packages, in elements per second with a known pattern and
+/// `RAYON_NUM_THREADS=1`.
 fn known_pattern(c: &mut Criterion) {
     let mut group = c.benchmark_group("assembly");
     group.sample_size(10).measurement_time(Duration::from_secs(3)).warm_up_time(Duration::from_millis(500));

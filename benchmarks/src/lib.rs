@@ -59,14 +59,14 @@ pub const RESOLUTIONS: [Resolution; 3] = [
     Resolution { name: "h01", fine: 0.1, coarse: 0.5 },
 ];
 
-/// Returns the graded box in which the ball falls: the half on one side of the plane of symmetry.
+/// Returns the mesh of the graded box in which the ball falls: the half on one side of the plane of symmetry.
 pub fn background(resolution: Resolution) -> SimplexMesh<2> {
     let Resolution { fine, coarse, .. } = resolution;
     let size = Size::Graded { fine, fine_until: 4.5, coarse, coarse_from: 10.0, axis: 1 };
     graded_box([0.0, 0.0], [10.0, 15.0], &size).expect("a box of positive extent and size")
 }
 
-/// Returns the half ball above the ground.
+/// Returns the mesh of the half ball above the ground.
 pub fn ball(resolution: Resolution) -> SimplexMesh<2> {
     ball_above(resolution, GAP)
 }
@@ -81,7 +81,7 @@ pub fn falling_ball(resolution: Resolution) -> Setup<2> {
     ball_in_fluid(resolution, GAP)
 }
 
-/// Returns the same setup with the ball so close to the ground that contact is active.
+/// Returns the setup of [`falling_ball`] with the ball so close to the ground that contact is active.
 pub fn ball_in_contact(resolution: Resolution) -> Setup<2> {
     ball_in_fluid(resolution, 0.5 * CONTACT_SIZE)
 }
@@ -140,7 +140,7 @@ fn elastic<const D: usize>(name: &str, solid: SolidMesh<D>, options: ElasticOpti
     Arc::new(ElasticBody::new(name, solid, form, options).expect("supports on vertices of the body"))
 }
 
-/// Returns bodies in a fluid without contacts.
+/// Returns a setup of bodies in a fluid without contacts.
 fn setup<const D: usize>(fluid: FluidSetup<D>, bodies: Vec<Arc<dyn Body<D>>>, dt: f64) -> Setup<D> {
     let newton = NewtonSettings::new(1e-8);
     Setup { fluid: Some(fluid), bodies, contacts: Vec::new(), dt, most_halvings: 0, newton }
@@ -217,12 +217,12 @@ pub fn stokes_system<const D: usize>(stokes: &UnfittedStokes<D>) -> BlockSystem 
     stokes.with_equations(|equations| system_at(equations, &vec![0.0; equations.layout.len()]))
 }
 
-/// Returns the contributions of equations as a system reads them.
+/// Returns references to the contributions of equations.
 pub fn contributions<'e>(equations: &'e Equations<'_>) -> Vec<&'e dyn Contributions> {
     equations.contributions.iter().map(|contribution| contribution.as_ref() as &dyn Contributions).collect()
 }
 
-/// Returns the system of equations, not assembled yet.
+/// Creates the system of equations, not assembled yet.
 pub fn system(equations: &Equations<'_>) -> BlockSystem {
     BlockSystem::new(equations.layout, &contributions(equations), equations.constraints)
 }

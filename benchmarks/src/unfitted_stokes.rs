@@ -267,8 +267,9 @@ fn falling_diagonals<const D: usize>(n: usize) -> SimplexMesh<D> {
 }
 
 impl UnfittedStokes<2> {
-    /// N, then errors in L2 of velocity, its gradient and pressure, of ngsxfem 2.1 on the same mesh, as published: `μ (∇u, ∇v)`,
-    /// and velocities on the sides by a local L2 projection. Of the last mesh fewer digits were kept.
+    /// N, then errors in L2 of velocity, its gradient and pressure, of ngsxfem 2.1 on the same mesh, as published. Its
+    /// viscous form is `μ (∇u, ∇v)`, and velocities on the sides are a local L2 projection. The errors on the last mesh
+    /// have fewer digits.
     pub const PUBLISHED_ERRORS: [(u32, [f64; 3]); 4] = [
         (32, [9.382e-4, 0.15064, 2.2667e-2]),
         (64, [2.3916e-4, 0.075268, 6.8153e-3]),

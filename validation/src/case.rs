@@ -15,7 +15,7 @@ pub(crate) struct Reference {
     pub(crate) title: String,
     /// Name of the scenario in `cases/`.
     pub(crate) scenario: String,
-    /// Where the case comes from.
+    /// Source of the case.
     pub(crate) source: String,
     /// Changes of the scenario, as for `cutwater run --set`.
     #[serde(default)]
@@ -37,13 +37,13 @@ pub(crate) struct Comparison {
     pub(crate) unit: String,
     /// The paper's number.
     pub(crate) paper: Option<f64>,
-    /// Where in the paper.
+    /// Place in the paper.
     pub(crate) place: Option<String>,
     /// The interval that a number has to lie in.
     pub(crate) band: Option<[f64; 2]>,
     /// The expected value of a property, instead of a band.
     pub(crate) expected: Option<bool>,
-    /// Why the band is as wide as it is.
+    /// Reason for the width of the band.
     pub(crate) reason: String,
 }
 
@@ -66,7 +66,7 @@ pub(crate) fn scenario_path(name: &str) -> PathBuf {
     package().join("cases").join(name).with_extension("toml")
 }
 
-/// Returns the stored values of the short versions.
+/// Returns the path of the stored values of the short versions.
 pub(crate) fn quick_values_path() -> PathBuf {
     package().join("reference/quick/values.toml")
 }
@@ -91,12 +91,12 @@ pub(crate) fn stems(folder: &str) -> std::io::Result<Vec<String>> {
     Ok(names)
 }
 
-/// Returns the reference of a case.
+/// Reads the reference of a case.
 pub(crate) fn read(name: &str) -> Result<Reference, String> {
     read_named("reference", "case", name)
 }
 
-/// Returns the TOML file of a name in a folder of this package.
+/// Reads the TOML file of a name in a folder of this package.
 ///
 /// # Errors
 /// No file of this kind has that name, or it is invalid.
@@ -108,7 +108,7 @@ pub(crate) fn read_named<T: DeserializeOwned>(folder: &str, kind: &str, name: &s
     parse(&package().join(folder).join(format!("{name}.toml")))
 }
 
-/// Returns the stored values of the short versions; none if there is no file.
+/// Reads the stored values of the short versions; empty if there is no file.
 pub(crate) fn read_quick_values() -> Result<QuickValues, String> {
     let path = quick_values_path();
     if path.is_file() { parse(&path) } else { Ok(QuickValues::new()) }

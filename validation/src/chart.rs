@@ -8,8 +8,8 @@ use plotters::prelude::*;
 const SIZE: (u32, u32) = (720, 430);
 const FONT: &str = "sans-serif";
 
-/// Returns a chart as the text of an SVG picture; if its horizontal axis is logarithmic, the vertical one is too.
-/// Points that such axes do not have are left out.
+/// Returns a chart as the text of an SVG picture. If its horizontal axis is logarithmic, the vertical one is too.
+/// Points that are not positive are then left out.
 pub(crate) fn svg(chart: &Chart) -> Result<String, Failure> {
     let is_log = chart.x_is_log;
     let scale = |value: f64| if is_log { value.log10() } else { value };

@@ -35,7 +35,7 @@ pub(crate) struct Compared {
     /// Whether the number stands for no (0) or yes (1).
     #[serde(skip)]
     pub(crate) is_property: bool,
-    /// Why the band is as it is.
+    /// Reason for the band.
     #[serde(skip)]
     pub(crate) reason: String,
 }

@@ -87,7 +87,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Returns the runs studies and writes the report page with them.
+/// Runs studies and writes the report page with them.
 fn studies(mut names: Vec<String>, again: bool, out: &Path) -> Outcome {
     if names == ["all"] {
         names = study::names()?;

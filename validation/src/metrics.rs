@@ -33,7 +33,7 @@ pub(crate) fn metrics(results: &Results, finished: bool) -> Result<Value, serde_
 /// The highest point of the leading body after its first contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Rebound {
-    /// Largest smallest distance after the release.
+    /// Largest value of the smallest distance after the release.
     pub(crate) height: f64,
     pub(crate) time: f64,
 }
@@ -67,13 +67,13 @@ fn median_step_seconds(history: &HistoryTable) -> Option<f64> {
     median(&mut steps)
 }
 
-/// Returns the median; `None` of nothing.
+/// Returns the median; `None` if there are no values.
 pub(crate) fn median(values: &mut [f64]) -> Option<f64> {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied()
 }
 
-/// Measures the cost of a sparse LU factorisation of the system of the first step, with a known pattern.
+/// Observer that measures the cost of a sparse LU factorisation of the system of the first step, with a known pattern.
 #[derive(Debug, Default)]
 pub(crate) struct Factorization {
     seconds: Option<f64>,
@@ -97,7 +97,7 @@ impl Watch for Factorization {
 impl<const D: usize> Observer<D> for &mut Factorization {
     fn after_step(&mut self, view: &StepView<'_, D>) -> Result<(), ObserverError> {
         let Some(report) = view.report.filter(|_| self.seconds.is_none()) else { return Ok(()) };
-        // The step once more, in memory of its own that keeps the system.
+        // Repeats the step in memory of its own, which keeps the system.
         let mut work = Workspace::new();
         advance(view.setup, view.previous, report.substep, &mut work)?;
         let matrix = ScaledMatrix::new(work.system().matrix())?;
@@ -118,7 +118,7 @@ impl<const D: usize> Observer<D> for &mut Factorization {
 /// File of the thickness of plates in a directory of results.
 pub(crate) const THICKNESS: &str = "thickness.csv";
 
-/// Writes the smallest thickness of each plate after every step: `time`, then a column for each plate.
+/// Observer that writes the smallest thickness of each plate after every step: `time`, then a column for each plate.
 pub(crate) struct Thickness<'a> {
     pub(crate) directory: &'a Path,
 }
@@ -156,7 +156,7 @@ impl<const D: usize> Observer<D> for ThicknessRows {
     }
 }
 
-/// Returns whether a body is many times wider than high. Of a plate that a plane of symmetry cuts there is one half.
+/// Returns whether a body is many times wider than high. A plate with a plane of symmetry is represented by one half.
 pub(crate) fn is_plate<const D: usize>(body: &dyn Body<D>) -> bool {
     let extent = Aabb::of_points(body.reference()).extent();
     (0..D - 1).all(|k| extent[k] > 0.5 * PLATE * extent[D - 1])

@@ -57,7 +57,7 @@ fn interval([low, high]: [f64; 2], value: impl Fn(f64) -> String) -> String {
     if low == high { value(low) } else { format!("{} to {}", value(low), value(high)) }
 }
 
-/// Returns the four significant digits, without an exponent where that is readable.
+/// Returns a number with four significant digits, without an exponent where that is readable.
 pub(crate) fn short(x: f64) -> String {
     if x != 0.0 && !(1e-3..1e5).contains(&x.abs()) {
         return format!("{x:.3e}");

@@ -19,9 +19,9 @@ use crate::table;
 /// Time between two lines of progress.
 const PROGRESS: Duration = Duration::from_secs(10);
 
-/// Returns the runs cases (all if none is named) and prints a table for each; true if every verdict is good. They are
-/// run with the resolution of the paper and compared with it, or with coarse meshes and compared with our own stored
-/// values, which may be stored anew.
+/// Runs cases (all if none is named) and prints a table for each. Returns whether every verdict is good. Cases are run
+/// with the resolution of the paper and compared with it, or with coarse meshes and compared with our own stored
+/// values, which may be updated.
 ///
 /// # Errors
 /// There is no such case, or a file cannot be read or written.
@@ -88,7 +88,7 @@ fn run_case(
     let finished = outcome.is_ok();
     if let Err(error) = outcome {
         print_error(&error);
-        // The steps before the failure are worth a table.
+        // A run that failed gets a table of the steps before.
         if !matches!(error, io::Error::Step(_)) {
             return Ok(false);
         }

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use cutwater::io::{ScenarioFile, sizes};
 
-/// Coarse meshes, so that this takes no time.
+/// Coarse meshes, so that the test is fast.
 const COARSE: [&str; 3] = ["background.size.fine=0.5", "background.size.coarse=1.0", "body.0.shape.size=0.5"];
 
 #[test]

@@ -79,8 +79,8 @@ enum Effort {
     OneThread,
 }
 
-/// Returns the runs groups (name, filter, effort) and returns the results by id, or `None` if a group fails. `home` is
-/// the folder for the files of criterion.
+/// Runs groups (name, filter, effort) and returns the results by id, or `None` if a group fails. `home` is the folder
+/// for the files of criterion.
 fn measure<'a>(
     home: &Path,
     groups: impl Iterator<Item = (&'a str, Option<&'a str>, Effort)>,

@@ -13,7 +13,7 @@ pub struct ContributionTiming {
     pub name: &'static str,
     /// Number of items.
     pub items: usize,
-    /// How often all its items were evaluated and added.
+    /// Number of evaluations of all its items.
     pub calls: usize,
     /// Wall-clock time of all calls, that of the slowest thread.
     pub seconds: f64,
@@ -59,7 +59,7 @@ impl BlockSystem {
     /// Builds the pattern and assembles the linear contributions; matrix and residual are those at x = 0 without the
     /// nonlinear ones until [`BlockSystem::assemble`] is called.
     ///
-    /// Contributions that name tied dofs are to be given as [`crate::Tied`] ones.
+    /// Contributions with tied dofs must be wrapped in [`crate::Tied`].
     ///
     /// # Panics
     /// A contribution or a constraint names a dof outside of the layout.
@@ -128,9 +128,9 @@ impl BlockSystem {
         }
     }
 
-    /// Evaluates the linear contributions anew on the known pattern: for items whose dofs stayed what they were while
-    /// their coefficients changed. Matrix and residual are those at x = 0 without the nonlinear ones, where unknowns without
-    /// a prescribed value are zero.
+    /// Evaluates the linear contributions again on the known pattern: the dofs of their items are unchanged, their
+    /// coefficients may have changed. Matrix and residual are those at x = 0 without the nonlinear contributions.
+    /// Unknowns without a prescribed value are zero.
     ///
     /// # Panics
     /// The contributions do not belong to this system.
@@ -289,7 +289,7 @@ impl BlockSystem {
         !self.has_nonlinear
     }
 
-    /// Returns the wall-clock time in which the pattern was built, or found to be known.
+    /// Returns the wall-clock time for building the pattern, or for finding that it is unchanged.
     pub fn seconds_pattern(&self) -> f64 {
         self.seconds_pattern
     }

@@ -14,15 +14,15 @@ pub struct TangentDeviation {
     pub item: usize,
     /// Local row of the entry.
     pub row: usize,
-    /// Local column of the entry; for a residual that is not linear, as it should be, the number of columns.
+    /// Local column of the entry. It is the number of columns if the residual of a linear contribution is not linear.
     pub column: usize,
 }
 
 /// Compares the tangents of all items at `x` with central differences and returns the worst relative deviation.
 ///
 /// Unknown `j` is moved by `±step (1 + |x_j|)`; 1e-6 to 1e-5 is a good step for smooth residuals. For linear
-/// contributions `residual(x) = tangent x + residual(0)` is checked too. [`worst_tangent_entry`] says which entry is
-/// wrong.
+/// contributions `residual(x) = tangent x + residual(0)` is checked too. [`worst_tangent_entry`] returns the place of
+/// the worst entry.
 ///
 /// # Panics
 /// An item has a dof twice.

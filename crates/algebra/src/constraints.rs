@@ -1,4 +1,4 @@
-//! Unknowns with a prescribed value, and unknowns that follow from others.
+//! Unknowns with a prescribed value, and unknowns tied to others.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -48,8 +48,8 @@ impl Constraints {
         self.values.insert(dof, value);
     }
 
-    /// Makes a dof the sum of others with factors. Those others may have a prescribed value, but must not be tied themselves; a
-    /// later assignment of the same dof replaces an earlier one.
+    /// Ties a dof to its masters: it is the sum of their values times the factors. Masters may have a prescribed value,
+    /// but must not be tied themselves. A later assignment of the same dof replaces an earlier one.
     ///
     /// # Panics
     /// One of the masters is itself tied, or this dof is a master of other dofs.
@@ -71,7 +71,7 @@ impl Constraints {
         self.ties.iter().map(|(&dof, to)| (dof, to.as_slice()))
     }
 
-    /// Makes tied entries of `x` follow from the others: true of states, and of corrections.
+    /// Computes the tied entries of `x`, a state or a correction, from their masters.
     ///
     /// # Panics
     /// A dof lies outside of `x`.
@@ -81,7 +81,7 @@ impl Constraints {
         }
     }
 
-    /// Returns the prescribed value of a dof, if it is constrained.
+    /// Returns the prescribed value of a dof, if it has one.
     pub fn get(&self, dof: DofId) -> Option<f64> {
         self.values.get(&dof).copied()
     }

@@ -3,8 +3,8 @@
 /// Relative residual to which an iterative method solves for a correction (in the norms of [`crate::LinearSolver::solve`]).
 /// Direct methods ignore it.
 ///
-/// The ratio by which the last correction reduced the nonlinear residual, to the power of the golden ratio. A linear system
-/// is then solved about as accurately as its linearisation is, and not beyond the nonlinear tolerance.
+/// It is the ratio by which the last correction reduced the nonlinear residual, to the power of the golden ratio. A
+/// linear system is then solved about as accurately as its linearisation is, and not beyond the nonlinear tolerance.
 ///
 /// Source: Eisenstat and Walker 1996, Choosing the forcing terms in an inexact Newton method, doi:10.1137/0917003, choice 2
 /// with its safeguard; Kelley 1995, Iterative methods for linear and nonlinear equations, doi:10.1137/1.9781611970944,

@@ -1,4 +1,4 @@
-//! Where the unknowns of each field lie in the global vector.
+//! Positions of the unknowns of each field in the global vector.
 
 use std::ops::Range;
 

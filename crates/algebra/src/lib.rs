@@ -1,6 +1,6 @@
 //! Blocks of unknowns, local systems, sparse assembly, Newton's method and linear solvers.
 //!
-//! Nothing here knows a space dimension, a mesh or a physical quantity. How the parts meet:
+//! The crate does not depend on a space dimension, a mesh or a physical quantity. Its parts:
 //!
 //! 1. Fields of unknowns are registered in a [`BlockLayout`], prescribed values and ties in [`Constraints`].
 //! 2. Physics arrives as [`Contributions`]: items (cells, faces, ...) that name their dofs and fill a [`LocalSystem`] with

@@ -31,7 +31,7 @@ impl Equations<'_> {
     }
 }
 
-/// When to stop, and when to renew the factorisation.
+/// Stopping criteria, and criteria for a new factorisation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NewtonSettings {
     /// Largest accepted error and residual, relative to the state, in scaled norms (see [`newton`]).
@@ -41,7 +41,7 @@ pub struct NewtonSettings {
     /// The factorisation is kept while a correction with it is at most this fraction of the one before. Zero: exact
     /// Newton with one factorisation per correction.
     pub contraction: f64,
-    /// How accurately an iterative method solves for a correction.
+    /// Accuracy of an iterative solve for a correction.
     pub forcing: Forcing,
     /// Most halvings of a correction until the scaled residual decreases, once corrections with exact tangents have grown.
     /// Zero: no line search.
@@ -49,8 +49,8 @@ pub struct NewtonSettings {
 }
 
 impl NewtonSettings {
-    /// Keeps factorisations down to a contraction of 0.25; at most 30 corrections; adaptive forcing from 1e-3, at most 0.1;
-    /// corrections that grow are halved at most 8 times.
+    /// Creates settings that keep a factorisation up to a contraction of 0.25, with at most 30 corrections, adaptive
+    /// forcing (1e-3 first, at most 0.1), and at most 8 halvings of a correction.
     pub fn new(tolerance: f64) -> Self {
         let forcing = Forcing { first: 1e-3, largest: 0.1 };
         Self { tolerance, max_iterations: 30, contraction: 0.25, forcing, max_halvings: 8 }
@@ -74,7 +74,7 @@ pub struct NewtonReport {
     pub seconds_assembly: f64,
     /// The pattern's share of it.
     pub seconds_pattern: f64,
-    /// How often the system was evaluated, with or without its matrix.
+    /// Number of evaluations of the system, with or without its matrix.
     pub assemblies: usize,
     /// Wall-clock time of the linear solver.
     pub seconds_linear: f64,
@@ -164,8 +164,9 @@ fn last(report: &NewtonReport) -> f64 {
 /// Solves a nonlinear problem from the starting guess `x`, into which the constraints are written first.
 ///
 /// The tangent is factorised at the start, and again when the regime changes or when a correction with an old
-/// factorisation is more than `contraction` times the one before; if it is more than half of the one before (more than `contraction`
-/// times, if that is above a half) it is not even used, but computed anew. Otherwise only the residual is evaluated (modified Newton).
+/// factorisation is more than `contraction` times the one before; if it is more than half of the one before (more than
+/// `contraction` times, if that is above a half), it is discarded and computed again. Otherwise only the residual is
+/// evaluated (modified Newton).
 ///
 /// **Convergence.** With the row and column scales R, C of the equilibrated tangent and Euclidean norms over the
 /// unconstrained dofs, let `s = max(‖C⁻¹ x‖, ‖C⁻¹ x_start‖)` and `θ = ‖C⁻¹ dx‖ / ‖C⁻¹ dx_previous‖`. The state is accepted
@@ -240,7 +241,7 @@ enum Stop {
     NotFinite,
 }
 
-/// How a correction was solved for.
+/// Data of the linear solve for a correction.
 #[derive(Clone, Copy)]
 struct LinearSolve {
     forcing: f64,
@@ -331,7 +332,7 @@ impl Solve<'_> {
         }
     }
 
-    /// Evaluates the residual at `x`, and the matrix if it is wanted.
+    /// Evaluates the residual at `x`, and the matrix if requested.
     fn assemble(&mut self, x: &[f64], with_matrix: bool) -> Result<(), Stop> {
         let begin = Instant::now();
         if with_matrix {
@@ -400,9 +401,9 @@ impl Solve<'_> {
     /// Subtracts the correction from `x`, halved until the scaled residual decreases (Armijo's rule); returns the fraction. If
     /// no halving that the settings allow makes it decrease, the iteration has diverged.
     ///
-    /// A full step that begins or ends contact may well increase the residual before the next one brings it down; halving it
-    /// would only cost iterations. Therefore the search waits for a correction that grows although its tangent is exact, and
-    /// then serves all corrections with exact tangents.
+    /// A full step that begins or ends contact may increase the residual before the next one reduces it; halving it
+    /// would cost iterations only. Therefore the search starts with a correction that grows although its tangent is
+    /// exact, and continues for all corrections with exact tangents.
     fn search(&mut self, x: &mut [f64]) -> Result<f64, Stop> {
         const LEAST_DECREASE: f64 = 1e-4;
         let before = self.system.row_norm();
@@ -428,7 +429,7 @@ impl Solve<'_> {
     }
 }
 
-/// Returns a quotient of norms that is zero if the first one is.
+/// Returns the quotient of two norms; zero if the numerator is zero.
 fn ratio(a: f64, b: f64) -> f64 {
     if a == 0.0 { 0.0 } else { a / b }
 }

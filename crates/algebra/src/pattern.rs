@@ -125,7 +125,7 @@ impl Pattern {
 
     fn sort_by_column(&mut self, n: usize) {
         let Scratch { first_incidence, incidence, .. } = &mut self.scratch;
-        // Counting sort: `first_incidence[c + 1]` runs from the begin to the end of column c while it is filled.
+        // Counting sort: `first_incidence[c + 1]` moves from the start to the end of column c while it is filled.
         first_incidence.clear();
         first_incidence.resize(n + 2, 0);
         for dof in &self.dofs {
@@ -147,7 +147,7 @@ impl Pattern {
         }
     }
 
-    /// Finds the rows of each column, in any order, and writes to `positions` where in that order each entry stands.
+    /// Finds the rows of each column, in any order, and writes the position of each entry in that order to `positions`.
     fn collect_rows(&mut self, n: usize) {
         let Scratch { first_incidence, incidence, mark: place, unsorted, .. } = &mut self.scratch;
         unsorted.clear();
@@ -176,8 +176,8 @@ impl Pattern {
         }
     }
 
-    /// Sorts the rows: the pattern is symmetric, and columns visited in order append themselves to their rows in order. So
-    /// each entry learns where its mirror image comes to stand.
+    /// Sorts the rows of each column. The pattern is symmetric: visiting the columns in order appends each column to
+    /// its rows in order. Replaces each unsorted entry by the position of its mirror image in the sorted pattern.
     fn sort_rows(&mut self, n: usize) {
         let Scratch { mark: next, unsorted: mirror, .. } = &mut self.scratch;
         next.copy_from_slice(&self.column_ptr[..n]);
@@ -192,7 +192,8 @@ impl Pattern {
         }
     }
 
-    /// Writes the scatter map: the position of an entry of an item is that of the mirror image of its mirror image.
+    /// Writes the scatter map: the position of an entry in the sorted pattern is stored at its mirror image, so
+    /// mirrored entries of an item are swapped.
     fn map_items(&mut self) {
         let mirror = &self.scratch.unsorted;
         for (range, dofs) in self.first_position.windows(2).zip(self.first_dof.windows(2)) {
@@ -218,7 +219,7 @@ impl Pattern {
         self.rows.len()
     }
 
-    /// Returns the column to its first entry; one longer than the number of columns.
+    /// Returns the position of the first entry of each column, and at the end the number of entries.
     pub fn column_ptr(&self) -> &[u32] {
         &self.column_ptr
     }

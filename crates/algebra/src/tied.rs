@@ -1,9 +1,9 @@
-//! Contributions to dofs that follow from others.
+//! Contributions with tied dofs.
 
 use crate::local_system::Scratch;
 use crate::{Constraints, Contributions, DofId, LocalSystem};
 
-/// A contribution of which some dofs are tied, in terms of the dofs that these follow from.
+/// A contribution with tied dofs, expressed in their masters.
 ///
 /// With the state `x = P y` of an item, where `y` has each of its free dofs once, residual and tangent become `Pᵀ r` and
 /// `Pᵀ K P`: the principle of virtual work on the states that the ties admit.
@@ -25,8 +25,8 @@ impl<'a> Tied<'a> {
         (0..plain.len()).any(is_tied).then_some(Self { plain, constraints })
     }
 
-    /// Lists the free dofs, each once: those of the item that are not tied, in their order, then those that the others
-    /// follow from.
+    /// Lists the free dofs, each once: the dofs of the item that are not tied, in their order, then the masters of the
+    /// tied ones.
     fn free(&self, dofs: &[DofId], free: &mut Vec<DofId>) {
         let first = free.len();
         free.extend(dofs.iter().filter(|dof| self.constraints.tie_of(**dof).is_none()));
@@ -59,7 +59,7 @@ impl Scratch {
         &self.entries[self.first_entry[dof]..self.first_entry[dof + 1]]
     }
 
-    /// Adds `Pᵀ r` and, if it is wanted, `Pᵀ K P`.
+    /// Adds `Pᵀ r` and, if the tangent is read, `Pᵀ K P`.
     fn add_to(&self, out: &mut LocalSystem) {
         for (row, residual) in self.system.residual().iter().enumerate() {
             self.row(row).iter().for_each(|(to, factor)| out.add(*to, factor * residual));

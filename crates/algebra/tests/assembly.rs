@@ -6,7 +6,7 @@ use algebra::{BlockLayout, BlockSystem, Constraints, Contributions, DofId, Local
 use common::{Flow, Part, max_norm, refs, scalar_field, state};
 use proptest::prelude::*;
 
-/// Items with given dofs, a full tangent of distinct entries and a residual that is affine or quadratic.
+/// Returns items with given dofs, a full tangent of distinct entries and a residual that is affine or quadratic.
 fn items(dofs: &[Vec<usize>], is_linear: bool) -> Part<'_> {
     let add = move |item: usize, x: &[f64], out: &mut LocalSystem| {
         for i in 0..dofs[item].len() {
@@ -23,7 +23,7 @@ fn items(dofs: &[Vec<usize>], is_linear: bool) -> Part<'_> {
     if is_linear { part.linear() } else { part }
 }
 
-/// Returns the residual and tangent, column by column, by adding everything into a dense matrix.
+/// Assembles residual and tangent (column by column) in dense arrays.
 fn dense(n: usize, list: &[&dyn Contributions], constraints: &Constraints, x: &[f64]) -> (Vec<f64>, Vec<f64>) {
     let (mut residual, mut tangent) = (vec![0.0; n], vec![0.0; n * n]);
     let mut local = LocalSystem::new();

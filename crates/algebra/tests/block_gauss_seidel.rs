@@ -16,7 +16,7 @@ fn matrix(n: usize, entries: impl IntoIterator<Item = (usize, usize, f64)>) -> M
     triplets.to_csc()
 }
 
-/// Returns a five-point stencil on an `m` by `m` grid, with convection, from unknown `first` on.
+/// Returns the entries of a five-point stencil with convection on an `m` by `m` grid, whose unknowns begin at `first`.
 fn stencil(m: usize, first: usize, convection: f64) -> Vec<(usize, usize, f64)> {
     let mut entries = Vec::new();
     for k in 0..m * m {
@@ -38,7 +38,7 @@ fn settings(solvers: &[BlockSolver]) -> BlockGaussSeidelSettings {
     BlockGaussSeidelSettings { solvers: solvers.to_vec(), max_iterations: 200, ..BlockGaussSeidelSettings::default() }
 }
 
-/// Returns the fields of scalar unknowns, each on nodes of its own.
+/// Returns a layout of scalar fields, each on nodes of its own.
 fn scalar_fields(sizes: &[usize]) -> BlockLayout {
     let mut layout = BlockLayout::new();
     for n in sizes {
@@ -119,14 +119,14 @@ fn a_node_is_a_saddle_point() {
     pairs.push("pairs", n / 2, 2);
     let one = [BlockSolver::Incomplete(Fill::Pattern)];
     assert_eq!(solve(&saddle, &pairs, settings(&one)).unwrap().0.iterations, 1);
-    // Reverse Cuthill-McKee takes the second unknown, a leaf, before or after its only neighbour.
+    // The second unknowns are leaves of the graph. Reverse Cuthill-McKee orders one of them before its only neighbour.
     let scalar = solve(&saddle, &scalar_fields(&[n]), settings(&one));
     assert!(matches!(scalar, Err(LinearError::Unstable { error }) if error.is_infinite()), "{:?}", scalar.err());
 }
 
 #[test]
 fn unstable_incomplete_factors_are_refused() {
-    // Convection that turns far stronger than diffusion, without upwinding: factors without fill grow exponentially.
+    // Rotating convection, far stronger than diffusion, without upwinding: factors without fill grow exponentially.
     let m = 40;
     let mut entries = stencil(m, 0, 0.0);
     for (i, j, value) in &mut entries {
@@ -144,7 +144,8 @@ fn unstable_incomplete_factors_are_refused() {
     assert!(matches!(outcome, Err(LinearError::Unstable { error }) if error > 10.0), "{:?}", outcome.err());
 }
 
-/// Returns two grids; the second one acts on the first by `coupling`, and back by `back`.
+/// Returns the matrix of two grids. Unknowns of the first enter the equations of the second with the factor `coupling`,
+/// those of the second enter the equations of the first with the factor `back`.
 fn two_grids(m: usize, coupling: f64, back: f64) -> Matrix {
     let mut entries = stencil(m, 0, 0.5);
     entries.extend(stencil(m, m * m, 0.0));
@@ -247,7 +248,7 @@ fn patterns_need_not_be_symmetric() {
 
 #[test]
 fn a_singular_patch_is_left_out() {
-    // Regular as a whole; of the patch {0, 1, 2, 5} two unknowns see nothing but unknown 0.
+    // Regular as a whole; in the patch {0, 1, 2, 5} two unknowns are coupled to unknown 0 only.
     let symmetric = [(0, 1, 0.5), (0, 2, 0.5), (1, 3, 1.0), (2, 4, 1.0), (0, 5, -1.0)];
     let diagonal = [(0, 0, 2.0), (3, 3, 1.0), (4, 4, 1.0), (5, 5, 2.0)];
     let both = symmetric.into_iter().flat_map(|(i, j, v)| [(i, j, v), (j, i, v)]);

@@ -1,4 +1,4 @@
-//! FGMRES, and factors that serve matrices of other sizes.
+//! FGMRES, and factors that are used for matrices of other sizes.
 
 use algebra::{
     BlockLayout, DirectSolver, Gmres, GmresSettings, LaggedSettings, LaggedSolver, LinearError, LinearReport,
@@ -6,8 +6,8 @@ use algebra::{
 };
 use sprs::{CsMatI, TriMatI};
 
-/// Returns the convection and diffusion on an `m` by `m` grid without the points of a disk; the keys number the grid.
-/// Points next to the disk are tied to it by a large penalty, as an interface does.
+/// Returns the matrix of convection and diffusion on an `m` by `m` grid without the points of a disk, and the numbers
+/// of its points in the grid as keys. Points next to the disk have a large penalty, as points at an interface have.
 fn grid(m: usize, centre: [f64; 2], convection: f64) -> (CsMatI<f64, u32>, Vec<u64>) {
     let inside = |i: usize, j: usize| (i as f64 - centre[0]).hypot(j as f64 - centre[1]) < 0.2 * m as f64;
     let points: Vec<[usize; 2]> = (0..m * m).map(|k| [k % m, k / m]).filter(|[i, j]| !inside(*i, *j)).collect();
@@ -63,7 +63,7 @@ fn gmres_meets_its_tolerance_and_says_when_it_does_not() {
     let (matrix, keys) = grid(20, [10.0, 10.0], 0.5);
     let rhs = right_side(&keys);
     let diagonal = matrix.diag();
-    // A preconditioner that changes from call to call: flexible GMRES does not mind.
+    // The preconditioner changes from call to call, as flexible GMRES allows.
     let mut calls = 0;
     let mut precondition = |r: &[f64], z: &mut [f64]| {
         calls += 1;
@@ -77,7 +77,7 @@ fn gmres_meets_its_tolerance_and_says_when_it_does_not() {
     let mut image = vec![0.0; rhs.len()];
     sprs::prod::mul_acc_mat_vec_csc(matrix.view(), x.as_slice(), image.as_mut_slice());
     assert!(difference(&image, &rhs) < 1e-9 && report.backward_error <= 1e-10 && report.iterations > 30, "{report:?}");
-    // Nothing is right for nothing.
+    // A zero right-hand side has a zero solution.
     Gmres::default().solve(&matrix, &mut precondition, &vec![0.0; rhs.len()], &mut x, &settings).unwrap();
     assert!(x.iter().all(|x| *x == 0.0));
     let few = GmresSettings { max_iterations: 5, ..settings };

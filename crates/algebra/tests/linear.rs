@@ -46,7 +46,7 @@ fn solve(matrix: MatrixView<'_>, rhs: &[f64]) -> Result<Vec<f64>, LinearError> {
     solve_with(&mut DirectSolver::new(), matrix, rhs).map(|(x, _)| x)
 }
 
-/// Returns a flow system with its problem.
+/// Returns the assembled system of a flow problem, and the problem.
 fn assembled(m: usize) -> (BlockSystem, Flow) {
     let flow = Flow::new(m, 1.0);
     let mut system = BlockSystem::new(&flow.layout, &refs(&flow.parts()), &flow.constraints);

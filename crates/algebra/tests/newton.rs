@@ -10,7 +10,7 @@ use algebra::{
 };
 use common::{Flow, Part, scalar_field, springs};
 
-/// Returns one scalar equation `f(x) = 0`, given by value and derivative.
+/// Returns the contribution of a scalar equation `f(x) = 0`, given by value and derivative.
 fn scalar<'a>(function: impl Fn(f64) -> (f64, f64) + Send + Sync + 'a) -> Part<'a> {
     let add = move |_: usize, x: &[f64], out: &mut LocalSystem| {
         let (value, derivative) = function(x[0]);
@@ -20,7 +20,7 @@ fn scalar<'a>(function: impl Fn(f64) -> (f64, f64) + Send + Sync + 'a) -> Part<'
     Part::new("scalar", 1, |_| vec![0], add)
 }
 
-/// Returns Newton's method for a contribution that couples all unknowns.
+/// Solves with Newton's method for one contribution without constraints.
 fn newton(
     of: &Part<'_>,
     x: &mut [f64],
@@ -41,7 +41,7 @@ fn cubic(x: f64) -> (f64, f64) {
     (x.powi(3) - 8.0, 3.0 * x * x)
 }
 
-/// Returns the order of convergence of the corrections, from each three in a row that are not round-off.
+/// Returns the observed orders of convergence of any three consecutive corrections above round-off.
 fn rates(report: &NewtonReport) -> Vec<f64> {
     let corrections = report.correction_history.windows(3).filter(|c| c[2] > 1e-13);
     corrections.map(|c| (c[2] / c[1]).ln() / (c[1] / c[0]).ln()).collect()
@@ -142,7 +142,7 @@ fn a_change_of_regime_renews_the_factorisation_and_forbids_to_stop() {
     let report = newton(&problem, &mut x, &mut Workspace::new(), &NewtonSettings::new(1e-10)).unwrap();
     assert!((x[0] - 1.004).abs() < 1e-12);
     assert_eq!(report.factorizations, 2);
-    // A regime that changes at every evaluation never lets the iteration stop.
+    // A regime that changes at every evaluation prevents convergence.
     let mut drifting = scalar(|_: f64| (1.0, 1.0));
     drifting.regime = |x| x[0].to_bits();
     let settings = NewtonSettings { max_iterations: 4, max_halvings: 0, ..NewtonSettings::new(10.0) };

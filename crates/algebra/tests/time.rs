@@ -11,7 +11,7 @@ fn start(displacement: [f64; 2], velocity: [f64; 2]) -> Level<f64> {
     Level { displacement: displacement.to_vec(), velocity: velocity.to_vec(), acceleration: Vec::new() }
 }
 
-/// Returns one step of `a + ω² d = 0`.
+/// Advances oscillators `a + ω² d = 0` by one step.
 fn oscillate(scheme: &dyn TimeScheme, omega: f64, dt: f64, level: Level<f64>) -> Level<f64> {
     let rule = StepRule::new(scheme, &[dt], &[level]);
     let [d, a] = [&rule.stage.displacement, &rule.stage.acceleration];

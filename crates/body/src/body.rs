@@ -5,7 +5,7 @@ use mesh::{BoundaryMesh, Point, Vector};
 
 use crate::{Balance, BodyState, CellOutput, StepTime, SurfaceMotion, SurfaceStress};
 
-/// A body: a closed surface that moves, and whatever lies behind it. Fluid and contact see the surface only.
+/// A body with a closed surface that moves. Fluid and contact depend on its surface only.
 pub trait Body<const D: usize>: Send + Sync {
     /// Returns the name, for reports and files.
     fn name(&self) -> &str;
@@ -16,8 +16,8 @@ pub trait Body<const D: usize>: Send + Sync {
     /// Returns the reference positions of all vertices.
     fn reference(&self) -> &[Point<D>];
 
-    /// Returns whether forces move the body. Bodies of prescribed motion, and bodies that are held in every way, are
-    /// not moved.
+    /// Returns whether forces move the body: false for a prescribed motion, and if supports hold all degrees of
+    /// freedom.
     fn is_movable(&self) -> bool;
 
     /// Returns the state at time zero.
@@ -67,10 +67,10 @@ pub trait BodyStep<const D: usize>: Sync {
     }
 }
 
-/// A map from points to the body as seen from there; `None` for a body without a surface.
+/// A map from points to the position relative to a body; `None` for a body without a surface.
 pub type Locator<'s, const D: usize> = Box<dyn Fn(&Point<D>) -> Option<Located<D>> + 's>;
 
-/// A body seen from a point.
+/// Position of a point relative to a body, and the velocity of the body there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Located<const D: usize> {
     /// Whether the point lies inside the body.

@@ -1,4 +1,4 @@
-//! A body as fluid, contact and solver see it: a closed surface that moves.
+//! Bodies, given to fluid, contact and solver by a closed surface that moves.
 //!
 //! [`Body`] has the data that are constant in time, [`BodyState`] those of one instant, and [`BodyStep`] is one time step:
 //! it registers unknowns, adds contributions, and returns the state at the end. [`SurfaceMotion`] describes the surface in

@@ -1,9 +1,9 @@
 //! Times of one step.
 
-/// Begin, end and length of a time step, or of a part of one.
+/// Start, end and length of a time step, or of a part of one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StepTime {
-    /// Time at the begin.
+    /// Time at the start.
     pub start: f64,
     /// Time at the end. It may differ from `start + length` by rounding, so that multiples of a step are exact.
     pub end: f64,

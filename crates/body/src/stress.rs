@@ -3,7 +3,7 @@
 use algebra::DofId;
 use mesh::{FacetId, Vector};
 
-/// Traction `σ n` on the surface of a body, seen from one side, with its derivatives; `n` points out of the body.
+/// Traction `σ n` on one side of the surface of a body, with its derivatives; `n` points out of the body.
 ///
 /// A consistent contact law reads it. Implementations: the stress of a solid behind the surface, and that of the fluid in
 /// front of it.

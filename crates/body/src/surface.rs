@@ -3,11 +3,12 @@
 use algebra::{BlockLayout, FieldId};
 use mesh::{BoundaryMesh, Point, Vector, VertexId};
 
-/// A surface in one step: vertices at `begin`, the geometry of the step, and at `predicted + slope v` at its end.
+/// A surface in one step. Its vertices are at `begin` at the start of the step, which is the geometry of the step, and
+/// at `predicted + slope v` at its end.
 pub struct SurfaceMotion<'s, const D: usize> {
     /// The surface.
     pub boundary: &'s BoundaryMesh<D>,
-    /// Positions of all vertices at the begin of the step.
+    /// Positions of all vertices at the start of the step.
     pub begin: Vec<Point<D>>,
     /// Positions at the end of the step for zero velocity.
     pub predicted: Vec<Point<D>>,
@@ -21,7 +22,7 @@ pub struct SurfaceMotion<'s, const D: usize> {
 pub enum SurfaceVelocity<'s, const D: usize> {
     /// Vertex velocities, unknown or tied to unknowns: a field with `D` components at each vertex.
     Field(FieldId),
-    /// A velocity given at every point of the surface at the begin of the step.
+    /// A velocity given at every point of the surface at the start of the step.
     Given(Box<dyn Fn(&Point<D>) -> Vector<D> + Send + Sync + 's>),
 }
 

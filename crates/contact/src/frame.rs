@@ -11,7 +11,7 @@ const CLOSE: f64 = 0.8;
 /// An orthonormal frame whose first axis is the normal `n^w`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame<const D: usize> {
-    /// The axes; the first `D` count.
+    /// The axes; only the first `D` are used.
     pub axes: [Vector<D>; 3],
 }
 
@@ -49,13 +49,13 @@ impl<const D: usize> Frame<D> {
         by_normal
     }
 
-    /// Components of a vector.
+    /// Returns the components of a vector in the frame.
     #[inline]
     pub fn components(&self, vector: &Vector<D>) -> Local {
         self.axes.map(|axis| axis.dot(vector))
     }
 
-    /// Returns the vector with given components.
+    /// Returns the vector with the given components in the frame.
     #[inline]
     pub fn vector(&self, components: &Local) -> Vector<D> {
         self.axes.iter().zip(components).map(|(axis, value)| axis * *value).sum()

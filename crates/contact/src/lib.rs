@@ -1,10 +1,10 @@
 //! Gap, obstacles, contact laws and contact tractions.
 //!
-//! The surface of a body (the *slave*) keeps away from an *obstacle*: a rigid one, or the surface of another body
-//! (the *master*). At a point `x` of the slave's surface an [`Obstacle`] gives the closest point `Π(x)`, the unit
-//! normal `n^w` **into the obstacle** and so the gap `Δ = (Π(x) - x) · n^w`, negative when the point has penetrated.
-//! A [`ContactLaw`] maps gap, slip and stress to a traction in the local [`Frame`]. The two meet only in the term
-//! `terms/contact_work.rs`.
+//! The surface of a body (the *slave*) keeps away from an *obstacle*: a rigid one, or the surface of another body (the
+//! *master*). At a point `x` of the slave's surface an [`Obstacle`] gives the closest point `Π(x)`, the unit normal
+//! `n^w` **into the obstacle** and so the gap `Δ = (Π(x) - x) · n^w`, negative when the point has penetrated. A
+//! [`ContactLaw`] maps gap, slip and stress to a traction in the local [`Frame`]. Only the term `terms/contact_work.rs`
+//! combines the two.
 //!
 //! | formula | file |
 //! |---|---|

@@ -21,7 +21,7 @@ pub enum Positions<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> Positions<'a, D> {
-    /// Returns the positions of a surface at the end of a step; none without a surface.
+    /// Returns the positions of a surface at the end of a step; an empty list without a surface.
     pub fn at_end(surface: Option<&'a SurfaceMotion<'a, D>>, layout: &'a BlockLayout, x: &'a [f64]) -> Self {
         surface.map_or(Self::Fixed(&[]), |surface| Self::Moving { surface, layout, x })
     }

@@ -22,7 +22,7 @@ pub(crate) struct Segment<const D: usize> {
 }
 
 impl<const D: usize> Segment<D> {
-    /// Returns the whole facet.
+    /// Returns the segment that is the whole facet.
     pub(crate) fn whole() -> Self {
         Self { corners: std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j)))), share: 1.0 }
     }
@@ -41,8 +41,9 @@ impl<const D: usize> Segment<D> {
         })
     }
 
-    /// Appends the parts on both sides of the zeros of an affine function with the given values at the corners. Every edge that
-    /// is divided takes away a corner on one side, so that at most `D` follow each other, whatever round-off says.
+    /// Appends the parts on both sides of the zeros of an affine function with the given values at the corners. Every
+    /// edge that is divided takes away a corner on one side, so that at most `D` divisions follow each other, whatever
+    /// the round-off.
     fn split(self, values: [f64; D], parts: &mut Vec<Self>) {
         let below = values.iter().position(|v| *v < 0.0);
         let above = values.iter().position(|v| *v > 0.0);
@@ -83,7 +84,7 @@ fn projected<const D: usize>(points: &[Point<D>; D], facet: &[Point<D>; D]) -> O
 }
 
 /// Divides a facet of the slave along the edges of facets of the master that face it. Points: the vertices of the facets, at
-/// positions that are known before the step; that kinks move on from there during the step is an error of quadrature.
+/// positions that are known before the step; the motion of the kinks during the step is an error of quadrature.
 pub(crate) fn divide<const D: usize>(
     slave: &[Point<D>; D],
     master: impl Iterator<Item = [Point<D>; D]>,

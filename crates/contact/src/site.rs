@@ -1,4 +1,4 @@
-//! Contact points as terms see them.
+//! Contact points with the data that terms evaluate.
 
 use mesh::{MAX_FACET_VERTICES, Point, Tensor, Vector};
 
@@ -37,7 +37,7 @@ impl<const D: usize> ContactNode<D> {
 pub struct ContactSite<const D: usize> {
     /// Number of the point within its item.
     pub number: usize,
-    /// Quadrature weight with the measure of the facet at the begin of the step.
+    /// Quadrature weight with the measure of the facet at the start of the step.
     pub weight: f64,
     /// Closest point of the obstacle, at the end of the step.
     pub projection: Projection<D>,

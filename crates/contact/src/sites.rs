@@ -1,4 +1,4 @@
-//! Contact points of one step: who meets whom, and where.
+//! Contact points of one step, with the facets of the obstacle in reach.
 
 use std::sync::Arc;
 
@@ -85,7 +85,7 @@ struct Item<const D: usize> {
     /// Position in [`ContactPair::facets`].
     number: usize,
     facet: FacetId,
-    /// Measure of the facet at the begin of the step.
+    /// Measure of the facet at the start of the step.
     measure: f64,
     /// Facets of the obstacle that it may touch.
     candidates: Vec<FacetId>,
@@ -108,8 +108,8 @@ fn row_of(dof: DofId, dofs: &mut Vec<DofId>) -> usize {
 }
 
 impl<const D: usize> ContactItems<D> {
-    /// Finds candidates within `reach` of the slave's facets at the begin of the step: at least the offset of the law plus
-    /// the relative motion in the step. A point without an obstacle in reach carries no traction.
+    /// Finds candidates within `reach` of the slave's facets at the start of the step: at least the offset of the law
+    /// plus the relative motion in the step. A point without an obstacle in reach carries no traction.
     pub fn new(pair: &ContactPair<'_, D>, layout: &BlockLayout, reach: f64) -> Self {
         let &ContactPair { slave, facets, obstacle, master, .. } = pair;
         let placed = Placed::new(slave.boundary, &slave.begin);
@@ -123,7 +123,7 @@ impl<const D: usize> ContactItems<D> {
             let mut dofs = Vec::new();
             let mut first_row = |surface: &SurfaceMotion<'_, D>, vertex: VertexId| {
                 let nodes = surface.field().map(|field| layout.node(field, vertex.index()));
-                // The dofs of a vertex follow each other, unless some of them are known from elsewhere already.
+                // The dofs of a vertex follow each other, unless some of them were appended before.
                 nodes.and_then(|dofs_of| dofs_of.map(|dof| row_of(dof, &mut dofs)).min())
             };
             for &vertex in slave.boundary.facet(facet) {
@@ -152,8 +152,8 @@ impl<const D: usize> ContactItems<D> {
 
 /// The quadrature points of a contact in one step.
 ///
-/// Time levels: the *weight* has the measure of the slave's facet at the begin of the step; *gap, slip and frame* are those at
-/// its end; the *stress* is that of the unknown state.
+/// Time levels: the *weight* has the measure of the slave's facet at the start of the step; *gap, slip and frame* are
+/// those at its end; the *stress* is that of the unknown state.
 #[derive(Clone)]
 pub struct ContactSites<'a, const D: usize> {
     /// Facets that may touch.

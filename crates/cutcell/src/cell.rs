@@ -17,18 +17,18 @@ struct Label {
     part: u32,
 }
 
-/// Number of parts that are left out because they are too thin.
+/// Number in place of a part that is left out because it is too thin.
 const THIN: u32 = u32::MAX;
 /// Unknown number of bodies.
 const UNKNOWN: i32 = i32::MIN;
 
 impl Label {
-    /// Returns the part of a leaf in the fluid.
+    /// Returns the fluid part; `None` inside a body.
     fn part(self) -> Option<u32> {
         (self.depth <= 0).then_some(self.part)
     }
 
-    /// Returns the part of a leaf in the fluid, unless it is left out.
+    /// Returns the fluid part; `None` inside a body, or if the part is left out.
     fn fluid_part(self) -> Option<u32> {
         self.part().filter(|&part| part != THIN)
     }
@@ -319,7 +319,7 @@ impl<const D: usize> CellCut<D> {
         });
     }
 
-    /// Leaves with a face on a plane, and the sides of that face.
+    /// Returns the leaves with a face on a plane, and the sides of that face.
     pub(crate) fn faces(&self, on: Plane) -> impl Iterator<Item = (usize, impl Iterator<Item = Side<D>>)> {
         self.tree.leaves().iter().enumerate().flat_map(move |(leaf, piece)| {
             (0..piece.n_faces()).filter(move |&f| piece.plane(f) == on).map(move |f| (leaf, piece.face(f)))
@@ -343,7 +343,7 @@ impl<const D: usize> CellCut<D> {
         polygons.forget(polygon);
     }
 
-    /// Returns the part of a leaf in the fluid, unless it is left out.
+    /// Returns the fluid part of a leaf; `None` inside a body, or if the part is left out.
     pub(crate) fn fluid_part(&self, leaf: usize) -> Option<u32> {
         self.labels[leaf].fluid_part()
     }

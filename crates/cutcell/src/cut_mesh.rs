@@ -41,7 +41,7 @@ pub struct InterfacePiece<const D: usize> {
     pub body: BodyId,
     /// The facet of the body's surface.
     pub facet: FacetId,
-    /// Corners; the first `D` count.
+    /// Corners; only the first `D` are used.
     pub points: [Point<D>; 3],
     /// Barycentric coordinates of the corners in the facet, also valid after the body has moved. Only the first `D`
     /// entries of the first `D` arrays are used.
@@ -72,7 +72,7 @@ pub struct BoundaryPiece<const D: usize> {
     pub facet: FacetId,
     /// The fluid part.
     pub part: PartId,
-    /// Corners; the first `D` count.
+    /// Corners; only the first `D` are used.
     pub points: [Point<D>; 3],
     /// Length (area in 3D).
     pub measure: f64,

@@ -153,5 +153,6 @@ impl<const D: usize> CutMesh<D> {
 
 /// Smallest number of cells of a run.
 const CELLS_PER_RUN: usize = 32;
-/// Runs are more numerous than threads, since cells with many facets are often neighbours.
+/// Number of runs of cells per thread. Several runs balance the load, since cells with many facets are often
+/// neighbours.
 const RUNS_PER_THREAD: usize = 8;

@@ -92,6 +92,6 @@ pub struct SurfaceVertex {
     pub facet: FacetId,
     /// The vertex.
     pub vertex: VertexId,
-    /// Where it is.
+    /// Position.
     pub point: [f64; 3],
 }

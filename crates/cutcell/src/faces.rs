@@ -54,7 +54,7 @@ impl<'a, const D: usize> Faces<'a, D> {
             }
             match cells.map(|cell| self.view(cut, cell, facet)) {
                 [FaceView::Dry, FaceView::Dry] => {}
-                // Without facets on the face, the only part on each side shares all of it.
+                // Without facets on the face, the single parts on its two sides share the whole face.
                 [FaceView::Wet(a, measure), FaceView::Wet(b, _)] => {
                     let parts = [PartId(a), PartId(b)];
                     cut.part_faces.push(PartFace { facet, parts, measure, is_ghost: is_ghost(cut, cells) });

@@ -19,7 +19,7 @@ fn grid<const D: usize>() -> SimplexMesh<D> {
     structured_box::<D>([0.0; D], [1.0; D], [N; D]).expect("a box")
 }
 
-/// Returns a point on a vertex, an edge, a face or in the inside of a cell, shifted. Edges of cells run along sums of
+/// Generates points on a vertex, an edge, a face or in the inside of a cell, shifted. Edges of cells run along sums of
 /// axes.
 fn place<const D: usize>() -> impl Strategy<Value = Point<D>> {
     let fraction = prop_oneof![3 => Just(0.0), 1 => Just(0.5), 1 => Just(1.0 / 3.0), 1 => 0.0..1.0_f64];

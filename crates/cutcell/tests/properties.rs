@@ -25,7 +25,7 @@ fn star(centre: P, radii: &[f64], turn: f64) -> Body<2> {
     Body::polygon(radii.iter().enumerate().map(corner).collect())
 }
 
-/// Returns the coordinates that often coincide with those of the grid, exactly or nearly.
+/// Generates coordinates that often coincide with those of the grid, exactly or nearly.
 fn nasty_coordinate() -> impl Strategy<Value = f64> {
     let shift = prop_oneof![3 => cases::shift().prop_filter("stays in the grid", |s| s.abs() < 0.1), 1 => -0.05..0.05];
     ((1..8_i32), shift).prop_map(|(k, s)| f64::from(k) / 8.0 + s)

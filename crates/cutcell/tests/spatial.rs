@@ -16,7 +16,8 @@ fn cube() -> Body<3> {
     Body::cuboid(P::repeat(-0.5), P::repeat(0.5))
 }
 
-/// Returns an octahedron with each triangle divided into n² and put on the sphere.
+/// Returns a triangulated sphere: an octahedron with each triangle divided into n² and its vertices moved to the
+/// sphere.
 fn sphere(radius: f64, n: u32) -> Body<3> {
     let mut positions: Vec<P> = Vec::new();
     let mut triangles = Vec::new();
@@ -168,5 +169,5 @@ fn a_surface_that_pierces_itself_is_refused_unless_told_otherwise() {
         .expect("a closed surface");
     check_identities(&background, &cut);
     let union = overlay(&background, &[&first, &second]);
-    assert!((cut.fluid_volume() - union.fluid_volume()).abs() < 1e-12, "a body inside itself counts once");
+    assert!((cut.fluid_volume() - union.fluid_volume()).abs() < 1e-12, "overlapping parts of a surface count once");
 }

@@ -1,6 +1,6 @@
 //! Elastic bodies moving, deforming and colliding inside an incompressible fluid, on a mesh that they cut.
 //!
-//! This crate re-exports the others under one roof; the names that most programs need are in [`prelude`].
+//! This crate re-exports the others; the names that most programs need are in [`prelude`].
 //!
 //! ```
 //! use cutwater::prelude::*;

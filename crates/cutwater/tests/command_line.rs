@@ -20,7 +20,7 @@ fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
-/// Draws the picture of a run.
+/// Checks that the picture of a run can be drawn.
 fn check_picture(directory: &Path) {
     let picture = directory.join("run.png");
     let mut command = Command::new(env!("CARGO_BIN_EXE_cutwater"));
@@ -90,7 +90,7 @@ fn a_scenario_without_a_fluid_is_checked_run_and_reported() {
     check_picture(&directory);
 }
 
-/// Calls, and milliseconds per step, of the line of the table that begins with a name.
+/// Returns the number of calls and the milliseconds per step in the line of the table that begins with a name.
 fn timing(printed: &str, name: &str) -> (usize, f64) {
     let begin = format!("{name} ");
     let line = printed.lines().find(|line| line.trim_start().starts_with(&begin)).unwrap_or_else(|| panic!("{name}"));

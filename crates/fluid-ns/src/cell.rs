@@ -1,4 +1,4 @@
-//! Fluid parts as terms see them.
+//! Fluid parts with the local data that terms evaluate.
 
 use algebra::{DofId, Sites};
 use cutcell::PartId;
@@ -10,7 +10,7 @@ use crate::{FluidFields, FluidGeometry};
 /// A P1 vector field at the stage of the step, affine in the unknown velocity `v`: nodal values and derivative.
 #[derive(Clone, Copy, Debug)]
 pub struct Nodal<const D: usize> {
-    /// One value per node; the first `D + 1` count.
+    /// One value per node; only the first `D + 1` are used.
     pub values: [Vector<D>; MAX_CELL_VERTICES],
     /// Derivative of a nodal value with respect to `v` at the same node.
     pub slope: f64,
@@ -32,7 +32,7 @@ impl<const D: usize> Nodal<D> {
 ///
 /// Local unknowns: velocity component `a` of node `i` at row `D i + a`, then the pressures of the nodes.
 pub struct FluidCell<'a, const D: usize> {
-    /// Gradients of the shape functions; the first `D + 1` count.
+    /// Gradients of the shape functions; only the first `D + 1` are used.
     pub gradients: &'a [Vector<D>; MAX_CELL_VERTICES],
     /// Moments of the part.
     pub moments: &'a Moments,

@@ -1,4 +1,4 @@
-//! Faces between fluid parts as penalties see them.
+//! Faces between fluid parts with the local data that penalties evaluate.
 
 use algebra::{Contributions, DofId, LocalSystem};
 use mesh::Vector;

@@ -17,7 +17,7 @@ impl NewtonianFluid {
         sym(grad_u) * (2.0 * self.viscosity) - Tensor::identity() * pressure
     }
 
-    /// Viscous traction `2 μ D(u) n`.
+    /// Returns the viscous traction `2 μ D(u) n`.
     #[inline]
     pub fn viscous_traction<const D: usize>(&self, grad_u: &Tensor<D>, normal: &Vector<D>) -> Vector<D> {
         (grad_u + grad_u.transpose()) * *normal * self.viscosity

@@ -41,7 +41,8 @@ struct Fixture<const D: usize> {
 }
 
 impl<const D: usize> Fixture<D> {
-    /// Creates a setting. The history is given by number and vertex of each dof. The step has the length 0.5.
+    /// Creates a fixture with a step of length 0.5. `history` maps the number and the vertex of each dof to its
+    /// history.
     fn new(
         background: SimplexMesh<D>,
         body: Option<&SimplexMesh<D>>,
@@ -77,7 +78,7 @@ impl<const D: usize> Fixture<D> {
         FluidCells::new(self.geometry(), self.fields())
     }
 
-    /// Returns the dof of a vertex that has one.
+    /// Returns the dof of a vertex.
     fn dof(&self, vertex: usize) -> usize {
         self.space.vertices().iter().position(|v| v.index() == vertex).expect("a dof")
     }
@@ -147,7 +148,7 @@ fn convection() {
     assert_close(&r, &[1.0, 0.0, 2.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0]);
     let r = residual(&term(true), nodal(|x, _| [x, 0.0]), [0.0; 3], [V::zeros(); 3]);
     assert_close(&r, &[1.5, 0.0, 3.0, 0.0, 1.5, 0.0, 0.0, 0.0, 0.0]);
-    // u = (0, x): u·∇u = 0 although nothing vanishes; u = (y, 0) likewise.
+    // u = (y, 0): u·∇u = 0, although neither factor is zero.
     let r = residual(&term(true), nodal(|_, y| [y, 0.0]), [0.0; 3], [V::zeros(); 3]);
     assert_close(&r, &[0.0; 9]);
 }
@@ -185,8 +186,9 @@ fn weights_of_the_face_terms() {
 
 #[test]
 fn a_face_penalises_the_jump_over_its_whole_length() {
-    // The unit square in two triangles, field one at (1, 0) and zero elsewhere: its gradient (1, -1) lives below the
-    // diagonal, its jump of the normal derivative is √2, and weight c_F |F| jump² = c_F 2 √2 lands on the vertex itself.
+    // The unit square in two triangles, with a field that is one at (1, 0) and zero elsewhere. Its gradient is (1, -1)
+    // below the diagonal and zero above, the jump of its normal derivative is √2, and the row of the vertex is c_F |F|
+    // jump² = c_F 2 √2.
     let fluid = Fixture::new(mesh(&SQUARE, &[0, 1, 2, 0, 2, 3]), None, &ImplicitEuler, |_, _| V::new(1.0, -1.0));
     let form = FluidForm { inertia: None, convection: None, ..form(2.0, 4.0) };
     let faces = FluidFaces::new(fluid.geometry(), fluid.fields(), |face| form.face_weights(face));
@@ -209,7 +211,7 @@ fn open_boundary() {
     let force = |inflow: f64, backflow: bool, traction: bool| {
         let mesh =
             mesh(&TRIANGLE, &[0, 1, 2]).with_boundary_tags(|x| x.iter().all(|x| x[1] == 0.0).then_some("bottom"));
-        // The bottom's normal is (0, -1): a history that points up flows in.
+        // The normal of the bottom is (0, -1): a history that points upwards is inflow.
         let fluid = Fixture::new(mesh, None, &ImplicitEuler, |_, _| V::new(1.0, inflow));
         let t = |_: &Point<2>, n: &V, time: f64| n * time;
         let (t, backflow) =
@@ -236,8 +238,7 @@ fn open_boundary() {
     assert_close(&force(2.0, false, true), &[0.0, 3.5, 0.0, 3.5, 0.0, 0.0]);
 }
 
-/// Returns a form with all terms but a body force. Inertia, convection and CIP have the density, the others the
-/// viscosity.
+/// Returns a form with all terms but a body force, with the given density and viscosity.
 fn form<'a, const D: usize>(density: f64, viscosity: f64) -> FluidForm<'a, D> {
     FluidForm {
         inertia: Some(Inertia { density }),
@@ -251,7 +252,7 @@ fn form<'a, const D: usize>(density: f64, viscosity: f64) -> FluidForm<'a, D> {
     }
 }
 
-/// Returns the numbers between -1 and 1 that look random.
+/// Returns a pseudo-random number between -1 and 1.
 fn noise(k: usize) -> f64 {
     let x = ((k as f64 + 1.0) * 12.9898).sin() * 43758.5453;
     2.0 * (x - x.floor()) - 1.0
@@ -289,8 +290,8 @@ impl<const D: usize> Field<D> {
 /// The integrand of a term for transporting field, field and test function, linear in each that it depends on.
 type Integrand<const D: usize> = fn(&Field<D>, &Field<D>, &Field<D>) -> f64;
 
-/// Returns the residual and tangent of an integrand on one part, by a rule of degree 4. A quadratic integrand depends
-/// on the transporting field.
+/// Computes residual and tangent of an integrand on one part, by a rule of degree 4. A quadratic integrand depends on
+/// the transporting field.
 fn by_quadrature<const D: usize>(
     fluid: &Fixture<D>,
     part: PartId,

@@ -7,13 +7,13 @@ use xfem_space::PartValues;
 /// A quadrature point of the interface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PiecePoint<const D: usize> {
-    /// Where.
+    /// Position.
     pub point: Point<D>,
     /// Weight, with the measure.
     pub weight: f64,
-    /// Shape values of the fluid part; the first `D + 1` count.
+    /// Shape values of the fluid part; only the first `D + 1` are used.
     pub fluid: [f64; MAX_CELL_VERTICES],
-    /// Shape values of the solid facet; the first `D` count.
+    /// Shape values of the solid facet; only the first `D` are used.
     pub solid: [f64; MAX_CELL_VERTICES],
 }
 

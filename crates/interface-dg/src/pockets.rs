@@ -72,8 +72,8 @@ pub fn pockets<const D: usize>(
     undetermined.collect()
 }
 
-/// Returns the flux of each free dof of the bodies into each region, `∫ N_k n_a`, pushed through ties. Fluxes that
-/// cancel are zero.
+/// Returns the flux `∫ N_k n_a` of each free dof of the bodies into each region. Fluxes of tied dofs are added to their
+/// masters; fluxes that cancel are zero.
 fn fluxes<const D: usize>(
     points: &InterfacePoints<'_, D>,
     constraints: &Constraints,

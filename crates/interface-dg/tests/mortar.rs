@@ -31,7 +31,8 @@ impl Fixture {
         Self { background, body, cut, space }
     }
 
-    /// Visits the interface, the state, and the residual sums: force on fluid and body, flux in the pressure rows.
+    /// Calls `visit` with the interface, the form, the state, the forces on fluid and body, and the sum of the pressure
+    /// rows.
     fn with_points<R>(
         &self,
         gamma_sigma: f64,
@@ -163,7 +164,7 @@ fn a_jump_is_penalised_and_counted_as_leak() {
     }
 }
 
-/// The traction of linear fields is that of their gradients, and its derivatives are differences.
+/// Checks the traction of linear fields against their gradients, and its derivatives against finite differences.
 #[test]
 fn fluid_stress_is_the_traction_of_the_fluid() {
     let gradient = Tensor::<2>::new(0.7, -1.1, 0.4, 0.3);

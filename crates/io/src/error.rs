@@ -52,7 +52,7 @@ pub enum Error {
     Violated {
         /// The identity that is violated most.
         identity: &'static str,
-        /// By how much, relative.
+        /// Relative error.
         by: f64,
     },
     /// A box of cubes around surfaces cannot be built. Choose another number of cubes.
@@ -110,7 +110,7 @@ fn advice(refused: &cutcell::Error) -> &'static str {
     }
 }
 
-/// Returns the files of bodies; their numbers beside them if there are several.
+/// Returns the files of bodies, with the numbers of the bodies if there are several.
 fn listed(paths: &[PathBuf]) -> String {
     match paths {
         [path] => path.display().to_string(),

@@ -124,7 +124,7 @@ fn boxed<const D: usize>((name, of): &(&str, BodyNumber<D>)) -> BodyColumn<D> {
     ((*name).to_owned(), Box::new(*of))
 }
 
-/// Returns a vertical force on a body; not a number if its motion is prescribed.
+/// Returns a vertical force on a body; NaN if its motion is prescribed.
 fn vertical<const D: usize>(body: &BodyMeasures<'_, D>, of: fn(&ForceBalance<D>) -> f64) -> f64 {
     body.body().forces.as_ref().map_or(f64::NAN, of)
 }
@@ -134,7 +134,7 @@ fn microseconds(seconds: f64) -> f64 {
     (seconds * 1e6).round() / 1e6
 }
 
-/// Writes `history.csv` and `diagnostics.csv`; both are complete after every row.
+/// Writer of `history.csv` and `diagnostics.csv`; both are complete after every row.
 ///
 /// A row has the time, the columns of each body, and those of the run. With several bodies the columns of a body carry its
 /// name as a prefix: `NAME_d_min`.

@@ -108,7 +108,7 @@ impl<'a, const D: usize> BodyMeasures<'a, D> {
         self.contacts().map(|contact| contact.largest_penetration).fold(0.0, f64::max)
     }
 
-    /// Returns the quadrature points in contact.
+    /// Returns the number of quadrature points in contact.
     pub(crate) fn active_points(&self) -> usize {
         self.contacts().map(|contact| contact.n_active).sum()
     }
@@ -133,7 +133,7 @@ impl<'a, const D: usize> BodyMeasures<'a, D> {
     }
 }
 
-/// Returns the pieces of the interface on a body with their tractions; none without a fluid.
+/// Returns the pieces of the interface on a body with their tractions; an empty sequence without a fluid.
 fn pieces<'a, const D: usize>(
     view: &StepView<'a, D>,
     step: &'a StepReport<D>,

@@ -176,7 +176,7 @@ pub struct Sizes {
     pub background_cells: usize,
     /// Vertices of the background.
     pub background_vertices: usize,
-    /// Name, cells and vertices of each body; no cells where only the surface counts, because it does not deform.
+    /// Name, cells and vertices of each body; no cells if only its surface is used, because it does not deform.
     pub bodies: Vec<(String, usize, usize)>,
     /// Cut cells at the start.
     pub cut_cells: usize,

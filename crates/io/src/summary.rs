@@ -53,11 +53,11 @@ pub struct Summary {
     pub contact_time: Option<f64>,
     /// End of the first later step without contact.
     pub release_time: Option<f64>,
-    /// Begin and end of each contact; no end if it lasts.
+    /// Start and end of each contact; no end if it lasts.
     pub contact_intervals: Vec<(f64, Option<f64>)>,
     /// Largest violation of the offset.
     pub max_penetration: f64,
-    /// The same divided by the contact size.
+    /// Largest violation of the offset, divided by the contact size.
     pub max_penetration_over_s: Option<f64>,
     /// Smallest distance.
     pub min_distance: Option<f64>,
@@ -174,7 +174,7 @@ impl Summary {
     }
 }
 
-/// Builds a summary step by step.
+/// Builder that accumulates a summary step by step.
 #[derive(Clone, Debug)]
 pub(crate) struct SummaryBuilder {
     pub(crate) summary: Summary,

@@ -1,4 +1,4 @@
-//! How a program attaches observers to a run.
+//! Observers that a program attaches to a run.
 
 use contact::ContactReport;
 use solver::{Observer, ObserverError, StepView};
@@ -67,7 +67,7 @@ pub struct StepProgress {
     pub in_contact: bool,
 }
 
-/// Calls a function after every whole step.
+/// Observer that calls a function after every whole step.
 pub struct Progress<F>(pub F);
 
 impl<F: FnMut(&StepProgress)> Watch for Progress<F> {

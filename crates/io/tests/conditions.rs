@@ -16,7 +16,7 @@ fn problem(text: &str, sets: &[&[&str]]) -> Case<2> {
     planar_case(&legal(text, sets))
 }
 
-/// Returns the fluid, which all cases here have.
+/// Returns the fluid of a case that has one.
 fn wet(case: &Case<2>) -> &FluidSetup<2> {
     case.setup.fluid.as_ref().unwrap_or_else(|| panic!("a fluid"))
 }

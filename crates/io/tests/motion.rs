@@ -25,7 +25,7 @@ density  = 1.0
 gravity  = [0.0, 0.0]
 "#;
 
-/// Returns a contact of a body with another.
+/// Returns the text of a contact of a body with an obstacle.
 fn contact(body: &str, obstacle: &str) -> String {
     format!(
         "\n[[contact]]\nbody = \"{body}\"\nlaw = {{ kind = \"penalty\", gamma_contact_0 = 10.0 }}\nsize = 0.05\n\
@@ -33,13 +33,13 @@ fn contact(body: &str, obstacle: &str) -> String {
     )
 }
 
-/// Returns the coarse case with a motion instead of the formula, and texts added.
+/// Returns the text of the case with another motion in place of the formula, and with more text at its end.
 fn with_motion(motion: &str, more: &str) -> String {
     assert!(CHANNEL.contains(MOTION));
     CHANNEL.replace(MOTION, motion) + more
 }
 
-/// Reads a scenario in the directory of all tests, relative to which tables are named.
+/// Reads a scenario in the directory of all tests, to which the paths of tables are relative.
 fn read(text: &str, sets: &[&str]) -> Result<ScenarioFile, Error> {
     parse_at(&Path::new(env!("CARGO_TARGET_TMPDIR")).join("motion/case.toml"), text, &[&COARSE, sets])
 }
@@ -195,7 +195,7 @@ fn contacts_in_which_nothing_yields_are_refused() {
 /// The cylinder as a free body.
 const FREE: &str = "{ kind = \"free\" }\ndensity = 1.5\ngravity = [0.0, -9.81]";
 
-/// Returns the cylinder as a free body with more keys of its motion.
+/// Returns the text of the cylinder as a free body, with more keys of its motion.
 fn free(more: &str) -> String {
     FREE.replace(" }", &format!(", {more} }}"))
 }
@@ -239,7 +239,7 @@ fn a_free_cylinder_sinks_with_the_force_that_is_reported() {
         assert!((inertia + mass * 9.81 - f).abs() < 1e-6 * mass * 9.81, "{inertia} {f}");
         before = *v;
     }
-    // Buoyancy and the fluid that it takes along: more than the first by itself, less than twice the mass of fluid.
+    // Buoyancy and added mass: the added mass is positive and less than the mass of the displaced fluid.
     let acceleration = -velocity[0] / 0.01;
     assert!(acceleration < 9.81 * 0.5 / 2.5 && acceleration > 9.81 * 0.5 / 3.5, "{velocity:?}");
     assert!(velocity.windows(2).all(|v| v[1] < v[0]), "{velocity:?}");

@@ -21,7 +21,8 @@ centre_x,centre_velocity_x,angle,angular_velocity,contact_force_x,force_x,force_
 energy_kinetic_fluid,energy_contact,leak_net,leak_absolute,newton,linear_iterations,factorizations,smallest_fraction,dofs,\
 seconds_cut,seconds_space,seconds_assembly,seconds_linear,seconds_output";
 
-/// Returns the virtual barrier on a coarse mesh, just above it: contact in the first steps.
+/// Returns the virtual barrier with coarse meshes. The ball starts just above the barrier, so that contact begins in
+/// the first steps.
 fn coarse(extra: &[&str]) -> ScenarioFile {
     let sets = [
         "background.size=1.0",
@@ -67,7 +68,7 @@ fn area(grid: &UnstructuredGridPiece) -> f64 {
     area
 }
 
-/// Checks that every file which must be readable at any moment is.
+/// Checks that the files that must be readable during a run are complete.
 fn check_directory(directory: &Path, steps: usize) {
     let text = fs::read_to_string(directory.join("history.csv")).expect("a history");
     assert_eq!(text.lines().next(), Some(HEADER));
@@ -230,7 +231,7 @@ fn a_divided_run_has_rows_for_parts_and_files_for_steps() {
         .collect();
     files.sort();
     assert_eq!(files, [0, 2, 4, 5].map(|step| format!("fluid_{step:06}.vtu")));
-    // An observer sees the start and every part.
+    // An observer receives the start and every part.
     assert_eq!(parts.0[0], 0.0);
     assert_eq!(parts.0[1..], times);
 }

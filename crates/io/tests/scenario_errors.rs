@@ -9,13 +9,13 @@ use io::{Error, ScenarioFile, sizes};
 
 const COARSE: [&str; 2] = ["background.size=1.0", "body.0.shape.size=1.0"];
 
-/// Returns the virtual barrier with one text replaced by another, and where that happens.
+/// Returns the text of the virtual barrier with `from` replaced by `to`, and the offset of the replacement.
 fn with(from: &str, to: &str) -> (String, usize) {
     let at = BARRIER.find(from).unwrap_or_else(|| panic!("the case contains {from}"));
     (BARRIER.replacen(from, to, 1), at)
 }
 
-/// Replaces, and expects an error at that line and key whose text contains all the given words.
+/// Replaces `from` by `to`, and expects an error at that line and key whose text contains all the given words.
 fn expect(from: &str, to: &str, key: &str, words: &[&str]) {
     let (text, begin) = with(from, to);
     expect_at(&text, begin, key, words);

@@ -1,6 +1,6 @@
 //! The tables of keys on the page `reference/scenario.md` are those of the declarations.
 //!
-//! `UPDATE_PAGES=1 cargo test -p io --test scenario_page` writes them anew.
+//! `UPDATE_PAGES=1 cargo test -p io --test scenario_page` updates them.
 
 use std::fmt::Write;
 use std::path::Path;

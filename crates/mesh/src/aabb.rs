@@ -36,7 +36,7 @@ impl<const D: usize> Aabb<D> {
         Self { low: self.low.add_scalar(-margin), high: self.high.add_scalar(margin) }
     }
 
-    /// Lengths of the edges.
+    /// Returns the lengths of the edges.
     pub fn extent(&self) -> Vector<D> {
         self.high - self.low
     }

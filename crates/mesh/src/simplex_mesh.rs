@@ -238,7 +238,7 @@ impl<const D: usize> SimplexMesh<D> {
 
     /// Returns the outward unit normal of the facets with a tag; `None` if there are none or they do not lie in one plane.
     ///
-    /// Directions may differ by 1e-9, and so may distances from the plane relative to distances within it.
+    /// Normals may differ by 1e-9. Distances from the plane may be 1e-9 times distances within it.
     pub fn tag_normal(&self, tag: Tag) -> Option<Vector<D>> {
         const TOLERANCE: f64 = 1e-9;
         let mut plane = None;

@@ -81,7 +81,7 @@ impl Chart {
     }
 }
 
-/// Returns a number with six significant digits; none if it is not finite.
+/// Returns a number with six significant digits; null if it is not finite.
 fn short(x: f64) -> Value {
     format!("{x:.5e}").parse::<f64>().map_or(Value::Null, |x| json!(x))
 }

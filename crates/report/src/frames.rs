@@ -120,7 +120,7 @@ impl Frames {
     }
 }
 
-/// Records the frames of a run in the plane; in space it records nothing.
+/// Recorder of the frames of a run in 2D; in 3D it records nothing.
 #[derive(Clone, Debug, Default)]
 pub struct Recorder {
     frames: Option<Frames>,

@@ -112,7 +112,7 @@ pub fn optional(x: Option<f64>) -> String {
     number(x.unwrap_or(f64::NAN))
 }
 
-/// Returns a wall-clock time.
+/// Formats a wall-clock time.
 pub fn duration(seconds: f64) -> String {
     match seconds {
         s if s < 10.0 => format!("{s:.1} s"),
@@ -150,7 +150,7 @@ pub fn table(caption: &str, head: &[&str], rows: &[Vec<String>]) -> String {
     html + "</tbody></table></div>"
 }
 
-/// Figures next to each other where there is room.
+/// Returns figures next to each other where there is room.
 pub fn gallery(figures: &[String]) -> String {
     if figures.is_empty() { String::new() } else { format!("<div class=\"gallery\">{}</div>", figures.concat()) }
 }

@@ -47,7 +47,8 @@ impl Ledger<'_> {
         Ok(gallery(&[each.html()?, sum.html()?]))
     }
 
-    /// Changes of energies and work from the last step before the first contact to its end; `None` without a contact.
+    /// Returns the changes of energies and work from the last step before the first contact to its end; `None` without
+    /// a contact.
     pub(crate) fn contact(&self) -> Option<String> {
         let Results { history, diagnostics, summary, .. } = self.results;
         let units = &summary.units;
@@ -100,7 +101,7 @@ impl Ledger<'_> {
         Ok(gallery(&[self.forces()?, format!("<div>{}</div>", self.volumes())]))
     }
 
-    /// Returns the vertical forces on the leading body, and how well they balance; empty if its motion is prescribed.
+    /// Returns the vertical forces on the leading body, and their remainder; empty if its motion is prescribed.
     fn forces(&self) -> Result<String, Error> {
         let Results { diagnostics, summary, .. } = self.results;
         let units = &summary.units;
@@ -159,7 +160,8 @@ impl Ledger<'_> {
     }
 }
 
-/// Integrals of a rate from the start to the end of each row's step, over which it holds; `None` if a row is missing.
+/// Computes the integrals of a rate from the start to the end of each row's step, over which it holds; `None` if a row
+/// is missing.
 fn integral(times: &[f64], rates: &[f64]) -> Option<Vec<f64>> {
     let (mut sum, mut begin) = (0.0, 0.0);
     let mut add = |(&end, &rate): (&f64, &f64)| {

@@ -48,7 +48,7 @@ pub fn part(results: &Results, marks: &[(String, f64)]) -> Result<String, Error>
     Ok(parts(results, marks)?.into_iter().map(text).collect())
 }
 
-/// Returns the sections about the results of a run that are not empty.
+/// Returns the sections about the results of a run, without empty ones.
 fn parts(results: &Results, marks: &[(String, f64)]) -> Result<Vec<Section>, Error> {
     let ledger = Ledger { results };
     let all = [
@@ -62,7 +62,7 @@ fn parts(results: &Results, marks: &[(String, f64)]) -> Result<Vec<Section>, Err
     Ok(all.into_iter().filter(|section| !section.html.is_empty()).collect())
 }
 
-/// Returns the animation and sizes.
+/// Returns the text about the run: animation and sizes.
 fn run(results: &Results) -> Result<String, Error> {
     let summary = &results.summary;
     let (length, time) = (&summary.units.length, &summary.units.time);
@@ -133,7 +133,7 @@ fn drawing<'a>(results: &Results, frames: &Frames, shown: impl Iterator<Item = &
     }))
 }
 
-/// Histories of all bodies, with marked times.
+/// Returns the histories of all bodies, with marked times.
 fn histories(results: &Results, marks: &[(String, f64)]) -> Result<String, Error> {
     let Results { history, summary, .. } = results;
     let units = &summary.units;
@@ -166,7 +166,7 @@ fn contacts(results: &Results, marks: &[(String, f64)]) -> Result<String, Error>
         let lasts = end.map_or("to the end".to_owned(), |end| number(end - begin));
         vec![(k + 1).to_string(), number(*begin), optional(*end), lasts]
     };
-    // A body that trembles on an obstacle has hundreds of contacts.
+    // A body that vibrates on an obstacle may have hundreds of contacts.
     let shown = summary.contact_intervals.iter().take(12).enumerate();
     let rows: Vec<_> = shown.map(row).collect();
     let time = &units.time;

@@ -9,7 +9,7 @@ use crate::{Error, Frames, Snapshot};
 
 /// Pixels along the longer side.
 const SIZE: f64 = 560.0;
-/// Frames of the picture, at most: the file should stay small.
+/// Largest number of frames, which limits the size of the file.
 const MOST: usize = 50;
 /// Frames per second.
 const RATE: u16 = 16;
@@ -48,7 +48,7 @@ pub fn write_picture(directory: &Path, path: &Path) -> Result<(), Error> {
 fn encode(frames: &Frames, out: impl std::io::Write) -> Result<(), png::EncodingError> {
     let every = frames.frames.len().div_ceil(MOST);
     let shown: Vec<&Snapshot> = frames.frames.iter().step_by(every).collect();
-    // The few fastest frames would leave no colours for the others.
+    // The colours end at a quantile of the largest speeds: a few fast frames would leave no colours for the others.
     let mut speeds: Vec<f64> = shown.iter().map(|frame| frame.largest).collect();
     speeds.sort_by(f64::total_cmp);
     let largest = speeds[(speeds.len() - 1) * 7 / 10].max(1e-9);
@@ -68,7 +68,7 @@ fn encode(frames: &Frames, out: impl std::io::Write) -> Result<(), png::Encoding
     writer.finish()
 }
 
-/// Returns two pixels of four bits in a byte, row by row.
+/// Packs two pixels of four bits into each byte, row by row.
 fn packed(pixels: &[u8], width: usize) -> Vec<u8> {
     let rows = pixels.chunks(width);
     rows.flat_map(|row| row.chunks(2).map(|pair| pair[0] << 4 | pair.get(1).copied().unwrap_or(0))).collect()
@@ -76,7 +76,7 @@ fn packed(pixels: &[u8], width: usize) -> Vec<u8> {
 
 struct Canvas<'a> {
     frames: &'a Frames,
-    /// Left side of the shown region; with a plane of symmetry that of the mirrored whole.
+    /// Left side of the shown region, which includes the mirror image at a plane of symmetry.
     left: f64,
     /// Pixels per length.
     scale: f64,
@@ -128,7 +128,7 @@ impl<'a> Canvas<'a> {
         pixels
     }
 
-    /// Returns the image of a position in the computed half.
+    /// Returns the mirror image of a position outside the computed half; other positions are unchanged.
     fn folded(&self, x: f64) -> f64 {
         match self.frames.mirror {
             Some(mirror) if x < self.frames.low[0] || x > self.frames.high[0] => 2.0 * mirror - x,
@@ -146,8 +146,7 @@ fn crossings(points: &[[f64; 2]], y: f64) -> Vec<f64> {
     at
 }
 
-/// Returns the speed at a position: the mean of the points of the raster around it, weighted by how near they are,
-/// without those outside the fluid.
+/// Interpolates the speed at a position bilinearly between the points of the raster, without those outside the fluid.
 fn speed(frames: &Frames, frame: &Snapshot, x: [f64; 2]) -> f64 {
     let at = [0, 1].map(|k| (x[k] - frames.low[k]) / (frames.high[k] - frames.low[k]) * frame.n[k] as f64 - 0.5);
     let (mut sum, mut weights) = (0.0, 0.0);

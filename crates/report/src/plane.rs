@@ -4,7 +4,7 @@ use mesh::Point;
 use solver::body::Body;
 use solver::{FluidBoundary, Setup};
 
-/// Returns the position of a side on the left or right that is a plane of symmetry: pictures then show the whole.
+/// Returns the position of the left or right side if it is a plane of symmetry. Pictures then include the mirror image.
 pub fn mirror<const D: usize>(setup: &Setup<D>) -> Option<f64> {
     let fluid = setup.fluid.as_ref()?;
     let (tag, _) = fluid.boundary.iter().find(|(_, c)| matches!(c, FluidBoundary::Symmetry { axis: 0 }))?;

@@ -26,7 +26,8 @@ fn page(text: &str, sets: &[&str], directory: &Path) -> String {
     fs::read_to_string(path).expect("a page")
 }
 
-/// Returns the virtual barrier on a coarse mesh, just above it: contact in the first steps.
+/// Returns the virtual barrier with coarse meshes. The ball starts just above the barrier, so that contact begins in
+/// the first steps.
 fn barrier(directory: &Path, extra: &[&str]) -> String {
     let text = include_str!("../../../validation/cases/virtual-barrier.toml");
     let sets = [

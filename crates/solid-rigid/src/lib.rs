@@ -2,7 +2,7 @@
 //!
 //! The unknowns of a body are the velocity `V` of its centre of mass and its spin `ω` at the end of the step, and with them the
 //! velocity of every point, `v(x) = V + ω × (x - c)`. Geometry is explicit in time as everywhere: `c` and the
-//! positions `x` are those at the begin of the step, so that `v` is linear in the unknowns ([`modes`]).
+//! positions `x` are those at the start of the step, so that `v` is linear in the unknowns ([`modes`]).
 //!
 //! | line | formula | file |
 //! |---|---|---|

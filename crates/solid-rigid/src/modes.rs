@@ -5,7 +5,8 @@
 
 use mesh::{Tensor, Vector};
 
-/// Angular velocity, momentum or torque: one coefficient per rotation; the first `D(D-1)/2` count. Units: rad/s for a velocity.
+/// Angular velocity, momentum or torque: one coefficient per rotation; only the first `D(D-1)/2` are used. Units: rad/s
+/// for a velocity.
 pub type Spin = [f64; 3];
 
 /// Returns the number of rotations.

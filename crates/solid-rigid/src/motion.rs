@@ -30,7 +30,7 @@ impl<const D: usize> RigidMotion<D> {
 
     /// Returns the motion at the end of a step of length `dt` with velocity and spin there.
     ///
-    /// The angular momentum is that of the balance over the step, `J(R^n) ω` with the `inertia` at its begin: without
+    /// The angular momentum is that of the balance over the step, `J(R^n) ω` with the `inertia` at its start: without
     /// torque it is conserved exactly.
     pub fn after(&self, inertia: &[Spin; 3], dt: f64, velocity: Vector<D>, spin: Spin) -> Self {
         Self {

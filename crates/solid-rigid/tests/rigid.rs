@@ -26,7 +26,7 @@ fn mass_centre_and_inertia_of_a_brick_are_exact_in_any_position() {
     let mass = MassProperties::of_surface(&Placed::new(&surface, &corners), density).unwrap();
     assert!((mass.mass - 6.0 * density).abs() < 1e-12);
     assert!((mass.centre - centre).norm() < 1e-12);
-    // About its own axes, m (b² + c²)/12 and so on: turned back they must come out.
+    // In its own axes the inertia is diagonal, with the entries m (b² + c²)/12 and so on.
     let inertia = mass.inertia(&rotated_by::<3>(&turned_by).transpose());
     for (k, row) in inertia.iter().enumerate() {
         for (l, found) in row.iter().enumerate() {
@@ -47,8 +47,8 @@ fn what_encloses_nothing_is_refused() {
     assert!(matches!(massless, Err(Error::Parameter(ParameterError { what: "density", .. }))));
 }
 
-/// Returns one step of a body without forces, solved by Newton's method: the contribution is linear, and one iteration
-/// is enough.
+/// Advances a body without forces by one step. The contribution is linear, so one iteration of Newton's method
+/// suffices.
 fn free_step(body: &RigidBody<3>, before: &RigidMotion<3>, dt: f64) -> RigidMotion<3> {
     let begin = BodyState { inner: before.to_numbers(), ..body.start() };
     let mut layout = BlockLayout::new();

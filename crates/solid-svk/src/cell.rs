@@ -1,4 +1,4 @@
-//! Cells of a body as terms see them.
+//! Cells of a body with the local data that terms evaluate.
 
 use algebra::time::StepRule;
 use algebra::{BlockLayout, DofId, FieldId, LocalSystem, Sites};

@@ -31,7 +31,7 @@ pub struct ElasticOptions<const D: usize> {
 }
 
 impl<const D: usize> Default for ElasticOptions<D> {
-    /// Returns implicit Euler, no supports, no loads, at rest.
+    /// Returns the default options: implicit Euler, no supports, no loads, at rest.
     fn default() -> Self {
         Self {
             scheme: Arc::new(ImplicitEuler),

@@ -12,7 +12,7 @@ use crate::SolidCells;
 pub struct SolidFacet<const D: usize> {
     /// Measure (length, area) in the reference configuration.
     pub reference_measure: f64,
-    /// Positions `x = X + d` of the vertices; the first `D` count.
+    /// Positions `x = X + d` of the vertices; only the first `D` are used.
     pub points: [Point<D>; MAX_CELL_VERTICES],
     /// `c_d`: derivative of displacement with respect to velocity.
     pub displacement_slope: f64,

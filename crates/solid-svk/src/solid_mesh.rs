@@ -14,7 +14,7 @@ pub struct SolidMesh<const D: usize> {
 }
 
 impl<const D: usize> SolidMesh<D> {
-    /// Returns a body that occupies the mesh in its reference configuration.
+    /// Creates a body that occupies the mesh in its reference configuration.
     ///
     /// # Errors
     /// [`Error::DegenerateCell`]: a cell without finite gradients.
@@ -44,12 +44,12 @@ impl<const D: usize> SolidMesh<D> {
         &self.boundary
     }
 
-    /// Returns the boundary seen at the given positions of the vertices.
+    /// Returns the boundary at the given positions of the vertices.
     pub fn placed<'m>(&'m self, positions: &'m [Point<D>]) -> Placed<'m, D> {
         Placed::new(&self.boundary, positions)
     }
 
-    /// Returns the gradients of the shape functions of a cell; the first `D + 1` count, the others are zero.
+    /// Returns the gradients of the shape functions of a cell; only the first `D + 1` are used, the others are zero.
     #[inline]
     pub fn gradients(&self, cell: CellId) -> &[Vector<D>; MAX_CELL_VERTICES] {
         &self.gradients[cell.index()]

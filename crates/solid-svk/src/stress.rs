@@ -22,7 +22,8 @@ impl<const D: usize> SolidStress<'_, D> {
         self.cells.solid.boundary().facet_to_cell(facet)
     }
 
-    /// Returns Nanson's formula: `σ n = P N / |J F⁻ᵀ N|`, with the derivative in the direction of each local unknown.
+    /// Computes the traction by Nanson's formula, `σ n = P N / |J F⁻ᵀ N|`, and its derivative in the direction of each
+    /// local unknown.
     fn traction(&self, cell: &SolidCell<'_, D>, normal: &Vector<D>, derivatives: &mut Vec<Vector<D>>) -> Vector<D> {
         let f = deformation_gradient(&cell.grad_displacement());
         let Some(inverse) = f.try_inverse() else { return Vector::zeros() };

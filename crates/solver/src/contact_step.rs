@@ -29,7 +29,7 @@ pub(crate) struct ContactStep<const D: usize> {
     reach: f64,
 }
 
-/// Returns the slave and obstacle of a contact in a step.
+/// Returns the pair of slave and obstacle of a contact in a step.
 fn pair<'p, const D: usize>(contact: &'p Contact<D>, step: Partners<'p, D>) -> ContactPair<'p, D> {
     let surface = |id: BodyId| step.bodies[id.index()].surface();
     let stress: Option<Arc<dyn SurfaceStress<D> + 'p>> = match contact.form().law.stress() {
@@ -68,7 +68,8 @@ impl<const D: usize> ContactStep<D> {
         ContactSites { items: &self.items, pair: pair(contact, step), layout: step.layout }
     }
 
-    /// Returns an error if the bodies moved farther than obstacles were searched. A rigid obstacle is seen from everywhere.
+    /// Returns an error if the bodies moved farther than obstacles were searched. A rigid obstacle is found at any
+    /// distance.
     pub(crate) fn check(
         &self,
         number: usize,

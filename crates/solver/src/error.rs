@@ -2,7 +2,7 @@
 
 use algebra::{LinearError, NewtonError, NewtonReport};
 
-/// An observer that could not do its work.
+/// Error of an observer.
 pub type ObserverError = Box<dyn std::error::Error + Send + Sync>;
 
 /// The stage of a step that failed.
@@ -51,8 +51,8 @@ pub enum Stage {
 }
 
 impl Stage {
-    /// Returns whether a smaller step may succeed: not if the matrix is too large for the memory, or has no inverse
-    /// because of its pattern.
+    /// Returns whether a smaller step may succeed. It cannot if the matrix is too large for the memory or structurally
+    /// singular.
     pub fn asks_for_a_smaller_step(&self) -> bool {
         let Self::Newton(newton) = self else { return matches!(self, Self::MissedContact { .. }) };
         let NewtonError::Linear { source, .. } = newton else { return true };

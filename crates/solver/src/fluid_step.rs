@@ -107,7 +107,7 @@ impl<'a, const D: usize> FluidStep<'a, D> {
         })
     }
 
-    /// Returns the geometry and time rule as fluid terms see them.
+    /// Returns the geometry and time rule for fluid terms.
     pub(crate) fn geometry(&self) -> FluidGeometry<'_, D> {
         FluidGeometry {
             background: &self.setup.background,

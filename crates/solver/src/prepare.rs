@@ -80,7 +80,7 @@ impl<'a, const D: usize> Step<'a, D> {
         Ok(step)
     }
 
-    /// Returns the fluid and the bodies, between which contacts act.
+    /// Returns the fluid and the bodies for the evaluation of contacts.
     pub(crate) fn partners(&self) -> Partners<'_, D> {
         let (layout, bodies) = (&self.layout, &self.bodies[..]);
         Partners { layout, fluid: self.fluid.as_ref(), bodies, dt: self.time.length() }
@@ -126,7 +126,7 @@ impl<'a, const D: usize> Step<'a, D> {
         self.bodies.iter().map(|body| body.end(&self.layout, x)).collect()
     }
 
-    /// Returns the state at the end of the step; takes cut and space with it.
+    /// Returns the state at the end of the step. Moves cut and space into it.
     pub(crate) fn finish(self, substep: Substep, x: &[f64], bodies: Vec<BodyState<D>>) -> State<D> {
         State {
             step: self.previous.step + usize::from(substep.is_last),

@@ -32,7 +32,8 @@ pub struct ForceBalance<const D: usize> {
 }
 
 impl<const D: usize> ForceBalance<D> {
-    /// Returns the inertia minus all forces: the force of supports, loads and contacts as master.
+    /// Returns the inertia minus all other forces of this balance. It is the force of supports, loads and contacts as
+    /// master.
     pub fn remainder(&self) -> Vector<D> {
         self.inertia - self.body_force - self.pressure - self.viscous - self.penalty - self.contact
     }

@@ -94,7 +94,7 @@ pub struct Contact<const D: usize> {
 
 /// An obstacle.
 pub enum ContactObstacle<const D: usize> {
-    /// One that does not move.
+    /// An obstacle that does not move.
     Rigid(Box<dyn Obstacle<D>>),
     /// The boundary of another body.
     Body {

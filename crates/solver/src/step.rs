@@ -1,4 +1,4 @@
-//! One time step: the page to read first.
+//! One time step, the entry point for readers.
 
 use algebra::{Workspace, newton};
 

@@ -19,7 +19,7 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         Self { setup, state, work, lost: NewtonReport::default() }
     }
 
-    /// Returns the state so far.
+    /// Returns the current state.
     pub fn state(&self) -> &State<D> {
         &self.state
     }
@@ -29,12 +29,12 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         &self.work
     }
 
-    /// Shows the state to the observers, then takes `n_steps` steps and shows each of them.
+    /// Passes the state to the observers, then takes `n_steps` steps and passes the state after each of them.
     ///
-    /// A step in which Newton's method fails or contact may have been missed is taken again in two halves, from the same state;
-    /// halves are divided further, down to [`Setup::most_halvings`] halvings. The next half, and the next step, are tried whole.
-    /// Observers see the parts as well ([`crate::StepReport::substep`]); a part that succeeds also counts the work of the
-    /// nonlinear solves that failed before it.
+    /// A step in which Newton's method fails or contact may have been missed is taken again in two halves, from the
+    /// same state; halves are divided further, down to [`Setup::most_halvings`] halvings. The next half, and the next
+    /// step, are tried whole. Observers receive the parts as well ([`crate::StepReport::substep`]); a part that
+    /// succeeds also counts the work of the nonlinear solves that failed before it.
     ///
     /// # Errors
     /// The first step or observer that fails; the state is the last good one, at the end of a part if the step was divided.

@@ -24,7 +24,7 @@ fn balance(setup: &Setup<2>, state: &State<2>, body: usize) -> Balance<2> {
     setup.bodies[body].balance(&state.bodies[body]).expect("an elastic body")
 }
 
-/// Returns a block on its way down.
+/// Returns a falling block.
 fn block(scheme: Scheme) -> Elastic {
     let mesh = structured_box::<2>([0.0, 0.0512], [1.0, 1.0512], [4, 4]).expect("a box");
     let mut body = elastic("block", mesh, 1.0, 2e4, 4e4, V::zeros());

@@ -39,7 +39,7 @@ fn going_on_from_a_stored_state_equals_not_stopping() {
 
 #[test]
 fn old_factors_give_the_same_solution() {
-    // Into the contact and on; the settings refuse no old factors that converge at all.
+    // The run includes the contact. The settings accept old factors whenever they converge.
     let setup = falling_ball(0.8, 1.001, 1.0, false);
     let lax = LaggedSettings { largest_share: 1.0, most_iterations: 40, ..LaggedSettings::default() };
     let mut work = Workspace::with_solver(Box::new(LaggedSolver::new(lax)));
@@ -110,7 +110,7 @@ fn the_forces_on_the_ball_balance() {
     let (_, reports) = run(&falling_ball(0.8, 1.05, 1.0, false), 20);
     assert!(reports.iter().any(|r| r.contacts[0].is_active()));
     let start = reports[0].bodies[0].forces.expect("an elastic body");
-    assert!(start.pressure[1] > 0.0 && start.inertia[1] < 0.0, "the added mass holds the ball back");
+    assert!(start.pressure[1] > 0.0 && start.inertia[1] < 0.0, "added mass reduces the acceleration");
     for report in &reports {
         let forces = report.bodies[0].forces.expect("an elastic body");
         let scale = forces.body_force.norm() + forces.contact.norm();

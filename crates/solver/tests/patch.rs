@@ -70,12 +70,12 @@ fn solid_and_fluid_translate_together() {
 
 #[test]
 fn a_body_may_cross_several_cells_in_one_step() {
-    // 0.5 in one step on cells of 0.13: the body leaves more than half of its place at once.
+    // The body moves by 0.5 in one step, on cells of 0.13: it leaves more than half of the region that it covered.
     translating(0.5, V::new(1.0, 0.3), 2);
 }
 
-/// Returns a linear, divergence-free velocity with the body force that makes it a steady solution, and a linear
-/// pressure.
+/// Checks that a linear, divergence-free velocity and a linear pressure are found, with the body force that makes them
+/// a steady solution.
 fn linear_flow(
     mut setup: Setup<2>,
     exact_u: impl Fn(&P) -> V + Clone + Send + Sync + 'static,
@@ -204,7 +204,8 @@ fn every_pocket_has_its_own_mean() {
 
 #[test]
 fn uncovered_fluid_takes_the_velocity_of_the_body_that_was_there() {
-    // Two bodies that turn and slide while nothing else moves: a vertex that comes out of one takes that one's velocity.
+    // One body turns, the other one slides, and nothing else moves: an uncovered vertex takes the velocity of the body
+    // that covered it.
     let turn = |x: &P| V::new(-(x[1] - 0.5), x[0] - 0.5) * 3.0;
     let slide = V::new(0.0, 2.0);
     let mut setup = setup(fluid(background(), 1.0, 0.1), 0.05);

@@ -127,7 +127,7 @@ fn background() -> SimplexMesh<2> {
     graded_box::<2>([0.0; 2], [2.0; 2], &Size::uniform(0.21)).expect("a box")
 }
 
-/// Returns a closed box of Stokes fluid with a body in it, and the velocity `u(x, t)` on the walls.
+/// Returns the setup of a closed box of Stokes fluid with a body in it, and the velocity `u(x, t)` on the walls.
 fn in_a_box(body: RigidBody<2>, dt: f64, u: impl Fn(&P, f64) -> V + Send + Sync + 'static) -> Setup<2> {
     let mut setup = setup(fluid(background(), 1.3, 0.7), dt);
     fluid_of(&mut setup).convection = None;
@@ -141,7 +141,7 @@ fn in_a_box(body: RigidBody<2>, dt: f64, u: impl Fn(&P, f64) -> V + Send + Sync 
     setup
 }
 
-/// Returns a body of the fluid's density in a fluid that moves as a rigid body: `u = U + ω × (x - c)`, `c` moving with
+/// Checks a body of the fluid's density in a fluid that moves as a rigid body: `u = U + ω × (x - c)`, `c` moving with
 /// `U`. There is no stress, and the acceleration is `-ω × U`, which a body force makes. Returns the number of uncovered
 /// dofs.
 fn neutral(velocity: V, omega: f64, n: usize) -> usize {
@@ -181,7 +181,7 @@ fn a_neutral_body_moves_and_turns_with_the_fluid() {
     assert_eq!(neutral(V::new(1.1, -0.6), 2.5, 5), 0);
 }
 
-/// Returns a square that turns and drifts in a closed box of fluid at rest.
+/// Returns the setup of a square that turns and drifts in a closed box of fluid at rest.
 fn stirring() -> Setup<2> {
     let mesh = structured_box::<2>([0.6, 0.9], [1.1, 1.3], [3, 2]).expect("a box");
     let mut body = rigid("square", &mesh, 2.0, V::new(0.0, -3.0));
@@ -292,7 +292,7 @@ fn a_heavy_body_at_rest_is_held_by_the_fluid_it_displaces() {
     assert!(forces.remainder().norm() < 1e-8 && (forces.pressure + forces.body_force).norm() < 1e-8);
 }
 
-/// Returns a plate across the box, which slides up and down unless it is held, with walls at rest.
+/// Returns the setup of a plate across the box, which slides up and down unless it is held, with walls at rest.
 fn piston(gravity: V, holds_height: bool) -> Setup<2> {
     let plate = structured_box::<2>([-0.2, 0.9], [2.2, 1.15], [4, 1]).expect("a box");
     let mut body = rigid("plate", &plate, 1.0, V::zeros());

@@ -8,8 +8,8 @@ use solver::algebra::{LaggedSettings, LaggedSolver, NewtonSettings, Workspace};
 use solver::mesh::generate::structured_box;
 use solver::{Observer, ObserverError, Setup, Stage, State, StepView, Substep, TimeLoop, advance};
 
-/// Returns a block that is thrown down onto a clamped one, so hard that in the first step it moves farther than contact
-/// looks ahead.
+/// Returns the setup of a block that is accelerated towards a clamped one, so fast that it moves farther in the first
+/// step than contacts are searched.
 fn thrown_block(most_halvings: usize, lift: f64) -> Setup<2> {
     let background = structured_box::<2>([0.0, 0.0], [2.0, 2.0], [12, 12]).expect("a box");
     let mut setup = setup(fluid(background, 1e-3, 1e-2), 1e-3);
@@ -30,7 +30,7 @@ fn thrown_block(most_halvings: usize, lift: f64) -> Setup<2> {
 /// Number, end and length of a step or a part of one.
 type Part = (usize, f64, Substep);
 
-/// The steps as an observer sees them.
+/// Steps and parts of steps that an observer received.
 #[derive(Default)]
 struct Parts(Vec<Part>);
 

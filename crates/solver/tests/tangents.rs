@@ -7,7 +7,7 @@ use solver::algebra::check_tangent;
 use solver::body::StepTime;
 use solver::{Setup, State, Step};
 
-/// Returns the numbers between -1 and 1 that look random.
+/// Returns a pseudo-random number between -1 and 1.
 fn noise(k: usize) -> f64 {
     let x = ((k as f64 + 1.0) * 12.9898).sin() * 43758.5453;
     2.0 * (x - x.floor()) - 1.0

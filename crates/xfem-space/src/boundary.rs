@@ -1,4 +1,4 @@
-//! The boundary of the background as the space sees it.
+//! Dofs and quadrature points on the boundary of the background.
 
 use cutcell::{CutMesh, PartId};
 use mesh::{FacetId, MAX_CELL_VERTICES, Point, SimplexMesh, SimplexRule, Tag, Vector, facet_normal};
@@ -34,13 +34,13 @@ pub struct BoundaryPoint<const D: usize> {
     pub facet: FacetId,
     /// The part inside.
     pub part: PartId,
-    /// Where.
+    /// Position.
     pub point: Point<D>,
     /// Unit normal out of the domain.
     pub normal: Vector<D>,
     /// Weight, with the measure.
     pub weight: f64,
-    /// Shape values; the first `D + 1` count.
+    /// Shape values; only the first `D + 1` are used.
     pub shape: [f64; MAX_CELL_VERTICES],
 }
 

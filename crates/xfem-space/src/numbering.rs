@@ -5,8 +5,8 @@ use mesh::{SimplexMesh, VertexId};
 
 use crate::Classes;
 
-/// Returns the dof of each (part, local vertex) pair, and the vertex of each dof. Dofs are numbered in the order in
-/// which the parts meet them.
+/// Returns the dof of each (part, local vertex) pair, and the vertex of each dof. Dofs are numbered in the order of
+/// their first pair.
 pub(crate) fn number<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>) -> (Vec<u32>, Vec<VertexId>) {
     let stride = D + 1;
     let mut classes = Classes::new(cut.n_parts() * stride);

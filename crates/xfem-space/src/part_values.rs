@@ -35,19 +35,19 @@ impl Moments {
         }
     }
 
-    /// Returns `∫ N_i N_j`
+    /// Returns `∫ N_i N_j`.
     #[inline]
     pub fn at(&self, i: usize, j: usize) -> f64 {
         self.entries[i][j]
     }
 
-    /// Returns `∫ N_i`
+    /// Returns `∫ N_i`.
     #[inline]
     pub fn of(&self, i: usize) -> f64 {
         self.entries[i].iter().sum()
     }
 
-    /// Returns `∫ 1`
+    /// Returns `∫ 1`.
     #[inline]
     pub fn volume(&self) -> f64 {
         (0..MAX_CELL_VERTICES).map(|i| self.of(i)).sum()
@@ -123,7 +123,7 @@ impl<const D: usize> PartValues<D> {
         }
     }
 
-    /// Returns the gradients of the shape functions of a part; the first `D + 1` count.
+    /// Returns the gradients of the shape functions of a part; only the first `D + 1` are used.
     #[inline]
     pub fn gradients(&self, part: PartId) -> &[Vector<D>; MAX_CELL_VERTICES] {
         &self.gradients[part.index()]
@@ -142,7 +142,7 @@ impl<const D: usize> PartValues<D> {
     }
 }
 
-/// Computes the shape values at a point; the first `D + 1` count.
+/// Computes the shape values at a point; only the first `D + 1` are used.
 fn shape<const D: usize>(
     gradients: &[Vector<D>; MAX_CELL_VERTICES],
     origin: &Point<D>,

@@ -189,7 +189,7 @@ fn a_dof_takes_the_value_of_the_side_it_overlaps_most() {
         let space = XfemSpace::new(&background, &cut);
         let moved = Sources::between(&background, (&old_cut, &old_space), (&cut, &space));
         let carried =
-            moved.carry(&background, &space, &old_values, |_| unreachable!("every part overlaps its earlier self"));
+            moved.carry(&background, &space, &old_values, |_| unreachable!("every part overlaps an earlier one"));
         assert_eq!(carried, values(&cut, &space, y), "strip at {y}");
     }
     // Four cells wide, so that volumes have to be summed over the class: at the vertex between a cell in which the

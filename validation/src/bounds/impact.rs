@@ -40,7 +40,7 @@ pub(crate) struct Impact {
     pub(crate) loss: f64,
 }
 
-/// Returns the disk above the plane: one half of it, by symmetry.
+/// Creates the run of the disk above the plane: one half of it, by symmetry.
 fn start(size: f64, speed: f64, dt: f64, scheme: Scheme) -> Result<Run, Failure> {
     let mesh = half_ball([0.0, RADIUS], RADIUS, size, &BallOptions { area_preserving: false })?;
     let material = SaintVenantKirchhoff::new(LameParameters::new(MU, LAMBDA)?);
@@ -51,7 +51,7 @@ fn start(size: f64, speed: f64, dt: f64, scheme: Scheme) -> Result<Run, Failure>
     run(vec![body], Some(contact), dt, 1e-9)
 }
 
-/// Returns the impact of the disk with cells of a size, at a speed, with a time step.
+/// Computes the impact of the disk with cells of a size, at a speed, with a time step.
 ///
 /// # Errors
 /// A step fails, or the disk does not leave the plane.

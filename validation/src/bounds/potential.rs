@@ -77,7 +77,7 @@ pub(crate) fn added_mass(gap: f64) -> f64 {
     begin + next * t * t * (3.0 - 2.0 * t) + h * slope(k + 1) * t * t * (t - 1.0)
 }
 
-/// Returns the fall from rest at a gap down to another one.
+/// Computes the fall from rest at a gap down to another one.
 ///
 /// `(m + M) y'' + M'/2 y'^2 = -m g` keeps the energy `(m + M)/2 y'^2 + m g y`, so the speed is known at every gap; with
 /// `gap = start - s^2` the time is the integral of a smooth function of `s`, taken with Simpson's rule.
@@ -97,7 +97,7 @@ pub(crate) fn fall(start: f64, end: f64) -> Vec<Falling> {
     moments
 }
 
-/// Returns the end of a fall.
+/// Returns the last moment of a fall.
 pub(crate) fn arrival(start: f64, end: f64) -> Falling {
     let moments = fall(start, end);
     moments[moments.len() - 1]

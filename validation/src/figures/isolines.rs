@@ -17,8 +17,7 @@ const PLATE_STRETCH: f64 = 5.0;
 const LEVELS: f64 = 24.0;
 const OUTLINE: &str = "fill=\"none\" stroke=\"#282c34\" stroke-width=\"1.4\"";
 
-/// Returns the figure of the deformable ones among some bodies, each with its own range of colours, one below the
-/// other.
+/// Returns the figure of the deformable bodies, each with its own range of colours, one below the other.
 pub(super) fn draw<const D: usize>(
     setup: &Setup<D>,
     states: &[BodyState<D>],

@@ -60,7 +60,7 @@ struct Drawing<'a, const D: usize> {
     mirror: Option<f64>,
     /// The first contact.
     first: Option<f64>,
-    /// End of the last contact, and how long the first one lasted.
+    /// End of the last contact, and duration of the first one.
     release: Option<(f64, f64)>,
     has_second: bool,
     /// Whether there was contact in the last step.

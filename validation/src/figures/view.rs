@@ -115,7 +115,7 @@ impl View {
     }
 }
 
-/// Pictures one below the other, each with its title.
+/// Returns pictures one below the other, each with its title.
 pub(super) fn picture(views: Vec<(String, View)>) -> String {
     let (mut text, mut top, mut width) = (String::new(), 0.0, 0.0_f64);
     for (title, view) in views {

@@ -123,7 +123,7 @@ fn triangles<const D: usize>(background: &SimplexMesh<D>, fluid: &FluidState<D>)
     triangles
 }
 
-/// Means of the vorticity around each dof, weighted by the volume of fluid.
+/// Computes the means of the vorticity around each dof, weighted by the volume of fluid.
 fn nodal_vorticity<const D: usize>(background: &SimplexMesh<D>, fluid: &FluidState<D>) -> Vec<f64> {
     let mut sums = vec![(0.0, 0.0); fluid.space.len()];
     for part in fluid.cut.all_parts() {

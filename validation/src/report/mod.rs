@@ -94,8 +94,8 @@ pub(crate) fn machine() -> String {
     format!("{processor}, {threads} threads{memory}, {}.", std::env::consts::OS)
 }
 
-/// Returns the runs of the same scenario in common charts: height of the ball (Figure 12 of the paper) and smallest
-/// distance. `None` if no scenario was run twice.
+/// Returns the section with common charts of runs of the same scenario: height of the ball (Figure 12 of the paper) and
+/// smallest distance. `None` if no scenario was run twice.
 fn comparisons(cases: &[CaseResult]) -> Result<Option<Section>, Failure> {
     let mut scenarios: Vec<&str> = cases.iter().map(|case| case.reference.scenario.as_str()).collect();
     scenarios.sort_unstable();

@@ -5,8 +5,8 @@ use cutwater::report::html::{number, optional, table, verdict};
 use super::case_result::CaseResult;
 use crate::metrics::Rebound;
 
-/// Returns the contact and rebound of runs of one scenario and profile, from large to small time steps; `None` if all
-/// have the same step.
+/// Returns the table of contact and rebound of runs of one scenario and profile, from large to small time steps. `None`
+/// if all have the same step.
 pub(super) fn table_of_steps(runs: &[&CaseResult]) -> Option<String> {
     let mut runs = runs.to_vec();
     let dt = |case: &CaseResult| case.results.summary.dt;

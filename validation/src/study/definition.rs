@@ -39,7 +39,7 @@ pub(super) struct Series {
 }
 
 impl Series {
-    /// Changes of the scenario for a value.
+    /// Returns the changes of the scenario for a value.
     pub(super) fn changes(&self, value: f64) -> Vec<String> {
         let vary = self.vary.iter().map(|(key, factor)| format!("{key}={:?}", factor * value));
         self.set.iter().cloned().chain(vary).collect()
@@ -54,7 +54,7 @@ pub(crate) fn names() -> std::io::Result<Vec<String>> {
     case::stems(FOLDER)
 }
 
-/// Returns a study.
+/// Reads a study.
 pub(super) fn read(name: &str) -> Result<Definition, String> {
     case::read_named(FOLDER, "study", name)
 }

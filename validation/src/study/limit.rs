@@ -12,7 +12,7 @@ pub(super) struct Limit {
     pub(super) shrinks: bool,
 }
 
-/// Orders that a sequence is believed to have.
+/// Range of orders to which observed ones are limited.
 const ORDERS: std::ops::RangeInclusive<f64> = 0.5..=2.0;
 /// Safety factors of the uncertainty: where the differences shrink, and where they do not.
 const SAFETY: [f64; 2] = [1.25, 3.0];
@@ -20,7 +20,7 @@ const SAFETY: [f64; 2] = [1.25, 3.0];
 const SAME_RATIO: f64 = 1e-6;
 
 /// Returns the limit of `t(h)` for `h` to zero by Richardson extrapolation of the last three of `(h, t)`, which must
-/// have a constant ratio; the observed order is limited to what may be believed, and the uncertainty is that of the
+/// have a constant ratio; the observed order is limited to [`ORDERS`], and the uncertainty is that of the
 /// grid convergence index (P. J. Roache, J. Fluids Eng. 116 (1994) 405-413, doi:10.1115/1.2910291).
 ///
 /// Where differences grow or change sign there is no order: the limit is the last member, with three times the largest

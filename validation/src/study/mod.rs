@@ -29,15 +29,15 @@ const VERSION: &str = "version.txt";
 #[derive(Clone, Debug, Default)]
 struct Run {
     value: f64,
-    /// Why the run stopped before its end.
+    /// Cause if the run stopped before its end.
     failure: Option<String>,
     summary: Summary,
-    /// When the distance passes the contact offset: the contact time to a fraction of a step.
+    /// Time at which the distance passes the contact offset: the contact time to a fraction of a step.
     arrival_time: Option<f64>,
     /// Smallest distance at the end of the first approach.
     closest: Option<f64>,
     rebound: Option<Rebound>,
-    /// When an ideal fluid would let the ball come as close as the contact offset.
+    /// Time at which the ball would reach the contact offset in an ideal fluid.
     bound: Option<f64>,
     version: String,
 }
@@ -49,9 +49,9 @@ impl Run {
     }
 }
 
-/// Returns the runs studies; true if every run came to its end. The results of a run are kept in a directory of its
-/// own; a run whose directory has all steps of the same scenario is not done again, unless `again` is set. The page of
-/// a study in the book is written when all its runs are done.
+/// Runs studies. Returns whether every run came to its end. The results of a run are kept in a directory of its own. A
+/// run whose directory has all steps of the same scenario is not done again, unless `again` is set. The page of a study
+/// in the book is written when all its runs are done.
 ///
 /// # Errors
 /// There is no such study, or a file cannot be read or written.
@@ -188,7 +188,7 @@ fn record(name: &str, definition: &Definition, runs: &[Vec<Run>]) -> Record {
     record
 }
 
-/// Returns the limit of the contact times of a series, with its bound; `None` if there is no limit.
+/// Returns the table row of the limit of the contact times of a series, with its bound; `None` if there is no limit.
 fn limit_row(series: &Series, runs: &[Run]) -> Option<Vec<String>> {
     let times: Vec<(f64, f64)> = runs.iter().filter_map(|run| Some((run.value, run.arrival_time?))).collect();
     let Limit { value, uncertainty, order, shrinks } = richardson(&times)?;
@@ -205,8 +205,9 @@ fn limit_row(series: &Series, runs: &[Run]) -> Option<Vec<String>> {
     ])
 }
 
-/// Returns the when the distance first falls to a level: in the step in which it does, with the speed of the step
-/// before. Contact holds the distance at the level, so that interpolation would always find the end of the step.
+/// Returns the time at which the distance first falls to a level. It is extrapolated within its step with the speed of
+/// the step before: contact holds the distance at the level, so that interpolation would always give the end of the
+/// step.
 fn passes(times: &[f64], distances: &[f64], level: f64) -> Option<f64> {
     let k = (2..distances.len()).find(|&k| distances[k - 1] > level && distances[k] <= level)?;
     let speed = (distances[k - 2] - distances[k - 1]) / (times[k - 1] - times[k - 2]);

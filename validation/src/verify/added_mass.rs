@@ -1,4 +1,4 @@
-//! The ball of the cases begins to fall: it has to take the fluid around it along.
+//! First acceleration of the ball of the cases, which the added mass of the fluid reduces.
 
 use std::sync::Arc;
 
@@ -27,7 +27,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
             curve.push((h, acceleration));
         }
         let [.., (_, coarse), (_, fine)] = curve[..] else { return Err("two meshes at least".into()) };
-        // The mesh carries a layer of its own thickness along: the error is of first order.
+        // A layer of fluid of the thickness of a cell moves with the body: the error is of first order.
         let limit = 2.0 * fine - coarse;
         if is_rigid {
             record.near_relative(format!("{name}: extrapolated to h = 0 [cm/s²]"), limit, RIGID, ACCURACY);
@@ -46,7 +46,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Returns the velocity of the centre of mass over time, after some steps.
+/// Computes the velocity of the centre of mass after some steps, divided by the time.
 fn acceleration(h: f64, is_rigid: bool, n_steps: usize) -> Result<f64, Failure> {
     let set = [
         format!("background.size={h}"),

@@ -22,10 +22,9 @@ const RHO_INF: f64 = 0.8;
 const PERIODS: u32 = 10;
 const LONG: [usize; 3] = [50, 100, 200];
 
-/// Returns the number of steps in which a wave crosses a cell, inverted, for which the leading error in the speed of
-/// waves vanishes: that of linear elements with their consistent mass, `+(k h)²/24`, and that of generalised-α, `-(ω
-/// Δt)² (1/12 + 3 r²/8)` with `r = (1-ρ)/(1+ρ)`, cancel. (Both are expansions of the dispersion relations of the
-/// discrete wave equation.)
+/// Returns the Courant number for which the leading error in the speed of waves vanishes: that of linear elements with
+/// their consistent mass, `+(k h)²/24`, and that of generalised-α, `-(ω Δt)² (1/12 + 3 r²/8)` with `r = (1-ρ)/(1+ρ)`,
+/// cancel. (Both are expansions of the dispersion relations of the discrete wave equation.)
 fn undispersed(rho_inf: f64) -> f64 {
     let r = (1.0 - rho_inf) / (1.0 + rho_inf);
     (2.0 + 9.0 * r * r).sqrt().recip()

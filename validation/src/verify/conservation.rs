@@ -21,12 +21,12 @@ const DT: f64 = 0.02;
 /// Area of the box.
 const BOX: f64 = 3.0;
 
-/// How a body moves.
+/// Motion of a body.
 #[derive(Clone, Copy)]
 enum Motion {
-    /// It moves and turns about a point.
+    /// Translation, and rotation about a point.
     Rigid { about: P, speed: V, spin: f64 },
-    /// Its points move with constant velocities `a (X - about) + b`: it turns, swells, and is sheared.
+    /// Constant velocities `a (X - about) + b` of the points: rotation, growth and shear.
     Swelling { about: P, a: T, b: V },
 }
 
@@ -108,7 +108,7 @@ fn fluxes(setup: &Setup<2>, state: &State<2>, motion: &Motion) -> Result<Fluxes,
     for piece in cut.interface() {
         let middle = (piece.points[0] + piece.points[1]) * 0.5;
         residuals[piece.part.index()] += velocity(piece.part, &middle).dot(&piece.normal) * piece.measure;
-        // The cut is where the body was at the begin of the step.
+        // The cut is that of the body at the start of the step.
         let rate = motion.velocity(&middle, state.time - setup.dt).dot(&piece.normal) * piece.measure;
         growth += rate;
         swept += rate.abs();
@@ -125,9 +125,10 @@ fn fluxes(setup: &Setup<2>, state: &State<2>, motion: &Motion) -> Result<Fluxes,
     Ok(Fluxes { residual, outflow, growth, swept })
 }
 
-/// Moves a body of given motion through a box, open at the top or not. The largest errors over the steps, over what the body
-/// sweeps: the sum over all cells of what is missing in the balance of each; outflow and growth of the body; change of the
-/// covered area and sweep of the surface. And the net leak through that.
+/// Moves a body of given motion through a box, which may be open at the top. Returns the largest errors over the steps,
+/// relative to the volume that the body sweeps: the sum of the errors in the volume balance of all cells; the
+/// difference of the outflow and the growth of the body; the difference of the change of the covered area and the sweep
+/// of the surface; and the net leak through the surface.
 fn displaced(name: &str, corners: Vec<P>, motion: Motion, is_open: bool) -> Result<Named, Failure> {
     let known = Linear::at_rest(V::zeros()).known(0.05, if is_open { &["top"] } else { &[] });
     let mut setup = known.setup(background()?, DT);
@@ -162,13 +163,13 @@ fn displaced(name: &str, corners: Vec<P>, motion: Motion, is_open: bool) -> Resu
     Ok(names.into_iter().zip(errors).map(|(what, error)| (format!("{name}, {what}"), error)).collect())
 }
 
-/// Returns a body that moves and turns in a closed box.
+/// Measures the errors of a body that moves and turns in a closed box.
 pub(super) fn closed(centre: P, random: &mut Random) -> Result<Named, Failure> {
     let motion = rigid(centre, random);
     displaced("body that moves and turns in a closed box", nonagon(centre, random), motion, false)
 }
 
-/// Returns the same under an open side.
+/// Measures the errors of a body that moves and turns under an open side.
 pub(super) fn open(centre: P, random: &mut Random) -> Result<Named, Failure> {
     let motion = rigid(centre, random);
     displaced("body that moves and turns under an open side", nonagon(centre, random), motion, true)
@@ -179,7 +180,7 @@ fn rigid(about: P, random: &mut Random) -> Motion {
     Motion::Rigid { about, speed, spin: random.between(1.0, 4.0) }
 }
 
-/// Returns a body that turns, swells and is sheared under an open side.
+/// Measures the errors of a body that turns, swells and is sheared under an open side.
 pub(super) fn swelling(about: P, random: &mut Random) -> Result<Named, Failure> {
     let mut entry = || random.between(-0.5, 0.5);
     let (shear, b) = (T::new(entry(), entry(), entry(), entry()), V::new(entry(), entry()));

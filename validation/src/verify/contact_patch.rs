@@ -17,7 +17,7 @@ use super::{Failure, Record, Run, V};
 
 /// Both Lame parameters.
 const LAME: f64 = 50.0;
-/// How far the top is pushed down.
+/// Displacement of the top, downwards.
 const PUSHED: f64 = 0.01;
 /// Pressure over penetration.
 const STIFFNESS: f64 = 1e5;
@@ -78,7 +78,7 @@ fn two(n_slave: usize, n_master: usize) -> Result<[f64; 2], Failure> {
     let surface = DeformableObstacle::new(lower.solid.boundary().clone(), lower.part("top")?)?;
     let contact = Touch {
         facets: upper.part("bottom")?,
-        // The size of the contact is also the distance to look ahead.
+        // The contact size also determines the distance within which obstacles are searched.
         form: ContactForm::new(Penalty::new(0.1 * STIFFNESS, 0.0)?, 0.1)?,
         obstacle: ContactObstacle::Body { body: BodyId::new(1), surface },
     };

@@ -39,7 +39,7 @@ const LOAD_STEPS: u32 = 4;
 /// Quantities of a swing that are compared, with the largest relative error.
 const COMPARED: [(&str, f64); 3] =
     [("mean of u_y [m]", 0.02), ("amplitude of u_y [m]", 0.02), ("frequency [Hz]", 0.01)];
-/// Swings of the comparison, of which the last one that is complete counts.
+/// Swings of the comparison, of which the last complete one is evaluated.
 const SWINGS: f64 = 2.4;
 /// Rows, swings and time steps of the comparison of time steps.
 const LONG: (usize, f64, [f64; 3]) = (8, 11.0, [1e-2, 5e-3, 2.5e-3]);
@@ -54,7 +54,7 @@ struct Flag {
 }
 
 impl Flag {
-    /// Returns the flag under a part of its weight.
+    /// Creates the run of the flag under a given gravity.
     fn run(self, gravity: f64, scheme: Scheme, dt: f64) -> Result<Run, Failure> {
         let columns = (self.rows as f64 * LENGTH / THICKNESS).round() as usize;
         let [x, y] = TIP;
@@ -74,7 +74,7 @@ impl Flag {
         dry::run(vec![body], None, dt, 1e-9)
     }
 
-    /// Returns the displacement of the tip at rest.
+    /// Computes the displacement of the tip at rest.
     fn rest(self) -> Result<V, Failure> {
         let mut run = self.run(0.0, Arc::new(QuasiStatic), 1.0)?;
         for k in 1..=LOAD_STEPS {
@@ -86,7 +86,7 @@ impl Flag {
         displacement(&run)
     }
 
-    /// Returns the times and vertical displacements of the tip over a number of swings of the benchmark.
+    /// Computes the times and vertical displacements of the tip over a number of swings of the benchmark.
     fn swing(self, scheme: Scheme, dt: f64, swings: f64) -> Result<Vec<(f64, f64)>, Failure> {
         let mut run = self.run(GRAVITY, scheme, dt)?;
         let mut signal = vec![(0.0, 0.0)];
@@ -134,7 +134,7 @@ fn last(signal: &[(f64, f64)]) -> Result<[f64; 3], Failure> {
     Ok(swings(signal).pop().ok_or("the flag does not swing twice")?)
 }
 
-/// Returns the limit of values on two meshes, with the numbers of rows, whose errors fall with the square of the size.
+/// Extrapolates values on two meshes, given by their numbers of rows, whose errors fall with the square of the size.
 fn extrapolated(rows: [usize; 2], [coarse, fine]: [f64; 2]) -> f64 {
     fine + (fine - coarse) / ((rows[1] as f64 / rows[0] as f64).powi(2) - 1.0)
 }

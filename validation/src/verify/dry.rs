@@ -74,7 +74,7 @@ pub(super) fn second_order(rho_inf: f64) -> Result<Scheme, Failure> {
     Ok(Arc::new(GeneralisedAlpha::new(rho_inf).ok_or("rho_inf is from 0 to 1")?))
 }
 
-/// Returns the bodies in vacuum at time zero, with a contact of the first one.
+/// Creates the run of bodies in vacuum from time zero, with a contact of the first one.
 pub(crate) fn run<const D: usize>(
     bodies: Vec<Elastic<D>>,
     touch: Option<Touch<D>>,
@@ -89,7 +89,7 @@ pub(crate) fn run<const D: usize>(
     Run::new(Setup { fluid: None, bodies, contacts, dt, most_halvings: 0, newton })
 }
 
-/// Returns a displacement that grows linearly in time until 1; components with `None` are free.
+/// Returns a support whose displacement grows linearly in time until 1; components with `None` are free.
 pub(super) fn pushed(to: [Option<f64>; 2]) -> SupportKind<2> {
     SupportKind::Displacement(Arc::new(move |_, time| to.map(|d| d.map(|d| d * time))))
 }

@@ -1,4 +1,4 @@
-//! Solutions that the discrete spaces contain: whatever the cut, nothing but round-off may be left.
+//! Solutions that the discrete spaces contain: for any cut, errors must be round-off.
 
 use std::sync::Arc;
 
@@ -43,7 +43,7 @@ const PROBLEMS: [(u64, Problem); 13] = [
     (9, pocket),
 ];
 
-/// Measures all of it, each at random positions of the bodies.
+/// Measures the errors of all problems, each at random positions of the bodies.
 pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let n = POSITIONS[usize::from(record.full)];
     let mut leaks = Vec::new();
@@ -79,7 +79,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Returns the errors with names of a problem and of its quantities.
+/// Returns errors with the names of the problem and of its quantities.
 fn named<const N: usize>(problem: &str, errors: [(&str, f64); N]) -> Named {
     errors.map(|(quantity, error)| (format!("{problem}: {quantity}"), error)).into()
 }
@@ -115,7 +115,7 @@ fn hydrostatic(centre: P, _: &mut Random) -> Result<Named, Failure> {
     Ok(named("hydrostatic", [("velocity", u), ("pressure", p), ("buoyancy beside weight of the polygon", buoyancy)]))
 }
 
-/// Returns a free body of the density of the fluid under gravity: the pressure carries it.
+/// Measures the errors for a free body of the density of the fluid under gravity, which the pressure carries.
 fn neutral(centre: P, random: &mut Random) -> Result<Named, Failure> {
     let g = V::new(0.4, -2.5);
     let known = Linear::at_rest(g).known(0.1, &["top"]);
@@ -130,7 +130,8 @@ fn neutral(centre: P, random: &mut Random) -> Result<Named, Failure> {
     Ok(errors)
 }
 
-/// Returns the fluid that turns as one, and a free body that turns in it about its centre of mass, whatever its shape.
+/// Measures the errors for fluid that turns as a rigid body, and for a free body of any shape that turns in it about
+/// its centre of mass.
 fn turning(centre: P, random: &mut Random) -> Result<Named, Failure> {
     let spin = 1.3;
     let mut body = rigid_polygon(nonagon(centre, random), 0.8, V::zeros())?;
@@ -182,7 +183,8 @@ fn linear(centre: P, random: &mut Random, name: &str, moves: bool) -> Result<Nam
     Ok(named(name, [("velocity", u), ("pressure", p)]))
 }
 
-/// Returns the fluid between a disk and a ring that turn as one: the velocity is linear, and no moment acts.
+/// Measures the errors for fluid between a disk and a ring that turn with the same angular velocity. The velocity is
+/// linear, and no moment acts.
 fn annulus(centre: P, _: &mut Random) -> Result<Named, Failure> {
     let turn = T::new(0.0, -1.3, 1.3, 0.0);
     let linear = Linear { a: turn, b: -(turn * centre), g: V::zeros(), p: 0.0, density: 1.0, convects: false };
@@ -192,7 +194,7 @@ fn annulus(centre: P, _: &mut Random) -> Result<Named, Failure> {
     setup.bodies.push(polygon(&outside(disk(centre, 0.5, 31), centre, 3.0), |x, _| *x, known.velocity()));
     fluid_mut(&mut setup)?.boundary.clear();
     let (state, report) = flow::run(&setup, 2)?;
-    // Dofs of cut cells lie in the bodies, where the flow goes on.
+    // Dofs of cut cells lie in the bodies, where the flow is continued.
     let [u, _] = nodal_errors(&known, &setup, &state)?;
     let (_, moment) = flow::force(&state, &report, 0, &centre)?;
     Ok(named("annulus turning as one", [("velocity", u), ("moment", moment.abs())]))
@@ -232,7 +234,7 @@ fn translation(centre: P, random: &mut Random) -> Result<Named, Failure> {
     Ok(errors)
 }
 
-/// Returns the disk `x = s X` with `(λ + μ)(s² - 1) = -p` balances the pressure p.
+/// Measures the errors for a disk `x = s X` that with `(λ + μ)(s² - 1) = -p` balances the pressure p.
 fn pressurised_disk(centre: P, random: &mut Random) -> Result<Named, Failure> {
     let pressure = random.between(1.0, 100.0);
     let scale = (1.0 - pressure / (LAMBDA + MU)).sqrt();
@@ -251,7 +253,8 @@ fn pressurised_disk(centre: P, random: &mut Random) -> Result<Named, Failure> {
     Ok(named("pressurised disk", [("velocity", u), ("pressure", p), ("velocity of the disk", v)]))
 }
 
-/// Returns the fluid shut in by a ring has a pressure of mean zero, beside fluid with an open side.
+/// Measures the errors for fluid enclosed by a ring, whose pressure has mean zero, and for fluid outside with an open
+/// side.
 fn pocket(centre: P, _: &mut Random) -> Result<Named, Failure> {
     let g = V::new(3.0, -2.0);
     let known = Linear::at_rest(g).known(0.1, &["right"]);
@@ -278,6 +281,6 @@ fn pocket(centre: P, _: &mut Random) -> Result<Named, Failure> {
         dofs.iter().for_each(|&dof| error = error.max((difference(dof) - shift).abs()));
         mean += shift * cut.part_volume(part);
     }
-    // The polygon is symmetric enough for a linear function to have the mean of its centre: 31 corners, to round-off.
+    // The mean of a linear function over the polygon of 31 corners is its value at the centre, up to round-off.
     Ok(named("pocket", [("pressure up to its mean", error), ("mean of the pressure", mean.abs())]))
 }

@@ -17,13 +17,13 @@ use cutwater::xfem_space::PartValues;
 
 use super::{Failure, P, T, V};
 
-/// A flow that is known everywhere and always.
+/// A flow with known fields.
 pub(super) trait Flow: Send + Sync + 'static {
     fn velocity(&self, x: &P, t: f64) -> V;
     /// Returns `∂u_i/∂x_j` in row i, column j.
     fn gradient(&self, x: &P, t: f64) -> T;
     fn pressure(&self, x: &P, t: f64) -> f64;
-    /// Returns the force per volume that keeps it going.
+    /// Returns the force per volume of the flow.
     fn force(&self, _x: &P, _t: f64) -> V {
         V::zeros()
     }
@@ -42,14 +42,14 @@ pub(super) struct Known<F> {
 
 /// Names of the sides of a box.
 const SIDES: [&str; 4] = ["left", "right", "bottom", "top"];
-/// `γ_Σ` of the interface, in front of `μ/h`: far above the constant of the trace inequality of P1, far below what spoils the
-/// condition.
+/// `γ_Σ` of the interface, in front of `μ/h`: far above the constant of the trace inequality of P1, far below values
+/// that impair the condition number.
 const GAMMA_SIGMA: f64 = 100.0;
 /// Weights of the stabilisation: consistent interior penalty of the velocity, of the pressure, ghost penalty.
 const GAMMAS: [f64; 3] = [0.05, 0.05, 0.1];
 
 impl<F: Flow> Known<F> {
-    /// Returns the problem on a background, at rest at first where `starts` is false.
+    /// Returns the setup of the flow on a background, without bodies.
     pub(super) fn setup(&self, background: SimplexMesh<2>, dt: f64) -> Setup<2> {
         let (at_start, forcing) = (Arc::clone(&self.flow), Arc::clone(&self.flow));
         let mut boundary = Vec::new();
@@ -79,7 +79,7 @@ impl<F: Flow> Known<F> {
         problem(fluid, dt)
     }
 
-    /// Its velocity as a field.
+    /// Returns the velocity of the flow as a field.
     pub(super) fn velocity(&self) -> TimeField<2> {
         let flow = Arc::clone(&self.flow);
         Arc::new(move |x, t| flow.velocity(x, t))
@@ -124,7 +124,7 @@ pub(super) fn fluid<const D: usize>(background: SimplexMesh<D>, density: f64, vi
     }
 }
 
-/// Returns a fluid without bodies.
+/// Returns a setup with a fluid and without bodies.
 pub(super) fn problem<const D: usize>(fluid: FluidSetup<D>, dt: f64) -> Setup<D> {
     let newton = NewtonSettings::new(1e-11);
     Setup { fluid: Some(fluid), bodies: Vec::new(), contacts: Vec::new(), dt, most_halvings: 0, newton }
@@ -145,7 +145,7 @@ impl Errors {
     }
 }
 
-/// Norms of the difference of two states with the same cut.
+/// Computes the norms of the difference of two states with the same cut.
 pub(super) fn differences(setup: &Setup<2>, a: &State<2>, b: &State<2>) -> Result<Errors, Failure> {
     let mut between = a.clone();
     if let (Some(between), Some(b)) = (&mut between.fluid, &b.fluid) {
@@ -164,7 +164,7 @@ pub(super) struct At {
     pressure: f64,
 }
 
-/// Integrals over the fluid.
+/// Computes integrals over the fluid.
 pub(super) fn integrals<const N: usize>(
     setup: &Setup<2>,
     state: &State<2>,
@@ -215,7 +215,7 @@ pub(super) fn polygon_of_particles(
     })
 }
 
-/// Returns the sides of polygons.
+/// Returns the sides of polygons as a boundary mesh.
 fn boundary(loops: &[Vec<P>]) -> BoundaryMesh<2> {
     let mut facets = Vec::new();
     let mut first = 0;
@@ -295,7 +295,8 @@ pub(super) fn run(setup: &Setup<2>, n_steps: usize) -> Result<(State<2>, StepRep
     Ok((state, last.ok_or("no steps")?))
 }
 
-/// Returns the force of the fluid on a body, and its moment about a point: the variational traction of the mortar.
+/// Computes the force of the fluid on a body, and its moment about a point, from the variational traction of the
+/// mortar.
 pub(super) fn force(state: &State<2>, report: &StepReport<2>, body: usize, about: &P) -> Result<(V, f64), Failure> {
     let mut sum = (V::zeros(), 0.0);
     for (piece, traction) in interface(state, report)?.filter(|(piece, _)| piece.body.index() == body) {

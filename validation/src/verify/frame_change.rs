@@ -13,9 +13,9 @@ use super::{Failure, P, Record, Run, V, short};
 
 /// Length and half of the height of the channel, in diameters of the cylinder; its walls move with the fluid.
 const CHANNEL: [f64; 2] = [12.0, 2.0];
-/// How far the cylinder moves, around the middle: as much channel ahead as behind, in the mean.
+/// Distance that the cylinder moves, around the middle: on average the channel is as long ahead as behind.
 const TRAVEL: f64 = 3.0;
-/// Of it, what is left out: the start is impulsive.
+/// Part of this distance that is left out, since the start is impulsive.
 const BEGIN: f64 = 1.0;
 /// Density, diameter and speed are one.
 const REYNOLDS: f64 = 20.0;
@@ -25,14 +25,14 @@ const FULL: [usize; 4] = [8, 12, 16, 24];
 /// Cells that the cylinder passes in a step, the same on all meshes; others in full on the second of them.
 const COURANT: f64 = 0.39;
 const OTHER_COURANTS: [f64; 2] = [0.78, 0.195];
-/// Of the drags on the finest mesh: a size that could not be taken for that of another flow.
+/// Largest difference of the drags on the finest mesh. It is smaller than the difference to another flow.
 const LARGEST_DIFFERENCE: f64 = 0.02;
 /// Least order in h at which the noise has to fall, over all meshes, as in the check of the oscillating cylinder.
 const NOISE_ORDER: f64 = 0.5;
 /// Cells that the fit of a smooth signal spans to either side.
 const WING: f64 = 1.95;
 
-/// Measures the difference of the drags and the noise of the moving one.
+/// Measures the difference of the drags, and the noise in the drag of the moving cylinder.
 pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let meshes = if record.full { &FULL[..] } else { &QUICK[..] };
     let (mut differences, mut noises, mut curves) = (Vec::new(), Vec::new(), Vec::new());
@@ -87,7 +87,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Drag coefficients of the same flow in two frames, after every step that counts.
+/// Drag coefficients of the same flow in two frames, after every step that is evaluated.
 struct Pair {
     dt: f64,
     courant: f64,
@@ -109,12 +109,12 @@ impl Pair {
         drag.iter().enumerate().map(|(k, c)| (TRAVEL - (n - 1 - k) as f64 * self.dt, *c)).collect()
     }
 
-    /// Returns the difference of the means over time, over that of the one at rest.
+    /// Returns the difference of the mean drags, relative to that of the cylinder at rest.
     fn difference(&self) -> f64 {
         (mean(&self.moving) / mean(&self.fixed) - 1.0).abs()
     }
 
-    /// Returns the RMS of the noise in the drag of the moving one, relative to its mean.
+    /// Returns the RMS of the noise in the drag of the moving cylinder, relative to its mean drag.
     fn noise(&self) -> f64 {
         let wing = (WING / self.courant).round().max(2.0) as usize;
         rms(&rough(&self.moving, wing)) / mean(&self.moving)
@@ -128,7 +128,7 @@ impl Pair {
     }
 }
 
-/// Returns half of the channel, with the cylinder at rest in its middle or about to pass it.
+/// Returns the setup of half of the channel, with the cylinder at rest in its middle or before it passes the middle.
 fn setup(cells: usize, dt: f64, moves: bool) -> Result<Setup<2>, Failure> {
     let n = CHANNEL.map(|length| (length * cells as f64).round() as usize);
     let [start, speed, stream] = if moves { [0.5 * TRAVEL, -1.0, 0.0] } else { [0.0, 0.0, 1.0] };
@@ -151,7 +151,7 @@ fn setup(cells: usize, dt: f64, moves: bool) -> Result<Setup<2>, Failure> {
     Ok(setup)
 }
 
-/// Returns the coefficient of the drag, along the stream, after every step that counts.
+/// Computes the drag coefficient after every step that is evaluated.
 fn drag(setup: Setup<2>) -> Result<Vec<f64>, Failure> {
     let mut run = Run::lagged(setup)?;
     let mut drag = Vec::new();

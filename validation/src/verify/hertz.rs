@@ -16,7 +16,8 @@ use super::{Failure, P, Record, V};
 
 /// Radius, cm.
 const RADIUS: f64 = 4.0;
-/// How far its middle is pushed down, cm: contact is then a thirtieth of the radius, where strains are small.
+/// Displacement of its middle towards the plane, cm. The half-width of contact is then a thirtieth of the radius, and
+/// strains are small.
 const PUSHED: f64 = 1e-2;
 /// Lame parameters, dyn/cm^2, and `E/(1 - ν²)`, which follows from them.
 const MU: f64 = 2e6;
@@ -24,7 +25,7 @@ const LAMBDA: f64 = 8e6;
 const MODULUS: f64 = 4.0 * MU * (LAMBDA + MU) / (LAMBDA + 2.0 * MU);
 /// Pressure over penetration, dyn/cm^3: penetration is below a hundredth of the approach.
 const STIFFNESS: f64 = 1e10;
-/// How strongly cells are graded towards the contact.
+/// Grading of the cells towards the contact.
 const GRADING: f64 = 4.0;
 /// Steps in which the push is applied.
 const LOAD_STEPS: u32 = 3;
@@ -55,7 +56,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
         mapped(&structured_box::<2>([-1.0, 0.0], [1.0, 1.0], [2 * n, n])?, |x| half_disk(graded(x[0]), graded(x[1])))?;
     let material = SaintVenantKirchhoff::new(LameParameters::new(MU, LAMBDA)?);
     let mut body = elastic(mesh, 1.0, material, V::zeros(), Arc::new(QuasiStatic))?;
-    // Nothing shears the plane of symmetry; the vertex in its middle is on the axis.
+    // The plane of symmetry has no shear traction; the vertex in its middle is on the axis.
     body.hold("top", pushed([None, Some(-PUSHED)]))?;
     let centre = VertexId::new(body.solid.mesh().n_vertices() - 1 - n);
     body.options.supports.push(Support { vertices: vec![centre], kind: SupportKind::Symmetry { axis: 0 } });

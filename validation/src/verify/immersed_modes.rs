@@ -22,8 +22,8 @@ const ACCURACY: f64 = 0.03;
 /// Half the width of the box, in radii. The sides are open: for a circle of that radius the added mass of mode `n` is smaller by
 /// `2 BOX^{-2n}`, and the frequency of `n = 2` higher by 0.04 %.
 const BOX: f64 = 6.0;
-/// Penalties `γ_Σ` of the mortar: that of the flows that are known, which lets a fluid of so little viscosity slip as an
-/// ideal one does, and that of the cases, which makes it stick.
+/// Penalties `γ_Σ` of the mortar: that of the checks with known flows, with which a fluid of such low viscosity slips
+/// like an ideal one, and that of the cases, with which it sticks.
 const GAMMAS: [(f64, &str); 2] = [(1e2, "slips"), (1e5, "sticks")];
 /// Time steps in a period, and periods that are counted.
 const STEPS: f64 = 40.0;

@@ -56,7 +56,7 @@ impl Linear {
     }
 }
 
-/// Returns fluid of density one at rest, with one condition on all sides of its background.
+/// Returns a setup with fluid of density one at rest, with one condition on all sides of its background.
 pub(super) fn still(
     background: SimplexMesh<2>,
     viscosity: f64,

@@ -27,7 +27,7 @@ const FILM_CELLS: [f64; 7] = [8.0, 4.0, 2.0, 1.0, 0.5, 0.25, 0.125];
 /// stabilisation.
 const GAMMAS_SIGMA: [f64; 2] = [1e2, 1e5];
 const PRESSURE: f64 = 0.05;
-/// A step so long that nothing is left of inertia.
+/// Length of a step in which inertia is negligible.
 const STEADY: f64 = 1e9;
 
 /// Measures forces for several gaps and numbers of cells across them.
@@ -58,7 +58,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Lets the film become ever thinner on one and the same mesh, slipping and sticking.
+/// Measures ever thinner films on one and the same mesh, with several penalties of the interface.
 fn shrink(record: &mut Record) -> Result<(), Failure> {
     let mut curves = Vec::new();
     for gamma_sigma in GAMMAS_SIGMA {
@@ -125,7 +125,7 @@ fn exact_force(gap: f64) -> f64 {
     4.0 * PI / (alpha - alpha.tanh())
 }
 
-/// Returns the force with so many cells across the gap.
+/// Computes the force with the given number of cells across the gap.
 fn force(gap: f64, cells: f64) -> Result<f64, Failure> {
     // Edges no longer than the film's cells, but fine enough where those are coarse.
     let n = (8.0 * PI * cells / gap).max(240.0).round() as usize;
@@ -135,7 +135,7 @@ fn force(gap: f64, cells: f64) -> Result<f64, Failure> {
     Ok(2.0 * flow::force(&state, &report, 0, &P::zeros())?.0[1])
 }
 
-/// Returns the cylinder over the wall.
+/// Returns the setup of the cylinder over the wall.
 fn approach(background: SimplexMesh<2>, gap: f64, n_corners: usize) -> Result<Setup<2>, Failure> {
     let known = Linear::at_rest(V::zeros()).known(1.0, &[]);
     let mut setup = known.setup(background, STEADY);
@@ -163,7 +163,7 @@ struct Film {
     shear: f64,
 }
 
-/// Returns a film of any thickness on one and the same mesh.
+/// Computes a film of any thickness on one and the same mesh.
 fn film(gap: f64, gamma_sigma: f64, gamma_pressure: f64) -> Result<Film, Failure> {
     // Edges of a quarter of a cell, a corner at the lowest point.
     let n = 4 * (2.0 * PI / SIZE).ceil() as usize;
@@ -196,7 +196,7 @@ fn film(gap: f64, gamma_sigma: f64, gamma_pressure: f64) -> Result<Film, Failure
     })
 }
 
-/// Returns a quarter plane with cells of a size at its corner that grow with the distance, for a gap.
+/// Returns the mesh of a quadrant for a gap, with cells of a size at its corner that grow with the distance.
 fn graded(gap: f64, size: f64) -> Result<SimplexMesh<2>, Failure> {
     // x = a sinh(b s): cells have about their least size within a, twice the length of the film.
     let a = 2.0 * gap.sqrt();

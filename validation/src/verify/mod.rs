@@ -48,7 +48,7 @@ struct Check {
     name: &'static str,
     /// Subject of the check, in a sentence.
     about: &'static str,
-    /// Measures, in full or in short; an error is a run that fails.
+    /// Function that measures, in full or in short; its error is a run that fails.
     measure: fn(&mut Record) -> Result<(), Failure>,
 }
 
@@ -82,8 +82,8 @@ const CHECKS: [Check; 19] = [
 /// Prepares data for an independent reader; runs only if it is named.
 const FILES: &str = "files";
 
-/// Returns the runs checks (all if none is named), in full or in short; true if all hold. Results go to `out`, pages to
-/// the book on request.
+/// Runs checks (all if none is named), in full or in short. Returns whether all hold. Results go to `out`, pages to the
+/// book on request.
 ///
 /// # Errors
 /// There is no check of that name, or one of them cannot be done.

@@ -44,7 +44,7 @@ impl Mode {
         Self { n, waves, shear, scale: d_phi + nn * shear * psi }
     }
 
-    /// Its frequency, Hz.
+    /// Returns the frequency of the mode, Hz.
     pub(super) fn hertz(&self) -> f64 {
         self.waves[1] * (MU / DENSITY).sqrt() / RADIUS / TAU
     }
@@ -61,8 +61,8 @@ impl Mode {
         V::new(angle.cos(), angle.sin()) * outward + V::new(-angle.sin(), angle.cos()) * along
     }
 
-    /// Returns the disk with cells of a size, in the shape of the mode. (A shape that is only close to it holds other
-    /// modes with as many waves around the disk, which shift the passages of zero.)
+    /// Returns the disk with cells of a size, in the shape of the mode. (A shape that is only close to it contains
+    /// other modes with as many waves around the disk, which shift the zero crossings.)
     pub(super) fn disk(&self, size: f64, scheme: Scheme) -> Result<Elastic<2>, Failure> {
         let mesh = ball::<2>([0.0, 0.0], RADIUS, size, &BallOptions { area_preserving: true })?;
         let material = SaintVenantKirchhoff::new(LameParameters::new(MU, LAMBDA)?);
@@ -86,8 +86,8 @@ impl Mode {
     }
 }
 
-/// Returns the frequency of the oscillation of the first body until a time, Hz, with its amplitude as a function of
-/// displacements.
+/// Computes the frequency of the oscillation of the first body until a time, Hz. `amplitude` maps its displacements to
+/// a number.
 pub(super) fn frequency_of(mut run: Run, end: f64, amplitude: impl Fn(&[V]) -> f64) -> Result<f64, Failure> {
     let mut samples = Vec::new();
     while run.state.time < end {
@@ -97,7 +97,7 @@ pub(super) fn frequency_of(mut run: Run, end: f64, amplitude: impl Fn(&[V]) -> f
     frequency(&samples)
 }
 
-/// Returns the frequency of a sampled oscillation around zero: the line through the times at which it passes zero.
+/// Returns the frequency of a sampled oscillation around zero, by linear regression of the times of its zero crossings.
 ///
 /// # Errors
 /// It passes zero less than three times.

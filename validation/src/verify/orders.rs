@@ -11,10 +11,10 @@ use super::flow::{self, Errors, Flow, Known, disk, fluid_mut, outside, polygon};
 use super::record::Points;
 use super::{Failure, P, Record, T, V};
 
-/// Asked orders of velocity, its gradient and pressure in L2, in h; of the velocity in the time step.
+/// Required orders of velocity, its gradient and pressure in L2, in h; of the velocity in the time step.
 const ORDERS: [f64; 3] = [1.9, 0.95, 1.4];
 const TIME_ORDER: f64 = 0.95;
-/// A step so long that nothing is left of inertia: steady flow.
+/// Length of a step in which inertia is negligible: steady flow.
 const STEADY: f64 = 1e9;
 
 /// Errors of a sequence of meshes or steps.
@@ -48,7 +48,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
 /// Results on one mesh: the errors, and an optional additional number.
 type Measured = (Errors, Option<f64>);
 
-/// Returns the orders in h; the numbers of their own with their sizes.
+/// Measures the orders in h. Returns the additional numbers with the sizes of their meshes.
 fn in_space(
     record: &mut Record,
     name: &str,
@@ -71,7 +71,7 @@ fn in_space(
 }
 
 /// Measures orders in the time step: of the errors past a moving disk, and of the differences between a step and half
-/// of it past one at rest, which have no part of the mesh in them while steps are long enough (see the notes).
+/// of it past one at rest, which are free of the error in space while steps are long enough (see the notes).
 fn in_time(record: &mut Record, n: usize) -> Result<(), Failure> {
     const N_AT_REST: usize = 48;
     let steps = |count: i32| (0..count).map(|k| 0.1 * 0.5_f64.powi(k));
@@ -125,7 +125,7 @@ fn centre() -> P {
     P::new(0.041_421_356_237_309_5, 0.073_205_080_756_887_7)
 }
 
-/// Returns a disk with edges of length 1/n.
+/// Returns the corners of a disk with edges of length 1/n.
 fn hole(centre: P, radius: f64, n: usize) -> Vec<P> {
     disk(centre, radius, (std::f64::consts::TAU * radius * n as f64).round() as usize)
 }
@@ -135,7 +135,7 @@ fn steady<F: Flow>(known: &Known<F>, setup: &Setup<2>) -> Result<Measured, Failu
     Ok((known.errors(setup, &state)?, None))
 }
 
-/// Returns a steady flow past a disk at rest.
+/// Measures a steady flow past a disk at rest.
 fn past_disk<F: Flow>(known: &Known<F>, n: usize) -> Result<Measured, Failure> {
     let mut setup = known.setup(square(n)?, STEADY);
     setup.bodies.push(polygon(&[hole(centre(), 0.2, n)], |x, _| *x, known.velocity()));
@@ -222,7 +222,7 @@ impl Flow for Couette {
     }
 }
 
-/// Returns the annulus in a box of squares of size 1/n.
+/// Returns the flow in an annulus and its setup, in a box of squares of size 1/n.
 pub(super) fn couette_setup(n: usize, centre: P) -> Result<(Known<Couette>, Setup<2>), Failure> {
     let known = Known { flow: Arc::new(Couette { centre }), density: 1.0, viscosity: 1.0, convects: true, open: &[] };
     let background = structured_box::<2>([-0.6; 2], [0.7; 2], [13 * n / 10; 2])?;
@@ -310,7 +310,7 @@ fn taylor_green(n: usize, dt: f64) -> Result<Measured, Failure> {
     Ok((known.errors(&setup, &state)?, None))
 }
 
-/// Returns the same past a disk of any speed.
+/// Computes the flow past a disk of any speed to time 0.4.
 fn taylor_green_past(speed: V, n: usize, dt: f64) -> Result<(Known<TaylorGreen>, Setup<2>, State<2>), Failure> {
     const END: f64 = 0.4;
     let viscosity = 0.1;

@@ -17,7 +17,7 @@ const OUR_FORMS: [(u32, [f64; 3]); 4] = [
     (256, [2.166e-5, 0.0188, 1.05e-3]),
 ];
 
-/// Compares like with like, and shows what the forms make.
+/// Compares errors with the same forms in both codes, and shows the effect of the forms.
 pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let n_meshes = if record.full { 4 } else { 3 };
     for ((n, published), (_, ours)) in UnfittedStokes::PUBLISHED_ERRORS.into_iter().zip(OUR_FORMS).take(n_meshes) {

@@ -10,11 +10,11 @@ use super::short;
 pub(crate) struct Row {
     pub(crate) check: String,
     pub(crate) quantity: String,
-    /// Its value; none if it is not finite.
+    /// Value of the quantity; `None` if it is not finite.
     pub(crate) computed: Option<f64>,
     /// The expected value, or the bound.
     pub(crate) reference: Option<f64>,
-    /// How `computed` is compared with `reference`.
+    /// Comparison of `computed` with `reference`, in words.
     pub(crate) tolerance: String,
     /// `pass`, `FAIL`, or `-` for a number that is only shown.
     pub(crate) verdict: String,
@@ -111,7 +111,7 @@ impl Record {
         self.figures.push(Chart::new(title, x_label, curves));
     }
 
-    /// Adds the same with logarithmic axes.
+    /// Adds curves with names over a common axis, with logarithmic axes.
     pub(crate) fn log_figure<L: Into<String>>(
         &mut self,
         title: impl Into<String>,
@@ -152,7 +152,7 @@ impl Record {
         self.at_least(format!("order of {quantity} in {unit}"), last, order);
     }
 
-    /// Adds the orders without a required one.
+    /// Adds observed orders of convergence without a required one.
     pub(crate) fn show_order(&mut self, quantity: &str, unit: &str, errors: &[(f64, f64)]) {
         let [last, _] = self.show_errors(quantity, unit, errors);
         self.show(format!("order of {quantity} in {unit}"), last, None);
@@ -170,8 +170,7 @@ impl Record {
     }
 }
 
-/// Returns the larger one of two numbers. One that is not a number counts as the largest, so that it does not get lost
-/// on the way to a bound.
+/// Returns the larger one of two numbers. NaN counts as the largest, so that it violates every bound.
 pub(crate) fn worse(a: f64, b: f64) -> f64 {
     if b > a || b.is_nan() { b } else { a }
 }

@@ -14,11 +14,12 @@ use super::{Failure, P, Record};
 const LARGEST_RATIO: f64 = 10.0;
 /// Powers of ten of the distances in cells, on either side.
 const DECADES: std::ops::RangeInclusive<i32> = 1..=14;
-/// Those of a short run.
+/// Powers of ten for a short run.
 const FEW_DECADES: [i32; 6] = [1, 3, 6, 9, 12, 14];
-/// Between these distances, on either side, nothing may happen; closer than that round-off may put a surface onto the mesh.
+/// Distances between which, on either side, the solution must not change. At smaller ones round-off may put a surface
+/// onto the mesh.
 const NEAR: [f64; 2] = [1e-12, 1e-6];
-/// Largest change there, over the error on this mesh.
+/// Largest change between these distances, over the error on this mesh.
 const LARGEST_CHANGE: f64 = 1e-5;
 /// The largest jump at the touch, over the error on this mesh.
 const LARGEST_JUMP: f64 = 1.0;
@@ -95,7 +96,7 @@ fn measure_sweep<const D: usize>(record: &mut Record, sweep: &Sweep<D>) -> Resul
     Ok(())
 }
 
-/// Returns the worse of the two sides at each distance.
+/// Returns the larger condition number of the two sides at each distance.
 fn worse_side<const D: usize>(findings: &Findings<D>, matrix: usize) -> Vec<(f64, f64)> {
     let half = findings.len() / 2;
     let pairs = findings[..half].iter().zip(findings.iter().rev());
@@ -135,7 +136,7 @@ fn continuity<const D: usize>(
     Ok(())
 }
 
-/// Torques of the flow between cylinders at random places of the mesh.
+/// Measures torques of the flow between cylinders at random places of the mesh.
 fn scatter(record: &mut Record) -> Result<(), Failure> {
     let (n, places) = if record.full { (32, 100) } else { (20, 25) };
     let h = 1.0 / n as f64;

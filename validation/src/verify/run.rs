@@ -18,13 +18,13 @@ pub(crate) struct Run<const D: usize = 2> {
 }
 
 impl<const D: usize> Run<D> {
-    /// Returns the problem at time zero, with the direct solver.
+    /// Creates the run of a setup from time zero, with the direct solver.
     pub(crate) fn new(setup: Setup<D>) -> Result<Self, Failure> {
         let state = State::initial(&setup)?;
         Ok(Self { setup, state, work: Workspace::new() })
     }
 
-    /// Returns the same with the solver that keeps old factors.
+    /// Creates the run of a setup from time zero, with the solver that keeps old factors.
     pub(super) fn lagged(setup: Setup<D>) -> Result<Self, Failure> {
         let work = Workspace::with_solver(Box::new(LaggedSolver::new(LaggedSettings::default())));
         Ok(Self { work, ..Self::new(setup)? })

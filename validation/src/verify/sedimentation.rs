@@ -15,7 +15,7 @@ use super::{Failure, P, Record, Run, V, short};
 const BOX: [f64; 2] = [2.0, 6.0];
 const DIAMETER: f64 = 0.25;
 const START: [f64; 2] = [1.0, 4.0];
-/// Of the disk; that of the fluid is one.
+/// Density of the disk; that of the fluid is one.
 const DENSITY: f64 = 1.25;
 const VISCOSITY: f64 = 0.1;
 const GRAVITY: f64 = 981.0;
@@ -24,7 +24,7 @@ const REYNOLDS: f64 = 17.3;
 const SPREAD: f64 = 0.15;
 const ACCURACY: f64 = 0.03;
 
-/// Lets the disk sink on several meshes, and with several time steps.
+/// Measures the sinking disk on several meshes, and with several time steps.
 pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     // Cells across the disk, and time step.
     let runs: &[(f64, f64)] = if record.full {
@@ -111,7 +111,7 @@ fn setup(h: f64, dt: f64) -> Result<Setup<2>, Failure> {
     Ok(setup)
 }
 
-/// Returns the box, fine where the disk sinks.
+/// Returns the mesh of the box, fine where the disk sinks.
 fn background(h: f64) -> Result<SimplexMesh<2>, Failure> {
     let [from, until] = [START[0] + 1.2 * DIAMETER, BOX[0] - DIAMETER];
     let size = Size::Graded { fine: h, fine_until: from, coarse: 4.0 * h, coarse_from: until, axis: 0 };

@@ -19,10 +19,10 @@ use super::{Failure, P, Record, Run, T, V, short};
 /// Height of the elastic layer, and of both.
 const INTERFACE: f64 = 0.5;
 const PLATE: f64 = 1.0;
-/// Length of the box, and how far the body sticks out of it on either side.
+/// Length of the box, and overhang of the body on either side.
 const LENGTH: f64 = 0.4;
 const OVERHANG: f64 = 0.2;
-/// Of coordinates.
+/// Round-off of coordinates.
 const ROUND_OFF: f64 = 1e-9;
 /// Density of both; shear modulus; viscosity; frequency; speed of the plate.
 const DENSITY: f64 = 1.0;
@@ -34,13 +34,14 @@ const SPEED: f64 = 0.01;
 const END: f64 = 0.5;
 /// Interface velocity of the reference, amplitude and phase.
 const KNOWN_INTERFACE: [f64; 2] = [5.555_197e-4, 3.026_732];
-/// The same of what is measured: displacement of the interface, its shear stress, shear stress at the plate.
+/// Amplitude and phase of the measured quantities: displacement of the interface, its shear stress, shear stress at the
+/// plate.
 const KNOWN: [(&str, [f64; 2]); 3] = [
     ("displacement of the interface", [8.841_371e-5, 1.455_936]),
     ("shear stress at the interface", [5.980_346e-4, -1.685_657]),
     ("shear stress at the plate", [7.919_957e-3, 0.788_526]),
 ];
-/// Asked orders in h and in the time step.
+/// Required orders in h and in the time step.
 const ORDERS: [f64; 2] = [1.9, 0.95];
 
 /// Measures orders in h, with dt ~ h², and in dt.
@@ -82,7 +83,8 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
         for (k, (name, _)) in KNOWN.iter().enumerate() {
             let errors = sequence.iter().map(|(x, m)| (*x, m.error(k))).collect::<Vec<_>>();
             let name = format!("{name}, relative error");
-            // The stress at the plate is a difference quotient with an error of its own; in dt, space leaves its part.
+            // The stress at the plate is a difference quotient with an error of its own; in dt, a part of the error in
+            // space remains.
             if unit == "h" && k < 2 {
                 record.order(&name, unit, &errors, order);
             } else {
@@ -135,7 +137,7 @@ impl Measured {
     }
 }
 
-/// Returns half a period with 1/h cells in x and in y.
+/// Computes half a period; `n` is the number 1/h in x and in y.
 fn run(n: [usize; 2], steps: usize) -> Result<Measured, Failure> {
     let layer = Arc::new(Layer::new());
     let known = Known { flow: Arc::clone(&layer), density: DENSITY, viscosity: VISCOSITY, convects: true, open: &[] };
@@ -169,7 +171,7 @@ fn largest_change(a: &[V], b: &[V]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max)
 }
 
-/// Means over x, in the order of [`KNOWN`].
+/// Computes means over x, in the order of [`KNOWN`].
 fn values(Run { setup, state, .. }: &Run, report: &StepReport<2>) -> Result<[f64; 3], Failure> {
     let of_body = setup.bodies[0].reference().iter().zip(state.bodies[0].displacement());
     let displacement = of_body.filter(|(x, _)| x[1] == INTERFACE && is_in_box(x[0])).map(|(_, d)| d[0]);
@@ -187,7 +189,7 @@ fn values(Run { setup, state, .. }: &Run, report: &StepReport<2>) -> Result<[f64
     Ok([mean(&displacement.collect::<Vec<_>>()), stress, at_plate])
 }
 
-/// Returns the box of fluid and the body below it.
+/// Returns the setup of the box of fluid and the body below it.
 fn setup(known: &Known<Layer>, [n_x, n_y]: [usize; 2], dt: f64) -> Result<Setup<2>, Failure> {
     // An odd number of rows: the interface lies in the middle of cells.
     let rows = 2 * (n_y / 2) + 1;
@@ -203,7 +205,7 @@ fn setup(known: &Known<Layer>, [n_x, n_y]: [usize; 2], dt: f64) -> Result<Setup<
     Ok(setup)
 }
 
-/// Returns the elastic layer. It is longer than the box, so that its ends stay out of the fluid.
+/// Returns the mesh of the elastic layer. It is longer than the box, so that its ends stay out of the fluid.
 fn solid([n_x, n_y]: [usize; 2]) -> Result<SolidMesh<2>, Failure> {
     let (low, high) = ([-OVERHANG, 0.0], [LENGTH + OVERHANG, INTERFACE]);
     Ok(SolidMesh::new(structured_box::<2>(low, high, [4 * n_x / 5, n_y / 2])?)?)

@@ -4,17 +4,17 @@ pub(super) fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// Returns the root of the mean square.
+/// Returns the root mean square.
 pub(super) fn rms(values: &[f64]) -> f64 {
     (values.iter().map(|v| v * v).sum::<f64>() / values.len() as f64).sqrt()
 }
 
-/// Returns the least and largest value.
+/// Returns the least and the largest value.
 pub(super) fn range(values: &[f64]) -> [f64; 2] {
     values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], v| [a.min(*v), b.max(*v)])
 }
 
-/// Returns the abscissa at which the straight line through two points has a height.
+/// Returns the abscissa at which the straight line through two points reaches a height.
 pub(super) fn passage([a, b]: [(f64, f64); 2], height: f64) -> f64 {
     a.0 + (b.0 - a.0) * (height - a.1) / (b.1 - a.1)
 }
@@ -41,7 +41,7 @@ pub(super) fn rough(values: &[f64], wing: usize) -> Vec<f64> {
     values.windows(2 * wing + 1).map(|window| window[wing] - smooth(window)).collect()
 }
 
-/// Returns the slope of the straight line closest to all points of a curve in logarithms.
+/// Returns the slope of a curve in logarithms, by linear regression.
 pub(super) fn slope(curve: &[(f64, f64)]) -> f64 {
     let logs: Vec<(f64, f64)> = curve.iter().map(|(x, y)| (x.ln(), y.ln())).collect();
     let n = logs.len() as f64;
@@ -50,7 +50,7 @@ pub(super) fn slope(curve: &[(f64, f64)]) -> f64 {
     xy / xx
 }
 
-/// Returns whether every refinement reduces the second numbers of a curve, as 0 or 1.
+/// Returns 1 if the second numbers of a curve decrease from point to point, else 0.
 pub(super) fn falls(curve: &[(f64, f64)]) -> f64 {
     f64::from(curve.windows(2).all(|w| w[1].1 < w[0].1))
 }

@@ -85,7 +85,7 @@ impl<const D: usize> Uniform<D> {
         }
     }
 
-    /// Returns the same between smooth walls.
+    /// Returns a bar under an axial load between smooth walls.
     fn confined(load: f64) -> Self {
         let axial = stretch(load);
         let mut gradient = Tensor::identity();
@@ -97,7 +97,7 @@ impl<const D: usize> Uniform<D> {
         Self { name: format!("between walls, stretch {}", short(axial)), gradient, piola, planes, base: None }
     }
 
-    /// Returns simple shear of a base that is held, by the tractions on all other sides.
+    /// Returns simple shear, with the base held and tractions on all other sides.
     fn sheared(shear: f64) -> Self {
         let mut gradient = Tensor::identity();
         gradient[(0, 1)] = shear;
@@ -177,7 +177,7 @@ fn uniform<const D: usize>(record: &mut Record, state: &Uniform<D>) -> Result<()
     Ok(())
 }
 
-/// Returns a block whose one side is turned, and takes the others along.
+/// Measures the deviation of a block from the rigid rotation of its bottom side.
 fn turned<const D: usize>(rotation: impl Fn(f64) -> Tensor<D> + Copy + Send + Sync + 'static) -> Result<f64, Failure> {
     let mut body = block::<D>()?;
     let turned = move |x: &Point<D>, time: f64| (rotation(ANGLE * time) * x - x).map(Some).into();
@@ -186,7 +186,7 @@ fn turned<const D: usize>(rotation: impl Fn(f64) -> Tensor<D> + Copy + Send + Sy
     deviation(body, TURNS, |x| end * x - x, &Tensor::zeros(), MU)
 }
 
-/// Returns a body under a pressure from all sides, with symmetry planes through the origin.
+/// Measures the deviation of a body under a pressure from all sides, with symmetry planes through the origin.
 fn pressed<const D: usize>(
     mut body: Elastic<D>,
     sides: &[&str],
@@ -202,7 +202,7 @@ fn pressed<const D: usize>(
     deviation(body, 1, |x| (x - fixed) * strain, &cauchy, cauchy.norm())
 }
 
-/// Returns half of a disk; its lowest vertex keeps its height.
+/// Measures half of a disk under a pressure from all sides. Its lowest vertex keeps its height.
 fn disk(pressure: f64) -> Result<f64, Failure> {
     let mesh = half_ball::<2>([0.0, 0.0], RADIUS, 0.5, &BallOptions { area_preserving: false })?;
     let heights = mesh.vertices().iter().enumerate().map(|(v, x)| (VertexId::new(v), x[1]));
@@ -215,7 +215,7 @@ fn disk(pressure: f64) -> Result<f64, Failure> {
     pressed(body, &["surface"], pressure, &fixed)
 }
 
-/// Returns an eighth of a cube.
+/// Measures an eighth of a cube under a pressure from all sides.
 fn cube(pressure: f64) -> Result<f64, Failure> {
     let mut body = block::<3>()?;
     for (axis, [low, _]) in SIDES[1].iter().enumerate() {

@@ -18,14 +18,14 @@ use super::{Failure, P};
 
 /// Squares per side of the plane box, bricks per side of the one in space; both have sides of length one.
 const N: [usize; 2] = [12, 5];
-/// A step so long that nothing is left of inertia.
+/// Length of a step in which inertia is negligible.
 const STEADY: f64 = 1e9;
-/// Vertices at most so far inside of bodies count as fluid, in cells: those that are passed.
+/// Largest depth inside of bodies, in cells, at which vertices count as fluid: those that are passed.
 const PASSED: f64 = 0.11;
 
 type Bodies<const D: usize> = Vec<Arc<dyn Body<D>>>;
 
-/// A motion of bodies past something of the mesh.
+/// A motion of bodies past a vertex, edge or face of the mesh.
 pub(super) struct Sweep<const D: usize> {
     /// Names of the body and of the part of the mesh that it passes.
     pub(super) name: &'static str,
@@ -33,7 +33,7 @@ pub(super) struct Sweep<const D: usize> {
     bodies: fn(f64) -> Result<Bodies<D>, Failure>,
 }
 
-/// Those in the plane.
+/// Sweeps in the plane.
 pub(super) const PLANE: [Sweep<2>; 5] = [
     Sweep { name: "side past a vertex", bodies: side_past_a_vertex },
     Sweep { name: "side past an edge", bodies: side_past_an_edge },
@@ -42,7 +42,7 @@ pub(super) const PLANE: [Sweep<2>; 5] = [
     Sweep { name: "two sides that close a gap", bodies: gap },
 ];
 
-/// Those in space: slices along a face, wedges along an edge, corners at a vertex are left of cells.
+/// Sweeps in space: the fluid in cut cells is a slice along a face, a wedge along an edge, or a corner at a vertex.
 pub(super) const SPACE: [Sweep<3>; 3] = [
     Sweep { name: "cube, side past a vertex", bodies: |s| cube([0.5, 0.4], s) },
     Sweep { name: "cube, side past an edge", bodies: |s| cube([0.0, 0.4], s) },
@@ -53,7 +53,8 @@ fn size<const D: usize>() -> f64 {
     1.0 / N[D - 2] as f64
 }
 
-/// Returns the steady flow around bodies, without any penalty of the jumps of velocity gradients but the ghost penalty.
+/// Returns the setup of the steady flow around bodies. The ghost penalty is the only penalty of jumps of velocity
+/// gradients.
 fn setup<const D: usize>(bodies: Bodies<D>) -> Result<Setup<D>, Failure> {
     let background = structured_box::<D>([-0.5; D], [0.5; D], [N[D - 2]; D])?;
     let side = |name: &str| background.tag(name).ok_or("a box has sides");
@@ -83,7 +84,7 @@ fn plane<const D: usize>(x: &Point<D>) -> P {
     P::new(x[0], x[1])
 }
 
-/// Returns the flow in the plane, which is one in space too.
+/// Returns the velocity of the plane flow, also in space.
 fn polynomial<const D: usize>() -> TimeField<D> {
     Arc::new(|x, t| {
         let u = StokesPolynomial.velocity(&plane(x), t);
@@ -91,7 +92,7 @@ fn polynomial<const D: usize>() -> TimeField<D> {
     })
 }
 
-/// Returns a turn from the first axis to another one.
+/// Turns a point from the first axis towards another one.
 fn turned<const D: usize>(x: &Point<D>, to: usize, angle: f64) -> Point<D> {
     let (mut turned, (sin, cos)) = (*x, angle.sin_cos());
     turned[0] = cos * x[0] - sin * x[to];
@@ -99,37 +100,39 @@ fn turned<const D: usize>(x: &Point<D>, to: usize, angle: f64) -> Point<D> {
     turned
 }
 
-/// Returns a polygon with corners in cells, turned and then moved to a place of the mesh, in cells from the middle of
-/// the box.
+/// Returns a polygon, turned and then moved to a place of the mesh. Corners and place are in units of cells; the place
+/// is relative to the middle of the box.
 fn placed(corners: &[[f64; 2]], angle: f64, place: [f64; 2]) -> Arc<dyn Body<2>> {
     let h = size::<2>();
     let corners = corners.iter().map(|&[x, y]| (turned(&P::new(x, y), 1, angle) + P::from(place)) * h);
     polygon(&[corners.collect()], |x, _| *x, polynomial())
 }
 
-/// Returns a rectangle in cells, from one corner to the opposite one.
+/// Returns the corners of a rectangle, from one corner to the opposite one.
 fn rectangle(low: [f64; 2], high: [f64; 2]) -> [[f64; 2]; 4] {
     [low, [high[0], low[1]], high, [low[0], high[1]]]
 }
 
-/// Returns the behind the vertex, cells keep a corner.
+/// Returns a body with a side that passes a vertex. Behind the vertex, the fluid in the cell is a corner.
 fn side_past_a_vertex(s: f64) -> Result<Bodies<2>, Failure> {
     Ok(vec![placed(&rectangle([s - 3.3, -1.7], [s, 1.6]), 0.4, [2.0, 1.0])])
 }
 
-/// Returns the behind the line, cells keep slices, or corners between two of these.
+/// Returns a body with a side that passes a line of the mesh. Behind the line, the fluid in the cells is a slice, or a
+/// corner between two slices.
 fn side_past_an_edge(s: f64) -> Result<Bodies<2>, Failure> {
     Ok(vec![placed(&rectangle([s - 3.3, -1.67], [s, 1.63]), 0.0, [2.0, 0.0])])
 }
 
-/// Returns a wedge of fluid in a body whose tip reaches a vertex, or a point of the edge above it: cells keep the tip.
+/// Returns a body with a notch, whose tip reaches a vertex, or a point of the edge above it. The fluid in the cell is
+/// the tip.
 fn notch(s: f64, above: f64) -> Result<Bodies<2>, Failure> {
     let block = [[-1.7, -1.9], [1.6, -1.9], [1.6, -0.8], [0.0, 0.0], [1.6, 0.8], [1.6, 1.9], [-1.7, 1.9]];
     Ok(vec![placed(&block.map(|[x, y]| [x + s, y]), 0.2, [1.0, above])])
 }
 
-/// Returns the between two bodies, cells keep a film that has no unknowns in common with the fluid around but at its
-/// ends.
+/// Returns two bodies with a gap. The fluid between them is a film that shares unknowns with the fluid around only at
+/// its ends.
 fn gap(s: f64) -> Result<Bodies<2>, Failure> {
     let place = [0.36, 0.54];
     let left = placed(&rectangle([s - 2.1, -1.7], [s, 1.6]), 0.15, place);
@@ -159,11 +162,11 @@ fn cube([about_second, about_third]: [f64; 2], s: f64) -> Result<Bodies<3>, Fail
 pub(super) struct Found<const D: usize> {
     /// Condition numbers of the equilibrated matrix, and of the matrix as it is.
     pub(super) conditions: [f64; 2],
-    /// The flow, if the matrix can be solved with.
+    /// The flow, if the system can be solved.
     pub(super) flow: Option<Numbers<D>>,
 }
 
-/// Numbers that should not jump.
+/// Numbers that should depend continuously on the distance.
 pub(super) struct Numbers<const D: usize> {
     /// Velocity and pressure of vertices in the fluid, without those that have unknowns of several parts.
     at_vertices: BTreeMap<VertexId, (Vector<D>, f64)>,
@@ -174,8 +177,8 @@ pub(super) struct Numbers<const D: usize> {
 }
 
 impl<const D: usize> Numbers<D> {
-    /// Returns the largest differences of velocity and pressure over the vertices that both know, difference of the
-    /// forces.
+    /// Returns the largest differences of velocity and of pressure over the vertices in both results, and the
+    /// difference of the forces.
     pub(super) fn differences(&self, other: &Self) -> [f64; 3] {
         let mut largest = [0.0, 0.0, (self.force - other.force).norm()];
         for (vertex, (velocity, pressure)) in &self.at_vertices {
@@ -186,8 +189,8 @@ impl<const D: usize> Numbers<D> {
         largest
     }
 
-    /// Returns the same of the exact flow, which exerts no force on a body, as none acts on the fluid that would be in
-    /// its place.
+    /// Returns the numbers of the exact flow at the same vertices. The flow exerts no force on a body, since no force
+    /// acts on the fluid in its place.
     pub(super) fn exact(&self, background: &SimplexMesh<D>) -> Self {
         let of = |vertex: VertexId| {
             let x = background.vertex(vertex);
@@ -199,7 +202,7 @@ impl<const D: usize> Numbers<D> {
 }
 
 impl<const D: usize> Sweep<D> {
-    /// Returns the problem at a distance in cells.
+    /// Returns the setup with the bodies at a distance in cells.
     pub(super) fn setup(&self, distance: f64, has_ghost_penalty: bool) -> Result<Setup<D>, Failure> {
         let mut setup = setup((self.bodies)(distance)?)?;
         if !has_ghost_penalty {
@@ -209,7 +212,7 @@ impl<const D: usize> Sweep<D> {
     }
 }
 
-/// Solves, and looks at the matrix.
+/// Solves, and computes the condition numbers of the matrix.
 pub(super) fn find<const D: usize>(setup: &Setup<D>) -> Result<Found<D>, Failure> {
     let mut work = Workspace::new();
     let step = advance(setup, &State::initial(setup)?, Substep::whole(setup.dt), &mut work);

@@ -10,12 +10,12 @@ use crate::case::scenario_path;
 
 /// Largest lateral drift of the centre, cm.
 const DRIFT: f64 = 1e-4;
-/// The virtual barrier without files, to the time shortly after its release.
+/// Changes of the virtual barrier: no field files, and an end shortly after the release.
 const SHORT: [&str; 2] = ["time.end=0.14", "output.vtk_every=0"];
 /// Coarse meshes for the quick version.
 const COARSE: [&str; 4] =
     ["background.size.fine=0.4", "background.size.coarse=1.0", "body.0.shape.size=0.4", "time.step=2e-3"];
-/// From the half to the whole.
+/// Changes from the half of the domain to the whole.
 const MIRRORED: [&str; 4] =
     ["background.mirrored=true", "background.boundary.left=free", "body.0.shape.mirrored=true", "body.0.boundary={}"];
 
@@ -38,7 +38,7 @@ fn fall(full: bool, set: &[&str]) -> Result<Fall, Error> {
     Ok(fall)
 }
 
-/// Key results of a run.
+/// Contact, release and drift of a run.
 #[derive(Default)]
 struct Fall {
     contact: Option<f64>,

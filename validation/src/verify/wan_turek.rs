@@ -24,7 +24,7 @@ const VISCOSITY: f64 = 1e-3;
 const SIZES: [f64; 4] = [0.02, 0.014, 0.01, 0.007];
 /// Time step over size, s/m: 0.39 cells in a step at the largest speed, whatever the mesh.
 const STEP_OVER_SIZE: f64 = 1.0;
-/// Signals count from here on, s: the start, at full speed, is impulsive.
+/// Time from which signals are evaluated, s: the start, at full speed, is impulsive.
 const BEGIN: f64 = 0.25;
 /// End of the quick version, the first time at which the cylinder rests, and of the full one, s.
 const ENDS: [f64; 2] = [1.0, 7.5];
@@ -108,7 +108,7 @@ fn show(record: &mut Record, name: &str, signal: &Signal) {
 /// Coefficients of the force.
 const KINDS: [&str; 3] = ["drag", "drag by traction", "lift"];
 
-/// Coefficients after every step that counts.
+/// Coefficients after every step that is evaluated.
 #[derive(Default)]
 struct Signal {
     dt: f64,
@@ -131,7 +131,7 @@ impl Signal {
         self.coefficients.each_ref().map(|values| rms(&rough(values, self.wing)) / (0.5 * (largest - least)))
     }
 
-    /// Returns the RMS of the difference of the drags, at the times of this signal that the other has around them.
+    /// Returns the RMS of the difference of the drags, at the times of this signal within the range of the other one.
     fn difference(&self, other: &Self) -> f64 {
         let at = |t: f64| {
             let place = (t - other.begin) / other.dt;
@@ -159,7 +159,8 @@ fn speed() -> f64 {
     TAU * FREQUENCY * AMPLITUDE
 }
 
-/// Returns the channel with cells of size `h` where the cylinder comes; half a period is a whole number of steps.
+/// Returns the setup of the channel with cells of size `h` where the cylinder moves. Half a period is a whole number of
+/// steps.
 fn setup(h: f64, part: usize) -> Result<Setup<2>, Failure> {
     let half_period = 0.5 / FREQUENCY;
     let dt = half_period / (part as f64 * (half_period / (STEP_OVER_SIZE * h)).round());
@@ -174,14 +175,14 @@ fn setup(h: f64, part: usize) -> Result<Setup<2>, Failure> {
     Ok(setup)
 }
 
-/// Returns the channel, symmetric, with cells that grow where the cylinder does not come.
+/// Returns the mesh of the channel, symmetric, with cells that grow outside the range of the cylinder.
 fn background(h: f64) -> Result<SimplexMesh<2>, Failure> {
     let fine_until = CENTRE[0] + AMPLITUDE + 2.0 * DIAMETER;
     let size = Size::Graded { fine: h, fine_until, coarse: 3.0 * h, coarse_from: fine_until + 20.0 * h, axis: 0 };
     Ok(mirrored(&graded_box::<2>([CENTRE[0], 0.0], CHANNEL, &size)?, 0, CENTRE[0])?)
 }
 
-/// Returns the forces on a mesh of size `h`, with a part of its time step.
+/// Computes the forces on a mesh of size `h`. The time step is divided by `part`.
 fn run(h: f64, part: usize, end: f64) -> Result<Signal, Failure> {
     let mut run = Run::lagged(setup(h, part)?)?;
     let scale = 2.0 / (speed() * speed() * DIAMETER);

@@ -1,4 +1,4 @@
-//! Circles among the files of a package.
+//! Dependency cycles among the files of a package.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -8,7 +8,7 @@ use super::tree::{Finding, Tree};
 /// Path of a module within its package; empty for the root.
 type Module = Vec<String>;
 
-/// Finds one circle per package: files that use each other, directly or through others.
+/// Finds one dependency cycle per package: files that use each other, directly or through others.
 pub(super) fn check(tree: &Tree) -> Vec<Finding> {
     let mut packages: BTreeMap<&str, Vec<&Source>> = BTreeMap::new();
     for source in tree.rust.iter().filter(|source| source.is_src()) {
@@ -81,7 +81,7 @@ impl<'a> Package<'a> {
     /// Returns the module that defines a name which `module` defines or re-exports.
     fn definition(&self, module: Module, name: &str) -> Module {
         let mut module = module;
-        // Re-exports of re-exports are few; the bound guards against circles of them.
+        // Re-exports of re-exports are few; the bound guards against cycles of them.
         for _ in 0..8 {
             match self.exports.get(&(module.clone(), name.to_owned())) {
                 Some(next) => module.clone_from(next),
@@ -91,7 +91,7 @@ impl<'a> Package<'a> {
         module
     }
 
-    /// Returns the files that a file uses, with the line of the first use. Re-exports do not count.
+    /// Returns the files that a file uses, with the line of the first use, without re-exports.
     fn uses(&self, module: &Module, source: &Source) -> BTreeMap<Module, usize> {
         let mut uses = BTreeMap::new();
         for path in self.paths(module, source).into_iter().filter(|path| !path.is_export) {
@@ -160,11 +160,11 @@ fn module(source: &Source) -> Module {
     module
 }
 
-/// Returns one circle of files, if there is any.
+/// Returns one dependency cycle of files, if there is any.
 fn circle(package: &Package<'_>) -> Option<Finding> {
     let mut uses: BTreeMap<&Module, BTreeMap<Module, usize>> =
         package.files.iter().map(|(module, source)| (module, package.uses(module, source))).collect();
-    // Files that use no other file cannot be part of a circle; nor can files that use only those.
+    // Files that use no other file cannot be part of a cycle; nor can files that use only those.
     loop {
         let left: BTreeSet<Module> = uses.keys().map(|module| (*module).clone()).collect();
         uses.values_mut().for_each(|targets| targets.retain(|target, _| left.contains(target)));
@@ -181,7 +181,7 @@ fn circle(package: &Package<'_>) -> Option<Finding> {
             let names: Vec<&str> =
                 way[start..].iter().chain([&next]).map(|module| package.files[*module].path.as_str()).collect();
             let line = uses[way[way.len() - 1]][next];
-            let advice = format!("circle of files: {}", names.join(" -> "));
+            let advice = format!("dependency cycle of files: {}", names.join(" -> "));
             return Some(Finding::new(&package.files[way[way.len() - 1]].path, line, advice));
         }
         way.push(next);

@@ -1,4 +1,4 @@
-//! Who may depend on whom inside of the tree.
+//! Allowed dependencies between the packages.
 
 use super::tree::{Finding, Tree};
 

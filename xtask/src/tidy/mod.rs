@@ -26,7 +26,7 @@ pub(crate) struct Arguments {
     fix: bool,
 }
 
-/// Findings of all rules, in the order of files and lines.
+/// Returns the findings of all rules, in the order of files and lines.
 fn findings(tree: &Tree) -> Vec<Finding> {
     let rules = [
         layers::check,
@@ -113,7 +113,7 @@ mod tests {
         check_finds("crates/solver/src/a.rs", "//! A.\nfn a() { b / dt }\n", 2, "time scheme");
         check_finds("crates/solver/src/a.rs", "//! A.\npub trait FilmTerm {}\n", 2, "new kind of term");
         check_finds(term, "//! A.\npub struct Point {}\n", 2, "`Point` is no term");
-        check_finds("crates/solver/src/a.rs", "//! A.\nuse faer::Mat;\n", 2, "outside of its room");
+        check_finds("crates/solver/src/a.rs", "//! A.\nuse faer::Mat;\n", 2, "must not be used in this file");
         check_finds("crates/solver/src/a.rs", "//! A.\nfn a<const D: usize>() where [(); D]: {}\n", 2, "where-clause");
         check_finds("crates/solver/src/a.rs", "//! A.\nfn a() { b::<2>() }\n", 2, "literal dimension");
         let long = format!("//! A.\npub fn advance() {{\n{}}}\n", "    a();\n".repeat(40));

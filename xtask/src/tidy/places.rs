@@ -16,7 +16,7 @@ const WORDS: &[(&[&str], &[&str], &str)] = &[
 ];
 const NOWHERE: &[&str] = &[];
 
-/// The same for the code of libraries outside of unit tests.
+/// Words and their places in the code of libraries outside of unit tests.
 const LIBRARY_WORDS: &[(&[&str], &[&str], &str)] = &[
     (
         &["ElasticBody", "RigidBody", "PrescribedBody"],
@@ -87,8 +87,8 @@ fn find<'a>(
     }
 }
 
-/// Sites have one form of term, `algebra::Term`. Each struct in `terms/` implements it, or is the weight of a product of
-/// shape functions that the sites evaluate themselves.
+/// Checks that sites have one form of term, `algebra::Term`. Each struct in `terms/` implements it, or is the weight of
+/// a product of shape functions that the sites evaluate themselves.
 fn traits_and_terms(source: &Source, findings: &mut Vec<Finding>) {
     let declared = |line: &str, kind: &str| -> Option<String> {
         let name = line.strip_prefix("pub ")?.strip_prefix(kind)?.split(|c: char| !c.is_alphanumeric()).next()?;

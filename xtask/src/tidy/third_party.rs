@@ -1,4 +1,4 @@
-//! Files that may use each third-party crate: its *room*.
+//! Folders and files that may use each third-party crate: its *room*.
 
 use super::source::words;
 use super::tree::{Finding, Tree};
@@ -76,14 +76,14 @@ pub(super) fn check(tree: &Tree) -> Vec<Finding> {
             let line = tree.manifest_line(&manifest, dependency);
             let Some((_, rooms)) = ROOMS.iter().find(|(package, _)| *package == dependency) else {
                 let advice =
-                    format!("`{dependency}` has no room: use a crate of the list, or add it to third_party.rs");
+                    format!("`{dependency}` is not in the list of third_party.rs: use a crate of the list, or add it");
                 findings.push(Finding::new(&manifest, line, advice));
                 continue;
             };
             let has_room =
                 rooms.iter().any(|room| room.starts_with(&folder) || folder.starts_with(&format!("{room}/")));
             if kind == "normal" && (!has_room || (dependency == "nalgebra" && folder == WITHOUT_NALGEBRA)) {
-                let advice = format!("`{name}` must not depend on `{dependency}`: its rooms are {}", rooms.join(", "));
+                let advice = format!("`{name}` must not depend on `{dependency}`: allowed in {}", rooms.join(", "));
                 findings.push(Finding::new(&manifest, line, advice));
             }
         }
@@ -97,7 +97,7 @@ pub(super) fn check(tree: &Tree) -> Vec<Finding> {
             let name = package.replace('-', "_");
             let offset = words(source.code(), &name).find(|&offset| is_path(source.code(), offset, name.len()));
             if let Some(offset) = offset {
-                let advice = format!("`{package}` outside of its room: keep it in {}", rooms.join(", "));
+                let advice = format!("`{package}` must not be used in this file: use it only in {}", rooms.join(", "));
                 findings.push(Finding::new(&source.path, source.line_at(offset), advice));
             }
         }

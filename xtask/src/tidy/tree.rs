@@ -69,7 +69,7 @@ impl Tree {
         Ok(Self { root, rust, other, packages, sizes })
     }
 
-    /// Returns a file that is not Rust.
+    /// Returns the page, script, manifest or scenario with a path.
     pub(super) fn page(&self, path: &str) -> Option<&Source> {
         self.other.iter().find(|source| source.path == path)
     }

@@ -8,7 +8,7 @@ use super::subdomain::{BlockSolver, Subdomain, with_neighbours};
 use super::{LinearError, LinearReport, LinearSolver, LinearSystem};
 use crate::BlockLayout;
 
-/// How blocks are solved for, and when to stop.
+/// Solvers of the blocks, and stopping criteria.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BlockGaussSeidelSettings {
     /// Solvers of the blocks in their order; the last one serves all that follow.
@@ -23,7 +23,7 @@ pub struct BlockGaussSeidelSettings {
 }
 
 impl Default for BlockGaussSeidelSettings {
-    /// Returns ILUT for the first block, which is the fluid, and Cholesky for the bodies.
+    /// Returns settings with ILUT for the first block, which is the fluid, and Cholesky for the bodies.
     fn default() -> Self {
         let fluid = BlockSolver::Incomplete(Fill::THRESHOLD);
         Self { solvers: vec![fluid, BlockSolver::Cholesky], stiff: 0.1, restart: 80, max_iterations: 400 }
@@ -103,7 +103,7 @@ fn blocks(layout: &BlockLayout) -> Vec<Block> {
     blocks.into_iter().map(|(_, block)| block).collect()
 }
 
-/// Returns the unknowns with stiff couplings to another block, and all that these act on.
+/// Returns the unknowns with stiff couplings to another block, and their neighbours (see [`with_neighbours`]).
 fn stiffly_coupled(matrix: &CsMatI<f64, u32>, block_of: &[usize], stiff: f64) -> Vec<u32> {
     let mut is_stiff = vec![false; block_of.len()];
     for (value, (i, j)) in matrix.iter() {

@@ -22,8 +22,8 @@ pub(super) struct CholeskyFactors {
 }
 
 impl CholeskyFactors {
-    /// Returns the factors of an equilibrated matrix, given the ratios of row to column scales; none if it is not
-    /// symmetric before it is scaled, or not positive definite.
+    /// Computes the factors of an equilibrated matrix, given the ratios of row to column scales. Returns `None` if the
+    /// matrix before scaling is not symmetric, or not positive definite.
     ///
     /// # Errors
     /// [`LinearError::OutOfMemory`].

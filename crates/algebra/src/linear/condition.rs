@@ -1,4 +1,4 @@
-//! How well a matrix is conditioned.
+//! Condition number of a matrix.
 
 use super::factors::Factors;
 use super::{LinearError, LinearSystem, MatrixView, ScaledMatrix};
@@ -11,15 +11,15 @@ const MOST_ITERATIONS: usize = 300;
 /// The scales in which a matrix `A` is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scaling {
-    /// As it is.
+    /// The matrix without scaling.
     None,
     /// `R A C` of [`super::Equilibration`], the matrix that the solvers factorise.
     Equilibrated,
 }
 
 /// Returns the condition number `‖A‖ ‖A⁻¹‖` in the Euclidean norm, of a matrix or of the equilibrated one, to a few per
-/// cent: from below, by power iterations with `A` and `Aᵀ` and with their inverses. The factors are those of the
-/// equilibrated matrix in both cases.
+/// cent. It is approached from below, by power iterations with `A` and `Aᵀ` and with their inverses. The factors are
+/// those of the equilibrated matrix in both cases.
 ///
 /// A measure for people, not for solvers: it takes two factorisations and hundreds of solves.
 ///

@@ -122,7 +122,7 @@ pub(super) fn faer_view<'a>(
     SparseColMatRef::new(SymbolicSparseColMatRef::new_checked(n, n, column_ptr, None, rows), values)
 }
 
-/// Returns the pseudo-random signs, always the same.
+/// Returns a fixed sequence of pseudo-random signs.
 pub(super) fn signs() -> impl Iterator<Item = f64> {
     let mut state: u64 = 0x9e37_79b9_7f4a_7c15;
     std::iter::repeat_with(move || {

@@ -4,7 +4,7 @@ use sprs::CsMatI;
 
 use super::{LinearError, LinearReport};
 
-/// When to stop.
+/// Stopping criteria.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GmresSettings {
     /// Largest accepted residual, relative to the right-hand side (Euclidean norms).
@@ -84,7 +84,7 @@ impl Gmres {
     }
 
     /// Builds a basis of at most `most` vectors from a residual of norm `size`, until the residual of the least-squares
-    /// problem is below the bound; returns how many directions there are.
+    /// problem is below the bound; returns the number of directions.
     fn cycle(
         &mut self,
         matrix: &CsMatI<f64, u32>,
@@ -178,7 +178,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Returns the Euclidean norm; of numbers whose squares leave the range of numbers, too.
+/// Returns the Euclidean norm, also where the squares overflow or underflow.
 fn norm(a: &[f64]) -> f64 {
     let plain = dot(a, a).sqrt();
     if (1e-140..1e140).contains(&plain) {

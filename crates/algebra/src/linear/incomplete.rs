@@ -12,7 +12,7 @@ use super::nodes::NodeGraph;
 /// Weights of the shift of multipliers, in the order in which they are tried.
 const SHIFTS: [f64; 4] = [0.0, 10.0, 40.0, 160.0];
 /// Error of the factors on a vector of signs, relative to it, from which on they count as unstable. Stable factors have
-/// errors below one, and growth in unstable ones is exponential: where the bound lies does not matter.
+/// errors below one, and growth in unstable ones is exponential: the exact bound is not important.
 const LARGEST_ERROR: f64 = 10.0;
 
 /// Rule for the entries that incomplete factors keep.
@@ -132,7 +132,7 @@ impl WorkRow {
         self.values.clear();
     }
 
-    /// Returns the range of the values of a block of `size` values, which is zero if there was none.
+    /// Returns the range of the values of a block. Appends a zero block of `size` values if the row has none.
     fn block(&mut self, column: u32, size: usize) -> std::ops::Range<usize> {
         let place = &mut self.place[column as usize];
         if *place == NONE {
@@ -183,7 +183,7 @@ impl IncompleteFactors {
         Err(LinearError::Unstable { error })
     }
 
-    /// Computes all rows of the factors; none if there is no pivot.
+    /// Computes all rows of the factors; `None` if a pivot is missing.
     fn eliminate_all(&mut self, rows: &BlockRows, fill: Fill) -> Option<()> {
         for part in [&mut self.lower, &mut self.upper, &mut self.pivots] {
             part.clear();
@@ -201,7 +201,7 @@ impl IncompleteFactors {
         self.substitute(&mut image);
         let square: f64 = image.iter().zip(&e).map(|(a, b)| (a - b).powi(2)).sum();
         let error = (square / e.len() as f64).sqrt();
-        // Not a number if values grew beyond all bounds.
+        // NaN if values have overflowed.
         if error.is_nan() { f64::INFINITY } else { error }
     }
 
@@ -209,7 +209,7 @@ impl IncompleteFactors {
         self.first[row + 1] - self.first[row]
     }
 
-    /// Computes a row of the factors from the rows before it; none if there is no pivot.
+    /// Computes a row of the factors from the rows before it; `None` if a pivot is missing.
     fn eliminate(&mut self, row: usize, matrix: &BlockRows, fill: Fill, work: &mut WorkRow) -> Option<()> {
         let size = self.size(row);
         work.clear();
@@ -433,7 +433,7 @@ fn subtract_product(c: &mut [f64], a: &[f64], b: &[f64], [m, k, n]: [usize; 3]) 
     }
 }
 
-/// Does the same with square blocks on the left, of the size of the scratch memory `sum`.
+/// Computes `c -= a b` for square blocks `a` of the size of the scratch memory `sum`.
 #[inline]
 fn subtract_square_product<const D: usize>(c: &mut [f64], a: &[f64], b: &[f64], mut sum: [f64; D]) {
     let (a, _) = a.as_chunks::<D>();

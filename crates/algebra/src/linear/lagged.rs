@@ -8,7 +8,7 @@ use super::subdomain::{BlockSolver, Subdomain, with_neighbours};
 use super::{Equilibration, LinearError, LinearReport, LinearSolver, LinearSystem};
 use crate::DofKey;
 
-/// When old factors are good enough.
+/// Criteria for the use of old factors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LaggedSettings {
     /// Change of an entry of the equilibrated matrix, whose rows and columns have largest entries near one, from which on
@@ -28,12 +28,13 @@ impl Default for LaggedSettings {
     }
 }
 
-/// Sparse LU that lags: one factorisation serves the matrices of many solves, also when unknowns come and go.
+/// Sparse LU that lags: one factorisation is used for the matrices of many solves, also when unknowns appear and
+/// vanish.
 ///
-/// The factors of an old matrix, applied to the unknowns that both have, precondition FGMRES for the present one. Where an
-/// interface moved, rows have changed entirely; these unknowns and their neighbours are solved for anew with small factors
-/// of their own, on the residual that the old factors leave (a multiplicative Schwarz step). Unknowns are matched by
-/// their keys ([`crate::BlockLayout::keys`]).
+/// The factors of an old matrix, applied to the unknowns that both have, precondition FGMRES for the present one. Where
+/// an interface moved, rows have changed entirely; these unknowns and their neighbours are solved for again with small
+/// factors of their own, on the residual that the old factors leave (a multiplicative Schwarz step). Unknowns are
+/// matched by their keys ([`crate::BlockLayout::keys`]).
 ///
 /// The matrix is factorised when the last solve took many iterations, when many unknowns have changed, or when a solve does
 /// not converge: counts decide, never times, so that runs can be repeated bit by bit.
@@ -61,7 +62,7 @@ struct Base {
     keys: Vec<(DofKey, u32)>,
 }
 
-/// How the present unknowns relate to those of the base, and the factors where the matrix has changed.
+/// Relation of the present unknowns to those of the base, and factors where the matrix has changed.
 #[derive(Default)]
 struct Patch {
     /// Position in the base of each unknown; `NONE` where it has none.
@@ -166,7 +167,7 @@ impl Patch {
             for (row, value) in old_entries.iter() {
                 let i = from_base[row];
                 if i == NONE {
-                    // A vanished unknown acted on this one.
+                    // An unknown that has vanished was coupled to this one.
                     changed[j] |= value.abs() > change;
                 } else {
                     column[i as usize] = value / (self.row_ratio[i as usize] * self.column_ratio[j]);

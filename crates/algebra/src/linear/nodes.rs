@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-/// Which unknowns each node has, and which nodes a matrix couples.
+/// Unknowns of each node, and couplings of nodes by a matrix.
 #[derive(Debug, Default)]
 pub(super) struct NodeGraph {
     /// Node to its first position in `unknowns`; one longer than the number of nodes.
@@ -85,8 +85,8 @@ impl NodeGraph {
         &self.rows[self.column_ptr[node as usize] as usize..self.column_ptr[node as usize + 1] as usize]
     }
 
-    /// Returns the nodes in reverse Cuthill-McKee order: coupled ones come close to each other. The graph goes both
-    /// ways.
+    /// Returns the nodes in reverse Cuthill-McKee order, in which coupled nodes are close to each other. The graph must
+    /// have every coupling in both directions.
     ///
     /// Source: George and Liu 1981, Computer solution of large sparse positive definite systems, chapter 4.
     pub(super) fn reverse_cuthill_mckee(&self) -> Vec<u32> {
@@ -122,7 +122,7 @@ impl NodeGraph {
         }
     }
 
-    /// Returns a node at the rim of the nodes that can be reached from `start`.
+    /// Returns a pseudo-peripheral node among those that can be reached from `start`.
     fn peripheral(&self, start: u32, level: &mut [u32]) -> u32 {
         let (mut node, mut depth) = (start, None);
         loop {
@@ -134,7 +134,7 @@ impl NodeGraph {
         }
     }
 
-    /// Returns the node with few neighbours among those that are farthest from `start`, and its distance.
+    /// Returns the node with the fewest neighbours among those farthest from `start`, and its distance.
     fn farthest(&self, start: u32, level: &mut [u32]) -> (u32, u32) {
         let mut queue = VecDeque::from([start]);
         let mut reached = vec![start];

@@ -9,7 +9,7 @@ use super::factors::Factors;
 use super::incomplete::{Fill, IncompleteFactors};
 use super::{LinearError, LinearSystem};
 
-/// How a diagonal block is solved for.
+/// Solver of a diagonal block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BlockSolver {
     /// Sparse LU.
@@ -88,17 +88,17 @@ impl Subdomain {
         Ok(())
     }
 
-    /// Returns the unknowns.
+    /// Returns the unknowns of the subdomain, ascending.
     pub(super) fn members(&self) -> &[u32] {
         &self.members
     }
 
-    /// Forgets the members.
+    /// Removes all members.
     pub(super) fn clear(&mut self) {
         self.members.clear();
     }
 
-    /// Adds the correction by the factors, applied to the residual, to `z`.
+    /// Solves with the factors for the residual of the members, and adds the correction to `z`.
     pub(super) fn correct(&mut self, residual: &[f64], z: &mut [f64]) -> Result<(), LinearError> {
         if self.members.is_empty() {
             return Ok(());
@@ -116,7 +116,7 @@ impl Subdomain {
         Ok(())
     }
 
-    /// Takes the last correction out of the residual.
+    /// Subtracts the product of the matrix and the last correction from the residual.
     pub(super) fn update(&self, matrix: &CsMatI<f64, u32>, residual: &mut [f64]) {
         for (j, dz) in self.members.iter().zip(&self.correction) {
             let Some(column) = matrix.outer_view(*j as usize) else { continue };
@@ -127,7 +127,7 @@ impl Subdomain {
     }
 }
 
-/// Returns the marked unknowns and all that these act on, ascending.
+/// Returns the marked unknowns and all unknowns in whose rows their columns have entries, ascending.
 pub(super) fn with_neighbours(matrix: &CsMatI<f64, u32>, is_marked: &[bool]) -> Vec<u32> {
     let mut is_member = is_marked.to_vec();
     for (column, is_marked) in matrix.outer_iterator().zip(is_marked) {
@@ -138,7 +138,7 @@ pub(super) fn with_neighbours(matrix: &CsMatI<f64, u32>, is_marked: &[bool]) -> 
     (0..is_member.len() as u32).filter(|i| is_member[*i as usize]).collect()
 }
 
-/// Returns the rows and columns of the members.
+/// Returns the submatrix of the rows and columns of the members.
 fn restricted(matrix: &CsMatI<f64, u32>, members: &[u32]) -> CsMatI<f64, u32> {
     let mut position = vec![NONE; matrix.rows()];
     for (k, i) in members.iter().enumerate() {

@@ -14,17 +14,18 @@ use rayon::prelude::*;
 use crate::scatter::stripes::Stripe;
 use crate::{Contributions, LocalSystem, Pattern};
 
-/// Items of the largest contribution between two changes of contribution. Cells, faces and pieces are numbered alike, so that
-/// those of one round write to the same part of the matrix, and find it in the cache.
+/// Items of the largest contribution in one round. A round adds the same fraction of the items of every contribution.
+/// Cells, faces and pieces are numbered alike, so that the items of a round write to the same part of the matrix, which
+/// stays in the cache.
 const ITEMS_PER_ROUND: usize = 4096;
 
-/// A contribution and where its entries go.
+/// A contribution with its place in the pattern.
 pub(crate) struct Work<'a> {
-    /// Its number.
+    /// Number of the contribution.
     pub(crate) index: usize,
     pub(crate) contribution: &'a dyn Contributions,
     pub(crate) pattern: &'a Pattern,
-    /// Its items among those of the pattern.
+    /// Numbers of its items in the pattern.
     pub(crate) items: Range<usize>,
 }
 
@@ -35,8 +36,8 @@ pub(crate) struct Scatter {
 }
 
 impl Scatter {
-    /// Adds all items of the contributions to the values in the stripes, or to zero. Reports the time of each contribution:
-    /// that of the slowest stripe.
+    /// Adds all items of the contributions to the values in the stripes, which are set to zero first if `from_zero`.
+    /// Reports the time of each contribution, which is that of its slowest stripe.
     pub(crate) fn add(
         &mut self,
         works: &[Work<'_>],

@@ -4,14 +4,15 @@ use std::ops::Range;
 
 use crate::{BlockLayout, DofId, Pattern};
 
-/// Fewest unknowns that are worth a thread.
+/// Smallest number of unknowns per thread.
 const SMALLEST_STRIPE: usize = 512;
 
-/// The same share of every field for each thread, and the stripes that each item touches.
+/// Stripes with the same share of every field, one for each thread, and the stripes that each item touches.
 ///
-/// A column belongs to the stripe of its dof, with its entries of residual and matrix. Items that touch several stripes are
-/// evaluated in each of them, so that no two threads write to the same place and every entry is summed in the order of
-/// the items, however many threads there are. Neighbours in a mesh have neighbouring numbers in every field, so few do.
+/// A column belongs to the stripe of its dof, with its entries of residual and matrix. Items that touch several stripes
+/// are evaluated in each of them, so that no two threads write to the same place and every entry is summed in the order
+/// of the items, however many threads there are. Neighbours in a mesh have neighbouring numbers in every field, so few
+/// items touch several stripes.
 #[derive(Debug, Default)]
 pub(crate) struct Stripes {
     n: usize,
@@ -69,7 +70,7 @@ impl Stripes {
         self.of_item.get(item).is_none_or(|&[first, last]| (first as usize..=last as usize).contains(&stripe))
     }
 
-    /// Deals out residual and matrix.
+    /// Divides residual and matrix among the stripes.
     pub(crate) fn deal<'a>(
         &self,
         pattern: &Pattern,
@@ -107,12 +108,13 @@ struct Block<'a> {
     first: usize,
     residual: &'a mut [f64],
     first_entry: usize,
-    /// Matrix entries, unless only the residual is wanted.
+    /// Matrix entries; `None` if only the residual is evaluated.
     columns: Option<&'a mut [f64]>,
 }
 
 impl Stripe<'_> {
-    /// Sets everything to zero: each thread its own, as reading and writing memory is a good part of an assembly.
+    /// Sets all entries to zero. Each thread clears its own stripe, since memory traffic is a large part of an
+    /// assembly.
     pub(crate) fn clear(&mut self) {
         for block in &mut self.blocks {
             block.residual.fill(0.0);

@@ -25,12 +25,12 @@ impl GeneralisedAlpha {
         (0.0..=1.0).contains(&rho_inf).then_some(Self { rho_inf })
     }
 
-    /// Returns `α_m = (2 ρ_∞ - 1)/(ρ_∞ + 1)`
+    /// Returns `α_m = (2 ρ_∞ - 1)/(ρ_∞ + 1)`.
     fn alpha_m(self) -> f64 {
         (2.0 * self.rho_inf - 1.0) / (self.rho_inf + 1.0)
     }
 
-    /// Returns `α_f = ρ_∞/(ρ_∞ + 1)`
+    /// Returns `α_f = ρ_∞/(ρ_∞ + 1)`.
     fn alpha_f(self) -> f64 {
         self.rho_inf / (self.rho_inf + 1.0)
     }

@@ -20,7 +20,7 @@ pub trait Value: Copy + Sum + Add<Output = Self> + Mul<f64, Output = Self> {}
 
 impl<V: Copy + Sum + Add<Output = V> + Mul<f64, Output = V>> Value for V {}
 
-/// A field at one time, one value per node. A list that a field does not need, or does not know, is empty.
+/// A field at one time, one value per node. Lists that are not needed or not known are empty.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Level<V> {
     /// Displacement.
@@ -74,8 +74,8 @@ pub trait TimeScheme: Send + Sync + Debug {
         1
     }
 
-    /// Returns the weights of a step. `lengths` are those of this step and of the ones before, newest first; `starts` says
-    /// that no acceleration is known.
+    /// Returns the weights of a step. `lengths` are those of this step and of the ones before, newest first; `starts`
+    /// is true if no acceleration is known.
     fn weights(&self, lengths: &[f64], starts: bool) -> Weights;
 }
 
@@ -111,7 +111,7 @@ impl<V: Value> Affine<V> {
         Self { slope: row.slope, predicted: (0..n).map(sum).collect() }
     }
 
-    /// Moves from the end of a step the fraction `alpha` back towards known values.
+    /// Interpolates between the end of a step and known values, at the fraction `alpha` of the step before its end.
     fn moved_back(&self, alpha: f64, known: &[V]) -> Self {
         if alpha == 0.0 {
             return self.clone();
@@ -137,8 +137,8 @@ pub struct Motion<V> {
 
 /// One step of a scheme.
 ///
-/// Terms of a weak form see the stage and nothing else of the scheme. Surfaces in contact with fluid and other bodies are
-/// those at the end.
+/// Terms of a weak form depend on the scheme through the stage only. Surfaces in contact with fluid and other bodies
+/// are those at the end.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StepRule<V> {
     /// At the end of the step.

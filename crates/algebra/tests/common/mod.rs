@@ -55,19 +55,19 @@ impl Contributions for Part<'_> {
     }
 }
 
-/// Returns the parts as a system takes them.
+/// Returns references to the parts.
 pub(crate) fn refs<'p>(parts: &'p [Part<'_>]) -> Vec<&'p dyn Contributions> {
     parts.iter().map(|part| part as _).collect()
 }
 
-/// Returns a field of scalar unknowns.
+/// Returns a layout with one field of `n` scalar unknowns.
 pub(crate) fn scalar_field(n: usize) -> BlockLayout {
     let mut layout = BlockLayout::new();
     layout.push("x", n, 1);
     layout
 }
 
-/// Springs with the force `e + e³` at elongation `e` between the neighbours in a row of points.
+/// Returns springs with the force `e + e³` at elongation `e` between the neighbours in a row of points.
 pub(crate) fn springs(points: usize) -> Part<'static> {
     let add = |item: usize, x: &[f64], out: &mut LocalSystem| {
         let e = x[item + 1] - x[item];
@@ -158,7 +158,7 @@ impl Flow {
         self.layout.dof(FieldId::new(field), vertex, 0).index()
     }
 
-    /// Returns all parts but convection if that is zero.
+    /// Returns all parts; convection only if it is not zero.
     pub(crate) fn parts(&self) -> Vec<Part<'_>> {
         let convection = (self.convection != 0.0).then(|| self.convection());
         [self.linear()].into_iter().chain(convection).chain([self.jumps(2)]).collect()
@@ -169,7 +169,8 @@ impl Flow {
         Equations { layout: &self.layout, contributions, constraints: &self.constraints }
     }
 
-    /// A part of cells with the dofs u, v and p of each vertex, given by area, gradients and local values.
+    /// Returns a part over the cells with the dofs u, v and p of each vertex. `add` takes area, gradients and local
+    /// values.
     fn cells(
         &self,
         name: &'static str,
@@ -183,7 +184,7 @@ impl Flow {
         Part::new(name, self.grid.cells.len(), move |cell| dofs(cell).concat(), add)
     }
 
-    /// Returns the mass, viscosity and incompressibility.
+    /// Returns the linear terms of the cells: mass, viscosity and incompressibility.
     fn linear(&self) -> Part<'_> {
         let cells = self.cells("linear cells", |area, g, local, out| {
             for i in 0..3 {

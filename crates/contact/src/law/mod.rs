@@ -41,7 +41,7 @@ pub struct ContactTraction {
 /// The stress on which a law depends.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum StressSource {
-    /// None.
+    /// The law does not depend on a stress.
     #[default]
     None,
     /// The stress of the slave.

@@ -16,7 +16,7 @@ pub struct Penalty {
 }
 
 impl Penalty {
-    /// Returns the law with penalty parameter `gamma_contact_0` and offset `ε`.
+    /// Creates the law with penalty parameter `gamma_contact_0` and offset `ε`.
     ///
     /// # Errors
     /// [`Error::Parameter`]: parameter not positive, offset negative.

@@ -15,7 +15,7 @@ use crate::Positions;
 /// Support of the closest point, on which the reaction acts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Anchor<const D: usize> {
-    /// Nothing that moves.
+    /// A point that does not move.
     Fixed,
     /// A facet of the obstacle's boundary. Arrays have one entry per vertex of the facet.
     Facet {
@@ -55,7 +55,7 @@ impl<const D: usize> Projection<D> {
 pub trait Obstacle<const D: usize>: Send + Sync + std::fmt::Debug {
     /// Returns the closest point to `x`, or `None` if no candidate has one.
     ///
-    /// `positions`: those of the vertices of the obstacle's own body; `candidates`: the facets to look at. Rigid
+    /// `positions`: those of the vertices of the obstacle's own body; `candidates`: the facets that are searched. Rigid
     /// obstacles ignore both.
     fn project(&self, x: &Point<D>, positions: Positions<'_, D>, candidates: &[FacetId]) -> Option<Projection<D>>;
 

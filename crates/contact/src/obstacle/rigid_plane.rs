@@ -15,7 +15,7 @@ pub struct RigidPlane<const D: usize> {
 }
 
 impl<const D: usize> RigidPlane<D> {
-    /// Returns the plane through `point` with a normal (of any length) that points **into the obstacle**.
+    /// Creates the plane through `point` with a normal (of any length) that points **into the obstacle**.
     ///
     /// # Errors
     /// [`Error::Parameter`]: the normal is zero or not finite.

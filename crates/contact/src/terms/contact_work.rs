@@ -48,7 +48,7 @@ impl<const D: usize> Term<ContactSite<D>> for ContactWork {
     }
 }
 
-/// Returns `∂s_a/∂x_b`
+/// Returns `∂s_a/∂x_b`.
 fn share_by_position<const D: usize>(site: &ContactSite<D>, a: &ContactNode<D>, b: &ContactNode<D>) -> Vector<D> {
     site.projection.normal * (site.at.gap * a.gradient.dot(&b.gradient)) - a.gradient * b.share
 }

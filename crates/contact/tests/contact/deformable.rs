@@ -24,7 +24,7 @@ fn distance_from_box<const D: usize>(x: &Point<D>) -> f64 {
     q.map(|c| c.max(0.0)).norm() + q.max().min(0.0)
 }
 
-/// The gap to a box is its signed distance: inside, outside, over faces, edges and corners.
+/// Checks that the gap to a box is its signed distance: inside, outside, over faces, edges and corners.
 fn gap_is_the_signed_distance<const D: usize>() {
     let mesh = structured_box([0.0; D], [1.0; D], [3; D]).unwrap();
     let all: Vec<_> = mesh.boundary().facets().collect();
@@ -32,7 +32,7 @@ fn gap_is_the_signed_distance<const D: usize>() {
     let positions = Positions::Fixed(mesh.vertices());
     let mut random = Random::new(2);
     let mut points: Vec<Point<D>> = (0..400).map(|_| Point::repeat(0.5) + random.vector()).collect();
-    // Right over vertices and edges of the mesh, and on the surface.
+    // Points over vertices and edges of the mesh, and on the surface.
     for _ in 0..400 {
         points.push(Point::from_fn(|_, _| ((random.number() + 1.0) * 3.0).round() / 3.0 - 0.5));
         points.push(Point::from_fn(|_, _| ((random.number() + 1.0) * 6.0).round() / 6.0 - 0.5));
@@ -42,7 +42,7 @@ fn gap_is_the_signed_distance<const D: usize>() {
         let (gap, exact) = (projection.gap(x), distance_from_box(x));
         assert!((gap - exact).abs() < 1e-14, "{x}: {gap} {exact}");
         assert!((projection.normal.norm() - 1.0).abs() < 1e-14);
-        // Far inside several sides are as close.
+        // Inside, several sides may be equally close.
         if exact > -1e-14 {
             let closest = x.map(|c| c.clamp(0.0, 1.0));
             assert!((projection.point - closest).norm() < 1e-14);
@@ -82,10 +82,10 @@ fn gap_to_a_disk() {
     }
 }
 
-/// A test of two bodies with their step, contact and state.
+/// A check of two bodies with their step, contact and state.
 type Test<'t, const D: usize> = dyn Fn(&[ElasticBody<D>; 2], &Scene<'_, D>, &ContactSites<'_, D>, &[f64]) + 't;
 
-/// Returns two blocks, the upper one shifted and turned against the lower one, both of them deformed at random.
+/// Calls `test` for two blocks, the upper one shifted relative to the lower one, both deformed at random.
 fn two_blocks<const D: usize>(seed: u64, law: impl ContactLaw + 'static, test: &Test<'_, D>) {
     let min: [f64; D] = std::array::from_fn(|a| if a + 1 == D { 1.0 } else { 0.37 });
     let max: [f64; D] = std::array::from_fn(|a| if a + 1 == D { 2.0 } else { 1.53 });
@@ -117,7 +117,8 @@ fn penalty() -> Penalty {
     Penalty::new(GAMMA, OFFSET).unwrap()
 }
 
-/// Exact at smooth places; a projection within the finite-difference step of an edge of the mesh is none.
+/// Checks that the tangent is exact. Near an edge of the mesh, within the finite-difference step, the projection is not
+/// smooth.
 fn tangent_is_exact<const D: usize>(
     law: impl ContactLaw + Copy + 'static,
     parts: usize,
@@ -140,7 +141,7 @@ fn tangent_is_exact<const D: usize>(
 #[test]
 fn tangent_is_exact_in_2d_and_3d() {
     tangent_is_exact::<2>(penalty(), 1, 1, |_| true);
-    // Each time another sixth of the facets: there are many points between two surfaces of triangles.
+    // One sixth of the facets for each seed, since there are many points between two surfaces of triangles.
     tangent_is_exact::<3>(penalty(), 6, 1, |_| true);
 }
 
@@ -172,7 +173,7 @@ fn action_is_reaction<const D: usize>() {
                 for (vertex, at) in end.positions(body.reference()).iter().enumerate() {
                     let f = -Vector::<D>::from(layout.at(field, vertex, &r));
                     *total += f;
-                    // All pairs of axes, one after the other.
+                    // The moments in the planes of all pairs of axes.
                     moment += Vector::from_fn(|a, _| at[a] * f[(a + 1) % D] - at[(a + 1) % D] * f[a]);
                     power += f.dot(&end.velocity()[vertex]);
                 }

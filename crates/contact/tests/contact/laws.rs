@@ -7,7 +7,7 @@ use crate::setting::{Coulomb, NitscheLike};
 
 const SIZE: f64 = 0.1;
 
-/// Returns the points on both sides of the offset, in the order of increasing gaps.
+/// Returns points on both sides of the offset, in the order of increasing gaps.
 fn points(slip: [f64; 2], stress: [f64; 3]) -> Vec<ContactPoint> {
     (-20..20).map(|k| ContactPoint { gap: 0.013 * f64::from(k) + 0.001, slip, stress, size: SIZE, dt: 1e-2 }).collect()
 }

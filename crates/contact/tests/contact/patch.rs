@@ -29,12 +29,12 @@ fn bisect(mut low: f64, mut high: f64, f: impl Fn(f64) -> f64) -> f64 {
     low
 }
 
-/// Returns a displacement along the last axis.
+/// Returns a support with a prescribed displacement along the last axis.
 fn pushed_by<const D: usize>(displacement: f64) -> SupportKind<D> {
     SupportKind::Displacement(Arc::new(move |_, _| std::array::from_fn(|a| (a + 1 == D).then_some(displacement))))
 }
 
-/// Returns a body in equilibrium, supported on tagged parts of its boundary.
+/// Returns the options of a quasi-static body that is supported on tagged parts of its boundary.
 fn supported<const D: usize>(parts: Vec<(&str, SupportKind<D>)>) -> impl FnOnce(&SolidMesh<D>) -> ElasticOptions<D> {
     move |solid| {
         let support =
@@ -69,8 +69,8 @@ fn block_on_a_plane() {
     }
 }
 
-/// Returns two unit blocks, one on the other, pushed together: largest deviation of the displacement from the uniform
-/// state.
+/// Pushes two unit blocks together, one on the other. Returns the largest deviation of the displacement from the
+/// uniform state.
 fn two_blocks<const D: usize>(n_slave: usize, n_master: usize) -> f64 {
     let (gamma, pushed) = (1e4, 0.01);
     // Free sides: Young's modulus and Poisson's ratio, those of plane strain in 2D.

@@ -26,7 +26,7 @@ fn ground<const D: usize>() -> RigidPlane<D> {
 /// A unit block over the ground, its step and its contact.
 type Test<'t, const D: usize> = dyn Fn(&ElasticBody<D>, &Scene<'_, D>, &ContactSites<'_, D>) + 't;
 
-/// Returns a unit block at a height over the ground, with contact on all of its facets.
+/// Calls `test` for a unit block at a height over the ground, with contact on all of its facets.
 fn over_ground<const D: usize>(height: f64, law: impl ContactLaw + 'static, test: &Test<'_, D>) {
     let (mut min, mut max) = ([0.0; D], [1.0; D]);
     min[D - 1] = height;
@@ -46,7 +46,7 @@ fn penalty() -> Penalty {
     Penalty::new(GAMMA, OFFSET).unwrap()
 }
 
-/// Returns the global vector in which every vertex of the only body has a velocity.
+/// Returns the global vector with a velocity at every vertex of the only body.
 fn velocities<const D: usize>(body: &ElasticBody<D>, velocity: impl Fn(&Point<D>) -> Vector<D>) -> Vec<f64> {
     body.reference().iter().flat_map(|x| velocity(x).iter().copied().collect::<Vec<_>>()).collect()
 }
@@ -107,7 +107,7 @@ fn resultant_is_law_times_area_in_2d_and_3d() {
     resultant_is_law_times_area::<3>();
 }
 
-/// Returns the tangent at random states in which at least `n` active points meet a condition.
+/// Checks the tangent at random states in which at least `n` active points meet a condition.
 fn tangent_is_exact<const D: usize>(
     law: impl ContactLaw + Copy + 'static,
     n: usize,

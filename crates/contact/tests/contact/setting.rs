@@ -31,7 +31,7 @@ impl<'a, const D: usize> Scene<'a, D> {
         Self { layout, steps, dt }
     }
 
-    /// Returns the slave and obstacle, with the stress if the law depends on it.
+    /// Returns the pair of slave and obstacle, with the stress if the law depends on it.
     pub(crate) fn pair<'s>(
         &'s self,
         form: &'s ContactForm<D>,
@@ -51,7 +51,7 @@ impl<'a, const D: usize> Scene<'a, D> {
         }
     }
 
-    /// Returns the velocities at the begin of the step.
+    /// Returns the velocities at the start of the step.
     pub(crate) fn guess(&self) -> Vec<f64> {
         let mut x = vec![0.0; self.layout.len()];
         self.steps.iter().for_each(|step| step.guess(&self.layout, &mut x));
@@ -68,7 +68,7 @@ impl<'a, const D: usize> Scene<'a, D> {
         algebra::newton(&equations, x, &mut Workspace::new(), &NewtonSettings::new(tolerance)).unwrap()
     }
 
-    /// Solves from the velocities at the begin of the step; returns report, states at the end, and iterations.
+    /// Solves from the velocities at the start of the step; returns report, states at the end, and iterations.
     pub(crate) fn advance(
         &self,
         pair: ContactPair<'_, D>,
@@ -106,7 +106,7 @@ pub(crate) fn block<const D: usize>(
     ElasticBody::new("body", solid, form, options).unwrap()
 }
 
-/// Options of a body without supports that starts with a velocity.
+/// Returns a function that creates the options of a body without supports that starts with a velocity.
 pub(crate) fn with_velocity<const D: usize>(velocity: Vector<D>) -> impl FnOnce(&SolidMesh<D>) -> ElasticOptions<D> {
     move |_| ElasticOptions { initial_velocity: Some(Arc::new(move |_| velocity)), ..ElasticOptions::default() }
 }
@@ -158,7 +158,7 @@ pub(crate) fn n_active<const D: usize>(
     n
 }
 
-/// A law that depends on the stress of the slave as that of Nitsche does: `λ = -[γ (ε - Δ) - σ_n]₊`.
+/// A law that depends on the stress of the slave, as in Nitsche's method: `λ = -[γ (ε - Δ) - σ_n]₊`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct NitscheLike {
     pub(crate) gamma: f64,

@@ -56,7 +56,7 @@ impl<const D: usize> Polygons<D> {
         self.sides(polygon).iter().map(|side| side.corner.x).collect()
     }
 
-    /// Rims of a facet on which a piece of it has sides, as bits. For segments, both bits are set.
+    /// Returns the rims of a facet on which a piece of it has sides, as bits. For segments, both bits are set.
     pub(crate) fn rims(&self, polygon: Polygon, facet: u32) -> u8 {
         if D == 2 {
             return 0b11;
@@ -78,7 +78,7 @@ impl<const D: usize> Polygons<D> {
         })
     }
 
-    /// Does the same with only one part: the one in front of the plane or the one behind it.
+    /// Classifies a polygon as [`Self::place`] does, but creates only one part: in front of the plane or behind it.
     pub(crate) fn place_one(
         &mut self,
         planes: &Planes<'_, D>,

@@ -103,7 +103,7 @@ pub(crate) fn is_degenerate<const D: usize>(facet: &[Point<D>]) -> bool {
     if D == 2 { facet[0] == facet[1] } else { normal([&facet[0], &facet[1], &facet[2]]) == [0.0; 3] }
 }
 
-/// Components of the normal `(b - a) × (c - a)`, with exact signs.
+/// Computes the components of the normal `(b - a) × (c - a)`, with exact signs.
 fn normal<const D: usize>([a, b, c]: [&Point<D>; 3]) -> [f64; 3] {
     std::array::from_fn(|k| {
         let along = |x: &Point<D>| Coord { x: x[(k + 1) % 3], y: x[(k + 2) % 3] };
@@ -111,7 +111,8 @@ fn normal<const D: usize>([a, b, c]: [&Point<D>; 3]) -> [f64; 3] {
     })
 }
 
-/// Components of `(x - y) × (p - q)`, rounded from exact values, since the two vectors may be nearly parallel.
+/// Computes the components of `(x - y) × (p - q)`, rounded from exact values, since the two vectors may be nearly
+/// parallel.
 pub(super) fn cross_of_differences<const D: usize>([x, y]: [&Point<D>; 2], [p, q]: [&Point<D>; 2]) -> [f64; 3] {
     let difference = |a: &Point<D>, b: &Point<D>, k: usize| Exact::difference(a[k % 3], b[k % 3]);
     std::array::from_fn(|k| {

@@ -97,13 +97,13 @@ impl Number for Exact {
         Self::new(is_negative, &sum, low)
     }
 
-    /// Returns the clamped to the range of floating-point numbers, with the correct sign.
+    /// Returns the value, clamped to the range of floating-point numbers, with the correct sign.
     fn value(&self) -> f64 {
         let (leading, power) = self.leading();
         leading * 2.0_f64.powi((64 * power).clamp(-900, 800))
     }
 
-    /// Holds for numbers beyond the range of floating point as well.
+    /// Returns the rounded quotient, also of numbers beyond the range of floating-point numbers.
     fn over(&self, other: &Self) -> f64 {
         let ((a, p), (b, q)) = (self.leading(), other.leading());
         a / b * 2.0_f64.powi((64 * (p - q)).clamp(-900, 800))

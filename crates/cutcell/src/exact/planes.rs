@@ -91,7 +91,7 @@ impl<const D: usize> Planes<'_, D> {
         if distance.abs() > doubt + corner.error { distance } else { self.side_in_doubt(corner, plane, known) }
     }
 
-    /// Computes the same if rounded coordinates are not sufficient.
+    /// Computes the signed distance if rounded coordinates are not sufficient.
     #[inline(never)]
     fn side_in_doubt(&self, corner: &Corner<D>, plane: Plane, known: &mut Known) -> f64 {
         if corner.on[..D].contains(&plane) || self.meet_known(corner, plane) {
@@ -144,8 +144,8 @@ impl<const D: usize> Planes<'_, D> {
         side
     }
 
-    /// Returns the scalar product of the intersection of planes with the normal of another plane, minus the same
-    /// product of a point of that plane, and its sign. `None` if the sign is uncertain or zero.
+    /// Returns `n · (x - p)` and its sign, for the intersection `x` of planes and another plane with the normal `n`
+    /// through the point `p`. `None` if the sign is uncertain or zero.
     fn ratio<N: Number>(&self, on: &[Plane; 3], plane: Plane, known: &mut impl Cache<N>) -> Option<[f64; 2]> {
         let solved = known.solved();
         self.solve_corner(on, solved);

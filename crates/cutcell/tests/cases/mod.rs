@@ -15,7 +15,7 @@ pub(crate) fn config(usual: u32) -> ProptestConfig {
     }
 }
 
-/// Shifts of either sign: zero, tiny, or small.
+/// Generates shifts of either sign: zero, tiny, or small.
 pub(crate) fn shift() -> impl Strategy<Value = f64> {
     let sizes = prop_oneof![6 => Just(0.0), 10 => (1..18_i32).prop_map(|k| 10.0_f64.powi(-k)), 1 => Just(1.0)];
     (sizes, prop::bool::ANY).prop_map(|(size, negative)| if negative { -size } else { size })

@@ -9,7 +9,7 @@ use crate::CutArguments;
 pub(crate) fn cut(arguments: &CutArguments) -> Result<(), Error> {
     let background = match &arguments.background {
         Some(path) => BackgroundSource::File(path.clone()),
-        // One of the two is there; a grid of nothing would be refused.
+        // The command line has one of the two; a grid of zero cubes is an error.
         None => BackgroundSource::Grid(arguments.grid.unwrap_or(0)),
     };
     let CutArguments { rotate, shift, flip, .. } = *arguments;

@@ -36,7 +36,7 @@ impl From<cutwater::report::Error> for Failure {
 }
 
 impl Failure {
-    /// Returns 2 for input that cannot be run, 1 for a run that failed.
+    /// Returns the exit code: 2 for input that cannot be run, 1 for a run that failed.
     pub(crate) fn exit_code(&self) -> ExitCode {
         match self {
             Self::Run(
@@ -64,7 +64,7 @@ impl Failure {
     }
 }
 
-/// Prints an error with its causes.
+/// Formats an error with its causes.
 fn chain(error: &dyn std::error::Error) -> String {
     let mut text = format!("error: {error}");
     let mut cause = error.source();

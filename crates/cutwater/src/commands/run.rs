@@ -26,7 +26,7 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let outcome = {
         let mut recorder = (!arguments.no_report).then(Recorder::default);
         let outcome = run_scenario(&file, &directory, &mut (progress, &mut recorder));
-        // The steps before a failure deserve a page too.
+        // A run that failed gets a page of the steps before.
         if let (Some(recorder), Ok(_) | Err(Error::Step(_))) = (recorder, &outcome) {
             recorder.write(&directory)?;
             cutwater::report::write(&directory)?;
@@ -50,10 +50,10 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// A bar on a terminal, a line now and then elsewhere.
+/// Progress of a run: a bar on a terminal, elsewhere a line at intervals.
 struct Display {
     bar: Option<ProgressBar>,
-    /// When the first step was done: meshes are built before.
+    /// Time at which the first step ended; meshes are built before.
     begin: Option<Instant>,
     last_line: Option<Instant>,
     /// Labels of length and time.

@@ -28,7 +28,7 @@ fn parse(path: &Path, bytes: &[u8]) -> Result<SimplexMesh<3>, String> {
         "vtk" => |bytes: &[u8]| vtkio::Vtk::parse_legacy_be(bytes),
         _ => return Err("its name must end in .vtu or .vtk".to_owned()),
     };
-    // The parser takes the lengths in compressed arrays at their word, and panics where they are wrong.
+    // The parser does not check the lengths in compressed arrays, and panics where they are wrong.
     let parsed = std::panic::catch_unwind(|| parse(bytes)).map_err(|_| CONTRADICTION)?;
     let pieces = match parsed.map_err(|error| error.to_string())?.data {
         DataSet::UnstructuredGrid { pieces, .. } => pieces,

@@ -29,7 +29,7 @@ pub struct CutErrors {
 }
 
 impl CutErrors {
-    /// Returns an error if an identity is violated by well more than round-off.
+    /// Returns an error if an identity is violated by more than round-off.
     ///
     /// # Errors
     /// [`Error::Violated`].
@@ -55,7 +55,7 @@ pub(super) fn check<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D
     }
 }
 
-/// Returns an error over its scale. Nothing is wrong with nothing.
+/// Returns an error relative to its scale; zero if one of them is zero.
 fn relative(error: f64, scale: f64) -> f64 {
     if error == 0.0 || scale == 0.0 { 0.0 } else { error / scale }
 }

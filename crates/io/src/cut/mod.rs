@@ -1,4 +1,4 @@
-//! Closed surfaces from files laid over a mesh of tetrahedra, and how good the cut is: the command `cutwater cut`.
+//! Cuts of a mesh of tetrahedra by closed surfaces from files, with measures of quality: the command `cutwater cut`.
 //!
 //! ```no_run
 //! use io::cut::{BackgroundSource, CutSettings, cut_files};
@@ -41,7 +41,7 @@ pub enum BackgroundSource {
     File(PathBuf),
 }
 
-/// How to lay surfaces over a background.
+/// Placement of surfaces over a background.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CutSettings {
     /// The background.
@@ -50,14 +50,14 @@ pub struct CutSettings {
     /// likely.
     pub rotate: Option<u64>,
     /// Seed of a random shift of all surfaces together, up to half a cell along each axis. It comes after a grid is put
-    /// around them, so that on grids of less than six cubes it can push them out; that is legal.
+    /// around them, so that on grids of less than six cubes it can push them out, which is allowed.
     pub shift: Option<u64>,
-    /// Turn surfaces that enclose a negative volume inside out.
+    /// Whether surfaces that enclose a negative volume are turned inside out.
     pub flip: bool,
 }
 
 impl CutSettings {
-    /// Leaves the surfaces as they are in their files.
+    /// Creates settings that leave the surfaces as they are in their files.
     pub fn new(background: BackgroundSource) -> Self {
         Self { background, rotate: None, shift: None, flip: false }
     }

@@ -1,4 +1,4 @@
-//! Where surfaces lie on a background: a box around them, random rotations and shifts.
+//! Placement of surfaces on a background: a box around them, random rotations and shifts.
 
 use mesh::generate::structured_box;
 use mesh::nalgebra::{Quaternion, UnitQuaternion};
@@ -47,7 +47,7 @@ fn bounds(surfaces: &[Surface]) -> Aabb<3> {
 struct Random(u64);
 
 impl Random {
-    /// Returns a number from 0 to 1.
+    /// Returns the next random number from 0 to 1.
     fn unit(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
@@ -57,7 +57,7 @@ impl Random {
         ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// Returns a rotation, all being equally likely (Shoemake 1992).
+    /// Returns a random rotation; all rotations are equally likely (Shoemake 1992).
     fn rotation(&mut self) -> UnitQuaternion<f64> {
         let (share, first, second) = (self.unit(), self.unit(), self.unit());
         let (sin_1, cos_1) = (std::f64::consts::TAU * first).sin_cos();

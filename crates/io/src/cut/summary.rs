@@ -31,7 +31,7 @@ pub struct CutSummary {
     pub smallest_fraction: f64,
     /// Wall time of the stages.
     pub seconds: CutSeconds,
-    /// How far identities are violated.
+    /// Errors of the identities.
     pub max_relative_error: CutErrors,
 }
 
@@ -44,7 +44,7 @@ pub struct CutSeconds {
     pub clip: f64,
     /// Quadrature of degree two on all fluid parts, with one integral over them.
     pub quadrature: f64,
-    /// All of it.
+    /// Whole cut.
     pub total: f64,
 }
 

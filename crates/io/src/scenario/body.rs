@@ -237,7 +237,7 @@ fn supports_and_loads<const D: usize>(
         };
         supports.push(Support { vertices, kind });
     }
-    // In vertices of two supports the later one counts: a clamp, else a displacement, else a plane of symmetry.
+    // At vertices of two supports the later one is in force: a clamp, else a displacement, else a plane of symmetry.
     supports.sort_by_key(|support| match support.kind {
         SupportKind::Symmetry { .. } => 0,
         SupportKind::Displacement(_) => 1,

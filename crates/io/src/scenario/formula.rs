@@ -83,7 +83,7 @@ const OPERATORS: [(&str, u8, u8, Binary); 5] = [
     ("^", 6, 5, power),
 ];
 
-/// How tightly operators on the right of a leading sign must bind to come first.
+/// Precedence from which operators on the right of a leading sign are applied before it.
 const LEADING_SIGN: u8 = 5;
 
 fn power(a: Dual, b: Dual) -> Dual {

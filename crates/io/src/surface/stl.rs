@@ -7,7 +7,7 @@ const RECORD: usize = 50;
 
 /// Returns the corners of all triangles. Normals in the file are ignored: the order of the corners decides.
 pub(super) fn parse(bytes: &[u8]) -> Result<Vec<Triangle>, String> {
-    // Binary files may begin with "solid" too: their length gives them away.
+    // Binary files may begin with "solid" too: they are recognised by their length.
     if let Some(count) = bytes.get(HEADER..HEADER + 4).and_then(|b| b.try_into().ok()).map(u32::from_le_bytes)
         && HEADER + 4 + RECORD * count as usize == bytes.len()
     {

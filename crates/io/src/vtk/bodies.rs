@@ -15,8 +15,8 @@ pub enum Shown {
     Surfaces,
 }
 
-/// Returns the displacement and velocity of the vertices of bodies, with the stress of cells; `None` if there is no
-/// such body.
+/// Returns the grid of bodies with displacement and velocity of their vertices, and stress of their cells; `None` if
+/// there is no such body.
 pub fn bodies_grid<const D: usize>(setup: &Setup<D>, state: &State<D>, shown: Shown) -> Option<Grid> {
     let mut grid = Grid::default();
     let (mut displacement, mut velocity, mut ids) = (Vec::new(), Vec::new(), Vec::new());

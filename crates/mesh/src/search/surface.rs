@@ -18,8 +18,8 @@ pub struct ClosestPoint<const D: usize> {
 }
 
 impl<const D: usize> ClosestPoint<D> {
-    /// Returns the radius around `x`, whose closest point this is, that reaches every facet which is as close; see
-    /// [`Foot::beats`].
+    /// Returns a radius around `x`, the point whose closest point this is, within which all equally close facets lie;
+    /// see [`Foot::beats`].
     pub fn reach(&self, x: &Point<D>) -> f64 {
         (self.point - x).norm() * (1.0 + TIE)
     }

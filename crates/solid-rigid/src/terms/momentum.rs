@@ -16,13 +16,13 @@ use crate::modes::{Spin, n_rotations};
 pub struct Momentum<const D: usize> {
     /// Mass `M`.
     pub mass: f64,
-    /// Inertia `J` about the centre; the first rows and columns count, one per rotation.
+    /// Inertia `J` about the centre; only the first rows and columns are used, one per rotation.
     pub inertia: [Spin; 3],
     /// Acceleration `g` of gravity.
     pub gravity: Vector<D>,
-    /// Velocity `V^n` at the begin of the step.
+    /// Velocity `V^n` at the start of the step.
     pub velocity: Vector<D>,
-    /// Angular momentum `L^n` at the begin of the step.
+    /// Angular momentum `L^n` at the start of the step.
     pub angular_momentum: Spin,
     /// Inverse `1/Δt` of the length of the step.
     pub rate: f64,

@@ -26,8 +26,8 @@ impl MaterialCheck {
     }
 }
 
-/// Returns the deviation of the blocks of the stiffness from the derivative they are made of; directions are the
-/// columns of `pair`.
+/// Returns the largest deviation of the blocks of the stiffness from [`Material::first_piola_derivative`]. The columns
+/// of `pair` are the directions.
 fn stiffness_deviation<const D: usize>(material: &dyn Material<D>, f: &Tensor<D>, pair: &[Tensor<D>; 2]) -> f64 {
     let mut g = [Vector::<D>::zeros(); MAX_CELL_VERTICES];
     (0..=D).for_each(|i| g[i] = pair[i / D].column(i % D).into_owned());

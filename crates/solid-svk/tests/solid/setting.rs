@@ -11,7 +11,7 @@ use solid_svk::{LameParameters, SaintVenantKirchhoff, SolidCells, SolidForm, Sol
 /// Dofs of the field in front of the body.
 const N_OTHER: usize = 5;
 
-/// Solves for the body; the field in front is held.
+/// Solves for the body. The dofs of the field in front of it are zero.
 pub(crate) fn solve(
     layout: &BlockLayout,
     contributions: Vec<Box<dyn Contributions + '_>>,
@@ -49,7 +49,7 @@ pub(crate) fn velocities<const D: usize>(layout: &BlockLayout, field: FieldId, x
     layout.values(field, x).map(Vector::from).collect()
 }
 
-/// Returns one step of a body without supports.
+/// Advances a body without supports by one step.
 pub(crate) fn advance<const D: usize>(
     mesh: &SolidMesh<D>,
     form: &SolidForm<D>,
@@ -73,7 +73,7 @@ pub(crate) fn ball_material() -> SaintVenantKirchhoff {
     SaintVenantKirchhoff::new(LameParameters::new(2e6, 8e6).unwrap())
 }
 
-/// Returns a body of that material without weight.
+/// Returns the form of a body of that material without weight.
 pub(crate) fn weightless<const D: usize>() -> SolidForm<D> {
     SolidForm::new(1.0, ball_material(), Vector::zeros()).unwrap()
 }

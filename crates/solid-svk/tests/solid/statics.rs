@@ -84,7 +84,7 @@ fn uniform_strain_is_exact<const D: usize>(mesh: &SolidMesh<D>, strain: f64) {
     body.hold(vertices, SupportKind::Displacement(Arc::new(prescribed)), &mut constraints);
     assert_eq!(constraints.len(), n_held);
     let work = form.internal_work(body.cells());
-    // Not far from the solution: boundary data alone would turn cells next to the boundary inside out.
+    // Starts near the solution: boundary data alone would invert cells next to the boundary.
     let near: Vec<_> = mesh.mesh().vertices().iter().map(|x| exact(x) + random.vector() * (0.02 * strain)).collect();
     let mut x = body.state(&near);
     solve(&body.layout, vec![Box::new(work)], constraints, &mut x, 1e-12);
@@ -104,7 +104,8 @@ fn uniform_strain_is_exact<const D: usize>(mesh: &SolidMesh<D>, strain: f64) {
 fn uniform_strain_is_exact_in_2d_and_3d() {
     let mesh = graded_box([0.0, 0.0], [2.0, 1.0], &Size::uniform(0.2)).unwrap();
     let mesh = SolidMesh::<2>::new(mesh).unwrap();
-    // All but infinitesimal (linear elasticity), and finite; far in compression the material is not stable.
+    // Nearly infinitesimal strain (linear elasticity), and finite strain. The material is unstable under strong
+    // compression.
     uniform_strain_is_exact(&mesh, 1e-4);
     uniform_strain_is_exact(&mesh, 0.05);
     uniform_strain_is_exact(&unit_box::<3>(3), 1e-4);
@@ -169,7 +170,7 @@ fn pressurised_disk() {
             let sigma = cell_stress(&mesh, &form, cell, &exact).cauchy;
             assert!((sigma + Tensor::<2>::identity() * pressure).norm() < 1e-8 * 1e7);
         }
-        // Found again from rest. Two vertices on the horizontal axis take the rigid motions.
+        // The same solution from rest. Constraints at two vertices on the horizontal axis prevent rigid motions.
         let on_axis = |x: &&(usize, &Point<2>)| x.1[1].abs() < 1e-9 && x.1[0].abs() > 3.9;
         let vertices: Vec<_> = mesh.mesh().vertices().iter().enumerate().collect();
         let rim_vertices: Vec<_> = vertices.iter().filter(on_axis).map(|(i, _)| *i).collect();

@@ -13,7 +13,7 @@ fn schemes() -> [Box<dyn TimeScheme>; 3] {
     [Box::new(ImplicitEuler), Box::new(GeneralisedAlpha::new(0.8).unwrap()), Box::new(QuasiStatic)]
 }
 
-/// Returns the displacement, velocity and acceleration that are random.
+/// Returns a level with random displacement, velocity and acceleration.
 fn random_level<const D: usize>(random: &mut Random, n: usize) -> Level<Vector<D>> {
     let [displacement, velocity, acceleration] = [0.02, 5.0, 200.0].map(|scale| random.vectors(n, scale));
     Level { displacement, velocity, acceleration }

@@ -43,9 +43,9 @@ pub(super) const HEIGHTS: [(f64, f64); 11] = [
 /// The part of a contact, around its middle, in which the pressure is compared: away from the jumps.
 pub(super) const MIDDLE: f64 = 0.5;
 
-/// Pressure over penetration beside Young's modulus over the size of a cell.
+/// Pressure over penetration, relative to Young's modulus over the size of a cell.
 pub(super) const PENALTY: f64 = 10.0;
-/// An exact contact: its beginning and end, and the pressure that sets in and that ceases there; between them it is linear.
+/// An exact contact: its beginning and end, and the pressures there; between them the pressure is linear.
 pub(super) struct Exact {
     pub(super) times: [f64; 2],
     pressure: [f64; 2],
@@ -83,7 +83,7 @@ pub(super) struct History {
     pub(super) energy: Vec<(f64, f64)>,
 }
 
-/// Returns the bar of `n` cells, with a time step in which a wave crosses `courant` of a cell.
+/// Computes the history of the bar of `n` cells, with a time step in which a wave crosses `courant` of a cell.
 pub(super) fn history(gravity: f64, n: usize, courant: f64, scheme: &Scheme, end: f64) -> Result<History, Failure> {
     let size = LENGTH / n as f64;
     let mesh = structured_box::<2>([0.0, HEIGHT], [size, HEIGHT + LENGTH], [1, n])?;
@@ -122,15 +122,15 @@ pub(super) fn history(gravity: f64, n: usize, courant: f64, scheme: &Scheme, end
 
 /// A contact of the bar with the floor.
 pub(super) struct Contact {
-    /// Times at which the pressure passes half of what sets in and of what ceases: where it jumps, and the mesh smears the jump.
+    /// Times at which the pressure passes half of its jumps at the beginning and at the end, which the mesh smears.
     pub(super) times: [f64; 2],
     /// Last time at which there is any pressure.
     pub(super) touching: f64,
     /// Impulse over the exact duration.
     pub(super) pressure: f64,
-    /// Returns the root mean square of the deviation of the pressure from the exact one in the middle of the contact.
+    /// Root mean square of the deviation of the pressure from the exact one in the middle of the contact.
     pub(super) deviation: f64,
-    /// Half the range of that.
+    /// Half the range of that deviation.
     pub(super) oscillation: f64,
 }
 
@@ -140,12 +140,12 @@ impl History {
         self.energy.last().map_or(f64::NAN, |at| at.1)
     }
 
-    /// Returns the number of times that the bar meets the floor.
+    /// Returns the number of contacts of the bar with the floor.
     pub(super) fn contacts(&self) -> usize {
         self.pressure.windows(2).filter(|w| w[0].1 <= 0.0 && w[1].1 > 0.0).count()
     }
 
-    /// Returns a contact, from the steps within a crossing time of the exact one.
+    /// Evaluates a contact from the steps within a crossing time of the exact one.
     pub(super) fn contact(&self, exact: &Exact) -> Contact {
         let [begin, end] = exact.times;
         let around = |at: &&(f64, f64)| begin - CROSSING < at.0 && at.0 < end + CROSSING;
