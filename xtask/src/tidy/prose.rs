@@ -58,8 +58,8 @@ fn verbs(source: &Source) -> Vec<Finding> {
             continue;
         };
         let declaration = lines[k..].iter().find(|line| !is_skipped(line)).copied().unwrap_or_default();
-        let is_function =
-            declaration.split(['(', '=']).next().is_some_and(|head| head.split(' ').any(|word| word == "fn"));
+        let head = declaration.split(['(', '=']).next().unwrap_or_default();
+        let is_function = head.starts_with("fn ") || head.contains(" fn ");
         let first = comment.split(' ').next().unwrap_or_default();
         let is_verb = first.trim_end_matches(',').ends_with('s') && first.starts_with(char::is_uppercase);
         if is_function && !is_verb {
