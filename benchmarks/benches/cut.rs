@@ -28,7 +28,7 @@ fn cut(c: &mut Criterion) {
         group.bench_function(BenchmarkId::new("quadrature", &place), |b| {
             b.iter(|| {
                 let mut points = QuadratureRule::default();
-                cut.all_parts().for_each(|part| cut.part_quadrature(&background, part, &rule, &mut points));
+                cut.all_parts().for_each(|part| cut.part_quadrature(&background, part, rule, &mut points));
                 black_box(points)
             });
         });
@@ -75,9 +75,9 @@ fn overlay_with_rules<const D: usize>(
             let cut = cutter.overlay(&background, &surface, &OverlayOptions::new()).expect("a sound surface");
             let mut points = [QuadratureRule::default(), QuadratureRule::default()];
             for part in cut.all_parts().filter(|&part| !cut.is_whole(part)) {
-                cut.part_quadrature(&background, part, &rules[0], &mut points[0]);
+                cut.part_quadrature(&background, part, rules[0], &mut points[0]);
             }
-            cut.interface().iter().for_each(|piece| points[1].push_simplex(&rules[1], &piece.points[..D]));
+            cut.interface().iter().for_each(|piece| points[1].push_simplex(rules[1], &piece.points[..D]));
             cutter.recycle(cut);
             black_box(points)
         });

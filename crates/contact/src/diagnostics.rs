@@ -12,13 +12,13 @@ use crate::{ContactSites, Positions};
 pub struct ContactReport<const D: usize> {
     /// Smallest gap of the slave's vertices to the whole obstacle; `None` without vertices or obstacle.
     pub minimum_gap: Option<f64>,
-    /// Largest `[ε - Δ]₊` at the quadrature points.
+    /// Largest `[ε - Δ]₊` at the quadrature points in contact.
     pub largest_penetration: f64,
     /// Quadrature points in contact.
     pub n_active: usize,
     /// Measure of the slave's surface in contact.
     pub active_area: f64,
-    /// Force on the slave, `∫ λ n^w`.
+    /// Force on the slave, `∫ (λ n^w + τ)`.
     pub force: Vector<D>,
     /// Power of contact on both bodies: negative while energy is stored.
     pub power: f64,

@@ -43,7 +43,7 @@ pub struct ContactSite<const D: usize> {
     pub projection: Projection<D>,
     /// Normal and tangents.
     pub frame: Frame<D>,
-    /// Stress on the slave's surface.
+    /// Traction `σ n` on the slave's surface, in global axes.
     pub stress: Vector<D>,
     /// Derivatives of the stress, with the local rows of the dofs on which it depends.
     pub stress_derivatives: Vec<(usize, Vector<D>)>,

@@ -49,7 +49,7 @@ pub struct ContactPair<'a, const D: usize> {
     pub obstacle: &'a dyn Obstacle<D>,
     /// The surface of a deformable obstacle.
     pub master: Option<&'a SurfaceMotion<'a, D>>,
-    /// Stress on the slave's surface, if the law depends on it.
+    /// Traction on the slave's surface, if the law depends on it.
     pub stress: Option<Arc<dyn SurfaceStress<D> + 'a>>,
     /// Length of the step.
     pub dt: f64,

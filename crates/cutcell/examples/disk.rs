@@ -34,7 +34,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         // Second moment of the fluid, part by part.
         let mut points = QuadratureRule::default();
         for part in cut.all_parts() {
-            cut.part_quadrature(&background, part, &SimplexRule::of_degree(2, 2), &mut points);
+            cut.part_quadrature(&background, part, SimplexRule::of_degree(2, 2), &mut points);
         }
         println!("  ∫ y²              {:.12}", points.integrate(|x| x[1] * x[1]));
 

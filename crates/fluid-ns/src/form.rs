@@ -7,7 +7,7 @@ use crate::terms::{
 };
 use crate::{FluidCells, FluidFace, FluidFaces, FluidFields, FluidGeometry};
 
-/// The terms of the fluid, in the order of Eq. (4) of the paper.
+/// The terms of the fluid, in the order of Eq. (4) of the paper; a term that is not in the paper follows a similar one.
 pub struct FluidForm<'a, const D: usize> {
     /// `ρ (a, v)`; `None` for a steady problem.
     pub inertia: Option<Inertia>,

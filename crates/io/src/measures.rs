@@ -126,7 +126,7 @@ impl<'a, const D: usize> BodyMeasures<'a, D> {
         let power = pieces(self.view, self.step, self.index).map(|(piece, traction)| {
             let share = |vertex: usize| (0..D).map(|k| piece.barycentric[k][vertex]).sum::<f64>() / D as f64;
             let vertices = boundary.facet(piece.facet).iter().enumerate();
-            let velocity = vertices.map(|(k, v)| velocities[v.index()] * share(k)).sum::<Point<D>>();
+            let velocity = vertices.map(|(k, v)| velocities[v.index()] * share(k)).sum::<Vector<D>>();
             piece.measure * traction.total().dot(&velocity)
         });
         power.sum()

@@ -1,6 +1,11 @@
 //! Quadrature on simplices: tabulated rules in barycentric coordinates, and rules in physical space.
 
+use std::sync::OnceLock;
+
 use crate::{MAX_CELL_VERTICES, Point, simplex_measure};
+
+/// Largest degree of the rules of [`SimplexRule::of_degree`].
+const MAX_DEGREE: usize = 4;
 
 /// A quadrature rule on the reference simplex of dimension 0 to 3, in barycentric coordinates. Weights sum to one.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,11 +17,18 @@ pub struct SimplexRule {
 
 impl SimplexRule {
     /// Returns a rule with positive weights and points inside the simplex of dimension 0 (point) to 3 (tetrahedron), exact
-    /// for polynomials up to `degree` (clamped to 4).
+    /// for polynomials up to `degree` (clamped to 4). Each rule is computed once.
     ///
     /// Sources: Gauss-Legendre; Strang-Fix 1973 (triangle, degree 2 and 4, by orbits); Keast 1986,
     /// DOI 10.1016/0045-7825(86)90059-9, and conical products where the tabulated rule has a negative weight.
-    pub fn of_degree(dimension: usize, degree: usize) -> Self {
+    pub fn of_degree(dimension: usize, degree: usize) -> &'static Self {
+        static RULES: [[OnceLock<SimplexRule>; MAX_DEGREE + 1]; MAX_CELL_VERTICES] =
+            [const { [const { OnceLock::new() }; MAX_DEGREE + 1] }; MAX_CELL_VERTICES];
+        let degree = degree.min(MAX_DEGREE);
+        RULES[dimension][degree].get_or_init(|| Self::computed(dimension, degree))
+    }
+
+    fn computed(dimension: usize, degree: usize) -> Self {
         match (dimension, degree) {
             (0, _) => Self { dimension, points: vec![[1.0, 0.0, 0.0, 0.0]], weights: vec![1.0] },
             (_, 0 | 1) => {
@@ -76,6 +88,16 @@ impl SimplexRule {
     /// Returns the weights, as fractions of the measure of the simplex.
     pub fn weights(&self) -> &[f64] {
         &self.weights
+    }
+
+    /// Calls `visit` with point and weight of the rule mapped to the simplex with the given points.
+    #[inline]
+    pub fn for_each_point<const D: usize>(&self, points: &[Point<D>], mut visit: impl FnMut(Point<D>, f64)) {
+        debug_assert_eq!(points.len(), self.dimension + 1);
+        let measure = simplex_measure(points);
+        for (barycentric, weight) in self.points.iter().zip(&self.weights) {
+            visit(points.iter().zip(barycentric).map(|(x, l)| x * *l).sum(), weight * measure);
+        }
     }
 
     fn empty(dimension: usize) -> Self {
@@ -178,12 +200,10 @@ pub struct QuadratureRule<const D: usize> {
 impl<const D: usize> QuadratureRule<D> {
     /// Appends a rule, mapped to the simplex with the given points.
     pub fn push_simplex(&mut self, rule: &SimplexRule, points: &[Point<D>]) {
-        debug_assert_eq!(points.len(), rule.dimension + 1);
-        let measure = simplex_measure(points);
-        for (barycentric, weight) in rule.points().iter().zip(rule.weights()) {
-            self.points.push(points.iter().zip(barycentric).map(|(x, l)| x * *l).sum());
-            self.weights.push(weight * measure);
-        }
+        rule.for_each_point(points, |x, weight| {
+            self.points.push(x);
+            self.weights.push(weight);
+        });
     }
 
     /// Integrates a function.
@@ -228,7 +248,7 @@ mod tests {
     fn rules_are_exact_to_their_degree() {
         for dimension in 1..=3 {
             for degree in 1..=4 {
-                check_rule(&SimplexRule::of_degree(dimension, degree), degree);
+                check_rule(SimplexRule::of_degree(dimension, degree), degree);
             }
         }
         check_rule(&SimplexRule::lobatto_segment(), 5);

@@ -52,7 +52,7 @@ fn pair<'p, const D: usize>(contact: &'p Contact<D>, step: Partners<'p, D>) -> C
 }
 
 impl<const D: usize> ContactStep<D> {
-    /// Searches for obstacles within the offset of the law, twice the motion of the last step, and some room to penetrate.
+    /// Searches for obstacles within the offset of the law, twice the motion of the last step, and twice the contact size.
     pub(crate) fn new(contact: &Contact<D>, previous: &State<D>, step: Partners<'_, D>) -> Self {
         let fastest = |id: BodyId| {
             let velocity = previous.bodies[id.index()].velocity();

@@ -87,7 +87,7 @@ impl<const D: usize> PartValues<D> {
             if cut.is_whole(part) {
                 moments = Moments::of_whole(volume, D);
             } else if cut.part_volume(part) > NEGLIGIBLE_FRACTION * volume {
-                cut.part_quadrature(background, part, &rule, &mut points);
+                cut.part_quadrature(background, part, rule, &mut points);
                 for (x, &weight) in points.points.iter().zip(&points.weights) {
                     moments.add(weight, &shape(&gradients, &simplex.points()[0], x));
                 }
@@ -115,12 +115,10 @@ impl<const D: usize> PartValues<D> {
             return;
         }
         let rule = SimplexRule::of_degree(D, degree);
-        let simplex = background.simplex(cut.part_cell(part));
-        let mut points = QuadratureRule::default();
-        cut.part_quadrature(background, part, &rule, &mut points);
-        for (x, &weight) in points.points.iter().zip(&points.weights) {
-            visit(x, weight, &shape(self.gradients(part), &simplex.points()[0], x));
-        }
+        let origin = background.simplex(cut.part_cell(part)).points()[0];
+        cut.for_each_simplex(background, part, |simplex| {
+            rule.for_each_point(simplex, |x, weight| visit(&x, weight, &shape(self.gradients(part), &origin, &x)));
+        });
     }
 
     /// Returns the gradients of the shape functions of a part; only the first `D + 1` are used.

@@ -24,9 +24,6 @@ impl LawCheck {
     }
 }
 
-/// Number of scalars on which a law may depend: gap, two slips, three stresses.
-const N_ARGUMENTS: usize = 6;
-
 /// Returns the point with one argument changed.
 fn moved(at: &ContactPoint, argument: usize, by: f64) -> ContactPoint {
     let mut moved = *at;
@@ -56,7 +53,7 @@ pub fn check_law(law: &dyn ContactLaw, points: &[ContactPoint]) -> LawCheck {
             check.inactive = check.inactive.max(largest(value) / scale);
         }
         let derivatives = [by_gap, by_slip[0], by_slip[1], by_stress[0], by_stress[1], by_stress[2]];
-        for (argument, derivative) in derivatives.iter().enumerate().take(N_ARGUMENTS) {
+        for (argument, derivative) in derivatives.iter().enumerate() {
             // Lengths vary on the scale of the contact size, stresses on that of the traction.
             let size = if argument < 3 { at.size } else { scale };
             let step = f64::EPSILON.cbrt() * size;

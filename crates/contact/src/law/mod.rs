@@ -58,7 +58,8 @@ pub trait ContactLaw: Send + Sync + std::fmt::Debug {
     /// Returns whether there is contact at a point; the traction is zero otherwise.
     fn is_active(&self, at: &ContactPoint) -> bool;
 
-    /// Returns the distance `ε` that the law keeps between slave and obstacle.
+    /// Returns the distance `ε` from which obstacles are searched and penetration is measured. A law with stress may be
+    /// active slightly beyond it.
     fn offset(&self) -> f64;
 
     /// Returns the stored energy per area, whose derivative with respect to the gap is the normal traction; zero for

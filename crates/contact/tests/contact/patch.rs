@@ -9,7 +9,7 @@ use mesh::{Point, Vector};
 use solid_svk::supports::{Support, SupportKind, tagged_facets, vertices_of};
 use solid_svk::{ElasticOptions, SolidMesh};
 
-use crate::setting::{Scene, block, soft};
+use crate::setting::{NitscheLike, Scene, block, soft};
 
 const SIZE: f64 = 0.1;
 /// `4 μ (λ + μ)/(λ + 2 μ)` of [`soft`].
@@ -67,6 +67,23 @@ fn block_on_a_plane() {
         let exact = Vector::<2>::new((lateral - 1.0) * reference[0], -pushed + (1.0 - stretch) * (1.0 - reference[1]));
         assert!((d - exact).norm() < 1e-10, "{d} {exact}");
     }
+}
+
+/// The stress replaces the penetration, up to the change of the facets' measure over the step. A wrong sign of the stress
+/// passes the checks of derivatives, but not this one.
+#[test]
+fn a_consistent_law_keeps_the_offset() {
+    let (gamma, offset, pushed) = (1e4, 0.02, 0.05);
+    let supports = vec![("left", SupportKind::Symmetry { axis: 0 }), ("top", pushed_by(-pushed))];
+    let bodies = [block([0.0, 0.0], [1.0, 1.0], [4, 3], soft(), supported(supports))];
+    let states = [bodies[0].start()];
+    let scene = Scene::new(&bodies, &states, 1.0);
+    let form = ContactForm::new(NitscheLike { gamma, offset }, SIZE).unwrap();
+    let plane = RigidPlane::new(Point::<2>::zeros(), Vector::<2>::new(0.0, -1.0)).unwrap();
+    let facets = tagged_facets(bodies[0].solid(), "bottom").unwrap();
+    let (found, ..) = scene.advance(scene.pair(&form, &facets, &plane), 0.0, 1e-12);
+    let of_the_penalty = found.force[1] / gamma;
+    assert!(of_the_penalty > 1e-4 && found.largest_penetration.abs() < 0.05 * of_the_penalty, "{found:?}");
 }
 
 /// Pushes two unit blocks together, one on the other. Returns the largest deviation of the displacement from the

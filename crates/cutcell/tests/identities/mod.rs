@@ -69,14 +69,14 @@ fn check_divergence<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D
     let on_faces = SimplexRule::of_degree(D - 1, 3);
     let mut inside = QuadratureRule::default();
     for part in cut.all_parts() {
-        cut.part_quadrature(background, part, &rule, &mut inside);
+        cut.part_quadrature(background, part, rule, &mut inside);
     }
     assert!(inside.weights.iter().all(|&w| w > 0.0));
     let mut linear = -(D as f64) * cut.fluid_volume();
     let mut quadratic = -inside.integrate(|x| x.norm_squared());
     let mut flux = |points: &[Point<D>], normal: Vector<D>| {
         let mut face = QuadratureRule::default();
-        face.push_simplex(&on_faces, points);
+        face.push_simplex(on_faces, points);
         linear += face.integrate(|x| x.dot(&normal));
         quadratic += face.integrate(|x| x.norm_squared() * x.dot(&normal) / (D as f64 + 2.0));
     };

@@ -96,7 +96,7 @@ pub(super) fn quadratic_moment<const D: usize>(background: &SimplexMesh<D>, cut:
     let moments = cut.all_parts().map(|part| {
         inside.points.clear();
         inside.weights.clear();
-        cut.part_quadrature(background, part, &rule, &mut inside);
+        cut.part_quadrature(background, part, rule, &mut inside);
         inside.integrate(|x| 2.0 * (x - origin).sum())
     });
     moments.sum()
@@ -110,7 +110,7 @@ fn divergence<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>, mom
     let mut flux = |points: &[Point<D>], normal: Vector<D>| {
         face.points.clear();
         face.weights.clear();
-        face.push_simplex(&rule, points);
+        face.push_simplex(rule, points);
         linear += face.integrate(|x| (x - origin).dot(&normal));
         quadratic += face.integrate(|x| (x - origin).map(|r| r * r).dot(&normal));
     };

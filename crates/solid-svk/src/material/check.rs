@@ -22,12 +22,19 @@ pub struct MaterialCheck {
 impl MaterialCheck {
     /// Returns the largest of the deviations.
     pub fn largest(&self) -> f64 {
-        self.first_piola.max(self.derivative).max(self.stiffness).max(self.objectivity).max(self.reference_stress)
+        [self.derivative, self.stiffness, self.objectivity, self.reference_stress]
+            .into_iter()
+            .fold(self.first_piola, worse)
     }
 }
 
-/// Returns the largest deviation of the blocks of the stiffness from [`Material::first_piola_derivative`]. The columns
-/// of `pair` are the directions.
+/// Returns the larger deviation; NaN counts as infinite.
+fn worse(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b.is_nan() { f64::INFINITY } else { a.max(b) }
+}
+
+/// Returns the largest deviation of the blocks of the stiffness from [`Material::first_piola_derivative`]. The directions
+/// are the first `D + 1` columns of the two tensors.
 fn stiffness_deviation<const D: usize>(material: &dyn Material<D>, f: &Tensor<D>, pair: &[Tensor<D>; 2]) -> f64 {
     let mut g = [Vector::<D>::zeros(); MAX_CELL_VERTICES];
     (0..=D).for_each(|i| g[i] = pair[i / D].column(i % D).into_owned());
@@ -39,8 +46,8 @@ fn stiffness_deviation<const D: usize>(material: &dyn Material<D>, f: &Tensor<D>
                 let mut h = Tensor::<D>::zeros();
                 h.set_row(b, &g[column].transpose());
                 let expected = material.first_piola_derivative(f, &h) * g[row];
-                largest = largest.max(expected.norm());
-                deviation = deviation.max((expected - block.column(b)).norm());
+                largest = worse(largest, expected.norm());
+                deviation = worse(deviation, (expected - block.column(b)).norm());
             }
         }
     });
@@ -62,9 +69,9 @@ pub fn check_material<const D: usize>(material: &dyn Material<D>, n_states: usiz
     let identity = Tensor::<D>::identity();
     let step = f64::EPSILON.cbrt();
     let mut check = MaterialCheck::default();
-    // A shear away from the reference sets the scale of stresses.
+    // The derivative at the reference in a random direction sets the scale of stresses.
     let scale = material.first_piola_derivative(&identity, &tensor()).norm();
-    check.reference_stress = material.first_piola(&identity).norm() / scale;
+    check.reference_stress = worse(0.0, material.first_piola(&identity).norm() / scale);
     for _ in 0..n_states {
         let f = identity + 0.25 * tensor();
         let h = tensor();
@@ -74,19 +81,53 @@ pub fn check_material<const D: usize>(material: &dyn Material<D>, n_states: usiz
         let (ahead, behind) = (f + step * h, f - step * h);
         let p = material.first_piola(&f);
         let slope = (material.energy_density(&ahead) - material.energy_density(&behind)) / (2.0 * step);
-        check.first_piola = check.first_piola.max((slope - p.dot(&h)).abs() / scale);
+        check.first_piola = worse(check.first_piola, (slope - p.dot(&h)).abs() / scale);
         let slope = (material.first_piola(&ahead) - material.first_piola(&behind)) / (2.0 * step);
         let derivative = material.first_piola_derivative(&f, &h);
-        check.derivative = check.derivative.max((slope - derivative).norm() / scale);
-        check.stiffness = check.stiffness.max(stiffness_deviation(material, &f, &[tensor(), tensor()]));
+        check.derivative = worse(check.derivative, (slope - derivative).norm() / scale);
+        check.stiffness = worse(check.stiffness, stiffness_deviation(material, &f, &[tensor(), tensor()]));
         // Cayley's transform of a skew tensor is a rotation.
         let skew = 0.5 * (h - h.transpose());
         if let Some(inverse) = (identity + skew).try_inverse() {
             let q = inverse * (identity - skew);
             let energy = material.energy_density(&(q * f)) - material.energy_density(&f);
             let stress = material.first_piola(&(q * f)) - q * p;
-            check.objectivity = check.objectivity.max((energy.abs() + stress.norm()) / scale);
+            check.objectivity = worse(check.objectivity, (energy.abs() + stress.norm()) / scale);
         }
     }
     check
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{LameParameters, LinearElastic};
+
+    /// A law with a stress that is NaN.
+    #[derive(Debug)]
+    struct Nan(LinearElastic);
+
+    impl Material<2> for Nan {
+        fn energy_density(&self, f: &Tensor<2>) -> f64 {
+            self.0.energy_density(f)
+        }
+
+        fn first_piola(&self, _f: &Tensor<2>) -> Tensor<2> {
+            Tensor::from_element(f64::NAN)
+        }
+
+        fn first_piola_derivative(&self, f: &Tensor<2>, h: &Tensor<2>) -> Tensor<2> {
+            self.0.first_piola_derivative(f, h)
+        }
+
+        fn out_of_plane_stress(&self, f: &Tensor<2>) -> f64 {
+            self.0.out_of_plane_stress(f)
+        }
+    }
+
+    #[test]
+    fn nan_is_the_largest_deviation() {
+        let law = Nan(LinearElastic::new(LameParameters { mu: 1.0, lambda: 2.0 }));
+        assert_eq!(check_material(&law, 3).largest(), f64::INFINITY);
+    }
 }

@@ -18,7 +18,7 @@ use crate::Error;
 pub trait Material<const D: usize>: Send + Sync + std::fmt::Debug {
     /// Returns the stored energy per reference volume at the deformation gradient `f`.
     ///
-    /// Units: erg/cm³ (2D: erg/cm² per unit depth).
+    /// Units: erg/cm³, in 2D too (unit depth).
     fn energy_density(&self, f: &Tensor<D>) -> f64;
 
     /// Returns the first Piola stress `P = ∂W/∂F`.
@@ -61,7 +61,7 @@ pub trait Material<const D: usize>: Send + Sync + std::fmt::Debug {
     }
 }
 
-/// Lame parameters of an isotropic material; in 2D those of plane strain, which are the same numbers.
+/// Lame parameters of an isotropic material. In 2D (plane strain) they have the values of the material in 3D.
 ///
 /// Units: dyn/cm².
 #[derive(Clone, Copy, Debug, PartialEq)]
