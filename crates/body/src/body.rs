@@ -16,8 +16,8 @@ pub trait Body<const D: usize>: Send + Sync {
     /// Returns the reference positions of all vertices.
     fn reference(&self) -> &[Point<D>];
 
-    /// Returns whether forces move the body: false for a prescribed motion, and if supports hold all degrees of
-    /// freedom.
+    /// Returns whether forces can move the body: false for a prescribed motion, and for a rigid motion that is held as a
+    /// whole.
     fn is_movable(&self) -> bool;
 
     /// Returns the state at time zero.

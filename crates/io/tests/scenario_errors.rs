@@ -82,6 +82,13 @@ fn sections_of_a_fluid_are_given_together() {
 }
 
 #[test]
+fn a_scenario_without_fluid_and_body() {
+    let text = "name = \"empty\"\ndimension = 2\nunits = \"si\"\ntime = { step = 0.1, end = 0.2 }\n\
+                solver = { newton = { tolerance = 1e-8, max_iterations = 20 }, linear = { kind = \"direct\" } }\n";
+    check_place(mistake(parse(text, &[])), text, 0, "", &["neither a fluid nor a body"]);
+}
+
+#[test]
 fn wrong_types() {
     expect("density        = 1.0", "density = \"heavy\"", "fluid.density", &["string \"heavy\"", "a number"]);
     expect("radius = 4.0", "radius = true", "body.0.shape.radius", &["boolean `true`", "a number"]);

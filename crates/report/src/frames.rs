@@ -78,7 +78,19 @@ impl Frames {
         if !path.is_file() {
             return Ok(None);
         }
-        serde_json::from_str(&io::read_text(&path)?).map(Some).map_err(|source| Error::Frames { path, source })
+        Self::parse(&io::read_text(&path)?).map(Some).map_err(|source| Error::Frames { path, source })
+    }
+
+    fn parse(text: &str) -> Result<Self, serde_json::Error> {
+        let frames: Self = serde_json::from_str(text)?;
+        let fits = |frame: &Snapshot| {
+            frame.n.iter().all(|n| *n > 0) && frame.n[0].checked_mul(frame.n[1]) == Some(frame.speed.0.len())
+        };
+        if frames.frames.iter().chain(frames.moments.values()).all(fits) {
+            Ok(frames)
+        } else {
+            Err(serde::de::Error::custom("a raster does not have its number of columns and rows"))
+        }
     }
 
     pub(crate) fn points<'a>(&self, outline: &'a Packed) -> impl Iterator<Item = [f64; 2]> + use<'a> {
@@ -266,11 +278,12 @@ mod tests {
     fn frames_are_read_as_they_were_written() {
         let frames = Frames { low: [1.0, -2.0], unit: 1e-3, ..Frames::default() };
         let outlines = vec![frames.packed(&[[1.0, -2.0], [4.0, 3.5]])];
-        let frame = Snapshot { speed: Packed(vec![0, 7, 255]), outlines, ..Snapshot::default() };
+        let frame = Snapshot { n: [3, 1], speed: Packed(vec![0, 7, 255]), outlines, ..Snapshot::default() };
         let written = Frames { frames: vec![frame], ..frames };
         let text = serde_json::to_string(&written).unwrap_or_default();
-        let read: Frames = serde_json::from_str(&text).unwrap_or_default();
+        let read = Frames::parse(&text).unwrap_or_default();
         assert_eq!(read, written);
+        assert!(Frames::parse(&text.replace("[3,1]", "[4,1]")).is_err());
         let points: Vec<_> = read.points(&read.frames[0].outlines[0]).collect();
         assert!(
             points.iter().zip([[1.0, -2.0], [4.0, 3.5]]).all(|(a, b)| (a[0] - b[0]).abs() + (a[1] - b[1]).abs() < 1e-3)

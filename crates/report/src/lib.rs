@@ -37,6 +37,19 @@ pub use page::part;
 pub use picture::write_picture;
 pub use results::Results;
 
+/// Removes page and frames of an earlier run from a directory of results.
+///
+/// # Errors
+/// [`Error::Results`]: a file cannot be removed.
+pub fn remove(directory: &Path) -> Result<(), Error> {
+    for path in ["report.html", frames::FILE].map(|name| directory.join(name)) {
+        if path.is_file() {
+            std::fs::remove_file(&path).map_err(|source| io::Error::Write { path, source })?;
+        }
+    }
+    Ok(())
+}
+
 /// Writes `report.html` into a directory of results and returns its path.
 ///
 /// # Errors

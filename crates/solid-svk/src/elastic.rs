@@ -206,7 +206,7 @@ impl<const D: usize> BodyStep<D> for ElasticStep<'_, D> {
 
     fn end(&self, layout: &BlockLayout, x: &[f64]) -> BodyState<D> {
         let velocity = layout.values(self.field, x).map(Vector::<D>::from).collect();
-        let older = self.begin.levels.iter().take(self.body.options.scheme.depth() - 1).cloned();
+        let older = self.begin.levels.iter().take(self.body.options.scheme.depth().saturating_sub(1)).cloned();
         let levels = std::iter::once(self.rule.level(velocity)).chain(older).collect();
         BodyState { levels, inner: Vec::new() }
     }

@@ -15,7 +15,8 @@ pub struct ContactPoint {
     pub gap: f64,
     /// Slip over the step along each tangent: displacement of the slave's point relative to its closest point; a length.
     pub slip: [f64; 2],
-    /// Traction `σ n` on the slave's surface in the frame, force per area; zero if the law has no [`StressSource`].
+    /// Traction `σ n` on the slave's surface in the frame, force per area. Zero if the law has no [`StressSource`], or if
+    /// the slave has no such stress.
     pub stress: Local,
     /// Contact size `s`, a length.
     pub size: f64,
@@ -44,7 +45,7 @@ pub enum StressSource {
     /// The law does not depend on a stress.
     #[default]
     None,
-    /// The stress of the slave.
+    /// The stress of the slave; zero for a body that does not deform.
     Solid,
     /// The stress of the fluid in front of the slave; zero where there is no fluid.
     Fluid,

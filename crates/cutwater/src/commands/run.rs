@@ -27,9 +27,12 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<(), Failure> {
         let mut recorder = (!arguments.no_report).then(Recorder::default);
         let outcome = run_scenario(&file, &directory, &mut (progress, &mut recorder));
         // A run that failed gets a page of the steps before.
-        if let (Some(recorder), Ok(_) | Err(Error::Step(_))) = (recorder, &outcome) {
-            recorder.write(&directory)?;
-            cutwater::report::write(&directory)?;
+        if let Ok(_) | Err(Error::Step(_)) = &outcome {
+            cutwater::report::remove(&directory)?;
+            if let Some(recorder) = recorder {
+                recorder.write(&directory)?;
+                cutwater::report::write(&directory)?;
+            }
         }
         outcome
     };

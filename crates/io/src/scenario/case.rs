@@ -64,6 +64,9 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
         }
         (Some(_), None, _) => return Err(missing("background")),
         (Some(_), _, None) => return Err(missing("interface")),
+        (None, None, None) if scenario.body.is_empty() => {
+            return Err(root.invalid("the scenario has neither a fluid nor a body; add [fluid] or [[body]]"));
+        }
         (None, None, None) => None,
         (None, ..) => return Err(missing("fluid")),
     };
