@@ -53,14 +53,21 @@ fn pair<'p, const D: usize>(contact: &'p Contact<D>, step: Partners<'p, D>) -> C
 
 impl<const D: usize> ContactStep<D> {
     /// Searches for obstacles within the offset of the law, twice the motion of the last step, and twice the contact size.
-    pub(crate) fn new(contact: &Contact<D>, previous: &State<D>, step: Partners<'_, D>) -> Self {
+    ///
+    /// # Errors
+    /// [`Stage::MissingStress`]: the law depends on a stress that the setup does not have.
+    pub(crate) fn new(contact: &Contact<D>, previous: &State<D>, step: Partners<'_, D>) -> Result<Self, Stage> {
+        let (pair, source) = (pair(contact, step), contact.form().law.stress());
+        if source != StressSource::None && pair.stress.is_none() {
+            return Err(Stage::MissingStress { stress: source, body: contact.body() });
+        }
         let fastest = |id: BodyId| {
             let velocity = previous.bodies[id.index()].velocity();
             velocity.iter().map(Vector::norm).fold(0.0, f64::max) * step.dt
         };
         let motion = fastest(contact.body()) + contact.master().map_or(0.0, fastest);
         let reach = contact.form().law.offset() + 2.0 * motion + 2.0 * contact.form().size();
-        Self { items: ContactItems::new(&pair(contact, step), step.layout, reach), reach }
+        Ok(Self { items: ContactItems::new(&pair, step.layout, reach), reach })
     }
 
     /// Returns the quadrature points of the contact.

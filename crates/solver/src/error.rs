@@ -1,6 +1,8 @@
 //! Errors of time steps.
 
 use algebra::{LinearError, NewtonError, NewtonReport};
+use contact::StressSource;
+use mesh::BodyId;
 
 /// Error of an observer.
 pub type ObserverError = Box<dyn std::error::Error + Send + Sync>;
@@ -25,6 +27,19 @@ pub enum Stage {
     LeftDomain {
         /// Its name.
         body: String,
+    },
+    /// A contact law depends on a stress that the setup does not have: that of the solid for a rigid or prescribed slave, or
+    /// that of the fluid without a fluid.
+    #[error(
+        "the contact law of body {body} depends on the stress of the {}, which this setup does not have; use a law \
+         without stress",
+        format!("{stress:?}").to_lowercase()
+    )]
+    MissingStress {
+        /// The stress.
+        stress: StressSource,
+        /// The slave.
+        body: BodyId,
     },
     /// Newton's method failed; the history of residuals is inside.
     #[error("solving the coupled problem")]

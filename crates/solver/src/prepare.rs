@@ -46,7 +46,7 @@ impl<'a, const D: usize> Step<'a, D> {
     /// Prepares the step after `previous`.
     ///
     /// # Errors
-    /// A body has left the background, or the surfaces cannot cut it.
+    /// A body has left the background, the surfaces cannot cut it, or a contact law lacks the stress that it depends on.
     pub fn prepare(setup: &'a Setup<D>, previous: &'a State<D>, time: StepTime) -> Result<Self, Stage> {
         let clock = Instant::now();
         let mut layout = BlockLayout::new();
@@ -74,7 +74,7 @@ impl<'a, const D: usize> Step<'a, D> {
             seconds,
         };
         let contact = |contact| ContactStep::new(contact, previous, step.partners());
-        step.contacts = setup.contacts.iter().map(contact).collect();
+        step.contacts = setup.contacts.iter().map(contact).collect::<Result<_, _>>()?;
         step.constrain();
         step.seconds.space = clock.elapsed().as_secs_f64() - step.seconds.cut;
         Ok(step)

@@ -5,7 +5,9 @@ mod fixture;
 use fixture::*;
 use solver::algebra::check_tangent;
 use solver::body::StepTime;
-use solver::{Setup, State, Step};
+use solver::contact::{ContactForm, ContactLaw, ContactPoint, ContactTraction, StressSource};
+use solver::mesh::BodyId;
+use solver::{Contact, Setup, Stage, State, Step};
 
 /// Returns a pseudo-random number between -1 and 1.
 fn noise(k: usize) -> f64 {
@@ -59,4 +61,57 @@ fn tangents_are_exact() {
     ] {
         assert!(names.contains(&name), "{name} was not checked: {names:?}");
     }
+}
+
+/// The linear part of a Nitsche-like law, everywhere active: `λ = -(ε - Δ) + σ_n`.
+#[derive(Debug)]
+struct WithStress(StressSource);
+
+impl ContactLaw for WithStress {
+    fn traction(&self, at: &ContactPoint) -> ContactTraction {
+        let mut traction = ContactTraction::default();
+        traction.value[0] = at.gap - self.offset() + at.stress[0];
+        traction.by_gap[0] = 1.0;
+        traction.by_stress[0][0] = 1.0;
+        traction
+    }
+
+    fn is_active(&self, _at: &ContactPoint) -> bool {
+        true
+    }
+
+    fn offset(&self) -> f64 {
+        0.6
+    }
+
+    fn stress(&self) -> StressSource {
+        self.0
+    }
+}
+
+/// Replaces the contact of a setup by one of body `slave` with the ground.
+fn contact_with_stress(setup: &mut Setup<2>, slave: u32, stress: StressSource) {
+    let form = ContactForm::new(WithStress(stress), 0.9).expect("a contact");
+    let facets = setup.bodies[slave as usize].surface().facets().collect();
+    setup.contacts = vec![Contact::new(&setup.bodies, BodyId(slave), facets, form, ground()).expect("a contact")];
+}
+
+#[test]
+fn tangents_of_laws_with_the_stress_of_solid_and_fluid_are_exact() {
+    for stress in [StressSource::Solid, StressSource::Fluid] {
+        let (mut setup, mut names) = (falling_ball(0.9, 0.3, 0.6, false), Vec::new());
+        contact_with_stress(&mut setup, 0, stress);
+        check(&setup, 3.0, &mut names);
+        assert!(names.contains(&"contact"), "{names:?}");
+    }
+}
+
+#[test]
+fn a_law_without_its_stress_is_an_error() {
+    let mut setup = falling_ball(0.9, 0.3, 0.6, false);
+    setup.bodies.push(prescribed(&disk([6.0, 12.0], 1.3, 0.5), |x, _| *x, |_, _| V::zeros()));
+    contact_with_stress(&mut setup, 1, StressSource::Solid);
+    let state = State::initial(&setup).expect("a cut");
+    let time = StepTime { start: 0.0, end: setup.dt, lengths: vec![setup.dt] };
+    assert!(matches!(Step::prepare(&setup, &state, time), Err(Stage::MissingStress { .. })));
 }
