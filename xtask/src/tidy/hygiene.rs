@@ -15,7 +15,7 @@ const BUDGETS: &[(&[&str], usize)] = &[
     (&["crates/solver/src"], 1400),
     (&["validation"], 7700),
     (&["xtask/src"], 2300),
-    (&[""], 48_600),
+    (&[""], 49_000),
 ];
 /// Largest number of bytes of all JSON files under version control.
 const JSON_BYTES: usize = 50_000;
