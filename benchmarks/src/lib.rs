@@ -8,7 +8,6 @@ use body::{Body, StepTime};
 use contact::{ContactForm, Penalty, RigidPlane};
 use cutcell::OverlayOptions;
 use fluid_ns::NewtonianFluid;
-use fluid_ns::terms::CipProfile;
 use mesh::generate::{BallOptions, Size, graded_box, half_ball, structured_box};
 use mesh::{BodyId, Point, SimplexMesh, Vector};
 use solid_svk::supports::{tagged_facets, vertices_of};
@@ -16,7 +15,7 @@ use solid_svk::{
     ElasticBody, ElasticOptions, LameParameters, Material, SaintVenantKirchhoff, SolidCells, SolidForm, SolidMesh,
     Support, SupportKind,
 };
-use solver::{Contact, ContactObstacle, FluidBoundary, FluidSetup, Problem, Setup, State, Step};
+use solver::{Contact, ContactObstacle, FluidBoundary, FluidSetup, Problem, Setup, Stabilisation, State, Step};
 
 mod shapes;
 mod unfitted_stokes;
@@ -87,7 +86,7 @@ pub fn ball_in_contact(resolution: Resolution) -> Setup<2> {
 }
 
 fn ball_in_fluid(resolution: Resolution, gap: f64) -> Setup<2> {
-    let mut fluid = fluid(background(resolution), CipProfile::Paper { gamma_1: 0.7 });
+    let mut fluid = fluid(background(resolution), Stabilisation::PAPER_44_2019);
     let tag = |name: &str| fluid.background.tag(name).expect("sides of a box are tagged");
     let open = || FluidBoundary::Open { traction: None, backflow: true };
     fluid.boundary = vec![
@@ -110,15 +109,12 @@ fn ball_in_fluid(resolution: Resolution, gap: f64) -> Setup<2> {
 }
 
 /// Returns a fluid of density and viscosity of the paper, at rest, without conditions on the boundary.
-fn fluid<const D: usize>(background: SimplexMesh<D>, cip: CipProfile) -> FluidSetup<D> {
+fn fluid<const D: usize>(background: SimplexMesh<D>, stabilisation: Stabilisation) -> FluidSetup<D> {
     FluidSetup {
         background,
         overlay: OverlayOptions::new(),
         material: NewtonianFluid { density: 1.0, viscosity: 1e-2 },
-        gamma_sigma: 1e5,
-        cip,
-        gamma_pressure: 0.1,
-        gamma_ghost: 1.0,
+        stabilisation,
         convection: Some(false),
         body_force: None,
         initial_velocity: None,
@@ -152,7 +148,7 @@ fn setup<const D: usize>(fluid: FluidSetup<D>, bodies: Vec<Arc<dyn Body<D>>>, dt
 pub fn falling_box<const D: usize>(n: usize) -> Setup<D> {
     const SIDE: f64 = 10.0;
     let background = structured_box([0.0; D], [SIDE; D], [n; D]).expect("a box");
-    let mut fluid = fluid(background, CipProfile::Consistent { gamma_u: 0.1 });
+    let mut fluid = fluid(background, Stabilisation::STANDARD);
     set_sides(&mut fluid, |name| match name {
         "top" => FluidBoundary::Open { traction: None, backflow: true },
         _ => FluidBoundary::NoSlip,
@@ -168,7 +164,7 @@ pub fn falling_box<const D: usize>(n: usize) -> Setup<D> {
 /// on all faces.
 pub fn whirl(n: usize) -> Setup<2> {
     let background = structured_box([0.0, 0.0], [1.0, 1.0], [n, n]).expect("a box");
-    let mut fluid = fluid(background, CipProfile::Consistent { gamma_u: 0.1 });
+    let mut fluid = fluid(background, Stabilisation::STANDARD);
     fluid.initial_velocity = Some(Arc::new(|x| Vector::<2>::new(x[1] - 0.5, 0.5 - x[0])));
     set_sides(&mut fluid, |_| FluidBoundary::NoSlip);
     setup(fluid, Vec::new(), 1e-2)

@@ -15,6 +15,7 @@ use fluid_ns::terms::{
     BodyForce, CipPressure, CipProfile, CipVelocity, GhostPenalty, Incompressibility, Traction, Viscous,
 };
 use fluid_ns::{FluidFields, FluidForm, FluidGeometry, NewtonianFluid, OpenBoundary};
+use interface_dg::terms::PenaltyProfile;
 use interface_dg::{InterfacePoints, MortarForm, PieceValues};
 use mesh::generate::structured_box;
 use mesh::{BoundaryMesh, MAX_CELL_VERTICES, Placed, Point, SimplexMesh, SimplexRule, Tensor, Vector, VertexId};
@@ -85,6 +86,11 @@ fn traction<const D: usize>(x: &Point<D>, n: &Vector<D>, _time: f64) -> Vector<D
     NewtonianFluid { density: 1.0, viscosity: VISCOSITY }.stress(pressure(x), &velocity_gradient(x)) * n
 }
 
+/// Returns the mortar with the uniform penalty of the published comparison.
+fn mortar(gamma_sigma: f64) -> MortarForm {
+    MortarForm::new(NewtonianFluid { density: 1.0, viscosity: VISCOSITY }, PenaltyProfile::Uniform { gamma_sigma }, 0.0)
+}
+
 /// Cut, space and shape values of steady Stokes flow in the box `[-1/2, 1/2]^D` around a ball of radius 0.2. The velocity
 /// is prescribed on the ball (weakly) and on all sides except `x = 1/2`, where the traction is prescribed.
 ///
@@ -132,7 +138,7 @@ impl<const D: usize> UnfittedStokes<D> {
             has_published_forms: false,
             at_rest: vec![Vector::zeros(); space.len()],
             rule: StepRule::new(&QuasiStatic, &[1.0], &[]),
-            mortar: MortarForm::new(NewtonianFluid { density: 1.0, viscosity: VISCOSITY }, NITSCHE),
+            mortar: mortar(NITSCHE),
             background,
             cut,
             space,
@@ -151,7 +157,7 @@ impl<const D: usize> UnfittedStokes<D> {
     /// Returns the problem with another weight `γ_Σ` in place of the published one.
     #[must_use]
     pub fn with_nitsche(mut self, gamma_sigma: f64) -> Self {
-        self.mortar = MortarForm::new(NewtonianFluid { density: 1.0, viscosity: VISCOSITY }, gamma_sigma);
+        self.mortar = mortar(gamma_sigma);
         self
     }
 

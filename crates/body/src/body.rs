@@ -31,9 +31,10 @@ pub trait Body<const D: usize>: Send + Sync {
         layout: &mut BlockLayout,
     ) -> Box<dyn BodyStep<D> + 's>;
 
-    /// Returns a map from points to the distance and velocity of the body in a state: the extension of the fluid's
-    /// velocity to points that the body has left. Indices for the search are built in this call.
-    fn locator<'s>(&'s self, state: &'s BodyState<D>, time: f64) -> Locator<'s, D>;
+    /// Returns the velocity at a point of a body of prescribed motion; `None` for other bodies.
+    fn given_velocity(&self, _x: &Point<D>, _time: f64) -> Option<Vector<D>> {
+        None
+    }
 
     /// Returns the mass, momentum, energies, centre and volume; `None` for a body of prescribed motion.
     fn balance(&self, state: &BodyState<D>) -> Option<Balance<D>>;
@@ -65,18 +66,4 @@ pub trait BodyStep<const D: usize>: Sync {
     fn stress<'p>(&'p self, _layout: &'p BlockLayout) -> Option<Box<dyn SurfaceStress<D> + 'p>> {
         None
     }
-}
-
-/// A map from points to the position relative to a body; `None` for a body without a surface.
-pub type Locator<'s, const D: usize> = Box<dyn Fn(&Point<D>) -> Option<Located<D>> + 's>;
-
-/// Position of a point relative to a body, and the velocity of the body there.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Located<const D: usize> {
-    /// Whether the point lies inside the body.
-    pub is_inside: bool,
-    /// Distance of the point from the surface; not significant inside.
-    pub distance: f64,
-    /// Velocity of the body at the point, or at the closest point of its surface.
-    pub velocity: Vector<D>,
 }

@@ -15,7 +15,7 @@ mod step_time;
 mod stress;
 mod surface;
 
-pub use body::{Body, BodyStep, Located, Locator};
+pub use body::{Body, BodyStep};
 pub use output::{Balance, CellOutput, CellStress};
 pub use prescribed::PrescribedBody;
 pub use state::BodyState;

@@ -1,12 +1,10 @@
 //! Bodies of prescribed motion: the smallest implementation of the traits.
 
 use algebra::{BlockLayout, Constraints, Contributions};
-use mesh::search::SurfaceIndex;
-use mesh::{BoundaryMesh, Placed, Point};
+use mesh::{BoundaryMesh, Point, Vector};
 
 use crate::{
-    Balance, Body, BodyState, BodyStep, Located, Locator, ParticleVelocity, StepTime, SurfaceMotion, SurfaceVelocity,
-    TimeField,
+    Balance, Body, BodyState, BodyStep, ParticleVelocity, StepTime, SurfaceMotion, SurfaceVelocity, TimeField,
 };
 
 /// A body with a prescribed motion. It has no unknowns.
@@ -64,13 +62,8 @@ impl<const D: usize> Body<D> for PrescribedBody<D> {
         Box::new(PrescribedStep { surface, end })
     }
 
-    fn locator<'s>(&'s self, state: &'s BodyState<D>, time: f64) -> Locator<'s, D> {
-        let index = SurfaceIndex::new(&Placed::new(&self.boundary, &state.positions(&self.reference)));
-        Box::new(move |x| {
-            let distance = index.signed_distance(x)?;
-            let velocity = (self.velocity)(x, [time; 2]);
-            Some(Located { is_inside: distance < 0.0, distance: distance.abs(), velocity })
-        })
+    fn given_velocity(&self, x: &Point<D>, time: f64) -> Option<Vector<D>> {
+        Some((self.velocity)(x, [time; 2]))
     }
 
     fn balance(&self, _: &BodyState<D>) -> Option<Balance<D>> {

@@ -4,7 +4,7 @@ use algebra::Integral;
 use fluid_ns::NewtonianFluid;
 
 use crate::InterfacePoints;
-use crate::terms::{AdjointConsistency, Consistency, Penalty};
+use crate::terms::{AdjointConsistency, Consistency, Penalty, PenaltyProfile};
 
 /// The three mortaring terms.
 pub struct MortarForm {
@@ -12,17 +12,18 @@ pub struct MortarForm {
     pub consistency: Consistency,
     /// `-(u - v_s, T^f(v, -q) n^f)`.
     pub adjoint_consistency: AdjointConsistency,
-    /// `γ_Σ μ^f/h_K (u - v_s, v - w)`.
+    /// `(S (u - v_s), v - w)`.
     pub penalty: Penalty,
 }
 
 impl MortarForm {
-    /// Creates the form of a fluid, with the penalty parameter `γ_Σ`.
-    pub fn new(fluid: NewtonianFluid, gamma_sigma: f64) -> Self {
+    /// Creates the form of a fluid. `rate` is the derivative of its acceleration with respect to its velocity, zero for a
+    /// steady problem.
+    pub fn new(fluid: NewtonianFluid, profile: PenaltyProfile, rate: f64) -> Self {
         Self {
             consistency: Consistency { fluid },
             adjoint_consistency: AdjointConsistency { fluid },
-            penalty: Penalty { gamma_sigma, viscosity: fluid.viscosity },
+            penalty: Penalty { profile, fluid, rate },
         }
     }
 

@@ -6,7 +6,7 @@
 //! |---|---|
 //! | `-(T^f(u, p) n^f, v - w)` | `terms/consistency.rs` |
 //! | `-(u - v_s, T^f(v, -q) n^f)` | `terms/adjoint_consistency.rs` |
-//! | `γ_Σ μ^f/h_K (u - v_s, v - w)` | `terms/penalty.rs` |
+//! | `(S (u - v_s), v - w)` | `terms/penalty.rs` |
 //!
 //! The velocity of the body is unknown, or given at every point ([`body::SurfaceVelocity`]).
 

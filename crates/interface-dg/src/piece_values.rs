@@ -1,8 +1,8 @@
 //! Traces of fluid and solid on interface pieces.
 
 use cutcell::CutMesh;
-use mesh::{MAX_CELL_VERTICES, Point, SimplexMesh, SimplexRule, Vector};
-use xfem_space::PartValues;
+use mesh::{BodyId, FacetId, MAX_CELL_VERTICES, Point, SimplexMesh, SimplexRule, Vector};
+use xfem_space::{PartValues, XfemSpace};
 
 /// A quadrature point of the interface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,10 +24,11 @@ pub struct PieceValues<const D: usize> {
     per_piece: usize,
     gradients: Vec<[Vector<D>; MAX_CELL_VERTICES]>,
     cell_sizes: Vec<f64>,
+    relative_speeds: Vec<f64>,
 }
 
 impl<const D: usize> PieceValues<D> {
-    /// Creates the values with a rule of the given degree on every piece.
+    /// Creates the values with a rule of the given degree on every piece. Relative speeds are zero.
     pub fn new(background: &SimplexMesh<D>, cut: &CutMesh<D>, parts: &PartValues<D>, degree: usize) -> Self {
         let rule = SimplexRule::of_degree(D - 1, degree);
         let n = cut.interface().len();
@@ -36,6 +37,7 @@ impl<const D: usize> PieceValues<D> {
             per_piece: rule.points().len(),
             gradients: Vec::with_capacity(n),
             cell_sizes: Vec::with_capacity(n),
+            relative_speeds: vec![0.0; n],
         };
         for piece in cut.interface() {
             let simplex = background.simplex(piece.cell);
@@ -65,6 +67,27 @@ impl<const D: usize> PieceValues<D> {
         values
     }
 
+    /// Sets the largest speed of the fluid relative to the body on each piece. `fluid` has one velocity per dof of the space,
+    /// `body` returns those of the vertices of a facet.
+    pub fn set_relative_speeds(
+        &mut self,
+        cut: &CutMesh<D>,
+        space: &XfemSpace<D>,
+        fluid: &[Vector<D>],
+        body: impl Fn(BodyId, FacetId) -> [Vector<D>; MAX_CELL_VERTICES],
+    ) {
+        for (item, piece) in cut.interface().iter().enumerate() {
+            let on_facet = body(piece.body, piece.facet);
+            let dofs = space.dofs(piece.part);
+            let speed = |at: &PiecePoint<D>| {
+                let of_fluid: Vector<D> = dofs.iter().zip(at.fluid).map(|(dof, n)| fluid[*dof as usize] * n).sum();
+                let of_body: Vector<D> = on_facet.iter().zip(&at.solid[..D]).map(|(v, n)| v * *n).sum();
+                (of_fluid - of_body).norm()
+            };
+            self.relative_speeds[item] = self.points(item).iter().map(speed).fold(0.0, f64::max);
+        }
+    }
+
     /// Returns the quadrature points of a piece.
     #[inline]
     pub fn points(&self, piece: usize) -> &[PiecePoint<D>] {
@@ -81,5 +104,11 @@ impl<const D: usize> PieceValues<D> {
     #[inline]
     pub fn cell_size(&self, piece: usize) -> f64 {
         self.cell_sizes[piece]
+    }
+
+    /// Returns the largest speed of the fluid relative to the body on a piece.
+    #[inline]
+    pub fn relative_speed(&self, piece: usize) -> f64 {
+        self.relative_speeds[piece]
     }
 }

@@ -36,6 +36,8 @@ pub struct MortarPoint<'a, const D: usize> {
     pub gradients: &'a [Vector<D>; MAX_CELL_VERTICES],
     /// Size `h_K` of the background cell.
     pub cell_size: f64,
+    /// Largest speed `|u* - v^n|` of the fluid relative to the body on the piece, at the start of the step.
+    pub relative_speed: f64,
     /// Fluid velocity minus velocity of the body.
     pub jump: Vector<D>,
     /// Pressure.
@@ -131,6 +133,7 @@ impl<'a, const D: usize> Sites for InterfacePoints<'a, D> {
                 piece,
                 gradients,
                 cell_size: self.values.cell_size(item),
+                relative_speed: self.values.relative_speed(item),
                 jump,
                 pressure,
                 traction: viscous_traction + piece.normal * pressure,

@@ -13,7 +13,7 @@ pub struct InterfaceTraction<const D: usize> {
     pub fluid: Vector<D>,
     /// Its pressure part, `-p n`.
     pub pressure: Vector<D>,
-    /// Traction of the mortar's penalty on the body, `γ_Σ μ/h_K (u - v_s)`, mean over the piece.
+    /// Traction of the mortar's penalty on the body, `S (u - v_s)`, mean over the piece.
     pub penalty: Vector<D>,
     /// Velocity jump `u - v_s`, mean over the piece.
     pub jump: Vector<D>,
@@ -63,7 +63,7 @@ pub fn interface_tractions<const D: usize>(
                 mean.fluid -= q.traction * q.at.weight;
                 mean.pressure -= q.piece.normal * (q.pressure * q.at.weight);
                 mean.jump += q.jump * q.at.weight;
-                let by_penalty = q.jump * (q.at.weight * penalty.coefficient(q));
+                let by_penalty = penalty.weighted(q) * q.jump;
                 mean.penalty += by_penalty;
                 mean.middle += q.at.point * q.at.weight;
                 mean.first_moment += (by_penalty - q.traction * q.at.weight) * q.at.point.transpose();

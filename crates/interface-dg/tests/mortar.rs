@@ -5,12 +5,20 @@ use algebra::{BlockLayout, BlockSystem, Constraints, check_tangent};
 use body::{SurfaceMotion, SurfaceStress, SurfaceVelocity};
 use cutcell::{CutMesh, OverlayOptions};
 use fluid_ns::{FluidFields, FluidGeometry, NewtonianFluid};
+use interface_dg::terms::PenaltyProfile;
 use interface_dg::{FluidStress, InterfacePoints, MortarForm, PieceValues, interface_flow, interface_tractions};
 use mesh::generate::structured_box;
-use mesh::{BodyId, Placed, Point, SimplexMesh, Tensor, Vector};
+use mesh::{BodyId, MAX_CELL_VERTICES, Placed, Point, SimplexMesh, Tensor, Vector};
 use xfem_space::{PartValues, XfemSpace, face_values};
 
 type V = Vector<2>;
+
+const FLUID: NewtonianFluid = NewtonianFluid { density: 1.0, viscosity: 0.5 };
+
+/// Returns the form with the uniform penalty.
+fn uniform(gamma_sigma: f64) -> MortarForm {
+    MortarForm::new(FLUID, PenaltyProfile::Uniform { gamma_sigma }, 0.0)
+}
 
 /// A background of squares of side 1 with a body below y = 0.4, whose top is the only wet side.
 struct Fixture {
@@ -35,7 +43,7 @@ impl Fixture {
     /// rows.
     fn with_points<R>(
         &self,
-        gamma_sigma: f64,
+        form: MortarForm,
         u: impl Fn(&Point<2>) -> V,
         p: impl Fn(&Point<2>) -> f64,
         v: V,
@@ -44,8 +52,9 @@ impl Fixture {
     ) -> R {
         let parts = PartValues::new(&self.background, &self.cut);
         let faces = face_values(&self.background, &self.cut, &self.space, &parts);
-        let values = PieceValues::new(&self.background, &self.cut, &parts, 2);
         let history = vec![V::zeros(); self.space.len()];
+        let mut values = PieceValues::new(&self.background, &self.cut, &parts, 2);
+        values.set_relative_speeds(&self.cut, &self.space, &history, |_, _| [v; MAX_CELL_VERTICES]);
         let rule = StepRule::new(&ImplicitEuler, &[1.0], &[]);
         let mut layout = BlockLayout::new();
         let velocity = layout.push("velocity", self.space.len(), 2);
@@ -63,7 +72,6 @@ impl Fixture {
                 SurfaceVelocity::Given(Box::new(move |_| v))
             },
         };
-        let fluid = NewtonianFluid { density: 1.0, viscosity: 0.5 };
         let Self { background, cut, space, .. } = self;
         let points = InterfacePoints {
             geometry: FluidGeometry {
@@ -78,9 +86,8 @@ impl Fixture {
             fields: FluidFields { layout: &layout, velocity, pressure },
             values: &values,
             surfaces: vec![&surface],
-            fluid,
+            fluid: FLUID,
         };
-        let form = MortarForm::new(fluid, gamma_sigma);
         let at = |k: &mesh::VertexId| background.vertex(*k);
         let mut x = vec![0.0; layout.len()];
         layout.set(velocity, space.vertices().iter().map(|k| u(&at(k)).into()), &mut x);
@@ -100,7 +107,7 @@ impl Fixture {
 fn pressure_pushes_fluid_and_body_apart() {
     // u = v: no jump. -(T n^f, v - w) with T n^f = -p n^f, n^f = (0, -1), on a length of 2.
     Fixture::new().with_points(
-        1e3,
+        uniform(1e3),
         |_| V::new(1.0, 0.5),
         |_| 3.0,
         V::new(1.0, 0.5),
@@ -121,7 +128,7 @@ fn pressure_pushes_fluid_and_body_apart() {
 fn shear_drags_the_body_along() {
     // u = (y - 0.4, 0): no jump on the interface; viscous traction on the body μ (1, 0).
     Fixture::new().with_points(
-        1e3,
+        uniform(1e3),
         |x| V::new(x[1] - 0.4, 0.0),
         |_| 0.0,
         V::zeros(),
@@ -143,7 +150,7 @@ fn a_jump_is_penalised_and_counted_as_leak() {
     for elastic in [true, false] {
         // Fluid at rest, body moving up with 2: jump (0, -2); every cell has h_K = √(0.5 · 4/√3).
         Fixture::new().with_points(
-            100.0,
+            uniform(100.0),
             |_| V::zeros(),
             |_| 0.0,
             V::new(0.0, 2.0),
@@ -170,7 +177,7 @@ fn fluid_stress_is_the_traction_of_the_fluid() {
     let gradient = Tensor::<2>::new(0.7, -1.1, 0.4, 0.3);
     let p = |x: &Point<2>| 2.0 - 3.0 * x[0] + 0.5 * x[1];
     let u = |x: &Point<2>| gradient * x + V::new(0.2, -0.4);
-    Fixture::new().with_points(1e3, u, p, V::zeros(), true, |points, _, x, _, _| {
+    Fixture::new().with_points(uniform(1e3), u, p, V::zeros(), true, |points, _, x, _, _| {
         let stress = FluidStress::new(points.clone(), BodyId(0));
         let surface = points.surfaces[0];
         let (mut dofs, mut derivatives, mut unused) = (Vec::new(), Vec::new(), Vec::new());
@@ -209,4 +216,39 @@ fn fluid_stress_is_the_traction_of_the_fluid() {
         assert_eq!(n_wet, 3 * 5);
         assert!(worst[0] < 1e-13 && worst[1] < 1e-11, "{worst:?}");
     });
+}
+
+/// Returns the force on the fluid at rest by a body that moves with a velocity.
+fn force_on_fluid(form: MortarForm, v: V) -> V {
+    Fixture::new().with_points(
+        form,
+        |_| V::zeros(),
+        |_| 0.0,
+        v,
+        true,
+        |_, _, _, force, _| {
+            assert!((force[0] + force[1]).norm() < 1e-12 * force[0].norm(), "action and reaction");
+            force[0]
+        },
+    )
+}
+
+#[test]
+fn the_split_penalty_has_inertia_in_the_normal_direction_only() {
+    // The interface has the normal (0, 1) and the length 2.
+    let h = (0.5 * 4.0 / 3.0_f64.sqrt()).sqrt();
+    let (viscous, rate) = (0.5 / h, 40.0);
+    let inertial = 5.0_f64.sqrt() / 6.0 + h * rate / 12.0;
+    let profile = PenaltyProfile::Split { gamma_normal: 35.0, gamma_tangential: 20.0 };
+    let force = force_on_fluid(MortarForm::new(FLUID, profile, rate), V::new(1.0, 2.0));
+    let expected = V::new(20.0 * viscous, 35.0 * (viscous + inertial) * 2.0) * -2.0;
+    assert!((force - expected).norm() < 1e-11 * expected.norm(), "{force}");
+}
+
+#[test]
+fn a_split_penalty_without_inertia_is_the_uniform_one() {
+    let still = NewtonianFluid { density: 0.0, ..FLUID };
+    let split = PenaltyProfile::Split { gamma_normal: 33.0, gamma_tangential: 33.0 };
+    let v = V::new(1.3, 0.7);
+    assert_eq!(force_on_fluid(MortarForm::new(still, split, 7.0), v), force_on_fluid(uniform(33.0), v));
 }

@@ -27,7 +27,7 @@ pub(crate) struct BodyMeasures<'a, const D: usize> {
     /// Angle by which the vertices are rotated about their mean in the plane of the first two axes, from -π to π, and
     /// their angular velocity there.
     pub(crate) rotation: [f64; 2],
-    /// Force of the fluid: the integral of the mortar's traction, `∫ T^f n + γ_Σ μ/h (u - v)`, on the geometry on which the
+    /// Force of the fluid: the integral of the mortar's traction, `∫ T^f n + S (u - v)`, on the geometry on which the
     /// step was integrated. It is the residual of the fluid's equations tested with a rigid motion.
     pub(crate) fluid_force: Vector<D>,
     /// Integral of the fluid's traction `T^f n` alone; the difference to `fluid_force` vanishes under refinement.
@@ -48,8 +48,8 @@ impl<'a, const D: usize> BodyMeasures<'a, D> {
             Some(balance) => (balance.centre_of_mass, balance.momentum / balance.mass),
             None => {
                 let centre = Placed::new(body.surface(), &positions).enclosed().centre;
-                let located = body.locator(now, view.state.time)(&centre);
-                (centre, located.map_or(Vector::repeat(f64::NAN), |body| body.velocity))
+                let velocity = body.given_velocity(&centre, view.state.time);
+                (centre, velocity.unwrap_or(Vector::repeat(f64::NAN)))
             }
         };
         let mut contact_force = Vector::zeros();

@@ -11,7 +11,7 @@ use crate::Error;
 use crate::files::create_directory;
 use crate::history::History;
 use crate::measures::{BodyMeasures, leading_body};
-use crate::scenario::{Case, CaseVisitor, Output, Scenario, ScenarioFile, lower};
+use crate::scenario::{Case, CaseVisitor, Fluid, Output, Scenario, ScenarioFile, lower};
 use crate::summary::{Summary, SummaryBuilder, UnitLabels, peak_rss_bytes};
 use crate::vtk::Grid;
 use crate::vtk::bodies::{Shown, bodies_grid};
@@ -101,7 +101,7 @@ impl<const D: usize> RunFiles<D> {
             case: scenario.name.to_string(),
             dimension: D,
             units: UnitLabels::new(&scenario.units, D),
-            profile: scenario.fluid.as_ref().map_or("", |fluid| fluid.cip.name()).to_owned(),
+            stabilisation: scenario.fluid.as_ref().map_or_else(String::new, Fluid::stabilisation_name),
             half_domain: case.half_domain,
             dt: setup.dt,
             cells: setup.fluid.as_ref().map_or(0, |fluid| fluid.background.n_cells()),

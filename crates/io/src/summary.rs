@@ -23,8 +23,8 @@ pub struct Summary {
     pub dimension: usize,
     /// Names of units.
     pub units: UnitLabels,
-    /// Profile of the interior penalty of the velocity.
-    pub profile: String,
+    /// Name of the set of stabilisation parameters; empty without a fluid.
+    pub stabilisation: String,
     /// Whether forces, masses and energies are those of one half of a symmetric problem.
     pub half_domain: bool,
     /// Time step.

@@ -110,7 +110,10 @@ fn a_block_without_a_fluid_moves_as_in_the_library() {
     assert!(contact > 3.5e-3 && contact < 7e-3 && release > contact + 0.01 && release < 0.06, "{contact} {release}");
     assert!(summary.energy_monotone && summary.max_penetration > 0.0, "{summary:?}");
     assert_eq!((summary.steps, summary.divided_steps, summary.cells), (N_STEPS, 0, 0));
-    assert_eq!((summary.leading.as_deref(), summary.profile.as_str(), summary.half_domain), (Some("block"), "", false));
+    assert_eq!(
+        (summary.leading.as_deref(), summary.stabilisation.as_str(), summary.half_domain),
+        (Some("block"), "", false)
+    );
     assert_eq!((summary.dofs, summary.max_interface_leak), (2 * 15, 0.0));
     assert_eq!(Summary::read(&directory.join("summary.json")).expect("a summary"), summary);
 }

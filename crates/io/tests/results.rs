@@ -106,7 +106,7 @@ fn a_run_leaves_all_files_and_they_are_complete_after_every_step() {
     let mut entries = fs::read_dir(&directory).expect("a directory").map(|entry| entry.expect("an entry").file_name());
     assert!(entries.all(|name| !name.to_string_lossy().starts_with(".partial")));
     assert_eq!(Summary::read(&directory.join("summary.json")).expect("a summary"), summary);
-    assert_eq!((summary.steps, summary.half_domain, summary.profile.as_str()), (5, true, "paper"));
+    assert_eq!((summary.steps, summary.half_domain, summary.stabilisation.as_str()), (5, true, "paper-44-2019"));
     let first = seen.iter().find(|(_, contact)| *contact).map(|(step, _)| *step as f64 * 1e-3);
     assert!((summary.contact_time.expect("contact") - first.expect("contact")).abs() < 1e-12);
     assert!(summary.energy_monotone && summary.max_penetration > 0.0);
@@ -121,7 +121,7 @@ fn summary_has_exactly_the_agreed_keys() {
     let mut keys: Vec<&str> = text.as_object().expect("an object").keys().map(String::as_str).collect();
     let expected = "bodies case cells contact_intervals contact_offset contact_time dimension dofs dt energy_monotone \
                     factorizations half_domain leading max_interface_leak max_penetration max_penetration_over_s \
-                    min_distance newton_iterations nnz peak_rss_bytes profile release_time steps timings units \
+                    min_distance newton_iterations nnz peak_rss_bytes release_time stabilisation steps timings units \
                     wall_seconds";
     keys.sort_unstable();
     assert_eq!(keys.join(" "), expected);

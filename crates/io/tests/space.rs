@@ -18,9 +18,6 @@ end  = 0.1
 [fluid]
 density        = 1.0
 viscosity      = 0.1
-gamma_ghost    = 1.0
-gamma_pressure = 0.1
-cip            = { profile = "consistent", gamma_u = 0.1 }
 body_force     = [0.0, 0.0, "-10*1"]
 
 [background]
@@ -36,10 +33,6 @@ shape   = { kind = "box", min = [0.31, 0.32, 0.53], max = [0.71, 0.72, 0.93], n 
 motion  = { kind = "free" }
 density = 1.5
 gravity = [0.0, 0.0, -10.0]
-
-[interface]
-gamma_sigma = 1.0e2
-alpha       = 1.0
 
 [output]
 vtk_every = 5

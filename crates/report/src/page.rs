@@ -69,8 +69,7 @@ fn run(results: &Results) -> Result<String, Error> {
     let half =
         if summary.half_domain { "; half of a symmetric problem: so are forces, masses and energies" } else { "" };
     let bodies: Vec<String> = summary.bodies.iter().map(|name| escape(name)).collect();
-    // A run without a fluid has no profile.
-    let has_fluid = !summary.profile.is_empty();
+    let has_fluid = !summary.stabilisation.is_empty();
     let leading = summary.leading.as_ref().filter(|_| bodies.len() > 1);
     let in_length = |value: f64| format!("{} {length}", number(value));
     let rows = [
@@ -78,7 +77,7 @@ fn run(results: &Results) -> Result<String, Error> {
         has_fluid.then(|| ("background", format!("{} cells{half}", summary.cells))),
         Some(("unknowns, at most", summary.dofs.to_string())),
         Some(("time step", format!("{} {time}, {} steps", number(summary.dt), summary.steps))),
-        has_fluid.then(|| ("interior penalty of the velocity", escape(&summary.profile))),
+        has_fluid.then(|| ("stabilisation", escape(&summary.stabilisation))),
         leading.map(|leading| ("leading body", escape(leading))),
         summary.contact_offset.map(|offset| ("contact begins at a distance of", in_length(offset))),
         summary.contact_offset.map(|_| ("largest violation of it", in_length(summary.max_penetration))),

@@ -91,8 +91,7 @@ fn prescribed_and_missing_bodies_have_pages_too() {
     let fixed = page(CYLINDER, &coarse, &fresh_directory("cylinder"));
     check(&fixed);
     assert!(fixed.contains("force of the fluid, x") && !fixed.contains("<section id=\"contacts\">"));
-    let (begin, end) =
-        (CYLINDER.find("[[body]]").expect("a body"), CYLINDER.find("[interface]").expect("an interface"));
+    let (begin, end) = (CYLINDER.find("[[body]]").expect("a body"), CYLINDER.find("[output]").expect("output"));
     let empty = CYLINDER[..begin].to_owned() + &CYLINDER[end..];
     let empty = page(&empty, &["background.size=0.1", "time.end=0.2"], &fresh_directory("empty"));
     check(&empty);

@@ -2,8 +2,7 @@
 
 use algebra::time::{ImplicitEuler, TimeScheme};
 use algebra::{BlockLayout, Constraints, Contributions, DofId, FieldId, Integral};
-use body::{Balance, Body, BodyState, BodyStep, Located, Locator, StepTime, SurfaceMotion, SurfaceVelocity};
-use mesh::search::SurfaceIndex;
+use body::{Balance, Body, BodyState, BodyStep, StepTime, SurfaceMotion, SurfaceVelocity};
 use mesh::{BoundaryMesh, Placed, Point, Vector};
 
 use crate::centre::RigidCentre;
@@ -125,15 +124,6 @@ impl<const D: usize> Body<D> for RigidBody<D> {
             velocity: SurfaceVelocity::Field(vertices),
         };
         Box::new(RigidStep { body: self, begin, dt: time.length(), motion, momentum, vertices, whole, surface })
-    }
-
-    fn locator<'s>(&'s self, state: &'s BodyState<D>, _: f64) -> Locator<'s, D> {
-        let motion = self.motion(state);
-        let index = SurfaceIndex::new(&Placed::new(&self.boundary, &state.positions(&self.reference)));
-        Box::new(move |x| {
-            let distance = index.signed_distance(x)?;
-            Some(Located { is_inside: distance < 0.0, distance: distance.abs(), velocity: motion.velocity_at(x) })
-        })
     }
 
     fn balance(&self, state: &BodyState<D>) -> Option<Balance<D>> {

@@ -5,10 +5,8 @@ use std::sync::Arc;
 use algebra::time::{ImplicitEuler, StepRule, TimeScheme};
 use algebra::{BlockLayout, Constraints, Contributions, FieldId, Integral};
 use body::{
-    Balance, Body, BodyState, BodyStep, CellOutput, Located, Locator, PointField, StepTime, SurfaceMotion,
-    SurfaceStress, SurfaceVelocity,
+    Balance, Body, BodyState, BodyStep, CellOutput, PointField, StepTime, SurfaceMotion, SurfaceStress, SurfaceVelocity,
 };
-use mesh::search::SurfaceIndex;
 use mesh::{BoundaryMesh, Point, Vector, require};
 
 use crate::energy::{balance, cell_stress};
@@ -129,24 +127,6 @@ impl<const D: usize> Body<D> for ElasticBody<D> {
             velocity: SurfaceVelocity::Field(field),
         };
         Box::new(ElasticStep { body: self, begin, end: time.end, rule, field, surface })
-    }
-
-    fn locator<'s>(&'s self, state: &'s BodyState<D>, _: f64) -> Locator<'s, D> {
-        let positions = state.positions(self.reference());
-        let cells = self.solid.mesh().cell_index_at(&positions);
-        let surface = SurfaceIndex::new(&self.solid.placed(&positions));
-        let interpolated = |vertices: &[mesh::VertexId], barycentric: &[f64]| {
-            vertices.iter().zip(barycentric).map(|(v, l)| state.velocity()[v.index()] * *l).sum()
-        };
-        Box::new(move |x| {
-            if let Some((cell, barycentric)) = cells.locate(x) {
-                let velocity = interpolated(self.solid.mesh().cell(cell), &barycentric);
-                return Some(Located { is_inside: true, distance: 0.0, velocity });
-            }
-            let closest = surface.closest(x)?;
-            let velocity = interpolated(self.surface().facet(closest.facet), &closest.barycentric);
-            Some(Located { is_inside: false, distance: (closest.point - x).norm(), velocity })
-        })
     }
 
     fn balance(&self, state: &BodyState<D>) -> Option<Balance<D>> {

@@ -12,15 +12,15 @@ use fluid_ns::terms::{
 };
 use fluid_ns::{FluidFields, FluidForm, FluidGeometry, OpenBoundary};
 use interface_dg::{InterfacePoints, MortarForm, PieceValues, Pocket};
-use mesh::{Point, Vector};
+use mesh::{BodyId, FacetId, MAX_CELL_VERTICES, Point, Vector};
 use xfem_space::{
     BoundaryPoint, FaceValue, PartValues, Sources, XfemSpace, boundary_dofs, boundary_points, face_values,
     symmetry_values,
 };
 
-use crate::interior::extension;
+use crate::extension::Extension;
 use crate::setup::{FluidBoundary, FluidSetup};
-use crate::{FluidState, Setup, Stage, StageSeconds, State};
+use crate::{FluidState, Setup, Stabilisation, Stage, StageSeconds, State};
 
 /// Degree of quadrature on interface pieces: products of two P1 functions.
 const PIECE_DEGREE: usize = 2;
@@ -73,7 +73,6 @@ impl<'a, const D: usize> FluidStep<'a, D> {
         let space = XfemSpace::new(background, &cut);
         let clock = Instant::now();
         let sources = Sources::between(background, (&before.cut, &before.space), (&cut, &space));
-        let history = sources.carry(background, &space, &before.velocity, extension(setup, previous));
         seconds.transfer = clock.elapsed().as_secs_f64();
         let parts = PartValues::new(background, &cut);
         let mut faces = face_values(background, &cut, &space, &parts);
@@ -82,16 +81,23 @@ impl<'a, const D: usize> FluidStep<'a, D> {
                 faces.extend(symmetry_values(background, &cut, &space, &parts, (*tag, *axis)));
             }
         }
-        let pieces = PieceValues::new(background, &cut, &parts, PIECE_DEGREE);
+        let mut pieces = PieceValues::new(background, &cut, &parts, PIECE_DEGREE);
+        let of_body = |body, facet| facet_velocities(setup, previous, body, facet);
+        let clock = Instant::now();
+        let mut history = sources.carry(&before.velocity);
+        let extension = Extension { cut: &cut, space: &space, faces: &faces, pieces: &pieces, sources: &sources };
+        extension.fill(&mut history, of_body)?;
+        seconds.transfer += clock.elapsed().as_secs_f64();
+        pieces.set_relative_speeds(&cut, &space, &history, of_body);
         let level = Level { velocity: history.clone(), ..Level::default() };
         let rule = StepRule::new(&ImplicitEuler, &time.lengths, &[level]);
         let velocity = layout.push_keyed("velocity", space.keys(), D);
         let pressure = layout.push_on(velocity, "pressure", 1);
-        let stage = time.stage(rule.alpha_f);
+        let (stage, rate) = (time.stage(rule.alpha_f), rule.stage.acceleration.slope);
         Ok(Self {
             setup: fluid,
-            form: form(fluid, rule.stage.acceleration.slope, stage),
-            mortar: MortarForm::new(fluid.material, fluid.gamma_sigma),
+            form: form(fluid, rate, stage),
+            mortar: MortarForm::new(fluid.material, fluid.stabilisation.penalty, rate),
             open_boundaries: open_boundaries(fluid, &cut, stage),
             positions,
             cut,
@@ -200,18 +206,31 @@ impl<'a, const D: usize> FluidStep<'a, D> {
     }
 }
 
+/// Returns the velocities of the vertices of a facet in a state.
+fn facet_velocities<const D: usize>(
+    setup: &Setup<D>,
+    state: &State<D>,
+    body: BodyId,
+    facet: FacetId,
+) -> [Vector<D>; MAX_CELL_VERTICES] {
+    let vertices = setup.bodies[body.index()].surface().facet(facet);
+    let velocity = state.bodies[body.index()].velocity();
+    std::array::from_fn(|k| vertices.get(k).map_or(Vector::zeros(), |vertex| velocity[vertex.index()]))
+}
+
 /// Returns the terms of the fluid. `rate` is the derivative of the acceleration with respect to the velocity.
 fn form<const D: usize>(fluid: &FluidSetup<D>, rate: f64, time: f64) -> FluidForm<'_, D> {
     let (density, viscosity) = (fluid.material.density, fluid.material.viscosity);
+    let Stabilisation { cip, gamma_pressure, gamma_ghost, .. } = fluid.stabilisation;
     FluidForm {
         inertia: Some(Inertia { density }),
         viscous: Viscous { viscosity },
         incompressibility: Incompressibility,
         convection: fluid.convection.map(|skew| Convection { density, skew }),
         body_force: fluid.body_force.as_ref().map(|force| BodyForce { force: force.as_ref(), time }),
-        cip_velocity: CipVelocity { profile: fluid.cip, density },
-        cip_pressure: CipPressure { gamma_pressure: fluid.gamma_pressure, density, viscosity, rate },
-        ghost_penalty: GhostPenalty { gamma_ghost: fluid.gamma_ghost, viscosity },
+        cip_velocity: CipVelocity { profile: cip, density },
+        cip_pressure: CipPressure { gamma_pressure, density, viscosity, rate },
+        ghost_penalty: GhostPenalty { gamma_ghost, viscosity },
     }
 }
 

@@ -12,14 +12,15 @@
 
 mod contact_step;
 mod error;
+mod extension;
 mod fluid_step;
-mod interior;
 mod observe;
 mod prepare;
 mod problem;
 mod report;
 mod seconds;
 mod setup;
+mod stabilisation;
 mod state;
 mod step;
 mod time_loop;
@@ -31,6 +32,7 @@ pub use problem::Problem;
 pub use report::{BodyReport, FluidReport, ForceBalance, StepReport};
 pub use seconds::StageSeconds;
 pub use setup::{Contact, ContactObstacle, FluidBoundary, FluidSetup, Setup, TractionField};
+pub use stabilisation::Stabilisation;
 pub use state::{FluidState, State};
 pub use step::advance;
 pub use time_loop::TimeLoop;

@@ -67,7 +67,7 @@ pub struct FluidReport<const D: usize> {
     pub flow: InterfaceFlow,
     /// Tractions on the interface pieces of the step.
     pub tractions: Vec<InterfaceTraction<D>>,
-    /// Number of uncovered velocity dofs, which took their history from a body.
+    /// Number of uncovered dofs, whose history is an extension.
     pub n_uncovered: usize,
     /// Pockets of fluid whose mean pressure was fixed.
     pub n_pockets: usize,

@@ -7,8 +7,9 @@ use body::{Body, BodyState, PointField, TimeField};
 use contact::{ContactForm, DeformableObstacle, Obstacle, check_pair};
 use cutcell::OverlayOptions;
 use fluid_ns::NewtonianFluid;
-use fluid_ns::terms::CipProfile;
 use mesh::{BodyId, FacetId, Placed, Point, SimplexMesh, Tag, Vector};
+
+use crate::Stabilisation;
 
 /// A traction at a point, given the outward normal, at a time.
 pub type TractionField<const D: usize> = Arc<dyn Fn(&Point<D>, &Vector<D>, f64) -> Vector<D> + Send + Sync>;
@@ -38,14 +39,8 @@ pub struct FluidSetup<const D: usize> {
     pub overlay: OverlayOptions,
     /// Density and viscosity.
     pub material: NewtonianFluid,
-    /// Penalty parameter `γ_Σ` of the mortar.
-    pub gamma_sigma: f64,
-    /// Interior penalty of the velocity.
-    pub cip: CipProfile,
-    /// `γ_p` of the interior penalty of the pressure.
-    pub gamma_pressure: f64,
-    /// `γ_g` of the ghost penalty.
-    pub gamma_ghost: f64,
+    /// Stabilisation of fluid and interface.
+    pub stabilisation: Stabilisation,
     /// Convection: `None` for Stokes, else whether to add the skew part.
     pub convection: Option<bool>,
     /// Force per volume.

@@ -7,7 +7,7 @@ use solver::algebra::check_tangent;
 use solver::body::StepTime;
 use solver::contact::{ContactForm, ContactLaw, ContactPoint, ContactTraction, StressSource};
 use solver::mesh::BodyId;
-use solver::{Contact, Setup, Stage, State, Step};
+use solver::{Contact, Setup, Stabilisation, Stage, State, Step};
 
 /// Returns a pseudo-random number between -1 and 1.
 fn noise(k: usize) -> f64 {
@@ -42,10 +42,10 @@ fn check(setup: &Setup<2>, speed: f64, names: &mut Vec<&'static str>) {
 #[test]
 fn tangents_are_exact() {
     let mut names = Vec::new();
-    // Close to the ground, so that many points are in contact; both profiles, with and without the skew part.
+    // Close to the ground, so that many points are in contact; both sets of parameters, with and without the skew part.
     let mut setup = falling_ball(0.9, 0.3, 0.6, false);
     check(&setup, 3.0, &mut names);
-    fluid_of(&mut setup).cip = solver::fluid_ns::terms::CipProfile::Consistent { gamma_u: 0.1 };
+    fluid_of(&mut setup).stabilisation = Stabilisation::STANDARD;
     fluid_of(&mut setup).convection = Some(true);
     setup.bodies.push(prescribed(&disk([6.0, 12.0], 1.3, 0.5), |x, _| *x, |x, _| V::new(x[1], -x[0])));
     check(&setup, 3.0, &mut names);

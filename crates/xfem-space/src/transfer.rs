@@ -1,7 +1,7 @@
 //! Fields of one step on the space of the next.
 
 use cutcell::CutMesh;
-use mesh::{Point, SimplexMesh, Vector};
+use mesh::{SimplexMesh, Vector};
 
 use crate::XfemSpace;
 
@@ -9,7 +9,7 @@ use crate::XfemSpace;
 ///
 /// A dof takes the value of the earlier dof at the same vertex whose parts have the largest volume in common with its own
 /// (ties go to the lowest dof). That value may be the natural extrapolation of an earlier cut cell. A dof without common
-/// volume is *uncovered*: a body was there. It takes the value of an extension, such as the velocity of that body.
+/// volume is *uncovered*: a body was there. Its value is that of an extension.
 ///
 /// On a space that keeps its parts every field is carried over unchanged, bit for bit.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,19 +58,9 @@ impl Sources {
         self.earlier_dofs.iter().filter(|source| source.is_none()).count()
     }
 
-    /// Carries a vector field, one value per dof of the earlier space, to `space`; `extension` gives the values of uncovered
-    /// dofs at their vertices.
-    pub fn carry<const D: usize>(
-        &self,
-        background: &SimplexMesh<D>,
-        space: &XfemSpace<D>,
-        values: &[Vector<D>],
-        extension: impl Fn(&Point<D>) -> Vector<D>,
-    ) -> Vec<Vector<D>> {
-        let value = |(source, &vertex): (&Option<u32>, &mesh::VertexId)| match source {
-            Some(earlier) => values[*earlier as usize],
-            None => extension(&background.vertex(vertex)),
-        };
-        self.earlier_dofs.iter().zip(space.vertices()).map(value).collect()
+    /// Carries a vector field, one value per dof of the earlier space, to the space; uncovered dofs are zero.
+    pub fn carry<const D: usize>(&self, values: &[Vector<D>]) -> Vec<Vector<D>> {
+        let value = |source: &Option<u32>| source.map_or(Vector::zeros(), |earlier| values[earlier as usize]);
+        self.earlier_dofs.iter().map(value).collect()
     }
 }

@@ -109,16 +109,16 @@ fn comparisons(cases: &[CaseResult]) -> Result<Option<Section>, Failure> {
         let chart = |title: &str, column: &str| {
             let curve = |case: &&CaseResult| {
                 let summary = &case.results.summary;
-                let label = format!("{} (Δt = {} s, {})", case.name, summary.dt, summary.profile);
+                let label = format!("{} (Δt = {} s, {})", case.name, summary.dt, summary.stabilisation);
                 let column = format!("{}{column}", case.results.leading_prefix());
                 case.results.curve(&label, &case.results.history, &column)
             };
             Chart::new(title, "time [s]", members.iter().map(curve).collect()).html()
         };
         let figures = [chart("height of the body [cm]", "body_height")?, chart("smallest distance [cm]", "d_min")?];
-        let profile = &members[0].results.summary.profile;
+        let profile = &members[0].results.summary.stabilisation;
         let compared: Vec<_> =
-            members.iter().filter(|case| case.results.summary.profile == *profile).copied().collect();
+            members.iter().filter(|case| case.results.summary.stabilisation == *profile).copied().collect();
         let steps = steps::table_of_steps(&compared).unwrap_or_default();
         html += &format!("<h3>{}</h3>{steps}{}", escape(scenario), gallery(&figures));
     }

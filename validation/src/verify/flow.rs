@@ -5,17 +5,20 @@ use std::sync::Arc;
 use cutwater::algebra::{NewtonSettings, Workspace};
 use cutwater::cutcell::{InterfacePiece, OverlayOptions};
 use cutwater::fluid_ns::NewtonianFluid;
-use cutwater::fluid_ns::terms::CipProfile;
 use cutwater::interface_dg::InterfaceTraction;
 use cutwater::mesh::{BoundaryMesh, SimplexMesh, VertexId};
 use cutwater::solid_rigid::RigidBody;
 use cutwater::solver::body::{Body, ParticleVelocity, PrescribedBody, TimeField};
 use cutwater::solver::{
-    FluidBoundary, FluidReport, FluidSetup, FluidState, Setup, State, StepReport, Substep, advance,
+    FluidBoundary, FluidReport, FluidSetup, FluidState, Setup, Stabilisation, State, StepReport, Substep, advance,
 };
 use cutwater::xfem_space::PartValues;
 
 use super::{Failure, P, T, V};
+
+/// The standard stabilisation with the penalty of the paper's cases, for comparison.
+pub(super) const PAPERS_PENALTY: Stabilisation =
+    Stabilisation { penalty: Stabilisation::PAPER_44_2019.penalty, ..Stabilisation::STANDARD };
 
 /// A flow with known fields.
 pub(super) trait Flow: Send + Sync + 'static {
@@ -42,11 +45,6 @@ pub(super) struct Known<F> {
 
 /// Names of the sides of a box.
 const SIDES: [&str; 4] = ["left", "right", "bottom", "top"];
-/// `γ_Σ` of the interface, in front of `μ/h`: far above the constant of the trace inequality of P1, far below values
-/// that impair the condition number.
-const GAMMA_SIGMA: f64 = 100.0;
-/// Weights of the stabilisation: consistent interior penalty of the velocity, of the pressure, ghost penalty.
-const GAMMAS: [f64; 3] = [0.05, 0.05, 0.1];
 
 impl<F: Flow> Known<F> {
     /// Returns the setup of the flow on a background, without bodies.
@@ -106,17 +104,13 @@ impl<F: Flow> Known<F> {
     }
 }
 
-/// Returns the fluid at rest without forces and conditions, with the settings of all checks.
+/// Returns the fluid at rest without forces and conditions, with the standard stabilisation.
 pub(super) fn fluid<const D: usize>(background: SimplexMesh<D>, density: f64, viscosity: f64) -> FluidSetup<D> {
-    let [gamma_u, gamma_pressure, gamma_ghost] = GAMMAS;
     FluidSetup {
         background,
         overlay: OverlayOptions::new(),
-        gamma_sigma: GAMMA_SIGMA,
         material: NewtonianFluid { density, viscosity },
-        cip: CipProfile::Consistent { gamma_u },
-        gamma_pressure,
-        gamma_ghost,
+        stabilisation: Stabilisation::STANDARD,
         convection: None,
         body_force: None,
         initial_velocity: None,

@@ -4,10 +4,10 @@ use std::f64::consts::SQRT_2;
 
 use cutwater::mesh::SimplexMesh;
 use cutwater::mesh::generate::structured_box;
-use cutwater::solver::FluidBoundary;
+use cutwater::solver::{FluidBoundary, Stabilisation};
 
 use super::dry::{mapped, second_order};
-use super::flow::fluid_mut;
+use super::flow::{PAPERS_PENALTY, fluid_mut};
 use super::linear_flow::still;
 use super::mode::{Mode, RADIUS, frequency_of};
 use super::{Failure, P, Record, Run, short};
@@ -22,9 +22,9 @@ const ACCURACY: f64 = 0.03;
 /// Half the width of the box, in radii. The sides are open: for a circle of that radius the added mass of mode `n` is smaller by
 /// `2 BOX^{-2n}`, and the frequency of `n = 2` higher by 0.04 %.
 const BOX: f64 = 6.0;
-/// Penalties `γ_Σ` of the mortar: that of the checks with known flows, with which a fluid of such low viscosity slips
-/// like an ideal one, and that of the cases, with which it sticks.
-const GAMMAS: [(f64, &str); 2] = [(1e2, "slips"), (1e5, "sticks")];
+/// Stabilisations: the standard set, with which a fluid of such low viscosity slips like an ideal one, and that with the penalty
+/// of the paper's cases, with which it sticks.
+const SETS: [(Stabilisation, &str); 2] = [(Stabilisation::STANDARD, "slips"), (PAPERS_PENALTY, "sticks")];
 /// Time steps in a period, and periods that are counted.
 const STEPS: f64 = 40.0;
 const PERIODS: f64 = 2.5;
@@ -35,10 +35,10 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     for (n, exact) in MODES.into_iter().take(if record.full { 2 } else { 1 }) {
         let mode = Mode::new(n, exact);
         let hertz = mode.hertz();
-        for (gamma, name) in GAMMAS {
+        for (set, name) in SETS {
             let mut curve = Vec::new();
             for &h in sizes {
-                let found = frequency(&mode, h, STEPS, gamma)?;
+                let found = frequency(&mode, h, STEPS, set)?;
                 record.show(format!("n = {n}, fluid {name}, h = {h} cm: frequency [Hz]"), found, Some(hertz));
                 curve.push((h, found / hertz));
             }
@@ -51,7 +51,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
         let (n, exact) = MODES[0];
         let mode = Mode::new(n, exact);
         for steps in [0.5 * STEPS, 2.0 * STEPS, 4.0 * STEPS] {
-            let found = frequency(&mode, 0.4, steps, GAMMAS[0].0)?;
+            let found = frequency(&mode, 0.4, steps, Stabilisation::STANDARD)?;
             let quantity = format!("n = {n}, fluid slips, h = 0.4 cm, {steps} steps in a period: frequency [Hz]");
             record.show(quantity, found, Some(mode.hertz()));
         }
@@ -61,22 +61,20 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
         "{STEPS} steps in a period, {PERIODS} periods from the shape of the mode at rest; generalised-α (rho_inf = 0.8) for \
          the disk, implicit Euler for the fluid. Open box of {} by {} cm; h at the surface of the disk, in both meshes. The \
          finest mesh counts, without extrapolation. The viscous layer is far thinner than the cells, and the penalty of the \
-         mortar decides whether the fluid slips along the disk (γ_Σ = {}), as ideal fluid does, or sticks to it ({}): then a \
+         mortar decides whether the fluid slips along the disk (standard set), as ideal fluid does, or sticks to it (γ_Σ = 1e5): then a \
          layer of the thickness of cells goes along with it.",
         short(2.0 * BOX * RADIUS),
         short(2.0 * BOX * RADIUS),
-        short(GAMMAS[0].0),
-        short(GAMMAS[1].0),
     ));
     Ok(())
 }
 
 /// Returns the frequency of a mode, Hz.
-fn frequency(mode: &Mode, h: f64, steps: f64, gamma: f64) -> Result<f64, Failure> {
+fn frequency(mode: &Mode, h: f64, steps: f64, set: Stabilisation) -> Result<f64, Failure> {
     let period = 1.0 / mode.hertz();
     let open = || FluidBoundary::Open { traction: None, backflow: false };
     let mut setup = still(background(h)?, VISCOSITY, period / steps, 1e-9, open)?;
-    fluid_mut(&mut setup)?.gamma_sigma = gamma;
+    fluid_mut(&mut setup)?.stabilisation = set;
     let body = mode.disk(h, second_order(0.8)?)?;
     let amplitude = mode.projection(&body.solid);
     setup.bodies.push(body.body("disk")?);

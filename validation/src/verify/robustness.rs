@@ -148,8 +148,8 @@ fn scatter(record: &mut Record) -> Result<(), Failure> {
             let centre = P::new(random.between(0.0, h), random.between(0.0, h));
             let (_, mut setup) = couette_setup(n, centre)?;
             if !ghost {
-                let fluid = fluid_mut(&mut setup)?;
-                (fluid.gamma_ghost, fluid.cip) = (0.0, CipProfile::Consistent { gamma_u: 0.0 });
+                let set = &mut fluid_mut(&mut setup)?.stabilisation;
+                (set.gamma_ghost, set.cip) = (0.0, CipProfile::Consistent { gamma_u: 0.0 });
             }
             let (state, report) = flow::run(&setup, 1)?;
             torques.push(flow::force(&state, &report, 0, &centre)?.1 / Couette::TORQUE - 1.0);

@@ -9,7 +9,7 @@ use cutwater::mesh::generate::structured_box;
 use cutwater::mesh::search::SurfaceIndex;
 use cutwater::mesh::{Placed, Point, SimplexMesh, Vector, VertexId};
 use cutwater::solver::body::{Body, PrescribedBody, TimeField};
-use cutwater::solver::{FluidBoundary, FluidSetup, Setup, State, Substep, advance};
+use cutwater::solver::{FluidBoundary, FluidSetup, Setup, Stabilisation, State, Substep, advance};
 
 use super::flow::{Flow, fluid, fluid_mut, fluid_of, interface, polygon, problem, wet, wet_report};
 use super::orders::StokesPolynomial;
@@ -71,7 +71,7 @@ fn setup<const D: usize>(bodies: Bodies<D>) -> Result<Setup<D>, Failure> {
     boundary.push((side("right")?, FluidBoundary::Open { traction: Some(Arc::new(traction)), backflow: false }));
     let at_start = polynomial();
     let fluid = FluidSetup {
-        cip: CipProfile::Consistent { gamma_u: 0.0 },
+        stabilisation: Stabilisation { cip: CipProfile::Consistent { gamma_u: 0.0 }, ..Stabilisation::STANDARD },
         // In space the flow starts from rest.
         initial_velocity: (D == 2).then(|| Arc::new(move |x: &Point<D>| at_start(x, 0.0)) as _),
         boundary,
@@ -206,7 +206,7 @@ impl<const D: usize> Sweep<D> {
     pub(super) fn setup(&self, distance: f64, has_ghost_penalty: bool) -> Result<Setup<D>, Failure> {
         let mut setup = setup((self.bodies)(distance)?)?;
         if !has_ghost_penalty {
-            fluid_mut(&mut setup)?.gamma_ghost = 0.0;
+            fluid_mut(&mut setup)?.stabilisation.gamma_ghost = 0.0;
         }
         Ok(setup)
     }

@@ -104,11 +104,12 @@ impl Display {
 fn print_summary(summary: &Summary, directory: &str) {
     println!("{}: {} steps in {:.1} s, results in {directory}", summary.case, summary.steps, summary.wall_seconds);
     let half = if summary.half_domain { " (of a half domain)" } else { "" };
-    // Without a fluid there is neither a background nor a profile.
-    if summary.profile.is_empty() {
+    // Without a fluid there is neither a background nor a stabilisation.
+    if summary.stabilisation.is_empty() {
         println!("  up to {} unknowns", summary.dofs);
     } else {
-        println!("  {} cells, up to {} unknowns{half}, profile {}", summary.cells, summary.dofs, summary.profile);
+        let Summary { cells, dofs, stabilisation, .. } = summary;
+        println!("  {cells} cells, up to {dofs} unknowns{half}, stabilisation {stabilisation}");
     }
     if summary.divided_steps > 0 {
         println!("  {} steps failed and were taken in parts", summary.divided_steps);

@@ -6,4 +6,4 @@ mod penalty;
 
 pub use adjoint_consistency::AdjointConsistency;
 pub use consistency::Consistency;
-pub use penalty::Penalty;
+pub use penalty::{Penalty, PenaltyProfile};

@@ -1,37 +1,77 @@
 //! Penalty on the velocity jump.
 
 use algebra::{LocalSystem, Term};
+use fluid_ns::NewtonianFluid;
 use mesh::Tensor;
 
 use crate::MortarPoint;
 
-/// `γ_Σ μ^f/h_K (u - v_s, v - w)_Σ`, with `h_K` the size of the background cell
+/// Scaling of the penalty with viscosity, inertia and size of the cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PenaltyProfile {
+    /// `σ_n = σ_t = γ_Σ μ/h_K`, as in the paper.
+    Uniform {
+        /// `γ_Σ`.
+        gamma_sigma: f64,
+    },
+    /// `σ_n = γ_n (μ/h_K + ρ |u* - v^n|/6 + ρ h_K/(12 θ Δt))` and `σ_t = γ_t μ/h_K`.
+    ///
+    /// The three shares of `σ_n` are those of viscosity, convection and inertia in a cell. Without inertia the surface
+    /// leaks on small steps. With inertia in `σ_t` the fluid of a cut cell would be held to the body over the height of
+    /// the cell, which is a boundary layer of the mesh.
+    Split {
+        /// `γ_n`.
+        gamma_normal: f64,
+        /// `γ_t`.
+        gamma_tangential: f64,
+    },
+}
+
+/// `(S (u - v_s), v - w)_Σ` with `S = σ_t I + (σ_n - σ_t) n ⊗ n` and the scaling of [`PenaltyProfile`]
 ///
-/// Source: paper, Eq. (4).
+/// Source: paper, Eq. (4), for `σ_n = σ_t`; shares of `σ_n` as in the Nitsche terms of Winter, Schott, Massing, Wall 2018,
+/// arXiv 1706.05897.
 /// Couples: velocity and solid × velocity and solid.   Domain: interface pieces of the step.
 /// Units: force (2D: per unit depth).
+/// `h_K` is the size of the background cell, `|u* - v^n|` the largest relative speed on the piece at the start of the step.
 pub struct Penalty {
-    /// `γ_Σ`.
-    pub gamma_sigma: f64,
-    /// Dynamic viscosity `μ^f`.
-    pub viscosity: f64,
+    /// The scaling.
+    pub profile: PenaltyProfile,
+    /// Density and viscosity.
+    pub fluid: NewtonianFluid,
+    /// `1/(θ Δt)`: derivative of the acceleration with respect to the velocity; zero for a steady problem.
+    pub rate: f64,
 }
 
 impl Penalty {
-    /// Returns the traction on the body per velocity jump, `γ_Σ μ^f/h_K`.
-    pub(crate) fn coefficient<const D: usize>(&self, q: &MortarPoint<'_, D>) -> f64 {
-        self.gamma_sigma * self.viscosity / q.cell_size
+    /// Returns `S` times the weight of the point.
+    pub(crate) fn weighted<const D: usize>(&self, q: &MortarPoint<'_, D>) -> Tensor<D> {
+        let NewtonianFluid { density, viscosity } = self.fluid;
+        let (normal, tangential) = match self.profile {
+            PenaltyProfile::Uniform { gamma_sigma } => {
+                let sigma = gamma_sigma * viscosity / q.cell_size;
+                (sigma, sigma)
+            }
+            PenaltyProfile::Split { gamma_normal, gamma_tangential } => {
+                let viscous = viscosity / q.cell_size;
+                let inertial = density * (q.relative_speed / 6.0 + q.cell_size * self.rate / 12.0);
+                (gamma_normal * (viscous + inertial), gamma_tangential * viscous)
+            }
+        };
+        let n = &q.piece.normal;
+        let weight = q.at.weight;
+        Tensor::from_diagonal_element(weight * tangential) + n * n.transpose() * (weight * (normal - tangential))
     }
 }
 
 impl<const D: usize> Term<MortarPoint<'_, D>> for Penalty {
     fn add(&self, q: &MortarPoint<'_, D>, out: &mut LocalSystem) {
-        let weight = q.at.weight * self.coefficient(q);
+        let weighted = self.weighted(q);
         for (row, test) in q.jump_basis() {
-            out.add_vector::<D>(row, q.jump * (weight * test));
+            let tested = weighted * test;
+            out.add_vector::<D>(row, tested * q.jump);
             for (column, trial) in q.jump_basis() {
-                let block = Tensor::<D>::from_diagonal_element(weight * test * trial);
-                out.add_block::<D, D>(row, column, block);
+                out.add_block::<D, D>(row, column, tested * trial);
             }
         }
     }

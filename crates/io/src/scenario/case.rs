@@ -58,17 +58,14 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
     }
     let (time, newton) = (&scenario.time, &scenario.solver.newton);
     let missing = |key| root.error(ErrorKind::Missing(key));
-    let fluid = match (&scenario.fluid, &scenario.background, &scenario.interface) {
-        (Some(given), Some(background), Some(interface)) => {
-            Some(fluid::<D>(given, interface, background, [0.0, time.end])?)
-        }
-        (Some(_), None, _) => return Err(missing("background")),
-        (Some(_), _, None) => return Err(missing("interface")),
-        (None, None, None) if scenario.body.is_empty() => {
+    let fluid = match (&scenario.fluid, &scenario.background) {
+        (Some(given), Some(background)) => Some(fluid::<D>(given, background, [0.0, time.end])?),
+        (Some(_), None) => return Err(missing("background")),
+        (None, None) if scenario.body.is_empty() => {
             return Err(root.invalid("the scenario has neither a fluid nor a body; add [fluid] or [[body]]"));
         }
-        (None, None, None) => None,
-        (None, ..) => return Err(missing("fluid")),
+        (None, None) => None,
+        (None, Some(_)) => return Err(missing("fluid")),
     };
     let mut built = scenario.body.iter().map(|given| body::<D>(given, time)).collect::<Result<Vec<_>, _>>()?;
     if let Some(fluid) = &fluid {

@@ -38,7 +38,7 @@ keys! {
         /// Bodies.
         body: Vec<At<Body>>,
         /// Mortar between fluid and bodies.
-        interface: Option<Interface>,
+        interface: Interface = {},
         /// Contacts; bodies without a contact between them pass through each other.
         contact: Vec<At<Contact>>,
         /// Output.
@@ -141,10 +141,11 @@ impl ScenarioFile {
 /// Checks combinations of values.
 fn check(scenario: &Scenario) -> Result<(), ScenarioError> {
     scenario.time.check()?;
-    if let Some(alpha) = scenario.interface.as_ref().map(|interface| &interface.alpha).filter(|alpha| ***alpha != 1.0) {
+    let alpha = &scenario.interface.alpha;
+    if **alpha != 1.0 {
         return Err(alpha.at.invalid(format!(
             "this is {}, but must be 1: with a share of the traction of the solid the mortar is stable only if \
-             gamma_sigma * viscosity exceeds about step * (2 mu + lambda), and its adjoint is not implemented",
+             its penalty times the size of a cell exceeds about step * (2 mu + lambda), and its adjoint is not implemented",
             **alpha
         )));
     }

@@ -9,7 +9,8 @@ use fluid_ns::terms::CipProfile;
 use mesh::generate::{Size, graded_box, mirrored};
 use mesh::{Aabb, Point, SimplexMesh, Tag, Vector};
 use solver::body::TimeField;
-use solver::{FluidBoundary, FluidSetup};
+use solver::interface_dg::terms::PenaltyProfile;
+use solver::{FluidBoundary, FluidSetup, Stabilisation};
 
 use super::error::ScenarioError;
 use super::field::Field;
@@ -24,18 +25,60 @@ keys! {
         density: f64 [unit(Quantity::DENSITY), positive],
         /// Dynamic viscosity.
         viscosity: f64 [unit(Quantity::VISCOSITY), positive],
-        /// Parameter `γ_g` of the ghost penalty.
-        gamma_ghost: f64 [non_negative],
-        /// Parameter `γ_p` of the interior penalty of the pressure.
-        gamma_pressure: f64 [positive],
-        /// Interior penalty of the velocity.
-        cip: Cip,
+        /// Stabilisation of fluid and interface: a set of parameters, or a table with a set and changes.
+        stabilisation: OrTable<StabilisationSet, StabilisationTable> = "standard",
         /// Form of the convective term.
         convection: Convection = "standard",
         /// Force per volume; none if left out.
         body_force: Option<Field> [unit(Quantity::FORCE_DENSITY)],
         /// Velocity at the start; at rest if left out.
         initial_velocity: Option<Field> [unit(Quantity::VELOCITY)],
+    }
+}
+
+choices! {
+    /// A set of stabilisation parameters.
+    #[derive(Copy, Eq)]
+    pub enum StabilisationSet {
+        /// The set for all problems, with which the method is verified.
+        Standard = "standard",
+        /// A calibration to the results of MOX-Report 44/2019: `γ_Σ = 1e5`, and a numerical viscosity that does not vanish
+        /// under refinement.
+        Paper = "paper-44-2019",
+    }
+}
+
+keys! {
+    /// A set of stabilisation parameters with changes.
+    pub struct StabilisationTable {
+        /// The set.
+        set: StabilisationSet = "standard",
+        /// Penalty on the jump of the velocity at the interface.
+        penalty: Option<InterfacePenalty>,
+        /// Interior penalty of the velocity.
+        cip: Option<Cip>,
+        /// Parameter `γ_p` of the interior penalty of the pressure.
+        gamma_pressure: Option<f64> [positive],
+        /// Parameter `γ_g` of the ghost penalty.
+        gamma_ghost: Option<f64> [non_negative],
+    }
+}
+
+choices! {
+    /// Penalty on the jump of the velocity at the interface.
+    pub enum InterfacePenalty ["kind"] {
+        /// Viscosity in both directions, convection and inertia in the normal one only.
+        Split = "split" {
+            /// Parameter `γ_n`.
+            gamma_normal: f64 [positive],
+            /// Parameter `γ_t`.
+            gamma_tangential: f64 [positive],
+        },
+        /// Viscosity alone, the form of the paper.
+        Uniform = "uniform" {
+            /// Parameter `γ_Σ`.
+            gamma_sigma: f64 [positive],
+        },
     }
 }
 
@@ -55,12 +98,16 @@ choices! {
     }
 }
 
-impl Cip {
-    /// Returns the name of the profile.
-    pub fn name(&self) -> &'static str {
-        match self {
-            Self::Paper { .. } => "paper",
-            Self::Consistent { .. } => "consistent",
+impl Fluid {
+    /// Returns the name of the set of stabilisation parameters, and whether some are changed.
+    pub fn stabilisation_name(&self) -> String {
+        let name = |set: &StabilisationSet| match set {
+            StabilisationSet::Standard => "standard",
+            StabilisationSet::Paper => "paper-44-2019",
+        };
+        match &self.stabilisation {
+            OrTable::Plain(set) => name(set).to_owned(),
+            OrTable::Table(table) => format!("{}, changed", name(&table.set)),
         }
     }
 }
@@ -81,10 +128,8 @@ choices! {
 keys! {
     /// Mortar between fluid and bodies.
     pub struct Interface {
-        /// Penalty parameter `γ_Σ` on the jump of the velocity.
-        gamma_sigma: f64 [positive],
         /// Weight of the traction of the fluid; must be 1.
-        alpha: At<f64>,
+        alpha: At<f64> = 1.0,
     }
 }
 
@@ -208,10 +253,37 @@ fn background<const D: usize>(given: &At<Background>) -> Result<SimplexMesh<D>, 
     if *is_mirrored { mirrored(&box_mesh, 0, min[0]).map_err(|error| given.at.error(error)) } else { Ok(box_mesh) }
 }
 
+fn stabilisation(given: &OrTable<StabilisationSet, StabilisationTable>) -> Stabilisation {
+    let of_set = |set| match set {
+        StabilisationSet::Standard => Stabilisation::STANDARD,
+        StabilisationSet::Paper => Stabilisation::PAPER_44_2019,
+    };
+    let table = match given {
+        OrTable::Plain(set) => return of_set(*set),
+        OrTable::Table(table) => table,
+    };
+    let set = of_set(table.set);
+    let penalty = table.penalty.as_ref().map(|penalty| match *penalty {
+        InterfacePenalty::Split { gamma_normal, gamma_tangential } => {
+            PenaltyProfile::Split { gamma_normal, gamma_tangential }
+        }
+        InterfacePenalty::Uniform { gamma_sigma } => PenaltyProfile::Uniform { gamma_sigma },
+    });
+    let cip = table.cip.as_ref().map(|cip| match *cip {
+        Cip::Paper { gamma_1 } => CipProfile::Paper { gamma_1 },
+        Cip::Consistent { gamma_u } => CipProfile::Consistent { gamma_u },
+    });
+    Stabilisation {
+        penalty: penalty.unwrap_or(set.penalty),
+        cip: cip.unwrap_or(set.cip),
+        gamma_pressure: table.gamma_pressure.unwrap_or(set.gamma_pressure),
+        gamma_ghost: table.gamma_ghost.unwrap_or(set.gamma_ghost),
+    }
+}
+
 /// Builds the fluid with its boundary conditions; `times` are the start and the end of the run.
 pub(super) fn fluid<const D: usize>(
     fluid: &Fluid,
-    interface: &Interface,
     given: &At<Background>,
     times: [f64; 2],
 ) -> Result<FluidSetup<D>, ScenarioError> {
@@ -236,14 +308,8 @@ pub(super) fn fluid<const D: usize>(
         background,
         // The surfaces of meshes are simple; during a run an elastic body may fold onto itself.
         overlay: OverlayOptions::new().without_self_intersection_check(),
-        gamma_sigma: interface.gamma_sigma,
         material: NewtonianFluid { density: fluid.density, viscosity: fluid.viscosity },
-        cip: match fluid.cip {
-            Cip::Paper { gamma_1 } => CipProfile::Paper { gamma_1 },
-            Cip::Consistent { gamma_u } => CipProfile::Consistent { gamma_u },
-        },
-        gamma_pressure: fluid.gamma_pressure,
-        gamma_ghost: fluid.gamma_ghost,
+        stabilisation: stabilisation(&fluid.stabilisation),
         convection: match fluid.convection {
             Convection::Standard => Some(false),
             Convection::Skew => Some(true),

@@ -23,7 +23,10 @@ pub use contact::{Contact, ContactLaw, Obstacle};
 pub use error::{ErrorKind, Location, ScenarioError};
 pub use field::{Field, FieldFormula};
 pub use file::{Output, Scenario, ScenarioFile};
-pub use fluid::{Axis, Background, Cip, Convection, Fluid, FluidCondition, GradedSize, InflowProfile, Interface};
+pub use fluid::{
+    Axis, Background, Cip, Convection, Fluid, FluidCondition, GradedSize, InflowProfile, Interface, InterfacePenalty,
+    StabilisationSet, StabilisationTable,
+};
 pub use formula::{Formula, FormulaError};
 pub use geometry::Shape;
 pub use key::{Key, Quantity};
