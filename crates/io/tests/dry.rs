@@ -11,7 +11,7 @@ use mesh::{BodyId, Point, Vector};
 use solid_svk::{ElasticBody, ElasticOptions, LameParameters, SaintVenantKirchhoff, SolidForm, SolidMesh};
 use solver::algebra::{NewtonSettings, Workspace};
 use solver::body::Body;
-use solver::contact::{ContactForm, Penalty, RigidPlane};
+use solver::contact::{ContactForm, PenaltyLaw, RigidPlane};
 use solver::{Contact, ContactObstacle, Setup, State, StepReport, Substep, advance};
 
 /// An elastic block that falls on a plane and bounces.
@@ -63,7 +63,7 @@ fn block() -> Setup<2> {
     let facets = body.surface().facets().collect();
     let bodies = vec![body];
     let plane = RigidPlane::new(Point::<2>::zeros(), Vector::<2>::new(0.0, -1.0)).expect("a plane");
-    let form = ContactForm::new(Penalty::new(1e6, 0.005).expect("a law"), 0.1).expect("a size");
+    let form = ContactForm::new(PenaltyLaw::new(1e6, 0.005).expect("a law"), 0.1).expect("a size");
     let contact = Contact::new(&bodies, BodyId(0), facets, form, ContactObstacle::Rigid(Box::new(plane)));
     let contacts = vec![contact.expect("a contact")];
     Setup { fluid: None, bodies, contacts, dt: DT, most_halvings: 0, newton: NewtonSettings::new(1e-10) }

@@ -9,7 +9,7 @@ use solid_rigid::RigidBody;
 use solver::algebra::{
     BlockGaussSeidel, BlockGaussSeidelSettings, LaggedSettings, LaggedSolver, NewtonSettings, Workspace,
 };
-use solver::contact::{self, ContactForm, Penalty};
+use solver::contact::{self, ContactForm, PenaltyLaw};
 use solver::mesh::generate::{Size, graded_box, structured_box};
 use solver::mesh::{BodyId, SimplexMesh};
 use solver::{Contact, FluidBoundary, Setup, Stage, State, Substep, TimeLoop};
@@ -89,7 +89,7 @@ fn two_bodies_that_collide_off_centre_keep_momentum_and_angular_momentum() {
 fn contacts_of_bodies_with_themselves_or_with_none_are_refused() {
     let bodies = dry(vec![Arc::new(rigid("ball", &disk([0.0; 2], 1.0, 0.4), 1.0, V::zeros()))], 1.0).bodies;
     let refused = |slave: u32, obstacle| {
-        let form = ContactForm::new(Penalty::new(1.0, 0.0).expect("a law"), 1.0).expect("a contact");
+        let form = ContactForm::new(PenaltyLaw::new(1.0, 0.0).expect("a law"), 1.0).expect("a contact");
         Contact::new(&bodies, BodyId(slave), Vec::new(), form, obstacle).err()
     };
     assert_eq!(refused(0, against(0, &bodies)), Some(contact::Error::SelfContact));

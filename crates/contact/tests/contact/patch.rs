@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use algebra::time::QuasiStatic;
 use body::{Body, BodyState};
-use contact::{ContactForm, DeformableObstacle, Penalty, RigidPlane};
+use contact::{ContactForm, DeformableObstacle, PenaltyLaw, RigidPlane};
 use mesh::{Point, Vector};
 use solid_svk::supports::{Support, SupportKind, tagged_facets, vertices_of};
 use solid_svk::{ElasticOptions, SolidMesh};
@@ -52,7 +52,7 @@ fn block_on_a_plane() {
     let bodies = [block([0.0, 0.0], [1.0, 1.0], [4, 3], soft(), supported(supports))];
     let states = [bodies[0].start()];
     let scene = Scene::new(&bodies, &states, 1.0);
-    let form = ContactForm::new(Penalty::new(gamma, offset).unwrap(), SIZE).unwrap();
+    let form = ContactForm::new(PenaltyLaw::new(gamma, offset).unwrap(), SIZE).unwrap();
     let plane = RigidPlane::new(Point::<2>::zeros(), Vector::<2>::new(0.0, -1.0)).unwrap();
     let facets = tagged_facets(bodies[0].solid(), "bottom").unwrap();
     let (found, end, iterations) = scene.advance(scene.pair(&form, &facets, &plane), 0.0, 1e-12);
@@ -106,7 +106,7 @@ fn two_blocks<const D: usize>(n_slave: usize, n_master: usize) -> f64 {
     ];
     let states: Vec<BodyState<D>> = bodies.iter().map(Body::start).collect();
     let scene = Scene::new(&bodies, &states, 1.0);
-    let form = ContactForm::new(Penalty::new(gamma, 0.0).unwrap(), SIZE).unwrap();
+    let form = ContactForm::new(PenaltyLaw::new(gamma, 0.0).unwrap(), SIZE).unwrap();
     let top = tagged_facets(bodies[1].solid(), "top").unwrap();
     let obstacle = DeformableObstacle::new(bodies[1].surface().clone(), top).unwrap();
     let facets = tagged_facets(bodies[0].solid(), "bottom").unwrap();

@@ -10,7 +10,7 @@ use super::contact::contact;
 use super::error::{ErrorKind, ScenarioError};
 use super::file::{Scenario, ScenarioFile};
 use super::fluid::{fluid, tagged_vertices};
-use super::motion::{Held, Motion};
+use super::motion::{Held, MotionChoice};
 
 /// A scenario ready to run.
 pub struct Case<const D: usize> {
@@ -170,7 +170,7 @@ fn respect_symmetry<const D: usize>(
             planes.iter().find(is_on)
         };
         contact_facets.retain(|facet| on_plane(*facet).is_none());
-        let Motion::Free { held, .. } = &**motion else { continue };
+        let MotionChoice::Free { held, .. } = &**motion else { continue };
         let is_held = |what: Held| held.iter().any(|held| **held == what);
         let is_loose =
             |(axis, _): &&(usize, f64)| !(is_held([Held::X, Held::Y, Held::Z][*axis]) && is_held(Held::Rotation));

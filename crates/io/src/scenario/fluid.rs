@@ -31,7 +31,7 @@ keys! {
         /// Interior penalty of the velocity.
         cip: Cip,
         /// Form of the convective term.
-        convection: Convection = "standard",
+        convection: ConvectionChoice = "standard",
         /// Force per volume; none if left out.
         body_force: Option<Field> [unit(Quantity::FORCE_DENSITY)],
         /// Velocity at the start; at rest if left out.
@@ -68,7 +68,7 @@ impl Cip {
 choices! {
     /// Form of the convective term.
     #[derive(Copy, Eq)]
-    pub enum Convection {
+    pub enum ConvectionChoice {
         /// `ρ (u·∇u, v)`.
         Standard = "standard",
         /// `ρ (u·∇u, v) + ρ/2 (∇·u, u·v)`.
@@ -245,9 +245,9 @@ pub(super) fn fluid<const D: usize>(
         gamma_pressure: fluid.gamma_pressure,
         gamma_ghost: fluid.gamma_ghost,
         convection: match fluid.convection {
-            Convection::Standard => Some(false),
-            Convection::Skew => Some(true),
-            Convection::None => None,
+            ConvectionChoice::Standard => Some(false),
+            ConvectionChoice::Skew => Some(true),
+            ConvectionChoice::None => None,
         },
         body_force,
         initial_velocity,
