@@ -10,6 +10,17 @@ pub type ObserverError = Box<dyn std::error::Error + Send + Sync>;
 /// The stage of a step that failed.
 #[derive(Debug, thiserror::Error)]
 pub enum Stage {
+    /// A parameter of the setup is out of range.
+    #[error("checking the setup")]
+    Parameter(#[from] mesh::ParameterError),
+    /// A contact was made for other bodies than those of the setup.
+    #[error("contact {contact} was made for other bodies than those of the setup")]
+    Contact {
+        /// Number of the contact.
+        contact: usize,
+        /// What does not fit.
+        source: contact::Error,
+    },
     /// The surfaces cannot cut the background: a body is turned inside out or torn.
     #[error("cutting the background")]
     Cut(#[from] cutcell::Error),

@@ -2,6 +2,7 @@
 
 mod fixture;
 
+use std::error::Error;
 use std::sync::Arc;
 
 use fixture::*;
@@ -9,6 +10,7 @@ use solid_rigid::RigidBody;
 use solver::algebra::{
     BlockGaussSeidel, BlockGaussSeidelSettings, LaggedSettings, LaggedSolver, NewtonSettings, Workspace,
 };
+use solver::body::Body;
 use solver::contact::{self, ContactForm, PenaltyLaw};
 use solver::mesh::generate::{Size, graded_box, structured_box};
 use solver::mesh::{BodyId, SimplexMesh};
@@ -95,6 +97,32 @@ fn contacts_of_bodies_with_themselves_or_with_none_are_refused() {
     assert_eq!(refused(0, against(0, &bodies)), Some(contact::Error::SelfContact));
     let unknown = contact::Error::UnknownBody { body: BodyId(1), n_bodies: 1 };
     assert_eq!(refused(1, ground()), Some(unknown));
+}
+
+#[test]
+fn setups_that_cannot_run_are_refused() {
+    fn brick() -> Arc<dyn Body<2>> {
+        let mesh = structured_box([6.0, 6.0], [7.0, 7.0], [1, 1]).expect("a box");
+        Arc::new(rigid("brick", &mesh, 1.0, V::zeros()))
+    }
+    let refused: [(fn(&mut Setup<2>), &str); 7] = [
+        (|setup| setup.dt = 0.0, "the time step of the setup is 0.0, but must be positive"),
+        (|setup| setup.dt = -1e-3, "the time step of the setup is -0.001"),
+        (|setup| setup.dt = f64::NAN, "the time step of the setup is NaN"),
+        (|setup| on_sides(setup, &["left"], || FluidBoundary::Symmetry { axis: 2 }), "is 2.0, but must be below the"),
+        (|setup| setup.bodies.truncate(1), "body 1 is not among the 1 bodies"),
+        (|setup| setup.bodies[0] = brick(), "is not among the 4 facets"),
+        (|setup| setup.bodies[1] = Arc::clone(&setup.bodies[0]), "the body to which its boundary belongs"),
+    ];
+    for (change, words) in refused {
+        let mut setup = falling_ball(0.9, 0.3, 0.6, false);
+        setup.bodies.push(brick());
+        setup.contacts.push(contact(&setup.bodies, 0, (1.0, 0.0, 1.0), against(1, &setup.bodies)));
+        change(&mut setup);
+        let error = State::initial(&setup).expect_err(words);
+        let cause = error.source.source().map(ToString::to_string);
+        assert!(cause.as_ref().is_some_and(|cause| cause.contains(words)), "{cause:?}");
+    }
 }
 
 #[test]
