@@ -177,11 +177,10 @@ impl<const D: usize> Setup<D> {
     /// A time step that is not positive, a plane of symmetry across an axis that does not exist, or a contact that was made
     /// for other bodies.
     pub fn check(&self) -> Result<(), Stage> {
-        mesh::positive("the time step of the setup", self.dt)?;
+        mesh::positive("time step", self.dt)?;
         for (_, condition) in self.fluid.iter().flat_map(|fluid| &fluid.boundary) {
             if let FluidBoundary::Symmetry { axis } = *condition {
-                let what = "the axis of a plane of symmetry, counted from 0,";
-                mesh::require(axis < D, what, axis as f64, "below the dimension")?;
+                mesh::require(axis < D, "axis of symmetry", axis as f64, "below the dimension")?;
             }
         }
         for (number, contact) in self.contacts.iter().enumerate() {

@@ -1,8 +1,9 @@
 //! From the values of a scenario to a problem of dimension 2 or 3.
 
 use algebra::{NewtonSettings, Workspace};
+use contact::{DeformableObstacle, Obstacle, Positions};
 use cutcell::{CutMesh, OverlayOptions};
-use mesh::{Aabb, FacetId, Placed, Point};
+use mesh::{Aabb, BodyId, FacetId, Placed, Point};
 use solver::{FluidBoundary, FluidSetup, Setup};
 
 use super::body::{Built, body};
@@ -85,11 +86,14 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
         newton: NewtonSettings { max_iterations: newton.max_iterations, ..NewtonSettings::new(newton.tolerance) },
     };
     let is_symmetry = |(_, condition): &(_, FluidBoundary<D>)| matches!(condition, FluidBoundary::Symmetry { .. });
+    let starts: Vec<_> = setup.bodies.iter().map(|body| body.start()).collect();
+    let positions = setup.positions(&starts);
     let mut bottom = 0.0;
     if let Some(fluid) = &setup.fluid {
-        check_placement(scenario, &setup, fluid)?;
+        check_placement(scenario, &setup, fluid, &positions)?;
         bottom = Aabb::of_points(fluid.background.vertices()).low[D - 1];
     }
+    check_contacts(scenario, &setup, &positions)?;
     Ok(Case {
         workspace: scenario.solver.linear.workspace(),
         n_steps: time.n_steps(),
@@ -104,20 +108,19 @@ fn check_placement<const D: usize>(
     scenario: &Scenario,
     setup: &Setup<D>,
     fluid: &FluidSetup<D>,
+    positions: &[Vec<Point<D>>],
 ) -> Result<(), ScenarioError> {
     let background = &fluid.background;
     let at = |k: usize| &scenario.body[k].shape.at;
-    let starts = setup.bodies.iter().map(|body| body.start().positions(body.reference()));
-    let positions: Vec<Vec<Point<D>>> = starts.collect();
     let domain = Aabb::of_points(background.vertices());
-    for (k, (body, positions)) in setup.bodies.iter().zip(&positions).enumerate() {
+    for (k, (body, positions)) in setup.bodies.iter().zip(positions).enumerate() {
         if !positions.iter().any(|x| domain.contains(x)) {
             let name = body.name();
             let message = format!("no vertex of body `{name}` lies in the domain; move it, or enlarge the background");
             return Err(at(k).invalid(message));
         }
     }
-    let surfaces = setup.surfaces(&positions);
+    let surfaces = setup.surfaces(positions);
     let whole = background.volume();
     let covered = |k: usize, surfaces: &[Placed<'_, D>]| {
         let cut = CutMesh::overlay(background, surfaces, &OverlayOptions::new());
@@ -138,6 +141,44 @@ fn check_placement<const D: usize>(
                     "bodies `{a}` and `{b_name}` overlap at the start by {overlap:.3e} (area or volume); move one of them"
                 )));
             }
+        }
+    }
+    Ok(())
+}
+
+/// Largest depth behind an obstacle that is round-off, relative to the contact size.
+const TOUCHING: f64 = 1e-6;
+
+/// Checks that no body begins behind the obstacle of one of its contacts.
+fn check_contacts<const D: usize>(
+    scenario: &Scenario,
+    setup: &Setup<D>,
+    positions: &[Vec<Point<D>>],
+) -> Result<(), ScenarioError> {
+    let depth = |obstacle: &dyn Obstacle<D>, at: &[Point<D>], points: &[Point<D>]| {
+        let found = obstacle.project_all(points, Positions::Fixed(at));
+        found.iter().zip(points).filter_map(|(found, x)| Some(-found.as_ref()?.gap(x))).fold(0.0, f64::max)
+    };
+    let whole = |body: BodyId| {
+        let surface = setup.bodies[body.index()].surface();
+        DeformableObstacle::new(surface.clone(), surface.facets().collect())
+    };
+    for (given, contact) in scenario.contact.iter().zip(&setup.contacts) {
+        let fail = |error: contact::Error| given.at.error(error);
+        let (slave, of_slave) = (contact.body(), &positions[contact.body().index()]);
+        let deepest = match contact.master() {
+            None => depth(contact.geometry(), &[], of_slave),
+            Some(master) => {
+                let of_master = &positions[master.index()];
+                let behind_master = depth(&whole(master).map_err(fail)?, of_master, of_slave);
+                behind_master.max(depth(&whole(slave).map_err(fail)?, of_slave, of_master))
+            }
+        };
+        if deepest > TOUCHING * given.size {
+            let name = setup.bodies[slave.index()].name();
+            return Err(given.obstacle.at.invalid(format!(
+                "body `{name}` is {deepest:.3e} behind this obstacle at the start; move one of them"
+            )));
         }
     }
     Ok(())
