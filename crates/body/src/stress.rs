@@ -11,9 +11,16 @@ pub trait SurfaceStress<const D: usize>: Send + Sync {
     /// Appends the dofs on which the traction anywhere on a facet depends; they are frozen for the step.
     fn dofs(&self, facet: FacetId, out: &mut Vec<DofId>);
 
-    /// Returns the traction at a point of a facet, given by barycentric coordinates, at the state `x`. Writes to
-    /// `derivatives[k]` the derivative with respect to dof `k` of [`SurfaceStress::dofs`].
+    /// Returns the traction at a point of a facet, given by barycentric coordinates, at the state `x`. Replaces
+    /// `derivatives` by those with respect to the dofs on which it depends there, each once, all among
+    /// [`SurfaceStress::dofs`].
     ///
     /// Units: force per area.
-    fn at(&self, facet: FacetId, barycentric: &[f64], x: &[f64], derivatives: &mut Vec<Vector<D>>) -> Vector<D>;
+    fn at(
+        &self,
+        facet: FacetId,
+        barycentric: &[f64],
+        x: &[f64],
+        derivatives: &mut Vec<(DofId, Vector<D>)>,
+    ) -> Vector<D>;
 }
