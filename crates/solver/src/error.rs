@@ -18,7 +18,7 @@ pub enum Stage {
     Contact {
         /// Number of the contact.
         contact: usize,
-        /// What does not fit.
+        /// Cause.
         source: contact::Error,
     },
     /// The surfaces cannot cut the background: a body is turned inside out or torn.
@@ -79,7 +79,7 @@ pub enum Stage {
 impl Stage {
     /// Returns whether a smaller step may succeed. It cannot if the matrix is too large for the memory or structurally
     /// singular.
-    pub fn asks_for_a_smaller_step(&self) -> bool {
+    pub fn smaller_step_may_succeed(&self) -> bool {
         let Self::Newton(newton) = self else { return matches!(self, Self::MissedContact { .. }) };
         let NewtonError::Linear { source, .. } = newton else { return true };
         !matches!(

@@ -17,7 +17,7 @@ use solver::mesh::{BodyId, SimplexMesh};
 use solver::{Contact, FluidBoundary, Setup, Stage, State, Substep, TimeLoop};
 
 #[test]
-fn a_free_body_falls_and_turns_as_the_scheme_says() {
+fn a_free_body_falls_and_turns_by_the_scheme() {
     let mut body = rigid("block", &structured_box::<2>([1.0, 2.0], [3.0, 3.0], [2, 1]).expect("a box"), 2.0, {
         V::new(0.0, -10.0)
     });
@@ -105,7 +105,8 @@ fn setups_that_cannot_run_are_refused() {
         let mesh = structured_box([6.0, 6.0], [7.0, 7.0], [1, 1]).expect("a box");
         Arc::new(rigid("brick", &mesh, 1.0, V::zeros()))
     }
-    let refused: [(fn(&mut Setup<2>), &str); 7] = [
+    type Change = fn(&mut Setup<2>);
+    let refused: [(Change, &str); 7] = [
         (|setup| setup.dt = 0.0, "time step is 0.0, but must be positive"),
         (|setup| setup.dt = -1e-3, "time step is -0.001"),
         (|setup| setup.dt = f64::NAN, "time step is NaN"),
@@ -343,7 +344,7 @@ fn a_piston_fixes_the_pressure_behind_it() {
 }
 
 #[test]
-fn a_piston_in_a_closed_box_feels_the_difference_of_pressures_only() {
+fn the_difference_of_pressures_alone_moves_a_piston_in_a_closed_box() {
     // Gravity on the fluid, and on the plate as if it were fluid: all at rest, and the pressure goes on through the plate.
     let gravity = V::new(0.0, -10.0);
     // The plate is 2.4 wide, of which 0.4 are outside.
