@@ -52,13 +52,13 @@ choices! {
         /// `S = 2 μ E + λ tr(E) I`; with `mu` and `lambda`, or with `young` and `poisson`.
         SaintVenantKirchhoff = "saint-venant-kirchhoff" {
             /// Shear modulus `μ`.
-            mu: Option<f64> [unit(Quantity::PRESSURE)],
+            mu: Option<f64> [unit(Quantity::PRESSURE), group(0)],
             /// First Lamé parameter `λ`.
-            lambda: Option<f64> [unit(Quantity::PRESSURE)],
+            lambda: Option<f64> [unit(Quantity::PRESSURE), group(0)],
             /// Young's modulus.
-            young: Option<f64> [unit(Quantity::PRESSURE)],
+            young: Option<f64> [unit(Quantity::PRESSURE), group(1)],
             /// Poisson's ratio.
-            poisson: Option<f64>,
+            poisson: Option<f64> [group(1)],
         },
     }
 }
@@ -91,10 +91,10 @@ choices! {
             /// Displacement.
             value: Field [unit(Quantity::LENGTH)],
         },
-        /// Constant load that keeps its direction.
+        /// Load that does not follow the motion.
         Traction = "traction" {
             /// Force per area of the undeformed surface.
-            value: Components<f64> [unit(Quantity::PRESSURE)],
+            value: Field [unit(Quantity::PRESSURE)],
         },
     }
 }
@@ -211,6 +211,7 @@ fn supports_and_loads<const D: usize>(
     time: &Time,
 ) -> Result<(Vec<Support<D>>, Vec<Load<D>>), ScenarioError> {
     let mesh = solid.mesh();
+    let times = [0.0, time.end];
     let mut supports = Vec::new();
     let mut loads = Vec::new();
     for (name, condition) in &conditions.0 {
@@ -218,6 +219,7 @@ fn supports_and_loads<const D: usize>(
         let tag = mesh.tag(name).ok_or_else(unknown)?;
         let facets = tagged_facets(solid, name).map_err(|_| unknown())?;
         let vertices = vertices_of(solid, &facets);
+        let points: Vec<_> = vertices.iter().map(|vertex| mesh.vertex(*vertex)).collect();
         let kind = match &**condition {
             BodyCondition::Clamped => SupportKind::Clamped,
             BodyCondition::Symmetry { normal } => {
@@ -225,15 +227,14 @@ fn supports_and_loads<const D: usize>(
                 SupportKind::Symmetry { axis }
             }
             BodyCondition::Displacement { value } => {
-                let points: Vec<_> = vertices.iter().map(|vertex| mesh.vertex(*vertex)).collect();
-                let displacement = value.over_time(&points, &[0.0, time.end])?;
+                let displacement = value.over_time(&points, &times)?;
                 SupportKind::Displacement(Arc::new(move |x, t| {
                     let d = displacement(x, t);
                     std::array::from_fn(|axis| Some(d[axis]))
                 }))
             }
             BodyCondition::Traction { value } => {
-                loads.push(Load::traction(facets, value.vector()));
+                loads.push(Load::traction(facets, value.over_time(&points, &times)?));
                 continue;
             }
         };

@@ -1,6 +1,6 @@
 //! From the values of a scenario to a problem of dimension 2 or 3.
 
-use algebra::{NewtonSettings, Workspace};
+use algebra::Workspace;
 use contact::{DeformableObstacle, Obstacle, Positions};
 use cutcell::{CutMesh, OverlayOptions};
 use mesh::{Aabb, BodyId, FacetId, Placed, Point};
@@ -57,7 +57,7 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
     if scenario.dimension != D {
         return Err(root.invalid(format!("the scenario has dimension {}, not {D}", scenario.dimension)));
     }
-    let (time, newton) = (&scenario.time, &scenario.solver.newton);
+    let time = &scenario.time;
     let missing = |key| root.error(ErrorKind::Missing(key));
     let fluid = match (&scenario.fluid, &scenario.background, &scenario.interface) {
         (Some(given), Some(background), Some(interface)) => {
@@ -83,7 +83,7 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
         contacts,
         dt: *time.step,
         most_halvings: time.most_halvings,
-        newton: NewtonSettings { max_iterations: newton.max_iterations, ..NewtonSettings::new(newton.tolerance) },
+        newton: scenario.solver.newton.settings(),
     };
     let is_symmetry = |(_, condition): &(_, FluidBoundary<D>)| matches!(condition, FluidBoundary::Symmetry { .. });
     let starts: Vec<_> = setup.bodies.iter().map(|body| body.start()).collect();

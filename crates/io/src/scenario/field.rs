@@ -6,7 +6,7 @@ use mesh::{Point, Vector};
 use solver::body::{PointField, TimeField};
 use toml::de::DeValue;
 
-use super::error::ScenarioError;
+use super::error::{Location, ScenarioError};
 use super::formula::Formula;
 use super::key::Form;
 use super::table::{At, Components, Node, Value};
@@ -41,6 +41,43 @@ fn read(node: &Node<'_>, variables: &'static str, form: &Form) -> Result<Formula
     }
 }
 
+impl FieldFormula {
+    /// Checks that the value is finite at all of the points and times.
+    fn check<const D: usize>(
+        &self,
+        at: impl Fn() -> Location,
+        points: &[Point<D>],
+        times: &[f64],
+    ) -> Result<(), ScenarioError> {
+        for (x, t) in points.iter().flat_map(|x| times.iter().map(move |t| (x, *t))) {
+            let value = self.0.at(x.as_slice(), t).value;
+            if !value.is_finite() {
+                let (formula, x) = (self.0.text(), x.as_slice());
+                return Err(
+                    at().invalid(format!("the formula `{formula}` is {value} at {x:?}, t = {t}; change it there"))
+                );
+            }
+        }
+        Ok(())
+    }
+}
+
+impl At<FieldFormula> {
+    /// Returns the number as a function of position and time.
+    ///
+    /// # Errors
+    /// A value at one of the points, at one of the times, that is not finite.
+    pub(super) fn number_over_time<const D: usize>(
+        &self,
+        points: &[Point<D>],
+        times: &[f64],
+    ) -> Result<impl Fn(&Point<D>, f64) -> f64 + Send + Sync + use<D>, ScenarioError> {
+        self.check(|| self.at.clone(), points, times)?;
+        let formula = self.0.clone();
+        Ok(move |x: &Point<D>, t| formula.at(x.as_slice(), t).value)
+    }
+}
+
 /// Vector that may depend on position and time.
 pub type Field = At<Components<FieldFormula>>;
 
@@ -68,14 +105,7 @@ impl Field {
             return Ok(Arc::new(move |_, _| value));
         }
         for (axis, local) in self.iter().enumerate() {
-            for (x, t) in points.iter().flat_map(|x| times.iter().map(move |t| (x, *t))) {
-                let value = local.0.at(x.as_slice(), t).value;
-                if !value.is_finite() {
-                    let (formula, x) = (local.0.text(), x.as_slice());
-                    let message = format!("the formula `{formula}` is {value} at {x:?}, t = {t}; change it there");
-                    return Err(self.at.part(axis).invalid(message));
-                }
-            }
+            local.check(|| self.at.part(axis), points, times)?;
         }
         let field = self.clone();
         Ok(Arc::new(move |x, t| field.value(x, t)))

@@ -12,7 +12,7 @@ use solver::body::TimeField;
 use solver::{FluidBoundary, FluidSetup};
 
 use super::error::ScenarioError;
-use super::field::Field;
+use super::field::{Field, FieldFormula};
 use super::geometry::normal_along_axis;
 use super::key::Quantity;
 use super::table::{At, Components, Named, OrTable, choices, keys};
@@ -167,10 +167,10 @@ choices! {
             /// Force per area on the fluid.
             value: Field [unit(Quantity::PRESSURE)],
         },
-        /// Constant pressure outside: the traction `-p n`; inflow is stabilised.
+        /// Pressure outside: the traction `-p n`; inflow is stabilised.
         Pressure = "pressure" {
             /// Pressure `p`.
-            value: f64 [unit(Quantity::PRESSURE)],
+            value: At<FieldFormula> [unit(Quantity::PRESSURE)],
         },
     }
 }
@@ -284,8 +284,8 @@ fn fluid_boundary<const D: usize>(
             FluidBoundary::Open { traction: Some(Arc::new(move |x, _, t| value(x, t))), backflow: true }
         }
         FluidCondition::Pressure { value } => {
-            let p = *value;
-            FluidBoundary::Open { traction: Some(Arc::new(move |_, n: &Vector<D>, _| n * -p)), backflow: true }
+            let p = value.number_over_time(&points(), &times)?;
+            FluidBoundary::Open { traction: Some(Arc::new(move |x, n: &Vector<D>, t| n * -p(x, t))), backflow: true }
         }
     })
 }
