@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use algebra::{BlockLayout, DofId, Sites};
-use body::{SurfaceMotion, SurfaceStress};
+use body::{ByDof, SurfaceMotion, SurfaceStress};
 use mesh::{BoundaryMesh, FacetId, MAX_FACET_VERTICES, Placed, Point, SimplexRule, Vector, VertexId, positive};
 
 use crate::segments::{Segment, divide};
@@ -136,13 +136,9 @@ impl<const D: usize> ContactItems<D> {
                 let vertices = master.boundary.vertices_of(&candidates);
                 masters = vertices.into_iter().map(|vertex| (vertex, first_row(master, vertex))).collect();
             }
-            let mut stress_dofs = Vec::new();
-            if let Some(stress) = &pair.stress {
-                stress.dofs(facet, &mut stress_dofs);
-            }
-            for dof in stress_dofs {
-                row_of(dof, &mut dofs);
-            }
+            let mut of_stress = Vec::new();
+            pair.stress.iter().for_each(|stress| stress.dofs(facet, &mut of_stress));
+            of_stress.into_iter().for_each(|dof| _ = row_of(dof, &mut dofs));
             let measure = placed.facet_measure(facet);
             items.push(Item { number, facet, measure, candidates, segments, masters, dofs });
         }
@@ -188,7 +184,7 @@ impl<const D: usize> ContactSites<'_, D> {
         position: &Point<D>,
         barycentric: &[f64; D],
         x: &[f64],
-        derivatives: &mut Vec<(DofId, Vector<D>)>,
+        derivatives: &mut ByDof<D>,
         site: &mut ContactSite<D>,
     ) -> bool {
         let ContactPair { form, obstacle, master, dt, .. } = self.pair;

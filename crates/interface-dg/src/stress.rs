@@ -1,7 +1,7 @@
 //! Stress of the fluid on the surface of a body.
 
 use algebra::DofId;
-use body::SurfaceStress;
+use body::{ByDof, SurfaceStress};
 use mesh::{BodyId, FacetId, MAX_CELL_VERTICES, Tensor, Vector};
 
 use crate::InterfacePoints;
@@ -57,13 +57,7 @@ impl<const D: usize> SurfaceStress<D> for FluidStress<'_, D> {
         }
     }
 
-    fn at(
-        &self,
-        facet: FacetId,
-        barycentric: &[f64],
-        x: &[f64],
-        derivatives: &mut Vec<(DofId, Vector<D>)>,
-    ) -> Vector<D> {
+    fn at(&self, facet: FacetId, barycentric: &[f64], x: &[f64], derivatives: &mut ByDof<D>) -> Vector<D> {
         let InterfacePoints { geometry, fields, values, fluid, .. } = &self.points;
         derivatives.clear();
         let Some(item) = self.on_facet(facet).find(|&item| self.contains(item, barycentric)) else {

@@ -1,7 +1,7 @@
 //! Stress of a solid on its surface.
 
 use algebra::{DofId, Sites};
-use body::SurfaceStress;
+use body::{ByDof, SurfaceStress};
 use mesh::{CellId, FacetId, Tensor, Vector, VertexId, det};
 
 use crate::kinematics::deformation_gradient;
@@ -29,7 +29,7 @@ impl<const D: usize> SolidStress<'_, D> {
         vertices: &[VertexId],
         cell: &SolidCell<'_, D>,
         normal: &Vector<D>,
-        derivatives: &mut Vec<(DofId, Vector<D>)>,
+        derivatives: &mut ByDof<D>,
     ) -> Vector<D> {
         let f = deformation_gradient(&cell.grad_displacement());
         let Some(inverse) = f.try_inverse() else { return Vector::zeros() };
@@ -60,7 +60,7 @@ impl<const D: usize> SurfaceStress<D> for SolidStress<'_, D> {
         }
     }
 
-    fn at(&self, facet: FacetId, _: &[f64], x: &[f64], derivatives: &mut Vec<(DofId, Vector<D>)>) -> Vector<D> {
+    fn at(&self, facet: FacetId, _: &[f64], x: &[f64], derivatives: &mut ByDof<D>) -> Vector<D> {
         derivatives.clear();
         let Some(cell) = self.cell(facet) else { return Vector::zeros() };
         let solid = self.cells.solid;

@@ -44,9 +44,8 @@ fn supported<const D: usize>(parts: Vec<(&str, SupportKind<D>)>) -> impl FnOnce(
     }
 }
 
-/// Offset of the laws of [`pushed_block`].
+/// Offset of the law and displacement of the top of [`pushed_block`].
 const OFFSET: f64 = 0.02;
-/// Displacement of the top of [`pushed_block`].
 const PUSHED: f64 = 0.05;
 
 /// Pushes a unit block onto a plane. Returns the report, the displacement of each vertex with its reference position, and the

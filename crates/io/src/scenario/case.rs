@@ -159,23 +159,19 @@ fn check_contacts<const D: usize>(
         let found = obstacle.project_all(points, Positions::Fixed(at));
         found.iter().zip(points).filter_map(|(found, x)| Some(-found.as_ref()?.gap(x))).fold(0.0, f64::max)
     };
-    let whole = |body: BodyId| {
-        let surface = setup.bodies[body.index()].surface();
-        DeformableObstacle::new(surface.clone(), surface.facets().collect())
-    };
     for (given, contact) in scenario.contact.iter().zip(&setup.contacts) {
-        let fail = |error: contact::Error| given.at.error(error);
-        let (slave, of_slave) = (contact.body(), &positions[contact.body().index()]);
-        let deepest = match contact.master() {
-            None => depth(contact.geometry(), &[], of_slave),
-            Some(master) => {
-                let of_master = &positions[master.index()];
-                let behind_master = depth(&whole(master).map_err(fail)?, of_master, of_slave);
-                behind_master.max(depth(&whole(slave).map_err(fail)?, of_slave, of_master))
-            }
+        let slave = contact.body().index();
+        let behind = |body: usize, points: &[Point<D>]| {
+            let surface = setup.bodies[body].surface();
+            let obstacle = DeformableObstacle::new(surface.clone(), surface.facets().collect());
+            obstacle.map(|obstacle| depth(&obstacle, &positions[body], points)).map_err(|error| given.at.error(error))
+        };
+        let deepest = match contact.master().map(BodyId::index) {
+            None => depth(contact.geometry(), &[], &positions[slave]),
+            Some(master) => behind(master, &positions[slave])?.max(behind(slave, &positions[master])?),
         };
         if deepest > TOUCHING * given.size {
-            let name = setup.bodies[slave.index()].name();
+            let name = setup.bodies[slave].name();
             return Err(given.obstacle.at.invalid(format!(
                 "body `{name}` is {deepest:.3e} behind this obstacle at the start; move one of them"
             )));

@@ -284,7 +284,7 @@ fn fluid_boundary<const D: usize>(
             FluidBoundary::Open { traction: Some(Arc::new(move |x, _, t| value(x, t))), backflow: true }
         }
         FluidCondition::Pressure { value } => {
-            let p = value.number_over_time(&points(), &times)?;
+            let p = value.over_time(&value.at, &points(), &times)?;
             FluidBoundary::Open { traction: Some(Arc::new(move |x, n: &Vector<D>, t| n * -p(x, t))), backflow: true }
         }
     })
