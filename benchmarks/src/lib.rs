@@ -5,7 +5,7 @@ use std::sync::Arc;
 use algebra::time::{ImplicitEuler, Level, StepRule};
 use algebra::{BlockLayout, BlockSystem, Contributions, Equations, NewtonSettings};
 use body::{Body, StepTime};
-use contact::{ContactForm, Penalty, RigidPlane};
+use contact::{ContactForm, PenaltyLaw, RigidPlane};
 use cutcell::OverlayOptions;
 use fluid_ns::NewtonianFluid;
 use mesh::generate::{BallOptions, Size, graded_box, half_ball, structured_box};
@@ -102,7 +102,7 @@ fn ball_in_fluid(resolution: Resolution, gap: f64) -> Setup<2> {
     let options = ElasticOptions { supports: vec![support], ..ElasticOptions::default() };
     let bodies = vec![elastic("ball", solid, options)];
     let ground = RigidPlane::new(Point::<2>::zeros(), Vector::<2>::new(0.0, -1.0)).expect("a unit normal");
-    let form = ContactForm::new(Penalty::new(1e8, CONTACT_SIZE).expect("a positive penalty"), CONTACT_SIZE)
+    let form = ContactForm::new(PenaltyLaw::new(1e8, CONTACT_SIZE).expect("a positive penalty"), CONTACT_SIZE)
         .expect("a positive size");
     let contact = Contact::new(&bodies, BodyId(0), surface, form, ContactObstacle::Rigid(Box::new(ground)));
     Setup { contacts: vec![contact.expect("facets of the ball")], ..setup(fluid, bodies, 1e-3) }

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use crate::linear::{LinearError, LinearSystem, ScaledMatrix};
-use crate::scatter::{Affine, Scatter, Stripes, Work};
+use crate::scatter::{AffineSum, Scatter, Stripes, Work};
 use crate::{BlockLayout, Constraints, Contributions, DofId, MatrixView, Pattern};
 
 /// Time spent in one contribution, for reports only.
@@ -52,7 +52,7 @@ pub struct BlockSystem {
     timings: Vec<ContributionTiming>,
     seconds_pattern: f64,
     scatter: Scatter,
-    affine: Affine,
+    affine: AffineSum,
 }
 
 impl BlockSystem {
@@ -187,8 +187,8 @@ impl BlockSystem {
     fn evaluate(&mut self, contributions: &[&dyn Contributions], x: &[f64], mut values: Option<&mut [f64]>) {
         assert_eq!(x.len(), self.pattern.n_unknowns(), "length of the state");
         let mut residual = std::mem::take(&mut self.residual);
-        let at = (self.linear_residual.as_slice(), x);
-        self.affine.evaluate(&self.pattern, &self.linear_values, values.as_deref_mut(), at, &mut residual);
+        let (entries, r, copy) = (&self.linear_values, &self.linear_residual, values.as_deref_mut());
+        self.affine.evaluate(&self.pattern, entries, copy, r, x, &mut residual);
         if self.has_nonlinear {
             self.add(contributions, false, x, &mut residual, values);
         }
@@ -214,10 +214,8 @@ impl BlockSystem {
                 works.push(Work { index, contribution, pattern: &self.pattern, items });
             }
         }
-        let with_tangent = values.is_some();
         let dealt = self.stripes.deal(&self.pattern, residual, values);
-        let how = (linear, with_tangent);
-        self.scatter.add(&works, x, &self.stripes, dealt, how, |index, seconds| {
+        self.scatter.add(&works, x, &self.stripes, dealt, linear, |index, seconds| {
             self.timings[index].calls += 1;
             self.timings[index].seconds += seconds;
         });

@@ -54,7 +54,7 @@ impl LocalSystem {
 
     /// Returns whether the tangent is read. A term may skip its tangent otherwise.
     #[inline]
-    pub fn wants_tangent(&self) -> bool {
+    pub fn has_tangent(&self) -> bool {
         !self.residual_only
     }
 

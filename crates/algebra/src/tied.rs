@@ -64,7 +64,7 @@ impl Scratch {
         for (row, residual) in self.system.residual().iter().enumerate() {
             self.row(row).iter().for_each(|(to, factor)| out.add(*to, factor * residual));
         }
-        if !out.wants_tangent() {
+        if !out.has_tangent() {
             return;
         }
         for column in 0..self.dofs.len() {
@@ -96,7 +96,7 @@ impl Contributions for Tied<'_> {
         scratch.free.clear();
         self.free(&scratch.dofs, &mut scratch.free);
         scratch.relate(self.constraints);
-        if out.wants_tangent() {
+        if out.has_tangent() {
             scratch.system.reset(scratch.dofs.len());
         } else {
             scratch.system.reset_residual(scratch.dofs.len());

@@ -59,7 +59,7 @@ fn difference(a: &[f64], b: &[f64]) -> f64 {
 }
 
 #[test]
-fn gmres_meets_its_tolerance_and_says_when_it_does_not() {
+fn gmres_meets_its_tolerance_or_returns_an_error() {
     let (matrix, keys) = grid(20, [10.0, 10.0], 0.5);
     let rhs = right_side(&keys);
     let diagonal = matrix.diag();

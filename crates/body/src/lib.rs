@@ -20,7 +20,7 @@ pub use output::{Balance, CellOutput, CellStress};
 pub use prescribed::PrescribedBody;
 pub use state::BodyState;
 pub use step_time::StepTime;
-pub use stress::SurfaceStress;
+pub use stress::{ByDof, SurfaceStress};
 pub use surface::{SurfaceMotion, SurfaceVelocity};
 
 use std::sync::Arc;

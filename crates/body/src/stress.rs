@@ -3,6 +3,9 @@
 use algebra::DofId;
 use mesh::{FacetId, Vector};
 
+/// Derivatives of a vector with the dofs on which it depends, each once.
+pub type ByDof<const D: usize> = Vec<(DofId, Vector<D>)>;
+
 /// Traction `σ n` on one side of the surface of a body, with its derivatives; `n` points out of the body.
 ///
 /// A consistent contact law reads it. Implementations: the stress of a solid behind the surface, and that of the fluid in
@@ -11,9 +14,9 @@ pub trait SurfaceStress<const D: usize>: Send + Sync {
     /// Appends the dofs on which the traction anywhere on a facet depends; they are frozen for the step.
     fn dofs(&self, facet: FacetId, out: &mut Vec<DofId>);
 
-    /// Returns the traction at a point of a facet, given by barycentric coordinates, at the state `x`. Writes to
-    /// `derivatives[k]` the derivative with respect to dof `k` of [`SurfaceStress::dofs`].
+    /// Returns the traction at a point of a facet, given by barycentric coordinates, at the state `x`. Replaces
+    /// `derivatives` by those with respect to the dofs on which it depends there, all among [`SurfaceStress::dofs`].
     ///
     /// Units: force per area.
-    fn at(&self, facet: FacetId, barycentric: &[f64], x: &[f64], derivatives: &mut Vec<Vector<D>>) -> Vector<D>;
+    fn at(&self, facet: FacetId, barycentric: &[f64], x: &[f64], derivatives: &mut ByDof<D>) -> Vector<D>;
 }

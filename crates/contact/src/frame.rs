@@ -110,7 +110,7 @@ mod tests {
     }
 
     #[test]
-    fn frames_are_orthonormal_and_know_their_derivatives() {
+    fn frames_are_orthonormal_with_exact_derivatives() {
         check(Vector::<2>::new(0.3, -0.8));
         check(Vector::<3>::new(0.3, -0.8, 0.1));
         check(Vector::<3>::new(0.0, 0.0, -1.0));

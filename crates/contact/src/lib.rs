@@ -14,7 +14,7 @@
 //! | quadrature points, and their time levels | `sites.rs`, `segments.rs` |
 //!
 //! ```
-//! use contact::{ContactLaw, ContactPoint, Obstacle, Penalty, Positions, RigidPlane};
+//! use contact::{ContactLaw, ContactPoint, Obstacle, PenaltyLaw, Positions, RigidPlane};
 //! use mesh::{Point, Vector};
 //!
 //! let ground = RigidPlane::new(Point::<2>::zeros(), Vector::<2>::new(0.0, -1.0))?;
@@ -22,7 +22,7 @@
 //! let gap = ground.project(&x, Positions::Fixed(&[]), &[]).map(|p| p.gap(&x));
 //! assert_eq!(gap, Some(0.04));
 //!
-//! let law = Penalty::new(1e8, 0.1)?;
+//! let law = PenaltyLaw::new(1e8, 0.1)?;
 //! let traction = law.traction(&ContactPoint { gap: 0.04, size: 0.1, ..ContactPoint::default() });
 //! assert!((traction.value[0] + 0.06e9).abs() < 1e-6);
 //! # Ok::<(), contact::Error>(())
@@ -43,7 +43,7 @@ mod sites;
 pub use diagnostics::ContactReport;
 pub use error::Error;
 pub use frame::{Frame, Local};
-pub use law::{ContactLaw, ContactPoint, ContactTraction, Penalty, StressSource};
+pub use law::{ContactLaw, ContactPoint, ContactTraction, PenaltyLaw, StressSource};
 pub use obstacle::{Anchor, DeformableObstacle, Obstacle, Projection, RigidPlane};
 pub use positions::Positions;
 pub use site::{ContactNode, ContactSite};

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use algebra::{BlockLayout, DofId, Sites};
-use body::{SurfaceMotion, SurfaceStress};
+use body::{ByDof, SurfaceMotion, SurfaceStress};
 use mesh::{BoundaryMesh, FacetId, MAX_FACET_VERTICES, Placed, Point, SimplexRule, Vector, VertexId, positive};
 
 use crate::segments::{Segment, divide};
@@ -95,8 +95,6 @@ struct Item<const D: usize> {
     masters: Vec<(VertexId, Option<usize>)>,
     /// Dofs, each once: those of slave, master and stress.
     dofs: Vec<DofId>,
-    /// Local rows of the dofs of the stress, in its order.
-    stress_rows: Vec<usize>,
 }
 
 /// Returns the local row of a dof; appends the dof if it is new.
@@ -138,13 +136,11 @@ impl<const D: usize> ContactItems<D> {
                 let vertices = master.boundary.vertices_of(&candidates);
                 masters = vertices.into_iter().map(|vertex| (vertex, first_row(master, vertex))).collect();
             }
-            let mut stress_dofs = Vec::new();
-            if let Some(stress) = &pair.stress {
-                stress.dofs(facet, &mut stress_dofs);
-            }
-            let stress_rows = stress_dofs.into_iter().map(|dof| row_of(dof, &mut dofs)).collect();
+            let mut of_stress = Vec::new();
+            pair.stress.iter().for_each(|stress| stress.dofs(facet, &mut of_stress));
+            of_stress.into_iter().for_each(|dof| _ = row_of(dof, &mut dofs));
             let measure = placed.facet_measure(facet);
-            items.push(Item { number, facet, measure, candidates, segments, masters, dofs, stress_rows });
+            items.push(Item { number, facet, measure, candidates, segments, masters, dofs });
         }
         Self { items }
     }
@@ -180,7 +176,7 @@ impl<const D: usize> ContactSites<'_, D> {
     }
 
     /// Evaluates a point, given its position and, in `site`, its weight and the nodes of the slave. Returns whether an
-    /// obstacle is in reach.
+    /// obstacle is in reach. `derivatives` is memory for those of the stress.
     #[inline]
     fn evaluate(
         &self,
@@ -188,6 +184,7 @@ impl<const D: usize> ContactSites<'_, D> {
         position: &Point<D>,
         barycentric: &[f64; D],
         x: &[f64],
+        derivatives: &mut ByDof<D>,
         site: &mut ContactSite<D>,
     ) -> bool {
         let ContactPair { form, obstacle, master, dt, .. } = self.pair;
@@ -210,14 +207,39 @@ impl<const D: usize> ContactSites<'_, D> {
         let gap = projection.gap(position);
         site.at = ContactPoint { gap, slip, size: form.size, dt, ..ContactPoint::default() };
         if let Some(stress) = &self.pair.stress {
-            let mut derivatives = Vec::new();
-            site.stress = stress.at(item.facet, barycentric, x, &mut derivatives);
-            site.stress_derivatives = item.stress_rows.iter().copied().zip(derivatives).collect();
+            site.stress = stress.at(item.facet, barycentric, x, derivatives);
+            let row = |dof: &DofId| item.dofs.iter().position(|other| other == dof);
+            site.stress_derivatives.clear();
+            site.stress_derivatives.extend(derivatives.iter().filter_map(|(dof, by_dof)| Some((row(dof)?, *by_dof))));
             site.at.stress = site.frame.components(&site.stress);
         }
         site.is_active = form.law.is_active(&site.at);
-        site.traction = if site.is_active { form.law.traction(&site.at) } else { ContactTraction::default() };
         true
+    }
+
+    /// Visits the points of an item that have an obstacle in reach, without their traction.
+    fn each_point(&self, item: usize, x: &[f64], mut visit: impl FnMut(&mut ContactSite<D>)) {
+        let (item, slave, rule) = (&self.items.items[item], self.pair.slave, &self.pair.form.rule);
+        let mut points = [Point::zeros(); D];
+        let (mut site, mut derivatives) = (ContactSite::new(), Vec::new());
+        for (k, &vertex) in slave.boundary.facet(item.facet).iter().enumerate() {
+            (points[k], site.nodes[k]) = self.node(slave, vertex, slave.field().map(|_| D * k), x);
+        }
+        for (s, segment) in item.segments.iter().enumerate() {
+            let measure = segment.share * item.measure;
+            for (q, (point, weight)) in rule.points().iter().zip(rule.weights()).enumerate() {
+                let shape = segment.at(point);
+                let mut position = Point::zeros();
+                for k in 0..D {
+                    site.nodes[k].share = shape[k];
+                    position += points[k] * shape[k];
+                }
+                (site.number, site.weight) = (s * rule.weights().len() + q, weight * measure);
+                if self.evaluate(item, &position, &shape, x, &mut derivatives, &mut site) {
+                    visit(&mut site);
+                }
+            }
+        }
     }
 }
 
@@ -233,27 +255,11 @@ impl<const D: usize> Sites for ContactSites<'_, D> {
     }
 
     fn visit(&self, item: usize, x: &[f64], mut visit: impl FnMut(&Self::Site)) {
-        let (item, slave, rule) = (&self.items.items[item], self.pair.slave, &self.pair.form.rule);
-        let mut points = [Point::zeros(); D];
-        let mut site = ContactSite::new();
-        for (k, &vertex) in slave.boundary.facet(item.facet).iter().enumerate() {
-            (points[k], site.nodes[k]) = self.node(slave, vertex, slave.field().map(|_| D * k), x);
-        }
-        for (s, segment) in item.segments.iter().enumerate() {
-            let measure = segment.share * item.measure;
-            for (q, (point, weight)) in rule.points().iter().zip(rule.weights()).enumerate() {
-                let shape = segment.at(point);
-                let mut position = Point::zeros();
-                for k in 0..D {
-                    site.nodes[k].share = shape[k];
-                    position += points[k] * shape[k];
-                }
-                (site.number, site.weight) = (s * rule.weights().len() + q, weight * measure);
-                if self.evaluate(item, &position, &shape, x, &mut site) {
-                    visit(&site);
-                }
-            }
-        }
+        self.each_point(item, x, |site| {
+            let law = &self.pair.form.law;
+            site.traction = if site.is_active { law.traction(&site.at) } else { ContactTraction::default() };
+            visit(site);
+        });
     }
 
     /// Returns the hash of the set of active points: two states with the same active set have the same value.
@@ -263,7 +269,7 @@ impl<const D: usize> Sites for ContactSites<'_, D> {
         const PRIME: u64 = 0x0100_0000_01b3;
         let mut hash = OFFSET;
         for (k, item) in self.items.items.iter().enumerate() {
-            self.visit(k, x, |site| {
+            self.each_point(k, x, |site| {
                 if site.is_active {
                     for number in [item.number, site.number] {
                         hash = (hash ^ number as u64).wrapping_mul(PRIME);

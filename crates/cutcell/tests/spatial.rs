@@ -152,7 +152,7 @@ fn pieces_of_needles_have_barycentric_coordinates() {
 }
 
 #[test]
-fn a_surface_that_pierces_itself_is_refused_unless_told_otherwise() {
+fn a_surface_that_pierces_itself_is_refused_unless_allowed() {
     // Two cubes that overlap, as one surface.
     let (first, second) = (cube(), cube().moved(|x| x * 0.8 + P::new(0.5, 0.1, 0.2)));
     let offset = first.positions.len() as u32;

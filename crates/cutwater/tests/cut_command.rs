@@ -49,7 +49,7 @@ fn the_table_has_volumes_and_files_are_written() {
 }
 
 #[test]
-fn what_cannot_be_cut_exits_with_2_and_says_where() {
+fn what_cannot_be_cut_exits_with_2_and_names_the_place() {
     let sound = surface("sound.obj", TETRAHEDRON);
     let open = surface("open.obj", &TETRAHEDRON.replace("f 2 3 4\n", ""));
     let nan = surface("nan.obj", &TETRAHEDRON.replace("v 1 0 0", "v nan 0 0"));

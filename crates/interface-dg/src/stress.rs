@@ -1,7 +1,7 @@
 //! Stress of the fluid on the surface of a body.
 
 use algebra::DofId;
-use body::SurfaceStress;
+use body::{ByDof, SurfaceStress};
 use mesh::{BodyId, FacetId, MAX_CELL_VERTICES, Tensor, Vector};
 
 use crate::InterfacePoints;
@@ -57,12 +57,9 @@ impl<const D: usize> SurfaceStress<D> for FluidStress<'_, D> {
         }
     }
 
-    fn at(&self, facet: FacetId, barycentric: &[f64], x: &[f64], derivatives: &mut Vec<Vector<D>>) -> Vector<D> {
+    fn at(&self, facet: FacetId, barycentric: &[f64], x: &[f64], derivatives: &mut ByDof<D>) -> Vector<D> {
         let InterfacePoints { geometry, fields, values, fluid, .. } = &self.points;
-        let mut dofs = Vec::new();
-        self.dofs(facet, &mut dofs);
         derivatives.clear();
-        derivatives.resize(dofs.len(), Vector::zeros());
         let Some(item) = self.on_facet(facet).find(|&item| self.contains(item, barycentric)) else {
             return Vector::zeros();
         };
@@ -77,11 +74,7 @@ impl<const D: usize> SurfaceStress<D> for FluidStress<'_, D> {
             let columns = (0..D).map(|b| by_velocity.column(b).into_owned()).chain([piece.normal * -shape[i]]);
             let node = dof as usize;
             let of_node = fields.layout.node(fields.velocity, node).chain(fields.layout.node(fields.pressure, node));
-            for (dof, column) in of_node.zip(columns) {
-                if let Some(k) = dofs.iter().position(|other| *other == dof) {
-                    derivatives[k] = column;
-                }
-            }
+            derivatives.extend(of_node.zip(columns));
         }
         fluid.viscous_traction(&grad_u, &piece.normal) - piece.normal * pressure
     }

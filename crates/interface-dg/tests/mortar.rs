@@ -188,7 +188,7 @@ fn fluid_stress_is_the_traction_of_the_fluid() {
             for share in [0.0, 0.13, 0.5, 0.72, 1.0] {
                 let barycentric = [1.0 - share, share];
                 let found = stress.at(facet, &barycentric, x, &mut derivatives);
-                assert_eq!(derivatives.len(), dofs.len());
+                assert!(derivatives.iter().all(|(dof, _)| dofs.contains(dof)));
                 let corners = surface.boundary.facet(facet);
                 let at: Point<2> = (0..2).map(|k| surface.begin[corners[k].index()] * barycentric[k]).sum();
                 // The top of the body is wet; the other sides lie on the boundary of the background.
@@ -200,7 +200,8 @@ fn fluid_stress_is_the_traction_of_the_fluid() {
                 let normal = V::new(0.0, 1.0);
                 let expected = (gradient + gradient.transpose()) * normal * 0.5 - normal * p(&at);
                 worst[0] = worst[0].max((found - expected).norm() / expected.norm());
-                for (dof, derivative) in dofs.iter().zip(&derivatives) {
+                for dof in &dofs {
+                    let derivative = derivatives.iter().find(|(other, _)| other == dof).map_or(V::zeros(), |(_, d)| *d);
                     let mut moved = x.to_vec();
                     let mut with = |value: f64| {
                         moved[dof.index()] = value;
@@ -210,7 +211,7 @@ fn fluid_stress_is_the_traction_of_the_fluid() {
                     let difference = (with(value + step) - with(value - step)) / (2.0 * step);
                     worst[1] = worst[1].max((difference - derivative).norm());
                 }
-                assert!(derivatives.iter().any(|derivative| derivative.norm() > 0.1));
+                assert!(derivatives.iter().any(|(_, derivative)| derivative.norm() > 0.1));
             }
         }
         assert_eq!(n_wet, 3 * 5);

@@ -10,6 +10,11 @@
 //! # Ok::<(), io::Error>(())
 //! ```
 
+// Compiles the code of the guide.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/src/guides/add-an-output-quantity.md")]
+struct Guide;
+
 pub mod cut;
 pub mod surface;
 pub mod vtk;

@@ -45,6 +45,10 @@ fn fields_are_numbers_or_formulas_of_position_and_time() {
     assert!((velocity(&x, 2.0) - Vector::<2>::new(2.0, 0.0)).norm() < 1e-15);
     let FluidBoundary::Open { traction: Some(traction), .. } = side(&case, "bottom") else { panic!("a traction") };
     assert_eq!(traction(&x, &Vector::<2>::new(0.0, -1.0), 0.0), Vector::<2>::new(0.0, 0.8));
+    let pressure = "background.boundary.bottom={ kind = \"pressure\", value = \"x*t\" }";
+    let case = problem(CHANNEL, &[&COARSE_CHANNEL, &[pressure]]);
+    let FluidBoundary::Open { traction: Some(traction), .. } = side(&case, "bottom") else { panic!("a pressure") };
+    assert_eq!(traction(&x, &Vector::<2>::new(0.0, -1.0), 3.0), Vector::<2>::new(0.0, 1.5));
 
     let displaced = "body.0.initial_displacement=[\"0.1*x\", \"0.2\"]";
     let case = problem(BARRIER, &[&COARSE_BALL, &[displaced]]);
@@ -62,6 +66,10 @@ fn fields_that_cannot_be_evaluated_are_refused() {
     expect("fluid.body_force=[0, \"1/(8 - t)\"]", &["fluid.body_force.1", "t = 8"]);
     expect("fluid.body_force=[0, true]", &["fluid.body_force.1", "the boolean `true`", "a number or a formula"]);
     expect("fluid.body_force=[0]", &["fluid.body_force", "1 components"]);
+    let pressure = "background.boundary.bottom={ kind = \"pressure\", value = \"1/x\" }";
+    expect(pressure, &["background.boundary.bottom.value", "`1/x` is inf", "[0.0, 0.0]"]);
+    let traction = "body.0.boundary.surface={ kind = \"traction\", value = [0, \"1/x\"] }";
+    refused(BARRIER, &[&COARSE_BALL, &[traction]], &["body.0.boundary.surface.value.1", "`1/x` is inf"]);
     let free = "body.0.motion={ kind = \"free\" }";
     let sets = [free, "body.0.density=1", "body.0.gravity=[0, 0]", "body.0.initial_velocity=[\"x\", 0]"];
     refused(CHANNEL, &[&COARSE_CHANNEL, &sets], &["body.0.initial_velocity", "numbers instead of formulas"]);
@@ -136,6 +144,16 @@ fn a_word_may_stand_for_a_table_with_its_kind() {
     let short = legal(CHANNEL, &[&["body.0.motion=fixed"]]);
     let long = legal(CHANNEL, &[&["body.0.motion={ kind = \"fixed\" }"]]);
     assert_eq!(short.scenario(), long.scenario());
-    refused(CHANNEL, &[&["body.0.motion=rotating"]], &["body.0.motion", "`centre` is missing"]);
+    refused(
+        CHANNEL,
+        &[&["body.0.motion=rotating"]],
+        &["body.0.motion", "rotating\", centre = ..., angular_velocity = ..."],
+    );
+    let material = "body.0.material=saint-venant-kirchhoff";
+    refused(
+        BARRIER,
+        &[&[material]],
+        &["body.0.material", "alone is not enough: write { kind = ", ", mu = ..., lambda = ... }"],
+    );
     refused(CHANNEL, &[&["body.0.motion={ file = \"a.csv\" }"]], &["body.0.motion", "`kind` is missing"]);
 }

@@ -11,7 +11,7 @@ use mesh::{BodyId, Point, Vector};
 use solid_svk::{ElasticBody, ElasticOptions, LameParameters, SaintVenantKirchhoff, SolidForm, SolidMesh};
 use solver::algebra::{NewtonSettings, Workspace};
 use solver::body::Body;
-use solver::contact::{ContactForm, Penalty, RigidPlane};
+use solver::contact::{ContactForm, PenaltyLaw, RigidPlane};
 use solver::{Contact, ContactObstacle, Setup, State, StepReport, Substep, advance};
 
 /// An elastic block that falls on a plane and bounces.
@@ -63,7 +63,7 @@ fn block() -> Setup<2> {
     let facets = body.surface().facets().collect();
     let bodies = vec![body];
     let plane = RigidPlane::new(Point::<2>::zeros(), Vector::<2>::new(0.0, -1.0)).expect("a plane");
-    let form = ContactForm::new(Penalty::new(1e6, 0.005).expect("a law"), 0.1).expect("a size");
+    let form = ContactForm::new(PenaltyLaw::new(1e6, 0.005).expect("a law"), 0.1).expect("a size");
     let contact = Contact::new(&bodies, BodyId(0), facets, form, ContactObstacle::Rigid(Box::new(plane)));
     let contacts = vec![contact.expect("a contact")];
     Setup { fluid: None, bodies, contacts, dt: DT, most_halvings: 0, newton: NewtonSettings::new(1e-10) }
@@ -143,4 +143,16 @@ fn sizes_are_those_of_the_body() {
     assert_eq!(sizes.bodies, [("block".to_owned(), 16, 15)]);
     assert_eq!((sizes.background_cells, sizes.background_vertices, sizes.cut_cells), (0, 0, 0));
     assert_eq!((sizes.dofs, sizes.n_steps, sizes.half_domain), (2 * 15, N_STEPS, false));
+}
+
+#[test]
+fn a_body_does_not_begin_behind_its_obstacle() {
+    let plane = "contact.0.obstacle.point=[0.0, 0.2]";
+    refused(CASE, &[&[plane]], &["contact.0.obstacle", "body `block` is 1.900e-1 behind this obstacle"]);
+    let wall = "[[body]]\nname = \"wall\"\nmotion = \"fixed\"\nshape = { kind = \"box\", min = [-1.0, 0.1], max = [0.0, 0.2], n = [1, 1] }";
+    let (text, against) = (format!("{CASE}{wall}"), "contact.0.obstacle={ kind = \"body\", name = \"wall\" }");
+    assert!(sizes(&legal(&text, &[&[against]])).is_ok(), "they touch");
+    // No vertex of the block lies in the wall.
+    refused(&text, &[&[against, "body.1.shape.max.0=0.05"]], &["body `block` is 5.000e-2 behind"]);
+    assert!(sizes(&legal(&text, &[&["body.1.shape.max.0=0.05"]])).is_ok(), "no contact acts between them");
 }

@@ -77,7 +77,7 @@ fn moved(file: &ScenarioFile, t: f64) -> Vec<[Point<2>; 3]> {
 }
 
 #[test]
-fn each_kind_moves_the_body_as_it_says() {
+fn each_kind_moves_the_body_as_documented() {
     let file = moving(r#"{ kind = "fixed" }"#, "", &[]);
     assert!(moved(&file, 3.0).iter().all(|[x, y, v]| x == y && v.norm() == 0.0));
     let file = moving(r#"{ kind = "rotating", centre = [0.2, 0.2], angular_velocity = 2.0 }"#, "", &[]);
@@ -118,7 +118,7 @@ fn motions_survive_writing_and_reading() {
 }
 
 #[test]
-fn mistakes_in_a_motion_are_told_with_line_and_key() {
+fn mistakes_in_a_motion_are_reported_with_line_and_key() {
     let folder = fresh_directory("wrong");
     for (name, rows) in [
         ("row", "time,x,y\n0,0,0\n1,0\n"),
@@ -265,7 +265,7 @@ fn half_a_free_body_on_a_plane_of_symmetry_is_held_and_touches_nothing_there() {
 }
 
 #[test]
-fn a_cylinder_that_moves_as_told_pushes_an_elastic_bar() {
+fn a_cylinder_that_moves_as_prescribed_pushes_an_elastic_bar() {
     let directory = fresh_directory("pushed");
     let towards = r#"{ kind = "formula", displacement = ["0.5*t", "0"] }"#;
     let pair = BAR.replace("min = [0.5, 0.15], max = [0.6, 0.25]", "min = [0.27, 0.15], max = [0.37, 0.25]")
@@ -290,7 +290,7 @@ fn bodies_are_placed_where_they_are_at_the_start() {
 }
 
 #[test]
-fn a_cylinder_in_a_channel_feels_drag() {
+fn a_cylinder_in_a_channel_has_drag() {
     let directory = fresh_directory("fixed");
     // On the axis of the channel.
     let sets = ["time.end=0.5", "body.0.shape.centre=[0.3, 0.205]"];
@@ -317,7 +317,7 @@ fn a_cylinder_in_a_channel_feels_drag() {
 }
 
 #[test]
-fn a_rotating_cylinder_feels_a_torque_against_its_turn() {
+fn the_torque_on_a_rotating_cylinder_acts_against_its_rotation() {
     let directory = fresh_directory("rotating");
     let motion = r#"{ kind = "rotating", centre = [0.2, 0.2], angular_velocity = 4.0 }"#;
     let sets = [

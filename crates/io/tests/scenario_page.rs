@@ -93,6 +93,7 @@ impl Rows<'_> {
         };
         match key.default {
             Some(default) if default != "{}" => value += &format!("; `{default}`"),
+            _ if key.group.is_some() => value += "; alternative",
             _ if key.is_optional => value += "; optional",
             _ => {}
         }

@@ -126,7 +126,8 @@ impl<const D: usize> Body<D> for ElasticBody<D> {
             slope: end.slope,
             velocity: SurfaceVelocity::Field(field),
         };
-        Box::new(ElasticStep { body: self, begin, end: time.end, rule, field, surface })
+        let stage = time.stage(rule.alpha_f);
+        Box::new(ElasticStep { body: self, begin, end: time.end, stage, rule, field, surface })
     }
 
     fn balance(&self, state: &BodyState<D>) -> Option<Balance<D>> {
@@ -146,6 +147,8 @@ struct ElasticStep<'s, const D: usize> {
     begin: &'s BodyState<D>,
     /// Time at the end.
     end: f64,
+    /// Time of the stage.
+    stage: f64,
     rule: StepRule<Vector<D>>,
     field: FieldId,
     surface: SurfaceMotion<'s, D>,
@@ -173,7 +176,7 @@ impl<const D: usize> BodyStep<D> for ElasticStep<'_, D> {
         let mut all: Vec<Box<dyn Contributions + 'p>> =
             vec![Box::new(form.inertia_and_body_force(cells)), Box::new(form.internal_work(cells))];
         for load in &options.loads {
-            let facets = SolidFacets { cells, facets: &load.facets };
+            let facets = SolidFacets { cells, facets: &load.facets, time: self.stage };
             let integral = if load.is_linear { Integral::linear } else { Integral::new };
             all.push(Box::new(integral(load.name, facets, vec![load.term.as_ref()])));
         }

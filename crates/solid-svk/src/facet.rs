@@ -10,12 +10,16 @@ use crate::SolidCells;
 /// Component `a` of the velocity of vertex `i` is local row `D i + a`.
 #[derive(Clone, Copy, Debug)]
 pub struct SolidFacet<const D: usize> {
+    /// Positions `X` of the vertices in the reference configuration; only the first `D` are used.
+    pub reference: [Point<D>; MAX_CELL_VERTICES],
     /// Measure (length, area) in the reference configuration.
     pub reference_measure: f64,
     /// Positions `x = X + d` of the vertices; only the first `D` are used.
     pub points: [Point<D>; MAX_CELL_VERTICES],
     /// `c_d`: derivative of displacement with respect to velocity.
     pub displacement_slope: f64,
+    /// Time of the stage.
+    pub time: f64,
 }
 
 impl<const D: usize> SolidFacet<D> {
@@ -39,6 +43,8 @@ pub struct SolidFacets<'a, const D: usize> {
     pub cells: SolidCells<'a, D>,
     /// The facets.
     pub facets: &'a [FacetId],
+    /// Time of the stage.
+    pub time: f64,
 }
 
 impl<const D: usize> Sites for SolidFacets<'_, D> {
@@ -63,6 +69,7 @@ impl<const D: usize> Sites for SolidFacets<'_, D> {
             points[k] = reference[k] + displacement.at(vertex.index(), v);
         }
         let reference_measure = simplex_measure(&reference[..D]);
-        visit(&SolidFacet { reference_measure, points, displacement_slope: displacement.slope });
+        let displacement_slope = displacement.slope;
+        visit(&SolidFacet { reference, reference_measure, points, displacement_slope, time: self.time });
     }
 }

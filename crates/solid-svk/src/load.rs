@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use algebra::Term;
-use mesh::{FacetId, Vector};
+use body::TimeField;
+use mesh::FacetId;
 
 use crate::SolidFacet;
 use crate::terms::{FollowerPressure, Traction};
@@ -22,8 +23,8 @@ pub struct Load<const D: usize> {
 }
 
 impl<const D: usize> Load<D> {
-    /// Creates a load that keeps its direction: force per reference area.
-    pub fn traction(facets: Vec<FacetId>, traction: Vector<D>) -> Self {
+    /// Creates a load that does not follow the motion: force per reference area at a reference position and time.
+    pub fn traction(facets: Vec<FacetId>, traction: TimeField<D>) -> Self {
         Self { name: "solid traction", facets, term: Arc::new(Traction { traction }), is_linear: true }
     }
 

@@ -1,8 +1,8 @@
 //! Stress of a solid on its surface.
 
 use algebra::{DofId, Sites};
-use body::SurfaceStress;
-use mesh::{CellId, FacetId, Tensor, Vector, det};
+use body::{ByDof, SurfaceStress};
+use mesh::{CellId, FacetId, Tensor, Vector, VertexId, det};
 
 use crate::kinematics::deformation_gradient;
 use crate::{Material, SolidCell, SolidCells};
@@ -22,9 +22,15 @@ impl<const D: usize> SolidStress<'_, D> {
         self.cells.solid.boundary().facet_to_cell(facet)
     }
 
-    /// Computes the traction by Nanson's formula, `σ n = P N / |J F⁻ᵀ N|`, and its derivative in the direction of each
-    /// local unknown.
-    fn traction(&self, cell: &SolidCell<'_, D>, normal: &Vector<D>, derivatives: &mut Vec<Vector<D>>) -> Vector<D> {
+    /// Computes the traction by Nanson's formula, `σ n = P N / |J F⁻ᵀ N|`, and its derivatives with respect to the
+    /// velocities of the vertices of the cell.
+    fn traction(
+        &self,
+        vertices: &[VertexId],
+        cell: &SolidCell<'_, D>,
+        normal: &Vector<D>,
+        derivatives: &mut ByDof<D>,
+    ) -> Vector<D> {
         let f = deformation_gradient(&cell.grad_displacement());
         let Some(inverse) = f.try_inverse() else { return Vector::zeros() };
         // a = J F⁻ᵀ N: current area vector per reference area; da = (tr(H F⁻¹) I - (H F⁻¹)ᵀ) a.
@@ -32,15 +38,15 @@ impl<const D: usize> SolidStress<'_, D> {
         let ratio = area.norm();
         let nominal = self.material.first_piola(&f) * normal;
         let traction = nominal / ratio;
-        for node in cell.nodes() {
-            for b in 0..D {
+        for (node, vertex) in vertices.iter().enumerate() {
+            for (b, dof) in self.cells.layout.node(self.cells.velocity, vertex.index()).enumerate() {
                 let mut h = Tensor::<D>::zeros();
                 h.set_row(b, &(cell.gradients[node] * cell.displacement_slope).transpose());
                 let h_inverse = h * inverse;
                 let d_area = area * h_inverse.trace() - h_inverse.transpose() * area;
                 let d_ratio = area.dot(&d_area) / ratio;
                 let d_nominal = self.material.first_piola_derivative(&f, &h) * normal;
-                derivatives.push((d_nominal - traction * d_ratio) / ratio);
+                derivatives.push((dof, (d_nominal - traction * d_ratio) / ratio));
             }
         }
         traction
@@ -54,13 +60,13 @@ impl<const D: usize> SurfaceStress<D> for SolidStress<'_, D> {
         }
     }
 
-    fn at(&self, facet: FacetId, _: &[f64], x: &[f64], derivatives: &mut Vec<Vector<D>>) -> Vector<D> {
+    fn at(&self, facet: FacetId, _: &[f64], x: &[f64], derivatives: &mut ByDof<D>) -> Vector<D> {
         derivatives.clear();
         let Some(cell) = self.cell(facet) else { return Vector::zeros() };
         let solid = self.cells.solid;
         let normal = solid.placed(solid.mesh().vertices()).facet_normal(facet);
-        let mut traction = Vector::zeros();
-        self.cells.visit(cell.index(), x, |site| traction = self.traction(site, &normal, derivatives));
+        let (vertices, mut traction) = (solid.mesh().cell(cell), Vector::zeros());
+        self.cells.visit(cell.index(), x, |site| traction = self.traction(vertices, site, &normal, derivatives));
         traction
     }
 }

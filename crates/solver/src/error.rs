@@ -10,6 +10,17 @@ pub type ObserverError = Box<dyn std::error::Error + Send + Sync>;
 /// The stage of a step that failed.
 #[derive(Debug, thiserror::Error)]
 pub enum Stage {
+    /// A parameter of the setup is out of range.
+    #[error("checking the setup")]
+    Parameter(#[from] mesh::ParameterError),
+    /// A contact was made for other bodies than those of the setup.
+    #[error("contact {contact} was made for other bodies than those of the setup")]
+    Contact {
+        /// Number of the contact.
+        contact: usize,
+        /// Cause.
+        source: contact::Error,
+    },
     /// The surfaces cannot cut the background: a body is turned inside out or torn.
     #[error("cutting the background")]
     Cut(#[from] cutcell::Error),
@@ -68,7 +79,7 @@ pub enum Stage {
 impl Stage {
     /// Returns whether a smaller step may succeed. It cannot if the matrix is too large for the memory or structurally
     /// singular.
-    pub fn asks_for_a_smaller_step(&self) -> bool {
+    pub fn smaller_step_may_succeed(&self) -> bool {
         let Self::Newton(newton) = self else { return matches!(self, Self::MissedContact { .. }) };
         let NewtonError::Linear { source, .. } = newton else { return true };
         !matches!(

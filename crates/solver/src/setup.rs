@@ -9,7 +9,7 @@ use cutcell::OverlayOptions;
 use fluid_ns::NewtonianFluid;
 use mesh::{BodyId, FacetId, Placed, Point, SimplexMesh, Tag, Vector};
 
-use crate::Stabilisation;
+use crate::{Stabilisation, Stage};
 
 /// A traction at a point, given the outward normal, at a time.
 pub type TractionField<const D: usize> = Arc<dyn Fn(&Point<D>, &Vector<D>, f64) -> Vector<D> + Send + Sync>;
@@ -114,17 +114,21 @@ impl<const D: usize> Contact<D> {
         form: ContactForm<D>,
         obstacle: ContactObstacle<D>,
     ) -> Result<Self, contact::Error> {
+        let contact = Self { body, facets, form, obstacle };
+        contact.check(bodies)?;
+        Ok(contact)
+    }
+
+    /// Checks that facets and obstacle belong to the bodies.
+    fn check(&self, bodies: &[Arc<dyn Body<D>>]) -> Result<(), contact::Error> {
         let n_bodies = bodies.len();
         let find = |id: BodyId| bodies.get(id.index()).ok_or(contact::Error::UnknownBody { body: id, n_bodies });
-        let slave = find(body)?;
-        let contact = Self { body, facets, form, obstacle };
-        let master = contact.master().map(find).transpose()?;
-        if contact.master() == Some(body) {
+        let slave = find(self.body)?;
+        let master = self.master().map(find).transpose()?;
+        if self.master() == Some(self.body) {
             return Err(contact::Error::SelfContact);
         }
-        let surface = master.map(|master| master.surface());
-        check_pair(slave.surface(), &contact.facets, contact.geometry(), surface)?;
-        Ok(contact)
+        check_pair(slave.surface(), &self.facets, self.geometry(), master.map(|master| master.surface()))
     }
 
     /// Returns the slave.
@@ -160,6 +164,24 @@ impl<const D: usize> Contact<D> {
 }
 
 impl<const D: usize> Setup<D> {
+    /// Checks values that fit together only in a whole setup. [`crate::State::initial`] calls it.
+    ///
+    /// # Errors
+    /// A time step that is not positive, a plane of symmetry across an axis that does not exist, or a contact that was made
+    /// for other bodies.
+    pub fn check(&self) -> Result<(), Stage> {
+        mesh::positive("time step", self.dt)?;
+        for (_, condition) in self.fluid.iter().flat_map(|fluid| &fluid.boundary) {
+            if let FluidBoundary::Symmetry { axis } = *condition {
+                mesh::require(axis < D, "axis of symmetry", axis as f64, "below the dimension")?;
+            }
+        }
+        for (number, contact) in self.contacts.iter().enumerate() {
+            contact.check(&self.bodies).map_err(|source| Stage::Contact { contact: number, source })?;
+        }
+        Ok(())
+    }
+
     /// Returns the positions of the vertices of each body in the given states.
     pub fn positions(&self, states: &[BodyState<D>]) -> Vec<Vec<Point<D>>> {
         self.bodies.iter().zip(states).map(|(body, state)| state.positions(body.reference())).collect()

@@ -44,8 +44,9 @@ impl<const D: usize> State<D> {
     /// Returns the state at time zero.
     ///
     /// # Errors
-    /// [`StepError`] if the surfaces cannot cut the background.
+    /// [`StepError`] if the setup does not pass [`Setup::check`], or the surfaces cannot cut the background.
     pub fn initial(setup: &Setup<D>) -> Result<Self, StepError> {
+        setup.check().map_err(|source| StepError::at(0, 0.0, source))?;
         let bodies = setup.bodies.iter().map(|body| body.start()).collect();
         let mut state = Self { step: 0, time: 0.0, lengths: Vec::new(), fluid: None, bodies };
         if let Some(fluid) = &setup.fluid {

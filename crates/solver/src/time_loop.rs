@@ -69,7 +69,7 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
                 self.state = state;
                 Ok(())
             }
-            Err(failure) if most_halvings > 0 && failure.source.asks_for_a_smaller_step() => {
+            Err(failure) if most_halvings > 0 && failure.source.smaller_step_may_succeed() => {
                 if let Some(newton) = failure.source.newton_report() {
                     self.lost.add_work(newton);
                 }

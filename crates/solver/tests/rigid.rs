@@ -2,6 +2,7 @@
 
 mod fixture;
 
+use std::error::Error;
 use std::sync::Arc;
 
 use fixture::*;
@@ -9,13 +10,14 @@ use solid_rigid::RigidBody;
 use solver::algebra::{
     BlockGaussSeidel, BlockGaussSeidelSettings, LaggedSettings, LaggedSolver, NewtonSettings, Workspace,
 };
-use solver::contact::{self, ContactForm, Penalty};
+use solver::body::Body;
+use solver::contact::{self, ContactForm, PenaltyLaw};
 use solver::mesh::generate::{Size, graded_box, structured_box};
 use solver::mesh::{BodyId, SimplexMesh};
 use solver::{Contact, FluidBoundary, Setup, Stage, State, Substep, TimeLoop};
 
 #[test]
-fn a_free_body_falls_and_turns_as_the_scheme_says() {
+fn a_free_body_falls_and_turns_by_the_scheme() {
     let mut body = rigid("block", &structured_box::<2>([1.0, 2.0], [3.0, 3.0], [2, 1]).expect("a box"), 2.0, {
         V::new(0.0, -10.0)
     });
@@ -89,12 +91,39 @@ fn two_bodies_that_collide_off_centre_keep_momentum_and_angular_momentum() {
 fn contacts_of_bodies_with_themselves_or_with_none_are_refused() {
     let bodies = dry(vec![Arc::new(rigid("ball", &disk([0.0; 2], 1.0, 0.4), 1.0, V::zeros()))], 1.0).bodies;
     let refused = |slave: u32, obstacle| {
-        let form = ContactForm::new(Penalty::new(1.0, 0.0).expect("a law"), 1.0).expect("a contact");
+        let form = ContactForm::new(PenaltyLaw::new(1.0, 0.0).expect("a law"), 1.0).expect("a contact");
         Contact::new(&bodies, BodyId(slave), Vec::new(), form, obstacle).err()
     };
     assert_eq!(refused(0, against(0, &bodies)), Some(contact::Error::SelfContact));
     let unknown = contact::Error::UnknownBody { body: BodyId(1), n_bodies: 1 };
     assert_eq!(refused(1, ground()), Some(unknown));
+}
+
+#[test]
+fn setups_that_cannot_run_are_refused() {
+    fn brick() -> Arc<dyn Body<2>> {
+        let mesh = structured_box([6.0, 6.0], [7.0, 7.0], [1, 1]).expect("a box");
+        Arc::new(rigid("brick", &mesh, 1.0, V::zeros()))
+    }
+    type Change = fn(&mut Setup<2>);
+    let refused: [(Change, &str); 7] = [
+        (|setup| setup.dt = 0.0, "time step is 0.0, but must be positive"),
+        (|setup| setup.dt = -1e-3, "time step is -0.001"),
+        (|setup| setup.dt = f64::NAN, "time step is NaN"),
+        (|setup| on_sides(setup, &["left"], || FluidBoundary::Symmetry { axis: 2 }), "axis of symmetry is 2.0"),
+        (|setup| setup.bodies.truncate(1), "body 1 is not among the 1 bodies"),
+        (|setup| setup.bodies[0] = brick(), "is not among the 4 facets"),
+        (|setup| setup.bodies[1] = Arc::clone(&setup.bodies[0]), "the body to which its boundary belongs"),
+    ];
+    for (change, words) in refused {
+        let mut setup = falling_ball(0.9, 0.3, 0.6, false);
+        setup.bodies.push(brick());
+        setup.contacts.push(contact(&setup.bodies, 0, (1.0, 0.0, 1.0), against(1, &setup.bodies)));
+        change(&mut setup);
+        let error = State::initial(&setup).expect_err(words);
+        let cause = error.source.source().map(ToString::to_string);
+        assert!(cause.as_ref().is_some_and(|cause| cause.contains(words)), "{cause:?}");
+    }
 }
 
 #[test]
@@ -315,7 +344,7 @@ fn a_piston_fixes_the_pressure_behind_it() {
 }
 
 #[test]
-fn a_piston_in_a_closed_box_feels_the_difference_of_pressures_only() {
+fn the_difference_of_pressures_alone_moves_a_piston_in_a_closed_box() {
     // Gravity on the fluid, and on the plate as if it were fluid: all at rest, and the pressure goes on through the plate.
     let gravity = V::new(0.0, -10.0);
     // The plate is 2.4 wide, of which 0.4 are outside.

@@ -5,7 +5,7 @@
 use std::sync::Arc;
 
 use cutwater::algebra::time::QuasiStatic;
-use cutwater::contact::{ContactForm, DeformableObstacle, Penalty};
+use cutwater::contact::{ContactForm, DeformableObstacle, PenaltyLaw};
 use cutwater::mesh::BodyId;
 use cutwater::mesh::generate::structured_box;
 use cutwater::solid_svk::{LameParameters, SaintVenantKirchhoff, SupportKind};
@@ -79,7 +79,7 @@ fn two(n_slave: usize, n_master: usize) -> Result<[f64; 2], Failure> {
     let contact = Touch {
         facets: upper.part("bottom")?,
         // The contact size also determines the distance within which obstacles are searched.
-        form: ContactForm::new(Penalty::new(0.1 * STIFFNESS, 0.0)?, 0.1)?,
+        form: ContactForm::new(PenaltyLaw::new(0.1 * STIFFNESS, 0.0)?, 0.1)?,
         obstacle: ContactObstacle::Body { body: BodyId::new(1), surface },
     };
     deviation(run(vec![upper, lower], Some(contact), 1.0, 1e-11)?, &[1.0, 0.0])

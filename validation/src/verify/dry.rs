@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use cutwater::algebra::NewtonSettings;
 use cutwater::algebra::time::{GeneralisedAlpha, TimeScheme};
-use cutwater::contact::{ContactForm, Penalty, RigidPlane};
+use cutwater::contact::{ContactForm, PenaltyLaw, RigidPlane};
 use cutwater::mesh::{BodyId, FacetId, Point, SimplexMesh, Vector};
 use cutwater::solid_svk::supports::{tagged_facets, vertices_of};
 use cutwater::solid_svk::{ElasticBody, ElasticOptions, Material, SolidForm, SolidMesh, Support, SupportKind};
@@ -64,7 +64,7 @@ pub(crate) struct Touch<const D: usize> {
 pub(crate) fn floor(facets: Vec<FacetId>, penalty: f64, size: f64) -> Result<Touch<2>, Failure> {
     Ok(Touch {
         facets,
-        form: ContactForm::new(Penalty::new(penalty, 0.0)?, size)?,
+        form: ContactForm::new(PenaltyLaw::new(penalty, 0.0)?, size)?,
         obstacle: ContactObstacle::Rigid(Box::new(RigidPlane::new(P::zeros(), V::new(0.0, -1.0))?)),
     })
 }

@@ -235,7 +235,7 @@ fn body(layer: &Arc<Layer>, solid: SolidMesh<2>, time: f64) -> Result<ElasticBod
             Support { vertices: vertices(&on_base), kind: SupportKind::Clamped },
             Support { vertices: vertices(&|x| at_end(x) && !on_base(x)), kind: SupportKind::Symmetry { axis: 1 } },
         ],
-        loads: vec![Load::traction(facets, V::new(stress, 0.0))],
+        loads: vec![Load::traction(facets, Arc::new(move |_, _| V::new(stress, 0.0)))],
         initial_displacement: Some(Arc::new(move |x| V::new(at_start.displacement(x[1], 0.0), 0.0))),
         initial_velocity: Some(Arc::new(move |x| V::new(velocity.speed(x[1], 0.0), 0.0))),
     };

@@ -117,7 +117,7 @@ impl<const D: usize> Uniform<D> {
             for (k, side) in sides.iter().enumerate() {
                 let traction = self.piola.column(axis) * if k == 0 { -1.0 } else { 1.0 };
                 let facets = body.part(side)?;
-                body.options.loads.push(Load::traction(facets, traction));
+                body.options.loads.push(Load::traction(facets, Arc::new(move |_, _| traction)));
                 if self.planes[axis][k] {
                     body.hold(side, SupportKind::Symmetry { axis })?;
                 }

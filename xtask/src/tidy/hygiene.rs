@@ -10,7 +10,7 @@ const LONG_FILES: &[(&str, &str)] = &[];
 /// Largest numbers of lines of Rust below some folders (docs/adr/0022).
 const BUDGETS: &[(&[&str], usize)] = &[
     (&["crates/cutwater/src/lib.rs", "crates/cutwater/src/main.rs"], 150),
-    (&["crates/io/src"], 6000),
+    (&["crates/io/src"], 6050),
     (&["crates/report/src"], 1450),
     (&["crates/solver/src"], 1400),
     (&["validation"], 7700),

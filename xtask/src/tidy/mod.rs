@@ -102,6 +102,7 @@ mod tests {
         check_finds(term, "//! A.\nconst A: f64 = 0.7;\n", 2, "0.7 in a term");
         check_finds("crates/mesh/src/a.rs", "fn a() {}\n", 1, "begin the file");
         check_finds("crates/mesh/src/a.rs", "//! A.\nfn solve2() {}\n", 2, "replace the first version");
+        check_finds("crates/io/src/a.rs", "//! A.\npub trait A {}\nkeys! {\n    pub struct A {}\n}\n", 4, "one name");
         check_finds("crates/mesh/src/utils.rs", "//! A.\n", 1, "has no content");
         check_finds("crates/mesh/src/a.rs", "//! A. \n", 1, "white space");
         check_finds("crates/mesh/src/a.rs", "//! A.\nfn a() { todo!() }\n", 2, "todo!");

@@ -13,7 +13,8 @@ const TEST_FOLDERS: &[&str] = &["/tests/common/mod.rs"];
 const SECOND: &[&str] = &["2", "_new", "_old", "New", "Old"];
 /// Type names that several crates may define.
 const SHARED: &[&str] = &["Error"];
-/// Folder of the terms of a crate. The name of a term is that of the physics, which several crates have.
+/// Folder of the terms of a crate. Terms of several crates may share the name of the physics that they describe, such as the
+/// inertia of fluid and solid.
 const TERMS: &str = "/terms/";
 
 /// Checks all names.
@@ -30,16 +31,18 @@ pub(super) fn check(tree: &Tree) -> Vec<Finding> {
                     let advice = format!("`{name}`: replace the first version instead");
                     findings.push(Finding::new(&source.path, number, advice));
                 }
-                let is_type = ["struct", "enum", "trait", "type"].contains(&kind) && line.starts_with("pub ");
-                if is_type && source.is_src() && !source.path.contains(TERMS) && source.package().starts_with("crates/")
-                {
+                // Declarations inside of macros are indented; `$Name` in the macro itself is no name.
+                let is_type =
+                    ["struct", "enum", "trait", "type"].contains(&kind) && line.trim_start().starts_with("pub ");
+                if is_type && !name.is_empty() && source.is_src() && source.package().starts_with("crates/") {
                     types.entry(name).or_default().push((source, number));
                 }
             }
         }
     }
     for (name, places) in types {
-        if places.len() > 1 && !SHARED.contains(&name) {
+        let is_term = |(source, _): &(&Source, usize)| source.path.contains(TERMS);
+        if places.len() > 1 && !places.iter().all(is_term) && !SHARED.contains(&name) {
             let (source, number) = places[1];
             let advice = format!("`{name}` is also a type in {}: one name, one meaning", places[0].0.path);
             findings.push(Finding::new(&source.path, number, advice));

@@ -44,7 +44,7 @@ pub struct LaggedSolver {
     patch: Patch,
     /// Whether the factors and the patch belong to the matrix that was given last.
     is_factorized: bool,
-    wants_factors: bool,
+    must_factorize: bool,
     n_factorizations: usize,
     gmres: Gmres,
     rhs: Vec<f64>,
@@ -85,7 +85,7 @@ impl LaggedSolver {
             base: None,
             patch: Patch::default(),
             is_factorized: false,
-            wants_factors: false,
+            must_factorize: false,
             n_factorizations: 0,
             gmres: Gmres::default(),
             rhs: Vec::new(),
@@ -106,7 +106,7 @@ impl LaggedSolver {
         base.keys.extend(system.layout.keys().into_iter().zip(0..));
         base.keys.sort_unstable();
         self.base = Some(base);
-        self.wants_factors = false;
+        self.must_factorize = false;
         self.patch.is_base(n);
         Ok(())
     }
@@ -228,7 +228,7 @@ impl Patch {
 impl LinearSolver for LaggedSolver {
     fn factorize(&mut self, system: &LinearSystem<'_>) -> Result<(), LinearError> {
         self.is_factorized = false;
-        if let Some(base) = self.base.as_ref().filter(|_| !self.wants_factors && !system.is_empty()) {
+        if let Some(base) = self.base.as_ref().filter(|_| !self.must_factorize && !system.is_empty()) {
             self.patch.relate(system, base);
             let changed = self.patch.find_changed(system.matrix, base, self.settings.change);
             let n_changed = changed.len();
@@ -268,7 +268,7 @@ impl LinearSolver for LaggedSolver {
         }
         let report = outcome?;
         iterations += report.iterations;
-        self.wants_factors |= report.iterations > self.settings.most_iterations;
+        self.must_factorize |= report.iterations > self.settings.most_iterations;
         system.unscale(&self.solution, x);
         Ok(LinearReport { iterations, ..report })
     }
@@ -278,7 +278,7 @@ impl LinearSolver for LaggedSolver {
     }
 
     fn forget(&mut self) {
-        self.wants_factors = true;
+        self.must_factorize = true;
     }
 }
 

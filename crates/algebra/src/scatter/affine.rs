@@ -9,19 +9,20 @@ const BLOCKS: usize = 4;
 
 /// `y = r + K x`, summed in blocks of columns so that bits do not depend on the number of threads.
 #[derive(Debug, Default)]
-pub(crate) struct Affine {
+pub(crate) struct AffineSum {
     /// One vector per block.
     partial: Vec<f64>,
 }
 
-impl Affine {
+impl AffineSum {
     /// Evaluates `y` and, if `copy` is given, copies the entries of `K` into it.
     pub(crate) fn evaluate(
         &mut self,
         pattern: &Pattern,
         entries: &[f64],
         mut copy: Option<&mut [f64]>,
-        (r, x): (&[f64], &[f64]),
+        r: &[f64],
+        x: &[f64],
         y: &mut [f64],
     ) {
         let (n, column_ptr, rows) = (pattern.n_unknowns(), pattern.column_ptr(), pattern.rows());

@@ -3,7 +3,7 @@
 mod affine;
 mod stripes;
 
-pub(crate) use affine::Affine;
+pub(crate) use affine::AffineSum;
 pub(crate) use stripes::Stripes;
 
 use std::ops::Range;
@@ -44,7 +44,7 @@ impl Scatter {
         x: &[f64],
         stripes: &Stripes,
         mut dealt: Vec<Stripe<'_>>,
-        (from_zero, with_tangent): (bool, bool),
+        from_zero: bool,
         mut tell: impl FnMut(usize, f64),
     ) {
         self.of_stripe.resize_with(stripes.len(), Default::default);
@@ -53,6 +53,7 @@ impl Scatter {
             if from_zero {
                 stripe.clear();
             }
+            let with_tangent = stripe.has_tangent();
             seconds.clear();
             seconds.resize(works.len(), 0.0);
             for round in 0..n_rounds {

@@ -122,6 +122,11 @@ impl Stripe<'_> {
         }
     }
 
+    /// Returns whether matrix entries are added, not only the residual.
+    pub(crate) fn has_tangent(&self) -> bool {
+        self.blocks.iter().any(|block| block.columns.is_some())
+    }
+
     /// Adds those columns of an item that belong to this stripe; `positions` and `tangent` are stored column by column.
     #[inline]
     pub(crate) fn add(&mut self, dofs: &[DofId], positions: &[u32], residual: &[f64], tangent: &[f64]) {

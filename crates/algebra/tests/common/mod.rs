@@ -218,7 +218,7 @@ impl Flow {
                 for c in [0, 1] {
                     let slope = [0, 1].map(|a| (0..3).map(|k| u[k][c] * g[k][a]).sum::<f64>());
                     out.add(3 * i + c, weight * (mean[0] * slope[0] + mean[1] * slope[1]));
-                    if out.wants_tangent() {
+                    if out.has_tangent() {
                         for (j, g_j) in g.iter().enumerate() {
                             out.add_tangent(3 * i + c, 3 * j + c, weight * (mean[0] * g_j[0] + mean[1] * g_j[1]));
                             out.add_tangent(3 * i + c, 3 * j, weight * slope[0] / 3.0);

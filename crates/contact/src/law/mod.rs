@@ -4,7 +4,7 @@ mod check;
 mod penalty;
 
 pub use check::{LawCheck, check_law};
-pub use penalty::Penalty;
+pub use penalty::PenaltyLaw;
 
 use crate::Local;
 

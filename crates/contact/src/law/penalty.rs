@@ -10,12 +10,12 @@ use crate::Error;
 /// Source: paper, Eq. (6) and Remark 2, whose last equality has the wrong sign.
 /// Units: `γ_C0` and `λ` force per area, `s` and `ε` lengths.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Penalty {
+pub struct PenaltyLaw {
     gamma_contact_0: f64,
     offset: f64,
 }
 
-impl Penalty {
+impl PenaltyLaw {
     /// Creates the law with penalty parameter `gamma_contact_0` and offset `ε`.
     ///
     /// # Errors
@@ -27,7 +27,7 @@ impl Penalty {
     }
 }
 
-impl ContactLaw for Penalty {
+impl ContactLaw for PenaltyLaw {
     #[inline]
     fn traction(&self, at: &ContactPoint) -> ContactTraction {
         if !self.is_active(at) {
@@ -66,14 +66,14 @@ mod tests {
     fn is_a_law() {
         for offset in [0.0, 0.1] {
             let at = |k: i32| ContactPoint { gap: 0.013 * f64::from(k) + 0.001, size: 0.1, ..ContactPoint::default() };
-            let check = check_law(&Penalty::new(1e8, offset).unwrap(), &(-20..20).map(at).collect::<Vec<_>>());
+            let check = check_law(&PenaltyLaw::new(1e8, offset).unwrap(), &(-20..20).map(at).collect::<Vec<_>>());
             assert!(check.largest() < 1e-8, "{check:?}");
         }
     }
 
     #[test]
     fn nothing_happens_at_the_offset() {
-        let law = Penalty::new(1e8, 0.1).unwrap();
+        let law = PenaltyLaw::new(1e8, 0.1).unwrap();
         let at = ContactPoint { gap: 0.1, size: 0.1, ..ContactPoint::default() };
         assert_eq!(law.traction(&at), ContactTraction::default());
         assert!(!law.is_active(&at) && law.energy_density(&at) == 0.0);
@@ -81,8 +81,8 @@ mod tests {
 
     #[test]
     fn impossible_laws_are_refused() {
-        assert!(Penalty::new(0.0, 0.1).is_err());
-        assert!(Penalty::new(1.0, -0.1).is_err());
-        assert!(Penalty::new(1.0, f64::NAN).is_err());
+        assert!(PenaltyLaw::new(0.0, 0.1).is_err());
+        assert!(PenaltyLaw::new(1.0, -0.1).is_err());
+        assert!(PenaltyLaw::new(1.0, f64::NAN).is_err());
     }
 }

@@ -29,7 +29,7 @@ impl<const D: usize> Term<ContactSite<D>> for ContactWork {
         for (a, row) in rows() {
             out.add_vector::<D>(row, force * -a.share);
         }
-        if !out.wants_tangent() {
+        if !out.has_tangent() {
             return;
         }
         for (b, column) in rows() {

@@ -5,7 +5,7 @@ use body::{Body, BodyState};
 use contact::obstacle::check_obstacle;
 use contact::{
     ContactForm, ContactItems, ContactLaw, ContactPoint, ContactReport, ContactSites, DeformableObstacle, Obstacle,
-    Penalty, Positions,
+    PenaltyLaw, Positions,
 };
 use mesh::generate::{BallOptions, ball, structured_box};
 use mesh::{FacetId, Point, Vector};
@@ -113,8 +113,8 @@ fn two_blocks<const D: usize>(seed: u64, law: impl ContactLaw + 'static, test: &
     test(&bodies, &scene, &contact, &x);
 }
 
-fn penalty() -> Penalty {
-    Penalty::new(GAMMA, OFFSET).unwrap()
+fn penalty() -> PenaltyLaw {
+    PenaltyLaw::new(GAMMA, OFFSET).unwrap()
 }
 
 /// Checks that the tangent is exact. Near an edge of the mesh, within the finite-difference step, the projection is not

@@ -1,7 +1,7 @@
 //! An impact with a known course.
 
 use body::Body;
-use contact::{ContactForm, Penalty, RigidPlane};
+use contact::{ContactForm, PenaltyLaw, RigidPlane};
 use mesh::{Point, Vector};
 use solid_svk::LameParameters;
 use solid_svk::supports::tagged_facets;
@@ -21,7 +21,7 @@ fn bar_hits_the_floor() {
     let lame = LameParameters::new(450.0, 0.0).unwrap();
     let velocity = with_velocity(Vector::<2>::new(0.0, -speed));
     let bodies = [block([0.0, 0.0], [0.5, length], [1, 40], lame, velocity)];
-    let form = ContactForm::new(Penalty::new(1e4, 0.0).unwrap(), SIZE).unwrap();
+    let form = ContactForm::new(PenaltyLaw::new(1e4, 0.0).unwrap(), SIZE).unwrap();
     let plane = RigidPlane::new(Point::<2>::zeros(), Vector::<2>::new(0.0, -1.0)).unwrap();
     let facets = tagged_facets(bodies[0].solid(), "bottom").unwrap();
     let mut states = vec![bodies[0].start()];

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use algebra::time::QuasiStatic;
 use body::{Body, BodyState};
-use contact::{ContactForm, DeformableObstacle, Penalty, RigidPlane};
+use contact::{ContactForm, ContactLaw, ContactReport, DeformableObstacle, PenaltyLaw, RigidPlane};
 use mesh::{Point, Vector};
 use solid_svk::supports::{Support, SupportKind, tagged_facets, vertices_of};
 use solid_svk::{ElasticOptions, SolidMesh};
@@ -44,27 +44,39 @@ fn supported<const D: usize>(parts: Vec<(&str, SupportKind<D>)>) -> impl FnOnce(
     }
 }
 
-#[test]
-fn block_on_a_plane() {
-    // With an offset. The penetration is uniform and so is the pressure.
-    let (gamma, offset, pushed) = (1e3, 0.02, 0.05);
-    let supports = vec![("left", SupportKind::Symmetry { axis: 0 }), ("top", pushed_by(-pushed))];
+/// Offset of the law and displacement of the top of [`pushed_block`].
+const OFFSET: f64 = 0.02;
+const PUSHED: f64 = 0.05;
+
+/// Pushes a unit block onto a plane. Returns the report, the displacement of each vertex with its reference position, and the
+/// number of iterations.
+fn pushed_block(law: impl ContactLaw + 'static) -> (ContactReport<2>, Vec<(Point<2>, Vector<2>)>, usize) {
+    let supports = vec![("left", SupportKind::Symmetry { axis: 0 }), ("top", pushed_by(-PUSHED))];
     let bodies = [block([0.0, 0.0], [1.0, 1.0], [4, 3], soft(), supported(supports))];
     let states = [bodies[0].start()];
     let scene = Scene::new(&bodies, &states, 1.0);
-    let form = ContactForm::new(Penalty::new(gamma, offset).unwrap(), SIZE).unwrap();
+    let form = ContactForm::new(law, SIZE).unwrap();
     let plane = RigidPlane::new(Point::<2>::zeros(), Vector::<2>::new(0.0, -1.0)).unwrap();
     let facets = tagged_facets(bodies[0].solid(), "bottom").unwrap();
     let (found, end, iterations) = scene.advance(scene.pair(&form, &facets, &plane), 0.0, 1e-12);
+    let moved = bodies[0].reference().iter().copied().zip(end[0].displacement().iter().copied());
+    (found, moved.collect(), iterations)
+}
+
+#[test]
+fn block_on_a_plane() {
+    // With an offset. The penetration is uniform and so is the pressure.
+    let gamma = 1e3;
+    let (found, moved, iterations) = pushed_block(PenaltyLaw::new(gamma, OFFSET).unwrap());
     assert!(iterations < 12, "{iterations}");
-    let gap = |stretch: f64| 1.0 - pushed - stretch;
-    let stretch = bisect(0.8, 1.0, |l| pressure_at(l) - gamma / SIZE * (offset - gap(l)));
+    let gap = |stretch: f64| 1.0 - PUSHED - stretch;
+    let stretch = bisect(0.8, 1.0, |l| pressure_at(l) - gamma / SIZE * (OFFSET - gap(l)));
     assert!((found.force[1] - pressure_at(stretch)).abs() < 1e-9 && found.force[0].abs() < 1e-9);
     assert!((found.minimum_gap.unwrap() - gap(stretch)).abs() < 1e-12);
-    assert!((found.largest_penetration - (offset - gap(stretch))).abs() < 1e-12);
+    assert!((found.largest_penetration - (OFFSET - gap(stretch))).abs() < 1e-12);
     let lateral = (1.0 - (stretch * stretch - 1.0) / 3.0).sqrt();
-    for (reference, d) in bodies[0].reference().iter().zip(end[0].displacement()) {
-        let exact = Vector::<2>::new((lateral - 1.0) * reference[0], -pushed + (1.0 - stretch) * (1.0 - reference[1]));
+    for (reference, d) in moved {
+        let exact = Vector::<2>::new((lateral - 1.0) * reference[0], -PUSHED + (1.0 - stretch) * (1.0 - reference[1]));
         assert!((d - exact).norm() < 1e-10, "{d} {exact}");
     }
 }
@@ -73,15 +85,8 @@ fn block_on_a_plane() {
 /// passes the checks of derivatives, but not this one.
 #[test]
 fn a_consistent_law_keeps_the_offset() {
-    let (gamma, offset, pushed) = (1e4, 0.02, 0.05);
-    let supports = vec![("left", SupportKind::Symmetry { axis: 0 }), ("top", pushed_by(-pushed))];
-    let bodies = [block([0.0, 0.0], [1.0, 1.0], [4, 3], soft(), supported(supports))];
-    let states = [bodies[0].start()];
-    let scene = Scene::new(&bodies, &states, 1.0);
-    let form = ContactForm::new(NitscheLike { gamma, offset }, SIZE).unwrap();
-    let plane = RigidPlane::new(Point::<2>::zeros(), Vector::<2>::new(0.0, -1.0)).unwrap();
-    let facets = tagged_facets(bodies[0].solid(), "bottom").unwrap();
-    let (found, ..) = scene.advance(scene.pair(&form, &facets, &plane), 0.0, 1e-12);
+    let gamma = 1e4;
+    let (found, ..) = pushed_block(NitscheLike { gamma, offset: OFFSET });
     let of_the_penalty = found.force[1] / gamma;
     assert!(of_the_penalty > 1e-4 && found.largest_penetration.abs() < 0.05 * of_the_penalty, "{found:?}");
 }
@@ -106,7 +111,7 @@ fn two_blocks<const D: usize>(n_slave: usize, n_master: usize) -> f64 {
     ];
     let states: Vec<BodyState<D>> = bodies.iter().map(Body::start).collect();
     let scene = Scene::new(&bodies, &states, 1.0);
-    let form = ContactForm::new(Penalty::new(gamma, 0.0).unwrap(), SIZE).unwrap();
+    let form = ContactForm::new(PenaltyLaw::new(gamma, 0.0).unwrap(), SIZE).unwrap();
     let top = tagged_facets(bodies[1].solid(), "top").unwrap();
     let obstacle = DeformableObstacle::new(bodies[1].surface().clone(), top).unwrap();
     let facets = tagged_facets(bodies[0].solid(), "bottom").unwrap();

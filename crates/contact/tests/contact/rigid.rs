@@ -4,7 +4,7 @@ use algebra::{Sites, check_tangent};
 use body::{Body, BodyState};
 use contact::{
     ContactForm, ContactItems, ContactLaw, ContactPair, ContactPoint, ContactReport, ContactSites, DeformableObstacle,
-    Error, Obstacle, Penalty, RigidPlane, check_pair,
+    Error, Obstacle, PenaltyLaw, RigidPlane, check_pair,
 };
 use mesh::{BoundaryMesh, FacetId, Point, Vector};
 use solid_svk::ElasticBody;
@@ -42,8 +42,8 @@ fn over_ground<const D: usize>(height: f64, law: impl ContactLaw + 'static, test
     test(&bodies[0], &scene, &ContactSites { items: &items, pair, layout: &scene.layout });
 }
 
-fn penalty() -> Penalty {
-    Penalty::new(GAMMA, OFFSET).unwrap()
+fn penalty() -> PenaltyLaw {
+    PenaltyLaw::new(GAMMA, OFFSET).unwrap()
 }
 
 /// Returns the global vector with a velocity at every vertex of the only body.

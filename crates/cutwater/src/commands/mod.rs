@@ -83,7 +83,7 @@ fn chain(error: &dyn std::error::Error) -> String {
 fn residuals(step: &cutwater::solver::StepError) -> String {
     let Stage::Newton(newton) = &step.source else { return String::new() };
     let mut text = String::new();
-    if step.source.asks_for_a_smaller_step() {
+    if step.source.smaller_step_may_succeed() {
         text += "\n  a step that fails is halved up to `time.most_halvings` times; try a smaller `time.step`, or more \
                  `solver.newton.max_iterations`";
     }

@@ -30,7 +30,7 @@ impl<const D: usize> Term<FluidCell<'_, D>> for Convection {
         for i in 0..=D {
             let w_i = cell.moments.weighted(i, &u.values) * self.density;
             out.add_vector::<D>(cell.velocity_row(i), transport * w_i);
-            if !out.wants_tangent() {
+            if !out.has_tangent() {
                 continue;
             }
             let w_i = w_i * u.slope;

@@ -24,7 +24,7 @@ impl<const D: usize> Term<FluidCell<'_, D>> for Incompressibility {
             out.add_vector::<D>(cell.velocity_row(i), g_i * -pressure);
             out.add(cell.pressure_row(i), m.of(i) * divergence);
         }
-        if !out.wants_tangent() {
+        if !out.has_tangent() {
             return;
         }
         for j in 0..=D {

@@ -25,7 +25,7 @@ impl<const D: usize> Term<FluidCell<'_, D>> for Inertia {
             let force = cell.moments.weighted(i, &acceleration.values) * self.density;
             out.add_vector::<D>(cell.velocity_row(i), force);
         }
-        if !out.wants_tangent() {
+        if !out.has_tangent() {
             return;
         }
         let weight = self.density * acceleration.slope;

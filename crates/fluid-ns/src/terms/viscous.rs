@@ -25,7 +25,7 @@ impl<const D: usize> Term<FluidCell<'_, D>> for Viscous {
         let grad_u = cell.velocity.gradient(g);
         let stress = (grad_u + grad_u.transpose()) * weight;
         (0..=D).for_each(|i| out.add_vector::<D>(cell.velocity_row(i), stress * g[i]));
-        if !out.wants_tangent() {
+        if !out.has_tangent() {
             return;
         }
         let weight = weight * cell.velocity.slope;

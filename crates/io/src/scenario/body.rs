@@ -10,33 +10,33 @@ use solid_svk::supports::{facets_without_tags, tagged_facets, vertices_of};
 use solid_svk::{
     ElasticBody, ElasticOptions, LameParameters, Load, SaintVenantKirchhoff, SolidForm, SolidMesh, Support, SupportKind,
 };
-use solver::body::Body as AnyBody;
+use solver::body::Body;
 
 use super::error::{ErrorKind, Location, ScenarioError};
 use super::field::Field;
 use super::geometry::{Geometry, Shape, normal_along_axis};
 use super::key::Quantity;
-use super::motion::{Held, Motion, prescribed};
+use super::motion::{Held, MotionChoice, prescribed};
 use super::solver::Time;
 use super::table::{At, Components, Named, choices, keys};
 
 keys! {
     /// Body: elastic without a `motion`, rigid with one.
-    pub struct Body {
+    pub struct BodyKeys {
         /// Name, for reports, columns and contacts: letters, digits, `-`, `_` and dots.
         name: At<String>,
         /// Shape.
         shape: At<Shape>,
         /// Motion of a body that does not deform; without one the body is elastic.
-        motion: Option<At<Motion>>,
+        motion: Option<At<MotionChoice>>,
         /// Material of an elastic body.
-        material: Option<At<Material>>,
+        material: Option<At<MaterialChoice>>,
         /// Density of an elastic or free body.
         density: Option<At<f64>> [unit(Quantity::DENSITY), positive],
         /// Acceleration of gravity of an elastic or free body.
         gravity: Option<At<Components<f64>>> [unit(Quantity::ACCELERATION)],
         /// Time scheme of an elastic body; `implicit-euler` if left out.
-        time_scheme: Option<At<TimeScheme>>,
+        time_scheme: Option<At<TimeSchemeChoice>>,
         /// Conditions on tagged parts of the surface of an elastic body; other parts are free.
         boundary: Option<At<Named<BodyCondition>>>,
         /// Displacement of an elastic body at the start; none if left out.
@@ -48,24 +48,24 @@ keys! {
 
 choices! {
     /// Material of an elastic body.
-    pub enum Material ["kind"] {
+    pub enum MaterialChoice ["kind"] {
         /// `S = 2 μ E + λ tr(E) I`; with `mu` and `lambda`, or with `young` and `poisson`.
         SaintVenantKirchhoff = "saint-venant-kirchhoff" {
             /// Shear modulus `μ`.
-            mu: Option<f64> [unit(Quantity::PRESSURE)],
+            mu: Option<f64> [unit(Quantity::PRESSURE), group(0)],
             /// First Lamé parameter `λ`.
-            lambda: Option<f64> [unit(Quantity::PRESSURE)],
+            lambda: Option<f64> [unit(Quantity::PRESSURE), group(0)],
             /// Young's modulus.
-            young: Option<f64> [unit(Quantity::PRESSURE)],
+            young: Option<f64> [unit(Quantity::PRESSURE), group(1)],
             /// Poisson's ratio.
-            poisson: Option<f64>,
+            poisson: Option<f64> [group(1)],
         },
     }
 }
 
 choices! {
     /// Time scheme of an elastic body.
-    pub enum TimeScheme ["kind"] {
+    pub enum TimeSchemeChoice ["kind"] {
         /// First order, as for the fluid; dissipates all vibrations.
         ImplicitEuler = "implicit-euler",
         /// Second order.
@@ -91,15 +91,15 @@ choices! {
             /// Displacement.
             value: Field [unit(Quantity::LENGTH)],
         },
-        /// Constant load that keeps its direction.
+        /// Load that does not follow the motion.
         Traction = "traction" {
             /// Force per area of the undeformed surface.
-            value: Components<f64> [unit(Quantity::PRESSURE)],
+            value: Field [unit(Quantity::PRESSURE)],
         },
     }
 }
 
-impl Body {
+impl BodyKeys {
     /// Checks that the keys belong to the motion of the body.
     pub(super) fn check(&self) -> Result<(), ScenarioError> {
         fn place<T>(value: &Option<At<T>>) -> Option<&Location> {
@@ -107,7 +107,9 @@ impl Body {
         }
         let (allowed, with): (&[&str], _) = match self.motion.as_deref() {
             None => return Ok(()),
-            Some(Motion::Free { .. }) => (&["density", "gravity", "initial_velocity"], "a body that does not deform"),
+            Some(MotionChoice::Free { .. }) => {
+                (&["density", "gravity", "initial_velocity"], "a body that does not deform")
+            }
             Some(_) => (&[], "a motion that is given"),
         };
         let given = [
@@ -125,13 +127,13 @@ impl Body {
 }
 
 /// Returns the value of a key that a body of this motion needs.
-fn needed<'v, T>(body: &At<Body>, key: &'static str, value: &'v Option<At<T>>) -> Result<&'v At<T>, ScenarioError> {
+fn needed<'v, T>(body: &At<BodyKeys>, key: &'static str, value: &'v Option<At<T>>) -> Result<&'v At<T>, ScenarioError> {
     value.as_ref().ok_or_else(|| body.at.error(ErrorKind::Missing(key)))
 }
 
-pub(super) fn body<const D: usize>(given: &At<Body>, time: &Time) -> Result<Built<D>, ScenarioError> {
+pub(super) fn body<const D: usize>(given: &At<BodyKeys>, time: &Time) -> Result<Built<D>, ScenarioError> {
     let geometry = Geometry::new(&given.shape)?;
-    let body: Arc<dyn AnyBody<D>> = match (given.motion.as_ref(), geometry) {
+    let body: Arc<dyn Body<D>> = match (given.motion.as_ref(), geometry) {
         (None, Geometry::Mesh(mesh)) => return elastic(given, *mesh, time),
         (None, Geometry::Surface(..)) => {
             let message =
@@ -139,7 +141,7 @@ pub(super) fn body<const D: usize>(given: &At<Body>, time: &Time) -> Result<Buil
             return Err(given.shape.at.invalid(message));
         }
         (Some(motion), geometry) => match &**motion {
-            Motion::Free { held, initial_spin } => Arc::new(free(given, geometry, held, initial_spin.as_ref())?),
+            MotionChoice::Free { held, initial_spin } => Arc::new(free(given, geometry, held, initial_spin.as_ref())?),
             _ => Arc::new(prescribed(&given.name, motion, time, geometry.into_surface())?),
         },
     };
@@ -148,11 +150,11 @@ pub(super) fn body<const D: usize>(given: &At<Body>, time: &Time) -> Result<Buil
 
 /// A body, and the facets of its surface that may come into contact.
 pub(super) struct Built<const D: usize> {
-    pub(super) body: Arc<dyn AnyBody<D>>,
+    pub(super) body: Arc<dyn Body<D>>,
     pub(super) contact_facets: Vec<FacetId>,
 }
 
-fn elastic<const D: usize>(given: &At<Body>, mesh: SimplexMesh<D>, time: &Time) -> Result<Built<D>, ScenarioError> {
+fn elastic<const D: usize>(given: &At<BodyKeys>, mesh: SimplexMesh<D>, time: &Time) -> Result<Built<D>, ScenarioError> {
     let solid = SolidMesh::new(mesh).map_err(|error| given.shape.at.error(error))?;
     let lame = lame_parameters(needed(given, "material", &given.material)?)?;
     let density = needed(given, "density", &given.density)?;
@@ -163,11 +165,11 @@ fn elastic<const D: usize>(given: &At<Body>, mesh: SimplexMesh<D>, time: &Time) 
         None => Default::default(),
     };
     let scheme: Arc<dyn algebra::time::TimeScheme> = match given.time_scheme.as_deref() {
-        Some(TimeScheme::GeneralisedAlpha { rho_inf }) => {
+        Some(TimeSchemeChoice::GeneralisedAlpha { rho_inf }) => {
             let outside = || given.at.invalid("rho_inf must be from 0 to 1".to_owned());
             Arc::new(GeneralisedAlpha::new(*rho_inf).ok_or_else(outside)?)
         }
-        Some(TimeScheme::ImplicitEuler) | None => Arc::new(ImplicitEuler),
+        Some(TimeSchemeChoice::ImplicitEuler) | None => Arc::new(ImplicitEuler),
     };
     let at_start =
         |field: &Option<Field>| field.as_ref().map(|field| field.at_start(solid.mesh().vertices())).transpose();
@@ -184,7 +186,7 @@ fn elastic<const D: usize>(given: &At<Body>, mesh: SimplexMesh<D>, time: &Time) 
 }
 
 /// Returns the facets that may come into contact: those on no plane of symmetry and not clamped.
-fn free_facets<const D: usize>(given: &At<Body>, solid: &SolidMesh<D>) -> Result<Vec<FacetId>, ScenarioError> {
+fn free_facets<const D: usize>(given: &At<BodyKeys>, solid: &SolidMesh<D>) -> Result<Vec<FacetId>, ScenarioError> {
     let Some(boundary) = &given.boundary else { return Ok(solid.boundary().facets().collect()) };
     let is_held =
         |condition: &BodyCondition| matches!(condition, BodyCondition::Symmetry { .. } | BodyCondition::Clamped);
@@ -193,8 +195,8 @@ fn free_facets<const D: usize>(given: &At<Body>, solid: &SolidMesh<D>) -> Result
     facets_without_tags(solid, &held).map_err(|error| boundary.at.error(error))
 }
 
-fn lame_parameters(material: &At<Material>) -> Result<LameParameters, ScenarioError> {
-    let Material::SaintVenantKirchhoff { mu, lambda, young, poisson } = **material;
+fn lame_parameters(material: &At<MaterialChoice>) -> Result<LameParameters, ScenarioError> {
+    let MaterialChoice::SaintVenantKirchhoff { mu, lambda, young, poisson } = **material;
     let parameters = match (mu, lambda, young, poisson) {
         (Some(mu), Some(lambda), None, None) => LameParameters::new(mu, lambda),
         (None, None, Some(young), Some(poisson)) => LameParameters::from_young_poisson(young, poisson),
@@ -209,6 +211,7 @@ fn supports_and_loads<const D: usize>(
     time: &Time,
 ) -> Result<(Vec<Support<D>>, Vec<Load<D>>), ScenarioError> {
     let mesh = solid.mesh();
+    let times = [0.0, time.end];
     let mut supports = Vec::new();
     let mut loads = Vec::new();
     for (name, condition) in &conditions.0 {
@@ -216,6 +219,7 @@ fn supports_and_loads<const D: usize>(
         let tag = mesh.tag(name).ok_or_else(unknown)?;
         let facets = tagged_facets(solid, name).map_err(|_| unknown())?;
         let vertices = vertices_of(solid, &facets);
+        let points: Vec<_> = vertices.iter().map(|vertex| mesh.vertex(*vertex)).collect();
         let kind = match &**condition {
             BodyCondition::Clamped => SupportKind::Clamped,
             BodyCondition::Symmetry { normal } => {
@@ -223,15 +227,14 @@ fn supports_and_loads<const D: usize>(
                 SupportKind::Symmetry { axis }
             }
             BodyCondition::Displacement { value } => {
-                let points: Vec<_> = vertices.iter().map(|vertex| mesh.vertex(*vertex)).collect();
-                let displacement = value.over_time(&points, &[0.0, time.end])?;
+                let displacement = value.over_time(&points, &times)?;
                 SupportKind::Displacement(Arc::new(move |x, t| {
                     let d = displacement(x, t);
                     std::array::from_fn(|axis| Some(d[axis]))
                 }))
             }
             BodyCondition::Traction { value } => {
-                loads.push(Load::traction(facets, value.vector()));
+                loads.push(Load::traction(facets, value.over_time(&points, &times)?));
                 continue;
             }
         };
@@ -247,7 +250,7 @@ fn supports_and_loads<const D: usize>(
 }
 
 fn free<const D: usize>(
-    given: &At<Body>,
+    given: &At<BodyKeys>,
     geometry: Geometry<D>,
     held: &[At<Held>],
     initial_spin: Option<&At<f64>>,

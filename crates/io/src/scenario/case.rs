@@ -1,8 +1,9 @@
 //! From the values of a scenario to a problem of dimension 2 or 3.
 
-use algebra::{NewtonSettings, Workspace};
+use algebra::Workspace;
+use contact::{DeformableObstacle, Obstacle, Positions};
 use cutcell::{CutMesh, OverlayOptions};
-use mesh::{Aabb, FacetId, Placed, Point};
+use mesh::{Aabb, BodyId, FacetId, Placed, Point};
 use solver::{FluidBoundary, FluidSetup, Setup};
 
 use super::body::{Built, body};
@@ -10,7 +11,7 @@ use super::contact::contact;
 use super::error::{ErrorKind, ScenarioError};
 use super::file::{Scenario, ScenarioFile};
 use super::fluid::{fluid, tagged_vertices};
-use super::motion::{Held, Motion};
+use super::motion::{Held, MotionChoice};
 
 /// A scenario ready to run.
 pub struct Case<const D: usize> {
@@ -56,7 +57,7 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
     if scenario.dimension != D {
         return Err(root.invalid(format!("the scenario has dimension {}, not {D}", scenario.dimension)));
     }
-    let (time, newton) = (&scenario.time, &scenario.solver.newton);
+    let time = &scenario.time;
     let missing = |key| root.error(ErrorKind::Missing(key));
     let fluid = match (&scenario.fluid, &scenario.background) {
         (Some(given), Some(background)) => Some(fluid::<D>(given, background, [0.0, time.end])?),
@@ -79,14 +80,17 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
         contacts,
         dt: *time.step,
         most_halvings: time.most_halvings,
-        newton: NewtonSettings { max_iterations: newton.max_iterations, ..NewtonSettings::new(newton.tolerance) },
+        newton: scenario.solver.newton.settings(),
     };
     let is_symmetry = |(_, condition): &(_, FluidBoundary<D>)| matches!(condition, FluidBoundary::Symmetry { .. });
+    let starts: Vec<_> = setup.bodies.iter().map(|body| body.start()).collect();
+    let positions = setup.positions(&starts);
     let mut bottom = 0.0;
     if let Some(fluid) = &setup.fluid {
-        check_placement(scenario, &setup, fluid)?;
+        check_placement(scenario, &setup, fluid, &positions)?;
         bottom = Aabb::of_points(fluid.background.vertices()).low[D - 1];
     }
+    check_contacts(scenario, &setup, &positions)?;
     Ok(Case {
         workspace: scenario.solver.linear.workspace(),
         n_steps: time.n_steps(),
@@ -101,20 +105,19 @@ fn check_placement<const D: usize>(
     scenario: &Scenario,
     setup: &Setup<D>,
     fluid: &FluidSetup<D>,
+    positions: &[Vec<Point<D>>],
 ) -> Result<(), ScenarioError> {
     let background = &fluid.background;
     let at = |k: usize| &scenario.body[k].shape.at;
-    let starts = setup.bodies.iter().map(|body| body.start().positions(body.reference()));
-    let positions: Vec<Vec<Point<D>>> = starts.collect();
     let domain = Aabb::of_points(background.vertices());
-    for (k, (body, positions)) in setup.bodies.iter().zip(&positions).enumerate() {
+    for (k, (body, positions)) in setup.bodies.iter().zip(positions).enumerate() {
         if !positions.iter().any(|x| domain.contains(x)) {
             let name = body.name();
             let message = format!("no vertex of body `{name}` lies in the domain; move it, or enlarge the background");
             return Err(at(k).invalid(message));
         }
     }
-    let surfaces = setup.surfaces(&positions);
+    let surfaces = setup.surfaces(positions);
     let whole = background.volume();
     let covered = |k: usize, surfaces: &[Placed<'_, D>]| {
         let cut = CutMesh::overlay(background, surfaces, &OverlayOptions::new());
@@ -135,6 +138,40 @@ fn check_placement<const D: usize>(
                     "bodies `{a}` and `{b_name}` overlap at the start by {overlap:.3e} (area or volume); move one of them"
                 )));
             }
+        }
+    }
+    Ok(())
+}
+
+/// Largest depth behind an obstacle that is round-off, relative to the contact size.
+const TOUCHING: f64 = 1e-6;
+
+/// Checks that no body begins behind the obstacle of one of its contacts.
+fn check_contacts<const D: usize>(
+    scenario: &Scenario,
+    setup: &Setup<D>,
+    positions: &[Vec<Point<D>>],
+) -> Result<(), ScenarioError> {
+    let depth = |obstacle: &dyn Obstacle<D>, at: &[Point<D>], points: &[Point<D>]| {
+        let found = obstacle.project_all(points, Positions::Fixed(at));
+        found.iter().zip(points).filter_map(|(found, x)| Some(-found.as_ref()?.gap(x))).fold(0.0, f64::max)
+    };
+    for (given, contact) in scenario.contact.iter().zip(&setup.contacts) {
+        let slave = contact.body().index();
+        let behind = |body: usize, points: &[Point<D>]| {
+            let surface = setup.bodies[body].surface();
+            let obstacle = DeformableObstacle::new(surface.clone(), surface.facets().collect());
+            obstacle.map(|obstacle| depth(&obstacle, &positions[body], points)).map_err(|error| given.at.error(error))
+        };
+        let deepest = match contact.master().map(BodyId::index) {
+            None => depth(contact.geometry(), &[], &positions[slave]),
+            Some(master) => behind(master, &positions[slave])?.max(behind(slave, &positions[master])?),
+        };
+        if deepest > TOUCHING * given.size {
+            let name = setup.bodies[slave].name();
+            return Err(given.obstacle.at.invalid(format!(
+                "body `{name}` is {deepest:.3e} behind this obstacle at the start; move one of them"
+            )));
         }
     }
     Ok(())
@@ -167,7 +204,7 @@ fn respect_symmetry<const D: usize>(
             planes.iter().find(is_on)
         };
         contact_facets.retain(|facet| on_plane(*facet).is_none());
-        let Motion::Free { held, .. } = &**motion else { continue };
+        let MotionChoice::Free { held, .. } = &**motion else { continue };
         let is_held = |what: Held| held.iter().any(|held| **held == what);
         let is_loose =
             |(axis, _): &&(usize, f64)| !(is_held([Held::X, Held::Y, Held::Z][*axis]) && is_held(Held::Rotation));

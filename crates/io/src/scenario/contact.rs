@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use contact::{ContactForm, DeformableObstacle, Penalty, RigidPlane};
+use contact::{ContactForm, DeformableObstacle, PenaltyLaw, RigidPlane};
 use mesh::BodyId;
 use solver::ContactObstacle;
 
@@ -14,23 +14,23 @@ use super::table::{At, Components, choices, keys};
 
 keys! {
     /// Contact of a body (the slave) with an obstacle (the master).
-    pub struct Contact {
+    pub struct ContactKeys {
         /// Name of the slave.
         body: At<String>,
         /// Contact law.
-        law: ContactLaw,
+        law: ContactLawChoice,
         /// Contact size `s`, by which the penalty is divided.
         size: f64 [unit(Quantity::LENGTH), positive],
         /// Offset `ε`: contact begins at this distance.
         offset: f64 [unit(Quantity::LENGTH), non_negative],
         /// The obstacle.
-        obstacle: At<Obstacle>,
+        obstacle: At<ObstacleChoice>,
     }
 }
 
 choices! {
     /// Contact law.
-    pub enum ContactLaw ["kind"] {
+    pub enum ContactLawChoice ["kind"] {
         /// Pressure `γ_C0/s [ε - Δ]₊` at the distance `Δ`.
         Penalty = "penalty" {
             /// Penalty parameter `γ_C0`.
@@ -41,7 +41,7 @@ choices! {
 
 choices! {
     /// Obstacle of a contact.
-    pub enum Obstacle ["kind"] {
+    pub enum ObstacleChoice ["kind"] {
         /// Plane at rest.
         RigidPlane = "rigid-plane" {
             /// A point on the plane.
@@ -59,7 +59,7 @@ choices! {
 
 /// Builds a contact between bodies, which stand in the order of their tables.
 pub(super) fn contact<const D: usize>(
-    given: &At<Contact>,
+    given: &At<ContactKeys>,
     built: &[Built<D>],
 ) -> Result<solver::Contact<D>, ScenarioError> {
     let bodies: Vec<_> = built.iter().map(|built| Arc::clone(&built.body)).collect();
@@ -77,17 +77,17 @@ pub(super) fn contact<const D: usize>(
         ))
     };
     let can_move = |body: BodyId| bodies[body.index()].is_movable();
-    let ContactLaw::Penalty { gamma_contact_0 } = given.law;
-    let law = Penalty::new(gamma_contact_0, given.offset).map_err(fail)?;
+    let ContactLawChoice::Penalty { gamma_contact_0 } = given.law;
+    let law = PenaltyLaw::new(gamma_contact_0, given.offset).map_err(fail)?;
     let obstacle = match &*given.obstacle {
-        Obstacle::RigidPlane { .. } if !can_move(slave) => {
+        ObstacleChoice::RigidPlane { .. } if !can_move(slave) => {
             return Err(immovable("one has a given motion, the other is a rigid plane"));
         }
-        Obstacle::RigidPlane { point, normal } => {
+        ObstacleChoice::RigidPlane { point, normal } => {
             let direction = normal.vector::<D>().try_normalize(0.0).ok_or_else(|| normal.at.invalid(ZERO_VECTOR))?;
             ContactObstacle::Rigid(Box::new(RigidPlane::new(point.vector(), direction).map_err(fail)?))
         }
-        Obstacle::Body { name } => {
+        ObstacleChoice::Body { name } => {
             let body = find(name)?;
             if body == slave {
                 return Err(name.at.error(contact::Error::SelfContact));

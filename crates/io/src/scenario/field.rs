@@ -6,7 +6,7 @@ use mesh::{Point, Vector};
 use solver::body::{PointField, TimeField};
 use toml::de::DeValue;
 
-use super::error::ScenarioError;
+use super::error::{Location, ScenarioError};
 use super::formula::Formula;
 use super::key::Form;
 use super::table::{At, Components, Node, Value};
@@ -41,18 +41,39 @@ fn read(node: &Node<'_>, variables: &'static str, form: &Form) -> Result<Formula
     }
 }
 
+impl FieldFormula {
+    /// Returns the value as a function of position and time.
+    ///
+    /// # Errors
+    /// A value at one of the points, at one of the times, that is not finite. `at` is the location of the formula.
+    pub(super) fn over_time<const D: usize>(
+        &self,
+        at: &Location,
+        points: &[Point<D>],
+        times: &[f64],
+    ) -> Result<impl Fn(&Point<D>, f64) -> f64 + Send + Sync + use<D>, ScenarioError> {
+        for (x, t) in points.iter().flat_map(|x| times.iter().map(move |t| (x.as_slice(), *t))) {
+            let value = self.0.at(x, t).value;
+            if !value.is_finite() {
+                let formula = self.0.text();
+                return Err(
+                    at.invalid(format!("the formula `{formula}` is {value} at {x:?}, t = {t}; change it there"))
+                );
+            }
+        }
+        let formula = self.0.clone();
+        Ok(move |x: &Point<D>, t| formula.at(x.as_slice(), t).value)
+    }
+}
+
 /// Vector that may depend on position and time.
 pub type Field = At<Components<FieldFormula>>;
 
 impl Field {
-    /// Computes the vector at a point and time.
-    fn value<const D: usize>(&self, x: &Point<D>, t: f64) -> Vector<D> {
-        Vector::from_fn(|axis, _| self[axis].0.at(x.as_slice(), t).value)
-    }
-
     /// Returns the vector if all of its components are numbers.
     pub(super) fn constant<const D: usize>(&self) -> Option<Vector<D>> {
-        self.iter().all(|local| local.0.is_constant()).then(|| self.value(&Point::zeros(), 0.0))
+        let is_constant = self.iter().all(|local| local.0.is_constant());
+        is_constant.then(|| Vector::from_fn(|axis, _| self[axis].0.at(&[], 0.0).value))
     }
 
     /// Returns the field as a function of position and time.
@@ -67,18 +88,9 @@ impl Field {
         if let Some(value) = self.constant() {
             return Ok(Arc::new(move |_, _| value));
         }
-        for (axis, local) in self.iter().enumerate() {
-            for (x, t) in points.iter().flat_map(|x| times.iter().map(move |t| (x, *t))) {
-                let value = local.0.at(x.as_slice(), t).value;
-                if !value.is_finite() {
-                    let (formula, x) = (local.0.text(), x.as_slice());
-                    let message = format!("the formula `{formula}` is {value} at {x:?}, t = {t}; change it there");
-                    return Err(self.at.part(axis).invalid(message));
-                }
-            }
-        }
-        let field = self.clone();
-        Ok(Arc::new(move |x, t| field.value(x, t)))
+        let local = |(axis, local): (usize, &FieldFormula)| local.over_time(&self.at.part(axis), points, times);
+        let axes = self.iter().enumerate().map(local).collect::<Result<Vec<_>, _>>()?;
+        Ok(Arc::new(move |x, t| Vector::from_fn(|axis, _| axes[axis](x, t))))
     }
 
     /// Returns the field at the start as a function of position.

@@ -6,11 +6,11 @@ use serde::Deserialize;
 use toml::Spanned;
 use toml::de::{DeValue, ValueDeserializer};
 
-use super::body::Body;
-use super::contact::Contact;
+use super::body::BodyKeys;
+use super::contact::ContactKeys;
 use super::error::{ErrorKind, Location, ScenarioError};
 use super::fluid::{Background, Fluid, Interface};
-use super::motion::{Motion, table_path};
+use super::motion::{MotionChoice, table_path};
 use super::overrides;
 use super::solver::{Solver, Time};
 use super::table::{At, Document, Node, Value, keys, parse};
@@ -36,11 +36,11 @@ keys! {
         /// Background mesh with the conditions on its boundary.
         background: Option<At<Background>>,
         /// Bodies.
-        body: Vec<At<Body>>,
+        body: Vec<At<BodyKeys>>,
         /// Mortar between fluid and bodies.
         interface: Interface = {},
         /// Contacts; bodies without a contact between them pass through each other.
-        contact: Vec<At<Contact>>,
+        contact: Vec<At<ContactKeys>>,
         /// Output.
         output: Output = {},
         /// Solution of the equations.
@@ -126,7 +126,7 @@ impl ScenarioFile {
     pub(crate) fn write(&self, directory: &Path) -> Result<(), Error> {
         let mut copy = self.clone();
         for (k, body) in self.scenario.body.iter().enumerate() {
-            let Some(Motion::Table { file, .. }) = body.motion.as_deref() else { continue };
+            let Some(MotionChoice::Table { file, .. }) = body.motion.as_deref() else { continue };
             let name = format!("motion-{}.csv", body.name.as_str());
             write_whole(&directory.join(&name), &read(&table_path(file))?)?;
             let motion = copy.table.get_mut("body").and_then(|bodies| bodies.get_mut(k)?.get_mut("motion"));

@@ -13,7 +13,7 @@ use solver::interface_dg::terms::PenaltyProfile;
 use solver::{FluidBoundary, FluidSetup, Stabilisation};
 
 use super::error::ScenarioError;
-use super::field::Field;
+use super::field::{Field, FieldFormula};
 use super::geometry::normal_along_axis;
 use super::key::Quantity;
 use super::table::{At, Components, Named, OrTable, choices, keys};
@@ -26,9 +26,9 @@ keys! {
         /// Dynamic viscosity.
         viscosity: f64 [unit(Quantity::VISCOSITY), positive],
         /// Stabilisation of fluid and interface: a set of parameters, or a table with a set and changes.
-        stabilisation: OrTable<StabilisationSet, StabilisationTable> = "standard",
+        stabilisation: OrTable<StabilisationChoice, StabilisationKeys> = "standard",
         /// Form of the convective term.
-        convection: Convection = "standard",
+        convection: ConvectionChoice = "standard",
         /// Force per volume; none if left out.
         body_force: Option<Field> [unit(Quantity::FORCE_DENSITY)],
         /// Velocity at the start; at rest if left out.
@@ -39,7 +39,7 @@ keys! {
 choices! {
     /// A set of stabilisation parameters.
     #[derive(Copy, Eq)]
-    pub enum StabilisationSet {
+    pub enum StabilisationChoice {
         /// The set for all problems, with which the method is verified.
         Standard = "standard",
         /// A calibration to the results of MOX-Report 44/2019: `γ_Σ = 1e5`, and a numerical viscosity that does not vanish
@@ -50,9 +50,9 @@ choices! {
 
 keys! {
     /// A set of stabilisation parameters with changes.
-    pub struct StabilisationTable {
+    pub struct StabilisationKeys {
         /// The set.
-        set: StabilisationSet = "standard",
+        set: StabilisationChoice = "standard",
         /// Penalty on the jump of the velocity at the interface.
         penalty: Option<InterfacePenalty>,
         /// Interior penalty of the velocity.
@@ -101,9 +101,9 @@ choices! {
 impl Fluid {
     /// Returns the name of the set of stabilisation parameters, and whether some are changed.
     pub fn stabilisation_name(&self) -> String {
-        let name = |set: &StabilisationSet| match set {
-            StabilisationSet::Standard => "standard",
-            StabilisationSet::Paper => "paper-44-2019",
+        let name = |set: &StabilisationChoice| match set {
+            StabilisationChoice::Standard => "standard",
+            StabilisationChoice::Paper => "paper-44-2019",
         };
         match &self.stabilisation {
             OrTable::Plain(set) => name(set).to_owned(),
@@ -115,7 +115,7 @@ impl Fluid {
 choices! {
     /// Form of the convective term.
     #[derive(Copy, Eq)]
-    pub enum Convection {
+    pub enum ConvectionChoice {
         /// `ρ (u·∇u, v)`.
         Standard = "standard",
         /// `ρ (u·∇u, v) + ρ/2 (∇·u, u·v)`.
@@ -212,10 +212,10 @@ choices! {
             /// Force per area on the fluid.
             value: Field [unit(Quantity::PRESSURE)],
         },
-        /// Constant pressure outside: the traction `-p n`; inflow is stabilised.
+        /// Pressure outside: the traction `-p n`; inflow is stabilised.
         Pressure = "pressure" {
             /// Pressure `p`.
-            value: f64 [unit(Quantity::PRESSURE)],
+            value: At<FieldFormula> [unit(Quantity::PRESSURE)],
         },
     }
 }
@@ -253,10 +253,10 @@ fn background<const D: usize>(given: &At<Background>) -> Result<SimplexMesh<D>, 
     if *is_mirrored { mirrored(&box_mesh, 0, min[0]).map_err(|error| given.at.error(error)) } else { Ok(box_mesh) }
 }
 
-fn stabilisation(given: &OrTable<StabilisationSet, StabilisationTable>) -> Stabilisation {
+fn stabilisation(given: &OrTable<StabilisationChoice, StabilisationKeys>) -> Stabilisation {
     let of_set = |set| match set {
-        StabilisationSet::Standard => Stabilisation::STANDARD,
-        StabilisationSet::Paper => Stabilisation::PAPER_44_2019,
+        StabilisationChoice::Standard => Stabilisation::STANDARD,
+        StabilisationChoice::Paper => Stabilisation::PAPER_44_2019,
     };
     let table = match given {
         OrTable::Plain(set) => return of_set(*set),
@@ -311,9 +311,9 @@ pub(super) fn fluid<const D: usize>(
         material: NewtonianFluid { density: fluid.density, viscosity: fluid.viscosity },
         stabilisation: stabilisation(&fluid.stabilisation),
         convection: match fluid.convection {
-            Convection::Standard => Some(false),
-            Convection::Skew => Some(true),
-            Convection::None => None,
+            ConvectionChoice::Standard => Some(false),
+            ConvectionChoice::Skew => Some(true),
+            ConvectionChoice::None => None,
         },
         body_force,
         initial_velocity,
@@ -350,8 +350,8 @@ fn fluid_boundary<const D: usize>(
             FluidBoundary::Open { traction: Some(Arc::new(move |x, _, t| value(x, t))), backflow: true }
         }
         FluidCondition::Pressure { value } => {
-            let p = *value;
-            FluidBoundary::Open { traction: Some(Arc::new(move |_, n: &Vector<D>, _| n * -p)), backflow: true }
+            let p = value.over_time(&value.at, &points(), &times)?;
+            FluidBoundary::Open { traction: Some(Arc::new(move |x, n: &Vector<D>, t| n * -p(x, t))), backflow: true }
         }
     })
 }

@@ -41,9 +41,9 @@ choices! {
             /// Highest corner.
             max: Components<f64> [unit(Quantity::LENGTH)],
             /// Mean diameter of the cells; or `n`.
-            size: Option<f64> [unit(Quantity::LENGTH), positive],
+            size: Option<f64> [unit(Quantity::LENGTH), positive, group(0)],
             /// Number of bricks along each axis, divided into 2 triangles or 6 tetrahedra; or `size`.
-            n: Option<Components<usize>> [between(1.0, f64::INFINITY)],
+            n: Option<Components<usize>> [between(1.0, f64::INFINITY), group(1)],
         },
         /// Simple polygon without a mesh of its inside, in 2D; for bodies that do not deform.
         Polygon = "polygon" {

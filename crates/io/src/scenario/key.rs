@@ -54,6 +54,8 @@ pub struct Key {
     pub range: Range,
     /// Whether it may be left out.
     pub is_optional: bool,
+    /// Number of its group, if exactly one of several groups of optional keys is needed.
+    pub group: Option<usize>,
     /// Value if it is left out, as TOML.
     pub default: Option<&'static str>,
 }
@@ -67,7 +69,12 @@ impl Key {
         default: Option<&'static str>,
     ) -> Self {
         let is_optional = is_optional || default.is_some();
-        Self { name, about, form, quantity: Quantity::NUMBER, range: Range::Any, is_optional, default }
+        Self { name, about, form, quantity: Quantity::NUMBER, range: Range::Any, is_optional, group: None, default }
+    }
+
+    /// Makes this a key of one of several groups, of which exactly one is needed.
+    pub(super) const fn group(self, number: usize) -> Self {
+        Self { group: Some(number), ..self }
     }
 
     /// Sets the dimension of the numbers.
@@ -177,7 +184,12 @@ pub struct Choice {
 impl Choice {
     /// Returns whether the word may stand alone, since all of its keys are optional.
     pub fn stands_alone(&self) -> bool {
-        self.keys.iter().all(|key| key.is_optional)
+        self.needed().next().is_none()
+    }
+
+    /// Returns the names of keys that are needed, those of the first group among them.
+    pub(super) fn needed(&self) -> impl Iterator<Item = &'static str> {
+        self.keys.iter().filter(|key| !key.is_optional || key.group == Some(0)).map(|key| key.name)
     }
 }
 

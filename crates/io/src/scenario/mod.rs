@@ -1,4 +1,7 @@
 //! Scenario files: declarations of their keys, reader and construction of the problem.
+//!
+//! Where the name of a table is that of a library's type, the declaration ends in `Keys` or `Choice`: [`BodyKeys`] are read,
+//! and a `dyn Body` is built of them.
 
 mod body;
 pub mod case;
@@ -17,20 +20,20 @@ mod solver;
 mod table;
 mod units;
 
-pub use body::{Body, BodyCondition, Material, TimeScheme};
+pub use body::{BodyCondition, BodyKeys, MaterialChoice, TimeSchemeChoice};
 pub use case::{Case, CaseVisitor, lower};
-pub use contact::{Contact, ContactLaw, Obstacle};
+pub use contact::{ContactKeys, ContactLawChoice, ObstacleChoice};
 pub use error::{ErrorKind, Location, ScenarioError};
 pub use field::{Field, FieldFormula};
 pub use file::{Output, Scenario, ScenarioFile};
 pub use fluid::{
-    Axis, Background, Cip, Convection, Fluid, FluidCondition, GradedSize, InflowProfile, Interface, InterfacePenalty,
-    StabilisationSet, StabilisationTable,
+    Axis, Background, Cip, ConvectionChoice, Fluid, FluidCondition, GradedSize, InflowProfile, Interface,
+    InterfacePenalty, StabilisationChoice, StabilisationKeys,
 };
 pub use formula::{Formula, FormulaError};
 pub use geometry::Shape;
 pub use key::{Key, Quantity};
-pub use motion::{Held, Motion};
+pub use motion::{Held, MotionChoice};
 pub use solver::{Blocks, BodyBlock, FluidBlock, Linear, Newton, Preconditioner, Solver, Time};
 pub use table::{At, Components, Named, OrTable};
 pub use units::{System, UnitNames, Units};

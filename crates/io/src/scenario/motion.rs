@@ -9,13 +9,13 @@ use solver::body::PrescribedBody;
 use super::error::{ErrorKind, ScenarioError};
 use super::formula::{Dual, Formula};
 use super::key::Quantity;
-use super::motion_table::{Pose, Table};
+use super::motion_table::{MotionTable, Pose};
 use super::solver::Time;
 use super::table::{At, Components, choices};
 
 choices! {
     /// Motion of a body that does not deform; angles are in radians, counter-clockwise.
-    pub enum Motion ["kind"] {
+    pub enum MotionChoice ["kind"] {
         /// At rest: an obstacle.
         Fixed = "fixed",
         /// Steady rotation, from the start.
@@ -101,21 +101,21 @@ impl<const D: usize> GivenMotion<D> {
 /// Builds a body with a given motion.
 pub(super) fn prescribed<const D: usize>(
     name: &str,
-    motion: &At<Motion>,
+    motion: &At<MotionChoice>,
     time: &Time,
     (boundary, reference): (BoundaryMesh<D>, Vec<Point<D>>),
 ) -> Result<PrescribedBody<D>, ScenarioError> {
     let motion = match &**motion {
         // Free bodies have no given motion.
-        Motion::Fixed | Motion::Free { .. } => {
+        MotionChoice::Fixed | MotionChoice::Free { .. } => {
             GivenMotion { centre: Point::zeros(), path: Box::new(|_| Pose::default()) }
         }
-        Motion::Rotating { centre, angular_velocity: rate } => {
+        MotionChoice::Rotating { centre, angular_velocity: rate } => {
             let rate = *rate;
             let path = move |t| Pose { angle: Dual { value: rate * t, rate }, ..Pose::default() };
             GivenMotion { centre: centre.vector(), path: Box::new(path) }
         }
-        Motion::Formula { displacement, angle, centre } => {
+        MotionChoice::Formula { displacement, angle, centre } => {
             let axes = displacement.iter().map(|formula| checked(formula, time)).collect::<Result<Vec<_>, _>>()?;
             let angle = angle.as_ref().map(|formula| checked(formula, time)).transpose()?;
             let centre = turning_centre(motion, centre.as_ref(), angle.is_some())?;
@@ -125,7 +125,7 @@ pub(super) fn prescribed<const D: usize>(
             };
             GivenMotion { centre, path: Box::new(path) }
         }
-        Motion::Table { file, centre } => {
+        MotionChoice::Table { file, centre } => {
             let table = read_table(file, time)?;
             let centre = turning_centre(motion, centre.as_ref(), table.has_angle())?;
             GivenMotion { centre, path: Box::new(move |t| table.at(t)) }
@@ -144,7 +144,7 @@ pub(super) fn prescribed<const D: usize>(
 
 /// Returns the centre of the rotation, which must be given if and only if the motion has an angle.
 fn turning_centre<const D: usize>(
-    motion: &At<Motion>,
+    motion: &At<MotionChoice>,
     given: Option<&At<Components<f64>>>,
     has_angle: bool,
 ) -> Result<Point<D>, ScenarioError> {
@@ -178,9 +178,9 @@ fn checked(formula: &At<Formula>, time: &Time) -> Result<Formula, ScenarioError>
 }
 
 /// Reads a table and checks that it covers the run.
-fn read_table<const D: usize>(file: &At<String>, time: &Time) -> Result<Table<D>, ScenarioError> {
+fn read_table<const D: usize>(file: &At<String>, time: &Time) -> Result<MotionTable<D>, ScenarioError> {
     let path = table_path(file);
-    let table = Table::read(&path).map_err(|message| file.at.invalid(message))?;
+    let table = MotionTable::read(&path).map_err(|message| file.at.invalid(message))?;
     let ((first, last), end) = (table.range(), time.end);
     if first > 0.0 || last < end * (1.0 - ROUND_OFF) {
         let path = path.display();

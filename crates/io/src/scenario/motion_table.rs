@@ -33,13 +33,13 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 /// Motion through the rows of a table, by a natural cubic spline for each column: position, velocity and acceleration are
 /// continuous, and the acceleration is zero at the first and the last row. Two rows define a straight line.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Table<const D: usize> {
+pub(super) struct MotionTable<const D: usize> {
     times: Vec<f64>,
     displacement: [Spline; D],
     angle: Option<Spline>,
 }
 
-impl<const D: usize> Table<D> {
+impl<const D: usize> MotionTable<D> {
     /// Reads a table whose header names `time`, the axes and, if the body turns, `angle`, in any order.
     ///
     /// # Errors
@@ -168,8 +168,8 @@ impl Spline {
 mod tests {
     use super::*;
 
-    fn table(text: &str) -> Table<2> {
-        Table::parse("a.csv", text).unwrap_or_else(|e| panic!("{e}"))
+    fn table(text: &str) -> MotionTable<2> {
+        MotionTable::parse("a.csv", text).unwrap_or_else(|e| panic!("{e}"))
     }
 
     #[test]
@@ -231,7 +231,7 @@ mod tests {
             ("time,x,y\n0,1,2\n1,1,2\n1,1,2\n", "a.csv:4: time 1 is not after 1"),
             ("time,x,y\n0,1,2\n", "a.csv: it has 1 rows"),
         ] {
-            let found = Table::<2>::parse("a.csv", text).expect_err(text);
+            let found = MotionTable::<2>::parse("a.csv", text).expect_err(text);
             assert!(found.starts_with(message), "{found}");
         }
     }

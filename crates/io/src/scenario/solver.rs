@@ -1,6 +1,9 @@
 //! Time steps, Newton's method and linear solver of a scenario.
 
-use algebra::{BlockGaussSeidel, BlockGaussSeidelSettings, BlockSolver, Fill, LaggedSettings, LaggedSolver, Workspace};
+use algebra::{
+    BlockGaussSeidel, BlockGaussSeidelSettings, BlockSolver, Fill, LaggedSettings, LaggedSolver, NewtonSettings,
+    Workspace,
+};
 
 use super::error::{ErrorKind, ScenarioError};
 use super::key::Quantity;
@@ -68,6 +71,14 @@ keys! {
         tolerance: f64 [positive],
         /// Largest number of corrections in a step.
         max_iterations: usize [between(1.0, f64::INFINITY)],
+    }
+}
+
+impl Newton {
+    /// Returns the settings of Newton's method.
+    pub(super) fn settings(&self) -> NewtonSettings {
+        let Self { tolerance, max_iterations } = *self;
+        NewtonSettings { max_iterations, ..NewtonSettings::new(tolerance) }
     }
 }
 

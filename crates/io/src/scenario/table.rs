@@ -134,8 +134,13 @@ impl<'d> Node<'d> {
         let Some(choice) = choices.iter().find(|choice| choice.word == word.as_ref()) else {
             return Err(node.at().unknown("value", word, choices.iter().map(|choice| choice.word)));
         };
-        let table = match self.value {
-            DeValue::Table(_) => self.table(choice.keys, tag)?,
+        let table = match (self.value, tag) {
+            (DeValue::Table(_), _) => self.table(choice.keys, tag)?,
+            (_, Some(tag)) if !choice.stands_alone() => {
+                let keys: String = choice.needed().map(|key| format!(", {key} = ...")).collect();
+                let table = format!("{{ {tag} = \"{word}\"{keys} }}");
+                return Err(self.at().invalid(format!("the word alone is not enough: write {table}")));
+            }
             _ => Table { node: self.clone(), entries: Vec::new(), keys: choice.keys },
         };
         Ok((choice.word, table))

@@ -29,7 +29,7 @@ impl<const D: usize> Term<SolidCell<'_, D>> for InternalWork<D> {
         for i in cell.nodes() {
             cell.add(i, p * cell.gradients[i], out);
         }
-        if !out.wants_tangent() {
+        if !out.has_tangent() {
             return;
         }
         self.material.for_each_stiffness(&f, cell.gradients, &mut |i, j, block| {

@@ -1,9 +1,13 @@
 //! Balances in time: energy, momentum, rigid motion, free fall.
 
+use std::sync::Arc;
+
 use crate::setting::{
     Random, advance, at_rest, ball_material, level, one_field, residual, rule, state, unit_box, weightless,
 };
-use algebra::time::{ImplicitEuler, Level};
+use algebra::BlockLayout;
+use algebra::time::{GeneralisedAlpha, ImplicitEuler, Level};
+use body::{Body, StepTime};
 use mesh::generate::{BallOptions, ball};
 use mesh::{FacetId, Point, Vector, VertexId};
 use solid_svk::energy::balance;
@@ -69,6 +73,29 @@ fn kinetic_energy_is_that_of_the_mass_matrix() {
     let power: f64 = residual(&layout, &[&inertia], &x).iter().zip(&x).map(|(r, v)| r * v).sum();
     let found = balance(&mesh, &form, &rest.displacement, &velocity);
     assert!((0.5 * 0.5 * power - found.kinetic_energy).abs() < 1e-12 * found.kinetic_energy);
+}
+
+#[test]
+fn tractions_are_those_of_position_and_time_of_the_stage() {
+    let mesh = unit_box::<2>(1);
+    let facets = solid_svk::supports::tagged_facets(&mesh, "top").unwrap();
+    let traction = |x: &Point<2>, t: f64| Vector::<2>::new(x[0] * t, x[1]);
+    let options = ElasticOptions {
+        scheme: Arc::new(GeneralisedAlpha::new(0.5).unwrap()),
+        loads: vec![Load::traction(facets, Arc::new(traction))],
+        ..ElasticOptions::default()
+    };
+    let body = ElasticBody::new("body", mesh, weightless(), options).unwrap();
+    let (start, mut layout) = (body.start(), BlockLayout::new());
+    let step = body.step(&start, &StepTime { start: 2.0, end: 5.0, lengths: vec![3.0] }, &mut layout);
+    let all = step.contributions(&layout);
+    let load = all.iter().find(|all| all.name() == "solid traction").unwrap();
+    let force = residual(&layout, &[load.as_ref()], &vec![0.0; layout.len()]);
+    // The stage lies a third of the step before its end; each end of the side carries half of it.
+    for (x, force) in body.reference().iter().zip(force.chunks(2)) {
+        let expected = if x[1] == 1.0 { traction(x, 4.0) * -0.5 } else { Vector::zeros() };
+        assert!((Vector::<2>::new(force[0], force[1]) - expected).norm() < 1e-14, "{x}: {force:?}");
+    }
 }
 
 #[test]

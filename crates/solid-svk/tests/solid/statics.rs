@@ -160,7 +160,7 @@ fn pressurised_disk() {
         let s = (1.0_f64 - pressure / 1e7).sqrt();
         assert!((4.0 * (s - 1.0) - rim).abs() < 1e-6 * rim.abs());
         let term = FollowerPressure { pressure };
-        let sites = SolidFacets { cells: body.cells(), facets: &facets };
+        let sites = SolidFacets { cells: body.cells(), facets: &facets, time: 0.0 };
         let load = Integral::new("pressure", sites, vec![&term]);
         let exact: Vec<_> = mesh.mesh().vertices().iter().map(|x| x * (s - 1.0)).collect();
         let x = body.state(&exact);
@@ -195,7 +195,7 @@ fn pressurised_cube() {
     let facets: Vec<_> = mesh.boundary().facets().collect();
     let s = 0.97;
     let term = FollowerPressure { pressure: -2.8e7 * (s * s - 1.0) / (2.0 * s) };
-    let sites = SolidFacets { cells: body.cells(), facets: &facets };
+    let sites = SolidFacets { cells: body.cells(), facets: &facets, time: 0.0 };
     let load = Integral::new("pressure", sites, vec![&term]);
     let exact: Vec<_> = mesh.mesh().vertices().iter().map(|x| x * (s - 1.0)).collect();
     let x = body.state(&exact);
