@@ -22,6 +22,25 @@ pub trait Contributions: Sync {
     /// dof of the item.
     fn add(&self, item: usize, x: &[f64], out: &mut LocalSystem);
 
+    /// Adds the residual of all items at the state `x` to `out`, without regard to constraints and ties.
+    fn add_residual(&self, x: &[f64], out: &mut [f64]) {
+        let (mut dofs, mut local) = (Vec::new(), LocalSystem::new());
+        for item in 0..self.len() {
+            dofs.clear();
+            self.dofs(item, &mut dofs);
+            local.reset_residual(dofs.len());
+            self.add(item, x, &mut local);
+            dofs.iter().zip(local.residual()).for_each(|(dof, value)| out[dof.index()] += value);
+        }
+    }
+
+    /// Returns the residual at the state `x` tested with `x`: for velocities a power.
+    fn power(&self, x: &[f64]) -> f64 {
+        let mut residual = vec![0.0; x.len()];
+        self.add_residual(x, &mut residual);
+        x.iter().zip(&residual).map(|(x, r)| x * r).sum()
+    }
+
     /// Returns whether the tangent does not depend on `x`. Such contributions are assembled once per nonlinear solve.
     fn is_linear(&self) -> bool {
         false

@@ -53,8 +53,13 @@ pub trait BodyStep<const D: usize>: Sync {
     /// Adds prescribed values and ties of the body's unknowns.
     fn constrain(&self, layout: &BlockLayout, constraints: &mut Constraints);
 
-    /// Returns the weak form of the body.
+    /// Returns the weak form of the body without loads.
     fn contributions<'p>(&'p self, layout: &'p BlockLayout) -> Vec<Box<dyn Contributions + 'p>>;
+
+    /// Returns the external loads on the body.
+    fn loads<'p>(&'p self, _layout: &'p BlockLayout) -> Vec<Box<dyn Contributions + 'p>> {
+        Vec::new()
+    }
 
     /// Writes the starting guess of the unknowns.
     fn guess(&self, layout: &BlockLayout, x: &mut [f64]);

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use solver::{FluidReport, ForceBalance, Setup, StepReport, StepView};
+use solver::{FluidReport, ForceBalance, Ledger, Setup, StepReport, StepView};
 
 use crate::Error;
 use crate::files::read_text;
@@ -16,7 +16,9 @@ type BodyColumn<const D: usize> = (String, Box<dyn Fn(&BodyMeasures<'_, D>) -> f
 type BodyNumber<const D: usize> = fn(&BodyMeasures<'_, D>) -> f64;
 
 /// Name and number of a column of the run as a whole.
-type RunColumn<const D: usize> = (&'static str, fn(&RunMeasures<'_, D>) -> f64);
+type RunColumn<const D: usize> = (String, Box<dyn Fn(&RunMeasures<'_, D>) -> f64>);
+
+type RunNumber<const D: usize> = fn(&RunMeasures<'_, D>) -> f64;
 
 /// The run as a whole after a step.
 struct RunMeasures<'a, const D: usize> {
@@ -76,7 +78,7 @@ fn history_of_bodies<const D: usize>() -> Vec<BodyColumn<D>> {
 
 /// Returns the columns of the run in `history.csv`: energies, leaks, cost.
 fn history_of_run<const D: usize>() -> Vec<RunColumn<D>> {
-    let columns: &[RunColumn<D>] = &[
+    let columns: &[(&str, RunNumber<D>)] = &[
         ("energy_kinetic_fluid", |r| r.fluid(|fluid| fluid.kinetic_energy)),
         ("energy_contact", |r| r.step.contacts.iter().map(|contact| contact.stored_energy).sum()),
         ("leak_net", |r| r.fluid(|fluid| fluid.flow.leak_net)),
@@ -92,7 +94,7 @@ fn history_of_run<const D: usize>() -> Vec<RunColumn<D>> {
         ("seconds_linear", |r| microseconds(r.step.seconds.linear)),
         ("seconds_output", |r| microseconds(r.seconds_output)),
     ];
-    columns.to_vec()
+    columns.iter().map(of_run).collect()
 }
 
 /// Returns the columns of the bodies in `diagnostics.csv`: volumes and balances.
@@ -111,13 +113,22 @@ fn diagnostics_of_bodies<const D: usize>() -> Vec<BodyColumn<D>> {
     columns.iter().map(boxed).collect()
 }
 
-/// Returns the columns of the run in `diagnostics.csv`.
+/// Returns the columns of the run in `diagnostics.csv`: volume and energy of the whole, and the lines of the ledger, each the
+/// energy that a part of the discrete problem took in the step.
 fn diagnostics_of_run<const D: usize>() -> Vec<RunColumn<D>> {
-    let columns: &[RunColumn<D>] = &[
+    let columns: &[(&str, RunNumber<D>)] = &[
         ("fluid_volume", |r| r.view.state.fluid.as_ref().map_or(0.0, |fluid| fluid.cut.fluid_volume())),
         ("total_energy", |r| r.step.total_energy()),
     ];
-    columns.to_vec()
+    let ledger = Ledger::default().lines().into_iter().enumerate();
+    let line = |(k, (name, _)): (usize, (&str, f64))| -> RunColumn<D> {
+        (format!("lost_{name}"), Box::new(move |r| r.step.ledger.lines()[k].1))
+    };
+    columns.iter().map(of_run).chain(ledger.map(line)).collect()
+}
+
+fn of_run<const D: usize>((name, of): &(&str, RunNumber<D>)) -> RunColumn<D> {
+    ((*name).to_owned(), Box::new(*of))
 }
 
 fn boxed<const D: usize>((name, of): &(&str, BodyNumber<D>)) -> BodyColumn<D> {
@@ -194,7 +205,7 @@ impl<const D: usize> Table<D> {
             let prefix = if setup.bodies.len() == 1 { String::new() } else { format!("{}_", body.name()) };
             names.extend(of_bodies.iter().map(|(name, _)| format!("{prefix}{name}")));
         }
-        names.extend(of_run.iter().map(|(name, _)| (*name).to_owned()));
+        names.extend(of_run.iter().map(|(name, _)| name.clone()));
         let file = File::create(&path).map_err(|source| Error::Write { path: path.clone(), source })?;
         let mut table = Self { path, file, of_bodies, of_run };
         table.push(&names)?;

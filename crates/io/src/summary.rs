@@ -61,9 +61,10 @@ pub struct Summary {
     pub max_penetration_over_s: Option<f64>,
     /// Smallest distance.
     pub min_distance: Option<f64>,
-    /// Whether no step raised the sum of all energies by more than 1e-8 of the largest sum.
+    /// Whether no step made more energy than 1e-8 of the largest sum of all energies; the work of loads, forces, open
+    /// boundaries and given velocities does not count.
     pub energy_monotone: bool,
-    /// Largest net flow through the interface divided by the flow that the bodies displace.
+    /// Largest absolute flow through the interface divided by the flow that the bodies displace.
     pub max_interface_leak: f64,
     /// Newton corrections.
     pub newton_iterations: usize,
@@ -178,16 +179,15 @@ impl Summary {
 #[derive(Clone, Debug)]
 pub(crate) struct SummaryBuilder {
     pub(crate) summary: Summary,
-    energy: Option<f64>,
     largest_energy: f64,
-    largest_rise: f64,
+    largest_gain: f64,
     largest_swept: f64,
 }
 
 impl SummaryBuilder {
     pub(crate) fn new(start: Summary) -> Self {
         let summary = Summary { energy_monotone: true, ..start };
-        Self { summary, energy: None, largest_energy: 0.0, largest_rise: 0.0, largest_swept: 0.0 }
+        Self { summary, largest_energy: 0.0, largest_gain: 0.0, largest_swept: 0.0 }
     }
 
     /// Adds a step, with the measures of all bodies and the wall-clock time that output took.
@@ -198,7 +198,7 @@ impl SummaryBuilder {
         seconds_output: f64,
     ) {
         let Some(report) = view.report else {
-            self.add_energy(view.state.total_energy(view.setup));
+            self.largest_energy = view.state.total_energy(view.setup).abs();
             return;
         };
         let summary = &mut self.summary;
@@ -212,21 +212,15 @@ impl SummaryBuilder {
         if let Some(flow) = report.fluid.as_ref().map(|fluid| fluid.flow).filter(|flow| flow.swept > 0.0) {
             // A body at rest displaces nothing: the leak is divided by at least a hundredth of the largest displaced flow.
             self.largest_swept = self.largest_swept.max(flow.swept);
-            let leak = flow.leak_net.abs() / flow.swept.max(1e-2 * self.largest_swept);
+            let leak = flow.leak_absolute / flow.swept.max(1e-2 * self.largest_swept);
             summary.max_interface_leak = summary.max_interface_leak.max(leak);
         }
-        self.add_energy(report.total_energy());
+        self.largest_energy = self.largest_energy.max(report.total_energy().abs());
+        self.largest_gain = self.largest_gain.max(-report.ledger.dissipation());
+        self.summary.energy_monotone = self.largest_gain <= ENERGY_TOLERANCE * self.largest_energy;
         if let Some(leading) = leading_body(view.setup) {
             self.add_body(&bodies[leading]);
         }
-    }
-
-    fn add_energy(&mut self, energy: f64) {
-        self.largest_energy = self.largest_energy.max(energy.abs());
-        if let Some(before) = self.energy.replace(energy) {
-            self.largest_rise = self.largest_rise.max(energy - before);
-        }
-        self.summary.energy_monotone = self.largest_rise <= ENERGY_TOLERANCE * self.largest_energy;
     }
 
     fn add_body<const D: usize>(&mut self, body: &BodyMeasures<'_, D>) {

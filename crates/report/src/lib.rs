@@ -16,11 +16,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod balances;
 mod chart;
 mod error;
 mod frames;
 pub mod html;
-mod ledger;
 mod page;
 mod picture;
 pub mod plane;

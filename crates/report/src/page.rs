@@ -2,8 +2,8 @@
 
 use serde_json::json;
 
+use crate::balances::Balances;
 use crate::html::{data, duration, escape, gallery, number, optional, table};
-use crate::ledger::Ledger;
 use crate::{Chart, Error, Frames, Results, Section, Snapshot};
 
 /// Writes the introduction of the page, one sentence that summarises the run.
@@ -50,14 +50,18 @@ pub fn part(results: &Results, marks: &[(String, f64)]) -> Result<String, Error>
 
 /// Returns the sections about the results of a run, without empty ones.
 fn parts(results: &Results, marks: &[(String, f64)]) -> Result<Vec<Section>, Error> {
-    let ledger = Ledger { results };
+    let balances = Balances { results };
     let all = [
         Section::new("run", "The run", run(results)?),
         Section::new("moments", "Fields", moments(results)?),
         Section::new("histories", "Histories", histories(results, marks)?),
         Section::new("contacts", "Contacts", contacts(results, marks)?),
-        Section::new("energies", "Energies", ledger.energies()? + &ledger.contact().unwrap_or_default()),
-        Section::new("balances", "Forces and volumes", ledger.balances()?),
+        Section::new(
+            "energies",
+            "Energies",
+            balances.energies()? + &balances.contact().unwrap_or_default() + &balances.losses()?,
+        ),
+        Section::new("balances", "Forces and volumes", balances.balances()?),
     ];
     Ok(all.into_iter().filter(|section| !section.html.is_empty()).collect())
 }
@@ -83,7 +87,7 @@ fn run(results: &Results) -> Result<String, Error> {
         summary.contact_offset.map(|_| ("largest violation of it", in_length(summary.max_penetration))),
         Some(("smallest distance", in_length(summary.min_distance.unwrap_or(f64::NAN)))),
         Some(("divided steps", summary.divided_steps.to_string())),
-        Some(("sum of energies never grew", if summary.energy_monotone { "yes" } else { "no" }.to_owned())),
+        Some(("no step made energy", if summary.energy_monotone { "yes" } else { "no" }.to_owned())),
     ];
     let rows: Vec<_> = rows.into_iter().flatten().map(|(what, value)| vec![what.to_owned(), value]).collect();
     let facts = format!("<div>{}</div>", table("", &["", ""], &rows));

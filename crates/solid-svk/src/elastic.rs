@@ -172,15 +172,17 @@ impl<const D: usize> BodyStep<D> for ElasticStep<'_, D> {
     }
 
     fn contributions<'p>(&'p self, layout: &'p BlockLayout) -> Vec<Box<dyn Contributions + 'p>> {
-        let (ElasticBody { form, options, .. }, cells) = (self.body, self.cells(layout));
-        let mut all: Vec<Box<dyn Contributions + 'p>> =
-            vec![Box::new(form.inertia_and_body_force(cells)), Box::new(form.internal_work(cells))];
-        for load in &options.loads {
-            let facets = SolidFacets { cells, facets: &load.facets, time: self.stage };
+        let (form, cells) = (&self.body.form, self.cells(layout));
+        vec![Box::new(form.inertia_and_body_force(cells)), Box::new(form.internal_work(cells))]
+    }
+
+    fn loads<'p>(&'p self, layout: &'p BlockLayout) -> Vec<Box<dyn Contributions + 'p>> {
+        let integral = |load: &'p Load<D>| {
+            let facets = SolidFacets { cells: self.cells(layout), facets: &load.facets, time: self.stage };
             let integral = if load.is_linear { Integral::linear } else { Integral::new };
-            all.push(Box::new(integral(load.name, facets, vec![load.term.as_ref()])));
-        }
-        all
+            Box::new(integral(load.name, facets, vec![load.term.as_ref()])) as Box<dyn Contributions + 'p>
+        };
+        self.body.options.loads.iter().map(integral).collect()
     }
 
     fn guess(&self, layout: &BlockLayout, x: &mut [f64]) {

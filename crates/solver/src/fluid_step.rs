@@ -43,7 +43,7 @@ pub(crate) struct FluidStep<'a, const D: usize> {
     rule: StepRule<Vector<D>>,
     pub(crate) velocity: FieldId,
     pub(crate) pressure: FieldId,
-    form: FluidForm<'a, D>,
+    pub(crate) form: FluidForm<'a, D>,
     pub(crate) mortar: MortarForm,
     open_boundaries: Vec<OpenTerms<'a, D>>,
 }
@@ -126,7 +126,7 @@ impl<'a, const D: usize> FluidStep<'a, D> {
         }
     }
 
-    fn fields<'p>(&self, layout: &'p BlockLayout) -> FluidFields<'p> {
+    pub(crate) fn fields<'p>(&self, layout: &'p BlockLayout) -> FluidFields<'p> {
         FluidFields { layout, velocity: self.velocity, pressure: self.pressure }
     }
 
@@ -149,14 +149,21 @@ impl<'a, const D: usize> FluidStep<'a, D> {
     pub(crate) fn contributions<'p>(&'p self, layout: &'p BlockLayout) -> Vec<Box<dyn Contributions + 'p>> {
         let (geometry, fields) = (self.geometry(), self.fields(layout));
         let mut all = self.form.contributions(geometry, fields);
-        for OpenTerms { points, traction, backflow } in &self.open_boundaries {
+        all.extend(self.open_terms(layout));
+        all
+    }
+
+    /// Returns the terms on open boundaries.
+    pub(crate) fn open_terms<'p>(&'p self, layout: &'p BlockLayout) -> Vec<Box<dyn Contributions + 'p>> {
+        let (geometry, fields) = (self.geometry(), self.fields(layout));
+        let integral = |OpenTerms { points, traction, backflow }: &'p OpenTerms<'a, D>| {
             let points = OpenBoundary { geometry, fields, points };
             let mut integral = Integral::linear("open boundary", points, Vec::new());
             integral.extend(traction.as_ref());
             integral.extend(backflow.as_ref());
-            all.push(Box::new(integral));
-        }
-        all
+            Box::new(integral) as Box<dyn Contributions + 'p>
+        };
+        self.open_boundaries.iter().map(integral).collect()
     }
 
     /// Sets symmetry planes, then prescribed velocities, then walls: where two meet, the later one is in force.
@@ -197,12 +204,18 @@ impl<'a, const D: usize> FluidStep<'a, D> {
         kinetic_energy(self.setup.material.density, &self.cut, &self.space, &self.parts, &velocity)
     }
 
+    /// Returns the kinetic energy of the history.
+    pub(crate) fn kinetic_energy_of_history(&self) -> f64 {
+        kinetic_energy(self.setup.material.density, &self.cut, &self.space, &self.parts, &self.history)
+    }
+
     /// Returns the fluid at the end of the step.
     pub(crate) fn finish(self, layout: &BlockLayout, pockets: &[Pocket], x: &[f64]) -> FluidState<D> {
         let mut pressure = x[layout.range(self.pressure)].to_vec();
         pockets.iter().for_each(|pocket| pocket.remove_mean(self.geometry(), &mut pressure));
+        let kinetic_energy = self.kinetic_energy(layout, x);
         let velocity = layout.values(self.velocity, x).map(Vector::from).collect();
-        FluidState { positions: self.positions, cut: self.cut, space: self.space, velocity, pressure }
+        FluidState { positions: self.positions, cut: self.cut, space: self.space, velocity, pressure, kinetic_energy }
     }
 }
 

@@ -14,6 +14,7 @@ mod contact_step;
 mod error;
 mod extension;
 mod fluid_step;
+mod ledger;
 mod observe;
 mod prepare;
 mod problem;
@@ -26,6 +27,7 @@ mod step;
 mod time_loop;
 
 pub use error::{ObserverError, Stage, StepError};
+pub use ledger::Ledger;
 pub use observe::{Observer, StepView};
 pub use prepare::{Step, Substep};
 pub use problem::Problem;

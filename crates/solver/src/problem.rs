@@ -24,7 +24,9 @@ impl<const D: usize> Step<'_, D> {
         let layout = &self.layout;
         let mut contributions: Vec<Box<dyn Contributions + '_>> = Vec::new();
         contributions.extend(self.fluid.iter().flat_map(|fluid| fluid.contributions(layout)));
-        contributions.extend(self.bodies.iter().flat_map(|body| body.contributions(layout)));
+        for body in &self.bodies {
+            contributions.extend(body.contributions(layout).into_iter().chain(body.loads(layout)));
+        }
         let interface = self.fluid.as_ref().map(|fluid| fluid.interface(layout, &self.bodies));
         if let (Some(fluid), Some(points)) = (&self.fluid, &interface) {
             contributions.push(Box::new(fluid.mortar.contributions(points.clone())));
@@ -32,9 +34,14 @@ impl<const D: usize> Step<'_, D> {
         let contacts = self.setup.contacts.iter().zip(&self.contacts);
         let contacts: Vec<_> = contacts.map(|(contact, step)| step.sites(contact, self.partners())).collect();
         for sites in &contacts {
-            contributions.push(Box::new(Integral::new("contact", sites.clone(), vec![&ContactWork])));
+            contributions.push(Box::new(contact_work(sites.clone())));
         }
         let equations = Equations { layout, contributions, constraints: &self.constraints };
         Problem { equations, step: self, interface, contacts }
     }
+}
+
+/// Returns the weak form of a contact.
+pub(crate) fn contact_work<const D: usize>(sites: ContactSites<'_, D>) -> Integral<'_, ContactSites<'_, D>> {
+    Integral::new("contact", sites, vec![&ContactWork])
 }

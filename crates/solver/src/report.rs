@@ -6,10 +6,8 @@ use contact::ContactReport;
 use cutcell::CutReport;
 use interface_dg::{InterfaceFlow, InterfaceTraction, interface_flow, interface_tractions};
 use mesh::{Point, Vector};
-use xfem_space::PartValues;
 
-use crate::fluid_step::kinetic_energy;
-use crate::{Problem, Setup, StageSeconds, State, Step, Substep};
+use crate::{Ledger, Problem, StageSeconds, Step, Substep};
 
 /// The forces on a movable body over a step, of which inertia is the sum: a balance that closes to the accuracy of the
 /// nonlinear solve in every direction without supports.
@@ -86,6 +84,8 @@ pub struct StepReport<const D: usize> {
     pub bodies: Vec<BodyReport<D>>,
     /// The contacts.
     pub contacts: Vec<ContactReport<D>>,
+    /// The energy of the step, term by term.
+    pub ledger: Ledger,
     /// Number of unknowns.
     pub n_dofs: usize,
     /// Wall-clock time per stage.
@@ -111,10 +111,12 @@ impl<const D: usize> Problem<'_, D> {
             n_pockets: step.pockets.len(),
         });
         let contacts: Vec<_> = self.contacts.iter().map(|sites| ContactReport::new(sites, x)).collect();
+        let contact_energy = contacts.iter().map(|contact: &ContactReport<D>| contact.stored_energy).sum();
+        let ledger = self.ledger(x, ends, fluid.as_ref(), contact_energy);
         let mut bodies: Vec<_> = ends.iter().enumerate().map(|(b, end)| body_report(step, b, end)).collect();
         add_forces(step, fluid.as_ref(), &contacts, &mut bodies);
         let seconds = StageSeconds { assembly: newton.seconds_assembly, linear: newton.seconds_linear, ..step.seconds };
-        StepReport { substep, newton, fluid, bodies, contacts, n_dofs: step.layout.len(), seconds }
+        StepReport { substep, newton, fluid, bodies, contacts, ledger, n_dofs: step.layout.len(), seconds }
     }
 }
 
@@ -130,7 +132,12 @@ impl<const D: usize> StepReport<D> {
     pub fn total_energy(&self) -> f64 {
         let bodies: f64 = self.bodies.iter().filter_map(|body| Some(body.balance.as_ref()?.energy())).sum();
         let fluid = self.fluid.as_ref().map_or(0.0, |fluid| fluid.kinetic_energy);
-        bodies + fluid + self.contacts.iter().map(|c| c.stored_energy).sum::<f64>()
+        bodies + fluid + self.contact_energy()
+    }
+
+    /// Returns the energy stored in contacts.
+    pub(crate) fn contact_energy(&self) -> f64 {
+        self.contacts.iter().map(|contact| contact.stored_energy).sum()
     }
 }
 
@@ -181,18 +188,5 @@ fn add_forces<const D: usize>(
         if let Some(forces) = &mut bodies[contact.body().index()].forces {
             forces.contact += report.force;
         }
-    }
-}
-
-impl<const D: usize> State<D> {
-    /// Returns the sum of all energies but those stored in contacts: kinetic of fluid and solids, elastic, of gravity.
-    pub fn total_energy(&self, setup: &Setup<D>) -> f64 {
-        let bodies = setup.bodies.iter().zip(&self.bodies);
-        let bodies: f64 = bodies.filter_map(|(body, state)| Some(body.balance(state)?.energy())).sum();
-        let fluid = setup.fluid.as_ref().zip(self.fluid.as_ref()).map_or(0.0, |(setup, fluid)| {
-            let parts = PartValues::new(&setup.background, &fluid.cut);
-            kinetic_energy(setup.material.density, &fluid.cut, &fluid.space, &parts, &fluid.velocity)
-        });
-        bodies + fluid
     }
 }

@@ -3,8 +3,9 @@
 use body::{BodyState, StepTime};
 use cutcell::CutMesh;
 use mesh::{Point, Vector};
-use xfem_space::XfemSpace;
+use xfem_space::{PartValues, XfemSpace};
 
+use crate::fluid_step::kinetic_energy;
 use crate::{Setup, StepError};
 
 /// The state at one time.
@@ -20,6 +21,8 @@ pub struct State<const D: usize> {
     pub fluid: Option<FluidState<D>>,
     /// The bodies, in the order of the setup.
     pub bodies: Vec<BodyState<D>>,
+    /// Energy stored in contacts; it counts from zero at the start.
+    pub contact_energy: f64,
 }
 
 /// Velocity and pressure of the fluid, on the geometry on which they were computed.
@@ -35,6 +38,8 @@ pub struct FluidState<const D: usize> {
     pub velocity: Vec<Vector<D>>,
     /// Pressure, one value per dof of the space.
     pub pressure: Vec<f64>,
+    /// Kinetic energy on this geometry.
+    pub kinetic_energy: f64,
 }
 
 /// Number of lengths of earlier steps that a state keeps.
@@ -48,18 +53,32 @@ impl<const D: usize> State<D> {
     pub fn initial(setup: &Setup<D>) -> Result<Self, StepError> {
         setup.check().map_err(|source| StepError::at(0, 0.0, source))?;
         let bodies = setup.bodies.iter().map(|body| body.start()).collect();
-        let mut state = Self { step: 0, time: 0.0, lengths: Vec::new(), fluid: None, bodies };
+        let mut state = Self { step: 0, time: 0.0, lengths: Vec::new(), fluid: None, bodies, contact_energy: 0.0 };
         if let Some(fluid) = &setup.fluid {
             let positions = setup.positions(&state.bodies);
             let cut = CutMesh::overlay(&fluid.background, &setup.surfaces(&positions), &fluid.overlay)
                 .map_err(|source| StepError::at(0, 0.0, source))?;
             let space = XfemSpace::new(&fluid.background, &cut);
             let at_start = |x: &Point<D>| fluid.initial_velocity.as_ref().map_or(Vector::zeros(), |field| field(x));
-            let velocity = space.vertices().iter().map(|&v| at_start(&fluid.background.vertex(v))).collect();
+            let velocity: Vec<_> = space.vertices().iter().map(|&v| at_start(&fluid.background.vertex(v))).collect();
+            let parts = PartValues::new(&fluid.background, &cut);
+            let kinetic_energy = kinetic_energy(fluid.material.density, &cut, &space, &parts, &velocity);
             let pressure = vec![0.0; space.len()];
-            state.fluid = Some(FluidState { positions, cut, space, velocity, pressure });
+            state.fluid = Some(FluidState { positions, cut, space, velocity, pressure, kinetic_energy });
         }
         Ok(state)
+    }
+
+    /// Returns the kinetic energy of the fluid.
+    pub(crate) fn fluid_energy(&self) -> f64 {
+        self.fluid.as_ref().map_or(0.0, |fluid| fluid.kinetic_energy)
+    }
+
+    /// Returns the sum of all energies: kinetic of fluid and solids, elastic, of gravity, stored in contacts.
+    pub fn total_energy(&self, setup: &Setup<D>) -> f64 {
+        let bodies = setup.bodies.iter().zip(&self.bodies);
+        let bodies: f64 = bodies.filter_map(|(body, state)| Some(body.balance(state)?.energy())).sum();
+        bodies + self.fluid_energy() + self.contact_energy
     }
 
     /// Returns the time after one more step of length `dt`. Multiples of the step are exact; sums of a decimal number

@@ -62,7 +62,9 @@ impl<'a, const D: usize> Scene<'a, D> {
         let (layout, mut constraints) = (&self.layout, Constraints::new());
         self.steps.iter().for_each(|step| step.constrain(layout, &mut constraints));
         let mut contributions: Vec<Box<dyn Contributions + '_>> = Vec::new();
-        self.steps.iter().for_each(|step| contributions.extend(step.contributions(layout)));
+        self.steps
+            .iter()
+            .for_each(|step| contributions.extend(step.contributions(layout).into_iter().chain(step.loads(layout))));
         contributions.push(Box::new(work(contact)));
         let equations = Equations { layout, contributions, constraints: &constraints };
         algebra::newton(&equations, x, &mut Workspace::new(), &NewtonSettings::new(tolerance)).unwrap()

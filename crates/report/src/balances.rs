@@ -5,12 +5,15 @@ use io::HistoryTable;
 use crate::html::{gallery, number, table};
 use crate::{Curve, Error, Results};
 
+/// Prefix of the columns of lost energy.
+const LOST: &str = "lost_";
+
 /// Energies, forces and volumes of a run.
-pub(crate) struct Ledger<'a> {
+pub(crate) struct Balances<'a> {
     pub(crate) results: &'a Results,
 }
 
-impl Ledger<'_> {
+impl Balances<'_> {
     /// Returns the sum of a column over all bodies.
     fn of_bodies(&self, table: &HistoryTable, column: &str) -> Option<Vec<f64>> {
         let bodies = &self.results.summary.bodies;
@@ -97,6 +100,45 @@ impl Ledger<'_> {
         Some(table(&caption, &head, &rows.iter().map(row).collect::<Vec<_>>()))
     }
 
+    /// Returns what each part of the discrete problem took from the energy: stacked over time, and summed before, during and
+    /// after the first contact.
+    pub(crate) fn losses(&self) -> Result<String, Error> {
+        let Results { history, diagnostics, summary, .. } = self.results;
+        let (units, times) = (&summary.units, history.column("time").unwrap_or_default());
+        let contact = summary.contact_intervals.first();
+        let begin = contact.map_or(f64::INFINITY, |(begin, _)| *begin);
+        let end = contact.and_then(|(_, end)| *end).unwrap_or(f64::INFINITY);
+        let mut stacked = vec![0.0; times.len()];
+        let (mut curves, mut rows) = (Vec::new(), Vec::new());
+        for name in diagnostics.names().iter().filter(|name| name.starts_with(LOST)) {
+            let lost = diagnostics.column(name).unwrap_or_default();
+            let sum = |from: f64, to: f64| -> f64 {
+                times.iter().zip(&lost).filter(|(t, _)| from <= **t && **t < to).map(|(_, lost)| lost).sum()
+            };
+            if lost.iter().all(|lost| *lost == 0.0) {
+                continue;
+            }
+            let label = name[LOST.len()..].replace('_', " ");
+            let phases = [sum(f64::NEG_INFINITY, begin), sum(begin, end), sum(end, f64::INFINITY)];
+            rows.push([vec![label.clone()], phases.map(number).to_vec()].concat());
+            let mut so_far = 0.0;
+            for (height, lost) in stacked.iter_mut().zip(&lost) {
+                so_far += lost;
+                *height += so_far;
+            }
+            curves.push(Curve::new(label, times.iter().copied().zip(stacked.iter().copied()).collect()));
+        }
+        let mut chart = self.results.over_time("energy lost so far, stacked", &units.energy, curves);
+        chart.caption =
+            "Each curve is the sum of its line and of those before it. The last one is the energy that the run lost; \
+                         `defect` is the part that no term explains."
+                .to_owned();
+        let caption =
+            format!("Energy that each part of the discrete problem took, {}; negative: it gave energy.", units.energy);
+        let head = ["", "before the first contact", "during it", "after it"];
+        Ok(table(&caption, &head, &rows) + &gallery(&[chart.html()?]))
+    }
+
     pub(crate) fn balances(&self) -> Result<String, Error> {
         Ok(gallery(&[self.forces()?, format!("<div>{}</div>", self.volumes())]))
     }
@@ -142,7 +184,7 @@ impl Ledger<'_> {
         let rows = [
             ("largest net leak through the interface", largest("leak_net"), units.flow.as_str()),
             ("largest absolute leak", largest("leak_absolute"), &units.flow),
-            ("largest net leak, relative to the flow that the bodies displace", relative_leak, ""),
+            ("largest absolute leak, relative to the flow that the bodies displace", relative_leak, ""),
             ("fluid gained through the interface over the whole run", net(), &units.volume),
             ("largest relative change of the volume of the fluid", drift(diagnostics.column("fluid_volume")), ""),
             ("largest relative change of the volume of the leading body", drift(volume), ""),

@@ -1,0 +1,43 @@
+//! Powers of the mortar, for the balance of energy.
+
+use algebra::Sites;
+
+use crate::InterfacePoints;
+use crate::terms::Penalty;
+
+/// Powers on the interface.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct InterfacePower {
+    /// `∫ σ_n |(u - v_s)·n|²`.
+    pub penalty_normal: f64,
+    /// `∫ σ_t |(u - v_s) - (u - v_s)·n n|²`.
+    pub penalty_tangential: f64,
+    /// Power of the fluid on bodies of given motion, `∫ t·v_s` with the traction `t = -T^f n^f + S (u - v_s)`.
+    pub given_motion: f64,
+}
+
+/// Returns the powers on the interface of a step at the state `x`.
+pub fn interface_power<const D: usize>(
+    points: &InterfacePoints<'_, D>,
+    penalty: &Penalty,
+    x: &[f64],
+) -> InterfacePower {
+    let mut power = InterfacePower::default();
+    for item in 0..points.len() {
+        let piece = &points.geometry.cut.interface()[item];
+        let dofs = points.geometry.space.dofs(piece.part);
+        points.visit(item, x, |q| {
+            let n = &q.piece.normal;
+            let traction = penalty.weighted(q) * q.jump;
+            let along = q.jump.dot(n);
+            power.penalty_normal += traction.dot(n) * along;
+            power.penalty_tangential += traction.dot(&(q.jump - n * along));
+            if !q.is_unknown {
+                let u: mesh::Vector<D> =
+                    dofs.iter().zip(&q.at.fluid).map(|(dof, n)| points.fields.velocity_at::<D>(x, *dof) * *n).sum();
+                power.given_motion += (traction - q.traction * q.at.weight).dot(&(u - q.jump));
+            }
+        });
+    }
+    power
+}

@@ -1,0 +1,185 @@
+//! The energy of a step, term by term.
+
+use algebra::{BlockLayout, Contributions, DofId, Integral, Term};
+use body::BodyState;
+use fluid_ns::{FluidCell, FluidCells, FluidFace, FluidFaces};
+use interface_dg::interface_power;
+
+use crate::fluid_step::FluidStep;
+use crate::problem::contact_work;
+use crate::{FluidReport, Problem};
+
+/// What each part of the discrete problem took from the energy in a step; negative if it gave energy.
+///
+/// The weak form is tested with its own solution `(u, p, v_s)`. Each line is the power of a term times the step, minus the
+/// change of the energy that the term stores: kinetic, elastic, of gravity, of contact. The sum of all lines is then minus the change of the
+/// energy, up to the residual of Newton's method.
+///
+/// Units: energy (2D: per unit depth).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Ledger {
+    /// Change of the sum of all energies.
+    pub change: f64,
+    /// Transfer to the new domain: kinetic energy of the last step minus that of its velocity on the new space.
+    pub transfer: f64,
+    /// Inertia of the fluid: what the time scheme dissipates.
+    pub fluid_scheme: f64,
+    /// `2 μ |D(u)|²`.
+    pub viscosity: f64,
+    /// `c(u, u, u)`: it has no sign, and pairs with `transfer` and `open_boundary`.
+    pub convection: f64,
+    /// Interior penalty of the velocity.
+    pub cip_velocity: f64,
+    /// Interior penalty of the pressure.
+    pub cip_pressure: f64,
+    /// Ghost penalty.
+    pub ghost_penalty: f64,
+    /// Work against the body force of the fluid.
+    pub fluid_force: f64,
+    /// Open boundaries: traction and backflow.
+    pub open_boundary: f64,
+    /// Consistency and adjoint consistency of the mortar.
+    pub mortar: f64,
+    /// Normal part of the mortar's penalty.
+    pub penalty_normal: f64,
+    /// Tangential part of the mortar's penalty.
+    pub penalty_tangential: f64,
+    /// Inertia, internal work and body force of the bodies: what their time schemes dissipate.
+    pub body_scheme: f64,
+    /// Work against the loads on bodies.
+    pub loads: f64,
+    /// Contacts: what their laws do not store.
+    pub contact: f64,
+    /// Work against given velocities: on boundaries, and of bodies with a prescribed motion.
+    pub given_velocities: f64,
+    /// All other terms.
+    pub other: f64,
+}
+
+impl Ledger {
+    /// Returns the lines with their names, in the order of the fields.
+    pub fn lines(&self) -> [(&'static str, f64); 18] {
+        [
+            ("transfer", self.transfer),
+            ("fluid_scheme", self.fluid_scheme),
+            ("viscosity", self.viscosity),
+            ("convection", self.convection),
+            ("cip_velocity", self.cip_velocity),
+            ("cip_pressure", self.cip_pressure),
+            ("ghost_penalty", self.ghost_penalty),
+            ("fluid_force", self.fluid_force),
+            ("open_boundary", self.open_boundary),
+            ("mortar", self.mortar),
+            ("penalty_normal", self.penalty_normal),
+            ("penalty_tangential", self.penalty_tangential),
+            ("body_scheme", self.body_scheme),
+            ("loads", self.loads),
+            ("contact", self.contact),
+            ("given_velocities", self.given_velocities),
+            ("other", self.other),
+            ("defect", self.defect()),
+        ]
+    }
+
+    /// Returns the change of the energy that no line explains: zero up to the residual of Newton's method.
+    pub fn defect(&self) -> f64 {
+        self.change + self.losses()
+    }
+
+    /// Returns the energy that the step took beyond what loads, forces, open boundaries and given velocities received:
+    /// what viscosity, stabilisation and time schemes dissipate. It is negative if the step made energy.
+    pub fn dissipation(&self) -> f64 {
+        let given = self.given_velocities + self.fluid_force + self.loads + self.open_boundary;
+        -self.change - given
+    }
+
+    /// Returns the sum of all lines.
+    fn losses(&self) -> f64 {
+        let of_fluid = self.transfer + self.fluid_scheme + self.viscosity + self.convection + self.fluid_force;
+        let of_faces = self.cip_velocity + self.cip_pressure + self.ghost_penalty;
+        let of_boundary = self.open_boundary + self.given_velocities;
+        let of_interface = self.mortar + self.penalty_normal + self.penalty_tangential;
+        of_fluid + of_faces + of_boundary + of_interface + self.body_scheme + self.loads + self.contact + self.other
+    }
+}
+
+impl<const D: usize> Problem<'_, D> {
+    /// Returns the ledger of a step for its solution `x`, the bodies at its end, and the energy stored in contacts.
+    pub(crate) fn ledger(
+        &self,
+        x: &[f64],
+        ends: &[BodyState<D>],
+        fluid: Option<&FluidReport<D>>,
+        contact_energy: f64,
+    ) -> Ledger {
+        let step = self.step;
+        let (layout, dt, before) = (&step.layout, step.time.length(), step.previous);
+        let work = |terms: &dyn Contributions| dt * terms.power(x);
+        let mut residual = vec![0.0; layout.len()];
+        self.equations.contributions.iter().for_each(|terms| terms.add_residual(x, &mut residual));
+        let total = dt * x.iter().zip(&residual).map(|(x, r)| x * r).sum::<f64>();
+        let constrained = (0..layout.len()).filter(|&k| step.constraints.get(DofId::new(k)).is_some());
+        let mut ledger = Ledger {
+            given_velocities: -dt * constrained.map(|k| x[k] * residual[k]).sum::<f64>(),
+            ..Ledger::default()
+        };
+        let mut known = 0.0;
+        if let (Some(fluid), Some(of_step), Some(points)) = (fluid, &step.fluid, &self.interface) {
+            known += of_step.add_to_ledger(&mut ledger, layout, x, dt);
+            let at_start = of_step.kinetic_energy_of_history();
+            ledger.transfer = before.fluid_energy() - at_start;
+            ledger.fluid_scheme -= fluid.kinetic_energy - at_start;
+            ledger.change += fluid.kinetic_energy - before.fluid_energy();
+            let mortar = work(&of_step.mortar.contributions(points.clone()));
+            known += mortar;
+            let power = interface_power(points, &of_step.mortar.penalty, x);
+            ledger.penalty_normal = dt * power.penalty_normal;
+            ledger.penalty_tangential = dt * power.penalty_tangential;
+            ledger.given_velocities += dt * power.given_motion;
+            ledger.mortar = mortar - ledger.penalty_normal - ledger.penalty_tangential - dt * power.given_motion;
+        }
+        for (b, body) in step.bodies.iter().enumerate() {
+            let own: f64 = body.contributions(layout).iter().map(|terms| work(terms.as_ref())).sum();
+            let loads: f64 = body.loads(layout).iter().map(|terms| work(terms.as_ref())).sum();
+            let energy = |state: &BodyState<D>| step.setup.bodies[b].balance(state).map_or(0.0, |b| b.energy());
+            let change = energy(&ends[b]) - energy(&before.bodies[b]);
+            ledger.change += change;
+            ledger.body_scheme += own - change;
+            ledger.loads += loads;
+            known += own + loads;
+        }
+        let contact: f64 = self.contacts.iter().map(|sites| work(&contact_work(sites.clone()))).sum();
+        ledger.contact = contact - (contact_energy - before.contact_energy);
+        ledger.change += contact_energy - before.contact_energy;
+        known += contact;
+        ledger.other = total - known;
+        ledger
+    }
+}
+
+impl<const D: usize> FluidStep<'_, D> {
+    /// Adds the works of the fluid's terms; returns their sum.
+    fn add_to_ledger(&self, ledger: &mut Ledger, layout: &BlockLayout, x: &[f64], dt: f64) -> f64 {
+        let (geometry, fields, form) = (self.geometry(), self.fields(layout), &self.form);
+        let cells = |term| dt * Integral::linear("one term", FluidCells::new(geometry, fields), vec![term]).power(x);
+        let faces = |weights: [f64; 3]| {
+            let [velocity, ghost, pressure] = weights;
+            let of_face = |face: &FluidFace<'_, D>| {
+                let of_velocity = velocity * form.cip_velocity.weight(face) + ghost * form.ghost_penalty.weight(face);
+                [of_velocity, pressure * form.cip_pressure.weight(face)]
+            };
+            dt * FluidFaces::new(geometry, fields, of_face).power(x)
+        };
+        ledger.fluid_scheme = form.inertia.as_ref().map_or(0.0, |term| cells(term as &dyn Term<FluidCell<'_, D>>));
+        ledger.viscosity = cells(&form.viscous);
+        ledger.convection = form.convection.as_ref().map_or(0.0, |term| cells(term));
+        ledger.fluid_force = form.body_force.as_ref().map_or(0.0, |term| cells(term));
+        ledger.cip_velocity = faces([1.0, 0.0, 0.0]);
+        ledger.ghost_penalty = faces([0.0, 1.0, 0.0]);
+        ledger.cip_pressure = faces([0.0, 0.0, 1.0]);
+        ledger.open_boundary = self.open_terms(layout).iter().map(|terms| dt * terms.power(x)).sum();
+        let of_faces = ledger.cip_velocity + ledger.ghost_penalty + ledger.cip_pressure;
+        let of_cells = ledger.fluid_scheme + ledger.viscosity + ledger.convection + ledger.fluid_force;
+        of_cells + of_faces + ledger.open_boundary
+    }
+}

@@ -1,0 +1,92 @@
+//! The energy of every step is accounted for, term by term.
+
+mod fixture;
+
+use std::sync::Arc;
+
+use fixture::*;
+use solid_svk::Load;
+use solver::algebra::time::GeneralisedAlpha;
+use solver::mesh::generate::structured_box;
+use solver::{FluidBoundary, Setup, Stabilisation, StepReport};
+
+/// Checks that every step closes to ten times the tolerance of Newton's method, relative to the largest energy or change.
+fn check_closed(setup: &Setup<2>, reports: &[StepReport<2>]) {
+    let size = |report: &StepReport<2>| {
+        let lines = report.ledger.lines();
+        lines.iter().map(|(_, lost)| lost.abs()).chain([report.total_energy().abs()]).fold(0.0, f64::max)
+    };
+    let size = reports.iter().map(size).fold(0.0, f64::max);
+    for (step, report) in reports.iter().enumerate() {
+        let defect = report.ledger.defect();
+        assert!(defect.abs() < 10.0 * setup.newton.tolerance * size, "step {step}: {defect:e} of {size:e}");
+        assert!(report.ledger.other.abs() < 10.0 * setup.newton.tolerance * size, "{:e}", report.ledger.other);
+    }
+}
+
+#[test]
+fn a_ball_that_hits_the_ground_in_a_fluid() {
+    for (set, second_order) in [(Stabilisation::STANDARD, false), (Stabilisation::PAPER_44_2019, true)] {
+        let mut setup = falling_ball_with(0.9, 0.3, 0.25, false, |ball| {
+            ball.options.initial_velocity = Some(Arc::new(|_| V::new(0.0, -30.0)));
+            if second_order {
+                ball.options.scheme = Arc::new(GeneralisedAlpha::new(0.8).expect("a radius"));
+            }
+        });
+        fluid_of(&mut setup).stabilisation = set;
+        fluid_of(&mut setup).convection = Some(true);
+        let (_, reports) = run(&setup, 12);
+        assert!(reports.iter().any(|report| report.contacts[0].is_active()));
+        check_closed(&setup, &reports);
+        let lost = |of: fn(&solver::Ledger) -> f64| reports.iter().map(|report| of(&report.ledger)).sum::<f64>();
+        let mut dissipations = vec![
+            lost(|l| l.viscosity),
+            lost(|l| l.cip_velocity),
+            lost(|l| l.cip_pressure),
+            lost(|l| l.ghost_penalty),
+            lost(|l| l.penalty_normal),
+            lost(|l| l.penalty_tangential),
+            lost(|l| l.fluid_scheme),
+        ];
+        if !second_order {
+            dissipations.extend([lost(|l| l.body_scheme), lost(|l| l.contact)]);
+        }
+        assert!(dissipations.iter().all(|lost| *lost > 0.0), "{dissipations:?}");
+    }
+}
+
+#[test]
+fn given_velocities_forces_and_loads_do_the_work() {
+    let background = structured_box::<2>([0.0, 0.0], [2.0, 1.5], [14, 11]).expect("a box");
+    let mut setup = setup(fluid(background, 1.2, 0.05), 0.02);
+    fluid_of(&mut setup).body_force = Some(Arc::new(|x, t| V::new(1.0 + t, x[0])));
+    on_sides(&mut setup, &["left"], || FluidBoundary::Velocity(Arc::new(|x, _| V::new(x[1] * (1.5 - x[1]), 0.1))));
+    on_sides(&mut setup, &["bottom", "top"], || FluidBoundary::NoSlip);
+    on_sides(&mut setup, &["right"], || FluidBoundary::Open {
+        traction: Some(Arc::new(|_, n, _| n * -0.7)),
+        backflow: true,
+    });
+    setup.bodies.push(prescribed(
+        &disk([0.5, 0.5], 0.2, 0.07),
+        |x, t| x + V::new(0.8, 0.3) * t,
+        |x, _| V::new(0.8 - x[1], 0.3 + x[0]),
+    ));
+    setup.bodies.push(Arc::new(rigid("rigid", &disk([0.6, 1.1], 0.15, 0.06), 1.7, V::new(0.0, -9.0))));
+    let mut elastic = elastic("elastic", disk([1.3, 0.7], 0.25, 0.08), 0.9, 200.0, 800.0, V::new(1.0, -2.0));
+    let facets = elastic.solid.boundary().facets().collect();
+    elastic.options.loads.push(Load::pressure(facets, 3.0));
+    setup.bodies.push(elastic.body());
+    let (_, reports) = run(&setup, 8);
+    check_closed(&setup, &reports);
+    for line in [
+        |l: &solver::Ledger| l.given_velocities,
+        |l: &solver::Ledger| l.fluid_force,
+        |l: &solver::Ledger| l.loads,
+        |l: &solver::Ledger| l.open_boundary,
+        |l: &solver::Ledger| l.convection,
+        |l: &solver::Ledger| l.mortar,
+        |l: &solver::Ledger| l.transfer,
+    ] {
+        assert!(reports.iter().any(|report| line(&report.ledger).abs() > 1e-6), "a line is empty");
+    }
+}
