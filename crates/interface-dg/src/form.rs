@@ -23,7 +23,7 @@ impl MortarForm {
         Self {
             consistency: Consistency { fluid },
             adjoint_consistency: AdjointConsistency { fluid },
-            penalty: Penalty { profile, fluid, rate },
+            penalty: Penalty { profile, fluid, rate, convection: 1.0 / 6.0, inertia: 1.0 / 12.0 },
         }
     }
 

@@ -58,7 +58,7 @@ impl<const D: usize> Extension<'_, D> {
         let pieces = self.cut.interface().iter().enumerate();
         let pieces = pieces.filter(|(_, piece)| unknowns.touch(self.space.dofs(piece.part))).map(|(item, _)| item);
         let jumps = Jumps { unknowns, faces };
-        let surface = Surface { unknowns, extension: *self, pieces: pieces.collect(), of_body };
+        let surface = Surface { unknowns, extension: *self, pieces: pieces.collect(), of_body: &of_body };
         let constraints = Constraints::new();
         let contributions: Vec<Box<dyn Contributions + '_>> = vec![Box::new(jumps), Box::new(surface)];
         let equations = Equations { layout: &layout, contributions, constraints: &constraints };
@@ -111,10 +111,11 @@ impl<const D: usize> Unknowns<'_, D> {
         let sum: Vector<D> = dofs.iter().zip(factors).map(|(dof, factor)| self.value(*dof, x) * *factor).sum();
         let residual = (sum - target).component_mul(weight);
         let unknown = || dofs.iter().zip(factors).filter(|(dof, _)| self.nodes[**dof as usize].is_some());
-        for (i, (_, test)) in unknown().enumerate() {
-            out.add_vector::<D>(D * i, residual * *test);
-            for (j, (_, trial)) in unknown().enumerate() {
-                out.add_block::<D, D>(D * i, D * j, Tensor::from_diagonal(weight) * (test * trial));
+        let rows = || (0..).step_by(D).zip(unknown());
+        for (row, (_, test)) in rows() {
+            out.add_vector::<D>(row, residual * *test);
+            for (column, (_, trial)) in rows() {
+                out.add_block::<D, D>(row, column, Tensor::from_diagonal(weight) * (test * trial));
             }
         }
     }
@@ -152,17 +153,14 @@ impl<const D: usize> Contributions for Jumps<'_, D> {
 }
 
 /// `Σ_Σ 1/h_K (u - v, w)`, and a small part of it at vertices.
-struct Surface<'a, const D: usize, F> {
+struct Surface<'a, const D: usize> {
     unknowns: Unknowns<'a, D>,
     extension: Extension<'a, D>,
     pieces: Vec<usize>,
-    of_body: F,
+    of_body: &'a (dyn Fn(BodyId, FacetId) -> [Vector<D>; MAX_CELL_VERTICES] + Sync),
 }
 
-impl<const D: usize, F> Contributions for Surface<'_, D, F>
-where
-    F: Fn(BodyId, FacetId) -> [Vector<D>; MAX_CELL_VERTICES] + Sync,
-{
+impl<const D: usize> Contributions for Surface<'_, D> {
     fn len(&self) -> usize {
         self.pieces.len()
     }

@@ -20,6 +20,7 @@ use xfem_space::{
 
 use crate::extension::Extension;
 use crate::setup::{FluidBoundary, FluidSetup};
+use crate::state::kinetic_energy;
 use crate::{FluidState, Setup, Stabilisation, Stage, StageSeconds, State};
 
 /// Degree of quadrature on interface pieces: products of two P1 functions.
@@ -270,24 +271,4 @@ fn check_interface<const D: usize>(cut: &CutMesh<D>) -> Result<(), Stage> {
     let uncovered = cut.report().uncovered_measure;
     let interface: f64 = cut.interface().iter().map(|piece| piece.measure).sum();
     if uncovered > LARGEST_SHARE * interface { Err(Stage::Interface { uncovered, interface }) } else { Ok(()) }
-}
-
-/// Returns `1/2 (ρ u, u)` of a velocity with one value per dof.
-pub(crate) fn kinetic_energy<const D: usize>(
-    density: f64,
-    cut: &CutMesh<D>,
-    space: &XfemSpace<D>,
-    parts: &PartValues<D>,
-    velocity: &[Vector<D>],
-) -> f64 {
-    let mut twice = 0.0;
-    for part in cut.all_parts() {
-        let (moments, dofs) = (parts.moments(part), space.dofs(part));
-        for (i, a) in dofs.iter().enumerate() {
-            for (j, b) in dofs.iter().enumerate() {
-                twice += moments.at(i, j) * velocity[*a as usize].dot(&velocity[*b as usize]);
-            }
-        }
-    }
-    0.5 * density * twice
 }

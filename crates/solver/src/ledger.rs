@@ -5,11 +5,11 @@ use body::BodyState;
 use fluid_ns::{FluidCell, FluidCells, FluidFace, FluidFaces};
 use interface_dg::interface_power;
 
+use crate::Problem;
 use crate::fluid_step::FluidStep;
 use crate::problem::contact_work;
-use crate::{FluidReport, Problem};
 
-/// What each part of the discrete problem took from the energy in a step; negative if it gave energy.
+/// Energy that each part of the discrete problem took in a step; negative if it gave energy.
 ///
 /// The weak form is tested with its own solution `(u, p, v_s)`. Each line is the power of a term times the step, minus the
 /// change of the energy that the term stores: kinetic, elastic, of gravity, of contact. The sum of all lines is then minus the change of the
@@ -22,7 +22,7 @@ pub struct Ledger {
     pub change: f64,
     /// Transfer to the new domain: kinetic energy of the last step minus that of its velocity on the new space.
     pub transfer: f64,
-    /// Inertia of the fluid: what the time scheme dissipates.
+    /// Inertia of the fluid: dissipation of its time scheme.
     pub fluid_scheme: f64,
     /// `2 μ |D(u)|²`.
     pub viscosity: f64,
@@ -44,11 +44,11 @@ pub struct Ledger {
     pub penalty_normal: f64,
     /// Tangential part of the mortar's penalty.
     pub penalty_tangential: f64,
-    /// Inertia, internal work and body force of the bodies: what their time schemes dissipate.
+    /// Inertia, internal work and body force of the bodies: dissipation of their time schemes.
     pub body_scheme: f64,
     /// Work against the loads on bodies.
     pub loads: f64,
-    /// Contacts: what their laws do not store.
+    /// Contacts: work that their laws do not store.
     pub contact: f64,
     /// Work against given velocities: on boundaries, and of bodies with a prescribed motion.
     pub given_velocities: f64,
@@ -86,8 +86,8 @@ impl Ledger {
         self.change + self.losses()
     }
 
-    /// Returns the energy that the step took beyond what loads, forces, open boundaries and given velocities received:
-    /// what viscosity, stabilisation and time schemes dissipate. It is negative if the step made energy.
+    /// Returns the energy that viscosity, stabilisation and time schemes dissipate: the loss without the work on loads, forces,
+    /// open boundaries and given velocities. It is negative if the step made energy.
     pub fn dissipation(&self) -> f64 {
         let given = self.given_velocities + self.fluid_force + self.loads + self.open_boundary;
         -self.change - given
@@ -104,14 +104,9 @@ impl Ledger {
 }
 
 impl<const D: usize> Problem<'_, D> {
-    /// Returns the ledger of a step for its solution `x`, the bodies at its end, and the energy stored in contacts.
-    pub(crate) fn ledger(
-        &self,
-        x: &[f64],
-        ends: &[BodyState<D>],
-        fluid: Option<&FluidReport<D>>,
-        contact_energy: f64,
-    ) -> Ledger {
+    /// Returns the ledger of a step for its solution `x`, the bodies at its end, the kinetic energy of the fluid, and the energy
+    /// stored in contacts.
+    pub(crate) fn ledger(&self, x: &[f64], ends: &[BodyState<D>], [fluid_energy, contact_energy]: [f64; 2]) -> Ledger {
         let step = self.step;
         let (layout, dt, before) = (&step.layout, step.time.length(), step.previous);
         let work = |terms: &dyn Contributions| dt * terms.power(x);
@@ -124,12 +119,12 @@ impl<const D: usize> Problem<'_, D> {
             ..Ledger::default()
         };
         let mut known = 0.0;
-        if let (Some(fluid), Some(of_step), Some(points)) = (fluid, &step.fluid, &self.interface) {
+        if let (Some(of_step), Some(points)) = (&step.fluid, &self.interface) {
             known += of_step.add_to_ledger(&mut ledger, layout, x, dt);
             let at_start = of_step.kinetic_energy_of_history();
             ledger.transfer = before.fluid_energy() - at_start;
-            ledger.fluid_scheme -= fluid.kinetic_energy - at_start;
-            ledger.change += fluid.kinetic_energy - before.fluid_energy();
+            ledger.fluid_scheme -= fluid_energy - at_start;
+            ledger.change += fluid_energy - before.fluid_energy();
             let mortar = work(&of_step.mortar.contributions(points.clone()));
             known += mortar;
             let power = interface_power(points, &of_step.mortar.penalty, x);

@@ -9,7 +9,7 @@ use mesh::{Aabb, Point};
 
 use crate::contact_step::{ContactStep, Partners};
 use crate::fluid_step::FluidStep;
-use crate::{Setup, Stage, StageSeconds, State, StepReport};
+use crate::{Setup, Stage, StageSeconds, State};
 
 /// A step of the setup, or a part of one.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -127,13 +127,19 @@ impl<'a, const D: usize> Step<'a, D> {
     }
 
     /// Returns the state at the end of the step. Moves cut and space into it.
-    pub(crate) fn finish(self, x: &[f64], bodies: Vec<BodyState<D>>, report: &StepReport<D>) -> State<D> {
+    pub(crate) fn finish(
+        self,
+        substep: Substep,
+        x: &[f64],
+        bodies: Vec<BodyState<D>>,
+        contact_energy: f64,
+    ) -> State<D> {
         State {
-            step: self.previous.step + usize::from(report.substep.is_last),
+            step: self.previous.step + usize::from(substep.is_last),
             time: self.time.end,
             fluid: self.fluid.map(|fluid| fluid.finish(&self.layout, &self.pockets, x)),
             bodies,
-            contact_energy: report.contact_energy(),
+            contact_energy,
             lengths: self.time.lengths,
         }
     }

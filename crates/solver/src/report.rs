@@ -111,8 +111,9 @@ impl<const D: usize> Problem<'_, D> {
             n_pockets: step.pockets.len(),
         });
         let contacts: Vec<_> = self.contacts.iter().map(|sites| ContactReport::new(sites, x)).collect();
+        let fluid_energy = fluid.as_ref().map_or(0.0, |fluid| fluid.kinetic_energy);
         let contact_energy = contacts.iter().map(|contact: &ContactReport<D>| contact.stored_energy).sum();
-        let ledger = self.ledger(x, ends, fluid.as_ref(), contact_energy);
+        let ledger = self.ledger(x, ends, [fluid_energy, contact_energy]);
         let mut bodies: Vec<_> = ends.iter().enumerate().map(|(b, end)| body_report(step, b, end)).collect();
         add_forces(step, fluid.as_ref(), &contacts, &mut bodies);
         let seconds = StageSeconds { assembly: newton.seconds_assembly, linear: newton.seconds_linear, ..step.seconds };

@@ -5,7 +5,6 @@ use cutcell::CutMesh;
 use mesh::{Point, Vector};
 use xfem_space::{PartValues, XfemSpace};
 
-use crate::fluid_step::kinetic_energy;
 use crate::{Setup, StepError};
 
 /// The state at one time.
@@ -94,4 +93,24 @@ impl<const D: usize> State<D> {
         let lengths = std::iter::once(dt).chain(self.lengths.iter().copied()).take(1 + KEPT_LENGTHS).collect();
         StepTime { start: self.time, end: self.next_time(dt), lengths }
     }
+}
+
+/// Returns `1/2 (ρ u, u)` of a velocity with one value per dof.
+pub(crate) fn kinetic_energy<const D: usize>(
+    density: f64,
+    cut: &CutMesh<D>,
+    space: &XfemSpace<D>,
+    parts: &PartValues<D>,
+    velocity: &[Vector<D>],
+) -> f64 {
+    let mut twice = 0.0;
+    for part in cut.all_parts() {
+        let (moments, dofs) = (parts.moments(part), space.dofs(part));
+        for (i, a) in dofs.iter().enumerate() {
+            for (j, b) in dofs.iter().enumerate() {
+                twice += moments.at(i, j) * velocity[*a as usize].dot(&velocity[*b as usize]);
+            }
+        }
+    }
+    0.5 * density * twice
 }

@@ -1,21 +1,17 @@
-//! Conservation of the volume that a moving body displaces: in the cut, cell by cell, and in the equation of continuity. As
-//! the mesh does not move, no velocity of the mesh enters. The closure of cut cells is checked, and the balance of sweep,
-//! outflow and leak.
+//! Conservation of the volume that a moving body displaces, in the cut and in the equation of continuity. As the mesh does not
+//! move, no velocity of the mesh enters.
 
 use std::sync::Arc;
 
-use cutwater::cutcell::FaceLabel;
-use cutwater::mesh::FacetId;
+use cutwater::mesh::facet_normal;
 use cutwater::solver::{FluidBoundary, Setup, State};
 use cutwater::xfem_space::PartValues;
 
 use super::flow::{Random, fluid_mut, fluid_of, polygon_of_particles, wet, wet_report};
-use super::linear_flow::{Linear, background, nonagon};
+use super::linear_flow::{Linear, SIZE, background, nonagon};
 use super::record::{Named, worse};
-use super::{Failure, P, Run, T, V};
+use super::{Failure, P, Record, Run, T, V};
 
-/// Name of the net leak, which no equation makes zero.
-pub(super) const LEAK: &str = "over its sweep: net flow through the surface, relative to it";
 const STEPS: usize = 6;
 const DT: f64 = 0.02;
 /// Area of the box.
@@ -56,10 +52,8 @@ impl Motion {
     }
 }
 
-/// Fluxes of the discrete velocity out of all fluid parts.
+/// Fluxes of the discrete velocity.
 struct Fluxes {
-    /// Sum over parts of `|∫ div u - ∮ u·n|`, and over faces of the differences between the two sides.
-    residual: f64,
     /// Flow out of the box.
     outflow: f64,
     /// `∫ v·n`, rate at which the body grows by the motion of its surface, and `∫ |v·n|`.
@@ -70,68 +64,39 @@ struct Fluxes {
 fn fluxes(setup: &Setup<2>, state: &State<2>, motion: &Motion) -> Result<Fluxes, Failure> {
     let (background, fluid) = (&fluid_of(setup)?.background, wet(state)?);
     let (cut, values) = (&fluid.cut, PartValues::new(background, &fluid.cut));
-    let mut through_faces = vec![0.0; background.n_facets()];
-    let mut residuals = vec![0.0; cut.n_parts()];
-    // Velocity of a part, which is linear, at a point of its cell or beyond.
-    let velocity = |part, x: &P| -> V {
-        let origin = background.simplex(cut.part_cell(part)).points()[0];
-        let shapes = values.gradients(part).iter().enumerate().map(|(k, g)| g.dot(&(x - origin)) + f64::from(k == 0));
-        fluid.space.dofs(part).iter().zip(shapes).map(|(&dof, n)| fluid.velocity[dof as usize] * n).sum()
-    };
-    for part in cut.all_parts() {
-        let cell = cut.part_cell(part);
-        let of_gradients = fluid.space.dofs(part).iter().zip(values.gradients(part));
-        let divergence: f64 = of_gradients.map(|(&dof, g)| fluid.velocity[dof as usize].dot(g)).sum();
-        residuals[part.index()] += divergence * values.moments(part).volume();
-        let mut leave = |from: P, to: P, face: FacetId| {
-            let flux = velocity(part, &((from + to) * 0.5)).dot(&V::new(to[1] - from[1], from[0] - to[0]));
-            residuals[part.index()] -= flux;
-            through_faces[face.index()] += flux;
-        };
-        let faces = background.cell_to_facet(cell);
-        if cut.is_whole(part) {
-            let simplex = background.simplex(cell);
-            let corners = simplex.points();
-            // The face opposite to corner k.
-            (0..3).for_each(|k| leave(corners[(k + 1) % 3], corners[(k + 2) % 3], faces[k]));
-        }
-        for piece in cut.part_pieces(part) {
-            for (label, ends) in piece.faces() {
-                if let FaceLabel::Cell(k) = label {
-                    let [from, to] = [ends[0], ends[1]].map(|k| piece.points()[k as usize]);
-                    leave(from, to, faces[usize::from(k)]);
-                }
-            }
-        }
-    }
-    let (mut growth, mut swept) = (0.0, 0.0);
+    let (mut growth, mut swept, mut outflow) = (0.0, 0.0, 0.0);
     for piece in cut.interface() {
         let middle = (piece.points[0] + piece.points[1]) * 0.5;
-        residuals[piece.part.index()] += velocity(piece.part, &middle).dot(&piece.normal) * piece.measure;
         // The cut is that of the body at the start of the step.
         let rate = motion.velocity(&middle, state.time - setup.dt).dot(&piece.normal) * piece.measure;
         growth += rate;
         swept += rate.abs();
     }
-    let (mut outflow, mut disagreement) = (0.0, 0.0);
-    for (facet, flux) in background.facets().zip(through_faces) {
-        if background.is_boundary(facet) {
-            outflow += flux;
-        } else {
-            disagreement += f64::abs(flux);
-        }
+    for piece in cut.boundary() {
+        // Velocity of the part, which is linear, in the middle of the piece.
+        let arm = (piece.points[0] + piece.points[1]) * 0.5 - background.simplex(cut.part_cell(piece.part)).points()[0];
+        let shapes = values.gradients(piece.part).iter().enumerate().map(|(k, g)| g.dot(&arm) + f64::from(k == 0));
+        let dofs = fluid.space.dofs(piece.part).iter();
+        let velocity: V = dofs.zip(shapes).map(|(&dof, n)| fluid.velocity[dof as usize] * n).sum();
+        outflow += velocity.dot(&facet_normal(&background.facet_points(piece.facet)[..2])) * piece.measure;
     }
-    let residual = residuals.iter().map(|r| f64::abs(*r)).sum::<f64>() + disagreement;
-    Ok(Fluxes { residual, outflow, growth, swept })
+    Ok(Fluxes { outflow, growth, swept })
 }
 
-/// Moves a body of given motion through a box, which may be open at the top. Returns the largest errors over the steps,
-/// relative to the volume that the body sweeps: the sum of the errors in the volume balance of all cells; the
-/// difference of the outflow and the growth of the body; the difference of the change of the covered area and the sweep
-/// of the surface; and the net leak through the surface.
-fn displaced(name: &str, corners: Vec<P>, motion: Motion, is_open: bool) -> Result<Named, Failure> {
-    let known = Linear::at_rest(V::zeros()).known(0.05, if is_open { &["top"] } else { &[] });
-    let mut setup = known.setup(background()?, DT);
+/// Errors over the steps, relative to the volume that a body sweeps.
+struct Errors {
+    /// Largest difference of the outflow and the growth of the body.
+    outflow: f64,
+    /// Largest difference of the change of the covered area and the sweep of the surface.
+    area: f64,
+    /// Mean absolute flow through the surface.
+    leak: f64,
+}
+
+/// Moves a body of given motion through a box with cells of size `h` that is open at the top.
+fn displaced(corners: Vec<P>, motion: Motion, h: f64) -> Result<Errors, Failure> {
+    let known = Linear::at_rest(V::zeros()).known(0.05, &["top"]);
+    let mut setup = known.setup(background(h)?, DT);
     for (_, condition) in &mut fluid_mut(&mut setup)?.boundary {
         if matches!(condition, FluidBoundary::Velocity(_)) {
             *condition = FluidBoundary::NoSlip;
@@ -140,7 +105,7 @@ fn displaced(name: &str, corners: Vec<P>, motion: Motion, is_open: bool) -> Resu
     let velocity = Arc::new(move |x: &P, [t, _]: [f64; 2]| motion.velocity(x, t));
     setup.bodies.push(polygon_of_particles(&[corners], move |x, t| motion.position(x, t), velocity));
     let mut run = Run::new(setup)?;
-    let mut errors = [0.0_f64; 4];
+    let mut errors = Errors { outflow: 0.0, area: 0.0, leak: 0.0 };
     let mut before: Option<(f64, f64)> = None;
     for _ in 0..STEPS {
         let report = run.advance()?;
@@ -148,31 +113,40 @@ fn displaced(name: &str, corners: Vec<P>, motion: Motion, is_open: bool) -> Resu
         let covered = BOX - wet(&run.state)?.cut.fluid_volume();
         // Velocities at corners are constant or turn: rates are linear in time or zero, and the trapezoidal rule is exact.
         let of_area = before.map_or(0.0, |(area, growth)| (covered - area) / DT - 0.5 * (growth + flow.growth));
-        let now = [flow.residual, flow.outflow - flow.growth, of_area, wet_report(&report)?.flow.leak_net];
-        for (error, value) in errors.iter_mut().zip(now) {
-            *error = worse(*error, value.abs() / flow.swept);
-        }
+        errors.outflow = worse(errors.outflow, (flow.outflow - flow.growth).abs() / flow.swept);
+        errors.area = worse(errors.area, of_area.abs() / flow.swept);
+        errors.leak += wet_report(&report)?.flow.leak_absolute / flow.swept / STEPS as f64;
         before = Some((covered, flow.growth));
     }
-    let names = [
-        "every step, over its sweep: sum of what is missing in the volume balance of each cell",
-        "every step, over its sweep: flow out of the box beside growth of the body",
-        "every step, over its sweep: change of the covered area beside sweep of the surface",
-        LEAK,
-    ];
-    Ok(names.into_iter().zip(errors).map(|(what, error)| (format!("{name}, {what}"), error)).collect())
+    Ok(errors)
 }
 
-/// Measures the errors of a body that moves and turns in a closed box.
-pub(super) fn closed(centre: P, random: &mut Random) -> Result<Named, Failure> {
-    let motion = rigid(centre, random);
-    displaced("body that moves and turns in a closed box", nonagon(centre, random), motion, false)
+fn named(name: &str, errors: &Errors) -> Named {
+    vec![
+        (format!("{name}, every step, over its sweep: outflow minus growth of the body"), errors.outflow),
+        (format!("{name}, every step, over its sweep: change of the covered area minus sweep"), errors.area),
+    ]
 }
 
 /// Measures the errors of a body that moves and turns under an open side.
 pub(super) fn open(centre: P, random: &mut Random) -> Result<Named, Failure> {
     let motion = rigid(centre, random);
-    displaced("body that moves and turns under an open side", nonagon(centre, random), motion, true)
+    Ok(named("body that moves and turns under an open side", &displaced(nonagon(centre, random), motion, SIZE)?))
+}
+
+/// Measures the flow through the surface of such a body on three meshes.
+pub(super) fn leak(record: &mut Record) -> Result<(), Failure> {
+    let errors: Vec<(f64, f64)> = [SIZE, 0.5 * SIZE, 0.25 * SIZE]
+        .into_iter()
+        .map(|h| {
+            let (mut random, centre) = (Random(12), P::new(1.0, 0.75));
+            let motion = rigid(centre, &mut random);
+            Ok((h, displaced(nonagon(centre, &mut random), motion, h)?.leak))
+        })
+        .collect::<Result<_, Failure>>()?;
+    // No equation makes the leak zero; it is an error of the coupling and falls with the mesh, at corners of the body slowly.
+    record.order("mean absolute leak of a nonagon over its sweep", "h", &errors, 0.5);
+    Ok(())
 }
 
 fn rigid(about: P, random: &mut Random) -> Motion {
@@ -184,7 +158,7 @@ fn rigid(about: P, random: &mut Random) -> Motion {
 pub(super) fn swelling(about: P, random: &mut Random) -> Result<Named, Failure> {
     let mut entry = || random.between(-0.5, 0.5);
     let (shear, b) = (T::new(entry(), entry(), entry(), entry()), V::new(entry(), entry()));
-    let a = shear + T::new(0.6, -1.0, 1.0, 0.6);
+    let motion = Motion::Swelling { about, a: shear + T::new(0.6, -1.0, 1.0, 0.6), b };
     let name = "body that turns, swells and is sheared under an open side";
-    displaced(name, nonagon(about, random), Motion::Swelling { about, a, b }, true)
+    Ok(named(name, &displaced(nonagon(about, random), motion, SIZE)?))
 }

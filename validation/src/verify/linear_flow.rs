@@ -14,8 +14,8 @@ use super::{Failure, P, T, V};
 pub(super) const SIZE: f64 = 0.13;
 
 /// Returns the background: a box of 2 x 1.5.
-pub(super) fn background() -> Result<SimplexMesh<2>, Failure> {
-    Ok(graded_box::<2>([0.0, 0.0], [2.0, 1.5], &Size::uniform(SIZE))?)
+pub(super) fn background(h: f64) -> Result<SimplexMesh<2>, Failure> {
+    Ok(graded_box::<2>([0.0, 0.0], [2.0, 1.5], &Size::uniform(h))?)
 }
 
 /// Velocity `a x + b` and pressure `g · x + p`, with the body force that makes the flow steady.

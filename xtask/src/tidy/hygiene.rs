@@ -10,12 +10,12 @@ const LONG_FILES: &[(&str, &str)] = &[];
 /// Largest numbers of lines of Rust below some folders (docs/adr/0022).
 const BUDGETS: &[(&[&str], usize)] = &[
     (&["crates/cutwater/src/lib.rs", "crates/cutwater/src/main.rs"], 150),
-    (&["crates/io/src"], 6050),
-    (&["crates/report/src"], 1450),
-    (&["crates/solver/src"], 1400),
-    (&["validation"], 7700),
+    (&["crates/io/src"], 6150),
+    (&["crates/report/src"], 1500),
+    (&["crates/solver/src"], 1850),
+    (&["validation"], 7750),
     (&["xtask/src"], 2300),
-    (&[""], 49_000),
+    (&[""], 50_300),
 ];
 /// Largest number of bytes of all JSON files under version control.
 const JSON_BYTES: usize = 50_000;

@@ -41,6 +41,10 @@ pub struct Penalty {
     pub fluid: NewtonianFluid,
     /// `1/(θ Δt)`: derivative of the acceleration with respect to the velocity; zero for a steady problem.
     pub rate: f64,
+    /// Share of convection in `σ_n`, 1/6.
+    pub convection: f64,
+    /// Share of inertia in `σ_n`, 1/12.
+    pub inertia: f64,
 }
 
 impl Penalty {
@@ -54,7 +58,7 @@ impl Penalty {
             }
             PenaltyProfile::Split { gamma_normal, gamma_tangential } => {
                 let viscous = viscosity / q.cell_size;
-                let inertial = density * (q.relative_speed / 6.0 + q.cell_size * self.rate / 12.0);
+                let inertial = density * (self.convection * q.relative_speed + self.inertia * q.cell_size * self.rate);
                 (gamma_normal * (viscous + inertial), gamma_tangential * viscous)
             }
         };
