@@ -56,6 +56,7 @@ impl Run {
 /// # Errors
 /// There is no such study, or a file cannot be read or written.
 pub(crate) fn run(names: &[String], again: bool, out: &Path) -> Outcome {
+    document::require_clean_tree()?;
     let studies = names.iter().map(|name| Ok((name, definition::read(name)?))).collect::<Result<Vec<_>, String>>()?;
     let mut all_finished = true;
     for (name, definition) in studies {

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use cutwater::report::html::duration;
 
+use super::missed::MISSED;
 use super::record::Row;
 use super::{Failure, Record, short};
 use crate::chart::svg;
@@ -38,12 +39,52 @@ pub(super) fn version() -> String {
     commit().map_or_else(String::new, |commit| format!("{commit}, {date}"))
 }
 
+/// Refuses a tree with uncommitted changes: a page names the version of the code that measured it.
+///
+/// # Errors
+/// There are such changes.
+pub(crate) fn require_clean_tree() -> Result<(), Failure> {
+    match commit().filter(|version| version.ends_with("-dirty")) {
+        Some(version) => {
+            Err(format!("the tree has uncommitted changes ({version}): commit them before pages are written").into())
+        }
+        None => Ok(()),
+    }
+}
+
+/// Returns a line for each page of checks and studies that was measured before the last change of the code. Empty where git does not
+/// know the versions.
+pub(crate) fn older_than_the_code() -> Vec<String> {
+    const CODE: [&str; 4] = ["crates", "validation/src", "validation/cases", "benchmarks/src"];
+    let mut lines = Vec::new();
+    for folder in [FOLDER, "studies"] {
+        let entries = std::fs::read_dir(source().join(folder)).into_iter().flatten().flatten();
+        let mut paths: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
+        paths.sort();
+        for path in paths {
+            let text = std::fs::read_to_string(&path).unwrap_or_default();
+            let Some((_, after)) = text.split_once("measured with version ") else { continue };
+            let version = after.split(|c: char| !c.is_ascii_hexdigit()).next().unwrap_or_default();
+            let range = format!("{version}..HEAD");
+            let changes = git(&[&["rev-list", "--count", &range, "--"][..], &CODE].concat()).unwrap_or_default();
+            if !matches!(changes.as_str(), "" | "0") {
+                let name = path.file_stem().unwrap_or_default().to_string_lossy();
+                lines.push(format!(
+                    "{folder}/{name}: measured with version {version}, {changes} changes of the code ago"
+                ));
+            }
+        }
+    }
+    lines
+}
+
 fn picture(folder: &str, record: &Record, k: usize) -> String {
     format!("{}-{}-{k}.svg", folder, record.check)
 }
 
 fn markdown(folder: &str, record: &Record, command: &str, version: &str) -> String {
-    let failed = record.rows.iter().filter(|row| !row.holds()).count();
+    let is_missed = |row: &Row| !row.holds() || row.verdict == MISSED;
+    let failed = record.rows.iter().filter(|row| is_missed(row)).count();
     let verdict = match (record.rows.len(), failed) {
         (0, _) => String::new(),
         (_, 0) => "pass; ".to_owned(),
@@ -61,7 +102,7 @@ fn markdown(folder: &str, record: &Record, command: &str, version: &str) -> Stri
         text += "\n| quantity | computed | reference | tolerance | verdict |\n|---|---|---|---|---|\n";
     }
     for row in &record.rows {
-        let verdict = if row.holds() { row.verdict.clone() } else { "**missed**".to_owned() };
+        let verdict = if is_missed(row) { "**missed**".to_owned() } else { row.verdict.clone() };
         let [computed, reference] = numbers(row);
         let _ =
             writeln!(text, "| {} | {computed} | {reference} | {} | {verdict} |", cell(&row.quantity), row.tolerance);
