@@ -41,9 +41,6 @@ impl<const D: usize> ContactReport<D> {
         let law = &sites.pair.form.law;
         for item in 0..sites.len() {
             sites.visit(item, x, |site| {
-                if !site.is_active {
-                    return;
-                }
                 report.n_active += 1;
                 report.active_area += site.weight;
                 report.largest_penetration = report.largest_penetration.max(law.offset() - site.at.gap);

@@ -32,7 +32,7 @@ impl<const D: usize> ContactNode<D> {
     }
 }
 
-/// A quadrature point of the slave's surface, its projection and the traction between them.
+/// A quadrature point of the slave's surface in contact, its projection and the traction between them.
 #[derive(Clone, Debug)]
 pub struct ContactSite<const D: usize> {
     /// Number of the point within its item.
@@ -51,8 +51,6 @@ pub struct ContactSite<const D: usize> {
     pub at: ContactPoint,
     /// Result of the law.
     pub traction: ContactTraction,
-    /// Whether the law reports contact.
-    pub is_active: bool,
     pub(crate) nodes: [ContactNode<D>; MAX_NODES],
     pub(crate) n_nodes: usize,
 }
@@ -75,7 +73,6 @@ impl<const D: usize> ContactSite<D> {
             stress_derivatives: Vec::new(),
             at: ContactPoint::default(),
             traction: ContactTraction::default(),
-            is_active: false,
             nodes: [ContactNode::none(); MAX_NODES],
             n_nodes: 0,
         }

@@ -8,7 +8,7 @@ use mesh::{BoundaryMesh, FacetId, MAX_FACET_VERTICES, Placed, Point, SimplexRule
 
 use crate::segments::{Segment, divide};
 use crate::site::ContactNode;
-use crate::{Anchor, ContactLaw, ContactPoint, ContactSite, ContactTraction, Error, Frame, Obstacle, Positions};
+use crate::{Anchor, ContactLaw, ContactPoint, ContactSite, Error, Frame, Obstacle, Positions};
 
 /// Law, contact size and quadrature of a contact: everything constant in time but the bodies.
 #[derive(Clone, Debug)]
@@ -146,7 +146,7 @@ impl<const D: usize> ContactItems<D> {
     }
 }
 
-/// The quadrature points of a contact in one step.
+/// The quadrature points of a contact in one step. Only those in contact are visited; the others carry no traction.
 ///
 /// Time levels: the *weight* has the measure of the slave's facet at the start of the step; *gap, slip and frame* are
 /// those at its end; the *stress* is that of the unknown state.
@@ -175,8 +175,8 @@ impl<const D: usize> ContactSites<'_, D> {
         (position, ContactNode { row, slope: surface.slope, displacement, velocity, ..ContactNode::none() })
     }
 
-    /// Evaluates a point, given its position and, in `site`, its weight and the nodes of the slave. Returns whether an
-    /// obstacle is in reach. `derivatives` is memory for those of the stress.
+    /// Evaluates a point but for its traction, given its position and, in `site`, its weight and the nodes of the slave.
+    /// Returns whether it is in contact. `derivatives` is memory for those of the stress.
     #[inline]
     fn evaluate(
         &self,
@@ -200,24 +200,26 @@ impl<const D: usize> ContactSites<'_, D> {
                 site.n_nodes = D + k + 1;
             }
         }
-        site.projection = projection;
-        site.frame = Frame::new(projection.normal);
-        let slip: Vector<D> = site.nodes().iter().map(|node| node.displacement * node.share).sum();
-        let [_, slip @ ..] = site.frame.components(&slip);
+        let frame = Frame::new(projection.normal);
+        let slip = site.nodes().iter().fold(Vector::zeros(), |sum, node| sum + node.displacement * node.share);
+        let [_, slip @ ..] = frame.components(&slip);
         let gap = projection.gap(position);
-        site.at = ContactPoint { gap, slip, size: form.size, dt, ..ContactPoint::default() };
+        let mut at = ContactPoint { gap, slip, size: form.size, dt, ..ContactPoint::default() };
         if let Some(stress) = &self.pair.stress {
             site.stress = stress.at(item.facet, barycentric, x, derivatives);
-            let row = |dof: &DofId| item.dofs.iter().position(|other| other == dof);
-            site.stress_derivatives.clear();
-            site.stress_derivatives.extend(derivatives.iter().filter_map(|(dof, by_dof)| Some((row(dof)?, *by_dof))));
-            site.at.stress = site.frame.components(&site.stress);
+            at.stress = frame.components(&site.stress);
         }
-        site.is_active = form.law.is_active(&site.at);
+        if !form.law.is_active(&at) {
+            return false;
+        }
+        let row = |dof: &DofId| item.dofs.iter().position(|other| other == dof);
+        site.stress_derivatives.clear();
+        site.stress_derivatives.extend(derivatives.iter().filter_map(|(dof, by_dof)| Some((row(dof)?, *by_dof))));
+        (site.projection, site.frame, site.at) = (projection, frame, at);
         true
     }
 
-    /// Visits the points of an item that have an obstacle in reach, without their traction.
+    /// Visits the points of an item that are in contact, without their traction.
     fn each_point(&self, item: usize, x: &[f64], mut visit: impl FnMut(&mut ContactSite<D>)) {
         let (item, slave, rule) = (&self.items.items[item], self.pair.slave, &self.pair.form.rule);
         let mut points = [Point::zeros(); D];
@@ -256,8 +258,7 @@ impl<const D: usize> Sites for ContactSites<'_, D> {
 
     fn visit(&self, item: usize, x: &[f64], mut visit: impl FnMut(&Self::Site)) {
         self.each_point(item, x, |site| {
-            let law = &self.pair.form.law;
-            site.traction = if site.is_active { law.traction(&site.at) } else { ContactTraction::default() };
+            site.traction = self.pair.form.law.traction(&site.at);
             visit(site);
         });
     }
@@ -270,10 +271,8 @@ impl<const D: usize> Sites for ContactSites<'_, D> {
         let mut hash = OFFSET;
         for (k, item) in self.items.items.iter().enumerate() {
             self.each_point(k, x, |site| {
-                if site.is_active {
-                    for number in [item.number, site.number] {
-                        hash = (hash ^ number as u64).wrapping_mul(PRIME);
-                    }
+                for number in [item.number, site.number] {
+                    hash = (hash ^ number as u64).wrapping_mul(PRIME);
                 }
             });
         }

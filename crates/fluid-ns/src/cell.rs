@@ -24,7 +24,8 @@ impl<const D: usize> Nodal<D> {
     /// Returns the gradient for given gradients of the shape functions, `grad[(a, b)] = ∂u_a/∂x_b`.
     #[inline]
     pub fn gradient(&self, gradients: &[Vector<D>; MAX_CELL_VERTICES]) -> Tensor<D> {
-        (0..=D).map(|i| self.values[i] * gradients[i].transpose()).sum()
+        // The compiler unrolls this; it does not unroll the `sum` of matrices or an inclusive range.
+        (0..D + 1).fold(Tensor::zeros(), |sum, i| sum + self.values[i] * gradients[i].transpose())
     }
 }
 

@@ -56,7 +56,8 @@ impl Moments {
     /// Returns `∫ N_i u = Σ_j m_ij u_j` of a vector field with the values `u_j` at the vertices.
     #[inline]
     pub fn weighted<const D: usize>(&self, i: usize, values: &[Vector<D>; MAX_CELL_VERTICES]) -> Vector<D> {
-        (0..=D).map(|j| values[j] * self.entries[i][j]).sum()
+        // The compiler unrolls this; it does not unroll the `sum` of vectors or an inclusive range.
+        (0..D + 1).fold(Vector::zeros(), |sum, j| sum + values[j] * self.entries[i][j])
     }
 }
 

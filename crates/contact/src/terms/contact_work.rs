@@ -21,9 +21,6 @@ pub struct ContactWork;
 
 impl<const D: usize> Term<ContactSite<D>> for ContactWork {
     fn add(&self, site: &ContactSite<D>, out: &mut LocalSystem) {
-        if !site.is_active {
-            return;
-        }
         let force = site.frame.vector(&site.traction.value) * site.weight;
         let rows = || site.nodes().iter().filter_map(|node| Some((node, node.row?)));
         for (a, row) in rows() {

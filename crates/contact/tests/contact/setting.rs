@@ -155,7 +155,7 @@ pub(crate) fn n_active<const D: usize>(
 ) -> usize {
     let mut n = 0;
     for item in 0..sites.len() {
-        sites.visit(item, x, |site| n += usize::from(site.is_active && condition(&site.at)));
+        sites.visit(item, x, |site| n += usize::from(condition(&site.at)));
     }
     n
 }

@@ -1,7 +1,7 @@
 //! Incompressibility and its reaction, the pressure.
 
 use algebra::{LocalSystem, Term};
-use mesh::Vector;
+use mesh::{MAX_CELL_VERTICES, Vector};
 
 use crate::FluidCell;
 
@@ -17,22 +17,23 @@ pub struct Incompressibility;
 impl<const D: usize> Term<FluidCell<'_, D>> for Incompressibility {
     #[inline]
     fn add(&self, cell: &FluidCell<'_, D>, out: &mut LocalSystem) {
-        let (g, m) = (cell.gradients, cell.moments);
+        let g = cell.gradients;
+        let m: [f64; MAX_CELL_VERTICES] = std::array::from_fn(|i| cell.moments.of(i));
         let divergence: f64 = (0..=D).map(|i| cell.velocity.values[i].dot(&g[i])).sum();
-        let pressure: f64 = (0..=D).map(|j| m.of(j) * cell.pressures[j]).sum();
+        let pressure: f64 = (0..=D).map(|j| m[j] * cell.pressures[j]).sum();
         for (i, g_i) in g[..=D].iter().enumerate() {
             out.add_vector::<D>(cell.velocity_row(i), g_i * -pressure);
-            out.add(cell.pressure_row(i), m.of(i) * divergence);
+            out.add(cell.pressure_row(i), m[i] * divergence);
         }
         if !out.has_tangent() {
             return;
         }
         for j in 0..=D {
-            let (moment, g_j) = (m.of(j), g[j] * cell.velocity.slope);
+            let (moment, g_j) = (m[j], g[j] * cell.velocity.slope);
             for (i, g_i) in g[..=D].iter().enumerate() {
                 let column: Vector<D> = g_i * -moment;
                 out.add_block::<D, 1>(cell.velocity_row(i), cell.pressure_row(j), column);
-                out.add_block::<1, D>(cell.pressure_row(i), cell.velocity_row(j), (g_j * m.of(i)).transpose());
+                out.add_block::<1, D>(cell.pressure_row(i), cell.velocity_row(j), (g_j * m[i]).transpose());
             }
         }
     }
