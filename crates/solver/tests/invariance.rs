@@ -118,11 +118,3 @@ fn the_forces_on_the_ball_balance() {
         assert_eq!(forces.contact[1] > 0.0, report.contacts[0].is_active());
     }
 }
-
-#[test]
-fn a_neutral_body_in_a_fluid_at_rest_stays_at_rest() {
-    let weightless = |ball: &mut Elastic| ball.form.body_force.acceleration = V::zeros();
-    let setup = falling_ball_with(0.8, 2.0, 0.1, false, weightless);
-    let (state, _) = run(&setup, 3);
-    assert!(bits(&state).into_iter().all(|b| f64::from_bits(b).abs() < 1e-12));
-}

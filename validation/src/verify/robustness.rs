@@ -136,6 +136,9 @@ fn continuity<const D: usize>(
     Ok(())
 }
 
+/// Largest scatter over places of the mesh, as a share of the mean error: the first digit of an error does not depend on the place.
+const LARGEST_SCATTER: f64 = 0.1;
+
 /// Measures torques of the flow between cylinders at random places of the mesh.
 fn scatter(record: &mut Record) -> Result<(), Failure> {
     let (n, places) = if record.full { (32, 100) } else { (20, 25) };
@@ -143,7 +146,7 @@ fn scatter(record: &mut Record) -> Result<(), Failure> {
     let mut curves = Vec::new();
     for (ghost, label) in [(true, "with ghost penalty"), (false, "without any penalty of jumps of gradients")] {
         let mut random = Random(11);
-        let mut torques = Vec::new();
+        let (mut torques, mut unsolved) = (Vec::new(), 0.0);
         for _ in 0..places {
             let centre = P::new(random.between(0.0, h), random.between(0.0, h));
             let (_, mut setup) = couette_setup(n, centre)?;
@@ -151,7 +154,15 @@ fn scatter(record: &mut Record) -> Result<(), Failure> {
                 let set = &mut fluid_mut(&mut setup)?.stabilisation;
                 (set.gamma_ghost, set.cip) = (0.0, CipProfile::Consistent { gamma_u: 0.0 });
             }
-            let (state, report) = flow::run(&setup, 1)?;
+            let (state, report) = match flow::run(&setup, 1) {
+                Ok(solved) => solved,
+                // The mortar needs the ghost penalty where a cut leaves a sliver.
+                Err(_) if !ghost => {
+                    unsolved += 1.0;
+                    continue;
+                }
+                Err(failure) => return Err(failure),
+            };
             torques.push(flow::force(&state, &report, 0, &centre)?.1 / Couette::TORQUE - 1.0);
         }
         torques.sort_unstable_by(f64::total_cmp);
@@ -160,10 +171,11 @@ fn scatter(record: &mut Record) -> Result<(), Failure> {
         let largest = deviations.iter().map(|d| d.abs()).fold(0.0, worse);
         let name = format!("Couette torque, {places} random places, h = 1/{n}, {label}");
         record.show(format!("{name}: mean relative error"), mean, Some(0.0));
+        record.show(format!("{name}: places without a solution"), unsolved, Some(0.0));
         for (what, value) in [("standard deviation", rms(&deviations)), ("largest deviation", largest)] {
             let quantity = format!("{name}: {what}, relative to the mean error");
             if ghost {
-                record.at_most(quantity, value, mean.abs());
+                record.at_most(quantity, value, LARGEST_SCATTER * mean.abs());
             } else {
                 record.show(quantity, value, Some(mean.abs()));
             }

@@ -88,7 +88,7 @@ fn tractions_are_those_of_position_and_time_of_the_stage() {
     let body = ElasticBody::new("body", mesh, weightless(), options).unwrap();
     let (start, mut layout) = (body.start(), BlockLayout::new());
     let step = body.step(&start, &StepTime { start: 2.0, end: 5.0, lengths: vec![3.0] }, &mut layout);
-    let all = step.contributions(&layout);
+    let all = step.loads(&layout);
     let load = all.iter().find(|all| all.name() == "solid traction").unwrap();
     let force = residual(&layout, &[load.as_ref()], &vec![0.0; layout.len()]);
     // The stage lies a third of the step before its end; each end of the side carries half of it.
