@@ -19,6 +19,9 @@ struct Target {
     check: String,
     quantity: String,
     reason: String,
+    /// Whether only the long version misses it.
+    #[serde(default)]
+    only_full: bool,
 }
 
 /// Marks rows that fail and are listed. A listed row that holds fails: it has to leave the list.
@@ -27,7 +30,7 @@ struct Target {
 /// The list cannot be read.
 pub(super) fn mark(record: &mut Record) -> Result<(), Failure> {
     let list: List = toml::from_str(include_str!("../../missed.toml"))?;
-    for target in list.missed.iter().filter(|target| target.check == record.check) {
+    for target in list.missed.iter().filter(|target| target.check == record.check && (record.full || !target.only_full)) {
         for row in record.rows.iter_mut().filter(|row| row.quantity == target.quantity) {
             if row.holds() {
                 row.tolerance = format!("{}; listed as missed, but holds", row.tolerance);
