@@ -80,11 +80,6 @@ impl Factors {
         .map_err(error)
     }
 
-    /// Returns the size of the matrix.
-    pub(super) fn len(&self) -> usize {
-        self.row_order.len()
-    }
-
     /// Solves once with a fixed right-hand side of `n` pseudo-random signs to see how large the inverse is.
     pub(super) fn probe(&mut self, n: usize, solution: &mut Vec<f64>) -> Result<(), LinearError> {
         solution.clear();
@@ -195,7 +190,8 @@ fn order_nodes(
     Ok(order.iter().flat_map(|node| graph.unknowns(*node)).copied().collect())
 }
 
-fn inverse(order: &[u32]) -> Vec<u32> {
+/// Returns the inverse of a permutation.
+pub(super) fn inverse(order: &[u32]) -> Vec<u32> {
     let mut position = vec![0; order.len()];
     for (k, j) in order.iter().enumerate() {
         position[*j as usize] = k as u32;

@@ -2,7 +2,7 @@
 
 use sprs::CsMatI;
 
-use super::factors::Factors;
+use super::checked_factors::CheckedFactors;
 use super::gmres::{Gmres, GmresSettings};
 use super::subdomain::{BlockSolver, Subdomain, with_neighbours};
 use super::{Equilibration, LinearError, LinearReport, LinearSolver, LinearSystem};
@@ -57,7 +57,7 @@ struct Base {
     scales: Equilibration,
     /// `None` before the first factorisation.
     matrix: Option<CsMatI<f64, u32>>,
-    factors: Factors,
+    factors: CheckedFactors,
     /// Keys of its unknowns with their positions, sorted.
     keys: Vec<(DofKey, u32)>,
 }
@@ -93,13 +93,22 @@ impl LaggedSolver {
         }
     }
 
+    /// Returns the number of factorisations of a whole matrix that needed free pivoting so far.
+    pub fn n_fallbacks(&self) -> usize {
+        self.base.as_ref().map_or(0, |base| base.factors.n_fallbacks)
+    }
+
     /// Factorises the present matrix, which becomes the base.
-    fn renew(&mut self, system: &LinearSystem<'_>) -> Result<(), LinearError> {
+    fn renew(&mut self, system: &LinearSystem<'_>, must_pivot: bool) -> Result<(), LinearError> {
         let n = system.len();
         let mut base = self.base.take().unwrap_or_default();
         self.n_factorizations += 1;
-        base.factors.factorize(system.matrix, &system.layout.nodes())?;
-        base.factors.probe(n, &mut self.solution)?;
+        let nodes = system.layout.nodes();
+        if must_pivot {
+            base.factors.factorize_with_pivoting(system.matrix, &nodes)?;
+        } else {
+            base.factors.factorize(system.matrix, &nodes)?;
+        }
         base.scales.clone_from(system.scales);
         base.matrix = Some(system.matrix.clone());
         base.keys.clear();
@@ -198,7 +207,7 @@ impl Patch {
     fn apply(
         &mut self,
         matrix: &CsMatI<f64, u32>,
-        factors: &mut Factors,
+        factors: &mut CheckedFactors,
         r: &[f64],
         z: &mut [f64],
     ) -> Result<(), LinearError> {
@@ -234,10 +243,10 @@ impl LinearSolver for LaggedSolver {
             let n_changed = changed.len();
             let is_small = n_changed as f64 <= self.settings.largest_share * system.len() as f64;
             let patch = &mut self.patch.changed;
-            self.is_factorized = is_small && patch.factorize(system, changed, n_changed, BlockSolver::Lu).is_ok();
+            self.is_factorized = is_small && patch.factorize(system, changed, n_changed, BlockSolver::SingleLu).is_ok();
         }
         if !self.is_factorized && !system.is_empty() {
-            self.renew(system)?;
+            self.renew(system, false)?;
         }
         self.is_factorized = true;
         Ok(())
@@ -261,9 +270,10 @@ impl LinearSolver for LaggedSolver {
             GmresSettings { tolerance, restart: self.settings.restart, max_iterations: self.settings.restart };
         let mut iterations = 0;
         let mut outcome = self.iterate(system, &settings);
-        if let Err(LinearError::NotConverged { iterations: n, .. }) = outcome {
+        for must_pivot in [false, true] {
+            let Err(LinearError::NotConverged { iterations: n, .. }) = outcome else { break };
             iterations += n;
-            self.renew(system)?;
+            self.renew(system, must_pivot)?;
             outcome = self.iterate(system, &settings);
         }
         let report = outcome?;

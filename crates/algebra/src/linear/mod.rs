@@ -1,15 +1,18 @@
 //! Solvers of the linear systems of Newton's method.
 
 mod block_gauss_seidel;
+mod checked_factors;
 mod cholesky;
 mod condition;
 mod direct;
 mod equilibration;
 mod factors;
+mod fronts;
 mod gmres;
 mod incomplete;
 mod lagged;
 mod nodes;
+mod static_factors;
 mod subdomain;
 mod system;
 

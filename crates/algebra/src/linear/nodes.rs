@@ -81,7 +81,8 @@ impl NodeGraph {
         &self.unknowns[self.first[node as usize]..self.first[node as usize + 1]]
     }
 
-    fn neighbours(&self, node: u32) -> &[u32] {
+    /// Returns the neighbours of a node, itself included, ascending.
+    pub(super) fn neighbours(&self, node: u32) -> &[u32] {
         &self.rows[self.column_ptr[node as usize] as usize..self.column_ptr[node as usize + 1] as usize]
     }
 

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use sprs::CsMatI;
 
+use super::checked_factors::CheckedFactors;
 use super::cholesky::CholeskyFactors;
 use super::factors::Factors;
 use super::incomplete::{Fill, IncompleteFactors};
@@ -14,6 +15,8 @@ use super::{LinearError, LinearSystem};
 pub enum BlockSolver {
     /// Sparse LU.
     Lu,
+    /// Sparse LU in single precision where this reduces residuals, else as above.
+    SingleLu,
     /// Sparse Cholesky where the block is symmetric and positive definite before it is scaled, else sparse LU.
     Cholesky,
     /// Incomplete LU, node by node.
@@ -33,6 +36,7 @@ pub(super) struct Subdomain {
 /// Factors of a diagonal block.
 enum BlockFactors {
     Lu(Box<Factors>),
+    SingleLu(Box<CheckedFactors>),
     Cholesky(Box<CholeskyFactors>),
     Incomplete(Box<IncompleteFactors>),
 }
@@ -81,6 +85,12 @@ impl Subdomain {
                 return Ok(());
             }
         }
+        if solver == BlockSolver::SingleLu {
+            let mut factors = if let BlockFactors::SingleLu(factors) = old { factors } else { Box::default() };
+            factors.factorize(&block, &nodes)?;
+            self.factors = BlockFactors::SingleLu(factors);
+            return Ok(());
+        }
         let mut factors = if let BlockFactors::Lu(factors) = old { factors } else { Box::default() };
         factors.factorize(&block, &nodes)?;
         factors.probe(block.rows(), &mut self.correction)?;
@@ -107,6 +117,7 @@ impl Subdomain {
         self.correction.extend(self.members.iter().map(|i| residual[*i as usize]));
         match &mut self.factors {
             BlockFactors::Lu(factors) => factors.substitute(&mut self.correction)?,
+            BlockFactors::SingleLu(factors) => factors.substitute(&mut self.correction)?,
             BlockFactors::Cholesky(factors) => factors.substitute(&mut self.correction),
             BlockFactors::Incomplete(factors) => factors.substitute(&mut self.correction),
         }

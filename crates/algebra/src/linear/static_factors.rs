@@ -1,0 +1,370 @@
+//! LU factors on the pattern of `A + Aᵀ`, with pivots inside supernodes only.
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratch};
+use faer::linalg::matmul::matmul;
+use faer::linalg::triangular_solve::{
+    solve_lower_triangular_in_place, solve_unit_lower_triangular_in_place, solve_upper_triangular_in_place,
+};
+use faer::traits::RealField;
+use faer::traits::math_utils::{eps, from_f64, one, zero};
+use faer::{Accum, MatMut, MatRef, Par};
+use sprs::CsMatI;
+
+use super::LinearError;
+use super::fronts::Fronts;
+
+/// Size of a pivot below which it is refused, relative to the largest entry of its column and to the unit round-off.
+const SMALL_PIVOT: f64 = 10.0;
+
+/// Multifrontal LU factors in single or double precision.
+///
+/// Rows are exchanged inside a front's pivots only, so that the pattern is known beforehand. Matrices whose zero diagonal
+/// entries have couplings inside their nodes (velocities and pressure of a vertex) or inside their supernodes can be
+/// factorised. A pivot that is too small is an error: the matrix needs factors with free pivoting.
+///
+/// The fronts are kept while the pattern stays. The elimination runs in one thread.
+#[derive(Default)]
+pub(super) struct StaticFactors<T> {
+    fronts: Option<Fronts>,
+    /// Front by front, by columns: pivot block with its factors, rows of L below it, transposed columns of U.
+    values: Vec<T>,
+    /// Rows of the pivot blocks in the order of elimination, counted from the first of their front.
+    exchanges: Vec<u32>,
+    work: Vec<T>,
+    part: Vec<T>,
+    pub(super) n_symbolic: usize,
+}
+
+impl<T: RealField + Copy + Into<f64>> StaticFactors<T> {
+    /// Computes the factors of an equilibrated matrix. A pattern is analysed again only if it differs from that of the
+    /// previous matrix.
+    ///
+    /// # Errors
+    /// [`LinearError::Singular`]: a pivot is too small. [`LinearError::OutOfMemory`].
+    pub(super) fn factorize(&mut self, matrix: &CsMatI<f64, u32>, nodes: &[u32]) -> Result<(), LinearError> {
+        let n_unknowns = matrix.rows();
+        let out_of_memory = || LinearError::OutOfMemory { n_unknowns };
+        let column_ptr = matrix.indptr();
+        let (column_ptr, rows) = (column_ptr.raw_storage(), matrix.indices());
+        let fronts = match self.fronts.take().filter(|fronts| fronts.belong_to(column_ptr, rows, nodes)) {
+            Some(fronts) => fronts,
+            None => {
+                self.n_symbolic += 1;
+                Fronts::new(column_ptr, rows, nodes).map_err(|_| out_of_memory())?
+            }
+        };
+        self.values.clear();
+        self.values.try_reserve_exact(fronts.n_values()).map_err(|_| out_of_memory())?;
+        self.values.resize(fronts.n_values(), zero());
+        self.exchanges.clear();
+        self.exchanges.resize(n_unknowns, 0);
+        let mut elimination = Elimination::new(&fronts, matrix).ok_or_else(out_of_memory)?;
+        for s in 0..fronts.len() {
+            let panel = &mut self.values[fronts.values(s)];
+            elimination.assemble(s, panel);
+            elimination.eliminate(s, panel, &mut self.exchanges[fronts.pivots(s)])?;
+        }
+        drop(elimination);
+        self.fronts = Some(fronts);
+        Ok(())
+    }
+
+    /// Solves with the factors, in place.
+    ///
+    /// # Errors
+    /// [`LinearError::NotFactorized`].
+    pub(super) fn substitute(&mut self, x: &mut [f64]) -> Result<(), LinearError> {
+        let Self { fronts: Some(fronts), values, exchanges, work, part, .. } = self else {
+            return Err(LinearError::NotFactorized);
+        };
+        work.clear();
+        work.extend(fronts.order.iter().map(|unknown| from_f64::<T>(x[*unknown as usize])));
+        for s in 0..fronts.len() {
+            let (pivots, below) = (fronts.pivots(s), fronts.below(s));
+            let [block, lower, _] = panel_parts(&values[fronts.values(s)], pivots.len(), below.len());
+            part.clear();
+            part.extend(exchanges[pivots.clone()].iter().map(|k| work[pivots.start + *k as usize]));
+            solve_unit_lower_triangular_in_place(block, column_mut(part), Par::Seq);
+            work[pivots.clone()].copy_from_slice(part);
+            part.clear();
+            part.resize(below.len(), zero());
+            matmul(column_mut(part), Accum::Replace, lower, column(&work[pivots]), one(), Par::Seq);
+            below.iter().zip(&*part).for_each(|(p, value)| work[*p as usize] -= *value);
+        }
+        for s in (0..fronts.len()).rev() {
+            let (pivots, below) = (fronts.pivots(s), fronts.below(s));
+            let [block, _, upper] = panel_parts(&values[fronts.values(s)], pivots.len(), below.len());
+            part.clear();
+            part.extend(below.iter().map(|p| work[*p as usize]));
+            let known = &mut work[pivots];
+            matmul(column_mut(known), Accum::Add, upper.transpose(), column(part), -one::<T>(), Par::Seq);
+            solve_upper_triangular_in_place(block, column_mut(known), Par::Seq);
+        }
+        fronts.order.iter().zip(&*work).for_each(|(unknown, value)| x[*unknown as usize] = (*value).into());
+        Ok(())
+    }
+}
+
+/// The state of a multifrontal elimination.
+struct Elimination<'m, T> {
+    fronts: &'m Fronts,
+    matrix: &'m CsMatI<f64, u32>,
+    /// The matrix compressed by rows.
+    by_rows: CsMatI<f64, u32>,
+    /// Schur complements that wait for their parents: a stack, each by columns.
+    updates: Vec<T>,
+    /// Fronts of the updates.
+    pending: Vec<usize>,
+    /// Position to place among the rows below the present front.
+    place: Vec<usize>,
+    /// Places of a child's rows in the present front.
+    local: Vec<usize>,
+    /// Largest entries of the columns of a pivot block.
+    sizes: Vec<f64>,
+    spare: Vec<T>,
+    positions: Vec<u32>,
+    memory: MemBuffer,
+}
+
+impl<'m, T: RealField + Copy + Into<f64>> Elimination<'m, T> {
+    /// Creates the state before the first front; `None` without memory for the updates.
+    fn new(fronts: &'m Fronts, matrix: &'m CsMatI<f64, u32>) -> Option<Self> {
+        let mut updates = Vec::new();
+        updates.try_reserve_exact(fronts.most_updates).ok()?;
+        let widest = (0..fronts.len()).map(|s| fronts.pivots(s).len()).max().unwrap_or(0);
+        let need = lu_in_place_scratch::<u32, T>(widest, widest, Par::Seq, Default::default());
+        Some(Self {
+            fronts,
+            matrix,
+            by_rows: matrix.to_csr(),
+            updates,
+            pending: Vec::new(),
+            place: vec![0; matrix.rows()],
+            local: Vec::new(),
+            sizes: Vec::new(),
+            spare: Vec::new(),
+            positions: vec![0; widest],
+            memory: MemBuffer::try_new(need).ok()?,
+        })
+    }
+
+    /// Adds the entries of the matrix and the updates of the children to a front, whose own update goes to the end of the
+    /// stack.
+    fn assemble(&mut self, s: usize, panel: &mut [T]) {
+        let (fronts, pivots, below) = (self.fronts, self.fronts.pivots(s), self.fronts.below(s));
+        let (w, r) = (pivots.len(), below.len());
+        for (k, position) in below.iter().enumerate() {
+            self.place[*position as usize] = k;
+        }
+        let stride = w + 2 * r;
+        for (entries, q) in panel.chunks_exact_mut(stride).zip(pivots.clone()) {
+            let unknown = fronts.order[q] as usize;
+            for (i, value) in self.matrix.outer_view(unknown).iter().flat_map(|column| column.iter()) {
+                let p = fronts.position[i] as usize;
+                if p >= pivots.start {
+                    let k = if p < pivots.end { p - pivots.start } else { w + self.place[p] };
+                    entries[k] = from_f64(*value);
+                }
+            }
+            for (j, value) in self.by_rows.outer_view(unknown).iter().flat_map(|row| row.iter()) {
+                let p = fronts.position[j] as usize;
+                if p >= pivots.end {
+                    entries[w + r + self.place[p]] = from_f64(*value);
+                }
+            }
+        }
+        let end = self.updates.len();
+        self.updates.resize(end + r * r, zero());
+        let (old, own) = self.updates.split_at_mut(end);
+        let mut end = end;
+        while let Some(child) = self.pending.pop_if(|child| fronts.parent[*child] == s) {
+            let rows = fronts.below(child);
+            let n = rows.len();
+            self.local.clear();
+            self.local.extend(rows.iter().map(|p| match *p as usize {
+                p if p < pivots.end => p - pivots.start,
+                p => w + self.place[p],
+            }));
+            for (update, &j) in old[end - n * n..end].chunks_exact(n).zip(&self.local) {
+                for (value, &i) in update.iter().zip(&self.local) {
+                    if j < w {
+                        panel[i + stride * j] += *value;
+                    } else if i < w {
+                        panel[r + j + stride * i] += *value;
+                    } else {
+                        own[i - w + r * (j - w)] += *value;
+                    }
+                }
+            }
+            end -= n * n;
+        }
+        // The own update takes the place of those of the children.
+        let begin = old.len();
+        self.updates.copy_within(begin.., end);
+        self.updates.truncate(end + r * r);
+        if r > 0 {
+            self.pending.push(s);
+        }
+    }
+
+    /// Factorises the pivot block of a front, solves for its other rows and columns, and finishes its update.
+    fn eliminate(&mut self, s: usize, panel: &mut [T], exchanges: &mut [u32]) -> Result<(), LinearError> {
+        let (w, r) = (self.fronts.pivots(s).len(), self.fronts.below(s).len());
+        let stride = w + 2 * r;
+        let largest = |entries: &[T]| entries[..w + r].iter().fold(0.0, |max: f64, v| max.max((*v).into().abs()));
+        self.sizes.clear();
+        self.sizes.extend(panel.chunks_exact(stride).map(largest));
+        let (mut block, rest) = MatMut::from_column_major_slice_mut(panel, stride, w).split_at_row_mut(w);
+        let stack = MemStack::new(&mut self.memory);
+        let positions = &mut self.positions[..w];
+        lu_in_place(block.as_mut(), exchanges, positions, Par::Seq, stack, Default::default());
+        for (k, size) in self.sizes.iter().enumerate() {
+            let pivot: f64 = block[(k, k)].into();
+            // A pivot that is not a number is refused, too.
+            if !(pivot.abs() > SMALL_PIVOT * eps::<T>().into() * size && pivot.is_finite()) {
+                return Err(LinearError::Singular { growth: f64::INFINITY });
+            }
+        }
+        let (mut lower, mut upper) = rest.split_at_row_mut(r);
+        if exchanges.iter().zip(0..).any(|(from, to)| *from != to) {
+            self.spare.clear();
+            for from in &*exchanges {
+                self.spare.extend(upper.as_ref().col(*from as usize).iter());
+            }
+            upper.copy_from(MatRef::from_column_major_slice(&self.spare, r, w));
+        }
+        solve_lower_triangular_in_place(block.as_ref().transpose(), lower.as_mut().transpose_mut(), Par::Seq);
+        solve_unit_lower_triangular_in_place(block.as_ref(), upper.as_mut().transpose_mut(), Par::Seq);
+        let begin = self.updates.len() - r * r;
+        let update = MatMut::from_column_major_slice_mut(&mut self.updates[begin..], r, r);
+        matmul(update, Accum::Add, lower.as_ref(), upper.as_ref().transpose(), -one::<T>(), Par::Seq);
+        Ok(())
+    }
+}
+
+/// Returns the pivot block of a front, the rows of L below it, and the transposed columns of U beside it.
+fn panel_parts<T>(panel: &[T], n_pivots: usize, n_below: usize) -> [MatRef<'_, T>; 3] {
+    let panel = MatRef::from_column_major_slice(panel, n_pivots + 2 * n_below, n_pivots);
+    let (block, rest) = panel.split_at_row(n_pivots);
+    let (lower, upper) = rest.split_at_row(n_below);
+    [block, lower, upper]
+}
+
+fn column<T>(x: &[T]) -> MatRef<'_, T> {
+    MatRef::from_column_major_slice(x, x.len(), 1)
+}
+
+fn column_mut<T>(x: &mut [T]) -> MatMut<'_, T> {
+    let n = x.len();
+    MatMut::from_column_major_slice_mut(x, n, 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Returns pseudo-random numbers between -1 and 1.
+    fn numbers() -> impl FnMut() -> f64 {
+        let mut state: u64 = 0x9e37_79b9_7f4a_7c15;
+        move || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        }
+    }
+
+    /// Returns a saddle point problem on an `m` by `m` grid: two velocities and a pressure at each point, whose diagonal entry
+    /// is zero, with random couplings to neighbours that are stored in one direction only for every third point. Also returns the
+    /// nodes; the unknowns of a field are contiguous.
+    fn saddle_points(m: usize) -> (CsMatI<f64, u32>, Vec<u32>) {
+        let n = m * m;
+        let mut random = numbers();
+        let mut triplets = sprs::TriMatI::new((3 * n, 3 * n));
+        for point in 0..n {
+            let (i, j) = (point % m, point / m);
+            for (a, b, value) in
+                [(0, 0, 4.0), (1, 1, 4.0), (0, 2, 1.0), (1, 2, 0.7), (2, 0, -1.0), (2, 1, -0.7), (2, 2, 0.0)]
+            {
+                triplets.add_triplet(a * n + point, b * n + point, value);
+            }
+            for (has, other) in [(i + 1 < m, point + 1), (j + 1 < m, point + m)] {
+                if !has {
+                    continue;
+                }
+                for component in 0..2 {
+                    triplets.add_triplet(component * n + point, component * n + other, random());
+                    if point % 3 != 0 {
+                        triplets.add_triplet(component * n + other, component * n + point, random());
+                    }
+                    triplets.add_triplet(2 * n + other, component * n + point, 0.3 * random());
+                    triplets.add_triplet(component * n + point, 2 * n + other, 0.3 * random());
+                }
+            }
+        }
+        (triplets.to_csc(), (0..3 * n).map(|k| (k % n) as u32).collect())
+    }
+
+    /// Returns `‖b − A x‖ / (‖A‖ ‖x‖ + ‖b‖)` in maximum norms, for the solution of random right-hand side with the factors.
+    fn backward_error<T: RealField + Copy + Into<f64>>(
+        factors: &mut StaticFactors<T>,
+        matrix: &CsMatI<f64, u32>,
+    ) -> (f64, Vec<f64>) {
+        let mut random = numbers();
+        let rhs: Vec<f64> = (0..matrix.rows()).map(|_| random()).collect();
+        let mut x = rhs.clone();
+        factors.substitute(&mut x).unwrap();
+        let mut residual: Vec<f64> = rhs.iter().map(|b| -b).collect();
+        sprs::prod::mul_acc_mat_vec_csc(matrix.view(), x.as_slice(), residual.as_mut_slice());
+        let mut sums = vec![0.0; matrix.rows()];
+        matrix.iter().for_each(|(value, (i, _))| sums[i as usize] += value.abs());
+        let norm = |x: &[f64]| x.iter().fold(0.0, |max: f64, v| max.max(v.abs()));
+        (norm(&residual) / (norm(&sums) * norm(&x) + norm(&rhs)), x)
+    }
+
+    #[test]
+    fn saddle_points_are_solved_to_round_off() {
+        for m in [1, 2, 7, 40] {
+            let (matrix, nodes) = saddle_points(m);
+            let (mut double, mut single) = (StaticFactors::<f64>::default(), StaticFactors::<f32>::default());
+            double.factorize(&matrix, &nodes).unwrap();
+            single.factorize(&matrix, &nodes).unwrap();
+            let (of_double, of_single) =
+                (backward_error(&mut double, &matrix).0, backward_error(&mut single, &matrix).0);
+            assert!(of_double <= 1e-13 && of_single <= 1e-4, "m = {m}: {of_double:e} {of_single:e}");
+        }
+    }
+
+    #[test]
+    fn fronts_are_kept_and_change_no_bit() {
+        let (matrix, nodes) = saddle_points(12);
+        let mut used = StaticFactors::<f64>::default();
+        used.factorize(&matrix, &nodes).unwrap();
+        used.factorize(&matrix.map(|value| 2.0 * value), &nodes).unwrap();
+        assert_eq!(used.n_symbolic, 1);
+        used.factorize(&saddle_points(5).0, &saddle_points(5).1).unwrap();
+        used.factorize(&matrix, &nodes).unwrap();
+        assert_eq!(used.n_symbolic, 3);
+        let mut new = StaticFactors::<f64>::default();
+        new.factorize(&matrix, &nodes).unwrap();
+        let (old, new) = (backward_error(&mut used, &matrix).1, backward_error(&mut new, &matrix).1);
+        assert!(old.iter().zip(&new).all(|(a, b)| a.to_bits() == b.to_bits()));
+    }
+
+    #[test]
+    fn a_pivot_without_size_is_an_error_and_there_are_no_factors_then() {
+        // Zero diagonal entries in nodes of their own, far from each other: the exchange would be one of fronts.
+        let n = 40;
+        let mut triplets = sprs::TriMatI::new((2 * n, 2 * n));
+        for k in 0..n {
+            triplets.add_triplet(k, n + k, 1.0);
+            triplets.add_triplet(n + k, k, 1.0);
+            triplets.add_triplet(n + k, n + (k + 1) % n, 0.5);
+        }
+        let matrix: CsMatI<f64, u32> = triplets.to_csc();
+        let nodes: Vec<u32> = (0..2 * n as u32).collect();
+        let mut factors = StaticFactors::<f32>::default();
+        let outcome = factors.factorize(&matrix, &nodes);
+        assert!(matches!(outcome, Err(LinearError::Singular { .. })), "{outcome:?}");
+        assert_eq!(factors.substitute(&mut vec![0.0; 2 * n]), Err(LinearError::NotFactorized));
+    }
+}
