@@ -145,3 +145,60 @@ fn an_impossible_matrix_is_an_error_and_the_next_one_is_solved() {
     let (x, _) = solve(&mut solver, &matrix, &keys, 1e-8).unwrap();
     assert!(x.iter().all(|x| x.is_finite()));
 }
+
+/// Returns a matrix with a zero block on the diagonal. Each unknown of the block has its pivot in another node, which may be
+/// eliminated elsewhere.
+fn hidden_pivots(n: usize) -> CsMatI<f64, u32> {
+    let mut triplets = TriMatI::new((2 * n, 2 * n));
+    for k in 0..n {
+        triplets.add_triplet(k, n + k, 1.0);
+        triplets.add_triplet(n + k, k, 1.0);
+        triplets.add_triplet(n + k, n + (k + 1) % n, 0.5);
+    }
+    triplets.to_csc()
+}
+
+#[test]
+fn free_pivoting_takes_over_where_static_pivots_vanish() {
+    let matrix = hidden_pivots(40);
+    let keys: Vec<u64> = (0..80).collect();
+    let mut lagged = LaggedSolver::new(LaggedSettings::default());
+    let (x, report) = solve(&mut lagged, &matrix, &keys, 1e-12).unwrap();
+    let (exact, _) = solve(&mut DirectSolver::new(), &matrix, &keys, 0.0).unwrap();
+    assert!(difference(&x, &exact) < 1e-10);
+    assert_eq!((report.iterations, lagged.n_factorizations(), lagged.n_fallbacks()), (1, 1, 1));
+    // Factors of the next matrix are static again.
+    let (matrix, keys) = grid(20, [10.0, 10.0], 0.5);
+    lagged.forget();
+    solve(&mut lagged, &matrix, &keys, 1e-12).unwrap();
+    assert_eq!((lagged.n_factorizations(), lagged.n_fallbacks()), (2, 1));
+}
+
+#[test]
+fn free_pivoting_takes_over_where_gmres_does_not_converge() {
+    // One iteration is enough in double precision only.
+    let (matrix, keys) = grid(30, [15.0, 15.0], 0.5);
+    let mut lagged = LaggedSolver::new(LaggedSettings { restart: 1, ..LaggedSettings::default() });
+    let (_, report) = solve(&mut lagged, &matrix, &keys, 1e-12).unwrap();
+    assert!(report.backward_error <= 1e-12);
+    assert_eq!((report.iterations, lagged.n_factorizations(), lagged.n_fallbacks()), (3, 3, 1));
+}
+
+#[test]
+fn slivers_and_strong_convection_are_solved_with_factors_in_single_precision() {
+    let (plain, keys) = grid(40, [20.0, 20.0], 0.3);
+    // Unknowns of slivers: their rows, their columns, or both are tiny.
+    let scale = |k: usize, phase: usize| if (k + phase).is_multiple_of(7) { 1e-12 } else { 1.0 };
+    let mut slivers = plain.clone();
+    for (j, mut column) in slivers.outer_iterator_mut().enumerate() {
+        column.iter_mut().for_each(|(i, value)| *value *= scale(i, 0) * scale(j, 3) * scale(i, 5) * scale(j, 5));
+    }
+    let (fast, keys_fast) = grid(40, [20.0, 20.0], 1e4);
+    for (name, matrix, keys) in [("slivers", slivers, keys), ("convection", fast, keys_fast)] {
+        let mut lagged = LaggedSolver::new(LaggedSettings::default());
+        let (x, report) = solve(&mut lagged, &matrix, &keys, 1e-12).unwrap();
+        let (exact, _) = solve(&mut DirectSolver::new(), &matrix, &keys, 0.0).unwrap();
+        assert!(difference(&x, &exact) < 1e-8, "{name}: {:e}", difference(&x, &exact));
+        assert!(report.iterations <= 3 && lagged.n_fallbacks() == 0, "{name}: {report:?}");
+    }
+}

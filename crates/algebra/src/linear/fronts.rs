@@ -9,7 +9,7 @@ use super::factors::inverse;
 use super::nodes::NodeGraph;
 
 /// Shares of zeros up to which supernodes of at most so many nodes are merged.
-const RELAXATION: [(usize, f64); 4] = [(2, 1.0), (6, 0.5), (16, 0.1), (usize::MAX, 0.05)];
+const RELAXATION: [(usize, f64); 4] = [(2, 1.0), (6, 0.2), (16, 0.05), (usize::MAX, 0.02)];
 
 /// Supernodes of the factors of a matrix whose pattern is made symmetric, in the order of a multifrontal elimination.
 ///

@@ -3,9 +3,7 @@
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratch};
 use faer::linalg::matmul::matmul;
-use faer::linalg::triangular_solve::{
-    solve_lower_triangular_in_place, solve_unit_lower_triangular_in_place, solve_upper_triangular_in_place,
-};
+use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_unit_lower_triangular_in_place};
 use faer::traits::RealField;
 use faer::traits::math_utils::{eps, from_f64, one, zero};
 use faer::{Accum, MatMut, MatRef, Par};
@@ -27,7 +25,8 @@ const SMALL_PIVOT: f64 = 10.0;
 #[derive(Default)]
 pub(super) struct StaticFactors<T> {
     fronts: Option<Fronts>,
-    /// Front by front, by columns: pivot block with its factors, rows of L below it, transposed columns of U.
+    /// Front by front, each by columns: rows of L, the factors of the pivot block, transposed columns of U. A sweep reads
+    /// neighbouring entries.
     values: Vec<T>,
     /// Rows of the pivot blocks in the order of elimination, counted from the first of their front.
     exchanges: Vec<u32>,
@@ -82,24 +81,34 @@ impl<T: RealField + Copy + Into<f64>> StaticFactors<T> {
         work.extend(fronts.order.iter().map(|unknown| from_f64::<T>(x[*unknown as usize])));
         for s in 0..fronts.len() {
             let (pivots, below) = (fronts.pivots(s), fronts.below(s));
-            let [block, lower, _] = panel_parts(&values[fronts.values(s)], pivots.len(), below.len());
+            let [lower, block, _] = panel_parts(&values[fronts.values(s)], pivots.len(), below.len());
             part.clear();
             part.extend(exchanges[pivots.clone()].iter().map(|k| work[pivots.start + *k as usize]));
-            solve_unit_lower_triangular_in_place(block, column_mut(part), Par::Seq);
-            work[pivots.clone()].copy_from_slice(part);
+            let known = &mut work[pivots];
+            known.copy_from_slice(part);
+            for k in 0..known.len() {
+                let column = &block[known.len() * k..known.len() * (k + 1)];
+                let value = known[k];
+                known[k + 1..].iter_mut().zip(&column[k + 1..]).for_each(|(x, l)| *x -= *l * value);
+            }
             part.clear();
             part.resize(below.len(), zero());
-            matmul(column_mut(part), Accum::Replace, lower, column(&work[pivots]), one(), Par::Seq);
+            add_product(lower, known, part);
             below.iter().zip(&*part).for_each(|(p, value)| work[*p as usize] -= *value);
         }
         for s in (0..fronts.len()).rev() {
             let (pivots, below) = (fronts.pivots(s), fronts.below(s));
-            let [block, _, upper] = panel_parts(&values[fronts.values(s)], pivots.len(), below.len());
+            let [_, block, upper] = panel_parts(&values[fronts.values(s)], pivots.len(), below.len());
             part.clear();
             part.extend(below.iter().map(|p| work[*p as usize]));
             let known = &mut work[pivots];
-            matmul(column_mut(known), Accum::Add, upper.transpose(), column(part), -one::<T>(), Par::Seq);
-            solve_upper_triangular_in_place(block, column_mut(known), Par::Seq);
+            subtract_transposed_product(upper, part, known);
+            for k in (0..known.len()).rev() {
+                let column = &block[known.len() * k..known.len() * (k + 1)];
+                let value = known[k] / column[k];
+                known[k] = value;
+                known[..k].iter_mut().zip(column).for_each(|(x, u)| *x -= *u * value);
+            }
         }
         fronts.order.iter().zip(&*work).for_each(|(unknown, value)| x[*unknown as usize] = (*value).into());
         Ok(())
@@ -157,20 +166,21 @@ impl<'m, T: RealField + Copy + Into<f64>> Elimination<'m, T> {
         for (k, position) in below.iter().enumerate() {
             self.place[*position as usize] = k;
         }
-        let stride = w + 2 * r;
-        for (entries, q) in panel.chunks_exact_mut(stride).zip(pivots.clone()) {
+        let [lower, block, upper] = panel_parts_mut(panel, w, r);
+        for (k, q) in pivots.clone().enumerate() {
             let unknown = fronts.order[q] as usize;
             for (i, value) in self.matrix.outer_view(unknown).iter().flat_map(|column| column.iter()) {
                 let p = fronts.position[i] as usize;
-                if p >= pivots.start {
-                    let k = if p < pivots.end { p - pivots.start } else { w + self.place[p] };
-                    entries[k] = from_f64(*value);
+                if p >= pivots.end {
+                    lower[self.place[p] + r * k] = from_f64(*value);
+                } else if p >= pivots.start {
+                    block[p - pivots.start + w * k] = from_f64(*value);
                 }
             }
             for (j, value) in self.by_rows.outer_view(unknown).iter().flat_map(|row| row.iter()) {
                 let p = fronts.position[j] as usize;
                 if p >= pivots.end {
-                    entries[w + r + self.place[p]] = from_f64(*value);
+                    upper[self.place[p] + r * k] = from_f64(*value);
                 }
             }
         }
@@ -188,12 +198,11 @@ impl<'m, T: RealField + Copy + Into<f64>> Elimination<'m, T> {
             }));
             for (update, &j) in old[end - n * n..end].chunks_exact(n).zip(&self.local) {
                 for (value, &i) in update.iter().zip(&self.local) {
-                    if j < w {
-                        panel[i + stride * j] += *value;
-                    } else if i < w {
-                        panel[r + j + stride * i] += *value;
-                    } else {
-                        own[i - w + r * (j - w)] += *value;
+                    match (i < w, j < w) {
+                        (true, true) => block[i + w * j] += *value,
+                        (false, true) => lower[i - w + r * j] += *value,
+                        (true, false) => upper[j - w + r * i] += *value,
+                        (false, false) => own[i - w + r * (j - w)] += *value,
                     }
                 }
             }
@@ -211,11 +220,14 @@ impl<'m, T: RealField + Copy + Into<f64>> Elimination<'m, T> {
     /// Factorises the pivot block of a front, solves for its other rows and columns, and finishes its update.
     fn eliminate(&mut self, s: usize, panel: &mut [T], exchanges: &mut [u32]) -> Result<(), LinearError> {
         let (w, r) = (self.fronts.pivots(s).len(), self.fronts.below(s).len());
-        let stride = w + 2 * r;
-        let largest = |entries: &[T]| entries[..w + r].iter().fold(0.0, |max: f64, v| max.max((*v).into().abs()));
+        let [lower, block, upper] = panel_parts_mut(panel, w, r);
+        let largest = |entries: &[T]| entries.iter().fold(0.0, |max: f64, v| max.max((*v).into().abs()));
+        let column = |x: &[T], n, k: usize| largest(&x[n * k..n * (k + 1)]);
         self.sizes.clear();
-        self.sizes.extend(panel.chunks_exact(stride).map(largest));
-        let (mut block, rest) = MatMut::from_column_major_slice_mut(panel, stride, w).split_at_row_mut(w);
+        self.sizes.extend((0..w).map(|k| column(block, w, k).max(column(lower, r, k))));
+        let mut block = MatMut::from_column_major_slice_mut(block, w, w);
+        let mut lower = MatMut::from_column_major_slice_mut(lower, r, w);
+        let mut upper = MatMut::from_column_major_slice_mut(upper, r, w);
         let stack = MemStack::new(&mut self.memory);
         let positions = &mut self.positions[..w];
         lu_in_place(block.as_mut(), exchanges, positions, Par::Seq, stack, Default::default());
@@ -226,7 +238,6 @@ impl<'m, T: RealField + Copy + Into<f64>> Elimination<'m, T> {
                 return Err(LinearError::Singular { growth: f64::INFINITY });
             }
         }
-        let (mut lower, mut upper) = rest.split_at_row_mut(r);
         if exchanges.iter().zip(0..).any(|(from, to)| *from != to) {
             self.spare.clear();
             for from in &*exchanges {
@@ -243,21 +254,54 @@ impl<'m, T: RealField + Copy + Into<f64>> Elimination<'m, T> {
     }
 }
 
-/// Returns the pivot block of a front, the rows of L below it, and the transposed columns of U beside it.
-fn panel_parts<T>(panel: &[T], n_pivots: usize, n_below: usize) -> [MatRef<'_, T>; 3] {
-    let panel = MatRef::from_column_major_slice(panel, n_pivots + 2 * n_below, n_pivots);
-    let (block, rest) = panel.split_at_row(n_pivots);
-    let (lower, upper) = rest.split_at_row(n_below);
-    [block, lower, upper]
+/// Returns the rows of L below the pivot block of a front, the block, and the transposed columns of U beside it, by columns.
+fn panel_parts<T>(panel: &[T], n_pivots: usize, n_below: usize) -> [&[T]; 3] {
+    let (lower, rest) = panel.split_at(n_pivots * n_below);
+    let (block, upper) = rest.split_at(n_pivots * n_pivots);
+    [lower, block, upper]
 }
 
-fn column<T>(x: &[T]) -> MatRef<'_, T> {
-    MatRef::from_column_major_slice(x, x.len(), 1)
+/// Returns the same parts, mutable.
+fn panel_parts_mut<T>(panel: &mut [T], n_pivots: usize, n_below: usize) -> [&mut [T]; 3] {
+    let (lower, rest) = panel.split_at_mut(n_pivots * n_below);
+    let (block, upper) = rest.split_at_mut(n_pivots * n_pivots);
+    [lower, block, upper]
 }
 
-fn column_mut<T>(x: &mut [T]) -> MatMut<'_, T> {
-    let n = x.len();
-    MatMut::from_column_major_slice_mut(x, n, 1)
+/// Columns that are multiplied at once.
+const COLUMNS: usize = 4;
+/// Partial sums of a scalar product.
+const SUMS: usize = 8;
+
+/// Adds the product of a matrix, by columns, and a vector.
+fn add_product<T: RealField + Copy>(matrix: &[T], x: &[T], y: &mut [T]) {
+    let n = y.len();
+    let (many, few) = matrix.split_at(x.len() / COLUMNS * COLUMNS * n);
+    let (x, last) = x.as_chunks();
+    for ([x0, x1, x2, x3], columns) in x.iter().zip(many.chunks_exact((COLUMNS * n).max(1))) {
+        let (first, second) = columns.split_at(2 * n);
+        let ((a0, a1), (a2, a3)) = (first.split_at(n), second.split_at(n));
+        for ((((y, a0), a1), a2), a3) in y.iter_mut().zip(a0).zip(a1).zip(a2).zip(a3) {
+            *y += (*a0 * *x0 + *a1 * *x1) + (*a2 * *x2 + *a3 * *x3);
+        }
+    }
+    for (x, column) in last.iter().zip(few.chunks_exact(n.max(1))) {
+        y.iter_mut().zip(column).for_each(|(y, a)| *y += *a * *x);
+    }
+}
+
+/// Subtracts the product of the transpose of a matrix, by columns, and a vector.
+fn subtract_transposed_product<T: RealField + Copy>(matrix: &[T], x: &[T], y: &mut [T]) {
+    let (x, last) = x.as_chunks::<SUMS>();
+    for (y, column) in y.iter_mut().zip(matrix.chunks_exact((SUMS * x.len() + last.len()).max(1))) {
+        let (column, column_last) = column.as_chunks::<SUMS>();
+        let mut sums = [zero::<T>(); SUMS];
+        for (a, x) in column.iter().zip(x) {
+            sums.iter_mut().zip(a).zip(x).for_each(|((sum, a), x)| *sum += *a * *x);
+        }
+        column_last.iter().zip(last).zip(&mut sums).for_each(|((a, x), sum)| *sum += *a * *x);
+        *y -= sums.iter().fold(zero::<T>(), |total: T, sum| total + *sum);
+    }
 }
 
 #[cfg(test)]
