@@ -18,7 +18,6 @@ pub(super) struct CheckedFactors {
     pivoting: Option<Box<Factors>>,
     n_unknowns: usize,
     solution: Vec<f64>,
-    pub(super) n_fallbacks: usize,
 }
 
 impl CheckedFactors {
@@ -46,11 +45,15 @@ impl CheckedFactors {
         nodes: &[u32],
     ) -> Result<(), LinearError> {
         self.n_unknowns = matrix.rows();
-        self.n_fallbacks += 1;
         self.fast = StaticFactors::default();
         let factors = self.pivoting.insert(Box::default());
         factors.factorize(matrix, nodes)?;
         factors.probe(self.n_unknowns, &mut self.solution)
+    }
+
+    /// Returns whether the factors have free pivoting.
+    pub(super) fn is_pivoting(&self) -> bool {
+        self.pivoting.is_some()
     }
 
     /// Returns the size of the matrix.

@@ -36,6 +36,9 @@ impl Default for LaggedSettings {
 /// factors of their own, on the residual that the old factors leave (a multiplicative Schwarz step). Unknowns are
 /// matched by their keys ([`crate::BlockLayout::keys`]).
 ///
+/// Both factors are in single precision, with pivots inside supernodes only. Where such factors do not reduce residuals, or GMRES
+/// does not converge with them, factors with free pivoting in double precision take their place.
+///
 /// The matrix is factorised when the last solve took many iterations, when many unknowns have changed, or when a solve does
 /// not converge: counts decide, never times, so that runs can be repeated bit by bit.
 pub struct LaggedSolver {
@@ -46,6 +49,7 @@ pub struct LaggedSolver {
     is_factorized: bool,
     must_factorize: bool,
     n_factorizations: usize,
+    n_fallbacks: usize,
     gmres: Gmres,
     rhs: Vec<f64>,
     solution: Vec<f64>,
@@ -87,18 +91,19 @@ impl LaggedSolver {
             is_factorized: false,
             must_factorize: false,
             n_factorizations: 0,
+            n_fallbacks: 0,
             gmres: Gmres::default(),
             rhs: Vec::new(),
             solution: Vec::new(),
         }
     }
 
-    /// Returns the number of factorisations of a whole matrix that needed free pivoting so far.
+    /// Returns the number of factors of a whole matrix that needed free pivoting so far.
     pub fn n_fallbacks(&self) -> usize {
-        self.base.as_ref().map_or(0, |base| base.factors.n_fallbacks)
+        self.n_fallbacks
     }
 
-    /// Factorises the present matrix, which becomes the base.
+    /// Factorises the present matrix, which becomes the base; with free pivoting if it must, or if static pivots fail.
     fn renew(&mut self, system: &LinearSystem<'_>, must_pivot: bool) -> Result<(), LinearError> {
         let n = system.len();
         let mut base = self.base.take().unwrap_or_default();
@@ -109,6 +114,7 @@ impl LaggedSolver {
         } else {
             base.factors.factorize(system.matrix, &nodes)?;
         }
+        self.n_fallbacks += usize::from(base.factors.is_pivoting());
         base.scales.clone_from(system.scales);
         base.matrix = Some(system.matrix.clone());
         base.keys.clear();

@@ -254,7 +254,8 @@ impl<'m, T: RealField + Copy + Into<f64>> Elimination<'m, T> {
     }
 }
 
-/// Returns the rows of L below the pivot block of a front, the block, and the transposed columns of U beside it, by columns.
+/// Returns the rows of L below the pivot block of a front, the block, and the transposed columns of U to its right, each by
+/// columns.
 fn panel_parts<T>(panel: &[T], n_pivots: usize, n_below: usize) -> [&[T]; 3] {
     let (lower, rest) = panel.split_at(n_pivots * n_below);
     let (block, upper) = rest.split_at(n_pivots * n_pivots);
@@ -317,9 +318,10 @@ mod tests {
         }
     }
 
-    /// Returns a saddle point problem on an `m` by `m` grid: two velocities and a pressure at each point, whose diagonal entry
-    /// is zero, with random couplings to neighbours that are stored in one direction only for every third point. Also returns the
-    /// nodes; the unknowns of a field are contiguous.
+    /// Returns a saddle point problem on an `m` by `m` grid, and the nodes of its unknowns.
+    ///
+    /// Each point has two velocities and a pressure, whose diagonal entry is zero. Couplings to neighbours are random; for
+    /// every third point they are stored in one direction only. The unknowns of a field are contiguous.
     fn saddle_points(m: usize) -> (CsMatI<f64, u32>, Vec<u32>) {
         let n = m * m;
         let mut random = numbers();
