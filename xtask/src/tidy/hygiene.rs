@@ -15,7 +15,7 @@ const BUDGETS: &[(&[&str], usize)] = &[
     (&["crates/solver/src"], 1850),
     (&["validation"], 7800),
     (&["xtask/src"], 2300),
-    (&[""], 50_300),
+    (&[""], 50_900),
 ];
 /// Largest number of bytes of all JSON files under version control.
 const JSON_BYTES: usize = 50_000;
