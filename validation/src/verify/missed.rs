@@ -30,7 +30,8 @@ struct Target {
 /// The list cannot be read.
 pub(super) fn mark(record: &mut Record) -> Result<(), Failure> {
     let list: List = toml::from_str(include_str!("../../missed.toml"))?;
-    for target in list.missed.iter().filter(|target| target.check == record.check && (record.full || !target.only_full)) {
+    for target in list.missed.iter().filter(|target| target.check == record.check && (record.full || !target.only_full))
+    {
         for row in record.rows.iter_mut().filter(|row| row.quantity == target.quantity) {
             if row.holds() {
                 row.tolerance = format!("{}; listed as missed, but holds", row.tolerance);
