@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use algebra::time::{ImplicitEuler, Level, StepRule};
+use algebra::time::{ImplicitEuler, Level, StepRule, TimeScheme};
 use algebra::{BlockLayout, BlockSystem, Contributions, Equations, NewtonSettings};
-use body::{Body, StepTime};
+use body::Body;
 use contact::{ContactForm, PenaltyLaw, RigidPlane};
 use cutcell::OverlayOptions;
 use fluid_ns::NewtonianFluid;
@@ -139,7 +139,15 @@ fn elastic<const D: usize>(name: &str, solid: SolidMesh<D>, options: ElasticOpti
 /// Returns a setup of bodies in a fluid without contacts.
 fn setup<const D: usize>(fluid: FluidSetup<D>, bodies: Vec<Arc<dyn Body<D>>>, dt: f64) -> Setup<D> {
     let newton = NewtonSettings::new(1e-8);
-    Setup { fluid: Some(fluid), bodies, contacts: Vec::new(), dt, most_halvings: 0, newton }
+    Setup {
+        fluid: Some(fluid),
+        bodies,
+        contacts: Vec::new(),
+        scheme: Arc::new(ImplicitEuler),
+        dt,
+        most_halvings: 0,
+        newton,
+    }
 }
 
 /// Returns the setup of an elastic square or cube that falls in a box of `n` squares or cubes along each side, with cells of
@@ -187,7 +195,7 @@ pub fn with_internal_work<const D: usize, R>(
     let form = SolidForm::new(1.0, material, Vector::zeros()).expect("a positive density");
     let rest = vec![Vector::zeros(); solid.mesh().n_vertices()];
     let level = Level { displacement: rest.clone(), velocity: rest, acceleration: Vec::new() };
-    let rule = StepRule::new(&ImplicitEuler, &[1.0], &[level]);
+    let rule = StepRule::new(&ImplicitEuler.weights(1.0, true), &level);
     let mut layout = BlockLayout::new();
     let field = layout.push("velocity", solid.mesh().n_vertices(), D);
     let work = form.internal_work(SolidCells { solid: &solid, rule: &rule, layout: &layout, velocity: field });
@@ -198,8 +206,7 @@ pub fn with_internal_work<const D: usize, R>(
 /// Calls a closure with the problem of the first step and its starting guess.
 pub fn with_first_problem<const D: usize, R>(setup: &Setup<D>, then: impl FnOnce(&Problem<'_, D>, &[f64]) -> R) -> R {
     let start = State::initial(setup).expect("the body cuts the background");
-    let time = StepTime { start: 0.0, end: setup.dt, lengths: vec![setup.dt] };
-    let step = Step::prepare(setup, &start, time).expect("the body cuts the background");
+    let step = Step::prepare(setup, &start, start.step_time(setup, setup.dt)).expect("the body cuts the background");
     then(&step.problem(), &step.guess())
 }
 

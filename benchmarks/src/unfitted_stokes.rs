@@ -4,7 +4,7 @@
 use std::collections::HashMap;
 use std::f64::consts::PI;
 
-use algebra::time::{QuasiStatic, StepRule};
+use algebra::time::Affine;
 use algebra::{
     BlockLayout, Constraints, Contributions, DofId, Equations, FieldId, Integral, LocalSystem, NewtonError,
     NewtonSettings, Workspace, newton,
@@ -104,9 +104,9 @@ pub struct UnfittedStokes<const D: usize> {
     faces: Vec<FaceValue<D>>,
     pieces: PieceValues<D>,
     at_rest: Vec<Vector<D>>,
-    rule: StepRule<Vector<D>>,
+    no_acceleration: Affine<Vector<D>>,
     boundary: BoundaryMesh<D>,
-    positions: Vec<Point<D>>,
+    positions: Vec<Vec<Point<D>>>,
     layout: BlockLayout,
     velocity: FieldId,
     pressure: FieldId,
@@ -137,7 +137,7 @@ impl<const D: usize> UnfittedStokes<D> {
         Self {
             has_published_forms: false,
             at_rest: vec![Vector::zeros(); space.len()],
-            rule: StepRule::new(&QuasiStatic, &[1.0], &[]),
+            no_acceleration: Affine { slope: 0.0, predicted: Vec::new() },
             mortar: mortar(NITSCHE),
             background,
             cut,
@@ -146,7 +146,7 @@ impl<const D: usize> UnfittedStokes<D> {
             faces,
             pieces,
             boundary,
-            positions,
+            positions: vec![positions],
             layout,
             velocity: velocity_field,
             pressure,
@@ -182,7 +182,7 @@ impl<const D: usize> UnfittedStokes<D> {
             parts: &self.parts,
             faces: &self.faces,
             history: &self.at_rest,
-            rule: &self.rule,
+            acceleration: &self.no_acceleration,
         };
         let form = FluidForm {
             inertia: None,
@@ -201,8 +201,9 @@ impl<const D: usize> UnfittedStokes<D> {
             Traction { traction: if self.has_published_forms { &published_traction } else { &traction }, time: 0.0 };
         let ball = SurfaceMotion {
             boundary: &self.boundary,
-            begin: self.positions.clone(),
-            predicted: self.positions.clone(),
+            geometry: self.positions[0].clone(),
+            begin: self.positions[0].clone(),
+            predicted: self.positions[0].clone(),
             slope: 0.0,
             velocity: SurfaceVelocity::Given(Box::new(|x| velocity(x, 0.0))),
         };
@@ -211,6 +212,7 @@ impl<const D: usize> UnfittedStokes<D> {
             fields,
             values: &self.pieces,
             surfaces: vec![&ball],
+            positions: &self.positions,
             fluid: NewtonianFluid { density: 1.0, viscosity: VISCOSITY },
         };
         let mut contributions = form.contributions(geometry, fields);

@@ -1,6 +1,6 @@
 //! Time schemes on an oscillator: order, damping, energy; rules against their formulas.
 
-use algebra::time::{GeneralisedAlpha, ImplicitEuler, Level, QuasiStatic, StepRule, TimeScheme};
+use algebra::time::{Affine, GeneralisedAlpha, ImplicitEuler, Level, QuasiStatic, StepRule, TimeScheme};
 
 fn generalised_alpha(rho_inf: f64) -> GeneralisedAlpha {
     GeneralisedAlpha::new(rho_inf).expect("a radius from 0 to 1")
@@ -13,11 +13,19 @@ fn start(displacement: [f64; 2], velocity: [f64; 2]) -> Level<f64> {
 
 /// Advances oscillators `a + ω² d = 0` by one step.
 fn oscillate(scheme: &dyn TimeScheme, omega: f64, dt: f64, level: Level<f64>) -> Level<f64> {
-    let rule = StepRule::new(scheme, &[dt], &[level]);
-    let [d, a] = [&rule.stage.displacement, &rule.stage.acceleration];
+    let weights = scheme.weights(dt, level.acceleration.is_empty());
+    let StepRule { displacement: d, acceleration: a } = StepRule::new(&weights, &level);
     let slope = a.slope + omega.powi(2) * d.slope;
-    let velocity = (0..2).map(|k| -(a.at(k, 0.0) + omega.powi(2) * d.at(k, 0.0)) / slope);
-    rule.level(velocity.collect())
+    let velocity: Vec<f64> = (0..2).map(|k| -(a.at(k, 0.0) + omega.powi(2) * d.at(k, 0.0)) / slope).collect();
+    weights.end(&level, &velocity)
+}
+
+/// Advances `du/dt + λ u = 0` by one step; returns the level at the end and the velocity at the stage.
+fn decay(scheme: &dyn TimeScheme, lambda: f64, dt: f64, level: &Level<f64>) -> (Level<f64>, f64) {
+    let weights = scheme.weights(dt, level.acceleration.is_empty());
+    let acceleration = Affine::new(&weights.stage_acceleration, level);
+    let at_stage = -acceleration.at(0, 0.0) / (acceleration.slope + lambda);
+    (weights.end(level, &[at_stage]), at_stage)
 }
 
 fn squared_norm(values: &[f64]) -> f64 {
@@ -79,18 +87,19 @@ fn a_radius_of_one_damps_nothing() {
 fn rules_of_first_order_are_their_formulas() {
     let (dt, now) = (1.3e-3, [8.0, -3.0]);
     let known = start([0.4, -0.9], [7.0, 2.0]);
-    let euler = StepRule::new(&ImplicitEuler, &[dt], std::slice::from_ref(&known));
-    let still = StepRule::new(&QuasiStatic, &[dt], std::slice::from_ref(&known));
+    let euler = StepRule::new(&ImplicitEuler.weights(dt, true), &known);
+    let still = StepRule::new(&QuasiStatic.weights(dt, true), &known);
     for (k, v) in now.into_iter().enumerate() {
         let displacement = known.displacement[k] + v * dt;
-        assert_eq!(euler.stage.displacement.at(k, v), displacement);
-        assert_eq!(still.stage.displacement.at(k, v), displacement);
-        assert_eq!(euler.stage.acceleration.at(k, v), known.velocity[k] * -dt.recip() + v * dt.recip());
-        assert_eq!(still.stage.acceleration.at(k, v), 0.0);
+        assert_eq!(euler.displacement.at(k, v), displacement);
+        assert_eq!(still.displacement.at(k, v), displacement);
+        assert_eq!(euler.acceleration.at(k, v), known.velocity[k] * -dt.recip() + v * dt.recip());
+        assert_eq!(still.acceleration.at(k, v), 0.0);
     }
-    for rule in [&euler, &still] {
-        assert_eq!(rule.stage, rule.end);
-        assert_eq!(rule.level(now.to_vec()).displacement, [0, 1].map(|k| rule.end.displacement.at(k, now[k])));
+    for weights in [ImplicitEuler.weights(dt, false), QuasiStatic.weights(dt, false)] {
+        let end = weights.end(&known, &now);
+        assert_eq!(end.displacement, [0, 1].map(|k| euler.displacement.at(k, now[k])));
+        assert!(end.velocity == now && end.acceleration.is_empty());
     }
 }
 
@@ -100,15 +109,74 @@ fn a_step_without_known_acceleration_is_exact_under_constant_acceleration() {
     for rho_inf in [0.0, 0.8, 1.0] {
         let mut level = start([0.5, 0.0], [2.0, -1.0]);
         for step in 1..=5 {
-            let rule = StepRule::new(&generalised_alpha(rho_inf), &[dt], &[level]);
-            let at_rest = &rule.stage.acceleration;
-            level = rule.level((0..2).map(|k| (a - at_rest.at(k, 0.0)) / at_rest.slope).collect());
+            let weights = generalised_alpha(rho_inf).weights(dt, level.acceleration.is_empty());
+            let at_rest = StepRule::new(&weights, &level).acceleration;
+            let velocity: Vec<f64> = (0..2).map(|k| (a - at_rest.at(k, 0.0)) / at_rest.slope).collect();
+            level = weights.end(&level, &velocity);
             let time = dt * f64::from(step);
             for (k, (d, v)) in [(0.5, 2.0), (0.0, -1.0)].into_iter().enumerate() {
                 assert!((level.displacement[k] - (d + v * time + 0.5 * a * time * time)).abs() < 1e-13);
                 assert!((level.velocity[k] - (v + a * time)).abs() < 1e-13);
                 assert!((level.acceleration[k] - a).abs() < 1e-11);
             }
+        }
+    }
+}
+
+#[test]
+fn equations_of_first_order_are_advanced_with_the_same_order() {
+    let error = |scheme: &dyn TimeScheme, n: u32| {
+        let dt = f64::from(n).recip();
+        let start = Level { velocity: vec![1.0], ..Level::default() };
+        let end = (0..n).fold(start, |level, _| decay(scheme, 2.0, dt, &level).0);
+        (end.velocity[0] - (-2.0_f64).exp()).abs()
+    };
+    for rho_inf in [0.0, 0.5, 0.8, 1.0] {
+        let scheme = generalised_alpha(rho_inf);
+        let order = (error(&scheme, 100) / error(&scheme, 200)).log2();
+        assert!((order - 2.0).abs() < 0.05, "{rho_inf}: {order}");
+    }
+    assert!((error(&ImplicitEuler, 100) / error(&ImplicitEuler, 200)).log2() < 1.1);
+}
+
+/// With `r = (1 - ρ_∞)/(1 + ρ_∞)` and `w = Δt a`, inertia times velocity at the stage is the change of
+/// `1/2 (v + r/2 w)² + r²/4 w²` plus `3/4 r³ (w^{n+1} - w^n)²`, whatever the force.
+#[test]
+fn the_power_of_inertia_is_a_change_of_energy_and_a_loss() {
+    for (rho_inf, lambda) in [(0.0, 3.0), (0.5, 300.0), (0.8, -2.0)] {
+        let (scheme, dt) = (generalised_alpha(rho_inf), 0.1);
+        let r = (1.0 - rho_inf) / (1.0 + rho_inf);
+        let mut level = Level { velocity: vec![1.0], acceleration: vec![0.7], ..Level::default() };
+        for _ in 0..5 {
+            let energy = |level: &Level<f64>| {
+                let w = dt * level.acceleration[0];
+                0.5 * (level.velocity[0] + 0.5 * r * w).powi(2) + 0.25 * (r * w).powi(2)
+            };
+            let (end, at_stage) = decay(&scheme, lambda, dt, &level);
+            let loss = 0.75 * r.powi(3) * (dt * (end.acceleration[0] - level.acceleration[0])).powi(2);
+            let power = -lambda * at_stage * at_stage * dt;
+            assert!((energy(&end) - energy(&level) + loss - power).abs() < 1e-12 * energy(&level));
+            level = end;
+        }
+    }
+}
+
+#[test]
+fn shifted_displacements_change_by_the_velocity_of_the_stage() {
+    let schemes: [&dyn TimeScheme; 3] = [&generalised_alpha(0.3), &ImplicitEuler, &QuasiStatic];
+    let known = Level { acceleration: vec![-40.0, 3.0], ..start([0.4, -0.9], [7.0, 2.0]) };
+    for (scheme, starts) in schemes.into_iter().flat_map(|scheme| [(scheme, false), (scheme, true)]) {
+        let level = if starts { start([0.4, -0.9], [7.0, 2.0]) } else { known.clone() };
+        let weights = scheme.weights(0.2, starts);
+        let [from, to] = weights.shifted.map(|row| Affine::new(&row, &level));
+        for (k, v) in [8.0, -3.0].into_iter().enumerate() {
+            assert!((to.at(k, v) - from.at(k, v) - 0.2 * v).abs() < 1e-14, "{scheme:?}");
+        }
+        // In the next step, which has the same length, the shifted displacement at the start is the one at this end.
+        if !starts {
+            let end = weights.end(&level, &[8.0, -3.0]);
+            let again = Affine::new(&weights.shifted[0], &end);
+            assert!((0..2).all(|k| (again.at(k, 0.0) - to.at(k, [8.0, -3.0][k])).abs() < 1e-13), "{scheme:?}");
         }
     }
 }

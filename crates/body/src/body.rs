@@ -23,6 +23,12 @@ pub trait Body<const D: usize>: Send + Sync {
     /// Returns the state at time zero.
     fn start(&self) -> BodyState<D>;
 
+    /// Returns the positions of all vertices on which the geometry of a step is evaluated, extrapolated from the state at its
+    /// start.
+    fn geometry(&self, begin: &BodyState<D>, time: &StepTime) -> Vec<Point<D>> {
+        begin.positions_by(&time.weights.extrapolated[0], self.reference())
+    }
+
     /// Returns the body in the step from `begin` to the end of `time`. Registers its unknowns in `layout`.
     fn step<'s>(
         &'s self,

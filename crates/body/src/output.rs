@@ -19,6 +19,8 @@ pub struct Balance<const D: usize> {
     pub centre_of_mass: Point<D>,
     /// `(ρ, v)`.
     pub momentum: Vector<D>,
+    /// `(ρ, a)`; zero where accelerations are not known.
+    pub momentum_rate: Vector<D>,
     /// `(ρ, g)`: the body force.
     pub body_force: Vector<D>,
     /// Volume.

@@ -1,5 +1,6 @@
 //! Bodies of prescribed motion: the smallest implementation of the traits.
 
+use algebra::time::Row;
 use algebra::{BlockLayout, Constraints, Contributions};
 use mesh::{BoundaryMesh, Point, Vector};
 
@@ -27,6 +28,15 @@ impl<const D: usize> PrescribedBody<D> {
         let displacement = at.iter().zip(&self.reference).map(|(x, reference)| x - reference).collect();
         BodyState::new(displacement, at.iter().map(|x| (self.velocity)(x, [time; 2])).collect())
     }
+
+    /// Returns the rates of the velocities of the vertices at the end of a step, from the velocities at its start, middle and end.
+    fn acceleration(&self, end: &BodyState<D>, time: &StepTime) -> Vec<Vector<D>> {
+        let before = |part: f64| self.state(time.end - part * time.length).level.velocity;
+        let earlier = before(0.5).into_iter().zip(before(1.0));
+        let rate =
+            |(v, (middle, start)): (&Vector<D>, (Vector<D>, Vector<D>))| (v * 3.0 - middle * 4.0 + start) / time.length;
+        end.velocity().iter().zip(earlier).map(rate).collect()
+    }
 }
 
 impl<const D: usize> Body<D> for PrescribedBody<D> {
@@ -50,15 +60,29 @@ impl<const D: usize> Body<D> for PrescribedBody<D> {
         self.state(0.0)
     }
 
+    fn geometry(&self, begin: &BodyState<D>, time: &StepTime) -> Vec<Point<D>> {
+        let at_start = time.weights.extrapolated[0].velocity == 0.0;
+        if at_start {
+            begin.positions(&self.reference)
+        } else {
+            self.state(time.of_geometry()).positions(&self.reference)
+        }
+    }
+
     fn step<'s>(&'s self, begin: &'s BodyState<D>, time: &StepTime, _: &mut BlockLayout) -> Box<dyn BodyStep<D> + 's> {
-        let (times, end) = ([time.end - time.length(), time.end], self.state(time.end));
+        let (times, shifted) = ([time.of_geometry(), time.stage()], &time.weights.shifted[0]);
+        let mut end = self.state(time.end);
         let surface = SurfaceMotion {
             boundary: &self.boundary,
-            begin: begin.positions(&self.reference),
-            predicted: end.positions(&self.reference),
+            geometry: self.geometry(begin, time),
+            begin: begin.positions_by(shifted, &self.reference),
+            predicted: end.positions_by(shifted, &self.reference),
             slope: 0.0,
             velocity: SurfaceVelocity::Given(Box::new(move |x| (self.velocity)(x, times))),
         };
+        if time.weights.acceleration != Row::default() {
+            end.level.acceleration = self.acceleration(&end, time);
+        }
         Box::new(PrescribedStep { surface, end })
     }
 

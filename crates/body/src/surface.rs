@@ -3,30 +3,56 @@
 use algebra::{BlockLayout, FieldId};
 use mesh::{BoundaryMesh, Point, Vector, VertexId};
 
-/// A surface in one step. Its vertices are at `begin` at the start of the step, which is the geometry of the step, and
-/// at `predicted + slope v` at its end.
+use crate::{BodyState, StepTime};
+
+/// A surface in one step.
+///
+/// The fluid is cut at `geometry`. Contact acts at the shifted positions of [`algebra::time::Weights`]: `begin` at the start of
+/// the step, and `predicted + slope v` at its end, whose difference is the length of the step times the velocity `v`.
 pub struct SurfaceMotion<'s, const D: usize> {
     /// The surface.
     pub boundary: &'s BoundaryMesh<D>,
-    /// Positions of all vertices at the start of the step.
+    /// Positions of all vertices, extrapolated to the stage of the step.
+    pub geometry: Vec<Point<D>>,
+    /// Shifted positions at the start.
     pub begin: Vec<Point<D>>,
-    /// Positions at the end of the step for zero velocity.
+    /// Shifted positions at the end for zero velocity.
     pub predicted: Vec<Point<D>>,
-    /// Derivative of the positions at the end with respect to the velocity there; zero for a given motion.
+    /// Derivative of the shifted positions at the end with respect to the velocity; zero for a given motion.
     pub slope: f64,
-    /// Velocity at the end of the step.
+    /// Velocity at the stage.
     pub velocity: SurfaceVelocity<'s, D>,
 }
 
-/// The velocity of a surface at the end of a step.
+/// The velocity of a surface at the stage of a step.
 pub enum SurfaceVelocity<'s, const D: usize> {
     /// Vertex velocities, unknown or tied to unknowns: a field with `D` components at each vertex.
     Field(FieldId),
-    /// A velocity given at every point of the surface at the start of the step.
+    /// A velocity given at every point of the surface at [`SurfaceMotion::geometry`].
     Given(Box<dyn Fn(&Point<D>) -> Vector<D> + Send + Sync + 's>),
 }
 
-impl<const D: usize> SurfaceMotion<'_, D> {
+impl<'s, const D: usize> SurfaceMotion<'s, D> {
+    /// Creates the motion of a surface with unknown velocities, from the state at the start of the step.
+    pub fn of_field(
+        boundary: &'s BoundaryMesh<D>,
+        reference: &[Point<D>],
+        begin: &BodyState<D>,
+        geometry: Vec<Point<D>>,
+        time: &StepTime,
+        field: FieldId,
+    ) -> Self {
+        let [shifted, end] = &time.weights.shifted;
+        Self {
+            boundary,
+            geometry,
+            begin: begin.positions_by(shifted, reference),
+            predicted: begin.positions_by(end, reference),
+            slope: end.slope,
+            velocity: SurfaceVelocity::Field(field),
+        }
+    }
+
     /// Returns the field of the vertex velocities; `None` for a given motion.
     #[inline]
     pub fn field(&self) -> Option<FieldId> {
@@ -36,16 +62,16 @@ impl<const D: usize> SurfaceMotion<'_, D> {
         }
     }
 
-    /// Returns the velocity of a vertex at the end of the step at the state `x`.
+    /// Returns the velocity of a vertex at the state `x`.
     #[inline]
     pub fn velocity_at(&self, vertex: VertexId, layout: &BlockLayout, x: &[f64]) -> Vector<D> {
         match &self.velocity {
             SurfaceVelocity::Field(field) => layout.at(*field, vertex.index(), x).into(),
-            SurfaceVelocity::Given(velocity) => velocity(&self.begin[vertex.index()]),
+            SurfaceVelocity::Given(velocity) => velocity(&self.geometry[vertex.index()]),
         }
     }
 
-    /// Returns the position of a vertex at the end of the step at the state `x`.
+    /// Returns the shifted position of a vertex at the end of the step at the state `x`.
     #[inline]
     pub fn position_at(&self, vertex: VertexId, layout: &BlockLayout, x: &[f64]) -> Point<D> {
         let predicted = self.predicted[vertex.index()];

@@ -27,7 +27,7 @@ pub struct ContactReport<const D: usize> {
 }
 
 impl<const D: usize> ContactReport<D> {
-    /// Creates the report at the state `x`, with the velocities at the end of the step.
+    /// Creates the report at the state `x`, with the velocities at the stage of the step.
     pub fn new(sites: &ContactSites<'_, D>, x: &[f64]) -> Self {
         let mut report = Self {
             minimum_gap: minimum_gap(sites, x),
@@ -44,7 +44,7 @@ impl<const D: usize> ContactReport<D> {
                 report.n_active += 1;
                 report.active_area += site.weight;
                 report.largest_penetration = report.largest_penetration.max(law.offset() - site.at.gap);
-                report.stored_energy += site.weight * law.energy_density(&site.at);
+                report.stored_energy += site.weight * law.energy_density(&site.at).unwrap_or(0.0);
                 let force = site.frame.vector(&site.traction.value) * site.weight;
                 report.force += force;
                 for node in site.nodes() {

@@ -17,11 +17,11 @@ pub struct ContactNode<const D: usize> {
     pub share: f64,
     /// Derivative `G_a` of its barycentric coordinate with respect to `x`; zero at the slave.
     pub gradient: Vector<D>,
-    /// `c_d` of its body: derivative of its position with respect to its velocity.
+    /// Derivative of its position at the end with respect to its velocity.
     pub slope: f64,
     /// Displacement of the vertex over the step.
     pub displacement: Vector<D>,
-    /// Velocity of the vertex at the end of the step.
+    /// Velocity of the vertex.
     pub velocity: Vector<D>,
 }
 
@@ -47,8 +47,10 @@ pub struct ContactSite<const D: usize> {
     pub stress: Vector<D>,
     /// Derivatives of the stress, with the local rows of the dofs on which it depends.
     pub stress_derivatives: Vec<(usize, Vector<D>)>,
-    /// Arguments of the law.
+    /// Arguments of the law at the end of the step.
     pub at: ContactPoint,
+    /// Gap at the start of the step, if the law acts as a discrete gradient.
+    pub gap_at_start: Option<f64>,
     /// Result of the law.
     pub traction: ContactTraction,
     pub(crate) nodes: [ContactNode<D>; MAX_NODES],
@@ -72,6 +74,7 @@ impl<const D: usize> ContactSite<D> {
             stress: Vector::zeros(),
             stress_derivatives: Vec::new(),
             at: ContactPoint::default(),
+            gap_at_start: None,
             traction: ContactTraction::default(),
             nodes: [ContactNode::none(); MAX_NODES],
             n_nodes: 0,

@@ -6,6 +6,7 @@ use algebra::{BlockLayout, DofId, Sites};
 use body::{ByDof, SurfaceMotion, SurfaceStress};
 use mesh::{BoundaryMesh, FacetId, MAX_FACET_VERTICES, Placed, Point, SimplexRule, Vector, VertexId, positive};
 
+use crate::law::discrete_gradient;
 use crate::segments::{Segment, divide};
 use crate::site::ContactNode;
 use crate::{Anchor, ContactLaw, ContactPoint, ContactSite, Error, Frame, Obstacle, Positions};
@@ -53,6 +54,8 @@ pub struct ContactPair<'a, const D: usize> {
     pub stress: Option<Arc<dyn SurfaceStress<D> + 'a>>,
     /// Length of the step.
     pub dt: f64,
+    /// Whether the law acts as a discrete gradient over the step, else at its end.
+    pub conserves: bool,
 }
 
 /// Checks that facets and surfaces fit together.
@@ -95,6 +98,9 @@ struct Item<const D: usize> {
     masters: Vec<(VertexId, Option<usize>)>,
     /// Dofs, each once: those of slave, master and stress.
     dofs: Vec<DofId>,
+    /// Gap at the start of the step at each point of each segment, infinite without an obstacle in reach; only for a discrete
+    /// gradient.
+    begin_gaps: Vec<f64>,
 }
 
 /// Returns the local row of a dof; appends the dof if it is new.
@@ -140,7 +146,15 @@ impl<const D: usize> ContactItems<D> {
             pair.stress.iter().for_each(|stress| stress.dofs(facet, &mut of_stress));
             of_stress.into_iter().for_each(|dof| _ = row_of(dof, &mut dofs));
             let measure = placed.facet_measure(facet);
-            items.push(Item { number, facet, measure, candidates, segments, masters, dofs });
+            let begin_gap = |point: Point<D>| {
+                let found = obstacle.project(&point, Positions::Fixed(positions), &candidates);
+                found.map_or(f64::INFINITY, |projection| projection.gap(&point))
+            };
+            let points = placed.facet_points(facet);
+            let at = |shape: &[f64; D]| begin_gap((0..D).map(|k| points[k] * shape[k]).sum());
+            let shapes = segments.iter().flat_map(|s| pair.form.rule.points().iter().map(|point| s.at(point)));
+            let begin_gaps = if pair.conserves { shapes.map(|shape| at(&shape)).collect() } else { Vec::new() };
+            items.push(Item { number, facet, measure, candidates, segments, masters, dofs, begin_gaps });
         }
         Self { items }
     }
@@ -149,7 +163,8 @@ impl<const D: usize> ContactItems<D> {
 /// The quadrature points of a contact in one step. Only those in contact are visited; the others carry no traction.
 ///
 /// Time levels: the *weight* has the measure of the slave's facet at the start of the step; *gap, slip and frame* are
-/// those at its end; the *stress* is that of the unknown state.
+/// those at its end; the *stress* is that of the unknown state. Positions are the shifted ones of the time scheme. A discrete
+/// gradient of the law depends on the gap at the start too, and a point is visited if it is in contact at either end.
 #[derive(Clone)]
 pub struct ContactSites<'a, const D: usize> {
     /// Facets that may touch.
@@ -209,9 +224,13 @@ impl<const D: usize> ContactSites<'_, D> {
             site.stress = stress.at(item.facet, barycentric, x, derivatives);
             at.stress = frame.components(&site.stress);
         }
-        if !form.law.is_active(&at) {
+        let beyond = form.law.offset().max(gap);
+        let gap_at_start = item.begin_gaps.get(site.number).map(|gap| if gap.is_finite() { *gap } else { beyond });
+        let start = gap_at_start.map(|gap| ContactPoint { gap, ..at });
+        if !form.law.is_active(&at) && !start.is_some_and(|start| form.law.is_active(&start)) {
             return false;
         }
+        site.gap_at_start = gap_at_start;
         let row = |dof: &DofId| item.dofs.iter().position(|other| other == dof);
         site.stress_derivatives.clear();
         site.stress_derivatives.extend(derivatives.iter().filter_map(|(dof, by_dof)| Some((row(dof)?, *by_dof))));
@@ -258,7 +277,11 @@ impl<const D: usize> Sites for ContactSites<'_, D> {
 
     fn visit(&self, item: usize, x: &[f64], mut visit: impl FnMut(&Self::Site)) {
         self.each_point(item, x, |site| {
-            site.traction = self.pair.form.law.traction(&site.at);
+            let law = self.pair.form.law.as_ref();
+            site.traction = match site.gap_at_start {
+                Some(gap) => discrete_gradient(law, &site.at, gap),
+                None => law.traction(&site.at),
+            };
             visit(site);
         });
     }

@@ -7,28 +7,6 @@ use xfem_space::Moments;
 
 use crate::{FluidFields, FluidGeometry};
 
-/// A P1 vector field at the stage of the step, affine in the unknown velocity `v`: nodal values and derivative.
-#[derive(Clone, Copy, Debug)]
-pub struct Nodal<const D: usize> {
-    /// One value per node; only the first `D + 1` are used.
-    pub values: [Vector<D>; MAX_CELL_VERTICES],
-    /// Derivative of a nodal value with respect to `v` at the same node.
-    pub slope: f64,
-}
-
-impl<const D: usize> Nodal<D> {
-    fn zero() -> Self {
-        Self { values: [Vector::zeros(); MAX_CELL_VERTICES], slope: 0.0 }
-    }
-
-    /// Returns the gradient for given gradients of the shape functions, `grad[(a, b)] = ∂u_a/∂x_b`.
-    #[inline]
-    pub fn gradient(&self, gradients: &[Vector<D>; MAX_CELL_VERTICES]) -> Tensor<D> {
-        // The compiler unrolls this; it does not unroll the `sum` of matrices or an inclusive range.
-        (0..D + 1).fold(Tensor::zeros(), |sum, i| sum + self.values[i] * gradients[i].transpose())
-    }
-}
-
 /// A fluid part with its local state. P1: gradients are constant on it.
 ///
 /// Local unknowns: velocity component `a` of node `i` at row `D i + a`, then the pressures of the nodes.
@@ -37,10 +15,12 @@ pub struct FluidCell<'a, const D: usize> {
     pub gradients: &'a [Vector<D>; MAX_CELL_VERTICES],
     /// Moments of the part.
     pub moments: &'a Moments,
-    /// Velocity.
-    pub velocity: Nodal<D>,
-    /// Acceleration.
-    pub acceleration: Nodal<D>,
+    /// Velocity `u` of each node at the stage; only the first `D + 1` are used, here and below.
+    pub velocities: [Vector<D>; MAX_CELL_VERTICES],
+    /// Acceleration `a` of each node at the stage.
+    pub accelerations: [Vector<D>; MAX_CELL_VERTICES],
+    /// Derivative of the acceleration of a node with respect to its velocity.
+    pub acceleration_slope: f64,
     /// Pressure of each node.
     pub pressures: [f64; MAX_CELL_VERTICES],
     geometry: FluidGeometry<'a, D>,
@@ -58,6 +38,13 @@ impl<const D: usize> FluidCell<'_, D> {
     #[inline]
     pub fn pressure_row(&self, node: usize) -> usize {
         D * (D + 1) + node
+    }
+
+    /// Returns the gradient of the velocity, `grad[(a, b)] = ∂u_a/∂x_b`.
+    #[inline]
+    pub fn grad_velocity(&self) -> Tensor<D> {
+        // The compiler unrolls this; it does not unroll the `sum` of matrices or an inclusive range.
+        (0..D + 1).fold(Tensor::zeros(), |sum, i| sum + self.velocities[i] * self.gradients[i].transpose())
     }
 
     /// Calls `visit` with position, weight and shape values of the points of a rule that is exact for the given degree.
@@ -106,22 +93,23 @@ impl<'a, const D: usize> Sites for FluidCells<'a, D> {
 
     #[inline]
     fn visit(&self, item: usize, x: &[f64], mut visit: impl FnMut(&Self::Site)) {
-        let FluidGeometry { space, parts, rule, .. } = self.geometry;
+        let FluidGeometry { space, parts, acceleration, .. } = self.geometry;
         let part = PartId(item as u32);
         let mut cell = FluidCell {
             gradients: parts.gradients(part),
             moments: parts.moments(part),
-            velocity: Nodal { slope: rule.stage.velocity.slope, ..Nodal::zero() },
-            acceleration: Nodal { slope: rule.stage.acceleration.slope, ..Nodal::zero() },
+            velocities: [Vector::zeros(); MAX_CELL_VERTICES],
+            accelerations: [Vector::zeros(); MAX_CELL_VERTICES],
+            acceleration_slope: acceleration.slope,
             pressures: [0.0; MAX_CELL_VERTICES],
             geometry: self.geometry,
             part,
         };
         for (i, &dof) in space.dofs(part).iter().enumerate() {
             let v = self.fields.velocity_at(x, dof);
-            cell.velocity.values[i] = rule.stage.velocity.at(dof as usize, v);
+            cell.velocities[i] = v;
             if self.with_pressure {
-                cell.acceleration.values[i] = rule.stage.acceleration.at(dof as usize, v);
+                cell.accelerations[i] = acceleration.at(dof as usize, v);
                 cell.pressures[i] = self.fields.pressure_at(x, dof);
             }
         }

@@ -1,12 +1,12 @@
 //! The geometry and the fields of the fluid in a step.
 
-use algebra::time::StepRule;
+use algebra::time::Affine;
 use algebra::{BlockLayout, FieldId};
 use cutcell::CutMesh;
 use mesh::{SimplexMesh, Vector};
 use xfem_space::{FaceValue, PartValues, XfemSpace};
 
-/// Geometry of a step, and the time rule on it, shared by all fluid terms.
+/// Geometry of a step, and history and acceleration on it, shared by all fluid terms.
 #[derive(Clone, Copy)]
 pub struct FluidGeometry<'a, const D: usize> {
     /// The background.
@@ -21,8 +21,8 @@ pub struct FluidGeometry<'a, const D: usize> {
     pub faces: &'a [FaceValue<D>],
     /// Velocity history `u*`, one value per dof of the space. The weights of all stabilisations depend on it.
     pub history: &'a [Vector<D>],
-    /// Velocity and acceleration at the stage, one value per dof of the space.
-    pub rule: &'a StepRule<Vector<D>>,
+    /// Acceleration at the stage, affine in the velocity there; one value per dof of the space.
+    pub acceleration: &'a Affine<Vector<D>>,
 }
 
 /// Velocity and pressure in the global vector; both have the dofs of the space as nodes.

@@ -20,7 +20,7 @@
 //! | backflow stabilisation on open boundaries | `terms/backflow.rs` |
 //! | traction given on open boundaries | `terms/traction.rs` |
 //!
-//! `u*` is the transferred history; all stabilisation weights use it, never the unknown, so that they are constant
+//! `u` and `p` are those at the stage of the step, and `u*` is the velocity at its start, carried to the new space; all stabilisation weights use it, never the unknown, so that they are constant
 //! during Newton's method.
 
 mod cell;
@@ -31,7 +31,7 @@ mod geometry;
 mod open_boundary;
 pub mod terms;
 
-pub use cell::{FluidCell, FluidCells, Nodal};
+pub use cell::{FluidCell, FluidCells};
 pub use face::{FluidFace, FluidFaces};
 pub use fluid::NewtonianFluid;
 pub use form::FluidForm;

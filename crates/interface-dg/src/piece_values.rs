@@ -1,7 +1,7 @@
 //! Traces of fluid and solid on interface pieces.
 
 use cutcell::CutMesh;
-use mesh::{BodyId, FacetId, MAX_CELL_VERTICES, Point, SimplexMesh, SimplexRule, Vector};
+use mesh::{MAX_CELL_VERTICES, Point, SimplexMesh, SimplexRule, Vector};
 use xfem_space::{PartValues, XfemSpace};
 
 /// A quadrature point of the interface.
@@ -25,6 +25,7 @@ pub struct PieceValues<const D: usize> {
     gradients: Vec<[Vector<D>; MAX_CELL_VERTICES]>,
     cell_sizes: Vec<f64>,
     relative_speeds: Vec<f64>,
+    relative_accelerations: Option<Vec<f64>>,
 }
 
 impl<const D: usize> PieceValues<D> {
@@ -38,6 +39,7 @@ impl<const D: usize> PieceValues<D> {
             gradients: Vec::with_capacity(n),
             cell_sizes: Vec::with_capacity(n),
             relative_speeds: vec![0.0; n],
+            relative_accelerations: None,
         };
         for piece in cut.interface() {
             let simplex = background.simplex(piece.cell);
@@ -68,24 +70,46 @@ impl<const D: usize> PieceValues<D> {
     }
 
     /// Sets the largest speed of the fluid relative to the body on each piece. `fluid` has one velocity per dof of the space,
-    /// `body` returns those of the vertices of a facet.
+    /// `body` returns those of the vertices of the facet of a piece.
     pub fn set_relative_speeds(
         &mut self,
         cut: &CutMesh<D>,
         space: &XfemSpace<D>,
         fluid: &[Vector<D>],
-        body: impl Fn(BodyId, FacetId) -> [Vector<D>; MAX_CELL_VERTICES],
+        body: impl Fn(usize) -> [Vector<D>; MAX_CELL_VERTICES],
     ) {
-        for (item, piece) in cut.interface().iter().enumerate() {
-            let on_facet = body(piece.body, piece.facet);
-            let dofs = space.dofs(piece.part);
-            let speed = |at: &PiecePoint<D>| {
+        self.relative_speeds = self.largest_differences(cut, space, fluid, body);
+    }
+
+    /// Sets the largest acceleration of the fluid relative to the body on each piece, given as in
+    /// [`PieceValues::set_relative_speeds`].
+    pub fn set_relative_accelerations(
+        &mut self,
+        cut: &CutMesh<D>,
+        space: &XfemSpace<D>,
+        fluid: &[Vector<D>],
+        body: impl Fn(usize) -> [Vector<D>; MAX_CELL_VERTICES],
+    ) {
+        self.relative_accelerations = Some(self.largest_differences(cut, space, fluid, body));
+    }
+
+    fn largest_differences(
+        &self,
+        cut: &CutMesh<D>,
+        space: &XfemSpace<D>,
+        fluid: &[Vector<D>],
+        body: impl Fn(usize) -> [Vector<D>; MAX_CELL_VERTICES],
+    ) -> Vec<f64> {
+        let largest = |item: usize| {
+            let (on_facet, dofs) = (body(item), space.dofs(cut.interface()[item].part));
+            let difference = |at: &PiecePoint<D>| {
                 let of_fluid: Vector<D> = dofs.iter().zip(at.fluid).map(|(dof, n)| fluid[*dof as usize] * n).sum();
                 let of_body: Vector<D> = on_facet.iter().zip(&at.solid[..D]).map(|(v, n)| v * *n).sum();
                 (of_fluid - of_body).norm()
             };
-            self.relative_speeds[item] = self.points(item).iter().map(speed).fold(0.0, f64::max);
-        }
+            self.points(item).iter().map(difference).fold(0.0, f64::max)
+        };
+        (0..cut.interface().len()).map(largest).collect()
     }
 
     /// Returns the quadrature points of a piece.
@@ -110,5 +134,11 @@ impl<const D: usize> PieceValues<D> {
     #[inline]
     pub fn relative_speed(&self, piece: usize) -> f64 {
         self.relative_speeds[piece]
+    }
+
+    /// Returns the largest acceleration of the fluid relative to the body on a piece, if accelerations are known.
+    #[inline]
+    pub fn relative_acceleration(&self, piece: usize) -> Option<f64> {
+        self.relative_accelerations.as_ref().map(|of_pieces| of_pieces[piece])
     }
 }

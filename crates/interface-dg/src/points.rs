@@ -4,7 +4,7 @@ use algebra::{DofId, Sites};
 use body::{SurfaceMotion, SurfaceVelocity};
 use cutcell::InterfacePiece;
 use fluid_ns::{FluidFields, FluidGeometry, NewtonianFluid};
-use mesh::{MAX_CELL_VERTICES, Tensor, Vector};
+use mesh::{MAX_CELL_VERTICES, Point, Tensor, Vector};
 
 use crate::piece_values::{PiecePoint, PieceValues};
 
@@ -19,6 +19,8 @@ pub struct InterfacePoints<'a, const D: usize> {
     pub values: &'a PieceValues<D>,
     /// The surfaces of the bodies, in the order of the overlay.
     pub surfaces: Vec<&'a SurfaceMotion<'a, D>>,
+    /// Positions of the vertices of each body at which the background was cut.
+    pub positions: &'a [Vec<Point<D>>],
     /// The fluid.
     pub fluid: NewtonianFluid,
 }
@@ -38,6 +40,9 @@ pub struct MortarPoint<'a, const D: usize> {
     pub cell_size: f64,
     /// Largest speed `|u* - v^n|` of the fluid relative to the body on the piece, at the start of the step.
     pub relative_speed: f64,
+    /// Largest acceleration of the fluid relative to the body on the piece, at the start of the step; `None` if accelerations are
+    /// not known.
+    pub relative_acceleration: Option<f64>,
     /// Fluid velocity minus velocity of the body.
     pub jump: Vector<D>,
     /// Pressure.
@@ -134,6 +139,7 @@ impl<'a, const D: usize> Sites for InterfacePoints<'a, D> {
                 gradients,
                 cell_size: self.values.cell_size(item),
                 relative_speed: self.values.relative_speed(item),
+                relative_acceleration: self.values.relative_acceleration(item),
                 jump,
                 pressure,
                 traction: viscous_traction + piece.normal * pressure,

@@ -83,11 +83,11 @@ impl<const D: usize> SurfaceStress<D> for FluidStress<'_, D> {
 impl<const D: usize> FluidStress<'_, D> {
     /// Returns the shape values of the fluid part of a piece at a point of its facet.
     fn shape(&self, item: usize, barycentric: &[f64]) -> [f64; MAX_CELL_VERTICES] {
-        let InterfacePoints { geometry, surfaces, .. } = &self.points;
+        let InterfacePoints { geometry, surfaces, positions, .. } = &self.points;
         let piece = &geometry.cut.interface()[item];
-        let surface = surfaces[piece.body.index()];
+        let (surface, positions) = (surfaces[piece.body.index()], &positions[piece.body.index()]);
         let vertices = surface.boundary.facet(piece.facet).iter().zip(barycentric);
-        let point = vertices.map(|(vertex, b)| surface.begin[vertex.index()] * *b).sum();
+        let point = vertices.map(|(vertex, b)| positions[vertex.index()] * *b).sum();
         geometry.background.simplex(piece.cell).barycentric(&point).unwrap_or_default()
     }
 }

@@ -1,6 +1,6 @@
 //! The mortar on one cut cell: values by hand, action and reaction, leak and traction.
 
-use algebra::time::{ImplicitEuler, StepRule};
+use algebra::time::Affine;
 use algebra::{BlockLayout, BlockSystem, Constraints, check_tangent};
 use body::{SurfaceMotion, SurfaceStress, SurfaceVelocity};
 use cutcell::{CutMesh, OverlayOptions};
@@ -54,8 +54,8 @@ impl Fixture {
         let faces = face_values(&self.background, &self.cut, &self.space, &parts);
         let history = vec![V::zeros(); self.space.len()];
         let mut values = PieceValues::new(&self.background, &self.cut, &parts, 2);
-        values.set_relative_speeds(&self.cut, &self.space, &history, |_, _| [v; MAX_CELL_VERTICES]);
-        let rule = StepRule::new(&ImplicitEuler, &[1.0], &[]);
+        values.set_relative_speeds(&self.cut, &self.space, &history, |_| [v; MAX_CELL_VERTICES]);
+        let acceleration = Affine { slope: 1.0, predicted: Vec::new() };
         let mut layout = BlockLayout::new();
         let velocity = layout.push("velocity", self.space.len(), 2);
         let pressure = layout.push_on(velocity, "pressure", 1);
@@ -63,6 +63,7 @@ impl Fixture {
         let boundary = self.body.boundary();
         let surface = SurfaceMotion {
             boundary: &boundary,
+            geometry: self.body.vertices().to_vec(),
             begin: self.body.vertices().to_vec(),
             predicted: self.body.vertices().to_vec(),
             slope: 1.0,
@@ -73,6 +74,7 @@ impl Fixture {
             },
         };
         let Self { background, cut, space, .. } = self;
+        let positions = vec![surface.geometry.clone()];
         let points = InterfacePoints {
             geometry: FluidGeometry {
                 background,
@@ -81,11 +83,12 @@ impl Fixture {
                 parts: &parts,
                 faces: &faces,
                 history: &history,
-                rule: &rule,
+                acceleration: &acceleration,
             },
             fields: FluidFields { layout: &layout, velocity, pressure },
             values: &values,
             surfaces: vec![&surface],
+            positions: &positions,
             fluid: FLUID,
         };
         let at = |k: &mesh::VertexId| background.vertex(*k);
@@ -190,9 +193,9 @@ fn fluid_stress_is_the_traction_of_the_fluid() {
                 let found = stress.at(facet, &barycentric, x, &mut derivatives);
                 assert!(derivatives.iter().all(|(dof, _)| dofs.contains(dof)));
                 let corners = surface.boundary.facet(facet);
-                let at: Point<2> = (0..2).map(|k| surface.begin[corners[k].index()] * barycentric[k]).sum();
+                let at: Point<2> = (0..2).map(|k| surface.geometry[corners[k].index()] * barycentric[k]).sum();
                 // The top of the body is wet; the other sides lie on the boundary of the background.
-                if corners.iter().any(|v| surface.begin[v.index()][1] < 0.3) {
+                if corners.iter().any(|v| surface.geometry[v.index()][1] < 0.3) {
                     assert_eq!(found, V::zeros());
                     continue;
                 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
-use solver::body::{Body, BodyState, StepTime};
+use solver::body::{Body, BodyState};
 use solver::{Observer, ObserverError, State, Step, StepError, StepView, TimeLoop};
 
 use crate::Error;
@@ -205,8 +205,8 @@ pub fn sizes(file: &ScenarioFile) -> Result<Sizes, Error> {
             };
             let bodies = setup.bodies.iter().zip(&state.bodies).map(|(body, state)| size(body, state)).collect();
             let background = setup.fluid.as_ref().map(|fluid| &fluid.background);
-            let time = StepTime { start: 0.0, end: setup.dt, lengths: vec![setup.dt] };
-            let step = Step::prepare(setup, &state, time).map_err(|stage| StepError::at(1, setup.dt, stage))?;
+            let step = Step::prepare(setup, &state, state.step_time(setup, setup.dt))
+                .map_err(|stage| StepError::at(1, setup.dt, stage))?;
             Ok(Sizes {
                 background_cells: background.map_or(0, |mesh| mesh.n_cells()),
                 background_vertices: background.map_or(0, |mesh| mesh.n_vertices()),

@@ -6,6 +6,7 @@ use algebra::{BlockLayout, Constraints};
 use common::*;
 use io::scenario::Case;
 use mesh::{Placed, Point, Vector};
+use solver::algebra::time::ImplicitEuler;
 use solver::body::StepTime;
 use solver::{FluidBoundary, FluidSetup};
 
@@ -94,8 +95,7 @@ fn symmetry_and_inflow_take_their_direction_from_the_facets() {
     let case = problem(BARRIER, &[&COARSE_BALL]);
     let (body, mut layout, mut held) = (&case.setup.bodies[0], BlockLayout::new(), Constraints::new());
     let start = body.start();
-    body.step(&start, &StepTime { start: 0.0, end: 1.0, lengths: vec![1.0] }, &mut layout)
-        .constrain(&layout, &mut held);
+    body.step(&start, &StepTime::new(&ImplicitEuler, 1.0, 1.0, true), &mut layout).constrain(&layout, &mut held);
     let velocity = layout.fields().next().unwrap_or_else(|| panic!("a velocity"));
     for (node, x) in body.reference().iter().enumerate() {
         let found: Vec<_> = layout.node(velocity, node).map(|dof| held.get(dof)).collect();

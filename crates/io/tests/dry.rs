@@ -9,6 +9,7 @@ use io::{ScenarioFile, Summary, sizes};
 use mesh::generate::structured_box;
 use mesh::{BodyId, Point, Vector};
 use solid_svk::{ElasticBody, ElasticOptions, LameParameters, SaintVenantKirchhoff, SolidForm, SolidMesh};
+use solver::algebra::time::ImplicitEuler;
 use solver::algebra::{NewtonSettings, Workspace};
 use solver::body::Body;
 use solver::contact::{ContactForm, PenaltyLaw, RigidPlane};
@@ -66,7 +67,15 @@ fn block() -> Setup<2> {
     let form = ContactForm::new(PenaltyLaw::new(1e6, 0.005).expect("a law"), 0.1).expect("a size");
     let contact = Contact::new(&bodies, BodyId(0), facets, form, ContactObstacle::Rigid(Box::new(plane)));
     let contacts = vec![contact.expect("a contact")];
-    Setup { fluid: None, bodies, contacts, dt: DT, most_halvings: 0, newton: NewtonSettings::new(1e-10) }
+    Setup {
+        fluid: None,
+        bodies,
+        contacts,
+        scheme: Arc::new(ImplicitEuler),
+        dt: DT,
+        most_halvings: 0,
+        newton: NewtonSettings::new(1e-10),
+    }
 }
 
 fn reports(setup: &Setup<2>) -> Vec<StepReport<2>> {

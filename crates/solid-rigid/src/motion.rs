@@ -1,9 +1,11 @@
 //! Position and velocity of a rigid body.
 
+use algebra::time::{Row, Weights};
 use mesh::{Point, Tensor, Vector};
 
 use crate::MassProperties;
 use crate::modes::{Spin, n_rotations, rotated_by, spin_velocity};
+use crate::terms::Momentum;
 
 /// Position and velocity of a rigid body at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,6 +20,12 @@ pub struct RigidMotion<const D: usize> {
     pub spin: Spin,
     /// Angular momentum `L` about the centre.
     pub angular_momentum: Spin,
+    /// Acceleration of the centre; zero at the start of a run and with schemes that do not need it, as both rates below.
+    pub acceleration: Vector<D>,
+    /// Rate of the spin.
+    pub spin_rate: Spin,
+    /// Rate of the angular momentum.
+    pub torque: Spin,
 }
 
 impl<const D: usize> RigidMotion<D> {
@@ -25,27 +33,78 @@ impl<const D: usize> RigidMotion<D> {
     pub fn initial(mass: &MassProperties<D>, velocity: Vector<D>, spin: Spin) -> Self {
         let rotation = Tensor::identity();
         let angular_momentum = product(&mass.inertia(&rotation), &spin, n_rotations(D));
-        Self { centre: mass.centre, rotation, velocity, spin, angular_momentum }
+        let (acceleration, none) = (Vector::zeros(), [0.0; 3]);
+        let (centre, spin_rate, torque) = (mass.centre, none, none);
+        Self { centre, rotation, velocity, spin, angular_momentum, acceleration, spin_rate, torque }
     }
 
-    /// Returns the motion at the end of a step of length `dt` with velocity and spin there.
+    /// Returns centre and rotation by a row of a time scheme, for a velocity and a spin at the stage.
+    pub fn place(&self, row: &Row, velocity: &Vector<D>, spin: &Spin) -> (Point<D>, Tensor<D>) {
+        let centre = self.centre * row.displacement + self.by(row, velocity);
+        let angles = std::array::from_fn(|k| {
+            row.slope * spin[k] + row.velocity * self.spin[k] + row.acceleration * self.spin_rate[k]
+        });
+        (centre, rotated_by::<D>(&angles) * self.rotation)
+    }
+
+    /// Returns a row without its displacement, for a velocity of the centre at the stage.
+    fn by(&self, row: &Row, velocity: &Vector<D>) -> Vector<D> {
+        velocity * row.slope + self.velocity * row.velocity + self.acceleration * row.acceleration
+    }
+
+    /// Returns the balance of momentum at the stage of a step.
     ///
-    /// The angular momentum is that of the balance over the step, `J(R^n) ω` with the `inertia` at its start: without
+    /// The angular momentum at the end is `J ω` with the inertia of the rotation that is extrapolated to the end: without
     /// torque it is conserved exactly.
-    pub fn after(&self, inertia: &[Spin; 3], dt: f64, velocity: Vector<D>, spin: Spin) -> Self {
-        Self {
-            centre: self.centre + velocity * dt,
-            rotation: rotated_by::<D>(&spin.map(|omega| omega * dt)) * self.rotation,
-            velocity,
-            spin,
-            angular_momentum: product(inertia, &spin, n_rotations(D)),
+    pub fn momentum(&self, mass: &MassProperties<D>, gravity: Vector<D>, weights: &Weights) -> Momentum<D> {
+        let rate = &weights.stage_acceleration;
+        let inertia = mass.inertia(&self.place(&weights.extrapolated[1], &Vector::zeros(), &[0.0; 3]).1);
+        // L = (1 - α_f) J ω^{n+1} + α_f L^n at the stage, with ω = (1 - α_f) ω^{n+1} + α_f ω^n.
+        let of_spin = product(&inertia, &self.spin, n_rotations(D));
+        let torque = |k: usize| {
+            let at_stage = weights.alpha_f * (self.angular_momentum[k] - of_spin[k]);
+            rate.slope * at_stage + rate.velocity * self.angular_momentum[k] + rate.acceleration * self.torque[k]
+        };
+        Momentum {
+            mass: mass.mass,
+            inertia,
+            gravity,
+            rate: rate.slope,
+            acceleration: self.by(rate, &Vector::zeros()),
+            torque: std::array::from_fn(torque),
         }
     }
 
-    /// Writes centre, rotation (column by column), velocity, spin and angular momentum as one list of numbers.
+    /// Returns the motion at the end of a step with a velocity and a spin at its stage.
+    pub fn after(&self, inertia: &[Spin; 3], weights: &Weights, velocity: Vector<D>, spin: Spin) -> Self {
+        let (centre, rotation) = self.place(&weights.displacement, &velocity, &spin);
+        let of_spin = |row: &Row, k: usize| {
+            row.slope * spin[k] + row.velocity * self.spin[k] + row.acceleration * self.spin_rate[k]
+        };
+        let end = std::array::from_fn(|k| of_spin(&weights.velocity, k));
+        let angular_momentum = product(inertia, &end, n_rotations(D));
+        let torque = |k: usize| {
+            let (row, alpha) = (&weights.acceleration, weights.alpha_f);
+            let at_stage = (1.0 - alpha) * angular_momentum[k] + alpha * self.angular_momentum[k];
+            row.slope * at_stage + row.velocity * self.angular_momentum[k] + row.acceleration * self.torque[k]
+        };
+        Self {
+            centre,
+            rotation,
+            velocity: self.by(&weights.velocity, &velocity),
+            spin: end,
+            angular_momentum,
+            acceleration: self.by(&weights.acceleration, &velocity),
+            spin_rate: std::array::from_fn(|k| of_spin(&weights.acceleration, k)),
+            torque: std::array::from_fn(torque),
+        }
+    }
+
+    /// Writes centre, rotation (column by column), velocity, spin, angular momentum and their rates as one list of numbers.
     pub fn to_numbers(&self) -> Vec<f64> {
-        let vectors = self.centre.iter().chain(&self.rotation).chain(&self.velocity);
-        vectors.chain(&self.spin).chain(&self.angular_momentum).copied().collect()
+        let vectors = self.centre.iter().chain(&self.rotation).chain(&self.velocity).chain(&self.acceleration);
+        let spins = [self.spin, self.angular_momentum, self.spin_rate, self.torque];
+        vectors.chain(spins.iter().flatten()).copied().collect()
     }
 
     /// Reads the numbers of [`RigidMotion::to_numbers`].
@@ -56,13 +115,17 @@ impl<const D: usize> RigidMotion<D> {
         let (centre, rest) = numbers.split_at(D);
         let (rotation, rest) = rest.split_at(D * D);
         let (velocity, rest) = rest.split_at(D);
+        let (acceleration, rest) = rest.split_at(D);
         let spin = |k: usize| std::array::from_fn(|a| rest[3 * k + a]);
         Self {
             centre: Point::from_column_slice(centre),
             rotation: Tensor::from_column_slice(rotation),
             velocity: Vector::from_column_slice(velocity),
+            acceleration: Vector::from_column_slice(acceleration),
             spin: spin(0),
             angular_momentum: spin(1),
+            spin_rate: spin(2),
+            torque: spin(3),
         }
     }
 
@@ -74,6 +137,13 @@ impl<const D: usize> RigidMotion<D> {
     /// Returns `V + ω × (x - c)`: velocity of the body at a current position.
     pub fn velocity_at(&self, x: &Point<D>) -> Vector<D> {
         self.velocity + spin_velocity(&self.spin, &(x - self.centre))
+    }
+
+    /// Returns `A + dω/dt × r + ω × (ω × r)` with `r = x - c`: acceleration of the body at a current position.
+    pub fn acceleration_at(&self, x: &Point<D>) -> Vector<D> {
+        let arm = x - self.centre;
+        let inwards = spin_velocity(&self.spin, &spin_velocity(&self.spin, &arm));
+        self.acceleration + spin_velocity(&self.spin_rate, &arm) + inwards
     }
 
     /// Returns `1/2 M V² + 1/2 ω·L`.

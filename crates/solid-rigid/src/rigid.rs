@@ -1,8 +1,8 @@
 //! Rigid bodies.
 
-use algebra::time::{ImplicitEuler, TimeScheme};
+use algebra::time::{Level, Row};
 use algebra::{BlockLayout, Constraints, Contributions, DofId, FieldId, Integral};
-use body::{Balance, Body, BodyState, BodyStep, StepTime, SurfaceMotion, SurfaceVelocity};
+use body::{Balance, Body, BodyState, BodyStep, StepTime, SurfaceMotion};
 use mesh::{BoundaryMesh, Placed, Point, Vector};
 
 use crate::centre::RigidCentre;
@@ -10,7 +10,7 @@ use crate::modes::{Spin, mode, n_modes};
 use crate::terms::Momentum;
 use crate::{Error, MassProperties, RigidMotion};
 
-/// A body that moves freely without deforming, advanced by implicit Euler.
+/// A body that moves freely without deforming.
 ///
 /// Inner numbers of its state: those of [`RigidMotion::to_numbers`].
 pub struct RigidBody<const D: usize> {
@@ -69,11 +69,15 @@ impl<const D: usize> RigidBody<D> {
         self.held_axes.get(mode).copied().unwrap_or(self.holds_rotation)
     }
 
-    fn state(&self, motion: &RigidMotion<D>) -> BodyState<D> {
+    /// Returns the state of a motion; vertices have accelerations if `accelerates`.
+    fn state(&self, motion: &RigidMotion<D>, accelerates: bool) -> BodyState<D> {
         let at: Vec<Point<D>> = self.reference.iter().map(|x| motion.position(&self.mass, x)).collect();
-        let displacement = at.iter().zip(&self.reference).map(|(x, reference)| x - reference).collect();
-        let velocity = at.iter().map(|x| motion.velocity_at(x)).collect();
-        BodyState { inner: motion.to_numbers(), ..BodyState::new(displacement, velocity) }
+        let level = Level {
+            displacement: at.iter().zip(&self.reference).map(|(x, reference)| x - reference).collect(),
+            velocity: at.iter().map(|x| motion.velocity_at(x)).collect(),
+            acceleration: at.iter().filter(|_| accelerates).map(|x| motion.acceleration_at(x)).collect(),
+        };
+        BodyState { inner: motion.to_numbers(), level }
     }
 }
 
@@ -95,7 +99,18 @@ impl<const D: usize> Body<D> for RigidBody<D> {
     }
 
     fn start(&self) -> BodyState<D> {
-        self.state(&RigidMotion::initial(&self.mass, self.initial_velocity, self.initial_spin))
+        self.state(&RigidMotion::initial(&self.mass, self.initial_velocity, self.initial_spin), false)
+    }
+
+    fn geometry(&self, begin: &BodyState<D>, time: &StepTime) -> Vec<Point<D>> {
+        let row = &time.weights.extrapolated[0];
+        if row.velocity == 0.0 {
+            return begin.positions(&self.reference);
+        }
+        let motion = self.motion(begin);
+        let (centre, rotation) = motion.place(row, &Vector::zeros(), &[0.0; 3]);
+        let placed = RigidMotion { centre, rotation, ..motion };
+        self.reference.iter().map(|x| placed.position(&self.mass, x)).collect()
     }
 
     fn step<'s>(
@@ -105,25 +120,13 @@ impl<const D: usize> Body<D> for RigidBody<D> {
         layout: &mut BlockLayout,
     ) -> Box<dyn BodyStep<D> + 's> {
         let motion = self.motion(begin);
-        let momentum = Momentum {
-            mass: self.mass.mass,
-            inertia: self.mass.inertia(&motion.rotation),
-            gravity: self.gravity,
-            velocity: motion.velocity,
-            angular_momentum: motion.angular_momentum,
-            rate: ImplicitEuler.weights(&time.lengths, false).acceleration.slope,
-        };
+        let momentum = motion.momentum(&self.mass, self.gravity, &time.weights);
         let vertices = layout.push(&self.name, self.reference.len(), D);
         let whole = layout.push(&format!("{} as a whole", self.name), 1, n_modes(D));
-        let positions = begin.positions(&self.reference);
-        let surface = SurfaceMotion {
-            boundary: &self.boundary,
-            begin: positions.clone(),
-            predicted: positions,
-            slope: time.length(),
-            velocity: SurfaceVelocity::Field(vertices),
-        };
-        Box::new(RigidStep { body: self, begin, dt: time.length(), motion, momentum, vertices, whole, surface })
+        let geometry = self.geometry(begin, time);
+        let centre = motion.place(&time.weights.extrapolated[0], &Vector::zeros(), &[0.0; 3]).0;
+        let surface = SurfaceMotion::of_field(&self.boundary, &self.reference, begin, geometry, time, vertices);
+        Box::new(RigidStep { body: self, begin, time: *time, motion, centre, momentum, vertices, whole, surface })
     }
 
     fn balance(&self, state: &BodyState<D>) -> Option<Balance<D>> {
@@ -136,6 +139,7 @@ impl<const D: usize> Body<D> for RigidBody<D> {
             mass,
             centre_of_mass: motion.centre,
             momentum: motion.velocity * mass,
+            momentum_rate: motion.acceleration * mass,
             body_force: self.gravity * mass,
             volume: Placed::new(&self.boundary, &self.reference).enclosed().volume,
             smallest_volume_ratio: 1.0,
@@ -146,12 +150,14 @@ impl<const D: usize> Body<D> for RigidBody<D> {
 /// A rigid body in one step.
 ///
 /// Velocity `V` and spin `ω` are the unknowns. The velocities of the vertices are tied to them, `v_i = V + ω × (x_i - c)`
-/// with the positions at the start of the step, so that fluid and contact act on a rigid body as on any other.
+/// with the positions extrapolated to the stage, so that fluid and contact act on a rigid body as on any other.
 struct RigidStep<'s, const D: usize> {
     body: &'s RigidBody<D>,
     begin: &'s BodyState<D>,
-    dt: f64,
+    time: StepTime,
     motion: RigidMotion<D>,
+    /// Centre, extrapolated to the stage.
+    centre: Point<D>,
     momentum: Momentum<D>,
     /// Velocities of the vertices.
     vertices: FieldId,
@@ -166,8 +172,8 @@ impl<const D: usize> BodyStep<D> for RigidStep<'_, D> {
     }
 
     fn constrain(&self, layout: &BlockLayout, constraints: &mut Constraints) {
-        for (i, x) in self.surface.begin.iter().enumerate() {
-            let arm = x - self.motion.centre;
+        for (i, x) in self.surface.geometry.iter().enumerate() {
+            let arm = x - self.centre;
             for (a, dof) in layout.node(self.vertices, i).enumerate() {
                 let masters = layout.node(self.whole, 0).enumerate().map(|(m, to)| (to, mode(m, &arm)[a]));
                 let masters: Vec<(DofId, f64)> = masters.filter(|(_, factor)| *factor != 0.0).collect();
@@ -176,7 +182,9 @@ impl<const D: usize> BodyStep<D> for RigidStep<'_, D> {
         }
         for (m, dof) in layout.node(self.whole, 0).enumerate() {
             if self.body.holds(m) {
-                constraints.set(dof, 0.0);
+                let RigidMotion { velocity, spin, .. } = &self.motion;
+                let before = if m < D { velocity[m] } else { spin[m - D] };
+                constraints.set(dof, self.time.weights.stage_velocity(0.0, before));
             }
         }
     }
@@ -199,6 +207,8 @@ impl<const D: usize> BodyStep<D> for RigidStep<'_, D> {
         let mut spin = [0.0; 3];
         spin[..whole.len() - D].copy_from_slice(&whole[D..]);
         let velocity = Vector::from_column_slice(&whole[..D]);
-        self.body.state(&self.motion.after(&self.momentum.inertia, self.dt, velocity, spin))
+        let weights = &self.time.weights;
+        let motion = self.motion.after(&self.momentum.inertia, weights, velocity, spin);
+        self.body.state(&motion, weights.acceleration != Row::default())
     }
 }

@@ -1,5 +1,6 @@
 //! Mass properties and free motion of rigid bodies against closed forms.
 
+use algebra::time::ImplicitEuler;
 use algebra::{BlockLayout, Constraints, Equations, NewtonSettings, Workspace, check_tangent, newton};
 use body::{Body, BodyState, StepTime};
 use mesh::{BoundaryMesh, ParameterError, Placed, Point, Tensor, Vector, VertexId};
@@ -52,7 +53,7 @@ fn what_encloses_nothing_is_refused() {
 fn free_step(body: &RigidBody<3>, before: &RigidMotion<3>, dt: f64) -> RigidMotion<3> {
     let begin = BodyState { inner: before.to_numbers(), ..body.start() };
     let mut layout = BlockLayout::new();
-    let time = StepTime { start: 0.0, end: dt, lengths: vec![dt] };
+    let time = StepTime::new(&ImplicitEuler, dt, dt, true);
     let step = body.step(&begin, &time, &mut layout);
     let mut constraints = Constraints::new();
     step.constrain(&layout, &mut constraints);

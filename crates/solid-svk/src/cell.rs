@@ -90,7 +90,7 @@ impl<'a, const D: usize> Sites for SolidCells<'a, D> {
     }
 
     fn visit(&self, item: usize, x: &[f64], mut visit: impl FnMut(&Self::Site)) {
-        let (cell, stage) = (CellId::new(item), &self.rule.stage);
+        let (cell, stage) = (CellId::new(item), self.rule);
         let mut site = SolidCell {
             volume: self.solid.volume(cell),
             gradients: self.solid.gradients(cell),

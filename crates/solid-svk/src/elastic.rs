@@ -1,23 +1,17 @@
 //! Elastic bodies.
 
-use std::sync::Arc;
-
-use algebra::time::{ImplicitEuler, StepRule, TimeScheme};
+use algebra::time::StepRule;
 use algebra::{BlockLayout, Constraints, Contributions, FieldId, Integral};
-use body::{
-    Balance, Body, BodyState, BodyStep, CellOutput, PointField, StepTime, SurfaceMotion, SurfaceStress, SurfaceVelocity,
-};
+use body::{Balance, Body, BodyState, BodyStep, CellOutput, PointField, StepTime, SurfaceMotion, SurfaceStress};
 use mesh::{BoundaryMesh, Point, Vector, require};
 
 use crate::energy::{balance, cell_stress};
 use crate::supports::{Support, SupportKind};
 use crate::{Error, Load, SolidCells, SolidFacets, SolidForm, SolidMesh, SolidStress};
 
-/// Time scheme, supports, loads and start of an elastic body.
+/// Supports, loads and start of an elastic body; by default none, and at rest.
 #[derive(Clone)]
 pub struct ElasticOptions<const D: usize> {
-    /// Scheme of the body.
-    pub scheme: Arc<dyn TimeScheme>,
     /// Supports; where two hold the same dof, the later one is in force.
     pub supports: Vec<Support<D>>,
     /// Loads on the boundary.
@@ -29,15 +23,8 @@ pub struct ElasticOptions<const D: usize> {
 }
 
 impl<const D: usize> Default for ElasticOptions<D> {
-    /// Returns the default options: implicit Euler, no supports, no loads, at rest.
     fn default() -> Self {
-        Self {
-            scheme: Arc::new(ImplicitEuler),
-            supports: Vec::new(),
-            loads: Vec::new(),
-            initial_displacement: None,
-            initial_velocity: None,
-        }
+        Self { supports: Vec::new(), loads: Vec::new(), initial_displacement: None, initial_velocity: None }
     }
 }
 
@@ -115,23 +102,18 @@ impl<const D: usize> Body<D> for ElasticBody<D> {
         time: &StepTime,
         layout: &mut BlockLayout,
     ) -> Box<dyn BodyStep<D> + 's> {
-        let rule = StepRule::new(self.options.scheme.as_ref(), &time.lengths, &begin.levels);
+        let rule = StepRule::new(&time.weights, &begin.level);
         let field = layout.push(&self.name, self.reference().len(), D);
-        let end = &rule.end.displacement;
-        let predicted = |(i, x): (usize, &Point<D>)| x + end.at(i, Vector::zeros());
-        let surface = SurfaceMotion {
-            boundary: self.surface(),
-            begin: begin.positions(self.reference()),
-            predicted: self.reference().iter().enumerate().map(predicted).collect(),
-            slope: end.slope,
-            velocity: SurfaceVelocity::Field(field),
-        };
-        let stage = time.stage(rule.alpha_f);
-        Box::new(ElasticStep { body: self, begin, end: time.end, stage, rule, field, surface })
+        let geometry = self.geometry(begin, time);
+        let surface = SurfaceMotion::of_field(self.surface(), self.reference(), begin, geometry, time, field);
+        Box::new(ElasticStep { body: self, begin, time: *time, rule, field, surface })
     }
 
     fn balance(&self, state: &BodyState<D>) -> Option<Balance<D>> {
-        Some(balance(&self.solid, &self.form, state.displacement(), state.velocity()))
+        let of = |velocity: &[Vector<D>]| balance(&self.solid, &self.form, state.displacement(), velocity);
+        let acceleration = &state.level.acceleration;
+        let momentum_rate = if acceleration.is_empty() { Vector::zeros() } else { of(acceleration).momentum };
+        Some(Balance { momentum_rate, ..of(state.velocity()) })
     }
 
     fn cells(&self, state: &BodyState<D>) -> Option<CellOutput<'_, D>> {
@@ -145,10 +127,7 @@ impl<const D: usize> Body<D> for ElasticBody<D> {
 struct ElasticStep<'s, const D: usize> {
     body: &'s ElasticBody<D>,
     begin: &'s BodyState<D>,
-    /// Time at the end.
-    end: f64,
-    /// Time of the stage.
-    stage: f64,
+    time: StepTime,
     rule: StepRule<Vector<D>>,
     field: FieldId,
     surface: SurfaceMotion<'s, D>,
@@ -167,7 +146,7 @@ impl<const D: usize> BodyStep<D> for ElasticStep<'_, D> {
 
     fn constrain(&self, layout: &BlockLayout, constraints: &mut Constraints) {
         for support in &self.body.options.supports {
-            support.constrain(self.cells(layout), self.end, constraints);
+            support.constrain(self.cells(layout), self.begin, &self.time, constraints);
         }
     }
 
@@ -178,7 +157,7 @@ impl<const D: usize> BodyStep<D> for ElasticStep<'_, D> {
 
     fn loads<'p>(&'p self, layout: &'p BlockLayout) -> Vec<Box<dyn Contributions + 'p>> {
         let integral = |load: &'p Load<D>| {
-            let facets = SolidFacets { cells: self.cells(layout), facets: &load.facets, time: self.stage };
+            let facets = SolidFacets { cells: self.cells(layout), facets: &load.facets, time: self.time.stage() };
             let integral = if load.is_linear { Integral::linear } else { Integral::new };
             Box::new(integral(load.name, facets, vec![load.term.as_ref()])) as Box<dyn Contributions + 'p>
         };
@@ -190,10 +169,8 @@ impl<const D: usize> BodyStep<D> for ElasticStep<'_, D> {
     }
 
     fn end(&self, layout: &BlockLayout, x: &[f64]) -> BodyState<D> {
-        let velocity = layout.values(self.field, x).map(Vector::<D>::from).collect();
-        let older = self.begin.levels.iter().take(self.body.options.scheme.depth().saturating_sub(1)).cloned();
-        let levels = std::iter::once(self.rule.level(velocity)).chain(older).collect();
-        BodyState { levels, inner: Vec::new() }
+        let velocity: Vec<_> = layout.values(self.field, x).map(Vector::<D>::from).collect();
+        BodyState { level: self.time.weights.end(&self.begin.level, &velocity), inner: Vec::new() }
     }
 
     fn stress<'p>(&'p self, layout: &'p BlockLayout) -> Option<Box<dyn SurfaceStress<D> + 'p>> {

@@ -23,6 +23,7 @@ pub fn balance<const D: usize>(
         mass: 0.0,
         centre_of_mass: Point::zeros(),
         momentum: Vector::zeros(),
+        momentum_rate: Vector::zeros(),
         body_force: Vector::zeros(),
         volume: 0.0,
         smallest_volume_ratio: f64::INFINITY,

@@ -60,7 +60,7 @@ impl<const D: usize> Sites for SolidFacets<'_, D> {
 
     fn visit(&self, item: usize, x: &[f64], mut visit: impl FnMut(&Self::Site)) {
         let SolidCells { solid, rule, .. } = self.cells;
-        let displacement = &rule.stage.displacement;
+        let displacement = &rule.displacement;
         let mut points = [Point::zeros(); MAX_CELL_VERTICES];
         let mut reference = points;
         for (k, vertex) in solid.boundary().facet(self.facets[item]).iter().enumerate() {

@@ -15,7 +15,7 @@
 //! | follower pressure | `(p J F⁻ᵀ N, w)` on facets | `terms/pressure.rs` |
 //!
 //! ```
-//! use algebra::time::{ImplicitEuler, Level, StepRule};
+//! use algebra::time::{ImplicitEuler, Level, StepRule, TimeScheme};
 //! use algebra::{BlockLayout, Contributions};
 //! use mesh::{Point, SimplexMesh, Vector, VertexId};
 //! use solid_svk::{LameParameters, SaintVenantKirchhoff, SolidCells, SolidForm, SolidMesh};
@@ -27,7 +27,7 @@
 //!
 //! let rest = vec![Vector::<2>::zeros(); 3];
 //! let level = Level { displacement: rest.clone(), velocity: rest, ..Level::default() };
-//! let rule = StepRule::new(&ImplicitEuler, &[1e-3], &[level]);
+//! let rule = StepRule::new(&ImplicitEuler.weights(1e-3, true), &level);
 //! let mut layout = BlockLayout::new();
 //! let velocity = layout.push("solid velocity", 3, 2);
 //! let cells = SolidCells { solid: &solid, rule: &rule, layout: &layout, velocity };

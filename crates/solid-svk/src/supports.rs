@@ -3,6 +3,8 @@
 use std::sync::Arc;
 
 use algebra::Constraints;
+use algebra::time::Affine;
+use body::{BodyState, StepTime};
 use mesh::{FacetId, Point, Vector, VertexId};
 
 use crate::{Error, SolidCells, SolidMesh};
@@ -32,18 +34,25 @@ pub enum SupportKind<const D: usize> {
 }
 
 impl<const D: usize> Support<D> {
-    /// Prescribes the velocities of the held vertices of a body at the time of the end of the step.
+    /// Prescribes the velocities of the held vertices of a body such that the end of the step is as given.
     ///
     /// Where two supports hold the same dof the later one is in force; clamps and symmetry planes agree there.
-    pub fn constrain(&self, cells: SolidCells<'_, D>, time: f64, constraints: &mut Constraints) {
-        let SolidCells { solid, rule, layout, velocity: field } = cells;
-        let end = &rule.end.displacement;
+    pub fn constrain(
+        &self,
+        cells: SolidCells<'_, D>,
+        begin: &BodyState<D>,
+        time: &StepTime,
+        constraints: &mut Constraints,
+    ) {
+        let SolidCells { solid, layout, velocity: field, .. } = cells;
+        let end = Affine::new(&time.weights.displacement, &begin.level);
         for &vertex in &self.vertices {
+            let at_rest = |a: usize| time.weights.stage_velocity(0.0, begin.velocity()[vertex.index()][a]);
             let velocity: [Option<f64>; D] = match &self.kind {
-                SupportKind::Clamped => [Some(0.0); D],
-                SupportKind::Symmetry { axis } => std::array::from_fn(|a| (a == *axis).then_some(0.0)),
+                SupportKind::Clamped => std::array::from_fn(|a| Some(at_rest(a))),
+                SupportKind::Symmetry { axis } => std::array::from_fn(|a| (a == *axis).then(|| at_rest(a))),
                 SupportKind::Displacement(displacement) => {
-                    let prescribed = displacement(&solid.mesh().vertex(vertex), time);
+                    let prescribed = displacement(&solid.mesh().vertex(vertex), time.end);
                     // v = (d - d_pred)/c_d
                     let still = end.at(vertex.index(), Vector::zeros());
                     std::array::from_fn(|a| prescribed[a].map(|d| (d - still[a]) / end.slope))

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use algebra::{BlockLayout, NewtonReport};
-use body::{BodyStep, SurfaceMotion, SurfaceStress};
+use body::{BodyStep, StepTime, SurfaceMotion, SurfaceStress};
 use contact::{ContactItems, ContactPair, ContactSites, StressSource};
 use interface_dg::FluidStress;
 use mesh::{Aabb, BodyId, Vector, VertexId};
@@ -18,8 +18,7 @@ pub(crate) struct Partners<'p, const D: usize> {
     pub(crate) layout: &'p BlockLayout,
     pub(crate) fluid: Option<&'p FluidStep<'p, D>>,
     pub(crate) bodies: &'p [Box<dyn BodyStep<D> + 'p>],
-    /// Length of the step.
-    pub(crate) dt: f64,
+    pub(crate) time: &'p StepTime,
 }
 
 /// A contact in one step. It borrows nothing; [`ContactStep::sites`] borrows it together with the bodies.
@@ -47,7 +46,8 @@ fn pair<'p, const D: usize>(contact: &'p Contact<D>, step: Partners<'p, D>) -> C
         obstacle: contact.geometry(),
         master: contact.master().map(surface),
         stress,
-        dt: step.dt,
+        dt: step.time.length,
+        conserves: step.time.weights.conserves,
     }
 }
 
@@ -63,7 +63,7 @@ impl<const D: usize> ContactStep<D> {
         }
         let fastest = |id: BodyId| {
             let velocity = previous.bodies[id.index()].velocity();
-            velocity.iter().map(Vector::norm).fold(0.0, f64::max) * step.dt
+            velocity.iter().map(Vector::norm).fold(0.0, f64::max) * step.time.length
         };
         let motion = fastest(contact.body()) + contact.master().map_or(0.0, fastest);
         let reach = contact.form().law.offset() + 2.0 * motion + 2.0 * contact.form().size();
@@ -90,7 +90,7 @@ impl<const D: usize> ContactStep<D> {
         let motion = |surface: &SurfaceMotion<'_, D>| {
             let vertices = (0..surface.begin.len()).map(VertexId::new);
             let speed = vertices.map(|v| surface.velocity_at(v, step.layout, x).norm()).fold(0.0, f64::max);
-            speed * step.dt
+            speed * step.time.length
         };
         let motion = motion(slave) + motion(master);
         let offset = contact.form().law.offset();

@@ -6,7 +6,7 @@ use algebra::{
 };
 use cutcell::CutMesh;
 use interface_dg::PieceValues;
-use mesh::{BodyId, FacetId, MAX_CELL_VERTICES, Tensor, Vector};
+use mesh::{MAX_CELL_VERTICES, Tensor, Vector};
 use xfem_space::{FaceValue, Sources, XfemSpace};
 
 /// Weight of the velocity of the body at each uncovered vertex of a cut cell, relative to its weight on the surface. It
@@ -30,15 +30,17 @@ impl<const D: usize> Extension<'_, D> {
     ///
     /// `Σ_F h_F |F| |[∇u] n|² + Σ_Σ 1/h_K ∫ |u - v|²`,
     ///
-    /// where `F` are the faces that touch an uncovered dof and `v` is the velocity of the bodies, given at the vertices of
-    /// a facet. Affine fields that are equal to `v` on the surface are extended without error, over any distance.
+    /// where `F` are the faces that touch an uncovered dof and `v` are values on the surface. `on_piece` returns them at the
+    /// vertices of the facet of a piece, with the vectors from there to the points at which the field has these values:
+    /// on the surface `u` is the affine function of its part, evaluated at that distance. Affine fields that are equal to `v` are
+    /// extended without error, over any distance.
     ///
     /// # Errors
     /// The linear solver fails.
     pub(crate) fn fill(
         &self,
         values: &mut [Vector<D>],
-        of_body: impl Fn(BodyId, FacetId) -> [Vector<D>; MAX_CELL_VERTICES] + Sync,
+        on_piece: impl Fn(usize) -> [[Vector<D>; MAX_CELL_VERTICES]; 2] + Sync,
     ) -> Result<(), NewtonError> {
         let mut nodes = vec![None; values.len()];
         let mut uncovered = Vec::new();
@@ -58,7 +60,7 @@ impl<const D: usize> Extension<'_, D> {
         let pieces = self.cut.interface().iter().enumerate();
         let pieces = pieces.filter(|(_, piece)| unknowns.touch(self.space.dofs(piece.part))).map(|(item, _)| item);
         let jumps = Jumps { unknowns, faces };
-        let surface = Surface { unknowns, extension: *self, pieces: pieces.collect(), of_body: &of_body };
+        let surface = Surface { unknowns, extension: *self, pieces: pieces.collect(), on_piece: &on_piece };
         let constraints = Constraints::new();
         let contributions: Vec<Box<dyn Contributions + '_>> = vec![Box::new(jumps), Box::new(surface)];
         let equations = Equations { layout: &layout, contributions, constraints: &constraints };
@@ -157,7 +159,7 @@ struct Surface<'a, const D: usize> {
     unknowns: Unknowns<'a, D>,
     extension: Extension<'a, D>,
     pieces: Vec<usize>,
-    of_body: &'a (dyn Fn(BodyId, FacetId) -> [Vector<D>; MAX_CELL_VERTICES] + Sync),
+    on_piece: &'a (dyn Fn(usize) -> [[Vector<D>; MAX_CELL_VERTICES]; 2] + Sync),
 }
 
 impl<const D: usize> Contributions for Surface<'_, D> {
@@ -174,11 +176,15 @@ impl<const D: usize> Contributions for Surface<'_, D> {
         let Extension { cut, space, pieces, .. } = self.extension;
         let piece = &cut.interface()[self.pieces[item]];
         let dofs = space.dofs(piece.part);
-        let on_facet = (self.of_body)(piece.body, piece.facet);
+        let [values, offsets] = (self.on_piece)(self.pieces[item]);
         for at in pieces.points(self.pieces[item]) {
-            let of_body: Vector<D> = on_facet.iter().zip(&at.solid[..D]).map(|(v, n)| v * *n).sum();
+            let on_facet =
+                |of_vertices: &[Vector<D>]| of_vertices.iter().zip(&at.solid[..D]).map(|(v, n)| v * *n).sum();
+            let (of_body, offset): (Vector<D>, Vector<D>) = (on_facet(&values), on_facet(&offsets));
+            let mut shape = at.fluid;
+            shape.iter_mut().zip(pieces.gradients(self.pieces[item])).for_each(|(n, g)| *n += g.dot(&offset));
             let weight = Vector::repeat(at.weight / pieces.cell_size(self.pieces[item]));
-            self.unknowns.add_square((dofs, &at.fluid[..=D]), &of_body, &weight, x, out);
+            self.unknowns.add_square((dofs, &shape[..=D]), &of_body, &weight, x, out);
             for k in 0..=D {
                 let mut vertex = [0.0; MAX_CELL_VERTICES];
                 vertex[k] = 1.0;

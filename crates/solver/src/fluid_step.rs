@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use algebra::time::{ImplicitEuler, Level, StepRule};
+use algebra::time::{Affine, Level, Weights};
 use algebra::{BlockLayout, Constraints, Contributions, FieldId, Integral};
 use body::{BodyStep, StepTime};
 use cutcell::CutMesh;
@@ -12,7 +12,7 @@ use fluid_ns::terms::{
 };
 use fluid_ns::{FluidFields, FluidForm, FluidGeometry, OpenBoundary};
 use interface_dg::{InterfacePoints, MortarForm, PieceValues, Pocket};
-use mesh::{BodyId, FacetId, MAX_CELL_VERTICES, Point, Vector};
+use mesh::{Point, Vector};
 use xfem_space::{
     BoundaryPoint, FaceValue, PartValues, Sources, XfemSpace, boundary_dofs, boundary_points, face_values,
     symmetry_values,
@@ -21,6 +21,7 @@ use xfem_space::{
 use crate::extension::Extension;
 use crate::setup::{FluidBoundary, FluidSetup};
 use crate::state::kinetic_energy;
+use crate::surfaces::Surfaces;
 use crate::{FluidState, Setup, Stabilisation, Stage, StageSeconds, State};
 
 /// Degree of quadrature on interface pieces: products of two P1 functions.
@@ -39,9 +40,11 @@ pub(crate) struct FluidStep<'a, const D: usize> {
     faces: Vec<FaceValue<D>>,
     pieces: PieceValues<D>,
     pub(crate) sources: Sources,
-    /// Velocity history `u*`, one value per dof.
-    history: Vec<Vector<D>>,
-    rule: StepRule<Vector<D>>,
+    /// Velocity `u*` and acceleration at the start on the space of the step, one value per dof.
+    start: Level<Vector<D>>,
+    weights: Weights,
+    /// Acceleration at the stage.
+    acceleration: Affine<Vector<D>>,
     pub(crate) velocity: FieldId,
     pub(crate) pressure: FieldId,
     pub(crate) form: FluidForm<'a, D>,
@@ -83,18 +86,31 @@ impl<'a, const D: usize> FluidStep<'a, D> {
             }
         }
         let mut pieces = PieceValues::new(background, &cut, &parts, PIECE_DEGREE);
-        let of_body = |body, facet| facet_velocities(setup, previous, body, facet);
         let clock = Instant::now();
-        let mut history = sources.carry(&before.velocity);
+        let (started, ahead) = (setup.positions(&previous.bodies), time.weights.extrapolated[0].velocity);
+        let surfaces = Surfaces {
+            setup,
+            previous,
+            started,
+            positions: &positions,
+            ahead,
+            cut: &cut,
+            space: &space,
+            parts: &parts,
+        };
         let extension = Extension { cut: &cut, space: &space, faces: &faces, pieces: &pieces, sources: &sources };
-        extension.fill(&mut history, of_body)?;
+        let start = surfaces.carry(before, &extension)?;
         seconds.transfer += clock.elapsed().as_secs_f64();
-        pieces.set_relative_speeds(&cut, &space, &history, of_body);
-        let level = Level { velocity: history.clone(), ..Level::default() };
-        let rule = StepRule::new(&ImplicitEuler, &time.lengths, &[level]);
+        pieces.set_relative_speeds(&cut, &space, &start.velocity, |item| surfaces.velocities(item));
+        if !start.acceleration.is_empty() {
+            let of_bodies = |item| surfaces.accelerations(item, &start.velocity);
+            pieces.set_relative_accelerations(&cut, &space, &start.acceleration, of_bodies);
+        }
+        let weights = time.weights;
+        let acceleration = Affine::new(&weights.stage_acceleration, &start);
         let velocity = layout.push_keyed("velocity", space.keys(), D);
         let pressure = layout.push_on(velocity, "pressure", 1);
-        let (stage, rate) = (time.stage(rule.alpha_f), rule.stage.acceleration.slope);
+        let (stage, rate) = (time.stage(), acceleration.slope);
         Ok(Self {
             setup: fluid,
             form: form(fluid, rate, stage),
@@ -107,14 +123,15 @@ impl<'a, const D: usize> FluidStep<'a, D> {
             faces,
             pieces,
             sources,
-            history,
-            rule,
+            start,
+            weights,
+            acceleration,
             velocity,
             pressure,
         })
     }
 
-    /// Returns the geometry and time rule for fluid terms.
+    /// Returns the geometry, history and acceleration for fluid terms.
     pub(crate) fn geometry(&self) -> FluidGeometry<'_, D> {
         FluidGeometry {
             background: &self.setup.background,
@@ -122,8 +139,8 @@ impl<'a, const D: usize> FluidStep<'a, D> {
             space: &self.space,
             parts: &self.parts,
             faces: &self.faces,
-            history: &self.history,
-            rule: &self.rule,
+            history: &self.start.velocity,
+            acceleration: &self.acceleration,
         }
     }
 
@@ -142,6 +159,7 @@ impl<'a, const D: usize> FluidStep<'a, D> {
             fields: self.fields(layout),
             values: &self.pieces,
             surfaces: bodies.iter().map(|body| body.surface()).collect(),
+            positions: &self.positions,
             fluid: self.setup.material,
         }
     }
@@ -167,23 +185,25 @@ impl<'a, const D: usize> FluidStep<'a, D> {
         self.open_boundaries.iter().map(integral).collect()
     }
 
-    /// Sets symmetry planes, then prescribed velocities, then walls: where two meet, the later one is in force.
-    pub(crate) fn constrain(&self, layout: &BlockLayout, time: f64, constraints: &mut Constraints) {
+    /// Sets symmetry planes, then prescribed velocities, then walls, such that the end of the step is as given: where two meet,
+    /// the later one is in force.
+    pub(crate) fn constrain(&self, layout: &BlockLayout, time: &StepTime, constraints: &mut Constraints) {
         let background = &self.setup.background;
         let mut set = |order: usize| {
             for (tag, condition) in &self.setup.boundary {
                 let dofs = || boundary_dofs(background, &self.cut, &self.space, *tag).into_iter();
-                let node = |dof: u32| layout.node(self.velocity, dof as usize);
+                let mut set = |dof: u32, axis: usize, end: f64| {
+                    let value = time.weights.stage_velocity(end, self.start.velocity[dof as usize][axis]);
+                    constraints.set(layout.dof(self.velocity, dof as usize, axis), value);
+                };
                 match condition {
-                    FluidBoundary::Symmetry { axis } if order == 0 => {
-                        dofs().for_each(|dof| constraints.set(layout.dof(self.velocity, dof as usize, *axis), 0.0));
-                    }
+                    FluidBoundary::Symmetry { axis } if order == 0 => dofs().for_each(|dof| set(dof, *axis, 0.0)),
                     FluidBoundary::Velocity(velocity) if order == 1 => dofs().for_each(|dof| {
-                        let value = velocity(&background.vertex(self.space.vertex(dof)), time);
-                        node(dof).zip(value.iter()).for_each(|(dof, value)| constraints.set(dof, *value));
+                        let value = velocity(&background.vertex(self.space.vertex(dof)), time.end);
+                        (0..D).for_each(|axis| set(dof, axis, value[axis]));
                     }),
                     FluidBoundary::NoSlip if order == 2 => {
-                        dofs().for_each(|dof| node(dof).for_each(|dof| constraints.set(dof, 0.0)));
+                        dofs().for_each(|dof| (0..D).for_each(|axis| set(dof, axis, 0.0)));
                     }
                     _ => {}
                 }
@@ -194,42 +214,43 @@ impl<'a, const D: usize> FluidStep<'a, D> {
 
     /// Writes the history of the velocity, and the pressures of the previous step.
     pub(crate) fn guess(&self, layout: &BlockLayout, pressure: &[f64], x: &mut [f64]) {
-        layout.set(self.velocity, self.history.iter().map(|u| (*u).into()), x);
+        layout.set(self.velocity, self.start.velocity.iter().map(|u| (*u).into()), x);
         let earlier = self.sources.earlier_dofs().iter();
         layout.set(self.pressure, earlier.map(|dof| [dof.map_or(0.0, |dof| pressure[dof as usize])]), x);
     }
 
-    /// Returns the kinetic energy for the velocities in `x`.
-    pub(crate) fn kinetic_energy(&self, layout: &BlockLayout, x: &[f64]) -> f64 {
+    /// Returns velocity and acceleration at the end of the step.
+    fn end(&self, layout: &BlockLayout, x: &[f64]) -> Level<Vector<D>> {
         let velocity: Vec<Vector<D>> = layout.values(self.velocity, x).map(Vector::from).collect();
+        self.weights.end(&self.start, &velocity)
+    }
+
+    /// Returns the kinetic energy at the end of the step.
+    pub(crate) fn kinetic_energy(&self, layout: &BlockLayout, x: &[f64]) -> f64 {
+        let velocity = self.end(layout, x).velocity;
         kinetic_energy(self.setup.material.density, &self.cut, &self.space, &self.parts, &velocity)
     }
 
     /// Returns the kinetic energy of the history.
     pub(crate) fn kinetic_energy_of_history(&self) -> f64 {
-        kinetic_energy(self.setup.material.density, &self.cut, &self.space, &self.parts, &self.history)
+        kinetic_energy(self.setup.material.density, &self.cut, &self.space, &self.parts, &self.start.velocity)
     }
 
     /// Returns the fluid at the end of the step.
-    pub(crate) fn finish(self, layout: &BlockLayout, pockets: &[Pocket], x: &[f64]) -> FluidState<D> {
+    pub(crate) fn finish(
+        self,
+        layout: &BlockLayout,
+        pressure_time: f64,
+        pockets: &[Pocket],
+        x: &[f64],
+    ) -> FluidState<D> {
         let mut pressure = x[layout.range(self.pressure)].to_vec();
         pockets.iter().for_each(|pocket| pocket.remove_mean(self.geometry(), &mut pressure));
         let kinetic_energy = self.kinetic_energy(layout, x);
-        let velocity = layout.values(self.velocity, x).map(Vector::from).collect();
-        FluidState { positions: self.positions, cut: self.cut, space: self.space, velocity, pressure, kinetic_energy }
+        let Level { velocity, acceleration, .. } = self.end(layout, x);
+        let Self { positions, cut, space, .. } = self;
+        FluidState { positions, cut, space, velocity, acceleration, pressure, pressure_time, kinetic_energy }
     }
-}
-
-/// Returns the velocities of the vertices of a facet in a state.
-fn facet_velocities<const D: usize>(
-    setup: &Setup<D>,
-    state: &State<D>,
-    body: BodyId,
-    facet: FacetId,
-) -> [Vector<D>; MAX_CELL_VERTICES] {
-    let vertices = setup.bodies[body.index()].surface().facet(facet);
-    let velocity = state.bodies[body.index()].velocity();
-    std::array::from_fn(|k| vertices.get(k).map_or(Vector::zeros(), |vertex| velocity[vertex.index()]))
 }
 
 /// Returns the terms of the fluid. `rate` is the derivative of the acceleration with respect to the velocity.
@@ -237,7 +258,7 @@ fn form<const D: usize>(fluid: &FluidSetup<D>, rate: f64, time: f64) -> FluidFor
     let (density, viscosity) = (fluid.material.density, fluid.material.viscosity);
     let Stabilisation { cip, gamma_pressure, gamma_ghost, .. } = fluid.stabilisation;
     FluidForm {
-        inertia: Some(Inertia { density }),
+        inertia: (rate != 0.0).then_some(Inertia { density }),
         viscous: Viscous { viscosity },
         incompressibility: Incompressibility,
         convection: fluid.convection.map(|skew| Convection { density, skew }),

@@ -108,7 +108,7 @@ impl<const D: usize> Problem<'_, D> {
     /// stored in contacts.
     pub(crate) fn ledger(&self, x: &[f64], ends: &[BodyState<D>], [fluid_energy, contact_energy]: [f64; 2]) -> Ledger {
         let step = self.step;
-        let (layout, dt, before) = (&step.layout, step.time.length(), step.previous);
+        let (layout, dt, before) = (&step.layout, step.time.length, step.previous);
         let work = |terms: &dyn Contributions| dt * terms.power(x);
         let mut residual = vec![0.0; layout.len()];
         self.equations.contributions.iter().for_each(|terms| terms.add_residual(x, &mut residual));

@@ -24,6 +24,7 @@ mod setup;
 mod stabilisation;
 mod state;
 mod step;
+mod surfaces;
 mod time_loop;
 
 pub use error::{ObserverError, Stage, StepError};

@@ -53,7 +53,8 @@ impl<'a, const D: usize> Step<'a, D> {
         let mut seconds = StageSeconds::default();
         let fluid = match setup.fluid.as_ref().zip(previous.fluid.as_ref()) {
             Some((fluid, before)) => {
-                let positions = setup.positions(&previous.bodies);
+                let bodies = setup.bodies.iter().zip(&previous.bodies);
+                let positions: Vec<_> = bodies.map(|(body, state)| body.geometry(state, &time)).collect();
                 check_domain(setup, fluid.background.vertices(), &positions)?;
                 Some(FluidStep::new(setup, fluid, (previous, before), positions, &time, (&mut layout, &mut seconds))?)
             }
@@ -83,14 +84,14 @@ impl<'a, const D: usize> Step<'a, D> {
     /// Returns the fluid and the bodies for the evaluation of contacts.
     pub(crate) fn partners(&self) -> Partners<'_, D> {
         let (layout, bodies) = (&self.layout, &self.bodies[..]);
-        Partners { layout, fluid: self.fluid.as_ref(), bodies, dt: self.time.length() }
+        Partners { layout, fluid: self.fluid.as_ref(), bodies, time: &self.time }
     }
 
     /// Constrains boundary values of the fluid, then supports and ties of the bodies, then the pressures of pockets.
     fn constrain(&mut self) {
         let mut constraints = Constraints::new();
         if let Some(fluid) = &self.fluid {
-            fluid.constrain(&self.layout, self.time.end, &mut constraints);
+            fluid.constrain(&self.layout, &self.time, &mut constraints);
         }
         self.bodies.iter().for_each(|body| body.constrain(&self.layout, &mut constraints));
         if let Some(fluid) = &self.fluid {
@@ -137,10 +138,9 @@ impl<'a, const D: usize> Step<'a, D> {
         State {
             step: self.previous.step + usize::from(substep.is_last),
             time: self.time.end,
-            fluid: self.fluid.map(|fluid| fluid.finish(&self.layout, &self.pockets, x)),
+            fluid: self.fluid.map(|fluid| fluid.finish(&self.layout, self.time.stage(), &self.pockets, x)),
             bodies,
             contact_energy,
-            lengths: self.time.lengths,
         }
     }
 }

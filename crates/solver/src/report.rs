@@ -1,6 +1,7 @@
 //! Reports of time steps.
 
 use algebra::NewtonReport;
+use algebra::time::Weights;
 use body::{Balance, BodyState};
 use contact::ContactReport;
 use cutcell::CutReport;
@@ -9,13 +10,13 @@ use mesh::{Point, Vector};
 
 use crate::{Ledger, Problem, StageSeconds, Step, Substep};
 
-/// The forces on a movable body over a step, of which inertia is the sum: a balance that closes to the accuracy of the
-/// nonlinear solve in every direction without supports.
+/// The forces on a movable body at the stage of a step, of which inertia is the sum: a balance that closes to the accuracy of
+/// the nonlinear solve in every direction without supports.
 ///
 /// Units: force (2D: per unit depth).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ForceBalance<const D: usize> {
-    /// Rate of change of momentum, `m (v^{n+1} - v^n)/dt`.
+    /// Rate of change of momentum at the stage of the step; implicit Euler: `m (v^{n+1} - v^n)/Δt`.
     pub inertia: Vector<D>,
     /// Body force.
     pub body_force: Vector<D>,
@@ -143,7 +144,7 @@ impl<const D: usize> StepReport<D> {
 }
 
 fn body_report<const D: usize>(step: &Step<'_, D>, b: usize, end: &BodyState<D>) -> BodyReport<D> {
-    let (body, begin, dt) = (&step.setup.bodies[b], &step.previous.bodies[b], step.time.length());
+    let (body, begin, dt) = (&step.setup.bodies[b], &step.previous.bodies[b], step.time.length);
     let positions = end.positions(body.reference());
     let height = |x: &Point<D>| x[D - 1];
     let lowest = (0..positions.len())
@@ -152,7 +153,7 @@ fn body_report<const D: usize>(step: &Step<'_, D>, b: usize, end: &BodyState<D>)
     let at = |values: &[Vector<D>]| values.get(lowest).copied().unwrap_or_else(Vector::zeros);
     let balance = body.balance(end);
     let forces = body.balance(begin).zip(balance).map(|(before, after)| ForceBalance {
-        inertia: (after.momentum - before.momentum) / dt,
+        inertia: inertia(&step.time.weights, &before, &after),
         body_force: after.body_force,
         pressure: Vector::zeros(),
         viscous: Vector::zeros(),
@@ -167,6 +168,13 @@ fn body_report<const D: usize>(step: &Step<'_, D>, b: usize, end: &BodyState<D>)
         lowest_acceleration: (at(end.velocity()) - at(begin.velocity())) / dt,
         highest: positions.iter().map(height).fold(f64::NEG_INFINITY, f64::max),
     }
+}
+
+/// Returns the rate of change of the momentum at the stage, by the formulas that advance velocities.
+fn inertia<const D: usize>(weights: &Weights, before: &Balance<D>, after: &Balance<D>) -> Vector<D> {
+    let (row, alpha) = (&weights.stage_acceleration, weights.alpha_f);
+    let at_stage = after.momentum * (1.0 - alpha) + before.momentum * alpha;
+    at_stage * row.slope + before.momentum * row.velocity + before.momentum_rate * row.acceleration
 }
 
 /// Adds the forces of fluid and contacts on the bodies.

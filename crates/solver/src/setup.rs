@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use algebra::NewtonSettings;
+use algebra::time::TimeScheme;
 use body::{Body, BodyState, PointField, TimeField};
 use contact::{ContactForm, DeformableObstacle, Obstacle, check_pair};
 use cutcell::OverlayOptions;
@@ -22,6 +23,8 @@ pub struct Setup<const D: usize> {
     pub bodies: Vec<Arc<dyn Body<D>>>,
     /// The contacts.
     pub contacts: Vec<Contact<D>>,
+    /// Time scheme of all fields.
+    pub scheme: Arc<dyn TimeScheme>,
     /// Time step.
     pub dt: f64,
     /// Number of times that a failing step may be halved (see [`crate::TimeLoop::run`]). Zero: the run stops with the first

@@ -14,8 +14,6 @@ pub struct State<const D: usize> {
     pub step: usize,
     /// Time.
     pub time: f64,
-    /// Lengths of the last steps, newest first.
-    pub lengths: Vec<f64>,
     /// The fluid, if there is one.
     pub fluid: Option<FluidState<D>>,
     /// The bodies, in the order of the setup.
@@ -27,7 +25,7 @@ pub struct State<const D: usize> {
 /// Velocity and pressure of the fluid, on the geometry on which they were computed.
 #[derive(Clone, Debug)]
 pub struct FluidState<const D: usize> {
-    /// Positions of the vertices of each body at which the background was cut.
+    /// Positions of the vertices of each body at which the background was cut: those of the stage of the last step.
     pub positions: Vec<Vec<Point<D>>>,
     /// The cut.
     pub cut: CutMesh<D>,
@@ -35,14 +33,16 @@ pub struct FluidState<const D: usize> {
     pub space: XfemSpace<D>,
     /// Velocity, one value per dof of the space.
     pub velocity: Vec<Vector<D>>,
-    /// Pressure, one value per dof of the space.
+    /// Acceleration at a fixed point, `∂u/∂t`, one value per dof of the space; empty at the start of a run, and with schemes that
+    /// do not need it.
+    pub acceleration: Vec<Vector<D>>,
+    /// Pressure at the stage of the last step, one value per dof of the space.
     pub pressure: Vec<f64>,
+    /// Time of that stage.
+    pub pressure_time: f64,
     /// Kinetic energy on this geometry.
     pub kinetic_energy: f64,
 }
-
-/// Number of lengths of earlier steps that a state keeps.
-const KEPT_LENGTHS: usize = 1;
 
 impl<const D: usize> State<D> {
     /// Returns the state at time zero.
@@ -52,7 +52,7 @@ impl<const D: usize> State<D> {
     pub fn initial(setup: &Setup<D>) -> Result<Self, StepError> {
         setup.check().map_err(|source| StepError::at(0, 0.0, source))?;
         let bodies = setup.bodies.iter().map(|body| body.start()).collect();
-        let mut state = Self { step: 0, time: 0.0, lengths: Vec::new(), fluid: None, bodies, contact_energy: 0.0 };
+        let mut state = Self { step: 0, time: 0.0, fluid: None, bodies, contact_energy: 0.0 };
         if let Some(fluid) = &setup.fluid {
             let positions = setup.positions(&state.bodies);
             let cut = CutMesh::overlay(&fluid.background, &setup.surfaces(&positions), &fluid.overlay)
@@ -63,7 +63,17 @@ impl<const D: usize> State<D> {
             let parts = PartValues::new(&fluid.background, &cut);
             let kinetic_energy = kinetic_energy(fluid.material.density, &cut, &space, &parts, &velocity);
             let pressure = vec![0.0; space.len()];
-            state.fluid = Some(FluidState { positions, cut, space, velocity, pressure, kinetic_energy });
+            let (acceleration, pressure_time) = (Vec::new(), 0.0);
+            state.fluid = Some(FluidState {
+                positions,
+                cut,
+                space,
+                velocity,
+                acceleration,
+                pressure,
+                pressure_time,
+                kinetic_energy,
+            });
         }
         Ok(state)
     }
@@ -88,10 +98,12 @@ impl<const D: usize> State<D> {
         if (time - steps * dt).abs() <= 1e-9 * time { steps * dt } else { time }
     }
 
-    /// Returns the times of one more step of length `dt`.
-    pub(crate) fn step_time(&self, dt: f64) -> StepTime {
-        let lengths = std::iter::once(dt).chain(self.lengths.iter().copied()).take(1 + KEPT_LENGTHS).collect();
-        StepTime { start: self.time, end: self.next_time(dt), lengths }
+    /// Returns one more step of length `dt`.
+    pub fn step_time(&self, setup: &Setup<D>, dt: f64) -> StepTime {
+        let of_bodies = self.bodies.iter().map(|body| &body.level.acceleration);
+        let of_fluid = self.fluid.iter().map(|fluid| &fluid.acceleration);
+        let starts = of_fluid.chain(of_bodies).all(Vec::is_empty);
+        StepTime::new(setup.scheme.as_ref(), self.next_time(dt), dt, starts)
     }
 }
 

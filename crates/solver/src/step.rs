@@ -16,7 +16,7 @@ pub fn advance<const D: usize>(
     substep: Substep,
     work: &mut Workspace,
 ) -> Result<(State<D>, StepReport<D>), StepError> {
-    let time = previous.step_time(substep.dt);
+    let time = previous.step_time(setup, substep.dt);
     let end = time.end;
     let failed = |stage: Stage| StepError::at(previous.step + 1, end, stage);
     let step = Step::prepare(setup, previous, time).map_err(failed)?; // surfaces, cut, space, history, unknowns

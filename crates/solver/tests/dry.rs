@@ -5,7 +5,7 @@ mod fixture;
 use std::sync::Arc;
 
 use fixture::*;
-use solid_svk::SupportKind;
+use solid_svk::{LameParameters, LinearElastic, SolidForm, SupportKind};
 use solver::algebra::NewtonSettings;
 use solver::algebra::time::{GeneralisedAlpha, ImplicitEuler, QuasiStatic, TimeScheme};
 use solver::body::Balance;
@@ -25,53 +25,61 @@ fn balance(setup: &Setup<2>, state: &State<2>, body: usize) -> Balance<2> {
 }
 
 /// Returns a falling block.
-fn block(scheme: Scheme) -> Elastic {
+fn block() -> Elastic {
     let mesh = structured_box::<2>([0.0, 0.0512], [1.0, 1.0512], [4, 4]).expect("a box");
     let mut body = elastic("block", mesh, 1.0, 2e4, 4e4, V::zeros());
-    body.options.scheme = scheme;
     body.options.initial_velocity = Some(Arc::new(|_| V::new(0.5, -10.0)));
     body
 }
 
 /// Returns a block at rest that hangs from its top.
-fn hanging(scheme: Scheme) -> Elastic {
-    let mut body = block(scheme);
+fn hanging() -> Elastic {
+    let mut body = block();
     body.options.initial_velocity = None;
     body.form.body_force.acceleration = V::new(0.0, -100.0);
     body.support("top", SupportKind::Clamped);
     body
 }
 
-fn in_vacuum(body: Elastic) -> Setup<2> {
-    Setup { newton: NewtonSettings::new(1e-10), ..dry(vec![body.body()], 5e-4) }
+fn in_vacuum(body: Elastic, scheme: Scheme) -> Setup<2> {
+    Setup { newton: NewtonSettings::new(1e-10), scheme, ..dry(vec![body.body()], 5e-4) }
 }
 
 #[test]
 fn a_block_bounces_and_momentum_is_the_impulse_of_contact() {
     let loss = |scheme: Scheme, is_euler: bool| {
-        let block = block(scheme);
+        let mut block = block();
+        if !is_euler {
+            // The midpoint rule conserves quadratic energies; contact loses or makes energy where its area changes.
+            let material = LinearElastic::new(LameParameters { mu: 2e4, lambda: 0.0 });
+            block.form = SolidForm::new(1.0, material, V::zeros()).expect("a form");
+        }
         let bottom = block.side("bottom");
-        let mut setup = in_vacuum(block);
+        let mut setup = in_vacuum(block, scheme);
         setup.contacts.push(contact_of(&setup.bodies, 0, bottom, (1e6, 0.0, 0.1), ground()));
         let (state, reports) = run(&setup, 120);
         assert!(reports.iter().filter(|r| r.contacts[0].is_active()).count() > 5, "the block touches the ground");
         assert!(!reports[119].contacts[0].is_active(), "and leaves it");
         assert!(reports.iter().all(|r| r.newton.iterations <= 20));
+        // Momentum changes by the force of contact in each step.
+        let remainder = |r: &StepReport<2>| r.bodies[0].forces.expect("an elastic body").remainder().norm();
+        assert!(reports.iter().all(|r| remainder(r) * setup.dt < 1e-7));
         if is_euler {
-            // Momentum changes by the impulse of contact in each step, and energy does not grow.
-            let remainder = |r: &StepReport<2>| r.bodies[0].forces.expect("an elastic body").remainder().norm();
-            assert!(reports.iter().all(|r| remainder(r) * setup.dt < 1e-7));
             assert!(reports.windows(2).all(|pair| pair[1].total_energy() < pair[0].total_energy() * (1.0 + 1e-9)));
         }
         let start = State::initial(&setup).expect("bodies");
         let (before, after) = (balance(&setup, &start, 0), balance(&setup, &state, 0));
         let impulse: V = reports.iter().map(|r| r.contacts[0].force * setup.dt).sum();
+        if !is_euler {
+            let by_scheme = reports.iter().map(|r| r.ledger.body_scheme.abs()).fold(0.0, f64::max);
+            assert!(by_scheme < 1e-12 * before.energy(), "{by_scheme:e}");
+        }
         assert!((after.momentum[0] - before.momentum[0]).abs() < 1e-8);
         (1.0 - after.energy() / before.energy(), (after.momentum - before.momentum - impulse).norm() / impulse.norm())
     };
     let (euler, second_order) = (loss(Arc::new(ImplicitEuler), true), loss(second_order(1.0), false));
     assert!(euler.1 < 1e-7 && second_order.1 < 1e-7, "{euler:?} {second_order:?}");
-    assert!(euler.0 > second_order.0 && second_order.0 > -1e-9, "{euler:?} {second_order:?}");
+    assert!(euler.0 > 0.1 && second_order.0.abs() < 1e-3, "{euler:?} {second_order:?}");
 }
 
 #[test]
@@ -79,9 +87,9 @@ fn supports_hold() {
     let schemes: [(Scheme, usize); 3] =
         [(Arc::new(ImplicitEuler), 10), (second_order(0.8), 10), (Arc::new(QuasiStatic), 1)];
     for (scheme, n) in schemes {
-        let body = hanging(scheme);
+        let body = hanging();
         let top = body.options.supports[0].vertices.clone();
-        let (state, _) = run(&in_vacuum(body), n);
+        let (state, _) = run(&in_vacuum(body, scheme), n);
         let displacement = state.bodies[0].displacement();
         assert!(top.iter().all(|v| displacement[v.index()] == V::zeros()));
         assert!(displacement.iter().any(|d| d[1] < -1e-5));
@@ -91,7 +99,7 @@ fn supports_hold() {
 #[test]
 fn vibrations_die_down_to_the_equilibrium() {
     let hang = |scheme: Scheme, dt: f64, n: usize| {
-        let setup = Setup { dt, ..in_vacuum(hanging(scheme)) };
+        let setup = Setup { dt, ..in_vacuum(hanging(), scheme) };
         run(&setup, n).0.bodies[0].displacement().to_vec()
     };
     let (rest, late) = (hang(Arc::new(QuasiStatic), 1.0, 1), hang(Arc::new(ImplicitEuler), 0.1, 4));
@@ -100,13 +108,12 @@ fn vibrations_die_down_to_the_equilibrium() {
 }
 
 #[test]
-fn bodies_of_the_same_or_different_schemes_exchange_momentum() {
-    // With rho_inf below 1 momentum lags behind the impulse by a part of a step while they touch.
-    let schemes: [(Scheme, f64, usize); 2] = [(Arc::new(ImplicitEuler), 1e-7, 0), (second_order(0.8), 0.05, 59)];
-    for (scheme, tolerance, first) in schemes {
-        let upper = block(scheme);
+fn bodies_exchange_momentum() {
+    let schemes: [Scheme; 2] = [Arc::new(ImplicitEuler), second_order(0.8)];
+    for scheme in schemes {
+        let upper = block();
         let bottom = upper.side("bottom");
-        let mut setup = in_vacuum(upper);
+        let mut setup = in_vacuum(upper, scheme);
         let mesh = structured_box([0.0, -1.0], [1.0, 0.0], [3, 3]).expect("a box");
         let lower = elastic("lower", mesh, 1.0, 2e4, 4e4, V::zeros());
         let surface = DeformableObstacle::new(lower.solid.boundary().clone(), lower.side("top")).expect("a surface");
@@ -117,9 +124,9 @@ fn bodies_of_the_same_or_different_schemes_exchange_momentum() {
         let (start, (state, reports)) = (of(&State::initial(&setup).expect("bodies")), run(&setup, 60));
         assert!(reports.iter().any(|r| r.contacts[0].is_active()));
         let momentum = start[0].momentum;
-        for report in &reports[first..] {
+        for report in &reports {
             let total: V = report.bodies.iter().map(|body| body.balance.expect("an elastic body").momentum).sum();
-            assert!((total - momentum).norm() < tolerance * momentum.norm(), "{total} {momentum}");
+            assert!((total - momentum).norm() < 1e-7 * momentum.norm(), "{total} {momentum}");
         }
         let [upper, lower] = of(&state);
         assert!(lower.momentum[1] < -1.0 && lower.momentum[1] < upper.momentum[1]);
@@ -129,7 +136,7 @@ fn bodies_of_the_same_or_different_schemes_exchange_momentum() {
 
 #[test]
 fn a_second_order_ball_in_the_fluid_gains_no_energy() {
-    let setup = |scheme: Scheme| falling_ball_with(0.8, 1.2, 1.0, false, |ball| ball.options.scheme = scheme);
+    let setup = |scheme: Scheme| Setup { scheme, ..falling_ball(0.8, 1.2, 1.0, false) };
     let (euler, _) = run(&setup(Arc::new(ImplicitEuler)), 60);
     for rho_inf in [0.8, 1.0] {
         let (state, reports) = run(&setup(second_order(rho_inf)), 60);

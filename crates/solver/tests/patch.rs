@@ -6,7 +6,6 @@ use std::sync::Arc;
 
 use fixture::*;
 use solid_svk::{Support, SupportKind};
-use solver::body::StepTime;
 use solver::cutcell::{CutMesh, OverlayOptions};
 use solver::mesh::generate::{Size, graded_box, structured_box};
 use solver::xfem_space::{Sources, XfemSpace};
@@ -217,7 +216,7 @@ fn uncovered_fluid_continues_an_affine_flow() {
     }
     let mut moved = solver::State::initial(&setup).expect("a cut");
     for body in &mut moved.bodies {
-        body.levels[0].displacement.iter_mut().for_each(|d| *d = jump);
+        body.level.displacement.iter_mut().for_each(|d| *d = jump);
     }
     let (positions, background) = (setup.positions(&moved.bodies), background());
     let cut = CutMesh::overlay(&background, &setup.surfaces(&positions), &OverlayOptions::new()).expect("a cut");
@@ -225,8 +224,7 @@ fn uncovered_fluid_continues_an_affine_flow() {
     let sources = Sources::between(&background, (&wet(&moved).cut, &wet(&moved).space), (&cut, &space));
     assert!(sources.n_uncovered() > 5, "{}", sources.n_uncovered());
     // The starting guess of a step is the history on its space.
-    let time = StepTime { start: 0.0, end: setup.dt, lengths: vec![setup.dt] };
-    let step = Step::prepare(&setup, &moved, time).expect("a cut");
+    let step = Step::prepare(&setup, &moved, moved.step_time(&setup, setup.dt)).expect("a cut");
     let velocity = step.layout.fields().next().expect("the velocity");
     let history: Vec<V> = step.layout.values(velocity, &step.guess()).map(V::from).collect();
     for (value, vertex) in history.iter().zip(space.vertices()) {

@@ -4,7 +4,6 @@ mod fixture;
 
 use fixture::*;
 use solver::algebra::check_tangent;
-use solver::body::StepTime;
 use solver::contact::{ContactForm, ContactLaw, ContactPoint, ContactTraction, StressSource};
 use solver::mesh::BodyId;
 use solver::{Contact, Setup, Stabilisation, Stage, State, Step};
@@ -23,8 +22,7 @@ fn check(setup: &Setup<2>, speed: f64, names: &mut Vec<&'static str>) {
             *u = V::new(noise(2 * k), noise(2 * k + 1)) * speed;
         }
     }
-    let time = StepTime { start: 0.0, end: setup.dt, lengths: vec![setup.dt] };
-    let step = Step::prepare(setup, &previous, time).expect("a cut");
+    let step = Step::prepare(setup, &previous, previous.step_time(setup, setup.dt)).expect("a cut");
     let problem = step.problem();
     let mut x = step.guess();
     for (k, value) in x.iter_mut().enumerate() {
@@ -112,6 +110,6 @@ fn a_law_without_its_stress_is_an_error() {
     setup.bodies.push(prescribed(&disk([6.0, 12.0], 1.3, 0.5), |x, _| *x, |_, _| V::zeros()));
     contact_with_stress(&mut setup, 1, StressSource::Solid);
     let state = State::initial(&setup).expect("a cut");
-    let time = StepTime { start: 0.0, end: setup.dt, lengths: vec![setup.dt] };
+    let time = state.step_time(&setup, setup.dt);
     assert!(matches!(Step::prepare(&setup, &state, time), Err(Stage::MissingStress { .. })));
 }

@@ -13,11 +13,12 @@ use cutwater::solver::{Contact, ContactObstacle, Setup};
 
 use super::{Failure, P, Run, V};
 
-/// A time scheme of an elastic body.
+/// A time scheme.
 pub(crate) type Scheme = Arc<dyn TimeScheme>;
 
-/// The parts of an elastic body.
+/// The parts of an elastic body, and the scheme that advances it.
 pub(crate) struct Elastic<const D: usize> {
+    pub(crate) scheme: Scheme,
     pub(super) solid: SolidMesh<D>,
     pub(super) form: SolidForm<D>,
     pub(crate) options: ElasticOptions<D>,
@@ -49,8 +50,8 @@ pub(crate) fn elastic<const D: usize>(
     gravity: Vector<D>,
     scheme: Scheme,
 ) -> Result<Elastic<D>, Failure> {
-    let options = ElasticOptions { scheme, ..ElasticOptions::default() };
-    Ok(Elastic { solid: SolidMesh::new(mesh)?, form: SolidForm::new(density, material, gravity)?, options })
+    let (solid, form) = (SolidMesh::new(mesh)?, SolidForm::new(density, material, gravity)?);
+    Ok(Elastic { solid, form, options: ElasticOptions::default(), scheme })
 }
 
 /// A contact of the first body.
@@ -74,19 +75,20 @@ pub(super) fn second_order(rho_inf: f64) -> Result<Scheme, Failure> {
     Ok(Arc::new(GeneralisedAlpha::new(rho_inf).ok_or("rho_inf is from 0 to 1")?))
 }
 
-/// Creates the run of bodies in vacuum from time zero, with a contact of the first one.
+/// Creates the run of bodies in vacuum from time zero, with the scheme and a contact of the first one.
 pub(crate) fn run<const D: usize>(
     bodies: Vec<Elastic<D>>,
     touch: Option<Touch<D>>,
     dt: f64,
     tolerance: f64,
 ) -> Result<Run<D>, Failure> {
+    let scheme = Arc::clone(&bodies.first().ok_or("there is no body")?.scheme);
     let built = bodies.into_iter().enumerate().map(|(k, body)| body.body(&format!("body {k}")));
     let bodies = built.collect::<Result<Vec<_>, _>>()?;
     let contact = |Touch { facets, form, obstacle }| Contact::new(&bodies, BodyId::new(0), facets, form, obstacle);
     let contacts = touch.map(contact).transpose()?.into_iter().collect();
     let newton = NewtonSettings::new(tolerance);
-    Run::new(Setup { fluid: None, bodies, contacts, dt, most_halvings: 0, newton })
+    Run::new(Setup { fluid: None, bodies, contacts, scheme, dt, most_halvings: 0, newton })
 }
 
 /// Returns a support whose displacement grows linearly in time until 1; components with `None` are free.

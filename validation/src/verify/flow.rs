@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use cutwater::algebra::time::ImplicitEuler;
 use cutwater::algebra::{NewtonSettings, Workspace};
 use cutwater::cutcell::{InterfacePiece, OverlayOptions};
 use cutwater::fluid_ns::NewtonianFluid;
@@ -86,9 +87,10 @@ impl<F: Flow> Known<F> {
     /// Returns the errors of a state in L2: velocity, its gradient, and pressure, from which the mean difference is
     /// taken if only velocities are given.
     pub(super) fn errors(&self, setup: &Setup<2>, state: &State<2>) -> Result<Errors, Failure> {
-        let t = state.time;
+        let (t, of_pressure) = (state.time, wet(state)?.pressure_time);
         let shift = if self.open.is_empty() {
-            let [integral, volume] = integrals(setup, state, |at| [at.pressure - self.flow.pressure(&at.x, t), 1.0])?;
+            let [integral, volume] =
+                integrals(setup, state, |at| [at.pressure - self.flow.pressure(&at.x, of_pressure), 1.0])?;
             integral / volume
         } else {
             0.0
@@ -97,7 +99,7 @@ impl<F: Flow> Known<F> {
             [
                 (at.velocity - self.flow.velocity(&at.x, t)).norm_squared(),
                 (at.gradient - self.flow.gradient(&at.x, t)).norm_squared(),
-                (at.pressure - self.flow.pressure(&at.x, t) - shift).powi(2),
+                (at.pressure - self.flow.pressure(&at.x, of_pressure) - shift).powi(2),
             ]
         })?;
         Ok(Errors::of_squares(squares))
@@ -121,7 +123,15 @@ pub(super) fn fluid<const D: usize>(background: SimplexMesh<D>, density: f64, vi
 /// Returns a setup with a fluid and without bodies.
 pub(super) fn problem<const D: usize>(fluid: FluidSetup<D>, dt: f64) -> Setup<D> {
     let newton = NewtonSettings::new(1e-11);
-    Setup { fluid: Some(fluid), bodies: Vec::new(), contacts: Vec::new(), dt, most_halvings: 0, newton }
+    Setup {
+        fluid: Some(fluid),
+        bodies: Vec::new(),
+        contacts: Vec::new(),
+        scheme: Arc::new(ImplicitEuler),
+        dt,
+        most_halvings: 0,
+        newton,
+    }
 }
 
 /// Errors in L2.

@@ -1,6 +1,7 @@
 //! An elastic disk that vibrates in a fluid at rest: the added mass of the fluid lowers its frequencies.
 
 use std::f64::consts::SQRT_2;
+use std::sync::Arc;
 
 use cutwater::mesh::SimplexMesh;
 use cutwater::mesh::generate::structured_box;
@@ -58,8 +59,8 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     }
     record.figure("Frequency over that of a disk in ideal fluid", "h [cm]", curves);
     record.note(format!(
-        "{STEPS} steps in a period, {PERIODS} periods from the shape of the mode at rest; generalised-α (rho_inf = 0.8) for \
-         the disk, implicit Euler for the fluid. Open box of {} by {} cm; h at the surface of the disk, in both meshes. The \
+        "{STEPS} steps in a period, {PERIODS} periods from the shape of the mode at rest; generalised-α (rho_inf = 0.8). Open \
+         box of {} by {} cm; h at the surface of the disk, in both meshes. The \
          finest mesh counts, without extrapolation. The viscous layer is far thinner than the cells, and the penalty of the \
          mortar decides whether the fluid slips along the disk (standard set), as ideal fluid does, or sticks to it (γ_Σ = 1e5): then a \
          layer of the thickness of cells goes along with it.",
@@ -75,7 +76,8 @@ fn frequency(mode: &Mode, h: f64, steps: f64, set: Stabilisation) -> Result<f64,
     let open = || FluidBoundary::Open { traction: None, backflow: false };
     let mut setup = still(background(h)?, VISCOSITY, period / steps, 1e-9, open)?;
     fluid_mut(&mut setup)?.stabilisation = set;
-    let body = mode.disk(h, second_order(0.8)?)?;
+    setup.scheme = second_order(0.8)?;
+    let body = mode.disk(h, Arc::clone(&setup.scheme))?;
     let amplitude = mode.projection(&body.solid);
     setup.bodies.push(body.body("disk")?);
     frequency_of(Run::lagged(setup)?, (PERIODS + 0.5) * period, amplitude)

@@ -3,10 +3,12 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
+use cutwater::algebra::time::ImplicitEuler;
 use cutwater::mesh::SimplexMesh;
 use cutwater::mesh::generate::structured_box;
 use cutwater::solver::{Setup, State};
 
+use super::dry::{Scheme, second_order};
 use super::flow::{self, Errors, Flow, Known, disk, fluid_mut, outside, polygon};
 use super::record::Points;
 use super::{Failure, P, Record, T, V};
@@ -14,6 +16,10 @@ use super::{Failure, P, Record, T, V};
 /// Required orders of velocity, its gradient and pressure in L2, in h; of the velocity in the time step.
 const ORDERS: [f64; 3] = [1.9, 0.95, 1.4];
 const TIME_ORDER: f64 = 0.95;
+/// Required orders in the time step of the velocity and of its gradient with the scheme of second order.
+const SECOND_ORDERS: [f64; 2] = [1.8, 1.5];
+/// Spectral radius of that scheme: the one that is stable however many cells a body crosses in a step.
+const RHO_INF: f64 = 0.0;
 /// Length of a step in which inertia is negligible: steady flow.
 const STEADY: f64 = 1e9;
 
@@ -33,6 +39,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     })?;
     in_time(record, if record.full { 96 } else { 48 })?;
     past_uncovered_fluid(record)?;
+    of_schemes(record)?;
     record.note(
         "Boxes of n × n squares, bodies with edges as long as theirs. On the surfaces of bodies there is the velocity of the known \
          flow, and on the sides of the box too but for the right one, where its traction is; annulus and vortex are inside of a \
@@ -90,7 +97,7 @@ fn in_time(record: &mut Record, n: usize) -> Result<(), Failure> {
     let mut sequence = Sequence::new();
     let mut coarser: Option<(f64, State<2>)> = None;
     for dt in steps(5) {
-        let (_, setup, state) = taylor_green_past(V::zeros(), VISCOSITY, N_AT_REST, dt)?;
+        let (_, setup, state) = taylor_green_past(&euler(), V::zeros(), VISCOSITY, N_AT_REST, dt)?;
         if let Some((dt, coarser)) = &coarser {
             sequence.push((*dt, flow::differences(&setup, coarser, &state)?));
         }
@@ -116,12 +123,43 @@ const CLOSURE_ACCURACY: f64 = 0.05;
 fn past_uncovered_fluid(record: &mut Record) -> Result<(), Failure> {
     const N: usize = 96;
     const SMALL_VISCOSITY: f64 = 1e-3;
-    for (dt, exact) in EXACT_CLOSURE {
-        let (known, setup, state) = taylor_green_past(SPEED, SMALL_VISCOSITY, N, dt)?;
+    let of_second_order = second_order(RHO_INF)?;
+    let schemes = [("implicit Euler", &euler()), ("generalised-α", &of_second_order)];
+    for ((name, scheme), (dt, exact)) in
+        schemes.into_iter().flat_map(|scheme| EXACT_CLOSURE.map(|of_step| (scheme, of_step)))
+    {
+        let (known, setup, state) = taylor_green_past(scheme, SPEED, SMALL_VISCOSITY, N, dt)?;
         let cells = SPEED.norm() * dt * N as f64;
         let quantity =
-            format!("Taylor-Green past a disk that moves {cells:.1} cells per step, viscosity 1e-3: u in L2");
+            format!("Taylor-Green past a disk that moves {cells:.1} cells per step, viscosity 1e-3, {name}: u in L2");
         record.near_relative(quantity, known.errors(&setup, &state)?.velocity, exact, CLOSURE_ACCURACY);
+    }
+    Ok(())
+}
+
+/// Measures orders in the time step on a flow that the elements contain: all of the error is that of the scheme, and the flow
+/// passes a disk that moves through several cells.
+fn of_schemes(record: &mut Record) -> Result<(), Failure> {
+    const N: usize = 16;
+    let schemes: [(&str, Scheme, [f64; 2]); 2] = [
+        ("implicit Euler", Arc::new(ImplicitEuler), [TIME_ORDER; 2]),
+        ("generalised-α", second_order(RHO_INF)?, SECOND_ORDERS),
+    ];
+    for (scheme_name, scheme, orders) in schemes {
+        let mut sequence = Sequence::new();
+        for dt in (0..6).map(|k| 0.1 * 0.5_f64.powi(k)) {
+            let known =
+                Known { flow: Arc::new(Swaying), density: 1.0, viscosity: VISCOSITY, convects: true, open: &["right"] };
+            let (setup, state) = past_moving_disk(&known, &scheme, SPEED, N, dt)?;
+            sequence.push((dt, known.errors(&setup, &state)?));
+        }
+        let curves = of_quantities(&sequence);
+        let name = format!("swaying linear flow past a moving disk, {scheme_name}");
+        for ((quantity, order), curve) in QUANTITIES.into_iter().zip(orders).zip(&curves) {
+            record.order(&format!("{name}: {quantity} in L2"), "dt", curve, order);
+        }
+        record.show_order(&format!("{name}: p in L2"), "dt", &curves[2]);
+        record.log_figure(format!("{name}: errors in L2, {N} × {N} squares"), "time step", named(curves));
     }
     Ok(())
 }
@@ -330,24 +368,72 @@ impl Flow for TaylorGreen {
 const SPEED: V = V::new(-0.4, 0.15);
 const VISCOSITY: f64 = 0.1;
 
+fn euler() -> Scheme {
+    Arc::new(ImplicitEuler)
+}
+
 /// Measures the error at time 0.4, past a disk that moves through several cells.
 fn taylor_green(n: usize, dt: f64) -> Result<Measured, Failure> {
-    let (known, setup, state) = taylor_green_past(SPEED, VISCOSITY, n, dt)?;
+    let (known, setup, state) = taylor_green_past(&euler(), SPEED, VISCOSITY, n, dt)?;
     Ok((known.errors(&setup, &state)?, None))
 }
 
 /// Computes the flow past a disk of any speed to time 0.4.
 fn taylor_green_past(
+    scheme: &Scheme,
     speed: V,
     viscosity: f64,
     n: usize,
     dt: f64,
 ) -> Result<(Known<TaylorGreen>, Setup<2>, State<2>), Failure> {
-    const END: f64 = 0.4;
     let flow = TaylorGreen { viscosity };
     let known = Known { flow: Arc::new(flow), density: 1.0, viscosity, convects: true, open: &["right"] };
-    let mut setup = known.setup(square(n)?, dt);
+    let (setup, state) = past_moving_disk(&known, scheme, speed, n, dt)?;
+    Ok((known, setup, state))
+}
+
+/// Computes a flow past a disk of any speed to time 0.4.
+fn past_moving_disk<F: Flow>(
+    known: &Known<F>,
+    scheme: &Scheme,
+    speed: V,
+    n: usize,
+    dt: f64,
+) -> Result<(Setup<2>, State<2>), Failure> {
+    const END: f64 = 0.4;
+    let mut setup = Setup { scheme: Arc::clone(scheme), ..known.setup(square(n)?, dt) };
     setup.bodies.push(polygon(&[hole(centre(), 0.2, n)], move |x, t| x + speed * t, known.velocity()));
     let (state, _) = flow::run(&setup, (END / dt).round() as usize)?;
-    Ok((known, setup, state))
+    Ok((setup, state))
+}
+
+/// Velocity `a(t) x + b(t)` without pressure, with density 1.
+struct Swaying;
+
+impl Swaying {
+    /// Returns `a` and `b`, and their rates.
+    fn coefficients(t: f64) -> [(T, V); 2] {
+        let (turning, straining) = (T::new(0.3, -1.0, 1.0, -0.3), T::new(0.0, 0.7, 0.7, 0.0));
+        let ((s, c), (s2, c2)) = ((8.0 * t).sin_cos(), (5.0 * t).sin_cos());
+        let value = (turning * c + straining * s2, V::new(0.5 * s, 0.3 * c2));
+        let rate = (turning * (-8.0 * s) + straining * (5.0 * c2), V::new(4.0 * c, -1.5 * s2));
+        [value, rate]
+    }
+}
+
+impl Flow for Swaying {
+    fn velocity(&self, x: &P, t: f64) -> V {
+        let [(a, b), _] = Self::coefficients(t);
+        a * x + b
+    }
+    fn gradient(&self, _: &P, t: f64) -> T {
+        Self::coefficients(t)[0].0
+    }
+    fn pressure(&self, _: &P, _: f64) -> f64 {
+        0.0
+    }
+    fn force(&self, x: &P, t: f64) -> V {
+        let [(a, b), (a_rate, b_rate)] = Self::coefficients(t);
+        a_rate * x + b_rate + a * (a * x + b)
+    }
 }

@@ -3,7 +3,6 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use cutwater::algebra::time::ImplicitEuler;
 use cutwater::mesh::generate::structured_box;
 use cutwater::mesh::nalgebra::Complex;
 use cutwater::mesh::{FacetId, VertexId};
@@ -230,7 +229,6 @@ fn body(layer: &Arc<Layer>, solid: SolidMesh<2>, time: f64) -> Result<ElasticBod
     let stress = VISCOSITY * layer.gradient(&P::new(0.0, INTERFACE), time)[(0, 1)];
     let (at_start, velocity) = (Arc::clone(layer), Arc::clone(layer));
     let options = ElasticOptions {
-        scheme: Arc::new(ImplicitEuler),
         supports: vec![
             Support { vertices: vertices(&on_base), kind: SupportKind::Clamped },
             Support { vertices: vertices(&|x| at_end(x) && !on_base(x)), kind: SupportKind::Symmetry { axis: 1 } },

@@ -12,10 +12,10 @@ const BUDGETS: &[(&[&str], usize)] = &[
     (&["crates/cutwater/src/lib.rs", "crates/cutwater/src/main.rs"], 150),
     (&["crates/io/src"], 6150),
     (&["crates/report/src"], 1500),
-    (&["crates/solver/src"], 1850),
-    (&["validation"], 7800),
+    (&["crates/solver/src"], 1940),
+    (&["validation"], 7900),
     (&["xtask/src"], 2300),
-    (&[""], 50_900),
+    (&[""], 51_200),
 ];
 /// Largest number of bytes of all JSON files under version control.
 const JSON_BYTES: usize = 50_000;

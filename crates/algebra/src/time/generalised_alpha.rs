@@ -4,15 +4,21 @@ use super::{Row, TimeScheme, Weights};
 
 /// Second order, with the least damping of slow vibrations for a given damping of the fastest ones.
 ///
-/// Newmark's rules for the end of the step, solved for `d` and `a`,
+/// Newmark's rules for the end of the step,
 ///
-/// `v = v^n + Δt ((1-γ) a^n + γ a)`, `d = d^n + Δt v^n + Δt² ((1/2-β) a^n + β a)`,
+/// `v^{n+1} = v^n + Δt ((1-γ) a^n + γ a^{n+1})`, `d^{n+1} = d^n + Δt v^n + Δt² ((1/2-β) a^n + β a^{n+1})`,
 ///
-/// and a stage between the ends of the step. Where `a^n` is unknown, acceleration is taken as constant over the step. No
-/// equation has to be solved for it then, motion under constant acceleration stays exact, and the order is kept.
+/// and a stage at `v = (1-α_f) v^{n+1} + α_f v^n`, with displacement alike and acceleration with `α_m`. The same rules advance
+/// fluid, elastic and rigid bodies: for an equation of first order they are of second order too, and `1/2 |v|²` plus a
+/// quadratic form of `Δt a` cannot grow without forces.
+///
+/// Geometry is extrapolated to the stage. Where `a^n` is unknown, acceleration is taken as constant over the step. No equation
+/// has to be solved for it then, motion under constant acceleration stays exact, and the order is kept.
+///
+/// The shifted displacement `d + (1/2 - α_f) Δt v + (γ/2 - β) Δt² a` changes by `Δt v` over a step.
 ///
 /// Source: Chung and Hulbert 1993, A time integration algorithm for structural dynamics with improved numerical dissipation,
-/// doi:10.1115/1.2900803.
+/// doi:10.1115/1.2900803; for fluids, Jansen, Whiting and Hulbert 2000, doi:10.1016/S0045-7825(00)00203-6.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GeneralisedAlpha {
     rho_inf: f64,
@@ -24,40 +30,34 @@ impl GeneralisedAlpha {
     pub fn new(rho_inf: f64) -> Option<Self> {
         (0.0..=1.0).contains(&rho_inf).then_some(Self { rho_inf })
     }
-
-    /// Returns `α_m = (2 ρ_∞ - 1)/(ρ_∞ + 1)`.
-    fn alpha_m(self) -> f64 {
-        (2.0 * self.rho_inf - 1.0) / (self.rho_inf + 1.0)
-    }
-
-    /// Returns `α_f = ρ_∞/(ρ_∞ + 1)`.
-    fn alpha_f(self) -> f64 {
-        self.rho_inf / (self.rho_inf + 1.0)
-    }
 }
 
 impl TimeScheme for GeneralisedAlpha {
-    fn weights(&self, lengths: &[f64], starts: bool) -> Weights {
-        let (dt, alpha_m, alpha_f) = (lengths[0], self.alpha_m(), self.alpha_f());
-        // Newmark's rules with a^n = a are those with a^n = 0, β = 1/2 and γ = 1.
+    fn weights(&self, dt: f64, starts: bool) -> Weights {
+        let alpha_m = if starts { 0.0 } else { (2.0 * self.rho_inf - 1.0) / (self.rho_inf + 1.0) };
+        let alpha_f = self.rho_inf / (self.rho_inf + 1.0);
+        // Newmark's rules with a^n = a^{n+1} are those with a^n = 0, β = 1/2 and γ = 1.
         let beta = if starts { 0.5 } else { 0.25 * (1.0 - alpha_m + alpha_f).powi(2) };
         let gamma = if starts { 1.0 } else { 0.5 - alpha_m + alpha_f };
-        let ratio = beta / gamma;
+
+        let (d, v, a, unknown) = (Row::DISPLACEMENT, Row::VELOCITY, Row::ACCELERATION, Row::UNKNOWN);
+        let v_end = (unknown - v * alpha_f) * (1.0 - alpha_f).recip();
+        let a_end = (v_end - v) * (gamma * dt).recip() - a * ((1.0 - gamma) / gamma);
+        let d_end = d + v * dt + (a * (0.5 - beta) + a_end * beta) * dt.powi(2);
+        // Without acceleration: the error is of second order still, and accelerations have the noise of the fastest vibrations.
+        let ahead = |dt: f64| d + v * dt;
+        // A constant acceleration cancels in the change of the shifted displacement.
+        let shift = |d: Row, v: Row, a: Row| d + v * ((0.5 - alpha_f) * dt) + a * ((0.5 * gamma - beta) * dt.powi(2));
         Weights {
-            displacement: Row {
-                slope: dt * ratio,
-                displacement: [1.0, 0.0],
-                velocity: [dt * (1.0 - ratio), 0.0],
-                acceleration: dt * dt * (0.5 - ratio),
-            },
-            acceleration: Row {
-                slope: (gamma * dt).recip(),
-                velocity: [-(gamma * dt).recip(), 0.0],
-                acceleration: -(1.0 - gamma) / gamma,
-                ..Row::default()
-            },
+            stage_displacement: d_end * (1.0 - alpha_f) + d * alpha_f,
+            stage_acceleration: a_end * (1.0 - alpha_m) + a * alpha_m,
+            displacement: d_end,
+            velocity: v_end,
+            acceleration: a_end,
+            extrapolated: [ahead((1.0 - alpha_f) * dt), ahead(dt)],
+            shifted: [shift(d, v, a), shift(d_end, v_end, a_end)],
+            conserves: true,
             alpha_f,
-            alpha_m: if starts { 0.0 } else { alpha_m },
         }
     }
 }

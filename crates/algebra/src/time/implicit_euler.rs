@@ -2,19 +2,26 @@
 
 use super::{Row, TimeScheme, Weights};
 
-/// First order, dissipative: `d = d^n + Δt v`, `a = (v - v^n)/Δt`.
+/// First order, dissipative: `d = d^n + Δt v`, `a = (v - v^n)/Δt`, on the geometry at the start of the step.
 ///
 /// Source: paper, fully discrete problem, with velocity as the unknown.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ImplicitEuler;
 
 impl TimeScheme for ImplicitEuler {
-    fn weights(&self, lengths: &[f64], _starts: bool) -> Weights {
-        let dt = lengths[0];
+    fn weights(&self, dt: f64, _starts: bool) -> Weights {
+        let (d, v) = (Row::DISPLACEMENT, Row::UNKNOWN);
+        let end = d + v * dt;
         Weights {
-            displacement: Row { slope: dt, displacement: [1.0, 0.0], ..Row::default() },
-            acceleration: Row { slope: dt.recip(), velocity: [-dt.recip(), 0.0], ..Row::default() },
-            ..Weights::default()
+            stage_displacement: end,
+            stage_acceleration: (v - Row::VELOCITY) * dt.recip(),
+            displacement: end,
+            velocity: v,
+            acceleration: Row::default(),
+            extrapolated: [d, d],
+            shifted: [d, end],
+            conserves: false,
+            alpha_f: 0.0,
         }
     }
 }

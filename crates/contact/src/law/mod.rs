@@ -1,9 +1,11 @@
 //! Contact laws: traction as a function of gap, slip and stress, in the frame of the contact point.
 
 mod check;
+mod discrete_gradient;
 mod penalty;
 
 pub use check::{LawCheck, check_law};
+pub(crate) use discrete_gradient::discrete_gradient;
 pub use penalty::PenaltyLaw;
 
 use crate::Local;
@@ -63,10 +65,10 @@ pub trait ContactLaw: Send + Sync + std::fmt::Debug {
     /// active slightly beyond it.
     fn offset(&self) -> f64;
 
-    /// Returns the stored energy per area, whose derivative with respect to the gap is the normal traction; zero for
+    /// Returns the stored energy per area, whose derivative with respect to the gap is the normal traction; `None` for
     /// laws without energy.
-    fn energy_density(&self, _at: &ContactPoint) -> f64 {
-        0.0
+    fn energy_density(&self, _at: &ContactPoint) -> Option<f64> {
+        None
     }
 
     /// Returns the stress that [`ContactPoint::stress`] holds.

@@ -1,5 +1,6 @@
 //! An impact with a known course.
 
+use algebra::time::ImplicitEuler;
 use body::Body;
 use contact::{ContactForm, PenaltyLaw, RigidPlane};
 use mesh::{Point, Vector};
@@ -29,7 +30,7 @@ fn bar_hits_the_floor() {
     let (mut impulse, mut plateau, mut last_contact) = (0.0, Vec::new(), 0.0);
     for k in 1..=n_steps {
         let time = f64::from(k) * dt;
-        let scene = Scene::new(&bodies, &states, dt);
+        let scene = Scene::new(&bodies, &states, &ImplicitEuler, dt);
         let (report, end, _) = scene.advance(scene.pair(&form, &facets, &plane), 0.0, 1e-9);
         let pressure = report.force[1] / 0.5;
         impulse += pressure * dt;

@@ -40,7 +40,7 @@ fn supported<const D: usize>(parts: Vec<(&str, SupportKind<D>)>) -> impl FnOnce(
         let support =
             |(name, kind)| Support { vertices: vertices_of(solid, &tagged_facets(solid, name).unwrap()), kind };
         let supports = parts.into_iter().map(support).collect();
-        ElasticOptions { scheme: Arc::new(QuasiStatic), supports, ..ElasticOptions::default() }
+        ElasticOptions { supports, ..ElasticOptions::default() }
     }
 }
 
@@ -54,7 +54,7 @@ fn pushed_block(law: impl ContactLaw + 'static) -> (ContactReport<2>, Vec<(Point
     let supports = vec![("left", SupportKind::Symmetry { axis: 0 }), ("top", pushed_by(-PUSHED))];
     let bodies = [block([0.0, 0.0], [1.0, 1.0], [4, 3], soft(), supported(supports))];
     let states = [bodies[0].start()];
-    let scene = Scene::new(&bodies, &states, 1.0);
+    let scene = Scene::new(&bodies, &states, &QuasiStatic, 1.0);
     let form = ContactForm::new(law, SIZE).unwrap();
     let plane = RigidPlane::new(Point::<2>::zeros(), Vector::<2>::new(0.0, -1.0)).unwrap();
     let facets = tagged_facets(bodies[0].solid(), "bottom").unwrap();
@@ -110,7 +110,7 @@ fn two_blocks<const D: usize>(n_slave: usize, n_master: usize) -> f64 {
         block::<D>(above(0.0), below(1.0), [n_master; D], soft(), supports(("bottom", pushed_by(0.0)))),
     ];
     let states: Vec<BodyState<D>> = bodies.iter().map(Body::start).collect();
-    let scene = Scene::new(&bodies, &states, 1.0);
+    let scene = Scene::new(&bodies, &states, &QuasiStatic, 1.0);
     let form = ContactForm::new(PenaltyLaw::new(gamma, 0.0).unwrap(), SIZE).unwrap();
     let top = tagged_facets(bodies[1].solid(), "top").unwrap();
     let obstacle = DeformableObstacle::new(bodies[1].surface().clone(), top).unwrap();

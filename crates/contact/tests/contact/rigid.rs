@@ -1,5 +1,6 @@
 //! A block and a rigid plane.
 
+use algebra::time::ImplicitEuler;
 use algebra::{Sites, check_tangent};
 use body::{Body, BodyState};
 use contact::{
@@ -33,7 +34,7 @@ fn over_ground<const D: usize>(height: f64, law: impl ContactLaw + 'static, test
     max[D - 1] = height + 1.0;
     let bodies = [block(min, max, [3; D], soft(), with_velocity(Vector::zeros()))];
     let states: [BodyState<D>; 1] = [bodies[0].start()];
-    let scene = Scene::new(&bodies, &states, DT);
+    let scene = Scene::new(&bodies, &states, &ImplicitEuler, DT);
     let form = ContactForm::new(law, SIZE).unwrap();
     let facets: Vec<_> = bodies[0].surface().facets().collect();
     let obstacle = ground();

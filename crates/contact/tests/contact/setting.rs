@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use algebra::time::TimeScheme;
 use algebra::{
     BlockLayout, BlockSystem, Constraints, Contributions, Equations, Integral, NewtonReport, NewtonSettings, Sites,
     Workspace,
@@ -20,15 +21,20 @@ use solid_svk::{ElasticBody, ElasticOptions, LameParameters, SaintVenantKirchhof
 pub(crate) struct Scene<'a, const D: usize> {
     pub(crate) layout: BlockLayout,
     pub(crate) steps: Vec<Box<dyn BodyStep<D> + 'a>>,
-    dt: f64,
+    time: StepTime,
 }
 
 impl<'a, const D: usize> Scene<'a, D> {
-    pub(crate) fn new(bodies: &'a [ElasticBody<D>], states: &'a [BodyState<D>], dt: f64) -> Self {
+    pub(crate) fn new(
+        bodies: &'a [ElasticBody<D>],
+        states: &'a [BodyState<D>],
+        scheme: &dyn TimeScheme,
+        dt: f64,
+    ) -> Self {
         let mut layout = BlockLayout::new();
-        let time = StepTime { start: 0.0, end: dt, lengths: vec![dt] };
+        let time = StepTime::new(scheme, dt, dt, true);
         let steps = bodies.iter().zip(states).map(|(body, state)| body.step(state, &time, &mut layout)).collect();
-        Self { layout, steps, dt }
+        Self { layout, steps, time }
     }
 
     /// Returns the pair of slave and obstacle, with the stress if the law depends on it.
@@ -47,7 +53,8 @@ impl<'a, const D: usize> Scene<'a, D> {
             obstacle,
             master,
             stress: stress.map(Arc::from),
-            dt: self.dt,
+            dt: self.time.length,
+            conserves: self.time.weights.conserves,
         }
     }
 

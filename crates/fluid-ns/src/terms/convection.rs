@@ -10,9 +10,9 @@ use crate::FluidCell;
 /// Source: paper, forms after Eq. (4).
 /// Couples: velocity × velocity.   Domain: fluid parts of active cells.
 /// Units: force (2D: per unit depth).
-/// With `g_i = ∇N_i`, `w_i = ρ ∫ N_i u`, `G = ∇u + σ (∇·u) I`, the velocity `u` at the stage of slope `s`, and `σ = 1/2`
+/// With `g_i = ∇N_i`, `w_i = ρ ∫ N_i u`, `G = ∇u + σ (∇·u) I`, the velocity `u` at the stage, and `σ = 1/2`
 /// with the skew part, else 0:
-///   residual_i = G w_i,    tangent_ij = s ( ρ m_ij G + (w_i·g_j) I + σ w_i ⊗ g_j ).
+///   residual_i = G w_i,    tangent_ij = ρ m_ij G + (w_i·g_j) I + σ w_i ⊗ g_j.
 pub struct Convection {
     /// Density `ρ^f`.
     pub density: f64,
@@ -23,19 +23,17 @@ pub struct Convection {
 impl<const D: usize> Term<FluidCell<'_, D>> for Convection {
     #[inline]
     fn add(&self, cell: &FluidCell<'_, D>, out: &mut LocalSystem) {
-        let (g, u) = (cell.gradients, &cell.velocity);
-        let grad_u = u.gradient(g);
+        let (g, grad_u) = (cell.gradients, cell.grad_velocity());
         let skew = if self.skew { 0.5 } else { 0.0 };
         let transport = grad_u + Tensor::identity() * (skew * grad_u.trace());
         for i in 0..=D {
-            let w_i = cell.moments.weighted(i, &u.values) * self.density;
+            let w_i = cell.moments.weighted(i, &cell.velocities) * self.density;
             out.add_vector::<D>(cell.velocity_row(i), transport * w_i);
             if !out.has_tangent() {
                 continue;
             }
-            let w_i = w_i * u.slope;
             for (j, g_j) in g[..=D].iter().enumerate() {
-                let mut block = transport * (self.density * u.slope * cell.moments.at(i, j));
+                let mut block = transport * (self.density * cell.moments.at(i, j));
                 block += Tensor::from_diagonal_element(w_i.dot(g_j));
                 if self.skew {
                     block += w_i * (g_j * skew).transpose();

@@ -10,8 +10,8 @@ use crate::FluidCell;
 /// Source: paper, forms after Eq. (4).
 /// Couples: velocity × pressure, pressure × velocity.   Domain: fluid parts of active cells.
 /// Units: force and volume/time (2D: per unit depth).
-/// With `g_i = ∇N_i`, `m_i = ∫ N_i`, and the velocity `u` at the stage of slope `s`:
-///   residual_i = -g_i Σ_j m_j p_j and m_i ∇·u,    tangent_ij = -m_j g_i and s m_i g_jᵀ.
+/// With `g_i = ∇N_i`, `m_i = ∫ N_i`, and the velocity `u` at the stage:
+///   residual_i = -g_i Σ_j m_j p_j and m_i ∇·u,    tangent_ij = -m_j g_i and m_i g_jᵀ.
 pub struct Incompressibility;
 
 impl<const D: usize> Term<FluidCell<'_, D>> for Incompressibility {
@@ -19,7 +19,7 @@ impl<const D: usize> Term<FluidCell<'_, D>> for Incompressibility {
     fn add(&self, cell: &FluidCell<'_, D>, out: &mut LocalSystem) {
         let g = cell.gradients;
         let m: [f64; MAX_CELL_VERTICES] = std::array::from_fn(|i| cell.moments.of(i));
-        let divergence: f64 = (0..=D).map(|i| cell.velocity.values[i].dot(&g[i])).sum();
+        let divergence: f64 = (0..=D).map(|i| cell.velocities[i].dot(&g[i])).sum();
         let pressure: f64 = (0..=D).map(|j| m[j] * cell.pressures[j]).sum();
         for (i, g_i) in g[..=D].iter().enumerate() {
             out.add_vector::<D>(cell.velocity_row(i), g_i * -pressure);
@@ -29,7 +29,7 @@ impl<const D: usize> Term<FluidCell<'_, D>> for Incompressibility {
             return;
         }
         for j in 0..=D {
-            let (moment, g_j) = (m[j], g[j] * cell.velocity.slope);
+            let (moment, g_j) = (m[j], g[j]);
             for (i, g_i) in g[..=D].iter().enumerate() {
                 let column: Vector<D> = g_i * -moment;
                 out.add_block::<D, 1>(cell.velocity_row(i), cell.pressure_row(j), column);

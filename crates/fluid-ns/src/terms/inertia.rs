@@ -20,15 +20,14 @@ pub struct Inertia {
 impl<const D: usize> Term<FluidCell<'_, D>> for Inertia {
     #[inline]
     fn add(&self, cell: &FluidCell<'_, D>, out: &mut LocalSystem) {
-        let acceleration = &cell.acceleration;
         for i in 0..=D {
-            let force = cell.moments.weighted(i, &acceleration.values) * self.density;
+            let force = cell.moments.weighted(i, &cell.accelerations) * self.density;
             out.add_vector::<D>(cell.velocity_row(i), force);
         }
         if !out.has_tangent() {
             return;
         }
-        let weight = self.density * acceleration.slope;
+        let weight = self.density * cell.acceleration_slope;
         for j in 0..=D {
             for i in 0..=D {
                 let block = Tensor::<D>::from_diagonal_element(weight * cell.moments.at(i, j));

@@ -10,8 +10,8 @@ use crate::FluidCell;
 /// Source: paper, forms after Eq. (4).
 /// Couples: velocity × velocity.   Domain: fluid parts of active cells.
 /// Units: force (2D: per unit depth).
-/// With `g_i = ∇N_i`, `V = ∫ 1`, and the velocity `u` at the stage of slope `s`:
-///   residual_i = μ V (∇u + ∇uᵀ) g_i,    tangent_ij = s μ V ( (g_i · g_j) I + g_j ⊗ g_i ).
+/// With `g_i = ∇N_i`, `V = ∫ 1`, and the velocity `u` at the stage:
+///   residual_i = μ V (∇u + ∇uᵀ) g_i,    tangent_ij = μ V ( (g_i · g_j) I + g_j ⊗ g_i ).
 pub struct Viscous {
     /// Dynamic viscosity `μ^f`.
     pub viscosity: f64,
@@ -22,13 +22,12 @@ impl<const D: usize> Term<FluidCell<'_, D>> for Viscous {
     fn add(&self, cell: &FluidCell<'_, D>, out: &mut LocalSystem) {
         let g = cell.gradients;
         let weight = self.viscosity * cell.moments.volume();
-        let grad_u = cell.velocity.gradient(g);
+        let grad_u = cell.grad_velocity();
         let stress = (grad_u + grad_u.transpose()) * weight;
         (0..=D).for_each(|i| out.add_vector::<D>(cell.velocity_row(i), stress * g[i]));
         if !out.has_tangent() {
             return;
         }
-        let weight = weight * cell.velocity.slope;
         for j in 0..=D {
             for i in 0..=D {
                 let block =

@@ -14,10 +14,12 @@ pub enum PenaltyProfile {
         /// `γ_Σ`.
         gamma_sigma: f64,
     },
-    /// `σ_n = γ_n (μ/h_K + ρ |u* - v^n|/6 + ρ h_K/(12 θ Δt))` and `σ_t = γ_t μ/h_K`.
+    /// `σ_n = γ_n (μ/h_K + ρ |u* - v^n|/6 + ρ h_K/(12 θ Δt))` and `σ_t = γ_t μ/h_K`; where the accelerations `a*` of the fluid and
+    /// `b^n` of the body are known, `ρ √(h_K |a* - b^n|)/6` in place of the last share.
     ///
     /// The three shares of `σ_n` are those of viscosity, convection and inertia in a cell. Without inertia the surface
-    /// leaks on small steps. With inertia in `σ_t` the fluid of a cut cell would be held to the body over the height of
+    /// leaks. With the length of the step in `σ_n` the normal part holds the fluid of cut cells to the body as steps become
+    /// shorter; the speed that is gained over a cell does not depend on the step. With inertia in `σ_t` the fluid of a cut cell would be held to the body over the height of
     /// the cell, which is a boundary layer of the mesh.
     Split {
         /// `γ_n`.
@@ -33,7 +35,8 @@ pub enum PenaltyProfile {
 /// arXiv 1706.05897.
 /// Couples: velocity and solid × velocity and solid.   Domain: interface pieces of the step.
 /// Units: force (2D: per unit depth).
-/// `h_K` is the size of the background cell, `|u* - v^n|` the largest relative speed on the piece at the start of the step.
+/// `h_K` is the size of the background cell, `|u* - v^n|` the largest relative speed on the piece at the start of the step, and
+/// `|a* - b^n|` the largest relative acceleration of particles there.
 pub struct Penalty {
     /// The scaling.
     pub profile: PenaltyProfile,
@@ -41,9 +44,9 @@ pub struct Penalty {
     pub fluid: NewtonianFluid,
     /// `1/(θ Δt)`: derivative of the acceleration with respect to the velocity; zero for a steady problem.
     pub rate: f64,
-    /// Share of convection in `σ_n`, 1/6.
+    /// Share of speeds in `σ_n`, 1/6.
     pub convection: f64,
-    /// Share of inertia in `σ_n`, 1/12.
+    /// Share of the length of the step in `σ_n`, 1/12.
     pub inertia: f64,
 }
 
@@ -58,7 +61,11 @@ impl Penalty {
             }
             PenaltyProfile::Split { gamma_normal, gamma_tangential } => {
                 let viscous = viscosity / q.cell_size;
-                let inertial = density * (self.convection * q.relative_speed + self.inertia * q.cell_size * self.rate);
+                let gained = match q.relative_acceleration {
+                    Some(acceleration) => self.convection * (q.cell_size * acceleration).sqrt(),
+                    None => self.inertia * q.cell_size * self.rate,
+                };
+                let inertial = density * (self.convection * q.relative_speed + gained);
                 (gamma_normal * (viscous + inertial), gamma_tangential * viscous)
             }
         };

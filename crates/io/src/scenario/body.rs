@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use algebra::time::{GeneralisedAlpha, ImplicitEuler};
 use mesh::{FacetId, SimplexMesh, Vector};
 use solid_rigid::RigidBody;
 use solid_rigid::modes::n_rotations;
@@ -35,8 +34,6 @@ keys! {
         density: Option<At<f64>> [unit(Quantity::DENSITY), positive],
         /// Acceleration of gravity of an elastic or free body.
         gravity: Option<At<Components<f64>>> [unit(Quantity::ACCELERATION)],
-        /// Time scheme of an elastic body; `implicit-euler` if left out.
-        time_scheme: Option<At<TimeSchemeChoice>>,
         /// Conditions on tagged parts of the surface of an elastic body; other parts are free.
         boundary: Option<At<Named<BodyCondition>>>,
         /// Displacement of an elastic body at the start; none if left out.
@@ -59,19 +56,6 @@ choices! {
             young: Option<f64> [unit(Quantity::PRESSURE), group(1)],
             /// Poisson's ratio.
             poisson: Option<f64> [group(1)],
-        },
-    }
-}
-
-choices! {
-    /// Time scheme of an elastic body.
-    pub enum TimeSchemeChoice ["kind"] {
-        /// First order, as for the fluid; dissipates all vibrations.
-        ImplicitEuler = "implicit-euler",
-        /// Second order.
-        GeneralisedAlpha = "generalised-alpha" {
-            /// Factor by which a step reduces the fastest vibrations.
-            rho_inf: f64 [between(0.0, 1.0)],
         },
     }
 }
@@ -116,7 +100,6 @@ impl BodyKeys {
             ("material", place(&self.material)),
             ("density", place(&self.density)),
             ("gravity", place(&self.gravity)),
-            ("time_scheme", place(&self.time_scheme)),
             ("boundary", place(&self.boundary)),
             ("initial_displacement", place(&self.initial_displacement)),
             ("initial_velocity", place(&self.initial_velocity)),
@@ -164,17 +147,9 @@ fn elastic<const D: usize>(given: &At<BodyKeys>, mesh: SimplexMesh<D>, time: &Ti
         Some(conditions) => supports_and_loads(conditions, &solid, time)?,
         None => Default::default(),
     };
-    let scheme: Arc<dyn algebra::time::TimeScheme> = match given.time_scheme.as_deref() {
-        Some(TimeSchemeChoice::GeneralisedAlpha { rho_inf }) => {
-            let outside = || given.at.invalid("rho_inf must be from 0 to 1".to_owned());
-            Arc::new(GeneralisedAlpha::new(*rho_inf).ok_or_else(outside)?)
-        }
-        Some(TimeSchemeChoice::ImplicitEuler) | None => Arc::new(ImplicitEuler),
-    };
     let at_start =
         |field: &Option<Field>| field.as_ref().map(|field| field.at_start(solid.mesh().vertices())).transpose();
     let options = ElasticOptions {
-        scheme,
         supports,
         loads,
         initial_displacement: at_start(&given.initial_displacement)?,

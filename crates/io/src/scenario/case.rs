@@ -78,6 +78,7 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
         fluid,
         bodies,
         contacts,
+        scheme: time.scheme()?,
         dt: *time.step,
         most_halvings: time.most_halvings,
         newton: scenario.solver.newton.settings(),

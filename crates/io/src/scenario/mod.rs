@@ -20,7 +20,7 @@ mod solver;
 mod table;
 mod units;
 
-pub use body::{BodyCondition, BodyKeys, MaterialChoice, TimeSchemeChoice};
+pub use body::{BodyCondition, BodyKeys, MaterialChoice};
 pub use case::{Case, CaseVisitor, lower};
 pub use contact::{ContactKeys, ContactLawChoice, ObstacleChoice};
 pub use error::{ErrorKind, Location, ScenarioError};
@@ -34,6 +34,6 @@ pub use formula::{Formula, FormulaError};
 pub use geometry::Shape;
 pub use key::{Key, Quantity};
 pub use motion::{Held, MotionChoice};
-pub use solver::{Blocks, BodyBlock, FluidBlock, Linear, Newton, Preconditioner, Solver, Time};
+pub use solver::{Blocks, BodyBlock, FluidBlock, Linear, Newton, Preconditioner, Solver, Time, TimeSchemeChoice};
 pub use table::{At, Components, Named, OrTable};
 pub use units::{System, UnitNames, Units};

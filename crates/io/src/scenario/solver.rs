@@ -1,5 +1,8 @@
 //! Time steps, Newton's method and linear solver of a scenario.
 
+use std::sync::Arc;
+
+use algebra::time::{GeneralisedAlpha, ImplicitEuler, QuasiStatic, TimeScheme};
 use algebra::{
     BlockGaussSeidel, BlockGaussSeidelSettings, BlockSolver, Fill, LaggedSettings, LaggedSolver, NewtonSettings,
     Workspace,
@@ -16,9 +19,26 @@ keys! {
         step: At<f64> [unit(Quantity::TIME), positive],
         /// End of the run, a multiple of the step.
         end: f64 [unit(Quantity::TIME), positive],
+        /// Time scheme of fluid and bodies; `implicit-euler` if left out.
+        scheme: Option<At<TimeSchemeChoice>>,
         /// Number of times that a step is halved, if Newton's method fails or a contact may have been missed, before the
         /// run stops.
         most_halvings: usize [between(0.0, 20.0)] = 4,
+    }
+}
+
+choices! {
+    /// Time scheme of fluid and bodies.
+    pub enum TimeSchemeChoice ["kind"] {
+        /// First order; dissipates all vibrations.
+        ImplicitEuler = "implicit-euler",
+        /// Second order.
+        GeneralisedAlpha = "generalised-alpha" {
+            /// Factor by which a step reduces the fastest vibrations.
+            rho_inf: f64 [between(0.0, 1.0)],
+        },
+        /// No inertia: every step ends in equilibrium, with steady flow.
+        QuasiStatic = "quasi-static",
     }
 }
 
@@ -32,6 +52,19 @@ impl Time {
     /// Returns the number of steps.
     pub fn n_steps(&self) -> usize {
         (self.end / *self.step).round() as usize
+    }
+
+    /// Returns the time scheme.
+    pub(super) fn scheme(&self) -> Result<Arc<dyn TimeScheme>, ScenarioError> {
+        let Some(scheme) = &self.scheme else { return Ok(Arc::new(ImplicitEuler)) };
+        Ok(match **scheme {
+            TimeSchemeChoice::ImplicitEuler => Arc::new(ImplicitEuler),
+            TimeSchemeChoice::QuasiStatic => Arc::new(QuasiStatic),
+            TimeSchemeChoice::GeneralisedAlpha { rho_inf } => {
+                let outside = || scheme.at.invalid("rho_inf must be from 0 to 1".to_owned());
+                Arc::new(GeneralisedAlpha::new(rho_inf).ok_or_else(outside)?)
+            }
+        })
     }
 
     /// Checks that the step divides the end time.

@@ -80,14 +80,11 @@ fn tractions_are_those_of_position_and_time_of_the_stage() {
     let mesh = unit_box::<2>(1);
     let facets = solid_svk::supports::tagged_facets(&mesh, "top").unwrap();
     let traction = |x: &Point<2>, t: f64| Vector::<2>::new(x[0] * t, x[1]);
-    let options = ElasticOptions {
-        scheme: Arc::new(GeneralisedAlpha::new(0.5).unwrap()),
-        loads: vec![Load::traction(facets, Arc::new(traction))],
-        ..ElasticOptions::default()
-    };
+    let options =
+        ElasticOptions { loads: vec![Load::traction(facets, Arc::new(traction))], ..ElasticOptions::default() };
     let body = ElasticBody::new("body", mesh, weightless(), options).unwrap();
     let (start, mut layout) = (body.start(), BlockLayout::new());
-    let step = body.step(&start, &StepTime { start: 2.0, end: 5.0, lengths: vec![3.0] }, &mut layout);
+    let step = body.step(&start, &StepTime::new(&GeneralisedAlpha::new(0.5).unwrap(), 5.0, 3.0, false), &mut layout);
     let all = step.loads(&layout);
     let load = all.iter().find(|all| all.name() == "solid traction").unwrap();
     let force = residual(&layout, &[load.as_ref()], &vec![0.0; layout.len()]);

@@ -35,7 +35,7 @@ pub(crate) fn at_rest<const D: usize>(mesh: &SolidMesh<D>) -> Level<Vector<D>> {
 }
 
 pub(crate) fn rule<const D: usize>(scheme: &dyn TimeScheme, dt: f64, level: &Level<Vector<D>>) -> StepRule<Vector<D>> {
-    StepRule::new(scheme, &[dt], std::slice::from_ref(level))
+    StepRule::new(&scheme.weights(dt, level.acceleration.is_empty()), level)
 }
 
 /// Returns the global vector with given velocities of the body.
@@ -65,7 +65,7 @@ pub(crate) fn advance<const D: usize>(
     let contributions: Vec<Box<dyn Contributions + '_>> =
         vec![Box::new(form.inertia_and_body_force(cells)), Box::new(form.internal_work(cells))];
     solve(&layout, contributions, Constraints::new(), &mut x, tolerance);
-    rule.level(velocities(&layout, field, &x))
+    scheme.weights(dt, level.acceleration.is_empty()).end(level, &velocities(&layout, field, &x))
 }
 
 /// Returns the material of the ball in the paper, Sec. 4.

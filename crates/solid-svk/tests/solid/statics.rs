@@ -6,6 +6,7 @@ use crate::setting::{
 };
 use algebra::time::{QuasiStatic, StepRule};
 use algebra::{BlockLayout, Constraints, FieldId, Integral};
+use body::{BodyState, StepTime};
 use mesh::generate::{BallOptions, Size, ball, graded_box};
 use mesh::nalgebra::Rotation3;
 use mesh::{Point, Tensor, Vector, VertexId, det};
@@ -42,7 +43,14 @@ impl<'m, const D: usize> Fixture<'m, D> {
     }
 
     fn hold(&self, vertices: Vec<VertexId>, kind: SupportKind<D>, constraints: &mut Constraints) {
-        Support { vertices, kind }.constrain(self.cells(), 1.0, constraints);
+        let rest = at_rest(self.mesh);
+        let begin = BodyState::new(rest.displacement, rest.velocity);
+        Support { vertices, kind }.constrain(
+            self.cells(),
+            &begin,
+            &StepTime::new(&QuasiStatic, 1.0, 1.0, true),
+            constraints,
+        );
     }
 }
 

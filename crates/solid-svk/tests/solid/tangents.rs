@@ -68,7 +68,7 @@ fn stress_on_the_surface<const D: usize>() {
             material: &material,
         };
         let velocity = layout.values(field, &x).map(Vector::<D>::from).enumerate();
-        let displacement: Vec<_> = velocity.map(|(i, v)| rule.stage.displacement.at(i, v)).collect();
+        let displacement: Vec<_> = velocity.map(|(i, v)| rule.displacement.at(i, v)).collect();
         let positions: Vec<Point<D>> = mesh.mesh().vertices().iter().zip(&displacement).map(|(x, d)| x + d).collect();
         let barycentric = [1.0 / D as f64; D];
         let (mut dofs, mut derivatives, mut unused) = (Vec::new(), Vec::new(), Vec::new());

@@ -1,0 +1,53 @@
+//! The traction of a law over a step, such that its work is the change of the stored energy.
+
+use super::{ContactLaw, ContactPoint, ContactTraction};
+
+/// Change of the gap, relative to the contact size, below which the mean point replaces the quotient.
+const SMALLEST_CHANGE: f64 = 1e-4;
+
+/// Returns `λ = (W(Δ^{n+1}) - W(Δ^n))/(Δ^{n+1} - Δ^n)` with its derivative by `Δ^{n+1}`; `at` is the point at the end of the
+/// step. A law without energy is evaluated at the mean gap.
+///
+/// Source: Gonzalez 2000, Exact energy and momentum conserving algorithms for general models in nonlinear elasticity,
+/// doi:10.1016/S0045-7825(00)00189-4; for contact, Armero and Petocz 1998, doi:10.1016/S0045-7825(97)00256-9.
+pub(crate) fn discrete_gradient(law: &dyn ContactLaw, at: &ContactPoint, gap_at_start: f64) -> ContactTraction {
+    let change = at.gap - gap_at_start;
+    let start = ContactPoint { gap: gap_at_start, ..*at };
+    let energies = law.energy_density(&start).zip(law.energy_density(at));
+    match energies {
+        Some((from, to)) if change.abs() > SMALLEST_CHANGE * at.size => {
+            let end = law.traction(at);
+            let (mut mean, slope) = (end, (to - from) / change);
+            mean.by_gap[0] = (end.value[0] - slope) / change;
+            mean.value[0] = slope;
+            mean
+        }
+        _ => {
+            let mut mean = law.traction(&ContactPoint { gap: at.gap - 0.5 * change, ..*at });
+            mean.by_gap = mean.by_gap.map(|derivative| 0.5 * derivative);
+            mean
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::PenaltyLaw;
+
+    #[test]
+    fn work_is_the_change_of_the_energy_and_the_derivative_is_exact() {
+        let law = PenaltyLaw::new(1e3, 0.1).unwrap();
+        let point = |gap: f64| ContactPoint { gap, size: 0.1, ..ContactPoint::default() };
+        let energy = |gap| law.energy_density(&point(gap)).unwrap();
+        for (from, to) in [(0.05, 0.02), (0.12, 0.03), (0.03, 0.2), (0.2, 0.3), (0.05, 0.05 + 1e-9)] {
+            let mean = discrete_gradient(&law, &point(to), from);
+            let work = mean.value[0] * (to - from);
+            assert!((work - (energy(to) - energy(from))).abs() < 1e-12, "{from} {to}: {work}");
+            let step = 1e-6;
+            let value = |gap| discrete_gradient(&law, &point(gap), from).value[0];
+            let slope = (value(to + step) - value(to - step)) / (2.0 * step);
+            assert!((mean.by_gap[0] - slope).abs() < 1e-3 * 1e4, "{from} {to}: {} {slope}", mean.by_gap[0]);
+        }
+    }
+}

@@ -1,0 +1,82 @@
+//! Values on the surfaces of the bodies at the start of a step, on the cut of the step.
+
+use algebra::NewtonError;
+use algebra::time::Level;
+use cutcell::CutMesh;
+use mesh::{MAX_CELL_VERTICES, Point, Tensor, Vector};
+use xfem_space::{PartValues, XfemSpace};
+
+use crate::extension::Extension;
+use crate::{FluidState, Setup, State};
+
+/// One vector for each vertex of a facet.
+type OnFacet<const D: usize> = [Vector<D>; MAX_CELL_VERTICES];
+
+/// Surfaces of the bodies at the start of a step, and the cut of the step.
+pub(crate) struct Surfaces<'a, const D: usize> {
+    pub(crate) setup: &'a Setup<D>,
+    pub(crate) previous: &'a State<D>,
+    /// Positions of the vertices at the start.
+    pub(crate) started: Vec<Vec<Point<D>>>,
+    /// Positions of the vertices at which the background is cut.
+    pub(crate) positions: &'a [Vec<Point<D>>],
+    /// Time from the first to the second.
+    pub(crate) ahead: f64,
+    pub(crate) cut: &'a CutMesh<D>,
+    pub(crate) space: &'a XfemSpace<D>,
+    pub(crate) parts: &'a PartValues<D>,
+}
+
+impl<const D: usize> Surfaces<'_, D> {
+    /// Returns a vector for each vertex of the facet of an interface piece.
+    fn on_facet(&self, item: usize, of: impl Fn(usize) -> Vector<D>) -> OnFacet<D> {
+        let piece = &self.cut.interface()[item];
+        let vertices = self.setup.bodies[piece.body.index()].surface().facet(piece.facet);
+        std::array::from_fn(|k| vertices.get(k).map_or(Vector::zeros(), |vertex| of(vertex.index())))
+    }
+
+    /// Returns the velocities of the body of an interface piece.
+    pub(crate) fn velocities(&self, item: usize) -> OnFacet<D> {
+        let velocity = self.previous.bodies[self.cut.interface()[item].body.index()].velocity();
+        self.on_facet(item, |vertex| velocity[vertex])
+    }
+
+    /// Returns `a - ∇u w` with the acceleration `a` of the body of an interface piece and the velocity `w` with which its surface
+    /// moves: `∂u/∂t` at a fixed point, for a fluid of velocity `u` that moves with the body.
+    pub(crate) fn accelerations(&self, item: usize, velocity: &[Vector<D>]) -> OnFacet<D> {
+        let piece = &self.cut.interface()[item];
+        let nodes = self.space.dofs(piece.part).iter().zip(self.parts.gradients(piece.part));
+        let grad_u: Tensor<D> = nodes.map(|(dof, g)| velocity[*dof as usize] * g.transpose()).sum();
+        let body = piece.body.index();
+        let acceleration = &self.previous.bodies[body].level.acceleration;
+        self.on_facet(item, |vertex| {
+            let of_body = acceleration.get(vertex).copied().unwrap_or_else(Vector::zeros);
+            of_body - grad_u * (self.positions[body][vertex] - self.started[body][vertex]) / self.ahead
+        })
+    }
+
+    /// Carries velocity and acceleration of the fluid to the space of the step, and extends both to uncovered dofs.
+    ///
+    /// Values on the surface are those at the start, where the surface is not yet at the place of the cut.
+    ///
+    /// # Errors
+    /// The extension fails.
+    pub(crate) fn carry(
+        &self,
+        before: &FluidState<D>,
+        extension: &Extension<'_, D>,
+    ) -> Result<Level<Vector<D>>, NewtonError> {
+        let offsets = |item: usize| {
+            let body = self.cut.interface()[item].body.index();
+            self.on_facet(item, |vertex| self.started[body][vertex] - self.positions[body][vertex])
+        };
+        let mut velocity = extension.sources.carry(&before.velocity);
+        extension.fill(&mut velocity, |item| [self.velocities(item), offsets(item)])?;
+        let mut acceleration = Vec::new();
+        if !before.acceleration.is_empty() {
+            acceleration = extension.sources.carry(&before.acceleration);
+            extension.fill(&mut acceleration, |item| [self.accelerations(item, &velocity), offsets(item)])?;
+        }
+        Ok(Level { velocity, acceleration, ..Level::default() })
+    }
+}
