@@ -107,6 +107,31 @@ fn numbers_out_of_range() {
 }
 
 #[test]
+fn regions_of_the_background() {
+    let refine = |near: &str, more: &str, key: &str, words: &[&str]| {
+        let key = format!("background.refine.0{key}");
+        let region = format!("refine = [{{ near = {{ {near} }}, {more} }}] #");
+        expect("# mirrored = true", &region, &key, words);
+    };
+    let ball = "kind = \"ball\", centre = [2.0, 3.0], radius = 1.0";
+    refine(ball, "size = 0.0", ".size", &["positive"]);
+    refine(ball, "size = 2.0", "", &["size of the region is 2.0", "at most the size of the background"]);
+    refine(ball, "size = 0.1, growth = 0.9", ".growth", &["from 0.01 to 0.5"]);
+    refine(ball, "size = 1e-5", "", &["number of cells", "increase the size"]);
+    refine(
+        &ball.replace("2.0", "-2.0"),
+        "size = 0.1",
+        "",
+        &["coordinate of the region is -2.0", "within the background"],
+    );
+    refine("kind = \"point\", at = [2.0, 99.0]", "size = 0.1", "", &["99.0", "within the background"]);
+    refine("kind = \"line\", from = [2.0, 1.0], to = [2.0]", "size = 0.1", ".near.to", &["1 components"]);
+    let outside = "kind = \"box\", min = [22.0, 1.0], max = [23.0, 2.0]";
+    refine(outside, "size = 0.1", "", &["lowest corner of the region is 22.0", "within the background"]);
+    refine("kind = \"sphere\"", "size = 0.1", ".near.kind", &["unknown value `sphere`", "ball"]);
+}
+
+#[test]
 fn a_step_that_divides_to_round_off_is_accepted() {
     legal(&with("step = 1.0e-3", "step = 0.000333333333333333").0, &[]);
 }

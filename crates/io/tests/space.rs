@@ -108,6 +108,21 @@ fn an_elastic_cube_is_compressed_by_its_weight() {
 }
 
 #[test]
+fn a_background_is_finer_near_regions() {
+    let near = |region: &str| {
+        let refine = format!("size = 0.3\nrefine = [{{ near = {{ {region} }}, size = 0.1, growth = 0.5 }}]");
+        let case = CASE.replacen("size = 0.3", &refine, 1);
+        io::sizes(&legal(&case, &[])).unwrap_or_else(|e| panic!("{e}")).background_cells
+    };
+    let coarse = io::sizes(&legal(CASE, &[])).unwrap_or_else(|e| panic!("{e}")).background_cells;
+    let point = near("kind = \"point\", at = [0.2, 0.2, 0.2]");
+    let line = near("kind = \"line\", from = [0.2, 0.2, 0.2], to = [0.2, 0.2, 0.8]");
+    let ball = near("kind = \"ball\", centre = [0.2, 0.2, 0.2], radius = 0.4");
+    let all = near("kind = \"box\", min = [0.0, 0.0, 0.0], max = [1.0, 1.0, 1.0]");
+    assert!(coarse < point && point < line && line < ball && ball < all, "{coarse} {point} {line} {ball} {all}");
+}
+
+#[test]
 fn planar_shapes_and_vectors_are_refused() {
     let cube = CASE.lines().find(|line| line.starts_with("shape")).expect("a shape");
     for (shape, word) in [

@@ -2,7 +2,9 @@
 
 use std::f64::consts::PI;
 
-use mesh::generate::{BallOptions, Size, ball, graded_box, half_ball, mirrored, structured_box};
+use mesh::generate::{
+    BallOptions, Region, RegionShape, Size, ball, graded_box, half_ball, mirrored, refined_box, structured_box,
+};
 use mesh::search::{Feature, SurfaceIndex};
 use mesh::{Aabb, BoundaryMesh, CellId, Error, FacetId, Placed, Point, SimplexMesh, Vector, VertexId};
 use proptest::prelude::*;
@@ -193,8 +195,82 @@ fn boxes_in_3d_follow_the_size() {
     }
 }
 
+/// Returns a ball, a line and a box in the unit cube, with cells finer and finer.
+fn regions<const D: usize>(size: f64, growth: f64) -> [Region<D>; 3] {
+    let at = |x: f64| Point::<D>::from_fn(|k, _| x + 0.1 * k as f64);
+    [
+        Region { shape: RegionShape::Segment { ends: [at(0.3); 2], within: 0.11 }, size, growth },
+        Region { shape: RegionShape::Segment { ends: [at(0.3), at(0.8)], within: 0.0 }, size: 2.0 * size, growth },
+        Region { shape: RegionShape::Box(Aabb { low: at(0.6), high: at(2.0) }), size: 3.0 * size, growth },
+    ]
+}
+
+/// Returns the size that regions and the background ask for.
+fn asked<const D: usize>(regions: &[Region<D>], coarse: f64, x: &Point<D>) -> f64 {
+    regions.iter().map(|region| region.at(x)).fold(coarse, f64::min)
+}
+
+#[test]
+fn triangles_are_fine_near_regions() {
+    for size in [0.04, 0.02, 0.01, 0.005] {
+        let regions = regions::<2>(size, 0.1);
+        let mesh = refined_box([0.0; 2], [1.0; 2], &Size::uniform(0.2), &regions).unwrap();
+        assert_well_shaped(&mesh);
+        assert_box_sides(&mesh, [0.0; 2], [1.0; 2]);
+        assert!((volume(&mesh) - 1.0).abs() < 1e-13);
+        let relative = |cell: CellId| {
+            let simplex = mesh.simplex(cell);
+            simplex.diameter() / asked(&regions, 0.2, &simplex.centroid())
+        };
+        let [mean, largest] = [
+            mesh.cells().map(relative).sum::<f64>() / mesh.n_cells() as f64,
+            mesh.cells().map(relative).fold(0.0, f64::max),
+        ];
+        assert!((mean - 1.0).abs() < 0.05 && largest < 1.6, "mean {mean}, largest {largest}");
+        let again = refined_box([0.0; 2], [1.0; 2], &Size::uniform(0.2), &regions).unwrap();
+        assert_eq!(mesh.vertices(), again.vertices());
+    }
+}
+
+/// Volume over cubed diameter of the tetrahedra of a cube and of those that bisection makes of them; a regular one has 0.118.
+const SHAPES: [f64; 3] = [0.032_075, 0.029_463, 0.041_667];
+
+#[test]
+fn tetrahedra_are_fine_near_regions() {
+    for size in [0.08, 0.04, 0.02, 0.01] {
+        let regions = regions::<3>(size, 0.3);
+        let mesh = refined_box([0.0; 3], [1.0; 3], &Size::uniform(0.25), &regions).unwrap();
+        assert_sound(&mesh);
+        assert!((volume(&mesh) - 1.0).abs() < 1e-12);
+        let mut mean = 0.0;
+        for cell in mesh.cells() {
+            let simplex = mesh.simplex(cell);
+            let relative = simplex.diameter() / 3.0_f64.sqrt() / asked(&regions, 0.25, &simplex.centroid());
+            assert!(relative < 1.0 + 1e-8, "{relative}");
+            let shape = simplex.volume() / simplex.diameter().powi(3);
+            assert!(SHAPES.iter().any(|known| (shape - known).abs() < 1e-5), "{shape} at {}", simplex.centroid());
+            mean += relative / mesh.n_cells() as f64;
+        }
+        assert!(mean > 0.5, "{mean}");
+        let again = refined_box([0.0; 3], [1.0; 3], &Size::uniform(0.25), &regions).unwrap();
+        assert_eq!((mesh.vertices(), mesh.n_cells()), (again.vertices(), again.n_cells()));
+        assert_sound(&mirrored(&mesh, 0, 1.0).unwrap());
+    }
+}
+
+#[test]
+fn regions_refine_graded_bricks() {
+    let size = Size::Graded { fine: 0.1, fine_until: 0.2, coarse: 0.3, coarse_from: 1.0, axis: 2 };
+    let mesh = refined_box([0.0; 3], [0.4, 0.5, 2.0], &size, &regions::<3>(0.04, 0.2)[..1]).unwrap();
+    assert_sound(&mesh);
+    assert!((volume(&mesh) - 0.4).abs() < 1e-13);
+}
+
 #[test]
 fn invalid_arguments_are_errors() {
+    for outside in [Region { size: 0.3, ..regions::<2>(0.1, 0.1)[0] }, Region { growth: 0.6, ..regions(0.1, 0.1)[0] }] {
+        assert!(refined_box([0.0; 2], [1.0; 2], &Size::uniform(0.2), &[outside]).is_err());
+    }
     let options = BallOptions::default();
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-12] {
         assert!(graded_box([0.0, 0.0], [1.0, 1.0], &Size::uniform(bad)).is_err());
@@ -236,6 +312,19 @@ proptest! {
         let mesh = graded_box(min, max, &size).unwrap();
         assert_well_shaped(&mesh);
         assert_box_sides(&mesh, min, max);
+    }
+
+    #[test]
+    fn triangles_near_regions_are_well_shaped(
+        ends in prop::array::uniform4(0.0..1.0_f64), within in 0.0..0.3_f64, ratio in 0.05..1.0_f64, growth in 0.02..0.5_f64,
+    ) {
+        let [a, b, c, d] = ends;
+        let segment = RegionShape::Segment { ends: [Point::<2>::new(a, b), Point::<2>::new(c, d)], within };
+        let patch = RegionShape::Box(Aabb { low: Point::<2>::new(a, b - 0.2), high: Point::<2>::new(a + within, b + 0.1) });
+        let regions = [segment, patch].map(|shape| Region { shape, size: 0.2 * ratio, growth });
+        let mesh = refined_box([0.0; 2], [1.0; 2], &Size::uniform(0.2), &regions).unwrap();
+        assert_well_shaped(&mesh);
+        assert_box_sides(&mesh, [0.0; 2], [1.0; 2]);
     }
 
     #[test]

@@ -10,12 +10,12 @@ const LONG_FILES: &[(&str, &str)] = &[];
 /// Largest numbers of lines of Rust below some folders (docs/adr/0022).
 const BUDGETS: &[(&[&str], usize)] = &[
     (&["crates/cutwater/src/lib.rs", "crates/cutwater/src/main.rs"], 150),
-    (&["crates/io/src"], 6150),
+    (&["crates/io/src"], 6200),
     (&["crates/report/src"], 1500),
     (&["crates/solver/src"], 1940),
     (&["validation"], 7900),
     (&["xtask/src"], 2300),
-    (&[""], 51_200),
+    (&[""], 51_700),
 ];
 /// Largest number of bytes of all JSON files under version control.
 const JSON_BYTES: usize = 50_000;

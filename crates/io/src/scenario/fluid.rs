@@ -6,7 +6,7 @@ use std::sync::Arc;
 use cutcell::OverlayOptions;
 use fluid_ns::NewtonianFluid;
 use fluid_ns::terms::CipProfile;
-use mesh::generate::{Size, graded_box, mirrored};
+use mesh::generate::{Region, RegionShape, Size, mirrored, refined_box};
 use mesh::{Aabb, Point, SimplexMesh, Tag, Vector};
 use solver::body::TimeField;
 use solver::interface_dg::terms::PenaltyProfile;
@@ -144,6 +144,8 @@ choices! {
             max: At<Components<f64>> [unit(Quantity::LENGTH)],
             /// Mean diameter of the cells: a number, or sizes graded along an axis.
             size: At<OrTable<f64, GradedSize>> [unit(Quantity::LENGTH), positive],
+            /// Regions near which cells are finer. Where several sizes apply, the smallest one counts.
+            refine: Vec<At<Refinement>>,
             /// Whether the mirror image across the left side is added.
             mirrored: bool = false,
             /// Condition on each side.
@@ -165,6 +167,50 @@ keys! {
         coarse_from: f64 [unit(Quantity::LENGTH)],
         /// The coordinate.
         axis: Axis,
+    }
+}
+
+keys! {
+    /// Region near which cells are finer.
+    pub struct Refinement {
+        /// The region.
+        near: RegionChoice,
+        /// Size of the cells in the region.
+        size: f64 [unit(Quantity::LENGTH), positive],
+        /// Increase of the size over the distance from the region, from cell to cell about this fraction.
+        growth: f64 [between(0.01, 0.5)] = 0.1,
+    }
+}
+
+choices! {
+    /// A region of the background.
+    pub enum RegionChoice ["kind"] {
+        /// Ball, a disk in 2D.
+        Ball = "ball" {
+            /// Centre.
+            centre: Components<f64> [unit(Quantity::LENGTH)],
+            /// Radius.
+            radius: f64 [unit(Quantity::LENGTH), positive],
+        },
+        /// Box.
+        Box = "box" {
+            /// Lowest corner.
+            min: Components<f64> [unit(Quantity::LENGTH)],
+            /// Highest corner.
+            max: Components<f64> [unit(Quantity::LENGTH)],
+        },
+        /// Point.
+        Point = "point" {
+            /// Position.
+            at: Components<f64> [unit(Quantity::LENGTH)],
+        },
+        /// Segment of a line.
+        Line = "line" {
+            /// One end.
+            from: Components<f64> [unit(Quantity::LENGTH)],
+            /// The other end.
+            to: Components<f64> [unit(Quantity::LENGTH)],
+        },
     }
 }
 
@@ -230,7 +276,7 @@ choices! {
 }
 
 fn background<const D: usize>(given: &At<Background>) -> Result<SimplexMesh<D>, ScenarioError> {
-    let Background::GradedBox { min, max, size, mirrored: is_mirrored, .. } = &**given;
+    let Background::GradedBox { min, max, size, refine, mirrored: is_mirrored, .. } = &**given;
     let field = match &**size {
         OrTable::Plain(h) => Size::uniform(*h),
         OrTable::Table(graded) => Size::Graded {
@@ -242,7 +288,9 @@ fn background<const D: usize>(given: &At<Background>) -> Result<SimplexMesh<D>, 
         },
     };
     let min = min.vector::<D>();
-    let box_mesh = graded_box(min.into(), max.vector::<D>().into(), &field).map_err(|error| {
+    let corners = [min, max.vector::<D>()].map(<[f64; D]>::from);
+    let regions = refine.iter().map(|given| region(given, corners, &field)).collect::<Result<Vec<_>, _>>()?;
+    let box_mesh = refined_box(corners[0], corners[1], &field, &regions).map_err(|error| {
         let at = match error {
             mesh::Error::Parameter(parameter) if parameter.what == "side of the box" => &max.at,
             mesh::Error::Parameter(_) => &size.at,
@@ -251,6 +299,23 @@ fn background<const D: usize>(given: &At<Background>) -> Result<SimplexMesh<D>, 
         at.error(error)
     })?;
     if *is_mirrored { mirrored(&box_mesh, 0, min[0]).map_err(|error| given.at.error(error)) } else { Ok(box_mesh) }
+}
+
+/// Builds a region near which a background between two corners, with cells of size `coarse`, is refined.
+fn region<const D: usize>(
+    given: &At<Refinement>,
+    [min, max]: [[f64; D]; 2],
+    coarse: &Size,
+) -> Result<Region<D>, ScenarioError> {
+    let shape = match &given.near {
+        RegionChoice::Ball { centre, radius } => RegionShape::Segment { ends: [centre.vector(); 2], within: *radius },
+        RegionChoice::Box { min, max } => RegionShape::Box(Aabb { low: min.vector(), high: max.vector() }),
+        RegionChoice::Point { at } => RegionShape::Segment { ends: [at.vector(); 2], within: 0.0 },
+        RegionChoice::Line { from, to } => RegionShape::Segment { ends: [from.vector(), to.vector()], within: 0.0 },
+    };
+    let region = Region { shape, size: given.size, growth: given.growth };
+    region.check(min, max, coarse).map_err(|error| given.at.error(mesh::Error::from(error)))?;
+    Ok(region)
 }
 
 fn stabilisation(given: &OrTable<StabilisationChoice, StabilisationKeys>) -> Stabilisation {

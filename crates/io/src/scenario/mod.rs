@@ -28,7 +28,7 @@ pub use field::{Field, FieldFormula};
 pub use file::{Output, Scenario, ScenarioFile};
 pub use fluid::{
     Axis, Background, Cip, ConvectionChoice, Fluid, FluidCondition, GradedSize, InflowProfile, Interface,
-    InterfacePenalty, StabilisationChoice, StabilisationKeys,
+    InterfacePenalty, Refinement, RegionChoice, StabilisationChoice, StabilisationKeys,
 };
 pub use formula::{Formula, FormulaError};
 pub use geometry::Shape;

@@ -1,9 +1,11 @@
 //! Boxes with cells that follow a size field.
 
+use super::bisect::bisected;
 use super::grid::{brick_mesh, check_sides, with_side_tags};
+use super::region::Region;
 use super::size::{MEAN_EDGE, Size, affordable, divided};
 use super::triangulate::{Outline, filled};
-use crate::{Error, SimplexMesh};
+use crate::{Error, Point, SimplexMesh};
 
 /// Generates a box with cells of the given size. Facets are tagged by side, and coordinates of vertices on a side are
 /// exact.
@@ -18,14 +20,49 @@ use crate::{Error, SimplexMesh};
 /// # Errors
 /// [`Error::Parameter`]: a side or a size that is not positive and finite, or too many cells.
 pub fn graded_box<const D: usize>(min: [f64; D], max: [f64; D], size: &Size) -> Result<SimplexMesh<D>, Error> {
+    refined_box(min, max, size, &[])
+}
+
+/// Generates a box as [`graded_box`] does, with finer cells near regions. Where several sizes apply, the smallest one counts.
+///
+/// In 2D, the triangulation follows the size everywhere. In 3D, tetrahedra are bisected until their diameters are at most
+/// those of the tetrahedra of a brick of the given size. Bisection gives tetrahedra of few shapes, whatever the ratio of
+/// the sizes.
+///
+/// # Errors
+/// [`Error::Parameter`]: as for [`graded_box`] and [`Region::check`].
+pub fn refined_box<const D: usize>(
+    min: [f64; D],
+    max: [f64; D],
+    size: &Size,
+    regions: &[Region<D>],
+) -> Result<SimplexMesh<D>, Error> {
     check_sides(&min, &max)?;
     size.check(D)?;
+    for region in regions {
+        region.check(min, max, size)?;
+    }
     let shortest = min.iter().zip(&max).map(|(a, b)| b - a).fold(f64::INFINITY, f64::min);
+    let near = |x: &Point<D>| regions.iter().map(|region| region.at(x)).fold(f64::INFINITY, f64::min);
     match D {
-        2 => triangulated(min, max, |x, y| MEAN_EDGE * size.along(|axis| [x, y][axis]).min(shortest)),
-        _ => bricks(min, max, size, shortest),
+        2 => triangulated(min, max, |x, y| {
+            let there = Point::from_fn(|axis, _| [x, y][axis]);
+            MEAN_EDGE * size.at(&there).min(shortest).min(near(&there))
+        }),
+        _ => {
+            let mesh = bricks(min, max, size, shortest)?;
+            if regions.is_empty() {
+                return Ok(mesh);
+            }
+            let diagonal = (D as f64).sqrt();
+            let mesh = bisected(&mesh, |cell| cell.diameter() > ROUND_OFF * diagonal * near(&cell.centroid()))?;
+            Ok(with_side_tags(mesh, min, max))
+        }
     }
 }
+
+/// Ratio of diameters that differ by round-off only.
+const ROUND_OFF: f64 = 1.0 + 1e-9;
 
 fn bricks<const D: usize>(min: [f64; D], max: [f64; D], size: &Size, most: f64) -> Result<SimplexMesh<D>, Error> {
     let mut axes: [Vec<f64>; D] = std::array::from_fn(|_| Vec::new());

@@ -3,7 +3,7 @@
 use crate::{ParameterError, Point, positive, require};
 
 /// Largest slope of a size field that well-shaped triangles can follow.
-const STEEPEST: f64 = 0.5;
+pub(super) const STEEPEST: f64 = 0.5;
 
 /// Ratio of the mean length of edges to the size.
 ///
@@ -67,6 +67,14 @@ impl Size {
         match *self {
             Self::Uniform { h } => h,
             Self::Graded { fine, .. } => fine,
+        }
+    }
+
+    /// Returns the largest size.
+    pub(super) fn coarsest(&self) -> f64 {
+        match *self {
+            Self::Uniform { h } => h,
+            Self::Graded { coarse, .. } => coarse,
         }
     }
 
