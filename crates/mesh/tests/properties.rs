@@ -47,14 +47,18 @@ fn assert_sound<const D: usize>(mesh: &SimplexMesh<D>) {
 /// Checks a mesh as [`assert_sound`], and that its angles are at least 25 degrees.
 fn assert_well_shaped(mesh: &SimplexMesh<2>) {
     assert_sound(mesh);
-    for cell in mesh.cells() {
+    let degrees = smallest_angle(mesh);
+    assert!(degrees >= 25.0, "{degrees} degrees");
+}
+
+/// Returns the smallest angle of a mesh in degrees.
+fn smallest_angle(mesh: &SimplexMesh<2>) -> f64 {
+    let of_cell = |cell| {
         let simplex = mesh.simplex(cell);
         let x = simplex.points();
-        for k in 0..3 {
-            let degrees = (x[(k + 1) % 3] - x[k]).angle(&(x[(k + 2) % 3] - x[k])).to_degrees();
-            assert!(degrees >= 25.0, "{degrees} degrees at {}", x[k]);
-        }
-    }
+        (0..3).map(|k| (x[(k + 1) % 3] - x[k]).angle(&(x[(k + 2) % 3] - x[k]))).fold(f64::INFINITY, f64::min)
+    };
+    mesh.cells().map(of_cell).fold(f64::INFINITY, f64::min).to_degrees()
 }
 
 /// Checks that the mean length of the edges at every vertex, relative to the specified size, is within the bounds, and that
@@ -232,6 +236,24 @@ fn triangles_are_fine_near_regions() {
     }
 }
 
+/// Checks a mesh as [`assert_sound`], and that its angles are at least those that are stated for a growth.
+fn assert_well_graded(mesh: &SimplexMesh<2>, growth: f64) {
+    assert_sound(mesh);
+    let (degrees, least) = (smallest_angle(mesh), if growth <= 0.3 { 25.0 } else { 20.0 });
+    assert!(degrees >= least, "{degrees} degrees with a growth of {growth}");
+}
+
+#[test]
+fn triangles_at_a_fine_point_of_a_side_are_well_shaped() {
+    for size in [1e-2, 1e-4, 1e-6] {
+        for (x, growth) in [(0.5123, 0.1), (0.0, 0.3), (0.7, 0.5)] {
+            let shape = RegionShape::Segment { ends: [Point::<2>::new(x, 0.0); 2], within: 0.0 };
+            let mesh = refined_box([0.0; 2], [1.0; 2], &Size::uniform(0.2), &[Region { shape, size, growth }]).unwrap();
+            assert_well_graded(&mesh, growth);
+        }
+    }
+}
+
 /// Volume over cubed diameter of the tetrahedra of a cube and of those that bisection makes of them; a regular one has 0.118.
 const SHAPES: [f64; 3] = [0.032_075, 0.029_463, 0.041_667];
 
@@ -323,7 +345,7 @@ proptest! {
         let patch = RegionShape::Box(Aabb { low: Point::<2>::new(a, b - 0.2), high: Point::<2>::new(a + within, b + 0.1) });
         let regions = [segment, patch].map(|shape| Region { shape, size: 0.2 * ratio, growth });
         let mesh = refined_box([0.0; 2], [1.0; 2], &Size::uniform(0.2), &regions).unwrap();
-        assert_well_shaped(&mesh);
+        assert_well_graded(&mesh, growth);
         assert_box_sides(&mesh, [0.0; 2], [1.0; 2]);
     }
 

@@ -13,9 +13,9 @@ const BUDGETS: &[(&[&str], usize)] = &[
     (&["crates/io/src"], 6200),
     (&["crates/report/src"], 1500),
     (&["crates/solver/src"], 1940),
-    (&["validation"], 7900),
+    (&["validation"], 8280),
     (&["xtask/src"], 2300),
-    (&[""], 51_700),
+    (&[""], 52_100),
 ];
 /// Largest number of bytes of all JSON files under version control.
 const JSON_BYTES: usize = 50_000;

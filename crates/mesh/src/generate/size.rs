@@ -108,23 +108,40 @@ pub(super) fn affordable(n_cells: f64) -> Result<f64, ParameterError> {
 
 /// Divides `[min, max]` into intervals of length about `h(x)`, equally spaced in the integral of `1/h`. The end points are
 /// exact.
+///
+/// The slope of `h` must be at most [`STEEPEST`]: then no minimum lies between two samples.
 pub(super) fn divided(min: f64, max: f64, h: impl Fn(f64) -> f64) -> Result<Vec<f64>, ParameterError> {
     const SAMPLES: usize = 4096;
+    /// Least size relative to the length of its sample.
+    const LEAST: f64 = 2.0;
     let step = (max - min) / SAMPLES as f64;
-    let mut count = vec![0.0; SAMPLES + 1];
-    for k in 0..SAMPLES {
-        count[k + 1] = count[k] + step / h(min + (k as f64 + 0.5) * step);
+    affordable((0..SAMPLES).map(|k| step / h(min + (k as f64 + 0.5) * step)).sum())?;
+    // Samples in units of the step: begin, length, and the integral up to the end. Where the size is small, they are halved.
+    let mut samples: Vec<(f64, f64, f64)> = Vec::with_capacity(SAMPLES);
+    let mut total = 0.0;
+    let mut pending: Vec<(f64, f64)> = (0..SAMPLES).rev().map(|k| (k as f64, 1.0)).collect();
+    while let Some((begin, length)) = pending.pop() {
+        let size = h(min + (begin + 0.5 * length) * step);
+        let half = 0.5 * length;
+        if size < LEAST * length * step {
+            pending.extend([(begin + half, half), (begin, half)]);
+        } else {
+            total += length * step / size;
+            samples.push((begin, length, total));
+        }
     }
-    affordable(count[SAMPLES])?;
-    let n = count[SAMPLES].round().max(1.0) as usize;
+    affordable(total)?;
+    let n = total.round().max(1.0) as usize;
     let mut nodes = vec![min];
-    let mut k = 0;
+    let (mut k, mut before) = (0, 0.0);
     for i in 1..n {
-        let wanted = count[SAMPLES] * i as f64 / n as f64;
-        while count[k + 1] < wanted {
+        let wanted = total * i as f64 / n as f64;
+        while samples[k].2 < wanted {
+            before = samples[k].2;
             k += 1;
         }
-        nodes.push(min + step * (k as f64 + (wanted - count[k]) / (count[k + 1] - count[k])));
+        let (begin, length, until) = samples[k];
+        nodes.push(min + step * (begin + length * ((wanted - before) / (until - before))));
     }
     nodes.push(max);
     Ok(nodes)
@@ -150,6 +167,16 @@ mod tests {
         for pair in nodes.windows(2) {
             let ratio = (pair[1] - pair[0]) / GRADED.along(|_| 0.5 * (pair[0] + pair[1]));
             assert!((0.95..1.05).contains(&ratio), "{ratio}");
+        }
+    }
+
+    #[test]
+    fn no_minimum_of_the_size_is_missed() {
+        let h = |x: f64| 1e-7 + 0.3 * (x - 0.4321).abs();
+        let nodes = divided(0.0, 1.0, h).unwrap();
+        for pair in nodes.windows(2) {
+            let ratio = (pair[1] - pair[0]) / h(0.5 * (pair[0] + pair[1]));
+            assert!((0.8..1.3).contains(&ratio), "{ratio} at {}", pair[0]);
         }
     }
 

@@ -1,0 +1,208 @@
+//! Steady flow past a cylinder in a channel that does not know it, with and without a flag.
+
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use cutwater::mesh::SimplexMesh;
+use cutwater::mesh::generate::{Region, RegionShape, Size, refined_box};
+use cutwater::solver::{FluidBoundary, Setup, State};
+
+use super::flow::{self, fluid_of, force, interface, polygon, wet};
+use super::{Failure, P, Run, V};
+
+/// Height of the channel; centre and radius of the cylinder, m.
+const HEIGHT: f64 = 0.41;
+pub(super) const CENTRE: [f64; 2] = [0.2, 0.2];
+pub(super) const RADIUS: f64 = 0.05;
+/// End of the flag and half of its thickness, m.
+const FLAG_END: f64 = 0.6;
+const FLAG_HALF: f64 = 0.01;
+/// Corners of the polygon that stands for the circle. It has the area of the disk, so its corners are `(2π/n)²/12 = 1.3e-5`
+/// radii outside of the circle, and the middles of its edges half as far inside. The drag changes about as much.
+pub(super) const N_CORNERS: usize = 512;
+/// Size of cells far away over that at the obstacle.
+pub(super) const COARSE: f64 = 8.0;
+/// Cells at the corners of the flag are finer by this factor. There the pressure goes like the distance to the power -0.46.
+const FINER_AT_CORNERS: f64 = 16.0;
+/// Length of a step in which inertia is negligible, s.
+const LONG: f64 = 1e9;
+/// Largest relative change of the force in the last step, and largest number of steps.
+const UNCHANGED: f64 = 1e-6;
+const MOST_STEPS: usize = 10;
+
+/// A fluid that flows through a channel, past the cylinder.
+#[derive(Clone, Copy)]
+pub(super) struct Channel {
+    pub(super) length: f64,
+    pub(super) density: f64,
+    pub(super) viscosity: f64,
+    /// Mean speed of the parabolic inflow.
+    pub(super) speed: f64,
+    /// Whether there is a flag behind the cylinder.
+    pub(super) has_flag: bool,
+}
+
+/// Resolution of the obstacle and of the fluid.
+#[derive(Clone, Copy)]
+pub(super) struct Resolution {
+    /// Cells in a diameter of the cylinder.
+    pub(super) cells: usize,
+    /// Size of cells far away over that at the obstacle.
+    pub(super) coarse: f64,
+    /// Corners of the polygon that stands for the circle.
+    pub(super) n_corners: usize,
+}
+
+impl Resolution {
+    pub(super) fn new(cells: usize) -> Self {
+        Self { cells, coarse: COARSE, n_corners: N_CORNERS }
+    }
+
+    /// Returns the size of cells at the obstacle.
+    pub(super) fn h(&self) -> f64 {
+        2.0 * RADIUS / self.cells as f64
+    }
+}
+
+/// A steady flow.
+pub(super) struct Steady {
+    pub(super) setup: Setup<2>,
+    pub(super) state: State<2>,
+    pub(super) n_dofs: usize,
+    /// Steps and iterations of Newton's method until the flow did not change.
+    pub(super) n_steps: usize,
+    pub(super) n_iterations: usize,
+    /// Force on the obstacle, from the variational traction of the mortar.
+    pub(super) force: V,
+    /// The part of it that is the traction of the fluid.
+    pub(super) by_traction: V,
+}
+
+impl Channel {
+    /// Computes the steady flow by long steps of implicit Euler, beginning at rest.
+    ///
+    /// # Errors
+    /// The flow still changes after many steps.
+    pub(super) fn steady(&self, resolution: &Resolution) -> Result<Steady, Failure> {
+        let mut run = Run::lagged(self.setup(resolution)?)?;
+        let (mut before, mut n_iterations) = (V::zeros(), 0);
+        for n_steps in 1..=MOST_STEPS {
+            let report = run.advance()?;
+            n_iterations += report.newton.iterations;
+            let (force, _) = force(&run.state, &report, 0, &P::zeros())?;
+            if (force - before).norm() <= UNCHANGED * force.norm() {
+                let pieces = interface(&run.state, &report)?;
+                let by_traction = pieces.map(|(piece, on_piece)| on_piece.fluid * piece.measure).sum();
+                let Run { setup, state, .. } = run;
+                return Ok(Steady { setup, state, n_dofs: report.n_dofs, n_steps, n_iterations, force, by_traction });
+            }
+            before = force;
+        }
+        Err(format!("the flow still changes after {MOST_STEPS} steps").into())
+    }
+
+    /// Returns the inflow at a height, and its derivative.
+    fn inflow(&self, y: f64) -> [f64; 2] {
+        let scale = 6.0 * self.speed / (HEIGHT * HEIGHT);
+        [scale * y * (HEIGHT - y), scale * (HEIGHT - 2.0 * y)]
+    }
+
+    fn setup(&self, resolution: &Resolution) -> Result<Setup<2>, Failure> {
+        let mut fluid = flow::fluid(self.background(resolution)?, self.density, self.viscosity);
+        fluid.convection = Some(false);
+        let channel = *self;
+        let inflow = FluidBoundary::Velocity(Arc::new(move |x: &P, _| V::new(channel.inflow(x[1])[0], 0.0)));
+        // The traction of the developed flow in the form with the symmetric gradient: the condition "do nothing" of the form with
+        // the full gradient.
+        let shear = move |x: &P, _: &V, _| V::new(0.0, channel.viscosity * channel.inflow(x[1])[1]);
+        let outflow = FluidBoundary::Open { traction: Some(Arc::new(shear)), backflow: false };
+        for (side, condition) in
+            [("left", inflow), ("right", outflow), ("bottom", FluidBoundary::NoSlip), ("top", FluidBoundary::NoSlip)]
+        {
+            let tag = fluid.background.tag(side).ok_or("a side has no name")?;
+            fluid.boundary.push((tag, condition));
+        }
+        let mut setup = flow::problem(fluid, LONG);
+        let at_rest = Arc::new(|_: &P, _: f64| V::zeros());
+        setup.bodies.push(polygon(&[self.obstacle(resolution.n_corners)], |x, _| *x, at_rest));
+        Ok(setup)
+    }
+
+    /// Returns the corners of the obstacle. The cylinder has the radius of a regular polygon with the area of the disk.
+    fn obstacle(&self, n_corners: usize) -> Vec<P> {
+        let [x, y] = CENTRE;
+        if !self.has_flag {
+            return flow::disk(P::new(x, y), RADIUS, n_corners);
+        }
+        let step = TAU / n_corners as f64;
+        let radius = RADIUS * (step / step.sin()).sqrt();
+        let first = (FLAG_HALF / radius).asin();
+        let turn = (TAU - 2.0 * first) / n_corners as f64;
+        let on_arc = |k: usize| {
+            let angle = first + turn * k as f64;
+            P::new(x + radius * angle.cos(), y + radius * angle.sin())
+        };
+        let end = [-FLAG_HALF, FLAG_HALF].map(|dy| P::new(FLAG_END, y + dy));
+        end.into_iter().chain((0..=n_corners).map(on_arc)).collect()
+    }
+
+    /// Returns the mesh of the channel. The size of cells grows in proportion to the distance from the centre of the cylinder, and from the
+    /// flag as fast.
+    fn background(&self, resolution: &Resolution) -> Result<SimplexMesh<2>, Failure> {
+        let h = resolution.h();
+        let near = |from: [f64; 2], to: [f64; 2], within: f64, size: f64| Region {
+            shape: RegionShape::Segment { ends: [from.into(), to.into()], within },
+            size,
+            growth: h / RADIUS,
+        };
+        let mut regions = vec![near(CENTRE, CENTRE, RADIUS, h)];
+        if self.has_flag {
+            regions.push(near(CENTRE, [FLAG_END, CENTRE[1]], FLAG_HALF, h));
+            for dy in [-FLAG_HALF, FLAG_HALF] {
+                let corner = [FLAG_END, CENTRE[1] + dy];
+                regions.push(Region { growth: 0.1, ..near(corner, corner, 0.0, h / FINER_AT_CORNERS) });
+            }
+        }
+        let size = Size::uniform(resolution.coarse * h);
+        Ok(refined_box([0.0, 0.0], [self.length, HEIGHT], &size, &regions)?)
+    }
+}
+
+impl Steady {
+    /// Returns velocity and pressure at a point.
+    ///
+    /// # Errors
+    /// The point is outside of the fluid.
+    pub(super) fn at(&self, x: &P) -> Result<(V, f64), Failure> {
+        const OUTSIDE: &str = "the point is outside of the fluid";
+        let fluid = wet(&self.state)?;
+        let (cell, shape) = fluid_of(&self.setup)?.background.cell_index().locate(x).ok_or(OUTSIDE)?;
+        let dofs = fluid.space.dofs(fluid.cut.parts(cell).next().ok_or(OUTSIDE)?);
+        let sum = |velocity_and_pressure: (V, f64), (&k, n): (&u32, f64)| {
+            let k = k as usize;
+            (velocity_and_pressure.0 + fluid.velocity[k] * n, velocity_and_pressure.1 + fluid.pressure[k] * n)
+        };
+        Ok(dofs.iter().zip(shape).fold((V::zeros(), 0.0), sum))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn obstacles_have_the_area_of_disk_and_flag() {
+        let channel = |has_flag| Channel { length: 2.5, density: 1.0, viscosity: 1.0, speed: 1.0, has_flag };
+        let disk = std::f64::consts::PI * RADIUS * RADIUS;
+        // The flag begins at the centre, and this part of it is in the disk.
+        let inside = RADIUS * RADIUS * (FLAG_HALF / RADIUS).asin()
+            + FLAG_HALF * (RADIUS * RADIUS - FLAG_HALF * FLAG_HALF).sqrt();
+        let flag = 2.0 * FLAG_HALF * (FLAG_END - CENTRE[0]);
+        for (has_flag, expected) in [(false, disk), (true, disk + flag - inside)] {
+            let corners = channel(has_flag).obstacle(N_CORNERS);
+            let next = corners.iter().cycle().skip(1);
+            let area: f64 = corners.iter().zip(next).map(|(a, b)| 0.5 * (a[0] * b[1] - a[1] * b[0])).sum();
+            assert!((area / expected - 1.0).abs() < 2e-5, "{area} {expected}");
+        }
+    }
+}
