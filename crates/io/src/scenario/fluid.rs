@@ -144,7 +144,7 @@ choices! {
             max: At<Components<f64>> [unit(Quantity::LENGTH)],
             /// Mean diameter of the cells: a number, or sizes graded along an axis.
             size: At<OrTable<f64, GradedSize>> [unit(Quantity::LENGTH), positive],
-            /// Regions near which cells are finer. Where several sizes apply, the smallest one counts.
+            /// Regions near which cells are finer, between `min` and `max`. Where several sizes apply, the smallest one counts.
             refine: Vec<At<Refinement>>,
             /// Whether the mirror image across the left side is added.
             mirrored: bool = false,
