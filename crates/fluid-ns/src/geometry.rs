@@ -19,7 +19,8 @@ pub struct FluidGeometry<'a, const D: usize> {
     pub parts: &'a PartValues<D>,
     /// Jumps over faces.
     pub faces: &'a [FaceValue<D>],
-    /// Velocity history `u*`, one value per dof of the space. The weights of all stabilisations depend on it.
+    /// Velocity `u*`, one value per dof of the space: the history, or its extrapolation to the stage. The weights of all
+    /// stabilisations depend on it.
     pub history: &'a [Vector<D>],
     /// Acceleration at the stage, affine in the velocity there; one value per dof of the space.
     pub acceleration: &'a Affine<Vector<D>>,

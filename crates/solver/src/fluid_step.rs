@@ -42,6 +42,8 @@ pub(crate) struct FluidStep<'a, const D: usize> {
     pub(crate) sources: Sources,
     /// Velocity `u*` and acceleration at the start on the space of the step, one value per dof.
     start: Level<Vector<D>>,
+    /// Velocity extrapolated to the stage, for the weights of stabilisations; `None` if accelerations are not known.
+    extrapolated: Option<Vec<Vector<D>>>,
     weights: Weights,
     /// Acceleration at the stage.
     acceleration: Affine<Vector<D>>,
@@ -106,6 +108,9 @@ impl<'a, const D: usize> FluidStep<'a, D> {
             let of_bodies = |item| surfaces.accelerations(item, &start.velocity);
             pieces.set_relative_accelerations(&cut, &space, &start.acceleration, of_bodies);
         }
+        let moved = |(u, a): (&Vector<D>, &Vector<D>)| u + a * ahead;
+        let extrapolated = (!start.acceleration.is_empty())
+            .then(|| start.velocity.iter().zip(&start.acceleration).map(moved).collect());
         let weights = time.weights;
         let acceleration = Affine::new(&weights.stage_acceleration, &start);
         let velocity = layout.push_keyed("velocity", space.keys(), D);
@@ -124,6 +129,7 @@ impl<'a, const D: usize> FluidStep<'a, D> {
             pieces,
             sources,
             start,
+            extrapolated,
             weights,
             acceleration,
             velocity,
@@ -139,7 +145,7 @@ impl<'a, const D: usize> FluidStep<'a, D> {
             space: &self.space,
             parts: &self.parts,
             faces: &self.faces,
-            history: &self.start.velocity,
+            history: self.extrapolated.as_deref().unwrap_or(&self.start.velocity),
             acceleration: &self.acceleration,
         }
     }

@@ -15,6 +15,13 @@ const RIGID: f64 = -594.5;
 /// Largest relative error of the extrapolated acceleration.
 const ACCURACY: f64 = 0.005;
 
+/// Required order in the time step of the velocity of the rigid ball, with the scheme of second order, and its spectral radius.
+const TIME_ORDER: f64 = 1.8;
+const RHO_INF: f64 = 0.5;
+/// Time of that velocity, and the longest step.
+const FALL: f64 = 0.04;
+const LONGEST_STEP: f64 = 4e-3;
+
 /// Measures the first acceleration of a rigid ball, and the mean of the elastic one over 10 ms.
 pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let sizes: &[f64] = if record.full { &[0.4, 0.2, 0.1, 0.05] } else { &[0.8, 0.4, 0.2] };
@@ -41,9 +48,38 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
         }
         curves.push((name.to_owned(), curve));
     }
+    let mut changes = Vec::new();
+    for pair in (0..5).map(|k| LONGEST_STEP * 0.5_f64.powi(k)).collect::<Vec<_>>().windows(2) {
+        changes.push((pair[0], (velocity(pair[0])? - velocity(pair[1])?).abs()));
+    }
+    record.order(
+        "free rigid ball, generalised-α: velocity at 40 ms, change when dt is halved [cm/s]",
+        "dt",
+        &changes,
+        TIME_ORDER,
+    );
     record.figure("Acceleration of the ball [cm/s²]", "h [cm]", curves);
     record.note("The virtual barrier with cells of one size and the standard stabilisation; linear extrapolation from the last two meshes.");
     Ok(())
+}
+
+/// Computes the velocity of the rigid ball after a fall of [`FALL`], with the scheme of second order.
+fn velocity(dt: f64) -> Result<f64, Failure> {
+    let set = [
+        "background.size=0.4".to_owned(),
+        "body.0.shape.size=0.4".to_owned(),
+        "fluid.stabilisation=standard".to_owned(),
+        format!("time.step={dt}"),
+        format!("time.end={FALL}"),
+        format!("time.scheme={{ kind = \"generalised-alpha\", rho_inf = {RHO_INF} }}"),
+    ];
+    let mut case = case::<2>(&ScenarioFile::read(&scenario_path("virtual-barrier"), &set)?)?;
+    make_rigid(&mut case.setup)?;
+    let mut run = Run::lagged(case.setup)?;
+    for _ in 0..case.n_steps {
+        run.advance()?;
+    }
+    Ok(run.state.bodies[0].velocity().first().ok_or("the ball has vertices")?[1])
 }
 
 /// Computes the velocity of the centre of mass after some steps, divided by the time.

@@ -5,13 +5,13 @@ use std::sync::Arc;
 
 use cutwater::mesh::SimplexMesh;
 use cutwater::mesh::generate::structured_box;
-use cutwater::solver::{FluidBoundary, Stabilisation};
+use cutwater::solver::{FluidBoundary, Setup, Stabilisation};
 
 use super::dry::{mapped, second_order};
 use super::flow::{PAPERS_PENALTY, fluid_mut};
 use super::linear_flow::still;
 use super::mode::{Mode, RADIUS, frequency_of};
-use super::{Failure, P, Record, Run, short};
+use super::{Failure, P, Record, Run, V, short};
 
 /// Viscosity of the falling balls' fluid, P; its density is that of the disk, one.
 const VISCOSITY: f64 = 1e-2;
@@ -29,6 +29,9 @@ const SETS: [(Stabilisation, &str); 2] = [(Stabilisation::STANDARD, "slips"), (P
 /// Time steps in a period, and periods that are counted.
 const STEPS: f64 = 40.0;
 const PERIODS: f64 = 2.5;
+
+/// Required order in the time step of the amplitude after three quarters of a period.
+const TIME_ORDER: f64 = 1.8;
 
 pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let sizes: &[f64] = if record.full { &[0.8, 0.4, 0.2] } else { &[0.8, 0.4] };
@@ -57,6 +60,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
             record.show(quantity, found, Some(mode.hertz()));
         }
     }
+    order_in_time(record)?;
     record.figure("Frequency over that of a disk in ideal fluid", "h [cm]", curves);
     record.note(format!(
         "{STEPS} steps in a period, {PERIODS} periods from the shape of the mode at rest; generalised-α (rho_inf = 0.8). Open \
@@ -70,8 +74,45 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Measures the order in the time step of the coupled vibration.
+fn order_in_time(record: &mut Record) -> Result<(), Failure> {
+    let (n, exact) = MODES[0];
+    let mode = Mode::new(n, exact);
+    let (mut changes, mut coarser) = (Vec::new(), None);
+    for k in 0..5 {
+        let steps = 12 << k;
+        let (setup, amplitude) = vibration(&mode, 0.8, f64::from(steps), Stabilisation::STANDARD)?;
+        let mut run = Run::lagged(setup)?;
+        let at_start = amplitude(run.state.bodies[0].displacement());
+        for _ in 0..3 * steps / 4 {
+            run.advance()?;
+        }
+        let found = amplitude(run.state.bodies[0].displacement()) / at_start;
+        if let Some(coarser) = coarser {
+            let difference: f64 = found - coarser;
+            changes.push((2.0 / f64::from(steps), difference.abs()));
+        }
+        coarser = Some(found);
+    }
+    let quantity =
+        format!("n = {n}, fluid slips, h = 0.8 cm: amplitude after 3/4 of a period, change when dt is halved");
+    record.order(&quantity, "dt in periods", &changes, TIME_ORDER);
+    Ok(())
+}
+
 /// Returns the frequency of a mode, Hz.
 fn frequency(mode: &Mode, h: f64, steps: f64, set: Stabilisation) -> Result<f64, Failure> {
+    let (setup, amplitude) = vibration(mode, h, steps, set)?;
+    frequency_of(Run::lagged(setup)?, (PERIODS + 0.5) / mode.hertz(), amplitude)
+}
+
+/// Returns the setup of a disk in the shape of a mode, and the map of its displacements to the amplitude of the mode.
+fn vibration(
+    mode: &Mode,
+    h: f64,
+    steps: f64,
+    set: Stabilisation,
+) -> Result<(Setup<2>, impl Fn(&[V]) -> f64 + use<>), Failure> {
     let period = 1.0 / mode.hertz();
     let open = || FluidBoundary::Open { traction: None, backflow: false };
     let mut setup = still(background(h)?, VISCOSITY, period / steps, 1e-9, open)?;
@@ -80,7 +121,7 @@ fn frequency(mode: &Mode, h: f64, steps: f64, set: Stabilisation) -> Result<f64,
     let body = mode.disk(h, Arc::clone(&setup.scheme))?;
     let amplitude = mode.projection(&body.solid);
     setup.bodies.push(body.body("disk")?);
-    frequency_of(Run::lagged(setup)?, (PERIODS + 0.5) * period, amplitude)
+    Ok((setup, amplitude))
 }
 
 /// Returns a box whose cells have size `h` at the disk and grow with the distance.

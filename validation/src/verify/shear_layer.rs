@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
+use cutwater::algebra::time::ImplicitEuler;
 use cutwater::mesh::generate::structured_box;
 use cutwater::mesh::nalgebra::Complex;
 use cutwater::mesh::{FacetId, VertexId};
@@ -11,6 +12,7 @@ use cutwater::solid_svk::{
 };
 use cutwater::solver::{FluidBoundary, Setup, StepReport};
 
+use super::dry::{Scheme, second_order};
 use super::flow::{self, Flow, Known, fluid_mut, fluid_of, wet};
 use super::signal::mean;
 use super::{Failure, P, Record, Run, T, V, short};
@@ -42,6 +44,9 @@ const KNOWN: [(&str, [f64; 2]); 3] = [
 ];
 /// Required orders in h and in the time step.
 const ORDERS: [f64; 2] = [1.9, 0.95];
+/// Required order of the scheme of second order in the time step, and its spectral radius.
+const SECOND_ORDER: f64 = 1.8;
+const RHO_INF: f64 = 0.5;
 
 /// Measures orders in h, with dt ~ h², and in dt.
 pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
@@ -55,18 +60,20 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     );
     record.near("closed form: its phase", layer.at_interface.arg(), KNOWN_INTERFACE[1], 1e-5);
     let sizes: &[usize] = if record.full { &[10, 20, 40, 80] } else { &[10, 20, 40] };
+    let euler: Scheme = Arc::new(ImplicitEuler);
     let mut in_space = Vec::new();
     for &n in sizes {
         let steps = 40 * (n / 10) * (n / 10);
-        in_space.push((1.0 / n as f64, run([n, n], steps)?));
+        in_space.push((1.0 / n as f64, run([n, n], steps, &euler)?));
     }
     // Nothing depends on x: a mesh that is fine in y alone leaves little but the error in time.
     let fine = if record.full { [20, 320] } else { [10, 160] };
     let mut in_time = Vec::new();
     for k in 0..5 {
         let steps = 80 << k;
-        in_time.push((END / steps as f64, run(fine, steps)?));
+        in_time.push((END / steps as f64, run(fine, steps, &euler)?));
     }
+    of_second_order(record, fine)?;
     for (unit, sequence, order) in [("h", &in_space, ORDERS[0]), ("dt", &in_time, ORDERS[1])] {
         let pick = |of: fn(&Measured) -> f64| sequence.iter().map(|(x, m)| (*x, of(m))).collect::<Vec<_>>();
         let (fluid, solid) = (pick(|m| m.fluid), pick(|m| m.solid));
@@ -117,10 +124,37 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Measures the order in time of the scheme of second order: of the changes when the step is halved, which are free of the error in
+/// space. The change of single dofs is shown: those inside of the body have values that no fluid has.
+fn of_second_order(record: &mut Record, n: [usize; 2]) -> Result<(), Failure> {
+    let scheme = second_order(RHO_INF)?;
+    let mut changes = [Vec::new(), Vec::new(), Vec::new()];
+    let mut coarser: Option<(f64, Measured)> = None;
+    for k in 0..5 {
+        let steps = 20 << k;
+        let found = run(n, steps, &scheme)?;
+        if let Some((dt, coarser)) = &coarser {
+            let [fluid, finer] = [&coarser.run.state, &found.run.state].map(wet);
+            let of_velocity = flow::differences(&found.run.setup, &coarser.run.state, &found.run.state)?.velocity;
+            changes[0].push((*dt, of_velocity));
+            changes[1].push((*dt, largest_change(&coarser.displacement, &found.displacement)));
+            changes[2].push((*dt, largest_change(&fluid?.velocity, &finer?.velocity)));
+        }
+        coarser = Some((END / steps as f64, found));
+    }
+    let [velocity, displacement, of_dofs] = &changes;
+    record.order("generalised-α: fluid velocity, change in L2 when dt is halved", "dt", velocity, SECOND_ORDER);
+    record.order("generalised-α: displacement, largest change when dt is halved", "dt", displacement, SECOND_ORDER);
+    record.show_order("generalised-α: fluid velocity, largest change of a dof when dt is halved", "dt", of_dofs);
+    Ok(())
+}
+
 /// Results of one run.
 struct Measured {
     /// Error of the velocity of the fluid in L2, cm²/s.
     fluid: f64,
+    /// The run at its end.
+    run: Run,
     /// Displacement of the vertices of the body, and its largest error.
     displacement: Vec<V>,
     solid: f64,
@@ -137,15 +171,16 @@ impl Measured {
 }
 
 /// Computes half a period; `n` is the number 1/h in x and in y.
-fn run(n: [usize; 2], steps: usize) -> Result<Measured, Failure> {
+fn run(n: [usize; 2], steps: usize, scheme: &Scheme) -> Result<Measured, Failure> {
     let layer = Arc::new(Layer::new());
     let known = Known { flow: Arc::clone(&layer), density: DENSITY, viscosity: VISCOSITY, convects: true, open: &[] };
     let solid = solid(n)?;
-    let mut run = Run::new(setup(&known, n, END / steps as f64)?)?;
+    let setup = Setup { scheme: Arc::clone(scheme), ..setup(&known, n, END / steps as f64)? };
+    let mut run = Run::new(setup)?;
     let mut amplitudes = [Complex::new(0.0, 0.0); 3];
     for step in 1..=steps {
-        let end = run.state.time + run.setup.dt;
-        run.setup.bodies = vec![Arc::new(body(&layer, solid.clone(), end)?)];
+        let stage = run.state.step_time(&run.setup, run.setup.dt).stage();
+        run.setup.bodies = vec![Arc::new(body(&layer, solid.clone(), stage)?)];
         let report = run.advance()?;
         // Real parts of the amplitudes times i, and times i².
         if 2 * step == steps || step == steps {
@@ -158,12 +193,9 @@ fn run(n: [usize; 2], steps: usize) -> Result<Measured, Failure> {
     let vertices = setup.bodies[0].reference().iter().zip(state.bodies[0].displacement());
     let errors = vertices.map(|(x, d)| (d[0] - layer.displacement(x[1], state.time)).abs());
     let solid = errors.fold(0.0, f64::max);
-    Ok(Measured {
-        fluid: known.errors(setup, state)?.velocity,
-        displacement: state.bodies[0].displacement().to_vec(),
-        solid,
-        amplitudes,
-    })
+    let fluid = known.errors(setup, state)?.velocity;
+    let displacement = state.bodies[0].displacement().to_vec();
+    Ok(Measured { fluid, displacement, solid, amplitudes, run })
 }
 
 fn largest_change(a: &[V], b: &[V]) -> f64 {
