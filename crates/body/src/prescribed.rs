@@ -72,6 +72,9 @@ impl<const D: usize> Body<D> for PrescribedBody<D> {
     fn step<'s>(&'s self, begin: &'s BodyState<D>, time: &StepTime, _: &mut BlockLayout) -> Box<dyn BodyStep<D> + 's> {
         let (times, shifted) = ([time.of_geometry(), time.stage()], &time.weights.shifted[0]);
         let mut end = self.state(time.end);
+        if time.weights.acceleration != Row::default() {
+            end.level.acceleration = self.acceleration(&end, time);
+        }
         let surface = SurfaceMotion {
             boundary: &self.boundary,
             geometry: self.geometry(begin, time),
@@ -80,9 +83,6 @@ impl<const D: usize> Body<D> for PrescribedBody<D> {
             slope: 0.0,
             velocity: SurfaceVelocity::Given(Box::new(move |x| (self.velocity)(x, times))),
         };
-        if time.weights.acceleration != Row::default() {
-            end.level.acceleration = self.acceleration(&end, time);
-        }
         Box::new(PrescribedStep { surface, end })
     }
 
