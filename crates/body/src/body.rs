@@ -1,5 +1,6 @@
 //! The traits of bodies.
 
+use algebra::time::Row;
 use algebra::{BlockLayout, Constraints, Contributions};
 use mesh::{BoundaryMesh, Point, Vector};
 
@@ -44,6 +45,11 @@ pub trait Body<const D: usize>: Send + Sync {
 
     /// Returns the mass, momentum, energies, centre and volume; `None` for a body of prescribed motion.
     fn balance(&self, state: &BodyState<D>) -> Option<Balance<D>>;
+
+    /// Returns the state with displacement and velocity by two rows of a time scheme, and the acceleration of `rates`.
+    fn moved(&self, state: &BodyState<D>, rates: &BodyState<D>, rows: &[Row; 2]) -> BodyState<D> {
+        BodyState { level: state.level.by(&rates.level, rows), inner: Vec::new() }
+    }
 
     /// Returns the cells with their stresses, for output. A body without cells is drawn as its surface.
     fn cells(&self, _state: &BodyState<D>) -> Option<CellOutput<'_, D>> {

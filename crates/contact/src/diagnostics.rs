@@ -12,11 +12,11 @@ use crate::{ContactSites, Positions};
 pub struct ContactReport<const D: usize> {
     /// Smallest gap of the slave's vertices to the whole obstacle; `None` without vertices or obstacle.
     pub minimum_gap: Option<f64>,
-    /// Largest `[ε - Δ]₊` at the quadrature points in contact.
+    /// Largest `[ε - Δ]₊` at the quadrature points in contact, at the shifted positions at which the law acts.
     pub largest_penetration: f64,
-    /// Quadrature points in contact.
+    /// Quadrature points in contact at the end of the step.
     pub n_active: usize,
-    /// Measure of the slave's surface in contact.
+    /// Measure of the slave's surface in contact at the end of the step.
     pub active_area: f64,
     /// Force on the slave, `∫ (λ n^w + τ)`.
     pub force: Vector<D>,
@@ -27,10 +27,11 @@ pub struct ContactReport<const D: usize> {
 }
 
 impl<const D: usize> ContactReport<D> {
-    /// Creates the report at the state `x`, with the velocities at the stage of the step.
-    pub fn new(sites: &ContactSites<'_, D>, x: &[f64]) -> Self {
+    /// Creates the report at the state `x`, with the velocities at the stage of the step and the positions of all vertices of slave
+    /// and master at its end.
+    pub fn new(sites: &ContactSites<'_, D>, x: &[f64], [slave, master]: [&[Point<D>]; 2]) -> Self {
         let mut report = Self {
-            minimum_gap: minimum_gap(sites, x),
+            minimum_gap: minimum_gap(sites, slave, master),
             largest_penetration: 0.0,
             n_active: 0,
             active_area: 0.0,
@@ -41,8 +42,10 @@ impl<const D: usize> ContactReport<D> {
         let law = &sites.pair.form.law;
         for item in 0..sites.len() {
             sites.visit(item, x, |site| {
-                report.n_active += 1;
-                report.active_area += site.weight;
+                if law.is_active(&site.at) {
+                    report.n_active += 1;
+                    report.active_area += site.weight;
+                }
                 report.largest_penetration = report.largest_penetration.max(law.offset() - site.at.gap);
                 report.stored_energy += site.weight * law.energy_density(&site.at).unwrap_or(0.0);
                 let force = site.frame.vector(&site.traction.value) * site.weight;
@@ -63,10 +66,10 @@ impl<const D: usize> ContactReport<D> {
 
 /// Returns the smallest gap of the vertices of the slave's facets, to the whole obstacle and not to the candidates
 /// only.
-fn minimum_gap<const D: usize>(sites: &ContactSites<'_, D>, x: &[f64]) -> Option<f64> {
-    let (pair, layout) = (&sites.pair, sites.layout);
+fn minimum_gap<const D: usize>(sites: &ContactSites<'_, D>, slave: &[Point<D>], master: &[Point<D>]) -> Option<f64> {
+    let pair = &sites.pair;
     let vertices = pair.slave.boundary.vertices_of(pair.facets);
-    let points: Vec<Point<D>> = vertices.into_iter().map(|v| pair.slave.position_at(v, layout, x)).collect();
-    let projections = pair.obstacle.project_all(&points, Positions::at_end(pair.master, layout, x));
+    let points: Vec<Point<D>> = vertices.into_iter().map(|v| slave[v.index()]).collect();
+    let projections = pair.obstacle.project_all(&points, Positions::Fixed(master));
     points.iter().zip(projections).filter_map(|(x, found)| Some(found?.gap(x))).reduce(f64::min)
 }

@@ -20,8 +20,9 @@
 //! | backflow stabilisation on open boundaries | `terms/backflow.rs` |
 //! | traction given on open boundaries | `terms/traction.rs` |
 //!
-//! `u` and `p` are those at the stage of the step, and `u*` is the velocity at its start, carried to the new space; all stabilisation weights use it, never the unknown, so that they are constant
-//! during Newton's method.
+//! `u` and `p` are those at the stage of the step, and `u*` is the velocity at its start, carried to the new space and extrapolated to
+//! the stage where accelerations are known. All stabilisation weights use `u*`, never the unknown, so that they are constant during
+//! Newton's method.
 
 mod cell;
 mod face;

@@ -38,7 +38,7 @@ pub struct MortarPoint<'a, const D: usize> {
     pub gradients: &'a [Vector<D>; MAX_CELL_VERTICES],
     /// Size `h_K` of the background cell.
     pub cell_size: f64,
-    /// Largest speed `|u* - v^n|` of the fluid relative to the body on the piece, at the start of the step.
+    /// Largest speed `|u* - v^n|` of the fluid relative to the body on the piece, known before the step.
     pub relative_speed: f64,
     /// Largest acceleration of the fluid relative to the body on the piece, at the start of the step; `None` if accelerations are
     /// not known.

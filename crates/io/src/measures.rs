@@ -119,14 +119,16 @@ impl<'a, const D: usize> BodyMeasures<'a, D> {
     }
 
     /// Returns the power of the fluid on the body: the mean traction on each piece of the interface times the velocity
-    /// of the body in the middle of the piece.
+    /// of the body in the middle of the piece, both at the stage of the step.
     pub(crate) fn fluid_power(&self) -> f64 {
         let boundary = self.view.setup.bodies[self.index].surface();
-        let velocities = self.view.state.bodies[self.index].velocity();
+        let alpha = self.view.previous.step_time(self.view.setup, self.step.substep.dt).weights.alpha_f;
+        let [begin, end] = [self.view.previous, self.view.state].map(|state| state.bodies[self.index].velocity());
+        let at_stage = |vertex: usize| end[vertex] * (1.0 - alpha) + begin[vertex] * alpha;
         let power = pieces(self.view, self.step, self.index).map(|(piece, traction)| {
             let share = |vertex: usize| (0..D).map(|k| piece.barycentric[k][vertex]).sum::<f64>() / D as f64;
             let vertices = boundary.facet(piece.facet).iter().enumerate();
-            let velocity = vertices.map(|(k, v)| velocities[v.index()] * share(k)).sum::<Vector<D>>();
+            let velocity = vertices.map(|(k, v)| at_stage(v.index()) * share(k)).sum::<Vector<D>>();
             piece.measure * traction.total().dot(&velocity)
         });
         power.sum()

@@ -45,7 +45,7 @@ impl Balances<'_> {
         let sum = self.results.curve("sum of all energies", diagnostics, "total_energy");
         let mut sum = self.results.over_time("sum of all energies", &units.energy, vec![sum]);
         sum.caption = "Without work of inflow, prescribed motion or forces on the fluid it never grows: viscosity, \
-                       stabilisation, open sides and implicit Euler dissipate."
+                       stabilisation, open sides and the time scheme dissipate."
             .to_owned();
         Ok(gallery(&[each.html()?, sum.html()?]))
     }

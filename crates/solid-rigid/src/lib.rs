@@ -1,12 +1,12 @@
 //! Bodies that move without deforming: three degrees of freedom in 2D, six in 3D.
 //!
-//! The unknowns of a body are the velocity `V` of its centre of mass and its spin `ω` at the end of the step, and with them the
+//! The unknowns of a body are the velocity `V` of its centre of mass and its spin `ω` at the stage of the step, and with them the
 //! velocity of every point, `v(x) = V + ω × (x - c)`. Geometry is explicit in time as everywhere: `c` and the
-//! positions `x` are those at the start of the step, so that `v` is linear in the unknowns ([`modes`]).
+//! positions `x` are extrapolated to the stage, so that `v` is linear in the unknowns ([`modes`]).
 //!
 //! | line | formula | file |
 //! |---|---|---|
-//! | balance of momentum | `(M V - P^n)/Δt - M g`, `(J ω - L^n)/Δt` | `terms/momentum.rs` |
+//! | balance of momentum | `dP/dt - M g`, `dL/dt` at the stage; implicit Euler: `(M V - P^n)/Δt - M g`, `(J ω - L^n)/Δt` | `terms/momentum.rs` |
 //!
 //! Fluid and contact act on the velocities of vertices, which are tied to the unknowns of the body ([`RigidBody`]).
 //!

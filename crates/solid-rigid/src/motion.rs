@@ -100,6 +100,18 @@ impl<const D: usize> RigidMotion<D> {
         }
     }
 
+    /// Returns the motion with place and velocities by two rows of a time scheme, and the accelerations of `rates`.
+    pub fn moved(&self, rates: &Self, [displacement, velocity]: &[Row; 2]) -> Self {
+        let (acceleration, spin_rate, torque) = (rates.acceleration, rates.spin_rate, rates.torque);
+        let known = Self { acceleration, spin_rate, torque, ..*self };
+        let (centre, rotation) = known.place(displacement, &Vector::zeros(), &[0.0; 3]);
+        let sum = |of: &Spin, rate: &Spin| {
+            std::array::from_fn(|k| velocity.velocity * of[k] + velocity.acceleration * rate[k])
+        };
+        let (spin, angular_momentum) = (sum(&self.spin, &spin_rate), sum(&self.angular_momentum, &torque));
+        Self { centre, rotation, velocity: known.by(velocity, &Vector::zeros()), spin, angular_momentum, ..known }
+    }
+
     /// Writes centre, rotation (column by column), velocity, spin, angular momentum and their rates as one list of numbers.
     pub fn to_numbers(&self) -> Vec<f64> {
         let vectors = self.centre.iter().chain(&self.rotation).chain(&self.velocity).chain(&self.acceleration);

@@ -129,6 +129,10 @@ impl<const D: usize> Body<D> for RigidBody<D> {
         Box::new(RigidStep { body: self, begin, time: *time, motion, centre, momentum, vertices, whole, surface })
     }
 
+    fn moved(&self, state: &BodyState<D>, rates: &BodyState<D>, rows: &[Row; 2]) -> BodyState<D> {
+        self.state(&self.motion(state).moved(&self.motion(rates), rows), false)
+    }
+
     fn balance(&self, state: &BodyState<D>) -> Option<Balance<D>> {
         let motion = self.motion(state);
         let mass = self.mass.mass;

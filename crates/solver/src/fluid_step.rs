@@ -32,7 +32,7 @@ const BOUNDARY_DEGREE: usize = 3;
 /// The fluid in one step.
 pub(crate) struct FluidStep<'a, const D: usize> {
     pub(crate) setup: &'a FluidSetup<D>,
-    /// Positions of the vertices of each body at the start of the step.
+    /// Positions of the vertices of each body, extrapolated to the stage.
     positions: Vec<Vec<Point<D>>>,
     pub(crate) cut: CutMesh<D>,
     space: XfemSpace<D>,
@@ -103,14 +103,15 @@ impl<'a, const D: usize> FluidStep<'a, D> {
         let extension = Extension { cut: &cut, space: &space, faces: &faces, pieces: &pieces, sources: &sources };
         let start = surfaces.carry(before, &extension)?;
         seconds.transfer += clock.elapsed().as_secs_f64();
-        pieces.set_relative_speeds(&cut, &space, &start.velocity, |item| surfaces.velocities(item));
+        let moved = |(u, a): (&Vector<D>, &Vector<D>)| u + a * ahead;
+        let extrapolated: Option<Vec<_>> = (!start.acceleration.is_empty())
+            .then(|| start.velocity.iter().zip(&start.acceleration).map(moved).collect());
+        let at_stage = extrapolated.as_ref().unwrap_or(&start.velocity);
+        pieces.set_relative_speeds(&cut, &space, at_stage, |item| surfaces.extrapolated_velocities(item));
         if !start.acceleration.is_empty() {
             let of_bodies = |item| surfaces.accelerations(item, &start.velocity);
             pieces.set_relative_accelerations(&cut, &space, &start.acceleration, of_bodies);
         }
-        let moved = |(u, a): (&Vector<D>, &Vector<D>)| u + a * ahead;
-        let extrapolated = (!start.acceleration.is_empty())
-            .then(|| start.velocity.iter().zip(&start.acceleration).map(moved).collect());
         let weights = time.weights;
         let acceleration = Affine::new(&weights.stage_acceleration, &start);
         let velocity = layout.push_keyed("velocity", space.keys(), D);
@@ -180,12 +181,25 @@ impl<'a, const D: usize> FluidStep<'a, D> {
 
     /// Returns the terms on open boundaries.
     pub(crate) fn open_terms<'p>(&'p self, layout: &'p BlockLayout) -> Vec<Box<dyn Contributions + 'p>> {
+        self.on_open_boundaries(layout, true)
+    }
+
+    /// Returns the tractions on open boundaries.
+    pub(crate) fn tractions<'p>(&'p self, layout: &'p BlockLayout) -> Vec<Box<dyn Contributions + 'p>> {
+        self.on_open_boundaries(layout, false)
+    }
+
+    fn on_open_boundaries<'p>(
+        &'p self,
+        layout: &'p BlockLayout,
+        with_backflow: bool,
+    ) -> Vec<Box<dyn Contributions + 'p>> {
         let (geometry, fields) = (self.geometry(), self.fields(layout));
         let integral = |OpenTerms { points, traction, backflow }: &'p OpenTerms<'a, D>| {
             let points = OpenBoundary { geometry, fields, points };
             let mut integral = Integral::linear("open boundary", points, Vec::new());
             integral.extend(traction.as_ref());
-            integral.extend(backflow.as_ref());
+            integral.extend(backflow.as_ref().filter(|_| with_backflow));
             Box::new(integral) as Box<dyn Contributions + 'p>
         };
         self.open_boundaries.iter().map(integral).collect()
@@ -233,13 +247,25 @@ impl<'a, const D: usize> FluidStep<'a, D> {
 
     /// Returns the kinetic energy at the end of the step.
     pub(crate) fn kinetic_energy(&self, layout: &BlockLayout, x: &[f64]) -> f64 {
-        let velocity = self.end(layout, x).velocity;
-        kinetic_energy(self.setup.material.density, &self.cut, &self.space, &self.parts, &velocity)
+        self.kinetic_energy_of(&self.end(layout, x).velocity)
     }
 
-    /// Returns the kinetic energy of the history.
-    pub(crate) fn kinetic_energy_of_history(&self) -> f64 {
-        kinetic_energy(self.setup.material.density, &self.cut, &self.space, &self.parts, &self.start.velocity)
+    fn kinetic_energy_of(&self, velocity: &[Vector<D>]) -> f64 {
+        kinetic_energy(self.setup.material.density, &self.cut, &self.space, &self.parts, velocity)
+    }
+
+    /// Returns the energies of the scheme on the geometry of the step: that carried over, that at the start, and that at the end. They
+    /// differ at the start of a run, where the acceleration is that at the end.
+    pub(crate) fn scheme_energies(&self, layout: &BlockLayout, x: &[f64]) -> [f64; 3] {
+        let (start, end) = (&self.start, self.end(layout, x));
+        let rates = if start.acceleration.is_empty() { &end } else { start };
+        [self.scheme_energy(start, start), self.scheme_energy(start, rates), self.scheme_energy(&end, &end)]
+    }
+
+    /// Returns the energy of the scheme for the acceleration of `rates`.
+    fn scheme_energy(&self, level: &Level<Vector<D>>, rates: &Level<Vector<D>>) -> f64 {
+        let motions = self.weights.of_energy.map(|rows| self.kinetic_energy_of(&level.by(rates, &rows).velocity));
+        0.5 * (motions[0] + motions[1])
     }
 
     /// Returns the fluid at the end of the step.
@@ -252,10 +278,20 @@ impl<'a, const D: usize> FluidStep<'a, D> {
     ) -> FluidState<D> {
         let mut pressure = x[layout.range(self.pressure)].to_vec();
         pockets.iter().for_each(|pocket| pocket.remove_mean(self.geometry(), &mut pressure));
-        let kinetic_energy = self.kinetic_energy(layout, x);
-        let Level { velocity, acceleration, .. } = self.end(layout, x);
-        let Self { positions, cut, space, .. } = self;
-        FluidState { positions, cut, space, velocity, acceleration, pressure, pressure_time, kinetic_energy }
+        let end = self.end(layout, x);
+        let (kinetic_energy, scheme_energy) = (self.kinetic_energy_of(&end.velocity), self.scheme_energy(&end, &end));
+        let (Level { velocity, acceleration, .. }, Self { positions, cut, space, .. }) = (end, self);
+        FluidState {
+            positions,
+            cut,
+            space,
+            velocity,
+            acceleration,
+            pressure,
+            pressure_time,
+            kinetic_energy,
+            scheme_energy,
+        }
     }
 }
 

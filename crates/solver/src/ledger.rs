@@ -12,21 +12,22 @@ use crate::problem::contact_work;
 /// Energy that each part of the discrete problem took in a step; negative if it gave energy.
 ///
 /// The weak form is tested with its own solution `(u, p, v_s)`. Each line is the power of a term times the step, minus the
-/// change of the energy that the term stores: kinetic, elastic, of gravity, of contact. The sum of all lines is then minus the change of the
-/// energy, up to the residual of Newton's method.
+/// change of the energy of the scheme ([`algebra::time::Weights::of_energy`]) that the term stores: kinetic, elastic, of gravity, of contact. With
+/// `scheme_storage` the sum of all lines is minus the change of the energy, up to the residual of Newton's method.
 ///
 /// Units: energy (2D: per unit depth).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ledger {
     /// Change of the sum of all energies.
     pub change: f64,
-    /// Transfer to the new domain: kinetic energy of the last step minus that of its velocity on the new space.
+    /// Transfer to the new domain: kinetic energy of the last step minus that of its velocity on the new space. With accelerations
+    /// it contains the change of the energy of the scheme where the length of the step changes.
     pub transfer: f64,
     /// Inertia of the fluid: dissipation of its time scheme.
     pub fluid_scheme: f64,
     /// `2 μ |D(u)|²`.
     pub viscosity: f64,
-    /// `c(u, u, u)`: it has no sign, and pairs with `transfer` and `open_boundary`.
+    /// `c(u, u, u)`: it has no sign, and pairs with `transfer` and `backflow`.
     pub convection: f64,
     /// Interior penalty of the velocity.
     pub cip_velocity: f64,
@@ -36,8 +37,10 @@ pub struct Ledger {
     pub ghost_penalty: f64,
     /// Work against the body force of the fluid.
     pub fluid_force: f64,
-    /// Open boundaries: traction and backflow.
+    /// Work against the tractions on open boundaries.
     pub open_boundary: f64,
+    /// Backflow on open boundaries: the kinetic energy that flows in through them, which `convection` counts as gained.
+    pub backflow: f64,
     /// Consistency and adjoint consistency of the mortar.
     pub mortar: f64,
     /// Normal part of the mortar's penalty.
@@ -48,17 +51,21 @@ pub struct Ledger {
     pub body_scheme: f64,
     /// Work against the loads on bodies.
     pub loads: f64,
-    /// Contacts: work that their laws do not store.
+    /// Contacts: work that their laws do not store, and the change of the stored energy with the area of facets and with the shift of
+    /// positions where the length of the step changes.
     pub contact: f64,
     /// Work against given velocities: on boundaries, and of bodies with a prescribed motion.
     pub given_velocities: f64,
+    /// Change of the energy that the time scheme stores beyond that of the end of the step, in accelerations: it is given back.
+    /// Zero for implicit Euler.
+    pub scheme_storage: f64,
     /// All other terms.
     pub other: f64,
 }
 
 impl Ledger {
     /// Returns the lines with their names, in the order of the fields.
-    pub fn lines(&self) -> [(&'static str, f64); 18] {
+    pub fn lines(&self) -> [(&'static str, f64); 20] {
         [
             ("transfer", self.transfer),
             ("fluid_scheme", self.fluid_scheme),
@@ -69,6 +76,7 @@ impl Ledger {
             ("ghost_penalty", self.ghost_penalty),
             ("fluid_force", self.fluid_force),
             ("open_boundary", self.open_boundary),
+            ("backflow", self.backflow),
             ("mortar", self.mortar),
             ("penalty_normal", self.penalty_normal),
             ("penalty_tangential", self.penalty_tangential),
@@ -76,6 +84,7 @@ impl Ledger {
             ("loads", self.loads),
             ("contact", self.contact),
             ("given_velocities", self.given_velocities),
+            ("scheme_storage", self.scheme_storage),
             ("other", self.other),
             ("defect", self.defect()),
         ]
@@ -86,20 +95,28 @@ impl Ledger {
         self.change + self.losses()
     }
 
-    /// Returns the energy that viscosity, stabilisation and time schemes dissipate: the loss without the work on loads, forces,
-    /// open boundaries and given velocities. It is negative if the step made energy.
+    /// Returns the energy of the scheme that viscosity, stabilisation and time scheme dissipate: the loss without the work on
+    /// loads, forces, open boundaries and given velocities. It is negative if the step made energy.
     pub fn dissipation(&self) -> f64 {
         let given = self.given_velocities + self.fluid_force + self.loads + self.open_boundary;
-        -self.change - given
+        -self.change - self.scheme_storage - given
     }
 
     /// Returns the sum of all lines.
     fn losses(&self) -> f64 {
         let of_fluid = self.transfer + self.fluid_scheme + self.viscosity + self.convection + self.fluid_force;
         let of_faces = self.cip_velocity + self.cip_pressure + self.ghost_penalty;
-        let of_boundary = self.open_boundary + self.given_velocities;
+        let of_boundary = self.open_boundary + self.backflow + self.given_velocities;
         let of_interface = self.mortar + self.penalty_normal + self.penalty_tangential;
-        of_fluid + of_faces + of_boundary + of_interface + self.body_scheme + self.loads + self.contact + self.other
+        of_fluid
+            + of_faces
+            + of_boundary
+            + of_interface
+            + self.body_scheme
+            + self.loads
+            + self.contact
+            + self.scheme_storage
+            + self.other
     }
 }
 
@@ -121,10 +138,13 @@ impl<const D: usize> Problem<'_, D> {
         let mut known = 0.0;
         if let (Some(of_step), Some(points)) = (&step.fluid, &self.interface) {
             known += of_step.add_to_ledger(&mut ledger, layout, x, dt);
-            let at_start = of_step.kinetic_energy_of_history();
-            ledger.transfer = before.fluid_energy() - at_start;
-            ledger.fluid_scheme -= fluid_energy - at_start;
-            ledger.change += fluid_energy - before.fluid_energy();
+            let ([carried, start, end], change) =
+                (of_step.scheme_energies(layout, x), fluid_energy - before.fluid_energy());
+            let transfer = before.fluid.as_ref().map_or(0.0, |fluid| fluid.scheme_energy) - carried;
+            ledger.transfer = transfer;
+            ledger.fluid_scheme -= end - start;
+            ledger.change += change;
+            ledger.scheme_storage += end - start - transfer - change;
             let mortar = work(&of_step.mortar.contributions(points.clone()));
             known += mortar;
             let power = interface_power(points, &of_step.mortar.penalty, x);
@@ -136,10 +156,18 @@ impl<const D: usize> Problem<'_, D> {
         for (b, body) in step.bodies.iter().enumerate() {
             let own: f64 = body.contributions(layout).iter().map(|terms| work(terms.as_ref())).sum();
             let loads: f64 = body.loads(layout).iter().map(|terms| work(terms.as_ref())).sum();
-            let energy = |state: &BodyState<D>| step.setup.bodies[b].balance(state).map_or(0.0, |b| b.energy());
-            let change = energy(&ends[b]) - energy(&before.bodies[b]);
+            let (body, begin, end) = (&step.setup.bodies[b], &before.bodies[b], &ends[b]);
+            let energy = |state: &BodyState<D>| body.balance(state).map_or(0.0, |b| b.energy());
+            let of_scheme = |state: &BodyState<D>, rates: &BodyState<D>| {
+                let motions = step.time.weights.of_energy.map(|rows| energy(&body.moved(state, rates, &rows)));
+                0.5 * (motions[0] + motions[1])
+            };
+            // In the first step the acceleration is constant.
+            let rates = if begin.level.acceleration.is_empty() { end } else { begin };
+            let (change, of_scheme) = (energy(end) - energy(begin), of_scheme(end, end) - of_scheme(begin, rates));
             ledger.change += change;
-            ledger.body_scheme += own - change;
+            ledger.scheme_storage += of_scheme - change;
+            ledger.body_scheme += own - of_scheme;
             ledger.loads += loads;
             known += own + loads;
         }
@@ -172,9 +200,11 @@ impl<const D: usize> FluidStep<'_, D> {
         ledger.cip_velocity = faces([1.0, 0.0, 0.0]);
         ledger.ghost_penalty = faces([0.0, 1.0, 0.0]);
         ledger.cip_pressure = faces([0.0, 0.0, 1.0]);
-        ledger.open_boundary = self.open_terms(layout).iter().map(|terms| dt * terms.power(x)).sum();
+        let open = self.open_terms(layout).iter().map(|terms| dt * terms.power(x)).sum::<f64>();
+        ledger.open_boundary = self.tractions(layout).iter().map(|terms| dt * terms.power(x)).sum();
+        ledger.backflow = open - ledger.open_boundary;
         let of_faces = ledger.cip_velocity + ledger.ghost_penalty + ledger.cip_pressure;
         let of_cells = ledger.fluid_scheme + ledger.viscosity + ledger.convection + ledger.fluid_force;
-        of_cells + of_faces + ledger.open_boundary
+        of_cells + of_faces + open
     }
 }

@@ -27,7 +27,7 @@ impl Substep {
     }
 }
 
-/// One step: fluid, bodies and contacts on the geometry at its start, with their unknowns.
+/// One step: fluid, bodies and contacts on the geometry that is extrapolated to its stage, with their unknowns.
 pub struct Step<'a, const D: usize> {
     pub(crate) setup: &'a Setup<D>,
     pub(crate) previous: &'a State<D>,

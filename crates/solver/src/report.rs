@@ -3,11 +3,12 @@
 use algebra::NewtonReport;
 use algebra::time::Weights;
 use body::{Balance, BodyState};
-use contact::ContactReport;
+use contact::{ContactReport, ContactSites};
 use cutcell::CutReport;
 use interface_dg::{InterfaceFlow, InterfaceTraction, interface_flow, interface_tractions};
-use mesh::{Point, Vector};
+use mesh::{BodyId, Point, Vector};
 
+use crate::setup::Contact;
 use crate::{Ledger, Problem, StageSeconds, Step, Substep};
 
 /// The forces on a movable body at the stage of a step, of which inertia is the sum: a balance that closes to the accuracy of
@@ -111,7 +112,12 @@ impl<const D: usize> Problem<'_, D> {
             n_uncovered: fluid.sources.n_uncovered(),
             n_pockets: step.pockets.len(),
         });
-        let contacts: Vec<_> = self.contacts.iter().map(|sites| ContactReport::new(sites, x)).collect();
+        let positions = |id: BodyId| ends[id.index()].positions(step.setup.bodies[id.index()].reference());
+        let contact = |(contact, sites): (&Contact<D>, &ContactSites<'_, D>)| {
+            let master = contact.master().map(positions).unwrap_or_default();
+            ContactReport::new(sites, x, [&positions(contact.body()), &master])
+        };
+        let contacts: Vec<_> = step.setup.contacts.iter().zip(&self.contacts).map(contact).collect();
         let fluid_energy = fluid.as_ref().map_or(0.0, |fluid| fluid.kinetic_energy);
         let contact_energy = contacts.iter().map(|contact: &ContactReport<D>| contact.stored_energy).sum();
         let ledger = self.ledger(x, ends, [fluid_energy, contact_energy]);

@@ -42,6 +42,8 @@ pub struct FluidState<const D: usize> {
     pub pressure_time: f64,
     /// Kinetic energy on this geometry.
     pub kinetic_energy: f64,
+    /// Kinetic energy of the scheme on this geometry ([`algebra::time::Weights::of_energy`]).
+    pub(crate) scheme_energy: f64,
 }
 
 impl<const D: usize> State<D> {
@@ -73,6 +75,7 @@ impl<const D: usize> State<D> {
                 pressure,
                 pressure_time,
                 kinetic_energy,
+                scheme_energy: kinetic_energy,
             });
         }
         Ok(state)

@@ -41,6 +41,13 @@ impl<const D: usize> Surfaces<'_, D> {
         self.on_facet(item, |vertex| velocity[vertex])
     }
 
+    /// Returns the velocities of the body of an interface piece, extrapolated to the stage where accelerations are known.
+    pub(crate) fn extrapolated_velocities(&self, item: usize) -> OnFacet<D> {
+        let level = &self.previous.bodies[self.cut.interface()[item].body.index()].level;
+        let gained = |vertex| level.acceleration.get(vertex).map_or(Vector::zeros(), |a: &Vector<D>| a * self.ahead);
+        self.on_facet(item, |vertex| level.velocity[vertex] + gained(vertex))
+    }
+
     /// Returns `a - ∇u w` with the acceleration `a` of the body of an interface piece and the velocity `w` with which its surface
     /// moves: `∂u/∂t` at a fixed point, for a fluid of velocity `u` that moves with the body.
     pub(crate) fn accelerations(&self, item: usize, velocity: &[Vector<D>]) -> OnFacet<D> {
@@ -73,7 +80,8 @@ impl<const D: usize> Surfaces<'_, D> {
         let mut velocity = extension.sources.carry(&before.velocity);
         extension.fill(&mut velocity, |item| [self.velocities(item), offsets(item)])?;
         let mut acceleration = Vec::new();
-        if !before.acceleration.is_empty() {
+        // A scheme that evaluates the geometry at the start does not need accelerations.
+        if self.ahead != 0.0 && !before.acceleration.is_empty() {
             acceleration = extension.sources.carry(&before.acceleration);
             extension.fill(&mut acceleration, |item| [self.accelerations(item, &velocity), offsets(item)])?;
         }

@@ -1,5 +1,7 @@
 //! The generalised-α scheme.
 
+use std::f64::consts::FRAC_1_SQRT_2;
+
 use super::{Row, TimeScheme, Weights};
 
 /// Second order, with the least damping of slow vibrations for a given damping of the fastest ones.
@@ -9,13 +11,19 @@ use super::{Row, TimeScheme, Weights};
 /// `v^{n+1} = v^n + Δt ((1-γ) a^n + γ a^{n+1})`, `d^{n+1} = d^n + Δt v^n + Δt² ((1/2-β) a^n + β a^{n+1})`,
 ///
 /// and a stage at `v = (1-α_f) v^{n+1} + α_f v^n`, with displacement alike and acceleration with `α_m`. The same rules advance
-/// fluid, elastic and rigid bodies: for an equation of first order they are of second order too, and `1/2 |v|²` plus a
-/// quadratic form of `Δt a` cannot grow without forces.
+/// fluid, elastic and rigid bodies: for an equation of first order they are of second order too.
 ///
 /// Geometry is extrapolated to the stage. Where `a^n` is unknown, acceleration is taken as constant over the step. No equation
 /// has to be solved for it then, motion under constant acceleration stays exact, and the order is kept.
 ///
-/// The shifted displacement `d + (1/2 - α_f) Δt v + (γ/2 - β) Δt² a` changes by `Δt v` over a step.
+/// The shifted displacement `Y = d + (1/2 - α_f) Δt v + (γ/2 - β) Δt² a` changes by `Δt v` over a step.
+///
+/// With `r = (1-ρ_∞)/(1+ρ_∞)`, `w = Δt a` and `V = v - r/2 w`, the energy of the scheme for mass `M` and stiffness `K` is
+///
+/// `1/2 |v + r/2 w|²_M + r²/4 |w|²_M + 1/2 |Y|²_K + r²/8 |Δt V|²_K`,
+///
+/// and a step without forces loses `3/4 r³ |Δw|²_M + r³/4 |Δt ΔV|²_K` of it, where `Δw` and `ΔV` are changes over the step. It is the mean
+/// of the energies of two motions: `d` and `d + r Δt v - r²/2 Δt² a` with the velocities `v + (1/2 ∓ 1/√2) r w`.
 ///
 /// Source: Chung and Hulbert 1993, A time integration algorithm for structural dynamics with improved numerical dissipation,
 /// doi:10.1115/1.2900803; for fluids, Jansen, Whiting and Hulbert 2000, doi:10.1016/S0045-7825(00)00203-6.
@@ -46,6 +54,9 @@ impl TimeScheme for GeneralisedAlpha {
         let d_end = d + v * dt + (a * (0.5 - beta) + a_end * beta) * dt.powi(2);
         // Without acceleration: the error is of second order still, and accelerations have the noise of the fastest vibrations.
         let ahead = |dt: f64| d + v * dt;
+        let r = (1.0 - self.rho_inf) / (1.0 + self.rho_inf);
+        let of_energy = |d: Row, share: f64| [d, v + a * (share * r * dt)];
+        let moved = d + v * (r * dt) - a * (0.5 * (r * dt).powi(2));
         // A constant acceleration cancels in the change of the shifted displacement.
         let shift = |d: Row, v: Row, a: Row| d + v * ((0.5 - alpha_f) * dt) + a * ((0.5 * gamma - beta) * dt.powi(2));
         Weights {
@@ -56,6 +67,7 @@ impl TimeScheme for GeneralisedAlpha {
             acceleration: a_end,
             extrapolated: [ahead((1.0 - alpha_f) * dt), ahead(dt)],
             shifted: [shift(d, v, a), shift(d_end, v_end, a_end)],
+            of_energy: [of_energy(d, 0.5 - FRAC_1_SQRT_2), of_energy(moved, 0.5 + FRAC_1_SQRT_2)],
             conserves: true,
             alpha_f,
         }

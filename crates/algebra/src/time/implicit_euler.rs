@@ -20,6 +20,7 @@ impl TimeScheme for ImplicitEuler {
             acceleration: Row::default(),
             extrapolated: [d, d],
             shifted: [d, end],
+            of_energy: [[d, Row::VELOCITY]; 2],
             conserves: false,
             alpha_f: 0.0,
         }

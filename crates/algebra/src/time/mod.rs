@@ -41,6 +41,15 @@ impl<V> Default for Level<V> {
     }
 }
 
+impl<V: Value> Level<V> {
+    /// Returns displacement and velocity by two rows for zero velocity at the stage, with the accelerations of `rates`.
+    pub fn by(&self, rates: &Self, rows: &[Row; 2]) -> Self {
+        let known = Self { acceleration: rates.acceleration.clone(), ..self.clone() };
+        let [displacement, velocity] = rows.map(|row| Affine::new(&row, &known).predicted);
+        Self { displacement, velocity, acceleration: Vec::new() }
+    }
+}
+
 /// The rows of a scheme for one step.
 ///
 /// Contact acts at *shifted* displacements. They differ from those at the ends of the step such that their change over the
@@ -62,6 +71,9 @@ pub struct Weights {
     pub extrapolated: [Row; 2],
     /// Shifted displacement at the start and at the end.
     pub shifted: [Row; 2],
+    /// Displacement and velocity of two motions at one time. The mean of their energies is the *energy of the scheme*, which a
+    /// step without forces cannot increase where energies are quadratic.
+    pub of_energy: [[Row; 2]; 2],
     /// Whether a force with a potential acts as a discrete gradient, which conserves energy; else it acts at the end, where a
     /// convex potential takes energy.
     pub conserves: bool,

@@ -2,8 +2,9 @@
 
 use super::{ContactLaw, ContactPoint, ContactTraction};
 
-/// Change of the gap, relative to the contact size, below which the mean point replaces the quotient.
-const SMALLEST_CHANGE: f64 = 1e-4;
+/// Change of the gap, relative to the contact size, below which the mean point replaces the quotient. Round-off in the derivative of
+/// the quotient is then below `1e-16/1e-12`.
+const SMALLEST_CHANGE: f64 = 1e-6;
 
 /// Returns `λ = (W(Δ^{n+1}) - W(Δ^n))/(Δ^{n+1} - Δ^n)` with its derivative by `Δ^{n+1}`; `at` is the point at the end of the
 /// step. A law without energy is evaluated at the mean gap.
@@ -40,11 +41,13 @@ mod tests {
         let law = PenaltyLaw::new(1e3, 0.1).unwrap();
         let point = |gap: f64| ContactPoint { gap, size: 0.1, ..ContactPoint::default() };
         let energy = |gap| law.energy_density(&point(gap)).unwrap();
-        for (from, to) in [(0.05, 0.02), (0.12, 0.03), (0.03, 0.2), (0.2, 0.3), (0.05, 0.05 + 1e-9)] {
+        for (from, to) in
+            [(0.05, 0.02), (0.12, 0.03), (0.03, 0.2), (0.2, 0.3), (0.05, 0.05 + 1e-9), (0.1 + 4e-6, 0.1 - 3e-6)]
+        {
             let mean = discrete_gradient(&law, &point(to), from);
             let work = mean.value[0] * (to - from);
             assert!((work - (energy(to) - energy(from))).abs() < 1e-12, "{from} {to}: {work}");
-            let step = 1e-6;
+            let step = 1e-7;
             let value = |gap| discrete_gradient(&law, &point(gap), from).value[0];
             let slope = (value(to + step) - value(to - step)) / (2.0 * step);
             assert!((mean.by_gap[0] - slope).abs() < 1e-3 * 1e4, "{from} {to}: {} {slope}", mean.by_gap[0]);

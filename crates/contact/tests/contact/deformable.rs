@@ -5,14 +5,16 @@ use algebra::{Contributions, DofId, worst_tangent_entry};
 use body::{Body, BodyState};
 use contact::obstacle::check_obstacle;
 use contact::{
-    ContactForm, ContactItems, ContactLaw, ContactPoint, ContactReport, ContactSites, DeformableObstacle, Obstacle,
-    PenaltyLaw, Positions,
+    ContactForm, ContactItems, ContactLaw, ContactPoint, ContactSites, DeformableObstacle, Obstacle, PenaltyLaw,
+    Positions,
 };
 use mesh::generate::{BallOptions, ball, structured_box};
 use mesh::{FacetId, Point, Vector};
 use solid_svk::ElasticBody;
 
-use crate::setting::{Coulomb, NitscheLike, Random, Scene, block, n_active, residual, soft, with_velocity, work};
+use crate::setting::{
+    Coulomb, NitscheLike, Random, Scene, block, n_active, report_of, residual, soft, with_velocity, work,
+};
 
 const GAMMA: f64 = 1e3;
 const SIZE: f64 = 0.1;
@@ -110,7 +112,7 @@ fn two_blocks<const D: usize>(seed: u64, law: impl ContactLaw + 'static, scheme:
     let x = random.numbers(scene.layout.len(), 2.0);
     let n_items = work(contact.clone()).len();
     assert!(n_items < facets[0].len() && n_items > 0);
-    assert!(ContactReport::new(&contact, &x).n_active > 3);
+    assert!(report_of(&contact, &x).n_active > 3);
     test(&bodies, &scene, &contact, &x);
 }
 
@@ -172,7 +174,7 @@ fn action_is_reaction<const D: usize>() {
     for seed in 0..6 {
         two_blocks::<D>(seed, penalty(), &ImplicitEuler, &|bodies, scene, contact, x| {
             let (r, layout) = (residual(contact, x), &scene.layout);
-            let report = ContactReport::new(contact, x);
+            let report = report_of(contact, x);
             let mut force = [Vector::<D>::zeros(); 2];
             let mut moment = Vector::<D>::zeros();
             let mut power = 0.0;
@@ -210,7 +212,7 @@ fn residual_is_the_derivative_of_the_stored_energy() {
         let direction = random.numbers(x.len(), 1.0);
         let energy = |t: f64| {
             let moved: Vec<_> = x.iter().zip(&direction).map(|(x, d)| x + t * d).collect();
-            ContactReport::new(contact, &moved).stored_energy
+            report_of(contact, &moved).stored_energy
         };
         let slope = (energy(1e-4) - energy(-1e-4)) / 2e-4;
         let work: f64 = r.iter().zip(&direction).map(|(r, d)| DT * r * d).sum();

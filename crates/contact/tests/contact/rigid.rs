@@ -4,13 +4,15 @@ use algebra::time::ImplicitEuler;
 use algebra::{Sites, check_tangent};
 use body::{Body, BodyState};
 use contact::{
-    ContactForm, ContactItems, ContactLaw, ContactPair, ContactPoint, ContactReport, ContactSites, DeformableObstacle,
-    Error, Obstacle, PenaltyLaw, RigidPlane, check_pair,
+    ContactForm, ContactItems, ContactLaw, ContactPair, ContactPoint, ContactSites, DeformableObstacle, Error,
+    Obstacle, PenaltyLaw, RigidPlane, check_pair,
 };
 use mesh::{BoundaryMesh, FacetId, Point, Vector};
 use solid_svk::ElasticBody;
 
-use crate::setting::{Coulomb, NitscheLike, Random, Scene, block, n_active, residual, soft, with_velocity, work};
+use crate::setting::{
+    Coulomb, NitscheLike, Random, Scene, block, n_active, report_of, residual, soft, with_velocity, work,
+};
 
 const GAMMA: f64 = 1e6;
 const SIZE: f64 = 0.1;
@@ -57,7 +59,7 @@ fn no_force_above_the_offset<const D: usize>() {
         over_ground::<D>(height, penalty(), &|_, scene, contact| {
             let x = vec![0.0; scene.layout.len()];
             assert!(residual(contact, &x).iter().all(|&r| r == 0.0));
-            let report = ContactReport::new(contact, &x);
+            let report = report_of(contact, &x);
             assert!(!report.is_active() && report.force.norm() == 0.0 && report.stored_energy == 0.0);
             assert!((report.minimum_gap.unwrap() - height).abs() < 1e-15);
         });
@@ -82,7 +84,7 @@ fn resultant_is_law_times_area<const D: usize>() {
         let pair = ContactPair { facets: &base, ..contact.pair.clone() };
         let items = ContactItems::new(&pair, &scene.layout, 0.0);
         let contact = ContactSites { items: &items, pair, layout: &scene.layout };
-        let report = ContactReport::new(&contact, &x);
+        let report = report_of(&contact, &x);
         let pressure = GAMMA / SIZE * (OFFSET - sunk);
         assert!((report.active_area - 1.0).abs() < 1e-13);
         assert!(

@@ -7,14 +7,14 @@ use algebra::{
     BlockLayout, BlockSystem, Constraints, Contributions, Equations, Integral, NewtonReport, NewtonSettings, Sites,
     Workspace,
 };
-use body::{Body, BodyState, BodyStep, StepTime};
+use body::{Body, BodyState, BodyStep, StepTime, SurfaceMotion};
 use contact::terms::ContactWork;
 use contact::{
     ContactForm, ContactItems, ContactLaw, ContactPair, ContactPoint, ContactReport, ContactSites, ContactTraction,
     Obstacle, StressSource,
 };
 use mesh::generate::structured_box;
-use mesh::{FacetId, Vector};
+use mesh::{FacetId, Vector, VertexId};
 use solid_svk::{ElasticBody, ElasticOptions, LameParameters, SaintVenantKirchhoff, SolidForm, SolidMesh};
 
 /// Bodies in one step. The first one is the slave, and the second one, if there is one, is the master.
@@ -88,12 +88,22 @@ impl<'a, const D: usize> Scene<'a, D> {
         let sites = ContactSites { items: &items, pair, layout: &self.layout };
         let mut x = self.guess();
         let iterations = self.solve(sites.clone(), &mut x, tolerance).iterations;
-        (ContactReport::new(&sites, &x), self.end(&x), iterations)
+        (report_of(&sites, &x), self.end(&x), iterations)
     }
 
     pub(crate) fn end(&self, x: &[f64]) -> Vec<BodyState<D>> {
         self.steps.iter().map(|step| step.end(&self.layout, x)).collect()
     }
+}
+
+/// Returns the report of a contact whose shifted positions are those at the end.
+pub(crate) fn report_of<const D: usize>(sites: &ContactSites<'_, D>, x: &[f64]) -> ContactReport<D> {
+    let positions = |surface: &SurfaceMotion<'_, D>| {
+        let vertices = (0..surface.begin.len()).map(VertexId::new);
+        vertices.map(|vertex| surface.position_at(vertex, sites.layout, x)).collect::<Vec<_>>()
+    };
+    let master = sites.pair.master.map(positions).unwrap_or_default();
+    ContactReport::new(sites, x, [&positions(sites.pair.slave), &master])
 }
 
 /// Returns the weak form of a contact.

@@ -35,8 +35,8 @@ pub enum PenaltyProfile {
 /// arXiv 1706.05897.
 /// Couples: velocity and solid × velocity and solid.   Domain: interface pieces of the step.
 /// Units: force (2D: per unit depth).
-/// `h_K` is the size of the background cell, `|u* - v^n|` the largest relative speed on the piece at the start of the step, and
-/// `|a* - b^n|` the largest relative acceleration of particles there.
+/// `h_K` is the size of the background cell, `|u* - v^n|` the largest relative speed on the piece, at the start of the step or extrapolated
+/// to its stage, and `|a* - b^n|` the largest relative acceleration of particles at the start.
 pub struct Penalty {
     /// The scaling.
     pub profile: PenaltyProfile,

@@ -9,7 +9,7 @@ use super::{Grid, in_space, ring, simplex_type};
 /// Returns the grid of the fluid domain of a state with velocity, pressure and vorticity.
 ///
 /// Cut cells appear as the convex pieces of their fluid parts, with values of the part's own dofs: points are shared only
-/// where the dof is the same. Fields of a state are given on the geometry at the start of its step.
+/// where the dof is the same. Fields of a state are given on the geometry of its step.
 pub fn fluid_grid<const D: usize>(background: &SimplexMesh<D>, fluid: &FluidState<D>) -> Grid {
     let FluidState { cut, space, .. } = fluid;
     let mut grid = Grid::default();
