@@ -36,16 +36,22 @@ pub(crate) struct Rebound {
     /// Largest value of the smallest distance after the release.
     pub(crate) height: f64,
     pub(crate) time: f64,
+    /// Largest upward velocity of the centre after the release.
+    pub(crate) speed: f64,
 }
 
 impl Rebound {
     /// Returns the rebound of a run; `None` if contact did not end.
     pub(crate) fn new(results: &Results) -> Option<Self> {
         let release = results.summary.release_time?;
-        let distances = results.history.column(&format!("{}d_min", results.leading_prefix()))?;
-        let after = results.history.column("time")?.into_iter().zip(distances).filter(|(time, _)| *time >= release);
-        let rebounds = after.map(|(time, height)| Self { height, time });
-        rebounds.reduce(|highest, now| if now.height > highest.height { now } else { highest })
+        let column = |name| results.history.column(&format!("{}{name}", results.leading_prefix()));
+        let (distances, speeds) = (column("d_min")?, column("centre_velocity")?);
+        let rows = results.history.column("time")?.into_iter().zip(distances).zip(speeds);
+        let rebounds = rows.map(|((time, height), speed)| Self { height, time, speed });
+        rebounds.filter(|now| now.time >= release).reduce(|best, now| {
+            let highest = if now.height > best.height { now } else { best };
+            Self { speed: best.speed.max(now.speed), ..highest }
+        })
     }
 }
 

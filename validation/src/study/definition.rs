@@ -33,9 +33,14 @@ pub(super) struct Series {
     /// Keys of the scenario that are varied, with the factor on the value for each.
     pub(super) vary: BTreeMap<String, f64>,
     pub(super) values: Vec<f64>,
-    /// Whether the values tend to zero at a constant ratio and the limit of the contact time is wanted.
+    /// Whether the values tend to zero at a constant ratio and limits are wanted.
     #[serde(default)]
     pub(super) limit: bool,
+    /// Required order of speed and height of the rebound.
+    pub(super) required_order: Option<f64>,
+    /// Whether the quantity is a coefficient of the discretisation, on which results should not depend.
+    #[serde(default)]
+    pub(super) coefficient: bool,
 }
 
 impl Series {

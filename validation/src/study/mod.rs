@@ -49,7 +49,7 @@ impl Run {
     }
 }
 
-/// Runs studies. Returns whether every run came to its end. The results of a run are kept in a directory of its own. A
+/// Runs studies. Returns whether every run came to its end and every verdict holds. The results of a run are kept in a directory of its own. A
 /// run whose directory has all steps of the same scenario is not done again, unless `again` is set. The page of a study
 /// in the book is written when all its runs are done.
 ///
@@ -58,7 +58,7 @@ impl Run {
 pub(crate) fn run(names: &[String], again: bool, out: &Path) -> Outcome {
     document::require_clean_tree()?;
     let studies = names.iter().map(|name| Ok((name, definition::read(name)?))).collect::<Result<Vec<_>, String>>()?;
-    let mut all_finished = true;
+    let mut all_hold = true;
     for (name, definition) in studies {
         println!("# {name}: {}", definition.title);
         let mut runs = Vec::new();
@@ -66,19 +66,16 @@ pub(crate) fn run(names: &[String], again: bool, out: &Path) -> Outcome {
             let run = |&value: &f64| run_one(name, series, value, again, out);
             runs.push(series.values.iter().map(run).collect::<Result<Vec<_>, Failure>>()?);
         }
-        all_finished &= runs.iter().flatten().all(|run| run.failure.is_none());
+        all_hold &= runs.iter().flatten().all(|run| run.failure.is_none());
         let mut versions: Vec<&str> = runs.iter().flatten().map(|run| run.version.as_str()).collect();
         versions.sort_unstable();
         versions.dedup();
         let version = format!("{} ({})", versions.join(", "), machine().trim_end_matches('.'));
-        document::write(
-            FOLDER,
-            &record(name, &definition, &runs),
-            &format!("cargo xtask validate --study {name}"),
-            &version,
-        )?;
+        let record = record(name, &definition, &runs);
+        all_hold &= record.holds();
+        document::write(FOLDER, &record, &format!("cargo xtask validate --study {name}"), &version)?;
     }
-    Ok(all_finished)
+    Ok(all_hold)
 }
 
 fn run_one(study: &str, series: &Series, value: f64, again: bool, out: &Path) -> Result<Run, Failure> {
@@ -122,12 +119,13 @@ fn run_one(study: &str, series: &Series, value: f64, again: bool, out: &Path) ->
 }
 
 /// Columns of the table of a study, after the name of the series; those of [`row`].
-const HEAD: [&str; 11] = [
+const HEAD: [&str; 12] = [
     "value",
     "contact [s]",
     "release [s]",
     "contacts",
     "closest on first approach [cm]",
+    "speed after impact [cm/s]",
     "highest [cm]",
     "at [s]",
     "cells",
@@ -145,6 +143,7 @@ fn row(run: &Run) -> Vec<String> {
         time(run.summary.release_time),
         run.summary.contact_intervals.len().to_string(),
         length(run.closest),
+        length(run.rebound.map(|rebound| rebound.speed)),
         length(run.rebound.map(|rebound| rebound.height)),
         time(run.rebound.map(|rebound| rebound.time)),
         run.summary.cells.to_string(),
@@ -159,11 +158,20 @@ fn record(name: &str, definition: &Definition, runs: &[Vec<Run>]) -> Record {
     let mut record = Record::new(name, &definition.title, true);
     record.seconds = runs.iter().flatten().map(|run| run.summary.wall_seconds).sum();
     let all = || definition.series.iter().zip(runs);
-    let limits: Vec<Vec<String>> =
-        all().filter(|(series, _)| series.limit).filter_map(|(s, runs)| limit_row(s, runs)).collect();
+    let mut limits = Vec::new();
+    for (series, runs) in all().filter(|(series, _)| series.limit) {
+        add_limits(series, runs, &mut record, &mut limits);
+    }
     if !limits.is_empty() {
-        let head = ["contact time", "bound [s]", "above it", "limit [s]", "observed order", "differences shrink"];
+        let head = ["series", "quantity", "limit", "observed order", "differences shrink"];
         record.tables.push(Table { head: head.map(str::to_owned).into(), rows: limits });
+    }
+    let varied: Vec<&Run> = all().filter(|(series, _)| series.coefficient).flat_map(|(_, runs)| runs).collect();
+    for (quantity, of) in QUANTITIES[1..].iter().filter(|_| !varied.is_empty()) {
+        let values: Vec<f64> = varied.iter().map(|run| of(run).unwrap_or(f64::NAN)).collect();
+        let (smallest, largest) = values.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), v| (a.min(*v), b.max(*v)));
+        let spread = if values.iter().any(|v| v.is_nan()) { f64::NAN } else { largest / smallest - 1.0 };
+        record.at_most(format!("spread over the coefficients, {quantity}, %"), 100.0 * spread, LARGEST_SPREAD);
     }
     let rows = all().flat_map(|(series, runs)| runs.iter().map(|run| [vec![series.name.clone()], row(run)].concat()));
     let head = ["series"].iter().chain(&HEAD).map(|name| (*name).to_owned()).collect();
@@ -184,26 +192,52 @@ fn record(name: &str, definition: &Definition, runs: &[Vec<Run>]) -> Record {
             }
         };
         chart("contact [s]", &Run::first_contact);
+        chart("speed after impact [cm/s]", &|run| Some(run.rebound?.speed));
         chart("highest point after rebound [cm]", &|run| Some(run.rebound?.height));
     }
     record
 }
 
-/// Returns the table row of the limit of the contact times of a series, with its bound; `None` if there is no limit.
-fn limit_row(series: &Series, runs: &[Run]) -> Option<Vec<String>> {
-    let times: Vec<(f64, f64)> = runs.iter().filter_map(|run| Some((run.value, run.arrival_time?))).collect();
-    let Limit { value, uncertainty, order, shrinks } = richardson(&times)?;
-    let bound = runs.first()?.bound;
-    let yes_or_no = |holds: bool| if holds { "yes" } else { "no" }.to_owned();
-    let is_above = |bound: f64| runs.iter().filter_map(|run| run.summary.contact_time).all(|time| time >= bound);
-    Some(vec![
-        series.name.clone(),
-        bound.map_or("-".to_owned(), |bound| format!("{bound:.4}")),
-        bound.map_or("-".to_owned(), |bound| yes_or_no(is_above(bound))),
-        format!("{value:.4} ± {uncertainty:.4}"),
-        order.map_or("-".to_owned(), |order| format!("{order:.1}")),
-        yes_or_no(shrinks),
-    ])
+/// Largest uncertainty of a limit, and largest spread over coefficients, %.
+const LARGEST_UNCERTAINTY: f64 = 3.0;
+const LARGEST_SPREAD: f64 = 5.0;
+
+/// A quantity of a run with its name.
+type Quantity = (&'static str, fn(&Run) -> Option<f64>);
+
+/// Quantities whose limits are computed; a required order holds for all but the first.
+const QUANTITIES: [Quantity; 3] = [
+    ("contact [s]", |run| run.arrival_time),
+    ("speed after impact [cm/s]", |run| Some(run.rebound?.speed)),
+    ("highest [cm]", |run| Some(run.rebound?.height)),
+];
+
+/// Adds the limits of a series: rows of a table, and verdicts on contact before that in an ideal fluid, on orders and on uncertainties.
+fn add_limits(series: &Series, runs: &[Run], record: &mut Record, table: &mut Vec<Vec<String>>) {
+    let name = &series.name;
+    let earliest = runs.iter().filter_map(|run| run.summary.contact_time).fold(f64::INFINITY, f64::min);
+    if let Some(bound) = runs.first().and_then(|run| run.bound) {
+        record.at_least(format!("{name}: earliest contact, and that in an ideal fluid [s]"), earliest, bound);
+    }
+    for (k, (quantity, of)) in QUANTITIES.iter().enumerate() {
+        let sequence: Vec<(f64, f64)> = runs.iter().filter_map(|run| Some((run.value, of(run)?))).collect();
+        let limit = richardson(&sequence);
+        if let Some(Limit { value, uncertainty, order, shrinks }) = limit {
+            table.push(vec![
+                name.clone(),
+                (*quantity).to_owned(),
+                format!("{value:.4} ± {uncertainty:.4}"),
+                order.map_or("-".to_owned(), |order| format!("{order:.1}")),
+                if shrinks { "yes" } else { "no" }.to_owned(),
+            ]);
+        }
+        if let Some(asked) = series.required_order.filter(|_| k > 0) {
+            let order = limit.and_then(|limit| limit.order).unwrap_or(f64::NAN);
+            let uncertainty = limit.map_or(f64::NAN, |limit| 100.0 * limit.uncertainty / limit.value);
+            record.at_least(format!("{name}: order of {quantity}"), order, asked);
+            record.at_most(format!("{name}: uncertainty of {quantity}, %"), uncertainty, LARGEST_UNCERTAINTY);
+        }
+    }
 }
 
 /// Returns the time at which the distance first falls to a level. It is extrapolated within its step with the speed of
@@ -247,8 +281,29 @@ mod tests {
         .unwrap();
         let run = |value: f64| Run { value, arrival_time: Some(0.1 + value), bound: Some(0.05), ..Run::default() };
         let record = record("t", &definition, &[vec![run(0.4), run(0.2), run(0.1)]]);
-        assert_eq!(record.tables[0].rows[0][3], "0.1000 ± 0.1250");
+        assert_eq!(record.tables[0].rows[0][2], "0.1000 ± 0.1250");
         assert_eq!((record.tables[1].rows.len(), record.tables[1].head.len()), (3, record.tables[1].rows[0].len()));
         assert_eq!(record.figures.len(), 1, "no run has a rebound");
+    }
+
+    #[test]
+    fn orders_limits_and_spreads_are_judged() {
+        let definition: Definition = toml::from_str(
+            "title = 'T'\n[[series]]\nname = 'a'\nparameter = 'h [cm]'\nscenario = 'x'\nvary = { k = 1.0 }\n\
+             values = [0.4, 0.2, 0.1]\nlimit = true\nrequired_order = 1.5\ncoefficient = true",
+        )
+        .unwrap();
+        let run = |value: f64, height: f64| {
+            let rebound = Some(Rebound { height, time: 0.2, speed: 50.0 + value.powi(2) });
+            Run { value, rebound, ..Run::default() }
+        };
+        let verdicts = |heights: [f64; 3]| {
+            let runs = [run(0.4, heights[0]), run(0.2, heights[1]), run(0.1, heights[2])];
+            record("t", &definition, &[runs.to_vec()]).rows.iter().map(|row| row.verdict.clone()).collect::<Vec<_>>()
+        };
+        // Order and uncertainty of speed and height, then the spread of both.
+        assert_eq!(verdicts([5.16, 5.04, 5.01]), ["pass", "pass", "pass", "pass", "pass", "pass"]);
+        assert_eq!(verdicts([5.4, 5.2, 5.1]), ["pass", "pass", "FAIL", "pass", "pass", "FAIL"]);
+        assert_eq!(verdicts([4.0, 5.2, 4.1]), ["pass", "pass", "FAIL", "FAIL", "pass", "FAIL"]);
     }
 }

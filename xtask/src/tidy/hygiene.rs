@@ -12,10 +12,10 @@ const BUDGETS: &[(&[&str], usize)] = &[
     (&["crates/cutwater/src/lib.rs", "crates/cutwater/src/main.rs"], 150),
     (&["crates/io/src"], 6200),
     (&["crates/report/src"], 1500),
-    (&["crates/solver/src"], 1990),
-    (&["validation"], 8400),
+    (&["crates/solver/src"], 2070),
+    (&["validation"], 8800),
     (&["xtask/src"], 2300),
-    (&[""], 52_300),
+    (&[""], 53_000),
 ];
 /// Largest number of bytes of all JSON files under version control.
 const JSON_BYTES: usize = 50_000;
