@@ -38,6 +38,8 @@ pub(crate) struct Rebound {
     pub(crate) time: f64,
     /// Largest upward velocity of the centre after the release.
     pub(crate) speed: f64,
+    /// The same after the begin of the contact. It has its maximum before the release, which is known to a step only.
+    pub(crate) fastest: f64,
 }
 
 impl Rebound {
@@ -46,8 +48,11 @@ impl Rebound {
         let release = results.summary.release_time?;
         let column = |name| results.history.column(&format!("{}{name}", results.leading_prefix()));
         let (distances, speeds) = (column("d_min")?, column("centre_velocity")?);
-        let rows = results.history.column("time")?.into_iter().zip(distances).zip(speeds);
-        let rebounds = rows.map(|((time, height), speed)| Self { height, time, speed });
+        let contact = results.summary.contact_time?;
+        let rows = || results.history.column("time").into_iter().flatten().zip(&distances).zip(&speeds);
+        let since_contact = rows().filter(|((time, _), _)| *time >= contact);
+        let fastest = since_contact.map(|(_, speed)| *speed).fold(f64::NEG_INFINITY, f64::max);
+        let rebounds = rows().map(|((time, &height), &speed)| Self { height, time, speed, fastest });
         rebounds.filter(|now| now.time >= release).reduce(|best, now| {
             let highest = if now.height > best.height { now } else { best };
             Self { speed: best.speed.max(now.speed), ..highest }

@@ -4,6 +4,7 @@ mod added_mass;
 mod bar;
 mod cfd;
 mod channel;
+mod channel_cylinder;
 mod conservation;
 mod contact_patch;
 mod csm;
@@ -61,11 +62,16 @@ const fn check(name: &'static str, about: &'static str, measure: fn(&mut Record)
 }
 
 /// All checks, in the order of the page.
-const CHECKS: [Check; 21] = [
+const CHECKS: [Check; 22] = [
     check("exact", "Solutions that the discrete spaces contain, at random positions of the body.", exact::measure),
     check("orders", "Orders of convergence of known flows around bodies at rest and in motion.", orders::measure),
     check("peer", "Errors of unfitted Stokes flow compared with those of ngsxfem on the same mesh.", peer::measure),
     check("lubrication", "The force on a cylinder that approaches a wall in Stokes flow.", lubrication::measure),
+    check(
+        "channel-cylinder",
+        "The drag of a cylinder that moves along a narrow channel in Stokes flow.",
+        channel_cylinder::measure,
+    ),
     check("robustness", "Bodies that pass vertices, edges and faces: condition numbers, scatter.", robustness::measure),
     check("shear-layer", "Fluid over an elastic layer, sheared by a plate: the exact solution.", shear_layer::measure),
     check("added-mass", "The first acceleration of a ball, and of a rigid one in ideal fluid.", added_mass::measure),
