@@ -373,7 +373,7 @@ fn a_table_moves_a_body_beside_an_elastic_one() {
 #[test]
 fn a_channel_without_bodies_is_a_run_too() {
     let directory = fresh_directory("empty");
-    let (begin, end) = (CHANNEL.find("[[body]]").expect("a body"), CHANNEL.find("[solver]").expect("a section"));
+    let (begin, end) = (CHANNEL.find("[[body]]").expect("a body"), CHANNEL.find("[output]").expect("a section"));
     let text = CHANNEL[..begin].to_owned() + &CHANNEL[end..];
     results(&legal(&text, &[&["background.size=0.1", "time.end=0.2", "output.vtk_every=2"]]), &directory);
     assert!(directory.join("fluid.pvd").exists());

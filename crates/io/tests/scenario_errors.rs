@@ -75,9 +75,15 @@ fn sections_of_a_fluid_are_given_together() {
 }
 
 #[test]
+fn the_solver_may_be_left_out() {
+    let without = &BARRIER[..BARRIER.find("[solver]").expect("the last section")];
+    let solver = |text: &str| parse(text, &[]).expect("a scenario").scenario().solver.clone();
+    assert_eq!(solver(without), solver(BARRIER));
+}
+
+#[test]
 fn a_scenario_without_fluid_and_body() {
-    let text = "name = \"empty\"\ndimension = 2\nunits = \"si\"\ntime = { step = 0.1, end = 0.2 }\n\
-                solver = { newton = { tolerance = 1e-8, max_iterations = 20 }, linear = { kind = \"direct\" } }\n";
+    let text = "name = \"empty\"\ndimension = 2\nunits = \"si\"\ntime = { step = 0.1, end = 0.2 }\n";
     check_place(mistake(parse(text, &[])), text, 0, "", &["neither a fluid nor a body"]);
 }
 

@@ -44,7 +44,7 @@ keys! {
         /// Output.
         output: Output = {},
         /// Solution of the equations.
-        solver: Solver,
+        solver: Solver = {},
     }
 }
 

@@ -91,9 +91,9 @@ keys! {
     /// Solution of the equations of a step.
     pub struct Solver {
         /// Newton's method.
-        newton: Newton,
+        newton: Newton = {},
         /// Linear solver.
-        linear: Linear,
+        linear: Linear = { kind = "gmres", preconditioner = "lagged-lu" },
     }
 }
 
@@ -101,9 +101,9 @@ keys! {
     /// Newton's method.
     pub struct Newton {
         /// Relative tolerance.
-        tolerance: f64 [positive],
+        tolerance: f64 [positive] = 1e-8,
         /// Largest number of corrections in a step.
-        max_iterations: usize [between(1.0, f64::INFINITY)],
+        max_iterations: usize [between(1.0, f64::INFINITY)] = 30,
     }
 }
 
