@@ -20,6 +20,8 @@ pub(crate) struct Reference {
     /// Changes of the scenario, as for `cutwater run --set`.
     #[serde(default)]
     pub(crate) set: Vec<String>,
+    /// The same case with a larger time step: contact is not earlier here, and the rebound not lower.
+    pub(crate) larger_step: Option<String>,
     #[serde(rename = "comparison")]
     pub(crate) comparisons: Vec<Comparison>,
     pub(crate) quick: Quick,

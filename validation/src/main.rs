@@ -9,6 +9,7 @@ mod figures;
 mod metrics;
 mod outcome;
 mod report;
+mod results;
 mod study;
 mod table;
 mod validate;
@@ -40,8 +41,11 @@ enum Mode {
         /// Store the values of --quick for later comparisons.
         #[arg(long, requires = "quick")]
         regenerate: bool,
+        /// Write the results into the book: docs/src/results/NAME.md.
+        #[arg(long, conflicts_with = "quick")]
+        document: bool,
         /// Run studies instead of cases: the names of their files in studies/, or "all".
-        #[arg(long, value_name = "NAME", conflicts_with_all = ["cases", "quick", "regenerate"])]
+        #[arg(long, value_name = "NAME", conflicts_with_all = ["cases", "quick", "regenerate", "document"])]
         study: Vec<String>,
         /// Repeat runs of a study whose results are there.
         #[arg(long, requires = "study")]
@@ -72,8 +76,10 @@ enum Mode {
 fn main() -> ExitCode {
     let outcome = match Arguments::parse().mode {
         Mode::Validate { study, again, out, .. } if !study.is_empty() => studies(study, again, &out),
-        Mode::Validate { cases, quick, regenerate, out, .. } => validate::run(&cases, quick, regenerate, &out)
-            .and_then(|passes| report::write(&cases, quick, &out).map(|()| passes)),
+        Mode::Validate { cases, quick, regenerate, document, out, .. } => {
+            validate::run(&cases, [quick, regenerate, document], &out)
+                .and_then(|passes| report::write(&cases, quick, &out).map(|()| passes))
+        }
         Mode::Verify { names, quick: _, full, document, out } => verify::run(&names, full, document, &out),
     };
     match outcome {

@@ -14,34 +14,52 @@ use crate::compare::{self, Compared, as_number, with_paper, with_stored};
 use crate::figures::Figures;
 use crate::metrics::{Factorization, REFACTORIZATIONS_PER_STEP, Thickness, metrics};
 use crate::outcome::{Failure, Outcome, causes};
-use crate::table;
+use crate::verify::document;
+use crate::{results, table};
 
 /// Time between two lines of progress.
 const PROGRESS: Duration = Duration::from_secs(10);
 
 /// Runs cases (all if none is named) and prints a table for each. Returns whether every verdict is good. Cases are run
-/// with the resolution of the paper and compared with it, or with coarse meshes and compared with our own stored
-/// values, which may be updated.
+/// with the resolution of the paper and compared with it, and their pages of the book may be written; or with coarse meshes
+/// and compared with our own stored values, which may be updated.
 ///
 /// # Errors
 /// There is no such case, or a file cannot be read or written.
-pub(crate) fn run(cases: &[String], is_quick: bool, regenerate: bool, out: &Path) -> Outcome {
+pub(crate) fn run(cases: &[String], [is_quick, regenerate, writes_pages]: [bool; 3], out: &Path) -> Outcome {
+    if writes_pages {
+        document::require_clean_tree()?;
+    }
     let names = if cases.is_empty() { case::names()? } else { cases.to_vec() };
     let references = names.iter().map(|name| Ok((name, case::read(name)?))).collect::<Result<Vec<_>, String>>()?;
     let mut stored = case::read_quick_values()?;
     let mut failed = Vec::new();
-    for (name, reference) in references {
+    for (name, reference) in &references {
         println!("# {name}: {} ({})", reference.title, reference.source);
         let directory = out.join(name);
         let passes =
-            run_case(name, &reference, [is_quick, regenerate], &directory, &mut stored).unwrap_or_else(|error| {
+            run_case(name, reference, [is_quick, regenerate], &directory, &mut stored).unwrap_or_else(|error| {
                 print_error(error.as_ref());
                 false
             });
         if !passes {
-            failed.push(name);
+            failed.push(*name);
         }
         println!("  files are in {}\n", directory.display());
+    }
+    if !is_quick {
+        // Verdicts of a whole run are those of the pages, which know listed targets and the other cases.
+        failed.clear();
+        for (name, reference) in &references {
+            let record = results::record(name, reference, out)?;
+            if writes_pages {
+                results::write(&record)?;
+            }
+            if !record.holds() {
+                failed.push(*name);
+            }
+        }
+        document::older_than_the_code().iter().for_each(|line| println!("# {line}"));
     }
     if regenerate {
         write_stored(&stored)?;

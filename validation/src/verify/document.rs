@@ -13,6 +13,8 @@ use crate::report::{commit, git};
 
 /// Folder of the pages of checks in `docs/src`.
 pub(super) const FOLDER: &str = "verification";
+/// Folder of the pages of cases.
+pub(crate) const RESULTS: &str = "results";
 
 /// Writes the page of a record into a folder of the book, and its charts. The page names the command that measured it and
 /// the version of the code.
@@ -34,7 +36,7 @@ pub(crate) fn source() -> PathBuf {
 }
 
 /// Returns the version of the code and its date, if git knows them; else empty.
-pub(super) fn version() -> String {
+pub(crate) fn version() -> String {
     let date = git(&["log", "-1", "--format=%cs"]).unwrap_or_default();
     commit().map_or_else(String::new, |commit| format!("{commit}, {date}"))
 }
@@ -57,7 +59,7 @@ pub(crate) fn require_clean_tree() -> Result<(), Failure> {
 pub(crate) fn older_than_the_code() -> Vec<String> {
     const CODE: [&str; 4] = ["crates", "validation/src", "validation/cases", "benchmarks/src"];
     let mut lines = Vec::new();
-    for folder in [FOLDER, "studies"] {
+    for folder in [FOLDER, RESULTS, "studies"] {
         let entries = std::fs::read_dir(source().join(folder)).into_iter().flatten().flatten();
         let mut paths: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
         paths.sort();

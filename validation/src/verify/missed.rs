@@ -28,7 +28,7 @@ struct Target {
 ///
 /// # Errors
 /// The list cannot be read.
-pub(super) fn mark(record: &mut Record) -> Result<(), Failure> {
+pub(crate) fn mark(record: &mut Record) -> Result<(), Failure> {
     let list: List = toml::from_str(include_str!("../../missed.toml"))?;
     for target in list.missed.iter().filter(|target| target.check == record.check && (record.full || !target.only_full))
     {

@@ -21,7 +21,7 @@ mod hertz;
 mod immersed_modes;
 mod linear_flow;
 mod lubrication;
-mod missed;
+pub(crate) mod missed;
 mod mode;
 mod orders;
 mod peer;

@@ -91,6 +91,19 @@ impl Record {
         self.push(quantity.into(), computed, Some(reference), tolerance, Some(computed <= factor * reference));
     }
 
+    /// Adds a number that must be in a band, with a known one if there is one.
+    pub(crate) fn within(
+        &mut self,
+        quantity: impl Into<String>,
+        computed: f64,
+        known: Option<f64>,
+        band: Option<[f64; 2]>,
+    ) {
+        let tolerance = band.map_or(String::new(), |[low, high]| format!("{} to {}", short(low), short(high)));
+        let holds = band.map(|[low, high]| low <= computed && computed <= high);
+        self.push(quantity.into(), computed, known, tolerance, holds);
+    }
+
     /// Adds a number that is only shown, with a known one if there is one.
     pub(crate) fn show(&mut self, quantity: impl Into<String>, computed: f64, reference: Option<f64>) {
         self.push(quantity.into(), computed, reference, String::new(), None);
@@ -185,12 +198,15 @@ mod tests {
         record.near("a", 1.05, 1.0, 0.1);
         record.at_most("b", 2.0, 2.0);
         record.at_most_times("b", 2.3, 2.0, 1.2);
+        record.within("b", 2.0, None, Some([2.0, 2.1]));
         record.show("c", 7.0, None);
         assert!(record.holds());
         for fail in [
             |r: &mut Record| r.near("a", 1.2, 1.0, 0.1),
             |r: &mut Record| r.near_relative("a", -103.0, -100.0, 0.02),
             |r: &mut Record| r.at_most("b", f64::NAN, 2.0),
+            |r: &mut Record| r.within("b", 2.2, Some(2.0), Some([2.0, 2.1])),
+            |r: &mut Record| r.within("b", f64::NAN, None, Some([2.0, 2.1])),
             |r: &mut Record| r.at_most_times("b", 2.5, 2.0, 1.2),
             |r: &mut Record| r.at_least("b", 1.0, 2.0),
             |r: &mut Record| r.order("e", "h", &[(0.2, 4.0), (0.1, 2.0)], 1.9),

@@ -1,0 +1,60 @@
+//! Results of the cases as pages of the book.
+
+use std::path::Path;
+
+use cutwater::report::Results;
+
+use crate::bounds::potential::{arrival, gaps};
+use crate::case::Reference;
+use crate::compare;
+use crate::metrics::Rebound;
+use crate::outcome::Failure;
+use crate::verify::record::{Record, Table};
+use crate::verify::{document, missed};
+
+/// Returns the record of a case from its directory of results and those of other cases in `out`.
+///
+/// # Errors
+/// The case was not run.
+pub(crate) fn record(name: &str, reference: &Reference, out: &Path) -> Result<Record, Failure> {
+    let directory = out.join(name);
+    let results = Results::read(&directory)?;
+    let compared = compare::read(&directory)?;
+    let mut record = Record::new(name, &reference.title, true);
+    record.seconds = results.summary.wall_seconds;
+    for row in &compared {
+        record.within(row.quantity.clone(), row.computed.unwrap_or(f64::NAN), row.known, row.band);
+    }
+    let contact = |results: &Results| results.summary.contact_time.unwrap_or(f64::NAN);
+    if let Some((start, offset)) = gaps(&results.scenario) {
+        // A contact is known to a time step.
+        let latest = contact(&results) + results.summary.dt;
+        record.at_least(
+            "end of the step after first contact, and contact in an ideal fluid, s",
+            latest,
+            arrival(start, offset).time,
+        );
+    }
+    if let Some(larger) = &reference.larger_step {
+        match Results::read(&out.join(larger)) {
+            Ok(other) => {
+                let highest = |results: &Results| Rebound::new(results).map_or(f64::NAN, |rebound| rebound.height);
+                record.at_least(format!("first contact, and that of {larger}, s"), contact(&results), contact(&other));
+                record.at_least(format!("highest point, and that of {larger}, cm"), highest(&results), highest(&other));
+            }
+            Err(_) => record.note(format!("Skipped: the comparison with {larger}, which was not run.")),
+        }
+    }
+    let head = ["quantity", "reason for the band"].map(str::to_owned).into();
+    let reasons = reference.comparisons.iter().map(|asked| vec![asked.quantity.clone(), asked.reason.clone()]);
+    record.tables.push(Table { head, rows: reasons.collect() });
+    record.note(format!("Reference: {}.", reference.source));
+    missed::mark(&mut record)?;
+    Ok(record)
+}
+
+/// Writes the page of a record.
+pub(crate) fn write(record: &Record) -> Result<(), Failure> {
+    let command = format!("cargo xtask validate {} --document", record.check);
+    document::write(document::RESULTS, record, &command, &document::version())
+}
