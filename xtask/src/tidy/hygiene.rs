@@ -13,9 +13,9 @@ const BUDGETS: &[(&[&str], usize)] = &[
     (&["crates/io/src"], 6200),
     (&["crates/report/src"], 1500),
     (&["crates/solver/src"], 1990),
-    (&["validation"], 8400),
+    (&["validation"], 8850),
     (&["xtask/src"], 2300),
-    (&[""], 52_300),
+    (&[""], 52_700),
 ];
 /// Largest number of bytes of all JSON files under version control.
 const JSON_BYTES: usize = 50_000;
