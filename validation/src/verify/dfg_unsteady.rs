@@ -123,7 +123,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Name of a resolution.
+/// Returns the name of a resolution.
 fn name((cells, dt): (usize, f64)) -> String {
     format!("h = D/{cells}, dt = {} s", short(dt))
 }
