@@ -1,4 +1,4 @@
-//! Steady flow past a cylinder in a channel that does not know it, with and without a flag.
+//! Flow past a cylinder in a channel that does not know it, with and without a flag.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -84,7 +84,7 @@ impl Channel {
     /// # Errors
     /// The flow still changes after many steps.
     pub(super) fn steady(&self, resolution: &Resolution) -> Result<Steady, Failure> {
-        let mut run = Run::lagged(self.setup(resolution)?)?;
+        let mut run = Run::lagged(self.setup(resolution, |_| 1.0)?)?;
         let (mut before, mut n_iterations) = (V::zeros(), 0);
         for n_steps in 1..=MOST_STEPS {
             let report = run.advance()?;
@@ -101,20 +101,28 @@ impl Channel {
         Err(format!("the flow still changes after {MOST_STEPS} steps").into())
     }
 
-    /// Returns the inflow at a height, and its derivative.
-    fn inflow(&self, y: f64) -> [f64; 2] {
-        let scale = 6.0 * self.speed / (HEIGHT * HEIGHT);
-        [scale * y * (HEIGHT - y), scale * (HEIGHT - 2.0 * y)]
+    /// Returns the inflow at a height.
+    pub(super) fn inflow(&self, y: f64) -> f64 {
+        6.0 * self.speed * y * (HEIGHT - y) / (HEIGHT * HEIGHT)
     }
 
-    fn setup(&self, resolution: &Resolution) -> Result<Setup<2>, Failure> {
+    /// Returns the coefficient of a force on the cylinder.
+    pub(super) fn coefficient(&self, force: f64) -> f64 {
+        force / (self.density * self.speed * self.speed * RADIUS)
+    }
+
+    /// Returns the setup of the flow from rest, in one long step. A function of time multiplies the inflow.
+    pub(super) fn setup(&self, resolution: &Resolution, factor: fn(f64) -> f64) -> Result<Setup<2>, Failure> {
         let mut fluid = flow::fluid(self.background(resolution)?, self.density, self.viscosity);
         fluid.convection = Some(false);
         let channel = *self;
-        let inflow = FluidBoundary::Velocity(Arc::new(move |x: &P, _| V::new(channel.inflow(x[1])[0], 0.0)));
+        let inflow = FluidBoundary::Velocity(Arc::new(move |x: &P, t| V::new(factor(t) * channel.inflow(x[1]), 0.0)));
         // The traction of the developed flow in the form with the symmetric gradient: the condition "do nothing" of the form with
         // the full gradient.
-        let shear = move |x: &P, _: &V, _| V::new(0.0, channel.viscosity * channel.inflow(x[1])[1]);
+        let shear = move |x: &P, _: &V, t| {
+            let slope = 6.0 * channel.speed * (HEIGHT - 2.0 * x[1]) / (HEIGHT * HEIGHT);
+            V::new(0.0, channel.viscosity * factor(t) * slope)
+        };
         let outflow = FluidBoundary::Open { traction: Some(Arc::new(shear)), backflow: false };
         for (side, condition) in
             [("left", inflow), ("right", outflow), ("bottom", FluidBoundary::NoSlip), ("top", FluidBoundary::NoSlip)]
@@ -129,7 +137,7 @@ impl Channel {
     }
 
     /// Returns the corners of the obstacle. The cylinder has the radius of a regular polygon with the area of the disk.
-    fn obstacle(&self, n_corners: usize) -> Vec<P> {
+    pub(super) fn obstacle(&self, n_corners: usize) -> Vec<P> {
         let [x, y] = CENTRE;
         if !self.has_flag {
             return flow::disk(P::new(x, y), RADIUS, n_corners);
@@ -168,22 +176,26 @@ impl Channel {
     }
 }
 
-impl Steady {
-    /// Returns velocity and pressure at a point.
-    ///
-    /// # Errors
-    /// The point is outside of the fluid.
-    pub(super) fn at(&self, x: &P) -> Result<(V, f64), Failure> {
-        const OUTSIDE: &str = "the point is outside of the fluid";
-        let fluid = wet(&self.state)?;
-        let (cell, shape) = fluid_of(&self.setup)?.background.cell_index().locate(x).ok_or(OUTSIDE)?;
-        let dofs = fluid.space.dofs(fluid.cut.parts(cell).next().ok_or(OUTSIDE)?);
-        let sum = |velocity_and_pressure: (V, f64), (&k, n): (&u32, f64)| {
-            let k = k as usize;
-            (velocity_and_pressure.0 + fluid.velocity[k] * n, velocity_and_pressure.1 + fluid.pressure[k] * n)
-        };
-        Ok(dofs.iter().zip(shape).fold((V::zeros(), 0.0), sum))
-    }
+/// Returns velocity and pressure at a point.
+///
+/// # Errors
+/// The point is outside of the fluid.
+pub(super) fn at(setup: &Setup<2>, state: &State<2>, x: &P) -> Result<(V, f64), Failure> {
+    const OUTSIDE: &str = "the point is outside of the fluid";
+    let fluid = wet(state)?;
+    let (cell, shape) = fluid_of(setup)?.background.cell_index().locate(x).ok_or(OUTSIDE)?;
+    let dofs = fluid.space.dofs(fluid.cut.parts(cell).next().ok_or(OUTSIDE)?);
+    let sum = |velocity_and_pressure: (V, f64), (&k, n): (&u32, f64)| {
+        let k = k as usize;
+        (velocity_and_pressure.0 + fluid.velocity[k] * n, velocity_and_pressure.1 + fluid.pressure[k] * n)
+    };
+    Ok(dofs.iter().zip(shape).fold((V::zeros(), 0.0), sum))
+}
+
+/// Returns the difference of the pressures at the foremost and the rearmost point of the cylinder.
+pub(super) fn pressure_difference(setup: &Setup<2>, state: &State<2>) -> Result<f64, Failure> {
+    let [front, back] = [-RADIUS, RADIUS].map(|dx| at(setup, state, &P::new(CENTRE[0] + dx, CENTRE[1])));
+    Ok(front?.1 - back?.1)
 }
 
 #[cfg(test)]

@@ -3,15 +3,16 @@
 //! Source: Turek and Hron 2006, Proposal for numerical benchmarking of fluid-structure interaction between an elastic object and
 //! laminar incompressible flow, doi:10.1007/3-540-34596-5_15, CSM1 to CSM3. SI units.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use cutwater::algebra::time::{ImplicitEuler, QuasiStatic};
-use cutwater::mesh::VertexId;
+use cutwater::mesh::SimplexMesh;
 use cutwater::mesh::generate::structured_box;
-use cutwater::solid_svk::{LameParameters, SaintVenantKirchhoff, Support, SupportKind};
+use cutwater::solid_svk::{LameParameters, SaintVenantKirchhoff, SupportKind};
 
 use super::dry::{self, Scheme, elastic, mapped, second_order};
-use super::signal::passage;
+use super::signal::{negative, peak, rises};
 use super::{Failure, P, Record, Run, V, short};
 
 const LENGTH: f64 = 0.35;
@@ -19,10 +20,10 @@ const THICKNESS: f64 = 0.02;
 /// The point whose displacement is measured, and the cylinder that holds the other end.
 const TIP: [f64; 2] = [0.6, 0.2];
 const CYLINDER: ([f64; 2], f64) = ([0.2, 0.2], 0.05);
-const DENSITY: f64 = 1e3;
+pub(super) const DENSITY: f64 = 1e3;
 const GRAVITY: f64 = 2.0;
 /// Shear modulus of CSM1 and CSM3, and of CSM2; λ = 4 μ, which is ν = 0.4.
-const SOFT: f64 = 0.5e6;
+pub(super) const SOFT: f64 = 0.5e6;
 const STIFF: f64 = 2e6;
 /// Vertical displacement of the tip.
 const CSM1: f64 = -66.10e-3;
@@ -56,21 +57,9 @@ struct Flag {
 impl Flag {
     /// Creates the run of the flag under a given gravity.
     fn run(self, gravity: f64, scheme: Scheme, dt: f64) -> Result<Run, Failure> {
-        let columns = (self.rows as f64 * LENGTH / THICKNESS).round() as usize;
-        let [x, y] = TIP;
-        let (low, high) = ([x - LENGTH, y - 0.5 * THICKNESS], [x, y + 0.5 * THICKNESS]);
-        let mesh = structured_box::<2>(low, high, [columns, self.rows])?;
-        let held: Vec<VertexId> =
-            (0..mesh.n_vertices()).map(VertexId::new).filter(|&v| mesh.vertex(v)[0] < low[0] + 1e-9).collect();
-        let ([cx, cy], radius) = CYLINDER;
-        let mesh = mapped(&mesh, |at| {
-            let end = cx + (radius.powi(2) - (at[1] - cy).powi(2)).sqrt();
-            let stretch = if self.is_fitted { (x - end) / LENGTH } else { 1.0 };
-            P::new(x - (x - at[0]) * stretch, at[1])
-        })?;
         let material = SaintVenantKirchhoff::new(LameParameters::new(self.mu, 4.0 * self.mu)?);
-        let mut body = elastic(mesh, DENSITY, material, V::new(0.0, -gravity), scheme)?;
-        body.options.supports.push(Support { vertices: held, kind: SupportKind::Clamped });
+        let mut body = elastic(mesh(self.rows, self.is_fitted)?, DENSITY, material, V::new(0.0, -gravity), scheme)?;
+        body.hold("left", SupportKind::Clamped)?;
         dry::run(vec![body], None, dt, 1e-9)
     }
 
@@ -98,8 +87,21 @@ impl Flag {
     }
 }
 
+/// Returns the mesh of the flag with a number of rows of squares across it, each in two triangles.
+pub(super) fn mesh(rows: usize, is_fitted: bool) -> Result<SimplexMesh<2>, Failure> {
+    let columns = (rows as f64 * LENGTH / THICKNESS).round() as usize;
+    let [x, y] = TIP;
+    let (low, high) = ([x - LENGTH, y - 0.5 * THICKNESS], [x, y + 0.5 * THICKNESS]);
+    let ([cx, cy], radius) = CYLINDER;
+    mapped(&structured_box::<2>(low, high, [columns, rows])?, |at| {
+        let end = cx + (radius.powi(2) - (at[1] - cy).powi(2)).sqrt();
+        let stretch = if is_fitted { (x - end) / LENGTH } else { 1.0 };
+        P::new(x - (x - at[0]) * stretch, at[1])
+    })
+}
+
 /// Returns the displacement of the tip, where the two halves of the end meet.
-fn displacement(run: &Run) -> Result<V, Failure> {
+pub(super) fn displacement(run: &Run) -> Result<V, Failure> {
     let tip = P::from(TIP);
     let at =
         run.setup.bodies[0].reference().iter().position(|x| (x - tip).norm() < 1e-9).ok_or("no vertex at the tip")?;
@@ -108,23 +110,12 @@ fn displacement(run: &Run) -> Result<V, Failure> {
 
 /// Returns the mean, amplitude and frequency of each swing, from one passage of the middle downwards to the next.
 fn swings(signal: &[(f64, f64)]) -> Vec<[f64; 3]> {
-    let range = |samples: &[(f64, f64)]| {
-        samples.windows(3).fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), w| {
-            // The extremum of the parabola through three samples, if it lies between them.
-            let (slope, curvature) = (0.5 * (w[2].1 - w[0].1), w[2].1 - 2.0 * w[1].1 + w[0].1);
-            let is_inside = curvature != 0.0 && (slope / curvature).abs() <= 1.0;
-            let value = if is_inside { w[1].1 - 0.5 * slope * slope / curvature } else { w[1].1 };
-            (low.min(value), high.max(value))
-        })
-    };
-    let (low, high) = range(signal);
-    let middle = 0.5 * (low + high);
-    let passages: Vec<(usize, f64)> = (1..signal.len())
-        .filter(|&k| signal[k - 1].1 > middle && signal[k].1 <= middle)
-        .map(|k| (k, passage([signal[k - 1], signal[k]], middle)))
-        .collect();
+    let down = negative(signal);
+    let range = |k: Range<usize>| [-peak(&down[k.clone()]).1, peak(&signal[k]).1];
+    let [low, high] = range(0..signal.len());
+    let passages = rises(&down, -0.5 * (low + high));
     let swing = |w: &[(usize, f64)]| {
-        let (low, high) = range(&signal[w[0].0 - 1..=w[1].0]);
+        let [low, high] = range(w[0].0 - 1..w[1].0 + 1);
         [0.5 * (high + low), 0.5 * (high - low), (w[1].1 - w[0].1).recip()]
     };
     passages.windows(2).map(swing).collect()

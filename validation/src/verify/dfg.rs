@@ -1,6 +1,6 @@
 //! The steady DFG benchmark: drag, lift and pressure of a cylinder in a channel, at a Reynolds number of 20.
 
-use super::channel::{CENTRE, COARSE, Channel, N_CORNERS, RADIUS, Resolution, Steady};
+use super::channel::{CENTRE, COARSE, Channel, N_CORNERS, RADIUS, Resolution, Steady, at, pressure_difference};
 use super::{Failure, P, Record, short};
 
 /// Benchmark 2D-1 of Schäfer and Turek 1996.
@@ -40,12 +40,12 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
         }
         record.show(
             format!("{name}: C_D by the traction of the fluid"),
-            coefficient(flow.by_traction[0]),
+            CHANNEL.coefficient(flow.by_traction[0]),
             Some(KNOWN[0]),
         );
         record.show(
             format!("{name}: C_L by the traction of the fluid"),
-            coefficient(flow.by_traction[1]),
+            CHANNEL.coefficient(flow.by_traction[1]),
             Some(KNOWN[1]),
         );
         if cells == CELLS[2] {
@@ -90,8 +90,8 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
 
 /// Returns drag and lift coefficient and the pressure difference.
 fn numbers(flow: &Steady) -> Result<[f64; 3], Failure> {
-    let [front, back] = [-RADIUS, RADIUS].map(|dx| flow.at(&P::new(CENTRE[0] + dx, CENTRE[1])));
-    Ok([coefficient(flow.force[0]), coefficient(flow.force[1]), front?.1 - back?.1])
+    let [drag, lift] = [0, 1].map(|k| CHANNEL.coefficient(flow.force[k]));
+    Ok([drag, lift, pressure_difference(&flow.setup, &flow.state)?])
 }
 
 /// Returns the relative errors of the three numbers, with their signs.
@@ -100,17 +100,13 @@ fn relative_errors(flow: &Steady) -> Result<[f64; 3], Failure> {
     Ok(std::array::from_fn(|k| computed[k] / KNOWN[k] - 1.0))
 }
 
-fn coefficient(force: f64) -> f64 {
-    force / (CHANNEL.density * CHANNEL.speed * CHANNEL.speed * RADIUS)
-}
-
 /// Computes the distance from the cylinder to the point behind it where the velocity along the channel changes its sign.
 fn recirculation(flow: &Steady) -> Result<f64, Failure> {
     let rear = CENTRE[0] + RADIUS;
     let (mut low, mut high) = (0.5 * RADIUS, 4.0 * RADIUS);
     while high - low > 1e-9 {
         let middle = 0.5 * (low + high);
-        let (velocity, _) = flow.at(&P::new(rear + middle, CENTRE[1]))?;
+        let (velocity, _) = at(&flow.setup, &flow.state, &P::new(rear + middle, CENTRE[1]))?;
         if velocity[0] < 0.0 { low = middle } else { high = middle }
     }
     Ok(low)

@@ -9,6 +9,7 @@ mod conservation;
 mod contact_patch;
 mod csm;
 mod dfg;
+mod dfg_unsteady;
 mod disk_impact;
 mod disk_modes;
 pub(crate) mod document;
@@ -17,6 +18,7 @@ mod exact;
 mod files;
 mod flow;
 mod frame_change;
+mod fsi;
 mod hertz;
 mod immersed_modes;
 mod linear_flow;
@@ -62,7 +64,7 @@ const fn check(name: &'static str, about: &'static str, measure: fn(&mut Record)
 }
 
 /// All checks, in the order of the page.
-const CHECKS: [Check; 22] = [
+const CHECKS: [Check; 24] = [
     check("exact", "Solutions that the discrete spaces contain, at random positions of the body.", exact::measure),
     check("orders", "Orders of convergence of known flows around bodies at rest and in motion.", orders::measure),
     check("peer", "Errors of unfitted Stokes flow compared with those of ngsxfem on the same mesh.", peer::measure),
@@ -78,11 +80,17 @@ const CHECKS: [Check; 22] = [
     check("sedimentation", "A heavy disk that sinks in a closed box, as a free rigid body.", sedimentation::measure),
     check("wan-turek", "A cylinder that oscillates in a channel: drag, lift, and their noise.", wan_turek::measure),
     check("dfg", "Steady flow past a cylinder in a channel, at a Reynolds number of 20.", dfg::measure),
+    check(
+        "dfg-unsteady",
+        "Vortices behind a cylinder in a channel, at Reynolds numbers up to 100.",
+        dfg_unsteady::measure,
+    ),
     check("cfd", "Steady flow past the rigid flag of the Turek-Hron benchmark.", cfd::measure),
     check("frame-change", "A cylinder at rest in a stream, and one moving in fluid at rest.", frame_change::measure),
     check("symmetry", "Half of a symmetric domain and the whole of it: the same contact.", symmetry::measure),
     check("svk-states", "Uniform states of a Saint Venant-Kirchhoff body under its loads.", svk_states::measure),
     check("csm", "The flag of the Turek-Hron benchmark under its weight, at rest and swinging.", csm::measure),
+    check("fsi", "The elastic flag of the Turek-Hron benchmark in a steady flow.", fsi::measure),
     check("disk-modes", "Frequencies of a free elastic disk.", disk_modes::measure),
     check("immersed-modes", "Frequencies of an elastic disk in a fluid at rest.", immersed_modes::measure),
     check("contact-patch", "Contact of uniform pressure: a block on a plane, and two blocks.", contact_patch::measure),

@@ -19,6 +19,28 @@ pub(super) fn passage([a, b]: [(f64, f64); 2], height: f64) -> f64 {
     a.0 + (b.0 - a.0) * (height - a.1) / (b.1 - a.1)
 }
 
+/// Returns where a curve passes a height upwards: the index of the first point that is not below, and the abscissa.
+pub(super) fn rises(curve: &[(f64, f64)], height: f64) -> Vec<(usize, f64)> {
+    let is_rise = |k: &usize| curve[k - 1].1 < height && curve[*k].1 >= height;
+    (1..curve.len()).filter(is_rise).map(|k| (k, passage([curve[k - 1], curve[k]], height))).collect()
+}
+
+/// Returns the highest point of a curve with equal steps: the vertex of a parabola through three points, if it is between
+/// them.
+pub(super) fn peak(curve: &[(f64, f64)]) -> (f64, f64) {
+    curve.windows(3).fold((f64::NAN, f64::NEG_INFINITY), |highest, w| {
+        let (slope, curvature) = (0.5 * (w[2].1 - w[0].1), w[2].1 - 2.0 * w[1].1 + w[0].1);
+        let steps = Some(-slope / curvature).filter(|steps| steps.abs() <= 1.0).unwrap_or(0.0);
+        let vertex = (w[1].0 + steps * (w[2].0 - w[1].0), w[1].1 + 0.5 * steps * slope);
+        if vertex.1 > highest.1 { vertex } else { highest }
+    })
+}
+
+/// Returns the curve with negative values.
+pub(super) fn negative(curve: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    curve.iter().map(|&(x, y)| (x, -y)).collect()
+}
+
 /// Returns the number between two others at which a condition becomes true, by bisection.
 pub(super) fn bisect([mut low, mut high]: [f64; 2], is_above: impl Fn(f64) -> bool) -> f64 {
     for _ in 0..60 {
@@ -73,6 +95,16 @@ mod tests {
             (0..200).map(|k| f64::from(k % 2 * 2 - 1) * 1e-2 + (f64::from(k) * 0.03).sin()).collect();
         let expected = 1e-2 * (1.0 - kept);
         assert!((rms(&rough(&values, 5)) / expected - 1.0).abs() < 1e-3, "{} {expected}", rms(&rough(&values, 5)));
+    }
+
+    #[test]
+    fn peaks_and_rises_lie_between_the_points() {
+        let curve: Vec<_> = (0..20).map(|k| 0.25 * f64::from(k)).map(|x| (x, 2.0 - (x - 3.1) * (x - 3.1))).collect();
+        let (x, y) = peak(&curve);
+        assert!((x - 3.1).abs() < 1e-12 && (y - 2.0).abs() < 1e-12, "{x} {y}");
+        // Between the points (1.5, -0.56) and (1.75, 0.1775).
+        let [(7, x)] = rises(&curve, 0.0)[..] else { panic!("one rise") };
+        assert!((x - (1.5 + 0.25 * 0.56 / 0.7375)).abs() < 1e-12, "{x}");
     }
 
     #[test]

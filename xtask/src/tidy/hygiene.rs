@@ -13,9 +13,9 @@ const BUDGETS: &[(&[&str], usize)] = &[
     (&["crates/io/src"], 6200),
     (&["crates/report/src"], 1500),
     (&["crates/solver/src"], 2070),
-    (&["validation"], 8800),
+    (&["validation"], 9200),
     (&["xtask/src"], 2300),
-    (&[""], 53_000),
+    (&[""], 53_400),
 ];
 /// Largest number of bytes of all JSON files under version control.
 const JSON_BYTES: usize = 50_000;
