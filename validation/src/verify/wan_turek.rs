@@ -7,7 +7,8 @@ use cutwater::mesh::SimplexMesh;
 use cutwater::mesh::generate::{Size, graded_box, mirrored};
 use cutwater::solver::{FluidBoundary, Setup};
 
-use super::flow::{disk, interface, polygon};
+use super::dry::second_order;
+use super::flow::{differences, disk, interface, polygon};
 use super::linear_flow::still;
 use super::signal::{range, rms, rough, slope};
 use super::{Failure, P, Record, Run, V, short};
@@ -39,6 +40,10 @@ const NOISE_ORDER: f64 = 0.5;
 /// they pass four cells at full speed.
 const WING: usize = 5;
 
+/// Steps in half a period, whose effect on the flow is compared on the coarsest mesh, and the least order there.
+const ORDER_STEPS: [u32; 5] = [25, 50, 100, 200, 400];
+const TIME_ORDER: f64 = 1.8;
+
 /// Measures forces and their noise on several meshes, and in the full check the effect of the time step.
 pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let (n_meshes, end) = if record.full { (4, ENDS[1]) } else { (3, ENDS[0]) };
@@ -65,6 +70,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
             show(record, &format!("h = {h}, dt/{part}"), &run(h, part, end)?);
         }
     }
+    order_in_time(record)?;
     let mut curves = Vec::new();
     for (k, kind) in KINDS.into_iter().enumerate() {
         let curve: Vec<(f64, f64)> = signals.iter().map(|(h, signal)| (*h, signal.noise()[k])).collect();
@@ -87,6 +93,37 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
         2 * WING + 1,
         short(STEP_OVER_SIZE),
     ));
+    Ok(())
+}
+
+/// Measures the order in the time step of the flow around a cylinder that begins at rest and comes to rest after half a period.
+fn order_in_time(record: &mut Record) -> Result<(), Failure> {
+    let n_steps = if record.full { &ORDER_STEPS[..] } else { &ORDER_STEPS[..3] };
+    let (mut changes, mut coarser) = (Vec::new(), None);
+    for &n in n_steps {
+        let dt = 0.5 / FREQUENCY / f64::from(n);
+        let mut setup = setup(SIZES[0], dt, |t| {
+            let angle = TAU * FREQUENCY * t;
+            [0.5 * AMPLITUDE * (1.0 - angle.cos()), 0.5 * speed() * angle.sin()]
+        })?;
+        // With a spectral radius of zero the stage is the end, and the last geometry is the same for all steps.
+        setup.scheme = second_order(0.0)?;
+        let mut run = Run::lagged(setup)?;
+        for _ in 0..n {
+            run.advance()?;
+        }
+        if let Some(coarser) = coarser {
+            changes.push((2.0 * dt, differences(&run.setup, &run.state, &coarser)?.velocity));
+        }
+        coarser = Some(run.state);
+    }
+    let quantity = "velocity in L2 after half a period, change when dt is halved";
+    // Steps of the short version are too long for an asymptotic order.
+    if record.full {
+        record.order(quantity, "dt [s]", &changes, TIME_ORDER);
+    } else {
+        record.show_order(quantity, "dt [s]", &changes);
+    }
     Ok(())
 }
 
@@ -159,18 +196,15 @@ fn speed() -> f64 {
     TAU * FREQUENCY * AMPLITUDE
 }
 
-/// Returns the setup of the channel with cells of size `h` where the cylinder moves. Half a period is a whole number of
-/// steps.
-fn setup(h: f64, part: usize) -> Result<Setup<2>, Failure> {
-    let half_period = 0.5 / FREQUENCY;
-    let dt = half_period / (part as f64 * (half_period / (STEP_OVER_SIZE * h)).round());
+/// Returns the setup of the channel with cells of size `h` where the cylinder moves, for its displacement and velocity at a time.
+fn setup(h: f64, dt: f64, motion: fn(f64) -> [f64; 2]) -> Result<Setup<2>, Failure> {
     let mut setup = still(background(h)?, VISCOSITY, dt, 1e-8, || FluidBoundary::NoSlip)?;
     // Edges shorter than those of the mesh.
     let n = (2.0 * TAU * DIAMETER / h).max(64.0).round() as usize;
     setup.bodies.push(polygon(
         &[disk(P::new(CENTRE[0], CENTRE[1]), 0.5 * DIAMETER, n)],
-        |x, t| x + V::new(AMPLITUDE * (TAU * FREQUENCY * t).sin(), 0.0),
-        Arc::new(|_, t| V::new(speed() * (TAU * FREQUENCY * t).cos(), 0.0)),
+        move |x, t| x + V::new(motion(t)[0], 0.0),
+        Arc::new(move |_, t| V::new(motion(t)[1], 0.0)),
     ));
     Ok(setup)
 }
@@ -184,7 +218,13 @@ fn background(h: f64) -> Result<SimplexMesh<2>, Failure> {
 
 /// Computes the forces on a mesh of size `h`. The time step is divided by `part`.
 fn run(h: f64, part: usize, end: f64) -> Result<Signal, Failure> {
-    let mut run = Run::lagged(setup(h, part)?)?;
+    // Half a period is a whole number of steps.
+    let half_period = 0.5 / FREQUENCY;
+    let dt = half_period / (part as f64 * (half_period / (STEP_OVER_SIZE * h)).round());
+    let mut run = Run::lagged(setup(h, dt, |t| {
+        let angle = TAU * FREQUENCY * t;
+        [AMPLITUDE * angle.sin(), speed() * angle.cos()]
+    })?)?;
     let scale = 2.0 / (speed() * speed() * DIAMETER);
     let mut signal = Signal { dt: run.setup.dt, wing: WING * part, ..Signal::default() };
     // Half a step of room for round-off.
