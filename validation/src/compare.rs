@@ -75,6 +75,14 @@ pub(crate) fn write(directory: &Path, rows: &[Compared]) -> Result<(), Failure> 
     Ok(std::fs::write(directory.join(FILE), serde_json::to_string_pretty(rows)? + "\n")?)
 }
 
+/// Removes the comparisons from the directory of a run.
+pub(crate) fn remove(directory: &Path) -> Result<(), Failure> {
+    match std::fs::remove_file(directory.join(FILE)) {
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(error.into()),
+        _ => Ok(()),
+    }
+}
+
 /// Reads the comparisons of a run; none if it was not compared.
 pub(crate) fn read(directory: &Path) -> Result<Vec<Compared>, Failure> {
     let path = directory.join(FILE);

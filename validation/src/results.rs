@@ -20,6 +20,9 @@ pub(crate) fn record(name: &str, reference: &Reference, out: &Path) -> Result<Re
     let directory = out.join(name);
     let results = Results::read(&directory)?;
     let compared = compare::read(&directory)?;
+    if compared.is_empty() {
+        return Err(format!("{name} was not compared with its reference").into());
+    }
     let mut record = Record::new(name, &reference.title, true);
     record.seconds = results.summary.wall_seconds;
     for row in &compared {
@@ -27,22 +30,17 @@ pub(crate) fn record(name: &str, reference: &Reference, out: &Path) -> Result<Re
     }
     let contact = |results: &Results| results.summary.contact_time.unwrap_or(f64::NAN);
     if let Some((start, offset)) = gaps(&results.scenario) {
-        // A contact is known to a time step.
-        let latest = contact(&results) + results.summary.dt;
-        record.at_least(
-            "end of the step after first contact, and contact in an ideal fluid, s",
-            latest,
-            arrival(start, offset).time,
-        );
+        let bound = arrival(start, offset).time;
+        record.at_least("first contact (end of its step), and contact in an ideal fluid, s", contact(&results), bound);
     }
     if let Some(larger) = &reference.larger_step {
-        match Results::read(&out.join(larger)) {
-            Ok(other) => {
-                let highest = |results: &Results| Rebound::new(results).map_or(f64::NAN, |rebound| rebound.height);
-                record.at_least(format!("first contact, and that of {larger}, s"), contact(&results), contact(&other));
-                record.at_least(format!("highest point, and that of {larger}, cm"), highest(&results), highest(&other));
-            }
-            Err(_) => record.note(format!("Skipped: the comparison with {larger}, which was not run.")),
+        if out.join(larger).is_dir() {
+            let other = Results::read(&out.join(larger))?;
+            let highest = |results: &Results| Rebound::new(results).map_or(f64::NAN, |rebound| rebound.height);
+            record.at_least(format!("first contact, and that of {larger}, s"), contact(&results), contact(&other));
+            record.at_least(format!("highest point, and that of {larger}, cm"), highest(&results), highest(&other));
+        } else {
+            record.note(format!("Skipped: the comparison with {larger}, which was not run."));
         }
     }
     let head = ["quantity", "reason for the band"].map(str::to_owned).into();

@@ -51,11 +51,17 @@ pub(crate) fn run(cases: &[String], [is_quick, regenerate, writes_pages]: [bool;
         // Verdicts of a whole run are those of the pages, which know listed targets and the other cases.
         failed.clear();
         for (name, reference) in &references {
-            let record = results::record(name, reference, out)?;
-            if writes_pages {
-                results::write(&record)?;
-            }
-            if !record.holds() {
+            let holds = results::record(name, reference, out).and_then(|record| {
+                if writes_pages {
+                    results::write(&record)?;
+                }
+                Ok(record.holds())
+            });
+            let holds = holds.unwrap_or_else(|error| {
+                print_error(error.as_ref());
+                false
+            });
+            if !holds {
                 failed.push(*name);
             }
         }
@@ -82,6 +88,8 @@ fn run_case(
     directory: &Path,
     stored: &mut QuickValues,
 ) -> Outcome {
+    // A run that does not start must not leave the comparison of an earlier one.
+    compare::remove(directory)?;
     let mut set = vec![format!("name={name}")];
     set.extend_from_slice(&reference.set);
     if is_quick {

@@ -46,9 +46,12 @@ pub trait Body<const D: usize>: Send + Sync {
     /// Returns the mass, momentum, energies, centre and volume; `None` for a body of prescribed motion.
     fn balance(&self, state: &BodyState<D>) -> Option<Balance<D>>;
 
-    /// Returns the state with displacement and velocity by two rows of a time scheme, and the acceleration of `rates`.
+    /// Returns the state from which [`Body::balance`] computes the energy of the scheme ([`algebra::time::Weights::of_energy`]): displacement
+    /// and velocity by two rows, with the accelerations of `rates`.
+    ///
+    /// A body whose balance reads [`BodyState::inner`] overrides it.
     fn moved(&self, state: &BodyState<D>, rates: &BodyState<D>, rows: &[Row; 2]) -> BodyState<D> {
-        BodyState { level: state.level.by(&rates.level, rows), inner: Vec::new() }
+        BodyState { level: state.level.by(&rates.level, rows), inner: state.inner.clone() }
     }
 
     /// Returns the cells with their stresses, for output. A body without cells is drawn as its surface.

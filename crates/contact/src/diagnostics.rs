@@ -14,11 +14,12 @@ pub struct ContactReport<const D: usize> {
     pub minimum_gap: Option<f64>,
     /// Largest `[ε - Δ]₊` at the quadrature points in contact, at the shifted positions at which the law acts.
     pub largest_penetration: f64,
-    /// Quadrature points in contact at the end of the step.
+    /// Quadrature points in contact at the shifted positions at the end of the step.
     pub n_active: usize,
-    /// Measure of the slave's surface in contact at the end of the step.
+    /// Measure of the slave's surface in contact there.
     pub active_area: f64,
-    /// Force on the slave, `∫ (λ n^w + τ)`.
+    /// Force on the slave, `∫ (λ n^w + τ)`, at the stage. A discrete gradient also has a force where there was contact at the start
+    /// only.
     pub force: Vector<D>,
     /// Power of contact on both bodies: negative while energy is stored.
     pub power: f64,

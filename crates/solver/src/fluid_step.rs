@@ -20,7 +20,7 @@ use xfem_space::{
 
 use crate::extension::Extension;
 use crate::setup::{FluidBoundary, FluidSetup};
-use crate::state::kinetic_energy;
+use crate::state::KineticProducts;
 use crate::surfaces::Surfaces;
 use crate::{FluidState, Setup, Stabilisation, Stage, StageSeconds, State};
 
@@ -181,28 +181,25 @@ impl<'a, const D: usize> FluidStep<'a, D> {
 
     /// Returns the terms on open boundaries.
     pub(crate) fn open_terms<'p>(&'p self, layout: &'p BlockLayout) -> Vec<Box<dyn Contributions + 'p>> {
-        self.on_open_boundaries(layout, true)
-    }
-
-    /// Returns the tractions on open boundaries.
-    pub(crate) fn tractions<'p>(&'p self, layout: &'p BlockLayout) -> Vec<Box<dyn Contributions + 'p>> {
-        self.on_open_boundaries(layout, false)
-    }
-
-    fn on_open_boundaries<'p>(
-        &'p self,
-        layout: &'p BlockLayout,
-        with_backflow: bool,
-    ) -> Vec<Box<dyn Contributions + 'p>> {
         let (geometry, fields) = (self.geometry(), self.fields(layout));
         let integral = |OpenTerms { points, traction, backflow }: &'p OpenTerms<'a, D>| {
             let points = OpenBoundary { geometry, fields, points };
             let mut integral = Integral::linear("open boundary", points, Vec::new());
             integral.extend(traction.as_ref());
-            integral.extend(backflow.as_ref().filter(|_| with_backflow));
+            integral.extend(backflow.as_ref());
             Box::new(integral) as Box<dyn Contributions + 'p>
         };
         self.open_boundaries.iter().map(integral).collect()
+    }
+
+    /// Returns the power of the backflow on open boundaries.
+    pub(crate) fn backflow_power(&self, layout: &BlockLayout, x: &[f64]) -> f64 {
+        let (geometry, fields) = (self.geometry(), self.fields(layout));
+        let of_terms = |OpenTerms { points, backflow, .. }: &OpenTerms<'a, D>| {
+            let points = OpenBoundary { geometry, fields, points };
+            backflow.as_ref().map_or(0.0, |term| Integral::linear("backflow", points, vec![term]).power(x))
+        };
+        self.open_boundaries.iter().map(of_terms).sum()
     }
 
     /// Sets symmetry planes, then prescribed velocities, then walls, such that the end of the step is as given: where two meet,
@@ -247,25 +244,22 @@ impl<'a, const D: usize> FluidStep<'a, D> {
 
     /// Returns the kinetic energy at the end of the step.
     pub(crate) fn kinetic_energy(&self, layout: &BlockLayout, x: &[f64]) -> f64 {
-        self.kinetic_energy_of(&self.end(layout, x).velocity)
+        self.products(&self.end(layout, x).velocity, &[]).0[0]
     }
 
-    fn kinetic_energy_of(&self, velocity: &[Vector<D>]) -> f64 {
-        kinetic_energy(self.setup.material.density, &self.cut, &self.space, &self.parts, velocity)
+    fn products(&self, velocity: &[Vector<D>], acceleration: &[Vector<D>]) -> KineticProducts {
+        KineticProducts::new(self.setup.material.density, &self.cut, &self.space, &self.parts, [velocity, acceleration])
     }
 
-    /// Returns the energies of the scheme on the geometry of the step: that carried over, that at the start, and that at the end. They
-    /// differ at the start of a run, where the acceleration is that at the end.
+    /// Returns the energies of the scheme on the geometry of the step: that carried over, that at the start, and that at the end. The
+    /// first two differ at the start of a run, where the acceleration is that at the end.
     pub(crate) fn scheme_energies(&self, layout: &BlockLayout, x: &[f64]) -> [f64; 3] {
         let (start, end) = (&self.start, self.end(layout, x));
-        let rates = if start.acceleration.is_empty() { &end } else { start };
-        [self.scheme_energy(start, start), self.scheme_energy(start, rates), self.scheme_energy(&end, &end)]
-    }
-
-    /// Returns the energy of the scheme for the acceleration of `rates`.
-    fn scheme_energy(&self, level: &Level<Vector<D>>, rates: &Level<Vector<D>>) -> f64 {
-        let motions = self.weights.of_energy.map(|rows| self.kinetic_energy_of(&level.by(rates, &rows).velocity));
-        0.5 * (motions[0] + motions[1])
+        let energy = |products: KineticProducts| products.scheme_energy(&self.weights);
+        let carried = energy(self.products(&start.velocity, &start.acceleration));
+        let starts = start.acceleration.is_empty() && !end.acceleration.is_empty();
+        let at_start = if starts { energy(self.products(&start.velocity, &end.acceleration)) } else { carried };
+        [carried, at_start, energy(self.products(&end.velocity, &end.acceleration))]
     }
 
     /// Returns the fluid at the end of the step.
@@ -279,7 +273,7 @@ impl<'a, const D: usize> FluidStep<'a, D> {
         let mut pressure = x[layout.range(self.pressure)].to_vec();
         pockets.iter().for_each(|pocket| pocket.remove_mean(self.geometry(), &mut pressure));
         let end = self.end(layout, x);
-        let (kinetic_energy, scheme_energy) = (self.kinetic_energy_of(&end.velocity), self.scheme_energy(&end, &end));
+        let products = self.products(&end.velocity, &end.acceleration);
         let (Level { velocity, acceleration, .. }, Self { positions, cut, space, .. }) = (end, self);
         FluidState {
             positions,
@@ -289,8 +283,8 @@ impl<'a, const D: usize> FluidStep<'a, D> {
             acceleration,
             pressure,
             pressure_time,
-            kinetic_energy,
-            scheme_energy,
+            kinetic_energy: products.0[0],
+            products,
         }
     }
 }

@@ -20,8 +20,7 @@ use crate::problem::contact_work;
 pub struct Ledger {
     /// Change of the sum of all energies.
     pub change: f64,
-    /// Transfer to the new domain: kinetic energy of the last step minus that of its velocity on the new space. With accelerations
-    /// it contains the change of the energy of the scheme where the length of the step changes.
+    /// Transfer to the new domain: kinetic energy of the last step minus that of its velocity on the new space.
     pub transfer: f64,
     /// Inertia of the fluid: dissipation of its time scheme.
     pub fluid_scheme: f64,
@@ -90,7 +89,8 @@ impl Ledger {
         ]
     }
 
-    /// Returns the change of the energy that no line explains: zero up to the residual of Newton's method.
+    /// Returns the change of the energy that no line explains: the residual of Newton's method times the solution. Stored energies
+    /// cancel in it, so that it is no check of their formulas.
     pub fn defect(&self) -> f64 {
         self.change + self.losses()
     }
@@ -140,7 +140,8 @@ impl<const D: usize> Problem<'_, D> {
             known += of_step.add_to_ledger(&mut ledger, layout, x, dt);
             let ([carried, start, end], change) =
                 (of_step.scheme_energies(layout, x), fluid_energy - before.fluid_energy());
-            let transfer = before.fluid.as_ref().map_or(0.0, |fluid| fluid.scheme_energy) - carried;
+            let transfer =
+                before.fluid.as_ref().map_or(0.0, |fluid| fluid.products.scheme_energy(&step.time.weights)) - carried;
             ledger.transfer = transfer;
             ledger.fluid_scheme -= end - start;
             ledger.change += change;
@@ -201,8 +202,8 @@ impl<const D: usize> FluidStep<'_, D> {
         ledger.ghost_penalty = faces([0.0, 1.0, 0.0]);
         ledger.cip_pressure = faces([0.0, 0.0, 1.0]);
         let open = self.open_terms(layout).iter().map(|terms| dt * terms.power(x)).sum::<f64>();
-        ledger.open_boundary = self.tractions(layout).iter().map(|terms| dt * terms.power(x)).sum();
-        ledger.backflow = open - ledger.open_boundary;
+        ledger.backflow = dt * self.backflow_power(layout, x);
+        ledger.open_boundary = open - ledger.backflow;
         let of_faces = ledger.cip_velocity + ledger.ghost_penalty + ledger.cip_pressure;
         let of_cells = ledger.fluid_scheme + ledger.viscosity + ledger.convection + ledger.fluid_force;
         of_cells + of_faces + open

@@ -1,5 +1,6 @@
 //! Everything that changes in time.
 
+use algebra::time::Weights;
 use body::{BodyState, StepTime};
 use cutcell::CutMesh;
 use mesh::{Point, Vector};
@@ -42,9 +43,13 @@ pub struct FluidState<const D: usize> {
     pub pressure_time: f64,
     /// Kinetic energy on this geometry.
     pub kinetic_energy: f64,
-    /// Kinetic energy of the scheme on this geometry ([`algebra::time::Weights::of_energy`]).
-    pub(crate) scheme_energy: f64,
+    /// Products of velocity and acceleration on this geometry.
+    pub(crate) products: KineticProducts,
 }
+
+/// `1/2 (ρ u, u)`, `(ρ u, a)` and `1/2 (ρ a, a)` of velocity and acceleration of the fluid.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct KineticProducts(pub(crate) [f64; 3]);
 
 impl<const D: usize> State<D> {
     /// Returns the state at time zero.
@@ -63,7 +68,7 @@ impl<const D: usize> State<D> {
             let at_start = |x: &Point<D>| fluid.initial_velocity.as_ref().map_or(Vector::zeros(), |field| field(x));
             let velocity: Vec<_> = space.vertices().iter().map(|&v| at_start(&fluid.background.vertex(v))).collect();
             let parts = PartValues::new(&fluid.background, &cut);
-            let kinetic_energy = kinetic_energy(fluid.material.density, &cut, &space, &parts, &velocity);
+            let products = KineticProducts::new(fluid.material.density, &cut, &space, &parts, [&velocity, &[]]);
             let pressure = vec![0.0; space.len()];
             let (acceleration, pressure_time) = (Vec::new(), 0.0);
             state.fluid = Some(FluidState {
@@ -74,8 +79,8 @@ impl<const D: usize> State<D> {
                 acceleration,
                 pressure,
                 pressure_time,
-                kinetic_energy,
-                scheme_energy: kinetic_energy,
+                kinetic_energy: products.0[0],
+                products,
             });
         }
         Ok(state)
@@ -110,22 +115,38 @@ impl<const D: usize> State<D> {
     }
 }
 
-/// Returns `1/2 (ρ u, u)` of a velocity with one value per dof.
-pub(crate) fn kinetic_energy<const D: usize>(
-    density: f64,
-    cut: &CutMesh<D>,
-    space: &XfemSpace<D>,
-    parts: &PartValues<D>,
-    velocity: &[Vector<D>],
-) -> f64 {
-    let mut twice = 0.0;
-    for part in cut.all_parts() {
-        let (moments, dofs) = (parts.moments(part), space.dofs(part));
-        for (i, a) in dofs.iter().enumerate() {
-            for (j, b) in dofs.iter().enumerate() {
-                twice += moments.at(i, j) * velocity[*a as usize].dot(&velocity[*b as usize]);
+impl KineticProducts {
+    /// Computes the products of fields with one value per dof; an empty acceleration means zero.
+    pub(crate) fn new<const D: usize>(
+        density: f64,
+        cut: &CutMesh<D>,
+        space: &XfemSpace<D>,
+        parts: &PartValues<D>,
+        [velocity, acceleration]: [&[Vector<D>]; 2],
+    ) -> Self {
+        let mut sums = [0.0; 3];
+        for part in cut.all_parts() {
+            let (moments, dofs) = (parts.moments(part), space.dofs(part));
+            for (i, a) in dofs.iter().enumerate() {
+                for (j, b) in dofs.iter().enumerate() {
+                    let (a, b, moment) = (*a as usize, *b as usize, moments.at(i, j));
+                    sums[0] += moment * velocity[a].dot(&velocity[b]);
+                    if !acceleration.is_empty() {
+                        sums[1] += moment * velocity[a].dot(&acceleration[b]);
+                        sums[2] += moment * acceleration[a].dot(&acceleration[b]);
+                    }
+                }
             }
         }
+        Self([0.5 * density * sums[0], density * sums[1], 0.5 * density * sums[2]])
     }
-    0.5 * density * twice
+
+    /// Returns the kinetic energy of the scheme.
+    pub(crate) fn scheme_energy(&self, weights: &Weights) -> f64 {
+        let energies = weights.of_energy.map(|[_, row]| {
+            let [u, a] = [row.velocity, row.acceleration];
+            u * u * self.0[0] + u * a * self.0[1] + a * a * self.0[2]
+        });
+        0.5 * (energies[0] + energies[1])
+    }
 }

@@ -14,6 +14,7 @@ use self::history::{
     history,
 };
 use super::dry::{Scheme, second_order};
+use super::record::worse;
 use super::{Failure, Record, short};
 
 /// Spectral radius of the generalised-α scheme.
@@ -36,14 +37,24 @@ struct Method {
     scheme: Scheme,
     /// Fraction of a cell that a wave crosses in a step.
     courant: f64,
-    /// Whether it has to meet the exact solution.
+    /// Whether it has to meet the exact solution on each mesh.
     is_gated: bool,
+    is_second_order: bool,
+}
+
+/// Largest numbers of steps by which contacts begin, end, or touch last at the wrong time.
+#[derive(Clone, Copy, Default)]
+struct Late {
+    /// The impact and the first bounce.
+    first: f64,
+    second: f64,
+    last_touch: f64,
 }
 
 /// Records the contacts of a bar of `n` cells with the exact ones as reference; returns the history with gravity, and the error
-/// of the last event.
-fn contacts(record: &mut Record, n: usize, method: &Method) -> Result<(History, f64), Failure> {
-    let Method { name, ref scheme, courant, is_gated } = *method;
+/// of the last event. Updates `most`.
+fn contacts(record: &mut Record, n: usize, method: &Method, most: &mut Late) -> Result<(History, f64), Failure> {
+    let Method { name, ref scheme, courant, is_gated, .. } = *method;
     let step = courant * LENGTH / n as f64 / WAVE;
     let impact = history(0.0, n, courant, scheme, 2.0)?;
     let bounce = history(GRAVITY, n, courant, scheme, PERIOD)?;
@@ -57,6 +68,8 @@ fn contacts(record: &mut Record, n: usize, method: &Method) -> Result<(History, 
         let Contact { times, touching, pressure, deviation, oscillation } = history.contact(exact);
         for (k, event) in ["begins", "ends"].into_iter().enumerate() {
             late = times[k] - exact.times[k];
+            let most_of_event = if is_first { &mut most.first } else { &mut most.second };
+            *most_of_event = worse(*most_of_event, (late / step).abs());
             let quantity = format!("{what} {event}: steps late");
             if is_gated && is_first {
                 record.near(quantity, late / step, 0.0, 1.0)
@@ -64,7 +77,9 @@ fn contacts(record: &mut Record, n: usize, method: &Method) -> Result<(History, 
                 record.show(quantity, late / step, Some(0.0))
             }
         }
-        record.show(format!("{what}: last touch, steps late"), (touching - exact.times[1]) / step, Some(0.0));
+        let late_touch = (touching - exact.times[1]) / step;
+        most.last_touch = worse(most.last_touch, late_touch.abs());
+        record.show(format!("{what}: last touch, steps late"), late_touch, Some(0.0));
         let quantity = format!("{what}: mean pressure");
         if is_gated {
             record.near_relative(quantity, pressure, exact.mean(), 0.02)
@@ -96,20 +111,32 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let euler: Scheme = Arc::new(ImplicitEuler);
     let second = second_order(RHO_INF)?;
     let methods = [
-        Method { name: "implicit Euler", scheme: Arc::clone(&euler), courant: 1.0, is_gated: false },
-        Method { name: "generalised-α, step h/c", scheme: Arc::clone(&second), courant: 1.0, is_gated: false },
-        Method { name: "generalised-α", scheme: Arc::clone(&second), courant: undispersed(RHO_INF), is_gated: true },
-    ];
+        ("implicit Euler", &euler, 1.0, [false, false]),
+        ("generalised-α, step h/c", &second, 1.0, [false, true]),
+        ("generalised-α", &second, undispersed(RHO_INF), [true, true]),
+    ]
+    .map(|(name, scheme, courant, [is_gated, is_second_order])| {
+        let scheme = Arc::clone(scheme);
+        Method { name, scheme, courant, is_gated, is_second_order }
+    });
     let exact = |points: Vec<(f64, f64)>| vec![("exact".to_owned(), points)];
     let mut curves = [exact(HEIGHTS.to_vec()), exact(exact_pressure()), Vec::new()];
     for method in &methods {
-        let mut errors = Vec::new();
+        let (mut errors, mut most) = (Vec::new(), Late::default());
         for &n in cells {
-            let (History { height, pressure, .. }, error) = contacts(record, n, method)?;
+            let (History { height, pressure, .. }, error) = contacts(record, n, method, &mut most)?;
             errors.push((LENGTH / n as f64, error));
             if Some(&n) == cells.last() {
                 curves[0].push((method.name.to_owned(), height));
                 curves[1].push((method.name.to_owned(), pressure));
+            }
+        }
+        if method.is_second_order {
+            let Late { first, second, last_touch } = most;
+            for (what, late) in
+                [("impact and first bounce", first), ("second bounce", second), ("last touches", last_touch)]
+            {
+                record.at_most(format!("{}, all meshes, {what}: most steps late or early", method.name), late, 1.0);
             }
         }
         record.show_order(&format!("error of the time when the second bounce ends, {}", method.name), "h", &errors);

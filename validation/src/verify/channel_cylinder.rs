@@ -67,7 +67,7 @@ fn drag(cells: usize) -> Result<(f64, f64, f64), Failure> {
     for _ in 0..N_STEPS {
         let report = run.advance()?;
         // The other half has the same.
-        drags.push(2.0 * force(&run.state, &report, 0, &P::zeros())?.0[0].abs());
+        drags.push(-2.0 * force(&run.state, &report, 0, &P::zeros())?.0[0]);
         let flow = wet_report(&report)?.flow;
         leak = leak.max(flow.leak_absolute / flow.swept);
     }

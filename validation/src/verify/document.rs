@@ -57,7 +57,7 @@ pub(crate) fn require_clean_tree() -> Result<(), Failure> {
 /// Returns a line for each page of checks and studies that was measured before the last change of the code. Empty where git does not
 /// know the versions.
 pub(crate) fn older_than_the_code() -> Vec<String> {
-    const CODE: [&str; 4] = ["crates", "validation/src", "validation/cases", "benchmarks/src"];
+    const CODE: [&str; 5] = ["crates", "validation/src", "validation/cases", "validation/reference", "benchmarks/src"];
     let mut lines = Vec::new();
     for folder in [FOLDER, RESULTS, "studies"] {
         let entries = std::fs::read_dir(source().join(folder)).into_iter().flatten().flatten();

@@ -30,8 +30,11 @@ struct Target {
 /// The list cannot be read.
 pub(crate) fn mark(record: &mut Record) -> Result<(), Failure> {
     let list: List = toml::from_str(include_str!("../../missed.toml"))?;
-    for target in list.missed.iter().filter(|target| target.check == record.check && (record.full || !target.only_full))
-    {
+    let (check, full) = (record.check.clone(), record.full);
+    for target in list.missed.iter().filter(|target| target.check == check && (full || !target.only_full)) {
+        if !record.rows.iter().any(|row| row.quantity == target.quantity) {
+            record.at_most(format!("{}; listed as missed, but not measured", target.quantity), f64::NAN, 0.0);
+        }
         for row in record.rows.iter_mut().filter(|row| row.quantity == target.quantity) {
             if row.holds() {
                 row.tolerance = format!("{}; listed as missed, but holds", row.tolerance);

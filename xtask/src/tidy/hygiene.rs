@@ -12,8 +12,8 @@ const BUDGETS: &[(&[&str], usize)] = &[
     (&["crates/cutwater/src/lib.rs", "crates/cutwater/src/main.rs"], 150),
     (&["crates/io/src"], 6200),
     (&["crates/report/src"], 1500),
-    (&["crates/solver/src"], 2070),
-    (&["validation"], 9200),
+    (&["crates/solver/src"], 2080),
+    (&["validation"], 9300),
     (&["xtask/src"], 2300),
     (&[""], 53_400),
 ];
