@@ -6,9 +6,10 @@ use std::sync::Arc;
 
 use fixture::*;
 use solid_svk::Load;
+use solver::algebra::Workspace;
 use solver::algebra::time::GeneralisedAlpha;
 use solver::mesh::generate::structured_box;
-use solver::{FluidBoundary, Setup, Stabilisation, StepReport};
+use solver::{FluidBoundary, Setup, Stabilisation, State, StepReport, Substep, advance};
 
 /// Checks that every step closes to ten times the tolerance of Newton's method, relative to the largest energy or change.
 fn check_closed(setup: &Setup<2>, reports: &[StepReport<2>]) {
@@ -108,4 +109,35 @@ fn given_velocities_forces_and_loads_do_the_work() {
     ] {
         assert!(reports.iter().any(|report| line(&report.ledger).abs() > 1e-6), "a line is empty");
     }
+}
+
+/// With `r = (1-ρ_∞)/(1+ρ_∞)` a step takes `3/4 r³ (M |Δt ΔA|² + J (Δt Δα)²)` from a rigid body, where `ΔA` and `Δα` are the changes of
+/// acceleration and rate of the spin.
+#[test]
+fn the_scheme_takes_energy_from_a_rigid_body_by_its_formula() {
+    let rho_inf = 0.5;
+    let r: f64 = (1.0 - rho_inf) / (1.0 + rho_inf);
+    let mesh = structured_box::<2>([0.0, 0.02], [1.0, 0.52], [4, 2]).expect("a box");
+    let mut body = rigid("box", &mesh, 1.3, V::new(0.0, -10.0));
+    (body.initial_velocity, body.initial_spin) = (V::new(0.3, -1.0), [1.5, 0.0, 0.0]);
+    let (mass, facets) = (body.mass, body.boundary.facets().collect());
+    let inertia = mass.inertia(&solver::mesh::Tensor::identity())[0][0];
+    let mut setup = dry(vec![Arc::new(body)], 2e-3);
+    setup.scheme = Arc::new(GeneralisedAlpha::new(rho_inf).expect("a radius"));
+    setup.contacts.push(contact_of(&setup.bodies, 0, facets, (1e4, 0.0, 0.1), ground()));
+    let (mut state, mut work) = (State::initial(&setup).expect("a body"), Workspace::new());
+    let mut largest = 0.0_f64;
+    for step in 0..60 {
+        let (next, report) = advance(&setup, &state, Substep::whole(setup.dt), &mut work).expect("a step");
+        let (before, after) = (motion(&state, 0), motion(&next, 0));
+        let of_centre = mass.mass * (after.acceleration - before.acceleration).norm_squared();
+        let of_spin = inertia * (after.spin_rate[0] - before.spin_rate[0]).powi(2);
+        // In the first step the acceleration is constant.
+        let expected = if step == 0 { 0.0 } else { 0.75 * r.powi(3) * setup.dt.powi(2) * (of_centre + of_spin) };
+        let found = report.ledger.body_scheme;
+        assert!((found - expected).abs() < 1e-9, "step {step}: {found:e} {expected:e}");
+        largest = largest.max(expected);
+        state = next;
+    }
+    assert!(largest > 1e-3, "the ground changes the acceleration: {largest:e}");
 }

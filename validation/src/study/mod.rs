@@ -181,8 +181,8 @@ fn record(name: &str, definition: &Definition, runs: &[Vec<Run>]) -> Record {
     let head = ["series"].iter().chain(&HEAD).map(|name| (*name).to_owned()).collect();
     record.tables.push(Table { head, rows: rows.collect() });
     record.notes.clone_from(&definition.note);
-    // Series that vary the same quantity share their charts.
-    let pairs: Vec<(&Series, &Vec<Run>)> = all().collect();
+    // Series that vary the same quantity share their charts. Two values of a coefficient make no curve.
+    let pairs: Vec<(&Series, &Vec<Run>)> = all().filter(|(series, _)| !series.coefficient).collect();
     for group in pairs.chunk_by(|a, b| a.0.parameter == b.0.parameter) {
         let mut chart = |title: &str, value: &dyn Fn(&Run) -> Option<f64>| {
             let curve = |(series, runs): &(&Series, &Vec<Run>)| {
