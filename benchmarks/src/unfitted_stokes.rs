@@ -214,6 +214,7 @@ impl<const D: usize> UnfittedStokes<D> {
             surfaces: vec![&ball],
             positions: &self.positions,
             fluid: NewtonianFluid { density: 1.0, viscosity: VISCOSITY },
+            solid: None,
         };
         let mut contributions = form.contributions(geometry, fields);
         let outlet = OpenBoundary { geometry, fields, points: &outlet };

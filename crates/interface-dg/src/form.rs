@@ -8,9 +8,9 @@ use crate::terms::{AdjointConsistency, Consistency, Penalty, PenaltyProfile};
 
 /// The three mortaring terms.
 pub struct MortarForm {
-    /// `-(T^f(u, p) n^f, v - w)`.
+    /// `-(T n^f, v - w)`.
     pub consistency: Consistency,
-    /// `-(u - v_s, T^f(v, -q) n^f)`.
+    /// `-(u - v_s, T(v, -q; w) n^f)`.
     pub adjoint_consistency: AdjointConsistency,
     /// `(S (u - v_s), v - w)`.
     pub penalty: Penalty,
@@ -27,12 +27,12 @@ impl MortarForm {
         }
     }
 
-    /// Returns the weak form on the interface. It is linear: the geometry is frozen and the traction is that of the
-    /// fluid.
+    /// Returns the weak form on the interface. It is linear if the traction is that of the fluid alone: the geometry is frozen.
     pub fn contributions<'p, const D: usize>(
         &'p self,
         points: InterfacePoints<'p, D>,
     ) -> Integral<'p, InterfacePoints<'p, D>> {
-        Integral::linear("interface", points, vec![&self.consistency, &self.adjoint_consistency, &self.penalty])
+        let integral = if points.solid.is_none() { Integral::linear } else { Integral::new };
+        integral("interface", points, vec![&self.consistency, &self.adjoint_consistency, &self.penalty])
     }
 }

@@ -1,11 +1,11 @@
-//! DG mortaring of fluid and solid on the cut interface, with the fluid's traction (α = 1).
+//! DG mortaring of fluid and solid on the cut interface, with the traction `T = α T^f + (1 - α) T^s`; α = 1 as a rule.
 //!
 //! The three mortaring lines of Eq. (4), side by side with their files; `n^f = -n`, `n` the normal out of the solid:
 //!
 //! | line | file |
 //! |---|---|
-//! | `-(T^f(u, p) n^f, v - w)` | `terms/consistency.rs` |
-//! | `-(u - v_s, T^f(v, -q) n^f)` | `terms/adjoint_consistency.rs` |
+//! | `-(T(u, p; d) n^f, v - w)` | `terms/consistency.rs` |
+//! | `-(u - v_s, T(v, -q; w) n^f)` | `terms/adjoint_consistency.rs` |
 //! | `(S (u - v_s), v - w)` | `terms/penalty.rs` |
 //!
 //! The velocity of the body is unknown, or given at every point ([`body::SurfaceVelocity`]).
@@ -16,6 +16,7 @@ mod piece_values;
 mod pockets;
 mod points;
 mod power;
+mod solid_share;
 mod stress;
 pub mod terms;
 mod traction;
@@ -26,5 +27,6 @@ pub use piece_values::{PiecePoint, PieceValues};
 pub use pockets::{Pocket, pockets};
 pub use points::{InterfacePoints, MortarPoint};
 pub use power::{InterfacePower, interface_power};
+pub use solid_share::{SolidShare, SolidTraction, UnstableShare};
 pub use stress::FluidStress;
 pub use traction::{InterfaceTraction, interface_tractions};

@@ -1,5 +1,7 @@
 //! The quadrature points of the interface with their local states.
 
+use std::sync::Arc;
+
 use algebra::{DofId, Sites};
 use body::{SurfaceMotion, SurfaceVelocity};
 use cutcell::InterfacePiece;
@@ -7,6 +9,7 @@ use fluid_ns::{FluidFields, FluidGeometry, NewtonianFluid};
 use mesh::{MAX_CELL_VERTICES, Point, Tensor, Vector};
 
 use crate::piece_values::{PiecePoint, PieceValues};
+use crate::{SolidShare, SolidTraction};
 
 /// The interface pieces of a step: one item per piece, one site per quadrature point.
 #[derive(Clone)]
@@ -23,12 +26,15 @@ pub struct InterfacePoints<'a, const D: usize> {
     pub positions: &'a [Vec<Point<D>>],
     /// The fluid.
     pub fluid: NewtonianFluid,
+    /// The share of the solid in the traction; `None` if the traction is that of the fluid alone, `α = 1`.
+    pub solid: Option<SolidShare<'a, D>>,
 }
 
 /// A quadrature point of the interface with its local state.
 ///
 /// Local unknowns: velocity component `a` of fluid node `i` at row `D i + a`, then the pressures of the fluid nodes,
-/// then the velocity of the vertices of the facet, unless the motion of the body is prescribed.
+/// then the velocity of the vertices of the facet, unless the motion of the body is prescribed, then the other unknowns on which the
+/// traction of the solid depends.
 pub struct MortarPoint<'a, const D: usize> {
     /// Geometry and shape values.
     pub at: &'a PiecePoint<D>,
@@ -49,6 +55,10 @@ pub struct MortarPoint<'a, const D: usize> {
     pub pressure: f64,
     /// Traction `T^f(u, p) n^f`.
     pub traction: Vector<D>,
+    /// Weight `α` of it.
+    pub alpha: f64,
+    /// Traction of the solid, of weight `1 - α`; `None` if `α = 1`.
+    pub solid: Option<Arc<SolidTraction<D>>>,
     /// Whether the velocity of the body is unknown.
     pub is_unknown: bool,
 }
@@ -58,6 +68,13 @@ impl<const D: usize> MortarPoint<'_, D> {
     #[inline]
     pub fn fluid_normal(&self) -> Vector<D> {
         -self.piece.normal
+    }
+
+    /// Returns the traction of the mortar, `α T^f n^f + (1 - α) T^s n^f`.
+    #[inline]
+    pub fn shared_traction(&self) -> Vector<D> {
+        let of_fluid = self.traction * self.alpha;
+        self.solid.as_ref().map_or(of_fluid, |solid| of_fluid + solid.traction * solid.weight)
     }
 
     /// Returns the basis of the jump `v - w`: first row and value of each vector-valued test function.
@@ -92,6 +109,7 @@ impl<'a, const D: usize> Sites for InterfacePoints<'a, D> {
 
     fn dofs(&self, item: usize, out: &mut Vec<DofId>) {
         let piece = &self.geometry.cut.interface()[item];
+        let first = out.len();
         let FluidFields { layout, velocity, pressure } = self.fields;
         let dofs = self.geometry.space.dofs(piece.part);
         dofs.iter().for_each(|&dof| out.extend(layout.node(velocity, dof as usize)));
@@ -100,6 +118,13 @@ impl<'a, const D: usize> Sites for InterfacePoints<'a, D> {
         if let Some(field) = surface.field() {
             let vertices = surface.boundary.facet(piece.facet).iter();
             vertices.for_each(|vertex| out.extend(layout.node(field, vertex.index())));
+        }
+        let stress = self.solid.as_ref().and_then(|solid| solid.stresses[piece.body.index()].as_ref());
+        if let Some(stress) = stress {
+            let mut of_stress = Vec::new();
+            stress.dofs(piece.facet, &mut of_stress);
+            of_stress.retain(|dof| !out[first..].contains(dof));
+            out.extend(of_stress);
         }
     }
 
@@ -122,6 +147,7 @@ impl<'a, const D: usize> Sites for InterfacePoints<'a, D> {
             }
         }
         let viscous_traction = self.fluid.viscous_traction(&grad_u, &-piece.normal);
+        let solid = self.solid.as_ref().and_then(|solid| solid.on_item(self, item, x)).map(Arc::new);
         for at in self.values.points(item) {
             let mut jump = Vector::zeros();
             let mut pressure = 0.0;
@@ -143,6 +169,8 @@ impl<'a, const D: usize> Sites for InterfacePoints<'a, D> {
                 jump,
                 pressure,
                 traction: viscous_traction + piece.normal * pressure,
+                alpha: solid.as_ref().map_or(1.0, |solid| 1.0 - solid.weight),
+                solid: solid.clone(),
                 is_unknown: surface.field().is_some(),
             });
         }

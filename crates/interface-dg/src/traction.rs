@@ -11,6 +11,8 @@ use crate::terms::Penalty;
 pub struct InterfaceTraction<const D: usize> {
     /// Fluid traction on the body, `T^f n = -p n + 2 μ D(u) n`, mean over the piece.
     pub fluid: Vector<D>,
+    /// What the share of the solid changes, `(1 - α) (T^s - T^f) n`, mean over the piece; zero for `α = 1`.
+    pub exchange: Vector<D>,
     /// Its pressure part, `-p n`.
     pub pressure: Vector<D>,
     /// Traction of the mortar's penalty on the body, `S (u - v_s)`, mean over the piece.
@@ -24,9 +26,9 @@ pub struct InterfaceTraction<const D: usize> {
 }
 
 impl<const D: usize> InterfaceTraction<D> {
-    /// Returns the traction on the body, fluid traction plus penalty: the variational traction of the mortar.
+    /// Returns the traction on the body, that of the mortar plus penalty: the variational traction.
     pub fn total(&self) -> Vector<D> {
-        self.fluid + self.penalty
+        self.fluid + self.exchange + self.penalty
     }
 
     /// Returns the mean moment of the total traction about a point: component `k` is that about axis `k`; in 2D only
@@ -51,6 +53,7 @@ pub fn interface_tractions<const D: usize>(
         .map(|item| {
             let mut mean = InterfaceTraction {
                 fluid: Vector::zeros(),
+                exchange: Vector::zeros(),
                 pressure: Vector::zeros(),
                 penalty: Vector::zeros(),
                 jump: Vector::zeros(),
@@ -60,15 +63,18 @@ pub fn interface_tractions<const D: usize>(
             let mut measure = 0.0;
             points.visit(item, x, |q| {
                 measure += q.at.weight;
+                let shared = q.shared_traction();
                 mean.fluid -= q.traction * q.at.weight;
+                mean.exchange -= (shared - q.traction) * q.at.weight;
                 mean.pressure -= q.piece.normal * (q.pressure * q.at.weight);
                 mean.jump += q.jump * q.at.weight;
                 let by_penalty = penalty.weighted(q) * q.jump;
                 mean.penalty += by_penalty;
                 mean.middle += q.at.point * q.at.weight;
-                mean.first_moment += (by_penalty - q.traction * q.at.weight) * q.at.point.transpose();
+                mean.first_moment += (by_penalty - shared * q.at.weight) * q.at.point.transpose();
             });
             mean.fluid /= measure;
+            mean.exchange /= measure;
             mean.pressure /= measure;
             mean.jump /= measure;
             mean.penalty /= measure;

@@ -90,6 +90,7 @@ impl Fixture {
             surfaces: vec![&surface],
             positions: &positions,
             fluid: FLUID,
+            solid: None,
         };
         let at = |k: &mesh::VertexId| background.vertex(*k);
         let mut x = vec![0.0; layout.len()];

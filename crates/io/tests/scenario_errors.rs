@@ -105,7 +105,7 @@ fn numbers_out_of_range() {
     expect("normal = [0.0, -1.0]", "normal = [0.0, 0.0]", "contact.0.obstacle.normal", &["direction"]);
     expect("step = 1.0e-3", "step = 7.0e-4", "time.step", &["does not divide", "use step ="]);
     expect("step = 1.0e-3", "step = 1.0e-300", "time.step", &["needs more than", "exponents"]);
-    expect("units     =", "interface = { alpha = 0.5 }\nunits =", "interface.alpha", &["stable only if", "must be 1"]);
+    expect("units     =", "interface = { alpha = 1.5 }\nunits =", "interface.alpha", &["from 0 to 1"]);
     expect("dimension = 2", "dimension = 4", "dimension", &["from 2 to 3"]);
     expect("min  = [0.0, 0.0]", "min = [0.0, 0.0, 0.0]", "background.min", &["3 components", "dimension = 2 needs 2"]);
     expect("mu = 2.0e6, lambda", "young = 2.0e6, lambda", "body.0.material", &["either mu and lambda or young"]);

@@ -69,4 +69,17 @@ impl<const D: usize> SurfaceStress<D> for SolidStress<'_, D> {
         self.cells.visit(cell.index(), x, |site| traction = self.traction(vertices, site, &normal, derivatives));
         traction
     }
+
+    /// Returns `θ Δt n·C(n ⊗ n) n |∂K|/|K|`, with the stiffness `C` of the reference state and the facets `∂K` of the cell that lie on the
+    /// surface. For isotropic materials `n·C(n ⊗ n) n = 2 μ + λ` is the largest eigenvalue that counts.
+    fn trace_bound(&self, facet: FacetId) -> f64 {
+        let Some(cell) = self.cell(facet) else { return 0.0 };
+        let (solid, mesh) = (self.cells.solid, self.cells.solid.mesh());
+        let normal = solid.placed(mesh.vertices()).facet_normal(facet);
+        let along = normal * normal.transpose();
+        let stiffness = normal.dot(&(self.material.first_piola_derivative(&Tensor::identity(), &along) * normal));
+        let on_surface = mesh.cell_to_facet(cell).iter().filter(|facet| mesh.is_boundary(**facet));
+        let measure: f64 = on_surface.map(|facet| mesh.facet_measure(*facet)).sum();
+        self.cells.rule.displacement.slope * stiffness * measure / solid.volume(cell)
+    }
 }

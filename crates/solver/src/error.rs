@@ -52,6 +52,21 @@ pub enum Stage {
         /// The slave.
         body: BodyId,
     },
+    /// The mortar is unstable with a share of the solid in its traction. Use `α = 1`, smaller steps, or a larger penalty.
+    #[error(
+        "with alpha = {alpha} the mortar at body {body} is stable only if its penalty is at least {required:e}, and it is {penalty:e}: the traction \
+         of the solid grows with its stiffness times the step over the size of its cells; use alpha = 1, or smaller steps, or a larger penalty"
+    )]
+    UnstableShare {
+        /// Weight of the fluid's traction.
+        alpha: f64,
+        /// Name of the body.
+        body: String,
+        /// Smaller eigenvalue of the penalty.
+        penalty: f64,
+        /// Smallest one with which the mortar is stable.
+        required: f64,
+    },
     /// Newton's method failed; the history of residuals is inside.
     #[error("solving the coupled problem")]
     Newton(#[from] NewtonError),

@@ -168,6 +168,7 @@ impl<'a, const D: usize> FluidStep<'a, D> {
             surfaces: bodies.iter().map(|body| body.surface()).collect(),
             positions: &self.positions,
             fluid: self.setup.material,
+            solid: None,
         }
     }
 

@@ -1,10 +1,11 @@
 //! Everything that is frozen during Newton's method.
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use algebra::{BlockLayout, Constraints, NewtonReport};
 use body::{BodyState, BodyStep, StepTime};
-use interface_dg::{Pocket, pockets};
+use interface_dg::{InterfacePoints, Pocket, SolidShare, UnstableShare, pockets};
 use mesh::{Aabb, Point};
 
 use crate::contact_step::{ContactStep, Partners};
@@ -46,7 +47,8 @@ impl<'a, const D: usize> Step<'a, D> {
     /// Prepares the step after `previous`.
     ///
     /// # Errors
-    /// A body has left the background, the surfaces cannot cut it, or a contact law lacks the stress that it depends on.
+    /// A body has left the background, the surfaces cannot cut it, a contact law lacks the stress that it depends on, or the penalty is too
+    /// small for the share of the solid in the traction.
     pub fn prepare(setup: &'a Setup<D>, previous: &'a State<D>, time: StepTime) -> Result<Self, Stage> {
         let clock = Instant::now();
         let mut layout = BlockLayout::new();
@@ -77,8 +79,35 @@ impl<'a, const D: usize> Step<'a, D> {
         let contact = |contact| ContactStep::new(contact, previous, step.partners());
         step.contacts = setup.contacts.iter().map(contact).collect::<Result<_, _>>()?;
         step.constrain();
+        step.check_share()?;
         step.seconds.space = clock.elapsed().as_secs_f64() - step.seconds.cut;
         Ok(step)
+    }
+
+    /// Returns the interface with the share of the solid in its traction.
+    pub(crate) fn interface(&self) -> Option<InterfacePoints<'_, D>> {
+        let fluid = self.fluid.as_ref()?;
+        let (layout, alpha) = (&self.layout, fluid.setup.alpha);
+        let solid = (alpha < 1.0).then(|| SolidShare {
+            alpha,
+            stresses: self.bodies.iter().map(|body| body.stress(layout).map(Arc::from)).collect(),
+            start: self.guess().into(),
+        });
+        Some(InterfacePoints { solid, ..fluid.interface(layout, &self.bodies) })
+    }
+
+    /// Returns an error if the penalty is too small for the share of the solid.
+    fn check_share(&self) -> Result<(), Stage> {
+        let Some((fluid, points)) = self.fluid.as_ref().zip(self.interface()) else { return Ok(()) };
+        match points.solid.as_ref().and_then(|solid| solid.unstable(&points, &fluid.mortar.penalty)) {
+            Some(UnstableShare { body, penalty, required }) => Err(Stage::UnstableShare {
+                alpha: fluid.setup.alpha,
+                body: self.setup.bodies[body.index()].name().to_owned(),
+                penalty,
+                required,
+            }),
+            None => Ok(()),
+        }
     }
 
     /// Returns the fluid and the bodies for the evaluation of contacts.

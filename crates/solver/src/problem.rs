@@ -27,7 +27,7 @@ impl<const D: usize> Step<'_, D> {
         for body in &self.bodies {
             contributions.extend(body.contributions(layout).into_iter().chain(body.loads(layout)));
         }
-        let interface = self.fluid.as_ref().map(|fluid| fluid.interface(layout, &self.bodies));
+        let interface = self.interface();
         if let (Some(fluid), Some(points)) = (&self.fluid, &interface) {
             contributions.push(Box::new(fluid.mortar.contributions(points.clone())));
         }

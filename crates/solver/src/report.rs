@@ -25,6 +25,8 @@ pub struct ForceBalance<const D: usize> {
     pub pressure: Vector<D>,
     /// Viscous traction of the fluid.
     pub viscous: Vector<D>,
+    /// Exchange of the fluid's traction for that of the solid, `(1 - α) (T^s - T^f) n`; zero for `α = 1`.
+    pub exchange: Vector<D>,
     /// Penalty of the mortar.
     pub penalty: Vector<D>,
     /// Contacts, as slave.
@@ -35,7 +37,7 @@ impl<const D: usize> ForceBalance<D> {
     /// Returns the inertia minus all other forces of this balance. It is the force of supports, loads and contacts as
     /// master.
     pub fn remainder(&self) -> Vector<D> {
-        self.inertia - self.body_force - self.pressure - self.viscous - self.penalty - self.contact
+        self.inertia - self.body_force - self.pressure - self.viscous - self.exchange - self.penalty - self.contact
     }
 }
 
@@ -163,6 +165,7 @@ fn body_report<const D: usize>(step: &Step<'_, D>, b: usize, end: &BodyState<D>)
         body_force: after.body_force,
         pressure: Vector::zeros(),
         viscous: Vector::zeros(),
+        exchange: Vector::zeros(),
         penalty: Vector::zeros(),
         contact: Vector::zeros(),
     });
@@ -195,6 +198,7 @@ fn add_forces<const D: usize>(
             if let Some(forces) = &mut bodies[piece.body.index()].forces {
                 forces.pressure += traction.pressure * piece.measure;
                 forces.viscous += (traction.fluid - traction.pressure) * piece.measure;
+                forces.exchange += traction.exchange * piece.measure;
                 forces.penalty += traction.penalty * piece.measure;
             }
         }

@@ -44,6 +44,9 @@ pub struct FluidSetup<const D: usize> {
     pub material: NewtonianFluid,
     /// Stabilisation of fluid and interface.
     pub stabilisation: Stabilisation,
+    /// Weight `α` of the fluid's traction in the mortar, from 0 to 1; the rest is the traction of elastic bodies. 1 is stable with
+    /// every body; smaller weights need a penalty that grows with stiffness and step ([`Stage::UnstableShare`]).
+    pub alpha: f64,
     /// Convection: `None` for Stokes, else whether to add the skew part.
     pub convection: Option<bool>,
     /// Force per volume.
@@ -174,6 +177,9 @@ impl<const D: usize> Setup<D> {
     /// for other bodies.
     pub fn check(&self) -> Result<(), Stage> {
         mesh::positive("time step", self.dt)?;
+        if let Some(fluid) = &self.fluid {
+            mesh::require((0.0..=1.0).contains(&fluid.alpha), "weight alpha", fluid.alpha, "from 0 to 1")?;
+        }
         for (_, condition) in self.fluid.iter().flat_map(|fluid| &fluid.boundary) {
             if let FluidBoundary::Symmetry { axis } = *condition {
                 mesh::require(axis < D, "axis of symmetry", axis as f64, "below the dimension")?;

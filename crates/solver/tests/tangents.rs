@@ -6,7 +6,7 @@ use fixture::*;
 use solver::algebra::check_tangent;
 use solver::contact::{ContactForm, ContactLaw, ContactPoint, ContactTraction, StressSource};
 use solver::mesh::BodyId;
-use solver::{Contact, Setup, Stabilisation, Stage, State, Step};
+use solver::{Contact, Setup, Stabilisation, Stage, State, Step, Substep, advance};
 
 /// Returns a pseudo-random number between -1 and 1.
 fn noise(k: usize) -> f64 {
@@ -112,4 +112,62 @@ fn a_law_without_its_stress_is_an_error() {
     let state = State::initial(&setup).expect("a cut");
     let time = state.step_time(&setup, setup.dt);
     assert!(matches!(Step::prepare(&setup, &state, time), Err(Stage::MissingStress { .. })));
+}
+
+/// Returns the falling ball with the weight `alpha` of the fluid's traction.
+fn with_share(alpha: f64, dt: f64) -> Setup<2> {
+    let mut setup = falling_ball(0.9, 0.3, 0.6, false);
+    fluid_of(&mut setup).alpha = alpha;
+    Setup { dt, ..setup }
+}
+
+/// Checks tangents with a share of the solid in the traction, and that consistency and adjoint consistency are transposed: the
+/// mortar is symmetric in the velocities.
+#[test]
+fn the_share_of_the_solid_is_symmetric() {
+    for alpha in [0.4, 0.0] {
+        let (setup, mut names) = (with_share(alpha, 1e-5), Vec::new());
+        check(&setup, 3.0, &mut names);
+        assert!(names.contains(&"interface"), "{names:?}");
+        let previous = State::initial(&setup).expect("a cut");
+        let step = Step::prepare(&setup, &previous, previous.step_time(&setup, setup.dt)).expect("a cut");
+        let problem = step.problem();
+        let points = problem.interface.as_ref().expect("a fluid");
+        let pressures = step.layout.range(points.fields.pressure);
+        let interface = problem.equations.contributions.iter().find(|terms| terms.name() == "interface");
+        let interface = interface.expect("a mortar");
+        let direction = |seed: usize| -> Vec<f64> {
+            let value = |k: usize| if pressures.contains(&k) { 0.0 } else { noise(3 * k + seed) };
+            (0..step.layout.len()).map(value).collect()
+        };
+        let (y, z, guess) = (direction(1), direction(2), step.guess());
+        let times = |along: &[f64], test: &[f64]| {
+            let power = |sign: f64| -> f64 {
+                let x: Vec<f64> = guess.iter().zip(along).map(|(x, d)| x + sign * d).collect();
+                let mut residual = vec![0.0; x.len()];
+                interface.add_residual(&x, &mut residual);
+                residual.iter().zip(test).map(|(r, t)| r * t).sum()
+            };
+            0.5 * (power(1.0) - power(-1.0))
+        };
+        let (a, b) = (times(&y, &z), times(&z, &y));
+        assert!((a - b).abs() < 1e-8 * a.abs(), "{alpha}: {a} {b}");
+    }
+}
+
+#[test]
+fn a_share_beyond_the_penalty_is_an_error() {
+    let found = |alpha: f64, dt: f64| {
+        let setup = with_share(alpha, dt);
+        let state = State::initial(&setup).expect("a cut");
+        advance(&setup, &state, Substep::whole(dt), &mut solver::algebra::Workspace::new())
+            .map_err(|error| error.source)
+    };
+    assert!(found(1.0, 1e-3).is_ok() && found(0.5, 1e-5).is_ok());
+    match found(0.5, 1e-3).expect_err("unstable") {
+        Stage::UnstableShare { alpha, penalty, required, .. } => {
+            assert!(alpha == 0.5 && penalty < required);
+        }
+        other => panic!("{other}"),
+    }
 }

@@ -51,11 +51,14 @@ pub(super) struct Resolution {
     pub(super) coarse: f64,
     /// Corners of the polygon that stands for the circle.
     pub(super) n_corners: usize,
+    /// How far the flag swings to either side. Cells within this distance are as fine as those at the obstacle; the corners of a flag
+    /// that swings have no finer ones.
+    pub(super) swing: f64,
 }
 
 impl Resolution {
     pub(super) fn new(cells: usize) -> Self {
-        Self { cells, coarse: COARSE, n_corners: N_CORNERS }
+        Self { cells, coarse: COARSE, n_corners: N_CORNERS, swing: 0.0 }
     }
 
     /// Returns the size of cells at the obstacle.
@@ -165,7 +168,9 @@ impl Channel {
         };
         let mut regions = vec![near(CENTRE, CENTRE, RADIUS, h)];
         if self.has_flag {
-            regions.push(near(CENTRE, [FLAG_END, CENTRE[1]], FLAG_HALF, h));
+            regions.push(near(CENTRE, [FLAG_END, CENTRE[1]], FLAG_HALF + resolution.swing, h));
+        }
+        if self.has_flag && resolution.swing == 0.0 {
             for dy in [-FLAG_HALF, FLAG_HALF] {
                 let corner = [FLAG_END, CENTRE[1] + dy];
                 regions.push(Region { growth: 0.1, ..near(corner, corner, 0.0, h / FINER_AT_CORNERS) });

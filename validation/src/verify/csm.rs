@@ -24,7 +24,7 @@ pub(super) const DENSITY: f64 = 1e3;
 const GRAVITY: f64 = 2.0;
 /// Shear modulus of CSM1 and CSM3, and of CSM2; λ = 4 μ, which is ν = 0.4.
 pub(super) const SOFT: f64 = 0.5e6;
-const STIFF: f64 = 2e6;
+pub(super) const STIFF: f64 = 2e6;
 /// Vertical displacement of the tip.
 const CSM1: f64 = -66.10e-3;
 const CSM2: f64 = -16.97e-3;

@@ -123,7 +123,7 @@ fn bend(cells: usize, rows: usize, step: f64) -> Result<Bent, Failure> {
 }
 
 /// Returns the mesh of flag and cylinder, and the vertices of the cylinder. Those at the end of the flag are vertices of both.
-fn obstacle(rows: usize) -> Result<(SimplexMesh<2>, Vec<VertexId>), Failure> {
+pub(super) fn obstacle(rows: usize) -> Result<(SimplexMesh<2>, Vec<VertexId>), Failure> {
     let (flag, centre) = (csm::mesh(rows, true)?, P::from(CENTRE));
     let mut vertices = flag.vertices().to_vec();
     let mut cells: Vec<VertexId> = flag.cells().flat_map(|cell| flag.cell(cell)).copied().collect();

@@ -19,6 +19,7 @@ mod files;
 mod flow;
 mod frame_change;
 mod fsi;
+mod fsi_unsteady;
 mod hertz;
 mod immersed_modes;
 mod linear_flow;
@@ -64,7 +65,7 @@ const fn check(name: &'static str, about: &'static str, measure: fn(&mut Record)
 }
 
 /// All checks, in the order of the page.
-const CHECKS: [Check; 24] = [
+const CHECKS: [Check; 25] = [
     check("exact", "Solutions that the discrete spaces contain, at random positions of the body.", exact::measure),
     check("orders", "Orders of convergence of known flows around bodies at rest and in motion.", orders::measure),
     check("peer", "Errors of unfitted Stokes flow compared with those of ngsxfem on the same mesh.", peer::measure),
@@ -91,6 +92,7 @@ const CHECKS: [Check; 24] = [
     check("svk-states", "Uniform states of a Saint Venant-Kirchhoff body under its loads.", svk_states::measure),
     check("csm", "The flag of the Turek-Hron benchmark under its weight, at rest and swinging.", csm::measure),
     check("fsi", "The elastic flag of the Turek-Hron benchmark in a steady flow.", fsi::measure),
+    check("fsi-unsteady", "The elastic flag of the Turek-Hron benchmark, swinging.", fsi_unsteady::measure),
     check("disk-modes", "Frequencies of a free elastic disk.", disk_modes::measure),
     check("immersed-modes", "Frequencies of an elastic disk in a fluid at rest.", immersed_modes::measure),
     check("contact-patch", "Contact of uniform pressure: a block on a plane, and two blocks.", contact_patch::measure),

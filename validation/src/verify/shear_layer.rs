@@ -44,6 +44,8 @@ const KNOWN: [(&str, [f64; 2]); 3] = [
 ];
 /// Required orders in h and in the time step.
 const ORDERS: [f64; 2] = [1.9, 0.95];
+/// Weights α of the fluid's traction in the mortar besides 1.
+const WEIGHTS: [f64; 2] = [0.5, 0.0];
 /// Required order of the scheme of second order in the time step, and its spectral radius.
 const SECOND_ORDER: f64 = 1.8;
 const RHO_INF: f64 = 0.5;
@@ -63,17 +65,17 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let euler: Scheme = Arc::new(ImplicitEuler);
     let mut in_space = Vec::new();
     for &n in sizes {
-        let steps = 40 * (n / 10) * (n / 10);
-        in_space.push((1.0 / n as f64, run([n, n], steps, &euler)?));
+        in_space.push((1.0 / n as f64, run([n, n], n_steps(n), &euler, 1.0)?));
     }
     // Nothing depends on x: a mesh that is fine in y alone leaves little but the error in time.
     let fine = if record.full { [20, 320] } else { [10, 160] };
     let mut in_time = Vec::new();
     for k in 0..5 {
         let steps = 80 << k;
-        in_time.push((END / steps as f64, run(fine, steps, &euler)?));
+        in_time.push((END / steps as f64, run(fine, steps, &euler, 1.0)?));
     }
     of_second_order(record, fine)?;
+    weights(record, sizes, &euler)?;
     for (unit, sequence, order) in [("h", &in_space, ORDERS[0]), ("dt", &in_time, ORDERS[1])] {
         let pick = |of: fn(&Measured) -> f64| sequence.iter().map(|(x, m)| (*x, of(m))).collect::<Vec<_>>();
         let (fluid, solid) = (pick(|m| m.fluid), pick(|m| m.solid));
@@ -124,6 +126,30 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Returns the number of steps for a size 1/n: errors of implicit Euler fall with those of the mesh.
+fn n_steps(n: usize) -> usize {
+    2 * n * n / 5
+}
+
+/// Measures orders in h with other weights of the fluid's traction in the mortar.
+fn weights(record: &mut Record, sizes: &[usize], scheme: &Scheme) -> Result<(), Failure> {
+    for alpha in WEIGHTS {
+        let mut errors = [Vec::new(), Vec::new(), Vec::new()];
+        for &n in sizes {
+            let found = run([n, n], n_steps(n), scheme, alpha)?;
+            for (errors, error) in errors.iter_mut().zip([found.fluid, found.solid, found.error(1)]) {
+                errors.push((1.0 / n as f64, error));
+            }
+        }
+        let names =
+            ["fluid velocity in L2", "displacement, largest error", "shear stress at the interface, relative error"];
+        for (name, errors) in names.into_iter().zip(&errors) {
+            record.order(&format!("α = {alpha}: {name}"), "h", errors, ORDERS[0]);
+        }
+    }
+    Ok(())
+}
+
 /// Measures the order in time of the scheme of second order: of the changes when the step is halved, which are free of the error in
 /// space. The change of single dofs is shown: those inside of the body have values that no fluid has.
 fn of_second_order(record: &mut Record, n: [usize; 2]) -> Result<(), Failure> {
@@ -132,7 +158,7 @@ fn of_second_order(record: &mut Record, n: [usize; 2]) -> Result<(), Failure> {
     let mut coarser: Option<(f64, Measured)> = None;
     for k in 0..5 {
         let steps = 20 << k;
-        let found = run(n, steps, &scheme)?;
+        let found = run(n, steps, &scheme, 1.0)?;
         if let Some((dt, coarser)) = &coarser {
             let [fluid, finer] = [&coarser.run.state, &found.run.state].map(wet);
             let of_velocity = flow::differences(&found.run.setup, &coarser.run.state, &found.run.state)?.velocity;
@@ -170,12 +196,13 @@ impl Measured {
     }
 }
 
-/// Computes half a period; `n` is the number 1/h in x and in y.
-fn run(n: [usize; 2], steps: usize, scheme: &Scheme) -> Result<Measured, Failure> {
+/// Computes half a period with the weight `alpha` of the fluid's traction; `n` is the number 1/h in x and in y.
+fn run(n: [usize; 2], steps: usize, scheme: &Scheme, alpha: f64) -> Result<Measured, Failure> {
     let layer = Arc::new(Layer::new());
     let known = Known { flow: Arc::clone(&layer), density: DENSITY, viscosity: VISCOSITY, convects: true, open: &[] };
     let solid = solid(n)?;
-    let setup = Setup { scheme: Arc::clone(scheme), ..setup(&known, n, END / steps as f64)? };
+    let mut setup = Setup { scheme: Arc::clone(scheme), ..setup(&known, n, END / steps as f64)? };
+    fluid_mut(&mut setup)?.alpha = alpha;
     let mut run = Run::new(setup)?;
     let mut amplitudes = [Complex::new(0.0, 0.0); 3];
     for step in 1..=steps {

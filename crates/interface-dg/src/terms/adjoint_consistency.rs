@@ -5,10 +5,11 @@ use fluid_ns::NewtonianFluid;
 
 use crate::MortarPoint;
 
-/// `-(u - v_s, T^f(v, -q) n^f)_Σ`; note `-q`, so that the pressure part is skew
+/// `-(u - v_s, α T^f(v, -q) n^f + (1 - α) T^s(w) n^f)_Σ`; note `-q`, so that the pressure part is skew
 ///
-/// Source: paper, Eq. (4), α = 1.
-/// Couples: velocity and pressure × velocity and solid.   Domain: interface pieces of the step.
+/// Source: paper, Eq. (4). The velocity is the unknown of the solid: `T^s(w)` is the derivative of its traction with respect to the
+/// velocity at the stage, at the start of the step.
+/// Couples: velocity, pressure and, for α < 1, solid × velocity and solid.   Domain: interface pieces of the step.
 /// Units: force and volume/time (2D: per unit depth).
 /// Test `v_i e_a`: `μ ( (g_i·n^f) e_a + n^f_a g_i )`, test `q_i`: `+N_i n^f`.
 pub struct AdjointConsistency {
@@ -19,7 +20,7 @@ pub struct AdjointConsistency {
 impl<const D: usize> Term<MortarPoint<'_, D>> for AdjointConsistency {
     fn add(&self, q: &MortarPoint<'_, D>, out: &mut LocalSystem) {
         let n = q.fluid_normal();
-        let weight = -q.at.weight;
+        let weight = -q.at.weight * q.alpha;
         for i in 0..=D {
             let test = self.fluid.viscous_traction_by_velocity(&q.gradients[i], &n).transpose();
             out.add_vector::<D>(q.velocity_row(i), test * q.jump * weight);
@@ -28,6 +29,15 @@ impl<const D: usize> Term<MortarPoint<'_, D>> for AdjointConsistency {
                 out.add_block::<D, D>(q.velocity_row(i), column, test * (weight * basis));
                 let row = n.transpose() * (weight * q.at.fluid[i] * basis);
                 out.add_block::<1, D>(q.pressure_row(i), column, row);
+            }
+        }
+        if let Some(solid) = &q.solid {
+            for (row, test) in &solid.adjoint {
+                let test = test * (-q.at.weight * solid.weight);
+                out.add(*row, test.dot(&q.jump));
+                for (column, basis) in q.jump_basis() {
+                    out.add_block::<1, D>(*row, column, test.transpose() * basis);
+                }
             }
         }
     }

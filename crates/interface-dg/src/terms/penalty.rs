@@ -51,24 +51,26 @@ pub struct Penalty {
 }
 
 impl Penalty {
+    /// Returns `σ_n` and `σ_t` on a piece, by the size of its cell, the relative speed and the relative acceleration.
+    pub(crate) fn eigenvalues(&self, cell_size: f64, speed: f64, acceleration: Option<f64>) -> [f64; 2] {
+        let NewtonianFluid { density, viscosity } = self.fluid;
+        match self.profile {
+            PenaltyProfile::Uniform { gamma_sigma } => [gamma_sigma * viscosity / cell_size; 2],
+            PenaltyProfile::Split { gamma_normal, gamma_tangential } => {
+                let viscous = viscosity / cell_size;
+                let gained = match acceleration {
+                    Some(acceleration) => self.convection * (cell_size * acceleration).sqrt(),
+                    None => self.inertia * cell_size * self.rate,
+                };
+                let inertial = density * (self.convection * speed + gained);
+                [gamma_normal * (viscous + inertial), gamma_tangential * viscous]
+            }
+        }
+    }
+
     /// Returns `S` times the weight of the point.
     pub(crate) fn weighted<const D: usize>(&self, q: &MortarPoint<'_, D>) -> Tensor<D> {
-        let NewtonianFluid { density, viscosity } = self.fluid;
-        let (normal, tangential) = match self.profile {
-            PenaltyProfile::Uniform { gamma_sigma } => {
-                let sigma = gamma_sigma * viscosity / q.cell_size;
-                (sigma, sigma)
-            }
-            PenaltyProfile::Split { gamma_normal, gamma_tangential } => {
-                let viscous = viscosity / q.cell_size;
-                let gained = match q.relative_acceleration {
-                    Some(acceleration) => self.convection * (q.cell_size * acceleration).sqrt(),
-                    None => self.inertia * q.cell_size * self.rate,
-                };
-                let inertial = density * (self.convection * q.relative_speed + gained);
-                (gamma_normal * (viscous + inertial), gamma_tangential * viscous)
-            }
-        };
+        let [normal, tangential] = self.eigenvalues(q.cell_size, q.relative_speed, q.relative_acceleration);
         let n = &q.piece.normal;
         let weight = q.at.weight;
         Tensor::from_diagonal_element(weight * tangential) + n * n.transpose() * (weight * (normal - tangential))

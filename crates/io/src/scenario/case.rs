@@ -60,7 +60,9 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
     let time = &scenario.time;
     let missing = |key| root.error(ErrorKind::Missing(key));
     let fluid = match (&scenario.fluid, &scenario.background) {
-        (Some(given), Some(background)) => Some(fluid::<D>(given, background, [0.0, time.end])?),
+        (Some(given), Some(background)) => {
+            Some(fluid::<D>((given, scenario.interface.alpha), background, [0.0, time.end])?)
+        }
         (Some(_), None) => return Err(missing("background")),
         (None, None) if scenario.body.is_empty() => {
             return Err(root.invalid("the scenario has neither a fluid nor a body; add [fluid] or [[body]]"));

@@ -141,14 +141,6 @@ impl ScenarioFile {
 /// Checks combinations of values.
 fn check(scenario: &Scenario) -> Result<(), ScenarioError> {
     scenario.time.check()?;
-    let alpha = &scenario.interface.alpha;
-    if **alpha != 1.0 {
-        return Err(alpha.at.invalid(format!(
-            "this is {}, but must be 1: with a share of the traction of the solid the mortar is stable only if \
-             its penalty times the size of a cell exceeds about step * (2 mu + lambda), and its adjoint is not implemented",
-            **alpha
-        )));
-    }
     let is_plain = |name: &str| !name.is_empty() && name.chars().all(|c| c.is_alphanumeric() || "-_.".contains(c));
     let refuse = |name: &At<String>, why| Err(name.at.invalid(format!("the name `{}` is {why}", name.as_str())));
     if !is_plain(&scenario.name) || scenario.name.starts_with('.') {

@@ -128,8 +128,9 @@ choices! {
 keys! {
     /// Mortar between fluid and bodies.
     pub struct Interface {
-        /// Weight of the traction of the fluid; must be 1.
-        alpha: At<f64> = 1.0,
+        /// Weight of the traction of the fluid; the rest is that of elastic bodies. Below 1 a run ends at once if the penalty is too
+        /// small for the stiffness of the bodies.
+        alpha: f64 [between(0.0, 1.0)] = 1.0,
     }
 }
 
@@ -346,9 +347,9 @@ fn stabilisation(given: &OrTable<StabilisationChoice, StabilisationKeys>) -> Sta
     }
 }
 
-/// Builds the fluid with its boundary conditions; `times` are the start and the end of the run.
+/// Builds the fluid with its boundary conditions and the weight of its traction in the mortar; `times` are the start and the end of the run.
 pub(super) fn fluid<const D: usize>(
-    fluid: &Fluid,
+    (fluid, alpha): (&Fluid, f64),
     given: &At<Background>,
     times: [f64; 2],
 ) -> Result<FluidSetup<D>, ScenarioError> {
@@ -375,6 +376,7 @@ pub(super) fn fluid<const D: usize>(
         overlay: OverlayOptions::new().without_self_intersection_check(),
         material: NewtonianFluid { density: fluid.density, viscosity: fluid.viscosity },
         stabilisation: stabilisation(&fluid.stabilisation),
+        alpha,
         convection: match fluid.convection {
             ConvectionChoice::Standard => Some(false),
             ConvectionChoice::Skew => Some(true),
