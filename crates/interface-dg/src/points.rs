@@ -147,7 +147,11 @@ impl<'a, const D: usize> Sites for InterfacePoints<'a, D> {
             }
         }
         let viscous_traction = self.fluid.viscous_traction(&grad_u, &-piece.normal);
-        let solid = self.solid.as_ref().and_then(|solid| solid.on_item(self, item, x)).map(Arc::new);
+        let solid = self.solid.as_ref().and_then(|solid| {
+            let mut dofs = Vec::new();
+            self.dofs(item, &mut dofs);
+            solid.on_facet((piece.body, piece.facet), &dofs, x).map(Arc::new)
+        });
         for at in self.values.points(item) {
             let mut jump = Vector::zeros();
             let mut pressure = 0.0;

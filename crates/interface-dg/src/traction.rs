@@ -11,7 +11,7 @@ use crate::terms::Penalty;
 pub struct InterfaceTraction<const D: usize> {
     /// Fluid traction on the body, `T^f n = -p n + 2 μ D(u) n`, mean over the piece.
     pub fluid: Vector<D>,
-    /// What the share of the solid changes, `(1 - α) (T^s - T^f) n`, mean over the piece; zero for `α = 1`.
+    /// Difference that the share of the solid makes, `(1 - α) (T^s - T^f) n`, mean over the piece; zero for `α = 1`.
     pub exchange: Vector<D>,
     /// Its pressure part, `-p n`.
     pub pressure: Vector<D>,

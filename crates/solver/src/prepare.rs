@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use algebra::{BlockLayout, Constraints, NewtonReport};
 use body::{BodyState, BodyStep, StepTime};
-use interface_dg::{InterfacePoints, Pocket, SolidShare, UnstableShare, pockets};
+use interface_dg::{InterfacePoints, Pocket, SolidShare, UnstableShare, pockets, unstable_share};
 use mesh::{Aabb, Point};
 
 use crate::contact_step::{ContactStep, Partners};
@@ -99,7 +99,7 @@ impl<'a, const D: usize> Step<'a, D> {
     /// Returns an error if the penalty is too small for the share of the solid.
     fn check_share(&self) -> Result<(), Stage> {
         let Some((fluid, points)) = self.fluid.as_ref().zip(self.interface()) else { return Ok(()) };
-        match points.solid.as_ref().and_then(|solid| solid.unstable(&points, &fluid.mortar.penalty)) {
+        match unstable_share(&points, &fluid.mortar.penalty) {
             Some(UnstableShare { body, penalty, required }) => Err(Stage::UnstableShare {
                 alpha: fluid.setup.alpha,
                 body: self.setup.bodies[body.index()].name().to_owned(),

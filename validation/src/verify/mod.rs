@@ -2,6 +2,7 @@
 
 mod added_mass;
 mod bar;
+mod cavity;
 mod cfd;
 mod channel;
 mod channel_cylinder;
@@ -65,7 +66,7 @@ const fn check(name: &'static str, about: &'static str, measure: fn(&mut Record)
 }
 
 /// All checks, in the order of the page.
-const CHECKS: [Check; 25] = [
+const CHECKS: [Check; 26] = [
     check("exact", "Solutions that the discrete spaces contain, at random positions of the body.", exact::measure),
     check("orders", "Orders of convergence of known flows around bodies at rest and in motion.", orders::measure),
     check("peer", "Errors of unfitted Stokes flow compared with those of ngsxfem on the same mesh.", peer::measure),
@@ -80,6 +81,7 @@ const CHECKS: [Check; 25] = [
     check("added-mass", "The first acceleration of a ball, and of a rigid one in ideal fluid.", added_mass::measure),
     check("sedimentation", "A heavy disk that sinks in a closed box, as a free rigid body.", sedimentation::measure),
     check("wan-turek", "A cylinder that oscillates in a channel: drag, lift, and their noise.", wan_turek::measure),
+    check("cavity", "Steady flow in a cavity with a moving lid, at a Reynolds number of 1000.", cavity::measure),
     check("dfg", "Steady flow past a cylinder in a channel, at a Reynolds number of 20.", dfg::measure),
     check(
         "dfg-unsteady",

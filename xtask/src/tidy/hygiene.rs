@@ -12,10 +12,10 @@ const BUDGETS: &[(&[&str], usize)] = &[
     (&["crates/cutwater/src/lib.rs", "crates/cutwater/src/main.rs"], 150),
     (&["crates/io/src"], 6200),
     (&["crates/report/src"], 1500),
-    (&["crates/solver/src"], 2080),
-    (&["validation"], 9300),
+    (&["crates/solver/src"], 2150),
+    (&["validation"], 9750),
     (&["xtask/src"], 2300),
-    (&[""], 53_400),
+    (&[""], 54_200),
 ];
 /// Largest number of bytes of all JSON files under version control.
 const JSON_BYTES: usize = 50_000;

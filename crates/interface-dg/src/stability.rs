@@ -1,0 +1,34 @@
+//! Stability of the mortar with a share of the solid in its traction.
+
+use mesh::BodyId;
+
+use crate::InterfacePoints;
+use crate::terms::Penalty;
+
+/// A piece of the interface on which the penalty is too small for the share of the solid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct UnstableShare {
+    /// The body.
+    pub body: BodyId,
+    /// Smaller eigenvalue of the penalty `S`.
+    pub penalty: f64,
+    /// Smallest one with which the mortar is stable.
+    pub required: f64,
+}
+
+/// Returns the first piece on which the mortar may be unstable.
+///
+/// The form bounds the work of its tractions on the jump by viscosity, by the elasticity of the step, and by the penalty. A
+/// penalty `σ` that suffices for the fluid alone leaves `(1 - α²) σ` for the solid, whose traction has the weight `1 - α` and needs
+/// [`body::SurfaceStress::trace_bound`].
+pub fn unstable_share<const D: usize>(points: &InterfacePoints<'_, D>, penalty: &Penalty) -> Option<UnstableShare> {
+    let (solid, values) = (points.solid.as_ref()?, points.values);
+    points.geometry.cut.interface().iter().enumerate().find_map(|(item, piece)| {
+        let bound = solid.stresses[piece.body.index()].as_ref()?.trace_bound(piece.facet);
+        let required = bound * (1.0 - solid.alpha) / (1.0 + solid.alpha);
+        let (size, speed) = (values.cell_size(item), values.relative_speed(item));
+        let [normal, tangential] = penalty.eigenvalues(size, speed, values.relative_acceleration(item));
+        let penalty = normal.min(tangential);
+        (penalty < required).then_some(UnstableShare { body: piece.body, penalty, required })
+    })
+}
