@@ -43,11 +43,18 @@ struct ScenarioArguments {
 
 #[derive(Args)]
 struct RunArguments {
-    #[command(flatten)]
-    scenario: ScenarioArguments,
+    /// Scenario file.
+    #[arg(required_unless_present = "resume")]
+    file: Option<PathBuf>,
+    /// Change a value, such as time.step=5e-4 or body.0.density=2; may be repeated.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    sets: Vec<String>,
     /// Directory for the results [default: output.directory of the scenario, else results/NAME].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Go on with the run in this directory, from its last checkpoint; `--set` may change time.end and output.
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["file", "out"])]
+    resume: Option<PathBuf>,
     /// Print nothing but errors.
     #[arg(long)]
     quiet: bool,

@@ -93,6 +93,41 @@ pub enum Error {
     /// A summary cannot be written as JSON, or read from it.
     #[error("the summary is not valid JSON: {0}")]
     Json(#[from] serde_json::Error),
+    /// A checkpoint cannot be used.
+    #[error("cannot go on from {}: {problem}", .path.display())]
+    Checkpoint {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        problem: String,
+    },
+    /// A directory has no checkpoint from which a run could go on.
+    #[error(
+        "{} has no checkpoint; a run writes them if the scenario sets `output.checkpoint_every`, and when it is interrupted", .directory.display()
+    )]
+    NoCheckpoint {
+        /// The directory.
+        directory: PathBuf,
+    },
+    /// A directory holds a run that has not come to its end, which a new one would remove.
+    #[error(
+        "{0} holds a run that was stopped at step {step}: go on with `cutwater run --resume {0}`, choose another directory with `--out`, or \
+         remove its files checkpoint-*.bin", .directory.display()
+    )]
+    Unfinished {
+        /// The directory.
+        directory: PathBuf,
+        /// Step of its last checkpoint.
+        step: usize,
+    },
+    /// A run was interrupted; it can go on.
+    #[error("stopped after step {step}; go on with `cutwater run --resume {}`", .directory.display())]
+    Interrupted {
+        /// The directory.
+        directory: PathBuf,
+        /// The last step.
+        step: usize,
+    },
     /// A step failed; the stage is inside. Files up to the step before are complete.
     #[cfg(feature = "simulation")]
     #[error(transparent)]

@@ -1,7 +1,7 @@
 //! `history.csv` and `diagnostics.csv`: one row per step, or per part of a step that was divided.
 
 use std::fs::File;
-use std::io::Write;
+use std::io::{Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use solver::{FluidReport, ForceBalance, Ledger, Setup, StepReport, StepView};
@@ -161,15 +161,23 @@ struct Table<const D: usize> {
 }
 
 impl<const D: usize> History<D> {
-    /// Creates both files with their headers.
-    pub(crate) fn create(directory: &Path, setup: &Setup<D>) -> Result<Self, Error> {
-        let history = directory.join("history.csv");
-        let diagnostics = directory.join("diagnostics.csv");
-        let tables = [
-            Table::create(history, setup, history_of_bodies(), history_of_run())?,
-            Table::create(diagnostics, setup, diagnostics_of_bodies(), diagnostics_of_run())?,
-        ];
-        Ok(Self { tables })
+    /// Creates both files with their headers, or opens them and cuts them back to the lengths at a checkpoint.
+    ///
+    /// # Errors
+    /// [`Error::Write`]; [`Error::Checkpoint`]: the files are not those that the run wrote.
+    pub(crate) fn open(directory: &Path, setup: &Setup<D>, lengths: Option<[u64; 2]>) -> Result<Self, Error> {
+        let columns = [(history_of_bodies(), history_of_run()), (diagnostics_of_bodies(), diagnostics_of_run())];
+        let [history, diagnostics] = columns;
+        let table = |k: usize, name: &str, (of_bodies, of_run)| {
+            Table::open(directory.join(name), setup, of_bodies, of_run, lengths.map(|lengths| lengths[k]))
+        };
+        Ok(Self { tables: [table(0, "history.csv", history)?, table(1, "diagnostics.csv", diagnostics)?] })
+    }
+
+    /// Returns the lengths of both files, bytes.
+    pub(crate) fn lengths(&self) -> Result<[u64; 2], Error> {
+        let [a, b] = &self.tables;
+        Ok([a.length()?, b.length()?])
     }
 
     /// Writes the rows of a step. `bodies` are the measures of all bodies, `seconds_output` the wall-clock time that output
@@ -194,11 +202,12 @@ impl<const D: usize> History<D> {
 }
 
 impl<const D: usize> Table<D> {
-    fn create(
+    fn open(
         path: PathBuf,
         setup: &Setup<D>,
         of_bodies: Vec<BodyColumn<D>>,
         of_run: Vec<RunColumn<D>>,
+        length: Option<u64>,
     ) -> Result<Self, Error> {
         let mut names = vec!["time".to_owned()];
         for body in &setup.bodies {
@@ -206,10 +215,28 @@ impl<const D: usize> Table<D> {
             names.extend(of_bodies.iter().map(|(name, _)| format!("{prefix}{name}")));
         }
         names.extend(of_run.iter().map(|(name, _)| name.clone()));
-        let file = File::create(&path).map_err(|source| Error::Write { path: path.clone(), source })?;
-        let mut table = Self { path, file, of_bodies, of_run };
-        table.push(&names)?;
-        Ok(table)
+        let header = names.join(",");
+        let unwritable = |source| Error::Write { path: path.clone(), source };
+        let Some(length) = length else {
+            let file = File::create(&path).map_err(unwritable)?;
+            let mut table = Self { path, file, of_bodies, of_run };
+            table.push(&names)?;
+            return Ok(table);
+        };
+        if read_text(&path)?.lines().next() != Some(header.as_str()) {
+            return Err(Error::Checkpoint { path, problem: "its columns are not those of this program".to_owned() });
+        }
+        let mut file = File::options().write(true).open(&path).map_err(unwritable)?;
+        if file.metadata().map_err(unwritable)?.len() < length {
+            return Err(Error::Checkpoint { path, problem: "it is shorter than at the checkpoint".to_owned() });
+        }
+        file.set_len(length).and_then(|()| file.seek(SeekFrom::End(0))).map_err(unwritable)?;
+        Ok(Self { path, file, of_bodies, of_run })
+    }
+
+    fn length(&self) -> Result<u64, Error> {
+        let metadata = self.file.metadata().map_err(|source| Error::Write { path: self.path.clone(), source })?;
+        Ok(metadata.len())
     }
 
     fn push(&mut self, row: &[String]) -> Result<(), Error> {

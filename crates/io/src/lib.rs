@@ -23,6 +23,8 @@ mod error;
 mod files;
 
 #[cfg(feature = "simulation")]
+mod checkpoint;
+#[cfg(feature = "simulation")]
 mod history;
 #[cfg(feature = "simulation")]
 mod measures;
@@ -39,9 +41,10 @@ pub use error::Error;
 pub use files::{read_text, write_whole};
 #[cfg(feature = "simulation")]
 pub use {
+    checkpoint::checkpoint_steps,
     history::HistoryTable,
     measures::{distance, leading_body},
-    run::{Sizes, default_directory, run, sizes},
+    run::{RunOptions, Sizes, default_directory, run, sizes},
     scenario::{Case, ScenarioFile},
     summary::{Summary, Timing},
     watch::{Progress, StepProgress, Watch},

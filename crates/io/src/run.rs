@@ -2,12 +2,14 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use solver::body::{Body, BodyState};
-use solver::{Observer, ObserverError, State, Step, StepError, StepView, TimeLoop};
+use solver::{Observer, ObserverError, Stage, State, Step, StepError, StepView, TimeLoop};
 
 use crate::Error;
+use crate::checkpoint::{Checkpoint, Header, problem_text, remove_all};
 use crate::files::create_directory;
 use crate::history::History;
 use crate::measures::{BodyMeasures, leading_body};
@@ -32,57 +34,146 @@ pub fn default_directory(scenario: &Scenario) -> PathBuf {
 /// directory. `watch` attaches an observer to the run; `&mut ()` attaches none.
 ///
 /// # Errors
-/// [`Error`]; if a step failed, the files are complete up to the step before it.
+/// As [`RunOptions::run`].
 pub fn run(file: &ScenarioFile, directory: &Path, watch: &mut impl Watch) -> Result<Summary, Error> {
-    lower(file, Run { file, directory, watch })?
+    RunOptions::default().run(file, directory, watch)
+}
+
+/// How a run begins, and what may end it.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct RunOptions<'a> {
+    /// Whether the run goes on from the last checkpoint in the directory. End time and output may differ from those of the run that wrote it.
+    pub resumes: bool,
+    /// Set to true, it ends the run after the current step, with a checkpoint.
+    pub stop: Option<&'a AtomicBool>,
+}
+
+impl RunOptions<'_> {
+    /// Runs a scenario, as [`run`] does.
+    ///
+    /// # Errors
+    /// [`Error`]; if a step failed, the files are complete up to the step before it. [`Error::Interrupted`]: `stop` was set.
+    /// [`Error::Unfinished`]: a new run would remove one that was stopped. [`Error::NoCheckpoint`], [`Error::Checkpoint`]: there is nothing to go
+    /// on from, or it belongs to another scenario.
+    pub fn run(&self, file: &ScenarioFile, directory: &Path, watch: &mut impl Watch) -> Result<Summary, Error> {
+        lower(file, Run { file, directory, watch, options: *self })?
+    }
 }
 
 struct Run<'a, W> {
     file: &'a ScenarioFile,
     directory: &'a Path,
     watch: &'a mut W,
+    options: RunOptions<'a>,
 }
 
 impl<W: Watch> CaseVisitor for Run<'_, W> {
     type Output = Result<Summary, Error>;
 
     fn visit<const D: usize>(self, case: Case<D>) -> Result<Summary, Error> {
-        let Self { file, directory, watch } = self;
-        remove_series(directory)?;
+        let Self { file, directory, watch, options } = self;
+        let checkpoint = if options.resumes { Some(last_checkpoint(file, &case, directory)?) } else { None };
+        if checkpoint.is_none() {
+            remove_checkpoints(directory)?;
+            remove_series(directory)?;
+        }
         create_directory(&directory.join("vtk"))?;
         file.write(directory)?;
-        let mut files = RunFiles::new(file.scenario(), &case, directory)?;
+        let start = match &checkpoint {
+            Some(checkpoint) => State::from_lists(&case.setup, &checkpoint.lists)?,
+            None => State::initial(&case.setup)?,
+        };
+        let n_steps = case.n_steps - start.step;
+        let header = checkpoint.map(|checkpoint| checkpoint.header);
+        let mut files = RunFiles::open(file.scenario(), &case, directory, header)?;
+        files.stop = options.stop;
         let mut observer = watch.observer(&case);
-        let mut observers: Vec<&mut dyn Observer<D>> = vec![&mut files];
+        let mut observers: Vec<&mut dyn Observer<D>> = Vec::new();
         if let Some(observer) = &mut observer {
             observers.push(observer.as_mut());
         }
-        let state = State::initial(&case.setup)?;
-        let outcome = TimeLoop::new(&case.setup, state, case.workspace).run(case.n_steps, &mut observers);
+        observers.push(&mut files);
+        let mut time_loop = TimeLoop::new(&case.setup, start, case.workspace).forgetting(case.checkpoint_every);
+        let outcome = time_loop.run(n_steps, &mut observers);
         drop(observer);
         files.write_summary()?;
-        outcome?;
+        outcome.map_err(|error| match error.source {
+            Stage::Observer(cause) if cause.is::<Interrupted>() => {
+                Error::Interrupted { directory: directory.to_owned(), step: error.step }
+            }
+            source => Error::Step(StepError { source, ..error }),
+        })?;
         Ok(files.summary.summary)
+    }
+}
+
+/// The error with which the observer of a run ends it.
+#[derive(Debug, thiserror::Error)]
+#[error("stopped")]
+struct Interrupted;
+
+/// Reads the last checkpoint in a directory.
+///
+/// # Errors
+/// There is none, it belongs to another scenario, or it is beyond the end of the run.
+fn last_checkpoint<const D: usize>(file: &ScenarioFile, case: &Case<D>, directory: &Path) -> Result<Checkpoint, Error> {
+    let checkpoint = Checkpoint::last(directory)?;
+    let Header { step, ref scenario, .. } = checkpoint.header;
+    let refused = |problem: String| Err(Error::Checkpoint { path: directory.to_owned(), problem });
+    if *scenario != problem_text(file)? {
+        return refused("the scenario is not that of the run; only [output] and time.end may change".to_owned());
+    }
+    if step > case.n_steps {
+        return refused(format!("it is at step {step}, and time.end is at step {}", case.n_steps));
+    }
+    Ok(checkpoint)
+}
+
+/// Removes the checkpoints of a run that has come to its end.
+///
+/// # Errors
+/// [`Error::Unfinished`]: it has not.
+fn remove_checkpoints(directory: &Path) -> Result<(), Error> {
+    let is_finished = |header: &Header| header.step >= header.n_steps;
+    match Checkpoint::last(directory) {
+        Err(Error::NoCheckpoint { .. }) => Ok(()),
+        Ok(Checkpoint { header, .. }) if !is_finished(&header) => {
+            Err(Error::Unfinished { directory: directory.to_owned(), step: header.step })
+        }
+        Ok(_) => remove_all(directory),
+        Err(error) => Err(error),
     }
 }
 
 /// Removes series of fields of an earlier run, which would otherwise mix with those of this one.
 fn remove_series(directory: &Path) -> Result<(), Error> {
-    for (folder, ending) in [(directory.to_owned(), "pvd"), (directory.join("vtk"), "vtu")] {
-        let Ok(entries) = std::fs::read_dir(&folder) else { continue };
-        for path in entries.filter_map(|entry| Some(entry.ok()?.path())) {
-            let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-            let is_ours = SERIES.iter().any(|series| name.starts_with(series));
-            if is_ours && path.extension().is_some_and(|found| found == ending) {
-                std::fs::remove_file(&path).map_err(|source| Error::Write { path, source })?;
-            }
+    for name in SERIES {
+        let path = directory.join(format!("{name}.pvd"));
+        if path.is_file() {
+            std::fs::remove_file(&path).map_err(|source| Error::Write { path, source })?;
+        }
+    }
+    remove_fields(directory, |_| true)
+}
+
+/// Removes the field files of some steps.
+fn remove_fields(directory: &Path, is_removed: impl Fn(usize) -> bool) -> Result<(), Error> {
+    let Ok(entries) = std::fs::read_dir(directory.join("vtk")) else { return Ok(()) };
+    for path in entries.filter_map(|entry| Some(entry.ok()?.path())) {
+        let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        let step = name.strip_suffix(".vtu").and_then(|name| name.rsplit_once('_'));
+        let step = step.filter(|(series, _)| SERIES.contains(series)).and_then(|(_, step)| step.parse().ok());
+        if step.is_some_and(&is_removed) {
+            std::fs::remove_file(&path).map_err(|source| Error::Write { path, source })?;
         }
     }
     Ok(())
 }
 
-struct RunFiles<const D: usize> {
+struct RunFiles<'a, const D: usize> {
     directory: PathBuf,
+    /// The scenario without what may change when a run goes on.
+    problem: String,
     output: Output,
     n_steps: usize,
     bottom: f64,
@@ -90,10 +181,16 @@ struct RunFiles<const D: usize> {
     summary: SummaryBuilder,
     series: [Series; 4],
     begin: Instant,
+    /// Wall-clock time before `begin`, s: that of the run up to its checkpoint.
+    seconds_before: f64,
+    /// Time of the last checkpoint.
+    last_checkpoint: Instant,
+    stop: Option<&'a AtomicBool>,
 }
 
-impl<const D: usize> RunFiles<D> {
-    fn new(scenario: &Scenario, case: &Case<D>, directory: &Path) -> Result<Self, Error> {
+impl<'a, const D: usize> RunFiles<'a, D> {
+    /// Creates the files of the run of a scenario, whose copy is in the directory, or cuts them back to a checkpoint.
+    fn open(scenario: &Scenario, case: &Case<D>, directory: &Path, header: Option<Header>) -> Result<Self, Error> {
         let setup = &case.setup;
         let leading = leading_body(setup);
         let contact = setup.contacts.iter().find(|contact| Some(contact.body().index()) == leading);
@@ -110,16 +207,53 @@ impl<const D: usize> RunFiles<D> {
             contact_offset: contact.map(|contact| contact.form().law.offset()),
             ..Summary::default()
         };
-        Ok(Self {
+        let lengths = header.as_ref().map(|header| header.histories);
+        let mut files = Self {
             directory: directory.to_owned(),
+            problem: problem_text(&ScenarioFile::read(&directory.join("scenario.toml"), &[])?)?,
             output: scenario.output.clone(),
             n_steps: case.n_steps,
             bottom: case.bottom,
-            history: History::create(directory, setup)?,
+            history: History::open(directory, setup, lengths)?,
             summary: SummaryBuilder::new(start),
             series: SERIES.map(|name| Series::new(directory, name)),
             begin: Instant::now(),
-        })
+            seconds_before: 0.0,
+            last_checkpoint: Instant::now(),
+            stop: None,
+        };
+        if let Some(header) = header {
+            files.seconds_before = header.summary.summary.wall_seconds;
+            files.summary = header.summary;
+            remove_fields(directory, |step| step > header.step)?;
+            let mut series = files.series.iter_mut().zip(header.series);
+            series.try_for_each(|(series, entries)| series.cut_back(entries))?;
+        }
+        Ok(files)
+    }
+
+    fn write_checkpoint(&mut self, state: &State<D>) -> Result<(), Error> {
+        self.write_summary()?;
+        let lists = state.to_lists();
+        let header = Header {
+            step: state.step,
+            n_steps: self.n_steps,
+            time: state.time,
+            scenario: self.problem.clone(),
+            lists: lists.iter().map(Vec::len).collect(),
+            histories: self.history.lengths()?,
+            summary: self.summary.clone(),
+            series: self.series.iter().map(|series| series.entries().to_vec()).collect(),
+        };
+        self.last_checkpoint = Instant::now();
+        Checkpoint { header, lists }.write(&self.directory)
+    }
+
+    /// Returns whether a checkpoint is written at the end of a step.
+    fn is_checkpoint(&self, step: usize) -> bool {
+        let every = self.output.checkpoint_every;
+        let is_due = self.last_checkpoint.elapsed().as_secs_f64() >= 60.0 * self.output.checkpoint_minutes;
+        every > 0 && (step == self.n_steps || (step.is_multiple_of(every) && is_due))
     }
 
     fn write_fields(&mut self, view: &StepView<'_, D>) -> Result<(), Error> {
@@ -142,14 +276,17 @@ impl<const D: usize> RunFiles<D> {
 
     fn write_summary(&mut self) -> Result<(), Error> {
         let summary = &mut self.summary.summary;
-        summary.wall_seconds = self.begin.elapsed().as_secs_f64();
+        summary.wall_seconds = self.seconds_before + self.begin.elapsed().as_secs_f64();
         summary.peak_rss_bytes = peak_rss_bytes();
         summary.write(&self.directory.join("summary.json"))
     }
 }
 
-impl<const D: usize> Observer<D> for RunFiles<D> {
+impl<const D: usize> Observer<D> for RunFiles<'_, D> {
     fn after_step(&mut self, view: &StepView<'_, D>) -> Result<(), ObserverError> {
+        if view.report.is_none() && view.state.step > 0 {
+            return Ok(());
+        }
         let clock = Instant::now();
         let step = view.state.step;
         let every = self.output.vtk_every;
@@ -164,6 +301,15 @@ impl<const D: usize> Observer<D> for RunFiles<D> {
         self.history.write(view, &bodies, seconds)?;
         if is_output || step.is_multiple_of(10) || step == self.n_steps {
             self.write_summary()?;
+        }
+        if view.ends_step() && view.report.is_some() {
+            let stops = step < self.n_steps && self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed));
+            if stops || self.is_checkpoint(step) {
+                self.write_checkpoint(view.state)?;
+            }
+            if stops {
+                return Err(Box::new(Interrupted));
+            }
         }
         Ok(())
     }

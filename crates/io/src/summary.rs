@@ -176,7 +176,7 @@ impl Summary {
 }
 
 /// Builder that accumulates a summary step by step.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct SummaryBuilder {
     pub(crate) summary: Summary,
     largest_energy: f64,

@@ -1,7 +1,7 @@
 //! Frames of a run for its animation, and chosen moments: outlines of the bodies, and the speed of the fluid on a raster.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -29,6 +29,8 @@ pub(crate) const OUTSIDE: u8 = 255;
 /// Rise of the elastic energy at which the moment of largest deformation is recorded anew: a raster costs more than a
 /// comparison.
 const RISE: f64 = 1.01;
+/// Title of the moment of first contact.
+const FIRST_CONTACT: &str = "First contact";
 
 /// Frames of a run in the plane.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -47,6 +49,12 @@ pub struct Frames {
     pub frames: Vec<Snapshot>,
     /// Chosen moments by their titles, on a finer raster.
     pub moments: BTreeMap<String, Snapshot>,
+    /// Elastic energy at the moment of largest deformation.
+    #[serde(default)]
+    pub elastic: f64,
+    /// The last step.
+    #[serde(default)]
+    pub step: usize,
 }
 
 /// The problem at one time.
@@ -79,6 +87,10 @@ impl Frames {
             return Ok(None);
         }
         Self::parse(&io::read_text(&path)?).map(Some).map_err(|source| Error::Frames { path, source })
+    }
+
+    fn write(&self, path: &Path) -> Result<(), Error> {
+        Ok(io::write_whole(path, serde_json::to_string(self)?.as_bytes())?)
     }
 
     fn parse(text: &str) -> Result<Self, serde_json::Error> {
@@ -136,16 +148,22 @@ impl Frames {
 #[derive(Clone, Debug, Default)]
 pub struct Recorder {
     frames: Option<Frames>,
+    /// Where frames are written at checkpoints.
+    directory: Option<PathBuf>,
 }
 
 impl Recorder {
+    /// Creates a recorder that also writes its frames at every checkpoint, and goes on with them if the run goes on.
+    pub fn new(directory: &Path) -> Self {
+        Self { frames: None, directory: Some(directory.to_owned()) }
+    }
+
     /// Writes the recorded data into the directory of the run.
     ///
     /// # Errors
     /// [`Error::Json`], [`Error::Results`].
     pub fn write(&self, directory: &Path) -> Result<(), Error> {
-        let Some(frames) = &self.frames else { return Ok(()) };
-        Ok(io::write_whole(&directory.join(FILE), serde_json::to_string(frames)?.as_bytes())?)
+        self.frames.as_ref().map_or(Ok(()), |frames| frames.write(&directory.join(FILE)))
     }
 }
 
@@ -165,7 +183,8 @@ impl Watch for Recorder {
         });
         let every = case.n_steps.div_ceil(FRAMES).max(1);
         let (n_steps, bottom) = (case.n_steps, case.bottom);
-        Some(Box::new(Recording { frames, n_steps, every, bottom, has_touched: false, elastic: 0.0 }))
+        let (directory, checkpoint_every) = (self.directory.as_deref(), case.checkpoint_every);
+        Some(Box::new(Recording { frames, n_steps, every, bottom, directory, checkpoint_every }))
     }
 }
 
@@ -175,35 +194,74 @@ struct Recording<'a> {
     /// Steps between two frames.
     every: usize,
     bottom: f64,
-    has_touched: bool,
-    /// Elastic energy of the largest deformation so far.
-    elastic: f64,
+    /// Directory of the run, if frames are written at checkpoints.
+    directory: Option<&'a Path>,
+    /// Steps between two checkpoints.
+    checkpoint_every: usize,
 }
 
 impl<const D: usize> Observer<D> for Recording<'_> {
     fn after_step(&mut self, view: &StepView<'_, D>) -> Result<(), ObserverError> {
         let [coarse, fine] = RESOLUTION;
         let (step, touches) = (view.state.step, touches(view));
+        if view.report.is_none() && step > 0 {
+            if let Some(earlier) = self.directory.and_then(|directory| earlier(directory, step)) {
+                *self.frames = earlier;
+            }
+            return Ok(());
+        }
         let balances = view.report.iter().flat_map(|report| &report.bodies).filter_map(|body| body.balance.as_ref());
         let elastic: f64 = balances.map(|balance| balance.elastic_energy).sum();
+        let is_largest = elastic > RISE * self.frames.elastic;
         let moments = [
             ("Start", view.report.is_none()),
-            ("First contact", !self.has_touched && touches),
-            ("Largest deformation", elastic > RISE * self.elastic),
+            (FIRST_CONTACT, touches && !self.frames.moments.contains_key(FIRST_CONTACT)),
+            ("Largest deformation", is_largest),
             ("End", step == self.n_steps && view.ends_step()),
         ];
         for (title, _) in moments.into_iter().filter(|(_, is_now)| *is_now) {
             let frame = self.frames.frame(view, self.bottom, fine);
             self.frames.moments.insert(title.to_owned(), frame);
         }
-        self.has_touched |= touches;
-        self.elastic = if elastic > RISE * self.elastic { elastic } else { self.elastic };
+        if is_largest {
+            self.frames.elastic = elastic;
+        }
         if view.ends_step() && (step.is_multiple_of(self.every) || step == self.n_steps) {
             let frame = self.frames.frame(view, self.bottom, coarse);
             self.frames.frames.push(frame);
         }
+        self.frames.step = step;
+        let is_checkpoint = self.checkpoint_every > 0 && view.ends_step() && step.is_multiple_of(self.checkpoint_every);
+        if let Some(directory) = self.directory.filter(|_| is_checkpoint) {
+            let checkpoints = io::checkpoint_steps(directory);
+            remove_stored(directory, |step| !checkpoints.contains(&step))?;
+            self.frames.write(&directory.join(stored(step)))?;
+        }
         Ok(())
     }
+}
+
+/// Returns the name of the file of frames at a checkpoint.
+fn stored(step: usize) -> String {
+    format!("frames-{step:08}.json")
+}
+
+/// Removes files of frames at checkpoints.
+pub(crate) fn remove_stored(directory: &Path, is_removed: impl Fn(usize) -> bool) -> Result<(), Error> {
+    for path in std::fs::read_dir(directory).into_iter().flatten().filter_map(|entry| Some(entry.ok()?.path())) {
+        let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        let step = name.strip_prefix("frames-").and_then(|name| name.strip_suffix(".json")?.parse().ok());
+        if step.is_some_and(&is_removed) {
+            std::fs::remove_file(&path).map_err(|source| io::Error::Write { path, source })?;
+        }
+    }
+    Ok(())
+}
+
+/// Returns the frames of a run up to a step, if they were written there: at a checkpoint, or at the end.
+fn earlier(directory: &Path, step: usize) -> Option<Frames> {
+    let read = |name: &str| Frames::parse(&io::read_text(&directory.join(name)).ok()?).ok();
+    read(&stored(step)).or_else(|| read(FILE)).filter(|frames| frames.step == step)
 }
 
 fn touches<const D: usize>(view: &StepView<'_, D>) -> bool {

@@ -9,7 +9,7 @@
 //! use report::Recorder;
 //!
 //! let directory = "results".as_ref();
-//! let mut recorder = Recorder::default();
+//! let mut recorder = Recorder::new(directory);
 //! run(&ScenarioFile::read("scenario.toml".as_ref(), &[])?, directory, &mut recorder)?;
 //! recorder.write(directory)?;
 //! report::write(directory)?;
@@ -47,7 +47,7 @@ pub fn remove(directory: &Path) -> Result<(), Error> {
             std::fs::remove_file(&path).map_err(|source| io::Error::Write { path, source })?;
         }
     }
-    Ok(())
+    frames::remove_stored(directory, |_| true)
 }
 
 /// Writes `report.html` into a directory of results and returns its path.

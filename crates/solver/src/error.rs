@@ -67,6 +67,16 @@ pub enum Stage {
         /// Smallest one with which the mortar is stable.
         required: f64,
     },
+    /// Lists of numbers are not those of a state of the setup: they were made with another one.
+    #[error("the state does not belong to this problem: {what}: {found} numbers, not {expected}")]
+    Lists {
+        /// The list.
+        what: &'static str,
+        /// Its length in this setup.
+        expected: usize,
+        /// The length that was found.
+        found: usize,
+    },
     /// Newton's method failed; the history of residuals is inside.
     #[error("solving the coupled problem")]
     Newton(#[from] NewtonError),

@@ -15,6 +15,7 @@ mod error;
 mod extension;
 mod fluid_step;
 mod ledger;
+mod lists;
 mod observe;
 mod prepare;
 mod problem;

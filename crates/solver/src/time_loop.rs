@@ -11,12 +11,21 @@ pub struct TimeLoop<'a, const D: usize> {
     work: Workspace,
     /// Work of failed attempts since the last part that succeeded.
     lost: NewtonReport,
+    /// Steps after which the solver forgets; 0 for never.
+    forget_every: usize,
 }
 
 impl<'a, const D: usize> TimeLoop<'a, D> {
     /// Creates a run that starts from a state.
     pub fn new(setup: &'a Setup<D>, state: State<D>, work: Workspace) -> Self {
-        Self { setup, state, work, lost: NewtonReport::default() }
+        Self { setup, state, work, lost: NewtonReport::default(), forget_every: 0 }
+    }
+
+    /// Makes the linear solver forget its old factors after each step whose number is a multiple of `every`: a run that starts from the
+    /// state there goes on with the same bits.
+    #[must_use]
+    pub fn forgetting(self, every: usize) -> Self {
+        Self { forget_every: every, ..self }
     }
 
     /// Returns the current state.
@@ -46,6 +55,9 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         }
         for _ in 0..n_steps {
             self.step(Substep::whole(self.setup.dt), self.setup.most_halvings, observers)?;
+            if self.forget_every > 0 && self.state.step.is_multiple_of(self.forget_every) {
+                self.work.forget();
+            }
         }
         Ok(())
     }

@@ -2,15 +2,16 @@
 
 mod fixture;
 
+use std::sync::Arc;
+
 use fixture::*;
+use solver::algebra::time::{GeneralisedAlpha, ImplicitEuler, TimeScheme};
 use solver::algebra::{LaggedSettings, LaggedSolver, Workspace};
-use solver::{State, Substep};
+use solver::{Setup, Stage, State, Substep, TimeLoop};
 
 /// Returns all bits of a state.
-fn bits(state: &State<2>) -> Vec<u64> {
-    let fluid = wet(state).velocity.iter().flat_map(|u| u.iter()).chain(&wet(state).pressure);
-    let bodies = state.bodies.iter().flat_map(|b| b.displacement().iter().chain(b.velocity())).flat_map(|v| v.iter());
-    fluid.chain(bodies).map(|x| x.to_bits()).collect()
+fn bits(state: &State<2>) -> Vec<Vec<u64>> {
+    state.to_lists().iter().map(|list| list.iter().map(|x| x.to_bits()).collect()).collect()
 }
 
 #[test]
@@ -24,17 +25,52 @@ fn the_number_of_threads_changes_no_bit() {
     assert!(one == on(2) && one == on(4));
 }
 
+/// An elastic ball that falls on a plane, and a free rigid one to the right of it.
+fn two_balls(scheme: Arc<dyn TimeScheme>, size: f64) -> Setup<2> {
+    let mut setup = falling_ball(size, 0.05, 0.1, false);
+    setup.bodies.push(Arc::new(rigid("rigid", &disk([6.0, 12.0], 1.3, size), 1.4, V::new(0.0, -1e3))));
+    Setup { scheme, ..setup }
+}
+
+/// Takes steps from a state with the solver that keeps old factors and forgets them after every second step.
+fn go_on(setup: &Setup<2>, state: State<2>, n_steps: usize) -> State<2> {
+    let work = Workspace::with_solver(Box::new(LaggedSolver::new(LaggedSettings::default())));
+    let mut run = TimeLoop::new(setup, state, work).forgetting(2);
+    run.run(n_steps, &mut []).expect("steps");
+    run.state().clone()
+}
+
 #[test]
-fn going_on_from_a_stored_state_equals_not_stopping() {
-    let setup = falling_ball(0.8, 0.05, 0.1, false);
-    let (through, _) = run(&setup, 4);
-    let (mut stored, _) = run(&setup, 2);
-    for _ in 0..2 {
-        let mut fresh = Workspace::new();
-        stored = solver::advance(&setup, &stored.clone(), Substep::whole(setup.dt), &mut fresh).expect("a step").0;
+fn going_on_from_stored_lists_equals_not_stopping() {
+    let second_order = GeneralisedAlpha::new(0.5).expect("a spectral radius");
+    let schemes: [Arc<dyn TimeScheme>; 2] = [Arc::new(ImplicitEuler), Arc::new(second_order)];
+    for scheme in schemes {
+        let setup = two_balls(scheme, 0.8);
+        let start = || State::initial(&setup).expect("a state");
+        let through = go_on(&setup, start(), 5);
+        for stop in [2, 4] {
+            let stored = go_on(&setup, start(), stop).to_lists();
+            let restored = State::from_lists(&setup, &stored).expect("a state of this setup");
+            assert_eq!(
+                bits(&restored),
+                stored.iter().map(|l| l.iter().map(|x| x.to_bits()).collect()).collect::<Vec<Vec<_>>>()
+            );
+            assert_eq!(bits(&through), bits(&go_on(&setup, restored, 5 - stop)));
+        }
     }
-    assert_eq!(bits(&through), bits(&stored));
-    assert_eq!(through.time, stored.time);
+}
+
+#[test]
+fn lists_of_another_setup_are_refused() {
+    let of_size = |size| two_balls(Arc::new(ImplicitEuler), size);
+    let lists = run(&of_size(0.8), 1).0.to_lists();
+    let refused = |setup: &Setup<2>, lists: &[Vec<f64>]| {
+        matches!(State::from_lists(setup, lists).map_err(|error| error.source), Err(Stage::Lists { .. }))
+    };
+    assert!(refused(&of_size(0.9), &lists));
+    assert!(refused(&of_size(0.8), &lists[1..]) && refused(&of_size(0.8), &lists[..lists.len() - 1]));
+    let longer = [&lists[..], &[vec![1.0]]].concat();
+    assert!(refused(&of_size(0.8), &longer) && !refused(&of_size(0.8), &lists));
 }
 
 #[test]

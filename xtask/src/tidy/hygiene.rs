@@ -9,13 +9,13 @@ const FILE_LINES: usize = 600;
 const LONG_FILES: &[(&str, &str)] = &[];
 /// Largest numbers of lines of Rust below some folders (docs/adr/0022).
 const BUDGETS: &[(&[&str], usize)] = &[
-    (&["crates/cutwater/src/lib.rs", "crates/cutwater/src/main.rs"], 150),
-    (&["crates/io/src"], 6200),
-    (&["crates/report/src"], 1500),
-    (&["crates/solver/src"], 2150),
+    (&["crates/cutwater/src/lib.rs", "crates/cutwater/src/main.rs"], 160),
+    (&["crates/io/src"], 6650),
+    (&["crates/report/src"], 1570),
+    (&["crates/solver/src"], 2300),
     (&["validation"], 9750),
     (&["xtask/src"], 2300),
-    (&[""], 54_200),
+    (&[""], 55_200),
 ];
 /// Largest number of bytes of all JSON files under version control.
 const JSON_BYTES: usize = 50_000;

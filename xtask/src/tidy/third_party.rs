@@ -29,6 +29,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     (
         "serde",
         &[
+            "crates/io/src/checkpoint.rs",
             "crates/io/src/summary.rs",
             "crates/io/src/cut",
             "crates/io/src/scenario/file.rs",
@@ -47,6 +48,8 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("base64", &["crates/report/src/frames.rs"]),
     ("mshio", &["crates/io/src"]),
     ("clap", &["crates/cutwater/src/main.rs", "crates/cutwater/src/commands", "validation/src", "xtask/src"]),
+    ("ctrlc", &["crates/cutwater/src/commands/run.rs"]),
+    ("crc32fast", &["crates/io/src/checkpoint.rs"]),
     ("indicatif", &["crates/cutwater/src", "validation/src"]),
     ("tracing-subscriber", &["crates/cutwater/src"]),
     ("criterion", TESTS_ONLY),

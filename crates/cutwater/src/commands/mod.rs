@@ -12,6 +12,9 @@ use std::process::ExitCode;
 use cutwater::io::Error;
 use cutwater::solver::Stage;
 
+/// Exit code of a run that was interrupted, that of shells for the signal.
+pub(crate) const INTERRUPTED: u8 = 130;
+
 /// Why a command failed.
 pub(crate) enum Failure {
     /// Input that cannot be run, or a run that failed.
@@ -36,7 +39,7 @@ impl From<cutwater::report::Error> for Failure {
 }
 
 impl Failure {
-    /// Returns the exit code: 2 for input that cannot be run, 1 for a run that failed.
+    /// Returns the exit code: 2 for input that cannot be run, 1 for a run that failed, 130 for one that was interrupted.
     pub(crate) fn exit_code(&self) -> ExitCode {
         match self {
             Self::Run(
@@ -47,8 +50,12 @@ impl Failure {
                 | Error::MeshFile { .. }
                 | Error::Grid(_)
                 | Error::Cut { .. }
-                | Error::GridSize { .. },
+                | Error::GridSize { .. }
+                | Error::Checkpoint { .. }
+                | Error::NoCheckpoint { .. }
+                | Error::Unfinished { .. },
             ) => ExitCode::from(2),
+            Self::Run(Error::Interrupted { .. }) => ExitCode::from(INTERRUPTED),
             _ => ExitCode::FAILURE,
         }
     }

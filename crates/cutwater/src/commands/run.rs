@@ -1,33 +1,39 @@
 //! `cutwater run`
 
 use std::io::IsTerminal;
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use cutwater::io::scenario::{Quantity, Units};
-use cutwater::io::{Error, Progress, ScenarioFile, StepProgress, Summary, default_directory, run as run_scenario};
+use cutwater::io::{Error, Progress, RunOptions, ScenarioFile, StepProgress, Summary, default_directory};
 #[cfg(feature = "report")]
 use cutwater::report::Recorder;
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::Failure;
+use super::{Failure, INTERRUPTED};
 use crate::RunArguments;
 
 /// Time between two lines where there is no terminal.
 const LINE_EVERY: Duration = Duration::from_secs(5);
 
-/// Runs a scenario, shows its progress, writes its page and prints a summary.
+/// Runs a scenario or goes on with a run, shows its progress, writes its page and prints a summary.
 pub(crate) fn run(arguments: &RunArguments) -> Result<(), Failure> {
-    let file = ScenarioFile::read(&arguments.scenario.file, &arguments.scenario.sets)?;
-    let directory = arguments.out.clone().unwrap_or_else(|| default_directory(file.scenario()));
+    let resumed = arguments.resume.as_deref();
+    let scenario = resumed.map(|directory| directory.join("scenario.toml")).or(arguments.file.clone());
+    let file = ScenarioFile::read(&scenario.unwrap_or_default(), &arguments.sets)?;
+    let given = resumed.map(Path::to_owned).or(arguments.out.clone());
+    let directory = given.unwrap_or_else(|| default_directory(file.scenario()));
     let shown = directory.display().to_string();
+    let options = RunOptions { resumes: resumed.is_some(), stop: Some(stop_by_signal()) };
     let mut display = Display::new(file.n_steps(), &file.scenario().units);
     let progress = (!arguments.quiet).then_some(Progress(|at: &StepProgress| display.show(at)));
     #[cfg(feature = "report")]
     let outcome = {
-        let mut recorder = (!arguments.no_report).then(Recorder::default);
-        let outcome = run_scenario(&file, &directory, &mut (progress, &mut recorder));
-        // A run that failed gets a page of the steps before.
-        if let Ok(_) | Err(Error::Step(_)) = &outcome {
+        let mut recorder = (!arguments.no_report).then(|| Recorder::new(&directory));
+        let outcome = options.run(&file, &directory, &mut (progress, &mut recorder));
+        // A run that failed or was stopped gets a page of the steps before.
+        if let Ok(_) | Err(Error::Step(_) | Error::Interrupted { .. }) = &outcome {
             cutwater::report::remove(&directory)?;
             if let Some(recorder) = recorder {
                 recorder.write(&directory)?;
@@ -37,7 +43,7 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<(), Failure> {
         outcome
     };
     #[cfg(not(feature = "report"))]
-    let outcome = run_scenario(&file, &directory, &mut { progress });
+    let outcome = options.run(&file, &directory, &mut { progress });
     display.finish();
     let summary = outcome.inspect_err(|error| {
         if let Error::Step(step) = error {
@@ -53,11 +59,25 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Returns a flag that an interrupt from the terminal sets. A second interrupt ends the program at once.
+fn stop_by_signal() -> &'static AtomicBool {
+    static STOP: AtomicBool = AtomicBool::new(false);
+    let stop = || {
+        if STOP.swap(true, Ordering::Relaxed) {
+            std::process::exit(INTERRUPTED.into());
+        }
+        eprintln!("stopping after this step; once more to stop at once");
+    };
+    // Where there are no signals a run cannot be stopped by one.
+    let _ = ctrlc::set_handler(stop);
+    &STOP
+}
+
 /// Progress of a run: a bar on a terminal, elsewhere a line at intervals.
 struct Display {
     bar: Option<ProgressBar>,
-    /// Time at which the first step ended; meshes are built before.
-    begin: Option<Instant>,
+    /// Time at which the first step ended, and its number; meshes are built before.
+    begin: Option<(Instant, usize)>,
     last_line: Option<Instant>,
     /// Labels of length and time.
     units: [String; 2],
@@ -74,7 +94,7 @@ impl Display {
     }
 
     fn show(&mut self, at: &StepProgress) {
-        let begin = *self.begin.get_or_insert_with(Instant::now);
+        let (begin, first) = *self.begin.get_or_insert_with(|| (Instant::now(), at.step));
         let [length, time] = &self.units;
         let distance = at.d_min.map_or(String::new(), |d| format!(", d_min {d:.4} {length}"));
         let contact = if at.in_contact { ", contact" } else { "" };
@@ -87,10 +107,10 @@ impl Display {
         }
         let is_due = self.last_line.is_none_or(|last| last.elapsed() >= LINE_EVERY);
         if is_due || at.step == at.n_steps {
-            let steps_since = at.step.saturating_sub(1).max(1) as f64;
+            let steps_since = (at.step - first).max(1) as f64;
             let per_step = begin.elapsed().as_secs_f64() / steps_since;
             let left = per_step * (at.n_steps - at.step) as f64;
-            let left = if at.step > 1 { format!(", {left:.0} s left") } else { String::new() };
+            let left = if at.step > first { format!(", {left:.0} s left") } else { String::new() };
             println!("step {}/{}, {message}{left}", at.step, at.n_steps);
             self.last_line = Some(Instant::now());
         }

@@ -21,6 +21,8 @@ pub struct Case<const D: usize> {
     pub workspace: Workspace,
     /// Number of steps.
     pub n_steps: usize,
+    /// Steps between two checkpoints; 0 for none.
+    pub checkpoint_every: usize,
     /// Whether a side of the background is a plane of symmetry: forces, masses and energies are those of a half.
     pub half_domain: bool,
     /// Lowest last coordinate of the background.
@@ -97,6 +99,7 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
     Ok(Case {
         workspace: scenario.solver.linear.workspace(),
         n_steps: time.n_steps(),
+        checkpoint_every: scenario.output.checkpoint_every,
         half_domain: setup.fluid.iter().flat_map(|fluid| &fluid.boundary).any(is_symmetry),
         bottom,
         setup,

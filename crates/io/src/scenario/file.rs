@@ -57,6 +57,10 @@ keys! {
         vtk_every: usize = 10,
         /// Level of compression of field files, 0 for none.
         compression: u32 [between(0.0, 9.0)] = 0,
+        /// Steps between two checkpoints, from which a run that was stopped goes on to the same bits; 0 for none.
+        checkpoint_every: usize = 0,
+        /// Least time between two checkpoints, minutes. It decides which of them are written, and changes no result.
+        checkpoint_minutes: f64 [non_negative] = 0.0,
     }
 }
 
@@ -100,6 +104,21 @@ impl ScenarioFile {
     /// Returns the scenario.
     pub fn scenario(&self) -> &Scenario {
         &self.scenario
+    }
+
+    /// Returns the file as a table, with the changes applied.
+    pub(crate) fn table(&self) -> &toml::Value {
+        &self.table
+    }
+
+    /// Returns the paths of the tables that the file names.
+    pub(crate) fn tables(&self) -> Vec<PathBuf> {
+        let motions = self.scenario.body.iter().filter_map(|body| body.motion.as_deref());
+        let file = |motion: &MotionChoice| match motion {
+            MotionChoice::Table { file, .. } => Some(table_path(file)),
+            _ => None,
+        };
+        motions.filter_map(file).collect()
     }
 
     pub(crate) fn location(&self) -> Location {

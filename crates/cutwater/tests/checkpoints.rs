@@ -1,0 +1,190 @@
+//! Runs that are stopped and go on.
+#![cfg(unix)]
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::time::Duration;
+
+/// Changes to the case: a coarse mesh, checkpoints, and an end after the first contact.
+const SETS: [&str; 7] = [
+    "background.size=1.0",
+    "body.0.shape.size=1.0",
+    "time.end=0.12",
+    "output.vtk_every=7",
+    "output.checkpoint_every=10",
+    "fluid.stabilisation=standard",
+    "time.scheme={ kind = \"generalised-alpha\", rho_inf = 0.5 }",
+];
+/// Kills in all.
+const N_KILLS: usize = 50;
+
+fn directory(name: &str) -> PathBuf {
+    let directory = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("checkpoints").join(name);
+    let _ = std::fs::remove_dir_all(&directory);
+    directory
+}
+
+/// Returns the command that starts a run, or goes on with it.
+fn command(directory: &Path, resumes: bool, more: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_cutwater"));
+    command.arg("run").stdout(Stdio::piped()).stderr(Stdio::piped());
+    if resumes {
+        command.arg("--resume").arg(directory);
+    } else {
+        let case = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../validation/cases/virtual-barrier.toml");
+        command.arg(case).arg("--out").arg(directory);
+        SETS.iter().for_each(|set| _ = command.args(["--set", set]));
+    }
+    command.args(more);
+    command
+}
+
+fn finish(mut command: Command, code: i32) -> String {
+    let Output { status, stdout, stderr } = command.output().expect("the binary starts");
+    let printed = [stdout, stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).concat();
+    assert_eq!(status.code(), Some(code), "{printed}");
+    printed
+}
+
+/// Returns all results of a run that do not depend on the clock, by their names.
+fn results(directory: &Path) -> BTreeMap<String, Vec<u8>> {
+    let mut all = BTreeMap::new();
+    for folder in [directory.to_owned(), directory.join("vtk")] {
+        for entry in std::fs::read_dir(folder).expect("a folder") {
+            let path = entry.expect("an entry").path();
+            let name = path.strip_prefix(directory).expect("a file of the run").display().to_string();
+            let bytes = if path.is_file() { std::fs::read(&path).expect("a file") } else { continue };
+            let kept = match path.extension().and_then(|e| e.to_str()) {
+                Some("csv") => without_seconds(&String::from_utf8_lossy(&bytes)).into_bytes(),
+                Some("bin") => state(&bytes),
+                Some("vtu" | "pvd" | "toml") => bytes,
+                _ if name == "frames.json" => bytes,
+                _ => continue,
+            };
+            all.insert(name, kept);
+        }
+    }
+    all
+}
+
+/// Removes the columns of wall-clock times from a table.
+fn without_seconds(table: &str) -> String {
+    let names: Vec<&str> = table.lines().next().unwrap_or_default().split(',').collect();
+    let row = |line: &str| {
+        let kept = line.split(',').zip(&names).filter(|(_, name)| !name.starts_with("seconds_"));
+        kept.map(|(value, _)| value).collect::<Vec<_>>().join(",")
+    };
+    table.lines().map(row).collect::<Vec<_>>().join("\n")
+}
+
+/// Returns the numbers of the state of a checkpoint.
+fn state(bytes: &[u8]) -> Vec<u8> {
+    let header = u64::from_le_bytes(bytes[12..20].try_into().expect("8 bytes"));
+    bytes[20 + header as usize..bytes.len() - 4].to_vec()
+}
+
+fn assert_same(found: &BTreeMap<String, Vec<u8>>, expected: &BTreeMap<String, Vec<u8>>) {
+    assert_eq!(found.keys().collect::<Vec<_>>(), expected.keys().collect::<Vec<_>>());
+    for (name, bytes) in found {
+        assert!(*bytes == expected[name], "{name} differs");
+    }
+}
+
+/// Waits for the end of a run for a while, then kills it. Returns whether it had come to its end.
+fn ends_within(mut run: Child, wait: Duration) -> bool {
+    std::thread::sleep(wait);
+    if let Some(status) = run.try_wait().expect("a status") {
+        assert!(status.success(), "{status}");
+        return true;
+    }
+    run.kill().expect("a kill");
+    run.wait().expect("a status");
+    false
+}
+
+/// Kills runs at random moments, goes on until they end, and compares their results with those of a run that was not stopped.
+#[test]
+fn killed_runs_end_with_the_same_bits() {
+    let whole = directory("whole");
+    finish(command(&whole, false, &[]), 0);
+    let expected = results(&whole);
+    assert!(expected.keys().any(|name| name.ends_with(".bin")) && expected.contains_key("frames.json"));
+    let (mut n_kills, mut n_resumed, mut random) = (0, 0, 1_u64);
+    for series in 0.. {
+        if n_kills >= N_KILLS {
+            break;
+        }
+        let killed = directory(&format!("killed-{series}"));
+        loop {
+            let has_checkpoint = killed.is_dir()
+                && std::fs::read_dir(&killed)
+                    .expect("a folder")
+                    .flatten()
+                    .any(|entry| entry.file_name().to_string_lossy().starts_with("checkpoint-"));
+            n_resumed += usize::from(has_checkpoint);
+            // A linear congruential generator: Knuth, The Art of Computer Programming, 3.3.4.
+            random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            let run = command(&killed, has_checkpoint, &[]).stdout(Stdio::null()).stderr(Stdio::null()).spawn();
+            if ends_within(run.expect("the binary starts"), Duration::from_millis(80 + (random >> 33) % 240)) {
+                break;
+            }
+            n_kills += 1;
+        }
+        assert_same(&results(&killed), &expected);
+    }
+    assert!(n_resumed > N_KILLS / 4, "{n_resumed} of {n_kills} kills came after a checkpoint");
+}
+
+#[test]
+fn an_interrupted_run_goes_on_and_is_not_overwritten() {
+    let stopped = directory("stopped");
+    let run = command(&stopped, false, &["--set", "time.end=10"]).spawn().expect("the binary starts");
+    while !stopped.join("history.csv").exists() {
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    let signal = Command::new("kill").args(["-INT", &run.id().to_string()]).status().expect("the command kill");
+    assert!(signal.success());
+    let Output { status, stderr, .. } = run.wait_with_output().expect("an end");
+    let printed = String::from_utf8_lossy(&stderr);
+    assert_eq!(status.code(), Some(130), "{printed}");
+    assert!(printed.contains("stopped after step") && printed.contains("--resume"), "{printed}");
+    assert!(stopped.join("report.html").exists());
+    let steps = || std::fs::read_to_string(stopped.join("history.csv")).expect("a history").lines().count() - 1;
+    let before = steps();
+    assert!(finish(command(&stopped, false, &[]), 2).contains("holds a run that was stopped"));
+    assert_eq!(steps(), before);
+    let other = finish(command(&stopped, true, &["--set", "fluid.viscosity=0.5"]), 2);
+    assert!(other.contains("the scenario is not that of the run"), "{other}");
+    let end = format!("time.end={}", 1e-3 * (before + 5) as f64);
+    finish(command(&stopped, true, &["--set", &end]), 0);
+    assert_eq!(steps(), before + 5);
+    // Nothing is left to do, and the page is written again.
+    finish(command(&stopped, true, &[]), 0);
+    assert_eq!(steps(), before + 5);
+    assert!(finish(command(&stopped, true, &["--set", "time.end=0.001"]), 2).contains("time.end is at step 1"));
+}
+
+#[test]
+fn checkpoints_that_cannot_be_used_are_refused() {
+    let damaged = directory("damaged");
+    assert!(finish(command(&damaged, true, &[]), 2).contains("scenario.toml"));
+    finish(command(&damaged, false, &["--set", "time.end=0.005", "--set", "output.checkpoint_every=0"]), 0);
+    assert!(finish(command(&damaged, true, &[]), 2).contains("has no checkpoint"));
+    finish(command(&damaged, false, &["--set", "time.end=0.025"]), 0);
+    let path = |step: usize| damaged.join(format!("checkpoint-{step:08}.bin"));
+    let damage = |step: usize| {
+        let mut bytes = std::fs::read(path(step)).expect("a checkpoint");
+        let middle = bytes.len() / 2;
+        bytes[middle] ^= 1;
+        std::fs::write(path(step), bytes).expect("a file");
+    };
+    // The last two are kept; if the last one is damaged the one before counts.
+    assert!(!path(10).exists() && path(20).exists() && path(25).exists());
+    damage(25);
+    finish(command(&damaged, true, &[]), 0);
+    damage(20);
+    damage(25);
+    let printed = finish(command(&damaged, true, &[]), 2);
+    assert!(printed.contains("checkpoint-00000025.bin") && printed.contains("damaged"), "{printed}");
+}

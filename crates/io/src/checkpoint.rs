@@ -1,0 +1,214 @@
+//! Checkpoints: files from which a run goes on.
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use crate::Error;
+use crate::files::{read, write_whole};
+use crate::scenario::ScenarioFile;
+use crate::summary::SummaryBuilder;
+use crate::vtk::series::Entry;
+
+/// First bytes of a file.
+const MAGIC: &[u8; 8] = b"CUTWATER";
+/// Version of the format. A file of another version is refused.
+const FORMAT: u32 = 1;
+/// Bytes of magic, version and length of the header.
+const BEFORE_HEADER: usize = 8 + 4 + 8;
+/// Bytes of the checksum at the end.
+const CHECKSUM: usize = 4;
+/// Files that are kept.
+const KEPT: usize = 2;
+
+/// A point from which a run goes on: the state, and how far the files of results had come.
+///
+/// Layout of a file, numbers with the lowest byte first: `CUTWATER`; version of the format, 4 bytes; length of the header, 8 bytes; the header, JSON; the
+/// numbers of the state, 8 bytes each; CRC-32 of all that, 4 bytes.
+pub(crate) struct Checkpoint {
+    pub(crate) header: Header,
+    /// Lists of the state ([`solver::State::to_lists`]).
+    pub(crate) lists: Vec<Vec<f64>>,
+}
+
+/// The part of a checkpoint without the state.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct Header {
+    /// Step, steps of the whole run, and time.
+    pub(crate) step: usize,
+    pub(crate) n_steps: usize,
+    pub(crate) time: f64,
+    /// The scenario without end time and output, which may change.
+    pub(crate) scenario: String,
+    /// Lengths of the lists of the state.
+    pub(crate) lists: Vec<usize>,
+    /// Lengths of history and diagnostics, bytes.
+    pub(crate) histories: [u64; 2],
+    /// The summary so far.
+    pub(crate) summary: SummaryBuilder,
+    /// Entries of the series of field files.
+    pub(crate) series: Vec<Vec<Entry>>,
+}
+
+impl Checkpoint {
+    /// Writes the checkpoint into a directory, then removes all but the last two. The file is complete whenever it is visible.
+    pub(crate) fn write(&self, directory: &Path) -> Result<(), Error> {
+        let header = serde_json::to_vec(&self.header)?;
+        let mut bytes = MAGIC.to_vec();
+        bytes.extend(FORMAT.to_le_bytes());
+        bytes.extend((header.len() as u64).to_le_bytes());
+        bytes.extend(header);
+        self.lists.iter().flatten().for_each(|x| bytes.extend(x.to_le_bytes()));
+        bytes.extend(crc32fast::hash(&bytes).to_le_bytes());
+        write_whole(&path(directory, self.header.step), &bytes)?;
+        let files = files(directory);
+        files[..files.len().saturating_sub(KEPT)].iter().try_for_each(|path| remove(path))
+    }
+
+    /// Reads a checkpoint.
+    ///
+    /// # Errors
+    /// [`Error::Read`], [`Error::Checkpoint`].
+    fn read(path: &Path) -> Result<Self, Error> {
+        Self::parse(&read(path)?).map_err(|problem| Error::Checkpoint { path: path.to_owned(), problem })
+    }
+
+    fn parse(bytes: &[u8]) -> Result<Self, String> {
+        const DAMAGED: &str = "the file is damaged";
+        if !bytes.starts_with(MAGIC) {
+            return Err("this is not a checkpoint".to_owned());
+        }
+        let format = bytes.get(8..12).and_then(|b| b.try_into().ok()).map(u32::from_le_bytes).ok_or(DAMAGED)?;
+        if format != FORMAT {
+            return Err(format!("it has version {format} of the format, and this program reads version {FORMAT}"));
+        }
+        let end = bytes.len().checked_sub(CHECKSUM).filter(|end| *end >= BEFORE_HEADER).ok_or(DAMAGED)?;
+        if bytes[end..] != crc32fast::hash(&bytes[..end]).to_le_bytes() {
+            return Err(format!("{DAMAGED}: its checksum is wrong"));
+        }
+        let length = bytes[12..BEFORE_HEADER].try_into().map(u64::from_le_bytes).map_err(|_| DAMAGED)?;
+        let begin = usize::try_from(length).ok().and_then(|length| BEFORE_HEADER.checked_add(length));
+        let begin = begin.filter(|begin| *begin <= end).ok_or(DAMAGED)?;
+        let header = serde_json::from_slice(&bytes[BEFORE_HEADER..begin]).map_err(|e| format!("{DAMAGED}: {e}"))?;
+        let Header { lists: ref lengths, .. } = header;
+        let numbers = bytes[begin..end].chunks_exact(8).map(|b| f64::from_le_bytes(std::array::from_fn(|k| b[k])));
+        let mut numbers = numbers.collect::<Vec<_>>().into_iter();
+        let lists: Vec<Vec<f64>> = lengths.iter().map(|n| numbers.by_ref().take(*n).collect()).collect();
+        let is_complete = lists.iter().zip(lengths).all(|(list, n)| list.len() == *n) && numbers.next().is_none();
+        if is_complete { Ok(Self { header, lists }) } else { Err(DAMAGED.to_owned()) }
+    }
+
+    /// Reads the last checkpoint in a directory. If it is damaged, the one before counts.
+    ///
+    /// # Errors
+    /// [`Error::NoCheckpoint`]; [`Error::Read`] or [`Error::Checkpoint`] for the last file if none can be read.
+    pub(crate) fn last(directory: &Path) -> Result<Self, Error> {
+        let mut first_error = None;
+        for path in files(directory).iter().rev() {
+            match Self::read(path) {
+                Ok(checkpoint) => return Ok(checkpoint),
+                Err(error) => first_error = first_error.or(Some(error)),
+            }
+        }
+        Err(first_error.unwrap_or_else(|| Error::NoCheckpoint { directory: directory.to_owned() }))
+    }
+}
+
+/// Returns the text of a scenario without end time and output, with the checksums of the tables that it names.
+///
+/// # Errors
+/// [`Error::Text`], [`Error::Read`].
+pub(crate) fn problem_text(file: &ScenarioFile) -> Result<String, Error> {
+    let mut table = file.table().clone();
+    if let Some(root) = table.as_table_mut() {
+        root.remove("output");
+        root.get_mut("time").and_then(|time| time.as_table_mut()).and_then(|time| time.remove("end"));
+    }
+    let mut text = toml::to_string(&table)?;
+    for path in file.tables() {
+        text += &format!("# {:08x}\n", crc32fast::hash(&read(&path)?));
+    }
+    Ok(text)
+}
+
+/// Removes the checkpoints in a directory.
+///
+/// # Errors
+/// [`Error::Write`].
+pub(crate) fn remove_all(directory: &Path) -> Result<(), Error> {
+    files(directory).iter().try_for_each(|path| remove(path))
+}
+
+fn remove(path: &Path) -> Result<(), Error> {
+    std::fs::remove_file(path).map_err(|source| Error::Write { path: path.to_owned(), source })
+}
+
+/// Returns the steps of the checkpoints in a directory, in order.
+pub fn checkpoint_steps(directory: &Path) -> Vec<usize> {
+    let entries = std::fs::read_dir(directory).into_iter().flatten();
+    let names = entries.filter_map(|entry| Some(entry.ok()?.file_name().to_string_lossy().into_owned()));
+    let step = |name: String| name.strip_prefix("checkpoint-")?.strip_suffix(".bin")?.parse().ok();
+    let mut steps: Vec<usize> = names.filter_map(step).collect();
+    steps.sort_unstable();
+    steps
+}
+
+/// Returns the path of the checkpoint of a step.
+fn path(directory: &Path, step: usize) -> PathBuf {
+    directory.join(format!("checkpoint-{step:08}.bin"))
+}
+
+/// Returns the checkpoints in a directory, the last one at the end.
+fn files(directory: &Path) -> Vec<PathBuf> {
+    checkpoint_steps(directory).into_iter().map(|step| path(directory, step)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::summary::Summary;
+
+    fn bytes(test: &str) -> Vec<u8> {
+        let directory = std::env::temp_dir().join(format!("cutwater-{test}-{}", std::process::id()));
+        std::fs::create_dir_all(&directory).expect("a directory");
+        let header = Header {
+            step: 12,
+            n_steps: 20,
+            time: 0.1 + 0.2,
+            scenario: "name = \"a\"".to_owned(),
+            lists: vec![2, 0, 1],
+            histories: [10, 20],
+            summary: SummaryBuilder::new(Summary::default()),
+            series: vec![vec![(0.1, "a".to_owned())]],
+        };
+        let lists = vec![vec![1.0 / 3.0, f64::NAN], vec![], vec![-0.0]];
+        Checkpoint { header, lists }.write(&directory).expect("a file");
+        let bytes = read(&directory.join("checkpoint-00000012.bin")).expect("the file");
+        std::fs::remove_dir_all(directory).expect("the directory");
+        bytes
+    }
+
+    #[test]
+    fn a_checkpoint_is_read_as_it_was_written() {
+        let found = Checkpoint::parse(&bytes("written")).expect("a checkpoint");
+        assert_eq!((found.header.step, found.header.time), (12, 0.1 + 0.2));
+        assert_eq!(found.lists[0][0], 1.0 / 3.0);
+        assert!(found.lists[0][1].is_nan() && found.lists[1].is_empty() && found.lists[2][0].is_sign_negative());
+    }
+
+    /// Checks that a change of any byte, and any missing end, is found.
+    #[test]
+    fn damage_is_found() {
+        let whole = bytes("damaged");
+        for at in 0..whole.len() {
+            let mut changed = whole.clone();
+            changed[at] ^= 1;
+            assert!(Checkpoint::parse(&changed).is_err(), "byte {at}");
+            assert!(Checkpoint::parse(&whole[..at]).is_err(), "the first {at} bytes");
+        }
+        let mut other = whole.clone();
+        other[8] = 2;
+        assert!(Checkpoint::parse(&other).is_err_and(|problem| problem.contains("version 2")));
+        assert!(Checkpoint::parse(b"something else").is_err_and(|problem| problem.contains("not a checkpoint")));
+    }
+}
