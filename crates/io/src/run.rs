@@ -87,14 +87,9 @@ impl<W: Watch> CaseVisitor for Run<'_, W> {
         let header = checkpoint.map(|checkpoint| checkpoint.header);
         let mut files = RunFiles::open(file.scenario(), &case, directory, header)?;
         files.stop = options.stop;
-        let mut observer = watch.observer(&case);
-        let mut observers: Vec<&mut dyn Observer<D>> = Vec::new();
-        if let Some(observer) = &mut observer {
-            observers.push(observer.as_mut());
-        }
-        observers.push(&mut files);
+        let mut observer = Recording { files: &mut files, watch: watch.observer(&case) };
         let mut time_loop = TimeLoop::new(&case.setup, start, case.workspace).forgetting(case.checkpoint_every);
-        let outcome = time_loop.run(n_steps, &mut observers);
+        let outcome = time_loop.run(n_steps, &mut [&mut observer]);
         drop(observer);
         files.write_summary()?;
         outcome.map_err(|error| match error.source {
@@ -253,7 +248,7 @@ impl<'a, const D: usize> RunFiles<'a, D> {
     fn is_checkpoint(&self, step: usize) -> bool {
         let every = self.output.checkpoint_every;
         let is_due = self.last_checkpoint.elapsed().as_secs_f64() >= 60.0 * self.output.checkpoint_minutes;
-        every > 0 && (step == self.n_steps || (step.is_multiple_of(every) && is_due))
+        every > 0 && step > 0 && (step == self.n_steps || (step.is_multiple_of(every) && is_due))
     }
 
     fn write_fields(&mut self, view: &StepView<'_, D>) -> Result<(), Error> {
@@ -282,11 +277,29 @@ impl<'a, const D: usize> RunFiles<'a, D> {
     }
 }
 
-impl<const D: usize> Observer<D> for RunFiles<'_, D> {
+/// Observer that writes the files of a step, passes it to the observer of the program, and ends it with a checkpoint, if there is one: both
+/// have then recorded the step.
+struct Recording<'a, 'b, const D: usize> {
+    files: &'a mut RunFiles<'b, D>,
+    watch: Option<Box<dyn Observer<D> + 'a>>,
+}
+
+impl<const D: usize> Observer<D> for Recording<'_, '_, D> {
     fn after_step(&mut self, view: &StepView<'_, D>) -> Result<(), ObserverError> {
-        if view.report.is_none() && view.state.step > 0 {
-            return Ok(());
+        let resumes = view.report.is_none() && view.state.step > 0;
+        if !resumes {
+            self.files.write(view)?;
         }
+        if let Some(watch) = &mut self.watch {
+            watch.after_step(view)?;
+        }
+        if resumes || !view.ends_step() { Ok(()) } else { self.files.end_step(view.state) }
+    }
+}
+
+impl<const D: usize> RunFiles<'_, D> {
+    /// Writes the files of a step.
+    fn write(&mut self, view: &StepView<'_, D>) -> Result<(), Error> {
         let clock = Instant::now();
         let step = view.state.step;
         let every = self.output.vtk_every;
@@ -302,16 +315,19 @@ impl<const D: usize> Observer<D> for RunFiles<'_, D> {
         if is_output || step.is_multiple_of(10) || step == self.n_steps {
             self.write_summary()?;
         }
-        if view.ends_step() && view.report.is_some() {
-            let stops = step < self.n_steps && self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed));
-            if stops || self.is_checkpoint(step) {
-                self.write_checkpoint(view.state)?;
-            }
-            if stops {
-                return Err(Box::new(Interrupted));
-            }
-        }
         Ok(())
+    }
+
+    /// Writes a checkpoint if one is due, or if the run is to stop.
+    ///
+    /// # Errors
+    /// The checkpoint cannot be written; [`Interrupted`].
+    fn end_step(&mut self, state: &State<D>) -> Result<(), ObserverError> {
+        let stops = state.step < self.n_steps && self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed));
+        if stops || self.is_checkpoint(state.step) {
+            self.write_checkpoint(state)?;
+        }
+        if stops { Err(Box::new(Interrupted)) } else { Ok(()) }
     }
 }
 
