@@ -172,4 +172,20 @@ mod tests {
             );
         }
     }
+
+    /// Checks that the book links to each page that cases and studies have written, and to no other.
+    #[test]
+    fn the_book_links_to_the_pages_of_cases_and_studies() {
+        let summary = std::fs::read_to_string(source().join("SUMMARY.md")).unwrap_or_default();
+        for folder in ["results", "studies"] {
+            let entries = std::fs::read_dir(source().join(folder)).into_iter().flatten().flatten();
+            let mut names: Vec<_> = entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+            names.sort();
+            assert!(!names.is_empty(), "{folder}");
+            for name in &names {
+                assert_eq!(summary.matches(&format!("]({folder}/{name})")).count(), 1, "{folder}/{name}");
+            }
+            assert_eq!(summary.matches(&format!("]({folder}/")).count(), names.len(), "{folder}");
+        }
+    }
 }
