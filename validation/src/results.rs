@@ -12,6 +12,9 @@ use crate::outcome::Failure;
 use crate::verify::record::{Record, Table};
 use crate::verify::{document, missed};
 
+/// Contacts that are shown.
+const SHOWN: usize = 3;
+
 /// Returns the record of a case from its directory of results and those of other cases in `out`.
 ///
 /// # Errors
@@ -28,6 +31,13 @@ pub(crate) fn record(name: &str, reference: &Reference, out: &Path) -> Result<Re
     for row in &compared {
         record.within(row.quantity.clone(), row.computed.unwrap_or(f64::NAN), row.known, row.band);
     }
+    for (k, (begin, end)) in results.summary.contact_intervals.iter().take(SHOWN).enumerate() {
+        record.show(format!("contact {}: begin, s", k + 1), *begin, None);
+        if let Some(end) = end {
+            record.show(format!("contact {}: end, s", k + 1), *end, None);
+        }
+    }
+    record.show("smallest distance, cm", results.summary.min_distance.unwrap_or(f64::NAN), None);
     let contact = |results: &Results| results.summary.contact_time.unwrap_or(f64::NAN);
     if let Some((start, offset)) = gaps(&results.scenario) {
         let bound = arrival(start, offset).time;

@@ -209,10 +209,12 @@ impl Benchmark {
             }
             of_tip.push((name.clone(), signals.last_cycles(&signals.u[1])));
             of_lift.push((name, signals.last_cycles(&signals.force[1])));
-            rows.push(vec![format!("D/{cells}"), short(dt), short(run.state.time)]);
+            rows.push(vec![format!("{}, D/{cells}", self.name), short(dt), short(run.state.time)]);
             start = Start::of(run)?;
         }
-        record.tables.push(Table { head: ["fluid", "dt [s]", "periodic after [s]"].map(str::to_owned).into(), rows });
+        record
+            .tables
+            .push(Table { head: ["benchmark, fluid", "dt [s]", "periodic after [s]"].map(str::to_owned).into(), rows });
         record.figure(format!("{}: u_y of the tip [m]", self.name), "t [s]", of_tip);
         record.figure(format!("{}: lift [N/m]", self.name), "t [s]", of_lift);
         Ok(())
