@@ -20,10 +20,11 @@ pub trait SurfaceStress<const D: usize>: Send + Sync {
     /// Units: force per area.
     fn at(&self, facet: FacetId, barycentric: &[f64], x: &[f64], derivatives: &mut ByDof<D>) -> Vector<D>;
 
-    /// Returns the largest ratio of `|facet| |∂(σ n)/∂x y|²` and the energy `y · K y` of the stress's own stiffness `K` in the cell
-    /// behind the facet, with the facets of the surface of that cell added: a Nitsche term with a larger penalty is stable. Zero if
-    /// the stress bounds itself.
+    /// Returns the largest ratio of `∫ |∂(σ n)/∂x y|²` over the surface of the cell behind the facet and `y · K y`, with the stiffness `K` of that
+    /// cell, for small strains. A Nitsche term of this stress is stable with a larger penalty on velocities.
     ///
-    /// Units: those of a penalty on velocities, force·time per volume.
-    fn trace_bound(&self, facet: FacetId) -> f64;
+    /// Zero for a stress whose energy does not enter the bound. Units: force·time per volume.
+    fn trace_bound(&self, _facet: FacetId) -> f64 {
+        0.0
+    }
 }

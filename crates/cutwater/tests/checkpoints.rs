@@ -125,6 +125,10 @@ fn killed_runs_end_with_the_same_bits() {
             n_resumed += usize::from(has_checkpoint);
             // A linear congruential generator: Knuth, The Art of Computer Programming, 3.3.4.
             random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            if n_kills >= N_KILLS {
+                finish(command(&killed, has_checkpoint, &[]), 0);
+                break;
+            }
             let run = command(&killed, has_checkpoint, &[]).stdout(Stdio::null()).stderr(Stdio::null()).spawn();
             if ends_within(run.expect("the binary starts"), Duration::from_millis(80 + (random >> 33) % 240)) {
                 break;
@@ -139,8 +143,10 @@ fn killed_runs_end_with_the_same_bits() {
 #[test]
 fn an_interrupted_run_goes_on_and_is_not_overwritten() {
     let stopped = directory("stopped");
-    let run = command(&stopped, false, &["--set", "time.end=10"]).spawn().expect("the binary starts");
-    while !stopped.join("history.csv").exists() {
+    // Without regular checkpoints.
+    let sets = ["--set", "time.end=10", "--set", "output.checkpoint_every=0"];
+    let mut run = command(&stopped, false, &sets).spawn().expect("the binary starts");
+    while !stopped.join("history.csv").exists() && run.try_wait().expect("a status").is_none() {
         std::thread::sleep(Duration::from_millis(20));
     }
     let signal = Command::new("kill").args(["-INT", &run.id().to_string()]).status().expect("the command kill");
@@ -159,10 +165,15 @@ fn an_interrupted_run_goes_on_and_is_not_overwritten() {
     let end = format!("time.end={}", 1e-3 * (before + 5) as f64);
     finish(command(&stopped, true, &["--set", &end]), 0);
     assert_eq!(steps(), before + 5);
+    let frames = std::fs::read_to_string(stopped.join("frames.json")).expect("frames");
+    assert!(frames.contains("\"Start\"") && frames.contains("\"End\""));
     // Nothing is left to do, and the page is written again.
     finish(command(&stopped, true, &[]), 0);
     assert_eq!(steps(), before + 5);
     assert!(finish(command(&stopped, true, &["--set", "time.end=0.001"]), 2).contains("time.end is at step 1"));
+    // A run that has come to its end is replaced by a new one.
+    finish(command(&stopped, false, &["--set", "time.end=0.003", "--set", "output.checkpoint_every=0"]), 0);
+    assert_eq!(steps(), 3);
 }
 
 #[test]

@@ -35,7 +35,7 @@ pub fn interface_power<const D: usize>(
             if !q.is_unknown {
                 let u: mesh::Vector<D> =
                     dofs.iter().zip(&q.at.fluid).map(|(dof, n)| points.fields.velocity_at::<D>(x, *dof) * *n).sum();
-                power.given_motion += (traction - q.shared_traction() * q.at.weight).dot(&(u - q.jump));
+                power.given_motion += (traction - q.traction * q.at.weight).dot(&(u - q.jump));
             }
         });
     }

@@ -16,7 +16,7 @@ pub struct UnstableShare {
     pub required: f64,
 }
 
-/// Returns the first piece on which the mortar may be unstable.
+/// Returns the first piece on which the mortar may be unstable, for small strains.
 ///
 /// The form bounds the work of its tractions on the jump by viscosity, by the elasticity of the step, and by the penalty. A
 /// penalty `σ` that suffices for the fluid alone leaves `(1 - α²) σ` for the solid, whose traction has the weight `1 - α` and needs

@@ -41,11 +41,6 @@ impl<'a, const D: usize> FluidStress<'a, D> {
 }
 
 impl<const D: usize> SurfaceStress<D> for FluidStress<'_, D> {
-    /// Returns zero: the standard penalty of the mortar is chosen for the fluid.
-    fn trace_bound(&self, _facet: FacetId) -> f64 {
-        0.0
-    }
-
     fn dofs(&self, facet: FacetId, out: &mut Vec<DofId>) {
         let InterfacePoints { geometry, fields, .. } = &self.points;
         let first = out.len();

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use crate::Error;
-use crate::files::{read, write_whole};
+use crate::files::{read, write_synced};
 use crate::scenario::ScenarioFile;
 use crate::summary::SummaryBuilder;
 use crate::vtk::series::Entry;
@@ -34,9 +34,11 @@ pub(crate) struct Checkpoint {
 /// The part of a checkpoint without the state.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Header {
-    /// Step, steps of the whole run, and time.
+    /// Step.
     pub(crate) step: usize,
+    /// Steps of the whole run.
     pub(crate) n_steps: usize,
+    /// Time.
     pub(crate) time: f64,
     /// The scenario without end time and output, which may change.
     pub(crate) scenario: String,
@@ -60,7 +62,7 @@ impl Checkpoint {
         bytes.extend(header);
         self.lists.iter().flatten().for_each(|x| bytes.extend(x.to_le_bytes()));
         bytes.extend(crc32fast::hash(&bytes).to_le_bytes());
-        write_whole(&path(directory, self.header.step), &bytes)?;
+        write_synced(&path(directory, self.header.step), &bytes)?;
         let files = files(directory);
         files[..files.len().saturating_sub(KEPT)].iter().try_for_each(|path| remove(path))
     }
@@ -123,6 +125,9 @@ pub(crate) fn problem_text(file: &ScenarioFile) -> Result<String, Error> {
     if let Some(root) = table.as_table_mut() {
         root.remove("output");
         root.get_mut("time").and_then(|time| time.as_table_mut()).and_then(|time| time.remove("end"));
+        let bodies = root.get_mut("body").and_then(|bodies| bodies.as_array_mut()).into_iter().flatten();
+        let motions = bodies.filter_map(|body| body.get_mut("motion")?.as_table_mut());
+        motions.for_each(|motion| _ = motion.remove("file"));
     }
     let mut text = toml::to_string(&table)?;
     for path in file.tables() {

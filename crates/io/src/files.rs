@@ -39,6 +39,16 @@ pub fn write_whole(path: &Path, content: &[u8]) -> Result<(), Error> {
     write_with(path, |file| file.write_all(content)).map_err(|source| Error::Write { path: path.to_owned(), source })
 }
 
+/// Writes a file as [`write_whole`] does, and waits until it is on the disk: it then survives a loss of power.
+pub(crate) fn write_synced(path: &Path, content: &[u8]) -> Result<(), Error> {
+    let write = |file: &mut BufWriter<File>| -> io::Result<()> {
+        file.write_all(content)?;
+        file.flush()?;
+        file.get_ref().sync_all()
+    };
+    write_with(path, write).map_err(|source| Error::Write { path: path.to_owned(), source })
+}
+
 /// Writes a file with a closure, as [`write_whole`] does.
 pub(crate) fn write_with<E: From<io::Error>>(
     path: &Path,

@@ -106,6 +106,7 @@ fn diagnostics_of_bodies<const D: usize>() -> Vec<BodyColumn<D>> {
         ("force_pressure", |b| vertical(b, |f| f.pressure[D - 1])),
         ("force_viscous", |b| vertical(b, |f| f.viscous[D - 1])),
         ("force_penalty", |b| vertical(b, |f| f.penalty[D - 1])),
+        ("force_exchange", |b| vertical(b, |f| f.exchange[D - 1])),
         ("force_contact", |b| vertical(b, |f| f.contact[D - 1])),
         ("force_remainder", |b| vertical(b, |f| f.remainder()[D - 1])),
         ("fluid_power", |b| b.fluid_power()),
@@ -174,7 +175,7 @@ impl<const D: usize> History<D> {
         Ok(Self { tables: [table(0, "history.csv", history)?, table(1, "diagnostics.csv", diagnostics)?] })
     }
 
-    /// Returns the lengths of both files, bytes.
+    /// Returns the lengths of both files, bytes, once they are on the disk.
     pub(crate) fn lengths(&self) -> Result<[u64; 2], Error> {
         let [a, b] = &self.tables;
         Ok([a.length()?, b.length()?])
@@ -235,7 +236,8 @@ impl<const D: usize> Table<D> {
     }
 
     fn length(&self) -> Result<u64, Error> {
-        let metadata = self.file.metadata().map_err(|source| Error::Write { path: self.path.clone(), source })?;
+        let synced = self.file.sync_data().and_then(|()| self.file.metadata());
+        let metadata = synced.map_err(|source| Error::Write { path: self.path.clone(), source })?;
         Ok(metadata.len())
     }
 

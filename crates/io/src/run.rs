@@ -9,7 +9,7 @@ use solver::body::{Body, BodyState};
 use solver::{Observer, ObserverError, Stage, State, Step, StepError, StepView, TimeLoop};
 
 use crate::Error;
-use crate::checkpoint::{Checkpoint, Header, problem_text, remove_all};
+use crate::checkpoint::{Checkpoint, Header, checkpoint_steps, problem_text, remove_all};
 use crate::files::create_directory;
 use crate::history::History;
 use crate::measures::{BodyMeasures, leading_body};
@@ -72,22 +72,20 @@ impl<W: Watch> CaseVisitor for Run<'_, W> {
 
     fn visit<const D: usize>(self, case: Case<D>) -> Result<Summary, Error> {
         let Self { file, directory, watch, options } = self;
-        let checkpoint = if options.resumes { Some(last_checkpoint(file, &case, directory)?) } else { None };
-        if checkpoint.is_none() {
+        let (start, header) = if options.resumes {
+            let (start, header) = last_checkpoint(file, &case, directory)?;
+            (start, Some(header))
+        } else {
             remove_checkpoints(directory)?;
             remove_series(directory)?;
-        }
+            (State::initial(&case.setup)?, None)
+        };
         create_directory(&directory.join("vtk"))?;
         file.write(directory)?;
-        let start = match &checkpoint {
-            Some(checkpoint) => State::from_lists(&case.setup, &checkpoint.lists)?,
-            None => State::initial(&case.setup)?,
-        };
         let n_steps = case.n_steps - start.step;
-        let header = checkpoint.map(|checkpoint| checkpoint.header);
         let mut files = RunFiles::open(file.scenario(), &case, directory, header)?;
         files.stop = options.stop;
-        let mut observer = Recording { files: &mut files, watch: watch.observer(&case) };
+        let mut observer = Recording { files: &mut files, resumes: options.resumes, watch: watch.observer(&case) };
         let mut time_loop = TimeLoop::new(&case.setup, start, case.workspace).forgetting(case.checkpoint_every);
         let outcome = time_loop.run(n_steps, &mut [&mut observer]);
         drop(observer);
@@ -107,21 +105,28 @@ impl<W: Watch> CaseVisitor for Run<'_, W> {
 #[error("stopped")]
 struct Interrupted;
 
-/// Reads the last checkpoint in a directory.
+/// Returns the state of the last checkpoint in a directory, and its header.
 ///
 /// # Errors
-/// There is none, it belongs to another scenario, or it is beyond the end of the run.
-fn last_checkpoint<const D: usize>(file: &ScenarioFile, case: &Case<D>, directory: &Path) -> Result<Checkpoint, Error> {
-    let checkpoint = Checkpoint::last(directory)?;
-    let Header { step, ref scenario, .. } = checkpoint.header;
+/// There is none, it belongs to another scenario or program, or it is beyond the end of the run.
+fn last_checkpoint<const D: usize>(
+    file: &ScenarioFile,
+    case: &Case<D>,
+    directory: &Path,
+) -> Result<(State<D>, Header), Error> {
+    let Checkpoint { header, lists } = Checkpoint::last(directory)?;
     let refused = |problem: String| Err(Error::Checkpoint { path: directory.to_owned(), problem });
-    if *scenario != problem_text(file)? {
+    if header.scenario != problem_text(file)? {
         return refused("the scenario is not that of the run; only [output] and time.end may change".to_owned());
     }
-    if step > case.n_steps {
-        return refused(format!("it is at step {step}, and time.end is at step {}", case.n_steps));
+    if header.step > case.n_steps {
+        return refused(format!("it is at step {}, and time.end is at step {}", header.step, case.n_steps));
     }
-    Ok(checkpoint)
+    match State::from_lists(&case.setup, &lists) {
+        Ok(state) if state.step == header.step => Ok((state, header)),
+        Ok(_) => refused("its header and its state have different steps".to_owned()),
+        Err(error) => refused(format!("another version of the program wrote it: {}", error.source)),
+    }
 }
 
 /// Removes the checkpoints of a run that has come to its end.
@@ -136,6 +141,10 @@ fn remove_checkpoints(directory: &Path) -> Result<(), Error> {
             Err(Error::Unfinished { directory: directory.to_owned(), step: header.step })
         }
         Ok(_) => remove_all(directory),
+        Err(Error::Checkpoint { path, problem }) => {
+            let remedy = "remove the files checkpoint-*.bin, or choose another directory with `--out`";
+            Err(Error::Checkpoint { path, problem: format!("{problem}; for a new run {remedy}") })
+        }
         Err(error) => Err(error),
     }
 }
@@ -247,8 +256,12 @@ impl<'a, const D: usize> RunFiles<'a, D> {
     /// Returns whether a checkpoint is written at the end of a step.
     fn is_checkpoint(&self, step: usize) -> bool {
         let every = self.output.checkpoint_every;
+        if step == self.n_steps {
+            // A checkpoint of an interrupt would make the run look unfinished.
+            return every > 0 || !checkpoint_steps(&self.directory).is_empty();
+        }
         let is_due = self.last_checkpoint.elapsed().as_secs_f64() >= 60.0 * self.output.checkpoint_minutes;
-        every > 0 && step > 0 && (step == self.n_steps || (step.is_multiple_of(every) && is_due))
+        every > 0 && step.is_multiple_of(every) && is_due
     }
 
     fn write_fields(&mut self, view: &StepView<'_, D>) -> Result<(), Error> {
@@ -281,19 +294,20 @@ impl<'a, const D: usize> RunFiles<'a, D> {
 /// have then recorded the step.
 struct Recording<'a, 'b, const D: usize> {
     files: &'a mut RunFiles<'b, D>,
+    /// Whether the run goes on from a checkpoint, where everything is recorded already.
+    resumes: bool,
     watch: Option<Box<dyn Observer<D> + 'a>>,
 }
 
 impl<const D: usize> Observer<D> for Recording<'_, '_, D> {
     fn after_step(&mut self, view: &StepView<'_, D>) -> Result<(), ObserverError> {
-        let resumes = view.report.is_none() && view.state.step > 0;
-        if !resumes {
+        if view.report.is_some() || !self.resumes {
             self.files.write(view)?;
         }
         if let Some(watch) = &mut self.watch {
             watch.after_step(view)?;
         }
-        if resumes || !view.ends_step() { Ok(()) } else { self.files.end_step(view.state) }
+        if view.report.is_some() && view.ends_step() { self.files.end_step(view.state) } else { Ok(()) }
     }
 }
 

@@ -160,10 +160,14 @@ impl Balances<'_> {
         if !remainder.iter().any(|r| r.is_finite()) {
             return Ok(String::new());
         }
-        let curves = forces.map(|(label, column)| self.results.curve(label, diagnostics, &name(column)));
+        let exchange = ("exchange of traction", "force_exchange");
+        let exchanges = diagnostics.column(&name(exchange.1)).is_some_and(|forces| forces.iter().any(|f| *f != 0.0));
+        let forces = forces.into_iter().chain(exchanges.then_some(exchange));
+        let curves: Vec<_> =
+            forces.map(|(label, column)| self.results.curve(label, diagnostics, &name(column))).collect();
         let largest = curves.iter().flat_map(|curve| &curve.points).map(|(_, f)| f.abs()).fold(0.0, f64::max);
         let error = remainder.iter().map(|r| r.abs()).fold(0.0, f64::max) / largest.max(f64::MIN_POSITIVE);
-        let mut chart = self.results.over_time("vertical forces", &units.force, curves.into());
+        let mut chart = self.results.over_time("vertical forces", &units.force, curves);
         chart.caption = format!("Inertia is the sum of all others, up to {} of the largest force.", number(error));
         chart.html()
     }

@@ -37,7 +37,7 @@ pub use page::part;
 pub use picture::write_picture;
 pub use results::Results;
 
-/// Removes page and frames of an earlier run from a directory of results.
+/// Removes page and frames of an earlier run, but those of checkpoints, from a directory of results.
 ///
 /// # Errors
 /// [`Error::Results`]: a file cannot be removed.
@@ -47,7 +47,9 @@ pub fn remove(directory: &Path) -> Result<(), Error> {
             std::fs::remove_file(&path).map_err(|source| io::Error::Write { path, source })?;
         }
     }
-    frames::remove_stored(directory, |_| true)
+    // Frames of checkpoints are needed as long as a run may go on from them.
+    let checkpoints = io::checkpoint_steps(directory);
+    frames::remove_stored(directory, |step| !checkpoints.contains(&step))
 }
 
 /// Writes `report.html` into a directory of results and returns its path.

@@ -71,7 +71,7 @@ impl<const D: usize> SurfaceStress<D> for SolidStress<'_, D> {
     }
 
     /// Returns `θ Δt n·C(n ⊗ n) n |∂K|/|K|`, with the stiffness `C` of the reference state and the facets `∂K` of the cell that lie on the
-    /// surface. For isotropic materials `n·C(n ⊗ n) n = 2 μ + λ` is the largest eigenvalue that counts.
+    /// surface. For isotropic materials `n·C(n ⊗ n) n = 2 μ + λ` is the largest eigenvalue of the acoustic tensor of the direction n.
     fn trace_bound(&self, facet: FacetId) -> f64 {
         let Some(cell) = self.cell(facet) else { return 0.0 };
         let (solid, mesh) = (self.cells.solid, self.cells.solid.mesh());

@@ -264,8 +264,9 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
         short(UNCHANGED),
     ));
     record.note(
-        "The first run begins with the inflow everywhere in place of its slow increase, which shortens the way to the periodic swing; the others begin with \
-         flow and flag of the one before. The force is that on cylinder and flag, at the stage of a step.",
+        "The first run begins with the inflow everywhere in place of its slow increase, and with a straight flag that has the greatest speed of the swing of the \
+         reference. In FSI3 this swing first decays to a tenth and then grows; in FSI2 it begins at a third and grows. The others begin with flow and flag of the one before. \
+         The force is that on cylinder and flag, at the stage of a step.",
     );
     Ok(())
 }

@@ -6,7 +6,7 @@ use crate::setting::{Random, ball_material, one_field, rule, unit_box};
 use algebra::time::{GeneralisedAlpha, ImplicitEuler, Level, QuasiStatic, TimeScheme};
 use algebra::{Contributions, Integral, Term, check_tangent};
 use body::SurfaceStress;
-use mesh::{Point, Tensor, Vector};
+use mesh::{Point, Tensor, Vector, VertexId};
 use solid_svk::kinematics::cauchy_stress;
 use solid_svk::terms::{FollowerPressure, Traction};
 use solid_svk::{Material, SolidCells, SolidFacet, SolidFacets, SolidForm, SolidStress};
@@ -103,4 +103,59 @@ fn stress_on_the_surface<const D: usize>() {
 fn stress_on_the_surface_in_2d_and_3d() {
     stress_on_the_surface::<2>();
     stress_on_the_surface::<3>();
+}
+
+/// Checks the bound of the traction by the energy of a cell at rest: random fields stay below it, and a stretch along the normal of a cell with one facet on
+/// the surface reaches it.
+fn trace_bound<const D: usize>() {
+    let mesh = unit_box::<D>(2);
+    let (layout, field) = one_field(&mesh);
+    let mut random = Random::new(3);
+    let material = ball_material();
+    let scheme = &schemes()[0];
+    let n = mesh.mesh().n_vertices();
+    let at_rest =
+        Level { displacement: vec![Vector::zeros(); n], velocity: vec![Vector::zeros(); n], acceleration: Vec::new() };
+    let rule = rule(scheme.as_ref(), 1e-2, &at_rest);
+    let (x, slope) = (vec![0.0; layout.len()], rule.displacement.slope);
+    let cells = SolidCells { solid: &mesh, rule: &rule, layout: &layout, velocity: field };
+    let stress = SolidStress { cells, material: &material };
+    let (mut derivatives, mut n_reached) = (Vec::new(), 0);
+    for facet in mesh.boundary().facets() {
+        let cell = mesh.boundary().facet_to_cell(facet).unwrap();
+        let normal = mesh.placed(mesh.mesh().vertices()).facet_normal(facet);
+        let of_cell: Vec<_> =
+            mesh.boundary().facets().filter(|f| mesh.boundary().facet_to_cell(*f) == Some(cell)).collect();
+        let mut ratio = |gradient: &Tensor<D>| {
+            let field = |vertex: VertexId| gradient * mesh.mesh().vertex(vertex);
+            let mut on_surface = 0.0;
+            for facet in &of_cell {
+                stress.at(*facet, &[1.0 / D as f64; D], &x, &mut derivatives);
+                let vertices =
+                    mesh.mesh().cell(cell).iter().flat_map(|v| field(*v).iter().copied().collect::<Vec<_>>());
+                let traction: Vector<D> = derivatives.iter().zip(vertices).map(|((_, by), y)| by * y).sum();
+                let measure = mesh.placed(mesh.mesh().vertices()).facet_measure(*facet);
+                on_surface += measure * traction.norm_squared();
+            }
+            let energy = material.first_piola_derivative(&Tensor::identity(), gradient).dot(gradient);
+            on_surface / (slope * mesh.volume(cell) * energy)
+        };
+        let bound = stress.trace_bound(facet);
+        for _ in 0..20 {
+            let gradient = Tensor::<D>::from_fn(|_, _| random.numbers(1, 1.0)[0]);
+            let strain = (gradient + gradient.transpose()) * 0.5;
+            assert!(ratio(&strain) <= bound * (1.0 + 1e-12));
+        }
+        if of_cell.len() == 1 {
+            n_reached += 1;
+            assert!((ratio(&(normal * normal.transpose())) / bound - 1.0).abs() < 1e-12);
+        }
+    }
+    assert!(n_reached > 0);
+}
+
+#[test]
+fn the_energy_of_a_cell_bounds_its_traction() {
+    trace_bound::<2>();
+    trace_bound::<3>();
 }
