@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use cutwater::io::Summary;
 use cutwater::report::Results;
 
 use crate::bounds::potential::{arrival, gaps};
@@ -9,7 +10,7 @@ use crate::case::Reference;
 use crate::compare;
 use crate::metrics::Rebound;
 use crate::outcome::Failure;
-use crate::verify::record::{Record, Table};
+use crate::verify::record::{Record, Table, worse};
 use crate::verify::{document, missed};
 
 /// Contacts that are shown.
@@ -37,6 +38,7 @@ pub(crate) fn record(name: &str, reference: &Reference, out: &Path) -> Result<Re
             record.show(format!("contact {}: end, s", k + 1), *end, None);
         }
     }
+    add_energies(&[&results.summary], &mut record);
     record.show("smallest distance, cm", results.summary.min_distance.unwrap_or(f64::NAN), None);
     let contact = |results: &Results| results.summary.contact_time.unwrap_or(f64::NAN);
     if let Some((start, offset)) = gaps(&results.scenario) {
@@ -59,6 +61,17 @@ pub(crate) fn record(name: &str, reference: &Reference, out: &Path) -> Result<Re
     record.note(format!("Reference: {}.", reference.source));
     missed::mark(&mut record)?;
     Ok(record)
+}
+
+/// Largest energy of a step that the ledger may leave unexplained, in tolerances of Newton's method.
+const LARGEST_DEFECT: f64 = 10.0;
+
+/// Adds verdicts on the energies of runs: the ledger of every step closes, and no step makes energy.
+pub(crate) fn add_energies(runs: &[&Summary], record: &mut Record) {
+    let defect = runs.iter().map(|run| run.energy_defect).fold(0.0, worse);
+    record.at_most("energy of a step that no line of the ledger explains, in tolerances", defect, LARGEST_DEFECT);
+    let makers = runs.iter().filter(|run| !run.energy_monotone).count();
+    record.at_most("runs with steps that make energy", makers as f64, 0.0);
 }
 
 /// Writes the page of a record.

@@ -64,6 +64,8 @@ pub struct NewtonReport {
     pub iterations: usize,
     /// Factorisations of the tangent.
     pub factorizations: usize,
+    /// Factorisations that needed free pivoting, as static pivots failed.
+    pub fallbacks: usize,
     /// Sum of the iterations of the linear solver (refinement steps of a direct one).
     pub linear_iterations: usize,
     /// Row-scaled residual of each iterate, the first one included, relative to the column-scaled state.
@@ -93,6 +95,7 @@ impl NewtonReport {
     pub fn add_work(&mut self, other: &Self) {
         self.iterations += other.iterations;
         self.factorizations += other.factorizations;
+        self.fallbacks += other.fallbacks;
         self.linear_iterations += other.linear_iterations;
         self.seconds_assembly += other.seconds_assembly;
         self.seconds_pattern += other.seconds_pattern;
@@ -199,7 +202,7 @@ pub fn newton(
     let contributions: Vec<&dyn Contributions> =
         plain.iter().zip(&tied).map(|(plain, tied)| tied.as_ref().map_or(plain.as_ref(), |tied| tied as _)).collect();
     work.system = std::mem::take(&mut work.system).recycle(layout, &contributions, constraints);
-    let n_factorizations = work.solver.n_factorizations();
+    let (n_factorizations, n_fallbacks) = (work.solver.n_factorizations(), work.solver.n_fallbacks());
     let report = NewtonReport {
         seconds_assembly: begin.elapsed().as_secs_f64(),
         seconds_pattern: work.system.seconds_pattern(),
@@ -222,6 +225,7 @@ pub fn newton(
     let Solve { start, mut report, .. } = solve;
     report.timings = work.system.timings().to_vec();
     report.factorizations = work.solver.n_factorizations() - n_factorizations;
+    report.fallbacks = work.solver.n_fallbacks() - n_fallbacks;
     let Err(stop) = outcome else { return Ok(report) };
     x.copy_from_slice(&start);
     let report = Box::new(report);

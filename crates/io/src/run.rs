@@ -204,6 +204,7 @@ impl<'a, const D: usize> RunFiles<'a, D> {
             units: UnitLabels::new(&scenario.units, D),
             stabilisation: scenario.fluid.as_ref().map_or_else(String::new, Fluid::stabilisation_name),
             half_domain: case.half_domain,
+            linear_solver: case.linear.clone(),
             dt: setup.dt,
             cells: setup.fluid.as_ref().map_or(0, |fluid| fluid.background.n_cells()),
             bodies: setup.bodies.iter().map(|body| body.name().to_owned()).collect(),
@@ -362,6 +363,8 @@ pub struct Sizes {
     pub n_steps: usize,
     /// Whether half of a symmetric problem is solved.
     pub half_domain: bool,
+    /// Name of the linear solver, and the reason for it.
+    pub linear: String,
 }
 
 /// Builds the meshes of a scenario and the first cut, and runs nothing.
@@ -390,6 +393,7 @@ pub fn sizes(file: &ScenarioFile) -> Result<Sizes, Error> {
                 dofs: step.layout.len(),
                 n_steps: case.n_steps,
                 half_domain: case.half_domain,
+                linear: case.linear,
                 bodies,
             })
         }

@@ -27,6 +27,9 @@ pub struct Summary {
     pub stabilisation: String,
     /// Whether forces, masses and energies are those of one half of a symmetric problem.
     pub half_domain: bool,
+    /// Linear solver, and the reason for it.
+    #[serde(default)]
+    pub linear_solver: String,
     /// Time step.
     pub dt: f64,
     /// Steps done.
@@ -64,12 +67,19 @@ pub struct Summary {
     /// Whether no step made more energy than 1e-8 of the largest sum of all energies; the work of loads, forces, open
     /// boundaries and given velocities does not count.
     pub energy_monotone: bool,
+    /// Largest energy of a step that no line of the ledger explains, relative to the largest energy or line, in tolerances of
+    /// Newton's method.
+    #[serde(default)]
+    pub energy_defect: f64,
     /// Largest absolute flow through the interface divided by the flow that the bodies displace.
     pub max_interface_leak: f64,
     /// Newton corrections.
     pub newton_iterations: usize,
     /// Factorisations.
     pub factorizations: usize,
+    /// Factorisations that needed free pivoting, as static pivots failed.
+    #[serde(default)]
+    pub fallbacks: usize,
     /// Wall-clock time so far, s.
     pub wall_seconds: f64,
     /// Wall-clock time of each stage, and within the assembly of each contribution.
@@ -181,13 +191,22 @@ pub(crate) struct SummaryBuilder {
     pub(crate) summary: Summary,
     largest_energy: f64,
     largest_gain: f64,
+    largest_line: f64,
+    largest_defect: f64,
     largest_swept: f64,
 }
 
 impl SummaryBuilder {
     pub(crate) fn new(start: Summary) -> Self {
         let summary = Summary { energy_monotone: true, ..start };
-        Self { summary, largest_energy: 0.0, largest_gain: 0.0, largest_swept: 0.0 }
+        Self {
+            summary,
+            largest_energy: 0.0,
+            largest_gain: 0.0,
+            largest_line: 0.0,
+            largest_defect: 0.0,
+            largest_swept: 0.0,
+        }
     }
 
     /// Adds a step, with the measures of all bodies and the wall-clock time that output took.
@@ -208,6 +227,7 @@ impl SummaryBuilder {
         summary.nnz = summary.nnz.max(report.newton.nnz);
         summary.newton_iterations += report.newton.iterations;
         summary.factorizations += report.newton.factorizations;
+        summary.fallbacks += report.newton.fallbacks;
         summary.add_timings(report, seconds_output);
         if let Some(flow) = report.fluid.as_ref().map(|fluid| fluid.flow).filter(|flow| flow.swept > 0.0) {
             // A body at rest displaces nothing: the leak is divided by at least a hundredth of the largest displaced flow.
@@ -217,6 +237,10 @@ impl SummaryBuilder {
         }
         self.largest_energy = self.largest_energy.max(report.total_energy().abs());
         self.largest_gain = self.largest_gain.max(-report.ledger.dissipation());
+        self.largest_line = self.largest_line.max(report.ledger.largest_line());
+        self.largest_defect = self.largest_defect.max(report.ledger.defect().abs());
+        let size = self.largest_energy.max(self.largest_line).max(f64::MIN_POSITIVE);
+        self.summary.energy_defect = self.largest_defect / size / view.setup.newton.tolerance;
         self.summary.energy_monotone = self.largest_gain <= ENERGY_TOLERANCE * self.largest_energy;
         if let Some(leading) = leading_body(view.setup) {
             self.add_body(&bodies[leading]);

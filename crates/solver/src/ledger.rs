@@ -95,6 +95,11 @@ impl Ledger {
         self.change + self.losses()
     }
 
+    /// Returns the largest line but the defect.
+    pub fn largest_line(&self) -> f64 {
+        self.lines().iter().filter(|(name, _)| *name != "defect").map(|(_, lost)| lost.abs()).fold(0.0, f64::max)
+    }
+
     /// Returns the energy of the scheme that viscosity, stabilisation and time scheme dissipate: the loss without the work on
     /// loads, forces, open boundaries and given velocities. It is negative if the step made energy.
     pub fn dissipation(&self) -> f64 {

@@ -4,6 +4,7 @@ mod fixture;
 
 use fixture::*;
 use solid_svk::SupportKind;
+use solver::algebra::time::GeneralisedAlpha;
 use solver::algebra::{LaggedSettings, LaggedSolver, NewtonSettings, Workspace};
 use solver::mesh::generate::structured_box;
 use solver::{Observer, ObserverError, Setup, Stage, State, StepView, Substep, TimeLoop, advance};
@@ -122,4 +123,30 @@ fn bodies_far_apart_may_move_fast() {
     let (state, parts, outcome) = take_steps(&setup, 1);
     outcome.expect("nothing to miss");
     assert!(state.step == 1 && parts.len() == 1);
+}
+
+/// Steps of unequal length, as they follow from halvings, keep the second order of the scheme.
+#[test]
+fn divided_steps_are_of_second_order() {
+    let background = structured_box::<2>([0.0, 0.0], [2.0, 2.0], [8, 8]).expect("a box");
+    // With a light fluid the stabilisation of the pressure, which has the step in it, does not change with it.
+    let mut setup = setup(fluid(background, 1e-6, 1.0), 5e-4);
+    setup.scheme = std::sync::Arc::new(GeneralisedAlpha::new(0.0).expect("a radius"));
+    setup.newton = NewtonSettings::new(1e-11);
+    on_sides(&mut setup, &["bottom", "left", "right", "top"], || solver::FluidBoundary::NoSlip);
+    let block = structured_box::<2>([0.72, 0.81], [1.19, 1.27], [1, 1]).expect("a box");
+    setup.bodies.push(std::sync::Arc::new(rigid("block", &block, 2.0, V::new(0.0, -1.0))));
+    // Behind the singular start from rest.
+    let (begin, _) = run(&setup, 40);
+    let fall = |n: usize| {
+        let (mut state, mut work) = (begin.clone(), Workspace::new());
+        for part in std::iter::repeat_n([0.5, 0.25, 0.25], n).flatten() {
+            let dt = part * 0.04 / n as f64;
+            state = advance(&setup, &state, Substep::whole(dt), &mut work).expect("a step").0;
+        }
+        motion(&state, 0).velocity[1]
+    };
+    let [coarse, middle, fine] = [4, 8, 16].map(fall);
+    let order = ((coarse - middle) / (middle - fine)).abs().log2();
+    assert!(order > 1.8 && order < 2.6, "{order}: {coarse} {middle} {fine}");
 }

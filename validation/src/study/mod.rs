@@ -15,10 +15,11 @@ use crate::bounds::potential::{arrival, gaps};
 use crate::case;
 use crate::metrics::Rebound;
 use crate::outcome::{Failure, Outcome, causes};
-use crate::report::{commit, machine};
+use crate::report::machine;
+use crate::results;
 use crate::table::short;
-use crate::verify::document;
 use crate::verify::record::{Record, Table, worse};
+use crate::verify::{document, missed};
 
 /// Folder of the pages of studies in `docs/src`.
 const FOLDER: &str = "studies";
@@ -70,8 +71,9 @@ pub(crate) fn run(names: &[String], again: bool, out: &Path) -> Outcome {
         let mut versions: Vec<&str> = runs.iter().flatten().map(|run| run.version.as_str()).collect();
         versions.sort_unstable();
         versions.dedup();
-        let version = format!("{} ({})", versions.join(", "), machine().trim_end_matches('.'));
-        let record = record(name, &definition, &runs);
+        let version = format!("{} ({})", versions.join("; "), machine().trim_end_matches('.'));
+        let mut record = record(name, &definition, &runs);
+        missed::mark(&mut record)?;
         all_hold &= record.holds();
         document::write(FOLDER, &record, &format!("cargo xtask validate --study {name}"), &version)?;
     }
@@ -98,7 +100,7 @@ fn run_one(study: &str, series: &Series, value: f64, again: bool, out: &Path) ->
                 }
                 Err(error) => return Err(error.into()),
             };
-            std::fs::write(directory.join(VERSION), commit().unwrap_or_default())?;
+            std::fs::write(directory.join(VERSION), document::version())?;
             (Results::read(&directory)?, failure)
         }
     };
@@ -169,6 +171,8 @@ fn record(name: &str, definition: &Definition, runs: &[Vec<Run>]) -> Record {
         let head = ["series", "quantity", "limit", "observed order", "differences shrink"];
         record.tables.push(Table { head: head.map(str::to_owned).into(), rows: limits });
     }
+    let summaries: Vec<&Summary> = runs.iter().flatten().map(|run| &run.summary).collect();
+    results::add_energies(&summaries, &mut record);
     let varied: Vec<&Run> = all().filter(|(series, _)| series.coefficient).flat_map(|(_, runs)| runs).collect();
     for (quantity, of) in QUANTITIES[1..].iter().filter(|_| !varied.is_empty()) {
         let values = || varied.iter().map(|run| of(run).unwrap_or(f64::NAN));

@@ -109,6 +109,13 @@ impl Channel {
         6.0 * self.speed * y * (HEIGHT - y) / (HEIGHT * HEIGHT)
     }
 
+    /// Returns the velocity of the inflow everywhere, with a part across it in the wake.
+    pub(super) fn disturbed(&self, x: &P) -> V {
+        let end = if self.has_flag { FLAG_END } else { CENTRE[0] + 2.0 * RADIUS };
+        let from_wake = (x[0] - end - 2.0 * RADIUS) / (2.0 * RADIUS);
+        V::new(self.inflow(x[1]), 0.5 * self.speed * (-from_wake * from_wake).exp())
+    }
+
     /// Returns the coefficient of a force on the cylinder.
     pub(super) fn coefficient(&self, force: f64) -> f64 {
         force / (self.density * self.speed * self.speed * RADIUS)
@@ -195,6 +202,11 @@ pub(super) fn at(setup: &Setup<2>, state: &State<2>, x: &P) -> Result<(V, f64), 
         (velocity_and_pressure.0 + fluid.velocity[k] * n, velocity_and_pressure.1 + fluid.pressure[k] * n)
     };
     Ok(dofs.iter().zip(shape).fold((V::zeros(), 0.0), sum))
+}
+
+/// Returns the velocity of a state at a point; zero outside of the fluid.
+pub(super) fn velocity_at(setup: &Setup<2>, state: &State<2>, x: &P) -> V {
+    at(setup, state, x).map_or(V::zeros(), |(velocity, _)| velocity)
 }
 
 /// Returns the difference of the pressures at the foremost and the rearmost point of the cylinder.

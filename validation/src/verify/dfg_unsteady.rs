@@ -5,14 +5,13 @@ use std::sync::Arc;
 
 use cutwater::algebra::NewtonSettings;
 use cutwater::solver::body::PointField;
-use cutwater::solver::{Setup, State};
 
-use super::channel::{CENTRE, Channel, RADIUS, Resolution, at, pressure_difference};
+use super::channel::{Channel, RADIUS, Resolution, pressure_difference, velocity_at};
 use super::dry::second_order;
 use super::flow::{fluid_mut, force, wet};
 use super::record::Points;
-use super::signal::{mean, passage, peak, range, rises};
-use super::{Failure, P, Record, Run, V, short};
+use super::signal::{is_steady, mean, passage, peak, rises};
+use super::{Failure, P, Record, Run, short};
 
 /// Benchmarks 2D-2 and 2D-3 of Schäfer and Turek 1996. The largest mean speed of 2D-3 is the speed of 2D-2.
 const CHANNEL: Channel = Channel { length: 2.2, density: 1.0, viscosity: 1e-3, speed: 1.0, has_flag: false };
@@ -89,12 +88,9 @@ impl Signals {
         let cycles = self.cycles();
         let last = cycles.len().checked_sub(N_CYCLES).map(|first| &cycles[first..])?;
         let of = |k: usize| last.iter().map(|cycle| cycle[k]).collect::<Vec<_>>();
-        let is_same = |values: &[f64]| {
-            let [least, largest] = range(values);
-            largest - least <= UNCHANGED * mean(values).abs()
-        };
         let all = [of(0), of(1), of(2)];
-        all.iter().all(|values| is_same(values)).then(|| all.map(|values| mean(&values)))
+        let is_periodic = all.iter().all(|values| is_steady(values.iter().copied(), UNCHANGED));
+        is_periodic.then(|| all.map(|values| mean(&values)))
     }
 
     /// Returns drag and lift of the last cycles, from the first passage of zero lift.
@@ -139,7 +135,7 @@ fn run((cells, dt): (usize, f64), factor: fn(f64) -> f64, start: Option<PointFie
 
 /// Measures the periodic flow, 2D-2.
 fn shedding(record: &mut Record, resolutions: &[(usize, f64)]) -> Result<(), Failure> {
-    let mut start: PointField<2> = Arc::new(disturbed);
+    let mut start: PointField<2> = Arc::new(|x| CHANNEL.disturbed(x));
     let mut curves = [Vec::new(), Vec::new()];
     for (n, &resolution) in resolutions.iter().enumerate() {
         let name = name(resolution);
@@ -168,23 +164,12 @@ fn shedding(record: &mut Record, resolutions: &[(usize, f64)]) -> Result<(), Fai
             curves.push((name.clone(), curve));
         }
         let Run { setup, state, .. } = run;
-        start = Arc::new(move |x| velocity(&setup, &state, x));
+        start = Arc::new(move |x| velocity_at(&setup, &state, x));
     }
     let [drag, lift] = curves;
     record.figure("2D-2: drag coefficient", "t [s]", drag);
     record.figure("2D-2: lift coefficient", "t [s]", lift);
     Ok(())
-}
-
-/// Returns the velocity of the inflow everywhere, with a part across it in the wake.
-fn disturbed(x: &P) -> V {
-    let from_wake = (x[0] - CENTRE[0] - 4.0 * RADIUS) / (2.0 * RADIUS);
-    V::new(CHANNEL.inflow(x[1]), 0.5 * CHANNEL.speed * (-from_wake * from_wake).exp())
-}
-
-/// Returns the velocity of a state at a point; zero outside of the fluid.
-fn velocity(setup: &Setup<2>, state: &State<2>, x: &P) -> V {
-    at(setup, state, x).map_or(V::zeros(), |(velocity, _)| velocity)
 }
 
 /// Measures the flow whose inflow rises and falls once, 2D-3.

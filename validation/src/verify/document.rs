@@ -66,10 +66,12 @@ pub(crate) fn older_than_the_code() -> Vec<String> {
         for path in paths {
             let text = std::fs::read_to_string(&path).unwrap_or_default();
             let Some((_, after)) = text.split_once("measured with version ") else { continue };
-            let version = after.split(|c: char| !c.is_ascii_hexdigit()).next().unwrap_or_default();
-            let range = format!("{version}..HEAD");
-            let changes = git(&[&["rev-list", "--count", &range, "--"][..], &CODE].concat()).unwrap_or_default();
-            if !matches!(changes.as_str(), "" | "0") {
+            let changes_after = |version: &str| {
+                let range = format!("{version}..HEAD");
+                git(&[&["rev-list", "--count", &range, "--"][..], &CODE].concat())?.parse::<usize>().ok()
+            };
+            let ages = versions(after).filter_map(|version| Some((changes_after(version)?, version)));
+            if let Some((changes, version)) = ages.max().filter(|(changes, _)| *changes > 0) {
                 let name = path.file_stem().unwrap_or_default().to_string_lossy();
                 lines.push(format!(
                     "{folder}/{name}: measured with version {version}, {changes} changes of the code ago"
@@ -78,6 +80,13 @@ pub(crate) fn older_than_the_code() -> Vec<String> {
         }
     }
     lines
+}
+
+/// Returns the versions that a page names after "measured with version": runs of a study may have several.
+fn versions(text: &str) -> impl Iterator<Item = &str> {
+    let list = text.split(" (").next().unwrap_or_default().split("; it took").next().unwrap_or_default();
+    let is_version = |word: &&str| word.len() >= 7 && word.chars().all(|c| c.is_ascii_hexdigit());
+    list.split(|c: char| !c.is_ascii_alphanumeric()).filter(is_version)
 }
 
 fn picture(folder: &str, record: &Record, k: usize) -> String {
@@ -153,6 +162,16 @@ mod tests {
             "![f](../images/verification-x-0.svg)",
         ] {
             assert!(text.contains(part), "{part}\n{text}");
+        }
+    }
+
+    #[test]
+    fn a_page_may_name_several_versions() {
+        for (text, expected) in [
+            ("abc1234, 2026-11-23; it took 3 s.", &["abc1234"][..]),
+            ("abc1234, 2026-11-23; 0def567-dirty, 2026-11-20 (2 cores); it took 3 s.", &["abc1234", "0def567"]),
+        ] {
+            assert_eq!(versions(text).collect::<Vec<_>>(), expected);
         }
     }
 

@@ -10,6 +10,7 @@ use cutwater::solver::{FluidBoundary, Setup, Stabilisation};
 use super::dry::mapped;
 use super::flow::{self, At, PAPERS_PENALTY, disk, fluid_mut, fluid_of, interface, polygon};
 use super::linear_flow::Linear;
+use super::signal::bisect;
 use super::{Failure, P, Record, V, short};
 
 /// Gaps, over the radius of the cylinder.
@@ -40,10 +41,14 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
         for &n in cells {
             let computed = force(gap, n)?;
             let quantity = format!("force at gap {gap} R, {n} cells across it");
+            let thinner = format!("{quantity}: cells by which a film of that force is thinner");
+            let missing = n * (1.0 - gap_of_force(computed) / gap);
             if n >= 4.0 {
                 record.near_relative(quantity, computed, exact, ACCURACY);
+                record.at_most(thinner, missing.abs(), MISSING_CELLS);
             } else {
                 record.show(quantity, computed, Some(exact));
+                record.show(thinner, missing, Some(0.0));
             }
             curve.push((n, computed / exact));
         }
@@ -75,13 +80,17 @@ fn shrink(record: &mut Record) -> Result<(), Failure> {
                 Some(1.0),
             );
             if cells >= 1.0 {
-                // Films where the force is that of a thinner one: F ~ gap^(-3/2) in the leading order.
-                let missing = cells * (1.0 - (exact / film.force).powf(2.0 / 3.0));
+                let missing = cells * (1.0 - gap_of_force(film.force) / gap);
+                // The same by the leading order, F ~ gap^(-3/2).
+                let leading = cells * (1.0 - (exact / film.force).powf(2.0 / 3.0));
                 let quantity = format!("{at}: cells by which a film of that force is thinner");
+                let by_leading_order = format!("{quantity}, by the leading order");
                 if cells >= 4.0 && set == Stabilisation::STANDARD {
                     record.at_most(quantity, missing.abs(), MISSING_CELLS);
+                    record.at_most(by_leading_order, leading.abs(), MISSING_CELLS);
                 } else {
                     record.show(quantity, missing, Some(0.0));
+                    record.show(by_leading_order, leading, Some(0.0));
                 }
                 record.show(format!("{at}: shear along the cylinder over the exact one"), film.shear, Some(1.0));
             } else {
@@ -129,6 +138,11 @@ fn shrink(record: &mut Record) -> Result<(), Failure> {
 fn exact_force(gap: f64) -> f64 {
     let alpha = (1.0 + gap).acosh();
     4.0 * PI / (alpha - alpha.tanh())
+}
+
+/// Returns the gap with a force.
+fn gap_of_force(force: f64) -> f64 {
+    bisect([1e-6, 1e3], |gap| exact_force(gap) < force)
 }
 
 /// Computes the force with the given number of cells across the gap.

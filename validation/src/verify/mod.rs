@@ -4,6 +4,7 @@ mod added_mass;
 mod bar;
 mod cavity;
 mod cfd;
+mod cfd_unsteady;
 mod channel;
 mod channel_cylinder;
 mod conservation;
@@ -66,7 +67,7 @@ const fn check(name: &'static str, about: &'static str, measure: fn(&mut Record)
 }
 
 /// All checks, in the order of the page.
-const CHECKS: [Check; 26] = [
+const CHECKS: [Check; 27] = [
     check("exact", "Solutions that the discrete spaces contain, at random positions of the body.", exact::measure),
     check("orders", "Orders of convergence of known flows around bodies at rest and in motion.", orders::measure),
     check("peer", "Errors of unfitted Stokes flow compared with those of ngsxfem on the same mesh.", peer::measure),
@@ -89,6 +90,7 @@ const CHECKS: [Check; 26] = [
         dfg_unsteady::measure,
     ),
     check("cfd", "Steady flow past the rigid flag of the Turek-Hron benchmark.", cfd::measure),
+    check("cfd-unsteady", "Vortices behind the rigid flag of the Turek-Hron benchmark.", cfd_unsteady::measure),
     check("frame-change", "A cylinder at rest in a stream, and one moving in fluid at rest.", frame_change::measure),
     check("symmetry", "Half of a symmetric domain and the whole of it: the same contact.", symmetry::measure),
     check("svk-states", "Uniform states of a Saint Venant-Kirchhoff body under its loads.", svk_states::measure),

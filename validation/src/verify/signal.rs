@@ -41,6 +41,19 @@ pub(super) fn negative(curve: &[(f64, f64)]) -> Vec<(f64, f64)> {
     curve.iter().map(|&(x, y)| (x, -y)).collect()
 }
 
+/// Returns half of the sum and of the difference of the largest and the least value of a curve with equal steps.
+pub(super) fn mean_and_amplitude(curve: &[(f64, f64)]) -> [f64; 2] {
+    let (low, high) = (-peak(&negative(curve)).1, peak(curve).1);
+    [0.5 * (high + low), 0.5 * (high - low)]
+}
+
+/// Returns whether values differ by at most a fraction of their mean.
+pub(super) fn is_steady(values: impl Iterator<Item = f64>, fraction: f64) -> bool {
+    let values: Vec<f64> = values.collect();
+    let [least, largest] = range(&values);
+    largest - least <= fraction * mean(&values).abs()
+}
+
 /// Returns the number between two others at which a condition becomes true, by bisection.
 pub(super) fn bisect([mut low, mut high]: [f64; 2], is_above: impl Fn(f64) -> bool) -> f64 {
     for _ in 0..60 {

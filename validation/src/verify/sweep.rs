@@ -19,7 +19,9 @@ use super::{Failure, P};
 /// Squares per side of the plane box, bricks per side of the one in space; both have sides of length one.
 const N: [usize; 2] = [12, 5];
 /// Length of a step in which inertia is negligible.
-const STEADY: f64 = 1e9;
+pub(super) const STEADY: f64 = 1e9;
+/// Length of a step in which viscosity is negligible: `ρ h²/(μ dt)` is at least 7000.
+pub(super) const SHORT: f64 = 1e-6;
 /// Largest depth inside of bodies, in cells, at which vertices count as fluid: those that are passed.
 const PASSED: f64 = 0.11;
 
@@ -53,9 +55,9 @@ fn size<const D: usize>() -> f64 {
     1.0 / N[D - 2] as f64
 }
 
-/// Returns the setup of the steady flow around bodies. The ghost penalty is the only penalty of jumps of velocity
+/// Returns the setup of one step of the flow around bodies. The ghost penalty is the only penalty of jumps of velocity
 /// gradients.
-fn setup<const D: usize>(bodies: Bodies<D>) -> Result<Setup<D>, Failure> {
+fn setup<const D: usize>(bodies: Bodies<D>, dt: f64) -> Result<Setup<D>, Failure> {
     let background = structured_box::<D>([-0.5; D], [0.5; D], [N[D - 2]; D])?;
     let side = |name: &str| background.tag(name).ok_or("a box has sides");
     let mut boundary = Vec::new();
@@ -77,7 +79,7 @@ fn setup<const D: usize>(bodies: Bodies<D>) -> Result<Setup<D>, Failure> {
         boundary,
         ..fluid(background, 1.0, 1.0)
     };
-    Ok(Setup { bodies, ..problem(fluid, STEADY) })
+    Ok(Setup { bodies, ..problem(fluid, dt) })
 }
 
 fn plane<const D: usize>(x: &Point<D>) -> P {
@@ -202,9 +204,9 @@ impl<const D: usize> Numbers<D> {
 }
 
 impl<const D: usize> Sweep<D> {
-    /// Returns the setup with the bodies at a distance in cells.
-    pub(super) fn setup(&self, distance: f64, has_ghost_penalty: bool) -> Result<Setup<D>, Failure> {
-        let mut setup = setup((self.bodies)(distance)?)?;
+    /// Returns the setup of a step with the bodies at a distance in cells.
+    pub(super) fn setup(&self, distance: f64, dt: f64, has_ghost_penalty: bool) -> Result<Setup<D>, Failure> {
+        let mut setup = setup((self.bodies)(distance)?, dt)?;
         if !has_ghost_penalty {
             fluid_mut(&mut setup)?.stabilisation.gamma_ghost = 0.0;
         }

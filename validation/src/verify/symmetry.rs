@@ -20,18 +20,25 @@ const MIRRORED: [&str; 4] =
     ["background.mirrored=true", "background.boundary.left=free", "body.0.shape.mirrored=true", "body.0.boundary={}"];
 
 pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
-    let (half, whole) = (fall(record.full, &[])?, fall(record.full, &MIRRORED)?);
-    let time = |time: Option<f64>| time.unwrap_or(f64::NAN);
-    record.near("contact of the whole ball [s]; reference: of the half", time(whole.contact), time(half.contact), 0.0);
-    record.near("release of the whole ball [s]; reference: of the half", time(whole.release), time(half.release), 0.0);
-    record.at_most("lateral drift of the whole ball [cm]", whole.drift, DRIFT);
+    for set in ["standard", "paper-44-2019"] {
+        let (half, whole) = (fall(record.full, set, &[])?, fall(record.full, set, &MIRRORED)?);
+        let time = |time: Option<f64>| time.unwrap_or(f64::NAN);
+        for (event, whole, half) in [("contact", whole.contact, half.contact), ("release", whole.release, half.release)]
+        {
+            let quantity = format!("{set}: {event} of the whole ball [s]; reference: of the half");
+            record.near(quantity, time(whole), time(half), 0.0);
+        }
+        record.at_most(format!("{set}: lateral drift of the whole ball [cm]"), whole.drift, DRIFT);
+    }
     Ok(())
 }
 
-fn fall(full: bool, set: &[&str]) -> Result<Fall, Error> {
+fn fall(full: bool, set: &str, changes: &[&str]) -> Result<Fall, Error> {
     let resolution: &[&str] = if full { &[] } else { &COARSE };
-    let set: Vec<String> = SHORT.iter().chain(resolution).chain(set).map(|change| (*change).to_owned()).collect();
-    let case = case::<2>(&ScenarioFile::read(&scenario_path("virtual-barrier"), &set)?)?;
+    let changes = SHORT.iter().chain(resolution).chain(changes).map(|change| (*change).to_owned());
+    let stabilisation = format!("fluid.stabilisation={set:?}");
+    let changes: Vec<String> = changes.chain([stabilisation]).collect();
+    let case = case::<2>(&ScenarioFile::read(&scenario_path("virtual-barrier"), &changes)?)?;
     let mut fall = Fall::default();
     let state = State::initial(&case.setup)?;
     TimeLoop::new(&case.setup, state, Workspace::new()).run(case.n_steps, &mut [&mut fall])?;

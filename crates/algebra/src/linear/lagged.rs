@@ -98,11 +98,6 @@ impl LaggedSolver {
         }
     }
 
-    /// Returns the number of factors of a whole matrix that needed free pivoting so far.
-    pub fn n_fallbacks(&self) -> usize {
-        self.n_fallbacks
-    }
-
     /// Factorises the present matrix, which becomes the base; with free pivoting if it must, or if static pivots fail.
     fn renew(&mut self, system: &LinearSystem<'_>, must_pivot: bool) -> Result<(), LinearError> {
         let n = system.len();
@@ -291,6 +286,10 @@ impl LinearSolver for LaggedSolver {
 
     fn n_factorizations(&self) -> usize {
         self.n_factorizations
+    }
+
+    fn n_fallbacks(&self) -> usize {
+        self.n_fallbacks
     }
 
     fn forget(&mut self) {

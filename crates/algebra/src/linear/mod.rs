@@ -58,6 +58,11 @@ pub trait LinearSolver: Send {
     /// Returns the number of factorisations of a whole matrix so far.
     fn n_factorizations(&self) -> usize;
 
+    /// Returns the number of those that needed free pivoting, as static pivots failed.
+    fn n_fallbacks(&self) -> usize {
+        0
+    }
+
     /// Makes the next solves independent of all earlier matrices.
     fn forget(&mut self) {}
 }

@@ -9,7 +9,8 @@ use crate::ScenarioArguments;
 pub(crate) fn check(arguments: &ScenarioArguments) -> Result<(), Error> {
     let file = ScenarioFile::read(&arguments.file, &arguments.sets)?;
     let scenario = file.scenario();
-    let Sizes { background_cells, background_vertices, bodies, cut_cells, dofs, n_steps, half_domain } = sizes(&file)?;
+    let Sizes { background_cells, background_vertices, bodies, cut_cells, dofs, n_steps, half_domain, linear } =
+        sizes(&file)?;
     let half = if half_domain { ", half of a symmetric problem" } else { "" };
     let unit = |quantity| scenario.units.label(quantity);
     let (length, mass, time) = (unit(Quantity::LENGTH), unit(Quantity::MASS), unit(Quantity::TIME));
@@ -26,6 +27,7 @@ pub(crate) fn check(arguments: &ScenarioArguments) -> Result<(), Error> {
         }
     }
     println!("unknowns in the first step: {dofs}");
+    println!("linear solver: {linear}");
     println!("steps: {n_steps} of {} {time}, to {} {time}", *scenario.time.step, scenario.time.end);
     Ok(())
 }

@@ -131,6 +131,10 @@ fn print_summary(summary: &Summary, directory: &str) {
         let Summary { cells, dofs, stabilisation, .. } = summary;
         println!("  {cells} cells, up to {dofs} unknowns{half}, stabilisation {stabilisation}");
     }
+    println!("  linear solver {}", summary.linear_solver);
+    if summary.fallbacks > 0 {
+        println!("  {} factorisations needed free pivoting", summary.fallbacks);
+    }
     if summary.divided_steps > 0 {
         println!("  {} steps failed and were taken in parts", summary.divided_steps);
     }

@@ -17,8 +17,10 @@ use super::motion::{Held, MotionChoice};
 pub struct Case<const D: usize> {
     /// The problem.
     pub setup: Setup<D>,
-    /// Memory with the linear solver of the scenario.
+    /// Memory with the linear solver.
     pub workspace: Workspace,
+    /// Name of the linear solver, and the reason for it.
+    pub linear: String,
     /// Number of steps.
     pub n_steps: usize,
     /// Steps between two checkpoints; 0 for none.
@@ -96,8 +98,12 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
         bottom = Aabb::of_points(fluid.background.vertices()).low[D - 1];
     }
     check_contacts(scenario, &setup, &positions)?;
+    let n_vertices = setup.fluid.as_ref().map_or(0, |fluid| fluid.background.n_vertices());
+    let n_of_bodies: usize = setup.bodies.iter().map(|body| body.reference().len()).sum();
+    let (linear, reason) = scenario.solver.linear(D, (D + 1) * n_vertices + D * n_of_bodies);
     Ok(Case {
-        workspace: scenario.solver.linear.workspace(),
+        workspace: linear.workspace(),
+        linear: format!("{} ({reason})", linear.name()),
         n_steps: time.n_steps(),
         checkpoint_every: scenario.output.checkpoint_every,
         half_domain: setup.fluid.iter().flat_map(|fluid| &fluid.boundary).any(is_symmetry),

@@ -12,7 +12,7 @@ use super::error::{ErrorKind, Location, ScenarioError};
 use super::fluid::{Background, Fluid, Interface};
 use super::motion::{MotionChoice, table_path};
 use super::overrides;
-use super::solver::{Solver, Time};
+use super::solver::{Linear, Solver, Time};
 use super::table::{At, Document, Node, Value, keys, parse};
 use super::units::Units;
 use crate::Error;
@@ -174,5 +174,5 @@ fn check(scenario: &Scenario) -> Result<(), ScenarioError> {
         }
         body.check()?;
     }
-    scenario.solver.linear.check()
+    scenario.solver.linear.as_ref().map_or(Ok(()), Linear::check)
 }
