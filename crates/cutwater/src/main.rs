@@ -1,5 +1,4 @@
 //! The command line: arguments only.
-#![allow(clippy::print_stdout, clippy::print_stderr)]
 
 mod commands;
 
@@ -55,8 +54,11 @@ struct RunArguments {
     /// Go on with the run in this directory, from its last checkpoint; `--set` may change time.end and output.
     #[arg(long, value_name = "DIR", conflicts_with_all = ["file", "out"])]
     resume: Option<PathBuf>,
+    /// Replace files in the directory that are not those of this scenario.
+    #[arg(long, conflicts_with = "resume")]
+    overwrite: bool,
     /// Print nothing but errors.
-    #[arg(long)]
+    #[arg(short, long)]
     quiet: bool,
     /// Print the time per stage at the end.
     #[arg(long)]
@@ -116,7 +118,7 @@ fn main() -> ExitCode {
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("{}", error.explain());
+            commands::warn(&error.explain());
             error.exit_code()
         }
     }

@@ -79,7 +79,7 @@ fn a_scenario_without_a_fluid_is_checked_run_and_reported() {
     let printed = cutwater("check", &[]);
     assert!(printed.contains("body ball:") && printed.contains("steps: 3"), "{printed}");
     assert!(!printed.contains("background"), "{printed}");
-    let directory = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("dry");
+    let directory = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("dry-run");
     let units = "units={ length = \"mm\", mass = \"g\", time = \"ms\" }";
     let printed = cutwater("run", &["--out", &directory.display().to_string(), "--set", units]);
     assert!(printed.contains("step 3/3") && !printed.contains("stabilisation"), "{printed}");

@@ -183,7 +183,7 @@ mod tests {
             scenario: "name = \"a\"".to_owned(),
             lists: vec![2, 0, 1],
             histories: [10, 20],
-            summary: SummaryBuilder::new(Summary::default()),
+            summary: SummaryBuilder::new(Summary { dt: 0.1, ..Summary::default() }, 1.0),
             series: vec![vec![(0.1, "a".to_owned())]],
         };
         let lists = vec![vec![1.0 / 3.0, f64::NAN], vec![], vec![-0.0]];

@@ -120,6 +120,20 @@ pub enum Error {
         /// Step of its last checkpoint.
         step: usize,
     },
+    /// A directory cannot take the results of a run.
+    #[error("{} {problem}; choose another directory with `--out`, or replace the results in it with `--overwrite`", .path.display())]
+    Directory {
+        /// The directory.
+        path: PathBuf,
+        /// Why.
+        problem: &'static str,
+    },
+    /// Another run writes into a directory.
+    #[error("another run writes into {}; choose another directory with `--out`", .path.display())]
+    Busy {
+        /// The directory.
+        path: PathBuf,
+    },
     /// A run was interrupted; it can go on.
     #[error("stopped after step {step}; go on with `cutwater run --resume {}`", .directory.display())]
     Interrupted {

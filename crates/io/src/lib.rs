@@ -25,6 +25,8 @@ mod files;
 #[cfg(feature = "simulation")]
 mod checkpoint;
 #[cfg(feature = "simulation")]
+mod claim;
+#[cfg(feature = "simulation")]
 mod history;
 #[cfg(feature = "simulation")]
 mod measures;

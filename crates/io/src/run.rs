@@ -10,6 +10,7 @@ use solver::{Observer, ObserverError, Stage, State, Step, StepError, StepView, T
 
 use crate::Error;
 use crate::checkpoint::{Checkpoint, Header, checkpoint_steps, problem_text, remove_all};
+use crate::claim::{Claim, keep_input};
 use crate::files::create_directory;
 use crate::history::History;
 use crate::measures::{BodyMeasures, leading_body};
@@ -31,12 +32,12 @@ pub fn default_directory(scenario: &Scenario) -> PathBuf {
 }
 
 /// Runs a scenario and writes `history.csv`, `diagnostics.csv`, `summary.json`, `scenario.toml` and field files into a
-/// directory. `watch` attaches an observer to the run; `&mut ()` attaches none.
+/// directory, whose results it replaces. `watch` attaches an observer to the run; `&mut ()` attaches none.
 ///
 /// # Errors
 /// As [`RunOptions::run`].
 pub fn run(file: &ScenarioFile, directory: &Path, watch: &mut impl Watch) -> Result<Summary, Error> {
-    RunOptions::default().run(file, directory, watch)
+    RunOptions { overwrites: true, ..RunOptions::default() }.run(file, directory, watch)
 }
 
 /// How a run begins, and what may end it.
@@ -44,6 +45,8 @@ pub fn run(file: &ScenarioFile, directory: &Path, watch: &mut impl Watch) -> Res
 pub struct RunOptions<'a> {
     /// Whether the run goes on from the last checkpoint in the directory. End time and output may differ from those of the run that wrote it.
     pub resumes: bool,
+    /// Whether a run may write into a directory that has other files, or results of another scenario, which it replaces.
+    pub overwrites: bool,
     /// Set to true, it ends the run after the current step, with a checkpoint.
     pub stop: Option<&'a AtomicBool>,
 }
@@ -54,7 +57,7 @@ impl RunOptions<'_> {
     /// # Errors
     /// [`Error`]; if a step failed, the files are complete up to the step before it. [`Error::Interrupted`]: `stop` was set.
     /// [`Error::Unfinished`]: a new run would remove one that was stopped. [`Error::NoCheckpoint`], [`Error::Checkpoint`]: there is nothing to go
-    /// on from, or it belongs to another scenario.
+    /// on from, or it belongs to another scenario. [`Error::Directory`], [`Error::Busy`]: the directory is not free.
     pub fn run(&self, file: &ScenarioFile, directory: &Path, watch: &mut impl Watch) -> Result<Summary, Error> {
         lower(file, Run { file, directory, watch, options: *self })?
     }
@@ -72,6 +75,10 @@ impl<W: Watch> CaseVisitor for Run<'_, W> {
 
     fn visit<const D: usize>(self, case: Case<D>) -> Result<Summary, Error> {
         let Self { file, directory, watch, options } = self;
+        if !options.resumes {
+            keep_input(directory, file.path())?;
+        }
+        let _claim = Claim::new(directory, file, options.overwrites || options.resumes)?;
         let (start, header) = if options.resumes {
             let (start, header) = last_checkpoint(file, &case, directory)?;
             (start, Some(header))
@@ -220,7 +227,7 @@ impl<'a, const D: usize> RunFiles<'a, D> {
             n_steps: case.n_steps,
             bottom: case.bottom,
             history: History::open(directory, setup, lengths)?,
-            summary: SummaryBuilder::new(start),
+            summary: SummaryBuilder::new(start, setup.fluid.as_ref().map_or(0.0, |fluid| fluid.background.volume())),
             series: SERIES.map(|name| Series::new(directory, name)),
             begin: Instant::now(),
             seconds_before: 0.0,

@@ -71,8 +71,9 @@ pub struct Summary {
     /// Newton's method.
     #[serde(default)]
     pub energy_defect: f64,
-    /// Largest absolute flow through the interface divided by the flow that the bodies displace.
-    pub max_interface_leak: f64,
+    /// Largest absolute flow through the interface divided by the flow that the bodies displace; none if they rest.
+    #[serde(default)]
+    pub max_interface_leak: Option<f64>,
     /// Newton corrections.
     pub newton_iterations: usize,
     /// Factorisations.
@@ -194,10 +195,17 @@ pub(crate) struct SummaryBuilder {
     largest_line: f64,
     largest_defect: f64,
     largest_swept: f64,
+    /// Displaced flow up to which bodies count as at rest.
+    still: f64,
 }
 
+/// Bodies that displace less than this part of the domain in a step are at rest.
+const STILL: f64 = 1e-12;
+
 impl SummaryBuilder {
-    pub(crate) fn new(start: Summary) -> Self {
+    /// Creates the summary of a run in a domain of a volume.
+    pub(crate) fn new(start: Summary, domain: f64) -> Self {
+        let still = STILL * domain / start.dt;
         let summary = Summary { energy_monotone: true, ..start };
         Self {
             summary,
@@ -206,6 +214,7 @@ impl SummaryBuilder {
             largest_line: 0.0,
             largest_defect: 0.0,
             largest_swept: 0.0,
+            still,
         }
     }
 
@@ -229,11 +238,11 @@ impl SummaryBuilder {
         summary.factorizations += report.newton.factorizations;
         summary.fallbacks += report.newton.fallbacks;
         summary.add_timings(report, seconds_output);
-        if let Some(flow) = report.fluid.as_ref().map(|fluid| fluid.flow).filter(|flow| flow.swept > 0.0) {
+        if let Some(flow) = report.fluid.as_ref().map(|fluid| fluid.flow).filter(|flow| flow.swept > self.still) {
             // A body at rest displaces nothing: the leak is divided by at least a hundredth of the largest displaced flow.
             self.largest_swept = self.largest_swept.max(flow.swept);
             let leak = flow.leak_absolute / flow.swept.max(1e-2 * self.largest_swept);
-            summary.max_interface_leak = summary.max_interface_leak.max(leak);
+            summary.max_interface_leak = Some(summary.max_interface_leak.map_or(leak, |largest| largest.max(leak)));
         }
         self.largest_energy = self.largest_energy.max(report.total_energy().abs());
         self.largest_gain = self.largest_gain.max(-report.ledger.dissipation());

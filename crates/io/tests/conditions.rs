@@ -80,12 +80,13 @@ fn fields_that_cannot_be_evaluated_are_refused() {
 fn symmetry_and_inflow_take_their_direction_from_the_facets() {
     let sets = [
         "background.boundary.top={ kind = \"inflow\", profile = \"parabolic\", maximum = 2 }",
-        "background.boundary.right=symmetry",
         "background.boundary.bottom={ kind = \"symmetry\", normal = [0, -2] }",
     ];
     let case = problem(CHANNEL, &[&COARSE_CHANNEL, &sets]);
     assert!(case.half_domain);
-    assert!(matches!(side(&case, "right"), FluidBoundary::Symmetry { axis: 0 }));
+    let outflow = ["background.boundary.right=symmetry", "background.boundary.top=free"];
+    let right = problem(CHANNEL, &[&COARSE_CHANNEL, &outflow]);
+    assert!(matches!(side(&right, "right"), FluidBoundary::Symmetry { axis: 0 }));
     assert!(matches!(side(&case, "bottom"), FluidBoundary::Symmetry { axis: 1 }));
     let FluidBoundary::Velocity(velocity) = side(&case, "top") else { panic!("an inflow") };
     assert!((velocity(&Point::<2>::new(1.1, 0.41), 0.0) - Vector::<2>::new(0.0, -2.0)).norm() < 1e-15);
@@ -156,4 +157,25 @@ fn a_word_may_stand_for_a_table_with_its_kind() {
         &["body.0.material", "alone is not enough: write { kind = ", ", mu = ..., lambda = ... }"],
     );
     refused(CHANNEL, &[&["body.0.motion={ file = \"a.csv\" }"]], &["body.0.motion", "`kind` is missing"]);
+}
+
+#[test]
+fn a_closed_domain_takes_in_as_much_as_it_gives() {
+    let sides = |left: &str, right: &str| {
+        let velocity =
+            |side: &str, u: &str| format!("background.boundary.{side}={{ kind = \"velocity\", value = [{u}, 0] }}");
+        let walls = ["bottom", "top"].map(|side| format!("background.boundary.{side}=no-slip"));
+        [velocity("left", left), velocity("right", right)].into_iter().chain(walls).collect::<Vec<_>>()
+    };
+    let read = |left: &str, right: &str| {
+        let sets = sides(left, right);
+        let sets: Vec<&str> = sets.iter().map(String::as_str).collect();
+        parse(CHANNEL, &[&COARSE_CHANNEL, &sets]).and_then(|file| io::sizes(&file).map(|_| ()))
+    };
+    let inflow = "\"6*y*(0.41-y)/0.41^2\"";
+    read(inflow, inflow).expect("what comes in goes out");
+    for (left, right) in [(inflow, "0"), ("0", "\"0.1*t\""), ("-1", "1")] {
+        let error = read(left, right).expect_err("a closed domain").to_string();
+        assert!(error.contains("no side is open") && error.contains("background.boundary"), "{error}");
+    }
 }

@@ -77,8 +77,11 @@ fn sections_of_a_fluid_are_given_together() {
 #[test]
 fn the_solver_may_be_left_out() {
     let without = &BARRIER[..BARRIER.find("[solver]").expect("the last section")];
-    let solver = |text: &str| parse(text, &[]).expect("a scenario").scenario().solver.clone();
-    assert_eq!(solver(without), solver(BARRIER));
+    let sizes = |text: &str| sizes(&parse(text, &[&COARSE]).expect("a scenario")).expect("sizes");
+    let newton = |text: &str| parse(text, &[]).expect("a scenario").scenario().solver.newton.clone();
+    assert_eq!(newton(without), newton(BARRIER));
+    assert_eq!(sizes(without).linear, "gmres, lagged-lu (matrices change little from step to step)");
+    assert_eq!(sizes(BARRIER).linear, "gmres, lagged-lu (as the scenario says)");
 }
 
 #[test]

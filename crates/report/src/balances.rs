@@ -184,7 +184,7 @@ impl Balances<'_> {
         let net = || integral(&history.column("time")?, &history.column("leak_net")?)?.last().copied();
         let volume = diagnostics.column(&format!("{}volume", self.results.leading_prefix()));
         let smallest = |values: Vec<f64>| values.into_iter().fold(1.0, f64::min);
-        let relative_leak = Some(summary.max_interface_leak);
+        let relative_leak = summary.max_interface_leak;
         let rows = [
             ("largest net leak through the interface", largest("leak_net"), units.flow.as_str()),
             ("largest absolute leak", largest("leak_absolute"), &units.flow),

@@ -98,7 +98,7 @@ pub enum Stage {
     },
     /// An observer failed.
     #[error("writing results")]
-    Observer(ObserverError),
+    Observer(#[source] ObserverError),
 }
 
 impl Stage {

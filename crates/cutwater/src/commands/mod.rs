@@ -6,7 +6,9 @@ pub(crate) mod cut;
 pub(crate) mod report;
 pub(crate) mod run;
 
-use std::fmt::Write;
+use std::fmt::Write as _;
+use std::io::{ErrorKind, Write as _};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use cutwater::io::Error;
@@ -14,6 +16,29 @@ use cutwater::solver::Stage;
 
 /// Exit code of a run that was interrupted, that of shells for the signal.
 pub(crate) const INTERRUPTED: u8 = 130;
+
+/// Prints a line to the standard output. A reader that has closed it is no error.
+///
+/// # Errors
+/// [`Error::Write`]: the line is lost.
+pub(crate) fn print(line: &str) -> Result<(), Error> {
+    match writeln!(std::io::stdout(), "{line}") {
+        Err(source) if source.kind() != ErrorKind::BrokenPipe => {
+            Err(Error::Write { path: PathBuf::from("standard output"), source })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Prints a line of progress or of a summary. If it is lost the run goes on: its results are in files.
+pub(crate) fn tell(line: &str) {
+    _ = print(line);
+}
+
+/// Prints a line to the standard error, if it is open.
+pub(crate) fn warn(line: &str) {
+    _ = writeln!(std::io::stderr(), "{line}");
+}
 
 /// Why a command failed.
 pub(crate) enum Failure {
@@ -53,7 +78,9 @@ impl Failure {
                 | Error::GridSize { .. }
                 | Error::Checkpoint { .. }
                 | Error::NoCheckpoint { .. }
-                | Error::Unfinished { .. },
+                | Error::Unfinished { .. }
+                | Error::Directory { .. }
+                | Error::Busy { .. },
             ) => ExitCode::from(2),
             Self::Run(Error::Interrupted { .. }) => ExitCode::from(INTERRUPTED),
             _ => ExitCode::FAILURE,

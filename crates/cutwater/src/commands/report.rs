@@ -2,7 +2,7 @@
 
 use cutwater::report::{write, write_picture};
 
-use super::Failure;
+use super::{Failure, print};
 use crate::ReportArguments;
 
 /// Writes the page of a run again, or the run as an animated PNG.
@@ -10,9 +10,9 @@ pub(crate) fn report(arguments: &ReportArguments) -> Result<(), Failure> {
     match &arguments.picture {
         Some(path) => {
             write_picture(&arguments.directory, path)?;
-            println!("{}", path.display());
+            print(&path.display().to_string())?;
         }
-        None => println!("{}", write(&arguments.directory)?.display()),
+        None => print(&write(&arguments.directory)?.display().to_string())?,
     }
     Ok(())
 }

@@ -11,7 +11,7 @@ use cutwater::io::{Error, Progress, RunOptions, ScenarioFile, StepProgress, Summ
 use cutwater::report::Recorder;
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::{Failure, INTERRUPTED};
+use super::{Failure, INTERRUPTED, tell, warn};
 use crate::RunArguments;
 
 /// Time between two lines where there is no terminal.
@@ -25,7 +25,8 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let given = resumed.map(Path::to_owned).or(arguments.out.clone());
     let directory = given.unwrap_or_else(|| default_directory(file.scenario()));
     let shown = directory.display().to_string();
-    let options = RunOptions { resumes: resumed.is_some(), stop: Some(stop_by_signal()) };
+    let options =
+        RunOptions { resumes: resumed.is_some(), overwrites: arguments.overwrite, stop: Some(stop_by_signal()) };
     let mut display = Display::new(file.n_steps(), &file.scenario().units);
     let progress = (!arguments.quiet).then_some(Progress(|at: &StepProgress| display.show(at)));
     #[cfg(feature = "report")]
@@ -47,7 +48,7 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     display.finish();
     let summary = outcome.inspect_err(|error| {
         if let Error::Step(step) = error {
-            eprintln!("the files in {shown} are complete up to step {}", step.step.saturating_sub(1));
+            warn(&format!("the files in {shown} are complete up to step {}", step.step.saturating_sub(1)));
         }
     })?;
     if !arguments.quiet {
@@ -66,7 +67,7 @@ fn stop_by_signal() -> &'static AtomicBool {
         if STOP.swap(true, Ordering::Relaxed) {
             std::process::exit(INTERRUPTED.into());
         }
-        eprintln!("stopping after this step; once more to stop at once");
+        warn("stopping after this step; once more to stop at once");
     };
     // Where there are no signals a run cannot be stopped by one.
     let _ = ctrlc::set_handler(stop);
@@ -111,7 +112,7 @@ impl Display {
             let per_step = begin.elapsed().as_secs_f64() / steps_since;
             let left = per_step * (at.n_steps - at.step) as f64;
             let left = if at.step > first { format!(", {left:.0} s left") } else { String::new() };
-            println!("step {}/{}, {message}{left}", at.step, at.n_steps);
+            tell(&format!("step {}/{}, {message}{left}", at.step, at.n_steps));
             self.last_line = Some(Instant::now());
         }
     }
@@ -122,30 +123,33 @@ impl Display {
 }
 
 fn print_summary(summary: &Summary, directory: &str) {
-    println!("{}: {} steps in {:.1} s, results in {directory}", summary.case, summary.steps, summary.wall_seconds);
+    tell(&format!(
+        "{}: {} steps in {:.1} s, results in {directory}",
+        summary.case, summary.steps, summary.wall_seconds
+    ));
     let half = if summary.half_domain { " (of a half domain)" } else { "" };
     // Without a fluid there is neither a background nor a stabilisation.
     if summary.stabilisation.is_empty() {
-        println!("  up to {} unknowns", summary.dofs);
+        tell(&format!("  up to {} unknowns", summary.dofs));
     } else {
         let Summary { cells, dofs, stabilisation, .. } = summary;
-        println!("  {cells} cells, up to {dofs} unknowns{half}, stabilisation {stabilisation}");
+        tell(&format!("  {cells} cells, up to {dofs} unknowns{half}, stabilisation {stabilisation}"));
     }
-    println!("  linear solver {}", summary.linear_solver);
+    tell(&format!("  linear solver {}", summary.linear_solver));
     if summary.fallbacks > 0 {
-        println!("  {} factorisations needed free pivoting", summary.fallbacks);
+        tell(&format!("  {} factorisations needed free pivoting", summary.fallbacks));
     }
     if summary.divided_steps > 0 {
-        println!("  {} steps failed and were taken in parts", summary.divided_steps);
+        tell(&format!("  {} steps failed and were taken in parts", summary.divided_steps));
     }
     let Some(contact) = summary.contact_time else {
-        println!("  no contact");
+        tell("  no contact");
         return;
     };
     let time = &summary.units.time;
     let release = summary.release_time.map_or("none".to_owned(), |t| format!("{t:.4} {time}"));
-    println!("  first contact {contact:.4} {time}, release {release}");
-    println!("  largest penetration {:.3e} {}", summary.max_penetration, summary.units.length);
+    tell(&format!("  first contact {contact:.4} {time}, release {release}"));
+    tell(&format!("  largest penetration {:.3e} {}", summary.max_penetration, summary.units.length));
 }
 
 /// Prints a line per stage; under the assembly a line per contribution, and the rest: zeros, copies, known linear
@@ -153,10 +157,10 @@ fn print_summary(summary: &Summary, directory: &str) {
 fn print_timings(summary: &Summary) {
     let steps = summary.steps.max(1) as f64;
     let all: f64 = summary.timings.iter().filter(|t| t.contribution.is_none()).map(|t| t.seconds).sum();
-    println!("  {:<32} {:>8} {:>10} {:>12} {:>7}", "stage", "calls", "seconds", "ms per step", "share");
+    tell(&format!("  {:<32} {:>8} {:>10} {:>12} {:>7}", "stage", "calls", "seconds", "ms per step", "share"));
     let line = |name: &str, calls: &str, seconds: f64| {
         let (per_step, share) = (1e3 * seconds / steps, 100.0 * seconds / all);
-        println!("  {name:<32} {calls:>8} {seconds:>10.3} {per_step:>12.3} {share:>6.1}%");
+        tell(&format!("  {name:<32} {calls:>8} {seconds:>10.3} {per_step:>12.3} {share:>6.1}%"));
     };
     for stage in summary.timings.iter().filter(|timing| timing.contribution.is_none()) {
         line(&stage.stage, &stage.calls.to_string(), stage.seconds);
@@ -171,5 +175,5 @@ fn print_timings(summary: &Summary) {
             line("  rest", "", rest);
         }
     }
-    println!("  {} Newton iterations, {} factorisations", summary.newton_iterations, summary.factorizations);
+    tell(&format!("  {} Newton iterations, {} factorisations", summary.newton_iterations, summary.factorizations));
 }

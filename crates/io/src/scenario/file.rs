@@ -121,6 +121,11 @@ impl ScenarioFile {
         motions.filter_map(file).collect()
     }
 
+    /// Returns the path of the file.
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
+
     pub(crate) fn location(&self) -> Location {
         Location { file: self.path.clone(), line: 1, ..Location::default() }
     }

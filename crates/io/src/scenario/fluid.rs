@@ -7,7 +7,7 @@ use cutcell::OverlayOptions;
 use fluid_ns::NewtonianFluid;
 use fluid_ns::terms::CipProfile;
 use mesh::generate::{Region, RegionShape, Size, mirrored, refined_box};
-use mesh::{Aabb, Point, SimplexMesh, Tag, Vector};
+use mesh::{Aabb, FacetId, Placed, Point, SimplexMesh, Tag, Vector};
 use solver::body::TimeField;
 use solver::interface_dg::terms::PenaltyProfile;
 use solver::{FluidBoundary, FluidSetup, Stabilisation};
@@ -367,6 +367,12 @@ pub(super) fn fluid<const D: usize>(
         let tag = Tag::new(index);
         boundary.push((tag, fluid_boundary(&background, tag, condition, times)?));
     }
+    if let Some((time, net)) = unbalanced(&background, &boundary, times) {
+        return Err(conditions.at.invalid(format!(
+            "no side is open, and at the time {time} the given velocities bring {net:.3e} more fluid in than out, per time (2D: area); make \
+             a side `free`, or change the velocities"
+        )));
+    }
     let points = background.vertices();
     let body_force = fluid.body_force.as_ref().map(|force| force.over_time(points, &times)).transpose()?;
     let initial_velocity = fluid.initial_velocity.as_ref().map(|velocity| velocity.at_start(points)).transpose()?;
@@ -386,6 +392,40 @@ pub(super) fn fluid<const D: usize>(
         initial_velocity,
         boundary,
     })
+}
+
+/// Times at which the balance of a closed domain is checked.
+const BALANCE_TIMES: usize = 17;
+/// Largest net flow through the boundary of a closed domain, relative to all flow through it: profiles are interpolated on facets, with an
+/// error of second order in their size.
+const LARGEST_NET_FLOW: f64 = 1e-2;
+
+/// Returns a time and the net inflow at it if no part of the boundary is open and more fluid enters than leaves, or less.
+fn unbalanced<const D: usize>(
+    background: &SimplexMesh<D>,
+    boundary: &[(Tag, FluidBoundary<D>)],
+    [start, end]: [f64; 2],
+) -> Option<(f64, f64)> {
+    let is_open = |(_, condition): &(Tag, FluidBoundary<D>)| matches!(condition, FluidBoundary::Open { .. });
+    if boundary.iter().any(is_open) {
+        return None;
+    }
+    let surface = background.boundary();
+    let placed = Placed::new(&surface, background.vertices());
+    let inflow = |facet: FacetId, time: f64| {
+        let given = boundary.iter().find(|(tag, _)| surface.tag(facet) == Some(*tag));
+        let Some((_, FluidBoundary::Velocity(velocity))) = given else { return 0.0 };
+        let vertices = surface.facet(facet);
+        let sum: Vector<D> = vertices.iter().map(|v| velocity(&background.vertex(*v), time)).sum();
+        -sum.dot(&placed.facet_normal(facet)) * placed.facet_measure(facet) / vertices.len() as f64
+    };
+    let times = (0..BALANCE_TIMES).map(|k| start + (end - start) * k as f64 / (BALANCE_TIMES - 1) as f64);
+    times.map(|time| (time, surface.facets().map(|facet| inflow(facet, time)).collect::<Vec<_>>())).find_map(
+        |(time, flows)| {
+            let (net, all): (f64, f64) = (flows.iter().sum(), flows.iter().map(|flow| flow.abs()).sum());
+            (net.abs() > LARGEST_NET_FLOW * all).then_some((time, net))
+        },
+    )
 }
 
 pub(super) fn tagged_vertices<const D: usize>(mesh: &SimplexMesh<D>, tag: Tag) -> Vec<Point<D>> {
