@@ -110,6 +110,9 @@ fn closed_and_full_streams_are_no_panics() {
     let output = check.output().expect("a start");
     assert_eq!(output.status.code(), Some(1));
     assert!(String::from_utf8_lossy(&output.stderr).contains("cannot write standard output"));
+    // An input without an end.
+    let endless = run(Path::new("/dev/zero"), &directory, &[]);
+    check_refused(&endless, &["/dev/zero", "more than"]);
     // A reader that ends early, as `head -1` does.
     let mut closed = Command::new("sh");
     let binary = env!("CARGO_BIN_EXE_cutwater");

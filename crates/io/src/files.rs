@@ -1,21 +1,39 @@
 //! Files as a whole: reading, and writing such that they are complete whenever they are visible.
 
 use std::fs::{self, File};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, Read, Write};
 use std::path::Path;
 
 use crate::Error;
 
+/// Largest file that is read, and largest file of text, bytes. Devices have no end.
+const MOST_BYTES: u64 = 1 << 33;
+const MOST_TEXT: u64 = 1 << 26;
+
+/// Reads a file.
+///
+/// # Errors
+/// [`Error::Read`]: also if it has more than 8 GB.
 pub(crate) fn read(path: &Path) -> Result<Vec<u8>, Error> {
-    fs::read(path).map_err(|source| Error::Read { path: path.to_owned(), source })
+    read_up_to(path, MOST_BYTES)
+}
+
+fn read_up_to(path: &Path, most: u64) -> Result<Vec<u8>, Error> {
+    let failed = |source| Error::Read { path: path.to_owned(), source };
+    let mut bytes = Vec::new();
+    File::open(path).and_then(|file| file.take(most + 1).read_to_end(&mut bytes)).map_err(failed)?;
+    if bytes.len() as u64 > most {
+        return Err(failed(io::Error::new(io::ErrorKind::FileTooLarge, format!("it has more than {most} bytes"))));
+    }
+    Ok(bytes)
 }
 
 /// Reads a file of text.
 ///
 /// # Errors
-/// [`Error::Read`], [`Error::NotUtf8`].
+/// [`Error::Read`]: also if it has more than 64 MB. [`Error::NotUtf8`].
 pub fn read_text(path: &Path) -> Result<String, Error> {
-    String::from_utf8(read(path)?).map_err(|error| {
+    String::from_utf8(read_up_to(path, MOST_TEXT)?).map_err(|error| {
         let valid = error.utf8_error().valid_up_to();
         let line = error.as_bytes()[..valid].iter().filter(|b| **b == b'\n').count() + 1;
         Error::NotUtf8 { path: path.to_owned(), line }
