@@ -8,14 +8,14 @@ pub enum Error {
     /// A parameter of a material, a load or a time step is out of range.
     #[error(transparent)]
     Parameter(#[from] mesh::ParameterError),
-    /// A cell is so thin that the gradients of its shape functions are not finite. Improve the mesh.
+    /// A cell is so thin, or its edges are so curved, that its map from the reference simplex has no inverse. Improve the mesh.
     #[error("cell {cell} is degenerate: its shape functions have no gradients")]
     DegenerateCell {
         /// The cell.
         cell: CellId,
     },
-    /// A vertex that the mesh does not have.
-    #[error("vertex {vertex} is not among the {n_vertices} vertices of the mesh")]
+    /// A vertex or node that the mesh does not have.
+    #[error("vertex {vertex} is not among the {n_vertices} nodes of the mesh")]
     UnknownVertex {
         /// The vertex.
         vertex: VertexId,

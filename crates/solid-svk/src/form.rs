@@ -6,7 +6,7 @@ use algebra::Integral;
 use mesh::{Vector, positive, require};
 
 use crate::terms::{BodyForce, Inertia, InternalWork};
-use crate::{Error, Material, SolidCells};
+use crate::{Error, Material, SolidCells, SolidPoints};
 
 /// The terms of elastodynamics on the cells of a body.
 #[derive(Clone, Debug)]
@@ -43,9 +43,9 @@ impl<const D: usize> SolidForm<D> {
     }
 
     /// Returns the internal work: nonlinear in velocity, unless the material is linear.
-    pub fn internal_work<'a>(&'a self, cells: SolidCells<'a, D>) -> Integral<'a, SolidCells<'a, D>> {
+    pub fn internal_work<'a>(&'a self, cells: SolidCells<'a, D>) -> Integral<'a, SolidPoints<'a, D>> {
         let is_linear = self.internal_work.material.is_linear();
         let integral = if is_linear { Integral::linear } else { Integral::new };
-        integral("solid internal work", cells, vec![&self.internal_work])
+        integral("solid internal work", SolidPoints { cells }, vec![&self.internal_work])
     }
 }

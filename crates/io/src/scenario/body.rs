@@ -13,7 +13,7 @@ use solver::body::Body;
 
 use super::error::{ErrorKind, Location, ScenarioError};
 use super::field::Field;
-use super::geometry::{Geometry, Shape, normal_along_axis};
+use super::geometry::{Geometry, Shape, nodes_on_circle, normal_along_axis};
 use super::key::Quantity;
 use super::motion::{Held, MotionChoice, prescribed};
 use super::solver::Time;
@@ -28,6 +28,9 @@ keys! {
         shape: At<Shape>,
         /// Motion of a body that does not deform; without one the body is elastic.
         motion: Option<At<MotionChoice>>,
+        /// Order of the elements of an elastic body; 1 if left out. Elements of order 2 have nodes on their edges; those on the edge of a disk lie on its
+        /// circle.
+        order: Option<At<usize>> [between(1.0, 2.0)],
         /// Material of an elastic body.
         material: Option<At<MaterialChoice>>,
         /// Density of an elastic or free body.
@@ -97,6 +100,7 @@ impl BodyKeys {
             Some(_) => (&[], "a motion that is given"),
         };
         let given = [
+            ("order", place(&self.order)),
             ("material", place(&self.material)),
             ("density", place(&self.density)),
             ("gravity", place(&self.gravity)),
@@ -138,7 +142,14 @@ pub(super) struct Built<const D: usize> {
 }
 
 fn elastic<const D: usize>(given: &At<BodyKeys>, mesh: SimplexMesh<D>, time: &Time) -> Result<Built<D>, ScenarioError> {
-    let solid = SolidMesh::new(mesh).map_err(|error| given.shape.at.error(error))?;
+    let solid = match given.order.as_deref() {
+        Some(2) => {
+            let nodes = nodes_on_circle(&given.shape, &mesh)?;
+            SolidMesh::curved(mesh, |ends, middle| nodes.get(&ends).copied().unwrap_or(middle))
+        }
+        _ => SolidMesh::new(mesh),
+    };
+    let solid = solid.map_err(|error| given.shape.at.error(error))?;
     let lame = lame_parameters(needed(given, "material", &given.material)?)?;
     let density = needed(given, "density", &given.density)?;
     let gravity = needed(given, "gravity", &given.gravity)?.vector();
@@ -147,8 +158,7 @@ fn elastic<const D: usize>(given: &At<BodyKeys>, mesh: SimplexMesh<D>, time: &Ti
         Some(conditions) => supports_and_loads(conditions, &solid, time)?,
         None => Default::default(),
     };
-    let at_start =
-        |field: &Option<Field>| field.as_ref().map(|field| field.at_start(solid.mesh().vertices())).transpose();
+    let at_start = |field: &Option<Field>| field.as_ref().map(|field| field.at_start(solid.nodes())).transpose();
     let options = ElasticOptions {
         supports,
         loads,
@@ -194,7 +204,7 @@ fn supports_and_loads<const D: usize>(
         let tag = mesh.tag(name).ok_or_else(unknown)?;
         let facets = tagged_facets(solid, name).map_err(|_| unknown())?;
         let vertices = vertices_of(solid, &facets);
-        let points: Vec<_> = vertices.iter().map(|vertex| mesh.vertex(*vertex)).collect();
+        let points: Vec<_> = vertices.iter().map(|vertex| solid.nodes()[vertex.index()]).collect();
         let kind = match &**condition {
             BodyCondition::Clamped => SupportKind::Clamped,
             BodyCondition::Symmetry { normal } => {

@@ -4,13 +4,14 @@ use algebra::{LocalSystem, Term};
 use mesh::Vector;
 
 use crate::SolidCell;
+use crate::cell::add_to_node;
 
 /// `-(ρ^s f^s, w)_{Ω̂^s}`, with `f^s` an acceleration (gravity)
 ///
 /// Source: paper, Eq. (4), right-hand side; `f^s` is an acceleration, so the load is `ρ^s f^s`.
 /// Couples: solid velocity × nothing.   Domain: reference cells.
 /// Units: force (2D: per unit depth).
-///   residual_i = -ρ |K|/(D + 1) f^s,    tangent = 0.
+///   residual_i = -ρ ∫ N_i f^s,    ∫ N_i = Σ_j m_ij,    tangent = 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyForce<const D: usize> {
     /// Density in the reference configuration.
@@ -22,9 +23,9 @@ pub struct BodyForce<const D: usize> {
 impl<const D: usize> Term<SolidCell<'_, D>> for BodyForce<D> {
     #[inline]
     fn add(&self, cell: &SolidCell<'_, D>, out: &mut LocalSystem) {
-        let load = self.acceleration * (-self.density * cell.volume / (D + 1) as f64);
         for i in cell.nodes() {
-            cell.add(i, load, out);
+            let volume: f64 = cell.mass_of(i).iter().sum();
+            add_to_node(i, self.acceleration * (-self.density * volume), out);
         }
     }
 }
