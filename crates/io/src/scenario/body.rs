@@ -7,7 +7,8 @@ use solid_rigid::RigidBody;
 use solid_rigid::modes::n_rotations;
 use solid_svk::supports::{facets_without_tags, tagged_facets, vertices_of};
 use solid_svk::{
-    ElasticBody, ElasticOptions, LameParameters, Load, SaintVenantKirchhoff, SolidForm, SolidMesh, Support, SupportKind,
+    ElasticBody, ElasticOptions, LameParameters, LinearElastic, Load, NeoHookean, SaintVenantKirchhoff, SolidForm,
+    SolidMesh, Support, SupportKind,
 };
 use solver::body::Body;
 
@@ -51,6 +52,29 @@ choices! {
     pub enum MaterialChoice ["kind"] {
         /// `S = 2 μ E + λ tr(E) I`; with `mu` and `lambda`, or with `young` and `poisson`.
         SaintVenantKirchhoff = "saint-venant-kirchhoff" {
+            /// Shear modulus `μ`.
+            mu: Option<f64> [unit(Quantity::PRESSURE), group(0)],
+            /// First Lamé parameter `λ`.
+            lambda: Option<f64> [unit(Quantity::PRESSURE), group(0)],
+            /// Young's modulus.
+            young: Option<f64> [unit(Quantity::PRESSURE), group(1)],
+            /// Poisson's ratio.
+            poisson: Option<f64> [group(1)],
+        },
+        /// `W = μ/2 (F:F - D) - μ ln J + λ/2 (ln J)²`; resists any compression. With `mu` and `lambda`, or with `young` and `poisson`.
+        NeoHookean = "neo-hookean" {
+            /// Shear modulus `μ`.
+            mu: Option<f64> [unit(Quantity::PRESSURE), group(0)],
+            /// First Lamé parameter `λ`.
+            lambda: Option<f64> [unit(Quantity::PRESSURE), group(0)],
+            /// Young's modulus.
+            young: Option<f64> [unit(Quantity::PRESSURE), group(1)],
+            /// Poisson's ratio.
+            poisson: Option<f64> [group(1)],
+        },
+        /// Hooke's law between stress and the linear strain, for small displacements and rotations. With `mu` and `lambda`, or with
+        /// `young` and `poisson`.
+        Linear = "linear" {
             /// Shear modulus `μ`.
             mu: Option<f64> [unit(Quantity::PRESSURE), group(0)],
             /// First Lamé parameter `λ`.
@@ -150,10 +174,18 @@ fn elastic<const D: usize>(given: &At<BodyKeys>, mesh: SimplexMesh<D>, time: &Ti
         _ => SolidMesh::new(mesh),
     };
     let solid = solid.map_err(|error| given.shape.at.error(error))?;
-    let lame = lame_parameters(needed(given, "material", &given.material)?)?;
+    let material = needed(given, "material", &given.material)?;
     let density = needed(given, "density", &given.density)?;
     let gravity = needed(given, "gravity", &given.gravity)?.vector();
-    let form = SolidForm::new(**density, SaintVenantKirchhoff::new(lame), gravity).map_err(|e| density.at.error(e))?;
+    let lame = lame_parameters(material)?;
+    let form = match **material {
+        MaterialChoice::SaintVenantKirchhoff { .. } => {
+            SolidForm::new(**density, SaintVenantKirchhoff::new(lame), gravity)
+        }
+        MaterialChoice::NeoHookean { .. } => SolidForm::new(**density, NeoHookean::new(lame), gravity),
+        MaterialChoice::Linear { .. } => SolidForm::new(**density, LinearElastic::new(lame), gravity),
+    };
+    let form = form.map_err(|error| density.at.error(error))?;
     let (supports, loads) = match &given.boundary {
         Some(conditions) => supports_and_loads(conditions, &solid, time)?,
         None => Default::default(),
@@ -181,7 +213,9 @@ fn free_facets<const D: usize>(given: &At<BodyKeys>, solid: &SolidMesh<D>) -> Re
 }
 
 fn lame_parameters(material: &At<MaterialChoice>) -> Result<LameParameters, ScenarioError> {
-    let MaterialChoice::SaintVenantKirchhoff { mu, lambda, young, poisson } = **material;
+    let (MaterialChoice::SaintVenantKirchhoff { mu, lambda, young, poisson }
+    | MaterialChoice::NeoHookean { mu, lambda, young, poisson }
+    | MaterialChoice::Linear { mu, lambda, young, poisson }) = **material;
     let parameters = match (mu, lambda, young, poisson) {
         (Some(mu), Some(lambda), None, None) => LameParameters::new(mu, lambda),
         (None, None, Some(young), Some(poisson)) => LameParameters::from_young_poisson(young, poisson),
