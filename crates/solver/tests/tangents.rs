@@ -67,8 +67,6 @@ fn tangents_of_a_ball_of_quadratic_elements_are_exact() {
     let mut setup = falling_round_ball(1.8, 0.3, 0.6);
     check(&setup, 3.0, &mut names);
     contact_with_stress(&mut setup, 0, StressSource::Solid);
-    fluid_of(&mut setup).alpha = 0.5;
-    fluid_of(&mut setup).stabilisation = Stabilisation::STANDARD;
     check(&setup, 3.0, &mut names);
     for name in ["solid inertia and body force", "solid internal work", "interface", "contact"] {
         assert!(names.contains(&name), "{name} was not checked: {names:?}");
@@ -82,7 +80,7 @@ fn a_ball_of_quadratic_elements_moves_as_one_of_twice_as_many_linear_ones() {
         reports[2].bodies[0].balance.expect("a mass")
     });
     // Both have the same facets on the surface. The polygon of the linear elements is smaller than the disk.
-    assert!((round.mass - 8.0 * std::f64::consts::PI).abs() < 1e-3, "{}", round.mass);
+    assert!((round.mass / (8.0 * std::f64::consts::PI) - 1.0).abs() < 1e-4, "{}", round.mass);
     assert!((round.momentum[1] / fine.momentum[1] - 1.0).abs() < 0.05, "{} {}", round.momentum, fine.momentum);
     assert!(round.momentum[1] < -0.01 && round.smallest_volume_ratio > 0.99);
 }
