@@ -1,7 +1,7 @@
 //! Cells of a body, and their points, with the local data that terms evaluate.
 
 use algebra::time::{Affine, StepRule};
-use algebra::{BlockLayout, DofId, FieldId, LocalSystem, Sites};
+use algebra::{BlockLayout, DofId, FieldId, Sites};
 use mesh::{CellId, Tensor, Vector, VertexId};
 
 use crate::SolidMesh;
@@ -52,10 +52,10 @@ pub struct SolidPoint<'a, const D: usize> {
     pub displacement_slope: f64,
 }
 
-/// Adds a vector to the residual of a local node.
+/// Returns the first local row of the velocity of a local node.
 #[inline]
-pub(crate) fn add_to_node<const D: usize>(node: usize, value: Vector<D>, out: &mut LocalSystem) {
-    out.add_vector::<D>(D * node, value);
+pub(crate) fn row<const D: usize>(node: usize) -> usize {
+    D * node
 }
 
 /// The cells of a body in one step: one item and one site per cell.

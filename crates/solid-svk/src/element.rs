@@ -122,8 +122,8 @@ impl Order {
     }
 
     /// Evaluates the shape functions of a simplex at a point: `λ_i`, or `λ_i (2 λ_i - 1)` and `4 λ_i λ_j`.
-    pub(crate) fn shape(self, dimension: usize, at: &Barycentric) -> Shape {
-        let mut shape = Shape { values: [0.0; MAX_CELL_NODES], derivatives: [[0.0; 3]; MAX_CELL_NODES] };
+    pub(crate) fn shape(self, dimension: usize, at: &Barycentric) -> ShapeFunctions {
+        let mut shape = ShapeFunctions { values: [0.0; MAX_CELL_NODES], derivatives: [[0.0; 3]; MAX_CELL_NODES] };
         let mut set = |node: usize, value: f64, by: &[(usize, f64)]| {
             shape.values[node] = value;
             // λ_0 = 1 - Σ ξ_k
@@ -147,16 +147,16 @@ impl Order {
     }
 }
 
-/// Shape functions at a point of the reference simplex; entries beyond the nodes are zero.
+/// ShapeFunctions functions at a point of the reference simplex; entries beyond the nodes are zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Shape {
+pub struct ShapeFunctions {
     /// Values.
     pub values: [f64; MAX_CELL_NODES],
     /// Derivatives with respect to the local coordinates; those beyond the dimension are zero.
     pub derivatives: [[f64; 3]; MAX_CELL_NODES],
 }
 
-impl Shape {
+impl ShapeFunctions {
     /// Returns `Σ N_i x_i`.
     #[inline]
     pub fn at<const D: usize>(&self, nodes: &[Vector<D>]) -> Vector<D> {
@@ -184,7 +184,7 @@ impl Shape {
 /// Quadrature points of the reference simplex with the shape functions there. Weights sum to the measure of the reference simplex, `1/n!`.
 #[derive(Clone, Debug)]
 pub(crate) struct Tabulated {
-    pub(crate) points: Vec<(f64, Shape)>,
+    pub(crate) points: Vec<(f64, ShapeFunctions)>,
 }
 
 impl Tabulated {

@@ -4,7 +4,7 @@ use algebra::{DofId, Sites};
 use mesh::{FacetId, Point, Vector, simplex_measure};
 
 use crate::SolidCells;
-use crate::element::{MAX_CELL_NODES, Shape};
+use crate::element::{MAX_CELL_NODES, ShapeFunctions};
 
 /// A point on the boundary at the stage of the step, with the shape functions of the element's facet.
 ///
@@ -13,8 +13,8 @@ use crate::element::{MAX_CELL_NODES, Shape};
 pub struct SolidFacet<const D: usize> {
     /// Number of nodes.
     pub n_nodes: usize,
-    /// Shape functions of the nodes.
-    pub shape: Shape,
+    /// ShapeFunctions functions of the nodes.
+    pub shape: ShapeFunctions,
     /// Position `X` in the reference configuration.
     pub reference: Point<D>,
     /// Reference area (2D: length) that the point stands for.

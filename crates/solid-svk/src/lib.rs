@@ -53,7 +53,7 @@ mod stress;
 
 pub use cell::{SolidCell, SolidCells, SolidPoint, SolidPoints};
 pub use elastic::{ElasticBody, ElasticOptions};
-pub use element::{MAX_CELL_NODES, Order, Shape};
+pub use element::{MAX_CELL_NODES, Order, ShapeFunctions};
 pub use error::Error;
 pub use facet::{SolidFacet, SolidFacets};
 pub use form::SolidForm;

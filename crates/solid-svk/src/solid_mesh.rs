@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use mesh::{BoundaryMesh, CellId, FacetId, Placed, Point, SimplexMesh, Vector, VertexId};
 
 use crate::Error;
-use crate::element::{Barycentric, MAX_CELL_NODES, Order, Shape, Tabulated};
+use crate::element::{Barycentric, MAX_CELL_NODES, Order, ShapeFunctions, Tabulated};
 
 /// Everything about the mesh of a body that is constant in time; built once, borrowed in every step.
 ///
@@ -260,7 +260,7 @@ impl<const D: usize> CellTables<D> {
         for (index, of_cell) in cell_to_node.chunks_exact(n).enumerate() {
             gather(nodes, of_cell, &mut local);
             let cell = CellId::new(index);
-            let ratio = |shape: &Shape, gradients: &mut Vec<Vector<D>>| {
+            let ratio = |shape: &ShapeFunctions, gradients: &mut Vec<Vector<D>>| {
                 let ratio = shape.push_gradients(&local[..n], gradients);
                 if ratio > 0.0 { Ok(ratio) } else { Err(Error::DegenerateCell { cell }) }
             };

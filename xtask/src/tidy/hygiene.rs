@@ -10,12 +10,12 @@ const LONG_FILES: &[(&str, &str)] = &[];
 /// Largest numbers of lines of Rust below some folders (docs/adr/0022).
 const BUDGETS: &[(&[&str], usize)] = &[
     (&["crates/cutwater/src/lib.rs", "crates/cutwater/src/main.rs"], 160),
-    (&["crates/io/src"], 6700),
+    (&["crates/io/src"], 6800),
     (&["crates/report/src"], 1570),
     (&["crates/solver/src"], 2300),
-    (&["validation"], 9750),
+    (&["validation"], 9850),
     (&["xtask/src"], 2300),
-    (&[""], 55_200),
+    (&[""], 56_700),
 ];
 /// Largest number of bytes of all JSON files under version control.
 const JSON_BYTES: usize = 50_000;

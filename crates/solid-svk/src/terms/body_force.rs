@@ -4,7 +4,7 @@ use algebra::{LocalSystem, Term};
 use mesh::Vector;
 
 use crate::SolidCell;
-use crate::cell::add_to_node;
+use crate::cell::row;
 
 /// `-(ρ^s f^s, w)_{Ω̂^s}`, with `f^s` an acceleration (gravity)
 ///
@@ -25,7 +25,7 @@ impl<const D: usize> Term<SolidCell<'_, D>> for BodyForce<D> {
     fn add(&self, cell: &SolidCell<'_, D>, out: &mut LocalSystem) {
         for i in cell.nodes() {
             let volume: f64 = cell.mass_of(i).iter().sum();
-            add_to_node(i, self.acceleration * (-self.density * volume), out);
+            out.add_vector::<D>(row::<D>(i), self.acceleration * (-self.density * volume));
         }
     }
 }

@@ -4,7 +4,7 @@ use algebra::{LocalSystem, Term};
 use mesh::Tensor;
 
 use crate::SolidCell;
-use crate::cell::add_to_node;
+use crate::cell::row;
 
 /// `(ρ^s a, w)_{Ω̂^s}`, `a = c_a v - a_pred`; implicit Euler: `ρ^s/Δt (v - v^n, w)`
 ///
@@ -25,9 +25,9 @@ impl<const D: usize> Term<SolidCell<'_, D>> for Inertia {
         for i in cell.nodes() {
             for (j, mass) in cell.mass_of(i).iter().enumerate() {
                 let mass = self.density * mass;
-                add_to_node(i, mass * cell.acceleration[j], out);
+                out.add_vector::<D>(row::<D>(i), mass * cell.acceleration[j]);
                 let k = Tensor::<D>::identity() * (mass * cell.acceleration_slope);
-                out.add_block::<D, D>(D * i, D * j, k);
+                out.add_block::<D, D>(row::<D>(i), row::<D>(j), k);
             }
         }
     }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use algebra::{LocalSystem, Term};
 
-use crate::cell::add_to_node;
+use crate::cell::row;
 use crate::{Material, SolidPoint};
 
 /// `a^s(d, w) = (P(F), ∇w)_{Ω̂^s}`, `F = I + ∇d`
@@ -25,7 +25,7 @@ impl<const D: usize> Term<SolidPoint<'_, D>> for InternalWork<D> {
     fn add(&self, point: &SolidPoint<'_, D>, out: &mut LocalSystem) {
         let p = point.weight * self.material.first_piola(&point.deformation);
         for (i, g) in point.gradients.iter().enumerate() {
-            add_to_node(i, p * g, out);
+            out.add_vector::<D>(row::<D>(i), p * g);
         }
         if !out.has_tangent() {
             return;
@@ -33,9 +33,9 @@ impl<const D: usize> Term<SolidPoint<'_, D>> for InternalWork<D> {
         let scale = point.weight * point.displacement_slope;
         self.material.for_each_stiffness(&point.deformation, point.gradients, &mut |i, j, block| {
             let block = block * scale;
-            out.add_block::<D, D>(D * i, D * j, block);
+            out.add_block::<D, D>(row::<D>(i), row::<D>(j), block);
             if i != j {
-                out.add_block::<D, D>(D * j, D * i, block.transpose());
+                out.add_block::<D, D>(row::<D>(j), row::<D>(i), block.transpose());
             }
         });
     }

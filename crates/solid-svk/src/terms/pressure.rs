@@ -4,7 +4,7 @@ use algebra::{LocalSystem, Term};
 use mesh::{Tensor, Vector, det};
 
 use crate::SolidFacet;
-use crate::cell::add_to_node;
+use crate::cell::row;
 
 /// `(p n, w)_{Γ(d)} = (p J F⁻ᵀ N, w)_{Γ̂}`: a pressure `p` that presses along the current normal
 ///
@@ -29,7 +29,7 @@ impl<const D: usize> Term<SolidFacet<D>> for FollowerPressure {
         let (shape, scale) = (&facet.shape, self.pressure * facet.weight);
         let area = area_vector(&tangents) * scale;
         for i in facet.nodes() {
-            add_to_node(i, area * shape.values[i], out);
+            out.add_vector::<D>(row::<D>(i), area * shape.values[i]);
         }
         for k in 1..D {
             for b in 0..D {
@@ -39,7 +39,7 @@ impl<const D: usize> Term<SolidFacet<D>> for FollowerPressure {
                 let by_tangent = area_vector(&varied);
                 for (i, j) in facet.nodes().flat_map(|i| facet.nodes().map(move |j| (i, j))) {
                     let column = by_tangent * (shape.values[i] * shape.derivatives[j][k - 1]);
-                    out.add_block::<D, 1>(D * i, D * j + b, column);
+                    out.add_block::<D, 1>(row::<D>(i), row::<D>(j) + b, column);
                 }
             }
         }

@@ -4,7 +4,7 @@ use algebra::{LocalSystem, Term};
 use body::TimeField;
 
 use crate::SolidFacet;
-use crate::cell::add_to_node;
+use crate::cell::row;
 
 /// `-(t, w)_{Γ̂}`, with a traction `t` per reference area that does not follow the motion
 ///
@@ -23,7 +23,7 @@ impl<const D: usize> Term<SolidFacet<D>> for Traction<D> {
     fn add(&self, facet: &SolidFacet<D>, out: &mut LocalSystem) {
         let load = (self.traction)(&facet.reference, facet.time) * -facet.reference_weight;
         for i in facet.nodes() {
-            add_to_node(i, load * facet.shape.values[i], out);
+            out.add_vector::<D>(row::<D>(i), load * facet.shape.values[i]);
         }
     }
 }
