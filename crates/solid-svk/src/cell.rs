@@ -13,6 +13,8 @@ use crate::kinematics::{deformation_gradient, gradient};
 /// Component `a` of the velocity of node `i` is local row `D i + a`.
 #[derive(Clone, Copy, Debug)]
 pub struct SolidCell<'a, const D: usize> {
+    /// Group of the cell.
+    pub group: usize,
     /// Number of nodes.
     pub n_nodes: usize,
     /// `m_ij = ∫ N_i N_j`: a square matrix.
@@ -42,6 +44,8 @@ impl<const D: usize> SolidCell<'_, D> {
 /// Component `a` of the velocity of node `i` is local row `D i + a`.
 #[derive(Clone, Copy, Debug)]
 pub struct SolidPoint<'a, const D: usize> {
+    /// Group of the cell.
+    pub group: usize,
     /// Reference volume that the point stands for.
     pub weight: f64,
     /// Gradients of the shape functions, one per node.
@@ -121,6 +125,7 @@ impl<'a, const D: usize> Sites for SolidCells<'a, D> {
         let (cell, acceleration) = (CellId::new(item), &self.rule.acceleration);
         let nodes = self.solid.cell(cell);
         visit(&SolidCell {
+            group: self.solid.group(cell),
             n_nodes: nodes.len(),
             mass: self.solid.mass(cell),
             acceleration: self.at_nodes(acceleration, nodes, x),
@@ -143,9 +148,10 @@ impl<'a, const D: usize> Sites for SolidPoints<'a, D> {
     fn visit(&self, item: usize, x: &[f64], mut visit: impl FnMut(&Self::Site)) {
         let (cell, rule) = (CellId::new(item), &self.cells.rule.displacement);
         let displacement = self.cells.at_nodes(rule, self.cells.solid.cell(cell), x);
+        let group = self.cells.solid.group(cell);
         for (weight, gradients) in self.cells.solid.points(cell) {
             let deformation = deformation_gradient(&gradient(&displacement, gradients));
-            visit(&SolidPoint { weight, gradients, deformation, displacement_slope: rule.slope });
+            visit(&SolidPoint { group, weight, gradients, deformation, displacement_slope: rule.slope });
         }
     }
 }

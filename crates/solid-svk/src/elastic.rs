@@ -41,7 +41,7 @@ impl<const D: usize> ElasticBody<D> {
     ///
     /// # Errors
     /// [`Error::UnknownVertex`], [`Error::UnknownFacet`]: a support or load names one that the mesh does not have.
-    /// [`Error::Parameter`]: a support along an axis that does not exist.
+    /// [`Error::Parameter`]: a support along an axis that does not exist. [`Error::MissingMaterial`]: a group of cells without a material.
     pub fn new(name: &str, solid: SolidMesh<D>, form: SolidForm<D>, options: ElasticOptions<D>) -> Result<Self, Error> {
         let (n_vertices, n_facets) = (solid.nodes().len(), solid.boundary().n_facets());
         for support in &options.supports {
@@ -54,6 +54,10 @@ impl<const D: usize> ElasticBody<D> {
         }
         if let Some(&facet) = options.loads.iter().flat_map(|load| &load.facets).find(|f| f.index() >= n_facets) {
             return Err(Error::UnknownFacet { facet, n_facets });
+        }
+        let (found, n_groups) = (form.inertia.densities.len(), solid.n_groups());
+        if found < n_groups {
+            return Err(Error::MissingMaterial { found, n_groups });
         }
         Ok(Self { name: name.to_owned(), solid, form, options })
     }
@@ -172,7 +176,7 @@ impl<const D: usize> BodyStep<D> for ElasticStep<'_, D> {
     }
 
     fn stress<'p>(&'p self, layout: &'p BlockLayout) -> Option<Box<dyn SurfaceStress<D> + 'p>> {
-        let material = self.body.form.internal_work.material.as_ref();
-        Some(Box::new(SolidStress { cells: self.cells(layout), material }))
+        let materials = &self.body.form.internal_work.materials;
+        Some(Box::new(SolidStress { cells: self.cells(layout), materials }))
     }
 }

@@ -27,8 +27,8 @@ pub fn balance<const D: usize>(
         volume: 0.0,
         smallest_volume_ratio: f64::INFINITY,
     };
-    let density = form.inertia.density;
     for cell in mesh.mesh().cells() {
+        let (density, material) = (form.inertia.densities[mesh.group(cell)], form.material(mesh.group(cell)));
         let nodes = mesh.cell(cell);
         for (i, row) in nodes.iter().zip(mesh.mass(cell).chunks_exact(nodes.len())) {
             let mass = density * row.iter().sum::<f64>();
@@ -41,7 +41,7 @@ pub fn balance<const D: usize>(
         for (weight, gradients) in mesh.points(cell) {
             let f = deformation(mesh, cell, gradients, displacement);
             let ratio = det(&f);
-            balance.elastic_energy += weight * form.internal_work.material.energy_density(&f);
+            balance.elastic_energy += weight * material.energy_density(&f);
             balance.volume += weight * ratio;
             balance.smallest_volume_ratio = balance.smallest_volume_ratio.min(ratio);
         }
@@ -58,8 +58,8 @@ pub fn stresses<const D: usize>(
     form: &SolidForm<D>,
     displacement: &[Vector<D>],
 ) -> Vec<CellStress<D>> {
-    let material = &form.internal_work.material;
     let in_part = |cell: CellId, part: usize| {
+        let material = form.material(mesh.group(cell));
         let f = deformation(mesh, cell, &mesh.gradients_in_part(cell, part), displacement);
         let out_of_plane = if D == 2 { material.out_of_plane_stress(&f) } else { 0.0 };
         CellStress { cauchy: cauchy_stress(&f, &material.first_piola(&f)), out_of_plane }

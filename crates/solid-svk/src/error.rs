@@ -22,6 +22,22 @@ pub enum Error {
         /// Vertices of the mesh.
         n_vertices: usize,
     },
+    /// A list of groups that does not belong to the mesh.
+    #[error("{found} cells have a group, but the mesh has {n_cells} cells")]
+    Groups {
+        /// Entries of the list.
+        found: usize,
+        /// Cells of the mesh.
+        n_cells: usize,
+    },
+    /// A group of cells without density and material. Give the form one of each for every group.
+    #[error("the mesh has {n_groups} groups of cells, but only {found} have a material")]
+    MissingMaterial {
+        /// Groups with a material.
+        found: usize,
+        /// Groups of the mesh.
+        n_groups: usize,
+    },
     /// A facet that the boundary does not have.
     #[error("facet {facet} is not among the {n_facets} facets of the boundary")]
     UnknownFacet {

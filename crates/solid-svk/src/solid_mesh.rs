@@ -22,6 +22,7 @@ pub struct SolidMesh<const D: usize> {
     /// Stride `D + 1`.
     part_to_node: Vec<VertexId>,
     cells: CellTables<D>,
+    cell_to_group: Vec<usize>,
     boundary: BoundaryMesh<D>,
     /// Nodes of the element's facets. Stride: nodes of a facet.
     facet_to_node: Vec<VertexId>,
@@ -103,6 +104,7 @@ impl<const D: usize> SolidMesh<D> {
         let boundary = BoundaryMesh::new(parts::<D>(order, D - 1, &facet_to_node), facet_to_cell, tags);
 
         let mut body = Self {
+            cell_to_group: vec![0; mesh.n_cells()],
             facet_points: facet_points(order, D - 1),
             mesh,
             order,
@@ -118,6 +120,33 @@ impl<const D: usize> SolidMesh<D> {
         body.surface_gradients = body.gradients_on_surface();
         body.surface_measures = body.measures_of_surface();
         Ok(body)
+    }
+
+    /// Returns the body with its cells in groups, which may differ in density and material ([`crate::SolidForm::and`]). Without them all cells
+    /// are in group 0.
+    ///
+    /// Shapes: `cell_to_group` has one entry per cell.
+    ///
+    /// # Errors
+    /// [`Error::Groups`]: not one entry per cell.
+    pub fn with_groups(mut self, cell_to_group: Vec<usize>) -> Result<Self, Error> {
+        let (found, n_cells) = (cell_to_group.len(), self.mesh.n_cells());
+        if found != n_cells {
+            return Err(Error::Groups { found, n_cells });
+        }
+        self.cell_to_group = cell_to_group;
+        Ok(self)
+    }
+
+    /// Returns the group of a cell.
+    #[inline]
+    pub fn group(&self, cell: CellId) -> usize {
+        self.cell_to_group[cell.index()]
+    }
+
+    /// Returns the number of groups.
+    pub fn n_groups(&self) -> usize {
+        self.cell_to_group.iter().max().map_or(0, |last| last + 1)
     }
 
     /// Returns the mesh of the vertices.

@@ -1,5 +1,7 @@
 //! Stress of a solid on its surface.
 
+use std::sync::Arc;
+
 use algebra::{DofId, Sites};
 use body::{ByDof, SurfaceStress};
 use mesh::{CellId, FacetId, Tensor, Vector, det};
@@ -13,8 +15,8 @@ use crate::{Material, SolidCells};
 pub struct SolidStress<'a, const D: usize> {
     /// The cells of the body.
     pub cells: SolidCells<'a, D>,
-    /// The material.
-    pub material: &'a dyn Material<D>,
+    /// The material of each group of cells.
+    pub materials: &'a [Arc<dyn Material<D>>],
 }
 
 impl<const D: usize> SolidStress<'_, D> {
@@ -34,7 +36,8 @@ impl<const D: usize> SolidStress<'_, D> {
         let normal = solid.placed(solid.nodes()).facet_normal(facet);
         let area = inverse.transpose() * normal * det(&f);
         let ratio = area.norm();
-        let nominal = self.material.first_piola(&f) * normal;
+        let material = &self.materials[solid.group(cell)];
+        let nominal = material.first_piola(&f) * normal;
         let traction = nominal / ratio;
         for (node, g) in nodes.iter().zip(gradients) {
             for (b, dof) in layout.node(velocity, node.index()).enumerate() {
@@ -43,7 +46,7 @@ impl<const D: usize> SolidStress<'_, D> {
                 let h_inverse = h * inverse;
                 let d_area = area * h_inverse.trace() - h_inverse.transpose() * area;
                 let d_ratio = area.dot(&d_area) / ratio;
-                let d_nominal = self.material.first_piola_derivative(&f, &h) * normal;
+                let d_nominal = material.first_piola_derivative(&f, &h) * normal;
                 derivatives.push((dof, (d_nominal - traction * d_ratio) / ratio));
             }
         }
@@ -77,7 +80,8 @@ impl<const D: usize> SurfaceStress<D> for SolidStress<'_, D> {
         let solid = self.cells.solid;
         let normal = solid.placed(solid.nodes()).facet_normal(facet);
         let along = normal * normal.transpose();
-        let stiffness = normal.dot(&(self.material.first_piola_derivative(&Tensor::identity(), &along) * normal));
+        let material = &self.materials[solid.group(cell)];
+        let stiffness = normal.dot(&(material.first_piola_derivative(&Tensor::identity(), &along) * normal));
         let p = solid.order().degree();
         let factor = (p * (p - 1 + D)) as f64 / D as f64;
         let trace = factor * solid.surface_measure(cell) / solid.volume(cell);

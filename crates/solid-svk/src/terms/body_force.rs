@@ -12,10 +12,10 @@ use crate::cell::row;
 /// Couples: solid velocity × nothing.   Domain: reference cells.
 /// Units: force (2D: per unit depth).
 ///   residual_i = -ρ ∫ N_i f^s,    ∫ N_i = Σ_j m_ij,    tangent = 0.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct BodyForce<const D: usize> {
-    /// Density in the reference configuration.
-    pub density: f64,
+    /// Density of each group of cells in the reference configuration.
+    pub densities: Vec<f64>,
     /// Acceleration `f^s`.
     pub acceleration: Vector<D>,
 }
@@ -23,9 +23,10 @@ pub struct BodyForce<const D: usize> {
 impl<const D: usize> Term<SolidCell<'_, D>> for BodyForce<D> {
     #[inline]
     fn add(&self, cell: &SolidCell<'_, D>, out: &mut LocalSystem) {
+        let load = self.acceleration * -self.densities[cell.group];
         for i in cell.nodes() {
             let volume: f64 = cell.mass_of(i).iter().sum();
-            out.add_vector::<D>(row::<D>(i), self.acceleration * (-self.density * volume));
+            out.add_vector::<D>(row::<D>(i), load * volume);
         }
     }
 }

@@ -13,18 +13,19 @@ use crate::cell::row;
 /// Units: force (2D: per unit depth).
 /// With the consistent mass `m_ij = ∫ N_i N_j`:
 ///   residual_i = ρ Σ_j m_ij a_j,    tangent_ij = ρ c_a m_ij I.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Inertia {
-    /// Density in the reference configuration.
-    pub density: f64,
+    /// Density of each group of cells in the reference configuration.
+    pub densities: Vec<f64>,
 }
 
 impl<const D: usize> Term<SolidCell<'_, D>> for Inertia {
     #[inline]
     fn add(&self, cell: &SolidCell<'_, D>, out: &mut LocalSystem) {
+        let density = self.densities[cell.group];
         for i in cell.nodes() {
             for (j, mass) in cell.mass_of(i).iter().enumerate() {
-                let mass = self.density * mass;
+                let mass = density * mass;
                 out.add_vector::<D>(row::<D>(i), mass * cell.acceleration[j]);
                 let k = Tensor::<D>::identity() * (mass * cell.acceleration_slope);
                 out.add_block::<D, D>(row::<D>(i), row::<D>(j), k);

@@ -16,14 +16,15 @@ use crate::{Material, SolidPoint};
 ///   residual_i = w P g_i,    column b of tangent_ij = w c_d dP\[e_b ⊗ g_j\] g_i.
 #[derive(Clone, Debug)]
 pub struct InternalWork<const D: usize> {
-    /// Material law.
-    pub material: Arc<dyn Material<D>>,
+    /// Material law of each group of cells.
+    pub materials: Vec<Arc<dyn Material<D>>>,
 }
 
 impl<const D: usize> Term<SolidPoint<'_, D>> for InternalWork<D> {
     #[inline]
     fn add(&self, point: &SolidPoint<'_, D>, out: &mut LocalSystem) {
-        let p = point.weight * self.material.first_piola(&point.deformation);
+        let material = &self.materials[point.group];
+        let p = point.weight * material.first_piola(&point.deformation);
         for (i, g) in point.gradients.iter().enumerate() {
             out.add_vector::<D>(row::<D>(i), p * g);
         }
@@ -31,7 +32,7 @@ impl<const D: usize> Term<SolidPoint<'_, D>> for InternalWork<D> {
             return;
         }
         let scale = point.weight * point.displacement_slope;
-        self.material.for_each_stiffness(&point.deformation, point.gradients, &mut |i, j, block| {
+        material.for_each_stiffness(&point.deformation, point.gradients, &mut |i, j, block| {
             let block = block * scale;
             out.add_block::<D, D>(row::<D>(i), row::<D>(j), block);
             if i != j {

@@ -4,15 +4,19 @@ use std::sync::Arc;
 
 use crate::setting::{
     ORDERS, Random, advance, at_rest, ball_material, curved, distorted, level, one_field, residual, round_disk, rule,
-    state, unit_box, weightless,
+    solve, state, unit_box, unit_cubes, weightless,
 };
-use algebra::BlockLayout;
-use algebra::time::{GeneralisedAlpha, ImplicitEuler, Level};
+use algebra::time::{GeneralisedAlpha, ImplicitEuler, Level, QuasiStatic};
+use algebra::{BlockLayout, Constraints};
 use body::{Body, StepTime};
 use mesh::generate::{BallOptions, ball};
 use mesh::{FacetId, Point, Vector, VertexId};
 use solid_svk::energy::balance;
-use solid_svk::{ElasticBody, ElasticOptions, Error, Load, SolidCells, SolidForm, SolidMesh, Support, SupportKind};
+use solid_svk::supports::{tagged_facets, vertices_of};
+use solid_svk::{
+    ElasticBody, ElasticOptions, Error, LameParameters, LinearElastic, Load, Order, SolidCells, SolidForm, SolidMesh,
+    Support, SupportKind,
+};
 
 #[test]
 fn free_vibration_loses_energy_and_keeps_momentum() {
@@ -147,6 +151,55 @@ fn nonsense_is_refused() {
     assert!(SolidForm::new(-1.0, ball_material(), Vector::<2>::zeros()).is_err());
     let unknown = solid_svk::supports::tagged_facets(&unit_box::<2>(1), "nowhere");
     assert!(matches!(unknown, Err(Error::UnknownTag { .. })));
+}
+
+#[test]
+fn groups_of_cells_have_their_density_and_material() {
+    for order in ORDERS {
+        layers_have_their_density_and_material(order);
+    }
+}
+
+/// Checks two layers between a held and a pulled side, without lateral strain: the stress `(λ + 2 μ) e` is the same in both.
+fn layers_have_their_density_and_material(order: Order) {
+    let solid = SolidMesh::<2>::of_order(unit_cubes(4), order).unwrap();
+    assert!(matches!(solid.clone().with_groups(vec![0; 3]), Err(Error::Groups { found: 3, n_cells: 32 })));
+    let group = |cell| usize::from(solid.mesh().simplex(cell).centroid()[1] > 0.5);
+    let groups = solid.mesh().cells().map(group).collect();
+    let solid = solid.with_groups(groups).unwrap();
+    let law = |mu: f64| LinearElastic::new(LameParameters::new(mu, 2.0).unwrap());
+    let form = SolidForm::new(3.0, law(1.0), Vector::<2>::zeros()).unwrap();
+    let alone = ElasticBody::new("body", solid.clone(), form.clone(), ElasticOptions::default()).map(|_| ());
+    assert!(matches!(alone, Err(Error::MissingMaterial { found: 1, n_groups: 2 })));
+    let form = form.and(5.0, law(3.0)).unwrap();
+    // Strains 2/3 and 1/3 of the pull: stiffness 4 and 8.
+    let support =
+        |part: &str, kind| Support { vertices: vertices_of(&solid, &tagged_facets(&solid, part).unwrap()), kind };
+    let pulled = Arc::new(|_: &Point<2>, _| [Some(0.0), Some(0.03)]);
+    let side = || SupportKind::Symmetry { axis: 0 };
+    let supports = vec![
+        support("left", side()),
+        support("right", side()),
+        support("bottom", SupportKind::Clamped),
+        support("top", SupportKind::Displacement(pulled)),
+    ];
+    let body = ElasticBody::new("body", solid, form, ElasticOptions { supports, ..ElasticOptions::default() }).unwrap();
+    let (start, mut layout) = (body.start(), BlockLayout::new());
+    layout.push("other", 5, 1);
+    let step = body.step(&start, &StepTime::new(&QuasiStatic, 1.0, 1.0, true), &mut layout);
+    let mut constraints = Constraints::new();
+    step.constrain(&layout, &mut constraints);
+    let mut x = vec![0.0; layout.len()];
+    solve(&layout, step.contributions(&layout), constraints, &mut x, 1e-12);
+    let end = step.end(&layout, &x);
+    for (x, d) in body.reference().iter().zip(end.displacement()) {
+        let expected = 0.04 * x[1].min(0.5) + 0.02 * (x[1] - 0.5).max(0.0);
+        assert!((d - Vector::<2>::new(0.0, expected)).norm() < 1e-13, "{x} {d}");
+    }
+    assert!(body.cells(&end).unwrap().stress.iter().all(|stress| (stress.cauchy[(1, 1)] / 0.16 - 1.0).abs() < 1e-10));
+    let found = body.balance(&end).unwrap();
+    // Energy: half the stress 0.16 times the displacement 0.03.
+    assert!((found.mass - 4.0).abs() < 1e-13 && (found.elastic_energy - 0.0024).abs() < 1e-15, "{found:?}");
 }
 
 /// The ovalisation of the paper's ball in vacuum: ω r/c_s = 2.35106 for ν = 0.4 (root of the frequency determinant of a

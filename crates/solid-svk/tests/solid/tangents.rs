@@ -68,7 +68,7 @@ fn stress_on_the_surface<const D: usize>(mesh: &SolidMesh<D>) {
         let x = random.numbers(layout.len(), 5.0);
         let stress = SolidStress {
             cells: SolidCells { solid: mesh, rule: &rule, layout: &layout, velocity: field },
-            material: &material,
+            materials: &[Arc::new(material)],
         };
         let velocity = layout.values(field, &x).map(Vector::<D>::from).enumerate();
         let displacement: Vec<_> = velocity.map(|(i, v)| rule.displacement.at(i, v)).collect();
@@ -121,7 +121,7 @@ fn stress_of_a_quadratic_displacement<const D: usize>() {
     let rule = rule(&QuasiStatic, 1.0, &at_rest(&mesh));
     let material = ball_material();
     let (cells, mut unused) = (SolidCells { solid: &mesh, rule: &rule, layout: &layout, velocity: field }, Vec::new());
-    let stress = SolidStress { cells, material: &material };
+    let stress = SolidStress { cells, materials: &[Arc::new(material)] };
     let bend = quadratic_field();
     let displacement: Vec<_> = mesh.nodes().iter().map(|x| bend.at(x)).collect();
     let x = state(&layout, field, &displacement);
@@ -154,7 +154,7 @@ fn trace_bound<const D: usize>(order: Order) {
     let rule = rule(scheme.as_ref(), 1e-2, &at_rest(&mesh));
     let (x, slope) = (vec![0.0; layout.len()], rule.displacement.slope);
     let cells = SolidCells { solid: &mesh, rule: &rule, layout: &layout, velocity: field };
-    let stress = SolidStress { cells, material: &material };
+    let stress = SolidStress { cells, materials: &[Arc::new(material)] };
     let (mut derivatives, mut n_reached) = (Vec::new(), 0);
     let placed = mesh.placed(mesh.nodes());
     for facet in mesh.boundary().facets() {
