@@ -1,6 +1,6 @@
 //! Quantities of a body for reports and output files.
 
-use mesh::{Point, SimplexMesh, Tensor, Vector};
+use mesh::{Point, Tensor, Vector, VertexId};
 
 /// Energies, momenta and volume of a body in one configuration.
 ///
@@ -38,10 +38,17 @@ impl<const D: usize> Balance<D> {
 
 /// Cells of a body with their stresses.
 pub struct CellOutput<'a, const D: usize> {
-    /// The mesh in the reference configuration.
-    pub mesh: &'a SimplexMesh<D>,
+    /// Vertices of the cells, of stride `D + 1`, among those of [`crate::Body::reference`]. The parts of an element of higher order are cells.
+    pub cell_to_vertex: &'a [VertexId],
     /// Stress in each cell.
     pub stress: Vec<CellStress<D>>,
+}
+
+impl<'a, const D: usize> CellOutput<'a, D> {
+    /// Returns the vertices of each cell, `D + 1` of them.
+    pub fn cells(&self) -> impl Iterator<Item = &'a [VertexId]> + use<'a, D> {
+        self.cell_to_vertex.chunks_exact(D + 1)
+    }
 }
 
 /// Cauchy stress in a cell; in 2D of plane strain, with the stress normal to the plane.

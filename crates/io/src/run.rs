@@ -386,7 +386,7 @@ pub fn sizes(file: &ScenarioFile) -> Result<Sizes, Error> {
             let state = State::initial(&case.setup)?;
             let setup = &case.setup;
             let size = |body: &Arc<dyn Body<D>>, state: &BodyState<D>| {
-                let cells = body.cells(state).map_or(0, |cells| cells.mesh.n_cells());
+                let cells = body.cells(state).map_or(0, |cells| cells.stress.len());
                 (body.name().to_owned(), cells, body.reference().len())
             };
             let bodies = setup.bodies.iter().zip(&state.bodies).map(|(body, state)| size(body, state)).collect();

@@ -179,3 +179,21 @@ fn a_closed_domain_takes_in_as_much_as_it_gives() {
         assert!(error.contains("no side is open") && error.contains("background.boundary"), "{error}");
     }
 }
+
+#[test]
+fn elements_of_order_2_follow_the_circle() {
+    let of_order = |order: &str| problem(BARRIER, &[&COARSE_BALL, &["body.0.shape.area_preserving=false", order]]);
+    let [linear, quadratic] = ["body.0.order=1", "body.0.order=2"].map(of_order);
+    let [body, round] = [&linear, &quadratic].map(|case| &case.setup.bodies[0]);
+    // Edges on the plane of symmetry are straight.
+    let facets: Vec<_> = round.surface().facets().collect();
+    for node in round.surface().vertices_of(&facets) {
+        let x = round.reference()[node.index()];
+        assert!(x[0] == 0.0 || ((x - Point::<2>::new(0.0, 10.0)).norm() - 4.0).abs() < 1e-12, "{x}");
+    }
+    assert_eq!(round.surface().n_facets(), 2 * body.surface().n_facets());
+    assert!(round.reference().len() > 3 * body.reference().len());
+    let area = ["body.0.shape.area_preserving=true", "body.0.order=2"];
+    refused(BARRIER, &[&COARSE_BALL, &area], &["area_preserving", "no effect with elements of order 2"]);
+    refused(BARRIER, &[&COARSE_BALL, &["body.0.order=3"]], &["order", "from 1 to 2"]);
+}

@@ -1,56 +1,65 @@
-//! Cells of a body with the local data that terms evaluate.
+//! Cells of a body, and their points, with the local data that terms evaluate.
 
-use algebra::time::StepRule;
-use algebra::{BlockLayout, DofId, FieldId, LocalSystem, Sites};
-use mesh::{CellId, MAX_CELL_VERTICES, Tensor, Vector, VertexId};
+use algebra::time::{Affine, StepRule};
+use algebra::{BlockLayout, DofId, FieldId, Sites};
+use mesh::{CellId, Tensor, Vector, VertexId};
 
 use crate::SolidMesh;
-use crate::kinematics::gradient;
+use crate::element::MAX_CELL_NODES;
+use crate::kinematics::{deformation_gradient, gradient};
 
-/// A cell in the reference configuration with the local state at the stage of the step.
+/// A cell in the reference configuration with its accelerations at the stage of the step.
 ///
-/// Arrays have one entry per vertex of the cell; the remaining entries are zero. Component `a` of the velocity of vertex
-/// `i` is local row `D i + a`.
+/// Component `a` of the velocity of node `i` is local row `D i + a`.
 #[derive(Clone, Copy, Debug)]
 pub struct SolidCell<'a, const D: usize> {
-    /// Reference volume.
-    pub volume: f64,
-    /// Gradients of the shape functions.
-    pub gradients: &'a [Vector<D>; MAX_CELL_VERTICES],
-    /// Displacements `d`.
-    pub displacement: [Vector<D>; MAX_CELL_VERTICES],
-    /// Accelerations `a`.
-    pub acceleration: [Vector<D>; MAX_CELL_VERTICES],
-    /// `c_d`: derivative of displacement with respect to velocity.
-    pub displacement_slope: f64,
+    /// Group of the cell.
+    pub group: usize,
+    /// Number of nodes.
+    pub n_nodes: usize,
+    /// `m_ij = ∫ N_i N_j`: a square matrix.
+    pub mass: &'a [f64],
+    /// Accelerations `a`, one per node; the remaining entries are zero.
+    pub acceleration: [Vector<D>; MAX_CELL_NODES],
     /// `c_a`: derivative of acceleration with respect to velocity.
     pub acceleration_slope: f64,
 }
 
 impl<const D: usize> SolidCell<'_, D> {
-    /// Returns the local vertices.
+    /// Returns the local nodes.
     #[inline]
-    pub fn nodes(&self) -> std::ops::RangeInclusive<usize> {
-        0..=D
+    pub fn nodes(&self) -> std::ops::Range<usize> {
+        0..self.n_nodes
     }
 
-    /// Returns the first local row of the velocity of a local vertex.
+    /// Returns the row `m_i0, m_i1, ..` of the mass.
     #[inline]
-    pub fn row(&self, node: usize) -> usize {
-        D * node
+    pub fn mass_of(&self, node: usize) -> &[f64] {
+        &self.mass[node * self.n_nodes..][..self.n_nodes]
     }
+}
 
-    /// Returns the gradient of the displacement, constant on the cell.
-    #[inline]
-    pub fn grad_displacement(&self) -> Tensor<D> {
-        gradient(&self.displacement[..=D], &self.gradients[..=D])
-    }
+/// A quadrature point of a cell with the deformation at the stage of the step.
+///
+/// Component `a` of the velocity of node `i` is local row `D i + a`.
+#[derive(Clone, Copy, Debug)]
+pub struct SolidPoint<'a, const D: usize> {
+    /// Group of the cell.
+    pub group: usize,
+    /// Reference volume that the point stands for.
+    pub weight: f64,
+    /// Gradients of the shape functions, one per node.
+    pub gradients: &'a [Vector<D>],
+    /// Deformation gradient `F = I + ∇d`.
+    pub deformation: Tensor<D>,
+    /// `c_d`: derivative of displacement with respect to velocity.
+    pub displacement_slope: f64,
+}
 
-    /// Adds a vector to the residual of a node.
-    #[inline]
-    pub(crate) fn add(&self, node: usize, value: Vector<D>, out: &mut LocalSystem) {
-        out.add_vector::<D>(self.row(node), value);
-    }
+/// Returns the first local row of the velocity of a local node.
+#[inline]
+pub(crate) fn row<const D: usize>(node: usize) -> usize {
+    D * node
 }
 
 /// The cells of a body in one step: one item and one site per cell.
@@ -62,19 +71,42 @@ pub struct SolidCells<'a, const D: usize> {
     pub rule: &'a StepRule<Vector<D>>,
     /// The layout.
     pub layout: &'a BlockLayout,
-    /// Velocities of the vertices.
+    /// Velocities of the nodes.
     pub velocity: FieldId,
 }
 
+/// The points of the cells of a body in one step: one item per cell, one site per point ([`SolidMesh::points`]).
+#[derive(Clone, Copy)]
+pub struct SolidPoints<'a, const D: usize> {
+    /// The cells.
+    pub cells: SolidCells<'a, D>,
+}
+
 impl<const D: usize> SolidCells<'_, D> {
-    /// Appends the dofs of vertices.
-    pub(crate) fn dofs_of(&self, vertices: &[VertexId], out: &mut Vec<DofId>) {
-        vertices.iter().for_each(|vertex| out.extend(self.layout.node(self.velocity, vertex.index())));
+    /// Appends the dofs of nodes.
+    pub(crate) fn dofs_of(&self, nodes: &[VertexId], out: &mut Vec<DofId>) {
+        nodes.iter().for_each(|node| out.extend(self.layout.node(self.velocity, node.index())));
     }
 
-    /// Returns the velocity of a vertex at the state `x`.
-    pub(crate) fn velocity_at(&self, vertex: VertexId, x: &[f64]) -> Vector<D> {
-        self.layout.at(self.velocity, vertex.index(), x).into()
+    /// Returns the velocity of a node at the state `x`.
+    #[inline]
+    pub(crate) fn velocity_at(&self, node: VertexId, x: &[f64]) -> Vector<D> {
+        self.layout.at(self.velocity, node.index(), x).into()
+    }
+
+    /// Returns the values of an affine function of the velocity at nodes, for the state `x`; entries beyond the nodes are zero.
+    #[inline]
+    pub(crate) fn at_nodes(
+        &self,
+        affine: &Affine<Vector<D>>,
+        nodes: &[VertexId],
+        x: &[f64],
+    ) -> [Vector<D>; MAX_CELL_NODES] {
+        let mut local = [Vector::zeros(); MAX_CELL_NODES];
+        for (slot, node) in local.iter_mut().zip(nodes) {
+            *slot = affine.at(node.index(), self.velocity_at(*node, x));
+        }
+        local
     }
 }
 
@@ -86,24 +118,40 @@ impl<'a, const D: usize> Sites for SolidCells<'a, D> {
     }
 
     fn dofs(&self, item: usize, out: &mut Vec<DofId>) {
-        self.dofs_of(self.solid.mesh().cell(CellId::new(item)), out);
+        self.dofs_of(self.solid.cell(CellId::new(item)), out);
     }
 
     fn visit(&self, item: usize, x: &[f64], mut visit: impl FnMut(&Self::Site)) {
-        let (cell, stage) = (CellId::new(item), self.rule);
-        let mut site = SolidCell {
-            volume: self.solid.volume(cell),
-            gradients: self.solid.gradients(cell),
-            displacement: [Vector::zeros(); MAX_CELL_VERTICES],
-            acceleration: [Vector::zeros(); MAX_CELL_VERTICES],
-            displacement_slope: stage.displacement.slope,
-            acceleration_slope: stage.acceleration.slope,
-        };
-        for (k, vertex) in self.solid.mesh().cell(cell).iter().enumerate() {
-            let v = self.velocity_at(*vertex, x);
-            site.displacement[k] = stage.displacement.at(vertex.index(), v);
-            site.acceleration[k] = stage.acceleration.at(vertex.index(), v);
+        let (cell, acceleration) = (CellId::new(item), &self.rule.acceleration);
+        let nodes = self.solid.cell(cell);
+        visit(&SolidCell {
+            group: self.solid.group(cell),
+            n_nodes: nodes.len(),
+            mass: self.solid.mass(cell),
+            acceleration: self.at_nodes(acceleration, nodes, x),
+            acceleration_slope: acceleration.slope,
+        });
+    }
+}
+
+impl<'a, const D: usize> Sites for SolidPoints<'a, D> {
+    type Site = SolidPoint<'a, D>;
+
+    fn len(&self) -> usize {
+        self.cells.len()
+    }
+
+    fn dofs(&self, item: usize, out: &mut Vec<DofId>) {
+        self.cells.dofs(item, out);
+    }
+
+    fn visit(&self, item: usize, x: &[f64], mut visit: impl FnMut(&Self::Site)) {
+        let (cell, rule) = (CellId::new(item), &self.cells.rule.displacement);
+        let displacement = self.cells.at_nodes(rule, self.cells.solid.cell(cell), x);
+        let group = self.cells.solid.group(cell);
+        for (weight, gradients) in self.cells.solid.points(cell) {
+            let deformation = deformation_gradient(&gradient(&displacement, gradients));
+            visit(&SolidPoint { group, weight, gradients, deformation, displacement_slope: rule.slope });
         }
-        visit(&site);
     }
 }

@@ -5,7 +5,7 @@ use algebra::{BlockLayout, Constraints, Contributions, FieldId, Integral};
 use body::{Balance, Body, BodyState, BodyStep, CellOutput, PointField, StepTime, SurfaceMotion, SurfaceStress};
 use mesh::{BoundaryMesh, Point, Vector, require};
 
-use crate::energy::{balance, cell_stress};
+use crate::energy::{balance, stresses};
 use crate::supports::{Support, SupportKind};
 use crate::{Error, Load, SolidCells, SolidFacets, SolidForm, SolidMesh, SolidStress};
 
@@ -28,7 +28,7 @@ impl<const D: usize> Default for ElasticOptions<D> {
     }
 }
 
-/// An elastic body: a mesh in the reference configuration whose vertex velocities are unknown.
+/// An elastic body: a mesh in the reference configuration whose velocities at the nodes are unknown.
 pub struct ElasticBody<const D: usize> {
     name: String,
     solid: SolidMesh<D>,
@@ -41,9 +41,9 @@ impl<const D: usize> ElasticBody<D> {
     ///
     /// # Errors
     /// [`Error::UnknownVertex`], [`Error::UnknownFacet`]: a support or load names one that the mesh does not have.
-    /// [`Error::Parameter`]: a support along an axis that does not exist.
+    /// [`Error::Parameter`]: a support along an axis that does not exist. [`Error::MissingMaterial`]: a group of cells without a material.
     pub fn new(name: &str, solid: SolidMesh<D>, form: SolidForm<D>, options: ElasticOptions<D>) -> Result<Self, Error> {
-        let (n_vertices, n_facets) = (solid.mesh().n_vertices(), solid.boundary().n_facets());
+        let (n_vertices, n_facets) = (solid.nodes().len(), solid.boundary().n_facets());
         for support in &options.supports {
             if let Some(&vertex) = support.vertices.iter().find(|v| v.index() >= n_vertices) {
                 return Err(Error::UnknownVertex { vertex, n_vertices });
@@ -54,6 +54,10 @@ impl<const D: usize> ElasticBody<D> {
         }
         if let Some(&facet) = options.loads.iter().flat_map(|load| &load.facets).find(|f| f.index() >= n_facets) {
             return Err(Error::UnknownFacet { facet, n_facets });
+        }
+        let (found, n_groups) = (form.inertia.densities.len(), solid.n_groups());
+        if found < n_groups {
+            return Err(Error::MissingMaterial { found, n_groups });
         }
         Ok(Self { name: name.to_owned(), solid, form, options })
     }
@@ -69,8 +73,7 @@ impl<const D: usize> ElasticBody<D> {
     }
 
     fn at_start(&self, field: &Option<PointField<D>>) -> Vec<Vector<D>> {
-        let vertices = self.solid.mesh().vertices();
-        vertices.iter().map(|x| field.as_ref().map_or(Vector::zeros(), |f| f(x))).collect()
+        self.solid.nodes().iter().map(|x| field.as_ref().map_or(Vector::zeros(), |f| f(x))).collect()
     }
 }
 
@@ -84,7 +87,7 @@ impl<const D: usize> Body<D> for ElasticBody<D> {
     }
 
     fn reference(&self) -> &[Point<D>] {
-        self.solid.mesh().vertices()
+        self.solid.nodes()
     }
 
     fn is_movable(&self) -> bool {
@@ -117,9 +120,8 @@ impl<const D: usize> Body<D> for ElasticBody<D> {
     }
 
     fn cells(&self, state: &BodyState<D>) -> Option<CellOutput<'_, D>> {
-        let mesh = self.solid.mesh();
-        let stress = mesh.cells().map(|cell| cell_stress(&self.solid, &self.form, cell, state.displacement()));
-        Some(CellOutput { mesh, stress: stress.collect() })
+        let stress = stresses(&self.solid, &self.form, state.displacement());
+        Some(CellOutput { cell_to_vertex: self.solid.parts(), stress })
     }
 }
 
@@ -174,7 +176,7 @@ impl<const D: usize> BodyStep<D> for ElasticStep<'_, D> {
     }
 
     fn stress<'p>(&'p self, layout: &'p BlockLayout) -> Option<Box<dyn SurfaceStress<D> + 'p>> {
-        let material = self.body.form.internal_work.material.as_ref();
-        Some(Box::new(SolidStress { cells: self.cells(layout), material }))
+        let materials = &self.body.form.internal_work.materials;
+        Some(Box::new(SolidStress { cells: self.cells(layout), materials }))
     }
 }

@@ -8,19 +8,35 @@ pub enum Error {
     /// A parameter of a material, a load or a time step is out of range.
     #[error(transparent)]
     Parameter(#[from] mesh::ParameterError),
-    /// A cell is so thin that the gradients of its shape functions are not finite. Improve the mesh.
+    /// A cell is so thin, or its edges are so curved, that its map from the reference simplex has no inverse. Improve the mesh.
     #[error("cell {cell} is degenerate: its shape functions have no gradients")]
     DegenerateCell {
         /// The cell.
         cell: CellId,
     },
-    /// A vertex that the mesh does not have.
-    #[error("vertex {vertex} is not among the {n_vertices} vertices of the mesh")]
+    /// A vertex or node that the mesh does not have.
+    #[error("vertex {vertex} is not among the {n_vertices} nodes of the mesh")]
     UnknownVertex {
         /// The vertex.
         vertex: VertexId,
         /// Vertices of the mesh.
         n_vertices: usize,
+    },
+    /// A list of groups that does not belong to the mesh.
+    #[error("{found} cells have a group, but the mesh has {n_cells} cells")]
+    Groups {
+        /// Entries of the list.
+        found: usize,
+        /// Cells of the mesh.
+        n_cells: usize,
+    },
+    /// A group of cells without density and material. Give the form one of each for every group.
+    #[error("the mesh has {n_groups} groups of cells, but only {found} have a material")]
+    MissingMaterial {
+        /// Groups with a material.
+        found: usize,
+        /// Groups of the mesh.
+        n_groups: usize,
     },
     /// A facet that the boundary does not have.
     #[error("facet {facet} is not among the {n_facets} facets of the boundary")]

@@ -1,21 +1,28 @@
 //! Loads on boundary facets of a body.
 
 use algebra::{DofId, Sites};
-use mesh::{FacetId, MAX_CELL_VERTICES, Point, simplex_measure};
+use mesh::{FacetId, Point, Vector, simplex_measure};
 
 use crate::SolidCells;
+use crate::element::{MAX_CELL_NODES, ShapeFunctions};
 
-/// A boundary facet with its vertices at the stage of the step.
+/// A point on the boundary at the stage of the step, with the shape functions of the element's facet.
 ///
-/// Component `a` of the velocity of vertex `i` is local row `D i + a`.
+/// Component `a` of the velocity of node `i` of that facet is local row `D i + a`.
 #[derive(Clone, Copy, Debug)]
 pub struct SolidFacet<const D: usize> {
-    /// Positions `X` of the vertices in the reference configuration; only the first `D` are used.
-    pub reference: [Point<D>; MAX_CELL_VERTICES],
-    /// Measure (length, area) in the reference configuration.
-    pub reference_measure: f64,
-    /// Positions `x = X + d` of the vertices; only the first `D` are used.
-    pub points: [Point<D>; MAX_CELL_VERTICES],
+    /// Number of nodes.
+    pub n_nodes: usize,
+    /// ShapeFunctions functions of the nodes.
+    pub shape: ShapeFunctions,
+    /// Position `X` in the reference configuration.
+    pub reference: Point<D>,
+    /// Reference area (2D: length) that the point stands for.
+    pub reference_weight: f64,
+    /// Weight in local coordinates.
+    pub weight: f64,
+    /// Derivatives of the position `x = X + d` with respect to the local coordinates; only the first `D - 1` are used.
+    pub tangents: [Vector<D>; 2],
     /// `c_d`: derivative of displacement with respect to velocity.
     pub displacement_slope: f64,
     /// Time of the stage.
@@ -23,20 +30,16 @@ pub struct SolidFacet<const D: usize> {
 }
 
 impl<const D: usize> SolidFacet<D> {
-    /// Returns the local vertices.
+    /// Returns the local nodes.
     #[inline]
     pub fn nodes(&self) -> std::ops::Range<usize> {
-        0..D
-    }
-
-    /// Returns the first local row of the velocity of a local vertex.
-    #[inline]
-    pub fn row(&self, node: usize) -> usize {
-        D * node
+        0..self.n_nodes
     }
 }
 
-/// Facets of the boundary of a body in one step: one item and one site per facet.
+/// Facets of the boundary of a body in one step: one item per facet, several sites.
+///
+/// A facet that is a part of a quadratic one is integrated with the shape functions of the whole.
 #[derive(Clone, Copy)]
 pub struct SolidFacets<'a, const D: usize> {
     /// The cells of the body.
@@ -55,21 +58,32 @@ impl<const D: usize> Sites for SolidFacets<'_, D> {
     }
 
     fn dofs(&self, item: usize, out: &mut Vec<DofId>) {
-        self.cells.dofs_of(self.cells.solid.boundary().facet(self.facets[item]), out);
+        self.cells.dofs_of(self.cells.solid.facet_nodes(self.facets[item]), out);
     }
 
     fn visit(&self, item: usize, x: &[f64], mut visit: impl FnMut(&Self::Site)) {
         let SolidCells { solid, rule, .. } = self.cells;
-        let displacement = &rule.displacement;
-        let mut points = [Point::zeros(); MAX_CELL_VERTICES];
-        let mut reference = points;
-        for (k, vertex) in solid.boundary().facet(self.facets[item]).iter().enumerate() {
-            let v = self.cells.velocity_at(*vertex, x);
-            reference[k] = solid.mesh().vertex(*vertex);
-            points[k] = reference[k] + displacement.at(vertex.index(), v);
+        let nodes = solid.facet_nodes(self.facets[item]);
+        let displacement = self.cells.at_nodes(&rule.displacement, nodes, x);
+        let mut reference = [Point::zeros(); MAX_CELL_NODES];
+        reference.iter_mut().zip(nodes).for_each(|(slot, node)| *slot = solid.nodes()[node.index()]);
+        let reference = &reference[..nodes.len()];
+        for &(weight, shape) in &solid.facet_points(self.facets[item]).points {
+            // The simplex at the origin with the tangents as edges.
+            let mut edges = [Vector::zeros(); 3];
+            (1..D).for_each(|k| edges[k] = shape.along(k - 1, reference));
+            let parallelepiped = simplex_measure(&edges[..D]) * (1..D).product::<usize>() as f64;
+            let moved = |k: usize| edges[k + 1] + shape.along(k, &displacement[..nodes.len()]);
+            visit(&SolidFacet {
+                n_nodes: nodes.len(),
+                shape,
+                reference: shape.at(reference),
+                reference_weight: weight * parallelepiped,
+                weight,
+                tangents: [moved(0), moved(1)],
+                displacement_slope: rule.displacement.slope,
+                time: self.time,
+            });
         }
-        let reference_measure = simplex_measure(&reference[..D]);
-        let displacement_slope = displacement.slope;
-        visit(&SolidFacet { reference, reference_measure, points, displacement_slope, time: self.time });
     }
 }

@@ -6,7 +6,7 @@ use algebra::Integral;
 use mesh::{Vector, positive, require};
 
 use crate::terms::{BodyForce, Inertia, InternalWork};
-use crate::{Error, Material, SolidCells};
+use crate::{Error, Material, SolidCells, SolidPoints};
 
 /// The terms of elastodynamics on the cells of a body.
 #[derive(Clone, Debug)]
@@ -31,10 +31,27 @@ impl<const D: usize> SolidForm<D> {
             require(g.is_finite(), "body force", g, "finite")?;
         }
         Ok(Self {
-            inertia: Inertia { density },
-            internal_work: InternalWork { material: Arc::new(material) },
-            body_force: BodyForce { density, acceleration: gravity },
+            inertia: Inertia { densities: vec![density] },
+            internal_work: InternalWork { materials: vec![Arc::new(material)] },
+            body_force: BodyForce { densities: vec![density], acceleration: gravity },
         })
+    }
+
+    /// Returns the form with density and material of the next group of cells ([`crate::SolidMesh::with_groups`]); the form of a homogeneous body has those of group 0.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`]: density not positive.
+    pub fn and(mut self, density: f64, material: impl Material<D> + 'static) -> Result<Self, Error> {
+        positive("density", density)?;
+        self.inertia.densities.push(density);
+        self.body_force.densities.push(density);
+        self.internal_work.materials.push(Arc::new(material));
+        Ok(self)
+    }
+
+    /// Returns the material of a group of cells.
+    pub(crate) fn material(&self, group: usize) -> &dyn Material<D> {
+        self.internal_work.materials[group].as_ref()
     }
 
     /// Returns the inertia and body force: affine in velocity, assembled once per nonlinear solve.
@@ -43,9 +60,9 @@ impl<const D: usize> SolidForm<D> {
     }
 
     /// Returns the internal work: nonlinear in velocity, unless the material is linear.
-    pub fn internal_work<'a>(&'a self, cells: SolidCells<'a, D>) -> Integral<'a, SolidCells<'a, D>> {
-        let is_linear = self.internal_work.material.is_linear();
+    pub fn internal_work<'a>(&'a self, cells: SolidCells<'a, D>) -> Integral<'a, SolidPoints<'a, D>> {
+        let is_linear = self.internal_work.materials.iter().all(|material| material.is_linear());
         let integral = if is_linear { Integral::linear } else { Integral::new };
-        integral("solid internal work", cells, vec![&self.internal_work])
+        integral("solid internal work", SolidPoints { cells }, vec![&self.internal_work])
     }
 }

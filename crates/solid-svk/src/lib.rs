@@ -1,6 +1,6 @@
 //! Elastodynamics in the reference configuration, Saint Venant-Kirchhoff first.
 //!
-//! This crate hosts all deformable solids. The unknown of a body is the **velocity** `v` of its vertices at the end of the
+//! This crate hosts all deformable solids. The unknown of a body is the **velocity** `v` of its nodes at the end of the
 //! step; displacement and acceleration follow from it by the time scheme ([`algebra::time`]): `d = d_pred + c_d v`,
 //! `a = a_pred + c_a v`. [`ElasticBody`] is the body that a simulation uses; the example below assembles its parts by hand.
 //!
@@ -43,6 +43,7 @@ pub mod terms;
 
 mod cell;
 mod elastic;
+mod element;
 mod error;
 mod facet;
 mod form;
@@ -50,13 +51,14 @@ mod load;
 mod solid_mesh;
 mod stress;
 
-pub use cell::{SolidCell, SolidCells};
+pub use cell::{SolidCell, SolidCells, SolidPoint, SolidPoints};
 pub use elastic::{ElasticBody, ElasticOptions};
+pub use element::{MAX_CELL_NODES, Order, ShapeFunctions};
 pub use error::Error;
 pub use facet::{SolidFacet, SolidFacets};
 pub use form::SolidForm;
 pub use load::Load;
-pub use material::{LameParameters, LinearElastic, Material, SaintVenantKirchhoff};
+pub use material::{LameParameters, LinearElastic, Material, NeoHookean, SaintVenantKirchhoff};
 pub use solid_mesh::SolidMesh;
 pub use stress::SolidStress;
 pub use supports::{Support, SupportKind};

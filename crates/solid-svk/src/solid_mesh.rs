@@ -1,63 +1,343 @@
-//! A body in its reference configuration: mesh, boundary, gradients and volumes of the cells.
+//! A body in its reference configuration: mesh, nodes, boundary, and what terms need of cells and facets.
 
-use mesh::{BoundaryMesh, CellId, MAX_CELL_VERTICES, Placed, Point, SimplexMesh, Vector};
+use std::collections::HashMap;
+
+use mesh::{BoundaryMesh, CellId, FacetId, Placed, Point, SimplexMesh, Vector, VertexId};
 
 use crate::Error;
+use crate::element::{Barycentric, MAX_CELL_NODES, Order, ShapeFunctions, Tabulated};
 
 /// Everything about the mesh of a body that is constant in time; built once, borrowed in every step.
+///
+/// Cells are isoparametric elements of order 1 or 2. *Nodes* carry the unknowns: the vertices of the mesh, followed for order 2 by
+/// one node on each edge. Nodes have the identifiers of vertices. The boundary consists of linear facets through all nodes: two
+/// segments for each edge of order 2, four triangles for each triangle.
 #[derive(Clone, Debug)]
 pub struct SolidMesh<const D: usize> {
     mesh: SimplexMesh<D>,
+    order: Order,
+    nodes: Vec<Point<D>>,
+    /// Stride: nodes of a cell.
+    cell_to_node: Vec<VertexId>,
+    /// Stride `D + 1`.
+    part_to_node: Vec<VertexId>,
+    cells: CellTables<D>,
+    cell_to_group: Vec<usize>,
     boundary: BoundaryMesh<D>,
-    gradients: Vec<[Vector<D>; MAX_CELL_VERTICES]>,
+    /// Nodes of the element's facets. Stride: nodes of a facet.
+    facet_to_node: Vec<VertexId>,
+    /// Points for loads on each part of an element's facet, with weights of the whole.
+    facet_points: Vec<Tabulated>,
+    /// Gradients in the cell behind a boundary facet, at its middle. Stride: nodes of a cell.
+    surface_gradients: Vec<Vector<D>>,
+    /// Per cell: measure of its boundary facets.
+    surface_measures: Vec<f64>,
+}
+
+/// Integrals of cells.
+#[derive(Clone, Debug, Default)]
+struct CellTables<const D: usize> {
     volumes: Vec<f64>,
+    /// Stride: points of a cell.
+    weights: Vec<f64>,
+    /// Stride: points of a cell times its nodes.
+    gradients: Vec<Vector<D>>,
+    /// Stride: square of the nodes of a cell.
+    mass: Vec<f64>,
 }
 
 impl<const D: usize> SolidMesh<D> {
-    /// Creates a body that occupies the mesh in its reference configuration.
+    /// Creates a body of linear elements that occupies the mesh in its reference configuration.
     ///
     /// # Errors
     /// [`Error::DegenerateCell`]: a cell without finite gradients.
     pub fn new(mesh: SimplexMesh<D>) -> Result<Self, Error> {
-        let mut gradients = Vec::with_capacity(mesh.n_cells());
-        let mut volumes = Vec::with_capacity(mesh.n_cells());
-        for cell in mesh.cells() {
-            let simplex = mesh.simplex(cell);
-            let of_cell = simplex.barycentric_gradients().ok_or(Error::DegenerateCell { cell })?;
-            if of_cell.iter().any(|g| !g.norm_squared().is_finite()) {
-                return Err(Error::DegenerateCell { cell });
-            }
-            gradients.push(of_cell);
-            volumes.push(simplex.volume());
-        }
-        let boundary = mesh.boundary();
-        Ok(Self { mesh, boundary, gradients, volumes })
+        Self::build(mesh, Order::Linear, |_, middle| middle)
     }
 
-    /// Returns the mesh.
+    /// Creates a body of elements with straight edges; nodes of order 2 are in the middles of the edges.
+    ///
+    /// # Errors
+    /// As [`SolidMesh::new`].
+    pub fn of_order(mesh: SimplexMesh<D>, order: Order) -> Result<Self, Error> {
+        Self::build(mesh, order, |_, middle| middle)
+    }
+
+    /// Creates a body of quadratic elements with curved edges. `node` maps the ends of an edge, in ascending order, and the middle between them
+    /// to the position of the edge's node.
+    ///
+    /// # Errors
+    /// [`Error::DegenerateCell`]: a cell that is so thin, or so curved, that its map from the reference simplex has no inverse at a
+    /// quadrature point, or in the middle of a part.
+    pub fn curved(mesh: SimplexMesh<D>, node: impl Fn([VertexId; 2], Point<D>) -> Point<D>) -> Result<Self, Error> {
+        Self::build(mesh, Order::Quadratic, node)
+    }
+
+    fn build(
+        mesh: SimplexMesh<D>,
+        order: Order,
+        node: impl Fn([VertexId; 2], Point<D>) -> Point<D>,
+    ) -> Result<Self, Error> {
+        let mut nodes = mesh.vertices().to_vec();
+        let mut edge_to_node = HashMap::new();
+        let mut cell_to_node = Vec::with_capacity(mesh.n_cells() * order.n_nodes(D));
+        for cell in mesh.cells() {
+            let on_edge = |ends: [VertexId; 2]| {
+                *edge_to_node.entry(ends).or_insert_with(|| {
+                    nodes.push(node(ends, (mesh.vertex(ends[0]) + mesh.vertex(ends[1])) * 0.5));
+                    VertexId::new(nodes.len() - 1)
+                })
+            };
+            order.push_nodes(mesh.cell(cell), on_edge, &mut cell_to_node);
+        }
+        let cells = CellTables::new(order, &nodes, &cell_to_node)?;
+        let part_to_node = parts::<D>(order, D, &cell_to_node);
+
+        let mut facet_to_node = Vec::new();
+        let (mut facet_to_cell, mut tags) = (Vec::new(), Vec::new());
+        let n_parts = order.parts(D - 1).len();
+        for facet in mesh.facets().filter(|&facet| mesh.is_boundary(facet)) {
+            order.push_nodes(mesh.facet(facet), |ends| edge_to_node[&ends], &mut facet_to_node);
+            facet_to_cell.extend(mesh.facet_to_cell(facet)[0].iter().flat_map(|cell| vec![*cell; n_parts]));
+            tags.extend(vec![mesh.facet_tag(facet); n_parts]);
+        }
+        let boundary = BoundaryMesh::new(parts::<D>(order, D - 1, &facet_to_node), facet_to_cell, tags);
+
+        let mut body = Self {
+            cell_to_group: vec![0; mesh.n_cells()],
+            facet_points: facet_points(order, D - 1),
+            mesh,
+            order,
+            nodes,
+            cell_to_node,
+            part_to_node,
+            cells,
+            boundary,
+            facet_to_node,
+            surface_gradients: Vec::new(),
+            surface_measures: Vec::new(),
+        };
+        body.surface_gradients = body.gradients_on_surface();
+        body.surface_measures = body.measures_of_surface();
+        Ok(body)
+    }
+
+    /// Returns the body with its cells in groups, which may differ in density and material ([`crate::SolidForm::and`]). Without them all cells
+    /// are in group 0.
+    ///
+    /// Shapes: `cell_to_group` has one entry per cell.
+    ///
+    /// # Errors
+    /// [`Error::Groups`]: not one entry per cell.
+    pub fn with_groups(mut self, cell_to_group: Vec<usize>) -> Result<Self, Error> {
+        let (found, n_cells) = (cell_to_group.len(), self.mesh.n_cells());
+        if found != n_cells {
+            return Err(Error::Groups { found, n_cells });
+        }
+        self.cell_to_group = cell_to_group;
+        Ok(self)
+    }
+
+    /// Returns the group of a cell.
+    #[inline]
+    pub fn group(&self, cell: CellId) -> usize {
+        self.cell_to_group[cell.index()]
+    }
+
+    /// Returns the number of groups.
+    pub fn n_groups(&self) -> usize {
+        self.cell_to_group.iter().max().map_or(0, |last| last + 1)
+    }
+
+    /// Returns the mesh of the vertices.
     pub fn mesh(&self) -> &SimplexMesh<D> {
         &self.mesh
     }
 
-    /// Returns the boundary of the mesh.
+    /// Returns the order of the elements.
+    pub fn order(&self) -> Order {
+        self.order
+    }
+
+    /// Returns the positions of the nodes.
+    pub fn nodes(&self) -> &[Point<D>] {
+        &self.nodes
+    }
+
+    /// Returns the nodes of a cell: its vertices, then those on its edges.
+    #[inline]
+    pub fn cell(&self, cell: CellId) -> &[VertexId] {
+        let n = self.order.n_nodes(D);
+        &self.cell_to_node[cell.index() * n..][..n]
+    }
+
+    /// Returns the linear simplices through all nodes, for output: `D + 1` nodes each, the parts of a cell one after another. The parts of
+    /// a linear element are the element itself.
+    pub fn parts(&self) -> &[VertexId] {
+        &self.part_to_node
+    }
+
+    /// Returns the number of parts of a cell.
+    pub fn n_parts_of_cell(&self) -> usize {
+        self.order.parts(D).len()
+    }
+
+    /// Returns the boundary: linear facets through the nodes.
     pub fn boundary(&self) -> &BoundaryMesh<D> {
         &self.boundary
     }
 
-    /// Returns the boundary at the given positions of the vertices.
+    /// Returns the boundary at the given positions of the nodes.
     pub fn placed<'m>(&'m self, positions: &'m [Point<D>]) -> Placed<'m, D> {
         Placed::new(&self.boundary, positions)
-    }
-
-    /// Returns the gradients of the shape functions of a cell; only the first `D + 1` are used, the others are zero.
-    #[inline]
-    pub fn gradients(&self, cell: CellId) -> &[Vector<D>; MAX_CELL_VERTICES] {
-        &self.gradients[cell.index()]
     }
 
     /// Returns the reference volume of a cell.
     #[inline]
     pub fn volume(&self, cell: CellId) -> f64 {
-        self.volumes[cell.index()]
+        self.cells.volumes[cell.index()]
     }
+
+    /// Returns the consistent mass of a cell for unit density, `m_ij = ∫ N_i N_j`: a square matrix.
+    ///
+    /// It is integrated once with a rule of degree `2p` for order `p`, exact on cells with straight edges.
+    #[inline]
+    pub fn mass(&self, cell: CellId) -> &[f64] {
+        let n = self.order.n_nodes(D).pow(2);
+        &self.cells.mass[cell.index() * n..][..n]
+    }
+
+    /// Returns the points of a cell at which the stress is evaluated: weights, and gradients of the shape functions of its nodes.
+    ///
+    /// The rule has degree `2p - 2` for order `p`, which keeps the order of convergence. It has as many strains as a cell has
+    /// deformations: one point, and for order 2 three in 2D and four in 3D.
+    ///
+    /// Source: Ciarlet 2002, The Finite Element Method for Elliptic Problems, Thm. 4.1.6.
+    #[inline]
+    pub fn points(&self, cell: CellId) -> impl Iterator<Item = (f64, &[Vector<D>])> + use<'_, D> {
+        let n_nodes = self.order.n_nodes(D);
+        let n_points = self.cells.weights.len() / self.mesh.n_cells();
+        let gradients = &self.cells.gradients[cell.index() * n_points * n_nodes..][..n_points * n_nodes];
+        let weights = &self.cells.weights[cell.index() * n_points..][..n_points];
+        weights.iter().copied().zip(gradients.chunks_exact(n_nodes))
+    }
+
+    /// Returns the gradients of the shape functions of a cell in the middle of one of its parts.
+    pub(crate) fn gradients_in_part(&self, cell: CellId, part: usize) -> Vec<Vector<D>> {
+        self.gradients_at(cell, &self.order.middle(D, part))
+    }
+
+    /// Returns the gradients of the shape functions of the cell behind a boundary facet, in the middle of the facet.
+    #[inline]
+    pub fn surface_gradients(&self, facet: FacetId) -> &[Vector<D>] {
+        let n = self.order.n_nodes(D);
+        &self.surface_gradients[facet.index() * n..][..n]
+    }
+
+    /// Returns the measure of the boundary facets of a cell.
+    pub fn surface_measure(&self, cell: CellId) -> f64 {
+        self.surface_measures[cell.index()]
+    }
+
+    /// Returns the nodes of the element's facet that a boundary facet is a part of.
+    pub(crate) fn facet_nodes(&self, facet: FacetId) -> &[VertexId] {
+        let n = self.order.n_nodes(D - 1);
+        &self.facet_to_node[facet.index() / self.facet_points.len() * n..][..n]
+    }
+
+    /// Returns the points for loads on a boundary facet.
+    pub(crate) fn facet_points(&self, facet: FacetId) -> &Tabulated {
+        &self.facet_points[facet.index() % self.facet_points.len()]
+    }
+
+    fn gradients_at(&self, cell: CellId, at: &Barycentric) -> Vec<Vector<D>> {
+        let mut nodes = [Point::zeros(); MAX_CELL_NODES];
+        let n = gather(&self.nodes, self.cell(cell), &mut nodes);
+        let mut gradients = Vec::with_capacity(n);
+        self.order.shape(D, at).push_gradients(&nodes[..n], &mut gradients);
+        gradients
+    }
+
+    fn gradients_on_surface(&self) -> Vec<Vector<D>> {
+        let behind = |facet: FacetId| Some((facet, self.boundary.facet_to_cell(facet)?));
+        let gradients = |(facet, cell): (FacetId, CellId)| {
+            self.gradients_at(cell, &self.order.middle_of(D, self.cell(cell), self.boundary.facet(facet)))
+        };
+        self.boundary.facets().filter_map(behind).flat_map(gradients).collect()
+    }
+
+    fn measures_of_surface(&self) -> Vec<f64> {
+        let mut measures = vec![0.0; self.mesh.n_cells()];
+        let placed = self.placed(&self.nodes);
+        for facet in self.boundary.facets() {
+            if let Some(cell) = self.boundary.facet_to_cell(facet) {
+                measures[cell.index()] += placed.facet_measure(facet);
+            }
+        }
+        measures
+    }
+}
+
+impl<const D: usize> CellTables<D> {
+    fn new(order: Order, nodes: &[Point<D>], cell_to_node: &[VertexId]) -> Result<Self, Error> {
+        let n = order.n_nodes(D);
+        let stress = Tabulated::of_degree(order, D, 2 * order.degree() - 2);
+        let mass = Tabulated::of_degree(order, D, 2 * order.degree());
+        let mut tables = Self::default();
+        let inside: Vec<_> = (0..order.parts(D).len()).map(|part| order.shape(D, &order.middle(D, part))).collect();
+        let (mut local, mut unused) = ([Point::zeros(); MAX_CELL_NODES], Vec::new());
+        for (index, of_cell) in cell_to_node.chunks_exact(n).enumerate() {
+            gather(nodes, of_cell, &mut local);
+            let cell = CellId::new(index);
+            let ratio = |shape: &ShapeFunctions, gradients: &mut Vec<Vector<D>>| {
+                let ratio = shape.push_gradients(&local[..n], gradients);
+                if ratio > 0.0 { Ok(ratio) } else { Err(Error::DegenerateCell { cell }) }
+            };
+            for (weight, shape) in &stress.points {
+                tables.weights.push(weight * ratio(shape, &mut tables.gradients)?);
+            }
+            for shape in &inside {
+                ratio(shape, &mut unused)?;
+            }
+            let first = tables.mass.len();
+            tables.mass.resize(first + n * n, 0.0);
+            let mut volume = 0.0;
+            for (weight, shape) in &mass.points {
+                let weight = weight * ratio(shape, &mut unused)?;
+                volume += weight;
+                for (i, row) in tables.mass[first..].chunks_exact_mut(n).enumerate() {
+                    row.iter_mut().zip(&shape.values).for_each(|(m, value)| *m += weight * shape.values[i] * value);
+                }
+            }
+            tables.volumes.push(volume);
+            unused.clear();
+        }
+        Ok(tables)
+    }
+}
+
+/// Returns the linear simplices of elements of some dimension, given by their nodes.
+fn parts<const D: usize>(order: Order, dimension: usize, element_to_node: &[VertexId]) -> Vec<VertexId> {
+    let elements = element_to_node.chunks_exact(order.n_nodes(dimension));
+    let parts = |nodes: &[VertexId]| -> Vec<VertexId> {
+        order.parts(dimension).iter().flat_map(|part| part[..=dimension].iter().map(|&k| nodes[k])).collect()
+    };
+    elements.flat_map(parts).collect()
+}
+
+/// Returns the points for loads on the parts of a facet. Those of a linear facet are its vertices. The rule of order 2 has degree 4, which is exact for the
+/// pressure on a triangle with quadratic nodes.
+fn facet_points(order: Order, dimension: usize) -> Vec<Tabulated> {
+    let n_parts = order.parts(dimension).len();
+    let of_part = |part: usize| match order {
+        Order::Linear => Tabulated::of_vertices(order, dimension),
+        Order::Quadratic => Tabulated::of_part(order, dimension, part, 2 * order.degree()),
+    };
+    (0..n_parts).map(of_part).collect()
+}
+
+/// Copies the positions of nodes and returns their number.
+fn gather<const D: usize>(all: &[Point<D>], nodes: &[VertexId], out: &mut [Point<D>; MAX_CELL_NODES]) -> usize {
+    out.iter_mut().zip(nodes).for_each(|(slot, node)| *slot = all[node.index()]);
+    nodes.len()
 }

@@ -12,13 +12,13 @@ use crate::{Error, SolidCells, SolidMesh};
 /// A support of an elastic body.
 #[derive(Clone)]
 pub struct Support<const D: usize> {
-    /// The vertices that it holds.
+    /// The nodes that it holds.
     pub vertices: Vec<VertexId>,
     /// Constraint on them.
     pub kind: SupportKind<D>,
 }
 
-/// Constraint of a support on its vertices.
+/// Constraint of a support on its nodes.
 #[derive(Clone)]
 pub enum SupportKind<const D: usize> {
     /// No motion.
@@ -34,7 +34,7 @@ pub enum SupportKind<const D: usize> {
 }
 
 impl<const D: usize> Support<D> {
-    /// Prescribes the velocities of the held vertices of a body such that the end of the step is as given.
+    /// Prescribes the velocities of the held nodes of a body such that the end of the step is as given.
     ///
     /// Where two supports hold the same dof the later one is in force; clamps and symmetry planes agree there.
     pub fn constrain(
@@ -52,7 +52,7 @@ impl<const D: usize> Support<D> {
                 SupportKind::Clamped => std::array::from_fn(|a| Some(at_rest(a))),
                 SupportKind::Symmetry { axis } => std::array::from_fn(|a| (a == *axis).then(|| at_rest(a))),
                 SupportKind::Displacement(displacement) => {
-                    let prescribed = displacement(&solid.mesh().vertex(vertex), time.end);
+                    let prescribed = displacement(&solid.nodes()[vertex.index()], time.end);
                     // v = (d - d_pred)/c_d
                     let still = end.at(vertex.index(), Vector::zeros());
                     std::array::from_fn(|a| prescribed[a].map(|d| (d - still[a]) / end.slope))
@@ -89,7 +89,7 @@ pub fn facets_without_tags<const D: usize>(mesh: &SolidMesh<D>, names: &[&str]) 
     Ok(mesh.boundary().facets().filter(free).collect())
 }
 
-/// Returns the vertices of boundary facets, each once, in order.
+/// Returns the nodes of boundary facets, each once, in order.
 pub fn vertices_of<const D: usize>(mesh: &SolidMesh<D>, facets: &[FacetId]) -> Vec<VertexId> {
     mesh.boundary().vertices_of(facets)
 }

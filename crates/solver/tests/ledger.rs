@@ -75,6 +75,20 @@ fn a_ball_that_hits_the_ground_in_a_fluid() {
 }
 
 #[test]
+fn a_ball_of_quadratic_elements_that_hits_the_ground_in_a_fluid() {
+    for rho_inf in [None, Some(0.8)] {
+        let mut setup = falling_round_ball(0.9, 0.3, 0.25, -30.0);
+        if let Some(rho_inf) = rho_inf {
+            setup.scheme = Arc::new(GeneralisedAlpha::new(rho_inf).expect("a radius"));
+        }
+        fluid_of(&mut setup).stabilisation = Stabilisation::STANDARD;
+        let (_, reports) = run(&setup, 16);
+        assert!(reports.iter().any(|report| report.contacts[0].is_active()));
+        check_closed(&setup, &reports);
+    }
+}
+
+#[test]
 fn given_velocities_forces_and_loads_do_the_work() {
     let background = structured_box::<2>([0.0, 0.0], [2.0, 1.5], [14, 11]).expect("a box");
     let mut setup = setup(fluid(background, 1.2, 0.05), 0.02);

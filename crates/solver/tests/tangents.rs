@@ -61,6 +61,30 @@ fn tangents_are_exact() {
     }
 }
 
+#[test]
+fn tangents_of_a_ball_of_quadratic_elements_are_exact() {
+    let mut names = Vec::new();
+    let mut setup = falling_round_ball(0.9, 0.3, 0.6, 0.0);
+    check(&setup, 3.0, &mut names);
+    contact_with_stress(&mut setup, 0, StressSource::Solid);
+    check(&setup, 3.0, &mut names);
+    for name in ["solid inertia and body force", "solid internal work", "interface", "contact"] {
+        assert!(names.contains(&name), "{name} was not checked: {names:?}");
+    }
+}
+
+#[test]
+fn a_ball_of_quadratic_elements_moves_as_one_of_twice_as_many_linear_ones() {
+    let [round, fine] = [falling_round_ball(0.9, 1.5, 0.6, 0.0), falling_ball(0.9, 1.5, 0.6, false)].map(|setup| {
+        let (_, reports) = run(&setup, 3);
+        reports[2].bodies[0].balance.expect("a mass")
+    });
+    // Both have the same number of facets on the surface.
+    assert!((round.mass / (8.0 * std::f64::consts::PI) - 1.0).abs() < 1e-4, "{}", round.mass);
+    assert!((round.momentum[1] / fine.momentum[1] - 1.0).abs() < 0.05, "{} {}", round.momentum, fine.momentum);
+    assert!(round.momentum[1] < -0.01 && round.smallest_volume_ratio > 0.99);
+}
+
 /// The linear part of a Nitsche-like law, everywhere active: `λ = -(ε - Δ) + σ_n`.
 #[derive(Debug)]
 struct WithStress(StressSource);

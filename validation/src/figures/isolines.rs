@@ -45,9 +45,8 @@ pub(super) fn draw<const D: usize>(
         let mut view = View::new(corners.0, corners.1, LONGEST, stretch, mirror);
         let vertical = || state.displacement().iter().map(|d| d[1]);
         let range = (vertical().fold(f64::INFINITY, f64::min), vertical().fold(f64::NEG_INFINITY, f64::max));
-        let at = |cell, k: usize| cells.mesh.cell(cell)[k].index();
         let value = |k: usize| (flat(&positions[k]), state.displacement()[k][1]);
-        let triangles: Vec<_> = cells.mesh.cells().map(|cell| [0, 1, 2].map(|k| value(at(cell, k)))).collect();
+        let triangles: Vec<_> = cells.cells().map(|cell| [0, 1, 2].map(|k| value(cell[k].index()))).collect();
         view.isolines(&triangles, range, LEVELS, false);
         view.draw(OUTLINE, outline(body, &positions, mirror).into_iter());
         view.bar(range, "cm");

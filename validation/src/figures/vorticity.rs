@@ -1,7 +1,7 @@
 //! Isolines of the vorticity with velocity vectors, on the whole domain and near the lowest point of a body.
 
 use cutwater::io::vtk::fluid::{curl, fluid_polygons};
-use cutwater::mesh::{SimplexMesh, Vector};
+use cutwater::mesh::{SimplexMesh, Vector, VertexId};
 use cutwater::report::plane::{barycentric, outline};
 use cutwater::solver::{FluidState, StepView};
 
@@ -46,8 +46,8 @@ pub(super) fn draw<const D: usize>(view: &StepView<'_, D>, leading: usize, mirro
         let mut shown = View::new(low, high, LONGEST, 1.0, mirror);
         for ((body, now), positions) in setup.bodies.iter().zip(&view.state.bodies).zip(&fluid.positions) {
             if let Some(solid) = body.cells(now) {
-                let corner = |cell, k: usize| flat(&positions[solid.mesh.cell(cell)[k].index()]);
-                shown.draw(SOLID, solid.mesh.cells().map(|cell| [0, 1, 2].map(|k| corner(cell, k))));
+                let corner = |vertex: VertexId| flat(&positions[vertex.index()]);
+                shown.draw(SOLID, solid.cells().map(|cell| [0, 1, 2].map(|k| corner(cell[k]))));
             }
         }
         let is_seen = |x: &[f64; 2]| (0..2).all(|k| low[k] <= x[k] && x[k] <= high[k]);

@@ -108,9 +108,8 @@ fn acceleration(h: f64, is_rigid: bool, n_steps: usize) -> Result<f64, Failure> 
 fn make_rigid(setup: &mut Setup<2>) -> Result<(), Failure> {
     let ball = &setup.bodies[0];
     let start = ball.start();
-    let solid = ball.cells(&start).ok_or("the ball is elastic")?.mesh;
     let balance = ball.balance(&start).ok_or("the ball is elastic")?;
-    let density = balance.mass / solid.cells().map(|cell| solid.simplex(cell).volume()).sum::<f64>();
+    let density = balance.mass / balance.volume;
     let gravity = balance.body_force / balance.mass;
     let (surface, reference) = (ball.surface().clone(), ball.reference().to_vec());
     let mut rigid = RigidBody::new(ball.name(), surface, reference, density, gravity)?;

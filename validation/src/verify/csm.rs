@@ -5,13 +5,14 @@
 
 use std::ops::Range;
 use std::sync::Arc;
+use std::time::Instant;
 
 use cutwater::algebra::time::{ImplicitEuler, QuasiStatic};
 use cutwater::mesh::SimplexMesh;
 use cutwater::mesh::generate::structured_box;
-use cutwater::solid_svk::{LameParameters, SaintVenantKirchhoff, SupportKind};
+use cutwater::solid_svk::{LameParameters, Order, SaintVenantKirchhoff, SolidMesh, SupportKind};
 
-use super::dry::{self, Scheme, elastic, mapped, second_order};
+use super::dry::{self, Scheme, elastic_of, mapped, second_order};
 use super::signal::{negative, peak, rises};
 use super::{Failure, P, Record, Run, V, short};
 
@@ -34,6 +35,11 @@ const CSM3: [f64; 3] = [-63.607e-3, 65.160e-3, 1.0995];
 const PEER: [(usize, f64); 5] = [(2, -28.99e-3), (4, -49.89e-3), (8, -61.06e-3), (16, -64.74e-3), (32, -65.75e-3)];
 /// Largest difference of results of the same method.
 const SAME: f64 = 1e-3;
+/// Rows of quadratic elements, and of linear ones that are compared with them in cost.
+const QUADRATIC_ROWS: usize = 4;
+const LINEAR_ROWS: usize = 32;
+/// Largest relative errors with quadratic elements: of displacements at rest, of amplitude and of frequency.
+const QUADRATIC: [f64; 3] = [0.005, 0.01, 0.01];
 /// Steps in which the weight is applied at rest.
 const LOAD_STEPS: u32 = 4;
 
@@ -50,6 +56,7 @@ struct Flag {
     /// Rows of cells across it, each of squares in two triangles.
     rows: usize,
     mu: f64,
+    order: Order,
     /// Whether its end follows the cylinder, as that of the benchmark; a straight end is at the cylinder's rightmost point.
     is_fitted: bool,
 }
@@ -58,9 +65,20 @@ impl Flag {
     /// Creates the run of the flag under a given gravity.
     fn run(self, gravity: f64, scheme: Scheme, dt: f64) -> Result<Run, Failure> {
         let material = SaintVenantKirchhoff::new(LameParameters::new(self.mu, 4.0 * self.mu)?);
-        let mut body = elastic(mesh(self.rows, self.is_fitted)?, DENSITY, material, V::new(0.0, -gravity), scheme)?;
+        let mut body = elastic_of(self.solid()?, DENSITY, material, V::new(0.0, -gravity), scheme)?;
         body.hold("left", SupportKind::Clamped)?;
         dry::run(vec![body], None, dt, 1e-9)
+    }
+
+    /// Returns the elements. Nodes on edges are moved as vertices are.
+    fn solid(self) -> Result<SolidMesh<2>, Failure> {
+        let (even, fitted) = (squares(self.rows)?, mesh(self.rows, self.is_fitted)?);
+        Ok(match self.order {
+            Order::Linear => SolidMesh::new(fitted)?,
+            Order::Quadratic => SolidMesh::curved(fitted, |[a, b], _| {
+                moved(&((even.vertex(a) + even.vertex(b)) * 0.5), self.is_fitted)
+            })?,
+        })
     }
 
     /// Computes the displacement of the tip at rest.
@@ -89,15 +107,23 @@ impl Flag {
 
 /// Returns the mesh of the flag with a number of rows of squares across it, each in two triangles.
 pub(super) fn mesh(rows: usize, is_fitted: bool) -> Result<SimplexMesh<2>, Failure> {
+    mapped(&squares(rows)?, |at| moved(at, is_fitted))
+}
+
+/// Returns the mesh of a flag with a straight end.
+fn squares(rows: usize) -> Result<SimplexMesh<2>, Failure> {
     let columns = (rows as f64 * LENGTH / THICKNESS).round() as usize;
     let [x, y] = TIP;
     let (low, high) = ([x - LENGTH, y - 0.5 * THICKNESS], [x, y + 0.5 * THICKNESS]);
-    let ([cx, cy], radius) = CYLINDER;
-    mapped(&structured_box::<2>(low, high, [columns, rows])?, |at| {
-        let end = cx + (radius.powi(2) - (at[1] - cy).powi(2)).sqrt();
-        let stretch = if is_fitted { (x - end) / LENGTH } else { 1.0 };
-        P::new(x - (x - at[0]) * stretch, at[1])
-    })
+    Ok(structured_box::<2>(low, high, [columns, rows])?)
+}
+
+/// Returns where a point of the flag with a straight end is in one whose end follows the cylinder.
+fn moved(at: &P, is_fitted: bool) -> P {
+    let (x, ([cx, cy], radius)) = (TIP[0], CYLINDER);
+    let end = cx + (radius.powi(2) - (at[1] - cy).powi(2)).sqrt();
+    let stretch = if is_fitted { (x - end) / LENGTH } else { 1.0 };
+    P::new(x - (x - at[0]) * stretch, at[1])
 }
 
 /// Returns the displacement of the tip, where the two halves of the end meet.
@@ -131,7 +157,7 @@ fn extrapolated(rows: [usize; 2], [coarse, fine]: [f64; 2]) -> f64 {
 }
 
 pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
-    let flag = |rows: usize, mu: f64| Flag { rows, mu, is_fitted: true };
+    let flag = |rows: usize, mu: f64| Flag { rows, mu, order: Order::Linear, is_fitted: true };
     let mut errors = Vec::new();
     let mut values = Vec::new();
     let peer = if record.full { &PEER[..] } else { &PEER[..4] };
@@ -153,10 +179,11 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let stiff = both(&|rows| flag(rows, STIFF))?;
     record.show(format!("CSM2, {} rows: u_y [m]", rows[1]), stiff[1], Some(CSM2));
     record.near_relative("CSM2: extrapolated u_y [m]", extrapolated(rows, stiff), CSM2, 5e-3);
-    let straight = both(&|rows| Flag { rows, mu: SOFT, is_fitted: false })?;
+    let straight = both(&|rows| Flag { is_fitted: false, ..flag(rows, SOFT) })?;
     record.show("CSM1, straight end: extrapolated u_y [m]", extrapolated(rows, straight), Some(CSM1));
 
     swinging(record)?;
+    quadratic(record)?;
     record.note(format!(
         "A flag of {LENGTH} by {THICKNESS}, its end clamped to the cylinder, squares in two triangles. Linear triangles are too stiff in \
          bending; their errors fall with the square of the size, which extrapolation uses."
@@ -166,7 +193,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
 
 fn swinging(record: &mut Record) -> Result<(), Failure> {
     let (rows, dt): (&[usize], f64) = if record.full { (&[8, 16, 32], 5e-3) } else { (&[6, 10], 1e-2) };
-    let flag = |rows: usize| Flag { rows, mu: SOFT, is_fitted: true };
+    let flag = |rows: usize| Flag { rows, mu: SOFT, order: Order::Linear, is_fitted: true };
     let scheme = second_order(0.8)?;
     let (mut found, mut curves) = (Vec::new(), Vec::new());
     for &rows in rows {
@@ -209,6 +236,32 @@ fn swinging(record: &mut Record) -> Result<(), Failure> {
          meshes, and the mean is that much lower than that of the reference.",
         short(1e3 * (CSM3[0] + CSM3[1])),
     ));
+    Ok(())
+}
+
+/// Compares the flag of quadratic elements with the benchmark, and its cost with that of linear elements of the same use.
+fn quadratic(record: &mut Record) -> Result<(), Failure> {
+    let flag = |mu: f64| Flag { rows: QUADRATIC_ROWS, mu, order: Order::Quadratic, is_fitted: true };
+    let linear = Flag { rows: LINEAR_ROWS, mu: SOFT, order: Order::Linear, is_fitted: true };
+    let name = |flag: Flag| format!("{} rows of order {}", flag.rows, flag.order.degree());
+    let quadratic = name(flag(SOFT));
+    for (case, mu, exact) in [("CSM1", SOFT, CSM1), ("CSM2", STIFF, CSM2)] {
+        record.near_relative(format!("{case}, {quadratic}: u_y [m]"), flag(mu).rest()?[1], exact, QUADRATIC[0]);
+    }
+    let signal = flag(SOFT).swing(second_order(0.8)?, 5e-3, SWINGS)?;
+    let found = last(&signal)?;
+    record.show(format!("CSM3, {quadratic}: {}", COMPARED[0].0), found[0], Some(CSM3[0]));
+    for k in 1..3 {
+        record.near_relative(format!("CSM3, {quadratic}: {}", COMPARED[k].0), found[k], CSM3[k], QUADRATIC[k]);
+    }
+    let compared = if record.full { vec![flag(SOFT), linear] } else { vec![flag(SOFT)] };
+    for flag in compared {
+        let name = name(flag);
+        record.show(format!("{name}: unknowns"), (2 * flag.solid()?.nodes().len()) as f64, None);
+        let begin = Instant::now();
+        flag.rest()?;
+        record.show(format!("CSM1, {name}: time [s]"), begin.elapsed().as_secs_f64(), None);
+    }
     Ok(())
 }
 

@@ -42,7 +42,7 @@ impl<const D: usize> Elastic<D> {
     }
 }
 
-/// Returns an elastic body without supports and loads, at rest.
+/// Returns an elastic body of linear elements without supports and loads, at rest.
 pub(crate) fn elastic<const D: usize>(
     mesh: SimplexMesh<D>,
     density: f64,
@@ -50,7 +50,18 @@ pub(crate) fn elastic<const D: usize>(
     gravity: Vector<D>,
     scheme: Scheme,
 ) -> Result<Elastic<D>, Failure> {
-    let (solid, form) = (SolidMesh::new(mesh)?, SolidForm::new(density, material, gravity)?);
+    elastic_of(SolidMesh::new(mesh)?, density, material, gravity, scheme)
+}
+
+/// Returns an elastic body of given elements without supports and loads, at rest.
+pub(super) fn elastic_of<const D: usize>(
+    solid: SolidMesh<D>,
+    density: f64,
+    material: impl Material<D> + 'static,
+    gravity: Vector<D>,
+    scheme: Scheme,
+) -> Result<Elastic<D>, Failure> {
+    let form = SolidForm::new(density, material, gravity)?;
     Ok(Elastic { solid, form, options: ElasticOptions::default(), scheme })
 }
 

@@ -62,7 +62,7 @@ impl<const D: usize> Observer<D> for &mut Expected {
         let pieces = |part| if cut.is_whole(part) { 1 } else { cut.part_pieces(part).len() };
         let solids = view.setup.bodies.iter().zip(&view.state.bodies).filter_map(|(body, now)| body.cells(now));
         let fluid = Content { cells: cut.all_parts().map(pieces).sum(), area: Some(cut.fluid_volume()) };
-        let solid = Content { cells: solids.map(|solid| solid.mesh.n_cells()).sum(), area: None };
+        let solid = Content { cells: solids.map(|solid| solid.stress.len()).sum(), area: None };
         let interface = Content { cells: cut.interface().len(), area: None };
         for (name, content) in [("fluid", fluid), ("solid", solid), ("interface", interface)] {
             self.0.insert(format!("vtk/{name}_{step:06}.vtu"), content);

@@ -75,11 +75,10 @@ impl Mode {
     /// Returns the projection of displacements of a disk on the mode. Other modes are orthogonal to it, with the mass of the
     /// vertices.
     pub(super) fn projection(&self, solid: &SolidMesh<2>) -> impl Fn(&[V]) -> f64 + use<> {
-        let mesh = solid.mesh();
-        let mut weights: Vec<V> = mesh.vertices().iter().map(|x| self.at(x)).collect();
+        let mut weights: Vec<V> = solid.nodes().iter().map(|x| self.at(x)).collect();
         let mut mass = vec![0.0; weights.len()];
-        for cell in mesh.cells() {
-            mesh.cell(cell).iter().for_each(|v| mass[v.index()] += solid.volume(cell));
+        for cell in solid.mesh().cells() {
+            solid.cell(cell).iter().for_each(|v| mass[v.index()] += solid.volume(cell));
         }
         weights.iter_mut().zip(&mass).for_each(|(weight, mass)| *weight *= *mass);
         move |displacement| displacement.iter().zip(&weights).map(|(d, w)| d.dot(w)).sum()

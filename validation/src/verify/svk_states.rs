@@ -9,7 +9,7 @@ use cutwater::algebra::time::QuasiStatic;
 use cutwater::mesh::generate::{BallOptions, half_ball, structured_box};
 use cutwater::mesh::nalgebra::Rotation3;
 use cutwater::mesh::{Point, Tensor, Vector, VertexId, det};
-use cutwater::solid_svk::energy::cell_stress;
+use cutwater::solid_svk::energy::stresses;
 use cutwater::solid_svk::{LameParameters, Load, SaintVenantKirchhoff, Support, SupportKind};
 
 use super::dry::{Elastic, elastic, mapped, run};
@@ -161,11 +161,10 @@ fn deviation<const D: usize>(
         run.advance()?;
     }
     let found = run.state.bodies[0].displacement();
-    let exact: Vec<_> = solid.mesh().vertices().iter().map(displacement).collect();
+    let exact: Vec<_> = solid.nodes().iter().map(displacement).collect();
     let largest = exact.iter().map(Vector::norm).fold(0.0, f64::max);
     let moved = exact.iter().zip(found).map(|(exact, found)| (exact - found).norm() / largest);
-    let stressed =
-        solid.mesh().cells().map(|cell| (cell_stress(&solid, &form, cell, found).cauchy - cauchy).norm() / unit);
+    let stressed = stresses(&solid, &form, found).into_iter().map(|stress| (stress.cauchy - cauchy).norm() / unit);
     Ok(moved.chain(stressed).fold(0.0, worse))
 }
 

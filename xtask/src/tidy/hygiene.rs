@@ -10,12 +10,12 @@ const LONG_FILES: &[(&str, &str)] = &[];
 /// Largest numbers of lines of Rust below some folders (docs/adr/0022).
 const BUDGETS: &[(&[&str], usize)] = &[
     (&["crates/cutwater/src/lib.rs", "crates/cutwater/src/main.rs"], 160),
-    (&["crates/io/src"], 6950),
+    (&["crates/io/src"], 7070),
     (&["crates/report/src"], 1570),
     (&["crates/solver/src"], 2300),
-    (&["validation"], 10_150),
+    (&["validation"], 10_270),
     (&["xtask/src"], 2300),
-    (&[""], 56_100),
+    (&[""], 57_700),
 ];
 /// Largest number of bytes of all JSON files under version control.
 const JSON_BYTES: usize = 50_000;

@@ -8,10 +8,10 @@ use contact::{
     Obstacle, PenaltyLaw, RigidPlane, check_pair,
 };
 use mesh::{BoundaryMesh, FacetId, Point, Vector};
-use solid_svk::ElasticBody;
+use solid_svk::{ElasticBody, Order};
 
 use crate::setting::{
-    Coulomb, NitscheLike, Random, Scene, block, n_active, report_of, residual, soft, with_velocity, work,
+    Coulomb, NitscheLike, Random, Scene, block_of, n_active, report_of, residual, soft, with_velocity, work,
 };
 
 const GAMMA: f64 = 1e6;
@@ -29,12 +29,19 @@ fn ground<const D: usize>() -> RigidPlane<D> {
 /// A unit block over the ground, its step and its contact.
 type Test<'t, const D: usize> = dyn Fn(&ElasticBody<D>, &Scene<'_, D>, &ContactSites<'_, D>) + 't;
 
-/// Calls `test` for a unit block at a height over the ground, with contact on all of its facets.
-fn over_ground<const D: usize>(height: f64, law: impl ContactLaw + 'static, test: &Test<'_, D>) {
+/// Calls `test` for unit blocks of both orders at a height over the ground, with contact on all of their facets.
+fn over_ground<const D: usize>(height: f64, law: impl ContactLaw + Copy + 'static, test: &Test<'_, D>) {
+    for order in [Order::Linear, Order::Quadratic] {
+        over_ground_of(order, height, law, test);
+    }
+}
+
+fn over_ground_of<const D: usize>(order: Order, height: f64, law: impl ContactLaw + 'static, test: &Test<'_, D>) {
     let (mut min, mut max) = ([0.0; D], [1.0; D]);
     min[D - 1] = height;
     max[D - 1] = height + 1.0;
-    let bodies = [block(min, max, [3; D], soft(), with_velocity(Vector::zeros()))];
+    let n = [4 - order.degree(); D];
+    let bodies = [block_of(order, (min, max), n, soft(), with_velocity(Vector::zeros()))];
     let states: [BodyState<D>; 1] = [bodies[0].start()];
     let scene = Scene::new(&bodies, &states, &ImplicitEuler, DT);
     let form = ContactForm::new(law, SIZE).unwrap();

@@ -15,7 +15,7 @@ use contact::{
 };
 use mesh::generate::structured_box;
 use mesh::{FacetId, Vector, VertexId};
-use solid_svk::{ElasticBody, ElasticOptions, LameParameters, SaintVenantKirchhoff, SolidForm, SolidMesh};
+use solid_svk::{ElasticBody, ElasticOptions, LameParameters, Order, SaintVenantKirchhoff, SolidForm, SolidMesh};
 
 /// Bodies in one step. The first one is the slave, and the second one, if there is one, is the master.
 pub(crate) struct Scene<'a, const D: usize> {
@@ -111,7 +111,7 @@ pub(crate) fn work<'a, const D: usize>(sites: ContactSites<'a, D>) -> Integral<'
     Integral::new("contact", sites, vec![&ContactWork])
 }
 
-/// Returns a box of unit density.
+/// Returns a box of unit density of linear elements.
 pub(crate) fn block<const D: usize>(
     min: [f64; D],
     max: [f64; D],
@@ -119,7 +119,18 @@ pub(crate) fn block<const D: usize>(
     lame: LameParameters,
     options: impl FnOnce(&SolidMesh<D>) -> ElasticOptions<D>,
 ) -> ElasticBody<D> {
-    let solid = SolidMesh::new(structured_box(min, max, n).unwrap()).unwrap();
+    block_of(Order::Linear, (min, max), n, lame, options)
+}
+
+/// Returns a box of unit density between two corners.
+pub(crate) fn block_of<const D: usize>(
+    order: Order,
+    (min, max): ([f64; D], [f64; D]),
+    n: [usize; D],
+    lame: LameParameters,
+    options: impl FnOnce(&SolidMesh<D>) -> ElasticOptions<D>,
+) -> ElasticBody<D> {
+    let solid = SolidMesh::of_order(structured_box(min, max, n).unwrap(), order).unwrap();
     let form = SolidForm::new(1.0, SaintVenantKirchhoff::new(lame), Vector::zeros()).unwrap();
     let options = options(&solid);
     ElasticBody::new("body", solid, form, options).unwrap()

@@ -7,13 +7,14 @@ use solid_rigid::RigidBody;
 use solid_rigid::modes::n_rotations;
 use solid_svk::supports::{facets_without_tags, tagged_facets, vertices_of};
 use solid_svk::{
-    ElasticBody, ElasticOptions, LameParameters, Load, SaintVenantKirchhoff, SolidForm, SolidMesh, Support, SupportKind,
+    ElasticBody, ElasticOptions, LameParameters, LinearElastic, Load, NeoHookean, SaintVenantKirchhoff, SolidForm,
+    SolidMesh, Support, SupportKind,
 };
 use solver::body::Body;
 
 use super::error::{ErrorKind, Location, ScenarioError};
 use super::field::Field;
-use super::geometry::{Geometry, Shape, normal_along_axis};
+use super::geometry::{Geometry, Shape, nodes_on_circle, normal_along_axis};
 use super::key::Quantity;
 use super::motion::{Held, MotionChoice, prescribed};
 use super::solver::Time;
@@ -28,6 +29,9 @@ keys! {
         shape: At<Shape>,
         /// Motion of a body that does not deform; without one the body is elastic.
         motion: Option<At<MotionChoice>>,
+        /// Order of the elements of an elastic body; 1 if left out. Elements of order 2 have nodes on their edges; those on the edge of a disk lie on its
+        /// circle.
+        order: Option<At<usize>> [between(1.0, 2.0)],
         /// Material of an elastic body.
         material: Option<At<MaterialChoice>>,
         /// Density of an elastic or free body.
@@ -48,6 +52,29 @@ choices! {
     pub enum MaterialChoice ["kind"] {
         /// `S = 2 μ E + λ tr(E) I`; with `mu` and `lambda`, or with `young` and `poisson`.
         SaintVenantKirchhoff = "saint-venant-kirchhoff" {
+            /// Shear modulus `μ`.
+            mu: Option<f64> [unit(Quantity::PRESSURE), group(0)],
+            /// First Lamé parameter `λ`.
+            lambda: Option<f64> [unit(Quantity::PRESSURE), group(0)],
+            /// Young's modulus.
+            young: Option<f64> [unit(Quantity::PRESSURE), group(1)],
+            /// Poisson's ratio.
+            poisson: Option<f64> [group(1)],
+        },
+        /// `W = μ/2 (F:F - D) - μ ln J + λ/2 (ln J)²`; resists any compression. With `mu` and `lambda`, or with `young` and `poisson`.
+        NeoHookean = "neo-hookean" {
+            /// Shear modulus `μ`.
+            mu: Option<f64> [unit(Quantity::PRESSURE), group(0)],
+            /// First Lamé parameter `λ`.
+            lambda: Option<f64> [unit(Quantity::PRESSURE), group(0)],
+            /// Young's modulus.
+            young: Option<f64> [unit(Quantity::PRESSURE), group(1)],
+            /// Poisson's ratio.
+            poisson: Option<f64> [group(1)],
+        },
+        /// Hooke's law between stress and the linear strain, for small displacements and rotations. With `mu` and `lambda`, or with
+        /// `young` and `poisson`.
+        Linear = "linear" {
             /// Shear modulus `μ`.
             mu: Option<f64> [unit(Quantity::PRESSURE), group(0)],
             /// First Lamé parameter `λ`.
@@ -97,6 +124,7 @@ impl BodyKeys {
             Some(_) => (&[], "a motion that is given"),
         };
         let given = [
+            ("order", place(&self.order)),
             ("material", place(&self.material)),
             ("density", place(&self.density)),
             ("gravity", place(&self.gravity)),
@@ -138,17 +166,31 @@ pub(super) struct Built<const D: usize> {
 }
 
 fn elastic<const D: usize>(given: &At<BodyKeys>, mesh: SimplexMesh<D>, time: &Time) -> Result<Built<D>, ScenarioError> {
-    let solid = SolidMesh::new(mesh).map_err(|error| given.shape.at.error(error))?;
-    let lame = lame_parameters(needed(given, "material", &given.material)?)?;
+    let solid = match given.order.as_deref() {
+        Some(2) => {
+            let nodes = nodes_on_circle(&given.shape, &mesh)?;
+            SolidMesh::curved(mesh, |ends, middle| nodes.get(&ends).copied().unwrap_or(middle))
+        }
+        _ => SolidMesh::new(mesh),
+    };
+    let solid = solid.map_err(|error| given.shape.at.error(error))?;
+    let material = needed(given, "material", &given.material)?;
     let density = needed(given, "density", &given.density)?;
     let gravity = needed(given, "gravity", &given.gravity)?.vector();
-    let form = SolidForm::new(**density, SaintVenantKirchhoff::new(lame), gravity).map_err(|e| density.at.error(e))?;
+    let lame = lame_parameters(material)?;
+    let form = match **material {
+        MaterialChoice::SaintVenantKirchhoff { .. } => {
+            SolidForm::new(**density, SaintVenantKirchhoff::new(lame), gravity)
+        }
+        MaterialChoice::NeoHookean { .. } => SolidForm::new(**density, NeoHookean::new(lame), gravity),
+        MaterialChoice::Linear { .. } => SolidForm::new(**density, LinearElastic::new(lame), gravity),
+    };
+    let form = form.map_err(|error| density.at.error(error))?;
     let (supports, loads) = match &given.boundary {
         Some(conditions) => supports_and_loads(conditions, &solid, time)?,
         None => Default::default(),
     };
-    let at_start =
-        |field: &Option<Field>| field.as_ref().map(|field| field.at_start(solid.mesh().vertices())).transpose();
+    let at_start = |field: &Option<Field>| field.as_ref().map(|field| field.at_start(solid.nodes())).transpose();
     let options = ElasticOptions {
         supports,
         loads,
@@ -171,7 +213,9 @@ fn free_facets<const D: usize>(given: &At<BodyKeys>, solid: &SolidMesh<D>) -> Re
 }
 
 fn lame_parameters(material: &At<MaterialChoice>) -> Result<LameParameters, ScenarioError> {
-    let MaterialChoice::SaintVenantKirchhoff { mu, lambda, young, poisson } = **material;
+    let (MaterialChoice::SaintVenantKirchhoff { mu, lambda, young, poisson }
+    | MaterialChoice::NeoHookean { mu, lambda, young, poisson }
+    | MaterialChoice::Linear { mu, lambda, young, poisson }) = **material;
     let parameters = match (mu, lambda, young, poisson) {
         (Some(mu), Some(lambda), None, None) => LameParameters::new(mu, lambda),
         (None, None, Some(young), Some(poisson)) => LameParameters::from_young_poisson(young, poisson),
@@ -194,7 +238,7 @@ fn supports_and_loads<const D: usize>(
         let tag = mesh.tag(name).ok_or_else(unknown)?;
         let facets = tagged_facets(solid, name).map_err(|_| unknown())?;
         let vertices = vertices_of(solid, &facets);
-        let points: Vec<_> = vertices.iter().map(|vertex| mesh.vertex(*vertex)).collect();
+        let points: Vec<_> = vertices.iter().map(|vertex| solid.nodes()[vertex.index()]).collect();
         let kind = match &**condition {
             BodyCondition::Clamped => SupportKind::Clamped,
             BodyCondition::Symmetry { normal } => {

@@ -1,5 +1,7 @@
 //! Shapes of bodies: one function for each kind.
 
+use std::collections::HashMap;
+
 use mesh::generate::{BallOptions, Size, ball, graded_box, half_ball, mirrored, structured_box};
 use mesh::{BoundaryMesh, Point, SimplexMesh, Tag, Vector, VertexId};
 
@@ -152,6 +154,35 @@ fn polygon<const D: usize>(
     let n = positions.len();
     let facets = (0..n).flat_map(|k| [VertexId::new(k), VertexId::new((k + 1) % n)]).collect();
     Ok(Geometry::Surface(BoundaryMesh::from_facets(facets), positions))
+}
+
+/// Returns the positions of the nodes that elements of order 2 have on the round edges of a shape, for the ends of each edge in ascending order.
+///
+/// # Errors
+/// A polygon with the area of the disk, which belongs to elements of order 1.
+pub(super) fn nodes_on_circle<const D: usize>(
+    shape: &At<Shape>,
+    mesh: &SimplexMesh<D>,
+) -> Result<HashMap<[VertexId; 2], Point<D>>, ScenarioError> {
+    let (Shape::Ball { centre, area_preserving, .. } | Shape::HalfBall { centre, area_preserving, .. }) = &**shape
+    else {
+        return Ok(HashMap::new());
+    };
+    if *area_preserving {
+        return Err(shape.at.part("area_preserving").error(ErrorKind::NoEffect("elements of order 2")));
+    }
+    let (centre, tag) = (centre.vector::<D>(), mesh.tag("surface"));
+    let mut nodes = HashMap::new();
+    for facet in mesh.facets().filter(|facet| tag.is_some() && mesh.facet_tag(*facet) == tag) {
+        for (k, &a) in mesh.facet(facet).iter().enumerate() {
+            for &b in &mesh.facet(facet)[..k] {
+                let arms = [a, b].map(|vertex| mesh.vertex(vertex) - centre);
+                let middle = (arms[0] + arms[1]).normalize() * arms[0].norm();
+                nodes.insert([a.min(b), a.max(b)], centre + middle);
+            }
+        }
+    }
+    Ok(nodes)
 }
 
 /// Largest number of segments of a side of a polygon.

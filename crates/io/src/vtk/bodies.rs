@@ -1,7 +1,6 @@
 //! The bodies at their positions at the end of a step.
 
 use mesh::Tensor;
-use solver::body::CellOutput;
 use solver::{Setup, State};
 
 use super::{Grid, in_space, simplex_type};
@@ -33,9 +32,9 @@ pub fn bodies_grid<const D: usize>(setup: &Setup<D>, state: &State<D>, shown: Sh
         displacement.extend(now.displacement().iter().flat_map(in_space));
         velocity.extend(now.velocity().iter().flat_map(in_space));
         let before = grid.n_cells();
-        if let Some(CellOutput { mesh, stress }) = deformable {
-            for (cell, stress) in mesh.cells().zip(stress) {
-                grid.push_cell(simplex_type(D + 1), mesh.cell(cell).iter().map(|v| first + u64::from(v.0)));
+        if let Some(output) = deformable {
+            for (cell, stress) in output.cells().zip(&output.stress) {
+                grid.push_cell(simplex_type(D + 1), cell.iter().map(|v| first + u64::from(v.0)));
                 cauchy.extend(tensor_in_space(&stress.cauchy, stress.out_of_plane));
                 von_mises.push(stress.von_mises());
                 pressure.push(stress.pressure());

@@ -1,6 +1,6 @@
 //! Consistency of a material law with itself.
 
-use mesh::{MAX_CELL_VERTICES, Tensor, Vector, det};
+use mesh::{Tensor, Vector, det};
 
 use super::Material;
 
@@ -36,8 +36,7 @@ fn worse(a: f64, b: f64) -> f64 {
 /// Returns the largest deviation of the blocks of the stiffness from [`Material::first_piola_derivative`]. The directions
 /// are the first `D + 1` columns of the two tensors.
 fn stiffness_deviation<const D: usize>(material: &dyn Material<D>, f: &Tensor<D>, pair: &[Tensor<D>; 2]) -> f64 {
-    let mut g = [Vector::<D>::zeros(); MAX_CELL_VERTICES];
-    (0..=D).for_each(|i| g[i] = pair[i / D].column(i % D).into_owned());
+    let g: Vec<Vector<D>> = (0..=D).map(|i| pair[i / D].column(i % D).into_owned()).collect();
     let (mut largest, mut deviation, mut n_blocks) = (0.0_f64, 0.0_f64, 0);
     material.for_each_stiffness(f, &g, &mut |i, j, block| {
         n_blocks += 1;

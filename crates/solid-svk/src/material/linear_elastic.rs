@@ -1,6 +1,6 @@
 //! Linear elasticity: Hooke's law between infinitesimal strain and stress.
 
-use mesh::{MAX_CELL_VERTICES, Tensor, Vector, sym};
+use mesh::{Tensor, Vector, sym};
 
 use super::{LameParameters, Material};
 
@@ -48,14 +48,9 @@ impl<const D: usize> Material<D> for LinearElastic {
 
     /// Computes `K_ij = λ g_i ⊗ g_j + μ g_j ⊗ g_i + μ (g_i·g_j) I`.
     #[inline]
-    fn for_each_stiffness(
-        &self,
-        _f: &Tensor<D>,
-        g: &[Vector<D>; MAX_CELL_VERTICES],
-        visit: &mut dyn FnMut(usize, usize, &Tensor<D>),
-    ) {
+    fn for_each_stiffness(&self, _f: &Tensor<D>, g: &[Vector<D>], visit: &mut dyn FnMut(usize, usize, &Tensor<D>)) {
         let LameParameters { mu, lambda } = self.lame;
-        for i in 0..=D {
+        for i in 0..g.len() {
             for j in 0..=i {
                 let mut block = g[i] * g[j].transpose() * lambda + g[j] * g[i].transpose() * mu;
                 let diagonal = mu * g[i].dot(&g[j]);

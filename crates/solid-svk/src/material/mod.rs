@@ -2,15 +2,17 @@
 
 mod check;
 mod linear_elastic;
+mod neo_hookean;
 mod saint_venant_kirchhoff;
 
 pub use check::{MaterialCheck, check_material};
 pub use linear_elastic::LinearElastic;
+pub use neo_hookean::NeoHookean;
 pub use saint_venant_kirchhoff::SaintVenantKirchhoff;
 
-use mesh::{MAX_CELL_VERTICES, Tensor, Vector, positive, require};
+use mesh::{Tensor, Vector, positive, require};
 
-use crate::Error;
+use crate::{Error, MAX_CELL_NODES};
 
 /// A hyperelastic material; in 2D in plane strain.
 ///
@@ -29,26 +31,21 @@ pub trait Material<const D: usize>: Send + Sync + std::fmt::Debug {
     /// Returns the derivative of the first Piola stress at `f` in direction `h`.
     fn first_piola_derivative(&self, f: &Tensor<D>, h: &Tensor<D>) -> Tensor<D>;
 
-    /// Calls `visit(i, j, K_ij)` for all `j <= i` with the blocks of the stiffness between directions `g`, one per vertex:
+    /// Calls `visit(i, j, K_ij)` for all `j <= i` with the blocks of the stiffness between directions `g`, at most [`MAX_CELL_NODES`]:
     ///
     /// `(K_ij)_ab = (dP[e_b ⊗ g_j] g_i)_a`, and `K_ji = K_ijᵀ` because the stress has an energy.
     ///
     /// This is where the time of an assembly goes: a material that knows its blocks in closed form should say so.
-    fn for_each_stiffness(
-        &self,
-        f: &Tensor<D>,
-        g: &[Vector<D>; MAX_CELL_VERTICES],
-        visit: &mut dyn FnMut(usize, usize, &Tensor<D>),
-    ) {
-        for j in 0..=D {
-            let mut blocks = [Tensor::<D>::zeros(); MAX_CELL_VERTICES];
+    fn for_each_stiffness(&self, f: &Tensor<D>, g: &[Vector<D>], visit: &mut dyn FnMut(usize, usize, &Tensor<D>)) {
+        for j in 0..g.len() {
+            let mut blocks = [Tensor::<D>::zeros(); MAX_CELL_NODES];
             for b in 0..D {
                 let mut h = Tensor::<D>::zeros();
                 h.set_row(b, &g[j].transpose());
                 let dp = self.first_piola_derivative(f, &h);
-                (j..=D).for_each(|i| blocks[i].set_column(b, &(dp * g[i])));
+                (j..g.len()).for_each(|i| blocks[i].set_column(b, &(dp * g[i])));
             }
-            (j..=D).for_each(|i| visit(i, j, &blocks[i]));
+            (j..g.len()).for_each(|i| visit(i, j, &blocks[i]));
         }
     }
 

@@ -1,8 +1,9 @@
 //! The Saint Venant-Kirchhoff material: Hooke's law between Green-Lagrange strain and second Piola stress.
 
-use mesh::{MAX_CELL_VERTICES, Tensor, Vector, det};
+use mesh::{Tensor, Vector, det};
 
 use super::{LameParameters, Material};
+use crate::MAX_CELL_NODES;
 use crate::kinematics::{green_lagrange, green_lagrange_derivative};
 
 /// Saint Venant-Kirchhoff material, in 2D in plane strain.
@@ -49,17 +50,13 @@ impl<const D: usize> Material<D> for SaintVenantKirchhoff {
 
     /// Computes `K_ij = λ G_i ⊗ G_j + μ G_j ⊗ G_i + (g_i·g_j) μ F Fᵀ + (g_i·S g_j) I` with `G = F g`.
     #[inline]
-    fn for_each_stiffness(
-        &self,
-        f: &Tensor<D>,
-        g: &[Vector<D>; MAX_CELL_VERTICES],
-        visit: &mut dyn FnMut(usize, usize, &Tensor<D>),
-    ) {
+    fn for_each_stiffness(&self, f: &Tensor<D>, g: &[Vector<D>], visit: &mut dyn FnMut(usize, usize, &Tensor<D>)) {
         let LameParameters { mu, lambda } = self.lame;
         let stress = self.hooke(&green_lagrange(f));
         let left = f * f.transpose() * mu;
-        let pushed = g.map(|g| f * g);
-        for i in 0..=D {
+        let mut pushed = [Vector::zeros(); MAX_CELL_NODES];
+        pushed.iter_mut().zip(g).for_each(|(pushed, g)| *pushed = f * g);
+        for i in 0..g.len() {
             let traction = stress * g[i];
             for j in 0..=i {
                 let (with_lambda, with_mu) = (pushed[i] * pushed[j].transpose(), pushed[j] * pushed[i].transpose());

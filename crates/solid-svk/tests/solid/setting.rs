@@ -5,8 +5,9 @@ use algebra::{
     BlockLayout, BlockSystem, Constraints, Contributions, DofId, Equations, FieldId, NewtonReport, NewtonSettings,
     Workspace,
 };
-use mesh::{Point, Vector};
-use solid_svk::{LameParameters, SaintVenantKirchhoff, SolidCells, SolidForm, SolidMesh};
+use mesh::generate::structured_box;
+use mesh::{FacetId, Point, SimplexMesh, Tensor, Vector, VertexId, sym};
+use solid_svk::{LameParameters, Order, SaintVenantKirchhoff, SolidCells, SolidForm, SolidMesh};
 
 /// Dofs of the field in front of the body.
 const N_OTHER: usize = 5;
@@ -30,7 +31,7 @@ pub(crate) fn level<const D: usize>(displacement: Vec<Vector<D>>, velocity: Vec<
 }
 
 pub(crate) fn at_rest<const D: usize>(mesh: &SolidMesh<D>) -> Level<Vector<D>> {
-    let zero = vec![Vector::zeros(); mesh.mesh().n_vertices()];
+    let zero = vec![Vector::zeros(); mesh.nodes().len()];
     level(zero.clone(), zero)
 }
 
@@ -78,16 +79,86 @@ pub(crate) fn weightless<const D: usize>() -> SolidForm<D> {
     SolidForm::new(1.0, ball_material(), Vector::zeros()).unwrap()
 }
 
+pub(crate) const ORDERS: [Order; 2] = [Order::Linear, Order::Quadratic];
+
 /// Returns the unit square or cube, divided into `n` bricks along each side.
+pub(crate) fn unit_cubes<const D: usize>(n: usize) -> SimplexMesh<D> {
+    structured_box([0.0; D], [1.0; D], [n; D]).unwrap()
+}
+
+/// Returns the unit square or cube of linear elements, divided into `n` bricks along each side.
 pub(crate) fn unit_box<const D: usize>(n: usize) -> SolidMesh<D> {
-    SolidMesh::new(mesh::generate::structured_box([0.0; D], [1.0; D], [n; D]).unwrap()).unwrap()
+    SolidMesh::new(unit_cubes(n)).unwrap()
+}
+
+/// Returns the unit square or cube with all vertices inside moved.
+pub(crate) fn distorted<const D: usize>(n: usize, order: Order) -> SolidMesh<D> {
+    let (mesh, mut random) = (unit_cubes::<D>(n), Random::new(17));
+    let is_inside = |x: &Point<D>| x.iter().all(|c| *c > 0.0 && *c < 1.0);
+    let mut moved = |x: &Point<D>| if is_inside(x) { x + random.vector::<D>() * (0.15 / n as f64) } else { *x };
+    let vertices = mesh.vertices().iter().map(&mut moved).collect();
+    let cells = mesh.cells().flat_map(|cell| mesh.cell(cell).to_vec()).collect();
+    let moved = SimplexMesh::new(vertices, cells).unwrap();
+    let named = moved.with_facet_tags(|facet| mesh.facet_tag(facet).map(|tag| mesh.tag_names()[tag.index()].as_str()));
+    SolidMesh::of_order(named, order).unwrap()
+}
+
+/// Returns the unit square or cube of quadratic elements with curved edges, inside and on the boundary.
+pub(crate) fn curved<const D: usize>(n: usize) -> SolidMesh<D> {
+    SolidMesh::curved(unit_cubes(n), |_, x: Point<D>| {
+        x + Vector::from_fn(|a, _| 0.05 / n as f64 * (7.0 * x.sum() + a as f64).sin())
+    })
+    .unwrap()
+}
+
+/// Returns a disk around the origin of quadratic elements, whose nodes on the boundary lie on the circle.
+pub(crate) fn round_disk(mesh: SimplexMesh<2>, radius: f64) -> SolidMesh<2> {
+    let on_circle = |facet: &FacetId| mesh.is_boundary(*facet);
+    let sides: Vec<[VertexId; 2]> =
+        mesh.facets().filter(on_circle).map(|f| [mesh.facet(f)[0], mesh.facet(f)[1]]).collect();
+    let on_circle = |[a, b]: [VertexId; 2]| sides.contains(&[a, b]) || sides.contains(&[b, a]);
+    SolidMesh::curved(mesh, |ends, x| if on_circle(ends) { x * (radius / x.norm()) } else { x }).unwrap()
+}
+
+/// A displacement that is quadratic in the position.
+pub(crate) struct Quadratic<const D: usize> {
+    linear: Tensor<D>,
+    /// Second derivatives of each component, symmetric.
+    hessians: [Tensor<D>; D],
+}
+
+/// Returns a displacement with strains of a few percent on the unit square or cube.
+pub(crate) fn quadratic_field<const D: usize>() -> Quadratic<D> {
+    let mut random = Random::new(23);
+    let mut tensor = |scale: f64| Tensor::<D>::from_fn(|_, _| scale * random.number());
+    Quadratic { linear: tensor(0.05), hessians: std::array::from_fn(|_| sym(&tensor(0.05))) }
+}
+
+impl<const D: usize> Quadratic<D> {
+    pub(crate) fn at(&self, x: &Point<D>) -> Vector<D> {
+        self.linear * x + Vector::from_fn(|a, _| 0.5 * x.dot(&(self.hessians[a] * x)))
+    }
+
+    pub(crate) fn gradient(&self, x: &Point<D>) -> Tensor<D> {
+        let mut gradient = self.linear;
+        (0..D).for_each(|a| gradient.set_row(a, &(gradient.row(a) + (self.hessians[a] * x).transpose())));
+        gradient
+    }
+
+    /// Returns `div (2 μ e + λ tr e I)` of the strain `e`, a constant.
+    pub(crate) fn divergence_of_stress(&self, lame: &LameParameters) -> Vector<D> {
+        // ∂_b ∂_b u_a, and ∂_a ∂_b u_b.
+        let laplacian = Vector::<D>::from_fn(|a, _| self.hessians[a].trace());
+        let grad_div = Vector::<D>::from_fn(|a, _| (0..D).map(|b| self.hessians[b][(a, b)]).sum());
+        laplacian * lame.mu + grad_div * (lame.mu + lame.lambda)
+    }
 }
 
 pub(crate) fn one_field<const D: usize>(mesh: &SolidMesh<D>) -> (BlockLayout, FieldId) {
     let mut layout = BlockLayout::new();
     // A field in front, so that the body does not begin at zero.
     layout.push("other", N_OTHER, 1);
-    let field = layout.push("solid velocity", mesh.mesh().n_vertices(), D);
+    let field = layout.push("solid velocity", mesh.nodes().len(), D);
     (layout, field)
 }
 

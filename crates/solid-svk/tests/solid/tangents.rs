@@ -2,14 +2,17 @@
 
 use std::sync::Arc;
 
-use crate::setting::{Random, ball_material, one_field, rule, unit_box};
+use crate::setting::{
+    ORDERS, Random, at_rest, ball_material, curved, distorted, one_field, quadratic_field, rule, state, unit_box,
+    unit_cubes,
+};
 use algebra::time::{GeneralisedAlpha, ImplicitEuler, Level, QuasiStatic, TimeScheme};
 use algebra::{Contributions, Integral, Term, check_tangent};
 use body::SurfaceStress;
 use mesh::{Point, Tensor, Vector, VertexId};
-use solid_svk::kinematics::cauchy_stress;
+use solid_svk::kinematics::{cauchy_stress, gradient};
 use solid_svk::terms::{FollowerPressure, Traction};
-use solid_svk::{Material, SolidCells, SolidFacet, SolidFacets, SolidForm, SolidStress};
+use solid_svk::{Material, Order, SolidCells, SolidFacet, SolidFacets, SolidForm, SolidMesh, SolidStress};
 
 fn schemes() -> [Box<dyn TimeScheme>; 3] {
     [Box::new(ImplicitEuler), Box::new(GeneralisedAlpha::new(0.8).unwrap()), Box::new(QuasiStatic)]
@@ -21,17 +24,16 @@ fn random_level<const D: usize>(random: &mut Random, n: usize) -> Level<Vector<D
     Level { displacement, velocity, acceleration }
 }
 
-fn tangents_are_exact<const D: usize>() {
-    let mesh = unit_box::<D>(2);
-    let (layout, field) = one_field(&mesh);
+fn tangents_are_exact<const D: usize>(mesh: &SolidMesh<D>) {
+    let (layout, field) = one_field(mesh);
     let mut random = Random::new(7);
     let form = SolidForm::new(1.3, ball_material(), random.vector() * 1e3).unwrap();
     let loads: [&dyn Term<SolidFacet<D>>; 2] =
         [&FollowerPressure { pressure: 3e5 }, &Traction { traction: Arc::new(|_, _| Vector::repeat(2.0)) }];
     let facets: Vec<_> = mesh.boundary().facets().collect();
     for scheme in schemes() {
-        let rule = rule(scheme.as_ref(), 1e-2, &random_level(&mut random, mesh.mesh().n_vertices()));
-        let cells = SolidCells { solid: &mesh, rule: &rule, layout: &layout, velocity: field };
+        let rule = rule(scheme.as_ref(), 1e-2, &random_level(&mut random, mesh.nodes().len()));
+        let cells = SolidCells { solid: mesh, rule: &rule, layout: &layout, velocity: field };
         let x = random.numbers(layout.len(), 5.0);
         let (linear, work) = (form.inertia_and_body_force(cells), form.internal_work(cells));
         assert!(linear.is_linear() && !work.is_linear());
@@ -48,41 +50,46 @@ fn tangents_are_exact<const D: usize>() {
 
 #[test]
 fn tangents_are_exact_in_2d_and_3d() {
-    tangents_are_exact::<2>();
-    tangents_are_exact::<3>();
+    tangents_are_exact(&unit_box::<2>(2));
+    tangents_are_exact(&unit_box::<3>(2));
+    tangents_are_exact(&curved::<2>(2));
+    tangents_are_exact(&curved::<3>(1));
 }
 
 /// Checks that the stress on the surface is the Cauchy stress times the current normal, at the stage, and its
 /// derivatives.
-fn stress_on_the_surface<const D: usize>() {
-    let mesh = unit_box::<D>(2);
-    let (layout, field) = one_field(&mesh);
+fn stress_on_the_surface<const D: usize>(mesh: &SolidMesh<D>) {
+    let (layout, field) = one_field(mesh);
     let mut random = Random::new(11);
     let material = ball_material();
     let mut worst = [0.0_f64; 2];
     for scheme in schemes() {
-        let rule = rule(scheme.as_ref(), 1e-2, &random_level(&mut random, mesh.mesh().n_vertices()));
+        let rule = rule(scheme.as_ref(), 1e-2, &random_level(&mut random, mesh.nodes().len()));
         let x = random.numbers(layout.len(), 5.0);
         let stress = SolidStress {
-            cells: SolidCells { solid: &mesh, rule: &rule, layout: &layout, velocity: field },
-            material: &material,
+            cells: SolidCells { solid: mesh, rule: &rule, layout: &layout, velocity: field },
+            materials: &[Arc::new(material)],
         };
         let velocity = layout.values(field, &x).map(Vector::<D>::from).enumerate();
         let displacement: Vec<_> = velocity.map(|(i, v)| rule.displacement.at(i, v)).collect();
-        let positions: Vec<Point<D>> = mesh.mesh().vertices().iter().zip(&displacement).map(|(x, d)| x + d).collect();
+        let positions: Vec<Point<D>> = mesh.nodes().iter().zip(&displacement).map(|(x, d)| x + d).collect();
         let barycentric = [1.0 / D as f64; D];
         let (mut dofs, mut derivatives, mut unused) = (Vec::new(), Vec::new(), Vec::new());
         for facet in mesh.boundary().facets() {
             let found = stress.at(facet, &barycentric, &x, &mut derivatives);
             let cell = mesh.boundary().facet_to_cell(facet).unwrap();
-            let vertices = mesh.mesh().cell(cell).iter().zip(mesh.gradients(cell));
-            let gradient: Tensor<D> = vertices.map(|(v, g)| displacement[v.index()] * g.transpose()).sum();
-            let f = Tensor::identity() + gradient;
-            let expected = cauchy_stress(&f, &material.first_piola(&f)) * mesh.placed(&positions).facet_normal(facet);
-            worst[0] = worst[0].max((found - expected).norm() / expected.norm());
+            if mesh.order() == Order::Linear {
+                let gradients = mesh.mesh().simplex(cell).barycentric_gradients().unwrap();
+                let vertices = mesh.mesh().cell(cell).iter().zip(&gradients);
+                let gradient: Tensor<D> = vertices.map(|(v, g)| displacement[v.index()] * g.transpose()).sum();
+                let f = Tensor::identity() + gradient;
+                let normal = mesh.placed(&positions).facet_normal(facet);
+                let expected = cauchy_stress(&f, &material.first_piola(&f)) * normal;
+                worst[0] = worst[0].max((found - expected).norm() / expected.norm());
+            }
             dofs.clear();
             stress.dofs(facet, &mut dofs);
-            assert!(dofs.len() == D * (D + 1) && derivatives.iter().map(|(dof, _)| dof).eq(&dofs));
+            assert!(dofs.len() == D * mesh.order().n_nodes(D) && derivatives.iter().map(|(dof, _)| dof).eq(&dofs));
             let largest = derivatives.iter().fold(0.0_f64, |largest, (_, derivative)| largest.max(derivative.norm()));
             for (dof, derivative) in &derivatives {
                 let step = 1e-4 * (1.0 + x[dof.index()].abs());
@@ -101,54 +108,91 @@ fn stress_on_the_surface<const D: usize>() {
 
 #[test]
 fn stress_on_the_surface_in_2d_and_3d() {
-    stress_on_the_surface::<2>();
-    stress_on_the_surface::<3>();
+    stress_on_the_surface(&unit_box::<2>(2));
+    stress_on_the_surface(&unit_box::<3>(2));
+    stress_on_the_surface(&curved::<2>(2));
+    stress_on_the_surface(&curved::<3>(1));
 }
 
-/// Checks the bound of the traction by the energy of a cell at rest: random fields stay below it, and a stretch along the normal of a cell with one facet on
-/// the surface reaches it.
-fn trace_bound<const D: usize>() {
-    let mesh = unit_box::<D>(2);
+/// Checks that the stress on the surface of quadratic cells is that of a quadratic displacement in the middle of each facet.
+fn stress_of_a_quadratic_displacement<const D: usize>() {
+    let mesh = distorted::<D>(2, Order::Quadratic);
+    let (layout, field) = one_field(&mesh);
+    let rule = rule(&QuasiStatic, 1.0, &at_rest(&mesh));
+    let material = ball_material();
+    let (cells, mut unused) = (SolidCells { solid: &mesh, rule: &rule, layout: &layout, velocity: field }, Vec::new());
+    let stress = SolidStress { cells, materials: &[Arc::new(material)] };
+    let bend = quadratic_field();
+    let displacement: Vec<_> = mesh.nodes().iter().map(|x| bend.at(x)).collect();
+    let x = state(&layout, field, &displacement);
+    for facet in mesh.boundary().facets() {
+        let found = stress.at(facet, &[1.0 / D as f64; D], &x, &mut unused);
+        let nodes = mesh.boundary().facet(facet);
+        let middle: Point<D> = nodes.iter().map(|node| mesh.nodes()[node.index()] / D as f64).sum();
+        let f = Tensor::identity() + bend.gradient(&middle);
+        let normal = mesh.placed(mesh.nodes()).facet_normal(facet);
+        let turned = (f.try_inverse().unwrap().transpose() * normal).normalize();
+        let expected = cauchy_stress(&f, &material.first_piola(&f)) * turned;
+        assert!((found - expected).norm() < 1e-11 * 1e7, "{found} {expected}");
+    }
+}
+
+#[test]
+fn stress_of_a_quadratic_displacement_in_2d_and_3d() {
+    stress_of_a_quadratic_displacement::<2>();
+    stress_of_a_quadratic_displacement::<3>();
+}
+
+/// Checks the bound of the traction by the energy of a cell at rest: random fields stay below it, and a field along the normal of a cell with one facet on
+/// the surface reaches it: a stretch, or one that varies along the normal.
+fn trace_bound<const D: usize>(order: Order) {
+    let mesh = SolidMesh::<D>::of_order(unit_cubes(2), order).unwrap();
     let (layout, field) = one_field(&mesh);
     let mut random = Random::new(3);
     let material = ball_material();
     let scheme = &schemes()[0];
-    let n = mesh.mesh().n_vertices();
-    let at_rest =
-        Level { displacement: vec![Vector::zeros(); n], velocity: vec![Vector::zeros(); n], acceleration: Vec::new() };
-    let rule = rule(scheme.as_ref(), 1e-2, &at_rest);
+    let rule = rule(scheme.as_ref(), 1e-2, &at_rest(&mesh));
     let (x, slope) = (vec![0.0; layout.len()], rule.displacement.slope);
     let cells = SolidCells { solid: &mesh, rule: &rule, layout: &layout, velocity: field };
-    let stress = SolidStress { cells, material: &material };
+    let stress = SolidStress { cells, materials: &[Arc::new(material)] };
     let (mut derivatives, mut n_reached) = (Vec::new(), 0);
+    let placed = mesh.placed(mesh.nodes());
     for facet in mesh.boundary().facets() {
         let cell = mesh.boundary().facet_to_cell(facet).unwrap();
-        let normal = mesh.placed(mesh.mesh().vertices()).facet_normal(facet);
+        let normal = placed.facet_normal(facet);
         let of_cell: Vec<_> =
             mesh.boundary().facets().filter(|f| mesh.boundary().facet_to_cell(*f) == Some(cell)).collect();
-        let mut ratio = |gradient: &Tensor<D>| {
-            let field = |vertex: VertexId| gradient * mesh.mesh().vertex(vertex);
+        let mut ratio = |values: &[Vector<D>]| {
             let mut on_surface = 0.0;
             for facet in &of_cell {
                 stress.at(*facet, &[1.0 / D as f64; D], &x, &mut derivatives);
-                let vertices =
-                    mesh.mesh().cell(cell).iter().flat_map(|v| field(*v).iter().copied().collect::<Vec<_>>());
-                let traction: Vector<D> = derivatives.iter().zip(vertices).map(|((_, by), y)| by * y).sum();
-                let measure = mesh.placed(mesh.mesh().vertices()).facet_measure(*facet);
-                on_surface += measure * traction.norm_squared();
+                let values = values.iter().flat_map(|y| y.iter().copied());
+                let traction: Vector<D> = derivatives.iter().zip(values).map(|((_, by), y)| by * y).sum();
+                on_surface += placed.facet_measure(*facet) * traction.norm_squared();
             }
-            let energy = material.first_piola_derivative(&Tensor::identity(), gradient).dot(gradient);
-            on_surface / (slope * mesh.volume(cell) * energy)
+            let energy = |(weight, gradients): (f64, &[Vector<D>])| {
+                let gradient = gradient(values, gradients);
+                weight * material.first_piola_derivative(&Tensor::identity(), &gradient).dot(&gradient)
+            };
+            on_surface / (slope * mesh.points(cell).map(energy).sum::<f64>())
         };
         let bound = stress.trace_bound(facet);
         for _ in 0..20 {
-            let gradient = Tensor::<D>::from_fn(|_, _| random.numbers(1, 1.0)[0]);
-            let strain = (gradient + gradient.transpose()) * 0.5;
-            assert!(ratio(&strain) <= bound * (1.0 + 1e-12));
+            let values = random.vectors::<D>(mesh.cell(cell).len(), 1.0);
+            assert!(ratio(&values) <= bound * (1.0 + 1e-12));
         }
-        if of_cell.len() == 1 {
+        if of_cell.iter().all(|other| (placed.facet_normal(*other) - normal).norm() < 1e-12) {
             n_reached += 1;
-            assert!((ratio(&(normal * normal.transpose())) / bound - 1.0).abs() < 1e-12);
+            // The stretch is 1 on the facet and -D/2 at the vertex opposite to it, which has the least energy.
+            let distance = |node: &VertexId| {
+                let origin = mesh.nodes()[mesh.boundary().facet(facet)[0].index()];
+                (origin - mesh.nodes()[node.index()]).dot(&normal)
+            };
+            let height = mesh.cell(cell).iter().map(distance).fold(0.0, f64::max);
+            let bend = if order == Order::Linear { 0.0 } else { (1.0 + 0.5 * D as f64) / (2.0 * height) };
+            let along = |s: f64| normal * (s - bend * s * s);
+            let values: Vec<_> = mesh.cell(cell).iter().map(|node| along(distance(node))).collect();
+            assert!((ratio(&values) / bound - 1.0).abs() < 1e-12);
         }
     }
     assert!(n_reached > 0);
@@ -156,6 +200,8 @@ fn trace_bound<const D: usize>() {
 
 #[test]
 fn the_energy_of_a_cell_bounds_its_traction() {
-    trace_bound::<2>();
-    trace_bound::<3>();
+    for order in ORDERS {
+        trace_bound::<2>(order);
+        trace_bound::<3>(order);
+    }
 }
