@@ -27,6 +27,8 @@ pub struct Balance<const D: usize> {
     pub volume: f64,
     /// Smallest `det F` of all cells; a cell is inverted if it is not positive.
     pub smallest_volume_ratio: f64,
+    /// Middle of the vertices of the cell with that ratio.
+    pub smallest_volume_at: Point<D>,
 }
 
 impl<const D: usize> Balance<D> {

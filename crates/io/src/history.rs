@@ -110,6 +110,7 @@ fn diagnostics_of_bodies<const D: usize>() -> Vec<BodyColumn<D>> {
         ("force_contact", |b| vertical(b, |f| f.contact[D - 1])),
         ("force_remainder", |b| vertical(b, |f| f.remainder()[D - 1])),
         ("fluid_power", |b| b.fluid_power()),
+        ("smallest_volume_ratio", |b| b.body().balance.as_ref().map_or(1.0, |e| e.smallest_volume_ratio)),
     ];
     columns.iter().map(boxed).collect()
 }

@@ -147,6 +147,7 @@ impl<const D: usize> Body<D> for RigidBody<D> {
             body_force: self.gravity * mass,
             volume: Placed::new(&self.boundary, &self.reference).enclosed().volume,
             smallest_volume_ratio: 1.0,
+            smallest_volume_at: Point::zeros(),
         })
     }
 }

@@ -26,6 +26,7 @@ pub fn balance<const D: usize>(
         body_force: Vector::zeros(),
         volume: 0.0,
         smallest_volume_ratio: f64::INFINITY,
+        smallest_volume_at: Point::zeros(),
     };
     for cell in mesh.mesh().cells() {
         let (density, material) = (form.inertia.densities[mesh.group(cell)], form.material(mesh.group(cell)));
@@ -43,7 +44,13 @@ pub fn balance<const D: usize>(
             let ratio = det(&f);
             balance.elastic_energy += weight * material.energy_density(&f);
             balance.volume += weight * ratio;
-            balance.smallest_volume_ratio = balance.smallest_volume_ratio.min(ratio);
+            // Not a number counts as inverted.
+            if !(ratio >= balance.smallest_volume_ratio) {
+                let vertices = &nodes[..=D];
+                let positions = vertices.iter().map(|i| mesh.nodes()[i.index()] + displacement[i.index()]);
+                balance.smallest_volume_at = positions.sum::<Vector<D>>() / vertices.len() as f64;
+                balance.smallest_volume_ratio = ratio;
+            }
         }
     }
     balance.potential_energy = -form.body_force.acceleration.dot(&balance.centre_of_mass);

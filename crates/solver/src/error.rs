@@ -96,6 +96,22 @@ pub enum Stage {
         /// Report of the nonlinear solve, which is discarded.
         newton: Box<NewtonReport>,
     },
+    /// A cell of an elastic body is inside out at the end of the step. Take smaller steps; where the load is too large for the stiffness
+    /// and size of the cells, use finer cells or a stiffer material.
+    #[error(
+        "a cell of body {body} at {place:?} is inside out: its volume is {ratio:.3e} of that in the reference configuration; take smaller steps, finer \
+         cells of the body or a stiffer material"
+    )]
+    Inverted {
+        /// Name of the body.
+        body: String,
+        /// Middle of the cell.
+        place: Vec<f64>,
+        /// Volume over that in the reference configuration.
+        ratio: f64,
+        /// Report of the nonlinear solve, which is discarded.
+        newton: Box<NewtonReport>,
+    },
     /// An observer failed.
     #[error("writing results")]
     Observer(#[source] ObserverError),
@@ -105,7 +121,9 @@ impl Stage {
     /// Returns whether a smaller step may succeed. It cannot if the matrix is too large for the memory or structurally
     /// singular.
     pub fn smaller_step_may_succeed(&self) -> bool {
-        let Self::Newton(newton) = self else { return matches!(self, Self::MissedContact { .. }) };
+        let Self::Newton(newton) = self else {
+            return matches!(self, Self::MissedContact { .. } | Self::Inverted { .. });
+        };
         let NewtonError::Linear { source, .. } = newton else { return true };
         !matches!(
             source,
@@ -120,7 +138,7 @@ impl Stage {
     pub fn newton_report(&self) -> Option<&NewtonReport> {
         match self {
             Self::Newton(newton) => Some(newton.report()),
-            Self::MissedContact { newton, .. } => Some(newton),
+            Self::MissedContact { newton, .. } | Self::Inverted { newton, .. } => Some(newton),
             _ => None,
         }
     }

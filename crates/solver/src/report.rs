@@ -9,7 +9,7 @@ use interface_dg::{InterfaceFlow, InterfaceTraction, interface_flow, interface_t
 use mesh::{BodyId, Point, Vector};
 
 use crate::setup::Contact;
-use crate::{Ledger, Problem, StageSeconds, Step, Substep};
+use crate::{Ledger, Problem, Setup, Stage, StageSeconds, Step, Substep};
 
 /// The forces on a movable body at the stage of a step, of which inertia is the sum: a balance that closes to the accuracy of
 /// the nonlinear solve in every direction without supports.
@@ -131,6 +131,19 @@ impl<const D: usize> Problem<'_, D> {
 }
 
 impl<const D: usize> StepReport<D> {
+    /// Checks that no cell of a body is inside out.
+    pub(crate) fn check_volumes(&self, setup: &Setup<D>) -> Result<(), Stage> {
+        for (body, report) in setup.bodies.iter().zip(&self.bodies) {
+            let Some(balance) = report.balance.as_ref().filter(|balance| !(balance.smallest_volume_ratio > 0.0)) else {
+                continue;
+            };
+            let (body, newton) = (body.name().to_owned(), Box::new(self.newton.clone()));
+            let place = balance.smallest_volume_at.iter().copied().collect();
+            return Err(Stage::Inverted { body, place, ratio: balance.smallest_volume_ratio, newton });
+        }
+        Ok(())
+    }
+
     /// Adds the work of failed nonlinear solves.
     pub(crate) fn add_work(&mut self, lost: &NewtonReport) {
         self.newton.add_work(lost);

@@ -26,5 +26,6 @@ pub fn advance<const D: usize>(
     step.check_contacts(&x, &solve).map_err(failed)?;
     let bodies = step.bodies_at_end(&x);
     let report = problem.report(substep, &x, &bodies, solve); // consumes the problem, which borrows the step
+    report.check_volumes(setup).map_err(failed)?;
     Ok((step.finish(substep, &x, bodies, report.contact_energy()), report)) // moves cut and space into the new state
 }

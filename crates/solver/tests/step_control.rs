@@ -150,3 +150,24 @@ fn divided_steps_are_of_second_order() {
     let order = ((coarse - middle) / (middle - fine)).abs().log2();
     assert!(order > 1.8 && order < 2.6, "{order}: {coarse} {middle} {fine}");
 }
+
+/// A cell that is inside out divides the step, and stops the run with its place.
+#[test]
+fn cells_do_not_turn_inside_out_silently() {
+    let background = structured_box::<2>([0.0, 0.0], [2.0, 2.0], [8, 8]).expect("a box");
+    let mut setup = setup(fluid(background, 1.0, 1.0), 1e-3);
+    setup.most_halvings = 2;
+    on_sides(&mut setup, &["bottom", "left", "right", "top"], || solver::FluidBoundary::NoSlip);
+    let block = structured_box::<2>([0.7, 0.7], [1.3, 1.3], [4, 4]).expect("a box");
+    let mut block = elastic("block", block, 1e3, 1e2, 1e2, V::zeros());
+    // Its lower half is thrown upwards, through the upper one at rest.
+    let thrown = |x: &P| V::new(0.0, if x[1] < 0.9 { 150.0 } else { 0.0 });
+    block.options.initial_velocity = Some(std::sync::Arc::new(thrown));
+    setup.bodies.push(block.body());
+    let (_, _, outcome) = take_steps(&setup, 6);
+    let error = outcome.expect_err("an inverted cell");
+    let Stage::Inverted { body, place, ratio, .. } = &error.source else { panic!("{error:?}") };
+    assert!(body == "block" && *ratio <= 0.0 && place.len() == 2 && (0.7..1.5).contains(&place[1]), "{error:?}");
+    assert!(error.source.smaller_step_may_succeed() && error.source.newton_report().is_some());
+    assert!(error.source.to_string().contains("inside out"));
+}

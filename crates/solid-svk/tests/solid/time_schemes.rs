@@ -43,18 +43,19 @@ fn translates_and_falls_exactly_in_2d_and_3d() {
 #[test]
 fn a_linear_body_keeps_its_energy() {
     let mesh = || ball([0.0, 0.0], 4.0, 1.0, &BallOptions::default()).unwrap();
-    keeps_its_energy(&SolidMesh::new(mesh()).unwrap());
-    keeps_its_energy(&round_disk(mesh(), 4.0));
+    keeps_its_energy(&SolidMesh::new(mesh()).unwrap(), 0.05);
+    // Quadratic elements have higher frequencies, which the scheme dissipates.
+    keeps_its_energy(&round_disk(mesh(), 4.0), 0.1);
 }
 
-fn keeps_its_energy(mesh: &SolidMesh<2>) {
+fn keeps_its_energy(mesh: &SolidMesh<2>, most_lost: f64) {
     let material = LinearElastic::new(ball_material().lame);
     let form = SolidForm::new(1.0, material, Vector::zeros()).unwrap();
     let stretched = |x: &Point<2>| Vector::<2>::new(0.1 * x[0], -0.1 * x[1]);
     let start =
         level(mesh.nodes().iter().map(stretched).collect(), vec![Vector::<2>::new(3.0, -20.0); mesh.nodes().len()]);
     let of = |level: &Level<Vector<2>>| balance(mesh, &form, &level.displacement, &level.velocity);
-    for (scheme, loss) in [(generalised_alpha(1.0), 0.0), (generalised_alpha(0.5), 0.1)] {
+    for (scheme, loss) in [(generalised_alpha(1.0), 0.0), (generalised_alpha(0.5), most_lost)] {
         let mut now = start.clone();
         for _ in 0..20 {
             now = advance(mesh, &form, &scheme, 2e-4, 1e-12, &now);
