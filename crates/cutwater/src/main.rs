@@ -5,7 +5,7 @@ mod commands;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use commands::Failure;
 
@@ -19,6 +19,8 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    /// Write a commented scenario to start from.
+    New(NewArguments),
     /// Run a scenario and write its results.
     Run(RunArguments),
     /// Check a scenario: read it, build its meshes, print sizes; run nothing.
@@ -28,6 +30,24 @@ enum Command {
     Report(ReportArguments),
     /// Cut a mesh of tetrahedra by closed surfaces; print volumes, areas and how well identities hold.
     Cut(CutArguments),
+}
+
+#[derive(Args)]
+struct NewArguments {
+    /// The file; its name without `.toml` becomes that of the scenario.
+    file: PathBuf,
+    /// What it describes.
+    #[arg(long, value_enum, default_value = "fall")]
+    template: Template,
+}
+
+/// Scenarios to start from.
+#[derive(Clone, Copy, ValueEnum)]
+enum Template {
+    /// An elastic ball that falls through a liquid and rebounds from the ground.
+    Fall,
+    /// Flow through a channel past a cylinder with an elastic flag.
+    Flow,
 }
 
 /// A scenario file with changes.
@@ -109,6 +129,7 @@ struct CutArguments {
 
 fn main() -> ExitCode {
     let done = match Cli::parse().command {
+        Command::New(arguments) => commands::new::new(&arguments).map_err(Failure::from),
         Command::Run(arguments) => commands::run::run(&arguments),
         Command::Check(arguments) => commands::check::check(&arguments).map_err(Failure::from),
         #[cfg(feature = "report")]
