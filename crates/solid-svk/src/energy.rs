@@ -45,7 +45,7 @@ pub fn balance<const D: usize>(
             balance.elastic_energy += weight * material.energy_density(&f);
             balance.volume += weight * ratio;
             // Not a number counts as inverted.
-            if !(ratio >= balance.smallest_volume_ratio) {
+            if ratio < balance.smallest_volume_ratio || ratio.is_nan() {
                 let vertices = &nodes[..=D];
                 let positions = vertices.iter().map(|i| mesh.nodes()[i.index()] + displacement[i.index()]);
                 balance.smallest_volume_at = positions.sum::<Vector<D>>() / vertices.len() as f64;

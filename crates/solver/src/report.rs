@@ -134,12 +134,13 @@ impl<const D: usize> StepReport<D> {
     /// Checks that no cell of a body is inside out.
     pub(crate) fn check_volumes(&self, setup: &Setup<D>) -> Result<(), Stage> {
         for (body, report) in setup.bodies.iter().zip(&self.bodies) {
-            let Some(balance) = report.balance.as_ref().filter(|balance| !(balance.smallest_volume_ratio > 0.0)) else {
-                continue;
-            };
-            let (body, newton) = (body.name().to_owned(), Box::new(self.newton.clone()));
-            let place = balance.smallest_volume_at.iter().copied().collect();
-            return Err(Stage::Inverted { body, place, ratio: balance.smallest_volume_ratio, newton });
+            let Some(balance) = &report.balance else { continue };
+            let ratio = balance.smallest_volume_ratio;
+            if ratio <= 0.0 || ratio.is_nan() {
+                let (body, newton) = (body.name().to_owned(), Box::new(self.newton.clone()));
+                let place = balance.smallest_volume_at.iter().copied().collect();
+                return Err(Stage::Inverted { body, place, ratio, newton });
+            }
         }
         Ok(())
     }
