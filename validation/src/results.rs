@@ -68,7 +68,7 @@ const LARGEST_DEFECT: f64 = 10.0;
 
 /// Adds verdicts on the energies of runs: the ledger of every step closes, and no step makes energy.
 pub(crate) fn add_energies(runs: &[&Summary], record: &mut Record) {
-    let defect = runs.iter().map(|run| run.energy_defect).fold(0.0, worse);
+    let defect = runs.iter().map(|run| run.energy_defect.unwrap_or(f64::NAN)).fold(0.0, worse);
     record.at_most("energy of a step that no line of the ledger explains, in tolerances", defect, LARGEST_DEFECT);
     let makers = runs.iter().filter(|run| !run.energy_monotone).count();
     record.at_most("runs with steps that make energy", makers as f64, 0.0);

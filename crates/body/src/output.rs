@@ -23,9 +23,9 @@ pub struct Balance<const D: usize> {
     pub momentum_rate: Vector<D>,
     /// `(ρ, g)`: the body force.
     pub body_force: Vector<D>,
-    /// Volume.
+    /// Volume: the integral of `det F` with the rule of the stress, exact for linear elements and in the plane.
     pub volume: f64,
-    /// Smallest `det F` of all cells; a cell is inverted if it is not positive.
+    /// Smallest `det F` at the points where the stress is evaluated; a cell is inverted if it is not positive.
     pub smallest_volume_ratio: f64,
     /// Middle of the vertices of the cell with that ratio.
     pub smallest_volume_at: Point<D>,

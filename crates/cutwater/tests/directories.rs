@@ -85,6 +85,7 @@ fn one_run_at_a_time_writes_into_a_directory() {
         .spawn()
         .expect("the binary starts");
     while !directory.join("history.csv").is_file() {
+        assert!(first.try_wait().expect("a state").is_none(), "the first run ended early");
         std::thread::sleep(std::time::Duration::from_millis(20));
     }
     let second = run(&case(), &directory, &["--overwrite"]);
@@ -127,7 +128,7 @@ fn closed_and_full_streams_are_no_panics() {
 fn a_write_that_fails_names_its_cause() {
     let directory = fresh("removed");
     // A directory takes the place of a file that is written in the run.
-    fs::create_dir_all(directory.join("vtk/fluid_00000.vtu")).expect("a directory");
+    fs::create_dir_all(directory.join("vtk/.partial-fluid_00000.vtu")).expect("a directory");
     let output = run(&case(), &directory, &["--overwrite"]);
     let text = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(1), "{text}");

@@ -1,6 +1,7 @@
 //! The directory of a run: results of one scenario, and one run at a time that writes into it.
 
 use std::fs::{self, File, TryLockError};
+use std::io::ErrorKind;
 use std::path::Path;
 
 use crate::Error;
@@ -23,32 +24,43 @@ impl Claim {
     /// Creates the directory if there is none, and claims it for a run of a scenario.
     ///
     /// # Errors
-    /// [`Error::Directory`]: another run writes into it; unless `overwrites` is set, it has other files, or results of another scenario.
-    /// [`Error::Write`].
+    /// [`Error::Busy`]: another run writes into it. [`Error::Directory`]: unless `overwrites` is set, it has other files, or results of another
+    /// scenario. [`Error::Write`].
     pub(crate) fn new(directory: &Path, file: &ScenarioFile, overwrites: bool) -> Result<Self, Error> {
-        let refused = |problem: &'static str| Error::Directory { path: directory.to_owned(), problem };
         let marker = directory.join(MARKER);
-        if !overwrites && has_files(directory) {
-            // Results of earlier versions have no marker.
-            let is_run =
-                marker.is_file() || [SCENARIO, "history.csv"].iter().all(|name| directory.join(name).is_file());
-            if !is_run {
-                return Err(refused("has files that are not those of a run"));
-            }
-            let copy = ScenarioFile::read(&directory.join(SCENARIO), &[]);
-            if copy.is_ok_and(|copy| problem_text(&copy).ok() != problem_text(file).ok()) {
-                return Err(refused("has the results of another scenario"));
-            }
-        }
+        let is_marked = marker.is_file();
+        let is_foreign = !is_marked && has_files(directory);
         create_directory(directory)?;
         let written = |source| Error::Write { path: marker.clone(), source };
         let lock = File::create(&marker).map_err(written)?;
         match lock.try_lock() {
-            Ok(()) => Ok(Self { _lock: lock }),
-            Err(TryLockError::WouldBlock) => Err(Error::Busy { path: directory.to_owned() }),
-            Err(TryLockError::Error(source)) => Err(written(source)),
+            Ok(()) => {}
+            // Some file systems have no locks.
+            Err(TryLockError::Error(error)) if error.kind() == ErrorKind::Unsupported => {}
+            Err(TryLockError::WouldBlock) => return Err(Error::Busy { path: directory.to_owned() }),
+            Err(TryLockError::Error(source)) => return Err(written(source)),
         }
+        let checked = if overwrites { Ok(()) } else { check(directory, is_foreign, file) };
+        if checked.is_err() && !is_marked {
+            fs::remove_file(&marker).map_err(written)?;
+        }
+        checked.map(|()| Self { _lock: lock })
     }
+}
+
+/// Checks that a directory has no files but those of an earlier run of the same scenario.
+fn check(directory: &Path, is_foreign: bool, file: &ScenarioFile) -> Result<(), Error> {
+    let refused = |problem: &'static str| Err(Error::Directory { path: directory.to_owned(), problem });
+    let copy = directory.join(SCENARIO);
+    // Results of earlier versions have no marker.
+    if is_foreign && !(copy.is_file() && directory.join("history.csv").is_file()) {
+        return refused("has files that are not those of a run");
+    }
+    if !copy.is_file() {
+        return Ok(());
+    }
+    let is_same = ScenarioFile::read(&copy, &[]).and_then(|copy| Ok(problem_text(&copy)? == problem_text(file)?));
+    if is_same.unwrap_or(false) { Ok(()) } else { refused("has the results of another scenario") }
 }
 
 /// Returns whether a directory exists and is not empty.
@@ -59,13 +71,9 @@ fn has_files(directory: &Path) -> bool {
 /// Refuses a directory in which the copy of the scenario would replace the scenario itself.
 ///
 /// # Errors
-/// [`Error::Directory`].
+/// [`Error::Input`].
 pub(crate) fn keep_input(directory: &Path, input: &Path) -> Result<(), Error> {
     let is_input =
         |path: &Path| fs::canonicalize(path).ok().zip(fs::canonicalize(input).ok()).is_some_and(|(a, b)| a == b);
-    if is_input(&directory.join(SCENARIO)) {
-        let problem = "has the scenario that is run, which its copy with all changes would replace";
-        return Err(Error::Directory { path: directory.to_owned(), problem });
-    }
-    Ok(())
+    if is_input(&directory.join(SCENARIO)) { Err(Error::Input { path: directory.to_owned() }) } else { Ok(()) }
 }

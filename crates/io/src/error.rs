@@ -128,6 +128,12 @@ pub enum Error {
         /// Why.
         problem: &'static str,
     },
+    /// The copy of a scenario would replace the scenario itself.
+    #[error("{} has the scenario that is run, which its copy with all changes would replace; choose another directory with `--out`", .path.display())]
+    Input {
+        /// The directory.
+        path: PathBuf,
+    },
     /// Another run writes into a directory.
     #[error("another run writes into {}; choose another directory with `--out`", .path.display())]
     Busy {

@@ -6,9 +6,10 @@ use std::path::Path;
 
 use crate::Error;
 
-/// Largest file that is read, and largest file of text, bytes. Devices have no end.
+/// Largest file that is read, and largest scenario, bytes. Devices have no end.
 const MOST_BYTES: u64 = 1 << 33;
-const MOST_TEXT: u64 = 1 << 26;
+#[cfg(feature = "simulation")]
+const MOST_OF_SCENARIO: u64 = 1 << 26;
 
 /// Reads a file.
 ///
@@ -31,9 +32,22 @@ fn read_up_to(path: &Path, most: u64) -> Result<Vec<u8>, Error> {
 /// Reads a file of text.
 ///
 /// # Errors
-/// [`Error::Read`]: also if it has more than 64 MB. [`Error::NotUtf8`].
+/// [`Error::Read`]: also if it has more than 8 GB. [`Error::NotUtf8`].
 pub fn read_text(path: &Path) -> Result<String, Error> {
-    String::from_utf8(read_up_to(path, MOST_TEXT)?).map_err(|error| {
+    text(path, read(path)?)
+}
+
+/// Reads a scenario.
+///
+/// # Errors
+/// [`Error::Read`]: also if it has more than 64 MB. [`Error::NotUtf8`].
+#[cfg(feature = "simulation")]
+pub(crate) fn read_scenario(path: &Path) -> Result<String, Error> {
+    text(path, read_up_to(path, MOST_OF_SCENARIO)?)
+}
+
+fn text(path: &Path, bytes: Vec<u8>) -> Result<String, Error> {
+    String::from_utf8(bytes).map_err(|error| {
         let valid = error.utf8_error().valid_up_to();
         let line = error.as_bytes()[..valid].iter().filter(|b| **b == b'\n').count() + 1;
         Error::NotUtf8 { path: path.to_owned(), line }

@@ -1,7 +1,7 @@
 //! `history.csv` and `diagnostics.csv`: one row per step, or per part of a step that was divided.
 
 use std::fs::File;
-use std::io::{Seek, SeekFrom, Write};
+use std::io::{BufRead, BufReader, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use solver::{FluidReport, ForceBalance, Ledger, Setup, StepReport, StepView};
@@ -225,7 +225,10 @@ impl<const D: usize> Table<D> {
             table.push(&names)?;
             return Ok(table);
         };
-        if read_text(&path)?.lines().next() != Some(header.as_str()) {
+        let mut found = String::new();
+        let unreadable = |source| Error::Read { path: path.clone(), source };
+        File::open(&path).and_then(|file| BufReader::new(file).read_line(&mut found)).map_err(unreadable)?;
+        if found.trim_end() != header {
             return Err(Error::Checkpoint { path, problem: "its columns are not those of this program".to_owned() });
         }
         let mut file = File::options().write(true).open(&path).map_err(unwritable)?;

@@ -57,7 +57,7 @@ impl RunOptions<'_> {
     /// # Errors
     /// [`Error`]; if a step failed, the files are complete up to the step before it. [`Error::Interrupted`]: `stop` was set.
     /// [`Error::Unfinished`]: a new run would remove one that was stopped. [`Error::NoCheckpoint`], [`Error::Checkpoint`]: there is nothing to go
-    /// on from, or it belongs to another scenario. [`Error::Directory`], [`Error::Busy`]: the directory is not free.
+    /// on from, or it belongs to another scenario. [`Error::Directory`], [`Error::Input`], [`Error::Busy`]: the directory is not free.
     pub fn run(&self, file: &ScenarioFile, directory: &Path, watch: &mut impl Watch) -> Result<Summary, Error> {
         lower(file, Run { file, directory, watch, options: *self })?
     }
@@ -75,17 +75,15 @@ impl<W: Watch> CaseVisitor for Run<'_, W> {
 
     fn visit<const D: usize>(self, case: Case<D>) -> Result<Summary, Error> {
         let Self { file, directory, watch, options } = self;
-        if !options.resumes {
-            keep_input(directory, file.path())?;
-        }
-        let _claim = Claim::new(directory, file, options.overwrites || options.resumes)?;
-        let (start, header) = if options.resumes {
+        let (start, header, _claim) = if options.resumes {
             let (start, header) = last_checkpoint(file, &case, directory)?;
-            (start, Some(header))
+            (start, Some(header), Claim::new(directory, file, true)?)
         } else {
+            keep_input(directory, file.path())?;
+            let claim = Claim::new(directory, file, options.overwrites)?;
             remove_checkpoints(directory)?;
             remove_series(directory)?;
-            (State::initial(&case.setup)?, None)
+            (State::initial(&case.setup)?, None, claim)
         };
         create_directory(&directory.join("vtk"))?;
         file.write(directory)?;

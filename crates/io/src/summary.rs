@@ -68,9 +68,9 @@ pub struct Summary {
     /// boundaries and given velocities does not count.
     pub energy_monotone: bool,
     /// Largest energy of a step that no line of the ledger explains, relative to the largest energy or line, in tolerances of
-    /// Newton's method.
+    /// Newton's method; none before the first step.
     #[serde(default)]
-    pub energy_defect: f64,
+    pub energy_defect: Option<f64>,
     /// Largest absolute flow through the interface divided by the flow that the bodies displace; none if they rest.
     #[serde(default)]
     pub max_interface_leak: Option<f64>,
@@ -247,9 +247,13 @@ impl SummaryBuilder {
         self.largest_energy = self.largest_energy.max(report.total_energy().abs());
         self.largest_gain = self.largest_gain.max(-report.ledger.dissipation());
         self.largest_line = self.largest_line.max(report.ledger.largest_line());
-        self.largest_defect = self.largest_defect.max(report.ledger.defect().abs());
+        let defect = report.ledger.defect().abs();
+        // What is not a number stays.
+        if defect > self.largest_defect || defect.is_nan() {
+            self.largest_defect = defect;
+        }
         let size = self.largest_energy.max(self.largest_line).max(f64::MIN_POSITIVE);
-        self.summary.energy_defect = self.largest_defect / size / view.setup.newton.tolerance;
+        self.summary.energy_defect = Some(self.largest_defect / size / view.setup.newton.tolerance);
         self.summary.energy_monotone = self.largest_gain <= ENERGY_TOLERANCE * self.largest_energy;
         if let Some(leading) = leading_body(view.setup) {
             self.add_body(&bodies[leading]);

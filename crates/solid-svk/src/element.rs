@@ -147,7 +147,7 @@ impl Order {
     }
 }
 
-/// ShapeFunctions functions at a point of the reference simplex; entries beyond the nodes are zero.
+/// Shape functions at a point of the reference simplex; entries beyond the nodes are zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShapeFunctions {
     /// Values.

@@ -13,7 +13,7 @@ use crate::element::{MAX_CELL_NODES, ShapeFunctions};
 pub struct SolidFacet<const D: usize> {
     /// Number of nodes.
     pub n_nodes: usize,
-    /// ShapeFunctions functions of the nodes.
+    /// Shape functions of the nodes.
     pub shape: ShapeFunctions,
     /// Position `X` in the reference configuration.
     pub reference: Point<D>,

@@ -10,9 +10,9 @@ pub fn deformation_gradient<const D: usize>(grad_d: &Tensor<D>) -> Tensor<D> {
     Tensor::identity() + grad_d
 }
 
-/// Returns the gradient of a P1 field on a cell: `Σ_i d_i ⊗ ∇N_i`.
+/// Returns the gradient of a finite element field at a point: `Σ_i d_i ⊗ ∇N_i`.
 ///
-/// Shapes: `values` and `gradients`: one entry per vertex of the cell.
+/// Shapes: `values` and `gradients`: one entry per node of the cell.
 #[inline]
 pub fn gradient<const D: usize>(values: &[Vector<D>], gradients: &[Vector<D>]) -> Tensor<D> {
     let mut sum = Tensor::zeros();

@@ -209,8 +209,9 @@ impl<const D: usize> SolidMesh<D> {
 
     /// Returns the points of a cell at which the stress is evaluated: weights, and gradients of the shape functions of its nodes.
     ///
-    /// The rule has degree `2p - 2` for order `p`, which keeps the order of convergence. It has as many strains as a cell has
-    /// deformations: one point, and for order 2 three in 2D and four in 3D.
+    /// The rule has degree `2p - 2` for order `p`, which keeps the order of convergence: one point, and for order 2 three in 2D and four in
+    /// 3D. The number of strain components at all points equals that of the displacements of a cell less its rigid motions, so that no
+    /// other motion is without energy.
     ///
     /// Source: Ciarlet 2002, The Finite Element Method for Elliptic Problems, Thm. 4.1.6.
     #[inline]

@@ -99,7 +99,7 @@ pub enum Stage {
     /// A cell of an elastic body is inside out at the end of the step. Take smaller steps; where the load is too large for the stiffness
     /// and size of the cells, use finer cells or a stiffer material.
     #[error(
-        "a cell of body {body} at {place:?} is inside out: its volume is {ratio:.3e} of that in the reference configuration; take smaller steps, finer \
+        "a cell of body {body} at {place:?} is inside out: det F is {ratio:.3e}; take smaller steps, finer \
          cells of the body or a stiffer material"
     )]
     Inverted {
@@ -107,7 +107,7 @@ pub enum Stage {
         body: String,
         /// Middle of the cell.
         place: Vec<f64>,
-        /// Volume over that in the reference configuration.
+        /// Smallest `det F`.
         ratio: f64,
         /// Report of the nonlinear solve, which is discarded.
         newton: Box<NewtonReport>,

@@ -95,15 +95,10 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     }
     record.note(format!(
         "Channel, cylinder and flag of the check `cfd`. Cells within a radius of the cylinder from the flag, where vortices pass, are as fine as those at the cylinder. \
-         Generalised-α with rho_inf = {}. The force is that on cylinder and flag, at the stage of a step.",
+         Generalised-α with rho_inf = {}. The force is that on cylinder and flag, at the stage of a step. A cycle lasts from one upward passage of the lift through its mean \
+         in the reference to the next. Mean and amplitude are half of the sum and of the difference of largest and least value in it. The first flow begins with the parabola \
+         of the inflow everywhere, with half the mean speed across it behind the flag.",
         short(RHO_INF),
-    ));
-    record.note(format!(
-        "A cycle lasts from one upward passage of the lift through its mean in the reference to the next. Mean and amplitude are half of the sum and of the difference \
-         of largest and least value in it. A run ends when mean drag, amplitude of the lift and frequency differ by at most {} among {N_CYCLES} cycles in a row, \
-         of which the last one is shown. The first flow begins with the parabola of the inflow everywhere, with half the mean speed across it behind the \
-         flag; the others begin with the last velocity of the one before.",
-        short(UNCHANGED),
     ));
     Ok(())
 }
@@ -151,6 +146,11 @@ fn periodic(record: &mut Record) -> Result<(), Failure> {
         let Run { setup, state, .. } = run;
         start = Arc::new(move |x| velocity_at(&setup, &state, x));
     }
+    record.note(format!(
+        "A run ends when mean drag, amplitude of the lift and frequency differ by at most {} among {N_CYCLES} cycles in a row, of which the last one is shown. The next \
+         one begins with its last velocity.",
+        short(UNCHANGED),
+    ));
     record.figure("CFD3: drag [N/m]", "t [s]", drags);
     record.figure("CFD3: lift [N/m]", "t [s]", lifts);
     Ok(())

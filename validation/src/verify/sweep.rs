@@ -20,7 +20,7 @@ use super::{Failure, P};
 const N: [usize; 2] = [12, 5];
 /// Length of a step in which inertia is negligible.
 pub(super) const STEADY: f64 = 1e9;
-/// Length of a step in which viscosity is negligible: `ρ h²/(μ dt)` is at least 7000.
+/// Length of a step in which viscosity is negligible: `ρ h²/(μ dt)` is about 7000 in the plane.
 pub(super) const SHORT: f64 = 1e-6;
 /// Largest depth inside of bodies, in cells, at which vertices count as fluid: those that are passed.
 const PASSED: f64 = 0.11;

@@ -81,6 +81,7 @@ impl Failure {
                 | Error::NoCheckpoint { .. }
                 | Error::Unfinished { .. }
                 | Error::Directory { .. }
+                | Error::Input { .. }
                 | Error::Busy { .. },
             ) => ExitCode::from(2),
             Self::Run(Error::Interrupted { .. }) => ExitCode::from(INTERRUPTED),

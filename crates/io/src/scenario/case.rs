@@ -6,12 +6,13 @@ use cutcell::{CutMesh, OverlayOptions};
 use mesh::{Aabb, BodyId, FacetId, Placed, Point};
 use solver::{FluidBoundary, FluidSetup, Setup};
 
-use super::body::{Built, body};
+use super::body::{BodyKeys, Built, body};
 use super::contact::contact;
 use super::error::{ErrorKind, ScenarioError};
 use super::file::{Scenario, ScenarioFile};
-use super::fluid::{fluid, tagged_vertices};
+use super::fluid::{Background, fluid, tagged_vertices, unbalanced};
 use super::motion::{Held, MotionChoice};
+use super::table::At;
 
 /// A scenario ready to run.
 pub struct Case<const D: usize> {
@@ -98,9 +99,9 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
         bottom = Aabb::of_points(fluid.background.vertices()).low[D - 1];
     }
     check_contacts(scenario, &setup, &positions)?;
-    let n_vertices = setup.fluid.as_ref().map_or(0, |fluid| fluid.background.n_vertices());
-    let n_of_bodies: usize = setup.bodies.iter().map(|body| body.reference().len()).sum();
-    let (linear, reason) = scenario.solver.linear(D, (D + 1) * n_vertices + D * n_of_bodies);
+    check_balance(scenario, &setup, &positions)?;
+    let n_vertices = setup.fluid.as_ref().map(|fluid| fluid.background.n_vertices());
+    let (linear, reason) = scenario.solver.linear(D, n_vertices.map_or(0, |n| (D + 1) * n));
     Ok(Case {
         workspace: linear.workspace(),
         linear: format!("{} ({reason})", linear.name()),
@@ -187,6 +188,30 @@ fn check_contacts<const D: usize>(
         }
     }
     Ok(())
+}
+
+/// Checks that no more fluid is brought into a domain without an open side than is taken out. Elastic bodies and bodies that move or
+/// stand on the boundary may change the volume of the fluid: the balance is then unknown.
+fn check_balance<const D: usize>(
+    scenario: &Scenario,
+    setup: &Setup<D>,
+    positions: &[Vec<Point<D>>],
+) -> Result<(), ScenarioError> {
+    let (Some(fluid), Some(given)) = (&setup.fluid, &scenario.background) else { return Ok(()) };
+    let domain = Aabb::of_points(fluid.background.vertices());
+    let keeps_volume = |(given, positions): (&At<BodyKeys>, &Vec<Point<D>>)| {
+        let is_inside = positions.iter().all(|x| (0..D).all(|k| domain.low[k] < x[k] && x[k] < domain.high[k]));
+        is_inside && matches!(given.motion.as_deref(), Some(MotionChoice::Fixed | MotionChoice::Free { .. }))
+    };
+    if !scenario.body.iter().zip(positions).all(keeps_volume) {
+        return Ok(());
+    }
+    let Some((time, net)) = unbalanced(fluid, [0.0, scenario.time.end]) else { return Ok(()) };
+    let Background::GradedBox { boundary, .. } = &**given;
+    Err(boundary.at.invalid(format!(
+        "no side is open, and at the time {time} the given velocities have a net inflow of {net:.3e} (volume per time); make a side `free`, or \
+         change the velocities"
+    )))
 }
 
 /// Largest distance of a plane of symmetry from a vertex on it, relative to the size of the domain.

@@ -16,7 +16,7 @@ use super::solver::{Linear, Solver, Time};
 use super::table::{At, Document, Node, Value, keys, parse};
 use super::units::Units;
 use crate::Error;
-use crate::files::{read, read_text, write_whole};
+use crate::files::{read, read_scenario, write_whole};
 
 keys! {
     /// A scenario.
@@ -79,7 +79,7 @@ impl ScenarioFile {
     /// # Errors
     /// [`Error::Read`], [`Error::NotUtf8`], or [`Error::Scenario`] with file, line and key.
     pub fn read(path: &Path, sets: &[String]) -> Result<Self, Error> {
-        Self::parse(path, &read_text(path)?, sets)
+        Self::parse(path, &read_scenario(path)?, sets)
     }
 
     /// Reads a scenario from text; `path` names it in errors.

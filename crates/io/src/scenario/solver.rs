@@ -92,27 +92,27 @@ keys! {
     pub struct Solver {
         /// Newton's method.
         newton: Newton = {},
-        /// Linear solver. If left out: `{ kind = "gmres", preconditioner = "lagged-lu" }`; in space above 50 000 unknowns
+        /// Linear solver. If left out: `{ kind = "gmres", preconditioner = "lagged-lu" }`; for a fluid in space with more than 50 000 unknowns
         /// `{ kind = "gmres", preconditioner = "block-gauss-seidel" }`.
         linear: Option<Linear>,
     }
 }
 
-/// Number of unknowns in space above which a factorisation of the whole matrix is too large.
+/// Number of unknowns of a fluid in space above which a factorisation of the whole matrix is too large.
 ///
-/// Factors of a three-dimensional mesh have about `n^(4/3)` entries times a factor of ten; with 50 000 unknowns that is 0.15 GB in single
-/// precision, and with 500 000 it is 3 GB.
+/// Both factors of the matrix of a mesh in space have about `20 n^(4/3)` entries: with 50 000 unknowns 0.15 GB in single precision, and with
+/// 500 000 unknowns 3 GB.
 const LARGE_IN_SPACE: usize = 50_000;
 
 impl Solver {
-    /// Returns the linear solver for a number of unknowns in a dimension, with the reason for it.
+    /// Returns the linear solver for a fluid with a number of unknowns, or for bodies alone, with the reason for it.
     pub(super) fn linear(&self, dimension: usize, n_unknowns: usize) -> (Linear, &'static str) {
         let gmres = |preconditioner| Linear::Gmres { preconditioner, restart: None, blocks: None };
         match &self.linear {
             Some(linear) => (linear.clone(), "as the scenario says"),
             None if dimension > 2 && n_unknowns > LARGE_IN_SPACE => (
                 gmres(Preconditioner::BlockGaussSeidel),
-                "in space above 50000 unknowns the factors of the whole matrix are large",
+                "a fluid in space with more than 50000 unknowns makes large factors",
             ),
             None => (gmres(Preconditioner::LaggedLu), "matrices change little from step to step"),
         }
