@@ -36,7 +36,7 @@ enum Command {
 struct NewArguments {
     /// The file; its name without `.toml` becomes that of the scenario.
     file: PathBuf,
-    /// What it describes.
+    /// Subject of the scenario.
     #[arg(long, value_enum, default_value = "fall")]
     template: Template,
 }

@@ -248,7 +248,7 @@ impl SummaryBuilder {
         self.largest_gain = self.largest_gain.max(-report.ledger.dissipation());
         self.largest_line = self.largest_line.max(report.ledger.largest_line());
         let defect = report.ledger.defect().abs();
-        // What is not a number stays.
+        // NaN is kept.
         if defect > self.largest_defect || defect.is_nan() {
             self.largest_defect = defect;
         }

@@ -308,20 +308,26 @@ mod tests {
         let run = |value: f64, height: f64| {
             let (speed, fastest) = (50.0 + value.powi(2), 51.0 + value.powi(2));
             let rebound = Some(Rebound { height, time: 0.2, speed, fastest });
-            Run { value, rebound, ..Run::default() }
+            let summary = Summary { energy_defect: Some(0.5), energy_monotone: true, ..Summary::default() };
+            Run { value, rebound, summary, ..Run::default() }
         };
         let verdicts = |heights: [f64; 3]| {
             let runs = [run(0.4, heights[0]), run(0.2, heights[1]), run(0.1, heights[2])];
             record("t", &definition, &[runs.to_vec()]).rows.iter().map(|row| row.verdict.clone()).collect::<Vec<_>>()
         };
-        // Order and uncertainty of both speeds and the height, then the spread of all.
+        // Order and uncertainty of both speeds and the height, then both rows on energies and the spread of all.
         let expected = |of_height: [&'static str; 2], spread: &'static str| {
-            [&["pass"; 4][..], &of_height[..], &["pass", "pass", spread][..]].concat()
+            [&["pass"; 4][..], &of_height[..], &["pass"; 4][..], &[spread][..]].concat()
         };
         assert_eq!(verdicts([5.16, 5.04, 5.01]), expected(["pass", "pass"], "pass"));
         assert_eq!(verdicts([5.4, 5.2, 5.1]), expected(["FAIL", "pass"], "FAIL"));
         assert_eq!(verdicts([4.0, 5.2, 4.1]), expected(["FAIL", "FAIL"], "FAIL"));
         assert_eq!(verdicts([-4.0, 5.2, 4.1]), expected(["FAIL", "FAIL"], "FAIL"));
         assert_eq!(verdicts([5.16, 5.04, f64::NAN]), expected(["FAIL", "FAIL"], "FAIL"));
+        // Runs without a ledger, as those of earlier versions, and runs that make energy.
+        let without = record("t", &definition, &[vec![Run { value: 0.4, ..Run::default() }]]);
+        let judged =
+            |words: &str| without.rows.iter().find(|row| row.quantity.contains(words)).is_some_and(|row| !row.holds());
+        assert!(judged("no line of the ledger") && judged("make energy"));
     }
 }

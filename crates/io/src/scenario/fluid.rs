@@ -402,8 +402,8 @@ pub(super) fn unbalanced<const D: usize>(fluid: &FluidSetup<D>, [start, end]: [f
         return None;
     }
     let background = &fluid.background;
-    let surface = background.boundary();
-    let placed = Placed::new(&surface, background.vertices());
+    let surface = &background.boundary();
+    let placed = Placed::new(surface, background.vertices());
     let on = |tag: Tag| surface.facets().filter(move |facet| surface.tag(*facet) == Some(tag));
     let at = |time: f64| {
         let mut nodal = vec![Vector::<D>::zeros(); background.n_vertices()];
