@@ -5,12 +5,12 @@ use std::sync::Arc;
 use cutwater::algebra::NewtonSettings;
 use cutwater::solver::body::PointField;
 
-use super::channel::{Channel, RADIUS, Resolution, velocity_at};
+use super::channel::{Channel, RADIUS, Resolution, step_with_force, velocity_at};
 use super::dry::second_order;
-use super::flow::{fluid_mut, force, wet};
+use super::flow::fluid_mut;
 use super::record::Points;
-use super::signal::{is_steady, mean_and_amplitude, rises};
-use super::{Failure, P, Record, Run, short};
+use super::signal::{is_steady, last_cycles, mean_and_amplitude, rises};
+use super::{Failure, Record, Run, short};
 
 /// The channel of CFD1 and CFD2, with a mean speed of 2 m/s.
 const CHANNEL: Channel = Channel { length: 2.5, density: 1e3, viscosity: 1.0, speed: 2.0, has_flag: true };
@@ -53,9 +53,7 @@ struct Signals {
 impl Signals {
     /// Takes a step and adds the force at its stage.
     fn advance(&mut self, run: &mut Run) -> Result<(), Failure> {
-        let report = run.advance()?;
-        let time = wet(&run.state)?.pressure_time;
-        let (force, _) = force(&run.state, &report, 0, &P::zeros())?;
+        let (time, force) = step_with_force(run)?;
         self.drag.push((time, force[0]));
         self.lift.push((time, force[1]));
         Ok(())
@@ -80,9 +78,7 @@ impl Signals {
 
     /// Returns a curve in the last cycles, from the first passage.
     fn last_cycles(&self, curve: &Points) -> Points {
-        let rises = rises(&self.lift, KNOWN[2]);
-        let (first, begin) = rises[rises.len().saturating_sub(N_CYCLES + 1)];
-        curve[first..].iter().map(|(t, value)| (t - begin, *value)).collect()
+        last_cycles(curve, &rises(&self.lift, KNOWN[2]), N_CYCLES)
     }
 }
 

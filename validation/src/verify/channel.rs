@@ -188,6 +188,13 @@ impl Channel {
     }
 }
 
+/// Takes a step. Returns the force on the first body, and the time of the stage, at which it acts.
+pub(super) fn step_with_force(run: &mut Run) -> Result<(f64, V), Failure> {
+    let report = run.advance()?;
+    let (force, _) = force(&run.state, &report, 0, &P::zeros())?;
+    Ok((wet(&run.state)?.pressure_time, force))
+}
+
 /// Returns velocity and pressure at a point.
 ///
 /// # Errors

@@ -6,12 +6,12 @@ use std::sync::Arc;
 use cutwater::algebra::NewtonSettings;
 use cutwater::solver::body::PointField;
 
-use super::channel::{Channel, RADIUS, Resolution, pressure_difference, velocity_at};
+use super::channel::{Channel, RADIUS, Resolution, pressure_difference, step_with_force, velocity_at};
 use super::dry::second_order;
-use super::flow::{fluid_mut, force, wet};
+use super::flow::fluid_mut;
 use super::record::Points;
-use super::signal::{is_steady, mean, passage, peak, rises};
-use super::{Failure, P, Record, Run, short};
+use super::signal::{is_steady, last_cycles, mean, passage, peak, rises};
+use super::{Failure, Record, Run, short};
 
 /// Benchmarks 2D-2 and 2D-3 of Schäfer and Turek 1996. The largest mean speed of 2D-3 is the speed of 2D-2.
 const CHANNEL: Channel = Channel { length: 2.2, density: 1.0, viscosity: 1e-3, speed: 1.0, has_flag: false };
@@ -63,9 +63,7 @@ struct Signals {
 impl Signals {
     /// Takes a step and adds its values. Forces and pressures are those at the stage of the step.
     fn advance(&mut self, run: &mut Run) -> Result<(), Failure> {
-        let report = run.advance()?;
-        let time = wet(&run.state)?.pressure_time;
-        let (force, _) = force(&run.state, &report, 0, &P::zeros())?;
+        let (time, force) = step_with_force(run)?;
         self.drag.push((time, CHANNEL.coefficient(force[0])));
         self.lift.push((time, CHANNEL.coefficient(force[1])));
         self.pressure.push((time, pressure_difference(&run.setup, &run.state)?));
@@ -95,9 +93,8 @@ impl Signals {
 
     /// Returns drag and lift of the last cycles, from the first passage of zero lift.
     fn last_cycles(&self) -> [Points; 2] {
-        let rises = rises(&self.lift, 0.0);
-        let (first, begin) = rises[rises.len().saturating_sub(N_CYCLES + 1)];
-        [&self.drag, &self.lift].map(|curve| curve[first..].iter().map(|(t, value)| (t - begin, *value)).collect())
+        let passages = rises(&self.lift, 0.0);
+        [&self.drag, &self.lift].map(|curve| last_cycles(curve, &passages, N_CYCLES))
     }
 }
 

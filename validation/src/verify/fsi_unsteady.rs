@@ -8,14 +8,14 @@ use cutwater::mesh::SimplexMesh;
 use cutwater::solid_svk::{LameParameters, SaintVenantKirchhoff, Support, SupportKind};
 use cutwater::solver::body::PointField;
 
-use super::channel::{CENTRE, Channel, RADIUS, Resolution, velocity_at};
+use super::channel::{CENTRE, Channel, RADIUS, Resolution, step_with_force, velocity_at};
 use super::csm::{SOFT, STIFF, displacement};
 use super::dry::{elastic, second_order};
-use super::flow::{fluid_mut, force, wet};
+use super::flow::fluid_mut;
 use super::fsi::obstacle;
 use super::record::{Points, Table};
-use super::signal::{is_steady, mean_and_amplitude, rises};
-use super::{Failure, P, Record, Run, V, short};
+use super::signal::{is_steady, last_cycles, mean_and_amplitude, rises};
+use super::{Failure, Record, Run, V, short};
 
 /// A benchmark, and what is known of it.
 struct Benchmark {
@@ -97,9 +97,8 @@ struct Signals {
 impl Signals {
     /// Takes a step and adds its values. Forces are those at the stage of the step, displacements those at its end.
     fn advance(&mut self, run: &mut Run) -> Result<(), Failure> {
-        let report = run.advance()?;
-        let (u, at_stage) = (displacement(run)?, wet(&run.state)?.pressure_time);
-        let (force, _) = force(&run.state, &report, 0, &P::zeros())?;
+        let (at_stage, force) = step_with_force(run)?;
+        let u = displacement(run)?;
         for k in 0..2 {
             self.u[k].push((run.state.time, u[k]));
             self.force[k].push((at_stage, force[k]));
@@ -128,9 +127,7 @@ impl Signals {
 
     /// Returns a curve in the last cycles, from the first passage.
     fn last_cycles(&self, curve: &Points) -> Points {
-        let rises = rises(&self.u[1], 0.0);
-        let (first, begin) = rises[rises.len().saturating_sub(N_CYCLES + 1)];
-        curve[first..].iter().map(|(t, value)| (t - begin, *value)).collect()
+        last_cycles(curve, &rises(&self.u[1], 0.0), N_CYCLES)
     }
 }
 
@@ -291,6 +288,7 @@ fn begin(record: &mut Record) -> Result<(), Failure> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::P;
     use super::*;
 
     /// Returns the signals of a swing of the reference's FSI3 whose amplitude approaches its end with a rate.
