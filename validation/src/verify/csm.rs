@@ -8,7 +8,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use cutwater::algebra::time::{ImplicitEuler, QuasiStatic};
-use cutwater::mesh::SimplexMesh;
+use cutwater::mesh::{SimplexMesh, VertexId};
 use cutwater::mesh::generate::structured_box;
 use cutwater::solid_svk::{LameParameters, Order, SaintVenantKirchhoff, SolidMesh, SupportKind};
 
@@ -72,12 +72,14 @@ impl Flag {
 
     /// Returns the elements. Nodes on edges are moved as vertices are.
     fn solid(self) -> Result<SolidMesh<2>, Failure> {
-        let (even, fitted) = (squares(self.rows)?, mesh(self.rows, self.is_fitted)?);
+        let mesh = mesh(self.rows, self.is_fitted)?;
         Ok(match self.order {
-            Order::Linear => SolidMesh::new(fitted)?,
-            Order::Quadratic => SolidMesh::curved(fitted, |[a, b], _| {
-                moved(&((even.vertex(a) + even.vertex(b)) * 0.5), self.is_fitted)
-            })?,
+            Order::Linear => SolidMesh::new(mesh)?,
+            Order::Quadratic if self.is_fitted => {
+                let on_edge = edge_nodes(self.rows)?;
+                SolidMesh::curved(mesh, |ends, middle| on_edge(ends).unwrap_or(middle))?
+            }
+            Order::Quadratic => SolidMesh::of_order(mesh, Order::Quadratic)?,
         })
     }
 
@@ -108,6 +110,15 @@ impl Flag {
 /// Returns the mesh of the flag with a number of rows of squares across it, each in two triangles.
 pub(super) fn mesh(rows: usize, is_fitted: bool) -> Result<SimplexMesh<2>, Failure> {
     mapped(&squares(rows)?, |at| moved(at, is_fitted))
+}
+
+/// Returns where the nodes on the edges of a fitted flag are, for the ends of an edge; none for other vertices than its own.
+pub(super) fn edge_nodes(rows: usize) -> Result<impl Fn([VertexId; 2]) -> Option<P>, Failure> {
+    let even = squares(rows)?;
+    Ok(move |ends: [VertexId; 2]| {
+        let [a, b] = ends.map(|end| even.vertices().get(end.index()));
+        Some(moved(&((a? + b?) * 0.5), true))
+    })
 }
 
 /// Returns the mesh of a flag with a straight end.
