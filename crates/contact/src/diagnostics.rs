@@ -1,7 +1,7 @@
 //! Gap, penetration, active area, force, power and energy of a contact.
 
 use algebra::Sites;
-use mesh::{Point, Vector};
+use mesh::{FacetId, Point, Vector};
 
 use crate::{ContactSites, Positions};
 
@@ -10,7 +10,8 @@ use crate::{ContactSites, Positions};
 /// Forces, powers and energies are per unit depth in 2D; areas are lengths there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactReport<const D: usize> {
-    /// Smallest gap of the slave's vertices to the whole obstacle; `None` without vertices or obstacle.
+    /// Smallest gap of the slave's vertices to the whole obstacle, of a body in contact with itself to the facets in reach; `None` without
+    /// any.
     pub minimum_gap: Option<f64>,
     /// Largest `[ε - Δ]₊` at the quadrature points in contact, at the shifted positions at which the law acts.
     pub largest_penetration: f64,
@@ -65,12 +66,18 @@ impl<const D: usize> ContactReport<D> {
     }
 }
 
-/// Returns the smallest gap of the vertices of the slave's facets, to the whole obstacle and not to the candidates
-/// only.
+/// Returns the smallest gap of the vertices of the slave's facets to the whole obstacle. An obstacle without gaps to the whole has those
+/// to candidates.
 fn minimum_gap<const D: usize>(sites: &ContactSites<'_, D>, slave: &[Point<D>], master: &[Point<D>]) -> Option<f64> {
     let pair = &sites.pair;
     let vertices = pair.slave.boundary.vertices_of(pair.facets);
     let points: Vec<Point<D>> = vertices.into_iter().map(|v| slave[v.index()]).collect();
     let projections = pair.obstacle.project_all(&points, Positions::Fixed(master));
-    points.iter().zip(projections).filter_map(|(x, found)| Some(found?.gap(x))).reduce(f64::min)
+    let to_whole = points.iter().zip(projections).filter_map(|(x, found)| Some(found?.gap(x))).reduce(f64::min);
+    let to_candidates = |(facet, near): (FacetId, &[FacetId])| {
+        let points = pair.slave.boundary.facet(facet).iter().map(|v| &slave[v.index()]);
+        let gap = |x: &Point<D>| Some(pair.obstacle.project(x, Positions::Fixed(master), near)?.gap(x));
+        points.filter_map(gap).reduce(f64::min)
+    };
+    to_whole.or_else(|| sites.items.candidates().filter_map(to_candidates).reduce(f64::min))
 }

@@ -29,7 +29,7 @@ pub enum Error {
         /// Number of bodies.
         n_bodies: usize,
     },
-    /// A body cannot be its own obstacle.
-    #[error("slave and master are the same body; self-contact is not supported")]
+    /// A body is the master of itself without [`crate::OwnSurface`].
+    #[error("slave and master are the same body; contact of a body with itself needs its own surface as the obstacle")]
     SelfContact,
 }

@@ -10,7 +10,8 @@
 //! |---|---|
 //! | `λ = -(γ_C0/s) [ε - Δ]₊` | `law/penalty.rs` |
 //! | `-(f, w^s - w^m)` | `terms/contact_work.rs` |
-//! | closest points and normals | `obstacle/rigid_plane.rs`, `obstacle/deformable.rs` |
+//! | closest points and normals | `obstacle/rigid_plane.rs`, `rigid_ball.rs`, `rigid_surface.rs`, `deformable.rs` |
+//! | contact of a body with itself | `obstacle/own.rs` |
 //! | quadrature points, and their time levels | `sites.rs`, `segments.rs` |
 //!
 //! ```
@@ -44,7 +45,7 @@ pub use diagnostics::ContactReport;
 pub use error::Error;
 pub use frame::{Frame, Local};
 pub use law::{ContactLaw, ContactPoint, ContactTraction, PenaltyLaw, StressSource};
-pub use obstacle::{Anchor, DeformableObstacle, Obstacle, Projection, RigidPlane};
+pub use obstacle::{Anchor, DeformableObstacle, Obstacle, OwnSurface, Projection, RigidBall, RigidPlane, RigidSurface};
 pub use positions::Positions;
 pub use site::{ContactNode, ContactSite};
 pub use sites::{ContactForm, ContactItems, ContactPair, ContactSites, check_pair};

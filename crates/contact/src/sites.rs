@@ -112,6 +112,11 @@ fn row_of(dof: DofId, dofs: &mut Vec<DofId>) -> usize {
 }
 
 impl<const D: usize> ContactItems<D> {
+    /// Returns the slave's facets with something in reach, each with the facets of the obstacle there.
+    pub(crate) fn candidates(&self) -> impl Iterator<Item = (FacetId, &[FacetId])> {
+        self.items.iter().map(|item| (item.facet, &item.candidates[..]))
+    }
+
     /// Finds candidates within `reach` of the slave's facets at the start of the step: at least the offset of the law
     /// plus the relative motion in the step. A point without an obstacle in reach carries no traction.
     pub fn new(pair: &ContactPair<'_, D>, layout: &BlockLayout, reach: f64) -> Self {

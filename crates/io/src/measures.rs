@@ -2,9 +2,9 @@
 
 use contact::ContactReport;
 use cutcell::InterfacePiece;
-use mesh::{Placed, Point, Vector};
+use mesh::{BodyId, Placed, Point, Vector};
 use solver::interface_dg::InterfaceTraction;
-use solver::{BodyReport, Setup, StepReport, StepView};
+use solver::{BodyReport, Contact, Setup, StepReport, StepView};
 
 /// One body after a step. The last axis is vertical.
 ///
@@ -97,10 +97,10 @@ impl<'a, const D: usize> BodyMeasures<'a, D> {
         self.body().highest - self.body().lowest.1[D - 1]
     }
 
-    /// Returns the contacts in which the body is the slave.
+    /// Returns the contacts of the body, as slave or as master.
     pub(crate) fn contacts(&self) -> impl Iterator<Item = &'a ContactReport<D>> {
         let contacts = self.view.setup.contacts.iter().zip(&self.step.contacts);
-        contacts.filter(|(contact, _)| contact.body().index() == self.index).map(|(_, found)| found)
+        contacts.filter(|(contact, _)| acts_on(contact, self.index)).map(|(_, found)| found)
     }
 
     /// Returns the largest violation of the offset of a contact.
@@ -146,12 +146,18 @@ fn pieces<'a, const D: usize>(
     cut.zip(tractions).filter(move |(piece, _)| piece.body.index() == index)
 }
 
-/// Returns the smallest gap of a body to its obstacles; without a contact, height of its lowest vertex above `bottom`.
+/// Returns whether a body is the slave or the master of a contact.
+fn acts_on<const D: usize>(contact: &Contact<D>, index: usize) -> bool {
+    let master = contact.master().map(BodyId::index);
+    contact.body().index() == index || master == Some(index)
+}
+
+/// Returns the smallest gap of a body to its obstacles, and of bodies of which it is the obstacle; without a contact, height of its lowest vertex above `bottom`.
 /// `None` before the first step.
 pub fn distance<const D: usize>(view: &StepView<'_, D>, index: usize, bottom: f64) -> Option<f64> {
     let report = view.report?;
     let contacts = view.setup.contacts.iter().zip(&report.contacts);
-    let gaps = contacts.filter(|(c, _)| c.body().index() == index).filter_map(|(_, found)| found.minimum_gap);
+    let gaps = contacts.filter(|(contact, _)| acts_on(contact, index)).filter_map(|(_, found)| found.minimum_gap);
     Some(gaps.reduce(f64::min).unwrap_or_else(|| report.bodies[index].lowest.1[D - 1] - bottom))
 }
 

@@ -36,6 +36,13 @@ impl<const D: usize> BoundaryMesh<D> {
         Self::new(facet_to_vertex, Vec::new(), tags)
     }
 
+    /// Returns the surface with normals into the solid.
+    pub fn reversed(&self) -> Self {
+        let mut reversed = self.clone();
+        reversed.facet_to_vertex.chunks_exact_mut(D).for_each(|facet| facet.swap(0, 1));
+        reversed
+    }
+
     /// Returns the number of facets.
     pub fn n_facets(&self) -> usize {
         self.tags.len()

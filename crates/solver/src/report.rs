@@ -29,7 +29,7 @@ pub struct ForceBalance<const D: usize> {
     pub exchange: Vector<D>,
     /// Penalty of the mortar.
     pub penalty: Vector<D>,
-    /// Contacts, as slave.
+    /// Contacts, as slave and as master.
     pub contact: Vector<D>,
 }
 
@@ -218,8 +218,10 @@ fn add_forces<const D: usize>(
         }
     }
     for (contact, report) in step.setup.contacts.iter().zip(contacts) {
-        if let Some(forces) = &mut bodies[contact.body().index()].forces {
-            forces.contact += report.force;
+        for (body, force) in [(Some(contact.body()), report.force), (contact.master(), -report.force)] {
+            if let Some(forces) = body.and_then(|body| bodies[body.index()].forces.as_mut()) {
+                forces.contact += force;
+            }
         }
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use algebra::NewtonSettings;
 use algebra::time::TimeScheme;
 use body::{Body, BodyState, PointField, TimeField};
-use contact::{ContactForm, DeformableObstacle, Obstacle, check_pair};
+use contact::{ContactForm, DeformableObstacle, Obstacle, OwnSurface, check_pair};
 use cutcell::OverlayOptions;
 use fluid_ns::NewtonianFluid;
 use mesh::{BodyId, FacetId, Placed, Point, SimplexMesh, Tag, Vector};
@@ -104,6 +104,8 @@ pub enum ContactObstacle<const D: usize> {
         /// Its surface.
         surface: DeformableObstacle<D>,
     },
+    /// The boundary of the slave itself.
+    Own(OwnSurface<D>),
 }
 
 impl<const D: usize> Contact<D> {
@@ -111,8 +113,8 @@ impl<const D: usize> Contact<D> {
     /// contact.
     ///
     /// # Errors
-    /// [`contact::Error`]: a facet or a body that does not exist, a body that is its own obstacle, or an obstacle that is not
-    /// the surface of its body.
+    /// [`contact::Error`]: a facet or a body that does not exist, a body that is its own obstacle other than by [`ContactObstacle::Own`], or an
+    /// obstacle that is not the surface of its body.
     pub fn new(
         bodies: &[Arc<dyn Body<D>>],
         body: BodyId,
@@ -131,7 +133,7 @@ impl<const D: usize> Contact<D> {
         let find = |id: BodyId| bodies.get(id.index()).ok_or(contact::Error::UnknownBody { body: id, n_bodies });
         let slave = find(self.body)?;
         let master = self.master().map(find).transpose()?;
-        if self.master() == Some(self.body) {
+        if matches!(self.obstacle, ContactObstacle::Body { body, .. } if body == self.body) {
             return Err(contact::Error::SelfContact);
         }
         check_pair(slave.surface(), &self.facets, self.geometry(), master.map(|master| master.surface()))
@@ -142,11 +144,12 @@ impl<const D: usize> Contact<D> {
         self.body
     }
 
-    /// Returns the body of a deformable obstacle.
+    /// Returns the body of a deformable obstacle, which is the slave in contact with itself.
     pub fn master(&self) -> Option<BodyId> {
         match &self.obstacle {
             ContactObstacle::Rigid(_) => None,
             ContactObstacle::Body { body, .. } => Some(*body),
+            ContactObstacle::Own(_) => Some(self.body),
         }
     }
 
@@ -165,6 +168,7 @@ impl<const D: usize> Contact<D> {
         match &self.obstacle {
             ContactObstacle::Rigid(obstacle) => obstacle.as_ref(),
             ContactObstacle::Body { surface, .. } => surface,
+            ContactObstacle::Own(surface) => surface,
         }
     }
 }

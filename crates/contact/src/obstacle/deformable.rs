@@ -19,7 +19,7 @@ const TOUCHING: f64 = 1e-8;
 /// Source: paper, Sec. 2.3; pseudo-normals: [`VertexToFacet::pseudo_normal`].
 #[derive(Clone, Debug)]
 pub struct DeformableObstacle<const D: usize> {
-    boundary: BoundaryMesh<D>,
+    pub(super) boundary: BoundaryMesh<D>,
     facets: Vec<FacetId>,
     /// One entry per facet of the boundary: whether it is among `facets`.
     may_touch: Vec<bool>,
@@ -41,6 +41,26 @@ impl<const D: usize> DeformableObstacle<D> {
         facets.iter().for_each(|f| may_touch[f.index()] = true);
         let vertex_to_facet = VertexToFacet::new(&boundary);
         Ok(Self { boundary, facets, may_touch, vertex_to_facet })
+    }
+
+    /// Builds the index of the facets that can be touched, in their order.
+    pub(super) fn index(&self, positions: &[Point<D>]) -> SurfaceIndex<D> {
+        let touchable = self.facets.iter().flat_map(|&f| self.boundary.facet(f)).copied().collect();
+        SurfaceIndex::new(&Placed::new(&BoundaryMesh::from_facets(touchable), positions))
+    }
+
+    /// Returns the closest point of the whole obstacle with its index at the same positions. `near` is memory for facets.
+    pub(super) fn project_with(
+        &self,
+        index: &SurfaceIndex<D>,
+        x: &Point<D>,
+        at: Positions<'_, D>,
+        near: &mut Vec<FacetId>,
+    ) -> Option<Projection<D>> {
+        let reach = index.closest(x)?.reach(x);
+        index.facets_overlapping(&Aabb::of_points([x]).expanded(reach), near);
+        near.iter_mut().for_each(|f| *f = self.facets[f.index()]);
+        self.project(x, at, near)
     }
 
     /// Computes the normal into the obstacle and its derivative at a closest point of a facet.
@@ -91,17 +111,8 @@ impl<const D: usize> Obstacle<D> for DeformableObstacle<D> {
     }
 
     fn project_all(&self, points: &[Point<D>], at: Positions<'_, D>) -> Vec<Option<Projection<D>>> {
-        let positions = at.all();
-        let touchable = self.facets.iter().flat_map(|&f| self.boundary.facet(f)).copied().collect();
-        let index = SurfaceIndex::new(&Placed::new(&BoundaryMesh::from_facets(touchable), &positions));
-        let mut near = Vec::new();
-        let mut project = |x: &Point<D>| {
-            let reach = index.closest(x)?.reach(x);
-            index.facets_overlapping(&Aabb::of_points([x]).expanded(reach), &mut near);
-            near.iter_mut().for_each(|f| *f = self.facets[f.index()]);
-            self.project(x, at, &near)
-        };
-        points.iter().map(&mut project).collect()
+        let (index, mut near) = (self.index(&at.all()), Vec::new());
+        points.iter().map(|x| self.project_with(&index, x, at, &mut near)).collect()
     }
 
     fn candidates(
@@ -111,7 +122,15 @@ impl<const D: usize> Obstacle<D> for DeformableObstacle<D> {
         positions: &[Point<D>],
         reach: f64,
     ) -> Vec<Vec<FacetId>> {
-        let index = SurfaceIndex::new(&Placed::new(&self.boundary, positions));
+        let bounds = |surface: Placed<'_, D>, facets: &[FacetId]| {
+            let boxes = facets.iter().map(|&facet| Aabb::of_points(&surface.facet_points(facet)[..D]));
+            boxes.fold(Aabb::empty(), |all, one| all.union(&one))
+        };
+        let own = Placed::new(&self.boundary, positions);
+        if !bounds(slave, facets).expanded(reach).overlaps(&bounds(own, &self.facets)) {
+            return vec![Vec::new(); facets.len()];
+        }
+        let index = SurfaceIndex::new(&own);
         let mut near = Vec::new();
         let mut of_facet = |&facet: &FacetId| {
             let region = Aabb::of_points(&slave.facet_points(facet)[..D]).expanded(reach);

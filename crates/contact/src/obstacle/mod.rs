@@ -2,11 +2,17 @@
 
 mod check;
 mod deformable;
+mod own;
+mod rigid_ball;
 mod rigid_plane;
+mod rigid_surface;
 
 pub use check::{ObstacleCheck, check_obstacle};
 pub use deformable::DeformableObstacle;
+pub use own::OwnSurface;
+pub use rigid_ball::RigidBall;
 pub use rigid_plane::RigidPlane;
+pub use rigid_surface::RigidSurface;
 
 use mesh::{BoundaryMesh, FacetId, MAX_FACET_VERTICES, Placed, Point, Tensor, Vector};
 

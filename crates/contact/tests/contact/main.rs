@@ -5,6 +5,7 @@
 mod deformable;
 mod dynamics;
 mod laws;
+mod own;
 mod patch;
 mod rigid;
 mod setting;

@@ -156,13 +156,15 @@ pub(super) fn body<const D: usize>(given: &At<BodyKeys>, time: &Time) -> Result<
             _ => Arc::new(prescribed(&given.name, motion, time, geometry.into_surface())?),
         },
     };
-    Ok(Built { contact_facets: body.surface().facets().collect(), body })
+    Ok(Built { contact_facets: body.surface().facets().collect(), deforms: false, body })
 }
 
 /// A body, and the facets of its surface that may come into contact.
 pub(super) struct Built<const D: usize> {
     pub(super) body: Arc<dyn Body<D>>,
     pub(super) contact_facets: Vec<FacetId>,
+    /// Whether the body deforms, so that it can touch itself.
+    pub(super) deforms: bool,
 }
 
 fn elastic<const D: usize>(given: &At<BodyKeys>, mesh: SimplexMesh<D>, time: &Time) -> Result<Built<D>, ScenarioError> {
@@ -199,7 +201,7 @@ fn elastic<const D: usize>(given: &At<BodyKeys>, mesh: SimplexMesh<D>, time: &Ti
     };
     let contact_facets = free_facets(given, &solid)?;
     let body = ElasticBody::new(&given.name, solid, form, options).map_err(|error| given.at.error(error))?;
-    Ok(Built { body: Arc::new(body), contact_facets })
+    Ok(Built { body: Arc::new(body), contact_facets, deforms: true })
 }
 
 /// Returns the facets that may come into contact: those on no plane of symmetry and not clamped.

@@ -7,7 +7,7 @@ use mesh::{Aabb, BodyId, FacetId, Placed, Point};
 use solver::{FluidBoundary, FluidSetup, Setup};
 
 use super::body::{BodyKeys, Built, body};
-use super::contact::contact;
+use super::contact::{ContactKeys, Partners};
 use super::error::{ErrorKind, ScenarioError};
 use super::file::{Scenario, ScenarioFile};
 use super::fluid::{Background, fluid, tagged_vertices, unbalanced};
@@ -79,7 +79,12 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
     if let Some(fluid) = &fluid {
         respect_symmetry(scenario, fluid, &mut built)?;
     }
-    let contacts = scenario.contact.iter().map(|given| contact(given, &built)).collect::<Result<Vec<_>, _>>()?;
+    let (mut contacts, mut of_contacts) = (Vec::new(), Vec::new());
+    let partners = Partners::new(&built, fluid.as_ref().map(|fluid| &fluid.background));
+    for given in &scenario.contact {
+        contacts.extend(partners.contacts(given)?);
+        of_contacts.resize(contacts.len(), given);
+    }
     let bodies = built.into_iter().map(|built| built.body).collect();
     let setup = Setup {
         fluid,
@@ -98,7 +103,7 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
         check_placement(scenario, &setup, fluid, &positions)?;
         bottom = Aabb::of_points(fluid.background.vertices()).low[D - 1];
     }
-    check_contacts(scenario, &setup, &positions)?;
+    check_contacts(&of_contacts, &setup, &positions)?;
     check_balance(scenario, &setup, &positions)?;
     let n_vertices = setup.fluid.as_ref().map(|fluid| fluid.background.n_vertices());
     let (linear, reason) = scenario.solver.linear(D, n_vertices.map_or(0, |n| (D + 1) * n));
@@ -159,9 +164,9 @@ fn check_placement<const D: usize>(
 /// Largest depth behind an obstacle that is round-off, relative to the contact size.
 const TOUCHING: f64 = 1e-6;
 
-/// Checks that no body begins behind the obstacle of one of its contacts.
+/// Checks that no body begins behind the obstacle of one of its contacts, for each of which there is a table.
 fn check_contacts<const D: usize>(
-    scenario: &Scenario,
+    of_contacts: &[&At<ContactKeys>],
     setup: &Setup<D>,
     positions: &[Vec<Point<D>>],
 ) -> Result<(), ScenarioError> {
@@ -169,7 +174,8 @@ fn check_contacts<const D: usize>(
         let found = obstacle.project_all(points, Positions::Fixed(at));
         found.iter().zip(points).filter_map(|(found, x)| Some(-found.as_ref()?.gap(x))).fold(0.0, f64::max)
     };
-    for (given, contact) in scenario.contact.iter().zip(&setup.contacts) {
+    let boxes: Vec<_> = positions.iter().map(Aabb::of_points).collect();
+    for (given, contact) in of_contacts.iter().zip(&setup.contacts) {
         let slave = contact.body().index();
         let behind = |body: usize, points: &[Point<D>]| {
             let surface = setup.bodies[body].surface();
@@ -178,13 +184,20 @@ fn check_contacts<const D: usize>(
         };
         let deepest = match contact.master().map(BodyId::index) {
             None => depth(contact.geometry(), &[], &positions[slave]),
+            // A body has gaps to itself only where it is deformed.
+            Some(master) if master == slave => continue,
+            Some(master) if !boxes[master].overlaps(&boxes[slave]) => continue,
             Some(master) => behind(master, &positions[slave])?.max(behind(slave, &positions[master])?),
         };
         if deepest > TOUCHING * given.size {
             let name = setup.bodies[slave].name();
-            return Err(given.obstacle.at.invalid(format!(
-                "body `{name}` is {deepest:.3e} behind this obstacle at the start; move one of them"
-            )));
+            let place = given.obstacle.as_ref().map_or(&given.at, |obstacle| &obstacle.at);
+            let obstacle = match (contact.master(), &given.obstacle) {
+                (Some(master), None) => format!("the surface of `{}`", setup.bodies[master.index()].name()),
+                _ => "this obstacle".to_owned(),
+            };
+            return Err(place
+                .invalid(format!("body `{name}` is {deepest:.3e} behind {obstacle} at the start; move one of them")));
         }
     }
     Ok(())
@@ -231,7 +244,7 @@ fn respect_symmetry<const D: usize>(
         tagged_vertices(background, *tag).first().map(|x| (*axis, x[*axis]))
     });
     let planes: Vec<(usize, f64)> = planes.collect();
-    for (given, Built { body, contact_facets }) in scenario.body.iter().zip(built) {
+    for (given, Built { body, contact_facets, .. }) in scenario.body.iter().zip(built) {
         let Some(motion) = &given.motion else { continue };
         let positions = body.start().positions(body.reference());
         let on_plane = |facet: FacetId| {

@@ -2,29 +2,43 @@
 
 use std::sync::Arc;
 
-use contact::{ContactForm, DeformableObstacle, PenaltyLaw, RigidPlane};
-use mesh::BodyId;
-use solver::ContactObstacle;
+use contact::{ContactForm, DeformableObstacle, OwnSurface, PenaltyLaw, RigidBall, RigidPlane, RigidSurface};
+use mesh::{BodyId, BoundaryMesh, FacetId, Placed, Point, SimplexMesh};
+use solver::body::Body;
+use solver::{Contact, ContactObstacle};
 
 use super::body::Built;
-use super::error::ScenarioError;
-use super::geometry::ZERO_VECTOR;
+use super::error::{ErrorKind, ScenarioError};
+use super::geometry::{Geometry, Shape, ZERO_VECTOR};
 use super::key::Quantity;
 use super::table::{At, Components, choices, keys};
 
 keys! {
-    /// Contact of a body (the slave) with an obstacle (the master).
+    /// Contact between bodies, or of a body with an obstacle: `pairs`, or `pair`, or `body` and `obstacle`.
     pub struct ContactKeys {
-        /// Name of the slave.
-        body: At<String>,
+        /// Every two bodies that can meet, and every body that deforms with itself. In each pair the slave is the body that forces
+        /// move; of two such bodies, the one with the smaller facets, else the first one.
+        pairs: Option<At<Pairs>> [group(0)],
+        /// Names of two bodies, or twice that of a body in contact with itself; the slave is chosen as for `pairs`.
+        pair: Option<At<Vec<At<String>>>> [group(1)],
+        /// Name of the slave; `all` for every body that forces move.
+        body: Option<At<String>> [group(2)],
+        /// The obstacle of `body`.
+        obstacle: Option<At<ObstacleChoice>> [group(2)],
         /// Contact law.
         law: ContactLawChoice,
         /// Contact size `s`, by which the penalty is divided.
         size: f64 [unit(Quantity::LENGTH), positive],
         /// Offset `ε`: contact begins at this distance.
         offset: f64 [unit(Quantity::LENGTH), non_negative],
-        /// The obstacle.
-        obstacle: At<ObstacleChoice>,
+    }
+}
+
+choices! {
+    /// Pairs of bodies.
+    pub enum Pairs {
+        /// All of them.
+        All = "all",
     }
 }
 
@@ -49,7 +63,28 @@ choices! {
             /// Normal of the plane, into the obstacle.
             normal: At<Components<f64>>,
         },
-        /// Another body.
+        /// Disk or ball at rest.
+        Ball = "ball" {
+            /// Centre.
+            centre: Components<f64> [unit(Quantity::LENGTH)],
+            /// Radius.
+            radius: f64 [unit(Quantity::LENGTH), positive],
+            /// Whether the outside is the obstacle, a round container.
+            hollow: bool = false,
+        },
+        /// Surface of a shape at rest.
+        Shape = "shape" {
+            /// Shape.
+            shape: At<Shape>,
+            /// Whether the outside is the obstacle, a container.
+            hollow: bool = false,
+        },
+        /// Parts of the boundary of the background.
+        Wall = "wall" {
+            /// Names of the parts.
+            parts: At<Vec<At<String>>>,
+        },
+        /// Another body, or the slave itself.
         Body = "body" {
             /// Name of the body.
             name: At<String>,
@@ -57,48 +92,197 @@ choices! {
     }
 }
 
-/// Builds a contact between bodies, which stand in the order of their tables.
-pub(super) fn contact<const D: usize>(
-    given: &At<ContactKeys>,
-    built: &[Built<D>],
-) -> Result<solver::Contact<D>, ScenarioError> {
-    let bodies: Vec<_> = built.iter().map(|built| Arc::clone(&built.body)).collect();
-    let fail = |error: contact::Error| given.at.error(error);
-    let find = |name: &At<String>| {
-        let found = bodies.iter().position(|body| body.name() == name.as_str()).map(BodyId::new);
-        found.ok_or_else(|| name.at.unknown("body", name, bodies.iter().map(|body| body.name())))
-    };
-    let free_facets = |body: BodyId| built[body.index()].contact_facets.clone();
-    let slave = find(&given.body)?;
-    let immovable = |why| {
-        let name = given.body.as_str();
-        given.obstacle.at.invalid(format!(
+/// Name that stands for all bodies.
+pub(super) const ALL: &str = "all";
+
+/// Bodies in the order of their tables and the background, between which contacts act.
+pub(super) struct Partners<'p, const D: usize> {
+    built: &'p [Built<D>],
+    bodies: Vec<Arc<dyn Body<D>>>,
+    /// One entry per body.
+    mean_facets: Vec<f64>,
+    background: Option<&'p SimplexMesh<D>>,
+}
+
+impl<'p, const D: usize> Partners<'p, D> {
+    pub(super) fn new(built: &'p [Built<D>], background: Option<&'p SimplexMesh<D>>) -> Self {
+        let bodies: Vec<_> = built.iter().map(|built| Arc::clone(&built.body)).collect();
+        let mean_facets = bodies.iter().map(|body| mean_facet(body.surface(), body.reference())).collect();
+        Self { built, bodies, mean_facets, background }
+    }
+
+    /// Builds the contacts of a table.
+    ///
+    /// # Errors
+    /// Names that do not exist, obstacles that cannot be built, and pairs of which neither can move.
+    pub(super) fn contacts(&self, given: &At<ContactKeys>) -> Result<Vec<Contact<D>>, ScenarioError> {
+        match (&given.pairs, &given.pair, &given.body) {
+            (Some(_), None, None) => self.all_pairs(given),
+            (None, Some(names), None) => Ok(vec![self.single_pair(given, names)?]),
+            (None, None, Some(name)) => {
+                let missing = || given.at.error(ErrorKind::Missing("obstacle"));
+                let obstacle = given.obstacle.as_ref().ok_or_else(missing)?;
+                let slaves = if **name == ALL { self.movable().collect() } else { vec![self.find(name)?] };
+                slaves.into_iter().map(|slave| self.with_obstacle(given, slave, obstacle)).collect()
+            }
+            (None, None, None) => Err(given.at.error(ErrorKind::Missing("pairs"))),
+            _ => Err(given.at.invalid("give one of pairs, pair, and body with its obstacle")),
+        }
+    }
+
+    fn all_pairs(&self, given: &At<ContactKeys>) -> Result<Vec<Contact<D>>, ScenarioError> {
+        let ids = || (0..self.bodies.len()).map(BodyId::new);
+        let pairs = ids().flat_map(|a| ids().filter(move |b| *b >= a).map(move |b| [a, b]));
+        let can_meet = |&[a, b]: &[BodyId; 2]| {
+            if a == b { self.built[a.index()].deforms } else { self.can_move(a) || self.can_move(b) }
+        };
+        pairs.filter(can_meet).map(|pair| self.between(given, self.in_order(pair))).collect()
+    }
+
+    fn single_pair(&self, given: &At<ContactKeys>, names: &At<Vec<At<String>>>) -> Result<Contact<D>, ScenarioError> {
+        let [a, b] = &names[..] else {
+            return Err(names.at.invalid(format!("this has {} names, but a pair has two", names.len())));
+        };
+        let pair = [self.find(a)?, self.find(b)?];
+        self.check_motion(pair, b)?;
+        self.between(given, self.in_order(pair))
+    }
+
+    fn with_obstacle(
+        &self,
+        given: &At<ContactKeys>,
+        slave: BodyId,
+        obstacle: &At<ObstacleChoice>,
+    ) -> Result<Contact<D>, ScenarioError> {
+        if let ObstacleChoice::Body { name } = &**obstacle {
+            let master = self.find(name)?;
+            self.check_motion([slave, master], name)?;
+            return self.between(given, [slave, master]);
+        }
+        if !self.can_move(slave) {
+            return Err(self.immovable(obstacle, slave, "the body has a given motion, and the obstacle is at rest"));
+        }
+        let geometry = self.obstacle_at_rest(obstacle)?;
+        self.contact(given, slave, geometry)
+    }
+
+    /// Returns an obstacle that is not a body.
+    fn obstacle_at_rest(&self, given: &At<ObstacleChoice>) -> Result<ContactObstacle<D>, ScenarioError> {
+        let fail = |error: contact::Error| given.at.error(error);
+        let turned = |surface: BoundaryMesh<D>, hollow: bool| if hollow { surface.reversed() } else { surface };
+        Ok(ContactObstacle::Rigid(match &**given {
+            ObstacleChoice::RigidPlane { point, normal } => {
+                let direction = normal.vector::<D>().try_normalize(0.0);
+                let direction = direction.ok_or_else(|| normal.at.invalid(ZERO_VECTOR))?;
+                Box::new(RigidPlane::new(point.vector(), direction).map_err(fail)?)
+            }
+            ObstacleChoice::Ball { centre, radius, hollow } => {
+                let create = if *hollow { RigidBall::hollow } else { RigidBall::new };
+                Box::new(create(centre.vector(), *radius).map_err(fail)?)
+            }
+            ObstacleChoice::Shape { shape, hollow } => {
+                let (surface, positions) = Geometry::new(shape)?.into_surface();
+                let facets = surface.facets().collect();
+                Box::new(RigidSurface::new(turned(surface, *hollow), facets, positions).map_err(fail)?)
+            }
+            ObstacleChoice::Wall { parts } => {
+                let missing =
+                    || given.at.invalid("a wall is a part of the background, and there is none; add [background]");
+                let background = self.background.ok_or_else(missing)?;
+                let boundary = background.boundary();
+                let mut facets = Vec::new();
+                for name in &**parts {
+                    let known = background.tag_names().iter().map(String::as_str);
+                    let tag =
+                        background.tag(name).ok_or_else(|| name.at.unknown("part of the background", name, known))?;
+                    facets.extend(boundary.facets().filter(|facet| boundary.tag(*facet) == Some(tag)));
+                }
+                if facets.is_empty() {
+                    return Err(parts.at.invalid("no part is named; name at least one part of the background"));
+                }
+                Box::new(RigidSurface::new(boundary.reversed(), facets, background.vertices().to_vec()).map_err(fail)?)
+            }
+            // A body is found by its name.
+            ObstacleChoice::Body { name } => return Err(name.at.error(contact::Error::Master)),
+        }))
+    }
+
+    /// Returns the contact of a slave with a master, which may be the slave.
+    fn between(&self, given: &At<ContactKeys>, [slave, master]: [BodyId; 2]) -> Result<Contact<D>, ScenarioError> {
+        let fail = |error: contact::Error| given.at.error(error);
+        let (body, facets) = (&self.bodies[master.index()], self.free_facets(master));
+        let boundary = body.surface().clone();
+        let obstacle = if slave == master {
+            let exempt = given.offset + 2.0 * given.size;
+            ContactObstacle::Own(OwnSurface::new(boundary, facets, body.reference().to_vec(), exempt).map_err(fail)?)
+        } else {
+            ContactObstacle::Body { body: master, surface: DeformableObstacle::new(boundary, facets).map_err(fail)? }
+        };
+        self.contact(given, slave, obstacle)
+    }
+
+    fn contact(
+        &self,
+        given: &At<ContactKeys>,
+        slave: BodyId,
+        obstacle: ContactObstacle<D>,
+    ) -> Result<Contact<D>, ScenarioError> {
+        let fail = |error: contact::Error| given.at.error(error);
+        let ContactLawChoice::Penalty { gamma_contact_0 } = given.law;
+        let law = PenaltyLaw::new(gamma_contact_0, given.offset).map_err(fail)?;
+        let form = ContactForm::new(law, given.size).map_err(fail)?;
+        Contact::new(&self.bodies, slave, self.free_facets(slave), form, obstacle).map_err(fail)
+    }
+
+    /// Returns slave and master of a pair.
+    fn in_order(&self, [a, b]: [BodyId; 2]) -> [BodyId; 2] {
+        let is_finer = self.mean_facets[b.index()] < self.mean_facets[a.index()];
+        match (self.can_move(a), self.can_move(b)) {
+            (false, true) => [b, a],
+            (true, true) if is_finer => [b, a],
+            _ => [a, b],
+        }
+    }
+
+    /// Checks that one of two bodies can move, or that a body in contact with itself deforms.
+    fn check_motion<T>(&self, [a, b]: [BodyId; 2], place: &At<T>) -> Result<(), ScenarioError> {
+        if a == b && !self.built[a.index()].deforms {
+            let name = self.bodies[a.index()].name();
+            return Err(place.at.invalid(format!("body `{name}` does not deform, so that it cannot touch itself")));
+        }
+        if a != b && !self.can_move(a) && !self.can_move(b) {
+            return Err(self.immovable(place, a, "both have a given motion"));
+        }
+        Ok(())
+    }
+
+    fn immovable<T>(&self, place: &At<T>, slave: BodyId, why: &str) -> ScenarioError {
+        let name = self.bodies[slave.index()].name();
+        place.at.invalid(format!(
             "neither `{name}` nor its obstacle can move: {why}; take the contact out, or make `{name}` elastic or free"
         ))
-    };
-    let can_move = |body: BodyId| bodies[body.index()].is_movable();
-    let ContactLawChoice::Penalty { gamma_contact_0 } = given.law;
-    let law = PenaltyLaw::new(gamma_contact_0, given.offset).map_err(fail)?;
-    let obstacle = match &*given.obstacle {
-        ObstacleChoice::RigidPlane { .. } if !can_move(slave) => {
-            return Err(immovable("one has a given motion, the other is a rigid plane"));
-        }
-        ObstacleChoice::RigidPlane { point, normal } => {
-            let direction = normal.vector::<D>().try_normalize(0.0).ok_or_else(|| normal.at.invalid(ZERO_VECTOR))?;
-            ContactObstacle::Rigid(Box::new(RigidPlane::new(point.vector(), direction).map_err(fail)?))
-        }
-        ObstacleChoice::Body { name } => {
-            let body = find(name)?;
-            if body == slave {
-                return Err(name.at.error(contact::Error::SelfContact));
-            }
-            if !can_move(slave) && !can_move(body) {
-                return Err(immovable("both have a given motion"));
-            }
-            let boundary = bodies[body.index()].surface().clone();
-            ContactObstacle::Body { body, surface: DeformableObstacle::new(boundary, free_facets(body)).map_err(fail)? }
-        }
-    };
-    let form = ContactForm::new(law, given.size).map_err(fail)?;
-    solver::Contact::new(&bodies, slave, free_facets(slave), form, obstacle).map_err(fail)
+    }
+
+    fn find(&self, name: &At<String>) -> Result<BodyId, ScenarioError> {
+        let found = self.bodies.iter().position(|body| body.name() == name.as_str()).map(BodyId::new);
+        found.ok_or_else(|| name.at.unknown("body", name, self.bodies.iter().map(|body| body.name())))
+    }
+
+    fn movable(&self) -> impl Iterator<Item = BodyId> {
+        (0..self.bodies.len()).map(BodyId::new).filter(|body| self.can_move(*body))
+    }
+
+    fn can_move(&self, body: BodyId) -> bool {
+        self.bodies[body.index()].is_movable()
+    }
+
+    fn free_facets(&self, body: BodyId) -> Vec<FacetId> {
+        self.built[body.index()].contact_facets.clone()
+    }
+}
+
+/// Returns the mean measure of the facets of a surface.
+fn mean_facet<const D: usize>(surface: &BoundaryMesh<D>, positions: &[Point<D>]) -> f64 {
+    let placed = Placed::new(surface, positions);
+    surface.facets().map(|facet| placed.facet_measure(facet)).sum::<f64>() / surface.n_facets() as f64
 }

@@ -7,7 +7,7 @@ use toml::Spanned;
 use toml::de::{DeValue, ValueDeserializer};
 
 use super::body::BodyKeys;
-use super::contact::ContactKeys;
+use super::contact::{ALL, ContactKeys};
 use super::error::{ErrorKind, Location, ScenarioError};
 use super::fluid::{Background, Fluid, Interface};
 use super::motion::{MotionChoice, table_path};
@@ -39,7 +39,7 @@ keys! {
         body: Vec<At<BodyKeys>>,
         /// Mortar between fluid and bodies.
         interface: Interface = {},
-        /// Contacts; bodies without a contact between them pass through each other.
+        /// Contacts, a table `[contact]` or several `[[contact]]`; bodies without a contact between them pass through each other.
         contact: Vec<At<ContactKeys>>,
         /// Output.
         output: Output = {},
@@ -173,6 +173,9 @@ fn check(scenario: &Scenario) -> Result<(), ScenarioError> {
     for (k, body) in scenario.body.iter().enumerate() {
         if !is_plain(&body.name) {
             return refuse(&body.name, "not a column name: use letters, digits, -, _ and dots");
+        }
+        if **body.name == *ALL {
+            return refuse(&body.name, "the word for every body in a contact; give it another");
         }
         if scenario.body[..k].iter().any(|other| other.name == body.name) {
             return refuse(&body.name, "the name of another body; give each its own");

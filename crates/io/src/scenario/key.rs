@@ -202,7 +202,7 @@ impl fmt::Display for Form {
             Self::Text => f.write_str("a string"),
             Self::Formula(variables) => write!(f, "a number or a formula in {variables}"),
             Self::Components(of) => write!(f, "a list with {of} for each axis"),
-            Self::List(Self::Table(_)) => f.write_str("a list of tables"),
+            Self::List(Self::Table(_)) => f.write_str("a table or a list of tables"),
             Self::List(of) => write!(f, "a list; each item is {of}"),
             Self::Named(_) => f.write_str("a table of names"),
             Self::Table(_) => f.write_str("a table"),

@@ -239,6 +239,10 @@ impl<T: Value> Value for Vec<T> {
     const ABSENT: Option<fn() -> Self> = Some(Vec::new);
 
     fn read(node: &Node<'_>) -> Result<Self, ScenarioError> {
+        // A table alone is a list of one.
+        if let (Form::Table(_), DeValue::Table(_)) = (T::FORM, node.value) {
+            return Ok(vec![T::read(node)?]);
+        }
         node.items().ok_or_else(|| node.refuse(&Self::FORM))?.iter().map(T::read).collect()
     }
 }

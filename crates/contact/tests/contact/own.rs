@@ -1,0 +1,106 @@
+//! A body in contact with itself.
+
+use algebra::time::ImplicitEuler;
+use algebra::{Contributions, worst_tangent_entry};
+use body::{Body, BodyState};
+use contact::{ContactForm, ContactItems, ContactSites, OwnSurface, PenaltyLaw};
+use mesh::generate::structured_box;
+use mesh::{CellId, FacetId, Point, SimplexMesh, Vector, VertexId};
+use solid_svk::{ElasticBody, ElasticOptions, SaintVenantKirchhoff, SolidForm, SolidMesh};
+
+use crate::setting::{Random, Scene, n_active, report_of, residual, soft, work};
+
+const SIZE: f64 = 0.02;
+const OFFSET: f64 = 0.05;
+/// Height of the slit of the clamp.
+const SLIT: f64 = 0.2;
+
+/// Returns a clamp: a square without the strip between its two jaws, open to the right.
+fn clamp() -> ElasticBody<2> {
+    let square = structured_box([0.0, 0.0], [1.0, 1.0], [10, 10]).unwrap();
+    let is_solid = |cell: &CellId| {
+        let middle = square.cell(*cell).iter().map(|v| square.vertex(*v)).sum::<Point<2>>() / 3.0;
+        middle[0] < 0.2 || (middle[1] - 0.5).abs() > 0.5 * SLIT
+    };
+    let mut numbers = vec![None; square.n_vertices()];
+    let (mut vertices, mut cells) = (Vec::new(), Vec::new());
+    for vertex in square.cells().filter(is_solid).flat_map(|cell| square.cell(cell)) {
+        cells.push(*numbers[vertex.index()].get_or_insert_with(|| {
+            vertices.push(square.vertex(*vertex));
+            VertexId::new(vertices.len() - 1)
+        }));
+    }
+    let solid = SolidMesh::new(SimplexMesh::new(vertices, cells).unwrap()).unwrap();
+    let form = SolidForm::new(1.0, SaintVenantKirchhoff::new(soft()), Vector::zeros()).unwrap();
+    ElasticBody::new("clamp", solid, form, ElasticOptions::default()).unwrap()
+}
+
+/// Returns the clamp with its jaws bent towards each other, so that the slit is lower by `closed` at its open end.
+fn bent(body: &ElasticBody<2>, closed: f64) -> BodyState<2> {
+    let bend = |x: &Point<2>| {
+        let arm = (x[0] - 0.2).max(0.0) / 0.8;
+        Vector::<2>::new(0.0, -0.5 * closed * arm * arm * (x[1] - 0.5).signum())
+    };
+    let displacement: Vec<_> = body.reference().iter().map(bend).collect();
+    let velocity = vec![Vector::zeros(); displacement.len()];
+    BodyState::new(displacement, velocity)
+}
+
+/// Calls a test with the contact of the clamp with itself and a state at rest.
+fn closed_clamp(closed: f64, test: impl Fn(&ContactSites<'_, 2>, &ElasticBody<2>, &[f64])) {
+    let bodies = [clamp()];
+    let states = [bent(&bodies[0], closed)];
+    let scene = Scene::new(&bodies, &states, &ImplicitEuler, 1e-2);
+    let form = ContactForm::new(PenaltyLaw::new(1e3, OFFSET).unwrap(), SIZE).unwrap();
+    let facets: Vec<FacetId> = bodies[0].surface().facets().collect();
+    let reach = OFFSET + 2.0 * SIZE;
+    let surface = bodies[0].surface().clone();
+    let obstacle = OwnSurface::new(surface, facets.clone(), bodies[0].reference().to_vec(), reach).unwrap();
+    let mut pair = scene.pair(&form, &facets, &obstacle);
+    pair.master = Some(pair.slave);
+    let items = ContactItems::new(&pair, &scene.layout, reach);
+    let contact = ContactSites { items: &items, pair, layout: &scene.layout };
+    test(&contact, &bodies[0], &vec![0.0; scene.layout.len()]);
+}
+
+#[test]
+fn an_open_clamp_does_not_touch_itself() {
+    // Neighbours along the surface, corners, and the two sides of a jaw are in reach.
+    closed_clamp(0.0, |contact, _, x| {
+        assert_eq!(work(contact.clone()).len(), 0);
+        assert_eq!(report_of(contact, x).minimum_gap, None);
+    });
+}
+
+#[test]
+fn jaws_that_close_touch_each_other() {
+    let closed = 0.18;
+    closed_clamp(closed, |contact, body, x| {
+        let report = report_of(contact, x);
+        let gap = report.minimum_gap.unwrap();
+        assert!((gap - (SLIT - closed)).abs() < 2e-3, "{gap}");
+        assert!(report.n_active > 3 && (report.largest_penetration - (OFFSET - gap)).abs() < 1e-9);
+        // Both jaws act as slaves: forces cancel, and their moment about any point too.
+        let forces = residual(contact, x);
+        let of_vertex = |k: usize| Vector::<2>::new(forces[2 * k], forces[2 * k + 1]);
+        let places = bent(body, closed).positions(body.reference());
+        let sum = (0..places.len()).map(of_vertex).sum::<Vector<2>>();
+        let moment: f64 = places.iter().enumerate().map(|(k, x)| x[0] * of_vertex(k)[1] - x[1] * of_vertex(k)[0]).sum();
+        let largest = (0..places.len()).map(|k| of_vertex(k).norm()).fold(0.0, f64::max);
+        assert!(sum.norm() < 1e-12 * largest && moment.abs() < 1e-12 * largest, "{sum} {moment} {largest}");
+        // The jaws are pushed apart.
+        let upper: f64 = places.iter().enumerate().filter(|(_, x)| x[1] > 0.5).map(|(k, _)| of_vertex(k)[1]).sum();
+        assert!(upper < -0.5 * largest, "{upper} {largest}");
+    });
+}
+
+#[test]
+fn its_tangent_is_exact() {
+    closed_clamp(0.17, |contact, _, at_rest| {
+        let x = Random::new(7).numbers(at_rest.len(), 0.3);
+        assert!(n_active(contact, &x, |_| true) > 3);
+        let contact = work(contact.clone());
+        let worst = worst_tangent_entry(&contact, 0..contact.len(), &x, 1e-5);
+        assert!(worst.relative < 1e-6, "{worst:?}");
+    });
+}

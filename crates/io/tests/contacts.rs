@@ -1,0 +1,158 @@
+//! Contacts of a scenario: pairs of bodies, slaves and masters, and obstacles at rest.
+
+mod common;
+
+use std::f64::consts::TAU;
+
+use common::*;
+use io::scenario::case::Case;
+
+/// Two elastic bodies, a free one and one at rest, above a floor.
+const BODIES: &str = r#"
+name      = "four-bodies"
+dimension = 2
+units     = "si"
+
+[time]
+step = 1.0e-3
+end  = 0.05
+
+[[body]]
+name     = "soft"
+shape    = { kind = "ball", centre = [0.0, 0.3], radius = 0.1, size = 0.05 }
+material = { kind = "neo-hookean", mu = 4.0e5, lambda = 1.6e6 }
+density  = 1000.0
+gravity  = [0.0, -10.0]
+
+[[body]]
+name     = "fine"
+shape    = { kind = "ball", centre = [0.5, 0.3], radius = 0.1, size = 0.03 }
+material = { kind = "neo-hookean", mu = 4.0e5, lambda = 1.6e6 }
+density  = 1000.0
+gravity  = [0.0, -10.0]
+
+[[body]]
+name    = "stone"
+shape   = { kind = "ball", centre = [1.0, 0.3], radius = 0.1, size = 0.04 }
+motion  = { kind = "free" }
+density = 2500.0
+gravity = [0.0, -10.0]
+
+[[body]]
+name   = "floor"
+shape  = { kind = "box", min = [-1.0, -0.1], max = [2.0, 0.0], size = 0.1 }
+motion = "fixed"
+
+"#;
+const LAW: &str = "law = { kind = \"penalty\", gamma_contact_0 = 1.0e5 }\nsize = 0.02\noffset = 0.005\n";
+
+/// Returns the case of the bodies with the keys of one contact.
+fn with(contact: &str) -> Case<2> {
+    planar_case(&legal(&format!("{BODIES}[contact]\n{LAW}{contact}\n"), &[]))
+}
+
+fn refuse(contact: &str, words: &[&str]) {
+    refused(&format!("{BODIES}[[contact]]\n{LAW}{contact}\n"), &[], words);
+}
+
+/// Returns the names of slave and master of each contact.
+fn roles(case: &Case<2>) -> Vec<(&str, &str)> {
+    let name = |id: mesh::BodyId| case.setup.bodies[id.index()].name();
+    case.setup.contacts.iter().map(|c| (name(c.body()), c.master().map_or("-", name))).collect()
+}
+
+#[test]
+fn all_pairs_that_can_meet_are_in_contact() {
+    let expected = [
+        ("soft", "soft"),
+        ("fine", "soft"),
+        ("stone", "soft"),
+        ("soft", "floor"),
+        ("fine", "fine"),
+        ("fine", "stone"),
+        ("fine", "floor"),
+        ("stone", "floor"),
+    ];
+    assert_eq!(roles(&with("pairs = \"all\"")), expected);
+    assert_eq!(roles(&with("pair = [\"floor\", \"stone\"]")), [("stone", "floor")]);
+    assert_eq!(roles(&with("pair = [\"soft\", \"soft\"]")), [("soft", "soft")]);
+    assert_eq!(roles(&with("body = \"soft\"\nobstacle = { kind = \"body\", name = \"fine\" }")), [("soft", "fine")]);
+    let ball = "obstacle = { kind = \"ball\", centre = [0.0, 0.0], radius = 0.1 }";
+    assert_eq!(roles(&with(&format!("body = \"all\"\n{ball}"))), [("soft", "-"), ("fine", "-"), ("stone", "-")]);
+}
+
+#[test]
+fn contacts_that_make_no_sense_are_refused() {
+    refuse("", &["contact.0", "`pairs` is missing"]);
+    refuse("pairs = \"all\"\npair = [\"soft\", \"fine\"]", &["contact.0", "give one of pairs, pair"]);
+    refuse("pairs = \"some\"", &["contact.0.pairs", "unknown value `some`"]);
+    refuse("pair = [\"soft\"]", &["contact.0.pair", "1 names"]);
+    refuse("pair = [\"soft\", \"find\"]", &["contact.0.pair.1", "did you mean `fine`?"]);
+    refuse("pair = [\"stone\", \"stone\"]", &["contact.0.pair.1", "`stone` does not deform"]);
+    refuse("pair = [\"floor\", \"floor\"]", &["`floor` does not deform"]);
+    refuse("body = \"soft\"", &["contact.0", "`obstacle` is missing"]);
+    let ball = "obstacle = { kind = \"ball\", centre = [0.0, 0.5], radius = 0.15 }";
+    refuse(&format!("body = \"soft\"\n{ball}"), &["contact.0.obstacle", "`soft`", "behind this obstacle"]);
+    refuse(&format!("body = \"floor\"\n{ball}"), &["contact.0.obstacle", "neither `floor`"]);
+    let wall = "body = \"soft\"\nobstacle = { kind = \"wall\", parts = [\"bottom\"] }";
+    refuse(wall, &["contact.0.obstacle", "add [background]"]);
+    let shape =
+        "obstacle = { kind = \"shape\", shape = { kind = \"box\", min = [-1.0, 0.3], max = [2.0, 0.6], n = [2, 2] } }";
+    refuse(&format!("body = \"soft\"\n{shape}"), &["`soft`", "behind this obstacle"]);
+    let moved = BODIES.replace("[0.5, 0.3]", "[0.15, 0.3]");
+    refused(
+        &format!("{moved}[contact]\n{LAW}pairs = \"all\"\n"),
+        &[],
+        &["contact: body `fine`", "behind the surface of `soft`"],
+    );
+    refused(&BODIES.replace("\"soft\"", "\"all\""), &[], &["body.0.name", "every body in a contact"]);
+}
+
+/// A rigid disk that slides in a round container without friction: a pendulum.
+#[test]
+fn a_disk_in_a_round_container_is_a_pendulum() {
+    let (arm, gravity, radius): (f64, f64, f64) = (0.4, 10.0, 0.1);
+    let angle: f64 = 0.1;
+    let period = TAU * (arm / gravity).sqrt();
+    let centre = [arm * angle.sin(), -arm * angle.cos()];
+    let end = 1.6;
+    let text = format!(
+        "name = \"pendulum\"\ndimension = 2\nunits = \"si\"\n[time]\nstep = 1e-3\nend = {end}\nscheme = {{ kind = \"generalised-alpha\", rho_inf = 1.0 }}\n\
+         [[body]]\nname = \"disk\"\nshape = {{ kind = \"ball\", centre = {centre:?}, radius = {radius}, size = 0.004 }}\n\
+         motion = {{ kind = \"free\", held = [\"rotation\"] }}\ndensity = 1000.0\ngravity = [0.0, -{gravity:?}]\n\
+         [contact]\nbody = \"disk\"\nlaw = {{ kind = \"penalty\", gamma_contact_0 = 1e6 }}\nsize = 0.01\noffset = 0.0\n\
+         obstacle = {{ kind = \"ball\", centre = [0.0, 0.0], radius = {}, hollow = true }}\n[output]\nvtk_every = 0\n",
+        arm + radius,
+    );
+    let directory = fresh_directory("pendulum");
+    results(&legal(&text, &[]), &directory);
+    let (time, x) = (column(&directory, "time"), column(&directory, "centre_x"));
+    let lowest = x.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1)).map(|(k, _)| time[k]);
+    // Half a period later the disk is on the other side. The period of a pendulum grows with its angle by angle²/16 of it; the disk
+    // stands 0.3 mm deep in the container.
+    let half = lowest.expect("a lowest value");
+    assert!((half / (0.5 * period) - 1.0).abs() < 0.02, "{half} {period}");
+    let swing = x.iter().copied().fold(f64::INFINITY, f64::min);
+    assert!((swing / -centre[0] - 1.0).abs() < 0.02, "{swing}");
+}
+
+/// Two equal disks without gravity exchange their momentum, whichever of them is the slave.
+#[test]
+fn disks_that_collide_exchange_their_momentum() {
+    let text = BODIES.replace("[0.0, -10.0]", "[0.0, 0.0]").replace("[0.5, 0.3]", "[0.22, 0.3]");
+    let text = text.replacen("density  = 1000.0", "density  = 1000.0\ninitial_velocity = [1.0, 0.0]", 1);
+    let text = text.replace("end  = 0.05", "end  = 0.08\nscheme = { kind = \"generalised-alpha\", rho_inf = 1.0 }");
+    let directory = fresh_directory("collision");
+    results(&legal(&format!("{text}[contact]\n{LAW}pairs = \"all\"\n"), &[]), &directory);
+    let [soft, fine] = ["soft_centre_velocity_x", "fine_centre_velocity_x"].map(|name| column(&directory, name));
+    let last = |values: &[f64]| *values.last().expect("steps");
+    // The polygons differ, so that the masses do by 1 %.
+    assert!(last(&soft).abs() < 0.15 && (last(&fine) - 1.0).abs() < 0.15, "{} {}", last(&soft), last(&fine));
+    let forces = ["soft_contact_force_x", "fine_contact_force_x"].map(|name| column(&directory, name));
+    assert!(forces[1].iter().any(|force| *force > 1.0), "they touch");
+    for (a, b) in forces[0].iter().zip(&forces[1]) {
+        assert!((a + b).abs() <= 1e-9 * a.abs(), "{a} {b}");
+    }
+    let gap = column(&directory, "fine_d_min").iter().copied().fold(f64::INFINITY, f64::min);
+    assert!(gap > -0.01 && gap < 0.005, "{gap}");
+}
