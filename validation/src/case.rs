@@ -68,6 +68,11 @@ pub(crate) fn scenario_path(name: &str) -> PathBuf {
     package().join("cases").join(name).with_extension("toml")
 }
 
+/// Returns the path of an example.
+pub(crate) fn example_path(name: &str) -> PathBuf {
+    package().join("../examples").join(name).with_extension("toml")
+}
+
 /// Returns the path of the stored values of the short versions.
 pub(crate) fn quick_values_path() -> PathBuf {
     package().join("reference/quick/values.toml")

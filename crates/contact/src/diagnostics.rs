@@ -72,8 +72,7 @@ fn minimum_gap<const D: usize>(sites: &ContactSites<'_, D>, slave: &[Point<D>], 
     let pair = &sites.pair;
     let vertices = pair.slave.boundary.vertices_of(pair.facets);
     let points: Vec<Point<D>> = vertices.into_iter().map(|v| slave[v.index()]).collect();
-    let projections = pair.obstacle.project_all(&points, Positions::Fixed(master));
-    let to_whole = points.iter().zip(projections).filter_map(|(x, found)| Some(found?.gap(x))).reduce(f64::min);
+    let to_whole = pair.obstacle.smallest_gap(&points, Positions::Fixed(master));
     let to_candidates = |(facet, near): (FacetId, &[FacetId])| {
         let points = pair.slave.boundary.facet(facet).iter().map(|v| &slave[v.index()]);
         let gap = |x: &Point<D>| Some(pair.obstacle.project(x, Positions::Fixed(master), near)?.gap(x));

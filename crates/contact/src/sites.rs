@@ -80,6 +80,8 @@ pub fn check_pair<const D: usize>(
 #[derive(Clone, Debug)]
 pub struct ContactItems<const D: usize> {
     items: Vec<Item<D>>,
+    /// Whether the obstacle has facets, of which those in reach were searched for.
+    is_searched: bool,
 }
 
 /// A facet of the slave with something in reach.
@@ -112,6 +114,11 @@ fn row_of(dof: DofId, dofs: &mut Vec<DofId>) -> usize {
 }
 
 impl<const D: usize> ContactItems<D> {
+    /// Returns whether the obstacle is found within the reach only.
+    pub fn is_searched(&self) -> bool {
+        self.is_searched
+    }
+
     /// Returns the slave's facets with something in reach, each with the facets of the obstacle there.
     pub(crate) fn candidates(&self) -> impl Iterator<Item = (FacetId, &[FacetId])> {
         self.items.iter().map(|item| (item.facet, &item.candidates[..]))
@@ -125,8 +132,10 @@ impl<const D: usize> ContactItems<D> {
         let positions = master.map_or(&[][..], |master| &master.begin);
         let mut items = Vec::new();
         let candidates = obstacle.candidates(placed, facets, positions, reach);
+        let is_searched = candidates.is_some();
+        let candidates = candidates.unwrap_or_else(|| vec![Vec::new(); facets.len()]);
         for ((number, &facet), candidates) in facets.iter().enumerate().zip(candidates) {
-            if master.is_some() && candidates.is_empty() {
+            if is_searched && candidates.is_empty() {
                 continue;
             }
             let mut dofs = Vec::new();
@@ -161,7 +170,7 @@ impl<const D: usize> ContactItems<D> {
             let begin_gaps = if pair.conserves { shapes.map(|shape| at(&shape)).collect() } else { Vec::new() };
             items.push(Item { number, facet, measure, candidates, segments, masters, dofs, begin_gaps });
         }
-        Self { items }
+        Self { items, is_searched }
     }
 }
 

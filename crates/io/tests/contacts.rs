@@ -156,3 +156,22 @@ fn disks_that_collide_exchange_their_momentum() {
     let gap = column(&directory, "fine_d_min").iter().copied().fold(f64::INFINITY, f64::min);
     assert!(gap > -0.01 && gap < 0.005, "{gap}");
 }
+
+/// A shape that is shifted is the shape at the other place, with curved edges too, and copies are bodies of their own.
+#[test]
+fn copies_are_bodies_at_other_places() {
+    let changes = ["body.0.order=2", "body.0.copies=[[0.0, 0.4], [0.0, 0.8]]", "body.0.shift=[0.1, 0.0]"];
+    let text = format!("{BODIES}[contact]\n{LAW}pairs = \"all\"\n");
+    let copied = planar_case(&legal(&text, &[&changes]));
+    let names: Vec<&str> = copied.setup.bodies.iter().map(|body| body.name()).collect();
+    assert_eq!(names, ["soft", "soft-2", "soft-3", "fine", "stone", "floor"]);
+    let placed = planar_case(&legal(&text, &[&["body.0.order=2", "body.0.shape.centre=[0.1, 0.7]"]]));
+    let [copy, place] = [copied.setup.bodies[1].reference(), placed.setup.bodies[0].reference()];
+    assert!(copy.len() == place.len() && copy.iter().zip(place).all(|(a, b)| (a - b).norm() < 1e-14));
+    // Each two of the five that can move, each of them but the stone with itself, and with the floor.
+    assert_eq!(copied.setup.contacts.len(), 10 + 4 + 5);
+    let clash = text.replace("\"stone\"", "\"soft-2\"");
+    refused(&clash, &[&["body.0.copies=[[0.0, 0.4]]"]], &["body.2.name", "the name of another body"]);
+    refused(&text, &[&["body.0.copies=[[0.05, 0.0]]"]], &["`soft`", "behind the surface of `soft-2`"]);
+    refused(&text, &[&["body.0.copies=[0.05]"]], &["body.0.copies.0", "a list with a number for each axis"]);
+}

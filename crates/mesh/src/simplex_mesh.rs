@@ -84,6 +84,16 @@ impl<const D: usize> SimplexMesh<D> {
         })
     }
 
+    /// Returns the mesh with moved vertices, and with its tags.
+    ///
+    /// # Errors
+    /// Positions that are not finite, cells that lose their volume.
+    pub fn mapped(&self, map: impl Fn(&Point<D>) -> Point<D>) -> Result<Self, Error> {
+        let mut moved = Self::new(self.vertices.iter().map(map).collect(), self.cell_to_vertex.clone())?;
+        (moved.tag_names, moved.facet_tag) = (self.tag_names.clone(), self.facet_tag.clone());
+        Ok(moved)
+    }
+
     /// Returns the mesh with tags on its boundary facets. `name_of` maps the points of a boundary facet to the name of its
     /// part of the boundary, or to `None`.
     #[must_use]

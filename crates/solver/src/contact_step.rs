@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use algebra::{BlockLayout, NewtonReport};
 use body::{BodyStep, StepTime, SurfaceMotion, SurfaceStress};
-use contact::{ContactItems, ContactPair, ContactSites, StressSource};
+use contact::{ContactItems, ContactPair, ContactSites, Positions, StressSource};
 use interface_dg::FluidStress;
-use mesh::{Aabb, BodyId, Vector, VertexId};
+use mesh::{BodyId, Vector, VertexId};
 
 use crate::fluid_step::FluidStep;
 use crate::setup::Contact;
@@ -75,8 +75,7 @@ impl<const D: usize> ContactStep<D> {
         ContactSites { items: &self.items, pair: pair(contact, step), layout: step.layout }
     }
 
-    /// Returns an error if the bodies moved farther than obstacles were searched. A rigid obstacle is found at any
-    /// distance.
+    /// Returns an error if the bodies moved farther than obstacles were searched.
     pub(crate) fn check(
         &self,
         number: usize,
@@ -85,18 +84,26 @@ impl<const D: usize> ContactStep<D> {
         x: &[f64],
         newton: &NewtonReport,
     ) -> Result<(), Stage> {
-        let Some(master) = contact.master() else { return Ok(()) };
-        let [slave, master] = [contact.body(), master].map(|id| step.bodies[id.index()].surface());
+        if !self.items.is_searched() {
+            return Ok(());
+        }
+        let surface = |id: BodyId| step.bodies[id.index()].surface();
+        let (slave, master) = (surface(contact.body()), contact.master().map(surface));
         let motion = |surface: &SurfaceMotion<'_, D>| {
             let vertices = (0..surface.begin.len()).map(VertexId::new);
             let speed = vertices.map(|v| surface.velocity_at(v, step.layout, x).norm()).fold(0.0, f64::max);
             speed * step.time.length
         };
-        let motion = motion(slave) + motion(master);
+        let motion = motion(slave) + master.map_or(0.0, motion);
         let offset = contact.form().law.offset();
         let room = self.reach - offset;
-        let apart = Aabb::of_points(&slave.begin).distance(&Aabb::of_points(&master.begin));
-        if motion > room && apart <= motion + offset {
+        if motion <= room {
+            return Ok(());
+        }
+        let obstacle = master.map_or(&[][..], |master| &master.begin);
+        // The gap of a body to itself is not known.
+        let apart = contact.geometry().smallest_gap(&slave.begin, Positions::Fixed(obstacle)).unwrap_or(0.0);
+        if apart <= motion + offset {
             return Err(Stage::MissedContact { contact: number, motion, room, newton: Box::new(newton.clone()) });
         }
         Ok(())

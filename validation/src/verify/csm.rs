@@ -8,11 +8,11 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use cutwater::algebra::time::{ImplicitEuler, QuasiStatic};
-use cutwater::mesh::{SimplexMesh, VertexId};
 use cutwater::mesh::generate::structured_box;
+use cutwater::mesh::{SimplexMesh, VertexId};
 use cutwater::solid_svk::{LameParameters, Order, SaintVenantKirchhoff, SolidMesh, SupportKind};
 
-use super::dry::{self, Scheme, elastic_of, mapped, second_order};
+use super::dry::{self, Scheme, elastic_of, second_order};
 use super::signal::{negative, peak, rises};
 use super::{Failure, P, Record, Run, V, short};
 
@@ -109,7 +109,7 @@ impl Flag {
 
 /// Returns the mesh of the flag with a number of rows of squares across it, each in two triangles.
 pub(super) fn mesh(rows: usize, is_fitted: bool) -> Result<SimplexMesh<2>, Failure> {
-    mapped(&squares(rows)?, |at| moved(at, is_fitted))
+    Ok(squares(rows)?.mapped(|at| moved(at, is_fitted))?)
 }
 
 /// Returns where the nodes on the edges of a fitted flag are, for the ends of an edge; none for other vertices than its own.

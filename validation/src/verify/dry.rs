@@ -5,7 +5,7 @@ use std::sync::Arc;
 use cutwater::algebra::NewtonSettings;
 use cutwater::algebra::time::{GeneralisedAlpha, TimeScheme};
 use cutwater::contact::{ContactForm, PenaltyLaw, RigidPlane};
-use cutwater::mesh::{BodyId, FacetId, Point, SimplexMesh, Vector};
+use cutwater::mesh::{BodyId, FacetId, SimplexMesh, Vector};
 use cutwater::solid_svk::supports::{tagged_facets, vertices_of};
 use cutwater::solid_svk::{ElasticBody, ElasticOptions, Material, SolidForm, SolidMesh, Support, SupportKind};
 use cutwater::solver::body::Body;
@@ -105,14 +105,4 @@ pub(crate) fn run<const D: usize>(
 /// Returns a support whose displacement grows linearly in time until 1; components with `None` are free.
 pub(super) fn pushed(to: [Option<f64>; 2]) -> SupportKind<2> {
     SupportKind::Displacement(Arc::new(move |_, time| to.map(|d| d.map(|d| d * time))))
-}
-
-/// Returns the mesh with its vertices moved; boundary parts keep their names.
-pub(super) fn mapped<const D: usize>(
-    mesh: &SimplexMesh<D>,
-    map: impl Fn(&Point<D>) -> Point<D>,
-) -> Result<SimplexMesh<D>, Failure> {
-    let cells = mesh.cells().flat_map(|cell| mesh.cell(cell)).copied().collect();
-    let moved = SimplexMesh::new(mesh.vertices().iter().map(map).collect(), cells)?;
-    Ok(moved.with_facet_tags(|facet| mesh.facet_tag(facet).map(|tag| mesh.tag_names()[tag.index()].as_str())))
 }

@@ -54,7 +54,11 @@ struct Bent {
 /// Measures displacement and forces on several meshes of fluid and flag.
 pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let resolutions = if record.full { &RESOLUTIONS[..] } else { &RESOLUTIONS[..N_QUICK] };
-    let head = ["fluid", "rows of the flag", "order", "unknowns", "steps"].into_iter().chain(NAMES).map(str::to_owned).collect();
+    let head = ["fluid", "rows of the flag", "order", "unknowns", "steps"]
+        .into_iter()
+        .chain(NAMES)
+        .map(str::to_owned)
+        .collect();
     let mut rows = Vec::new();
     for (n, &resolution) in resolutions.iter().enumerate() {
         let (cells, across, order) = resolution;
@@ -183,7 +187,8 @@ mod tests {
         let (solid, of_order_2) = obstacle(rows, Order::Quadratic).expect("elements");
         assert_eq!(of_order_2.len(), held.len() + 2 * (held.len() - 1));
         assert_eq!(solid.boundary().n_facets(), 2 * (N_CORNERS + rows + 2 * columns));
-        let end: Vec<&P> = solid.nodes().iter().filter(|x| x[0] > CENTRE[0] && (x[1] - CENTRE[1]).abs() < 0.0099).collect();
+        let end: Vec<&P> =
+            solid.nodes().iter().filter(|x| x[0] > CENTRE[0] && (x[1] - CENTRE[1]).abs() < 0.0099).collect();
         let on_circle = end.iter().filter(|x| ((**x - P::from(CENTRE)).norm() - RADIUS).abs() < 1e-12).count();
         assert_eq!(on_circle, 2 * rows - 1);
     }

@@ -10,7 +10,7 @@ use cutwater::mesh::VertexId;
 use cutwater::mesh::generate::structured_box;
 use cutwater::solid_svk::{LameParameters, SaintVenantKirchhoff, Support, SupportKind};
 
-use super::dry::{elastic, floor, mapped, pushed, run};
+use super::dry::{elastic, floor, pushed, run};
 use super::signal::passage;
 use super::{Failure, P, Record, V};
 
@@ -53,7 +53,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let n = if record.full { 192 } else { 128 };
     // Across the middle without a change of pattern: where that changes, the pressure of linear triangles has a kink.
     let mesh =
-        mapped(&structured_box::<2>([-1.0, 0.0], [1.0, 1.0], [2 * n, n])?, |x| half_disk(graded(x[0]), graded(x[1])))?;
+        structured_box::<2>([-1.0, 0.0], [1.0, 1.0], [2 * n, n])?.mapped(|x| half_disk(graded(x[0]), graded(x[1])))?;
     let material = SaintVenantKirchhoff::new(LameParameters::new(MU, LAMBDA)?);
     let mut body = elastic(mesh, 1.0, material, V::zeros(), Arc::new(QuasiStatic))?;
     // The plane of symmetry has no shear traction; the vertex in its middle is on the axis.

@@ -7,7 +7,7 @@ use cutwater::mesh::SimplexMesh;
 use cutwater::mesh::generate::structured_box;
 use cutwater::solver::{FluidBoundary, Setup, Stabilisation};
 
-use super::dry::{mapped, second_order};
+use super::dry::second_order;
 use super::flow::{PAPERS_PENALTY, fluid_mut};
 use super::linear_flow::still;
 use super::mode::{Mode, RADIUS, frequency_of};
@@ -130,5 +130,5 @@ fn background(h: f64) -> Result<SimplexMesh<2>, Failure> {
     let b = BOX.asinh();
     let n = (SQRT_2 * b * RADIUS / h).ceil() as usize;
     let even = structured_box::<2>([-1.0; 2], [1.0; 2], [2 * n; 2])?;
-    mapped(&even, |s| P::new(RADIUS * (b * s[0]).sinh(), RADIUS * (b * s[1]).sinh()))
+    Ok(even.mapped(|s| P::new(RADIUS * (b * s[0]).sinh(), RADIUS * (b * s[1]).sinh()))?)
 }

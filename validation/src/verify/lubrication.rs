@@ -7,7 +7,6 @@ use cutwater::mesh::SimplexMesh;
 use cutwater::mesh::generate::structured_box;
 use cutwater::solver::{FluidBoundary, Setup, Stabilisation};
 
-use super::dry::mapped;
 use super::flow::{self, At, PAPERS_PENALTY, disk, fluid_mut, fluid_of, interface, polygon};
 use super::linear_flow::Linear;
 use super::signal::bisect;
@@ -223,5 +222,5 @@ fn graded(gap: f64, size: f64) -> Result<SimplexMesh<2>, Failure> {
     let n = (a * b / size).ceil() as usize;
     let even = structured_box::<2>([0.0; 2], [1.0; 2], [n; 2])?;
     let stretch = |s: f64| if s == 1.0 { FAR } else { a * (b * s).sinh() };
-    mapped(&even, |x| P::new(stretch(x[0]), stretch(x[1])))
+    Ok(even.mapped(|x| P::new(stretch(x[0]), stretch(x[1])))?)
 }

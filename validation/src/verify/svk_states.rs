@@ -12,7 +12,7 @@ use cutwater::mesh::{Point, Tensor, Vector, VertexId, det};
 use cutwater::solid_svk::energy::stresses;
 use cutwater::solid_svk::{LameParameters, Load, SaintVenantKirchhoff, Support, SupportKind};
 
-use super::dry::{Elastic, elastic, mapped, run};
+use super::dry::{Elastic, elastic, run};
 use super::record::worse;
 use super::signal::bisect;
 use super::{Failure, Record, short};
@@ -138,7 +138,7 @@ impl<const D: usize> Uniform<D> {
 /// Returns the unit square or cube with cells of different shapes.
 fn block<const D: usize>() -> Result<Elastic<D>, Failure> {
     let n = if D == 2 { 6 } else { 3 };
-    let mesh = mapped(&structured_box::<D>([0.0; D], [1.0; D], [n; D])?, |x| {
+    let mesh = structured_box::<D>([0.0; D], [1.0; D], [n; D])?.mapped(|x| {
         // The sides stay where they are, bitwise.
         x + Vector::from_fn(|a, _| 0.3 * (1.0 + a as f64) * x.iter().map(|c| c * (1.0 - c)).product::<f64>())
     })?;

@@ -21,8 +21,6 @@ const TOUCHING: f64 = 1e-8;
 pub struct DeformableObstacle<const D: usize> {
     pub(super) boundary: BoundaryMesh<D>,
     facets: Vec<FacetId>,
-    /// One entry per facet of the boundary: whether it is among `facets`.
-    may_touch: Vec<bool>,
     vertex_to_facet: VertexToFacet,
 }
 
@@ -37,10 +35,8 @@ impl<const D: usize> DeformableObstacle<D> {
         if let Some(&facet) = facets.iter().find(|f| f.index() >= n_facets) {
             return Err(Error::UnknownFacet { facet, n_facets });
         }
-        let mut may_touch = vec![false; n_facets];
-        facets.iter().for_each(|f| may_touch[f.index()] = true);
         let vertex_to_facet = VertexToFacet::new(&boundary);
-        Ok(Self { boundary, facets, may_touch, vertex_to_facet })
+        Ok(Self { boundary, facets, vertex_to_facet })
     }
 
     /// Builds the index of the facets that can be touched, in their order.
@@ -49,18 +45,51 @@ impl<const D: usize> DeformableObstacle<D> {
         SurfaceIndex::new(&Placed::new(&BoundaryMesh::from_facets(touchable), positions))
     }
 
-    /// Returns the closest point of the whole obstacle with its index at the same positions. `near` is memory for facets.
-    pub(super) fn project_with(
+    /// Returns what [`Obstacle::smallest_gap`] does, with the index at these positions. Points are searched for in the order of their
+    /// distances from the box around the obstacle, as far as these are below the gap.
+    pub(super) fn smallest_gap_with(
         &self,
         index: &SurfaceIndex<D>,
-        x: &Point<D>,
-        at: Positions<'_, D>,
-        near: &mut Vec<FacetId>,
-    ) -> Option<Projection<D>> {
-        let reach = index.closest(x)?.reach(x);
-        index.facets_overlapping(&Aabb::of_points([x]).expanded(reach), near);
+        points: &[Point<D>],
+        positions: &[Point<D>],
+    ) -> Option<f64> {
+        let bounds = bounds(Placed::new(&self.boundary, positions), &self.facets);
+        let mut points: Vec<_> = points.iter().map(|x| (bounds.squared_distance(x), x)).collect();
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let (mut near, mut smallest) = (Vec::new(), None);
+        for (squared_distance, x) in points {
+            if smallest.is_some_and(|gap: f64| gap.max(0.0).powi(2) < squared_distance) {
+                break;
+            }
+            let Some(closest) = index.closest(x) else { continue };
+            self.overlapping(index, &Aabb::of_points([x]).expanded(closest.reach(x)), &mut near);
+            let gap = self.project(x, Positions::Fixed(positions), &near).map(|found| found.gap(x));
+            smallest = [smallest, gap].into_iter().flatten().reduce(f64::min);
+        }
+        smallest
+    }
+
+    /// Returns what [`Obstacle::candidates`] does, with the index at the obstacle's positions.
+    pub(super) fn candidates_with(
+        &self,
+        index: &SurfaceIndex<D>,
+        slave: Placed<'_, D>,
+        facets: &[FacetId],
+        reach: f64,
+    ) -> Vec<Vec<FacetId>> {
+        let of_facet = |&facet: &FacetId| {
+            let mut near = Vec::new();
+            let region = Aabb::of_points(&slave.facet_points(facet)[..D]).expanded(reach);
+            self.overlapping(index, &region, &mut near);
+            near
+        };
+        facets.iter().map(of_facet).collect()
+    }
+
+    /// Replaces `near` by the facets whose boxes overlap a region.
+    fn overlapping(&self, index: &SurfaceIndex<D>, region: &Aabb<D>, near: &mut Vec<FacetId>) {
+        index.facets_overlapping(region, near);
         near.iter_mut().for_each(|f| *f = self.facets[f.index()]);
-        self.project(x, at, near)
     }
 
     /// Computes the normal into the obstacle and its derivative at a closest point of a facet.
@@ -110,9 +139,9 @@ impl<const D: usize> Obstacle<D> for DeformableObstacle<D> {
         Some(&self.boundary)
     }
 
-    fn project_all(&self, points: &[Point<D>], at: Positions<'_, D>) -> Vec<Option<Projection<D>>> {
-        let (index, mut near) = (self.index(&at.all()), Vec::new());
-        points.iter().map(|x| self.project_with(&index, x, at, &mut near)).collect()
+    fn smallest_gap(&self, points: &[Point<D>], at: Positions<'_, D>) -> Option<f64> {
+        let positions = at.all();
+        self.smallest_gap_with(&self.index(&positions), points, &positions)
     }
 
     fn candidates(
@@ -121,24 +150,19 @@ impl<const D: usize> Obstacle<D> for DeformableObstacle<D> {
         facets: &[FacetId],
         positions: &[Point<D>],
         reach: f64,
-    ) -> Vec<Vec<FacetId>> {
-        let bounds = |surface: Placed<'_, D>, facets: &[FacetId]| {
-            let boxes = facets.iter().map(|&facet| Aabb::of_points(&surface.facet_points(facet)[..D]));
-            boxes.fold(Aabb::empty(), |all, one| all.union(&one))
-        };
+    ) -> Option<Vec<Vec<FacetId>>> {
         let own = Placed::new(&self.boundary, positions);
         if !bounds(slave, facets).expanded(reach).overlaps(&bounds(own, &self.facets)) {
-            return vec![Vec::new(); facets.len()];
+            return Some(vec![Vec::new(); facets.len()]);
         }
-        let index = SurfaceIndex::new(&own);
-        let mut near = Vec::new();
-        let mut of_facet = |&facet: &FacetId| {
-            let region = Aabb::of_points(&slave.facet_points(facet)[..D]).expanded(reach);
-            index.facets_overlapping(&region, &mut near);
-            near.iter().copied().filter(|f| self.may_touch[f.index()]).collect()
-        };
-        facets.iter().map(&mut of_facet).collect()
+        Some(self.candidates_with(&self.index(positions), slave, facets, reach))
     }
+}
+
+/// Returns the box around facets.
+fn bounds<const D: usize>(surface: Placed<'_, D>, facets: &[FacetId]) -> Aabb<D> {
+    let boxes = facets.iter().map(|&facet| Aabb::of_points(&surface.facet_points(facet)[..D]));
+    boxes.fold(Aabb::empty(), |all, one| all.union(&one))
 }
 
 /// Returns the points of a facet; only the first `D` are used.

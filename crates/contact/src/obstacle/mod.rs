@@ -61,8 +61,8 @@ impl<const D: usize> Projection<D> {
 pub trait Obstacle<const D: usize>: Send + Sync + std::fmt::Debug {
     /// Returns the closest point to `x`, or `None` if no candidate has one.
     ///
-    /// `positions`: those of the vertices of the obstacle's own body; `candidates`: the facets that are searched. Rigid
-    /// obstacles ignore both.
+    /// `positions`: those of the vertices of the obstacle's own body, ignored by obstacles at rest; `candidates`: the facets that are
+    /// searched, ignored by obstacles without facets.
     fn project(&self, x: &Point<D>, positions: Positions<'_, D>, candidates: &[FacetId]) -> Option<Projection<D>>;
 
     /// Returns the boundary that the facets of candidates and anchors belong to; `None` for a rigid obstacle.
@@ -70,22 +70,23 @@ pub trait Obstacle<const D: usize>: Send + Sync + std::fmt::Debug {
         None
     }
 
-    /// Returns the closest points of the whole obstacle to many points, `None` where there is none.
-    fn project_all(&self, points: &[Point<D>], positions: Positions<'_, D>) -> Vec<Option<Projection<D>>> {
-        points.iter().map(|x| self.project(x, positions, &[])).collect()
+    /// Returns the smallest gap of points to the whole obstacle; `None` if none of them has a closest point.
+    fn smallest_gap(&self, points: &[Point<D>], positions: Positions<'_, D>) -> Option<f64> {
+        let gap = |x: &Point<D>| self.project(x, positions, &[]).map(|found| found.gap(x));
+        points.iter().filter_map(gap).reduce(f64::min)
     }
 
     /// Returns, for each of the slave's `facets`, the facets of the obstacle within `reach`, the slave as placed and
-    /// the obstacle's vertices at `positions`. A rigid obstacle has none.
+    /// the obstacle's vertices at `positions`; `None` for an obstacle without facets, whose closest points are found at any distance.
     ///
     /// They are found once per step and then frozen, so that the sparsity pattern holds while projections move.
     fn candidates(
         &self,
         _slave: Placed<'_, D>,
-        facets: &[FacetId],
+        _facets: &[FacetId],
         _positions: &[Point<D>],
         _reach: f64,
-    ) -> Vec<Vec<FacetId>> {
-        vec![Vec::new(); facets.len()]
+    ) -> Option<Vec<Vec<FacetId>>> {
+        None
     }
 }

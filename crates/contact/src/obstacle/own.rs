@@ -66,9 +66,9 @@ impl<const D: usize> Obstacle<D> for OwnSurface<D> {
         self.surface.boundary()
     }
 
-    /// Returns no gaps: every point of a surface is on the whole of it. There are gaps to candidates only.
-    fn project_all(&self, points: &[Point<D>], _positions: Positions<'_, D>) -> Vec<Option<Projection<D>>> {
-        vec![None; points.len()]
+    /// Returns none: every point of a surface is on the whole of it. There are gaps to candidates only.
+    fn smallest_gap(&self, _points: &[Point<D>], _positions: Positions<'_, D>) -> Option<f64> {
+        None
     }
 
     fn candidates(
@@ -77,11 +77,11 @@ impl<const D: usize> Obstacle<D> for OwnSurface<D> {
         facets: &[FacetId],
         positions: &[Point<D>],
         reach: f64,
-    ) -> Vec<Vec<FacetId>> {
-        let mut found = self.surface.candidates(slave, facets, positions, reach);
+    ) -> Option<Vec<Vec<FacetId>>> {
+        let mut found = self.surface.candidates(slave, facets, positions, reach)?;
         for (&facet, candidates) in facets.iter().zip(&mut found) {
             candidates.retain(|&other| self.may_touch(facet, other, positions));
         }
-        found
+        Some(found)
     }
 }

@@ -1,7 +1,7 @@
 //! A closed surface that does not move.
 
 use mesh::search::SurfaceIndex;
-use mesh::{BoundaryMesh, FacetId, Point};
+use mesh::{BoundaryMesh, FacetId, Placed, Point};
 
 use super::{Anchor, DeformableObstacle, Obstacle, Projection};
 use crate::{Error, Positions};
@@ -31,9 +31,23 @@ impl<const D: usize> RigidSurface<D> {
 }
 
 impl<const D: usize> Obstacle<D> for RigidSurface<D> {
-    fn project(&self, x: &Point<D>, _positions: Positions<'_, D>, _candidates: &[FacetId]) -> Option<Projection<D>> {
-        let found = self.surface.project_with(&self.index, x, Positions::Fixed(&self.positions), &mut Vec::new())?;
+    fn project(&self, x: &Point<D>, _positions: Positions<'_, D>, candidates: &[FacetId]) -> Option<Projection<D>> {
+        let found = self.surface.project(x, Positions::Fixed(&self.positions), candidates)?;
         Some(Projection { anchor: Anchor::Fixed, ..found })
+    }
+
+    fn smallest_gap(&self, points: &[Point<D>], _positions: Positions<'_, D>) -> Option<f64> {
+        self.surface.smallest_gap_with(&self.index, points, &self.positions)
+    }
+
+    fn candidates(
+        &self,
+        slave: Placed<'_, D>,
+        facets: &[FacetId],
+        _positions: &[Point<D>],
+        reach: f64,
+    ) -> Option<Vec<Vec<FacetId>>> {
+        Some(self.surface.candidates_with(&self.index, slave, facets, reach))
     }
 }
 
@@ -51,12 +65,16 @@ mod tests {
         RigidSurface::new(surface, facets, square.vertices().to_vec()).expect("facets")
     }
 
+    fn all() -> Vec<FacetId> {
+        (0..12).map(FacetId::new).collect()
+    }
+
     #[test]
     fn is_an_obstacle() {
         let points: Vec<_> =
             (0..20).map(|k| Point::<2>::from_fn(|a, _| 0.5 + 0.9 * ((3 * k + a) as f64).sin())).collect();
         for is_hollow in [false, true] {
-            let check = check_obstacle(&square(is_hollow), Positions::Fixed(&[]), &[], &points);
+            let check = check_obstacle(&square(is_hollow), Positions::Fixed(&[]), &all(), &points);
             assert!(check.n_projected == 20 && check.largest() < 1e-7, "{check:?}");
         }
     }
@@ -66,7 +84,8 @@ mod tests {
         for (x, gap) in [([0.5, 1.25], 0.25), ([0.5, 0.875], -0.125), ([2.0, 1.0], 1.0), ([4.0, 5.0], 5.0)] {
             let x = Point::<2>::from(x);
             for (is_hollow, side) in [(false, 1.0), (true, -1.0)] {
-                let found = square(is_hollow).project(&x, Positions::Fixed(&[]), &[]).expect("a point");
+                let found = square(is_hollow).project(&x, Positions::Fixed(&[]), &all()).expect("a point");
+                assert_eq!(square(is_hollow).smallest_gap(&[x], Positions::Fixed(&[])), Some(found.gap(&x)));
                 assert!((found.gap(&x) - side * gap).abs() < 1e-12, "{x}: {}", found.gap(&x));
                 assert_eq!(found.anchor, Anchor::Fixed);
             }

@@ -27,6 +27,10 @@ keys! {
         name: At<String>,
         /// Shape.
         shape: At<Shape>,
+        /// Shift of the shape from its place.
+        shift: Option<Components<f64>> [unit(Quantity::LENGTH)],
+        /// Shifts of further bodies that are like this one otherwise, named `NAME-2`, `NAME-3` and so on.
+        copies: Vec<Components<f64>> [unit(Quantity::LENGTH)],
         /// Motion of a body that does not deform; without one the body is elastic.
         motion: Option<At<MotionChoice>>,
         /// Order of the elements of an elastic body; 1 if left out. Elements of order 2 have nodes on their edges; those on the edge of a disk lie on its
@@ -110,7 +114,26 @@ choices! {
     }
 }
 
+impl At<BodyKeys> {
+    /// Returns the body and its copies.
+    pub(super) fn with_copies(&self) -> impl Iterator<Item = Self> {
+        let first = self.map(|body| BodyKeys { copies: Vec::new(), ..body.clone() });
+        let copy = |(k, shift): (usize, &Components<f64>)| {
+            let name = self.name.map(|name| format!("{name}-{}", k + 2));
+            let shift = Some(self.shift.as_ref().map_or(shift.clone(), |own| own.plus(shift)));
+            first.map(|body| BodyKeys { name, shift, ..body.clone() })
+        };
+        let copies: Vec<Self> = self.copies.iter().enumerate().map(copy).collect();
+        std::iter::once(first).chain(copies)
+    }
+}
+
 impl BodyKeys {
+    /// Returns the shift of the shape.
+    fn shift<const D: usize>(&self) -> Vector<D> {
+        self.shift.as_ref().map_or(Vector::zeros(), Components::vector)
+    }
+
     /// Checks that the keys belong to the motion of the body.
     pub(super) fn check(&self) -> Result<(), ScenarioError> {
         fn place<T>(value: &Option<At<T>>) -> Option<&Location> {
@@ -143,7 +166,7 @@ fn needed<'v, T>(body: &At<BodyKeys>, key: &'static str, value: &'v Option<At<T>
 }
 
 pub(super) fn body<const D: usize>(given: &At<BodyKeys>, time: &Time) -> Result<Built<D>, ScenarioError> {
-    let geometry = Geometry::new(&given.shape)?;
+    let geometry = Geometry::new(&given.shape)?.shifted(given.shift()).map_err(|error| given.shape.at.error(error))?;
     let body: Arc<dyn Body<D>> = match (given.motion.as_ref(), geometry) {
         (None, Geometry::Mesh(mesh)) => return elastic(given, *mesh, time),
         (None, Geometry::Surface(..)) => {
@@ -170,7 +193,7 @@ pub(super) struct Built<const D: usize> {
 fn elastic<const D: usize>(given: &At<BodyKeys>, mesh: SimplexMesh<D>, time: &Time) -> Result<Built<D>, ScenarioError> {
     let solid = match given.order.as_deref() {
         Some(2) => {
-            let nodes = nodes_on_circle(&given.shape, &mesh)?;
+            let nodes = nodes_on_circle(&given.shape, given.shift(), &mesh)?;
             SolidMesh::curved(mesh, |ends, middle| nodes.get(&ends).copied().unwrap_or(middle))
         }
         _ => SolidMesh::new(mesh),

@@ -75,9 +75,10 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
         (None, None) => None,
         (None, Some(_)) => return Err(missing("fluid")),
     };
-    let mut built = scenario.body.iter().map(|given| body::<D>(given, time)).collect::<Result<Vec<_>, _>>()?;
+    let given = scenario.bodies();
+    let mut built = given.iter().map(|given| body::<D>(given, time)).collect::<Result<Vec<_>, _>>()?;
     if let Some(fluid) = &fluid {
-        respect_symmetry(scenario, fluid, &mut built)?;
+        respect_symmetry(&given, fluid, &mut built)?;
     }
     let (mut contacts, mut of_contacts) = (Vec::new(), Vec::new());
     let partners = Partners::new(&built, fluid.as_ref().map(|fluid| &fluid.background));
@@ -100,11 +101,11 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
     let positions = setup.positions(&starts);
     let mut bottom = 0.0;
     if let Some(fluid) = &setup.fluid {
-        check_placement(scenario, &setup, fluid, &positions)?;
+        check_placement(&given, &setup, fluid, &positions)?;
         bottom = Aabb::of_points(fluid.background.vertices()).low[D - 1];
     }
     check_contacts(&of_contacts, &setup, &positions)?;
-    check_balance(scenario, &setup, &positions)?;
+    check_balance(scenario, &given, &setup, &positions)?;
     let n_vertices = setup.fluid.as_ref().map(|fluid| fluid.background.n_vertices());
     let (linear, reason) = scenario.solver.linear(D, n_vertices.map_or(0, |n| (D + 1) * n));
     Ok(Case {
@@ -120,13 +121,13 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
 
 /// Checks that every body has a vertex in the domain and that no two bodies overlap.
 fn check_placement<const D: usize>(
-    scenario: &Scenario,
+    given: &[At<BodyKeys>],
     setup: &Setup<D>,
     fluid: &FluidSetup<D>,
     positions: &[Vec<Point<D>>],
 ) -> Result<(), ScenarioError> {
     let background = &fluid.background;
-    let at = |k: usize| &scenario.body[k].shape.at;
+    let at = |k: usize| &given[k].shape.at;
     let domain = Aabb::of_points(background.vertices());
     for (k, (body, positions)) in setup.bodies.iter().zip(positions).enumerate() {
         if !positions.iter().any(|x| domain.contains(x)) {
@@ -171,8 +172,7 @@ fn check_contacts<const D: usize>(
     positions: &[Vec<Point<D>>],
 ) -> Result<(), ScenarioError> {
     let depth = |obstacle: &dyn Obstacle<D>, at: &[Point<D>], points: &[Point<D>]| {
-        let found = obstacle.project_all(points, Positions::Fixed(at));
-        found.iter().zip(points).filter_map(|(found, x)| Some(-found.as_ref()?.gap(x))).fold(0.0, f64::max)
+        obstacle.smallest_gap(points, Positions::Fixed(at)).map_or(0.0, |gap| -gap)
     };
     let boxes: Vec<_> = positions.iter().map(Aabb::of_points).collect();
     for (given, contact) in of_contacts.iter().zip(&setup.contacts) {
@@ -207,6 +207,7 @@ fn check_contacts<const D: usize>(
 /// stand on the boundary may change the volume of the fluid: the balance is then unknown.
 fn check_balance<const D: usize>(
     scenario: &Scenario,
+    bodies: &[At<BodyKeys>],
     setup: &Setup<D>,
     positions: &[Vec<Point<D>>],
 ) -> Result<(), ScenarioError> {
@@ -216,7 +217,7 @@ fn check_balance<const D: usize>(
         let is_inside = positions.iter().all(|x| (0..D).all(|k| domain.low[k] < x[k] && x[k] < domain.high[k]));
         is_inside && matches!(given.motion.as_deref(), Some(MotionChoice::Fixed | MotionChoice::Free { .. }))
     };
-    if !scenario.body.iter().zip(positions).all(keeps_volume) {
+    if !bodies.iter().zip(positions).all(keeps_volume) {
         return Ok(());
     }
     let Some((time, net)) = unbalanced(fluid, [0.0, scenario.time.end]) else { return Ok(()) };
@@ -233,7 +234,7 @@ const ON_PLANE: f64 = 1e-9;
 /// Removes facets of bodies that do not deform from contacts if they lie on planes of symmetry, and checks that free bodies
 /// are held there.
 fn respect_symmetry<const D: usize>(
-    scenario: &Scenario,
+    bodies: &[At<BodyKeys>],
     fluid: &FluidSetup<D>,
     built: &mut [Built<D>],
 ) -> Result<(), ScenarioError> {
@@ -244,7 +245,7 @@ fn respect_symmetry<const D: usize>(
         tagged_vertices(background, *tag).first().map(|x| (*axis, x[*axis]))
     });
     let planes: Vec<(usize, f64)> = planes.collect();
-    for (given, Built { body, contact_facets, .. }) in scenario.body.iter().zip(built) {
+    for (given, Built { body, contact_facets, .. }) in bodies.iter().zip(built) {
         let Some(motion) = &given.motion else { continue };
         let positions = body.start().positions(body.reference());
         let on_plane = |facet: FacetId| {

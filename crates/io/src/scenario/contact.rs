@@ -92,6 +92,9 @@ choices! {
     }
 }
 
+/// Relative difference of sizes that is round-off.
+const ROUND_OFF: f64 = 1e-9;
+
 /// Name that stands for all bodies.
 pub(super) const ALL: &str = "all";
 
@@ -236,7 +239,8 @@ impl<'p, const D: usize> Partners<'p, D> {
 
     /// Returns slave and master of a pair.
     fn in_order(&self, [a, b]: [BodyId; 2]) -> [BodyId; 2] {
-        let is_finer = self.mean_facets[b.index()] < self.mean_facets[a.index()];
+        // Equal bodies at different places differ by rounding.
+        let is_finer = self.mean_facets[b.index()] < (1.0 - ROUND_OFF) * self.mean_facets[a.index()];
         match (self.can_move(a), self.can_move(b)) {
             (false, true) => [b, a],
             (true, true) if is_finer => [b, a],

@@ -64,6 +64,13 @@ keys! {
     }
 }
 
+impl Scenario {
+    /// Returns the bodies, each followed by its copies.
+    pub(super) fn bodies(&self) -> Vec<At<BodyKeys>> {
+        self.body.iter().flat_map(At::with_copies).collect()
+    }
+}
+
 /// A scenario that was read from a file.
 #[derive(Clone, Debug)]
 pub struct ScenarioFile {
@@ -170,14 +177,15 @@ fn check(scenario: &Scenario) -> Result<(), ScenarioError> {
     if !is_plain(&scenario.name) || scenario.name.starts_with('.') {
         return refuse(&scenario.name, "not a file name: use letters, digits, -, _ and dots inside");
     }
-    for (k, body) in scenario.body.iter().enumerate() {
+    let bodies = scenario.bodies();
+    for (k, body) in bodies.iter().enumerate() {
         if !is_plain(&body.name) {
             return refuse(&body.name, "not a column name: use letters, digits, -, _ and dots");
         }
         if **body.name == *ALL {
             return refuse(&body.name, "the word for every body in a contact; give it another");
         }
-        if scenario.body[..k].iter().any(|other| other.name == body.name) {
+        if bodies[..k].iter().any(|other| other.name == body.name) {
             return refuse(&body.name, "the name of another body; give each its own");
         }
         body.check()?;

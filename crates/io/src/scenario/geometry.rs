@@ -101,6 +101,17 @@ impl<const D: usize> Geometry<D> {
         }
     }
 
+    /// Returns the geometry at another place.
+    ///
+    /// # Errors
+    /// A shift so large that rounding destroys the mesh.
+    pub(super) fn shifted(self, by: Vector<D>) -> Result<Self, mesh::Error> {
+        Ok(match self {
+            Self::Mesh(mesh) => Self::Mesh(Box::new(mesh.mapped(|x| x + by)?)),
+            Self::Surface(surface, positions) => Self::Surface(surface, positions.iter().map(|x| x + by).collect()),
+        })
+    }
+
     /// Returns the surface with the positions of its own vertices.
     pub(super) fn into_surface(self) -> (BoundaryMesh<D>, Vec<Point<D>>) {
         let mesh = match self {
@@ -156,12 +167,13 @@ fn polygon<const D: usize>(
     Ok(Geometry::Surface(BoundaryMesh::from_facets(facets), positions))
 }
 
-/// Returns the positions of the nodes that elements of order 2 have on the round edges of a shape, for the ends of each edge in ascending order.
+/// Returns the positions of the nodes that elements of order 2 have on the round edges of a shifted shape, for the ends of each edge in ascending order.
 ///
 /// # Errors
 /// A polygon with the area of the disk, which belongs to elements of order 1.
 pub(super) fn nodes_on_circle<const D: usize>(
     shape: &At<Shape>,
+    shift: Vector<D>,
     mesh: &SimplexMesh<D>,
 ) -> Result<HashMap<[VertexId; 2], Point<D>>, ScenarioError> {
     let (Shape::Ball { centre, area_preserving, .. } | Shape::HalfBall { centre, area_preserving, .. }) = &**shape
@@ -171,7 +183,7 @@ pub(super) fn nodes_on_circle<const D: usize>(
     if *area_preserving {
         return Err(shape.at.part("area_preserving").error(ErrorKind::NoEffect("elements of order 2")));
     }
-    let (centre, tag) = (centre.vector::<D>(), mesh.tag("surface"));
+    let (centre, tag) = (centre.vector::<D>() + shift, mesh.tag("surface"));
     let mut nodes = HashMap::new();
     for facet in mesh.facets().filter(|facet| tag.is_some() && mesh.facet_tag(*facet) == tag) {
         for (k, &a) in mesh.facet(facet).iter().enumerate() {

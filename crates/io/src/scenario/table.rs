@@ -203,6 +203,13 @@ pub struct At<T> {
     pub at: Location,
 }
 
+impl<T> At<T> {
+    /// Returns the value that follows from this one, with the same location.
+    pub(super) fn map<U>(&self, value: impl FnOnce(&T) -> U) -> At<U> {
+        At { value: value(&self.value), at: self.at.clone() }
+    }
+}
+
 impl<T> Deref for At<T> {
     type Target = T;
 
@@ -271,6 +278,13 @@ impl<T> Deref for Components<T> {
 
     fn deref(&self) -> &[T] {
         &self.0
+    }
+}
+
+impl Components<f64> {
+    /// Returns the sum with a vector of the same dimension.
+    pub(super) fn plus(&self, other: &Self) -> Self {
+        Self(self.iter().zip(other.iter()).map(|(a, b)| a + b).collect())
     }
 }
 

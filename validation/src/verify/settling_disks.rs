@@ -1,0 +1,83 @@
+//! Thirty elastic disks that settle in a closed box, the scenario of the examples.
+
+use cutwater::io::ScenarioFile;
+use cutwater::io::scenario::case::case;
+use cutwater::solver::{Observer, ObserverError, State, StepView, TimeLoop};
+
+use crate::case::example_path;
+
+use super::{Failure, Record, short};
+
+/// Largest overlap over the contact size.
+const OVERLAP: f64 = 0.02;
+/// Largest speed at the end over the largest one of the run.
+const REST: f64 = 0.01;
+/// Largest imbalance of forces on a disk over its weight.
+const BALANCE: f64 = 1e-6;
+/// Changes of the quick version: coarser fluid, until disks are in contact.
+const QUICK: [&str; 2] = ["background.size=0.08", "time.end=0.4"];
+
+/// Measures overlaps, rest and forces.
+pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
+    let changes: &[&str] = if record.full { &[] } else { &QUICK };
+    let changes: Vec<String> = changes.iter().map(|change| (*change).to_owned()).collect();
+    let mut case = case::<2>(&ScenarioFile::read(&example_path("settling-disks"), &changes)?)?;
+    let size = case.setup.contacts.first().ok_or("there is a contact")?.form().size();
+    let mut fall = Fall { smallest_gap: f64::INFINITY, ..Fall::default() };
+    let state = State::initial(&case.setup)?;
+    let workspace = std::mem::take(&mut case.workspace);
+    TimeLoop::new(&case.setup, state, workspace).run(case.n_steps, &mut [&mut fall])?;
+    record.show("contacts of two disks or of a disk with a wall, at most at a time", fall.n_contacts as f64, None);
+    record.at_most("largest overlap over the contact size", -fall.smallest_gap / size, OVERLAP);
+    record.at_most(
+        "fluid, weight, contacts and inertia of a disk: largest remainder over the weight",
+        fall.remainder,
+        BALANCE,
+    );
+    let largest = fall.speeds.iter().map(|(_, speed)| *speed).fold(0.0, f64::max);
+    let (_, last) = fall.speeds.last().copied().ok_or("there are steps")?;
+    if record.full {
+        record.at_most("largest speed of a centre at the end over the largest one of the run", last / largest, REST);
+    } else {
+        record.show("largest speed of a centre at the end [cm/s]", last, None);
+    }
+    let curves =
+        vec![("largest speed of a centre [cm/s]", fall.speeds), ("mean height of the centres [cm]", fall.heights)];
+    record.figure("Settling disks", "time [s]", curves);
+    record.note(format!(
+        "`examples/settling-disks.toml`: each two disks, each disk with itself, and each with floor and walls may touch. Contact acts from a \
+         distance of {} cm. Below it the disks overlap only if the law is violated by all of that distance.",
+        short(case.setup.contacts[0].form().law.offset()),
+    ));
+    Ok(())
+}
+
+/// History of the disks.
+#[derive(Default)]
+struct Fall {
+    /// Time, and largest speed of a centre.
+    speeds: Vec<(f64, f64)>,
+    /// Time, and mean height of the centres.
+    heights: Vec<(f64, f64)>,
+    smallest_gap: f64,
+    remainder: f64,
+    n_contacts: usize,
+}
+
+impl Observer<2> for Fall {
+    fn after_step(&mut self, view: &StepView<'_, 2>) -> Result<(), ObserverError> {
+        let Some(report) = view.report else { return Ok(()) };
+        let balances = || report.bodies.iter().filter_map(|body| body.balance.as_ref());
+        let speed = balances().map(|balance| (balance.momentum / balance.mass).norm()).fold(0.0, f64::max);
+        let heights: Vec<f64> = balances().map(|balance| balance.centre_of_mass[1]).collect();
+        self.speeds.push((view.state.time, speed));
+        self.heights.push((view.state.time, heights.iter().sum::<f64>() / heights.len() as f64));
+        let gaps = report.contacts.iter().filter_map(|contact| contact.minimum_gap);
+        self.smallest_gap = gaps.fold(self.smallest_gap, f64::min);
+        self.n_contacts = self.n_contacts.max(report.contacts.iter().filter(|contact| contact.is_active()).count());
+        let forces = report.bodies.iter().filter_map(|body| body.forces.as_ref());
+        let remainders = forces.map(|forces| forces.remainder().norm() / forces.body_force.norm());
+        self.remainder = remainders.fold(self.remainder, f64::max);
+        Ok(())
+    }
+}
