@@ -31,6 +31,8 @@ mod history;
 #[cfg(feature = "simulation")]
 mod measures;
 #[cfg(feature = "simulation")]
+mod memory;
+#[cfg(feature = "simulation")]
 mod run;
 #[cfg(feature = "simulation")]
 pub mod scenario;

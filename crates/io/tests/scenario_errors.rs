@@ -127,6 +127,8 @@ fn regions_of_the_background() {
     refine(ball, "size = 2.0", "", &["size of the region is 2.0", "at most the size of the background"]);
     refine(ball, "size = 0.1, growth = 0.9", ".growth", &["from 0.01 to 0.5"]);
     refine(ball, "size = 1e-5", "", &["number of cells", "increase the size"]);
+    refused(BARRIER, &[&["background.size=1e-3"]], &["background.size", "cells need at least", "GiB are available"]);
+    refused(BARRIER, &[&["background.size=1e-9"]], &["background.size", "cells need at least", "increase the size"]);
     refine(
         &ball.replace("2.0", "-2.0"),
         "size = 0.1",

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use cutcell::OverlayOptions;
 use fluid_ns::NewtonianFluid;
 use fluid_ns::terms::CipProfile;
-use mesh::generate::{Region, RegionShape, Size, mirrored, refined_box};
+use mesh::generate::{Region, RegionShape, Size, expected_cells, mirrored, refined_box};
 use mesh::{Aabb, FacetId, Placed, Point, SimplexMesh, Tag, Vector};
 use solver::body::TimeField;
 use solver::interface_dg::terms::PenaltyProfile;
@@ -17,6 +17,7 @@ use super::field::{Field, FieldFormula};
 use super::geometry::normal_along_axis;
 use super::key::Quantity;
 use super::table::{At, Components, Named, OrTable, choices, keys};
+use crate::memory::{available, shortage};
 
 keys! {
     /// The fluid.
@@ -291,6 +292,10 @@ fn background<const D: usize>(given: &At<Background>) -> Result<SimplexMesh<D>, 
     let min = min.vector::<D>();
     let corners = [min, max.vector::<D>()].map(<[f64; D]>::from);
     let regions = refine.iter().map(|given| region(given, corners, &field)).collect::<Result<Vec<_>, _>>()?;
+    let n_cells = expected_cells(corners[0], corners[1], &field, &regions) * if *is_mirrored { 2.0 } else { 1.0 };
+    if let Some(shortage) = shortage(n_cells, available()) {
+        return Err(size.at.invalid(shortage));
+    }
     let box_mesh = refined_box(corners[0], corners[1], &field, &regions).map_err(|error| {
         let at = match error {
             mesh::Error::Parameter(parameter) if parameter.what == "side of the box" => &max.at,

@@ -43,6 +43,7 @@ pub fn refined_box<const D: usize>(
     for region in regions {
         region.check(min, max, size)?;
     }
+    affordable(expected_cells(min, max, size, regions))?;
     let shortest = min.iter().zip(&max).map(|(a, b)| b - a).fold(f64::INFINITY, f64::min);
     let near = |x: &Point<D>| regions.iter().map(|region| region.at(x)).fold(f64::INFINITY, f64::min);
     match D {
@@ -87,7 +88,6 @@ fn triangulated<const D: usize>(
     h: impl Fn(f64, f64) -> f64,
 ) -> Result<SimplexMesh<D>, Error> {
     let [left, bottom, right, top] = [min[0], min[1], max[0], max[1]];
-    expect_affordable(min, max, &h)?;
     let mut outline = Outline::around([0.0, 0.0]);
     outline.side(divided(left, right, |x| h(x, bottom))?.into_iter().map(|x| [x, bottom]));
     outline.side(divided(bottom, top, |y| h(right, y))?.into_iter().map(|y| [right, y]));
@@ -96,14 +96,43 @@ fn triangulated<const D: usize>(
     Ok(with_side_tags(filled(outline, |[x, y]| h(x, y))?, min, max))
 }
 
-/// Estimates the number of triangles by midpoint quadrature.
-fn expect_affordable<const D: usize>(min: [f64; D], max: [f64; D], h: &impl Fn(f64, f64) -> f64) -> Result<(), Error> {
-    const SAMPLES: usize = 64;
-    let [dx, dy] = [0, 1].map(|axis| (max[axis] - min[axis]) / SAMPLES as f64);
-    let cells = |i: usize, j: usize| {
-        let h = h(min[0] + (i as f64 + 0.5) * dx, min[1] + (j as f64 + 0.5) * dy);
-        (dx / h) * (dy / h) * 4.0 / 3.0_f64.sqrt()
+/// Estimates the number of cells of a [`refined_box`] by midpoint quadrature, without a mesh.
+pub fn expected_cells<const D: usize>(min: [f64; D], max: [f64; D], size: &Size, regions: &[Region<D>]) -> f64 {
+    // Samples along each axis, and cells in a square or cube of the size of a cell.
+    let (samples, cells): (usize, f64) = match D {
+        2 => (64, 4.0 / (3.0_f64.sqrt() * MEAN_EDGE.powi(2))),
+        _ => (16, 6.0),
     };
-    affordable((0..SAMPLES * SAMPLES).map(|k| cells(k % SAMPLES, k / SAMPLES)).sum())?;
-    Ok(())
+    let step: [f64; D] = std::array::from_fn(|axis| (max[axis] - min[axis]) / samples as f64);
+    let density = |k: usize| {
+        let place = |axis: usize| (k / samples.pow(axis as u32) % samples) as f64 + 0.5;
+        let x = Point::from_fn(|axis, _| min[axis] + place(axis) * step[axis]);
+        let h = regions.iter().map(|region| region.at(&x)).fold(size.at(&x), f64::min);
+        cells / h.powi(D as i32)
+    };
+    step.iter().product::<f64>() * (0..samples.pow(D as u32)).map(density).sum::<f64>()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::generate::RegionShape;
+
+    #[test]
+    fn the_number_of_cells_is_estimated() {
+        let region = Region {
+            shape: RegionShape::Segment { ends: [[1.0, 1.0].into(); 2], within: 0.3 },
+            size: 0.03,
+            growth: 0.3,
+        };
+        let size = Size::Graded { fine: 0.05, fine_until: 0.5, coarse: 0.2, coarse_from: 1.5, axis: 1 };
+        let check = |found: usize, expected: f64| {
+            assert!((found as f64 / expected - 1.0).abs() < 0.15, "{found} {expected}");
+        };
+        let mesh = refined_box([0.0, 0.0], [2.0, 2.0], &size, &[region]).expect("a mesh");
+        check(mesh.n_cells(), expected_cells([0.0, 0.0], [2.0, 2.0], &size, &[region]));
+        let uniform = Size::uniform(0.1);
+        let mesh = graded_box([0.0; 3], [1.0, 2.0, 0.5], &uniform).expect("a mesh");
+        check(mesh.n_cells(), expected_cells([0.0; 3], [1.0, 2.0, 0.5], &uniform, &[]));
+    }
 }

@@ -10,7 +10,7 @@ mod size;
 mod triangulate;
 
 pub use ball::{BallOptions, ball, half_ball};
-pub use graded_box::{graded_box, refined_box};
+pub use graded_box::{expected_cells, graded_box, refined_box};
 pub use grid::structured_box;
 pub use mirror::mirrored;
 pub use region::{Region, RegionShape};
