@@ -12,8 +12,8 @@ use crate::{
 
 /// A conforming mesh of triangles (D = 2) or tetrahedra (D = 3), immutable after construction.
 ///
-/// Every cell is positively oriented, every facet belongs to one or two cells. Boundary facets may carry a
-/// [`Tag`], an index into [`SimplexMesh::tag_names`].
+/// Every cell is positively oriented, every facet belongs to one or two cells. Boundary facets and cells may carry a
+/// [`Tag`], an index into [`SimplexMesh::tag_names`]: the name of a part of the boundary, or of a group of cells.
 #[derive(Clone, Debug)]
 pub struct SimplexMesh<const D: usize> {
     vertices: Vec<Point<D>>,
@@ -22,6 +22,7 @@ pub struct SimplexMesh<const D: usize> {
     measures: Measures,
     tag_names: Vec<String>,
     facet_tag: Vec<Option<Tag>>,
+    cell_tag: Vec<Option<Tag>>,
     cell_index: OnceLock<CellIndex<D>>,
 }
 
@@ -72,14 +73,14 @@ impl<const D: usize> SimplexMesh<D> {
             .map(|corners| simplex_measure(&points_of::<D, MAX_FACET_VERTICES>(&vertices, corners)[..D]))
             .collect();
         let measures = Measures { volume: cell_to_volume.iter().sum(), cell_to_volume, facet_to_measure };
-        let facet_tag = vec![None; topology.facet_to_cell.len()];
         Ok(Self {
+            facet_tag: vec![None; topology.facet_to_cell.len()],
+            cell_tag: vec![None; cell_to_vertex.len() / stride],
             vertices,
             cell_to_vertex,
             topology,
             measures,
             tag_names: Vec::new(),
-            facet_tag,
             cell_index: OnceLock::new(),
         })
     }
@@ -90,7 +91,9 @@ impl<const D: usize> SimplexMesh<D> {
     /// Positions that are not finite, cells that lose their volume.
     pub fn mapped(&self, map: impl Fn(&Point<D>) -> Point<D>) -> Result<Self, Error> {
         let mut moved = Self::new(self.vertices.iter().map(map).collect(), self.cell_to_vertex.clone())?;
-        (moved.tag_names, moved.facet_tag) = (self.tag_names.clone(), self.facet_tag.clone());
+        moved.tag_names.clone_from(&self.tag_names);
+        moved.facet_tag.clone_from(&self.facet_tag);
+        moved.cell_tag.clone_from(&self.cell_tag);
         Ok(moved)
     }
 
@@ -109,15 +112,26 @@ impl<const D: usize> SimplexMesh<D> {
     pub fn with_facet_tags<'a>(mut self, name_of: impl Fn(FacetId) -> Option<&'a str>) -> Self {
         for facet in self.facets() {
             let name = if self.is_boundary(facet) { name_of(facet) } else { None };
-            self.facet_tag[facet.index()] = name.map(|name| {
-                let known = self.tag_names.iter().position(|n| n == name);
-                Tag::new(known.unwrap_or_else(|| {
-                    self.tag_names.push(name.to_owned());
-                    self.tag_names.len() - 1
-                }))
-            });
+            self.facet_tag[facet.index()] = name.map(|name| self.named(name));
         }
         self
+    }
+
+    /// Returns the mesh with its cells in groups. `name_of` maps a cell to the name of its group, or to `None`.
+    #[must_use]
+    pub fn with_cell_tags<'a>(mut self, name_of: impl Fn(CellId) -> Option<&'a str>) -> Self {
+        for cell in self.cells() {
+            self.cell_tag[cell.index()] = name_of(cell).map(|name| self.named(name));
+        }
+        self
+    }
+
+    /// Returns the tag of a name, which it adds if there is none.
+    fn named(&mut self, name: &str) -> Tag {
+        self.tag(name).unwrap_or_else(|| {
+            self.tag_names.push(name.to_owned());
+            Tag::new(self.tag_names.len() - 1)
+        })
     }
 
     /// Returns the number of vertices.
@@ -246,6 +260,11 @@ impl<const D: usize> SimplexMesh<D> {
         self.facet_tag[facet.index()]
     }
 
+    /// Returns the tag of a cell.
+    pub fn cell_tag(&self, cell: CellId) -> Option<Tag> {
+        self.cell_tag[cell.index()]
+    }
+
     /// Returns the outward unit normal of the facets with a tag; `None` if there are none or they do not lie in one plane.
     ///
     /// Normals may differ by 1e-9. Distances from the plane may be 1e-9 times distances within it.
@@ -290,6 +309,21 @@ mod tests {
 
     fn normal<const D: usize>(mesh: &SimplexMesh<D>, name: &str) -> Option<Vector<D>> {
         mesh.tag_normal(mesh.tag(name).unwrap())
+    }
+
+    #[test]
+    fn cells_have_groups_of_their_own() {
+        let mesh = structured_box([0.0, 0.0], [2.0, 1.0], [4, 1]).unwrap();
+        let is_left = |mesh: &SimplexMesh<2>, cell| mesh.simplex(cell).centroid()[0] < 1.0;
+        let whole = mesh.clone();
+        let mesh = mesh.with_cell_tags(|cell| is_left(&whole, cell).then_some("left"));
+        let moved = mesh.mapped(|x| x + Vector::<2>::new(5.0, 0.0)).unwrap();
+        // The name of a side is that of a group, too.
+        assert_eq!(moved.tag_names(), ["bottom", "right", "top", "left"].map(String::from).as_slice());
+        let n_left = moved.cells().filter(|cell| moved.cell_tag(*cell) == moved.tag("left")).count();
+        assert_eq!((n_left, moved.cells().filter(|cell| moved.cell_tag(*cell).is_none()).count()), (4, 4));
+        let on_left = moved.facets().filter(|facet| moved.facet_tag(*facet) == moved.tag("left"));
+        assert!(on_left.flat_map(|facet| moved.facet(facet)).all(|vertex| moved.vertex(*vertex)[0] == 5.0));
     }
 
     #[test]
