@@ -319,7 +319,7 @@ mod tests {
         let mesh = mesh.with_cell_tags(|cell| is_left(&whole, cell).then_some("left"));
         let moved = mesh.mapped(|x| x + Vector::<2>::new(5.0, 0.0)).unwrap();
         // The name of a side is that of a group, too.
-        assert_eq!(moved.tag_names(), ["bottom", "right", "top", "left"].map(String::from).as_slice());
+        assert_eq!(moved.tag_names(), ["bottom", "top", "left", "right"].map(String::from).as_slice());
         let n_left = moved.cells().filter(|cell| moved.cell_tag(*cell) == moved.tag("left")).count();
         assert_eq!((n_left, moved.cells().filter(|cell| moved.cell_tag(*cell).is_none()).count()), (4, 4));
         let on_left = moved.facets().filter(|facet| moved.facet_tag(*facet) == moved.tag("left"));

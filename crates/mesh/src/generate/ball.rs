@@ -1,30 +1,39 @@
-//! Disks and half disks of uniform cell size.
+//! Disks, half disks and balls of uniform cell size.
 
 use std::f64::consts::PI;
 
+use super::icosahedron::divided_icosahedron;
 use super::size::{MEAN_EDGE, affordable};
 use super::triangulate::{Outline, filled};
-use crate::{Error, SimplexMesh, positive, require};
+use crate::{Error, Point, SimplexMesh, positive, require};
 
-/// Approximation of a ball by a polygon.
+/// Approximation of a ball by a polygon or polyhedron.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct BallOptions {
-    /// Whether the polygon has the area of the ball; otherwise its vertices lie on the ball.
+    /// Whether the polygon or polyhedron has the area or volume of the ball; otherwise its vertices lie on the ball.
     pub area_preserving: bool,
 }
 
-/// Generates a disk with cells of size `h` (at most the radius), equally spaced boundary vertices and angles of at least 25
-/// degrees. Its boundary has the tag "surface".
+/// Generates a ball with cells of size `h` (at most the radius). Its boundary has the tag "surface".
+///
+/// In 2D, boundary vertices are equally spaced and angles are at least 25 degrees. In 3D, the 20 tetrahedra between the centre and the faces of an
+/// icosahedron are divided, and the vertices are moved along rays until each layer is a sphere; edges have the mean length `h`.
 ///
 /// # Errors
 /// [`Error::Parameter`]: centre, radius or size not finite, radius or size not positive, or too many cells.
-/// [`Error::Dimension`]: `D` is not 2.
 pub fn ball<const D: usize>(
     centre: [f64; D],
     radius: f64,
     h: f64,
     options: &BallOptions,
 ) -> Result<SimplexMesh<D>, Error> {
+    if D == 3 {
+        check(&centre, radius, h)?;
+        let unit = divided_icosahedron(radius / h.min(radius))?;
+        let scale = if options.area_preserving { (4.0 / 3.0 * PI / unit.volume()).cbrt() } else { 1.0 };
+        let centre = Point::from(centre);
+        return Ok(unit.mapped(|x| centre + x * (radius * scale))?.with_boundary_tags(|_| Some("surface")));
+    }
     let circle = Circle::new(&centre, radius, h, options)?;
     let mut outline = Outline::around(circle.centre);
     let n = 2 * circle.n_half;
@@ -36,7 +45,7 @@ pub fn ball<const D: usize>(
 /// there have the tag "left", all others "surface". The boundary vertices are those of [`ball`] up to round-off.
 ///
 /// # Errors
-/// As [`ball`].
+/// As [`ball`]. [`Error::Dimension`]: `D` is not 2.
 pub fn half_ball<const D: usize>(
     centre: [f64; D],
     radius: f64,
@@ -57,6 +66,15 @@ pub fn half_ball<const D: usize>(
     }))
 }
 
+fn check<const D: usize>(centre: &[f64; D], radius: f64, h: f64) -> Result<(), Error> {
+    for &c in centre {
+        require(c.is_finite(), "centre", c, "finite")?;
+    }
+    positive("radius", radius)?;
+    positive("size", h)?;
+    Ok(())
+}
+
 struct Circle {
     centre: [f64; 2],
     /// Distance of the nodes from the centre.
@@ -69,13 +87,9 @@ struct Circle {
 
 impl Circle {
     fn new<const D: usize>(centre: &[f64; D], radius: f64, h: f64, options: &BallOptions) -> Result<Self, Error> {
-        for &c in centre {
-            require(c.is_finite(), "centre", c, "finite")?;
-        }
-        positive("radius", radius)?;
-        positive("size", h)?;
+        check(centre, radius, h)?;
         let &[x, y] = centre.as_slice() else {
-            return Err(Error::Dimension { shape: "ball", dimension: D });
+            return Err(Error::Dimension { shape: "half-ball", dimension: D });
         };
         let h = MEAN_EDGE * h.min(radius);
         affordable(2.0 * PI * (radius / h).powi(2))?;

@@ -2,16 +2,21 @@
 
 mod ball;
 mod bisect;
+mod closed_line;
 mod graded_box;
 mod grid;
+mod icosahedron;
+mod inside;
 mod mirror;
 mod region;
 mod size;
 mod triangulate;
 
 pub use ball::{BallOptions, ball, half_ball};
+pub use closed_line::ClosedLine;
 pub use graded_box::{expected_cells, graded_box, refined_box};
 pub use grid::structured_box;
+pub use inside::inside;
 pub use mirror::mirrored;
 pub use region::{Region, RegionShape};
 pub use size::Size;

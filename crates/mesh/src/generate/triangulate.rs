@@ -236,15 +236,15 @@ fn failed(error: spade::InsertionError) -> Error {
     Error::Triangulation { reason: error.to_string() }
 }
 
-fn centroid(corners: &[[f64; 2]; 3]) -> [f64; 2] {
+pub(super) fn centroid(corners: &[[f64; 2]; 3]) -> [f64; 2] {
     [0, 1].map(|axis| (corners[0][axis] + corners[1][axis] + corners[2][axis]) / 3.0)
 }
 
-fn area([a, b, c]: &[[f64; 2]; 3]) -> f64 {
+pub(super) fn area([a, b, c]: &[[f64; 2]; 3]) -> f64 {
     0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
 }
 
-fn smallest_angle(corners: &[[f64; 2]; 3]) -> f64 {
+pub(super) fn smallest_angle(corners: &[[f64; 2]; 3]) -> f64 {
     let angle = |k: usize| {
         let [a, b, c] = [0, 1, 2].map(|i| corners[(k + i) % 3]);
         let (u, v) = ([b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]]);
