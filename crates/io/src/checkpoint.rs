@@ -121,19 +121,12 @@ impl Checkpoint {
 /// # Errors
 /// [`Error::Text`], [`Error::Read`].
 pub(crate) fn problem_text(file: &ScenarioFile) -> Result<String, Error> {
-    let mut table = file.table().clone();
+    let mut table = file.with_inputs(|_, path| Ok(format!("{:08x}", crc32fast::hash(&read(path)?))))?;
     if let Some(root) = table.as_table_mut() {
         root.remove("output");
         root.get_mut("time").and_then(|time| time.as_table_mut()).and_then(|time| time.remove("end"));
-        let bodies = root.get_mut("body").and_then(|bodies| bodies.as_array_mut()).into_iter().flatten();
-        let motions = bodies.filter_map(|body| body.get_mut("motion")?.as_table_mut());
-        motions.for_each(|motion| _ = motion.remove("file"));
     }
-    let mut text = toml::to_string(&table)?;
-    for path in file.tables() {
-        text += &format!("# {:08x}\n", crc32fast::hash(&read(&path)?));
-    }
-    Ok(text)
+    Ok(toml::to_string(&table)?)
 }
 
 /// Removes the checkpoints in a directory.

@@ -29,7 +29,7 @@ pub enum Error {
         /// Line or byte, and cause.
         problem: String,
     },
-    /// A mesh file is malformed, or holds no mesh of tetrahedra.
+    /// A mesh file is malformed, or holds no mesh that can be used.
     #[error("cannot read the mesh {}: {problem}", .path.display())]
     MeshFile {
         /// The file.

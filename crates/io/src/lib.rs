@@ -16,6 +16,7 @@
 struct Guide;
 
 pub mod cut;
+pub mod gmsh;
 pub mod surface;
 pub mod vtk;
 

@@ -181,7 +181,13 @@ fn what_only_elastic_bodies_have_is_refused() {
 #[test]
 fn contacts_in_which_nothing_yields_are_refused() {
     let plane = contact("cylinder", r#"{ kind = "rigid-plane", point = [0.0, 0.0], normal = [0.0, -1.0] }"#);
-    expect(MOTION, &plane, "obstacle = ", "contact.0.obstacle", &["neither `cylinder`", "the obstacle is at rest", "elastic"]);
+    expect(
+        MOTION,
+        &plane,
+        "obstacle = ",
+        "contact.0.obstacle",
+        &["neither `cylinder`", "the obstacle is at rest", "elastic"],
+    );
     let post = "\n[[body]]\nname = \"post\"\nshape = { kind = \"box\", min = [0.5, 0.0], max = [0.6, 0.1], n = [2, 2] }\n\
                 motion = { kind = \"fixed\" }\n";
     let both = post.to_owned() + &contact("cylinder", r#"{ kind = "body", name = "post" }"#);

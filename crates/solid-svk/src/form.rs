@@ -26,27 +26,24 @@ impl<const D: usize> SolidForm<D> {
     /// # Errors
     /// [`Error::Parameter`]: density not positive, acceleration not finite.
     pub fn new(density: f64, material: impl Material<D> + 'static, gravity: Vector<D>) -> Result<Self, Error> {
-        positive("density", density)?;
+        Self::of_groups(vec![(density, Arc::new(material))], gravity)
+    }
+
+    /// Creates the form of a body with density and material of each group of its cells ([`crate::SolidMesh::with_groups`]).
+    ///
+    /// # Errors
+    /// [`Error::Parameter`]: a density not positive, acceleration not finite.
+    pub fn of_groups(groups: Vec<(f64, Arc<dyn Material<D>>)>, gravity: Vector<D>) -> Result<Self, Error> {
         for &g in &gravity {
             require(g.is_finite(), "body force", g, "finite")?;
         }
+        let densities =
+            groups.iter().map(|(density, _)| positive("density", *density)).collect::<Result<Vec<_>, _>>()?;
         Ok(Self {
-            inertia: Inertia { densities: vec![density] },
-            internal_work: InternalWork { materials: vec![Arc::new(material)] },
-            body_force: BodyForce { densities: vec![density], acceleration: gravity },
+            inertia: Inertia { densities: densities.clone() },
+            internal_work: InternalWork { materials: groups.into_iter().map(|(_, material)| material).collect() },
+            body_force: BodyForce { densities, acceleration: gravity },
         })
-    }
-
-    /// Returns the form with density and material of the next group of cells ([`crate::SolidMesh::with_groups`]); the form of a homogeneous body has those of group 0.
-    ///
-    /// # Errors
-    /// [`Error::Parameter`]: density not positive.
-    pub fn and(mut self, density: f64, material: impl Material<D> + 'static) -> Result<Self, Error> {
-        positive("density", density)?;
-        self.inertia.densities.push(density);
-        self.body_force.densities.push(density);
-        self.internal_work.materials.push(Arc::new(material));
-        Ok(self)
     }
 
     /// Returns the material of a group of cells.

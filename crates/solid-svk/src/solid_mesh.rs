@@ -122,7 +122,7 @@ impl<const D: usize> SolidMesh<D> {
         Ok(body)
     }
 
-    /// Returns the body with its cells in groups, which may differ in density and material ([`crate::SolidForm::and`]). Without them all cells
+    /// Returns the body with its cells in groups, which may differ in density and material ([`crate::SolidForm::of_groups`]). Without them all cells
     /// are in group 0.
     ///
     /// Shapes: `cell_to_group` has one entry per cell.

@@ -2,19 +2,19 @@
 
 use std::sync::Arc;
 
-use mesh::{FacetId, SimplexMesh, Vector};
+use mesh::{FacetId, SimplexMesh, Tag, Vector};
 use solid_rigid::RigidBody;
 use solid_rigid::modes::n_rotations;
 use solid_svk::supports::{facets_without_tags, tagged_facets, vertices_of};
 use solid_svk::{
-    ElasticBody, ElasticOptions, LameParameters, LinearElastic, Load, NeoHookean, SaintVenantKirchhoff, SolidForm,
-    SolidMesh, Support, SupportKind,
+    ElasticBody, ElasticOptions, LameParameters, LinearElastic, Load, Material, NeoHookean, SaintVenantKirchhoff,
+    SolidForm, SolidMesh, Support, SupportKind,
 };
 use solver::body::Body;
 
 use super::error::{ErrorKind, Location, ScenarioError};
 use super::field::Field;
-use super::geometry::{Geometry, Shape, nodes_on_circle, normal_along_axis};
+use super::geometry::{Geometry, Shape, normal_along_axis};
 use super::key::Quantity;
 use super::motion::{Held, MotionChoice, prescribed};
 use super::solver::Time;
@@ -38,6 +38,8 @@ keys! {
         order: Option<At<usize>> [between(1.0, 2.0)],
         /// Material of an elastic body.
         material: Option<At<MaterialChoice>>,
+        /// Other materials and densities of groups of cells, by the names of the groups in the mesh file.
+        groups: Named<GroupKeys>,
         /// Density of an elastic or free body.
         density: Option<At<f64>> [unit(Quantity::DENSITY), positive],
         /// Acceleration of gravity of an elastic or free body.
@@ -48,6 +50,16 @@ keys! {
         initial_displacement: Option<Field> [unit(Quantity::LENGTH)],
         /// Velocity of an elastic or free body at the start; at rest if left out.
         initial_velocity: Option<Field> [unit(Quantity::VELOCITY)],
+    }
+}
+
+keys! {
+    /// Group of cells of an elastic body.
+    pub struct GroupKeys {
+        /// Material; that of the body if left out.
+        material: Option<At<MaterialChoice>>,
+        /// Density; that of the body if left out.
+        density: Option<At<f64>> [unit(Quantity::DENSITY), positive],
     }
 }
 
@@ -149,6 +161,7 @@ impl BodyKeys {
         let given = [
             ("order", place(&self.order)),
             ("material", place(&self.material)),
+            ("groups", self.groups.0.first().map(|(_, group)| &group.at)),
             ("density", place(&self.density)),
             ("gravity", place(&self.gravity)),
             ("boundary", place(&self.boundary)),
@@ -168,12 +181,7 @@ fn needed<'v, T>(body: &At<BodyKeys>, key: &'static str, value: &'v Option<At<T>
 pub(super) fn body<const D: usize>(given: &At<BodyKeys>, time: &Time) -> Result<Built<D>, ScenarioError> {
     let geometry = Geometry::new(&given.shape)?.shifted(given.shift()).map_err(|error| given.shape.at.error(error))?;
     let body: Arc<dyn Body<D>> = match (given.motion.as_ref(), geometry) {
-        (None, Geometry::Mesh(mesh)) => return elastic(given, *mesh, time),
-        (None, Geometry::Surface(..)) => {
-            let message =
-                "an elastic body needs a mesh, and this shape is a surface; use another kind, or give a motion";
-            return Err(given.shape.at.invalid(message));
-        }
+        (None, geometry) => return elastic(given, geometry, time),
         (Some(motion), geometry) => match &**motion {
             MotionChoice::Free { held, initial_spin } => Arc::new(free(given, geometry, held, initial_spin.as_ref())?),
             _ => Arc::new(prescribed(&given.name, motion, time, geometry.into_surface())?),
@@ -190,27 +198,35 @@ pub(super) struct Built<const D: usize> {
     pub(super) deforms: bool,
 }
 
-fn elastic<const D: usize>(given: &At<BodyKeys>, mesh: SimplexMesh<D>, time: &Time) -> Result<Built<D>, ScenarioError> {
+fn elastic<const D: usize>(
+    given: &At<BodyKeys>,
+    geometry: Geometry<D>,
+    time: &Time,
+) -> Result<Built<D>, ScenarioError> {
+    let (mesh, nodes) = geometry.into_mesh(&given.shape)?;
+    let group_of = groups(&given.groups, &mesh)?;
     let solid = match given.order.as_deref() {
         Some(2) => {
-            let nodes = nodes_on_circle(&given.shape, given.shift(), &mesh)?;
+            if let Shape::Ball { area_preserving: true, .. } | Shape::HalfBall { area_preserving: true, .. } =
+                *given.shape
+            {
+                return Err(given.shape.at.part("area_preserving").error(ErrorKind::NoEffect("elements of order 2")));
+            }
             SolidMesh::curved(mesh, |ends, middle| nodes.get(&ends).copied().unwrap_or(middle))
         }
         _ => SolidMesh::new(mesh),
     };
-    let solid = solid.map_err(|error| given.shape.at.error(error))?;
+    let solid = solid.and_then(|solid| solid.with_groups(group_of)).map_err(|error| given.shape.at.error(error))?;
     let material = needed(given, "material", &given.material)?;
     let density = needed(given, "density", &given.density)?;
     let gravity = needed(given, "gravity", &given.gravity)?.vector();
-    let lame = lame_parameters(material)?;
-    let form = match **material {
-        MaterialChoice::SaintVenantKirchhoff { .. } => {
-            SolidForm::new(**density, SaintVenantKirchhoff::new(lame), gravity)
-        }
-        MaterialChoice::NeoHookean { .. } => SolidForm::new(**density, NeoHookean::new(lame), gravity),
-        MaterialChoice::Linear { .. } => SolidForm::new(**density, LinearElastic::new(lame), gravity),
-    };
-    let form = form.map_err(|error| density.at.error(error))?;
+    let mut parts = vec![(**density, law(material)?)];
+    for (_, group) in &given.groups.0 {
+        let (density, material) =
+            (group.density.as_ref().unwrap_or(density), group.material.as_ref().unwrap_or(material));
+        parts.push((**density, law(material)?));
+    }
+    let form = SolidForm::of_groups(parts, gravity).map_err(|error| density.at.error(error))?;
     let (supports, loads) = match &given.boundary {
         Some(conditions) => supports_and_loads(conditions, &solid, time)?,
         None => Default::default(),
@@ -235,6 +251,33 @@ fn free_facets<const D: usize>(given: &At<BodyKeys>, solid: &SolidMesh<D>) -> Re
     let held = boundary.0.iter().filter(|(_, condition)| is_held(condition));
     let held: Vec<&str> = held.map(|(name, _)| name.as_str()).collect();
     facets_without_tags(solid, &held).map_err(|error| boundary.at.error(error))
+}
+
+/// Returns the group of each cell: 0, or one more than the number of the given group to which it belongs.
+fn groups<const D: usize>(given: &Named<GroupKeys>, mesh: &SimplexMesh<D>) -> Result<Vec<usize>, ScenarioError> {
+    let in_use: Vec<Option<Tag>> = mesh.cells().map(|cell| mesh.cell_tag(cell)).collect();
+    let mut names: Vec<&str> = in_use.iter().flatten().map(|tag| mesh.tag_names()[tag.index()].as_str()).collect();
+    names.sort_unstable();
+    names.dedup();
+    let mut group_of = vec![0; mesh.n_cells()];
+    for (k, (name, group)) in given.0.iter().enumerate() {
+        let Some(tag) = mesh.tag(name).filter(|_| names.contains(&name.as_str())) else {
+            return Err(group.at.unknown("group of cells", name, names));
+        };
+        let of_group = group_of.iter_mut().zip(&in_use).filter(|(_, found)| **found == Some(tag));
+        of_group.for_each(|(slot, _)| *slot = k + 1);
+    }
+    Ok(group_of)
+}
+
+/// Builds a material law.
+fn law<const D: usize>(material: &At<MaterialChoice>) -> Result<Arc<dyn Material<D>>, ScenarioError> {
+    let lame = lame_parameters(material)?;
+    Ok(match **material {
+        MaterialChoice::SaintVenantKirchhoff { .. } => Arc::new(SaintVenantKirchhoff::new(lame)),
+        MaterialChoice::NeoHookean { .. } => Arc::new(NeoHookean::new(lame)),
+        MaterialChoice::Linear { .. } => Arc::new(LinearElastic::new(lame)),
+    })
 }
 
 fn lame_parameters(material: &At<MaterialChoice>) -> Result<LameParameters, ScenarioError> {

@@ -10,7 +10,7 @@ use super::body::{BodyKeys, Built, body};
 use super::contact::{ContactKeys, Partners};
 use super::error::{ErrorKind, ScenarioError};
 use super::file::{Scenario, ScenarioFile};
-use super::fluid::{Background, fluid, tagged_vertices, unbalanced};
+use super::fluid::{fluid, tagged_vertices, unbalanced};
 use super::motion::{Held, MotionChoice};
 use super::table::At;
 
@@ -221,8 +221,7 @@ fn check_balance<const D: usize>(
         return Ok(());
     }
     let Some((time, net)) = unbalanced(fluid, [0.0, scenario.time.end]) else { return Ok(()) };
-    let Background::GradedBox { boundary, .. } = &**given;
-    Err(boundary.at.invalid(format!(
+    Err(given.boundary().at.invalid(format!(
         "no side is open, and at the time {time} the given velocities have a net inflow of {net:.3e} (volume per time); make a side `free`, or \
          change the velocities"
     )))

@@ -10,13 +10,12 @@ use super::body::BodyKeys;
 use super::contact::{ALL, ContactKeys};
 use super::error::{ErrorKind, Location, ScenarioError};
 use super::fluid::{Background, Fluid, Interface};
-use super::motion::{MotionChoice, table_path};
 use super::overrides;
 use super::solver::{Linear, Solver, Time};
 use super::table::{At, Document, Node, Value, keys, parse};
 use super::units::Units;
 use crate::Error;
-use crate::files::{read, read_scenario, write_whole};
+use crate::files::{extension, read, read_scenario, write_whole};
 
 keys! {
     /// A scenario.
@@ -113,19 +112,18 @@ impl ScenarioFile {
         &self.scenario
     }
 
-    /// Returns the file as a table, with the changes applied.
-    pub(crate) fn table(&self) -> &toml::Value {
-        &self.table
-    }
-
-    /// Returns the paths of the tables that the file names.
-    pub(crate) fn tables(&self) -> Vec<PathBuf> {
-        let motions = self.scenario.body.iter().filter_map(|body| body.motion.as_deref());
-        let file = |motion: &MotionChoice| match motion {
-            MotionChoice::Table { file, .. } => Some(table_path(file)),
-            _ => None,
-        };
-        motions.filter_map(file).collect()
+    /// Returns the file as a table in which `name` replaces each file that it names, by the key of the table that names it and its path.
+    ///
+    /// # Errors
+    /// The first error of `name`.
+    pub(crate) fn with_inputs(
+        &self,
+        mut name: impl FnMut(&str, &Path) -> Result<String, Error>,
+    ) -> Result<toml::Value, Error> {
+        let mut table = self.table.clone();
+        let directory = self.path.parent().unwrap_or(Path::new(""));
+        replace_inputs(&mut table, "", &mut |key, file| name(key, &directory.join(file)))?;
+        Ok(table)
     }
 
     /// Returns the path of the file.
@@ -155,17 +153,38 @@ impl ScenarioFile {
     /// # Errors
     /// [`Error::Read`], [`Error::Write`], [`Error::Text`].
     pub(crate) fn write(&self, directory: &Path) -> Result<(), Error> {
-        let mut copy = self.clone();
-        for (k, body) in self.scenario.body.iter().enumerate() {
-            let Some(MotionChoice::Table { file, .. }) = body.motion.as_deref() else { continue };
-            let name = format!("motion-{}.csv", body.name.as_str());
-            write_whole(&directory.join(&name), &read(&table_path(file))?)?;
-            let motion = copy.table.get_mut("body").and_then(|bodies| bodies.get_mut(k)?.get_mut("motion"));
-            if let Some(entry) = motion.and_then(|motion| motion.get_mut("file")) {
-                *entry = toml::Value::String(name);
+        let table = self.with_inputs(|key, path| {
+            let name = format!("{key}.{}", extension(path));
+            write_whole(&directory.join(&name), &read(path)?)?;
+            Ok(name)
+        })?;
+        write_whole(&directory.join("scenario.toml"), toml::to_string(&table)?.as_bytes())
+    }
+}
+
+/// Replaces the values of all keys `file` of tables of some kind. Keys of tables are joined by `-`.
+fn replace_inputs(
+    value: &mut toml::Value,
+    key: &str,
+    name: &mut impl FnMut(&str, &str) -> Result<String, Error>,
+) -> Result<(), Error> {
+    let below = |part: &str| if key.is_empty() { part.to_owned() } else { format!("{key}-{part}") };
+    match value {
+        toml::Value::Table(table) => {
+            // A part of a boundary may be named `file`, too.
+            let has_kind = table.contains_key("kind");
+            for (part, value) in table.iter_mut() {
+                match value {
+                    toml::Value::String(file) if has_kind && part == "file" => *file = name(key, file)?,
+                    _ => replace_inputs(value, &below(part), name)?,
+                }
             }
+            Ok(())
         }
-        write_whole(&directory.join("scenario.toml"), copy.to_toml()?.as_bytes())
+        toml::Value::Array(items) => {
+            items.iter_mut().enumerate().try_for_each(|(k, item)| replace_inputs(item, &below(&k.to_string()), name))
+        }
+        _ => Ok(()),
     }
 }
 

@@ -1,5 +1,6 @@
 //! Background mesh, fluid and mortar of a scenario.
 
+use std::collections::BTreeSet;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -14,9 +15,10 @@ use solver::{FluidBoundary, FluidSetup, Stabilisation};
 
 use super::error::ScenarioError;
 use super::field::{Field, FieldFormula};
-use super::geometry::normal_along_axis;
+use super::geometry::{in_file, input_path, normal_along_axis, read_gmsh};
 use super::key::Quantity;
 use super::table::{At, Components, Named, OrTable, choices, keys};
+use crate::files::extension;
 use crate::memory::{available, shortage};
 
 keys! {
@@ -153,6 +155,24 @@ choices! {
             /// Condition on each side.
             boundary: At<Named<FluidCondition>>,
         },
+        /// Mesh of any shape from a Gmsh file (`.msh`, version 4.1 or 2.2). Its sides are the physical groups of the curves (2D) or surfaces (3D) on its
+        /// boundary; every part of the boundary belongs to one.
+        Mesh = "mesh" {
+            /// Path of the file, relative to the scenario.
+            file: At<String>,
+            /// Factor by which the coordinates of the file are multiplied.
+            scale: f64 [positive] = 1.0,
+            /// Condition on each side.
+            boundary: At<Named<FluidCondition>>,
+        },
+    }
+}
+
+impl Background {
+    /// Returns the conditions on the sides.
+    pub(super) fn boundary(&self) -> &At<Named<FluidCondition>> {
+        let (Self::GradedBox { boundary, .. } | Self::Mesh { boundary, .. }) = self;
+        boundary
     }
 }
 
@@ -278,7 +298,10 @@ choices! {
 }
 
 fn background<const D: usize>(given: &At<Background>) -> Result<SimplexMesh<D>, ScenarioError> {
-    let Background::GradedBox { min, max, size, refine, mirrored: is_mirrored, .. } = &**given;
+    let (min, max, size, refine, is_mirrored) = match &**given {
+        Background::GradedBox { min, max, size, refine, mirrored, .. } => (min, max, size, refine, mirrored),
+        Background::Mesh { file, scale, .. } => return background_from_file(file, *scale),
+    };
     let field = match &**size {
         OrTable::Plain(h) => Size::uniform(*h),
         OrTable::Table(graded) => Size::Graded {
@@ -305,6 +328,32 @@ fn background<const D: usize>(given: &At<Background>) -> Result<SimplexMesh<D>, 
         at.error(error)
     })?;
     if *is_mirrored { mirrored(&box_mesh, 0, min[0]).map_err(|error| given.at.error(error)) } else { Ok(box_mesh) }
+}
+
+/// Reads a background.
+fn background_from_file<const D: usize>(file: &At<String>, scale: f64) -> Result<SimplexMesh<D>, ScenarioError> {
+    let path = input_path(file);
+    if extension(&path) != "msh" {
+        return Err(file
+            .at
+            .invalid("a background is read from a Gmsh file, whose name ends in .msh; save the mesh in that format"));
+    }
+    let found = read_gmsh(file, &path)?.mesh::<D>().map_err(|problem| in_file(file, &path, problem))?;
+    if let Some(shortage) = shortage(found.mesh.n_cells() as f64, available()) {
+        return Err(file.at.invalid(shortage));
+    }
+    let mesh = found.mesh.mapped(|x| x * scale).map_err(|error| file.at.error(error))?;
+    let is_bare = |facet: &FacetId| mesh.is_boundary(*facet) && mesh.facet_tag(*facet).is_none();
+    let mut bare = mesh.facets().filter(is_bare);
+    if let Some(first) = bare.next() {
+        let (n, x) = (bare.count() + 1, mesh.vertex(mesh.facet(first)[0]));
+        let facets = if D == 2 { "edges" } else { "triangles" };
+        return Err(file.at.invalid(format!(
+            "{n} {facets} of the boundary belong to no physical group, the first one at {:?}; give every part of the boundary a group and save again",
+            x.as_slice(),
+        )));
+    }
+    Ok(mesh)
 }
 
 /// Builds a region near which a background between two corners, with cells of size `coarse`, is refined.
@@ -359,17 +408,20 @@ pub(super) fn fluid<const D: usize>(
     times: [f64; 2],
 ) -> Result<FluidSetup<D>, ScenarioError> {
     let background = background::<D>(given)?;
-    let Background::GradedBox { boundary: conditions, .. } = &**given;
-    let sides = background.tag_names();
-    if let Some((name, condition)) = conditions.0.iter().find(|(name, _)| !sides.contains(name)) {
-        return Err(condition.at.unknown("side", name, sides.iter().map(String::as_str)));
+    let conditions = given.boundary();
+    // Other tags are those of groups of cells.
+    let of_facets = background.facets().filter_map(|facet| background.facet_tag(facet));
+    let in_use: BTreeSet<usize> = of_facets.map(Tag::index).collect();
+    let sides: Vec<&String> = in_use.iter().map(|index| &background.tag_names()[*index]).collect();
+    if let Some((name, condition)) = conditions.0.iter().find(|(name, _)| !sides.contains(&name)) {
+        return Err(condition.at.unknown("side", name, sides.iter().map(|side| side.as_str())));
     }
     let mut boundary = Vec::new();
-    for (index, side) in sides.iter().enumerate() {
-        let found = conditions.0.iter().find(|(name, _)| name == side);
+    for (index, side) in in_use.iter().zip(&sides) {
+        let found = conditions.0.iter().find(|(name, _)| name == *side);
         let missing = || conditions.at.invalid(format!("the condition on side `{side}` is missing; add it"));
         let (_, condition) = found.ok_or_else(missing)?;
-        let tag = Tag::new(index);
+        let tag = Tag::new(*index);
         boundary.push((tag, fluid_boundary(&background, tag, condition, times)?));
     }
     let points = background.vertices();

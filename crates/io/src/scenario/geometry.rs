@@ -1,26 +1,31 @@
 //! Shapes of bodies: one function for each kind.
 
 use std::collections::HashMap;
+use std::path::{Path, PathBuf};
 
-use mesh::generate::{BallOptions, Size, ball, graded_box, half_ball, mirrored, structured_box};
-use mesh::{BoundaryMesh, Point, SimplexMesh, Tag, Vector, VertexId};
+use mesh::generate::{BallOptions, ClosedLine, Size, ball, graded_box, half_ball, inside, mirrored, structured_box};
+use mesh::{BoundaryMesh, Placed, Point, SimplexMesh, Tag, Vector, VertexId};
 
 use super::error::{ErrorKind, Location, ScenarioError};
 use super::key::Quantity;
 use super::table::{At, Components, choices};
+use crate::Error;
+use crate::files::extension;
+use crate::gmsh::GmshFile;
+use crate::surface::Surface;
 
 choices! {
     /// Shape of a body.
     pub enum Shape ["kind"] {
-        /// Disk, in 2D; tag `surface`.
+        /// Disk, and ball in 3D; tag `surface`.
         Ball = "ball" {
             /// Centre.
             centre: Components<f64> [unit(Quantity::LENGTH)],
             /// Radius.
             radius: f64 [unit(Quantity::LENGTH), positive],
-            /// Mean diameter of the cells.
+            /// Mean diameter of the cells; in 3D, mean length of their edges.
             size: f64 [unit(Quantity::LENGTH), positive],
-            /// Whether the polygon has the area of the disk; its vertices lie on the circle otherwise.
+            /// Whether the polygon or polyhedron has the area or volume of the ball; its vertices lie on the surface of the ball otherwise.
             area_preserving: bool = false,
         },
         /// Half of a disk with `x` not below that of the centre, in 2D; tags `left` (the diameter) and `surface`.
@@ -47,20 +52,60 @@ choices! {
             /// Number of bricks along each axis, divided into 2 triangles or 6 tetrahedra; or `size`.
             n: Option<Components<usize>> [between(1.0, f64::INFINITY), group(1)],
         },
-        /// Simple polygon without a mesh of its inside, in 2D; for bodies that do not deform.
+        /// Ring between two circles, in 2D; tags `outer` and `inner`.
+        Annulus = "annulus" {
+            /// Centre.
+            centre: Components<f64> [unit(Quantity::LENGTH)],
+            /// Radius of the outer circle.
+            outer: f64 [unit(Quantity::LENGTH), positive],
+            /// Radius of the inner circle.
+            inner: f64 [unit(Quantity::LENGTH), positive],
+            /// Mean diameter of the cells.
+            size: f64 [unit(Quantity::LENGTH), positive],
+        },
+        /// All points within a distance of a segment, in 2D; tag `surface`.
+        Capsule = "capsule" {
+            /// One end of the segment.
+            from: Components<f64> [unit(Quantity::LENGTH)],
+            /// The other end.
+            to: Components<f64> [unit(Quantity::LENGTH)],
+            /// The distance, radius of the round ends.
+            radius: f64 [unit(Quantity::LENGTH), positive],
+            /// Mean diameter of the cells.
+            size: f64 [unit(Quantity::LENGTH), positive],
+        },
+        /// Simple polygon, or smooth curve through its corners, in 2D. Tags `side-1`, `side-2` and so on for the sides after each corner, `surface` for a
+        /// smooth curve; `hole-1` and so on for holes.
         Polygon = "polygon" {
             /// Corners, in order.
             corners: Vec<Components<f64>> [unit(Quantity::LENGTH)],
+            /// Corners of holes, a list for each hole.
+            holes: Vec<Vec<Components<f64>>> [unit(Quantity::LENGTH)],
             /// Largest length of the segments into which the sides are divided.
             size: f64 [unit(Quantity::LENGTH), positive],
+            /// Whether outline and holes are periodic cubic splines through their corners.
+            smooth: bool = false,
+        },
+        /// Mesh from a Gmsh file (`.msh`, version 4.1 or 2.2), with the names of its physical groups as tags. For bodies that do not deform, also a closed
+        /// surface: `.stl` or `.obj` in 3D, lines or triangles of a Gmsh file.
+        Mesh = "mesh" {
+            /// Path of the file, relative to the scenario.
+            file: At<String>,
+            /// Factor by which the coordinates of the file are multiplied.
+            scale: f64 [positive] = 1.0,
         },
     }
 }
 
+/// Positions of nodes on curved edges, by the ends of the edge in ascending order.
+pub(super) type EdgeNodes<const D: usize> = HashMap<[VertexId; 2], Point<D>>;
+
 /// Geometry of a body.
 pub(super) enum Geometry<const D: usize> {
-    /// A mesh of the body.
-    Mesh(Box<SimplexMesh<D>>),
+    /// A mesh of the body, and nodes for elements of order 2.
+    Mesh(Box<SimplexMesh<D>>, EdgeNodes<D>),
+    /// Lines around the body, and the size of its cells.
+    Lines(Vec<ClosedLine>, f64),
     /// The surface of the body, with the positions of its vertices.
     Surface(BoundaryMesh<D>, Vec<Point<D>>),
 }
@@ -69,36 +114,131 @@ impl<const D: usize> Geometry<D> {
     /// Builds the geometry of a shape.
     ///
     /// # Errors
-    /// A mesh that cannot be generated, or a shape that does not exist in dimension `D`.
+    /// A mesh that cannot be generated or read, or a shape that does not exist in dimension `D`.
     pub(super) fn new(shape: &At<Shape>) -> Result<Self, ScenarioError> {
-        let mesh = match &**shape {
+        let fail = |error| refuse(&shape.at, error);
+        let planar = |x: &Components<f64>| [x[0], x[1]];
+        if D != 2 && matches!(**shape, Shape::Annulus { .. } | Shape::Capsule { .. } | Shape::Polygon { .. }) {
+            let message =
+                "this shape exists in two dimensions only; use a ball, a box or a mesh from a file, or dimension = 2";
+            return Err(shape.at.invalid(message));
+        }
+        Ok(match &**shape {
             Shape::Ball { centre, radius, size, area_preserving } => {
                 let options = BallOptions { area_preserving: *area_preserving };
-                ball(centre.vector::<D>().into(), *radius, *size, &options)
+                let centre = centre.vector::<D>();
+                let ball = ball(centre.into(), *radius, *size, &options).map_err(fail)?;
+                let nodes = nodes_on_ball(&ball, centre);
+                Self::Mesh(Box::new(ball), nodes)
             }
             Shape::HalfBall { centre, radius, size, area_preserving, mirrored: is_whole } => {
                 let options = BallOptions { area_preserving: *area_preserving };
                 let centre = centre.vector::<D>();
                 let half = half_ball(centre.into(), *radius, *size, &options);
-                if *is_whole { half.and_then(|half| mirrored(&half, 0, centre[0])) } else { half }
+                let ball =
+                    if *is_whole { half.and_then(|half| mirrored(&half, 0, centre[0])) } else { half }.map_err(fail)?;
+                let nodes = nodes_on_ball(&ball, centre);
+                Self::Mesh(Box::new(ball), nodes)
             }
             Shape::Box { min, max, size, n } => {
                 let (min, max) = (min.vector::<D>().into(), max.vector::<D>().into());
-                match (size, n) {
+                let mesh = match (size, n) {
                     (Some(h), None) => graded_box(min, max, &Size::uniform(*h)),
                     (None, Some(n)) => structured_box(min, max, std::array::from_fn(|axis| n[axis])),
                     _ => return Err(shape.at.error(ErrorKind::Either("size", "n"))),
+                };
+                Self::Mesh(Box::new(mesh.map_err(fail)?), HashMap::new())
+            }
+            Shape::Annulus { centre, outer, inner, size } => {
+                let circle = |radius, name| ClosedLine::circle(planar(centre), radius, *size, name).map_err(fail);
+                if inner >= outer {
+                    return Err(shape
+                        .at
+                        .part("inner")
+                        .invalid("the inner circle is not inside the outer one; make it smaller"));
                 }
+                Self::Lines(vec![circle(*outer, "outer")?, circle(*inner, "inner")?], *size)
             }
-            Shape::Polygon { corners, size } => return polygon(&shape.at, corners, *size),
-        };
-        match mesh {
-            Ok(mesh) => Ok(Self::Mesh(Box::new(mesh))),
-            Err(error @ mesh::Error::Dimension { .. }) => {
-                Err(shape.at.invalid(format!("{error}; use a box, or dimension = 2")))
+            Shape::Capsule { from, to, radius, size } => {
+                let ends = [planar(from), planar(to)];
+                Self::Lines(vec![ClosedLine::capsule(ends, *radius, *size, "surface").map_err(fail)?], *size)
             }
-            Err(error) => Err(shape.at.error(error)),
+            Shape::Polygon { corners, holes, size, smooth } => {
+                let line = |corners: &[Components<f64>], part: String, name: &dyn Fn(usize) -> String| {
+                    let corners: Vec<[f64; 2]> = corners.iter().map(planar).collect();
+                    let line = if *smooth {
+                        ClosedLine::smooth(&corners, *size, &name(0))
+                    } else {
+                        ClosedLine::polygon(&corners, *size, name)
+                    };
+                    line.map_err(|error| refuse(&shape.at.part(part), error))
+                };
+                let side = |k: usize| if *smooth { "surface".to_owned() } else { format!("side-{}", k + 1) };
+                let mut lines = vec![line(corners, "corners".to_owned(), &side)?];
+                for (k, hole) in holes.iter().enumerate() {
+                    lines.push(line(hole, format!("holes.{k}"), &|_| format!("hole-{}", k + 1))?);
+                }
+                Self::Lines(lines, *size)
+            }
+            Shape::Mesh { file, scale } => Self::read(file)?.scaled(*scale).map_err(|error| file.at.error(error))?,
+        })
+    }
+
+    /// Reads a mesh or a surface.
+    fn read(file: &At<String>) -> Result<Self, ScenarioError> {
+        let path = input_path(file);
+        if extension(&path) == "msh" {
+            let content = read_gmsh(file, &path)?;
+            let in_file = |problem: String| in_file(file, &path, problem);
+            if !content.has_cells(D) {
+                let (surface, positions) = content.surface::<D>().map_err(in_file)?;
+                return Ok(Self::outwards(surface, positions));
+            }
+            let found = content.mesh::<D>().map_err(in_file)?;
+            return Ok(Self::Mesh(Box::new(found.mesh), found.edge_nodes));
         }
+        if D != 3 {
+            return Err(file.at.invalid(
+                "a body in two dimensions is read from a Gmsh file, .msh; change the file, or use a polygon",
+            ));
+        }
+        let surface = Surface::read(&path).map_err(|error| unreadable(file, error))?;
+        let positions = surface.positions().iter().map(|x| Point::from_fn(|axis, _| x[axis])).collect();
+        let facets = surface.boundary().facets().flat_map(|facet| surface.boundary().facet(facet).to_vec());
+        Ok(Self::outwards(BoundaryMesh::from_facets(facets.collect()), positions))
+    }
+
+    /// Creates a surface with its normals turned outwards.
+    fn outwards(surface: BoundaryMesh<D>, positions: Vec<Point<D>>) -> Self {
+        let is_inward = Placed::new(&surface, &positions).enclosed().volume < 0.0;
+        Self::Surface(if is_inward { surface.reversed() } else { surface }, positions)
+    }
+
+    /// Returns the geometry with other positions.
+    fn mapped(self, map: impl Fn(&Point<D>) -> Point<D>) -> Result<Self, mesh::Error> {
+        let planar = |x: &[f64; 2]| {
+            let x = map(&Point::from_fn(|axis, _| x[axis]));
+            [x[0], x[1]]
+        };
+        Ok(match self {
+            Self::Mesh(mesh, nodes) => {
+                let nodes = nodes.into_iter().map(|(ends, x)| (ends, map(&x))).collect();
+                Self::Mesh(Box::new(mesh.mapped(map)?), nodes)
+            }
+            Self::Lines(lines, size) => {
+                let moved = |line: ClosedLine| ClosedLine {
+                    points: line.points.iter().map(planar).collect(),
+                    middles: line.middles.iter().map(planar).collect(),
+                    ..line
+                };
+                Self::Lines(lines.into_iter().map(moved).collect(), size)
+            }
+            Self::Surface(surface, positions) => Self::Surface(surface, positions.iter().map(map).collect()),
+        })
+    }
+
+    fn scaled(self, by: f64) -> Result<Self, mesh::Error> {
+        self.mapped(|x| x * by)
     }
 
     /// Returns the geometry at another place.
@@ -106,17 +246,32 @@ impl<const D: usize> Geometry<D> {
     /// # Errors
     /// A shift so large that rounding destroys the mesh.
     pub(super) fn shifted(self, by: Vector<D>) -> Result<Self, mesh::Error> {
-        Ok(match self {
-            Self::Mesh(mesh) => Self::Mesh(Box::new(mesh.mapped(|x| x + by)?)),
-            Self::Surface(surface, positions) => Self::Surface(surface, positions.iter().map(|x| x + by).collect()),
-        })
+        self.mapped(|x| x + by)
+    }
+
+    /// Returns the mesh of the inside, with nodes for elements of order 2.
+    ///
+    /// # Errors
+    /// A surface, and lines that bound no region.
+    pub(super) fn into_mesh(self, shape: &At<Shape>) -> Result<(SimplexMesh<D>, EdgeNodes<D>), ScenarioError> {
+        match self {
+            Self::Mesh(mesh, nodes) => Ok((*mesh, nodes)),
+            Self::Lines(lines, size) => {
+                let mesh = inside(&lines, size).map_err(|error| refuse(&shape.at, error))?;
+                Ok((mesh, nodes_on_lines(&lines)))
+            }
+            Self::Surface(..) => Err(shape.at.invalid(
+                "an elastic body needs a mesh, and this shape is a surface; use a file with triangles (2D) or tetrahedra (3D), or give a motion",
+            )),
+        }
     }
 
     /// Returns the surface with the positions of its own vertices.
     pub(super) fn into_surface(self) -> (BoundaryMesh<D>, Vec<Point<D>>) {
         let mesh = match self {
             Self::Surface(surface, positions) => return (surface, positions),
-            Self::Mesh(mesh) => mesh,
+            Self::Lines(lines, _) => return surface_of_lines(lines),
+            Self::Mesh(mesh, _) => mesh,
         };
         let whole = mesh.boundary();
         let mut numbers: Vec<Option<VertexId>> = vec![None; mesh.n_vertices()];
@@ -132,58 +287,45 @@ impl<const D: usize> Geometry<D> {
     }
 }
 
-/// Builds the surface of a polygon, counter-clockwise.
-fn polygon<const D: usize>(
-    at: &Location,
-    corners: &[Components<f64>],
-    size: f64,
-) -> Result<Geometry<D>, ScenarioError> {
-    if D != 2 {
-        return Err(at.invalid("a polygon exists in two dimensions only; use a box, or dimension = 2"));
+/// Returns an error about a shape, with the remedy if it does not exist in the dimension.
+fn refuse(at: &Location, error: mesh::Error) -> ScenarioError {
+    match error {
+        mesh::Error::Dimension { .. } => at.invalid(format!("{error}; use a box, or dimension = 2")),
+        _ => at.error(error),
     }
-    if corners.len() < 3 {
-        let message = format!("this has {} corners, but a polygon needs three", corners.len());
-        return Err(at.part("corners").invalid(message));
-    }
-    let mut corners: Vec<Point<D>> = corners.iter().map(Components::vector).collect();
-    let sides = |corners: &[Point<D>]| {
-        corners.iter().copied().zip(corners.iter().copied().cycle().skip(1)).collect::<Vec<(Point<D>, Point<D>)>>()
-    };
-    let double_area: f64 = sides(&corners).iter().map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum();
-    if double_area < 0.0 {
-        corners.reverse();
-    }
-    let mut positions = Vec::new();
-    for (a, b) in sides(&corners) {
-        let n = ((b - a).norm() / size).ceil();
-        if n.is_nan() || !(1.0..=MOST_SEGMENTS).contains(&n) {
-            let message = format!("a side has {n} segments of this size; use from 1 to {MOST_SEGMENTS:e}");
-            return Err(at.part("size").invalid(message));
-        }
-        positions.extend((0..n as usize).map(|k| a + (b - a) * (k as f64 / n)));
-    }
-    let n = positions.len();
-    let facets = (0..n).flat_map(|k| [VertexId::new(k), VertexId::new((k + 1) % n)]).collect();
-    Ok(Geometry::Surface(BoundaryMesh::from_facets(facets), positions))
 }
 
-/// Returns the positions of the nodes that elements of order 2 have on the round edges of a shifted shape, for the ends of each edge in ascending order.
-///
-/// # Errors
-/// A polygon with the area of the disk, which belongs to elements of order 1.
-pub(super) fn nodes_on_circle<const D: usize>(
-    shape: &At<Shape>,
-    shift: Vector<D>,
-    mesh: &SimplexMesh<D>,
-) -> Result<HashMap<[VertexId; 2], Point<D>>, ScenarioError> {
-    let (Shape::Ball { centre, area_preserving, .. } | Shape::HalfBall { centre, area_preserving, .. }) = &**shape
-    else {
-        return Ok(HashMap::new());
-    };
-    if *area_preserving {
-        return Err(shape.at.part("area_preserving").error(ErrorKind::NoEffect("elements of order 2")));
+/// Returns the surface between lines, of which the first one is the outer one.
+fn surface_of_lines<const D: usize>(lines: Vec<ClosedLine>) -> (BoundaryMesh<D>, Vec<Point<D>>) {
+    let (mut facets, mut positions) = (Vec::new(), Vec::new());
+    for (k, line) in lines.into_iter().enumerate() {
+        let is_outwards = (line.area() > 0.0) == (k == 0);
+        let line = if is_outwards { line } else { line.reversed() };
+        let (first, n) = (positions.len(), line.points.len());
+        positions.extend(line.points.iter().map(|x| Point::from_fn(|axis, _| x[axis])));
+        facets.extend((0..n).flat_map(|k| [first + k, first + (k + 1) % n]).map(VertexId::new));
     }
-    let (centre, tag) = (centre.vector::<D>() + shift, mesh.tag("surface"));
+    (BoundaryMesh::from_facets(facets), positions)
+}
+
+/// Returns the nodes of elements of order 2 on lines, whose points are the first vertices of the mesh between them.
+fn nodes_on_lines<const D: usize>(lines: &[ClosedLine]) -> EdgeNodes<D> {
+    let mut nodes = HashMap::new();
+    let mut first = 0;
+    for line in lines {
+        let n = line.points.len();
+        for (k, middle) in line.middles.iter().enumerate() {
+            let [a, b] = [first + k, first + (k + 1) % n].map(VertexId::new);
+            nodes.insert([a.min(b), a.max(b)], Point::from_fn(|axis, _| middle[axis]));
+        }
+        first += n;
+    }
+    nodes
+}
+
+/// Returns the nodes of elements of order 2 on the round edges of a ball.
+fn nodes_on_ball<const D: usize>(mesh: &SimplexMesh<D>, centre: Point<D>) -> EdgeNodes<D> {
+    let tag = mesh.tag("surface");
     let mut nodes = HashMap::new();
     for facet in mesh.facets().filter(|facet| tag.is_some() && mesh.facet_tag(*facet) == tag) {
         for (k, &a) in mesh.facet(facet).iter().enumerate() {
@@ -194,11 +336,28 @@ pub(super) fn nodes_on_circle<const D: usize>(
             }
         }
     }
-    Ok(nodes)
+    nodes
 }
 
-/// Largest number of segments of a side of a polygon.
-const MOST_SEGMENTS: f64 = 1e6;
+/// Returns the path of a file, whose name is relative to the scenario.
+pub(super) fn input_path(file: &At<String>) -> PathBuf {
+    file.at.file.parent().unwrap_or(Path::new("")).join(file.as_str())
+}
+
+/// Reads a Gmsh file.
+pub(super) fn read_gmsh(file: &At<String>, path: &Path) -> Result<GmshFile, ScenarioError> {
+    GmshFile::read(path).map_err(|error| unreadable(file, error))
+}
+
+/// Returns an error about the content of a file.
+pub(super) fn in_file(file: &At<String>, path: &Path, problem: String) -> ScenarioError {
+    unreadable(file, Error::MeshFile { path: path.to_owned(), problem })
+}
+
+fn unreadable(file: &At<String>, error: Error) -> ScenarioError {
+    let advice = if matches!(error, Error::Read { .. }) { "; check its path, relative to the scenario" } else { "" };
+    file.at.invalid(format!("{error}{advice}"))
+}
 
 /// Largest deviation of a normal from an axis, relative to its length.
 const ALONG_AXIS: f64 = 1e-9;

@@ -1,6 +1,5 @@
 //! Motions of bodies that do not deform.
 
-use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use mesh::{BoundaryMesh, Point, Vector};
@@ -8,6 +7,7 @@ use solver::body::PrescribedBody;
 
 use super::error::{ErrorKind, ScenarioError};
 use super::formula::{Dual, Formula};
+use super::geometry::input_path;
 use super::key::Quantity;
 use super::motion_table::{MotionTable, Pose};
 use super::solver::Time;
@@ -179,7 +179,7 @@ fn checked(formula: &At<Formula>, time: &Time) -> Result<Formula, ScenarioError>
 
 /// Reads a table and checks that it covers the run.
 fn read_table<const D: usize>(file: &At<String>, time: &Time) -> Result<MotionTable<D>, ScenarioError> {
-    let path = table_path(file);
+    let path = input_path(file);
     let table = MotionTable::read(&path).map_err(|message| file.at.invalid(message))?;
     let ((first, last), end) = (table.range(), time.end);
     if first > 0.0 || last < end * (1.0 - ROUND_OFF) {
@@ -189,11 +189,6 @@ fn read_table<const D: usize>(file: &At<String>, time: &Time) -> Result<MotionTa
         )));
     }
     Ok(table)
-}
-
-/// Returns the path of a table, whose name is relative to the scenario.
-pub(super) fn table_path(file: &At<String>) -> PathBuf {
-    file.at.file.parent().unwrap_or(Path::new("")).join(file.as_str())
 }
 
 #[cfg(test)]

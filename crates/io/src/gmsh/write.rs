@@ -1,0 +1,242 @@
+//! Writing a mesh as a Gmsh file.
+
+use std::collections::{BTreeSet, HashMap};
+use std::path::Path;
+
+use mesh::{Aabb, Point, SimplexMesh, Tag, VertexId};
+
+use super::GmshVersion;
+use super::elements::{Kind, edges};
+use crate::Error;
+use crate::files::write_whole;
+
+/// Format of a file that is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct GmshFormat {
+    /// Version.
+    pub version: GmshVersion,
+    /// Whether numbers are written in binary.
+    pub is_binary: bool,
+}
+
+/// Writes a mesh with its tags as physical groups. With nodes on its edges, elements have order 2.
+///
+/// Reading gives the same mesh, bit for bit.
+///
+/// # Errors
+/// [`Error::Write`].
+pub fn write<const D: usize>(
+    path: &Path,
+    mesh: &SimplexMesh<D>,
+    edge_nodes: &HashMap<[VertexId; 2], Point<D>>,
+    format: GmshFormat,
+) -> Result<(), Error> {
+    write_whole(path, &text(mesh, edge_nodes, format))
+}
+
+/// Elements of one dimension in one group.
+struct Block {
+    dimension: usize,
+    /// Number of the physical group; 0 for none.
+    group: usize,
+    /// Nodes of each element, from 1.
+    elements: Vec<Vec<usize>>,
+}
+
+/// Returns the bytes of a file.
+fn text<const D: usize>(
+    mesh: &SimplexMesh<D>,
+    edge_nodes: &HashMap<[VertexId; 2], Point<D>>,
+    format: GmshFormat,
+) -> Vec<u8> {
+    let mut points: Vec<Point<D>> = mesh.vertices().to_vec();
+    let mut node_on: HashMap<[VertexId; 2], usize> = HashMap::new();
+    let mut nodes_of = |corners: &[VertexId], dimension: usize| {
+        let mut nodes: Vec<usize> = corners.iter().map(|vertex| vertex.index() + 1).collect();
+        if !edge_nodes.is_empty() {
+            for ends in edges(dimension) {
+                let [a, b] = ends.map(|k| corners[k]);
+                let ends = [a.min(b), a.max(b)];
+                let middle = || (mesh.vertex(a) + mesh.vertex(b)) * 0.5;
+                nodes.push(*node_on.entry(ends).or_insert_with(|| {
+                    points.push(edge_nodes.get(&ends).copied().unwrap_or_else(middle));
+                    points.len()
+                }));
+            }
+        }
+        nodes
+    };
+    let cells = mesh.cells().map(|cell| (mesh.cell_tag(cell), nodes_of(mesh.cell(cell), D)));
+    let mut blocks = blocks(D, cells);
+    let tagged = mesh.facets().filter(|facet| mesh.facet_tag(*facet).is_some());
+    blocks.extend(self::blocks(D - 1, tagged.map(|facet| (mesh.facet_tag(facet), nodes_of(mesh.facet(facet), D - 1)))));
+
+    let order = if edge_nodes.is_empty() { 1 } else { 2 };
+    let mut out = Out { bytes: Vec::new(), is_binary: format.is_binary };
+    out.line(&format!("$MeshFormat\n{} {} 8", format.version, u8::from(format.is_binary)));
+    if format.is_binary {
+        out.ints([1]);
+        out.end_entry();
+    }
+    out.line("$EndMeshFormat");
+    let groups: BTreeSet<(usize, usize)> =
+        blocks.iter().filter(|b| b.group > 0).map(|b| (b.dimension, b.group)).collect();
+    if !groups.is_empty() {
+        out.line(&format!("$PhysicalNames\n{}", groups.len()));
+        for (dimension, group) in &groups {
+            out.line(&format!("{dimension} {group} \"{}\"", mesh.tag_names()[group - 1]));
+        }
+        out.line("$EndPhysicalNames");
+    }
+    match format.version {
+        GmshVersion::V22 => out.version_22(&points, &blocks, order),
+        GmshVersion::V41 => out.version_41(&points, &blocks, order),
+    }
+    out.bytes
+}
+
+/// Collects elements by their groups, in the order in which the groups appear.
+fn blocks(dimension: usize, elements: impl Iterator<Item = (Option<Tag>, Vec<usize>)>) -> Vec<Block> {
+    let mut blocks: Vec<Block> = Vec::new();
+    for (tag, nodes) in elements {
+        // Groups are numbered from 1.
+        let group = tag.map_or(0, |tag| tag.index() + 1);
+        match blocks.last_mut() {
+            // Elements keep their order, so that a group may have several blocks.
+            Some(block) if block.group == group => block.elements.push(nodes),
+            _ => blocks.push(Block { dimension, group, elements: vec![nodes] }),
+        }
+    }
+    blocks
+}
+
+/// Bytes of a file.
+struct Out {
+    bytes: Vec<u8>,
+    is_binary: bool,
+}
+
+impl Out {
+    fn line(&mut self, line: &str) {
+        self.bytes.extend(line.as_bytes());
+        self.bytes.push(b'\n');
+    }
+
+    /// Ends the line of a text, and the numbers of a section in binary.
+    fn end_entry(&mut self) {
+        self.bytes.push(b'\n');
+    }
+
+    /// Appends numbers of `N` bytes, or words.
+    fn numbers<T: Copy + std::fmt::Debug, const N: usize>(
+        &mut self,
+        numbers: impl IntoIterator<Item = T>,
+        bytes: impl Fn(T) -> [u8; N],
+    ) {
+        for number in numbers {
+            if self.is_binary {
+                self.bytes.extend(bytes(number));
+            } else {
+                self.bytes.extend(format!("{number:?}").as_bytes());
+                self.bytes.push(b' ');
+            }
+        }
+        if !self.is_binary {
+            self.end_entry();
+        }
+    }
+
+    fn ints(&mut self, numbers: impl IntoIterator<Item = usize>) {
+        self.numbers(numbers, |number| (number as i32).to_le_bytes());
+    }
+
+    fn sizes(&mut self, numbers: impl IntoIterator<Item = usize>) {
+        self.numbers(numbers, |number| (number as u64).to_le_bytes());
+    }
+
+    fn reals(&mut self, numbers: impl IntoIterator<Item = f64>) {
+        self.numbers(numbers, f64::to_le_bytes);
+    }
+
+    /// Ends a section.
+    fn end(&mut self, name: &str) {
+        if self.is_binary {
+            self.end_entry();
+        }
+        self.line(&format!("$End{name}"));
+    }
+
+    fn version_22<const D: usize>(&mut self, points: &[Point<D>], blocks: &[Block], order: usize) {
+        self.line(&format!("$Nodes\n{}", points.len()));
+        for (k, x) in points.iter().enumerate() {
+            self.ints([k + 1]);
+            self.reals(spatial(x));
+        }
+        self.end("Nodes");
+        self.line(&format!("$Elements\n{}", blocks.iter().map(|block| block.elements.len()).sum::<usize>()));
+        let mut number = 0;
+        for block in blocks {
+            let kind = kind(block, order);
+            if self.is_binary {
+                self.ints([kind, block.elements.len(), 2]);
+            }
+            for nodes in &block.elements {
+                number += 1;
+                let header: &[usize] = if self.is_binary { &[number] } else { &[number, kind, 2] };
+                // Physical group and entity.
+                self.ints(header.iter().chain(&[block.group, block.group + 1]).chain(nodes).copied());
+            }
+        }
+        self.end("Elements");
+    }
+
+    fn version_41<const D: usize>(&mut self, points: &[Point<D>], blocks: &[Block], order: usize) {
+        let entities: BTreeSet<(usize, usize)> = blocks.iter().map(|block| (block.dimension, block.group)).collect();
+        let n_entities = |dimension: usize| entities.iter().filter(|(found, _)| *found == dimension).count();
+        let bounds = Aabb::of_points(points);
+        self.line("$Entities");
+        self.sizes((0..4).map(n_entities));
+        for (_, group) in &entities {
+            self.ints([group + 1]);
+            self.reals(spatial(&bounds.low).into_iter().chain(spatial(&bounds.high)));
+            let of_entity = if *group > 0 { vec![*group] } else { Vec::new() };
+            self.sizes([of_entity.len()]);
+            self.ints(of_entity);
+            // Entities on the boundary of this one.
+            self.sizes([0]);
+        }
+        self.end("Entities");
+        self.line("$Nodes");
+        self.sizes([1, points.len(), 1, points.len()]);
+        // Dimension and number of an entity, and whether there are parameters.
+        let (dimension, group) = blocks.first().map_or((D, 0), |block| (block.dimension, block.group));
+        self.ints([dimension, group + 1, 0]);
+        self.sizes([points.len()]);
+        self.sizes(1..=points.len());
+        points.iter().for_each(|x| self.reals(spatial(x)));
+        self.end("Nodes");
+        let n_elements: usize = blocks.iter().map(|block| block.elements.len()).sum();
+        self.line("$Elements");
+        self.sizes([blocks.len(), n_elements, 1, n_elements]);
+        let mut number = 0;
+        for block in blocks {
+            self.ints([block.dimension, block.group + 1, kind(block, order)]);
+            self.sizes([block.elements.len()]);
+            for nodes in &block.elements {
+                number += 1;
+                self.sizes([number].into_iter().chain(nodes.iter().copied()));
+            }
+        }
+        self.end("Elements");
+    }
+}
+
+/// Returns the coordinates of a point in space.
+fn spatial<const D: usize>(x: &Point<D>) -> [f64; 3] {
+    std::array::from_fn(|axis| x.get(axis).copied().unwrap_or(0.0))
+}
+
+/// Returns the number of the kind of the elements of a block.
+fn kind(block: &Block, order: usize) -> usize {
+    Kind::of(block.dimension, order).map_or(0, |kind| kind.number as usize)
+}

@@ -1,0 +1,373 @@
+//! Gmsh files: what is read, what is written, and what is refused.
+
+use std::collections::HashMap;
+use std::path::PathBuf;
+
+use io::gmsh::{GmshFile, GmshFormat, GmshMesh, GmshVersion, write};
+use mesh::generate::{BallOptions, ball, structured_box};
+use mesh::{FacetId, Placed, Point, SimplexMesh, VertexId};
+
+type EdgeNodes<const D: usize> = HashMap<[VertexId; 2], Point<D>>;
+
+fn path(name: &str) -> PathBuf {
+    let directory = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("gmsh");
+    std::fs::create_dir_all(&directory).expect("a directory");
+    directory.join(name)
+}
+
+const FORMATS: [GmshFormat; 4] = [
+    GmshFormat { version: GmshVersion::V22, is_binary: false },
+    GmshFormat { version: GmshVersion::V22, is_binary: true },
+    GmshFormat { version: GmshVersion::V41, is_binary: false },
+    GmshFormat { version: GmshVersion::V41, is_binary: true },
+];
+
+/// Returns the bytes of a file.
+fn bytes<const D: usize>(mesh: &SimplexMesh<D>, edge_nodes: &EdgeNodes<D>, format: GmshFormat) -> Vec<u8> {
+    let path = path(&format!("{D}-{}-{}-{}.msh", edge_nodes.len(), format.version, format.is_binary));
+    write(&path, mesh, edge_nodes, format).expect("a file");
+    std::fs::read(path).expect("the file")
+}
+
+/// A mesh with two groups of cells, cells without a group, and a part of the boundary without a name.
+fn grouped<const D: usize>(mesh: SimplexMesh<D>) -> SimplexMesh<D> {
+    let centroids: Vec<f64> = mesh.cells().map(|cell| mesh.simplex(cell).centroid()[0]).collect();
+    let mesh = mesh.with_cell_tags(|cell| match centroids[cell.index()] {
+        x if x < 0.4 => Some("soft part"),
+        x if x < 0.8 => Some("right"),
+        _ => None,
+    });
+    let names: Vec<Option<String>> = mesh
+        .facets()
+        .map(|facet| Some(mesh.tag_names()[mesh.facet_tag(facet)?.index()].clone()).filter(|name| name != "top"))
+        .collect();
+    mesh.with_facet_tags(|facet| names[facet.index()].as_deref())
+}
+
+/// Returns nodes on all edges of a mesh, off their middles.
+fn bent<const D: usize>(mesh: &SimplexMesh<D>) -> EdgeNodes<D> {
+    let mut nodes = HashMap::new();
+    for cell in mesh.cells() {
+        for (k, &a) in mesh.cell(cell).iter().enumerate() {
+            for &b in &mesh.cell(cell)[..k] {
+                let middle = (mesh.vertex(a) + mesh.vertex(b)) * 0.5;
+                nodes.insert([a.min(b), a.max(b)], middle + middle * (0.01 / 3.0));
+            }
+        }
+    }
+    nodes
+}
+
+fn assert_same<const D: usize>(found: &GmshMesh<D>, mesh: &SimplexMesh<D>, edge_nodes: &EdgeNodes<D>) {
+    assert_eq!(found.mesh.vertices(), mesh.vertices());
+    assert!(mesh.cells().all(|cell| found.mesh.cell(cell) == mesh.cell(cell)));
+    assert_eq!(found.edge_nodes, *edge_nodes);
+    let name = |mesh: &SimplexMesh<D>, tag: Option<mesh::Tag>| tag.map(|tag| mesh.tag_names()[tag.index()].clone());
+    for cell in mesh.cells() {
+        assert_eq!(name(&found.mesh, found.mesh.cell_tag(cell)), name(mesh, mesh.cell_tag(cell)));
+    }
+    for facet in mesh.facets() {
+        assert_eq!(name(&found.mesh, found.mesh.facet_tag(facet)), name(mesh, mesh.facet_tag(facet)));
+    }
+    assert_eq!((found.n_turned, found.n_inside, found.n_ambiguous), (0, 0, 0));
+}
+
+fn round_trip<const D: usize>(mesh: SimplexMesh<D>) {
+    let mesh = grouped(mesh.mapped(|x| x / 3.0).expect("a mesh"));
+    for edge_nodes in [HashMap::new(), bent(&mesh)] {
+        for format in FORMATS {
+            let file = GmshFile::parse(&bytes(&mesh, &edge_nodes, format)).expect("a file");
+            assert_eq!((file.version(), file.dimension()), (format.version, D));
+            assert_eq!(file.order(D), if edge_nodes.is_empty() { 1 } else { 2 });
+            assert_same(&file.mesh::<D>().expect("a mesh"), &mesh, &edge_nodes);
+        }
+    }
+}
+
+#[test]
+fn a_mesh_is_read_as_it_was_written() {
+    round_trip(structured_box([0.0, 0.0], [3.0, 2.0], [4, 3]).expect("a mesh"));
+    round_trip(structured_box([0.0; 3], [3.0, 2.0, 1.0], [3, 2, 2]).expect("a mesh"));
+}
+
+/// Two triangles in the form in which Gmsh writes version 4.1: nodes by entity, gaps in their numbers, a point that no element uses, and other sections.
+const V41: &str = r#"$MeshFormat
+4.1 0 8
+$EndMeshFormat
+$PhysicalNames
+2
+1 7 "no slip"
+2 3 "soft "part""
+$EndPhysicalNames
+$Comments
+$Nodes of another kind
+$EndComments
+$Entities
+1 2 1 0
+1 0 0 0 0 
+1 0 0 0 2 0 0 1 7 2 1 -2 
+2 0 0 0 2 1 0 2 -8 7 0 
+5 0 0 0 2 1 0 1 3 2 1 2 
+$EndEntities
+$Nodes
+3 5 1 100
+0 1 0 1
+1
+0 0 0
+1 1 1 2
+20
+30
+2 0 0 0.5
+2 1 0 0.75
+2 5 0 2
+100
+40
+0 1 0
+9 9 0
+$EndNodes
+$Elements
+3 4 1 12
+1 1 1 1
+3 1 20 
+1 2 1 1
+4 20 30 
+2 5 2 2
+11 1 20 30 
+12 100 1 30 
+$EndElements
+"#;
+
+/// The same in version 2.2, the second triangle clockwise. The elements in two groups are written twice.
+const V22: &str = r#"$MeshFormat
+2.2 0 8
+$EndMeshFormat
+$PhysicalNames
+2
+1 7 "no slip"
+2 3 "soft "part""
+$EndPhysicalNames
+$Nodes
+5
+1 0 0 0
+20 2 0 0
+30 2 1 0
+100 0 1 0
+40 9 9 0
+$EndNodes
+$Elements
+6
+1 15 2 0 1 1
+3 1 2 7 1 1 20
+4 1 2 8 2 20 30
+5 1 2 7 2 20 30
+11 2 2 3 5 1 20 30
+12 2 4 3 5 1 0 100 30 1
+$EndElements
+$NodeData
+1
+"a field"
+$EndNodeData
+"#;
+
+#[test]
+fn files_of_both_versions_are_understood() {
+    for (text, n_turned) in [(V41, 0), (V22, 1), (&V22.replace("100 30 1", "100 1 30"), 0)] {
+        for text in [text.to_owned(), text.replace('\n', "\r\n")] {
+            let found = GmshFile::parse(text.as_bytes()).expect("a file").mesh::<2>().expect("a mesh");
+            let GmshMesh { mesh, edge_nodes, .. } = found;
+            assert!(edge_nodes.is_empty());
+            let at = |x: f64, y: f64| Point::<2>::new(x, y);
+            assert_eq!(mesh.vertices(), [at(0.0, 0.0), at(2.0, 0.0), at(2.0, 1.0), at(0.0, 1.0)]);
+            assert_eq!((mesh.volume(), mesh.n_cells()), (2.0, 2));
+            let soft = mesh.tag("soft \"part\"");
+            assert!(soft.is_some() && mesh.cells().all(|cell| mesh.cell_tag(cell) == soft));
+            // The name of a group without one is its number.
+            let on = |name: &str| -> Vec<FacetId> {
+                mesh.facets().filter(|facet| mesh.facet_tag(*facet) == mesh.tag(name)).collect()
+            };
+            let [slip, eight] = ["no slip", "8"].map(on);
+            assert_eq!((slip.len(), eight.len()), (1, 1));
+            assert!((mesh.facet_measure(slip[0]), mesh.facet_measure(eight[0])) == (2.0, 1.0));
+            assert_eq!((found.n_ambiguous, found.n_inside, found.n_turned), (1, 0, n_turned));
+        }
+    }
+    let clockwise = V22.replace("1 20 30\n12", "1 30 20\n12");
+    let turned = GmshFile::parse(clockwise.as_bytes()).expect("a file").mesh::<2>().expect("a mesh");
+    assert_eq!((turned.n_turned, turned.mesh.volume()), (2, 2.0));
+    // A line in the inside has no effect.
+    let inside = V22.replace("4 1 2 8 2 20 30", "4 1 2 8 2 1 30");
+    assert_eq!(GmshFile::parse(inside.as_bytes()).expect("a file").mesh::<2>().expect("a mesh").n_inside, 1);
+}
+
+#[test]
+fn the_highest_byte_may_come_first() {
+    let mut bytes = b"$MeshFormat\n2.2 1 8\n".to_vec();
+    let int = |bytes: &mut Vec<u8>, number: i32| bytes.extend(number.to_be_bytes());
+    int(&mut bytes, 1);
+    bytes.extend(b"\n$EndMeshFormat\n$Nodes\n3\n");
+    for (k, x) in [[0.0, 0.0], [2.0, 0.0], [0.0, 3.0_f64]].iter().enumerate() {
+        int(&mut bytes, k as i32 + 1);
+        [x[0], x[1], 0.0].iter().for_each(|x| bytes.extend(x.to_be_bytes()));
+    }
+    bytes.extend(b"\n$EndNodes\n$Elements\n1\n");
+    [2, 1, 1, 5, 9, 1, 2, 3].iter().for_each(|number| int(&mut bytes, *number));
+    bytes.extend(b"\n$EndElements\n");
+    let mesh = GmshFile::parse(&bytes).expect("a file").mesh::<2>().expect("a mesh").mesh;
+    assert_eq!((mesh.volume(), mesh.tag_names()), (3.0, &["9".to_owned()][..]));
+}
+
+#[test]
+fn surfaces_are_oriented() {
+    let ball = ball::<3>([0.0; 3], 1.0, 0.5, &BallOptions::default()).expect("a mesh");
+    // The file without its tetrahedra, and with every third triangle turned.
+    let text = String::from_utf8(bytes(&ball, &HashMap::new(), FORMATS[0])).expect("a text");
+    let (before, rest) = text.split_once("$Elements\n").expect("elements");
+    let (mut k, mut lines) = (0, Vec::new());
+    for words in rest.lines().map(|line| line.split(' ').collect::<Vec<_>>()).filter(|words| words.get(1) == Some(&"2"))
+    {
+        let &[number, kind, n, group, entity, a, b, c, ..] = &words[..] else { panic!("{words:?}") };
+        let [b, c] = if k % 3 == 1 { [c, b] } else { [b, c] };
+        k += 1;
+        lines.push([number, kind, n, group, entity, a, b, c].join(" "));
+    }
+    let text = format!("{before}$Elements\n{}\n{}\n$EndElements\n", lines.len(), lines.join("\n"));
+    let file = GmshFile::parse(text.as_bytes()).expect("a file");
+    assert!(!file.has_cells(3) && file.dimension() == 3);
+    let (surface, positions) = file.surface::<3>().expect("a surface");
+    let volume = Placed::new(&surface, &positions).enclosed().volume;
+    assert!((volume.abs() - ball.volume()).abs() < 1e-12);
+    assert!(file.mesh::<3>().is_err_and(|problem| problem.contains("no tetrahedra")));
+    let open = format!("{before}$Elements\n{}\n{}\n$EndElements\n", lines.len() - 1, lines[1..].join("\n"));
+    let problem = GmshFile::parse(open.as_bytes()).expect("a file").surface::<3>().expect_err("it is open");
+    assert!(problem.contains("is open at (") && problem.contains("close it"), "{problem}");
+
+    let square = V22
+        .replace("5 1 2 7 2 20 30\n11 2 2 3 5 1 20 30\n12 2 4 3 5 1 0 100 30 1", "5 1 2 0 2 100 30\n6 1 2 0 2 100 1");
+    let square = square.replace("$Elements\n6", "$Elements\n5");
+    let (surface, positions) = GmshFile::parse(square.as_bytes()).expect("a file").surface::<2>().expect("a surface");
+    assert_eq!((surface.n_facets(), Placed::new(&surface, &positions).enclosed().volume.abs()), (4, 2.0));
+}
+
+/// Checks the beginning of the message for a file.
+#[track_caller]
+fn refused(text: &str, message: &str) {
+    let found = GmshFile::parse(text.as_bytes()).and_then(|file| file.mesh::<2>().map(|_| ()));
+    let found = found.expect_err(message);
+    assert!(found.starts_with(message), "expected: {message}\nfound:    {found}");
+}
+
+#[test]
+fn malformed_files_are_refused_with_place_and_remedy() {
+    let with = |from: &str, to: &str| {
+        assert!(V22.contains(from), "{from}");
+        V22.replacen(from, to, 1)
+    };
+    let with_41 = |from: &str, to: &str| {
+        assert!(V41.contains(from), "{from}");
+        V41.replacen(from, to, 1)
+    };
+    refused("", "line 1: this is not a Gmsh file, which begins with `$MeshFormat`");
+    refused("solid cube\n", "line 1: this is not a Gmsh file");
+    refused(
+        &with("2.2 0 8", "4 0 8"),
+        "line 2: version 4 is not read; save the mesh as 4.1 or 2.2 (`gmsh -format msh41`)",
+    );
+    refused(&with("2.2 0 8", "2.2 0 4"), "line 2: numbers of 4 bytes are not read");
+    refused(&with("2.2 0 8", "2.2 2 8"), "line 2: `2` is neither 0 for text nor 1 for binary");
+    refused(&with("2.2 0 8", "2.2"), "line 2: `2.2` is not a version, 0 or 1 for text or binary, and 8");
+    refused(&with("2.2 0 8", "2.2 1 8"), "byte 24: the integer 1 of a binary file is missing");
+    refused(&with("1 7 \"no slip\"", "1 7 no slip"), "line 6: `1 7 no slip` is not a dimension, a number, and a name");
+    refused(&with("$PhysicalNames\n2", "$PhysicalNames\ntwo"), "line 5: `two` is not a number of entries");
+    refused(&with("$Nodes\n5", "$Nodes\n99999999999"), "line 10: 99999999999 entries are announced, but only ");
+    refused(&with("$Nodes\n5", "$Nodes\n6"), "line 16: `$EndNodes` is not a whole number");
+    refused(
+        &with("$Nodes\n5", "$Nodes\n4"),
+        "line 15: `40 9 9 0` is found instead of `$EndNodes`; the section has more entries",
+    );
+    refused(&with("30 2 1 0", "30 2 one 0"), "line 13: `one` is not a number");
+    refused(&with("30 2 1 0", "30 2 nan 0"), "line 13: the coordinate NaN is not finite");
+    refused(&with("30 2 1 0", "-30 2 1 0"), "line 13: the number -30 is negative");
+    refused(&with("40 9 9 0", "30 9 9 0"), "line 15: there are two nodes with the number 30");
+    refused(
+        &with("11 2 2 3 5 1 20 30", "11 2 2 3 5 1 20 31"),
+        "line 23: element 11 has the node 31, which is not in `$Nodes`",
+    );
+    refused(
+        &with("11 2 2 3 5 1 20 30", "11 3 2 3 5 1 20 30 100"),
+        "line 23: this element is a quadrangle, which is not read; make the mesh of triangles",
+    );
+    refused(&with("11 2 2 3 5 1 20 30", "11 21 2 3 5 1 20 30"), "line 23: this element is of order 3 or higher");
+    refused(&with("11 2 2 3 5 1 20 30", "11 77 2 3 5 1 20 30"), "line 23: this element is of the unknown kind 77");
+    refused(
+        &with("11 2 2 3 5 1 20 30", "11 2 -2 3 5 1 20 30"),
+        "line 23: the number of tags of this element is senseless",
+    );
+    refused(
+        &with("12 2 4 3 5 1 0 100 30 1", "12 9 2 3 5 100 30 1 1 20 40"),
+        "line 24: element 12 has another order than those before it",
+    );
+    refused(&with("$Elements\n6", "$Elements\n7"), "line 25: `$EndElements` is not a whole number");
+    refused(&with("$EndElements", ""), "line 26: `$NodeData` is found instead of `$EndElements`");
+    refused(&with("$EndNodeData\n", ""), "line 26: the section `$NodeData` has no end; the file is cut off");
+    refused(&with("$NodeData", "$EndNodeData"), "line 26: `$EndNodeData` ends a section that did not begin");
+    refused(&V22[..V22.find("$Nodes").expect("nodes")], "the file has no nodes; make the mesh before it is saved");
+    refused(&V22[..V22.find("$Elements").expect("elements")], "it has no triangles; make a mesh of dimension 2");
+    refused(&with("30 2 1 0", "30 2 1 0.1"), "its triangles do not lie in the plane of x and y; set dimension = 3");
+    refused(&with("30 2 1 0", "30 1 0 0"), "element 11 near (1.000000, 0.000000) has no volume; repair the mesh there");
+    refused(
+        &with("100 0 1 0", "100 1.9 0.1 0"),
+        "the elements 11 and 12 lie on the same side of their common facet near (",
+    );
+    let third = with("$Elements\n6", "$Elements\n7").replace("12 2 4", "13 2 2 3 5 1 40 30\n12 2 4");
+    refused(&third, "the elements 11, 13 and another one share a facet; repair the mesh there");
+    refused(
+        &with_41("$Entities", "$PartitionedEntities"),
+        "line 12: the mesh is divided into partitions; save it without them",
+    );
+    refused(&with_41("1 2 1 0\n", "1 2 1 77777\n"), "line 13: 77777 entries are announced");
+    refused(&with_41("2 5 0 2\n", "2 5 0 20000\n"), "line 29: 20000 entries are announced");
+    refused(&with_41("2 5 2 2\n", "2 5 3 2\n"), "line 41: this element is a quadrangle");
+    refused(&with_41("2 5 2 2\n", "2 5 2 -2\n"), "line 41: `-2` is not a whole number, zero or above");
+}
+
+/// Generator of Marsaglia 2003, J. Stat. Softw. 8(14).
+fn random(state: &mut u64) -> usize {
+    *state ^= *state << 13;
+    *state ^= *state >> 7;
+    *state ^= *state << 17;
+    (*state >> 16) as usize
+}
+
+#[test]
+fn damaged_files_do_no_harm() {
+    let plane = grouped(structured_box([0.0, 0.0], [1.0, 1.0], [2, 2]).expect("a mesh"));
+    let space = grouped(structured_box([0.0; 3], [1.0; 3], [1, 1, 1]).expect("a mesh"));
+    let mut texts: Vec<Vec<u8>> = FORMATS.iter().map(|format| bytes(&plane, &bent(&plane), *format)).collect();
+    texts.extend(FORMATS.iter().map(|format| bytes(&space, &HashMap::new(), *format)));
+    texts.extend([V41, V22].map(|text| text.as_bytes().to_vec()));
+    let (mut state, mut n_read) = (44, 0);
+    for text in &texts {
+        for _ in 0..1500 {
+            let mut text = text.clone();
+            let at = random(&mut state) % text.len();
+            match random(&mut state) % 5 {
+                0 => text.truncate(at),
+                1 => text[at] = random(&mut state) as u8,
+                2 => text[at] ^= 1 << (random(&mut state) % 8),
+                3 => drop(text.splice(at..at, b"99999999999999999999".to_vec())),
+                _ => drop(text.splice(at..(at + random(&mut state) % 40).min(text.len()), Vec::new())),
+            }
+            let Ok(file) = GmshFile::parse(&text) else { continue };
+            n_read += 1;
+            let is_sound = |volume: f64| volume.is_finite() && volume > 0.0;
+            if let Ok(found) = file.mesh::<2>() {
+                assert!(found.mesh.cells().all(|cell| is_sound(found.mesh.cell_volume(cell))));
+            }
+            if let Ok(found) = file.mesh::<3>() {
+                assert!(found.mesh.cells().all(|cell| is_sound(found.mesh.cell_volume(cell))));
+            }
+            _ = (file.surface::<2>(), file.surface::<3>());
+        }
+    }
+    assert!(n_read > 1000, "{n_read}");
+}
