@@ -30,6 +30,45 @@ enum Command {
     Report(ReportArguments),
     /// Cut a mesh of tetrahedra by closed surfaces; print volumes, areas and how well identities hold.
     Cut(CutArguments),
+    /// Look into a mesh file, or convert it.
+    #[command(subcommand)]
+    Mesh(MeshCommand),
+}
+
+#[derive(Subcommand)]
+enum MeshCommand {
+    /// Print counts, sizes, quality and groups.
+    Info {
+        /// Mesh, .msh, .vtu or .vtk, or surface, .stl or .obj.
+        file: PathBuf,
+    },
+    /// Write a mesh in another format, by the extension of the name: .msh, .vtu, or .stl for a surface.
+    Convert(ConvertArguments),
+}
+
+#[derive(Args)]
+struct ConvertArguments {
+    /// Mesh, .msh, .vtu or .vtk, or surface, .stl or .obj.
+    from: PathBuf,
+    /// The new file.
+    to: PathBuf,
+    /// Version of a .msh file.
+    #[arg(long, value_enum, default_value = "4.1")]
+    version: MeshVersion,
+    /// Write a .msh file in binary.
+    #[arg(long)]
+    binary: bool,
+}
+
+/// Versions of the format of Gmsh.
+#[derive(Clone, Copy, ValueEnum)]
+enum MeshVersion {
+    /// Version 2.2
+    #[value(name = "2.2")]
+    V22,
+    /// Version 4.1
+    #[value(name = "4.1")]
+    V41,
 }
 
 #[derive(Args)]
@@ -135,6 +174,7 @@ fn main() -> ExitCode {
         #[cfg(feature = "report")]
         Command::Report(arguments) => commands::report::report(&arguments),
         Command::Cut(arguments) => commands::cut::cut(&arguments).map_err(Failure::from),
+        Command::Mesh(command) => commands::mesh::mesh(&command).map_err(Failure::from),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -17,6 +17,7 @@ struct Guide;
 
 pub mod cut;
 pub mod gmsh;
+pub mod mesh_file;
 pub mod surface;
 pub mod vtk;
 

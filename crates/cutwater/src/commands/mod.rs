@@ -2,6 +2,7 @@
 
 pub(crate) mod check;
 pub(crate) mod cut;
+pub(crate) mod mesh;
 pub(crate) mod new;
 #[cfg(feature = "report")]
 pub(crate) mod report;

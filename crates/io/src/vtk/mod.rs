@@ -137,7 +137,7 @@ fn in_space<const D: usize>(v: &Vector<D>) -> [f64; 3] {
 }
 
 /// Returns the type of a simplex with that many points.
-fn simplex_type(n_points: usize) -> CellType {
+pub(crate) fn simplex_type(n_points: usize) -> CellType {
     match n_points {
         2 => CellType::Line,
         3 => CellType::Triangle,

@@ -1,0 +1,122 @@
+//! Output, files and exit codes of `cutwater mesh`.
+
+use std::path::PathBuf;
+use std::process::{Command, Output};
+
+/// A square of two triangles with a hole of none: groups, a cell that is turned, and a second part.
+const SQUARE: &str = r#"$MeshFormat
+2.2 0 8
+$EndMeshFormat
+$PhysicalNames
+2
+1 1 "wall"
+2 2 "soft"
+$EndPhysicalNames
+$Nodes
+7
+1 0 0 0
+2 2 0 0
+3 2 1 0
+4 0 1 0
+5 5 0 0
+6 6 0 0
+7 5 1 0
+$EndNodes
+$Elements
+5
+1 1 2 1 1 1 2
+2 1 2 1 1 2 3
+3 2 2 2 1 1 2 3
+4 2 2 2 1 1 4 3
+5 2 2 0 2 5 6 7
+$EndElements
+"#;
+
+fn mesh(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_cutwater")).arg("mesh").args(arguments).output().expect("the binary starts")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+fn path(name: &str) -> String {
+    let directory = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("mesh");
+    std::fs::create_dir_all(&directory).expect("a directory");
+    directory.join(name).display().to_string()
+}
+
+fn file(name: &str, content: &str) -> String {
+    let path = path(name);
+    std::fs::write(&path, content).expect("a file");
+    path
+}
+
+#[test]
+fn info_prints_counts_sizes_quality_and_groups() {
+    let output = mesh(&["info", &file("square.msh", SQUARE)]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let expected = "\
+dimension   2
+elements    3 triangles of order 1, in 2 connected parts
+vertices    7
+area        2.500000e0
+x           0.000000e0 to 6.000000e0
+y           0.000000e0 to 1.000000e0
+edges       1.000e0 to 2.236e0, mean 1.543e0
+quality     smallest 0.693, mean 0.751; 1 for regular cells, 0 for flat ones
+cells       (no group): 1 elements, area 5.000000e-1
+cells       `soft`: 2 elements, area 2.000000e0
+boundary    (no group): 5 elements, length 6.414214e0
+boundary    `wall`: 2 elements, length 3.000000e0
+note        1 cells had their nodes in the order of a negative volume, and were turned
+";
+    assert_eq!(text(&output.stdout), expected);
+    let open = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\n";
+    let output = mesh(&["info", &file("open.obj", open)]);
+    let printed = text(&output.stdout);
+    assert!(printed.contains("3 triangles of a surface") && printed.contains("3 sides of the surface"), "{printed}");
+}
+
+#[test]
+fn convert_writes_the_same_mesh() {
+    let square = file("convert.msh", SQUARE);
+    for (name, options) in [("a.msh", &["--binary"][..]), ("b.msh", &["--version", "2.2"]), ("c.msh", &[])] {
+        let converted = path(name);
+        let output = mesh(&[&["convert", &square, &converted][..], options].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        let [before, after] = [&square, &converted].map(|file| text(&mesh(&["info", file]).stdout));
+        assert!(before.starts_with(&after) && !after.is_empty(), "{before}\n{after}");
+    }
+    assert!(std::fs::read(path("a.msh")).expect("a file").starts_with(b"$MeshFormat\n4.1 1 8\n"));
+    assert!(std::fs::read(path("b.msh")).expect("a file").starts_with(b"$MeshFormat\n2.2 0 8\n"));
+    let tetrahedron = file("closed.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+    let surface = path("closed.stl");
+    assert_eq!(mesh(&["convert", &tetrahedron, &surface]).status.code(), Some(0));
+    assert!(text(&mesh(&["info", &surface]).stdout).contains("volume      1.666667e-1"));
+    assert!(mesh(&["convert", &square, &path("square.vtu")]).status.success());
+    assert!(
+        std::fs::read(path("square.vtu")).expect("a file").starts_with(b"<VTKFile")
+            || text(&std::fs::read(path("square.vtu")).expect("a file")).contains("VTKFile")
+    );
+}
+
+#[test]
+fn files_that_cannot_be_used_are_refused() {
+    let square = file("refused.msh", SQUARE);
+    for (arguments, words) in [
+        (vec!["info", "no-such-file.msh"], &["cannot read no-such-file.msh"][..]),
+        (vec!["info", "mesh.xyz"], &["mesh.xyz", "its name must end in .msh, .vtu, .vtk, .stl or .obj"]),
+        (vec!["convert", &square, "square.stl"], &["square.stl", "use .msh for meshes"]),
+        (vec!["convert", &square, "square.obj"], &["square.obj", "must end in .msh, .vtu or .stl"]),
+    ] {
+        let output = mesh(&arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        let error = text(&output.stderr);
+        assert!(words.iter().all(|word| error.contains(word)), "{error}");
+    }
+    let folded = file("folded.msh", &SQUARE.replace("4 0 1 0", "4 1.9 0.1 0"));
+    let output = mesh(&["info", &folded]);
+    let error = text(&output.stderr);
+    assert!(output.status.code() == Some(2) && error.contains("elements 3 and 4 lie on the same side"), "{error}");
+}
