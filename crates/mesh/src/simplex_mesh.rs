@@ -1,5 +1,6 @@
 //! A conforming mesh of simplices.
 
+use std::collections::BTreeSet;
 use std::sync::OnceLock;
 
 use crate::search::CellIndex;
@@ -255,6 +256,21 @@ impl<const D: usize> SimplexMesh<D> {
         self.tag_names.iter().position(|n| n == name).map(Tag::new)
     }
 
+    /// Returns the names of the parts of the boundary, in the order of their tags.
+    pub fn boundary_names(&self) -> Vec<&str> {
+        self.names_of(&self.facet_tag)
+    }
+
+    /// Returns the names of the groups of cells, in the order of their tags.
+    pub fn group_names(&self) -> Vec<&str> {
+        self.names_of(&self.cell_tag)
+    }
+
+    fn names_of(&self, tags: &[Option<Tag>]) -> Vec<&str> {
+        let in_use: BTreeSet<usize> = tags.iter().flatten().map(|tag| tag.index()).collect();
+        in_use.into_iter().map(|tag| self.tag_names[tag].as_str()).collect()
+    }
+
     /// Returns the tag of a facet; `None` for interior facets.
     pub fn facet_tag(&self, facet: FacetId) -> Option<Tag> {
         self.facet_tag[facet.index()]
@@ -320,6 +336,7 @@ mod tests {
         let moved = mesh.mapped(|x| x + Vector::<2>::new(5.0, 0.0)).unwrap();
         // The name of a side is that of a group, too.
         assert_eq!(moved.tag_names(), ["bottom", "top", "left", "right"].map(String::from).as_slice());
+        assert_eq!((moved.boundary_names().len(), moved.group_names()), (4, vec!["left"]));
         let n_left = moved.cells().filter(|cell| moved.cell_tag(*cell) == moved.tag("left")).count();
         assert_eq!((n_left, moved.cells().filter(|cell| moved.cell_tag(*cell).is_none()).count()), (4, 4));
         let on_left = moved.facets().filter(|facet| moved.facet_tag(*facet) == moved.tag("left"));

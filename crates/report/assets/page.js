@@ -10,6 +10,8 @@ const SOLID = "rgb(236, 170, 92)";
 const TOUCHING = "rgb(214, 96, 77)";
 const INK = "rgb(40, 44, 52)";
 const OUTSIDE = 255;
+// Colour of places outside the domain; bodies are drawn over those that they cover.
+const WALL = [205, 205, 210];
 const FRAMES_PER_SECOND = 25;
 const BAR = 64;
 
@@ -72,7 +74,7 @@ function raster(frame, largest) {
     for (let column = 0; column < columns; column++) {
       const value = field[row * columns + column];
       const at = 4 * ((rows - 1 - row) * columns + column);
-      const colour = water(Number.isNaN(value) ? 0 : ((value / 254) * frame.largest) / largest);
+      const colour = Number.isNaN(value) ? WALL : water(((value / 254) * frame.largest) / largest);
       image.data.set([...colour, 255], at);
     }
   }

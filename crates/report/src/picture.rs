@@ -33,6 +33,9 @@ const BODIES: [[u8; 3]; 3] = [[236, 170, 92], [214, 96, 77], [40, 44, 52]];
 const FREE: u8 = WATER.len() as u8;
 const TOUCHING: u8 = FREE + 1;
 const INK: u8 = FREE + 2;
+/// Colour of places outside the domain.
+const WALL: [u8; 3] = [205, 205, 210];
+const OUT: u8 = FREE + 3;
 
 /// Writes the run as an animated PNG.
 ///
@@ -56,7 +59,7 @@ fn encode(frames: &Frames, out: impl std::io::Write) -> Result<(), png::Encoding
     let mut encoder = png::Encoder::new(out, canvas.width as u32, canvas.height as u32);
     encoder.set_color(png::ColorType::Indexed);
     encoder.set_depth(png::BitDepth::Four);
-    encoder.set_palette(WATER.iter().chain(&BODIES).flatten().copied().collect::<Vec<u8>>());
+    encoder.set_palette(WATER.iter().chain(&BODIES).chain(&[WALL]).flatten().copied().collect::<Vec<u8>>());
     encoder.set_compression(png::Compression::Best);
     encoder.set_filter(png::FilterType::NoFilter);
     encoder.set_animated(shown.len() as u32, 0)?;
@@ -109,19 +112,21 @@ impl<'a> Canvas<'a> {
                 pixels[row * self.width + column] = if crossings.iter().any(is_inside) {
                     body
                 } else {
-                    let share = speed(self.frames, frame, [x, y]) / largest;
-                    ((share * WATER.len() as f64) as usize).min(WATER.len() - 1) as u8
+                    let band = |speed: f64| ((speed / largest * WATER.len() as f64) as usize).min(WATER.len() - 1);
+                    speed(self.frames, frame, [x, y]).map_or(OUT, |speed| band(speed) as u8)
                 };
             }
         }
         // An outline is a boundary between a body and anything else.
         let inner = pixels.clone();
-        for k in (0..inner.len()).filter(|k| inner[*k] >= FREE) {
+        for k in (0..inner.len()).filter(|k| [FREE, TOUCHING].contains(&inner[*k])) {
             let (row, column) = (k / self.width, k % self.width);
             let rows = row.saturating_sub(1)..(row + 2).min(self.height);
             let columns = column.saturating_sub(1)..(column + 2).min(self.width);
-            let is_water = |row: usize| columns.clone().any(|column| inner[row * self.width + column] < FREE);
-            if rows.into_iter().any(is_water) {
+            let is_other = |row: usize| {
+                columns.clone().any(|column| ![FREE, TOUCHING].contains(&inner[row * self.width + column]))
+            };
+            if rows.into_iter().any(is_other) {
                 pixels[k] = INK;
             }
         }
@@ -146,8 +151,8 @@ fn crossings(points: &[[f64; 2]], y: f64) -> Vec<f64> {
     at
 }
 
-/// Interpolates the speed at a position bilinearly between the points of the raster, without those outside the fluid.
-fn speed(frames: &Frames, frame: &Snapshot, x: [f64; 2]) -> f64 {
+/// Interpolates the speed at a position bilinearly between the points of the raster, without those outside the fluid; `None` if all of them are.
+fn speed(frames: &Frames, frame: &Snapshot, x: [f64; 2]) -> Option<f64> {
     let at = [0, 1].map(|k| (x[k] - frames.low[k]) / (frames.high[k] - frames.low[k]) * frame.n[k] as f64 - 0.5);
     let (mut sum, mut weights) = (0.0, 0.0);
     for corner in 0..4_i64 {
@@ -160,7 +165,7 @@ fn speed(frames: &Frames, frame: &Snapshot, x: [f64; 2]) -> f64 {
             weights += near(0) * near(1);
         }
     }
-    if weights > 0.0 { sum / weights / 254.0 * frame.largest } else { 0.0 }
+    (weights > 0.0).then(|| sum / weights / 254.0 * frame.largest)
 }
 
 #[cfg(test)]

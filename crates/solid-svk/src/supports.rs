@@ -72,8 +72,10 @@ impl<const D: usize> Support<D> {
 /// # Errors
 /// [`Error::UnknownTag`]: the mesh has no such tag.
 pub fn tagged_facets<const D: usize>(mesh: &SolidMesh<D>, name: &str) -> Result<Vec<FacetId>, Error> {
-    let tag = mesh.mesh().tag(name).ok_or_else(|| Error::UnknownTag { name: name.to_owned() })?;
-    Ok(mesh.boundary().facets().filter(|&f| mesh.boundary().tag(f) == Some(tag)).collect())
+    let tag = mesh.mesh().tag(name);
+    let facets = mesh.boundary().facets().filter(|&f| tag.is_some() && mesh.boundary().tag(f) == tag);
+    let facets: Vec<FacetId> = facets.collect();
+    if facets.is_empty() { Err(Error::UnknownTag { name: name.to_owned() }) } else { Ok(facets) }
 }
 
 /// Returns the boundary facets with none of the given tags, for example those that may come into contact.

@@ -34,7 +34,7 @@ pub(crate) mod record;
 mod robustness;
 mod run;
 mod sedimentation;
-mod settling_disks;
+mod settling;
 mod shear_layer;
 mod signal;
 mod svk_states;
@@ -68,7 +68,7 @@ const fn check(name: &'static str, about: &'static str, measure: fn(&mut Record)
 }
 
 /// All checks, in the order of the page.
-const CHECKS: [Check; 28] = [
+const CHECKS: [Check; 29] = [
     check("exact", "Solutions that the discrete spaces contain, at random positions of the body.", exact::measure),
     check("orders", "Orders of convergence of known flows around bodies at rest and in motion.", orders::measure),
     check("peer", "Errors of unfitted Stokes flow compared with those of ngsxfem on the same mesh.", peer::measure),
@@ -82,7 +82,12 @@ const CHECKS: [Check; 28] = [
     check("shear-layer", "Fluid over an elastic layer, sheared by a plate: the exact solution.", shear_layer::measure),
     check("added-mass", "The first acceleration of a ball, and of a rigid one in ideal fluid.", added_mass::measure),
     check("sedimentation", "A heavy disk that sinks in a closed box, as a free rigid body.", sedimentation::measure),
-    check("settling-disks", "Thirty elastic disks that settle in a closed box and collide.", settling_disks::measure),
+    check("settling-disks", "Thirty elastic disks that settle in a closed box and collide.", settling::disks),
+    check(
+        "falling-ellipse",
+        "An elastic ellipse from a mesh file that falls on the edge of a step.",
+        settling::ellipse,
+    ),
     check("wan-turek", "A cylinder that oscillates in a channel: drag, lift, and their noise.", wan_turek::measure),
     check("cavity", "Steady flow in a cavity with a moving lid, at a Reynolds number of 1000.", cavity::measure),
     check("dfg", "Steady flow past a cylinder in a channel, at a Reynolds number of 20.", dfg::measure),

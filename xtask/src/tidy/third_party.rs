@@ -9,7 +9,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("nalgebra", &["crates"]),
     ("parry2d-f64", &["crates/mesh/src/search/parry.rs"]),
     ("parry3d-f64", &["crates/mesh/src/search/parry.rs"]),
-    ("spade", &["crates/mesh/src/generate/triangulate.rs"]),
+    ("spade", &["crates/mesh/src/generate/triangulate.rs", "crates/mesh/src/generate/inside.rs"]),
     ("robust", &["crates/mesh/src", "crates/cutcell/src/exact/crossing.rs"]),
     ("smallvec", &["crates/cutcell/src"]),
     ("sprs", &["crates/algebra/src"]),

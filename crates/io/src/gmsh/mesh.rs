@@ -5,7 +5,7 @@ use std::collections::{HashMap, HashSet};
 use ::mesh::{CellId, MAX_FACET_VERTICES, Point, Simplex, SimplexMesh, Vector, VertexId, facet_normal};
 
 use super::elements::edges;
-use super::{Elements, GmshFile};
+use super::file::{Elements, GmshFile};
 
 /// Mesh of a file.
 #[derive(Clone, Debug)]
@@ -87,8 +87,8 @@ impl GmshFile {
         Ok(GmshMesh { mesh, edge_nodes, n_turned, n_inside, n_ambiguous: n_ambiguous + n_more })
     }
 
-    /// Returns the positions of the nodes that are corners of elements, and the vertex of each node of the file. A node that is none has an
-    /// identifier beyond all of them.
+    /// Returns the positions of the nodes that are corners of elements, and the vertex of each node of the file. Other nodes have an identifier
+    /// beyond all of them.
     pub(super) fn corners<const D: usize>(
         &self,
         elements: &Elements,

@@ -3,125 +3,13 @@
 //! Physical groups of cells and of facets become tags of the mesh, with their names.
 
 mod elements;
+mod file;
 mod mesh;
 mod parse;
 mod scan;
 mod surface;
 mod write;
 
-use std::collections::HashMap;
-use std::fmt;
-use std::path::Path;
-
-use crate::Error;
-use crate::files::read;
-
 pub use self::mesh::GmshMesh;
+pub use file::{GmshFile, GmshVersion};
 pub use write::{GmshFormat, write};
-
-/// Version of the format.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum GmshVersion {
-    /// 2.2
-    V22,
-    /// 4.1
-    V41,
-}
-
-impl fmt::Display for GmshVersion {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::V22 => "2.2",
-            Self::V41 => "4.1",
-        })
-    }
-}
-
-/// Content of a file: nodes, elements of each dimension, and names of physical groups.
-#[derive(Clone, Debug)]
-pub struct GmshFile {
-    version: GmshVersion,
-    points: Vec<[f64; 3]>,
-    /// By dimension.
-    elements: [Elements; 4],
-    /// By dimension and number.
-    names: HashMap<(usize, i32), String>,
-}
-
-/// Elements of one dimension.
-#[derive(Clone, Debug, Default)]
-struct Elements {
-    /// Order of all of them; 0 if there are none.
-    order: usize,
-    /// Indices of points. Stride: nodes of an element.
-    nodes: Vec<usize>,
-    /// Numbers in the file.
-    numbers: Vec<u64>,
-    /// First physical group of each element; 0 for none.
-    groups: Vec<i32>,
-    /// Elements in several groups.
-    n_ambiguous: usize,
-}
-
-impl Elements {
-    /// Returns the nodes of each element.
-    fn nodes(&self) -> std::slice::ChunksExact<'_, usize> {
-        self.nodes.chunks_exact(self.nodes.len().checked_div(self.numbers.len()).unwrap_or(1).max(1))
-    }
-}
-
-impl GmshFile {
-    /// Reads a file.
-    ///
-    /// # Errors
-    /// [`Error::Read`]; [`Error::MeshFile`] with line or byte, cause and remedy.
-    pub fn read(path: &Path) -> Result<Self, Error> {
-        Self::parse(&read(path)?).map_err(|problem| Error::MeshFile { path: path.to_owned(), problem })
-    }
-
-    /// Reads the bytes of a file.
-    ///
-    /// # Errors
-    /// Line or byte, cause and remedy.
-    pub fn parse(bytes: &[u8]) -> Result<Self, String> {
-        parse::parse(bytes)
-    }
-
-    /// Returns the version of the format.
-    pub fn version(&self) -> GmshVersion {
-        self.version
-    }
-
-    /// Returns whether there are elements of a dimension.
-    pub fn has_cells(&self, dimension: usize) -> bool {
-        self.elements.get(dimension).is_some_and(|elements| !elements.numbers.is_empty())
-    }
-
-    /// Returns the order of the elements of a dimension; 0 if there are none.
-    pub fn order(&self, dimension: usize) -> usize {
-        self.elements.get(dimension).map_or(0, |elements| elements.order)
-    }
-
-    /// Returns the dimension of space: 3 if there are tetrahedra, or if the nodes do not lie in a plane of equal `z`; else 2.
-    pub fn dimension(&self) -> usize {
-        if self.has_cells(3) || self.is_spatial(0..self.points.len()) { 3 } else { 2 }
-    }
-
-    /// Returns whether the third coordinates of nodes differ by more than round-off.
-    fn is_spatial(&self, nodes: impl Iterator<Item = usize> + Clone) -> bool {
-        const ROUND_OFF: f64 = 1e-9;
-        let extent = |axis: usize| {
-            let coordinates = nodes.clone().map(|node| self.points[node][axis]);
-            let (low, high) =
-                coordinates.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
-            high - low
-        };
-        extent(2) > ROUND_OFF * extent(0).max(extent(1))
-    }
-
-    /// Returns the name of a physical group: its number if it has no name, `None` for number 0.
-    fn group_name(&self, dimension: usize, number: i32) -> Option<String> {
-        let name = || self.names.get(&(dimension, number)).cloned().unwrap_or_else(|| number.to_string());
-        (number != 0).then(name)
-    }
-}

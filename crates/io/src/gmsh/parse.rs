@@ -1,10 +1,13 @@
 //! Sections of a file, of version 2.2 or 4.1, as text or in binary.
 
 use std::collections::HashMap;
+use std::path::Path;
 
 use super::elements::Kind;
+use super::file::{Elements, GmshFile, GmshVersion};
 use super::scan::{Encoding, Scan};
-use super::{Elements, GmshFile, GmshVersion};
+use crate::Error;
+use crate::files::read;
 
 /// Largest number of tags of an element or entity.
 const MOST_TAGS: usize = 1 << 20;
@@ -12,48 +15,58 @@ const MOST_TAGS: usize = 1 << 20;
 /// Physical groups of an entity: the first one, and whether there are others.
 type Groups = (i32, bool);
 
-/// Reads a file.
-///
-/// # Errors
-/// Line or byte, cause and remedy.
-pub(super) fn parse(bytes: &[u8]) -> Result<GmshFile, String> {
-    let mut scan = Scan::new(bytes);
-    let version = format(&mut scan)?;
-    let mut file = GmshFile {
-        version,
-        points: Vec::new(),
-        elements: std::array::from_fn(|_| Elements::default()),
-        names: HashMap::new(),
-    };
-    let mut numbers: HashMap<u64, usize> = HashMap::new();
-    let mut entities: HashMap<(i32, i32), Groups> = HashMap::new();
-    while let Some(line) = scan.line() {
-        let Some(name) = line.strip_prefix(b"$") else { continue };
-        let name = std::str::from_utf8(name).map_err(|_| scan.fail("the name of this section is not UTF-8"))?;
-        match (name, version) {
-            ("PhysicalNames", _) => names(&mut scan, &mut file.names)?,
-            ("Entities", GmshVersion::V41) => read_entities(&mut scan, &mut entities)?,
-            ("PartitionedEntities", _) => {
-                return Err(scan.fail("the mesh is divided into partitions; save it without them"));
+impl GmshFile {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// [`Error::Read`]; [`Error::MeshFile`] with line or byte, cause and remedy.
+    pub fn read(path: &Path) -> Result<Self, Error> {
+        Self::parse(&read(path)?).map_err(|problem| Error::MeshFile { path: path.to_owned(), problem })
+    }
+
+    /// Reads the bytes of a file.
+    ///
+    /// # Errors
+    /// Line or byte, cause and remedy.
+    pub fn parse(bytes: &[u8]) -> Result<Self, String> {
+        let mut scan = Scan::new(bytes);
+        let version = format(&mut scan)?;
+        let mut file = GmshFile {
+            version,
+            points: Vec::new(),
+            elements: std::array::from_fn(|_| Elements::default()),
+            names: HashMap::new(),
+        };
+        let mut numbers: HashMap<u64, usize> = HashMap::new();
+        let mut entities: HashMap<(i32, i32), Groups> = HashMap::new();
+        while let Some(line) = scan.line() {
+            let Some(name) = line.strip_prefix(b"$") else { continue };
+            let name = std::str::from_utf8(name).map_err(|_| scan.fail("the name of this section is not UTF-8"))?;
+            match (name, version) {
+                ("PhysicalNames", _) => names(&mut scan, &mut file.names)?,
+                ("Entities", GmshVersion::V41) => read_entities(&mut scan, &mut entities)?,
+                ("PartitionedEntities", _) => {
+                    return Err(scan.fail("the mesh is divided into partitions; save it without them"));
+                }
+                ("Nodes", GmshVersion::V22) => listed_nodes(&mut scan, &mut file.points, &mut numbers)?,
+                ("Nodes", GmshVersion::V41) => node_blocks(&mut scan, &mut file.points, &mut numbers)?,
+                ("Elements", GmshVersion::V22) => listed_elements(&mut scan, &mut file.elements, &numbers)?,
+                ("Elements", GmshVersion::V41) => element_blocks(&mut scan, &mut file.elements, &numbers, &entities)?,
+                (name, _) if name.starts_with("End") => {
+                    return Err(scan.fail(format!("`${name}` ends a section that did not begin")));
+                }
+                _ => {
+                    scan.skip_section(name)?;
+                    continue;
+                }
             }
-            ("Nodes", GmshVersion::V22) => nodes_22(&mut scan, &mut file.points, &mut numbers)?,
-            ("Nodes", GmshVersion::V41) => nodes_41(&mut scan, &mut file.points, &mut numbers)?,
-            ("Elements", GmshVersion::V22) => elements_22(&mut scan, &mut file.elements, &numbers)?,
-            ("Elements", GmshVersion::V41) => elements_41(&mut scan, &mut file.elements, &numbers, &entities)?,
-            (name, _) if name.starts_with("End") => {
-                return Err(scan.fail(format!("`${name}` ends a section that did not begin")));
-            }
-            _ => {
-                scan.skip_section(name)?;
-                continue;
-            }
+            scan.end_section(name)?;
         }
-        scan.end_section(name)?;
+        if file.points.is_empty() {
+            return Err("the file has no nodes; make the mesh before it is saved".to_owned());
+        }
+        Ok(file)
     }
-    if file.points.is_empty() {
-        return Err("the file has no nodes; make the mesh before it is saved".to_owned());
-    }
-    Ok(file)
 }
 
 fn format(scan: &mut Scan<'_>) -> Result<GmshVersion, String> {
@@ -161,7 +174,12 @@ fn coordinates(scan: &mut Scan<'_>) -> Result<[f64; 3], String> {
     Ok([scan.real()?, scan.real()?, scan.real()?])
 }
 
-fn nodes_22(scan: &mut Scan<'_>, points: &mut Vec<[f64; 3]>, numbers: &mut HashMap<u64, usize>) -> Result<(), String> {
+/// Reads nodes of version 2.2.
+fn listed_nodes(
+    scan: &mut Scan<'_>,
+    points: &mut Vec<[f64; 3]>,
+    numbers: &mut HashMap<u64, usize>,
+) -> Result<(), String> {
     for _ in 0..stated(scan)? {
         let number = node_number(scan)?;
         let x = coordinates(scan)?;
@@ -170,7 +188,12 @@ fn nodes_22(scan: &mut Scan<'_>, points: &mut Vec<[f64; 3]>, numbers: &mut HashM
     Ok(())
 }
 
-fn nodes_41(scan: &mut Scan<'_>, points: &mut Vec<[f64; 3]>, numbers: &mut HashMap<u64, usize>) -> Result<(), String> {
+/// Reads nodes of version 4.1.
+fn node_blocks(
+    scan: &mut Scan<'_>,
+    points: &mut Vec<[f64; 3]>,
+    numbers: &mut HashMap<u64, usize>,
+) -> Result<(), String> {
     for _ in 0..blocks(scan)? {
         let (dimension, _entity, parametric) = (scan.int()?, scan.int()?, scan.int()?);
         let stated = scan.size()?;
@@ -202,7 +225,12 @@ fn node_number(scan: &mut Scan<'_>) -> Result<u64, String> {
     u64::try_from(number).map_err(|_| scan.fail(format!("the number {number} is negative")))
 }
 
-fn elements_22(scan: &mut Scan<'_>, elements: &mut [Elements; 4], numbers: &HashMap<u64, usize>) -> Result<(), String> {
+/// Reads elements of version 2.2.
+fn listed_elements(
+    scan: &mut Scan<'_>,
+    elements: &mut [Elements; 4],
+    numbers: &HashMap<u64, usize>,
+) -> Result<(), String> {
     let n = stated(scan)?;
     let mut read = 0;
     while read < n {
@@ -215,7 +243,7 @@ fn elements_22(scan: &mut Scan<'_>, elements: &mut [Elements; 4], numbers: &Hash
         let of_block = usize::try_from(of_block).ok().filter(|block| (1..=n - read).contains(block));
         let of_block = of_block.ok_or_else(|| scan.fail("a block has more elements than the section"))?;
         let n_tags = usize::try_from(n_tags).ok().filter(|n| *n <= MOST_TAGS);
-        let n_tags = n_tags.ok_or_else(|| scan.fail("the number of tags of this element is senseless"))?;
+        let n_tags = n_tags.ok_or_else(|| scan.fail("the number of tags of this element is invalid"))?;
         for _ in 0..of_block {
             let number = match number {
                 Some(number) => number,
@@ -236,7 +264,8 @@ fn elements_22(scan: &mut Scan<'_>, elements: &mut [Elements; 4], numbers: &Hash
     Ok(())
 }
 
-fn elements_41(
+/// Reads elements of version 4.1.
+fn element_blocks(
     scan: &mut Scan<'_>,
     elements: &mut [Elements; 4],
     numbers: &HashMap<u64, usize>,

@@ -109,20 +109,23 @@ impl<'b> Scan<'b> {
         word.parse().map_err(|_| self.fail(format!("`{}` is not {expected}", short())))
     }
 
-    fn array<const N: usize>(&mut self) -> Result<[u8; N], String> {
-        let found = self.bytes[self.at..].first_chunk::<N>().copied().ok_or_else(|| self.ended())?;
-        self.at += N;
-        Ok(match self.encoding {
-            Encoding::Binary { swapped: true } => std::array::from_fn(|k| found[N - 1 - k]),
-            _ => found,
-        })
+    /// Reads up to eight bytes, the lowest one first; the others are zero.
+    fn binary(&mut self, n: usize) -> Result<[u8; 8], String> {
+        let found = self.bytes[self.at..].get(..n).ok_or_else(|| self.ended())?;
+        let mut bytes = [0; 8];
+        bytes[..n].copy_from_slice(found);
+        if self.encoding == (Encoding::Binary { swapped: true }) {
+            bytes[..n].reverse();
+        }
+        self.at += n;
+        Ok(bytes)
     }
 
     /// Reads a whole number of four bytes.
     pub(super) fn int(&mut self) -> Result<i32, String> {
         match self.encoding {
             Encoding::Text => self.parsed("a whole number"),
-            Encoding::Binary { .. } => self.array().map(i32::from_le_bytes),
+            Encoding::Binary { .. } => self.binary(4).map(|bytes| u64::from_le_bytes(bytes) as i32),
         }
     }
 
@@ -130,7 +133,7 @@ impl<'b> Scan<'b> {
     pub(super) fn size(&mut self) -> Result<u64, String> {
         match self.encoding {
             Encoding::Text => self.parsed("a whole number, zero or above"),
-            Encoding::Binary { .. } => self.array().map(u64::from_le_bytes),
+            Encoding::Binary { .. } => self.binary(8).map(u64::from_le_bytes),
         }
     }
 
@@ -138,7 +141,7 @@ impl<'b> Scan<'b> {
     pub(super) fn real(&mut self) -> Result<f64, String> {
         let number = match self.encoding {
             Encoding::Text => self.parsed("a number")?,
-            Encoding::Binary { .. } => f64::from_le_bytes(self.array()?),
+            Encoding::Binary { .. } => f64::from_le_bytes(self.binary(8)?),
         };
         if number.is_finite() { Ok(number) } else { Err(self.fail(format!("the coordinate {number} is not finite"))) }
     }

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use mesh::{BoundaryMesh, Point, VertexId};
 
-use super::GmshFile;
+use super::file::GmshFile;
 use super::mesh::place;
 
 impl GmshFile {

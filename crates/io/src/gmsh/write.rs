@@ -1,12 +1,13 @@
 //! Writing a mesh as a Gmsh file.
 
 use std::collections::{BTreeSet, HashMap};
+use std::fmt::Debug;
 use std::path::Path;
 
 use mesh::{Aabb, Point, SimplexMesh, Tag, VertexId};
 
-use super::GmshVersion;
 use super::elements::{Kind, edges};
+use super::file::GmshVersion;
 use crate::Error;
 use crate::files::write_whole;
 
@@ -89,8 +90,8 @@ fn text<const D: usize>(
         out.line("$EndPhysicalNames");
     }
     match format.version {
-        GmshVersion::V22 => out.version_22(&points, &blocks, order),
-        GmshVersion::V41 => out.version_41(&points, &blocks, order),
+        GmshVersion::V22 => out.lists(&points, &blocks, order),
+        GmshVersion::V41 => out.blocks(&points, &blocks, order),
     }
     out.bytes
 }
@@ -127,18 +128,13 @@ impl Out {
         self.bytes.push(b'\n');
     }
 
-    /// Appends numbers of `N` bytes, or words.
-    fn numbers<T: Copy + std::fmt::Debug, const N: usize>(
-        &mut self,
-        numbers: impl IntoIterator<Item = T>,
-        bytes: impl Fn(T) -> [u8; N],
-    ) {
+    /// Appends numbers, whose bytes `append` appends to a binary file.
+    fn numbers<T: Copy + Debug>(&mut self, numbers: impl IntoIterator<Item = T>, append: impl Fn(&mut Vec<u8>, T)) {
         for number in numbers {
             if self.is_binary {
-                self.bytes.extend(bytes(number));
+                append(&mut self.bytes, number);
             } else {
-                self.bytes.extend(format!("{number:?}").as_bytes());
-                self.bytes.push(b' ');
+                self.bytes.extend(format!("{number:?} ").as_bytes());
             }
         }
         if !self.is_binary {
@@ -147,15 +143,15 @@ impl Out {
     }
 
     fn ints(&mut self, numbers: impl IntoIterator<Item = usize>) {
-        self.numbers(numbers, |number| (number as i32).to_le_bytes());
+        self.numbers(numbers, |bytes, number| bytes.extend((number as i32).to_le_bytes()));
     }
 
     fn sizes(&mut self, numbers: impl IntoIterator<Item = usize>) {
-        self.numbers(numbers, |number| (number as u64).to_le_bytes());
+        self.numbers(numbers, |bytes, number| bytes.extend((number as u64).to_le_bytes()));
     }
 
     fn reals(&mut self, numbers: impl IntoIterator<Item = f64>) {
-        self.numbers(numbers, f64::to_le_bytes);
+        self.numbers(numbers, |bytes, number| bytes.extend(number.to_le_bytes()));
     }
 
     /// Ends a section.
@@ -166,7 +162,8 @@ impl Out {
         self.line(&format!("$End{name}"));
     }
 
-    fn version_22<const D: usize>(&mut self, points: &[Point<D>], blocks: &[Block], order: usize) {
+    /// Appends nodes and elements of version 2.2.
+    fn lists<const D: usize>(&mut self, points: &[Point<D>], blocks: &[Block], order: usize) {
         self.line(&format!("$Nodes\n{}", points.len()));
         for (k, x) in points.iter().enumerate() {
             self.ints([k + 1]);
@@ -190,7 +187,8 @@ impl Out {
         self.end("Elements");
     }
 
-    fn version_41<const D: usize>(&mut self, points: &[Point<D>], blocks: &[Block], order: usize) {
+    /// Appends entities, nodes and elements of version 4.1.
+    fn blocks<const D: usize>(&mut self, points: &[Point<D>], blocks: &[Block], order: usize) {
         let entities: BTreeSet<(usize, usize)> = blocks.iter().map(|block| (block.dimension, block.group)).collect();
         let n_entities = |dimension: usize| entities.iter().filter(|(found, _)| *found == dimension).count();
         let bounds = Aabb::of_points(points);

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use mesh::{FacetId, SimplexMesh, Tag, Vector};
+use mesh::{FacetId, SimplexMesh, Vector};
 use solid_rigid::RigidBody;
 use solid_rigid::modes::n_rotations;
 use solid_svk::supports::{facets_without_tags, tagged_facets, vertices_of};
@@ -255,17 +255,15 @@ fn free_facets<const D: usize>(given: &At<BodyKeys>, solid: &SolidMesh<D>) -> Re
 
 /// Returns the group of each cell: 0, or one more than the number of the given group to which it belongs.
 fn groups<const D: usize>(given: &Named<GroupKeys>, mesh: &SimplexMesh<D>) -> Result<Vec<usize>, ScenarioError> {
-    let in_use: Vec<Option<Tag>> = mesh.cells().map(|cell| mesh.cell_tag(cell)).collect();
-    let mut names: Vec<&str> = in_use.iter().flatten().map(|tag| mesh.tag_names()[tag.index()].as_str()).collect();
-    names.sort_unstable();
-    names.dedup();
+    let names = mesh.group_names();
     let mut group_of = vec![0; mesh.n_cells()];
     for (k, (name, group)) in given.0.iter().enumerate() {
-        let Some(tag) = mesh.tag(name).filter(|_| names.contains(&name.as_str())) else {
+        if !names.contains(&name.as_str()) {
             return Err(group.at.unknown("group of cells", name, names));
-        };
-        let of_group = group_of.iter_mut().zip(&in_use).filter(|(_, found)| **found == Some(tag));
-        of_group.for_each(|(slot, _)| *slot = k + 1);
+        }
+        let tag = mesh.tag(name);
+        let of_group = mesh.cells().filter(|cell| mesh.cell_tag(*cell) == tag);
+        of_group.for_each(|cell| group_of[cell.index()] = k + 1);
     }
     Ok(group_of)
 }
@@ -302,7 +300,7 @@ fn supports_and_loads<const D: usize>(
     let mut supports = Vec::new();
     let mut loads = Vec::new();
     for (name, condition) in &conditions.0 {
-        let unknown = || condition.at.unknown("part of the surface", name, mesh.tag_names().iter().map(String::as_str));
+        let unknown = || condition.at.unknown("part of the surface", name, mesh.boundary_names());
         let tag = mesh.tag(name).ok_or_else(unknown)?;
         let facets = tagged_facets(solid, name).map_err(|_| unknown())?;
         let vertices = vertices_of(solid, &facets);

@@ -195,9 +195,9 @@ impl<'p, const D: usize> Partners<'p, D> {
                 let boundary = background.boundary();
                 let mut facets = Vec::new();
                 for name in &**parts {
-                    let known = background.tag_names().iter().map(String::as_str);
-                    let tag =
-                        background.tag(name).ok_or_else(|| name.at.unknown("part of the background", name, known))?;
+                    let known = background.boundary_names();
+                    let tag = background.tag(name).filter(|_| known.contains(&name.as_str()));
+                    let tag = tag.ok_or_else(|| name.at.unknown("part of the background", name, known))?;
                     facets.extend(boundary.facets().filter(|facet| boundary.tag(*facet) == Some(tag)));
                 }
                 if facets.is_empty() {

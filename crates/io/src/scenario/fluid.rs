@@ -1,13 +1,12 @@
 //! Background mesh, fluid and mortar of a scenario.
 
-use std::collections::BTreeSet;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
 use cutcell::OverlayOptions;
 use fluid_ns::NewtonianFluid;
 use fluid_ns::terms::CipProfile;
-use mesh::generate::{Region, RegionShape, Size, expected_cells, mirrored, refined_box};
+use mesh::generate::{Region, RegionShape, Size, expected_cells, inside, mirrored, refined_box};
 use mesh::{Aabb, FacetId, Placed, Point, SimplexMesh, Tag, Vector};
 use solver::body::TimeField;
 use solver::interface_dg::terms::PenaltyProfile;
@@ -15,7 +14,7 @@ use solver::{FluidBoundary, FluidSetup, Stabilisation};
 
 use super::error::ScenarioError;
 use super::field::{Field, FieldFormula};
-use super::geometry::{in_file, input_path, normal_along_axis, read_gmsh};
+use super::geometry::{in_file, input_path, normal_along_axis, polygon_lines, read_gmsh};
 use super::key::Quantity;
 use super::table::{At, Components, Named, OrTable, choices, keys};
 use crate::files::extension;
@@ -155,6 +154,17 @@ choices! {
             /// Condition on each side.
             boundary: At<Named<FluidCondition>>,
         },
+        /// Polygon with cells of one size, in 2D; sides `side-1`, `side-2` and so on after each corner, `hole-1` and so on for holes.
+        Polygon = "polygon" {
+            /// Corners, in order.
+            corners: Vec<Components<f64>> [unit(Quantity::LENGTH)],
+            /// Corners of holes, a list for each hole.
+            holes: Vec<Vec<Components<f64>>> [unit(Quantity::LENGTH)],
+            /// Mean diameter of the cells.
+            size: At<f64> [unit(Quantity::LENGTH), positive],
+            /// Condition on each side.
+            boundary: At<Named<FluidCondition>>,
+        },
         /// Mesh of any shape from a Gmsh file (`.msh`, version 4.1 or 2.2). Its sides are the physical groups of the curves (2D) or surfaces (3D) on its
         /// boundary; every part of the boundary belongs to one.
         Mesh = "mesh" {
@@ -171,7 +181,7 @@ choices! {
 impl Background {
     /// Returns the conditions on the sides.
     pub(super) fn boundary(&self) -> &At<Named<FluidCondition>> {
-        let (Self::GradedBox { boundary, .. } | Self::Mesh { boundary, .. }) = self;
+        let (Self::GradedBox { boundary, .. } | Self::Polygon { boundary, .. } | Self::Mesh { boundary, .. }) = self;
         boundary
     }
 }
@@ -297,9 +307,20 @@ choices! {
     }
 }
 
+/// Triangles in a square with sides of the size of a cell.
+const CELLS_IN_SQUARE: f64 = 2.7;
+
 fn background<const D: usize>(given: &At<Background>) -> Result<SimplexMesh<D>, ScenarioError> {
     let (min, max, size, refine, is_mirrored) = match &**given {
         Background::GradedBox { min, max, size, refine, mirrored, .. } => (min, max, size, refine, mirrored),
+        Background::Polygon { corners, holes, size, .. } => {
+            let lines = polygon_lines(&given.at, corners, holes, **size, false)?;
+            let area = lines.first().map_or(0.0, |line| line.area().abs());
+            if let Some(shortage) = shortage(CELLS_IN_SQUARE * area / size.powi(2), available()) {
+                return Err(size.at.invalid(shortage));
+            }
+            return inside(&lines, **size).map_err(|error| given.at.error(error));
+        }
         Background::Mesh { file, scale, .. } => return background_from_file(file, *scale),
     };
     let field = match &**size {
@@ -347,9 +368,8 @@ fn background_from_file<const D: usize>(file: &At<String>, scale: f64) -> Result
     let mut bare = mesh.facets().filter(is_bare);
     if let Some(first) = bare.next() {
         let (n, x) = (bare.count() + 1, mesh.vertex(mesh.facet(first)[0]));
-        let facets = if D == 2 { "edges" } else { "triangles" };
         return Err(file.at.invalid(format!(
-            "{n} {facets} of the boundary belong to no physical group, the first one at {:?}; give every part of the boundary a group and save again",
+            "{n} facets of the boundary belong to no physical group, the first one at {:?}; give every part of the boundary a group and save again",
             x.as_slice(),
         )));
     }
@@ -409,19 +429,15 @@ pub(super) fn fluid<const D: usize>(
 ) -> Result<FluidSetup<D>, ScenarioError> {
     let background = background::<D>(given)?;
     let conditions = given.boundary();
-    // Other tags are those of groups of cells.
-    let of_facets = background.facets().filter_map(|facet| background.facet_tag(facet));
-    let in_use: BTreeSet<usize> = of_facets.map(Tag::index).collect();
-    let sides: Vec<&String> = in_use.iter().map(|index| &background.tag_names()[*index]).collect();
-    if let Some((name, condition)) = conditions.0.iter().find(|(name, _)| !sides.contains(&name)) {
-        return Err(condition.at.unknown("side", name, sides.iter().map(|side| side.as_str())));
+    let sides = background.boundary_names();
+    if let Some((name, condition)) = conditions.0.iter().find(|(name, _)| !sides.contains(&name.as_str())) {
+        return Err(condition.at.unknown("side", name, sides));
     }
     let mut boundary = Vec::new();
-    for (index, side) in in_use.iter().zip(&sides) {
-        let found = conditions.0.iter().find(|(name, _)| name == *side);
+    for side in sides {
+        let found = conditions.0.iter().find(|(name, _)| name == side).zip(background.tag(side));
         let missing = || conditions.at.invalid(format!("the condition on side `{side}` is missing; add it"));
-        let (_, condition) = found.ok_or_else(missing)?;
-        let tag = Tag::new(*index);
+        let ((_, condition), tag) = found.ok_or_else(missing)?;
         boundary.push((tag, fluid_boundary(&background, tag, condition, times)?));
     }
     let points = background.vertices();

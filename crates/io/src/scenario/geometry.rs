@@ -117,7 +117,6 @@ impl<const D: usize> Geometry<D> {
     /// A mesh that cannot be generated or read, or a shape that does not exist in dimension `D`.
     pub(super) fn new(shape: &At<Shape>) -> Result<Self, ScenarioError> {
         let fail = |error| refuse(&shape.at, error);
-        let planar = |x: &Components<f64>| [x[0], x[1]];
         if D != 2 && matches!(**shape, Shape::Annulus { .. } | Shape::Capsule { .. } | Shape::Polygon { .. }) {
             let message =
                 "this shape exists in two dimensions only; use a ball, a box or a mesh from a file, or dimension = 2";
@@ -164,21 +163,7 @@ impl<const D: usize> Geometry<D> {
                 Self::Lines(vec![ClosedLine::capsule(ends, *radius, *size, "surface").map_err(fail)?], *size)
             }
             Shape::Polygon { corners, holes, size, smooth } => {
-                let line = |corners: &[Components<f64>], part: String, name: &dyn Fn(usize) -> String| {
-                    let corners: Vec<[f64; 2]> = corners.iter().map(planar).collect();
-                    let line = if *smooth {
-                        ClosedLine::smooth(&corners, *size, &name(0))
-                    } else {
-                        ClosedLine::polygon(&corners, *size, name)
-                    };
-                    line.map_err(|error| refuse(&shape.at.part(part), error))
-                };
-                let side = |k: usize| if *smooth { "surface".to_owned() } else { format!("side-{}", k + 1) };
-                let mut lines = vec![line(corners, "corners".to_owned(), &side)?];
-                for (k, hole) in holes.iter().enumerate() {
-                    lines.push(line(hole, format!("holes.{k}"), &|_| format!("hole-{}", k + 1))?);
-                }
-                Self::Lines(lines, *size)
+                Self::Lines(polygon_lines(&shape.at, corners, holes, *size, *smooth)?, *size)
             }
             Shape::Mesh { file, scale } => Self::read(file)?.scaled(*scale).map_err(|error| file.at.error(error))?,
         })
@@ -285,6 +270,35 @@ impl<const D: usize> Geometry<D> {
         }
         (BoundaryMesh::from_facets(facets), positions)
     }
+}
+
+/// Returns the outline of a polygon and its holes.
+pub(super) fn polygon_lines(
+    at: &Location,
+    corners: &[Components<f64>],
+    holes: &[Vec<Components<f64>>],
+    size: f64,
+    is_smooth: bool,
+) -> Result<Vec<ClosedLine>, ScenarioError> {
+    let line = |corners: &[Components<f64>], part: String, name: &dyn Fn(usize) -> String| {
+        let corners: Vec<[f64; 2]> = corners.iter().map(planar).collect();
+        let line = if is_smooth {
+            ClosedLine::smooth(&corners, size, &name(0))
+        } else {
+            ClosedLine::polygon(&corners, size, name)
+        };
+        line.map_err(|error| refuse(&at.part(part), error))
+    };
+    let side = |k: usize| if is_smooth { "surface".to_owned() } else { format!("side-{}", k + 1) };
+    let mut lines = vec![line(corners, "corners".to_owned(), &side)?];
+    for (k, hole) in holes.iter().enumerate() {
+        lines.push(line(hole, format!("holes.{k}"), &|_| format!("hole-{}", k + 1))?);
+    }
+    Ok(lines)
+}
+
+fn planar(x: &Components<f64>) -> [f64; 2] {
+    [x[0], x[1]]
 }
 
 /// Returns an error about a shape, with the remedy if it does not exist in the dimension.

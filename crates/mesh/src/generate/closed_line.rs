@@ -124,6 +124,8 @@ struct Spline {
 }
 
 impl Spline {
+    /// Creates the spline through corners.
+    ///
     /// Source: de Boor 2001, A Practical Guide to Splines, ch. IV.
     fn through(corners: &[[f64; 2]]) -> Result<Self, Error> {
         let n = corners.len();

@@ -14,8 +14,8 @@ use mesh::{FacetId, Point, Vector, VertexId};
 use solid_svk::energy::balance;
 use solid_svk::supports::{tagged_facets, vertices_of};
 use solid_svk::{
-    ElasticBody, ElasticOptions, Error, LameParameters, LinearElastic, Load, Order, SolidCells, SolidForm, SolidMesh,
-    Support, SupportKind,
+    ElasticBody, ElasticOptions, Error, LameParameters, LinearElastic, Load, Material, Order, SolidCells, SolidForm,
+    SolidMesh, Support, SupportKind,
 };
 
 #[test]
@@ -169,9 +169,10 @@ fn layers_have_their_density_and_material(order: Order) {
     let solid = solid.with_groups(groups).unwrap();
     let law = |mu: f64| LinearElastic::new(LameParameters::new(mu, 2.0).unwrap());
     let form = SolidForm::new(3.0, law(1.0), Vector::<2>::zeros()).unwrap();
-    let alone = ElasticBody::new("body", solid.clone(), form.clone(), ElasticOptions::default()).map(|_| ());
+    let alone = ElasticBody::new("body", solid.clone(), form, ElasticOptions::default()).map(|_| ());
     assert!(matches!(alone, Err(Error::MissingMaterial { found: 1, n_groups: 2 })));
-    let form = form.and(5.0, law(3.0)).unwrap();
+    let groups: Vec<(f64, Arc<dyn Material<2>>)> = vec![(3.0, Arc::new(law(1.0))), (5.0, Arc::new(law(3.0)))];
+    let form = SolidForm::of_groups(groups, Vector::zeros()).unwrap();
     // Strains 2/3 and 1/3 of the pull: stiffness 4 and 8.
     let support =
         |part: &str, kind| Support { vertices: vertices_of(&solid, &tagged_facets(&solid, part).unwrap()), kind };

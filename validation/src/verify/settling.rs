@@ -1,4 +1,4 @@
-//! Thirty elastic disks that settle in a closed box, the scenario of the examples.
+//! Elastic bodies that settle in a closed tank and touch each other or its walls: scenarios of the examples.
 
 use cutwater::io::ScenarioFile;
 use cutwater::io::scenario::case::case;
@@ -12,25 +12,37 @@ use super::{Failure, Record, short};
 const OVERLAP: f64 = 0.02;
 /// Largest speed at the end over the largest one of the run.
 const REST: f64 = 0.01;
-/// Largest imbalance of forces on a disk over its weight.
+/// Largest imbalance of forces on a body over its weight.
 const BALANCE: f64 = 1e-6;
-/// Changes of the quick version: coarser fluid, until disks are in contact.
-const QUICK: [&str; 2] = ["background.size=0.08", "time.end=0.4"];
 
-/// Measures overlaps, rest and forces.
-pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
-    let changes: &[&str] = if record.full { &[] } else { &QUICK };
+/// Measures thirty disks. The quick version has a coarser fluid, and ends when disks are in contact.
+pub(super) fn disks(record: &mut Record) -> Result<(), Failure> {
+    measure(record, "settling-disks", &["background.size=0.08", "time.end=0.4"])?;
+    record.note("Each two disks, each disk with itself, and each with floor and walls may touch.");
+    Ok(())
+}
+
+/// Measures an ellipse on a step. The quick version ends when it has left the step.
+pub(super) fn ellipse(record: &mut Record) -> Result<(), Failure> {
+    measure(record, "falling-ellipse", &["time.end=0.25"])?;
+    record.note("Ellipse and tank are meshes from Gmsh files; the triangles of the ellipse are of second order.");
+    Ok(())
+}
+
+/// Measures overlaps, rest and forces of an example.
+fn measure(record: &mut Record, example: &str, quick: &[&str]) -> Result<(), Failure> {
+    let changes: &[&str] = if record.full { &[] } else { quick };
     let changes: Vec<String> = changes.iter().map(|change| (*change).to_owned()).collect();
-    let mut case = case::<2>(&ScenarioFile::read(&example_path("settling-disks"), &changes)?)?;
+    let mut case = case::<2>(&ScenarioFile::read(&example_path(example), &changes)?)?;
     let size = case.setup.contacts.first().ok_or("there is a contact")?.form().size();
     let mut fall = Fall { smallest_gap: f64::INFINITY, ..Fall::default() };
     let state = State::initial(&case.setup)?;
     let workspace = std::mem::take(&mut case.workspace);
     TimeLoop::new(&case.setup, state, workspace).run(case.n_steps, &mut [&mut fall])?;
-    record.show("contacts of two disks or of a disk with a wall, at most at a time", fall.n_contacts as f64, None);
+    record.show("contacts of two bodies or of a body with a wall, at most at a time", fall.n_contacts as f64, None);
     record.at_most("largest overlap over the contact size", -fall.smallest_gap / size, OVERLAP);
     record.at_most(
-        "fluid, weight, contacts and inertia of a disk: largest remainder over the weight",
+        "fluid, weight, contacts and inertia of a body: largest remainder over the weight",
         fall.remainder,
         BALANCE,
     );
@@ -43,16 +55,15 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     }
     let curves =
         vec![("largest speed of a centre [cm/s]", fall.speeds), ("mean height of the centres [cm]", fall.heights)];
-    record.figure("Settling disks", "time [s]", curves);
+    record.figure("Speed and height", "time [s]", curves);
     record.note(format!(
-        "`examples/settling-disks.toml`: each two disks, each disk with itself, and each with floor and walls may touch. Contact acts from a \
-         distance of {} cm. Below it the disks overlap only if the law is violated by all of that distance.",
+        "`examples/{example}.toml`: contact acts from a distance of {} cm. Below it bodies overlap only if the law is violated by all of that distance.",
         short(case.setup.contacts[0].form().law.offset()),
     ));
     Ok(())
 }
 
-/// History of the disks.
+/// History of the bodies.
 #[derive(Default)]
 struct Fall {
     /// Time, and largest speed of a centre.
