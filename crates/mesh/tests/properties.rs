@@ -10,7 +10,7 @@ use mesh::generate::{
     BallOptions, Region, RegionShape, Size, ball, graded_box, half_ball, mirrored, refined_box, structured_box,
 };
 use mesh::search::{Feature, SurfaceIndex};
-use mesh::{Aabb, BoundaryMesh, CellId, Error, FacetId, Placed, Point, SimplexMesh, Vector, VertexId};
+use mesh::{Aabb, BoundaryMesh, CellId, Error, FacetId, Placed, Point, SimplexMesh, VertexId};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
