@@ -13,7 +13,7 @@ use crate::vtk::series::Entry;
 /// First bytes of a file.
 const MAGIC: &[u8; 8] = b"CUTWATER";
 /// Version of the format. A file of another version is refused.
-const FORMAT: u32 = 1;
+const FORMAT: u32 = 2;
 /// Bytes of magic, version and length of the header.
 const BEFORE_HEADER: usize = 8 + 4 + 8;
 /// Bytes of the checksum at the end.
@@ -44,8 +44,8 @@ pub(crate) struct Header {
     pub(crate) scenario: String,
     /// Lengths of the lists of the state.
     pub(crate) lists: Vec<usize>,
-    /// Lengths of history and diagnostics, bytes.
-    pub(crate) histories: [u64; 2],
+    /// Lengths of histories, diagnostics and probes, bytes.
+    pub(crate) histories: [u64; 3],
     /// The summary so far.
     pub(crate) summary: SummaryBuilder,
     /// Entries of the series of field files.
@@ -175,7 +175,7 @@ mod tests {
             time: 0.1 + 0.2,
             scenario: "name = \"a\"".to_owned(),
             lists: vec![2, 0, 1],
-            histories: [10, 20],
+            histories: [10, 20, 0],
             summary: SummaryBuilder::new(Summary { dt: 0.1, ..Summary::default() }, 1.0),
             series: vec![vec![(0.1, "a".to_owned())]],
         };
@@ -205,8 +205,8 @@ mod tests {
             assert!(Checkpoint::parse(&whole[..at]).is_err(), "the first {at} bytes");
         }
         let mut other = whole.clone();
-        other[8] = 2;
-        assert!(Checkpoint::parse(&other).is_err_and(|problem| problem.contains("version 2")));
+        other[8] = 3;
+        assert!(Checkpoint::parse(&other).is_err_and(|problem| problem.contains("version 3")));
         assert!(Checkpoint::parse(b"something else").is_err_and(|problem| problem.contains("not a checkpoint")));
     }
 }

@@ -1,4 +1,4 @@
-//! `history.csv` and `diagnostics.csv`: one row per step, or per part of a step that was divided.
+//! `history.csv`, `diagnostics.csv` and `probes.csv`: one row per step, or per part of a step that was divided.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Seek, SeekFrom, Write};
@@ -9,6 +9,7 @@ use solver::{FluidReport, ForceBalance, Ledger, Setup, StepReport, StepView};
 use crate::Error;
 use crate::files::read_text;
 use crate::measures::BodyMeasures;
+use crate::probes::Probe;
 
 /// Name and number of a column that appears once for each body.
 type BodyColumn<const D: usize> = (String, Box<dyn Fn(&BodyMeasures<'_, D>) -> f64>);
@@ -147,39 +148,65 @@ fn microseconds(seconds: f64) -> f64 {
     (seconds * 1e6).round() / 1e6
 }
 
-/// Writer of `history.csv` and `diagnostics.csv`; both are complete after every row.
+/// Writer of `history.csv`, `diagnostics.csv` and, if there are probes, `probes.csv`; all are complete after every row.
 ///
 /// A row has the time, the columns of each body, and those of the run. With several bodies the columns of a body carry its
 /// name as a prefix: `NAME_d_min`.
 pub(crate) struct History<const D: usize> {
-    tables: [Table<D>; 2],
+    tables: [(Table, Columns<D>); 2],
+    probes: Option<(Table, Vec<Probe<D>>)>,
 }
 
-struct Table<const D: usize> {
-    path: PathBuf,
-    file: File,
+/// Columns of a table.
+struct Columns<const D: usize> {
     of_bodies: Vec<BodyColumn<D>>,
     of_run: Vec<RunColumn<D>>,
 }
 
+impl<const D: usize> Columns<D> {
+    fn names(&self, setup: &Setup<D>) -> Vec<String> {
+        let mut names = vec!["time".to_owned()];
+        for body in &setup.bodies {
+            let prefix = if setup.bodies.len() == 1 { String::new() } else { format!("{}_", body.name()) };
+            names.extend(self.of_bodies.iter().map(|(name, _)| format!("{prefix}{name}")));
+        }
+        names.extend(self.of_run.iter().map(|(name, _)| name.clone()));
+        names
+    }
+}
+
 impl<const D: usize> History<D> {
-    /// Creates both files with their headers, or opens them and cuts them back to the lengths at a checkpoint.
+    /// Creates the files with their headers, or opens them and cuts them back to the lengths at a checkpoint.
     ///
     /// # Errors
     /// [`Error::Write`]; [`Error::Checkpoint`]: the files are not those that the run wrote.
-    pub(crate) fn open(directory: &Path, setup: &Setup<D>, lengths: Option<[u64; 2]>) -> Result<Self, Error> {
-        let columns = [(history_of_bodies(), history_of_run()), (diagnostics_of_bodies(), diagnostics_of_run())];
-        let [history, diagnostics] = columns;
-        let table = |k: usize, name: &str, (of_bodies, of_run)| {
-            Table::open(directory.join(name), setup, of_bodies, of_run, lengths.map(|lengths| lengths[k]))
+    pub(crate) fn open(
+        directory: &Path,
+        setup: &Setup<D>,
+        (probes, time): (Vec<Probe<D>>, &str),
+        lengths: Option<[u64; 3]>,
+    ) -> Result<Self, Error> {
+        let history = Columns { of_bodies: history_of_bodies(), of_run: history_of_run() };
+        let diagnostics = Columns { of_bodies: diagnostics_of_bodies(), of_run: diagnostics_of_run() };
+        let open = |k: usize, name: &str, names: &[String]| {
+            Table::open(directory.join(name), names, lengths.map(|lengths| lengths[k]))
         };
-        Ok(Self { tables: [table(0, "history.csv", history)?, table(1, "diagnostics.csv", diagnostics)?] })
+        let names =
+            || std::iter::once(format!("time [{time}]")).chain(probes.iter().flat_map(|probe| probe.names.clone()));
+        let of_probes = (!probes.is_empty()).then(|| open(2, "probes.csv", &names().collect::<Vec<String>>()));
+        Ok(Self {
+            tables: [
+                (open(0, "history.csv", &history.names(setup))?, history),
+                (open(1, "diagnostics.csv", &diagnostics.names(setup))?, diagnostics),
+            ],
+            probes: of_probes.transpose()?.map(|table| (table, probes)),
+        })
     }
 
-    /// Returns the lengths of both files, bytes, once they are on the disk.
-    pub(crate) fn lengths(&self) -> Result<[u64; 2], Error> {
-        let [a, b] = &self.tables;
-        Ok([a.length()?, b.length()?])
+    /// Returns the lengths of the files, bytes, once they are on the disk; 0 without probes.
+    pub(crate) fn lengths(&self) -> Result<[u64; 3], Error> {
+        let [(a, _), (b, _)] = &self.tables;
+        Ok([a.length()?, b.length()?, self.probes.as_ref().map_or(Ok(0), |(table, _)| table.length())?])
     }
 
     /// Writes the rows of a step. `bodies` are the measures of all bodies, `seconds_output` the wall-clock time that output
@@ -190,53 +217,51 @@ impl<const D: usize> History<D> {
         bodies: &[BodyMeasures<'_, D>],
         seconds_output: f64,
     ) -> Result<(), Error> {
+        let time = view.state.time;
+        if let Some((table, probes)) = &mut self.probes {
+            let values = probes.iter().flat_map(|probe| probe.values(view));
+            let row: Vec<String> = [time].into_iter().chain(values).map(number).collect();
+            table.push(&row)?;
+        }
         let Some(step) = view.report else { return Ok(()) };
         let run = RunMeasures { view, step, seconds_output };
-        for table in &mut self.tables {
-            let of_bodies = bodies.iter().flat_map(|body| table.of_bodies.iter().map(move |(_, of)| of(body)));
-            let of_run = table.of_run.iter().map(|(_, of)| of(&run));
-            let row = [view.state.time].into_iter().chain(of_bodies).chain(of_run);
-            let row: Vec<String> = row.map(number).collect();
+        for (table, columns) in &mut self.tables {
+            let of_bodies = bodies.iter().flat_map(|body| columns.of_bodies.iter().map(move |(_, of)| of(body)));
+            let of_run = columns.of_run.iter().map(|(_, of)| of(&run));
+            let row: Vec<String> = [time].into_iter().chain(of_bodies).chain(of_run).map(number).collect();
             table.push(&row)?;
         }
         Ok(())
     }
 }
 
-impl<const D: usize> Table<D> {
-    fn open(
-        path: PathBuf,
-        setup: &Setup<D>,
-        of_bodies: Vec<BodyColumn<D>>,
-        of_run: Vec<RunColumn<D>>,
-        length: Option<u64>,
-    ) -> Result<Self, Error> {
-        let mut names = vec!["time".to_owned()];
-        for body in &setup.bodies {
-            let prefix = if setup.bodies.len() == 1 { String::new() } else { format!("{}_", body.name()) };
-            names.extend(of_bodies.iter().map(|(name, _)| format!("{prefix}{name}")));
-        }
-        names.extend(of_run.iter().map(|(name, _)| name.clone()));
-        let header = names.join(",");
+/// A CSV file that grows by rows.
+struct Table {
+    path: PathBuf,
+    file: File,
+}
+
+impl Table {
+    fn open(path: PathBuf, names: &[String], length: Option<u64>) -> Result<Self, Error> {
         let unwritable = |source| Error::Write { path: path.clone(), source };
         let Some(length) = length else {
             let file = File::create(&path).map_err(unwritable)?;
-            let mut table = Self { path, file, of_bodies, of_run };
-            table.push(&names)?;
+            let mut table = Self { path, file };
+            table.push(names)?;
             return Ok(table);
         };
         let mut found = String::new();
         let unreadable = |source| Error::Read { path: path.clone(), source };
         File::open(&path).and_then(|file| BufReader::new(file).read_line(&mut found)).map_err(unreadable)?;
-        if found.trim_end() != header {
-            return Err(Error::Checkpoint { path, problem: "its columns are not those of this program".to_owned() });
+        if found.trim_end() != names.join(",") {
+            return Err(Error::Checkpoint { path, problem: "its columns are not those of this run".to_owned() });
         }
         let mut file = File::options().write(true).open(&path).map_err(unwritable)?;
         if file.metadata().map_err(unwritable)?.len() < length {
             return Err(Error::Checkpoint { path, problem: "it is shorter than at the checkpoint".to_owned() });
         }
         file.set_len(length).and_then(|()| file.seek(SeekFrom::End(0))).map_err(unwritable)?;
-        Ok(Self { path, file, of_bodies, of_run })
+        Ok(Self { path, file })
     }
 
     fn length(&self) -> Result<u64, Error> {
@@ -249,6 +274,12 @@ impl<const D: usize> Table<D> {
         let line = row.join(",") + "\n";
         self.file.write_all(line.as_bytes()).map_err(|source| Error::Write { path: self.path.clone(), source })
     }
+}
+
+/// Returns the text of a table.
+pub(crate) fn csv(names: &[String], rows: impl IntoIterator<Item = Vec<f64>>) -> String {
+    let rows = rows.into_iter().map(|row| row.into_iter().map(number).collect::<Vec<String>>().join(",") + "\n");
+    names.join(",") + "\n" + &rows.collect::<String>()
 }
 
 /// Returns the shortest text that reads back as the same number.
@@ -291,9 +322,10 @@ impl HistoryTable {
         self.rows.len()
     }
 
-    /// Returns the column of a name, if there is one.
+    /// Returns the column of a name, if there is one. The unit behind a name may be left out.
     pub fn column(&self, name: &str) -> Option<Vec<f64>> {
-        let index = self.names.iter().position(|n| n == name)?;
+        let is_same = |found: &String| found == name || found.split_once(" [").is_some_and(|(found, _)| found == name);
+        let index = self.names.iter().position(is_same)?;
         Some(self.rows.iter().map(|row| row[index]).collect())
     }
 }

@@ -35,6 +35,8 @@ mod measures;
 #[cfg(feature = "simulation")]
 mod memory;
 #[cfg(feature = "simulation")]
+pub mod probes;
+#[cfg(feature = "simulation")]
 mod run;
 #[cfg(feature = "simulation")]
 pub mod scenario;

@@ -136,7 +136,7 @@ impl<'a, const D: usize> BodyMeasures<'a, D> {
 }
 
 /// Returns the pieces of the interface on a body with their tractions; an empty sequence without a fluid.
-fn pieces<'a, const D: usize>(
+pub(crate) fn pieces<'a, const D: usize>(
     view: &StepView<'a, D>,
     step: &'a StepReport<D>,
     index: usize,

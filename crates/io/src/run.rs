@@ -11,10 +11,11 @@ use solver::{Observer, ObserverError, Stage, State, Step, StepError, StepView, T
 use crate::Error;
 use crate::checkpoint::{Checkpoint, Header, checkpoint_steps, problem_text, remove_all};
 use crate::claim::{Claim, keep_input};
-use crate::files::create_directory;
-use crate::history::History;
+use crate::files::{create_directory, write_whole};
+use crate::history::{History, csv};
 use crate::measures::{BodyMeasures, leading_body};
-use crate::scenario::{Case, CaseVisitor, Fluid, Output, Scenario, ScenarioFile, lower};
+use crate::probes::Line;
+use crate::scenario::{Case, CaseVisitor, Fluid, Output, Quantity, Scenario, ScenarioFile, lower};
 use crate::summary::{Summary, SummaryBuilder, UnitLabels, peak_rss_bytes};
 use crate::vtk::Grid;
 use crate::vtk::bodies::{Shown, bodies_grid};
@@ -25,6 +26,9 @@ use crate::watch::Watch;
 
 /// Series of field files, by the names of their indices.
 const SERIES: [&str; 4] = ["fluid", "solid", "rigid", "interface"];
+
+/// Folder of values along lines.
+const LINES: &str = "lines";
 
 /// Returns the directory of results if the command line names none.
 pub fn default_directory(scenario: &Scenario) -> PathBuf {
@@ -86,6 +90,9 @@ impl<W: Watch> CaseVisitor for Run<'_, W> {
             (State::initial(&case.setup)?, None, claim)
         };
         create_directory(&directory.join("vtk"))?;
+        if !case.probes.lines.is_empty() {
+            create_directory(&directory.join(LINES))?;
+        }
         file.write(directory)?;
         let n_steps = case.n_steps - start.step;
         let mut files = RunFiles::open(file.scenario(), &case, directory, header)?;
@@ -162,16 +169,23 @@ fn remove_series(directory: &Path) -> Result<(), Error> {
             std::fs::remove_file(&path).map_err(|source| Error::Write { path, source })?;
         }
     }
+    // A run without probes writes no file that would replace this one.
+    let probes = directory.join("probes.csv");
+    if probes.is_file() {
+        std::fs::remove_file(&probes).map_err(|source| Error::Write { path: probes, source })?;
+    }
     remove_fields(directory, |_| true)
 }
 
-/// Removes the field files of some steps.
+/// Removes the files of fields and lines of some steps.
 fn remove_fields(directory: &Path, is_removed: impl Fn(usize) -> bool) -> Result<(), Error> {
-    let Ok(entries) = std::fs::read_dir(directory.join("vtk")) else { return Ok(()) };
-    for path in entries.filter_map(|entry| Some(entry.ok()?.path())) {
+    let folders = ["vtk", LINES].into_iter().filter_map(|folder| std::fs::read_dir(directory.join(folder)).ok());
+    for path in folders.flatten().filter_map(|entry| Some(entry.ok()?.path())) {
         let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-        let step = name.strip_suffix(".vtu").and_then(|name| name.rsplit_once('_'));
-        let step = step.filter(|(series, _)| SERIES.contains(series)).and_then(|(_, step)| step.parse().ok());
+        let field = name.strip_suffix(".vtu").and_then(|name| name.rsplit_once('_'));
+        let field = field.filter(|(series, _)| SERIES.contains(series));
+        let line = name.strip_suffix(".csv").and_then(|name| name.rsplit_once('_'));
+        let step = field.or(line).and_then(|(_, step)| step.parse().ok());
         if step.is_some_and(&is_removed) {
             std::fs::remove_file(&path).map_err(|source| Error::Write { path, source })?;
         }
@@ -187,6 +201,8 @@ struct RunFiles<'a, const D: usize> {
     n_steps: usize,
     bottom: f64,
     history: History<D>,
+    /// Lines along which fields are written, and the names of their columns.
+    lines: (Vec<Line<D>>, Vec<String>),
     summary: SummaryBuilder,
     series: [Series; 4],
     begin: Instant,
@@ -218,13 +234,15 @@ impl<'a, const D: usize> RunFiles<'a, D> {
             ..Summary::default()
         };
         let lengths = header.as_ref().map(|header| header.histories);
+        let time = scenario.units.label(Quantity::TIME);
         let mut files = Self {
             directory: directory.to_owned(),
             problem: problem_text(&ScenarioFile::read(&directory.join("scenario.toml"), &[])?)?,
             output: scenario.output.clone(),
             n_steps: case.n_steps,
             bottom: case.bottom,
-            history: History::open(directory, setup, lengths)?,
+            history: History::open(directory, setup, (case.probes.columns.clone(), &time), lengths)?,
+            lines: (case.probes.lines.clone(), case.probes.line_header.clone()),
             summary: SummaryBuilder::new(start, setup.fluid.as_ref().map_or(0.0, |fluid| fluid.background.volume())),
             series: SERIES.map(|name| Series::new(directory, name)),
             begin: Instant::now(),
@@ -284,6 +302,11 @@ impl<'a, const D: usize> RunFiles<'a, D> {
             if let Some(grid) = grid {
                 series.push(state.step, state.time, |path| grid.write(path, self.output.compression))?;
             }
+        }
+        let (lines, header) = &self.lines;
+        for line in lines {
+            let path = self.directory.join(LINES).join(format!("{}_{:06}.csv", line.name, state.step));
+            write_whole(&path, csv(header, line.rows(view)).as_bytes())?;
         }
         Ok(())
     }

@@ -187,7 +187,7 @@ pub(super) fn body<const D: usize>(given: &At<BodyKeys>, time: &Time) -> Result<
             _ => Arc::new(prescribed(&given.name, motion, time, geometry.into_surface())?),
         },
     };
-    Ok(Built { contact_facets: body.surface().facets().collect(), deforms: false, body })
+    Ok(Built { contact_facets: body.surface().facets().collect(), deforms: false, part_names: Vec::new(), body })
 }
 
 /// A body, and the facets of its surface that may come into contact.
@@ -196,6 +196,8 @@ pub(super) struct Built<const D: usize> {
     pub(super) contact_facets: Vec<FacetId>,
     /// Whether the body deforms, so that it can touch itself.
     pub(super) deforms: bool,
+    /// Names of the tags of its surface.
+    pub(super) part_names: Vec<String>,
 }
 
 fn elastic<const D: usize>(
@@ -239,8 +241,9 @@ fn elastic<const D: usize>(
         initial_velocity: at_start(&given.initial_velocity)?,
     };
     let contact_facets = free_facets(given, &solid)?;
+    let part_names = solid.mesh().tag_names().to_vec();
     let body = ElasticBody::new(&given.name, solid, form, options).map_err(|error| given.at.error(error))?;
-    Ok(Built { body: Arc::new(body), contact_facets, deforms: true })
+    Ok(Built { body: Arc::new(body), contact_facets, deforms: true, part_names })
 }
 
 /// Returns the facets that may come into contact: those on no plane of symmetry and not clamped.

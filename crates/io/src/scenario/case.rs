@@ -12,7 +12,9 @@ use super::error::{ErrorKind, ScenarioError};
 use super::file::{Scenario, ScenarioFile};
 use super::fluid::{fluid, tagged_vertices, unbalanced};
 use super::motion::{Held, MotionChoice};
+use super::probe::probes;
 use super::table::At;
+use crate::probes::Probes;
 
 /// A scenario ready to run.
 pub struct Case<const D: usize> {
@@ -30,6 +32,8 @@ pub struct Case<const D: usize> {
     pub half_domain: bool,
     /// Lowest last coordinate of the background.
     pub bottom: f64,
+    /// Probes of the output.
+    pub probes: Probes<D>,
 }
 
 /// Operation on a case of either dimension.
@@ -86,6 +90,7 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
         contacts.extend(partners.contacts(given)?);
         of_contacts.resize(contacts.len(), given);
     }
+    let part_names: Vec<Vec<String>> = built.iter().map(|built| built.part_names.clone()).collect();
     let bodies = built.into_iter().map(|built| built.body).collect();
     let setup = Setup {
         fluid,
@@ -115,6 +120,7 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
         checkpoint_every: scenario.output.checkpoint_every,
         half_domain: setup.fluid.iter().flat_map(|fluid| &fluid.boundary).any(is_symmetry),
         bottom,
+        probes: probes(&scenario.output.probes, &setup, &part_names, &scenario.units)?,
         setup,
     })
 }

@@ -11,8 +11,9 @@ use super::contact::{ALL, ContactKeys};
 use super::error::{ErrorKind, Location, ScenarioError};
 use super::fluid::{Background, Fluid, Interface};
 use super::overrides;
+use super::probe::ProbeChoice;
 use super::solver::{Linear, Solver, Time};
-use super::table::{At, Document, Node, Value, keys, parse};
+use super::table::{At, Document, Named, Node, Value, keys, parse};
 use super::units::Units;
 use crate::Error;
 use crate::files::{extension, read, read_scenario, write_whole};
@@ -58,6 +59,8 @@ keys! {
         compression: u32 [between(0.0, 9.0)] = 0,
         /// Steps between two checkpoints, from which a run that was stopped goes on to the same bits; 0 for none.
         checkpoint_every: usize = 0,
+        /// Quantities of points, bodies and sections by name: columns of `probes.csv`.
+        probes: Named<ProbeChoice>,
         /// Least time between two checkpoints, minutes. It decides which of them are written, and changes no result.
         checkpoint_minutes: f64 [non_negative] = 0.0,
     }
@@ -195,6 +198,11 @@ fn check(scenario: &Scenario) -> Result<(), ScenarioError> {
     let refuse = |name: &At<String>, why| Err(name.at.invalid(format!("the name `{}` is {why}", name.as_str())));
     if !is_plain(&scenario.name) || scenario.name.starts_with('.') {
         return refuse(&scenario.name, "not a file name: use letters, digits, -, _ and dots inside");
+    }
+    for (name, probe) in &scenario.output.probes.0 {
+        if !is_plain(name) {
+            return refuse(&probe.map(|_| name.clone()), "not a column name: use letters, digits, -, _ and dots");
+        }
     }
     let bodies = scenario.bodies();
     for (k, body) in bodies.iter().enumerate() {

@@ -33,6 +33,8 @@ impl Quantity {
     pub const FORCE_DENSITY: Self = Self::new(-2, 1, -2);
     pub const ENERGY: Self = Self::new(2, 1, -2);
     pub const POWER: Self = Self::new(2, 1, -3);
+    /// Volume per time.
+    pub const FLUX: Self = Self::new(3, 0, -1);
 
     const fn new(length: i8, mass: i8, time: i8) -> Self {
         Self { length, mass, time }

@@ -3,15 +3,11 @@
 // Names the skipped test.
 #![allow(clippy::print_stdout)]
 
-mod common;
-#[path = "../../cutcell/tests/identities/mod.rs"]
-mod identities;
-
 use std::path::{Path, PathBuf};
 
-use common::write;
+use crate::identities::check_identities;
+use crate::setting::write;
 use cutcell::{CutMesh, OverlayOptions};
-use identities::check_identities;
 use io::surface::Surface;
 use mesh::generate::structured_box;
 use mesh::{Aabb, Point};

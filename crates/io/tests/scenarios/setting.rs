@@ -1,8 +1,5 @@
 //! Scenarios, their errors and the results of their runs, for the tests of this crate.
 
-// Each test file uses a part of this module.
-#![allow(dead_code)]
-
 use std::path::{Path, PathBuf};
 
 use io::scenario::case::{Case, case};

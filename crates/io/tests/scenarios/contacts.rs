@@ -1,10 +1,8 @@
 //! Contacts of a scenario: pairs of bodies, slaves and masters, and obstacles at rest.
 
-mod common;
-
 use std::f64::consts::TAU;
 
-use common::*;
+use crate::setting::*;
 use io::scenario::case::Case;
 
 /// Two elastic bodies, a free one and one at rest, above a floor.

@@ -1,10 +1,8 @@
 //! Surfaces from files laid over grids and meshes: exact volumes and areas, and what is refused.
 
-mod common;
-
 use std::path::Path;
 
-use common::write;
+use crate::setting::write;
 use io::Error;
 use io::cut::{BackgroundSource, CutErrors, CutSettings, CutSummary, cut_files, read_tetrahedra};
 
@@ -36,7 +34,7 @@ fn check(summary: &CutSummary, domain: f64, solid: f64, area: f64) {
 
 #[test]
 fn a_cube_and_a_tetrahedron_have_their_volumes_and_areas_wherever_they_lie() {
-    let (cube, tetrahedron) = (write("cube.obj", CUBE), write("tetrahedron.obj", TETRAHEDRON));
+    let (cube, tetrahedron) = (write("cube.obj", CUBE), write("tetrahedron-to-cut.obj", TETRAHEDRON));
     for (path, volume, area) in [(&cube, 1.0, 6.0), (&tetrahedron, 1.0 / 6.0, 1.5 + 0.75_f64.sqrt())] {
         // A cube in a grid of twelve lies on its faces; in seven it does not.
         for n in [7, 12] {

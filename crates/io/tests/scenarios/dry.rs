@@ -1,10 +1,8 @@
 //! Bodies without a fluid: a scenario that has neither `[fluid]` nor `[background]` nor `[interface]`.
 
-mod common;
-
 use std::sync::Arc;
 
-use common::*;
+use crate::setting::*;
 use io::{ScenarioFile, Summary, sizes};
 use mesh::generate::structured_box;
 use mesh::{BodyId, Point, Vector};
@@ -129,7 +127,7 @@ fn a_block_without_a_fluid_moves_as_in_the_library() {
 
 #[test]
 fn only_the_body_has_field_files() {
-    let directory = fresh_directory("fields");
+    let directory = fresh_directory("fields-of-dry-block");
     results(&legal(CASE, &[]), &directory);
     for series in ["fluid", "rigid", "interface"] {
         assert!(!directory.join(format!("{series}.pvd")).exists(), "{series}");

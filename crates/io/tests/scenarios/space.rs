@@ -1,8 +1,6 @@
 //! Scenarios in three dimensions: boxes that fall through a fluid in a closed box, free and elastic.
 
-mod common;
-
-use common::*;
+use crate::setting::*;
 use io::ScenarioFile;
 
 /// A cube falls in a closed box of fluid, one and a half times as dense.
@@ -126,7 +124,7 @@ fn a_background_is_finer_near_regions() {
 fn planar_shapes_and_vectors_are_refused() {
     let cube = CASE.lines().find(|line| line.starts_with("shape")).expect("a shape");
     for (shape, word) in [
-        ("{ kind = \"ball\", centre = [0.5, 0.5, 0.7], radius = 0.2, size = 0.1 }", "dimension = 2"),
+        ("{ kind = \"half-ball\", centre = [0.5, 0.5, 0.7], radius = 0.2, size = 0.1 }", "dimension = 2"),
         ("{ kind = \"polygon\", corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0]], size = 0.1 }", "two dimensions"),
         ("{ kind = \"box\", min = [0.3, 0.3], max = [0.7, 0.7, 0.9], n = [2, 2, 2] }", "2 components"),
         ("{ kind = \"box\", min = [0.3, 0.3, 0.5], max = [0.7, 0.7, 0.9], n = [2, 2] }", "2 components"),

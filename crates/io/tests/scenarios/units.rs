@@ -1,8 +1,6 @@
 //! A scenario in other units has the same results in these units.
 
-mod common;
-
-use common::*;
+use crate::setting::*;
 use io::scenario::key::{Choice, Form, Key};
 use io::scenario::{Quantity, Scenario};
 use toml::Value;

@@ -1,10 +1,8 @@
 //! Errors in scenario files name file, line, key and remedy.
 
-mod common;
-
 use std::path::Path;
 
-use common::*;
+use crate::setting::*;
 use io::{Error, ScenarioFile, sizes};
 
 const COARSE: [&str; 2] = ["background.size=1.0", "body.0.shape.size=1.0"];

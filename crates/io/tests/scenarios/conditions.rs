@@ -1,9 +1,7 @@
 //! Fields, boundary conditions and surfaces of scenarios, as they arrive in the problem.
 
-mod common;
-
+use crate::setting::*;
 use algebra::{BlockLayout, Constraints};
-use common::*;
 use io::scenario::Case;
 use mesh::{Placed, Point, Vector};
 use solver::algebra::time::ImplicitEuler;
@@ -110,7 +108,7 @@ fn symmetry_and_inflow_take_their_direction_from_the_facets() {
 }
 
 #[test]
-fn polygons_are_surfaces_of_bodies_that_do_not_deform() {
+fn polygons_are_surfaces_of_bodies() {
     let corners = ["[0.2, 0.1]", "[0.4, 0.2]", "[0.2, 0.3]"];
     let shape = |corners: &[&str]| {
         format!("body.0.shape={{ kind = \"polygon\", corners = [{}], size = 0.05 }}", corners.join(", "))
@@ -125,10 +123,15 @@ fn polygons_are_surfaces_of_bodies_that_do_not_deform() {
         assert!((placed.enclosed().volume - 0.02).abs() < 1e-15);
     }
     let expect = |shape: String, words: &[&str]| refused(CHANNEL, &[&COARSE_CHANNEL[..1], &[&shape]], words);
-    expect(shape(&[a, b]), &["body.0.shape.corners", "2 corners"]);
-    expect(shape(&[a, b, "[0.2, 0.2]", "[0.4, 0.1]", c]), &["body.0.shape", "cannot cut the background"]);
-    let elastic = format!("body.0.{}", &shape(&corners)["body.0.".len()..]);
-    refused(BARRIER, &[&COARSE_BALL[..1], &[&elastic]], &["body.0.shape", "needs a mesh", "give a motion"]);
+    expect(shape(&[a, b]), &["body.0.shape.corners", "number of corners is 2"]);
+    let bow = [a, b, "[0.2, 0.2]", "[0.4, 0.1]", c];
+    expect(shape(&bow), &["body.0.shape", "cannot cut the background"]);
+    let elastic = |corners: &[&str]| format!("body.0.{}", &shape(corners)["body.0.".len()..]);
+    refused(
+        BARRIER,
+        &[&COARSE_BALL[..1], &[&elastic(&bow)]],
+        &["body.0.shape", "the lines touch each other, or themselves"],
+    );
 }
 
 #[test]

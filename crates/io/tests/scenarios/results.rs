@@ -1,11 +1,9 @@
 //! A tiny run from scenario to files, and what is in the files.
 
-mod common;
-
 use std::fs;
 use std::path::Path;
 
-use common::*;
+use crate::setting::*;
 use io::scenario::Case;
 use io::vtk::bodies::{Shown, bodies_grid};
 use io::vtk::fluid::fluid_grid;

@@ -1,12 +1,10 @@
 //! Shapes of bodies and backgrounds: primitives, polygons, and files of one's own.
 
-mod common;
-
 use std::collections::HashMap;
 use std::f64::consts::PI;
 use std::path::PathBuf;
 
-use common::*;
+use crate::setting::*;
 use io::ScenarioFile;
 use io::gmsh::{GmshFormat, GmshVersion, write as write_gmsh};
 use io::scenario::Case;

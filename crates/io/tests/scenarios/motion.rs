@@ -1,11 +1,9 @@
 //! Bodies of prescribed motion: valid and invalid keys of a scenario, and the files of a run.
 
-mod common;
-
 use std::fs;
 use std::path::Path;
 
-use common::*;
+use crate::setting::*;
 use io::{Error, ScenarioFile, sizes};
 use mesh::Point;
 use solver::algebra::BlockLayout;
@@ -42,7 +40,11 @@ fn with_motion(motion: &str, more: &str) -> String {
 
 /// Reads a scenario in the directory of all tests, to which the paths of tables are relative.
 fn read(text: &str, sets: &[&str]) -> Result<ScenarioFile, Error> {
-    parse_at(&Path::new(env!("CARGO_TARGET_TMPDIR")).join("motion/case.toml"), text, &[&COARSE, sets])
+    parse_at(
+        &Path::new(env!("CARGO_TARGET_TMPDIR")).join(env!("CARGO_CRATE_NAME")).join("case.toml"),
+        text,
+        &[&COARSE, sets],
+    )
 }
 
 fn moving(motion: &str, more: &str, sets: &[&str]) -> ScenarioFile {
@@ -191,7 +193,13 @@ fn contacts_in_which_nothing_yields_are_refused() {
     let post = "\n[[body]]\nname = \"post\"\nshape = { kind = \"box\", min = [0.5, 0.0], max = [0.6, 0.1], n = [2, 2] }\n\
                 motion = { kind = \"fixed\" }\n";
     let both = post.to_owned() + &contact("cylinder", r#"{ kind = "body", name = "post" }"#);
-    expect(MOTION, &both, "obstacle = ", "contact.0.obstacle", &["both have a given motion", "take the contact out"]);
+    expect(
+        MOTION,
+        &both,
+        "obstacle = ",
+        "contact.0.obstacle.name",
+        &["both have a given motion", "take the contact out"],
+    );
     // As an obstacle of an elastic body it is lowered.
     let file = moving(MOTION, &(BAR.to_owned() + &contact("bar", r#"{ kind = "body", name = "cylinder" }"#)), &[]);
     assert_eq!(planar_case(&file).setup.contacts.len(), 1);
@@ -226,7 +234,7 @@ fn free_bodies_need_a_mass_and_take_nothing_of_elastic_ones() {
 
 #[test]
 fn a_free_cylinder_sinks_with_the_force_that_is_reported() {
-    let directory = fresh_directory("free");
+    let directory = fresh_directory("free-cylinder");
     let sets = [
         "fluid.body_force=[0.0,-9.81]",
         "time.step=0.01",

@@ -1,0 +1,186 @@
+//! Quantities with names of their own: `probes.csv`, and values along lines.
+
+use mesh::{Point, SimplexMesh, Vector, VertexId};
+use solver::{FluidState, StepView};
+
+use crate::measures::pieces;
+use crate::scenario::{Quantity, Units};
+
+/// Barycentric coordinates above minus this value are inside.
+const INSIDE: f64 = 1e-9;
+/// Names of the axes.
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// Probes of a run.
+#[derive(Clone, Debug, Default)]
+pub struct Probes<const D: usize> {
+    /// Probes with columns in `probes.csv`.
+    pub(crate) columns: Vec<Probe<D>>,
+    /// Probes with files of their own.
+    pub(crate) lines: Vec<Line<D>>,
+    /// Names of the columns of these files.
+    pub(crate) line_header: Vec<String>,
+}
+
+/// A probe with columns.
+#[derive(Clone, Debug)]
+pub(crate) struct Probe<const D: usize> {
+    /// Names with units, such as `tip_x [m]`.
+    pub(crate) names: Vec<String>,
+    measured: Measured<D>,
+}
+
+/// Quantity of a probe.
+#[derive(Clone, Debug)]
+pub(crate) enum Measured<const D: usize> {
+    /// Velocity and pressure at a point.
+    Point { at: Point<D> },
+    /// Position and velocity of a point of a body, the weighted mean of some of its vertices.
+    Marker { body: usize, weights: Vec<(VertexId, f64)> },
+    /// Force of the fluid on some facets of a body, with its moment about a point.
+    Force { body: usize, facets: Vec<bool>, about: Point<D> },
+    /// Flux and mean pressure on a section; `normal` has its measure as length.
+    Flux { corner: Point<D>, sides: Vec<Vector<D>>, normal: Vector<D>, n: usize },
+    /// Strain energy of a body.
+    StrainEnergy { body: usize },
+}
+
+/// A segment along which velocity and pressure are written.
+#[derive(Clone, Debug)]
+pub(crate) struct Line<const D: usize> {
+    pub(crate) name: String,
+    pub(crate) ends: [Point<D>; 2],
+    /// Number of points.
+    pub(crate) n: usize,
+}
+
+impl<const D: usize> Probe<D> {
+    pub(crate) fn new(name: &str, measured: Measured<D>, units: &Units) -> Self {
+        let (length, velocity) = (units.label(Quantity::LENGTH), units.label(Quantity::VELOCITY));
+        let total = |quantity| units.total_label(quantity, D);
+        let axes = |quantity: &'static str, unit: String| {
+            AXES[..D].iter().map(move |axis| (format!("{quantity}{axis}"), unit.clone()))
+        };
+        let quantities: Vec<(String, String)> = match &measured {
+            Measured::Point { .. } => {
+                let pressure = ("pressure".to_owned(), units.label(Quantity::PRESSURE));
+                axes("velocity_", velocity).chain([pressure]).collect()
+            }
+            Measured::Marker { .. } => axes("", length).chain(axes("velocity_", velocity)).collect(),
+            Measured::Force { .. } => {
+                // A moment has the dimension of an energy.
+                let moments = if D < AXES.len() { &AXES[AXES.len() - 1..] } else { &AXES };
+                let moments = moments.iter().map(|axis| (format!("moment_{axis}"), total(Quantity::ENERGY)));
+                axes("", total(Quantity::FORCE)).chain(moments).collect()
+            }
+            Measured::Flux { .. } => vec![
+                ("flux".to_owned(), units.total_label(Quantity::FLUX, D)),
+                ("pressure".to_owned(), units.label(Quantity::PRESSURE)),
+            ],
+            Measured::StrainEnergy { .. } => vec![("energy".to_owned(), total(Quantity::ENERGY))],
+        };
+        let names = quantities.iter().map(|(quantity, unit)| format!("{name}_{quantity} [{unit}]")).collect();
+        Self { names, measured }
+    }
+
+    /// Returns the values after a step, one per name.
+    pub(crate) fn values(&self, view: &StepView<'_, D>) -> Vec<f64> {
+        let fluid = view.setup.fluid.as_ref().zip(view.state.fluid.as_ref());
+        let at = |x: &Point<D>| fluid.and_then(|(setup, fluid)| values_at(&setup.background, fluid, x));
+        match &self.measured {
+            Measured::Point { at: x } => match at(x) {
+                Some((velocity, pressure)) => velocity.iter().copied().chain([pressure]).collect(),
+                None => vec![f64::NAN; D + 1],
+            },
+            Measured::Marker { body, weights } => {
+                let state = &view.state.bodies[*body];
+                let positions = state.positions(view.setup.bodies[*body].reference());
+                let mean =
+                    |of: &[Vector<D>]| -> Vector<D> { weights.iter().map(|(v, weight)| of[v.index()] * *weight).sum() };
+                [mean(&positions), mean(state.velocity())].iter().flat_map(|x| x.iter().copied()).collect()
+            }
+            Measured::Force { body, facets, about } => {
+                let (mut force, mut moment) = (Vector::<D>::zeros(), [0.0; 3]);
+                if let Some(report) = view.report {
+                    for (piece, traction) in
+                        pieces(view, report, *body).filter(|(piece, _)| facets[piece.facet.index()])
+                    {
+                        force += traction.total() * piece.measure;
+                        let of_piece = traction.moment(about);
+                        moment.iter_mut().zip(of_piece).for_each(|(sum, moment)| *sum += moment * piece.measure);
+                    }
+                }
+                let moments = if D < AXES.len() { &moment[AXES.len() - 1..] } else { &moment };
+                force.iter().chain(moments).copied().collect()
+            }
+            Measured::Flux { corner, sides, normal, n } => {
+                let (mut flux, mut pressure, mut n_wet) = (0.0, 0.0, 0);
+                let n_points = n.pow(sides.len() as u32);
+                for k in 0..n_points {
+                    let place = |side: usize| ((k / n.pow(side as u32) % n) as f64 + 0.5) / *n as f64;
+                    let x = sides.iter().enumerate().fold(*corner, |x, (side, along)| x + along * place(side));
+                    if let Some((velocity, p)) = at(&x) {
+                        flux += velocity.dot(normal);
+                        pressure += p;
+                        n_wet += 1;
+                    }
+                }
+                vec![flux / n_points as f64, pressure / f64::from(n_wet)]
+            }
+            Measured::StrainEnergy { body } => {
+                let balance = view.setup.bodies[*body].balance(&view.state.bodies[*body]);
+                vec![balance.map_or(f64::NAN, |balance| balance.elastic_energy)]
+            }
+        }
+    }
+}
+
+impl<const D: usize> Line<D> {
+    /// Returns the names of the columns.
+    pub(crate) fn header(units: &Units) -> Vec<String> {
+        let axes = |quantity: &'static str, unit: String| {
+            AXES[..D].iter().map(move |axis| format!("{quantity}{axis} [{unit}]"))
+        };
+        let velocity = axes("velocity_", units.label(Quantity::VELOCITY));
+        let pressure = format!("pressure [{}]", units.label(Quantity::PRESSURE));
+        axes("", units.label(Quantity::LENGTH)).chain(velocity).chain([pressure]).collect()
+    }
+
+    /// Returns the rows: position, velocity and pressure; NaN outside the fluid.
+    pub(crate) fn rows(&self, view: &StepView<'_, D>) -> Vec<Vec<f64>> {
+        let fluid = view.setup.fluid.as_ref().zip(view.state.fluid.as_ref());
+        let [from, to] = self.ends;
+        let row = |k: usize| {
+            let x = from + (to - from) * (k as f64 / (self.n - 1) as f64);
+            let found = fluid.and_then(|(setup, fluid)| values_at(&setup.background, fluid, &x));
+            let (velocity, pressure) = found.unwrap_or((Vector::repeat(f64::NAN), f64::NAN));
+            x.iter().chain(&velocity).copied().chain([pressure]).collect()
+        };
+        (0..self.n).map(row).collect()
+    }
+}
+
+/// Returns velocity and pressure of the fluid at a point; `None` outside the fluid.
+fn values_at<const D: usize>(
+    background: &SimplexMesh<D>,
+    fluid: &FluidState<D>,
+    x: &Point<D>,
+) -> Option<(Vector<D>, f64)> {
+    let (cell, shape) = background.cell_index().locate(x)?;
+    let contains = |corners: &[Point<D>]| {
+        let inside = mesh::Simplex::new(corners).barycentric(x);
+        inside.is_some_and(|shares| shares[..=D].iter().all(|share| *share >= -INSIDE))
+    };
+    let part = fluid.cut.parts(cell).find(|part| {
+        let mut is_inside = fluid.cut.is_whole(*part);
+        if !is_inside {
+            fluid.cut.for_each_simplex(background, *part, |corners| is_inside |= contains(corners));
+        }
+        is_inside
+    })?;
+    let dofs = fluid.space.dofs(part).iter().zip(shape).map(|(dof, share)| (*dof as usize, share));
+    let sum = |(u, p): (Vector<D>, f64), (k, share): (usize, f64)| {
+        (u + fluid.velocity[k] * share, p + fluid.pressure[k] * share)
+    };
+    Some(dofs.fold((Vector::zeros(), 0.0), sum))
+}

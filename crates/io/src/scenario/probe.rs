@@ -1,0 +1,161 @@
+//! Probes of a scenario: quantities with names of their own.
+
+use mesh::search::SurfaceIndex;
+use mesh::{FacetId, Placed, Point, Vector};
+use solver::Setup;
+use solver::body::Body;
+
+use super::error::{ErrorKind, ScenarioError};
+use super::key::Quantity;
+use super::table::{At, Components, Named, choices};
+use super::units::Units;
+use crate::probes::{Line, Measured, Probe, Probes};
+
+choices! {
+    /// Quantity that is measured in each step, with columns in `probes.csv`.
+    pub enum ProbeChoice ["kind"] {
+        /// Velocity and pressure of the fluid at a point that stays in space; NaN while a body covers it.
+        Point = "point" {
+            /// Position.
+            at: Components<f64> [unit(Quantity::LENGTH)],
+        },
+        /// Position and velocity of a point of a body, which moves with it.
+        Marker = "marker" {
+            /// Name of the body.
+            body: At<String>,
+            /// Position before any motion; the nearest point of the surface is followed.
+            at: Components<f64> [unit(Quantity::LENGTH)],
+        },
+        /// Force of the fluid on a body, and its moment; in 2D per unit depth.
+        Force = "force" {
+            /// Name of the body.
+            body: At<String>,
+            /// Names of parts of its surface; all of it if left out.
+            parts: Vec<At<String>>,
+            /// Point about which the moment is taken; the origin if left out.
+            about: Option<Components<f64>> [unit(Quantity::LENGTH)],
+        },
+        /// Volume of fluid per time through a segment (2D) or parallelogram (3D), and mean pressure on it; in 2D per unit depth.
+        Flux = "flux" {
+            /// A corner of the section.
+            corner: Components<f64> [unit(Quantity::LENGTH)],
+            /// Sides from the corner: one in 2D, to the right of which the flux is positive; two in 3D, by the right-hand rule.
+            sides: At<Vec<Components<f64>>> [unit(Quantity::LENGTH)],
+            /// Number of points along each side, in the middles of equal intervals.
+            points: usize [between(1.0, 100_000.0)] = 200,
+        },
+        /// Strain energy of an elastic body; in 2D per unit depth.
+        StrainEnergy = "strain-energy" {
+            /// Name of the body.
+            body: At<String>,
+        },
+        /// Velocity and pressure along a segment, a file `lines/NAME_STEP.csv` with each set of field files.
+        Line = "line" {
+            /// One end.
+            from: Components<f64> [unit(Quantity::LENGTH)],
+            /// The other end.
+            to: Components<f64> [unit(Quantity::LENGTH)],
+            /// Number of points, including the ends.
+            points: usize [between(2.0, 1_000_000.0)] = 101,
+        },
+    }
+}
+
+/// Builds the probes of a run.
+///
+/// # Errors
+/// Bodies and parts that do not exist, quantities of a fluid or of elastic bodies where there are none.
+pub(super) fn probes<const D: usize>(
+    given: &Named<ProbeChoice>,
+    setup: &Setup<D>,
+    part_names: &[Vec<String>],
+    units: &Units,
+) -> Result<Probes<D>, ScenarioError> {
+    let mut found = Probes { line_header: Line::<D>::header(units), ..Probes::default() };
+    let fluid = setup.fluid.as_ref();
+    for (name, probe) in &given.0 {
+        let find = |body: &At<String>| {
+            let index = setup.bodies.iter().position(|other| other.name() == body.as_str());
+            index.ok_or_else(|| body.at.unknown("body", body, setup.bodies.iter().map(|body| body.name())))
+        };
+        let no_fluid = || probe.at.error(ErrorKind::NoEffect("a scenario without a fluid"));
+        let measured = match &**probe {
+            ProbeChoice::Point { at } => Measured::Point { at: fluid.map(|_| at.vector()).ok_or_else(no_fluid)? },
+            ProbeChoice::Marker { body, at } => marker(&*setup.bodies[find(body)?], find(body)?, &at.vector())
+                .ok_or_else(|| probe.at.invalid("the surface of this body has no point; check its shape"))?,
+            ProbeChoice::Force { body, parts, about } => {
+                fluid.ok_or_else(no_fluid)?;
+                let index = find(body)?;
+                let facets = facets(&*setup.bodies[index], &part_names[index], parts)?;
+                Measured::Force {
+                    body: index,
+                    facets,
+                    about: about.as_ref().map_or(Point::zeros(), Components::vector),
+                }
+            }
+            ProbeChoice::Flux { corner, sides, points } => {
+                fluid.ok_or_else(no_fluid)?;
+                let vectors: Vec<Vector<D>> = sides.iter().map(Components::vector).collect();
+                let normal = normal(&vectors).ok_or_else(|| {
+                    sides.at.invalid(format!("a section in dimension {D} needs {} sides that span it", D - 1))
+                })?;
+                Measured::Flux { corner: corner.vector(), sides: vectors, normal, n: *points }
+            }
+            ProbeChoice::StrainEnergy { body } => {
+                let index = find(body)?;
+                let is_elastic = setup.bodies[index].cells(&setup.bodies[index].start()).is_some();
+                if !is_elastic {
+                    return Err(body
+                        .at
+                        .invalid(format!("body `{}` does not deform, and has no strain energy", **body)));
+                }
+                Measured::StrainEnergy { body: index }
+            }
+            ProbeChoice::Line { from, to, points } => {
+                fluid.ok_or_else(no_fluid)?;
+                found.lines.push(Line { name: name.clone(), ends: [from.vector(), to.vector()], n: *points });
+                continue;
+            }
+        };
+        found.columns.push(Probe::new(name, measured, units));
+    }
+    Ok(found)
+}
+
+/// Returns the marker at the point of a surface nearest to a position.
+fn marker<const D: usize>(body: &dyn Body<D>, index: usize, at: &Point<D>) -> Option<Measured<D>> {
+    let nearest = SurfaceIndex::new(&Placed::new(body.surface(), body.reference())).closest(at)?;
+    let weights = body.surface().facet(nearest.facet).iter().copied().zip(nearest.barycentric).collect();
+    Some(Measured::Marker { body: index, weights })
+}
+
+/// Returns whether each facet of a body belongs to one of the parts; all do if no part is named.
+fn facets<const D: usize>(
+    body: &dyn Body<D>,
+    part_names: &[String],
+    parts: &[At<String>],
+) -> Result<Vec<bool>, ScenarioError> {
+    let surface = body.surface();
+    let name = |facet: FacetId| surface.tag(facet).and_then(|tag| part_names.get(tag.index()));
+    for part in parts {
+        if !surface.facets().any(|facet| name(facet) == Some(part)) {
+            return Err(part.at.unknown("part of the surface", part, part_names.iter().map(String::as_str)));
+        }
+    }
+    let is_in = |facet| parts.is_empty() || parts.iter().any(|part| name(facet) == Some(part));
+    Ok(surface.facets().map(is_in).collect())
+}
+
+/// Returns the vector normal to the sides of a section with its measure as length; `None` if they do not span one.
+fn normal<const D: usize>(sides: &[Vector<D>]) -> Option<Vector<D>> {
+    let component = |axis: usize| match sides {
+        [a] => [a[1], -a[0]].get(axis).copied().unwrap_or(0.0),
+        [a, b] => {
+            let (i, j) = ((axis + 1) % D, (axis + 2) % D);
+            a[i] * b[j] - a[j] * b[i]
+        }
+        _ => 0.0,
+    };
+    let normal = Vector::<D>::from_fn(|axis, _| component(axis));
+    (sides.len() == D - 1 && normal.norm() > 0.0).then_some(normal)
+}

@@ -1,0 +1,18 @@
+//! Scenarios and files: reading, problems that are built, runs, and results. One program, because each one compiles the solver anew.
+
+mod conditions;
+mod contacts;
+mod cut;
+mod dry;
+mod errors;
+mod geometry;
+mod gmsh;
+#[path = "../../../cutcell/tests/identities/mod.rs"]
+mod identities;
+mod motion;
+mod probes;
+mod results;
+mod setting;
+mod space;
+mod surfaces;
+mod units;

@@ -1,0 +1,181 @@
+//! Probes: quantities with names of their own, compared with known flows and motions.
+
+use crate::setting::*;
+use io::HistoryTable;
+
+/// A linear flow in a box, through which a body moves.
+const FLOW: &str = r#"
+name      = "probed"
+dimension = 2
+units     = "si"
+
+[time]
+step = 0.02
+end  = 0.1
+
+[fluid]
+density          = 1.0
+viscosity        = 1.0
+convection       = "none"
+initial_velocity = ["1 + 2*x", "3 - 2*y"]
+
+[background]
+kind     = "graded-box"
+min      = [0.0, 0.0]
+max      = [2.0, 1.0]
+size     = 0.2
+boundary = { left = VELOCITY, right = { kind = "traction", value = [4, 0] }, bottom = VELOCITY, top = VELOCITY }
+
+[output]
+vtk_every = 5
+
+[output.probes]
+centre  = { kind = "point", at = [1.0, 0.5] }
+outside = { kind = "point", at = [1.0, 1.5] }
+through = { kind = "flux", corner = [1.5, 0.0], sides = [[0.0, 1.0]] }
+up      = { kind = "flux", corner = [1.5, 0.25], sides = [[-1.0, 0.0]], points = 50 }
+along   = { kind = "line", from = [0.0, 0.5], to = [2.5, 0.5], points = 6 }
+"#;
+
+fn flow() -> String {
+    FLOW.replace("VELOCITY", "{ kind = \"velocity\", value = [\"1 + 2*x\", \"3 - 2*y\"] }")
+}
+
+fn last(table: &HistoryTable, name: &str) -> f64 {
+    let column = table.column(name).unwrap_or_else(|| panic!("no column {name} in {:?}", table.names()));
+    column[column.len() - 1]
+}
+
+#[test]
+fn points_sections_and_lines_see_the_flow() {
+    let directory = fresh_directory("flow");
+    results(&legal(&flow(), &[]), &directory);
+    let probes = HistoryTable::read(&directory.join("probes.csv")).unwrap_or_else(|e| panic!("{e}"));
+    // With the start.
+    assert_eq!(probes.n_rows(), 6);
+    let names =
+        ["time [s]", "along_x [m]", "centre_velocity_x [m/s]", "centre_pressure [Pa]", "through_flux [m³/(s m)]"];
+    assert!(probes.names().contains(&names[0].to_owned()) && !probes.names().contains(&names[1].to_owned()));
+    assert!(names[2..].iter().all(|name| probes.names().contains(&(*name).to_owned())), "{:?}", probes.names());
+    for (name, value) in [
+        ("centre_velocity_x", 3.0),
+        ("centre_velocity_y", 2.0),
+        ("centre_pressure", 0.0),
+        // To the right of the way up, and of the way to the left.
+        ("through_flux", 4.0),
+        ("up_flux", 2.5),
+    ] {
+        assert!((last(&probes, name) - value).abs() < 1e-6, "{name}: {}", last(&probes, name));
+    }
+    assert!(last(&probes, "outside_pressure").is_nan());
+    let line = HistoryTable::read(&directory.join("lines/along_000005.csv")).unwrap_or_else(|e| panic!("{e}"));
+    let column = |name: &str| line.column(name).unwrap_or_else(|| panic!("{name} in {:?}", line.names()));
+    assert_eq!(column("x"), [0.0, 0.5, 1.0, 1.5, 2.0, 2.5]);
+    let along = column("velocity_x");
+    assert!((0..5).all(|k| (along[k] - (1.0 + k as f64)).abs() < 1e-6) && along[5].is_nan(), "{along:?}");
+    // A run without probes leaves none of an earlier one.
+    let (without, _) = FLOW.split_once("[output]").unwrap_or_else(|| panic!("an output"));
+    let without = without.replace("VELOCITY", "{ kind = \"velocity\", value = [\"1 + 2*x\", \"3 - 2*y\"] }");
+    results(&legal(&without, &[]), &directory);
+    assert!(!directory.join("probes.csv").exists() && !directory.join("lines/along_000005.csv").exists());
+}
+
+#[test]
+fn markers_and_forces_follow_a_body() {
+    let directory = fresh_directory("cylinder");
+    let sets = [
+        "background.size=0.1",
+        "body.0.shape.size=0.02",
+        "time.end=0.05",
+        "output.probes={ tip = { kind = \"marker\", body = \"cylinder\", at = [9.0, 0.2] }, drag = { kind = \"force\", body = \"cylinder\", about = [1, 0] }, inside = { kind = \"point\", at = [0.2, 0.2] } }",
+    ];
+    let file = legal(CHANNEL, &[&sets]);
+    results(&file, &directory);
+    let probes = HistoryTable::read(&directory.join("probes.csv")).unwrap_or_else(|e| panic!("{e}"));
+    // The nearest point of the surface is the rightmost one.
+    let centre = column(&directory, "centre_x");
+    let [first, end] = [0, centre.len() - 1].map(|k| centre[k]);
+    let tips = probes.column("tip_x").unwrap_or_else(|| panic!("{:?}", probes.names()));
+    assert!((tips[tips.len() - 1] - tips[1] - (end - first)).abs() < 1e-12, "{tips:?} {first} {end}");
+    assert!(
+        (last(&probes, "tip_velocity_x") - column(&directory, "centre_velocity_x")[centre.len() - 1]).abs() < 1e-12
+    );
+    for axis in ["x", "y"] {
+        let force = column(&directory, &format!("force_{axis}"));
+        assert!(
+            (last(&probes, &format!("drag_{axis}")) - force[force.len() - 1]).abs()
+                < 1e-12 * force[force.len() - 1].abs().max(1.0)
+        );
+    }
+    assert!(last(&probes, "drag_moment_z").is_finite());
+    assert!(last(&probes, "inside_pressure").is_nan());
+}
+
+#[test]
+fn parts_and_energies_of_elastic_bodies_are_measured() {
+    let box_in_fluid = flow()
+        + r#"part = { kind = "force", body = "block", parts = ["left", "top"] }
+rest = { kind = "force", body = "block", parts = ["right", "bottom"] }
+all  = { kind = "force", body = "block" }
+work = { kind = "strain-energy", body = "block" }
+
+[[body]]
+name     = "block"
+shape    = { kind = "box", min = [0.8, 0.3], max = [1.1, 0.6], n = [3, 3] }
+material = { kind = "linear", young = 1.0e3, poisson = 0.3 }
+density  = 1.0
+gravity  = [0.0, 0.0]
+boundary = { bottom = "clamped" }
+"#;
+    let directory = fresh_directory("block");
+    results(&legal(&box_in_fluid, &[]), &directory);
+    let probes = HistoryTable::read(&directory.join("probes.csv")).unwrap_or_else(|e| panic!("{e}"));
+    for name in ["x", "y", "moment_z"] {
+        let [part, rest, all] = ["part", "rest", "all"].map(|probe| last(&probes, &format!("{probe}_{name}")));
+        assert!(
+            (part + rest - all).abs() < 1e-12 * all.abs() && part != 0.0 && rest != 0.0,
+            "{name}: {part} {rest} {all}"
+        );
+    }
+    let energy = column(&directory, "energy_elastic");
+    assert_eq!(last(&probes, "work_energy"), energy[energy.len() - 1]);
+    assert!(energy[energy.len() - 1] > 0.0);
+    let refuse = |from: &str, to: &str, words: &[&str]| refused(&box_in_fluid.replace(from, to), &[], words);
+    refuse(
+        "parts = [\"left\", \"top\"]",
+        "parts = [\"lid\"]",
+        &["output.probes.part.parts.0", "unknown part of the surface `lid`"],
+    );
+    refuse(
+        "work = { kind = \"strain-energy\", body = \"block\"",
+        "work = { kind = \"strain-energy\", body = \"ball\"",
+        &["output.probes.work.body", "unknown body `ball`"],
+    );
+    refuse(
+        "sides = [[0.0, 1.0]]",
+        "sides = [[0.0, 1.0], [1.0, 0.0]]",
+        &["output.probes.through.sides", "needs 1 sides"],
+    );
+    refuse("along   =", "\"a,b\" =", &["output.probes.a,b", "not a column name"]);
+}
+
+#[test]
+fn probes_go_on_from_a_checkpoint() {
+    let directory = fresh_directory("resumed");
+    let text = flow().replace("vtk_every = 5", "vtk_every = 1\ncheckpoint_every = 1");
+    results(&legal(&text, &[&["time.end=0.06"]]), &directory);
+    let resumed = io::RunOptions { resumes: true, ..io::RunOptions::default() };
+    resumed.run(&legal(&text, &[]), &directory, &mut ()).unwrap_or_else(|e| panic!("{e}"));
+    let whole = fresh_directory("whole");
+    results(&legal(&text, &[]), &whole);
+    for name in ["probes.csv", "lines/along_000005.csv"] {
+        assert_eq!(
+            std::fs::read_to_string(directory.join(name)).ok(),
+            std::fs::read_to_string(whole.join(name)).ok(),
+            "{name}"
+        );
+    }
+    let other = text.replace("centre  =", "middle  =");
+    let refused = resumed.run(&legal(&other, &[&["time.end=0.2"]]), &directory, &mut ()).expect_err("other columns");
+    check_words(&refused.to_string(), &["probes.csv", "its columns are not those of this run"]);
+}
