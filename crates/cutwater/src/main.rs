@@ -30,6 +30,8 @@ enum Command {
     Report(ReportArguments),
     /// Cut a mesh of tetrahedra by closed surfaces; print volumes, areas and how well identities hold.
     Cut(CutArguments),
+    /// Print the JSON Schema of scenarios, by which editors complete and check them.
+    Schema,
     /// Look into a mesh file, or convert it.
     #[command(subcommand)]
     Mesh(MeshCommand),
@@ -174,6 +176,7 @@ fn main() -> ExitCode {
         #[cfg(feature = "report")]
         Command::Report(arguments) => commands::report::report(&arguments),
         Command::Cut(arguments) => commands::cut::cut(&arguments).map_err(Failure::from),
+        Command::Schema => commands::schema::schema().map_err(Failure::from),
         Command::Mesh(command) => commands::mesh::mesh(&command).map_err(Failure::from),
     };
     match done {

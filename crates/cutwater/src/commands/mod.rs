@@ -7,6 +7,7 @@ pub(crate) mod new;
 #[cfg(feature = "report")]
 pub(crate) mod report;
 pub(crate) mod run;
+pub(crate) mod schema;
 
 use std::fmt::Write as _;
 use std::io::{ErrorKind, Write as _};

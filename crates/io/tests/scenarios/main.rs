@@ -12,6 +12,7 @@ mod identities;
 mod motion;
 mod probes;
 mod results;
+mod schema;
 mod setting;
 mod space;
 mod surfaces;
