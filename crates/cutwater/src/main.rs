@@ -23,6 +23,13 @@ enum Command {
     New(NewArguments),
     /// Run a scenario and write its results.
     Run(RunArguments),
+    /// Go on with a run that was stopped, from its last checkpoint; the same as `run --resume`.
+    Resume(ResumeArguments),
+    /// Print the largest differences between the columns of two runs.
+    Compare(CompareArguments),
+    /// Write a page with charts of columns of one or several runs.
+    #[cfg(feature = "report")]
+    Plot(PlotArguments),
     /// Check a scenario: read it, build its meshes, print sizes; run nothing.
     Check(ScenarioArguments),
     /// Write the page of a run again, or the run as a picture in motion.
@@ -102,6 +109,49 @@ struct ScenarioArguments {
 }
 
 #[derive(Args)]
+struct ResumeArguments {
+    /// Directory of the run.
+    directory: PathBuf,
+    /// Change time.end or a value of output; may be repeated.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    sets: Vec<String>,
+    /// Print nothing but errors.
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+impl From<ResumeArguments> for RunArguments {
+    fn from(ResumeArguments { directory, sets, quiet }: ResumeArguments) -> Self {
+        Self { sets, resume: Some(directory), quiet, ..Self::default() }
+    }
+}
+
+#[derive(Args)]
+struct CompareArguments {
+    /// Directory of results.
+    first: PathBuf,
+    /// Another one, whose values are interpolated to the times of the first.
+    second: PathBuf,
+    /// Largest difference relative to the largest value of a column, above which the exit code is 1.
+    #[arg(long)]
+    tolerance: Option<f64>,
+}
+
+#[cfg(feature = "report")]
+#[derive(Args)]
+struct PlotArguments {
+    /// Directories of results.
+    #[arg(required = true)]
+    directories: Vec<PathBuf>,
+    /// Name of a column of history.csv, diagnostics.csv or probes.csv; may be repeated.
+    #[arg(long = "column", value_name = "NAME", required = true)]
+    columns: Vec<String>,
+    /// The page.
+    #[arg(long, value_name = "FILE", default_value = "plot.html")]
+    out: PathBuf,
+}
+
+#[derive(Args, Default)]
 struct RunArguments {
     /// Scenario file.
     #[arg(required_unless_present = "resume")]
@@ -172,6 +222,10 @@ fn main() -> ExitCode {
     let done = match Cli::parse().command {
         Command::New(arguments) => commands::new::new(&arguments).map_err(Failure::from),
         Command::Run(arguments) => commands::run::run(&arguments),
+        Command::Resume(arguments) => commands::run::run(&arguments.into()),
+        Command::Compare(arguments) => commands::compare::compare(&arguments).map_err(Failure::from),
+        #[cfg(feature = "report")]
+        Command::Plot(arguments) => commands::plot::plot(&arguments),
         Command::Check(arguments) => commands::check::check(&arguments).map_err(Failure::from),
         #[cfg(feature = "report")]
         Command::Report(arguments) => commands::report::report(&arguments),

@@ -109,6 +109,26 @@ pub enum Error {
         /// The directory.
         directory: PathBuf,
     },
+    /// A column that the tables of a run do not have.
+    #[error("{} has no column `{column}`. Known here: {known}", .directory.display())]
+    NoColumn {
+        /// The directory.
+        directory: PathBuf,
+        /// Name of the column.
+        column: String,
+        /// Names of all columns.
+        known: String,
+    },
+    /// Two runs differ by more than is allowed.
+    #[error("the column `{column}` differs by {difference:.3e}, and the tolerance is {tolerance:e}")]
+    Differ {
+        /// The column that differs most.
+        column: String,
+        /// Difference relative to its largest value.
+        difference: f64,
+        /// The tolerance.
+        tolerance: f64,
+    },
     /// A directory holds a run that has not come to its end, which a new one would remove.
     #[error(
         "{0} holds a run that was stopped at step {step}: go on with `cutwater run --resume {0}`, choose another directory with `--out`, or \

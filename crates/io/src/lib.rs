@@ -39,6 +39,8 @@ pub mod probes;
 #[cfg(feature = "simulation")]
 mod run;
 #[cfg(feature = "simulation")]
+mod run_tables;
+#[cfg(feature = "simulation")]
 pub mod scenario;
 #[cfg(feature = "simulation")]
 mod summary;
@@ -53,6 +55,7 @@ pub use {
     history::HistoryTable,
     measures::{distance, leading_body},
     run::{RunOptions, Sizes, default_directory, run, sizes},
+    run_tables::{Difference, RunTables},
     scenario::{Case, ScenarioFile},
     summary::{Summary, Timing},
     watch::{Progress, StepProgress, Watch},

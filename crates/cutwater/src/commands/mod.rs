@@ -1,9 +1,12 @@
 //! The commands, and how their errors are shown.
 
 pub(crate) mod check;
+pub(crate) mod compare;
 pub(crate) mod cut;
 pub(crate) mod mesh;
 pub(crate) mod new;
+#[cfg(feature = "report")]
+pub(crate) mod plot;
 #[cfg(feature = "report")]
 pub(crate) mod report;
 pub(crate) mod run;
@@ -79,6 +82,7 @@ impl Failure {
                 | Error::Grid(_)
                 | Error::Cut { .. }
                 | Error::GridSize { .. }
+                | Error::NoColumn { .. }
                 | Error::Checkpoint { .. }
                 | Error::NoCheckpoint { .. }
                 | Error::Unfinished { .. }

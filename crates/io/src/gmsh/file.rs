@@ -71,9 +71,12 @@ impl GmshFile {
         self.elements.get(dimension).map_or(0, |elements| elements.order)
     }
 
-    /// Returns the dimension of space: 3 if there are tetrahedra, or if the nodes do not lie in a plane of equal `z`; else 2.
+    /// Returns the dimension of space: 3 if there are tetrahedra, or if the nodes of the triangles, or of the lines if there are none, do not lie in a plane of
+    /// equal `z`; else 2.
     pub fn dimension(&self) -> usize {
-        if self.has_cells(3) || self.is_spatial(0..self.points.len()) { 3 } else { 2 }
+        let [_, lines, triangles, _] = &self.elements;
+        let planar = if self.has_cells(2) { triangles } else { lines };
+        if self.has_cells(3) || self.is_spatial(planar.nodes.iter().copied()) { 3 } else { 2 }
     }
 
     /// Returns whether the third coordinates of nodes differ by more than round-off.

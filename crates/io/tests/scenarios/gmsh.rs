@@ -195,6 +195,9 @@ fn files_of_both_versions_are_understood() {
     let clockwise = V22.replace("1 20 30\n12", "1 30 20\n12");
     let turned = GmshFile::parse(clockwise.as_bytes()).expect("a file").mesh::<2>().expect("a mesh");
     assert_eq!((turned.n_turned, turned.mesh.volume()), (2, 2.0));
+    // A point that no element uses may lie anywhere.
+    let beyond = V22.replace("40 9 9 0", "40 9 9 5");
+    assert_eq!(GmshFile::parse(beyond.as_bytes()).expect("a file").dimension(), 2);
     // A line in the inside has no effect.
     let inside = V22.replace("4 1 2 8 2 20 30", "4 1 2 8 2 1 30");
     assert_eq!(GmshFile::parse(inside.as_bytes()).expect("a file").mesh::<2>().expect("a mesh").n_inside, 1);

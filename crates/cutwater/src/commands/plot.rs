@@ -1,0 +1,34 @@
+//! `cutwater plot`
+
+use cutwater::io::{Error, RunTables};
+use cutwater::report::{Chart, Curve, Page, Section};
+
+use super::{Failure, print};
+use crate::PlotArguments;
+
+/// Writes a page with charts of columns of one or several runs.
+pub(crate) fn plot(arguments: &PlotArguments) -> Result<(), Failure> {
+    let runs = arguments.directories.iter().map(|directory| Ok((directory, RunTables::read(directory)?)));
+    let runs = runs.collect::<Result<Vec<_>, Error>>()?;
+    let mut html = String::new();
+    for column in &arguments.columns {
+        let mut curves = Vec::new();
+        for (directory, tables) in &runs {
+            let points = tables.column(column).ok_or_else(|| Error::NoColumn {
+                directory: (*directory).clone(),
+                column: column.clone(),
+                known: tables.columns().collect::<Vec<&str>>().join(", "),
+            })?;
+            curves.push(Curve::new(directory.display().to_string(), points));
+        }
+        html += &Chart::new(column.clone(), "time", curves).html()?;
+    }
+    let page = Page {
+        title: "Columns of runs".to_owned(),
+        lead: String::new(),
+        sections: vec![Section::new("columns", "Columns", html)],
+    };
+    page.write(&arguments.out)?;
+    print(&arguments.out.display().to_string())?;
+    Ok(())
+}

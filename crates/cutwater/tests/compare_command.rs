@@ -1,0 +1,108 @@
+//! Output, files and exit codes of `cutwater compare`, `plot`, `resume` and `schema`.
+
+use std::path::PathBuf;
+use std::process::{Command, Output};
+
+/// An elastic block in free fall.
+const FALL: &str = r#"
+name      = "fall"
+dimension = 2
+units     = "si"
+
+[time]
+step = 0.01
+end  = 0.1
+
+[[body]]
+name     = "block"
+shape    = { kind = "box", min = [0, 0], max = [1, 1], n = [2, 2] }
+material = { kind = "linear", young = 1e4, poisson = 0.3 }
+density  = 1.0
+gravity  = [0, -10]
+
+[output]
+vtk_every        = 0
+checkpoint_every = 5
+
+[output.probes]
+corner = { kind = "marker", body = "block", at = [0, 0] }
+"#;
+
+fn cutwater(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_cutwater")).args(arguments).output().expect("the binary starts")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// Returns the path of a file or directory of this test.
+fn path(name: &str) -> String {
+    let directory = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("compare");
+    std::fs::create_dir_all(&directory).expect("a directory");
+    directory.join(name).display().to_string()
+}
+
+/// Runs the block into a fresh directory.
+fn run(name: &str, sets: &[&str]) -> String {
+    let (scenario, directory) = (path(&format!("{name}.toml")), path(name));
+    std::fs::write(&scenario, FALL).expect("a file");
+    let _ = std::fs::remove_dir_all(&directory);
+    let sets = sets.iter().flat_map(|set| ["--set", set]);
+    let arguments: Vec<&str> =
+        ["run", &scenario, "--out", &directory, "--quiet", "--no-report"].into_iter().chain(sets).collect();
+    let output = cutwater(&arguments);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    directory
+}
+
+#[test]
+fn runs_are_compared_column_by_column() {
+    let [first, same, other] = [run("first", &[]), run("same", &[]), run("other", &["body.0.gravity=[0, -11]"])];
+    let output = cutwater(&["compare", &first, &same, "--tolerance", "0"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert!(text(&output.stdout).contains(" columns are equal, 0 differ"), "{}", text(&output.stdout));
+    let output = cutwater(&["compare", &first, &other, "--tolerance", "0.05"]);
+    assert_eq!(output.status.code(), Some(1));
+    let printed = text(&output.stdout);
+    // After 0.1 s at 11 instead of 10: 1.1 instead of 1.0.
+    let line = printed.lines().find(|line| line.starts_with("centre_velocity ")).expect("the velocity");
+    assert_eq!(line.split_whitespace().collect::<Vec<_>>()[1..], ["1.000e-1", "1.100e0", "9.091e-2"]);
+    assert!(
+        printed.contains("corner_velocity_y [m/s]") && text(&output.stderr).contains("the tolerance is 5e-2"),
+        "{printed}"
+    );
+    assert_eq!(cutwater(&["compare", &first, &path("nothing")]).status.code(), Some(2));
+}
+
+#[test]
+fn columns_are_plotted() {
+    let (first, page) = (run("plotted", &[]), path("plot.html"));
+    let output =
+        cutwater(&["plot", &first, &first, "--column", "corner_y", "--column", "energy_elastic", "--out", &page]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let html = std::fs::read_to_string(&page).expect("a page");
+    assert!(html.matches("<figure class=\"chart\"").count() == 2 && html.contains("corner_y"));
+    let output = cutwater(&["plot", &first, "--column", "corner_q", "--out", &page]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("has no column `corner_q`. Known here: "), "{}", text(&output.stderr));
+}
+
+#[test]
+fn resume_goes_on_with_a_run() {
+    let (short, whole) = (run("short", &["time.end=0.05"]), run("whole", &[]));
+    let output = cutwater(&["resume", &short, "--set", "time.end=0.1", "--quiet"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let output = cutwater(&["compare", &short, &whole, "--tolerance", "1e-12"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stdout));
+}
+
+#[test]
+fn the_schema_is_json() {
+    let output = cutwater(&["schema"]);
+    let printed = text(&output.stdout);
+    assert!(output.status.success() && printed.trim_start().starts_with('{') && printed.trim_end().ends_with('}'));
+    assert!(
+        printed.contains("http://json-schema.org/draft-07/schema#") && printed.contains("\"saint-venant-kirchhoff\"")
+    );
+}

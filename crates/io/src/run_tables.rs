@@ -1,0 +1,114 @@
+//! The tables of a run, read back, and the differences between two runs.
+
+use std::path::Path;
+
+use crate::Error;
+use crate::history::HistoryTable;
+
+/// Names of the tables.
+const FILES: [&str; 3] = ["history.csv", "diagnostics.csv", "probes.csv"];
+/// Beginning of the names of columns with times of the clock.
+const CLOCK: &str = "seconds_";
+
+/// The tables of a run.
+#[derive(Clone, Debug)]
+pub struct RunTables {
+    tables: Vec<HistoryTable>,
+}
+
+/// Difference of a column between two runs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Difference {
+    /// Name of the column.
+    pub column: String,
+    /// Largest absolute difference, at the times of the first run.
+    pub largest: f64,
+    /// Largest absolute value in either run.
+    pub scale: f64,
+}
+
+impl Difference {
+    /// Returns the difference relative to the largest value; zero where both runs have only zeros.
+    pub fn relative(&self) -> f64 {
+        if self.largest == 0.0 { 0.0 } else { self.largest / self.scale }
+    }
+}
+
+impl RunTables {
+    /// Reads the tables in a directory of results. Those that the run did not write are left out.
+    ///
+    /// # Errors
+    /// [`Error::Read`]: there is no `history.csv`.
+    pub fn read(directory: &Path) -> Result<Self, Error> {
+        let [history, others @ ..] = FILES;
+        let mut tables = vec![HistoryTable::read(&directory.join(history))?];
+        for name in others {
+            let path = directory.join(name);
+            if path.is_file() {
+                tables.push(HistoryTable::read(&path)?);
+            }
+        }
+        Ok(Self { tables })
+    }
+
+    /// Returns the names of all columns but the time, with their units where the table states them.
+    pub fn columns(&self) -> impl Iterator<Item = &str> {
+        self.tables.iter().flat_map(|table| table.names().iter().skip(1)).map(String::as_str)
+    }
+
+    /// Returns times and values of a column; `None` if there is none of that name.
+    pub fn column(&self, name: &str) -> Option<Vec<(f64, f64)>> {
+        self.tables.iter().find_map(|table| {
+            let times = table.column("time")?;
+            Some(times.into_iter().zip(table.column(name)?).collect())
+        })
+    }
+
+    /// Returns the differences of all columns that both runs have, but those with times of the clock; the largest relative one first.
+    ///
+    /// Values of the other run are interpolated to the times of this one, as far as both runs go.
+    pub fn differences(&self, other: &Self) -> Vec<Difference> {
+        let difference = |name: &str| {
+            let (own, others) = (self.column(name)?, other.column(name)?);
+            let pairs = own.iter().filter_map(|(time, value)| Some((*value, interpolated(&others, *time)?)));
+            let mut found = Difference { column: name.to_owned(), largest: 0.0, scale: 0.0 };
+            for (a, b) in pairs {
+                // Both are undefined, as outside the fluid, or only one is.
+                let distance = if a.is_nan() && b.is_nan() { 0.0 } else { (a - b).abs() };
+                found.largest = if distance.is_nan() { f64::INFINITY } else { found.largest.max(distance) };
+                found.scale = found.scale.max(a.abs()).max(b.abs());
+            }
+            Some(found)
+        };
+        let names = self.columns().filter(|name| !name.starts_with(CLOCK));
+        let mut found: Vec<Difference> = names.filter_map(difference).collect();
+        found.sort_by(|a, b| b.relative().total_cmp(&a.relative()));
+        found
+    }
+}
+
+/// Returns the value of a column at a time, linear between its rows; `None` before the first and after the last one.
+fn interpolated(rows: &[(f64, f64)], time: f64) -> Option<f64> {
+    let after = rows.partition_point(|(t, _)| *t < time);
+    let (t, value) = *rows.get(after)?;
+    if t == time {
+        return Some(value);
+    }
+    let (before, earlier) = *rows.get(after.checked_sub(1)?)?;
+    Some(earlier + (value - earlier) * (time - before) / (t - before))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_are_interpolated_where_both_runs_go() {
+        let rows = [(1.0, 10.0), (2.0, 20.0), (4.0, 0.0)];
+        let at = |time: f64| interpolated(&rows, time);
+        assert_eq!(
+            (at(0.5), at(1.0), at(1.5), at(3.0), at(4.0), at(4.1)),
+            (None, Some(10.0), Some(15.0), Some(10.0), Some(0.0), None)
+        );
+    }
+}
