@@ -116,6 +116,14 @@ impl Checkpoint {
     }
 }
 
+/// Returns step and time of the bytes of a checkpoint.
+///
+/// # Errors
+/// They are not those of a checkpoint that this program reads.
+pub fn checkpoint_time(bytes: &[u8]) -> Result<(usize, f64), String> {
+    Checkpoint::parse(bytes).map(|checkpoint| (checkpoint.header.step, checkpoint.header.time))
+}
+
 /// Returns the text of a scenario without end time and output, with the checksums of the tables that it names.
 ///
 /// # Errors

@@ -51,7 +51,7 @@ pub use error::Error;
 pub use files::{read_text, write_whole};
 #[cfg(feature = "simulation")]
 pub use {
-    checkpoint::checkpoint_steps,
+    checkpoint::{checkpoint_steps, checkpoint_time},
     history::HistoryTable,
     measures::{distance, leading_body},
     run::{RunOptions, Sizes, default_directory, run, sizes},
