@@ -126,6 +126,12 @@ impl From<ResumeArguments> for RunArguments {
     }
 }
 
+/// Reads a number that is zero or positive.
+fn zero_or_positive(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number >= 0.0);
+    number.ok_or_else(|| "it must be a number, zero or positive".to_owned())
+}
+
 #[derive(Args)]
 struct CompareArguments {
     /// Directory of results.
@@ -133,7 +139,7 @@ struct CompareArguments {
     /// Another one, whose values are interpolated to the times of the first.
     second: PathBuf,
     /// Largest difference relative to the largest value of a column, above which the exit code is 1.
-    #[arg(long)]
+    #[arg(long, value_parser = zero_or_positive)]
     tolerance: Option<f64>,
 }
 

@@ -85,7 +85,11 @@ fn columns_are_plotted() {
     assert!(html.matches("<figure class=\"chart\"").count() == 2 && html.contains("corner_y"));
     let output = cutwater(&["plot", &first, "--column", "corner_q", "--out", &page]);
     assert_eq!(output.status.code(), Some(2));
-    assert!(text(&output.stderr).contains("has no column `corner_q`. Known here: "), "{}", text(&output.stderr));
+    assert!(
+        text(&output.stderr).contains("has no column `corner_q`; did you mean `corner_x`? Known here: "),
+        "{}",
+        text(&output.stderr)
+    );
 }
 
 #[test]

@@ -24,9 +24,12 @@ impl Claim {
     /// Creates the directory if there is none, and claims it for a run of a scenario.
     ///
     /// # Errors
-    /// [`Error::Busy`]: another run writes into it. [`Error::Directory`]: unless `overwrites` is set, it has other files, or results of another
+    /// [`Error::NotDirectory`]: it is a file. [`Error::Busy`]: another run writes into it. [`Error::Directory`]: unless `overwrites` is set, it has other files, or results of another
     /// scenario. [`Error::Write`].
     pub(crate) fn new(directory: &Path, file: &ScenarioFile, overwrites: bool) -> Result<Self, Error> {
+        if directory.is_file() {
+            return Err(Error::NotDirectory { path: directory.to_owned() });
+        }
         let marker = directory.join(MARKER);
         let is_marked = marker.is_file();
         let is_foreign = !is_marked && has_files(directory);

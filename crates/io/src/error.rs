@@ -6,7 +6,7 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// A file cannot be read. Check its path and permissions.
-    #[error("cannot read {}: {source}", .path.display())]
+    #[error("cannot read {}: {source}; check its path", .path.display())]
     Read {
         /// The file.
         path: PathBuf,
@@ -90,9 +90,41 @@ pub enum Error {
         /// Why.
         source: Box<vtkio::Error>,
     },
-    /// A summary cannot be written as JSON, or read from it.
-    #[error("the summary is not valid JSON: {0}")]
+    /// A summary cannot be written as JSON.
+    #[error("cannot write the summary as JSON: {0}")]
     Json(#[from] serde_json::Error),
+    /// A directory without a file that every run writes.
+    #[error("{} has no results of a run: {file} is missing; check its path", .directory.display())]
+    NoResults {
+        /// The directory.
+        directory: PathBuf,
+        /// Name of the file.
+        file: &'static str,
+    },
+    /// A file of results is damaged.
+    #[error("{place}: {problem}; correct it, or run the scenario again")]
+    Damaged {
+        /// The file, with the line if it is a table.
+        place: String,
+        /// Cause.
+        problem: String,
+    },
+    /// Two runs that cannot be compared.
+    #[error("{} and {} have no {what} in common; compare runs of like scenarios", .first.display(), .second.display())]
+    NothingCommon {
+        /// Directory of a run.
+        first: PathBuf,
+        /// Directory of the other run.
+        second: PathBuf,
+        /// Column or time.
+        what: &'static str,
+    },
+    /// The directory of results is a file.
+    #[error("{} is a file, and the results need a directory; choose another one with `--out`", .path.display())]
+    NotDirectory {
+        /// The file.
+        path: PathBuf,
+    },
     /// A checkpoint cannot be used.
     #[error("cannot go on from {}: {problem}", .path.display())]
     Checkpoint {
@@ -110,12 +142,14 @@ pub enum Error {
         directory: PathBuf,
     },
     /// A column that the tables of a run do not have.
-    #[error("{} has no column `{column}`. Known here: {known}", .directory.display())]
+    #[error("{} has no column `{column}`{advice} Known here: {known}", .directory.display())]
     NoColumn {
         /// The directory.
         directory: PathBuf,
         /// Name of the column.
         column: String,
+        /// The nearest name, if one is near.
+        advice: String,
         /// Names of all columns.
         known: String,
     },

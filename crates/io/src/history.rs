@@ -300,15 +300,27 @@ impl HistoryTable {
     /// Reads a table. An incomplete last row, as a run that was stopped may leave, is ignored.
     ///
     /// # Errors
-    /// [`Error::Read`].
+    /// [`Error::Read`]; [`Error::Damaged`] with the line.
     pub fn read(path: &Path) -> Result<Self, Error> {
         let text = read_text(path)?;
-        let mut lines = text.lines();
-        let names: Vec<String> = lines.next().unwrap_or_default().split(',').map(str::to_owned).collect();
-        let rows = lines
-            .map(|line| line.split(',').map(|value| value.parse().unwrap_or(f64::NAN)).collect::<Vec<f64>>())
-            .filter(|row| row.len() == names.len())
-            .collect();
+        let whole = text.rfind('\n').map_or("", |end| &text[..end]);
+        let mut lines = whole.lines().zip(1..);
+        let names: Vec<String> = lines.next().map_or("", |(line, _)| line).split(',').map(str::to_owned).collect();
+        let mut rows = Vec::new();
+        for (line, number) in lines {
+            let damaged = |problem| Error::Damaged { place: format!("{}:{number}", path.display()), problem };
+            let values = |value: &str| match value.parse() {
+                Ok(value) => Ok(value),
+                Err(_) if value.is_empty() => Ok(f64::NAN),
+                Err(_) => Err(damaged(format!("`{value}` is not a number"))),
+            };
+            let row = line.split(',').map(values).collect::<Result<Vec<f64>, _>>()?;
+            if row.len() != names.len() {
+                let (found, all) = (row.len(), names.len());
+                return Err(damaged(format!("this row has {found} values, but the header names {all} columns")));
+            }
+            rows.push(row);
+        }
         Ok(Self { names, rows })
     }
 

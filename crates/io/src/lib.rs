@@ -55,7 +55,7 @@ pub use {
     history::HistoryTable,
     measures::{distance, leading_body},
     run::{RunOptions, Sizes, default_directory, run, sizes},
-    run_tables::{Difference, RunTables},
+    run_tables::{Difference, RunTables, results_file},
     scenario::{Case, ScenarioFile},
     summary::{Summary, Timing},
     watch::{Progress, StepProgress, Watch},

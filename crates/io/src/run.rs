@@ -126,7 +126,12 @@ fn last_checkpoint<const D: usize>(
     case: &Case<D>,
     directory: &Path,
 ) -> Result<(State<D>, Header), Error> {
-    let Checkpoint { header, lists } = Checkpoint::last(directory)?;
+    let Checkpoint { header, lists } = Checkpoint::last(directory).map_err(|error| match error {
+        Error::Checkpoint { path, problem } => {
+            Error::Checkpoint { path, problem: format!("{problem}; remove it, and run the scenario again") }
+        }
+        error => error,
+    })?;
     let refused = |problem: String| Err(Error::Checkpoint { path: directory.to_owned(), problem });
     if header.scenario != problem_text(file)? {
         return refused("the scenario is not that of the run; only [output] and time.end may change".to_owned());

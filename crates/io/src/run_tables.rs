@@ -1,9 +1,10 @@
 //! The tables of a run, read back, and the differences between two runs.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::Error;
 use crate::history::HistoryTable;
+use crate::scenario::advice;
 
 /// Names of the tables.
 const FILES: [&str; 3] = ["history.csv", "diagnostics.csv", "probes.csv"];
@@ -38,10 +39,14 @@ impl RunTables {
     /// Reads the tables in a directory of results. Those that the run did not write are left out.
     ///
     /// # Errors
-    /// [`Error::Read`]: there is no `history.csv`.
+    /// [`Error::NoResults`]: there is no `history.csv`. [`Error::Damaged`].
     pub fn read(directory: &Path) -> Result<Self, Error> {
         let [history, others @ ..] = FILES;
-        let mut tables = vec![HistoryTable::read(&directory.join(history))?];
+        let mut tables = vec![HistoryTable::read(&results_file(directory, history)?)?];
+        if tables[0].n_rows() == 0 {
+            let place = directory.join(history).display().to_string();
+            return Err(Error::Damaged { place, problem: "the table has no rows".to_owned() });
+        }
         for name in others {
             let path = directory.join(name);
             if path.is_file() {
@@ -64,10 +69,26 @@ impl RunTables {
         })
     }
 
+    /// Returns the error about a column that the run in a directory does not have.
+    pub fn no_column(&self, directory: &Path, column: &str) -> Error {
+        let names: Vec<&str> = self.columns().collect();
+        let bare: Vec<&str> = names.iter().map(|name| name.split(" [").next().unwrap_or(name)).collect();
+        let (directory, column, advice) = (directory.to_owned(), column.to_owned(), advice(column, &bare));
+        Error::NoColumn { directory, column, advice, known: names.join(", ") }
+    }
+
     /// Returns the differences of all columns that both runs have, but those with times of the clock; the largest relative one first.
     ///
-    /// Values of the other run are interpolated to the times of this one, as far as both runs go.
-    pub fn differences(&self, other: &Self) -> Vec<Difference> {
+    /// Values of the other run are interpolated to the times of this one, as far as both runs go. The directories name the runs in errors.
+    ///
+    /// # Errors
+    /// [`Error::NothingCommon`]: the runs have no column or no time in common.
+    pub fn differences(&self, other: &Self, [first, second]: [&Path; 2]) -> Result<Vec<Difference>, Error> {
+        let nothing = |what| Error::NothingCommon { first: first.to_owned(), second: second.to_owned(), what };
+        let (times, others) = (self.column("time").unwrap_or_default(), other.column("time").unwrap_or_default());
+        if !times.iter().any(|(time, _)| interpolated(&others, *time).is_some()) {
+            return Err(nothing("time"));
+        }
         let difference = |name: &str| {
             let (own, others) = (self.column(name)?, other.column(name)?);
             let pairs = own.iter().filter_map(|(time, value)| Some((*value, interpolated(&others, *time)?)));
@@ -82,9 +103,21 @@ impl RunTables {
         };
         let names = self.columns().filter(|name| !name.starts_with(CLOCK));
         let mut found: Vec<Difference> = names.filter_map(difference).collect();
+        if found.is_empty() {
+            return Err(nothing("column"));
+        }
         found.sort_by(|a, b| b.relative().total_cmp(&a.relative()));
-        found
+        Ok(found)
     }
+}
+
+/// Returns the path of a file of results.
+///
+/// # Errors
+/// [`Error::NoResults`]: it does not exist.
+pub fn results_file(directory: &Path, file: &'static str) -> Result<PathBuf, Error> {
+    let path = directory.join(file);
+    if path.is_file() { Ok(path) } else { Err(Error::NoResults { directory: directory.to_owned(), file }) }
 }
 
 /// Returns the value of a column at a time, linear between its rows; `None` before the first and after the last one.

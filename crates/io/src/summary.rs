@@ -180,9 +180,13 @@ impl Summary {
     /// Reads a summary.
     ///
     /// # Errors
-    /// [`Error::Read`], [`Error::Json`].
+    /// [`Error::Read`], [`Error::Damaged`].
     pub fn read(path: &Path) -> Result<Self, Error> {
-        Ok(serde_json::from_str(&read_text(path)?)?)
+        let damaged = |error| Error::Damaged {
+            place: path.display().to_string(),
+            problem: format!("the file is damaged, not valid JSON of a summary: {error}"),
+        };
+        serde_json::from_str(&read_text(path)?).map_err(damaged)
     }
 }
 

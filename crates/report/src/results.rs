@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use io::{HistoryTable, Summary, read_text};
+use io::{HistoryTable, Summary, read_text, results_file};
 
 use crate::{Chart, Curve, Error, Frames};
 
@@ -28,7 +28,7 @@ impl Results {
     /// [`Error::Results`], [`Error::Frames`]: files are missing or malformed.
     pub fn read(directory: &Path) -> Result<Self, Error> {
         Ok(Self {
-            summary: Summary::read(&directory.join("summary.json"))?,
+            summary: Summary::read(&results_file(directory, "summary.json")?)?,
             history: HistoryTable::read(&directory.join("history.csv"))?,
             diagnostics: HistoryTable::read(&directory.join("diagnostics.csv"))?,
             frames: Frames::read(directory)?,

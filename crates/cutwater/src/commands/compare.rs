@@ -7,8 +7,9 @@ use crate::CompareArguments;
 
 /// Prints the largest differences between the columns of two runs.
 pub(crate) fn compare(arguments: &CompareArguments) -> Result<(), Error> {
-    let [first, second] = [&arguments.first, &arguments.second].map(|directory| RunTables::read(directory));
-    let differences = first?.differences(&second?);
+    let directories = [&arguments.first, &arguments.second].map(|directory| directory.as_path());
+    let [first, second] = directories.map(RunTables::read);
+    let differences = first?.differences(&second?, directories)?;
     let (different, equal): (Vec<_>, Vec<_>) = differences.iter().partition(|found| found.largest > 0.0);
     if !different.is_empty() {
         print(&format!("{:<40} {:>12} {:>12} {:>12}", "column", "difference", "largest", "relative"))?;

@@ -83,6 +83,10 @@ impl Failure {
                 | Error::Cut { .. }
                 | Error::GridSize { .. }
                 | Error::NoColumn { .. }
+                | Error::NoResults { .. }
+                | Error::Damaged { .. }
+                | Error::NothingCommon { .. }
+                | Error::NotDirectory { .. }
                 | Error::Checkpoint { .. }
                 | Error::NoCheckpoint { .. }
                 | Error::Unfinished { .. }

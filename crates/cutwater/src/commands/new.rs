@@ -24,6 +24,10 @@ pub(crate) fn new(arguments: &NewArguments) -> Result<(), Error> {
     // Quotes and backslashes of a name are escaped in TOML as they are in Rust.
     let text = arguments.template.text().replace("\"NAME\"", &format!("{name:?}")).replace("NAME", &name);
     let written = |source| Error::Write { path: path.clone(), source };
+    if arguments.file.file_name().is_none() {
+        let source = std::io::Error::new(ErrorKind::InvalidInput, "it has no file name; give one, such as fall.toml");
+        return Err(written(source));
+    }
     let mut file = File::create_new(&path).map_err(|source| match source.kind() {
         ErrorKind::AlreadyExists => {
             written(std::io::Error::new(source.kind(), "it exists; choose another name, or remove it"))

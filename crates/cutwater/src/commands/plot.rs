@@ -14,11 +14,7 @@ pub(crate) fn plot(arguments: &PlotArguments) -> Result<(), Failure> {
     for column in &arguments.columns {
         let mut curves = Vec::new();
         for (directory, tables) in &runs {
-            let points = tables.column(column).ok_or_else(|| Error::NoColumn {
-                directory: (*directory).clone(),
-                column: column.clone(),
-                known: tables.columns().collect::<Vec<&str>>().join(", "),
-            })?;
+            let points = tables.column(column).ok_or_else(|| tables.no_column(directory, column))?;
             curves.push(Curve::new(directory.display().to_string(), points));
         }
         html += &Chart::new(column.clone(), "time", curves).html()?;

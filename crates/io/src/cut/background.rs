@@ -1,6 +1,9 @@
 //! Meshes of tetrahedra from VTK files.
 
+use std::cell::Cell;
+use std::panic::{self, UnwindSafe};
 use std::path::Path;
+use std::sync::Once;
 
 use mesh::{Point, Simplex, SimplexMesh, VertexId};
 use vtkio::model::{CellType, DataSet, Piece, UnstructuredGridPiece, VertexNumbers};
@@ -29,7 +32,7 @@ fn parse(path: &Path, bytes: &[u8]) -> Result<SimplexMesh<3>, String> {
         _ => return Err("its name must end in .vtu or .vtk".to_owned()),
     };
     // The parser does not check the lengths in compressed arrays, and panics where they are wrong.
-    let parsed = std::panic::catch_unwind(|| parse(bytes)).map_err(|_| CONTRADICTION)?;
+    let parsed = quietly(|| parse(bytes)).ok_or(CONTRADICTION)?;
     let pieces = match parsed.map_err(|error| error.to_string())?.data {
         DataSet::UnstructuredGrid { pieces, .. } => pieces,
         _ => Vec::new(),
@@ -38,6 +41,28 @@ fn parse(path: &Path, bytes: &[u8]) -> Result<SimplexMesh<3>, String> {
         Ok([Piece::Inline(piece)]) => tetrahedra(&piece),
         _ => Err("it does not hold one unstructured grid".to_owned()),
     }
+}
+
+thread_local! {
+    /// Whether the thread runs code of which a panic is an error of the input, and prints nothing.
+    static IS_QUIET: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Runs a function, and returns `None` if it panics. The panic prints nothing; those of other threads are shown as before.
+fn quietly<T>(run: impl FnOnce() -> T + UnwindSafe) -> Option<T> {
+    static HOOK: Once = Once::new();
+    HOOK.call_once(|| {
+        let shown = panic::take_hook();
+        panic::set_hook(Box::new(move |info| {
+            if !IS_QUIET.get() {
+                shown(info);
+            }
+        }));
+    });
+    IS_QUIET.set(true);
+    let done = panic::catch_unwind(run);
+    IS_QUIET.set(false);
+    done.ok()
 }
 
 fn tetrahedra(piece: &UnstructuredGridPiece) -> Result<SimplexMesh<3>, String> {

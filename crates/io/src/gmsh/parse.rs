@@ -29,6 +29,9 @@ impl GmshFile {
     /// # Errors
     /// Line or byte, cause and remedy.
     pub fn parse(bytes: &[u8]) -> Result<Self, String> {
+        if bytes.trim_ascii().is_empty() {
+            return Err("the file is empty; save the mesh again".to_owned());
+        }
         let mut scan = Scan::new(bytes);
         let version = format(&mut scan)?;
         let mut file = GmshFile {

@@ -179,7 +179,12 @@ fn needed<'v, T>(body: &At<BodyKeys>, key: &'static str, value: &'v Option<At<T>
 }
 
 pub(super) fn body<const D: usize>(given: &At<BodyKeys>, time: &Time) -> Result<Built<D>, ScenarioError> {
-    let geometry = Geometry::new(&given.shape)?.shifted(given.shift()).map_err(|error| given.shape.at.error(error))?;
+    let geometry = Geometry::new(&given.shape)?.shifted(given.shift()).map_err(|error| {
+        given
+            .shape
+            .at
+            .invalid(format!("with its shift the shape loses its cells to rounding ({error}); make the shift smaller"))
+    })?;
     let body: Arc<dyn Body<D>> = match (given.motion.as_ref(), geometry) {
         (None, geometry) => return elastic(given, geometry, time),
         (Some(motion), geometry) => match &**motion {
@@ -240,6 +245,11 @@ fn elastic<const D: usize>(
         initial_displacement: at_start(&given.initial_displacement)?,
         initial_velocity: at_start(&given.initial_velocity)?,
     };
+    if let (Some(given), Some(displacement)) = (&given.initial_displacement, &options.initial_displacement) {
+        let displaced = solid.mesh().mapped(|x| x + displacement(x));
+        displaced
+            .map_err(|_| given.at.invalid("this displacement turns cells of the body inside out; make it smaller"))?;
+    }
     let contact_facets = free_facets(given, &solid)?;
     let part_names = solid.mesh().tag_names().to_vec();
     let body = ElasticBody::new(&given.name, solid, form, options).map_err(|error| given.at.error(error))?;

@@ -36,8 +36,9 @@ impl Location {
         known: impl IntoIterator<Item = &'k str>,
     ) -> ScenarioError {
         let known: Vec<&str> = known.into_iter().collect();
-        let advice = nearest(found, &known).map_or(".".to_owned(), |name| format!("; did you mean `{name}`?"));
-        self.error(ErrorKind::Unknown { what, found: found.to_owned(), advice, known: known.join(", ") })
+        let advice = advice(found, &known);
+        let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
+        self.error(ErrorKind::Unknown { what, found: found.to_owned(), advice, known })
     }
 
     /// Returns the location of a part, on the same line.
@@ -141,6 +142,11 @@ pub enum ErrorKind {
     /// Surfaces of bodies that cannot cut the background.
     #[error("the bodies cannot cut the background: {0}")]
     Cut(#[from] cutcell::Error),
+}
+
+/// Returns the end of a sentence about an unknown word, with the nearest known one if one is near.
+pub(crate) fn advice(found: &str, known: &[&str]) -> String {
+    nearest(found, known).map_or(".".to_owned(), |name| format!("; did you mean `{name}`?"))
 }
 
 /// Returns the known word nearest to a word if at most a third of its letters differ.

@@ -88,6 +88,11 @@ impl ScenarioFile {
     /// # Errors
     /// [`Error::Read`], [`Error::NotUtf8`], or [`Error::Scenario`] with file, line and key.
     pub fn read(path: &Path, sets: &[String]) -> Result<Self, Error> {
+        if ["msh", "stl", "obj", "vtu", "vtk"].contains(&extension(path).as_str()) && path.is_file() {
+            let at = Location { file: path.to_owned(), line: 1, ..Location::default() };
+            let message = "this is a mesh or surface, not a scenario; name it as the `file` of a shape, or look into it with `cutwater mesh info`";
+            return Err(at.invalid(message).into());
+        }
         Self::parse(path, &read_scenario(path)?, sets)
     }
 
@@ -194,6 +199,7 @@ fn replace_inputs(
 /// Checks combinations of values.
 fn check(scenario: &Scenario) -> Result<(), ScenarioError> {
     scenario.time.check()?;
+    scenario.units.check()?;
     let is_plain = |name: &str| !name.is_empty() && name.chars().all(|c| c.is_alphanumeric() || "-_.".contains(c));
     let refuse = |name: &At<String>, why| Err(name.at.invalid(format!("the name `{}` is {why}", name.as_str())));
     if !is_plain(&scenario.name) || scenario.name.starts_with('.') {

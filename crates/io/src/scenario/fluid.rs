@@ -14,7 +14,9 @@ use solver::{FluidBoundary, FluidSetup, Stabilisation};
 
 use super::error::ScenarioError;
 use super::field::{Field, FieldFormula};
-use super::geometry::{in_file, input_path, normal_along_axis, polygon_lines, read_gmsh};
+use super::geometry::{
+    CELLS_IN_SQUARE, check_corners, in_file, input_path, normal_along_axis, polygon_lines, read_gmsh,
+};
 use super::key::Quantity;
 use super::table::{At, Components, Named, OrTable, choices, keys};
 use crate::files::extension;
@@ -307,18 +309,16 @@ choices! {
     }
 }
 
-/// Triangles in a square with sides of the size of a cell.
-const CELLS_IN_SQUARE: f64 = 2.7;
-
 fn background<const D: usize>(given: &At<Background>) -> Result<SimplexMesh<D>, ScenarioError> {
     let (min, max, size, refine, is_mirrored) = match &**given {
         Background::GradedBox { min, max, size, refine, mirrored, .. } => (min, max, size, refine, mirrored),
         Background::Polygon { corners, holes, size, .. } => {
-            let lines = polygon_lines(&given.at, corners, holes, **size, false)?;
-            let area = lines.first().map_or(0.0, |line| line.area().abs());
+            let next = corners.iter().cycle().skip(1);
+            let area = 0.5 * corners.iter().zip(next).map(|(a, b)| a[0] * b[1] - b[0] * a[1]).sum::<f64>().abs();
             if let Some(shortage) = shortage(CELLS_IN_SQUARE * area / size.powi(2), available()) {
                 return Err(size.at.invalid(shortage));
             }
+            let lines = polygon_lines(&given.at, corners, holes, **size, false)?;
             return inside(&lines, **size).map_err(|error| given.at.error(error));
         }
         Background::Mesh { file, scale, .. } => return background_from_file(file, *scale),
@@ -333,6 +333,7 @@ fn background<const D: usize>(given: &At<Background>) -> Result<SimplexMesh<D>, 
             axis: graded.axis as usize,
         },
     };
+    check_corners(min, max, &max.at)?;
     let min = min.vector::<D>();
     let corners = [min, max.vector::<D>()].map(<[f64; D]>::from);
     let regions = refine.iter().map(|given| region(given, corners, &field)).collect::<Result<Vec<_>, _>>()?;
@@ -368,10 +369,11 @@ fn background_from_file<const D: usize>(file: &At<String>, scale: f64) -> Result
     let mut bare = mesh.facets().filter(is_bare);
     if let Some(first) = bare.next() {
         let (n, x) = (bare.count() + 1, mesh.vertex(mesh.facet(first)[0]));
-        return Err(file.at.invalid(format!(
+        let problem = format!(
             "{n} facets of the boundary belong to no physical group, the first one at {:?}; give every part of the boundary a group and save again",
             x.as_slice(),
-        )));
+        );
+        return Err(in_file(file, &path, problem));
     }
     Ok(mesh)
 }

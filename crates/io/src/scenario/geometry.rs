@@ -1,6 +1,7 @@
 //! Shapes of bodies: one function for each kind.
 
 use std::collections::HashMap;
+use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
 use mesh::generate::{BallOptions, ClosedLine, Size, ball, graded_box, half_ball, inside, mirrored, structured_box};
@@ -12,6 +13,7 @@ use super::table::{At, Components, choices};
 use crate::Error;
 use crate::files::extension;
 use crate::gmsh::GmshFile;
+use crate::memory::shortage_of_body;
 use crate::surface::Surface;
 
 choices! {
@@ -122,6 +124,7 @@ impl<const D: usize> Geometry<D> {
                 "this shape exists in two dimensions only; use a ball, a box or a mesh from a file, or dimension = 2";
             return Err(shape.at.invalid(message));
         }
+        check_memory::<D>(shape)?;
         Ok(match &**shape {
             Shape::Ball { centre, radius, size, area_preserving } => {
                 let options = BallOptions { area_preserving: *area_preserving };
@@ -140,6 +143,7 @@ impl<const D: usize> Geometry<D> {
                 Self::Mesh(Box::new(ball), nodes)
             }
             Shape::Box { min, max, size, n } => {
+                check_corners(min, max, &shape.at.part("max"))?;
                 let (min, max) = (min.vector::<D>().into(), max.vector::<D>().into());
                 let mesh = match (size, n) {
                     (Some(h), None) => graded_box(min, max, &Size::uniform(*h)),
@@ -182,6 +186,9 @@ impl<const D: usize> Geometry<D> {
             let found = content.mesh::<D>().map_err(in_file)?;
             return Ok(Self::Mesh(Box::new(found.mesh), found.edge_nodes));
         }
+        if !["stl", "obj"].contains(&extension(&path).as_str()) {
+            return Err(in_file(file, &path, "its name must end in .msh, .stl or .obj".to_owned()));
+        }
         if D != 3 {
             return Err(file.at.invalid(
                 "a body in two dimensions is read from a Gmsh file, .msh; change the file, or use a polygon",
@@ -189,6 +196,7 @@ impl<const D: usize> Geometry<D> {
         }
         let surface = Surface::read(&path).map_err(|error| unreadable(file, error))?;
         let positions = surface.positions().iter().map(|x| Point::from_fn(|axis, _| x[axis])).collect();
+        closed(&surface).map_err(|problem| in_file(file, &path, problem))?;
         let facets = surface.boundary().facets().flat_map(|facet| surface.boundary().facet(facet).to_vec());
         Ok(Self::outwards(BoundaryMesh::from_facets(facets.collect()), positions))
     }
@@ -242,6 +250,8 @@ impl<const D: usize> Geometry<D> {
         match self {
             Self::Mesh(mesh, nodes) => Ok((*mesh, nodes)),
             Self::Lines(lines, size) => {
+                let area = lines.first().map_or(0.0, |line| line.area().abs());
+                refuse_shortage(&shape.at.part("size"), CELLS_IN_SQUARE * area / size.powi(2))?;
                 let mesh = inside(&lines, size).map_err(|error| refuse(&shape.at, error))?;
                 Ok((mesh, nodes_on_lines(&lines)))
             }
@@ -272,6 +282,70 @@ impl<const D: usize> Geometry<D> {
     }
 }
 
+/// Triangles in a square with sides of the size of a cell.
+pub(super) const CELLS_IN_SQUARE: f64 = 2.7;
+/// Tetrahedra in a cube with sides of the size of a cell.
+const CELLS_IN_CUBE: f64 = 6.0;
+
+/// Checks that there is memory for the cells of a shape whose mesh is always made. They are counted from its area or volume.
+fn check_memory<const D: usize>(shape: &At<Shape>) -> Result<(), ScenarioError> {
+    let per_measure = |size: f64| if D == 2 { CELLS_IN_SQUARE } else { CELLS_IN_CUBE } / size.powi(D as i32);
+    let measure_of_ball = |radius: f64| if D == 2 { PI * radius.powi(2) } else { 4.0 / 3.0 * PI * radius.powi(3) };
+    let (n_cells, key) = match &**shape {
+        Shape::Ball { radius, size, .. } => (measure_of_ball(*radius) * per_measure(*size), "size"),
+        Shape::HalfBall { radius, size, .. } => (0.5 * measure_of_ball(*radius) * per_measure(*size), "size"),
+        Shape::Box { n: Some(n), .. } => (n.iter().map(|n| *n as f64).product(), "n"),
+        Shape::Box { min, max, size: Some(size), .. } => {
+            ((max.vector::<D>() - min.vector::<D>()).product().abs() * per_measure(*size), "size")
+        }
+        _ => return Ok(()),
+    };
+    refuse_shortage(&shape.at.part(key), n_cells)
+}
+
+fn refuse_shortage(at: &Location, n_cells: f64) -> Result<(), ScenarioError> {
+    shortage_of_body(n_cells).map_or(Ok(()), |shortage| Err(at.invalid(shortage)))
+}
+
+/// Checks that the highest corner of a box, at a location, is above the lowest one along each axis.
+pub(super) fn check_corners(min: &Components<f64>, max: &Components<f64>, at: &Location) -> Result<(), ScenarioError> {
+    let is_below = |axis: &usize| min[*axis] >= max[*axis];
+    let found = (0..max.len()).find(is_below);
+    found.map_or(Ok(()), |axis| {
+        let (low, high) = (min[axis], max[axis]);
+        Err(at.part(axis).invalid(format!("this is {high}, but must be above that of min, which is {low}")))
+    })
+}
+
+/// Checks that the triangles of a surface bound a body.
+///
+/// # Errors
+/// Cause, place and remedy: no triangles, or a side without exactly one neighbour of the same orientation.
+fn closed(surface: &Surface) -> Result<(), String> {
+    let sides = || {
+        let of_facet = |v: [VertexId; 3]| [[v[0], v[1]], [v[1], v[2]], [v[2], v[0]]];
+        let boundary = surface.boundary();
+        boundary.facets().flat_map(move |facet| of_facet(std::array::from_fn(|k| boundary.facet(facet)[k])))
+    };
+    let mut count: HashMap<[VertexId; 2], usize> = HashMap::new();
+    sides().for_each(|side| *count.entry(side).or_insert(0) += 1);
+    if count.is_empty() {
+        return Err("it has no triangles; save the surface again".to_owned());
+    }
+    for [a, b] in sides() {
+        let (along, against) = (count[&[a, b]], count.get(&[b, a]).copied().unwrap_or(0));
+        let problem = match (along, against) {
+            (1, 1) => continue,
+            (1, 0) => "the surface is open",
+            (2, 0) => "two triangles have opposite orientations",
+            _ => "more than two triangles meet",
+        };
+        let x = surface.positions()[a.index()];
+        return Err(format!("{problem} at a side from ({}, {}, {}); close it, or repair it there", x[0], x[1], x[2]));
+    }
+    Ok(())
+}
+
 /// Returns the outline of a polygon and its holes.
 pub(super) fn polygon_lines(
     at: &Location,
@@ -287,7 +361,10 @@ pub(super) fn polygon_lines(
         } else {
             ClosedLine::polygon(&corners, size, name)
         };
-        line.map_err(|error| refuse(&at.part(part), error))
+        line.map_err(|error| match &error {
+            mesh::Error::Parameter(parameter) if parameter.what == SEGMENTS => refuse(&at.part("size"), error),
+            _ => refuse(&at.part(part), error),
+        })
     };
     let side = |k: usize| if is_smooth { "surface".to_owned() } else { format!("side-{}", k + 1) };
     let mut lines = vec![line(corners, "corners".to_owned(), &side)?];
@@ -296,6 +373,9 @@ pub(super) fn polygon_lines(
     }
     Ok(lines)
 }
+
+/// Parameter of a polygon that follows from the size.
+const SEGMENTS: &str = "number of segments of a side";
 
 fn planar(x: &Components<f64>) -> [f64; 2] {
     [x[0], x[1]]
@@ -369,7 +449,7 @@ pub(super) fn in_file(file: &At<String>, path: &Path, problem: String) -> Scenar
 }
 
 fn unreadable(file: &At<String>, error: Error) -> ScenarioError {
-    let advice = if matches!(error, Error::Read { .. }) { "; check its path, relative to the scenario" } else { "" };
+    let advice = if matches!(error, Error::Read { .. }) { ", relative to the scenario" } else { "" };
     file.at.invalid(format!("{error}{advice}"))
 }
 

@@ -25,6 +25,7 @@ mod units;
 pub use body::{BodyCondition, BodyKeys, MaterialChoice};
 pub use case::{Case, CaseVisitor, lower};
 pub use contact::{ContactKeys, ContactLawChoice, ObstacleChoice};
+pub(crate) use error::advice;
 pub use error::{ErrorKind, Location, ScenarioError};
 pub use field::{Field, FieldFormula};
 pub use file::{Output, Scenario, ScenarioFile};

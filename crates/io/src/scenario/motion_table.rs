@@ -5,6 +5,8 @@ use std::path::Path;
 use mesh::Vector;
 
 use super::formula::Dual;
+use crate::Error;
+use crate::files::read_text;
 
 /// Displacement and angle of a rigid body with their rates in time.
 ///
@@ -46,8 +48,12 @@ impl<const D: usize> MotionTable<D> {
     /// A message with file, line, cause and remedy.
     pub(super) fn read(path: &Path) -> Result<Self, String> {
         let file = path.display().to_string();
-        let text = std::fs::read_to_string(path)
-            .map_err(|e| format!("{file}: the table cannot be read ({e}); check its path, relative to the scenario"))?;
+        let text = read_text(path).map_err(|error| match error {
+            Error::Read { source, .. } => {
+                format!("{file}: the table cannot be read ({source}); check its path, relative to the scenario")
+            }
+            error => error.to_string(),
+        })?;
         // Spreadsheets write a byte order mark first.
         Self::parse(&file, text.trim_start_matches('\u{feff}'))
     }

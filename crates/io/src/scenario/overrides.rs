@@ -46,20 +46,23 @@ pub(super) fn apply<'t>(
 ) -> Result<(), ScenarioError> {
     for Change { path, text, start } in changes {
         let Some((_, value)) = parse(document, text)?.into_iter().next() else { continue };
-        set(root, path, value).map_err(|segment| {
-            let message = format!("there is no entry `{segment}` to be set; check the key");
-            document.locate(*start, "").error(ErrorKind::Override(message))
+        set(root, path, value).map_err(|(below, problem)| {
+            let key = path[..path.len() - below].join(".");
+            document.locate(*start, "").error(ErrorKind::Override(format!("`{key}` {problem}; check the key")))
         })?;
     }
     Ok(())
 }
 
-/// Sets the value at the end of a path and makes tables that are missing; an error is the segment that cannot be found.
-fn set<'t, 'p>(
+/// Sets the value at the end of a path and makes tables that are missing.
+///
+/// # Errors
+/// The number of segments below the value that the path does not fit, and the cause.
+fn set<'t>(
     target: &mut Spanned<DeValue<'t>>,
-    path: &[&'p str],
+    path: &[&str],
     value: Spanned<DeValue<'t>>,
-) -> Result<(), &'p str> {
+) -> Result<(), (usize, String)> {
     let Some((&name, rest)) = path.split_first() else {
         *target = value;
         return Ok(());
@@ -78,9 +81,12 @@ fn set<'t, 'p>(
             done
         }
         DeValue::Array(items) => {
+            let n = items.len();
             let item = name.parse::<usize>().ok().and_then(|k| items.get_mut(k));
-            set(item.ok_or(name)?, rest, value)
+            let entries = if n == 1 { "entry" } else { "entries" };
+            let problem = || format!("has {n} {entries}, counted from 0, and there is no entry `{name}`");
+            set(item.ok_or_else(|| (path.len(), problem()))?, rest, value)
         }
-        _ => Err(name),
+        _ => Err((path.len(), format!("is a value, not a table, and has no entry `{name}`"))),
     }
 }

@@ -1,7 +1,7 @@
 //! Probes of a scenario: quantities with names of their own.
 
 use mesh::search::SurfaceIndex;
-use mesh::{FacetId, Placed, Point, Vector};
+use mesh::{Aabb, FacetId, Placed, Point, Vector};
 use solver::Setup;
 use solver::body::Body;
 
@@ -78,9 +78,20 @@ pub(super) fn probes<const D: usize>(
             let index = setup.bodies.iter().position(|other| other.name() == body.as_str());
             index.ok_or_else(|| body.at.unknown("body", body, setup.bodies.iter().map(|body| body.name())))
         };
+        let inside = |points: &[Point<D>]| {
+            let domain = fluid.map(|fluid| Aabb::of_points(fluid.background.vertices()));
+            let is_outside = domain.is_some_and(|domain| !domain.overlaps(&Aabb::of_points(points)));
+            let first = points.first().map(Point::as_slice).unwrap_or_default();
+            let problem = || probe.at.invalid(format!("the probe at {first:?} is outside the background; move it"));
+            if is_outside { Err(problem()) } else { Ok(()) }
+        };
         let no_fluid = || probe.at.error(ErrorKind::NoEffect("a scenario without a fluid"));
         let measured = match &**probe {
-            ProbeChoice::Point { at } => Measured::Point { at: fluid.map(|_| at.vector()).ok_or_else(no_fluid)? },
+            ProbeChoice::Point { at } => {
+                fluid.ok_or_else(no_fluid)?;
+                inside(&[at.vector()])?;
+                Measured::Point { at: at.vector() }
+            }
             ProbeChoice::Marker { body, at } => marker(&*setup.bodies[find(body)?], find(body)?, &at.vector())
                 .ok_or_else(|| probe.at.invalid("the surface of this body has no point; check its shape"))?,
             ProbeChoice::Force { body, parts, about } => {
@@ -99,7 +110,11 @@ pub(super) fn probes<const D: usize>(
                 let normal = normal(&vectors).ok_or_else(|| {
                     sides.at.invalid(format!("a section in dimension {D} needs {} sides that span it", D - 1))
                 })?;
-                Measured::Flux { corner: corner.vector(), sides: vectors, normal, n: *points }
+                let corner: Point<D> = corner.vector();
+                let ends = vectors.iter().map(|side| corner + side);
+                let opposite = corner + vectors.iter().sum::<Vector<D>>();
+                inside(&ends.chain([corner, opposite]).collect::<Vec<_>>())?;
+                Measured::Flux { corner, sides: vectors, normal, n: *points }
             }
             ProbeChoice::StrainEnergy { body } => {
                 let index = find(body)?;
@@ -113,6 +128,7 @@ pub(super) fn probes<const D: usize>(
             }
             ProbeChoice::Line { from, to, points } => {
                 fluid.ok_or_else(no_fluid)?;
+                inside(&[from.vector(), to.vector()])?;
                 found.lines.push(Line { name: name.clone(), ends: [from.vector(), to.vector()], n: *points });
                 continue;
             }

@@ -81,6 +81,9 @@ impl<'d> Node<'d> {
         let found = match self.value {
             DeValue::String(text) => format!("the string \"{text}\""),
             DeValue::Boolean(value) => format!("the boolean `{value}`"),
+            DeValue::Integer(found) if whole(self.value).is_none() => {
+                format!("the whole number `{}`, which is too large", found.as_str())
+            }
             DeValue::Integer(_) | DeValue::Float(_) => {
                 format!("the number `{}`", number(self.value).unwrap_or(f64::NAN))
             }
@@ -152,10 +155,17 @@ fn number(value: &DeValue<'_>) -> Option<f64> {
     match value {
         DeValue::Float(number) => Some(number.as_str().parse().unwrap_or(f64::NAN)),
         DeValue::Integer(number) => {
-            Some(i64::from_str_radix(number.as_str(), number.radix()).map_or(f64::NAN, |value| value as f64))
+            // Every whole number that the machine does not hold is larger than all that are accepted.
+            let value = i128::from_str_radix(number.as_str(), number.radix());
+            Some(value.map_or(f64::INFINITY, |value| value as f64))
         }
         _ => None,
     }
+}
+
+/// Returns a whole number; `None` for another value, and if it is too large for TOML.
+fn whole(value: &DeValue<'_>) -> Option<i64> {
+    value.as_integer().and_then(|number| i64::from_str_radix(number.as_str(), number.radix()).ok())
 }
 
 /// A table with declared keys.
@@ -204,6 +214,12 @@ pub struct At<T> {
 }
 
 impl<T> At<T> {
+    /// Creates a value without a location.
+    #[cfg(test)]
+    pub(super) fn nowhere(value: T) -> Self {
+        Self { value, at: Location::default() }
+    }
+
     /// Returns the value that follows from this one, with the same location.
     pub(super) fn map<U>(&self, value: impl FnOnce(&T) -> U) -> At<U> {
         At { value: value(&self.value), at: self.at.clone() }
@@ -349,8 +365,8 @@ plain_values! {
     f64, Number, number;
     bool, Flag, |value| value.as_bool();
     String, Text, |value| value.as_str().map(str::to_owned);
-    usize, Whole, |value| value.as_integer().and_then(|n| Self::from_str_radix(n.as_str(), n.radix()).ok());
-    u32, Whole, |value| value.as_integer().and_then(|n| Self::from_str_radix(n.as_str(), n.radix()).ok());
+    usize, Whole, |value| whole(value).and_then(|n| n.try_into().ok());
+    u32, Whole, |value| whole(value).and_then(|n| n.try_into().ok());
 }
 
 /// Declares a table of a scenario and derives its reader.

@@ -1,7 +1,8 @@
 //! Units: labels of the numbers of a scenario. Nothing is converted.
 
+use super::error::ScenarioError;
 use super::key::Quantity;
-use super::table::{OrTable, choices, keys};
+use super::table::{At, OrTable, choices, keys};
 
 choices! {
     /// System of units with names of its own for derived quantities.
@@ -18,11 +19,11 @@ keys! {
     /// Names of three base units.
     pub struct UnitNames {
         /// Unit of length, such as `"mm"`.
-        length: String,
+        length: At<String>,
         /// Unit of mass, such as `"g"`.
-        mass: String,
+        mass: At<String>,
         /// Unit of time, such as `"ms"`.
-        time: String,
+        time: At<String>,
     }
 }
 
@@ -40,6 +41,17 @@ const NAMED: [(Quantity, [&str; 2]); 6] = [
 ];
 
 impl Units {
+    /// Checks that the names of units can be part of the names of columns.
+    pub(super) fn check(&self) -> Result<(), ScenarioError> {
+        let Self::Table(UnitNames { length, mass, time }) = self else { return Ok(()) };
+        let is_bad = |name: &&At<String>| name.trim().is_empty() || name.contains([',', '"', '[', ']', '\n', '\r']);
+        let refuse = |name: &At<String>| {
+            let found = if name.trim().is_empty() { "empty".to_owned() } else { format!("`{}`", **name) };
+            name.at.invalid(format!("the name of this unit is {found}; use letters and digits, such as \"mm\""))
+        };
+        [length, mass, time].into_iter().find(is_bad).map_or(Ok(()), |name| Err(refuse(name)))
+    }
+
     /// Returns the unit of a quantity, such as `cm/s` or `dyn`; empty for pure numbers.
     pub fn label(&self, quantity: Quantity) -> String {
         let base = match self {
@@ -92,7 +104,8 @@ mod tests {
 
     #[test]
     fn labels_follow_from_the_base_units() {
-        let named = UnitNames { length: "mm".to_owned(), mass: "g".to_owned(), time: "ms".to_owned() };
+        let [length, mass, time] = ["mm", "g", "ms"].map(|name| At::nowhere(name.to_owned()));
+        let named = UnitNames { length, mass, time };
         let (cgs, si, own) = (Units::Plain(System::Cgs), Units::Plain(System::Si), Units::Table(named));
         for (quantity, labels) in [
             (Quantity::NUMBER, ["", "", ""]),

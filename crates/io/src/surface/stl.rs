@@ -8,16 +8,22 @@ const RECORD: usize = 50;
 /// Returns the corners of all triangles. Normals in the file are ignored: the order of the corners decides.
 pub(super) fn parse(bytes: &[u8]) -> Result<Vec<Triangle>, String> {
     // Binary files may begin with "solid" too: they are recognised by their length.
-    if let Some(count) = bytes.get(HEADER..HEADER + 4).and_then(|b| b.try_into().ok()).map(u32::from_le_bytes)
-        && HEADER + 4 + RECORD * count as usize == bytes.len()
-    {
+    let count = bytes.get(HEADER..HEADER + 4).and_then(|b| b.try_into().ok()).map(u32::from_le_bytes);
+    let length = |count: u32| HEADER + 4 + RECORD * count as usize;
+    if count.is_some_and(|count| length(count) == bytes.len()) {
         return binary(&bytes[HEADER + 4..]);
     }
     match std::str::from_utf8(bytes) {
         Ok(text) if text.trim_start().starts_with("solid") => ascii(text),
         _ => {
             let n = bytes.len();
-            Err(format!("neither ASCII STL (`solid ...`) nor binary STL of the right length ({n} bytes)"))
+            let announced = count.map_or("84 bytes or more".to_owned(), |count| {
+                format!("{} bytes for {count} triangles", length(count))
+            });
+            Err(format!(
+                "neither ASCII STL, which begins with `solid`, nor binary STL, which would have {announced} instead of {n}; \
+                 save the surface again"
+            ))
         }
     }
 }

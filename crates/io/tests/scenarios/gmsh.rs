@@ -270,7 +270,7 @@ fn malformed_files_are_refused_with_place_and_remedy() {
         assert!(V41.contains(from), "{from}");
         V41.replacen(from, to, 1)
     };
-    refused("", "line 1: this is not a Gmsh file, which begins with `$MeshFormat`");
+    refused("", "the file is empty; save the mesh again");
     refused("solid cube\n", "line 1: this is not a Gmsh file");
     refused(
         &with("2.2 0 8", "4 0 8"),

@@ -104,7 +104,12 @@ impl ClosedLine {
 
     /// Appends `n` segments along a curve over the parameters from 0 to 1.
     fn push(&mut self, name: &str, n: f64, at: impl Fn(f64) -> [f64; 2]) -> Result<(), Error> {
-        require((1.0..=MOST_SEGMENTS).contains(&n), "number of segments of a side", n, "from 1 to 1e6")?;
+        require(
+            (1.0..=MOST_SEGMENTS).contains(&n),
+            "number of segments of a side",
+            n,
+            "from 1 to 1e6 (increase the size)",
+        )?;
         self.points.extend((0..n as usize).map(|k| at(k as f64 / n)));
         self.middles.extend((0..n as usize).map(|k| at((k as f64 + 0.5) / n)));
         self.names.resize(self.points.len(), name.to_owned());
@@ -195,7 +200,10 @@ impl Spline {
 fn check(corners: &[[f64; 2]], h: f64) -> Result<(), Error> {
     positive("size", h)?;
     require(corners.len() >= 3, "number of corners", corners.len() as f64, "at least 3")?;
-    finite(corners)
+    finite(corners)?;
+    let shortest = sides(corners).map(|(a, b)| distance(a, b)).fold(f64::INFINITY, f64::min);
+    require(shortest > 0.0, "distance of neighbouring corners", shortest, "positive (give each corner once)")?;
+    Ok(())
 }
 
 fn check_round(centres: &[[f64; 2]], radius: f64, h: f64) -> Result<(), Error> {
