@@ -188,6 +188,8 @@ impl<const D: usize> UnfittedStokes<D> {
             inertia: None,
             viscous: Viscous { viscosity: VISCOSITY },
             incompressibility: Incompressibility,
+            hoop: None,
+            hoop_convection: None,
             convection: None,
             body_force: Some(BodyForce { force: &force, time: 0.0 }),
             cip_velocity: CipVelocity { profile: CipProfile::Consistent { gamma_u: 0.0 }, density: 1.0 },

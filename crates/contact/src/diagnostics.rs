@@ -7,7 +7,8 @@ use crate::{ContactSites, Positions};
 
 /// Contact between a slave and its obstacle at one state.
 ///
-/// Forces, powers and energies are per unit depth in 2D; areas are lengths there.
+/// Forces, powers and energies are per unit depth in plane problems, in which areas are lengths; in axisymmetric coordinates they are those
+/// of the whole body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactReport<const D: usize> {
     /// Smallest gap of the slave's vertices to the whole obstacle, of a body in contact with itself to the facets in reach; `None` without
@@ -57,6 +58,7 @@ impl<const D: usize> ContactReport<D> {
                 }
             });
         }
+        report.force = sites.pair.slave.boundary.coordinates().resultant(report.force);
         report
     }
 

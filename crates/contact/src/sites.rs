@@ -176,7 +176,7 @@ impl<const D: usize> ContactItems<D> {
 
 /// The quadrature points of a contact in one step. Only those in contact are visited; the others carry no traction.
 ///
-/// Time levels: the *weight* has the measure of the slave's facet at the start of the step; *gap, slip and frame* are
+/// Time levels: the *weight* has the measure of the slave's facet, and the weight of the coordinates, at the start of the step; *gap, slip and frame* are
 /// those at its end; the *stress* is that of the unknown state. Positions are the shifted ones of the time scheme. A discrete
 /// gradient of the law depends on the gap at the start too, and a point is visited if it is in contact at either end.
 #[derive(Clone)]
@@ -255,6 +255,8 @@ impl<const D: usize> ContactSites<'_, D> {
     /// Visits the points of an item that are in contact, without their traction.
     fn each_point(&self, item: usize, x: &[f64], mut visit: impl FnMut(&mut ContactSite<D>)) {
         let (item, slave, rule) = (&self.items.items[item], self.pair.slave, &self.pair.form.rule);
+        let coordinates = slave.boundary.coordinates();
+        let begin = Placed::new(slave.boundary, &slave.begin).facet_points(item.facet);
         let mut points = [Point::zeros(); D];
         let (mut site, mut derivatives) = (ContactSite::new(), Vec::new());
         for (k, &vertex) in slave.boundary.facet(item.facet).iter().enumerate() {
@@ -264,12 +266,14 @@ impl<const D: usize> ContactSites<'_, D> {
             let measure = segment.share * item.measure;
             for (q, (point, weight)) in rule.points().iter().zip(rule.weights()).enumerate() {
                 let shape = segment.at(point);
-                let mut position = Point::zeros();
+                let (mut position, mut start) = (Point::zeros(), Point::zeros());
                 for k in 0..D {
                     site.nodes[k].share = shape[k];
                     position += points[k] * shape[k];
+                    start += begin[k] * shape[k];
                 }
-                (site.number, site.weight) = (s * rule.weights().len() + q, weight * measure);
+                site.number = s * rule.weights().len() + q;
+                site.weight = weight * measure * coordinates.weight(&start);
                 if self.evaluate(item, &position, &shape, x, &mut derivatives, &mut site) {
                     visit(&mut site);
                 }

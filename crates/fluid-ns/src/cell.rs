@@ -3,7 +3,7 @@
 use algebra::{DofId, Sites};
 use cutcell::PartId;
 use mesh::{MAX_CELL_VERTICES, Point, Tensor, Vector};
-use xfem_space::Moments;
+use xfem_space::{HoopMoments, Moments};
 
 use crate::{FluidFields, FluidGeometry};
 
@@ -15,6 +15,8 @@ pub struct FluidCell<'a, const D: usize> {
     pub gradients: &'a [Vector<D>; MAX_CELL_VERTICES],
     /// Moments of the part.
     pub moments: &'a Moments,
+    /// Radial component, and moments with the radius in the denominator; `None` in Cartesian coordinates.
+    pub hoop: Option<(usize, &'a HoopMoments)>,
     /// Velocity `u` of each node at the stage; only the first `D + 1` are used, here and below.
     pub velocities: [Vector<D>; MAX_CELL_VERTICES],
     /// Acceleration `a` of each node at the stage.
@@ -98,6 +100,7 @@ impl<'a, const D: usize> Sites for FluidCells<'a, D> {
         let mut cell = FluidCell {
             gradients: parts.gradients(part),
             moments: parts.moments(part),
+            hoop: parts.coordinates().radial().zip(parts.hoop(part)),
             velocities: [Vector::zeros(); MAX_CELL_VERTICES],
             accelerations: [Vector::zeros(); MAX_CELL_VERTICES],
             acceleration_slope: acceleration.slope,

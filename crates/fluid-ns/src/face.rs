@@ -49,7 +49,7 @@ impl<'a, const D: usize> FluidFaces<'a, D> {
     ) -> Self {
         let weights = |value: &FaceValue<D>| {
             let face = FluidFace::new(value, geometry.history);
-            weights(&face).map(|weight| weight * value.measure * value.share)
+            weights(&face).map(|weight| weight * value.weight * value.share)
         };
         Self { fields, geometry, weights: geometry.faces.iter().map(weights).collect() }
     }

@@ -3,7 +3,8 @@
 use algebra::{Contributions, Integral};
 
 use crate::terms::{
-    BodyForce, CipPressure, CipVelocity, Convection, GhostPenalty, Incompressibility, Inertia, Viscous,
+    BodyForce, CipPressure, CipVelocity, Convection, GhostPenalty, Hoop, HoopConvection, Incompressibility, Inertia,
+    Viscous,
 };
 use crate::{FluidCells, FluidFace, FluidFaces, FluidFields, FluidGeometry};
 
@@ -15,8 +16,12 @@ pub struct FluidForm<'a, const D: usize> {
     pub viscous: Viscous,
     /// `b(p, v) - b(q, u)`.
     pub incompressibility: Incompressibility,
+    /// Hoop parts of both; `None` in Cartesian coordinates.
+    pub hoop: Option<Hoop>,
     /// `c(u, u, v)`; `None` for Stokes.
     pub convection: Option<Convection>,
+    /// Hoop part of its skew form; `None` in Cartesian coordinates.
+    pub hoop_convection: Option<HoopConvection>,
     /// `-(f, v)`; `None` for no force.
     pub body_force: Option<BodyForce<'a, D>>,
     /// Velocity part of `s_h`.
@@ -38,9 +43,11 @@ impl<'a, const D: usize> FluidForm<'a, D> {
         linear.extend(self.inertia.as_ref());
         linear.extend(Some(&self.viscous));
         linear.extend(Some(&self.incompressibility));
+        linear.extend(self.hoop.as_ref());
         linear.extend(self.body_force.as_ref());
         let mut convection = Integral::new("fluid convection", FluidCells::of_velocity(geometry, fields), Vec::new());
         convection.extend(self.convection.as_ref());
+        convection.extend(self.hoop_convection.as_ref());
         let faces = FluidFaces::new(geometry, fields, |face| self.face_weights(face));
         vec![Box::new(linear), Box::new(convection), Box::new(faces)]
     }

@@ -15,6 +15,7 @@
 //! | `-(p, ∇·v) + (q, ∇·u)` | `terms/incompressibility.rs` |
 //! | `ρ (u·∇u, v)` | `terms/convection.rs` |
 //! | `-(f, v)` | `terms/body_force.rs` |
+//! | hoop parts of these terms, in axisymmetric coordinates | `terms/hoop.rs`, `terms/hoop_convection.rs` |
 //! | `s_h`: interior penalty of velocity and pressure | `terms/cip.rs` |
 //! | `g_h`: ghost penalty | `terms/ghost_penalty.rs` |
 //! | backflow stabilisation on open boundaries | `terms/backflow.rs` |

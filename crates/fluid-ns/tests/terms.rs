@@ -244,6 +244,8 @@ fn form<'a, const D: usize>(density: f64, viscosity: f64) -> FluidForm<'a, D> {
         inertia: Some(Inertia { density }),
         viscous: Viscous { viscosity },
         incompressibility: Incompressibility,
+        hoop: None,
+        hoop_convection: None,
         convection: Some(Convection { density, skew: false }),
         body_force: None,
         cip_velocity: CipVelocity { profile: CipProfile::Consistent { gamma_u: 0.1 }, density },

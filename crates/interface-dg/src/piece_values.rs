@@ -9,7 +9,7 @@ use xfem_space::{PartValues, XfemSpace};
 pub struct PiecePoint<const D: usize> {
     /// Position.
     pub point: Point<D>,
-    /// Weight, with the measure.
+    /// Weight, with the measure and the weight of the coordinates.
     pub weight: f64,
     /// Shape values of the fluid part; only the first `D + 1` are used.
     pub fluid: [f64; MAX_CELL_VERTICES],
@@ -29,9 +29,10 @@ pub struct PieceValues<const D: usize> {
 }
 
 impl<const D: usize> PieceValues<D> {
-    /// Creates the values with a rule of the given degree on every piece. Relative speeds are zero.
+    /// Creates the values with a rule on every piece that is exact for polynomials of the given degree. Relative speeds are zero.
     pub fn new(background: &SimplexMesh<D>, cut: &CutMesh<D>, parts: &PartValues<D>, degree: usize) -> Self {
-        let rule = SimplexRule::of_degree(D - 1, degree);
+        let coordinates = background.coordinates();
+        let rule = SimplexRule::of_degree(D - 1, degree + coordinates.degree());
         let n = cut.interface().len();
         let mut values = Self {
             points: Vec::with_capacity(n * rule.points().len()),
@@ -59,6 +60,7 @@ impl<const D: usize> PieceValues<D> {
                         *solid += l * share;
                     }
                 }
+                point.weight *= coordinates.weight(&point.point);
                 point.fluid[0] = 1.0;
                 for (value, gradient) in point.fluid[..=D].iter_mut().zip(gradients) {
                     *value += gradient.dot(&(point.point - simplex.points()[0]));

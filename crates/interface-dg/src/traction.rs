@@ -9,6 +9,8 @@ use crate::terms::Penalty;
 /// Means over one interface piece.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InterfaceTraction<const D: usize> {
+    /// Measure of the piece, with the weight of the coordinates.
+    pub measure: f64,
     /// Fluid traction on the body, `T^f n = -p n + 2 μ D(u) n`, mean over the piece.
     pub fluid: Vector<D>,
     /// Difference that the share of the solid makes, `(1 - α) (T^s - T^f) n`, mean over the piece; zero for `α = 1`.
@@ -52,6 +54,7 @@ pub fn interface_tractions<const D: usize>(
     (0..points.len())
         .map(|item| {
             let mut mean = InterfaceTraction {
+                measure: 0.0,
                 fluid: Vector::zeros(),
                 exchange: Vector::zeros(),
                 pressure: Vector::zeros(),
@@ -60,9 +63,8 @@ pub fn interface_tractions<const D: usize>(
                 middle: Point::zeros(),
                 first_moment: Tensor::zeros(),
             };
-            let mut measure = 0.0;
             points.visit(item, x, |q| {
-                measure += q.at.weight;
+                mean.measure += q.at.weight;
                 let shared = q.shared_traction();
                 mean.fluid -= q.traction * q.at.weight;
                 mean.exchange -= (shared - q.traction) * q.at.weight;
@@ -73,6 +75,10 @@ pub fn interface_tractions<const D: usize>(
                 mean.middle += q.at.point * q.at.weight;
                 mean.first_moment += (by_penalty - shared * q.at.weight) * q.at.point.transpose();
             });
+            if mean.measure == 0.0 {
+                return mean;
+            }
+            let measure = mean.measure;
             mean.fluid /= measure;
             mean.exchange /= measure;
             mean.pressure /= measure;

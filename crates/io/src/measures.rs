@@ -77,12 +77,19 @@ impl<'a, const D: usize> BodyMeasures<'a, D> {
         };
         if let Some(fluid) = &view.state.fluid {
             let centre = Placed::new(body.surface(), &fluid.positions[index]).enclosed().centre;
-            for (piece, traction) in pieces(view, step, index) {
-                measures.fluid_force += traction.total() * piece.measure;
-                measures.traction_force += traction.fluid * piece.measure;
+            for (_, traction) in pieces(view, step, index) {
+                measures.fluid_force += traction.total() * traction.measure;
+                measures.traction_force += traction.fluid * traction.measure;
                 for (sum, moment) in measures.torque.iter_mut().zip(traction.moment(&centre)) {
-                    *sum += moment * piece.measure;
+                    *sum += moment * traction.measure;
                 }
+            }
+            let coordinates = body.surface().coordinates();
+            measures.fluid_force = coordinates.resultant(measures.fluid_force);
+            measures.traction_force = coordinates.resultant(measures.traction_force);
+            if coordinates.radial().is_some() {
+                // Without swirl there is no moment about the axis, and about the others moments on opposite sides cancel.
+                measures.torque = [0.0; 3];
             }
         }
         Some(measures)
@@ -129,7 +136,7 @@ impl<'a, const D: usize> BodyMeasures<'a, D> {
             let share = |vertex: usize| (0..D).map(|k| piece.barycentric[k][vertex]).sum::<f64>() / D as f64;
             let vertices = boundary.facet(piece.facet).iter().enumerate();
             let velocity = vertices.map(|(k, v)| at_stage(v.index()) * share(k)).sum::<Vector<D>>();
-            piece.measure * traction.total().dot(&velocity)
+            traction.measure * traction.total().dot(&velocity)
         });
         power.sum()
     }

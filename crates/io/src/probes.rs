@@ -102,12 +102,10 @@ impl<const D: usize> Probe<D> {
             Measured::Force { body, facets, about } => {
                 let (mut force, mut moment) = (Vector::<D>::zeros(), [0.0; 3]);
                 if let Some(report) = view.report {
-                    for (piece, traction) in
-                        pieces(view, report, *body).filter(|(piece, _)| facets[piece.facet.index()])
-                    {
-                        force += traction.total() * piece.measure;
+                    for (_, traction) in pieces(view, report, *body).filter(|(piece, _)| facets[piece.facet.index()]) {
+                        force += traction.total() * traction.measure;
                         let of_piece = traction.moment(about);
-                        moment.iter_mut().zip(of_piece).for_each(|(sum, moment)| *sum += moment * piece.measure);
+                        moment.iter_mut().zip(of_piece).for_each(|(sum, moment)| *sum += moment * traction.measure);
                     }
                 }
                 let moments = if D < AXES.len() { &moment[AXES.len() - 1..] } else { &moment };

@@ -1,6 +1,6 @@
 //! The oriented boundary of a solid.
 
-use crate::{CellId, FacetId, Tag, VertexId};
+use crate::{CellId, Coordinates, FacetId, Tag, VertexId};
 
 /// Oriented facets of a closed surface. Normals point out of the solid (2D: to the right of the edge; 3D: right-hand
 /// rule).
@@ -12,6 +12,7 @@ pub struct BoundaryMesh<const D: usize> {
     facet_to_vertex: Vec<VertexId>,
     facet_to_cell: Vec<CellId>,
     tags: Vec<Option<Tag>>,
+    coordinates: Coordinates,
 }
 
 impl<const D: usize> BoundaryMesh<D> {
@@ -27,13 +28,25 @@ impl<const D: usize> BoundaryMesh<D> {
         assert_eq!(n * D, facet_to_vertex.len(), "facets have D vertices");
         assert!(facet_to_cell.is_empty() || facet_to_cell.len() == n, "one cell per facet, or none at all");
         assert_eq!(tags.len(), n, "one tag per facet");
-        Self { facet_to_vertex, facet_to_cell, tags }
+        Self { facet_to_vertex, facet_to_cell, tags, coordinates: Coordinates::default() }
     }
 
     /// Creates a surface without a volume mesh, from its facets (stride `D`).
     pub fn from_facets(facet_to_vertex: Vec<VertexId>) -> Self {
         let tags = vec![None; facet_to_vertex.len() / D];
         Self::new(facet_to_vertex, Vec::new(), tags)
+    }
+
+    /// Returns the surface in other coordinates; those of a new one are Cartesian.
+    #[must_use]
+    pub fn with_coordinates(self, coordinates: Coordinates) -> Self {
+        Self { coordinates, ..self }
+    }
+
+    /// Returns the coordinates.
+    #[inline]
+    pub fn coordinates(&self) -> Coordinates {
+        self.coordinates
     }
 
     /// Returns the surface with normals into the solid.

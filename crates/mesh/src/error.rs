@@ -40,6 +40,19 @@ pub enum Error {
         /// Its signed volume.
         volume: f64,
     },
+    /// Axisymmetric coordinates with a vertex on the wrong side of the axis.
+    #[error(
+        "vertex {vertex} has the radius {radius:e}, but axisymmetric coordinates need radii of zero and more (the first coordinate)"
+    )]
+    BehindAxis {
+        /// The vertex.
+        vertex: VertexId,
+        /// Its radius.
+        radius: f64,
+    },
+    /// Axisymmetric coordinates in space.
+    #[error("axisymmetric coordinates need a mesh in the plane, this one is in space")]
+    AxisInSpace,
     /// More than two cells share a facet.
     #[error("facet {facet} is shared by more than two cells ({cells:?} and another one)")]
     NonManifold {

@@ -18,6 +18,7 @@ pub mod search;
 
 mod aabb;
 mod boundary_mesh;
+mod coordinates;
 mod error;
 mod ids;
 mod placement;
@@ -30,6 +31,7 @@ mod topology;
 
 pub use aabb::Aabb;
 pub use boundary_mesh::BoundaryMesh;
+pub use coordinates::Coordinates;
 pub use error::Error;
 pub use ids::{BodyId, CellId, FacetId, Tag, VertexId};
 pub use placement::{Enclosed, Placed, facet_normal};

@@ -1,7 +1,9 @@
 //! A boundary at given positions of its vertices.
 
 use crate::simplex::{factorial, points_of};
-use crate::{BoundaryMesh, FacetId, MAX_FACET_VERTICES, Point, Tensor, Vector, simplex_measure};
+use crate::{
+    BoundaryMesh, FacetId, MAX_CELL_VERTICES, MAX_FACET_VERTICES, Point, SimplexRule, Tensor, Vector, simplex_measure,
+};
 
 /// A boundary with borrowed positions of its vertices: the current configuration is a view and not a second mesh.
 #[derive(Clone, Copy, Debug)]
@@ -49,8 +51,12 @@ impl<'m, const D: usize> Placed<'m, D> {
     /// Computes volume, centre and second moment of the region inside the surface, exactly up to round-off.
     ///
     /// The region is the signed sum of the simplices between the facets and a point. For a simplex `T` with one vertex at
-    /// the origin and the others at `x_i`: `∫ x xᵀ = |T| (Σ x_i x_iᵀ + s sᵀ)/((D + 1)(D + 2))`, `s = Σ x_i`.
+    /// the origin and the others at `x_i`: `∫ x xᵀ = |T| (Σ x_i x_iᵀ + s sᵀ)/((D + 1)(D + 2))`, `s = Σ x_i`. In axisymmetric
+    /// coordinates the region is the whole body, whose centre lies on the axis.
     pub fn enclosed(&self) -> Enclosed<D> {
+        if let Some(radial) = self.boundary.coordinates().radial() {
+            return self.enclosed_around_axis(radial);
+        }
         let origin = self.boundary.facets().next().map_or(Point::zeros(), |f| self.facet_points(f)[0]);
         let (mut volume, mut first, mut second) = (0.0, Point::<D>::zeros(), Tensor::<D>::zeros());
         for facet in self.boundary.facets() {
@@ -66,6 +72,33 @@ impl<'m, const D: usize> Placed<'m, D> {
         }
         let arm = first / volume;
         Enclosed { volume, centre: origin + arm, second_moment: second - arm * arm.transpose() * volume }
+    }
+
+    /// Integrates over the signed simplices with the weight of the coordinates. The integrands have degree 3.
+    fn enclosed_around_axis(&self, radial: usize) -> Enclosed<D> {
+        let rule = SimplexRule::of_degree(D, 3);
+        let origin = self.boundary.facets().next().map_or(Point::zeros(), |f| self.facet_points(f)[0]);
+        let (mut volume, mut first, mut second) = (0.0, Point::<D>::zeros(), Tensor::<D>::zeros());
+        for facet in self.boundary.facets() {
+            let mut corners = [origin; MAX_CELL_VERTICES];
+            corners[1..=D].copy_from_slice(&self.facet_points(facet)[..D]);
+            let simplex = (corners[1] - origin).dot(&scaled_normal(&corners[1..=D])) / factorial(D);
+            rule.for_each_point(&corners[..=D], |x, share| {
+                // The rule has the unsigned measure.
+                let weight = share * simplex.signum() * self.boundary.coordinates().weight(&x);
+                let mut along = x - origin;
+                along[radial] = 0.0;
+                volume += weight;
+                first += along * weight;
+                second += along * along.transpose() * weight;
+                // The mean of x² around the axis is r²/2.
+                second[(radial, radial)] += 0.5 * x[radial] * x[radial] * weight;
+            });
+        }
+        let arm = first / volume;
+        let mut centre = origin + arm;
+        centre[radial] = 0.0;
+        Enclosed { volume, centre, second_moment: second - arm * arm.transpose() * volume }
     }
 }
 
@@ -128,6 +161,20 @@ mod tests {
         assert!((found.volume - volume).abs() < 1e-14 * volume);
         assert!((found.centre - 0.5 * (low + high)).norm() < 1e-14);
         let moments = (high - low).map(|edge| edge * edge * volume / 12.0);
+        assert!((found.second_moment - Tensor::from_diagonal(&moments)).norm() < 1e-13 * volume);
+    }
+
+    #[test]
+    fn a_ring_has_the_moments_of_the_body_that_it_draws() {
+        // Hollow cylinder, 1 < r < 3, -2 < z < 2.
+        let mesh = structured_box([1.0, -2.0], [3.0, 2.0], [2, 3]).unwrap();
+        let mesh = mesh.with_coordinates(crate::Coordinates::Axisymmetric).unwrap();
+        let found = Placed::new(&mesh.boundary(), mesh.vertices()).enclosed();
+        let volume = std::f64::consts::PI * 8.0 * 4.0;
+        assert!((found.volume - volume).abs() < 1e-13 * volume);
+        assert!(found.centre.norm() < 1e-14);
+        // ∫ z² = V L²/12, ∫ x² = V (a² + b²)/4.
+        let moments = Vector::<2>::new(10.0 / 4.0, 16.0 / 12.0) * volume;
         assert!((found.second_moment - Tensor::from_diagonal(&moments)).norm() < 1e-13 * volume);
     }
 

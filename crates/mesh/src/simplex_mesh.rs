@@ -7,8 +7,8 @@ use crate::search::CellIndex;
 use crate::simplex::points_of;
 use crate::topology::Topology;
 use crate::{
-    BoundaryMesh, CellId, Error, FacetId, MAX_CELL_VERTICES, MAX_FACET_VERTICES, Point, Simplex, Tag, Vector, VertexId,
-    facet_normal, simplex_measure,
+    BoundaryMesh, CellId, Coordinates, Error, FacetId, MAX_CELL_VERTICES, MAX_FACET_VERTICES, Point, Simplex, Tag,
+    Vector, VertexId, facet_normal, simplex_measure,
 };
 
 /// A conforming mesh of triangles (D = 2) or tetrahedra (D = 3), immutable after construction.
@@ -21,6 +21,7 @@ pub struct SimplexMesh<const D: usize> {
     cell_to_vertex: Vec<VertexId>,
     topology: Topology,
     measures: Measures,
+    coordinates: Coordinates,
     tag_names: Vec<String>,
     facet_tag: Vec<Option<Tag>>,
     cell_tag: Vec<Option<Tag>>,
@@ -81,6 +82,7 @@ impl<const D: usize> SimplexMesh<D> {
             cell_to_vertex,
             topology,
             measures,
+            coordinates: Coordinates::default(),
             tag_names: Vec::new(),
             cell_index: OnceLock::new(),
         })
@@ -95,7 +97,29 @@ impl<const D: usize> SimplexMesh<D> {
         moved.tag_names.clone_from(&self.tag_names);
         moved.facet_tag.clone_from(&self.facet_tag);
         moved.cell_tag.clone_from(&self.cell_tag);
-        Ok(moved)
+        moved.with_coordinates(self.coordinates)
+    }
+
+    /// Returns the mesh in other coordinates; those of a new one are Cartesian. Sizes, measures of cells and facets, and normals remain
+    /// those of the mesh as it is stored.
+    ///
+    /// # Errors
+    /// For axisymmetric coordinates, [`Error::AxisInSpace`] if `D = 3` and [`Error::BehindAxis`] if a vertex has a negative radius.
+    pub fn with_coordinates(self, coordinates: Coordinates) -> Result<Self, Error> {
+        let Some(radial) = coordinates.radial() else { return Ok(Self { coordinates, ..self }) };
+        if D != 2 {
+            return Err(Error::AxisInSpace);
+        }
+        if let Some(index) = self.vertices.iter().position(|x| x[radial] < 0.0) {
+            return Err(Error::BehindAxis { vertex: VertexId::new(index), radius: self.vertices[index][radial] });
+        }
+        Ok(Self { coordinates, ..self })
+    }
+
+    /// Returns the coordinates.
+    #[inline]
+    pub fn coordinates(&self) -> Coordinates {
+        self.coordinates
     }
 
     /// Returns the mesh with tags on its boundary facets. `name_of` maps the points of a boundary facet to the name of its
@@ -309,7 +333,7 @@ impl<const D: usize> SimplexMesh<D> {
             facet_to_cell.extend(self.facet_to_cell(facet)[0]);
             tags.push(self.facet_tag(facet));
         }
-        BoundaryMesh::new(facet_to_vertex, facet_to_cell, tags)
+        BoundaryMesh::new(facet_to_vertex, facet_to_cell, tags).with_coordinates(self.coordinates)
     }
 }
 

@@ -65,8 +65,10 @@ impl<const D: usize> RigidBody<D> {
         RigidMotion::from_numbers(&state.inner)
     }
 
+    /// Returns whether a mode is held. With rotational symmetry the body moves along the axis only.
     fn holds(&self, mode: usize) -> bool {
-        self.held_axes.get(mode).copied().unwrap_or(self.holds_rotation)
+        let axial = self.boundary.coordinates().radial().map(|radial| mode < D && mode != radial);
+        axial == Some(false) || self.held_axes.get(mode).copied().unwrap_or(self.holds_rotation)
     }
 
     /// Returns the state of a motion; vertices have accelerations if `accelerates`.

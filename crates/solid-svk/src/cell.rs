@@ -2,11 +2,11 @@
 
 use algebra::time::{Affine, StepRule};
 use algebra::{BlockLayout, DofId, FieldId, Sites};
-use mesh::{CellId, Tensor, Vector, VertexId};
+use mesh::{CellId, Vector, VertexId};
 
-use crate::SolidMesh;
+use crate::deformation::Deformation;
 use crate::element::MAX_CELL_NODES;
-use crate::kinematics::{deformation_gradient, gradient};
+use crate::{CellPoint, SolidMesh};
 
 /// A cell in the reference configuration with its accelerations at the stage of the step.
 ///
@@ -46,12 +46,14 @@ impl<const D: usize> SolidCell<'_, D> {
 pub struct SolidPoint<'a, const D: usize> {
     /// Group of the cell.
     pub group: usize,
-    /// Reference volume that the point stands for.
+    /// Reference volume that the point stands for, with the weight of the coordinates.
     pub weight: f64,
     /// Gradients of the shape functions, one per node.
     pub gradients: &'a [Vector<D>],
-    /// Deformation gradient `F = I + ∇d`.
-    pub deformation: Tensor<D>,
+    /// Radial component, and the shape functions over the radius, one per node; `None` in Cartesian coordinates.
+    pub hoop: Option<(usize, &'a [f64])>,
+    /// Deformation.
+    pub deformation: Deformation<D>,
     /// `c_d`: derivative of displacement with respect to velocity.
     pub displacement_slope: f64,
 }
@@ -149,9 +151,10 @@ impl<'a, const D: usize> Sites for SolidPoints<'a, D> {
         let (cell, rule) = (CellId::new(item), &self.cells.rule.displacement);
         let displacement = self.cells.at_nodes(rule, self.cells.solid.cell(cell), x);
         let group = self.cells.solid.group(cell);
-        for (weight, gradients) in self.cells.solid.points(cell) {
-            let deformation = deformation_gradient(&gradient(&displacement, gradients));
-            visit(&SolidPoint { group, weight, gradients, deformation, displacement_slope: rule.slope });
+        for point in self.cells.solid.points(cell) {
+            let CellPoint { weight, gradients, hoop } = point;
+            let deformation = point.deformation(&displacement);
+            visit(&SolidPoint { group, weight, gradients, hoop, deformation, displacement_slope: rule.slope });
         }
     }
 }

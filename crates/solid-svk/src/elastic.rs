@@ -136,6 +136,15 @@ struct ElasticStep<'s, const D: usize> {
 }
 
 impl<const D: usize> ElasticStep<'_, D> {
+    /// Holds nodes on the axis of axisymmetric coordinates along the radius.
+    fn constrain_axis(&self, layout: &BlockLayout, constraints: &mut Constraints) {
+        let Some(radial) = self.body.solid.mesh().coordinates().radial() else { return };
+        for (node, _) in self.body.solid.nodes().iter().enumerate().filter(|(_, x)| x[radial] == 0.0) {
+            let velocity = self.time.weights.stage_velocity(0.0, self.begin.velocity()[node][radial]);
+            constraints.set(layout.dof(self.field, node, radial), velocity);
+        }
+    }
+
     fn cells<'p>(&'p self, layout: &'p BlockLayout) -> SolidCells<'p, D> {
         SolidCells { solid: &self.body.solid, rule: &self.rule, layout, velocity: self.field }
     }
@@ -150,6 +159,7 @@ impl<const D: usize> BodyStep<D> for ElasticStep<'_, D> {
         for support in &self.body.options.supports {
             support.constrain(self.cells(layout), self.begin, &self.time, constraints);
         }
+        self.constrain_axis(layout, constraints);
     }
 
     fn contributions<'p>(&'p self, layout: &'p BlockLayout) -> Vec<Box<dyn Contributions + 'p>> {

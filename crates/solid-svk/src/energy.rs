@@ -1,10 +1,9 @@
 //! Balance and stresses of a body, for reports and output.
 
 use body::{Balance, CellStress};
-use mesh::{CellId, Point, Tensor, Vector, det};
+use mesh::{CellId, Point, Vector, VertexId};
 
-use crate::kinematics::{cauchy_stress, deformation_gradient};
-use crate::{SolidForm, SolidMesh};
+use crate::{MAX_CELL_NODES, SolidForm, SolidMesh};
 
 /// Computes the balance of a body from one displacement and one velocity per node.
 pub fn balance<const D: usize>(
@@ -39,11 +38,12 @@ pub fn balance<const D: usize>(
             balance.centre_of_mass += (mesh.nodes()[i.index()] + displacement[i.index()]) * mass;
             balance.mass += mass;
         }
-        for (weight, gradients) in mesh.points(cell) {
-            let f = deformation(mesh, cell, gradients, displacement);
-            let ratio = det(&f);
-            balance.elastic_energy += weight * material.energy_density(&f);
-            balance.volume += weight * ratio;
+        let of_cell = at_nodes(nodes, displacement);
+        for point in mesh.points(cell) {
+            let deformation = point.deformation(&of_cell[..nodes.len()]);
+            let ratio = deformation.volume_ratio();
+            balance.elastic_energy += point.weight * deformation.energy_density(material);
+            balance.volume += point.weight * ratio;
             // Not a number counts as inverted.
             if ratio < balance.smallest_volume_ratio || ratio.is_nan() {
                 let vertices = &nodes[..=D];
@@ -53,6 +53,9 @@ pub fn balance<const D: usize>(
             }
         }
     }
+    let coordinates = mesh.mesh().coordinates();
+    balance.momentum = coordinates.resultant(balance.momentum);
+    balance.centre_of_mass = coordinates.resultant(balance.centre_of_mass);
     balance.potential_energy = -form.body_force.acceleration.dot(&balance.centre_of_mass);
     balance.centre_of_mass /= balance.mass;
     balance.body_force = form.body_force.acceleration * balance.mass;
@@ -67,9 +70,10 @@ pub fn stresses<const D: usize>(
 ) -> Vec<CellStress<D>> {
     let in_part = |cell: CellId, part: usize| {
         let material = form.material(mesh.group(cell));
-        let f = deformation(mesh, cell, &mesh.gradients_in_part(cell, part), displacement);
-        let out_of_plane = if D == 2 { material.out_of_plane_stress(&f) } else { 0.0 };
-        CellStress { cauchy: cauchy_stress(&f, &material.first_piola(&f)), out_of_plane }
+        let nodes = mesh.cell(cell);
+        let of_cell = at_nodes(nodes, displacement);
+        let (cauchy, out_of_plane) = mesh.deformation_in_part(cell, part, &of_cell[..nodes.len()]).cauchy(material);
+        CellStress { cauchy, out_of_plane }
     };
     let cells = mesh.mesh().cells();
     cells
@@ -78,15 +82,9 @@ pub fn stresses<const D: usize>(
         .collect()
 }
 
-fn deformation<const D: usize>(
-    mesh: &SolidMesh<D>,
-    cell: CellId,
-    gradients: &[Vector<D>],
-    displacement: &[Vector<D>],
-) -> Tensor<D> {
-    let mut grad_d = Tensor::zeros();
-    for (node, g) in mesh.cell(cell).iter().zip(gradients) {
-        grad_d += displacement[node.index()] * g.transpose();
-    }
-    deformation_gradient(&grad_d)
+/// Returns the values of a field at the nodes of a cell; entries beyond them are zero.
+fn at_nodes<const D: usize>(nodes: &[VertexId], values: &[Vector<D>]) -> [Vector<D>; MAX_CELL_NODES] {
+    let mut local = [Vector::zeros(); MAX_CELL_NODES];
+    local.iter_mut().zip(nodes).for_each(|(slot, node)| *slot = values[node.index()]);
+    local
 }

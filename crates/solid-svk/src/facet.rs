@@ -17,10 +17,12 @@ pub struct SolidFacet<const D: usize> {
     pub shape: ShapeFunctions,
     /// Position `X` in the reference configuration.
     pub reference: Point<D>,
-    /// Reference area (2D: length) that the point stands for.
+    /// Reference area (2D: length) that the point stands for, with the weight of the coordinates.
     pub reference_weight: f64,
-    /// Weight in local coordinates.
+    /// Weight in local coordinates, times that of the coordinates at the position `x`.
     pub weight: f64,
+    /// Derivative of the weight with respect to the position `x`.
+    pub weight_gradient: Vector<D>,
     /// Derivatives of the position `x = X + d` with respect to the local coordinates; only the first `D - 1` are used.
     pub tangents: [Vector<D>; 2],
     /// `c_d`: derivative of displacement with respect to velocity.
@@ -63,6 +65,7 @@ impl<const D: usize> Sites for SolidFacets<'_, D> {
 
     fn visit(&self, item: usize, x: &[f64], mut visit: impl FnMut(&Self::Site)) {
         let SolidCells { solid, rule, .. } = self.cells;
+        let coordinates = solid.mesh().coordinates();
         let nodes = solid.facet_nodes(self.facets[item]);
         let displacement = self.cells.at_nodes(&rule.displacement, nodes, x);
         let mut reference = [Point::zeros(); MAX_CELL_NODES];
@@ -74,12 +77,14 @@ impl<const D: usize> Sites for SolidFacets<'_, D> {
             (1..D).for_each(|k| edges[k] = shape.along(k - 1, reference));
             let parallelepiped = simplex_measure(&edges[..D]) * (1..D).product::<usize>() as f64;
             let moved = |k: usize| edges[k + 1] + shape.along(k, &displacement[..nodes.len()]);
+            let at_rest = shape.at(reference);
             visit(&SolidFacet {
                 n_nodes: nodes.len(),
                 shape,
-                reference: shape.at(reference),
-                reference_weight: weight * parallelepiped,
-                weight,
+                reference: at_rest,
+                reference_weight: weight * parallelepiped * coordinates.weight(&at_rest),
+                weight: weight * coordinates.weight(&(at_rest + shape.at(&displacement[..nodes.len()]))),
+                weight_gradient: coordinates.weight_gradient() * weight,
                 tangents: [moved(0), moved(1)],
                 displacement_slope: rule.displacement.slope,
                 time: self.time,

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use algebra::Integral;
+use algebra::{Integral, Term};
 use mesh::{Vector, positive, require};
 
-use crate::terms::{BodyForce, Inertia, InternalWork};
+use crate::terms::{BodyForce, HoopWork, Inertia, InternalWork};
 use crate::{Error, Material, SolidCells, SolidPoints};
 
 /// The terms of elastodynamics on the cells of a body.
@@ -15,6 +15,8 @@ pub struct SolidForm<const D: usize> {
     pub inertia: Inertia,
     /// `(P(F), ∇w)`
     pub internal_work: InternalWork<D>,
+    /// The same in axisymmetric coordinates.
+    pub hoop_work: HoopWork<D>,
     /// `-(ρ g, w)`
     pub body_force: BodyForce<D>,
 }
@@ -39,9 +41,11 @@ impl<const D: usize> SolidForm<D> {
         }
         let densities =
             groups.iter().map(|(density, _)| positive("density", *density)).collect::<Result<Vec<_>, _>>()?;
+        let materials: Vec<_> = groups.into_iter().map(|(_, material)| material).collect();
         Ok(Self {
             inertia: Inertia { densities: densities.clone() },
-            internal_work: InternalWork { materials: groups.into_iter().map(|(_, material)| material).collect() },
+            internal_work: InternalWork { materials: materials.clone() },
+            hoop_work: HoopWork { materials },
             body_force: BodyForce { densities, acceleration: gravity },
         })
     }
@@ -60,6 +64,8 @@ impl<const D: usize> SolidForm<D> {
     pub fn internal_work<'a>(&'a self, cells: SolidCells<'a, D>) -> Integral<'a, SolidPoints<'a, D>> {
         let is_linear = self.internal_work.materials.iter().all(|material| material.is_linear());
         let integral = if is_linear { Integral::linear } else { Integral::new };
-        integral("solid internal work", SolidPoints { cells }, vec![&self.internal_work])
+        let is_axisymmetric = cells.solid.mesh().coordinates().radial().is_some();
+        let term: &dyn Term<_> = if is_axisymmetric { &self.hoop_work } else { &self.internal_work };
+        integral("solid internal work", SolidPoints { cells }, vec![term])
     }
 }

@@ -9,7 +9,7 @@
 //! | line | formula | file |
 //! |---|---|---|
 //! | inertia | `(ρ a, w)` | `terms/inertia.rs` |
-//! | internal work | `(P(F), ∇w)` | `terms/internal_work.rs` |
+//! | internal work | `(P(F), ∇w)` | `terms/internal_work.rs`; in axisymmetric coordinates `terms/hoop_work.rs` |
 //! | body force | `-(ρ g, w)` | `terms/body_force.rs` |
 //! | dead load | `-(t, w)` on facets | `terms/traction.rs` |
 //! | follower pressure | `(p J F⁻ᵀ N, w)` on facets | `terms/pressure.rs` |
@@ -42,6 +42,7 @@ pub mod supports;
 pub mod terms;
 
 mod cell;
+mod deformation;
 mod elastic;
 mod element;
 mod error;
@@ -52,6 +53,7 @@ mod solid_mesh;
 mod stress;
 
 pub use cell::{SolidCell, SolidCells, SolidPoint, SolidPoints};
+pub use deformation::Deformation;
 pub use elastic::{ElasticBody, ElasticOptions};
 pub use element::{MAX_CELL_NODES, Order, ShapeFunctions};
 pub use error::Error;
@@ -59,6 +61,6 @@ pub use facet::{SolidFacet, SolidFacets};
 pub use form::SolidForm;
 pub use load::Load;
 pub use material::{LameParameters, LinearElastic, Material, NeoHookean, SaintVenantKirchhoff};
-pub use solid_mesh::SolidMesh;
+pub use solid_mesh::{CellPoint, SolidMesh};
 pub use stress::SolidStress;
 pub use supports::{Support, SupportKind};

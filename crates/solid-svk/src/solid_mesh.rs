@@ -2,10 +2,12 @@
 
 use std::collections::HashMap;
 
-use mesh::{BoundaryMesh, CellId, FacetId, Placed, Point, SimplexMesh, Vector, VertexId};
+use mesh::{BoundaryMesh, CellId, Coordinates, FacetId, Placed, Point, SimplexMesh, Vector, VertexId};
 
 use crate::Error;
+use crate::deformation::Deformation;
 use crate::element::{Barycentric, MAX_CELL_NODES, Order, ShapeFunctions, Tabulated};
+use crate::kinematics::{deformation_gradient, gradient};
 
 /// Everything about the mesh of a body that is constant in time; built once, borrowed in every step.
 ///
@@ -30,8 +32,35 @@ pub struct SolidMesh<const D: usize> {
     facet_points: Vec<Tabulated>,
     /// Gradients in the cell behind a boundary facet, at its middle. Stride: nodes of a cell.
     surface_gradients: Vec<Vector<D>>,
+    /// Shape functions over the radius there, with the same stride; empty in Cartesian coordinates.
+    surface_hoop: Vec<f64>,
     /// Per cell: measure of its boundary facets.
     surface_measures: Vec<f64>,
+}
+
+/// A point of a cell at which the stress is evaluated.
+#[derive(Clone, Copy, Debug)]
+pub struct CellPoint<'a, const D: usize> {
+    /// Reference volume that the point stands for, with the weight of the coordinates.
+    pub weight: f64,
+    /// Gradients of the shape functions, one per node.
+    pub gradients: &'a [Vector<D>],
+    /// Radial component, and the shape functions over the radius, one per node; `None` in Cartesian coordinates.
+    pub hoop: Option<(usize, &'a [f64])>,
+}
+
+impl<const D: usize> CellPoint<'_, D> {
+    /// Returns the deformation of a displacement, given at the nodes of the cell.
+    #[inline]
+    pub fn deformation(&self, displacement: &[Vector<D>]) -> Deformation<D> {
+        let stretch = |(radial, shapes): (usize, &[f64])| {
+            1.0 + displacement.iter().zip(shapes).map(|(d, shape)| d[radial] * shape).sum::<f64>()
+        };
+        Deformation {
+            gradient: deformation_gradient(&gradient(displacement, self.gradients)),
+            hoop: self.hoop.map(stretch),
+        }
+    }
 }
 
 /// Integrals of cells.
@@ -42,6 +71,8 @@ struct CellTables<const D: usize> {
     weights: Vec<f64>,
     /// Stride: points of a cell times its nodes.
     gradients: Vec<Vector<D>>,
+    /// Shape functions over the radius. Stride: that of the gradients; empty in Cartesian coordinates.
+    hoop: Vec<f64>,
     /// Stride: square of the nodes of a cell.
     mass: Vec<f64>,
 }
@@ -90,7 +121,7 @@ impl<const D: usize> SolidMesh<D> {
             };
             order.push_nodes(mesh.cell(cell), on_edge, &mut cell_to_node);
         }
-        let cells = CellTables::new(order, &nodes, &cell_to_node)?;
+        let cells = CellTables::new(order, &nodes, &cell_to_node, mesh.coordinates())?;
         let part_to_node = parts::<D>(order, D, &cell_to_node);
 
         let mut facet_to_node = Vec::new();
@@ -101,11 +132,12 @@ impl<const D: usize> SolidMesh<D> {
             facet_to_cell.extend(mesh.facet_to_cell(facet)[0].iter().flat_map(|cell| vec![*cell; n_parts]));
             tags.extend(vec![mesh.facet_tag(facet); n_parts]);
         }
-        let boundary = BoundaryMesh::new(parts::<D>(order, D - 1, &facet_to_node), facet_to_cell, tags);
+        let boundary = BoundaryMesh::new(parts::<D>(order, D - 1, &facet_to_node), facet_to_cell, tags)
+            .with_coordinates(mesh.coordinates());
 
         let mut body = Self {
             cell_to_group: vec![0; mesh.n_cells()],
-            facet_points: facet_points(order, D - 1),
+            facet_points: facet_points(order, D - 1, mesh.coordinates()),
             mesh,
             order,
             nodes,
@@ -115,9 +147,10 @@ impl<const D: usize> SolidMesh<D> {
             boundary,
             facet_to_node,
             surface_gradients: Vec::new(),
+            surface_hoop: Vec::new(),
             surface_measures: Vec::new(),
         };
-        body.surface_gradients = body.gradients_on_surface();
+        (body.surface_gradients, body.surface_hoop) = body.shapes_on_surface();
         body.surface_measures = body.measures_of_surface();
         Ok(body)
     }
@@ -192,15 +225,15 @@ impl<const D: usize> SolidMesh<D> {
         Placed::new(&self.boundary, positions)
     }
 
-    /// Returns the reference volume of a cell.
+    /// Returns the reference volume of a cell in the coordinates of the mesh (2D: area).
     #[inline]
     pub fn volume(&self, cell: CellId) -> f64 {
         self.cells.volumes[cell.index()]
     }
 
-    /// Returns the consistent mass of a cell for unit density, `m_ij = ∫ N_i N_j`: a square matrix.
+    /// Returns the consistent mass of a cell for unit density, `m_ij = ∫ N_i N_j` with the weight of the coordinates: a square matrix.
     ///
-    /// It is integrated once with a rule of degree `2p` for order `p`, exact on cells with straight edges.
+    /// It is integrated once with a rule that is exact on cells with straight edges, up to degree 4.
     #[inline]
     pub fn mass(&self, cell: CellId) -> &[f64] {
         let n = self.order.n_nodes(D).pow(2);
@@ -215,24 +248,37 @@ impl<const D: usize> SolidMesh<D> {
     ///
     /// Source: Ciarlet 2002, The Finite Element Method for Elliptic Problems, Thm. 4.1.6.
     #[inline]
-    pub fn points(&self, cell: CellId) -> impl Iterator<Item = (f64, &[Vector<D>])> + use<'_, D> {
+    pub fn points(&self, cell: CellId) -> impl Iterator<Item = CellPoint<'_, D>> + use<'_, D> {
         let n_nodes = self.order.n_nodes(D);
         let n_points = self.cells.weights.len() / self.mesh.n_cells();
-        let gradients = &self.cells.gradients[cell.index() * n_points * n_nodes..][..n_points * n_nodes];
         let weights = &self.cells.weights[cell.index() * n_points..][..n_points];
-        weights.iter().copied().zip(gradients.chunks_exact(n_nodes))
+        weights.iter().enumerate().map(move |(k, &weight)| {
+            let of_point = (cell.index() * n_points + k) * n_nodes..(cell.index() * n_points + k + 1) * n_nodes;
+            CellPoint {
+                weight,
+                gradients: &self.cells.gradients[of_point.clone()],
+                hoop: self.mesh.coordinates().radial().map(|radial| (radial, &self.cells.hoop[of_point])),
+            }
+        })
     }
 
-    /// Returns the gradients of the shape functions of a cell in the middle of one of its parts.
-    pub(crate) fn gradients_in_part(&self, cell: CellId, part: usize) -> Vec<Vector<D>> {
-        self.gradients_at(cell, &self.order.middle(D, part))
+    /// Returns the deformation in the middle of one of the parts of a cell, for displacements of its nodes.
+    pub(crate) fn deformation_in_part(&self, cell: CellId, part: usize, displacement: &[Vector<D>]) -> Deformation<D> {
+        let (gradients, hoop) = self.shapes_at(cell, &self.order.middle(D, part));
+        let hoop = self.mesh.coordinates().radial().map(|radial| (radial, &hoop[..]));
+        CellPoint { weight: 0.0, gradients: &gradients, hoop }.deformation(displacement)
     }
 
-    /// Returns the gradients of the shape functions of the cell behind a boundary facet, in the middle of the facet.
+    /// Returns the middle of a boundary facet as a point of the cell behind it. Its weight is zero.
     #[inline]
-    pub fn surface_gradients(&self, facet: FacetId) -> &[Vector<D>] {
+    pub fn surface_point(&self, facet: FacetId) -> CellPoint<'_, D> {
         let n = self.order.n_nodes(D);
-        &self.surface_gradients[facet.index() * n..][..n]
+        let of_facet = facet.index() * n..(facet.index() + 1) * n;
+        CellPoint {
+            weight: 0.0,
+            gradients: &self.surface_gradients[of_facet.clone()],
+            hoop: self.mesh.coordinates().radial().map(|radial| (radial, &self.surface_hoop[of_facet])),
+        }
     }
 
     /// Returns the measure of the boundary facets of a cell.
@@ -251,20 +297,28 @@ impl<const D: usize> SolidMesh<D> {
         &self.facet_points[facet.index() % self.facet_points.len()]
     }
 
-    fn gradients_at(&self, cell: CellId, at: &Barycentric) -> Vec<Vector<D>> {
+    /// Returns the gradients of the shape functions at a point of a cell, and their values over the radius, which are none in Cartesian
+    /// coordinates.
+    fn shapes_at(&self, cell: CellId, at: &Barycentric) -> (Vec<Vector<D>>, Vec<f64>) {
         let mut nodes = [Point::zeros(); MAX_CELL_NODES];
         let n = gather(&self.nodes, self.cell(cell), &mut nodes);
-        let mut gradients = Vec::with_capacity(n);
-        self.order.shape(D, at).push_gradients(&nodes[..n], &mut gradients);
-        gradients
+        let (mut gradients, mut hoop) = (Vec::with_capacity(n), Vec::new());
+        let shape = self.order.shape(D, at);
+        shape.push_gradients(&nodes[..n], &mut gradients);
+        push_hoop(&shape, &nodes[..n], &gradients, self.mesh.coordinates(), &mut hoop);
+        (gradients, hoop)
     }
 
-    fn gradients_on_surface(&self) -> Vec<Vector<D>> {
-        let behind = |facet: FacetId| Some((facet, self.boundary.facet_to_cell(facet)?));
-        let gradients = |(facet, cell): (FacetId, CellId)| {
-            self.gradients_at(cell, &self.order.middle_of(D, self.cell(cell), self.boundary.facet(facet)))
-        };
-        self.boundary.facets().filter_map(behind).flat_map(gradients).collect()
+    fn shapes_on_surface(&self) -> (Vec<Vector<D>>, Vec<f64>) {
+        let (mut gradients, mut hoop) = (Vec::new(), Vec::new());
+        for facet in self.boundary.facets() {
+            let Some(cell) = self.boundary.facet_to_cell(facet) else { continue };
+            let middle = self.order.middle_of(D, self.cell(cell), self.boundary.facet(facet));
+            let (of_gradients, of_hoop) = self.shapes_at(cell, &middle);
+            gradients.extend(of_gradients);
+            hoop.extend(of_hoop);
+        }
+        (gradients, hoop)
     }
 
     fn measures_of_surface(&self) -> Vec<f64> {
@@ -280,10 +334,15 @@ impl<const D: usize> SolidMesh<D> {
 }
 
 impl<const D: usize> CellTables<D> {
-    fn new(order: Order, nodes: &[Point<D>], cell_to_node: &[VertexId]) -> Result<Self, Error> {
+    fn new(
+        order: Order,
+        nodes: &[Point<D>],
+        cell_to_node: &[VertexId],
+        coordinates: Coordinates,
+    ) -> Result<Self, Error> {
         let n = order.n_nodes(D);
         let stress = Tabulated::of_degree(order, D, 2 * order.degree() - 2);
-        let mass = Tabulated::of_degree(order, D, 2 * order.degree());
+        let mass = Tabulated::of_degree(order, D, 2 * order.degree() + coordinates.degree());
         let mut tables = Self::default();
         let inside: Vec<_> = (0..order.parts(D).len()).map(|part| order.shape(D, &order.middle(D, part))).collect();
         let (mut local, mut unused) = ([Point::zeros(); MAX_CELL_NODES], Vec::new());
@@ -294,8 +353,11 @@ impl<const D: usize> CellTables<D> {
                 let ratio = shape.push_gradients(&local[..n], gradients);
                 if ratio > 0.0 { Ok(ratio) } else { Err(Error::DegenerateCell { cell }) }
             };
+            let weight_at = |shape: &ShapeFunctions| coordinates.weight(&shape.at(&local[..n]));
             for (weight, shape) in &stress.points {
-                tables.weights.push(weight * ratio(shape, &mut tables.gradients)?);
+                let first = tables.gradients.len();
+                tables.weights.push(weight * ratio(shape, &mut tables.gradients)? * weight_at(shape));
+                push_hoop(shape, &local[..n], &tables.gradients[first..], coordinates, &mut tables.hoop);
             }
             for shape in &inside {
                 ratio(shape, &mut unused)?;
@@ -306,6 +368,7 @@ impl<const D: usize> CellTables<D> {
             for (weight, shape) in &mass.points {
                 let weight = weight * ratio(shape, &mut unused)?;
                 volume += weight;
+                let weight = weight * weight_at(shape);
                 for (i, row) in tables.mass[first..].chunks_exact_mut(n).enumerate() {
                     row.iter_mut().zip(&shape.values).for_each(|(m, value)| *m += weight * shape.values[i] * value);
                 }
@@ -317,6 +380,23 @@ impl<const D: usize> CellTables<D> {
     }
 }
 
+/// Appends the values of the shape functions at a point over its radius; none in Cartesian coordinates. On the axis, where radial displacements
+/// are zero, the limit is the derivative by the radius.
+fn push_hoop<const D: usize>(
+    shape: &ShapeFunctions,
+    nodes: &[Point<D>],
+    gradients: &[Vector<D>],
+    coordinates: Coordinates,
+    hoop: &mut Vec<f64>,
+) {
+    let Some(radial) = coordinates.radial() else { return };
+    let radius = shape.at(nodes)[radial];
+    let on_axis = |(_, gradient): (&f64, &Vector<D>)| gradient[radial];
+    let off_axis = |(value, _): (&f64, &Vector<D>)| value / radius;
+    let values = shape.values.iter().zip(gradients);
+    if radius > 0.0 { hoop.extend(values.map(off_axis)) } else { hoop.extend(values.map(on_axis)) }
+}
+
 /// Returns the linear simplices of elements of some dimension, given by their nodes.
 fn parts<const D: usize>(order: Order, dimension: usize, element_to_node: &[VertexId]) -> Vec<VertexId> {
     let elements = element_to_node.chunks_exact(order.n_nodes(dimension));
@@ -326,13 +406,13 @@ fn parts<const D: usize>(order: Order, dimension: usize, element_to_node: &[Vert
     elements.flat_map(parts).collect()
 }
 
-/// Returns the points for loads on the parts of a facet. Those of a linear facet are its vertices. The rule of order 2 has degree 4, which is exact for the
-/// pressure on a triangle with quadratic nodes.
-fn facet_points(order: Order, dimension: usize) -> Vec<Tabulated> {
+/// Returns the points for loads on the parts of a facet. Those of a linear facet are its vertices, if the weight of the coordinates is constant. The
+/// other rules are exact for a uniform pressure; that on a triangle with quadratic nodes has degree 4.
+fn facet_points(order: Order, dimension: usize, coordinates: Coordinates) -> Vec<Tabulated> {
     let n_parts = order.parts(dimension).len();
-    let of_part = |part: usize| match order {
-        Order::Linear => Tabulated::of_vertices(order, dimension),
-        Order::Quadratic => Tabulated::of_part(order, dimension, part, 2 * order.degree()),
+    let of_part = |part: usize| match (order, coordinates.degree()) {
+        (Order::Linear, 0) => Tabulated::of_vertices(order, dimension),
+        (_, degree) => Tabulated::of_part(order, dimension, part, 2 * order.degree() + degree),
     };
     (0..n_parts).map(of_part).collect()
 }

@@ -6,7 +6,6 @@ use algebra::{DofId, Sites};
 use body::{ByDof, SurfaceStress};
 use mesh::{CellId, FacetId, Tensor, Vector, det};
 
-use crate::kinematics::{deformation_gradient, gradient};
 use crate::{Material, SolidCells};
 
 /// Traction of the cell behind a facet, `P N / (|F|/|F̂|) = σ n`: nominal stress over the current measure of the facet.
@@ -28,25 +27,30 @@ impl<const D: usize> SolidStress<'_, D> {
     /// velocities of the nodes of the cell.
     fn traction(&self, facet: FacetId, cell: CellId, x: &[f64], derivatives: &mut ByDof<D>) -> Vector<D> {
         let SolidCells { solid, rule, layout, velocity } = self.cells;
-        let (nodes, gradients) = (solid.cell(cell), solid.surface_gradients(facet));
+        let (nodes, point) = (solid.cell(cell), solid.surface_point(facet));
         let displacement = self.cells.at_nodes(&rule.displacement, nodes, x);
-        let f = deformation_gradient(&gradient(&displacement, gradients));
+        let deformation = point.deformation(&displacement[..nodes.len()]);
+        let f = deformation.gradient;
         let Some(inverse) = f.try_inverse() else { return Vector::zeros() };
         // a = J F⁻ᵀ N: current area vector per reference area; da = (tr(H F⁻¹) I - (H F⁻¹)ᵀ) a.
         let normal = solid.placed(solid.nodes()).facet_normal(facet);
-        let area = inverse.transpose() * normal * det(&f);
+        // In axisymmetric coordinates circles are stretched too.
+        let stretch = deformation.hoop.unwrap_or(1.0);
+        let area = inverse.transpose() * normal * (det(&f) * stretch);
         let ratio = area.norm();
-        let material = &self.materials[solid.group(cell)];
-        let nominal = material.first_piola(&f) * normal;
+        let material = self.materials[solid.group(cell)].as_ref();
+        let nominal = deformation.first_piola(material) * normal;
         let traction = nominal / ratio;
-        for (node, g) in nodes.iter().zip(gradients) {
+        for (k, (node, g)) in nodes.iter().zip(point.gradients).enumerate() {
             for (b, dof) in layout.node(velocity, node.index()).enumerate() {
                 let mut h = Tensor::<D>::zeros();
                 h.set_row(b, &(g * rule.displacement.slope).transpose());
+                let of_circles = point.hoop.filter(|(radial, _)| b == *radial);
+                let d_stretch = of_circles.map_or(0.0, |(_, shapes)| shapes[k] * rule.displacement.slope);
                 let h_inverse = h * inverse;
-                let d_area = area * h_inverse.trace() - h_inverse.transpose() * area;
+                let d_area = area * (h_inverse.trace() + d_stretch / stretch) - h_inverse.transpose() * area;
                 let d_ratio = area.dot(&d_area) / ratio;
-                let d_nominal = material.first_piola_derivative(&f, &h) * normal;
+                let d_nominal = deformation.first_piola_derivative(material, &h, d_stretch) * normal;
                 derivatives.push((dof, (d_nominal - traction * d_ratio) / ratio));
             }
         }

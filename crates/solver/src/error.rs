@@ -21,6 +21,19 @@ pub enum Stage {
         /// Cause.
         source: contact::Error,
     },
+    /// A body and the fluid are described in different coordinates.
+    #[error(
+        "body {body} is not described in the coordinates of the background; make both meshes axisymmetric, or both Cartesian"
+    )]
+    Coordinates {
+        /// Name of the body.
+        body: String,
+    },
+    /// A side of the background lies on the axis of axisymmetric coordinates and has another condition than symmetry.
+    #[error(
+        "a side of the background lies on the axis of rotation, so its condition must be symmetry across the radius"
+    )]
+    Axis,
     /// The surfaces cannot cut the background: a body is turned inside out or torn.
     #[error("cutting the background")]
     Cut(#[from] cutcell::Error),

@@ -123,7 +123,7 @@ impl<const D: usize> Unknowns<'_, D> {
     }
 }
 
-/// `Σ_F h_F |F| ([∇u] n, [∇v] n)`.
+/// `Σ_F h_F ([∇u] n, [∇v] n)_F`.
 struct Jumps<'a, const D: usize> {
     unknowns: Unknowns<'a, D>,
     faces: Vec<&'a FaceValue<D>>,
@@ -140,7 +140,7 @@ impl<const D: usize> Contributions for Jumps<'_, D> {
 
     fn add(&self, item: usize, x: &[f64], out: &mut LocalSystem) {
         let face = self.faces[item];
-        let mut weight = Vector::repeat(face.share * face.measure * face.diameter);
+        let mut weight = Vector::repeat(face.share * face.weight * face.diameter);
         face.odd_component.iter().for_each(|odd| weight[*odd] = 0.0);
         self.unknowns.add_square((face.dofs(), face.jumps()), &Vector::zeros(), &weight, x, out);
     }

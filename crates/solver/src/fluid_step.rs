@@ -7,8 +7,8 @@ use algebra::{BlockLayout, Constraints, Contributions, FieldId, Integral};
 use body::{BodyStep, StepTime};
 use cutcell::CutMesh;
 use fluid_ns::terms::{
-    Backflow, BodyForce, CipPressure, CipVelocity, Convection, GhostPenalty, Incompressibility, Inertia, Traction,
-    Viscous,
+    Backflow, BodyForce, CipPressure, CipVelocity, Convection, GhostPenalty, Hoop, HoopConvection, Incompressibility,
+    Inertia, Traction, Viscous,
 };
 use fluid_ns::{FluidFields, FluidForm, FluidGeometry, OpenBoundary};
 use interface_dg::{InterfacePoints, MortarForm, PieceValues, Pocket};
@@ -294,11 +294,14 @@ impl<'a, const D: usize> FluidStep<'a, D> {
 fn form<const D: usize>(fluid: &FluidSetup<D>, rate: f64, time: f64) -> FluidForm<'_, D> {
     let (density, viscosity) = (fluid.material.density, fluid.material.viscosity);
     let Stabilisation { cip, gamma_pressure, gamma_ghost, .. } = fluid.stabilisation;
+    let is_axisymmetric = fluid.background.coordinates().radial().is_some();
     FluidForm {
         inertia: (rate != 0.0).then_some(Inertia { density }),
         viscous: Viscous { viscosity },
         incompressibility: Incompressibility,
+        hoop: is_axisymmetric.then_some(Hoop { viscosity }),
         convection: fluid.convection.map(|skew| Convection { density, skew }),
+        hoop_convection: (is_axisymmetric && fluid.convection == Some(true)).then_some(HoopConvection { density }),
         body_force: fluid.body_force.as_ref().map(|force| BodyForce { force: force.as_ref(), time }),
         cip_velocity: CipVelocity { profile: cip, density },
         cip_pressure: CipPressure { gamma_pressure, density, viscosity, rate },

@@ -6,7 +6,7 @@ use body::{Balance, BodyState};
 use contact::{ContactReport, ContactSites};
 use cutcell::CutReport;
 use interface_dg::{InterfaceFlow, InterfaceTraction, interface_flow, interface_tractions};
-use mesh::{BodyId, Point, Vector};
+use mesh::{BodyId, Coordinates, Point, Vector};
 
 use crate::setup::Contact;
 use crate::{Ledger, Problem, Setup, Stage, StageSeconds, Step, Substep};
@@ -34,6 +34,20 @@ pub struct ForceBalance<const D: usize> {
 }
 
 impl<const D: usize> ForceBalance<D> {
+    /// Returns the balance without the components that the coordinates let cancel over the whole body.
+    fn resultant(self, coordinates: Coordinates) -> Self {
+        let of = |force| coordinates.resultant(force);
+        Self {
+            inertia: of(self.inertia),
+            body_force: of(self.body_force),
+            pressure: of(self.pressure),
+            viscous: of(self.viscous),
+            exchange: of(self.exchange),
+            penalty: of(self.penalty),
+            contact: of(self.contact),
+        }
+    }
+
     /// Returns the inertia minus all other forces of this balance. It is the force of supports, loads and contacts as
     /// master.
     pub fn remainder(&self) -> Vector<D> {
@@ -210,10 +224,10 @@ fn add_forces<const D: usize>(
     if let (Some(fluid), Some(of_step)) = (fluid, &step.fluid) {
         for (piece, traction) in of_step.cut.interface().iter().zip(&fluid.tractions) {
             if let Some(forces) = &mut bodies[piece.body.index()].forces {
-                forces.pressure += traction.pressure * piece.measure;
-                forces.viscous += (traction.fluid - traction.pressure) * piece.measure;
-                forces.exchange += traction.exchange * piece.measure;
-                forces.penalty += traction.penalty * piece.measure;
+                forces.pressure += traction.pressure * traction.measure;
+                forces.viscous += (traction.fluid - traction.pressure) * traction.measure;
+                forces.exchange += traction.exchange * traction.measure;
+                forces.penalty += traction.penalty * traction.measure;
             }
         }
     }
@@ -223,5 +237,8 @@ fn add_forces<const D: usize>(
                 forces.contact += force;
             }
         }
+    }
+    for (body, report) in step.setup.bodies.iter().zip(bodies) {
+        report.forces = report.forces.map(|forces| forces.resultant(body.surface().coordinates()));
     }
 }

@@ -83,6 +83,21 @@ impl<const D: usize> FluidSetup<D> {
         let condition = self.boundary.iter().find(|(other, _)| Some(*other) == tag).map(|(_, condition)| condition);
         matches!(condition, None | Some(FluidBoundary::Open { .. }))
     }
+
+    /// Checks that sides on the axis of axisymmetric coordinates are planes of symmetry.
+    fn check_axis(&self) -> Result<(), Stage> {
+        let Some(radial) = self.background.coordinates().radial() else { return Ok(()) };
+        let on_axis = |facet: &FacetId| {
+            let vertices = self.background.facet(*facet);
+            self.background.is_boundary(*facet) && vertices.iter().all(|v| self.background.vertex(*v)[radial] == 0.0)
+        };
+        let is_symmetry = |facet: FacetId| {
+            let tag = self.background.facet_tag(facet);
+            let condition = self.boundary.iter().find(|(other, _)| Some(*other) == tag);
+            matches!(condition, Some((_, FluidBoundary::Symmetry { axis })) if *axis == radial)
+        };
+        if self.background.facets().filter(on_axis).all(is_symmetry) { Ok(()) } else { Err(Stage::Axis) }
+    }
 }
 
 /// A contact of a body with an obstacle.
@@ -177,8 +192,8 @@ impl<const D: usize> Setup<D> {
     /// Checks values that fit together only in a whole setup. [`crate::State::initial`] calls it.
     ///
     /// # Errors
-    /// A time step that is not positive, a plane of symmetry across an axis that does not exist, or a contact that was made
-    /// for other bodies.
+    /// A time step that is not positive, a plane of symmetry across an axis that does not exist, a body in other coordinates than the
+    /// background, an axis without symmetry, or a contact that was made for other bodies.
     pub fn check(&self) -> Result<(), Stage> {
         mesh::positive("time step", self.dt)?;
         if let Some(fluid) = &self.fluid {
@@ -187,6 +202,13 @@ impl<const D: usize> Setup<D> {
         for (_, condition) in self.fluid.iter().flat_map(|fluid| &fluid.boundary) {
             if let FluidBoundary::Symmetry { axis } = *condition {
                 mesh::require(axis < D, "axis of symmetry", axis as f64, "below the dimension")?;
+            }
+        }
+        if let Some(fluid) = &self.fluid {
+            fluid.check_axis()?;
+            let coordinates = fluid.background.coordinates();
+            if let Some(body) = self.bodies.iter().find(|body| body.surface().coordinates() != coordinates) {
+                return Err(Stage::Coordinates { body: body.name().to_owned() });
             }
         }
         for (number, contact) in self.contacts.iter().enumerate() {

@@ -38,7 +38,7 @@ pub struct BoundaryPoint<const D: usize> {
     pub point: Point<D>,
     /// Unit normal out of the domain.
     pub normal: Vector<D>,
-    /// Weight, with the measure.
+    /// Weight, with the measure and the weight of the coordinates.
     pub weight: f64,
     /// Shape values; only the first `D + 1` are used.
     pub shape: [f64; MAX_CELL_VERTICES],
@@ -51,7 +51,8 @@ pub fn boundary_points<const D: usize>(
     tag: Tag,
     degree: usize,
 ) -> Vec<BoundaryPoint<D>> {
-    let rule = SimplexRule::of_degree(D - 1, degree);
+    let coordinates = background.coordinates();
+    let rule = SimplexRule::of_degree(D - 1, degree + coordinates.degree());
     let mut points = Vec::new();
     for piece in cut.boundary().iter().filter(|piece| background.facet_tag(piece.facet) == Some(tag)) {
         let normal = facet_normal(&background.facet_points(piece.facet)[..D]);
@@ -63,7 +64,7 @@ pub fn boundary_points<const D: usize>(
                 part: piece.part,
                 point,
                 normal,
-                weight: weight * piece.measure,
+                weight: weight * piece.measure * coordinates.weight(&point),
                 shape: simplex.barycentric(&point).unwrap_or_default(),
             });
         }

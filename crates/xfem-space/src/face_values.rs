@@ -19,6 +19,8 @@ pub struct FaceValue<const D: usize> {
     pub is_ghost: bool,
     /// Measure `|F|` of the whole face.
     pub measure: f64,
+    /// `∫_F 1` with the weight of the coordinates; the measure in Cartesian ones.
+    pub weight: f64,
     /// Diameter `h_F`.
     pub diameter: f64,
     /// Unit normal, out of the first cell.
@@ -53,10 +55,14 @@ impl<const D: usize> FaceValue<D> {
 
     fn new(background: &SimplexMesh<D>, facet: FacetId, is_ghost: bool) -> Self {
         let points = &background.facet_points(facet)[..D];
+        let (measure, coordinates) = (simplex_measure(points), background.coordinates());
+        // The weight is linear, so that its mean is the value in the middle.
+        let middle = points.iter().sum::<Vector<D>>() / D as f64;
         Self {
             facet,
             is_ghost,
-            measure: simplex_measure(points),
+            measure,
+            weight: measure * coordinates.weight(&middle),
             diameter: diameter(points),
             normal: facet_normal(points),
             share: 1.0,

@@ -18,6 +18,6 @@ mod transfer;
 pub use boundary::{BoundaryPoint, boundary_dofs, boundary_points};
 pub use classes::Classes;
 pub use face_values::{FaceValue, face_values, symmetry_values};
-pub use part_values::{Moments, PartValues};
+pub use part_values::{HoopMoments, Moments, PartValues};
 pub use space::XfemSpace;
 pub use transfer::Sources;

@@ -1,12 +1,16 @@
 //! Moments and gradients of fluid parts.
 
 use cutcell::{CutMesh, PartId};
-use mesh::{MAX_CELL_VERTICES, Point, QuadratureRule, SimplexMesh, SimplexRule, Vector, equilateral_side};
+use mesh::{Coordinates, MAX_CELL_VERTICES, Point, QuadratureRule, SimplexMesh, SimplexRule, Vector, equilateral_side};
 
 /// A part below this fraction of its cell contributes no volume integral; its dofs, faces and interface pieces stay.
 const NEGLIGIBLE_FRACTION: f64 = 1e-9;
 
-/// Moments `m_ij = ∫ N_i N_j` of the shape functions of a cell over a part.
+/// Degree of the rule where the radius is in a denominator. Functions that are proportional to the radius, as the radial velocity is
+/// near the axis, are integrated exactly.
+const HOOP_DEGREE: usize = 4;
+
+/// Moments `m_ij = ∫ N_i N_j` of the shape functions of a cell over a part, with the weight of the coordinates.
 ///
 /// The shape functions add up to one, so `Σ_j m_ij = ∫ N_i`, and all entries add up to the volume. Integrals of constants,
 /// of P1 functions and of products of two of them follow from the moments.
@@ -61,22 +65,39 @@ impl Moments {
     }
 }
 
+/// Moments over a part in axisymmetric coordinates with the radius in the denominator.
+///
+/// All are sums over the same points inside the part, so that `Σ_ij u_i u_j (∫ N_i N_j/r²)` is the sum of squares of `u/r` for every cut.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct HoopMoments {
+    /// `∫ N_i N_j / r`.
+    pub by_radius: Moments,
+    /// `∫ N_i N_j / r²`.
+    pub by_square: Moments,
+}
+
 /// Moments and gradients of all parts of a cut, computed once per step.
 #[derive(Clone, Debug)]
 pub struct PartValues<const D: usize> {
     gradients: Vec<[Vector<D>; MAX_CELL_VERTICES]>,
     moments: Vec<Moments>,
+    /// Empty unless coordinates are axisymmetric.
+    hoop: Vec<HoopMoments>,
+    coordinates: Coordinates,
     cell_sizes: Vec<f64>,
 }
 
 impl<const D: usize> PartValues<D> {
     /// Computes the values on all parts of a cut.
     pub fn new(background: &SimplexMesh<D>, cut: &CutMesh<D>) -> Self {
-        let rule = SimplexRule::of_degree(D, 2);
+        let coordinates = background.coordinates();
+        let rule = SimplexRule::of_degree(D, if coordinates.radial().is_some() { HOOP_DEGREE } else { 2 });
         let n = cut.n_parts();
         let mut values = Self {
             gradients: Vec::with_capacity(n),
             moments: Vec::with_capacity(n),
+            hoop: Vec::new(),
+            coordinates,
             cell_sizes: Vec::with_capacity(n),
         };
         let mut points = QuadratureRule::default();
@@ -84,17 +105,24 @@ impl<const D: usize> PartValues<D> {
             let simplex = background.simplex(cut.part_cell(part));
             let volume = simplex.volume();
             let gradients = simplex.barycentric_gradients().unwrap_or([Vector::zeros(); MAX_CELL_VERTICES]);
-            let mut moments = Moments::default();
-            if cut.is_whole(part) {
+            let (mut moments, mut hoop) = (Moments::default(), HoopMoments::default());
+            if cut.is_whole(part) && coordinates.radial().is_none() {
                 moments = Moments::of_whole(volume, D);
             } else if cut.part_volume(part) > NEGLIGIBLE_FRACTION * volume {
                 cut.part_quadrature(background, part, rule, &mut points);
                 for (x, &weight) in points.points.iter().zip(&points.weights) {
-                    moments.add(weight, &shape(&gradients, &simplex.points()[0], x));
+                    let (weight, shape) = (weight * coordinates.weight(x), shape(&gradients, &simplex.points()[0], x));
+                    moments.add(weight, &shape);
+                    if let Some(radial) = coordinates.radial() {
+                        let radius = x[radial];
+                        hoop.by_radius.add(weight / radius, &shape);
+                        hoop.by_square.add(weight / (radius * radius), &shape);
+                    }
                 }
                 points.points.clear();
                 points.weights.clear();
             }
+            values.hoop.extend(coordinates.radial().map(|_| hoop));
             values.gradients.push(gradients);
             values.cell_sizes.push(equilateral_side::<D>(volume));
             values.moments.push(moments);
@@ -115,10 +143,12 @@ impl<const D: usize> PartValues<D> {
         if self.moments(part).volume() == 0.0 {
             return;
         }
-        let rule = SimplexRule::of_degree(D, degree);
+        let rule = SimplexRule::of_degree(D, degree + self.coordinates.degree());
         let origin = background.simplex(cut.part_cell(part)).points()[0];
         cut.for_each_simplex(background, part, |simplex| {
-            rule.for_each_point(simplex, |x, weight| visit(&x, weight, &shape(self.gradients(part), &origin, &x)));
+            rule.for_each_point(simplex, |x, weight| {
+                visit(&x, weight * self.coordinates.weight(&x), &shape(self.gradients(part), &origin, &x));
+            });
         });
     }
 
@@ -132,6 +162,18 @@ impl<const D: usize> PartValues<D> {
     #[inline]
     pub fn moments(&self, part: PartId) -> &Moments {
         &self.moments[part.index()]
+    }
+
+    /// Returns the moments of a part with the radius in the denominator; `None` unless coordinates are axisymmetric.
+    #[inline]
+    pub fn hoop(&self, part: PartId) -> Option<&HoopMoments> {
+        self.hoop.get(part.index())
+    }
+
+    /// Returns the coordinates.
+    #[inline]
+    pub fn coordinates(&self) -> Coordinates {
+        self.coordinates
     }
 
     /// Returns the size `h_K` of the cell of a part: side of the equilateral simplex of the same volume.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use mesh::{FacetId, SimplexMesh, Vector};
+use mesh::{BoundaryMesh, Coordinates, FacetId, Point, SimplexMesh, Vector};
 use solid_rigid::RigidBody;
 use solid_rigid::modes::n_rotations;
 use solid_svk::supports::{facets_without_tags, tagged_facets, vertices_of};
@@ -178,7 +178,11 @@ fn needed<'v, T>(body: &At<BodyKeys>, key: &'static str, value: &'v Option<At<T>
     value.as_ref().ok_or_else(|| body.at.error(ErrorKind::Missing(key)))
 }
 
-pub(super) fn body<const D: usize>(given: &At<BodyKeys>, time: &Time) -> Result<Built<D>, ScenarioError> {
+pub(super) fn body<const D: usize>(
+    given: &At<BodyKeys>,
+    time: &Time,
+    coordinates: Coordinates,
+) -> Result<Built<D>, ScenarioError> {
     let geometry = Geometry::new(&given.shape)?.shifted(given.shift()).map_err(|error| {
         given
             .shape
@@ -186,13 +190,44 @@ pub(super) fn body<const D: usize>(given: &At<BodyKeys>, time: &Time) -> Result<
             .invalid(format!("with its shift the shape loses its cells to rounding ({error}); make the shift smaller"))
     })?;
     let body: Arc<dyn Body<D>> = match (given.motion.as_ref(), geometry) {
-        (None, geometry) => return elastic(given, geometry, time),
-        (Some(motion), geometry) => match &**motion {
-            MotionChoice::Free { held, initial_spin } => Arc::new(free(given, geometry, held, initial_spin.as_ref())?),
-            _ => Arc::new(prescribed(&given.name, motion, time, geometry.into_surface())?),
-        },
+        (None, geometry) => return elastic(given, geometry, time, coordinates),
+        (Some(motion), geometry) => {
+            let (boundary, reference) = geometry.into_surface();
+            check_radii(given, &reference, coordinates)?;
+            let surface = (boundary.with_coordinates(coordinates), reference);
+            match &**motion {
+                MotionChoice::Free { held, initial_spin } => {
+                    Arc::new(free(given, surface, held, initial_spin.as_ref())?)
+                }
+                _ => Arc::new(prescribed(&given.name, motion, time, surface)?),
+            }
+        }
     };
-    Ok(Built { contact_facets: body.surface().facets().collect(), deforms: false, part_names: Vec::new(), body })
+    let contact_facets = body.surface().facets().filter(|facet| !on_axis(body.surface(), body.reference(), *facet));
+    Ok(Built { contact_facets: contact_facets.collect(), deforms: false, part_names: Vec::new(), body })
+}
+
+/// Checks that no vertex has a negative radius in axisymmetric coordinates.
+fn check_radii<const D: usize>(
+    given: &At<BodyKeys>,
+    vertices: &[Point<D>],
+    coordinates: Coordinates,
+) -> Result<(), ScenarioError> {
+    let Some(radial) = coordinates.radial() else { return Ok(()) };
+    match vertices.iter().find(|x| x[radial] < 0.0) {
+        None => Ok(()),
+        Some(x) => Err(given.shape.at.invalid(format!(
+            "in axisymmetric coordinates x is the radius, and this shape has a vertex at x = {:e}; move it to x >= 0, or use half of it, such as \
+             kind = \"half-ball\"",
+            x[radial]
+        ))),
+    }
+}
+
+/// Returns whether a facet lies on the axis of axisymmetric coordinates, where it is no surface.
+fn on_axis<const D: usize>(surface: &BoundaryMesh<D>, positions: &[Point<D>], facet: FacetId) -> bool {
+    let is_on = |radial: usize| surface.facet(facet).iter().all(|vertex| positions[vertex.index()][radial] == 0.0);
+    surface.coordinates().radial().is_some_and(is_on)
 }
 
 /// A body, and the facets of its surface that may come into contact.
@@ -209,8 +244,11 @@ fn elastic<const D: usize>(
     given: &At<BodyKeys>,
     geometry: Geometry<D>,
     time: &Time,
+    coordinates: Coordinates,
 ) -> Result<Built<D>, ScenarioError> {
     let (mesh, nodes) = geometry.into_mesh(&given.shape)?;
+    check_radii(given, mesh.vertices(), coordinates)?;
+    let mesh = mesh.with_coordinates(coordinates).map_err(|error| given.shape.at.error(error))?;
     let group_of = groups(&given.groups, &mesh)?;
     let solid = match given.order.as_deref() {
         Some(2) => {
@@ -258,12 +296,15 @@ fn elastic<const D: usize>(
 
 /// Returns the facets that may come into contact: those on no plane of symmetry and not clamped.
 fn free_facets<const D: usize>(given: &At<BodyKeys>, solid: &SolidMesh<D>) -> Result<Vec<FacetId>, ScenarioError> {
-    let Some(boundary) = &given.boundary else { return Ok(solid.boundary().facets().collect()) };
+    let off_axis = |facet: &FacetId| !on_axis(solid.boundary(), solid.nodes(), *facet);
+    let Some(boundary) = &given.boundary else { return Ok(solid.boundary().facets().filter(off_axis).collect()) };
     let is_held =
         |condition: &BodyCondition| matches!(condition, BodyCondition::Symmetry { .. } | BodyCondition::Clamped);
     let held = boundary.0.iter().filter(|(_, condition)| is_held(condition));
     let held: Vec<&str> = held.map(|(name, _)| name.as_str()).collect();
-    facets_without_tags(solid, &held).map_err(|error| boundary.at.error(error))
+    let mut free = facets_without_tags(solid, &held).map_err(|error| boundary.at.error(error))?;
+    free.retain(off_axis);
+    Ok(free)
 }
 
 /// Returns the group of each cell: 0, or one more than the number of the given group to which it belongs.
@@ -349,13 +390,12 @@ fn supports_and_loads<const D: usize>(
 
 fn free<const D: usize>(
     given: &At<BodyKeys>,
-    geometry: Geometry<D>,
+    (boundary, reference): (BoundaryMesh<D>, Vec<Point<D>>),
     held: &[At<Held>],
     initial_spin: Option<&At<f64>>,
 ) -> Result<RigidBody<D>, ScenarioError> {
     let density = **needed(given, "density", &given.density)?;
     let gravity = needed(given, "gravity", &given.gravity)?.vector();
-    let (boundary, reference) = geometry.into_surface();
     let mut body = RigidBody::new(&given.name, boundary, reference, density, gravity)
         .map_err(|error| given.shape.at.error(error))?;
     for motion in held {

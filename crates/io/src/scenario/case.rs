@@ -10,7 +10,7 @@ use super::body::{BodyKeys, Built, body};
 use super::contact::{ContactKeys, Partners};
 use super::error::{ErrorKind, ScenarioError};
 use super::file::{Scenario, ScenarioFile};
-use super::fluid::{fluid, tagged_vertices, unbalanced};
+use super::fluid::{Background, fluid, tagged_vertices, unbalanced};
 use super::motion::{Held, MotionChoice};
 use super::probe::probes;
 use super::table::At;
@@ -67,10 +67,11 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
         return Err(root.invalid(format!("the scenario has dimension {}, not {D}", scenario.dimension)));
     }
     let time = &scenario.time;
+    let coordinates = scenario.coordinates()?;
     let missing = |key| root.error(ErrorKind::Missing(key));
     let fluid = match (&scenario.fluid, &scenario.background) {
         (Some(given), Some(background)) => {
-            Some(fluid::<D>((given, scenario.interface.alpha), background, [0.0, time.end])?)
+            Some(fluid::<D>((given, scenario.interface.alpha, coordinates), background, [0.0, time.end])?)
         }
         (Some(_), None) => return Err(missing("background")),
         (None, None) if scenario.body.is_empty() => {
@@ -80,7 +81,7 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
         (None, Some(_)) => return Err(missing("fluid")),
     };
     let given = scenario.bodies();
-    let mut built = given.iter().map(|given| body::<D>(given, time)).collect::<Result<Vec<_>, _>>()?;
+    let mut built = given.iter().map(|given| body::<D>(given, time, coordinates)).collect::<Result<Vec<_>, _>>()?;
     if let Some(fluid) = &fluid {
         respect_symmetry(&given, fluid, &mut built)?;
     }
@@ -110,6 +111,9 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
         bottom = Aabb::of_points(fluid.background.vertices()).low[D - 1];
     }
     check_contacts(&of_contacts, &setup, &positions)?;
+    if let (Some(fluid), Some(background)) = (&setup.fluid, &scenario.background) {
+        check_axis(fluid, background)?;
+    }
     check_balance(scenario, &given, &setup, &positions)?;
     let n_vertices = setup.fluid.as_ref().map(|fluid| fluid.background.n_vertices());
     let (linear, reason) = scenario.solver.linear(D, n_vertices.map_or(0, |n| (D + 1) * n));
@@ -118,7 +122,8 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
         linear: format!("{} ({reason})", linear.name()),
         n_steps: time.n_steps(),
         checkpoint_every: scenario.output.checkpoint_every,
-        half_domain: setup.fluid.iter().flat_map(|fluid| &fluid.boundary).any(is_symmetry),
+        half_domain: coordinates.radial().is_none()
+            && setup.fluid.iter().flat_map(|fluid| &fluid.boundary).any(is_symmetry),
         bottom,
         probes: probes(&scenario.output.probes, &setup, &part_names, &scenario.units)?,
         setup,
@@ -163,6 +168,22 @@ fn check_placement<const D: usize>(
                     "bodies `{a}` and `{b_name}` overlap at the start by {overlap:.3e} (area or volume); move one of them"
                 )));
             }
+        }
+    }
+    Ok(())
+}
+
+/// Checks that the sides on the axis of axisymmetric coordinates are planes of symmetry.
+fn check_axis<const D: usize>(fluid: &FluidSetup<D>, given: &At<Background>) -> Result<(), ScenarioError> {
+    let Some(radial) = fluid.background.coordinates().radial() else { return Ok(()) };
+    for (tag, condition) in &fluid.boundary {
+        let points = tagged_vertices(&fluid.background, *tag);
+        let is_on_axis = points.iter().all(|x| x[radial] == 0.0);
+        if is_on_axis && !matches!(condition, FluidBoundary::Symmetry { axis } if *axis == radial) {
+            let name = &fluid.background.tag_names()[tag.index()];
+            return Err(given.boundary().at.invalid(format!(
+                "side `{name}` lies on the axis of rotation, where nothing crosses; give it the condition \"symmetry\""
+            )));
         }
     }
     Ok(())
@@ -260,7 +281,12 @@ fn respect_symmetry<const D: usize>(
             planes.iter().find(is_on)
         };
         contact_facets.retain(|facet| on_plane(*facet).is_none());
+        // A body on the axis of rotation moves along the axis only.
+        let is_axisymmetric = body.surface().coordinates().radial().is_some();
         let MotionChoice::Free { held, .. } = &**motion else { continue };
+        if is_axisymmetric {
+            continue;
+        }
         let is_held = |what: Held| held.iter().any(|held| **held == what);
         let is_loose =
             |(axis, _): &&(usize, f64)| !(is_held([Held::X, Held::Y, Held::Z][*axis]) && is_held(Held::Rotation));

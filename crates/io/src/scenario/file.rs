@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use mesh::Coordinates;
 use serde::Deserialize;
 use toml::Spanned;
 use toml::de::{DeValue, ValueDeserializer};
@@ -9,7 +10,7 @@ use toml::de::{DeValue, ValueDeserializer};
 use super::body::BodyKeys;
 use super::contact::{ALL, ContactKeys};
 use super::error::{ErrorKind, Location, ScenarioError};
-use super::fluid::{Background, Fluid, Interface};
+use super::fluid::{Background, CoordinatesChoice, Fluid, Interface};
 use super::overrides;
 use super::probe::ProbeChoice;
 use super::solver::{Linear, Solver, Time};
@@ -27,6 +28,8 @@ keys! {
         source: Option<String>,
         /// Dimension of space.
         dimension: usize [between(2.0, 3.0)],
+        /// Coordinates of meshes and vectors; Cartesian if left out.
+        coordinates: Option<At<CoordinatesChoice>>,
         /// Units of all numbers: a system, or the names of three units.
         units: Units,
         /// Time steps.
@@ -67,6 +70,24 @@ keys! {
 }
 
 impl Scenario {
+    /// Returns the coordinates.
+    ///
+    /// # Errors
+    /// Axisymmetric coordinates in three dimensions.
+    pub(super) fn coordinates(&self) -> Result<Coordinates, ScenarioError> {
+        match &self.coordinates {
+            Some(choice) if **choice == CoordinatesChoice::Axisymmetric => {
+                if self.dimension != 2 {
+                    return Err(choice.at.invalid(
+                        "axisymmetric coordinates describe a body in space by a half plane, so they need dimension = 2",
+                    ));
+                }
+                Ok(Coordinates::Axisymmetric)
+            }
+            _ => Ok(Coordinates::Cartesian),
+        }
+    }
+
     /// Returns the bodies, each followed by its copies.
     pub(super) fn bodies(&self) -> Vec<At<BodyKeys>> {
         self.body.iter().flat_map(At::with_copies).collect()

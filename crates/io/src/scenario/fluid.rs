@@ -7,7 +7,7 @@ use cutcell::OverlayOptions;
 use fluid_ns::NewtonianFluid;
 use fluid_ns::terms::CipProfile;
 use mesh::generate::{Region, RegionShape, Size, expected_cells, inside, mirrored, refined_box};
-use mesh::{Aabb, FacetId, Placed, Point, SimplexMesh, Tag, Vector};
+use mesh::{Aabb, Coordinates, FacetId, Placed, Point, SimplexMesh, Tag, Vector};
 use solver::body::TimeField;
 use solver::interface_dg::terms::PenaltyProfile;
 use solver::{FluidBoundary, FluidSetup, Stabilisation};
@@ -37,6 +37,18 @@ keys! {
         body_force: Option<Field> [unit(Quantity::FORCE_DENSITY)],
         /// Velocity at the start; at rest if left out.
         initial_velocity: Option<Field> [unit(Quantity::VELOCITY)],
+    }
+}
+
+choices! {
+    /// Coordinates of a scenario.
+    #[derive(Copy, Eq)]
+    pub enum CoordinatesChoice {
+        /// Cartesian coordinates; two dimensions are a plane problem, per unit depth.
+        Cartesian = "cartesian",
+        /// Radius and height `(r, z)` of a problem with rotational symmetry and without swirl, as `x` and `y` with `x >= 0`. Masses, forces and
+        /// energies are those of the whole body.
+        Axisymmetric = "axisymmetric",
     }
 }
 
@@ -425,11 +437,11 @@ fn stabilisation(given: &OrTable<StabilisationChoice, StabilisationKeys>) -> Sta
 
 /// Builds the fluid with its boundary conditions and the weight of its traction in the mortar; `times` are the start and the end of the run.
 pub(super) fn fluid<const D: usize>(
-    (fluid, alpha): (&Fluid, f64),
+    (fluid, alpha, coordinates): (&Fluid, f64, Coordinates),
     given: &At<Background>,
     times: [f64; 2],
 ) -> Result<FluidSetup<D>, ScenarioError> {
-    let background = background::<D>(given)?;
+    let background = background::<D>(given)?.with_coordinates(coordinates).map_err(|error| given.at.error(error))?;
     let conditions = given.boundary();
     let sides = background.boundary_names();
     if let Some((name, condition)) = conditions.0.iter().find(|(name, _)| !sides.contains(&name.as_str())) {
@@ -493,7 +505,8 @@ pub(super) fn unbalanced<const D: usize>(fluid: &FluidSetup<D>, [start, end]: [f
         let of_facet = |facet: FacetId| {
             let (vertices, measure) = (surface.facet(facet), placed.facet_measure(facet));
             let sum: Vector<D> = vertices.iter().map(|v| nodal[v.index()]).sum();
-            let per_vertex = measure / vertices.len() as f64;
+            let middle = placed.facet_points(facet)[..D].iter().sum::<Point<D>>() / D as f64;
+            let per_vertex = measure * background.coordinates().weight(&middle) / vertices.len() as f64;
             [-sum.dot(&placed.facet_normal(facet)) * per_vertex, sum.norm() * per_vertex]
         };
         surface.facets().map(of_facet).fold([0.0; 2], |sum, flow| [sum[0] + flow[0], sum[1] + flow[1]])

@@ -107,6 +107,10 @@ mod tests {
     struct Nan(LinearElastic);
 
     impl Material<2> for Nan {
+        fn in_space(&self) -> &dyn Material<3> {
+            &self.0
+        }
+
         fn energy_density(&self, f: &Tensor<2>) -> f64 {
             self.0.energy_density(f)
         }

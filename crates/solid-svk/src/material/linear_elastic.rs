@@ -30,6 +30,10 @@ impl LinearElastic {
 }
 
 impl<const D: usize> Material<D> for LinearElastic {
+    fn in_space(&self) -> &dyn Material<3> {
+        self
+    }
+
     #[inline]
     fn energy_density(&self, f: &Tensor<D>) -> f64 {
         let e = sym(&(f - Tensor::identity()));

@@ -18,6 +18,9 @@ use crate::{Error, MAX_CELL_NODES};
 ///
 /// The derivative is directional, so that no tensor of fourth order is ever formed.
 pub trait Material<const D: usize>: Send + Sync + std::fmt::Debug {
+    /// Returns the same material in space, by which bodies with rotational symmetry deform.
+    fn in_space(&self) -> &dyn Material<3>;
+
     /// Returns the stored energy per reference volume at the deformation gradient `f`.
     ///
     /// Units: erg/cm³, in 2D too (unit depth).

@@ -30,6 +30,10 @@ fn inverse_and_log<const D: usize>(f: &Tensor<D>) -> (Tensor<D>, f64) {
 }
 
 impl<const D: usize> Material<D> for NeoHookean {
+    fn in_space(&self) -> &dyn Material<3> {
+        self
+    }
+
     #[inline]
     fn energy_density(&self, f: &Tensor<D>) -> f64 {
         let LameParameters { mu, lambda } = self.lame;

@@ -31,6 +31,10 @@ impl SaintVenantKirchhoff {
 }
 
 impl<const D: usize> Material<D> for SaintVenantKirchhoff {
+    fn in_space(&self) -> &dyn Material<3> {
+        self
+    }
+
     #[inline]
     fn energy_density(&self, f: &Tensor<D>) -> f64 {
         let e = green_lagrange(f);

@@ -24,7 +24,8 @@ impl<const D: usize> Term<SolidPoint<'_, D>> for InternalWork<D> {
     #[inline]
     fn add(&self, point: &SolidPoint<'_, D>, out: &mut LocalSystem) {
         let material = &self.materials[point.group];
-        let p = point.weight * material.first_piola(&point.deformation);
+        let f = &point.deformation.gradient;
+        let p = point.weight * material.first_piola(f);
         for (i, g) in point.gradients.iter().enumerate() {
             out.add_vector::<D>(row::<D>(i), p * g);
         }
@@ -32,7 +33,7 @@ impl<const D: usize> Term<SolidPoint<'_, D>> for InternalWork<D> {
             return;
         }
         let scale = point.weight * point.displacement_slope;
-        material.for_each_stiffness(&point.deformation, point.gradients, &mut |i, j, block| {
+        material.for_each_stiffness(f, point.gradients, &mut |i, j, block| {
             let block = block * scale;
             out.add_block::<D, D>(row::<D>(i), row::<D>(j), block);
             if i != j {

@@ -13,7 +13,8 @@ use crate::cell::row;
 /// Units: force (2D: per unit depth).
 /// With the tangents `a_k = ∂x/∂ξ_k` at a quadrature point of weight w in the local coordinates ξ, the area vector is multilinear,
 /// `A_c = det(e_c, a_1, .., a_{D-1})`:
-///   residual_i = p w N_i A,    column b of tangent_ij = c_d p w N_i Σ_k ∂N_j/∂ξ_k ∂A/∂a_k · e_b.
+///   residual_i = p w N_i A,    column b of tangent_ij = c_d p N_i (w Σ_k ∂N_j/∂ξ_k ∂A/∂a_k · e_b + N_j ∂w/∂x_b A)
+/// where the weight depends on the position in axisymmetric coordinates, `w ~ x_R`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FollowerPressure {
     /// Pressure from outside.
@@ -27,6 +28,7 @@ impl<const D: usize> Term<SolidFacet<D>> for FollowerPressure {
         let mut tangents = Tensor::<D>::zeros();
         (1..D).for_each(|k| tangents.set_column(k, &facet.tangents[k - 1]));
         let (shape, scale) = (&facet.shape, self.pressure * facet.weight);
+        let unweighted = area_vector(&tangents) * self.pressure;
         let area = area_vector(&tangents) * scale;
         for i in facet.nodes() {
             out.add_vector::<D>(row::<D>(i), area * shape.values[i]);
@@ -41,6 +43,14 @@ impl<const D: usize> Term<SolidFacet<D>> for FollowerPressure {
                     let column = by_tangent * (shape.values[i] * shape.derivatives[j][k - 1]);
                     out.add_block::<D, 1>(row::<D>(i), row::<D>(j) + b, column);
                 }
+            }
+        }
+        for (b, by_position) in facet.weight_gradient.iter().enumerate().filter(|(_, by_position)| **by_position != 0.0)
+        {
+            let by_weight = unweighted * (facet.displacement_slope * by_position);
+            for (i, j) in facet.nodes().flat_map(|i| facet.nodes().map(move |j| (i, j))) {
+                let column = by_weight * (shape.values[i] * shape.values[j]);
+                out.add_block::<D, 1>(row::<D>(i), row::<D>(j) + b, column);
             }
         }
     }

@@ -12,7 +12,7 @@ use body::SurfaceStress;
 use mesh::{Point, Tensor, Vector, VertexId};
 use solid_svk::kinematics::{cauchy_stress, gradient};
 use solid_svk::terms::{FollowerPressure, Traction};
-use solid_svk::{Material, Order, SolidCells, SolidFacet, SolidFacets, SolidForm, SolidMesh, SolidStress};
+use solid_svk::{CellPoint, Material, Order, SolidCells, SolidFacet, SolidFacets, SolidForm, SolidMesh, SolidStress};
 
 fn schemes() -> [Box<dyn TimeScheme>; 3] {
     [Box::new(ImplicitEuler), Box::new(GeneralisedAlpha::new(0.8).unwrap()), Box::new(QuasiStatic)]
@@ -170,9 +170,9 @@ fn trace_bound<const D: usize>(order: Order) {
                 let traction: Vector<D> = derivatives.iter().zip(values).map(|((_, by), y)| by * y).sum();
                 on_surface += placed.facet_measure(*facet) * traction.norm_squared();
             }
-            let energy = |(weight, gradients): (f64, &[Vector<D>])| {
-                let gradient = gradient(values, gradients);
-                weight * material.first_piola_derivative(&Tensor::identity(), &gradient).dot(&gradient)
+            let energy = |point: CellPoint<'_, D>| {
+                let gradient = gradient(values, point.gradients);
+                point.weight * material.first_piola_derivative(&Tensor::identity(), &gradient).dot(&gradient)
             };
             on_surface / (slope * mesh.points(cell).map(energy).sum::<f64>())
         };

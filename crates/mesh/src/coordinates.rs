@@ -1,0 +1,66 @@
+//! The coordinates in which a mesh is described, as a measure.
+
+use std::f64::consts::TAU;
+
+use crate::{Point, Vector};
+
+/// The coordinates of a mesh of dimension `D`.
+///
+/// An integral over a region, a surface or a curve is one over the mesh with the weight of the coordinates as a factor. Masses, forces and energies
+/// are those of the whole body, in plane problems per unit depth.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Coordinates {
+    /// Cartesian coordinates: weight one.
+    #[default]
+    Cartesian,
+    /// Cylindrical coordinates `(r, z)` of a problem with rotational symmetry and without swirl, for `D = 2`: the mesh is the half plane
+    /// `r >= 0` through the axis, and the weight of a point is the length `2π r` of its circle.
+    Axisymmetric,
+}
+
+impl Coordinates {
+    /// Component along the radius.
+    const RADIAL: usize = 0;
+
+    /// Returns the weight of a point.
+    #[inline]
+    pub fn weight<const D: usize>(self, x: &Point<D>) -> f64 {
+        match self {
+            Self::Cartesian => 1.0,
+            Self::Axisymmetric => TAU * x[Self::RADIAL],
+        }
+    }
+
+    /// Returns the gradient of the weight.
+    #[inline]
+    pub fn weight_gradient<const D: usize>(self) -> Vector<D> {
+        let mut gradient = Vector::zeros();
+        self.radial().into_iter().for_each(|a| gradient[a] = TAU);
+        gradient
+    }
+
+    /// Returns the degree of the weight as a polynomial, by which rules of quadrature have to be better.
+    #[inline]
+    pub fn degree(self) -> usize {
+        match self {
+            Self::Cartesian => 0,
+            Self::Axisymmetric => 1,
+        }
+    }
+
+    /// Returns the component along the radius, if there is one.
+    #[inline]
+    pub fn radial(self) -> Option<usize> {
+        match self {
+            Self::Cartesian => None,
+            Self::Axisymmetric => Some(Self::RADIAL),
+        }
+    }
+
+    /// Returns the resultant of vectors that were summed with the weight: radial components on opposite sides of the axis cancel.
+    #[inline]
+    pub fn resultant<const D: usize>(self, mut sum: Vector<D>) -> Vector<D> {
+        self.radial().into_iter().for_each(|a| sum[a] = 0.0);
+        sum
+    }
+}
