@@ -221,7 +221,7 @@ pub(super) fn polygon_of_particles(
 }
 
 /// Returns the sides of polygons as a boundary mesh.
-fn boundary(loops: &[Vec<P>]) -> BoundaryMesh<2> {
+pub(super) fn boundary(loops: &[Vec<P>]) -> BoundaryMesh<2> {
     let mut facets = Vec::new();
     let mut first = 0;
     for corners in loops {
@@ -304,9 +304,9 @@ pub(super) fn run(setup: &Setup<2>, n_steps: usize) -> Result<(State<2>, StepRep
 /// mortar.
 pub(super) fn force(state: &State<2>, report: &StepReport<2>, body: usize, about: &P) -> Result<(V, f64), Failure> {
     let mut sum = (V::zeros(), 0.0);
-    for (piece, traction) in interface(state, report)?.filter(|(piece, _)| piece.body.index() == body) {
-        sum.0 += traction.total() * piece.measure;
-        sum.1 += traction.moment(about)[2] * piece.measure;
+    for (_, traction) in interface(state, report)?.filter(|(piece, _)| piece.body.index() == body) {
+        sum.0 += traction.total() * traction.measure;
+        sum.1 += traction.moment(about)[2] * traction.measure;
     }
     Ok(sum)
 }

@@ -1,6 +1,7 @@
 //! Checks against exact solutions and published numbers, one file for each.
 
 mod added_mass;
+mod axisymmetric;
 mod bar;
 mod cavity;
 mod cfd;
@@ -68,7 +69,7 @@ const fn check(name: &'static str, about: &'static str, measure: fn(&mut Record)
 }
 
 /// All checks, in the order of the page.
-const CHECKS: [Check; 29] = [
+const CHECKS: [Check; 30] = [
     check("exact", "Solutions that the discrete spaces contain, at random positions of the body.", exact::measure),
     check("orders", "Orders of convergence of known flows around bodies at rest and in motion.", orders::measure),
     check("peer", "Errors of unfitted Stokes flow compared with those of ngsxfem on the same mesh.", peer::measure),
@@ -77,6 +78,11 @@ const CHECKS: [Check; 29] = [
         "channel-cylinder",
         "The drag of a cylinder that moves along a narrow channel in Stokes flow.",
         channel_cylinder::measure,
+    ),
+    check(
+        "axisymmetric",
+        "Flows with rotational symmetry around spheres: orders, drag, added mass.",
+        axisymmetric::measure,
     ),
     check("robustness", "Bodies that pass vertices, edges and faces: condition numbers, scatter.", robustness::measure),
     check("shear-layer", "Fluid over an elastic layer, sheared by a plate: the exact solution.", shear_layer::measure),
