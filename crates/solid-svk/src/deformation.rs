@@ -8,6 +8,9 @@ use crate::kinematics::cauchy_stress;
 /// Index of the circumference in tensors in space.
 pub(crate) const THETA: usize = 2;
 
+/// Tensor in space.
+pub(crate) type SpaceTensor = Tensor<3>;
+
 /// Deformation gradient at a point. In axisymmetric coordinates that in space has the stretch of the circle through the point as one more
 /// entry on its diagonal.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,7 +28,7 @@ impl<const D: usize> Deformation<D> {
     }
 
     /// Returns the deformation gradient in space, for `D = 2`.
-    pub(crate) fn in_space(&self) -> Tensor<3> {
+    pub(crate) fn in_space(&self) -> SpaceTensor {
         into_space(&self.gradient, self.hoop.unwrap_or(1.0))
     }
 
@@ -70,7 +73,7 @@ impl<const D: usize> Deformation<D> {
 }
 
 /// Returns a tensor in the plane with one more entry on the diagonal.
-pub(crate) fn into_space<const D: usize>(t: &Tensor<D>, across: f64) -> Tensor<3> {
+pub(crate) fn into_space<const D: usize>(t: &Tensor<D>, across: f64) -> SpaceTensor {
     Tensor::from_fn(|a, b| match (a, b) {
         (THETA, THETA) => across,
         (a, b) if a < D && b < D => t[(a, b)],
@@ -79,6 +82,6 @@ pub(crate) fn into_space<const D: usize>(t: &Tensor<D>, across: f64) -> Tensor<3
 }
 
 /// Returns the entries of a tensor in space that lie in the plane.
-pub(crate) fn in_plane<const D: usize>(t: &Tensor<3>) -> Tensor<D> {
+pub(crate) fn in_plane<const D: usize>(t: &SpaceTensor) -> Tensor<D> {
     Tensor::from_fn(|a, b| t[(a, b)])
 }

@@ -60,7 +60,7 @@ pub use error::Error;
 pub use facet::{SolidFacet, SolidFacets};
 pub use form::SolidForm;
 pub use load::Load;
-pub use material::{LameParameters, LinearElastic, Material, NeoHookean, SaintVenantKirchhoff};
+pub use material::{LameParameters, LinearElastic, Material, MaterialInSpace, NeoHookean, SaintVenantKirchhoff};
 pub use solid_mesh::{CellPoint, SolidMesh};
 pub use stress::SolidStress;
 pub use supports::{Support, SupportKind};

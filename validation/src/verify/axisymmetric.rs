@@ -214,7 +214,7 @@ fn hill(n: usize) -> Result<Measured, Failure> {
 fn tube(record: &mut Record) -> Result<(), Failure> {
     /// Drag over `6 π μ a U`.
     const EXACT: f64 = 5.9474;
-    /// Half of the length of the tube over its radius. What the ends see decays like `exp(-4.5 z)`.
+    /// Half of the length of the tube over its radius, at which the flow of the sphere has decayed to `exp(-13)`.
     const HALF_LENGTH: f64 = 3.0;
     for cells in if record.full { &[10, 20, 40][..] } else { &[10, 20][..] } {
         // The sphere has radius one.

@@ -36,6 +36,7 @@ mod robustness;
 mod run;
 mod sedimentation;
 mod settling;
+mod settling_sphere;
 mod shear_layer;
 mod signal;
 mod svk_states;
@@ -69,7 +70,7 @@ const fn check(name: &'static str, about: &'static str, measure: fn(&mut Record)
 }
 
 /// All checks, in the order of the page.
-const CHECKS: [Check; 30] = [
+const CHECKS: [Check; 31] = [
     check("exact", "Solutions that the discrete spaces contain, at random positions of the body.", exact::measure),
     check("orders", "Orders of convergence of known flows around bodies at rest and in motion.", orders::measure),
     check("peer", "Errors of unfitted Stokes flow compared with those of ngsxfem on the same mesh.", peer::measure),
@@ -88,6 +89,7 @@ const CHECKS: [Check; 30] = [
     check("shear-layer", "Fluid over an elastic layer, sheared by a plate: the exact solution.", shear_layer::measure),
     check("added-mass", "The first acceleration of a ball, and of a rigid one in ideal fluid.", added_mass::measure),
     check("sedimentation", "A heavy disk that sinks in a closed box, as a free rigid body.", sedimentation::measure),
+    check("settling-sphere", "A sphere that sinks in a tank, with measured speeds.", settling_sphere::measure),
     check("settling-disks", "Thirty elastic disks that settle in a closed box and collide.", settling::disks),
     check(
         "falling-ellipse",

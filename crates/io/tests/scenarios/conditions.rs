@@ -206,3 +206,20 @@ fn elements_of_order_2_follow_the_circle() {
     refused(BARRIER, &[&COARSE_BALL, &area], &["area_preserving", "no effect with elements of order 2"]);
     refused(BARRIER, &[&COARSE_BALL, &["body.0.order=3"]], &["order", "from 1 to 2"]);
 }
+
+#[test]
+fn axisymmetric_coordinates_make_a_ball_of_a_half_disk() {
+    let sets = ["coordinates=axisymmetric"];
+    let case = problem(BARRIER, &[&COARSE_BALL, &sets]);
+    assert!(!case.half_domain);
+    let (body, fluid) = (&case.setup.bodies[0], case.setup.fluid.as_ref().unwrap_or_else(|| panic!("a fluid")));
+    assert!(fluid.background.coordinates().radial().is_some() && body.surface().coordinates().radial().is_some());
+    // The ball of the case has the radius 4 and the density 1; its polygon lies inside of the circle.
+    let mass = body.balance(&body.start()).map_or(0.0, |balance| balance.mass);
+    let whole = 4.0 / 3.0 * std::f64::consts::PI * 64.0;
+    assert!(mass < whole && mass > 0.9 * whole, "{mass} {whole}");
+    let expect = |set: &str, words: &[&str]| refused(BARRIER, &[&COARSE_BALL, &sets, &[set]], words);
+    expect("background.boundary.left=no-slip", &["background.boundary", "side `left`", "axis of rotation", "symmetry"]);
+    expect("body.0.shape.centre=[-1, 6]", &["body.0.shape", "x is the radius", "half-ball"]);
+    expect("background.min=[-1, 0]", &["background", "radius -1"]);
+}

@@ -107,7 +107,7 @@ mod tests {
     struct Nan(LinearElastic);
 
     impl Material<2> for Nan {
-        fn in_space(&self) -> &dyn Material<3> {
+        fn in_space(&self) -> &MaterialInSpace {
             &self.0
         }
 

@@ -2,7 +2,7 @@
 
 use mesh::{Tensor, Vector, sym};
 
-use super::{LameParameters, Material};
+use super::{LameParameters, Material, MaterialInSpace};
 
 /// Linearly elastic material for small displacements and rotations, in 2D in plane strain.
 ///
@@ -30,7 +30,7 @@ impl LinearElastic {
 }
 
 impl<const D: usize> Material<D> for LinearElastic {
-    fn in_space(&self) -> &dyn Material<3> {
+    fn in_space(&self) -> &MaterialInSpace {
         self
     }
 

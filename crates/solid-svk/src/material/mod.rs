@@ -14,12 +14,15 @@ use mesh::{Tensor, Vector, positive, require};
 
 use crate::{Error, MAX_CELL_NODES};
 
+/// A material in space.
+pub type MaterialInSpace = dyn Material<3>;
+
 /// A hyperelastic material; in 2D in plane strain.
 ///
 /// The derivative is directional, so that no tensor of fourth order is ever formed.
 pub trait Material<const D: usize>: Send + Sync + std::fmt::Debug {
     /// Returns the same material in space, by which bodies with rotational symmetry deform.
-    fn in_space(&self) -> &dyn Material<3>;
+    fn in_space(&self) -> &MaterialInSpace;
 
     /// Returns the stored energy per reference volume at the deformation gradient `f`.
     ///

@@ -2,7 +2,7 @@
 
 use mesh::{Tensor, Vector, det};
 
-use super::{LameParameters, Material};
+use super::{LameParameters, Material, MaterialInSpace};
 use crate::MAX_CELL_NODES;
 
 /// Compressible neo-Hookean material, in 2D in plane strain; it resists any compression.
@@ -30,7 +30,7 @@ fn inverse_and_log<const D: usize>(f: &Tensor<D>) -> (Tensor<D>, f64) {
 }
 
 impl<const D: usize> Material<D> for NeoHookean {
-    fn in_space(&self) -> &dyn Material<3> {
+    fn in_space(&self) -> &MaterialInSpace {
         self
     }
 

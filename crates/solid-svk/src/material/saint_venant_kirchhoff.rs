@@ -2,7 +2,7 @@
 
 use mesh::{Tensor, Vector, det};
 
-use super::{LameParameters, Material};
+use super::{LameParameters, Material, MaterialInSpace};
 use crate::MAX_CELL_NODES;
 use crate::kinematics::{green_lagrange, green_lagrange_derivative};
 
@@ -31,7 +31,7 @@ impl SaintVenantKirchhoff {
 }
 
 impl<const D: usize> Material<D> for SaintVenantKirchhoff {
-    fn in_space(&self) -> &dyn Material<3> {
+    fn in_space(&self) -> &MaterialInSpace {
         self
     }
 

@@ -6,7 +6,7 @@ use algebra::{LocalSystem, Term};
 use mesh::{Tensor, Vector};
 
 use crate::cell::row;
-use crate::deformation::{THETA, in_plane, into_space};
+use crate::deformation::{SpaceTensor, THETA, in_plane, into_space};
 use crate::{Material, SolidPoint};
 
 /// `(P(F), ∇w)_{Ω̂^s} + (P_θθ(F), w_R/R)_{Ω̂^s}`, with the deformation gradient in space `F = F_Rz + (1 + d_R/R) e_θ ⊗ e_θ`
@@ -28,7 +28,7 @@ impl<const D: usize> Term<SolidPoint<'_, D>> for HoopWork<D> {
     fn add(&self, point: &SolidPoint<'_, D>, out: &mut LocalSystem) {
         let Some((radial, shapes)) = point.hoop else { return };
         let (law, f) = (self.materials[point.group].in_space(), point.deformation.in_space());
-        let force = |p: &Tensor<3>, i: usize| {
+        let force = |p: &SpaceTensor, i: usize| {
             let mut force = in_plane::<D>(p) * point.gradients[i];
             force[radial] += p[(THETA, THETA)] * shapes[i];
             force
