@@ -120,7 +120,7 @@ fn diagnostics_of_bodies<const D: usize>() -> Vec<BodyColumn<D>> {
 /// energy that a part of the discrete problem took in the step.
 fn diagnostics_of_run<const D: usize>() -> Vec<RunColumn<D>> {
     let columns: &[(&str, RunNumber<D>)] = &[
-        ("fluid_volume", |r| r.view.report.and_then(|report| report.fluid.as_ref()).map_or(0.0, |fluid| fluid.volume)),
+        ("fluid_volume", |r| r.step.fluid.as_ref().map_or(0.0, |fluid| fluid.volume)),
         ("total_energy", |r| r.step.total_energy()),
     ];
     let ledger = Ledger::default().lines().into_iter().enumerate();

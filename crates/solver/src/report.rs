@@ -77,6 +77,8 @@ pub struct BodyReport<const D: usize> {
 pub struct FluidReport<const D: usize> {
     /// The cut.
     pub cut: CutReport,
+    /// Volume, on the geometry of the step.
+    pub volume: f64,
     /// Kinetic energy, on the geometry of the step.
     pub kinetic_energy: f64,
     /// Flow through the interface.
@@ -122,6 +124,7 @@ impl<const D: usize> Problem<'_, D> {
         let step = self.step;
         let fluid = step.fluid.as_ref().zip(self.interface.as_ref()).map(|(fluid, interface)| FluidReport {
             cut: fluid.cut.report().clone(),
+            volume: fluid.cut.all_parts().map(|part| fluid.parts.moments(part).volume()).sum(),
             kinetic_energy: fluid.kinetic_energy(&step.layout, x),
             flow: interface_flow(interface, x),
             tractions: interface_tractions(interface, &fluid.mortar.penalty, x),
