@@ -23,7 +23,6 @@ type RunNumber<const D: usize> = fn(&RunMeasures<'_, D>) -> f64;
 
 /// The run as a whole after a step.
 struct RunMeasures<'a, const D: usize> {
-    view: &'a StepView<'a, D>,
     step: &'a StepReport<D>,
     /// Wall-clock time of the output of the step.
     seconds_output: f64,
@@ -120,7 +119,7 @@ fn diagnostics_of_bodies<const D: usize>() -> Vec<BodyColumn<D>> {
 /// energy that a part of the discrete problem took in the step.
 fn diagnostics_of_run<const D: usize>() -> Vec<RunColumn<D>> {
     let columns: &[(&str, RunNumber<D>)] = &[
-        ("fluid_volume", |r| r.step.fluid.as_ref().map_or(0.0, |fluid| fluid.volume)),
+        ("fluid_volume", |r| r.fluid(|fluid| fluid.volume)),
         ("total_energy", |r| r.step.total_energy()),
     ];
     let ledger = Ledger::default().lines().into_iter().enumerate();
@@ -224,7 +223,7 @@ impl<const D: usize> History<D> {
             table.push(&row)?;
         }
         let Some(step) = view.report else { return Ok(()) };
-        let run = RunMeasures { view, step, seconds_output };
+        let run = RunMeasures { step, seconds_output };
         for (table, columns) in &mut self.tables {
             let of_bodies = bodies.iter().flat_map(|body| columns.of_bodies.iter().map(move |(_, of)| of(body)));
             let of_run = columns.of_run.iter().map(|(_, of)| of(&run));

@@ -95,7 +95,11 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let narrow = [format!("background.max=[{SAME_WALL_FACTOR}, 0.16]")];
     let fall = fall(&CASES[3], STEP, &narrow, f64::INFINITY)?;
     let largest = fall.iter().map(|at| at[1]).fold(0.0, f64::max);
-    record.show("E4, tank of the same wall factor as the square one: largest speed [m/s]", largest, Some(CASES[3].largest));
+    record.show(
+        "E4, tank of the same wall factor as the square one: largest speed [m/s]",
+        largest,
+        Some(CASES[3].largest),
+    );
     record.note(
         "Measured: ten Cate, Nieuwstad, Derksen, Van den Akker 2002, doi:10.1063/1.1512918, with speeds digitised from its figures. Inputs are the densities, viscosities and \
          sizes of the paper, and the standard stabilisation; nothing is fitted. The square tank is a round one of the same area. The surface of the oil is flat and free of shear. Speeds in the \
@@ -165,7 +169,11 @@ fn compare(record: &mut Record, of: &Measured) -> Result<(), Failure> {
     let in_fall = measured.iter().filter(|at| RELEASED < at.0 && at.0 < arrives);
     let squares: Vec<f64> = in_fall.filter_map(|p| Some((at(&speeds, p.0)? - p.1).powi(2))).collect();
     let mean = (squares.iter().sum::<f64>() / squares.len() as f64).sqrt();
-    record.at_most(format!("{name}: difference of speeds until a gap of half a radius, over u_inf, mean"), mean / of.infinite, FALL);
+    record.at_most(
+        format!("{name}: difference of speeds until a gap of half a radius, over u_inf, mean"),
+        mean / of.infinite,
+        FALL,
+    );
     let aligned = falls_to(&speeds, ALIGNED * largest).zip(falls_to(&measured, ALIGNED * largest));
     if let Some((ours, theirs)) = aligned {
         let peak = measured.iter().fold((0.0, 0.0), |best: (f64, f64), p| if p.1 > best.1 { *p } else { best });
