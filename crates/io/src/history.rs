@@ -118,10 +118,8 @@ fn diagnostics_of_bodies<const D: usize>() -> Vec<BodyColumn<D>> {
 /// Returns the columns of the run in `diagnostics.csv`: volume and energy of the whole, and the lines of the ledger, each the
 /// energy that a part of the discrete problem took in the step.
 fn diagnostics_of_run<const D: usize>() -> Vec<RunColumn<D>> {
-    let columns: &[(&str, RunNumber<D>)] = &[
-        ("fluid_volume", |r| r.fluid(|fluid| fluid.volume)),
-        ("total_energy", |r| r.step.total_energy()),
-    ];
+    let columns: &[(&str, RunNumber<D>)] =
+        &[("fluid_volume", |r| r.fluid(|fluid| fluid.volume)), ("total_energy", |r| r.step.total_energy())];
     let ledger = Ledger::default().lines().into_iter().enumerate();
     let line = |(k, (name, _)): (usize, (&str, f64))| -> RunColumn<D> {
         (format!("lost_{name}"), Box::new(move |r| r.step.ledger.lines()[k].1))

@@ -102,7 +102,7 @@ fn moving(
 ) -> Arc<dyn Body<2>> {
     Arc::new(PrescribedBody {
         name: "sphere".to_owned(),
-        boundary: boundary(&[corners.clone()]).with_coordinates(Coordinates::Axisymmetric),
+        boundary: boundary(std::slice::from_ref(&corners)).with_coordinates(Coordinates::Axisymmetric),
         reference: corners,
         position: Arc::new(position),
         velocity: Arc::new(move |x, [_, t]| velocity(x, t)),
@@ -295,7 +295,7 @@ fn added_mass(record: &mut Record) -> Result<(), Failure> {
         let fluid = fluid_mut(&mut setup)?;
         (fluid.material.density, fluid.material.viscosity) = (1.0, VISCOSITY);
         let corners = sphere(1.0 + gap, 1.0, h);
-        let surface = boundary(&[corners.clone()]).with_coordinates(Coordinates::Axisymmetric);
+        let surface = boundary(std::slice::from_ref(&corners)).with_coordinates(Coordinates::Axisymmetric);
         let body = RigidBody::new("sphere", surface, corners, DENSITY, V::new(0.0, -1.0))?;
         let volume = body.mass.mass / DENSITY;
         setup.bodies.push(Arc::new(body));

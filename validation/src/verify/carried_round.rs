@@ -69,7 +69,7 @@ fn shapes(history: &History, after: impl Fn(usize) -> usize, revolutions: usize)
 /// Returns the root mean square of the distances of points after the best rigid motion.
 fn difference(a: &[P], b: &[P]) -> f64 {
     let centred = |points: &[P]| -> Vec<V> {
-        let centre = points.iter().map(|x| x).sum::<V>() / points.len() as f64;
+        let centre = points.iter().sum::<V>() / points.len() as f64;
         points.iter().map(|x| x - centre).collect()
     };
     let (a, b) = (centred(a), centred(b));

@@ -10,11 +10,11 @@ use toml::de::{DeValue, ValueDeserializer};
 use super::body::BodyKeys;
 use super::contact::{ALL, ContactKeys};
 use super::error::{ErrorKind, Location, ScenarioError};
-use super::fluid::{Background, CoordinatesChoice, Fluid, Interface};
+use super::fluid::{Background, Fluid, Interface};
 use super::overrides;
 use super::probe::ProbeChoice;
 use super::solver::{Linear, Solver, Time};
-use super::table::{At, Document, Named, Node, Value, keys, parse};
+use super::table::{At, Document, Named, Node, Value, choices, keys, parse};
 use super::units::Units;
 use crate::Error;
 use crate::files::{extension, read, read_scenario, write_whole};
@@ -48,6 +48,18 @@ keys! {
         output: Output = {},
         /// Solution of the equations.
         solver: Solver = {},
+    }
+}
+
+choices! {
+    /// Coordinates of a scenario.
+    #[derive(Copy, Eq)]
+    pub enum CoordinatesChoice {
+        /// Cartesian coordinates; two dimensions are a plane problem, per unit depth.
+        Cartesian = "cartesian",
+        /// Radius and height `(r, z)` of a problem with rotational symmetry and without swirl, as `x` and `y` with `x >= 0`. Masses, forces and
+        /// energies are those of the whole body.
+        Axisymmetric = "axisymmetric",
     }
 }
 

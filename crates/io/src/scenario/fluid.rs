@@ -41,18 +41,6 @@ keys! {
 }
 
 choices! {
-    /// Coordinates of a scenario.
-    #[derive(Copy, Eq)]
-    pub enum CoordinatesChoice {
-        /// Cartesian coordinates; two dimensions are a plane problem, per unit depth.
-        Cartesian = "cartesian",
-        /// Radius and height `(r, z)` of a problem with rotational symmetry and without swirl, as `x` and `y` with `x >= 0`. Masses, forces and
-        /// energies are those of the whole body.
-        Axisymmetric = "axisymmetric",
-    }
-}
-
-choices! {
     /// A set of stabilisation parameters.
     #[derive(Copy, Eq)]
     pub enum StabilisationChoice {
