@@ -100,7 +100,7 @@ pub fn check_material<const D: usize>(material: &dyn Material<D>, n_states: usiz
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{LameParameters, LinearElastic};
+    use crate::{LameParameters, LinearElastic, MaterialInSpace};
 
     /// A law with a stress that is NaN.
     #[derive(Debug)]
