@@ -1,4 +1,5 @@
-//! Writes the meshes of `examples/falling-ellipse.toml`: an ellipse of second-order triangles, and a tank with a step.
+//! Writes the meshes of the examples: an ellipse of second-order triangles and a tank with a step (`falling-ellipse.toml`), a round
+//! container (`carried-round.toml`), and a pipe with a conical seat (`check-valve.toml`).
 //!
 //! `cargo run -p io --example make_meshes -- examples/meshes`. Gmsh makes such files from the geometries in the guide on meshes of one's own.
 
@@ -34,5 +35,16 @@ fn main() -> Result<(), Box<dyn Error>> {
     let tank: SimplexMesh<2> = inside(&[outline], 0.1)?;
     let tank = tank.with_cell_tags(|_| Some("fluid"));
     write(&directory.join("tank.msh"), &tank, &HashMap::new(), format)?;
+
+    let container = ball::<2>([0.0; 2], 10.0, 0.8, &BallOptions::default())?.with_cell_tags(|_| Some("fluid"));
+    write(&directory.join("container.msh"), &container, &HashMap::new(), format)?;
+
+    let right = [[0.3, 0.0], [0.3, 1.0], [1.0, 1.7], [1.0, 4.0]];
+    let left = right.iter().rev().map(|[x, y]| [-x, *y]);
+    let corners: Vec<[f64; 2]> = right.iter().copied().chain(left).collect();
+    let names = ["pipe", "seat", "chamber", "outlet", "chamber", "seat", "pipe", "inlet"];
+    let outline = ClosedLine::polygon(&corners, 0.05, |side| names[side].to_owned())?;
+    let valve: SimplexMesh<2> = inside(&[outline], 0.055)?;
+    write(&directory.join("check-valve.msh"), &valve.with_cell_tags(|_| Some("fluid")), &HashMap::new(), format)?;
     Ok(())
 }

@@ -54,6 +54,18 @@ pub(crate) struct Line<const D: usize> {
     pub(crate) n: usize,
 }
 
+impl<const D: usize> Probes<D> {
+    /// Returns the names of the columns of `probes.csv` after the time, with units, such as `tip_x [m]`.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.columns.iter().flat_map(|probe| &probe.names).map(String::as_str)
+    }
+
+    /// Returns the values of these columns after a step.
+    pub fn values(&self, view: &StepView<'_, D>) -> Vec<f64> {
+        self.columns.iter().flat_map(|probe| probe.values(view)).collect()
+    }
+}
+
 impl<const D: usize> Probe<D> {
     pub(crate) fn new(name: &str, measured: Measured<D>, units: &Units) -> Self {
         let (length, velocity) = (units.label(Quantity::LENGTH), units.label(Quantity::VELOCITY));

@@ -203,7 +203,7 @@ impl<'a, const D: usize> FluidStep<'a, D> {
         self.open_boundaries.iter().map(of_terms).sum()
     }
 
-    /// Sets symmetry planes, then prescribed velocities, then walls, such that the end of the step is as given: where two meet,
+    /// Sets symmetry planes and directions of flow, then prescribed velocities, then walls, such that the end of the step is as given: where two meet,
     /// the later one is in force.
     pub(crate) fn constrain(&self, layout: &BlockLayout, time: &StepTime, constraints: &mut Constraints) {
         let background = &self.setup.background;
@@ -216,6 +216,9 @@ impl<'a, const D: usize> FluidStep<'a, D> {
                 };
                 match condition {
                     FluidBoundary::Symmetry { axis } if order == 0 => dofs().for_each(|dof| set(dof, *axis, 0.0)),
+                    FluidBoundary::Parallel { axis } if order == 0 => {
+                        dofs().for_each(|dof| (0..D).filter(|across| across != axis).for_each(|k| set(dof, k, 0.0)));
+                    }
                     FluidBoundary::Velocity(velocity) if order == 1 => dofs().for_each(|dof| {
                         let value = velocity(&background.vertex(self.space.vertex(dof)), time.end);
                         (0..D).for_each(|axis| set(dof, axis, value[axis]));

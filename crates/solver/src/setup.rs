@@ -68,6 +68,11 @@ pub enum FluidBoundary<const D: usize> {
         /// Number of the axis, from 0.
         axis: usize,
     },
+    /// Flow along an axis without normal traction, across a plane.
+    Parallel {
+        /// Number of the axis, from 0.
+        axis: usize,
+    },
     /// Traction given (zero if `None`).
     Open {
         /// The traction `T^f n`.
@@ -81,7 +86,7 @@ impl<const D: usize> FluidSetup<D> {
     /// Returns whether fluid may cross the parts of the boundary with a tag.
     pub(crate) fn is_open(&self, tag: Option<Tag>) -> bool {
         let condition = self.boundary.iter().find(|(other, _)| Some(*other) == tag).map(|(_, condition)| condition);
-        matches!(condition, None | Some(FluidBoundary::Open { .. }))
+        matches!(condition, None | Some(FluidBoundary::Open { .. } | FluidBoundary::Parallel { .. }))
     }
 }
 
@@ -177,7 +182,7 @@ impl<const D: usize> Setup<D> {
     /// Checks values that fit together only in a whole setup. [`crate::State::initial`] calls it.
     ///
     /// # Errors
-    /// A time step that is not positive, a plane of symmetry across an axis that does not exist, or a contact that was made
+    /// A time step that is not positive, a condition with an axis that does not exist, or a contact that was made
     /// for other bodies.
     pub fn check(&self) -> Result<(), Stage> {
         mesh::positive("time step", self.dt)?;
@@ -185,8 +190,8 @@ impl<const D: usize> Setup<D> {
             mesh::require((0.0..=1.0).contains(&fluid.alpha), "weight alpha", fluid.alpha, "from 0 to 1")?;
         }
         for (_, condition) in self.fluid.iter().flat_map(|fluid| &fluid.boundary) {
-            if let FluidBoundary::Symmetry { axis } = *condition {
-                mesh::require(axis < D, "axis of symmetry", axis as f64, "below the dimension")?;
+            if let FluidBoundary::Symmetry { axis } | FluidBoundary::Parallel { axis } = *condition {
+                mesh::require(axis < D, "axis of symmetry or flow", axis as f64, "below the dimension")?;
             }
         }
         for (number, contact) in self.contacts.iter().enumerate() {

@@ -2,6 +2,7 @@
 
 mod added_mass;
 mod bar;
+mod carried_round;
 mod cavity;
 mod cfd;
 mod cfd_unsteady;
@@ -17,6 +18,7 @@ mod disk_modes;
 pub(crate) mod document;
 pub(crate) mod dry;
 mod exact;
+mod example;
 mod files;
 mod flow;
 mod frame_change;
@@ -29,7 +31,9 @@ mod lubrication;
 pub(crate) mod missed;
 mod mode;
 mod orders;
+mod passages;
 mod peer;
+mod pulsatile_leaflet;
 pub(crate) mod record;
 mod robustness;
 mod run;
@@ -40,6 +44,7 @@ mod signal;
 mod svk_states;
 mod sweep;
 mod symmetry;
+mod valves;
 mod wan_turek;
 
 use std::path::Path;
@@ -68,7 +73,7 @@ const fn check(name: &'static str, about: &'static str, measure: fn(&mut Record)
 }
 
 /// All checks, in the order of the page.
-const CHECKS: [Check; 29] = [
+const CHECKS: [Check; 35] = [
     check("exact", "Solutions that the discrete spaces contain, at random positions of the body.", exact::measure),
     check("orders", "Orders of convergence of known flows around bodies at rest and in motion.", orders::measure),
     check("peer", "Errors of unfitted Stokes flow compared with those of ngsxfem on the same mesh.", peer::measure),
@@ -88,6 +93,16 @@ const CHECKS: [Check; 29] = [
         "An elastic ellipse from a mesh file that falls on the edge of a step.",
         settling::ellipse,
     ),
+    check(
+        "pulsatile-leaflet",
+        "An elastic leaflet in a pulsatile channel flow, compared with the beam of oomph-lib.",
+        pulsatile_leaflet::measure,
+    ),
+    check("carried-round", "A flexible strip carried round by fluid in a rotating container.", carried_round::measure),
+    check("shear-pair", "Two elastic disks of different stiffness that touch in a shear flow.", passages::pair),
+    check("constriction", "An elastic ball that the flow squeezes through a constriction.", passages::ball),
+    check("idealised-valve", "Two leaflets that close against each other and open again.", valves::leaflets),
+    check("check-valve", "An elastic ball in a conical seat that closes and opens with the flow.", valves::ball),
     check("wan-turek", "A cylinder that oscillates in a channel: drag, lift, and their noise.", wan_turek::measure),
     check("cavity", "Steady flow in a cavity with a moving lid, at a Reynolds number of 1000.", cavity::measure),
     check("dfg", "Steady flow past a cylinder in a channel, at a Reynolds number of 20.", dfg::measure),

@@ -10,12 +10,12 @@ const LONG_FILES: &[(&str, &str)] = &[];
 /// Largest numbers of lines of Rust below some folders (docs/adr/0022).
 const BUDGETS: &[(&[&str], usize)] = &[
     (&["crates/cutwater/src/lib.rs", "crates/cutwater/src/main.rs"], 300),
-    (&["crates/io/src"], 10_100),
+    (&["crates/io/src"], 10_150),
     (&["crates/report/src"], 1570),
     (&["crates/solver/src"], 2350),
-    (&["validation"], 10_270),
+    (&["validation"], 10_970),
     (&["xtask/src"], 2300),
-    (&[""], 65_300),
+    (&[""], 66_150),
 ];
 /// Largest number of bytes of all JSON files under version control.
 const JSON_BYTES: usize = 50_000;

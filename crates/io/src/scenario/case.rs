@@ -4,13 +4,13 @@ use algebra::Workspace;
 use contact::{DeformableObstacle, Obstacle, Positions};
 use cutcell::{CutMesh, OverlayOptions};
 use mesh::{Aabb, BodyId, FacetId, Placed, Point};
-use solver::{FluidBoundary, FluidSetup, Setup};
+use solver::{FluidSetup, Setup};
 
 use super::body::{BodyKeys, Built, body};
 use super::contact::{ContactKeys, Partners};
 use super::error::{ErrorKind, ScenarioError};
 use super::file::{Scenario, ScenarioFile};
-use super::fluid::{fluid, tagged_vertices, unbalanced};
+use super::fluid::{fluid, symmetry_planes, unbalanced};
 use super::motion::{Held, MotionChoice};
 use super::probe::probes;
 use super::table::At;
@@ -28,7 +28,7 @@ pub struct Case<const D: usize> {
     pub n_steps: usize,
     /// Steps between two checkpoints; 0 for none.
     pub checkpoint_every: usize,
-    /// Whether a side of the background is a plane of symmetry: forces, masses and energies are those of a half.
+    /// Whether a body stands on a plane of symmetry: forces, masses and energies are those of a half.
     pub half_domain: bool,
     /// Lowest last coordinate of the background.
     pub bottom: f64,
@@ -101,7 +101,6 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
         most_halvings: time.most_halvings,
         newton: scenario.solver.newton.settings(),
     };
-    let is_symmetry = |(_, condition): &(_, FluidBoundary<D>)| matches!(condition, FluidBoundary::Symmetry { .. });
     let starts: Vec<_> = setup.bodies.iter().map(|body| body.start()).collect();
     let positions = setup.positions(&starts);
     let mut bottom = 0.0;
@@ -109,6 +108,10 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
         check_placement(&given, &setup, fluid, &positions)?;
         bottom = Aabb::of_points(fluid.background.vertices()).low[D - 1];
     }
+    let half_domain = setup.fluid.as_ref().map(symmetry_planes).is_some_and(|(planes, room)| {
+        let is_on = |x: &Point<D>| planes.iter().any(|(axis, at)| (x[*axis] - at).abs() <= room);
+        positions.iter().flatten().any(is_on)
+    });
     check_contacts(&of_contacts, &setup, &positions)?;
     check_balance(scenario, &given, &setup, &positions)?;
     let n_vertices = setup.fluid.as_ref().map(|fluid| fluid.background.n_vertices());
@@ -118,7 +121,7 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
         linear: format!("{} ({reason})", linear.name()),
         n_steps: time.n_steps(),
         checkpoint_every: scenario.output.checkpoint_every,
-        half_domain: setup.fluid.iter().flat_map(|fluid| &fluid.boundary).any(is_symmetry),
+        half_domain,
         bottom,
         probes: probes(&scenario.output.probes, &setup, &part_names, &scenario.units)?,
         setup,
@@ -233,9 +236,6 @@ fn check_balance<const D: usize>(
     )))
 }
 
-/// Largest distance of a plane of symmetry from a vertex on it, relative to the size of the domain.
-const ON_PLANE: f64 = 1e-9;
-
 /// Removes facets of bodies that do not deform from contacts if they lie on planes of symmetry, and checks that free bodies
 /// are held there.
 fn respect_symmetry<const D: usize>(
@@ -243,13 +243,7 @@ fn respect_symmetry<const D: usize>(
     fluid: &FluidSetup<D>,
     built: &mut [Built<D>],
 ) -> Result<(), ScenarioError> {
-    let background = &fluid.background;
-    let room = Aabb::of_points(background.vertices()).extent().max() * ON_PLANE;
-    let planes = fluid.boundary.iter().filter_map(|(tag, condition)| {
-        let FluidBoundary::Symmetry { axis } = condition else { return None };
-        tagged_vertices(background, *tag).first().map(|x| (*axis, x[*axis]))
-    });
-    let planes: Vec<(usize, f64)> = planes.collect();
+    let (planes, room) = symmetry_planes(fluid);
     for (given, Built { body, contact_facets, .. }) in bodies.iter().zip(built) {
         let Some(motion) = &given.motion else { continue };
         let positions = body.start().positions(body.reference());

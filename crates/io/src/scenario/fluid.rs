@@ -271,6 +271,8 @@ choices! {
             /// Normal of the plane; that of the facets if left out.
             normal: Option<Components<f64>>,
         },
+        /// Flow across a plane part and not along it, without traction across it: the end of a long channel.
+        Parallel = "parallel",
         /// No traction; inflow is stabilised.
         Free = "free",
         /// Given velocity.
@@ -472,7 +474,9 @@ const LARGEST_NET_FLOW: f64 = 1e-2;
 /// Returns a time and the net inflow at it if no part of the boundary is open and more fluid enters than leaves, or less. Velocities are those
 /// that the solver prescribes at vertices: where conditions meet, walls come before given velocities.
 pub(super) fn unbalanced<const D: usize>(fluid: &FluidSetup<D>, [start, end]: [f64; 2]) -> Option<(f64, f64)> {
-    let is_open = |(_, condition): &(Tag, FluidBoundary<D>)| matches!(condition, FluidBoundary::Open { .. });
+    let is_open = |(_, condition): &(Tag, FluidBoundary<D>)| {
+        matches!(condition, FluidBoundary::Open { .. } | FluidBoundary::Parallel { .. })
+    };
     if fluid.boundary.iter().any(is_open) {
         return None;
     }
@@ -509,6 +513,23 @@ pub(super) fn tagged_vertices<const D: usize>(mesh: &SimplexMesh<D>, tag: Tag) -
     facets.flat_map(|facet| mesh.facet(facet)).map(|vertex| mesh.vertex(*vertex)).collect()
 }
 
+/// Largest distance of a plane of symmetry from a vertex on it, relative to the size of the domain.
+const ON_PLANE: f64 = 1e-9;
+
+/// Returns the largest distance of a plane of symmetry from a vertex on it.
+fn on_plane<const D: usize>(background: &SimplexMesh<D>) -> f64 {
+    Aabb::of_points(background.vertices()).extent().max() * ON_PLANE
+}
+
+/// Returns the planes of symmetry: the number of the axis and the coordinate, with the largest distance of a vertex on them.
+pub(super) fn symmetry_planes<const D: usize>(fluid: &FluidSetup<D>) -> (Vec<(usize, f64)>, f64) {
+    let planes = fluid.boundary.iter().filter_map(|(tag, condition)| {
+        let FluidBoundary::Symmetry { axis } = condition else { return None };
+        tagged_vertices(&fluid.background, *tag).first().map(|x| (*axis, x[*axis]))
+    });
+    (planes.collect(), on_plane(&fluid.background))
+}
+
 fn fluid_boundary<const D: usize>(
     background: &SimplexMesh<D>,
     tag: Tag,
@@ -520,7 +541,18 @@ fn fluid_boundary<const D: usize>(
         FluidCondition::NoSlip => FluidBoundary::NoSlip,
         FluidCondition::Symmetry { normal } => {
             let (axis, _) = normal_along_axis(&condition.at, background, tag, normal.as_ref())?;
+            let plane = points().first().map(|x| x[axis]);
+            let room = on_plane(background);
+            if points().iter().any(|x| plane.is_some_and(|plane| (x[axis] - plane).abs() > room)) {
+                return Err(condition.at.part("normal").invalid(
+                    "this part of the boundary does not lie in a plane across the normal; for flow straight out of the domain use `parallel`",
+                ));
+            }
             FluidBoundary::Symmetry { axis }
+        }
+        FluidCondition::Parallel => {
+            let (axis, _) = normal_along_axis(&condition.at, background, tag, None)?;
+            FluidBoundary::Parallel { axis }
         }
         FluidCondition::Free => FluidBoundary::Open { traction: None, backflow: true },
         FluidCondition::Velocity { value } => FluidBoundary::Velocity(value.over_time(&points(), &times)?),
