@@ -81,8 +81,8 @@ fn measure(record: &mut Record, example: &str, coarse: &[&str]) -> Result<Exampl
     record.show("parts of divided steps", run.history.n_parts as f64, Some(0.0));
     record.figure("Flux through the valve [cm²/s]", "time [s]", vec![("flux", flux)]);
     record.note(format!(
-        "`examples/{example}.toml`. The pressure changes its sign every {} s and is constant for two thirds of this time, in the second half of which fluxes are averaged: then the fluid has come to \
-         rest. The leak is the volume that passes the closed valve, over the time; it has no part from the deflection of the closed valve that returns.",
+        "`examples/{example}.toml`. The pressure changes its sign every {} s and is constant for two thirds of this time, in the second half of which fluxes are averaged. The leak is the volume \
+         that passes the closed valve, over the time. The flux at an instant is also that of the fluid that swings with a closed valve; its largest value is in the table.",
         short(0.5 * PERIOD),
     ));
     Ok(run)
