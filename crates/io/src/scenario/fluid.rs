@@ -15,7 +15,7 @@ use solver::{FluidBoundary, FluidSetup, Stabilisation};
 use super::error::ScenarioError;
 use super::field::{Field, FieldFormula};
 use super::geometry::{
-    CELLS_IN_SQUARE, check_corners, in_file, input_path, normal_along_axis, polygon_lines, read_gmsh,
+    CELLS_IN_SQUARE, check_corners, in_file, input_path, normal_along_axis, on_plane, polygon_lines, read_gmsh,
 };
 use super::key::Quantity;
 use super::table::{At, Components, Named, OrTable, choices, keys};
@@ -512,14 +512,6 @@ pub(super) fn unbalanced<const D: usize>(fluid: &FluidSetup<D>, [start, end]: [f
 pub(super) fn tagged_vertices<const D: usize>(mesh: &SimplexMesh<D>, tag: Tag) -> Vec<Point<D>> {
     let facets = mesh.facets().filter(|facet| mesh.facet_tag(*facet) == Some(tag));
     facets.flat_map(|facet| mesh.facet(facet)).map(|vertex| mesh.vertex(*vertex)).collect()
-}
-
-/// Largest distance of a plane of symmetry from a vertex on it, relative to the size of the domain.
-const ON_PLANE: f64 = 1e-9;
-
-/// Returns the largest distance of a plane of symmetry from a vertex on it.
-fn on_plane<const D: usize>(background: &SimplexMesh<D>) -> f64 {
-    Aabb::of_points(background.vertices()).extent().max() * ON_PLANE
 }
 
 /// Returns the planes of symmetry: the number of the axis and the coordinate, with the largest distance of a vertex on them.

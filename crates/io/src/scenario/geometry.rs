@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
 use mesh::generate::{BallOptions, ClosedLine, Size, ball, graded_box, half_ball, inside, mirrored, structured_box};
-use mesh::{BoundaryMesh, Placed, Point, SimplexMesh, Tag, Vector, VertexId};
+use mesh::{Aabb, BoundaryMesh, Placed, Point, SimplexMesh, Tag, Vector, VertexId};
 
 use super::error::{ErrorKind, Location, ScenarioError};
 use super::key::Quantity;
@@ -482,6 +482,14 @@ pub(super) fn normal_along_axis<const D: usize>(
         )));
     }
     Ok((axis, normal))
+}
+
+/// Largest distance of a plane of symmetry from a vertex on it, relative to the size of the domain.
+const ON_PLANE: f64 = 1e-9;
+
+/// Returns the largest distance of a plane of symmetry from a vertex on it.
+pub(super) fn on_plane<const D: usize>(mesh: &SimplexMesh<D>) -> f64 {
+    Aabb::of_points(mesh.vertices()).extent().max() * ON_PLANE
 }
 
 /// Message about a vector that must give a direction.
