@@ -43,8 +43,6 @@ mod run_tables;
 #[cfg(feature = "simulation")]
 pub mod scenario;
 #[cfg(feature = "simulation")]
-mod sizes;
-#[cfg(feature = "simulation")]
 mod summary;
 #[cfg(feature = "simulation")]
 mod watch;
@@ -56,10 +54,9 @@ pub use {
     checkpoint::{checkpoint_steps, checkpoint_time},
     history::HistoryTable,
     measures::{distance, leading_body},
-    run::{RunOptions, default_directory, run},
+    run::{RunOptions, Sizes, default_directory, run, sizes},
     run_tables::{Difference, RunTables, results_file},
     scenario::{Case, ScenarioFile},
-    sizes::{Sizes, sizes},
     summary::{Summary, Timing},
-    watch::{Begin, Progress, StepProgress, Watch},
+    watch::{Progress, StepProgress, Watch},
 };
