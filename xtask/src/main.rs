@@ -3,6 +3,7 @@
 
 mod bench;
 mod docs;
+mod package;
 mod process;
 mod python;
 mod same;
@@ -35,6 +36,8 @@ enum Task {
     Tidy(tidy::Arguments),
     /// Build the API documentation, the generated pages and the book.
     Docs(docs::Arguments),
+    /// Make the archives of all library crates, as they would be published.
+    Package(package::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -45,6 +48,7 @@ fn main() -> ExitCode {
         Task::Same(arguments) => same::run(&arguments),
         Task::Tidy(arguments) => tidy::run(&arguments),
         Task::Docs(arguments) => docs::run(&arguments),
+        Task::Package(arguments) => package::run(&arguments),
     };
     match result {
         Ok(true) => ExitCode::SUCCESS,

@@ -1,6 +1,7 @@
 //! Quantities of a body for reports and output files.
 
 use mesh::{Point, Tensor, Vector, VertexId};
+use nalgebra::Matrix3;
 
 /// Energies, momenta and volume of a body in one configuration.
 ///
@@ -71,9 +72,44 @@ impl<const D: usize> CellStress<D> {
         -(self.cauchy.trace() + self.out_of_plane) / SPATIAL_DIMENSION
     }
 
+    /// Returns the spatial stress as nine components, row by row.
+    pub fn spatial(&self) -> [f64; 9] {
+        let n = SPATIAL_DIMENSION as usize;
+        std::array::from_fn(|k| match (k / n, k % n) {
+            (a, b) if a < D && b < D => self.cauchy[(a, b)],
+            (a, b) if a == b => self.out_of_plane,
+            _ => 0.0,
+        })
+    }
+
+    /// Returns the principal stresses of the spatial stress, the largest tension first.
+    pub fn principal(&self) -> [f64; 3] {
+        let mut values: [f64; 3] = Matrix3::from_row_slice(&self.spatial()).symmetric_eigenvalues().into();
+        values.sort_by(|a, b| b.total_cmp(a));
+        values
+    }
+
     /// Returns the von Mises stress `√(3/2 dev σ : dev σ)` of the spatial stress.
     pub fn von_mises(&self) -> f64 {
         let squares = self.cauchy.norm_squared() + self.out_of_plane.powi(2);
         (1.5 * (squares - SPATIAL_DIMENSION * self.pressure().powi(2)).max(0.0)).sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn principal_stresses_of_a_turned_state() {
+        // Tension 5 and pressure 1 along axes turned by 30 degrees, and 2 normal to the plane.
+        let (sin, cos) = (0.5, 0.75_f64.sqrt());
+        let turn = Tensor::<2>::new(cos, -sin, sin, cos);
+        let cauchy = turn * Tensor::<2>::new(5.0, 0.0, 0.0, -1.0) * turn.transpose();
+        let found = CellStress { cauchy, out_of_plane: 2.0 }.principal();
+        assert!(
+            found.iter().zip([5.0, 2.0, -1.0]).all(|(found, expected)| (found - expected).abs() < 1e-14),
+            "{found:?}"
+        );
     }
 }

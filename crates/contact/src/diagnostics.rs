@@ -1,15 +1,17 @@
 //! Gap, penetration, active area, force, power and energy of a contact.
 
-use algebra::Sites;
-use mesh::{FacetId, Point, Vector};
+use std::collections::BTreeMap;
 
-use crate::{ContactSites, Positions};
+use algebra::Sites;
+use mesh::{FacetId, Placed, Point, Vector};
+
+use crate::{Anchor, ContactSites, Positions};
 
 /// Contact between a slave and its obstacle at one state.
 ///
 /// Forces, powers and energies are per unit depth in plane problems, in which areas are lengths; in axisymmetric coordinates they are those
 /// of the whole body.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ContactReport<const D: usize> {
     /// Smallest gap of the slave's vertices to the whole obstacle, of a body in contact with itself to the facets in reach; `None` without
     /// any.
@@ -27,6 +29,11 @@ pub struct ContactReport<const D: usize> {
     pub power: f64,
     /// Energy stored by the law.
     pub stored_energy: f64,
+    /// Mean contact pressure `-λ` on the facets of the slave with a force of contact, in the order of the facets; on the measure of the facet
+    /// on which the step is integrated.
+    pub slave_pressures: Vec<(FacetId, f64)>,
+    /// The same on facets of a deformable obstacle, the pressure of the points of the slave opposite to each.
+    pub master_pressures: Vec<(FacetId, f64)>,
 }
 
 impl<const D: usize> ContactReport<D> {
@@ -41,7 +48,12 @@ impl<const D: usize> ContactReport<D> {
             force: Vector::zeros(),
             power: 0.0,
             stored_energy: 0.0,
+            slave_pressures: Vec::new(),
+            master_pressures: Vec::new(),
         };
+        let mut on_slave: BTreeMap<FacetId, f64> = BTreeMap::new();
+        // A segment lies opposite to one facet: that to which its points project deepest inside.
+        let mut segments: BTreeMap<(usize, usize), Opposite> = BTreeMap::new();
         let law = &sites.pair.form.law;
         for item in 0..sites.len() {
             sites.visit(item, x, |site| {
@@ -53,12 +65,32 @@ impl<const D: usize> ContactReport<D> {
                 report.stored_energy += site.weight * law.energy_density(&site.at).unwrap_or(0.0);
                 let force = site.frame.vector(&site.traction.value) * site.weight;
                 report.force += force;
+                // The first component of a traction is `λ`.
+                let pressing = -site.traction.value[0] * site.weight;
+                *on_slave.entry(sites.items.facet(item)).or_default() += pressing;
+                if let Anchor::Facet { facet, barycentric, .. } = site.projection.anchor {
+                    let inside = barycentric[..D].iter().copied().fold(f64::INFINITY, f64::min);
+                    let segment = segments.entry((item, sites.segment_of(site))).or_default();
+                    segment.force += pressing;
+                    if segment.facet.is_none() || inside > segment.inside {
+                        (segment.facet, segment.inside) = (Some(facet), inside);
+                    }
+                }
                 for node in site.nodes() {
                     report.power += node.share * force.dot(&node.velocity);
                 }
             });
         }
         report.force = sites.pair.slave.boundary.coordinates().resultant(report.force);
+        let mut on_master: BTreeMap<FacetId, f64> = BTreeMap::new();
+        for (facet, force) in segments.into_values().filter_map(|segment| Some((segment.facet?, segment.force))) {
+            *on_master.entry(facet).or_default() += force;
+        }
+        let slave = sites.pair.slave;
+        report.slave_pressures = pressures(on_slave, Placed::new(slave.boundary, &slave.begin));
+        if let Some(master) = sites.pair.master {
+            report.master_pressures = pressures(on_master, Placed::new(master.boundary, &master.begin));
+        }
         report
     }
 
@@ -66,6 +98,24 @@ impl<const D: usize> ContactReport<D> {
     pub fn is_active(&self) -> bool {
         self.n_active > 0
     }
+}
+
+/// Force of a segment of the slave, and the facet opposite to it.
+#[derive(Default)]
+struct Opposite {
+    force: f64,
+    facet: Option<FacetId>,
+    /// Smallest barycentric coordinate in that facet.
+    inside: f64,
+}
+
+/// Returns the mean pressures on facets from the forces on them.
+fn pressures<const D: usize>(forces: BTreeMap<FacetId, f64>, surface: Placed<'_, D>) -> Vec<(FacetId, f64)> {
+    let measure = |facet: FacetId| {
+        let middle = surface.facet_points(facet)[..D].iter().sum::<Point<D>>() / D as f64;
+        surface.facet_measure(facet) * surface.boundary().coordinates().weight(&middle)
+    };
+    forces.into_iter().map(|(facet, force)| (facet, force / measure(facet))).collect()
 }
 
 /// Returns the smallest gap of the vertices of the slave's facets to the whole obstacle. An obstacle without gaps to the whole has those

@@ -119,6 +119,11 @@ impl<const D: usize> ContactItems<D> {
         self.is_searched
     }
 
+    /// Returns the slave's facet of an item.
+    pub(crate) fn facet(&self, item: usize) -> FacetId {
+        self.items[item].facet
+    }
+
     /// Returns the slave's facets with something in reach, each with the facets of the obstacle there.
     pub(crate) fn candidates(&self) -> impl Iterator<Item = (FacetId, &[FacetId])> {
         self.items.iter().map(|item| (item.facet, &item.candidates[..]))
@@ -190,6 +195,11 @@ pub struct ContactSites<'a, const D: usize> {
 }
 
 impl<const D: usize> ContactSites<'_, D> {
+    /// Returns the number of the segment of its item in which a point lies.
+    pub(crate) fn segment_of(&self, site: &ContactSite<D>) -> usize {
+        site.number / self.pair.form.rule.weights().len()
+    }
+
     /// Returns a vertex of a surface, with position and displacement at the state `x`.
     fn node(
         &self,

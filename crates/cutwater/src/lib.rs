@@ -14,6 +14,37 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+//!
+//! From a scenario to numbers, the whole path: a disk that sinks in a box of water.
+//!
+//! ```
+//! use cutwater::io::{HistoryTable, ScenarioFile, run};
+//!
+//! let text = r#"
+//!     name       = "sinking"
+//!     dimension  = 2
+//!     units      = "cgs"
+//!     time       = { step = 0.01, end = 0.05 }
+//!     fluid      = { density = 1.0, viscosity = 0.1 }
+//!     background = { kind = "graded-box", min = [0, 0], max = [2, 3], size = 0.4, boundary = { left = "no-slip", right = "no-slip", bottom = "no-slip", top = "free" } }
+//!     [[body]]
+//!     name       = "disk"
+//!     shape      = { kind = "ball", centre = [1, 2], radius = 0.5, size = 0.2 }
+//!     motion     = "free"
+//!     density    = 2.0
+//!     gravity    = [0, -981]
+//! "#;
+//! let scenario = ScenarioFile::parse("sinking.toml".as_ref(), text, &[])?;
+//! let directory = std::env::temp_dir().join(format!("cutwater-sinking-{}", std::process::id()));
+//! let summary = run(&scenario, &directory, &mut ())?;
+//! let height = HistoryTable::read(&directory.join("history.csv"))?.column("centre_y").unwrap_or_default();
+//! let fall = 2.0 - height[height.len() - 1];
+//! // Slower than in vacuum, since it displaces water.
+//! assert!(summary.steps == 5 && fall > 0.0 && fall < 0.5 * 981.0 * 0.05_f64.powi(2));
+//! # std::fs::remove_dir_all(&directory)?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
 pub mod prelude;
 
 pub use algebra;

@@ -9,9 +9,17 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use commands::Failure;
 
+/// Exit codes, for the help.
+const EXIT_CODES: &str = "\
+Exit codes:
+  0    done
+  1    a step failed, a file could not be written, or runs differ by more than a tolerance
+  2    the input or the arguments cannot be used; the message states file, line, key and remedy
+  130  a run was stopped by Ctrl-C, with a checkpoint";
+
 /// Elastic bodies moving, deforming and colliding inside an incompressible fluid.
 #[derive(Parser)]
-#[command(version, about)]
+#[command(version, about, after_help = EXIT_CODES)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -118,11 +126,14 @@ struct ResumeArguments {
     /// Print nothing but errors.
     #[arg(short, long)]
     quiet: bool,
+    /// Print every step, and the time per stage at the end.
+    #[arg(short, long, conflicts_with = "quiet")]
+    verbose: bool,
 }
 
 impl From<ResumeArguments> for RunArguments {
-    fn from(ResumeArguments { directory, sets, quiet }: ResumeArguments) -> Self {
-        Self { sets, resume: Some(directory), quiet, ..Self::default() }
+    fn from(ResumeArguments { directory, sets, quiet, verbose }: ResumeArguments) -> Self {
+        Self { sets, resume: Some(directory), quiet, verbose, ..Self::default() }
     }
 }
 
@@ -177,6 +188,9 @@ struct RunArguments {
     /// Print nothing but errors.
     #[arg(short, long)]
     quiet: bool,
+    /// Print every step, and the time per stage at the end.
+    #[arg(short, long, conflicts_with = "quiet")]
+    verbose: bool,
     /// Print the time per stage at the end.
     #[arg(long)]
     timings: bool,

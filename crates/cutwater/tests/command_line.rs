@@ -50,6 +50,18 @@ fn run_writes_into_the_directory_and_prints_lines() {
     for file in ["history.csv", "summary.json", "frames.json", "report.html"] {
         assert!(directory.join(file).exists(), "{file}");
     }
+    // The log has what was printed, also how the scenario was understood.
+    let log = std::fs::read_to_string(directory.join("run.log")).expect("a log");
+    for words in [
+        "step 3/3",
+        "fluid: density 1 g/cm³",
+        "body ball: elastic, saint-venant-kirchhoff",
+        "contact of ball with rigid-plane",
+        "linear solver: gmres",
+    ] {
+        assert!(printed.contains(words) && log.contains(words), "{words}: {printed}{log}");
+    }
+    assert!(printed.contains("smallest gap") && printed.contains("unknowns in the first step"), "{printed}");
     let page = std::fs::read_to_string(directory.join("report.html")).expect("a page");
     let again = Command::new(env!("CARGO_BIN_EXE_cutwater")).arg("report").arg(&directory).output().expect("a start");
     assert!(again.status.success() && text(&again.stdout).trim().ends_with("report.html"));
@@ -57,6 +69,16 @@ fn run_writes_into_the_directory_and_prints_lines() {
     check_picture(&directory);
     let quiet = cutwater(&["run", "--out", &shown, "--quiet", "--no-report"]);
     assert!(quiet.status.success() && quiet.stdout.is_empty() && quiet.stderr.is_empty());
+    assert!(
+        std::fs::read_to_string(directory.join("run.log")).expect("a log").contains("step 3/3"),
+        "quiet runs have a log too"
+    );
+    let verbose = cutwater(&["run", "--out", &shown, "-v", "--no-report"]);
+    let printed = text(&verbose.stdout);
+    for words in ["step 1/3", "step 2/3", "step 3/3", "linear iterations, residual", "factorisation"] {
+        assert!(verbose.status.success() && printed.contains(words), "{words}: {printed}");
+    }
+    assert_eq!(cutwater(&["run", "--out", &shown, "-v", "-q"]).status.code(), Some(2));
     // Page and frames of the earlier run would not belong to these results.
     assert!(!directory.join("report.html").exists() && !directory.join("frames.json").exists());
 }
@@ -141,6 +163,8 @@ fn a_failed_run_exits_with_1_and_the_residuals() {
     let printed = text(&output.stderr);
     assert!(printed.contains("relative residual") && printed.contains(&shown), "{printed}");
     assert!(directory.join("summary.json").exists() && directory.join("report.html").exists());
+    let log = std::fs::read_to_string(directory.join("run.log")).expect("a log");
+    assert!(log.contains("relative residual") && log.contains("complete up to step 0"), "{log}");
 }
 
 #[test]
@@ -150,4 +174,11 @@ fn a_report_of_what_is_no_run_exits_with_2() {
     let output = command.arg("report").arg(&directory).output().expect("the binary starts");
     assert_eq!(output.status.code(), Some(2));
     assert!(text(&output.stderr).contains("summary.json"), "{}", text(&output.stderr));
+}
+
+#[test]
+fn the_help_states_the_exit_codes() {
+    let output = Command::new(env!("CARGO_BIN_EXE_cutwater")).arg("--help").output().expect("the binary starts");
+    let printed = text(&output.stdout);
+    assert!(["Exit codes:", "130", "file, line, key"].iter().all(|words| printed.contains(words)), "{printed}");
 }

@@ -76,3 +76,102 @@ fn what_cannot_be_cut_exits_with_2_and_names_the_place() {
     }
     assert_eq!(cut(&[&inward, "--grid", "3", "--flip"]).status.code(), Some(0));
 }
+
+/// Returns the summary of a cut, as text.
+fn summary(path: &str, more: &[&str]) -> String {
+    let output = cut(&[&[path, "--json"], more].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    text(&output.stdout)
+}
+
+fn number(summary: &str, key: &str) -> f64 {
+    let (_, rest) = summary.split_once(&format!("\"{key}\":")).expect("the key");
+    rest.split([',', '}']).next().and_then(|number| number.parse().ok()).expect("a number")
+}
+
+fn scaled(factor: f64, shift: f64) -> String {
+    let vertex = |x: [f64; 3]| {
+        let [a, b, c] = x.map(|x| factor * x + shift);
+        format!("v {a:e} {b:e} {c:e}\n")
+    };
+    let vertices: String =
+        [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].into_iter().map(vertex).collect();
+    vertices + "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+}
+
+#[test]
+fn the_volume_of_a_small_body_in_a_large_box_is_accurate() {
+    let box_mesh = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("large-box.vtk");
+    // One cube of six tetrahedra, from -10 to 140 along each axis.
+    let corners: Vec<String> = (0..8)
+        .map(|k| (0..3).map(|axis| if k >> axis & 1 == 0 { "-10" } else { "140" }).collect::<Vec<_>>().join(" "))
+        .collect();
+    let cells = ["0 1 3 7", "0 1 7 5", "0 5 7 4", "0 3 2 7", "0 2 6 7", "0 6 4 7"];
+    let lines: String = cells.iter().map(|cell| format!("4 {cell}\n")).collect();
+    let vtk = format!(
+        "# vtk DataFile Version 3.0\nbox\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 8 double\n{}\nCELLS 6 30\n{lines}CELL_TYPES 6\n{}",
+        corners.join("\n"),
+        "10\n".repeat(6),
+    );
+    std::fs::write(&box_mesh, vtk).expect("a file");
+    for size in [1.0, 1e-3, 3e-4] {
+        let path = surface("small.obj", &scaled(size, 37.0));
+        let found = number(&summary(&path, &["--background", &box_mesh.display().to_string()]), "solid_volume");
+        let exact = size.powi(3) / 6.0;
+        // Coordinates have round-off relative to 37.
+        let room = 20.0 * 37.0 * f64::EPSILON / size;
+        assert!((found - exact).abs() <= room.max(1e-12) * exact, "{size}: {found:e}, exact {exact:e}");
+    }
+}
+
+#[test]
+fn volumes_of_very_large_and_very_small_surfaces_are_right_or_refused() {
+    for exponent in [-110, -80, -20, 20, 80, 101, 110, 200, 300] {
+        let factor = 10_f64.powi(exponent);
+        let path = surface("scaled.obj", &scaled(factor, 0.0));
+        let output = cut(&[&path, "--grid", "3", "--json"]);
+        if output.status.code() == Some(0) {
+            let found = number(&text(&output.stdout), "solid_volume");
+            let exact = factor * factor * factor / 6.0;
+            assert!((found / exact - 1.0).abs() < 1e-9, "1e{exponent}: {found:e}");
+        } else {
+            let printed = text(&output.stderr);
+            assert!(
+                printed.starts_with("error: ") && !printed.contains("panicked") && !printed.contains("report"),
+                "1e{exponent}: {printed}"
+            );
+        }
+    }
+    for shift in [1e6, 1e8, 1e11, 1e13, 1e14, 1e17] {
+        let path = surface("far.obj", &scaled(1.0, shift));
+        let output = cut(&[&path, "--grid", "3", "--json"]);
+        if output.status.code() == Some(0) {
+            let found = number(&text(&output.stdout), "solid_volume");
+            assert!((found * 6.0 - 1.0).abs() < 1e-9_f64.max(100.0 * shift * f64::EPSILON), "{shift:e}: {found}");
+        } else {
+            let printed = text(&output.stderr);
+            assert!(
+                printed.starts_with("error: ") && !printed.contains("panicked") && !printed.contains("report"),
+                "{shift:e}: {printed}"
+            );
+        }
+    }
+}
+
+#[test]
+fn shells_that_cross_are_refused_in_every_position() {
+    let other = scaled(1.0, 0.1).replace("f ", "g ");
+    let second: String = other.lines().filter(|line| line.starts_with('v')).map(|line| format!("{line}\n")).collect();
+    let first: String =
+        scaled(1.0, 0.0).lines().filter(|line| line.starts_with('v')).map(|line| format!("{line}\n")).collect();
+    let faces = |first: usize| {
+        let numbers = [[1, 3, 2], [1, 2, 4], [1, 4, 3], [2, 3, 4]];
+        numbers.map(|f| format!("f {} {} {}\n", f[0] + first, f[1] + first, f[2] + first)).concat()
+    };
+    let path = surface("shells.obj", &(first + &second + &faces(0) + &faces(4)));
+    for seed in 0..20 {
+        let output = cut(&[&path, "--grid", "4", "--rotate", &seed.to_string()]);
+        let printed = text(&output.stderr);
+        assert!(output.status.code() == Some(2) && printed.contains("shells.obj"), "{seed}: {printed}");
+    }
+}

@@ -134,3 +134,19 @@ fn a_write_that_fails_names_its_cause() {
     assert_eq!(output.status.code(), Some(1), "{text}");
     assert!(text.contains("writing results") && text.contains("fluid.pvd"), "{text}");
 }
+
+#[test]
+fn a_history_that_is_removed_during_a_run_ends_it() {
+    let directory = fresh("removed");
+    let mut run = command(&case(), &directory, &["--set", "time.end=10", "--quiet"]);
+    let mut run = run.stderr(Stdio::piped()).spawn().expect("the binary starts");
+    let history = directory.join("history.csv");
+    while !history.exists() && run.try_wait().expect("a status").is_none() {
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+    fs::remove_file(&history).expect("a removable file");
+    let output = run.wait_with_output().expect("an end");
+    let printed = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{printed}");
+    assert!(printed.contains("history.csv"), "{printed}");
+}

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use crate::Error;
-use crate::files::{read, write_synced};
+use crate::files::{read, write_whole};
 use crate::scenario::ScenarioFile;
 use crate::summary::SummaryBuilder;
 use crate::vtk::series::Entry;
@@ -13,7 +13,7 @@ use crate::vtk::series::Entry;
 /// First bytes of a file.
 const MAGIC: &[u8; 8] = b"CUTWATER";
 /// Version of the format. A file of another version is refused.
-const FORMAT: u32 = 2;
+const FORMAT: u32 = 3;
 /// Bytes of magic, version and length of the header.
 const BEFORE_HEADER: usize = 8 + 4 + 8;
 /// Bytes of the checksum at the end.
@@ -62,7 +62,7 @@ impl Checkpoint {
         bytes.extend(header);
         self.lists.iter().flatten().for_each(|x| bytes.extend(x.to_le_bytes()));
         bytes.extend(crc32fast::hash(&bytes).to_le_bytes());
-        write_synced(&path(directory, self.header.step), &bytes)?;
+        write_whole(&path(directory, self.header.step), &bytes)?;
         let files = files(directory);
         files[..files.len().saturating_sub(KEPT)].iter().try_for_each(|path| remove(path))
     }
@@ -213,8 +213,8 @@ mod tests {
             assert!(Checkpoint::parse(&whole[..at]).is_err(), "the first {at} bytes");
         }
         let mut other = whole.clone();
-        other[8] = 3;
-        assert!(Checkpoint::parse(&other).is_err_and(|problem| problem.contains("version 3")));
+        other[8] = 4;
+        assert!(Checkpoint::parse(&other).is_err_and(|problem| problem.contains("version 4")));
         assert!(Checkpoint::parse(b"something else").is_err_and(|problem| problem.contains("not a checkpoint")));
     }
 }

@@ -63,22 +63,12 @@ pub(crate) fn create_directory(path: &Path) -> Result<(), Error> {
     fs::create_dir_all(path).map_err(|source| Error::Write { path: path.to_owned(), source })
 }
 
-/// Writes a file under another name and renames it, so that it is complete whenever it is visible.
+/// Writes a file under another name and renames it when it is on the disk, so that it is complete whenever it is visible, also after a loss of power.
 ///
 /// # Errors
 /// [`Error::Write`].
 pub fn write_whole(path: &Path, content: &[u8]) -> Result<(), Error> {
     write_with(path, |file| file.write_all(content)).map_err(|source| Error::Write { path: path.to_owned(), source })
-}
-
-/// Writes a file as [`write_whole`] does, and waits until it is on the disk: it then survives a loss of power.
-pub(crate) fn write_synced(path: &Path, content: &[u8]) -> Result<(), Error> {
-    let write = |file: &mut BufWriter<File>| -> io::Result<()> {
-        file.write_all(content)?;
-        file.flush()?;
-        file.get_ref().sync_all()
-    };
-    write_with(path, write).map_err(|source| Error::Write { path: path.to_owned(), source })
 }
 
 /// Writes a file with a closure, as [`write_whole`] does.
@@ -91,6 +81,14 @@ pub(crate) fn write_with<E: From<io::Error>>(
     let mut file = BufWriter::new(File::create(&partial)?);
     write(&mut file)?;
     file.flush()?;
+    file.get_ref().sync_all()?;
     fs::rename(&partial, path)?;
+    sync_directory(path)?;
     Ok(())
+}
+
+/// Waits until the name of a file is on the disk. Only on Unix can a directory be opened.
+fn sync_directory(path: &Path) -> io::Result<()> {
+    let directory = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if cfg!(unix) { File::open(directory)?.sync_all() } else { Ok(()) }
 }

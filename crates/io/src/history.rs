@@ -200,6 +200,15 @@ impl<const D: usize> History<D> {
         })
     }
 
+    /// Checks that the files are still where they were created.
+    ///
+    /// # Errors
+    /// [`Error::Write`].
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        let mut tables = self.tables.iter().map(|(table, _)| table).chain(self.probes.iter().map(|(table, _)| table));
+        tables.try_for_each(Table::check)
+    }
+
     /// Returns the lengths of the files, bytes, once they are on the disk; 0 without probes.
     pub(crate) fn lengths(&self) -> Result<[u64; 3], Error> {
         let [(a, _), (b, _)] = &self.tables;
@@ -259,6 +268,14 @@ impl Table {
         }
         file.set_len(length).and_then(|()| file.seek(SeekFrom::End(0))).map_err(unwritable)?;
         Ok(Self { path, file })
+    }
+
+    fn check(&self) -> Result<(), Error> {
+        let failed = |source| Error::Write { path: self.path.clone(), source };
+        let written = self.file.metadata().map_err(failed)?.len();
+        let visible = std::fs::metadata(&self.path).map_err(failed)?.len();
+        let lost = || std::io::Error::other("it was replaced or shortened during the run");
+        if visible < written { Err(failed(lost())) } else { Ok(()) }
     }
 
     fn length(&self) -> Result<u64, Error> {

@@ -43,6 +43,8 @@ mod run_tables;
 #[cfg(feature = "simulation")]
 pub mod scenario;
 #[cfg(feature = "simulation")]
+mod sizes;
+#[cfg(feature = "simulation")]
 mod summary;
 #[cfg(feature = "simulation")]
 mod watch;
@@ -54,9 +56,10 @@ pub use {
     checkpoint::{checkpoint_steps, checkpoint_time},
     history::HistoryTable,
     measures::{distance, leading_body},
-    run::{RunOptions, Sizes, default_directory, run, sizes},
+    run::{RunOptions, default_directory, run},
     run_tables::{Difference, RunTables, results_file},
     scenario::{Case, ScenarioFile},
+    sizes::{Sizes, sizes},
     summary::{Summary, Timing},
-    watch::{Progress, StepProgress, Watch},
+    watch::{Begin, Progress, StepProgress, Watch},
 };

@@ -1,12 +1,10 @@
 //! From a scenario to a directory of results.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use solver::body::{Body, BodyState};
-use solver::{Observer, ObserverError, Stage, State, Step, StepError, StepView, TimeLoop};
+use solver::{Observer, ObserverError, Stage, State, StepError, StepView, TimeLoop};
 
 use crate::Error;
 use crate::checkpoint::{Checkpoint, Header, checkpoint_steps, problem_text, remove_all};
@@ -16,23 +14,26 @@ use crate::history::{History, csv};
 use crate::measures::{BodyMeasures, leading_body};
 use crate::probes::Line;
 use crate::scenario::{Case, CaseVisitor, Fluid, Output, Quantity, Scenario, ScenarioFile, lower};
+use crate::sizes::Sizes;
 use crate::summary::{Summary, SummaryBuilder, UnitLabels, peak_rss_bytes};
 use crate::vtk::Grid;
 use crate::vtk::bodies::{Shown, bodies_grid};
 use crate::vtk::fluid::fluid_grid;
 use crate::vtk::interface::interface_grid;
 use crate::vtk::series::Series;
+use crate::vtk::surface::surface_grid;
 use crate::watch::Watch;
 
 /// Series of field files, by the names of their indices.
-const SERIES: [&str; 4] = ["fluid", "solid", "rigid", "interface"];
+const SERIES: [&str; 5] = ["fluid", "solid", "rigid", "interface", "surface"];
 
 /// Folder of values along lines.
 const LINES: &str = "lines";
 
 /// Returns the directory of results if the command line names none.
 pub fn default_directory(scenario: &Scenario) -> PathBuf {
-    scenario.output.directory.as_ref().map_or_else(|| Path::new("results").join(scenario.name.as_str()), PathBuf::from)
+    let own = || Path::new("results").join(scenario.name.as_str());
+    scenario.output.directory.as_ref().map_or_else(own, |directory| PathBuf::from(directory.as_str()))
 }
 
 /// Runs a scenario and writes `history.csv`, `diagnostics.csv`, `summary.json`, `scenario.toml` and field files into a
@@ -94,6 +95,10 @@ impl<W: Watch> CaseVisitor for Run<'_, W> {
             create_directory(&directory.join(LINES))?;
         }
         file.write(directory)?;
+        // Bodies that cannot be cut end the first step with the error.
+        if let Ok(sizes) = Sizes::new(file.scenario(), &case, &start) {
+            watch.begin(&sizes);
+        }
         let n_steps = case.n_steps - start.step;
         let mut files = RunFiles::open(file.scenario(), &case, directory, header)?;
         files.stop = options.stop;
@@ -209,7 +214,7 @@ struct RunFiles<'a, const D: usize> {
     /// Lines along which fields are written, and the names of their columns.
     lines: (Vec<Line<D>>, Vec<String>),
     summary: SummaryBuilder,
-    series: [Series; 4],
+    series: [Series; SERIES.len()],
     begin: Instant,
     /// Wall-clock time before `begin`, s: that of the run up to its checkpoint.
     seconds_before: f64,
@@ -297,14 +302,15 @@ impl<'a, const D: usize> RunFiles<'a, D> {
         let (setup, state) = (view.setup, view.state);
         // No series without points: ParaView does not read empty grids.
         let fluid = setup.fluid.as_ref().zip(state.fluid.as_ref());
-        let grids: [Option<Grid>; 4] = [
+        let grids: [Option<Grid>; SERIES.len()] = [
             fluid.map(|(setup, fluid)| fluid_grid(&setup.background, fluid)),
             bodies_grid(setup, state, Shown::Cells),
             bodies_grid(setup, state, Shown::Surfaces),
             fluid.filter(|_| !setup.bodies.is_empty()).map(|(_, fluid)| interface_grid(fluid, view.report)),
+            surface_grid(view),
         ];
         for (series, grid) in self.series.iter_mut().zip(grids) {
-            if let Some(grid) = grid {
+            if let Some(grid) = grid.and_then(|grid| grid.retain(|name| self.output.has_field(name))) {
                 series.push(state.step, state.time, |path| grid.write(path, self.output.compression))?;
             }
         }
@@ -317,6 +323,7 @@ impl<'a, const D: usize> RunFiles<'a, D> {
     }
 
     fn write_summary(&mut self) -> Result<(), Error> {
+        self.history.check()?;
         let summary = &mut self.summary.summary;
         summary.wall_seconds = self.seconds_before + self.begin.elapsed().as_secs_f64();
         summary.peak_rss_bytes = peak_rss_bytes();
@@ -377,59 +384,4 @@ impl<const D: usize> RunFiles<'_, D> {
         }
         if stops { Err(Box::new(Interrupted)) } else { Ok(()) }
     }
-}
-
-/// Sizes of a scenario that was not run.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Sizes {
-    /// Cells of the background.
-    pub background_cells: usize,
-    /// Vertices of the background.
-    pub background_vertices: usize,
-    /// Name, cells and vertices of each body; no cells if only its surface is used, because it does not deform.
-    pub bodies: Vec<(String, usize, usize)>,
-    /// Cut cells at the start.
-    pub cut_cells: usize,
-    /// Unknowns of the first step.
-    pub dofs: usize,
-    /// Steps.
-    pub n_steps: usize,
-    /// Whether half of a symmetric problem is solved.
-    pub half_domain: bool,
-    /// Name of the linear solver, and the reason for it.
-    pub linear: String,
-}
-
-/// Builds the meshes of a scenario and the first cut, and runs nothing.
-///
-/// # Errors
-/// [`Error::Scenario`], [`Error::Step`].
-pub fn sizes(file: &ScenarioFile) -> Result<Sizes, Error> {
-    struct Measure;
-    impl CaseVisitor for Measure {
-        type Output = Result<Sizes, Error>;
-        fn visit<const D: usize>(self, case: Case<D>) -> Result<Sizes, Error> {
-            let state = State::initial(&case.setup)?;
-            let setup = &case.setup;
-            let size = |body: &Arc<dyn Body<D>>, state: &BodyState<D>| {
-                let cells = body.cells(state).map_or(0, |cells| cells.stress.len());
-                (body.name().to_owned(), cells, body.reference().len())
-            };
-            let bodies = setup.bodies.iter().zip(&state.bodies).map(|(body, state)| size(body, state)).collect();
-            let background = setup.fluid.as_ref().map(|fluid| &fluid.background);
-            let step = Step::prepare(setup, &state, state.step_time(setup, setup.dt))
-                .map_err(|stage| StepError::at(1, setup.dt, stage))?;
-            Ok(Sizes {
-                background_cells: background.map_or(0, |mesh| mesh.n_cells()),
-                background_vertices: background.map_or(0, |mesh| mesh.n_vertices()),
-                cut_cells: state.fluid.as_ref().map_or(0, |fluid| fluid.cut.report().n_cut_cells),
-                dofs: step.layout.len(),
-                n_steps: case.n_steps,
-                half_domain: case.half_domain,
-                linear: case.linear,
-                bodies,
-            })
-        }
-    }
-    lower(file, Measure)?
 }

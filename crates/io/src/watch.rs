@@ -5,11 +5,15 @@ use solver::{Observer, ObserverError, StepView};
 
 use crate::measures::{distance, leading_body};
 use crate::scenario::Case;
+use crate::sizes::Sizes;
 
 /// A source of observers for a run, whose dimension becomes known only when its scenario is read.
 ///
 /// `()` attaches none, `None` neither, and a pair attaches those of both members.
 pub trait Watch {
+    /// Receives the scenario as it is understood, before the first step.
+    fn begin(&mut self, _: &Sizes) {}
+
     /// Returns the observer of a run, if any. It borrows from `self`, so that the collected data remain after the run.
     fn observer<const D: usize>(&mut self, case: &Case<D>) -> Option<Box<dyn Observer<D> + '_>>;
 }
@@ -21,18 +25,31 @@ impl Watch for () {
 }
 
 impl<W: Watch> Watch for Option<W> {
+    fn begin(&mut self, sizes: &Sizes) {
+        self.iter_mut().for_each(|watch| watch.begin(sizes));
+    }
+
     fn observer<const D: usize>(&mut self, case: &Case<D>) -> Option<Box<dyn Observer<D> + '_>> {
         self.as_mut()?.observer(case)
     }
 }
 
 impl<W: Watch> Watch for &mut W {
+    fn begin(&mut self, sizes: &Sizes) {
+        (**self).begin(sizes);
+    }
+
     fn observer<const D: usize>(&mut self, case: &Case<D>) -> Option<Box<dyn Observer<D> + '_>> {
         (**self).observer(case)
     }
 }
 
 impl<A: Watch, B: Watch> Watch for (A, B) {
+    fn begin(&mut self, sizes: &Sizes) {
+        self.0.begin(sizes);
+        self.1.begin(sizes);
+    }
+
     fn observer<const D: usize>(&mut self, case: &Case<D>) -> Option<Box<dyn Observer<D> + '_>> {
         match (self.0.observer(case), self.1.observer(case)) {
             (Some(a), Some(b)) => Some(Box::new(Both(a, b))),
@@ -50,6 +67,19 @@ impl<const D: usize> Observer<D> for Both<'_, D> {
     }
 }
 
+/// Watch that calls a function before the first step.
+pub struct Begin<F>(pub F);
+
+impl<F: FnMut(&Sizes)> Watch for Begin<F> {
+    fn begin(&mut self, sizes: &Sizes) {
+        (self.0)(sizes);
+    }
+
+    fn observer<const D: usize>(&mut self, _: &Case<D>) -> Option<Box<dyn Observer<D> + '_>> {
+        None
+    }
+}
+
 /// Progress of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepProgress {
@@ -61,8 +91,16 @@ pub struct StepProgress {
     pub time: f64,
     /// Smallest distance of the leading body.
     pub d_min: Option<f64>,
-    /// Newton corrections of the step.
+    /// Smallest gap of all contacts, if there are any.
+    pub smallest_gap: Option<f64>,
+    /// Newton corrections of the step, or of its last part if it was divided.
     pub newton_iterations: usize,
+    /// Iterations of the linear solver in these corrections.
+    pub linear_iterations: usize,
+    /// Residual of the solution, relative to the state.
+    pub residual: f64,
+    /// Whether the step failed as a whole and was taken in parts.
+    pub is_divided: bool,
     /// Whether there is contact.
     pub in_contact: bool,
 }
@@ -89,6 +127,10 @@ impl<F: FnMut(&StepProgress), const D: usize> Observer<D> for ProgressObserver<'
                 step: view.state.step,
                 n_steps: self.n_steps,
                 time: view.state.time,
+                smallest_gap: report.contacts.iter().filter_map(|contact| contact.minimum_gap).reduce(f64::min),
+                linear_iterations: report.newton.linear_iterations,
+                residual: report.newton.residual_history.last().copied().unwrap_or(0.0),
+                is_divided: report.substep.dt < view.setup.dt,
                 d_min: leading_body(view.setup).and_then(|index| distance(view, index, self.bottom)),
                 newton_iterations: report.newton.iterations,
                 in_contact: report.contacts.iter().any(ContactReport::is_active),

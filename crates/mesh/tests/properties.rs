@@ -259,7 +259,10 @@ fn regions_refine_graded_bricks() {
 
 #[test]
 fn invalid_arguments_are_errors() {
-    for outside in [Region { size: 0.3, ..regions::<2>(0.1, 0.1)[0] }, Region { growth: 0.6, ..regions(0.1, 0.1)[0] }] {
+    for outside in [
+        Region { size: 0.3, ..regions::<2>(0.1, 0.1)[0].clone() },
+        Region { growth: 0.6, ..regions(0.1, 0.1)[0].clone() },
+    ] {
         assert!(refined_box([0.0; 2], [1.0; 2], &Size::uniform(0.2), &[outside]).is_err());
     }
     let options = BallOptions::default();
@@ -274,10 +277,34 @@ fn invalid_arguments_are_errors() {
     }
     assert!(ball([0.0, f64::NAN], 1.0, 0.1, &options).is_err());
     assert!(matches!(half_ball([0.0; 3], 1.0, 0.1, &options), Err(Error::Dimension { dimension: 3, .. })));
-    assert!(
-        graded_box([0.0, 0.0], [1e-60, 1e-60], &Size::uniform(1e-61)).is_err(),
-        "below the smallest coordinate of spade"
-    );
+}
+
+#[test]
+fn units_that_differ_by_powers_of_a_hundred_have_the_same_mesh() {
+    let size = |unit: f64| Size::Graded {
+        fine: 0.06 * unit,
+        fine_until: 0.3 * unit,
+        coarse: 0.2 * unit,
+        coarse_from: 0.9 * unit,
+        axis: 1,
+    };
+    let cells = |mesh: &SimplexMesh<2>| mesh.cells().map(|cell| mesh.cell(cell).to_vec()).collect::<Vec<_>>();
+    let options = BallOptions { area_preserving: true };
+    for unit in [1e-2, 1e2, 1e-4, 1e-60, 1e40] {
+        let meshes = |unit: f64| {
+            [
+                graded_box([0.0, 0.0], [1.5 * unit, unit], &size(unit)).unwrap(),
+                ball([0.3 * unit, -7.0 * unit], 0.4 * unit, 0.1 * unit, &options).unwrap(),
+                half_ball([0.0, 0.0], 0.4 * unit, 0.1 * unit, &options).unwrap(),
+            ]
+        };
+        for (given, other) in meshes(1.0).iter().zip(&meshes(unit)) {
+            assert_eq!(cells(given), cells(other), "{unit:e}");
+            let same = |(a, b): (&Point<2>, &Point<2>)| (a - b / unit).amax() <= 1e-14 * (1.0 + a.amax());
+            assert!(given.vertices().iter().zip(other.vertices()).all(same), "{unit:e}");
+            assert_eq!(given.boundary_names(), other.boundary_names());
+        }
+    }
 }
 
 #[test]

@@ -27,6 +27,7 @@ const LEAVES: &[&str] = &[
     "crates/cutcell/src/clip/face.rs",
     "crates/cutcell/src/clip/piece.rs",
     "crates/cutcell/src/clip/polygon.rs",
+    "crates/io/src/scenario/background.rs",
     "crates/io/src/scenario/case.rs",
     "crates/io/src/scenario/geometry.rs",
     "crates/io/src/vtk/mod.rs",

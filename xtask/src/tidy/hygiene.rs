@@ -9,13 +9,13 @@ const FILE_LINES: usize = 600;
 const LONG_FILES: &[(&str, &str)] = &[];
 /// Largest numbers of lines of Rust below some folders (docs/adr/0022).
 const BUDGETS: &[(&[&str], usize)] = &[
-    (&["crates/cutwater/src/lib.rs", "crates/cutwater/src/main.rs"], 300),
-    (&["crates/io/src"], 10_250),
+    (&["crates/cutwater/src/lib.rs", "crates/cutwater/src/main.rs"], 345),
+    (&["crates/io/src"], 10_950),
     (&["crates/report/src"], 1570),
     (&["crates/solver/src"], 2420),
     (&["validation"], 11_700),
-    (&["xtask/src"], 2300),
-    (&[""], 67_400),
+    (&["xtask/src"], 2400),
+    (&[""], 69_400),
 ];
 /// Largest number of bytes of all JSON files under version control.
 const JSON_BYTES: usize = 50_000;

@@ -1,12 +1,14 @@
 //! `cutwater run`
 
-use std::io::IsTerminal;
+use std::cell::RefCell;
+use std::fs::File;
+use std::io::{IsTerminal, Write as _};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use cutwater::io::scenario::{Quantity, Units};
-use cutwater::io::{Error, Progress, RunOptions, ScenarioFile, StepProgress, Summary, default_directory};
+use cutwater::io::scenario::Quantity;
+use cutwater::io::{Begin, Error, Progress, RunOptions, ScenarioFile, Sizes, StepProgress, Summary, default_directory};
 #[cfg(feature = "report")]
 use cutwater::report::Recorder;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -27,12 +29,14 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let shown = directory.display().to_string();
     let options =
         RunOptions { resumes: resumed.is_some(), overwrites: arguments.overwrite, stop: Some(stop_by_signal()) };
-    let mut display = Display::new(file.n_steps(), &file.scenario().units);
-    let progress = (!arguments.quiet).then_some(Progress(|at: &StepProgress| display.show(at)));
+    let console = RefCell::new(Console::new(arguments, &file));
+    let begin = Begin(|sizes: &Sizes| console.borrow_mut().begin(&directory, options.resumes, sizes));
+    console.borrow_mut().line("building meshes and the first cut");
+    let progress = Progress(|at: &StepProgress| console.borrow_mut().show(at));
     #[cfg(feature = "report")]
     let outcome = {
         let mut recorder = (!arguments.no_report).then(|| Recorder::new(&directory));
-        let outcome = options.run(&file, &directory, &mut (progress, &mut recorder));
+        let outcome = options.run(&file, &directory, &mut ((begin, progress), &mut recorder));
         // A run that failed or was stopped gets a page of the steps before.
         if let Ok(_) | Err(Error::Step(_) | Error::Interrupted { .. }) = &outcome {
             cutwater::report::remove(&directory)?;
@@ -44,20 +48,29 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<(), Failure> {
         outcome
     };
     #[cfg(not(feature = "report"))]
-    let outcome = options.run(&file, &directory, &mut { progress });
-    display.finish();
-    let summary = outcome.inspect_err(|error| {
-        if let Error::Step(step) = error {
-            warn(&format!("the files in {shown} are complete up to step {}", step.step.saturating_sub(1)));
+    let outcome = options.run(&file, &directory, &mut (begin, progress));
+    let mut console = console.into_inner();
+    console.finish();
+    match outcome {
+        Ok(summary) => {
+            print_summary(&summary, &shown, &mut |line| console.line(line));
+            if arguments.timings || arguments.verbose {
+                print_timings(&summary, &mut |line| {
+                    if arguments.timings { console.result(line) } else { console.line(line) }
+                });
+            }
+            Ok(())
         }
-    })?;
-    if !arguments.quiet {
-        print_summary(&summary, &shown);
+        Err(error) => {
+            if let Error::Step(step) = &error {
+                console
+                    .warning(&format!("the files in {shown} are complete up to step {}", step.step.saturating_sub(1)));
+            }
+            let failure = Failure::from(error);
+            console.log(&failure.explain());
+            Err(failure)
+        }
     }
-    if arguments.timings {
-        print_timings(&summary);
-    }
-    Ok(())
 }
 
 /// Returns a flag that an interrupt from the terminal sets. A second interrupt ends the program at once.
@@ -74,9 +87,17 @@ fn stop_by_signal() -> &'static AtomicBool {
     &STOP
 }
 
-/// Progress of a run: a bar on a terminal, elsewhere a line at intervals.
-struct Display {
+/// Name of the log in the directory of results.
+const LOG: &str = "run.log";
+
+/// Output of a run for people. Where there is a terminal, progress is a bar, elsewhere a line at intervals; the log has these lines too.
+struct Console {
+    is_quiet: bool,
+    is_verbose: bool,
+    /// Created when the run has claimed its directory.
+    log: Option<File>,
     bar: Option<ProgressBar>,
+    created: Instant,
     /// Time at which the first step ended, and its number; meshes are built before.
     begin: Option<(Instant, usize)>,
     last_line: Option<Instant>,
@@ -84,35 +105,108 @@ struct Display {
     units: [String; 2],
 }
 
-impl Display {
-    fn new(n_steps: usize, units: &Units) -> Self {
-        let bar = std::io::stderr().is_terminal().then(|| {
+impl Console {
+    fn new(arguments: &RunArguments, file: &ScenarioFile) -> Self {
+        let has_bar = std::io::stderr().is_terminal() && !arguments.quiet && !arguments.verbose;
+        let bar = has_bar.then(|| {
             let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}, {eta} left");
-            ProgressBar::new(n_steps as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+            let style = style.unwrap_or_else(|_| ProgressStyle::default_bar());
+            ProgressBar::new(file.n_steps() as u64).with_style(style)
         });
-        let units = [Quantity::LENGTH, Quantity::TIME].map(|quantity| units.label(quantity));
-        Self { bar, begin: None, last_line: None, units }
+        Self {
+            is_quiet: arguments.quiet,
+            is_verbose: arguments.verbose,
+            log: None,
+            bar,
+            created: Instant::now(),
+            begin: None,
+            last_line: None,
+            units: [Quantity::LENGTH, Quantity::TIME].map(|quantity| file.scenario().units.label(quantity)),
+        }
+    }
+
+    /// Writes a line to the log, if there is one. A log that cannot be written does not stop a run.
+    fn log(&mut self, text: &str) {
+        let seconds = self.created.elapsed().as_secs_f64();
+        if let Some(log) = &mut self.log {
+            for line in text.lines() {
+                _ = writeln!(log, "{seconds:9.2} s  {line}");
+            }
+        }
+    }
+
+    /// Writes a line to the log and, unless the run is quiet, prints it.
+    fn line(&mut self, line: &str) {
+        self.log(line);
+        if !self.is_quiet {
+            match &self.bar {
+                Some(bar) if !bar.is_finished() => bar.suspend(|| tell(line)),
+                _ => tell(line),
+            }
+        }
+    }
+
+    /// Writes a line that was requested: it is printed even if the run is quiet.
+    fn result(&mut self, line: &str) {
+        self.log(line);
+        tell(line);
+    }
+
+    /// Writes a warning, which is printed even if the run is quiet.
+    fn warning(&mut self, line: &str) {
+        self.log(line);
+        match &self.bar {
+            Some(bar) if !bar.is_finished() => bar.suspend(|| warn(line)),
+            _ => warn(line),
+        }
+    }
+
+    /// Opens the log and prints how the scenario is understood.
+    fn begin(&mut self, directory: &Path, resumes: bool, sizes: &Sizes) {
+        let log = File::options().create(true).write(true).append(resumes).truncate(!resumes).open(directory.join(LOG));
+        match log {
+            Ok(log) => self.log = Some(log),
+            Err(error) => self.warning(&format!("the log {} is not written: {error}", directory.join(LOG).display())),
+        }
+        let how = if resumes { "goes on from its last checkpoint" } else { "begins" };
+        self.log(&format!("cutwater {}: the run {how}", env!("CARGO_PKG_VERSION")));
+        sizes.lines.iter().for_each(|line| self.line(line));
+        self.line(&format!("results: {}", directory.display()));
     }
 
     fn show(&mut self, at: &StepProgress) {
         let (begin, first) = *self.begin.get_or_insert_with(|| (Instant::now(), at.step));
         let [length, time] = &self.units;
-        let distance = at.d_min.map_or(String::new(), |d| format!(", d_min {d:.4} {length}"));
+        let distance = at.d_min.map_or(String::new(), |d| format!(", d_min {} {length}", shown(d)));
+        let gap = at.smallest_gap.map_or(String::new(), |gap| format!(", smallest gap {gap:.3e} {length}"));
         let contact = if at.in_contact { ", contact" } else { "" };
         let message =
-            format!("t = {:.4} {time}{distance}{contact}, {} Newton iterations", at.time, at.newton_iterations);
+            format!("t = {:.4} {time}{distance}{gap}{contact}, {} Newton iterations", at.time, at.newton_iterations);
+        if at.is_divided {
+            let line = format!("step {} failed as a whole and was taken in parts", at.step);
+            if self.is_verbose { self.line(&line) } else { self.log(&line) }
+        }
         if let Some(bar) = &self.bar {
-            bar.set_message(message);
+            bar.set_message(message.clone());
             bar.set_position(at.step as u64);
-            return;
         }
         let is_due = self.last_line.is_none_or(|last| last.elapsed() >= LINE_EVERY);
-        if is_due || at.step == at.n_steps {
+        if is_due || self.is_verbose || at.step == at.n_steps {
             let steps_since = (at.step - first).max(1) as f64;
             let per_step = begin.elapsed().as_secs_f64() / steps_since;
             let left = per_step * (at.n_steps - at.step) as f64;
             let left = if at.step > first { format!(", {left:.0} s left") } else { String::new() };
-            tell(&format!("step {}/{}, {message}{left}", at.step, at.n_steps));
+            let detail = if self.is_verbose {
+                format!(", {} linear iterations, residual {:.1e}", at.linear_iterations, at.residual)
+            } else {
+                String::new()
+            };
+            let line = format!("step {}/{}, {message}{detail}{left}", at.step, at.n_steps);
+            if self.bar.is_some() {
+                self.log(&line)
+            } else {
+                self.line(&line)
+            }
             self.last_line = Some(Instant::now());
         }
     }
@@ -122,7 +216,13 @@ impl Display {
     }
 }
 
-fn print_summary(summary: &Summary, directory: &str) {
+/// Formats a number with four digits behind the point, or with an exponent where these would not show it.
+fn shown(value: f64) -> String {
+    let is_plain = value == 0.0 || (1e-3..1e6).contains(&value.abs());
+    if is_plain { format!("{value:.4}") } else { format!("{value:.3e}") }
+}
+
+fn print_summary(summary: &Summary, directory: &str, tell: &mut dyn FnMut(&str)) {
     tell(&format!(
         "{}: {} steps in {:.1} s, results in {directory}",
         summary.case, summary.steps, summary.wall_seconds
@@ -147,18 +247,18 @@ fn print_summary(summary: &Summary, directory: &str) {
         return;
     };
     let time = &summary.units.time;
-    let release = summary.release_time.map_or("none".to_owned(), |t| format!("{t:.4} {time}"));
-    tell(&format!("  first contact {contact:.4} {time}, release {release}"));
+    let release = summary.release_time.map_or("none".to_owned(), |t| format!("{} {time}", shown(t)));
+    tell(&format!("  first contact {} {time}, release {release}", shown(contact)));
     tell(&format!("  largest penetration {:.3e} {}", summary.max_penetration, summary.units.length));
 }
 
 /// Prints a line per stage; under the assembly a line per contribution, and the rest: zeros, copies, known linear
 /// parts.
-fn print_timings(summary: &Summary) {
+fn print_timings(summary: &Summary, tell: &mut dyn FnMut(&str)) {
     let steps = summary.steps.max(1) as f64;
     let all: f64 = summary.timings.iter().filter(|t| t.contribution.is_none()).map(|t| t.seconds).sum();
     tell(&format!("  {:<32} {:>8} {:>10} {:>12} {:>7}", "stage", "calls", "seconds", "ms per step", "share"));
-    let line = |name: &str, calls: &str, seconds: f64| {
+    let mut line = |name: &str, calls: &str, seconds: f64| {
         let (per_step, share) = (1e3 * seconds / steps, 100.0 * seconds / all);
         tell(&format!("  {name:<32} {calls:>8} {seconds:>10.3} {per_step:>12.3} {share:>6.1}%"));
     };

@@ -40,7 +40,7 @@ impl CutErrors {
         let named =
             [("partition", partition), ("normals", normals), ("divergence", divergence), ("adjacency", adjacency)];
         let (identity, by) =
-            named.into_iter().fold(named[0], |worst, next| if next.1 > worst.1 { next } else { worst });
+            named.into_iter().fold(named[0], |worst, next| if next.1 <= worst.1 { worst } else { next });
         if by <= LARGEST { Ok(()) } else { Err(Error::Violated { identity, by }) }
     }
 }
@@ -60,6 +60,11 @@ fn relative(error: f64, scale: f64) -> f64 {
     if error == 0.0 || scale == 0.0 { 0.0 } else { error / scale }
 }
 
+/// Returns the larger of two errors; one that is not a number is larger than all others.
+fn larger(a: f64, b: f64) -> f64 {
+    if a.is_nan() || a >= b { a } else { b }
+}
+
 fn partition<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>) -> f64 {
     let is_covered = |cell| cut.cell_state(cell) == CellState::Covered;
     let volume = |cell| if is_covered(cell) { 0.0 } else { background.cell_volume(cell) };
@@ -71,7 +76,7 @@ fn partition<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>) -> f
         missing[cell.index()] -= piece.volume();
     }
     let errors = background.cells().map(|cell| missing[cell.index()].abs() / background.cell_volume(cell));
-    errors.fold(0.0, f64::max)
+    errors.fold(0.0, larger)
 }
 
 fn normals<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>) -> f64 {
@@ -121,7 +126,7 @@ fn divergence<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>, mom
         flux(&piece.points[..D], -piece.normal);
     }
     let error = |inside: f64, flux: f64| relative((inside - flux).abs(), inside);
-    error(D as f64 * cut.fluid_volume(), linear).max(error(moment, quadratic))
+    larger(error(D as f64 * cut.fluid_volume(), linear), error(moment, quadratic))
 }
 
 fn adjacency<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>) -> f64 {
@@ -152,8 +157,8 @@ fn adjacency<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>) -> f
     for part in cut.all_parts() {
         let (unshared, aligned) = (unshared[part.index()], aligned[part.index()]);
         for (local, &facet) in background.cell_to_facet(cut.part_cell(part)).iter().enumerate() {
-            let outside = (-unshared[local]).max(unshared[local] - aligned[local]).max(0.0);
-            largest = largest.max(outside / background.facet_measure(facet));
+            let outside = larger(0.0, larger(-unshared[local], unshared[local] - aligned[local]));
+            largest = larger(largest, outside / background.facet_measure(facet));
         }
     }
     largest

@@ -17,7 +17,7 @@ mod summary;
 use std::path::{Path, PathBuf};
 
 use cutcell::{CutMesh, Cutter, OverlayOptions};
-use mesh::{BodyId, Placed, SimplexMesh};
+use mesh::{Aabb, BodyId, Placed, SimplexMesh};
 
 use crate::Error;
 use crate::files::create_directory;
@@ -27,6 +27,9 @@ use crate::vtk::cut::{body_grid, fluid_grid, interface_grid};
 pub use background::read_tetrahedra;
 pub use identities::CutErrors;
 pub use summary::{CutSeconds, CutSummary};
+
+/// Extents of surfaces of which fourth powers, the largest and smallest numbers in a cut, are accurate.
+const EXTENTS: std::ops::RangeInclusive<f64> = 1e-60..=1e60;
 
 /// Level of zlib in the field files.
 const COMPRESSION: u32 = 4;
@@ -88,6 +91,13 @@ pub fn cut_files(paths: &[impl AsRef<Path>], settings: &CutSettings) -> Result<S
         let surface = Surface::read(path.as_ref())?;
         if surface.boundary().n_facets() == 0 {
             return Err(refused(cutcell::Error::Empty { body: BodyId::new(index) }));
+        }
+        let extent = Aabb::of_points(surface.positions()).extent().amax();
+        if !EXTENTS.contains(&extent) {
+            let problem = format!(
+                "its extent is {extent:e}, and volumes of that size have no accurate numbers; scale it to an extent from 1e-60 to 1e60"
+            );
+            return Err(Error::Surface { path: path.as_ref().to_owned(), problem });
         }
         let is_inward = settings.flip && surface.placed().enclosed().volume < 0.0;
         surfaces.push(if is_inward { surface.flipped() } else { surface });

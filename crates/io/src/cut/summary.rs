@@ -23,7 +23,7 @@ pub struct CutSummary {
     pub domain_volume: f64,
     /// Volume of the fluid, the sum of all parts.
     pub fluid_volume: f64,
-    /// Volume of the domain without the fluid.
+    /// Volume of the part of the domain that the surfaces cover, the sum of all covered cells and pieces.
     pub solid_volume: f64,
     /// Area of the wet interface.
     pub surface_area: f64,
@@ -66,7 +66,7 @@ impl CutSummary {
             parts_max: report.max_parts,
             domain_volume,
             fluid_volume,
-            solid_volume: domain_volume - fluid_volume,
+            solid_volume: cut.covered_volume(background),
             surface_area: sum(cut.interface().iter().map(|piece| piece.measure)),
             smallest_fraction: report.smallest_fraction,
             seconds: CutSeconds { classify, clip, quadrature, total: classify + clip + quadrature },

@@ -146,6 +146,18 @@ impl BodyKeys {
         self.shift.as_ref().map_or(Vector::zeros(), Components::vector)
     }
 
+    /// Returns the shape at its place.
+    ///
+    /// # Errors
+    /// A shape that cannot be made; a shift so large that rounding destroys it.
+    pub(super) fn geometry<const D: usize>(&self) -> Result<Geometry<D>, ScenarioError> {
+        Geometry::new(&self.shape)?.shifted(self.shift()).map_err(|error| {
+            self.shape.at.invalid(format!(
+                "with its shift the shape loses its cells to rounding ({error}); make the shift smaller"
+            ))
+        })
+    }
+
     /// Checks that the keys belong to the motion of the body.
     pub(super) fn check(&self) -> Result<(), ScenarioError> {
         fn place<T>(value: &Option<At<T>>) -> Option<&Location> {
@@ -183,12 +195,7 @@ pub(super) fn body<const D: usize>(
     time: &Time,
     coordinates: Coordinates,
 ) -> Result<Built<D>, ScenarioError> {
-    let geometry = Geometry::new(&given.shape)?.shifted(given.shift()).map_err(|error| {
-        given
-            .shape
-            .at
-            .invalid(format!("with its shift the shape loses its cells to rounding ({error}); make the shift smaller"))
-    })?;
+    let geometry = given.geometry()?;
     let body: Arc<dyn Body<D>> = match (given.motion.as_ref(), geometry) {
         (None, geometry) => return elastic(given, geometry, time, coordinates),
         (Some(motion), geometry) => {

@@ -4,13 +4,16 @@ use algebra::Workspace;
 use contact::{DeformableObstacle, Obstacle, Positions};
 use cutcell::{CutMesh, OverlayOptions};
 use mesh::{Aabb, BodyId, FacetId, Placed, Point};
-use solver::{FluidBoundary, FluidSetup, Setup};
+use solver::{Contact, FluidBoundary, FluidSetup, Setup};
 
-use super::body::{BodyKeys, Built, body};
+use super::background::Background;
+use super::body::{BodyCondition, BodyKeys, Built, body};
+use super::condition::{symmetry_planes, tagged_vertices};
 use super::contact::{ContactKeys, Partners};
 use super::error::{ErrorKind, ScenarioError};
 use super::file::{Scenario, ScenarioFile};
-use super::fluid::{Background, fluid, symmetry_planes, tagged_vertices, unbalanced};
+use super::fluid::{fluid, unbalanced};
+use super::geometry::Shape;
 use super::motion::{Held, MotionChoice};
 use super::probe::probes;
 use super::table::At;
@@ -69,9 +72,11 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
     let time = &scenario.time;
     let coordinates = scenario.coordinates()?;
     let missing = |key| root.error(ErrorKind::Missing(key));
+    let given = scenario.bodies();
     let fluid = match (&scenario.fluid, &scenario.background) {
-        (Some(given), Some(background)) => {
-            Some(fluid::<D>((given, scenario.interface.alpha, coordinates), background, [0.0, time.end])?)
+        (Some(fluid_keys), Some(background)) => {
+            let mortar = (fluid_keys, scenario.interface.alpha, coordinates);
+            Some(fluid::<D>(mortar, background, &given, [0.0, time.end])?)
         }
         (Some(_), None) => return Err(missing("background")),
         (None, None) if scenario.body.is_empty() => {
@@ -80,7 +85,6 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
         (None, None) => None,
         (None, Some(_)) => return Err(missing("fluid")),
     };
-    let given = scenario.bodies();
     let mut built = given.iter().map(|given| body::<D>(given, time, coordinates)).collect::<Result<Vec<_>, _>>()?;
     if let Some(fluid) = &fluid {
         respect_symmetry(&given, fluid, &mut built)?;
@@ -115,6 +119,7 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
         };
         positions.iter().flatten().any(is_on)
     });
+    check_repeated(&of_contacts, &setup)?;
     check_contacts(&of_contacts, &setup, &positions)?;
     if let (Some(fluid), Some(background)) = (&setup.fluid, &scenario.background) {
         check_axis(fluid, background)?;
@@ -152,10 +157,9 @@ fn check_placement<const D: usize>(
         }
     }
     let surfaces = setup.surfaces(positions);
-    let whole = background.volume();
     let covered = |k: usize, surfaces: &[Placed<'_, D>]| {
         let cut = CutMesh::overlay(background, surfaces, &OverlayOptions::new());
-        cut.map(|cut| whole - cut.fluid_volume()).map_err(|error| at(k).error(error))
+        cut.map(|cut| cut.covered_volume(background)).map_err(|error| at(k).error(error))
     };
     let alone: Vec<f64> =
         (0..surfaces.len()).map(|k| covered(k, &surfaces[k..=k])).collect::<Result<_, ScenarioError>>()?;
@@ -165,8 +169,8 @@ fn check_placement<const D: usize>(
                 continue;
             }
             let overlap = alone[a] + alone[b] - covered(b, &[surfaces[a], surfaces[b]])?;
-            // Volumes have round-off relative to the whole domain.
-            if overlap > (1e-9 * alone[a].min(alone[b])).max(1e-12 * whole) {
+            // Volumes have round-off.
+            if overlap > 1e-9 * alone[a].min(alone[b]) {
                 let [a, b_name] = [a, b].map(|k| setup.bodies[k].name());
                 return Err(at(b).invalid(format!(
                     "bodies `{a}` and `{b_name}` overlap at the start by {overlap:.3e} (area or volume); move one of them"
@@ -187,6 +191,27 @@ fn check_axis<const D: usize>(fluid: &FluidSetup<D>, given: &At<Background>) -> 
             let name = &fluid.background.tag_names()[tag.index()];
             return Err(given.boundary().at.invalid(format!(
                 "side `{name}` lies on the axis of rotation, where nothing crosses; give it the condition \"symmetry\""
+            )));
+        }
+    }
+    Ok(())
+}
+
+/// Checks that no contact, for each of which there is a table, is stated twice.
+fn check_repeated<const D: usize>(of_contacts: &[&At<ContactKeys>], setup: &Setup<D>) -> Result<(), ScenarioError> {
+    let all: Vec<_> = of_contacts.iter().zip(&setup.contacts).collect();
+    for (k, (given, contact)) in all.iter().enumerate() {
+        let is_same = |(other, found): &&(&&At<ContactKeys>, &Contact<D>)| {
+            found.body() == contact.body()
+                && found.master() == contact.master()
+                && (contact.master().is_some() || given.obstacle == other.obstacle)
+        };
+        if all[..k].iter().any(|other| is_same(&other)) {
+            let name = |id: BodyId| setup.bodies[id.index()].name();
+            let obstacle = contact.master().map_or("this obstacle".to_owned(), |master| format!("`{}`", name(master)));
+            return Err(given.at.invalid(format!(
+                "the contact of `{}` with {obstacle} is stated twice, so that its forces would act twice; take one out",
+                name(contact.body())
             )));
         }
     }
@@ -266,6 +291,22 @@ fn respect_symmetry<const D: usize>(
     built: &mut [Built<D>],
 ) -> Result<(), ScenarioError> {
     let (planes, room) = symmetry_planes(fluid);
+    let domain = Aabb::of_points(fluid.background.vertices());
+    for given in bodies {
+        let Shape::HalfBall { centre, mirrored: false, .. } = &*given.shape else { continue };
+        let mut conditions = given.boundary.iter().flat_map(|boundary| &boundary.0);
+        let is_symmetric = |(name, condition): &(String, At<BodyCondition>)| {
+            name == "left" && matches!(**condition, BodyCondition::Symmetry { .. })
+        };
+        let at = centre[0] + given.shift.as_ref().map_or(0.0, |shift| shift[0]);
+        let is_on_plane = planes.iter().any(|(axis, place)| *axis == 0 && (at - place).abs() <= room);
+        let is_inside = domain.low[0] <= at && at <= domain.high[0];
+        if conditions.any(is_symmetric) && is_inside && !is_on_plane {
+            return Err(given.shape.at.invalid(format!(
+                "the diameter of this half ball is a line of symmetry at x = {at}, but no side of the background is one there; move it, or use a ball"
+            )));
+        }
+    }
     for (given, Built { body, contact_facets, .. }) in bodies.iter().zip(built) {
         let Some(motion) = &given.motion else { continue };
         let positions = body.start().positions(body.reference());

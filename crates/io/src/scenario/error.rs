@@ -100,7 +100,7 @@ pub enum ErrorKind {
         expected: String,
     },
     /// A number out of its range, infinite or NaN.
-    #[error("this is {value}, but must be {must}")]
+    #[error("this is {}, but must be {must}", shown(*.value))]
     Range {
         /// The number.
         value: f64,
@@ -142,6 +142,12 @@ pub enum ErrorKind {
     /// Surfaces of bodies that cannot cut the background.
     #[error("the bodies cannot cut the background: {0}")]
     Cut(#[from] cutcell::Error),
+}
+
+/// Formats a number without hundreds of digits.
+pub(super) fn shown(value: f64) -> String {
+    let is_plain = value == 0.0 || !value.is_finite() || (1e-6..1e16).contains(&value.abs());
+    if is_plain { value.to_string() } else { format!("{value:e}") }
 }
 
 /// Returns the end of a sentence about an unknown word, with the nearest known one if one is near.

@@ -7,9 +7,10 @@ use solver::body::{PointField, TimeField};
 use toml::de::DeValue;
 
 use super::error::{Location, ScenarioError};
+use super::field_table::FieldTable;
 use super::formula::Formula;
 use super::key::Form;
-use super::table::{At, Components, Node, Value};
+use super::table::{At, Choose as _, Components, Node, Value};
 
 /// A number or a formula in the time `t`.
 impl Value for Formula {
@@ -25,9 +26,13 @@ impl Value for Formula {
 pub struct FieldFormula(Formula);
 
 impl Value for FieldFormula {
-    const FORM: Form = Form::Formula("x, y, z, t");
+    const FORM: Form = Form::Field("x, y, z, t", &FieldTable::FORM);
 
     fn read(node: &Node<'_>) -> Result<Self, ScenarioError> {
+        if let DeValue::Table(_) = node.value {
+            let (over, rows) = <FieldTable as Value>::read(node)?.read()?;
+            return Ok(Self(Formula::through(over.word(), rows)));
+        }
         let variables = if node.document.dimension == 3 { "x, y, z, t" } else { "x, y, t" };
         read(node, variables, &Self::FORM).map(Self)
     }

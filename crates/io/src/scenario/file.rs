@@ -7,14 +7,15 @@ use serde::Deserialize;
 use toml::Spanned;
 use toml::de::{DeValue, ValueDeserializer};
 
+use super::background::Background;
 use super::body::BodyKeys;
 use super::contact::{ALL, ContactKeys};
 use super::error::{ErrorKind, Location, ScenarioError};
-use super::fluid::{Background, Fluid, Interface};
+use super::fluid::{Fluid, Interface};
 use super::overrides;
 use super::probe::ProbeChoice;
 use super::solver::{Linear, Solver, Time};
-use super::table::{At, Document, Named, Node, Value, choices, keys, parse};
+use super::table::{At, Choose as _, Document, Named, Node, Value, choices, keys, parse};
 use super::units::Units;
 use crate::Error;
 use crate::files::{extension, read, read_scenario, write_whole};
@@ -25,7 +26,7 @@ keys! {
         /// Name of the results: letters, digits, `-`, `_` and dots inside.
         name: At<String>,
         /// Source of the case, for reports.
-        source: Option<String>,
+        source: Option<At<String>>,
         /// Dimension of space.
         dimension: usize [between(2.0, 3.0)],
         /// Coordinates of meshes and vectors; Cartesian if left out.
@@ -67,9 +68,12 @@ keys! {
     /// Output of a run.
     pub struct Output {
         /// Directory of the results, if the command line names none; `results/NAME` if left out.
-        directory: Option<String>,
+        directory: Option<At<String>>,
         /// Steps between two sets of field files; 0 for none.
         vtk_every: usize = 10,
+        /// Fields in the field files; all if left out. A series without any of them is not written. Numbers of bodies, facets and parts of the fluid are
+        /// always written.
+        fields: Vec<FieldChoice>,
         /// Level of compression of field files, 0 for none.
         compression: u32 [between(0.0, 9.0)] = 0,
         /// Steps between two checkpoints, from which a run that was stopped goes on to the same bits; 0 for none.
@@ -78,6 +82,44 @@ keys! {
         probes: Named<ProbeChoice>,
         /// Least time between two checkpoints, minutes. It decides which of them are written, and changes no result.
         checkpoint_minutes: f64 [non_negative] = 0.0,
+    }
+}
+
+choices! {
+    /// Field of the field files, by its name there.
+    #[derive(Copy, Eq)]
+    pub enum FieldChoice {
+        /// Velocity of the fluid and of vertices of bodies.
+        Velocity = "velocity",
+        /// Pressure of the fluid; in bodies minus a third of the trace of the stress.
+        Pressure = "pressure",
+        /// Curl of the velocity of the fluid.
+        Vorticity = "vorticity",
+        /// Displacement of vertices of bodies.
+        Displacement = "displacement",
+        /// Cauchy stress of elastic bodies.
+        CauchyStress = "cauchy_stress",
+        /// Von Mises stress of elastic bodies.
+        VonMises = "von_mises",
+        /// Principal stresses of elastic bodies, the largest tension first; in 2D with that normal to the plane.
+        PrincipalStress = "principal_stress",
+        /// Traction of the fluid on bodies, with the penalty of the mortar: the traction of the equations.
+        Traction = "traction",
+        /// The same without the penalty, on pieces of the interface.
+        FluidTraction = "fluid_traction",
+        /// Velocity of the fluid minus that of the body, on pieces of the interface.
+        VelocityJump = "velocity_jump",
+        /// Normal out of the body, on pieces of the interface.
+        Normal = "normal",
+        /// Mean contact pressure on facets of bodies.
+        ContactPressure = "contact_pressure",
+    }
+}
+
+impl Output {
+    /// Returns whether a field is written, by its name.
+    pub(crate) fn has_field(&self, name: &str) -> bool {
+        self.fields.is_empty() || self.fields.iter().any(|field| field.word() == name)
     }
 }
 
@@ -101,7 +143,7 @@ impl Scenario {
     }
 
     /// Returns the bodies, each followed by its copies.
-    pub(super) fn bodies(&self) -> Vec<At<BodyKeys>> {
+    pub(crate) fn bodies(&self) -> Vec<At<BodyKeys>> {
         self.body.iter().flat_map(At::with_copies).collect()
     }
 }
@@ -237,6 +279,14 @@ fn check(scenario: &Scenario) -> Result<(), ScenarioError> {
     let refuse = |name: &At<String>, why| Err(name.at.invalid(format!("the name `{}` is {why}", name.as_str())));
     if !is_plain(&scenario.name) || scenario.name.starts_with('.') {
         return refuse(&scenario.name, "not a file name: use letters, digits, -, _ and dots inside");
+    }
+    if let Some(directory) = scenario.output.directory.as_ref().filter(|directory| directory.trim().is_empty()) {
+        return Err(directory.at.invalid("the name of the directory is empty; give one, or leave the key out"));
+    }
+    for text in [&scenario.source, &scenario.output.directory].into_iter().flatten() {
+        if text.contains(char::is_control) {
+            return Err(text.at.invalid("it has a character that cannot be printed; take it out"));
+        }
     }
     for (name, probe) in &scenario.output.probes.0 {
         if !is_plain(name) {

@@ -4,6 +4,7 @@
 //! that the derivative is exact to round-off. Powers bind as usual: `-t^2 = -(t^2)` and `2^3^t = 2^(3^t)`.
 
 use std::f64::consts::{E, PI};
+use std::sync::Arc;
 
 /// Largest number of numbers, names and signs in a formula; bounds the depth of nesting.
 const MOST_TOKENS: usize = 1000;
@@ -49,6 +50,8 @@ enum Node {
     Variable(usize),
     Unary(Unary, Box<Node>),
     Binary(Binary, Box<[Node; 2]>),
+    /// Straight lines between rows with a variable, by its index, and a value.
+    Table(usize, Arc<[[f64; 2]]>),
 }
 
 /// Value and derivative of a function of one argument.
@@ -79,16 +82,31 @@ const OPERATORS: [(&str, u8, u8, Binary); 5] = [
     ("+", 1, 2, |a, b| Dual { value: a.value + b.value, rate: a.rate + b.rate }),
     ("-", 1, 2, |a, b| Dual { value: a.value - b.value, rate: a.rate - b.rate }),
     ("*", 3, 4, |a, b| Dual { value: a.value * b.value, rate: a.rate * b.value + a.value * b.rate }),
-    ("/", 3, 4, |a, b| Dual { value: a.value / b.value, rate: (a.rate - a.value / b.value * b.rate) / b.value }),
+    ("/", 3, 4, quotient),
     ("^", 6, 5, power),
 ];
 
 /// Precedence from which operators on the right of a leading sign are applied before it.
 const LEADING_SIGN: u8 = 5;
 
+/// Returns a quotient. Where the divisor has grown beyond the range of numbers the quotient is zero, and so is its rate: `1/(1 + exp(1000 t))`
+/// is as smooth there as elsewhere. At a division by zero the rate is not a number.
+fn quotient(a: Dual, b: Dual) -> Dual {
+    let value = a.value / b.value;
+    let is_beyond = b.value.is_infinite() && b.rate.is_infinite() && a.value.is_finite() && a.rate.is_finite();
+    let rate = match b.value {
+        _ if is_beyond => 0.0,
+        0.0 => f64::NAN,
+        _ => (a.rate - value * b.rate) / b.value,
+    };
+    Dual { value, rate }
+}
+
 fn power(a: Dual, b: Dual) -> Dual {
     let value = a.value.powf(b.value);
-    let by_base = chained(a.rate, || b.value * a.value.powf(b.value - 1.0));
+    // As in a quotient, a negative power of a number beyond the range is constant.
+    let is_beyond = b.value < 0.0 && b.rate == 0.0 && a.value.is_infinite() && a.rate.is_infinite();
+    let by_base = if is_beyond { 0.0 } else { chained(a.rate, || b.value * a.value.powf(b.value - 1.0)) };
     Dual { value, rate: by_base + chained(b.rate, || value * a.value.ln()) }
 }
 
@@ -135,12 +153,19 @@ impl Formula {
         Self { text: value.to_string(), root: Node::Number(value) }
     }
 
+    /// Creates the function with straight lines between rows, each with a variable and a value; it is constant before the first and after the last row.
+    pub(super) fn through(variable: &str, rows: Vec<[f64; 2]>) -> Self {
+        let index = VARIABLES.iter().position(|known| *known == variable).unwrap_or_default();
+        Self { text: format!("table over {variable}: {rows:?}"), root: Node::Table(index, rows.into()) }
+    }
+
     pub(super) fn is_constant(&self) -> bool {
         matches!(self.root, Node::Number(_))
     }
 
-    pub(super) fn text(&self) -> &str {
-        &self.text
+    /// Returns the text for a message; the middle of a long one is left out.
+    pub(super) fn text(&self) -> String {
+        shortened(&self.text)
     }
 
     /// Computes value and rate at a point and time; absent coordinates are zero.
@@ -148,6 +173,20 @@ impl Formula {
         let coordinate = |axis: usize| x.get(axis).copied().unwrap_or_default();
         self.root.at(&[coordinate(0), coordinate(1), coordinate(2), t])
     }
+}
+
+/// Longest text that messages repeat as a whole, characters.
+const LONGEST: usize = 120;
+
+/// Returns a text for a message without the middle if it is long.
+fn shortened(text: &str) -> String {
+    let n = text.chars().count();
+    if n <= LONGEST {
+        return text.to_owned();
+    }
+    let half = LONGEST / 2;
+    let [begin, end]: [String; 2] = [text.chars().take(half).collect(), text.chars().skip(n - half).collect()];
+    format!("{begin} ... {end}")
 }
 
 impl Node {
@@ -159,9 +198,22 @@ impl Node {
                 let x = node.at(variables);
                 Dual { value: value(x.value), rate: chained(x.rate, || slope(x.value)) }
             }
+            Self::Table(k, rows) => between(rows, variables[*k], VARIABLES[*k] == "t"),
             Self::Binary(operation, sides) => operation(sides[0].at(variables), sides[1].at(variables)),
         }
     }
+}
+
+/// Interpolates between rows; at a row the slope is that after it.
+fn between(rows: &[[f64; 2]], x: f64, is_time: bool) -> Dual {
+    let after = rows.partition_point(|[at, _]| *at <= x);
+    let (Some([x0, y0]), Some([x1, y1])) = (after.checked_sub(1).map(|k| rows[k]), rows.get(after)) else {
+        // Before the first row or not before the last one.
+        let end = if after == 0 { rows.first() } else { rows.last() };
+        return Dual { value: end.map_or(f64::NAN, |[_, y]| *y), rate: 0.0 };
+    };
+    let slope = (y1 - y0) / (x1 - x0);
+    Dual { value: y0 + slope * (x - x0), rate: if is_time { slope } else { 0.0 } }
 }
 
 /// Parser by precedence of the operators.
@@ -178,7 +230,7 @@ struct Reader<'a> {
 impl Reader<'_> {
     fn refuse(&self, what: impl Into<String>) -> FormulaError {
         let at = self.text[..self.at].chars().count() + 1;
-        FormulaError { text: self.text.to_owned(), at, what: what.into(), variables: self.variables }
+        FormulaError { text: shortened(self.text), at, what: what.into(), variables: self.variables }
     }
 
     fn shown(&self) -> String {
@@ -322,6 +374,30 @@ mod tests {
         ] {
             assert!((at(text, 3.0).value - value).abs() < 1e-14, "{text}: {}", at(text, 3.0).value);
         }
+    }
+
+    #[test]
+    fn smooth_steps_have_rates_and_poles_have_none() {
+        for text in ["1/(1 + exp(-(t - 0.2)*1e4))", "(1 + exp(-(t - 0.2)*1e4))^-1"] {
+            for (t, value) in [(0.0, 0.0), (0.1, 0.0), (0.2, 0.5), (0.3, 1.0), (1.0, 1.0)] {
+                let found = at(text, t);
+                assert!((found.value - value).abs() < 1e-12 && found.rate.is_finite(), "{text} at {t}: {found:?}");
+            }
+            assert!((at(text, 0.2).rate - 2500.0).abs() < 1e-9);
+        }
+        assert!(!at("1/t", 0.0).rate.is_finite() && !at("1/(1/t)", 0.0).rate.is_finite());
+    }
+
+    #[test]
+    fn tables_are_straight_between_rows_and_constant_outside() {
+        let rows = vec![[0.0, 1.0], [2.0, 5.0], [3.0, 4.0]];
+        let of_time = Formula::through("t", rows.clone());
+        for (t, value, rate) in
+            [(-1.0, 1.0, 0.0), (0.0, 1.0, 2.0), (0.5, 2.0, 2.0), (2.0, 5.0, -1.0), (3.0, 4.0, 0.0), (9.0, 4.0, 0.0)]
+        {
+            assert_eq!(of_time.at(&[], t), Dual { value, rate });
+        }
+        assert_eq!(Formula::through("y", rows).at(&[7.0, 0.5], 9.0), Dual { value: 2.0, rate: 0.0 });
     }
 
     #[test]

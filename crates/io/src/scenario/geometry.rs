@@ -390,7 +390,7 @@ fn refuse(at: &Location, error: mesh::Error) -> ScenarioError {
 }
 
 /// Returns the surface between lines, of which the first one is the outer one.
-fn surface_of_lines<const D: usize>(lines: Vec<ClosedLine>) -> (BoundaryMesh<D>, Vec<Point<D>>) {
+pub(super) fn surface_of_lines<const D: usize>(lines: Vec<ClosedLine>) -> (BoundaryMesh<D>, Vec<Point<D>>) {
     let (mut facets, mut positions) = (Vec::new(), Vec::new());
     for (k, line) in lines.into_iter().enumerate() {
         let is_outwards = (line.area() > 0.0) == (k == 0);

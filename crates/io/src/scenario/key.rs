@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use super::error::shown;
+
 /// Dimension of a quantity: exponents of length, mass and time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Quantity {
@@ -132,8 +134,8 @@ impl fmt::Display for Range {
             Self::Any => f.write_str("finite"),
             Self::Positive => f.write_str("positive and finite"),
             Self::NonNegative => f.write_str("zero or positive, and finite"),
-            Self::Between(low, f64::INFINITY) => write!(f, "at least {low}"),
-            Self::Between(low, high) => write!(f, "from {low} to {high}"),
+            Self::Between(low, f64::INFINITY) => write!(f, "at least {}", shown(low)),
+            Self::Between(low, high) => write!(f, "from {} to {}", shown(low), shown(high)),
         }
     }
 }
@@ -151,6 +153,8 @@ pub enum Form {
     Text,
     /// Formula with the given variables, or a number.
     Formula(&'static str),
+    /// Formula with the given variables, a number, or a table with values from a file.
+    Field(&'static str, &'static Form),
     /// One value for each axis.
     Components(&'static Form),
     /// List of values.
@@ -203,6 +207,7 @@ impl fmt::Display for Form {
             Self::Flag => f.write_str("true or false"),
             Self::Text => f.write_str("a string"),
             Self::Formula(variables) => write!(f, "a number or a formula in {variables}"),
+            Self::Field(variables, _) => write!(f, "a number or a formula in {variables} or a table of values"),
             Self::Components(of) => write!(f, "a list with {of} for each axis"),
             Self::List(Self::Table(_)) => f.write_str("a table or a list of tables"),
             Self::List(of) => write!(f, "a list; each item is {of}"),

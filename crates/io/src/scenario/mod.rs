@@ -3,11 +3,14 @@
 //! Where the name of a table is that of a library's type, the declaration ends in `Keys` or `Choice`: [`BodyKeys`] are read,
 //! and a `dyn Body` is built of them.
 
+mod background;
 mod body;
 pub mod case;
+mod condition;
 mod contact;
 mod error;
 mod field;
+mod field_table;
 mod file;
 mod fluid;
 mod formula;
@@ -22,17 +25,17 @@ mod solver;
 mod table;
 mod units;
 
+pub use background::{Axis, Background, GradedSize, Refinement, RegionChoice};
 pub use body::{BodyCondition, BodyKeys, MaterialChoice};
 pub use case::{Case, CaseVisitor, lower};
+pub use condition::{FluidCondition, InflowProfile};
 pub use contact::{ContactKeys, ContactLawChoice, ObstacleChoice};
 pub(crate) use error::advice;
 pub use error::{ErrorKind, Location, ScenarioError};
 pub use field::{Field, FieldFormula};
-pub use file::{Output, Scenario, ScenarioFile};
-pub use fluid::{
-    Axis, Background, Cip, ConvectionChoice, Fluid, FluidCondition, GradedSize, InflowProfile, Interface,
-    InterfacePenalty, Refinement, RegionChoice, StabilisationChoice, StabilisationKeys,
-};
+pub use field_table::{FieldTable, Variable};
+pub use file::{FieldChoice, Output, Scenario, ScenarioFile};
+pub use fluid::{Cip, ConvectionChoice, Fluid, Interface, InterfacePenalty, StabilisationChoice, StabilisationKeys};
 pub use formula::{Formula, FormulaError};
 pub use geometry::Shape;
 pub use key::{Key, Quantity};
@@ -40,5 +43,6 @@ pub use motion::{Held, MotionChoice};
 pub use probe::ProbeChoice;
 pub use schema::schema;
 pub use solver::{Blocks, BodyBlock, FluidBlock, Linear, Newton, Preconditioner, Solver, Time, TimeSchemeChoice};
+pub(crate) use table::Choose;
 pub use table::{At, Components, Named, OrTable};
 pub use units::{System, UnitNames, Units};

@@ -159,7 +159,45 @@ fn turning_centre<const D: usize>(
 /// Largest number of times at which a formula is checked before a run.
 const MOST_TRIALS: usize = 100_000;
 
-/// Checks that value and rate of a formula are finite at every step, or at [`MOST_TRIALS`] of them.
+/// Largest difference between the displacement of a body in a step and its velocity at the end of the step times the length of the step, relative to the largest
+/// such velocity; on average over all steps, and in a single step beyond the velocities at both its ends. Steps that resolve a motion stay below: six in a period make 0.5.
+const UNRESOLVED: f64 = 0.5;
+
+/// Returns the time of a step that does not resolve a motion, along one axis or of an angle: the body would not move as fast as the fluid on it does.
+fn unresolved(at: impl Fn(f64) -> Dual, time: &Time) -> Option<f64> {
+    let (n_steps, dt) = (time.n_steps(), *time.step);
+    let steps = || (0..n_steps).step_by(n_steps / MOST_TRIALS + 1);
+    let ends = |k: usize| [at(k as f64 * dt), at((k + 1) as f64 * dt)];
+    let mut fastest = 0.0_f64;
+    let (mut swept, mut missed, mut farthest) = (0.0, 0.0, 0.0_f64);
+    for [begin, end] in steps().map(ends) {
+        fastest = fastest.max(begin.rate.abs()).max(end.rate.abs());
+        farthest = farthest.max(begin.value.abs()).max(end.value.abs());
+        swept += end.rate.abs() * dt;
+        missed += (end.value - begin.value - end.rate * dt).abs();
+    }
+    // Displacements are differences of positions, which have round-off.
+    let room = UNRESOLVED * fastest * dt + 1e-12 * farthest;
+    let is_jump = |[begin, end]: [Dual; 2]| {
+        let moved = end.value - begin.value;
+        let (low, high) = (begin.rate.min(end.rate) * dt, begin.rate.max(end.rate) * dt);
+        moved < low - room || moved > high + room
+    };
+    let jump = steps().find(|k| is_jump(ends(*k)));
+    let fails = || (missed > UNRESOLVED * swept + 1e-12 * farthest * n_steps as f64).then_some(0);
+    jump.or_else(fails).map(|k| k as f64 * dt)
+}
+
+/// Returns the message about a motion that steps do not resolve.
+fn too_fast(what: &str, at: f64, time: &Time) -> String {
+    let dt = *time.step;
+    format!(
+        "{what} is not resolved by steps of {dt}: from t = {at} on, displacements in a step and the velocity that the fluid is given differ by more than half; use \
+         smaller steps, or a motion without jumps"
+    )
+}
+
+/// Checks that value and rate of a formula are finite at every step, or at [`MOST_TRIALS`] of them, and that steps resolve the motion.
 fn checked(formula: &At<Formula>, time: &Time) -> Result<Formula, ScenarioError> {
     let n_steps = time.n_steps();
     for t in (0..=n_steps).step_by(n_steps / MOST_TRIALS + 1).map(|k| k as f64 * *time.step) {
@@ -174,7 +212,10 @@ fn checked(formula: &At<Formula>, time: &Time) -> Result<Formula, ScenarioError>
             }
         }
     }
-    Ok((**formula).clone())
+    match unresolved(|t| formula.at(&[], t), time) {
+        Some(at) => Err(formula.at.invalid(too_fast(&format!("the formula `{}`", formula.text()), at, time))),
+        None => Ok((**formula).clone()),
+    }
 }
 
 /// Reads a table and checks that it covers the run.
@@ -188,7 +229,9 @@ fn read_table<const D: usize>(file: &At<String>, time: &Time) -> Result<MotionTa
             "{path}: it covers the times {first} to {last}, but the run needs 0 to {end}; add rows or end earlier"
         )));
     }
-    Ok(table)
+    let of_axis = |axis: usize| unresolved(|t| table.at(t).displacement[axis], time);
+    let found = (0..D).find_map(of_axis).or_else(|| unresolved(|t| table.at(t).angle, time));
+    found.map_or(Ok(table.clone()), |at| Err(file.at.invalid(too_fast("the motion of this table", at, time))))
 }
 
 #[cfg(test)]

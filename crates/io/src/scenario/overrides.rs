@@ -45,7 +45,14 @@ pub(super) fn apply<'t>(
     root: &mut Spanned<DeValue<'t>>,
 ) -> Result<(), ScenarioError> {
     for Change { path, text, start } in changes {
-        let Some((_, value)) = parse(document, text)?.into_iter().next() else { continue };
+        let table = parse(document, text)?;
+        if table.len() > 1 {
+            let message = "has more than one line; give each change its own --set".to_owned();
+            return Err(document
+                .locate(*start, "")
+                .error(ErrorKind::Override(format!("`{}` {message}", path.join(".")))));
+        }
+        let Some((_, value)) = table.into_iter().next() else { continue };
         set(root, path, value).map_err(|(below, problem)| {
             let key = path[..path.len() - below].join(".");
             document.locate(*start, "").error(ErrorKind::Override(format!("`{key}` {problem}; check the key")))

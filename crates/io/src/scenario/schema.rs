@@ -50,6 +50,9 @@ fn of_form(form: &Form, range: Range) -> Value {
         Form::Flag => json!({ "type": "boolean" }),
         Form::Text => json!({ "type": "string" }),
         Form::Formula(_) => json!({ "type": ["number", "string"] }),
+        Form::Field(_, table) => {
+            json!({ "anyOf": [json!({ "type": ["number", "string"] }), of_form(table, Range::Any)] })
+        }
         Form::Components(of) => json!({ "type": "array", "items": of_form(of, range), "minItems": 2, "maxItems": 3 }),
         Form::List(of) => {
             let item = of_form(of, range);

@@ -123,7 +123,7 @@ keys! {
     /// Newton's method.
     pub struct Newton {
         /// Relative tolerance.
-        tolerance: f64 [positive] = 1e-8,
+        tolerance: f64 [between(1e-16, 0.1)] = 1e-8,
         /// Largest number of corrections in a step.
         max_iterations: usize [between(1.0, f64::INFINITY)] = 30,
     }

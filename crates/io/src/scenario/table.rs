@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::error::{ErrorKind, Location, ScenarioError};
+use super::error::{ErrorKind, Location, ScenarioError, shown};
 use super::key::{Choice, Form, Key};
 
 /// Text of a scenario, by which offsets become lines.
@@ -85,7 +85,7 @@ impl<'d> Node<'d> {
                 format!("the whole number `{}`, which is too large", found.as_str())
             }
             DeValue::Integer(_) | DeValue::Float(_) => {
-                format!("the number `{}`", number(self.value).unwrap_or(f64::NAN))
+                format!("the number `{}`", shown(number(self.value).unwrap_or(f64::NAN)))
             }
             DeValue::Datetime(_) => "a date".to_owned(),
             DeValue::Array(_) => "a list".to_owned(),
@@ -203,6 +203,12 @@ pub(super) trait Value: Sized {
 
     /// Reads the value.
     fn read(node: &Node<'_>) -> Result<Self, ScenarioError>;
+}
+
+/// One of several words.
+pub(crate) trait Choose {
+    /// Returns the word.
+    fn word(&self) -> &'static str;
 }
 
 /// A value with its location; equal to another one if the values are.
@@ -434,6 +440,12 @@ macro_rules! choices {
                     [$($about)+] $field, $Type, [$($($spec $(($($argument),*))?),*)?], $($default)?
                 )),*)?],
             }),*];
+
+            impl $crate::scenario::table::Choose for $Name {
+                fn word(&self) -> &'static str {
+                    match self { $(Self::$Word { .. } => $word),* }
+                }
+            }
 
             impl Value for $Name {
                 const FORM: Form = Form::Choice { tag: TAG, choices: CHOICES };

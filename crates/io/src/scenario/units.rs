@@ -44,7 +44,9 @@ impl Units {
     /// Checks that the names of units can be part of the names of columns.
     pub(super) fn check(&self) -> Result<(), ScenarioError> {
         let Self::Table(UnitNames { length, mass, time }) = self else { return Ok(()) };
-        let is_bad = |name: &&At<String>| name.trim().is_empty() || name.contains([',', '"', '[', ']', '\n', '\r']);
+        let is_bad = |name: &&At<String>| {
+            name.trim().is_empty() || name.contains([',', '"', '[', ']']) || name.contains(char::is_control)
+        };
         let refuse = |name: &At<String>| {
             let found = if name.trim().is_empty() { "empty".to_owned() } else { format!("`{}`", **name) };
             name.at.invalid(format!("the name of this unit is {found}; use letters and digits, such as \"mm\""))

@@ -1,6 +1,5 @@
 //! The bodies at their positions at the end of a step.
 
-use mesh::Tensor;
 use solver::{Setup, State};
 
 use super::{Grid, in_space, simplex_type};
@@ -19,7 +18,7 @@ pub enum Shown {
 pub fn bodies_grid<const D: usize>(setup: &Setup<D>, state: &State<D>, shown: Shown) -> Option<Grid> {
     let mut grid = Grid::default();
     let (mut displacement, mut velocity, mut ids) = (Vec::new(), Vec::new(), Vec::new());
-    let (mut cauchy, mut von_mises, mut pressure) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut cauchy, mut principal, mut von_mises, mut pressure) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     for (index, (body, now)) in setup.bodies.iter().zip(&state.bodies).enumerate() {
         let deformable = body.cells(now);
         if deformable.is_some() != (shown == Shown::Cells) {
@@ -35,7 +34,8 @@ pub fn bodies_grid<const D: usize>(setup: &Setup<D>, state: &State<D>, shown: Sh
         if let Some(output) = deformable {
             for (cell, stress) in output.cells().zip(&output.stress) {
                 grid.push_cell(simplex_type(D + 1), cell.iter().map(|v| first + u64::from(v.0)));
-                cauchy.extend(tensor_in_space(&stress.cauchy, stress.out_of_plane));
+                cauchy.extend(stress.spatial());
+                principal.extend(stress.principal());
                 von_mises.push(stress.von_mises());
                 pressure.push(stress.pressure());
             }
@@ -54,18 +54,10 @@ pub fn bodies_grid<const D: usize>(setup: &Setup<D>, state: &State<D>, shown: Sh
     grid.add_point_data("velocity", 3, velocity);
     if shown == Shown::Cells {
         grid.add_cell_data("cauchy_stress", 9, cauchy);
+        grid.add_cell_data("principal_stress", 3, principal);
         grid.add_cell_data("von_mises", 1, von_mises);
         grid.add_cell_data("pressure", 1, pressure);
     }
     grid.add_cell_ids("body", ids);
     Some(grid)
-}
-
-/// Returns a tensor with nine components, row by row, with the given one normal to the plane.
-fn tensor_in_space<const D: usize>(t: &Tensor<D>, out_of_plane: f64) -> [f64; 9] {
-    std::array::from_fn(|k| match (k / 3, k % 3) {
-        (a, b) if a < D && b < D => t[(a, b)],
-        (2, 2) => out_of_plane,
-        _ => 0.0,
-    })
 }

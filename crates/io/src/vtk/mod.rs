@@ -8,19 +8,21 @@ pub mod fluid;
 #[cfg(feature = "simulation")]
 pub mod interface;
 pub mod series;
+#[cfg(feature = "simulation")]
+pub mod surface;
 
 use std::path::Path;
 
 use cutcell::Polytope;
 use mesh::{Point, Vector};
 use vtkio::model::{
-    Attribute, Attributes, ByteOrder, CellType, Cells, DataArray, DataSet, UnstructuredGridPiece, Version,
-    VertexNumbers, Vtk,
+    Attribute, Attributes, ByteOrder, CellType, Cells, DataArray, DataSet, ElementType, IOBuffer,
+    UnstructuredGridPiece, Version, VertexNumbers, Vtk,
 };
 use vtkio::xml::Compressor;
 
 use crate::Error;
-use crate::files::write_with;
+use crate::files::{write_whole, write_with};
 
 /// An unstructured grid on its way to a file.
 #[derive(Clone, Debug, Default)]
@@ -93,11 +95,28 @@ impl Grid {
         self.cell_data.push(Attribute::DataArray(DataArray::scalars(name, 1).with_data(values)));
     }
 
+    /// Removes the fields of which the names do not satisfy a condition. Returns `None` if none of them is left; whole numbers are kept.
+    #[cfg(feature = "simulation")]
+    pub(crate) fn retain(mut self, is_kept: impl Fn(&str) -> bool) -> Option<Self> {
+        let is_id = |attribute: &Attribute| matches!(attribute, Attribute::DataArray(array) if matches!(array.data, IOBuffer::I64(_)));
+        let is_kept = |attribute: &Attribute| match attribute {
+            Attribute::DataArray(array) => is_kept(&array.name),
+            Attribute::Field { .. } => false,
+        };
+        self.point_data.retain(is_kept);
+        self.cell_data.retain(|attribute| is_id(attribute) || is_kept(attribute));
+        let is_empty = self.point_data.is_empty() && self.cell_data.iter().all(is_id);
+        (!is_empty).then_some(self)
+    }
+
     /// Writes the grid as `.vtu`, with zlib of the given level (0: none); the file is complete when it appears.
     ///
     /// # Errors
     /// [`Error::Vtk`].
     pub fn write(self, path: &Path, compression: u32) -> Result<(), Error> {
+        if self.n_cells() == 0 {
+            return write_whole(path, self.empty().as_bytes());
+        }
         let piece = UnstructuredGridPiece {
             points: self.points.into(),
             cells: Cells {
@@ -118,6 +137,37 @@ impl Grid {
             .map_err(vtkio::Error::from)
             .and_then(|file| write_with(path, |out| file.write(out).map_err(vtkio::Error::from)));
         written.map_err(|source| Error::Vtk { path: path.to_owned(), source: Box::new(source) })
+    }
+}
+
+impl Grid {
+    /// Returns the text of a file without points and cells, with the names of the fields. The counts that readers of VTK need are zero, which vtkio leaves out.
+    fn empty(&self) -> String {
+        let array = |attribute: &Attribute| match attribute {
+            Attribute::DataArray(array) => {
+                let kind = if matches!(array.data, IOBuffer::I64(_)) { "Int64" } else { "Float64" };
+                let n = match array.elem {
+                    ElementType::Scalars { num_comp, .. } => num_comp,
+                    ElementType::Vectors => 3,
+                    ElementType::Tensors => 9,
+                    _ => 1,
+                };
+                format!(
+                    "<DataArray type=\"{kind}\" Name=\"{}\" NumberOfComponents=\"{n}\" format=\"ascii\"/>",
+                    array.name
+                )
+            }
+            Attribute::Field { .. } => String::new(),
+        };
+        let arrays = |data: &[Attribute]| data.iter().map(array).collect::<String>();
+        let (point_data, cell_data) = (arrays(&self.point_data), arrays(&self.cell_data));
+        format!(
+            "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\">\n<UnstructuredGrid>\n\
+             <Piece NumberOfPoints=\"0\" NumberOfCells=\"0\">\n<PointData>{point_data}</PointData>\n<CellData>{cell_data}</CellData>\n\
+             <Points><DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"ascii\"/></Points>\n\
+             <Cells><DataArray type=\"Int64\" Name=\"connectivity\" format=\"ascii\"/><DataArray type=\"Int64\" Name=\"offsets\" format=\"ascii\"/>\
+             <DataArray type=\"UInt8\" Name=\"types\" format=\"ascii\"/></Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n"
+        )
     }
 }
 

@@ -2,10 +2,13 @@
 
 use std::collections::HashMap;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use io::gmsh::{GmshFile, GmshFormat, GmshMesh, GmshVersion, write};
 use mesh::generate::{BallOptions, ball, structured_box};
-use mesh::{FacetId, Placed, Point, SimplexMesh, VertexId};
+use mesh::{FacetId, Placed, Point, SimplexMesh, Vector, VertexId};
+use solid_svk::{ElasticBody, ElasticOptions, LameParameters, Material, SaintVenantKirchhoff, SolidForm, SolidMesh};
+use solver::body::Body;
 
 type EdgeNodes<const D: usize> = HashMap<[VertexId; 2], Point<D>>;
 
@@ -374,4 +377,92 @@ fn damaged_files_do_no_harm() {
         }
     }
     assert!(n_read > 1000, "{n_read}");
+}
+
+/// A group of a fixture: its name, the number of its elements, and their length, area or volume for elements of order 1 and 2.
+type Group = (&'static str, usize, [f64; 2]);
+
+/// Numbers that Gmsh 4.15.2 states of the meshes of `gmsh-files`: nodes of cells of order 2, corners, and groups of the boundary and of cells. Measures are sums of
+/// its Jacobians with its rule `Gauss6`.
+struct Numbers {
+    name: &'static str,
+    nodes: usize,
+    corners: usize,
+    boundary: [Group; 3],
+    cells: [Group; 2],
+}
+
+const PLANE: Numbers = Numbers {
+    name: "plane",
+    nodes: 209,
+    corners: 59,
+    boundary: [("left", 4, [1.0, 1.0]), ("right", 4, [1.0, 1.0]), ("walls", 16, [4.0, 4.0])],
+    cells: [
+        ("soft", 77, [1.712342411933971, 1.686127431624925]),
+        ("hard part", 15, [0.28765758806603303, 0.3138725683750787]),
+    ],
+};
+
+const SPACE: Numbers = Numbers {
+    name: "space",
+    nodes: 368,
+    corners: 62,
+    boundary: [("bottom", 14, [1.0, 1.0]), ("sides", 56, [4.0, 4.0]), ("top", 14, [1.0, 1.0])],
+    cells: [
+        ("core", 30, [0.07693226934543246, 0.07693226934543246]),
+        ("shell", 173, [0.9230677306549836, 0.9230677306549836]),
+    ],
+};
+
+/// Returns the volume of a group with elements of order 2: the mass of a body in which only the group has a density to speak of.
+fn curved_volume<const D: usize>(found: &GmshMesh<D>, group: &str) -> f64 {
+    let (mesh, nodes) = (&found.mesh, &found.edge_nodes);
+    let tag = mesh.tag(group);
+    let of_cell = mesh.cells().map(|cell| usize::from(mesh.cell_tag(cell) == tag)).collect();
+    let solid = SolidMesh::curved(mesh.clone(), |ends, middle| nodes.get(&ends).copied().unwrap_or(middle));
+    let solid = solid.and_then(|solid| solid.with_groups(of_cell)).expect("a solid");
+    let material =
+        || -> Arc<dyn Material<D>> { Arc::new(SaintVenantKirchhoff::new(LameParameters { mu: 1.0, lambda: 1.0 })) };
+    let form = SolidForm::of_groups(vec![(1e-15, material()), (1.0, material())], Vector::zeros()).expect("a form");
+    let body = ElasticBody::new("body", solid, form, ElasticOptions::default()).expect("a body");
+    body.balance(&body.start()).expect("a balance").mass
+}
+
+fn check_numbers<const D: usize>(numbers: &Numbers) {
+    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/scenarios/gmsh-files");
+    for order in [1, 2] {
+        for format in ["22-text", "22-binary", "41-text", "41-binary"] {
+            let name = format!("{}-{order}-{format}.msh", numbers.name);
+            let file = GmshFile::read(&folder.join(&name)).unwrap_or_else(|error| panic!("{error}"));
+            let found = file.mesh::<D>().unwrap_or_else(|error| panic!("{name}: {error}"));
+            let mesh = &found.mesh;
+            assert_eq!((file.order(D), mesh.n_vertices()), (order, numbers.corners), "{name}");
+            // Every edge of a cell of order 2 has a node.
+            let n_edge_nodes = if order == 2 { numbers.nodes - numbers.corners } else { 0 };
+            assert_eq!(found.edge_nodes.len(), n_edge_nodes, "{name}");
+            for (group, n, measures) in numbers.boundary {
+                let tag = mesh.tag(group);
+                let of_group: Vec<FacetId> =
+                    mesh.facets().filter(|f| tag.is_some() && mesh.facet_tag(*f) == tag).collect();
+                let measure: f64 = of_group.iter().map(|facet| mesh.facet_measure(*facet)).sum();
+                assert_eq!(of_group.len(), n, "{name}: {group}");
+                assert!((measure - measures[order - 1]).abs() < 1e-12, "{name}: {group} {measure}");
+            }
+            for (group, n, measures) in numbers.cells {
+                let tag = mesh.tag(group);
+                let of_group: Vec<_> = mesh.cells().filter(|c| tag.is_some() && mesh.cell_tag(*c) == tag).collect();
+                let linear: f64 = of_group.iter().map(|cell| mesh.cell_volume(*cell)).sum();
+                let volume = if order == 1 { linear } else { curved_volume(&found, group) };
+                assert_eq!(of_group.len(), n, "{name}: {group}");
+                assert!((linear - measures[0]).abs() < 1e-12, "{name}: {group} {linear}");
+                assert!((volume - measures[order - 1]).abs() < 1e-12, "{name}: {group} {volume}");
+            }
+        }
+    }
+}
+
+#[test]
+fn files_of_gmsh_have_the_numbers_that_gmsh_states() {
+    check_numbers::<2>(&PLANE);
+    check_numbers::<3>(&SPACE);
 }

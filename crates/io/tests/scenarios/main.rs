@@ -5,6 +5,7 @@ mod contacts;
 mod cut;
 mod dry;
 mod errors;
+mod fields;
 mod geometry;
 mod gmsh;
 #[path = "../../../cutcell/tests/identities/mod.rs"]

@@ -154,7 +154,7 @@ fn field_files_hold_the_true_domains() {
     let cells = body.cells(&state.bodies[0]).expect("an elastic body");
     assert_eq!((grid.num_points(), grid.cells.types.len()), (body.reference().len(), cells.cells().count()));
     assert_eq!(names(&grid.data.point), ["displacement", "velocity"]);
-    assert_eq!(names(&grid.data.cell), ["cauchy_stress", "von_mises", "pressure", "body"]);
+    assert_eq!(names(&grid.data.cell), ["cauchy_stress", "principal_stress", "von_mises", "pressure", "body"]);
 }
 
 #[test]

@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use super::icosahedron::divided_icosahedron;
 use super::size::{MEAN_EDGE, affordable};
 use super::triangulate::{Outline, filled};
+use super::unit::Unit;
 use crate::{Error, Point, SimplexMesh, positive, require};
 
 /// Approximation of a ball by a polygon or polyhedron.
@@ -35,10 +36,10 @@ pub fn ball<const D: usize>(
         return Ok(unit.mapped(|x| centre + x * (radius * scale))?.with_boundary_tags(|_| Some("surface")));
     }
     let circle = Circle::new(&centre, radius, h, options)?;
-    let mut outline = Outline::around(circle.centre);
+    let mut outline = Outline::default();
     let n = 2 * circle.n_half;
     outline.side((0..=n).map(|i| circle.node(i % n)));
-    Ok(filled(outline, |_| circle.h)?.with_boundary_tags(|_| Some("surface")))
+    Ok(circle.placed(filled(outline, |_| circle.h)?)?.with_boundary_tags(|_| Some("surface")))
 }
 
 /// Generates the half of a [`ball`] with `x >= centre[0]`. Vertices on the plane of symmetry lie exactly on it, and facets
@@ -54,12 +55,12 @@ pub fn half_ball<const D: usize>(
 ) -> Result<SimplexMesh<D>, Error> {
     let circle = Circle::new(&centre, radius, h, options)?;
     let n = circle.n_half;
-    let mut outline = Outline::around(circle.centre);
+    let mut outline = Outline::default();
     outline.side((0..=n).map(|i| circle.node(i)));
     let [lowest, highest] = [circle.node(0)[1], circle.node(n)[1]];
     let n_diameter = ((highest - lowest) / circle.h).round() as usize;
     outline.side((0..=n_diameter).rev().map(|i| [0.0, lowest + (highest - lowest) * (i as f64 / n_diameter as f64)]));
-    let mesh = filled(outline, |_| circle.h)?;
+    let mesh = circle.placed(filled(outline, |_| circle.h)?)?;
     Ok(mesh.with_boundary_tags(|points| {
         let on_plane = points.iter().all(|p| p[0] == centre[0]);
         Some(if on_plane { "left" } else { "surface" })
@@ -75,7 +76,10 @@ fn check<const D: usize>(centre: &[f64; D], radius: f64, h: f64) -> Result<(), E
     Ok(())
 }
 
+/// A circle about the origin, in a unit of its own.
 struct Circle {
+    unit: Unit,
+    /// Place of its centre, in the given unit.
     centre: [f64; 2],
     /// Distance of the nodes from the centre.
     radius: f64,
@@ -91,12 +95,19 @@ impl Circle {
         let &[x, y] = centre.as_slice() else {
             return Err(Error::Dimension { shape: "half-ball", dimension: D });
         };
+        let unit = Unit::of(2.0 * radius);
+        let [radius, h] = [radius, h].map(|length| unit.of_length(length));
         let h = MEAN_EDGE * h.min(radius);
         affordable(2.0 * PI * (radius / h).powi(2))?;
         let n_half = (PI * radius / h).round() as usize;
         let angle = PI / n_half as f64;
         let scale = if options.area_preserving { (angle / angle.sin()).sqrt() } else { 1.0 };
-        Ok(Self { centre: [x, y], radius: radius * scale, h, n_half })
+        Ok(Self { unit, centre: [x, y], radius: radius * scale, h, n_half })
+    }
+
+    /// Moves a mesh about the origin to the centre, in the given unit.
+    fn placed<const D: usize>(&self, mesh: SimplexMesh<D>) -> Result<SimplexMesh<D>, Error> {
+        mesh.mapped(|x| Point::from_fn(|axis, _| self.centre[axis] + self.unit.given(x[axis])))
     }
 
     /// Returns the node `i` relative to the centre, counter-clockwise from the lowest one. The nodes on the vertical

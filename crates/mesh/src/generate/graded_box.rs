@@ -5,6 +5,7 @@ use super::grid::{brick_mesh, check_sides, with_side_tags};
 use super::region::Region;
 use super::size::{MEAN_EDGE, Size, affordable, divided};
 use super::triangulate::{Outline, filled};
+use super::unit::Unit;
 use crate::{Error, Point, SimplexMesh};
 
 /// Generates a box with cells of the given size. Facets are tagged by side, and coordinates of vertices on a side are
@@ -15,7 +16,7 @@ use crate::{Error, Point, SimplexMesh};
 /// tags "left", "right", "front", "back" (low and high `y`), "bottom", "top"; bricks are graded along the axis of a graded
 /// size, and have the finest size along the other axes.
 ///
-/// Sizes are at most the length of the shortest side.
+/// Sizes are at most the length of the shortest side. In 2D the mesh is the same in units that differ by a factor of a hundred, such as those of cgs and SI.
 ///
 /// # Errors
 /// [`Error::Parameter`]: a side or a size that is not positive and finite, or too many cells.
@@ -44,6 +45,11 @@ pub fn refined_box<const D: usize>(
         region.check(min, max, size)?;
     }
     affordable(expected_cells(min, max, size, regions))?;
+    let longest = min.iter().zip(&max).map(|(a, b)| b - a).fold(0.0, f64::max);
+    let unit = Unit::of(longest);
+    if D == 2 && !unit.is_given() {
+        return in_unit(unit, min, max, size, regions);
+    }
     let shortest = min.iter().zip(&max).map(|(a, b)| b - a).fold(f64::INFINITY, f64::min);
     let near = |x: &Point<D>| regions.iter().map(|region| region.at(x)).fold(f64::INFINITY, f64::min);
     match D {
@@ -61,6 +67,25 @@ pub fn refined_box<const D: usize>(
             Ok(with_side_tags(mesh, min, max))
         }
     }
+}
+
+/// Generates a box in another unit of length.
+fn in_unit<const D: usize>(
+    unit: Unit,
+    min: [f64; D],
+    max: [f64; D],
+    size: &Size,
+    regions: &[Region<D>],
+) -> Result<SimplexMesh<D>, Error> {
+    let [low, high] = [min, max].map(|corner| corner.map(|x| unit.of_length(x)));
+    let regions: Vec<Region<D>> = regions.iter().map(|region| unit.of_region(region)).collect();
+    let mesh = refined_box(low, high, &unit.of_size(size), &regions)?;
+    let coordinate = |axis: usize, x: f64| match x {
+        _ if x == low[axis] => min[axis],
+        _ if x == high[axis] => max[axis],
+        _ => unit.given(x),
+    };
+    mesh.mapped(|x| Point::from_fn(|axis, _| coordinate(axis, x[axis])))
 }
 
 /// Ratio of diameters that differ by round-off only.
@@ -88,7 +113,7 @@ fn triangulated<const D: usize>(
     h: impl Fn(f64, f64) -> f64,
 ) -> Result<SimplexMesh<D>, Error> {
     let [left, bottom, right, top] = [min[0], min[1], max[0], max[1]];
-    let mut outline = Outline::around([0.0, 0.0]);
+    let mut outline = Outline::default();
     outline.side(divided(left, right, |x| h(x, bottom))?.into_iter().map(|x| [x, bottom]));
     outline.side(divided(bottom, top, |y| h(right, y))?.into_iter().map(|y| [right, y]));
     outline.side(divided(left, right, |x| h(x, top))?.into_iter().rev().map(|x| [x, top]));
@@ -103,11 +128,12 @@ pub fn expected_cells<const D: usize>(min: [f64; D], max: [f64; D], size: &Size,
         2 => (64, 4.0 / (3.0_f64.sqrt() * MEAN_EDGE.powi(2))),
         _ => (16, 6.0),
     };
+    let shortest = min.iter().zip(&max).map(|(a, b)| b - a).fold(f64::INFINITY, f64::min);
     let step: [f64; D] = std::array::from_fn(|axis| (max[axis] - min[axis]) / samples as f64);
     let density = |k: usize| {
         let place = |axis: usize| (k / samples.pow(axis as u32) % samples) as f64 + 0.5;
         let x = Point::from_fn(|axis, _| min[axis] + place(axis) * step[axis]);
-        let h = regions.iter().map(|region| region.at(&x)).fold(size.at(&x), f64::min);
+        let h = regions.iter().map(|region| region.at(&x)).fold(size.at(&x).min(shortest), f64::min);
         cells / h.powi(D as i32)
     };
     step.iter().product::<f64>() * (0..samples.pow(D as u32)).map(density).sum::<f64>()
@@ -129,7 +155,7 @@ mod tests {
         let check = |found: usize, expected: f64| {
             assert!((found as f64 / expected - 1.0).abs() < 0.15, "{found} {expected}");
         };
-        let mesh = refined_box([0.0, 0.0], [2.0, 2.0], &size, &[region]).expect("a mesh");
+        let mesh = refined_box([0.0, 0.0], [2.0, 2.0], &size, std::slice::from_ref(&region)).expect("a mesh");
         check(mesh.n_cells(), expected_cells([0.0, 0.0], [2.0, 2.0], &size, &[region]));
         let uniform = Size::uniform(0.1);
         let mesh = graded_box([0.0; 3], [1.0, 2.0, 0.5], &uniform).expect("a mesh");

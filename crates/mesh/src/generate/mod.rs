@@ -11,6 +11,7 @@ mod mirror;
 mod region;
 mod size;
 mod triangulate;
+mod unit;
 
 pub use ball::{BallOptions, ball, half_ball};
 pub use closed_line::ClosedLine;

@@ -1,10 +1,13 @@
 //! Regions near which cells are finer than elsewhere.
 
+use std::sync::Arc;
+
 use super::size::{STEEPEST, Size, affordable};
+use crate::search::SurfaceIndex;
 use crate::{Aabb, ParameterError, Point, non_negative, positive, require};
 
 /// A part of space near which cells have a given size. With the distance from it the size grows linearly.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Region<const D: usize> {
     /// The part of space.
     pub shape: RegionShape<D>,
@@ -15,7 +18,7 @@ pub struct Region<const D: usize> {
 }
 
 /// A part of space.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub enum RegionShape<const D: usize> {
     /// All points within a distance of a segment; a ball if its ends coincide.
     Segment {
@@ -26,6 +29,15 @@ pub enum RegionShape<const D: usize> {
     },
     /// Box with its sides along the axes.
     Box(Aabb<D>),
+    /// All points within a distance of a surface.
+    Surface {
+        /// The surface.
+        index: Arc<SurfaceIndex<D>>,
+        /// Whether the points inside the surface, which is closed, belong to the region.
+        is_filled: bool,
+        /// The distance, which may be zero.
+        within: f64,
+    },
 }
 
 impl<const D: usize> RegionShape<D> {
@@ -39,6 +51,11 @@ impl<const D: usize> RegionShape<D> {
                 ((x - a - along * t.clamp(0.0, 1.0)).norm() - within).max(0.0)
             }
             Self::Box(Aabb { low, high }) => (x - x.sup(low).inf(high)).norm(),
+            Self::Surface { index, is_filled, within } => {
+                let signed = index.signed_distance(x).unwrap_or(f64::INFINITY);
+                let distance = if *is_filled { signed } else { signed.abs() };
+                (distance - within).max(0.0)
+            }
         }
     }
 }
@@ -60,14 +77,20 @@ impl<const D: usize> Region<D> {
         require(is_finer, "size of the region", self.size, "at most the size of the background around it")?;
         let can_follow = self.growth > 0.0 && self.growth <= STEEPEST;
         require(can_follow, "growth of the region", self.growth, "positive and at most 0.5")?;
-        let n_cells = match self.shape {
-            RegionShape::Segment { ends: [a, b], within } => {
+        let n_cells = match &self.shape {
+            &RegionShape::Segment { ends: [a, b], within } => {
                 non_negative("radius of the region", within)?;
                 for (k, x) in a.iter().enumerate().chain(b.iter().enumerate()) {
                     let is_inside = min[k] <= *x && *x <= max[k];
                     require(is_inside, "coordinate of the region", *x, "within the background")?;
                 }
                 ((b - a).norm() + within) / self.size * (within / self.size).max(1.0).powi(D as i32 - 1)
+            }
+            RegionShape::Surface { index, within, .. } => {
+                let within = non_negative("distance from the surface", *within)?;
+                let surface = index.surface();
+                let area: f64 = surface.boundary().facets().map(|facet| surface.facet_measure(facet)).sum();
+                area / self.size.powi(D as i32 - 1) * (within / self.size).max(1.0)
             }
             RegionShape::Box(Aabb { low, high }) => {
                 let mut n_cells = 1.0;
@@ -102,13 +125,27 @@ mod tests {
 
     #[test]
     fn the_size_grows_with_the_distance() {
-        let at = |region: Region<2>, x: f64, y: f64| region.at(&Point::<2>::new(x, y));
+        let at = |region: &Region<2>, x: f64, y: f64| region.at(&Point::<2>::new(x, y));
         let line = segment([0.0, 0.0], [4.0, 0.0], 1.0);
-        assert_eq!((at(line, 2.0, 0.5), at(line, 2.0, 3.0), at(line, 7.0, 4.0)), (0.1, 0.5, 0.9));
+        assert_eq!((at(&line, 2.0, 0.5), at(&line, 2.0, 3.0), at(&line, 7.0, 4.0)), (0.1, 0.5, 0.9));
         let ball = segment([1.0, 1.0], [1.0, 1.0], 2.0);
-        assert_eq!((at(ball, 2.0, 2.0), at(ball, 1.0, 5.0)), (0.1, 0.5));
+        assert_eq!((at(&ball, 2.0, 2.0), at(&ball, 1.0, 5.0)), (0.1, 0.5));
         let square = boxed([0.0, 0.0], [1.0, 2.0]);
-        assert_eq!((at(square, 0.5, 1.0), at(square, 4.0, 6.0), at(square, 0.5, 4.0)), (0.1, 1.1, 0.5));
+        assert_eq!((at(&square, 0.5, 1.0), at(&square, 4.0, 6.0), at(&square, 0.5, 4.0)), (0.1, 1.1, 0.5));
+    }
+
+    #[test]
+    fn the_distance_from_a_surface_counts_outside_and_where_it_is_not_filled_inside() {
+        let mesh = crate::generate::structured_box([0.0, 0.0], [2.0, 2.0], [1, 1]).expect("a box");
+        let surface = mesh.boundary();
+        let index = Arc::new(SurfaceIndex::new(&crate::Placed::new(&surface, mesh.vertices())));
+        let at = |is_filled, x: f64| {
+            region(RegionShape::Surface { index: Arc::clone(&index), is_filled, within: 0.25 })
+                .at(&Point::<2>::new(x, 1.0))
+        };
+        for (x, hollow, filled) in [(4.0, 0.45, 0.45), (2.1, 0.1, 0.1), (1.9, 0.1, 0.1), (1.25, 0.2, 0.1)] {
+            assert!((at(false, x) - hollow).abs() < 1e-15 && (at(true, x) - filled).abs() < 1e-15, "{x}");
+        }
     }
 
     #[test]
@@ -117,16 +154,17 @@ mod tests {
             region.check([0.0; 2], [1.0; 2], &Size::uniform(0.3)).err().map(|error| (error.what, error.value))
         };
         let good = segment([0.2, 0.2], [0.2, 0.2], 0.1);
-        assert_eq!(error(good), None);
+        assert_eq!(error(good.clone()), None);
         assert_eq!(error(boxed([-1.0, 0.5], [0.1, 3.0])), None);
         for size in [0.0, -1.0, 0.4] {
-            assert_eq!(error(Region { size, ..good }), Some(("size of the region", size)));
+            assert_eq!(error(Region { size, ..good.clone() }), Some(("size of the region", size)));
         }
         for growth in [0.0, 0.6] {
-            assert_eq!(error(Region { growth, ..good }), Some(("growth of the region", growth)));
+            assert_eq!(error(Region { growth, ..good.clone() }), Some(("growth of the region", growth)));
         }
         assert!(
-            error(Region { size: f64::NAN, ..good }).is_some() && error(Region { growth: f64::NAN, ..good }).is_some()
+            error(Region { size: f64::NAN, ..good.clone() }).is_some()
+                && error(Region { growth: f64::NAN, ..good.clone() }).is_some()
         );
         assert_eq!(error(segment([0.2, 0.2], [0.2, 1.1], 0.1)), Some(("coordinate of the region", 1.1)));
         assert_eq!(error(segment([0.2, 0.2], [0.2, 0.2], -0.1)), Some(("radius of the region", -0.1)));

@@ -22,18 +22,12 @@ const PASSES: [usize; 3] = [20, 10, 15];
 type Searchable = DelaunayTriangulation<Point2<f64>, (), (), (), HierarchyHintGenerator<f64>>;
 
 /// Boundary points of a convex polygon, counter-clockwise.
+#[derive(Default)]
 pub(super) struct Outline {
-    /// Origin of the coordinates of all points.
-    origin: [f64; 2],
     points: Vec<[f64; 2]>,
 }
 
 impl Outline {
-    /// Creates an outline without points, with coordinates relative to `origin`.
-    pub(super) fn around(origin: [f64; 2]) -> Self {
-        Self { origin, points: Vec::new() }
-    }
-
     /// Appends a side without its last point, which is the first point of the next side.
     pub(super) fn side(&mut self, points: impl Iterator<Item = [f64; 2]>) {
         self.points.extend(points);
@@ -41,8 +35,7 @@ impl Outline {
     }
 }
 
-/// Triangulates a polygon with edges of length about `h`, without new points on its boundary. `h` is a function of the
-/// position relative to the origin of the outline.
+/// Triangulates a polygon with edges of length about `h`, a function of the position, without new points on its boundary.
 ///
 /// Inserts circumcentres of triangles that are too coarse, the worst first. Then moves points to the weighted centroids of
 /// their neighbourhoods, and updates the Delaunay triangulation. Between these passes, removes points where edges are too
@@ -67,7 +60,7 @@ pub(super) fn filled<const D: usize>(outline: Outline, h: impl Fn([f64; 2]) -> f
             best = candidate;
         }
     }
-    let vertices = best.points.iter().map(|p| Point::from_fn(|axis, _| outline.origin[axis] + p[axis])).collect();
+    let vertices = best.points.iter().map(|p| Point::from_fn(|axis, _| p[axis])).collect();
     SimplexMesh::new(vertices, best.triangles.into_iter().flatten().map(VertexId::new).collect())
 }
 

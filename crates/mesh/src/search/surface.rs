@@ -53,6 +53,11 @@ impl<const D: usize> SurfaceIndex<D> {
         Self { boundary, positions: surface.positions().to_vec(), vertex_to_facet, tree }
     }
 
+    /// Returns the surface.
+    pub fn surface(&self) -> Placed<'_, D> {
+        Placed::new(&self.boundary, &self.positions)
+    }
+
     /// Returns the closest point of the surface, or `None` if the surface has no facets or `x` is not finite.
     ///
     /// If several points are equally close, the choice among them is deterministic.
@@ -60,7 +65,7 @@ impl<const D: usize> SurfaceIndex<D> {
         if x.iter().any(|c| !c.is_finite()) {
             return None;
         }
-        let surface = Placed::new(&self.boundary, &self.positions);
+        let surface = self.surface();
         let foot = |facet| Foot::on_facet(x, &surface.facet_points(facet)[..D]);
         let facet = FacetId(self.tree.nearest(x, |leaf| foot(FacetId(leaf)).squared_distance.sqrt())?);
         let foot = foot(facet);

@@ -1,0 +1,270 @@
+//! Background mesh of a scenario, and the regions near which it is finer.
+
+use std::sync::Arc;
+
+use mesh::generate::{Region, RegionShape, Size, expected_cells, inside, mirrored, refined_box};
+use mesh::search::SurfaceIndex;
+use mesh::{Aabb, BoundaryMesh, FacetId, Placed, Point, SimplexMesh};
+
+use super::body::BodyKeys;
+use super::condition::FluidCondition;
+use super::error::ScenarioError;
+use super::geometry::{
+    CELLS_IN_SQUARE, check_corners, in_file, input_path, polygon_lines, read_gmsh, surface_of_lines,
+};
+use super::key::Quantity;
+use super::table::{At, Components, Named, OrTable, choices, keys};
+use crate::files::extension;
+use crate::memory::{available, shortage};
+
+choices! {
+    /// Background mesh, on which the fluid is discretised.
+    pub enum Background ["kind"] {
+        /// Box with cells of graded size; sides `left`, `right`, `bottom`, `top`, and in 3D `front`, `back`.
+        GradedBox = "graded-box" {
+            /// Lowest corner.
+            min: Components<f64> [unit(Quantity::LENGTH)],
+            /// Highest corner.
+            max: At<Components<f64>> [unit(Quantity::LENGTH)],
+            /// Mean diameter of the cells: a number, or sizes graded along an axis.
+            size: At<OrTable<f64, GradedSize>> [unit(Quantity::LENGTH), positive],
+            /// Regions near which cells are finer, between `min` and `max`. Where several sizes apply, the smallest one counts.
+            refine: Vec<At<Refinement>>,
+            /// Whether the mirror image across the left side is added.
+            mirrored: bool = false,
+            /// Condition on each side.
+            boundary: At<Named<FluidCondition>>,
+        },
+        /// Polygon with cells of one size, in 2D; sides `side-1`, `side-2` and so on after each corner, `hole-1` and so on for holes.
+        Polygon = "polygon" {
+            /// Corners, in order.
+            corners: Vec<Components<f64>> [unit(Quantity::LENGTH)],
+            /// Corners of holes, a list for each hole.
+            holes: Vec<Vec<Components<f64>>> [unit(Quantity::LENGTH)],
+            /// Mean diameter of the cells.
+            size: At<f64> [unit(Quantity::LENGTH), positive],
+            /// Condition on each side.
+            boundary: At<Named<FluidCondition>>,
+        },
+        /// Mesh of any shape from a Gmsh file (`.msh`, version 4.1 or 2.2). Its sides are the physical groups of the curves (2D) or surfaces (3D) on its
+        /// boundary; every part of the boundary belongs to one.
+        Mesh = "mesh" {
+            /// Path of the file, relative to the scenario.
+            file: At<String>,
+            /// Factor by which the coordinates of the file are multiplied.
+            scale: f64 [positive] = 1.0,
+            /// Condition on each side.
+            boundary: At<Named<FluidCondition>>,
+        },
+    }
+}
+
+impl Background {
+    /// Returns the conditions on the sides.
+    pub(crate) fn boundary(&self) -> &At<Named<FluidCondition>> {
+        let (Self::GradedBox { boundary, .. } | Self::Polygon { boundary, .. } | Self::Mesh { boundary, .. }) = self;
+        boundary
+    }
+}
+
+keys! {
+    /// Size of cells that is linear in a coordinate between a fine and a coarse region.
+    pub struct GradedSize {
+        /// Size where the coordinate is above `coarse_from`.
+        coarse: f64 [unit(Quantity::LENGTH), positive],
+        /// Size where the coordinate is below `fine_until`.
+        fine: f64 [unit(Quantity::LENGTH), positive],
+        /// Coordinate up to which cells are fine.
+        fine_until: f64 [unit(Quantity::LENGTH)],
+        /// Coordinate from which on cells are coarse.
+        coarse_from: f64 [unit(Quantity::LENGTH)],
+        /// The coordinate.
+        axis: Axis,
+    }
+}
+
+keys! {
+    /// Region near which cells are finer.
+    pub struct Refinement {
+        /// The region.
+        near: RegionChoice,
+        /// Size of the cells in the region.
+        size: f64 [unit(Quantity::LENGTH), positive],
+        /// Increase of the size over the distance from the region, from cell to cell about this fraction.
+        growth: f64 [between(0.01, 0.5)] = 0.1,
+    }
+}
+
+choices! {
+    /// A region of the background.
+    pub enum RegionChoice ["kind"] {
+        /// Ball, a disk in 2D.
+        Ball = "ball" {
+            /// Centre.
+            centre: Components<f64> [unit(Quantity::LENGTH)],
+            /// Radius.
+            radius: f64 [unit(Quantity::LENGTH), positive],
+        },
+        /// Box.
+        Box = "box" {
+            /// Lowest corner.
+            min: Components<f64> [unit(Quantity::LENGTH)],
+            /// Highest corner.
+            max: Components<f64> [unit(Quantity::LENGTH)],
+        },
+        /// Point.
+        Point = "point" {
+            /// Position.
+            at: Components<f64> [unit(Quantity::LENGTH)],
+        },
+        /// Segment of a line.
+        Line = "line" {
+            /// One end.
+            from: Components<f64> [unit(Quantity::LENGTH)],
+            /// The other end.
+            to: Components<f64> [unit(Quantity::LENGTH)],
+        },
+        /// Inside of a polygon, in 2D.
+        Polygon = "polygon" {
+            /// Corners, in order.
+            corners: Vec<Components<f64>> [unit(Quantity::LENGTH)],
+        },
+        /// Surface of a body where its shape stands.
+        Body = "body" {
+            /// Name of the body.
+            name: At<String>,
+            /// Distance from the surface up to which the size is that of the region.
+            within: f64 [unit(Quantity::LENGTH), non_negative] = 0.0,
+        },
+    }
+}
+
+choices! {
+    /// A coordinate axis.
+    #[derive(Copy, Eq)]
+    pub enum Axis {
+        /// First axis.
+        X = "x",
+        /// Second axis.
+        Y = "y",
+        /// Third axis.
+        Z = "z",
+    }
+}
+
+/// Makes or reads the background.
+pub(super) fn background<const D: usize>(
+    given: &At<Background>,
+    bodies: &[At<BodyKeys>],
+) -> Result<SimplexMesh<D>, ScenarioError> {
+    let (min, max, size, refine, is_mirrored) = match &**given {
+        Background::GradedBox { min, max, size, refine, mirrored, .. } => (min, max, size, refine, mirrored),
+        Background::Polygon { corners, holes, size, .. } => {
+            let next = corners.iter().cycle().skip(1);
+            let area = 0.5 * corners.iter().zip(next).map(|(a, b)| a[0] * b[1] - b[0] * a[1]).sum::<f64>().abs();
+            if let Some(shortage) = shortage(CELLS_IN_SQUARE * area / size.powi(2), available()) {
+                return Err(size.at.invalid(shortage));
+            }
+            let lines = polygon_lines(&given.at, corners, holes, **size, false)?;
+            return inside(&lines, **size).map_err(|error| given.at.error(error));
+        }
+        Background::Mesh { file, scale, .. } => return background_from_file(file, *scale),
+    };
+    let field = match &**size {
+        OrTable::Plain(h) => Size::uniform(*h),
+        OrTable::Table(graded) => Size::Graded {
+            fine: graded.fine,
+            fine_until: graded.fine_until,
+            coarse: graded.coarse,
+            coarse_from: graded.coarse_from,
+            axis: graded.axis as usize,
+        },
+    };
+    check_corners(min, max, &max.at)?;
+    let min = min.vector::<D>();
+    let corners = [min, max.vector::<D>()].map(<[f64; D]>::from);
+    let sides = (0..D).map(|axis| corners[1][axis] - corners[0][axis]);
+    let shortest = sides.fold(f64::INFINITY, f64::min);
+    if let OrTable::Plain(h) = &**size
+        && *h > shortest * (1.0 + 1e-9)
+    {
+        let n = expected_cells(corners[0], corners[1], &field, &[]);
+        return Err(size.at.invalid(format!(
+            "cells of the size {h} do not fit into the shortest side of the box, {shortest}; give at most {shortest}, which makes about {n:.1e} cells"
+        )));
+    }
+    let regions = refine.iter().map(|given| region(given, corners, &field, bodies)).collect::<Result<Vec<_>, _>>()?;
+    let n_cells = expected_cells(corners[0], corners[1], &field, &regions) * if *is_mirrored { 2.0 } else { 1.0 };
+    if let Some(shortage) = shortage(n_cells, available()) {
+        return Err(size.at.invalid(shortage));
+    }
+    let box_mesh = refined_box(corners[0], corners[1], &field, &regions).map_err(|error| {
+        let at = match error {
+            mesh::Error::Parameter(parameter) if parameter.what == "side of the box" => &max.at,
+            mesh::Error::Parameter(_) => &size.at,
+            _ => &given.at,
+        };
+        at.error(error)
+    })?;
+    if *is_mirrored { mirrored(&box_mesh, 0, min[0]).map_err(|error| given.at.error(error)) } else { Ok(box_mesh) }
+}
+
+/// Reads a background.
+fn background_from_file<const D: usize>(file: &At<String>, scale: f64) -> Result<SimplexMesh<D>, ScenarioError> {
+    let path = input_path(file);
+    if extension(&path) != "msh" {
+        return Err(file
+            .at
+            .invalid("a background is read from a Gmsh file, whose name ends in .msh; save the mesh in that format"));
+    }
+    let found = read_gmsh(file, &path)?.mesh::<D>().map_err(|problem| in_file(file, &path, problem))?;
+    if let Some(shortage) = shortage(found.mesh.n_cells() as f64, available()) {
+        return Err(file.at.invalid(shortage));
+    }
+    let mesh = found.mesh.mapped(|x| x * scale).map_err(|error| file.at.error(error))?;
+    let is_bare = |facet: &FacetId| mesh.is_boundary(*facet) && mesh.facet_tag(*facet).is_none();
+    let mut bare = mesh.facets().filter(is_bare);
+    if let Some(first) = bare.next() {
+        let (n, x) = (bare.count() + 1, mesh.vertex(mesh.facet(first)[0]));
+        let problem = format!(
+            "{n} facets of the boundary belong to no physical group, the first one at {:?}; give every part of the boundary a group and save again",
+            x.as_slice(),
+        );
+        return Err(in_file(file, &path, problem));
+    }
+    Ok(mesh)
+}
+
+/// Builds a region near which a background between two corners, with cells of size `coarse`, is refined.
+fn region<const D: usize>(
+    given: &At<Refinement>,
+    [min, max]: [[f64; D]; 2],
+    coarse: &Size,
+    bodies: &[At<BodyKeys>],
+) -> Result<Region<D>, ScenarioError> {
+    let surface = |(boundary, positions): (BoundaryMesh<D>, Vec<Point<D>>), is_filled, within| {
+        let index = Arc::new(SurfaceIndex::new(&Placed::new(&boundary, &positions)));
+        RegionShape::Surface { index, is_filled, within }
+    };
+    let shape = match &given.near {
+        RegionChoice::Ball { centre, radius } => RegionShape::Segment { ends: [centre.vector(); 2], within: *radius },
+        RegionChoice::Box { min, max } => RegionShape::Box(Aabb { low: min.vector(), high: max.vector() }),
+        RegionChoice::Point { at } => RegionShape::Segment { ends: [at.vector(); 2], within: 0.0 },
+        RegionChoice::Line { from, to } => RegionShape::Segment { ends: [from.vector(), to.vector()], within: 0.0 },
+        RegionChoice::Polygon { corners } => {
+            if D != 2 {
+                return Err(given.at.invalid("a polygon is a region in 2D; use a box or a body"));
+            }
+            surface(surface_of_lines(polygon_lines(&given.at, corners, &[], f64::MAX, false)?), true, 0.0)
+        }
+        RegionChoice::Body { name, within } => {
+            let found = bodies.iter().find(|body| *body.name == **name);
+            let names = bodies.iter().map(|body| body.name.as_str());
+            let body = found.ok_or_else(|| name.at.unknown("body", name, names))?;
+            surface(body.geometry()?.into_surface(), false, *within)
+        }
+    };
+    let region = Region { shape, size: given.size, growth: given.growth };
+    region.check(min, max, coarse).map_err(|error| given.at.error(mesh::Error::from(error)))?;
+    Ok(region)
+}

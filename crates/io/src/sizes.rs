@@ -1,0 +1,171 @@
+//! A scenario as it is understood: sizes of its meshes, conditions and methods.
+
+use std::sync::Arc;
+
+use solver::body::{Body, BodyState};
+use solver::{State, Step, StepError};
+
+use crate::Error;
+use crate::scenario::{
+    At, Background, BodyKeys, Case, CaseVisitor, Choose as _, ContactKeys, Quantity, Scenario, ScenarioFile, lower,
+};
+
+/// Sizes of the problem of a scenario.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sizes {
+    /// Cells of the background.
+    pub background_cells: usize,
+    /// Vertices of the background.
+    pub background_vertices: usize,
+    /// Name, cells and vertices of each body; no cells if only its surface is used, because it does not deform.
+    pub bodies: Vec<(String, usize, usize)>,
+    /// Cut cells at the start.
+    pub cut_cells: usize,
+    /// Unknowns of the first step.
+    pub dofs: usize,
+    /// Steps.
+    pub n_steps: usize,
+    /// Whether half of a symmetric problem is solved.
+    pub half_domain: bool,
+    /// Name of the linear solver, and the reason for it.
+    pub linear: String,
+    /// The scenario as it is understood, for people: sizes, conditions and methods, with those that were chosen for it.
+    pub lines: Vec<String>,
+}
+
+/// Builds the meshes of a scenario and the first cut, and runs nothing.
+///
+/// # Errors
+/// [`Error::Scenario`], [`Error::Step`].
+pub fn sizes(file: &ScenarioFile) -> Result<Sizes, Error> {
+    struct Measure<'f>(&'f Scenario);
+    impl CaseVisitor for Measure<'_> {
+        type Output = Result<Sizes, Error>;
+        fn visit<const D: usize>(self, case: Case<D>) -> Result<Sizes, Error> {
+            Sizes::new(self.0, &case, &State::initial(&case.setup)?)
+        }
+    }
+    lower(file, Measure(file.scenario()))?
+}
+
+impl Sizes {
+    /// Measures a case in the step that follows a state.
+    pub(crate) fn new<const D: usize>(scenario: &Scenario, case: &Case<D>, state: &State<D>) -> Result<Self, Error> {
+        let setup = &case.setup;
+        let size = |body: &Arc<dyn Body<D>>, state: &BodyState<D>| {
+            let cells = body.cells(state).map_or(0, |cells| cells.stress.len());
+            (body.name().to_owned(), cells, body.reference().len())
+        };
+        let background = setup.fluid.as_ref().map(|fluid| &fluid.background);
+        let step = Step::prepare(setup, state, state.step_time(setup, setup.dt))
+            .map_err(|stage| StepError::at(state.step + 1, state.time + setup.dt, stage))?;
+        let mut sizes = Self {
+            background_cells: background.map_or(0, |mesh| mesh.n_cells()),
+            background_vertices: background.map_or(0, |mesh| mesh.n_vertices()),
+            bodies: setup.bodies.iter().zip(&state.bodies).map(|(body, state)| size(body, state)).collect(),
+            cut_cells: state.fluid.as_ref().map_or(0, |fluid| fluid.cut.report().n_cut_cells),
+            dofs: step.layout.len(),
+            n_steps: case.n_steps,
+            half_domain: case.half_domain,
+            linear: case.linear.clone(),
+            lines: Vec::new(),
+        };
+        sizes.lines = sizes.understood(scenario);
+        Ok(sizes)
+    }
+
+    /// Describes the scenario, a line for each part.
+    fn understood(&self, scenario: &Scenario) -> Vec<String> {
+        let unit = |quantity| scenario.units.label(quantity);
+        let (length, mass, time) = (unit(Quantity::LENGTH), unit(Quantity::MASS), unit(Quantity::TIME));
+        let half = if self.half_domain { ", half of a symmetric problem" } else { "" };
+        let coordinates = scenario.coordinates.as_ref().map_or("", |coordinates| coordinates.word());
+        let coordinates = if coordinates.is_empty() { String::new() } else { format!(", {coordinates}") };
+        let mut lines = vec![format!(
+            "{}: dimension {}{coordinates}, units {length}, {mass}, {time}{half}",
+            *scenario.name, scenario.dimension
+        )];
+        if let (Some(fluid), Some(background)) = (&scenario.fluid, &scenario.background) {
+            lines.push(format!(
+                "fluid: density {} {}, viscosity {} {}, convection {}, stabilisation {}",
+                fluid.density,
+                unit(Quantity::DENSITY),
+                fluid.viscosity,
+                unit(Quantity::VISCOSITY),
+                fluid.convection.word(),
+                fluid.stabilisation_name(),
+            ));
+            lines.push(format!(
+                "background: {} cells, {} vertices, {} cells cut at the start; {}",
+                self.background_cells,
+                self.background_vertices,
+                self.cut_cells,
+                conditions(background),
+            ));
+        }
+        let bodies = scenario.bodies();
+        lines.extend(self.bodies.iter().zip(&bodies).map(|((name, cells, vertices), given)| match cells {
+            0 => format!("body {name}: {}, {vertices} vertices on its surface", motion(given)),
+            _ => format!("body {name}: {}, {cells} cells, {vertices} vertices{}", motion(given), supports(given)),
+        }));
+        lines.extend(scenario.contact.iter().map(|contact| contact_line(contact, &length)));
+        let scheme = match &scenario.time.scheme {
+            Some(scheme) => scheme.word().to_owned(),
+            None => "implicit-euler (the default)".to_owned(),
+        };
+        lines.push(format!(
+            "steps: {} of {} {time}, to {} {time}; {scheme}; a step that fails is halved up to {} times",
+            self.n_steps, *scenario.time.step, scenario.time.end, scenario.time.most_halvings,
+        ));
+        lines.push(format!("unknowns in the first step: {}", self.dofs));
+        lines.push(format!("linear solver: {}", self.linear));
+        let newton = &scenario.solver.newton;
+        lines.push(format!(
+            "Newton's method: relative tolerance {:e}, at most {} corrections in a step",
+            newton.tolerance, newton.max_iterations
+        ));
+        let every = |n: usize| if n == 0 { "never".to_owned() } else { format!("every {n} steps") };
+        lines.push(format!(
+            "fields are written {}, checkpoints {}",
+            every(scenario.output.vtk_every),
+            every(scenario.output.checkpoint_every)
+        ));
+        lines
+    }
+}
+
+fn conditions(background: &At<Background>) -> String {
+    let sides = background.boundary().0.iter();
+    sides.map(|(name, condition)| format!("{name} {}", condition.word())).collect::<Vec<_>>().join(", ")
+}
+
+fn motion(body: &BodyKeys) -> String {
+    match (&body.motion, &body.material) {
+        (Some(motion), _) => format!("does not deform, motion {}", motion.word()),
+        (None, Some(material)) => {
+            format!("elastic, {}, elements of order {}", material.word(), body.order.as_deref().unwrap_or(&1))
+        }
+        (None, None) => "elastic".to_owned(),
+    }
+}
+
+fn supports(body: &BodyKeys) -> String {
+    let parts = body.boundary.iter().flat_map(|conditions| &conditions.0);
+    parts.map(|(name, condition)| format!(", {name} {}", condition.word())).collect()
+}
+
+fn contact_line(contact: &ContactKeys, length: &str) -> String {
+    let between = match (&contact.body, &contact.obstacle, &contact.pair) {
+        (Some(body), Some(obstacle), _) => format!("of {} with {}", **body, obstacle.word()),
+        (_, _, Some(pair)) => {
+            format!("of {}", pair.iter().map(|name| name.as_str()).collect::<Vec<_>>().join(" with "))
+        }
+        _ => "of all pairs of bodies".to_owned(),
+    };
+    format!(
+        "contact {between}: {}, size {} {length}, offset {} {length}",
+        contact.law.word(),
+        contact.size,
+        contact.offset
+    )
+}

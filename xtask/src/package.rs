@@ -1,0 +1,71 @@
+//! `cargo xtask package`: the archives of all library crates, as they would be published.
+
+use crate::process::{Outcome, cargo, succeeds};
+
+/// The crates in the order in which they are published: each after those that it uses.
+const ORDER: [&str; 14] = [
+    "mesh",
+    "algebra",
+    "body",
+    "cutcell",
+    "xfem-space",
+    "fluid-ns",
+    "solid-rigid",
+    "solid-svk",
+    "interface-dg",
+    "contact",
+    "solver",
+    "io",
+    "report",
+    "cutwater",
+];
+
+/// Flags of the task.
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// Compile each crate from its archive too.
+    #[arg(long)]
+    verify: bool,
+}
+
+/// Runs the task. Cargo takes the crates of the workspace from their archives, as they are not in a registry.
+pub(crate) fn run(arguments: &Arguments) -> Outcome {
+    let mut command = cargo(&["package", "--allow-dirty"]);
+    if !arguments.verify {
+        command.arg("--no-verify");
+    }
+    ORDER.iter().for_each(|name| _ = command.args(["--package", name]));
+    let is_done = succeeds(&mut command)?;
+    if is_done {
+        println!("package: {} archives in target/package; publish in the order {}", ORDER.len(), ORDER.join(", "));
+    }
+    Ok(is_done)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_crates_are_listed_in_their_order() {
+        let root = crate::process::root();
+        let folders = std::fs::read_dir(root.join("crates")).expect("the crates");
+        let mut names: Vec<String> =
+            folders.map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned()).collect();
+        names.sort();
+        let mut listed = ORDER.map(str::to_owned).to_vec();
+        listed.sort();
+        assert_eq!(names, listed);
+        for (k, name) in ORDER.iter().enumerate() {
+            let manifest =
+                std::fs::read_to_string(root.join("crates").join(name).join("Cargo.toml")).expect("a manifest");
+            let needed = manifest.split("[dev-dependencies]").next().unwrap_or_default();
+            for later in &ORDER[k..] {
+                let used = |line: &str| {
+                    line.starts_with(&format!("{later}.workspace")) || line.starts_with(&format!("{later} ="))
+                };
+                assert!(!needed.lines().any(used), "{name} uses {later}");
+            }
+        }
+    }
+}
