@@ -147,7 +147,7 @@ fn volumes_of_very_large_and_very_small_surfaces_are_right_or_refused() {
         let output = cut(&[&path, "--grid", "3", "--json"]);
         if output.status.code() == Some(0) {
             let found = number(&text(&output.stdout), "solid_volume");
-            assert!((found * 6.0 - 1.0).abs() < 1e-9_f64.max(100.0 * shift * f64::EPSILON), "{shift:e}: {found}");
+            assert!((found * 6.0 - 1.0).abs() < 1e-9_f64.max(10.0 * shift * f64::EPSILON), "{shift:e}: {found}");
         } else {
             let printed = text(&output.stderr);
             assert!(

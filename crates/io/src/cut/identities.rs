@@ -26,7 +26,12 @@ pub struct CutErrors {
     /// Area of a fluid part on a face of its cell that is not shared with parts on the other side, relative to the measure of
     /// the face; the largest over all faces of all parts. Interface on the face itself is not shared.
     pub adjacency: f64,
+    /// Round-off of the coordinates relative to the size of the cells, which errors of a cut that is right can reach.
+    pub round_off: f64,
 }
+
+/// Ratio of the errors of a cut that is right to the round-off of a coordinate relative to the size of its cell.
+const ROUND_OFF: f64 = 64.0;
 
 impl CutErrors {
     /// Returns an error if an identity is violated by more than round-off.
@@ -34,14 +39,14 @@ impl CutErrors {
     /// # Errors
     /// [`Error::Violated`].
     pub fn check(&self) -> Result<(), Error> {
-        /// Above the round-off of coordinates far from the origin, and below any cut that is wrong.
+        /// Below any cut that is wrong.
         const LARGEST: f64 = 1e-8;
-        let Self { partition, normals, divergence, adjacency } = *self;
+        let Self { partition, normals, divergence, adjacency, round_off } = *self;
         let named =
             [("partition", partition), ("normals", normals), ("divergence", divergence), ("adjacency", adjacency)];
         let (identity, by) =
             named.into_iter().fold(named[0], |worst, next| if next.1 <= worst.1 { worst } else { next });
-        if by <= LARGEST { Ok(()) } else { Err(Error::Violated { identity, by }) }
+        if by <= LARGEST.max(round_off) { Ok(()) } else { Err(Error::Violated { identity, by }) }
     }
 }
 
@@ -52,7 +57,15 @@ pub(super) fn check<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D
         normals: normals(background, cut),
         divergence: divergence(background, cut, moment),
         adjacency: adjacency(background, cut),
+        round_off: round_off(background),
     }
+}
+
+fn round_off<const D: usize>(background: &SimplexMesh<D>) -> f64 {
+    let Aabb { low, high } = Aabb::of_points(background.vertices());
+    let farthest = low.amax().max(high.amax());
+    let smallest = background.cells().map(|cell| background.simplex(cell).diameter()).fold(f64::INFINITY, f64::min);
+    ROUND_OFF * f64::EPSILON * farthest / smallest
 }
 
 /// Returns an error relative to its scale; zero if one of them is zero.

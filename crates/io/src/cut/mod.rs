@@ -31,6 +31,9 @@ pub use summary::{CutSeconds, CutSummary};
 /// Extents of surfaces of which fourth powers, the largest and smallest numbers in a cut, are accurate.
 const EXTENTS: std::ops::RangeInclusive<f64> = 1e-60..=1e60;
 
+/// Largest coordinate relative to the extent of a surface: it has six digits more than the round-off of the coordinate.
+const FARTHEST: f64 = 1e10;
+
 /// Level of zlib in the field files.
 const COMPRESSION: u32 = 4;
 
@@ -92,12 +95,18 @@ pub fn cut_files(paths: &[impl AsRef<Path>], settings: &CutSettings) -> Result<S
         if surface.boundary().n_facets() == 0 {
             return Err(refused(cutcell::Error::Empty { body: BodyId::new(index) }));
         }
-        let extent = Aabb::of_points(surface.positions()).extent().amax();
+        let bounds = Aabb::of_points(surface.positions());
+        let (extent, farthest) = (bounds.extent().amax(), bounds.low.amax().max(bounds.high.amax()));
+        let refused_surface = |problem| Err(Error::Surface { path: path.as_ref().to_owned(), problem });
         if !EXTENTS.contains(&extent) {
-            let problem = format!(
+            return refused_surface(format!(
                 "its extent is {extent:e}, and volumes of that size have no accurate numbers; scale it to an extent from 1e-60 to 1e60"
-            );
-            return Err(Error::Surface { path: path.as_ref().to_owned(), problem });
+            ));
+        }
+        if farthest > FARTHEST * extent {
+            return refused_surface(format!(
+                "its coordinates up to {farthest:e} have too few digits for its extent of {extent:e}; shift it to the origin"
+            ));
         }
         let is_inward = settings.flip && surface.placed().enclosed().volume < 0.0;
         surfaces.push(if is_inward { surface.flipped() } else { surface });

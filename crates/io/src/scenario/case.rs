@@ -301,7 +301,8 @@ fn respect_symmetry<const D: usize>(
         let at = centre[0] + given.shift.as_ref().map_or(0.0, |shift| shift[0]);
         let is_on_plane = planes.iter().any(|(axis, place)| *axis == 0 && (at - place).abs() <= room);
         let is_inside = domain.low[0] <= at && at <= domain.high[0];
-        if conditions.any(is_symmetric) && is_inside && !is_on_plane {
+        let is_on_axis = fluid.background.coordinates().radial() == Some(0) && at == 0.0;
+        if conditions.any(is_symmetric) && is_inside && !is_on_plane && !is_on_axis {
             return Err(given.shape.at.invalid(format!(
                 "the diameter of this half ball is a line of symmetry at x = {at}, but no side of the background is one there; move it, or use a ball"
             )));

@@ -20,7 +20,7 @@ fn grid(n: usize) -> CutSettings {
 }
 
 fn check_errors(errors: &CutErrors) {
-    let CutErrors { partition, normals, divergence, adjacency } = *errors;
+    let CutErrors { partition, normals, divergence, adjacency, .. } = *errors;
     assert!([partition, normals, divergence, adjacency].iter().all(|&e| (0.0..1e-12).contains(&e)), "{errors:?}");
 }
 
