@@ -182,7 +182,6 @@ impl<const D: usize> UnfittedStokes<D> {
             parts: &self.parts,
             faces: &self.faces,
             history: &self.at_rest,
-            history_acceleration: None,
             acceleration: &self.no_acceleration,
         };
         let form = FluidForm {

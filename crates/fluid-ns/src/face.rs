@@ -14,22 +14,18 @@ pub struct FluidFace<'a, const D: usize> {
     pub normal_speed: f64,
     /// Largest `|u*|` over the vertices of the face.
     pub speed: f64,
-    /// Largest `|a*|` over the vertices of the face; `None` if accelerations are not known.
-    pub acceleration: Option<f64>,
 }
 
 impl<'a, const D: usize> FluidFace<'a, D> {
-    /// Creates a face from the velocities and accelerations of the history, one value per dof of the space.
-    pub fn new(value: &'a FaceValue<D>, velocity: &[Vector<D>], acceleration: Option<&[Vector<D>]>) -> Self {
-        let largest = |of: &[Vector<D>], size: fn(&Vector<D>, &Vector<D>) -> f64| {
-            value.face_dofs().iter().map(|dof| size(&of[*dof as usize], &value.normal)).fold(0.0, f64::max)
-        };
-        Self {
-            value,
-            normal_speed: largest(velocity, |u, normal| u.dot(normal).abs()),
-            speed: largest(velocity, |u, _| u.norm()),
-            acceleration: acceleration.map(|acceleration| largest(acceleration, |a, _| a.norm())),
+    /// Creates a face from the history, one value per dof of the space.
+    pub fn new(value: &'a FaceValue<D>, history: &[Vector<D>]) -> Self {
+        let mut face = Self { value, normal_speed: 0.0, speed: 0.0 };
+        for &dof in value.face_dofs() {
+            let u = history[dof as usize];
+            face.normal_speed = face.normal_speed.max(u.dot(&value.normal).abs());
+            face.speed = face.speed.max(u.norm());
         }
+        face
     }
 }
 
@@ -52,7 +48,7 @@ impl<'a, const D: usize> FluidFaces<'a, D> {
         weights: impl Fn(&FluidFace<'_, D>) -> [f64; 2],
     ) -> Self {
         let weights = |value: &FaceValue<D>| {
-            let face = FluidFace::new(value, geometry.history, geometry.history_acceleration);
+            let face = FluidFace::new(value, geometry.history);
             weights(&face).map(|weight| weight * value.weight * value.share)
         };
         Self { fields, geometry, weights: geometry.faces.iter().map(weights).collect() }

@@ -22,8 +22,6 @@ pub struct FluidGeometry<'a, const D: usize> {
     /// Velocity `u*`, one value per dof of the space: the history, or its extrapolation to the stage. The weights of all
     /// stabilisations depend on it.
     pub history: &'a [Vector<D>],
-    /// Acceleration at the start of the step, one value per dof of the space; `None` if it is not known.
-    pub history_acceleration: Option<&'a [Vector<D>]>,
     /// Acceleration at the stage, affine in the velocity there; one value per dof of the space.
     pub acceleration: &'a Affine<Vector<D>>,
 }

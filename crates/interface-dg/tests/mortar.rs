@@ -83,7 +83,6 @@ impl Fixture {
                 parts: &parts,
                 faces: &faces,
                 history: &history,
-                history_acceleration: None,
                 acceleration: &acceleration,
             },
             fields: FluidFields { layout: &layout, velocity, pressure },

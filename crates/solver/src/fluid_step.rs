@@ -147,7 +147,6 @@ impl<'a, const D: usize> FluidStep<'a, D> {
             parts: &self.parts,
             faces: &self.faces,
             history: self.extrapolated.as_deref().unwrap_or(&self.start.velocity),
-            history_acceleration: (!self.start.acceleration.is_empty()).then_some(&self.start.acceleration[..]),
             acceleration: &self.acceleration,
         }
     }

@@ -43,15 +43,10 @@ impl CipVelocity {
 }
 
 /// Pressure part of `s_h`: `γ_p h_F τ_F ([∇p]·n, [∇q]·n)_F` with
-/// `τ_F = (ρ √(|a*|_F/h_F) + ρ |u*|_F/h_F + μ/h_F²)^{-1}`; where the acceleration `a*` is not known, with `ρ/Δt` in place of the first
-/// share. It gives the inf-sup condition, and is the pressure's ghost penalty.
+/// `τ_F = (ρ/dt + ρ |u*|_F/h_F + μ/h_F²)^{-1}`. It gives the inf-sup condition, and is the pressure's ghost penalty.
 ///
-/// The three shares are those of inertia, convection and viscosity: rates at which the flow changes over a cell. Fluid that accelerates
-/// from rest passes a cell in a time of about `√(h/|a|)`. With `Δt` in `τ_F` the equations that are discrete in space change with the
-/// step, by a part of the error of the mesh: on a given mesh, a scheme of second order is then of first order at best.
-///
-/// Source: paper, `s_h` in Eq. (4); scaling as in Burman, Fernández, Hansbo 2006, DOI 10.1137/040617686, where there is no inertia.
-/// Stability without the step in the parameter: Burman and Fernández 2009, SIAM J. Numer. Anal. 47, 409.
+/// Source: paper, `s_h` in Eq. (4); scaling as in Burman, Fernández, Hansbo 2006, DOI 10.1137/040617686, with the
+/// time step in the parameter, which matters on small steps.
 /// Couples: pressure × pressure.   Domain: interior faces of active parts, whole face.
 /// Units: weight length²/viscosity × length.
 pub struct CipPressure {
@@ -61,8 +56,7 @@ pub struct CipPressure {
     pub density: f64,
     /// Dynamic viscosity `μ^f`.
     pub viscosity: f64,
-    /// Derivative of acceleration with respect to velocity: `1/Δt` for implicit Euler, zero for a steady problem. It counts where
-    /// accelerations are not known.
+    /// Derivative of acceleration with respect to velocity: `1/Δt` for implicit Euler, zero for a steady problem.
     pub rate: f64,
 }
 
@@ -70,8 +64,7 @@ impl CipPressure {
     /// Returns the weight `c_F` of a face.
     pub fn weight<const D: usize>(&self, face: &FluidFace<'_, D>) -> f64 {
         let h = face.value.diameter;
-        let inertial = face.acceleration.map_or(self.rate, |acceleration| (acceleration / h).sqrt());
-        let inverse_tau = self.density * (inertial + face.speed / h) + self.viscosity / (h * h);
+        let inverse_tau = self.density * self.rate + self.density * face.speed / h + self.viscosity / (h * h);
         self.gamma_pressure * h / inverse_tau
     }
 }
