@@ -115,6 +115,7 @@ fn fluid<const D: usize>(background: SimplexMesh<D>, stabilisation: Stabilisatio
         overlay: OverlayOptions::new(),
         material: NewtonianFluid { density: 1.0, viscosity: 1e-2 },
         stabilisation,
+        film: None,
         alpha: 1.0,
         convection: Some(false),
         body_force: None,

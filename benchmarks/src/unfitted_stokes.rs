@@ -182,6 +182,7 @@ impl<const D: usize> UnfittedStokes<D> {
             parts: &self.parts,
             faces: &self.faces,
             history: &self.at_rest,
+            films: None,
             acceleration: &self.no_acceleration,
         };
         let form = FluidForm {
@@ -191,6 +192,7 @@ impl<const D: usize> UnfittedStokes<D> {
             hoop: None,
             hoop_convection: None,
             convection: None,
+            film: None,
             body_force: Some(BodyForce { force: &force, time: 0.0 }),
             cip_velocity: CipVelocity { profile: CipProfile::Consistent { gamma_u: 0.0 }, density: 1.0 },
             cip_pressure: CipPressure { gamma_pressure: PRESSURE, density: 1.0, viscosity: VISCOSITY, rate: 0.0 },

@@ -5,7 +5,7 @@ use cutcell::PartId;
 use mesh::{MAX_CELL_VERTICES, Point, Tensor, Vector};
 use xfem_space::{HoopMoments, Moments};
 
-use crate::{FluidFields, FluidGeometry};
+use crate::{FilmPart, FluidFields, FluidGeometry};
 
 /// A fluid part with its local state. P1: gradients are constant on it.
 ///
@@ -25,6 +25,8 @@ pub struct FluidCell<'a, const D: usize> {
     pub acceleration_slope: f64,
     /// Pressure of each node.
     pub pressures: [f64; MAX_CELL_VERTICES],
+    /// The film in the part, if there is one.
+    pub film: Option<&'a FilmPart<D>>,
     geometry: FluidGeometry<'a, D>,
     part: PartId,
 }
@@ -105,6 +107,7 @@ impl<'a, const D: usize> Sites for FluidCells<'a, D> {
             accelerations: [Vector::zeros(); MAX_CELL_VERTICES],
             acceleration_slope: acceleration.slope,
             pressures: [0.0; MAX_CELL_VERTICES],
+            film: self.geometry.films.and_then(|films| films.of(part)),
             geometry: self.geometry,
             part,
         };

@@ -1,10 +1,11 @@
 //! Faces between fluid parts with the local data that penalties evaluate.
 
 use algebra::{Contributions, DofId, LocalSystem};
+use cutcell::PartId;
 use mesh::Vector;
 use xfem_space::FaceValue;
 
-use crate::{FluidFields, FluidGeometry};
+use crate::{FilmValues, FluidFields, FluidGeometry};
 
 /// A face with the history on it.
 pub struct FluidFace<'a, const D: usize> {
@@ -14,12 +15,17 @@ pub struct FluidFace<'a, const D: usize> {
     pub normal_speed: f64,
     /// Largest `|u*|` over the vertices of the face.
     pub speed: f64,
+    /// Share of the face that lies in a film, the smaller one of its two parts: penalties that would carry pressure and shear along a film of a few cells are
+    /// reduced by it.
+    pub film: f64,
 }
 
 impl<'a, const D: usize> FluidFace<'a, D> {
-    /// Creates a face from the history, one value per dof of the space.
-    pub fn new(value: &'a FaceValue<D>, history: &[Vector<D>]) -> Self {
-        let mut face = Self { value, normal_speed: 0.0, speed: 0.0 };
+    /// Creates a face from the history, one value per dof of the space, and the films in its parts.
+    pub fn new(value: &'a FaceValue<D>, history: &[Vector<D>], films: Option<&FilmValues<D>>) -> Self {
+        let share = |part: &PartId| films.and_then(|films| films.of(*part)).map_or(0.0, |film| film.share);
+        let film = value.parts.iter().map(share).fold(1.0, f64::min);
+        let mut face = Self { value, normal_speed: 0.0, speed: 0.0, film };
         for &dof in value.face_dofs() {
             let u = history[dof as usize];
             face.normal_speed = face.normal_speed.max(u.dot(&value.normal).abs());
@@ -48,7 +54,7 @@ impl<'a, const D: usize> FluidFaces<'a, D> {
         weights: impl Fn(&FluidFace<'_, D>) -> [f64; 2],
     ) -> Self {
         let weights = |value: &FaceValue<D>| {
-            let face = FluidFace::new(value, geometry.history);
+            let face = FluidFace::new(value, geometry.history, geometry.films);
             weights(&face).map(|weight| weight * value.weight * value.share)
         };
         Self { fields, geometry, weights: geometry.faces.iter().map(weights).collect() }

@@ -3,8 +3,8 @@
 use algebra::{Contributions, Integral};
 
 use crate::terms::{
-    BodyForce, CipPressure, CipVelocity, Convection, GhostPenalty, Hoop, HoopConvection, Incompressibility, Inertia,
-    Viscous,
+    BodyForce, CipPressure, CipVelocity, Convection, Film, GhostPenalty, Hoop, HoopConvection, Incompressibility,
+    Inertia, Viscous,
 };
 use crate::{FluidCells, FluidFace, FluidFaces, FluidFields, FluidGeometry};
 
@@ -22,6 +22,8 @@ pub struct FluidForm<'a, const D: usize> {
     pub convection: Option<Convection>,
     /// Hoop part of its skew form; `None` in Cartesian coordinates.
     pub hoop_convection: Option<HoopConvection>,
+    /// `(κ (∇p - f), ∇q)`; `None` if films are not modelled.
+    pub film: Option<Film<'a, D>>,
     /// `-(f, v)`; `None` for no force.
     pub body_force: Option<BodyForce<'a, D>>,
     /// Velocity part of `s_h`.
@@ -45,6 +47,7 @@ impl<'a, const D: usize> FluidForm<'a, D> {
         linear.extend(Some(&self.incompressibility));
         linear.extend(self.hoop.as_ref());
         linear.extend(self.body_force.as_ref());
+        linear.extend(self.film.as_ref());
         let mut convection = Integral::new("fluid convection", FluidCells::of_velocity(geometry, fields), Vec::new());
         convection.extend(self.convection.as_ref());
         convection.extend(self.hoop_convection.as_ref());

@@ -6,6 +6,8 @@ use cutcell::CutMesh;
 use mesh::{SimplexMesh, Vector};
 use xfem_space::{FaceValue, PartValues, XfemSpace};
 
+use crate::FilmValues;
+
 /// Geometry of a step, and history and acceleration on it, shared by all fluid terms.
 #[derive(Clone, Copy)]
 pub struct FluidGeometry<'a, const D: usize> {
@@ -24,6 +26,8 @@ pub struct FluidGeometry<'a, const D: usize> {
     pub history: &'a [Vector<D>],
     /// Acceleration at the stage, affine in the velocity there; one value per dof of the space.
     pub acceleration: &'a Affine<Vector<D>>,
+    /// Films between surfaces; `None` if their flux is not modelled.
+    pub films: Option<&'a FilmValues<D>>,
 }
 
 /// Velocity and pressure in the global vector; both have the dofs of the space as nodes.

@@ -16,6 +16,7 @@
 //! | `ρ (u·∇u, v)` | `terms/convection.rs` |
 //! | `-(f, v)` | `terms/body_force.rs` |
 //! | hoop parts of these terms, in axisymmetric coordinates | `terms/hoop.rs`, `terms/hoop_convection.rs` |
+//! | `(κ (∇p - f), ∇q)` in thin films | `terms/film.rs` |
 //! | `s_h`: interior penalty of velocity and pressure | `terms/cip.rs` |
 //! | `g_h`: ghost penalty | `terms/ghost_penalty.rs` |
 //! | backflow stabilisation on open boundaries | `terms/backflow.rs` |
@@ -27,6 +28,7 @@
 
 mod cell;
 mod face;
+mod film;
 mod fluid;
 mod form;
 mod geometry;
@@ -35,6 +37,7 @@ pub mod terms;
 
 pub use cell::{FluidCell, FluidCells};
 pub use face::{FluidFace, FluidFaces};
+pub use film::{FilmOptions, FilmPart, FilmSurfaces, FilmValues};
 pub use fluid::NewtonianFluid;
 pub use form::FluidForm;
 pub use geometry::{FluidFields, FluidGeometry};

@@ -67,7 +67,7 @@ impl<const D: usize> Fixture<D> {
 
     fn geometry(&self) -> FluidGeometry<'_, D> {
         let Self { background, cut, space, parts, faces, history, acceleration, .. } = self;
-        FluidGeometry { background, cut, space, parts, faces, history, acceleration }
+        FluidGeometry { background, cut, space, parts, faces, history, acceleration, films: None }
     }
 
     fn fields(&self) -> FluidFields<'_> {
@@ -168,7 +168,7 @@ fn weights_of_the_face_terms() {
     let [value] = &fluid.faces[..] else { panic!("one interior face") };
     let h = 2.0_f64.sqrt();
     assert!((value.diameter - h).abs() < 1e-15 && (value.measure - h).abs() < 1e-15);
-    let face = FluidFace::new(value, &fluid.history);
+    let face = FluidFace::new(value, &fluid.history, None);
     assert!((face.normal_speed - h).abs() < 1e-14 && (face.speed - 10.0_f64.sqrt()).abs() < 1e-14);
     let consistent = CipVelocity { profile: CipProfile::Consistent { gamma_u: 0.1 }, density: 2.0 };
     assert!((consistent.weight(&face) - 0.1 * 2.0 * 2.0 * h).abs() < 1e-14);
@@ -181,7 +181,7 @@ fn weights_of_the_face_terms() {
     assert_eq!(ghost.weight(&face), 0.0);
     let mut near_cut = *value;
     near_cut.is_ghost = true;
-    assert!((ghost.weight(&FluidFace::new(&near_cut, &fluid.history)) - 2.0 * h).abs() < 1e-14);
+    assert!((ghost.weight(&FluidFace::new(&near_cut, &fluid.history, None)) - 2.0 * h).abs() < 1e-14);
 }
 
 #[test]
@@ -247,6 +247,7 @@ fn form<'a, const D: usize>(density: f64, viscosity: f64) -> FluidForm<'a, D> {
         hoop: None,
         hoop_convection: None,
         convection: Some(Convection { density, skew: false }),
+        film: None,
         body_force: None,
         cip_velocity: CipVelocity { profile: CipProfile::Consistent { gamma_u: 0.1 }, density },
         cip_pressure: CipPressure { gamma_pressure: 0.3, density, viscosity, rate: 5.0 },
@@ -439,6 +440,7 @@ fn a_form_is_the_sum_of_the_terms_that_it_has() {
         let form = FluidForm {
             inertia: full.inertia.filter(|_| has(1)),
             convection: Some(convection),
+            film: None,
             body_force: has(4).then_some(BodyForce { force: &force, time: 0.3 }),
             ..full
         };

@@ -1,6 +1,6 @@
 //! Traces of fluid and solid on interface pieces.
 
-use cutcell::CutMesh;
+use cutcell::{CutMesh, PartId};
 use mesh::{MAX_CELL_VERTICES, Point, SimplexMesh, SimplexRule, Vector};
 use xfem_space::{PartValues, XfemSpace};
 
@@ -24,6 +24,7 @@ pub struct PieceValues<const D: usize> {
     per_piece: usize,
     gradients: Vec<[Vector<D>; MAX_CELL_VERTICES]>,
     cell_sizes: Vec<f64>,
+    viscous_lengths: Vec<f64>,
     relative_speeds: Vec<f64>,
     relative_accelerations: Option<Vec<f64>>,
 }
@@ -39,6 +40,7 @@ impl<const D: usize> PieceValues<D> {
             per_piece: rule.points().len(),
             gradients: Vec::with_capacity(n),
             cell_sizes: Vec::with_capacity(n),
+            viscous_lengths: Vec::with_capacity(n),
             relative_speeds: vec![0.0; n],
             relative_accelerations: None,
         };
@@ -47,6 +49,7 @@ impl<const D: usize> PieceValues<D> {
             let gradients = parts.gradients(piece.part);
             values.gradients.push(*gradients);
             values.cell_sizes.push(parts.cell_size(piece.part));
+            values.viscous_lengths.push(parts.cell_size(piece.part));
             for (barycentric, weight) in rule.points().iter().zip(rule.weights()) {
                 let mut point = PiecePoint {
                     point: Point::zeros(),
@@ -114,6 +117,13 @@ impl<const D: usize> PieceValues<D> {
         (0..cut.interface().len()).map(largest).collect()
     }
 
+    /// Sets the gaps of parts that lie in films: where they are smaller than the cell, shear acts over them.
+    pub fn set_gaps(&mut self, cut: &CutMesh<D>, gap: impl Fn(PartId) -> Option<f64>) {
+        for (length, piece) in self.viscous_lengths.iter_mut().zip(cut.interface()) {
+            *length = gap(piece.part).map_or(*length, |gap| length.min(gap));
+        }
+    }
+
     /// Returns the quadrature points of a piece.
     #[inline]
     pub fn points(&self, piece: usize) -> &[PiecePoint<D>] {
@@ -130,6 +140,12 @@ impl<const D: usize> PieceValues<D> {
     #[inline]
     pub fn cell_size(&self, piece: usize) -> f64 {
         self.cell_sizes[piece]
+    }
+
+    /// Returns the length over which the velocity can change in the part of a piece: the size of the cell or, if it is smaller, the gap of the film.
+    #[inline]
+    pub fn viscous_length(&self, piece: usize) -> f64 {
+        self.viscous_lengths[piece]
     }
 
     /// Returns the largest speed of the fluid relative to the body on a piece.

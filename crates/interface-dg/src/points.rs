@@ -44,6 +44,8 @@ pub struct MortarPoint<'a, const D: usize> {
     pub gradients: &'a [Vector<D>; MAX_CELL_VERTICES],
     /// Size `h_K` of the background cell.
     pub cell_size: f64,
+    /// Length over which the velocity can change: `h_K`, or the gap of a film if that is smaller.
+    pub viscous_length: f64,
     /// Largest speed `|u* - v^n|` of the fluid relative to the body on the piece, known before the step.
     pub relative_speed: f64,
     /// Largest acceleration of the fluid relative to the body on the piece, at the start of the step; `None` if accelerations are
@@ -168,6 +170,7 @@ impl<'a, const D: usize> Sites for InterfacePoints<'a, D> {
                 piece,
                 gradients,
                 cell_size: self.values.cell_size(item),
+                viscous_length: self.values.viscous_length(item),
                 relative_speed: self.values.relative_speed(item),
                 relative_acceleration: self.values.relative_acceleration(item),
                 jump,

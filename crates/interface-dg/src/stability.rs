@@ -26,8 +26,8 @@ pub fn unstable_share<const D: usize>(points: &InterfacePoints<'_, D>, penalty: 
     points.geometry.cut.interface().iter().enumerate().find_map(|(item, piece)| {
         let bound = solid.stresses[piece.body.index()].as_ref()?.trace_bound(piece.facet);
         let required = bound * (1.0 - solid.alpha) / (1.0 + solid.alpha);
-        let (size, speed) = (values.cell_size(item), values.relative_speed(item));
-        let [normal, tangential] = penalty.eigenvalues(size, speed, values.relative_acceleration(item));
+        let (sizes, speed) = ([values.cell_size(item), values.viscous_length(item)], values.relative_speed(item));
+        let [normal, tangential] = penalty.eigenvalues(sizes, speed, values.relative_acceleration(item));
         let penalty = normal.min(tangential);
         (penalty < required).then_some(UnstableShare { body: piece.body, penalty, required })
     })

@@ -83,6 +83,7 @@ impl Fixture {
                 parts: &parts,
                 faces: &faces,
                 history: &history,
+                films: None,
                 acceleration: &acceleration,
             },
             fields: FluidFields { layout: &layout, velocity, pressure },

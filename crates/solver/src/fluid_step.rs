@@ -7,12 +7,12 @@ use algebra::{BlockLayout, Constraints, Contributions, FieldId, Integral};
 use body::{BodyStep, StepTime};
 use cutcell::CutMesh;
 use fluid_ns::terms::{
-    Backflow, BodyForce, CipPressure, CipVelocity, Convection, GhostPenalty, Hoop, HoopConvection, Incompressibility,
-    Inertia, Traction, Viscous,
+    Backflow, BodyForce, CipPressure, CipVelocity, Convection, Film, GhostPenalty, Hoop, HoopConvection,
+    Incompressibility, Inertia, Traction, Viscous,
 };
-use fluid_ns::{FluidFields, FluidForm, FluidGeometry, OpenBoundary};
+use fluid_ns::{FilmOptions, FilmSurfaces, FilmValues, FluidFields, FluidForm, FluidGeometry, OpenBoundary};
 use interface_dg::{InterfacePoints, MortarForm, PieceValues, Pocket};
-use mesh::{Point, Vector};
+use mesh::{Point, Vector, facet_normal};
 use xfem_space::{
     BoundaryPoint, FaceValue, PartValues, Sources, XfemSpace, boundary_dofs, boundary_points, face_values,
     symmetry_values,
@@ -38,6 +38,7 @@ pub(crate) struct FluidStep<'a, const D: usize> {
     space: XfemSpace<D>,
     pub(crate) parts: PartValues<D>,
     faces: Vec<FaceValue<D>>,
+    films: Option<FilmValues<D>>,
     pieces: PieceValues<D>,
     pub(crate) sources: Sources,
     /// Velocity `u*` and acceleration at the start on the space of the step, one value per dof.
@@ -87,7 +88,15 @@ impl<'a, const D: usize> FluidStep<'a, D> {
                 faces.extend(symmetry_values(background, &cut, &space, &parts, (*tag, *axis)));
             }
         }
+        let films = fluid.film.map(|film| {
+            let surfaces = FilmSurfaces::new(&setup.surfaces(&positions), background, |tag| fluid.is_wall(tag));
+            let slip = fluid.stabilisation.penalty.slip_share();
+            FilmValues::new((background, &cut, &parts), &surfaces, &FilmOptions { roughness: film.roughness, slip })
+        });
         let mut pieces = PieceValues::new(background, &cut, &parts, PIECE_DEGREE);
+        if let Some(films) = &films {
+            pieces.set_gaps(&cut, |part| films.of(part).map(|film| film.gap));
+        }
         let clock = Instant::now();
         let (started, ahead) = (setup.positions(&previous.bodies), time.weights.extrapolated[0].velocity);
         let surfaces = Surfaces {
@@ -127,6 +136,7 @@ impl<'a, const D: usize> FluidStep<'a, D> {
             space,
             parts,
             faces,
+            films,
             pieces,
             sources,
             start,
@@ -148,6 +158,7 @@ impl<'a, const D: usize> FluidStep<'a, D> {
             faces: &self.faces,
             history: self.extrapolated.as_deref().unwrap_or(&self.start.velocity),
             acceleration: &self.acceleration,
+            films: self.films.as_ref(),
         }
     }
 
@@ -231,6 +242,32 @@ impl<'a, const D: usize> FluidStep<'a, D> {
             }
         };
         (0..3).for_each(&mut set);
+        self.end_films(layout, time.stage(), constraints);
+    }
+
+    /// Sets the pressure where films end at open boundaries to the one given there: the flux along a film does not see the traction.
+    fn end_films(&self, layout: &BlockLayout, time: f64, constraints: &mut Constraints) {
+        let (Some(films), background) = (&self.films, &self.setup.background) else { return };
+        for piece in self.cut.boundary().iter().filter(|piece| films.of(piece.part).is_some()) {
+            let tag = background.facet_tag(piece.facet);
+            let condition = self.setup.condition(tag);
+            if !self.setup.is_open(tag) {
+                continue;
+            }
+            let normal = facet_normal(&background.facet_points(piece.facet)[..D]);
+            let cell = background.cell(self.cut.part_cell(piece.part));
+            for vertex in background.facet(piece.facet) {
+                let Some(local) = cell.iter().position(|v| v == vertex) else { continue };
+                let pressure = match condition {
+                    Some(FluidBoundary::Open { traction: Some(traction), .. }) => {
+                        -traction(&background.vertex(*vertex), &normal, time).dot(&normal)
+                    }
+                    _ => 0.0,
+                };
+                let dof = self.space.dofs(piece.part)[local];
+                constraints.set(layout.dof(self.pressure, dof as usize, 0), pressure);
+            }
+        }
     }
 
     /// Writes the history of the velocity, and the pressures of the previous step.
@@ -305,6 +342,11 @@ fn form<const D: usize>(fluid: &FluidSetup<D>, rate: f64, time: f64) -> FluidFor
         hoop: is_axisymmetric.then_some(Hoop { viscosity }),
         convection: fluid.convection.map(|skew| Convection { density, skew }),
         hoop_convection: (is_axisymmetric && fluid.convection == Some(true)).then_some(HoopConvection { density }),
+        film: fluid.film.map(|_| Film {
+            viscosity,
+            force: fluid.body_force.as_ref().map(|force| force.as_ref() as _),
+            time,
+        }),
         body_force: fluid.body_force.as_ref().map(|force| BodyForce { force: force.as_ref(), time }),
         cip_velocity: CipVelocity { profile: cip, density },
         cip_pressure: CipPressure { gamma_pressure, density, viscosity, rate },

@@ -35,7 +35,7 @@ pub use prepare::{Step, Substep};
 pub use problem::Problem;
 pub use report::{BodyReport, FluidReport, ForceBalance, StepReport};
 pub use seconds::StageSeconds;
-pub use setup::{Contact, ContactObstacle, FluidBoundary, FluidSetup, Setup, TractionField};
+pub use setup::{Contact, ContactObstacle, FilmSetup, FluidBoundary, FluidSetup, Setup, TractionField};
 pub use stabilisation::Stabilisation;
 pub use state::{FluidState, State};
 pub use step::advance;

@@ -44,6 +44,8 @@ pub struct FluidSetup<const D: usize> {
     pub material: NewtonianFluid,
     /// Stabilisation of fluid and interface.
     pub stabilisation: Stabilisation,
+    /// Films thinner than a few cells; `None` if their flux is not modelled.
+    pub film: Option<FilmSetup>,
     /// Weight `α` of the fluid's traction in the mortar, from 0 to 1; the rest is the traction of elastic bodies. 1 is stable with
     /// every body; smaller weights need a penalty that grows with stiffness and step ([`Stage::UnstableShare`]).
     pub alpha: f64,
@@ -55,6 +57,13 @@ pub struct FluidSetup<const D: usize> {
     pub initial_velocity: Option<PointField<D>>,
     /// Conditions on the tagged parts of the boundary; parts that are not listed are open.
     pub boundary: Vec<(Tag, FluidBoundary<D>)>,
+}
+
+/// Films between bodies, and between bodies and walls, that are thinner than a few cells.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FilmSetup {
+    /// Height of the asperities of two opposite surfaces together, a length: a film of less thickness conducts as one of this.
+    pub roughness: f64,
 }
 
 /// A condition on a part of the background's boundary.
@@ -83,10 +92,19 @@ pub enum FluidBoundary<const D: usize> {
 }
 
 impl<const D: usize> FluidSetup<D> {
+    /// Returns the condition on the parts of the boundary with a tag.
+    pub(crate) fn condition(&self, tag: Option<Tag>) -> Option<&FluidBoundary<D>> {
+        self.boundary.iter().find(|(other, _)| Some(*other) == tag).map(|(_, condition)| condition)
+    }
+
     /// Returns whether fluid may cross the parts of the boundary with a tag.
     pub(crate) fn is_open(&self, tag: Option<Tag>) -> bool {
-        let condition = self.boundary.iter().find(|(other, _)| Some(*other) == tag).map(|(_, condition)| condition);
-        matches!(condition, None | Some(FluidBoundary::Open { .. } | FluidBoundary::Parallel { .. }))
+        matches!(self.condition(tag), None | Some(FluidBoundary::Open { .. } | FluidBoundary::Parallel { .. }))
+    }
+
+    /// Returns whether the parts of the boundary with a tag are walls, opposite to which films form.
+    pub(crate) fn is_wall(&self, tag: Option<Tag>) -> bool {
+        matches!(self.condition(tag), Some(FluidBoundary::NoSlip | FluidBoundary::Velocity(_)))
     }
 
     /// Checks that sides on the axis of axisymmetric coordinates are planes of symmetry.
@@ -203,6 +221,8 @@ impl<const D: usize> Setup<D> {
         mesh::positive("time step", self.dt)?;
         if let Some(fluid) = &self.fluid {
             mesh::require((0.0..=1.0).contains(&fluid.alpha), "weight alpha", fluid.alpha, "from 0 to 1")?;
+            let roughness = fluid.film.map_or(0.0, |film| film.roughness);
+            mesh::require(roughness >= 0.0 && roughness.is_finite(), "roughness", roughness, "zero or positive")?;
         }
         for (_, condition) in self.fluid.iter().flat_map(|fluid| &fluid.boundary) {
             if let FluidBoundary::Symmetry { axis } | FluidBoundary::Parallel { axis } = *condition {

@@ -15,6 +15,8 @@ const MAX_FACE_DOFS: usize = MAX_CELL_VERTICES + 1;
 pub struct FaceValue<const D: usize> {
     /// The face of the background.
     pub facet: FacetId,
+    /// Its two parts; twice the same one on a symmetry plane.
+    pub parts: [PartId; 2],
     /// Whether one of the two cells is cut.
     pub is_ghost: bool,
     /// Measure `|F|` of the whole face.
@@ -53,13 +55,14 @@ impl<const D: usize> FaceValue<D> {
         &self.dofs[..D]
     }
 
-    fn new(background: &SimplexMesh<D>, facet: FacetId, is_ghost: bool) -> Self {
+    fn new(background: &SimplexMesh<D>, facet: FacetId, parts: [PartId; 2], is_ghost: bool) -> Self {
         let points = &background.facet_points(facet)[..D];
         let (measure, coordinates) = (simplex_measure(points), background.coordinates());
         // The weight is linear, so that its mean is the value in the middle.
         let middle = points.iter().sum::<Vector<D>>() / D as f64;
         Self {
             facet,
+            parts,
             is_ghost,
             measure,
             weight: measure * coordinates.weight(&middle),
@@ -104,7 +107,7 @@ pub fn face_values<const D: usize>(
 ) -> Vec<FaceValue<D>> {
     let parts = Parts { background, cut, space, values };
     let value = |face: &PartFace| {
-        let mut value = FaceValue::new(background, face.facet, face.is_ghost);
+        let mut value = FaceValue::new(background, face.facet, face.parts, face.is_ghost);
         value.add_side(parts, face.parts[0], D, 1.0);
         value.add_side(parts, face.parts[1], D + 1, -1.0);
         value
@@ -131,7 +134,7 @@ pub fn symmetry_values<const D: usize>(
         }
         of_face.push((piece.facet, piece.part));
         let is_ghost = cut.cell_state(cut.part_cell(piece.part)) == CellState::Cut;
-        let mut value = FaceValue::new(background, piece.facet, is_ghost);
+        let mut value = FaceValue::new(background, piece.facet, [piece.part; 2], is_ghost);
         value.share = 0.5;
         value.odd_component = Some(axis);
         value.n_dofs = D + 1;

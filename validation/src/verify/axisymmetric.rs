@@ -83,7 +83,7 @@ fn in_space(
 }
 
 /// Returns the half plane of a sphere on the axis: vertices on the sphere, from the lowest point to the highest, closed along the axis.
-fn sphere(height: f64, radius: f64, cell: f64) -> Vec<P> {
+pub(super) fn sphere(height: f64, radius: f64, cell: f64) -> Vec<P> {
     let n = (PI * radius * EDGES_PER_CELL / cell).ceil() as usize;
     let at = |k: usize| {
         let angle = PI * k as f64 / n as f64;
@@ -95,7 +95,7 @@ fn sphere(height: f64, radius: f64, cell: f64) -> Vec<P> {
 }
 
 /// Returns a body with a given motion on the axis.
-fn moving(
+pub(super) fn moving(
     corners: Vec<P>,
     position: impl Fn(&P, f64) -> P + Send + Sync + 'static,
     velocity: TimeField<2>,
@@ -110,7 +110,11 @@ fn moving(
 }
 
 /// Returns a fluid around the axis without inertia, with one condition on its outer sides.
-fn slow(background: SimplexMesh<2>, dt: f64, outer: impl Fn(&str) -> FluidBoundary<2>) -> Result<Setup<2>, Failure> {
+pub(super) fn slow(
+    background: SimplexMesh<2>,
+    dt: f64,
+    outer: impl Fn(&str) -> FluidBoundary<2>,
+) -> Result<Setup<2>, Failure> {
     let mut fluid = fluid(background.with_coordinates(Coordinates::Axisymmetric)?, 1e-9, 1.0);
     for side in ["left", "right", "bottom", "top"] {
         let tag = fluid.background.tag(side).ok_or("a box has four sides")?;
@@ -452,4 +456,33 @@ fn hertz(record: &mut Record) -> Result<(), Failure> {
     record.near_relative(format!("{name}: radius of contact"), radius, approach.sqrt(), HERTZ[1]);
     record.show(format!("{name}: facets in that radius"), inside as f64, None);
     Ok(())
+}
+
+/// Returns the force on a sphere of radius one that approaches a wall at a gap, over that without wall: Brenner 1961, doi:10.1016/0009-2509(61)80035-3.
+pub(super) fn brenner(gap: f64) -> f64 {
+    let a = (1.0 + gap).acosh();
+    let term = |n: f64| {
+        // Both hyperbolic functions are scaled by exp(-(2n + 1) a).
+        let m = 2.0 * n + 1.0;
+        let decay = (-2.0 * m * a).exp();
+        let scale = (-m * a).exp();
+        let above = (1.0 - decay) + m * (2.0 * a).sinh() * scale;
+        let sinh = (-0.5 * m * a).exp() * (0.5 * m * a).sinh();
+        let below = 4.0 * sinh * sinh - m * m * a.sinh().powi(2) * scale;
+        n * (n + 1.0) / ((2.0 * n - 1.0) * (2.0 * n + 3.0)) * (above / below - 1.0)
+    };
+    let n = (60.0 / a).ceil() as usize + 1;
+    4.0 / 3.0 * a.sinh() * (1..=n).map(|n| term(n as f64)).sum::<f64>()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_series_has_its_tabulated_values() {
+        for (gap, force) in [(10.0, 1.1135032), (1.0, 2.1255356), (0.1, 11.459157), (0.001, 1002.3533)] {
+            assert!((brenner(gap) / force - 1.0).abs() < 1e-6, "{gap}: {}", brenner(gap));
+        }
+    }
 }

@@ -113,6 +113,7 @@ pub(super) fn fluid<const D: usize>(background: SimplexMesh<D>, density: f64, vi
         overlay: OverlayOptions::new(),
         material: NewtonianFluid { density, viscosity },
         stabilisation: Stabilisation::STANDARD,
+        film: None,
         alpha: 1.0,
         convection: None,
         body_force: None,

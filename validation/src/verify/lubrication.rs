@@ -134,7 +134,7 @@ fn shrink(record: &mut Record) -> Result<(), Failure> {
 }
 
 /// Returns the force over viscosity and speed on a cylinder of radius one that moves towards a wall.
-fn exact_force(gap: f64) -> f64 {
+pub(super) fn exact_force(gap: f64) -> f64 {
     let alpha = (1.0 + gap).acosh();
     4.0 * PI / (alpha - alpha.tanh())
 }
@@ -155,7 +155,7 @@ fn force(gap: f64, cells: f64) -> Result<f64, Failure> {
 }
 
 /// Returns the setup of the cylinder over the wall.
-fn approach(background: SimplexMesh<2>, gap: f64, n_corners: usize) -> Result<Setup<2>, Failure> {
+pub(super) fn approach(background: SimplexMesh<2>, gap: f64, n_corners: usize) -> Result<Setup<2>, Failure> {
     let known = Linear::at_rest(V::zeros()).known(1.0, &[]);
     let mut setup = known.setup(background, STEADY);
     let fluid = fluid_mut(&mut setup)?;
@@ -215,7 +215,7 @@ fn film(gap: f64, stabilisation: Stabilisation) -> Result<Film, Failure> {
 }
 
 /// Returns the mesh of a quadrant for a gap, with cells of a size at its corner that grow with the distance.
-fn graded(gap: f64, size: f64) -> Result<SimplexMesh<2>, Failure> {
+pub(super) fn graded(gap: f64, size: f64) -> Result<SimplexMesh<2>, Failure> {
     // x = a sinh(b s): cells have about their least size within a, twice the length of the film.
     let a = 2.0 * gap.sqrt();
     let b = (FAR / a).asinh();

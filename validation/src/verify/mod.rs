@@ -21,6 +21,7 @@ pub(crate) mod dry;
 mod exact;
 mod example;
 mod files;
+mod films;
 mod flow;
 mod frame_change;
 mod fsi;
@@ -75,11 +76,12 @@ const fn check(name: &'static str, about: &'static str, measure: fn(&mut Record)
 }
 
 /// All checks, in the order of the page.
-const CHECKS: [Check; 37] = [
+const CHECKS: [Check; 38] = [
     check("exact", "Solutions that the discrete spaces contain, at random positions of the body.", exact::measure),
     check("orders", "Orders of convergence of known flows around bodies at rest and in motion.", orders::measure),
     check("peer", "Errors of unfitted Stokes flow compared with those of ngsxfem on the same mesh.", peer::measure),
     check("lubrication", "The force on a cylinder that approaches a wall in Stokes flow.", lubrication::measure),
+    check("films", "Films thinner than a few cells: spheres, cylinders and plates that approach.", films::measure),
     check(
         "channel-cylinder",
         "The drag of a cylinder that moves along a narrow channel in Stokes flow.",

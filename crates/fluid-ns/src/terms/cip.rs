@@ -47,7 +47,7 @@ impl CipVelocity {
 ///
 /// Source: paper, `s_h` in Eq. (4); scaling as in Burman, Fernández, Hansbo 2006, DOI 10.1137/040617686, with the
 /// time step in the parameter, which matters on small steps.
-/// Couples: pressure × pressure.   Domain: interior faces of active parts, whole face.
+/// Couples: pressure × pressure.   Domain: interior faces of active parts, whole face; reduced in films, whose flux stabilises the pressure.
 /// Units: weight length²/viscosity × length.
 pub struct CipPressure {
     /// `γ_p`.
@@ -65,6 +65,6 @@ impl CipPressure {
     pub fn weight<const D: usize>(&self, face: &FluidFace<'_, D>) -> f64 {
         let h = face.value.diameter;
         let inverse_tau = self.density * self.rate + self.density * face.speed / h + self.viscosity / (h * h);
-        self.gamma_pressure * h / inverse_tau
+        (1.0 - face.film) * self.gamma_pressure * h / inverse_tau
     }
 }

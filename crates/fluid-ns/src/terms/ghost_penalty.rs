@@ -6,7 +6,7 @@ use crate::FluidFace;
 /// and columns bounded, however small a part is.
 ///
 /// Source: paper, form after Eq. (4); Burman 2010, DOI 10.1016/j.crma.2010.10.006.
-/// Couples: velocity × velocity, each component by itself.   Domain: faces of cut cells, whole face.
+/// Couples: velocity × velocity, each component by itself.   Domain: faces of cut cells, whole face; reduced in films.
 /// Units: weight viscosity × length.
 pub struct GhostPenalty {
     /// `γ_g`.
@@ -18,6 +18,7 @@ pub struct GhostPenalty {
 impl GhostPenalty {
     /// Returns the weight `c_F` of a face.
     pub fn weight<const D: usize>(&self, face: &FluidFace<'_, D>) -> f64 {
-        if face.value.is_ghost { self.gamma_ghost * self.viscosity * face.value.diameter } else { 0.0 }
+        let weight = if face.value.is_ghost { self.gamma_ghost * self.viscosity * face.value.diameter } else { 0.0 };
+        (1.0 - face.film) * weight
     }
 }

@@ -29,6 +29,18 @@ pub enum PenaltyProfile {
     },
 }
 
+impl PenaltyProfile {
+    /// Returns the share `3/γ_t` of the flux of a film between two surfaces that passes because the velocity slips on one of them.
+    ///
+    /// A pressure gradient `G` along a film of thickness `δ` in one layer of cells loads each surface with `G δ/2`. With the penalty `γ_t μ/δ` the
+    /// velocity slips by `G δ²/(2 γ_t μ)`; half of it is the mean over the film, and the mean velocity of the parabola is `G δ²/(12 μ)`.
+    pub fn slip_share(&self) -> f64 {
+        match self {
+            Self::Uniform { gamma_sigma: gamma } | Self::Split { gamma_tangential: gamma, .. } => 3.0 / gamma,
+        }
+    }
+}
+
 /// `(S (u - v_s), v - w)_Σ` with `S = σ_t I + (σ_n - σ_t) n ⊗ n` and the scaling of [`PenaltyProfile`]
 ///
 /// Source: paper, Eq. (4), for `σ_n = σ_t`; shares of `σ_n` as in the Nitsche terms of Winter, Schott, Massing, Wall 2018,
@@ -51,13 +63,19 @@ pub struct Penalty {
 }
 
 impl Penalty {
-    /// Returns `σ_n` and `σ_t` on a piece, by the size of its cell, the relative speed and the relative acceleration.
-    pub(crate) fn eigenvalues(&self, cell_size: f64, speed: f64, acceleration: Option<f64>) -> [f64; 2] {
+    /// Returns `σ_n` and `σ_t` on a piece, by the size of its cell, the length over which the velocity can change, the relative speed and the relative
+    /// acceleration.
+    pub(crate) fn eigenvalues(
+        &self,
+        [cell_size, viscous_length]: [f64; 2],
+        speed: f64,
+        acceleration: Option<f64>,
+    ) -> [f64; 2] {
         let NewtonianFluid { density, viscosity } = self.fluid;
         match self.profile {
-            PenaltyProfile::Uniform { gamma_sigma } => [gamma_sigma * viscosity / cell_size; 2],
+            PenaltyProfile::Uniform { gamma_sigma } => [gamma_sigma * viscosity / viscous_length; 2],
             PenaltyProfile::Split { gamma_normal, gamma_tangential } => {
-                let viscous = viscosity / cell_size;
+                let viscous = viscosity / viscous_length;
                 let gained = match acceleration {
                     Some(acceleration) => self.convection * (cell_size * acceleration).sqrt(),
                     None => self.inertia * cell_size * self.rate,
@@ -70,7 +88,8 @@ impl Penalty {
 
     /// Returns `S` times the weight of the point.
     pub(crate) fn weighted<const D: usize>(&self, q: &MortarPoint<'_, D>) -> Tensor<D> {
-        let [normal, tangential] = self.eigenvalues(q.cell_size, q.relative_speed, q.relative_acceleration);
+        let [normal, tangential] =
+            self.eigenvalues([q.cell_size, q.viscous_length], q.relative_speed, q.relative_acceleration);
         let n = &q.piece.normal;
         let weight = q.at.weight;
         Tensor::from_diagonal_element(weight * tangential) + n * n.transpose() * (weight * (normal - tangential))

@@ -189,6 +189,7 @@ pub(super) fn fluid<const D: usize>(
         overlay: OverlayOptions::new().without_self_intersection_check(),
         material: NewtonianFluid { density: fluid.density, viscosity: fluid.viscosity },
         stabilisation: stabilisation(&fluid.stabilisation),
+        film: None,
         alpha,
         convection: match fluid.convection {
             ConvectionChoice::Standard => Some(false),

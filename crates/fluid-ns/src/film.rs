@@ -1,0 +1,176 @@
+//! Thin films between opposite surfaces: their gaps, and the flux along them that linear velocities lack.
+
+use cutcell::{CutMesh, PartId};
+use mesh::search::{Foot, SurfaceIndex};
+use mesh::{
+    Aabb, BoundaryMesh, FacetId, Placed, Point, Simplex, SimplexMesh, Tag, Vector, VertexId, facet_normal,
+    simplex_measure,
+};
+use xfem_space::PartValues;
+
+/// Two surfaces are opposite if the scalar product of their normals is below this: they enclose less than 60 degrees.
+const OPPOSITE: f64 = -0.5;
+/// Extents of a cell across the film below which its share is one, and above which it is zero: `χ` falls linearly between them. Two layers of
+/// cells carry three quarters of the flux of a film, four layers 15/16.
+const RAMP: [f64; 2] = [2.0, 4.0];
+/// Degree of quadrature of the conductance: a gap that is linear, squared.
+const DEGREE: usize = 2;
+
+/// Surfaces between which films form, at fixed positions, with the fluid on the side of their normals.
+#[derive(Clone, Debug)]
+pub struct FilmSurfaces<const D: usize> {
+    index: SurfaceIndex<D>,
+    normals: Vec<Vector<D>>,
+}
+
+impl<const D: usize> FilmSurfaces<D> {
+    /// Collects the surfaces of bodies, and the facets of the background's boundary with the tags of walls.
+    pub fn new(bodies: &[Placed<'_, D>], background: &SimplexMesh<D>, is_wall: impl Fn(Option<Tag>) -> bool) -> Self {
+        let (mut facets, mut positions, mut normals) = (Vec::new(), Vec::new(), Vec::new());
+        let mut push = |points: &[Point<D>], normal: Vector<D>| {
+            // A facet without measure has no normal.
+            if simplex_measure(points) > 0.0 {
+                facets.extend((0..D).map(|k| VertexId::new(positions.len() + k)));
+                positions.extend_from_slice(points);
+                normals.push(normal);
+            }
+        };
+        for body in bodies {
+            for facet in body.boundary().facets() {
+                let points = &body.facet_points(facet)[..D];
+                push(points, facet_normal(points));
+            }
+        }
+        for facet in background.facets().filter(|f| background.is_boundary(*f) && is_wall(background.facet_tag(*f))) {
+            let points = &background.facet_points(facet)[..D];
+            push(points, -facet_normal(points));
+        }
+        Self { index: SurfaceIndex::new(&Placed::new(&BoundaryMesh::from_facets(facets), &positions)), normals }
+    }
+
+    /// Returns the gap at a point of the fluid and the normal of the closest surface: the sum of the distances from the closest facet and from
+    /// the closest one opposite to it, among the given facets with the point on the side of the fluid. `None` if there are no two of them.
+    fn gap(&self, x: &Point<D>, near: &[FacetId]) -> Option<(f64, Vector<D>)> {
+        let surface = self.index.surface();
+        let distance = |facet: &FacetId| {
+            let (foot, normal) = (Foot::on_facet(x, &surface.facet_points(*facet)[..D]), self.normals[facet.index()]);
+            ((x - foot.point).dot(&normal) >= 0.0).then_some((foot.squared_distance, normal))
+        };
+        let closest = |of: &dyn Fn(&Vector<D>) -> bool| {
+            let facets = near.iter().filter(|facet| of(&self.normals[facet.index()]));
+            facets.filter_map(distance).min_by(|a, b| a.0.total_cmp(&b.0))
+        };
+        let (here, normal) = closest(&|_| true)?;
+        let (opposite, _) = closest(&|other| other.dot(&normal) < OPPOSITE)?;
+        Some((here.sqrt() + opposite.sqrt(), normal))
+    }
+}
+
+/// A film in a fluid part.
+#[derive(Clone, Debug)]
+pub struct FilmPart<const D: usize> {
+    /// Share `χ` of the missing flux that is added, from 0 to 1.
+    pub share: f64,
+    /// Gap `δ` at the centroid of the part.
+    pub gap: f64,
+    /// Points of a rule, with their weights times the conductance times the viscosity, `χ (1 - m s) min(max(δ, k), d)²/12`.
+    pub points: Vec<(Point<D>, f64)>,
+}
+
+/// What the conductance of films depends on besides the geometry.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FilmOptions {
+    /// Height `k` of the asperities of both surfaces together, a length: no film conducts less than one of that thickness.
+    pub roughness: f64,
+    /// Share `s` of the missing flux that passes because the velocity slips on one surface of the part, for which a penalty stands.
+    pub slip: f64,
+}
+
+/// The films of all parts of a cut.
+///
+/// One layer of linear cells carries the flow that two moving surfaces drag along, and nothing of the flow that a pressure gradient drives between
+/// them; `N` layers carry the fraction `1 - 1/N²` of it. What is missing per thickness is `d²/(12 μ)` times the gradient, with `d` the thickness of
+/// a layer: the extent of the cell across the film, of the part if the cell is cut, or the gap `δ` if that is less.
+#[derive(Clone, Debug, Default)]
+pub struct FilmValues<const D: usize> {
+    films: Vec<FilmPart<D>>,
+    /// One more than the position in `films` of each part; zero for a part without film.
+    of_part: Vec<u32>,
+}
+
+impl<const D: usize> FilmValues<D> {
+    /// Finds the films of all parts of a cut.
+    pub fn new(
+        (background, cut, parts): (&SimplexMesh<D>, &CutMesh<D>, &PartValues<D>),
+        surfaces: &FilmSurfaces<D>,
+        options: &FilmOptions,
+    ) -> Self {
+        let mut values = Self { films: Vec::new(), of_part: vec![0; cut.n_parts()] };
+        // Sides of each part that a surface of a body bounds: those along and against the normal of its film.
+        let mut sides = vec![[false; 2]; cut.n_parts()];
+        let mut normals = vec![None; cut.n_parts()];
+        let mut near = Vec::new();
+        for part in cut.all_parts() {
+            let simplex = background.simplex(cut.part_cell(part));
+            let reach = RAMP[1] * simplex.diameter();
+            surfaces.index.facets_overlapping(&Aabb::of_points(simplex.points()).expanded(reach), &mut near);
+            let Some((gap, normal)) = surfaces.gap(&centroid(&simplex, parts, part), &near) else { continue };
+            let height = extent(simplex.points(), &normal);
+            let share = ((RAMP[1] * height - gap) / ((RAMP[1] - RAMP[0]) * height)).clamp(0.0, 1.0);
+            if share <= 0.0 {
+                continue;
+            }
+            let mut corners = Vec::new();
+            if !cut.is_whole(part) {
+                cut.for_each_simplex(background, part, |points| corners.extend_from_slice(points));
+            }
+            let layer = if corners.is_empty() { height } else { extent(&corners, &normal).min(height) };
+            let mut points = Vec::new();
+            parts.for_each_point(background, cut, part, DEGREE, |x, weight, _| {
+                let gap = surfaces.gap(x, &near).map_or(gap, |(gap, _)| gap);
+                let thickness = gap.max(options.roughness).min(layer);
+                points.push((*x, weight * share * thickness * thickness / 12.0));
+            });
+            normals[part.index()] = Some(normal);
+            values.films.push(FilmPart { share, gap, points });
+            values.of_part[part.index()] = values.films.len() as u32;
+        }
+        for piece in cut.interface() {
+            if let Some(normal) = &normals[piece.part.index()] {
+                sides[piece.part.index()][usize::from(piece.normal.dot(normal) < 0.0)] = true;
+            }
+        }
+        for (number, sides) in values.of_part.iter().zip(&sides).filter(|(number, _)| **number > 0) {
+            let slip = options.slip * sides.iter().filter(|side| **side).count() as f64;
+            let film = &mut values.films[*number as usize - 1];
+            film.points.iter_mut().for_each(|(_, weight)| *weight *= (1.0 - slip).max(0.0));
+        }
+        values
+    }
+
+    /// Returns the film in a part.
+    #[inline]
+    pub fn of(&self, part: PartId) -> Option<&FilmPart<D>> {
+        match self.of_part.get(part.index()) {
+            None | Some(0) => None,
+            Some(number) => self.films.get(*number as usize - 1),
+        }
+    }
+}
+
+/// Returns the centroid of a part, or of its cell if its volume is negligible.
+fn centroid<const D: usize>(simplex: &Simplex<D>, parts: &PartValues<D>, part: PartId) -> Point<D> {
+    let moments = parts.moments(part);
+    let volume = moments.volume();
+    if volume <= 0.0 {
+        return simplex.centroid();
+    }
+    simplex.points().iter().enumerate().map(|(i, x)| x * (moments.of(i) / volume)).sum()
+}
+
+/// Returns the extent of points along a direction.
+fn extent<const D: usize>(points: &[Point<D>], direction: &Vector<D>) -> f64 {
+    let along = points.iter().map(|x| x.dot(direction));
+    let [low, high] = along.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], a| [low.min(a), high.max(a)]);
+    high - low
+}

@@ -1,0 +1,49 @@
+//! Flux along a thin film.
+
+use algebra::{LocalSystem, Term};
+use mesh::{Point, Vector};
+
+use crate::FluidCell;
+
+/// `(κ (∇p - f^f), ∇q)_{Ω^f}` with `κ = χ (1 - m s) min(δ, d)²/(12 μ^f)`: the flux that a pressure gradient drives along a film and that linear velocities do
+/// not carry in layers of thickness `d` or gaps `δ`
+///
+/// Source: Reynolds' equation `∇·(δ³/(12 μ) ∇p) = ∂δ/∂t + ∇·(δ (v_1 + v_2)/2)` is the sum of this term and `(q, ∇·u)` across the film. The inertia of
+/// the missing flux is left out, as in Reynolds' equation.
+/// `χ` is the share of a film, `m s` what passes by slip on `m` surfaces of the part.
+/// Couples: pressure × pressure.   Domain: fluid parts in films ([`crate::FilmValues`]).
+/// Units: volume/time (2D: per unit depth).
+/// With `g_i = ∇N_i`, `K = ∫ κ`:   residual_i = g_i · (K ∇p - ∫ κ f),   tangent_ij = K g_i · g_j.
+pub struct Film<'a, const D: usize> {
+    /// Dynamic viscosity `μ^f`.
+    pub viscosity: f64,
+    /// Force per volume at a point and time; `None` for no force.
+    #[allow(clippy::type_complexity)]
+    pub force: Option<&'a (dyn Fn(&Point<D>, f64) -> Vector<D> + Send + Sync)>,
+    /// Time of the stage.
+    pub time: f64,
+}
+
+impl<const D: usize> Term<FluidCell<'_, D>> for Film<'_, D> {
+    fn add(&self, cell: &FluidCell<'_, D>, out: &mut LocalSystem) {
+        let Some(film) = cell.film else { return };
+        let g = &cell.gradients[..=D];
+        let gradient: Vector<D> = g.iter().zip(&cell.pressures).map(|(g, p)| g * *p).sum();
+        let (mut conductance, mut flux) = (0.0, Vector::zeros());
+        for (x, weight) in &film.points {
+            let weight = weight / self.viscosity;
+            conductance += weight;
+            flux += self.force.map_or_else(Vector::zeros, |force| force(x, self.time) * -weight);
+        }
+        flux += gradient * conductance;
+        for (i, g_i) in g.iter().enumerate() {
+            out.add(cell.pressure_row(i), g_i.dot(&flux));
+            if !out.has_tangent() {
+                continue;
+            }
+            for (j, g_j) in g.iter().enumerate() {
+                out.add_tangent(cell.pressure_row(i), cell.pressure_row(j), conductance * g_i.dot(g_j));
+            }
+        }
+    }
+}
