@@ -193,6 +193,7 @@ impl<const D: usize> UnfittedStokes<D> {
             hoop_convection: None,
             convection: None,
             film: None,
+            cavitation: None,
             body_force: Some(BodyForce { force: &force, time: 0.0 }),
             cip_velocity: CipVelocity { profile: CipProfile::Consistent { gamma_u: 0.0 }, density: 1.0 },
             cip_pressure: CipPressure { gamma_pressure: PRESSURE, density: 1.0, viscosity: VISCOSITY, rate: 0.0 },

@@ -73,7 +73,7 @@ pub struct FilmPart<const D: usize> {
     pub share: f64,
     /// Gap `δ` at the centroid of the part.
     pub gap: f64,
-    /// Points of a rule, with their weights times the conductance times the viscosity, `χ (1 - m s) min(max(δ, k), d)²/12`.
+    /// Points of a rule, with their weights times the conductance times the viscosity, `χ (max(d, k)² - m s d²)/12`.
     pub points: Vec<(Point<D>, f64)>,
 }
 
@@ -106,9 +106,8 @@ impl<const D: usize> FilmValues<D> {
         options: &FilmOptions,
     ) -> Self {
         let mut values = Self { films: Vec::new(), of_part: vec![0; cut.n_parts()] };
-        // Sides of each part that a surface of a body bounds: those along and against the normal of its film.
-        let mut sides = vec![[false; 2]; cut.n_parts()];
-        let mut normals = vec![None; cut.n_parts()];
+        let mut pieces: Vec<_> = cut.interface().iter().map(|piece| (piece.part, piece.normal)).collect();
+        pieces.sort_by_key(|(part, _)| *part);
         let mut near = Vec::new();
         for part in cut.all_parts() {
             let simplex = background.simplex(cut.part_cell(part));
@@ -125,25 +124,21 @@ impl<const D: usize> FilmValues<D> {
                 cut.for_each_simplex(background, part, |points| corners.extend_from_slice(points));
             }
             let layer = if corners.is_empty() { height } else { extent(&corners, &normal).min(height) };
+            // Surfaces of bodies that bound the part: one along the normal of the film, one against it, or both.
+            let first = pieces.partition_point(|(other, _)| *other < part);
+            let bounding =
+                || pieces[first..].iter().take_while(|(other, _)| *other == part).map(|(_, n)| n.dot(&normal));
+            let slip = options.slip
+                * [bounding().any(|n| n >= 0.0), bounding().any(|n| n < 0.0)].map(f64::from).iter().sum::<f64>();
             let mut points = Vec::new();
             parts.for_each_point(background, cut, part, DEGREE, |x, weight, _| {
                 let gap = surfaces.gap(x, &near).map_or(gap, |(gap, _)| gap);
-                let thickness = gap.max(options.roughness).min(layer);
-                points.push((*x, weight * share * thickness * thickness / 12.0));
+                let carried = slip.min(1.0) * gap.min(layer).powi(2);
+                let missing = gap.min(layer).max(options.roughness.min(height)).powi(2) - carried;
+                points.push((*x, weight * share * missing / 12.0));
             });
-            normals[part.index()] = Some(normal);
             values.films.push(FilmPart { share, gap, points });
             values.of_part[part.index()] = values.films.len() as u32;
-        }
-        for piece in cut.interface() {
-            if let Some(normal) = &normals[piece.part.index()] {
-                sides[piece.part.index()][usize::from(piece.normal.dot(normal) < 0.0)] = true;
-            }
-        }
-        for (number, sides) in values.of_part.iter().zip(&sides).filter(|(number, _)| **number > 0) {
-            let slip = options.slip * sides.iter().filter(|side| **side).count() as f64;
-            let film = &mut values.films[*number as usize - 1];
-            film.points.iter_mut().for_each(|(_, weight)| *weight *= (1.0 - slip).max(0.0));
         }
         values
     }

@@ -3,8 +3,8 @@
 use algebra::{Contributions, Integral};
 
 use crate::terms::{
-    BodyForce, CipPressure, CipVelocity, Convection, Film, GhostPenalty, Hoop, HoopConvection, Incompressibility,
-    Inertia, Viscous,
+    BodyForce, Cavitation, CipPressure, CipVelocity, Convection, Film, GhostPenalty, Hoop, HoopConvection,
+    Incompressibility, Inertia, Viscous,
 };
 use crate::{FluidCells, FluidFace, FluidFaces, FluidFields, FluidGeometry};
 
@@ -24,6 +24,8 @@ pub struct FluidForm<'a, const D: usize> {
     pub hoop_convection: Option<HoopConvection>,
     /// `(κ (∇p - f), ∇q)`; `None` if films are not modelled.
     pub film: Option<Film<'a, D>>,
+    /// Vapour in films; `None` if their pressure has no floor.
+    pub cavitation: Option<Cavitation>,
     /// `-(f, v)`; `None` for no force.
     pub body_force: Option<BodyForce<'a, D>>,
     /// Velocity part of `s_h`.
@@ -35,7 +37,7 @@ pub struct FluidForm<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> FluidForm<'a, D> {
-    /// Returns the weak form on the parts and faces of a step: linear cell terms, convection, face penalties.
+    /// Returns the weak form on the parts and faces of a step: linear cell terms, convection, face penalties, cavitation.
     pub fn contributions<'p>(
         &'p self,
         geometry: FluidGeometry<'p, D>,
@@ -52,7 +54,11 @@ impl<'a, const D: usize> FluidForm<'a, D> {
         convection.extend(self.convection.as_ref());
         convection.extend(self.hoop_convection.as_ref());
         let faces = FluidFaces::new(geometry, fields, |face| self.face_weights(face));
-        vec![Box::new(linear), Box::new(convection), Box::new(faces)]
+        let mut all: Vec<Box<dyn Contributions + 'p>> = vec![Box::new(linear), Box::new(convection), Box::new(faces)];
+        if let Some(cavitation) = &self.cavitation {
+            all.push(Box::new(Integral::new("cavitation", FluidCells::new(geometry, fields), vec![cavitation])));
+        }
+        all
     }
 
     /// Returns the weights of the penalties of velocity and pressure on a face.

@@ -17,6 +17,7 @@
 //! | `-(f, v)` | `terms/body_force.rs` |
 //! | hoop parts of these terms, in axisymmetric coordinates | `terms/hoop.rs`, `terms/hoop_convection.rs` |
 //! | `(κ (∇p - f), ∇q)` in thin films | `terms/film.rs` |
+//! | vapour in thin films | `terms/cavitation.rs` |
 //! | `s_h`: interior penalty of velocity and pressure | `terms/cip.rs` |
 //! | `g_h`: ghost penalty | `terms/ghost_penalty.rs` |
 //! | backflow stabilisation on open boundaries | `terms/backflow.rs` |

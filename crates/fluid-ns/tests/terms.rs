@@ -248,6 +248,7 @@ fn form<'a, const D: usize>(density: f64, viscosity: f64) -> FluidForm<'a, D> {
         hoop_convection: None,
         convection: Some(Convection { density, skew: false }),
         film: None,
+        cavitation: None,
         body_force: None,
         cip_velocity: CipVelocity { profile: CipProfile::Consistent { gamma_u: 0.1 }, density },
         cip_pressure: CipPressure { gamma_pressure: 0.3, density, viscosity, rate: 5.0 },
@@ -441,6 +442,7 @@ fn a_form_is_the_sum_of_the_terms_that_it_has() {
             inertia: full.inertia.filter(|_| has(1)),
             convection: Some(convection),
             film: None,
+            cavitation: None,
             body_force: has(4).then_some(BodyForce { force: &force, time: 0.3 }),
             ..full
         };

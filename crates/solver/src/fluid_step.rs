@@ -7,7 +7,7 @@ use algebra::{BlockLayout, Constraints, Contributions, FieldId, Integral};
 use body::{BodyStep, StepTime};
 use cutcell::CutMesh;
 use fluid_ns::terms::{
-    Backflow, BodyForce, CipPressure, CipVelocity, Convection, Film, GhostPenalty, Hoop, HoopConvection,
+    Backflow, BodyForce, Cavitation, CipPressure, CipVelocity, Convection, Film, GhostPenalty, Hoop, HoopConvection,
     Incompressibility, Inertia, Traction, Viscous,
 };
 use fluid_ns::{FilmOptions, FilmSurfaces, FilmValues, FluidFields, FluidForm, FluidGeometry, OpenBoundary};
@@ -347,6 +347,7 @@ fn form<const D: usize>(fluid: &FluidSetup<D>, rate: f64, time: f64) -> FluidFor
             force: fluid.body_force.as_ref().map(|force| force.as_ref() as _),
             time,
         }),
+        cavitation: fluid.film.and_then(|film| film.floor).map(|floor| Cavitation { viscosity, floor }),
         body_force: fluid.body_force.as_ref().map(|force| BodyForce { force: force.as_ref(), time }),
         cip_velocity: CipVelocity { profile: cip, density },
         cip_pressure: CipPressure { gamma_pressure, density, viscosity, rate },

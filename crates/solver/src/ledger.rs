@@ -36,6 +36,8 @@ pub struct Ledger {
     pub ghost_penalty: f64,
     /// Flux along films that cells do not resolve: the dissipation of its parabola.
     pub film: f64,
+    /// Work that the pressure of films does on vapour.
+    pub cavitation: f64,
     /// Work against the body force of the fluid.
     pub fluid_force: f64,
     /// Work against the tractions on open boundaries.
@@ -66,7 +68,7 @@ pub struct Ledger {
 
 impl Ledger {
     /// Returns the lines with their names, in the order of the fields.
-    pub fn lines(&self) -> [(&'static str, f64); 21] {
+    pub fn lines(&self) -> [(&'static str, f64); 22] {
         [
             ("transfer", self.transfer),
             ("fluid_scheme", self.fluid_scheme),
@@ -76,6 +78,7 @@ impl Ledger {
             ("cip_pressure", self.cip_pressure),
             ("ghost_penalty", self.ghost_penalty),
             ("film", self.film),
+            ("cavitation", self.cavitation),
             ("fluid_force", self.fluid_force),
             ("open_boundary", self.open_boundary),
             ("backflow", self.backflow),
@@ -113,7 +116,7 @@ impl Ledger {
     /// Returns the sum of all lines.
     fn losses(&self) -> f64 {
         let of_fluid = self.transfer + self.fluid_scheme + self.viscosity + self.convection + self.fluid_force;
-        let of_faces = self.cip_velocity + self.cip_pressure + self.ghost_penalty + self.film;
+        let of_faces = self.cip_velocity + self.cip_pressure + self.ghost_penalty + self.film + self.cavitation;
         let of_boundary = self.open_boundary + self.backflow + self.given_velocities;
         let of_interface = self.mortar + self.penalty_normal + self.penalty_tangential;
         of_fluid
@@ -207,6 +210,7 @@ impl<const D: usize> FluidStep<'_, D> {
         ledger.convection = form.convection.as_ref().map_or(0.0, |term| cells(term));
         ledger.fluid_force = form.body_force.as_ref().map_or(0.0, |term| cells(term));
         ledger.film = form.film.as_ref().map_or(0.0, |term| cells(term));
+        ledger.cavitation = form.cavitation.as_ref().map_or(0.0, |term| cells(term));
         ledger.cip_velocity = faces([1.0, 0.0, 0.0]);
         ledger.ghost_penalty = faces([0.0, 1.0, 0.0]);
         ledger.cip_pressure = faces([0.0, 0.0, 1.0]);
@@ -214,7 +218,12 @@ impl<const D: usize> FluidStep<'_, D> {
         ledger.backflow = dt * self.backflow_power(layout, x);
         ledger.open_boundary = open - ledger.backflow;
         let of_faces = ledger.cip_velocity + ledger.ghost_penalty + ledger.cip_pressure;
-        let of_cells = ledger.fluid_scheme + ledger.viscosity + ledger.convection + ledger.fluid_force + ledger.film;
+        let of_cells = ledger.fluid_scheme
+            + ledger.viscosity
+            + ledger.convection
+            + ledger.fluid_force
+            + ledger.film
+            + ledger.cavitation;
         of_cells + of_faces + open
     }
 }

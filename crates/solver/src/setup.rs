@@ -64,6 +64,8 @@ pub struct FluidSetup<const D: usize> {
 pub struct FilmSetup {
     /// Height of the asperities of two opposite surfaces together, a length: a film of less thickness conducts as one of this.
     pub roughness: f64,
+    /// Lowest pressure in films, at which vapour appears; `None` if the fluid bears any tension.
+    pub floor: Option<f64>,
 }
 
 /// A condition on a part of the background's boundary.

@@ -5,8 +5,8 @@ use mesh::{Point, Vector};
 
 use crate::FluidCell;
 
-/// `(κ (∇p - f^f), ∇q)_{Ω^f}` with `κ = χ (1 - m s) min(δ, d)²/(12 μ^f)`: the flux that a pressure gradient drives along a film and that linear velocities do
-/// not carry in layers of thickness `d` or gaps `δ`
+/// `(κ (∇p - f^f), ∇q)_{Ω^f}` with `κ = χ (max(d, k)² - m s d²)/(12 μ^f)`: the flux that a pressure gradient drives along a film and that linear velocities do
+/// not carry in layers of thickness `d`, with asperities of height `k`
 ///
 /// Source: Reynolds' equation `∇·(δ³/(12 μ) ∇p) = ∂δ/∂t + ∇·(δ (v_1 + v_2)/2)` is the sum of this term and `(q, ∇·u)` across the film. The inertia of
 /// the missing flux is left out, as in Reynolds' equation.

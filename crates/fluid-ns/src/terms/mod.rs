@@ -2,6 +2,7 @@
 
 mod backflow;
 mod body_force;
+mod cavitation;
 mod cip;
 mod convection;
 mod film;
@@ -15,6 +16,7 @@ mod viscous;
 
 pub use backflow::Backflow;
 pub use body_force::BodyForce;
+pub use cavitation::Cavitation;
 pub use cip::{CipPressure, CipProfile, CipVelocity};
 pub use convection::Convection;
 pub use film::Film;

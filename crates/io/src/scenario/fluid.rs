@@ -5,7 +5,7 @@ use fluid_ns::NewtonianFluid;
 use fluid_ns::terms::CipProfile;
 use mesh::{Coordinates, FacetId, Placed, Point, Tag, Vector};
 use solver::interface_dg::terms::PenaltyProfile;
-use solver::{FluidBoundary, FluidSetup, Stabilisation};
+use solver::{FilmSetup, FluidBoundary, FluidSetup, Stabilisation};
 
 use super::background::{Background, background};
 use super::body::BodyKeys;
@@ -26,10 +26,23 @@ keys! {
         stabilisation: OrTable<StabilisationChoice, StabilisationKeys> = "standard",
         /// Form of the convective term.
         convection: ConvectionChoice = "standard",
+        /// Films between bodies and walls that are thinner than four cells: the flux along them that cells do not resolve. Not modelled if left out.
+        film: Option<FilmKeys>,
         /// Force per volume; none if left out.
         body_force: Option<Field> [unit(Quantity::FORCE_DENSITY)],
         /// Velocity at the start; at rest if left out.
         initial_velocity: Option<Field> [unit(Quantity::VELOCITY)],
+    }
+}
+
+keys! {
+    /// Films between bodies, and between bodies and walls.
+    pub struct FilmKeys {
+        /// Height of the asperities of two opposite surfaces together: a thinner film conducts as one of this thickness.
+        roughness: f64 [unit(Quantity::LENGTH), non_negative] = 0.0,
+        /// Lowest pressure in films, at which vapour appears: that of the vapour minus that of the surroundings, -1e5 Pa for water in air. The
+        /// fluid bears any tension if left out.
+        floor: Option<f64> [unit(Quantity::PRESSURE)],
     }
 }
 
@@ -189,7 +202,7 @@ pub(super) fn fluid<const D: usize>(
         overlay: OverlayOptions::new().without_self_intersection_check(),
         material: NewtonianFluid { density: fluid.density, viscosity: fluid.viscosity },
         stabilisation: stabilisation(&fluid.stabilisation),
-        film: None,
+        film: fluid.film.as_ref().map(|film| FilmSetup { roughness: film.roughness, floor: film.floor }),
         alpha,
         convection: match fluid.convection {
             ConvectionChoice::Standard => Some(false),

@@ -35,7 +35,9 @@ pub use error::{ErrorKind, Location, ScenarioError};
 pub use field::{Field, FieldFormula};
 pub use field_table::{FieldTable, Variable};
 pub use file::{FieldChoice, Output, Scenario, ScenarioFile};
-pub use fluid::{Cip, ConvectionChoice, Fluid, Interface, InterfacePenalty, StabilisationChoice, StabilisationKeys};
+pub use fluid::{
+    Cip, ConvectionChoice, FilmKeys, Fluid, Interface, InterfacePenalty, StabilisationChoice, StabilisationKeys,
+};
 pub use formula::{Formula, FormulaError};
 pub use geometry::Shape;
 pub use key::{Key, Quantity};

@@ -1,0 +1,160 @@
+//! Films thinner than cells: exact flows between plates, vapour, asperities, and the energy of a falling ball.
+
+mod fixture;
+
+use std::sync::Arc;
+
+use fixture::*;
+use solver::mesh::generate::structured_box;
+use solver::{FilmSetup, FluidBoundary, Setup};
+
+/// Cells along the plates, each of size one.
+const CELLS: usize = 16;
+
+/// Returns plates at a gap around the middle of a row of cells. The upper one has a velocity; both end outside of the mesh.
+fn plates(gap: f64, velocity: V, film: FilmSetup) -> Setup<2> {
+    let length = CELLS as f64;
+    let background = structured_box::<2>([0.0, -2.0], [length, 3.0], [CELLS, 5]).expect("a box");
+    let mut setup = setup(fluid(background, 1e-9, 1.0), 1e3);
+    setup.scheme = Arc::new(solver::algebra::time::QuasiStatic);
+    fluid_of(&mut setup).convection = None;
+    fluid_of(&mut setup).film = Some(film);
+    let plate = |from: f64, to: f64| structured_box::<2>([-1.0, from], [length + 1.0, to], [1, 1]).expect("a plate");
+    let middle = 0.53;
+    let (below, above) = (middle - 0.5 * gap, middle + 0.5 * gap);
+    setup.bodies.push(prescribed(&plate(below - 1.0, below), |x, _| *x, |_, _| V::zeros()));
+    setup.bodies.push(prescribed(&plate(above, above + 1.0), |x, _| *x, move |_, _| velocity));
+    setup
+}
+
+fn open() -> FluidBoundary<2> {
+    FluidBoundary::Open { traction: None, backflow: false }
+}
+
+/// Returns the force of the fluid on the upper plate.
+fn force(setup: &Setup<2>) -> V {
+    let (state, reports) = run(setup, 1);
+    let pieces = wet(&state).cut.interface().iter().zip(&wet_report(&reports[0]).tractions);
+    pieces.filter(|(piece, _)| piece.body.index() == 1).map(|(_, on)| on.total() * on.measure).sum()
+}
+
+#[test]
+fn a_film_of_half_a_cell_shears_as_couette_flow_does() {
+    let gap = 0.5;
+    let mut setup = plates(gap, V::new(2.0, 0.0), FilmSetup::default());
+    on_sides(&mut setup, &["bottom", "top"], open);
+    let shear = |x: &P, n: &V, _: f64| if (x[1] - 0.53).abs() < 0.25 { V::new(n[1], n[0]) * 4.0 } else { V::zeros() };
+    on_sides(&mut setup, &["left", "right"], || FluidBoundary::Open {
+        traction: Some(Arc::new(shear)),
+        backflow: false,
+    });
+    let (state, reports) = run(&setup, 1);
+    let mut shear = 0.0;
+    for (piece, on) in wet(&state).cut.interface().iter().zip(&wet_report(&reports[0]).tractions) {
+        // Only the sides of the plates towards each other.
+        if piece.body.index() == 1 && piece.normal[1] < 0.0 {
+            let exact = V::new(-2.0 / gap, 0.0);
+            assert!((on.total() - exact).norm() < 1e-10, "{:?}", on.total());
+            shear += on.total()[0] * on.measure;
+        }
+    }
+    assert!((shear + 2.0 / gap * CELLS as f64).abs() < 1e-9, "{shear}");
+}
+
+#[test]
+fn fluid_at_rest_in_a_film_has_the_pressure_of_its_weight() {
+    let force = V::new(0.7, -3.0);
+    for gap in [0.05, 0.5, 1.7] {
+        let mut setup = plates(gap, V::zeros(), FilmSetup::default());
+        fluid_of(&mut setup).body_force = Some(Arc::new(move |_, _| force));
+        on_sides(&mut setup, &SIDES, || FluidBoundary::NoSlip);
+        let (state, _) = run(&setup, 1);
+        let (error_u, _) = fluid_error(&setup, &state, |_| V::zeros(), |_| 0.0);
+        assert!(error_u < 1e-10, "gap {gap}: {error_u:e}");
+        // Pressures are known up to a constant in each of the three closed domains; their gradients are not.
+        let wet = wet(&state);
+        let background = &setup.fluid.as_ref().expect("a fluid").background;
+        for part in wet.cut.all_parts() {
+            let dofs = wet.space.dofs(part);
+            let at = |k: usize| (background.vertex(wet.space.vertex(dofs[k])), wet.pressure[dofs[k] as usize]);
+            for k in 1..3 {
+                let ((x, p), (x0, p0)) = (at(k), at(0));
+                assert!((p - p0 - force.dot(&(x - x0))).abs() < 1e-9, "gap {gap}: {}", p - p0);
+            }
+        }
+    }
+}
+
+#[test]
+fn films_of_more_than_four_cells_are_left_to_the_cells() {
+    let body = || structured_box::<2>([5.0, 1.2], [7.0, 2.2], [2, 1]).expect("a body");
+    let of = |film: Option<FilmSetup>| {
+        let background = structured_box::<2>([0.0, -8.0], [CELLS as f64, 8.0], [CELLS, 16]).expect("a box");
+        let mut setup = setup(fluid(background, 1.0, 0.1), 0.1);
+        fluid_of(&mut setup).film = film;
+        setup.bodies.push(prescribed(&body(), |x, t| x - V::new(0.0, t), |_, _| V::new(0.0, -1.0)));
+        on_sides(&mut setup, &SIDES, || FluidBoundary::NoSlip);
+        on_sides(&mut setup, &["top"], open);
+        run(&setup, 3).0
+    };
+    let (without, with) = (of(None), of(Some(FilmSetup::default())));
+    assert!(wet(&without).velocity == wet(&with).velocity && wet(&without).pressure == wet(&with).pressure);
+}
+
+#[test]
+fn asperities_keep_thin_films_open() {
+    // The gap has its volume, and conducts as a film of the thickness of the asperities.
+    let (gap, roughness) = (0.02, 0.1);
+    let mut setup = plates(gap, V::new(0.0, -1.0), FilmSetup { roughness, floor: None });
+    on_sides(&mut setup, &SIDES, open);
+    let exact = (CELLS as f64).powi(3) / (gap * roughness * roughness);
+    let found = force(&setup)[1];
+    assert!((found / exact - 1.0).abs() < 0.03, "{}", found / exact);
+}
+
+#[test]
+fn vapour_bounds_the_tension_of_a_film_that_opens() {
+    let gap = 0.25;
+    let tension = |floor| {
+        let mut setup = plates(gap, V::new(0.0, 1.0), FilmSetup { roughness: 0.0, floor });
+        on_sides(&mut setup, &SIDES, open);
+        let (state, _) = run(&setup, 1);
+        let lowest = wet(&state).pressure.iter().fold(f64::INFINITY, |low, p| low.min(*p));
+        (lowest, force(&setup)[1])
+    };
+    // Without a floor the lowest pressure is -3/2 μ V L²/δ³.
+    let length = CELLS as f64;
+    let (lowest, force) = tension(None);
+    assert!((lowest / (-1.5 * length.powi(2) / gap.powi(3)) - 1.0).abs() < 0.05, "{lowest}");
+    assert!((force / -(length / gap).powi(3) - 1.0).abs() < 0.05, "{force}");
+    // Vapour in the middle half.
+    let width = 0.25 * length;
+    let floor = -6.0 * width * width / gap.powi(3);
+    let (lowest, force) = tension(Some(floor));
+    assert!((lowest / floor - 1.0).abs() < 1e-4, "{}", lowest / floor);
+    let exact = floor * (length - 2.0 * width + 2.0 * width * 2.0 / 3.0);
+    assert!((force / exact - 1.0).abs() < 0.05, "{}", force / exact);
+}
+
+#[test]
+fn a_ball_that_falls_into_a_film_loses_energy_in_every_step() {
+    let background = structured_box::<2>([-4.0, 0.0], [4.0, 4.0], [24, 12]).expect("a box");
+    let mut setup = setup(fluid(background, 0.2, 0.5), 2e-3);
+    fluid_of(&mut setup).convection = Some(true);
+    fluid_of(&mut setup).film = Some(FilmSetup::default());
+    on_sides(&mut setup, &["left", "right", "bottom"], || FluidBoundary::NoSlip);
+    on_sides(&mut setup, &["top"], open);
+    let ball = rigid("ball", &disk([0.0, 1.3], 1.0, 0.1), 3.0, V::new(0.0, -100.0));
+    setup.bodies.push(Arc::new(ball));
+    let (state, reports) = run(&setup, 40);
+    assert!(motion(&state, 0).centre[1] < 1.25, "{}", motion(&state, 0).centre[1]);
+    let size = reports.iter().map(|report| report.ledger.largest_line()).fold(0.0, f64::max);
+    for report in &reports {
+        let ledger = &report.ledger;
+        assert!(ledger.film > 0.0 && ledger.dissipation() > -1e-9 * size, "{ledger:?}");
+        assert!(ledger.defect().abs() < 1e-9 * size && ledger.other.abs() < 1e-9 * size, "{ledger:?}");
+    }
+    let (film, viscosity) =
+        reports.iter().fold((0.0, 0.0), |sum, r| (sum.0 + r.ledger.film, sum.1 + r.ledger.viscosity));
+    assert!(film > 0.1 * viscosity, "film {film}, viscosity {viscosity}");
+}
