@@ -148,6 +148,7 @@ fn setup<const D: usize>(fluid: FluidSetup<D>, bodies: Vec<Arc<dyn Body<D>>>, dt
         scheme: Arc::new(ImplicitEuler),
         dt,
         most_halvings: 0,
+        approach: None,
         newton,
     }
 }

@@ -44,7 +44,7 @@ mod sites;
 pub use diagnostics::ContactReport;
 pub use error::Error;
 pub use frame::{Frame, Local};
-pub use law::{ContactLaw, ContactPoint, ContactTraction, PenaltyLaw, StressSource};
+pub use law::{CollisionLaw, ContactLaw, ContactPoint, ContactTraction, PenaltyLaw, StressSource};
 pub use obstacle::{Anchor, DeformableObstacle, Obstacle, OwnSurface, Projection, RigidBall, RigidPlane, RigidSurface};
 pub use positions::Positions;
 pub use site::{ContactNode, ContactSite};

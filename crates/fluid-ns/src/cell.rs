@@ -64,18 +64,25 @@ pub struct FluidCells<'a, const D: usize> {
     geometry: FluidGeometry<'a, D>,
     fields: FluidFields<'a>,
     with_pressure: bool,
+    /// Lowest pressure of films, if the terms depend on which vertices are below it.
+    floor: Option<f64>,
 }
 
 impl<'a, const D: usize> FluidCells<'a, D> {
     /// Creates the sites of terms that couple velocity and pressure.
     pub fn new(geometry: FluidGeometry<'a, D>, fields: FluidFields<'a>) -> Self {
-        Self { geometry, fields, with_pressure: true }
+        Self { geometry, fields, with_pressure: true, floor: None }
     }
 
     /// Creates the sites of terms that couple velocities only. Their items have no rows of pressures, and their sites
     /// neither pressure nor acceleration.
     pub fn of_velocity(geometry: FluidGeometry<'a, D>, fields: FluidFields<'a>) -> Self {
-        Self { geometry, fields, with_pressure: false }
+        Self { geometry, fields, with_pressure: false, floor: None }
+    }
+
+    /// Creates the sites of [`crate::terms::Cavitation`] with a floor of the pressure: their regime is the set of vertices of films below it.
+    pub fn with_floor(geometry: FluidGeometry<'a, D>, fields: FluidFields<'a>, floor: f64) -> Self {
+        Self { floor: Some(floor), ..Self::new(geometry, fields) }
     }
 }
 
@@ -120,5 +127,16 @@ impl<'a, const D: usize> Sites for FluidCells<'a, D> {
             }
         }
         visit(&cell);
+    }
+
+    fn regime(&self, x: &[f64]) -> u64 {
+        // Fowler-Noll-Vo hash of the dofs below the floor.
+        const OFFSET: u64 = 0xcbf2_9ce4_8422_2325;
+        const PRIME: u64 = 0x0100_0000_01b3;
+        let (Some(floor), Some(films)) = (self.floor, self.geometry.films) else { return 0 };
+        let of_films = self.geometry.cut.all_parts().filter(|part| films.of(*part).is_some());
+        let dofs = of_films.flat_map(|part| self.geometry.space.dofs(part));
+        let below = dofs.filter(|dof| self.fields.pressure_at(x, **dof) < floor);
+        below.fold(OFFSET, |hash, dof| (hash ^ u64::from(*dof)).wrapping_mul(PRIME))
     }
 }

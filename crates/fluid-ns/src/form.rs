@@ -56,7 +56,8 @@ impl<'a, const D: usize> FluidForm<'a, D> {
         let faces = FluidFaces::new(geometry, fields, |face| self.face_weights(face));
         let mut all: Vec<Box<dyn Contributions + 'p>> = vec![Box::new(linear), Box::new(convection), Box::new(faces)];
         if let Some(cavitation) = &self.cavitation {
-            all.push(Box::new(Integral::new("cavitation", FluidCells::new(geometry, fields), vec![cavitation])));
+            let cells = FluidCells::with_floor(geometry, fields, cavitation.floor);
+            all.push(Box::new(Integral::new("cavitation", cells, vec![cavitation])));
         }
         all
     }

@@ -36,4 +36,4 @@ pub use error::Error;
 pub use mass::MassProperties;
 pub use modes::Spin;
 pub use motion::RigidMotion;
-pub use rigid::RigidBody;
+pub use rigid::{Guide, RigidBody};

@@ -1,5 +1,7 @@
 //! Rigid bodies.
 
+use std::sync::Arc;
+
 use algebra::time::{Level, Row};
 use algebra::{BlockLayout, Constraints, Contributions, DofId, FieldId, Integral};
 use body::{Balance, Body, BodyState, BodyStep, StepTime, SurfaceMotion};
@@ -9,6 +11,18 @@ use crate::centre::RigidCentre;
 use crate::modes::{Spin, mode, n_modes};
 use crate::terms::Momentum;
 use crate::{Error, MassProperties, RigidMotion};
+
+/// Times are equal if they differ by less than this part.
+const ROUND_OFF: f64 = 1e-9;
+
+/// A given velocity of the centre, without rotation, until a body is released.
+#[derive(Clone)]
+pub struct Guide<const D: usize> {
+    /// Time of the release. A step that begins before it is guided.
+    pub until: f64,
+    /// Velocity at a time.
+    pub velocity: Arc<dyn Fn(f64) -> Vector<D> + Send + Sync>,
+}
 
 /// A body that moves freely without deforming.
 ///
@@ -28,6 +42,8 @@ pub struct RigidBody<const D: usize> {
     pub held_axes: [bool; D],
     /// Whether rotation is held.
     pub holds_rotation: bool,
+    /// A motion before the body is free; `None` if it is free from the start.
+    pub guide: Option<Guide<D>>,
     /// Velocity of the centre at the start.
     pub initial_velocity: Vector<D>,
     /// Spin at the start, rad/time.
@@ -55,6 +71,7 @@ impl<const D: usize> RigidBody<D> {
             gravity,
             held_axes: [false; D],
             holds_rotation: false,
+            guide: None,
             initial_velocity: Vector::zeros(),
             initial_spin: [0.0; 3],
         })
@@ -187,11 +204,15 @@ impl<const D: usize> BodyStep<D> for RigidStep<'_, D> {
                 constraints.tie(dof, &masters);
             }
         }
+        let begin = self.time.end - self.time.length;
+        let guided = self.body.guide.as_ref().filter(|guide| begin < guide.until * (1.0 - ROUND_OFF));
+        let guided = guided.map(|guide| (guide.velocity)(self.time.end));
         for (m, dof) in layout.node(self.whole, 0).enumerate() {
-            if self.body.holds(m) {
+            let end = guided.map(|velocity| if m < D { velocity[m] } else { 0.0 });
+            if let Some(end) = if self.body.holds(m) { Some(0.0) } else { end } {
                 let RigidMotion { velocity, spin, .. } = &self.motion;
                 let before = if m < D { velocity[m] } else { spin[m - D] };
-                constraints.set(dof, self.time.weights.stage_velocity(0.0, before));
+                constraints.set(dof, self.time.weights.stage_velocity(end, before));
             }
         }
     }

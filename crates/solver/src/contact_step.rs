@@ -19,6 +19,14 @@ pub(crate) struct Partners<'p, const D: usize> {
     pub(crate) fluid: Option<&'p FluidStep<'p, D>>,
     pub(crate) bodies: &'p [Box<dyn BodyStep<D> + 'p>],
     pub(crate) time: &'p StepTime,
+    /// Masses of the bodies; `None` for those with a given motion.
+    pub(crate) masses: &'p [Option<f64>],
+}
+
+impl<const D: usize> Partners<'_, D> {
+    pub(crate) fn mass(&self, body: BodyId) -> Option<f64> {
+        self.masses[body.index()]
+    }
 }
 
 /// A contact in one step. It borrows nothing; [`ContactStep::sites`] borrows it together with the bodies.

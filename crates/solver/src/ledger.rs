@@ -183,7 +183,8 @@ impl<const D: usize> Problem<'_, D> {
             ledger.loads += loads;
             known += own + loads;
         }
-        let contact: f64 = self.contacts.iter().map(|sites| work(&contact_work(sites.clone()))).sum();
+        let of_laws: f64 = self.contacts.iter().map(|sites| work(&contact_work(sites.clone()))).sum();
+        let contact = of_laws + step.collisions.iter().flatten().map(|collision| work(collision)).sum::<f64>();
         ledger.contact = contact - (contact_energy - before.contact_energy);
         ledger.change += contact_energy - before.contact_energy;
         known += contact;

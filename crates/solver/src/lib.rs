@@ -10,6 +10,8 @@
 //! Without a fluid the same step advances bodies in vacuum. This crate composes; the only integrals that it evaluates are
 //! those of its reports.
 
+mod approach;
+mod collision;
 mod contact_step;
 mod error;
 mod extension;
@@ -28,6 +30,7 @@ mod step;
 mod surfaces;
 mod time_loop;
 
+pub use approach::ApproachSteps;
 pub use error::{ObserverError, Stage, StepError};
 pub use ledger::Ledger;
 pub use observe::{Observer, StepView};

@@ -8,6 +8,7 @@ use body::{BodyState, BodyStep, StepTime};
 use interface_dg::{InterfacePoints, Pocket, SolidShare, UnstableShare, pockets, unstable_share};
 use mesh::{Aabb, Point};
 
+use crate::collision::Collision;
 use crate::contact_step::{ContactStep, Partners};
 use crate::fluid_step::FluidStep;
 use crate::{Setup, Stage, StageSeconds, State};
@@ -37,7 +38,10 @@ pub struct Step<'a, const D: usize> {
     pub layout: BlockLayout,
     pub(crate) fluid: Option<FluidStep<'a, D>>,
     pub(crate) bodies: Vec<Box<dyn BodyStep<D> + 'a>>,
+    masses: Vec<Option<f64>>,
     pub(crate) contacts: Vec<ContactStep<D>>,
+    /// Collisions, one entry per contact.
+    pub(crate) collisions: Vec<Option<Collision<D>>>,
     pub(crate) constraints: Constraints,
     pub(crate) pockets: Vec<Pocket>,
     pub(crate) seconds: StageSeconds,
@@ -62,8 +66,8 @@ impl<'a, const D: usize> Step<'a, D> {
             }
             None => None,
         };
-        let begun = setup.bodies.iter().zip(&previous.bodies);
-        let bodies: Vec<_> = begun.map(|(body, state)| body.step(state, &time, &mut layout)).collect();
+        let begun = || setup.bodies.iter().zip(&previous.bodies);
+        let bodies: Vec<_> = begun().map(|(body, state)| body.step(state, &time, &mut layout)).collect();
         let mut step = Self {
             setup,
             previous,
@@ -71,13 +75,17 @@ impl<'a, const D: usize> Step<'a, D> {
             layout,
             fluid,
             bodies,
+            masses: begun().map(|(body, state)| body.balance(state).map(|balance| balance.mass)).collect(),
             contacts: Vec::new(),
+            collisions: Vec::new(),
             constraints: Constraints::new(),
             pockets: Vec::new(),
             seconds,
         };
         let contact = |contact| ContactStep::new(contact, previous, step.partners());
         step.contacts = setup.contacts.iter().map(contact).collect::<Result<_, _>>()?;
+        let collision = |contact| Collision::new(contact, previous, step.partners());
+        step.collisions = setup.contacts.iter().map(collision).collect();
         step.constrain();
         step.check_share()?;
         step.seconds.space = clock.elapsed().as_secs_f64() - step.seconds.cut;
@@ -113,7 +121,7 @@ impl<'a, const D: usize> Step<'a, D> {
     /// Returns the fluid and the bodies for the evaluation of contacts.
     pub(crate) fn partners(&self) -> Partners<'_, D> {
         let (layout, bodies) = (&self.layout, &self.bodies[..]);
-        Partners { layout, fluid: self.fluid.as_ref(), bodies, time: &self.time }
+        Partners { layout, fluid: self.fluid.as_ref(), bodies, time: &self.time, masses: &self.masses }
     }
 
     /// Constrains boundary values of the fluid, then supports and ties of the bodies, then the pressures of pockets.

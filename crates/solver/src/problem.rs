@@ -36,6 +36,9 @@ impl<const D: usize> Step<'_, D> {
         for sites in &contacts {
             contributions.push(Box::new(contact_work(sites.clone())));
         }
+        for collision in self.collisions.iter().flatten() {
+            contributions.push(Box::new(collision.clone()));
+        }
         let equations = Equations { layout, contributions, constraints: &self.constraints };
         Problem { equations, step: self, interface, contacts }
     }

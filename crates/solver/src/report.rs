@@ -136,7 +136,10 @@ impl<const D: usize> Problem<'_, D> {
             let master = contact.master().map(positions).unwrap_or_default();
             ContactReport::new(sites, x, [&positions(contact.body()), &master])
         };
-        let contacts: Vec<_> = step.setup.contacts.iter().zip(&self.contacts).map(contact).collect();
+        let mut contacts: Vec<_> = step.setup.contacts.iter().zip(&self.contacts).map(contact).collect();
+        for (report, collision) in contacts.iter_mut().zip(&step.collisions) {
+            report.force += collision.as_ref().map_or_else(Vector::zeros, |collision| collision.force(x));
+        }
         let fluid_energy = fluid.as_ref().map_or(0.0, |fluid| fluid.kinetic_energy);
         let contact_energy = contacts.iter().map(|contact: &ContactReport<D>| contact.stored_energy).sum();
         let ledger = self.ledger(x, ends, [fluid_energy, contact_energy]);

@@ -10,7 +10,7 @@ use cutcell::OverlayOptions;
 use fluid_ns::NewtonianFluid;
 use mesh::{BodyId, FacetId, Placed, Point, SimplexMesh, Tag, Vector};
 
-use crate::{Stabilisation, Stage};
+use crate::{ApproachSteps, Stabilisation, Stage};
 
 /// A traction at a point, given the outward normal, at a time.
 pub type TractionField<const D: usize> = Arc<dyn Fn(&Point<D>, &Vector<D>, f64) -> Vector<D> + Send + Sync>;
@@ -30,6 +30,8 @@ pub struct Setup<const D: usize> {
     /// Number of times that a failing step may be halved (see [`crate::TimeLoop::run`]). Zero: the run stops with the first
     /// failure.
     pub most_halvings: usize,
+    /// Steps that follow the gaps of contacts; `None` for steps of one length.
+    pub approach: Option<ApproachSteps>,
     /// Newton's method.
     pub newton: NewtonSettings,
 }
@@ -221,6 +223,10 @@ impl<const D: usize> Setup<D> {
     /// background, an axis without symmetry, or a contact that was made for other bodies.
     pub fn check(&self) -> Result<(), Stage> {
         mesh::positive("time step", self.dt)?;
+        if let Some(ApproachSteps { fraction, smallest }) = self.approach {
+            mesh::positive("fraction of the gap in a step", fraction)?;
+            mesh::positive("smallest step", smallest)?;
+        }
         if let Some(fluid) = &self.fluid {
             mesh::require((0.0..=1.0).contains(&fluid.alpha), "weight alpha", fluid.alpha, "from 0 to 1")?;
             let roughness = fluid.film.map_or(0.0, |film| film.roughness);

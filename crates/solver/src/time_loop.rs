@@ -40,7 +40,7 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
 
     /// Passes the state to the observers, then takes `n_steps` steps and passes the state after each of them.
     ///
-    /// A step in which Newton's method fails or contact may have been missed is taken again in two halves, from the
+    /// With [`Setup::approach`] a step is taken in parts where bodies are close to each other. A step in which Newton's method fails or contact may have been missed is taken again in two halves, from the
     /// same state; halves are divided further, down to [`Setup::most_halvings`] halvings. The next half, and the next
     /// step, are tried whole. Observers receive the parts as well ([`crate::StepReport::substep`]); a part that
     /// succeeds also counts the work of the nonlinear solves that failed before it.
@@ -54,12 +54,27 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
             observer.after_step(&start).map_err(|e| StepError::at(step, time, Stage::Observer(e)))?;
         }
         for _ in 0..n_steps {
-            self.step(Substep::whole(self.setup.dt), self.setup.most_halvings, observers)?;
+            self.whole_step(observers)?;
             if self.forget_every > 0 && self.state.step.is_multiple_of(self.forget_every) {
                 self.work.forget();
             }
         }
         Ok(())
+    }
+
+    /// Takes a step, in as many parts as the gaps of contacts require.
+    fn whole_step(&mut self, observers: &mut [&mut dyn Observer<D>]) -> Result<(), StepError> {
+        let mut left = self.setup.dt;
+        loop {
+            let longest = self.setup.approach.map_or(left, |approach| approach.longest(self.setup, &self.state));
+            let parts = (left / longest).ceil().max(1.0);
+            let substep = Substep { dt: left / parts, is_last: parts == 1.0 };
+            self.step(substep, self.setup.most_halvings, observers)?;
+            if substep.is_last {
+                return Ok(());
+            }
+            left -= substep.dt;
+        }
     }
 
     /// Takes a step, or both halves of it.

@@ -9,7 +9,7 @@ use solver::mesh::generate::structured_box;
 use solver::{FilmSetup, FluidBoundary, Setup};
 
 /// Cells along the plates, each of size one.
-const CELLS: usize = 16;
+const CELLS: usize = 40;
 
 /// Returns plates at a gap around the middle of a row of cells. The upper one has a velocity; both end outside of the mesh.
 fn plates(gap: f64, velocity: V, film: FilmSetup) -> Setup<2> {

@@ -89,6 +89,7 @@ fn steady(cells: usize) -> Result<([f64; 3], Increments), Failure> {
         scheme: Arc::new(QuasiStatic),
         newton: NewtonSettings::new(TOLERANCE),
         most_halvings: MOST_HALVINGS,
+        approach: None,
         ..problem(fluid, 1.0)
     };
     let mut run = TimeLoop::new(&setup, State::initial(&setup)?, Workspace::new());

@@ -99,7 +99,7 @@ pub(crate) fn run<const D: usize>(
     let contact = |Touch { facets, form, obstacle }| Contact::new(&bodies, BodyId::new(0), facets, form, obstacle);
     let contacts = touch.map(contact).transpose()?.into_iter().collect();
     let newton = NewtonSettings::new(tolerance);
-    Run::new(Setup { fluid: None, bodies, contacts, scheme, dt, most_halvings: 0, newton })
+    Run::new(Setup { fluid: None, bodies, contacts, scheme, dt, most_halvings: 0, approach: None, newton })
 }
 
 /// Returns a support whose displacement grows linearly in time until 1; components with `None` are free.

@@ -132,6 +132,7 @@ pub(super) fn problem<const D: usize>(fluid: FluidSetup<D>, dt: f64) -> Setup<D>
         scheme: Arc::new(ImplicitEuler),
         dt,
         most_halvings: 0,
+        approach: None,
         newton,
     }
 }

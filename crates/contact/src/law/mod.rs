@@ -1,10 +1,12 @@
 //! Contact laws: traction as a function of gap, slip and stress, in the frame of the contact point.
 
 mod check;
+mod collision;
 mod discrete_gradient;
 mod penalty;
 
 pub use check::{LawCheck, check_law};
+pub use collision::CollisionLaw;
 pub(crate) use discrete_gradient::discrete_gradient;
 pub use penalty::PenaltyLaw;
 
@@ -68,6 +70,12 @@ pub trait ContactLaw: Send + Sync + std::fmt::Debug {
     /// Returns the stored energy per area, whose derivative with respect to the gap is the normal traction; `None` for
     /// laws without energy.
     fn energy_density(&self, _at: &ContactPoint) -> Option<f64> {
+        None
+    }
+
+    /// Returns the restitution of collisions, for bodies that do not deform; `None` for laws that act by their traction. At most the velocity of approach is
+    /// reversed where [`ContactLaw::is_active`] holds at the start of a step.
+    fn restitution(&self) -> Option<f64> {
         None
     }
 

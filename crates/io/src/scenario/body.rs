@@ -203,8 +203,9 @@ pub(super) fn body<const D: usize>(
             check_radii(given, &reference, coordinates)?;
             let surface = (boundary.with_coordinates(coordinates), reference);
             match &**motion {
-                MotionChoice::Free { held, initial_spin } => {
-                    Arc::new(free(given, surface, held, initial_spin.as_ref())?)
+                MotionChoice::Free { held, initial_spin, guided } => {
+                    let guide = guided.as_ref().map(|guided| guided.guide(time)).transpose()?;
+                    Arc::new(RigidBody { guide, ..free(given, surface, held, initial_spin.as_ref())? })
                 }
                 _ => Arc::new(prescribed(&given.name, motion, time, surface)?),
             }

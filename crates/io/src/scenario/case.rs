@@ -4,7 +4,7 @@ use algebra::Workspace;
 use contact::{DeformableObstacle, Obstacle, Positions};
 use cutcell::{CutMesh, OverlayOptions};
 use mesh::{Aabb, BodyId, FacetId, Placed, Point};
-use solver::{Contact, FluidBoundary, FluidSetup, Setup};
+use solver::{ApproachSteps, Contact, FluidBoundary, FluidSetup, Setup};
 
 use super::background::Background;
 use super::body::{BodyCondition, BodyKeys, Built, body};
@@ -104,6 +104,7 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
         scheme: time.scheme()?,
         dt: *time.step,
         most_halvings: time.most_halvings,
+        approach: time.approach.as_ref().map(|of| ApproachSteps { fraction: of.fraction, smallest: of.smallest }),
         newton: scenario.solver.newton.settings(),
     };
     let starts: Vec<_> = setup.bodies.iter().map(|body| body.start()).collect();

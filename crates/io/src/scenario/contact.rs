@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use contact::{ContactForm, DeformableObstacle, OwnSurface, PenaltyLaw, RigidBall, RigidPlane, RigidSurface};
+use contact::{
+    CollisionLaw, ContactForm, DeformableObstacle, OwnSurface, PenaltyLaw, RigidBall, RigidPlane, RigidSurface,
+};
 use mesh::{BodyId, BoundaryMesh, FacetId, Placed, Point, SimplexMesh};
 use solver::body::Body;
 use solver::{Contact, ContactObstacle};
@@ -49,6 +51,12 @@ choices! {
         Penalty = "penalty" {
             /// Penalty parameter `γ_C0`.
             gamma_contact_0: f64 [unit(Quantity::PRESSURE), positive],
+        },
+        /// Collision of bodies that do not deform: where the gap is below the offset, the roughness of the surfaces, the velocity of approach is reversed
+        /// in one step, for bodies and fluid together.
+        Collision = "collision" {
+            /// Restitution of a collision without fluid.
+            restitution: f64 [between(0.0, 1.0)],
         },
     }
 }
@@ -231,9 +239,21 @@ impl<'p, const D: usize> Partners<'p, D> {
         obstacle: ContactObstacle<D>,
     ) -> Result<Contact<D>, ScenarioError> {
         let fail = |error: contact::Error| given.at.error(error);
-        let ContactLawChoice::Penalty { gamma_contact_0 } = given.law;
-        let law = PenaltyLaw::new(gamma_contact_0, given.offset).map_err(fail)?;
-        let form = ContactForm::new(law, given.size).map_err(fail)?;
+        let form = match given.law {
+            ContactLawChoice::Penalty { gamma_contact_0 } => {
+                ContactForm::new(PenaltyLaw::new(gamma_contact_0, given.offset).map_err(fail)?, given.size)
+            }
+            ContactLawChoice::Collision { .. } if self.built[slave.index()].deforms => {
+                let name = self.bodies[slave.index()].name();
+                return Err(given.at.invalid(format!(
+                    "body `{name}` deforms, and the law `collision` is for bodies that do not; use the law `penalty`, or motion = {{ kind = \"free\" }}"
+                )));
+            }
+            ContactLawChoice::Collision { restitution } => {
+                ContactForm::new(CollisionLaw::new(restitution, given.offset).map_err(fail)?, given.size)
+            }
+        };
+        let form = form.map_err(fail)?;
         Contact::new(&self.bodies, slave, self.free_facets(slave), form, obstacle).map_err(fail)
     }
 

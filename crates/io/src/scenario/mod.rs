@@ -41,10 +41,12 @@ pub use fluid::{
 pub use formula::{Formula, FormulaError};
 pub use geometry::Shape;
 pub use key::{Key, Quantity};
-pub use motion::{Held, MotionChoice};
+pub use motion::{GuideKeys, Held, MotionChoice};
 pub use probe::ProbeChoice;
 pub use schema::schema;
-pub use solver::{Blocks, BodyBlock, FluidBlock, Linear, Newton, Preconditioner, Solver, Time, TimeSchemeChoice};
+pub use solver::{
+    Approach, Blocks, BodyBlock, FluidBlock, Linear, Newton, Preconditioner, Solver, Time, TimeSchemeChoice,
+};
 pub(crate) use table::Choose;
 pub use table::{At, Components, Named, OrTable};
 pub use units::{System, UnitNames, Units};

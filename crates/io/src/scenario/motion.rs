@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use mesh::{BoundaryMesh, Point, Vector};
+use solid_rigid::Guide;
 use solver::body::PrescribedBody;
 
 use super::error::{ErrorKind, ScenarioError};
@@ -11,7 +12,7 @@ use super::geometry::input_path;
 use super::key::Quantity;
 use super::motion_table::{MotionTable, Pose};
 use super::solver::Time;
-use super::table::{At, Components, choices};
+use super::table::{At, Components, choices, keys};
 
 choices! {
     /// Motion of a body that does not deform; angles are in radians, counter-clockwise.
@@ -40,6 +41,8 @@ choices! {
             held: Vec<At<Held>>,
             /// Angular velocity at the start; none if left out.
             initial_spin: Option<At<f64>> [unit(Quantity::RATE)],
+            /// A given motion before the body is free; free from the start if left out.
+            guided: Option<GuideKeys>,
         },
         /// Table of displacements and angles over time.
         Table = "table" {
@@ -48,6 +51,16 @@ choices! {
             /// Centre of the rotation before the displacement, with a column of angles.
             centre: Option<At<Components<f64>>> [unit(Quantity::LENGTH)],
         },
+    }
+}
+
+keys! {
+    /// A motion of the centre, without rotation, from the start until the body is released.
+    pub struct GuideKeys {
+        /// Time of the release.
+        until: f64 [unit(Quantity::TIME), positive],
+        /// Velocity, formulas in the time `t`.
+        velocity: Components<At<Formula>> [unit(Quantity::VELOCITY)],
     }
 }
 
@@ -95,6 +108,15 @@ impl<const D: usize> GivenMotion<D> {
         velocity[0] -= pose.angle.rate * arm[1];
         velocity[1] += pose.angle.rate * arm[0];
         velocity
+    }
+}
+
+impl GuideKeys {
+    /// Builds the motion.
+    pub(super) fn guide<const D: usize>(&self, time: &Time) -> Result<Guide<D>, ScenarioError> {
+        let axes = self.velocity.iter().map(|formula| checked(formula, time)).collect::<Result<Vec<_>, _>>()?;
+        let velocity = Arc::new(move |t| Vector::from_fn(|axis, _| axes[axis].at(&[], t).value));
+        Ok(Guide { until: self.until, velocity })
     }
 }
 

@@ -24,6 +24,18 @@ keys! {
         /// Number of times that a step is halved, if Newton's method fails or a contact may have been missed, before the
         /// run stops.
         most_halvings: usize [between(0.0, 20.0)] = 4,
+        /// Steps that become shorter as the bodies of a contact approach: a step is taken in parts then. Steps of one length if left out.
+        approach: Option<Approach>,
+    }
+}
+
+keys! {
+    /// Parts of steps where bodies are close to each other.
+    pub struct Approach {
+        /// Largest motion of the bodies of a contact in a part of a step, over the gap between them.
+        fraction: f64 [positive] = 0.06,
+        /// Smallest length of a part.
+        smallest: f64 [unit(Quantity::TIME), positive],
     }
 }
 

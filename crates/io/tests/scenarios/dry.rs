@@ -72,6 +72,7 @@ fn block() -> Setup<2> {
         scheme: Arc::new(ImplicitEuler),
         dt: DT,
         most_halvings: 0,
+        approach: None,
         newton: NewtonSettings::new(1e-10),
     }
 }
