@@ -29,6 +29,9 @@ const PIECE_DEGREE: usize = 2;
 /// Degree of quadrature on open boundaries: products of three P1 functions.
 const BOUNDARY_DEGREE: usize = 3;
 
+/// Stiffness of the penalty that stands for vapour: far above one, and far below the inverse of round-off.
+const VAPOUR: f64 = 1e6;
+
 /// The fluid in one step.
 pub(crate) struct FluidStep<'a, const D: usize> {
     pub(crate) setup: &'a FluidSetup<D>,
@@ -347,7 +350,11 @@ fn form<const D: usize>(fluid: &FluidSetup<D>, rate: f64, time: f64) -> FluidFor
             force: fluid.body_force.as_ref().map(|force| force.as_ref() as _),
             time,
         }),
-        cavitation: fluid.film.and_then(|film| film.floor).map(|floor| Cavitation { viscosity, floor }),
+        cavitation: fluid.film.and_then(|film| film.floor).map(|floor| Cavitation {
+            viscosity,
+            floor,
+            stiffness: VAPOUR,
+        }),
         body_force: fluid.body_force.as_ref().map(|force| BodyForce { force: force.as_ref(), time }),
         cip_velocity: CipVelocity { profile: cip, density },
         cip_pressure: CipPressure { gamma_pressure, density, viscosity, rate },

@@ -4,10 +4,6 @@ use algebra::{LocalSystem, Term};
 
 use crate::FluidCell;
 
-/// Volume that vapour takes, over the pressure by which a vertex falls below the floor, relative to the flux that such a difference would drive along the film.
-/// Pressures fall below the floor by about its inverse.
-const STIFFNESS: f64 = 1e6;
-
 /// `-Σ_i q_i C K |g_i|² [p_c - p_i]_+`: vapour appears where the pressure of a film would fall below the floor `p_c`, and vanishes where it rises
 ///
 /// Source: the condition of Reynolds (Gümbel), as a penalty: `p ≥ p_c`, the volume of the film grows at least as fast as fluid enters, and one of the two
@@ -20,6 +16,9 @@ pub struct Cavitation {
     pub viscosity: f64,
     /// Lowest pressure `p_c`.
     pub floor: f64,
+    /// The number `C`: volume that vapour takes at a vertex, over the flux along the film that its difference from the floor would drive. Pressures fall
+    /// below the floor by about `1/C` of the differences in the film.
+    pub stiffness: f64,
 }
 
 impl<const D: usize> Term<FluidCell<'_, D>> for Cavitation {
@@ -31,7 +30,7 @@ impl<const D: usize> Term<FluidCell<'_, D>> for Cavitation {
             if below <= 0.0 {
                 continue;
             }
-            let vapour = STIFFNESS * conductance * g.norm_squared();
+            let vapour = self.stiffness * conductance * g.norm_squared();
             out.add(row, -vapour * below);
             if out.has_tangent() {
                 out.add_tangent(row, row, vapour);
