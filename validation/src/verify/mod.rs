@@ -36,6 +36,7 @@ mod passages;
 mod peer;
 mod pulsatile_leaflet;
 pub(crate) mod record;
+mod resting_ball;
 mod robustness;
 mod run;
 mod sedimentation;
@@ -75,7 +76,7 @@ const fn check(name: &'static str, about: &'static str, measure: fn(&mut Record)
 }
 
 /// All checks, in the order of the page.
-const CHECKS: [Check; 37] = [
+const CHECKS: [Check; 38] = [
     check("exact", "Solutions that the discrete spaces contain, at random positions of the body.", exact::measure),
     check("orders", "Orders of convergence of known flows around bodies at rest and in motion.", orders::measure),
     check("peer", "Errors of unfitted Stokes flow compared with those of ngsxfem on the same mesh.", peer::measure),
@@ -130,6 +131,11 @@ const CHECKS: [Check; 37] = [
     check("disk-modes", "Frequencies of a free elastic disk.", disk_modes::measure),
     check("immersed-modes", "Frequencies of an elastic disk in a fluid at rest.", immersed_modes::measure),
     check("contact-patch", "Contact of uniform pressure: a block on a plane, and two blocks.", contact_patch::measure),
+    check(
+        "resting-ball",
+        "The contact force of a disk at rest in fluid, under two ambient pressures.",
+        resting_ball::measure,
+    ),
     check("hertz", "A cylinder pressed on a rigid plane.", hertz::measure),
     check("bar", "A bar that hits the floor: times and pressures of its contacts.", bar::measure),
     check("disk-impact", "A disk that hits a rigid plane without a fluid around it.", disk_impact::measure),
