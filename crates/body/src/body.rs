@@ -82,8 +82,13 @@ pub trait BodyStep<const D: usize>: Sync {
     /// Returns the state at the end of the step for the solution `x`.
     fn end(&self, layout: &BlockLayout, x: &[f64]) -> BodyState<D>;
 
-    /// Returns the stress of the body on its surface; `None` for bodies without stress.
-    fn stress<'p>(&'p self, _layout: &'p BlockLayout) -> Option<Box<dyn SurfaceStress<D> + 'p>> {
+    /// Returns the stress of the body on its surface, per area of the surface at the given positions of its vertices; `None` for bodies
+    /// without stress.
+    fn stress<'p>(
+        &'p self,
+        _layout: &'p BlockLayout,
+        _positions: &'p [Point<D>],
+    ) -> Option<Box<dyn SurfaceStress<D> + 'p>> {
         None
     }
 }

@@ -6,7 +6,8 @@ use mesh::{FacetId, Vector};
 /// Derivatives of a vector with the dofs on which it depends, each once.
 pub type ByDof<const D: usize> = Vec<(DofId, Vector<D>)>;
 
-/// Traction `σ n` on one side of the surface of a body, with its derivatives; `n` points out of the body.
+/// Traction `σ n` on one side of the surface of a body, with its derivatives; `n` points out of the body. It is a force per area of the
+/// surface as it is integrated over in the step.
 ///
 /// A consistent contact law reads it. Implementations: the stress of a solid behind the surface, and that of the fluid in
 /// front of it.
@@ -25,6 +26,14 @@ pub trait SurfaceStress<const D: usize>: Send + Sync {
     ///
     /// Zero for a stress whose energy does not enter the bound. Units: force·time per volume.
     fn trace_bound(&self, _facet: FacetId) -> f64 {
+        0.0
+    }
+
+    /// Returns the stiffness of the cell behind a facet over its height, by which a consistent contact law scales its penalty. Zero for a stress
+    /// that does not come from a deformation.
+    ///
+    /// Units: force per volume.
+    fn stiffness(&self, _facet: FacetId) -> f64 {
         0.0
     }
 }

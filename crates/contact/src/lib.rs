@@ -9,6 +9,7 @@
 //! | formula | file |
 //! |---|---|
 //! | `λ = -(γ_C0/s) [ε - Δ]₊` | `law/penalty.rs` |
+//! | `λ = -[γ_C (ε - Δ) - s_n]₊` | `law/nitsche.rs` |
 //! | `-(f, w^s - w^m)` | `terms/contact_work.rs` |
 //! | closest points and normals | `obstacle/rigid_plane.rs`, `rigid_ball.rs`, `rigid_surface.rs`, `deformable.rs` |
 //! | contact of a body with itself | `obstacle/own.rs` |
@@ -44,7 +45,7 @@ mod sites;
 pub use diagnostics::ContactReport;
 pub use error::Error;
 pub use frame::{Frame, Local};
-pub use law::{CollisionLaw, ContactLaw, ContactPoint, ContactTraction, PenaltyLaw, StressSource};
+pub use law::{CollisionLaw, ContactLaw, ContactPoint, ContactTraction, NitscheLaw, PenaltyLaw, StressSource};
 pub use obstacle::{Anchor, DeformableObstacle, Obstacle, OwnSurface, Projection, RigidBall, RigidPlane, RigidSurface};
 pub use positions::Positions;
 pub use site::{ContactNode, ContactSite};

@@ -52,6 +52,8 @@ pub struct ContactPair<'a, const D: usize> {
     pub master: Option<&'a SurfaceMotion<'a, D>>,
     /// Traction on the slave's surface, if the law depends on it.
     pub stress: Option<Arc<dyn SurfaceStress<D> + 'a>>,
+    /// Part of the traction that acts: a half if the law is consistent with the stress and both surfaces are slaves, else one.
+    pub share: f64,
     /// Length of the step.
     pub dt: f64,
     /// Whether the law acts as a discrete gradient over the step, else at its end.
@@ -246,7 +248,7 @@ impl<const D: usize> ContactSites<'_, D> {
         let mut at = ContactPoint { gap, slip, size: form.size, dt, ..ContactPoint::default() };
         if let Some(stress) = &self.pair.stress {
             site.stress = stress.at(item.facet, barycentric, x, derivatives);
-            at.stress = frame.components(&site.stress);
+            (at.stress, at.stiffness) = (frame.components(&site.stress), stress.stiffness(item.facet));
         }
         let beyond = form.law.offset().max(gap);
         let gap_at_start = item.begin_gaps.get(site.number).map(|gap| if gap.is_finite() { *gap } else { beyond });
@@ -306,10 +308,11 @@ impl<const D: usize> Sites for ContactSites<'_, D> {
     fn visit(&self, item: usize, x: &[f64], mut visit: impl FnMut(&Self::Site)) {
         self.each_point(item, x, |site| {
             let law = self.pair.form.law.as_ref();
-            site.traction = match site.gap_at_start {
+            let traction = match site.gap_at_start {
                 Some(gap) => discrete_gradient(law, &site.at, gap),
                 None => law.traction(&site.at),
             };
+            site.traction = traction.times(self.pair.share);
             visit(site);
         });
     }

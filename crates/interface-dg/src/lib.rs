@@ -8,8 +8,11 @@
 //! | `-(u - v_s, T(v, -q; w) n^f)` | `terms/adjoint_consistency.rs` |
 //! | `(S (u - v_s), v - w)` | `terms/penalty.rs` |
 //!
+//! Where bodies touch there is no fluid; `terms/closed_pressure.rs` has `(p n, w)` there, with the pressure at the rim.
+//!
 //! The velocity of the body is unknown, or given at every point ([`body::SurfaceVelocity`]).
 
+mod closed;
 mod form;
 mod leak;
 mod piece_values;
@@ -22,6 +25,7 @@ mod stress;
 pub mod terms;
 mod traction;
 
+pub use closed::{ClosedPoint, ClosedPoints};
 pub use form::MortarForm;
 pub use leak::{InterfaceFlow, interface_flow};
 pub use piece_values::{PiecePoint, PieceValues};
@@ -30,5 +34,5 @@ pub use points::{InterfacePoints, MortarPoint};
 pub use power::{InterfacePower, interface_power};
 pub use solid_share::{SolidShare, SolidTraction};
 pub use stability::{UnstableShare, unstable_share};
-pub use stress::FluidStress;
+pub use stress::{FluidStress, StressJump};
 pub use traction::{InterfaceTraction, interface_tractions};

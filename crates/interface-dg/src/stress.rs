@@ -1,29 +1,138 @@
 //! Stress of the fluid on the surface of a body.
 
-use algebra::DofId;
-use body::{ByDof, SurfaceStress};
-use mesh::{BodyId, FacetId, MAX_CELL_VERTICES, Tensor, Vector};
+use std::sync::Arc;
+
+use algebra::{BlockLayout, DofId};
+use body::{ByDof, SurfaceMotion, SurfaceStress};
+use cutcell::InterfacePiece;
+use mesh::{BodyId, FacetId, MAX_CELL_VERTICES, Placed, Point, Tensor, Vector};
 
 use crate::InterfacePoints;
 
 /// Barycentric coordinates above minus this value lie inside a piece.
 const INSIDE: f64 = 1e-9;
 
-/// Traction `T^f n` of the fluid in front of a body, `n` out of the body; zero where there is no fluid, because bodies
-/// overlap or the facet lies outside the background.
+/// Covered part of a facet, relative to its measure, below which the rest of it is closed.
+const COVERED: f64 = 1.0 - 1e-9;
+
+/// Traction `T^f n` of the fluid in front of a body, `n` out of the body.
+///
+/// Where no fluid borders, because bodies touch or overlap or the facet lies outside the background, the surface is *closed*. There the traction is
+/// `-p n` with the pressure in the middle of the nearest interface piece of the body, continued as in fluid at rest, `∇p = f` with the force `f` per volume;
+/// zero if there is no piece. Rough surfaces in contact have fluid between them, which is connected to that at the rim.
+///
+/// Source: Ager, Schott, Vuong, Popp, Wall 2019, doi:10.1002/nme.6094, who continue stresses of the fluid into the contact zone.
 pub struct FluidStress<'a, const D: usize> {
     points: InterfacePoints<'a, D>,
+    body: BodyId,
     /// Interface pieces on each facet, sorted by facet.
     pieces: Vec<(FacetId, usize)>,
+    /// Facets that are closed in part or as a whole, in order.
+    closed: Vec<ClosedFacet<D>>,
+}
+
+/// A facet that is closed in part or as a whole.
+struct ClosedFacet<const D: usize> {
+    facet: FacetId,
+    /// The nearest piece of the same body, and its middle.
+    rim: usize,
+    middle: Point<D>,
+    /// Force of the fluid per volume there.
+    body_force: Vector<D>,
+    /// Fluid nodes of that piece with their shape values in the middle.
+    shape: [f64; MAX_CELL_VERTICES],
 }
 
 impl<'a, const D: usize> FluidStress<'a, D> {
-    /// Creates the stress on the surface of a body.
-    pub fn new(points: InterfacePoints<'a, D>, body: BodyId) -> Self {
+    /// Creates the stress on the surface of a body in a fluid with a force per volume at a point.
+    pub fn new(points: InterfacePoints<'a, D>, body: BodyId, body_force: impl Fn(&Point<D>) -> Vector<D>) -> Self {
         let pieces = points.geometry.cut.interface().iter().enumerate().filter(|(_, piece)| piece.body == body);
         let mut pieces: Vec<_> = pieces.map(|(item, piece)| (piece.facet, item)).collect();
         pieces.sort_unstable();
-        Self { points, pieces }
+        let mut stress = Self { points, body, pieces, closed: Vec::new() };
+        stress.closed = stress.closed_facets(body_force);
+        stress
+    }
+
+    /// Returns the surface of the body as it was cut.
+    pub(crate) fn surface(&self) -> Placed<'_, D> {
+        let body = self.body.index();
+        Placed::new(self.points.surfaces[body].boundary, &self.points.positions[body])
+    }
+
+    /// Returns the interface pieces on a facet.
+    pub(crate) fn pieces_of(&self, facet: FacetId) -> impl Iterator<Item = &InterfacePiece<D>> {
+        self.on_facet(facet).map(|item| &self.points.geometry.cut.interface()[item])
+    }
+
+    /// Finds the facets that are not covered by pieces, and the nearest piece of each.
+    fn closed_facets(&self, body_force: impl Fn(&Point<D>) -> Vector<D>) -> Vec<ClosedFacet<D>> {
+        let (surface, geometry) = (self.surface(), &self.points.geometry);
+        let pieces = geometry.cut.interface();
+        let is_closed = |facet: &FacetId| {
+            let covered: f64 = self.pieces_of(*facet).map(|piece| piece.measure).sum();
+            covered < COVERED * surface.facet_measure(*facet)
+        };
+        let nearest = |facet: FacetId| {
+            let of_facet = mean(&surface.facet_points(facet)[..D]);
+            let distance = |item: usize| (mean(&pieces[item].points[..D]) - of_facet).norm_squared();
+            let items = self.pieces.iter().map(|(_, item)| *item);
+            let rim = items.min_by(|a, b| distance(*a).total_cmp(&distance(*b)))?;
+            let middle = mean(&pieces[rim].points[..D]);
+            let shape = geometry.background.simplex(pieces[rim].cell).barycentric(&middle).unwrap_or_default();
+            Some(ClosedFacet { facet, rim, middle, body_force: body_force(&middle), shape })
+        };
+        surface.boundary().facets().filter(is_closed).filter_map(nearest).collect()
+    }
+
+    /// Returns the facets that are closed in part or as a whole, in order.
+    pub(crate) fn closed(&self) -> impl ExactSizeIterator<Item = FacetId> {
+        self.closed.iter().map(|closed| closed.facet)
+    }
+
+    /// Returns the piece whose pressure acts on the closed part of a facet.
+    fn rim(&self, facet: FacetId) -> Option<&ClosedFacet<D>> {
+        let found = self.closed.binary_search_by_key(&facet, |closed| closed.facet).ok()?;
+        Some(&self.closed[found])
+    }
+
+    /// Returns the unknown pressures of the nearest piece of a closed facet with their shape values.
+    pub(crate) fn rim_pressures(&self, facet: FacetId) -> impl Iterator<Item = (DofId, f64)> {
+        let InterfacePoints { geometry, fields, .. } = &self.points;
+        self.rim(facet).into_iter().flat_map(|closed| {
+            let nodes = geometry.space.dofs(geometry.cut.interface()[closed.rim].part).iter().zip(closed.shape);
+            nodes.flat_map(|(&node, shape)| {
+                fields.layout.node(fields.pressure, node as usize).map(move |dof| (dof, shape))
+            })
+        })
+    }
+
+    /// Returns the pressure at a point of a closed facet.
+    pub(crate) fn closed_pressure(&self, facet: FacetId, point: &Point<D>, x: &[f64]) -> f64 {
+        let at_rim: f64 = self.rim_pressures(facet).map(|(dof, shape)| x[dof.index()] * shape).sum();
+        at_rim + self.rim(facet).map_or(0.0, |closed| closed.body_force.dot(&(point - closed.middle)))
+    }
+
+    /// Returns the piece that contains a point of a facet.
+    fn piece_at(&self, facet: FacetId, barycentric: &[f64]) -> Option<usize> {
+        self.on_facet(facet).find(|&item| self.contains(item, barycentric))
+    }
+
+    /// Returns the traction at a point of the closed part of a facet, and appends its derivatives.
+    fn on_closed(&self, facet: FacetId, barycentric: &[f64], x: &[f64], derivatives: &mut ByDof<D>) -> Vector<D> {
+        let normal = self.surface().facet_normal(facet);
+        derivatives.extend(self.rim_pressures(facet).map(|(dof, shape)| (dof, normal * -shape)));
+        normal * -self.closed_pressure(facet, &self.position(facet, barycentric), x)
+    }
+
+    /// Returns the position of a point of a facet as it was cut.
+    pub(crate) fn position(&self, facet: FacetId, barycentric: &[f64]) -> Point<D> {
+        self.surface().facet_points(facet)[..D].iter().zip(barycentric).map(|(x, b)| x * *b).sum()
+    }
+
+    /// Returns the motion of the surface and the layout.
+    pub(crate) fn motion(&self) -> (&SurfaceMotion<'a, D>, &BlockLayout) {
+        (self.points.surfaces[self.body.index()], self.points.fields.layout)
     }
 
     fn on_facet(&self, facet: FacetId) -> impl Iterator<Item = usize> {
@@ -44,7 +153,7 @@ impl<const D: usize> SurfaceStress<D> for FluidStress<'_, D> {
     fn dofs(&self, facet: FacetId, out: &mut Vec<DofId>) {
         let InterfacePoints { geometry, fields, .. } = &self.points;
         let first = out.len();
-        for item in self.on_facet(facet) {
+        for item in self.on_facet(facet).chain(self.rim(facet).map(|closed| closed.rim)) {
             for &dof in geometry.space.dofs(geometry.cut.interface()[item].part) {
                 let node = dof as usize;
                 let dofs = fields.layout.node(fields.velocity, node).chain(fields.layout.node(fields.pressure, node));
@@ -60,8 +169,8 @@ impl<const D: usize> SurfaceStress<D> for FluidStress<'_, D> {
     fn at(&self, facet: FacetId, barycentric: &[f64], x: &[f64], derivatives: &mut ByDof<D>) -> Vector<D> {
         let InterfacePoints { geometry, fields, values, fluid, .. } = &self.points;
         derivatives.clear();
-        let Some(item) = self.on_facet(facet).find(|&item| self.contains(item, barycentric)) else {
-            return Vector::zeros();
+        let Some(item) = self.piece_at(facet, barycentric) else {
+            return self.on_closed(facet, barycentric, x, derivatives);
         };
         let piece = &geometry.cut.interface()[item];
         let gradients = values.gradients(item);
@@ -83,11 +192,42 @@ impl<const D: usize> SurfaceStress<D> for FluidStress<'_, D> {
 impl<const D: usize> FluidStress<'_, D> {
     /// Returns the shape values of the fluid part of a piece at a point of its facet.
     fn shape(&self, item: usize, barycentric: &[f64]) -> [f64; MAX_CELL_VERTICES] {
-        let InterfacePoints { geometry, surfaces, positions, .. } = &self.points;
+        let geometry = &self.points.geometry;
         let piece = &geometry.cut.interface()[item];
-        let (surface, positions) = (surfaces[piece.body.index()], &positions[piece.body.index()]);
-        let vertices = surface.boundary.facet(piece.facet).iter().zip(barycentric);
-        let point = vertices.map(|(vertex, b)| positions[vertex.index()] * *b).sum();
+        let point = self.position(piece.facet, barycentric);
         geometry.background.simplex(piece.cell).barycentric(&point).unwrap_or_default()
     }
+}
+
+/// Traction of a body minus that of the fluid in front of it: what is left for contact.
+pub struct StressJump<'a, const D: usize> {
+    /// The stress of the body.
+    pub solid: Arc<dyn SurfaceStress<D> + 'a>,
+    /// The stress of the fluid.
+    pub fluid: Arc<FluidStress<'a, D>>,
+}
+
+impl<const D: usize> SurfaceStress<D> for StressJump<'_, D> {
+    fn dofs(&self, facet: FacetId, out: &mut Vec<DofId>) {
+        self.solid.dofs(facet, out);
+        self.fluid.dofs(facet, out);
+    }
+
+    fn at(&self, facet: FacetId, barycentric: &[f64], x: &[f64], derivatives: &mut ByDof<D>) -> Vector<D> {
+        let mut of_fluid = Vec::new();
+        let fluid = self.fluid.at(facet, barycentric, x, &mut of_fluid);
+        let solid = self.solid.at(facet, barycentric, x, derivatives);
+        // Unknowns of the two are different fields.
+        derivatives.extend(of_fluid.into_iter().map(|(dof, derivative)| (dof, -derivative)));
+        solid - fluid
+    }
+
+    fn stiffness(&self, facet: FacetId) -> f64 {
+        self.solid.stiffness(facet)
+    }
+}
+
+/// Returns the mean of points.
+fn mean<const D: usize>(points: &[Point<D>]) -> Point<D> {
+    points.iter().sum::<Point<D>>() / points.len() as f64
 }

@@ -185,8 +185,12 @@ impl<const D: usize> BodyStep<D> for ElasticStep<'_, D> {
         BodyState { level: self.time.weights.end(&self.begin.level, &velocity), inner: Vec::new() }
     }
 
-    fn stress<'p>(&'p self, layout: &'p BlockLayout) -> Option<Box<dyn SurfaceStress<D> + 'p>> {
+    fn stress<'p>(
+        &'p self,
+        layout: &'p BlockLayout,
+        positions: &'p [Point<D>],
+    ) -> Option<Box<dyn SurfaceStress<D> + 'p>> {
         let materials = &self.body.form.internal_work.materials;
-        Some(Box::new(SolidStress { cells: self.cells(layout), materials }))
+        Some(Box::new(SolidStress { cells: self.cells(layout), materials, positions }))
     }
 }

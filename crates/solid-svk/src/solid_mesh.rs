@@ -281,7 +281,7 @@ impl<const D: usize> SolidMesh<D> {
         }
     }
 
-    /// Returns the measure of the boundary facets of a cell.
+    /// Returns the measure of the boundary facets of a cell, with the weight of the coordinates in their middles.
     pub fn surface_measure(&self, cell: CellId) -> f64 {
         self.surface_measures[cell.index()]
     }
@@ -326,7 +326,8 @@ impl<const D: usize> SolidMesh<D> {
         let placed = self.placed(&self.nodes);
         for facet in self.boundary.facets() {
             if let Some(cell) = self.boundary.facet_to_cell(facet) {
-                measures[cell.index()] += placed.facet_measure(facet);
+                let middle = placed.facet_points(facet)[..D].iter().sum::<Point<D>>() / D as f64;
+                measures[cell.index()] += placed.facet_measure(facet) * self.boundary.coordinates().weight(&middle);
             }
         }
         measures

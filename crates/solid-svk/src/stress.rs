@@ -4,18 +4,22 @@ use std::sync::Arc;
 
 use algebra::{DofId, Sites};
 use body::{ByDof, SurfaceStress};
-use mesh::{CellId, FacetId, Tensor, Vector, det};
+use mesh::{CellId, FacetId, Point, Tensor, Vector, VertexId};
 
 use crate::{Material, SolidCells};
 
-/// Traction of the cell behind a facet, `P N / (|F|/|F̂|) = σ n`: nominal stress over the current measure of the facet.
+/// Traction of the cell behind a facet, `P N |F̂|/|F|`: the nominal traction `P N`, per measure `|F|` of the facet at given positions in
+/// place of its measure `|F̂|` in the reference state. At the current positions it is `σ n`.
 ///
-/// It is that of the middle of the facet, so constant on it. The displacement is that of the stage of the step.
+/// It is that of the middle of the facet, so constant on it. The displacement is that of the stage of the step. An integral over the facet at
+/// `positions` is the force that the solid has in its own weak form, however much the facet grows in the step.
 pub struct SolidStress<'a, const D: usize> {
     /// The cells of the body.
     pub cells: SolidCells<'a, D>,
     /// The material of each group of cells.
     pub materials: &'a [Arc<dyn Material<D>>],
+    /// Positions of the nodes at which the surface is integrated over.
+    pub positions: &'a [Point<D>],
 }
 
 impl<const D: usize> SolidStress<'_, D> {
@@ -23,38 +27,48 @@ impl<const D: usize> SolidStress<'_, D> {
         self.cells.solid.boundary().facet_to_cell(facet)
     }
 
-    /// Computes the traction by Nanson's formula, `σ n = P N / |J F⁻ᵀ N|`, and its derivatives with respect to the
-    /// velocities of the nodes of the cell.
+    /// Returns the measure of a facet with the weight of the coordinates in its middle.
+    fn measure(&self, facet: FacetId, positions: &[Point<D>]) -> f64 {
+        let placed = self.cells.solid.placed(positions);
+        let middle = placed.facet_points(facet)[..D].iter().sum::<Point<D>>() / D as f64;
+        placed.facet_measure(facet) * placed.boundary().coordinates().weight(&middle)
+    }
+
+    /// Computes the traction and its derivatives with respect to the velocities of the nodes of the cell.
     fn traction(&self, facet: FacetId, cell: CellId, x: &[f64], derivatives: &mut ByDof<D>) -> Vector<D> {
         let SolidCells { solid, rule, layout, velocity } = self.cells;
         let (nodes, point) = (solid.cell(cell), solid.surface_point(facet));
         let displacement = self.cells.at_nodes(&rule.displacement, nodes, x);
         let deformation = point.deformation(&displacement[..nodes.len()]);
-        let f = deformation.gradient;
-        let Some(inverse) = f.try_inverse() else { return Vector::zeros() };
-        // a = J F⁻ᵀ N: current area vector per reference area; da = (tr(H F⁻¹) I - (H F⁻¹)ᵀ) a.
         let normal = solid.placed(solid.nodes()).facet_normal(facet);
-        // In axisymmetric coordinates circles are stretched too.
-        let stretch = deformation.hoop.unwrap_or(1.0);
-        let area = inverse.transpose() * normal * (det(&f) * stretch);
-        let ratio = area.norm();
+        let ratio = self.measure(facet, solid.nodes()) / self.measure(facet, self.positions);
         let material = self.materials[solid.group(cell)].as_ref();
-        let nominal = deformation.first_piola(material) * normal;
-        let traction = nominal / ratio;
         for (k, (node, g)) in nodes.iter().zip(point.gradients).enumerate() {
             for (b, dof) in layout.node(velocity, node.index()).enumerate() {
                 let mut h = Tensor::<D>::zeros();
                 h.set_row(b, &(g * rule.displacement.slope).transpose());
+                // In axisymmetric coordinates circles are stretched too.
                 let of_circles = point.hoop.filter(|(radial, _)| b == *radial);
                 let d_stretch = of_circles.map_or(0.0, |(_, shapes)| shapes[k] * rule.displacement.slope);
-                let h_inverse = h * inverse;
-                let d_area = area * (h_inverse.trace() + d_stretch / stretch) - h_inverse.transpose() * area;
-                let d_ratio = area.dot(&d_area) / ratio;
-                let d_nominal = deformation.first_piola_derivative(material, &h, d_stretch) * normal;
-                derivatives.push((dof, (d_nominal - traction * d_ratio) / ratio));
+                derivatives.push((dof, deformation.first_piola_derivative(material, &h, d_stretch) * normal * ratio));
             }
         }
-        traction
+        deformation.first_piola(material) * normal * ratio
+    }
+
+    /// Returns the stiffness `n·C(n ⊗ n) n` of the reference state, `2 μ + λ` in isotropic materials, along the normal of a facet.
+    fn stiffness_along_normal(&self, facet: FacetId, cell: CellId) -> f64 {
+        let solid = self.cells.solid;
+        let normal = solid.placed(solid.nodes()).facet_normal(facet);
+        let along = normal * normal.transpose();
+        let material = &self.materials[solid.group(cell)];
+        normal.dot(&(material.first_piola_derivative(&Tensor::identity(), &along) * normal))
+    }
+
+    /// Returns `p (p - 1 + D)/D` for the order `p`: the constant of the trace inequality of polynomials of degree `p - 1`.
+    fn trace_factor(&self) -> f64 {
+        let p = self.cells.solid.order().degree();
+        (p * (p - 1 + D)) as f64 / D as f64
     }
 }
 
@@ -82,13 +96,18 @@ impl<const D: usize> SurfaceStress<D> for SolidStress<'_, D> {
     fn trace_bound(&self, facet: FacetId) -> f64 {
         let Some(cell) = self.cell(facet) else { return 0.0 };
         let solid = self.cells.solid;
-        let normal = solid.placed(solid.nodes()).facet_normal(facet);
-        let along = normal * normal.transpose();
-        let material = &self.materials[solid.group(cell)];
-        let stiffness = normal.dot(&(material.first_piola_derivative(&Tensor::identity(), &along) * normal));
-        let p = solid.order().degree();
-        let factor = (p * (p - 1 + D)) as f64 / D as f64;
-        let trace = factor * solid.surface_measure(cell) / solid.volume(cell);
-        self.cells.rule.displacement.slope * stiffness * trace
+        let trace = self.trace_factor() * solid.surface_measure(cell) / solid.volume(cell);
+        self.cells.rule.displacement.slope * self.stiffness_along_normal(facet, cell) * trace
+    }
+
+    /// Returns `p (p - 1 + D)/D n·C(n ⊗ n) n/h` with the order `p` and the height `h` of the cell over the facet: that of linear elements is `(2 μ + λ)/h`.
+    fn stiffness(&self, facet: FacetId) -> f64 {
+        let Some(cell) = self.cell(facet) else { return 0.0 };
+        let solid = self.cells.solid;
+        let surface = solid.placed(solid.nodes());
+        let (corner, normal) = (surface.facet_points(facet)[0], surface.facet_normal(facet));
+        let behind = |node: &VertexId| (corner - solid.nodes()[node.index()]).dot(&normal);
+        let height = solid.cell(cell).iter().map(behind).fold(0.0, f64::max);
+        self.trace_factor() * self.stiffness_along_normal(facet, cell) / height
     }
 }

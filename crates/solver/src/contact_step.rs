@@ -1,12 +1,13 @@
 //! A contact in one step: candidates, reach, and the check that none was missed.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use algebra::{BlockLayout, NewtonReport};
 use body::{BodyStep, StepTime, SurfaceMotion, SurfaceStress};
 use contact::{ContactItems, ContactPair, ContactSites, Positions, StressSource};
-use interface_dg::FluidStress;
-use mesh::{BodyId, Vector, VertexId};
+use interface_dg::{ClosedPoints, FluidStress, StressJump};
+use mesh::{BodyId, Point, Vector, VertexId};
 
 use crate::fluid_step::FluidStep;
 use crate::setup::Contact;
@@ -29,6 +30,23 @@ impl<const D: usize> Partners<'_, D> {
     }
 }
 
+impl<'p, const D: usize> Partners<'p, D> {
+    /// Returns the stress of the fluid on a body; `None` without a fluid.
+    fn fluid_stress(&self, body: BodyId) -> Option<Arc<FluidStress<'p, D>>> {
+        let fluid = self.fluid?;
+        let (force, time) = (&fluid.setup.body_force, self.time.stage());
+        let body_force = |x: &Point<D>| force.as_ref().map_or_else(Vector::zeros, |force| force(x, time));
+        Some(Arc::new(FluidStress::new(fluid.interface(self.layout, self.bodies), body, body_force)))
+    }
+
+    /// Returns the closed parts of the surfaces of bodies in contacts with laws that depend on the jump of stress.
+    pub(crate) fn closed(&self, contacts: &[Contact<D>]) -> Vec<(BodyId, ClosedPoints<'p, D>)> {
+        let of_jump = contacts.iter().filter(|contact| contact.form().law.stress() == StressSource::Jump);
+        let bodies: BTreeSet<BodyId> = of_jump.flat_map(|c| [Some(c.body()), c.master()]).flatten().collect();
+        bodies.into_iter().filter_map(|body| Some((body, ClosedPoints::new(self.fluid_stress(body)?)))).collect()
+    }
+}
+
 /// A contact in one step. It borrows nothing; [`ContactStep::sites`] borrows it together with the bodies.
 pub(crate) struct ContactStep<const D: usize> {
     items: ContactItems<D>,
@@ -39,14 +57,21 @@ pub(crate) struct ContactStep<const D: usize> {
 /// Returns the pair of slave and obstacle of a contact in a step.
 fn pair<'p, const D: usize>(contact: &'p Contact<D>, step: Partners<'p, D>) -> ContactPair<'p, D> {
     let surface = |id: BodyId| step.bodies[id.index()].surface();
-    let stress: Option<Arc<dyn SurfaceStress<D> + 'p>> = match contact.form().law.stress() {
-        StressSource::None => None,
-        StressSource::Solid => step.bodies[contact.body().index()].stress(step.layout).map(Arc::from),
-        StressSource::Fluid => step.fluid.map(|fluid| {
-            let points = fluid.interface(step.layout, step.bodies);
-            Arc::new(FluidStress::new(points, contact.body())) as _
-        }),
+    let source = contact.form().law.stress();
+    let body = &step.bodies[contact.body().index()];
+    let solid = || body.stress(step.layout, &body.surface().begin).map(Arc::from);
+    let fluid =
+        (source == StressSource::Fluid || source == StressSource::Jump).then(|| step.fluid_stress(contact.body()));
+    let fluid = fluid.flatten();
+    let stress: Option<Arc<dyn SurfaceStress<D> + 'p>> = match (source, &fluid) {
+        (StressSource::None, _) => None,
+        (StressSource::Fluid, fluid) => fluid.clone().map(|fluid| fluid as _),
+        (StressSource::Jump, Some(fluid)) => {
+            solid().map(|solid| Arc::new(StressJump { solid, fluid: Arc::clone(fluid) }) as _)
+        }
+        (StressSource::Solid | StressSource::Jump, _) => solid(),
     };
+    let is_own = contact.master() == Some(contact.body());
     ContactPair {
         form: contact.form(),
         slave: surface(contact.body()),
@@ -54,6 +79,7 @@ fn pair<'p, const D: usize>(contact: &'p Contact<D>, step: Partners<'p, D>) -> C
         obstacle: contact.geometry(),
         master: contact.master().map(surface),
         stress,
+        share: if is_own && source != StressSource::None { 0.5 } else { 1.0 },
         dt: step.time.length,
         conserves: step.time.weights.conserves,
     }

@@ -57,7 +57,7 @@ pub enum Stage {
     #[error(
         "the contact law of body {body} depends on the stress of the {}, which this setup does not have; use a law \
          without stress",
-        format!("{stress:?}").to_lowercase()
+        if *stress == StressSource::Fluid { "fluid" } else { "solid" }
     )]
     MissingStress {
         /// The stress.

@@ -7,7 +7,7 @@ use interface_dg::interface_power;
 
 use crate::Problem;
 use crate::fluid_step::FluidStep;
-use crate::problem::contact_work;
+use crate::problem::{closed_pressure, contact_work};
 
 /// Energy that each part of the discrete problem took in a step; negative if it gave energy.
 ///
@@ -52,7 +52,7 @@ pub struct Ledger {
     pub penalty_tangential: f64,
     /// Inertia, internal work and body force of the bodies: dissipation of their time schemes.
     pub body_scheme: f64,
-    /// Work against the loads on bodies.
+    /// Work against the loads on bodies, and against the pressure on closed parts of surfaces.
     pub loads: f64,
     /// Contacts: work that their laws do not store, and the change of the stored energy with the area of facets and with the shift of
     /// positions where the length of the step changes.
@@ -188,6 +188,9 @@ impl<const D: usize> Problem<'_, D> {
         ledger.contact = contact - (contact_energy - before.contact_energy);
         ledger.change += contact_energy - before.contact_energy;
         known += contact;
+        let closed: f64 = self.closed.iter().map(|(_, points)| work(&closed_pressure(points.clone()))).sum();
+        ledger.loads += closed;
+        known += closed;
         ledger.other = total - known;
         ledger
     }

@@ -98,7 +98,11 @@ impl<'a, const D: usize> Step<'a, D> {
         let (layout, alpha) = (&self.layout, fluid.setup.alpha);
         let solid = (alpha < 1.0).then(|| SolidShare {
             alpha,
-            stresses: self.bodies.iter().map(|body| body.stress(layout).map(Arc::from)).collect(),
+            stresses: self
+                .bodies
+                .iter()
+                .map(|body| body.stress(layout, &body.surface().geometry).map(Arc::from))
+                .collect(),
             start: self.guess().into(),
         });
         Some(InterfacePoints { solid, ..fluid.interface(layout, &self.bodies) })

@@ -3,7 +3,9 @@
 use algebra::{Contributions, Equations, Integral};
 use contact::ContactSites;
 use contact::terms::ContactWork;
-use interface_dg::InterfacePoints;
+use interface_dg::terms::ClosedPressure;
+use interface_dg::{ClosedPoints, InterfacePoints};
+use mesh::BodyId;
 
 use crate::Step;
 
@@ -16,6 +18,8 @@ pub struct Problem<'p, const D: usize> {
     pub interface: Option<InterfacePoints<'p, D>>,
     /// The contacts, in the order of the setup.
     pub contacts: Vec<ContactSites<'p, D>>,
+    /// Closed parts of surfaces, each with its body.
+    pub closed: Vec<(BodyId, ClosedPoints<'p, D>)>,
 }
 
 impl<const D: usize> Step<'_, D> {
@@ -39,9 +43,18 @@ impl<const D: usize> Step<'_, D> {
         for collision in self.collisions.iter().flatten() {
             contributions.push(Box::new(collision.clone()));
         }
+        let closed = self.partners().closed(&self.setup.contacts);
+        for (_, points) in &closed {
+            contributions.push(Box::new(closed_pressure(points.clone())));
+        }
         let equations = Equations { layout, contributions, constraints: &self.constraints };
-        Problem { equations, step: self, interface, contacts }
+        Problem { equations, step: self, interface, contacts, closed }
     }
+}
+
+/// Returns the pressure on a closed part of a surface.
+pub(crate) fn closed_pressure<const D: usize>(points: ClosedPoints<'_, D>) -> Integral<'_, ClosedPoints<'_, D>> {
+    Integral::linear("closed surface", points, vec![&ClosedPressure])
 }
 
 /// Returns the weak form of a contact.

@@ -144,6 +144,11 @@ impl<const D: usize> Problem<'_, D> {
         let contact_energy = contacts.iter().map(|contact: &ContactReport<D>| contact.stored_energy).sum();
         let ledger = self.ledger(x, ends, [fluid_energy, contact_energy]);
         let mut bodies: Vec<_> = ends.iter().enumerate().map(|(b, end)| body_report(step, b, end)).collect();
+        for (body, points) in &self.closed {
+            if let Some(forces) = &mut bodies[body.index()].forces {
+                forces.pressure += points.force(x);
+            }
+        }
         add_forces(step, fluid.as_ref(), &contacts, &mut bodies);
         let seconds = StageSeconds { assembly: newton.seconds_assembly, linear: newton.seconds_linear, ..step.seconds };
         StepReport { substep, newton, fluid, bodies, contacts, ledger, n_dofs: step.layout.len(), seconds }

@@ -120,7 +120,7 @@ fn contact_with_stress(setup: &mut Setup<2>, slave: u32, stress: StressSource) {
 
 #[test]
 fn tangents_of_laws_with_the_stress_of_solid_and_fluid_are_exact() {
-    for stress in [StressSource::Solid, StressSource::Fluid] {
+    for stress in [StressSource::Solid, StressSource::Fluid, StressSource::Jump] {
         let (mut setup, mut names) = (falling_ball(0.9, 0.3, 0.6, false), Vec::new());
         contact_with_stress(&mut setup, 0, stress);
         check(&setup, 3.0, &mut names);

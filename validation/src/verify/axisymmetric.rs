@@ -4,14 +4,15 @@ use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 use cutwater::algebra::time::{ImplicitEuler, QuasiStatic};
+use cutwater::contact::{ContactForm, NitscheLaw, PenaltyLaw};
 use cutwater::mesh::generate::{BallOptions, Region, RegionShape, Size, half_ball, refined_box, structured_box};
 use cutwater::mesh::{Coordinates, SimplexMesh};
 use cutwater::solid_rigid::RigidBody;
 use cutwater::solid_svk::{LameParameters, SaintVenantKirchhoff};
 use cutwater::solver::body::{Body, PrescribedBody, TimeField};
-use cutwater::solver::{FluidBoundary, Setup};
+use cutwater::solver::{FluidBoundary, Setup, StepReport};
 
-use super::dry::{self, Elastic, Scheme, elastic, floor, pushed, second_order};
+use super::dry::{self, Elastic, Scheme, elastic, pushed, second_order};
 use super::flow::{Errors, Flow, Known, boundary, fluid, fluid_mut, force, problem};
 use super::mode::frequency_of;
 use super::signal::passage;
@@ -28,6 +29,15 @@ const ADDED_MASS: f64 = 0.02;
 const WAKE: f64 = 0.02;
 const MODES: f64 = 0.01;
 const HERTZ: [f64; 2] = [0.02, 0.03];
+/// Ball of radius one on a plane. Displacement of its middle plane; the radius of contact is then a tenth of that of the ball.
+const APPROACH: f64 = 0.01;
+const YOUNG: f64 = 1.0;
+const POISSON: f64 = 0.3;
+/// Pressure over penetration: penetration is a thousandth of the approach.
+const STIFFNESS: f64 = 1e4;
+/// Parameter of Nitsche's method: that of scenarios, and a hundred times that.
+const GAMMA_0: [f64; 2] = [10.0, 1000.0];
+const LOAD_STEPS: u32 = 4;
 /// Edges of the sphere in the length of a cell.
 const EDGES_PER_CELL: f64 = 3.0;
 
@@ -409,16 +419,8 @@ fn modes(record: &mut Record) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Measures the force and the radius of contact of an elastic ball that is pressed on a rigid plane.
-fn hertz(record: &mut Record) -> Result<(), Failure> {
-    /// Displacement of the middle plane over the radius; the radius of contact is then a tenth of that of the ball.
-    const APPROACH: f64 = 0.01;
-    const YOUNG: f64 = 1.0;
-    const POISSON: f64 = 0.3;
-    /// Pressure over penetration: penetration is a thousandth of the approach.
-    const STIFFNESS: f64 = 1e4;
-    const LOAD_STEPS: u32 = 4;
-    let n = if record.full { 96 } else { 48 };
+/// Returns the run of an elastic ball that is pressed on a rigid plane, n by n squares in its lower half.
+fn pressed_ball(n: usize, form: ContactForm<2>) -> Result<(Run, StepReport<2>), Failure> {
     // The lower half of the ball, graded towards its lowest point.
     let graded = |s: f64| (4.0 * s).sinh() / 4.0_f64.sinh();
     let map = |x: &P| {
@@ -430,12 +432,20 @@ fn hertz(record: &mut Record) -> Result<(), Failure> {
     let mesh = mesh.with_coordinates(Coordinates::Axisymmetric)?;
     let mut body = elastic(mesh, 1.0, material, V::zeros(), Arc::new(QuasiStatic))?;
     body.hold("top", pushed([None, Some(-APPROACH)]))?;
-    let contact = floor(body.part("bottom")?, STIFFNESS, 1.0)?;
+    let contact = dry::floor_by(body.part("bottom")?, form)?;
     let mut run = dry::run(vec![body], Some(contact), f64::from(LOAD_STEPS).recip(), 1e-10)?;
-    let mut load = f64::NAN;
-    for _ in 0..LOAD_STEPS {
-        load = run.advance()?.contacts[0].force[1];
+    let mut report = run.advance()?;
+    for _ in 1..LOAD_STEPS {
+        report = run.advance()?;
     }
+    Ok((run, report))
+}
+
+/// Records force and radius of contact of an elastic ball that is pressed on a rigid plane.
+fn hertz(record: &mut Record) -> Result<(), Failure> {
+    let n = if record.full { 96 } else { 48 };
+    let (run, report) = pressed_ball(n, ContactForm::new(PenaltyLaw::new(STIFFNESS, 0.0)?, 1.0)?)?;
+    let load = report.contacts[0].force[1];
     let modulus = YOUNG / (1.0 - POISSON * POISSON);
     let facets = run.setup.contacts[0].facets();
     let surface = run.setup.bodies[0].surface();
@@ -455,6 +465,30 @@ fn hertz(record: &mut Record) -> Result<(), Failure> {
     record.near_relative(format!("{name}: force"), load, 4.0 / 3.0 * modulus * approach.powf(1.5), HERTZ[0]);
     record.near_relative(format!("{name}: radius of contact"), radius, approach.sqrt(), HERTZ[1]);
     record.show(format!("{name}: facets in that radius"), inside as f64, None);
+    let mut found = Vec::new();
+    for gamma_0 in GAMMA_0 {
+        let (run, report) = pressed_ball(n, ContactForm::new(NitscheLaw::new(gamma_0, 0.0)?, 1.0)?)?;
+        let (contact, surface) = (&report.contacts[0], run.setup.bodies[0].surface());
+        let positions = run.state.bodies[0].positions(run.setup.bodies[0].reference());
+        let moment = |power: i32| -> f64 {
+            let of_facet = |&(facet, pressure)| {
+                let [a, b] = [0, 1].map(|k| positions[surface.facet(facet)[k].index()][0]);
+                pressure * (b - a).abs() * (0.5 * (a + b)).powi(power)
+            };
+            contact.slave_pressures.iter().map(of_facet).sum()
+        };
+        // The second moment of the pressure of Hertz on a disk is 2/5 of the square of its radius.
+        let (load, radius) = (contact.force[1], (2.5 * moment(3) / moment(1)).sqrt());
+        let approach = APPROACH + run.state.bodies[0].displacement()[0][1].min(0.0);
+        let name = format!("{name}, Nitsche with gamma_0 = {gamma_0}");
+        record.near_relative(format!("{name}: force"), load, 4.0 / 3.0 * modulus * approach.powf(1.5), HERTZ[0]);
+        record.near_relative(format!("{name}: radius from the second moment"), radius, approach.sqrt(), HERTZ[1]);
+        found.push([load, radius]);
+    }
+    for (k, what) in ["force", "radius"].into_iter().enumerate() {
+        let change = (found[1][k] / found[0][k] - 1.0).abs();
+        record.at_most(format!("{name}, Nitsche, gamma_0 times 100: change of the {what}, relative"), change, 0.005);
+    }
     Ok(())
 }
 

@@ -2,6 +2,8 @@
 //!
 //! Source: the patch test of Taylor and Papadopoulos 1991 in the form of the Tribol library's tests, for two unit squares.
 
+mod consistent;
+
 use std::sync::Arc;
 
 use cutwater::algebra::time::QuasiStatic;
@@ -94,6 +96,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
         record.at_most(format!("blocks of {slave} on {master}: force"), force, ROUND_OFF);
         record.at_most(format!("blocks of {slave} on {master}: displacement"), displacement, ROUND_OFF);
     }
+    consistent::measure(record)?;
     record.show("two blocks: pressure", pressure(stretch(2.0)), Some(0.66667));
     record.note(
         "The exact states are those of Saint Venant-Kirchhoff blocks with the uniform penetration of the penalty; 0.66667 is the \

@@ -74,9 +74,14 @@ pub(crate) struct Touch<const D: usize> {
 
 /// Returns the contact of facets with the plane `y = 0` below them, with the penalty of a contact form and its size.
 pub(crate) fn floor(facets: Vec<FacetId>, penalty: f64, size: f64) -> Result<Touch<2>, Failure> {
+    floor_by(facets, ContactForm::new(PenaltyLaw::new(penalty, 0.0)?, size)?)
+}
+
+/// Returns the contact of facets with the plane `y = 0` below them.
+pub(super) fn floor_by(facets: Vec<FacetId>, form: ContactForm<2>) -> Result<Touch<2>, Failure> {
     Ok(Touch {
         facets,
-        form: ContactForm::new(PenaltyLaw::new(penalty, 0.0)?, size)?,
+        form,
         obstacle: ContactObstacle::Rigid(Box::new(RigidPlane::new(P::zeros(), V::new(0.0, -1.0))?)),
     })
 }

@@ -6,13 +6,15 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use cutwater::algebra::time::QuasiStatic;
+use cutwater::contact::{ContactForm, NitscheLaw, PenaltyLaw};
 use cutwater::mesh::VertexId;
 use cutwater::mesh::generate::structured_box;
-use cutwater::solid_svk::{LameParameters, SaintVenantKirchhoff, Support, SupportKind};
+use cutwater::solid_svk::{LameParameters, LinearElastic, Material, SaintVenantKirchhoff, Support, SupportKind};
+use cutwater::solver::StepReport;
 
-use super::dry::{elastic, floor, pushed, run};
+use super::dry::{elastic, floor_by, pushed, run};
 use super::signal::passage;
-use super::{Failure, P, Record, V};
+use super::{Failure, P, Record, Run, V};
 
 /// Radius, cm.
 const RADIUS: f64 = 4.0;
@@ -25,6 +27,8 @@ const LAMBDA: f64 = 8e6;
 const MODULUS: f64 = 4.0 * MU * (LAMBDA + MU) / (LAMBDA + 2.0 * MU);
 /// Pressure over penetration, dyn/cm^3: penetration is below a hundredth of the approach.
 const STIFFNESS: f64 = 1e10;
+/// Parameter of Nitsche's method: that of scenarios, and a hundred times that.
+const GAMMA_0: [f64; 2] = [10.0, 1000.0];
 /// Grading of the cells towards the contact.
 const GRADING: f64 = 4.0;
 /// Steps in which the push is applied.
@@ -49,24 +53,96 @@ fn approach(load: f64, radius: f64) -> f64 {
     load / (PI * MODULUS) * (2.0 * (4.0 * RADIUS / radius).ln() - 1.0)
 }
 
-pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
-    let n = if record.full { 192 } else { 128 };
+/// Returns the run of a half cylinder, 2 n by n squares, in contact with the plane, and the report of its last step.
+fn press(
+    n: usize,
+    material: impl Material<2> + 'static,
+    form: ContactForm<2>,
+) -> Result<(Run, StepReport<2>), Failure> {
     // Across the middle without a change of pattern: where that changes, the pressure of linear triangles has a kink.
     let mesh =
         structured_box::<2>([-1.0, 0.0], [1.0, 1.0], [2 * n, n])?.mapped(|x| half_disk(graded(x[0]), graded(x[1])))?;
-    let material = SaintVenantKirchhoff::new(LameParameters::new(MU, LAMBDA)?);
     let mut body = elastic(mesh, 1.0, material, V::zeros(), Arc::new(QuasiStatic))?;
     // The plane of symmetry has no shear traction; the vertex in its middle is on the axis.
     body.hold("top", pushed([None, Some(-PUSHED)]))?;
     let centre = VertexId::new(body.solid.mesh().n_vertices() - 1 - n);
     body.options.supports.push(Support { vertices: vec![centre], kind: SupportKind::Symmetry { axis: 0 } });
-    let contact = floor(body.part("bottom")?, STIFFNESS, 1.0)?;
+    let contact = floor_by(body.part("bottom")?, form)?;
     let mut run = run(vec![body], Some(contact), f64::from(LOAD_STEPS).recip(), 1e-10)?;
-    let mut load = f64::NAN;
-    for _ in 0..LOAD_STEPS {
-        load = run.advance()?.contacts[0].force[1];
+    let mut report = run.advance()?;
+    for _ in 1..LOAD_STEPS {
+        report = run.advance()?;
     }
+    Ok((run, report))
+}
 
+/// Returns the middle of each facet in contact and the pressure on it, in order.
+fn pressures(run: &Run, report: &StepReport<2>) -> Vec<(f64, f64)> {
+    let surface = run.setup.bodies[0].surface();
+    let positions = run.state.bodies[0].positions(run.setup.bodies[0].reference());
+    let middle = |facet| surface.facet(facet).iter().map(|v| positions[v.index()][0]).sum::<f64>() / 2.0;
+    let of_facets = report.contacts[0].slave_pressures.iter();
+    let mut points: Vec<(f64, f64)> = of_facets.map(|&(facet, pressure)| (middle(facet), pressure)).collect();
+    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    points
+}
+
+/// Records load and pressure of Nitsche's method with two parameters.
+fn nitsche(record: &mut Record, n: usize) -> Result<(), Failure> {
+    let mut found = Vec::new();
+    for gamma_0 in GAMMA_0 {
+        let material = LinearElastic::new(LameParameters::new(MU, LAMBDA)?);
+        let (run, report) = press(n, material, ContactForm::new(NitscheLaw::new(gamma_0, 0.0)?, 1.0)?)?;
+        let (load, points) = (report.contacts[0].force[1], pressures(&run, &report));
+        let radius = (4.0 * load * RADIUS / (PI * MODULUS)).sqrt();
+        let peak = 2.0 * load / (PI * radius);
+        // Facets that the contact edge does not divide, and their size in the middle.
+        let near = points.iter().position(|at| at.0 > 0.0).ok_or("there is no contact")?;
+        let (middle, size) = (0.5 * (points[near - 1].1 + points[near].1), points[near].0 - points[near - 1].0);
+        let moments =
+            |power: i32| points.iter().zip(sizes(&points)).map(|(at, h)| at.1 * h * at.0.powi(power)).sum::<f64>();
+        let name = format!("Nitsche, gamma_0 = {gamma_0}");
+        record.at_least(format!("{name}: half-width over the size of cells in the middle"), radius / size, 20.0);
+        record.near_relative(format!("{name}: largest pressure p0 [dyn/cm²]"), middle, peak, 0.01);
+        let half_width = 2.0 * (moments(2) / moments(0)).sqrt();
+        record.near_relative(
+            format!("{name}: half-width from the second moment of the pressure [cm]"),
+            half_width,
+            radius,
+            0.03,
+        );
+        let pole = PUSHED + run.state.bodies[0].displacement()[n][1];
+        record.near_relative(format!("{name}: approach of the pole [cm]"), pole, approach(load, radius), 0.05);
+        let scatter = points.iter().filter(|at| at.0.abs() < 0.9 * radius);
+        let exact = |x: f64| peak * (1.0 - (x / radius).powi(2)).max(0.0).sqrt();
+        let scatter = scatter.map(|at| (at.1 - exact(at.0)).abs() / peak).fold(0.0, f64::max);
+        record.show(format!("{name}: largest deviation of the pressure within 0.9 a, over p0"), scatter, None);
+        found.push([load, middle, half_width, pole]);
+    }
+    for (k, what) in ["load", "largest pressure", "half-width", "approach"].into_iter().enumerate() {
+        let change = (found[1][k] / found[0][k] - 1.0).abs();
+        record.at_most(format!("Nitsche, gamma_0 times 100: change of the {what}, relative"), change, 0.005);
+    }
+    Ok(())
+}
+
+/// Returns the sizes of cells around points, half of the distance between the neighbours.
+fn sizes(points: &[(f64, f64)]) -> impl Iterator<Item = f64> + '_ {
+    let last = points.len() - 1;
+    (0..points.len()).map(move |k| {
+        let (before, after) = (k.saturating_sub(1), (k + 1).min(last));
+        (points[after].0 - points[before].0) / (after - before) as f64
+    })
+}
+
+pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
+    let n = if record.full { 192 } else { 128 };
+    let (run, report) = press(
+        n,
+        SaintVenantKirchhoff::new(LameParameters::new(MU, LAMBDA)?),
+        ContactForm::new(PenaltyLaw::new(STIFFNESS, 0.0)?, 1.0)?,
+    )?;
+    let load = report.contacts[0].force[1];
     let radius = (4.0 * load * RADIUS / (PI * MODULUS)).sqrt();
     let peak = 2.0 * load / (PI * radius);
     let positions = run.state.bodies[0].positions(run.setup.bodies[0].reference());
@@ -97,6 +173,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     record.near_relative("approach δ of the pole and the middle [cm]", PUSHED + pole, approach(load, radius), 0.05);
     record.show("largest deviation of the pressure within 0.9 a, over p0", scatter, None);
     record.show("load P [dyn/cm]", load, None);
+    nitsche(record, if record.full { 128 } else { 64 })?;
     let pressures: Vec<_> = surface.iter().filter(|at| at.0 < 1.5 * radius).map(|&(x, p)| (x, p.max(0.0))).collect();
     record.figure(
         "contact pressure [dyn/cm²]",
@@ -109,7 +186,9 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     record.note(format!(
         "The lower half of a cylinder of radius {RADIUS} cm, twice {n} by {n} squares in two triangles, graded towards the contact. Its middle \
          plane goes down by {PUSHED} cm, which is a plane of symmetry of a cylinder between two planes. a, p0 and δ follow from the \
-         computed load; δ is the approach of the pole to the middle, without the penetration of the penalty."
+         computed load; δ is the approach of the pole to the middle, without the penetration of the penalty. Rows without a law are those of the penalty and of the Saint Venant-Kirchhoff \
+         material, which softens in compression: by 1.5 times the strain, here 2.5 %. Rows of Nitsche's method are those of linear elasticity, with half or a third of the cells. The half-width \
+         of Nitsche's method is that of a semi-elliptic pressure with the same second moment, 2 sqrt(∫ p x²/∫ p)."
     ));
     Ok(())
 }

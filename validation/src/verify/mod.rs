@@ -37,6 +37,7 @@ mod passages;
 mod peer;
 mod pulsatile_leaflet;
 pub(crate) mod record;
+mod resting_ball;
 mod robustness;
 mod run;
 mod sedimentation;
@@ -132,6 +133,11 @@ const CHECKS: [Check; 38] = [
     check("disk-modes", "Frequencies of a free elastic disk.", disk_modes::measure),
     check("immersed-modes", "Frequencies of an elastic disk in a fluid at rest.", immersed_modes::measure),
     check("contact-patch", "Contact of uniform pressure: a block on a plane, and two blocks.", contact_patch::measure),
+    check(
+        "resting-ball",
+        "The contact force of a disk at rest in fluid, under two ambient pressures.",
+        resting_ball::measure,
+    ),
     check("hertz", "A cylinder pressed on a rigid plane.", hertz::measure),
     check("bar", "A bar that hits the floor: times and pressures of its contacts.", bar::measure),
     check("disk-impact", "A disk that hits a rigid plane without a fluid around it.", disk_impact::measure),

@@ -12,10 +12,10 @@ const BUDGETS: &[(&[&str], usize)] = &[
     (&["crates/cutwater/src/lib.rs", "crates/cutwater/src/main.rs"], 345),
     (&["crates/io/src"], 10_950),
     (&["crates/report/src"], 1570),
-    (&["crates/solver/src"], 2420),
-    (&["validation"], 11_700),
+    (&["crates/solver/src"], 2470),
+    (&["validation"], 12_100),
     (&["xtask/src"], 2400),
-    (&[""], 69_400),
+    (&[""], 70_400),
 ];
 /// Largest number of bytes of all JSON files under version control.
 const JSON_BYTES: usize = 50_000;

@@ -3,11 +3,13 @@
 mod check;
 mod collision;
 mod discrete_gradient;
+mod nitsche;
 mod penalty;
 
 pub use check::{LawCheck, check_law};
 pub use collision::CollisionLaw;
 pub(crate) use discrete_gradient::discrete_gradient;
+pub use nitsche::NitscheLaw;
 pub use penalty::PenaltyLaw;
 
 use crate::Local;
@@ -19,9 +21,11 @@ pub struct ContactPoint {
     pub gap: f64,
     /// Slip over the step along each tangent: displacement of the slave's point relative to its closest point; a length.
     pub slip: [f64; 2],
-    /// Traction `σ n` on the slave's surface in the frame, force per area. Zero if the law has no [`StressSource`], or if
-    /// the slave has no such stress.
+    /// Traction `σ n` on the slave's surface in the frame, force per area of the surface at the start of the step. Zero if the law has no
+    /// [`StressSource`], or if the slave has no such stress.
     pub stress: Local,
+    /// Stiffness of the slave's cell over its height, `(2 μ + λˢ)/h` for linear elements, force per volume. Zero if the law has no [`StressSource`].
+    pub stiffness: f64,
     /// Contact size `s`, a length.
     pub size: f64,
     /// Length of the time step.
@@ -43,6 +47,15 @@ pub struct ContactTraction {
     pub by_stress: [Local; 3],
 }
 
+impl ContactTraction {
+    /// Returns a part of the traction.
+    pub(crate) fn times(self, part: f64) -> Self {
+        let of = |local: Local| local.map(|value| part * value);
+        let Self { value, by_gap, by_slip, by_stress } = self;
+        Self { value: of(value), by_gap: of(by_gap), by_slip: by_slip.map(of), by_stress: by_stress.map(of) }
+    }
+}
+
 /// The stress on which a law depends.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum StressSource {
@@ -51,8 +64,10 @@ pub enum StressSource {
     None,
     /// The stress of the slave; zero for a body that does not deform.
     Solid,
-    /// The stress of the fluid in front of the slave; zero where there is no fluid.
+    /// The stress of the fluid in front of the slave; where there is none, minus the pressure at the nearest point where there is.
     Fluid,
+    /// The stress of the slave minus that of the fluid in front of it. Without a fluid it is the stress of the slave.
+    Jump,
 }
 
 /// A contact law. One criterion, [`ContactLaw::is_active`], serves force, active set and reported contact times.

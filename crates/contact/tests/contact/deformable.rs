@@ -5,16 +5,14 @@ use algebra::{Contributions, DofId, worst_tangent_entry};
 use body::{Body, BodyState};
 use contact::obstacle::check_obstacle;
 use contact::{
-    ContactForm, ContactItems, ContactLaw, ContactPoint, ContactSites, DeformableObstacle, Obstacle, PenaltyLaw,
-    Positions,
+    ContactForm, ContactItems, ContactLaw, ContactPoint, ContactSites, DeformableObstacle, NitscheLaw, Obstacle,
+    PenaltyLaw, Positions,
 };
 use mesh::generate::{BallOptions, ball, structured_box};
 use mesh::{FacetId, Point, Vector};
 use solid_svk::ElasticBody;
 
-use crate::setting::{
-    Coulomb, NitscheLike, Random, Scene, block, n_active, report_of, residual, soft, with_velocity, work,
-};
+use crate::setting::{Coulomb, Random, Scene, block, n_active, report_of, residual, soft, with_velocity, work};
 
 const GAMMA: f64 = 1e3;
 const SIZE: f64 = 0.1;
@@ -161,7 +159,7 @@ fn tangent_of_a_discrete_gradient_is_exact() {
 
 #[test]
 fn tangent_with_stress_is_exact() {
-    let law = NitscheLike { gamma: 200.0, offset: OFFSET };
+    let law = NitscheLaw::new(0.5, OFFSET).unwrap();
     tangent_is_exact::<2>(law, &ImplicitEuler, 1, 4, |at| at.stress[0].abs() > 1.0);
     tangent_is_exact::<3>(law, &ImplicitEuler, 6, 30, |at| at.stress[0].abs() > 1.0);
 }

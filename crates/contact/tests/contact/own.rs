@@ -3,7 +3,7 @@
 use algebra::time::ImplicitEuler;
 use algebra::{Contributions, worst_tangent_entry};
 use body::{Body, BodyState};
-use contact::{ContactForm, ContactItems, ContactSites, OwnSurface, PenaltyLaw};
+use contact::{ContactForm, ContactItems, ContactLaw, ContactSites, NitscheLaw, OwnSurface, PenaltyLaw};
 use mesh::generate::structured_box;
 use mesh::{CellId, FacetId, Point, SimplexMesh, Vector, VertexId};
 use solid_svk::{ElasticBody, ElasticOptions, SaintVenantKirchhoff, SolidForm, SolidMesh};
@@ -47,26 +47,35 @@ fn bent(body: &ElasticBody<2>, closed: f64) -> BodyState<2> {
 }
 
 /// Calls a test with the contact of the clamp with itself and a state at rest.
-fn closed_clamp(closed: f64, test: impl Fn(&ContactSites<'_, 2>, &ElasticBody<2>, &[f64])) {
+fn closed_clamp(
+    closed: f64,
+    law: impl ContactLaw + 'static,
+    test: impl Fn(&ContactSites<'_, 2>, &ElasticBody<2>, &[f64]),
+) {
     let bodies = [clamp()];
     let states = [bent(&bodies[0], closed)];
     let scene = Scene::new(&bodies, &states, &ImplicitEuler, 1e-2);
-    let form = ContactForm::new(PenaltyLaw::new(1e3, OFFSET).unwrap(), SIZE).unwrap();
+    let form = ContactForm::new(law, SIZE).unwrap();
     let facets: Vec<FacetId> = bodies[0].surface().facets().collect();
     let reach = OFFSET + 2.0 * SIZE;
     let surface = bodies[0].surface().clone();
     let obstacle = OwnSurface::new(surface, facets.clone(), bodies[0].reference().to_vec(), reach).unwrap();
     let mut pair = scene.pair(&form, &facets, &obstacle);
     pair.master = Some(pair.slave);
+    pair.share = if pair.stress.is_some() { 0.5 } else { 1.0 };
     let items = ContactItems::new(&pair, &scene.layout, reach);
     let contact = ContactSites { items: &items, pair, layout: &scene.layout };
     test(&contact, &bodies[0], &vec![0.0; scene.layout.len()]);
 }
 
+fn penalty() -> PenaltyLaw {
+    PenaltyLaw::new(1e3, OFFSET).unwrap()
+}
+
 #[test]
 fn an_open_clamp_does_not_touch_itself() {
     // Neighbours along the surface, corners, and the two sides of a jaw are in reach.
-    closed_clamp(0.0, |contact, _, x| {
+    closed_clamp(0.0, penalty(), |contact, _, x| {
         assert_eq!(work(contact.clone()).len(), 0);
         assert_eq!(report_of(contact, x).minimum_gap, None);
     });
@@ -75,7 +84,7 @@ fn an_open_clamp_does_not_touch_itself() {
 #[test]
 fn jaws_that_close_touch_each_other() {
     let closed = 0.18;
-    closed_clamp(closed, |contact, body, x| {
+    closed_clamp(closed, penalty(), |contact, body, x| {
         let report = report_of(contact, x);
         let gap = report.minimum_gap.unwrap();
         assert!((gap - (SLIT - closed)).abs() < 2e-3, "{gap}");
@@ -96,11 +105,15 @@ fn jaws_that_close_touch_each_other() {
 
 #[test]
 fn its_tangent_is_exact() {
-    closed_clamp(0.17, |contact, _, at_rest| {
-        let x = Random::new(7).numbers(at_rest.len(), 0.3);
-        assert!(n_active(contact, &x, |_| true) > 3);
-        let contact = work(contact.clone());
-        let worst = worst_tangent_entry(&contact, 0..contact.len(), &x, 1e-5);
-        assert!(worst.relative < 1e-6, "{worst:?}");
-    });
+    fn check(law: impl ContactLaw + 'static) {
+        closed_clamp(0.17, law, |contact, _, at_rest| {
+            let x = Random::new(7).numbers(at_rest.len(), 0.3);
+            assert!(n_active(contact, &x, |_| true) > 3);
+            let contact = work(contact.clone());
+            let worst = worst_tangent_entry(&contact, 0..contact.len(), &x, 1e-5);
+            assert!(worst.relative < 1e-6, "{worst:?}");
+        });
+    }
+    check(penalty());
+    check(NitscheLaw::new(1.0, OFFSET).unwrap());
 }

@@ -5,14 +5,12 @@ use algebra::{Sites, check_tangent};
 use body::{Body, BodyState};
 use contact::{
     ContactForm, ContactItems, ContactLaw, ContactPair, ContactPoint, ContactSites, DeformableObstacle, Error,
-    Obstacle, PenaltyLaw, RigidPlane, check_pair,
+    NitscheLaw, Obstacle, PenaltyLaw, RigidPlane, check_pair,
 };
 use mesh::{BoundaryMesh, FacetId, Point, Vector};
 use solid_svk::{ElasticBody, Order};
 
-use crate::setting::{
-    Coulomb, NitscheLike, Random, Scene, block_of, n_active, report_of, residual, soft, with_velocity, work,
-};
+use crate::setting::{Coulomb, Random, Scene, block_of, n_active, report_of, residual, soft, with_velocity, work};
 
 const GAMMA: f64 = 1e6;
 const SIZE: f64 = 0.1;
@@ -144,7 +142,7 @@ fn tangent_is_exact_in_2d_and_3d() {
 
 #[test]
 fn tangent_with_stress_is_exact() {
-    let law = NitscheLike { gamma: 200.0, offset: 0.2 };
+    let law = NitscheLaw::new(0.5, 0.2).unwrap();
     tangent_is_exact::<2>(law, 8, |at| at.stress[0].abs() > 1.0, (1e-6, 1e-7));
     tangent_is_exact::<3>(law, 8, |at| at.stress[0].abs() > 1.0, (1e-6, 1e-7));
 }

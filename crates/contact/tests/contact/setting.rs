@@ -45,7 +45,8 @@ impl<'a, const D: usize> Scene<'a, D> {
         obstacle: &'s dyn Obstacle<D>,
     ) -> ContactPair<'s, D> {
         let [slave, master] = [0, 1].map(|k| self.steps.get(k).map(|step| step.surface()));
-        let stress = self.steps[0].stress(&self.layout).filter(|_| form.law.stress() == StressSource::Solid);
+        let positions = slave.map_or(&[][..], |slave| &slave.begin);
+        let stress = self.steps[0].stress(&self.layout, positions).filter(|_| form.law.stress() != StressSource::None);
         ContactPair {
             form,
             slave: slave.unwrap(),
@@ -53,6 +54,7 @@ impl<'a, const D: usize> Scene<'a, D> {
             obstacle,
             master,
             stress: stress.map(Arc::from),
+            share: 1.0,
             dt: self.time.length,
             conserves: self.time.weights.conserves,
         }
@@ -186,38 +188,6 @@ pub(crate) fn n_active<const D: usize>(
         sites.visit(item, x, |site| n += usize::from(condition(&site.at)));
     }
     n
-}
-
-/// A law that depends on the stress of the slave, as in Nitsche's method: `λ = -[γ (ε - Δ) - σ_n]₊`.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct NitscheLike {
-    pub(crate) gamma: f64,
-    pub(crate) offset: f64,
-}
-
-impl ContactLaw for NitscheLike {
-    fn traction(&self, at: &ContactPoint) -> ContactTraction {
-        if !self.is_active(at) {
-            return ContactTraction::default();
-        }
-        let mut traction = ContactTraction::default();
-        traction.value[0] = -(self.gamma * (self.offset - at.gap) - at.stress[0]);
-        traction.by_gap[0] = self.gamma;
-        traction.by_stress[0][0] = 1.0;
-        traction
-    }
-
-    fn is_active(&self, at: &ContactPoint) -> bool {
-        self.gamma * (self.offset - at.gap) > at.stress[0]
-    }
-
-    fn offset(&self) -> f64 {
-        self.offset
-    }
-
-    fn stress(&self) -> StressSource {
-        StressSource::Solid
-    }
 }
 
 /// Penalty with regularised Coulomb friction: `λ = -γ [ε - Δ]₊` and `τ = μ λ u/√(|u|² + δ²)` with the slip `u`.

@@ -1,9 +1,11 @@
 //! The mortaring terms, one per file.
 
 mod adjoint_consistency;
+mod closed_pressure;
 mod consistency;
 mod penalty;
 
 pub use adjoint_consistency::AdjointConsistency;
+pub use closed_pressure::ClosedPressure;
 pub use consistency::Consistency;
 pub use penalty::{Penalty, PenaltyProfile};

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use contact::{
-    CollisionLaw, ContactForm, DeformableObstacle, OwnSurface, PenaltyLaw, RigidBall, RigidPlane, RigidSurface,
+    CollisionLaw, ContactForm, DeformableObstacle, NitscheLaw, OwnSurface, PenaltyLaw, RigidBall, RigidPlane,
+    RigidSurface,
 };
 use mesh::{BodyId, BoundaryMesh, FacetId, Placed, Point, SimplexMesh};
 use solver::body::Body;
@@ -19,7 +20,7 @@ keys! {
     /// Contact between bodies, or of a body with an obstacle: `pairs`, or `pair`, or `body` and `obstacle`.
     pub struct ContactKeys {
         /// Every two bodies that can meet, and every body that deforms with itself. In each pair the slave is the body that forces
-        /// move; of two such bodies, the one with the smaller facets, else the first one.
+        /// move; of two such bodies, the elastic one if `law` is `nitsche`, then the one with the smaller facets, else the first one.
         pairs: Option<At<Pairs>> [group(0)],
         /// Names of two bodies, or twice that of a body in contact with itself; the slave is chosen as for `pairs`.
         pair: Option<At<Vec<At<String>>>> [group(1)],
@@ -29,7 +30,7 @@ keys! {
         obstacle: Option<At<ObstacleChoice>> [group(2)],
         /// Contact law.
         law: ContactLawChoice,
-        /// Contact size `s`, by which the penalty is divided.
+        /// Contact size `s`: obstacles are searched within twice this length, and the law `penalty` divides by it.
         size: f64 [unit(Quantity::LENGTH), positive],
         /// Offset `ε`: contact begins at this distance.
         offset: f64 [unit(Quantity::LENGTH), non_negative],
@@ -57,6 +58,13 @@ choices! {
         Collision = "collision" {
             /// Restitution of a collision without fluid.
             restitution: f64 [between(0.0, 1.0)],
+        },
+        /// Nitsche's method: pressure `[γ_C (ε - Δ) - s_n]₊`, with the normal stress `s_n` of the slave, in fluid minus that of the fluid, and `γ_C = γ_0 (2 μ + λ)/h` of the
+        /// slave's cell, of height `h`. Bodies in contact are at the distance `ε` without an error of the penalty; the slave is elastic.
+        Nitsche = "nitsche" {
+            /// Number `γ_0`. It has to be above 2 in the plane and 3 in space, times the number of facets of a cell that lie on the surface; larger numbers hardly change
+            /// results.
+            gamma_0: f64 [positive] = 10.0,
         },
     }
 }
@@ -145,9 +153,9 @@ impl<'p, const D: usize> Partners<'p, D> {
         let ids = || (0..self.bodies.len()).map(BodyId::new);
         let pairs = ids().flat_map(|a| ids().filter(move |b| *b >= a).map(move |b| [a, b]));
         let can_meet = |&[a, b]: &[BodyId; 2]| {
-            if a == b { self.built[a.index()].deforms } else { self.can_move(a) || self.can_move(b) }
+            if a == b { self.deforms(a) } else { self.can_move(a) || self.can_move(b) }
         };
-        pairs.filter(can_meet).map(|pair| self.between(given, self.in_order(pair))).collect()
+        pairs.filter(can_meet).map(|pair| self.between(given, self.in_order(given, pair))).collect()
     }
 
     fn single_pair(&self, given: &At<ContactKeys>, names: &At<Vec<At<String>>>) -> Result<Contact<D>, ScenarioError> {
@@ -156,7 +164,7 @@ impl<'p, const D: usize> Partners<'p, D> {
         };
         let pair = [self.find(a)?, self.find(b)?];
         self.check_motion(pair, b)?;
-        self.between(given, self.in_order(pair))
+        self.between(given, self.in_order(given, pair))
     }
 
     fn with_obstacle(
@@ -243,7 +251,7 @@ impl<'p, const D: usize> Partners<'p, D> {
             ContactLawChoice::Penalty { gamma_contact_0 } => {
                 ContactForm::new(PenaltyLaw::new(gamma_contact_0, given.offset).map_err(fail)?, given.size)
             }
-            ContactLawChoice::Collision { .. } if self.built[slave.index()].deforms => {
+            ContactLawChoice::Collision { .. } if self.deforms(slave) => {
                 let name = self.bodies[slave.index()].name();
                 return Err(given.at.invalid(format!(
                     "body `{name}` deforms, and the law `collision` is for bodies that do not; use the law `penalty`, or motion = {{ kind = \"free\" }}"
@@ -252,13 +260,23 @@ impl<'p, const D: usize> Partners<'p, D> {
             ContactLawChoice::Collision { restitution } => {
                 ContactForm::new(CollisionLaw::new(restitution, given.offset).map_err(fail)?, given.size)
             }
+            ContactLawChoice::Nitsche { .. } if !self.deforms(slave) => return Err(self.rigid(given, slave)),
+            ContactLawChoice::Nitsche { gamma_0 } => {
+                ContactForm::new(NitscheLaw::new(gamma_0, given.offset).map_err(fail)?, given.size)
+            }
         };
         let form = form.map_err(fail)?;
         Contact::new(&self.bodies, slave, self.free_facets(slave), form, obstacle).map_err(fail)
     }
 
     /// Returns slave and master of a pair.
-    fn in_order(&self, [a, b]: [BodyId; 2]) -> [BodyId; 2] {
+    fn in_order(&self, given: &ContactKeys, [a, b]: [BodyId; 2]) -> [BodyId; 2] {
+        let needs_stress = matches!(given.law, ContactLawChoice::Nitsche { .. });
+        match (self.deforms(a), self.deforms(b)) {
+            (true, false) if needs_stress => return [a, b],
+            (false, true) if needs_stress => return [b, a],
+            _ => {}
+        }
         // Equal bodies at different places differ by rounding.
         let is_finer = self.mean_facets[b.index()] < (1.0 - ROUND_OFF) * self.mean_facets[a.index()];
         match (self.can_move(a), self.can_move(b)) {
@@ -270,7 +288,7 @@ impl<'p, const D: usize> Partners<'p, D> {
 
     /// Checks that one of two bodies can move, or that a body in contact with itself deforms.
     fn check_motion<T>(&self, [a, b]: [BodyId; 2], place: &At<T>) -> Result<(), ScenarioError> {
-        if a == b && !self.built[a.index()].deforms {
+        if a == b && !self.deforms(a) {
             let name = self.bodies[a.index()].name();
             return Err(place.at.invalid(format!("body `{name}` does not deform, so that it cannot touch itself")));
         }
@@ -298,6 +316,18 @@ impl<'p, const D: usize> Partners<'p, D> {
 
     fn can_move(&self, body: BodyId) -> bool {
         self.bodies[body.index()].is_movable()
+    }
+
+    fn deforms(&self, body: BodyId) -> bool {
+        self.built[body.index()].deforms
+    }
+
+    fn rigid(&self, given: &At<ContactKeys>, slave: BodyId) -> ScenarioError {
+        let name = self.bodies[slave.index()].name();
+        given.at.invalid(format!(
+            "the law `nitsche` depends on the stress of the slave, but body `{name}` is rigid; give the law `penalty`, or make the other body the slave if it is \
+             elastic"
+        ))
     }
 
     fn free_facets(&self, body: BodyId) -> Vec<FacetId> {

@@ -173,3 +173,22 @@ fn copies_are_bodies_at_other_places() {
     refused(&text, &[&["body.0.copies=[[0.05, 0.0]]"]], &["`soft`", "behind the surface of `soft-2`"]);
     refused(&text, &[&["body.0.copies=[0.05]"]], &["body.0.copies.0", "a list with a number for each axis"]);
 }
+
+/// Returns a contact with Nitsche's law and its defaults.
+const NITSCHE: &str = "law = \"nitsche\"\nsize = 0.02\noffset = 0.005\n";
+
+#[test]
+fn the_slave_of_a_law_with_stress_is_elastic() {
+    for (pair, expected) in [(["floor", "soft"], "soft"), (["stone", "fine"], "fine"), (["soft", "fine"], "fine")] {
+        let contact = format!("pair = [\"{}\", \"{}\"]", pair[0], pair[1]);
+        let case = planar_case(&legal(&format!("{BODIES}[contact]\n{NITSCHE}{contact}\n"), &[]));
+        assert_eq!(roles(&case)[0].0, expected, "{pair:?}");
+        let form = case.setup.contacts[0].form();
+        let at = contact::ContactPoint { gap: 0.004, stiffness: 2.0, ..Default::default() };
+        // The number 10 of the default times stiffness and penetration.
+        assert!((form.law.traction(&at).value[0] + 10.0 * 2.0 * 0.001).abs() < 1e-15);
+    }
+    let words = ["nitsche", "stone", "rigid"];
+    refused(&format!("{BODIES}[[contact]]\n{NITSCHE}pair = [\"stone\", \"floor\"]\n"), &[], &words);
+    refused(&format!("{BODIES}[[contact]]\n{NITSCHE}pairs = \"all\"\n"), &[], &words);
+}

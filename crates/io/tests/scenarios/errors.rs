@@ -44,7 +44,7 @@ fn unknown_values() {
     expect("units     = \"cgs\"", "units = \"SI\"", "units", &["unknown value `SI`", "cgs"]);
     expect("\"half-ball\"", "\"half-bal\"", "body.0.shape.kind", &["did you mean `half-ball`?"]);
     expect("bottom = \"no-slip\"", "bottom = \"noslip\"", "background.boundary.bottom", &["did you mean `no-slip`?"]);
-    expect("\"penalty\"", "\"nitsche\"", "contact.0.law.kind", &["unknown value `nitsche`", "penalty"]);
+    expect("\"penalty\"", "\"springs\"", "contact.0.law.kind", &["unknown value `springs`", "penalty"]);
     expect("axis = \"y\"", "axis = \"w\"", "background.size.axis", &["unknown value `w`"]);
 }
 

@@ -1,0 +1,81 @@
+//! The closed part of a surface, where no fluid borders, with the pressure that is continued there.
+
+use std::sync::Arc;
+
+use algebra::{DofId, Sites};
+use mesh::{FacetId, SimplexRule, Vector};
+
+use crate::FluidStress;
+
+/// The closed part of the surface of a body whose motion is unknown: one item per facet.
+///
+/// Its points are those of the facet, and those of its interface pieces with negative weights. Wet and closed part together are the facet, so that
+/// a constant pressure on both has no resultant on a closed surface, and one that balances a constant force per volume has that of the displaced
+/// fluid.
+#[derive(Clone)]
+pub struct ClosedPoints<'a, const D: usize> {
+    stress: Arc<FluidStress<'a, D>>,
+    facets: Vec<FacetId>,
+    rule: &'static SimplexRule,
+}
+
+/// A quadrature point of the closed part.
+pub struct ClosedPoint<const D: usize> {
+    /// Traction `-p n` on the body, times the weight.
+    pub force: Vector<D>,
+    /// Shape values of the vertices of the facet. Local unknowns are their velocities, `D` each, then the pressures.
+    pub shape: [f64; D],
+    /// Derivatives of the force with respect to the pressures.
+    pub by_pressure: Vec<Vector<D>>,
+}
+
+impl<'a, const D: usize> ClosedPoints<'a, D> {
+    /// Creates the points on the surface of a stress; none if the motion of the body is prescribed.
+    pub fn new(stress: Arc<FluidStress<'a, D>>) -> Self {
+        let degree = 2 + stress.surface().boundary().coordinates().degree();
+        let facets = if stress.motion().0.field().is_some() { stress.closed().collect() } else { Vec::new() };
+        Self { stress, facets, rule: SimplexRule::of_degree(D - 1, degree) }
+    }
+
+    /// Returns the force of the pressure on the closed part, radial components of axisymmetric coordinates not cancelled.
+    pub fn force(&self, x: &[f64]) -> Vector<D> {
+        let mut force = Vector::zeros();
+        (0..self.len()).for_each(|item| self.visit(item, x, |point| force += point.force));
+        force
+    }
+}
+
+impl<const D: usize> Sites for ClosedPoints<'_, D> {
+    type Site = ClosedPoint<D>;
+
+    fn len(&self) -> usize {
+        self.facets.len()
+    }
+
+    fn dofs(&self, item: usize, out: &mut Vec<DofId>) {
+        let (facet, (motion, layout)) = (self.facets[item], self.stress.motion());
+        let vertices = motion.boundary.facet(facet).iter();
+        out.extend(
+            motion.field().iter().flat_map(|field| vertices.clone().flat_map(|v| layout.node(*field, v.index()))),
+        );
+        out.extend(self.stress.rim_pressures(facet).map(|(dof, _)| dof));
+    }
+
+    fn visit(&self, item: usize, x: &[f64], mut visit: impl FnMut(&Self::Site)) {
+        let (facet, stress, surface) = (self.facets[item], &self.stress, self.stress.surface());
+        let (normal, coordinates) = (surface.facet_normal(facet), surface.boundary().coordinates());
+        let mut at = |shape: [f64; D], weight: f64| {
+            let point = stress.position(facet, &shape);
+            let area = normal * (weight * coordinates.weight(&point));
+            let by_pressure = stress.rim_pressures(facet).map(|(_, share)| area * -share).collect();
+            visit(&ClosedPoint { force: area * -stress.closed_pressure(facet, &point, x), shape, by_pressure });
+        };
+        for (local, weight) in self.rule.points().iter().zip(self.rule.weights()) {
+            at(std::array::from_fn(|k| local[k]), weight * surface.facet_measure(facet));
+            for piece in stress.pieces_of(facet) {
+                let of_vertex = |k: usize| (0..D).map(|corner| local[corner] * piece.barycentric[corner][k]).sum();
+                at(std::array::from_fn(of_vertex), -weight * piece.measure);
+            }
+        }
+    }
+}

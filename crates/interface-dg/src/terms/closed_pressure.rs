@@ -1,0 +1,25 @@
+//! Pressure on the closed part of a surface.
+
+use algebra::{LocalSystem, Term};
+
+use crate::ClosedPoint;
+
+/// `(p n, w)` on the closed part of the surface of a body, with the pressure `p` at its rim, continued as in fluid at rest
+///
+/// Source: see [`crate::FluidStress`].
+/// Couples: velocity of the surface × pressure.   Domain: facets of the body without their interface pieces, as they were cut.
+/// Units: force (2D: per unit depth).
+/// There is no row for the fluid: between surfaces in contact it has no volume.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ClosedPressure;
+
+impl<const D: usize> Term<ClosedPoint<D>> for ClosedPressure {
+    fn add(&self, point: &ClosedPoint<D>, out: &mut LocalSystem) {
+        for (k, shape) in point.shape.iter().enumerate() {
+            out.add_vector::<D>(D * k, point.force * -shape);
+            for (q, derivative) in point.by_pressure.iter().enumerate() {
+                out.add_block::<D, 1>(D * k, D * D + q, derivative * -shape);
+            }
+        }
+    }
+}
