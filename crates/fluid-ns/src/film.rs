@@ -77,7 +77,7 @@ pub struct FilmPart<const D: usize> {
     pub points: Vec<(Point<D>, f64)>,
 }
 
-/// What the conductance of films depends on besides the geometry.
+/// Data of the conductance of films, in addition to the geometry.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FilmOptions {
     /// Height `k` of the asperities of both surfaces together, a length: no film conducts less than one of that thickness.
@@ -89,7 +89,7 @@ pub struct FilmOptions {
 /// The films of all parts of a cut.
 ///
 /// One layer of linear cells carries the flow that two moving surfaces drag along, and nothing of the flow that a pressure gradient drives between
-/// them; `N` layers carry the fraction `1 - 1/N²` of it. What is missing per thickness is `d²/(12 μ)` times the gradient, with `d` the thickness of
+/// them; `N` layers carry the fraction `1 - 1/N²` of it. The missing flux per thickness is `d²/(12 μ)` times the gradient, with `d` the thickness of
 /// a layer: the extent of the cell across the film, of the part if the cell is cut, or the gap `δ` if that is less.
 #[derive(Clone, Debug, Default)]
 pub struct FilmValues<const D: usize> {

@@ -29,6 +29,20 @@ pub struct ClosedPoint<const D: usize> {
     pub by_pressure: Vec<Vector<D>>,
 }
 
+impl<const D: usize> ClosedPoint<D> {
+    /// Returns the first row of the velocity of a vertex.
+    #[inline]
+    pub fn velocity_row(&self, node: usize) -> usize {
+        D * node
+    }
+
+    /// Returns the row of a pressure.
+    #[inline]
+    pub fn pressure_row(&self, number: usize) -> usize {
+        D * D + number
+    }
+}
+
 impl<'a, const D: usize> ClosedPoints<'a, D> {
     /// Creates the points on the surface of a stress; none if the motion of the body is prescribed.
     pub fn new(stress: Arc<FluidStress<'a, D>>) -> Self {

@@ -3,19 +3,8 @@
 use contact::Positions;
 use mesh::{BodyId, Vector};
 
-use crate::setup::Contact;
+use crate::setup::{ApproachSteps, Contact};
 use crate::{Setup, State};
-
-/// Steps that become shorter as the bodies of a contact approach, and longer again as they part.
-///
-/// The force of a film changes with its thickness, so that a step must be a part of the time in which the gap would close.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ApproachSteps {
-    /// Largest motion of the bodies of a contact in a step, over the gap between them.
-    pub fraction: f64,
-    /// Smallest length of a step.
-    pub smallest: f64,
-}
 
 impl ApproachSteps {
     /// Returns the longest step from a state. It is a function of positions and velocities of the bodies, so that a run that is resumed takes the same

@@ -30,7 +30,6 @@ mod step;
 mod surfaces;
 mod time_loop;
 
-pub use approach::ApproachSteps;
 pub use error::{ObserverError, Stage, StepError};
 pub use ledger::Ledger;
 pub use observe::{Observer, StepView};
@@ -38,7 +37,7 @@ pub use prepare::{Step, Substep};
 pub use problem::Problem;
 pub use report::{BodyReport, FluidReport, ForceBalance, StepReport};
 pub use seconds::StageSeconds;
-pub use setup::{Contact, ContactObstacle, FilmSetup, FluidBoundary, FluidSetup, Setup, TractionField};
+pub use setup::{ApproachSteps, Contact, ContactObstacle, FilmSetup, FluidBoundary, FluidSetup, Setup, TractionField};
 pub use stabilisation::Stabilisation;
 pub use state::{FluidState, State};
 pub use step::advance;

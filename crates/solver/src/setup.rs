@@ -10,7 +10,7 @@ use cutcell::OverlayOptions;
 use fluid_ns::NewtonianFluid;
 use mesh::{BodyId, FacetId, Placed, Point, SimplexMesh, Tag, Vector};
 
-use crate::{ApproachSteps, Stabilisation, Stage};
+use crate::{Stabilisation, Stage};
 
 /// A traction at a point, given the outward normal, at a time.
 pub type TractionField<const D: usize> = Arc<dyn Fn(&Point<D>, &Vector<D>, f64) -> Vector<D> + Send + Sync>;
@@ -34,6 +34,17 @@ pub struct Setup<const D: usize> {
     pub approach: Option<ApproachSteps>,
     /// Newton's method.
     pub newton: NewtonSettings,
+}
+
+/// Steps that become shorter as the bodies of a contact approach, and longer again as they part.
+///
+/// The force of a film changes with its thickness, so that a step must be a part of the time in which the gap would close.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ApproachSteps {
+    /// Largest motion of the bodies of a contact in a step, over the gap between them.
+    pub fraction: f64,
+    /// Smallest length of a step.
+    pub smallest: f64,
 }
 
 /// The fluid with its background mesh, stabilisation and boundary conditions.

@@ -3,6 +3,7 @@
 mod added_mass;
 mod axisymmetric;
 mod bar;
+mod bouncing_sphere;
 mod carried_round;
 mod cavity;
 mod cfd;
@@ -77,7 +78,7 @@ const fn check(name: &'static str, about: &'static str, measure: fn(&mut Record)
 }
 
 /// All checks, in the order of the page.
-const CHECKS: [Check; 38] = [
+const CHECKS: [Check; 40] = [
     check("exact", "Solutions that the discrete spaces contain, at random positions of the body.", exact::measure),
     check("orders", "Orders of convergence of known flows around bodies at rest and in motion.", orders::measure),
     check("peer", "Errors of unfitted Stokes flow compared with those of ngsxfem on the same mesh.", peer::measure),
@@ -98,6 +99,11 @@ const CHECKS: [Check; 38] = [
     check("added-mass", "The first acceleration of a ball, and of a rigid one in ideal fluid.", added_mass::measure),
     check("sedimentation", "A heavy disk that sinks in a closed box, as a free rigid body.", sedimentation::measure),
     check("settling-sphere", "A sphere that sinks in a tank, with measured speeds.", settling_sphere::measure),
+    check(
+        "bouncing-sphere",
+        "A sphere that bounces off the floor of a tank, with measured heights.",
+        bouncing_sphere::measure,
+    ),
     check("settling-disks", "Thirty elastic disks that settle in a closed box and collide.", settling::disks),
     check(
         "falling-ellipse",
