@@ -29,6 +29,13 @@ pub struct ClosedPoint<const D: usize> {
     pub by_pressure: Vec<Vector<D>>,
 }
 
+impl<const D: usize> ClosedPoint<D> {
+    /// Returns the first local row of the velocity of a vertex; that of vertex `D` is the first pressure.
+    pub(crate) fn row(&self, vertex: usize) -> usize {
+        D * vertex
+    }
+}
+
 impl<'a, const D: usize> ClosedPoints<'a, D> {
     /// Creates the points on the surface of a stress; none if the motion of the body is prescribed.
     pub fn new(stress: Arc<FluidStress<'a, D>>) -> Self {

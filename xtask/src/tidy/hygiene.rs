@@ -10,7 +10,7 @@ const LONG_FILES: &[(&str, &str)] = &[];
 /// Largest numbers of lines of Rust below some folders (docs/adr/0022).
 const BUDGETS: &[(&[&str], usize)] = &[
     (&["crates/cutwater/src/lib.rs", "crates/cutwater/src/main.rs"], 345),
-    (&["crates/io/src"], 10_950),
+    (&["crates/io/src"], 10_990),
     (&["crates/report/src"], 1570),
     (&["crates/solver/src"], 2470),
     (&["validation"], 12_100),
