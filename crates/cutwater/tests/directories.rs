@@ -137,7 +137,7 @@ fn a_write_that_fails_names_its_cause() {
 
 #[test]
 fn a_history_that_is_removed_during_a_run_ends_it() {
-    let directory = fresh("removed");
+    let directory = fresh("removed-history");
     let mut run = command(&case(), &directory, &["--set", "time.end=10", "--quiet"]);
     let mut run = run.stderr(Stdio::piped()).spawn().expect("the binary starts");
     let history = directory.join("history.csv");

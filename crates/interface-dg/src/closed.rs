@@ -30,16 +30,9 @@ pub struct ClosedPoint<const D: usize> {
 }
 
 impl<const D: usize> ClosedPoint<D> {
-    /// Returns the first row of the velocity of a vertex.
-    #[inline]
-    pub fn velocity_row(&self, node: usize) -> usize {
-        D * node
-    }
-
-    /// Returns the row of a pressure.
-    #[inline]
-    pub fn pressure_row(&self, number: usize) -> usize {
-        D * D + number
+    /// Returns the first local row of the velocity of a vertex; that of vertex `D` is the first pressure.
+    pub(crate) fn row(&self, vertex: usize) -> usize {
+        D * vertex
     }
 }
 

@@ -199,7 +199,7 @@ impl<const D: usize> FluidStress<'_, D> {
     }
 }
 
-/// Traction of a body minus that of the fluid in front of it: the part that contact carries.
+/// Difference of the tractions of a body and of the fluid in front of it, which contact carries.
 pub struct StressJump<'a, const D: usize> {
     /// The stress of the body.
     pub solid: Arc<dyn SurfaceStress<D> + 'a>,

@@ -99,7 +99,7 @@ pub struct StepProgress {
     pub linear_iterations: usize,
     /// Residual of the solution, relative to the state.
     pub residual: f64,
-    /// Whether the step failed as a whole and was taken in parts.
+    /// Whether the step was taken in parts, because it failed as a whole or bodies were close to each other.
     pub is_divided: bool,
     /// Whether there is contact.
     pub in_contact: bool,

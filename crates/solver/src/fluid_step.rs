@@ -29,8 +29,8 @@ const PIECE_DEGREE: usize = 2;
 /// Degree of quadrature on open boundaries: products of three P1 functions.
 const BOUNDARY_DEGREE: usize = 3;
 
-/// Stiffness of the penalty that stands for vapour: far above one, and far below the inverse of round-off.
-const VAPOUR: f64 = 1e6;
+/// Stiffness of the penalty that stands for vapour: pressures fall below the floor by a thousandth of their differences in the film.
+const VAPOUR: f64 = 1e3;
 
 /// The fluid in one step.
 pub(crate) struct FluidStep<'a, const D: usize> {

@@ -40,10 +40,10 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
 
     /// Passes the state to the observers, then takes `n_steps` steps and passes the state after each of them.
     ///
-    /// With [`Setup::approach`] a step is taken in parts where bodies are close to each other. A step in which Newton's method fails or contact may have been missed is taken again in two halves, from the
-    /// same state; halves are divided further, down to [`Setup::most_halvings`] halvings. The next half, and the next
-    /// step, are tried whole. Observers receive the parts as well ([`crate::StepReport::substep`]); a part that
-    /// succeeds also counts the work of the nonlinear solves that failed before it.
+    /// With [`Setup::approach`] a step is taken in parts where bodies are close to each other. A step, or such a part, in which Newton's method
+    /// fails or contact may have been missed is taken again in two halves, from the same state; halves are divided further, down to
+    /// [`Setup::most_halvings`] halvings. The next half, and the next step, are tried whole. Observers receive the parts as well
+    /// ([`crate::StepReport::substep`]); a part that succeeds also counts the work of the nonlinear solves that failed before it.
     ///
     /// # Errors
     /// The first step or observer that fails; the state is the last good one, at the end of a part if the step was divided.

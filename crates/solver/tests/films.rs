@@ -131,7 +131,7 @@ fn vapour_bounds_the_tension_of_a_film_that_opens() {
     let width = 0.25 * length;
     let floor = -6.0 * width * width / gap.powi(3);
     let (lowest, force) = tension(Some(floor));
-    assert!((lowest / floor - 1.0).abs() < 1e-4, "{}", lowest / floor);
+    assert!((lowest / floor - 1.0).abs() < 2e-3, "{}", lowest / floor);
     let exact = floor * (length - 2.0 * width + 2.0 * width * 2.0 / 3.0);
     assert!((force / exact - 1.0).abs() < 0.05, "{}", force / exact);
 }

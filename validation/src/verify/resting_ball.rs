@@ -42,7 +42,7 @@ const STIFFNESS: f64 = 1e8;
 
 /// Returns the contact force over the weight minus buoyancy, and the smallest gap.
 fn at_rest(law: impl ContactLaw + 'static, ambient: f64) -> Result<[f64; 2], Failure> {
-    // The disk starts 1 % of its radius inside the floor.
+    // The disk starts inside the floor by a hundredth of its radius.
     let centre = [0.0, 0.99 * RADIUS];
     let disk = half_ball::<2>(centre, RADIUS, SIZE, &BallOptions { area_preserving: false })?;
     let material = SaintVenantKirchhoff::new(LameParameters::new(MU, LAMBDA)?);

@@ -35,6 +35,7 @@ const LIBRARY_WORDS: &[(&[&str], &[&str], &str)] = &[
             "crates/contact/src/sites.rs",
             "crates/fluid-ns/src/cell.rs",
             "crates/fluid-ns/src/open_boundary.rs",
+            "crates/interface-dg/src/closed.rs",
             "crates/interface-dg/src/points.rs",
             "crates/io/",
             "crates/solid-svk/src/cell.rs",

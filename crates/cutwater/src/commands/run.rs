@@ -183,7 +183,7 @@ impl Console {
         let message =
             format!("t = {:.4} {time}{distance}{gap}{contact}, {} Newton iterations", at.time, at.newton_iterations);
         if at.is_divided {
-            let line = format!("step {} failed as a whole and was taken in parts", at.step);
+            let line = format!("step {} was taken in parts", at.step);
             if self.is_verbose { self.line(&line) } else { self.log(&line) }
         }
         if let Some(bar) = &self.bar {
@@ -240,7 +240,7 @@ fn print_summary(summary: &Summary, directory: &str, tell: &mut dyn FnMut(&str))
         tell(&format!("  {} factorisations needed free pivoting", summary.fallbacks));
     }
     if summary.divided_steps > 0 {
-        tell(&format!("  {} steps failed and were taken in parts", summary.divided_steps));
+        tell(&format!("  {} steps were taken in parts", summary.divided_steps));
     }
     let Some(contact) = summary.contact_time else {
         tell("  no contact");
