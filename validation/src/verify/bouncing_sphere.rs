@@ -95,8 +95,8 @@ fn coarse(record: &mut Record) -> Result<(), Failure> {
         "body.0.motion.guided.velocity=[\"0\", \"-0.585*min(t/1e-3, 1)\"]",
         "time.step=1.0e-4",
         "time.end=0.02",
-        "time.approach.fraction=0.1",
-        "time.approach.smallest=1.0e-6",
+        "time.approach.fraction=0.2",
+        "time.approach.smallest=5.0e-6",
     ]
     .map(str::to_owned)
     .to_vec();

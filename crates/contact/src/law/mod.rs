@@ -88,8 +88,9 @@ pub trait ContactLaw: Send + Sync + std::fmt::Debug {
         None
     }
 
-    /// Returns the law of a force at the closest points, for bodies that do not deform; `None` for laws that act by their traction.
-    fn collision(&self) -> Option<&CollisionLaw> {
+    /// Returns the restitution of collisions, for bodies that do not deform; `None` for laws that act by their traction. At most the velocity of approach is
+    /// reversed where [`ContactLaw::is_active`] holds at the start of a step.
+    fn restitution(&self) -> Option<f64> {
         None
     }
 

@@ -53,15 +53,11 @@ choices! {
             /// Penalty parameter `γ_C0`.
             gamma_contact_0: f64 [unit(Quantity::PRESSURE), positive],
         },
-        /// Collision of stiff bodies that do not deform in the computation: the force of Hertz at their closest points, where the gap is below the offset, which
-        /// is the roughness of the surfaces. Steps have to resolve the collision.
+        /// Collision of bodies that do not deform: where the gap is below the offset, the roughness of the surfaces, the velocity of approach is reversed
+        /// in one step, for bodies and fluid together.
         Collision = "collision" {
-            /// Effective modulus `E*` of the two materials, `1/E* = Σ (1 - ν²)/E`.
-            modulus: f64 [unit(Quantity::PRESSURE), positive],
-            /// Radius `R` of the surfaces where they touch, `1/R = Σ 1/R_k`.
-            radius: f64 [unit(Quantity::LENGTH), positive],
-            /// Restitution of a collision without fluid, above 0.
-            restitution: f64 [between(0.0, 1.0)] = 1.0,
+            /// Restitution of a collision without fluid.
+            restitution: f64 [between(0.0, 1.0)],
         },
         /// Nitsche's method: pressure `[γ_C (ε - Δ) - s_n]₊`, with the normal stress `s_n` of the slave, in fluid minus that of the fluid, and `γ_C = γ_0 (2 μ + λ)/h` of the
         /// slave's cell, of height `h`. Bodies in contact are at the distance `ε` without an error of the penalty; the slave is elastic.
@@ -261,9 +257,8 @@ impl<'p, const D: usize> Partners<'p, D> {
                     "body `{name}` deforms, and the law `collision` is for bodies that do not; use the law `penalty`, or motion = {{ kind = \"free\" }}"
                 )));
             }
-            ContactLawChoice::Collision { modulus, radius, restitution } => {
-                let law = CollisionLaw::new(modulus, radius, restitution, given.offset).map_err(fail)?;
-                ContactForm::new(law, given.size)
+            ContactLawChoice::Collision { restitution } => {
+                ContactForm::new(CollisionLaw::new(restitution, given.offset).map_err(fail)?, given.size)
             }
             ContactLawChoice::Nitsche { .. } if !self.deforms(slave) => return Err(self.rigid(given, slave)),
             ContactLawChoice::Nitsche { gamma_0 } => {
