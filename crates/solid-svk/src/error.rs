@@ -22,6 +22,15 @@ pub enum Error {
         /// Vertices of the mesh.
         n_vertices: usize,
     },
+    /// Masses of elements of order 2 cannot be lumped: those of their vertices are zero or negative.
+    #[error("masses are redistributed for elements of order 1 only")]
+    MassOfOrder,
+    /// A node without mass that has no node with mass near it. Leave the mass of some nodes inside of the body, or refine the mesh.
+    #[error("vertex {vertex} is not near any node that keeps its mass")]
+    NoMassNear {
+        /// The vertex.
+        vertex: VertexId,
+    },
     /// A list of groups that does not belong to the mesh.
     #[error("{found} cells have a group, but the mesh has {n_cells} cells")]
     Groups {

@@ -49,6 +49,7 @@ mod error;
 mod facet;
 mod form;
 mod load;
+mod mass;
 mod solid_mesh;
 mod stress;
 

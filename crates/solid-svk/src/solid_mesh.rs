@@ -231,13 +231,19 @@ impl<const D: usize> SolidMesh<D> {
         self.cells.volumes[cell.index()]
     }
 
-    /// Returns the consistent mass of a cell for unit density, `m_ij = ∫ N_i N_j` with the weight of the coordinates: a square matrix.
+    /// Returns the mass of a cell for unit density, a square matrix: the consistent one, `m_ij = ∫ N_i N_j` with the weight of the coordinates, unless
+    /// masses were redistributed ([`SolidMesh::without_mass_at`]).
     ///
     /// It is integrated once with a rule that is exact on cells with straight edges, up to degree 4.
     #[inline]
     pub fn mass(&self, cell: CellId) -> &[f64] {
         let n = self.order.n_nodes(D).pow(2);
         &self.cells.mass[cell.index() * n..][..n]
+    }
+
+    /// Returns the masses of all cells, one after the other.
+    pub(crate) fn masses_mut(&mut self) -> &mut [f64] {
+        &mut self.cells.mass
     }
 
     /// Returns the points of a cell at which the stress is evaluated: weights, and gradients of the shape functions of its nodes.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use mesh::{BoundaryMesh, Coordinates, FacetId, Point, SimplexMesh, Vector};
+use mesh::{BoundaryMesh, Coordinates, FacetId, Point, SimplexMesh, Vector, VertexId};
 use solid_rigid::RigidBody;
 use solid_rigid::modes::n_rotations;
 use solid_svk::supports::{facets_without_tags, tagged_facets, vertices_of};
@@ -48,6 +48,9 @@ keys! {
         boundary: Option<At<Named<BodyCondition>>>,
         /// Displacement of an elastic body at the start; none if left out.
         initial_displacement: Option<Field> [unit(Quantity::LENGTH)],
+        /// Mass of the nodes on those parts of the surface of an elastic body that may come into contact. Without mass there the pressure of contact does not oscillate in time. All masses
+        /// are lumped then. For elements of order 1.
+        contact_mass: Option<At<ContactMass>>,
         /// Velocity of an elastic or free body at the start; at rest if left out.
         initial_velocity: Option<Field> [unit(Quantity::VELOCITY)],
     }
@@ -60,6 +63,16 @@ keys! {
         material: Option<At<MaterialChoice>>,
         /// Density; that of the body if left out.
         density: Option<At<f64>> [unit(Quantity::DENSITY), positive],
+    }
+}
+
+choices! {
+    /// Mass of the nodes that may come into contact.
+    pub enum ContactMass {
+        /// That of the elements.
+        Consistent = "consistent",
+        /// None: it goes to nodes inside of the body.
+        Redistributed = "redistributed",
     }
 }
 
@@ -177,6 +190,7 @@ impl BodyKeys {
             ("density", place(&self.density)),
             ("gravity", place(&self.gravity)),
             ("boundary", place(&self.boundary)),
+            ("contact_mass", place(&self.contact_mass)),
             ("initial_displacement", place(&self.initial_displacement)),
             ("initial_velocity", place(&self.initial_velocity)),
         ];
@@ -297,9 +311,25 @@ fn elastic<const D: usize>(
             .map_err(|_| given.at.invalid("this displacement turns cells of the body inside out; make it smaller"))?;
     }
     let contact_facets = free_facets(given, &solid)?;
+    let solid = match &given.contact_mass {
+        Some(mass) if **mass == ContactMass::Redistributed => without_mass(mass, solid, &contact_facets)?,
+        _ => solid,
+    };
     let part_names = solid.mesh().tag_names().to_vec();
     let body = ElasticBody::new(&given.name, solid, form, options).map_err(|error| given.at.error(error))?;
     Ok(Built { body: Arc::new(body), contact_facets, deforms: true, part_names })
+}
+
+/// Returns the body without mass at the vertices of facets.
+fn without_mass<const D: usize>(
+    given: &At<ContactMass>,
+    solid: SolidMesh<D>,
+    facets: &[FacetId],
+) -> Result<SolidMesh<D>, ScenarioError> {
+    let nodes: Vec<VertexId> = facets.iter().flat_map(|facet| solid.boundary().facet(*facet)).copied().collect();
+    let (solid, keeps_moments) = solid.without_mass_at(&nodes).map_err(|error| given.at.error(error))?;
+    let changed = "the mass of the surface cannot go to nodes inside without a change of the centre of mass; use a finer mesh, or leave `contact_mass` out";
+    if keeps_moments { Ok(solid) } else { Err(given.at.invalid(changed)) }
 }
 
 /// Returns the facets that may come into contact: those on no plane of symmetry and not clamped.

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use cutwater::mesh::generate::structured_box;
+use cutwater::solid_svk::supports::vertices_of;
 use cutwater::solid_svk::{LameParameters, LinearElastic, SupportKind};
 
 use super::super::dry::{Scheme, elastic, floor, run};
@@ -85,13 +86,27 @@ pub(super) struct History {
     pub(super) energy: Vec<(f64, f64)>,
 }
 
-/// Computes the history of the bar of `n` cells, with a time step in which a wave crosses `courant` of a cell.
-pub(super) fn history(gravity: f64, n: usize, courant: f64, scheme: &Scheme, end: f64) -> Result<History, Failure> {
+/// A discretisation of the bar in time, and of its mass.
+pub(super) struct Advance<'a> {
+    pub(super) scheme: &'a Scheme,
+    /// Whether the nodes on the floor have no mass.
+    pub(super) is_massless: bool,
+    /// Fraction of a cell that a wave crosses in a step.
+    pub(super) courant: f64,
+}
+
+/// Computes the history of the bar of `n` cells.
+pub(super) fn history(gravity: f64, n: usize, advance: &Advance<'_>, end: f64) -> Result<History, Failure> {
+    let &Advance { scheme, is_massless, courant } = advance;
     let size = LENGTH / n as f64;
     let mesh = structured_box::<2>([0.0, HEIGHT], [size, HEIGHT + LENGTH], [1, n])?;
     // Without lateral contraction a bar between smooth walls is a bar in one dimension.
     let material = LinearElastic::new(LameParameters::from_young_poisson(YOUNG, 0.0)?);
     let mut body = elastic(mesh, DENSITY, material, V::new(0.0, -gravity), Arc::clone(scheme))?;
+    if is_massless {
+        let foot = vertices_of(&body.solid, &body.part("bottom")?);
+        body.solid = body.solid.without_mass_at(&foot)?.0;
+    }
     for side in ["left", "right"] {
         body.hold(side, SupportKind::Symmetry { axis: 0 })?;
     }
