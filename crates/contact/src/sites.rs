@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use algebra::{BlockLayout, DofId, Sites};
+use algebra::{BlockLayout, DofId, RegimeHash, Sites};
 use body::{ByDof, SurfaceMotion, SurfaceStress};
 use mesh::{BoundaryMesh, FacetId, MAX_FACET_VERTICES, Placed, Point, SimplexRule, Vector, VertexId, positive};
 
@@ -319,17 +319,10 @@ impl<const D: usize> Sites for ContactSites<'_, D> {
 
     /// Returns the hash of the set of active points: two states with the same active set have the same value.
     fn regime(&self, x: &[f64]) -> u64 {
-        // Fowler-Noll-Vo hash of the numbers of the active points.
-        const OFFSET: u64 = 0xcbf2_9ce4_8422_2325;
-        const PRIME: u64 = 0x0100_0000_01b3;
-        let mut hash = OFFSET;
+        let mut hash = RegimeHash::default();
         for (k, item) in self.items.items.iter().enumerate() {
-            self.each_point(k, x, |site| {
-                for number in [item.number, site.number] {
-                    hash = (hash ^ number as u64).wrapping_mul(PRIME);
-                }
-            });
+            self.each_point(k, x, |site| hash.extend([item.number as u64, site.number as u64]));
         }
-        hash
+        hash.value()
     }
 }

@@ -1,6 +1,6 @@
 //! Fluid parts with the local data that terms evaluate.
 
-use algebra::{DofId, Sites};
+use algebra::{DofId, RegimeHash, Sites};
 use cutcell::PartId;
 use mesh::{MAX_CELL_VERTICES, Point, Tensor, Vector};
 use xfem_space::{HoopMoments, Moments};
@@ -129,14 +129,14 @@ impl<'a, const D: usize> Sites for FluidCells<'a, D> {
         visit(&cell);
     }
 
+    /// Returns the hash of the vertices of films whose pressure is below the floor; 0 without a floor.
     fn regime(&self, x: &[f64]) -> u64 {
-        // Fowler-Noll-Vo hash of the dofs below the floor.
-        const OFFSET: u64 = 0xcbf2_9ce4_8422_2325;
-        const PRIME: u64 = 0x0100_0000_01b3;
         let (Some(floor), Some(films)) = (self.floor, self.geometry.films) else { return 0 };
         let of_films = self.geometry.cut.all_parts().filter(|part| films.of(*part).is_some());
         let dofs = of_films.flat_map(|part| self.geometry.space.dofs(part));
         let below = dofs.filter(|dof| self.fields.pressure_at(x, **dof) < floor);
-        below.fold(OFFSET, |hash, dof| (hash ^ u64::from(*dof)).wrapping_mul(PRIME))
+        let mut hash = RegimeHash::default();
+        hash.extend(below.map(|dof| u64::from(*dof)));
+        hash.value()
     }
 }
