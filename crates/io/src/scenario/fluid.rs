@@ -3,7 +3,7 @@
 use cutcell::OverlayOptions;
 use fluid_ns::NewtonianFluid;
 use fluid_ns::terms::CipProfile;
-use mesh::{Coordinates, FacetId, Placed, Point, Tag, Vector};
+use mesh::{Coordinates, FacetId, Placed, Tag, Vector};
 use solver::interface_dg::terms::PenaltyProfile;
 use solver::{FilmSetup, FluidBoundary, FluidSetup, Stabilisation};
 
@@ -245,10 +245,9 @@ pub(super) fn unbalanced<const D: usize>(fluid: &FluidSetup<D>, [start, end]: [f
             on(*tag).flat_map(|facet| surface.facet(facet)).for_each(|v| nodal[v.index()] = Vector::zeros());
         }
         let of_facet = |facet: FacetId| {
-            let (vertices, measure) = (surface.facet(facet), placed.facet_measure(facet));
+            let vertices = surface.facet(facet);
             let sum: Vector<D> = vertices.iter().map(|v| nodal[v.index()]).sum();
-            let middle = placed.facet_points(facet)[..D].iter().sum::<Point<D>>() / D as f64;
-            let per_vertex = measure * background.coordinates().weight(&middle) / vertices.len() as f64;
+            let per_vertex = placed.weighted_measure(facet) / vertices.len() as f64;
             [-sum.dot(&placed.facet_normal(facet)) * per_vertex, sum.norm() * per_vertex]
         };
         surface.facets().map(of_facet).fold([0.0; 2], |sum, flow| [sum[0] + flow[0], sum[1] + flow[1]])
