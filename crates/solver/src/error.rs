@@ -77,10 +77,10 @@ pub enum Stage {
         body: String,
         /// Smaller eigenvalue of the penalty.
         penalty: f64,
-        /// Smallest one with which the mortar is stable.
+        /// Smallest penalty for which the mortar is stable.
         required: f64,
     },
-    /// Lists of numbers are not those of a state of the setup: they were made with another one.
+    /// Lists of numbers do not have the lengths of a state of this setup: they belong to another problem.
     #[error("the state does not belong to this problem: {what}: {found} numbers, not {expected}")]
     Lists {
         /// The list.
@@ -131,8 +131,8 @@ pub enum Stage {
 }
 
 impl Stage {
-    /// Returns whether a smaller step may succeed. It cannot if the matrix is too large for the memory or structurally
-    /// singular.
+    /// Returns whether a smaller step may succeed: after a failure of Newton's method, a missed contact or an inverted cell, except if
+    /// the matrix is too large for the memory or structurally singular.
     pub fn smaller_step_may_succeed(&self) -> bool {
         let Self::Newton(newton) = self else {
             return matches!(self, Self::MissedContact { .. } | Self::Inverted { .. });

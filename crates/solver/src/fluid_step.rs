@@ -29,7 +29,7 @@ const PIECE_DEGREE: usize = 2;
 /// Degree of quadrature on open boundaries: products of three P1 functions.
 const BOUNDARY_DEGREE: usize = 3;
 
-/// Stiffness of the penalty that stands for vapour: pressures fall below the floor by a thousandth of their differences in the film.
+/// Stiffness `C` of the penalty for vapour: pressures fall below the floor by about a thousandth of their differences in the film.
 const VAPOUR: f64 = 1e3;
 
 /// The fluid in one step.
@@ -217,8 +217,8 @@ impl<'a, const D: usize> FluidStep<'a, D> {
         self.open_boundaries.iter().map(of_terms).sum()
     }
 
-    /// Sets symmetry planes and directions of flow, then prescribed velocities, then walls, such that the end of the step is as given: where two meet,
-    /// the later one is in force.
+    /// Constrains the velocity on planes of symmetry and parallel outflows, then prescribed velocities, then walls, such that the values
+    /// at the end of the step are the given ones. At a vertex of several conditions the last one counts.
     pub(crate) fn constrain(&self, layout: &BlockLayout, time: &StepTime, constraints: &mut Constraints) {
         let background = &self.setup.background;
         let mut set = |order: usize| {
@@ -248,7 +248,8 @@ impl<'a, const D: usize> FluidStep<'a, D> {
         self.end_films(layout, time.stage(), constraints);
     }
 
-    /// Sets the pressure where films end at open boundaries to the one given there: the flux along a film does not see the traction.
+    /// Prescribes the pressure where films end at open boundaries: minus the normal traction that is given there. The natural condition
+    /// of the flux along a film is no flux, which does not contain the traction.
     fn end_films(&self, layout: &BlockLayout, time: f64, constraints: &mut Constraints) {
         let (Some(films), background) = (&self.films, &self.setup.background) else { return };
         for piece in self.cut.boundary().iter().filter(|piece| films.of(piece.part).is_some()) {
@@ -319,17 +320,7 @@ impl<'a, const D: usize> FluidStep<'a, D> {
         let end = self.end(layout, x);
         let products = self.products(&end.velocity, &end.acceleration);
         let (Level { velocity, acceleration, .. }, Self { positions, cut, space, .. }) = (end, self);
-        FluidState {
-            positions,
-            cut,
-            space,
-            velocity,
-            acceleration,
-            pressure,
-            pressure_time,
-            kinetic_energy: products.0[0],
-            products,
-        }
+        FluidState { positions, cut, space, velocity, acceleration, pressure, pressure_time, products }
     }
 }
 

@@ -20,7 +20,7 @@ pub(crate) struct Surfaces<'a, const D: usize> {
     pub(crate) started: Vec<Vec<Point<D>>>,
     /// Positions of the vertices at which the background is cut.
     pub(crate) positions: &'a [Vec<Point<D>>],
-    /// Time from the first to the second.
+    /// Time from `started` to `positions`.
     pub(crate) ahead: f64,
     pub(crate) cut: &'a CutMesh<D>,
     pub(crate) space: &'a XfemSpace<D>,
