@@ -15,11 +15,10 @@ use cutwater::solver::{FluidBoundary, Setup, StepReport};
 use super::dry::{self, Elastic, Scheme, elastic, pushed, second_order};
 use super::flow::{Errors, Flow, Known, boundary, fluid, fluid_mut, force, problem};
 use super::mode::frequency_of;
+use super::orders::{Measured, ORDERS, in_space};
 use super::signal::passage;
 use super::{Failure, P, Record, Run, T, V};
 
-/// Required orders of velocity, its gradient and pressure in L2.
-const ORDERS: [f64; 3] = [1.9, 0.95, 1.4];
 /// Largest relative error of the drag on the finest mesh of the Stokes flow.
 const DRAG: f64 = 0.005;
 /// Largest relative differences of the other forces.
@@ -63,33 +62,6 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
          for tube and wake, whose drag is within 0.6 % of published values.",
     );
     Ok(())
-}
-
-/// Errors and the relative error of a force on one mesh.
-type Measured = (Errors, Option<f64>);
-
-/// Measures orders in h. Returns the errors of the force with the sizes of their meshes.
-fn in_space(
-    record: &mut Record,
-    name: &str,
-    sizes: &[usize],
-    of: impl Fn(usize) -> Result<Measured, Failure>,
-) -> Result<Vec<(f64, f64)>, Failure> {
-    let (mut curves, mut forces) = ([Vec::new(), Vec::new(), Vec::new()], Vec::new());
-    for &n in sizes {
-        let (errors, force) = of(n)?;
-        let h = 1.0 / n as f64;
-        for (curve, error) in curves.iter_mut().zip([errors.velocity, errors.gradient, errors.pressure]) {
-            curve.push((h, error));
-        }
-        forces.extend(force.map(|force| (h, force)));
-    }
-    for ((quantity, order), curve) in ["u", "∇u", "p"].into_iter().zip(ORDERS).zip(&curves) {
-        record.order(&format!("{name}: {quantity} in L2"), "h", curve, order);
-    }
-    let named = ["u", "∇u", "p"].into_iter().zip(curves);
-    record.log_figure(format!("{name}: errors in L2"), "h", named.collect::<Vec<_>>());
-    Ok(forces)
 }
 
 /// Returns the half plane of a sphere on the axis: vertices on the sphere, from the lowest point to the highest, closed along the axis.

@@ -40,7 +40,7 @@ mod pulsatile_leaflet;
 pub(crate) mod record;
 mod resting_ball;
 mod robustness;
-mod run;
+pub(crate) mod run;
 mod sedimentation;
 mod settling;
 mod settling_sphere;

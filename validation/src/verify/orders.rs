@@ -14,7 +14,7 @@ use super::record::Points;
 use super::{Failure, P, Record, T, V};
 
 /// Required orders of velocity, its gradient and pressure in L2, in h; of the velocity in the time step.
-const ORDERS: [f64; 3] = [1.9, 0.95, 1.4];
+pub(super) const ORDERS: [f64; 3] = [1.9, 0.95, 1.4];
 const TIME_ORDER: f64 = 0.95;
 /// Required orders in the time step of the velocity and of its gradient with the scheme of second order.
 const SECOND_ORDERS: [f64; 2] = [1.8, 1.5];
@@ -54,11 +54,11 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Results on one mesh: the errors, and an optional additional number.
-type Measured = (Errors, Option<f64>);
+/// Results on one mesh: the errors, and an optional additional number, such as the relative error of a force.
+pub(super) type Measured = (Errors, Option<f64>);
 
 /// Measures the orders in h. Returns the additional numbers with the sizes of their meshes.
-fn in_space(
+pub(super) fn in_space(
     record: &mut Record,
     name: &str,
     sizes: &[usize],
