@@ -64,7 +64,7 @@ pub struct FluidCells<'a, const D: usize> {
     geometry: FluidGeometry<'a, D>,
     fields: FluidFields<'a>,
     with_pressure: bool,
-    /// Lowest pressure of films, if the terms depend on which vertices are below it.
+    /// Floor of the pressure in films; `None` if no term depends on it.
     floor: Option<f64>,
 }
 
@@ -80,7 +80,8 @@ impl<'a, const D: usize> FluidCells<'a, D> {
         Self { geometry, fields, with_pressure: false, floor: None }
     }
 
-    /// Creates the sites of [`crate::terms::Cavitation`] with a floor of the pressure: their regime is the set of vertices of films below it.
+    /// Creates the sites of [`crate::terms::Cavitation`] for a floor of the pressure. Their regime is the set of vertices of films
+    /// with a pressure below the floor.
     pub fn with_floor(geometry: FluidGeometry<'a, D>, fields: FluidFields<'a>, floor: f64) -> Self {
         Self { floor: Some(floor), ..Self::new(geometry, fields) }
     }

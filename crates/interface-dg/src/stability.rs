@@ -12,7 +12,7 @@ pub struct UnstableShare {
     pub body: BodyId,
     /// Smaller eigenvalue of the penalty `S`.
     pub penalty: f64,
-    /// Smallest one with which the mortar is stable.
+    /// Smallest penalty for which the mortar is stable.
     pub required: f64,
 }
 

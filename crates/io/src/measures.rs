@@ -169,7 +169,7 @@ pub fn distance<const D: usize>(view: &StepView<'_, D>, index: usize, bottom: f6
 }
 
 /// Returns the leading body, of which summaries and progress report distance and contact: the slave of the first
-/// contact, else the first body that forces move, else the first body.
+/// contact, else the first movable body, else the first body.
 pub fn leading_body<const D: usize>(setup: &Setup<D>) -> Option<usize> {
     let slave = setup.contacts.first().map(|contact| contact.body().index());
     let movable = || setup.bodies.iter().position(|body| body.is_movable());

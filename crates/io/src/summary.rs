@@ -14,7 +14,7 @@ use crate::scenario::{Quantity, Units};
 const ENERGY_TOLERANCE: f64 = 1e-8;
 
 /// Sizes, contacts, checks and times of a run. Distances, penetrations and contacts are those of the leading body: the
-/// slave of the first contact, else the first body that forces move, else the first body.
+/// slave of the first contact, else the first movable body, else the first body.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
     /// Name of the case.

@@ -25,7 +25,7 @@ pub struct OwnSurface<const D: usize> {
 impl<const D: usize> OwnSurface<D> {
     /// Creates the obstacle from some facets of a closed boundary, the positions of the vertices of the undeformed body, and the
     /// exempt distance. It is at least the distance at which the law acts, and less than the thickness of the parts between which
-    /// contact is looked for.
+    /// contact is searched.
     ///
     /// # Errors
     /// [`Error::UnknownFacet`]: the boundary does not have one of the facets. [`Error::Parameter`]: the distance is not positive.
@@ -66,7 +66,7 @@ impl<const D: usize> Obstacle<D> for OwnSurface<D> {
         self.surface.boundary()
     }
 
-    /// Returns none: every point of a surface is on the whole of it. There are gaps to candidates only.
+    /// Returns `None`: the gap of a point of a surface to the whole of this surface is zero. Only gaps to candidates are meaningful.
     fn smallest_gap(&self, _points: &[Point<D>], _positions: Positions<'_, D>) -> Option<f64> {
         None
     }

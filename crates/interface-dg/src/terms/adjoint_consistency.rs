@@ -1,4 +1,4 @@
-//! The adjoint of the traction tests the velocity jump.
+//! Adjoint consistency of the mortar: the traction of the test functions on the velocity jump.
 
 use algebra::{LocalSystem, Term};
 use fluid_ns::NewtonianFluid;

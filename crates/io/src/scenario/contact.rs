@@ -19,12 +19,13 @@ use super::table::{At, Components, choices, keys};
 keys! {
     /// Contact between bodies, or of a body with an obstacle: `pairs`, or `pair`, or `body` and `obstacle`.
     pub struct ContactKeys {
-        /// Every two bodies that can meet, and every body that deforms with itself. In each pair the slave is the body that forces
-        /// move; of two such bodies, the elastic one if `law` is `nitsche`, then the one with the smaller facets, else the first one.
+        /// Every two bodies that can meet, and every body that deforms with itself. In each pair the slave is the movable
+        /// body, elastic or free. Of two such bodies it is the elastic one if `law` is `nitsche`, then the one with the smaller facets, else
+        /// the first one.
         pairs: Option<At<Pairs>> [group(0)],
         /// Names of two bodies, or twice that of a body in contact with itself; the slave is chosen as for `pairs`.
         pair: Option<At<Vec<At<String>>>> [group(1)],
-        /// Name of the slave; `all` for every body that forces move.
+        /// Name of the slave; `all` for every movable body.
         body: Option<At<String>> [group(2)],
         /// The obstacle of `body`.
         obstacle: Option<At<ObstacleChoice>> [group(2)],
