@@ -13,8 +13,8 @@ use crate::{Anchor, ContactSites, Positions};
 /// those of the whole body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ContactReport<const D: usize> {
-    /// Smallest gap of the slave's vertices to the whole obstacle, or to the facets in reach for a body in contact with itself; `None`
-    /// if there is no gap.
+    /// Smallest gap of the slave's vertices to the whole obstacle, or to the facets in reach for a body in contact with
+    /// itself; `None` if there is no gap.
     pub minimum_gap: Option<f64>,
     /// Largest `[ε - Δ]₊` at the quadrature points in contact, at the shifted positions at which the law acts.
     pub largest_penetration: f64,
@@ -22,23 +22,23 @@ pub struct ContactReport<const D: usize> {
     pub n_active: usize,
     /// Measure of the slave's surface in contact there.
     pub active_area: f64,
-    /// Force on the slave, `∫ (λ n^w + τ)`, at the stage. With a discrete gradient, points in contact at the start of the step only
-    /// contribute to it.
+    /// Force on the slave, `∫ (λ n^w + τ)`, at the stage. With a discrete gradient, points in contact at the start of
+    /// the step only contribute to it.
     pub force: Vector<D>,
     /// Power of contact on both bodies: negative while energy is stored.
     pub power: f64,
     /// Energy stored by the law.
     pub stored_energy: f64,
-    /// Mean contact pressure `-λ` on the facets of the slave with contact points, in the order of the facets. Forces are divided by
-    /// the measures of the facets over which the step is integrated.
+    /// Mean contact pressure `-λ` on the facets of the slave with contact points, in the order of the facets. Forces
+    /// are divided by the measures of the facets over which the step is integrated.
     pub slave_pressures: Vec<(FacetId, f64)>,
     /// The same on the facets of a deformable obstacle, from the forces at the points of the slave opposite to each.
     pub master_pressures: Vec<(FacetId, f64)>,
 }
 
 impl<const D: usize> ContactReport<D> {
-    /// Creates the report at the state `x`, with the velocities at the stage of the step and the positions of all vertices of slave
-    /// and master at its end.
+    /// Creates the report at the state `x`, with the velocities at the stage of the step and the positions of all
+    /// vertices of slave and master at its end.
     pub fn new(sites: &ContactSites<'_, D>, x: &[f64], [slave, master]: [&[Point<D>]; 2]) -> Self {
         let mut report = Self {
             minimum_gap: minimum_gap(sites, slave, master),

@@ -83,8 +83,8 @@ fn projected<const D: usize>(points: &[Point<D>; D], facet: &[Point<D>; D]) -> O
     Some(coordinates)
 }
 
-/// Divides a facet of the slave along the edges of facets of the master that face it. The vertices are at positions that are known
-/// before the step; the motion of the kinks during the step is an error of quadrature.
+/// Divides a facet of the slave along the edges of facets of the master that face it. The vertices are at positions
+/// that are known before the step; the motion of the kinks during the step is an error of quadrature.
 pub(crate) fn divide<const D: usize>(
     slave: &[Point<D>; D],
     master: impl Iterator<Item = [Point<D>; D]>,

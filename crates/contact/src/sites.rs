@@ -183,10 +183,11 @@ impl<const D: usize> ContactItems<D> {
 
 /// The quadrature points of a contact in one step. Only those in contact are visited; the others carry no traction.
 ///
-/// Time levels: the *weight* contains the measure of the slave's facet, and the weight of the coordinates, at the start of the step.
-/// *Gap, slip and frame* are those at its end. The *stress* is that of the unknown state. Positions are the shifted ones of the time
-/// scheme. A discrete gradient of the law also depends on the gap at the start of the step; then a point is visited if it is in
-/// contact at the start or at the end.
+/// Time levels: the *weight* contains the measure of the slave's facet, and the weight of the coordinates, at the start
+/// of the step.
+/// *Gap, slip and frame* are those at its end. The *stress* is that of the unknown state. Positions are the shifted
+/// ones of the time scheme. A discrete gradient of the law also depends on the gap at the start of the step; then a
+/// point is visited if it is in contact at the start or at the end.
 #[derive(Clone)]
 pub struct ContactSites<'a, const D: usize> {
     /// Facets that may touch.

@@ -80,8 +80,8 @@ impl<'a, const D: usize> FluidCells<'a, D> {
         Self { geometry, fields, with_pressure: false, floor: None }
     }
 
-    /// Creates the sites of [`crate::terms::Cavitation`] for a floor of the pressure. Their regime is the set of vertices of films
-    /// with a pressure below the floor.
+    /// Creates the sites of [`crate::terms::Cavitation`] for a floor of the pressure. Their regime is the set of
+    /// vertices of films with a pressure below the floor.
     pub fn with_floor(geometry: FluidGeometry<'a, D>, fields: FluidFields<'a>, floor: f64) -> Self {
         Self { floor: Some(floor), ..Self::new(geometry, fields) }
     }

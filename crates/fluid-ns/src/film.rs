@@ -95,8 +95,8 @@ pub struct FilmOptions {
 ///
 /// One layer of linear cells represents the shear flow between two moving surfaces, but not the parabolic flow that a pressure
 /// gradient drives between them. `N` layers carry the fraction `1 - 1/N²` of the latter. The missing flux per thickness is
-/// `d²/(12 μ)` times the gradient. The thickness `d` of a layer is the extent across the film of the cell, or of the part if the
-/// cell is cut, and at most the gap `δ`.
+/// `d²/(12 μ)` times the gradient. The thickness `d` of a layer is the extent across the film of the cell, or of the
+/// part if the cell is cut, and at most the gap `δ`.
 #[derive(Clone, Debug, Default)]
 pub struct FilmValues<const D: usize> {
     films: Vec<FilmPart<D>>,

@@ -30,8 +30,8 @@ pub struct PieceValues<const D: usize> {
 }
 
 impl<const D: usize> PieceValues<D> {
-    /// Creates the values with a rule on every piece that is exact for polynomials of the given degree. Relative speeds are zero, and
-    /// viscous lengths are the sizes of the cells.
+    /// Creates the values with a rule on every piece that is exact for polynomials of the given degree. Relative speeds
+    /// are zero, and viscous lengths are the sizes of the cells.
     pub fn new(background: &SimplexMesh<D>, cut: &CutMesh<D>, parts: &PartValues<D>, degree: usize) -> Self {
         let coordinates = background.coordinates();
         let rule = SimplexRule::of_degree(D - 1, degree + coordinates.degree());
@@ -118,7 +118,8 @@ impl<const D: usize> PieceValues<D> {
         (0..cut.interface().len()).map(largest).collect()
     }
 
-    /// Reduces the viscous lengths of pieces whose part lies in a film to the gap of the film. `gap` returns the gap of a part in a film.
+    /// Reduces the viscous lengths of pieces whose part lies in a film to the gap of the film. `gap` returns the gap of
+    /// a part in a film.
     pub fn set_gaps(&mut self, cut: &CutMesh<D>, gap: impl Fn(PartId) -> Option<f64>) {
         for (length, piece) in self.viscous_lengths.iter_mut().zip(cut.interface()) {
             *length = gap(piece.part).map_or(*length, |gap| length.min(gap));
@@ -143,8 +144,8 @@ impl<const D: usize> PieceValues<D> {
         self.cell_sizes[piece]
     }
 
-    /// Returns the viscous length of a piece, over which the velocity can change: the size of the cell, or the gap of the film if that
-    /// is smaller.
+    /// Returns the viscous length of a piece, over which the velocity can change: the size of the cell, or the gap of
+    /// the film if that is smaller.
     #[inline]
     pub fn viscous_length(&self, piece: usize) -> f64 {
         self.viscous_lengths[piece]

@@ -19,8 +19,8 @@ pub struct UnstableShare {
 /// Returns the first piece on which the mortar may be unstable, for small strains.
 ///
 /// The form bounds the work of its tractions on the jump by viscosity, by the elasticity of the step, and by the penalty. A
-/// penalty `σ` that suffices for the fluid alone leaves `(1 - α²) σ` for the solid, whose traction has the weight `1 - α` and needs
-/// [`body::SurfaceStress::trace_bound`].
+/// penalty `σ` that suffices for the fluid alone leaves `(1 - α²) σ` for the solid, whose traction has the weight
+/// `1 - α` and needs [`body::SurfaceStress::trace_bound`].
 pub fn unstable_share<const D: usize>(points: &InterfacePoints<'_, D>, penalty: &Penalty) -> Option<UnstableShare> {
     let (solid, values) = (points.solid.as_ref()?, points.values);
     points.geometry.cut.interface().iter().enumerate().find_map(|(item, piece)| {

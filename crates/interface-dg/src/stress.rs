@@ -17,12 +17,13 @@ const COVERED: f64 = 1.0 - 1e-9;
 
 /// Traction `T^f n` of the fluid in front of a body, `n` out of the body.
 ///
-/// The surface is *closed* where it borders no fluid: bodies touch or overlap there, or the facet lies outside the background. The
-/// traction on it is `-p n`. The pressure `p` is that in the middle of the nearest interface piece of the body, continued as in fluid
-/// at rest, `∇p = f` with the force `f` per volume, and zero if there is no piece. The model: between rough surfaces in contact there
-/// is fluid that is connected to the fluid at the rim.
+/// The surface is *closed* where it borders no fluid: bodies touch or overlap there, or the facet lies outside the
+/// background. The traction on it is `-p n`. The pressure `p` is that in the middle of the nearest interface piece of
+/// the body, continued as in fluid at rest, `∇p = f` with the force `f` per volume, and zero if there is no piece. The
+/// model: between rough surfaces in contact there is fluid that is connected to the fluid at the rim.
 ///
-/// Source: Ager, Schott, Vuong, Popp, Wall 2019, doi:10.1002/nme.6094, who continue stresses of the fluid into the contact zone.
+/// Source: Ager, Schott, Vuong, Popp, Wall 2019, doi:10.1002/nme.6094, who continue stresses of the fluid into the
+/// contact zone.
 pub struct FluidStress<'a, const D: usize> {
     points: InterfacePoints<'a, D>,
     body: BodyId,

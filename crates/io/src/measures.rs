@@ -159,8 +159,8 @@ fn acts_on<const D: usize>(contact: &Contact<D>, index: usize) -> bool {
     contact.body().index() == index || master == Some(index)
 }
 
-/// Returns the smallest gap of a body to its obstacles, and of bodies of which it is the obstacle; without a contact, height of its lowest vertex above `bottom`.
-/// `None` before the first step.
+/// Returns the smallest gap of a body to its obstacles, and of bodies of which it is the obstacle; without a contact,
+/// the height of its lowest vertex above `bottom`. `None` before the first step.
 pub fn distance<const D: usize>(view: &StepView<'_, D>, index: usize, bottom: f64) -> Option<f64> {
     let report = view.report?;
     let contacts = view.setup.contacts.iter().zip(&report.contacts);

@@ -47,8 +47,8 @@ impl<'m, const D: usize> Placed<'m, D> {
         self.facet_points(facet)[..D].iter().sum::<Point<D>>() / D as f64
     }
 
-    /// Returns the measure of a facet in the coordinates of the boundary: with the weight of the coordinates, which is linear, in its
-    /// middle.
+    /// Returns the measure of a facet in the coordinates of the boundary: with the weight of the coordinates, which is
+    /// linear, in its middle.
     pub fn weighted_measure(&self, facet: FacetId) -> f64 {
         self.facet_measure(facet) * self.boundary.coordinates().weight(&self.facet_middle(facet))
     }

@@ -11,8 +11,8 @@ pub(crate) const THETA: usize = 2;
 /// Tensor in space.
 pub(crate) type SpaceTensor = Tensor<3>;
 
-/// Deformation gradient at a point. In axisymmetric coordinates the deformation gradient in space has the hoop stretch, that of the
-/// circle through the point, as third entry on its diagonal.
+/// Deformation gradient at a point. In axisymmetric coordinates the deformation gradient in space has the hoop stretch,
+/// that of the circle through the point, as third entry on its diagonal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Deformation<const D: usize> {
     /// Deformation gradient `F = I + ∇d` in the coordinates of the mesh.
@@ -48,8 +48,8 @@ impl<const D: usize> Deformation<D> {
         }
     }
 
-    /// Returns the derivative of the first Piola stress in the coordinates of the mesh, in the direction of a gradient `h` and of a hoop
-    /// stretch.
+    /// Returns the derivative of the first Piola stress in the coordinates of the mesh, in the direction of a gradient
+    /// `h` and of a hoop stretch.
     pub fn first_piola_derivative(&self, material: &dyn Material<D>, h: &Tensor<D>, stretch: f64) -> Tensor<D> {
         match self.hoop {
             None => material.first_piola_derivative(&self.gradient, h),

@@ -41,7 +41,8 @@ impl<const D: usize> ElasticBody<D> {
     ///
     /// # Errors
     /// [`Error::UnknownVertex`], [`Error::UnknownFacet`]: a support or load names one that the mesh does not have.
-    /// [`Error::Parameter`]: a support along an axis that does not exist. [`Error::MissingMaterial`]: a group of cells without a material.
+    /// [`Error::Parameter`]: a support along an axis that does not exist. [`Error::MissingMaterial`]: a group of cells
+    /// without a material.
     pub fn new(name: &str, solid: SolidMesh<D>, form: SolidForm<D>, options: ElasticOptions<D>) -> Result<Self, Error> {
         let (n_vertices, n_facets) = (solid.nodes().len(), solid.boundary().n_facets());
         for support in &options.supports {

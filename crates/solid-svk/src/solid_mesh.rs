@@ -11,9 +11,9 @@ use crate::kinematics::{deformation_gradient, gradient};
 
 /// The data of the mesh of a body that are constant in time; built once, borrowed in every step.
 ///
-/// Cells are isoparametric elements of order 1 or 2. *Nodes* carry the unknowns: the vertices of the mesh, followed for order 2 by
-/// one node on each edge. Nodes have the identifiers of vertices. The boundary consists of linear facets through all nodes: two
-/// segments for each edge of order 2, four triangles for each triangle.
+/// Cells are isoparametric elements of order 1 or 2. *Nodes* carry the unknowns: the vertices of the mesh, followed for
+/// order 2 by one node on each edge. Nodes have the identifiers of vertices. The boundary consists of linear facets
+/// through all nodes: two segments for each edge of order 2, four triangles for each triangle.
 #[derive(Clone, Debug)]
 pub struct SolidMesh<const D: usize> {
     mesh: SimplexMesh<D>,
@@ -94,12 +94,12 @@ impl<const D: usize> SolidMesh<D> {
         Self::build(mesh, order, |_, middle| middle)
     }
 
-    /// Creates a body of quadratic elements with curved edges. `node` maps the ends of an edge, in ascending order, and the middle between
-    /// them to the position of the edge's node.
+    /// Creates a body of quadratic elements with curved edges. `node` maps the ends of an edge, in ascending order, and
+    /// the middle between them to the position of the edge's node.
     ///
     /// # Errors
-    /// [`Error::DegenerateCell`]: the map of a cell from the reference simplex has no inverse at a quadrature point, or in the middle of a
-    /// part, because the cell is too thin or too curved.
+    /// [`Error::DegenerateCell`]: the map of a cell from the reference simplex has no inverse at a quadrature point, or
+    /// in the middle of a part, because the cell is too thin or too curved.
     pub fn curved(mesh: SimplexMesh<D>, node: impl Fn([VertexId; 2], Point<D>) -> Point<D>) -> Result<Self, Error> {
         Self::build(mesh, Order::Quadratic, node)
     }
@@ -155,8 +155,8 @@ impl<const D: usize> SolidMesh<D> {
         Ok(body)
     }
 
-    /// Returns the body with its cells in groups, which may differ in density and material ([`crate::SolidForm::of_groups`]). By default
-    /// all cells are in group 0.
+    /// Returns the body with its cells in groups, which may differ in density and material
+    /// ([`crate::SolidForm::of_groups`]). By default all cells are in group 0.
     ///
     /// Shapes: `cell_to_group` has one entry per cell.
     ///
@@ -204,8 +204,8 @@ impl<const D: usize> SolidMesh<D> {
         &self.cell_to_node[cell.index() * n..][..n]
     }
 
-    /// Returns the linear simplices through all nodes, for output: `D + 1` nodes each, the parts of a cell one after another. The parts of
-    /// a linear element are the element itself.
+    /// Returns the linear simplices through all nodes, for output: `D + 1` nodes each, the parts of a cell one after
+    /// another. The parts of a linear element are the element itself.
     pub fn parts(&self) -> &[VertexId] {
         &self.part_to_node
     }
@@ -231,7 +231,8 @@ impl<const D: usize> SolidMesh<D> {
         self.cells.volumes[cell.index()]
     }
 
-    /// Returns the consistent mass of a cell for unit density, `m_ij = ∫ N_i N_j` with the weight of the coordinates: a square matrix.
+    /// Returns the consistent mass of a cell for unit density, `m_ij = ∫ N_i N_j` with the weight of the coordinates: a
+    /// square matrix.
     ///
     /// The quadrature is exact on cells with straight edges.
     #[inline]
@@ -240,11 +241,12 @@ impl<const D: usize> SolidMesh<D> {
         &self.cells.mass[cell.index() * n..][..n]
     }
 
-    /// Returns the points of a cell at which the stress is evaluated: weights, and gradients of the shape functions of its nodes.
+    /// Returns the points of a cell at which the stress is evaluated: weights, and gradients of the shape functions of
+    /// its nodes.
     ///
-    /// The rule has degree `2p - 2` for order `p`, which preserves the order of convergence: one point, and for order 2 three in 2D and
-    /// four in 3D. The number of strain components at all points equals the number of displacements of a cell minus that of its rigid
-    /// motions, so that only rigid motions have no energy.
+    /// The rule has degree `2p - 2` for order `p`, which preserves the order of convergence: one point, and for order 2
+    /// three in 2D and four in 3D. The number of strain components at all points equals the number of displacements of
+    /// a cell minus that of its rigid motions, so that only rigid motions have no energy.
     ///
     /// Source: Ciarlet 2002, The Finite Element Method for Elliptic Problems, Thm. 4.1.6.
     #[inline]
@@ -297,8 +299,8 @@ impl<const D: usize> SolidMesh<D> {
         &self.facet_points[facet.index() % self.facet_points.len()]
     }
 
-    /// Returns the gradients of the shape functions at a point of a cell, and their values divided by the radius; the latter are empty in
-    /// Cartesian coordinates.
+    /// Returns the gradients of the shape functions at a point of a cell, and their values divided by the radius; the
+    /// latter are empty in Cartesian coordinates.
     fn shapes_at(&self, cell: CellId, at: &Barycentric) -> (Vec<Vector<D>>, Vec<f64>) {
         let mut nodes = [Point::zeros(); MAX_CELL_NODES];
         let n = gather(&self.nodes, self.cell(cell), &mut nodes);
@@ -380,8 +382,8 @@ impl<const D: usize> CellTables<D> {
     }
 }
 
-/// Appends the values of the shape functions at a point divided by its radius, in axisymmetric coordinates. On the axis, where radial
-/// displacements are zero, the limit is the derivative with respect to the radius.
+/// Appends the values of the shape functions at a point divided by its radius, in axisymmetric coordinates. On the
+/// axis, where radial displacements are zero, the limit is the derivative with respect to the radius.
 fn push_hoop<const D: usize>(
     shape: &ShapeFunctions,
     nodes: &[Point<D>],
@@ -406,8 +408,8 @@ fn parts<const D: usize>(order: Order, dimension: usize, element_to_node: &[Vert
     elements.flat_map(parts).collect()
 }
 
-/// Returns the quadrature points for loads on the parts of a facet. In Cartesian coordinates those of a linear facet are its vertices.
-/// The other rules are exact for a uniform pressure; that on a triangle with quadratic nodes has degree 4.
+/// Returns the quadrature points for loads on the parts of a facet. In Cartesian coordinates those of a linear facet
+/// are its vertices. The other rules are exact for a uniform pressure; that on a triangle with quadratic nodes has degree 4.
 fn facet_points(order: Order, dimension: usize, coordinates: Coordinates) -> Vec<Tabulated> {
     let n_parts = order.parts(dimension).len();
     let of_part = |part: usize| match (order, coordinates.degree()) {

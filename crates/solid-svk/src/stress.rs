@@ -8,11 +8,11 @@ use mesh::{CellId, FacetId, Point, Tensor, Vector, VertexId};
 
 use crate::{Material, SolidCells};
 
-/// Traction of the cell behind a facet, `P N |F̂|/|F|`: the nominal traction `P N`, converted from the measure `|F̂|` of the facet in the
-/// reference state to its measure `|F|` at given positions. At the current positions it is `σ n`.
+/// Traction of the cell behind a facet, `P N |F̂|/|F|`: the nominal traction `P N`, converted from the measure `|F̂|`
+/// of the facet in the reference state to its measure `|F|` at given positions. At the current positions it is `σ n`.
 ///
-/// It is evaluated in the middle of the facet and constant on it, with the displacement at the stage of the step. Its integral over the
-/// facet at `positions` is the force in the weak form of the solid, for any growth of the facet in the step.
+/// It is evaluated in the middle of the facet and constant on it, with the displacement at the stage of the step. Its
+/// integral over the facet at `positions` is the force in the weak form of the solid, for any growth of the facet in the step.
 pub struct SolidStress<'a, const D: usize> {
     /// The cells of the body.
     pub cells: SolidCells<'a, D>,
@@ -50,7 +50,8 @@ impl<const D: usize> SolidStress<'_, D> {
         deformation.first_piola(material) * normal * ratio
     }
 
-    /// Returns the stiffness `n·C(n ⊗ n) n` of the reference state along the normal of a facet, `2 μ + λ` in isotropic materials.
+    /// Returns the stiffness `n·C(n ⊗ n) n` of the reference state along the normal of a facet, `2 μ + λ` in isotropic
+    /// materials.
     fn stiffness_along_normal(&self, facet: FacetId, cell: CellId) -> f64 {
         let solid = self.cells.solid;
         let normal = solid.placed(solid.nodes()).facet_normal(facet);
@@ -78,16 +79,17 @@ impl<const D: usize> SurfaceStress<D> for SolidStress<'_, D> {
         self.cell(facet).map_or_else(Vector::zeros, |cell| self.traction(facet, cell, x, derivatives))
     }
 
-    /// Returns `θ Δt p (p - 1 + D)/D n·C(n ⊗ n) n |∂K|/|K|`, with the order `p`, the stiffness `C` of the reference state and the facets
-    /// `∂K` of the cell on the surface. For isotropic materials `n·C(n ⊗ n) n = 2 μ + λ` is the largest eigenvalue of the acoustic tensor
-    /// of the direction n.
+    /// Returns `θ Δt p (p - 1 + D)/D n·C(n ⊗ n) n |∂K|/|K|`, with the order `p`, the stiffness `C` of the reference
+    /// state and the facets `∂K` of the cell on the surface. For isotropic materials `n·C(n ⊗ n) n = 2 μ + λ` is the
+    /// largest eigenvalue of the acoustic tensor of the direction n.
     ///
-    /// The factor is that of polynomials of degree `q = p - 1`, the degree of the gradients: `∫_F |y|² <= (q + 1)(q + D)/D |F|/|K| ∫_K
-    /// |y|²` for a facet F. The sum of the squares in the middles of the parts of a facet is less than the integral. On a cell with curved
-    /// edges the bound holds up to the variation of its Jacobian.
+    /// The factor is that of polynomials of degree `q = p - 1`, the degree of the gradients:
+    /// `∫_F |y|² <= (q + 1)(q + D)/D |F|/|K| ∫_K |y|²` for a facet F. The sum of the squares in the middles of the parts
+    /// of a facet is less than the integral. On a cell with curved edges the bound holds up to the variation of its
+    /// Jacobian.
     ///
-    /// Source: Warburton, Hesthaven 2003, On the constants in hp-finite element trace inverse inequalities, Comput. Methods Appl. Mech.
-    /// Eng. 192, doi:10.1016/S0045-7825(03)00294-9, Theorem 5.
+    /// Source: Warburton, Hesthaven 2003, On the constants in hp-finite element trace inverse inequalities, Comput.
+    /// Methods Appl. Mech. Eng. 192, doi:10.1016/S0045-7825(03)00294-9, Theorem 5.
     fn trace_bound(&self, facet: FacetId) -> f64 {
         let Some(cell) = self.cell(facet) else { return 0.0 };
         let solid = self.cells.solid;
@@ -95,8 +97,8 @@ impl<const D: usize> SurfaceStress<D> for SolidStress<'_, D> {
         self.cells.rule.displacement.slope * self.stiffness_along_normal(facet, cell) * trace
     }
 
-    /// Returns `p (p - 1 + D)/D n·C(n ⊗ n) n/h` with the order `p` and the height `h` of the cell over the facet; `(2 μ + λ)/h` for linear
-    /// elements of an isotropic material.
+    /// Returns `p (p - 1 + D)/D n·C(n ⊗ n) n/h` with the order `p` and the height `h` of the cell over the facet;
+    /// `(2 μ + λ)/h` for linear elements of an isotropic material.
     fn stiffness(&self, facet: FacetId) -> f64 {
         let Some(cell) = self.cell(facet) else { return 0.0 };
         let solid = self.cells.solid;

@@ -7,8 +7,8 @@ use crate::setup::{ApproachSteps, Contact};
 use crate::{Setup, State};
 
 impl ApproachSteps {
-    /// Returns the longest step from a state. It depends only on positions and velocities of the bodies, so that a resumed run takes the
-    /// same steps.
+    /// Returns the longest step from a state. It depends only on positions and velocities of the bodies, so that a
+    /// resumed run takes the same steps.
     pub(crate) fn longest<const D: usize>(&self, setup: &Setup<D>, state: &State<D>) -> f64 {
         let positions = setup.positions(&state.bodies);
         let fastest = |id: BodyId| state.bodies[id.index()].largest_speed();

@@ -109,8 +109,8 @@ pub enum Stage {
         /// Report of the nonlinear solve, which is discarded.
         newton: Box<NewtonReport>,
     },
-    /// A cell of an elastic body is inside out at the end of the step. Take smaller steps; where the load is too large for the stiffness
-    /// and size of the cells, use finer cells or a stiffer material.
+    /// A cell of an elastic body is inside out at the end of the step. Take smaller steps; where the load is too large
+    /// for the stiffness and size of the cells, use finer cells or a stiffer material.
     #[error(
         "a cell of body {body} at {place:?} is inside out: det F is {ratio:.3e}; take smaller steps, finer \
          cells of the body or a stiffer material"
@@ -131,8 +131,8 @@ pub enum Stage {
 }
 
 impl Stage {
-    /// Returns whether a smaller step may succeed: after a failure of Newton's method, a missed contact or an inverted cell, except if
-    /// the matrix is too large for the memory or structurally singular.
+    /// Returns whether a smaller step may succeed: after a failure of Newton's method, a missed contact or an inverted
+    /// cell, except if the matrix is too large for the memory or structurally singular.
     pub fn smaller_step_may_succeed(&self) -> bool {
         let Self::Newton(newton) = self else {
             return matches!(self, Self::MissedContact { .. } | Self::Inverted { .. });

@@ -12,8 +12,9 @@ use crate::problem::{closed_pressure, contact_work};
 /// Energy that each part of the discrete problem took in a step; negative if it gave energy.
 ///
 /// The weak form is tested with its own solution `(u, p, v_s)`. Each line is the power of a term times the step, minus the
-/// change of the energy of the scheme ([`algebra::time::Weights::of_energy`]) that the term stores: kinetic, elastic, of gravity, of
-/// contact. Including `scheme_storage`, the sum of all lines is minus the change of the energy, up to the residual of Newton's method.
+/// change of the energy of the scheme ([`algebra::time::Weights::of_energy`]) that the term stores: kinetic, elastic,
+/// of gravity, of contact. Including `scheme_storage`, the sum of all lines is minus the change of the energy, up to
+/// the residual of Newton's method.
 ///
 /// Units: energy (2D: per unit depth).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -54,13 +55,13 @@ pub struct Ledger {
     pub body_scheme: f64,
     /// Work against the loads on bodies, and against the pressure on closed parts of surfaces.
     pub loads: f64,
-    /// Contacts: work that their laws do not store, work of collisions, and the change of the stored energy with the area of facets and
-    /// with the shift of positions where the length of the step changes.
+    /// Contacts: work that their laws do not store, work of collisions, and the change of the stored energy with the
+    /// area of facets and with the shift of positions where the length of the step changes.
     pub contact: f64,
     /// Work against given velocities: on boundaries, and on bodies of prescribed motion.
     pub given_velocities: f64,
-    /// Change of the energy that the time scheme stores in accelerations, in addition to the energy at the end of the step. It is
-    /// released later. Zero for implicit Euler.
+    /// Change of the energy that the time scheme stores in accelerations, in addition to the energy at the end of the
+    /// step. It is released later. Zero for implicit Euler.
     pub scheme_storage: f64,
     /// All other terms, such as the hoop terms of axisymmetric coordinates.
     pub other: f64,
@@ -95,8 +96,8 @@ impl Ledger {
         ]
     }
 
-    /// Returns the change of the energy that no line explains: the residual of Newton's method times the solution. Stored energies
-    /// cancel in it, so that it does not check their formulas.
+    /// Returns the change of the energy that no line explains: the residual of Newton's method times the solution.
+    /// Stored energies cancel in it, so that it does not check their formulas.
     pub fn defect(&self) -> f64 {
         self.change + self.losses()
     }
@@ -132,8 +133,8 @@ impl Ledger {
 }
 
 impl<const D: usize> Problem<'_, D> {
-    /// Returns the ledger of a step for its solution `x`, the bodies at its end, the kinetic energy of the fluid, and the energy
-    /// stored in contacts.
+    /// Returns the ledger of a step for its solution `x`, the bodies at its end, the kinetic energy of the fluid, and
+    /// the energy stored in contacts.
     pub(crate) fn ledger(&self, x: &[f64], ends: &[BodyState<D>], [fluid_energy, contact_energy]: [f64; 2]) -> Ledger {
         let step = self.step;
         let (layout, dt, before) = (&step.layout, step.time.length, step.previous);

@@ -11,12 +11,13 @@ use crate::state::KineticProducts;
 use crate::{FluidState, Setup, Stage, State, StepError};
 
 impl<const D: usize> State<D> {
-    /// Returns the numbers of the state that setup and geometry do not determine. [`State::from_lists`] restores the same state from
-    /// them, bit for bit.
+    /// Returns the numbers of the state that setup and geometry do not determine. [`State::from_lists`] restores the
+    /// same state from them, bit for bit.
     ///
-    /// Lists: step, time and contact energy. For each body: displacements, velocities and accelerations, one vector after the other, and
-    /// its own numbers. If there is a fluid: the time of its pressure with the products of velocity and acceleration; velocities,
-    /// accelerations and pressures of the dofs; for each body the positions at which the background was cut.
+    /// Lists: step, time and contact energy. For each body: displacements, velocities and accelerations, one vector
+    /// after the other, and its own numbers. If there is a fluid: the time of its pressure with the products of
+    /// velocity and acceleration; velocities, accelerations and pressures of the dofs; for each body the positions at
+    /// which the background was cut.
     pub fn to_lists(&self) -> Vec<Vec<f64>> {
         let mut lists = vec![vec![self.step as f64, self.time, self.contact_energy]];
         for body in &self.bodies {
@@ -36,8 +37,8 @@ impl<const D: usize> State<D> {
     /// Restores a state from the lists of [`State::to_lists`]. Cut and space are computed from the positions.
     ///
     /// # Errors
-    /// [`StepError`]: the setup does not pass [`Setup::check`], the lists do not have the lengths of this setup, or the surfaces cannot cut the
-    /// background.
+    /// [`StepError`]: the setup does not pass [`Setup::check`], the lists do not have the lengths of this setup, or the
+    /// surfaces cannot cut the background.
     pub fn from_lists(setup: &Setup<D>, lists: &[Vec<f64>]) -> Result<Self, StepError> {
         Self::read(setup, lists).map_err(|source| StepError::at(0, 0.0, source))
     }

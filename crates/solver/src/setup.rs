@@ -59,8 +59,9 @@ pub struct FluidSetup<const D: usize> {
     pub stabilisation: Stabilisation,
     /// Films thinner than a few cells; `None` if their flux is not modelled.
     pub film: Option<FilmSetup>,
-    /// Weight `α` of the fluid's traction in the mortar, from 0 to 1; the traction of elastic bodies has the weight `1 - α`. The mortar
-    /// is stable for `α = 1`; smaller weights need a penalty that grows with stiffness and step ([`Stage::UnstableShare`]).
+    /// Weight `α` of the fluid's traction in the mortar, from 0 to 1; the traction of elastic bodies has the weight
+    /// `1 - α`. The mortar is stable for `α = 1`; smaller weights need a penalty that grows with stiffness and step
+    /// ([`Stage::UnstableShare`]).
     pub alpha: f64,
     /// Convection: `None` for Stokes, else whether to add the skew part.
     pub convection: Option<bool>,
@@ -75,7 +76,8 @@ pub struct FluidSetup<const D: usize> {
 /// Films between bodies, and between bodies and walls, that are thinner than a few cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FilmSetup {
-    /// Height of the asperities of two opposite surfaces together, a length. A thinner film has the conductance of this thickness.
+    /// Height of the asperities of two opposite surfaces together, a length. A thinner film has the conductance of this
+    /// thickness.
     pub roughness: f64,
     /// Lowest pressure in films, at which vapour appears; `None` if pressures are not bounded.
     pub floor: Option<f64>,
@@ -165,8 +167,8 @@ impl<const D: usize> Contact<D> {
     /// contact.
     ///
     /// # Errors
-    /// [`contact::Error`]: a facet or a body that does not exist, a body that is its own obstacle without [`ContactObstacle::Own`], or
-    /// an obstacle that is not the surface of its body.
+    /// [`contact::Error`]: a facet or a body that does not exist, a body that is its own obstacle without
+    /// [`ContactObstacle::Own`], or an obstacle that is not the surface of its body.
     pub fn new(
         bodies: &[Arc<dyn Body<D>>],
         body: BodyId,
@@ -229,9 +231,9 @@ impl<const D: usize> Setup<D> {
     /// Checks the numbers of the setup, and that its parts fit together. [`crate::State::initial`] calls it.
     ///
     /// # Errors
-    /// [`Stage::Parameter`]: a time step, weight, roughness or axis out of its range. [`Stage::Axis`]: a side on the axis of rotation
-    /// without symmetry. [`Stage::Coordinates`]: a body in other coordinates than the background. [`Stage::Contact`]: a contact that
-    /// was made for other bodies.
+    /// [`Stage::Parameter`]: a time step, weight, roughness or axis out of its range. [`Stage::Axis`]: a side on the
+    /// axis of rotation without symmetry. [`Stage::Coordinates`]: a body in other coordinates than the background.
+    /// [`Stage::Contact`]: a contact that was made for other bodies.
     pub fn check(&self) -> Result<(), Stage> {
         mesh::positive("time step", self.dt)?;
         if let Some(ApproachSteps { fraction, smallest }) = self.approach {

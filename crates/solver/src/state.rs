@@ -34,8 +34,8 @@ pub struct FluidState<const D: usize> {
     pub space: XfemSpace<D>,
     /// Velocity, one value per dof of the space.
     pub velocity: Vec<Vector<D>>,
-    /// Acceleration at a fixed point, `∂u/∂t`, one value per dof of the space; empty at the start of a run, and with schemes that
-    /// do not need it.
+    /// Acceleration at a fixed point, `∂u/∂t`, one value per dof of the space; empty at the start of a run, and with
+    /// schemes that do not need it.
     pub acceleration: Vec<Vector<D>>,
     /// Pressure at the stage of the last step, one value per dof of the space.
     pub pressure: Vec<f64>,

@@ -21,8 +21,8 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         Self { setup, state, work, lost: NewtonReport::default(), forget_every: 0 }
     }
 
-    /// Makes the linear solver discard its old factors after each step whose number is a multiple of `every`. A run that starts from the
-    /// state there continues with the same bits.
+    /// Makes the linear solver discard its old factors after each step whose number is a multiple of `every`. A run
+    /// that starts from the state there continues with the same bits.
     #[must_use]
     pub fn forgetting(self, every: usize) -> Self {
         Self { forget_every: every, ..self }
@@ -40,10 +40,11 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
 
     /// Passes the state to the observers, then takes `n_steps` steps and passes the state after each of them.
     ///
-    /// With [`Setup::approach`] a step is taken in parts if bodies are close to each other. A step, or such a part, is repeated in two
-    /// halves from the same state if Newton's method fails, contact may have been missed, or a cell is inverted. Halves are divided
-    /// further, up to [`Setup::most_halvings`] times. The next half, and the next step, are tried undivided. Observers receive the parts
-    /// as well ([`crate::StepReport::substep`]). The report of a part includes the work of the nonlinear solves that failed before it.
+    /// With [`Setup::approach`] a step is taken in parts if bodies are close to each other. A step, or such a part, is
+    /// repeated in two halves from the same state if Newton's method fails, contact may have been missed, or a cell is
+    /// inverted. Halves are divided further, up to [`Setup::most_halvings`] times. The next half, and the next step,
+    /// are tried undivided. Observers receive the parts as well ([`crate::StepReport::substep`]). The report of a part
+    /// includes the work of the nonlinear solves that failed before it.
     ///
     /// # Errors
     /// The first step or observer that fails; the state is the last good one, at the end of a part if the step was divided.

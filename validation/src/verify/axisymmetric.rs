@@ -64,7 +64,8 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Returns the half plane of a sphere on the axis: vertices on the sphere, from the lowest point to the highest, closed along the axis.
+/// Returns the half plane of a sphere on the axis: vertices on the sphere, from the lowest point to the highest, closed
+/// along the axis.
 pub(super) fn sphere(height: f64, radius: f64, cell: f64) -> Vec<P> {
     let n = (PI * radius * EDGES_PER_CELL / cell).ceil() as usize;
     let at = |k: usize| {
@@ -168,7 +169,8 @@ impl Flow for Hill {
     }
 }
 
-/// Solves for a known steady flow around a sphere at rest in the mesh, on squares of size `1/n`. Returns the force on the sphere along the axis too.
+/// Solves for a known steady flow around a sphere at rest in the mesh, on squares of size `1/n`. Returns the force on
+/// the sphere along the axis too.
 fn known_flow<F: Flow>(known: &Known<F>, n: usize) -> Result<(Errors, f64), Failure> {
     let background = structured_box::<2>([0.0, -1.0], [1.0, 1.0], [n, 2 * n])?;
     let mut setup = known.setup(background.with_coordinates(Coordinates::Axisymmetric)?, 1e9);
@@ -357,7 +359,8 @@ fn elastic_ball(size: f64, lame: LameParameters, scheme: Scheme) -> Result<Elast
 
 /// Measures the frequency of the lowest mode of a free elastic ball: an ellipsoid that is long and flat in turns.
 fn modes(record: &mut Record) -> Result<(), Failure> {
-    /// Poisson's ratio, and `ω R/c_s`: roots of the frequency determinant of a free ball (Lamb 1881, doi:10.1112/plms/s1-13.1.189).
+    /// Poisson's ratio, and `ω R/c_s`: roots of the frequency determinant of a free ball (Lamb 1881,
+    /// doi:10.1112/plms/s1-13.1.189).
     const EXACT: [(f64, f64); 2] = [(0.25, 2.63987), (0.4, 2.65694)];
     const PERIODS: f64 = 6.0;
     const STEPS: f64 = 96.0;
@@ -464,7 +467,8 @@ fn hertz(record: &mut Record) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Returns the force on a sphere of radius one that approaches a wall at a gap, over that without wall: Brenner 1961, doi:10.1016/0009-2509(61)80035-3.
+/// Returns the force on a sphere of radius one that approaches a wall at a gap, over that without wall: Brenner 1961,
+/// doi:10.1016/0009-2509(61)80035-3.
 pub(super) fn brenner(gap: f64) -> f64 {
     let a = (1.0 + gap).acosh();
     let term = |n: f64| {

@@ -113,16 +113,16 @@ fn in_time(record: &mut Record, n: usize) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Time step, and error of the velocity in L2 with the exact flow as the history of uncovered fluid: measured once, with closures
-/// that the solver does not have.
+/// Time step, and error of the velocity in L2 with the exact flow as the history of uncovered fluid: measured once,
+/// with closures that the solver does not have.
 const EXACT_CLOSURE: [(f64, f64); 2] = [(0.1, 1.541e-4), (0.05, 1.567e-4)];
 /// A viscosity with which the extension of velocities to uncovered fluid shows.
 const SMALL_VISCOSITY: f64 = 1e-3;
 /// Largest relative difference from it.
 const CLOSURE_ACCURACY: f64 = 0.05;
 
-/// Measures the flow past a disk that crosses several cells in a step. With a small viscosity the error in time is far below that of the
-/// mesh, and the extension to uncovered fluid shows.
+/// Measures the flow past a disk that crosses several cells in a step. With a small viscosity the error in time is far
+/// below that of the mesh, and the extension to uncovered fluid shows.
 fn past_uncovered_fluid(record: &mut Record) -> Result<(), Failure> {
     const N: usize = 96;
     let of_second_order = second_order(RHO_INF)?;
@@ -166,8 +166,9 @@ fn of_schemes(record: &mut Record) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Measures orders in the time step on a flow that changes fast and is curved: the extension to uncovered fluid is not exact. The
-/// differences between a step and half of it are free of the error of the mesh, which the errors of the gradient reach.
+/// Measures orders in the time step on a flow that changes fast and is curved: the extension to uncovered fluid is not
+/// exact. The differences between a step and half of it are free of the error of the mesh, which the errors of the
+/// gradient reach.
 fn of_curved_flow(record: &mut Record) -> Result<(), Failure> {
     let (n, n_steps) = if record.full { (96, 5) } else { (48, 4) };
     let scheme = second_order(RHO_INF)?;

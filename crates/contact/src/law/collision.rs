@@ -7,8 +7,8 @@ use crate::Error;
 
 /// `w_n^{n+1} = -e w_n^n`: reversal of the relative normal velocity in one step if the gap is below the roughness
 ///
-/// A collision of stiff bodies lasts for microseconds, much less than a step. The velocity is reversed by the coupled problem of
-/// the step, so that the fluid around the body is reversed with it. The law has no traction.
+/// A collision of stiff bodies lasts for microseconds, much less than a step. The velocity is reversed by the coupled
+/// problem of the step, so that the fluid around the body is reversed with it. The law has no traction.
 ///
 /// Source: Newton's law of restitution.
 /// Units: the restitution `e` is a number, `w_n` length per time, the roughness a length.
@@ -19,8 +19,8 @@ pub struct CollisionLaw {
 }
 
 impl CollisionLaw {
-    /// Creates the law with the restitution `e` of a collision without fluid, and the roughness: the gap at which the asperities of
-    /// the two surfaces touch.
+    /// Creates the law with the restitution `e` of a collision without fluid, and the roughness: the gap at which the
+    /// asperities of the two surfaces touch.
     ///
     /// # Errors
     /// [`Error::Parameter`]: restitution outside of 0 to 1, roughness negative.

@@ -21,11 +21,11 @@ pub struct ContactPoint {
     pub gap: f64,
     /// Slip over the step along each tangent: displacement of the slave's point relative to its closest point; a length.
     pub slip: [f64; 2],
-    /// Traction `σ n` on the slave's surface in the frame, force per area of the surface at the start of the step. Zero if the law
-    /// does not depend on a stress ([`ContactLaw::stress`]).
+    /// Traction `σ n` on the slave's surface in the frame, force per area of the surface at the start of the step. Zero
+    /// if the law does not depend on a stress ([`ContactLaw::stress`]).
     pub stress: Local,
-    /// Stiffness of the slave's cell divided by its height, `(2 μ + λˢ)/h` for linear elements, force per volume. Zero if the law does
-    /// not depend on a stress.
+    /// Stiffness of the slave's cell divided by its height, `(2 μ + λˢ)/h` for linear elements, force per volume. Zero
+    /// if the law does not depend on a stress.
     pub stiffness: f64,
     /// Contact size `s`, a length.
     pub size: f64,
@@ -65,11 +65,11 @@ pub enum StressSource {
     None,
     /// The stress of the slave, which must be a body that deforms.
     Solid,
-    /// The stress of the fluid in front of the slave. Where no fluid borders the surface, it is a pressure that is continued from the
-    /// nearest point with fluid.
+    /// The stress of the fluid in front of the slave. Where no fluid borders the surface, it is a pressure that is
+    /// continued from the nearest point with fluid.
     Fluid,
-    /// The stress of the slave, which must be a body that deforms, minus that of the fluid in front of it. Without a fluid it is the
-    /// stress of the slave.
+    /// The stress of the slave, which must be a body that deforms, minus that of the fluid in front of it. Without a
+    /// fluid it is the stress of the slave.
     Jump,
 }
 
@@ -91,7 +91,8 @@ pub trait ContactLaw: Send + Sync + std::fmt::Debug {
         None
     }
 
-    /// Returns the restitution of collisions, from 0 to 1, for bodies that do not deform; `None` for laws that act by their traction.
+    /// Returns the restitution of collisions, from 0 to 1, for bodies that do not deform; `None` for laws that act by
+    /// their traction.
     ///
     /// The velocity of approach is reversed in a step at whose start [`ContactLaw::is_active`] holds.
     fn restitution(&self) -> Option<f64> {

@@ -7,14 +7,14 @@ use crate::Error;
 
 /// `λ = -[γ_C (ε - Δ) - s_n]₊` with `γ_C = γ_0 (2 μ + λˢ)/h` and the normal stress `s_n`, positive in tension
 ///
-/// The law is consistent: for `Δ = ε` it gives `λ = s_n`, so that the gap under a uniform pressure is exact for every `γ_0`. In fluid
-/// `s_n` is the normal part of the jump, `n·(σˢ - Tᶠ) n`. The pressure of the fluid acts in the film, and contact carries the rest of
-/// the stress.
+/// The law is consistent: for `Δ = ε` it gives `λ = s_n`, so that the gap under a uniform pressure is exact for every
+/// `γ_0`. In fluid `s_n` is the normal part of the jump, `n·(σˢ - Tᶠ) n`. The pressure of the fluid acts in the film,
+/// and contact carries the rest of the stress.
 ///
 /// Source: Chouly and Hild 2013, doi:10.1137/12088344X, with their `θ = 0` and `P_γ = γ_C (ε - Δ) - s_n`; with fluid Burman,
 /// Fernández and Frei 2020, doi:10.1051/m2an/2019072.
-/// Units: `γ_0` is a number, `λ` and `s_n` force per area, `γ_C` force per volume, `ε` and the height `h` of the slave's cell are
-/// lengths.
+/// Units: `γ_0` is a number, `λ` and `s_n` force per area, `γ_C` force per volume, `ε` and the height `h` of the
+/// slave's cell are lengths.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NitscheLaw {
     gamma_0: f64,
@@ -24,8 +24,8 @@ pub struct NitscheLaw {
 impl NitscheLaw {
     /// Creates the law with parameter `γ_0` and offset `ε`.
     ///
-    /// It is stable if `γ_0` is above `D` times the largest number of facets of one cell that lie on the surface. `D` is the constant
-    /// of the trace inequality of linear elements.
+    /// It is stable if `γ_0` is above `D` times the largest number of facets of one cell that lie on the surface. `D`
+    /// is the constant of the trace inequality of linear elements.
     ///
     /// # Errors
     /// [`Error::Parameter`]: parameter not positive, offset negative.

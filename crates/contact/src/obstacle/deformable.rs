@@ -45,8 +45,8 @@ impl<const D: usize> DeformableObstacle<D> {
         SurfaceIndex::new(&Placed::new(&BoundaryMesh::from_facets(touchable), positions))
     }
 
-    /// Computes [`Obstacle::smallest_gap`] with the index at these positions. Points are visited in the order of their distances from
-    /// the box around the obstacle, until this distance exceeds the smallest gap so far.
+    /// Computes [`Obstacle::smallest_gap`] with the index at these positions. Points are visited in the order of their
+    /// distances from the box around the obstacle, until this distance exceeds the smallest gap so far.
     pub(super) fn smallest_gap_with(
         &self,
         index: &SurfaceIndex<D>,

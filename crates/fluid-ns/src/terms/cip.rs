@@ -43,8 +43,8 @@ impl CipVelocity {
 }
 
 /// Pressure part of `s_h`: `γ_p h_F τ_F ([∇p]·n, [∇q]·n)_F` with
-/// `τ_F = (ρ s + ρ |u*|_F/h_F + μ/h_F²)^{-1}` and the rate `s`, `1/Δt` with implicit Euler. It provides the inf-sup condition, and is
-/// the ghost penalty of the pressure.
+/// `τ_F = (ρ s + ρ |u*|_F/h_F + μ/h_F²)^{-1}` and the rate `s`, `1/Δt` with implicit Euler. It provides the inf-sup
+/// condition, and is the ghost penalty of the pressure.
 ///
 /// Source: paper, `s_h` in Eq. (4); scaling as in Burman, Fernández, Hansbo 2006, DOI 10.1137/040617686, with the time step
 /// in `τ_F` in addition, which reduces the penalty for small steps.

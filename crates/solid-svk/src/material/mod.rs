@@ -37,7 +37,8 @@ pub trait Material<const D: usize>: Send + Sync + std::fmt::Debug {
     /// Returns the derivative of the first Piola stress at `f` in direction `h`.
     fn first_piola_derivative(&self, f: &Tensor<D>, h: &Tensor<D>) -> Tensor<D>;
 
-    /// Calls `visit(i, j, K_ij)` for all `j <= i` with the blocks of the stiffness between directions `g`, at most [`MAX_CELL_NODES`]:
+    /// Calls `visit(i, j, K_ij)` for all `j <= i` with the blocks of the stiffness between directions `g`, at most
+    /// [`MAX_CELL_NODES`]:
     ///
     /// `(K_ij)_ab = (dP[e_b ⊗ g_j] g_i)_a`, and `K_ji = K_ijᵀ` because the stress has an energy.
     ///
