@@ -28,13 +28,14 @@ const ADDED_MASS: f64 = 0.02;
 const WAKE: f64 = 0.02;
 const MODES: f64 = 0.01;
 const HERTZ: [f64; 2] = [0.02, 0.03];
-/// Ball of radius one on a plane. Displacement of its middle plane; the radius of contact is then a tenth of that of the ball.
+/// Ball of radius one on a plane. Displacement of its middle plane; the radius of contact is then a tenth of that of
+/// the ball.
 const APPROACH: f64 = 0.01;
 const YOUNG: f64 = 1.0;
 const POISSON: f64 = 0.3;
-/// Pressure over penetration: penetration is a thousandth of the approach.
+/// Ratio of pressure to penetration, such that the penetration is a thousandth of the approach.
 const STIFFNESS: f64 = 1e4;
-/// Parameter of Nitsche's method: that of scenarios, and a hundred times that.
+/// Parameter of Nitsche's method: the default of scenarios, and a hundred times this value.
 const GAMMA_0: [f64; 2] = [10.0, 1000.0];
 const LOAD_STEPS: u32 = 4;
 /// Edges of the sphere in the length of a cell.
@@ -370,7 +371,8 @@ fn modes(record: &mut Record) -> Result<(), Failure> {
         let period = TAU / omega;
         let size = if record.full { 0.05 } else { 0.1 };
         let mut body = elastic_ball(size, lame, second_order(0.8)?)?;
-        // Close to the shape of the mode: no change of volume. The amplitude is the difference of its moments of inertia.
+        // Close to the shape of the mode: no change of volume. The amplitude is the difference of its moments of
+        // inertia.
         let strain = |x: &P| V::new(-0.5 * x[0], x[1] - 1.0) * 1e-4;
         body.options.initial_displacement = Some(Arc::new(strain));
         let weights: Vec<V> = body.solid.nodes().iter().map(strain).collect();
@@ -433,7 +435,7 @@ fn hertz(record: &mut Record) -> Result<(), Failure> {
         return Err("there is no contact, or nothing but contact".into());
     };
     let radius = passage([*last, *next], 0.0);
-    // Displacement of the pole is that of the penalty.
+    // The displacement of the pole is the penetration of the penalty.
     let pole = below[0].1;
     let approach = APPROACH + pole.min(0.0);
     let name = "elastic ball on a plane, approach of a hundredth of its radius";

@@ -17,8 +17,8 @@ use super::lubrication::{approach, exact_force, graded};
 use super::record::worse;
 use super::{Failure, P, Record, Run, V, short};
 
-/// Gaps over the size of a cell: down to where the film is as wide as two cells, and thinner ones with their largest
-/// relative errors.
+/// Gaps relative to the size of a cell: those at which the film is at least two cells wide, and smaller ones with their
+/// largest relative errors.
 const GAPS: [f64; 6] = [4.0, 2.0, 1.0, 0.5, 0.25, 0.1];
 const THIN: [(f64, f64); 2] = [(0.05, 0.15), (0.02, 0.3)];
 /// Largest relative errors of the force on spheres, cylinders and plates.
@@ -44,8 +44,8 @@ struct Case {
     stabilisation: Stabilisation,
     /// Whether the flux of the film is modelled.
     film: bool,
-    /// Height of the surface of the wall over a line of the mesh, over the size of a cell; the wall is a body then, and
-    /// else the side of the mesh.
+    /// Height of a body that is the wall above a line of the mesh, relative to the size of a cell; `None` if the wall
+    /// is the side of the mesh.
     wall: Option<f64>,
 }
 
@@ -360,7 +360,8 @@ fn squeeze(gap: f64, degrees: f64) -> Result<f64, Failure> {
     Ok(force / length_over_gap.powi(3))
 }
 
-/// Returns the force on one of two parallel plates that part, with vapour in the middle of the film, over the exact one.
+/// Returns the force on one of two parallel plates that part, with vapour in the middle of the film, over the exact
+/// one.
 fn cavity(gap: f64) -> Result<f64, Failure> {
     let (mut setup, [_, across]) = between_plates(gap, 0.0, -1.0)?;
     let delta = gap / CELLS as f64;

@@ -12,7 +12,7 @@ use cutwater::solver::ContactObstacle;
 use super::super::dry::{Elastic, Touch, elastic, floor_by, pushed, run};
 use super::super::{Failure, Record, V};
 
-/// Parameter of Nitsche's method: that of scenarios, and a hundred times that.
+/// Parameter of Nitsche's method: the default of scenarios, and a hundred times this value.
 const GAMMA_0: [f64; 2] = [10.0, 1000.0];
 /// Tolerances of pressures, relative to the exact one, and of gaps, relative to the height of a block.
 const PRESSURE: f64 = 1e-9;
