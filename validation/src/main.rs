@@ -50,6 +50,9 @@ enum Mode {
         /// Repeat runs of a study whose results are there.
         #[arg(long, requires = "study")]
         again: bool,
+        /// Compare with experiments instead of the paper: spheres that sink and bounce. With --quick on coarse cells.
+        #[arg(long, conflicts_with_all = ["cases", "regenerate", "study"])]
+        measured: bool,
         /// Where results go.
         #[arg(long, default_value = "target/validation")]
         out: PathBuf,
@@ -76,6 +79,9 @@ enum Mode {
 fn main() -> ExitCode {
     let outcome = match Arguments::parse().mode {
         Mode::Validate { study, again, out, .. } if !study.is_empty() => studies(study, again, &out),
+        Mode::Validate { measured: true, quick, document, out, .. } => {
+            verify::run(&verify::MEASURED.map(str::to_owned), !quick, document, &out)
+        }
         Mode::Validate { cases, quick, regenerate, document, out, .. } => {
             validate::run(&cases, [quick, regenerate, document], &out)
                 .and_then(|passes| report::write(&cases, quick, &out).map(|()| passes))

@@ -1,8 +1,14 @@
 //! Traces of fluid and solid on interface pieces.
 
+use std::collections::BTreeMap;
+
 use cutcell::{CutMesh, PartId};
 use mesh::{MAX_CELL_VERTICES, Point, SimplexMesh, SimplexRule, Vector};
 use xfem_space::{PartValues, XfemSpace};
+
+/// Largest viscous length in a film, relative to the height of the part. The symmetric form is coercive up to `γ_t/2`,
+/// which is 17.5 in the standard set.
+const HEIGHTS: f64 = 8.0;
 
 /// A quadrature point of the interface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -118,11 +124,22 @@ impl<const D: usize> PieceValues<D> {
         (0..cut.interface().len()).map(largest).collect()
     }
 
-    /// Reduces the viscous lengths of pieces whose part lies in a film to the gap of the film. `gap` returns the gap of
-    /// a part in a film.
+    /// Reduces the viscous lengths of pieces whose part lies in a film: to the gap of the film, and to a multiple of the
+    /// height of the part. `gap` returns the gap of a part in a film.
+    ///
+    /// The ghost penalty does not act in films. On a part with volume `V` and area `A` of the surface, linear velocities
+    /// have `∫_A |2 μ D(u) n|² ≤ 2 μ A/V ∫_V 2 μ |D(u)|²`. The penalty bounds the traction of parts that are much thinner
+    /// than the film if the length is at most a multiple of their height `V/A`.
     pub fn set_gaps(&mut self, cut: &CutMesh<D>, gap: impl Fn(PartId) -> Option<f64>) {
+        let mut areas = BTreeMap::new();
+        for piece in cut.interface() {
+            *areas.entry(piece.part).or_insert(0.0) += piece.measure;
+        }
         for (length, piece) in self.viscous_lengths.iter_mut().zip(cut.interface()) {
-            *length = gap(piece.part).map_or(*length, |gap| length.min(gap));
+            if let Some(gap) = gap(piece.part) {
+                let height = cut.part_volume(piece.part) / areas[&piece.part];
+                *length = length.min(gap).min(HEIGHTS * height);
+            }
         }
     }
 
@@ -144,8 +161,8 @@ impl<const D: usize> PieceValues<D> {
         self.cell_sizes[piece]
     }
 
-    /// Returns the viscous length of a piece, over which the velocity can change: the size of the cell, or the gap of
-    /// the film if that is smaller.
+    /// Returns the viscous length of a piece, over which the velocity can change: the size of the cell, or in films the
+    /// smaller length of [`PieceValues::set_gaps`].
     #[inline]
     pub fn viscous_length(&self, piece: usize) -> f64 {
         self.viscous_lengths[piece]

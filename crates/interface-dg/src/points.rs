@@ -44,7 +44,7 @@ pub struct MortarPoint<'a, const D: usize> {
     pub gradients: &'a [Vector<D>; MAX_CELL_VERTICES],
     /// Size `h_K` of the background cell.
     pub cell_size: f64,
-    /// Viscous length, over which the velocity can change: `h_K`, or the gap of a film if that is smaller.
+    /// Viscous length, over which the velocity can change: `h_K`, or less in films ([`PieceValues::viscous_length`]).
     pub viscous_length: f64,
     /// Largest speed `|u* - v^n|` of the fluid relative to the body on the piece, known before the step.
     pub relative_speed: f64,

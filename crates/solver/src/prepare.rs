@@ -86,6 +86,7 @@ impl<'a, const D: usize> Step<'a, D> {
         step.contacts = setup.contacts.iter().map(contact).collect::<Result<_, _>>()?;
         let collision = |contact| Collision::new(contact, previous, step.partners());
         step.collisions = setup.contacts.iter().map(collision).collect();
+        step.fill_vapour();
         step.constrain();
         step.check_share()?;
         step.seconds.space = clock.elapsed().as_secs_f64() - step.seconds.cut;
@@ -126,6 +127,16 @@ impl<'a, const D: usize> Step<'a, D> {
     pub(crate) fn partners(&self) -> Partners<'_, D> {
         let (layout, bodies) = (&self.layout, &self.bodies[..]);
         Partners { layout, fluid: self.fluid.as_ref(), bodies, time: &self.time, masses: &self.masses }
+    }
+
+    /// Removes the floor of the pressure from a step with a collision.
+    ///
+    /// The step stands for all of the collision, which is longer: the suction that turns the fluid around the bodies is spread over that time and
+    /// stays above the floor, whereas the pressure of the step is this impulse over the length of the step.
+    fn fill_vapour(&mut self) {
+        if let Some(fluid) = self.fluid.as_mut().filter(|_| self.collisions.iter().any(Option::is_some)) {
+            fluid.form.cavitation = None;
+        }
     }
 
     /// Constrains boundary values of the fluid, then supports and ties of the bodies, then the pressures of pockets.

@@ -4,6 +4,7 @@ mod added_mass;
 mod axisymmetric;
 mod bar;
 mod bouncing_sphere;
+mod bouncing_sphere_viscous;
 mod carried_round;
 mod cavity;
 mod cfd;
@@ -25,6 +26,7 @@ mod files;
 mod films;
 mod flow;
 mod frame_change;
+mod friction;
 mod fsi;
 mod fsi_unsteady;
 mod hertz;
@@ -37,6 +39,7 @@ mod orders;
 mod passages;
 mod peer;
 mod pulsatile_leaflet;
+mod rebound_scan;
 pub(crate) mod record;
 mod resting_ball;
 mod robustness;
@@ -78,7 +81,7 @@ const fn check(name: &'static str, about: &'static str, measure: fn(&mut Record)
 }
 
 /// All checks, in the order of the page.
-const CHECKS: [Check; 40] = [
+const CHECKS: [Check; 43] = [
     check("exact", "Solutions that the discrete spaces contain, at random positions of the body.", exact::measure),
     check("orders", "Orders of convergence of known flows around bodies at rest and in motion.", orders::measure),
     check("peer", "Errors of unfitted Stokes flow compared with those of ngsxfem on the same mesh.", peer::measure),
@@ -104,6 +107,12 @@ const CHECKS: [Check; 40] = [
         "A sphere that bounces off the floor of a tank, with measured heights.",
         bouncing_sphere::measure,
     ),
+    check(
+        "bouncing-sphere-viscous",
+        "A sphere that bounces off the floor of a tank of viscous oil: roughness and vapour.",
+        bouncing_sphere_viscous::measure,
+    ),
+    check("rebound-scan", "The speed of rebound of a sphere over the Stokes number.", rebound_scan::measure),
     check("settling-disks", "Thirty elastic disks that settle in a closed box and collide.", settling::disks),
     check(
         "falling-ellipse",
@@ -144,10 +153,15 @@ const CHECKS: [Check; 40] = [
         "The contact force of a disk at rest in fluid, under two ambient pressures.",
         resting_ball::measure,
     ),
+    check("friction", "Coulomb friction: blocks that stick, slide and come to rest.", friction::measure),
     check("hertz", "A cylinder pressed on a rigid plane.", hertz::measure),
     check("bar", "A bar that hits the floor: times and pressures of its contacts.", bar::measure),
     check("disk-impact", "A disk that hits a rigid plane without a fluid around it.", disk_impact::measure),
 ];
+
+/// Checks that compare with measured bodies, in the order of `cargo xtask validate --measured`.
+pub(crate) const MEASURED: [&str; 4] =
+    ["settling-sphere", "bouncing-sphere", "bouncing-sphere-viscous", "rebound-scan"];
 
 /// Prepares data for an independent reader; runs only if it is named.
 const FILES: &str = "files";

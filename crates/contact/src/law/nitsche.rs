@@ -1,4 +1,4 @@
-//! Nitsche contact: consistent with the stress of the slave.
+//! Nitsche contact: consistent with the stress of the slave, with or without friction.
 
 use mesh::{non_negative, positive};
 
@@ -11,14 +11,20 @@ use crate::Error;
 /// `γ_0`. In fluid `s_n` is the normal part of the jump, `n·(σˢ - Tᶠ) n`. The pressure of the fluid acts in the film,
 /// and contact carries the rest of the stress.
 ///
-/// Source: Chouly and Hild 2013, doi:10.1137/12088344X, with their `θ = 0` and `P_γ = γ_C (ε - Δ) - s_n`; with fluid Burman,
+/// Coulomb friction with the coefficient `μ_f` adds the tangential traction `τ = -P(γ_C g - s_t)` with the slip `g` over
+/// the step, the tangential stress `s_t` and the projection `P` onto the disk of radius `-μ_f λ`. Surfaces stick if the
+/// argument lies inside the disk; then `g = 0` and `τ = s_t`.
+///
+/// Source: Chouly and Hild 2013, doi:10.1137/12088344X, with their `θ = 0` and `P_γ = γ_C (ε - Δ) - s_n`; with friction
+/// Chouly 2014, doi:10.1016/j.jmaa.2013.09.019, with the slip over a step instead of the displacement; with fluid Burman,
 /// Fernández and Frei 2020, doi:10.1051/m2an/2019072.
-/// Units: `γ_0` is a number, `λ` and `s_n` force per area, `γ_C` force per volume, `ε` and the height `h` of the
-/// slave's cell are lengths.
+/// Units: `γ_0` and `μ_f` are numbers, `λ`, `τ` and the stresses force per area, `γ_C` force per volume, `ε`, `g` and the
+/// height `h` of the slave's cell are lengths.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NitscheLaw {
     gamma_0: f64,
     offset: f64,
+    friction: f64,
 }
 
 impl NitscheLaw {
@@ -32,7 +38,37 @@ impl NitscheLaw {
     pub fn new(gamma_0: f64, offset: f64) -> Result<Self, Error> {
         positive("gamma_0", gamma_0)?;
         non_negative("contact offset", offset)?;
-        Ok(Self { gamma_0, offset })
+        Ok(Self { gamma_0, offset, friction: 0.0 })
+    }
+
+    /// Returns the law with a coefficient of friction `μ_f`.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`]: coefficient negative.
+    pub fn with_friction(self, friction: f64) -> Result<Self, Error> {
+        non_negative("friction", friction)?;
+        Ok(Self { friction, ..self })
+    }
+
+    /// Adds the friction to a normal traction.
+    fn rub(&self, at: &ContactPoint, traction: &mut ContactTraction) {
+        let stiffness = self.gamma_0 * at.stiffness;
+        let trial = [1, 2].map(|k| stiffness * at.slip[k - 1] - at.stress[k]);
+        let (norm, limit) = (trial[0].hypot(trial[1]), -self.friction * traction.value[0]);
+        let sticks = norm <= limit;
+        let direction = trial.map(|component| if sticks { 0.0 } else { component / norm });
+        for (row, k) in [1, 2].into_iter().enumerate() {
+            traction.value[k] = if sticks { -trial[row] } else { -limit * direction[row] };
+            // The radius of the disk follows the normal traction.
+            traction.by_gap[k] = self.friction * direction[row] * traction.by_gap[0];
+            traction.by_stress[0][k] = self.friction * direction[row];
+            for (column, l) in [1, 2].into_iter().enumerate() {
+                let same = f64::from(u8::from(row == column));
+                let by_trial = if sticks { -same } else { -limit / norm * (same - direction[row] * direction[column]) };
+                traction.by_slip[column][k] = stiffness * by_trial;
+                traction.by_stress[l][k] = -by_trial;
+            }
+        }
     }
 
     /// Returns `γ_C (ε - Δ) - s_n`.
@@ -52,6 +88,9 @@ impl ContactLaw for NitscheLaw {
         traction.value[0] = -pressing;
         traction.by_gap[0] = self.gamma_0 * at.stiffness;
         traction.by_stress[0][0] = 1.0;
+        if self.friction > 0.0 {
+            self.rub(at, &mut traction);
+        }
         traction
     }
 
@@ -87,6 +126,39 @@ mod tests {
     }
 
     #[test]
+    fn friction_is_a_law() {
+        let law = NitscheLaw::new(10.0, 0.08).unwrap().with_friction(0.4).unwrap();
+        let [mut sticks, mut slides] = [0, 0];
+        for (slip, stress) in [
+            ([0.01, -0.02], [7.0, 3.0, -2.0]),
+            ([1e-3, 0.0], [-11.0, 0.5, 1.0]),
+            ([0.0, 0.0], [-30.0, 5.0, 4.0]),
+            ([-0.05, 0.0], [-3.0, 0.0, 0.0]),
+        ] {
+            let gap = |k: i32| 0.013 * f64::from(k) + 0.001;
+            let at = |k: i32| ContactPoint { gap: gap(k), size: 0.1, stiffness: 20.0, slip, stress, dt: 0.1 };
+            let points = (-20..20).map(at).collect::<Vec<_>>();
+            let check = check_law(&law, &points);
+            assert!(check.largest() < 1e-8, "{check:?}");
+            for [normal, tangential @ ..] in points.iter().map(|at| law.traction(at).value) {
+                let (traction, limit) = (tangential[0].hypot(tangential[1]), -0.4 * normal);
+                assert!(traction <= limit * (1.0 + 1e-12));
+                *(if traction < 0.99 * limit { &mut sticks } else { &mut slides }) += i32::from(limit > 0.0);
+            }
+        }
+        assert!(sticks > 10 && slides > 10, "{sticks} {slides}");
+    }
+
+    #[test]
+    fn friction_opposes_the_slip_and_is_the_stress_without_slip() {
+        let law = NitscheLaw::new(10.0, 0.1).unwrap().with_friction(0.5).unwrap();
+        let at = ContactPoint { gap: 0.1, stiffness: 20.0, stress: [-3.0, 1.0, -0.5], ..ContactPoint::default() };
+        assert_eq!(law.traction(&at).value, [-3.0, 1.0, -0.5]);
+        let slides = law.traction(&ContactPoint { slip: [1.0, 0.0], stress: [-3.0, 0.0, 0.0], ..at }).value;
+        assert!((slides[1] + 1.5).abs() < 1e-15 && slides[2] == 0.0, "{slides:?}");
+    }
+
+    #[test]
     fn the_traction_is_the_stress_at_the_offset() {
         let at = ContactPoint { gap: 0.1, stiffness: 20.0, stress: [-3.0, 0.0, 0.0], ..ContactPoint::default() };
         let traction = NitscheLaw::new(10.0, 0.1).unwrap().traction(&at);
@@ -97,5 +169,6 @@ mod tests {
     fn impossible_laws_are_refused() {
         assert!(NitscheLaw::new(0.0, 0.1).is_err() && NitscheLaw::new(10.0, -0.1).is_err());
         assert!(NitscheLaw::new(f64::NAN, 0.0).is_err());
+        assert!(NitscheLaw::new(1.0, 0.0).unwrap().with_friction(-0.1).is_err());
     }
 }

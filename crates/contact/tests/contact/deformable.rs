@@ -12,7 +12,7 @@ use mesh::generate::{BallOptions, ball, structured_box};
 use mesh::{FacetId, Point, Vector};
 use solid_svk::ElasticBody;
 
-use crate::setting::{Coulomb, Random, Scene, block, n_active, report_of, residual, soft, with_velocity, work};
+use crate::setting::{Random, Scene, block, n_active, report_of, residual, soft, with_velocity, work};
 
 const GAMMA: f64 = 1e3;
 const SIZE: f64 = 0.1;
@@ -166,7 +166,7 @@ fn tangent_with_stress_is_exact() {
 
 #[test]
 fn tangent_with_friction_is_exact() {
-    let law = Coulomb { gamma: 200.0, offset: OFFSET, friction: 0.4, transition: 0.02 };
+    let law = NitscheLaw::new(0.5, OFFSET).unwrap().with_friction(0.4).unwrap();
     tangent_is_exact::<2>(law, &ImplicitEuler, 1, 4, |at| at.slip[0].abs() > 1e-3);
     tangent_is_exact::<3>(law, &ImplicitEuler, 6, 30, |at| at.slip.iter().all(|slip| slip.abs() > 1e-3));
 }

@@ -4,7 +4,6 @@
 
 mod deformable;
 mod dynamics;
-mod laws;
 mod own;
 mod patch;
 mod rigid;

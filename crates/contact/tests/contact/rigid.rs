@@ -10,7 +10,7 @@ use contact::{
 use mesh::{BoundaryMesh, FacetId, Point, Vector};
 use solid_svk::{ElasticBody, Order};
 
-use crate::setting::{Coulomb, Random, Scene, block_of, n_active, report_of, residual, soft, with_velocity, work};
+use crate::setting::{Random, Scene, block_of, n_active, report_of, residual, soft, with_velocity, work};
 
 const GAMMA: f64 = 1e6;
 const SIZE: f64 = 0.1;
@@ -149,7 +149,7 @@ fn tangent_with_stress_is_exact() {
 
 #[test]
 fn tangent_with_friction_is_exact() {
-    let law = Coulomb { gamma: 200.0, offset: OFFSET, friction: 0.4, transition: 0.02 };
+    let law = NitscheLaw::new(0.5, 0.2).unwrap().with_friction(0.4).unwrap();
     tangent_is_exact::<2>(law, 4, |at| at.slip[0].abs() > 1e-3, (1e-6, 1e-7));
     tangent_is_exact::<3>(law, 8, |at| at.slip.iter().all(|slip| slip.abs() > 1e-3), (1e-6, 1e-7));
 }

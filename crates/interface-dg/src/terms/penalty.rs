@@ -49,7 +49,7 @@ impl PenaltyProfile {
 /// arXiv 1706.05897.
 /// Couples: velocity and solid × velocity and solid.   Domain: interface pieces of the step.
 /// Units: force (2D: per unit depth).
-/// `h_K` is the size of the background cell; in `γ μ/h_K` it is the viscous length, which is the gap in thinner films.
+/// `h_K` is the size of the background cell; in `γ μ/h_K` it is the viscous length, which is less in films.
 /// `|u* - v^n|` is the largest relative speed on the piece, at the start of the step or extrapolated to its stage.
 /// `|a* - b^n|` is the largest relative acceleration of particles at the start.
 pub struct Penalty {

@@ -67,6 +67,8 @@ choices! {
             /// Number `γ_0`. It must be above 2 in the plane and 3 in space, times the number of facets of a cell that
             /// lie on the surface. Larger numbers hardly change results.
             gamma_0: f64 [positive] = 10.0,
+            /// Coefficient of Coulomb friction: the tangential traction is at most this number times the pressure.
+            friction: f64 [non_negative] = 0.0,
         },
     }
 }
@@ -263,8 +265,9 @@ impl<'p, const D: usize> Partners<'p, D> {
                 ContactForm::new(CollisionLaw::new(restitution, given.offset).map_err(fail)?, given.size)
             }
             ContactLawChoice::Nitsche { .. } if !self.deforms(slave) => return Err(self.rigid(given, slave)),
-            ContactLawChoice::Nitsche { gamma_0 } => {
-                ContactForm::new(NitscheLaw::new(gamma_0, given.offset).map_err(fail)?, given.size)
+            ContactLawChoice::Nitsche { gamma_0, friction } => {
+                let law = NitscheLaw::new(gamma_0, given.offset).and_then(|law| law.with_friction(friction));
+                ContactForm::new(law.map_err(fail)?, given.size)
             }
         };
         let form = form.map_err(fail)?;

@@ -1,0 +1,127 @@
+//! Coulomb friction: blocks on a slope that stick and that slide, and a block that comes to rest on a floor.
+
+use std::sync::Arc;
+
+use cutwater::algebra::time::ImplicitEuler;
+use cutwater::contact::{ContactForm, NitscheLaw, RigidPlane};
+use cutwater::mesh::generate::structured_box;
+use cutwater::mesh::{Point, Vector};
+use cutwater::solid_svk::{LameParameters, LinearElastic};
+use cutwater::solver::ContactObstacle;
+
+use super::dry::{Touch, elastic, run};
+use super::{Failure, Record};
+
+/// Gravity, density, Young's modulus, and Poisson's ratio: under its weight the block becomes shorter by 2.5e-4 of its height.
+const GRAVITY: f64 = 10.0;
+const DENSITY: f64 = 1.0;
+const YOUNG: f64 = 1e4;
+const POISSON: f64 = 0.3;
+/// Height of the block. It is four times as wide, so that it does not topple.
+const HEIGHT: f64 = 0.5;
+/// Angle of the slope, radians: its tangent is 0.577.
+const SLOPE: f64 = std::f64::consts::FRAC_PI_6;
+const STEP: f64 = 1e-3;
+/// Time after which the vibration of the block that has been put down has faded: 15 periods.
+const FADED: f64 = 0.25;
+/// Relative tolerance of accelerations, distances and forces.
+const TOLERANCE: f64 = 0.01;
+/// A block that sticks moves by less than this share of the way that it would slide without friction.
+const DRIFT: f64 = 1e-3;
+
+/// Displacement and velocity of the centre of mass, and the tangential force of contact over the weight.
+struct Motion<const D: usize> {
+    displacement: Vector<D>,
+    velocity: Vector<D>,
+    tangential: f64,
+}
+
+/// A block on the plane whose last coordinate is zero, with the coefficient of friction, the direction of gravity and the initial velocity.
+struct Block<const D: usize> {
+    friction: f64,
+    down: Vector<D>,
+    velocity: Vector<D>,
+    cells: usize,
+}
+
+impl<const D: usize> Block<D> {
+    /// Computes the motion at the given times.
+    fn at<const N: usize>(&self, times: [f64; N]) -> Result<[Motion<D>; N], Failure> {
+        let corner = std::array::from_fn(|axis| if axis == D - 1 { HEIGHT } else { 4.0 * HEIGHT });
+        let n = std::array::from_fn(|axis| if axis == D - 1 { self.cells } else { 4 * self.cells });
+        let mesh = structured_box::<D>([0.0; D], corner, n)?;
+        let material = LinearElastic::new(LameParameters::from_young_poisson(YOUNG, POISSON)?);
+        let mut body = elastic(mesh, DENSITY, material, self.down * GRAVITY, Arc::new(ImplicitEuler))?;
+        let velocity = self.velocity;
+        body.options.initial_velocity = Some(Arc::new(move |_| velocity));
+        let law = NitscheLaw::new(10.0, 0.0)?.with_friction(self.friction)?;
+        let mut into = Vector::<D>::zeros();
+        into[D - 1] = -1.0;
+        let floor = Touch {
+            facets: body.part("bottom")?,
+            form: ContactForm::new(law, 0.1)?,
+            obstacle: ContactObstacle::Rigid(Box::new(RigidPlane::new(Point::zeros(), into)?)),
+        };
+        let mut run = run(vec![body], Some(floor), STEP, 1e-9)?;
+        let mass = DENSITY * corner.iter().product::<f64>();
+        let (mut displacement, mut found) = (Vector::zeros(), Vec::new());
+        for time in times {
+            let mut last = None;
+            while run.state.time < time - 0.5 * STEP {
+                let report = run.advance()?;
+                let momentum = report.bodies[0].balance.ok_or("an elastic body has a mass")?.momentum;
+                displacement += momentum * (STEP / mass);
+                last = Some((momentum / mass, report.contacts[0].force));
+            }
+            let (velocity, force) = last.ok_or("times increase")?;
+            let tangential = (0..D - 1).map(|axis| force[axis] * force[axis]).sum::<f64>().sqrt() / (mass * GRAVITY);
+            found.push(Motion { displacement, velocity, tangential });
+        }
+        found.try_into().map_err(|_| "one state for each time".into())
+    }
+}
+
+/// Records a block on the slope whose friction holds it, and one whose friction does not.
+fn slope<const D: usize>(record: &mut Record, cells: usize, along: Vector<D>) -> Result<(), Failure> {
+    let mut down = along * SLOPE.sin();
+    down[D - 1] = -SLOPE.cos();
+    let block = |friction| Block { friction, down, velocity: Vector::zeros(), cells };
+    let space = if D == 2 { "plane" } else { "space" };
+
+    let [first, last] = block(0.3).at([FADED, 2.0 * FADED])?;
+    let acceleration = (last.velocity - first.velocity) / FADED;
+    let exact = GRAVITY * (SLOPE.sin() - 0.3 * SLOPE.cos());
+    let name = format!("{space}, coefficient 0.3, slope of 30°: acceleration along the slope");
+    record.near_relative(name, acceleration.dot(&along), exact, TOLERANCE);
+    let across = (acceleration - along * acceleration.dot(&along)).norm() / exact;
+    record.at_most(format!("{space}, the same: acceleration in other directions, relative"), across, TOLERANCE);
+
+    let [first, last] = block(0.7).at([FADED, 2.0 * FADED])?;
+    let free = 0.5 * GRAVITY * SLOPE.sin() * (2.0 * FADED).powi(2);
+    let drift = (last.displacement - first.displacement).norm() / free;
+    let name = format!("{space}, coefficient 0.7: motion in the second half over the way without friction");
+    record.at_most(name, drift, DRIFT);
+    let name = format!("{space}, coefficient 0.7: force of friction over the weight");
+    record.near_relative(name, last.tangential, SLOPE.sin(), TOLERANCE);
+    Ok(())
+}
+
+pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
+    let cells = if record.full { 8 } else { 4 };
+    slope::<2>(record, cells, Vector::<2>::new(1.0, 0.0))?;
+    if record.full {
+        // A direction along neither axis nor diagonal of the mesh.
+        slope::<3>(record, 2, Vector::<3>::new(0.8, -0.6, 0.0))?;
+    }
+    let (speed, friction) = (1.0, 0.3);
+    let thrown = Block { friction, down: Vector::<2>::new(0.0, -1.0), velocity: Vector::<2>::new(speed, 0.0), cells };
+    let [last] = thrown.at([2.0 * speed / (friction * GRAVITY)])?;
+    let distance = speed * speed / (2.0 * friction * GRAVITY);
+    record.near_relative("thrown along a floor: distance until it rests", last.displacement[0], distance, TOLERANCE);
+    record.at_most("thrown along a floor: speed after twice the time", last.velocity.norm(), DRIFT * speed);
+    record.note(
+        "Exact: the motion of a rigid block. Elastic blocks, four times as wide as high; Nitsche's law with gamma_0 = 10, implicit Euler. The blocks are put down without \
+         deformation and vibrate at first.",
+    );
+    Ok(())
+}
