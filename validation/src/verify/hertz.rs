@@ -95,11 +95,8 @@ fn nitsche(record: &mut Record, n: usize) -> Result<(), Failure> {
         let material = LinearElastic::new(LameParameters::new(MU, LAMBDA)?);
         let (run, report) = press(n, material, ContactForm::new(NitscheLaw::new(gamma_0, 0.0)?, 1.0)?)?;
         let (load, points) = (report.contacts[0].force[1], pressures(&run, &report));
-        let radius = (4.0 * load * RADIUS / (PI * MODULUS)).sqrt();
-        let peak = 2.0 * load / (PI * radius);
-        // Facets that the contact edge does not divide, and their size in the middle.
-        let near = points.iter().position(|at| at.0 > 0.0).ok_or("there is no contact")?;
-        let (middle, size) = (0.5 * (points[near - 1].1 + points[near].1), points[near].0 - points[near - 1].0);
+        let (radius, peak) = hertz(load);
+        let [middle, size] = in_the_middle(&points)?;
         let moments =
             |power: i32| points.iter().zip(sizes(&points)).map(|(at, h)| at.1 * h * at.0.powi(power)).sum::<f64>();
         let name = format!("Nitsche, gamma_0 = {gamma_0}");
@@ -120,11 +117,29 @@ fn nitsche(record: &mut Record, n: usize) -> Result<(), Failure> {
         record.show(format!("{name}: largest deviation of the pressure within 0.9 a, over p0"), scatter, None);
         found.push([load, middle, half_width, pole]);
     }
+    let material = SaintVenantKirchhoff::new(LameParameters::new(MU, LAMBDA)?);
+    let (run, report) = press(n, material, ContactForm::new(NitscheLaw::new(GAMMA_0[0], 0.0)?, 1.0)?)?;
+    let (name, peak) =
+        ("Saint Venant-Kirchhoff, Nitsche: largest pressure p0 [dyn/cm²]", hertz(report.contacts[0].force[1]).1);
+    record.near_relative(name, in_the_middle(&pressures(&run, &report))?[0], peak, 0.01);
     for (k, what) in ["load", "largest pressure", "half-width", "approach"].into_iter().enumerate() {
         let change = (found[1][k] / found[0][k] - 1.0).abs();
         record.at_most(format!("Nitsche, gamma_0 times 100: change of the {what}, relative"), change, 0.005);
     }
     Ok(())
+}
+
+/// Returns the half-width of contact and the largest pressure under a load per length.
+fn hertz(load: f64) -> (f64, f64) {
+    let radius = (4.0 * load * RADIUS / (PI * MODULUS)).sqrt();
+    (radius, 2.0 * load / (PI * radius))
+}
+
+/// Returns the pressure in the middle of the contact, and the size of cells there.
+fn in_the_middle(points: &[(f64, f64)]) -> Result<[f64; 2], Failure> {
+    // Facets that the edge of the contact does not divide.
+    let near = points.iter().position(|at| at.0 > 0.0).ok_or("there is no contact")?;
+    Ok([0.5 * (points[near - 1].1 + points[near].1), points[near].0 - points[near - 1].0])
 }
 
 /// Returns the sizes of cells around points, half of the distance between the neighbours.
@@ -144,8 +159,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
         ContactForm::new(PenaltyLaw::new(STIFFNESS, 0.0)?, 1.0)?,
     )?;
     let load = report.contacts[0].force[1];
-    let radius = (4.0 * load * RADIUS / (PI * MODULUS)).sqrt();
-    let peak = 2.0 * load / (PI * radius);
+    let (radius, peak) = hertz(load);
     let positions = run.state.bodies[0].positions(run.setup.bodies[0].reference());
     let mut surface: Vec<(f64, f64)> = run.setup.contacts[0]
         .facets()
