@@ -48,7 +48,7 @@ pub(crate) fn run(cases: &[String], [is_quick, regenerate, writes_pages]: [bool;
         println!("  files are in {}\n", directory.display());
     }
     if !is_quick {
-        // Verdicts of a whole run are those of the pages, which know listed targets and the other cases.
+        // Verdicts of a whole run are those of the pages, which include listed targets and the other cases.
         failed.clear();
         for (name, reference) in &references {
             let holds = results::record(name, reference, out).and_then(|record| {

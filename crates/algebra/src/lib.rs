@@ -60,6 +60,7 @@ mod linear;
 mod local_system;
 mod newton;
 mod pattern;
+mod regime;
 mod scatter;
 mod tied;
 pub mod time;
@@ -80,5 +81,6 @@ pub use linear::{
 pub use local_system::LocalSystem;
 pub use newton::{Equations, NewtonError, NewtonReport, NewtonSettings, newton};
 pub use pattern::Pattern;
+pub use regime::RegimeHash;
 pub use tied::Tied;
 pub use workspace::Workspace;

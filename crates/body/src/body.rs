@@ -46,10 +46,11 @@ pub trait Body<const D: usize>: Send + Sync {
     /// Returns the mass, momentum, energies, centre and volume; `None` for a body of prescribed motion.
     fn balance(&self, state: &BodyState<D>) -> Option<Balance<D>>;
 
-    /// Returns the state from which [`Body::balance`] computes the energy of the scheme ([`algebra::time::Weights::of_energy`]): displacement
-    /// and velocity by two rows, with the accelerations of `rates`.
+    /// Returns the state from which [`Body::balance`] computes the energy of the scheme
+    /// ([`algebra::time::Weights::of_energy`]). The two rows give its displacement and velocity, with the accelerations
+    /// of `rates`.
     ///
-    /// A body whose balance reads [`BodyState::inner`] overrides it.
+    /// A body whose balance depends on [`BodyState::inner`] overrides this method.
     fn moved(&self, state: &BodyState<D>, rates: &BodyState<D>, rows: &[Row; 2]) -> BodyState<D> {
         BodyState { level: state.level.by(&rates.level, rows), inner: state.inner.clone() }
     }
@@ -82,8 +83,8 @@ pub trait BodyStep<const D: usize>: Sync {
     /// Returns the state at the end of the step for the solution `x`.
     fn end(&self, layout: &BlockLayout, x: &[f64]) -> BodyState<D>;
 
-    /// Returns the stress of the body on its surface, per area of the surface at the given positions of its vertices; `None` for bodies
-    /// without stress.
+    /// Returns the stress of the body on its surface, force per area of the surface at the given positions of its
+    /// vertices; `None` for bodies without stress.
     fn stress<'p>(
         &'p self,
         _layout: &'p BlockLayout,

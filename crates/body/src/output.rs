@@ -41,7 +41,8 @@ impl<const D: usize> Balance<D> {
 
 /// Cells of a body with their stresses.
 pub struct CellOutput<'a, const D: usize> {
-    /// Vertices of the cells, of stride `D + 1`, among those of [`crate::Body::reference`]. The parts of an element of higher order are cells.
+    /// Vertices of the cells with stride `D + 1`, numbered as in [`crate::Body::reference`]. The linear parts of an
+    /// element of order 2 are cells of their own.
     pub cell_to_vertex: &'a [VertexId],
     /// Stress in each cell.
     pub stress: Vec<CellStress<D>>,

@@ -29,7 +29,8 @@ impl<const D: usize> PrescribedBody<D> {
         BodyState::new(displacement, at.iter().map(|x| (self.velocity)(x, [time; 2])).collect())
     }
 
-    /// Returns the rates of the velocities of the vertices at the end of a step, from the velocities at its start, middle and end.
+    /// Returns the rates of the velocities of the vertices at the end of a step, from the velocities at its start,
+    /// middle and end.
     fn acceleration(&self, end: &BodyState<D>, time: &StepTime) -> Vec<Vector<D>> {
         let before = |part: f64| self.state(time.end - part * time.length).level.velocity;
         let earlier = before(0.5).into_iter().zip(before(1.0));

@@ -30,6 +30,11 @@ impl<const D: usize> BodyState<D> {
         &self.level.velocity
     }
 
+    /// Returns the largest speed of a vertex.
+    pub fn largest_speed(&self) -> f64 {
+        self.velocity().iter().map(Vector::norm).fold(0.0, f64::max)
+    }
+
     /// Returns the current positions.
     pub fn positions(&self, reference: &[Point<D>]) -> Vec<Point<D>> {
         reference.iter().zip(self.displacement()).map(|(x, d)| x + d).collect()

@@ -6,11 +6,11 @@ use mesh::{FacetId, Vector};
 /// Derivatives of a vector with the dofs on which it depends, each once.
 pub type ByDof<const D: usize> = Vec<(DofId, Vector<D>)>;
 
-/// Traction `σ n` on one side of the surface of a body, with its derivatives; `n` points out of the body. It is a force per area of the
-/// surface as it is integrated over in the step.
+/// Traction `σ n` on one side of the surface of a body, with its derivatives; `n` points out of the body. It is a force
+/// per area of the surface at the positions at which the step integrates over it.
 ///
-/// A consistent contact law reads it. Implementations: the stress of a solid behind the surface, and that of the fluid in
-/// front of it.
+/// Consistent contact laws and the mortar depend on it. Implementations: the stress of a solid behind the surface, and
+/// that of the fluid in front of it.
 pub trait SurfaceStress<const D: usize>: Send + Sync {
     /// Appends the dofs on which the traction anywhere on a facet depends; they are frozen for the step.
     fn dofs(&self, facet: FacetId, out: &mut Vec<DofId>);
@@ -21,16 +21,17 @@ pub trait SurfaceStress<const D: usize>: Send + Sync {
     /// Units: force per area.
     fn at(&self, facet: FacetId, barycentric: &[f64], x: &[f64], derivatives: &mut ByDof<D>) -> Vector<D>;
 
-    /// Returns the largest ratio of `∫ |∂(σ n)/∂x y|²` over the surface of the cell behind the facet and `y · K y`, with the stiffness `K` of that
-    /// cell, for small strains. A Nitsche term of this stress is stable with a larger penalty on velocities.
+    /// Returns the largest ratio of `∫ |∂(σ n)/∂x y|²` over the surface of the cell behind the facet to `y · K y` with
+    /// the stiffness `K` of that cell, for small strains. A Nitsche term with this stress is stable if its penalty on
+    /// velocities is larger.
     ///
-    /// Zero for a stress whose energy does not enter the bound. Units: force·time per volume.
+    /// Zero for a stress without a stored energy. Units: force·time per volume.
     fn trace_bound(&self, _facet: FacetId) -> f64 {
         0.0
     }
 
-    /// Returns the stiffness of the cell behind a facet over its height, by which a consistent contact law scales its penalty. Zero for a stress
-    /// that does not come from a deformation.
+    /// Returns the stiffness of the cell behind a facet divided by the height of the cell. Consistent contact laws
+    /// scale their penalty with it. Zero for a stress that is not caused by a deformation.
     ///
     /// Units: force per volume.
     fn stiffness(&self, _facet: FacetId) -> f64 {

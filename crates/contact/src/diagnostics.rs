@@ -9,12 +9,12 @@ use crate::{Anchor, ContactSites, Positions};
 
 /// Contact between a slave and its obstacle at one state.
 ///
-/// Forces, powers and energies are per unit depth in plane problems, in which areas are lengths; in axisymmetric coordinates they are those
-/// of the whole body.
+/// In plane problems forces, powers and energies are per unit depth, and areas are lengths. In axisymmetric coordinates all are
+/// those of the whole body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ContactReport<const D: usize> {
-    /// Smallest gap of the slave's vertices to the whole obstacle, of a body in contact with itself to the facets in reach; `None` without
-    /// any.
+    /// Smallest gap of the slave's vertices to the whole obstacle, or to the facets in reach for a body in contact with
+    /// itself; `None` if there is no gap.
     pub minimum_gap: Option<f64>,
     /// Largest `[ε - Δ]₊` at the quadrature points in contact, at the shifted positions at which the law acts.
     pub largest_penetration: f64,
@@ -22,23 +22,23 @@ pub struct ContactReport<const D: usize> {
     pub n_active: usize,
     /// Measure of the slave's surface in contact there.
     pub active_area: f64,
-    /// Force on the slave, `∫ (λ n^w + τ)`, at the stage. A discrete gradient also has a force where there was contact at the start
-    /// only.
+    /// Force on the slave, `∫ (λ n^w + τ)`, at the stage. With a discrete gradient, points in contact at the start of
+    /// the step only contribute to it.
     pub force: Vector<D>,
     /// Power of contact on both bodies: negative while energy is stored.
     pub power: f64,
     /// Energy stored by the law.
     pub stored_energy: f64,
-    /// Mean contact pressure `-λ` on the facets of the slave with a force of contact, in the order of the facets; on the measure of the facet
-    /// on which the step is integrated.
+    /// Mean contact pressure `-λ` on the facets of the slave with contact points, in the order of the facets. Forces
+    /// are divided by the measures of the facets over which the step is integrated.
     pub slave_pressures: Vec<(FacetId, f64)>,
-    /// The same on facets of a deformable obstacle, the pressure of the points of the slave opposite to each.
+    /// The same on the facets of a deformable obstacle, from the forces at the points of the slave opposite to each.
     pub master_pressures: Vec<(FacetId, f64)>,
 }
 
 impl<const D: usize> ContactReport<D> {
-    /// Creates the report at the state `x`, with the velocities at the stage of the step and the positions of all vertices of slave
-    /// and master at its end.
+    /// Creates the report at the state `x`, with the velocities at the stage of the step and the positions of all
+    /// vertices of slave and master at its end.
     pub fn new(sites: &ContactSites<'_, D>, x: &[f64], [slave, master]: [&[Point<D>]; 2]) -> Self {
         let mut report = Self {
             minimum_gap: minimum_gap(sites, slave, master),
@@ -52,7 +52,7 @@ impl<const D: usize> ContactReport<D> {
             master_pressures: Vec::new(),
         };
         let mut on_slave: BTreeMap<FacetId, f64> = BTreeMap::new();
-        // A segment lies opposite to one facet: that to which its points project deepest inside.
+        // A segment is assigned to one facet: that on which one of its points has a projection farthest from the edges.
         let mut segments: BTreeMap<(usize, usize), Opposite> = BTreeMap::new();
         let law = &sites.pair.form.law;
         for item in 0..sites.len() {
@@ -111,15 +111,11 @@ struct Opposite {
 
 /// Returns the mean pressures on facets from the forces on them.
 fn pressures<const D: usize>(forces: BTreeMap<FacetId, f64>, surface: Placed<'_, D>) -> Vec<(FacetId, f64)> {
-    let measure = |facet: FacetId| {
-        let middle = surface.facet_points(facet)[..D].iter().sum::<Point<D>>() / D as f64;
-        surface.facet_measure(facet) * surface.boundary().coordinates().weight(&middle)
-    };
-    forces.into_iter().map(|(facet, force)| (facet, force / measure(facet))).collect()
+    forces.into_iter().map(|(facet, force)| (facet, force / surface.weighted_measure(facet))).collect()
 }
 
-/// Returns the smallest gap of the vertices of the slave's facets to the whole obstacle. An obstacle without gaps to the whole has those
-/// to candidates.
+/// Returns the smallest gap of the vertices of the slave's facets to the whole obstacle, or to the candidates if
+/// [`crate::Obstacle::smallest_gap`] is `None`.
 fn minimum_gap<const D: usize>(sites: &ContactSites<'_, D>, slave: &[Point<D>], master: &[Point<D>]) -> Option<f64> {
     let pair = &sites.pair;
     let vertices = pair.slave.boundary.vertices_of(pair.facets);

@@ -1,15 +1,16 @@
 //! Gap, obstacles, contact laws and contact tractions.
 //!
-//! The surface of a body (the *slave*) keeps away from an *obstacle*: a rigid one, or the surface of another body (the
+//! The surface of a body (the *slave*) must not penetrate an *obstacle*: a rigid one, or the surface of another body (the
 //! *master*). At a point `x` of the slave's surface an [`Obstacle`] gives the closest point `Π(x)`, the unit normal
 //! `n^w` **into the obstacle** and so the gap `Δ = (Π(x) - x) · n^w`, negative when the point has penetrated. A
 //! [`ContactLaw`] maps gap, slip and stress to a traction in the local [`Frame`]. Only the term `terms/contact_work.rs`
-//! combines the two.
+//! combines the two. A law of collisions has a restitution instead of a traction, which the crate `solver` evaluates.
 //!
 //! | formula | file |
 //! |---|---|
 //! | `λ = -(γ_C0/s) [ε - Δ]₊` | `law/penalty.rs` |
 //! | `λ = -[γ_C (ε - Δ) - s_n]₊` | `law/nitsche.rs` |
+//! | `w_n^{n+1} = -e w_n^n` | `law/collision.rs` |
 //! | `-(f, w^s - w^m)` | `terms/contact_work.rs` |
 //! | closest points and normals | `obstacle/rigid_plane.rs`, `rigid_ball.rs`, `rigid_surface.rs`, `deformable.rs` |
 //! | contact of a body with itself | `obstacle/own.rs` |

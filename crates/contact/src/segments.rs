@@ -1,7 +1,7 @@
-//! Segments: parts of a slave's facet that lie over one facet of the master each.
+//! Segments: parts of a slave's facet, each of which lies over one facet of the master.
 //!
 //! The traction on the slave is smooth along a facet, but the master's shape functions have kinks over the edges of its facets.
-//! A quadrature rule is exact only between them, and only then do bodies with meshes that do not match transmit a uniform
+//! A quadrature rule is exact on segments, which contain no kinks. With it, bodies with non-matching meshes transmit a uniform
 //! pressure exactly.
 //!
 //! Source: Puso and Laursen 2004, A mortar segment-to-segment contact method for large deformation solid mechanics,
@@ -42,8 +42,8 @@ impl<const D: usize> Segment<D> {
     }
 
     /// Appends the parts on both sides of the zeros of an affine function with the given values at the corners. Every
-    /// edge that is divided takes away a corner on one side, so that at most `D` divisions follow each other, whatever
-    /// the round-off.
+    /// division reduces the number of corners on one side, so that the depth of the recursion is at most `D`, also with
+    /// round-off.
     fn split(self, values: [f64; D], parts: &mut Vec<Self>) {
         let below = values.iter().position(|v| *v < 0.0);
         let above = values.iter().position(|v| *v > 0.0);
@@ -83,8 +83,8 @@ fn projected<const D: usize>(points: &[Point<D>; D], facet: &[Point<D>; D]) -> O
     Some(coordinates)
 }
 
-/// Divides a facet of the slave along the edges of facets of the master that face it. Points: the vertices of the facets, at
-/// positions that are known before the step; the motion of the kinks during the step is an error of quadrature.
+/// Divides a facet of the slave along the edges of facets of the master that face it. The vertices are at positions
+/// that are known before the step; the motion of the kinks during the step is an error of quadrature.
 pub(crate) fn divide<const D: usize>(
     slave: &[Point<D>; D],
     master: impl Iterator<Item = [Point<D>; D]>,

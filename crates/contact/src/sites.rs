@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use algebra::{BlockLayout, DofId, Sites};
+use algebra::{BlockLayout, DofId, RegimeHash, Sites};
 use body::{ByDof, SurfaceMotion, SurfaceStress};
 use mesh::{BoundaryMesh, FacetId, MAX_FACET_VERTICES, Placed, Point, SimplexRule, Vector, VertexId, positive};
 
@@ -52,7 +52,7 @@ pub struct ContactPair<'a, const D: usize> {
     pub master: Option<&'a SurfaceMotion<'a, D>>,
     /// Traction on the slave's surface, if the law depends on it.
     pub stress: Option<Arc<dyn SurfaceStress<D> + 'a>>,
-    /// Part of the traction that acts: a half if the law is consistent with the stress and both surfaces are slaves, else one.
+    /// Factor of the traction: a half if the law depends on a stress and both surfaces are slaves, else one.
     pub share: f64,
     /// Length of the step.
     pub dt: f64,
@@ -82,7 +82,7 @@ pub fn check_pair<const D: usize>(
 #[derive(Clone, Debug)]
 pub struct ContactItems<const D: usize> {
     items: Vec<Item<D>>,
-    /// Whether the obstacle has facets, of which those in reach were searched for.
+    /// Whether the obstacle has facets, so that only those within the reach are candidates.
     is_searched: bool,
 }
 
@@ -96,7 +96,7 @@ struct Item<const D: usize> {
     measure: f64,
     /// Facets of the obstacle that it may touch.
     candidates: Vec<FacetId>,
-    /// Parts of the facet without kinks of the master's shape functions inside.
+    /// Parts of the facet on which the master's shape functions have no kinks.
     segments: Vec<Segment<D>>,
     /// Vertices of the candidates, each once, in order, with their first local rows.
     masters: Vec<(VertexId, Option<usize>)>,
@@ -116,7 +116,7 @@ fn row_of(dof: DofId, dofs: &mut Vec<DofId>) -> usize {
 }
 
 impl<const D: usize> ContactItems<D> {
-    /// Returns whether the obstacle is found within the reach only.
+    /// Returns whether the obstacle has facets, so that only those within the reach are candidates.
     pub fn is_searched(&self) -> bool {
         self.is_searched
     }
@@ -183,9 +183,11 @@ impl<const D: usize> ContactItems<D> {
 
 /// The quadrature points of a contact in one step. Only those in contact are visited; the others carry no traction.
 ///
-/// Time levels: the *weight* has the measure of the slave's facet, and the weight of the coordinates, at the start of the step; *gap, slip and frame* are
-/// those at its end; the *stress* is that of the unknown state. Positions are the shifted ones of the time scheme. A discrete
-/// gradient of the law depends on the gap at the start too, and a point is visited if it is in contact at either end.
+/// Time levels: the *weight* contains the measure of the slave's facet, and the weight of the coordinates, at the start
+/// of the step.
+/// *Gap, slip and frame* are those at its end. The *stress* is that of the unknown state. Positions are the shifted
+/// ones of the time scheme. A discrete gradient of the law also depends on the gap at the start of the step; then a
+/// point is visited if it is in contact at the start or at the end.
 #[derive(Clone)]
 pub struct ContactSites<'a, const D: usize> {
     /// Facets that may touch.
@@ -216,8 +218,8 @@ impl<const D: usize> ContactSites<'_, D> {
         (position, ContactNode { row, slope: surface.slope, displacement, velocity, ..ContactNode::none() })
     }
 
-    /// Evaluates a point but for its traction, given its position and, in `site`, its weight and the nodes of the slave.
-    /// Returns whether it is in contact. `derivatives` is memory for those of the stress.
+    /// Evaluates all of a point except its traction, given its position and, in `site`, its weight and the nodes of the slave.
+    /// Returns whether it is in contact. `derivatives` is a buffer for the derivatives of the stress.
     #[inline]
     fn evaluate(
         &self,
@@ -317,19 +319,12 @@ impl<const D: usize> Sites for ContactSites<'_, D> {
         });
     }
 
-    /// Returns the hash of the set of active points: two states with the same active set have the same value.
+    /// Returns the hash of the set of active points.
     fn regime(&self, x: &[f64]) -> u64 {
-        // Fowler-Noll-Vo hash of the numbers of the active points.
-        const OFFSET: u64 = 0xcbf2_9ce4_8422_2325;
-        const PRIME: u64 = 0x0100_0000_01b3;
-        let mut hash = OFFSET;
+        let mut hash = RegimeHash::default();
         for (k, item) in self.items.items.iter().enumerate() {
-            self.each_point(k, x, |site| {
-                for number in [item.number, site.number] {
-                    hash = (hash ^ number as u64).wrapping_mul(PRIME);
-                }
-            });
+            self.each_point(k, x, |site| hash.extend([item.number as u64, site.number as u64]));
         }
-        hash
+        hash.value()
     }
 }

@@ -145,8 +145,9 @@ impl<const D: usize> CutMesh<D> {
         (self.part_to_piece[k] as usize..self.part_to_piece[k + 1] as usize).map(|piece| self.pieces.get(piece))
     }
 
-    /// Returns the volume of the background that bodies cover (2D: area), the sum of whole cells and pieces: accurate for bodies that are small in their cells, for
-    /// which a difference from the fluid is not.
+    /// Returns the volume of the background that bodies cover (2D: area). It is a sum over whole cells and pieces, so
+    /// that it is accurate for bodies that are small compared with their cells, unlike the difference from the volume
+    /// of the fluid.
     pub fn covered_volume(&self, background: &SimplexMesh<D>) -> f64 {
         let whole = background.cells().filter(|&cell| self.cell_state(cell) == CellState::Covered);
         let whole: f64 = whole.map(|cell| background.cell_volume(cell)).sum();
@@ -273,8 +274,9 @@ fn volume_behind<const D: usize>(corners: [Point<D>; 4], planes: &[(Vector<D>, P
     volume_behind_one(corners, corners.map(|x| normal.dot(&(x - origin))), others)
 }
 
-/// Computes the same, given the signed distances of the corners from the first plane. Recursively divides edges that cross
-/// the plane, so that all pieces are simplices; the result is then the exact volume for some perturbed plane.
+/// Computes the volume of [`volume_behind`], given the signed distances of the corners from the first plane.
+/// Recursively divides edges that cross the plane, so that all pieces are simplices; the result is the exact volume for
+/// a slightly perturbed plane.
 fn volume_behind_one<const D: usize>(
     corners: [Point<D>; 4],
     distances: [f64; 4],

@@ -151,8 +151,8 @@ impl<'a, const D: usize> Faces<'a, D> {
         }
     }
 
-    /// Adds interface on a face of the background: fluid in cell `side`; in the cell `beyond` a body, or a layer of fluid
-    /// that is left out in front of a body.
+    /// Adds interface on a face of the background between fluid in the cell `side` and the cell `beyond`, which contains a body
+    /// at the face, or a layer of fluid in front of a body that is left out.
     fn add_interface(
         &self,
         cut: &mut CutMesh<D>,

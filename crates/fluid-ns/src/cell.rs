@@ -1,6 +1,6 @@
 //! Fluid parts with the local data that terms evaluate.
 
-use algebra::{DofId, Sites};
+use algebra::{DofId, RegimeHash, Sites};
 use cutcell::PartId;
 use mesh::{MAX_CELL_VERTICES, Point, Tensor, Vector};
 use xfem_space::{HoopMoments, Moments};
@@ -64,7 +64,7 @@ pub struct FluidCells<'a, const D: usize> {
     geometry: FluidGeometry<'a, D>,
     fields: FluidFields<'a>,
     with_pressure: bool,
-    /// Lowest pressure of films, if the terms depend on which vertices are below it.
+    /// Floor of the pressure in films; `None` if no term depends on it.
     floor: Option<f64>,
 }
 
@@ -80,7 +80,8 @@ impl<'a, const D: usize> FluidCells<'a, D> {
         Self { geometry, fields, with_pressure: false, floor: None }
     }
 
-    /// Creates the sites of [`crate::terms::Cavitation`] with a floor of the pressure: their regime is the set of vertices of films below it.
+    /// Creates the sites of [`crate::terms::Cavitation`] for a floor of the pressure. Their regime is the set of
+    /// vertices of films with a pressure below the floor.
     pub fn with_floor(geometry: FluidGeometry<'a, D>, fields: FluidFields<'a>, floor: f64) -> Self {
         Self { floor: Some(floor), ..Self::new(geometry, fields) }
     }
@@ -129,14 +130,14 @@ impl<'a, const D: usize> Sites for FluidCells<'a, D> {
         visit(&cell);
     }
 
+    /// Returns the hash of the vertices of films whose pressure is below the floor; 0 without a floor.
     fn regime(&self, x: &[f64]) -> u64 {
-        // Fowler-Noll-Vo hash of the dofs below the floor.
-        const OFFSET: u64 = 0xcbf2_9ce4_8422_2325;
-        const PRIME: u64 = 0x0100_0000_01b3;
         let (Some(floor), Some(films)) = (self.floor, self.geometry.films) else { return 0 };
         let of_films = self.geometry.cut.all_parts().filter(|part| films.of(*part).is_some());
         let dofs = of_films.flat_map(|part| self.geometry.space.dofs(part));
         let below = dofs.filter(|dof| self.fields.pressure_at(x, **dof) < floor);
-        below.fold(OFFSET, |hash, dof| (hash ^ u64::from(*dof)).wrapping_mul(PRIME))
+        let mut hash = RegimeHash::default();
+        hash.extend(below.map(|dof| u64::from(*dof)));
+        hash.value()
     }
 }

@@ -15,8 +15,8 @@ pub struct FluidFace<'a, const D: usize> {
     pub normal_speed: f64,
     /// Largest `|u*|` over the vertices of the face.
     pub speed: f64,
-    /// Share of the face that lies in a film, the smaller one of its two parts: penalties that would carry pressure and shear along a film of a few cells are
-    /// reduced by it.
+    /// Share `χ` of the film in the two parts, the smaller one; zero if one of them has no film. Penalties are reduced
+    /// by it: they would tie pressure and shear across a film of a few cells.
     pub film: f64,
 }
 

@@ -1,4 +1,4 @@
-//! Thin films between opposite surfaces: their gaps, and the flux along them that linear velocities lack.
+//! Thin films between opposite surfaces: gaps, and the conductance of the flux that linear velocities do not represent.
 
 use cutcell::{CutMesh, PartId};
 use mesh::search::{Foot, SurfaceIndex};
@@ -8,12 +8,13 @@ use mesh::{
 };
 use xfem_space::PartValues;
 
-/// Two surfaces are opposite if the scalar product of their normals is below this: they enclose less than 60 degrees.
+/// Two surfaces are opposite if the scalar product of their unit normals is below this value: one normal and the reverse of
+/// the other one enclose less than 60 degrees.
 const OPPOSITE: f64 = -0.5;
-/// Extents of a cell across the film below which its share is one, and above which it is zero: `χ` falls linearly between them. Two layers of
-/// cells carry three quarters of the flux of a film, four layers 15/16.
+/// Gaps, relative to the extent of the cell across the film, up to which the share `χ` is one and from which it is zero. It
+/// is linear between them. Two layers of cells carry 3/4 of the flux of a film, four layers 15/16.
 const RAMP: [f64; 2] = [2.0, 4.0];
-/// Degree of quadrature of the conductance: a gap that is linear, squared.
+/// Degree of quadrature of the conductance: the square of a linear gap.
 const DEGREE: usize = 2;
 
 /// Surfaces between which films form, at fixed positions, with the fluid on the side of their normals.
@@ -24,7 +25,7 @@ pub struct FilmSurfaces<const D: usize> {
 }
 
 impl<const D: usize> FilmSurfaces<D> {
-    /// Collects the surfaces of bodies, and the facets of the background's boundary with the tags of walls.
+    /// Collects the surfaces of bodies, and the facets of the background's boundary for whose tag `is_wall` returns true.
     pub fn new(bodies: &[Placed<'_, D>], background: &SimplexMesh<D>, is_wall: impl Fn(Option<Tag>) -> bool) -> Self {
         let (mut facets, mut positions, mut normals) = (Vec::new(), Vec::new(), Vec::new());
         let mut push = |points: &[Point<D>], normal: Vector<D>| {
@@ -48,8 +49,10 @@ impl<const D: usize> FilmSurfaces<D> {
         Self { index: SurfaceIndex::new(&Placed::new(&BoundaryMesh::from_facets(facets), &positions)), normals }
     }
 
-    /// Returns the gap at a point of the fluid and the normal of the closest surface: the sum of the distances from the closest facet and from
-    /// the closest one opposite to it, among the given facets with the point on the side of the fluid. `None` if there are no two of them.
+    /// Returns the gap at a point of the fluid, and the normal of the closest surface; `None` without two opposite facets.
+    ///
+    /// The gap is the distance from the closest facet plus the distance from the closest facet opposite to it. Only the facets
+    /// `near` are considered that have the point in front of them.
     fn gap(&self, x: &Point<D>, near: &[FacetId]) -> Option<(f64, Vector<D>)> {
         let surface = self.index.surface();
         let distance = |facet: &FacetId| {
@@ -73,28 +76,31 @@ pub struct FilmPart<const D: usize> {
     pub share: f64,
     /// Gap `δ` at the centroid of the part.
     pub gap: f64,
-    /// Points of a rule, with their weights times the conductance times the viscosity, `χ (max(d, k)² - m s d²)/12`.
+    /// Quadrature points. Their weights contain the conductance times the viscosity, `χ (max(d, k)² - m s d²)/12`, with the
+    /// symbols of [`crate::terms::Film`].
     pub points: Vec<(Point<D>, f64)>,
 }
 
-/// Data of the conductance of films, in addition to the geometry.
+/// Parameters of the conductance of films.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FilmOptions {
-    /// Height `k` of the asperities of both surfaces together, a length: no film conducts less than one of that thickness.
+    /// Height `k` of the asperities of both surfaces together, a length. A thinner film has the conductance of this thickness.
     pub roughness: f64,
-    /// Share `s` of the missing flux that passes because the velocity slips on one surface of the part, for which a penalty stands.
+    /// Share `s` of the missing flux that passes already because the velocity slips on a surface of the part, on which the
+    /// velocity is imposed by a penalty.
     pub slip: f64,
 }
 
 /// The films of all parts of a cut.
 ///
-/// One layer of linear cells carries the flow that two moving surfaces drag along, and nothing of the flow that a pressure gradient drives between
-/// them; `N` layers carry the fraction `1 - 1/N²` of it. The missing flux per thickness is `d²/(12 μ)` times the gradient, with `d` the thickness of
-/// a layer: the extent of the cell across the film, of the part if the cell is cut, or the gap `δ` if that is less.
+/// One layer of linear cells represents the shear flow between two moving surfaces, but not the parabolic flow that a pressure
+/// gradient drives between them. `N` layers carry the fraction `1 - 1/N²` of the latter. The missing flux per thickness is
+/// `d²/(12 μ)` times the gradient. The thickness `d` of a layer is the extent across the film of the cell, or of the
+/// part if the cell is cut, and at most the gap `δ`.
 #[derive(Clone, Debug, Default)]
 pub struct FilmValues<const D: usize> {
     films: Vec<FilmPart<D>>,
-    /// One more than the position in `films` of each part; zero for a part without film.
+    /// For each part its position in `films` plus one; zero for a part without film.
     of_part: Vec<u32>,
 }
 
@@ -143,7 +149,7 @@ impl<const D: usize> FilmValues<D> {
         values
     }
 
-    /// Returns the film in a part.
+    /// Returns the film in a part, if there is one.
     #[inline]
     pub fn of(&self, part: PartId) -> Option<&FilmPart<D>> {
         match self.of_part.get(part.index()) {

@@ -16,11 +16,11 @@ pub struct FluidForm<'a, const D: usize> {
     pub viscous: Viscous,
     /// `b(p, v) - b(q, u)`.
     pub incompressibility: Incompressibility,
-    /// Hoop parts of both; `None` in Cartesian coordinates.
+    /// Hoop parts of `a^f` and `b`; `None` in Cartesian coordinates.
     pub hoop: Option<Hoop>,
     /// `c(u, u, v)`; `None` for Stokes.
     pub convection: Option<Convection>,
-    /// Hoop part of its skew form; `None` in Cartesian coordinates.
+    /// Hoop part of the skew convection; `None` in Cartesian coordinates and without the skew part.
     pub hoop_convection: Option<HoopConvection>,
     /// `(κ (∇p - f), ∇q)`; `None` if films are not modelled.
     pub film: Option<Film<'a, D>>,

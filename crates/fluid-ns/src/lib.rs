@@ -17,14 +17,14 @@
 //! | `-(f, v)` | `terms/body_force.rs` |
 //! | hoop parts of these terms, in axisymmetric coordinates | `terms/hoop.rs`, `terms/hoop_convection.rs` |
 //! | `(κ (∇p - f), ∇q)` in thin films | `terms/film.rs` |
-//! | vapour in thin films | `terms/cavitation.rs` |
+//! | `-Σ_i q_i C K \|∇N_i\|² [p_c - p_i]_+`: vapour in thin films | `terms/cavitation.rs` |
 //! | `s_h`: interior penalty of velocity and pressure | `terms/cip.rs` |
 //! | `g_h`: ghost penalty | `terms/ghost_penalty.rs` |
 //! | backflow stabilisation on open boundaries | `terms/backflow.rs` |
 //! | traction given on open boundaries | `terms/traction.rs` |
 //!
-//! `u` and `p` are those at the stage of the step, and `u*` is the velocity at its start, carried to the new space and extrapolated to
-//! the stage where accelerations are known. All stabilisation weights use `u*`, never the unknown, so that they are constant during
+//! `u` and `p` are the unknowns at the stage of the step. `u*` is the velocity at its start, carried to the new space, and
+//! extrapolated to the stage if accelerations are known. All stabilisation weights use `u*`, so that they are constant during
 //! Newton's method.
 
 mod cell;

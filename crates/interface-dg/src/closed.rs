@@ -1,4 +1,4 @@
-//! The closed part of a surface, where no fluid borders, with the pressure that is continued there.
+//! The closed part of a surface, which borders no fluid, with the pressure that is continued there.
 
 use std::sync::Arc;
 
@@ -9,9 +9,9 @@ use crate::FluidStress;
 
 /// The closed part of the surface of a body whose motion is unknown: one item per facet.
 ///
-/// Its points are those of the facet, and those of its interface pieces with negative weights. Wet and closed part together are the facet, so that
-/// a constant pressure on both has no resultant on a closed surface, and one that balances a constant force per volume has that of the displaced
-/// fluid.
+/// The quadrature points are those of the facet, and those of its interface pieces with negative weights, so that wet
+/// and closed part add up to the facet exactly. A constant pressure on both has no resultant on a closed surface; the
+/// resultant of a hydrostatic pressure is the buoyancy.
 #[derive(Clone)]
 pub struct ClosedPoints<'a, const D: usize> {
     stress: Arc<FluidStress<'a, D>>,
@@ -30,7 +30,8 @@ pub struct ClosedPoint<const D: usize> {
 }
 
 impl<const D: usize> ClosedPoint<D> {
-    /// Returns the first local row of the velocity of a vertex; that of vertex `D` is the first pressure.
+    /// Returns the first local row of the velocity of a vertex of the facet. For `vertex = D` it is the row of the
+    /// first pressure.
     pub(crate) fn row(&self, vertex: usize) -> usize {
         D * vertex
     }
@@ -44,7 +45,8 @@ impl<'a, const D: usize> ClosedPoints<'a, D> {
         Self { stress, facets, rule: SimplexRule::of_degree(D - 1, degree) }
     }
 
-    /// Returns the force of the pressure on the closed part, radial components of axisymmetric coordinates not cancelled.
+    /// Returns the force of the pressure on the closed part. In axisymmetric coordinates the radial component is not
+    /// set to zero ([`mesh::Coordinates::resultant`]).
     pub fn force(&self, x: &[f64]) -> Vector<D> {
         let mut force = Vector::zeros();
         (0..self.len()).for_each(|item| self.visit(item, x, |point| force += point.force));

@@ -8,7 +8,7 @@
 //! | `-(u - v_s, T(v, -q; w) n^f)` | `terms/adjoint_consistency.rs` |
 //! | `(S (u - v_s), v - w)` | `terms/penalty.rs` |
 //!
-//! Where bodies touch there is no fluid; `terms/closed_pressure.rs` has `(p n, w)` there, with the pressure at the rim.
+//! Surfaces in contact border no fluid. `terms/closed_pressure.rs` is the term `(p n, w)` there, with the pressure at the rim.
 //!
 //! The velocity of the body is unknown, or given at every point ([`body::SurfaceVelocity`]).
 

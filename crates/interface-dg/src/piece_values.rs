@@ -6,7 +6,8 @@ use cutcell::{CutMesh, PartId};
 use mesh::{MAX_CELL_VERTICES, Point, SimplexMesh, SimplexRule, Vector};
 use xfem_space::{PartValues, XfemSpace};
 
-/// Largest length of shear in a film over the height of the part. The symmetric form is coercive up to `γ_t/2`, which is 17.5 in the standard set.
+/// Largest viscous length in a film, relative to the height of the part. The symmetric form is coercive up to `γ_t/2`,
+/// which is 17.5 in the standard set.
 const HEIGHTS: f64 = 8.0;
 
 /// A quadrature point of the interface.
@@ -14,7 +15,7 @@ const HEIGHTS: f64 = 8.0;
 pub struct PiecePoint<const D: usize> {
     /// Position.
     pub point: Point<D>,
-    /// Weight, with the measure and the weight of the coordinates.
+    /// Quadrature weight times the measure of the piece and the weight of the coordinates.
     pub weight: f64,
     /// Shape values of the fluid part; only the first `D + 1` are used.
     pub fluid: [f64; MAX_CELL_VERTICES],
@@ -35,7 +36,8 @@ pub struct PieceValues<const D: usize> {
 }
 
 impl<const D: usize> PieceValues<D> {
-    /// Creates the values with a rule on every piece that is exact for polynomials of the given degree. Relative speeds are zero.
+    /// Creates the values with a rule on every piece that is exact for polynomials of the given degree. Relative speeds
+    /// are zero, and viscous lengths are the sizes of the cells.
     pub fn new(background: &SimplexMesh<D>, cut: &CutMesh<D>, parts: &PartValues<D>, degree: usize) -> Self {
         let coordinates = background.coordinates();
         let rule = SimplexRule::of_degree(D - 1, degree + coordinates.degree());
@@ -122,10 +124,12 @@ impl<const D: usize> PieceValues<D> {
         (0..cut.interface().len()).map(largest).collect()
     }
 
-    /// Sets the gaps of parts that lie in films: where they are smaller than the cell, shear acts over them.
+    /// Reduces the viscous lengths of pieces whose part lies in a film: to the gap of the film, and to a multiple of the
+    /// height of the part. `gap` returns the gap of a part in a film.
     ///
-    /// The ghost penalty does not act in films. On a part with volume `V` and area `A` of the surface, linear velocities have `∫_A |2 μ D(u) n|² ≤ 2 μ A/V ∫_V 2 μ |D(u)|²`. The
-    /// penalty bounds the traction of parts that are much thinner than the film if the length is at most a multiple of their height `V/A`.
+    /// The ghost penalty does not act in films. On a part with volume `V` and area `A` of the surface, linear velocities
+    /// have `∫_A |2 μ D(u) n|² ≤ 2 μ A/V ∫_V 2 μ |D(u)|²`. The penalty bounds the traction of parts that are much thinner
+    /// than the film if the length is at most a multiple of their height `V/A`.
     pub fn set_gaps(&mut self, cut: &CutMesh<D>, gap: impl Fn(PartId) -> Option<f64>) {
         let mut areas = BTreeMap::new();
         for piece in cut.interface() {
@@ -157,7 +161,8 @@ impl<const D: usize> PieceValues<D> {
         self.cell_sizes[piece]
     }
 
-    /// Returns the length over which the velocity can change in the part of a piece: the size of the cell or, if it is smaller, the gap of the film.
+    /// Returns the viscous length of a piece, over which the velocity can change: the size of the cell, or in films the
+    /// smaller length of [`PieceValues::set_gaps`].
     #[inline]
     pub fn viscous_length(&self, piece: usize) -> f64 {
         self.viscous_lengths[piece]

@@ -109,8 +109,9 @@ fn fluxes<const D: usize>(
     rows.into_iter().map(move |row| row.into_iter().map(cleaned).collect())
 }
 
-/// Returns a basis of the vectors with `n` entries that are orthogonal to all rows: for each the entry that is one and in
-/// no other vector, and the others that are not zero. At most one row per entry is kept.
+/// Returns a basis of the vectors with `n` entries that are orthogonal to all rows. A vector is given by the index of
+/// an entry that is one, and zero in all other vectors of the basis, and by its other non-zero entries. At most one row
+/// per entry is kept.
 fn null_vectors(rows: impl IntoIterator<Item = Vec<f64>>, n: usize) -> Vec<(usize, Vec<(usize, f64)>)> {
     // Gauss and Jordan: row with its pivot column, in which all other rows are zero.
     let mut reduced: Vec<(usize, Vec<f64>)> = Vec::new();

@@ -33,8 +33,8 @@ pub struct InterfacePoints<'a, const D: usize> {
 /// A quadrature point of the interface with its local state.
 ///
 /// Local unknowns: velocity component `a` of fluid node `i` at row `D i + a`, then the pressures of the fluid nodes,
-/// then the velocity of the vertices of the facet, unless the motion of the body is prescribed, then the other unknowns on which the
-/// traction of the solid depends.
+/// then the velocity of the vertices of the facet, unless the motion of the body is prescribed, then the other unknowns
+/// on which the traction of the solid depends.
 pub struct MortarPoint<'a, const D: usize> {
     /// Geometry and shape values.
     pub at: &'a PiecePoint<D>,
@@ -44,12 +44,12 @@ pub struct MortarPoint<'a, const D: usize> {
     pub gradients: &'a [Vector<D>; MAX_CELL_VERTICES],
     /// Size `h_K` of the background cell.
     pub cell_size: f64,
-    /// Length over which the velocity can change: `h_K`, or the gap of a film if that is smaller.
+    /// Viscous length, over which the velocity can change: `h_K`, or less in films ([`PieceValues::viscous_length`]).
     pub viscous_length: f64,
     /// Largest speed `|u* - v^n|` of the fluid relative to the body on the piece, known before the step.
     pub relative_speed: f64,
-    /// Largest acceleration of the fluid relative to the body on the piece, at the start of the step; `None` if accelerations are
-    /// not known.
+    /// Largest acceleration of the fluid relative to the body on the piece, at the start of the step; `None` if
+    /// accelerations are not known.
     pub relative_acceleration: Option<f64>,
     /// Fluid velocity minus velocity of the body.
     pub jump: Vector<D>,

@@ -11,7 +11,7 @@ use mesh::{BodyId, FacetId, Vector};
 pub struct SolidShare<'a, const D: usize> {
     /// Weight `α` of the traction of the fluid, from 0 to 1.
     pub alpha: f64,
-    /// Stress of each body on its surface. Where there is none the traction is that of the fluid alone.
+    /// Stress of each body on its surface; `None` for a body without stress, on which the traction is that of the fluid alone.
     pub stresses: Vec<Option<Arc<dyn SurfaceStress<D> + 'a>>>,
     /// State at which the adjoint of the solid's traction is linearised; it is frozen for the step.
     pub start: Arc<[f64]>,

@@ -12,15 +12,15 @@ pub struct UnstableShare {
     pub body: BodyId,
     /// Smaller eigenvalue of the penalty `S`.
     pub penalty: f64,
-    /// Smallest one with which the mortar is stable.
+    /// Smallest penalty for which the mortar is stable.
     pub required: f64,
 }
 
 /// Returns the first piece on which the mortar may be unstable, for small strains.
 ///
 /// The form bounds the work of its tractions on the jump by viscosity, by the elasticity of the step, and by the penalty. A
-/// penalty `σ` that suffices for the fluid alone leaves `(1 - α²) σ` for the solid, whose traction has the weight `1 - α` and needs
-/// [`body::SurfaceStress::trace_bound`].
+/// penalty `σ` that suffices for the fluid alone leaves `(1 - α²) σ` for the solid, whose traction has the weight
+/// `1 - α` and needs [`body::SurfaceStress::trace_bound`].
 pub fn unstable_share<const D: usize>(points: &InterfacePoints<'_, D>, penalty: &Penalty) -> Option<UnstableShare> {
     let (solid, values) = (points.solid.as_ref()?, points.values);
     points.geometry.cut.interface().iter().enumerate().find_map(|(item, piece)| {

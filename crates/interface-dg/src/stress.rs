@@ -17,11 +17,13 @@ const COVERED: f64 = 1.0 - 1e-9;
 
 /// Traction `T^f n` of the fluid in front of a body, `n` out of the body.
 ///
-/// Where no fluid borders, because bodies touch or overlap or the facet lies outside the background, the surface is *closed*. There the traction is
-/// `-p n` with the pressure in the middle of the nearest interface piece of the body, continued as in fluid at rest, `∇p = f` with the force `f` per volume;
-/// zero if there is no piece. Rough surfaces in contact have fluid between them, which is connected to that at the rim.
+/// The surface is *closed* where it borders no fluid: bodies touch or overlap there, or the facet lies outside the
+/// background. The traction on it is `-p n`. The pressure `p` is that in the middle of the nearest interface piece of
+/// the body, continued as in fluid at rest, `∇p = f` with the force `f` per volume, and zero if there is no piece. The
+/// model: between rough surfaces in contact there is fluid that is connected to the fluid at the rim.
 ///
-/// Source: Ager, Schott, Vuong, Popp, Wall 2019, doi:10.1002/nme.6094, who continue stresses of the fluid into the contact zone.
+/// Source: Ager, Schott, Vuong, Popp, Wall 2019, doi:10.1002/nme.6094, who continue stresses of the fluid into the
+/// contact zone.
 pub struct FluidStress<'a, const D: usize> {
     points: InterfacePoints<'a, D>,
     body: BodyId,
@@ -34,17 +36,18 @@ pub struct FluidStress<'a, const D: usize> {
 /// A facet that is closed in part or as a whole.
 struct ClosedFacet<const D: usize> {
     facet: FacetId,
-    /// The nearest piece of the same body, and its middle.
+    /// The nearest piece of the same body.
     rim: usize,
+    /// The middle of this piece.
     middle: Point<D>,
-    /// Force of the fluid per volume there.
+    /// Force per volume on the fluid in the middle.
     body_force: Vector<D>,
-    /// Fluid nodes of that piece with their shape values in the middle.
+    /// Shape values of the fluid nodes of this piece in the middle.
     shape: [f64; MAX_CELL_VERTICES],
 }
 
 impl<'a, const D: usize> FluidStress<'a, D> {
-    /// Creates the stress on the surface of a body in a fluid with a force per volume at a point.
+    /// Creates the stress on the surface of a body. `body_force` is the force per volume on the fluid at a point.
     pub fn new(points: InterfacePoints<'a, D>, body: BodyId, body_force: impl Fn(&Point<D>) -> Vector<D>) -> Self {
         let pieces = points.geometry.cut.interface().iter().enumerate().filter(|(_, piece)| piece.body == body);
         let mut pieces: Vec<_> = pieces.map(|(item, piece)| (piece.facet, item)).collect();
@@ -65,7 +68,7 @@ impl<'a, const D: usize> FluidStress<'a, D> {
         self.on_facet(facet).map(|item| &self.points.geometry.cut.interface()[item])
     }
 
-    /// Finds the facets that are not covered by pieces, and the nearest piece of each.
+    /// Finds the facets that pieces do not cover completely, and the nearest piece of each.
     fn closed_facets(&self, body_force: impl Fn(&Point<D>) -> Vector<D>) -> Vec<ClosedFacet<D>> {
         let (surface, geometry) = (self.surface(), &self.points.geometry);
         let pieces = geometry.cut.interface();
@@ -74,7 +77,7 @@ impl<'a, const D: usize> FluidStress<'a, D> {
             covered < COVERED * surface.facet_measure(*facet)
         };
         let nearest = |facet: FacetId| {
-            let of_facet = mean(&surface.facet_points(facet)[..D]);
+            let of_facet = surface.facet_middle(facet);
             let distance = |item: usize| (mean(&pieces[item].points[..D]) - of_facet).norm_squared();
             let items = self.pieces.iter().map(|(_, item)| *item);
             let rim = items.min_by(|a, b| distance(*a).total_cmp(&distance(*b)))?;
@@ -90,13 +93,13 @@ impl<'a, const D: usize> FluidStress<'a, D> {
         self.closed.iter().map(|closed| closed.facet)
     }
 
-    /// Returns the piece whose pressure acts on the closed part of a facet.
+    /// Returns the data of a closed facet; `None` if pieces cover the facet.
     fn rim(&self, facet: FacetId) -> Option<&ClosedFacet<D>> {
         let found = self.closed.binary_search_by_key(&facet, |closed| closed.facet).ok()?;
         Some(&self.closed[found])
     }
 
-    /// Returns the unknown pressures of the nearest piece of a closed facet with their shape values.
+    /// Returns the dofs of the pressure at the nearest piece of a closed facet, with their shape values.
     pub(crate) fn rim_pressures(&self, facet: FacetId) -> impl Iterator<Item = (DofId, f64)> {
         let InterfacePoints { geometry, fields, .. } = &self.points;
         self.rim(facet).into_iter().flat_map(|closed| {
@@ -199,7 +202,7 @@ impl<const D: usize> FluidStress<'_, D> {
     }
 }
 
-/// Difference of the tractions of a body and of the fluid in front of it, which contact carries.
+/// Traction of a body minus that of the fluid in front of it: the part that contact carries.
 pub struct StressJump<'a, const D: usize> {
     /// The stress of the body.
     pub solid: Arc<dyn SurfaceStress<D> + 'a>,
@@ -217,7 +220,7 @@ impl<const D: usize> SurfaceStress<D> for StressJump<'_, D> {
         let mut of_fluid = Vec::new();
         let fluid = self.fluid.at(facet, barycentric, x, &mut of_fluid);
         let solid = self.solid.at(facet, barycentric, x, derivatives);
-        // Unknowns of the two are different fields.
+        // Both depend on different fields, so that no dof occurs twice.
         derivatives.extend(of_fluid.into_iter().map(|(dof, derivative)| (dof, -derivative)));
         solid - fluid
     }

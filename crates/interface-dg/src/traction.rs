@@ -13,9 +13,9 @@ pub struct InterfaceTraction<const D: usize> {
     pub measure: f64,
     /// Fluid traction on the body, `T^f n = -p n + 2 μ D(u) n`, mean over the piece.
     pub fluid: Vector<D>,
-    /// Difference that the share of the solid makes, `(1 - α) (T^s - T^f) n`, mean over the piece; zero for `α = 1`.
+    /// Contribution of the share of the solid, `(1 - α) (T^s - T^f) n`, mean over the piece; zero for `α = 1`.
     pub exchange: Vector<D>,
-    /// Its pressure part, `-p n`.
+    /// Pressure part of `fluid`, `-p n`.
     pub pressure: Vector<D>,
     /// Traction of the mortar's penalty on the body, `S (u - v_s)`, mean over the piece.
     pub penalty: Vector<D>,

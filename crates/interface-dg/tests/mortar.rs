@@ -203,7 +203,8 @@ fn fluid_stress_is_the_traction_of_the_fluid() {
                 assert!(derivatives.iter().all(|(dof, _)| dofs.contains(dof)));
                 let corners = surface.boundary.facet(facet);
                 let at: Point<2> = (0..2).map(|k| surface.geometry[corners[k].index()] * barycentric[k]).sum();
-                // The top of the body is wet; the other sides lie on the boundary of the background, and carry the pressure of the nearest piece.
+                // The top of the body is wet; the other sides lie on the boundary of the background, and carry the
+                // pressure of the nearest piece.
                 if corners.iter().any(|v| surface.geometry[v.index()][1] < 0.3) {
                     let normal = Placed::new(surface.boundary, &surface.geometry).facet_normal(facet);
                     let pressure = -found.dot(&normal);

@@ -23,8 +23,8 @@ const KEPT: usize = 2;
 
 /// A point from which a run goes on: the state, and how far the files of results had come.
 ///
-/// Layout of a file, numbers with the lowest byte first: `CUTWATER`; version of the format, 4 bytes; length of the header, 8 bytes; the header, JSON; the
-/// numbers of the state, 8 bytes each; CRC-32 of all that, 4 bytes.
+/// Layout of a file, numbers with the lowest byte first: `CUTWATER`; version of the format, 4 bytes; length of the
+/// header, 8 bytes; the header, JSON; the numbers of the state, 8 bytes each; CRC-32 of all preceding bytes, 4 bytes.
 pub(crate) struct Checkpoint {
     pub(crate) header: Header,
     /// Lists of the state ([`solver::State::to_lists`]).

@@ -24,8 +24,8 @@ impl Claim {
     /// Creates the directory if there is none, and claims it for a run of a scenario.
     ///
     /// # Errors
-    /// [`Error::NotDirectory`]: it is a file. [`Error::Busy`]: another run writes into it. [`Error::Directory`]: unless `overwrites` is set, it has other files, or results of another
-    /// scenario. [`Error::Write`].
+    /// [`Error::NotDirectory`]: it is a file. [`Error::Busy`]: another run writes into it. [`Error::Directory`]:
+    /// without `overwrites`, it has other files, or results of another scenario. [`Error::Write`].
     pub(crate) fn new(directory: &Path, file: &ScenarioFile, overwrites: bool) -> Result<Self, Error> {
         if directory.is_file() {
             return Err(Error::NotDirectory { path: directory.to_owned() });

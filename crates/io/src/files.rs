@@ -63,7 +63,8 @@ pub(crate) fn create_directory(path: &Path) -> Result<(), Error> {
     fs::create_dir_all(path).map_err(|source| Error::Write { path: path.to_owned(), source })
 }
 
-/// Writes a file under another name and renames it when it is on the disk, so that it is complete whenever it is visible, also after a loss of power.
+/// Writes a file under another name and renames it when it is on the disk, so that it is complete whenever it is
+/// visible, also after a loss of power.
 ///
 /// # Errors
 /// [`Error::Write`].

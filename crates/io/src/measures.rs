@@ -159,8 +159,8 @@ fn acts_on<const D: usize>(contact: &Contact<D>, index: usize) -> bool {
     contact.body().index() == index || master == Some(index)
 }
 
-/// Returns the smallest gap of a body to its obstacles, and of bodies of which it is the obstacle; without a contact, height of its lowest vertex above `bottom`.
-/// `None` before the first step.
+/// Returns the smallest gap of a body to its obstacles, and of bodies of which it is the obstacle; without a contact,
+/// the height of its lowest vertex above `bottom`. `None` before the first step.
 pub fn distance<const D: usize>(view: &StepView<'_, D>, index: usize, bottom: f64) -> Option<f64> {
     let report = view.report?;
     let contacts = view.setup.contacts.iter().zip(&report.contacts);
@@ -169,7 +169,7 @@ pub fn distance<const D: usize>(view: &StepView<'_, D>, index: usize, bottom: f6
 }
 
 /// Returns the leading body, of which summaries and progress report distance and contact: the slave of the first
-/// contact, else the first body that forces move, else the first body.
+/// contact, else the first movable body, else the first body.
 pub fn leading_body<const D: usize>(setup: &Setup<D>) -> Option<usize> {
     let slave = setup.contacts.first().map(|contact| contact.body().index());
     let movable = || setup.bodies.iter().position(|body| body.is_movable());

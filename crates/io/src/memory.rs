@@ -4,7 +4,8 @@
 /// measured in 2D for 14 000 to 230 000 cells, and 9.8e3 to 26e3 in 3D for 6000 to 162 000.
 const PER_CELL: f64 = 8e3;
 
-/// Bytes for each cell of a body that the generation of its mesh takes at least: 290 were measured for disks of 0.4 and 0.9 million cells.
+/// Bytes for each cell of a body that the generation of its mesh takes at least: 290 were measured for disks of 0.4 and
+/// 0.9 million cells.
 const PER_CELL_OF_BODY: f64 = 280.0;
 
 /// Returns an explanation if the mesh of a body with about this number of cells needs more memory than is available.

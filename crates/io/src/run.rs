@@ -48,7 +48,8 @@ pub fn run(file: &ScenarioFile, directory: &Path, watch: &mut impl Watch) -> Res
 /// How a run begins, and what may end it.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct RunOptions<'a> {
-    /// Whether the run goes on from the last checkpoint in the directory. End time and output may differ from those of the run that wrote it.
+    /// Whether the run goes on from the last checkpoint in the directory. End time and output may differ from those of
+    /// the run that wrote it.
     pub resumes: bool,
     /// Whether a run may write into a directory that has other files, or results of another scenario, which it replaces.
     pub overwrites: bool,
@@ -61,8 +62,9 @@ impl RunOptions<'_> {
     ///
     /// # Errors
     /// [`Error`]; if a step failed, the files are complete up to the step before it. [`Error::Interrupted`]: `stop` was set.
-    /// [`Error::Unfinished`]: a new run would remove one that was stopped. [`Error::NoCheckpoint`], [`Error::Checkpoint`]: there is nothing to go
-    /// on from, or it belongs to another scenario. [`Error::Directory`], [`Error::Input`], [`Error::Busy`]: the directory is not free.
+    /// [`Error::Unfinished`]: a new run would remove one that was stopped. [`Error::NoCheckpoint`],
+    /// [`Error::Checkpoint`]: there is nothing to go on from, or it belongs to another scenario. [`Error::Directory`],
+    /// [`Error::Input`], [`Error::Busy`]: the directory is not free.
     pub fn run(&self, file: &ScenarioFile, directory: &Path, watch: &mut impl Watch) -> Result<Summary, Error> {
         lower(file, Run { file, directory, watch, options: *self })?
     }
@@ -331,8 +333,8 @@ impl<'a, const D: usize> RunFiles<'a, D> {
     }
 }
 
-/// Observer that writes the files of a step, passes it to the observer of the program, and ends it with a checkpoint, if there is one: both
-/// have then recorded the step.
+/// Observer that writes the files of a step, passes it to the observer of the program, and ends it with a checkpoint,
+/// if there is one: both have then recorded the step.
 struct Recording<'a, 'b, const D: usize> {
     files: &'a mut RunFiles<'b, D>,
     /// Whether the run goes on from a checkpoint, where everything is recorded already.

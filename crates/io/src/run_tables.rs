@@ -77,9 +77,11 @@ impl RunTables {
         Error::NoColumn { directory, column, advice, known: names.join(", ") }
     }
 
-    /// Returns the differences of all columns that both runs have, but those with times of the clock; the largest relative one first.
+    /// Returns the differences of all columns that both runs have, but those with times of the clock; the largest
+    /// relative one first.
     ///
-    /// Values of the other run are interpolated to the times of this one, as far as both runs go. The directories name the runs in errors.
+    /// Values of the other run are interpolated to the times of this one, as far as both runs go. The directories name
+    /// the runs in errors.
     ///
     /// # Errors
     /// [`Error::NothingCommon`]: the runs have no column or no time in common.

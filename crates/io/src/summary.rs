@@ -14,7 +14,7 @@ use crate::scenario::{Quantity, Units};
 const ENERGY_TOLERANCE: f64 = 1e-8;
 
 /// Sizes, contacts, checks and times of a run. Distances, penetrations and contacts are those of the leading body: the
-/// slave of the first contact, else the first body that forces move, else the first body.
+/// slave of the first contact, else the first movable body, else the first body.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
     /// Name of the case.
@@ -34,7 +34,7 @@ pub struct Summary {
     pub dt: f64,
     /// Steps done.
     pub steps: usize,
-    /// Steps that were divided, because Newton's method failed or contact may have been missed; not written if zero.
+    /// Steps that were divided, because bodies were close to each other or a step failed; not written if zero.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub divided_steps: usize,
     /// Cells of the background.
@@ -64,8 +64,8 @@ pub struct Summary {
     pub max_penetration_over_s: Option<f64>,
     /// Smallest distance.
     pub min_distance: Option<f64>,
-    /// Whether no step made more energy than 1e-8 of the largest sum of all energies; the work of loads, forces, open
-    /// boundaries and given velocities does not count.
+    /// Whether no step generated more energy than 1e-8 of the largest sum of all energies, without the work of loads, forces,
+    /// open boundaries and given velocities.
     pub energy_monotone: bool,
     /// Largest energy of a step that no line of the ledger explains, relative to the largest energy or line, in tolerances of
     /// Newton's method; none before the first step.

@@ -37,7 +37,7 @@ impl<const D: usize> BoundaryMesh<D> {
         Self::new(facet_to_vertex, Vec::new(), tags)
     }
 
-    /// Returns the surface in other coordinates; those of a new one are Cartesian.
+    /// Returns the surface in the given coordinates; those of a new surface are Cartesian.
     #[must_use]
     pub fn with_coordinates(self, coordinates: Coordinates) -> Self {
         Self { coordinates, ..self }

@@ -1,4 +1,4 @@
-//! The coordinates in which a mesh is described, as a measure.
+//! The coordinates of a mesh, and their weight in integrals.
 
 use std::f64::consts::TAU;
 
@@ -6,15 +6,15 @@ use crate::{Point, Vector};
 
 /// The coordinates of a mesh of dimension `D`.
 ///
-/// An integral over a region, a surface or a curve is one over the mesh with the weight of the coordinates as a factor. Masses, forces and energies
-/// are those of the whole body, in plane problems per unit depth.
+/// An integral over a region, a surface or a curve is an integral over the mesh with the weight of the coordinates as a
+/// factor. Masses, forces and energies are those of the whole body, or per unit depth in plane problems.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Coordinates {
     /// Cartesian coordinates: weight one.
     #[default]
     Cartesian,
-    /// Cylindrical coordinates `(r, z)` of a problem with rotational symmetry and without swirl, for `D = 2`: the mesh is the half plane
-    /// `r >= 0` through the axis, and the weight of a point is the length `2π r` of its circle.
+    /// Cylindrical coordinates `(r, z)` of a problem with rotational symmetry and without swirl, for `D = 2`. The mesh
+    /// lies in the half plane `r >= 0` through the axis. The weight of a point is the length `2π r` of its circle.
     Axisymmetric,
 }
 
@@ -39,7 +39,7 @@ impl Coordinates {
         gradient
     }
 
-    /// Returns the degree of the weight as a polynomial, by which rules of quadrature have to be better.
+    /// Returns the polynomial degree of the weight, which is added to the degree of a quadrature rule.
     #[inline]
     pub fn degree(self) -> usize {
         match self {
@@ -48,7 +48,7 @@ impl Coordinates {
         }
     }
 
-    /// Returns the component along the radius, if there is one.
+    /// Returns the index of the radial component; `None` in Cartesian coordinates.
     #[inline]
     pub fn radial(self) -> Option<usize> {
         match self {
@@ -57,7 +57,8 @@ impl Coordinates {
         }
     }
 
-    /// Returns the resultant of vectors that were summed with the weight: radial components on opposite sides of the axis cancel.
+    /// Returns the resultant of vectors whose sum with the weight is given: radial components on opposite sides of the
+    /// axis cancel.
     #[inline]
     pub fn resultant<const D: usize>(self, mut sum: Vector<D>) -> Vector<D> {
         self.radial().into_iter().for_each(|a| sum[a] = 0.0);

@@ -42,6 +42,17 @@ impl<'m, const D: usize> Placed<'m, D> {
         simplex_measure(&self.facet_points(facet)[..D])
     }
 
+    /// Returns the middle of a facet: the mean of its vertices.
+    pub fn facet_middle(&self, facet: FacetId) -> Point<D> {
+        self.facet_points(facet)[..D].iter().sum::<Point<D>>() / D as f64
+    }
+
+    /// Returns the measure of a facet in the coordinates of the boundary: with the weight of the coordinates, which is
+    /// linear, in its middle.
+    pub fn weighted_measure(&self, facet: FacetId) -> f64 {
+        self.facet_measure(facet) * self.boundary.coordinates().weight(&self.facet_middle(facet))
+    }
+
     /// Returns the unit normal of a facet, out of the solid; zero for a degenerate facet.
     #[inline]
     pub fn facet_normal(&self, facet: FacetId) -> Vector<D> {

@@ -100,11 +100,12 @@ impl<const D: usize> SimplexMesh<D> {
         moved.with_coordinates(self.coordinates)
     }
 
-    /// Returns the mesh in other coordinates; those of a new one are Cartesian. Sizes, measures of cells and facets, and normals remain
-    /// those of the mesh as it is stored.
+    /// Returns the mesh in the given coordinates; those of a new mesh are Cartesian. Sizes, measures of cells and
+    /// facets, and normals do not depend on the coordinates.
     ///
     /// # Errors
-    /// For axisymmetric coordinates, [`Error::AxisInSpace`] if `D = 3` and [`Error::BehindAxis`] if a vertex has a negative radius.
+    /// For axisymmetric coordinates, [`Error::AxisInSpace`] if `D = 3` and [`Error::BehindAxis`] if a vertex has a
+    /// negative radius.
     pub fn with_coordinates(self, coordinates: Coordinates) -> Result<Self, Error> {
         let Some(radial) = coordinates.radial() else { return Ok(Self { coordinates, ..self }) };
         if D != 2 {

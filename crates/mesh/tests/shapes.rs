@@ -126,7 +126,8 @@ fn balls_in_space_are_round() {
             flattest = flattest.min(mesh.cell_volume(cell) / longest.powi(3));
         }
         let mean = edges / mesh.n_cells() as f64;
-        // Edges have few lengths, so that few sizes can be met closely. A regular tetrahedron has a flatness of 0.118, those of a brick 0.032.
+        // Edges have few lengths, so that few sizes can be met closely. A regular tetrahedron has a flatness of 0.118,
+        // those of a brick 0.032.
         assert!((0.8..1.2).contains(&(mean / h)) && flattest > 0.02, "{mean} at {h}: {flattest}");
         errors.push(32.0 / 3.0 * PI - volume(&mesh));
     }

@@ -1,4 +1,4 @@
-//! Charts, drawn by uPlot in the browser: here they are data.
+//! Charts as data, which uPlot draws in the browser.
 
 use serde_json::{Value, json};
 
@@ -61,7 +61,7 @@ impl Chart {
         for curve in &self.curves {
             let x: Vec<Value> = curve.points.iter().map(|(x, _)| short(*x)).collect();
             let y: Vec<Value> = curve.points.iter().map(|(_, y)| short(*y)).collect();
-            // Curves over the same positions share them: the script takes those of the curve before.
+            // Curve without `x`: the script takes the positions of the previous curve, which are equal.
             if x == shared {
                 curves.push(json!({ "label": curve.label, "y": y }));
             } else {

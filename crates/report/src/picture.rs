@@ -151,7 +151,8 @@ fn crossings(points: &[[f64; 2]], y: f64) -> Vec<f64> {
     at
 }
 
-/// Interpolates the speed at a position bilinearly between the points of the raster, without those outside the fluid; `None` if all of them are.
+/// Interpolates the speed at a position bilinearly between the points of the raster, without those outside the fluid;
+/// `None` if all of them are.
 fn speed(frames: &Frames, frame: &Snapshot, x: [f64; 2]) -> Option<f64> {
     let at = [0, 1].map(|k| (x[k] - frames.low[k]) / (frames.high[k] - frames.low[k]) * frame.n[k] as f64 - 0.5);
     let (mut sum, mut weights) = (0.0, 0.0);

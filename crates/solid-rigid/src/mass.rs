@@ -7,7 +7,7 @@ use crate::modes::{Spin, axis, n_rotations, rotation};
 
 /// Mass, centre of mass and second moment of a body in the reference configuration.
 ///
-/// Units (cgs, per unit depth in 2D): g/cm, cm, g·cm.
+/// Units: mass, length, mass·length²; mass and second moment per unit depth in 2D.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MassProperties<const D: usize> {
     /// Mass `M`.

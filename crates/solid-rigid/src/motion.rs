@@ -16,11 +16,12 @@ pub struct RigidMotion<const D: usize> {
     pub rotation: Tensor<D>,
     /// Velocity of the centre.
     pub velocity: Vector<D>,
-    /// Spin `ω`, rad/s.
+    /// Spin `ω`, rad/time.
     pub spin: Spin,
     /// Angular momentum `L` about the centre.
     pub angular_momentum: Spin,
-    /// Acceleration of the centre; zero at the start of a run and with schemes that do not need it, as both rates below.
+    /// Acceleration of the centre. Accelerations and rates are zero at the start of a run, and with schemes that do not
+    /// use them.
     pub acceleration: Vector<D>,
     /// Rate of the spin.
     pub spin_rate: Spin,
@@ -47,7 +48,7 @@ impl<const D: usize> RigidMotion<D> {
         (centre, rotated_by::<D>(&angles) * self.rotation)
     }
 
-    /// Returns a row without its displacement, for a velocity of the centre at the stage.
+    /// Returns the part of a row that depends on velocities and accelerations of the centre, for a velocity at the stage.
     fn by(&self, row: &Row, velocity: &Vector<D>) -> Vector<D> {
         velocity * row.slope + self.velocity * row.velocity + self.acceleration * row.acceleration
     }

@@ -12,13 +12,13 @@ use crate::modes::{Spin, mode, n_modes};
 use crate::terms::Momentum;
 use crate::{Error, MassProperties, RigidMotion};
 
-/// Times are equal if they differ by less than this part.
+/// Relative difference below which two times are equal.
 const ROUND_OFF: f64 = 1e-9;
 
 /// A given velocity of the centre, without rotation, until a body is released.
 #[derive(Clone)]
 pub struct Guide<const D: usize> {
-    /// Time of the release. A step that begins before it is guided.
+    /// Time of the release. The guide prescribes the velocity at the end of every step that begins earlier.
     pub until: f64,
     /// Velocity at a time.
     pub velocity: Arc<dyn Fn(f64) -> Vector<D> + Send + Sync>,
@@ -42,7 +42,7 @@ pub struct RigidBody<const D: usize> {
     pub held_axes: [bool; D],
     /// Whether rotation is held.
     pub holds_rotation: bool,
-    /// A motion before the body is free; `None` if it is free from the start.
+    /// Given motion until the release of the body; `None` if it is free from the start.
     pub guide: Option<Guide<D>>,
     /// Velocity of the centre at the start.
     pub initial_velocity: Vector<D>,
@@ -82,7 +82,7 @@ impl<const D: usize> RigidBody<D> {
         RigidMotion::from_numbers(&state.inner)
     }
 
-    /// Returns whether a mode is held. With rotational symmetry the body moves along the axis only.
+    /// Returns whether a mode is held. In axisymmetric coordinates all modes but the translation along the axis are.
     fn holds(&self, mode: usize) -> bool {
         let axial = self.boundary.coordinates().radial().map(|radial| mode < D && mode != radial);
         axial == Some(false) || self.held_axes.get(mode).copied().unwrap_or(self.holds_rotation)

@@ -46,11 +46,11 @@ impl<const D: usize> SolidCell<'_, D> {
 pub struct SolidPoint<'a, const D: usize> {
     /// Group of the cell.
     pub group: usize,
-    /// Reference volume that the point stands for, with the weight of the coordinates.
+    /// Quadrature weight: a reference volume, with the weight of the coordinates.
     pub weight: f64,
     /// Gradients of the shape functions, one per node.
     pub gradients: &'a [Vector<D>],
-    /// Radial component, and the shape functions over the radius, one per node; `None` in Cartesian coordinates.
+    /// Radial component, and the shape functions divided by the radius, one per node; `None` in Cartesian coordinates.
     pub hoop: Option<(usize, &'a [f64])>,
     /// Deformation.
     pub deformation: Deformation<D>,

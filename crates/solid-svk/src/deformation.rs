@@ -1,23 +1,23 @@
-//! The deformation at a point, with the stretch of circles in axisymmetric coordinates.
+//! The deformation at a point, with the hoop stretch in axisymmetric coordinates.
 
 use mesh::{Tensor, det};
 
 use crate::Material;
 use crate::kinematics::cauchy_stress;
 
-/// Index of the circumference in tensors in space.
+/// Index of the hoop direction in tensors in space.
 pub(crate) const THETA: usize = 2;
 
 /// Tensor in space.
 pub(crate) type SpaceTensor = Tensor<3>;
 
-/// Deformation gradient at a point. In axisymmetric coordinates that in space has the stretch of the circle through the point as one more
-/// entry on its diagonal.
+/// Deformation gradient at a point. In axisymmetric coordinates the deformation gradient in space has the hoop stretch,
+/// that of the circle through the point, as third entry on its diagonal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Deformation<const D: usize> {
     /// Deformation gradient `F = I + ∇d` in the coordinates of the mesh.
     pub gradient: Tensor<D>,
-    /// Stretch of circles `1 + d_R/R`; `None` in Cartesian coordinates.
+    /// Hoop stretch `1 + d_R/R`; `None` in Cartesian coordinates.
     pub hoop: Option<f64>,
 }
 
@@ -48,8 +48,8 @@ impl<const D: usize> Deformation<D> {
         }
     }
 
-    /// Returns the derivative of the first Piola stress in the coordinates of the mesh, in the direction of a gradient `h` and of a
-    /// stretch of circles.
+    /// Returns the derivative of the first Piola stress in the coordinates of the mesh, in the direction of a gradient
+    /// `h` and of a hoop stretch.
     pub fn first_piola_derivative(&self, material: &dyn Material<D>, h: &Tensor<D>, stretch: f64) -> Tensor<D> {
         match self.hoop {
             None => material.first_piola_derivative(&self.gradient, h),
@@ -60,7 +60,7 @@ impl<const D: usize> Deformation<D> {
         }
     }
 
-    /// Returns the Cauchy stress in the coordinates of the mesh, and for `D = 2` the normal stress across them.
+    /// Returns the Cauchy stress in the coordinates of the mesh, and for `D = 2` the stress normal to the plane.
     pub fn cauchy(&self, material: &dyn Material<D>) -> (Tensor<D>, f64) {
         if self.hoop.is_some() {
             let f = self.in_space();
@@ -72,7 +72,7 @@ impl<const D: usize> Deformation<D> {
     }
 }
 
-/// Returns a tensor in the plane with one more entry on the diagonal.
+/// Returns the tensor in space that consists of a tensor in the plane and a third entry on the diagonal.
 pub(crate) fn into_space<const D: usize>(t: &Tensor<D>, across: f64) -> SpaceTensor {
     Tensor::from_fn(|a, b| match (a, b) {
         (THETA, THETA) => across,

@@ -9,10 +9,10 @@ use crate::energy::{balance, stresses};
 use crate::supports::{Support, SupportKind};
 use crate::{Error, Load, SolidCells, SolidFacets, SolidForm, SolidMesh, SolidStress};
 
-/// Supports, loads and start of an elastic body; by default none, and at rest.
+/// Supports, loads and initial fields of an elastic body. By default there are none, and the body is at rest.
 #[derive(Clone)]
 pub struct ElasticOptions<const D: usize> {
-    /// Supports; where two hold the same dof, the later one is in force.
+    /// Supports; of two on the same dof the later one counts.
     pub supports: Vec<Support<D>>,
     /// Loads on the boundary.
     pub loads: Vec<Load<D>>,
@@ -41,7 +41,8 @@ impl<const D: usize> ElasticBody<D> {
     ///
     /// # Errors
     /// [`Error::UnknownVertex`], [`Error::UnknownFacet`]: a support or load names one that the mesh does not have.
-    /// [`Error::Parameter`]: a support along an axis that does not exist. [`Error::MissingMaterial`]: a group of cells without a material.
+    /// [`Error::Parameter`]: a support along an axis that does not exist. [`Error::MissingMaterial`]: a group of cells
+    /// without a material.
     pub fn new(name: &str, solid: SolidMesh<D>, form: SolidForm<D>, options: ElasticOptions<D>) -> Result<Self, Error> {
         let (n_vertices, n_facets) = (solid.nodes().len(), solid.boundary().n_facets());
         for support in &options.supports {
@@ -136,7 +137,7 @@ struct ElasticStep<'s, const D: usize> {
 }
 
 impl<const D: usize> ElasticStep<'_, D> {
-    /// Holds nodes on the axis of axisymmetric coordinates along the radius.
+    /// Constrains the radial velocity of nodes on the axis of axisymmetric coordinates.
     fn constrain_axis(&self, layout: &BlockLayout, constraints: &mut Constraints) {
         let Some(radial) = self.body.solid.mesh().coordinates().radial() else { return };
         for (node, _) in self.body.solid.nodes().iter().enumerate().filter(|(_, x)| x[radial] == 0.0) {

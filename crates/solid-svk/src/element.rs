@@ -181,7 +181,8 @@ impl ShapeFunctions {
     }
 }
 
-/// Quadrature points of the reference simplex with the shape functions there. Weights sum to the measure of the reference simplex, `1/n!`.
+/// Quadrature points of the reference simplex with the shape functions there. Weights sum to the measure of the
+/// reference simplex, `1/n!`.
 #[derive(Clone, Debug)]
 pub(crate) struct Tabulated {
     pub(crate) points: Vec<(f64, ShapeFunctions)>,

@@ -17,9 +17,9 @@ pub struct SolidFacet<const D: usize> {
     pub shape: ShapeFunctions,
     /// Position `X` in the reference configuration.
     pub reference: Point<D>,
-    /// Reference area (2D: length) that the point stands for, with the weight of the coordinates.
+    /// Quadrature weight: a reference area (2D: length), with the weight of the coordinates.
     pub reference_weight: f64,
-    /// Weight in local coordinates, times that of the coordinates at the position `x`.
+    /// Quadrature weight in local coordinates times the weight of the coordinates at the position `x`.
     pub weight: f64,
     /// Derivative of the weight with respect to the position `x`.
     pub weight_gradient: Vector<D>,

@@ -37,7 +37,7 @@ pub fn green_lagrange_derivative<const D: usize>(f: &Tensor<D>, h: &Tensor<D>) -
 /// Returns the Cauchy stress `T = P Fᵀ / J` of a first Piola stress.
 ///
 /// Source: paper, Sec. 2.1, with the first Piola stress `P = J T F⁻ᵀ`.
-/// Units: those of `P` (dyn/cm²).
+/// Units: those of `P`, force per area.
 #[inline]
 pub fn cauchy_stress<const D: usize>(f: &Tensor<D>, first_piola: &Tensor<D>) -> Tensor<D> {
     first_piola * f.transpose() / det(f)

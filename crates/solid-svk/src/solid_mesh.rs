@@ -1,4 +1,4 @@
-//! A body in its reference configuration: mesh, nodes, boundary, and what terms need of cells and facets.
+//! A body in its reference configuration: mesh, nodes, boundary, and the data of cells and facets for terms.
 
 use std::collections::HashMap;
 
@@ -9,11 +9,11 @@ use crate::deformation::Deformation;
 use crate::element::{Barycentric, MAX_CELL_NODES, Order, ShapeFunctions, Tabulated};
 use crate::kinematics::{deformation_gradient, gradient};
 
-/// Everything about the mesh of a body that is constant in time; built once, borrowed in every step.
+/// The data of the mesh of a body that are constant in time; built once, borrowed in every step.
 ///
-/// Cells are isoparametric elements of order 1 or 2. *Nodes* carry the unknowns: the vertices of the mesh, followed for order 2 by
-/// one node on each edge. Nodes have the identifiers of vertices. The boundary consists of linear facets through all nodes: two
-/// segments for each edge of order 2, four triangles for each triangle.
+/// Cells are isoparametric elements of order 1 or 2. *Nodes* carry the unknowns: the vertices of the mesh, followed for
+/// order 2 by one node on each edge. Nodes have the identifiers of vertices. The boundary consists of linear facets
+/// through all nodes: two segments for each edge of order 2, four triangles for each triangle.
 #[derive(Clone, Debug)]
 pub struct SolidMesh<const D: usize> {
     mesh: SimplexMesh<D>,
@@ -32,7 +32,7 @@ pub struct SolidMesh<const D: usize> {
     facet_points: Vec<Tabulated>,
     /// Gradients in the cell behind a boundary facet, at its middle. Stride: nodes of a cell.
     surface_gradients: Vec<Vector<D>>,
-    /// Shape functions over the radius there, with the same stride; empty in Cartesian coordinates.
+    /// Shape functions divided by the radius at the same points, with the same stride; empty in Cartesian coordinates.
     surface_hoop: Vec<f64>,
     /// Per cell: measure of its boundary facets.
     surface_measures: Vec<f64>,
@@ -41,11 +41,11 @@ pub struct SolidMesh<const D: usize> {
 /// A point of a cell at which the stress is evaluated.
 #[derive(Clone, Copy, Debug)]
 pub struct CellPoint<'a, const D: usize> {
-    /// Reference volume that the point stands for, with the weight of the coordinates.
+    /// Quadrature weight: a reference volume, with the weight of the coordinates.
     pub weight: f64,
     /// Gradients of the shape functions, one per node.
     pub gradients: &'a [Vector<D>],
-    /// Radial component, and the shape functions over the radius, one per node; `None` in Cartesian coordinates.
+    /// Radial component, and the shape functions divided by the radius, one per node; `None` in Cartesian coordinates.
     pub hoop: Option<(usize, &'a [f64])>,
 }
 
@@ -71,7 +71,7 @@ struct CellTables<const D: usize> {
     weights: Vec<f64>,
     /// Stride: points of a cell times its nodes.
     gradients: Vec<Vector<D>>,
-    /// Shape functions over the radius. Stride: that of the gradients; empty in Cartesian coordinates.
+    /// Shape functions divided by the radius. Stride: that of the gradients; empty in Cartesian coordinates.
     hoop: Vec<f64>,
     /// Stride: square of the nodes of a cell.
     mass: Vec<f64>,
@@ -94,12 +94,12 @@ impl<const D: usize> SolidMesh<D> {
         Self::build(mesh, order, |_, middle| middle)
     }
 
-    /// Creates a body of quadratic elements with curved edges. `node` maps the ends of an edge, in ascending order, and the middle between them
-    /// to the position of the edge's node.
+    /// Creates a body of quadratic elements with curved edges. `node` maps the ends of an edge, in ascending order, and
+    /// the middle between them to the position of the edge's node.
     ///
     /// # Errors
-    /// [`Error::DegenerateCell`]: a cell that is so thin, or so curved, that its map from the reference simplex has no inverse at a
-    /// quadrature point, or in the middle of a part.
+    /// [`Error::DegenerateCell`]: the map of a cell from the reference simplex has no inverse at a quadrature point, or
+    /// in the middle of a part, because the cell is too thin or too curved.
     pub fn curved(mesh: SimplexMesh<D>, node: impl Fn([VertexId; 2], Point<D>) -> Point<D>) -> Result<Self, Error> {
         Self::build(mesh, Order::Quadratic, node)
     }
@@ -155,8 +155,8 @@ impl<const D: usize> SolidMesh<D> {
         Ok(body)
     }
 
-    /// Returns the body with its cells in groups, which may differ in density and material ([`crate::SolidForm::of_groups`]). Without them all cells
-    /// are in group 0.
+    /// Returns the body with its cells in groups, which may differ in density and material
+    /// ([`crate::SolidForm::of_groups`]). By default all cells are in group 0.
     ///
     /// Shapes: `cell_to_group` has one entry per cell.
     ///
@@ -204,8 +204,8 @@ impl<const D: usize> SolidMesh<D> {
         &self.cell_to_node[cell.index() * n..][..n]
     }
 
-    /// Returns the linear simplices through all nodes, for output: `D + 1` nodes each, the parts of a cell one after another. The parts of
-    /// a linear element are the element itself.
+    /// Returns the linear simplices through all nodes, for output: `D + 1` nodes each, the parts of a cell one after
+    /// another. The parts of a linear element are the element itself.
     pub fn parts(&self) -> &[VertexId] {
         &self.part_to_node
     }
@@ -231,10 +231,10 @@ impl<const D: usize> SolidMesh<D> {
         self.cells.volumes[cell.index()]
     }
 
-    /// Returns the mass of a cell for unit density, a square matrix: the consistent one, `m_ij = ∫ N_i N_j` with the weight of the coordinates, unless
-    /// masses were redistributed ([`SolidMesh::without_mass_at`]).
+    /// Returns the mass of a cell for unit density, a square matrix. It is the consistent one, `m_ij = ∫ N_i N_j` with the
+    /// weight of the coordinates, unless masses were redistributed ([`SolidMesh::without_mass_at`]).
     ///
-    /// It is integrated once with a rule that is exact on cells with straight edges, up to degree 4.
+    /// The quadrature is exact on cells with straight edges.
     #[inline]
     pub fn mass(&self, cell: CellId) -> &[f64] {
         let n = self.order.n_nodes(D).pow(2);
@@ -246,11 +246,12 @@ impl<const D: usize> SolidMesh<D> {
         &mut self.cells.mass
     }
 
-    /// Returns the points of a cell at which the stress is evaluated: weights, and gradients of the shape functions of its nodes.
+    /// Returns the points of a cell at which the stress is evaluated: weights, and gradients of the shape functions of
+    /// its nodes.
     ///
-    /// The rule has degree `2p - 2` for order `p`, which keeps the order of convergence: one point, and for order 2 three in 2D and four in
-    /// 3D. The number of strain components at all points equals that of the displacements of a cell less its rigid motions, so that no
-    /// other motion is without energy.
+    /// The rule has degree `2p - 2` for order `p`, which preserves the order of convergence: one point, and for order 2
+    /// three in 2D and four in 3D. The number of strain components at all points equals the number of displacements of
+    /// a cell minus that of its rigid motions, so that only rigid motions have no energy.
     ///
     /// Source: Ciarlet 2002, The Finite Element Method for Elliptic Problems, Thm. 4.1.6.
     #[inline]
@@ -298,13 +299,13 @@ impl<const D: usize> SolidMesh<D> {
         &self.facet_to_node[facet.index() / self.facet_points.len() * n..][..n]
     }
 
-    /// Returns the points for loads on a boundary facet.
+    /// Returns the quadrature points for loads on a boundary facet.
     pub(crate) fn facet_points(&self, facet: FacetId) -> &Tabulated {
         &self.facet_points[facet.index() % self.facet_points.len()]
     }
 
-    /// Returns the gradients of the shape functions at a point of a cell, and their values over the radius, which are none in Cartesian
-    /// coordinates.
+    /// Returns the gradients of the shape functions at a point of a cell, and their values divided by the radius; the
+    /// latter are empty in Cartesian coordinates.
     fn shapes_at(&self, cell: CellId, at: &Barycentric) -> (Vec<Vector<D>>, Vec<f64>) {
         let mut nodes = [Point::zeros(); MAX_CELL_NODES];
         let n = gather(&self.nodes, self.cell(cell), &mut nodes);
@@ -332,8 +333,7 @@ impl<const D: usize> SolidMesh<D> {
         let placed = self.placed(&self.nodes);
         for facet in self.boundary.facets() {
             if let Some(cell) = self.boundary.facet_to_cell(facet) {
-                let middle = placed.facet_points(facet)[..D].iter().sum::<Point<D>>() / D as f64;
-                measures[cell.index()] += placed.facet_measure(facet) * self.boundary.coordinates().weight(&middle);
+                measures[cell.index()] += placed.weighted_measure(facet);
             }
         }
         measures
@@ -387,8 +387,8 @@ impl<const D: usize> CellTables<D> {
     }
 }
 
-/// Appends the values of the shape functions at a point over its radius; none in Cartesian coordinates. On the axis, where radial displacements
-/// are zero, the limit is the derivative by the radius.
+/// Appends the values of the shape functions at a point divided by its radius, in axisymmetric coordinates. On the
+/// axis, where radial displacements are zero, the limit is the derivative with respect to the radius.
 fn push_hoop<const D: usize>(
     shape: &ShapeFunctions,
     nodes: &[Point<D>],
@@ -413,8 +413,8 @@ fn parts<const D: usize>(order: Order, dimension: usize, element_to_node: &[Vert
     elements.flat_map(parts).collect()
 }
 
-/// Returns the points for loads on the parts of a facet. Those of a linear facet are its vertices, if the weight of the coordinates is constant. The
-/// other rules are exact for a uniform pressure; that on a triangle with quadratic nodes has degree 4.
+/// Returns the quadrature points for loads on the parts of a facet. In Cartesian coordinates those of a linear facet
+/// are its vertices. The other rules are exact for a uniform pressure; that on a triangle with quadratic nodes has degree 4.
 fn facet_points(order: Order, dimension: usize, coordinates: Coordinates) -> Vec<Tabulated> {
     let n_parts = order.parts(dimension).len();
     let of_part = |part: usize| match (order, coordinates.degree()) {

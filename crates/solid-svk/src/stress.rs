@@ -8,30 +8,23 @@ use mesh::{CellId, FacetId, Point, Tensor, Vector, VertexId};
 
 use crate::{Material, SolidCells};
 
-/// Traction of the cell behind a facet, `P N |F̂|/|F|`: the nominal traction `P N`, per measure `|F|` of the facet at given positions in
-/// place of its measure `|F̂|` in the reference state. At the current positions it is `σ n`.
+/// Traction of the cell behind a facet, `P N |F̂|/|F|`: the nominal traction `P N`, converted from the measure `|F̂|`
+/// of the facet in the reference state to its measure `|F|` at given positions. At the current positions it is `σ n`.
 ///
-/// It is that of the middle of the facet, so constant on it. The displacement is that of the stage of the step. An integral over the facet at
-/// `positions` is the force that the solid has in its own weak form, however much the facet grows in the step.
+/// It is evaluated in the middle of the facet and constant on it, with the displacement at the stage of the step. Its
+/// integral over the facet at `positions` is the force in the weak form of the solid, for any growth of the facet in the step.
 pub struct SolidStress<'a, const D: usize> {
     /// The cells of the body.
     pub cells: SolidCells<'a, D>,
     /// The material of each group of cells.
     pub materials: &'a [Arc<dyn Material<D>>],
-    /// Positions of the nodes at which the surface is integrated over.
+    /// Positions of the nodes at which integrals over the surface are evaluated.
     pub positions: &'a [Point<D>],
 }
 
 impl<const D: usize> SolidStress<'_, D> {
     fn cell(&self, facet: FacetId) -> Option<CellId> {
         self.cells.solid.boundary().facet_to_cell(facet)
-    }
-
-    /// Returns the measure of a facet with the weight of the coordinates in its middle.
-    fn measure(&self, facet: FacetId, positions: &[Point<D>]) -> f64 {
-        let placed = self.cells.solid.placed(positions);
-        let middle = placed.facet_points(facet)[..D].iter().sum::<Point<D>>() / D as f64;
-        placed.facet_measure(facet) * placed.boundary().coordinates().weight(&middle)
     }
 
     /// Computes the traction and its derivatives with respect to the velocities of the nodes of the cell.
@@ -41,7 +34,8 @@ impl<const D: usize> SolidStress<'_, D> {
         let displacement = self.cells.at_nodes(&rule.displacement, nodes, x);
         let deformation = point.deformation(&displacement[..nodes.len()]);
         let normal = solid.placed(solid.nodes()).facet_normal(facet);
-        let ratio = self.measure(facet, solid.nodes()) / self.measure(facet, self.positions);
+        let measure = |positions| solid.placed(positions).weighted_measure(facet);
+        let ratio = measure(solid.nodes()) / measure(self.positions);
         let material = self.materials[solid.group(cell)].as_ref();
         for (k, (node, g)) in nodes.iter().zip(point.gradients).enumerate() {
             for (b, dof) in layout.node(velocity, node.index()).enumerate() {
@@ -56,7 +50,8 @@ impl<const D: usize> SolidStress<'_, D> {
         deformation.first_piola(material) * normal * ratio
     }
 
-    /// Returns the stiffness `n·C(n ⊗ n) n` of the reference state, `2 μ + λ` in isotropic materials, along the normal of a facet.
+    /// Returns the stiffness `n·C(n ⊗ n) n` of the reference state along the normal of a facet, `2 μ + λ` in isotropic
+    /// materials.
     fn stiffness_along_normal(&self, facet: FacetId, cell: CellId) -> f64 {
         let solid = self.cells.solid;
         let normal = solid.placed(solid.nodes()).facet_normal(facet);
@@ -84,15 +79,17 @@ impl<const D: usize> SurfaceStress<D> for SolidStress<'_, D> {
         self.cell(facet).map_or_else(Vector::zeros, |cell| self.traction(facet, cell, x, derivatives))
     }
 
-    /// Returns `θ Δt p (p - 1 + D)/D n·C(n ⊗ n) n |∂K|/|K|`, with the order `p`, the stiffness `C` of the reference state and the facets `∂K` of the cell
-    /// that lie on the surface. For isotropic materials `n·C(n ⊗ n) n = 2 μ + λ` is the largest eigenvalue of the acoustic tensor of the direction n.
+    /// Returns `θ Δt p (p - 1 + D)/D n·C(n ⊗ n) n |∂K|/|K|`, with the order `p`, the stiffness `C` of the reference
+    /// state and the facets `∂K` of the cell on the surface. For isotropic materials `n·C(n ⊗ n) n = 2 μ + λ` is the
+    /// largest eigenvalue of the acoustic tensor of the direction n.
     ///
-    /// The factor is that of polynomials of degree `q = p - 1`, which the gradients are: `∫_F |y|² <= (q + 1)(q + D)/D |F|/|K| ∫_K |y|²` for a
-    /// facet F. The squares of values in the middles of the parts of a facet sum to less than the integral. On a cell with curved edges the bound
-    /// holds up to the variation of its Jacobian.
+    /// The factor is that of polynomials of degree `q = p - 1`, the degree of the gradients:
+    /// `∫_F |y|² <= (q + 1)(q + D)/D |F|/|K| ∫_K |y|²` for a facet F. The sum of the squares in the middles of the parts
+    /// of a facet is less than the integral. On a cell with curved edges the bound holds up to the variation of its
+    /// Jacobian.
     ///
-    /// Source: Warburton, Hesthaven 2003, On the constants in hp-finite element trace inverse inequalities, Comput. Methods Appl. Mech. Eng. 192,
-    /// doi:10.1016/S0045-7825(03)00294-9, Theorem 5.
+    /// Source: Warburton, Hesthaven 2003, On the constants in hp-finite element trace inverse inequalities, Comput.
+    /// Methods Appl. Mech. Eng. 192, doi:10.1016/S0045-7825(03)00294-9, Theorem 5.
     fn trace_bound(&self, facet: FacetId) -> f64 {
         let Some(cell) = self.cell(facet) else { return 0.0 };
         let solid = self.cells.solid;
@@ -100,7 +97,8 @@ impl<const D: usize> SurfaceStress<D> for SolidStress<'_, D> {
         self.cells.rule.displacement.slope * self.stiffness_along_normal(facet, cell) * trace
     }
 
-    /// Returns `p (p - 1 + D)/D n·C(n ⊗ n) n/h` with the order `p` and the height `h` of the cell over the facet: that of linear elements is `(2 μ + λ)/h`.
+    /// Returns `p (p - 1 + D)/D n·C(n ⊗ n) n/h` with the order `p` and the height `h` of the cell over the facet;
+    /// `(2 μ + λ)/h` for linear elements of an isotropic material.
     fn stiffness(&self, facet: FacetId) -> f64 {
         let Some(cell) = self.cell(facet) else { return 0.0 };
         let solid = self.cells.solid;

@@ -34,9 +34,9 @@ pub enum SupportKind<const D: usize> {
 }
 
 impl<const D: usize> Support<D> {
-    /// Prescribes the velocities of the held nodes of a body such that the end of the step is as given.
+    /// Prescribes the velocities of the held nodes such that the displacement at the end of the step is the given one.
     ///
-    /// Where two supports hold the same dof the later one is in force; clamps and symmetry planes agree there.
+    /// Of two supports of the same dof the later one counts; clamps and symmetry planes prescribe the same value.
     pub fn constrain(
         &self,
         cells: SolidCells<'_, D>,

@@ -20,7 +20,7 @@ pub(crate) struct Partners<'p, const D: usize> {
     pub(crate) fluid: Option<&'p FluidStep<'p, D>>,
     pub(crate) bodies: &'p [Box<dyn BodyStep<D> + 'p>],
     pub(crate) time: &'p StepTime,
-    /// Masses of the bodies; `None` for those with a given motion.
+    /// Masses of the bodies; `None` for bodies of prescribed motion.
     pub(crate) masses: &'p [Option<f64>],
 }
 
@@ -39,7 +39,7 @@ impl<'p, const D: usize> Partners<'p, D> {
         Some(Arc::new(FluidStress::new(fluid.interface(self.layout, self.bodies), body, body_force)))
     }
 
-    /// Returns the closed parts of the surfaces of bodies in contacts with laws that depend on the jump of stress.
+    /// Returns the closed parts of the surfaces of all bodies in contacts whose law depends on the jump of stress.
     pub(crate) fn closed(&self, contacts: &[Contact<D>]) -> Vec<(BodyId, ClosedPoints<'p, D>)> {
         let of_jump = contacts.iter().filter(|contact| contact.form().law.stress() == StressSource::Jump);
         let bodies: BTreeSet<BodyId> = of_jump.flat_map(|c| [Some(c.body()), c.master()]).flatten().collect();
@@ -95,11 +95,8 @@ impl<const D: usize> ContactStep<D> {
         if source != StressSource::None && pair.stress.is_none() {
             return Err(Stage::MissingStress { stress: source, body: contact.body() });
         }
-        let fastest = |id: BodyId| {
-            let velocity = previous.bodies[id.index()].velocity();
-            velocity.iter().map(Vector::norm).fold(0.0, f64::max) * step.time.length
-        };
-        let motion = fastest(contact.body()) + contact.master().map_or(0.0, fastest);
+        let motion = |id: BodyId| previous.bodies[id.index()].largest_speed() * step.time.length;
+        let motion = motion(contact.body()) + contact.master().map_or(0.0, motion);
         let reach = contact.form().law.offset() + 2.0 * motion + 2.0 * contact.form().size();
         Ok(Self { items: ContactItems::new(&pair, step.layout, reach), reach })
     }
@@ -135,7 +132,7 @@ impl<const D: usize> ContactStep<D> {
             return Ok(());
         }
         let obstacle = master.map_or(&[][..], |master| &master.begin);
-        // The gap of a body to itself is not known.
+        // A body has no gap to the whole of itself: the smallest possible one is assumed.
         let apart = contact.geometry().smallest_gap(&slave.begin, Positions::Fixed(obstacle)).unwrap_or(0.0);
         if apart <= motion + offset {
             return Err(Stage::MissedContact { contact: number, motion, room, newton: Box::new(newton.clone()) });

@@ -77,10 +77,10 @@ pub enum Stage {
         body: String,
         /// Smaller eigenvalue of the penalty.
         penalty: f64,
-        /// Smallest one with which the mortar is stable.
+        /// Smallest penalty for which the mortar is stable.
         required: f64,
     },
-    /// Lists of numbers are not those of a state of the setup: they were made with another one.
+    /// Lists of numbers do not have the lengths of a state of this setup: they belong to another problem.
     #[error("the state does not belong to this problem: {what}: {found} numbers, not {expected}")]
     Lists {
         /// The list.
@@ -109,8 +109,8 @@ pub enum Stage {
         /// Report of the nonlinear solve, which is discarded.
         newton: Box<NewtonReport>,
     },
-    /// A cell of an elastic body is inside out at the end of the step. Take smaller steps; where the load is too large for the stiffness
-    /// and size of the cells, use finer cells or a stiffer material.
+    /// A cell of an elastic body is inside out at the end of the step. Take smaller steps; where the load is too large
+    /// for the stiffness and size of the cells, use finer cells or a stiffer material.
     #[error(
         "a cell of body {body} at {place:?} is inside out: det F is {ratio:.3e}; take smaller steps, finer \
          cells of the body or a stiffer material"
@@ -131,8 +131,8 @@ pub enum Stage {
 }
 
 impl Stage {
-    /// Returns whether a smaller step may succeed. It cannot if the matrix is too large for the memory or structurally
-    /// singular.
+    /// Returns whether a smaller step may succeed: after a failure of Newton's method, a missed contact or an inverted
+    /// cell, except if the matrix is too large for the memory or structurally singular.
     pub fn smaller_step_may_succeed(&self) -> bool {
         let Self::Newton(newton) = self else {
             return matches!(self, Self::MissedContact { .. } | Self::Inverted { .. });

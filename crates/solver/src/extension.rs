@@ -32,8 +32,8 @@ impl<const D: usize> Extension<'_, D> {
     ///
     /// where `F` are the faces that touch an uncovered dof and `v` are values on the surface. `on_piece` returns them at the
     /// vertices of the facet of a piece, with the vectors from there to the points at which the field has these values:
-    /// on the surface `u` is the affine function of its part, evaluated at that distance. Affine fields that are equal to `v` are
-    /// extended without error, over any distance.
+    /// on the surface `u` is the affine function of its part, evaluated at that distance. Affine fields that are equal
+    /// to `v` are extended without error, over any distance.
     ///
     /// # Errors
     /// The linear solver fails.

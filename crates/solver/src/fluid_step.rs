@@ -29,7 +29,8 @@ const PIECE_DEGREE: usize = 2;
 /// Degree of quadrature on open boundaries: products of three P1 functions.
 const BOUNDARY_DEGREE: usize = 3;
 
-/// Stiffness of the penalty that stands for vapour: pressures fall below the floor by a thousandth of their differences in the film.
+/// Stiffness `C` of the penalty for vapour: pressures fall below the floor by about a thousandth of their differences
+/// in the film.
 const VAPOUR: f64 = 1e3;
 
 /// The fluid in one step.
@@ -217,8 +218,8 @@ impl<'a, const D: usize> FluidStep<'a, D> {
         self.open_boundaries.iter().map(of_terms).sum()
     }
 
-    /// Sets symmetry planes and directions of flow, then prescribed velocities, then walls, such that the end of the step is as given: where two meet,
-    /// the later one is in force.
+    /// Constrains the velocity on planes of symmetry and parallel outflows, then prescribed velocities, then walls,
+    /// such that the values at the end of the step are the given ones. At a vertex of several conditions the last one counts.
     pub(crate) fn constrain(&self, layout: &BlockLayout, time: &StepTime, constraints: &mut Constraints) {
         let background = &self.setup.background;
         let mut set = |order: usize| {
@@ -248,7 +249,8 @@ impl<'a, const D: usize> FluidStep<'a, D> {
         self.end_films(layout, time.stage(), constraints);
     }
 
-    /// Sets the pressure where films end at open boundaries to the one given there: the flux along a film does not see the traction.
+    /// Prescribes the pressure where films end at open boundaries: minus the normal traction that is given there. The
+    /// natural condition of the flux along a film is no flux, which does not contain the traction.
     fn end_films(&self, layout: &BlockLayout, time: f64, constraints: &mut Constraints) {
         let (Some(films), background) = (&self.films, &self.setup.background) else { return };
         for piece in self.cut.boundary().iter().filter(|piece| films.of(piece.part).is_some()) {
@@ -295,8 +297,8 @@ impl<'a, const D: usize> FluidStep<'a, D> {
         KineticProducts::new(self.setup.material.density, &self.cut, &self.space, &self.parts, [velocity, acceleration])
     }
 
-    /// Returns the energies of the scheme on the geometry of the step: that carried over, that at the start, and that at the end. The
-    /// first two differ at the start of a run, where the acceleration is that at the end.
+    /// Returns the energies of the scheme on the geometry of the step: that carried over, that at the start, and that
+    /// at the end. The first two differ at the start of a run, where the acceleration is that at the end.
     pub(crate) fn scheme_energies(&self, layout: &BlockLayout, x: &[f64]) -> [f64; 3] {
         let (start, end) = (&self.start, self.end(layout, x));
         let energy = |products: KineticProducts| products.scheme_energy(&self.weights);
@@ -319,17 +321,7 @@ impl<'a, const D: usize> FluidStep<'a, D> {
         let end = self.end(layout, x);
         let products = self.products(&end.velocity, &end.acceleration);
         let (Level { velocity, acceleration, .. }, Self { positions, cut, space, .. }) = (end, self);
-        FluidState {
-            positions,
-            cut,
-            space,
-            velocity,
-            acceleration,
-            pressure,
-            pressure_time,
-            kinetic_energy: products.0[0],
-            products,
-        }
+        FluidState { positions, cut, space, velocity, acceleration, pressure, pressure_time, products }
     }
 }
 

@@ -12,8 +12,9 @@ use crate::problem::{closed_pressure, contact_work};
 /// Energy that each part of the discrete problem took in a step; negative if it gave energy.
 ///
 /// The weak form is tested with its own solution `(u, p, v_s)`. Each line is the power of a term times the step, minus the
-/// change of the energy of the scheme ([`algebra::time::Weights::of_energy`]) that the term stores: kinetic, elastic, of gravity, of contact. With
-/// `scheme_storage` the sum of all lines is minus the change of the energy, up to the residual of Newton's method.
+/// change of the energy of the scheme ([`algebra::time::Weights::of_energy`]) that the term stores: kinetic, elastic,
+/// of gravity, of contact. Including `scheme_storage`, the sum of all lines is minus the change of the energy, up to
+/// the residual of Newton's method.
 ///
 /// Units: energy (2D: per unit depth).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -26,7 +27,7 @@ pub struct Ledger {
     pub fluid_scheme: f64,
     /// `2 μ |D(u)|²`.
     pub viscosity: f64,
-    /// `c(u, u, u)`: it has no sign, and pairs with `transfer` and `backflow`.
+    /// `c(u, u, u)`. Its sign varies; it is partly balanced by `transfer` and `backflow`.
     pub convection: f64,
     /// Interior penalty of the velocity.
     pub cip_velocity: f64,
@@ -34,7 +35,7 @@ pub struct Ledger {
     pub cip_pressure: f64,
     /// Ghost penalty.
     pub ghost_penalty: f64,
-    /// Flux along films that cells do not resolve: the dissipation of its parabola.
+    /// Dissipation of the flux along films that cells do not resolve.
     pub film: f64,
     /// Work that the pressure of films does on vapour.
     pub cavitation: f64,
@@ -54,15 +55,15 @@ pub struct Ledger {
     pub body_scheme: f64,
     /// Work against the loads on bodies, and against the pressure on closed parts of surfaces.
     pub loads: f64,
-    /// Contacts: work that their laws do not store, and the change of the stored energy with the area of facets and with the shift of
-    /// positions where the length of the step changes.
+    /// Contacts: work that their laws do not store, work of collisions, and the change of the stored energy with the
+    /// area of facets and with the shift of positions where the length of the step changes.
     pub contact: f64,
-    /// Work against given velocities: on boundaries, and of bodies with a prescribed motion.
+    /// Work against given velocities: on boundaries, and on bodies of prescribed motion.
     pub given_velocities: f64,
-    /// Change of the energy that the time scheme stores beyond that of the end of the step, in accelerations: it is given back.
-    /// Zero for implicit Euler.
+    /// Change of the energy that the time scheme stores in accelerations, in addition to the energy at the end of the
+    /// step. It is released later. Zero for implicit Euler.
     pub scheme_storage: f64,
-    /// All other terms.
+    /// All other terms, such as the hoop terms of axisymmetric coordinates.
     pub other: f64,
 }
 
@@ -95,8 +96,8 @@ impl Ledger {
         ]
     }
 
-    /// Returns the change of the energy that no line explains: the residual of Newton's method times the solution. Stored energies
-    /// cancel in it, so that it is no check of their formulas.
+    /// Returns the change of the energy that no line explains: the residual of Newton's method times the solution.
+    /// Stored energies cancel in it, so that it does not check their formulas.
     pub fn defect(&self) -> f64 {
         self.change + self.losses()
     }
@@ -107,7 +108,7 @@ impl Ledger {
     }
 
     /// Returns the energy of the scheme that viscosity, stabilisation and time scheme dissipate: the loss without the work on
-    /// loads, forces, open boundaries and given velocities. It is negative if the step made energy.
+    /// loads, forces, open boundaries and given velocities. It is negative if the step generated energy.
     pub fn dissipation(&self) -> f64 {
         let given = self.given_velocities + self.fluid_force + self.loads + self.open_boundary;
         -self.change - self.scheme_storage - given
@@ -132,8 +133,8 @@ impl Ledger {
 }
 
 impl<const D: usize> Problem<'_, D> {
-    /// Returns the ledger of a step for its solution `x`, the bodies at its end, the kinetic energy of the fluid, and the energy
-    /// stored in contacts.
+    /// Returns the ledger of a step for its solution `x`, the bodies at its end, the kinetic energy of the fluid, and
+    /// the energy stored in contacts.
     pub(crate) fn ledger(&self, x: &[f64], ends: &[BodyState<D>], [fluid_energy, contact_energy]: [f64; 2]) -> Ledger {
         let step = self.step;
         let (layout, dt, before) = (&step.layout, step.time.length, step.previous);

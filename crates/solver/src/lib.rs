@@ -7,8 +7,8 @@
 //! state^n -> Step (surfaces, CutMesh, XfemSpace, history, unknowns) -> Problem -> x -> state^{n+1} -> observers
 //! ```
 //!
-//! Without a fluid the same step advances bodies in vacuum. This crate composes; the only integrals that it evaluates are
-//! those of its reports.
+//! Without a fluid the same step advances bodies in vacuum. This crate composes. Its only weak forms are the extension of
+//! velocities to points that bodies have left and the condition of a collision; its other integrals are those of reports.
 
 mod approach;
 mod collision;

@@ -1,4 +1,4 @@
-//! A state as lists of numbers, for files from which a run goes on.
+//! A state as lists of numbers, for checkpoints.
 
 use algebra::time::Level;
 use body::BodyState;
@@ -11,12 +11,13 @@ use crate::state::KineticProducts;
 use crate::{FluidState, Setup, Stage, State, StepError};
 
 impl<const D: usize> State<D> {
-    /// Returns the numbers of the state that setup and geometry do not determine. [`State::from_lists`] makes the same state of them, to
-    /// the last bit.
+    /// Returns the numbers of the state that setup and geometry do not determine. [`State::from_lists`] restores the
+    /// same state from them, bit for bit.
     ///
-    /// Lists: step, time and contact energy; for each body its displacements, velocities and accelerations, one vector after the other, and its
-    /// own numbers; if there is a fluid, the time of its pressure with the products of velocity and acceleration, then velocities, accelerations and
-    /// pressures of the dofs, and for each body the positions at which the background was cut.
+    /// Lists: step, time and contact energy. For each body: displacements, velocities and accelerations, one vector
+    /// after the other, and its own numbers. If there is a fluid: the time of its pressure with the products of
+    /// velocity and acceleration; velocities, accelerations and pressures of the dofs; for each body the positions at
+    /// which the background was cut.
     pub fn to_lists(&self) -> Vec<Vec<f64>> {
         let mut lists = vec![vec![self.step as f64, self.time, self.contact_energy]];
         for body in &self.bodies {
@@ -33,11 +34,11 @@ impl<const D: usize> State<D> {
         lists
     }
 
-    /// Returns the state of the lists of [`State::to_lists`]. Cut and space are made again from the positions.
+    /// Restores a state from the lists of [`State::to_lists`]. Cut and space are computed from the positions.
     ///
     /// # Errors
-    /// [`StepError`]: the setup does not pass [`Setup::check`], the lists do not have the lengths of this setup, or the surfaces cannot cut the
-    /// background.
+    /// [`StepError`]: the setup does not pass [`Setup::check`], the lists do not have the lengths of this setup, or the
+    /// surfaces cannot cut the background.
     pub fn from_lists(setup: &Setup<D>, lists: &[Vec<f64>]) -> Result<Self, StepError> {
         Self::read(setup, lists).map_err(|source| StepError::at(0, 0.0, source))
     }
@@ -105,17 +106,7 @@ impl<'a> Lists<'a> {
         let acceleration = of_dofs.vectors_or_none("accelerations of the fluid", n)?;
         let pressure = of_dofs.list("pressures of the fluid", n)?.to_vec();
         let products = KineticProducts([numbers[1], numbers[2], numbers[3]]);
-        Ok(FluidState {
-            positions,
-            cut,
-            space,
-            velocity,
-            acceleration,
-            pressure,
-            pressure_time: numbers[0],
-            kinetic_energy: numbers[1],
-            products,
-        })
+        Ok(FluidState { positions, cut, space, velocity, acceleration, pressure, pressure_time: numbers[0], products })
     }
 
     fn end(&self) -> Result<(), Stage> {

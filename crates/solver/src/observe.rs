@@ -2,7 +2,7 @@
 
 use crate::{ObserverError, Setup, State, StepReport};
 
-/// Data that an observer is given after a step.
+/// Data that an observer receives after a step.
 pub struct StepView<'a, const D: usize> {
     /// The problem.
     pub setup: &'a Setup<D>,
@@ -21,7 +21,7 @@ impl<const D: usize> StepView<'_, D> {
     }
 }
 
-/// Something that looks at every step: writes files, collects histories, shows progress.
+/// Receiver of all steps, which writes files, collects histories or shows progress.
 pub trait Observer<const D: usize> {
     /// Receives the state at the start, then after every step, and after every part of a step that was divided.
     ///

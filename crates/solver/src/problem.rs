@@ -18,12 +18,13 @@ pub struct Problem<'p, const D: usize> {
     pub interface: Option<InterfacePoints<'p, D>>,
     /// The contacts, in the order of the setup.
     pub contacts: Vec<ContactSites<'p, D>>,
-    /// Closed parts of surfaces, each with its body.
+    /// Closed parts of the surfaces of bodies in contacts whose law depends on the jump of stress.
     pub closed: Vec<(BodyId, ClosedPoints<'p, D>)>,
 }
 
 impl<const D: usize> Step<'_, D> {
-    /// Composes the problem; the order of its contributions is that of Eq. (11) of the paper.
+    /// Composes the problem. The order of its contributions is that of Eq. (11) of the paper; collisions and the
+    /// pressure on closed parts of surfaces, which the paper does not have, follow.
     pub fn problem(&self) -> Problem<'_, D> {
         let layout = &self.layout;
         let mut contributions: Vec<Box<dyn Contributions + '_>> = Vec::new();
@@ -52,7 +53,7 @@ impl<const D: usize> Step<'_, D> {
     }
 }
 
-/// Returns the pressure on a closed part of a surface.
+/// Returns the weak form of the pressure on the closed part of a surface.
 pub(crate) fn closed_pressure<const D: usize>(points: ClosedPoints<'_, D>) -> Integral<'_, ClosedPoints<'_, D>> {
     Integral::linear("closed surface", points, vec![&ClosedPressure])
 }

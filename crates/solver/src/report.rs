@@ -34,7 +34,7 @@ pub struct ForceBalance<const D: usize> {
 }
 
 impl<const D: usize> ForceBalance<D> {
-    /// Returns the balance without the components that the coordinates let cancel over the whole body.
+    /// Returns the balance without the components that cancel over the whole body ([`Coordinates::resultant`]).
     fn resultant(self, coordinates: Coordinates) -> Self {
         let of = |force| coordinates.resultant(force);
         Self {
@@ -77,7 +77,7 @@ pub struct BodyReport<const D: usize> {
 pub struct FluidReport<const D: usize> {
     /// The cut.
     pub cut: CutReport,
-    /// Volume, on the geometry of the step.
+    /// Volume (2D: area), on the geometry of the step.
     pub volume: f64,
     /// Kinetic energy, on the geometry of the step.
     pub kinetic_energy: f64,

@@ -7,7 +7,7 @@ pub struct StageSeconds {
     pub cut: f64,
     /// Space, history, shape values.
     pub space: f64,
-    /// The history's share of it.
+    /// Transfer of the history, a part of `space`.
     pub transfer: f64,
     /// Pattern and assembly.
     pub assembly: f64,

@@ -1,4 +1,4 @@
-//! Everything that is constant in time.
+//! The coupled problem: data that are constant in time.
 
 use std::sync::Arc;
 
@@ -30,7 +30,7 @@ pub struct Setup<const D: usize> {
     /// Number of times that a failing step may be halved (see [`crate::TimeLoop::run`]). Zero: the run stops with the first
     /// failure.
     pub most_halvings: usize,
-    /// Steps that follow the gaps of contacts; `None` for steps of one length.
+    /// Steps whose length follows the gaps of contacts; `None` for steps of one length.
     pub approach: Option<ApproachSteps>,
     /// Newton's method.
     pub newton: NewtonSettings,
@@ -38,12 +38,12 @@ pub struct Setup<const D: usize> {
 
 /// Steps that become shorter as the bodies of a contact approach, and longer again as they part.
 ///
-/// The force of a film changes with its thickness, so that a step must be a part of the time in which the gap would close.
+/// The force of a film depends on its thickness, so that a step must be shorter than the time in which the gap would close.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ApproachSteps {
-    /// Largest motion of the bodies of a contact in a step, over the gap between them.
+    /// Largest motion of the bodies of a contact in a step, relative to the gap between them.
     pub fraction: f64,
-    /// Smallest length of a step.
+    /// Smallest length of a step, a time.
     pub smallest: f64,
 }
 
@@ -59,8 +59,9 @@ pub struct FluidSetup<const D: usize> {
     pub stabilisation: Stabilisation,
     /// Films thinner than a few cells; `None` if their flux is not modelled.
     pub film: Option<FilmSetup>,
-    /// Weight `α` of the fluid's traction in the mortar, from 0 to 1; the rest is the traction of elastic bodies. 1 is stable with
-    /// every body; smaller weights need a penalty that grows with stiffness and step ([`Stage::UnstableShare`]).
+    /// Weight `α` of the fluid's traction in the mortar, from 0 to 1; the traction of elastic bodies has the weight
+    /// `1 - α`. The mortar is stable for `α = 1`; smaller weights need a penalty that grows with stiffness and step
+    /// ([`Stage::UnstableShare`]).
     pub alpha: f64,
     /// Convection: `None` for Stokes, else whether to add the skew part.
     pub convection: Option<bool>,
@@ -75,9 +76,10 @@ pub struct FluidSetup<const D: usize> {
 /// Films between bodies, and between bodies and walls, that are thinner than a few cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FilmSetup {
-    /// Height of the asperities of two opposite surfaces together, a length: a film of less thickness conducts as one of this.
+    /// Height of the asperities of two opposite surfaces together, a length. A thinner film has the conductance of this
+    /// thickness.
     pub roughness: f64,
-    /// Lowest pressure in films, at which vapour appears; `None` if the fluid bears any tension.
+    /// Lowest pressure in films, at which vapour appears; `None` if pressures are not bounded.
     pub floor: Option<f64>,
 }
 
@@ -92,7 +94,7 @@ pub enum FluidBoundary<const D: usize> {
         /// Number of the axis, from 0.
         axis: usize,
     },
-    /// Flow along an axis without normal traction, across a plane.
+    /// Flow along an axis through a plane normal to it, without normal traction.
     Parallel {
         /// Number of the axis, from 0.
         axis: usize,
@@ -117,7 +119,7 @@ impl<const D: usize> FluidSetup<D> {
         matches!(self.condition(tag), None | Some(FluidBoundary::Open { .. } | FluidBoundary::Parallel { .. }))
     }
 
-    /// Returns whether the parts of the boundary with a tag are walls, opposite to which films form.
+    /// Returns whether the parts of the boundary with a tag are walls, between which and bodies films form.
     pub(crate) fn is_wall(&self, tag: Option<Tag>) -> bool {
         matches!(self.condition(tag), Some(FluidBoundary::NoSlip | FluidBoundary::Velocity(_)))
     }
@@ -130,9 +132,8 @@ impl<const D: usize> FluidSetup<D> {
             self.background.is_boundary(*facet) && vertices.iter().all(|v| self.background.vertex(*v)[radial] == 0.0)
         };
         let is_symmetry = |facet: FacetId| {
-            let tag = self.background.facet_tag(facet);
-            let condition = self.boundary.iter().find(|(other, _)| Some(*other) == tag);
-            matches!(condition, Some((_, FluidBoundary::Symmetry { axis })) if *axis == radial)
+            let condition = self.condition(self.background.facet_tag(facet));
+            matches!(condition, Some(FluidBoundary::Symmetry { axis }) if *axis == radial)
         };
         if self.background.facets().filter(on_axis).all(is_symmetry) { Ok(()) } else { Err(Stage::Axis) }
     }
@@ -166,8 +167,8 @@ impl<const D: usize> Contact<D> {
     /// contact.
     ///
     /// # Errors
-    /// [`contact::Error`]: a facet or a body that does not exist, a body that is its own obstacle other than by [`ContactObstacle::Own`], or an
-    /// obstacle that is not the surface of its body.
+    /// [`contact::Error`]: a facet or a body that does not exist, a body that is its own obstacle without
+    /// [`ContactObstacle::Own`], or an obstacle that is not the surface of its body.
     pub fn new(
         bodies: &[Arc<dyn Body<D>>],
         body: BodyId,
@@ -227,11 +228,12 @@ impl<const D: usize> Contact<D> {
 }
 
 impl<const D: usize> Setup<D> {
-    /// Checks values that fit together only in a whole setup. [`crate::State::initial`] calls it.
+    /// Checks the numbers of the setup, and that its parts fit together. [`crate::State::initial`] calls it.
     ///
     /// # Errors
-    /// A time step that is not positive, a condition with an axis that does not exist, a body in other coordinates than the
-    /// background, an axis without symmetry, or a contact that was made for other bodies.
+    /// [`Stage::Parameter`]: a time step, weight, roughness or axis out of its range. [`Stage::Axis`]: a side on the
+    /// axis of rotation without symmetry. [`Stage::Coordinates`]: a body in other coordinates than the background.
+    /// [`Stage::Contact`]: a contact that was made for other bodies.
     pub fn check(&self) -> Result<(), Stage> {
         mesh::positive("time step", self.dt)?;
         if let Some(ApproachSteps { fraction, smallest }) = self.approach {

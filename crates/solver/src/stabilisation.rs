@@ -20,10 +20,10 @@ pub struct Stabilisation {
 impl Stabilisation {
     /// The standard set.
     ///
-    /// - `γ_n = γ_t = 35`: above 10, from which on the mortar is coercive for P1 on every cut, and below 100, above which cut cells
-    ///   move with the body (locking).
-    /// - `γ_u = γ_p = 0.05`, `γ_g = 0.1`: sizes in use for P1 with the interior penalties that vanish under refinement. They are
-    ///   those of the comparison with an independent code on the same meshes (`benchmarks/RESULTS.md`).
+    /// - `γ_n = γ_t = 35`: above 10, from which on the mortar is coercive for P1 on every cut, and below 100, above
+    ///   which cut cells move with the body (locking).
+    /// - `γ_u = γ_p = 0.05`, `γ_g = 0.1`: sizes in use for P1 with the interior penalties that vanish under refinement.
+    ///   They are those of the comparison with an independent code on the same meshes (`benchmarks/RESULTS.md`).
     pub const STANDARD: Self = Self {
         penalty: PenaltyProfile::Split { gamma_normal: 35.0, gamma_tangential: 35.0 },
         cip: CipProfile::Consistent { gamma_u: 0.05 },

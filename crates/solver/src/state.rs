@@ -1,4 +1,4 @@
-//! Everything that changes in time.
+//! The state: data that change in time.
 
 use algebra::time::Weights;
 use body::{BodyState, StepTime};
@@ -34,15 +34,13 @@ pub struct FluidState<const D: usize> {
     pub space: XfemSpace<D>,
     /// Velocity, one value per dof of the space.
     pub velocity: Vec<Vector<D>>,
-    /// Acceleration at a fixed point, `∂u/∂t`, one value per dof of the space; empty at the start of a run, and with schemes that
-    /// do not need it.
+    /// Acceleration at a fixed point, `∂u/∂t`, one value per dof of the space; empty at the start of a run, and with
+    /// schemes that do not need it.
     pub acceleration: Vec<Vector<D>>,
     /// Pressure at the stage of the last step, one value per dof of the space.
     pub pressure: Vec<f64>,
     /// Time of that stage.
     pub pressure_time: f64,
-    /// Kinetic energy on this geometry.
-    pub kinetic_energy: f64,
     /// Products of velocity and acceleration on this geometry.
     pub(crate) products: KineticProducts,
 }
@@ -71,24 +69,15 @@ impl<const D: usize> State<D> {
             let products = KineticProducts::new(fluid.material.density, &cut, &space, &parts, [&velocity, &[]]);
             let pressure = vec![0.0; space.len()];
             let (acceleration, pressure_time) = (Vec::new(), 0.0);
-            state.fluid = Some(FluidState {
-                positions,
-                cut,
-                space,
-                velocity,
-                acceleration,
-                pressure,
-                pressure_time,
-                kinetic_energy: products.0[0],
-                products,
-            });
+            state.fluid =
+                Some(FluidState { positions, cut, space, velocity, acceleration, pressure, pressure_time, products });
         }
         Ok(state)
     }
 
     /// Returns the kinetic energy of the fluid.
     pub(crate) fn fluid_energy(&self) -> f64 {
-        self.fluid.as_ref().map_or(0.0, |fluid| fluid.kinetic_energy)
+        self.fluid.as_ref().map_or(0.0, |fluid| fluid.products.0[0])
     }
 
     /// Returns the sum of all energies: kinetic of fluid and solids, elastic, of gravity, stored in contacts.

@@ -20,7 +20,7 @@ pub(crate) struct Surfaces<'a, const D: usize> {
     pub(crate) started: Vec<Vec<Point<D>>>,
     /// Positions of the vertices at which the background is cut.
     pub(crate) positions: &'a [Vec<Point<D>>],
-    /// Time from the first to the second.
+    /// Time from `started` to `positions`.
     pub(crate) ahead: f64,
     pub(crate) cut: &'a CutMesh<D>,
     pub(crate) space: &'a XfemSpace<D>,
@@ -48,8 +48,8 @@ impl<const D: usize> Surfaces<'_, D> {
         self.on_facet(item, |vertex| level.velocity[vertex] + gained(vertex))
     }
 
-    /// Returns `a - ∇u w` with the acceleration `a` of the body of an interface piece and the velocity `w` with which its surface
-    /// moves: `∂u/∂t` at a fixed point, for a fluid of velocity `u` that moves with the body.
+    /// Returns `a - ∇u w` with the acceleration `a` of the body of an interface piece and the velocity `w` with which
+    /// its surface moves: `∂u/∂t` at a fixed point, for a fluid of velocity `u` that moves with the body.
     pub(crate) fn accelerations(&self, item: usize, velocity: &[Vector<D>]) -> OnFacet<D> {
         let piece = &self.cut.interface()[item];
         let nodes = self.space.dofs(piece.part).iter().zip(self.parts.gradients(piece.part));

@@ -1,4 +1,4 @@
-//! Step after step.
+//! The time loop.
 
 use algebra::{NewtonReport, Workspace};
 
@@ -11,7 +11,7 @@ pub struct TimeLoop<'a, const D: usize> {
     work: Workspace,
     /// Work of failed attempts since the last part that succeeded.
     lost: NewtonReport,
-    /// Steps after which the solver forgets; 0 for never.
+    /// Steps after which the linear solver discards its old factors; 0 for never.
     forget_every: usize,
 }
 
@@ -21,8 +21,8 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         Self { setup, state, work, lost: NewtonReport::default(), forget_every: 0 }
     }
 
-    /// Makes the linear solver forget its old factors after each step whose number is a multiple of `every`: a run that starts from the
-    /// state there goes on with the same bits.
+    /// Makes the linear solver discard its old factors after each step whose number is a multiple of `every`. A run
+    /// that starts from the state there continues with the same bits.
     #[must_use]
     pub fn forgetting(self, every: usize) -> Self {
         Self { forget_every: every, ..self }
@@ -40,10 +40,11 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
 
     /// Passes the state to the observers, then takes `n_steps` steps and passes the state after each of them.
     ///
-    /// With [`Setup::approach`] a step is taken in parts where bodies are close to each other. A step, or such a part, in which Newton's method
-    /// fails or contact may have been missed is taken again in two halves, from the same state; halves are divided further, down to
-    /// [`Setup::most_halvings`] halvings. The next half, and the next step, are tried whole. Observers receive the parts as well
-    /// ([`crate::StepReport::substep`]); a part that succeeds also counts the work of the nonlinear solves that failed before it.
+    /// With [`Setup::approach`] a step is taken in parts if bodies are close to each other. A step, or such a part, is
+    /// repeated in two halves from the same state if Newton's method fails, contact may have been missed, or a cell is
+    /// inverted. Halves are divided further, up to [`Setup::most_halvings`] times. The next half, and the next step,
+    /// are tried undivided. Observers receive the parts as well ([`crate::StepReport::substep`]). The report of a part
+    /// includes the work of the nonlinear solves that failed before it.
     ///
     /// # Errors
     /// The first step or observer that fails; the state is the last good one, at the end of a part if the step was divided.
@@ -62,7 +63,7 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         Ok(())
     }
 
-    /// Takes a step, in as many parts as the gaps of contacts require.
+    /// Takes a step of the setup, in as many parts as the gaps of contacts require.
     fn whole_step(&mut self, observers: &mut [&mut dyn Observer<D>]) -> Result<(), StepError> {
         let mut left = self.setup.dt;
         loop {
@@ -77,7 +78,7 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         }
     }
 
-    /// Takes a step, or both halves of it.
+    /// Takes a step or a part of one; if it fails, both halves of it.
     fn step(
         &mut self,
         substep: Substep,

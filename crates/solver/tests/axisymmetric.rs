@@ -63,7 +63,7 @@ fn a_strain_flow_and_its_pressure_are_exact_around_a_body_that_moves_through_the
         let (error_u, error_p) = fluid_error(&setup, &state, u, |_| 1.7);
         assert!(error_u < 1e-10 && error_p < 1e-9, "skew {skew}: u {error_u:e}, p {error_p:e}");
         assert!(reports.iter().map(|report| wet_report(report).n_uncovered).sum::<usize>() > 0);
-        // ρ/2 ∫ |u|² over the cylinder without the ball, on the geometry of the step.
+        // The body cuts the cells that it moves through.
         assert!(wet_report(&reports[5]).cut.n_cut_cells > 10);
     }
 }

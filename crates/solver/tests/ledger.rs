@@ -125,8 +125,8 @@ fn given_velocities_forces_and_loads_do_the_work() {
     }
 }
 
-/// With `r = (1-ρ_∞)/(1+ρ_∞)` a step takes `3/4 r³ (M |Δt ΔA|² + J (Δt Δα)²)` from a rigid body, where `ΔA` and `Δα` are the changes of
-/// acceleration and rate of the spin.
+/// With `r = (1-ρ_∞)/(1+ρ_∞)` a step takes `3/4 r³ (M |Δt ΔA|² + J (Δt Δα)²)` from a rigid body, where `ΔA` and `Δα`
+/// are the changes of acceleration and rate of the spin.
 #[test]
 fn the_scheme_takes_energy_from_a_rigid_body_by_its_formula() {
     let rho_inf = 0.5;

@@ -6,7 +6,7 @@ use mesh::{FacetId, MAX_CELL_VERTICES, Point, SimplexMesh, SimplexRule, Tag, Vec
 use crate::XfemSpace;
 
 /// Returns the dofs with a part that touches the tagged boundary, in ascending order. Vertices of the boundary that are
-/// buried under a body have none.
+/// covered by a body have no dofs.
 pub fn boundary_dofs<const D: usize>(
     background: &SimplexMesh<D>,
     cut: &CutMesh<D>,
@@ -38,7 +38,7 @@ pub struct BoundaryPoint<const D: usize> {
     pub point: Point<D>,
     /// Unit normal out of the domain.
     pub normal: Vector<D>,
-    /// Weight, with the measure and the weight of the coordinates.
+    /// Quadrature weight times the measure of the piece and the weight of the coordinates.
     pub weight: f64,
     /// Shape values; only the first `D + 1` are used.
     pub shape: [f64; MAX_CELL_VERTICES],

@@ -1,4 +1,4 @@
-//! Classes of things that belong together.
+//! Disjoint classes of numbers.
 
 /// Disjoint classes of the numbers `0..n`, merged pair by pair (union-find). The lowest member stands for its class,
 /// so that the result does not depend on the order of the merges.

@@ -15,13 +15,13 @@ const MAX_FACE_DOFS: usize = MAX_CELL_VERTICES + 1;
 pub struct FaceValue<const D: usize> {
     /// The face of the background.
     pub facet: FacetId,
-    /// Its two parts; twice the same one on a symmetry plane.
+    /// The two parts; twice the same one on a symmetry plane.
     pub parts: [PartId; 2],
     /// Whether one of the two cells is cut.
     pub is_ghost: bool,
     /// Measure `|F|` of the whole face.
     pub measure: f64,
-    /// `∫_F 1` with the weight of the coordinates; the measure in Cartesian ones.
+    /// `∫_F 1` with the weight of the coordinates; in Cartesian coordinates the measure.
     pub weight: f64,
     /// Diameter `h_F`.
     pub diameter: f64,
@@ -58,7 +58,7 @@ impl<const D: usize> FaceValue<D> {
     fn new(background: &SimplexMesh<D>, facet: FacetId, parts: [PartId; 2], is_ghost: bool) -> Self {
         let points = &background.facet_points(facet)[..D];
         let (measure, coordinates) = (simplex_measure(points), background.coordinates());
-        // The weight is linear, so that its mean is the value in the middle.
+        // The weight is linear: its mean is the value in the middle.
         let middle = points.iter().sum::<Vector<D>>() / D as f64;
         Self {
             facet,

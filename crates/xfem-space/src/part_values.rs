@@ -6,8 +6,8 @@ use mesh::{Coordinates, MAX_CELL_VERTICES, Point, QuadratureRule, SimplexMesh, S
 /// A part below this fraction of its cell contributes no volume integral; its dofs, faces and interface pieces stay.
 const NEGLIGIBLE_FRACTION: f64 = 1e-9;
 
-/// Degree of the rule where the radius is in a denominator. Functions that are proportional to the radius, as the radial velocity is
-/// near the axis, are integrated exactly.
+/// Degree of the rule for integrals with the radius in the denominator. They are exact for functions that are
+/// proportional to the radius, such as the radial velocity near the axis.
 const HOOP_DEGREE: usize = 4;
 
 /// Moments `m_ij = ∫ N_i N_j` of the shape functions of a cell over a part, with the weight of the coordinates.
@@ -67,7 +67,8 @@ impl Moments {
 
 /// Moments over a part in axisymmetric coordinates with the radius in the denominator.
 ///
-/// All are sums over the same points inside the part, so that `Σ_ij u_i u_j (∫ N_i N_j/r²)` is the sum of squares of `u/r` for every cut.
+/// All are sums over the same points inside the part, so that `Σ_ij u_i u_j (∫ N_i N_j/r²)` is a sum of squares of
+/// `u/r` for every cut.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct HoopMoments {
     /// `∫ N_i N_j / r`.
@@ -81,7 +82,7 @@ pub struct HoopMoments {
 pub struct PartValues<const D: usize> {
     gradients: Vec<[Vector<D>; MAX_CELL_VERTICES]>,
     moments: Vec<Moments>,
-    /// Empty unless coordinates are axisymmetric.
+    /// One per part in axisymmetric coordinates, else empty.
     hoop: Vec<HoopMoments>,
     coordinates: Coordinates,
     cell_sizes: Vec<f64>,
@@ -164,7 +165,7 @@ impl<const D: usize> PartValues<D> {
         &self.moments[part.index()]
     }
 
-    /// Returns the moments of a part with the radius in the denominator; `None` unless coordinates are axisymmetric.
+    /// Returns the moments of a part with the radius in the denominator; `None` in Cartesian coordinates.
     #[inline]
     pub fn hoop(&self, part: PartId) -> Option<&HoopMoments> {
         self.hoop.get(part.index())

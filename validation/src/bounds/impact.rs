@@ -9,7 +9,7 @@ use cutwater::solid_svk::{LameParameters, SaintVenantKirchhoff, SupportKind};
 
 use crate::outcome::Failure;
 use crate::verify::dry::{Scheme, elastic, floor, run};
-use crate::verify::{Run, V};
+use crate::verify::run::{Run, V};
 
 /// Radius, cm.
 const RADIUS: f64 = 4.0;

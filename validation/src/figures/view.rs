@@ -57,8 +57,8 @@ impl View {
         }
     }
 
-    /// Draws isolines of values in triangles, if they vary, at about `n` levels, coloured by `range`; for odd values, such as the
-    /// vorticity, the mirror images of positive levels are negative ones.
+    /// Draws isolines of values in triangles, if they vary, at about `n` levels, coloured by `range`; for odd values,
+    /// such as the vorticity, the mirror images of positive levels are negative ones.
     pub(super) fn isolines(&mut self, triangles: &[[([f64; 2], f64); 3]], range: (f64, f64), n: f64, is_odd: bool) {
         if range.1 <= range.0 {
             return;

@@ -74,7 +74,7 @@ pub(crate) fn git(arguments: &[&str]) -> Option<String> {
     Some(text.trim().to_owned()).filter(|text| output.status.success() && !text.is_empty())
 }
 
-/// Returns the version of the code, if git knows it.
+/// Returns the version of the code, if git has one.
 pub(crate) fn commit() -> Option<String> {
     git(&["describe", "--always", "--dirty"])
 }

@@ -50,9 +50,9 @@ impl Run {
     }
 }
 
-/// Runs studies. Returns whether every run came to its end and every verdict holds. The results of a run are kept in a directory of its own. A
-/// run whose directory has all steps of the same scenario is not done again, unless `again` is set. The page of a study
-/// in the book is written when all its runs are done.
+/// Runs studies. Returns whether every run came to its end and every verdict holds. The results of a run are kept in a
+/// directory of its own. A run whose directory has all steps of the same scenario is not done again, unless `again` is
+/// set. The page of a study in the book is written when all its runs are done.
 ///
 /// # Errors
 /// There is no such study, or a file cannot be read or written.
@@ -222,7 +222,8 @@ const QUANTITIES: [Quantity; 4] = [
     ("highest [cm]", |run| Some(run.rebound?.height)),
 ];
 
-/// Adds the limits of a series: rows of a table, and verdicts on contact before that in an ideal fluid, on orders and on uncertainties.
+/// Adds the limits of a series: rows of a table, and verdicts on contact before that in an ideal fluid, on orders and
+/// on uncertainties.
 fn add_limits(series: &Series, runs: &[Run], record: &mut Record, table: &mut Vec<Vec<String>>) {
     let name = &series.name;
     let contacts = || runs.iter().map(|run| run.summary.contact_time.unwrap_or(f64::NAN));

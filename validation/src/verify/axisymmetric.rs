@@ -15,11 +15,10 @@ use cutwater::solver::{FluidBoundary, Setup, StepReport};
 use super::dry::{self, Elastic, Scheme, elastic, pushed, second_order};
 use super::flow::{Errors, Flow, Known, boundary, fluid, fluid_mut, force, problem};
 use super::mode::frequency_of;
+use super::orders::{Measured, ORDERS, in_space};
 use super::signal::passage;
 use super::{Failure, P, Record, Run, T, V};
 
-/// Required orders of velocity, its gradient and pressure in L2.
-const ORDERS: [f64; 3] = [1.9, 0.95, 1.4];
 /// Largest relative error of the drag on the finest mesh of the Stokes flow.
 const DRAG: f64 = 0.005;
 /// Largest relative differences of the other forces.
@@ -29,13 +28,14 @@ const ADDED_MASS: f64 = 0.02;
 const WAKE: f64 = 0.02;
 const MODES: f64 = 0.01;
 const HERTZ: [f64; 2] = [0.02, 0.03];
-/// Ball of radius one on a plane. Displacement of its middle plane; the radius of contact is then a tenth of that of the ball.
+/// Ball of radius one on a plane. Displacement of its middle plane; the radius of contact is then a tenth of that of
+/// the ball.
 const APPROACH: f64 = 0.01;
 const YOUNG: f64 = 1.0;
 const POISSON: f64 = 0.3;
-/// Pressure over penetration: penetration is a thousandth of the approach.
+/// Ratio of pressure to penetration, such that the penetration is a thousandth of the approach.
 const STIFFNESS: f64 = 1e4;
-/// Parameter of Nitsche's method: that of scenarios, and a hundred times that.
+/// Parameter of Nitsche's method: the default of scenarios, and a hundred times this value.
 const GAMMA_0: [f64; 2] = [10.0, 1000.0];
 const LOAD_STEPS: u32 = 4;
 /// Edges of the sphere in the length of a cell.
@@ -65,34 +65,8 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Errors and the relative error of a force on one mesh.
-type Measured = (Errors, Option<f64>);
-
-/// Measures orders in h. Returns the errors of the force with the sizes of their meshes.
-fn in_space(
-    record: &mut Record,
-    name: &str,
-    sizes: &[usize],
-    of: impl Fn(usize) -> Result<Measured, Failure>,
-) -> Result<Vec<(f64, f64)>, Failure> {
-    let (mut curves, mut forces) = ([Vec::new(), Vec::new(), Vec::new()], Vec::new());
-    for &n in sizes {
-        let (errors, force) = of(n)?;
-        let h = 1.0 / n as f64;
-        for (curve, error) in curves.iter_mut().zip([errors.velocity, errors.gradient, errors.pressure]) {
-            curve.push((h, error));
-        }
-        forces.extend(force.map(|force| (h, force)));
-    }
-    for ((quantity, order), curve) in ["u", "∇u", "p"].into_iter().zip(ORDERS).zip(&curves) {
-        record.order(&format!("{name}: {quantity} in L2"), "h", curve, order);
-    }
-    let named = ["u", "∇u", "p"].into_iter().zip(curves);
-    record.log_figure(format!("{name}: errors in L2"), "h", named.collect::<Vec<_>>());
-    Ok(forces)
-}
-
-/// Returns the half plane of a sphere on the axis: vertices on the sphere, from the lowest point to the highest, closed along the axis.
+/// Returns the half plane of a sphere on the axis: vertices on the sphere, from the lowest point to the highest, closed
+/// along the axis.
 pub(super) fn sphere(height: f64, radius: f64, cell: f64) -> Vec<P> {
     let n = (PI * radius * EDGES_PER_CELL / cell).ceil() as usize;
     let at = |k: usize| {
@@ -196,7 +170,8 @@ impl Flow for Hill {
     }
 }
 
-/// Solves for a known steady flow around a sphere at rest in the mesh, on squares of size `1/n`. Returns the force on the sphere along the axis too.
+/// Solves for a known steady flow around a sphere at rest in the mesh, on squares of size `1/n`. Returns the force on
+/// the sphere along the axis too.
 fn known_flow<F: Flow>(known: &Known<F>, n: usize) -> Result<(Errors, f64), Failure> {
     let background = structured_box::<2>([0.0, -1.0], [1.0, 1.0], [n, 2 * n])?;
     let mut setup = known.setup(background.with_coordinates(Coordinates::Axisymmetric)?, 1e9);
@@ -385,7 +360,8 @@ fn elastic_ball(size: f64, lame: LameParameters, scheme: Scheme) -> Result<Elast
 
 /// Measures the frequency of the lowest mode of a free elastic ball: an ellipsoid that is long and flat in turns.
 fn modes(record: &mut Record) -> Result<(), Failure> {
-    /// Poisson's ratio, and `ω R/c_s`: roots of the frequency determinant of a free ball (Lamb 1881, doi:10.1112/plms/s1-13.1.189).
+    /// Poisson's ratio, and `ω R/c_s`: roots of the frequency determinant of a free ball (Lamb 1881,
+    /// doi:10.1112/plms/s1-13.1.189).
     const EXACT: [(f64, f64); 2] = [(0.25, 2.63987), (0.4, 2.65694)];
     const PERIODS: f64 = 6.0;
     const STEPS: f64 = 96.0;
@@ -395,7 +371,8 @@ fn modes(record: &mut Record) -> Result<(), Failure> {
         let period = TAU / omega;
         let size = if record.full { 0.05 } else { 0.1 };
         let mut body = elastic_ball(size, lame, second_order(0.8)?)?;
-        // Close to the shape of the mode: no change of volume. The amplitude is the difference of its moments of inertia.
+        // Close to the shape of the mode: no change of volume. The amplitude is the difference of its moments of
+        // inertia.
         let strain = |x: &P| V::new(-0.5 * x[0], x[1] - 1.0) * 1e-4;
         body.options.initial_displacement = Some(Arc::new(strain));
         let weights: Vec<V> = body.solid.nodes().iter().map(strain).collect();
@@ -458,7 +435,7 @@ fn hertz(record: &mut Record) -> Result<(), Failure> {
         return Err("there is no contact, or nothing but contact".into());
     };
     let radius = passage([*last, *next], 0.0);
-    // Displacement of the pole is that of the penalty.
+    // The displacement of the pole is the penetration of the penalty.
     let pole = below[0].1;
     let approach = APPROACH + pole.min(0.0);
     let name = "elastic ball on a plane, approach of a hundredth of its radius";
@@ -492,7 +469,8 @@ fn hertz(record: &mut Record) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Returns the force on a sphere of radius one that approaches a wall at a gap, over that without wall: Brenner 1961, doi:10.1016/0009-2509(61)80035-3.
+/// Returns the force on a sphere of radius one that approaches a wall at a gap, over that without wall: Brenner 1961,
+/// doi:10.1016/0009-2509(61)80035-3.
 pub(super) fn brenner(gap: f64) -> f64 {
     let a = (1.0 + gap).acosh();
     let term = |n: f64| {

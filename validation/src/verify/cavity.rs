@@ -13,15 +13,15 @@ use super::{Failure, P, Record, V, short};
 
 /// Reynolds number.
 const REYNOLDS: f64 = 1000.0;
-/// Least horizontal velocity on the vertical line through the middle, greatest and least vertical velocity on the horizontal one
-/// (Botella and Peyret 1998, doi:10.1016/S0045-7930(98)00002-4, Chebyshev polynomials of degree 160).
+/// Least horizontal velocity on the vertical line through the middle, greatest and least vertical velocity on the
+/// horizontal one (Botella and Peyret 1998, doi:10.1016/S0045-7930(98)00002-4, Chebyshev polynomials of degree 160).
 const KNOWN: [(&str, f64); 3] = [
     ("least u_x for x = 1/2", -0.388_569_8),
     ("greatest u_y for y = 1/2", 0.376_944_7),
     ("least u_y for y = 1/2", -0.527_077_1),
 ];
-/// Cells along a side, and largest relative error with the finest mesh. A boundary layer, `1/√Re`, then has 4 cells. With 1.5 cells
-/// `dfg-unsteady` allows 10 %, and errors fall with the square.
+/// Cells along a side, and largest relative error with the finest mesh. A boundary layer, `1/√Re`, then has 4 cells.
+/// With 1.5 cells `dfg-unsteady` allows 10 %, and errors fall with the square.
 const SIZES: [usize; 3] = [32, 64, 128];
 const ACCURACY: f64 = 0.014;
 /// Required order of the errors in h.

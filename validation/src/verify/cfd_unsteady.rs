@@ -31,7 +31,8 @@ const ACCURACY: [f64; 3] = [0.01, 0.03, 0.01];
 const FULL: [(usize, f64); 3] = [(16, 4e-3), (32, 4e-3), (32, 2e-3)];
 /// The same of the quick version, which computes the first two cycles.
 const QUICK: (usize, f64) = (16, 8e-3);
-/// Largest relative error of its frequency: there is one cell in a boundary layer, `D/√Re`, and the vortices are not yet strong.
+/// Largest relative error of its frequency: there is one cell in a boundary layer, `D/√Re`, and the vortices are not
+/// yet strong.
 const QUICK_ACCURACY: f64 = 0.1;
 /// Spectral radius of generalised-α for infinitely fast changes, that of the check `dfg-unsteady`.
 const RHO_INF: f64 = 0.5;
@@ -59,7 +60,8 @@ impl Signals {
         Ok(())
     }
 
-    /// Returns the numbers of each cycle, in the order of [`NAMES`]: from one upward passage of the mean lift of the reference to the next.
+    /// Returns the numbers of each cycle, in the order of [`NAMES`]: from one upward passage of the mean lift of the
+    /// reference to the next.
     fn cycles(&self) -> Vec<[f64; 5]> {
         let cycle = |w: &[(usize, f64)]| {
             let [drag, lift] = [&self.drag, &self.lift].map(|curve| mean_and_amplitude(&curve[w[0].0 - 1..w[1].0 + 1]));

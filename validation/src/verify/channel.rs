@@ -1,4 +1,4 @@
-//! Flow past a cylinder in a channel that does not know it, with and without a flag.
+//! Flow past a cylinder, with and without a flag, in a channel whose mesh does not follow it.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -51,8 +51,8 @@ pub(super) struct Resolution {
     pub(super) coarse: f64,
     /// Corners of the polygon that stands for the circle.
     pub(super) n_corners: usize,
-    /// How far the flag swings to either side. Cells within this distance are as fine as those at the obstacle. Cells at the corners of the
-    /// flag are refined further only if it does not swing.
+    /// How far the flag swings to either side. Cells within this distance are as fine as those at the obstacle. Cells
+    /// at the corners of the flag are refined further only if it does not swing.
     pub(super) swing: f64,
 }
 
@@ -127,8 +127,8 @@ impl Channel {
         fluid.convection = Some(false);
         let channel = *self;
         let inflow = FluidBoundary::Velocity(Arc::new(move |x: &P, t| V::new(factor(t) * channel.inflow(x[1]), 0.0)));
-        // The traction of the developed flow in the form with the symmetric gradient: the condition "do nothing" of the form with
-        // the full gradient.
+        // The traction of the developed flow in the form with the symmetric gradient: the condition "do nothing" of the
+        // form with the full gradient.
         let shear = move |x: &P, _: &V, t| {
             let slope = 6.0 * channel.speed * (HEIGHT - 2.0 * x[1]) / (HEIGHT * HEIGHT);
             V::new(0.0, channel.viscosity * factor(t) * slope)
@@ -164,8 +164,8 @@ impl Channel {
         end.into_iter().chain((0..=n_corners).map(on_arc)).collect()
     }
 
-    /// Returns the mesh of the channel. The size of cells grows in proportion to the distance from the centre of the cylinder, and from the
-    /// flag as fast.
+    /// Returns the mesh of the channel. The size of cells grows in proportion to the distance from the centre of the
+    /// cylinder, and from the flag as fast.
     fn background(&self, resolution: &Resolution) -> Result<SimplexMesh<2>, Failure> {
         let h = resolution.h();
         let near = |from: [f64; 2], to: [f64; 2], within: f64, size: f64| Region {

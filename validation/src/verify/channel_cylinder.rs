@@ -66,7 +66,7 @@ fn drag(cells: usize) -> Result<(f64, f64, f64), Failure> {
     let (mut drags, mut leak) = (Vec::new(), 0.0_f64);
     for _ in 0..N_STEPS {
         let report = run.advance()?;
-        // The other half has the same.
+        // By symmetry the force on the other half is the same.
         drags.push(-2.0 * force(&run.state, &report, 0, &P::zeros())?.0[0]);
         let flow = wet_report(&report)?.flow;
         leak = leak.max(flow.leak_absolute / flow.swept);

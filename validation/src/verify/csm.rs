@@ -1,7 +1,7 @@
 //! The flag of the Turek-Hron benchmark without a fluid, under its weight: at rest, and swinging.
 //!
-//! Source: Turek and Hron 2006, Proposal for numerical benchmarking of fluid-structure interaction between an elastic object and
-//! laminar incompressible flow, doi:10.1007/3-540-34596-5_15, CSM1 to CSM3. SI units.
+//! Source: Turek and Hron 2006, Proposal for numerical benchmarking of fluid-structure interaction between an elastic
+//! object and laminar incompressible flow, doi:10.1007/3-540-34596-5_15, CSM1 to CSM3. SI units.
 
 use std::ops::Range;
 use std::sync::Arc;

@@ -71,7 +71,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
         }
     }
     record.note(format!(
-        "Channel of {} m with a cylinder that its mesh does not know: a regular polygon of {N_CORNERS} corners with the area of the disk, \
+        "Channel of {} m with a cylinder that its mesh does not follow: a regular polygon of {N_CORNERS} corners with the area of the disk, \
          which deviates from the circle by 1.3e-5 radii. Cells of size h at the cylinder grow in proportion to the distance \
          from its centre, up to {} h. Coefficients are those of the variational traction of the mortar (traction of the \
          fluid and penalty) unless said otherwise. Pressures are those of the cells at the foremost and the rearmost point of the cylinder. \

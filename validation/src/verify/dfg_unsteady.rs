@@ -48,8 +48,8 @@ const QUICK: [(usize, f64); 2] = [(16, 2e-2), (16, 4e-2)];
 /// Largest relative errors of the finest resolution.
 const ACCURACY: [f64; 3] = [0.01, 0.03, 0.01];
 const ACCURACY_OF_PULSE: [f64; 2] = [0.01, 0.1];
-/// Largest relative errors of the quick version. Forces are proportional to the square of the inflow: an inflow that is wrong by 10 %
-/// changes the drag by 20 %.
+/// Largest relative errors of the quick version. Forces are proportional to the square of the inflow: an inflow that is
+/// wrong by 10 % changes the drag by 20 %.
 const QUICK_ACCURACY: [f64; 3] = [0.1, 0.3, 0.1];
 
 /// Coefficients and pressure difference over time.
@@ -70,7 +70,8 @@ impl Signals {
         Ok(())
     }
 
-    /// Returns the largest coefficients and the Strouhal number of each cycle: from one upward passage of zero lift to the next.
+    /// Returns the largest coefficients and the Strouhal number of each cycle: from one upward passage of zero lift to
+    /// the next.
     fn cycles(&self) -> Vec<[f64; 3]> {
         let diameter_over_speed = 2.0 * RADIUS / CHANNEL.speed;
         let cycle = |w: &[(usize, f64)]| {

@@ -4,8 +4,8 @@ use super::dry::{run, second_order};
 use super::mode::{Mode, frequency_of};
 use super::{Failure, Record, short};
 
-/// `n` and `ω R/c_s` of the first mode with `n` waves around the disk: roots of the frequency determinant of a free disk in plane
-/// strain with `ν = 0.4`.
+/// `n` and `ω R/c_s` of the first mode with `n` waves around the disk: roots of the frequency determinant of a free
+/// disk in plane strain with `ν = 0.4`.
 const MODES: [(u32, f64); 2] = [(2, 2.35106), (3, 3.63191)];
 /// Time steps in a period, times the size of a cell: errors of mesh and time scheme fall together.
 const STEPS: f64 = 24.0;

@@ -35,7 +35,7 @@ pub(crate) fn source() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/src")
 }
 
-/// Returns the version of the code and its date, if git knows them; else empty.
+/// Returns the version of the code and its date, if git has them; else an empty text.
 pub(crate) fn version() -> String {
     let date = git(&["log", "-1", "--format=%cs"]).unwrap_or_default();
     commit().map_or_else(String::new, |commit| format!("{commit}, {date}"))
@@ -54,8 +54,8 @@ pub(crate) fn require_clean_tree() -> Result<(), Failure> {
     }
 }
 
-/// Returns a line for each page of checks and studies that was measured before the last change of the code. Empty where git does not
-/// know the versions.
+/// Returns a line for each page of checks and studies that was measured before the last change of the code. Pages with
+/// versions that git does not have are left out.
 pub(crate) fn older_than_the_code() -> Vec<String> {
     const CODE: [&str; 5] = ["crates", "validation/src", "validation/cases", "validation/reference", "benchmarks/src"];
     let mut lines = Vec::new();

@@ -103,7 +103,10 @@ fn hydrostatic(centre: P, _: &mut Random) -> Result<Named, Failure> {
     let [u, p] = nodal_errors(&known, &setup, &state)?;
     let (force, _) = flow::force(&state, &report, 0, &centre)?;
     let buoyancy = (force + weight).norm();
-    Ok(named("hydrostatic", [("velocity", u), ("pressure", p), ("buoyancy beside weight of the polygon", buoyancy)]))
+    Ok(named(
+        "hydrostatic",
+        [("velocity", u), ("pressure", p), ("buoyancy compared with weight of the polygon", buoyancy)],
+    ))
 }
 
 /// Measures the errors for a free body of the density of the fluid under gravity, which the pressure carries.

@@ -26,7 +26,7 @@ pub(super) struct History {
     probes: Probes<2>,
     pub(super) times: Vec<f64>,
     values: Vec<Vec<f64>>,
-    /// Balances of the bodies that forces move.
+    /// Balances of the movable bodies.
     pub(super) balances: Vec<Vec<Balance<2>>>,
     /// Positions of the vertices of all bodies.
     pub(super) positions: Vec<Vec<Vec<P>>>,

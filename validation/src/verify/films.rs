@@ -17,7 +17,8 @@ use super::lubrication::{approach, exact_force, graded};
 use super::record::worse;
 use super::{Failure, P, Record, Run, V, short};
 
-/// Gaps over the size of a cell: down to where the film is as wide as two cells, and thinner ones with their largest relative errors.
+/// Gaps relative to the size of a cell: those at which the film is at least two cells wide, and smaller ones with their
+/// largest relative errors.
 const GAPS: [f64; 6] = [4.0, 2.0, 1.0, 0.5, 0.25, 0.1];
 const THIN: [(f64, f64); 2] = [(0.05, 0.15), (0.02, 0.3)];
 /// Largest relative errors of the force on spheres, cylinders and plates.
@@ -43,7 +44,8 @@ struct Case {
     stabilisation: Stabilisation,
     /// Whether the flux of the film is modelled.
     film: bool,
-    /// Height of the surface of the wall over a line of the mesh, over the size of a cell; the wall is a body then, and else the side of the mesh.
+    /// Height of a body that is the wall above a line of the mesh, relative to the size of a cell; `None` if the wall
+    /// is the side of the mesh.
     wall: Option<f64>,
 }
 
@@ -86,7 +88,8 @@ fn spheres(record: &mut Record) -> Result<(), Failure> {
         for (gap, bound) in GAPS.map(|gap| (gap, SPHERE)).into_iter().chain(THIN) {
             let of_film = sphere_force(&Case::new(cells), gap)?;
             let name = format!("sphere, {cells} cells per radius, gap of {gap} cells: force over the exact one");
-            // The pressure of a film acts over a radius of √(2 R δ), which these meshes resolve to the same gaps as that of 20 cells only.
+            // The pressure of a film acts over a radius of √(2 R δ), which these meshes resolve to the same gaps as
+            // that of 20 cells only.
             if (2.0 * cells * gap).sqrt() >= 1.99 || (bound > SPHERE && cells >= 20.0) {
                 record.near_relative(name, of_film.ratio, 1.0, bound);
             } else {
@@ -326,7 +329,8 @@ const CELLS: usize = 40;
 /// Height of the middle of films over a line of the mesh, over the size of a cell.
 const OFF_LINE: f64 = 0.124;
 
-/// Returns two plates at a gap, tilted relative to the mesh, which end outside of it; with the directions along and across them.
+/// Returns two plates at a gap, tilted relative to the mesh, which end outside of it; with the directions along and
+/// across them.
 fn between_plates(gap: f64, degrees: f64, speed: f64) -> Result<(Setup<2>, [V; 2]), Failure> {
     let h = 1.0 / CELLS as f64;
     let background = structured_box::<2>([0.0, -0.75], [1.0, 0.75], [CELLS, CELLS * 3 / 2])?;
@@ -356,7 +360,8 @@ fn squeeze(gap: f64, degrees: f64) -> Result<f64, Failure> {
     Ok(force / length_over_gap.powi(3))
 }
 
-/// Returns the force on one of two parallel plates that part, with vapour in the middle of the film, over the exact one.
+/// Returns the force on one of two parallel plates that part, with vapour in the middle of the film, over the exact
+/// one.
 fn cavity(gap: f64) -> Result<f64, Failure> {
     let (mut setup, [_, across]) = between_plates(gap, 0.0, -1.0)?;
     let delta = gap / CELLS as f64;

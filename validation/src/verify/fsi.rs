@@ -19,11 +19,12 @@ const KNOWN: [f64; 4] = [2.270_493e-5, 8.208_773e-4, 14.294_26, 0.763_746];
 const NAMES: [&str; 4] = ["u_x [m]", "u_y [m]", "drag [N/m]", "lift [N/m]"];
 /// Largest relative errors with the finest resolution; forces as in the check `cfd`.
 const ACCURACY: [f64; 4] = [0.03, 0.03, 0.01, 0.03];
-/// The same for `u_y` with the coarse ones of the quick version: twice the error of the lift of CFD1 with 16 cells in a diameter.
+/// The same for `u_y` with the coarse ones of the quick version: twice the error of the lift of CFD1 with 16 cells in a
+/// diameter.
 const QUICK_ACCURACY: f64 = 0.06;
 const N_QUICK: usize = 2;
-/// Cells in a diameter of the cylinder, rows of cells across the flag, and order of its elements; the full version ends with the finest, the
-/// quick one has the first [`N_QUICK`].
+/// Cells in a diameter of the cylinder, rows of cells across the flag, and order of its elements; the full version ends
+/// with the finest, the quick one has the first [`N_QUICK`].
 const RESOLUTIONS: [(usize, usize, Order); 6] = [
     (16, ROWS, Order::Quadratic),
     (32, ROWS, Order::Quadratic),

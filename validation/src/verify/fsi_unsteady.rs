@@ -138,8 +138,8 @@ impl Benchmark {
         Channel { length: 2.5, density: 1e3, viscosity: 1.0, speed: self.speed, has_flag: true }
     }
 
-    /// Returns the parabola of the inflow everywhere, and a straight flag with the greatest speed of a swing of half the amplitude of the
-    /// reference: its amplitude has to grow to the one that is compared.
+    /// Returns the parabola of the inflow everywhere, and a straight flag with the greatest speed of a swing of half
+    /// the amplitude of the reference: its amplitude has to grow to the one that is compared.
     fn start(&self) -> Start {
         let (channel, fastest) = (self.channel(), 0.5 * TAU * self.known[FREQUENCY] * self.known[AMPLITUDE]);
         Start {

@@ -1,6 +1,7 @@
 //! A cylinder between two rigid planes: its lower half, whose middle plane is pushed down.
 //!
-//! Source: Hertz 1882; Johnson 1985, Contact Mechanics, doi:10.1017/CBO9781139171731, Sec. 4.2(c), and 5.6 for the approach.
+//! Source: Hertz 1882; Johnson 1985, Contact Mechanics, doi:10.1017/CBO9781139171731, Sec. 4.2(c), and 5.6 for the
+//! approach.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -25,9 +26,9 @@ const PUSHED: f64 = 1e-2;
 const MU: f64 = 2e6;
 const LAMBDA: f64 = 8e6;
 const MODULUS: f64 = 4.0 * MU * (LAMBDA + MU) / (LAMBDA + 2.0 * MU);
-/// Pressure over penetration, dyn/cm^3: penetration is below a hundredth of the approach.
+/// Ratio of pressure to penetration, dyn/cm^3, such that the penetration is below a hundredth of the approach.
 const STIFFNESS: f64 = 1e10;
-/// Parameter of Nitsche's method: that of scenarios, and a hundred times that.
+/// Parameter of Nitsche's method: the default of scenarios, and a hundred times this value.
 const GAMMA_0: [f64; 2] = [10.0, 1000.0];
 /// Grading of the cells towards the contact.
 const GRADING: f64 = 4.0;

@@ -20,11 +20,11 @@ const VISCOSITY: f64 = 1e-2;
 const MODES: [(u32, f64); 2] = [(2, 1.67555), (3, 2.65868)];
 /// Largest relative error of the frequency of the finest mesh.
 const ACCURACY: f64 = 0.03;
-/// Half the width of the box, in radii. The sides are open: for a circle of that radius the added mass of mode `n` is smaller by
-/// `2 BOX^{-2n}`, and the frequency of `n = 2` higher by 0.04 %.
+/// Half the width of the box, in radii. The sides are open: for a circle of that radius the added mass of mode `n` is
+/// smaller by `2 BOX^{-2n}`, and the frequency of `n = 2` higher by 0.04 %.
 const BOX: f64 = 6.0;
-/// Stabilisations: the standard set, with which a fluid of such low viscosity slips like an ideal one, and that with the penalty
-/// of the paper's cases, with which it sticks.
+/// Stabilisations: the standard set, with which a fluid of such low viscosity slips like an ideal one, and that with
+/// the penalty of the paper's cases, with which it sticks.
 const SETS: [(Stabilisation, &str); 2] = [(Stabilisation::STANDARD, "slips"), (PAPERS_PENALTY, "sticks")];
 /// Time steps in a period, and periods that are counted.
 const STEPS: f64 = 40.0;

@@ -43,7 +43,7 @@ mod rebound_scan;
 pub(crate) mod record;
 mod resting_ball;
 mod robustness;
-mod run;
+pub(crate) mod run;
 mod sedimentation;
 mod settling;
 mod settling_sphere;

@@ -14,7 +14,7 @@ use super::record::Points;
 use super::{Failure, P, Record, T, V};
 
 /// Required orders of velocity, its gradient and pressure in L2, in h; of the velocity in the time step.
-const ORDERS: [f64; 3] = [1.9, 0.95, 1.4];
+pub(super) const ORDERS: [f64; 3] = [1.9, 0.95, 1.4];
 const TIME_ORDER: f64 = 0.95;
 /// Required orders in the time step of the velocity and of its gradient with the scheme of second order.
 const SECOND_ORDERS: [f64; 2] = [1.8, 1.5];
@@ -54,11 +54,11 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Results on one mesh: the errors, and an optional additional number.
-type Measured = (Errors, Option<f64>);
+/// Results on one mesh: the errors, and an optional additional number, such as the relative error of a force.
+pub(super) type Measured = (Errors, Option<f64>);
 
 /// Measures the orders in h. Returns the additional numbers with the sizes of their meshes.
-fn in_space(
+pub(super) fn in_space(
     record: &mut Record,
     name: &str,
     sizes: &[usize],
@@ -113,16 +113,16 @@ fn in_time(record: &mut Record, n: usize) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Time step, and error of the velocity in L2 with the exact flow as the history of uncovered fluid: measured once, with closures
-/// that the solver does not have.
+/// Time step, and error of the velocity in L2 with the exact flow as the history of uncovered fluid: measured once,
+/// with closures that the solver does not have.
 const EXACT_CLOSURE: [(f64, f64); 2] = [(0.1, 1.541e-4), (0.05, 1.567e-4)];
 /// A viscosity with which the extension of velocities to uncovered fluid shows.
 const SMALL_VISCOSITY: f64 = 1e-3;
 /// Largest relative difference from it.
 const CLOSURE_ACCURACY: f64 = 0.05;
 
-/// Measures the flow past a disk that crosses several cells in a step. With a small viscosity the error in time is far below that of the
-/// mesh, and the extension to uncovered fluid shows.
+/// Measures the flow past a disk that crosses several cells in a step. With a small viscosity the error in time is far
+/// below that of the mesh, and the extension to uncovered fluid shows.
 fn past_uncovered_fluid(record: &mut Record) -> Result<(), Failure> {
     const N: usize = 96;
     let of_second_order = second_order(RHO_INF)?;
@@ -166,8 +166,9 @@ fn of_schemes(record: &mut Record) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Measures orders in the time step on a flow that changes fast and is curved: the extension to uncovered fluid is not exact. The
-/// differences between a step and half of it are free of the error of the mesh, which the errors of the gradient reach.
+/// Measures orders in the time step on a flow that changes fast and is curved: the extension to uncovered fluid is not
+/// exact. The differences between a step and half of it are free of the error of the mesh, which the errors of the
+/// gradient reach.
 fn of_curved_flow(record: &mut Record) -> Result<(), Failure> {
     let (n, n_steps) = if record.full { (96, 5) } else { (48, 4) };
     let scheme = second_order(RHO_INF)?;

@@ -8,12 +8,13 @@ use super::{Failure, P, Record, short};
 /// Largest overlap over the contact size, as in `settling-disks`.
 const OVERLAP: f64 = 0.02;
 
-/// Time at which the disks are compared, s: before they meet, and long after the start compared with the time in which a disk relaxes, viscosity
-/// over modulus, 0.01 s.
+/// Time at which the disks are compared, s: before they meet, and long after the start compared with the time in which
+/// a disk relaxes, viscosity over modulus, 0.01 s.
 const APART: f64 = 0.5;
 /// Ratio of the moduli of the disks.
 const MODULI: f64 = 4.0;
-/// Largest relative difference of the ratio of their strain energies from it: strains are up to some percent, and energies are quadratic.
+/// Largest relative difference of the ratio of their strain energies from it: strains are up to some percent, and
+/// energies are quadratic.
 const ENERGIES: f64 = 0.2;
 /// Least distance of the centres along the flow at the end, cm: two diameters.
 const SEPARATED: f64 = 1.0;
@@ -57,8 +58,8 @@ pub(super) fn pair(record: &mut Record) -> Result<(), Failure> {
 
 /// Height of the throat, cm.
 const THROAT: f64 = 0.6;
-/// Places of the centre before and behind the throat where the shapes of the ball are compared, cm, and largest relative difference of height over
-/// width. The pressure is higher before the throat, so that sizes differ.
+/// Places of the centre before and behind the throat where the shapes of the ball are compared, cm, and largest
+/// relative difference of height over width. The pressure is higher before the throat, so that sizes differ.
 const PLACES: [f64; 2] = [1.5, 4.5];
 const SHAPES: f64 = 0.02;
 /// Longer steps and coarser meshes, until the ball has passed.

@@ -20,8 +20,8 @@ const MESHES: [(f64, [usize; 2]); 3] = [(0.08, [1, 8]), (0.04, [2, 16]), (0.02, 
 const STEP: f64 = 0.01;
 /// Run time of a partitioned finite-volume code with 16160 cells and this step, h.
 const PEER_HOURS: f64 = 2.3;
-/// End of the quick version, s, and its largest difference from the beam, with the coarsest mesh: that of the peer with a linear solid in the last
-/// period, twice, because the first pulse bends the leaflet most.
+/// End of the quick version, s, and its largest difference from the beam, with the coarsest mesh: that of the peer with
+/// a linear solid in the last period, twice, because the first pulse bends the leaflet most.
 const QUICK: (&str, f64) = ("time.end=1.0", 0.08);
 
 /// A run of the leaflet.
@@ -146,7 +146,8 @@ fn beam() -> Result<Vec<(f64, V)>, Failure> {
     lines.map(row).collect()
 }
 
-/// Returns the largest difference from the beam at its times in an interval, over [`LENGTH`]. Between steps the tip moves linearly.
+/// Returns the largest difference from the beam at its times in an interval, over [`LENGTH`]. Between steps the tip
+/// moves linearly.
 fn difference(tip: &[(f64, V)], beam: &[(f64, V)], [begin, end]: [f64; 2]) -> f64 {
     let at = |time: f64| {
         let after = tip.partition_point(|(t, _)| *t < time).clamp(1, tip.len() - 1);

@@ -33,7 +33,8 @@ const AMBIENT: [f64; 2] = [0.0, 1e4];
 const TOLERANCE: f64 = 1e-8;
 /// Viscosity, g/(cm s): with the first steps the disk takes its shape in several of them.
 const VISCOSITY: f64 = 1e2;
-/// Length of the first step, s, factor by which steps grow, and their number. The disk comes to rest slowly, as the film at the rim of the contact fills.
+/// Length of the first step, s, factor by which steps grow, and their number. The disk comes to rest slowly, as the
+/// film at the rim of the contact fills.
 const STEP: f64 = 0.02;
 const GROWTH: f64 = 1.3;
 const STEPS: u32 = 50;

@@ -148,7 +148,8 @@ fn continuity<const D: usize>(
     Ok(())
 }
 
-/// Largest scatter over places of the mesh, as a share of the mean error: the first digit of an error does not depend on the place.
+/// Largest scatter over places of the mesh, as a share of the mean error: the first digit of an error does not depend
+/// on the place.
 const LARGEST_SCATTER: f64 = 0.1;
 
 /// Measures torques of the flow between cylinders at random places of the mesh.

@@ -7,8 +7,8 @@ use super::signal::passage;
 use super::{Failure, Record, Run, short};
 use crate::case::example_path;
 
-/// A case of the experiment: name, density and viscosity of the oil, speed in an infinite fluid, largest measured speed, bound on the relative
-/// difference from it, measured speeds.
+/// A case of the experiment: name, density and viscosity of the oil, speed in an infinite fluid, largest measured
+/// speed, bound on the relative difference from it, measured speeds.
 struct Measured {
     name: &'static str,
     density: f64,
@@ -63,14 +63,14 @@ const RADIUS: f64 = 7.5e-3;
 const GRAVITY: f64 = 9.81;
 /// Time step times the speed in an infinite fluid, over the radius.
 const STEP: f64 = 0.05;
-/// The run ends at this gap over the radius: three of the finer cells.
+/// Gap, relative to the radius, at which the run ends: three of the finer cells.
 const LAST_GAP: f64 = 0.125;
-/// Speeds of a fall that is over after this multiple of the height over the largest speed have not been found.
+/// A fall is an error if it takes longer than this multiple of the height divided by the largest speed.
 const LONGEST: f64 = 2.0;
 /// Time from which speeds are compared, s: before it the sphere is being released.
 const RELEASED: f64 = 0.05;
-/// Largest root of the mean squared difference of speeds during the fall over the speed in an infinite fluid, and largest difference in the approach
-/// to the floor.
+/// Largest root of the mean squared difference of speeds during the fall over the speed in an infinite fluid, and
+/// largest difference in the approach to the floor.
 const FALL: f64 = 0.03;
 const APPROACH: f64 = 0.05;
 /// The approach is aligned where the speed has fallen to this share of the largest one.

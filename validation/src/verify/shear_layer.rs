@@ -1,4 +1,5 @@
-//! A fluid layer over an elastic one, sheared by an oscillating plate: the one flow with a deforming body that is known exactly.
+//! A fluid layer over an elastic one, sheared by an oscillating plate: the one flow with a deforming body that is known
+//! exactly.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -150,8 +151,8 @@ fn weights(record: &mut Record, sizes: &[usize], scheme: &Scheme) -> Result<(), 
     Ok(())
 }
 
-/// Measures the order in time of the scheme of second order: of the changes when the step is halved, which are free of the error in
-/// space. The change of single dofs is shown: those inside of the body have values that no fluid has.
+/// Measures the order in time of the scheme of second order: of the changes when the step is halved, which are free of
+/// the error in space. The change of single dofs is shown: those inside of the body have values that no fluid has.
 fn of_second_order(record: &mut Record, n: [usize; 2]) -> Result<(), Failure> {
     let scheme = second_order(RHO_INF)?;
     let mut changes = [Vec::new(), Vec::new(), Vec::new()];

@@ -41,7 +41,8 @@ pub(super) fn negative(curve: &[(f64, f64)]) -> Vec<(f64, f64)> {
     curve.iter().map(|&(x, y)| (x, -y)).collect()
 }
 
-/// Returns a curve in its last cycles, with the abscissa from their begin. Cycles are those between passages, as [`rises`] returns them.
+/// Returns a curve in its last cycles, with the abscissa from their begin. Cycles are those between passages, as
+/// [`rises`] returns them.
 pub(super) fn last_cycles(curve: &[(f64, f64)], passages: &[(usize, f64)], n_cycles: usize) -> Vec<(f64, f64)> {
     let (first, begin) = passages[passages.len().saturating_sub(n_cycles + 1)];
     curve[first..].iter().map(|(x, value)| (x - begin, *value)).collect()

@@ -7,7 +7,8 @@ use super::{Failure, Record, short};
 /// Period of the pressure, s, and number of periods of the examples.
 const PERIOD: f64 = 4.0;
 const CYCLES: usize = 3;
-/// Parts of the period in which the valve is open and closed: the second half of the times in which the pressure is constant.
+/// Parts of the period over which fluxes are averaged while the valve is open and closed: the second half of the times
+/// in which the pressure is constant.
 const OPEN: [f64; 2] = [3.0 / 12.0, 5.0 / 12.0];
 const CLOSED: [f64; 2] = [9.0 / 12.0, 11.0 / 12.0];
 /// Largest flux while closed over that while open.
@@ -16,7 +17,8 @@ const LEAK: f64 = 0.02;
 const REOPENS: f64 = 0.9;
 /// Largest overlap over the contact size, as in `settling-disks`.
 const OVERLAP: f64 = 0.02;
-/// The first cycle until the end of the time in which the valve is closed, in longer steps.
+/// Changes of the short version: longer steps, and the first cycle until the end of the time in which the valve is
+/// closed.
 const QUICK: [&str; 2] = ["time.end=3.68", "time.step=0.04"];
 
 /// Measures two leaflets that close against each other.

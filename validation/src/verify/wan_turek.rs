@@ -196,7 +196,8 @@ fn speed() -> f64 {
     TAU * FREQUENCY * AMPLITUDE
 }
 
-/// Returns the setup of the channel with cells of size `h` where the cylinder moves, for its displacement and velocity at a time.
+/// Returns the setup of the channel with cells of size `h` where the cylinder moves, for its displacement and velocity
+/// at a time.
 fn setup(h: f64, dt: f64, motion: fn(f64) -> [f64; 2]) -> Result<Setup<2>, Failure> {
     let mut setup = still(background(h)?, VISCOSITY, dt, 1e-8, || FluidBoundary::NoSlip)?;
     // Edges shorter than those of the mesh.

@@ -80,7 +80,7 @@ impl Factors {
         .map_err(error)
     }
 
-    /// Solves once with a fixed right-hand side of `n` pseudo-random signs to see how large the inverse is.
+    /// Solves once with a fixed right-hand side of `n` pseudo-random signs, which measures the size of the inverse.
     pub(super) fn probe(&mut self, n: usize, solution: &mut Vec<f64>) -> Result<(), LinearError> {
         solution.clear();
         solution.extend(signs().take(n));

@@ -42,7 +42,7 @@ impl Fill {
 /// Cuthill-McKee order.
 ///
 /// The factors of a saddle point may be unstable: the Schur complement of the multiplier (of the pressure) is
-/// `C - B A⁻¹ G`, of which incomplete factors see little more than `C`, and the stabilisation `C` of smooth pressures is
+/// `C - B A⁻¹ G`, of which incomplete factors contain little more than `C`, and the stabilisation `C` of smooth pressures is
 /// nearly zero. Therefore the factors are tried on a vector of signs. If they fail, the diagonal entries of multipliers
 /// are raised by a multiple of `-diag(B diag(A)⁻¹ G)`, which for viscous flow is as large as the mass matrix of the pressure
 /// over the viscosity, the Schur complement that is missing. The first multiple that makes the factors stable is taken.

@@ -31,13 +31,13 @@ impl Default for LaggedSettings {
 /// Sparse LU that lags: one factorisation is used for the matrices of many solves, also when unknowns appear and
 /// vanish.
 ///
-/// The factors of an old matrix, applied to the unknowns that both have, precondition FGMRES for the present one. Where
+/// The factors of an old matrix, applied to the unknowns of both matrices, precondition FGMRES for the present one. Where
 /// an interface moved, rows have changed entirely; these unknowns and their neighbours are solved for again with small
 /// factors of their own, on the residual that the old factors leave (a multiplicative Schwarz step). Unknowns are
 /// matched by their keys ([`crate::BlockLayout::keys`]).
 ///
-/// Both factors are in single precision, with pivots inside supernodes only. Where such factors do not reduce residuals, or GMRES
-/// does not converge with them, factors with free pivoting in double precision take their place.
+/// Both factors are in single precision, with pivots inside supernodes only. If such factors do not reduce residuals, or GMRES
+/// does not converge with them, they are replaced by factors with free pivoting in double precision.
 ///
 /// The matrix is factorised when the last solve took many iterations, when many unknowns have changed, or when a solve does
 /// not converge: counts decide, never times, so that runs can be repeated bit by bit.
@@ -204,7 +204,7 @@ impl Patch {
         with_neighbours(matrix, &changed)
     }
 
-    /// Computes `z ≈ A⁻¹ r`: the old factors, then those of the members on the remaining residual.
+    /// Computes `z ≈ A⁻¹ r`: applies the old factors, then the factors of the changed unknowns to the remaining residual.
     fn apply(
         &mut self,
         matrix: &CsMatI<f64, u32>,

@@ -1,4 +1,4 @@
-//! The graph of the nodes of a matrix: unknowns with almost the same couplings, taken together.
+//! The graph of the nodes of a matrix. A node is a group of unknowns with almost the same couplings.
 
 use std::collections::VecDeque;
 

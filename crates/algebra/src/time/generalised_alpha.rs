@@ -22,8 +22,9 @@ use super::{Row, TimeScheme, Weights};
 ///
 /// `1/2 |v + r/2 w|²_M + r²/4 |w|²_M + 1/2 |Y|²_K + r²/8 |Δt V|²_K`,
 ///
-/// and a step without forces loses `3/4 r³ |Δw|²_M + r³/4 |Δt ΔV|²_K` of it, where `Δw` and `ΔV` are changes over the step. It is the mean
-/// of the energies of two motions: `d` and `d + r Δt v - r²/2 Δt² a` with the velocities `v + (1/2 ∓ 1/√2) r w`.
+/// and a step without forces loses `3/4 r³ |Δw|²_M + r³/4 |Δt ΔV|²_K` of it, where `Δw` and `ΔV` are changes over the
+/// step. It is the mean of the energies of two motions: `d` and `d + r Δt v - r²/2 Δt² a` with the velocities
+/// `v + (1/2 ∓ 1/√2) r w`.
 ///
 /// Source: Chung and Hulbert 1993, A time integration algorithm for structural dynamics with improved numerical dissipation,
 /// doi:10.1115/1.2900803; for fluids, Jansen, Whiting and Hulbert 2000, doi:10.1016/S0045-7825(00)00203-6.

@@ -5,11 +5,13 @@ use mesh::{non_negative, require};
 use super::{ContactLaw, ContactPoint, ContactTraction};
 use crate::Error;
 
-/// Reversal of the velocity of approach in one step, where the gap is below the roughness: `w_n^{n+1} = -e w_n^n`
+/// `w_n^{n+1} = -e w_n^n`: reversal of the relative normal velocity in one step if the gap is below the roughness
 ///
-/// A collision of stiff bodies lasts for microseconds, far less than a step. The step in which it happens solves for bodies and fluid together, so that
-/// the velocity of the fluid around the body is reversed with it. The law has no traction of its own.
-/// Units: the restitution `e` is a number, the roughness a length.
+/// A collision of stiff bodies lasts for microseconds, much less than a step. The velocity is reversed by the coupled
+/// problem of the step, so that the fluid around the body is reversed with it. The law has no traction.
+///
+/// Source: Newton's law of restitution.
+/// Units: the restitution `e` is a number, `w_n` length per time, the roughness a length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CollisionLaw {
     restitution: f64,
@@ -17,7 +19,8 @@ pub struct CollisionLaw {
 }
 
 impl CollisionLaw {
-    /// Creates the law with the restitution `e` of a collision without fluid, and the gap at which the asperities of the two surfaces touch.
+    /// Creates the law with the restitution `e` of a collision without fluid, and the roughness: the gap at which the
+    /// asperities of the two surfaces touch.
     ///
     /// # Errors
     /// [`Error::Parameter`]: restitution outside of 0 to 1, roughness negative.

@@ -21,10 +21,11 @@ pub struct ContactPoint {
     pub gap: f64,
     /// Slip over the step along each tangent: displacement of the slave's point relative to its closest point; a length.
     pub slip: [f64; 2],
-    /// Traction `σ n` on the slave's surface in the frame, force per area of the surface at the start of the step. Zero if the law has no
-    /// [`StressSource`], or if the slave has no such stress.
+    /// Traction `σ n` on the slave's surface in the frame, force per area of the surface at the start of the step. Zero
+    /// if the law does not depend on a stress ([`ContactLaw::stress`]).
     pub stress: Local,
-    /// Stiffness of the slave's cell over its height, `(2 μ + λˢ)/h` for linear elements, force per volume. Zero if the law has no [`StressSource`].
+    /// Stiffness of the slave's cell divided by its height, `(2 μ + λˢ)/h` for linear elements, force per volume. Zero
+    /// if the law does not depend on a stress.
     pub stiffness: f64,
     /// Contact size `s`, a length.
     pub size: f64,
@@ -48,7 +49,7 @@ pub struct ContactTraction {
 }
 
 impl ContactTraction {
-    /// Returns a part of the traction.
+    /// Returns the traction and its derivatives multiplied by a factor.
     pub(crate) fn times(self, part: f64) -> Self {
         let of = |local: Local| local.map(|value| part * value);
         let Self { value, by_gap, by_slip, by_stress } = self;
@@ -62,11 +63,13 @@ pub enum StressSource {
     /// The law does not depend on a stress.
     #[default]
     None,
-    /// The stress of the slave; zero for a body that does not deform.
+    /// The stress of the slave, which must be a body that deforms.
     Solid,
-    /// The stress of the fluid in front of the slave; where there is none, minus the pressure at the nearest point where there is.
+    /// The stress of the fluid in front of the slave. Where no fluid borders the surface, it is a pressure that is
+    /// continued from the nearest point with fluid.
     Fluid,
-    /// The stress of the slave minus that of the fluid in front of it. Without a fluid it is the stress of the slave.
+    /// The stress of the slave, which must be a body that deforms, minus that of the fluid in front of it. Without a
+    /// fluid it is the stress of the slave.
     Jump,
 }
 
@@ -88,8 +91,10 @@ pub trait ContactLaw: Send + Sync + std::fmt::Debug {
         None
     }
 
-    /// Returns the restitution of collisions, for bodies that do not deform; `None` for laws that act by their traction. At most the velocity of approach is
-    /// reversed where [`ContactLaw::is_active`] holds at the start of a step.
+    /// Returns the restitution of collisions, from 0 to 1, for bodies that do not deform; `None` for laws that act by
+    /// their traction.
+    ///
+    /// The velocity of approach is reversed in a step at whose start [`ContactLaw::is_active`] holds.
     fn restitution(&self) -> Option<f64> {
         None
     }

@@ -7,15 +7,19 @@ use crate::Error;
 
 /// `λ = -[γ_C (ε - Δ) - s_n]₊` with `γ_C = γ_0 (2 μ + λˢ)/h` and the normal stress `s_n`, positive in tension
 ///
-/// The exact law `s_n = λ` holds where `Δ = ε`, so that the gap of a uniform pressure is exact, whatever `γ_0` is. In fluid `s_n` is the jump
-/// `n·(σˢ - Tᶠ) n`: the fluid's pressure still acts in the film, and contact carries only the rest.
+/// The law is consistent: for `Δ = ε` it gives `λ = s_n`, so that the gap under a uniform pressure is exact for every
+/// `γ_0`. In fluid `s_n` is the normal part of the jump, `n·(σˢ - Tᶠ) n`. The pressure of the fluid acts in the film,
+/// and contact carries the rest of the stress.
 ///
-/// Coulomb friction with the coefficient `μ_f` adds the tangential traction `τ = -P(γ_C g - s_t)`, where `g` is the slip over the step, `s_t` the tangential stress
-/// and `P` the projection onto the disk of radius `-μ_f λ`. Surfaces stick where the argument is inside of the disk: then `g = 0` and `τ = s_t`.
+/// Coulomb friction with the coefficient `μ_f` adds the tangential traction `τ = -P(γ_C g - s_t)` with the slip `g` over
+/// the step, the tangential stress `s_t` and the projection `P` onto the disk of radius `-μ_f λ`. Surfaces stick if the
+/// argument lies inside the disk; then `g = 0` and `τ = s_t`.
 ///
-/// Source: Chouly and Hild 2013, doi:10.1137/12088344X, with their `θ = 0` and `P_γ = γ_C (ε - Δ) - s_n`; with friction Chouly 2014, doi:10.1016/j.jmaa.2013.09.019,
-/// where the slip over a step takes the place of the displacement; with fluid Burman, Fernández and Frei 2020, doi:10.1051/m2an/2019072.
-/// Units: `γ_0` and `μ_f` are numbers, `λ`, `τ` and the stresses force per area, `γ_C` force per volume, `ε`, `g` and the height `h` of the slave's cell lengths.
+/// Source: Chouly and Hild 2013, doi:10.1137/12088344X, with their `θ = 0` and `P_γ = γ_C (ε - Δ) - s_n`; with friction
+/// Chouly 2014, doi:10.1016/j.jmaa.2013.09.019, with the slip over a step instead of the displacement; with fluid Burman,
+/// Fernández and Frei 2020, doi:10.1051/m2an/2019072.
+/// Units: `γ_0` and `μ_f` are numbers, `λ`, `τ` and the stresses force per area, `γ_C` force per volume, `ε`, `g` and the
+/// height `h` of the slave's cell are lengths.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NitscheLaw {
     gamma_0: f64,
@@ -24,8 +28,10 @@ pub struct NitscheLaw {
 }
 
 impl NitscheLaw {
-    /// Creates the law with parameter `γ_0` and offset `ε`. It is stable if `γ_0` is above `D` times the number of facets of a cell that lie on the surface: the
-    /// constant of the trace inequality of linear elements.
+    /// Creates the law with parameter `γ_0` and offset `ε`.
+    ///
+    /// It is stable if `γ_0` is above `D` times the largest number of facets of one cell that lie on the surface. `D`
+    /// is the constant of the trace inequality of linear elements.
     ///
     /// # Errors
     /// [`Error::Parameter`]: parameter not positive, offset negative.

@@ -10,15 +10,15 @@ use crate::Positions;
 pub struct ObstacleCheck {
     /// Points that have a projection.
     pub n_projected: usize,
-    /// Length of the normal against one.
+    /// Length of the normal minus one.
     pub normal: f64,
-    /// Projection of the projection against the projection.
+    /// Distance between the projection of a closest point and this point.
     pub idempotence: f64,
-    /// Size of the gap against the distance.
+    /// Absolute value of the gap minus the distance of the closest point.
     pub distance: f64,
-    /// Derivative of the gap with respect to the point (minus the normal) against central differences.
+    /// Derivative of the gap with respect to the point, minus the normal, compared with central differences.
     pub gap_derivative: f64,
-    /// Derivative of the normal against central differences, in the mean: kinks of the surface are not smooth.
+    /// Derivative of the normal compared with central differences: the mean over all points, because single ones lie at kinks.
     pub mean_normal_derivative: f64,
 }
 

@@ -45,8 +45,8 @@ impl<const D: usize> DeformableObstacle<D> {
         SurfaceIndex::new(&Placed::new(&BoundaryMesh::from_facets(touchable), positions))
     }
 
-    /// Returns what [`Obstacle::smallest_gap`] does, with the index at these positions. Points are searched for in the order of their
-    /// distances from the box around the obstacle, as far as these are below the gap.
+    /// Computes [`Obstacle::smallest_gap`] with the index at these positions. Points are visited in the order of their
+    /// distances from the box around the obstacle, until this distance exceeds the smallest gap so far.
     pub(super) fn smallest_gap_with(
         &self,
         index: &SurfaceIndex<D>,
@@ -69,7 +69,7 @@ impl<const D: usize> DeformableObstacle<D> {
         smallest
     }
 
-    /// Returns what [`Obstacle::candidates`] does, with the index at the obstacle's positions.
+    /// Computes [`Obstacle::candidates`] with the index at the obstacle's positions.
     pub(super) fn candidates_with(
         &self,
         index: &SurfaceIndex<D>,

@@ -61,8 +61,8 @@ impl<const D: usize> Projection<D> {
 pub trait Obstacle<const D: usize>: Send + Sync + std::fmt::Debug {
     /// Returns the closest point to `x`, or `None` if no candidate has one.
     ///
-    /// `positions`: those of the vertices of the obstacle's own body, ignored by obstacles at rest; `candidates`: the facets that are
-    /// searched, ignored by obstacles without facets.
+    /// `positions`: those of the vertices of the obstacle's own body, ignored by obstacles at rest; `candidates`: the
+    /// facets that are searched, ignored by obstacles without facets.
     fn project(&self, x: &Point<D>, positions: Positions<'_, D>, candidates: &[FacetId]) -> Option<Projection<D>>;
 
     /// Returns the boundary that the facets of candidates and anchors belong to; `None` for a rigid obstacle.
@@ -77,7 +77,8 @@ pub trait Obstacle<const D: usize>: Send + Sync + std::fmt::Debug {
     }
 
     /// Returns, for each of the slave's `facets`, the facets of the obstacle within `reach`, the slave as placed and
-    /// the obstacle's vertices at `positions`; `None` for an obstacle without facets, whose closest points are found at any distance.
+    /// the obstacle's vertices at `positions`; `None` for an obstacle without facets, whose closest points are found at
+    /// any distance.
     ///
     /// They are found once per step and then frozen, so that the sparsity pattern holds while projections move.
     fn candidates(

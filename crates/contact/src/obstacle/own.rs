@@ -8,11 +8,11 @@ use crate::{Error, Positions};
 /// Part of the boundary of a body that acts as an obstacle to the same part.
 ///
 /// A facet may touch another one if
-/// - their boxes are farther apart than the exempt distance in the undeformed body: neighbours along the surface, and the two sides
-///   of a thin part, are not in contact;
+/// - their boxes are farther apart than the exempt distance in the undeformed body: neighbours along the surface, and
+///   the two sides of a thin part, are not in contact;
 /// - their normals oppose each other at the start of the step;
-/// - no vertex of one is then deeper behind the other than half the exempt distance: facets that face each other through the body are
-///   not in contact.
+/// - no vertex of one is then deeper behind the other than half the exempt distance: facets that face each other
+///   through the body are not in contact.
 ///
 /// Closest points and normals are those of [`DeformableObstacle`].
 #[derive(Clone, Debug)]
@@ -23,12 +23,13 @@ pub struct OwnSurface<const D: usize> {
 }
 
 impl<const D: usize> OwnSurface<D> {
-    /// Creates the obstacle from some facets of a closed boundary, the positions of the vertices of the undeformed body, and the
-    /// exempt distance. It is at least the distance at which the law acts, and less than the thickness of the parts between which
-    /// contact is looked for.
+    /// Creates the obstacle from some facets of a closed boundary, the positions of the vertices of the undeformed
+    /// body, and the exempt distance. It is at least the distance at which the law acts, and less than the thickness of
+    /// the parts between which contact is searched.
     ///
     /// # Errors
-    /// [`Error::UnknownFacet`]: the boundary does not have one of the facets. [`Error::Parameter`]: the distance is not positive.
+    /// [`Error::UnknownFacet`]: the boundary does not have one of the facets. [`Error::Parameter`]: the distance is not
+    /// positive.
     pub fn new(
         boundary: BoundaryMesh<D>,
         facets: Vec<FacetId>,
@@ -66,7 +67,8 @@ impl<const D: usize> Obstacle<D> for OwnSurface<D> {
         self.surface.boundary()
     }
 
-    /// Returns none: every point of a surface is on the whole of it. There are gaps to candidates only.
+    /// Returns `None`: the gap of a point of a surface to the whole of this surface is zero. Only gaps to candidates
+    /// are meaningful.
     fn smallest_gap(&self, _points: &[Point<D>], _positions: Positions<'_, D>) -> Option<f64> {
         None
     }

@@ -8,8 +8,8 @@ use crate::{Error, Positions};
 
 /// A polygon or polyhedron at rest, or some of its facets.
 ///
-/// Closest points and normals are those of [`DeformableObstacle`]. Normals point out of the obstacle; a container is a surface whose
-/// facets are reversed, see [`BoundaryMesh::reversed`].
+/// Closest points and normals are those of [`DeformableObstacle`]. Normals point out of the obstacle; a container is a
+/// surface whose facets are reversed, see [`BoundaryMesh::reversed`].
 #[derive(Clone, Debug)]
 pub struct RigidSurface<const D: usize> {
     surface: DeformableObstacle<D>,

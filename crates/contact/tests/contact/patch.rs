@@ -100,8 +100,8 @@ fn a_consistent_law_keeps_the_offset() {
     assert!((forces[0] - forces[1]).abs() < 1e-9 * forces[0], "{forces:?}");
 }
 
-/// Pushes two unit blocks together, one on the other, with a penalty or else by Nitsche's law with an offset. Returns the largest deviation of the displacement from the
-/// uniform state.
+/// Pushes two unit blocks together, one on the other, with a penalty or else by Nitsche's law with an offset. Returns
+/// the largest deviation of the displacement from the uniform state.
 fn two_blocks<const D: usize>(order: Order, gamma: Option<f64>, n_slave: usize, n_master: usize) -> f64 {
     let pushed = 0.01;
     // Free sides: Young's modulus and Poisson's ratio, those of plane strain in 2D.
@@ -171,8 +171,8 @@ fn two_blocks_pass_the_patch_test_whether_meshes_match_or_not() {
     }
 }
 
-/// Contact acts on the linear facets through the nodes. A uniform pressure on them is not the load of a uniform stress in quadratic elements. Where
-/// meshes match, the gap of the penalty balances the difference; elsewhere it falls with the size.
+/// Contact acts on the linear facets through the nodes. A uniform pressure on them is not the load of a uniform stress
+/// in quadratic elements. Where meshes match, the gap of the penalty balances the difference; elsewhere it falls with the size.
 #[test]
 fn two_blocks_of_quadratic_elements_are_nearly_uniform() {
     let [soft, stiff] = [1e4, 1e5].map(|gamma| two_blocks::<2>(Order::Quadratic, Some(gamma), 3, 3));

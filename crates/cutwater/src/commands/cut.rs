@@ -42,7 +42,7 @@ fn print_table(summary: &CutSummary) -> Result<(), Error> {
         ("partition", max_relative_error.partition, "parts and covered pieces make up each cell"),
         ("normals", max_relative_error.normals, "the interface is closed"),
         ("divergence", max_relative_error.divergence, "interface and volume belong together"),
-        ("adjacency", max_relative_error.adjacency, "both cells of a face see the same fluid on it"),
+        ("adjacency", max_relative_error.adjacency, "both cells of a face have the same fluid on it"),
     ] {
         print(&format!("  {name:<11} {error:8.1e}  {meaning}"))?;
     }

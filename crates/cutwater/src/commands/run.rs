@@ -90,7 +90,8 @@ fn stop_by_signal() -> &'static AtomicBool {
 /// Name of the log in the directory of results.
 const LOG: &str = "run.log";
 
-/// Output of a run for people. Where there is a terminal, progress is a bar, elsewhere a line at intervals; the log has these lines too.
+/// Output of a run for people. On a terminal progress is shown as a bar, elsewhere as a line at intervals. The log
+/// contains the same lines.
 struct Console {
     is_quiet: bool,
     is_verbose: bool,

@@ -1,4 +1,5 @@
-//! Every mistake in the table gets its message, with file, line, key and remedy, from the binary; and the page of the messages is made of the table.
+//! Every mistake in the table gets its message, with file, line, key and remedy, from the binary; and the page of the
+//! messages is made of the table.
 //!
 //! `UPDATE_PAGES=1 cargo test -p cutwater --test bad-input` updates the page.
 

@@ -43,11 +43,13 @@ impl CipVelocity {
 }
 
 /// Pressure part of `s_h`: `γ_p h_F τ_F ([∇p]·n, [∇q]·n)_F` with
-/// `τ_F = (ρ/dt + ρ |u*|_F/h_F + μ/h_F²)^{-1}`. It gives the inf-sup condition, and is the pressure's ghost penalty.
+/// `τ_F = (ρ s + ρ |u*|_F/h_F + μ/h_F²)^{-1}` and the rate `s`, `1/Δt` with implicit Euler. It provides the inf-sup
+/// condition, and is the ghost penalty of the pressure.
 ///
-/// Source: paper, `s_h` in Eq. (4); scaling as in Burman, Fernández, Hansbo 2006, DOI 10.1137/040617686, with the
-/// time step in the parameter, which matters on small steps.
-/// Couples: pressure × pressure.   Domain: interior faces of active parts, whole face; reduced in films, whose flux stabilises the pressure.
+/// Source: paper, `s_h` in Eq. (4); scaling as in Burman, Fernández, Hansbo 2006, DOI 10.1137/040617686, with the time step
+/// in `τ_F` in addition, which reduces the penalty for small steps.
+/// Couples: pressure × pressure.   Domain: interior faces of active parts, whole face. In films the weight is reduced by the
+/// factor `1 - χ`, because the term [`Film`](crate::terms::Film) stabilises the pressure there.
 /// Units: weight length²/viscosity × length.
 pub struct CipPressure {
     /// `γ_p`.
@@ -56,7 +58,7 @@ pub struct CipPressure {
     pub density: f64,
     /// Dynamic viscosity `μ^f`.
     pub viscosity: f64,
-    /// Derivative of acceleration with respect to velocity: `1/Δt` for implicit Euler, zero for a steady problem.
+    /// Rate `s`: derivative of acceleration with respect to velocity, zero for a steady problem.
     pub rate: f64,
 }
 

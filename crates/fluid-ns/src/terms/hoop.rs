@@ -1,11 +1,11 @@
-//! Strain of circles around the axis of an axisymmetric flow.
+//! Hoop strain of an axisymmetric flow: the strain of circles around the axis.
 
 use algebra::{LocalSystem, Term};
 
 use crate::FluidCell;
 
-/// `2 μ^f (u_r/r, v_r/r)_{Ω^f} - (p, v_r/r)_{Ω^f} + (q, u_r/r)_{Ω^f}`: the entry `D_θθ(u) = u_r/r` of the strain rate, which the gradient in the
-/// half plane `(r, z)` does not contain
+/// `2 μ^f (u_r/r, v_r/r)_{Ω^f} - (p, v_r/r)_{Ω^f} + (q, u_r/r)_{Ω^f}`: the contributions of the entry `D_θθ(u) = u_r/r` of the
+/// strain rate, which the gradient in the half plane `(r, z)` does not contain
 ///
 /// Source: the forms `a^f` and `b` of the paper in cylindrical coordinates, without swirl.
 /// Couples: radial velocity × radial velocity, radial velocity × pressure, pressure × radial velocity.

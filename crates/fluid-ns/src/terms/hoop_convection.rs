@@ -5,15 +5,17 @@ use mesh::{Tensor, Vector};
 
 use crate::FluidCell;
 
-/// Degree of quadrature: the radius cancels from the weight, and three P1 functions remain.
+/// Degree of quadrature: the radius in the weight cancels `1/r`, and three P1 functions remain.
 const DEGREE: usize = 3;
 
-/// `ρ^f/2 ((u_r/r) u, v)_{Ω^f}`: the part of `ρ^f/2 ((∇·u) u, v)` that the divergence in the half plane `(r, z)` does not contain
+/// `ρ^f/2 ((u_r/r) u, v)_{Ω^f}`: the part of `ρ^f/2 ((∇·u) u, v)` that the divergence in the half plane `(r, z)` does not
+/// contain
 ///
 /// Source: the skew part of [`Convection`](crate::terms::Convection) in cylindrical coordinates, without swirl.
 /// Couples: velocity × velocity.   Domain: fluid parts of active cells; none in Cartesian coordinates.
 /// Units: force of the whole circle.
-/// At a quadrature point of weight w: residual_i = w ρ/2 N_i (u_r/r) u,    tangent_ij = w ρ/2 N_i N_j ((u_r/r) I + u ⊗ e_r/r).
+/// At a quadrature point of weight w:
+///   residual_i = w ρ/2 N_i (u_r/r) u,    tangent_ij = w ρ/2 N_i N_j ((u_r/r) I + u ⊗ e_r/r).
 pub struct HoopConvection {
     /// Density `ρ^f`.
     pub density: f64,

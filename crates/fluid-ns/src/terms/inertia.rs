@@ -10,7 +10,7 @@ use crate::FluidCell;
 /// Source: paper, fully discrete form after Eq. (11).
 /// Couples: velocity × velocity.   Domain: fluid parts of active cells.
 /// Units: force (2D: per unit depth).
-/// With `m_ij = ∫ N_i N_j` and the acceleration `a` at the stage of slope `s`:
+/// With `m_ij = ∫ N_i N_j`, the acceleration `a` at the stage and its derivative `s` with respect to the velocity:
 ///   residual_i = ρ Σ_j m_ij a_j,    tangent_ij = s ρ m_ij I.
 pub struct Inertia {
     /// Density `ρ^f`.

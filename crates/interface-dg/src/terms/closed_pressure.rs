@@ -6,10 +6,12 @@ use crate::ClosedPoint;
 
 /// `(p n, w)` on the closed part of the surface of a body, with the pressure `p` at its rim, continued as in fluid at rest
 ///
-/// Source: see [`crate::FluidStress`].
-/// Couples: velocity of the surface × pressure.   Domain: facets of the body without their interface pieces, as they were cut.
+/// Source: Ager, Schott, Vuong, Popp, Wall 2019, doi:10.1002/nme.6094, who continue stresses of the fluid into the
+/// contact zone.
+/// Couples: velocity of the surface × pressure.   Domain: facets of the body without their interface pieces, at the
+/// positions of the cut.
 /// Units: force (2D: per unit depth).
-/// There is no row for the fluid: between surfaces in contact it has no volume.
+/// The fluid has no row: it has no volume between surfaces in contact. The pressure `p` is defined by [`crate::FluidStress`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ClosedPressure;
 

@@ -1,4 +1,4 @@
-//! One traction acts on fluid and solid alike.
+//! Consistency of the mortar: one traction acts on fluid and solid.
 
 use algebra::{LocalSystem, Term};
 use fluid_ns::NewtonianFluid;

@@ -14,13 +14,14 @@ pub enum PenaltyProfile {
         /// `γ_Σ`.
         gamma_sigma: f64,
     },
-    /// `σ_n = γ_n (μ/h_K + ρ |u* - v^n|/6 + ρ h_K/(12 θ Δt))` and `σ_t = γ_t μ/h_K`; where the accelerations `a*` of the fluid and
-    /// `b^n` of the body are known, `ρ √(h_K |a* - b^n|)/6` in place of the last share.
+    /// `σ_n = γ_n (μ/h_K + ρ |u* - v^n|/6 + ρ h_K/(12 θ Δt))` and `σ_t = γ_t μ/h_K`; where the accelerations `a*` of
+    /// the fluid and `b^n` of the body are known, `ρ √(h_K |a* - b^n|)/6` in place of the last share.
     ///
     /// The three shares of `σ_n` are those of viscosity, convection and inertia in a cell. Without inertia the surface
-    /// leaks. With the length of the step in `σ_n` the normal part holds the fluid of cut cells to the body as steps become
-    /// shorter; the speed that is gained over a cell does not depend on the step. With inertia in `σ_t` the fluid of a cut cell would be held to the body over the height of
-    /// the cell, which is a boundary layer of the mesh.
+    /// leaks. The share with the length of the step forces the fluid of cut cells to move with the body as steps become
+    /// shorter; the share with the acceleration, the speed that is gained over a cell, does not depend on the step.
+    /// `σ_t` has no inertia: it would force the fluid of a cut cell to move along with the body, a boundary layer whose
+    /// thickness is the size of the cell.
     Split {
         /// `γ_n`.
         gamma_normal: f64,
@@ -30,10 +31,11 @@ pub enum PenaltyProfile {
 }
 
 impl PenaltyProfile {
-    /// Returns the share `3/γ_t` of the flux of a film between two surfaces that passes because the velocity slips on one of them.
+    /// Returns the share `3/γ_t` of the flux along a film that passes because the velocity slips on one of its two surfaces.
     ///
-    /// A pressure gradient `G` along a film of thickness `δ` in one layer of cells loads each surface with `G δ/2`. With the penalty `γ_t μ/δ` the
-    /// velocity slips by `G δ²/(2 γ_t μ)`; half of it is the mean over the film, and the mean velocity of the parabola is `G δ²/(12 μ)`.
+    /// A pressure gradient `G` along a film of thickness `δ` in one layer of cells loads each surface with the shear
+    /// stress `G δ/2`. With the penalty `γ_t μ/δ` the velocity slips by `G δ²/(2 γ_t μ)`. Half of this is the mean over
+    /// the film. Relative to the mean velocity `G δ²/(12 μ)` of the parabola it is the share.
     pub fn slip_share(&self) -> f64 {
         match self {
             Self::Uniform { gamma_sigma: gamma } | Self::Split { gamma_tangential: gamma, .. } => 3.0 / gamma,
@@ -47,8 +49,9 @@ impl PenaltyProfile {
 /// arXiv 1706.05897.
 /// Couples: velocity and solid × velocity and solid.   Domain: interface pieces of the step.
 /// Units: force (2D: per unit depth).
-/// `h_K` is the size of the background cell, `|u* - v^n|` the largest relative speed on the piece, at the start of the step or extrapolated
-/// to its stage, and `|a* - b^n|` the largest relative acceleration of particles at the start.
+/// `h_K` is the size of the background cell; in `γ μ/h_K` it is the viscous length, which is less in films.
+/// `|u* - v^n|` is the largest relative speed on the piece, at the start of the step or extrapolated to its stage.
+/// `|a* - b^n|` is the largest relative acceleration of particles at the start.
 pub struct Penalty {
     /// The scaling.
     pub profile: PenaltyProfile,
@@ -63,8 +66,8 @@ pub struct Penalty {
 }
 
 impl Penalty {
-    /// Returns `σ_n` and `σ_t` on a piece, by the size of its cell, the length over which the velocity can change, the relative speed and the relative
-    /// acceleration.
+    /// Returns `σ_n` and `σ_t` on a piece with a cell size, a viscous length ([`crate::PieceValues::viscous_length`]),
+    /// a relative speed and, if it is known, a relative acceleration.
     pub(crate) fn eigenvalues(
         &self,
         [cell_size, viscous_length]: [f64; 2],

@@ -71,8 +71,8 @@ impl GmshFile {
         self.elements.get(dimension).map_or(0, |elements| elements.order)
     }
 
-    /// Returns the dimension of space: 3 if there are tetrahedra, or if the nodes of the triangles, or of the lines if there are none, do not lie in a plane of
-    /// equal `z`; else 2.
+    /// Returns the dimension of space: 3 if there are tetrahedra, or if the nodes of the triangles, or of the lines if
+    /// there are none, do not lie in a plane of equal `z`; else 2.
     pub fn dimension(&self) -> usize {
         let [_, lines, triangles, _] = &self.elements;
         let planar = if self.has_cells(2) { triangles } else { lines };

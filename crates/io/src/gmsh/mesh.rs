@@ -10,7 +10,8 @@ use super::file::{Elements, GmshFile};
 /// Mesh of a file.
 #[derive(Clone, Debug)]
 pub struct GmshMesh<const D: usize> {
-    /// Cells through the corner nodes. Tags of cells are physical groups of dimension `D`, tags of facets those of dimension `D - 1`.
+    /// Cells through the corner nodes. Tags of cells are physical groups of dimension `D`, tags of facets those of
+    /// dimension `D - 1`.
     pub mesh: SimplexMesh<D>,
     /// Position of the node on each edge of elements of order 2, by the ends of the edge in ascending order. Empty for order 1.
     pub edge_nodes: HashMap<[VertexId; 2], Point<D>>,
@@ -28,8 +29,8 @@ impl GmshFile {
     /// Vertices are the corner nodes that cells use, in the order of the file. A cell may have either orientation in the file.
     ///
     /// # Errors
-    /// Cause, place and remedy: no cells; nodes out of the plane in 2D; cells without volume, cells that lie over each other, more than two cells at a
-    /// facet.
+    /// Cause, place and remedy: no cells; nodes out of the plane in 2D; cells without volume, cells that lie over each
+    /// other, more than two cells at a facet.
     pub fn mesh<const D: usize>(&self) -> Result<GmshMesh<D>, String> {
         let elements = &self.elements[D];
         if elements.numbers.is_empty() {
@@ -87,8 +88,8 @@ impl GmshFile {
         Ok(GmshMesh { mesh, edge_nodes, n_turned, n_inside, n_ambiguous: n_ambiguous + n_more })
     }
 
-    /// Returns the positions of the nodes that are corners of elements, and the vertex of each node of the file. Other nodes have an identifier
-    /// beyond all of them.
+    /// Returns the positions of the nodes that are corners of elements, and the vertex of each node of the file. Other
+    /// nodes have an identifier beyond all of them.
     pub(super) fn corners<const D: usize>(
         &self,
         elements: &Elements,
@@ -127,7 +128,8 @@ impl GmshFile {
         edge_nodes
     }
 
-    /// Returns the mesh with tags of its boundary facets, the number of elements in groups inside, and that of those in several groups.
+    /// Returns the mesh with tags of its boundary facets, the number of elements in groups inside, and that of those in
+    /// several groups.
     fn with_facet_groups<const D: usize>(
         &self,
         mesh: SimplexMesh<D>,

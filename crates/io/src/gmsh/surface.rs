@@ -8,8 +8,8 @@ use super::file::GmshFile;
 use super::mesh::place;
 
 impl GmshFile {
-    /// Returns the surface formed by the lines (`D = 2`) or triangles (`D = 3`), with the positions of its vertices. All facets of a connected part have the
-    /// orientation of its first one.
+    /// Returns the surface formed by the lines (`D = 2`) or triangles (`D = 3`), with the positions of its vertices.
+    /// All facets of a connected part have the orientation of its first one.
     ///
     /// # Errors
     /// Cause, place and remedy: no facets, or a surface that is open or branches.
@@ -60,7 +60,8 @@ impl GmshFile {
     }
 }
 
-/// Returns the ends of a segment or the sides of a triangle, in ascending order of their vertices, each with its direction in the facet.
+/// Returns the ends of a segment or the sides of a triangle, in ascending order of their vertices, each with its
+/// direction in the facet.
 fn ridges(facet: &[VertexId]) -> impl Iterator<Item = (Vec<VertexId>, bool)> {
     let n = facet.len();
     (0..n).map(move |k| match n {

@@ -35,7 +35,8 @@ choices! {
             /// Condition on each side.
             boundary: At<Named<FluidCondition>>,
         },
-        /// Polygon with cells of one size, in 2D; sides `side-1`, `side-2` and so on after each corner, `hole-1` and so on for holes.
+        /// Polygon with cells of one size, in 2D; sides `side-1`, `side-2` and so on after each corner, `hole-1` and so
+        /// on for holes.
         Polygon = "polygon" {
             /// Corners, in order.
             corners: Vec<Components<f64>> [unit(Quantity::LENGTH)],
@@ -46,8 +47,8 @@ choices! {
             /// Condition on each side.
             boundary: At<Named<FluidCondition>>,
         },
-        /// Mesh of any shape from a Gmsh file (`.msh`, version 4.1 or 2.2). Its sides are the physical groups of the curves (2D) or surfaces (3D) on its
-        /// boundary; every part of the boundary belongs to one.
+        /// Mesh of any shape from a Gmsh file (`.msh`, version 4.1 or 2.2). Its sides are the physical groups of the
+        /// curves (2D) or surfaces (3D) on its boundary; every part of the boundary belongs to one.
         Mesh = "mesh" {
             /// Path of the file, relative to the scenario.
             file: At<String>,

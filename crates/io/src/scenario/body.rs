@@ -33,8 +33,8 @@ keys! {
         copies: Vec<Components<f64>> [unit(Quantity::LENGTH)],
         /// Motion of a body that does not deform; without one the body is elastic.
         motion: Option<At<MotionChoice>>,
-        /// Order of the elements of an elastic body; 1 if left out. Elements of order 2 have nodes on their edges; those on the edge of a disk lie on its
-        /// circle.
+        /// Order of the elements of an elastic body; 1 if left out. Elements of order 2 have nodes on their edges;
+        /// those on the edge of a disk lie on its circle.
         order: Option<At<usize>> [between(1.0, 2.0)],
         /// Material of an elastic body.
         material: Option<At<MaterialChoice>>,
@@ -90,7 +90,8 @@ choices! {
             /// Poisson's ratio.
             poisson: Option<f64> [group(1)],
         },
-        /// `W = μ/2 (F:F - D) - μ ln J + λ/2 (ln J)²`; resists any compression. With `mu` and `lambda`, or with `young` and `poisson`.
+        /// `W = μ/2 (F:F - D) - μ ln J + λ/2 (ln J)²`; resists any compression. With `mu` and `lambda`, or with `young`
+        /// and `poisson`.
         NeoHookean = "neo-hookean" {
             /// Shear modulus `μ`.
             mu: Option<f64> [unit(Quantity::PRESSURE), group(0)],
@@ -101,8 +102,8 @@ choices! {
             /// Poisson's ratio.
             poisson: Option<f64> [group(1)],
         },
-        /// Hooke's law between stress and the linear strain, for small displacements and rotations. With `mu` and `lambda`, or with
-        /// `young` and `poisson`.
+        /// Hooke's law between stress and the linear strain, for small displacements and rotations. With `mu` and
+        /// `lambda`, or with `young` and `poisson`.
         Linear = "linear" {
             /// Shear modulus `μ`.
             mu: Option<f64> [unit(Quantity::PRESSURE), group(0)],

@@ -260,8 +260,8 @@ fn check_contacts<const D: usize>(
     Ok(())
 }
 
-/// Checks that no more fluid is brought into a domain without an open side than is taken out. Elastic bodies and bodies that move or
-/// stand on the boundary may change the volume of the fluid: the balance is then unknown.
+/// Checks that no more fluid is brought into a domain without an open side than is taken out. Elastic bodies and bodies
+/// that move or stand on the boundary may change the volume of the fluid: the balance is then unknown.
 fn check_balance<const D: usize>(
     scenario: &Scenario,
     bodies: &[At<BodyKeys>],

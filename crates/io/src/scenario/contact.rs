@@ -19,12 +19,13 @@ use super::table::{At, Components, choices, keys};
 keys! {
     /// Contact between bodies, or of a body with an obstacle: `pairs`, or `pair`, or `body` and `obstacle`.
     pub struct ContactKeys {
-        /// Every two bodies that can meet, and every body that deforms with itself. In each pair the slave is the body that forces
-        /// move; of two such bodies, the elastic one if `law` is `nitsche`, then the one with the smaller facets, else the first one.
+        /// Every two bodies that can meet, and every body that deforms with itself. In each pair the slave is the movable
+        /// body, elastic or free. Of two such bodies it is the elastic one if `law` is `nitsche`, then the one with the
+        /// smaller facets, else the first one.
         pairs: Option<At<Pairs>> [group(0)],
         /// Names of two bodies, or twice that of a body in contact with itself; the slave is chosen as for `pairs`.
         pair: Option<At<Vec<At<String>>>> [group(1)],
-        /// Name of the slave; `all` for every body that forces move.
+        /// Name of the slave; `all` for every movable body.
         body: Option<At<String>> [group(2)],
         /// The obstacle of `body`.
         obstacle: Option<At<ObstacleChoice>> [group(2)],
@@ -53,17 +54,18 @@ choices! {
             /// Penalty parameter `γ_C0`.
             gamma_contact_0: f64 [unit(Quantity::PRESSURE), positive],
         },
-        /// Collision of bodies that do not deform: where the gap is below the offset, the roughness of the surfaces, the velocity of approach is reversed
-        /// in one step, for bodies and fluid together.
+        /// Collision of bodies that do not deform. If the gap is below the offset, which is the roughness of the
+        /// surfaces, the velocity of approach is reversed in one step, for bodies and fluid together.
         Collision = "collision" {
             /// Restitution of a collision without fluid.
             restitution: f64 [between(0.0, 1.0)],
         },
-        /// Nitsche's method: pressure `[γ_C (ε - Δ) - s_n]₊`, with the normal stress `s_n` of the slave, in fluid minus that of the fluid, and `γ_C = γ_0 (2 μ + λ)/h` of the
-        /// slave's cell, of height `h`. Bodies in contact are at the distance `ε` without an error of the penalty; the slave is elastic.
+        /// Nitsche's method: pressure `[γ_C (ε - Δ) - s_n]₊`, with the normal stress `s_n` of the slave minus that of
+        /// the fluid, and `γ_C = γ_0 (2 μ + λ)/h` of the slave's cell of height `h`. Bodies in contact have the
+        /// distance `ε`, without the error of a penalty. The slave is elastic.
         Nitsche = "nitsche" {
-            /// Number `γ_0`. It has to be above 2 in the plane and 3 in space, times the number of facets of a cell that lie on the surface; larger numbers hardly change
-            /// results.
+            /// Number `γ_0`. It must be above 2 in the plane and 3 in space, times the number of facets of a cell that
+            /// lie on the surface. Larger numbers hardly change results.
             gamma_0: f64 [positive] = 10.0,
             /// Coefficient of Coulomb friction: the tangential traction is at most this number times the pressure.
             friction: f64 [non_negative] = 0.0,

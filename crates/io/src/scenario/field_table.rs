@@ -40,7 +40,8 @@ impl FieldTable {
     /// Returns the variable, and its values with those of the column, in ascending order.
     ///
     /// # Errors
-    /// File, line, cause and remedy: a file that cannot be read, columns that do not exist, rows that are not finite numbers in ascending order.
+    /// File, line, cause and remedy: a file that cannot be read, columns that do not exist, rows that are not finite
+    /// numbers in ascending order.
     pub(super) fn read(&self) -> Result<(Variable, Vec<[f64; 2]>), ScenarioError> {
         let Self::Table { file, column, over } = self;
         let path = input_path(file);

@@ -43,7 +43,8 @@ keys! {
         body: Vec<At<BodyKeys>>,
         /// Mortar between fluid and bodies.
         interface: Interface = {},
-        /// Contacts, a table `[contact]` or several `[[contact]]`; bodies without a contact between them pass through each other.
+        /// Contacts, a table `[contact]` or several `[[contact]]`; bodies without a contact between them pass through
+        /// each other.
         contact: Vec<At<ContactKeys>>,
         /// Output.
         output: Output = {},
@@ -58,8 +59,8 @@ choices! {
     pub enum CoordinatesChoice {
         /// Cartesian coordinates; two dimensions are a plane problem, per unit depth.
         Cartesian = "cartesian",
-        /// Radius and height `(r, z)` of a problem with rotational symmetry and without swirl, as `x` and `y` with `x >= 0`. Masses, forces and
-        /// energies are those of the whole body.
+        /// Radius and height `(r, z)` of a problem with rotational symmetry and without swirl, as `x` and `y` with
+        /// `x >= 0`. Masses, forces and energies are those of the whole body.
         Axisymmetric = "axisymmetric",
     }
 }
@@ -71,8 +72,8 @@ keys! {
         directory: Option<At<String>>,
         /// Steps between two sets of field files; 0 for none.
         vtk_every: usize = 10,
-        /// Fields in the field files; all if left out. A series without any of them is not written. Numbers of bodies, facets and parts of the fluid are
-        /// always written.
+        /// Fields in the field files; all if left out. A series without any of them is not written. Numbers of bodies,
+        /// facets and parts of the fluid are always written.
         fields: Vec<FieldChoice>,
         /// Level of compression of field files, 0 for none.
         compression: u32 [between(0.0, 9.0)] = 0,
@@ -195,7 +196,8 @@ impl ScenarioFile {
         &self.scenario
     }
 
-    /// Returns the file as a table in which `name` replaces each file that it names, by the key of the table that names it and its path.
+    /// Returns the file as a table in which `name` replaces each file that it names, by the key of the table that names
+    /// it and its path.
     ///
     /// # Errors
     /// The first error of `name`.

@@ -3,7 +3,7 @@
 use cutcell::OverlayOptions;
 use fluid_ns::NewtonianFluid;
 use fluid_ns::terms::CipProfile;
-use mesh::{Coordinates, FacetId, Placed, Point, Tag, Vector};
+use mesh::{Coordinates, FacetId, Placed, Tag, Vector};
 use solver::interface_dg::terms::PenaltyProfile;
 use solver::{FilmSetup, FluidBoundary, FluidSetup, Stabilisation};
 
@@ -26,7 +26,8 @@ keys! {
         stabilisation: OrTable<StabilisationChoice, StabilisationKeys> = "standard",
         /// Form of the convective term.
         convection: ConvectionChoice = "standard",
-        /// Films between bodies and walls that are thinner than four cells: the flux along them that cells do not resolve. Not modelled if left out.
+        /// Flux along films between bodies and walls that are thinner than four cells, which cells do not resolve; not
+        /// modelled if left out.
         film: Option<FilmKeys>,
         /// Force per volume; none if left out.
         body_force: Option<Field> [unit(Quantity::FORCE_DENSITY)],
@@ -38,10 +39,10 @@ keys! {
 keys! {
     /// Films between bodies, and between bodies and walls.
     pub struct FilmKeys {
-        /// Height of the asperities of two opposite surfaces together: a thinner film conducts as one of this thickness.
+        /// Height of the asperities of two opposite surfaces together; a thinner film has the conductance of this thickness.
         roughness: f64 [unit(Quantity::LENGTH), non_negative] = 0.0,
-        /// Lowest pressure in films, at which vapour appears: that of the vapour minus that of the surroundings, -1e5 Pa for water in air. The
-        /// fluid bears any tension if left out.
+        /// Lowest pressure in films, at which vapour appears: the pressure of the vapour minus that of the
+        /// surroundings, -1e5 Pa for water in air; not bounded if left out.
         floor: Option<f64> [unit(Quantity::PRESSURE)],
     }
 }
@@ -138,8 +139,8 @@ choices! {
 keys! {
     /// Mortar between fluid and bodies.
     pub struct Interface {
-        /// Weight of the traction of the fluid; the rest is that of elastic bodies. Below 1 a run ends at once if the penalty is too
-        /// small for the stiffness of the bodies.
+        /// Weight of the traction of the fluid; the rest is that of elastic bodies. Below 1 a run ends at once if the
+        /// penalty is too small for the stiffness of the bodies.
         alpha: f64 [between(0.0, 1.0)] = 1.0,
     }
 }
@@ -172,7 +173,8 @@ fn stabilisation(given: &OrTable<StabilisationChoice, StabilisationKeys>) -> Sta
     }
 }
 
-/// Builds the fluid with its boundary conditions and the weight of its traction in the mortar; `times` are the start and the end of the run.
+/// Builds the fluid with its boundary conditions and the weight of its traction in the mortar; `times` are the start
+/// and the end of the run.
 pub(super) fn fluid<const D: usize>(
     (fluid, alpha, coordinates): (&Fluid, f64, Coordinates),
     given: &At<Background>,
@@ -217,12 +219,13 @@ pub(super) fn fluid<const D: usize>(
 
 /// Times at which the balance of a closed domain is checked.
 const BALANCE_TIMES: usize = 17;
-/// Largest net flow through the boundary of a closed domain, relative to the flow of the largest speeds through all of it: profiles are
-/// interpolated on facets, with an error of second order in their size.
+/// Largest net flow through the boundary of a closed domain, relative to the integral of the speed over the boundary at
+/// the time at which it is largest. Profiles are interpolated on facets, with an error of second order in their size.
 const LARGEST_NET_FLOW: f64 = 1e-2;
 
-/// Returns a time and the net inflow at it if no part of the boundary is open and more fluid enters than leaves, or less. Velocities are those
-/// that the solver prescribes at vertices: where conditions meet, walls come before given velocities.
+/// Returns a time and the net inflow at this time if no part of the boundary is open and the net inflow is not zero.
+/// Velocities are those that the solver prescribes at vertices: at a vertex of several conditions a wall counts more
+/// than a given velocity.
 pub(super) fn unbalanced<const D: usize>(fluid: &FluidSetup<D>, [start, end]: [f64; 2]) -> Option<(f64, f64)> {
     let is_open = |(_, condition): &(Tag, FluidBoundary<D>)| {
         matches!(condition, FluidBoundary::Open { .. } | FluidBoundary::Parallel { .. })
@@ -245,10 +248,9 @@ pub(super) fn unbalanced<const D: usize>(fluid: &FluidSetup<D>, [start, end]: [f
             on(*tag).flat_map(|facet| surface.facet(facet)).for_each(|v| nodal[v.index()] = Vector::zeros());
         }
         let of_facet = |facet: FacetId| {
-            let (vertices, measure) = (surface.facet(facet), placed.facet_measure(facet));
+            let vertices = surface.facet(facet);
             let sum: Vector<D> = vertices.iter().map(|v| nodal[v.index()]).sum();
-            let middle = placed.facet_points(facet)[..D].iter().sum::<Point<D>>() / D as f64;
-            let per_vertex = measure * background.coordinates().weight(&middle) / vertices.len() as f64;
+            let per_vertex = placed.weighted_measure(facet) / vertices.len() as f64;
             [-sum.dot(&placed.facet_normal(facet)) * per_vertex, sum.norm() * per_vertex]
         };
         surface.facets().map(of_facet).fold([0.0; 2], |sum, flow| [sum[0] + flow[0], sum[1] + flow[1]])

@@ -89,8 +89,8 @@ const OPERATORS: [(&str, u8, u8, Binary); 5] = [
 /// Precedence from which operators on the right of a leading sign are applied before it.
 const LEADING_SIGN: u8 = 5;
 
-/// Returns a quotient. Where the divisor has grown beyond the range of numbers the quotient is zero, and so is its rate: `1/(1 + exp(1000 t))`
-/// is as smooth there as elsewhere. At a division by zero the rate is not a number.
+/// Returns a quotient. Where the divisor has grown beyond the range of numbers the quotient is zero, and so is its
+/// rate: `1/(1 + exp(1000 t))` is as smooth there as elsewhere. At a division by zero the rate is not a number.
 fn quotient(a: Dual, b: Dual) -> Dual {
     let value = a.value / b.value;
     let is_beyond = b.value.is_infinite() && b.rate.is_infinite() && a.value.is_finite() && a.rate.is_finite();
@@ -153,7 +153,8 @@ impl Formula {
         Self { text: value.to_string(), root: Node::Number(value) }
     }
 
-    /// Creates the function with straight lines between rows, each with a variable and a value; it is constant before the first and after the last row.
+    /// Creates the function with straight lines between rows, each with a variable and a value; it is constant before
+    /// the first and after the last row.
     pub(super) fn through(variable: &str, rows: Vec<[f64; 2]>) -> Self {
         let index = VARIABLES.iter().position(|known| *known == variable).unwrap_or_default();
         Self { text: format!("table over {variable}: {rows:?}"), root: Node::Table(index, rows.into()) }

@@ -27,7 +27,8 @@ choices! {
             radius: f64 [unit(Quantity::LENGTH), positive],
             /// Mean diameter of the cells; in 3D, mean length of their edges.
             size: f64 [unit(Quantity::LENGTH), positive],
-            /// Whether the polygon or polyhedron has the area or volume of the ball; its vertices lie on the surface of the ball otherwise.
+            /// Whether the polygon or polyhedron has the area or volume of the ball; its vertices lie on the surface of
+            /// the ball otherwise.
             area_preserving: bool = false,
         },
         /// Half of a disk with `x` not below that of the centre, in 2D; tags `left` (the diameter) and `surface`.
@@ -76,8 +77,8 @@ choices! {
             /// Mean diameter of the cells.
             size: f64 [unit(Quantity::LENGTH), positive],
         },
-        /// Simple polygon, or smooth curve through its corners, in 2D. Tags `side-1`, `side-2` and so on for the sides after each corner, `surface` for a
-        /// smooth curve; `hole-1` and so on for holes.
+        /// Simple polygon, or smooth curve through its corners, in 2D. Tags `side-1`, `side-2` and so on for the sides
+        /// after each corner, `surface` for a smooth curve; `hole-1` and so on for holes.
         Polygon = "polygon" {
             /// Corners, in order.
             corners: Vec<Components<f64>> [unit(Quantity::LENGTH)],
@@ -88,8 +89,8 @@ choices! {
             /// Whether outline and holes are periodic cubic splines through their corners.
             smooth: bool = false,
         },
-        /// Mesh from a Gmsh file (`.msh`, version 4.1 or 2.2), with the names of its physical groups as tags. For bodies that do not deform, also a closed
-        /// surface: `.stl` or `.obj` in 3D, lines or triangles of a Gmsh file.
+        /// Mesh from a Gmsh file (`.msh`, version 4.1 or 2.2), with the names of its physical groups as tags. For
+        /// bodies that do not deform, also a closed surface: `.stl` or `.obj` in 3D, lines or triangles of a Gmsh file.
         Mesh = "mesh" {
             /// Path of the file, relative to the scenario.
             file: At<String>,

@@ -35,13 +35,13 @@ choices! {
             /// Centre of the rotation before the displacement, with `angle`.
             centre: Option<At<Components<f64>>> [unit(Quantity::LENGTH)],
         },
-        /// Free rigid body, moved by its weight, the fluid and contacts; with `density` and `gravity`.
+        /// Free rigid body, moved by its weight, the fluid and contacts; it needs `density` and `gravity`.
         Free = "free" {
             /// Motions that are held.
             held: Vec<At<Held>>,
             /// Angular velocity at the start; none if left out.
             initial_spin: Option<At<f64>> [unit(Quantity::RATE)],
-            /// A given motion before the body is free; free from the start if left out.
+            /// Given motion until the body is released; free from the start if left out.
             guided: Option<GuideKeys>,
         },
         /// Table of displacements and angles over time.
@@ -181,11 +181,13 @@ fn turning_centre<const D: usize>(
 /// Largest number of times at which a formula is checked before a run.
 const MOST_TRIALS: usize = 100_000;
 
-/// Largest difference between the displacement of a body in a step and its velocity at the end of the step times the length of the step, relative to the largest
-/// such velocity; on average over all steps, and in a single step beyond the velocities at both its ends. Steps that resolve a motion stay below: six in a period make 0.5.
+/// Largest difference between the displacement of a body in a step and its velocity at the end of the step times the
+/// length of the step, relative to the largest such velocity: on average over all steps, and in a single step beyond
+/// the velocities at both its ends. Steps that resolve a motion are below; six steps in a period give 0.5.
 const UNRESOLVED: f64 = 0.5;
 
-/// Returns the time of a step that does not resolve a motion, along one axis or of an angle: the body would not move as fast as the fluid on it does.
+/// Returns the time of a step that does not resolve a motion, along one axis or of an angle: the displacement of the
+/// body would differ from that of the fluid on it.
 fn unresolved(at: impl Fn(f64) -> Dual, time: &Time) -> Option<f64> {
     let (n_steps, dt) = (time.n_steps(), *time.step);
     let steps = || (0..n_steps).step_by(n_steps / MOST_TRIALS + 1);
@@ -219,7 +221,8 @@ fn too_fast(what: &str, at: f64, time: &Time) -> String {
     )
 }
 
-/// Checks that value and rate of a formula are finite at every step, or at [`MOST_TRIALS`] of them, and that steps resolve the motion.
+/// Checks that value and rate of a formula are finite at every step, or at [`MOST_TRIALS`] of them, and that steps resolve the
+/// motion.
 fn checked(formula: &At<Formula>, time: &Time) -> Result<Formula, ScenarioError> {
     let n_steps = time.n_steps();
     for t in (0..=n_steps).step_by(n_steps / MOST_TRIALS + 1).map(|k| k as f64 * *time.step) {

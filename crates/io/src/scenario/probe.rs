@@ -35,7 +35,8 @@ choices! {
             /// Point about which the moment is taken; the origin if left out.
             about: Option<Components<f64>> [unit(Quantity::LENGTH)],
         },
-        /// Volume of fluid per time through a segment (2D) or parallelogram (3D), and mean pressure on it; in 2D per unit depth.
+        /// Volume of fluid per time through a segment (2D) or parallelogram (3D), and mean pressure on it; in 2D per
+        /// unit depth.
         Flux = "flux" {
             /// A corner of the section.
             corner: Components<f64> [unit(Quantity::LENGTH)],

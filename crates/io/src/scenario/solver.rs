@@ -24,7 +24,7 @@ keys! {
         /// Number of times that a step is halved, if Newton's method fails or a contact may have been missed, before the
         /// run stops.
         most_halvings: usize [between(0.0, 20.0)] = 4,
-        /// Steps that become shorter as the bodies of a contact approach: a step is taken in parts then. Steps of one length if left out.
+        /// Steps in parts that become shorter as the bodies of a contact approach; steps of one length if left out.
         approach: Option<Approach>,
     }
 }
@@ -32,7 +32,7 @@ keys! {
 keys! {
     /// Parts of steps where bodies are close to each other.
     pub struct Approach {
-        /// Largest motion of the bodies of a contact in a part of a step, over the gap between them.
+        /// Largest motion of the bodies of a contact in a part of a step, relative to the gap between them.
         fraction: f64 [positive] = 0.06,
         /// Smallest length of a part.
         smallest: f64 [unit(Quantity::TIME), positive],
@@ -104,16 +104,16 @@ keys! {
     pub struct Solver {
         /// Newton's method.
         newton: Newton = {},
-        /// Linear solver. If left out: `{ kind = "gmres", preconditioner = "lagged-lu" }`; for a fluid in space with more than 50 000 unknowns
-        /// `{ kind = "gmres", preconditioner = "block-gauss-seidel" }`.
+        /// Linear solver. If left out: `{ kind = "gmres", preconditioner = "lagged-lu" }`; for a fluid in space with
+        /// more than 50 000 unknowns `{ kind = "gmres", preconditioner = "block-gauss-seidel" }`.
         linear: Option<Linear>,
     }
 }
 
 /// Number of unknowns of a fluid in space above which a factorisation of the whole matrix is too large.
 ///
-/// Both factors of the matrix of a mesh in space have about `20 n^(4/3)` entries: with 50 000 unknowns 0.15 GB in single precision, and with
-/// 500 000 unknowns 3 GB.
+/// Both factors of the matrix of a mesh in space have about `20 n^(4/3)` entries: with 50 000 unknowns 0.15 GB in
+/// single precision, and with 500 000 unknowns 3 GB.
 const LARGE_IN_SPACE: usize = 50_000;
 
 impl Solver {

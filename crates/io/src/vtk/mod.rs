@@ -95,7 +95,8 @@ impl Grid {
         self.cell_data.push(Attribute::DataArray(DataArray::scalars(name, 1).with_data(values)));
     }
 
-    /// Removes the fields of which the names do not satisfy a condition. Returns `None` if none of them is left; whole numbers are kept.
+    /// Removes the fields whose names do not satisfy a condition; fields of whole numbers are kept. Returns `None` if
+    /// no other field is left.
     #[cfg(feature = "simulation")]
     pub(crate) fn retain(mut self, is_kept: impl Fn(&str) -> bool) -> Option<Self> {
         let is_id = |attribute: &Attribute| matches!(attribute, Attribute::DataArray(array) if matches!(array.data, IOBuffer::I64(_)));
@@ -141,7 +142,8 @@ impl Grid {
 }
 
 impl Grid {
-    /// Returns the text of a file without points and cells, with the names of the fields. The counts that readers of VTK need are zero, which vtkio leaves out.
+    /// Returns the text of a file without points and cells, with the names of the fields. It contains the counts of
+    /// zero that readers of VTK need and that vtkio does not write.
     fn empty(&self) -> String {
         let array = |attribute: &Attribute| match attribute {
             Attribute::DataArray(array) => {

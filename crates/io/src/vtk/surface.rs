@@ -7,8 +7,9 @@ use super::{Grid, in_space, simplex_type};
 
 /// Returns the grid of the facets of all bodies, at their positions at the end of a step; `None` without a body.
 ///
-/// Fields of cells: `traction`, the mean over the wet part of the facet of the traction of the fluid on the body with the penalty of the mortar, zero on dry
-/// facets; `contact_pressure`, the mean over the facet; `body` and `facet` of its surface. Both fields are zero before the first step.
+/// Fields of cells: `traction` is the traction of the fluid on the body with the penalty of the mortar, a mean over the
+/// wet part of the facet, zero on dry facets. `contact_pressure` is a mean over the facet. Both are zero before the
+/// first step. `body` and `facet` are numbers.
 pub fn surface_grid<const D: usize>(view: &StepView<'_, D>) -> Option<Grid> {
     let (setup, state) = (view.setup, view.state);
     let mut grid = Grid::default();

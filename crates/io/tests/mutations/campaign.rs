@@ -30,7 +30,8 @@ fn number(name: &str) -> Option<f64> {
     std::env::var(name).ok()?.parse().ok()
 }
 
-/// Runs a parser on mutations of its seeds, and checks that it returns for every one of them. The parser returns whether it accepts an input.
+/// Runs a parser on mutations of its seeds, and checks that it returns for every one of them. The parser returns
+/// whether it accepts an input.
 pub(crate) fn campaign(name: &'static str, seeds: Vec<Vec<u8>>, parser: impl Fn(&[u8]) -> bool) {
     let minutes = number("MUTATION_MINUTES");
     let seed = number("MUTATION_SEED").unwrap_or(1.0) as u64;

@@ -1,7 +1,9 @@
 //! Mutated files of every format: each parser returns a result or an error, in little time and memory.
 //!
-//! A test of a few seconds by default. `MUTATION_MINUTES=10 cargo test -p io --test mutations -- --test-threads=1 --nocapture gmsh` runs a parser for
-//! longer, and `MUTATION_SEED=2` changes the inputs, which follow from the seed and the number of the input alone. An input that fails is kept as a file.
+//! A test of a few seconds by default.
+//! `MUTATION_MINUTES=10 cargo test -p io --test mutations -- --test-threads=1 --nocapture gmsh` runs a parser for
+//! longer, and `MUTATION_SEED=2` changes the inputs, which follow from the seed and the number of the input alone. An
+//! input that fails is kept as a file.
 #![allow(clippy::print_stderr)] // the numbers of a long run
 
 mod campaign;

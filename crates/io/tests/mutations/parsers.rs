@@ -42,7 +42,8 @@ pub(crate) fn scenario_seeds() -> Vec<Vec<u8>> {
     small.iter().cloned().cycle().take(12).chain(files.map(read)).collect()
 }
 
-/// Returns whether all numbers of a text are of the order of one, or so extreme that they must be refused or have no effect on the size of a problem.
+/// Returns whether all numbers of a text are of the order of one, or so extreme that they must be refused or have no
+/// effect on the size of a problem.
 fn is_affordable(text: &str) -> bool {
     let is_part = |c: char| c.is_ascii_alphanumeric() || "+-.".contains(c);
     let numbers = text.split(|c: char| !is_part(c)).filter_map(|word| word.parse::<f64>().ok()).map(f64::abs);

@@ -126,8 +126,8 @@ fn a_disk_in_a_round_container_is_a_pendulum() {
     results(&legal(&text, &[]), &directory);
     let (time, x) = (column(&directory, "time"), column(&directory, "centre_x"));
     let lowest = x.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1)).map(|(k, _)| time[k]);
-    // Half a period later the disk is on the other side. The period of a pendulum grows with its angle by angle²/16 of it; the disk
-    // stands 0.3 mm deep in the container.
+    // Half a period later the disk is on the other side. The period of a pendulum grows with its angle by angle²/16 of
+    // it; the disk stands 0.3 mm deep in the container.
     let half = lowest.expect("a lowest value");
     assert!((half / (0.5 * period) - 1.0).abs() < 0.02, "{half} {period}");
     let swing = x.iter().copied().fold(f64::INFINITY, f64::min);

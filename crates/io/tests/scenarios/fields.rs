@@ -79,7 +79,8 @@ fn principal_stresses_of_a_stretched_block() {
     let corner = corner.into_iter().find(|c| (c[0] - 1.0).abs() + (c[1] - 1.0).abs() < 1e-12).expect("the corner");
     let (along, across) = (1.0 + corner[2], 1.0 + corner[3]);
     assert!(along > 1.1 && across < 1.0, "{along} {across}");
-    // The first Piola-Kirchhoff stress is the load; the Cauchy stress is `P Fᵀ / det F`. The stress across the plane follows from `S = λ tr(E) I`.
+    // The first Piola-Kirchhoff stress is the load; the Cauchy stress is `P Fᵀ / det F`. The stress across the plane
+    // follows from `S = λ tr(E) I`.
     let volume = along * across;
     let out_of_plane = lambda * 0.5 * (along * along + across * across - 2.0) / volume;
     let expected = [load / across, out_of_plane, 0.0];

@@ -93,7 +93,8 @@ fn a_mesh_is_read_as_it_was_written() {
     round_trip(structured_box([0.0; 3], [3.0, 2.0, 1.0], [3, 2, 2]).expect("a mesh"));
 }
 
-/// Two triangles in the form in which Gmsh writes version 4.1: nodes by entity, gaps in their numbers, a point that no element uses, and other sections.
+/// Two triangles in the form in which Gmsh writes version 4.1: nodes by entity, gaps in their numbers, a point that no
+/// element uses, and other sections.
 const V41: &str = r#"$MeshFormat
 4.1 0 8
 $EndMeshFormat
@@ -382,8 +383,8 @@ fn damaged_files_do_no_harm() {
 /// A group of a fixture: its name, the number of its elements, and their length, area or volume for elements of order 1 and 2.
 type Group = (&'static str, usize, [f64; 2]);
 
-/// Numbers that Gmsh 4.15.2 states of the meshes of `gmsh-files`: nodes of cells of order 2, corners, and groups of the boundary and of cells. Measures are sums of
-/// its Jacobians with its rule `Gauss6`.
+/// Numbers that Gmsh 4.15.2 states of the meshes of `gmsh-files`: nodes of cells of order 2, corners, and groups of the
+/// boundary and of cells. Measures are sums of its Jacobians with its rule `Gauss6`.
 struct Numbers {
     name: &'static str,
     nodes: usize,
@@ -414,7 +415,8 @@ const SPACE: Numbers = Numbers {
     ],
 };
 
-/// Returns the volume of a group with elements of order 2: the mass of a body in which only the group has a density to speak of.
+/// Returns the volume of a group with elements of order 2: the mass of a body in which only the group has a density to
+/// speak of.
 fn curved_volume<const D: usize>(found: &GmshMesh<D>, group: &str) -> f64 {
     let (mesh, nodes) = (&found.mesh, &found.edge_nodes);
     let tag = mesh.tag(group);

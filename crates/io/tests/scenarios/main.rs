@@ -1,4 +1,5 @@
-//! Scenarios and files: reading, problems that are built, runs, and results. One program, because each one compiles the solver anew.
+//! Scenarios and files: reading, problems that are built, runs, and results. One program, because each one compiles the
+//! solver anew.
 
 mod conditions;
 mod contacts;

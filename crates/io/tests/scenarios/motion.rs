@@ -367,7 +367,7 @@ fn a_table_moves_a_body_beside_an_elastic_one() {
     }
     let file = moving(motion, BAR, &["time.end=0.2"]);
     let summary = results(&file, &first);
-    assert_eq!(summary.leading.as_deref(), Some("bar"), "the first body that forces move");
+    assert_eq!(summary.leading.as_deref(), Some("bar"), "the first movable body");
     assert!(!old.exists() && other.exists());
     assert!(column(&first, "cylinder_angle").iter().all(|angle| angle.abs() < 1e-12));
     let height = column(&first, "cylinder_centre_y");

@@ -124,8 +124,8 @@ fn factor_of(column: &str, dimension: i32) -> f64 {
     quantities.iter().find(|(word, _)| column.contains(word)).map_or(1.0, |(_, factor)| *factor)
 }
 
-/// Compares the histories of a scenario in SI and in cgs, with the largest difference relative to the largest value of each column. `smallest` is the value in SI below
-/// which a column vanishes by symmetry, but for round-off.
+/// Compares the histories of a scenario in SI and in cgs, with the largest difference relative to the largest value of
+/// each column. `smallest` is the value in SI below which a column vanishes by symmetry, but for round-off.
 fn assert_same([si, cgs]: [&ScenarioFile; 2], name: &str, smallest: fn(&str) -> f64) {
     let histories = [(si, "si"), (cgs, "cgs")].map(|(file, units)| {
         let directory = fresh_directory(&format!("{name}-{units}"));
@@ -137,7 +137,8 @@ fn assert_same([si, cgs]: [&ScenarioFile; 2], name: &str, smallest: fn(&str) -> 
     assert_eq!(si.names(), cgs.names());
     assert!(si.column("active_points").is_some_and(|n| n.first() == Some(&0.0) && n.iter().any(|n| *n > 0.0)));
     let mut missed = Vec::new();
-    // In the first step the number of corrections depends on the units, as the start has no pressure to which residuals are relative.
+    // In the first step the number of corrections depends on the units, as the start has no pressure to which residuals
+    // are relative.
     let is_work = |name: &str| name.starts_with("seconds") || name == "newton" || name == "factorizations";
     for name in si.names().iter().filter(|name| !is_work(name)) {
         let [si, cgs] = [si, cgs].map(|table| table.column(name).expect("a column"));

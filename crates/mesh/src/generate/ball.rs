@@ -17,8 +17,9 @@ pub struct BallOptions {
 
 /// Generates a ball with cells of size `h` (at most the radius). Its boundary has the tag "surface".
 ///
-/// In 2D, boundary vertices are equally spaced and angles are at least 25 degrees. In 3D, the 20 tetrahedra between the centre and the faces of an
-/// icosahedron are divided, and the vertices are moved along rays until each layer is a sphere; edges have the mean length `h`.
+/// In 2D, boundary vertices are equally spaced and angles are at least 25 degrees. In 3D, the 20 tetrahedra between the
+/// centre and the faces of an icosahedron are divided, and the vertices are moved along rays until each layer is a
+/// sphere; edges have the mean length `h`.
 ///
 /// # Errors
 /// [`Error::Parameter`]: centre, radius or size not finite, radius or size not positive, or too many cells.
@@ -76,7 +77,7 @@ fn check<const D: usize>(centre: &[f64; D], radius: f64, h: f64) -> Result<(), E
     Ok(())
 }
 
-/// A circle about the origin, in a unit of its own.
+/// A circle about the origin, in the unit of its radius.
 struct Circle {
     unit: Unit,
     /// Place of its centre, in the given unit.

@@ -30,7 +30,8 @@ impl ClosedLine {
     /// begins at the corner of that number, to its name.
     ///
     /// # Errors
-    /// [`Error::Parameter`]: fewer than three corners, coordinates that are not finite, a size that is not positive, or too many segments.
+    /// [`Error::Parameter`]: fewer than three corners, coordinates that are not finite, a size that is not positive, or
+    /// too many segments.
     pub fn polygon(corners: &[[f64; 2]], h: f64, name: impl Fn(usize) -> String) -> Result<Self, Error> {
         check(corners, h)?;
         let mut line = Self::default();
@@ -40,8 +41,8 @@ impl ClosedLine {
         Ok(line)
     }
 
-    /// Creates a line along the periodic cubic spline through corners, with the distances of the corners as differences of its parameter.
-    /// Its segments have equal lengths on the curve, `h` at most.
+    /// Creates a line along the periodic cubic spline through corners, with the distances of the corners as differences
+    /// of its parameter. Its segments have equal lengths on the curve, `h` at most.
     ///
     /// # Errors
     /// As [`Self::polygon`]; corners that coincide, and more than 2000 corners.

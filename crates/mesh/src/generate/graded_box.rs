@@ -16,7 +16,8 @@ use crate::{Error, Point, SimplexMesh};
 /// tags "left", "right", "front", "back" (low and high `y`), "bottom", "top"; bricks are graded along the axis of a graded
 /// size, and have the finest size along the other axes.
 ///
-/// Sizes are at most the length of the shortest side. In 2D the mesh is the same in units that differ by a factor of a hundred, such as those of cgs and SI.
+/// Sizes are limited to the length of the shortest side. In 2D the mesh is the same in units that differ by a factor of
+/// a hundred, such as those of cgs and SI.
 ///
 /// # Errors
 /// [`Error::Parameter`]: a side or a size that is not positive and finite, or too many cells.

@@ -13,7 +13,8 @@ const MEAN_EDGE: f64 = 1.26;
 
 /// Generates a ball of unit radius about the origin, for a given ratio of the radius to the mean length of the edges.
 ///
-/// Each tetrahedron between the centre and a face is divided into `n³`, and each vertex is moved along its ray so that each layer is a sphere.
+/// Each tetrahedron between the centre and a face is divided into `n³`, and each vertex is moved along its ray so that
+/// each layer is a sphere.
 pub(super) fn divided_icosahedron<const D: usize>(radius_over_size: f64) -> Result<SimplexMesh<D>, Error> {
     let n = (MEAN_EDGE * radius_over_size).round().max(1.0);
     affordable(20.0 * n.powi(3))?;

@@ -21,15 +21,15 @@ const ROUND_OFF: f64 = 1e-9;
 /// Generates triangles in the inside of the first line without the insides of the others, which are holes.
 ///
 /// The segments of the lines are the boundary facets, with their names as tags; their points are the first vertices, in order.
-/// The mean diameter of the cells is about `size`. Angles are at least 20 degrees where neither the angles nor the distances of the lines
-/// demand smaller ones.
+/// The mean diameter of the cells is about `size`. Angles are at least 20 degrees where neither the angles nor the
+/// distances of the lines demand smaller ones.
 ///
-/// Source: Delaunay refinement, Ruppert 1995, J. Algorithms 18(3), doi:10.1006/jagm.1995.1021; then every free vertex moves to the centroid of its
-/// triangles as long as no angle becomes bad.
+/// Source: Delaunay refinement, Ruppert 1995, J. Algorithms 18(3), doi:10.1006/jagm.1995.1021; then every free vertex
+/// moves to the centroid of its triangles as long as no angle becomes bad.
 ///
 /// # Errors
-/// [`Error::Parameter`]: the size is not positive, or there are too many cells. [`Error::Triangulation`]: lines that cross or touch, or holes
-/// outside. [`Error::Dimension`]: `D` is not 2.
+/// [`Error::Parameter`]: the size is not positive, or there are too many cells. [`Error::Triangulation`]: lines that
+/// cross or touch, or holes outside. [`Error::Dimension`]: `D` is not 2.
 pub fn inside<const D: usize>(lines: &[ClosedLine], size: f64) -> Result<SimplexMesh<D>, Error> {
     if D != 2 {
         return Err(Error::Dimension { shape: "a region between lines", dimension: D });

@@ -33,7 +33,7 @@ pub enum RegionShape<const D: usize> {
     Surface {
         /// The surface.
         index: Arc<SurfaceIndex<D>>,
-        /// Whether the points inside the surface, which is closed, belong to the region.
+        /// Whether the points inside the surface, which is then closed, belong to the region.
         is_filled: bool,
         /// The distance, which may be zero.
         within: f64,

@@ -7,13 +7,13 @@ use super::size::Size;
 use crate::search::SurfaceIndex;
 use crate::{Aabb, Placed, Point};
 
-/// Smallest extent that keeps its unit; the largest one is a hundred times as large.
+/// Smallest extent of a shape that is generated in the given unit; the largest one is a hundred times as large.
 const LEAST: f64 = 0.2;
-/// Decimal digits to which lengths in another unit are rounded: those that conversions of units keep.
+/// Decimal digits to which lengths in another unit are rounded; conversions of units by powers of ten preserve them.
 const DIGITS: usize = 12;
 
-/// A unit of length: a power of a hundred times the given one. Where points lie on a circle, rounding decides which triangles they form; a generator
-/// that works with the same numbers makes the same triangles.
+/// A unit of length: a power of a hundred times the given one. For points on a circle the triangulation depends on
+/// rounding, so that a generator makes the same triangles only from the same numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Unit {
     /// Lengths are multiplied by ten to this power.

@@ -16,8 +16,8 @@ use crate::modes::{Spin, n_rotations};
 pub struct Momentum<const D: usize> {
     /// Mass `M`.
     pub mass: f64,
-    /// Inertia `J` about the centre, which gives the angular momentum at the end of the step from the spin there; only the first
-    /// rows and columns are used, one per rotation.
+    /// Inertia `J` about the centre, which gives the angular momentum at the end of the step from the spin there; only
+    /// the first rows and columns are used, one per rotation.
     pub inertia: [Spin; 3],
     /// Acceleration `g` of gravity.
     pub gravity: Vector<D>,

@@ -4,12 +4,12 @@ use mesh::{Tensor, Vector, sym};
 
 use super::{LameParameters, Material, MaterialInSpace};
 
-/// Linearly elastic material for small displacements and rotations, in 2D in plane strain.
+/// `W = μ e:e + λ/2 (tr e)²`, `P = 2 μ e + λ (tr e) I`, with `e = sym(F - I)`, in 2D in plane strain.
 ///
-/// `W = μ e:e + λ/2 (tr e)²`, `P = 2 μ e + λ (tr e) I`, with `e = sym(F - I)`.
+/// Valid for small displacements and rotations. It is not objective: a rotation by an angle θ causes the strain θ²/2.
 ///
-/// Source: Hooke's law; the Saint Venant-Kirchhoff material to first order in `F - I`. Not objective: a rotation by an angle
-/// θ strains it by θ²/2.
+/// Source: Hooke's law; the Saint Venant-Kirchhoff material to first order in `F - I`.
+/// Units: `W`, `P`, `μ` and `λ` force per area.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinearElastic {
     /// Lame parameters.

@@ -21,23 +21,24 @@ pub type MaterialInSpace = dyn Material<3>;
 ///
 /// The derivative is directional, so that no tensor of fourth order is ever formed.
 pub trait Material<const D: usize>: Send + Sync + std::fmt::Debug {
-    /// Returns the same material in space, by which bodies with rotational symmetry deform.
+    /// Returns the same material in space, which is evaluated in axisymmetric coordinates.
     fn in_space(&self) -> &MaterialInSpace;
 
     /// Returns the stored energy per reference volume at the deformation gradient `f`.
     ///
-    /// Units: erg/cm³, in 2D too (unit depth).
+    /// Units: energy per volume, in 2D of a unit depth.
     fn energy_density(&self, f: &Tensor<D>) -> f64;
 
     /// Returns the first Piola stress `P = ∂W/∂F`.
     ///
-    /// Units: dyn/cm².
+    /// Units: force per area.
     fn first_piola(&self, f: &Tensor<D>) -> Tensor<D>;
 
     /// Returns the derivative of the first Piola stress at `f` in direction `h`.
     fn first_piola_derivative(&self, f: &Tensor<D>, h: &Tensor<D>) -> Tensor<D>;
 
-    /// Calls `visit(i, j, K_ij)` for all `j <= i` with the blocks of the stiffness between directions `g`, at most [`MAX_CELL_NODES`]:
+    /// Calls `visit(i, j, K_ij)` for all `j <= i` with the blocks of the stiffness between directions `g`, at most
+    /// [`MAX_CELL_NODES`]:
     ///
     /// `(K_ij)_ab = (dP[e_b ⊗ g_j] g_i)_a`, and `K_ji = K_ijᵀ` because the stress has an energy.
     ///
@@ -66,7 +67,7 @@ pub trait Material<const D: usize>: Send + Sync + std::fmt::Debug {
 
 /// Lame parameters of an isotropic material. In 2D (plane strain) they have the values of the material in 3D.
 ///
-/// Units: dyn/cm².
+/// Units: force per area.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LameParameters {
     /// Shear modulus.

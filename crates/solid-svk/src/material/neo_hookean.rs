@@ -5,9 +5,9 @@ use mesh::{Tensor, Vector, det};
 use super::{LameParameters, Material, MaterialInSpace};
 use crate::MAX_CELL_NODES;
 
-/// Compressible neo-Hookean material, in 2D in plane strain; it resists any compression.
+/// `W = μ/2 (F:F - D) - μ ln J + λ/2 (ln J)²`, `P = μ (F - F⁻ᵀ) + λ ln J F⁻ᵀ`, in 2D in plane strain.
 ///
-/// `W = μ/2 (F:F - D) - μ ln J + λ/2 (ln J)²`, `P = μ (F - F⁻ᵀ) + λ ln J F⁻ᵀ`.
+/// The energy is unbounded for `J -> 0`, so that a cell resists any compression.
 ///
 /// Source: Bonet, Wood 2008, Nonlinear Continuum Mechanics for Finite Element Analysis, Sec. 6.4.
 /// Units: `W`, `P`, `μ` and `λ` force per area.

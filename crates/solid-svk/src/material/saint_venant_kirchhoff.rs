@@ -6,11 +6,10 @@ use super::{LameParameters, Material, MaterialInSpace};
 use crate::MAX_CELL_NODES;
 use crate::kinematics::{green_lagrange, green_lagrange_derivative};
 
-/// Saint Venant-Kirchhoff material, in 2D in plane strain.
-///
-/// `W = μ E:E + λ/2 (tr E)²`, `S = 2 μ E + λ (tr E) I`, `P = F S`.
+/// `W = μ E:E + λ/2 (tr E)²`, `S = 2 μ E + λ (tr E) I`, `P = F S`, in 2D in plane strain.
 ///
 /// Source: paper, Sec. 4.1, where the law is that of the second Piola stress (the first in Sec. 2.1).
+/// Units: `W`, `S`, `P`, `μ` and `λ` force per area.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SaintVenantKirchhoff {
     /// Lame parameters.

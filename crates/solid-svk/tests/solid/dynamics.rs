@@ -74,8 +74,8 @@ fn turns_and_rises(mesh: &SolidMesh<2>) {
 
 #[test]
 fn mass_and_centre_of_a_round_disk_are_those_of_its_elements() {
-    // Between two vertices the edge is a parabola through the node, whose area is 2/3 of chord and sagitta: the error of the whole falls with the
-    // fourth power of the angle, against the second for a polygon.
+    // Between two vertices the edge is a parabola through the node, whose area is 2/3 of chord and sagitta: the error
+    // of the whole falls with the fourth power of the angle, against the second for a polygon.
     let options = BallOptions { area_preserving: false };
     let mesh = round_disk(ball([0.0, 0.0], 4.0, 1.0, &options).unwrap(), 4.0);
     let n = mesh.boundary().n_facets() as f64 / 2.0;

@@ -193,7 +193,8 @@ fn pressurised(mesh: &SolidMesh<2>) {
         if mesh.order() == Order::Quadratic && pressure > 1e5 {
             continue;
         }
-        // The same solution from rest; quadratic elements have other states under the largest pressure. Constraints at two vertices on the horizontal axis prevent rigid motions.
+        // The same solution from rest; quadratic elements have other states under the largest pressure. Constraints at
+        // two vertices on the horizontal axis prevent rigid motions.
         let on_axis = |x: &&(usize, &Point<2>)| x.1[1].abs() < 1e-9 && x.1[0].abs() > 3.9;
         let vertices: Vec<_> = mesh.nodes().iter().enumerate().collect();
         let rim_vertices: Vec<_> = vertices.iter().filter(on_axis).map(|(i, _)| *i).collect();
@@ -273,8 +274,8 @@ fn quadratic_displacement_is_exact_in_2d_and_3d() {
     quadratic_displacement_is_exact::<3>(&distorted(2, Order::Quadratic));
 }
 
-/// Returns the error in L2 of the smooth displacement `∇(e^x cos y)`, which is in equilibrium without a body force: displacement given on the boundary
-/// but for one side with its traction, on a mesh with `n` bricks along each side.
+/// Returns the error in L2 of the smooth displacement `∇(e^x cos y)`, which is in equilibrium without a body force:
+/// displacement given on the boundary but for one side with its traction, on a mesh with `n` bricks along each side.
 fn error_of_smooth_solution<const D: usize>(order: Order, n: usize) -> f64 {
     let material = LinearElastic::new(LameParameters::new(1.0, 2.0).unwrap());
     let exact = |x: &Point<D>| {

@@ -115,7 +115,8 @@ fn stress_on_the_surface_in_2d_and_3d() {
     stress_on_the_surface(&curved::<3>(1));
 }
 
-/// Checks that the nominal stress on the surface of quadratic cells is that of a quadratic displacement in the middle of each facet.
+/// Checks that the nominal stress on the surface of quadratic cells is that of a quadratic displacement in the middle
+/// of each facet.
 fn stress_of_a_quadratic_displacement<const D: usize>() {
     let mesh = distorted::<D>(2, Order::Quadratic);
     let (layout, field) = one_field(&mesh);
@@ -143,8 +144,8 @@ fn stress_of_a_quadratic_displacement_in_2d_and_3d() {
     stress_of_a_quadratic_displacement::<3>();
 }
 
-/// Checks the bound of the traction by the energy of a cell at rest: random fields stay below it, and a field along the normal of a cell with one facet on
-/// the surface reaches it: a stretch, or one that varies along the normal.
+/// Checks the bound of the traction by the energy of a cell at rest: random fields stay below it, and a field along the
+/// normal of a cell with one facet on the surface reaches it: a stretch, or one that varies along the normal.
 fn trace_bound<const D: usize>(order: Order) {
     let mesh = SolidMesh::<D>::of_order(unit_cubes(2), order).unwrap();
     let (layout, field) = one_field(&mesh);

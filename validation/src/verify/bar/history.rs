@@ -13,8 +13,9 @@ use super::super::{Failure, Run, V};
 pub(super) const LENGTH: f64 = 10.0;
 const YOUNG: f64 = 900.0;
 const DENSITY: f64 = 1.0;
-/// Height, gravity and speed are a tenth of those of the source, whose strains are 0.56 in a bounce and more in a bar that vibrates: its cells
-/// can turn inside out. The problem is linear, so that displacements and pressures are a tenth of those of the source at the same times.
+/// Height, gravity and speed are a tenth of those of the source, whose strains are 0.56 in a bounce and more in a bar
+/// that vibrates: its cells can turn inside out. The problem is linear, so that displacements and pressures are a tenth
+/// of those of the source at the same times.
 pub(super) const HEIGHT: f64 = 0.5;
 pub(super) const GRAVITY: f64 = 1.0;
 /// Speed of both impacts.
@@ -81,8 +82,8 @@ pub(super) struct History {
     pub(super) pressure: Vec<(f64, f64)>,
     /// Time and height of the lower end.
     pub(super) height: Vec<(f64, f64)>,
-    /// Time, and energy over that at the start, measured from the undeformed bar on the floor: whenever a wave would have crossed
-    /// the bar again, and at the end.
+    /// Time, and energy over that at the start, measured from the undeformed bar on the floor: whenever a wave would
+    /// have crossed the bar again, and at the end.
     pub(super) energy: Vec<(f64, f64)>,
 }
 

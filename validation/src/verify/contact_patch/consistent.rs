@@ -12,12 +12,13 @@ use cutwater::solver::ContactObstacle;
 use super::super::dry::{Elastic, Touch, elastic, floor_by, pushed, run};
 use super::super::{Failure, Record, V};
 
-/// Parameter of Nitsche's method: that of scenarios, and a hundred times that.
+/// Parameter of Nitsche's method: the default of scenarios, and a hundred times this value.
 const GAMMA_0: [f64; 2] = [10.0, 1000.0];
 /// Tolerances of pressures, relative to the exact one, and of gaps, relative to the height of a block.
 const PRESSURE: f64 = 1e-9;
 const GAP: f64 = 1e-10;
-/// Distance that contact keeps between two blocks. Over the end of the lower block closest points change their direction within the gap.
+/// Distance that contact keeps between two blocks. Over the end of the lower block closest points change their
+/// direction within the gap.
 const OFFSET: f64 = 0.01;
 
 /// Both Lame parameters.
@@ -125,8 +126,8 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
         let name = "Saint Venant-Kirchhoff block on a plane, compressed to 0.9";
         record_pile(record, &law(name), (vec![body], contact), (LOAD_STEPS, pressure))?;
 
-        // A small block on a foundation, the same pressure on both; the end of the block is over a vertex. It starts inside the foundation, because nothing
-        // but contact holds it.
+        // A small block on a foundation, the same pressure on both; the end of the block is over a vertex. It starts
+        // inside the foundation, because nothing but contact holds it.
         let pressure = 0.5;
         let (mut upper, mut lower) =
             (block([0.999, 1.999], 1.0, [3, 4], linear()?)?, block([0.0, 1.0], 2.0, [8, 3], linear()?)?);
