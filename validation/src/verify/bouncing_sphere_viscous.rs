@@ -2,8 +2,7 @@
 //!
 //! Source: Gondret, Lance, Petit 2002, Physics of Fluids 14, 643, doi:10.1063/1.1427920; steel in silicone oil, Stokes number 27.
 
-use super::bouncing_sphere::{coarse_cells, fall, from_contact, has_bounced, inputs, measured, speed_at};
-use super::rebound_scan::{IN_AIR, restitution};
+use super::bounces::{IN_AIR, coarse_cells, fall, from_contact, has_bounced, inputs, measured, restitution, speed_at};
 use super::{Failure, Record};
 
 /// Radius of the sphere, m; speed of the approach, m/s.

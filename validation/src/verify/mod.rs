@@ -3,6 +3,7 @@
 mod added_mass;
 mod axisymmetric;
 mod bar;
+mod bounces;
 mod bouncing_sphere;
 mod bouncing_sphere_viscous;
 mod carried_round;

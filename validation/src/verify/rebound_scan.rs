@@ -1,23 +1,16 @@
 //! The speed of rebound of a sphere from a floor over the Stokes number.
 
-use super::bouncing_sphere::{Bounces, SPEED, TWICE, cells, coarse_cells, fall};
+use super::bounces::{FRAME, IN_AIR, SPEED, TWICE, cells, coarse_cells, legendre, restitution};
 use super::{Failure, Record};
 
-/// Viscosity of the oil of the example times its Stokes number, Pa s.
-const VISCOSITY: f64 = 0.010 * 152.0;
 /// Stokes numbers `2 rho_s R U / (9 mu)`: without rebound, between, and with rebound in all experiments.
 const NUMBERS: [f64; 9] = [6.0, 10.0, 15.0, 20.0, 30.0, 50.0, 100.0, 200.0, 500.0];
 /// Spheres with a smaller number do not rebound, and those with a larger one do: Joseph, Zenit, Hunt, Rosenwinkel 2001, doi:10.1017/S0022112001003470, find the
 /// limit near 10.
 const NONE: f64 = 6.0;
 const ALL: f64 = 20.0;
-/// Time between two pictures of the experiment that the example is taken from, s. The speed of rebound is the mean one over this time.
-const FRAME: f64 = 2e-3;
 /// A speed below this share of that of the approach is none: the position of a sphere in a picture is uncertain by 0.03 mm.
 const VISIBLE: f64 = 0.03e-3 / FRAME / SPEED;
-/// Restitution in air.
-pub(super) const IN_AIR: f64 = 0.97;
-
 /// Scans the Stokes number; the quick version has two numbers on coarse cells.
 pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     if !record.full {
@@ -69,26 +62,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Returns the mean speed in the first frame of the rebound over that of the approach; zero without rebound until `end` \[s\].
-pub(super) fn restitution(number: f64, mut changes: Vec<String>, end: f64) -> Result<f64, Failure> {
-    changes.extend([format!("fluid.viscosity={}", VISCOSITY / number), format!("time.end={end}")]);
-    let first =
-        |series: &[[f64; 3]]| series.windows(2).find(|pair| pair[0][2] < 0.0 && pair[1][2] > 0.0).map(|pair| pair[0]);
-    let is_over =
-        |series: &[[f64; 3]]| first(series).zip(series.last()).is_some_and(|(at, now)| now[0] > at[0] + FRAME);
-    let Bounces { series, contact, .. } = fall(&changes, is_over)?;
-    let Some(contact) = contact else { return Ok(0.0) };
-    let Some(pair) = series.windows(2).find(|pair| pair[1][0] >= contact + FRAME) else { return Ok(0.0) };
-    let share = (contact + FRAME - pair[0][0]) / (pair[1][0] - pair[0][0]);
-    Ok((pair[0][1] + share * (pair[1][1] - pair[0][1])) / FRAME / SPEED)
-}
-
-/// The fit `exp(-35/St)`.
-pub(super) fn legendre(number: f64) -> f64 {
-    (-35.0 / number).exp()
-}
-
-/// The fit `1 - 8.65 St^-0.75`.
+/// Returns the fit `1 - 8.65 St^-0.75`.
 fn yang(number: f64) -> f64 {
     1.0 - 8.65 * number.powf(-0.75)
 }

@@ -10,12 +10,12 @@ const LONG_FILES: &[(&str, &str)] = &[];
 /// Largest numbers of lines of Rust below some folders (docs/adr/0022).
 const BUDGETS: &[(&[&str], usize)] = &[
     (&["crates/cutwater/src/lib.rs", "crates/cutwater/src/main.rs"], 345),
-    (&["crates/io/src"], 11_080),
+    (&["crates/io/src"], 11_300),
     (&["crates/report/src"], 1570),
     (&["crates/solver/src"], 2760),
-    (&["validation"], 12_700),
+    (&["validation"], 13_200),
     (&["xtask/src"], 2400),
-    (&[""], 71_700),
+    (&[""], 73_000),
 ];
 /// Largest number of bytes of all JSON files under version control.
 const JSON_BYTES: usize = 50_000;

@@ -10,8 +10,7 @@ use algebra::{
 use body::{Body, BodyState, BodyStep, StepTime, SurfaceMotion};
 use contact::terms::ContactWork;
 use contact::{
-    ContactForm, ContactItems, ContactLaw, ContactPair, ContactPoint, ContactReport, ContactSites, ContactTraction,
-    Obstacle, StressSource,
+    ContactForm, ContactItems, ContactPair, ContactPoint, ContactReport, ContactSites, Obstacle, StressSource,
 };
 use mesh::generate::structured_box;
 use mesh::{FacetId, Vector, VertexId};
