@@ -16,6 +16,7 @@ const QUICK_TOLERANCE: f64 = 2e-2;
 /// Values of [`Compared::verdict`].
 const PASS: &str = "pass";
 const FAIL: &str = "fail";
+const SHOWN: &str = "-";
 /// File of the comparisons in a directory of results.
 const FILE: &str = "comparisons.json";
 
@@ -30,7 +31,7 @@ pub(crate) struct Compared {
     /// The computed number minus the known one.
     pub(crate) deviation: Option<f64>,
     pub(crate) band: Option<[f64; 2]>,
-    /// Whether the computed number lies in it: `pass` or `fail`.
+    /// Whether the computed number lies in it: `pass` or `fail`; `-` for a number without a band, which is only shown.
     verdict: String,
     /// Whether the number stands for no (0) or yes (1).
     #[serde(skip)]
@@ -42,7 +43,7 @@ pub(crate) struct Compared {
 
 impl Compared {
     pub(crate) fn passes(&self) -> bool {
-        self.verdict == PASS
+        self.verdict != FAIL
     }
 
     fn new(
@@ -95,7 +96,11 @@ pub(crate) fn with_paper(asked: &Comparison, computed: Option<&Value>) -> Compar
         Some(place) => format!("{} (paper: {place})", asked.reason),
         None => asked.reason.clone(),
     };
-    Compared::new(asked, computed, asked.paper, band, reason)
+    let compared = Compared::new(asked, computed, asked.paper, band, reason);
+    match (compared.computed, band) {
+        (Some(_), None) => Compared { verdict: SHOWN.to_owned(), ..compared },
+        _ => compared,
+    }
 }
 
 /// Compares a quick run with the value that was stored for it.
@@ -142,6 +147,13 @@ mod tests {
         assert!(passes(json!(0.108)) && passes(json!(0.114 + 1e-15)));
         // JSON has no NaN, so that one is missing.
         assert!(!passes(json!(0.1141)) && !passes(json!(f64::NAN)) && !with_paper(&asked, None).passes());
+    }
+
+    #[test]
+    fn a_number_without_a_band_is_shown() {
+        let asked = asked(None, None);
+        assert_eq!(with_paper(&asked, Some(&json!(0.2))).verdict, SHOWN);
+        assert!(!with_paper(&asked, None).passes());
     }
 
     #[test]

@@ -18,9 +18,10 @@ pub struct ContactReport<const D: usize> {
     pub minimum_gap: Option<f64>,
     /// Largest `[ε - Δ]₊` at the quadrature points in contact, at the shifted positions at which the law acts.
     pub largest_penetration: f64,
-    /// Quadrature points in contact at the shifted positions at the end of the step.
+    /// Quadrature points on which contact acts in the step: those with a traction, and those in contact at the shifted
+    /// positions at its end.
     pub n_active: usize,
-    /// Measure of the slave's surface in contact there.
+    /// Measure of the slave's surface that these points stand for.
     pub active_area: f64,
     /// Force on the slave, `∫ (λ n^w + τ)`, at the stage. With a discrete gradient, points in contact at the start of
     /// the step only contribute to it.
@@ -57,7 +58,7 @@ impl<const D: usize> ContactReport<D> {
         let law = &sites.pair.form.law;
         for item in 0..sites.len() {
             sites.visit(item, x, |site| {
-                if law.is_active(&site.at) {
+                if law.is_active(&site.at) || site.traction.value[0] < 0.0 {
                     report.n_active += 1;
                     report.active_area += site.weight;
                 }

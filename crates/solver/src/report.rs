@@ -138,7 +138,9 @@ impl<const D: usize> Problem<'_, D> {
         };
         let mut contacts: Vec<_> = step.setup.contacts.iter().zip(&self.contacts).map(contact).collect();
         for (report, collision) in contacts.iter_mut().zip(&step.collisions) {
-            report.force += collision.as_ref().map_or_else(Vector::zeros, |collision| collision.force(x));
+            let Some(collision) = collision else { continue };
+            report.force += collision.force(x);
+            report.n_active = report.n_active.max(1);
         }
         let fluid_energy = fluid.as_ref().map_or(0.0, |fluid| fluid.kinetic_energy);
         let contact_energy = contacts.iter().map(|contact: &ContactReport<D>| contact.stored_energy).sum();

@@ -1,6 +1,6 @@
 //! The boundary of a body as an obstacle to itself.
 
-use mesh::{Aabb, BoundaryMesh, FacetId, Placed, Point, facet_normal};
+use mesh::{Aabb, BoundaryMesh, FacetId, MAX_FACET_VERTICES, Placed, Point, facet_normal};
 
 use super::{DeformableObstacle, Obstacle, Projection};
 use crate::{Error, Positions};
@@ -11,8 +11,9 @@ use crate::{Error, Positions};
 /// - their boxes are farther apart than the exempt distance in the undeformed body: neighbours along the surface, and
 ///   the two sides of a thin part, are not in contact;
 /// - their normals oppose each other at the start of the step;
-/// - no vertex of one is then deeper behind the other than half the exempt distance: facets that face each other
-///   through the body are not in contact.
+/// - no vertex of one is then deeper behind the other than half the exempt distance, or than half of its depth in the
+///   undeformed body if their normals oppose each other there: facets that face each other through the body are not in
+///   contact.
 ///
 /// Closest points and normals are those of [`DeformableObstacle`].
 #[derive(Clone, Debug)]
@@ -43,18 +44,38 @@ impl<const D: usize> OwnSurface<D> {
     /// Returns whether one facet may touch another one, at positions at the start of a step.
     fn may_touch(&self, facet: FacetId, other: FacetId, positions: &[Point<D>]) -> bool {
         let boundary = &self.surface.boundary;
-        let points = |facet, positions| Placed::new(boundary, positions).facet_points(facet);
-        let [here, there] = [facet, other].map(|facet| Aabb::of_points(&points(facet, &self.reference)[..D]));
+        let corners = |positions| [facet, other].map(|facet| Placed::new(boundary, positions).facet_points(facet));
+        let undeformed = corners(&self.reference);
+        let [here, there] = undeformed.each_ref().map(|corners| Aabb::of_points(&corners[..D]));
         if here.distance(&there) <= self.exempt {
             return false;
         }
-        let corners = [facet, other].map(|facet| points(facet, positions));
-        let normals = corners.each_ref().map(|corners| facet_normal(&corners[..D]));
+        let (before, now) = (Facing::new(&undeformed), Facing::new(&corners(positions)));
         let is_behind = |k: usize| {
-            let depth = |x: &Point<D>| (corners[k][0] - x).dot(&normals[k]);
-            corners[1 - k][..D].iter().any(|x| depth(x) > 0.5 * self.exempt)
+            let depth = if before.is_opposite && before.depths[k] > 0.0 { before.depths[k] } else { self.exempt };
+            now.depths[k] > 0.5 * depth.min(self.exempt)
         };
-        normals[0].dot(&normals[1]) < 0.0 && !is_behind(0) && !is_behind(1)
+        now.is_opposite && !is_behind(0) && !is_behind(1)
+    }
+}
+
+/// Orientation of two facets relative to each other.
+struct Facing {
+    /// Whether their normals oppose each other.
+    is_opposite: bool,
+    /// Largest depth of the vertices of the second behind the plane of the first, and of the first behind the second.
+    depths: [f64; 2],
+}
+
+impl Facing {
+    /// Creates the orientation of two facets with the given vertices.
+    fn new<const D: usize>(corners: &[[Point<D>; MAX_FACET_VERTICES]; 2]) -> Self {
+        let normals = corners.each_ref().map(|corners| facet_normal(&corners[..D]));
+        let deepest = |k: usize| {
+            let depth = |x: &Point<D>| (corners[k][0] - x).dot(&normals[k]);
+            corners[1 - k][..D].iter().map(depth).fold(f64::NEG_INFINITY, f64::max)
+        };
+        Self { is_opposite: normals[0].dot(&normals[1]) < 0.0, depths: [deepest(0), deepest(1)] }
     }
 }
 

@@ -52,14 +52,24 @@ fn closed_clamp(
     law: impl ContactLaw + 'static,
     test: impl Fn(&ContactSites<'_, 2>, &ElasticBody<2>, &[f64]),
 ) {
+    closed_clamp_with(OFFSET + 2.0 * SIZE, closed, law, test);
+}
+
+/// Calls a test as [`closed_clamp`] does, with an exempt distance.
+fn closed_clamp_with(
+    exempt: f64,
+    closed: f64,
+    law: impl ContactLaw + 'static,
+    test: impl Fn(&ContactSites<'_, 2>, &ElasticBody<2>, &[f64]),
+) {
     let bodies = [clamp()];
     let states = [bent(&bodies[0], closed)];
     let scene = Scene::new(&bodies, &states, &ImplicitEuler, 1e-2);
     let form = ContactForm::new(law, SIZE).unwrap();
     let facets: Vec<FacetId> = bodies[0].surface().facets().collect();
-    let reach = OFFSET + 2.0 * SIZE;
+    let reach = 2.0 * exempt;
     let surface = bodies[0].surface().clone();
-    let obstacle = OwnSurface::new(surface, facets.clone(), bodies[0].reference().to_vec(), reach).unwrap();
+    let obstacle = OwnSurface::new(surface, facets.clone(), bodies[0].reference().to_vec(), exempt).unwrap();
     let mut pair = scene.pair(&form, &facets, &obstacle);
     pair.master = Some(pair.slave);
     pair.share = if pair.stress.is_some() { 0.5 } else { 1.0 };
@@ -79,6 +89,14 @@ fn an_open_clamp_does_not_touch_itself() {
         assert_eq!(work(contact.clone()).len(), 0);
         assert_eq!(report_of(contact, x).minimum_gap, None);
     });
+}
+
+#[test]
+fn the_sides_of_a_part_do_not_touch_through_its_thickness() {
+    // The jaws are 0.4 thick, less than half of the exempt distance; the slit is exempt too.
+    for closed in [0.0, 0.15] {
+        closed_clamp_with(0.85, closed, penalty(), |contact, _, _| assert_eq!(work(contact.clone()).len(), 0));
+    }
 }
 
 #[test]
