@@ -200,7 +200,7 @@ fn bodies_may_stick_out_but_not_be_away() {
     let apart = format!("{BARRIER}{SECOND}")
         .replace("min = [3.0, 6.5], max = [9.0, 8.5]", "min = [5.0, 1.0], max = [12.0, 2.0]");
     assert_eq!(sizes(&legal(&apart, &[&COARSE])).expect("legal").bodies.len(), 2);
-    let words = ["no vertex of body `ball`", "move it"];
+    let words = ["no vertex of body `ball`", "move it", "`scale`"];
     expect("centre = [0.0, 10.0]", "centre = [20.0, 10.0]", "body.0.shape", &words);
 }
 
