@@ -213,6 +213,23 @@ fn names_are_unique_and_plain() {
 }
 
 #[test]
+#[test]
+fn bodies_that_leave_no_fluid_are_refused() {
+    let all = format!("{BARRIER}{SECOND}")
+        .replace("min = [3.0, 6.5], max = [9.0, 8.5], size = 1.0", "min = [-50, -50], max = [50, 50], n = [2, 2]");
+    let begin = all.rfind("shape ").expect("a shape");
+    expect_at(&all, begin, "body.1.shape", &["`block` covers the whole background", "no fluid is left", "`scale`"]);
+}
+
+#[test]
+fn extents_are_printed_with_their_unit() {
+    let apart = format!("{BARRIER}{SECOND}").replace("min = [3.0, 6.5]", "min = [7.0, 6.5]");
+    let lines = sizes(&legal(&apart, &[&COARSE])).expect("sizes").lines;
+    let line = |begin: &str| lines.iter().find(|line| line.starts_with(begin)).expect("a line");
+    assert!(line("body block: ").contains(" 2.0 x 2.0 cm, "), "{lines:#?}");
+    assert!(line("background: ").contains(" cm, "), "{lines:#?}");
+}
+
 fn text_that_is_not_toml() {
     let (text, begin) = with("step = 1.0e-3", "step = = 1.0e-3");
     check_place(mistake(parse(&text, &[])), &text, begin, "", &["not valid TOML"]);
