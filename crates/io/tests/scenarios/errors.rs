@@ -40,6 +40,15 @@ fn unknown_keys() {
 }
 
 #[test]
+fn a_number_after_a_single_table_is_no_key() {
+    let single = BARRIER.replace("[[contact]]", "[contact]");
+    let error = parse(&single, &[&["contact.0.size=0.2"]]).err().expect("a mistake").to_string();
+    assert!(error.contains("`contact` is one table here, not a list: write contact.size"), "{error}");
+    assert!(error.starts_with("--set contact.0.size=0.2: contact.0"), "{error}");
+    legal(&single, &[&["contact.size=0.2"]]);
+}
+
+#[test]
 fn unknown_values() {
     expect("units     = \"cgs\"", "units = \"SI\"", "units", &["unknown value `SI`", "cgs"]);
     expect("\"half-ball\"", "\"half-bal\"", "body.0.shape.kind", &["did you mean `half-ball`?"]);
@@ -205,15 +214,6 @@ fn bodies_may_stick_out_but_not_be_away() {
 }
 
 #[test]
-fn names_are_unique_and_plain() {
-    let twice = format!("{BARRIER}{SECOND}").replace("\"block\"", "\"ball\"");
-    let begin = twice.rfind("name ").expect("a name");
-    expect_at(&twice, begin, "body.1.name", &["the name of another body"]);
-    expect("name      = \"virtual-barrier\"", "name = \"a/b\"", "name", &["not a file name"]);
-}
-
-#[test]
-#[test]
 fn bodies_that_leave_no_fluid_are_refused() {
     let all = format!("{BARRIER}{SECOND}")
         .replace("min = [3.0, 6.5], max = [9.0, 8.5], size = 1.0", "min = [-50, -50], max = [50, 50], n = [2, 2]");
@@ -230,6 +230,15 @@ fn extents_are_printed_with_their_unit() {
     assert!(line("background: ").contains(" cm, "), "{lines:#?}");
 }
 
+#[test]
+fn names_are_unique_and_plain() {
+    let twice = format!("{BARRIER}{SECOND}").replace("\"block\"", "\"ball\"");
+    let begin = twice.rfind("name ").expect("a name");
+    expect_at(&twice, begin, "body.1.name", &["the name of another body"]);
+    expect("name      = \"virtual-barrier\"", "name = \"a/b\"", "name", &["not a file name"]);
+}
+
+#[test]
 fn text_that_is_not_toml() {
     let (text, begin) = with("step = 1.0e-3", "step = = 1.0e-3");
     check_place(mistake(parse(&text, &[])), &text, begin, "", &["not valid TOML"]);
