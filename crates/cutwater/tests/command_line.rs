@@ -61,7 +61,9 @@ fn run_writes_into_the_directory_and_prints_lines() {
     ] {
         assert!(printed.contains(words) && log.contains(words), "{words}: {printed}{log}");
     }
-    assert!(printed.contains("smallest gap") && printed.contains("unknowns in the first step"), "{printed}");
+    assert!(printed.contains("unknowns in the first step"), "{printed}");
+    // The smallest gap is that of the only body.
+    assert!(!printed.contains("smallest gap"), "{printed}");
     let page = std::fs::read_to_string(directory.join("report.html")).expect("a page");
     let again = Command::new(env!("CARGO_BIN_EXE_cutwater")).arg("report").arg(&directory).output().expect("a start");
     assert!(again.status.success() && text(&again.stdout).trim().ends_with("report.html"));

@@ -76,6 +76,36 @@ fn runs_are_compared_column_by_column() {
 }
 
 #[test]
+fn losses_of_energy_are_compared_with_the_total_energy() {
+    let [first, second] = [path("ledger-first"), path("ledger-second")];
+    let write = |directory: &str, lost: &str, newton: &str| {
+        std::fs::create_dir_all(directory).expect("a directory");
+        let file = |name: &str, text: String| {
+            std::fs::write(PathBuf::from(directory).join(name), text).expect("a file");
+        };
+        file("history.csv", format!("time,centre_y,newton\n0.1,2,{newton}\n"));
+        file("diagnostics.csv", format!("time,total_energy,lost_open_boundary\n0.1,-4,{lost}\n"));
+    };
+    write(&first, "1e-14", "3");
+    write(&second, "2e-14", "5");
+    let output = cutwater(&["compare", &first, &second, "--tolerance", "1e-12"]);
+    let printed = text(&output.stdout);
+    assert_eq!(output.status.code(), Some(0), "{printed}");
+    let line = printed.lines().find(|line| line.starts_with("lost_open_boundary ")).expect("the loss");
+    assert_eq!(line.split_whitespace().collect::<Vec<_>>()[1..], ["1.000e-14", "4.000e0", "2.500e-15"]);
+    // Counts of work are compared on request only.
+    assert!(!printed.contains("newton") && printed.contains("2 columns are equal, 1 differ"), "{printed}");
+    let output = cutwater(&["compare", &first, &second, "--tolerance", "0.1", "--column", "newton"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(text(&output.stdout).contains("0 columns are equal, 1 differ"), "{}", text(&output.stdout));
+    let output = cutwater(&["compare", &first, &second, "--column", "centre_y"]);
+    assert!(text(&output.stdout).contains("1 columns are equal, 0 differ"), "{}", text(&output.stdout));
+    let output = cutwater(&["compare", &first, &second, "--column", "centre_z"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("has no column `centre_z`; did you mean `centre_y`?"));
+}
+
+#[test]
 fn columns_are_plotted() {
     let (first, page) = (run("plotted", &[]), path("plot.html"));
     let output =

@@ -10,6 +10,12 @@ use crate::scenario::advice;
 const FILES: [&str; 3] = ["history.csv", "diagnostics.csv", "probes.csv"];
 /// Beginning of the names of columns with times of the clock.
 const CLOCK: &str = "seconds_";
+/// Columns with counts of work, which differ between solvers and machines.
+const WORK: [&str; 4] = ["newton", "linear_iterations", "factorizations", "dofs"];
+/// Beginning of the names of columns with energies of the ledger. They are round-off where nothing is lost.
+const LEDGER: &str = "lost_";
+/// Column with the energy to which those of the ledger are compared.
+const ENERGY: &str = "total_energy";
 
 /// The tables of a run.
 #[derive(Clone, Debug)]
@@ -24,7 +30,7 @@ pub struct Difference {
     pub column: String,
     /// Largest absolute difference, at the times of the first run.
     pub largest: f64,
-    /// Largest absolute value in either run.
+    /// Largest absolute value in either run; for columns of the ledger that of the total energy, if it is larger.
     pub scale: f64,
 }
 
@@ -72,26 +78,36 @@ impl RunTables {
     /// Returns the error about a column that the run in a directory does not have.
     pub fn no_column(&self, directory: &Path, column: &str) -> Error {
         let names: Vec<&str> = self.columns().collect();
-        let bare: Vec<&str> = names.iter().map(|name| name.split(" [").next().unwrap_or(name)).collect();
+        let bare: Vec<&str> = names.iter().map(|name| bare(name)).collect();
         let (directory, column, advice) = (directory.to_owned(), column.to_owned(), advice(column, &bare));
         Error::NoColumn { directory, column, advice, known: names.join(", ") }
     }
 
-    /// Returns the differences of all columns that both runs have, but those with times of the clock; the largest
-    /// relative one first.
+    /// Returns the differences of columns, the largest relative one first. Without names these are all columns that both
+    /// runs have, but those with counts of work and times of the clock.
     ///
     /// Values of the other run are interpolated to the times of this one, as far as both runs go. The directories name
     /// the runs in errors.
     ///
     /// # Errors
-    /// [`Error::NothingCommon`]: the runs have no column or no time in common.
-    pub fn differences(&self, other: &Self, [first, second]: [&Path; 2]) -> Result<Vec<Difference>, Error> {
+    /// [`Error::NothingCommon`]: the runs have no column or no time in common. [`Error::NoColumn`].
+    pub fn differences(
+        &self,
+        other: &Self,
+        [first, second]: [&Path; 2],
+        columns: &[String],
+    ) -> Result<Vec<Difference>, Error> {
         let nothing = |what| Error::NothingCommon { first: first.to_owned(), second: second.to_owned(), what };
         let (times, others) = (self.column("time").unwrap_or_default(), other.column("time").unwrap_or_default());
         if !times.iter().any(|(time, _)| interpolated(&others, *time).is_some()) {
             return Err(nothing("time"));
         }
-        let difference = |name: &str| {
+        for (run, directory) in [(self, first), (other, second)] {
+            if let Some(name) = columns.iter().find(|name| run.column(name).is_none()) {
+                return Err(run.no_column(directory, name));
+            }
+        }
+        let compared = |name: &str| {
             let (own, others) = (self.column(name)?, other.column(name)?);
             let pairs = own.iter().filter_map(|(time, value)| Some((*value, interpolated(&others, *time)?)));
             let mut found = Difference { column: name.to_owned(), largest: 0.0, scale: 0.0 };
@@ -103,14 +119,32 @@ impl RunTables {
             }
             Some(found)
         };
-        let names = self.columns().filter(|name| !name.starts_with(CLOCK));
-        let mut found: Vec<Difference> = names.filter_map(difference).collect();
+        let energy = compared(ENERGY).map_or(0.0, |energy| energy.scale);
+        let difference = |name: &str| {
+            let found = compared(name)?;
+            let scale = if name.starts_with(LEDGER) { found.scale.max(energy) } else { found.scale };
+            Some(Difference { scale, ..found })
+        };
+        let is_work = |name: &str| name.starts_with(CLOCK) || WORK.contains(&name);
+        let is_compared = |name: &&str| {
+            if columns.is_empty() {
+                !is_work(name)
+            } else {
+                columns.iter().any(|column| column == name || column == bare(name))
+            }
+        };
+        let mut found: Vec<Difference> = self.columns().filter(is_compared).filter_map(difference).collect();
         if found.is_empty() {
             return Err(nothing("column"));
         }
         found.sort_by(|a, b| b.relative().total_cmp(&a.relative()));
         Ok(found)
     }
+}
+
+/// Returns the name of a column without its unit.
+fn bare(name: &str) -> &str {
+    name.split(" [").next().unwrap_or(name)
 }
 
 /// Returns the path of a file of results.

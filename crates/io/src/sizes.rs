@@ -2,8 +2,10 @@
 
 use std::sync::Arc;
 
+use contact::Positions;
+use mesh::{Aabb, BodyId, Point};
 use solver::body::{Body, BodyState};
-use solver::{State, Step, StepError};
+use solver::{Contact, Setup, State, Step, StepError};
 
 use crate::Error;
 use crate::scenario::{
@@ -17,8 +19,14 @@ pub struct Sizes {
     pub background_cells: usize,
     /// Vertices of the background.
     pub background_vertices: usize,
+    /// Extents of the background along the axes; none without a fluid.
+    pub background_extents: Vec<f64>,
     /// Name, cells and vertices of each body; no cells if only its surface is used, because it does not deform.
     pub bodies: Vec<(String, usize, usize)>,
+    /// Extents of each body along the axes, where the run begins.
+    pub body_extents: Vec<Vec<f64>>,
+    /// Roles in each contact, and contacts that act from the first step, for people.
+    pub contacts: Vec<String>,
     /// Cut cells at the start.
     pub cut_cells: usize,
     /// Unknowns of the first step.
@@ -59,7 +67,12 @@ impl Sizes {
         let background = setup.fluid.as_ref().map(|fluid| &fluid.background);
         let step = Step::prepare(setup, state, state.step_time(setup, setup.dt))
             .map_err(|stage| StepError::at(state.step + 1, state.time + setup.dt, stage))?;
+        let positions = setup.positions(&state.bodies);
+        let extents = |points: &[Point<D>]| Aabb::of_points(points).extent().iter().copied().collect();
         let mut sizes = Self {
+            background_extents: background.map_or(Vec::new(), |mesh| extents(mesh.vertices())),
+            body_extents: positions.iter().map(|points| extents(points)).collect(),
+            contacts: contacts(setup, &positions, &scenario.units.label(Quantity::LENGTH)),
             background_cells: background.map_or(0, |mesh| mesh.n_cells()),
             background_vertices: background.map_or(0, |mesh| mesh.n_vertices()),
             bodies: setup.bodies.iter().zip(&state.bodies).map(|(body, state)| size(body, state)).collect(),
@@ -96,7 +109,8 @@ impl Sizes {
                 fluid.stabilisation_name(),
             ));
             lines.push(format!(
-                "background: {} cells, {} vertices, {} cells cut at the start; {}",
+                "background: {} {length}, {} cells, {} vertices, {} cells cut at the start; {}",
+                product(&self.background_extents),
                 self.background_cells,
                 self.background_vertices,
                 self.cut_cells,
@@ -104,11 +118,19 @@ impl Sizes {
             ));
         }
         let bodies = scenario.bodies();
-        lines.extend(self.bodies.iter().zip(&bodies).map(|((name, cells, vertices), given)| match cells {
-            0 => format!("body {name}: {}, {vertices} vertices on its surface", motion(given)),
-            _ => format!("body {name}: {}, {cells} cells, {vertices} vertices{}", motion(given), supports(given)),
+        let sizes = self.bodies.iter().zip(&self.body_extents);
+        lines.extend(sizes.zip(&bodies).map(|(((name, cells, vertices), extents), given)| {
+            let (motion, extents) = (motion(given), product(extents));
+            match cells {
+                0 => format!("body {name}: {motion}, {extents} {length}, {vertices} vertices on its surface"),
+                _ => {
+                    let supports = supports(given);
+                    format!("body {name}: {motion}, {extents} {length}, {cells} cells, {vertices} vertices{supports}")
+                }
+            }
         }));
         lines.extend(scenario.contact.iter().map(|contact| contact_line(contact, &length)));
+        lines.extend_from_slice(&self.contacts);
         let scheme = match &scenario.time.scheme {
             Some(scheme) => scheme.word().to_owned(),
             None => "implicit-euler (the default)".to_owned(),
@@ -132,6 +154,62 @@ impl Sizes {
         ));
         lines
     }
+}
+
+/// Returns extents as a product, with four significant digits.
+fn product(extents: &[f64]) -> String {
+    let rounded = |extent: &f64| format!("{extent:.3e}").parse().unwrap_or(*extent);
+    extents.iter().map(|extent| format!("{:?}", rounded(extent))).collect::<Vec<_>>().join(" x ")
+}
+
+/// Largest number of contacts whose roles are described.
+const MOST_ROLES: usize = 20;
+
+/// Largest part of the contact size by which a gap is below the offset through round-off.
+const ROUND_OFF: f64 = 1e-6;
+
+/// Describes the roles in each contact, and the contacts that act from the first step because a gap is below the offset.
+fn contacts<const D: usize>(setup: &Setup<D>, positions: &[Vec<Point<D>>], length: &str) -> Vec<String> {
+    let name = |body: BodyId| setup.bodies[body.index()].name();
+    let (mut lines, mut warnings) = (Vec::new(), Vec::new());
+    for contact in &setup.contacts {
+        let slave = name(contact.body());
+        let obstacle = contact.master().map_or("its obstacle at rest", name);
+        if contact.master().is_some_and(|master| master != contact.body()) {
+            lines.push(format!("contact pair: slave {slave}, master {obstacle}"));
+        }
+        let (offset, size) = (contact.form().law.offset(), contact.form().size());
+        if let Some(gap) = smallest_gap(setup, contact, positions).filter(|gap| *gap < offset - ROUND_OFF * size) {
+            warnings.push(format!(
+                "warning: the smallest gap of {slave} to {obstacle} is {gap:.3e} {length}, below the offset {offset} {length}: this contact acts from the \
+                 first step"
+            ));
+        }
+    }
+    let n_more = lines.len().saturating_sub(MOST_ROLES);
+    lines.truncate(MOST_ROLES);
+    if n_more > 0 {
+        lines.push(format!("contact pairs that are not listed: {n_more}"));
+    }
+    lines.append(&mut warnings);
+    lines
+}
+
+/// Returns the smallest gap of vertices that may come into contact; `None` for a body with itself, and for bodies whose
+/// boxes are farther apart than the offset.
+fn smallest_gap<const D: usize>(setup: &Setup<D>, contact: &Contact<D>, positions: &[Vec<Point<D>>]) -> Option<f64> {
+    let slave = contact.body().index();
+    let vertices = setup.bodies[slave].surface().vertices_of(contact.facets());
+    let points: Vec<_> = vertices.iter().map(|vertex| positions[slave][vertex.index()]).collect();
+    let master = contact.master().map_or(&[][..], |master| &positions[master.index()]);
+    if points.is_empty() || contact.master() == Some(contact.body()) {
+        return None;
+    }
+    let offset = contact.form().law.offset();
+    if !master.is_empty() && Aabb::of_points(&points).distance(&Aabb::of_points(master)) > offset {
+        return None;
+    }
+    contact.geometry().smallest_gap(&points, Positions::Fixed(master))
 }
 
 fn conditions(background: &At<Background>) -> String {

@@ -25,13 +25,17 @@ impl<const D: usize> BoundaryMesh<D> {
     /// If the lengths do not match.
     pub fn new(facet_to_vertex: Vec<VertexId>, facet_to_cell: Vec<CellId>, tags: Vec<Option<Tag>>) -> Self {
         let n = facet_to_vertex.len() / D;
-        assert_eq!(n * D, facet_to_vertex.len(), "facets have D vertices");
+        let length = facet_to_vertex.len();
+        assert!(n * D == length, "a facet has {D} vertices, so that {length} vertices do not make whole facets");
         assert!(facet_to_cell.is_empty() || facet_to_cell.len() == n, "one cell per facet, or none at all");
         assert_eq!(tags.len(), n, "one tag per facet");
         Self { facet_to_vertex, facet_to_cell, tags, coordinates: Coordinates::default() }
     }
 
     /// Creates a surface without a volume mesh, from its facets (stride `D`).
+    ///
+    /// # Panics
+    /// If the number of vertices is not a multiple of `D`.
     pub fn from_facets(facet_to_vertex: Vec<VertexId>) -> Self {
         let tags = vec![None; facet_to_vertex.len() / D];
         Self::new(facet_to_vertex, Vec::new(), tags)
@@ -89,5 +93,16 @@ impl<const D: usize> BoundaryMesh<D> {
     /// Returns the tag of a facet.
     pub fn tag(&self, facet: FacetId) -> Option<Tag> {
         self.tags[facet.index()]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    #[should_panic(expected = "a facet has 2 vertices, so that 3 vertices do not make whole facets")]
+    fn an_incomplete_facet_is_refused() {
+        BoundaryMesh::<2>::from_facets([0, 1, 2].map(VertexId).to_vec());
     }
 }

@@ -30,6 +30,11 @@ pub(crate) fn lead(results: &Results) -> String {
 /// [`Error::Json`].
 pub(crate) fn sections(results: &Results) -> Result<Vec<Section>, Error> {
     let mut sections = parts(results, &[])?;
+    // Its first line is about the charts, the others explain words of a fluid.
+    let guide = include_str!("../assets/guide.html");
+    let end = if results.summary.stabilisation.is_empty() { guide.find('\n') } else { None };
+    let guide = &guide[..end.unwrap_or(guide.len())];
+    sections.iter_mut().filter(|section| section.id == "histories").for_each(|found| found.html.insert_str(0, guide));
     sections.push(Section::new("timings", "Timings", timings(results)?));
     sections.push(Section::new("scenario", "Scenario", format!("<pre>{}</pre>", escape(&results.scenario))));
     Ok(sections)

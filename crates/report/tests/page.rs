@@ -57,6 +57,8 @@ fn the_page_has_all_sections_and_is_the_same_again() {
     let directory = fresh_directory("barrier");
     let first = barrier(&directory, &[]);
     check(&first);
+    let guide = first.find("Look first at the smallest distance").expect("a guide");
+    assert!(guide < first.find("id=\"energies\"").expect("energies") && first.contains("<em>Ghost penalty</em>"));
     for id in ["run", "moments", "histories", "contacts", "energies", "balances", "timings", "scenario"] {
         assert!(first.contains(&format!("<section id=\"{id}\">")), "{id}");
     }

@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 use cutwater::report::html::duration;
 
@@ -35,10 +36,15 @@ pub(crate) fn source() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/src")
 }
 
-/// Returns the version of the code and its date, if git has them; else an empty text.
+/// Returns the version of the code and its date at the first call, if git has them; else an empty text. Pages that are
+/// written later change the tree, but not the code that runs.
 pub(crate) fn version() -> String {
-    let date = git(&["log", "-1", "--format=%cs"]).unwrap_or_default();
-    commit().map_or_else(String::new, |commit| format!("{commit}, {date}"))
+    static VERSION: OnceLock<String> = OnceLock::new();
+    let read = || {
+        let date = git(&["log", "-1", "--format=%cs"]).unwrap_or_default();
+        commit().map_or_else(String::new, |commit| format!("{commit}, {date}"))
+    };
+    VERSION.get_or_init(read).clone()
 }
 
 /// Refuses a tree with uncommitted changes: a page names the version of the code that measured it.
@@ -46,6 +52,7 @@ pub(crate) fn version() -> String {
 /// # Errors
 /// There are such changes.
 pub(crate) fn require_clean_tree() -> Result<(), Failure> {
+    version();
     match commit().filter(|version| version.ends_with("-dirty")) {
         Some(version) => {
             Err(format!("the tree has uncommitted changes ({version}): commit them before pages are written").into())

@@ -9,10 +9,10 @@ use crate::CompareArguments;
 pub(crate) fn compare(arguments: &CompareArguments) -> Result<(), Error> {
     let directories = [&arguments.first, &arguments.second].map(|directory| directory.as_path());
     let [first, second] = directories.map(RunTables::read);
-    let differences = first?.differences(&second?, directories)?;
+    let differences = first?.differences(&second?, directories, &arguments.columns)?;
     let (different, equal): (Vec<_>, Vec<_>) = differences.iter().partition(|found| found.largest > 0.0);
     if !different.is_empty() {
-        print(&format!("{:<40} {:>12} {:>12} {:>12}", "column", "difference", "largest", "relative"))?;
+        print(&format!("{:<40} {:>12} {:>12} {:>12}", "column", "difference", "scale", "relative"))?;
     }
     for found in &different {
         let (largest, scale, relative) = (found.largest, found.scale, found.relative());

@@ -179,7 +179,9 @@ impl Console {
         let (begin, first) = *self.begin.get_or_insert_with(|| (Instant::now(), at.step));
         let [length, time] = &self.units;
         let distance = at.d_min.map_or(String::new(), |d| format!(", d_min {} {length}", shown(d)));
-        let gap = at.smallest_gap.map_or(String::new(), |gap| format!(", smallest gap {gap:.3e} {length}"));
+        // With one body both are the same number.
+        let gap = at.smallest_gap.filter(|gap| at.d_min != Some(*gap));
+        let gap = gap.map_or(String::new(), |gap| format!(", smallest gap {gap:.3e} {length}"));
         let contact = if at.in_contact { ", contact" } else { "" };
         let message =
             format!("t = {:.4} {time}{distance}{gap}{contact}, {} Newton iterations", at.time, at.newton_iterations);

@@ -12,7 +12,7 @@ use solid_svk::{
 };
 use solver::body::Body;
 
-use super::error::{ErrorKind, Location, ScenarioError};
+use super::error::{ErrorKind, Location, ScenarioError, sorted};
 use super::field::Field;
 use super::geometry::{Geometry, Shape, normal_along_axis};
 use super::key::Quantity;
@@ -393,7 +393,7 @@ fn supports_and_loads<const D: usize>(
     let mut supports = Vec::new();
     let mut loads = Vec::new();
     for (name, condition) in &conditions.0 {
-        let unknown = || condition.at.unknown("part of the surface", name, mesh.boundary_names());
+        let unknown = || condition.at.unknown("part of the surface", name, sorted(mesh.boundary_names()));
         let tag = mesh.tag(name).ok_or_else(unknown)?;
         let facets = tagged_facets(solid, name).map_err(|_| unknown())?;
         let vertices = vertices_of(solid, &facets);

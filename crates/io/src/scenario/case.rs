@@ -125,7 +125,7 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
     if let (Some(fluid), Some(background)) = (&setup.fluid, &scenario.background) {
         check_axis(fluid, background)?;
     }
-    check_balance(scenario, &given, &setup, &positions)?;
+    check_balance(scenario, &given, &part_names, &setup, &positions)?;
     let n_vertices = setup.fluid.as_ref().map(|fluid| fluid.background.n_vertices());
     let (linear, reason) = scenario.solver.linear(D, n_vertices.map_or(0, |n| (D + 1) * n));
     Ok(Case {
@@ -140,7 +140,10 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
     })
 }
 
-/// Checks that every body has a vertex in the domain and that no two bodies overlap.
+/// Relative difference of volumes that is round-off.
+const ROUND_OFF: f64 = 1e-9;
+
+/// Checks that every body has a vertex in the domain, that none covers the domain, and that no two bodies overlap.
 fn check_placement<const D: usize>(
     given: &[At<BodyKeys>],
     setup: &Setup<D>,
@@ -150,13 +153,6 @@ fn check_placement<const D: usize>(
     let background = &fluid.background;
     let at = |k: usize| &given[k].shape.at;
     let domain = Aabb::of_points(background.vertices());
-    for (k, (body, positions)) in setup.bodies.iter().zip(positions).enumerate() {
-        if !positions.iter().any(|x| domain.contains(x)) {
-            let name = body.name();
-            let message = format!("no vertex of body `{name}` lies in the domain; move it, or enlarge the background");
-            return Err(at(k).invalid(message));
-        }
-    }
     let surfaces = setup.surfaces(positions);
     let covered = |k: usize, surfaces: &[Placed<'_, D>]| {
         let cut = CutMesh::overlay(background, surfaces, &OverlayOptions::new());
@@ -164,14 +160,30 @@ fn check_placement<const D: usize>(
     };
     let alone: Vec<f64> =
         (0..surfaces.len()).map(|k| covered(k, &surfaces[k..=k])).collect::<Result<_, ScenarioError>>()?;
+    let all = (1.0 - ROUND_OFF) * background.volume();
+    if let Some(k) = alone.iter().position(|covered| *covered > all) {
+        let name = setup.bodies[k].name();
+        return Err(at(k).invalid(format!(
+            "body `{name}` covers the whole background, so that no fluid is left; make it smaller, move it, or enlarge the background; if a mesh \
+             file has another unit of length, give it a `scale`"
+        )));
+    }
+    for (k, (body, positions)) in setup.bodies.iter().zip(positions).enumerate() {
+        if !positions.iter().any(|x| domain.contains(x)) {
+            let name = body.name();
+            let message = format!(
+                "no vertex of body `{name}` lies in the domain; move it, or enlarge the background; if a mesh file has another unit of length, give it a `scale`"
+            );
+            return Err(at(k).invalid(message));
+        }
+    }
     for a in 0..surfaces.len() {
         for b in a + 1..surfaces.len() {
             if !Aabb::of_points(&positions[a]).overlaps(&Aabb::of_points(&positions[b])) {
                 continue;
             }
             let overlap = alone[a] + alone[b] - covered(b, &[surfaces[a], surfaces[b]])?;
-            // Volumes have round-off.
-            if overlap > 1e-9 * alone[a].min(alone[b]) {
+            if overlap > ROUND_OFF * alone[a].min(alone[b]) {
                 let [a, b_name] = [a, b].map(|k| setup.bodies[k].name());
                 return Err(at(b).invalid(format!(
                     "bodies `{a}` and `{b_name}` overlap at the start by {overlap:.3e} (area or volume); move one of them"
@@ -260,21 +272,41 @@ fn check_contacts<const D: usize>(
     Ok(())
 }
 
-/// Checks that no more fluid is brought into a domain without an open side than is taken out. Elastic bodies and bodies
-/// that move or stand on the boundary may change the volume of the fluid: the balance is then unknown.
+/// Checks that no more fluid is brought into a domain without an open side than is taken out. Bodies with a given motion
+/// and those that may leave the domain change the volume of the fluid: the balance is then unknown. An elastic body
+/// inside of the domain would be compressed by the inflow.
 fn check_balance<const D: usize>(
     scenario: &Scenario,
     bodies: &[At<BodyKeys>],
+    part_names: &[Vec<String>],
     setup: &Setup<D>,
     positions: &[Vec<Point<D>>],
 ) -> Result<(), ScenarioError> {
     let (Some(fluid), Some(given)) = (&setup.fluid, &scenario.background) else { return Ok(()) };
     let domain = Aabb::of_points(fluid.background.vertices());
-    let keeps_volume = |(given, positions): (&At<BodyKeys>, &Vec<Point<D>>)| {
-        let is_inside = positions.iter().all(|x| (0..D).all(|k| domain.low[k] < x[k] && x[k] < domain.high[k]));
-        is_inside && matches!(given.motion.as_deref(), Some(MotionChoice::Fixed | MotionChoice::Free { .. }))
+    let is_inside = |x: &Point<D>| (0..D).all(|k| domain.low[k] < x[k] && x[k] < domain.high[k]);
+    let keeps_volume = |k: usize| match bodies[k].motion.as_deref() {
+        Some(MotionChoice::Fixed | MotionChoice::Free { .. }) => positions[k].iter().all(is_inside),
+        Some(_) => false,
+        None => {
+            let conditions = || bodies[k].boundary.iter().flat_map(|boundary| &boundary.0);
+            let is_held = |name: &str| {
+                let holds = |condition: &BodyCondition| {
+                    matches!(condition, BodyCondition::Clamped | BodyCondition::Symmetry { .. })
+                };
+                conditions().any(|(part, condition)| part == name && holds(condition))
+            };
+            let surface = setup.bodies[k].surface();
+            let (held, loose): (Vec<_>, Vec<_>) = surface
+                .facets()
+                .partition(|facet| surface.tag(*facet).is_some_and(|tag| is_held(&part_names[k][tag.index()])));
+            let held = surface.vertices_of(&held);
+            let mut loose = surface.vertices_of(&loose).into_iter();
+            !conditions().any(|(_, condition)| matches!(**condition, BodyCondition::Displacement { .. }))
+                && loose.all(|v| held.binary_search(&v).is_ok() || is_inside(&positions[k][v.index()]))
+        }
     };
-    if !bodies.iter().zip(positions).all(keeps_volume) {
+    if !(0..bodies.len()).all(keeps_volume) {
         return Ok(());
     }
     let Some((time, net)) = unbalanced(fluid, [0.0, scenario.time.end]) else { return Ok(()) };

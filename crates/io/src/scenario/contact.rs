@@ -11,7 +11,7 @@ use solver::body::Body;
 use solver::{Contact, ContactObstacle};
 
 use super::body::Built;
-use super::error::{ErrorKind, ScenarioError};
+use super::error::{ErrorKind, ScenarioError, sorted};
 use super::geometry::{Geometry, Shape, ZERO_VECTOR};
 use super::key::Quantity;
 use super::table::{At, Components, choices, keys};
@@ -31,7 +31,8 @@ keys! {
         obstacle: Option<At<ObstacleChoice>> [group(2)],
         /// Contact law.
         law: ContactLawChoice,
-        /// Contact size `s`: obstacles are searched within twice this length, and the law `penalty` divides by it.
+        /// Contact size `s`: the law `penalty` divides by it. Obstacles are searched within the offset, twice the motion of
+        /// the last step and twice this length.
         size: f64 [unit(Quantity::LENGTH), positive],
         /// Offset `ε`: contact begins at this distance.
         offset: f64 [unit(Quantity::LENGTH), non_negative],
@@ -49,7 +50,7 @@ choices! {
 choices! {
     /// Contact law.
     pub enum ContactLawChoice ["kind"] {
-        /// Pressure `γ_C0/s [ε - Δ]₊` at the distance `Δ`.
+        /// Pressure `γ_C0/s [ε - Δ]₊` at the distance `Δ`. Without friction: that is a key of `nitsche`.
         Penalty = "penalty" {
             /// Penalty parameter `γ_C0`.
             gamma_contact_0: f64 [unit(Quantity::PRESSURE), positive],
@@ -217,7 +218,7 @@ impl<'p, const D: usize> Partners<'p, D> {
                 for name in &**parts {
                     let known = background.boundary_names();
                     let tag = background.tag(name).filter(|_| known.contains(&name.as_str()));
-                    let tag = tag.ok_or_else(|| name.at.unknown("part of the background", name, known))?;
+                    let tag = tag.ok_or_else(|| name.at.unknown("part of the background", name, sorted(known)))?;
                     facets.extend(boundary.facets().filter(|facet| boundary.tag(*facet) == Some(tag)));
                 }
                 if facets.is_empty() {

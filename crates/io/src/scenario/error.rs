@@ -150,6 +150,15 @@ pub(super) fn shown(value: f64) -> String {
     if is_plain { value.to_string() } else { format!("{value:e}") }
 }
 
+/// Sorts names of parts; numbers at their ends count as numbers.
+pub(super) fn sorted(mut names: Vec<&str>) -> Vec<&str> {
+    names.sort_by_key(|name| {
+        let stem = name.trim_end_matches(|c: char| c.is_ascii_digit());
+        (stem, name[stem.len()..].parse::<u64>().ok())
+    });
+    names
+}
+
 /// Returns the end of a sentence about an unknown word, with the nearest known one if one is near.
 pub(crate) fn advice(found: &str, known: &[&str]) -> String {
     nearest(found, known).map_or(".".to_owned(), |name| format!("; did you mean `{name}`?"))
@@ -160,4 +169,13 @@ fn nearest<'k>(word: &str, known: &[&'k str]) -> Option<&'k str> {
     let distances = known.iter().map(|candidate| (strsim::osa_distance(word, candidate), *candidate));
     let nearest = distances.min_by_key(|(distance, _)| *distance);
     nearest.filter(|(d, candidate)| 3 * d <= word.len().max(candidate.len()).max(3)).map(|(_, candidate)| candidate)
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn names_of_parts_are_sorted_by_their_numbers() {
+        let names = vec!["side-3", "side-10", "hole-1", "wall", "side-1", "end"];
+        assert_eq!(super::sorted(names), ["end", "hole-1", "side-1", "side-3", "side-10", "wall"]);
+    }
 }

@@ -10,7 +10,7 @@ use solver::{FilmSetup, FluidBoundary, FluidSetup, Stabilisation};
 use super::background::{Background, background};
 use super::body::BodyKeys;
 use super::condition::fluid_boundary;
-use super::error::ScenarioError;
+use super::error::{ScenarioError, sorted};
 use super::field::Field;
 use super::key::Quantity;
 use super::table::{At, OrTable, choices, keys};
@@ -186,7 +186,7 @@ pub(super) fn fluid<const D: usize>(
     let conditions = given.boundary();
     let sides = background.boundary_names();
     if let Some((name, condition)) = conditions.0.iter().find(|(name, _)| !sides.contains(&name.as_str())) {
-        return Err(condition.at.unknown("side", name, sides));
+        return Err(condition.at.unknown("side", name, sorted(sides)));
     }
     let mut boundary = Vec::new();
     for side in sides {

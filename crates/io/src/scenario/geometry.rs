@@ -86,7 +86,8 @@ choices! {
             holes: Vec<Vec<Components<f64>>> [unit(Quantity::LENGTH)],
             /// Largest length of the segments into which the sides are divided.
             size: f64 [unit(Quantity::LENGTH), positive],
-            /// Whether outline and holes are periodic cubic splines through their corners.
+            /// Whether outline and holes are periodic cubic splines through their corners. The outline is then one part,
+            /// `surface`, for conditions and forces.
             smooth: bool = false,
         },
         /// Mesh from a Gmsh file (`.msh`, version 4.1 or 2.2), with the names of its physical groups as tags. For

@@ -110,6 +110,12 @@ impl<'d> Node<'d> {
         let entries = self.entries().ok_or_else(|| self.refuse(&Form::Table(keys)))?;
         let mut names = tag.into_iter().chain(keys.iter().map(|key| key.name));
         if let Some((name, node)) = entries.iter().find(|(name, _)| !names.clone().any(|known| known == *name)) {
+            if name.parse::<usize>().is_ok() && !self.key.is_empty() {
+                let key = &self.key;
+                let below =
+                    node.entries().and_then(|entries| entries.first().map(|(below, _)| *below)).unwrap_or("KEY");
+                return Err(node.at().invalid(format!("`{key}` is one table here, not a list: write {key}.{below}")));
+            }
             return Err(node.at().unknown("key", name, names.by_ref()));
         }
         Ok(Table { node: self.clone(), entries, keys })

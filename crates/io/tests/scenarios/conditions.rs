@@ -192,6 +192,32 @@ fn a_closed_domain_takes_in_as_much_as_it_gives() {
     }
 }
 
+/// A block whose free surface lies in the domain would be compressed.
+#[test]
+fn a_closed_domain_with_an_elastic_body_takes_in_no_more_than_it_gives() {
+    let with = |min: &str, motion: &str, right: &str| {
+        let text = format!(
+            "name = \"closed\"\ndimension = 2\nunits = \"si\"\ntime = {{ step = 0.1, end = 1 }}\nfluid = {{ density = 1, viscosity = 1 }}\n\
+             [background]\nkind = \"graded-box\"\nmin = [0, 0]\nmax = [4, 4]\nsize = 1\n\
+             boundary = {{ left = {{ kind = \"velocity\", value = [\"y*(4 - y)\", 0] }}, right = {right}, bottom = \"no-slip\", top = \"no-slip\" }}\n\
+             [[body]]\nname = \"block\"\nshape = {{ kind = \"box\", min = {min}, max = [3, 3], n = [2, 4] }}\n{motion}\n"
+        );
+        parse(&text, &[]).and_then(|file| io::sizes(&file).map(|_| ()))
+    };
+    let elastic = "material = { kind = \"linear\", young = 100, poisson = 0.3 }\ndensity = 1\ngravity = [0, 0]\n";
+    let clamped = format!("{elastic}boundary = {{ bottom = \"clamped\" }}");
+    let moved = format!("{elastic}boundary = {{ bottom = {{ kind = \"displacement\", value = [0, \"-0.1*t\"] }} }}");
+    for (min, motion) in [("[1, 1]", elastic), ("[1, 1]", &clamped), ("[1, 0]", &clamped)] {
+        let error = with(min, motion, "\"no-slip\"").expect_err("a closed domain").to_string();
+        assert!(error.contains("no side is open") && error.contains("background.boundary"), "{error}");
+        with(min, motion, "\"free\"").expect("an open side");
+    }
+    // These may leave the domain.
+    for (min, motion) in [("[1, 0]", elastic), ("[1, -1]", &clamped), ("[1, 0]", &moved)] {
+        with(min, motion, "\"no-slip\"").expect("a body that may make room");
+    }
+}
+
 #[test]
 fn elements_of_order_2_follow_the_circle() {
     let of_order = |order: &str| problem(BARRIER, &[&COARSE_BALL, &["body.0.shape.area_preserving=false", order]]);

@@ -80,6 +80,25 @@ fn all_pairs_that_can_meet_are_in_contact() {
 }
 
 #[test]
+fn roles_and_contacts_that_act_at_once_are_described() {
+    let lines = |text: &str| io::sizes(&legal(text, &[])).expect("sizes").lines;
+    // The stone is 0.2 above the floor, then 2 mm, which is within the offset.
+    let apart = lines(&format!("{BODIES}[contact]\n{LAW}pair = [\"floor\", \"stone\"]\n"));
+    assert!(apart.contains(&"contact pair: slave stone, master floor".to_owned()), "{apart:#?}");
+    assert!(!apart.iter().any(|line| line.starts_with("warning")), "{apart:#?}");
+    let near = BODIES.replace("centre = [1.0, 0.3]", "centre = [1.0, 0.102]");
+    let near = lines(&format!("{near}[contact]\n{LAW}pair = [\"floor\", \"stone\"]\n"));
+    let warning = near.iter().find(|line| line.starts_with("warning")).expect("a warning");
+    for words in ["smallest gap of stone to floor is", "e-3 m", "below the offset 0.005 m", "acts from the first step"]
+    {
+        assert!(warning.contains(words), "{words}: {warning}");
+    }
+    let plane = "body = \"soft\"\nobstacle = { kind = \"rigid-plane\", point = [0, 0.198], normal = [0, -1] }";
+    let plane = lines(&format!("{BODIES}[contact]\n{LAW}{plane}\n"));
+    assert!(plane.iter().any(|line| line.contains("soft to its obstacle at rest")), "{plane:#?}");
+}
+
+#[test]
 fn contacts_that_make_no_sense_are_refused() {
     refuse("", &["contact.0", "`pairs` is missing"]);
     refuse("pairs = \"all\"\npair = [\"soft\", \"fine\"]", &["contact.0", "give one of pairs, pair"]);

@@ -40,6 +40,15 @@ fn unknown_keys() {
 }
 
 #[test]
+fn a_number_after_a_single_table_is_no_key() {
+    let single = BARRIER.replace("[[contact]]", "[contact]");
+    let error = parse(&single, &[&["contact.0.size=0.2"]]).map(drop).expect_err("a mistake").to_string();
+    assert!(error.contains("`contact` is one table here, not a list: write contact.size"), "{error}");
+    assert!(error.starts_with("--set contact.0.size=0.2: contact.0"), "{error}");
+    legal(&single, &[&["contact.size=0.2"]]);
+}
+
+#[test]
 fn unknown_values() {
     expect("units     = \"cgs\"", "units = \"SI\"", "units", &["unknown value `SI`", "cgs"]);
     expect("\"half-ball\"", "\"half-bal\"", "body.0.shape.kind", &["did you mean `half-ball`?"]);
@@ -200,8 +209,25 @@ fn bodies_may_stick_out_but_not_be_away() {
     let apart = format!("{BARRIER}{SECOND}")
         .replace("min = [3.0, 6.5], max = [9.0, 8.5]", "min = [5.0, 1.0], max = [12.0, 2.0]");
     assert_eq!(sizes(&legal(&apart, &[&COARSE])).expect("legal").bodies.len(), 2);
-    let words = ["no vertex of body `ball`", "move it"];
+    let words = ["no vertex of body `ball`", "move it", "`scale`"];
     expect("centre = [0.0, 10.0]", "centre = [20.0, 10.0]", "body.0.shape", &words);
+}
+
+#[test]
+fn bodies_that_leave_no_fluid_are_refused() {
+    let all = format!("{BARRIER}{SECOND}")
+        .replace("min = [3.0, 6.5], max = [9.0, 8.5], size = 1.0", "min = [-50, -50], max = [50, 50], n = [2, 2]");
+    let begin = all.rfind("shape ").expect("a shape");
+    expect_at(&all, begin, "body.1.shape", &["`block` covers the whole background", "no fluid is left", "`scale`"]);
+}
+
+#[test]
+fn extents_are_printed_with_their_unit() {
+    let apart = format!("{BARRIER}{SECOND}").replace("min = [3.0, 6.5]", "min = [7.0, 6.5]");
+    let lines = sizes(&legal(&apart, &[&COARSE])).expect("sizes").lines;
+    let line = |begin: &str| lines.iter().find(|line| line.starts_with(begin)).expect("a line");
+    assert!(line("body block: ").contains(" 2.0 x 2.0 cm, "), "{lines:#?}");
+    assert!(line("background: ").contains(" cm, "), "{lines:#?}");
 }
 
 #[test]

@@ -300,7 +300,7 @@ fn backgrounds_that_cannot_be_used_are_refused() {
     save("trapezium-2.msh", &mesh, &HashMap::new());
     let text = FLUID.replace("trapezium.msh", "trapezium-2.msh").replace("TRACTION", "[0, 0]");
     parsed(&text);
-    expect(&text.replace("wall =", "wand ="), &["background.boundary.wand", "wall, end"]);
+    expect(&text.replace("wall =", "wand ="), &["background.boundary.wand", "end, wall"]);
     expect(
         &text.replace(", end = { kind = \"traction\", value = [0, 0] }", ""),
         &["background.boundary", "side `end` is missing"],
