@@ -41,7 +41,7 @@ pub(crate) struct Comparison {
     pub(crate) paper: Option<f64>,
     /// Place in the paper.
     pub(crate) place: Option<String>,
-    /// The interval that a number has to lie in.
+    /// The interval that a number has to lie in; without one it is shown with that of the paper.
     pub(crate) band: Option<[f64; 2]>,
     /// The expected value of a property, instead of a band.
     pub(crate) expected: Option<bool>,
@@ -138,7 +138,12 @@ mod tests {
             for comparison in reference.comparisons {
                 let Comparison { quantity, paper, place, band, expected, reason, .. } = comparison;
                 assert_eq!(paper.is_some(), place.is_some(), "{name}: {quantity}: a number without a place");
-                assert_ne!(band.is_some(), expected.is_some(), "{name}: {quantity}: either a band or an expectation");
+                let n_expected = [band.is_some(), expected.is_some()].into_iter().filter(|given| *given).count();
+                let is_shown = paper.is_some() && n_expected == 0;
+                assert!(
+                    is_shown || n_expected == 1,
+                    "{name}: {quantity}: a band, an expectation, or a number of the paper"
+                );
                 assert!(band.is_none_or(|[low, high]| low < high), "{name}: {quantity}: an empty band");
                 assert!(!reason.is_empty(), "{name}: {quantity}: a band without a reason");
             }
