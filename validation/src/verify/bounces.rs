@@ -21,6 +21,9 @@ pub(super) const IN_AIR: f64 = 0.97;
 /// Sizes of the refined cells of twice the standard size, m.
 pub(super) const TWICE: [f64; 4] = [3e-4, 1.5e-4, 7.5e-5, 1.875e-5];
 
+/// Time between two lines of progress on the standard error.
+const PROGRESS: std::time::Duration = std::time::Duration::from_secs(60);
+
 /// Time, gap and velocity of all steps.
 #[derive(Default)]
 struct Fall(Vec<[f64; 3]>);
@@ -51,8 +54,13 @@ pub(super) fn fall(changes: &[String], is_over: impl Fn(&[[f64; 3]]) -> bool) ->
     let case = case::<2>(&ScenarioFile::read(&example_path("bouncing-sphere"), changes)?)?;
     let (setup, mut fall) = (case.setup, Fall::default());
     let mut run = TimeLoop::new(&setup, State::initial(&setup)?, case.workspace);
+    let mut last_line = begin;
     for _ in 0..case.n_steps {
         run.run(1, &mut [&mut fall])?;
+        if let Some([time, gap, _]) = fall.0.last().filter(|_| last_line.elapsed() > PROGRESS) {
+            eprintln!("  time {time:.5} s, gap {gap:.3e} m, after {:.0} s", begin.elapsed().as_secs_f64());
+            last_line = std::time::Instant::now();
+        }
         if is_over(&fall.0) {
             break;
         }
