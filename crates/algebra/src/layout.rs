@@ -65,7 +65,7 @@ pub struct DofKey {
 /// assert_eq!(layout.dof(velocity, 3, 1), DofId::new(7));
 /// assert_eq!(layout.nodes(), [0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 0, 1, 2, 3, 4]);
 /// ```
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct BlockLayout {
     fields: Vec<Field>,
     /// Keys of each set of nodes; empty for default keys.
@@ -74,7 +74,7 @@ pub struct BlockLayout {
     n_nodes: usize,
 }
 
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 struct Field {
     name: String,
     first_dof: usize,
@@ -83,6 +83,22 @@ struct Field {
     n_nodes: usize,
     /// Index into `BlockLayout::keys`.
     node_set: usize,
+    /// Change of the values that is rounding.
+    rounding: f64,
+}
+
+impl Field {
+    /// Returns the field with the given first unknown on nodes with the given first one; nothing is rounding.
+    fn new(
+        name: &str,
+        components: usize,
+        first_dof: usize,
+        first_node: usize,
+        n_nodes: usize,
+        node_set: usize,
+    ) -> Self {
+        Self { name: name.to_owned(), first_dof, components, first_node, n_nodes, node_set, rounding: 0.0 }
+    }
 }
 
 impl Field {
@@ -110,20 +126,32 @@ impl BlockLayout {
     /// Registers a field on the nodes of another one.
     pub fn push_on(&mut self, other: FieldId, name: &str, components: usize) -> FieldId {
         let Field { first_node, n_nodes, node_set, .. } = self.fields[other.index()];
-        self.add(Field { name: name.to_owned(), first_dof: self.n_dofs, components, first_node, n_nodes, node_set })
+        self.add(Field::new(name, components, self.n_dofs, first_node, n_nodes, node_set))
     }
 
     fn push_nodes(&mut self, name: &str, n_nodes: usize, components: usize, keys: Vec<u64>) -> FieldId {
         let (first_node, node_set) = (self.n_nodes, self.keys.len());
         self.keys.push(keys);
         self.n_nodes += n_nodes;
-        self.add(Field { name: name.to_owned(), first_dof: self.n_dofs, components, first_node, n_nodes, node_set })
+        self.add(Field::new(name, components, self.n_dofs, first_node, n_nodes, node_set))
     }
 
     fn add(&mut self, field: Field) -> FieldId {
         self.n_dofs = field.range().end;
         self.fields.push(field);
         FieldId::new(self.fields.len() - 1)
+    }
+
+    /// Sets the change of the values of a field that is rounding in the data of its equations, in the unit of the field; 0 if this is not
+    /// called. Newton's method does not ask for a smaller error.
+    pub fn set_rounding(&mut self, field: FieldId, rounding: f64) {
+        self.fields[field.index()].rounding = rounding;
+    }
+
+    /// Returns the change of each dof that is rounding.
+    pub fn rounding(&self) -> Vec<f64> {
+        let of_field = |f: &Field| std::iter::repeat_n(f.rounding, f.range().len());
+        self.fields.iter().flat_map(of_field).collect()
     }
 
     /// Returns the number of unknowns.

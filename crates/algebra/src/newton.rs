@@ -14,6 +14,9 @@ const MAX_GROWTHS: usize = 5;
 /// Source: Deuflhard 2011, Newton methods for nonlinear problems, doi:10.1007/978-3-642-23899-4, Section 2.1.
 const USELESS: f64 = 0.5;
 
+/// Errors of this many times the rounding of the fields are accepted: forces sum it over the elements at a node, and a solve over the elements of a body.
+const ROUNDINGS: f64 = 100.0;
+
 /// A system of equations `Σ residuals of the contributions = 0`.
 pub struct Equations<'p> {
     /// The fields of the unknowns.
@@ -172,8 +175,8 @@ fn last(report: &NewtonReport) -> f64 {
 /// evaluated (modified Newton).
 ///
 /// **Convergence.** With the row and column scales R, C of the equilibrated tangent and Euclidean norms over the
-/// unconstrained dofs, let `s = max(‖C⁻¹ x‖, ‖C⁻¹ x_start‖)` and `θ = ‖C⁻¹ dx‖ / ‖C⁻¹ dx_previous‖`. The state is accepted
-/// if, after a full correction dx,
+/// unconstrained dofs, let `s = max(‖C⁻¹ x‖, ‖C⁻¹ x_start‖, 100 ‖C⁻¹ x_ε‖ / tolerance)` with the rounding `x_ε` of
+/// [`BlockLayout::rounding`], and `θ = ‖C⁻¹ dx‖ / ‖C⁻¹ dx_previous‖`. The state is accepted if, after a full correction dx,
 ///
 /// - the estimated error `max(θ, η)/(1−θ) ‖C⁻¹ dx‖`, with the relative residual η that the linear solver reached, is at most
 ///   `tolerance · s` (for the first correction, which has no θ, the correction itself; with η alone if every contribution is
@@ -214,6 +217,7 @@ pub fn newton(
         contributions,
         settings,
         start: x.to_vec(),
+        rounding: layout.rounding(),
         previous: vec![0.0; x.len()],
         correction: vec![0.0; x.len()],
         last: None,
@@ -263,6 +267,7 @@ struct Solve<'a> {
     contributions: Vec<&'a dyn Contributions>,
     settings: &'a NewtonSettings,
     start: Vec<f64>,
+    rounding: Vec<f64>,
     previous: Vec<f64>,
     correction: Vec<f64>,
     last: Option<LinearSolve>,
@@ -429,7 +434,8 @@ impl Solve<'_> {
 
     /// Returns the size of the state, to which errors are relative.
     fn size(&self, x: &[f64]) -> f64 {
-        self.system.column_norm(x).max(self.system.column_norm(&self.start))
+        let rounding = ROUNDINGS / self.settings.tolerance * self.system.column_norm(&self.rounding);
+        self.system.column_norm(x).max(self.system.column_norm(&self.start)).max(rounding)
     }
 }
 

@@ -128,6 +128,28 @@ fn a_linear_problem_takes_one_correction() {
 }
 
 #[test]
+fn a_state_at_rest_is_accepted_at_the_rounding_of_its_field() {
+    // A force that rounding makes irregular below 1e-16, and a solution of zero, to which nothing can be relative.
+    let mut hash = 1_u64;
+    let noise = Mutex::new(move || {
+        hash = hash.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        1e-16 * (hash >> 32) as f64 / f64::from(u32::MAX)
+    });
+    let rough = scalar(|x: f64| (x + (noise.lock().unwrap())(), 1.0));
+    let solve = |rounding: f64| {
+        let mut layout = scalar_field(1);
+        let field = layout.fields().next().unwrap();
+        layout.set_rounding(field, rounding);
+        let constraints = Constraints::new();
+        let equations =
+            Equations { layout: &layout, contributions: vec![Box::new(rough.clone())], constraints: &constraints };
+        algebra::newton(&equations, &mut [1e-16], &mut Workspace::new(), &exact(1e-10))
+    };
+    assert!(solve(0.0).is_err());
+    assert_eq!(solve(1e-16).unwrap().iterations, 1);
+}
+
+#[test]
 fn without_unknowns_there_is_nothing_to_do() {
     let (layout, constraints) = (BlockLayout::new(), Constraints::new());
     let equations = Equations { layout: &layout, contributions: vec![], constraints: &constraints };
