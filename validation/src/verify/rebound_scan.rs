@@ -1,6 +1,6 @@
 //! The speed of rebound of a sphere from a floor over the Stokes number.
 
-use super::bounces::{FRAME, IN_AIR, SPEED, TWICE, cells, coarse_cells, legendre, restitution};
+use super::bounces::{FRAME, IN_AIR, SPEED, TWICE, cells, coarse_cells, legendre, rebound};
 use super::{Failure, Record};
 
 /// Stokes numbers `2 rho_s R U / (9 mu)`: without rebound, between, and with rebound in all experiments.
@@ -14,8 +14,8 @@ const VISIBLE: f64 = 0.03e-3 / FRAME / SPEED;
 /// Scans the Stokes number; the quick version has two numbers on coarse cells.
 pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     if !record.full {
-        let restitution = |number| restitution(number, coarse_cells(), 0.02);
-        let (low, high) = (restitution(NONE)?, restitution(200.0)?);
+        let mean = |number| rebound(number, coarse_cells(), 0.02).map(|rebound| rebound.mean);
+        let (low, high) = (mean(NONE)?, mean(200.0)?);
         record.at_most(
             "St 6, coarse cells: mean speed in the first 2 ms of the rebound over that before",
             low,
@@ -31,7 +31,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     }
     let mut found = Vec::new();
     for number in NUMBERS {
-        let value = restitution(number, cells(TWICE).collect(), 0.06)? / IN_AIR;
+        let value = rebound(number, cells(TWICE).collect(), 0.06)?.mean / IN_AIR;
         record.show(format!("St {number}: restitution over that in air; Legendre"), value, Some(legendre(number)));
         found.push((number, value));
     }

@@ -134,6 +134,10 @@ fn residuals(step: &cutwater::solver::StepError) -> String {
                  `solver.newton.max_iterations`";
     }
     let report = newton.report();
+    if stagnates(&report.residual_history) {
+        text += "\n  the residuals no longer fall; if bodies touch, contact opens and closes in turn: make the other body the slave (`body` and \
+                 `obstacle` in place of `pair`), or use cells of similar size, a larger `offset`, or the penalty law";
+    }
     text += "\n  iteration   relative residual   relative correction";
     for (k, residual) in report.residual_history.iter().enumerate() {
         let correction = k.checked_sub(1).and_then(|k| report.correction_history.get(k));
@@ -142,4 +146,20 @@ fn residuals(step: &cutwater::solver::StepError) -> String {
         let _ = write!(text, "\n  {k:9}   {residual:17.3e}   {correction:>19}");
     }
     text
+}
+
+/// Returns whether the last residual is more than half of that two iterations before, as it is in a cycle of two states.
+fn stagnates(residuals: &[f64]) -> bool {
+    matches!(residuals, [.., before, _, last] if residuals.len() > 3 && *last > 0.5 * before)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::stagnates;
+
+    #[test]
+    fn residuals_stagnate_at_one_value_or_between_two() {
+        assert!(stagnates(&[1.0, 3e-3, 3.1e-3, 2.9e-3]) && stagnates(&[1.0, 2.0, 1e-2, 3e-5, 1e-2]));
+        assert!(!stagnates(&[1.0, 0.1, 1e-2, 1e-3]) && !stagnates(&[1.0, 5.0, 2.0]) && !stagnates(&[]));
+    }
 }
