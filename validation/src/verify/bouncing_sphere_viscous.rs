@@ -54,7 +54,7 @@ fn experiment() -> Vec<String> {
         "contact.0.size=2e-5",
         "contact.0.offset=3e-7",
         "time.step=1.16e-4",
-        "time.end=0.2",
+        "time.end=0.19952",
         "time.approach.smallest=1.1e-6",
     ]
     .map(str::to_owned)
