@@ -14,9 +14,6 @@ const MAX_GROWTHS: usize = 5;
 /// Source: Deuflhard 2011, Newton methods for nonlinear problems, doi:10.1007/978-3-642-23899-4, Section 2.1.
 const USELESS: f64 = 0.5;
 
-/// Errors of this many times the rounding of the fields are accepted: forces sum it over the elements at a node, and a solve over the elements of a body.
-const ROUNDINGS: f64 = 100.0;
-
 /// A system of equations `Σ residuals of the contributions = 0`.
 pub struct Equations<'p> {
     /// The fields of the unknowns.
@@ -175,7 +172,7 @@ fn last(report: &NewtonReport) -> f64 {
 /// evaluated (modified Newton).
 ///
 /// **Convergence.** With the row and column scales R, C of the equilibrated tangent and Euclidean norms over the
-/// unconstrained dofs, let `s = max(‖C⁻¹ x‖, ‖C⁻¹ x_start‖, 100 ‖C⁻¹ x_ε‖ / tolerance)` with the rounding `x_ε` of
+/// unconstrained dofs, let `s = max(‖C⁻¹ x‖, ‖C⁻¹ x_start‖, ‖C⁻¹ x_ε‖ / tolerance)` with the rounding `x_ε` of
 /// [`BlockLayout::rounding`], and `θ = ‖C⁻¹ dx‖ / ‖C⁻¹ dx_previous‖`. The state is accepted if, after a full correction dx,
 ///
 /// - the estimated error `max(θ, η)/(1−θ) ‖C⁻¹ dx‖`, with the relative residual η that the linear solver reached, is at most
@@ -434,7 +431,7 @@ impl Solve<'_> {
 
     /// Returns the size of the state, to which errors are relative.
     fn size(&self, x: &[f64]) -> f64 {
-        let rounding = ROUNDINGS / self.settings.tolerance * self.system.column_norm(&self.rounding);
+        let rounding = self.system.column_norm(&self.rounding) / self.settings.tolerance;
         self.system.column_norm(x).max(self.system.column_norm(&self.start)).max(rounding)
     }
 }
