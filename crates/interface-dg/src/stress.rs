@@ -9,13 +9,14 @@ use mesh::{BodyId, FacetId, MAX_CELL_VERTICES, Placed, Point, Tensor, Vector};
 
 use crate::InterfacePoints;
 
-/// Barycentric coordinates above minus this value lie inside a piece.
-const INSIDE: f64 = 1e-9;
-
 /// Covered part of a facet, relative to its measure, below which the rest of it is closed.
 const COVERED: f64 = 1.0 - 1e-9;
 
-/// Traction `T^f n` of the fluid in front of a body, `n` out of the body.
+/// Mean over each facet of the traction `T^f n` of the fluid in front of a body, `n` out of the body.
+///
+/// It is a mean because the stress of a linear solid is constant behind a facet and balances the mean of the traction. In a film
+/// the pressure varies over a facet by more than contact carries, so that at single points the difference of both is not the
+/// traction of contact, and a law that depends on it can have no solution.
 ///
 /// The surface is *closed* where it borders no fluid: bodies touch or overlap there, or the facet lies outside the
 /// background. The traction on it is `-p n`. The pressure `p` is that in the middle of the nearest interface piece of
@@ -116,11 +117,6 @@ impl<'a, const D: usize> FluidStress<'a, D> {
         at_rim + self.rim(facet).map_or(0.0, |closed| closed.body_force.dot(&(point - closed.middle)))
     }
 
-    /// Returns the piece that contains a point of a facet.
-    fn piece_at(&self, facet: FacetId, barycentric: &[f64]) -> Option<usize> {
-        self.on_facet(facet).find(|&item| self.contains(item, barycentric))
-    }
-
     /// Returns the traction at a point of the closed part of a facet, and appends its derivatives.
     fn on_closed(&self, facet: FacetId, barycentric: &[f64], x: &[f64], derivatives: &mut ByDof<D>) -> Vector<D> {
         let normal = self.surface().facet_normal(facet);
@@ -142,14 +138,6 @@ impl<'a, const D: usize> FluidStress<'a, D> {
         let begin = self.pieces.partition_point(|(other, _)| *other < facet);
         self.pieces[begin..].iter().take_while(move |(other, _)| *other == facet).map(|(_, item)| *item)
     }
-
-    /// Returns whether a piece contains the point with given barycentric coordinates of its facet.
-    fn contains(&self, item: usize, barycentric: &[f64]) -> bool {
-        let corners = &self.points.geometry.cut.interface()[item].barycentric;
-        let matrix = Tensor::<D>::from_fn(|row, column| corners[column][row]);
-        let point = Vector::from_fn(|a, _| barycentric[a]);
-        matrix.try_inverse().is_some_and(|inverse| (inverse * point).iter().all(|c| *c > -INSIDE))
-    }
 }
 
 impl<const D: usize> SurfaceStress<D> for FluidStress<'_, D> {
@@ -169,15 +157,39 @@ impl<const D: usize> SurfaceStress<D> for FluidStress<'_, D> {
         }
     }
 
-    fn at(&self, facet: FacetId, barycentric: &[f64], x: &[f64], derivatives: &mut ByDof<D>) -> Vector<D> {
-        let InterfacePoints { geometry, fields, values, fluid, .. } = &self.points;
+    /// Returns the mean over the facet; the point makes no difference.
+    fn at(&self, facet: FacetId, _: &[f64], x: &[f64], derivatives: &mut ByDof<D>) -> Vector<D> {
         derivatives.clear();
-        let Some(item) = self.piece_at(facet, barycentric) else {
-            return self.on_closed(facet, barycentric, x, derivatives);
-        };
+        let measure = self.surface().facet_measure(facet);
+        // Share and first moments of the part that is closed.
+        let (mut share, mut moments) = (1.0, [1.0 / D as f64; D]);
+        let (mut mean, mut of_part) = (Vector::zeros(), Vec::new());
+        for item in self.on_facet(facet) {
+            let piece = &self.points.geometry.cut.interface()[item];
+            let wet = piece.measure / measure;
+            mean += self.on_piece(item, x, &mut of_part) * wet;
+            add_to(derivatives, &mut of_part, wet);
+            share -= wet;
+            for (k, moment) in moments.iter_mut().enumerate() {
+                *moment -= wet / D as f64 * piece.barycentric[..D].iter().map(|corner| corner[k]).sum::<f64>();
+            }
+        }
+        if self.rim(facet).is_some() {
+            mean += self.on_closed(facet, &moments.map(|moment| moment / share), x, &mut of_part) * share;
+            add_to(derivatives, &mut of_part, share);
+        }
+        mean
+    }
+}
+
+impl<const D: usize> FluidStress<'_, D> {
+    /// Returns the traction in the middle of a piece, which is its mean on the piece, and appends its derivatives.
+    fn on_piece(&self, item: usize, x: &[f64], derivatives: &mut ByDof<D>) -> Vector<D> {
+        let InterfacePoints { geometry, fields, values, fluid, .. } = &self.points;
         let piece = &geometry.cut.interface()[item];
         let gradients = values.gradients(item);
-        let shape = self.shape(item, barycentric);
+        let middle = mean(&piece.points[..D]);
+        let shape = geometry.background.simplex(piece.cell).barycentric(&middle).unwrap_or_default();
         let (mut grad_u, mut pressure) = (Tensor::<D>::zeros(), 0.0);
         for (i, &dof) in geometry.space.dofs(piece.part).iter().enumerate() {
             grad_u += fields.velocity_at::<D>(x, dof) * gradients[i].transpose();
@@ -192,13 +204,13 @@ impl<const D: usize> SurfaceStress<D> for FluidStress<'_, D> {
     }
 }
 
-impl<const D: usize> FluidStress<'_, D> {
-    /// Returns the shape values of the fluid part of a piece at a point of its facet.
-    fn shape(&self, item: usize, barycentric: &[f64]) -> [f64; MAX_CELL_VERTICES] {
-        let geometry = &self.points.geometry;
-        let piece = &geometry.cut.interface()[item];
-        let point = self.position(piece.facet, barycentric);
-        geometry.background.simplex(piece.cell).barycentric(&point).unwrap_or_default()
+/// Moves derivatives of a part with a factor to those of the sum.
+fn add_to<const D: usize>(sum: &mut ByDof<D>, part: &mut ByDof<D>, factor: f64) {
+    for (dof, derivative) in part.drain(..) {
+        match sum.iter_mut().find(|(known, _)| *known == dof) {
+            Some((_, total)) => *total += derivative * factor,
+            None => sum.push((dof, derivative * factor)),
+        }
     }
 }
 
