@@ -56,7 +56,7 @@ pub struct ContactPair<'a, const D: usize> {
     pub share: f64,
     /// Length of the step.
     pub dt: f64,
-    /// Whether the law acts as a discrete gradient over the step, else at its end.
+    /// Whether a law with energy acts as a discrete gradient over the step; else it acts at the end.
     pub conserves: bool,
 }
 
@@ -102,8 +102,8 @@ struct Item<const D: usize> {
     masters: Vec<(VertexId, Option<usize>)>,
     /// Dofs, each once: those of slave, master and stress.
     dofs: Vec<DofId>,
-    /// Gap at the start of the step at each point of each segment, infinite without an obstacle in reach; only for a discrete
-    /// gradient.
+    /// Gap at the start of the step at each point of each segment, infinite without an obstacle in reach; only for the discrete
+    /// gradient of a law with energy.
     begin_gaps: Vec<f64>,
 }
 
@@ -140,6 +140,7 @@ impl<const D: usize> ContactItems<D> {
         let mut items = Vec::new();
         let candidates = obstacle.candidates(placed, facets, positions, reach);
         let is_searched = candidates.is_some();
+        let is_gradient = pair.conserves && pair.form.law.energy_density(&ContactPoint::default()).is_some();
         let candidates = candidates.unwrap_or_else(|| vec![Vec::new(); facets.len()]);
         for ((number, &facet), candidates) in facets.iter().enumerate().zip(candidates) {
             if is_searched && candidates.is_empty() {
@@ -174,7 +175,7 @@ impl<const D: usize> ContactItems<D> {
             let points = placed.facet_points(facet);
             let at = |shape: &[f64; D]| begin_gap((0..D).map(|k| points[k] * shape[k]).sum());
             let shapes = segments.iter().flat_map(|s| pair.form.rule.points().iter().map(|point| s.at(point)));
-            let begin_gaps = if pair.conserves { shapes.map(|shape| at(&shape)).collect() } else { Vec::new() };
+            let begin_gaps = if is_gradient { shapes.map(|shape| at(&shape)).collect() } else { Vec::new() };
             items.push(Item { number, facet, measure, candidates, segments, masters, dofs, begin_gaps });
         }
         Self { items, is_searched }
