@@ -9,10 +9,10 @@ use solid_svk::{LameParameters, LinearElastic, SolidForm, SupportKind};
 use solver::algebra::NewtonSettings;
 use solver::algebra::time::{GeneralisedAlpha, ImplicitEuler, QuasiStatic, TimeScheme};
 use solver::body::Balance;
-use solver::contact::DeformableObstacle;
+use solver::contact::{ContactForm, DeformableObstacle, NitscheLaw};
 use solver::mesh::BodyId;
 use solver::mesh::generate::structured_box;
-use solver::{ContactObstacle, Setup, State, StepReport};
+use solver::{Contact, ContactObstacle, Setup, State, StepReport};
 
 type Scheme = Arc<dyn TimeScheme>;
 
@@ -105,6 +105,37 @@ fn vibrations_die_down_to_the_equilibrium() {
     let (rest, late) = (hang(Arc::new(QuasiStatic), 1.0, 1), hang(Arc::new(ImplicitEuler), 0.1, 4));
     let largest = rest.iter().map(|d| d.norm()).fold(0.0, f64::max);
     assert!(rest.iter().zip(&late).all(|(a, b)| (a - b).norm() < 1e-4 * largest));
+}
+
+/// A body that has come to rest moves by the rounding of its positions only, of which no relative accuracy can be asked.
+#[test]
+fn a_body_at_rest_does_not_stop_a_run() {
+    let (state, reports) = run(&Setup { dt: 0.1, ..in_vacuum(hanging(), Arc::new(ImplicitEuler)) }, 60);
+    assert!(state.bodies[0].largest_speed() < 1e-12 && reports[59].newton.iterations <= 3);
+}
+
+/// Checks Nitsche's law with a scheme of second order: the gap does not alternate from step to step, which would make energy, and a
+/// stiffer law has less penetration.
+#[test]
+fn contact_without_stored_energy_is_stable() {
+    let penetration = |gamma_0: f64| {
+        let mut block = block();
+        let material = LinearElastic::new(LameParameters { mu: 2e4, lambda: 4e4 });
+        block.form = SolidForm::new(1.0, material, V::zeros()).expect("a form");
+        let bottom = block.side("bottom");
+        let mut setup = in_vacuum(block, second_order(0.0));
+        let form = ContactForm::new(NitscheLaw::new(gamma_0, 0.0).expect("a law"), 0.1).expect("a contact");
+        let contact = Contact::new(&setup.bodies, BodyId(0), bottom, form, ground()).expect("a contact");
+        setup.contacts.push(contact);
+        let (_, reports) = run(&setup, 120);
+        let start = balance(&setup, &State::initial(&setup).expect("bodies"), 0).energy();
+        // Released contact returns some of the energy that closing it took.
+        let made: f64 = reports.iter().map(|r| (-r.ledger.dissipation()).max(0.0)).sum();
+        assert!(made < 5e-3 * start && !reports[119].contacts[0].is_active(), "{made:e} of {start:e}");
+        reports.iter().map(|r| r.contacts[0].largest_penetration).fold(0.0, f64::max)
+    };
+    let (soft, stiff) = (penetration(10.0), penetration(1000.0));
+    assert!(stiff < 0.1 * soft, "{soft:e} {stiff:e}");
 }
 
 #[test]
