@@ -22,7 +22,8 @@ pub(super) const IN_AIR: f64 = 0.97;
 pub(super) const FORMER: &str = "The restitution was first that of the largest speed after the collision, which is the speed inside of the film and is not measured by any experiment. It is now \
                                  that of the mean speed in the first 2 ms, the time between two pictures; the bounds are the same.";
 
-/// Sizes of the refined cells of twice the standard size, m.
+/// Sizes of the refined cells of half and of twice the standard size, m.
+pub(super) const HALF: [f64; 4] = [7.5e-5, 3.75e-5, 1.875e-5, 4.6875e-6];
 pub(super) const TWICE: [f64; 4] = [3e-4, 1.5e-4, 7.5e-5, 1.875e-5];
 
 /// Time between two lines of progress on the standard error.

@@ -3,7 +3,7 @@
 //! Source: Gondret, Lance, Petit 2002, Physics of Fluids 14, 643, doi:10.1063/1.1427920; steel in silicone oil, Stokes number 152.
 
 use super::bounces::{
-    FORMER, IN_AIR, RADIUS, SPEED, TWICE, cells, coarse_cells, fall, from_contact, has_bounced, inputs, legendre,
+    FORMER, HALF, IN_AIR, RADIUS, SPEED, TWICE, cells, coarse_cells, fall, from_contact, has_bounced, inputs, legendre,
     measured, rebound, speed_at,
 };
 use super::{Failure, Record};
@@ -73,7 +73,8 @@ fn compare(record: &mut Record) -> Result<(), Failure> {
     record.at_most("wall-clock time of all bounces on one core [s]", standard.seconds, COST);
     let coarse_steps = ["time.step=1.0e-4", "time.approach.fraction=0.12", "time.approach.smallest=1.0e-6"];
     let variants = [
-        ("cells of twice the size", cells(TWICE).collect::<Vec<_>>(), Some(CHANGE)),
+        ("cells of half the size", cells(HALF).collect::<Vec<_>>(), Some(CHANGE)),
+        ("cells of twice the size", cells(TWICE).collect(), Some(CHANGE)),
         ("steps of twice the length", coarse_steps.map(str::to_owned).to_vec(), Some(CHANGE)),
         ("vapour only at -1000 bar", vec!["fluid.film.floor=-1e8".to_owned()], None),
     ];
