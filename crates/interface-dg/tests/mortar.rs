@@ -282,8 +282,17 @@ fn fluid_stress_of_a_facet_that_is_closed_in_part() {
                 let at = |at: f64| p(&Point::<2>::new(at, 0.4));
                 let continued = at(rim) + force[0] * (middle(closed) - rim);
                 let expected = share * at(middle(wet)) + (1.0 - share) * continued;
-                let found = stress.at(facet, &[0.5, 0.5], x, &mut Vec::new());
+                let mut derivatives = Vec::new();
+                let found = stress.at(facet, &[0.5, 0.5], x, &mut derivatives);
                 assert!((found + V::new(0.0, expected)).norm() < 1e-12 * expected.abs(), "{found} {expected}");
+                // The mean is linear in the state.
+                for (dof, derivative) in &derivatives {
+                    let mut moved = x.to_vec();
+                    moved[dof.index()] += 1.0;
+                    let difference = stress.at(facet, &[0.5, 0.5], &moved, &mut Vec::new()) - found;
+                    assert!((difference - derivative).norm() < 1e-12, "{difference} {derivative}");
+                }
+                assert!(derivatives.len() > 3);
             }
             assert_eq!(n_checked, 2);
         },
