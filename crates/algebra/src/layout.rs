@@ -83,8 +83,8 @@ struct Field {
     n_nodes: usize,
     /// Index into `BlockLayout::keys`.
     node_set: usize,
-    /// Change of the values that is rounding.
-    rounding: f64,
+    /// Change of each component that is rounding; empty if nothing is.
+    rounding: Vec<f64>,
 }
 
 impl Field {
@@ -97,7 +97,7 @@ impl Field {
         n_nodes: usize,
         node_set: usize,
     ) -> Self {
-        Self { name: name.to_owned(), first_dof, components, first_node, n_nodes, node_set, rounding: 0.0 }
+        Self { name: name.to_owned(), first_dof, components, first_node, n_nodes, node_set, rounding: Vec::new() }
     }
 }
 
@@ -125,7 +125,7 @@ impl BlockLayout {
 
     /// Registers a field on the nodes of another one.
     pub fn push_on(&mut self, other: FieldId, name: &str, components: usize) -> FieldId {
-        let Field { first_node, n_nodes, node_set, .. } = self.fields[other.index()];
+        let &Field { first_node, n_nodes, node_set, .. } = &self.fields[other.index()];
         self.add(Field::new(name, components, self.n_dofs, first_node, n_nodes, node_set))
     }
 
@@ -142,16 +142,21 @@ impl BlockLayout {
         FieldId::new(self.fields.len() - 1)
     }
 
-    /// Sets the change of the values of a field that is rounding in the data of its equations, in the unit of the field; 0 if this is not
-    /// called. Newton's method does not ask for a smaller error.
-    pub fn set_rounding(&mut self, field: FieldId, rounding: f64) {
-        self.fields[field.index()].rounding = rounding;
+    /// Sets the round-off of each component of a field, in the unit of the component; it is 0 if this is not called. Newton's
+    /// method accepts errors of this size.
+    ///
+    /// # Panics
+    /// The field has another number of components.
+    pub fn set_rounding(&mut self, field: FieldId, rounding: &[f64]) {
+        let field = &mut self.fields[field.index()];
+        assert_eq!(rounding.len(), field.components, "components of the field");
+        field.rounding = rounding.to_vec();
     }
 
-    /// Returns the change of each dof that is rounding.
+    /// Returns the round-off of each dof.
     pub fn rounding(&self) -> Vec<f64> {
-        let of_field = |f: &Field| std::iter::repeat_n(f.rounding, f.range().len());
-        self.fields.iter().flat_map(of_field).collect()
+        let of_dof = |f: &Field, k: usize| f.rounding.get(k % f.components).copied().unwrap_or(0.0);
+        self.fields.iter().flat_map(|f| (0..f.range().len()).map(move |k| of_dof(f, k))).collect()
     }
 
     /// Returns the number of unknowns.

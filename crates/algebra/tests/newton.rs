@@ -139,7 +139,7 @@ fn a_state_at_rest_is_accepted_at_the_rounding_of_its_field() {
     let solve = |rounding: f64| {
         let mut layout = scalar_field(1);
         let field = layout.fields().next().unwrap();
-        layout.set_rounding(field, rounding);
+        layout.set_rounding(field, &[rounding]);
         let constraints = Constraints::new();
         let equations =
             Equations { layout: &layout, contributions: vec![Box::new(rough.clone())], constraints: &constraints };

@@ -10,6 +10,8 @@
 //! |---|---|
 //! | `λ = -(γ_C0/s) [ε - Δ]₊` | `law/penalty.rs` |
 //! | `λ = -[γ_C (ε - Δ) - s_n]₊` | `law/nitsche.rs` |
+//! | `λ = -[(γ_C0/s) (ε - Δ) - m_n]₊` | `law/augmented_lagrangian.rs` |
+//! | `τ = -P(γ g - s_t)` | `law/coulomb.rs` |
 //! | `w_n^{n+1} = -e w_n^n` | `law/collision.rs` |
 //! | `-(f, w^s - w^m)` | `terms/contact_work.rs` |
 //! | closest points and normals | `obstacle/rigid_plane.rs`, `rigid_ball.rs`, `rigid_surface.rs`, `deformable.rs` |
@@ -46,8 +48,11 @@ mod sites;
 pub use diagnostics::ContactReport;
 pub use error::Error;
 pub use frame::{Frame, Local};
-pub use law::{CollisionLaw, ContactLaw, ContactPoint, ContactTraction, NitscheLaw, PenaltyLaw, StressSource};
+pub use law::{
+    AugmentedLagrangianLaw, CollisionLaw, ContactLaw, ContactPoint, ContactTraction, NitscheLaw, PenaltyLaw,
+    StressSource,
+};
 pub use obstacle::{Anchor, DeformableObstacle, Obstacle, OwnSurface, Projection, RigidBall, RigidPlane, RigidSurface};
 pub use positions::Positions;
 pub use site::{ContactNode, ContactSite};
-pub use sites::{ContactForm, ContactItems, ContactPair, ContactSites, check_pair};
+pub use sites::{ContactForm, ContactItems, ContactPair, ContactSites, Multipliers, check_pair};

@@ -9,7 +9,7 @@ use mesh::{BoundaryMesh, FacetId, MAX_FACET_VERTICES, Placed, Point, SimplexRule
 use crate::law::discrete_gradient;
 use crate::segments::{Segment, divide};
 use crate::site::ContactNode;
-use crate::{Anchor, ContactLaw, ContactPoint, ContactSite, Error, Frame, Obstacle, Positions};
+use crate::{Anchor, ContactLaw, ContactPoint, ContactSite, Error, Frame, Local, Obstacle, Positions, StressSource};
 
 /// Law, contact size and quadrature of a contact: everything constant in time but the bodies.
 #[derive(Clone, Debug)]
@@ -105,6 +105,17 @@ struct Item<const D: usize> {
     /// Gap at the start of the step at each point of each segment, infinite without an obstacle in reach; only for the discrete
     /// gradient of a law with energy.
     begin_gaps: Vec<f64>,
+    /// Multiplier at each point of each segment; empty in the first solve and for laws without multipliers.
+    multipliers: Vec<Local>,
+}
+
+/// Multipliers of all points of a contact after a solve.
+#[derive(Clone, Debug)]
+pub struct Multipliers {
+    /// One list per item.
+    values: Vec<Vec<Local>>,
+    /// Largest change of a traction since the solve before, force per area.
+    pub change: f64,
 }
 
 /// Returns the local row of a dof; appends the dof if it is new.
@@ -129,6 +140,13 @@ impl<const D: usize> ContactItems<D> {
     /// Returns the slave's facets with something in reach, each with the facets of the obstacle there.
     pub(crate) fn candidates(&self) -> impl Iterator<Item = (FacetId, &[FacetId])> {
         self.items.iter().map(|item| (item.facet, &item.candidates[..]))
+    }
+
+    /// Sets the multipliers of the next solve.
+    pub fn augment(&mut self, multipliers: Multipliers) {
+        for (item, values) in self.items.iter_mut().zip(multipliers.values) {
+            item.multipliers = values;
+        }
     }
 
     /// Finds candidates within `reach` of the slave's facets at the start of the step: at least the offset of the law
@@ -176,7 +194,8 @@ impl<const D: usize> ContactItems<D> {
             let at = |shape: &[f64; D]| begin_gap((0..D).map(|k| points[k] * shape[k]).sum());
             let shapes = segments.iter().flat_map(|s| pair.form.rule.points().iter().map(|point| s.at(point)));
             let begin_gaps = if is_gradient { shapes.map(|shape| at(&shape)).collect() } else { Vec::new() };
-            items.push(Item { number, facet, measure, candidates, segments, masters, dofs, begin_gaps });
+            let multipliers = Vec::new();
+            items.push(Item { number, facet, measure, candidates, segments, masters, dofs, begin_gaps, multipliers });
         }
         Self { items, is_searched }
     }
@@ -252,6 +271,8 @@ impl<const D: usize> ContactSites<'_, D> {
         if let Some(stress) = &self.pair.stress {
             site.stress = stress.at(item.facet, barycentric, x, derivatives);
             (at.stress, at.stiffness) = (frame.components(&site.stress), stress.stiffness(item.facet));
+        } else if let Some(multiplier) = item.multipliers.get(site.number) {
+            at.stress = *multiplier;
         }
         let beyond = form.law.offset().max(gap);
         let gap_at_start = item.begin_gaps.get(site.number).map(|gap| if gap.is_finite() { *gap } else { beyond });
@@ -294,6 +315,27 @@ impl<const D: usize> ContactSites<'_, D> {
                 }
             }
         }
+    }
+}
+
+impl<const D: usize> ContactSites<'_, D> {
+    /// Returns the tractions at the state `x` as multipliers of the next solve; `None` if the law has none.
+    pub fn multipliers(&self, x: &[f64]) -> Option<Multipliers> {
+        let (form, items) = (self.pair.form, &self.items.items);
+        (form.law.stress() == StressSource::Multiplier).then_some(())?;
+        let mut multipliers = Multipliers { values: Vec::with_capacity(items.len()), change: 0.0 };
+        for (number, item) in items.iter().enumerate() {
+            let n_points = item.segments.len() * form.rule.weights().len();
+            let mut values = vec![Local::default(); n_points];
+            self.visit(number, x, |site| values[site.number] = site.traction.value);
+            for (k, value) in values.iter().enumerate() {
+                let before = item.multipliers.get(k).copied().unwrap_or_default();
+                let change = (0..3).map(|i| (value[i] - before[i]).powi(2)).sum::<f64>().sqrt();
+                multipliers.change = multipliers.change.max(change);
+            }
+            multipliers.values.push(values);
+        }
+        Some(multipliers)
     }
 }
 

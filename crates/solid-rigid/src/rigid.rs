@@ -144,6 +144,13 @@ impl<const D: usize> Body<D> for RigidBody<D> {
         let whole = layout.push(&format!("{} as a whole", self.name), 1, n_modes(D));
         let geometry = self.geometry(begin, time);
         let centre = motion.place(&time.weights.extrapolated[0], &Vector::zeros(), &[0.0; 3]).0;
+        let largest =
+            |of: fn(&Vector<D>) -> f64, from: Point<D>| geometry.iter().map(|x| of(&(x - from))).fold(0.0, f64::max);
+        let rounding = f64::EPSILON * largest(Vector::amax, Point::zeros()) / time.length; // of a position, as a velocity
+        layout.set_rounding(vertices, &[rounding; D]);
+        let turning = rounding / largest(Vector::norm, centre);
+        let of_modes = (0..n_modes(D)).map(|mode| if mode < D { rounding } else { turning });
+        layout.set_rounding(whole, &of_modes.collect::<Vec<_>>());
         let surface = SurfaceMotion::of_field(&self.boundary, &self.reference, begin, geometry, time, vertices);
         Box::new(RigidStep { body: self, begin, time: *time, motion, centre, momentum, vertices, whole, surface })
     }

@@ -110,7 +110,7 @@ impl<const D: usize> Body<D> for ElasticBody<D> {
         let field = layout.push(&self.name, self.reference().len(), D);
         let geometry = self.geometry(begin, time);
         let farthest = geometry.iter().map(|x| x.amax()).fold(0.0, f64::max);
-        layout.set_rounding(field, f64::EPSILON * farthest / time.length); // that of a position, as a velocity
+        layout.set_rounding(field, &[f64::EPSILON * farthest / time.length; D]); // that of a position, as a velocity
         let surface = SurfaceMotion::of_field(self.surface(), self.reference(), begin, geometry, time, field);
         Box::new(ElasticStep { body: self, begin, time: *time, rule, field, surface })
     }

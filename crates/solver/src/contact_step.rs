@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use algebra::{BlockLayout, NewtonReport};
 use body::{BodyStep, StepTime, SurfaceMotion, SurfaceStress};
-use contact::{ContactItems, ContactPair, ContactSites, Positions, StressSource};
+use contact::{ContactItems, ContactPair, ContactSites, Multipliers, Positions, StressSource};
 use interface_dg::{ClosedPoints, FluidStress, StressJump};
 use mesh::{BodyId, Point, Vector, VertexId};
 
@@ -54,6 +54,11 @@ pub(crate) struct ContactStep<const D: usize> {
     reach: f64,
 }
 
+/// Returns whether a law with this source depends on the stress of a body or the fluid.
+fn needs_stress(source: StressSource) -> bool {
+    !matches!(source, StressSource::None | StressSource::Multiplier)
+}
+
 /// Returns the pair of slave and obstacle of a contact in a step.
 fn pair<'p, const D: usize>(contact: &'p Contact<D>, step: Partners<'p, D>) -> ContactPair<'p, D> {
     let surface = |id: BodyId| step.bodies[id.index()].surface();
@@ -64,7 +69,7 @@ fn pair<'p, const D: usize>(contact: &'p Contact<D>, step: Partners<'p, D>) -> C
         (source == StressSource::Fluid || source == StressSource::Jump).then(|| step.fluid_stress(contact.body()));
     let fluid = fluid.flatten();
     let stress: Option<Arc<dyn SurfaceStress<D> + 'p>> = match (source, &fluid) {
-        (StressSource::None, _) => None,
+        (StressSource::None | StressSource::Multiplier, _) => None,
         (StressSource::Fluid, fluid) => fluid.clone().map(|fluid| fluid as _),
         (StressSource::Jump, Some(fluid)) => {
             solid().map(|solid| Arc::new(StressJump { solid, fluid: Arc::clone(fluid) }) as _)
@@ -79,7 +84,7 @@ fn pair<'p, const D: usize>(contact: &'p Contact<D>, step: Partners<'p, D>) -> C
         obstacle: contact.geometry(),
         master: contact.master().map(surface),
         stress,
-        share: if is_own && source != StressSource::None { 0.5 } else { 1.0 },
+        share: if is_own && needs_stress(source) { 0.5 } else { 1.0 },
         dt: step.time.length,
         conserves: step.time.weights.conserves,
     }
@@ -92,7 +97,7 @@ impl<const D: usize> ContactStep<D> {
     /// [`Stage::MissingStress`]: the law depends on a stress that the setup does not have.
     pub(crate) fn new(contact: &Contact<D>, previous: &State<D>, step: Partners<'_, D>) -> Result<Self, Stage> {
         let (pair, source) = (pair(contact, step), contact.form().law.stress());
-        if source != StressSource::None && pair.stress.is_none() {
+        if needs_stress(source) && pair.stress.is_none() {
             return Err(Stage::MissingStress { stress: source, body: contact.body() });
         }
         let motion = |id: BodyId| previous.bodies[id.index()].largest_speed() * step.time.length;
@@ -104,6 +109,11 @@ impl<const D: usize> ContactStep<D> {
     /// Returns the quadrature points of the contact.
     pub(crate) fn sites<'p>(&'p self, contact: &'p Contact<D>, step: Partners<'p, D>) -> ContactSites<'p, D> {
         ContactSites { items: &self.items, pair: pair(contact, step), layout: step.layout }
+    }
+
+    /// Sets the multipliers of the next solve.
+    pub(crate) fn augment(&mut self, multipliers: Multipliers) {
+        self.items.augment(multipliers);
     }
 
     /// Returns an error if the bodies moved farther than obstacles were searched.

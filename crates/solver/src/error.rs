@@ -109,6 +109,24 @@ pub enum Stage {
         /// Report of the nonlinear solve, which is discarded.
         newton: Box<NewtonReport>,
     },
+    /// The multipliers of a contact still change after many solves of the step: its parameter is small compared with the stiffness of its
+    /// bodies, or the body does not fit between its obstacles. Take a larger parameter.
+    #[error(
+        "the multipliers of contact {contact} still change by {change:e} after {solves} solves, and {accepted:e} is accepted; take a larger \
+         gamma_contact_0 or tolerance, and check that the body fits between its obstacles"
+    )]
+    Multipliers {
+        /// Number of the contact.
+        contact: usize,
+        /// Number of solves.
+        solves: usize,
+        /// Largest change of the traction between the last two of them, force per area.
+        change: f64,
+        /// Largest change that is accepted.
+        accepted: f64,
+        /// Report of the solves, which are discarded.
+        newton: Box<NewtonReport>,
+    },
     /// A cell of an elastic body is inside out at the end of the step. Take smaller steps; where the load is too large
     /// for the stiffness and size of the cells, use finer cells or a stiffer material.
     #[error(
@@ -151,7 +169,9 @@ impl Stage {
     pub fn newton_report(&self) -> Option<&NewtonReport> {
         match self {
             Self::Newton(newton) => Some(newton.report()),
-            Self::MissedContact { newton, .. } | Self::Inverted { newton, .. } => Some(newton),
+            Self::MissedContact { newton, .. } | Self::Multipliers { newton, .. } | Self::Inverted { newton, .. } => {
+                Some(newton)
+            }
             _ => None,
         }
     }

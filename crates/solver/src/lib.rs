@@ -11,6 +11,7 @@
 //! velocities to points that bodies have left and the condition of a collision; its other integrals are those of reports.
 
 mod approach;
+mod augment;
 mod collision;
 mod contact_step;
 mod error;

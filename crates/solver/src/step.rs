@@ -1,6 +1,6 @@
 //! One time step, the entry point for readers.
 
-use algebra::{Workspace, newton};
+use algebra::Workspace;
 
 use crate::{Setup, Stage, State, Step, StepError, StepReport, Substep};
 
@@ -19,11 +19,11 @@ pub fn advance<const D: usize>(
     let time = previous.step_time(setup, substep.dt);
     let end = time.end;
     let failed = |stage: Stage| StepError::at(previous.step + 1, end, stage);
-    let step = Step::prepare(setup, previous, time).map_err(failed)?; // surfaces, cut, space, history, unknowns
-    let problem = step.problem(); // contributions in the order of Eq. (11)
+    let mut step = Step::prepare(setup, previous, time).map_err(failed)?; // surfaces, cut, space, history, unknowns
     let mut x = step.guess();
-    let solve = newton(&problem.equations, &mut x, work, &setup.newton).map_err(|e| failed(e.into()))?;
+    let solve = step.solve(&mut x, work).map_err(failed)?; // Newton's method, for each set of multipliers of contacts
     step.check_contacts(&x, &solve).map_err(failed)?;
+    let problem = step.problem(); // contributions in the order of Eq. (11)
     let bodies = step.bodies_at_end(&x);
     let report = problem.report(substep, &x, &bodies, solve); // consumes the problem, which borrows the step
     report.check_volumes(setup).map_err(failed)?;

@@ -11,11 +11,12 @@ use solver::algebra::{
     BlockGaussSeidel, BlockGaussSeidelSettings, LaggedSettings, LaggedSolver, NewtonSettings, Workspace,
 };
 use solver::body::Body;
-use solver::contact::{self, CollisionLaw, ContactForm, PenaltyLaw};
+use solver::contact::{self, AugmentedLagrangianLaw, CollisionLaw, ContactForm, PenaltyLaw, RigidPlane};
 use solver::mesh::generate::{Size, graded_box, structured_box};
-use solver::mesh::{BodyId, SimplexMesh};
+use solver::mesh::{BodyId, FacetId, SimplexMesh, Vector};
 use solver::{
-    ApproachSteps, Contact, FluidBoundary, Observer, ObserverError, Setup, Stage, State, StepView, Substep, TimeLoop,
+    ApproachSteps, Contact, ContactObstacle, FluidBoundary, Observer, ObserverError, Setup, Stage, State, StepView,
+    Substep, TimeLoop, advance,
 };
 
 #[test]
@@ -87,6 +88,102 @@ fn two_bodies_that_collide_off_centre_keep_momentum_and_angular_momentum() {
     assert!((after.1 - before.1).abs() < 1e-3 * before.0.norm(), "{} {}", before.1, after.1);
     assert!(after.2 < before.2 && after.2 > 0.9 * before.2, "{} {}", before.2, after.2);
     assert!(motion(&state, 1).spin[0].abs() > 0.1, "the brick turns");
+}
+
+/// Returns the contact of the facets of a body at the height zero, by an augmented Lagrangian with offset and friction.
+fn augmented<const D: usize>(
+    bodies: &[Arc<dyn Body<D>>],
+    slave: usize,
+    (gamma, offset, friction): (f64, f64, f64),
+    obstacle: ContactObstacle<D>,
+) -> Contact<D> {
+    let body = &bodies[slave];
+    let (surface, positions) = (body.surface(), body.reference());
+    let lowest = positions.iter().map(|x| x[D - 1]).fold(f64::INFINITY, f64::min);
+    let is_base = |f: &FacetId| surface.facet(*f).iter().all(|v| positions[v.index()][D - 1] < lowest + 1e-9);
+    let law = AugmentedLagrangianLaw::new(gamma, offset, 1e-9).expect("a law").with_friction(friction).expect("a law");
+    let form = ContactForm::new(law, 1.0).expect("a contact");
+    Contact::new(bodies, BodyId(slave as u32), surface.facets().filter(is_base).collect(), form, obstacle).expect("one")
+}
+
+#[test]
+fn augmented_contact_has_exact_gaps_and_forces_whatever_its_parameter() {
+    // A box falls on a box that rests on the ground; masses are 6 and 4, gravity is 10.
+    let box_of = |min: [f64; 2], max: [f64; 2], name: &str| {
+        rigid(name, &structured_box::<2>(min, max, [3, 1]).expect("a box"), 2.0, V::new(0.0, -10.0))
+    };
+    let offset = 0.01;
+    let mut solves = Vec::new();
+    for gamma in [3e4, 3e7] {
+        let lower: Arc<dyn Body<2>> = Arc::new(box_of([0.0, 0.02], [3.0, 1.02], "lower"));
+        let upper: Arc<dyn Body<2>> = Arc::new(box_of([0.5, 1.1], [2.5, 2.1], "upper"));
+        let mut setup = dry(vec![lower, upper], 0.01);
+        setup.newton = NewtonSettings::new(1e-9);
+        setup.contacts.push(augmented(&setup.bodies, 0, (gamma, offset, 0.0), ground()));
+        setup.contacts.push(augmented(&setup.bodies, 1, (gamma, offset, 0.0), against(0, &setup.bodies)));
+        let (state, reports) = run(&setup, 30);
+        let last = &reports[29];
+        let [force, between] = [0, 1].map(|k| last.contacts[k].force[1]);
+        assert!((force - 100.0).abs() < 1e-6 && (between - 40.0).abs() < 1e-6, "{gamma}: {force} {between}");
+        let gaps = [0, 1].map(|k| last.contacts[k].minimum_gap.expect("a gap") - offset);
+        assert!(gaps.iter().all(|gap| gap.abs() < 1e-8), "{gamma}: {gaps:?}");
+        assert!((0..2).all(|b| motion(&state, b).velocity.norm() < 1e-6));
+        assert!(reports.iter().all(|r| r.contacts.iter().all(|c| c.largest_penetration < 1e-8)));
+        solves.push(last.newton.iterations);
+    }
+    // A penalty of the smaller parameter is penetrated by 100/(3e4 * 3), and the multipliers take more solves.
+    assert!(solves[0] > solves[1], "{solves:?}");
+}
+
+/// Checks a rigid box on a slope of 30 degrees that sticks, and one that slides.
+fn slope<const D: usize>(along: Vector<D>) {
+    let (sin, cos, n, dt) = (0.5, 0.75_f64.sqrt(), 50, 0.01);
+    let mut down = along * (10.0 * sin);
+    down[D - 1] = -10.0 * cos;
+    let mesh = structured_box::<D>([0.0; D], std::array::from_fn(|a| if a == D - 1 { 0.5 } else { 2.0 }), [2; D]);
+    for friction in [0.3, 0.7] {
+        let mut setup = dry(vec![Arc::new(rigid("box", &mesh.clone().expect("a box"), 1.0, down))], dt);
+        setup.newton = NewtonSettings::new(1e-9);
+        setup.contacts.push(augmented(&setup.bodies, 0, (1e6, 0.0, friction), ground()));
+        let (state, reports) = run(&setup, n);
+        let velocity = motion(&state, 0).velocity;
+        let exact = along * (10.0 * (sin - friction * cos).max(0.0) * dt * n as f64);
+        assert!((velocity - exact).norm() < 1e-6, "{friction}: {velocity} {exact}");
+        assert!(motion(&state, 0).spin.iter().all(|spin| spin.abs() < 1e-6));
+        let force = reports[n - 1].contacts[0].force / down.norm();
+        let mass = 2_f64.powi(D as i32 - 1) * 0.5;
+        assert!(
+            (force[D - 1] / mass - cos).abs() < 1e-6
+                && (force.dot(&along) / mass + (friction * cos).min(sin)).abs() < 1e-6
+        );
+    }
+}
+
+#[test]
+fn a_rigid_box_on_a_slope_sticks_or_slides_by_the_law_of_coulomb() {
+    slope(V::new(1.0, 0.0));
+    slope(Vector::<3>::new(0.8, -0.6, 0.0));
+}
+
+#[test]
+fn a_body_that_does_not_fit_between_its_obstacles_is_an_error_with_a_remedy() {
+    let brick = structured_box::<2>([0.0, 0.0], [1.0, 1.0], [1, 1]).expect("a box");
+    let mut setup = dry(vec![Arc::new(rigid("brick", &brick, 1.0, V::zeros()))], 0.01);
+    setup.newton = NewtonSettings::new(1e-9);
+    let facets: Vec<_> = setup.bodies[0].surface().facets().collect();
+    for (height, up) in [(0.1, -1.0), (0.95, 1.0)] {
+        let plane = RigidPlane::new(P::new(0.0, height), V::new(0.0, up)).expect("a plane");
+        let law = AugmentedLagrangianLaw::new(1e4, 0.0, 1e-6).expect("a law");
+        let (form, obstacle) = (ContactForm::new(law, 1.0).expect("one"), ContactObstacle::Rigid(Box::new(plane)));
+        setup.contacts.push(Contact::new(&setup.bodies, BodyId(0), facets.clone(), form, obstacle).expect("a contact"));
+    }
+    let state = State::initial(&setup).expect("bodies");
+    let Err(error) = advance(&setup, &state, Substep::whole(0.01), &mut Workspace::new()) else {
+        panic!("the planes are 0.85 apart, and the brick is 1 high")
+    };
+    assert!(matches!(error.source, Stage::Multipliers { contact: 0, .. }), "{error:?}");
+    assert!(error.source.to_string().contains("take a larger gamma_contact_0"));
+    assert!(error.source.newton_report().is_some_and(|report| report.iterations > 200));
 }
 
 #[test]

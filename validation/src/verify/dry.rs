@@ -101,6 +101,16 @@ pub(crate) fn run<const D: usize>(
     let scheme = Arc::clone(&bodies.first().ok_or("there is no body")?.scheme);
     let built = bodies.into_iter().enumerate().map(|(k, body)| body.body(&format!("body {k}")));
     let bodies = built.collect::<Result<Vec<_>, _>>()?;
+    run_of(bodies, touch, scheme, [dt, tolerance])
+}
+
+/// Starts a run of bodies without a fluid, of which the first may have a contact, with a step and a tolerance of Newton's method.
+pub(super) fn run_of<const D: usize>(
+    bodies: Vec<Arc<dyn Body<D>>>,
+    touch: Option<Touch<D>>,
+    scheme: Scheme,
+    [dt, tolerance]: [f64; 2],
+) -> Result<Run<D>, Failure> {
     let contact = |Touch { facets, form, obstacle }| Contact::new(&bodies, BodyId::new(0), facets, form, obstacle);
     let contacts = touch.map(contact).transpose()?.into_iter().collect();
     let newton = NewtonSettings::new(tolerance);

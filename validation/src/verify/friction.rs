@@ -1,15 +1,16 @@
-//! Coulomb friction: blocks on a slope that stick and that slide, and a block that comes to rest on a floor.
+//! Coulomb friction: blocks on a slope that stick and that slide, elastic and rigid, and a block that comes to rest on a floor.
 
 use std::sync::Arc;
 
 use cutwater::algebra::time::ImplicitEuler;
-use cutwater::contact::{ContactForm, NitscheLaw, RigidPlane};
+use cutwater::contact::{AugmentedLagrangianLaw, ContactForm, NitscheLaw, RigidPlane};
 use cutwater::mesh::generate::structured_box;
 use cutwater::mesh::{Point, Vector};
+use cutwater::solid_rigid::RigidBody;
 use cutwater::solid_svk::{LameParameters, LinearElastic};
 use cutwater::solver::ContactObstacle;
 
-use super::dry::{Touch, elastic, run};
+use super::dry::{Touch, elastic, run, run_of};
 use super::{Failure, Record};
 
 /// Gravity, density, Young's modulus, and Poisson's ratio: under its weight the block becomes shorter by 2.5e-4 of its height.
@@ -28,6 +29,9 @@ const FADED: f64 = 0.25;
 const TOLERANCE: f64 = 0.01;
 /// A block that sticks moves by less than this share of the way that it would slide without friction.
 const DRIFT: f64 = 1e-3;
+/// Relative tolerance of the rigid block. Its motion is exact up to the tolerance of the multipliers: an error of the
+/// distance `e` in a step changes velocities by `e/Δt`.
+const RIGID_TOLERANCE: f64 = 1e-6;
 
 /// Displacement and velocity of the centre of mass, and the tangential force of contact over the weight.
 struct Motion<const D: usize> {
@@ -106,6 +110,53 @@ fn slope<const D: usize>(record: &mut Record, cells: usize, along: Vector<D>) ->
     Ok(())
 }
 
+/// Records a rigid block on the slope, by the augmented Lagrangian with two parameters.
+fn rigid_slope<const D: usize>(record: &mut Record, along: Vector<D>) -> Result<(), Failure> {
+    let mut down = along * SLOPE.sin();
+    down[D - 1] = -SLOPE.cos();
+    let corner: [f64; D] = std::array::from_fn(|axis| if axis == D - 1 { HEIGHT } else { 4.0 * HEIGHT });
+    let mesh = structured_box::<D>([0.0; D], corner, [2; D])?;
+    let bottom = mesh.tag("bottom").ok_or("a box has a bottom")?;
+    let mass = DENSITY * corner.iter().product::<f64>();
+    let end = 2.0 * FADED;
+    let space = if D == 2 { "plane" } else { "space" };
+    // The inertia of the block against a motion in one step, per area.
+    let inertia = DENSITY * HEIGHT / (STEP * STEP);
+    for factor in [10.0, 1000.0] {
+        let motion = |friction: f64| -> Result<(Vector<D>, f64, f64), Failure> {
+            let body = RigidBody::new("block", mesh.boundary(), mesh.vertices().to_vec(), DENSITY, down * GRAVITY)?;
+            let facets = body.boundary.facets().filter(|f| body.boundary.tag(*f) == Some(bottom)).collect();
+            let law =
+                AugmentedLagrangianLaw::new(factor * inertia, 0.0, RIGID_TOLERANCE * STEP)?.with_friction(friction)?;
+            let mut into = Vector::<D>::zeros();
+            into[D - 1] = -1.0;
+            let obstacle = ContactObstacle::Rigid(Box::new(RigidPlane::new(Point::zeros(), into)?));
+            let touch = Touch { facets, form: ContactForm::new(law, 1.0)?, obstacle };
+            let mut run = run_of(vec![Arc::new(body)], Some(touch), Arc::new(ImplicitEuler), [STEP, 1e-10])?;
+            let mut last = run.advance()?;
+            while run.state.time < end - 0.5 * STEP {
+                last = run.advance()?;
+            }
+            let velocity = last.bodies[0].balance.ok_or("a free body has a mass")?.momentum / mass;
+            let gap = last.contacts[0].minimum_gap.ok_or("a plane has a gap")?;
+            Ok((velocity, last.contacts[0].force.dot(&-along) / (mass * GRAVITY), gap))
+        };
+        let name = format!("rigid block, {space}, parameter {factor} times its inertia");
+        let (velocity, force, gap) = motion(0.3)?;
+        let exact = along * (end * GRAVITY * (SLOPE.sin() - 0.3 * SLOPE.cos()));
+        let error = (velocity - exact).norm() / exact.norm();
+        record.at_most(format!("{name}, coefficient 0.3: error of the velocity, relative"), error, RIGID_TOLERANCE);
+        record.near_relative(format!("{name}: friction over the weight"), force, 0.3 * SLOPE.cos(), RIGID_TOLERANCE);
+        record.at_most(format!("{name}: distance from the plane over the height"), gap.abs() / HEIGHT, RIGID_TOLERANCE);
+        let (velocity, force, _) = motion(0.7)?;
+        let free = end * GRAVITY * SLOPE.sin();
+        let drift = velocity.norm() / free;
+        record.at_most(format!("{name}, coefficient 0.7: speed over that without friction"), drift, RIGID_TOLERANCE);
+        record.near_relative(format!("{name}: friction over the weight"), force, SLOPE.sin(), RIGID_TOLERANCE);
+    }
+    Ok(())
+}
+
 pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let cells = if record.full { 8 } else { 4 };
     slope::<2>(record, cells, Vector::<2>::new(1.0, 0.0))?;
@@ -113,6 +164,8 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
         // A direction along neither axis nor diagonal of the mesh.
         slope::<3>(record, 2, Vector::<3>::new(0.8, -0.6, 0.0))?;
     }
+    rigid_slope(record, Vector::<2>::new(1.0, 0.0))?;
+    rigid_slope(record, Vector::<3>::new(0.8, -0.6, 0.0))?;
     let (speed, friction) = (1.0, 0.3);
     let thrown = Block { friction, down: Vector::<2>::new(0.0, -1.0), velocity: Vector::<2>::new(speed, 0.0), cells };
     let [last] = thrown.at([2.0 * speed / (friction * GRAVITY)])?;

@@ -1,11 +1,14 @@
 //! Contact laws: traction as a function of gap, slip and stress, in the frame of the contact point.
 
+mod augmented_lagrangian;
 mod check;
 mod collision;
+mod coulomb;
 mod discrete_gradient;
 mod nitsche;
 mod penalty;
 
+pub use augmented_lagrangian::AugmentedLagrangianLaw;
 pub use check::{LawCheck, check_law};
 pub use collision::CollisionLaw;
 pub(crate) use discrete_gradient::discrete_gradient;
@@ -21,8 +24,8 @@ pub struct ContactPoint {
     pub gap: f64,
     /// Slip over the step along each tangent: displacement of the slave's point relative to its closest point; a length.
     pub slip: [f64; 2],
-    /// Traction `σ n` on the slave's surface in the frame, force per area of the surface at the start of the step. Zero
-    /// if the law does not depend on a stress ([`ContactLaw::stress`]).
+    /// Traction `σ n` on the slave's surface in the frame, or the multiplier, force per area of the surface at the start of
+    /// the step. Zero if the law does not depend on a stress ([`ContactLaw::stress`]).
     pub stress: Local,
     /// Stiffness of the slave's cell divided by its height, `(2 μ + λˢ)/h` for linear elements, force per volume. Zero
     /// if the law does not depend on a stress.
@@ -71,6 +74,9 @@ pub enum StressSource {
     /// The stress of the slave, which must be a body that deforms, minus that of the fluid in front of it. Without a
     /// fluid it is the stress of the slave.
     Jump,
+    /// The traction of the law in the solve before, zero in the first one. The step is solved again until it no longer
+    /// changes ([`ContactLaw::accepted_change`]). Slaves need no stress.
+    Multiplier,
 }
 
 /// A contact law. One criterion, [`ContactLaw::is_active`], serves force, active set and reported contact times.
@@ -102,5 +108,11 @@ pub trait ContactLaw: Send + Sync + std::fmt::Debug {
     /// Returns the stress that [`ContactPoint::stress`] holds.
     fn stress(&self) -> StressSource {
         StressSource::None
+    }
+
+    /// Returns the largest change of the traction from one solve of a step to the next after which the step is not solved
+    /// again, force per area; only for laws with [`StressSource::Multiplier`].
+    fn accepted_change(&self) -> f64 {
+        0.0
     }
 }

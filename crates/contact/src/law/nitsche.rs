@@ -2,6 +2,7 @@
 
 use mesh::{non_negative, positive};
 
+use super::coulomb::Coulomb;
 use super::{ContactLaw, ContactPoint, ContactTraction, StressSource};
 use crate::Error;
 
@@ -50,53 +51,21 @@ impl NitscheLaw {
         Ok(Self { friction, ..self })
     }
 
-    /// Adds the friction to a normal traction.
-    fn rub(&self, at: &ContactPoint, traction: &mut ContactTraction) {
+    fn coulomb(&self, at: &ContactPoint) -> Coulomb {
         let stiffness = self.gamma_0 * at.stiffness;
-        let trial = [1, 2].map(|k| stiffness * at.slip[k - 1] - at.stress[k]);
-        let (norm, limit) = (trial[0].hypot(trial[1]), -self.friction * traction.value[0]);
-        let sticks = norm <= limit;
-        let direction = trial.map(|component| if sticks { 0.0 } else { component / norm });
-        for (row, k) in [1, 2].into_iter().enumerate() {
-            traction.value[k] = if sticks { -trial[row] } else { -limit * direction[row] };
-            // The radius of the disk follows the normal traction.
-            traction.by_gap[k] = self.friction * direction[row] * traction.by_gap[0];
-            traction.by_stress[0][k] = self.friction * direction[row];
-            for (column, l) in [1, 2].into_iter().enumerate() {
-                let same = f64::from(u8::from(row == column));
-                let by_trial = if sticks { -same } else { -limit / norm * (same - direction[row] * direction[column]) };
-                traction.by_slip[column][k] = stiffness * by_trial;
-                traction.by_stress[l][k] = -by_trial;
-            }
-        }
-    }
-
-    /// Returns `γ_C (ε - Δ) - s_n`.
-    fn pressing(&self, at: &ContactPoint) -> f64 {
-        self.gamma_0 * at.stiffness * (self.offset - at.gap) - at.stress[0]
+        Coulomb { stiffness, offset: self.offset, friction: self.friction, is_lagged: false }
     }
 }
 
 impl ContactLaw for NitscheLaw {
     #[inline]
     fn traction(&self, at: &ContactPoint) -> ContactTraction {
-        let pressing = self.pressing(at);
-        if pressing <= 0.0 {
-            return ContactTraction::default();
-        }
-        let mut traction = ContactTraction::default();
-        traction.value[0] = -pressing;
-        traction.by_gap[0] = self.gamma_0 * at.stiffness;
-        traction.by_stress[0][0] = 1.0;
-        if self.friction > 0.0 {
-            self.rub(at, &mut traction);
-        }
-        traction
+        self.coulomb(at).traction(at)
     }
 
     #[inline]
     fn is_active(&self, at: &ContactPoint) -> bool {
-        self.pressing(at) > 0.0
+        self.coulomb(at).pressing(at) > 0.0
     }
 
     #[inline]

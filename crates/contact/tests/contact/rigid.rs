@@ -4,8 +4,8 @@ use algebra::time::ImplicitEuler;
 use algebra::{Sites, check_tangent};
 use body::{Body, BodyState};
 use contact::{
-    ContactForm, ContactItems, ContactLaw, ContactPair, ContactPoint, ContactSites, DeformableObstacle, Error,
-    NitscheLaw, Obstacle, PenaltyLaw, RigidPlane, check_pair,
+    AugmentedLagrangianLaw, ContactForm, ContactItems, ContactLaw, ContactPair, ContactPoint, ContactSites,
+    DeformableObstacle, Error, NitscheLaw, Obstacle, PenaltyLaw, RigidPlane, check_pair,
 };
 use mesh::{BoundaryMesh, FacetId, Point, Vector};
 use solid_svk::{ElasticBody, Order};
@@ -152,6 +152,29 @@ fn tangent_with_friction_is_exact() {
     let law = NitscheLaw::new(0.5, 0.2).unwrap().with_friction(0.4).unwrap();
     tangent_is_exact::<2>(law, 4, |at| at.slip[0].abs() > 1e-3, (1e-6, 1e-7));
     tangent_is_exact::<3>(law, 8, |at| at.slip.iter().all(|slip| slip.abs() > 1e-3), (1e-6, 1e-7));
+}
+
+/// Checks the tangent with the tractions of one state as multipliers at another one.
+fn tangent_with_multipliers_is_exact<const D: usize>() {
+    let law = AugmentedLagrangianLaw::new(0.1, OFFSET, 1e-6).unwrap().with_friction(0.4).unwrap();
+    over_ground::<D>(0.03, law, &|_, scene, contact| {
+        let states: [Vec<f64>; 2] = [1, 2].map(|seed| Random::new(seed).numbers(scene.layout.len(), 3.0));
+        let [before, x] = &states;
+        let multipliers = contact.multipliers(before).unwrap();
+        let mut items = contact.items.clone();
+        items.augment(multipliers.clone());
+        let augmented = ContactSites { items: &items, ..contact.clone() };
+        let pressed = n_active(&augmented, x, |at| at.stress[0] < 0.0 && at.slip[0].abs() > 1e-3);
+        assert!(pressed >= 4 && multipliers.change > 0.0, "{pressed} points");
+        let deviation = check_tangent(&work(augmented.clone()), x, 1e-6);
+        assert!(deviation < 1e-7, "{deviation:e}");
+    });
+}
+
+#[test]
+fn tangent_with_multipliers_is_exact_in_2d_and_3d() {
+    tangent_with_multipliers_is_exact::<2>();
+    tangent_with_multipliers_is_exact::<3>();
 }
 
 #[test]

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use contact::{
-    CollisionLaw, ContactForm, DeformableObstacle, NitscheLaw, OwnSurface, PenaltyLaw, RigidBall, RigidPlane,
-    RigidSurface,
+    AugmentedLagrangianLaw, CollisionLaw, ContactForm, DeformableObstacle, NitscheLaw, OwnSurface, PenaltyLaw,
+    RigidBall, RigidPlane, RigidSurface,
 };
 use mesh::{BodyId, BoundaryMesh, FacetId, Placed, Point, SimplexMesh};
 use solver::body::Body;
@@ -31,7 +31,7 @@ keys! {
         obstacle: Option<At<ObstacleChoice>> [group(2)],
         /// Contact law.
         law: ContactLawChoice,
-        /// Contact size `s`: the law `penalty` divides by it. Obstacles are searched within the offset, twice the motion of
+        /// Contact size `s`: the laws `penalty` and `augmented-lagrangian` divide by it. Obstacles are searched within the offset, twice the motion of
         /// the last step and twice this length.
         size: f64 [unit(Quantity::LENGTH), positive],
         /// Offset `ε`: contact begins at this distance.
@@ -50,10 +50,22 @@ choices! {
 choices! {
     /// Contact law.
     pub enum ContactLawChoice ["kind"] {
-        /// Pressure `γ_C0/s [ε - Δ]₊` at the distance `Δ`. Without friction: that is a key of `nitsche`.
+        /// Pressure `γ_C0/s [ε - Δ]₊` at the distance `Δ`. Without friction: that is a key of `nitsche` and
+        /// `augmented-lagrangian`.
         Penalty = "penalty" {
             /// Penalty parameter `γ_C0`.
             gamma_contact_0: f64 [unit(Quantity::PRESSURE), positive],
+        },
+        /// Augmented Lagrangian: the step is solved again, with the tractions of its last solve as multipliers, until
+        /// bodies in contact have the distance `ε`, without the error of a penalty. For bodies that do not deform; those
+        /// that deform have `nitsche`, which needs one solve.
+        AugmentedLagrangian = "augmented-lagrangian" {
+            /// Parameter `γ_C0`. Results do not depend on it; larger values need fewer solves.
+            gamma_contact_0: f64 [unit(Quantity::PRESSURE), positive],
+            /// Coefficient of Coulomb friction: the tangential traction is at most this number times the pressure.
+            friction: f64 [non_negative] = 0.0,
+            /// Largest error of the distance between bodies in contact, relative to `size`.
+            tolerance: f64 [positive] = 1e-6,
         },
         /// Collision of bodies that do not deform. If the gap is below the offset, which is the roughness of the
         /// surfaces, the velocity of approach is reversed in one step, for bodies and fluid together.
@@ -265,6 +277,10 @@ impl<'p, const D: usize> Partners<'p, D> {
             ContactLawChoice::Collision { restitution } => {
                 ContactForm::new(CollisionLaw::new(restitution, given.offset).map_err(fail)?, given.size)
             }
+            ContactLawChoice::AugmentedLagrangian { gamma_contact_0, friction, tolerance } => {
+                let law = AugmentedLagrangianLaw::new(gamma_contact_0, given.offset, tolerance);
+                ContactForm::new(law.and_then(|law| law.with_friction(friction)).map_err(fail)?, given.size)
+            }
             ContactLawChoice::Nitsche { .. } if !self.deforms(slave) => return Err(self.rigid(given, slave)),
             ContactLawChoice::Nitsche { gamma_0, friction } => {
                 let law = NitscheLaw::new(gamma_0, given.offset).and_then(|law| law.with_friction(friction));
@@ -331,7 +347,7 @@ impl<'p, const D: usize> Partners<'p, D> {
     fn rigid(&self, given: &At<ContactKeys>, slave: BodyId) -> ScenarioError {
         let name = self.bodies[slave.index()].name();
         given.at.invalid(format!(
-            "the law `nitsche` depends on the stress of the slave, but body `{name}` is rigid; give the law `penalty`, or make the other body the slave if it is \
+            "the law `nitsche` depends on the stress of the slave, but body `{name}` is rigid; give the law `augmented-lagrangian`, or make the other body the slave if it is \
              elastic"
         ))
     }

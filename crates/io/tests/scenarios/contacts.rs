@@ -211,3 +211,45 @@ fn the_slave_of_a_law_with_stress_is_elastic() {
     refused(&format!("{BODIES}[[contact]]\n{NITSCHE}pair = [\"stone\", \"floor\"]\n"), &[], &words);
     refused(&format!("{BODIES}[[contact]]\n{NITSCHE}pairs = \"all\"\n"), &[], &words);
 }
+
+/// A free block put on a slope holds still at the offset by its friction, and slides if the friction is small.
+#[test]
+fn a_free_block_sticks_to_a_slope_or_slides() {
+    let text = r#"
+name      = "slope"
+dimension = 2
+units     = "si"
+
+[time]
+step = 0.01
+end  = 0.2
+
+[[body]]
+name    = "block"
+shape   = { kind = "box", min = [0.0, 0.001], max = [2.0, 0.501], n = [2, 1] }
+motion  = { kind = "free" }
+density = 1000.0
+gravity = [5.0, -8.660254037844386]
+
+[[contact]]
+body     = "block"
+law      = { kind = "augmented-lagrangian", gamma_contact_0 = 1e9, friction = 0.7 }
+size     = 0.1
+offset   = 0.001
+obstacle = { kind = "rigid-plane", point = [0.0, 0.0], normal = [0.0, -1.0] }
+
+[output]
+vtk_every = 0
+"#;
+    let last = |friction: &str, column_name: &str| {
+        let directory = fresh_directory(&format!("slope-{friction}"));
+        let set = format!("contact.0.law.friction={friction}");
+        results(&legal(text, &[&[set.as_str()]]), &directory);
+        *column(&directory, column_name).last().expect("steps")
+    };
+    let exact = 0.2 * (5.0 - 0.3 * 8.660254037844386);
+    assert!((last("0.3", "block_centre_velocity_x") - exact).abs() < 1e-5);
+    assert!(last("0.7", "block_centre_velocity_x").abs() < 1e-5);
+    assert!((last("0.7", "block_d_min") - 0.001).abs() < 1e-6);
+    refused(text, &[&["contact.0.law.tolerance=0"]], &["contact.0.law.tolerance", "must be positive"]);
+}
