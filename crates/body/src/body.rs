@@ -24,8 +24,8 @@ pub trait Body<const D: usize>: Send + Sync {
     /// Returns the state at time zero.
     fn start(&self) -> BodyState<D>;
 
-    /// Returns the positions of all vertices on which the geometry of a step is evaluated, extrapolated from the state at its
-    /// start.
+    /// Returns the positions of all vertices on which the geometry of a step is evaluated: those at its start, or extrapolated
+    /// to its stage (generalised-α).
     fn geometry(&self, begin: &BodyState<D>, time: &StepTime) -> Vec<Point<D>> {
         begin.positions_by(&time.weights.extrapolated[0], self.reference())
     }

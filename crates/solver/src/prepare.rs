@@ -29,7 +29,8 @@ impl Substep {
     }
 }
 
-/// One step: fluid, bodies and contacts on the geometry that is extrapolated to its stage, with their unknowns.
+/// One step: fluid, bodies and contacts with their unknowns, on the geometry at its start, or extrapolated to its stage
+/// (generalised-α).
 pub struct Step<'a, const D: usize> {
     pub(crate) setup: &'a Setup<D>,
     pub(crate) previous: &'a State<D>,

@@ -13,7 +13,7 @@ use crate::Error;
 ///
 /// Coulomb friction with the coefficient `μ_f` adds the tangential traction `τ = -P(γ_C g - s_t)` with the slip `g` over
 /// the step, the tangential stress `s_t` and the projection `P` onto the disk of radius `-μ_f λ`. Surfaces stick if the
-/// argument lies inside the disk; then `g = 0` and `τ = s_t`.
+/// argument lies inside the disk; then `τ = s_t - γ_C g`. The slip `g` is zero in the exact solution, and small in the discrete one.
 ///
 /// Source: Chouly and Hild 2013, doi:10.1137/12088344X, with their `θ = 0` and `P_γ = γ_C (ε - Δ) - s_n`; with friction
 /// Chouly 2014, doi:10.1016/j.jmaa.2013.09.019, with the slip over a step instead of the displacement; with fluid Burman,
