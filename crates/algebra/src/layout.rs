@@ -142,13 +142,13 @@ impl BlockLayout {
         FieldId::new(self.fields.len() - 1)
     }
 
-    /// Sets the change of the values of a field that is rounding in the data of its equations, in the unit of the field; 0 if this is not
-    /// called. Newton's method does not ask for a smaller error.
+    /// Sets the round-off of a field's values, in the unit of the field; 0 if not set. Newton's method accepts errors of this
+    /// size.
     pub fn set_rounding(&mut self, field: FieldId, rounding: f64) {
         self.fields[field.index()].rounding = rounding;
     }
 
-    /// Returns the change of each dof that is rounding.
+    /// Returns the round-off of each dof.
     pub fn rounding(&self) -> Vec<f64> {
         let of_field = |f: &Field| std::iter::repeat_n(f.rounding, f.range().len());
         self.fields.iter().flat_map(of_field).collect()

@@ -46,12 +46,11 @@ pub trait Body<const D: usize>: Send + Sync {
     /// Returns the mass, momentum, energies, centre and volume; `None` for a body of prescribed motion.
     fn balance(&self, state: &BodyState<D>) -> Option<Balance<D>>;
 
-    /// Returns the state from which [`Body::balance`] computes the energy of the scheme
-    /// ([`algebra::time::Weights::of_energy`]). The two rows give its displacement and velocity, with the accelerations
-    /// of `rates`.
+    /// Returns the state with displacement and velocity given by two rows of the scheme, with the accelerations of `rates`. The
+    /// ledger evaluates its energy ([`algebra::time::Weights::of_energy`]).
     ///
     /// A body whose balance depends on [`BodyState::inner`] overrides this method.
-    fn moved(&self, state: &BodyState<D>, rates: &BodyState<D>, rows: &[Row; 2]) -> BodyState<D> {
+    fn at_rows(&self, state: &BodyState<D>, rates: &BodyState<D>, rows: &[Row; 2]) -> BodyState<D> {
         BodyState { level: state.level.by(&rates.level, rows), inner: state.inner.clone() }
     }
 

@@ -26,8 +26,8 @@ const UNITS: f64 = 30_000.0;
 const LARGEST: u8 = 254;
 /// Byte of points outside the fluid.
 pub(crate) const OUTSIDE: u8 = 255;
-/// Rise of the elastic energy at which the moment of largest deformation is recorded anew: a raster costs more than a
-/// comparison.
+/// Ratio by which the elastic energy must exceed the recorded maximum before a moment is recorded again (rasterising is
+/// costly).
 const RISE: f64 = 1.01;
 /// Title of the moment of first contact.
 const FIRST_CONTACT: &str = "First contact";

@@ -86,7 +86,8 @@ fn pair<'p, const D: usize>(contact: &'p Contact<D>, step: Partners<'p, D>) -> C
 }
 
 impl<const D: usize> ContactStep<D> {
-    /// Searches for obstacles within the offset of the law, twice the motion of the last step, and twice the contact size.
+    /// Searches for obstacles within a distance that is the sum of the offset of the law, twice the motion of the last step
+    /// and twice the contact size.
     ///
     /// # Errors
     /// [`Stage::MissingStress`]: the law depends on a stress that the setup does not have.

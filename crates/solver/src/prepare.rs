@@ -1,4 +1,4 @@
-//! Everything that is frozen during Newton's method.
+//! The step: geometry, spaces and constraints, constant during Newton's method.
 
 use std::sync::Arc;
 use std::time::Instant;

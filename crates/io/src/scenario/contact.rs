@@ -31,8 +31,8 @@ keys! {
         obstacle: Option<At<ObstacleChoice>> [group(2)],
         /// Contact law.
         law: ContactLawChoice,
-        /// Contact size `s`: the law `penalty` divides by it. Obstacles are searched within the offset, twice the motion of
-        /// the last step and twice this length.
+        /// Contact size `s`: the law `penalty` divides by it. Obstacles are searched within a distance that is the sum of
+        /// the offset, twice the motion of the last step and twice this length.
         size: f64 [unit(Quantity::LENGTH), positive],
         /// Offset `ε`: contact begins at this distance.
         offset: f64 [unit(Quantity::LENGTH), non_negative],
