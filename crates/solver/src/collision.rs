@@ -46,8 +46,7 @@ impl<const D: usize> Collision<D> {
                 let x: Point<D> = slave.begin[vertex.index()];
                 let Some(found) = contact.geometry().project(&x, Positions::Fixed(opposite), near) else { continue };
                 let gap = found.gap(&x);
-                let at =
-                    ContactPoint { gap, size: contact.form().size(), dt: step.time.length, ..ContactPoint::default() };
+                let at = ContactPoint { gap, size: contact.form().size(), ..ContactPoint::default() };
                 if law.is_active(&at) && closest.as_ref().is_none_or(|(least, ..)| gap < *least) {
                     closest = Some((gap, vertex, found));
                 }

@@ -80,7 +80,6 @@ fn pair<'p, const D: usize>(contact: &'p Contact<D>, step: Partners<'p, D>) -> C
         master: contact.master().map(surface),
         stress,
         share: if is_own && source != StressSource::None { 0.5 } else { 1.0 },
-        dt: step.time.length,
         conserves: step.time.weights.conserves,
     }
 }

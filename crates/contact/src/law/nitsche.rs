@@ -136,7 +136,7 @@ mod tests {
             ([-0.05, 0.0], [-3.0, 0.0, 0.0]),
         ] {
             let gap = |k: i32| 0.013 * f64::from(k) + 0.001;
-            let at = |k: i32| ContactPoint { gap: gap(k), size: 0.1, stiffness: 20.0, slip, stress, dt: 0.1 };
+            let at = |k: i32| ContactPoint { gap: gap(k), size: 0.1, stiffness: 20.0, slip, stress };
             let points = (-20..20).map(at).collect::<Vec<_>>();
             let check = check_law(&law, &points);
             assert!(check.largest() < 1e-7, "{check:?}");
