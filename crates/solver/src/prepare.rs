@@ -87,7 +87,7 @@ impl<'a, const D: usize> Step<'a, D> {
         step.contacts = setup.contacts.iter().map(contact).collect::<Result<_, _>>()?;
         let collision = |contact| Collision::new(contact, previous, step.partners());
         step.collisions = setup.contacts.iter().map(collision).collect();
-        step.fill_vapour();
+        step.remove_floor();
         step.constrain();
         step.check_share()?;
         step.seconds.space = clock.elapsed().as_secs_f64() - step.seconds.cut;
@@ -134,7 +134,7 @@ impl<'a, const D: usize> Step<'a, D> {
     ///
     /// The step stands for all of the collision, which is longer: the suction that turns the fluid around the bodies is spread over that time and
     /// stays above the floor, whereas the pressure of the step is this impulse over the length of the step.
-    fn fill_vapour(&mut self) {
+    fn remove_floor(&mut self) {
         if let Some(fluid) = self.fluid.as_mut().filter(|_| self.collisions.iter().any(Option::is_some)) {
             fluid.form.cavitation = None;
         }

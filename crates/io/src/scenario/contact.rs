@@ -119,8 +119,8 @@ const ROUND_OFF: f64 = 1e-9;
 /// Name that stands for all bodies.
 pub(super) const ALL: &str = "all";
 
-/// Bodies in the order of their tables and the background, between which contacts act.
-pub(super) struct Partners<'p, const D: usize> {
+/// Builder of contacts between bodies, which are in the order of their tables, and the background.
+pub(super) struct ContactBuilder<'p, const D: usize> {
     built: &'p [Built<D>],
     bodies: Vec<Arc<dyn Body<D>>>,
     /// One entry per body.
@@ -128,7 +128,7 @@ pub(super) struct Partners<'p, const D: usize> {
     background: Option<&'p SimplexMesh<D>>,
 }
 
-impl<'p, const D: usize> Partners<'p, D> {
+impl<'p, const D: usize> ContactBuilder<'p, D> {
     pub(super) fn new(built: &'p [Built<D>], background: Option<&'p SimplexMesh<D>>) -> Self {
         let bodies: Vec<_> = built.iter().map(|built| Arc::clone(&built.body)).collect();
         let mean_facets = bodies.iter().map(|body| mean_facet(body.surface(), body.reference())).collect();
