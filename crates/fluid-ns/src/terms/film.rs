@@ -1,8 +1,9 @@
 //! Flux along a thin film.
 
 use algebra::{LocalSystem, Term};
-use mesh::{Point, Vector};
+use mesh::Vector;
 
+use super::ForceFunction;
 use crate::FluidCell;
 
 /// `(κ (∇p - f^f), ∇q)_{Ω^f}` with `κ = χ (max(d, min(k, h))² - m s d²)/(12 μ^f)`: the part of the flux along a film that
@@ -19,8 +20,7 @@ pub struct Film<'a, const D: usize> {
     /// Dynamic viscosity `μ^f`.
     pub viscosity: f64,
     /// Force per volume at a point and time; `None` for no force.
-    #[allow(clippy::type_complexity)]
-    pub force: Option<&'a (dyn Fn(&Point<D>, f64) -> Vector<D> + Send + Sync)>,
+    pub force: Option<ForceFunction<'a, D>>,
     /// Time of the stage.
     pub time: f64,
 }
