@@ -258,7 +258,7 @@ struct LinearSolve {
     reached: f64,
 }
 
-/// A nonlinear solve on its way.
+/// State of a nonlinear solve.
 struct Solve<'a> {
     equations: &'a Equations<'a>,
     contributions: Vec<&'a dyn Contributions>,

@@ -24,8 +24,8 @@ pub trait Body<const D: usize>: Send + Sync {
     /// Returns the state at time zero.
     fn start(&self) -> BodyState<D>;
 
-    /// Returns the positions of all vertices on which the geometry of a step is evaluated, extrapolated from the state at its
-    /// start.
+    /// Returns the positions of all vertices on which the geometry of a step is evaluated: those at its start, or extrapolated
+    /// to its stage (generalised-α).
     fn geometry(&self, begin: &BodyState<D>, time: &StepTime) -> Vec<Point<D>> {
         begin.positions_by(&time.weights.extrapolated[0], self.reference())
     }
@@ -46,12 +46,11 @@ pub trait Body<const D: usize>: Send + Sync {
     /// Returns the mass, momentum, energies, centre and volume; `None` for a body of prescribed motion.
     fn balance(&self, state: &BodyState<D>) -> Option<Balance<D>>;
 
-    /// Returns the state from which [`Body::balance`] computes the energy of the scheme
-    /// ([`algebra::time::Weights::of_energy`]). The two rows give its displacement and velocity, with the accelerations
-    /// of `rates`.
+    /// Returns the state with displacement and velocity given by two rows of the scheme, with the accelerations of `rates`. The
+    /// ledger evaluates its energy ([`algebra::time::Weights::of_energy`]).
     ///
     /// A body whose balance depends on [`BodyState::inner`] overrides this method.
-    fn moved(&self, state: &BodyState<D>, rates: &BodyState<D>, rows: &[Row; 2]) -> BodyState<D> {
+    fn at_rows(&self, state: &BodyState<D>, rates: &BodyState<D>, rows: &[Row; 2]) -> BodyState<D> {
         BodyState { level: state.level.by(&rates.level, rows), inner: state.inner.clone() }
     }
 

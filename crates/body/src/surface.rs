@@ -12,7 +12,7 @@ use crate::{BodyState, StepTime};
 pub struct SurfaceMotion<'s, const D: usize> {
     /// The surface.
     pub boundary: &'s BoundaryMesh<D>,
-    /// Positions of all vertices, extrapolated to the stage of the step.
+    /// Positions of all vertices at the start of the step, or extrapolated to its stage (generalised-α).
     pub geometry: Vec<Point<D>>,
     /// Shifted positions at the start.
     pub begin: Vec<Point<D>>,

@@ -54,8 +54,6 @@ pub struct ContactPair<'a, const D: usize> {
     pub stress: Option<Arc<dyn SurfaceStress<D> + 'a>>,
     /// Factor of the traction: a half if the law depends on a stress and both surfaces are slaves, else one.
     pub share: f64,
-    /// Length of the step.
-    pub dt: f64,
     /// Whether a law with energy acts as a discrete gradient over the step; else it acts at the end.
     pub conserves: bool,
 }
@@ -250,7 +248,7 @@ impl<const D: usize> ContactSites<'_, D> {
         derivatives: &mut ByDof<D>,
         site: &mut ContactSite<D>,
     ) -> bool {
-        let ContactPair { form, obstacle, master, dt, .. } = self.pair;
+        let ContactPair { form, obstacle, master, .. } = self.pair;
         let positions = Positions::at_end(master, self.layout, x);
         let Some(projection) = obstacle.project(position, positions, &item.candidates) else { return false };
         site.n_nodes = D;
@@ -267,7 +265,7 @@ impl<const D: usize> ContactSites<'_, D> {
         let slip = site.nodes().iter().fold(Vector::zeros(), |sum, node| sum + node.displacement * node.share);
         let [_, slip @ ..] = frame.components(&slip);
         let gap = projection.gap(position);
-        let mut at = ContactPoint { gap, slip, size: form.size, dt, ..ContactPoint::default() };
+        let mut at = ContactPoint { gap, slip, size: form.size, ..ContactPoint::default() };
         if let Some(stress) = &self.pair.stress {
             site.stress = stress.at(item.facet, barycentric, x, derivatives);
             (at.stress, at.stiffness) = (frame.components(&site.stress), stress.stiffness(item.facet));

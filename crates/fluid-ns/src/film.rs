@@ -76,7 +76,7 @@ pub struct FilmPart<const D: usize> {
     pub share: f64,
     /// Gap `δ` at the centroid of the part.
     pub gap: f64,
-    /// Quadrature points. Their weights contain the conductance times the viscosity, `χ (max(d, k)² - m s d²)/12`, with the
+    /// Quadrature points. Their weights contain the conductance times the viscosity, `χ (max(d, min(k, h))² - m s d²)/12`, with the
     /// symbols of [`crate::terms::Film`].
     pub points: Vec<(Point<D>, f64)>,
 }
@@ -84,7 +84,8 @@ pub struct FilmPart<const D: usize> {
 /// Parameters of the conductance of films.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FilmOptions {
-    /// Height `k` of the asperities of both surfaces together, a length. A thinner film has the conductance of this thickness.
+    /// Height `k` of the asperities of both surfaces together, a length. A thinner film has the conductance of this thickness,
+    /// or of the extent of its cell across the film if that is less.
     pub roughness: f64,
     /// Share `s` of the missing flux that passes already because the velocity slips on a surface of the part, on which the
     /// velocity is imposed by a penalty.

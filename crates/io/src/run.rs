@@ -104,7 +104,7 @@ impl<W: Watch> CaseVisitor for Run<'_, W> {
         let n_steps = case.n_steps - start.step;
         let mut files = RunFiles::open(file.scenario(), &case, directory, header)?;
         files.stop = options.stop;
-        let mut observer = Recording { files: &mut files, resumes: options.resumes, watch: watch.observer(&case) };
+        let mut observer = FileObserver { files: &mut files, resumes: options.resumes, watch: watch.observer(&case) };
         let mut time_loop = TimeLoop::new(&case.setup, start, case.workspace).forgetting(case.checkpoint_every);
         let outcome = time_loop.run(n_steps, &mut [&mut observer]);
         drop(observer);
@@ -335,14 +335,14 @@ impl<'a, const D: usize> RunFiles<'a, D> {
 
 /// Observer that writes the files of a step, passes it to the observer of the program, and ends it with a checkpoint,
 /// if there is one: both have then recorded the step.
-struct Recording<'a, 'b, const D: usize> {
+struct FileObserver<'a, 'b, const D: usize> {
     files: &'a mut RunFiles<'b, D>,
     /// Whether the run goes on from a checkpoint, where everything is recorded already.
     resumes: bool,
     watch: Option<Box<dyn Observer<D> + 'a>>,
 }
 
-impl<const D: usize> Observer<D> for Recording<'_, '_, D> {
+impl<const D: usize> Observer<D> for FileObserver<'_, '_, D> {
     fn after_step(&mut self, view: &StepView<'_, D>) -> Result<(), ObserverError> {
         if view.report.is_some() || !self.resumes {
             self.files.write(view)?;

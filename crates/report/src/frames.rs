@@ -26,8 +26,8 @@ const UNITS: f64 = 30_000.0;
 const LARGEST: u8 = 254;
 /// Byte of points outside the fluid.
 pub(crate) const OUTSIDE: u8 = 255;
-/// Rise of the elastic energy at which the moment of largest deformation is recorded anew: a raster costs more than a
-/// comparison.
+/// Ratio by which the elastic energy must exceed the recorded maximum before a moment is recorded again (rasterising is
+/// costly).
 const RISE: f64 = 1.01;
 /// Title of the moment of first contact.
 const FIRST_CONTACT: &str = "First contact";
@@ -184,11 +184,11 @@ impl Watch for Recorder {
         let every = case.n_steps.div_ceil(FRAMES).max(1);
         let (n_steps, bottom) = (case.n_steps, case.bottom);
         let (directory, checkpoint_every) = (self.directory.as_deref(), case.checkpoint_every);
-        Some(Box::new(Recording { frames, n_steps, every, bottom, directory, checkpoint_every }))
+        Some(Box::new(FrameObserver { frames, n_steps, every, bottom, directory, checkpoint_every }))
     }
 }
 
-struct Recording<'a> {
+struct FrameObserver<'a> {
     frames: &'a mut Frames,
     n_steps: usize,
     /// Steps between two frames.
@@ -200,7 +200,7 @@ struct Recording<'a> {
     checkpoint_every: usize,
 }
 
-impl<const D: usize> Observer<D> for Recording<'_> {
+impl<const D: usize> Observer<D> for FrameObserver<'_> {
     fn after_step(&mut self, view: &StepView<'_, D>) -> Result<(), ObserverError> {
         let [coarse, fine] = RESOLUTION;
         let (step, touches) = (view.state.step, touches(view));

@@ -30,7 +30,7 @@ pub(crate) fn lead(results: &Results) -> String {
 /// [`Error::Json`].
 pub(crate) fn sections(results: &Results) -> Result<Vec<Section>, Error> {
     let mut sections = parts(results, &[])?;
-    // Its first line is about the charts, the others explain words of a fluid.
+    // The first line of the guide explains the charts; the others are left out without a fluid.
     let guide = include_str!("../assets/guide.html");
     let end = if results.summary.stabilisation.is_empty() { guide.find('\n') } else { None };
     let guide = &guide[..end.unwrap_or(guide.len())];
@@ -92,7 +92,7 @@ fn run(results: &Results) -> Result<String, Error> {
         summary.contact_offset.map(|_| ("largest violation of it", in_length(summary.max_penetration))),
         Some(("smallest distance", in_length(summary.min_distance.unwrap_or(f64::NAN)))),
         Some(("divided steps", summary.divided_steps.to_string())),
-        Some(("no step made energy", if summary.energy_monotone { "yes" } else { "no" }.to_owned())),
+        Some(("no step increased the energy", if summary.energy_monotone { "yes" } else { "no" }.to_owned())),
     ];
     let rows: Vec<_> = rows.into_iter().flatten().map(|(what, value)| vec![what.to_owned(), value]).collect();
     let facts = format!("<div>{}</div>", table("", &["", ""], &rows));

@@ -102,7 +102,7 @@ impl<const D: usize> RigidMotion<D> {
     }
 
     /// Returns the motion with place and velocities by two rows of a time scheme, and the accelerations of `rates`.
-    pub fn moved(&self, rates: &Self, [displacement, velocity]: &[Row; 2]) -> Self {
+    pub fn at_rows(&self, rates: &Self, [displacement, velocity]: &[Row; 2]) -> Self {
         let (acceleration, spin_rate, torque) = (rates.acceleration, rates.spin_rate, rates.torque);
         let known = Self { acceleration, spin_rate, torque, ..*self };
         let (centre, rotation) = known.place(displacement, &Vector::zeros(), &[0.0; 3]);

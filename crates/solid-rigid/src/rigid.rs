@@ -155,8 +155,8 @@ impl<const D: usize> Body<D> for RigidBody<D> {
         Box::new(RigidStep { body: self, begin, time: *time, motion, centre, momentum, vertices, whole, surface })
     }
 
-    fn moved(&self, state: &BodyState<D>, rates: &BodyState<D>, rows: &[Row; 2]) -> BodyState<D> {
-        self.state(&self.motion(state).moved(&self.motion(rates), rows), false)
+    fn at_rows(&self, state: &BodyState<D>, rates: &BodyState<D>, rows: &[Row; 2]) -> BodyState<D> {
+        self.state(&self.motion(state).at_rows(&self.motion(rates), rows), false)
     }
 
     fn balance(&self, state: &BodyState<D>) -> Option<Balance<D>> {

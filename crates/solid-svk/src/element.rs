@@ -8,7 +8,7 @@ use mesh::{MAX_CELL_VERTICES, Point, SimplexRule, Tensor, Vector, VertexId, det}
 /// Nodes of the largest cell, a tetrahedron of order 2; local arrays have this capacity.
 pub const MAX_CELL_NODES: usize = 10;
 
-/// Local vertices of the edges of a simplex. The edges of a triangle come first, and before them that of a segment.
+/// Local vertices of the edges of a simplex. Entry 0 is the edge of a segment, entries 0–2 those of a triangle.
 const EDGES: [[usize; 2]; 6] = [[0, 1], [0, 2], [1, 2], [0, 3], [1, 3], [2, 3]];
 
 /// Barycentric coordinates of a point; those beyond the dimension of the simplex are zero.
@@ -100,7 +100,8 @@ impl Order {
         point
     }
 
-    /// Returns the mean of nodes of a cell, given by the identifiers of all of them and of those that count.
+    /// Returns the barycentric coordinates of the mean of some nodes of a cell, given the identifiers of all its nodes and of
+    /// these.
     pub(crate) fn middle_of(self, dimension: usize, cell: &[VertexId], nodes: &[VertexId]) -> Barycentric {
         let mut middle = [0.0; MAX_CELL_VERTICES];
         for (local, _) in cell.iter().enumerate().filter(|(_, node)| nodes.contains(node)) {

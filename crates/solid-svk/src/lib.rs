@@ -64,4 +64,4 @@ pub use load::Load;
 pub use material::{LameParameters, LinearElastic, Material, MaterialInSpace, NeoHookean, SaintVenantKirchhoff};
 pub use solid_mesh::{CellPoint, SolidMesh};
 pub use stress::SolidStress;
-pub use supports::{Support, SupportKind};
+pub use supports::{DisplacementField, Support, SupportKind};

@@ -9,6 +9,9 @@ use mesh::{FacetId, Point, Vector, VertexId};
 
 use crate::{Error, SolidCells, SolidMesh};
 
+/// Displacement at a reference position and time; components with `None` are free.
+pub type DisplacementField<const D: usize> = Arc<dyn Fn(&Point<D>, f64) -> [Option<f64>; D] + Send + Sync>;
+
 /// A support of an elastic body.
 #[derive(Clone)]
 pub struct Support<const D: usize> {
@@ -28,9 +31,8 @@ pub enum SupportKind<const D: usize> {
         /// Number of the axis, from 0.
         axis: usize,
     },
-    /// Displacement at the end of the step, given at a reference position and time; components with `None` are free.
-    #[allow(clippy::type_complexity)]
-    Displacement(Arc<dyn Fn(&Point<D>, f64) -> [Option<f64>; D] + Send + Sync>),
+    /// Displacement at the end of the step.
+    Displacement(DisplacementField<D>),
 }
 
 impl<const D: usize> Support<D> {

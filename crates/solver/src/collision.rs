@@ -8,7 +8,7 @@ use crate::State;
 use crate::contact_step::Partners;
 use crate::setup::Contact;
 
-/// Weight of the condition on the velocity over the mass of the bodies per time: the velocity has a relative error of about its inverse.
+/// Penalty weight relative to mass/Δt; its inverse is about the relative error of the velocity.
 const STIFFNESS: f64 = 1e8;
 
 /// `c (n·(v_s - v_m) - w) (n·(w_s - w_m))`: at the closest points of two bodies the relative velocity along the normal is the given one
@@ -46,8 +46,7 @@ impl<const D: usize> Collision<D> {
                 let x: Point<D> = slave.begin[vertex.index()];
                 let Some(found) = contact.geometry().project(&x, Positions::Fixed(opposite), near) else { continue };
                 let gap = found.gap(&x);
-                let at =
-                    ContactPoint { gap, size: contact.form().size(), dt: step.time.length, ..ContactPoint::default() };
+                let at = ContactPoint { gap, size: contact.form().size(), ..ContactPoint::default() };
                 if law.is_active(&at) && closest.as_ref().is_none_or(|(least, ..)| gap < *least) {
                     closest = Some((gap, vertex, found));
                 }

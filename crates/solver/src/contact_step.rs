@@ -85,13 +85,13 @@ fn pair<'p, const D: usize>(contact: &'p Contact<D>, step: Partners<'p, D>) -> C
         master: contact.master().map(surface),
         stress,
         share: if is_own && needs_stress(source) { 0.5 } else { 1.0 },
-        dt: step.time.length,
         conserves: step.time.weights.conserves,
     }
 }
 
 impl<const D: usize> ContactStep<D> {
-    /// Searches for obstacles within the offset of the law, twice the motion of the last step, and twice the contact size.
+    /// Searches for obstacles within a distance that is the sum of the offset of the law, twice the motion of the last step
+    /// and twice the contact size.
     ///
     /// # Errors
     /// [`Stage::MissingStress`]: the law depends on a stress that the setup does not have.

@@ -1,4 +1,4 @@
-//! Values of the fluid where a body was at the start of the step before.
+//! Values of the fluid where a body was on the cut of the step before.
 
 use algebra::{
     BlockLayout, Constraints, Contributions, DofId, Equations, FieldId, LocalSystem, NewtonError, NewtonSettings,
@@ -60,7 +60,7 @@ impl<const D: usize> Extension<'_, D> {
         let pieces = self.cut.interface().iter().enumerate();
         let pieces = pieces.filter(|(_, piece)| unknowns.touch(self.space.dofs(piece.part))).map(|(item, _)| item);
         let jumps = Jumps { unknowns, faces };
-        let surface = Surface { unknowns, extension: *self, pieces: pieces.collect(), on_piece: &on_piece };
+        let surface = SurfaceFit { unknowns, extension: *self, pieces: pieces.collect(), on_piece: &on_piece };
         let constraints = Constraints::new();
         let contributions: Vec<Box<dyn Contributions + '_>> = vec![Box::new(jumps), Box::new(surface)];
         let equations = Equations { layout: &layout, contributions, constraints: &constraints };
@@ -155,14 +155,14 @@ impl<const D: usize> Contributions for Jumps<'_, D> {
 }
 
 /// `Σ_Σ 1/h_K (u - v, w)`, and a small part of it at vertices.
-struct Surface<'a, const D: usize> {
+struct SurfaceFit<'a, const D: usize> {
     unknowns: Unknowns<'a, D>,
     extension: Extension<'a, D>,
     pieces: Vec<usize>,
     on_piece: &'a (dyn Fn(usize) -> [[Vector<D>; MAX_CELL_VERTICES]; 2] + Sync),
 }
 
-impl<const D: usize> Contributions for Surface<'_, D> {
+impl<const D: usize> Contributions for SurfaceFit<'_, D> {
     fn len(&self) -> usize {
         self.pieces.len()
     }

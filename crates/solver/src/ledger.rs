@@ -9,7 +9,7 @@ use crate::Problem;
 use crate::fluid_step::FluidStep;
 use crate::problem::{closed_pressure, contact_work};
 
-/// Energy that each part of the discrete problem took in a step; negative if it gave energy.
+/// Energy removed by each part of the discrete problem in a step; negative if the part adds energy.
 ///
 /// The weak form is tested with its own solution `(u, p, v_s)`. Each line is the power of a term times the step, minus the
 /// change of the energy of the scheme ([`algebra::time::Weights::of_energy`]) that the term stores: kinetic, elastic,
@@ -172,7 +172,7 @@ impl<const D: usize> Problem<'_, D> {
             let (body, begin, end) = (&step.setup.bodies[b], &before.bodies[b], &ends[b]);
             let energy = |state: &BodyState<D>| body.balance(state).map_or(0.0, |b| b.energy());
             let of_scheme = |state: &BodyState<D>, rates: &BodyState<D>| {
-                let motions = step.time.weights.of_energy.map(|rows| energy(&body.moved(state, rates, &rows)));
+                let motions = step.time.weights.of_energy.map(|rows| energy(&body.at_rows(state, rates, &rows)));
                 0.5 * (motions[0] + motions[1])
             };
             // In the first step the acceleration is constant.

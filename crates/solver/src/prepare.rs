@@ -1,4 +1,4 @@
-//! Everything that is frozen during Newton's method.
+//! The step: geometry, spaces and constraints, constant during Newton's method.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -29,7 +29,8 @@ impl Substep {
     }
 }
 
-/// One step: fluid, bodies and contacts on the geometry that is extrapolated to its stage, with their unknowns.
+/// One step: fluid, bodies and contacts with their unknowns, on the geometry at its start, or extrapolated to its stage
+/// (generalised-α).
 pub struct Step<'a, const D: usize> {
     pub(crate) setup: &'a Setup<D>,
     pub(crate) previous: &'a State<D>,
@@ -86,7 +87,7 @@ impl<'a, const D: usize> Step<'a, D> {
         step.contacts = setup.contacts.iter().map(contact).collect::<Result<_, _>>()?;
         let collision = |contact| Collision::new(contact, previous, step.partners());
         step.collisions = setup.contacts.iter().map(collision).collect();
-        step.fill_vapour();
+        step.remove_floor();
         step.constrain();
         step.check_share()?;
         step.seconds.space = clock.elapsed().as_secs_f64() - step.seconds.cut;
@@ -133,7 +134,7 @@ impl<'a, const D: usize> Step<'a, D> {
     ///
     /// The step stands for all of the collision, which is longer: the suction that turns the fluid around the bodies is spread over that time and
     /// stays above the floor, whereas the pressure of the step is this impulse over the length of the step.
-    fn fill_vapour(&mut self) {
+    fn remove_floor(&mut self) {
         if let Some(fluid) = self.fluid.as_mut().filter(|_| self.collisions.iter().any(Option::is_some)) {
             fluid.form.cavitation = None;
         }

@@ -77,7 +77,7 @@ pub struct FluidSetup<const D: usize> {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FilmSetup {
     /// Height of the asperities of two opposite surfaces together, a length. A thinner film has the conductance of this
-    /// thickness.
+    /// thickness, or of the extent of its cell across the film if that is less.
     pub roughness: f64,
     /// Lowest pressure in films, at which vapour appears; `None` if pressures are not bounded.
     pub floor: Option<f64>,

@@ -26,7 +26,8 @@ pub struct State<const D: usize> {
 /// Velocity and pressure of the fluid, on the geometry on which they were computed.
 #[derive(Clone, Debug)]
 pub struct FluidState<const D: usize> {
-    /// Positions of the vertices of each body at which the background was cut: those of the stage of the last step.
+    /// Positions of the vertices of each body at which the background was cut: those at the start of the last step, or
+    /// extrapolated to its stage (generalised-α).
     pub positions: Vec<Vec<Point<D>>>,
     /// The cut.
     pub cut: CutMesh<D>,

@@ -4,7 +4,8 @@ use algebra::Workspace;
 
 use crate::{Setup, Stage, State, Step, StepError, StepReport, Substep};
 
-/// Advances fluid, bodies and contacts by a step, or a part of one, on the geometry that is extrapolated to its stage.
+/// Advances fluid, bodies and contacts by a step, or a part of one, on the geometry at its start, or extrapolated to its stage
+/// (generalised-α).
 ///
 /// A function of `setup` and `previous`: `work` recycles memory and, in a solver that keeps old factors, these factors.
 ///

@@ -9,7 +9,7 @@ use solid_svk::Load;
 use solver::algebra::Workspace;
 use solver::algebra::time::GeneralisedAlpha;
 use solver::mesh::generate::structured_box;
-use solver::{FluidBoundary, Setup, Stabilisation, State, StepReport, Substep, advance};
+use solver::{FluidBoundary, Ledger, Setup, Stabilisation, State, StepReport, Substep, advance};
 
 /// Checks that every step closes to ten times the tolerance of Newton's method, relative to the largest energy or change.
 fn check_closed(setup: &Setup<2>, reports: &[StepReport<2>]) {
@@ -154,4 +154,42 @@ fn the_scheme_takes_energy_from_a_rigid_body_by_its_formula() {
         state = next;
     }
     assert!(largest > 1e-3, "the ground changes the acceleration: {largest:e}");
+}
+
+#[test]
+fn losses_and_lines_contain_every_field() {
+    // Different powers of two: their sum is exact, and shows which are in it. Without `..`, a new field is needed here too.
+    let mut next = 0.5;
+    let mut value = || {
+        next *= 2.0;
+        next
+    };
+    let ledger = Ledger {
+        change: 0.0,
+        transfer: value(),
+        fluid_scheme: value(),
+        viscosity: value(),
+        convection: value(),
+        cip_velocity: value(),
+        cip_pressure: value(),
+        ghost_penalty: value(),
+        film: value(),
+        cavitation: value(),
+        fluid_force: value(),
+        open_boundary: value(),
+        backflow: value(),
+        mortar: value(),
+        penalty_normal: value(),
+        penalty_tangential: value(),
+        body_scheme: value(),
+        loads: value(),
+        contact: value(),
+        given_velocities: value(),
+        scheme_storage: value(),
+        other: value(),
+    };
+    let lines = ledger.lines();
+    let sum: f64 = lines.iter().filter(|(name, _)| *name != "defect").map(|(_, lost)| lost).sum();
+    // Without a change of the energy the defect is the sum of all losses.
+    assert_eq!((ledger.defect(), sum), (2.0 * next - 1.0, 2.0 * next - 1.0));
 }

@@ -1,4 +1,4 @@
-//! Runs of the scenarios in `examples/`, with the histories that checks judge.
+//! Runs of the scenarios in `examples/`, with the histories that checks evaluate.
 
 use std::time::Instant;
 

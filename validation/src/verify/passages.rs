@@ -108,7 +108,7 @@ pub(super) fn ball(record: &mut Record) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Judges the contacts of a run.
+/// Compares the contacts of a run with their bounds.
 fn contacts(record: &mut Record, run: &Example) -> Result<(), Failure> {
     let size = run.setup.contacts.first().ok_or("there is a contact")?.form().size();
     let most = range(&run.history.touching.iter().map(|(_, n)| *n).collect::<Vec<f64>>())[1];

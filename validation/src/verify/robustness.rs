@@ -41,8 +41,8 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     record.note(
         "Where cells keep corners with unknowns of their own, the condition number of the matrix as it is grows without bound \
          without ghost penalty, and does not with it. Along slices and wedges it does not grow, as the mortar couples their \
-         unknowns over the whole length of the interface. Equilibrated it stays where it is in all cases: for linear functions, \
-         scales of rows and columns undo what small parts do. Unknowns beyond a corner by itself take values of any size without \
+         unknowns over the whole length of the interface. The condition number of the equilibrated matrix does not grow in any case: for linear \
+         functions, the scaling of rows and columns removes the effect of small parts. Unknowns beyond a corner by itself take values of any size without \
          ghost penalty, but they do not count in the fluid of this step.",
     );
     record.note(

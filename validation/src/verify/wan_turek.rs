@@ -36,8 +36,8 @@ const ACCURACY: f64 = 0.05;
 /// Least order in h at which the noise has to fall, over all meshes: half of the expected one. Spurious forces of a boundary
 /// that moves through cells go like h²/dt (Seo and Mittal 2011, doi:10.1016/j.jcp.2011.06.003), so first order at fixed dt/h.
 const NOISE_ORDER: f64 = 0.5;
-/// Steps to either side that the smooth signal is fitted to, as many more as steps are shorter: together with the one between
-/// they pass four cells at full speed.
+/// Half-width, in steps, of the smoothing window; inversely proportional to the step, so that it always spans four cells at
+/// full speed.
 const WING: usize = 5;
 
 /// Steps in half a period, whose effect on the flow is compared on the coarsest mesh, and the least order there.

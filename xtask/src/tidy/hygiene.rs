@@ -12,10 +12,10 @@ const BUDGETS: &[(&[&str], usize)] = &[
     (&["crates/cutwater/src/lib.rs", "crates/cutwater/src/main.rs"], 345),
     (&["crates/io/src"], 11_300),
     (&["crates/report/src"], 1570),
-    (&["crates/solver/src"], 2760),
+    (&["crates/solver/src"], 2840),
     (&["validation"], 13_200),
     (&["xtask/src"], 2400),
-    (&[""], 73_000),
+    (&[""], 74_000),
 ];
 /// Largest number of bytes of all JSON files under version control.
 const JSON_BYTES: usize = 50_000;

@@ -112,6 +112,8 @@ mod tests {
         check_finds("crates/solver/src/a.rs", "//! A.\nfn a(b: &RigidBody<2>) {}\n", 2, "dyn body::Body");
         check_finds("crates/solver/src/a.rs", "//! A.\nfn a() { b[D * i] / dt }\n", 2, "row function");
         check_finds("crates/solver/src/a.rs", "//! A.\nfn a() { b / dt }\n", 2, "time scheme");
+        check_finds("crates/solver/src/a.rs", "//! A.\nfn a() { b / step.time.length }\n", 2, "time scheme");
+        check_finds("crates/solver/src/a.rs", "//! A.\nfn a() { Coordinates::Axisymmetric }\n", 2, "radial axis");
         check_finds("crates/solver/src/a.rs", "//! A.\npub trait FilmTerm {}\n", 2, "new kind of term");
         check_finds(term, "//! A.\npub struct Point {}\n", 2, "`Point` is no term");
         check_finds("crates/solver/src/a.rs", "//! A.\nuse faer::Mat;\n", 2, "must not be used in this file");

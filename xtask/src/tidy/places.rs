@@ -49,6 +49,17 @@ const LIBRARY_WORDS: &[(&[&str], &[&str], &str)] = &[
         &["crates/algebra/src/time/", "crates/solver/src/state.rs", "crates/solver/src/report.rs"],
         "take the weights of the time scheme",
     ),
+    (
+        &["/ time.length", "/ self.time.length", "/ step.time.length"],
+        // A difference quotient of a given velocity, the round-off of a velocity, the weight of a collision.
+        &["crates/body/src/prescribed.rs", "crates/solid-svk/src/elastic.rs", "crates/solver/src/collision.rs"],
+        "take the weights of the time scheme",
+    ),
+    (
+        &["Axisymmetric"],
+        &["crates/mesh/src/coordinates.rs", "crates/io/src/scenario/"],
+        "use the weight and the radial axis of `mesh::Coordinates`",
+    ),
     (&["message() =="], NOWHERE, "match on the kind of the error"),
 ];
 

@@ -35,8 +35,8 @@ impl Default for BlockGaussSeidelSettings {
 /// A block is a field, or several that share nodes: velocity and pressure of a fluid are one block. A sweep solves for one
 /// block after the other, each with the residual that the blocks before it have left. Penalties couple blocks so stiffly that
 /// a sweep alone does not converge; therefore it ends with one more, overlapping block: all unknowns with
-/// stiff couplings to another block, and their neighbours, with an LU of their own. Which they are is read off the
-/// equilibrated matrix.
+/// stiff couplings to another block, and their neighbours, with an LU of their own. They are selected by the
+/// entries of the equilibrated matrix.
 ///
 /// Source of the sweep over fluid and solids: Formaggia, Gatti and Zonca 2019, MOX-Report 44/2019, section 4.
 pub struct BlockGaussSeidel {

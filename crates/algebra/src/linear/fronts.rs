@@ -8,7 +8,8 @@ use faer::sparse::{FaerError, SymbolicSparseColMatRef};
 use super::factors::inverse;
 use super::nodes::NodeGraph;
 
-/// Shares of zeros up to which supernodes of at most so many nodes are merged.
+/// Pairs (number of nodes, share of explicit zeros): supernodes of at most that many nodes are merged if the share is not
+/// exceeded.
 const RELAXATION: [(usize, f64); 4] = [(2, 1.0), (6, 0.2), (16, 0.05), (usize::MAX, 0.02)];
 
 /// Supernodes of the factors of a matrix whose pattern is made symmetric, in the order of a multifrontal elimination.
@@ -35,7 +36,7 @@ pub(super) struct Fronts {
     value_ptr: Vec<usize>,
     /// Front to the front that its update is added to; the number of fronts at a root.
     pub(super) parent: Vec<usize>,
-    /// Most entries of updates that exist together.
+    /// Largest number of entries of update matrices stored at the same time.
     pub(super) most_updates: usize,
 }
 
@@ -120,8 +121,8 @@ impl Fronts {
         fronts
     }
 
-    /// Returns the most entries of updates that exist together. Those of the children are released after that of the parent
-    /// is there.
+    /// Returns the largest number of entries of update matrices stored at the same time. Those of the children are released
+    /// after that of the parent is computed.
     fn count_updates(&self) -> usize {
         let mut of_children = vec![0; self.len() + 1];
         let (mut now, mut most) = (0, 0);

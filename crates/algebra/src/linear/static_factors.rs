@@ -25,8 +25,8 @@ const SMALL_PIVOT: f64 = 10.0;
 #[derive(Default)]
 pub(super) struct StaticFactors<T> {
     fronts: Option<Fronts>,
-    /// Front by front, each by columns: rows of L, the factors of the pivot block, transposed columns of U. A sweep reads
-    /// neighbouring entries.
+    /// Front by front, each by columns: rows of L, the factors of the pivot block, transposed columns of U, so that a
+    /// triangular solve reads memory contiguously.
     values: Vec<T>,
     /// Rows of the pivot blocks in the order of elimination, counted from the first of their front.
     exchanges: Vec<u32>,

@@ -32,8 +32,6 @@ pub struct ContactPoint {
     pub stiffness: f64,
     /// Contact size `s`, a length.
     pub size: f64,
-    /// Length of the time step.
-    pub dt: f64,
 }
 
 /// Traction on the slave in the frame, force per area, and its derivatives.

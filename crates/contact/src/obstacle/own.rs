@@ -25,8 +25,8 @@ pub struct OwnSurface<const D: usize> {
 
 impl<const D: usize> OwnSurface<D> {
     /// Creates the obstacle from some facets of a closed boundary, the positions of the vertices of the undeformed
-    /// body, and the exempt distance. It is at least the distance at which the law acts, and less than the thickness of
-    /// the parts between which contact is searched.
+    /// body, and the exempt distance. It is at least the distance at which the law acts, and less than twice the thickness
+    /// of the parts between which contact is searched.
     ///
     /// # Errors
     /// [`Error::UnknownFacet`]: the boundary does not have one of the facets. [`Error::Parameter`]: the distance is not

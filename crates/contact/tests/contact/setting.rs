@@ -54,7 +54,6 @@ impl<'a, const D: usize> Scene<'a, D> {
             master,
             stress: stress.map(Arc::from),
             share: 1.0,
-            dt: self.time.length,
             conserves: self.time.weights.conserves,
         }
     }

@@ -1,8 +1,8 @@
 //! Body force on the fluid.
 
 use algebra::{LocalSystem, Term};
-use mesh::{Point, Vector};
 
+use super::ForceFunction;
 use crate::FluidCell;
 
 /// Degree of quadrature: a linear force times a P1 function.
@@ -15,8 +15,7 @@ const DEGREE: usize = 2;
 /// Units: force (2D: per unit depth).
 pub struct BodyForce<'a, const D: usize> {
     /// Force per volume at a point and time.
-    #[allow(clippy::type_complexity)]
-    pub force: &'a (dyn Fn(&Point<D>, f64) -> Vector<D> + Send + Sync),
+    pub force: ForceFunction<'a, D>,
     /// Time of the stage.
     pub time: f64,
 }

@@ -1,17 +1,18 @@
 //! Flux along a thin film.
 
 use algebra::{LocalSystem, Term};
-use mesh::{Point, Vector};
+use mesh::Vector;
 
+use super::ForceFunction;
 use crate::FluidCell;
 
-/// `(κ (∇p - f^f), ∇q)_{Ω^f}` with `κ = χ (max(d, k)² - m s d²)/(12 μ^f)`: the part of the flux along a film that
+/// `(κ (∇p - f^f), ∇q)_{Ω^f}` with `κ = χ (max(d, min(k, h))² - m s d²)/(12 μ^f)`: the part of the flux along a film that
 /// linear velocities do not represent
 ///
 /// Source: Reynolds' equation `∇·(δ³/(12 μ) ∇p) = ∂δ/∂t + ∇·(δ (v_1 + v_2)/2)` is the sum of this term and `(q, ∇·u)`
 /// across the film. As there, the missing flux has no inertia.
 /// Symbols: share `χ` of the missing flux that is added, thickness `d` of a layer of cells, height `k` of the
-/// asperities, share `s` that passes by slip on each of the `m` surfaces of the part. See [`crate::FilmValues`].
+/// asperities, extent `h` of the cell across the film, share `s` that passes by slip on each of the `m` surfaces of the part. See [`crate::FilmValues`].
 /// Couples: pressure × pressure.   Domain: fluid parts in films.
 /// Units: volume/time (2D: per unit depth).
 /// With `g_i = ∇N_i`, `K = ∫ κ`:   residual_i = g_i · (K ∇p - ∫ κ f),   tangent_ij = K g_i · g_j.
@@ -19,8 +20,7 @@ pub struct Film<'a, const D: usize> {
     /// Dynamic viscosity `μ^f`.
     pub viscosity: f64,
     /// Force per volume at a point and time; `None` for no force.
-    #[allow(clippy::type_complexity)]
-    pub force: Option<&'a (dyn Fn(&Point<D>, f64) -> Vector<D> + Send + Sync)>,
+    pub force: Option<ForceFunction<'a, D>>,
     /// Time of the stage.
     pub time: f64,
 }

@@ -1,5 +1,7 @@
 //! The terms, one per file.
 
+use mesh::{Point, Vector};
+
 mod backflow;
 mod body_force;
 mod cavitation;
@@ -27,3 +29,8 @@ pub use incompressibility::Incompressibility;
 pub use inertia::Inertia;
 pub use traction::Traction;
 pub use viscous::Viscous;
+
+/// Force per volume at a point and time.
+pub type ForceFunction<'a, const D: usize> = &'a (dyn Fn(&Point<D>, f64) -> Vector<D> + Send + Sync);
+/// Traction at a point, given the outward normal, at a time.
+pub type TractionFunction<'a, const D: usize> = &'a (dyn Fn(&Point<D>, &Vector<D>, f64) -> Vector<D> + Send + Sync);

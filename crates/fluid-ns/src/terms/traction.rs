@@ -1,8 +1,8 @@
 //! Traction given on open boundaries.
 
 use algebra::{LocalSystem, Term};
-use mesh::{Point, Vector};
 
+use super::TractionFunction;
 use crate::OpenPoint;
 
 /// `-(t, v)_Γ` with the traction `t = T^f n` given
@@ -12,8 +12,7 @@ use crate::OpenPoint;
 /// Units: force (2D: per unit depth).
 pub struct Traction<'a, const D: usize> {
     /// Traction at a point, given the outward normal, at a time.
-    #[allow(clippy::type_complexity)]
-    pub traction: &'a (dyn Fn(&Point<D>, &Vector<D>, f64) -> Vector<D> + Send + Sync),
+    pub traction: TractionFunction<'a, D>,
     /// Time of the stage.
     pub time: f64,
 }

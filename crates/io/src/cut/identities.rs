@@ -24,7 +24,8 @@ pub struct CutErrors {
     /// `F_a = r_a` and `F_a = r_a²`, `r` from the lowest corner of the background.
     pub divergence: f64,
     /// Area of a fluid part on a face of its cell that is not shared with parts on the other side, relative to the measure of
-    /// the face; the largest over all faces of all parts. Interface on the face itself is not shared.
+    /// the face; the largest over all faces of all parts. Area covered by interface on the face itself may
+    /// remain unshared.
     pub adjacency: f64,
     /// Round-off of the coordinates relative to the size of the cells, which errors of a cut that is right can reach.
     pub round_off: f64,

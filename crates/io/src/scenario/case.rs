@@ -3,13 +3,14 @@
 use algebra::Workspace;
 use contact::{DeformableObstacle, Obstacle, Positions};
 use cutcell::{CutMesh, OverlayOptions};
+use mesh::generate::HALF_BALL_PLANE;
 use mesh::{Aabb, BodyId, FacetId, Placed, Point};
 use solver::{ApproachSteps, Contact, FluidBoundary, FluidSetup, Setup};
 
 use super::background::Background;
 use super::body::{BodyCondition, BodyKeys, Built, body};
 use super::condition::{symmetry_planes, tagged_vertices};
-use super::contact::{ContactKeys, Partners};
+use super::contact::{ContactBuilder, ContactKeys};
 use super::error::{ErrorKind, ScenarioError};
 use super::file::{Scenario, ScenarioFile};
 use super::fluid::{fluid, unbalanced};
@@ -90,9 +91,9 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
         respect_symmetry(&given, fluid, &mut built)?;
     }
     let (mut contacts, mut of_contacts) = (Vec::new(), Vec::new());
-    let partners = Partners::new(&built, fluid.as_ref().map(|fluid| &fluid.background));
+    let builder = ContactBuilder::new(&built, fluid.as_ref().map(|fluid| &fluid.background));
     for given in &scenario.contact {
-        contacts.extend(partners.contacts(given)?);
+        contacts.extend(builder.contacts(given)?);
         of_contacts.resize(contacts.len(), given);
     }
     let part_names: Vec<Vec<String>> = built.iter().map(|built| built.part_names.clone()).collect();
@@ -329,7 +330,7 @@ fn respect_symmetry<const D: usize>(
         let Shape::HalfBall { centre, mirrored: false, .. } = &*given.shape else { continue };
         let mut conditions = given.boundary.iter().flat_map(|boundary| &boundary.0);
         let is_symmetric = |(name, condition): &(String, At<BodyCondition>)| {
-            name == "left" && matches!(**condition, BodyCondition::Symmetry { .. })
+            name == HALF_BALL_PLANE && matches!(**condition, BodyCondition::Symmetry { .. })
         };
         let at = centre[0] + given.shift.as_ref().map_or(0.0, |shift| shift[0]);
         let is_on_plane = planes.iter().any(|(axis, place)| *axis == 0 && (at - place).abs() <= room);

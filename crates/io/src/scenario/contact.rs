@@ -31,8 +31,8 @@ keys! {
         obstacle: Option<At<ObstacleChoice>> [group(2)],
         /// Contact law.
         law: ContactLawChoice,
-        /// Contact size `s`: the laws `penalty` and `augmented-lagrangian` divide by it. Obstacles are searched within the offset, twice the motion of
-        /// the last step and twice this length.
+        /// Contact size `s`: the laws `penalty` and `augmented-lagrangian` divide by it. Obstacles are searched within a
+        /// distance that is the sum of the offset, twice the motion of the last step and twice this length.
         size: f64 [unit(Quantity::LENGTH), positive],
         /// Offset `ε`: contact begins at this distance.
         offset: f64 [unit(Quantity::LENGTH), non_negative],
@@ -131,8 +131,8 @@ const ROUND_OFF: f64 = 1e-9;
 /// Name that stands for all bodies.
 pub(super) const ALL: &str = "all";
 
-/// Bodies in the order of their tables and the background, between which contacts act.
-pub(super) struct Partners<'p, const D: usize> {
+/// Builder of contacts between bodies, which are in the order of their tables, and the background.
+pub(super) struct ContactBuilder<'p, const D: usize> {
     built: &'p [Built<D>],
     bodies: Vec<Arc<dyn Body<D>>>,
     /// One entry per body.
@@ -140,7 +140,7 @@ pub(super) struct Partners<'p, const D: usize> {
     background: Option<&'p SimplexMesh<D>>,
 }
 
-impl<'p, const D: usize> Partners<'p, D> {
+impl<'p, const D: usize> ContactBuilder<'p, D> {
     pub(super) fn new(built: &'p [Built<D>], background: Option<&'p SimplexMesh<D>>) -> Self {
         let bodies: Vec<_> = built.iter().map(|built| Arc::clone(&built.body)).collect();
         let mean_facets = bodies.iter().map(|body| mean_facet(body.surface(), body.reference())).collect();

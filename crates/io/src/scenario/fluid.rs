@@ -39,7 +39,8 @@ keys! {
 keys! {
     /// Films between bodies, and between bodies and walls.
     pub struct FilmKeys {
-        /// Height of the asperities of two opposite surfaces together; a thinner film has the conductance of this thickness.
+        /// Height of the asperities of two opposite surfaces together; a thinner film has the conductance of this thickness, or
+        /// of the extent of its cell across the film if that is less.
         roughness: f64 [unit(Quantity::LENGTH), non_negative] = 0.0,
         /// Lowest pressure in films, at which vapour appears: the pressure of the vapour minus that of the
         /// surroundings, -1e5 Pa for water in air; not bounded if left out.

@@ -37,8 +37,8 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct MotionTable<const D: usize> {
     times: Vec<f64>,
-    displacement: [Spline; D],
-    angle: Option<Spline>,
+    displacement: [NaturalSpline; D],
+    angle: Option<NaturalSpline>,
 }
 
 impl<const D: usize> MotionTable<D> {
@@ -101,7 +101,7 @@ impl<const D: usize> MotionTable<D> {
         }
         let values = |place: usize| rows.iter().map(|row| row[place]).collect::<Vec<f64>>();
         let times = values(time);
-        let spline = |place| Spline::natural(&times, values(place));
+        let spline = |place| NaturalSpline::natural(&times, values(place));
         Ok(Self {
             displacement: std::array::from_fn(|axis| spline(axes[axis])),
             angle: column("angle").map(spline),
@@ -130,12 +130,12 @@ impl<const D: usize> MotionTable<D> {
 
 /// Cubic spline: values and second derivatives at the rows.
 #[derive(Clone, Debug, PartialEq)]
-struct Spline {
+struct NaturalSpline {
     values: Vec<f64>,
     curvatures: Vec<f64>,
 }
 
-impl Spline {
+impl NaturalSpline {
     /// Computes the spline whose second derivative is zero at its ends.
     ///
     /// Its first derivative is continuous if

@@ -11,7 +11,8 @@ use super::table::{Document, parse};
 pub(super) struct Change<'a> {
     /// Segments of the key.
     path: Vec<&'a str>,
-    /// The assignment `_ = VALUE` behind as many blanks as there is text before it, so that all offsets are distinct.
+    /// The assignment `_ = VALUE`, padded with blanks to the length of all earlier text, so that an offset identifies its
+    /// argument.
     text: String,
     /// Offset of the argument.
     start: usize,

@@ -24,7 +24,7 @@ use vtkio::xml::Compressor;
 use crate::Error;
 use crate::files::{write_whole, write_with};
 
-/// An unstructured grid on its way to a file.
+/// An unstructured grid to be written.
 #[derive(Clone, Debug, Default)]
 pub struct Grid {
     points: Vec<f64>,

@@ -43,8 +43,11 @@ pub fn ball<const D: usize>(
     Ok(circle.placed(filled(outline, |_| circle.h)?)?.with_boundary_tags(|_| Some("surface")))
 }
 
+/// Tag of the facets of a [`half_ball`] on its plane of symmetry.
+pub const HALF_BALL_PLANE: &str = "left";
+
 /// Generates the half of a [`ball`] with `x >= centre[0]`. Vertices on the plane of symmetry lie exactly on it, and facets
-/// there have the tag "left", all others "surface". The boundary vertices are those of [`ball`] up to round-off.
+/// there have the tag [`HALF_BALL_PLANE`], all others "surface". The boundary vertices are those of [`ball`] up to round-off.
 ///
 /// # Errors
 /// As [`ball`]. [`Error::Dimension`]: `D` is not 2.
@@ -64,7 +67,7 @@ pub fn half_ball<const D: usize>(
     let mesh = circle.placed(filled(outline, |_| circle.h)?)?;
     Ok(mesh.with_boundary_tags(|points| {
         let on_plane = points.iter().all(|p| p[0] == centre[0]);
-        Some(if on_plane { "left" } else { "surface" })
+        Some(if on_plane { HALF_BALL_PLANE } else { "surface" })
     }))
 }
 

@@ -49,7 +49,7 @@ impl ClosedLine {
     pub fn smooth(corners: &[[f64; 2]], h: f64, name: &str) -> Result<Self, Error> {
         check(corners, h)?;
         require(corners.len() as f64 <= MOST_CORNERS, "number of corners", corners.len() as f64, "at most 2000")?;
-        let spline = Spline::through(corners)?;
+        let spline = ClosedSpline::through(corners)?;
         let mut line = Self::default();
         line.push(name, (spline.length() / h).ceil().max(3.0), |t| spline.at(t))?;
         Ok(line)
@@ -119,7 +119,7 @@ impl ClosedLine {
 }
 
 /// Periodic cubic spline in the plane, with samples of its length.
-struct Spline {
+struct ClosedSpline {
     /// Parameters of the corners, and that of the first one again.
     parameters: Vec<f64>,
     corners: Vec<[f64; 2]>,
@@ -129,7 +129,7 @@ struct Spline {
     lengths: Vec<f64>,
 }
 
-impl Spline {
+impl ClosedSpline {
     /// Creates the spline through corners.
     ///
     /// Source: de Boor 2001, A Practical Guide to Splines, ch. IV.

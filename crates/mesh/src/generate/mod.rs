@@ -13,7 +13,7 @@ mod size;
 mod triangulate;
 mod unit;
 
-pub use ball::{BallOptions, ball, half_ball};
+pub use ball::{BallOptions, HALF_BALL_PLANE, ball, half_ball};
 pub use closed_line::ClosedLine;
 pub use graded_box::{expected_cells, graded_box, refined_box};
 pub use grid::structured_box;

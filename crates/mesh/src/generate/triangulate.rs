@@ -9,7 +9,8 @@ use crate::{Error, Point, SimplexMesh, VertexId};
 const COARSE: f64 = 1.25;
 /// Smallest distance of inserted points relative to the specified size.
 const CLOSEST: f64 = 0.72;
-/// Mean relative length of the edges at a point outside of which it is removed or gets a new neighbour.
+/// Range of the mean edge length at a point, relative to the specified size: below it the point is removed, above it a
+/// neighbour is added.
 const LENGTHS: std::ops::Range<f64> = 0.84..1.19;
 /// Triangles with smaller angles are repaired.
 const GOOD_ANGLE: f64 = 30.0;
