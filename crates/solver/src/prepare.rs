@@ -83,8 +83,10 @@ impl<'a, const D: usize> Step<'a, D> {
             pockets: Vec::new(),
             seconds,
         };
+        let searched = Instant::now();
         let contact = |contact| ContactStep::new(contact, previous, step.partners());
         step.contacts = setup.contacts.iter().map(contact).collect::<Result<_, _>>()?;
+        step.seconds.search = searched.elapsed().as_secs_f64();
         let collision = |contact| Collision::new(contact, previous, step.partners());
         step.collisions = setup.contacts.iter().map(collision).collect();
         step.remove_floor();

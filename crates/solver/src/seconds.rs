@@ -9,6 +9,8 @@ pub struct StageSeconds {
     pub space: f64,
     /// Transfer of the history, a part of `space`.
     pub transfer: f64,
+    /// Search for contacts, a part of `space`.
+    pub search: f64,
     /// Pattern and assembly.
     pub assembly: f64,
     /// Linear solver.

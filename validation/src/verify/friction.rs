@@ -132,7 +132,7 @@ fn rigid_slope<const D: usize>(record: &mut Record, along: Vector<D>) -> Result<
             into[D - 1] = -1.0;
             let obstacle = ContactObstacle::Rigid(Box::new(RigidPlane::new(Point::zeros(), into)?));
             let touch = Touch { facets, form: ContactForm::new(law, 1.0)?, obstacle };
-            let mut run = run_of(vec![Arc::new(body)], Some(touch), Arc::new(ImplicitEuler), [STEP, 1e-10])?;
+            let mut run = run_of(vec![Arc::new(body)], Some(touch), Arc::new(ImplicitEuler), [STEP, 1e-9])?;
             let mut last = run.advance()?;
             while run.state.time < end - 0.5 * STEP {
                 last = run.advance()?;

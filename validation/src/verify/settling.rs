@@ -2,7 +2,7 @@
 
 use cutwater::io::ScenarioFile;
 use cutwater::io::scenario::case::case;
-use cutwater::solver::{Observer, ObserverError, State, StepView, TimeLoop};
+use cutwater::solver::{Observer, ObserverError, StageSeconds, State, StepView, TimeLoop};
 
 use crate::case::example_path;
 
@@ -12,6 +12,8 @@ use super::{Failure, Record, short};
 const OVERLAP: f64 = 0.02;
 /// Largest speed at the end over the largest one of the run.
 const REST: f64 = 0.01;
+/// Largest share of the wall-clock time of a step that search and assembly of contacts take.
+const COST: f64 = 0.1;
 /// Largest imbalance of forces on a body over its weight.
 const BALANCE: f64 = 1e-6;
 
@@ -46,6 +48,8 @@ fn measure(record: &mut Record, example: &str, quick: &[&str]) -> Result<(), Fai
         fall.remainder,
         BALANCE,
     );
+    let share = fall.seconds_of_contact / fall.seconds;
+    record.at_most("time for search and assembly of contacts over that of a step", share, COST);
     let largest = fall.speeds.iter().map(|(_, speed)| *speed).fold(0.0, f64::max);
     let (_, last) = fall.speeds.last().copied().ok_or("there are steps")?;
     if record.full {
@@ -73,6 +77,9 @@ struct Fall {
     smallest_gap: f64,
     remainder: f64,
     n_contacts: usize,
+    /// Wall-clock time of the steps, and that for contacts in it.
+    seconds: f64,
+    seconds_of_contact: f64,
 }
 
 impl Observer<2> for Fall {
@@ -86,6 +93,10 @@ impl Observer<2> for Fall {
         let gaps = report.contacts.iter().filter_map(|contact| contact.minimum_gap);
         self.smallest_gap = gaps.fold(self.smallest_gap, f64::min);
         self.n_contacts = self.n_contacts.max(report.contacts.iter().filter(|contact| contact.is_active()).count());
+        let StageSeconds { cut, space, search, assembly, linear, .. } = report.seconds;
+        self.seconds += cut + space + assembly + linear;
+        let timings = report.newton.timings.iter().filter(|timing| timing.name == "contact");
+        self.seconds_of_contact += search + timings.map(|timing| timing.seconds).sum::<f64>();
         let forces = report.bodies.iter().filter_map(|body| body.forces.as_ref());
         let remainders = forces.map(|forces| forces.remainder().norm() / forces.body_force.norm());
         self.remainder = remainders.fold(self.remainder, f64::max);

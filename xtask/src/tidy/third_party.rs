@@ -54,6 +54,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("tracing-subscriber", &["crates/cutwater/src"]),
     ("criterion", TESTS_ONLY),
     ("proptest", TESTS_ONLY),
+    ("libtest-mimic", TESTS_ONLY),
     ("insta", TESTS_ONLY),
     ("i_overlay", TESTS_ONLY),
     ("png", &["crates/report/src"]),

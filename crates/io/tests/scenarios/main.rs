@@ -9,8 +9,6 @@ mod errors;
 mod fields;
 mod geometry;
 mod gmsh;
-#[path = "../../../cutcell/tests/identities/mod.rs"]
-mod identities;
 mod motion;
 mod probes;
 mod results;
