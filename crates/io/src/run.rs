@@ -234,7 +234,7 @@ impl<'a, const D: usize> RunFiles<'a, D> {
         let start = Summary {
             case: scenario.name.to_string(),
             dimension: D,
-            units: UnitLabels::new(&scenario.units, D),
+            units: UnitLabels::new(&scenario.units, scenario.dimension_of_whole()),
             stabilisation: scenario.fluid.as_ref().map_or_else(String::new, Fluid::stabilisation_name),
             half_domain: case.half_domain,
             linear_solver: case.linear.clone(),

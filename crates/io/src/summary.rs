@@ -19,7 +19,8 @@ const ENERGY_TOLERANCE: f64 = 1e-8;
 pub struct Summary {
     /// Name of the case.
     pub case: String,
-    /// Dimension of space; in the plane forces, energies and volumes are per unit depth.
+    /// Dimension of the meshes; in the plane forces, energies and volumes are per unit depth, in axisymmetric coordinates those
+    /// of the whole.
     pub dimension: usize,
     /// Names of units.
     pub units: UnitLabels,
@@ -106,6 +107,7 @@ pub struct UnitLabels {
 }
 
 impl UnitLabels {
+    /// Returns the labels for results whose masses, forces, energies, volumes and flows belong to a whole of a dimension.
     pub(crate) fn new(units: &Units, dimension: usize) -> Self {
         let volume = |time| Quantity { length: dimension as i8, mass: 0, time };
         Self {

@@ -131,7 +131,7 @@ impl Scenario {
     /// Axisymmetric coordinates in three dimensions.
     pub(super) fn coordinates(&self) -> Result<Coordinates, ScenarioError> {
         match &self.coordinates {
-            Some(choice) if **choice == CoordinatesChoice::Axisymmetric => {
+            Some(choice) if self.is_axisymmetric() => {
                 if self.dimension != 2 {
                     return Err(choice.at.invalid(
                         "axisymmetric coordinates describe a body in space by a half plane, so they need dimension = 2",
@@ -141,6 +141,16 @@ impl Scenario {
             }
             _ => Ok(Coordinates::Cartesian),
         }
+    }
+
+    fn is_axisymmetric(&self) -> bool {
+        self.coordinates.as_ref().is_some_and(|choice| **choice == CoordinatesChoice::Axisymmetric)
+    }
+
+    /// Returns the dimension of the whole to which masses, forces, energies, volumes and flows of results belong: three in
+    /// axisymmetric coordinates, two in the plane, where they are per unit depth.
+    pub(crate) fn dimension_of_whole(&self) -> usize {
+        if self.is_axisymmetric() { 3 } else { self.dimension }
     }
 
     /// Returns the bodies, each followed by its copies.
