@@ -91,7 +91,7 @@ pub struct Summary {
     pub peak_rss_bytes: Option<u64>,
 }
 
-/// Names of the units of a run; those of force, energy, volume and flow are per unit depth in the plane.
+/// Names of the units of a run; those of force, energy, power, volume and flow are per unit depth in the plane.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[allow(missing_docs)] // each field is the unit of the quantity it names
 pub struct UnitLabels {
@@ -104,6 +104,10 @@ pub struct UnitLabels {
     pub volume: String,
     /// Volume per time.
     pub flow: String,
+    #[serde(default)]
+    pub power: String,
+    #[serde(default)]
+    pub angular_velocity: String,
 }
 
 impl UnitLabels {
@@ -119,6 +123,8 @@ impl UnitLabels {
             energy: units.total_label(Quantity::ENERGY, dimension),
             volume: units.label(volume(0)),
             flow: units.label(volume(-1)),
+            power: units.total_label(Quantity::POWER, dimension),
+            angular_velocity: format!("rad/{}", units.label(Quantity::TIME)),
         }
     }
 }

@@ -10,7 +10,7 @@ const LONG_FILES: &[(&str, &str)] = &[];
 /// Largest numbers of lines of Rust below some folders (docs/adr/0022).
 const BUDGETS: &[(&[&str], usize)] = &[
     (&["crates/cutwater/src/lib.rs", "crates/cutwater/src/main.rs"], 345),
-    (&["crates/io/src"], 11_300),
+    (&["crates/io/src"], 11_450),
     (&["crates/report/src"], 1570),
     (&["crates/solver/src"], 2840),
     (&["validation"], 13_200),

@@ -120,6 +120,10 @@ fn stream() -> String {
 fn axisymmetric_sections_are_those_in_space() {
     let directory = fresh_directory("stream");
     let summary = results(&legal(&stream(), &[]), &directory);
+    // Without bodies.
+    let names = history(&directory).names().join(",");
+    let expected = "time [s],energy_kinetic_fluid [J],energy_contact [J],leak_net [m³/s],leak_absolute [m³/s],newton";
+    assert!(names.starts_with(expected), "{names}");
     let labels = [&summary.units.force, &summary.units.energy, &summary.units.volume, &summary.units.flow];
     assert_eq!(labels, ["N", "J", "m³", "m³/s"]);
     let probes = HistoryTable::read(&directory.join("probes.csv")).unwrap_or_else(|e| panic!("{e}"));
@@ -262,6 +266,20 @@ fn probes_go_on_from_a_checkpoint() {
             "{name}"
         );
     }
+    // Tables of an earlier version have no units.
+    for name in ["history.csv", "diagnostics.csv"] {
+        let table = std::fs::read_to_string(directory.join(name)).unwrap_or_else(|e| panic!("{e}"));
+        let (header, rows) = table.split_once('\n').unwrap_or_else(|| panic!("rows"));
+        let bare: Vec<&str> = header.split(',').filter_map(|name| name.split(" [").next()).collect();
+        assert_ne!(bare.join(","), header);
+        // The checkpoint has the length of the table: spaces at the end of the header keep it.
+        let line = format!("{:<1$}", bare.join(","), header.len());
+        std::fs::write(directory.join(name), format!("{line}\n{rows}")).unwrap_or_else(|e| panic!("{e}"));
+    }
+    let sets = ["time.end=0.12"];
+    resumed.run(&legal(&text, &[&sets]), &directory, &mut ()).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(history(&directory).names()[0], "time");
+    assert_eq!(column(&directory, "energy_kinetic_fluid").len(), 6);
     let other = text.replace("centre  =", "middle  =");
     let refused = resumed.run(&legal(&other, &[&["time.end=0.2"]]), &directory, &mut ()).expect_err("other columns");
     check_words(&refused.to_string(), &["probes.csv", "its columns are not those of this run"]);
