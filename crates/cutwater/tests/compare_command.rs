@@ -117,7 +117,8 @@ fn columns_are_plotted() {
         cutwater(&["plot", &first, &first, "--column", "corner_y", "--column", "energy_elastic", "--out", &page]);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     let html = std::fs::read_to_string(&page).expect("a page");
-    assert!(html.matches("<figure class=\"chart\"").count() == 2 && html.contains("corner_y"));
+    assert!(html.matches("<figure class=\"chart\"").count() == 2 && html.contains("<h4>energy_elastic [J/m]</h4>"));
+    assert!(html.contains("<h4>corner_y [m]</h4>") && html.matches("\"x_label\":\"time [s]\"").count() == 2);
     let output = cutwater(&["plot", &first, "--column", "corner_q", "--out", &page]);
     assert_eq!(output.status.code(), Some(2));
     assert!(
