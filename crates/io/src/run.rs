@@ -297,7 +297,8 @@ impl<'a, const D: usize> RunFiles<'a, D> {
             // A checkpoint of an interrupt would make the run look unfinished.
             return every > 0 || !checkpoint_steps(&self.directory).is_empty();
         }
-        let is_due = self.last_checkpoint.elapsed().as_secs_f64() >= 60.0 * self.output.checkpoint_minutes;
+        let minutes = self.output.checkpoint_minutes.as_ref().map_or(0.0, |minutes| **minutes);
+        let is_due = self.last_checkpoint.elapsed().as_secs_f64() >= 60.0 * minutes;
         every > 0 && step.is_multiple_of(every) && is_due
     }
 

@@ -81,8 +81,9 @@ keys! {
         checkpoint_every: usize = 0,
         /// Quantities of points, bodies and sections by name: columns of `probes.csv`.
         probes: Named<ProbeChoice>,
-        /// Least time between two checkpoints, minutes. It decides which of them are written, and changes no result.
-        checkpoint_minutes: f64 [non_negative] = 0.0,
+        /// Least time between two checkpoints of `checkpoint_every`, which it needs, minutes; zero if left out. It decides
+        /// which of them are written, and changes no result.
+        checkpoint_minutes: Option<At<f64>> [non_negative],
     }
 }
 
@@ -294,6 +295,13 @@ fn check(scenario: &Scenario) -> Result<(), ScenarioError> {
     }
     if let Some(directory) = scenario.output.directory.as_ref().filter(|directory| directory.trim().is_empty()) {
         return Err(directory.at.invalid("the name of the directory is empty; give one, or leave the key out"));
+    }
+    let minutes = scenario.output.checkpoint_minutes.as_ref();
+    if let Some(minutes) = minutes.filter(|minutes| ***minutes > 0.0 && scenario.output.checkpoint_every == 0) {
+        return Err(minutes.at.invalid(
+            "this leaves out checkpoints that follow too fast, and without `checkpoint_every` there are none; set it too, such as \
+             `checkpoint_every = 10`, so that checkpoints are at steps that do not depend on the clock",
+        ));
     }
     for text in [&scenario.source, &scenario.output.directory].into_iter().flatten() {
         if text.contains(char::is_control) {
