@@ -15,7 +15,7 @@ const BUDGETS: &[(&[&str], usize)] = &[
     (&["crates/solver/src"], 2840),
     (&["validation"], 13_200),
     (&["xtask/src"], 2400),
-    (&[""], 74_000),
+    (&[""], 74_300),
 ];
 /// Largest number of bytes of all JSON files under version control.
 const JSON_BYTES: usize = 50_000;
