@@ -59,6 +59,11 @@ mod tests {
         for (k, name) in ORDER.iter().enumerate() {
             let manifest =
                 std::fs::read_to_string(root.join("crates").join(name).join("Cargo.toml")).expect("a manifest");
+            for key in ["description", "license", "readme", "keywords", "categories"] {
+                let states =
+                    |line: &str| line.starts_with(&format!("{key}.workspace")) || line.starts_with(&format!("{key} ="));
+                assert!(manifest.lines().any(states), "{name} has no {key}");
+            }
             let needed = manifest.split("[dev-dependencies]").next().unwrap_or_default();
             for later in &ORDER[k..] {
                 let used = |line: &str| {

@@ -17,8 +17,9 @@ const PRINTED: usize = 30;
 #[derive(clap::Args)]
 #[command(
     after_help = "Compares every history.csv and diagnostics.csv below OLD with the file at the same relative path \
-    below NEW. Columns are matched by name; columns of wall-clock times (seconds_*) are not compared. Fails if a value \
-    differs, or if a file, column or row is missing or added."
+    below NEW. Columns are matched by name, without units if one of the files does not state them; columns of \
+    wall-clock times (seconds_*) are not compared. Fails if a value or unit differs, or if a file, column or row is \
+    missing or added."
 )]
 pub(crate) struct Arguments {
     /// Folder with the reference results.
@@ -97,13 +98,15 @@ fn find(root: &Path, folder: &Path, out: &mut Vec<PathBuf>) -> io::Result<()> {
     Ok(())
 }
 
-/// Returns the columns of a CSV file by name, as text.
-fn columns(text: &str) -> BTreeMap<&str, Vec<&str>> {
+/// Returns the columns of a CSV file by name, as text, with their units where the file states them.
+fn columns(text: &str) -> BTreeMap<&str, (Option<&str>, Vec<&str>)> {
     let mut rows = text.lines().map(|line| line.split(',').collect::<Vec<_>>());
     let names = rows.next().unwrap_or_default();
     let rows: Vec<_> = rows.collect();
     let column = |k: usize| rows.iter().map(|row| row.get(k).copied().unwrap_or_default()).collect();
-    names.iter().enumerate().map(|(k, name)| (*name, column(k))).collect()
+    let name_and_unit = |name: &'_ str| name.split_once(" [").map_or((name, None), |(name, unit)| (name, Some(unit)));
+    let named = names.into_iter().map(name_and_unit).enumerate();
+    named.map(|(k, (name, unit))| (name, (unit, column(k)))).collect()
 }
 
 /// Difference between two versions of a column.
@@ -155,10 +158,13 @@ fn compare(old: &str, new: &str, except: &[String]) -> Result<Vec<Deviation>, Ve
     let mut reasons: Vec<String> =
         new.keys().filter(|name| !old.contains_key(*name)).map(|name| format!("added column {name}")).collect();
     let mut deviations = Vec::new();
-    for (name, old) in &old {
+    for (name, (old_unit, old)) in &old {
         match new.get(name) {
-            Some(new) if new.len() == old.len() => deviations.push(Deviation::new(name, old, new)),
-            Some(new) => reasons.push(format!("column {name} has {} rows instead of {}", new.len(), old.len())),
+            Some((unit, _)) if unit.is_some() && old_unit.is_some() && unit != old_unit => {
+                reasons.push(format!("column {name} has another unit"));
+            }
+            Some((_, new)) if new.len() == old.len() => deviations.push(Deviation::new(name, old, new)),
+            Some((_, new)) => reasons.push(format!("column {name} has {} rows instead of {}", new.len(), old.len())),
             None => reasons.push(format!("missing column {name}")),
         }
     }
@@ -180,6 +186,18 @@ mod tests {
         let found = deviations("seconds_cut,y,time\n7,-4,0.1\n8,NaN,0.2\n9,2,0.3\n");
         assert_eq!(found.len(), 2);
         assert!(found.iter().all(|column| column.is_accepted(None) && column.n_different == 0));
+    }
+
+    #[test]
+    fn units_are_compared_where_both_files_state_them() {
+        let with_units = "time [s],y [m],seconds_cut [s]\n0.1,-4,1\n0.2,NaN,2\n0.3,2,3\n";
+        for (old, new) in [(OLD, with_units), (with_units, OLD), (with_units, with_units)] {
+            let found = compare(old, new, &[]).unwrap();
+            assert!(found.len() == 2 && found.iter().all(|column| column.is_accepted(None)), "{found:?}");
+        }
+        let other = with_units.replace("y [m]", "y [cm]");
+        assert_eq!(compare(with_units, &other, &[]).unwrap_err(), ["column y has another unit"]);
+        assert_eq!(compare(with_units, &other, &["y".to_owned()]).unwrap().len(), 1);
     }
 
     #[test]

@@ -67,7 +67,7 @@ fn runs_are_compared_column_by_column() {
     let printed = text(&output.stdout);
     // After 0.1 s at 11 instead of 10: 1.1 instead of 1.0.
     let line = printed.lines().find(|line| line.starts_with("centre_velocity ")).expect("the velocity");
-    assert_eq!(line.split_whitespace().collect::<Vec<_>>()[1..], ["1.000e-1", "1.100e0", "9.091e-2"]);
+    assert_eq!(line.split_whitespace().collect::<Vec<_>>()[1..], ["[m/s]", "1.000e-1", "1.100e0", "9.091e-2"]);
     assert!(
         printed.contains("corner_velocity_y [m/s]") && text(&output.stderr).contains("the tolerance is 5e-2"),
         "{printed}"
@@ -78,16 +78,21 @@ fn runs_are_compared_column_by_column() {
 #[test]
 fn losses_of_energy_are_compared_with_the_total_energy() {
     let [first, second] = [path("ledger-first"), path("ledger-second")];
-    let write = |directory: &str, lost: &str, newton: &str| {
+    // Tables of earlier versions have no units.
+    let write = |directory: &str, lost: &str, newton: &str, [s, m, j]: [&str; 3]| {
         std::fs::create_dir_all(directory).expect("a directory");
         let file = |name: &str, text: String| {
             std::fs::write(PathBuf::from(directory).join(name), text).expect("a file");
         };
-        file("history.csv", format!("time,centre_y,newton\n0.1,2,{newton}\n"));
-        file("diagnostics.csv", format!("time,total_energy,lost_open_boundary\n0.1,-4,{lost}\n"));
+        file("history.csv", format!("time{s},centre_y{m},newton\n0.1,2,{newton}\n"));
+        file("diagnostics.csv", format!("time{s},total_energy{j},lost_open_boundary{j}\n0.1,-4,{lost}\n"));
     };
-    write(&first, "1e-14", "3");
-    write(&second, "2e-14", "5");
+    write(&first, "1e-14", "3", ["", "", ""]);
+    write(&second, "2e-14", "5", [" [s]", " [m]", " [J/m]"]);
+    let output = cutwater(&["compare", &second, &first, "--tolerance", "1e-12"]);
+    let printed = text(&output.stdout);
+    assert!(output.status.success() && printed.contains("lost_open_boundary [J/m] "), "{printed}");
+    assert!(!printed.contains("newton") && printed.contains("2 columns are equal, 1 differ"), "{printed}");
     let output = cutwater(&["compare", &first, &second, "--tolerance", "1e-12"]);
     let printed = text(&output.stdout);
     assert_eq!(output.status.code(), Some(0), "{printed}");
@@ -112,7 +117,8 @@ fn columns_are_plotted() {
         cutwater(&["plot", &first, &first, "--column", "corner_y", "--column", "energy_elastic", "--out", &page]);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     let html = std::fs::read_to_string(&page).expect("a page");
-    assert!(html.matches("<figure class=\"chart\"").count() == 2 && html.contains("corner_y"));
+    assert!(html.matches("<figure class=\"chart\"").count() == 2 && html.contains("<h4>energy_elastic [J/m]</h4>"));
+    assert!(html.contains("<h4>corner_y [m]</h4>") && html.matches("\"x_label\":\"time [s]\"").count() == 2);
     let output = cutwater(&["plot", &first, "--column", "corner_q", "--out", &page]);
     assert_eq!(output.status.code(), Some(2));
     assert!(

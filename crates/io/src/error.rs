@@ -119,6 +119,19 @@ pub enum Error {
         /// Column or time.
         what: &'static str,
     },
+    /// Two runs whose results have different units.
+    #[error(
+        "`{column}` is in {} in {} and in {} in {}; compare runs with the same units",
+        .units[0], .directories[0].display(), .units[1], .directories[1].display()
+    )]
+    OtherUnit {
+        /// Name of the column.
+        column: String,
+        /// Its units.
+        units: [String; 2],
+        /// Directories of the runs.
+        directories: [PathBuf; 2],
+    },
     /// The directory of results is a file.
     #[error("{} is a file, and the results need a directory; choose another one with `--out`", .path.display())]
     NotDirectory {

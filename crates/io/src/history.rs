@@ -10,14 +10,32 @@ use crate::Error;
 use crate::files::read_text;
 use crate::measures::BodyMeasures;
 use crate::probes::Probe;
+use crate::summary::UnitLabels;
 
-/// Name and number of a column that appears once for each body.
-type BodyColumn<const D: usize> = (String, Box<dyn Fn(&BodyMeasures<'_, D>) -> f64>);
+/// Unit of a column; empty for pure numbers.
+type Unit = fn(&UnitLabels) -> &str;
+
+const LENGTH: Unit = |units| &units.length;
+const VELOCITY: Unit = |units| &units.velocity;
+const ACCELERATION: Unit = |units| &units.acceleration;
+const FORCE: Unit = |units| &units.force;
+const ENERGY: Unit = |units| &units.energy;
+const POWER: Unit = |units| &units.power;
+const VOLUME: Unit = |units| &units.volume;
+const FLOW: Unit = |units| &units.flow;
+const ANGLE: Unit = |_| "rad";
+const ANGULAR_VELOCITY: Unit = |units| &units.angular_velocity;
+/// Unit of times of the clock.
+const SECONDS: Unit = |_| "s";
+const NUMBER: Unit = |_| "";
+
+/// Name, unit and number of a column that appears once for each body.
+type BodyColumn<const D: usize> = (String, Unit, Box<dyn Fn(&BodyMeasures<'_, D>) -> f64>);
 
 type BodyNumber<const D: usize> = fn(&BodyMeasures<'_, D>) -> f64;
 
-/// Name and number of a column of the run as a whole.
-type RunColumn<const D: usize> = (String, Box<dyn Fn(&RunMeasures<'_, D>) -> f64>);
+/// Name, unit and number of a column of the run as a whole.
+type RunColumn<const D: usize> = (String, Unit, Box<dyn Fn(&RunMeasures<'_, D>) -> f64>);
 
 type RunNumber<const D: usize> = fn(&RunMeasures<'_, D>) -> f64;
 
@@ -37,40 +55,40 @@ impl<const D: usize> RunMeasures<'_, D> {
 
 /// Returns the columns of the bodies in `history.csv`: motion, contact, energies, forces of the fluid.
 fn history_of_bodies<const D: usize>() -> Vec<BodyColumn<D>> {
-    let columns: &[(&str, BodyNumber<D>)] = &[
-        ("d_min", |b| b.distance),
-        ("d_max", |b| b.distance + b.height()),
-        ("body_height", |b| b.height()),
-        ("lowest_velocity", |b| b.body().lowest_velocity[D - 1]),
-        ("lowest_acceleration", |b| b.body().lowest_acceleration[D - 1]),
-        ("centre_y", |b| b.centre[D - 1]),
-        ("centre_velocity", |b| b.centre_velocity[D - 1]),
-        ("contact_force", |b| b.contact_force[D - 1]),
-        ("contact_power", |b| b.contacts().map(|contact| contact.power).sum()),
-        ("max_penetration", |b| b.penetration()),
-        ("active_points", |b| b.active_points() as f64),
-        ("energy_kinetic_solid", |b| b.body().balance.as_ref().map_or(0.0, |e| e.kinetic_energy)),
-        ("energy_elastic", |b| b.body().balance.as_ref().map_or(0.0, |e| e.elastic_energy)),
-        ("energy_gravity", |b| b.body().balance.as_ref().map_or(0.0, |e| e.potential_energy)),
-        ("centre_x", |b| b.centre[0]),
-        ("centre_velocity_x", |b| b.centre_velocity[0]),
-        ("angle", |b| b.rotation[0]),
-        ("angular_velocity", |b| b.rotation[1]),
-        ("contact_force_x", |b| b.contact_force[0]),
+    let columns: &[(&str, Unit, BodyNumber<D>)] = &[
+        ("d_min", LENGTH, |b| b.distance),
+        ("d_max", LENGTH, |b| b.distance + b.height()),
+        ("body_height", LENGTH, |b| b.height()),
+        ("lowest_velocity", VELOCITY, |b| b.body().lowest_velocity[D - 1]),
+        ("lowest_acceleration", ACCELERATION, |b| b.body().lowest_acceleration[D - 1]),
+        ("centre_y", LENGTH, |b| b.centre[D - 1]),
+        ("centre_velocity", VELOCITY, |b| b.centre_velocity[D - 1]),
+        ("contact_force", FORCE, |b| b.contact_force[D - 1]),
+        ("contact_power", POWER, |b| b.contacts().map(|contact| contact.power).sum()),
+        ("max_penetration", LENGTH, |b| b.penetration()),
+        ("active_points", NUMBER, |b| b.active_points() as f64),
+        ("energy_kinetic_solid", ENERGY, |b| b.body().balance.as_ref().map_or(0.0, |e| e.kinetic_energy)),
+        ("energy_elastic", ENERGY, |b| b.body().balance.as_ref().map_or(0.0, |e| e.elastic_energy)),
+        ("energy_gravity", ENERGY, |b| b.body().balance.as_ref().map_or(0.0, |e| e.potential_energy)),
+        ("centre_x", LENGTH, |b| b.centre[0]),
+        ("centre_velocity_x", VELOCITY, |b| b.centre_velocity[0]),
+        ("angle", ANGLE, |b| b.rotation[0]),
+        ("angular_velocity", ANGULAR_VELOCITY, |b| b.rotation[1]),
+        ("contact_force_x", FORCE, |b| b.contact_force[0]),
     ];
     let mut columns: Vec<BodyColumn<D>> = columns.iter().map(boxed).collect();
     let axes = || ["x", "y", "z"].into_iter().enumerate();
     for (axis, name) in axes().take(D) {
-        columns.push((format!("force_{name}"), Box::new(move |b| b.fluid_force[axis])));
+        columns.push((format!("force_{name}"), FORCE, Box::new(move |b| b.fluid_force[axis])));
     }
     for (axis, name) in axes().take(D) {
-        columns.push((format!("traction_force_{name}"), Box::new(move |b| b.traction_force[axis])));
+        columns.push((format!("traction_force_{name}"), FORCE, Box::new(move |b| b.traction_force[axis])));
     }
     if D == 2 {
-        columns.push(("torque".to_owned(), Box::new(|b| b.torque[2])));
+        columns.push(("torque".to_owned(), ENERGY, Box::new(|b| b.torque[2])));
     } else {
         for (axis, name) in axes() {
-            columns.push((format!("torque_{name}"), Box::new(move |b| b.torque[axis])));
+            columns.push((format!("torque_{name}"), ENERGY, Box::new(move |b| b.torque[axis])));
         }
     }
     columns
@@ -78,39 +96,39 @@ fn history_of_bodies<const D: usize>() -> Vec<BodyColumn<D>> {
 
 /// Returns the columns of the run in `history.csv`: energies, leaks, cost.
 fn history_of_run<const D: usize>() -> Vec<RunColumn<D>> {
-    let columns: &[(&str, RunNumber<D>)] = &[
-        ("energy_kinetic_fluid", |r| r.fluid(|fluid| fluid.kinetic_energy)),
-        ("energy_contact", |r| r.step.contacts.iter().map(|contact| contact.stored_energy).sum()),
-        ("leak_net", |r| r.fluid(|fluid| fluid.flow.leak_net)),
-        ("leak_absolute", |r| r.fluid(|fluid| fluid.flow.leak_absolute)),
-        ("newton", |r| r.step.newton.iterations as f64),
-        ("linear_iterations", |r| r.step.newton.linear_iterations as f64),
-        ("factorizations", |r| r.step.newton.factorizations as f64),
-        ("smallest_fraction", |r| r.fluid(|fluid| fluid.cut.smallest_fraction)),
-        ("dofs", |r| r.step.n_dofs as f64),
-        ("seconds_cut", |r| microseconds(r.step.seconds.cut)),
-        ("seconds_space", |r| microseconds(r.step.seconds.space)),
-        ("seconds_assembly", |r| microseconds(r.step.seconds.assembly)),
-        ("seconds_linear", |r| microseconds(r.step.seconds.linear)),
-        ("seconds_output", |r| microseconds(r.seconds_output)),
+    let columns: &[(&str, Unit, RunNumber<D>)] = &[
+        ("energy_kinetic_fluid", ENERGY, |r| r.fluid(|fluid| fluid.kinetic_energy)),
+        ("energy_contact", ENERGY, |r| r.step.contacts.iter().map(|contact| contact.stored_energy).sum()),
+        ("leak_net", FLOW, |r| r.fluid(|fluid| fluid.flow.leak_net)),
+        ("leak_absolute", FLOW, |r| r.fluid(|fluid| fluid.flow.leak_absolute)),
+        ("newton", NUMBER, |r| r.step.newton.iterations as f64),
+        ("linear_iterations", NUMBER, |r| r.step.newton.linear_iterations as f64),
+        ("factorizations", NUMBER, |r| r.step.newton.factorizations as f64),
+        ("smallest_fraction", NUMBER, |r| r.fluid(|fluid| fluid.cut.smallest_fraction)),
+        ("dofs", NUMBER, |r| r.step.n_dofs as f64),
+        ("seconds_cut", SECONDS, |r| microseconds(r.step.seconds.cut)),
+        ("seconds_space", SECONDS, |r| microseconds(r.step.seconds.space)),
+        ("seconds_assembly", SECONDS, |r| microseconds(r.step.seconds.assembly)),
+        ("seconds_linear", SECONDS, |r| microseconds(r.step.seconds.linear)),
+        ("seconds_output", SECONDS, |r| microseconds(r.seconds_output)),
     ];
     columns.iter().map(of_run).collect()
 }
 
 /// Returns the columns of the bodies in `diagnostics.csv`: volumes and balances.
 fn diagnostics_of_bodies<const D: usize>() -> Vec<BodyColumn<D>> {
-    let columns: &[(&str, BodyNumber<D>)] = &[
-        ("volume", |b| b.volume()),
-        ("force_inertia", |b| vertical(b, |f| f.inertia[D - 1])),
-        ("force_gravity", |b| vertical(b, |f| f.body_force[D - 1])),
-        ("force_pressure", |b| vertical(b, |f| f.pressure[D - 1])),
-        ("force_viscous", |b| vertical(b, |f| f.viscous[D - 1])),
-        ("force_penalty", |b| vertical(b, |f| f.penalty[D - 1])),
-        ("force_exchange", |b| vertical(b, |f| f.exchange[D - 1])),
-        ("force_contact", |b| vertical(b, |f| f.contact[D - 1])),
-        ("force_remainder", |b| vertical(b, |f| f.remainder()[D - 1])),
-        ("fluid_power", |b| b.fluid_power()),
-        ("smallest_volume_ratio", |b| b.body().balance.as_ref().map_or(1.0, |e| e.smallest_volume_ratio)),
+    let columns: &[(&str, Unit, BodyNumber<D>)] = &[
+        ("volume", VOLUME, |b| b.volume()),
+        ("force_inertia", FORCE, |b| vertical(b, |f| f.inertia[D - 1])),
+        ("force_gravity", FORCE, |b| vertical(b, |f| f.body_force[D - 1])),
+        ("force_pressure", FORCE, |b| vertical(b, |f| f.pressure[D - 1])),
+        ("force_viscous", FORCE, |b| vertical(b, |f| f.viscous[D - 1])),
+        ("force_penalty", FORCE, |b| vertical(b, |f| f.penalty[D - 1])),
+        ("force_exchange", FORCE, |b| vertical(b, |f| f.exchange[D - 1])),
+        ("force_contact", FORCE, |b| vertical(b, |f| f.contact[D - 1])),
+        ("force_remainder", FORCE, |b| vertical(b, |f| f.remainder()[D - 1])),
+        ("fluid_power", POWER, |b| b.fluid_power()),
+        ("smallest_volume_ratio", NUMBER, |b| b.body().balance.as_ref().map_or(1.0, |e| e.smallest_volume_ratio)),
     ];
     columns.iter().map(boxed).collect()
 }
@@ -118,21 +136,23 @@ fn diagnostics_of_bodies<const D: usize>() -> Vec<BodyColumn<D>> {
 /// Returns the columns of the run in `diagnostics.csv`: volume and energy of the whole, and the lines of the ledger, each the
 /// energy that a part of the discrete problem took in the step.
 fn diagnostics_of_run<const D: usize>() -> Vec<RunColumn<D>> {
-    let columns: &[(&str, RunNumber<D>)] =
-        &[("fluid_volume", |r| r.fluid(|fluid| fluid.volume)), ("total_energy", |r| r.step.total_energy())];
+    let columns: &[(&str, Unit, RunNumber<D>)] = &[
+        ("fluid_volume", VOLUME, |r| r.fluid(|fluid| fluid.volume)),
+        ("total_energy", ENERGY, |r| r.step.total_energy()),
+    ];
     let ledger = Ledger::default().lines().into_iter().enumerate();
     let line = |(k, (name, _)): (usize, (&str, f64))| -> RunColumn<D> {
-        (format!("lost_{name}"), Box::new(move |r| r.step.ledger.lines()[k].1))
+        (format!("lost_{name}"), ENERGY, Box::new(move |r| r.step.ledger.lines()[k].1))
     };
     columns.iter().map(of_run).chain(ledger.map(line)).collect()
 }
 
-fn of_run<const D: usize>((name, of): &(&str, RunNumber<D>)) -> RunColumn<D> {
-    ((*name).to_owned(), Box::new(*of))
+fn of_run<const D: usize>((name, unit, of): &(&str, Unit, RunNumber<D>)) -> RunColumn<D> {
+    ((*name).to_owned(), *unit, Box::new(*of))
 }
 
-fn boxed<const D: usize>((name, of): &(&str, BodyNumber<D>)) -> BodyColumn<D> {
-    ((*name).to_owned(), Box::new(*of))
+fn boxed<const D: usize>((name, unit, of): &(&str, Unit, BodyNumber<D>)) -> BodyColumn<D> {
+    ((*name).to_owned(), *unit, Box::new(*of))
 }
 
 /// Returns a vertical force on a body; NaN if its motion is prescribed.
@@ -148,7 +168,7 @@ fn microseconds(seconds: f64) -> f64 {
 /// Writer of `history.csv`, `diagnostics.csv` and, if there are probes, `probes.csv`; all are complete after every row.
 ///
 /// A row has the time, the columns of each body, and those of the run. With several bodies the columns of a body carry its
-/// name as a prefix: `NAME_d_min`.
+/// name as a prefix. Units follow the names: `NAME_d_min [cm]`.
 pub(crate) struct History<const D: usize> {
     tables: [(Table, Columns<D>); 2],
     probes: Option<(Table, Vec<Probe<D>>)>,
@@ -161,13 +181,16 @@ struct Columns<const D: usize> {
 }
 
 impl<const D: usize> Columns<D> {
-    fn names(&self, setup: &Setup<D>) -> Vec<String> {
-        let mut names = vec!["time".to_owned()];
+    /// Returns the header.
+    fn names(&self, setup: &Setup<D>, units: &UnitLabels) -> Vec<String> {
+        let mut names = vec![with_unit("time", &units.time)];
         for body in &setup.bodies {
             let prefix = if setup.bodies.len() == 1 { String::new() } else { format!("{}_", body.name()) };
-            names.extend(self.of_bodies.iter().map(|(name, _)| format!("{prefix}{name}")));
+            names.extend(
+                self.of_bodies.iter().map(|(name, unit, _)| with_unit(&format!("{prefix}{name}"), unit(units))),
+            );
         }
-        names.extend(self.of_run.iter().map(|(name, _)| name.clone()));
+        names.extend(self.of_run.iter().map(|(name, unit, _)| with_unit(name, unit(units))));
         names
     }
 }
@@ -180,7 +203,7 @@ impl<const D: usize> History<D> {
     pub(crate) fn open(
         directory: &Path,
         setup: &Setup<D>,
-        (probes, time): (Vec<Probe<D>>, &str),
+        (probes, units): (Vec<Probe<D>>, &UnitLabels),
         lengths: Option<[u64; 3]>,
     ) -> Result<Self, Error> {
         let history = Columns { of_bodies: history_of_bodies(), of_run: history_of_run() };
@@ -188,13 +211,13 @@ impl<const D: usize> History<D> {
         let open = |k: usize, name: &str, names: &[String]| {
             Table::open(directory.join(name), names, lengths.map(|lengths| lengths[k]))
         };
-        let names =
-            || std::iter::once(format!("time [{time}]")).chain(probes.iter().flat_map(|probe| probe.names.clone()));
+        let time = || std::iter::once(with_unit("time", &units.time));
+        let names = || time().chain(probes.iter().flat_map(|probe| probe.names.clone()));
         let of_probes = (!probes.is_empty()).then(|| open(2, "probes.csv", &names().collect::<Vec<String>>()));
         Ok(Self {
             tables: [
-                (open(0, "history.csv", &history.names(setup))?, history),
-                (open(1, "diagnostics.csv", &diagnostics.names(setup))?, diagnostics),
+                (open(0, "history.csv", &history.names(setup, units))?, history),
+                (open(1, "diagnostics.csv", &diagnostics.names(setup, units))?, diagnostics),
             ],
             probes: of_probes.transpose()?.map(|table| (table, probes)),
         })
@@ -232,8 +255,8 @@ impl<const D: usize> History<D> {
         let Some(step) = view.report else { return Ok(()) };
         let run = RunMeasures { step, seconds_output };
         for (table, columns) in &mut self.tables {
-            let of_bodies = bodies.iter().flat_map(|body| columns.of_bodies.iter().map(move |(_, of)| of(body)));
-            let of_run = columns.of_run.iter().map(|(_, of)| of(&run));
+            let of_bodies = bodies.iter().flat_map(|body| columns.of_bodies.iter().map(move |(_, _, of)| of(body)));
+            let of_run = columns.of_run.iter().map(|(_, _, of)| of(&run));
             let row: Vec<String> = [time].into_iter().chain(of_bodies).chain(of_run).map(number).collect();
             table.push(&row)?;
         }
@@ -259,7 +282,8 @@ impl Table {
         let mut found = String::new();
         let unreadable = |source| Error::Read { path: path.clone(), source };
         File::open(&path).and_then(|file| BufReader::new(file).read_line(&mut found)).map_err(unreadable)?;
-        if found.trim_end() != names.join(",") {
+        let found: Vec<&str> = found.trim_end().split(',').collect();
+        if found.len() != names.len() || found.iter().zip(names).any(|(found, name)| !is_same(found, name)) {
             return Err(Error::Checkpoint { path, problem: "its columns are not those of this run".to_owned() });
         }
         let mut file = File::options().write(true).open(&path).map_err(unwritable)?;
@@ -288,6 +312,25 @@ impl Table {
         let line = row.join(",") + "\n";
         self.file.write_all(line.as_bytes()).map_err(|source| Error::Write { path: self.path.clone(), source })
     }
+}
+
+fn with_unit(name: &str, unit: &str) -> String {
+    if unit.is_empty() { name.to_owned() } else { format!("{name} [{unit}]") }
+}
+
+/// Returns a name of a header without its unit, and the unit if the header states it.
+pub(crate) fn name_and_unit(name: &str) -> (&str, Option<&str>) {
+    match name.split_once(" [") {
+        Some((name, unit)) => (name, unit.strip_suffix(']')),
+        None => (name, None),
+    }
+}
+
+/// Returns whether two names with or without units are those of the same column. Tables of earlier versions do not state
+/// units.
+fn is_same(one: &str, other: &str) -> bool {
+    let ((one, unit), (other, other_unit)) = (name_and_unit(one), name_and_unit(other));
+    one == other && (unit == other_unit || unit.is_none() || other_unit.is_none())
 }
 
 /// Returns the text of a table.
@@ -338,9 +381,14 @@ impl HistoryTable {
         Ok(Self { names, rows })
     }
 
-    /// Returns the names of the columns.
+    /// Returns the names of the columns, with their units where the table states them.
     pub fn names(&self) -> &[String] {
         &self.names
+    }
+
+    /// Returns the names of the columns without units.
+    pub fn bare_names(&self) -> impl Iterator<Item = &str> {
+        self.names.iter().map(|name| name_and_unit(name).0)
     }
 
     /// Returns the number of rows.
@@ -348,10 +396,15 @@ impl HistoryTable {
         self.rows.len()
     }
 
-    /// Returns the column of a name, if there is one. The unit behind a name may be left out.
+    /// Returns the column of a name, if there is one. The unit behind a name may be left out; a column in another unit is not
+    /// found.
     pub fn column(&self, name: &str) -> Option<Vec<f64>> {
-        let is_same = |found: &String| found == name || found.split_once(" [").is_some_and(|(found, _)| found == name);
-        let index = self.names.iter().position(is_same)?;
+        let index = self.names.iter().position(|found| is_same(found, name))?;
         Some(self.rows.iter().map(|row| row[index]).collect())
+    }
+
+    /// Returns a name in the header, with the unit if the table states it; `None` if there is no such column.
+    pub(crate) fn heading(&self, name: &str) -> Option<&str> {
+        self.names.iter().map(String::as_str).find(|found| is_same(found, name))
     }
 }

@@ -8,7 +8,7 @@ use solver::{BodyReport, Contact, Setup, StepReport, StepView};
 
 /// One body after a step. The last axis is vertical.
 ///
-/// Lengths, forces, powers and energies are in the units of the scenario, per unit depth in 2D.
+/// Lengths, forces, powers and energies are in the units of the scenario, per unit depth in the plane.
 pub(crate) struct BodyMeasures<'a, const D: usize> {
     pub(crate) view: &'a StepView<'a, D>,
     pub(crate) step: &'a StepReport<D>,
@@ -87,10 +87,7 @@ impl<'a, const D: usize> BodyMeasures<'a, D> {
             let coordinates = body.surface().coordinates();
             measures.fluid_force = coordinates.resultant(measures.fluid_force);
             measures.traction_force = coordinates.resultant(measures.traction_force);
-            if coordinates.radial().is_some() {
-                // Without swirl there is no moment about the axis, and about the others moments on opposite sides cancel.
-                measures.torque = [0.0; 3];
-            }
+            measures.torque = coordinates.moment(measures.torque);
         }
         Some(measures)
     }

@@ -39,7 +39,7 @@ pub(crate) enum Measured<const D: usize> {
     Marker { body: usize, weights: Vec<(VertexId, f64)> },
     /// Force of the fluid on some facets of a body, with its moment about a point.
     Force { body: usize, facets: Vec<bool>, about: Point<D> },
-    /// Flux and mean pressure on a section; `normal` has its measure as length.
+    /// Flux and mean pressure on a section; `normal` has its measure in the mesh as length.
     Flux { corner: Point<D>, sides: Vec<Vector<D>>, normal: Vector<D>, n: usize },
     /// Strain energy of a body.
     StrainEnergy { body: usize },
@@ -67,9 +67,10 @@ impl<const D: usize> Probes<D> {
 }
 
 impl<const D: usize> Probe<D> {
-    pub(crate) fn new(name: &str, measured: Measured<D>, units: &Units) -> Self {
+    /// Creates a probe; masses, forces, energies and flows belong to a whole of a dimension.
+    pub(crate) fn new(name: &str, measured: Measured<D>, (units, dimension): (&Units, usize)) -> Self {
         let (length, velocity) = (units.label(Quantity::LENGTH), units.label(Quantity::VELOCITY));
-        let total = |quantity| units.total_label(quantity, D);
+        let total = |quantity| units.total_label(quantity, dimension);
         let axes = |quantity: &'static str, unit: String| {
             AXES[..D].iter().map(move |axis| (format!("{quantity}{axis}"), unit.clone()))
         };
@@ -86,7 +87,7 @@ impl<const D: usize> Probe<D> {
                 axes("", total(Quantity::FORCE)).chain(moments).collect()
             }
             Measured::Flux { .. } => vec![
-                ("flux".to_owned(), units.total_label(Quantity::FLUX, D)),
+                ("flux".to_owned(), total(Quantity::FLUX)),
                 ("pressure".to_owned(), units.label(Quantity::PRESSURE)),
             ],
             Measured::StrainEnergy { .. } => vec![("energy".to_owned(), total(Quantity::ENERGY))],
@@ -120,22 +121,26 @@ impl<const D: usize> Probe<D> {
                         moment.iter_mut().zip(of_piece).for_each(|(sum, moment)| *sum += moment * traction.measure);
                     }
                 }
+                let coordinates = view.setup.bodies[*body].surface().coordinates();
+                let (force, moment) = (coordinates.resultant(force), coordinates.moment(moment));
                 let moments = if D < AXES.len() { &moment[AXES.len() - 1..] } else { &moment };
                 force.iter().chain(moments).copied().collect()
             }
             Measured::Flux { corner, sides, normal, n } => {
-                let (mut flux, mut pressure, mut n_wet) = (0.0, 0.0, 0);
+                let coordinates = fluid.map(|(setup, _)| setup.background.coordinates()).unwrap_or_default();
+                let (mut flux, mut pressure, mut wet) = (0.0, 0.0, 0.0);
                 let n_points = n.pow(sides.len() as u32);
                 for k in 0..n_points {
                     let place = |side: usize| ((k / n.pow(side as u32) % n) as f64 + 0.5) / *n as f64;
                     let x = sides.iter().enumerate().fold(*corner, |x, (side, along)| x + along * place(side));
                     if let Some((velocity, p)) = at(&x) {
-                        flux += velocity.dot(normal);
-                        pressure += p;
-                        n_wet += 1;
+                        let weight = coordinates.weight(&x);
+                        flux += velocity.dot(normal) * weight;
+                        pressure += p * weight;
+                        wet += weight;
                     }
                 }
-                vec![flux / n_points as f64, pressure / f64::from(n_wet)]
+                vec![flux / n_points as f64, pressure / wet]
             }
             Measured::StrainEnergy { body } => {
                 let balance = view.setup.bodies[*body].balance(&view.state.bodies[*body]);

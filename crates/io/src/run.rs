@@ -13,7 +13,7 @@ use crate::files::{create_directory, write_whole};
 use crate::history::{History, csv};
 use crate::measures::{BodyMeasures, leading_body};
 use crate::probes::Line;
-use crate::scenario::{Case, CaseVisitor, Fluid, Output, Quantity, Scenario, ScenarioFile, lower};
+use crate::scenario::{Case, CaseVisitor, Fluid, Output, Scenario, ScenarioFile, lower};
 use crate::sizes::Sizes;
 use crate::summary::{Summary, SummaryBuilder, UnitLabels, peak_rss_bytes};
 use crate::vtk::Grid;
@@ -231,10 +231,11 @@ impl<'a, const D: usize> RunFiles<'a, D> {
         let setup = &case.setup;
         let leading = leading_body(setup);
         let contact = setup.contacts.iter().find(|contact| Some(contact.body().index()) == leading);
+        let units = UnitLabels::new(&scenario.units, scenario.dimension_of_whole());
         let start = Summary {
             case: scenario.name.to_string(),
             dimension: D,
-            units: UnitLabels::new(&scenario.units, D),
+            units: units.clone(),
             stabilisation: scenario.fluid.as_ref().map_or_else(String::new, Fluid::stabilisation_name),
             half_domain: case.half_domain,
             linear_solver: case.linear.clone(),
@@ -246,14 +247,13 @@ impl<'a, const D: usize> RunFiles<'a, D> {
             ..Summary::default()
         };
         let lengths = header.as_ref().map(|header| header.histories);
-        let time = scenario.units.label(Quantity::TIME);
         let mut files = Self {
             directory: directory.to_owned(),
             problem: problem_text(&ScenarioFile::read(&directory.join("scenario.toml"), &[])?)?,
             output: scenario.output.clone(),
             n_steps: case.n_steps,
             bottom: case.bottom,
-            history: History::open(directory, setup, (case.probes.columns.clone(), &time), lengths)?,
+            history: History::open(directory, setup, (case.probes.columns.clone(), &units), lengths)?,
             lines: (case.probes.lines.clone(), case.probes.line_header.clone()),
             summary: SummaryBuilder::new(start, setup.fluid.as_ref().map_or(0.0, |fluid| fluid.background.volume())),
             series: SERIES.map(|name| Series::new(directory, name)),
@@ -265,6 +265,7 @@ impl<'a, const D: usize> RunFiles<'a, D> {
         if let Some(header) = header {
             files.seconds_before = header.summary.summary.wall_seconds;
             files.summary = header.summary;
+            files.summary.summary.units = units;
             remove_fields(directory, |step| step > header.step)?;
             let mut series = files.series.iter_mut().zip(header.series);
             series.try_for_each(|(series, entries)| series.cut_back(entries))?;
@@ -296,7 +297,8 @@ impl<'a, const D: usize> RunFiles<'a, D> {
             // A checkpoint of an interrupt would make the run look unfinished.
             return every > 0 || !checkpoint_steps(&self.directory).is_empty();
         }
-        let is_due = self.last_checkpoint.elapsed().as_secs_f64() >= 60.0 * self.output.checkpoint_minutes;
+        let minutes = self.output.checkpoint_minutes.as_ref().map_or(0.0, |minutes| **minutes);
+        let is_due = self.last_checkpoint.elapsed().as_secs_f64() >= 60.0 * minutes;
         every > 0 && step.is_multiple_of(every) && is_due
     }
 

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::Error;
-use crate::history::HistoryTable;
+use crate::history::{HistoryTable, name_and_unit};
 use crate::scenario::advice;
 
 /// Names of the tables.
@@ -75,10 +75,32 @@ impl RunTables {
         })
     }
 
+    /// Returns the name of a column with its unit; without it if no run states the unit. The directories name the runs.
+    ///
+    /// # Errors
+    /// [`Error::OtherUnit`].
+    pub fn heading<'a>(runs: &[(&Path, &'a Self)], column: &'a str) -> Result<&'a str, Error> {
+        let bare = name_and_unit(column).0;
+        let of_run = |run: &'a Self| run.tables.iter().find_map(|table| table.heading(bare));
+        let mut stated = runs.iter().filter_map(|(directory, run)| {
+            let heading = of_run(run)?;
+            Some((*directory, heading, name_and_unit(heading).1?))
+        });
+        let Some((first, heading, unit)) = stated.next() else { return Ok(column) };
+        match stated.find(|(_, _, other)| *other != unit) {
+            None => Ok(heading),
+            Some((second, _, other)) => Err(Error::OtherUnit {
+                column: bare.to_owned(),
+                units: [unit, other].map(str::to_owned),
+                directories: [first, second].map(Path::to_owned),
+            }),
+        }
+    }
+
     /// Returns the error about a column that the run in a directory does not have.
     pub fn no_column(&self, directory: &Path, column: &str) -> Error {
         let names: Vec<&str> = self.columns().collect();
-        let bare: Vec<&str> = names.iter().map(|name| bare(name)).collect();
+        let bare: Vec<&str> = self.tables.iter().flat_map(|table| table.bare_names().skip(1)).collect();
         let (directory, column, advice) = (directory.to_owned(), column.to_owned(), advice(column, &bare));
         Error::NoColumn { directory, column, advice, known: names.join(", ") }
     }
@@ -90,7 +112,8 @@ impl RunTables {
     /// the runs in errors.
     ///
     /// # Errors
-    /// [`Error::NothingCommon`]: the runs have no column or no time in common. [`Error::NoColumn`].
+    /// [`Error::NothingCommon`]: the runs have no column or no time in common. [`Error::OtherUnit`]: they have different
+    /// units. [`Error::NoColumn`].
     pub fn differences(
         &self,
         other: &Self,
@@ -98,11 +121,15 @@ impl RunTables {
         columns: &[String],
     ) -> Result<Vec<Difference>, Error> {
         let nothing = |what| Error::NothingCommon { first: first.to_owned(), second: second.to_owned(), what };
+        let runs = [(first, self), (second, other)];
+        for name in ["time"].into_iter().chain(self.columns()) {
+            Self::heading(&runs, name)?;
+        }
         let (times, others) = (self.column("time").unwrap_or_default(), other.column("time").unwrap_or_default());
         if !times.iter().any(|(time, _)| interpolated(&others, *time).is_some()) {
             return Err(nothing("time"));
         }
-        for (run, directory) in [(self, first), (other, second)] {
+        for (directory, run) in runs {
             if let Some(name) = columns.iter().find(|name| run.column(name).is_none()) {
                 return Err(run.no_column(directory, name));
             }
@@ -125,12 +152,12 @@ impl RunTables {
             let scale = if name.starts_with(LEDGER) { found.scale.max(energy) } else { found.scale };
             Some(Difference { scale, ..found })
         };
-        let is_work = |name: &str| name.starts_with(CLOCK) || WORK.contains(&name);
+        let is_work = |name: &str| name.starts_with(CLOCK) || WORK.contains(&name_and_unit(name).0);
         let is_compared = |name: &&str| {
             if columns.is_empty() {
                 !is_work(name)
             } else {
-                columns.iter().any(|column| column == name || column == bare(name))
+                columns.iter().any(|column| column == name || column == name_and_unit(name).0)
             }
         };
         let mut found: Vec<Difference> = self.columns().filter(is_compared).filter_map(difference).collect();
@@ -140,11 +167,6 @@ impl RunTables {
         found.sort_by(|a, b| b.relative().total_cmp(&a.relative()));
         Ok(found)
     }
-}
-
-/// Returns the name of a column without its unit.
-fn bare(name: &str) -> &str {
-    name.split(" [").next().unwrap_or(name)
 }
 
 /// Returns the path of a file of results.

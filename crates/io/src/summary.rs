@@ -19,7 +19,8 @@ const ENERGY_TOLERANCE: f64 = 1e-8;
 pub struct Summary {
     /// Name of the case.
     pub case: String,
-    /// Dimension of space; in the plane forces, energies and volumes are per unit depth.
+    /// Dimension of the meshes; in the plane forces, energies and volumes are per unit depth, in axisymmetric coordinates those
+    /// of the whole.
     pub dimension: usize,
     /// Names of units.
     pub units: UnitLabels,
@@ -90,7 +91,7 @@ pub struct Summary {
     pub peak_rss_bytes: Option<u64>,
 }
 
-/// Names of the units of a run; those of force, energy, volume and flow are per unit depth in the plane.
+/// Names of the units of a run; those of force, energy, power, volume and flow are per unit depth in the plane.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[allow(missing_docs)] // each field is the unit of the quantity it names
 pub struct UnitLabels {
@@ -103,9 +104,14 @@ pub struct UnitLabels {
     pub volume: String,
     /// Volume per time.
     pub flow: String,
+    #[serde(default)]
+    pub power: String,
+    #[serde(default)]
+    pub angular_velocity: String,
 }
 
 impl UnitLabels {
+    /// Returns the labels for results whose masses, forces, energies, volumes and flows belong to a whole of a dimension.
     pub(crate) fn new(units: &Units, dimension: usize) -> Self {
         let volume = |time| Quantity { length: dimension as i8, mass: 0, time };
         Self {
@@ -117,6 +123,8 @@ impl UnitLabels {
             energy: units.total_label(Quantity::ENERGY, dimension),
             volume: units.label(volume(0)),
             flow: units.label(volume(-1)),
+            power: units.total_label(Quantity::POWER, dimension),
+            angular_velocity: format!("rad/{}", units.label(Quantity::TIME)),
         }
     }
 }

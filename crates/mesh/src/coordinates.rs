@@ -64,4 +64,11 @@ impl Coordinates {
         self.radial().into_iter().for_each(|a| sum[a] = 0.0);
         sum
     }
+
+    /// Returns the moment of forces whose sum with the weight is given: without swirl there is none about the axis of
+    /// rotation, and about the others moments on opposite sides cancel.
+    #[inline]
+    pub fn moment(self, sum: [f64; 3]) -> [f64; 3] {
+        if self.radial().is_some() { [0.0; 3] } else { sum }
+    }
 }

@@ -110,7 +110,7 @@ impl Balances<'_> {
         let end = contact.and_then(|(_, end)| *end).unwrap_or(f64::INFINITY);
         let mut stacked = vec![0.0; times.len()];
         let (mut curves, mut rows) = (Vec::new(), Vec::new());
-        for name in diagnostics.names().iter().filter(|name| name.starts_with(LOST)) {
+        for name in diagnostics.bare_names().filter(|name| name.starts_with(LOST)) {
             let lost = diagnostics.column(name).unwrap_or_default();
             let sum = |from: f64, to: f64| -> f64 {
                 times.iter().zip(&lost).filter(|(t, _)| from <= **t && **t < to).map(|(_, lost)| lost).sum()

@@ -68,6 +68,16 @@ fn the_page_has_all_sections_and_is_the_same_again() {
     let frames = Frames::read(&directory).ok().flatten().expect("frames");
     assert_eq!((frames.frames.len(), frames.moments.len()), (6, 4));
     let path = write(&directory).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(fs::read_to_string(&path).expect("a page"), first);
+    // Tables of earlier versions have no units.
+    for table in ["history.csv", "diagnostics.csv"].map(|name| directory.join(name)) {
+        let text = fs::read_to_string(&table).expect("a table");
+        let (header, rows) = text.split_once('\n').expect("rows");
+        let bare: Vec<&str> = header.split(',').filter_map(|name| name.split(" [").next()).collect();
+        assert_ne!(bare.join(","), header);
+        fs::write(&table, format!("{}\n{rows}", bare.join(","))).expect("a file");
+    }
+    let _ = write(&directory).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(fs::read_to_string(path).expect("a page"), first);
 }
 

@@ -86,6 +86,7 @@ impl Failure {
                 | Error::NoResults { .. }
                 | Error::Damaged { .. }
                 | Error::NothingCommon { .. }
+                | Error::OtherUnit { .. }
                 | Error::NotDirectory { .. }
                 | Error::Checkpoint { .. }
                 | Error::NoCheckpoint { .. }

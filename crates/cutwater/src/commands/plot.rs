@@ -1,5 +1,7 @@
 //! `cutwater plot`
 
+use std::path::Path;
+
 use cutwater::io::{Error, RunTables};
 use cutwater::report::{Chart, Curve, Page, Section};
 
@@ -10,6 +12,9 @@ use crate::PlotArguments;
 pub(crate) fn plot(arguments: &PlotArguments) -> Result<(), Failure> {
     let runs = arguments.directories.iter().map(|directory| Ok((directory, RunTables::read(directory)?)));
     let runs = runs.collect::<Result<Vec<_>, Error>>()?;
+    let named: Vec<(&Path, &RunTables)> =
+        runs.iter().map(|(directory, tables)| (directory.as_path(), tables)).collect();
+    let time = RunTables::heading(&named, "time")?;
     let mut html = String::new();
     for column in &arguments.columns {
         let mut curves = Vec::new();
@@ -17,7 +22,7 @@ pub(crate) fn plot(arguments: &PlotArguments) -> Result<(), Failure> {
             let points = tables.column(column).ok_or_else(|| tables.no_column(directory, column))?;
             curves.push(Curve::new(directory.display().to_string(), points));
         }
-        html += &Chart::new(column.clone(), "time", curves).html()?;
+        html += &Chart::new(RunTables::heading(&named, column)?, time, curves).html()?;
     }
     let page = Page {
         title: "Columns of runs".to_owned(),

@@ -81,8 +81,9 @@ keys! {
         checkpoint_every: usize = 0,
         /// Quantities of points, bodies and sections by name: columns of `probes.csv`.
         probes: Named<ProbeChoice>,
-        /// Least time between two checkpoints, minutes. It decides which of them are written, and changes no result.
-        checkpoint_minutes: f64 [non_negative] = 0.0,
+        /// Least time between two checkpoints of `checkpoint_every`, which it needs, minutes; zero if left out. It decides
+        /// which of them are written, and changes no result.
+        checkpoint_minutes: Option<At<f64>> [non_negative],
     }
 }
 
@@ -131,7 +132,7 @@ impl Scenario {
     /// Axisymmetric coordinates in three dimensions.
     pub(super) fn coordinates(&self) -> Result<Coordinates, ScenarioError> {
         match &self.coordinates {
-            Some(choice) if **choice == CoordinatesChoice::Axisymmetric => {
+            Some(choice) if self.is_axisymmetric() => {
                 if self.dimension != 2 {
                     return Err(choice.at.invalid(
                         "axisymmetric coordinates describe a body in space by a half plane, so they need dimension = 2",
@@ -141,6 +142,16 @@ impl Scenario {
             }
             _ => Ok(Coordinates::Cartesian),
         }
+    }
+
+    fn is_axisymmetric(&self) -> bool {
+        self.coordinates.as_ref().is_some_and(|choice| **choice == CoordinatesChoice::Axisymmetric)
+    }
+
+    /// Returns the dimension of the whole to which masses, forces, energies, volumes and flows of results belong: three in
+    /// axisymmetric coordinates, two in the plane, where they are per unit depth.
+    pub(crate) fn dimension_of_whole(&self) -> usize {
+        if self.is_axisymmetric() { 3 } else { self.dimension }
     }
 
     /// Returns the bodies, each followed by its copies.
@@ -284,6 +295,13 @@ fn check(scenario: &Scenario) -> Result<(), ScenarioError> {
     }
     if let Some(directory) = scenario.output.directory.as_ref().filter(|directory| directory.trim().is_empty()) {
         return Err(directory.at.invalid("the name of the directory is empty; give one, or leave the key out"));
+    }
+    let minutes = scenario.output.checkpoint_minutes.as_ref();
+    if let Some(minutes) = minutes.filter(|minutes| ***minutes > 0.0 && scenario.output.checkpoint_every == 0) {
+        return Err(minutes.at.invalid(
+            "this leaves out checkpoints that follow too fast, and without `checkpoint_every` there are none; set it too, such as \
+             `checkpoint_every = 10`, so that checkpoints are at steps that do not depend on the clock",
+        ));
     }
     for text in [&scenario.source, &scenario.output.directory].into_iter().flatten() {
         if text.contains(char::is_control) {

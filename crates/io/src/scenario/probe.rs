@@ -6,9 +6,9 @@ use solver::Setup;
 use solver::body::Body;
 
 use super::error::{ErrorKind, ScenarioError};
+use super::file::Scenario;
 use super::key::Quantity;
-use super::table::{At, Components, Named, choices};
-use super::units::Units;
+use super::table::{At, Components, choices};
 use crate::probes::{Line, Measured, Probe, Probes};
 
 choices! {
@@ -26,7 +26,8 @@ choices! {
             /// Position before any motion; the nearest point of the surface is followed.
             at: Components<f64> [unit(Quantity::LENGTH)],
         },
-        /// Force of the fluid on a body, and its moment; in 2D per unit depth.
+        /// Force of the fluid on a body, and its moment; in the plane per unit depth. In axisymmetric coordinates the
+        /// force is that on the whole body, along the axis, and the moment is zero.
         Force = "force" {
             /// Name of the body.
             body: At<String>,
@@ -35,8 +36,9 @@ choices! {
             /// Point about which the moment is taken; the origin if left out.
             about: Option<Components<f64>> [unit(Quantity::LENGTH)],
         },
-        /// Volume of fluid per time through a segment (2D) or parallelogram (3D), and mean pressure on it; in 2D per
-        /// unit depth.
+        /// Volume of fluid per time through a segment (2D) or parallelogram (3D), and mean pressure on it; in the plane per
+        /// unit depth. In axisymmetric coordinates the section is what the segment sweeps about the axis: a disk, a ring,
+        /// a cylinder or a cone.
         Flux = "flux" {
             /// A corner of the section.
             corner: Components<f64> [unit(Quantity::LENGTH)],
@@ -45,7 +47,7 @@ choices! {
             /// Number of points along each side, in the middles of equal intervals.
             points: usize [between(1.0, 100_000.0)] = 200,
         },
-        /// Strain energy of an elastic body; in 2D per unit depth.
+        /// Strain energy of an elastic body; in the plane per unit depth.
         StrainEnergy = "strain-energy" {
             /// Name of the body.
             body: At<String>,
@@ -67,14 +69,14 @@ choices! {
 /// # Errors
 /// Bodies and parts that do not exist, quantities of a fluid or of elastic bodies where there are none.
 pub(super) fn probes<const D: usize>(
-    given: &Named<ProbeChoice>,
+    scenario: &Scenario,
     setup: &Setup<D>,
     part_names: &[Vec<String>],
-    units: &Units,
 ) -> Result<Probes<D>, ScenarioError> {
+    let (units, dimension) = (&scenario.units, scenario.dimension_of_whole());
     let mut found = Probes { line_header: Line::<D>::header(units), ..Probes::default() };
     let fluid = setup.fluid.as_ref();
-    for (name, probe) in &given.0 {
+    for (name, probe) in &scenario.output.probes.0 {
         let find = |body: &At<String>| {
             let index = setup.bodies.iter().position(|other| other.name() == body.as_str());
             index.ok_or_else(|| body.at.unknown("body", body, setup.bodies.iter().map(|body| body.name())))
@@ -134,7 +136,7 @@ pub(super) fn probes<const D: usize>(
                 continue;
             }
         };
-        found.columns.push(Probe::new(name, measured, units));
+        found.columns.push(Probe::new(name, measured, (units, dimension)));
     }
     Ok(found)
 }

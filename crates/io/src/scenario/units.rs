@@ -80,7 +80,8 @@ impl Units {
         quotient(&product(1).join(" "), &product(-1))
     }
 
-    /// Returns the unit of a force, mass, energy or power of a whole body: in 2D that of the quantity per unit depth.
+    /// Returns the unit of a force, mass, energy, power or flow of a whole of a dimension: in the plane that of the quantity
+    /// per unit depth.
     pub fn total_label(&self, quantity: Quantity, dimension: usize) -> String {
         let label = self.label(quantity);
         if dimension == 3 {

@@ -13,11 +13,19 @@ use solver::mesh::SimplexMesh;
 use solver::{FluidSetup, Observer, ObserverError, State, StepView, Substep, advance};
 use vtkio::model::{Attribute, DataSet, Piece, UnstructuredGridPiece, VertexNumbers, Vtk};
 
-const HEADER: &str = "time,d_min,d_max,body_height,lowest_velocity,lowest_acceleration,centre_y,centre_velocity,\
-contact_force,contact_power,max_penetration,active_points,energy_kinetic_solid,energy_elastic,energy_gravity,\
-centre_x,centre_velocity_x,angle,angular_velocity,contact_force_x,force_x,force_y,traction_force_x,traction_force_y,torque,\
-energy_kinetic_fluid,energy_contact,leak_net,leak_absolute,newton,linear_iterations,factorizations,smallest_fraction,dofs,\
-seconds_cut,seconds_space,seconds_assembly,seconds_linear,seconds_output";
+const HEADER: &str = "time [s],d_min [cm],d_max [cm],body_height [cm],lowest_velocity [cm/s],\
+lowest_acceleration [cm/s²],centre_y [cm],centre_velocity [cm/s],\
+contact_force [dyn/cm],contact_power [erg/(s cm)],max_penetration [cm],active_points,energy_kinetic_solid [erg/cm],\
+energy_elastic [erg/cm],energy_gravity [erg/cm],\
+centre_x [cm],centre_velocity_x [cm/s],angle [rad],angular_velocity [rad/s],contact_force_x [dyn/cm],force_x [dyn/cm],\
+force_y [dyn/cm],traction_force_x [dyn/cm],traction_force_y [dyn/cm],torque [erg/cm],\
+energy_kinetic_fluid [erg/cm],energy_contact [erg/cm],leak_net [cm²/s],leak_absolute [cm²/s],newton,linear_iterations,\
+factorizations,smallest_fraction,dofs,\
+seconds_cut [s],seconds_space [s],seconds_assembly [s],seconds_linear [s],seconds_output [s]";
+/// First columns of `diagnostics.csv`.
+const DIAGNOSTICS: &str = "time [s],volume [cm²],force_inertia [dyn/cm],force_gravity [dyn/cm],force_pressure [dyn/cm],\
+force_viscous [dyn/cm],force_penalty [dyn/cm],force_exchange [dyn/cm],force_contact [dyn/cm],force_remainder [dyn/cm],\
+fluid_power [erg/(s cm)],smallest_volume_ratio,fluid_volume [cm²],total_energy [erg/cm],lost_";
 
 /// Returns the virtual barrier with coarse meshes. The ball starts just above the barrier, so that contact begins in
 /// the first steps.
@@ -70,6 +78,10 @@ fn area(grid: &UnstructuredGridPiece) -> f64 {
 fn check_directory(directory: &Path, steps: usize) {
     let text = fs::read_to_string(directory.join("history.csv")).expect("a history");
     assert_eq!(text.lines().next(), Some(HEADER));
+    let diagnostics = fs::read_to_string(directory.join("diagnostics.csv")).expect("diagnostics");
+    let header = diagnostics.lines().next().unwrap_or_default();
+    let (first, lost) = header.split_at(DIAGNOSTICS.len());
+    assert!(first == DIAGNOSTICS && lost.split(',').all(|name| name.ends_with(" [erg/cm]")), "{header}");
     assert!(text.ends_with('\n'));
     let table = history(directory);
     assert_eq!(table.n_rows(), steps);
@@ -167,7 +179,7 @@ fn two_bodies_have_prefixed_columns() {
     results(&legal(&format!("{BARRIER}{second}"), &[&sets]), &directory);
     let table = history(&directory);
     assert_eq!(table.names().len(), 1 + 2 * 24 + 14);
-    assert_eq!(table.names()[1..3], ["ball_d_min", "ball_d_max"]);
+    assert_eq!(table.names()[1..3], ["ball_d_min [cm]", "ball_d_max [cm]"]);
     assert_eq!(table.column("block_d_min").expect("a column").len(), 2);
     assert!(!directory.join("fluid.pvd").exists());
 }

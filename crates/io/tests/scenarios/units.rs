@@ -134,13 +134,13 @@ fn assert_same([si, cgs]: [&ScenarioFile; 2], name: &str, smallest: fn(&str) -> 
     });
     let dimension = si.scenario().dimension as i32;
     let [si, cgs] = &histories;
-    assert_eq!(si.names(), cgs.names());
+    assert!(si.bare_names().eq(cgs.bare_names()) && si.names() != cgs.names());
     assert!(si.column("active_points").is_some_and(|n| n.first() == Some(&0.0) && n.iter().any(|n| *n > 0.0)));
     let mut missed = Vec::new();
     // In the first step the number of corrections depends on the units, as the start has no pressure to which residuals
     // are relative.
     let is_work = |name: &str| name.starts_with("seconds") || name == "newton" || name == "factorizations";
-    for name in si.names().iter().filter(|name| !is_work(name)) {
+    for name in si.bare_names().filter(|name| !is_work(name)) {
         let [si, cgs] = [si, cgs].map(|table| table.column(name).expect("a column"));
         let largest = si.iter().map(|value| value.abs()).fold(f64::MIN_POSITIVE, f64::max);
         let factor = factor_of(name, dimension);
