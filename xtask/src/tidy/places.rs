@@ -51,8 +51,13 @@ const LIBRARY_WORDS: &[(&[&str], &[&str], &str)] = &[
     ),
     (
         &["/ time.length", "/ self.time.length", "/ step.time.length"],
-        // A difference quotient of a given velocity, the round-off of a velocity, the weight of a collision.
-        &["crates/body/src/prescribed.rs", "crates/solid-svk/src/elastic.rs", "crates/solver/src/collision.rs"],
+        // A difference quotient of a given velocity, the round-off of velocities, the weight of a collision.
+        &[
+            "crates/body/src/prescribed.rs",
+            "crates/solid-rigid/src/rigid.rs",
+            "crates/solid-svk/src/elastic.rs",
+            "crates/solver/src/collision.rs",
+        ],
         "take the weights of the time scheme",
     ),
     (
