@@ -104,9 +104,12 @@ fn columns(text: &str) -> BTreeMap<&str, (Option<&str>, Vec<&str>)> {
     let names = rows.next().unwrap_or_default();
     let rows: Vec<_> = rows.collect();
     let column = |k: usize| rows.iter().map(|row| row.get(k).copied().unwrap_or_default()).collect();
-    let name_and_unit = |name: &'_ str| name.split_once(" [").map_or((name, None), |(name, unit)| (name, Some(unit)));
-    let named = names.into_iter().map(name_and_unit).enumerate();
-    named.map(|(k, (name, unit))| (name, (unit, column(k)))).collect()
+    let mut columns = BTreeMap::new();
+    for (k, header) in names.into_iter().enumerate() {
+        let (name, unit) = header.split_once(" [").map_or((header, None), |(name, unit)| (name, Some(unit)));
+        columns.insert(name, (unit, column(k)));
+    }
+    columns
 }
 
 /// Difference between two versions of a column.
