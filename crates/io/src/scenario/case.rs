@@ -136,7 +136,7 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
         checkpoint_every: scenario.output.checkpoint_every,
         half_domain,
         bottom,
-        probes: probes(scenario, &setup, &part_names)?,
+        probes: probes(&scenario.output.probes, &setup, &part_names, (&scenario.units, scenario.dimension_of_whole()))?,
         setup,
     })
 }

@@ -6,9 +6,9 @@ use solver::Setup;
 use solver::body::Body;
 
 use super::error::{ErrorKind, ScenarioError};
-use super::file::Scenario;
 use super::key::Quantity;
-use super::table::{At, Components, choices};
+use super::table::{At, Components, Named, choices};
+use super::units::Units;
 use crate::probes::{Line, Measured, Probe, Probes};
 
 choices! {
@@ -37,8 +37,8 @@ choices! {
             about: Option<Components<f64>> [unit(Quantity::LENGTH)],
         },
         /// Volume of fluid per time through a segment (2D) or parallelogram (3D), and mean pressure on it; in the plane per
-        /// unit depth. In axisymmetric coordinates the section is what the segment sweeps about the axis: a disk, a ring,
-        /// a cylinder or a cone.
+        /// unit depth. In axisymmetric coordinates the section is the surface that the segment sweeps about the axis: a
+        /// disk, a ring, a cylinder or a cone.
         Flux = "flux" {
             /// A corner of the section.
             corner: Components<f64> [unit(Quantity::LENGTH)],
@@ -64,19 +64,19 @@ choices! {
     }
 }
 
-/// Builds the probes of a run.
+/// Builds the probes of a run, whose masses, forces, energies and flows belong to a whole of a dimension.
 ///
 /// # Errors
 /// Bodies and parts that do not exist, quantities of a fluid or of elastic bodies where there are none.
 pub(super) fn probes<const D: usize>(
-    scenario: &Scenario,
+    given: &Named<ProbeChoice>,
     setup: &Setup<D>,
     part_names: &[Vec<String>],
+    (units, dimension): (&Units, usize),
 ) -> Result<Probes<D>, ScenarioError> {
-    let (units, dimension) = (&scenario.units, scenario.dimension_of_whole());
     let mut found = Probes { line_header: Line::<D>::header(units), ..Probes::default() };
     let fluid = setup.fluid.as_ref();
-    for (name, probe) in &scenario.output.probes.0 {
+    for (name, probe) in &given.0 {
         let find = |body: &At<String>| {
             let index = setup.bodies.iter().position(|other| other.name() == body.as_str());
             index.ok_or_else(|| body.at.unknown("body", body, setup.bodies.iter().map(|body| body.name())))

@@ -248,8 +248,8 @@ vtk_every = 0
         *column(&directory, column_name).last().expect("steps")
     };
     let exact = 0.2 * (5.0 - 0.3 * 8.660254037844386);
-    assert!((last("0.3", "block_centre_velocity_x") - exact).abs() < 1e-5);
-    assert!(last("0.7", "block_centre_velocity_x").abs() < 1e-5);
-    assert!((last("0.7", "block_d_min") - 0.001).abs() < 1e-6);
+    assert!((last("0.3", "centre_velocity_x") - exact).abs() < 1e-5);
+    assert!(last("0.7", "centre_velocity_x").abs() < 1e-5);
+    assert!((last("0.7", "d_min") - 0.001).abs() < 1e-6);
     refused(text, &[&["contact.0.law.tolerance=0"]], &["contact.0.law.tolerance", "must be positive"]);
 }
