@@ -29,8 +29,7 @@ const FADED: f64 = 0.25;
 const TOLERANCE: f64 = 0.01;
 /// A block that sticks moves by less than this share of the way that it would slide without friction.
 const DRIFT: f64 = 1e-3;
-/// Relative tolerance of the rigid block. Its motion is exact up to the tolerance of the multipliers: an error of the
-/// distance `e` in a step changes velocities by `e/Δt`.
+/// Relative tolerance of the rigid block, whose motion is exact up to the tolerance of the multipliers, and of these.
 const RIGID_TOLERANCE: f64 = 1e-6;
 
 /// Displacement and velocity of the centre of mass, and the tangential force of contact over the weight.
@@ -122,12 +121,15 @@ fn rigid_slope<const D: usize>(record: &mut Record, along: Vector<D>) -> Result<
     let space = if D == 2 { "plane" } else { "space" };
     // The inertia of the block against a motion in one step, per area.
     let inertia = DENSITY * HEIGHT / (STEP * STEP);
+    // Friction follows the pressure, so that the accepted change is relative to it.
+    let pressure = DENSITY * GRAVITY * HEIGHT * SLOPE.cos();
     for factor in [10.0, 100.0] {
         let motion = |friction: f64| -> Result<(Vector<D>, f64, f64), Failure> {
             let body = RigidBody::new("block", mesh.boundary(), mesh.vertices().to_vec(), DENSITY, down * GRAVITY)?;
             let facets = body.boundary.facets().filter(|f| body.boundary.tag(*f) == Some(bottom)).collect();
             let law =
-                AugmentedLagrangianLaw::new(factor * inertia, 0.0, RIGID_TOLERANCE * STEP)?.with_friction(friction)?;
+                AugmentedLagrangianLaw::new(factor * inertia, 0.0, RIGID_TOLERANCE * pressure / (factor * inertia))?
+                    .with_friction(friction)?;
             let mut into = Vector::<D>::zeros();
             into[D - 1] = -1.0;
             let obstacle = ContactObstacle::Rigid(Box::new(RigidPlane::new(Point::zeros(), into)?));
