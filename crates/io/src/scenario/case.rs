@@ -4,12 +4,12 @@ use algebra::Workspace;
 use contact::{DeformableObstacle, Obstacle, Positions};
 use cutcell::{CutMesh, OverlayOptions};
 use mesh::generate::HALF_BALL_PLANE;
-use mesh::{Aabb, BodyId, FacetId, Placed, Point};
+use mesh::{Aabb, BodyId, FacetId, Placed, Point, unit_vector};
 use solver::{ApproachSteps, Contact, FluidBoundary, FluidSetup, Setup};
 
 use super::background::Background;
 use super::body::{BodyCondition, BodyKeys, Built, body};
-use super::condition::{symmetry_planes, tagged_vertices};
+use super::condition::{Plane, symmetry_planes, tagged_vertices};
 use super::contact::{ContactBuilder, ContactKeys};
 use super::error::{ErrorKind, ScenarioError};
 use super::file::{Scenario, ScenarioFile};
@@ -115,11 +115,9 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
         check_placement(&given, &setup, fluid, &positions)?;
         bottom = Aabb::of_points(fluid.background.vertices()).low[D - 1];
     }
-    let half_domain = setup.fluid.as_ref().map(symmetry_planes).is_some_and(|(planes, room)| {
-        let is_on = |x: &Point<D>| {
-            planes.iter().any(|(axis, at)| Some(*axis) != coordinates.radial() && (x[*axis] - at).abs() <= room)
-        };
-        positions.iter().flatten().any(is_on)
+    let half_domain = setup.fluid.as_ref().map(symmetry_planes).is_some_and(|mut planes| {
+        planes.retain(|plane| coordinates.radial().is_none_or(|radial| plane.normal[radial] != 1.0));
+        positions.iter().flatten().any(|x| planes.iter().any(|plane| plane.contains(x)))
     });
     check_repeated(&of_contacts, &setup)?;
     check_contacts(&of_contacts, &setup, &positions)?;
@@ -201,7 +199,7 @@ fn check_axis<const D: usize>(fluid: &FluidSetup<D>, given: &At<Background>) -> 
     for (tag, condition) in &fluid.boundary {
         let points = tagged_vertices(&fluid.background, *tag);
         let is_on_axis = points.iter().all(|x| x[radial] == 0.0);
-        if is_on_axis && !matches!(condition, FluidBoundary::Symmetry { axis } if *axis == radial) {
+        if is_on_axis && !matches!(condition, FluidBoundary::Symmetry { normal } if normal[radial] == 1.0) {
             let name = &fluid.background.tag_names()[tag.index()];
             return Err(given.boundary().at.invalid(format!(
                 "side `{name}` lies on the axis of rotation, where nothing crosses; give it the condition \"symmetry\""
@@ -324,7 +322,7 @@ fn respect_symmetry<const D: usize>(
     fluid: &FluidSetup<D>,
     built: &mut [Built<D>],
 ) -> Result<(), ScenarioError> {
-    let (planes, room) = symmetry_planes(fluid);
+    let planes = symmetry_planes(fluid);
     let domain = Aabb::of_points(fluid.background.vertices());
     for given in bodies {
         let Shape::HalfBall { centre, mirrored: false, .. } = &*given.shape else { continue };
@@ -333,7 +331,8 @@ fn respect_symmetry<const D: usize>(
             name == HALF_BALL_PLANE && matches!(**condition, BodyCondition::Symmetry { .. })
         };
         let at = centre[0] + given.shift.as_ref().map_or(0.0, |shift| shift[0]);
-        let is_on_plane = planes.iter().any(|(axis, place)| *axis == 0 && (at - place).abs() <= room);
+        let on_diameter = unit_vector::<D>(0) * at;
+        let is_on_plane = planes.iter().any(|plane| plane.normal[0] == 1.0 && plane.contains(&on_diameter));
         let is_inside = domain.low[0] <= at && at <= domain.high[0];
         let is_on_axis = fluid.background.coordinates().radial() == Some(0) && at == 0.0;
         if conditions.any(is_symmetric) && is_inside && !is_on_plane && !is_on_axis {
@@ -346,10 +345,8 @@ fn respect_symmetry<const D: usize>(
         let Some(motion) = &given.motion else { continue };
         let positions = body.start().positions(body.reference());
         let on_plane = |facet: FacetId| {
-            let is_on = |(axis, at): &&(usize, f64)| {
-                body.surface().facet(facet).iter().all(|v| (positions[v.index()][*axis] - at).abs() <= room)
-            };
-            planes.iter().find(is_on)
+            let vertices = body.surface().facet(facet);
+            planes.iter().find(|plane| vertices.iter().all(|v| plane.contains(&positions[v.index()])))
         };
         contact_facets.retain(|facet| on_plane(*facet).is_none());
         // A body on the axis of rotation moves along the axis only.
@@ -359,12 +356,17 @@ fn respect_symmetry<const D: usize>(
             continue;
         }
         let is_held = |what: Held| held.iter().any(|held| **held == what);
-        let is_loose =
-            |(axis, _): &&(usize, f64)| !(is_held([Held::X, Held::Y, Held::Z][*axis]) && is_held(Held::Rotation));
-        if let Some((axis, _)) = body.surface().facets().filter_map(on_plane).find(is_loose) {
-            let (name, axis) = (body.name(), ["x", "y", "z"][*axis]);
+        let across = |plane: &Plane<D>| {
+            let axes = [Held::X, Held::Y, Held::Z].into_iter().zip(["\"x\"", "\"y\"", "\"z\""]);
+            let axes = axes.zip(plane.normal.iter()).filter(|(_, n)| **n != 0.0).map(|(axis, _)| axis);
+            axes.chain([(Held::Rotation, "\"rotation\"")]).collect::<Vec<_>>()
+        };
+        let is_loose = |plane: &&Plane<D>| across(plane).iter().any(|(what, _)| !is_held(*what));
+        if let Some(plane) = body.surface().facets().filter_map(on_plane).find(is_loose) {
+            let (name, needed) =
+                (body.name(), across(plane).into_iter().map(|(_, word)| word).collect::<Vec<_>>().join(", "));
             return Err(motion.at.invalid(format!(
-                "body `{name}` stands on a plane of symmetry, so it must not leave it: add held = [\"{axis}\", \"rotation\"]"
+                "body `{name}` stands on a plane of symmetry, so it must not leave it: add held = [{needed}]"
             )));
         }
     }

@@ -455,35 +455,29 @@ fn unreadable(file: &At<String>, error: Error) -> ScenarioError {
     file.at.invalid(format!("{error}{advice}"))
 }
 
-/// Largest deviation of a normal from an axis, relative to its length.
-const ALONG_AXIS: f64 = 1e-9;
+/// Largest component of a unit normal that is round-off.
+pub(super) const ROUND_OFF: f64 = 1e-9;
 
-/// Returns the outward unit normal of a tagged part of a boundary and the number of the axis along which it points.
+/// Returns the outward unit normal of a tagged part of a boundary; components of the size of round-off are zero.
 ///
 /// A normal that is given replaces that of the facets.
 ///
 /// # Errors
-/// Facets that do not lie in one plane, or a normal that is not along an axis.
-pub(super) fn normal_along_axis<const D: usize>(
+/// Facets that do not lie in one plane, or a given normal that is zero.
+pub(super) fn plane_normal<const D: usize>(
     at: &Location,
     mesh: &SimplexMesh<D>,
     tag: Tag,
     given: Option<&Components<f64>>,
-) -> Result<(usize, Vector<D>), ScenarioError> {
+) -> Result<Vector<D>, ScenarioError> {
     let normal = match given {
         Some(given) => given.vector::<D>().try_normalize(0.0).ok_or_else(|| at.part("normal").invalid(ZERO_VECTOR))?,
         None => mesh.tag_normal(tag).ok_or_else(|| {
             at.invalid("this part of the boundary is not plane; use another condition, or give a symmetry its normal")
         })?,
     };
-    let axis = normal.iamax();
-    if normal.iter().enumerate().any(|(a, n)| a != axis && n.abs() > ALONG_AXIS) {
-        let normal = normal.as_slice();
-        return Err(at.invalid(format!(
-            "the normal {normal:?} is not along an axis, and oblique planes are not available yet; turn the geometry"
-        )));
-    }
-    Ok((axis, normal))
+    let cleaned = normal.map(|n| if n.abs() > ROUND_OFF { n } else { 0.0 });
+    Ok(cleaned.normalize())
 }
 
 /// Message about a vector that must give a direction.
