@@ -169,7 +169,7 @@ impl<const D: usize> Geometry<D> {
                 Self::Lines(vec![ClosedLine::capsule(ends, *radius, *size, "surface").map_err(fail)?], *size)
             }
             Shape::Polygon { corners, holes, size, smooth } => {
-                Self::Lines(polygon_lines(&shape.at, corners, holes, *size, *smooth)?, *size)
+                Self::Lines(polygon_lines(&shape.at, corners, holes, LineSize::Uniform(*size), *smooth)?, *size)
             }
             Shape::Mesh { file, scale } => Self::read(file)?.scaled(*scale).map_err(|error| file.at.error(error))?,
         })
@@ -285,7 +285,7 @@ impl<const D: usize> Geometry<D> {
 }
 
 /// Triangles in a square with sides of the size of a cell.
-pub(super) const CELLS_IN_SQUARE: f64 = 2.7;
+const CELLS_IN_SQUARE: f64 = 2.7;
 /// Tetrahedra in a cube with sides of the size of a cell.
 const CELLS_IN_CUBE: f64 = 6.0;
 
@@ -348,20 +348,30 @@ fn closed(surface: &Surface) -> Result<(), String> {
     Ok(())
 }
 
+/// Size of the segments of lines.
+#[derive(Clone, Copy)]
+pub(super) enum LineSize<'a> {
+    /// Largest length.
+    Uniform(f64),
+    /// Length at a place.
+    Graded(&'a dyn Fn([f64; 2]) -> f64),
+}
+
 /// Returns the outline of a polygon and its holes.
 pub(super) fn polygon_lines(
     at: &Location,
     corners: &[Components<f64>],
     holes: &[Vec<Components<f64>>],
-    size: f64,
+    size: LineSize<'_>,
     is_smooth: bool,
 ) -> Result<Vec<ClosedLine>, ScenarioError> {
     let line = |corners: &[Components<f64>], part: String, name: &dyn Fn(usize) -> String| {
         let corners: Vec<[f64; 2]> = corners.iter().map(planar).collect();
-        let line = if is_smooth {
-            ClosedLine::smooth(&corners, size, &name(0))
-        } else {
-            ClosedLine::polygon(&corners, size, name)
+        let line = match size {
+            LineSize::Uniform(h) if is_smooth => ClosedLine::smooth(&corners, h, &name(0)),
+            LineSize::Uniform(h) => ClosedLine::polygon(&corners, h, name),
+            LineSize::Graded(h) if is_smooth => ClosedLine::graded_smooth(&corners, h, &name(0)),
+            LineSize::Graded(h) => ClosedLine::graded_polygon(&corners, h, name),
         };
         line.map_err(|error| match &error {
             mesh::Error::Parameter(parameter) if parameter.what == SEGMENTS => refuse(&at.part("size"), error),
