@@ -169,16 +169,7 @@ pub(super) fn background<const D: usize>(
         }
         Background::Mesh { file, scale, .. } => return background_from_file(file, *scale),
     };
-    let field = match &**size {
-        OrTable::Plain(h) => Size::uniform(*h),
-        OrTable::Table(graded) => Size::Graded {
-            fine: graded.fine,
-            fine_until: graded.fine_until,
-            coarse: graded.coarse,
-            coarse_from: graded.coarse_from,
-            axis: graded.axis as usize,
-        },
-    };
+    let field = size_field(size);
     check_corners(min, max, &max.at)?;
     let min = min.vector::<D>();
     let corners = [min, max.vector::<D>()].map(<[f64; D]>::from);
@@ -193,7 +184,7 @@ pub(super) fn background<const D: usize>(
         )));
     }
     let regions = refine.iter().map(|given| region(given, corners, &field, bodies)).collect::<Result<Vec<_>, _>>()?;
-    let n_cells = expected_cells(corners[0], corners[1], &field, &regions) * if *is_mirrored { 2.0 } else { 1.0 };
+    let n_cells = expected_in_box(corners, &field, &regions, *is_mirrored);
     if let Some(shortage) = shortage(n_cells, available()) {
         return Err(size.at.invalid(shortage));
     }
@@ -208,17 +199,39 @@ pub(super) fn background<const D: usize>(
     if *is_mirrored { mirrored(&box_mesh, 0, min[0]).map_err(|error| given.at.error(error)) } else { Ok(box_mesh) }
 }
 
-/// Makes a background between lines.
-fn polygon<const D: usize>(
-    at: &Location,
-    (corners, holes, is_smooth): (&[Components<f64>], &[Vec<Components<f64>>], bool),
-    (size, refine): (&At<f64>, &[At<Refinement>]),
-    bodies: &[At<BodyKeys>],
-) -> Result<SimplexMesh<D>, ScenarioError> {
-    let coarse = Size::uniform(**size);
-    let bounds = Aabb::of_points(&corners.iter().map(|x| x.vector::<D>()).collect::<Vec<_>>());
-    let bounds = [bounds.low.into(), bounds.high.into()];
-    let regions = refine.iter().map(|given| region(given, bounds, &coarse, bodies)).collect::<Result<Vec<_>, _>>()?;
+fn size_field(size: &OrTable<f64, GradedSize>) -> Size {
+    match size {
+        OrTable::Plain(h) => Size::uniform(*h),
+        OrTable::Table(graded) => Size::Graded {
+            fine: graded.fine,
+            fine_until: graded.fine_until,
+            coarse: graded.coarse,
+            coarse_from: graded.coarse_from,
+            axis: graded.axis as usize,
+        },
+    }
+}
+
+fn bounds<const D: usize>(corners: &[Components<f64>]) -> [[f64; D]; 2] {
+    let Aabb { low, high } = Aabb::of_points(&corners.iter().map(Components::vector::<D>).collect::<Vec<_>>());
+    [low.into(), high.into()]
+}
+
+fn expected_in_box<const D: usize>(
+    [min, max]: [[f64; D]; 2],
+    size: &Size,
+    regions: &[Region<D>],
+    is_mirrored: bool,
+) -> f64 {
+    expected_cells(min, max, size, regions) * if is_mirrored { 2.0 } else { 1.0 }
+}
+
+fn expected_in_polygon<const D: usize>(
+    (corners, holes): (&[Components<f64>], &[Vec<Components<f64>>]),
+    [min, max]: [[f64; D]; 2],
+    size: &Size,
+    regions: &[Region<D>],
+) -> f64 {
     let is_inside = |x: &Point<D>| {
         let crosses = |(a, b): (&Components<f64>, &Components<f64>)| {
             (a[1] > x[1]) != (b[1] > x[1]) && x[0] < a[0] + (x[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
@@ -228,7 +241,39 @@ fn polygon<const D: usize>(
         };
         holes.iter().map(|hole| &hole[..]).chain([corners]).map(sides).sum::<usize>() % 2 == 1
     };
-    let n_cells = expected_cells_where(bounds[0], bounds[1], &coarse, &regions, is_inside);
+    expected_cells_where(min, max, size, regions, is_inside)
+}
+
+/// Returns about the number of cells of a background that is not read from a file; `None` if its keys contradict each other.
+pub(super) fn expected<const D: usize>(given: &Background, bodies: &[At<BodyKeys>]) -> Option<f64> {
+    let regions = |refine: &[At<Refinement>], bounds, size: &Size| {
+        refine.iter().map(|given| region::<D>(given, bounds, size, bodies).ok()).collect::<Option<Vec<_>>>()
+    };
+    match given {
+        Background::GradedBox { min, max, size, refine, mirrored, .. } => {
+            check_corners(min, max, &max.at).ok()?;
+            let (corners, size) = ([min, max].map(|x| x.vector::<D>().into()), size_field(size));
+            Some(expected_in_box(corners, &size, &regions(refine, corners, &size)?, *mirrored))
+        }
+        Background::Polygon { corners, holes, size, refine, .. } => {
+            let (bounds, size) = (bounds(corners), Size::uniform(**size));
+            Some(expected_in_polygon((corners, holes), bounds, &size, &regions(refine, bounds, &size)?))
+        }
+        Background::Mesh { .. } => None,
+    }
+}
+
+/// Makes a background between lines.
+fn polygon<const D: usize>(
+    at: &Location,
+    (corners, holes, is_smooth): (&[Components<f64>], &[Vec<Components<f64>>], bool),
+    (size, refine): (&At<f64>, &[At<Refinement>]),
+    bodies: &[At<BodyKeys>],
+) -> Result<SimplexMesh<D>, ScenarioError> {
+    let coarse = Size::uniform(**size);
+    let bounds = bounds(corners);
+    let regions = refine.iter().map(|given| region(given, bounds, &coarse, bodies)).collect::<Result<Vec<_>, _>>()?;
+    let n_cells = expected_in_polygon((corners, holes), bounds, &coarse, &regions);
     if let Some(shortage) = shortage(n_cells, available()) {
         return Err(size.at.invalid(shortage));
     }

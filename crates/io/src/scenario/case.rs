@@ -1,19 +1,21 @@
 //! From the values of a scenario to a problem of dimension 2 or 3.
 
-use algebra::Workspace;
+use algebra::time::ImplicitEuler;
+use algebra::{BlockLayout, Workspace};
 use contact::{DeformableObstacle, Obstacle, Positions};
 use cutcell::{CutMesh, OverlayOptions};
 use mesh::generate::HALF_BALL_PLANE;
 use mesh::{Aabb, BodyId, FacetId, Placed, Point, unit_vector};
+use solver::body::StepTime;
 use solver::{ApproachSteps, Contact, FluidBoundary, FluidSetup, Setup};
 
-use super::background::Background;
+use super::background::{Background, expected};
 use super::body::{BodyCondition, BodyKeys, Built, body};
 use super::condition::{Plane, symmetry_planes, tagged_vertices};
 use super::contact::{ContactBuilder, ContactKeys};
 use super::error::{ErrorKind, ScenarioError};
 use super::file::{Scenario, ScenarioFile};
-use super::fluid::{fluid, unbalanced};
+use super::fluid::{balance_times, fluid, is_open, unbalanced};
 use super::geometry::Shape;
 use super::motion::{Held, MotionChoice};
 use super::probe::probes;
@@ -57,6 +59,16 @@ pub fn lower<V: CaseVisitor>(file: &ScenarioFile, visitor: V) -> Result<V::Outpu
     match file.scenario().dimension {
         2 => Ok(visitor.visit(case::<2>(file)?)),
         _ => Ok(visitor.visit(case::<3>(file)?)),
+    }
+}
+
+/// Returns about the number of cells of the background, without a mesh; `None` if it is read from a file, or there is none.
+pub fn expected_cells(file: &ScenarioFile) -> Option<f64> {
+    let (scenario, bodies) = (file.scenario(), file.scenario().bodies());
+    let background = scenario.background.as_ref()?;
+    match scenario.dimension {
+        2 => expected::<2>(background, &bodies),
+        _ => expected::<3>(background, &bodies),
     }
 }
 
@@ -271,9 +283,9 @@ fn check_contacts<const D: usize>(
     Ok(())
 }
 
-/// Checks that no more fluid is brought into a domain without an open side than is taken out. Bodies with a given motion
-/// and those that may leave the domain change the volume of the fluid: the balance is then unknown. An elastic body
-/// inside of the domain would be compressed by the inflow.
+/// Checks that no more fluid is brought into a domain without an open side than is taken out, and that bodies with a given motion
+/// cover the same volume at all times. Other bodies that may leave the domain, and an inflow together with a given motion, change
+/// the volume of the fluid: the balance is then unknown. An elastic body inside of the domain would be compressed by the inflow.
 fn check_balance<const D: usize>(
     scenario: &Scenario,
     bodies: &[At<BodyKeys>],
@@ -305,14 +317,65 @@ fn check_balance<const D: usize>(
                 && loose.all(|v| held.binary_search(&v).is_ok() || is_inside(&positions[k][v.index()]))
         }
     };
-    if !(0..bodies.len()).all(keeps_volume) {
+    let is_given = |k: &usize| {
+        bodies[*k].motion.as_deref().is_some_and(|of| !matches!(of, MotionChoice::Fixed | MotionChoice::Free { .. }))
+    };
+    let moved: Vec<usize> = (0..bodies.len()).filter(is_given).collect();
+    if is_open(fluid) || !(0..bodies.len()).all(|k| is_given(&k) || keeps_volume(k)) {
         return Ok(());
     }
-    let Some((time, net)) = unbalanced(fluid, [0.0, scenario.time.end]) else { return Ok(()) };
+    let times = [0.0, scenario.time.end];
+    let Some((time, net)) = unbalanced(fluid, times) else {
+        return check_displaced(setup, fluid, &moved, times).map_err(|(time, more)| {
+            let name = setup.bodies[moved[0]].name();
+            let given = bodies[moved[0]].motion.as_ref().map_or(&given.boundary().at, |motion| &motion.at);
+            given.invalid(format!(
+                "no side is open, and at the time {time} the bodies with a given motion, such as `{name}`, cover {more:.3e} more of the domain (area or \
+                 volume) than at the start, so that the fluid has nowhere to go; make a side `free`, or keep the bodies inside"
+            ))
+        });
+    };
+    if !moved.is_empty() {
+        return Ok(());
+    }
     Err(given.boundary().at.invalid(format!(
         "no side is open, and at the time {time} the given velocities have a net inflow of {net:.3e} (volume per time); make a side `free`, or \
          change the velocities"
     )))
+}
+
+/// Largest change of the volume that bodies with a given motion cover, relative to the largest volume.
+const LARGEST_CHANGE: f64 = 1e-2;
+
+/// Checks that bodies with a given motion cover the same volume at all times.
+///
+/// # Errors
+/// A time at which the volume is another one than at the start, and the difference.
+fn check_displaced<const D: usize>(
+    setup: &Setup<D>,
+    fluid: &FluidSetup<D>,
+    moved: &[usize],
+    times: [f64; 2],
+) -> Result<(), (f64, f64)> {
+    let covered = |time: f64| {
+        let step = StepTime::new(&ImplicitEuler, time, time.max(setup.dt), true);
+        let of_body = |k: &usize| {
+            let (body, mut layout) = (&setup.bodies[*k], BlockLayout::new());
+            let positions = body.step(&body.start(), &step, &mut layout).end(&layout, &[]).positions(body.reference());
+            let cut = CutMesh::overlay(&fluid.background, &[Placed::new(body.surface(), &positions)], &fluid.overlay);
+            cut.ok().map(|cut| cut.covered_volume(&fluid.background))
+        };
+        moved.iter().map(of_body).sum::<Option<f64>>()
+    };
+    if moved.is_empty() {
+        return Ok(());
+    }
+    // A surface that cannot cut the background is an error of its own.
+    let volumes: Vec<(f64, f64)> = balance_times(times).filter_map(|time| Some((time, covered(time)?))).collect();
+    let largest = volumes.iter().map(|(_, volume)| *volume).fold(0.0, f64::max);
+    let start = volumes.first().map_or(0.0, |(_, volume)| *volume);
+    let changed = volumes.iter().find(|(_, volume)| (volume - start).abs() > LARGEST_CHANGE * largest);
+    changed.map_or(Ok(()), |(time, volume)| Err((*time, volume - start)))
 }
 
 /// Removes facets of bodies that do not deform from contacts if they lie on planes of symmetry, and checks that free bodies

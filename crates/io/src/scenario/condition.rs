@@ -36,8 +36,8 @@ choices! {
         Inflow = "inflow" {
             /// Profile of the velocity.
             profile: InflowProfile,
-            /// Largest speed.
-            maximum: f64 [unit(Quantity::VELOCITY)],
+            /// Largest speed, which may be a formula of the time `t`.
+            maximum: At<FieldFormula> [unit(Quantity::VELOCITY)],
             /// Time over which the speed rises smoothly from zero; at once if left out.
             ramp: Option<f64> [unit(Quantity::TIME), positive],
         },
@@ -135,7 +135,8 @@ pub(super) fn fluid_boundary<const D: usize>(
                     "the plane of this inflow contains no axis, so that the edges along which its parabola is zero are not known; use `velocity` with a formula",
                 ));
             }
-            FluidBoundary::Velocity(parabolic_inflow(&points(), normal, *maximum, *ramp))
+            let maximum = maximum.over_time(&maximum.at, &points(), &times)?;
+            FluidBoundary::Velocity(parabolic_inflow(&points(), normal, maximum, *ramp))
         }
         FluidCondition::Traction { value } => {
             let value = value.over_time(&points(), &times)?;
@@ -158,7 +159,7 @@ fn unsigned<const D: usize>(normal: Vector<D>) -> Vector<D> {
 fn parabolic_inflow<const D: usize>(
     points: &[Point<D>],
     normal: Vector<D>,
-    maximum: f64,
+    maximum: impl Fn(&Point<D>, f64) -> f64 + Send + Sync + 'static,
     ramp: Option<f64>,
 ) -> TimeField<D> {
     let across = (0..D).filter(|axis| *axis != normal.iamax());
@@ -174,6 +175,6 @@ fn parabolic_inflow<const D: usize>(
             4.0 * s * (1.0 - s)
         });
         let rise = ramp.filter(|ramp| t < *ramp).map_or(1.0, |ramp| 0.5 * (1.0 - (PI * t / ramp).cos()));
-        -normal * (maximum * rise * across.product::<f64>())
+        -normal * (maximum(x, t) * rise * across.product::<f64>())
     })
 }

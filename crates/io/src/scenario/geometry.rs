@@ -55,7 +55,7 @@ choices! {
             /// Number of bricks along each axis, divided into 2 triangles or 6 tetrahedra; or `size`.
             n: Option<Components<usize>> [between(1.0, f64::INFINITY), group(1)],
         },
-        /// Ring between two circles, in 2D; tags `outer` and `inner`.
+        /// Ring between two circles, in 2D; tags `outer` and `inner`. In 3D a tube is a `mesh` from a file.
         Annulus = "annulus" {
             /// Centre.
             centre: Components<f64> [unit(Quantity::LENGTH)],
@@ -66,7 +66,7 @@ choices! {
             /// Mean diameter of the cells.
             size: f64 [unit(Quantity::LENGTH), positive],
         },
-        /// All points within a distance of a segment, in 2D; tag `surface`.
+        /// All points within a distance of a segment, in 2D; tag `surface`. In 3D a capsule is a `mesh` from a file.
         Capsule = "capsule" {
             /// One end of the segment.
             from: Components<f64> [unit(Quantity::LENGTH)],
@@ -122,8 +122,7 @@ impl<const D: usize> Geometry<D> {
     pub(super) fn new(shape: &At<Shape>) -> Result<Self, ScenarioError> {
         let fail = |error| refuse(&shape.at, error);
         if D != 2 && matches!(**shape, Shape::Annulus { .. } | Shape::Capsule { .. } | Shape::Polygon { .. }) {
-            let message =
-                "this shape exists in two dimensions only; use a ball, a box or a mesh from a file, or dimension = 2";
+            let message = "this shape exists in two dimensions only; use a ball, a box or a mesh from a file (`kind = \"mesh\"`: .msh, or .stl and .obj for bodies that do not deform), or dimension = 2";
             return Err(shape.at.invalid(message));
         }
         check_memory::<D>(shape)?;
