@@ -130,7 +130,7 @@ pub(super) fn fluid_boundary<const D: usize>(
         FluidCondition::Velocity { value } => FluidBoundary::Velocity(value.over_time(&points(), &times)?),
         FluidCondition::Inflow { profile: InflowProfile::Parabolic, maximum, ramp } => {
             let normal = plane_normal(&condition.at, background, tag, None)?;
-            if D > 2 && normal.iter().all(|n| *n != 0.0) {
+            if normal.iter().filter(|n| **n != 0.0).count() > 2 {
                 return Err(condition.at.invalid(
                     "the plane of this inflow contains no axis, so that the edges along which its parabola is zero are not known; use `velocity` with a formula",
                 ));
