@@ -165,7 +165,7 @@ pub(super) fn background<const D: usize>(
     let (min, max, size, refine, is_mirrored) = match &**given {
         Background::GradedBox { min, max, size, refine, mirrored, .. } => (min, max, size, refine, mirrored),
         Background::Polygon { corners, holes, size, refine, smooth, .. } => {
-            return polygon(&given.at, (corners, holes, *smooth), (size, refine), bodies);
+            return polygon(&given.at, (corners, holes), *smooth, (size, refine), bodies);
         }
         Background::Mesh { file, scale, .. } => return background_from_file(file, *scale),
     };
@@ -266,7 +266,8 @@ pub(super) fn expected<const D: usize>(given: &Background, bodies: &[At<BodyKeys
 /// Makes a background between lines.
 fn polygon<const D: usize>(
     at: &Location,
-    (corners, holes, is_smooth): (&[Components<f64>], &[Vec<Components<f64>>], bool),
+    (corners, holes): (&[Components<f64>], &[Vec<Components<f64>>]),
+    is_smooth: bool,
     (size, refine): (&At<f64>, &[At<Refinement>]),
     bodies: &[At<BodyKeys>],
 ) -> Result<SimplexMesh<D>, ScenarioError> {
