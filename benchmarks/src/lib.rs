@@ -91,14 +91,14 @@ fn ball_in_fluid(resolution: Resolution, gap: f64) -> Setup<2> {
     let open = || FluidBoundary::Open { traction: None, backflow: true };
     fluid.boundary = vec![
         (tag("bottom"), FluidBoundary::NoSlip),
-        (tag("left"), FluidBoundary::Symmetry { axis: 0 }),
+        (tag("left"), FluidBoundary::symmetry(0)),
         (tag("right"), open()),
         (tag("top"), open()),
     ];
     let solid = SolidMesh::new(ball_above(resolution, gap)).expect("a mesh with positive cells");
     let surface = tagged_facets(&solid, "surface").expect("a ball has a surface");
     let diameter = tagged_facets(&solid, "left").expect("a half ball has a diameter");
-    let support = Support { vertices: vertices_of(&solid, &diameter), kind: SupportKind::Symmetry { axis: 0 } };
+    let support = Support { vertices: vertices_of(&solid, &diameter), kind: SupportKind::symmetry(0) };
     let options = ElasticOptions { supports: vec![support], ..ElasticOptions::default() };
     let bodies = vec![elastic("ball", solid, options)];
     let ground = RigidPlane::new(Point::<2>::zeros(), Vector::<2>::new(0.0, -1.0)).expect("a unit normal");

@@ -44,6 +44,8 @@ pub struct BlockSystem {
     matrix_is_linear: bool,
     constrained: Vec<bool>,
     prescribed: Vec<(DofId, f64)>,
+    /// Values of tied dofs where their masters are zero.
+    offsets: Vec<(DofId, f64)>,
     /// Entries in constrained rows and columns, with the value that each of them takes.
     eliminated: Vec<(u32, f64)>,
     /// The matrix of the last [`BlockSystem::equilibrate`] in its scales.
@@ -97,6 +99,8 @@ impl BlockSystem {
             self.constrained[dof.index()] = true;
             self.prescribed.push((dof, 0.0));
         }
+        self.offsets.clear();
+        self.offsets.extend(constraints.offsets());
         self.find_eliminated();
         self.has_nonlinear = contributions.iter().any(|c| !c.is_linear() && !c.is_empty());
         self.timings.clear();
@@ -130,7 +134,7 @@ impl BlockSystem {
 
     /// Evaluates the linear contributions again on the known pattern: the dofs of their items are unchanged, their
     /// coefficients may have changed. Matrix and residual are those at x = 0 without the nonlinear contributions.
-    /// Unknowns without a prescribed value are zero.
+    /// Unknowns without a prescribed value are zero, and tied ones have their offsets.
     ///
     /// # Panics
     /// The contributions do not belong to this system.
@@ -143,6 +147,7 @@ impl BlockSystem {
         let mut origin = std::mem::take(&mut self.residual);
         origin.clear();
         origin.resize(n, 0.0);
+        self.offsets.iter().for_each(|(dof, offset)| origin[dof.index()] = *offset);
         self.add(contributions, true, &origin, &mut residual, Some(&mut values));
         let (column_ptr, rows) = (self.pattern.column_ptr(), self.pattern.rows());
         for &(dof, prescribed) in self.prescribed.iter().filter(|(_, prescribed)| *prescribed != 0.0) {

@@ -95,10 +95,8 @@ fn convert_writes_the_same_mesh() {
     assert_eq!(mesh(&["convert", &tetrahedron, &surface]).status.code(), Some(0));
     assert!(text(&mesh(&["info", &surface]).stdout).contains("volume      1.666667e-1"));
     assert!(mesh(&["convert", &square, &path("square.vtu")]).status.success());
-    assert!(
-        std::fs::read(path("square.vtu")).expect("a file").starts_with(b"<VTKFile")
-            || text(&std::fs::read(path("square.vtu")).expect("a file")).contains("VTKFile")
-    );
+    let info = text(&mesh(&["info", &path("square.vtu")]).stdout);
+    assert!(info.contains("3 triangles of order 1") && info.contains("area        2.500000e0"), "{info}");
 }
 
 #[test]
@@ -119,4 +117,35 @@ fn files_that_cannot_be_used_are_refused() {
     let output = mesh(&["info", &folded]);
     let error = text(&output.stderr);
     assert!(output.status.code() == Some(2) && error.contains("elements 3 and 4 lie on the same side"), "{error}");
+}
+
+/// A triangle of order 2 with straight edges, whose last node is the middle of the edge from the third corner to the first.
+const CURVED: &str = r#"$MeshFormat
+2.2 0 8
+$EndMeshFormat
+$Nodes
+6
+1 0 0 0
+2 2 0 0
+3 0 2 0
+4 1 0 0
+5 1 1 0
+6 0 1 0
+$EndNodes
+$Elements
+1
+1 9 2 0 1 1 2 3 4 5 6
+$EndElements
+"#;
+
+#[test]
+fn info_notes_cells_that_are_folded_by_their_edges() {
+    for (node, is_folded) in [("1 0", false), ("1 0.3", false), ("1 1.2", true), ("1 -0.3", false), ("1.9 0", true)] {
+        let moved = CURVED.replace("4 1 0 0", &format!("4 {node} 0"));
+        let output = mesh(&["info", &file("curved.msh", &moved)]);
+        let printed = text(&output.stdout);
+        assert!(printed.contains("1 triangles of order 2"), "{printed}{}", text(&output.stderr));
+        let note = "note        1 cells of order 2 are folded by their curved edges, the first one near [0.66";
+        assert_eq!(printed.contains(note), is_folded, "{node}: {printed}");
+    }
 }

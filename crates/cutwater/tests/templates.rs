@@ -28,7 +28,7 @@ fn templates_are_checked_and_run() {
         assert!(printed.contains(&shown), "{printed}");
         let text = fs::read_to_string(&file).expect("a scenario");
         assert!(text.contains(&format!("name      = \"my-{template}\"")) && !text.contains("NAME"), "{text}");
-        assert!(check_success(&cutwater(&["check", &shown])).starts_with(&format!("my-{template}: dimension 2")));
+        assert!(check_success(&cutwater(&["check", &shown])).contains(&format!("\nmy-{template}: dimension 2")));
         check_success(&cutwater(&["run", &shown, "--set", end, "--out", &out, "--overwrite"]));
         let again = cutwater(&["new", &shown, "--template", template]);
         assert!(!again.status.success() && String::from_utf8_lossy(&again.stderr).contains("it exists"));

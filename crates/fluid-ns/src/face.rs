@@ -61,6 +61,27 @@ impl<'a, const D: usize> FluidFaces<'a, D> {
     }
 }
 
+impl<const D: usize> FluidFaces<'_, D> {
+    /// Returns the normal of a face on a plane of symmetry that is not along an axis. The first item of such a face has all
+    /// components of the velocity, the others have none.
+    fn oblique(&self, face: usize) -> Option<Vector<D>> {
+        self.geometry.faces[face].odd.filter(|normal| normal.amax() < 1.0)
+    }
+
+    /// Adds the penalty `c_F ([∇u]n, [∇v]n)_F` of the components along an oblique plane of symmetry.
+    fn add_oblique(&self, face: usize, x: &[f64], out: &mut LocalSystem) {
+        let value = &self.geometry.faces[face];
+        let weight = value.along_plane() * self.weights[face][0];
+        let terms = || (0..).step_by(D).zip(value.dofs().iter().zip(value.jumps()));
+        let jump: Vector<D> = terms().map(|(_, (dof, j))| self.fields.velocity_at::<D>(x, *dof) * *j).sum();
+        let residual = weight * jump;
+        for (row, (_, test)) in terms() {
+            out.add_vector::<D>(row, residual * *test);
+            terms().for_each(|(column, (_, trial))| out.add_block::<D, D>(row, column, weight * (test * trial)));
+        }
+    }
+}
+
 impl<const D: usize> Contributions for FluidFaces<'_, D> {
     fn name(&self) -> &'static str {
         "fluid faces"
@@ -73,6 +94,13 @@ impl<const D: usize> Contributions for FluidFaces<'_, D> {
     fn dofs(&self, item: usize, out: &mut Vec<DofId>) {
         let (face, component) = (item / (D + 1), item % (D + 1));
         let FluidFields { layout, velocity, pressure } = self.fields;
+        if component < D && self.oblique(face).is_some() {
+            if component == 0 {
+                let dofs = self.geometry.faces[face].dofs().iter();
+                out.extend(dofs.flat_map(|&dof| layout.node(velocity, dof as usize)));
+            }
+            return;
+        }
         let (field, component) = if component < D { (velocity, component) } else { (pressure, 0) };
         let dofs = self.geometry.faces[face].dofs();
         out.extend(dofs.iter().map(|&dof| layout.dof(field, dof as usize, component)));
@@ -81,7 +109,13 @@ impl<const D: usize> Contributions for FluidFaces<'_, D> {
     fn add(&self, item: usize, x: &[f64], out: &mut LocalSystem) {
         let (face, component) = (item / (D + 1), item % (D + 1));
         let value = &self.geometry.faces[face];
-        if value.odd_component == Some(component) {
+        if component < D && self.oblique(face).is_some() {
+            if component == 0 {
+                self.add_oblique(face, x, out);
+            }
+            return;
+        }
+        if component < D && value.odd.is_some_and(|normal| normal.iamax() == component) {
             return;
         }
         let weight = self.weights[face][usize::from(component == D)];

@@ -3,10 +3,10 @@
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
-use mesh::{Aabb, BoundaryMesh, Placed, Point, SimplexMesh, VertexId};
+use mesh::{Aabb, BoundaryMesh, CellId, Placed, Point, SimplexMesh, Tensor, VertexId, det};
 
 use crate::Error;
-use crate::cut::read_tetrahedra;
+use crate::cut::{VtkMesh, read_vtk};
 use crate::files::{extension, write_whole};
 use crate::gmsh::{GmshFile, GmshFormat, GmshMesh, write};
 use crate::surface::Surface;
@@ -43,10 +43,10 @@ impl MeshFile {
                 };
                 content.map_err(refused)
             }
-            "vtu" | "vtk" => {
-                let mesh = read_tetrahedra(path)?;
-                Ok(Self::Space(GmshMesh { mesh, edge_nodes: HashMap::new(), n_turned: 0, n_inside: 0, n_ambiguous: 0 }))
-            }
+            "vtu" | "vtk" => Ok(match read_vtk(path)? {
+                VtkMesh::Plane(mesh) => Self::Plane(of_order_1(mesh)),
+                VtkMesh::Space(mesh) => Self::Space(of_order_1(mesh)),
+            }),
             "stl" | "obj" => {
                 let surface = Surface::read(path)?;
                 Ok(Self::Surface(surface.boundary().clone(), surface.positions().to_vec()))
@@ -89,6 +89,10 @@ impl MeshFile {
     }
 }
 
+fn of_order_1<const D: usize>(mesh: SimplexMesh<D>) -> GmshMesh<D> {
+    GmshMesh { mesh, edge_nodes: HashMap::new(), n_turned: 0, n_inside: 0, n_ambiguous: 0 }
+}
+
 /// Counts, sizes and quality of a mesh or surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshStatistics {
@@ -120,6 +124,10 @@ pub struct MeshStatistics {
     pub n_inside: usize,
     /// Elements in several groups.
     pub n_ambiguous: usize,
+    /// Cells of order 2 whose curved edges fold them.
+    pub n_folded: usize,
+    /// Centroid of the corners of the first folded cell.
+    pub first_folded: Option<Vec<f64>>,
     /// Groups of cells with their numbers of cells and volumes, by name; `None` for cells without a group.
     pub cell_groups: BTreeMap<Option<String>, (usize, f64)>,
     /// Parts of the boundary with their numbers of facets and areas, by name.
@@ -154,6 +162,8 @@ fn of_mesh<const D: usize>(found: &GmshMesh<D>) -> MeshStatistics {
         (smallest, sum) = (smallest.min(of_cell), sum + of_cell);
         add(&mut cell_groups, name(mesh.cell_tag(cell)), mesh.cell_volume(cell));
     }
+    let is_curved = !edge_nodes.is_empty();
+    let folded: Vec<CellId> = mesh.cells().filter(|cell| is_curved && is_folded(mesh, edge_nodes, *cell)).collect();
     let mut boundary_groups = BTreeMap::new();
     for facet in mesh.facets().filter(|facet| mesh.is_boundary(*facet)) {
         add(&mut boundary_groups, name(mesh.facet_tag(facet)), mesh.facet_measure(facet));
@@ -173,10 +183,45 @@ fn of_mesh<const D: usize>(found: &GmshMesh<D>) -> MeshStatistics {
         n_turned: *n_turned,
         n_inside: *n_inside,
         n_ambiguous: *n_ambiguous,
+        n_folded: folded.len(),
+        first_folded: folded.first().map(|cell| mesh.simplex(*cell).centroid().as_slice().to_vec()),
         cell_groups,
         boundary_groups,
     }
 }
+
+/// Returns whether the map of a cell of order 2 from the reference simplex turns over at a corner, at the middle of an edge, or
+/// at the centroid.
+fn is_folded<const D: usize>(
+    mesh: &SimplexMesh<D>,
+    edge_nodes: &HashMap<[VertexId; 2], Point<D>>,
+    cell: CellId,
+) -> bool {
+    let vertices = mesh.cell(cell);
+    let node = |j: usize, k: usize| {
+        let (a, b) = (vertices[j].min(vertices[k]), vertices[j].max(vertices[k]));
+        let middle = || (mesh.vertex(a) + mesh.vertex(b)) * 0.5;
+        if j == k { mesh.vertex(a) } else { edge_nodes.get(&[a, b]).copied().unwrap_or_else(middle) }
+    };
+    let determinant = |at: &dyn Fn(usize) -> f64| {
+        // The map is Σ λ_k (2 λ_k - 1) x_k + Σ_{j<k} 4 λ_j λ_k x_jk.
+        let derivative = |k: usize| {
+            let of_node = |j: usize| node(j, k) * (4.0 * at(j) - f64::from(u8::from(j == k)));
+            (0..=D).map(of_node).sum::<Point<D>>()
+        };
+        let first = derivative(0);
+        let columns: Vec<Point<D>> = (1..=D).map(|k| derivative(k) - first).collect();
+        det(&Tensor::from_columns(&columns))
+    };
+    let straight = mesh.simplex(cell).volume();
+    let turns_over = |at: &dyn Fn(usize) -> f64| determinant(at) <= FOLDED * straight;
+    let pairs = (0..=D).flat_map(|j| (0..=j).map(move |k| [j, k]));
+    let mut ends = pairs.map(|pair| move |i: usize| pair.iter().filter(|k| **k == i).count() as f64 * 0.5);
+    ends.any(|at| turns_over(&at)) || turns_over(&|_| 1.0 / (D + 1) as f64)
+}
+
+/// Largest determinant of the map of a folded cell, relative to its volume with straight edges.
+const FOLDED: f64 = 1e-9;
 
 fn of_surface<const D: usize>(surface: &BoundaryMesh<D>, positions: &[Point<D>]) -> MeshStatistics {
     let placed = Placed::new(surface, positions);
@@ -210,6 +255,8 @@ fn of_surface<const D: usize>(surface: &BoundaryMesh<D>, positions: &[Point<D>])
         n_turned: 0,
         n_inside: 0,
         n_ambiguous: 0,
+        n_folded: 0,
+        first_folded: None,
         cell_groups: BTreeMap::new(),
         boundary_groups,
     }

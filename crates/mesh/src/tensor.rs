@@ -11,6 +11,11 @@ pub type Vector<const D: usize> = SVector<f64, D>;
 /// A second-order tensor.
 pub type Tensor<const D: usize> = SMatrix<f64, D, D>;
 
+/// Returns the unit vector along an axis, whose number is from 0 to `D - 1`; zero for another number.
+pub fn unit_vector<const D: usize>(axis: usize) -> Vector<D> {
+    Vector::from_fn(|a, _| f64::from(u8::from(a == axis)))
+}
+
 /// Returns the determinant of a tensor; nalgebra's own function has trait bounds on the dimension.
 #[inline]
 pub fn det<const D: usize>(t: &Tensor<D>) -> f64 {

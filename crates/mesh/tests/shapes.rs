@@ -5,8 +5,8 @@ mod common;
 use std::f64::consts::PI;
 
 use common::{assert_sound, smallest_angle, volume};
-use mesh::generate::{BallOptions, ClosedLine, ball, inside};
-use mesh::{Error, Point, SimplexMesh};
+use mesh::generate::{BallOptions, ClosedLine, Region, RegionShape, ball, inside, refined_inside};
+use mesh::{Aabb, Error, Point, SimplexMesh};
 
 fn named(name: &str) -> impl Fn(usize) -> String {
     let name = name.to_owned();
@@ -50,6 +50,49 @@ fn regions_between_lines_are_filled() {
         assert!((length - 0.6).abs() < 1e-12);
         assert_eq!(facets_of("circle").len(), lines[2].points.len());
     }
+}
+
+#[test]
+fn regions_between_lines_are_finer_near_regions() {
+    let corners = [[0.0, 0.0], [4.0, 0.0], [4.0, 1.5], [1.5, 1.5], [1.5, 4.0], [0.0, 4.0]];
+    let hole = [[3.3, 0.75], [2.9, 1.0], [2.5, 0.75], [2.9, 0.5]];
+    let regions = [
+        Region { shape: RegionShape::Segment { ends: [[1.5, 1.5].into(); 2], within: 0.1 }, size: 0.02, growth: 0.2 },
+        Region {
+            shape: RegionShape::Box(Aabb { low: [3.2, 0.0].into(), high: [4.0, 0.75].into() }),
+            size: 0.08,
+            growth: 0.3,
+        },
+    ];
+    let size = |x: &Point<2>| regions.iter().map(|region| region.at(x)).fold(0.3, f64::min);
+    let at = |x: [f64; 2]| size(&x.into());
+    let lines = [
+        ClosedLine::graded_polygon(&corners, &at, named("side")).expect("a line"),
+        ClosedLine::graded_smooth(&hole, &at, "hole").expect("a line"),
+    ];
+    let mesh: SimplexMesh<2> = refined_inside(&lines, 0.3, &regions).expect("a mesh");
+    assert_sound(&mesh);
+    assert!(smallest_angle(&mesh) >= 20.0, "{}", smallest_angle(&mesh));
+    assert!((volume(&mesh) - (lines[0].area() - lines[1].area().abs())).abs() < 1e-12);
+    // Diameters follow the size everywhere, and in the mean.
+    let relative = mesh.cells().map(|cell| {
+        let simplex = mesh.simplex(cell);
+        simplex.diameter() / size(&simplex.centroid())
+    });
+    let relative: Vec<f64> = relative.collect();
+    let mean = relative.iter().sum::<f64>() / relative.len() as f64;
+    let largest = relative.iter().copied().fold(0.0, f64::max);
+    assert!((0.85..1.15).contains(&mean) && largest < 2.0, "{mean} {largest}");
+    // The hole follows the spline of its corners, and every side has its name.
+    let spline = ClosedLine::smooth(&hole, 1e-3, "hole").expect("a line");
+    let off =
+        |x: &[f64; 2]| spline.points.iter().map(|y| (x[0] - y[0]).hypot(x[1] - y[1])).fold(f64::INFINITY, f64::min);
+    assert!(lines[1].points.iter().map(off).fold(0.0, f64::max) < 1e-3);
+    assert!(mesh.facets().all(|facet| mesh.is_boundary(facet) == mesh.facet_tag(facet).is_some()));
+    let plain = [ClosedLine::polygon(&corners, 0.3, named("side")).expect("a line")];
+    let outside =
+        Region { shape: RegionShape::Segment { ends: [[9.0, 0.0].into(); 2], within: 0.1 }, ..regions[0].clone() };
+    assert!(matches!(refined_inside(&plain, 0.3, &[outside]), Err(Error::Parameter(_))));
 }
 
 #[test]

@@ -7,7 +7,10 @@ use solver::{FluidBoundary, Setup};
 /// Returns the position of the left or right side if it is a plane of symmetry. Pictures then include the mirror image.
 pub fn mirror<const D: usize>(setup: &Setup<D>) -> Option<f64> {
     let fluid = setup.fluid.as_ref()?;
-    let (tag, _) = fluid.boundary.iter().find(|(_, c)| matches!(c, FluidBoundary::Symmetry { axis: 0 }))?;
+    let (tag, _) = fluid
+        .boundary
+        .iter()
+        .find(|(_, c)| matches!(c, FluidBoundary::Symmetry { normal } if normal[0].abs() == 1.0))?;
     let facet = fluid.background.facets().find(|f| fluid.background.facet_tag(*f) == Some(*tag))?;
     Some(fluid.background.vertex(fluid.background.facet(facet)[0])[0])
 }

@@ -41,7 +41,7 @@ impl<const D: usize> ElasticBody<D> {
     ///
     /// # Errors
     /// [`Error::UnknownVertex`], [`Error::UnknownFacet`]: a support or load names one that the mesh does not have.
-    /// [`Error::Parameter`]: a support along an axis that does not exist. [`Error::MissingMaterial`]: a group of cells
+    /// [`Error::Parameter`]: a normal that has not the length one. [`Error::MissingMaterial`]: a group of cells
     /// without a material.
     pub fn new(name: &str, solid: SolidMesh<D>, form: SolidForm<D>, options: ElasticOptions<D>) -> Result<Self, Error> {
         let (n_vertices, n_facets) = (solid.nodes().len(), solid.boundary().n_facets());
@@ -49,8 +49,9 @@ impl<const D: usize> ElasticBody<D> {
             if let Some(&vertex) = support.vertices.iter().find(|v| v.index() >= n_vertices) {
                 return Err(Error::UnknownVertex { vertex, n_vertices });
             }
-            if let SupportKind::Symmetry { axis } = support.kind {
-                require(axis < D, "axis of symmetry", axis as f64, "below the dimension")?;
+            if let SupportKind::Symmetry { normal } = support.kind {
+                let length = normal.norm();
+                require((length - 1.0).abs() < 1e-9, "length of the normal of a symmetry", length, "one")?;
             }
         }
         if let Some(&facet) = options.loads.iter().flat_map(|load| &load.facets).find(|f| f.index() >= n_facets) {

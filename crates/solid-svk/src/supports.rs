@@ -5,7 +5,7 @@ use std::sync::Arc;
 use algebra::Constraints;
 use algebra::time::Affine;
 use body::{BodyState, StepTime};
-use mesh::{FacetId, Point, Vector, VertexId};
+use mesh::{FacetId, Point, Vector, VertexId, unit_vector};
 
 use crate::{Error, SolidCells, SolidMesh};
 
@@ -26,19 +26,27 @@ pub struct Support<const D: usize> {
 pub enum SupportKind<const D: usize> {
     /// No motion.
     Clamped,
-    /// No motion along a coordinate axis.
+    /// No motion along the normal of a plane.
     Symmetry {
-        /// Number of the axis, from 0.
-        axis: usize,
+        /// Unit normal of the plane, of either sign.
+        normal: Vector<D>,
     },
     /// Displacement at the end of the step.
     Displacement(DisplacementField<D>),
 }
 
+impl<const D: usize> SupportKind<D> {
+    /// Creates the symmetry on a plane across an axis, whose number is from 0 to `D - 1`.
+    pub fn symmetry(axis: usize) -> Self {
+        Self::Symmetry { normal: unit_vector(axis) }
+    }
+}
+
 impl<const D: usize> Support<D> {
     /// Prescribes the velocities of the held nodes such that the displacement at the end of the step is the given one.
     ///
-    /// Of two supports of the same dof the later one counts; clamps and symmetry planes prescribe the same value.
+    /// Of two supports of the same dof the later one counts. Planes of symmetry are combined, and yield to other supports before
+    /// them.
     pub fn constrain(
         &self,
         cells: SolidCells<'_, D>,
@@ -49,10 +57,15 @@ impl<const D: usize> Support<D> {
         let SolidCells { solid, layout, velocity: field, .. } = cells;
         let end = Affine::new(&time.weights.displacement, &begin.level);
         for &vertex in &self.vertices {
-            let at_rest = |a: usize| time.weights.stage_velocity(0.0, begin.velocity()[vertex.index()][a]);
+            let at_rest = |start: f64| time.weights.stage_velocity(0.0, start);
+            let start = &begin.velocity()[vertex.index()];
             let velocity: [Option<f64>; D] = match &self.kind {
-                SupportKind::Clamped => std::array::from_fn(|a| Some(at_rest(a))),
-                SupportKind::Symmetry { axis } => std::array::from_fn(|a| (a == *axis).then(|| at_rest(a))),
+                SupportKind::Clamped => std::array::from_fn(|a| Some(at_rest(start[a]))),
+                SupportKind::Symmetry { normal } => {
+                    let equation: Vec<_> = layout.node(field, vertex.index()).zip(normal.iter().copied()).collect();
+                    constraints.impose(&equation, at_rest(normal.dot(start)));
+                    continue;
+                }
                 SupportKind::Displacement(displacement) => {
                     let prescribed = displacement(&solid.nodes()[vertex.index()], time.end);
                     // v = (d - d_pred)/c_d

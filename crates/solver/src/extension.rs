@@ -101,23 +101,23 @@ impl<const D: usize> Unknowns<'_, D> {
         }
     }
 
-    /// Adds the derivatives of `1/2 weight · |Σ_k factors_k u_k - target|²`, where `weight` has one entry for each component.
+    /// Adds the derivatives of `1/2 e · weight e` with `e = Σ_k factors_k u_k - target`.
     fn add_square(
         &self,
         (dofs, factors): (&[u32], &[f64]),
         target: &Vector<D>,
-        weight: &Vector<D>,
+        weight: &Tensor<D>,
         x: &[f64],
         out: &mut LocalSystem,
     ) {
         let sum: Vector<D> = dofs.iter().zip(factors).map(|(dof, factor)| self.value(*dof, x) * *factor).sum();
-        let residual = (sum - target).component_mul(weight);
+        let residual = weight * (sum - target);
         let unknown = || dofs.iter().zip(factors).filter(|(dof, _)| self.nodes[**dof as usize].is_some());
         let rows = || (0..).step_by(D).zip(unknown());
         for (row, (_, test)) in rows() {
             out.add_vector::<D>(row, residual * *test);
             for (column, (_, trial)) in rows() {
-                out.add_block::<D, D>(row, column, Tensor::from_diagonal(weight) * (test * trial));
+                out.add_block::<D, D>(row, column, weight * (test * trial));
             }
         }
     }
@@ -140,8 +140,7 @@ impl<const D: usize> Contributions for Jumps<'_, D> {
 
     fn add(&self, item: usize, x: &[f64], out: &mut LocalSystem) {
         let face = self.faces[item];
-        let mut weight = Vector::repeat(face.share * face.weight * face.diameter);
-        face.odd_component.iter().for_each(|odd| weight[*odd] = 0.0);
+        let weight = face.along_plane() * (face.share * face.weight * face.diameter);
         self.unknowns.add_square((face.dofs(), face.jumps()), &Vector::zeros(), &weight, x, out);
     }
 
@@ -183,7 +182,7 @@ impl<const D: usize> Contributions for SurfaceFit<'_, D> {
             let (of_body, offset): (Vector<D>, Vector<D>) = (on_facet(&values), on_facet(&offsets));
             let mut shape = at.fluid;
             shape.iter_mut().zip(pieces.gradients(self.pieces[item])).for_each(|(n, g)| *n += g.dot(&offset));
-            let weight = Vector::repeat(at.weight / pieces.cell_size(self.pieces[item]));
+            let weight = Tensor::identity() * (at.weight / pieces.cell_size(self.pieces[item]));
             self.unknowns.add_square((dofs, &shape[..=D]), &of_body, &weight, x, out);
             for k in 0..=D {
                 let mut vertex = [0.0; MAX_CELL_VERTICES];

@@ -88,8 +88,8 @@ impl<'a, const D: usize> FluidStep<'a, D> {
         let parts = PartValues::new(background, &cut);
         let mut faces = face_values(background, &cut, &space, &parts);
         for (tag, condition) in &fluid.boundary {
-            if let FluidBoundary::Symmetry { axis } = condition {
-                faces.extend(symmetry_values(background, &cut, &space, &parts, (*tag, *axis)));
+            if let FluidBoundary::Symmetry { normal } = condition {
+                faces.extend(symmetry_values(background, &cut, &space, &parts, (*tag, *normal)));
             }
         }
         let films = fluid.film.map(|film| {
@@ -218,34 +218,34 @@ impl<'a, const D: usize> FluidStep<'a, D> {
         self.open_boundaries.iter().map(of_terms).sum()
     }
 
-    /// Constrains the velocity on planes of symmetry and parallel outflows, then prescribed velocities, then walls,
-    /// such that the values at the end of the step are the given ones. At a vertex of several conditions the last one counts.
+    /// Constrains the velocity where it is prescribed, then on walls, then on planes of symmetry and parallel outflows, such that
+    /// the values at the end of the step are the given ones. At a vertex of several conditions walls count most, then prescribed
+    /// velocities; planes are combined.
     pub(crate) fn constrain(&self, layout: &BlockLayout, time: &StepTime, constraints: &mut Constraints) {
         let background = &self.setup.background;
-        let mut set = |order: usize| {
-            for (tag, condition) in &self.setup.boundary {
-                let dofs = || boundary_dofs(background, &self.cut, &self.space, *tag).into_iter();
-                let mut set = |dof: u32, axis: usize, end: f64| {
-                    let value = time.weights.stage_velocity(end, self.start.velocity[dof as usize][axis]);
-                    constraints.set(layout.dof(self.velocity, dof as usize, axis), value);
-                };
-                match condition {
-                    FluidBoundary::Symmetry { axis } if order == 0 => dofs().for_each(|dof| set(dof, *axis, 0.0)),
-                    FluidBoundary::Parallel { axis } if order == 0 => {
-                        dofs().for_each(|dof| (0..D).filter(|across| across != axis).for_each(|k| set(dof, k, 0.0)));
-                    }
-                    FluidBoundary::Velocity(velocity) if order == 1 => dofs().for_each(|dof| {
-                        let value = velocity(&background.vertex(self.space.vertex(dof)), time.end);
-                        (0..D).for_each(|axis| set(dof, axis, value[axis]));
-                    }),
-                    FluidBoundary::NoSlip if order == 2 => {
-                        dofs().for_each(|dof| (0..D).for_each(|axis| set(dof, axis, 0.0)));
-                    }
-                    _ => {}
-                }
+        let dofs = |tag| boundary_dofs(background, &self.cut, &self.space, tag).into_iter();
+        let start = |dof: u32| self.start.velocity[dof as usize];
+        let mut set = |dof: u32, end: Vector<D>| {
+            for (axis, place) in layout.node(self.velocity, dof as usize).enumerate() {
+                constraints.set(place, time.weights.stage_velocity(end[axis], start(dof)[axis]));
             }
         };
-        (0..3).for_each(&mut set);
+        for (tag, condition) in &self.setup.boundary {
+            let FluidBoundary::Velocity(velocity) = condition else { continue };
+            dofs(*tag).for_each(|dof| set(dof, velocity(&background.vertex(self.space.vertex(dof)), time.end)));
+        }
+        for (tag, _) in self.setup.boundary.iter().filter(|(_, of)| matches!(of, FluidBoundary::NoSlip)) {
+            dofs(*tag).for_each(|dof| set(dof, Vector::zeros()));
+        }
+        for (tag, condition) in &self.setup.boundary {
+            for across in condition.without_flow() {
+                for dof in dofs(*tag) {
+                    let equation: Vec<_> =
+                        layout.node(self.velocity, dof as usize).zip(across.iter().copied()).collect();
+                    constraints.impose(&equation, time.weights.stage_velocity(0.0, across.dot(&start(dof))));
+                }
+            }
+        }
         self.end_films(layout, time.stage(), constraints);
     }
 

@@ -143,8 +143,9 @@ impl<const D: usize> Problem<'_, D> {
         self.equations.contributions.iter().for_each(|terms| terms.add_residual(x, &mut residual));
         let total = dt * x.iter().zip(&residual).map(|(x, r)| x * r).sum::<f64>();
         let constrained = (0..layout.len()).filter(|&k| step.constraints.get(DofId::new(k)).is_some());
+        let of_ties: f64 = step.constraints.offsets().map(|(dof, x)| x * residual[dof.index()]).sum();
         let mut ledger = Ledger {
-            given_velocities: -dt * constrained.map(|k| x[k] * residual[k]).sum::<f64>(),
+            given_velocities: -dt * (constrained.map(|k| x[k] * residual[k]).sum::<f64>() + of_ties),
             ..Ledger::default()
         };
         let mut known = 0.0;

@@ -8,7 +8,7 @@ use body::{Body, BodyState, PointField, TimeField};
 use contact::{ContactForm, DeformableObstacle, Obstacle, OwnSurface, check_pair};
 use cutcell::OverlayOptions;
 use fluid_ns::NewtonianFluid;
-use mesh::{BodyId, FacetId, Placed, Point, SimplexMesh, Tag, Vector};
+use mesh::{BodyId, FacetId, Placed, Point, SimplexMesh, Tag, Vector, unit_vector};
 
 use crate::{Stabilisation, Stage};
 
@@ -89,15 +89,15 @@ pub enum FluidBoundary<const D: usize> {
     NoSlip,
     /// `u` given: moving walls, inflow profiles.
     Velocity(TimeField<D>),
-    /// `u·n = 0` on a plane across the axis, with free tangential traction.
+    /// `u·n = 0` on a plane, with free tangential traction.
     Symmetry {
-        /// Number of the axis, from 0.
-        axis: usize,
+        /// Unit normal of the plane, of either sign.
+        normal: Vector<D>,
     },
-    /// Flow along an axis through a plane normal to it, without normal traction.
+    /// Flow through a plane along its normal, without normal traction.
     Parallel {
-        /// Number of the axis, from 0.
-        axis: usize,
+        /// Unit normal of the plane, of either sign.
+        normal: Vector<D>,
     },
     /// Traction given (zero if `None`).
     Open {
@@ -106,6 +106,31 @@ pub enum FluidBoundary<const D: usize> {
         /// Whether to stabilise inflow.
         backflow: bool,
     },
+}
+
+impl<const D: usize> FluidBoundary<D> {
+    /// Creates the symmetry on a plane across an axis, whose number is from 0 to `D - 1`.
+    pub fn symmetry(axis: usize) -> Self {
+        Self::Symmetry { normal: unit_vector(axis) }
+    }
+
+    /// Creates the flow along an axis, whose number is from 0 to `D - 1`.
+    pub fn parallel(axis: usize) -> Self {
+        Self::Parallel { normal: unit_vector(axis) }
+    }
+
+    /// Returns the directions in which nothing flows while others are free: the normal of a plane of symmetry, and those along
+    /// the plane of a parallel flow.
+    pub(crate) fn without_flow(&self) -> Vec<Vector<D>> {
+        match self {
+            Self::Symmetry { normal } => vec![*normal],
+            Self::Parallel { normal } => {
+                let across = (0..D).filter(|axis| *axis != normal.iamax());
+                across.map(|axis| unit_vector(axis) - normal * normal[axis]).collect()
+            }
+            Self::NoSlip | Self::Velocity(_) | Self::Open { .. } => Vec::new(),
+        }
+    }
 }
 
 impl<const D: usize> FluidSetup<D> {
@@ -133,7 +158,7 @@ impl<const D: usize> FluidSetup<D> {
         };
         let is_symmetry = |facet: FacetId| {
             let condition = self.condition(self.background.facet_tag(facet));
-            matches!(condition, Some(FluidBoundary::Symmetry { axis }) if *axis == radial)
+            matches!(condition, Some(FluidBoundary::Symmetry { normal }) if normal[radial].abs() == 1.0)
         };
         if self.background.facets().filter(on_axis).all(is_symmetry) { Ok(()) } else { Err(Stage::Axis) }
     }
@@ -231,7 +256,7 @@ impl<const D: usize> Setup<D> {
     /// Checks the numbers of the setup, and that its parts fit together. [`crate::State::initial`] calls it.
     ///
     /// # Errors
-    /// [`Stage::Parameter`]: a time step, weight, roughness or axis out of its range. [`Stage::Axis`]: a side on the
+    /// [`Stage::Parameter`]: a time step, weight, roughness or normal out of its range. [`Stage::Axis`]: a side on the
     /// axis of rotation without symmetry. [`Stage::Coordinates`]: a body in other coordinates than the background.
     /// [`Stage::Contact`]: a contact that was made for other bodies.
     pub fn check(&self) -> Result<(), Stage> {
@@ -246,8 +271,9 @@ impl<const D: usize> Setup<D> {
             mesh::require(roughness >= 0.0 && roughness.is_finite(), "roughness", roughness, "zero or positive")?;
         }
         for (_, condition) in self.fluid.iter().flat_map(|fluid| &fluid.boundary) {
-            if let FluidBoundary::Symmetry { axis } | FluidBoundary::Parallel { axis } = *condition {
-                mesh::require(axis < D, "axis of symmetry or flow", axis as f64, "below the dimension")?;
+            if let FluidBoundary::Symmetry { normal } | FluidBoundary::Parallel { normal } = condition {
+                let (length, is_unit) = (normal.norm(), (normal.norm() - 1.0).abs() < 1e-9);
+                mesh::require(is_unit, "length of the normal of a symmetry or flow", length, "one")?;
             }
         }
         if let Some(fluid) = &self.fluid {

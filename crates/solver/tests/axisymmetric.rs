@@ -13,8 +13,6 @@ use solver::mesh::generate::{BallOptions, Size, graded_box, half_ball, structure
 use solver::mesh::{Coordinates, Placed, SimplexMesh, VertexId};
 use solver::{FluidBoundary, Setup, Stage, State, Step};
 
-const AXIS: FluidBoundary<2> = FluidBoundary::Symmetry { axis: 0 };
-
 fn around_axis(mesh: SimplexMesh<2>) -> SimplexMesh<2> {
     mesh.with_coordinates(Coordinates::Axisymmetric).expect("radii of zero and more")
 }
@@ -31,7 +29,7 @@ fn ball(height: f64, radius: f64, size: f64) -> SimplexMesh<2> {
 /// Returns a fluid with the axis on its left side.
 fn around(density: f64, viscosity: f64, dt: f64) -> Setup<2> {
     let mut setup = setup(fluid(background(), density, viscosity), dt);
-    on_sides(&mut setup, &["left"], || AXIS);
+    on_sides(&mut setup, &["left"], || FluidBoundary::symmetry(0));
     setup
 }
 
@@ -159,7 +157,7 @@ fn a_bar_under_axial_stretch_is_that_of_space() {
         V::zeros(),
     );
     let along = 1.2;
-    body.support("bottom", SupportKind::Symmetry { axis: 1 });
+    body.support("bottom", SupportKind::symmetry(1));
     body.support("top", SupportKind::Displacement(Arc::new(move |x, _| [None, Some((along - 1.0) * x[1])])));
     let nodes = body.solid.nodes().to_vec();
     let mut setup = dry(vec![body.body()], 1.0);
@@ -252,7 +250,7 @@ fn the_flow_through_a_pipe_has_its_parabola() {
         let pipe = around_axis(structured_box([0.0, 0.0], [1.0, 1.0], [n, n / 2]).expect("a box"));
         let mut setup = setup(fluid(pipe, 1.0, mu), 1e3);
         fluid_of(&mut setup).initial_velocity = Some(Arc::new(u));
-        on_sides(&mut setup, &["left"], || AXIS);
+        on_sides(&mut setup, &["left"], || FluidBoundary::symmetry(0));
         on_sides(&mut setup, &["right"], || FluidBoundary::NoSlip);
         on_sides(&mut setup, &["bottom", "top"], || FluidBoundary::Open {
             // T n of the parabola has a shear along the side.

@@ -133,7 +133,7 @@ fn the_tangential_traction_on_a_symmetry_line_is_free() {
     // u = (a x, -a y) has no normal velocity and no shear on x = 0.
     let u = |x: &P| V::new(0.6 * x[0], 0.4 - 0.6 * x[1]);
     let mut setup = setup(fluid(background(), 1.2, 0.3), 0.05);
-    on_sides(&mut setup, &["left"], || FluidBoundary::Symmetry { axis: 0 });
+    on_sides(&mut setup, &["left"], || FluidBoundary::symmetry(0));
     setup.bodies.push(prescribed(&disk([0.9, 0.7], 0.37, 0.1), |x, _| *x, move |x, _| u(x)));
     // The pressure of a symmetric flow is symmetric.
     linear_flow(setup, u, [[0.6, 0.0], [0.0, -0.6]], V::new(0.0, 2.5));
@@ -144,7 +144,7 @@ fn parallel_flow_has_no_normal_traction() {
     // u = (a y, 0) leaves on the right, x = 2, where the pressure is that of `linear_flow`, zero.
     let u = |x: &P| V::new(0.6 * x[1], 0.0);
     let mut setup = setup(fluid(background(), 1.2, 0.3), 0.05);
-    on_sides(&mut setup, &["right"], || FluidBoundary::Parallel { axis: 0 });
+    on_sides(&mut setup, &["right"], || FluidBoundary::parallel(0));
     setup.bodies.push(prescribed(&disk([0.9, 0.7], 0.37, 0.1), |x, _| *x, move |x, _| u(x)));
     linear_flow(setup, u, [[0.0, 0.6], [0.0, 0.0]], V::new(-0.85, 0.0));
 }

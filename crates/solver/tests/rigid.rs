@@ -209,7 +209,7 @@ fn setups_that_cannot_run_are_refused() {
         (|setup| setup.dt = 0.0, "time step is 0.0, but must be positive"),
         (|setup| setup.dt = -1e-3, "time step is -0.001"),
         (|setup| setup.dt = f64::NAN, "time step is NaN"),
-        (|setup| on_sides(setup, &["left"], || FluidBoundary::Symmetry { axis: 2 }), "axis of symmetry or flow is 2.0"),
+        (|setup| on_sides(setup, &["left"], || FluidBoundary::symmetry(2)), "normal of a symmetry or flow is 0.0"),
         (|setup| setup.bodies.truncate(1), "body 1 is not among the 1 bodies"),
         (|setup| setup.bodies[0] = brick(), "is not among the 4 facets"),
         (|setup| setup.bodies[1] = Arc::clone(&setup.bodies[0]), "the body to which its boundary belongs"),

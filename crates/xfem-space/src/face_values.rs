@@ -1,7 +1,7 @@
 //! Jumps of normal derivatives over faces.
 
 use cutcell::{CellState, CutMesh, PartFace, PartId};
-use mesh::{FacetId, MAX_CELL_VERTICES, SimplexMesh, Tag, Vector, diameter, facet_normal, simplex_measure};
+use mesh::{FacetId, MAX_CELL_VERTICES, SimplexMesh, Tag, Tensor, Vector, diameter, facet_normal, simplex_measure};
 
 use crate::{PartValues, XfemSpace};
 
@@ -29,8 +29,9 @@ pub struct FaceValue<const D: usize> {
     pub normal: Vector<D>,
     /// Share of the face's integral that belongs to this domain: one, or a half on a symmetry plane.
     pub share: f64,
-    /// On a symmetry plane, the vector component that changes its sign in the mirror image and has no jump.
-    pub odd_component: Option<usize>,
+    /// On a symmetry plane, its unit normal: the component of a vector along it changes its sign in the mirror image and has no
+    /// jump.
+    pub odd: Option<Vector<D>>,
     n_dofs: usize,
     dofs: [u32; MAX_FACE_DOFS],
     jumps: [f64; MAX_FACE_DOFS],
@@ -47,6 +48,11 @@ impl<const D: usize> FaceValue<D> {
     #[inline]
     pub fn jumps(&self) -> &[f64] {
         &self.jumps[..self.n_dofs]
+    }
+
+    /// Returns the projection on the components that may have a jump: on a symmetry plane those along it, else all.
+    pub fn along_plane(&self) -> Tensor<D> {
+        Tensor::identity() - self.odd.map_or(Tensor::zeros(), |normal| normal * normal.transpose())
     }
 
     /// Returns the `D` dofs on the face.
@@ -69,7 +75,7 @@ impl<const D: usize> FaceValue<D> {
             diameter: diameter(points),
             normal: facet_normal(points),
             share: 1.0,
-            odd_component: None,
+            odd: None,
             n_dofs: D + 2,
             dofs: [0; MAX_FACE_DOFS],
             jumps: [0.0; MAX_FACE_DOFS],
@@ -115,14 +121,14 @@ pub fn face_values<const D: usize>(
     cut.part_faces().iter().map(value).collect()
 }
 
-/// Returns the values on the tagged symmetry plane across an axis: a domain and its mirror image penalise the jumps on them
+/// Returns the values on the tagged symmetry plane with a unit normal: a domain and its mirror image penalise the jumps on them
 /// as on any interior face.
 pub fn symmetry_values<const D: usize>(
     background: &SimplexMesh<D>,
     cut: &CutMesh<D>,
     space: &XfemSpace<D>,
     values: &PartValues<D>,
-    (tag, axis): (Tag, usize),
+    (tag, normal): (Tag, Vector<D>),
 ) -> Vec<FaceValue<D>> {
     let mut faces = Vec::new();
     let mut of_face: Vec<(FacetId, PartId)> = Vec::new();
@@ -136,7 +142,7 @@ pub fn symmetry_values<const D: usize>(
         let is_ghost = cut.cell_state(cut.part_cell(piece.part)) == CellState::Cut;
         let mut value = FaceValue::new(background, piece.facet, [piece.part; 2], is_ghost);
         value.share = 0.5;
-        value.odd_component = Some(axis);
+        value.odd = Some(normal);
         value.n_dofs = D + 1;
         // The mirror image has the opposite normal derivative.
         value.add_side(Parts { background, cut, space, values }, piece.part, D, 2.0);

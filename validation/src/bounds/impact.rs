@@ -45,7 +45,7 @@ fn start(size: f64, speed: f64, dt: f64, scheme: Scheme) -> Result<Run, Failure>
     let mesh = half_ball([0.0, RADIUS], RADIUS, size, &BallOptions { area_preserving: false })?;
     let material = SaintVenantKirchhoff::new(LameParameters::new(MU, LAMBDA)?);
     let mut body = elastic(mesh, 1.0, material, V::zeros(), scheme)?;
-    body.hold("left", SupportKind::Symmetry { axis: 0 })?;
+    body.hold("left", SupportKind::symmetry(0))?;
     body.options.initial_velocity = Some(Arc::new(move |_| V::new(0.0, -speed)));
     let contact = floor(body.part("surface")?, GAMMA_CONTACT, CONTACT_SIZE)?;
     run(vec![body], Some(contact), dt, 1e-9)

@@ -102,7 +102,7 @@ pub(super) fn slow(
     let mut fluid = fluid(background.with_coordinates(Coordinates::Axisymmetric)?, 1e-9, 1.0);
     for side in ["left", "right", "bottom", "top"] {
         let tag = fluid.background.tag(side).ok_or("a box has four sides")?;
-        let condition = if side == "left" { FluidBoundary::Symmetry { axis: 0 } } else { outer(side) };
+        let condition = if side == "left" { FluidBoundary::symmetry(0) } else { outer(side) };
         fluid.boundary.push((tag, condition));
     }
     let mut setup = problem(fluid, dt);
@@ -177,7 +177,7 @@ fn known_flow<F: Flow>(known: &Known<F>, n: usize) -> Result<(Errors, f64), Fail
     let mut setup = known.setup(background.with_coordinates(Coordinates::Axisymmetric)?, 1e9);
     let left = fluid_mut(&mut setup)?.background.tag("left");
     for (_, condition) in fluid_mut(&mut setup)?.boundary.iter_mut().filter(|(tag, _)| Some(*tag) == left) {
-        *condition = FluidBoundary::Symmetry { axis: 0 };
+        *condition = FluidBoundary::symmetry(0);
     }
     setup.bodies.push(moving(sphere(0.0, RADIUS, 1.0 / n as f64), |x, _| *x, known.velocity()));
     let mut run = Run::new(setup)?;
@@ -276,7 +276,7 @@ fn added_mass(record: &mut Record) -> Result<(), Failure> {
         let regions = [Region { shape: near, size: h, growth: 0.2 }];
         let background = refined_box([0.0, 0.0], [FAR, FAR], &Size::uniform(3.0), &regions)?;
         let on_side = |side: &str| match side {
-            "bottom" => FluidBoundary::Symmetry { axis: 1 },
+            "bottom" => FluidBoundary::symmetry(1),
             _ => FluidBoundary::Open { traction: None, backflow: false },
         };
         let mut setup = slow(background, STEP, on_side)?;
@@ -321,7 +321,7 @@ fn wake(record: &mut Record) -> Result<(), Failure> {
     // Diameter 2, speed 1, Re 100.
     let mut setup = slow(background, 2.0, |side| match side {
         "bottom" => FluidBoundary::Velocity(Arc::new(|_, _| V::new(0.0, 1.0))),
-        "right" => FluidBoundary::Symmetry { axis: 0 },
+        "right" => FluidBoundary::symmetry(0),
         _ => FluidBoundary::Open { traction: None, backflow: true },
     })?;
     setup.scheme = Arc::new(ImplicitEuler);

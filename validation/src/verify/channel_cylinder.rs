@@ -88,7 +88,7 @@ fn setup(cells: usize) -> Result<Setup<2>, Failure> {
     fluid.convection = None;
     let bottom = fluid.background.tag("bottom");
     for (_, condition) in fluid.boundary.iter_mut().filter(|(tag, _)| Some(*tag) == bottom) {
-        *condition = FluidBoundary::Symmetry { axis: 1 };
+        *condition = FluidBoundary::symmetry(1);
     }
     // Edges of a third of a cell.
     let corners = disk(P::new(0.5 * LENGTH, 0.0), 0.5, (3.0 * PI * cells as f64).ceil() as usize);

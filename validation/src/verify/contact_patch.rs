@@ -41,11 +41,11 @@ fn block(bottom: f64, n: usize, top: f64) -> Result<Elastic<2>, Failure> {
     let mesh = structured_box::<2>([0.0, bottom], [1.0, bottom + 1.0], [n, n])?;
     let material = SaintVenantKirchhoff::new(LameParameters::new(LAME, LAME)?);
     let mut body = elastic(mesh, 1.0, material, V::zeros(), Arc::new(QuasiStatic))?;
-    body.hold("left", SupportKind::Symmetry { axis: 0 })?;
+    body.hold("left", SupportKind::symmetry(0))?;
     if top != 0.0 {
         body.hold("top", pushed([None, Some(-top)]))?;
     } else {
-        body.hold("bottom", SupportKind::Symmetry { axis: 1 })?;
+        body.hold("bottom", SupportKind::symmetry(1))?;
     }
     Ok(body)
 }

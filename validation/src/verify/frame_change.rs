@@ -138,7 +138,7 @@ fn setup(cells: usize, dt: f64, moves: bool) -> Result<Setup<2>, Failure> {
     let fluid = fluid_mut(&mut setup)?;
     let bottom = fluid.background.tag("bottom");
     for (_, condition) in fluid.boundary.iter_mut().filter(|(tag, _)| Some(*tag) == bottom) {
-        *condition = FluidBoundary::Symmetry { axis: 1 };
+        *condition = FluidBoundary::symmetry(1);
     }
     fluid.initial_velocity = Some(Arc::new(move |x| stream(x, 0.0)));
     let centre = P::new(0.5 * CHANNEL[0] + start, 0.0);

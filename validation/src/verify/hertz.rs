@@ -67,7 +67,7 @@ fn press(
     // The plane of symmetry has no shear traction; the vertex in its middle is on the axis.
     body.hold("top", pushed([None, Some(-PUSHED)]))?;
     let centre = VertexId::new(body.solid.mesh().n_vertices() - 1 - n);
-    body.options.supports.push(Support { vertices: vec![centre], kind: SupportKind::Symmetry { axis: 0 } });
+    body.options.supports.push(Support { vertices: vec![centre], kind: SupportKind::symmetry(0) });
     let contact = floor_by(body.part("bottom")?, form)?;
     let mut run = run(vec![body], Some(contact), f64::from(LOAD_STEPS).recip(), 1e-10)?;
     let mut report = run.advance()?;

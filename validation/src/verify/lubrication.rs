@@ -162,7 +162,7 @@ pub(super) fn approach(background: SimplexMesh<2>, gap: f64, n_corners: usize) -
     let tag = |name: &str| fluid.background.tag(name).ok_or("a side of a box");
     let open = || FluidBoundary::Open { traction: None, backflow: false };
     fluid.boundary = vec![
-        (tag("left")?, FluidBoundary::Symmetry { axis: 0 }),
+        (tag("left")?, FluidBoundary::symmetry(0)),
         (tag("right")?, open()),
         (tag("top")?, open()),
         (tag("bottom")?, FluidBoundary::NoSlip),

@@ -48,7 +48,7 @@ fn at_rest(law: impl ContactLaw + 'static, ambient: f64) -> Result<[f64; 2], Fai
     let disk = half_ball::<2>(centre, RADIUS, SIZE, &BallOptions { area_preserving: false })?;
     let material = SaintVenantKirchhoff::new(LameParameters::new(MU, LAMBDA)?);
     let mut disk = elastic(disk, SOLID, material, V::new(0.0, -GRAVITY), Arc::new(QuasiStatic))?;
-    disk.hold("left", SupportKind::Symmetry { axis: 0 })?;
+    disk.hold("left", SupportKind::symmetry(0))?;
     let touch = floor_by(disk.part("surface")?, ContactForm::new(law, SIZE)?)?;
 
     let background = graded_box::<2>([0.0, 0.0], [2.0 * RADIUS, 3.0 * RADIUS], &Size::uniform(1.3 * SIZE))?;
@@ -58,7 +58,7 @@ fn at_rest(law: impl ContactLaw + 'static, ambient: f64) -> Result<[f64; 2], Fai
     fluid.body_force = Some(Arc::new(|_, _| V::new(0.0, -FLUID * GRAVITY)));
     let traction = move |_: &P, n: &V, _: f64| n * -ambient;
     fluid.boundary = vec![
-        (left?, FluidBoundary::Symmetry { axis: 0 }),
+        (left?, FluidBoundary::symmetry(0)),
         (right?, FluidBoundary::NoSlip),
         (bottom?, FluidBoundary::NoSlip),
         (top?, FluidBoundary::Open { traction: Some(Arc::new(traction)), backflow: false }),

@@ -258,7 +258,7 @@ fn setup(known: &Known<Layer>, [n_x, n_y]: [usize; 2], dt: f64) -> Result<Setup<
     let fluid = fluid_mut(&mut setup)?;
     let sides = ["left", "right"].map(|side| fluid.background.tag(side));
     for (_, condition) in fluid.boundary.iter_mut().filter(|(tag, _)| sides.contains(&Some(*tag))) {
-        *condition = FluidBoundary::Symmetry { axis: 1 };
+        *condition = FluidBoundary::symmetry(1);
     }
     setup.bodies.push(Arc::new(body(&known.flow, solid([n_x, n_y])?, 0.0)?));
     Ok(setup)
@@ -291,7 +291,7 @@ fn body(layer: &Arc<Layer>, solid: SolidMesh<2>, time: f64) -> Result<ElasticBod
     let options = ElasticOptions {
         supports: vec![
             Support { vertices: vertices(&on_base), kind: SupportKind::Clamped },
-            Support { vertices: vertices(&|x| at_end(x) && !on_base(x)), kind: SupportKind::Symmetry { axis: 1 } },
+            Support { vertices: vertices(&|x| at_end(x) && !on_base(x)), kind: SupportKind::symmetry(1) },
         ],
         loads: vec![Load::traction(facets, Arc::new(move |_, _| V::new(stress, 0.0)))],
         initial_displacement: Some(Arc::new(move |x| V::new(at_start.displacement(x[1], 0.0), 0.0))),

@@ -119,7 +119,7 @@ impl<const D: usize> Uniform<D> {
                 let facets = body.part(side)?;
                 body.options.loads.push(Load::traction(facets, Arc::new(move |_, _| traction)));
                 if self.planes[axis][k] {
-                    body.hold(side, SupportKind::Symmetry { axis })?;
+                    body.hold(side, SupportKind::symmetry(axis))?;
                 }
             }
         }
@@ -209,8 +209,8 @@ fn disk(pressure: f64) -> Result<f64, Failure> {
     let fixed = mesh.vertex(lowest);
     let material = SaintVenantKirchhoff::new(LameParameters::new(MU, LAMBDA)?);
     let mut body = elastic(mesh, 1.0, material, Vector::zeros(), Arc::new(QuasiStatic))?;
-    body.hold("left", SupportKind::Symmetry { axis: 0 })?;
-    body.options.supports.push(Support { vertices: vec![lowest], kind: SupportKind::Symmetry { axis: 1 } });
+    body.hold("left", SupportKind::symmetry(0))?;
+    body.options.supports.push(Support { vertices: vec![lowest], kind: SupportKind::symmetry(1) });
     pressed(body, &["surface"], pressure, &fixed)
 }
 
@@ -218,7 +218,7 @@ fn disk(pressure: f64) -> Result<f64, Failure> {
 fn cube(pressure: f64) -> Result<f64, Failure> {
     let mut body = block::<3>()?;
     for (axis, [low, _]) in SIDES[1].iter().enumerate() {
-        body.hold(low, SupportKind::Symmetry { axis })?;
+        body.hold(low, SupportKind::symmetry(axis))?;
     }
     pressed(body, &["right", "back", "top"], pressure, &Point::<3>::zeros())
 }

@@ -51,7 +51,7 @@ const PUSHED: f64 = 0.05;
 /// Pushes a unit block onto a plane. Returns the report, the displacement of each vertex with its reference position, and the
 /// number of iterations.
 fn pushed_block(law: impl ContactLaw + 'static) -> (ContactReport<2>, Vec<(Point<2>, Vector<2>)>, usize) {
-    let supports = vec![("left", SupportKind::Symmetry { axis: 0 }), ("top", pushed_by(-PUSHED))];
+    let supports = vec![("left", SupportKind::symmetry(0)), ("top", pushed_by(-PUSHED))];
     let bodies = [block([0.0, 0.0], [1.0, 1.0], [4, 3], soft(), supported(supports))];
     let states = [bodies[0].start()];
     let scene = Scene::new(&bodies, &states, &QuasiStatic, 1.0);
@@ -111,7 +111,7 @@ fn two_blocks<const D: usize>(order: Order, gamma: Option<f64>, n_slave: usize, 
     let below = |top: f64| std::array::from_fn::<f64, D, _>(|a| if a + 1 == D { top } else { 1.0 });
     let supports = |last| {
         let sides = ["left", "front"][..D - 1].iter().zip(0..);
-        let symmetric = sides.map(|(side, axis)| (*side, SupportKind::Symmetry { axis }));
+        let symmetric = sides.map(|(side, axis)| (*side, SupportKind::symmetry(axis)));
         supported(symmetric.chain([last]).collect())
     };
     // Over the end of the master, normals turn within the gap: without an offset, at once.

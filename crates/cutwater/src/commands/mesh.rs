@@ -55,5 +55,11 @@ fn lines(found: &MeshStatistics) -> Vec<String> {
         (found.n_ambiguous, "elements are in several groups, of which the first one counts"),
     ];
     lines.extend(notes.iter().filter(|(n, _)| *n > 0).map(|(n, note)| format!("note        {n} {note}")));
+    if let Some(place) = &found.first_folded {
+        lines.push(format!(
+            "note        {} cells of order 2 are folded by their curved edges, the first one near {place:?}: elements of order 2 cannot use them; straighten the edges there",
+            found.n_folded
+        ));
+    }
     lines
 }

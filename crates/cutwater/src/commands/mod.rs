@@ -17,7 +17,8 @@ use std::io::{ErrorKind, Write as _};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use cutwater::io::Error;
+use cutwater::io::scenario::expected_cells;
+use cutwater::io::{Error, ScenarioFile};
 use cutwater::solver::Stage;
 
 /// Exit code of a run that was interrupted, that of shells for the signal.
@@ -39,6 +40,12 @@ pub(crate) fn print(line: &str) -> Result<(), Error> {
 /// Prints a line of progress or of a summary. If it is lost the run goes on: its results are in files.
 pub(crate) fn tell(line: &str) {
     _ = print(line);
+}
+
+/// Returns the line that is printed before meshes are built, with the size of the background.
+pub(crate) fn building(file: &ScenarioFile) -> String {
+    let expected = expected_cells(file).map(|n| format!(", about {n:.1e} cells in the background"));
+    format!("building meshes and the first cut{}", expected.unwrap_or_default())
 }
 
 /// Prints a line to the standard error, if it is open.

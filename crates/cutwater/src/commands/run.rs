@@ -13,7 +13,7 @@ use cutwater::io::{Begin, Error, Progress, RunOptions, ScenarioFile, Sizes, Step
 use cutwater::report::Recorder;
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::{Failure, INTERRUPTED, tell, warn};
+use super::{Failure, INTERRUPTED, building, tell, warn};
 use crate::RunArguments;
 
 /// Time between two lines where there is no terminal.
@@ -31,7 +31,7 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<(), Failure> {
         RunOptions { resumes: resumed.is_some(), overwrites: arguments.overwrite, stop: Some(stop_by_signal()) };
     let console = RefCell::new(Console::new(arguments, &file));
     let begin = Begin(|sizes: &Sizes| console.borrow_mut().begin(&directory, options.resumes, sizes));
-    console.borrow_mut().line("building meshes and the first cut");
+    console.borrow_mut().line(&building(&file));
     let progress = Progress(|at: &StepProgress| console.borrow_mut().show(at));
     #[cfg(feature = "report")]
     let outcome = {

@@ -22,10 +22,29 @@ const CONTRADICTION: &str =
 /// # Errors
 /// [`Error::Read`]; [`Error::MeshFile`] for files without one unstructured grid of tetrahedra.
 pub fn read_tetrahedra(path: &Path) -> Result<SimplexMesh<3>, Error> {
+    match read_vtk(path)? {
+        VtkMesh::Space(mesh) => Ok(mesh),
+        VtkMesh::Plane(_) => {
+            let problem = "its triangles lie in a plane, and there are no tetrahedra; save tetrahedra".to_owned();
+            Err(Error::MeshFile { path: path.to_owned(), problem })
+        }
+    }
+}
+
+/// Mesh of a VTK file.
+pub(crate) enum VtkMesh {
+    /// Triangles at one height.
+    Plane(SimplexMesh<2>),
+    /// Tetrahedra.
+    Space(SimplexMesh<3>),
+}
+
+/// Reads the tetrahedra of a VTK file as [`read_tetrahedra`] does, or the triangles if there are no tetrahedra.
+pub(crate) fn read_vtk(path: &Path) -> Result<VtkMesh, Error> {
     parse(path, &read(path)?).map_err(|problem| Error::MeshFile { path: path.to_owned(), problem })
 }
 
-fn parse(path: &Path, bytes: &[u8]) -> Result<SimplexMesh<3>, String> {
+fn parse(path: &Path, bytes: &[u8]) -> Result<VtkMesh, String> {
     let parse = match extension(path).as_str() {
         "vtu" => |bytes: &[u8]| vtkio::Vtk::parse_xml(bytes),
         "vtk" => |bytes: &[u8]| vtkio::Vtk::parse_legacy_be(bytes),
@@ -38,7 +57,7 @@ fn parse(path: &Path, bytes: &[u8]) -> Result<SimplexMesh<3>, String> {
         _ => Vec::new(),
     };
     match <[Piece<UnstructuredGridPiece>; 1]>::try_from(pieces) {
-        Ok([Piece::Inline(piece)]) => tetrahedra(&piece),
+        Ok([Piece::Inline(piece)]) => simplices(&piece),
         _ => Err("it does not hold one unstructured grid".to_owned()),
     }
 }
@@ -65,16 +84,22 @@ fn quietly<T>(run: impl FnOnce() -> T + UnwindSafe) -> Option<T> {
     done.ok()
 }
 
-fn tetrahedra(piece: &UnstructuredGridPiece) -> Result<SimplexMesh<3>, String> {
+fn simplices(piece: &UnstructuredGridPiece) -> Result<VtkMesh, String> {
     let coordinates: Vec<f64> = piece.points.cast_into().ok_or(CONTRADICTION)?;
     let vertices: Vec<Point<3>> = coordinates.chunks_exact(3).map(Point::<3>::from_column_slice).collect();
+    let flat: Vec<Point<2>> = vertices.iter().map(|x| Point::<2>::new(x[0], x[1])).collect();
     let cells = corners(&piece.cells.cell_verts).filter(|cells| cells.len() >= piece.cells.types.len());
-    let mut cell_to_vertex = Vec::with_capacity(4 * piece.cells.types.len());
+    let (mut tetrahedra, mut triangles) = (Vec::new(), Vec::new());
+    let mut is_plane = true;
     for (cell, (kind, ids)) in piece.cells.types.iter().zip(cells.ok_or(CONTRADICTION)?).enumerate() {
         match kind {
-            CellType::Tetra => cell_to_vertex.extend(outwards(&ids, &vertices).ok_or(CONTRADICTION)?),
-            CellType::Vertex | CellType::PolyVertex | CellType::Line | CellType::PolyLine => {}
-            CellType::Triangle | CellType::Quad => {}
+            CellType::Tetra => tetrahedra.extend(outwards(&ids, &vertices).ok_or(CONTRADICTION)?),
+            CellType::Triangle => {
+                let Some(corners) = outwards(&ids, &flat) else { continue };
+                is_plane &= corners.iter().all(|v| vertices[v.index()][2] == vertices[0][2]);
+                triangles.extend(corners);
+            }
+            CellType::Vertex | CellType::PolyVertex | CellType::Line | CellType::PolyLine | CellType::Quad => {}
             _ => {
                 return Err(format!(
                     "cell {cell} is no tetrahedron but of type {kind:?}; save tetrahedra with 4 points"
@@ -82,7 +107,13 @@ fn tetrahedra(piece: &UnstructuredGridPiece) -> Result<SimplexMesh<3>, String> {
             }
         }
     }
-    SimplexMesh::new(vertices, cell_to_vertex).map_err(|error| error.to_string())
+    if tetrahedra.is_empty() && !triangles.is_empty() {
+        if !is_plane {
+            return Err("it has triangles in space and no tetrahedra; save a surface as .stl, or tetrahedra".to_owned());
+        }
+        return SimplexMesh::new(flat, triangles).map(VtkMesh::Plane).map_err(|error| error.to_string());
+    }
+    SimplexMesh::new(vertices, tetrahedra).map(VtkMesh::Space).map_err(|error| error.to_string())
 }
 
 /// Returns the points of each cell; `None` if there are not enough numbers.
@@ -109,13 +140,16 @@ fn corners(numbers: &VertexNumbers) -> Option<Vec<Vec<u64>>> {
     Some(cells)
 }
 
-/// Returns four vertices in the order of a positive volume; `None` if they are not four, or not there.
-fn outwards(ids: &[u64], vertices: &[Point<3>]) -> Option<[VertexId; 4]> {
+/// Returns the corners of a cell in the order of a positive volume; `None` if their number is wrong, or they are not there.
+fn outwards<const D: usize>(ids: &[u64], vertices: &[Point<D>]) -> Option<Vec<VertexId>> {
     let numbers = ids.iter().map(|id| usize::try_from(*id).ok()).collect::<Option<Vec<usize>>>()?;
-    let points = numbers.iter().map(|k| vertices.get(*k).copied()).collect::<Option<Vec<Point<3>>>>()?;
-    let mut cell: [VertexId; 4] = <[usize; 4]>::try_from(numbers).ok()?.map(VertexId::new);
+    let points = numbers.iter().map(|k| vertices.get(*k).copied()).collect::<Option<Vec<Point<D>>>>()?;
+    if numbers.len() != D + 1 {
+        return None;
+    }
+    let mut cell: Vec<VertexId> = numbers.into_iter().map(VertexId::new).collect();
     if Simplex::new(&points).volume() < 0.0 {
-        cell.swap(2, 3);
+        cell.swap(D - 1, D);
     }
     Some(cell)
 }

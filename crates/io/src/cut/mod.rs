@@ -25,6 +25,7 @@ use crate::surface::Surface;
 use crate::vtk::cut::{body_grid, fluid_grid, interface_grid};
 
 pub use background::read_tetrahedra;
+pub(crate) use background::{VtkMesh, read_vtk};
 pub use identities::CutErrors;
 pub use summary::{CutSeconds, CutSummary};
 

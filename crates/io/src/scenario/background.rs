@@ -2,16 +2,16 @@
 
 use std::sync::Arc;
 
-use mesh::generate::{Region, RegionShape, Size, expected_cells, inside, mirrored, refined_box};
+use mesh::generate::{
+    Region, RegionShape, Size, expected_cells, expected_cells_where, mirrored, refined_box, refined_inside,
+};
 use mesh::search::SurfaceIndex;
 use mesh::{Aabb, BoundaryMesh, FacetId, Placed, Point, SimplexMesh};
 
 use super::body::BodyKeys;
 use super::condition::FluidCondition;
-use super::error::ScenarioError;
-use super::geometry::{
-    CELLS_IN_SQUARE, check_corners, in_file, input_path, polygon_lines, read_gmsh, surface_of_lines,
-};
+use super::error::{Location, ScenarioError};
+use super::geometry::{LineSize, check_corners, in_file, input_path, polygon_lines, read_gmsh, surface_of_lines};
 use super::key::Quantity;
 use super::table::{At, Components, Named, OrTable, choices, keys};
 use crate::files::extension;
@@ -35,8 +35,8 @@ choices! {
             /// Condition on each side.
             boundary: At<Named<FluidCondition>>,
         },
-        /// Polygon with cells of one size, in 2D; sides `side-1`, `side-2` and so on after each corner, `hole-1` and so
-        /// on for holes.
+        /// Polygon, or inside of a smooth curve through its corners, in 2D. Sides `side-1`, `side-2` and so on after each
+        /// corner, `surface` for a smooth curve; `hole-1` and so on for holes.
         Polygon = "polygon" {
             /// Corners, in order.
             corners: Vec<Components<f64>> [unit(Quantity::LENGTH)],
@@ -44,6 +44,10 @@ choices! {
             holes: Vec<Vec<Components<f64>>> [unit(Quantity::LENGTH)],
             /// Mean diameter of the cells.
             size: At<f64> [unit(Quantity::LENGTH), positive],
+            /// Regions near which cells are finer. Where several sizes apply, the smallest one counts.
+            refine: Vec<At<Refinement>>,
+            /// Whether outline and holes are periodic cubic splines through their corners. The outline is then one side.
+            smooth: bool = false,
             /// Condition on each side.
             boundary: At<Named<FluidCondition>>,
         },
@@ -160,27 +164,12 @@ pub(super) fn background<const D: usize>(
 ) -> Result<SimplexMesh<D>, ScenarioError> {
     let (min, max, size, refine, is_mirrored) = match &**given {
         Background::GradedBox { min, max, size, refine, mirrored, .. } => (min, max, size, refine, mirrored),
-        Background::Polygon { corners, holes, size, .. } => {
-            let next = corners.iter().cycle().skip(1);
-            let area = 0.5 * corners.iter().zip(next).map(|(a, b)| a[0] * b[1] - b[0] * a[1]).sum::<f64>().abs();
-            if let Some(shortage) = shortage(CELLS_IN_SQUARE * area / size.powi(2), available()) {
-                return Err(size.at.invalid(shortage));
-            }
-            let lines = polygon_lines(&given.at, corners, holes, **size, false)?;
-            return inside(&lines, **size).map_err(|error| given.at.error(error));
+        Background::Polygon { corners, holes, size, refine, smooth, .. } => {
+            return polygon(&given.at, (corners, holes), *smooth, (size, refine), bodies);
         }
         Background::Mesh { file, scale, .. } => return background_from_file(file, *scale),
     };
-    let field = match &**size {
-        OrTable::Plain(h) => Size::uniform(*h),
-        OrTable::Table(graded) => Size::Graded {
-            fine: graded.fine,
-            fine_until: graded.fine_until,
-            coarse: graded.coarse,
-            coarse_from: graded.coarse_from,
-            axis: graded.axis as usize,
-        },
-    };
+    let field = size_field(size);
     check_corners(min, max, &max.at)?;
     let min = min.vector::<D>();
     let corners = [min, max.vector::<D>()].map(<[f64; D]>::from);
@@ -195,7 +184,7 @@ pub(super) fn background<const D: usize>(
         )));
     }
     let regions = refine.iter().map(|given| region(given, corners, &field, bodies)).collect::<Result<Vec<_>, _>>()?;
-    let n_cells = expected_cells(corners[0], corners[1], &field, &regions) * if *is_mirrored { 2.0 } else { 1.0 };
+    let n_cells = expected_in_box(corners, &field, &regions, *is_mirrored);
     if let Some(shortage) = shortage(n_cells, available()) {
         return Err(size.at.invalid(shortage));
     }
@@ -208,6 +197,94 @@ pub(super) fn background<const D: usize>(
         at.error(error)
     })?;
     if *is_mirrored { mirrored(&box_mesh, 0, min[0]).map_err(|error| given.at.error(error)) } else { Ok(box_mesh) }
+}
+
+fn size_field(size: &OrTable<f64, GradedSize>) -> Size {
+    match size {
+        OrTable::Plain(h) => Size::uniform(*h),
+        OrTable::Table(graded) => Size::Graded {
+            fine: graded.fine,
+            fine_until: graded.fine_until,
+            coarse: graded.coarse,
+            coarse_from: graded.coarse_from,
+            axis: graded.axis as usize,
+        },
+    }
+}
+
+fn bounds<const D: usize>(corners: &[Components<f64>]) -> [[f64; D]; 2] {
+    let Aabb { low, high } = Aabb::of_points(&corners.iter().map(Components::vector::<D>).collect::<Vec<_>>());
+    [low.into(), high.into()]
+}
+
+fn expected_in_box<const D: usize>(
+    [min, max]: [[f64; D]; 2],
+    size: &Size,
+    regions: &[Region<D>],
+    is_mirrored: bool,
+) -> f64 {
+    expected_cells(min, max, size, regions) * if is_mirrored { 2.0 } else { 1.0 }
+}
+
+fn expected_in_polygon<const D: usize>(
+    (corners, holes): (&[Components<f64>], &[Vec<Components<f64>>]),
+    [min, max]: [[f64; D]; 2],
+    size: &Size,
+    regions: &[Region<D>],
+) -> f64 {
+    let is_inside = |x: &Point<D>| {
+        let crosses = |(a, b): (&Components<f64>, &Components<f64>)| {
+            (a[1] > x[1]) != (b[1] > x[1]) && x[0] < a[0] + (x[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
+        };
+        let sides = |line: &[Components<f64>]| {
+            line.iter().zip(line.iter().cycle().skip(1)).filter(|side| crosses(*side)).count()
+        };
+        holes.iter().map(|hole| &hole[..]).chain([corners]).map(sides).sum::<usize>() % 2 == 1
+    };
+    expected_cells_where(min, max, size, regions, is_inside)
+}
+
+/// Returns about the number of cells of a background that is not read from a file; `None` if its keys contradict each other.
+pub(super) fn expected<const D: usize>(given: &Background, bodies: &[At<BodyKeys>]) -> Option<f64> {
+    let regions = |refine: &[At<Refinement>], bounds, size: &Size| {
+        refine.iter().map(|given| region::<D>(given, bounds, size, bodies).ok()).collect::<Option<Vec<_>>>()
+    };
+    match given {
+        Background::GradedBox { min, max, size, refine, mirrored, .. } => {
+            check_corners(min, max, &max.at).ok()?;
+            let (corners, size) = ([min, max].map(|x| x.vector::<D>().into()), size_field(size));
+            Some(expected_in_box(corners, &size, &regions(refine, corners, &size)?, *mirrored))
+        }
+        Background::Polygon { corners, holes, size, refine, .. } => {
+            let (bounds, size) = (bounds(corners), Size::uniform(**size));
+            Some(expected_in_polygon((corners, holes), bounds, &size, &regions(refine, bounds, &size)?))
+        }
+        Background::Mesh { .. } => None,
+    }
+}
+
+/// Makes a background between lines.
+fn polygon<const D: usize>(
+    at: &Location,
+    (corners, holes): (&[Components<f64>], &[Vec<Components<f64>>]),
+    is_smooth: bool,
+    (size, refine): (&At<f64>, &[At<Refinement>]),
+    bodies: &[At<BodyKeys>],
+) -> Result<SimplexMesh<D>, ScenarioError> {
+    let coarse = Size::uniform(**size);
+    let bounds = bounds(corners);
+    let regions = refine.iter().map(|given| region(given, bounds, &coarse, bodies)).collect::<Result<Vec<_>, _>>()?;
+    let n_cells = expected_in_polygon((corners, holes), bounds, &coarse, &regions);
+    if let Some(shortage) = shortage(n_cells, available()) {
+        return Err(size.at.invalid(shortage));
+    }
+    let near = |x: [f64; 2]| {
+        let x = Point::<D>::from_fn(|axis, _| x[axis]);
+        regions.iter().map(|region| region.at(&x)).fold(**size, f64::min)
+    };
+    let sizes = if refine.is_empty() { LineSize::Uniform(**size) } else { LineSize::Graded(&near) };
+    let lines = polygon_lines(at, corners, holes, sizes, is_smooth)?;
+    refined_inside(&lines, **size, &regions).map_err(|error| at.error(error))
 }
 
 /// Reads a background.
@@ -256,7 +333,11 @@ fn region<const D: usize>(
             if D != 2 {
                 return Err(given.at.invalid("a polygon is a region in 2D; use a box or a body"));
             }
-            surface(surface_of_lines(polygon_lines(&given.at, corners, &[], f64::MAX, false)?), true, 0.0)
+            surface(
+                surface_of_lines(polygon_lines(&given.at, corners, &[], LineSize::Uniform(f64::MAX), false)?),
+                true,
+                0.0,
+            )
         }
         RegionChoice::Body { name, within } => {
             let found = bodies.iter().find(|body| *body.name == **name);

@@ -14,7 +14,7 @@ use solver::body::Body;
 
 use super::error::{ErrorKind, Location, ScenarioError, sorted};
 use super::field::Field;
-use super::geometry::{Geometry, Shape, normal_along_axis};
+use super::geometry::{Geometry, Shape, plane_normal};
 use super::key::Quantity;
 use super::motion::{Held, MotionChoice, prescribed};
 use super::solver::Time;
@@ -401,8 +401,7 @@ fn supports_and_loads<const D: usize>(
         let kind = match &**condition {
             BodyCondition::Clamped => SupportKind::Clamped,
             BodyCondition::Symmetry { normal } => {
-                let (axis, _) = normal_along_axis(&condition.at, mesh, tag, normal.as_ref())?;
-                SupportKind::Symmetry { axis }
+                SupportKind::Symmetry { normal: plane_normal(&condition.at, mesh, tag, normal.as_ref())? }
             }
             BodyCondition::Displacement { value } => {
                 let displacement = value.over_time(&points, &times)?;

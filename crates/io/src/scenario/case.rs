@@ -1,19 +1,21 @@
 //! From the values of a scenario to a problem of dimension 2 or 3.
 
-use algebra::Workspace;
+use algebra::time::ImplicitEuler;
+use algebra::{BlockLayout, Workspace};
 use contact::{DeformableObstacle, Obstacle, Positions};
 use cutcell::{CutMesh, OverlayOptions};
 use mesh::generate::HALF_BALL_PLANE;
-use mesh::{Aabb, BodyId, FacetId, Placed, Point};
+use mesh::{Aabb, BodyId, FacetId, Placed, Point, unit_vector};
+use solver::body::StepTime;
 use solver::{ApproachSteps, Contact, FluidBoundary, FluidSetup, Setup};
 
-use super::background::Background;
+use super::background::{Background, expected};
 use super::body::{BodyCondition, BodyKeys, Built, body};
-use super::condition::{symmetry_planes, tagged_vertices};
+use super::condition::{Plane, symmetry_planes, tagged_vertices};
 use super::contact::{ContactBuilder, ContactKeys};
 use super::error::{ErrorKind, ScenarioError};
 use super::file::{Scenario, ScenarioFile};
-use super::fluid::{fluid, unbalanced};
+use super::fluid::{balance_times, fluid, is_open, unbalanced};
 use super::geometry::Shape;
 use super::motion::{Held, MotionChoice};
 use super::probe::probes;
@@ -57,6 +59,16 @@ pub fn lower<V: CaseVisitor>(file: &ScenarioFile, visitor: V) -> Result<V::Outpu
     match file.scenario().dimension {
         2 => Ok(visitor.visit(case::<2>(file)?)),
         _ => Ok(visitor.visit(case::<3>(file)?)),
+    }
+}
+
+/// Returns about the number of cells of the background, without a mesh; `None` if it is read from a file, or there is none.
+pub fn expected_cells(file: &ScenarioFile) -> Option<f64> {
+    let (scenario, bodies) = (file.scenario(), file.scenario().bodies());
+    let background = scenario.background.as_ref()?;
+    match scenario.dimension {
+        2 => expected::<2>(background, &bodies),
+        _ => expected::<3>(background, &bodies),
     }
 }
 
@@ -115,11 +127,9 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
         check_placement(&given, &setup, fluid, &positions)?;
         bottom = Aabb::of_points(fluid.background.vertices()).low[D - 1];
     }
-    let half_domain = setup.fluid.as_ref().map(symmetry_planes).is_some_and(|(planes, room)| {
-        let is_on = |x: &Point<D>| {
-            planes.iter().any(|(axis, at)| Some(*axis) != coordinates.radial() && (x[*axis] - at).abs() <= room)
-        };
-        positions.iter().flatten().any(is_on)
+    let half_domain = setup.fluid.as_ref().map(symmetry_planes).is_some_and(|mut planes| {
+        planes.retain(|plane| coordinates.radial().is_none_or(|radial| plane.normal[radial] != 1.0));
+        positions.iter().flatten().any(|x| planes.iter().any(|plane| plane.contains(x)))
     });
     check_repeated(&of_contacts, &setup)?;
     check_contacts(&of_contacts, &setup, &positions)?;
@@ -201,7 +211,7 @@ fn check_axis<const D: usize>(fluid: &FluidSetup<D>, given: &At<Background>) -> 
     for (tag, condition) in &fluid.boundary {
         let points = tagged_vertices(&fluid.background, *tag);
         let is_on_axis = points.iter().all(|x| x[radial] == 0.0);
-        if is_on_axis && !matches!(condition, FluidBoundary::Symmetry { axis } if *axis == radial) {
+        if is_on_axis && !matches!(condition, FluidBoundary::Symmetry { normal } if normal[radial] == 1.0) {
             let name = &fluid.background.tag_names()[tag.index()];
             return Err(given.boundary().at.invalid(format!(
                 "side `{name}` lies on the axis of rotation, where nothing crosses; give it the condition \"symmetry\""
@@ -273,9 +283,9 @@ fn check_contacts<const D: usize>(
     Ok(())
 }
 
-/// Checks that no more fluid is brought into a domain without an open side than is taken out. Bodies with a given motion
-/// and those that may leave the domain change the volume of the fluid: the balance is then unknown. An elastic body
-/// inside of the domain would be compressed by the inflow.
+/// Checks that no more fluid is brought into a domain without an open side than is taken out, and that bodies with a given motion
+/// cover the same volume at all times. Other bodies that may leave the domain, and an inflow together with a given motion, change
+/// the volume of the fluid: the balance is then unknown. An elastic body inside of the domain would be compressed by the inflow.
 fn check_balance<const D: usize>(
     scenario: &Scenario,
     bodies: &[At<BodyKeys>],
@@ -307,14 +317,65 @@ fn check_balance<const D: usize>(
                 && loose.all(|v| held.binary_search(&v).is_ok() || is_inside(&positions[k][v.index()]))
         }
     };
-    if !(0..bodies.len()).all(keeps_volume) {
+    let is_given = |k: &usize| {
+        bodies[*k].motion.as_deref().is_some_and(|of| !matches!(of, MotionChoice::Fixed | MotionChoice::Free { .. }))
+    };
+    let moved: Vec<usize> = (0..bodies.len()).filter(is_given).collect();
+    if is_open(fluid) || !(0..bodies.len()).all(|k| is_given(&k) || keeps_volume(k)) {
         return Ok(());
     }
-    let Some((time, net)) = unbalanced(fluid, [0.0, scenario.time.end]) else { return Ok(()) };
+    let times = [0.0, scenario.time.end];
+    let Some((time, net)) = unbalanced(fluid, times) else {
+        return check_displaced(setup, fluid, &moved, times).map_err(|(time, more)| {
+            let name = setup.bodies[moved[0]].name();
+            let given = bodies[moved[0]].motion.as_ref().map_or(&given.boundary().at, |motion| &motion.at);
+            given.invalid(format!(
+                "no side is open, and at the time {time} the bodies with a given motion, such as `{name}`, cover {more:.3e} more of the domain (area or \
+                 volume) than at the start, so that the fluid has nowhere to go; make a side `free`, or keep the bodies inside"
+            ))
+        });
+    };
+    if !moved.is_empty() {
+        return Ok(());
+    }
     Err(given.boundary().at.invalid(format!(
         "no side is open, and at the time {time} the given velocities have a net inflow of {net:.3e} (volume per time); make a side `free`, or \
          change the velocities"
     )))
+}
+
+/// Largest change of the volume that bodies with a given motion cover, relative to the largest volume.
+const LARGEST_CHANGE: f64 = 1e-2;
+
+/// Checks that bodies with a given motion cover the same volume at all times.
+///
+/// # Errors
+/// A time at which the volume is another one than at the start, and the difference.
+fn check_displaced<const D: usize>(
+    setup: &Setup<D>,
+    fluid: &FluidSetup<D>,
+    moved: &[usize],
+    times: [f64; 2],
+) -> Result<(), (f64, f64)> {
+    let covered = |time: f64| {
+        let step = StepTime::new(&ImplicitEuler, time, time.max(setup.dt), true);
+        let of_body = |k: &usize| {
+            let (body, mut layout) = (&setup.bodies[*k], BlockLayout::new());
+            let positions = body.step(&body.start(), &step, &mut layout).end(&layout, &[]).positions(body.reference());
+            let cut = CutMesh::overlay(&fluid.background, &[Placed::new(body.surface(), &positions)], &fluid.overlay);
+            cut.ok().map(|cut| cut.covered_volume(&fluid.background))
+        };
+        moved.iter().map(of_body).sum::<Option<f64>>()
+    };
+    if moved.is_empty() {
+        return Ok(());
+    }
+    // A surface that cannot cut the background is an error of its own.
+    let volumes: Vec<(f64, f64)> = balance_times(times).filter_map(|time| Some((time, covered(time)?))).collect();
+    let largest = volumes.iter().map(|(_, volume)| *volume).fold(0.0, f64::max);
+    let start = volumes.first().map_or(0.0, |(_, volume)| *volume);
+    let changed = volumes.iter().find(|(_, volume)| (volume - start).abs() > LARGEST_CHANGE * largest);
+    changed.map_or(Ok(()), |(time, volume)| Err((*time, volume - start)))
 }
 
 /// Removes facets of bodies that do not deform from contacts if they lie on planes of symmetry, and checks that free bodies
@@ -324,7 +385,7 @@ fn respect_symmetry<const D: usize>(
     fluid: &FluidSetup<D>,
     built: &mut [Built<D>],
 ) -> Result<(), ScenarioError> {
-    let (planes, room) = symmetry_planes(fluid);
+    let planes = symmetry_planes(fluid);
     let domain = Aabb::of_points(fluid.background.vertices());
     for given in bodies {
         let Shape::HalfBall { centre, mirrored: false, .. } = &*given.shape else { continue };
@@ -333,7 +394,8 @@ fn respect_symmetry<const D: usize>(
             name == HALF_BALL_PLANE && matches!(**condition, BodyCondition::Symmetry { .. })
         };
         let at = centre[0] + given.shift.as_ref().map_or(0.0, |shift| shift[0]);
-        let is_on_plane = planes.iter().any(|(axis, place)| *axis == 0 && (at - place).abs() <= room);
+        let on_diameter = unit_vector::<D>(0) * at;
+        let is_on_plane = planes.iter().any(|plane| plane.normal[0] == 1.0 && plane.contains(&on_diameter));
         let is_inside = domain.low[0] <= at && at <= domain.high[0];
         let is_on_axis = fluid.background.coordinates().radial() == Some(0) && at == 0.0;
         if conditions.any(is_symmetric) && is_inside && !is_on_plane && !is_on_axis {
@@ -346,10 +408,8 @@ fn respect_symmetry<const D: usize>(
         let Some(motion) = &given.motion else { continue };
         let positions = body.start().positions(body.reference());
         let on_plane = |facet: FacetId| {
-            let is_on = |(axis, at): &&(usize, f64)| {
-                body.surface().facet(facet).iter().all(|v| (positions[v.index()][*axis] - at).abs() <= room)
-            };
-            planes.iter().find(is_on)
+            let vertices = body.surface().facet(facet);
+            planes.iter().find(|plane| vertices.iter().all(|v| plane.contains(&positions[v.index()])))
         };
         contact_facets.retain(|facet| on_plane(*facet).is_none());
         // A body on the axis of rotation moves along the axis only.
@@ -359,12 +419,17 @@ fn respect_symmetry<const D: usize>(
             continue;
         }
         let is_held = |what: Held| held.iter().any(|held| **held == what);
-        let is_loose =
-            |(axis, _): &&(usize, f64)| !(is_held([Held::X, Held::Y, Held::Z][*axis]) && is_held(Held::Rotation));
-        if let Some((axis, _)) = body.surface().facets().filter_map(on_plane).find(is_loose) {
-            let (name, axis) = (body.name(), ["x", "y", "z"][*axis]);
+        let across = |plane: &Plane<D>| {
+            let axes = [Held::X, Held::Y, Held::Z].into_iter().zip(["\"x\"", "\"y\"", "\"z\""]);
+            let axes = axes.zip(plane.normal.iter()).filter(|(_, n)| **n != 0.0).map(|(axis, _)| axis);
+            axes.chain([(Held::Rotation, "\"rotation\"")]).collect::<Vec<_>>()
+        };
+        let is_loose = |plane: &&Plane<D>| across(plane).iter().any(|(what, _)| !is_held(*what));
+        if let Some(plane) = body.surface().facets().filter_map(on_plane).find(is_loose) {
+            let (name, needed) =
+                (body.name(), across(plane).into_iter().map(|(_, word)| word).collect::<Vec<_>>().join(", "));
             return Err(motion.at.invalid(format!(
-                "body `{name}` stands on a plane of symmetry, so it must not leave it: add held = [\"{axis}\", \"rotation\"]"
+                "body `{name}` stands on a plane of symmetry, so it must not leave it: add held = [{needed}]"
             )));
         }
     }

@@ -3,13 +3,13 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use mesh::{Aabb, Point, SimplexMesh, Tag, Vector};
+use mesh::{Aabb, Point, SimplexMesh, Tag, Vector, unit_vector};
 use solver::body::TimeField;
 use solver::{FluidBoundary, FluidSetup};
 
 use super::error::ScenarioError;
 use super::field::{Field, FieldFormula};
-use super::geometry::normal_along_axis;
+use super::geometry::plane_normal;
 use super::key::Quantity;
 use super::table::{At, Components, choices};
 
@@ -36,8 +36,8 @@ choices! {
         Inflow = "inflow" {
             /// Profile of the velocity.
             profile: InflowProfile,
-            /// Largest speed.
-            maximum: f64 [unit(Quantity::VELOCITY)],
+            /// Largest speed, which may be a formula of the time `t`.
+            maximum: At<FieldFormula> [unit(Quantity::VELOCITY)],
             /// Time over which the speed rises smoothly from zero; at once if left out.
             ramp: Option<f64> [unit(Quantity::TIME), positive],
         },
@@ -76,13 +76,32 @@ fn on_plane<const D: usize>(background: &SimplexMesh<D>) -> f64 {
     Aabb::of_points(background.vertices()).extent().max() * ON_PLANE
 }
 
-/// Returns the planes of symmetry: the number of the axis and the coordinate, with the largest distance of a vertex on them.
-pub(super) fn symmetry_planes<const D: usize>(fluid: &FluidSetup<D>) -> (Vec<(usize, f64)>, f64) {
+/// A plane of symmetry: the points `x` with `normal · x = place`.
+pub(super) struct Plane<const D: usize> {
+    /// Unit normal.
+    pub(super) normal: Vector<D>,
+    /// Distance from the origin along the normal.
+    place: f64,
+    /// Largest distance of a vertex on the plane.
+    room: f64,
+}
+
+impl<const D: usize> Plane<D> {
+    /// Returns whether a point lies on the plane.
+    pub(super) fn contains(&self, x: &Point<D>) -> bool {
+        (self.normal.dot(x) - self.place).abs() <= self.room
+    }
+}
+
+/// Returns the planes of symmetry.
+pub(super) fn symmetry_planes<const D: usize>(fluid: &FluidSetup<D>) -> Vec<Plane<D>> {
+    let room = on_plane(&fluid.background);
     let planes = fluid.boundary.iter().filter_map(|(tag, condition)| {
-        let FluidBoundary::Symmetry { axis } = condition else { return None };
-        tagged_vertices(&fluid.background, *tag).first().map(|x| (*axis, x[*axis]))
+        let FluidBoundary::Symmetry { normal } = condition else { return None };
+        let x = *tagged_vertices(&fluid.background, *tag).first()?;
+        Some(Plane { normal: *normal, place: normal.dot(&x), room })
     });
-    (planes.collect(), on_plane(&fluid.background))
+    planes.collect()
 }
 
 pub(super) fn fluid_boundary<const D: usize>(
@@ -95,25 +114,29 @@ pub(super) fn fluid_boundary<const D: usize>(
     Ok(match &**condition {
         FluidCondition::NoSlip => FluidBoundary::NoSlip,
         FluidCondition::Symmetry { normal } => {
-            let (axis, _) = normal_along_axis(&condition.at, background, tag, normal.as_ref())?;
-            let plane = points().first().map(|x| x[axis]);
-            let room = on_plane(background);
-            if points().iter().any(|x| plane.is_some_and(|plane| (x[axis] - plane).abs() > room)) {
+            let normal = plane_normal(&condition.at, background, tag, normal.as_ref())?;
+            let (points, room) = (points(), on_plane(background));
+            if points.iter().any(|x| normal.dot(&(x - points[0])).abs() > room) {
                 return Err(condition.at.part("normal").invalid(
                     "this part of the boundary does not lie in a plane across the normal; for flow straight out of the domain use `parallel`",
                 ));
             }
-            FluidBoundary::Symmetry { axis }
+            FluidBoundary::Symmetry { normal: unsigned(normal) }
         }
         FluidCondition::Parallel => {
-            let (axis, _) = normal_along_axis(&condition.at, background, tag, None)?;
-            FluidBoundary::Parallel { axis }
+            FluidBoundary::Parallel { normal: unsigned(plane_normal(&condition.at, background, tag, None)?) }
         }
         FluidCondition::Free => FluidBoundary::Open { traction: None, backflow: true },
         FluidCondition::Velocity { value } => FluidBoundary::Velocity(value.over_time(&points(), &times)?),
         FluidCondition::Inflow { profile: InflowProfile::Parabolic, maximum, ramp } => {
-            let (axis, normal) = normal_along_axis(&condition.at, background, tag, None)?;
-            FluidBoundary::Velocity(parabolic_inflow(&points(), axis, -normal[axis], *maximum, *ramp))
+            let normal = plane_normal(&condition.at, background, tag, None)?;
+            if normal.iter().filter(|n| **n != 0.0).count() > 2 {
+                return Err(condition.at.invalid(
+                    "the plane of this inflow contains no axis, so that the edges along which its parabola is zero are not known; use `velocity` with a formula",
+                ));
+            }
+            let maximum = maximum.over_time(&maximum.at, &points(), &times)?;
+            FluidBoundary::Velocity(parabolic_inflow(&points(), normal, maximum, *ramp))
         }
         FluidCondition::Traction { value } => {
             let value = value.over_time(&points(), &times)?;
@@ -126,24 +149,32 @@ pub(super) fn fluid_boundary<const D: usize>(
     })
 }
 
-/// Returns the inflow along an axis that is zero at the ends of the extent of the points and rises as
-/// `(1 - cos(π t/ramp))/2`.
+/// Returns a normal whose largest component is positive.
+fn unsigned<const D: usize>(normal: Vector<D>) -> Vector<D> {
+    normal * normal[normal.iamax()].signum()
+}
+
+/// Returns the inflow against the outward normal of a plane that is zero at the ends of the extent of the points along the
+/// projections of the axes on the plane. It rises as `(1 - cos(π t/ramp))/2`.
 fn parabolic_inflow<const D: usize>(
     points: &[Point<D>],
-    axis: usize,
-    inward: f64,
-    maximum: f64,
+    normal: Vector<D>,
+    maximum: impl Fn(&Point<D>, f64) -> f64 + Send + Sync + 'static,
     ramp: Option<f64>,
 ) -> TimeField<D> {
-    let Aabb { low, high } = Aabb::of_points(points);
+    let across = (0..D).filter(|axis| *axis != normal.iamax());
+    let extents = across.map(|axis| {
+        let along = unit_vector::<D>(axis) - normal * normal[axis];
+        let of_points = || points.iter().map(|x| along.dot(x));
+        (along, of_points().fold(f64::INFINITY, f64::min), of_points().fold(f64::NEG_INFINITY, f64::max))
+    });
+    let extents: Vec<_> = extents.collect();
     Arc::new(move |x, t| {
-        let across = (0..D).filter(|k| *k != axis).map(|k| {
-            let s = (x[k] - low[k]) / (high[k] - low[k]);
+        let across = extents.iter().map(|(along, low, high)| {
+            let s = (along.dot(x) - low) / (high - low);
             4.0 * s * (1.0 - s)
         });
         let rise = ramp.filter(|ramp| t < *ramp).map_or(1.0, |ramp| 0.5 * (1.0 - (PI * t / ramp).cos()));
-        let mut u = Vector::zeros();
-        u[axis] = inward * maximum * rise * across.product::<f64>();
-        u
+        -normal * (maximum(x, t) * rise * across.product::<f64>())
     })
 }

@@ -224,14 +224,21 @@ const BALANCE_TIMES: usize = 17;
 /// the time at which it is largest. Profiles are interpolated on facets, with an error of second order in their size.
 const LARGEST_NET_FLOW: f64 = 1e-2;
 
+/// Returns the times at which the balance of a closed domain is checked.
+pub(super) fn balance_times([start, end]: [f64; 2]) -> impl Iterator<Item = f64> {
+    (0..BALANCE_TIMES).map(move |k| start + (end - start) * k as f64 / (BALANCE_TIMES - 1) as f64)
+}
+
+/// Returns whether fluid may cross a part of the boundary without a given velocity.
+pub(super) fn is_open<const D: usize>(fluid: &FluidSetup<D>) -> bool {
+    fluid.boundary.iter().any(|(_, of)| matches!(of, FluidBoundary::Open { .. } | FluidBoundary::Parallel { .. }))
+}
+
 /// Returns a time and the net inflow at this time if no part of the boundary is open and the net inflow is not zero.
 /// Velocities are those that the solver prescribes at vertices: at a vertex of several conditions a wall counts more
 /// than a given velocity.
-pub(super) fn unbalanced<const D: usize>(fluid: &FluidSetup<D>, [start, end]: [f64; 2]) -> Option<(f64, f64)> {
-    let is_open = |(_, condition): &(Tag, FluidBoundary<D>)| {
-        matches!(condition, FluidBoundary::Open { .. } | FluidBoundary::Parallel { .. })
-    };
-    if fluid.boundary.iter().any(is_open) {
+pub(super) fn unbalanced<const D: usize>(fluid: &FluidSetup<D>, times: [f64; 2]) -> Option<(f64, f64)> {
+    if is_open(fluid) {
         return None;
     }
     let background = &fluid.background;
@@ -256,8 +263,7 @@ pub(super) fn unbalanced<const D: usize>(fluid: &FluidSetup<D>, [start, end]: [f
         };
         surface.facets().map(of_facet).fold([0.0; 2], |sum, flow| [sum[0] + flow[0], sum[1] + flow[1]])
     };
-    let times = (0..BALANCE_TIMES).map(|k| start + (end - start) * k as f64 / (BALANCE_TIMES - 1) as f64);
-    let flows: Vec<(f64, [f64; 2])> = times.map(|time| (time, at(time))).collect();
+    let flows: Vec<(f64, [f64; 2])> = balance_times(times).map(|time| (time, at(time))).collect();
     let largest = flows.iter().map(|(_, [_, all])| *all).fold(0.0, f64::max);
     flows.into_iter().map(|(time, [net, _])| (time, net)).find(|(_, net)| net.abs() > LARGEST_NET_FLOW * largest)
 }

@@ -55,7 +55,7 @@ choices! {
             /// Number of bricks along each axis, divided into 2 triangles or 6 tetrahedra; or `size`.
             n: Option<Components<usize>> [between(1.0, f64::INFINITY), group(1)],
         },
-        /// Ring between two circles, in 2D; tags `outer` and `inner`.
+        /// Ring between two circles, in 2D; tags `outer` and `inner`. In 3D a tube is a `mesh` from a file.
         Annulus = "annulus" {
             /// Centre.
             centre: Components<f64> [unit(Quantity::LENGTH)],
@@ -66,7 +66,7 @@ choices! {
             /// Mean diameter of the cells.
             size: f64 [unit(Quantity::LENGTH), positive],
         },
-        /// All points within a distance of a segment, in 2D; tag `surface`.
+        /// All points within a distance of a segment, in 2D; tag `surface`. In 3D a capsule is a `mesh` from a file.
         Capsule = "capsule" {
             /// One end of the segment.
             from: Components<f64> [unit(Quantity::LENGTH)],
@@ -122,8 +122,7 @@ impl<const D: usize> Geometry<D> {
     pub(super) fn new(shape: &At<Shape>) -> Result<Self, ScenarioError> {
         let fail = |error| refuse(&shape.at, error);
         if D != 2 && matches!(**shape, Shape::Annulus { .. } | Shape::Capsule { .. } | Shape::Polygon { .. }) {
-            let message =
-                "this shape exists in two dimensions only; use a ball, a box or a mesh from a file, or dimension = 2";
+            let message = "this shape exists in two dimensions only; use a ball, a box or a mesh from a file (`kind = \"mesh\"`: .msh, or .stl and .obj for bodies that do not deform), or dimension = 2";
             return Err(shape.at.invalid(message));
         }
         check_memory::<D>(shape)?;
@@ -169,7 +168,7 @@ impl<const D: usize> Geometry<D> {
                 Self::Lines(vec![ClosedLine::capsule(ends, *radius, *size, "surface").map_err(fail)?], *size)
             }
             Shape::Polygon { corners, holes, size, smooth } => {
-                Self::Lines(polygon_lines(&shape.at, corners, holes, *size, *smooth)?, *size)
+                Self::Lines(polygon_lines(&shape.at, corners, holes, LineSize::Uniform(*size), *smooth)?, *size)
             }
             Shape::Mesh { file, scale } => Self::read(file)?.scaled(*scale).map_err(|error| file.at.error(error))?,
         })
@@ -285,7 +284,7 @@ impl<const D: usize> Geometry<D> {
 }
 
 /// Triangles in a square with sides of the size of a cell.
-pub(super) const CELLS_IN_SQUARE: f64 = 2.7;
+const CELLS_IN_SQUARE: f64 = 2.7;
 /// Tetrahedra in a cube with sides of the size of a cell.
 const CELLS_IN_CUBE: f64 = 6.0;
 
@@ -348,20 +347,30 @@ fn closed(surface: &Surface) -> Result<(), String> {
     Ok(())
 }
 
+/// Size of the segments of lines.
+#[derive(Clone, Copy)]
+pub(super) enum LineSize<'a> {
+    /// Largest length.
+    Uniform(f64),
+    /// Length at a place.
+    Graded(&'a dyn Fn([f64; 2]) -> f64),
+}
+
 /// Returns the outline of a polygon and its holes.
 pub(super) fn polygon_lines(
     at: &Location,
     corners: &[Components<f64>],
     holes: &[Vec<Components<f64>>],
-    size: f64,
+    size: LineSize<'_>,
     is_smooth: bool,
 ) -> Result<Vec<ClosedLine>, ScenarioError> {
     let line = |corners: &[Components<f64>], part: String, name: &dyn Fn(usize) -> String| {
         let corners: Vec<[f64; 2]> = corners.iter().map(planar).collect();
-        let line = if is_smooth {
-            ClosedLine::smooth(&corners, size, &name(0))
-        } else {
-            ClosedLine::polygon(&corners, size, name)
+        let line = match size {
+            LineSize::Uniform(h) if is_smooth => ClosedLine::smooth(&corners, h, &name(0)),
+            LineSize::Uniform(h) => ClosedLine::polygon(&corners, h, name),
+            LineSize::Graded(h) if is_smooth => ClosedLine::graded_smooth(&corners, h, &name(0)),
+            LineSize::Graded(h) => ClosedLine::graded_polygon(&corners, h, name),
         };
         line.map_err(|error| match &error {
             mesh::Error::Parameter(parameter) if parameter.what == SEGMENTS => refuse(&at.part("size"), error),
@@ -455,35 +464,29 @@ fn unreadable(file: &At<String>, error: Error) -> ScenarioError {
     file.at.invalid(format!("{error}{advice}"))
 }
 
-/// Largest deviation of a normal from an axis, relative to its length.
-const ALONG_AXIS: f64 = 1e-9;
+/// Largest component of a unit normal that is round-off.
+pub(super) const ROUND_OFF: f64 = 1e-9;
 
-/// Returns the outward unit normal of a tagged part of a boundary and the number of the axis along which it points.
+/// Returns the outward unit normal of a tagged part of a boundary; components of the size of round-off are zero.
 ///
 /// A normal that is given replaces that of the facets.
 ///
 /// # Errors
-/// Facets that do not lie in one plane, or a normal that is not along an axis.
-pub(super) fn normal_along_axis<const D: usize>(
+/// Facets that do not lie in one plane, or a given normal that is zero.
+pub(super) fn plane_normal<const D: usize>(
     at: &Location,
     mesh: &SimplexMesh<D>,
     tag: Tag,
     given: Option<&Components<f64>>,
-) -> Result<(usize, Vector<D>), ScenarioError> {
+) -> Result<Vector<D>, ScenarioError> {
     let normal = match given {
         Some(given) => given.vector::<D>().try_normalize(0.0).ok_or_else(|| at.part("normal").invalid(ZERO_VECTOR))?,
         None => mesh.tag_normal(tag).ok_or_else(|| {
             at.invalid("this part of the boundary is not plane; use another condition, or give a symmetry its normal")
         })?,
     };
-    let axis = normal.iamax();
-    if normal.iter().enumerate().any(|(a, n)| a != axis && n.abs() > ALONG_AXIS) {
-        let normal = normal.as_slice();
-        return Err(at.invalid(format!(
-            "the normal {normal:?} is not along an axis, and oblique planes are not available yet; turn the geometry"
-        )));
-    }
-    Ok((axis, normal))
+    let cleaned = normal.map(|n| if n.abs() > ROUND_OFF { n } else { 0.0 });
+    Ok(cleaned.normalize())
 }
 
 /// Message about a vector that must give a direction.

@@ -11,7 +11,7 @@ use io::scenario::Case;
 use io::scenario::case::case;
 use mesh::generate::{BallOptions, ball, structured_box};
 use mesh::{Placed, Point, SimplexMesh, Vector, VertexId};
-use solver::Setup;
+use solver::{FluidBoundary, Setup};
 
 /// A body in vacuum; `SHAPE` stands for its shape and `MORE` for more keys.
 const BODY: &str = r#"
@@ -292,6 +292,69 @@ boundary = { side-1 = "no-slip", side-2 = "no-slip", side-3 = "no-slip", side-4 
     expect(&background.replace("[1, 1]]]", "[9, 1]]]"), &["background", "cross or touch"]);
     let in_space = background.replace("dimension = 2", "dimension = 3");
     assert!(parse_at(&place(), &in_space, &[]).is_err());
+}
+
+#[test]
+fn a_polygon_may_be_finer_near_regions_and_smooth() {
+    let text = FLUID.split_once("[background]").expect("a table").0.to_owned()
+        + r#"[background]
+kind     = "polygon"
+corners  = [[-2, 0], [0, -1], [2, 0], [0, 1]]
+holes    = [[[0.9, 0], [1.1, 0.2], [1.3, 0], [1.1, -0.2]]]
+size     = 0.2
+smooth   = true
+refine   = [{ near = { kind = "ball", centre = [-1, 0], radius = 0.1 }, size = 0.02, growth = 0.2 }]
+boundary = { surface = "no-slip", hole-1 = "free" }
+"#;
+    let mesh_of = |text: &str| planar_case(&parsed(text)).setup.fluid.map(|fluid| fluid.background).expect("a fluid");
+    let mesh = mesh_of(&text);
+    let diameter = |at: [f64; 2]| {
+        let near = |cell: &mesh::CellId| (mesh.simplex(*cell).centroid() - Point::<2>::from(at)).norm() < 0.1;
+        let cells: Vec<f64> = mesh.cells().filter(near).map(|cell| mesh.simplex(cell).diameter()).collect();
+        cells.iter().sum::<f64>() / cells.len() as f64
+    };
+    assert!((0.017..0.023).contains(&diameter([-1.0, 0.0])) && (0.15..0.25).contains(&diameter([1.7, 0.0])));
+    // The spline bulges out of the polygon; its hole, too.
+    assert!((4.5..6.0).contains(&mesh.volume()), "{}", mesh.volume());
+    let sharp = text.replace("smooth   = true", "smooth   = false").replace(
+        "surface = \"no-slip\"",
+        "side-1 = \"no-slip\", side-2 = \"no-slip\", side-3 = \"no-slip\", side-4 = \"no-slip\"",
+    );
+    assert!((mesh_of(&sharp).volume() - 3.92).abs() < 1e-12);
+    expect(&text.replace("[-1, 0], radius", "[-3, 0], radius"), &["background.refine.0", "within the background"]);
+    expect(&text.replace("size = 0.02", "size = 0.3"), &["background.refine.0", "at most the size of the background"]);
+    expect(&text.replace("size = 0.02", "size = 1e-6"), &["background.refine.0", "number of cells"]);
+    expect(&text.replace("[-2, 0], [0, -1]", "[-2, 0, 1], [0, -1]"), &["background.corners.0", "3 components"]);
+}
+
+#[test]
+fn conditions_on_planes_follow_an_oblique_channel() {
+    // A channel of length 2 and width 0.5 along (0.8, 0.6).
+    let text = FLUID.split_once("[background]").expect("a table").0.to_owned()
+        + r#"[background]
+kind     = "polygon"
+corners  = [[0, 0], [1.6, 1.2], [1.3, 1.6], [-0.3, 0.4]]
+size     = 0.2
+boundary = { side-1 = "symmetry", side-2 = "parallel", side-3 = "no-slip", side-4 = { kind = "inflow", profile = "parabolic", maximum = 3 } }
+"#;
+    let case = planar_case(&parsed(&text));
+    let fluid = case.setup.fluid.as_ref().expect("a fluid");
+    let (along, across) = (Vector::<2>::new(0.8, 0.6), Vector::<2>::new(-0.6, 0.8));
+    let condition = |name: &str| {
+        let tag = fluid.background.tag(name);
+        fluid.boundary.iter().find(|(other, _)| Some(*other) == tag).map(|(_, condition)| condition)
+    };
+    let is_along = |found: &Vector<2>, wanted: Vector<2>| (found.dot(&wanted).abs() - 1.0).abs() < 1e-14;
+    assert!(matches!(condition("side-1"), Some(FluidBoundary::Symmetry { normal }) if is_along(normal, across)));
+    assert!(matches!(condition("side-2"), Some(FluidBoundary::Parallel { normal }) if is_along(normal, along)));
+    let Some(FluidBoundary::Velocity(inflow)) = condition("side-4") else { panic!("an inflow") };
+    for s in [0.0, 0.2, 0.5, 1.0] {
+        let u = inflow(&(across * (0.5 * s)), 0.0);
+        assert!((u - along * (12.0 * s * (1.0 - s))).norm() < 1e-14, "{u}");
+    }
+    let normal = |n: &str| text.replace("\"symmetry\"", &format!("{{ kind = \"symmetry\", normal = {n} }}"));
+    parsed(&normal("[6, -8]"));
+    expect(&normal("[6, -8.1]"), &["background.boundary.side-1.normal", "across the normal"]);
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use nalgebra::{DMatrix, MatrixXx2};
 
-use super::size::MEAN_EDGE;
+use super::size::{MEAN_EDGE, divided};
 use crate::{Error, positive, require};
 
 /// Largest number of segments of one part of a line.
@@ -55,6 +55,38 @@ impl ClosedLine {
         Ok(line)
     }
 
+    /// Creates a polygon whose sides are divided into segments of about the length `h` of their places. The slope of `h` is at
+    /// most one half. `name` is that of [`Self::polygon`].
+    ///
+    /// # Errors
+    /// As [`Self::polygon`].
+    pub fn graded_polygon(
+        corners: &[[f64; 2]],
+        h: &dyn Fn([f64; 2]) -> f64,
+        name: impl Fn(usize) -> String,
+    ) -> Result<Self, Error> {
+        check(corners, corners.iter().map(|x| h(*x)).fold(f64::INFINITY, f64::min))?;
+        let mut line = Self::default();
+        for (k, (a, b)) in sides(corners).enumerate() {
+            line.push_graded(&name(k), (distance(a, b), 1), h, |t| mix(a, b, t))?;
+        }
+        Ok(line)
+    }
+
+    /// Creates a line along the spline of [`Self::smooth`] with segments of about the length `h` of their places. The slope of `h`
+    /// is at most one half.
+    ///
+    /// # Errors
+    /// As [`Self::smooth`].
+    pub fn graded_smooth(corners: &[[f64; 2]], h: &dyn Fn([f64; 2]) -> f64, name: &str) -> Result<Self, Error> {
+        check(corners, corners.iter().map(|x| h(*x)).fold(f64::INFINITY, f64::min))?;
+        require(corners.len() as f64 <= MOST_CORNERS, "number of corners", corners.len() as f64, "at most 2000")?;
+        let spline = ClosedSpline::through(corners)?;
+        let mut line = Self::default();
+        line.push_graded(name, (spline.length(), 3), h, |t| spline.at(t))?;
+        Ok(line)
+    }
+
     /// Creates a circle with segments of mean length `0.92 h`, as the cells of other generators have for the size `h`.
     ///
     /// # Errors
@@ -101,6 +133,24 @@ impl ClosedLine {
         self.middles.reverse();
         self.names.reverse();
         self
+    }
+
+    /// Appends at least `least` segments of about the length `h` of their places along a curve over the parameters from 0 to 1.
+    fn push_graded(
+        &mut self,
+        name: &str,
+        (length, least): (f64, usize),
+        h: &dyn Fn([f64; 2]) -> f64,
+        at: impl Fn(f64) -> [f64; 2],
+    ) -> Result<(), Error> {
+        let parameters = divided(0.0, 1.0, |t| h(at(t)) / length)?;
+        if parameters.len() <= least {
+            return self.push(name, least as f64, at);
+        }
+        self.points.extend(parameters[1..].iter().zip(&parameters).map(|(_, t)| at(*t)));
+        self.middles.extend(parameters[1..].iter().zip(&parameters).map(|(end, begin)| at(0.5 * (begin + end))));
+        self.names.resize(self.points.len(), name.to_owned());
+        Ok(())
     }
 
     /// Appends `n` segments along a curve over the parameters from 0 to 1.

@@ -124,6 +124,17 @@ fn triangulated<const D: usize>(
 
 /// Estimates the number of cells of a [`refined_box`] by midpoint quadrature, without a mesh.
 pub fn expected_cells<const D: usize>(min: [f64; D], max: [f64; D], size: &Size, regions: &[Region<D>]) -> f64 {
+    expected_cells_where(min, max, size, regions, |_| true)
+}
+
+/// Estimates the number of cells of a mesh of a part of a box as [`expected_cells`] does.
+pub fn expected_cells_where<const D: usize>(
+    min: [f64; D],
+    max: [f64; D],
+    size: &Size,
+    regions: &[Region<D>],
+    is_inside: impl Fn(&Point<D>) -> bool,
+) -> f64 {
     // Samples along each axis, and cells in a square or cube of the size of a cell.
     let (samples, cells): (usize, f64) = match D {
         2 => (64, 4.0 / (3.0_f64.sqrt() * MEAN_EDGE.powi(2))),
@@ -134,6 +145,9 @@ pub fn expected_cells<const D: usize>(min: [f64; D], max: [f64; D], size: &Size,
     let density = |k: usize| {
         let place = |axis: usize| (k / samples.pow(axis as u32) % samples) as f64 + 0.5;
         let x = Point::from_fn(|axis, _| min[axis] + place(axis) * step[axis]);
+        if !is_inside(&x) {
+            return 0.0;
+        }
         let h = regions.iter().map(|region| region.at(&x)).fold(size.at(&x).min(shortest), f64::min);
         cells / h.powi(D as i32)
     };

@@ -3,9 +3,10 @@
 use spade::{AngleLimit, ConstrainedDelaunayTriangulation, Point2, RefinementParameters, Triangulation};
 
 use super::closed_line::ClosedLine;
-use super::size::{MEAN_EDGE, affordable};
+use super::region::Region;
+use super::size::{MEAN_EDGE, Size, affordable};
 use super::triangulate::{area, centroid, smallest_angle};
-use crate::{Error, Point, SimplexMesh, VertexId, positive};
+use crate::{Aabb, Error, Point, SimplexMesh, VertexId, positive};
 
 /// Angle that refinement aims at, and above which smoothing may make angles smaller, degrees.
 const GOOD_ANGLE: f64 = 28.0;
@@ -31,25 +32,50 @@ const ROUND_OFF: f64 = 1e-9;
 /// [`Error::Parameter`]: the size is not positive, or there are too many cells. [`Error::Triangulation`]: lines that
 /// cross or touch, or holes outside. [`Error::Dimension`]: `D` is not 2.
 pub fn inside<const D: usize>(lines: &[ClosedLine], size: f64) -> Result<SimplexMesh<D>, Error> {
+    refined_inside(lines, size, &[])
+}
+
+/// Generates triangles as [`inside`] does, with finer cells near regions. Where several sizes apply, the smallest one counts.
+///
+/// The segments of the lines remain as they are: [`ClosedLine::graded_polygon`] and [`ClosedLine::graded_smooth`] make those that
+/// follow the size.
+///
+/// # Errors
+/// As [`inside`] and [`Region::check`] with the box around the lines.
+pub fn refined_inside<const D: usize>(
+    lines: &[ClosedLine],
+    size: f64,
+    regions: &[Region<D>],
+) -> Result<SimplexMesh<D>, Error> {
     if D != 2 {
         return Err(Error::Dimension { shape: "a region between lines", dimension: D });
     }
     positive("size", size)?;
     let areas: Vec<f64> = lines.iter().map(|line| line.area().abs()).collect();
     let expected = areas.iter().take(1).sum::<f64>() - areas.iter().skip(1).sum::<f64>();
-    let largest = LARGEST * 0.25 * 3.0_f64.sqrt() * (MEAN_EDGE * size).powi(2);
-    affordable(2.0 * expected / largest)?;
+    let largest = |h: f64| LARGEST * 0.25 * 3.0_f64.sqrt() * (MEAN_EDGE * h).powi(2);
+    affordable(2.0 * expected / largest(size))?;
+    let at = |x: [f64; 2]| Point::<D>::from_fn(|axis, _| x[axis]);
+    let bounds = Aabb::of_points(&lines.iter().flat_map(|line| &line.points).map(|x| at(*x)).collect::<Vec<_>>());
+    for region in regions {
+        region.check(bounds.low.into(), bounds.high.into(), &Size::uniform(size))?;
+    }
+    let near = |x: [f64; 2]| regions.iter().map(|region| region.at(&at(x))).fold(size, f64::min);
 
     let given: Vec<[f64; 2]> = lines.iter().flat_map(|line| line.points.iter().copied()).collect();
     let n_fixed = given.len();
     let segments = segments(lines);
-    let (mut points, triangles) = refined(given, segments.clone(), largest, expected)?;
+    let (mut points, triangles) = refined(given, segments.clone(), largest(size), expected, |corners| {
+        !regions.is_empty() && area(corners) > largest(near(centroid(corners)))
+    })?;
     let found: f64 = triangles.iter().map(|t| area(&t.map(|v| points[v]))).sum();
     if (found - expected).abs() > ROUND_OFF * areas.iter().sum::<f64>() {
         return Err(failed("a hole is not inside the outer line, or inside another hole"));
     }
-    smooth(&mut points, &triangles, n_fixed);
-    let vertices = points.iter().map(|x| Point::from_fn(|axis, _| x[axis])).collect();
+    smooth(&mut points, &triangles, n_fixed, |corners| {
+        area(corners) * if regions.is_empty() { 1.0 } else { near(centroid(corners)).powi(-3) }
+    });
+    let vertices = points.iter().map(|x| at(*x)).collect();
     let mesh = SimplexMesh::new(vertices, triangles.into_iter().flatten().map(VertexId::new).collect())?;
     let names: Vec<&str> = lines.iter().flat_map(|line| &line.names).map(String::as_str).collect();
     // Segment `k` begins at point `k`.
@@ -77,12 +103,17 @@ fn segments(lines: &[ClosedLine]) -> Vec<[usize; 2]> {
 /// Points and triangles.
 type Triangulated = (Vec<[f64; 2]>, Vec<[usize; 3]>);
 
-/// Triangulates the region between segments with triangles of area `largest` at most. The given points are the first ones.
+/// Triangulates the region between segments with triangles of area `largest` at most, of which none is too coarse. The given
+/// points are the first ones.
+///
+/// Inserts the centroids of triangles that are too coarse, in each round of triangles that do not touch each other, and refines
+/// again.
 fn refined(
     points: Vec<[f64; 2]>,
     segments: Vec<[usize; 2]>,
     largest: f64,
     expected: f64,
+    is_coarse: impl Fn(&[[f64; 2]; 3]) -> bool,
 ) -> Result<Triangulated, Error> {
     let mut crossing = None;
     let positions = points.iter().map(|x| Point2::new(x[0], x[1])).collect();
@@ -98,27 +129,57 @@ fn refined(
         return Err(failed(format!("the lines cross or touch each other{near}")));
     }
     let most = SPARE * (expected / largest + points.len() as f64);
-    let parameters = RefinementParameters::new()
-        .keep_constraint_edges()
-        .exclude_outer_faces(true)
-        .with_angle_limit(AngleLimit::from_deg(GOOD_ANGLE))
-        .with_max_allowed_area(largest)
-        .with_max_additional_vertices(most as usize);
-    let refinement = cdt.refine(parameters);
-    if !refinement.refinement_complete {
-        return Err(failed(
-            "the lines are too near to each other, or meet at too small an angle, for triangles of this size",
-        ));
+    loop {
+        let parameters = RefinementParameters::new()
+            .keep_constraint_edges()
+            .exclude_outer_faces(true)
+            .with_angle_limit(AngleLimit::from_deg(GOOD_ANGLE))
+            .with_max_allowed_area(largest)
+            .with_max_additional_vertices(most as usize);
+        let refinement = cdt.refine(parameters);
+        if !refinement.refinement_complete {
+            return Err(failed(
+                "the lines are too near to each other, or meet at too small an angle, for triangles of this size",
+            ));
+        }
+        let mut is_outside = vec![false; cdt.num_all_faces()];
+        refinement.excluded_faces.iter().for_each(|face| is_outside[face.index()] = true);
+        let faces = cdt.inner_faces().filter(|face| !is_outside[face.fix().index()]);
+        let triangles: Vec<[usize; 3]> = faces.map(|face| face.vertices().map(|vertex| vertex.fix().index())).collect();
+        let points: Vec<[f64; 2]> = cdt.vertices().map(|vertex| [vertex.position().x, vertex.position().y]).collect();
+        affordable(2.0 * points.len() as f64)?;
+        let centroids = coarse_centroids(&points, &triangles, &is_coarse);
+        if centroids.is_empty() {
+            return Ok((points, triangles));
+        }
+        for [x, y] in centroids {
+            cdt.insert(Point2::new(x, y)).map_err(|error| failed(error.to_string()))?;
+        }
     }
-    let mut is_outside = vec![false; cdt.num_all_faces()];
-    refinement.excluded_faces.iter().for_each(|face| is_outside[face.index()] = true);
-    let faces = cdt.inner_faces().filter(|face| !is_outside[face.fix().index()]);
-    let triangles = faces.map(|face| face.vertices().map(|vertex| vertex.fix().index())).collect();
-    Ok((cdt.vertices().map(|vertex| [vertex.position().x, vertex.position().y]).collect(), triangles))
 }
 
-/// Moves each free point to the centroid of its triangles, unless an angle that is not good becomes smaller.
-fn smooth(points: &mut [[f64; 2]], triangles: &[[usize; 3]], n_fixed: usize) {
+/// Returns the centroids of triangles that are too coarse and do not touch each other, the largest ones first.
+fn coarse_centroids(
+    points: &[[f64; 2]],
+    triangles: &[[usize; 3]],
+    is_coarse: impl Fn(&[[f64; 2]; 3]) -> bool,
+) -> Vec<[f64; 2]> {
+    let corners = |triangle: &[usize; 3]| triangle.map(|v| points[v]);
+    let mut coarse: Vec<&[usize; 3]> = triangles.iter().filter(|triangle| is_coarse(&corners(triangle))).collect();
+    coarse.sort_by(|a, b| area(&corners(b)).total_cmp(&area(&corners(a))));
+    let mut is_touched = vec![false; points.len()];
+    coarse.retain(|triangle| {
+        let is_free = triangle.iter().all(|v| !is_touched[*v]);
+        if is_free {
+            triangle.iter().for_each(|v| is_touched[*v] = true);
+        }
+        is_free
+    });
+    coarse.into_iter().map(|triangle| centroid(&corners(triangle))).collect()
+}
+
+/// Moves each free point to the weighted centroid of its triangles, unless an angle that is not good becomes smaller.
+fn smooth(points: &mut [[f64; 2]], triangles: &[[usize; 3]], n_fixed: usize, weight: impl Fn(&[[f64; 2]; 3]) -> f64) {
     let mut stars = vec![Vec::new(); points.len()];
     for triangle in triangles {
         triangle.iter().for_each(|&v| stars[v].push(*triangle));
@@ -130,7 +191,7 @@ fn smooth(points: &mut [[f64; 2]], triangles: &[[usize; 3]], n_fixed: usize) {
             let worst = |corners: &[[[f64; 2]; 3]]| corners.iter().map(smallest_angle).fold(good, f64::min);
             let before = corners(points);
             let sum = before.iter().fold([0.0; 3], |sum, corners| {
-                let (weight, x) = (area(corners), centroid(corners));
+                let (weight, x) = (weight(corners), centroid(corners));
                 [sum[0] + weight, sum[1] + weight * x[0], sum[2] + weight * x[1]]
             });
             let place = std::mem::replace(&mut points[v], [sum[1] / sum[0], sum[2] / sum[0]]);

@@ -15,9 +15,9 @@ mod unit;
 
 pub use ball::{BallOptions, HALF_BALL_PLANE, ball, half_ball};
 pub use closed_line::ClosedLine;
-pub use graded_box::{expected_cells, graded_box, refined_box};
+pub use graded_box::{expected_cells, expected_cells_where, graded_box, refined_box};
 pub use grid::structured_box;
-pub use inside::inside;
+pub use inside::{inside, refined_inside};
 pub use mirror::mirrored;
 pub use region::{Region, RegionShape};
 pub use size::Size;

@@ -144,9 +144,9 @@ fn nonsense_is_refused() {
         let load = Load::pressure(vec![FacetId(facet)], 1.0);
         body(ElasticOptions { loads: vec![load], ..ElasticOptions::default() })
     };
-    assert!(body(support(3, SupportKind::Symmetry { axis: 1 })).is_ok() && loaded(3).is_ok());
+    assert!(body(support(3, SupportKind::symmetry(1))).is_ok() && loaded(3).is_ok());
     assert!(matches!(body(support(4, SupportKind::Clamped)), Err(Error::UnknownVertex { n_vertices: 4, .. })));
-    assert!(matches!(body(support(3, SupportKind::Symmetry { axis: 2 })), Err(Error::Parameter(_))));
+    assert!(matches!(body(support(3, SupportKind::symmetry(2))), Err(Error::Parameter(_))));
     assert!(matches!(loaded(4), Err(Error::UnknownFacet { n_facets: 4, .. })));
     assert!(SolidForm::new(-1.0, ball_material(), Vector::<2>::zeros()).is_err());
     let unknown = solid_svk::supports::tagged_facets(&unit_box::<2>(1), "nowhere");
@@ -177,7 +177,7 @@ fn layers_have_their_density_and_material(order: Order) {
     let support =
         |part: &str, kind| Support { vertices: vertices_of(&solid, &tagged_facets(&solid, part).unwrap()), kind };
     let pulled = Arc::new(|_: &Point<2>, _| [Some(0.0), Some(0.03)]);
-    let side = || SupportKind::Symmetry { axis: 0 };
+    let side = || SupportKind::symmetry(0);
     let supports = vec![
         support("left", side()),
         support("right", side()),

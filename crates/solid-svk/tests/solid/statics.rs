@@ -138,8 +138,8 @@ fn stretched_bar_in_plane_strain() {
         let stretched = move |_: &Point<2>, _| [Some(stretch - 1.0), None];
         let mut constraints = Constraints::new();
         for (name, support) in [
-            ("left", SupportKind::Symmetry { axis: 0 }),
-            ("bottom", SupportKind::Symmetry { axis: 1 }),
+            ("left", SupportKind::symmetry(0)),
+            ("bottom", SupportKind::symmetry(1)),
             ("right", SupportKind::Displacement(Arc::new(stretched))),
         ] {
             let vertices = vertices_of(&mesh, &tagged_facets(&mesh, name).unwrap());

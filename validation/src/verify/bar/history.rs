@@ -109,7 +109,7 @@ pub(super) fn history(gravity: f64, n: usize, advance: &Advance<'_>, end: f64) -
         body.solid = body.solid.without_mass_at(&foot)?.0;
     }
     for side in ["left", "right"] {
-        body.hold(side, SupportKind::Symmetry { axis: 0 })?;
+        body.hold(side, SupportKind::symmetry(0))?;
     }
     if gravity == 0.0 {
         body.options.initial_velocity = Some(Arc::new(|_| V::new(0.0, -SPEED)));

@@ -35,7 +35,7 @@ fn block(
 ) -> Result<Elastic<2>, Failure> {
     let mesh = structured_box::<2>([0.0, bottom], [width, top], n)?;
     let mut body = elastic(mesh, 1.0, material, V::zeros(), Arc::new(QuasiStatic))?;
-    body.hold("left", SupportKind::Symmetry { axis: 0 })?;
+    body.hold("left", SupportKind::symmetry(0))?;
     Ok(body)
 }
 
@@ -86,7 +86,7 @@ fn two_blocks(record: &mut Record) -> Result<(), Failure> {
     let [mut upper, mut lower] =
         [block([1.0 + OFFSET, 2.0 + OFFSET], 1.0, [4, 4], linear()?)?, block([0.0, 1.0], 1.0, [3, 3], linear()?)?];
     upper.hold("top", pushed([None, Some(-0.01)]))?;
-    lower.hold("bottom", SupportKind::Symmetry { axis: 1 })?;
+    lower.hold("bottom", SupportKind::symmetry(1))?;
     let contact = on(&upper, &lower, gamma_0, OFFSET)?;
     let pressure = modulus(LAME) * 0.005;
     record_pile(record, &law("two blocks, 4 on 3"), (vec![upper, lower], contact), (1, pressure))?;
@@ -95,7 +95,7 @@ fn two_blocks(record: &mut Record) -> Result<(), Failure> {
     let [mut upper, mut lower] =
         [block([1.0 + OFFSET, 2.0 + OFFSET], 1.0, [4, 4], stiff()?)?, block([0.0, 1.0], 1.0, [7, 3], stiff()?)?];
     upper.hold("top", pushed([None, Some(-0.1)]))?;
-    lower.hold("bottom", SupportKind::Symmetry { axis: 1 })?;
+    lower.hold("bottom", SupportKind::symmetry(1))?;
     let contact = on(&upper, &lower, gamma_0, OFFSET)?;
     record_pile(record, &law("two blocks without lateral strain, 4 on 7"), (vec![upper, lower], contact), (1, 1e5))?;
     Ok(())
@@ -131,7 +131,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
         let pressure = 0.5;
         let (mut upper, mut lower) =
             (block([0.999, 1.999], 1.0, [3, 4], linear()?)?, block([0.0, 1.0], 2.0, [8, 3], linear()?)?);
-        lower.hold("bottom", SupportKind::Symmetry { axis: 1 })?;
+        lower.hold("bottom", SupportKind::symmetry(1))?;
         let load = |facets: Vec<FacetId>| Load::traction(facets, Arc::new(move |_, _| V::new(0.0, -pressure)));
         upper.options.loads.push(load(upper.part("top")?));
         let vertices = lower.solid.nodes();
