@@ -164,7 +164,7 @@ fn malformed_meshes_are_refused_with_their_file() {
         ("c.vtk", MESH.replace("4 0 4 6 7", "4 0 4 6 8"), "contradict"),
         ("d.vtk", MESH.replace("4 0 4 6 7", "9 0 4 6 7"), "contradict"),
         ("e.vtk", MESH.replace("10\n", "12\n"), "no tetrahedron"),
-        ("f.vtk", MESH.replace("10\n", "5\n"), "no cells"),
+        ("f.vtk", MESH.replace("10\n", "5\n"), "no tetrahedra"),
         ("g.vtk", MESH.replace("1 1 1\n", "0 0 0\n"), "volume"),
         ("h.vtk", MESH.replace("1 1 1\n", "nan 1 1\n"), ""),
         ("i.vtk", MESH.replace("UNSTRUCTURED_GRID", "POLYDATA"), ""),
