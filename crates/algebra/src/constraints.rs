@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::DofId;
 
 /// Largest factor of an equation that is round-off, relative to the largest one.
-const ROUND_OFF: f64 = 1e-9;
+const ROUND_OFF: f64 = 1e-7;
 
 /// Prescribed values of dofs, and dofs tied to others.
 ///

@@ -112,8 +112,10 @@ struct Item<const D: usize> {
 pub struct Multipliers {
     /// One list per item.
     values: Vec<Vec<Local>>,
-    /// Largest change of a traction since the solve before, force per area.
+    /// Largest change of a traction since the previous solve, force per area.
     pub change: f64,
+    /// Largest traction, force per area.
+    pub largest: f64,
 }
 
 /// Returns the local row of a dof; appends the dof if it is new.
@@ -141,7 +143,7 @@ impl<const D: usize> ContactItems<D> {
     }
 
     /// Sets the multipliers of the next solve.
-    pub fn augment(&mut self, multipliers: Multipliers) {
+    pub fn set_multipliers(&mut self, multipliers: Multipliers) {
         for (item, values) in self.items.iter_mut().zip(multipliers.values) {
             item.multipliers = values;
         }
@@ -321,15 +323,16 @@ impl<const D: usize> ContactSites<'_, D> {
     pub fn multipliers(&self, x: &[f64]) -> Option<Multipliers> {
         let (form, items) = (self.pair.form, &self.items.items);
         (form.law.stress() == StressSource::Multiplier).then_some(())?;
-        let mut multipliers = Multipliers { values: Vec::with_capacity(items.len()), change: 0.0 };
+        let mut multipliers = Multipliers { values: Vec::with_capacity(items.len()), change: 0.0, largest: 0.0 };
         for (number, item) in items.iter().enumerate() {
             let n_points = item.segments.len() * form.rule.weights().len();
             let mut values = vec![Local::default(); n_points];
             self.visit(number, x, |site| values[site.number] = site.traction.value);
             for (k, value) in values.iter().enumerate() {
                 let before = item.multipliers.get(k).copied().unwrap_or_default();
-                let change = (0..3).map(|i| (value[i] - before[i]).powi(2)).sum::<f64>().sqrt();
-                multipliers.change = multipliers.change.max(change);
+                let norm = |of: &dyn Fn(usize) -> f64| (0..3).map(|i| of(i).powi(2)).sum::<f64>().sqrt();
+                multipliers.change = multipliers.change.max(norm(&|i| value[i] - before[i]));
+                multipliers.largest = multipliers.largest.max(norm(&|i| value[i]));
             }
             multipliers.values.push(values);
         }

@@ -157,7 +157,7 @@ impl RunTables {
             if columns.is_empty() {
                 !is_work(name)
             } else {
-                columns.iter().any(|column| column == name || column == name_and_unit(name).0)
+                columns.iter().any(|column| name_and_unit(column).0 == name_and_unit(name).0)
             }
         };
         let mut found: Vec<Difference> = self.columns().filter(is_compared).filter_map(difference).collect();

@@ -91,7 +91,7 @@ fn main() -> ExitCode {
     let trial = |surface: (&'static str, f64, f64)| {
         let folder = folder.clone();
         let is_skipped = folder.is_none();
-        let run = move || folder.map_or(Ok(()), |folder| check_all(&folder, surface));
+        let run = move || check_all(&folder.ok_or("CUTWATER_SURFACES names no folder of surfaces")?, surface);
         Trial::test(format!("{}_keeps_volume_and_area", surface.0), run).with_ignored_flag(is_skipped)
     };
     libtest_mimic::run(&Arguments::from_args(), SURFACES.into_iter().map(trial).collect()).exit_code()

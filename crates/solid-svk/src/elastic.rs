@@ -160,10 +160,17 @@ impl<const D: usize> BodyStep<D> for ElasticStep<'_, D> {
     }
 
     fn constrain(&self, layout: &BlockLayout, constraints: &mut Constraints) {
-        for support in &self.body.options.supports {
+        let supports = |symmetric: bool| {
+            let supports = self.body.options.supports.iter();
+            supports.filter(move |support| matches!(support.kind, SupportKind::Symmetry { .. }) == symmetric)
+        };
+        let constrain = |support: &Support<D>, constraints: &mut Constraints| {
             support.constrain(self.cells(layout), self.begin, &self.time, constraints);
-        }
+        };
+        supports(false).for_each(|support| constrain(support, constraints));
         self.constrain_axis(layout, constraints);
+        // Planes of symmetry are linear equations of dofs, some of which are prescribed now.
+        supports(true).for_each(|support| constrain(support, constraints));
     }
 
     fn contributions<'p>(&'p self, layout: &'p BlockLayout) -> Vec<Box<dyn Contributions + 'p>> {

@@ -45,8 +45,8 @@ impl<const D: usize> SupportKind<D> {
 impl<const D: usize> Support<D> {
     /// Prescribes the velocities of the held nodes such that the displacement at the end of the step is the given one.
     ///
-    /// Of two supports of the same dof the later one counts. Planes of symmetry are combined, and yield to other supports before
-    /// them.
+    /// Of two supports of the same dof the later one counts. Planes of symmetry are combined; they come after all other supports, which
+    /// they do not change.
     pub fn constrain(
         &self,
         cells: SolidCells<'_, D>,

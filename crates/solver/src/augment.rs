@@ -41,14 +41,14 @@ impl<const D: usize> Step<'_, D> {
         let contacts = || self.setup.contacts.iter().zip(&self.contacts);
         let found: Vec<Option<Multipliers>> =
             contacts().map(|(contact, step)| step.sites(contact, self.partners()).multipliers(x)).collect();
-        let accepted = self.setup.contacts.iter().map(|contact| contact.form().law.accepted_change());
-        let mut changes = found.iter().zip(accepted).enumerate();
-        let unsettled = changes.find_map(|(contact, (found, accepted))| {
-            let change = found.as_ref()?.change;
-            (change > accepted).then_some(Unsettled { contact, change, accepted })
+        let mut changes = found.iter().zip(&self.setup.contacts).enumerate();
+        let unsettled = changes.find_map(|(number, (found, contact))| {
+            let Multipliers { change, largest, .. } = *found.as_ref()?;
+            let accepted = contact.form().law.accepted_change(largest);
+            (change > accepted).then_some(Unsettled { contact: number, change, accepted })
         })?;
         for (step, multipliers) in self.contacts.iter_mut().zip(found) {
-            multipliers.into_iter().for_each(|multipliers| step.augment(multipliers));
+            multipliers.into_iter().for_each(|multipliers| step.set_multipliers(multipliers));
         }
         Some(unsettled)
     }

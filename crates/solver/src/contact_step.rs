@@ -112,8 +112,8 @@ impl<const D: usize> ContactStep<D> {
     }
 
     /// Sets the multipliers of the next solve.
-    pub(crate) fn augment(&mut self, multipliers: Multipliers) {
-        self.items.augment(multipliers);
+    pub(crate) fn set_multipliers(&mut self, multipliers: Multipliers) {
+        self.items.set_multipliers(multipliers);
     }
 
     /// Returns an error if the bodies moved farther than obstacles were searched.

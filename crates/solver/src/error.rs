@@ -113,7 +113,8 @@ pub enum Stage {
     /// bodies, or the body does not fit between its obstacles. Take a larger parameter.
     #[error(
         "the multipliers of contact {contact} still change by {change:e} after {solves} solves, and {accepted:e} is accepted; take a larger \
-         gamma_contact_0 or tolerance, and check that the body fits between its obstacles"
+         gamma_contact_0 (with friction at most some hundred times the mass per area over the square of the step) or tolerance, and check that the \
+         body fits between its obstacles"
     )]
     Multipliers {
         /// Number of the contact.

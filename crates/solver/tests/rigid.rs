@@ -101,7 +101,9 @@ fn augmented<const D: usize>(
     let (surface, positions) = (body.surface(), body.reference());
     let lowest = positions.iter().map(|x| x[D - 1]).fold(f64::INFINITY, f64::min);
     let is_base = |f: &FacetId| surface.facet(*f).iter().all(|v| positions[v.index()][D - 1] < lowest + 1e-9);
-    let law = AugmentedLagrangianLaw::new(gamma, offset, 1e-9).expect("a law").with_friction(friction).expect("a law");
+    let tolerance = if friction > 0.0 { 1e-8 } else { 1e-9 };
+    let law =
+        AugmentedLagrangianLaw::new(gamma, offset, tolerance).expect("a law").with_friction(friction).expect("a law");
     let form = ContactForm::new(law, 1.0).expect("a contact");
     Contact::new(bodies, BodyId(slave as u32), surface.facets().filter(is_base).collect(), form, obstacle).expect("one")
 }

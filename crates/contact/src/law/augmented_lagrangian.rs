@@ -6,15 +6,16 @@ use super::coulomb::Coulomb;
 use super::{ContactLaw, ContactPoint, ContactTraction, StressSource};
 use crate::Error;
 
-/// `λ = -[(γ_C0/s) (ε - Δ) - m_n]₊` with the multiplier `m`, the traction of the solve before
+/// `λ = -[(γ_C0/s) (ε - Δ) - m_n]₊` with the multiplier `m`, the traction of the previous solve
 ///
 /// The step is solved again with the tractions of its last solve as multipliers until these no longer change. Then `Δ = ε`
-/// where there is contact, and `λ` is the force that this needs, whatever `γ_C0` is. The first solve has `m = 0` and is that
+/// where there is contact, up to a tolerance, and `λ` is the force that this needs, whatever `γ_C0` is. The first solve has `m = 0` and is that
 /// of the penalty law. Each solve reduces the error of the gap by the factor `K/(K + γ_C0 A/s)`, where `A` is the area in
 /// contact and `K` the force that moves the bodies by a unit length in a step, for a free body of mass `M` about `M/Δt²`.
 ///
 /// Coulomb friction with the coefficient `μ_f` adds `τ = -P((γ_C0/s) g - m_t)` with the slip `g` over the step and the
-/// projection `P` onto the disk of radius `-μ_f m_n`. Where surfaces stick, `g = 0` after the last solve.
+/// projection `P` onto the disk of radius `-μ_f m_n`. Where surfaces stick, `g = 0` after the last solve up to the same
+/// tolerance.
 ///
 /// Source: Alart and Curnier 1991, doi:10.1016/0045-7825(91)90022-X, solved by the iteration of Uzawa; Simo and Laursen
 /// 1992, doi:10.1016/0045-7949(92)90540-G.
@@ -29,7 +30,8 @@ pub struct AugmentedLagrangianLaw {
 
 impl AugmentedLagrangianLaw {
     /// Creates the law with parameter `γ_C0` and offset `ε`. Solves are repeated until distances of surfaces in contact
-    /// differ from the offset by at most `tolerance` times the contact size.
+    /// differ from the offset by at most `tolerance` times the contact size, and with friction also until tractions change
+    /// by at most `tolerance` times the largest one.
     ///
     /// # Errors
     /// [`Error::Parameter`]: parameter or tolerance not positive, offset negative.
@@ -75,8 +77,10 @@ impl ContactLaw for AugmentedLagrangianLaw {
         StressSource::Multiplier
     }
 
-    fn accepted_change(&self) -> f64 {
-        self.tolerance * self.gamma_contact_0
+    fn accepted_change(&self, largest: f64) -> f64 {
+        // A limit of friction that is wrong by a share of the traction changes the motion by this share.
+        let scale = if self.friction > 0.0 { self.gamma_contact_0.min(largest) } else { self.gamma_contact_0 };
+        self.tolerance * scale
     }
 }
 

@@ -5,9 +5,9 @@ use super::{ContactPoint, ContactTraction};
 /// `λ = -[γ (ε - Δ) - s_n]₊` and `τ = -P(γ g - s_t)` with the projection `P` onto the disk of radius `-μ_f λ`
 ///
 /// Both are equivalent to Signorini's and Coulomb's conditions if `s` is the traction itself: the stress of the slave in
-/// Nitsche's method, a multiplier in the augmented Lagrangian. There the radius is `μ_f [-s_n]₊`: the disk of the last
-/// solve. The problem of each solve then has a potential, and Newton's method does not cycle between points that stick and
-/// points that slide.
+/// Nitsche's method, a multiplier in the augmented Lagrangian. There the radius is `μ_f [-s_n]₊`, that of the previous
+/// solve, so that points in contact stick or slide by a disk that does not change during a solve. A point that leaves contact
+/// loses its friction at once.
 ///
 /// Source: Alart and Curnier 1991, doi:10.1016/0045-7825(91)90022-X.
 pub(super) struct Coulomb {
@@ -17,7 +17,7 @@ pub(super) struct Coulomb {
     pub(super) offset: f64,
     /// `μ_f`.
     pub(super) friction: f64,
-    /// Whether the radius of the disk is that of the stress.
+    /// Whether the radius of the disk is computed with `s_n` instead of `λ`.
     pub(super) is_lagged: bool,
 }
 
@@ -55,7 +55,7 @@ impl Coulomb {
         let direction = trial.map(|component| if sticks { 0.0 } else { component / norm });
         for (row, k) in [1, 2].into_iter().enumerate() {
             traction.value[k] = if sticks { -trial[row] } else { -limit * direction[row] };
-            // The radius of the disk follows the normal traction.
+            // With lag the radius is constant.
             traction.by_gap[k] = if self.is_lagged { 0.0 } else { self.friction * direction[row] * traction.by_gap[0] };
             traction.by_stress[0][k] = self.friction * direction[row];
             for (column, l) in [1, 2].into_iter().enumerate() {

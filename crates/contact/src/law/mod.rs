@@ -72,7 +72,7 @@ pub enum StressSource {
     /// The stress of the slave, which must be a body that deforms, minus that of the fluid in front of it. Without a
     /// fluid it is the stress of the slave.
     Jump,
-    /// The traction of the law in the solve before, zero in the first one. The step is solved again until it no longer
+    /// The traction of the law in the previous solve of the step, zero in the first one. The step is solved again until it no longer
     /// changes ([`ContactLaw::accepted_change`]). Slaves need no stress.
     Multiplier,
 }
@@ -109,8 +109,8 @@ pub trait ContactLaw: Send + Sync + std::fmt::Debug {
     }
 
     /// Returns the largest change of the traction from one solve of a step to the next after which the step is not solved
-    /// again, force per area; only for laws with [`StressSource::Multiplier`].
-    fn accepted_change(&self) -> f64 {
+    /// again, given the largest traction of the contact, both force per area; only for laws with [`StressSource::Multiplier`].
+    fn accepted_change(&self, _largest: f64) -> f64 {
         0.0
     }
 }

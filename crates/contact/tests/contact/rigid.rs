@@ -162,7 +162,7 @@ fn tangent_with_multipliers_is_exact<const D: usize>() {
         let [before, x] = &states;
         let multipliers = contact.multipliers(before).unwrap();
         let mut items = contact.items.clone();
-        items.augment(multipliers.clone());
+        items.set_multipliers(multipliers.clone());
         let augmented = ContactSites { items: &items, ..contact.clone() };
         let pressed = n_active(&augmented, x, |at| at.stress[0] < 0.0 && at.slip[0].abs() > 1e-3);
         assert!(pressed >= 4 && multipliers.change > 0.0, "{pressed} points");

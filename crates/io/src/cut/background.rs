@@ -90,13 +90,18 @@ fn simplices(piece: &UnstructuredGridPiece) -> Result<VtkMesh, String> {
     let flat: Vec<Point<2>> = vertices.iter().map(|x| Point::<2>::new(x[0], x[1])).collect();
     let cells = corners(&piece.cells.cell_verts).filter(|cells| cells.len() >= piece.cells.types.len());
     let (mut tetrahedra, mut triangles) = (Vec::new(), Vec::new());
+    let mut level = None;
     let mut is_plane = true;
     for (cell, (kind, ids)) in piece.cells.types.iter().zip(cells.ok_or(CONTRADICTION)?).enumerate() {
         match kind {
             CellType::Tetra => tetrahedra.extend(outwards(&ids, &vertices).ok_or(CONTRADICTION)?),
             CellType::Triangle => {
-                let Some(corners) = outwards(&ids, &flat) else { continue };
-                is_plane &= corners.iter().all(|v| vertices[v.index()][2] == vertices[0][2]);
+                let Some(corners) = outwards(&ids, &flat) else {
+                    is_plane = false;
+                    continue;
+                };
+                let level = *level.get_or_insert(vertices[corners[0].index()][2]);
+                is_plane &= corners.iter().all(|v| vertices[v.index()][2] == level);
                 triangles.extend(corners);
             }
             CellType::Vertex | CellType::PolyVertex | CellType::Line | CellType::PolyLine | CellType::Quad => {}

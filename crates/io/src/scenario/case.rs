@@ -330,8 +330,10 @@ fn check_balance<const D: usize>(
             let name = setup.bodies[moved[0]].name();
             let given = bodies[moved[0]].motion.as_ref().map_or(&given.boundary().at, |motion| &motion.at);
             given.invalid(format!(
-                "no side is open, and at the time {time} the bodies with a given motion, such as `{name}`, cover {more:.3e} more of the domain (area or \
-                 volume) than at the start, so that the fluid has nowhere to go; make a side `free`, or keep the bodies inside"
+                "no side is open, and at the time {time} the bodies with a given motion, such as `{name}`, cover {:.3e} {} of the domain (area or \
+                 volume) than at the start, which the volume of the fluid does not allow; make a side `free`, or keep the bodies inside",
+                more.abs(),
+                if more > 0.0 { "more" } else { "less" }
             ))
         });
     };
@@ -367,11 +369,13 @@ fn check_displaced<const D: usize>(
         };
         moved.iter().map(of_body).sum::<Option<f64>>()
     };
-    if moved.is_empty() {
+    // Volumes of an axisymmetric cut are areas of the half plane.
+    if moved.is_empty() || fluid.background.coordinates().radial().is_some() {
         return Ok(());
     }
     // A surface that cannot cut the background is an error of its own.
-    let volumes: Vec<(f64, f64)> = balance_times(times).filter_map(|time| Some((time, covered(time)?))).collect();
+    let volumes = balance_times(times).map(|time| Some((time, covered(time)?))).collect::<Option<Vec<(f64, f64)>>>();
+    let volumes = volumes.unwrap_or_default();
     let largest = volumes.iter().map(|(_, volume)| *volume).fold(0.0, f64::max);
     let start = volumes.first().map_or(0.0, |(_, volume)| *volume);
     let changed = volumes.iter().find(|(_, volume)| (volume - start).abs() > LARGEST_CHANGE * largest);
@@ -429,7 +433,7 @@ fn respect_symmetry<const D: usize>(
             let (name, needed) =
                 (body.name(), across(plane).into_iter().map(|(_, word)| word).collect::<Vec<_>>().join(", "));
             return Err(motion.at.invalid(format!(
-                "body `{name}` stands on a plane of symmetry, so it must not leave it: add held = [{needed}]"
+                "body `{name}` stands on a plane of symmetry, which it must not leave; sliding along an oblique plane is not available: add held = [{needed}]"
             )));
         }
     }

@@ -60,11 +60,13 @@ choices! {
         /// bodies in contact have the distance `ε`, without the error of a penalty. For bodies that do not deform; those
         /// that deform have `nitsche`, which needs one solve.
         AugmentedLagrangian = "augmented-lagrangian" {
-            /// Parameter `γ_C0`. Results do not depend on it; larger values need fewer solves.
+            /// Parameter `γ_C0`. Results do not depend on it. Larger values need fewer solves; with friction much more than a
+            /// hundred times `size` times the mass per area over the square of the step is too large.
             gamma_contact_0: f64 [unit(Quantity::PRESSURE), positive],
             /// Coefficient of Coulomb friction: the tangential traction is at most this number times the pressure.
             friction: f64 [non_negative] = 0.0,
-            /// Largest error of the distance between bodies in contact, relative to `size`.
+            /// Largest error of the distance between bodies in contact, relative to `size`; with friction also that of
+            /// tractions, relative to the largest one.
             tolerance: f64 [positive] = 1e-6,
         },
         /// Collision of bodies that do not deform. If the gap is below the offset, which is the roughness of the

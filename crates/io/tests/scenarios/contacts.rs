@@ -251,5 +251,14 @@ vtk_every = 0
     assert!((last("0.3", "centre_velocity_x") - exact).abs() < 1e-5);
     assert!(last("0.7", "centre_velocity_x").abs() < 1e-5);
     assert!((last("0.7", "d_min") - 0.001).abs() < 1e-6);
+    // The limit of friction of a light block is not lost in the tolerance of the distance.
+    let light = legal(
+        &text.replace("density = 1000.0", "density = 1.0"),
+        &[&["contact.0.law.friction=0.3", "contact.0.law.gamma_contact_0=1e6", "contact.0.law.tolerance=1e-5"]],
+    );
+    let directory = fresh_directory("slope-light");
+    results(&light, &directory);
+    let velocity = *column(&directory, "centre_velocity_x").last().expect("steps");
+    assert!((velocity - exact).abs() < 1e-4, "{velocity}");
     refused(text, &[&["contact.0.law.tolerance=0"]], &["contact.0.law.tolerance", "must be positive"]);
 }

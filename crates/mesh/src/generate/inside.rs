@@ -128,8 +128,8 @@ fn refined(
         let near = crossing.map(|[begin, _]| format!(" near {:?}", points[begin])).unwrap_or_default();
         return Err(failed(format!("the lines cross or touch each other{near}")));
     }
-    let most = SPARE * (expected / largest + points.len() as f64);
     loop {
+        let most = SPARE * (expected / largest + cdt.num_vertices() as f64);
         let parameters = RefinementParameters::new()
             .keep_constraint_edges()
             .exclude_outer_faces(true)
