@@ -243,7 +243,10 @@ fn print_summary(summary: &Summary, directory: &str, tell: &mut dyn FnMut(&str))
         tell(&format!("  {} factorisations needed free pivoting", summary.fallbacks));
     }
     if summary.divided_steps > 0 {
-        tell(&format!("  {} steps were taken in parts", summary.divided_steps));
+        let (n, of_steps) = (summary.divided_steps, summary.steps);
+        tell(&format!(
+            "  {n} of {of_steps} steps were taken in parts: compare with a run of half the step if these are many"
+        ));
     }
     let Some(contact) = summary.contact_time else {
         tell("  no contact");
