@@ -46,6 +46,12 @@ pub trait Body<const D: usize>: Send + Sync {
     /// Returns the mass, momentum, energies, centre and volume; `None` for a body of prescribed motion.
     fn balance(&self, state: &BodyState<D>) -> Option<Balance<D>>;
 
+    /// Returns the part of gravity that varies in time, at a time; the weight of a constant one is in the balance. It has
+    /// no potential, and its weight is one of the loads.
+    fn variable_gravity(&self, _time: f64) -> Vector<D> {
+        Vector::zeros()
+    }
+
     /// Returns the state with displacement and velocity given by two rows of the scheme, with the accelerations of `rates`. The
     /// ledger evaluates its energy ([`algebra::time::Weights::of_energy`]).
     ///

@@ -1,15 +1,13 @@
 //! Rigid bodies.
 
-use std::sync::Arc;
-
 use algebra::time::{Level, Row};
 use algebra::{BlockLayout, Constraints, Contributions, DofId, FieldId, Integral};
-use body::{Balance, Body, BodyState, BodyStep, StepTime, SurfaceMotion};
+use body::{Balance, Body, BodyState, BodyStep, History, StepTime, SurfaceMotion};
 use mesh::{BoundaryMesh, Placed, Point, Vector};
 
 use crate::centre::RigidCentre;
 use crate::modes::{Spin, mode, n_modes};
-use crate::terms::Momentum;
+use crate::terms::{Momentum, VariableWeight};
 use crate::{Error, MassProperties, RigidMotion};
 
 /// Relative difference below which two times are equal.
@@ -21,7 +19,7 @@ pub struct Guide<const D: usize> {
     /// Time of the release. The guide prescribes the velocity at the end of every step that begins earlier.
     pub until: f64,
     /// Velocity at a time.
-    pub velocity: Arc<dyn Fn(f64) -> Vector<D> + Send + Sync>,
+    pub velocity: History<D>,
 }
 
 /// A body that moves freely without deforming.
@@ -38,6 +36,8 @@ pub struct RigidBody<const D: usize> {
     pub mass: MassProperties<D>,
     /// Acceleration of gravity.
     pub gravity: Vector<D>,
+    /// Gravity that varies in time, in addition to the constant one; none if `None`.
+    pub variable_gravity: Option<History<D>>,
     /// Axes along which the centre is held.
     pub held_axes: [bool; D],
     /// Whether rotation is held.
@@ -69,6 +69,7 @@ impl<const D: usize> RigidBody<D> {
             reference,
             mass,
             gravity,
+            variable_gravity: None,
             held_axes: [false; D],
             holds_rotation: false,
             guide: None,
@@ -152,11 +153,17 @@ impl<const D: usize> Body<D> for RigidBody<D> {
         let of_modes = (0..n_modes(D)).map(|mode| if mode < D { rounding } else { turning });
         layout.set_rounding(whole, &of_modes.collect::<Vec<_>>());
         let surface = SurfaceMotion::of_field(&self.boundary, &self.reference, begin, geometry, time, vertices);
-        Box::new(RigidStep { body: self, begin, time: *time, motion, centre, momentum, vertices, whole, surface })
+        let force = self.variable_gravity(time.stage()) * self.mass.mass;
+        let weight = self.variable_gravity.as_ref().map(|_| VariableWeight { force });
+        Box::new(RigidStep { body: self, begin, time: *time, motion, centre, momentum, weight, vertices, whole, surface })
     }
 
     fn at_rows(&self, state: &BodyState<D>, rates: &BodyState<D>, rows: &[Row; 2]) -> BodyState<D> {
         self.state(&self.motion(state).at_rows(&self.motion(rates), rows), false)
+    }
+
+    fn variable_gravity(&self, time: f64) -> Vector<D> {
+        self.variable_gravity.as_ref().map_or(Vector::zeros(), |gravity| gravity(time))
     }
 
     fn balance(&self, state: &BodyState<D>) -> Option<Balance<D>> {
@@ -190,6 +197,8 @@ struct RigidStep<'s, const D: usize> {
     /// Centre, extrapolated to the stage.
     centre: Point<D>,
     momentum: Momentum<D>,
+    /// Force of a gravity that varies in time, at the stage.
+    weight: Option<VariableWeight<D>>,
     /// Velocities of the vertices.
     vertices: FieldId,
     /// Velocity and spin.
@@ -227,6 +236,12 @@ impl<const D: usize> BodyStep<D> for RigidStep<'_, D> {
     fn contributions<'p>(&'p self, layout: &'p BlockLayout) -> Vec<Box<dyn Contributions + 'p>> {
         let centre = RigidCentre { layout, whole: self.whole };
         vec![Box::new(Integral::linear("rigid body", centre, vec![&self.momentum]))]
+    }
+
+    fn loads<'p>(&'p self, layout: &'p BlockLayout) -> Vec<Box<dyn Contributions + 'p>> {
+        let centre = RigidCentre { layout, whole: self.whole };
+        let integral = |weight| Box::new(Integral::linear("variable weight", centre, vec![weight as _])) as _;
+        self.weight.iter().map(integral).collect()
     }
 
     fn guess(&self, layout: &BlockLayout, x: &mut [f64]) {

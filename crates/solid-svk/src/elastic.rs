@@ -2,11 +2,14 @@
 
 use algebra::time::StepRule;
 use algebra::{BlockLayout, Constraints, Contributions, FieldId, Integral};
-use body::{Balance, Body, BodyState, BodyStep, CellOutput, PointField, StepTime, SurfaceMotion, SurfaceStress};
+use body::{
+    Balance, Body, BodyState, BodyStep, CellOutput, History, PointField, StepTime, SurfaceMotion, SurfaceStress,
+};
 use mesh::{BoundaryMesh, Point, Vector, require};
 
 use crate::energy::{balance, stresses};
 use crate::supports::{Support, SupportKind};
+use crate::terms::BodyForce;
 use crate::{Error, Load, SolidCells, SolidFacets, SolidForm, SolidMesh, SolidStress};
 
 /// Supports, loads and initial fields of an elastic body. By default there are none, and the body is at rest.
@@ -16,6 +19,8 @@ pub struct ElasticOptions<const D: usize> {
     pub supports: Vec<Support<D>>,
     /// Loads on the boundary.
     pub loads: Vec<Load<D>>,
+    /// Gravity that varies in time, in addition to that of the form; none if `None`.
+    pub variable_gravity: Option<History<D>>,
     /// Displacement at the start; zero if `None`.
     pub initial_displacement: Option<PointField<D>>,
     /// Velocity at the start; zero if `None`.
@@ -24,7 +29,13 @@ pub struct ElasticOptions<const D: usize> {
 
 impl<const D: usize> Default for ElasticOptions<D> {
     fn default() -> Self {
-        Self { supports: Vec::new(), loads: Vec::new(), initial_displacement: None, initial_velocity: None }
+        Self {
+            supports: Vec::new(),
+            loads: Vec::new(),
+            variable_gravity: None,
+            initial_displacement: None,
+            initial_velocity: None,
+        }
     }
 }
 
@@ -113,7 +124,10 @@ impl<const D: usize> Body<D> for ElasticBody<D> {
         let farthest = geometry.iter().map(|x| x.amax()).fold(0.0, f64::max);
         layout.set_rounding(field, &[f64::EPSILON * farthest / time.length; D]); // that of a position, as a velocity
         let surface = SurfaceMotion::of_field(self.surface(), self.reference(), begin, geometry, time, field);
-        Box::new(ElasticStep { body: self, begin, time: *time, rule, field, surface })
+        let acceleration = self.variable_gravity(time.stage());
+        let weight = BodyForce { acceleration, ..self.form.body_force.clone() };
+        let weight = self.options.variable_gravity.as_ref().map(|_| weight);
+        Box::new(ElasticStep { body: self, begin, time: *time, rule, weight, field, surface })
     }
 
     fn balance(&self, state: &BodyState<D>) -> Option<Balance<D>> {
@@ -121,6 +135,10 @@ impl<const D: usize> Body<D> for ElasticBody<D> {
         let acceleration = &state.level.acceleration;
         let momentum_rate = if acceleration.is_empty() { Vector::zeros() } else { of(acceleration).momentum };
         Some(Balance { momentum_rate, ..of(state.velocity()) })
+    }
+
+    fn variable_gravity(&self, time: f64) -> Vector<D> {
+        self.options.variable_gravity.as_ref().map_or(Vector::zeros(), |gravity| gravity(time))
     }
 
     fn cells(&self, state: &BodyState<D>) -> Option<CellOutput<'_, D>> {
@@ -135,6 +153,8 @@ struct ElasticStep<'s, const D: usize> {
     begin: &'s BodyState<D>,
     time: StepTime,
     rule: StepRule<Vector<D>>,
+    /// Gravity that varies in time, at the stage.
+    weight: Option<BodyForce<D>>,
     field: FieldId,
     surface: SurfaceMotion<'s, D>,
 }
@@ -184,7 +204,11 @@ impl<const D: usize> BodyStep<D> for ElasticStep<'_, D> {
             let integral = if load.is_linear { Integral::linear } else { Integral::new };
             Box::new(integral(load.name, facets, vec![load.term.as_ref()])) as Box<dyn Contributions + 'p>
         };
-        self.body.options.loads.iter().map(integral).collect()
+        let weight = self.weight.iter().map(|weight| {
+            let integral = Integral::linear("variable weight", self.cells(layout), vec![weight]);
+            Box::new(integral) as Box<dyn Contributions + 'p>
+        });
+        self.body.options.loads.iter().map(integral).chain(weight).collect()
     }
 
     fn guess(&self, layout: &BlockLayout, x: &mut [f64]) {

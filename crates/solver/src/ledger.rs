@@ -53,7 +53,7 @@ pub struct Ledger {
     pub penalty_tangential: f64,
     /// Inertia, internal work and body force of the bodies: dissipation of their time schemes.
     pub body_scheme: f64,
-    /// Work against the loads on bodies, and against the pressure on closed parts of surfaces.
+    /// Work against the loads on bodies, gravity that varies in time among them, and against the pressure on closed parts of surfaces.
     pub loads: f64,
     /// Contacts: work that their laws do not store, work of collisions, and the change of the stored energy with the
     /// area of facets and with the shift of positions where the length of the step changes.

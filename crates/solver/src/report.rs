@@ -203,7 +203,7 @@ fn body_report<const D: usize>(step: &Step<'_, D>, b: usize, end: &BodyState<D>)
     let balance = body.balance(end);
     let forces = body.balance(begin).zip(balance).map(|(before, after)| ForceBalance {
         inertia: inertia(&step.time.weights, &before, &after),
-        body_force: after.body_force,
+        body_force: after.body_force + body.variable_gravity(step.time.stage()) * after.mass,
         pressure: Vector::zeros(),
         viscous: Vector::zeros(),
         exchange: Vector::zeros(),

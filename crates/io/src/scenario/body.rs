@@ -10,13 +10,14 @@ use solid_svk::{
     ElasticBody, ElasticOptions, LameParameters, LinearElastic, Load, Material, NeoHookean, SaintVenantKirchhoff,
     SolidForm, SolidMesh, Support, SupportKind,
 };
-use solver::body::Body;
+use solver::body::{Body, History};
 
 use super::error::{ErrorKind, Location, ScenarioError, sorted};
 use super::field::Field;
+use super::formula::Formula;
 use super::geometry::{Geometry, Shape, plane_normal};
 use super::key::Quantity;
-use super::motion::{Held, MotionChoice, prescribed};
+use super::motion::{Held, MotionChoice, finite, prescribed};
 use super::solver::Time;
 use super::table::{At, Components, Named, choices, keys};
 
@@ -42,8 +43,9 @@ keys! {
         groups: Named<GroupKeys>,
         /// Density of an elastic or free body.
         density: Option<At<f64>> [unit(Quantity::DENSITY), positive],
-        /// Acceleration of gravity of an elastic or free body.
-        gravity: Option<At<Components<f64>>> [unit(Quantity::ACCELERATION)],
+        /// Acceleration of gravity of an elastic or free body, or of a frame of reference, with the sign reversed. Only a
+        /// constant one has a potential energy; the work of one that varies in time is that of a load.
+        gravity: Option<At<Components<At<Formula>>>> [unit(Quantity::ACCELERATION)],
         /// Conditions on tagged parts of the surface of an elastic body; other parts are free.
         boundary: Option<At<Named<BodyCondition>>>,
         /// Displacement of an elastic body at the start; none if left out.
@@ -205,6 +207,18 @@ fn needed<'v, T>(body: &At<BodyKeys>, key: &'static str, value: &'v Option<At<T>
     value.as_ref().ok_or_else(|| body.at.error(ErrorKind::Missing(key)))
 }
 
+/// Returns the gravity of a body: the constant one, and one that varies in time.
+fn gravity<const D: usize>(
+    given: &At<BodyKeys>,
+    time: &Time,
+) -> Result<(Vector<D>, Option<History<D>>), ScenarioError> {
+    let axes = needed(given, "gravity", &given.gravity)?;
+    let is_constant = axes.iter().all(|axis| axis.is_constant());
+    let axes = axes.iter().map(|axis| finite(axis, time)).collect::<Result<Vec<_>, _>>()?;
+    let at = move |t| Vector::from_fn(|axis, _| axes[axis].at(&[], t).value);
+    Ok(if is_constant { (at(0.0), None) } else { (Vector::zeros(), Some(Arc::new(at))) })
+}
+
 pub(super) fn body<const D: usize>(
     given: &At<BodyKeys>,
     time: &Time,
@@ -220,7 +234,7 @@ pub(super) fn body<const D: usize>(
             match &**motion {
                 MotionChoice::Free { held, initial_spin, guided } => {
                     let guide = guided.as_ref().map(|guided| guided.guide(time)).transpose()?;
-                    Arc::new(RigidBody { guide, ..free(given, surface, held, initial_spin.as_ref())? })
+                    Arc::new(RigidBody { guide, ..free(given, surface, held, initial_spin.as_ref(), time)? })
                 }
                 _ => Arc::new(prescribed(&given.name, motion, time, surface)?),
             }
@@ -287,7 +301,7 @@ fn elastic<const D: usize>(
     let solid = solid.and_then(|solid| solid.with_groups(group_of)).map_err(|error| given.shape.at.error(error))?;
     let material = needed(given, "material", &given.material)?;
     let density = needed(given, "density", &given.density)?;
-    let gravity = needed(given, "gravity", &given.gravity)?.vector();
+    let (gravity, variable_gravity) = gravity(given, time)?;
     let mut parts = vec![(**density, law(material)?)];
     for (_, group) in &given.groups.0 {
         let (density, material) =
@@ -303,6 +317,7 @@ fn elastic<const D: usize>(
     let options = ElasticOptions {
         supports,
         loads,
+        variable_gravity,
         initial_displacement: at_start(&given.initial_displacement)?,
         initial_velocity: at_start(&given.initial_velocity)?,
     };
@@ -431,11 +446,13 @@ fn free<const D: usize>(
     (boundary, reference): (BoundaryMesh<D>, Vec<Point<D>>),
     held: &[At<Held>],
     initial_spin: Option<&At<f64>>,
+    time: &Time,
 ) -> Result<RigidBody<D>, ScenarioError> {
     let density = **needed(given, "density", &given.density)?;
-    let gravity = needed(given, "gravity", &given.gravity)?.vector();
+    let (gravity, variable_gravity) = gravity(given, time)?;
     let mut body = RigidBody::new(&given.name, boundary, reference, density, gravity)
         .map_err(|error| given.shape.at.error(error))?;
+    body.variable_gravity = variable_gravity;
     for motion in held {
         let no_effect = || motion.at.error(ErrorKind::NoEffect("two dimensions"));
         match **motion {

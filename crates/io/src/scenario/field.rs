@@ -7,16 +7,25 @@ use solver::body::{PointField, TimeField};
 use toml::de::DeValue;
 
 use super::error::{Location, ScenarioError};
-use super::field_table::FieldTable;
+use super::field_table::{FieldTable, Variable};
 use super::formula::Formula;
 use super::key::Form;
 use super::table::{At, Choose as _, Components, Node, Value};
 
-/// A number or a formula in the time `t`.
+/// A number, a formula in the time `t`, or a table over the time.
 impl Value for Formula {
-    const FORM: Form = Form::Formula("t");
+    const FORM: Form = Form::Field("t", &FieldTable::FORM);
 
     fn read(node: &Node<'_>) -> Result<Self, ScenarioError> {
+        if let DeValue::Table(_) = node.value {
+            return match <FieldTable as Value>::read(node)?.read()? {
+                (Variable::Time, rows) => Ok(Self::through(Variable::Time.word(), rows)),
+                (over, _) => {
+                    let over = over.word();
+                    Err(node.at().invalid(format!("this is a value over time, and its table is over {over}; use over = \"t\"")))
+                }
+            };
+        }
         read(node, "t", &Self::FORM)
     }
 }

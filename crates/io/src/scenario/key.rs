@@ -151,8 +151,6 @@ pub enum Form {
     Flag,
     /// Text.
     Text,
-    /// Formula with the given variables, or a number.
-    Formula(&'static str),
     /// Formula with the given variables, a number, or a table with values from a file.
     Field(&'static str, &'static Form),
     /// One value for each axis.
@@ -206,7 +204,6 @@ impl fmt::Display for Form {
             Self::Whole => f.write_str("a whole number that is not negative"),
             Self::Flag => f.write_str("true or false"),
             Self::Text => f.write_str("a string"),
-            Self::Formula(variables) => write!(f, "a number or a formula in {variables}"),
             Self::Field(variables, _) => write!(f, "a number or a formula in {variables} or a table of values"),
             Self::Components(of) => write!(f, "a list with {of} for each axis"),
             Self::List(Self::Table(_)) => f.write_str("a table or a list of tables"),

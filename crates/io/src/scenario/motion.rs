@@ -19,12 +19,12 @@ choices! {
     pub enum MotionChoice ["kind"] {
         /// At rest: an obstacle.
         Fixed = "fixed",
-        /// Steady rotation, from the start.
+        /// Rotation, from the start.
         Rotating = "rotating" {
             /// Centre of the rotation.
             centre: Components<f64> [unit(Quantity::LENGTH)],
-            /// Angular velocity.
-            angular_velocity: f64 [unit(Quantity::RATE)],
+            /// Angular velocity. The angle is its integral from the start.
+            angular_velocity: At<Formula> [unit(Quantity::RATE)],
         },
         /// Formulas in the time `t`.
         Formula = "formula" {
@@ -132,9 +132,15 @@ pub(super) fn prescribed<const D: usize>(
         MotionChoice::Fixed | MotionChoice::Free { .. } => {
             GivenMotion { centre: Point::zeros(), path: Box::new(|_| Pose::default()) }
         }
-        MotionChoice::Rotating { centre, angular_velocity: rate } => {
-            let rate = *rate;
-            let path = move |t| Pose { angle: Dual { value: rate * t, rate }, ..Pose::default() };
+        MotionChoice::Rotating { centre, angular_velocity } => {
+            let rate = finite(angular_velocity, time)?;
+            let angle = Angle::of(rate, time);
+            let unresolved = unresolved(|t| angle.at(t), time);
+            if let Some(at) = unresolved {
+                let what = format!("the rotation with `{}`", angular_velocity.text());
+                return Err(angular_velocity.at.invalid(too_fast(&what, at, time)));
+            }
+            let path = move |t| Pose { angle: angle.at(t), ..Pose::default() };
             GivenMotion { centre: centre.vector(), path: Box::new(path) }
         }
         MotionChoice::Formula { displacement, angle, centre } => {
@@ -162,6 +168,52 @@ pub(super) fn prescribed<const D: usize>(
         position: Arc::new(move |x, t| position.position(x, t)),
         velocity: Arc::new(move |x, times| motion.velocity(x, times)),
     })
+}
+
+/// The angle of a rotation whose angular velocity is given: `φ(t) = ∫_0^t ω ds`.
+struct Angle {
+    rate: Formula,
+    /// Longest step.
+    dt: f64,
+    /// Angle at the multiples of the longest step; empty if the angular velocity is constant.
+    at_steps: Vec<f64>,
+}
+
+/// Points and weights of the Gauss rule with three points on `[0, 1]`.
+const GAUSS: [[f64; 2]; 3] = [
+    [0.112_701_665_379_258_31, 5.0 / 18.0],
+    [0.5, 8.0 / 18.0],
+    [0.887_298_334_620_741_7, 5.0 / 18.0],
+];
+
+impl Angle {
+    /// Integrates the angular velocity over the steps of a run.
+    fn of(rate: Formula, time: &Time) -> Self {
+        let dt = *time.step;
+        let mut angle = Self { rate, dt, at_steps: Vec::new() };
+        if !angle.rate.is_constant() {
+            let sums = (0..time.n_steps()).scan(0.0, |sum, k| {
+                *sum += angle.integral(k as f64 * dt, (k + 1) as f64 * dt);
+                Some(*sum)
+            });
+            angle.at_steps = std::iter::once(0.0).chain(sums).collect();
+        }
+        angle
+    }
+
+    /// Returns the integral of the angular velocity over an interval, by Gauss's rule of degree 5.
+    fn integral(&self, begin: f64, end: f64) -> f64 {
+        let sum: f64 = GAUSS.iter().map(|[at, weight]| weight * self.rate.at(&[], begin + at * (end - begin)).value).sum();
+        sum * (end - begin)
+    }
+
+    /// Returns angle and angular velocity.
+    fn at(&self, t: f64) -> Dual {
+        let rate = self.rate.at(&[], t).value;
+        let Some(last) = self.at_steps.len().checked_sub(1) else { return Dual { value: rate * t, rate } };
+        let k = ((t / self.dt) as usize).min(last);
+        Dual { value: self.at_steps[k] + self.integral(k as f64 * self.dt, t), rate }
+    }
 }
 
 /// Returns the centre of the rotation, which must be given if and only if the motion has an angle.
@@ -221,9 +273,8 @@ fn too_fast(what: &str, at: f64, time: &Time) -> String {
     )
 }
 
-/// Checks that value and rate of a formula are finite at every step, or at [`MOST_TRIALS`] of them, and that steps resolve the
-/// motion.
-fn checked(formula: &At<Formula>, time: &Time) -> Result<Formula, ScenarioError> {
+/// Returns a formula after a check that its value and rate are finite at every step, or at [`MOST_TRIALS`] of them.
+pub(super) fn finite(formula: &At<Formula>, time: &Time) -> Result<Formula, ScenarioError> {
     let n_steps = time.n_steps();
     for t in (0..=n_steps).step_by(n_steps / MOST_TRIALS + 1).map(|k| k as f64 * *time.step) {
         let Dual { value, rate } = formula.at(&[], t);
@@ -237,9 +288,14 @@ fn checked(formula: &At<Formula>, time: &Time) -> Result<Formula, ScenarioError>
             }
         }
     }
+    Ok((**formula).clone())
+}
+
+/// Returns a formula after a check that it is finite, and that steps resolve the motion.
+fn checked(formula: &At<Formula>, time: &Time) -> Result<Formula, ScenarioError> {
     match unresolved(|t| formula.at(&[], t), time) {
         Some(at) => Err(formula.at.invalid(too_fast(&format!("the formula `{}`", formula.text()), at, time))),
-        None => Ok((**formula).clone()),
+        None => finite(formula, time),
     }
 }
 

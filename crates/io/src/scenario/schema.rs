@@ -49,7 +49,6 @@ fn of_form(form: &Form, range: Range) -> Value {
         },
         Form::Flag => json!({ "type": "boolean" }),
         Form::Text => json!({ "type": "string" }),
-        Form::Formula(_) => json!({ "type": ["number", "string"] }),
         Form::Field(_, table) => {
             json!({ "anyOf": [json!({ "type": ["number", "string"] }), of_form(table, Range::Any)] })
         }

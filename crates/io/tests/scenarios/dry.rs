@@ -165,3 +165,36 @@ fn a_body_does_not_begin_behind_its_obstacle() {
     refused(&text, &[&[against, "body.1.shape.max.0=0.05"]], &["body `block` is 5.000e-2 behind"]);
     assert!(sizes(&legal(&text, &[&["body.1.shape.max.0=0.05"]])).is_ok(), "no contact acts between them");
 }
+
+#[test]
+fn gravity_is_a_number_a_formula_or_a_table_over_time() {
+    let directory = fresh_directory("gravity");
+    std::fs::create_dir_all(&directory).expect("a writable directory");
+    std::fs::write(directory.join("gravity.csv"), "t,x,g\n0,0,-10\n1,1,-10\n").expect("a writable directory");
+    let run = |name: &str, gravity: &str| {
+        let folder = directory.join(name);
+        let text = CASE.replace("gravity          = [0.0, -10.0]", &format!("gravity = [0.0, {gravity}]"));
+        let file = parse_at(&directory.join("case.toml"), &text, &[]).unwrap_or_else(|error| panic!("{error}"));
+        results(&file, &folder);
+        ["centre_y", "energy_gravity"].map(|of| column(&folder, of))
+    };
+    let [height, potential] = run("number", "-10.0");
+    for (name, gravity) in [("formula", "\"-10 + 0*t\""), ("table", "{ kind = \"table\", file = \"gravity.csv\", column = \"g\" }")] {
+        let [found, none] = run(name, gravity);
+        assert!(height.iter().zip(&found).all(|(a, b)| (a - b).abs() < 1e-12), "{name}: {found:?} {height:?}");
+        // A constant has a potential, all else is a load.
+        assert!(none.iter().all(|energy| *energy == 0.0) && potential.iter().all(|energy| *energy != 0.0));
+    }
+    let [found, _] = run("upwards", "\"-10 + 1000*t\"");
+    assert!(found.last() > height.last());
+    for (gravity, words) in [
+        ("\"-10*x\"", ["body.0.gravity", "`x`"]),
+        ("\"-10/t\"", ["body.0.gravity.1", "the value of the formula `-10/t` at t = 0"]),
+        ("{ kind = \"table\", file = \"gravity.csv\", column = \"g\", over = \"x\" }", ["body.0.gravity.1", "its table is over x"]),
+    ] {
+        let text = CASE.replace("-10.0]", &format!("{gravity}]"));
+        let error = parse_at(&directory.join("case.toml"), &text, &[]).and_then(|file| sizes(&file).map(|_| ()));
+        let message = error.expect_err(gravity).to_string();
+        assert!(words.iter().all(|word| message.contains(word)), "{message}");
+    }
+}

@@ -89,6 +89,13 @@ fn each_kind_moves_the_body_as_documented() {
         assert!((turned[1].atan2(turned[0]) - arm[1].atan2(arm[0]) - 1.4).sin().abs() < 1e-12);
         assert!((v - Point::<2>::new(-2.0 * turned[1], 2.0 * turned[0])).norm() < 1e-13);
     }
+    let file = moving(r#"{ kind = "rotating", centre = [0.2, 0.2], angular_velocity = "3*cos(t)" }"#, "", &[]);
+    for [x, y, v] in moved(&file, 0.7) {
+        let (arm, turned) = (x - Point::<2>::new(0.2, 0.2), y - Point::<2>::new(0.2, 0.2));
+        let (angle, rate) = (3.0 * 0.7_f64.sin(), 3.0 * 0.7_f64.cos());
+        assert!((turned[1].atan2(turned[0]) - arm[1].atan2(arm[0]) - angle).sin().abs() < 1e-12);
+        assert!((v - Point::<2>::new(-rate * turned[1], rate * turned[0])).norm() < 1e-13);
+    }
     let file = moving(MOTION, "", &[]);
     for [x, y, v] in moved(&file, 0.5) {
         let (sin, cos) = (std::f64::consts::FRAC_PI_4).sin_cos();
@@ -110,6 +117,7 @@ fn motions_survive_writing_and_reading() {
     for motion in [
         r#"{ kind = "fixed" }"#,
         r#"{ kind = "rotating", centre = [0.2, 0.2], angular_velocity = -2 }"#,
+        r#"{ kind = "rotating", centre = [0.2, 0.2], angular_velocity = "sin(t)" }"#,
         r#"{ kind = "formula", displacement = ["t", "0"], angle = "0.1*t", centre = [0.2, 0.2] }"#,
         r#"{ kind = "table", file = "motion.csv" }"#,
     ] {
