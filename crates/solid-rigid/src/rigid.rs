@@ -155,7 +155,18 @@ impl<const D: usize> Body<D> for RigidBody<D> {
         let surface = SurfaceMotion::of_field(&self.boundary, &self.reference, begin, geometry, time, vertices);
         let force = self.variable_gravity(time.stage()) * self.mass.mass;
         let weight = self.variable_gravity.as_ref().map(|_| VariableWeight { force });
-        Box::new(RigidStep { body: self, begin, time: *time, motion, centre, momentum, weight, vertices, whole, surface })
+        Box::new(RigidStep {
+            body: self,
+            begin,
+            time: *time,
+            motion,
+            centre,
+            momentum,
+            weight,
+            vertices,
+            whole,
+            surface,
+        })
     }
 
     fn at_rows(&self, state: &BodyState<D>, rates: &BodyState<D>, rows: &[Row; 2]) -> BodyState<D> {

@@ -328,7 +328,7 @@ impl<'a, const D: usize> FluidStep<'a, D> {
 /// Returns the terms of the fluid. `rate` is the derivative of the acceleration with respect to the velocity.
 fn form<const D: usize>(fluid: &FluidSetup<D>, rate: f64, time: f64) -> FluidForm<'_, D> {
     let (density, viscosity) = (fluid.material.density, fluid.material.viscosity);
-    let Stabilisation { cip, gamma_pressure, gamma_ghost, .. } = fluid.stabilisation;
+    let Stabilisation { cip, gamma_pressure, gamma_ghost, time: of_penalty, .. } = fluid.stabilisation;
     let is_axisymmetric = fluid.background.coordinates().radial().is_some();
     FluidForm {
         inertia: (rate != 0.0).then_some(Inertia { density }),
@@ -349,7 +349,12 @@ fn form<const D: usize>(fluid: &FluidSetup<D>, rate: f64, time: f64) -> FluidFor
         }),
         body_force: fluid.body_force.as_ref().map(|force| BodyForce { force: force.as_ref(), time }),
         cip_velocity: CipVelocity { profile: cip, density },
-        cip_pressure: CipPressure { gamma_pressure, density, viscosity, rate },
+        cip_pressure: CipPressure {
+            gamma_pressure,
+            density,
+            viscosity,
+            rate: of_penalty.filter(|_| rate != 0.0).map_or(rate, f64::recip),
+        },
         ghost_penalty: GhostPenalty { gamma_ghost, viscosity },
     }
 }

@@ -15,6 +15,9 @@ pub struct Stabilisation {
     pub gamma_pressure: f64,
     /// `γ_g` of the ghost penalty.
     pub gamma_ghost: f64,
+    /// Time `T` of the rate `1/T` in the weight of the pressure's interior penalty; that of the step if `None`. With
+    /// the step the weight, and so the error of the mesh, depends on the step: a study of the step fixes it.
+    pub time: Option<f64>,
 }
 
 impl Stabilisation {
@@ -29,6 +32,7 @@ impl Stabilisation {
         cip: CipProfile::Consistent { gamma_u: 0.05 },
         gamma_pressure: 0.05,
         gamma_ghost: 0.1,
+        time: None,
     };
 
     /// The set that reproduces the results of MOX-Report 44/2019: a calibration. `γ_Σ = 1e5` is the paper's; the interior
@@ -38,5 +42,6 @@ impl Stabilisation {
         cip: CipProfile::Paper { gamma_1: 0.7 },
         gamma_pressure: 0.1,
         gamma_ghost: 1.0,
+        time: None,
     };
 }

@@ -296,6 +296,7 @@ fn body(layer: &Arc<Layer>, solid: SolidMesh<2>, time: f64) -> Result<ElasticBod
         loads: vec![Load::traction(facets, Arc::new(move |_, _| V::new(stress, 0.0)))],
         initial_displacement: Some(Arc::new(move |x| V::new(at_start.displacement(x[1], 0.0), 0.0))),
         initial_velocity: Some(Arc::new(move |x| V::new(velocity.speed(x[1], 0.0), 0.0))),
+        ..ElasticOptions::default()
     };
     let material = SaintVenantKirchhoff::new(LameParameters { mu: MU, lambda: 4.0 * MU });
     let form = SolidForm::new(DENSITY, material, V::zeros())?;

@@ -58,7 +58,7 @@ pub struct CipPressure {
     pub density: f64,
     /// Dynamic viscosity `μ^f`.
     pub viscosity: f64,
-    /// Rate `s`: derivative of acceleration with respect to velocity, zero for a steady problem.
+    /// Rate `s`: derivative of acceleration with respect to velocity, or that of a fixed time; zero for a steady problem.
     pub rate: f64,
 }
 

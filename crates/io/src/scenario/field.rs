@@ -22,7 +22,9 @@ impl Value for Formula {
                 (Variable::Time, rows) => Ok(Self::through(Variable::Time.word(), rows)),
                 (over, _) => {
                     let over = over.word();
-                    Err(node.at().invalid(format!("this is a value over time, and its table is over {over}; use over = \"t\"")))
+                    Err(node
+                        .at()
+                        .invalid(format!("this is a value over time, and its table is over {over}; use over = \"t\"")))
                 }
             };
         }

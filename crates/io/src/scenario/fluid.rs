@@ -73,6 +73,9 @@ keys! {
         gamma_pressure: Option<f64> [positive],
         /// Parameter `γ_g` of the ghost penalty.
         gamma_ghost: Option<f64> [non_negative],
+        /// Time in the weight of the interior penalty of the pressure; that of the step if left out. A fixed time makes the
+        /// weight independent of the step, for studies of the step.
+        time: Option<f64> [unit(Quantity::TIME), positive],
     }
 }
 
@@ -171,6 +174,7 @@ fn stabilisation(given: &OrTable<StabilisationChoice, StabilisationKeys>) -> Sta
         cip: cip.unwrap_or(set.cip),
         gamma_pressure: table.gamma_pressure.unwrap_or(set.gamma_pressure),
         gamma_ghost: table.gamma_ghost.unwrap_or(set.gamma_ghost),
+        time: table.time.or(set.time),
     }
 }
 

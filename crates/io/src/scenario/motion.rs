@@ -180,11 +180,8 @@ struct Angle {
 }
 
 /// Points and weights of the Gauss rule with three points on `[0, 1]`.
-const GAUSS: [[f64; 2]; 3] = [
-    [0.112_701_665_379_258_31, 5.0 / 18.0],
-    [0.5, 8.0 / 18.0],
-    [0.887_298_334_620_741_7, 5.0 / 18.0],
-];
+const GAUSS: [[f64; 2]; 3] =
+    [[0.112_701_665_379_258_31, 5.0 / 18.0], [0.5, 8.0 / 18.0], [0.887_298_334_620_741_7, 5.0 / 18.0]];
 
 impl Angle {
     /// Integrates the angular velocity over the steps of a run.
@@ -203,7 +200,8 @@ impl Angle {
 
     /// Returns the integral of the angular velocity over an interval, by Gauss's rule of degree 5.
     fn integral(&self, begin: f64, end: f64) -> f64 {
-        let sum: f64 = GAUSS.iter().map(|[at, weight]| weight * self.rate.at(&[], begin + at * (end - begin)).value).sum();
+        let sum: f64 =
+            GAUSS.iter().map(|[at, weight]| weight * self.rate.at(&[], begin + at * (end - begin)).value).sum();
         sum * (end - begin)
     }
 

@@ -179,7 +179,9 @@ fn gravity_is_a_number_a_formula_or_a_table_over_time() {
         ["centre_y", "energy_gravity"].map(|of| column(&folder, of))
     };
     let [height, potential] = run("number", "-10.0");
-    for (name, gravity) in [("formula", "\"-10 + 0*t\""), ("table", "{ kind = \"table\", file = \"gravity.csv\", column = \"g\" }")] {
+    for (name, gravity) in
+        [("formula", "\"-10 + 0*t\""), ("table", "{ kind = \"table\", file = \"gravity.csv\", column = \"g\" }")]
+    {
         let [found, none] = run(name, gravity);
         assert!(height.iter().zip(&found).all(|(a, b)| (a - b).abs() < 1e-12), "{name}: {found:?} {height:?}");
         // A constant has a potential, all else is a load.
@@ -190,7 +192,10 @@ fn gravity_is_a_number_a_formula_or_a_table_over_time() {
     for (gravity, words) in [
         ("\"-10*x\"", ["body.0.gravity", "`x`"]),
         ("\"-10/t\"", ["body.0.gravity.1", "the value of the formula `-10/t` at t = 0"]),
-        ("{ kind = \"table\", file = \"gravity.csv\", column = \"g\", over = \"x\" }", ["body.0.gravity.1", "its table is over x"]),
+        (
+            "{ kind = \"table\", file = \"gravity.csv\", column = \"g\", over = \"x\" }",
+            ["body.0.gravity.1", "its table is over x"],
+        ),
     ] {
         let text = CASE.replace("-10.0]", &format!("{gravity}]"));
         let error = parse_at(&directory.join("case.toml"), &text, &[]).and_then(|file| sizes(&file).map(|_| ()));
