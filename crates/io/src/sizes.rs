@@ -147,10 +147,12 @@ impl Sizes {
             newton.tolerance, newton.max_iterations
         ));
         let every = |n: usize| if n == 0 { "never".to_owned() } else { format!("every {n} steps") };
+        let minutes = scenario.output.checkpoint_minutes.filter(|minutes| *minutes > 0.0);
+        let minutes = minutes.map_or(String::new(), |minutes| format!(", {minutes} minutes or more apart"));
         lines.push(format!(
-            "fields are written {}, checkpoints {}",
+            "fields are written {}, checkpoints {}{minutes}",
             every(scenario.output.vtk_every),
-            every(scenario.output.checkpoint_every)
+            every(scenario.output.checkpoint_interval())
         ));
         lines
     }

@@ -143,7 +143,7 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
         workspace: linear.workspace(),
         linear: format!("{} ({reason})", linear.name()),
         n_steps: time.n_steps(),
-        checkpoint_every: scenario.output.checkpoint_every,
+        checkpoint_every: scenario.output.checkpoint_interval(),
         half_domain,
         bottom,
         probes: probes(&scenario.output.probes, &setup, &part_names, (&scenario.units, scenario.dimension_of_whole()))?,
