@@ -143,7 +143,12 @@ impl<const D: usize> Problem<'_, D> {
         self.equations.contributions.iter().for_each(|terms| terms.add_residual(x, &mut residual));
         let total = dt * x.iter().zip(&residual).map(|(x, r)| x * r).sum::<f64>();
         let constrained = (0..layout.len()).filter(|&k| step.constraints.get(DofId::new(k)).is_some());
-        let of_ties: f64 = step.constraints.offsets().map(|(dof, x)| x * residual[dof.index()]).sum();
+        let mut of_ties: f64 = step.constraints.offsets().map(|(dof, x)| x * residual[dof.index()]).sum();
+        // A master that is prescribed gives a part of the value of the dofs tied to it.
+        for (dof, to) in step.constraints.ties() {
+            let given = to.iter().filter(|(master, _)| step.constraints.get(*master).is_some());
+            of_ties += residual[dof.index()] * given.map(|(master, factor)| factor * x[master.index()]).sum::<f64>();
+        }
         let mut ledger = Ledger {
             given_velocities: -dt * (constrained.map(|k| x[k] * residual[k]).sum::<f64>() + of_ties),
             ..Ledger::default()
