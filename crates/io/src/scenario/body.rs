@@ -15,7 +15,7 @@ use solver::body::Body;
 use super::error::{ErrorKind, Location, ScenarioError, sorted};
 use super::field::Field;
 use super::geometry::{Geometry, Shape, plane_normal};
-use super::key::Quantity;
+use super::key::{Quantity, missing};
 use super::motion::{Held, MotionChoice, prescribed};
 use super::solver::Time;
 use super::table::{At, Components, Named, choices, keys};
@@ -202,7 +202,7 @@ impl BodyKeys {
 
 /// Returns the value of a key that a body of this motion needs.
 fn needed<'v, T>(body: &At<BodyKeys>, key: &'static str, value: &'v Option<At<T>>) -> Result<&'v At<T>, ScenarioError> {
-    value.as_ref().ok_or_else(|| body.at.error(ErrorKind::Missing(key)))
+    value.as_ref().ok_or_else(|| missing(&body.at, BodyKeys::KEYS, key))
 }
 
 pub(super) fn body<const D: usize>(
