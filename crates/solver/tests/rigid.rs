@@ -9,7 +9,8 @@ use fixture::*;
 use solid_rigid::RigidBody;
 use solid_svk::{ElasticBody, ElasticOptions, LameParameters, LinearElastic, SolidForm, SolidMesh};
 use solver::algebra::{
-    BlockGaussSeidel, BlockGaussSeidelSettings, LaggedSettings, LaggedSolver, NewtonSettings, Workspace,
+    BlockGaussSeidel, BlockGaussSeidelSettings, LaggedSettings, LaggedSolver, LinearError, LinearReport, LinearSolver,
+    LinearSystem, NewtonSettings, Workspace,
 };
 use solver::body::Body;
 use solver::contact::{self, AugmentedLagrangianLaw, CollisionLaw, ContactForm, PenaltyLaw, RigidPlane};
@@ -168,8 +169,8 @@ fn a_rigid_box_on_a_slope_sticks_or_slides_by_the_law_of_coulomb() {
     slope(Vector::<3>::new(0.8, -0.6, 0.0));
 }
 
-#[test]
-fn a_body_that_does_not_fit_between_its_obstacles_is_an_error_with_a_remedy() {
+/// Returns a brick between two planes that are closer to each other than its height.
+fn brick_between_planes() -> Setup<2> {
     let brick = structured_box::<2>([0.0, 0.0], [1.0, 1.0], [1, 1]).expect("a box");
     let mut setup = dry(vec![Arc::new(rigid("brick", &brick, 1.0, V::zeros()))], 0.01);
     setup.newton = NewtonSettings::new(1e-9);
@@ -180,6 +181,12 @@ fn a_body_that_does_not_fit_between_its_obstacles_is_an_error_with_a_remedy() {
         let (form, obstacle) = (ContactForm::new(law, 1.0).expect("one"), ContactObstacle::Rigid(Box::new(plane)));
         setup.contacts.push(Contact::new(&setup.bodies, BodyId(0), facets.clone(), form, obstacle).expect("a contact"));
     }
+    setup
+}
+
+#[test]
+fn a_body_that_does_not_fit_between_its_obstacles_is_an_error_with_a_remedy() {
+    let setup = brick_between_planes();
     let state = State::initial(&setup).expect("bodies");
     let Err(error) = advance(&setup, &state, Substep::whole(0.01), &mut Workspace::new()) else {
         panic!("the planes are 0.85 apart, and the brick is 1 high")
@@ -187,6 +194,44 @@ fn a_body_that_does_not_fit_between_its_obstacles_is_an_error_with_a_remedy() {
     assert!(matches!(error.source, Stage::Multipliers { contact: 0, .. }), "{error:?}");
     assert!(error.source.to_string().contains("take a larger gamma_contact_0"));
     assert!(error.source.newton_report().is_some_and(|report| report.iterations > 200));
+}
+
+/// Linear solver that fails after some solves.
+struct Failing {
+    solver: LaggedSolver,
+    n_left: usize,
+}
+
+impl LinearSolver for Failing {
+    fn factorize(&mut self, system: &LinearSystem<'_>) -> Result<(), LinearError> {
+        self.solver.factorize(system)
+    }
+
+    fn solve(
+        &mut self,
+        system: &LinearSystem<'_>,
+        rhs: &[f64],
+        x: &mut [f64],
+        tolerance: f64,
+    ) -> Result<LinearReport, LinearError> {
+        self.n_left = self.n_left.checked_sub(1).ok_or(LinearError::NotFinite { row: 0 })?;
+        self.solver.solve(system, rhs, x, tolerance)
+    }
+
+    fn n_factorizations(&self) -> usize {
+        self.solver.n_factorizations()
+    }
+}
+
+#[test]
+fn a_later_solve_that_fails_keeps_the_counts_of_the_solves_before() {
+    let setup = brick_between_planes();
+    let state = State::initial(&setup).expect("bodies");
+    let failing = Failing { solver: LaggedSolver::new(LaggedSettings::default()), n_left: 50 };
+    let mut work = Workspace::with_solver(Box::new(failing));
+    let Err(error) = advance(&setup, &state, Substep::whole(0.01), &mut work) else { panic!("the solver fails") };
+    assert!(matches!(error.source, Stage::Newton(_)), "{error:?}");
+    assert_eq!(error.source.newton_report().map(|report| report.iterations), Some(50));
 }
 
 #[test]

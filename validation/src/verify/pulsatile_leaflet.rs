@@ -10,12 +10,13 @@ const EXAMPLE: &str = "pulsatile-leaflet";
 const BEAM: &str = include_str!("../../reference/leaflet-oomph-tip.csv");
 /// Length by which differences are divided, m: about the largest displacement.
 const LENGTH: f64 = 0.43;
-/// Largest difference from the beam in the last period with the finest mesh, in this length.
+/// Largest difference from the beam in the last period with the two finest meshes, in this length. The third mesh was the finest one
+/// when the bound was made.
 const DIFFERENCE: f64 = 0.03;
 /// Times of the last period, s. The beam is periodic from the third period.
 const LAST_PERIOD: [f64; 2] = [6.0, 8.0];
 /// Sizes of the cells near the leaflet, m, with bricks across and along it.
-const MESHES: [(f64, [usize; 2]); 3] = [(0.08, [1, 8]), (0.04, [2, 16]), (0.02, [4, 32])];
+const MESHES: [(f64, [usize; 2]); 4] = [(0.08, [1, 8]), (0.04, [2, 16]), (0.02, [4, 32]), (0.01, [8, 64])];
 /// Step of these runs, s.
 const STEP: f64 = 0.01;
 /// Run time of a partitioned finite-volume code with 16160 cells and this step, h.
@@ -77,7 +78,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     for (h, found) in &differences {
         let quantity =
             format!("h = {} m: largest difference of the tip from the beam in the last period over 0.43 m", short(*h));
-        if *h == MESHES[MESHES.len() - 1].0 {
+        if *h <= MESHES[MESHES.len() - 2].0 {
             record.at_most(quantity, *found, DIFFERENCE);
         } else {
             record.show(quantity, *found, None);

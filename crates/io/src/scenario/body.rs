@@ -16,7 +16,7 @@ use super::error::{ErrorKind, Location, ScenarioError, sorted};
 use super::field::Field;
 use super::formula::Formula;
 use super::geometry::{Geometry, Shape, plane_normal};
-use super::key::Quantity;
+use super::key::{Quantity, missing};
 use super::motion::{Held, MotionChoice, finite, prescribed};
 use super::solver::Time;
 use super::table::{At, Components, Named, choices, keys};
@@ -50,8 +50,8 @@ keys! {
         boundary: Option<At<Named<BodyCondition>>>,
         /// Displacement of an elastic body at the start; none if left out.
         initial_displacement: Option<Field> [unit(Quantity::LENGTH)],
-        /// Mass of the nodes on those parts of the surface of an elastic body that may come into contact. Without mass there the pressure of contact does not oscillate in time. All masses
-        /// are lumped then. For elements of order 1.
+        /// Mass of the nodes on those parts of the surface of an elastic body that may come into contact. Without mass there the pressure of contact does not oscillate in time. Masses
+        /// of cells near these parts are lumped then. For elements of order 1.
         contact_mass: Option<At<ContactMass>>,
         /// Velocity of an elastic or free body at the start; at rest if left out.
         initial_velocity: Option<Field> [unit(Quantity::VELOCITY)],
@@ -204,7 +204,7 @@ impl BodyKeys {
 
 /// Returns the value of a key that a body of this motion needs.
 fn needed<'v, T>(body: &At<BodyKeys>, key: &'static str, value: &'v Option<At<T>>) -> Result<&'v At<T>, ScenarioError> {
-    value.as_ref().ok_or_else(|| body.at.error(ErrorKind::Missing(key)))
+    value.as_ref().ok_or_else(|| missing(&body.at, BodyKeys::KEYS, key))
 }
 
 /// Returns the gravity of a body: the constant one, and one that varies in time.

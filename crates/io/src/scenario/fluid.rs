@@ -235,7 +235,12 @@ pub(super) fn balance_times([start, end]: [f64; 2]) -> impl Iterator<Item = f64>
 
 /// Returns whether fluid may cross a part of the boundary without a given velocity.
 pub(super) fn is_open<const D: usize>(fluid: &FluidSetup<D>) -> bool {
-    fluid.boundary.iter().any(|(_, of)| matches!(of, FluidBoundary::Open { .. } | FluidBoundary::Parallel { .. }))
+    fluid.boundary.iter().any(|(_, condition)| lets_through(condition))
+}
+
+/// Returns whether fluid may cross a part of the boundary as it likes.
+pub(super) fn lets_through<const D: usize>(condition: &FluidBoundary<D>) -> bool {
+    matches!(condition, FluidBoundary::Open { .. } | FluidBoundary::Parallel { .. })
 }
 
 /// Returns a time and the net inflow at this time if no part of the boundary is open and the net inflow is not zero.

@@ -1,7 +1,7 @@
 //! Units: labels of the numbers of a scenario. Nothing is converted.
 
 use super::error::ScenarioError;
-use super::key::Quantity;
+use super::quantity::{Quantity, quotient};
 use super::table::{At, OrTable, choices, keys};
 
 choices! {
@@ -30,16 +30,6 @@ keys! {
 /// Units of all numbers of a scenario.
 pub type Units = OrTable<System, UnitNames>;
 
-/// Quantities with unit names of their own in the systems cgs and SI.
-const NAMED: [(Quantity, [&str; 2]); 6] = [
-    (Quantity::FORCE, ["dyn", "N"]),
-    (Quantity::PRESSURE, ["dyn/cm²", "Pa"]),
-    (Quantity::FORCE_DENSITY, ["dyn/cm³", "N/m³"]),
-    (Quantity::VISCOSITY, ["poise", "Pa s"]),
-    (Quantity::ENERGY, ["erg", "J"]),
-    (Quantity::POWER, ["erg/s", "W"]),
-];
-
 impl Units {
     /// Checks that the names of units can be part of the names of columns.
     pub(super) fn check(&self) -> Result<(), ScenarioError> {
@@ -56,28 +46,10 @@ impl Units {
 
     /// Returns the unit of a quantity, such as `cm/s` or `dyn`; empty for pure numbers.
     pub fn label(&self, quantity: Quantity) -> String {
-        let base = match self {
-            Self::Plain(system) => {
-                let k = *system as usize;
-                if let Some((_, names)) = NAMED.iter().find(|(named, _)| *named == quantity) {
-                    return names[k].to_owned();
-                }
-                [["g", "cm", "s"], ["kg", "m", "s"]][k]
-            }
-            Self::Table(names) => [names.mass.as_str(), &names.length, &names.time],
-        };
-        let exponents = [quantity.mass, quantity.length, quantity.time];
-        let product = |sign: i8| {
-            let factors = base.iter().zip(exponents).filter(|(_, exponent)| exponent * sign > 0);
-            let powers = factors.map(|(unit, exponent)| match exponent.abs() {
-                1 => (*unit).to_owned(),
-                2 => format!("{unit}²"),
-                3 => format!("{unit}³"),
-                n => format!("{unit}^{n}"),
-            });
-            powers.collect::<Vec<String>>()
-        };
-        quotient(&product(1).join(" "), &product(-1))
+        match self {
+            Self::Plain(system) => quantity.label_in(*system as usize),
+            Self::Table(names) => quantity.label_of([names.mass.as_str(), &names.length, &names.time]),
+        }
     }
 
     /// Returns the unit of a force, mass, energy, power or flow of a whole of a dimension: in the plane that of the quantity
@@ -90,14 +62,6 @@ impl Units {
         let (above, below) = label.split_once('/').unwrap_or((&label, ""));
         let below = [below.to_owned(), self.label(Quantity::LENGTH)];
         quotient(above, &below.into_iter().filter(|unit| !unit.is_empty()).collect::<Vec<_>>())
-    }
-}
-
-fn quotient(above: &str, below: &[String]) -> String {
-    match below {
-        [] => above.to_owned(),
-        [one] => format!("{}/{one}", if above.is_empty() { "1" } else { above }),
-        _ => format!("{}/({})", if above.is_empty() { "1" } else { above }, below.join(" ")),
     }
 }
 
