@@ -7,7 +7,6 @@ use std::sync::Arc;
 
 use fixture::*;
 use solid_rigid::RigidBody;
-use solid_svk::{ElasticBody, ElasticOptions, LameParameters, LinearElastic, SolidForm, SolidMesh};
 use solver::algebra::{
     BlockGaussSeidel, BlockGaussSeidelSettings, LaggedSettings, LaggedSolver, LinearError, LinearReport, LinearSolver,
     LinearSystem, NewtonSettings, Workspace,
@@ -577,35 +576,4 @@ fn a_guided_body_is_free_after_its_release() {
     assert!((motion(&state, 0).centre[0] - 0.3).abs() < 1e-12 && (motion(&state, 0).centre[1] - 1.0).abs() < 1e-12);
     let (state, _) = run(&setup, 8);
     assert!((motion(&state, 0).velocity - V::new(1.0, -0.9)).norm() < 1e-12);
-}
-
-#[test]
-fn gravity_that_varies_in_time_is_a_load() {
-    let mesh = structured_box::<2>([0.0, 0.0], [2.0, 1.0], [2, 1]).expect("a box");
-    let gravity: solver::body::History<2> = Arc::new(|t: f64| V::new(2.0, -3.0) * t.cos());
-    let material = LinearElastic::new(LameParameters { mu: 1e2, lambda: 1e2 });
-    let form = SolidForm::new(4.0, material, V::zeros()).expect("a form");
-    let options = ElasticOptions { variable_gravity: Some(gravity.clone()), ..ElasticOptions::default() };
-    let solid = SolidMesh::new(mesh.clone()).expect("a mesh");
-    let elastic: Arc<dyn Body<2>> = Arc::new(ElasticBody::new("elastic", solid, form, options).expect("a body"));
-    let mut rigid = rigid("rigid", &mesh, 4.0, V::zeros());
-    rigid.variable_gravity = Some(gravity);
-    let (n, dt, mass) = (20, 0.1, 8.0);
-    let (_, reports) = run(&dry(vec![elastic, Arc::new(rigid)], dt), n);
-    let mut velocity = V::zeros();
-    for (k, report) in reports.iter().enumerate() {
-        // Implicit Euler takes the gravity at the end of the step.
-        let gravity = V::new(2.0, -3.0) * ((k + 1) as f64 * dt).cos();
-        velocity += gravity * dt;
-        for body in &report.bodies {
-            let balance = body.balance.expect("a movable body");
-            assert!((balance.momentum - velocity * mass).norm() < 1e-10 && balance.potential_energy == 0.0);
-            let forces = body.forces.expect("a movable body");
-            assert!((forces.body_force - gravity * mass).norm() < 1e-12 && forces.remainder().norm() < 1e-9);
-        }
-        let ledger = &report.ledger;
-        let work = -2.0 * dt * mass * gravity.dot(&velocity);
-        assert!((ledger.loads - work).abs() < 1e-9 && ledger.defect().abs() < 1e-9, "{ledger:?}");
-        assert!(ledger.dissipation() > -1e-9, "implicit Euler makes no energy: {ledger:?}");
-    }
 }

@@ -173,10 +173,10 @@ pub(super) fn prescribed<const D: usize>(
 /// The angle of a rotation whose angular velocity is given: `φ(t) = ∫_0^t ω ds`.
 struct Angle {
     rate: Formula,
-    /// Longest step.
-    dt: f64,
-    /// Angle at the multiples of the longest step; empty if the angular velocity is constant.
-    at_steps: Vec<f64>,
+    /// Length of an interval: the longest step, or longer in runs of many steps.
+    interval: f64,
+    /// Angle at the ends of intervals, and at the start; empty if the angular velocity is constant.
+    at_ends: Vec<f64>,
 }
 
 /// Points and weights of the Gauss rule with three points on `[0, 1]`.
@@ -186,14 +186,15 @@ const GAUSS: [[f64; 2]; 3] =
 impl Angle {
     /// Integrates the angular velocity over the steps of a run.
     fn of(rate: Formula, time: &Time) -> Self {
-        let dt = *time.step;
-        let mut angle = Self { rate, dt, at_steps: Vec::new() };
+        let n = time.n_steps().clamp(1, MOST_TRIALS);
+        let interval = time.end / n as f64;
+        let mut angle = Self { rate, interval, at_ends: Vec::new() };
         if !angle.rate.is_constant() {
-            let sums = (0..time.n_steps()).scan(0.0, |sum, k| {
-                *sum += angle.integral(k as f64 * dt, (k + 1) as f64 * dt);
+            let sums = (0..n).scan(0.0, |sum, k| {
+                *sum += angle.integral(k as f64 * interval, (k + 1) as f64 * interval);
                 Some(*sum)
             });
-            angle.at_steps = std::iter::once(0.0).chain(sums).collect();
+            angle.at_ends = std::iter::once(0.0).chain(sums).collect();
         }
         angle
     }
@@ -208,9 +209,9 @@ impl Angle {
     /// Returns angle and angular velocity.
     fn at(&self, t: f64) -> Dual {
         let rate = self.rate.at(&[], t).value;
-        let Some(last) = self.at_steps.len().checked_sub(1) else { return Dual { value: rate * t, rate } };
-        let k = ((t / self.dt) as usize).min(last);
-        Dual { value: self.at_steps[k] + self.integral(k as f64 * self.dt, t), rate }
+        let Some(last) = self.at_ends.len().checked_sub(1) else { return Dual { value: rate * t, rate } };
+        let k = ((t / self.interval) as usize).min(last);
+        Dual { value: self.at_ends[k] + self.integral(k as f64 * self.interval, t), rate }
     }
 }
 
