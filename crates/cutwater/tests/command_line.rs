@@ -65,7 +65,7 @@ fn run_writes_into_the_directory_and_prints_lines() {
     // The smallest gap is that of the only body.
     assert!(!printed.contains(", smallest gap"), "{printed}");
     assert!(
-        printed.contains("no contact of ball; the smallest gap is ")
+        printed.contains("no contact of ball; the smallest gap of all contacts is ")
             && printed.contains("cm, between ball and its obstacle at rest")
     );
     let page = std::fs::read_to_string(directory.join("report.html")).expect("a page");

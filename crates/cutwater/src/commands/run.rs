@@ -259,7 +259,11 @@ fn divided(Summary { divided_steps, steps, dt, .. }: &Summary) -> String {
     if share < MANY {
         return line;
     }
-    format!("{line}: the step is too long for this run; run it again with `--set time.step={:?}` and compare", 0.5 * dt)
+    format!(
+        "{line}: unless `time.approach` divides them, the step is too long and results depend on it; halve it, first with \
+         `--set time.step={:?}`, until they no longer change",
+        0.5 * dt
+    )
 }
 
 /// Returns the lines about contact.
@@ -270,7 +274,9 @@ fn contact_lines(summary: &Summary) -> Vec<String> {
     let Some((begin, end)) = contact_intervals.first() else {
         return vec![match smallest_gap {
             Some((gap, sides)) => {
-                format!("  no contact of {leading}; the smallest gap is {gap:.3e} {length}, between {sides}")
+                format!(
+                    "  no contact of {leading}; the smallest gap of all contacts is {gap:.3e} {length}, between {sides}"
+                )
             }
             None => "  no contact".to_owned(),
         }];
@@ -333,7 +339,9 @@ mod tests {
         let mut summary = Summary { leading: Some("ball".to_owned()), ..Summary::default() };
         assert_eq!(contact_lines(&summary), ["  no contact"]);
         summary.smallest_gap = Some((0.25, sides.clone()));
-        assert!(contact_lines(&summary)[0].contains("no contact of ball; the smallest gap is 2.500e-1"));
+        assert!(
+            contact_lines(&summary)[0].contains("no contact of ball; the smallest gap of all contacts is 2.500e-1")
+        );
         assert!(contact_lines(&summary)[0].ends_with("between ball and block"));
         summary.first_contact = Some(sides);
         summary.contact_intervals = vec![(1.0, Some(2.0)), (3.0, None)];

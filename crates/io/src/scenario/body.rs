@@ -43,8 +43,9 @@ keys! {
         groups: Named<GroupKeys>,
         /// Density of an elastic or free body.
         density: Option<At<f64>> [unit(Quantity::DENSITY), positive],
-        /// Acceleration of gravity of an elastic or free body, or of a frame of reference, with the sign reversed. Only a
-        /// constant one has a potential energy; the work of one that varies in time is that of a load.
+        /// Acceleration of gravity of an elastic or free body. In a container with the acceleration `a(t)` it is `g - a(t)`, and
+        /// `fluid.body_force` is the density of the fluid times that. Only a constant one has a potential energy; the work of one
+        /// that varies in time is that of a load.
         gravity: Option<At<Components<At<Formula>>>> [unit(Quantity::ACCELERATION)],
         /// Conditions on tagged parts of the surface of an elastic body; other parts are free.
         boundary: Option<At<Named<BodyCondition>>>,

@@ -81,8 +81,8 @@ keys! {
         checkpoint_every: usize = 0,
         /// Quantities of points, bodies and sections by name: columns of `probes.csv`.
         probes: Named<ProbeChoice>,
-        /// Least time between two checkpoints, minutes; zero if left out. It decides which steps of `checkpoint_every` write
-        /// one, and changes no result. Without `checkpoint_every` these are every tenth step.
+        /// Least time between two checkpoints, minutes. It decides which steps of `checkpoint_every` write one, all of them if
+        /// left out. Alone it decides this for every tenth step, and results are those of `checkpoint_every = 10`.
         checkpoint_minutes: Option<f64> [non_negative],
     }
 }
@@ -118,7 +118,7 @@ choices! {
     }
 }
 
-/// Steps between two checkpoints if `checkpoint_minutes` is given alone. The steps at which the solver forgets its
+/// Steps between two checkpoints if `checkpoint_minutes` is given alone. The steps at which the solver discards its
 /// factors are a part of the results by round-off, so that they cannot follow from the clock. One more factorisation in
 /// ten steps costs little, and less than ten steps pass between the due time and the checkpoint.
 const STEPS_WITH_MINUTES: usize = 10;
@@ -301,6 +301,7 @@ fn replace_inputs(
 fn check(scenario: &Scenario) -> Result<(), ScenarioError> {
     scenario.time.check()?;
     scenario.units.check()?;
+    scenario.fluid.as_ref().map_or(Ok(()), |fluid| fluid.check(&scenario.units))?;
     let is_plain = |name: &str| !name.is_empty() && name.chars().all(|c| c.is_alphanumeric() || "-_.".contains(c));
     let refuse = |name: &At<String>, why| Err(name.at.invalid(format!("the name `{}` is {why}", name.as_str())));
     if !is_plain(&scenario.name) || scenario.name.starts_with('.') {

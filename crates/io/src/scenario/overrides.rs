@@ -94,8 +94,12 @@ fn set<'t>(
             let number = name.parse::<usize>();
             let has_tables = items.first().is_some_and(|item| matches!(item.get_ref(), DeValue::Table(_)));
             if number.is_err() && has_tables {
-                let (key, rest) = (key(), path[depth..].join("."));
-                return Err(format!("`{key}` is a list of {n} {entries}, counted from 0: write {key}.0.{rest}"));
+                let is_named =
+                    |item: &&DeValue<'_>| item.get("name").and_then(|of| of.get_ref().as_str()) == Some(name);
+                let named = items.iter().position(|item| is_named(&item.get_ref()));
+                let (key, rest) = (key(), path[depth + usize::from(named.is_some())..].join("."));
+                let k = named.unwrap_or(0);
+                return Err(format!("`{key}` is a list of {n} {entries}, counted from 0: write {key}.{k}.{rest}"));
             }
             let problem = || {
                 format!("`{}` has {n} {entries}, counted from 0, and there is no entry `{name}`; check the key", key())

@@ -39,7 +39,7 @@ choices! {
         },
         /// Force of the fluid on parts of the boundary of the background that are not open: pressure and viscous stress, as the
         /// reaction of the velocities that are given there; in the plane per unit depth, in axisymmetric coordinates along the
-        /// axis.
+        /// axis. In a closed domain the pressure has no level, and only the force on all of the closed boundary has a meaning.
         WallForce = "wall-force" {
             /// Names of the parts.
             parts: At<Vec<At<String>>>,

@@ -5,13 +5,15 @@ use super::quantity::{Quantity, quotient};
 use super::table::{At, OrTable, choices, keys};
 
 choices! {
-    /// System of units with names of its own for derived quantities.
+    /// System of units.
     #[derive(Copy, Eq)]
     pub enum System {
         /// Centimetre, gram, second: dyn, erg, poise.
         Cgs = "cgs",
         /// Metre, kilogram, second: N, J, Pa.
         Si = "si",
+        /// Millimetre, gram, second, without names of their own for derived quantities.
+        MmGS = "mm-g-s",
     }
 }
 
@@ -47,6 +49,7 @@ impl Units {
     /// Returns the unit of a quantity, such as `cm/s` or `dyn`; empty for pure numbers.
     pub fn label(&self, quantity: Quantity) -> String {
         match self {
+            Self::Plain(System::MmGS) => quantity.label_of(["g", "mm", "s"]),
             Self::Plain(system) => quantity.label_in(*system as usize),
             Self::Table(names) => quantity.label_of([names.mass.as_str(), &names.length, &names.time]),
         }
@@ -74,6 +77,7 @@ mod tests {
         let [length, mass, time] = ["mm", "g", "ms"].map(|name| At::nowhere(name.to_owned()));
         let named = UnitNames { length, mass, time };
         let (cgs, si, own) = (Units::Plain(System::Cgs), Units::Plain(System::Si), Units::Table(named));
+        assert_eq!(Units::Plain(System::MmGS).label(Quantity::PRESSURE), "g/(mm s²)");
         for (quantity, labels) in [
             (Quantity::NUMBER, ["", "", ""]),
             (Quantity::VELOCITY, ["cm/s", "m/s", "mm/ms"]),
