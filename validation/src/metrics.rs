@@ -45,14 +45,23 @@ pub(crate) struct Rebound {
 impl Rebound {
     /// Returns the rebound of a run; `None` if contact did not end.
     pub(crate) fn new(results: &Results) -> Option<Self> {
-        let release = results.summary.release_time?;
         let column = |name| results.history.column(&format!("{}{name}", results.leading_prefix()));
-        let (distances, speeds) = (column("d_min")?, column("centre_velocity")?);
-        let contact = results.summary.contact_time?;
-        let rows = || results.history.column("time").into_iter().flatten().zip(&distances).zip(&speeds);
-        let since_contact = rows().filter(|((time, _), _)| *time >= contact);
-        let fastest = since_contact.map(|(_, speed)| *speed).fold(f64::NEG_INFINITY, f64::max);
-        let rebounds = rows().map(|((time, &height), &speed)| Self { height, time, speed, fastest });
+        let rows = [results.history.column("time")?, column("d_min")?, column("centre_velocity")?];
+        Self::of(&rows, [results.summary.contact_time, results.summary.release_time])
+    }
+
+    /// Returns the rebound from times, distances and speeds, and the times of contact and release. Without contact the film of
+    /// fluid throws the body back, and both are the time at which the body is nearest, unless it still approaches at the end.
+    fn of([times, distances, speeds]: &[Vec<f64>; 3], [contact, release]: [Option<f64>; 2]) -> Option<Self> {
+        let rows = || times.iter().zip(distances).zip(speeds).map(|((time, height), speed)| (*time, *height, *speed));
+        let nearest = || rows().min_by(|a, b| a.1.total_cmp(&b.1)).filter(|row| Some(&row.0) != times.last());
+        let (contact, release) = match contact {
+            Some(contact) => (contact, release?),
+            None => nearest().map(|row| (row.0, row.0))?,
+        };
+        let since_contact = rows().filter(|(time, _, _)| *time >= contact);
+        let fastest = since_contact.map(|(_, _, speed)| speed).fold(f64::NEG_INFINITY, f64::max);
+        let rebounds = rows().map(|(time, height, speed)| Self { height, time, speed, fastest });
         rebounds.filter(|now| now.time >= release).reduce(|best, now| {
             let highest = if now.height > best.height { now } else { best };
             Self { speed: best.speed.max(now.speed), ..highest }
@@ -190,4 +199,20 @@ fn smallest_thickness<const D: usize>(body: &dyn Body<D>, positions: &[Point<D>]
     };
     let all = edges.iter().flatten().map(|x| thickness(x[0]));
     all.filter(|t| t.is_finite()).fold(f64::INFINITY, f64::min)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_rebound_begins_at_the_release_or_where_the_body_is_nearest() {
+        let rows = [vec![1.0, 2.0, 3.0, 4.0, 5.0], vec![3.0, 1.0, 2.0, 4.0, 3.5], vec![-2.0, 5.0, 2.0, 1.0, -1.0]];
+        let expected = |speed, fastest| Some(Rebound { height: 4.0, time: 4.0, speed, fastest });
+        assert_eq!(Rebound::of(&rows, [Some(2.0), Some(3.0)]), expected(2.0, 5.0));
+        assert_eq!(Rebound::of(&rows, [Some(2.0), None]), None, "contact did not end");
+        assert_eq!(Rebound::of(&rows, [None, None]), expected(5.0, 5.0));
+        let approach = rows.map(|column| column[..2].to_vec());
+        assert_eq!(Rebound::of(&approach, [None, None]), None, "it still approaches");
+    }
 }

@@ -158,6 +158,16 @@ impl NewtonError {
             | Self::NotFinite { report } => report,
         }
     }
+
+    /// Returns the statistics of the solve up to the error, to which the work of earlier solves may be added.
+    pub fn report_mut(&mut self) -> &mut NewtonReport {
+        match self {
+            Self::Diverged { report }
+            | Self::NotConverged { report, .. }
+            | Self::Linear { report, .. }
+            | Self::NotFinite { report } => report,
+        }
+    }
 }
 
 fn last(report: &NewtonReport) -> f64 {

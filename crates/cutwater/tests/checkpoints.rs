@@ -182,6 +182,35 @@ fn an_interrupted_run_goes_on_and_is_not_overwritten() {
     assert_eq!(steps(), 3);
 }
 
+/// Checks that the time between checkpoints alone gives every tenth step, and that the clock changes no bit.
+#[test]
+fn minutes_alone_select_from_every_tenth_step() {
+    let run = |name: &str, more: &[&str]| {
+        let (directory, end) = (directory(name), ["--set", "time.end=0.035"]);
+        finish(command(&directory, false, &[&end, more].concat()), 0);
+        let is_checkpoint = |name: &String| name.ends_with(".bin");
+        let (checkpoints, rest): (BTreeMap<_, _>, BTreeMap<_, _>) =
+            results(&directory).into_iter().partition(|(name, _)| is_checkpoint(name));
+        let rest = rest.into_iter().filter(|(name, _)| name.ends_with(".csv") || name.ends_with(".vtu")).collect();
+        (checkpoints, rest)
+    };
+    let alone = |minutes| ["--set", "output.checkpoint_every=0", "--set", minutes];
+    let every: (_, BTreeMap<_, _>) = run("every-ten", &[]);
+    let short = run("short-time", &alone("output.checkpoint_minutes=1e-9"));
+    let long = run("long-time", &alone("output.checkpoint_minutes=1e9"));
+    let none = run("none", &["--set", "output.checkpoint_every=0"]);
+    assert!(every.0.contains_key("checkpoint-00000030.bin") && every.0.len() == 2, "{:?}", every.0.keys());
+    assert_same(&short.0, &every.0);
+    // The state at the end is always written.
+    assert_eq!(long.0.keys().collect::<Vec<_>>(), ["checkpoint-00000035.bin"]);
+    assert_same(&short.1, &every.1);
+    assert_same(&long.1, &every.1);
+    assert!(
+        none.0.is_empty() && none.1["history.csv"] != every.1["history.csv"],
+        "the bits show a solver that forgets"
+    );
+}
+
 #[test]
 fn checkpoints_that_cannot_be_used_are_refused() {
     let damaged = directory("damaged");

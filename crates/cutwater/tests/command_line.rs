@@ -63,7 +63,11 @@ fn run_writes_into_the_directory_and_prints_lines() {
     }
     assert!(printed.contains("unknowns in the first step"), "{printed}");
     // The smallest gap is that of the only body.
-    assert!(!printed.contains("smallest gap"), "{printed}");
+    assert!(!printed.contains(", smallest gap"), "{printed}");
+    assert!(
+        printed.contains("no contact of ball; the smallest gap of all contacts is ")
+            && printed.contains("cm, between ball and its obstacle at rest")
+    );
     let page = std::fs::read_to_string(directory.join("report.html")).expect("a page");
     let again = Command::new(env!("CARGO_BIN_EXE_cutwater")).arg("report").arg(&directory).output().expect("a start");
     assert!(again.status.success() && text(&again.stdout).trim().ends_with("report.html"));

@@ -148,7 +148,7 @@ pub enum Error {
     },
     /// A directory has no checkpoint from which a run could go on.
     #[error(
-        "{} has no checkpoint; a run writes them if the scenario sets `output.checkpoint_every`, and when it is interrupted", .directory.display()
+        "{} has no checkpoint; a run writes them if the scenario sets `output.checkpoint_every` or `output.checkpoint_minutes`, and when it is interrupted", .directory.display()
     )]
     NoCheckpoint {
         /// The directory.

@@ -319,7 +319,7 @@ fn with_unit(name: &str, unit: &str) -> String {
 }
 
 /// Returns a name of a header without its unit, and the unit if the header states it.
-pub(crate) fn name_and_unit(name: &str) -> (&str, Option<&str>) {
+pub fn name_and_unit(name: &str) -> (&str, Option<&str>) {
     match name.split_once(" [") {
         Some((name, unit)) => (name, unit.strip_suffix(']')),
         None => (name, None),

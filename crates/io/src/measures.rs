@@ -151,7 +151,7 @@ pub(crate) fn pieces<'a, const D: usize>(
 }
 
 /// Returns whether a body is the slave or the master of a contact.
-fn acts_on<const D: usize>(contact: &Contact<D>, index: usize) -> bool {
+pub(crate) fn acts_on<const D: usize>(contact: &Contact<D>, index: usize) -> bool {
     let master = contact.master().map(BodyId::index);
     contact.body().index() == index || master == Some(index)
 }

@@ -39,6 +39,8 @@ pub(crate) enum Measured<const D: usize> {
     Marker { body: usize, weights: Vec<(VertexId, f64)> },
     /// Force of the fluid on some facets of a body, with its moment about a point.
     Force { body: usize, facets: Vec<bool>, about: Point<D> },
+    /// Force of the fluid on parts of the background's boundary, by the numbers of their conditions.
+    WallForce { sides: Vec<usize> },
     /// Flux and mean pressure on a section; `normal` has its measure in the mesh as length.
     Flux { corner: Point<D>, sides: Vec<Vector<D>>, normal: Vector<D>, n: usize },
     /// Strain energy of a body.
@@ -86,6 +88,7 @@ impl<const D: usize> Probe<D> {
                 let moments = moments.iter().map(|axis| (format!("moment_{axis}"), total(Quantity::ENERGY)));
                 axes("", total(Quantity::FORCE)).chain(moments).collect()
             }
+            Measured::WallForce { .. } => axes("", total(Quantity::FORCE)).collect(),
             Measured::Flux { .. } => vec![
                 ("flux".to_owned(), total(Quantity::FLUX)),
                 ("pressure".to_owned(), units.label(Quantity::PRESSURE)),
@@ -125,6 +128,11 @@ impl<const D: usize> Probe<D> {
                 let (force, moment) = (coordinates.resultant(force), coordinates.moment(moment));
                 let moments = if D < AXES.len() { &moment[AXES.len() - 1..] } else { &moment };
                 force.iter().chain(moments).copied().collect()
+            }
+            Measured::WallForce { sides } => {
+                let report = view.report.and_then(|report| report.fluid.as_ref());
+                let of_side = |side: &usize| report.map_or(Vector::zeros(), |report| report.side_forces[*side]);
+                sides.iter().map(of_side).sum::<Vector<D>>().iter().copied().collect()
             }
             Measured::Flux { corner, sides, normal, n } => {
                 let coordinates = fluid.map(|(setup, _)| setup.background.coordinates()).unwrap_or_default();

@@ -292,12 +292,12 @@ impl<'a, const D: usize> RunFiles<'a, D> {
 
     /// Returns whether a checkpoint is written at the end of a step.
     fn is_checkpoint(&self, step: usize) -> bool {
-        let every = self.output.checkpoint_every;
+        let every = self.output.checkpoint_interval();
         if step == self.n_steps {
             // A checkpoint of an interrupt would make the run look unfinished.
             return every > 0 || !checkpoint_steps(&self.directory).is_empty();
         }
-        let minutes = self.output.checkpoint_minutes.as_ref().map_or(0.0, |minutes| **minutes);
+        let minutes = self.output.checkpoint_minutes.unwrap_or(0.0);
         let is_due = self.last_checkpoint.elapsed().as_secs_f64() >= 60.0 * minutes;
         every > 0 && step.is_multiple_of(every) && is_due
     }

@@ -1,11 +1,13 @@
 //! A scenario as it is understood: sizes of its meshes, conditions and methods.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use contact::Positions;
-use mesh::{Aabb, BodyId, Point};
+use mesh::search::SurfaceIndex;
+use mesh::{Aabb, BodyId, Placed, Point, Tag};
 use solver::body::{Body, BodyState};
-use solver::{Contact, Setup, State, Step, StepError};
+use solver::{Contact, FluidBoundary, Setup, State, Step, StepError};
 
 use crate::Error;
 use crate::scenario::{
@@ -27,6 +29,8 @@ pub struct Sizes {
     pub body_extents: Vec<Vec<f64>>,
     /// Roles in each contact, and contacts that act from the first step, for people.
     pub contacts: Vec<String>,
+    /// Bodies that reach through a wall of the background, for people.
+    pub outside: Vec<String>,
     /// Cut cells at the start.
     pub cut_cells: usize,
     /// Unknowns of the first step.
@@ -69,10 +73,12 @@ impl Sizes {
             .map_err(|stage| StepError::at(state.step + 1, state.time + setup.dt, stage))?;
         let positions = setup.positions(&state.bodies);
         let extents = |points: &[Point<D>]| Aabb::of_points(points).extent().iter().copied().collect();
+        let length = scenario.units.label(Quantity::LENGTH);
         let mut sizes = Self {
             background_extents: background.map_or(Vec::new(), |mesh| extents(mesh.vertices())),
             body_extents: positions.iter().map(|points| extents(points)).collect(),
-            contacts: contacts(setup, &positions, &scenario.units.label(Quantity::LENGTH)),
+            contacts: contacts(setup, &positions, &length),
+            outside: outside(setup, &positions, &length),
             background_cells: background.map_or(0, |mesh| mesh.n_cells()),
             background_vertices: background.map_or(0, |mesh| mesh.n_vertices()),
             bodies: setup.bodies.iter().zip(&state.bodies).map(|(body, state)| size(body, state)).collect(),
@@ -131,6 +137,7 @@ impl Sizes {
         }));
         lines.extend(scenario.contact.iter().map(|contact| contact_line(contact, &length)));
         lines.extend_from_slice(&self.contacts);
+        lines.extend_from_slice(&self.outside);
         let scheme = match &scenario.time.scheme {
             Some(scheme) => scheme.word().to_owned(),
             None => "implicit-euler (the default)".to_owned(),
@@ -147,10 +154,12 @@ impl Sizes {
             newton.tolerance, newton.max_iterations
         ));
         let every = |n: usize| if n == 0 { "never".to_owned() } else { format!("every {n} steps") };
+        let minutes = scenario.output.checkpoint_minutes.filter(|minutes| *minutes > 0.0);
+        let minutes = minutes.map_or(String::new(), |minutes| format!(", {minutes} minutes or more apart"));
         lines.push(format!(
-            "fields are written {}, checkpoints {}",
+            "fields are written {}, checkpoints {}{minutes}",
             every(scenario.output.vtk_every),
-            every(scenario.output.checkpoint_every)
+            every(scenario.output.checkpoint_interval())
         ));
         lines
     }
@@ -158,8 +167,47 @@ impl Sizes {
 
 /// Returns extents as a product, with four significant digits.
 fn product(extents: &[f64]) -> String {
-    let rounded = |extent: &f64| format!("{extent:.3e}").parse().unwrap_or(*extent);
-    extents.iter().map(|extent| format!("{:?}", rounded(extent))).collect::<Vec<_>>().join(" x ")
+    extents.iter().map(|extent| format!("{:?}", rounded(*extent))).collect::<Vec<_>>().join(" x ")
+}
+
+/// Rounds to four significant digits.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.3e}").parse().unwrap_or(value)
+}
+
+/// Describes bodies that reach through a side of the background on which the velocity is given. At planes of symmetry and
+/// open sides this is how parts of bodies are described.
+fn outside<const D: usize>(setup: &Setup<D>, positions: &[Vec<Point<D>>], length: &str) -> Vec<String> {
+    let Some(fluid) = &setup.fluid else { return Vec::new() };
+    let background = &fluid.background;
+    let boundary = background.boundary();
+    let index = SurfaceIndex::new(&Placed::new(&boundary, background.vertices()));
+    let least = ROUND_OFF * Aabb::of_points(background.vertices()).extent().max();
+    let is_wall = |side: Tag| {
+        let condition = fluid.boundary.iter().find(|(tag, _)| *tag == side);
+        matches!(condition, Some((_, FluidBoundary::NoSlip | FluidBoundary::Velocity(_))))
+    };
+    let mut lines = Vec::new();
+    for (body, points) in setup.bodies.iter().zip(positions) {
+        let mut farthest: BTreeMap<Tag, (f64, &Point<D>)> = BTreeMap::new();
+        for x in points.iter().filter(|x| background.cell_index().locate(x).is_none()) {
+            let Some(nearest) = index.closest(x) else { continue };
+            let distance = (x - nearest.point).norm();
+            if let Some(side) = boundary.tag(nearest.facet).filter(|side| distance > least && is_wall(*side)) {
+                let of_side = farthest.entry(side).or_insert((distance, x));
+                *of_side = if distance > of_side.0 { (distance, x) } else { *of_side };
+            }
+        }
+        lines.extend(farthest.iter().map(|(side, (distance, x))| {
+            let place: Vec<f64> = x.iter().map(|x| rounded(*x)).collect();
+            format!(
+                "warning: body {} reaches {distance:.3e} {length} through side {} of the background, to {place:?}: the part outside is in no fluid",
+                body.name(),
+                background.tag_names()[side.index()]
+            )
+        }));
+    }
+    lines
 }
 
 /// Largest number of contacts whose roles are described.

@@ -2,12 +2,13 @@
 
 use std::path::Path;
 
+use mesh::BodyId;
 use serde::{Deserialize, Serialize};
-use solver::{StepReport, StepView};
+use solver::{Contact, Setup, StepReport, StepView};
 
 use crate::Error;
 use crate::files::{read_text, write_whole};
-use crate::measures::{BodyMeasures, leading_body};
+use crate::measures::{BodyMeasures, acts_on, leading_body};
 use crate::scenario::{Quantity, Units};
 
 /// A step may raise the energy by this fraction of the largest energy: round-off.
@@ -59,6 +60,12 @@ pub struct Summary {
     pub release_time: Option<f64>,
     /// Start and end of each contact; no end if it lasts.
     pub contact_intervals: Vec<(f64, Option<f64>)>,
+    /// The two sides of the first contact of the leading body; not written if there is none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub first_contact: Option<String>,
+    /// Smallest gap of all contacts, and its two sides; not written if there is none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub smallest_gap: Option<(f64, String)>,
     /// Largest violation of the offset.
     pub max_penetration: f64,
     /// Largest violation of the offset, divided by the contact size.
@@ -267,6 +274,12 @@ impl SummaryBuilder {
         let size = self.largest_energy.max(self.largest_line).max(f64::MIN_POSITIVE);
         self.summary.energy_defect = Some(self.largest_defect / size / view.setup.newton.tolerance);
         self.summary.energy_monotone = self.largest_gain <= ENERGY_TOLERANCE * self.largest_energy;
+        for (contact, found) in view.setup.contacts.iter().zip(&report.contacts) {
+            let least = self.summary.smallest_gap.as_ref().map_or(f64::INFINITY, |(least, _)| *least);
+            if let Some(gap) = found.minimum_gap.filter(|gap| *gap < least) {
+                self.summary.smallest_gap = Some((gap, sides(view.setup, contact)));
+            }
+        }
         if let Some(leading) = leading_body(view.setup) {
             self.add_body(&bodies[leading]);
         }
@@ -279,6 +292,11 @@ impl SummaryBuilder {
         summary.max_penetration = summary.max_penetration.max(body.penetration());
         let size = setup.contacts.iter().find(|c| c.body().index() == body.index).map(|c| c.form().size());
         summary.max_penetration_over_s = size.map(|s| summary.max_penetration / s);
+        if summary.first_contact.is_none() {
+            let mut contacts = setup.contacts.iter().zip(&body.step.contacts);
+            let first = contacts.find(|(contact, found)| acts_on(contact, body.index) && found.is_active());
+            summary.first_contact = first.map(|(contact, _)| sides(setup, contact));
+        }
         match summary.contact_intervals.last_mut().filter(|(_, end)| end.is_none()) {
             None if body.active_points() > 0 => summary.contact_intervals.push((time, None)),
             Some(lasting) if body.active_points() == 0 => lasting.1 = Some(time),
@@ -286,6 +304,17 @@ impl SummaryBuilder {
         }
         summary.contact_time = summary.contact_intervals.first().map(|(begin, _)| *begin);
         summary.release_time = summary.contact_intervals.first().and_then(|(_, end)| *end);
+    }
+}
+
+/// Describes the two sides of a contact.
+fn sides<const D: usize>(setup: &Setup<D>, contact: &Contact<D>) -> String {
+    let name = |body: BodyId| setup.bodies[body.index()].name();
+    let slave = name(contact.body());
+    match contact.master() {
+        None => format!("{slave} and its obstacle at rest"),
+        Some(master) if master == contact.body() => format!("{slave} and itself"),
+        Some(master) => format!("{slave} and {}", name(master)),
     }
 }
 

@@ -73,7 +73,7 @@ fn the_page_has_all_sections_and_is_the_same_again() {
     for table in ["history.csv", "diagnostics.csv"].map(|name| directory.join(name)) {
         let text = fs::read_to_string(&table).expect("a table");
         let (header, rows) = text.split_once('\n').expect("rows");
-        let bare: Vec<&str> = header.split(',').filter_map(|name| name.split(" [").next()).collect();
+        let bare: Vec<&str> = header.split(',').map(|name| io::name_and_unit(name).0).collect();
         assert_ne!(bare.join(","), header);
         fs::write(&table, format!("{}\n{rows}", bare.join(","))).expect("a file");
     }

@@ -13,7 +13,7 @@ impl<const D: usize> Step<'_, D> {
     /// Solves the step from the guess `x` by Newton's method. With an augmented Lagrangian (`law/augmented_lagrangian.rs` of the crate
     /// `contact`) the tractions of contact become the multipliers of another solve, until they no longer change.
     ///
-    /// The report has the counts and times of all solves, and the history of the last one.
+    /// The report, also that of an error, has the counts and times of all solves, and the history of the last one.
     ///
     /// # Errors
     /// Newton's method fails, or the multipliers still change after the largest number of solves.
@@ -23,7 +23,11 @@ impl<const D: usize> Step<'_, D> {
             if self.augment(x).is_none() {
                 return Ok(report);
             }
-            let mut last = newton(&self.problem().equations, x, work, &self.setup.newton)?;
+            let solved = newton(&self.problem().equations, x, work, &self.setup.newton);
+            let mut last = solved.map_err(|mut error| {
+                error.report_mut().add_work(&report);
+                error
+            })?;
             last.add_work(&report);
             report = last;
         }

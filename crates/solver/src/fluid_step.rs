@@ -39,7 +39,7 @@ pub(crate) struct FluidStep<'a, const D: usize> {
     /// Positions of the vertices of each body, extrapolated to the stage.
     positions: Vec<Vec<Point<D>>>,
     pub(crate) cut: CutMesh<D>,
-    space: XfemSpace<D>,
+    pub(crate) space: XfemSpace<D>,
     pub(crate) parts: PartValues<D>,
     faces: Vec<FaceValue<D>>,
     films: Option<FilmValues<D>>,

@@ -133,17 +133,32 @@ impl Ledger {
 }
 
 impl<const D: usize> Problem<'_, D> {
-    /// Returns the ledger of a step for its solution `x`, the bodies at its end, the kinetic energy of the fluid, and
-    /// the energy stored in contacts.
-    pub(crate) fn ledger(&self, x: &[f64], ends: &[BodyState<D>], [fluid_energy, contact_energy]: [f64; 2]) -> Ledger {
+    /// Returns the residual of all equations at `x`, also of those that constraints replace: there it is the reaction.
+    pub(crate) fn residual(&self, x: &[f64]) -> Vec<f64> {
+        let mut residual = vec![0.0; self.step.layout.len()];
+        self.equations.contributions.iter().for_each(|terms| terms.add_residual(x, &mut residual));
+        residual
+    }
+
+    /// Returns the ledger of a step for its solution `x` with the residual of all equations there, the bodies at its end,
+    /// the kinetic energy of the fluid, and the energy stored in contacts.
+    pub(crate) fn ledger(
+        &self,
+        (x, residual): (&[f64], &[f64]),
+        ends: &[BodyState<D>],
+        [fluid_energy, contact_energy]: [f64; 2],
+    ) -> Ledger {
         let step = self.step;
         let (layout, dt, before) = (&step.layout, step.time.length, step.previous);
         let work = |terms: &dyn Contributions| dt * terms.power(x);
-        let mut residual = vec![0.0; layout.len()];
-        self.equations.contributions.iter().for_each(|terms| terms.add_residual(x, &mut residual));
-        let total = dt * x.iter().zip(&residual).map(|(x, r)| x * r).sum::<f64>();
+        let total = dt * x.iter().zip(residual).map(|(x, r)| x * r).sum::<f64>();
         let constrained = (0..layout.len()).filter(|&k| step.constraints.get(DofId::new(k)).is_some());
-        let of_ties: f64 = step.constraints.offsets().map(|(dof, x)| x * residual[dof.index()]).sum();
+        let mut of_ties: f64 = step.constraints.offsets().map(|(dof, x)| x * residual[dof.index()]).sum();
+        // A master that is prescribed gives a part of the value of the dofs tied to it.
+        for (dof, to) in step.constraints.ties() {
+            let given = to.iter().filter(|(master, _)| step.constraints.get(*master).is_some());
+            of_ties += residual[dof.index()] * given.map(|(master, factor)| factor * x[master.index()]).sum::<f64>();
+        }
         let mut ledger = Ledger {
             given_velocities: -dt * (constrained.map(|k| x[k] * residual[k]).sum::<f64>() + of_ties),
             ..Ledger::default()

@@ -25,6 +25,7 @@ mod problem;
 mod report;
 mod seconds;
 mod setup;
+mod sides;
 mod stabilisation;
 mod state;
 mod step;

@@ -85,6 +85,9 @@ pub struct FluidReport<const D: usize> {
     pub flow: InterfaceFlow,
     /// Tractions on the interface pieces of the step.
     pub tractions: Vec<InterfaceTraction<D>>,
+    /// Force of the fluid on each part of the background's boundary, in the order of [`crate::FluidSetup::boundary`]; zero for
+    /// parts that fluid may cross.
+    pub side_forces: Vec<Vector<D>>,
     /// Number of uncovered dofs, whose history is an extension.
     pub n_uncovered: usize,
     /// Pockets of fluid whose mean pressure was fixed.
@@ -122,12 +125,14 @@ impl<const D: usize> Problem<'_, D> {
         newton: NewtonReport,
     ) -> StepReport<D> {
         let step = self.step;
+        let residual = self.residual(x);
         let fluid = step.fluid.as_ref().zip(self.interface.as_ref()).map(|(fluid, interface)| FluidReport {
             cut: fluid.cut.report().clone(),
             volume: fluid.cut.all_parts().map(|part| fluid.parts.moments(part).volume()).sum(),
             kinetic_energy: fluid.kinetic_energy(&step.layout, x),
             flow: interface_flow(interface, x),
             tractions: interface_tractions(interface, &fluid.mortar.penalty, x),
+            side_forces: fluid.side_forces(&step.layout, x, &residual),
             n_uncovered: fluid.sources.n_uncovered(),
             n_pockets: step.pockets.len(),
         });
@@ -144,7 +149,7 @@ impl<const D: usize> Problem<'_, D> {
         }
         let fluid_energy = fluid.as_ref().map_or(0.0, |fluid| fluid.kinetic_energy);
         let contact_energy = contacts.iter().map(|contact: &ContactReport<D>| contact.stored_energy).sum();
-        let ledger = self.ledger(x, ends, [fluid_energy, contact_energy]);
+        let ledger = self.ledger((x, &residual), ends, [fluid_energy, contact_energy]);
         let mut bodies: Vec<_> = ends.iter().enumerate().map(|(b, end)| body_report(step, b, end)).collect();
         for (body, points) in &self.closed {
             if let Some(forces) = &mut bodies[body.index()].forces {

@@ -180,3 +180,42 @@ fn a_second_order_ball_in_the_fluid_gains_no_energy() {
         assert!((a - b).abs() < 0.1 * a.abs(), "{rho_inf}: {a} {b}");
     }
 }
+
+#[test]
+fn gravity_that_varies_in_time_is_a_load() {
+    // Implicit Euler takes the gravity at the end of the step, generalised-α with this radius a third of a step before it.
+    for (scheme, before_end) in [(Arc::new(ImplicitEuler) as Scheme, 0.0), (second_order(0.5), 1.0 / 3.0)] {
+        let mesh = structured_box::<2>([0.0, 0.0], [2.0, 1.0], [2, 1]).expect("a box");
+        let gravity: solver::body::History<2> = Arc::new(|t: f64| V::new(2.0, -3.0) * t.cos());
+        let mut elastic = elastic("elastic", mesh.clone(), 4.0, 1e2, 1e2, V::zeros());
+        elastic.options.variable_gravity = Some(gravity.clone());
+        let mut rigid = rigid("rigid", &mesh, 4.0, V::zeros());
+        rigid.variable_gravity = Some(gravity.clone());
+        let (n, dt, mass) = (20, 0.1, 8.0);
+        let setup = Setup { scheme, ..dry(vec![elastic.body(), Arc::new(rigid)], dt) };
+        let (_, reports) = run(&setup, n);
+        for (k, report) in reports.iter().enumerate() {
+            let gravity = gravity((k + 1) as f64 * dt - before_end * dt);
+            for body in &report.bodies {
+                let balance = body.balance.expect("a movable body");
+                assert_eq!(balance.potential_energy, 0.0);
+                let forces = body.forces.expect("a movable body");
+                assert!((forces.body_force - gravity * mass).norm() < 1e-12 && forces.remainder().norm() < 1e-9);
+            }
+            let ledger = &report.ledger;
+            assert!(ledger.defect().abs() < 1e-9 && ledger.dissipation() > -1e-9, "{ledger:?}");
+            if before_end == 0.0 {
+                let velocity = report.bodies[0].balance.expect("a movable body").momentum / mass;
+                let work = -2.0 * dt * mass * gravity.dot(&velocity);
+                assert!((ledger.loads - work).abs() < 1e-9, "{ledger:?}");
+            }
+        }
+        // Velocities are integrals of the gravity, up to the error of the scheme.
+        let end = V::new(2.0, -3.0) * (n as f64 * dt).sin();
+        for body in &reports[n - 1].bodies {
+            let velocity = body.balance.expect("a movable body").momentum / mass;
+            let error = (velocity - end).norm();
+            assert!(error < if before_end == 0.0 { 0.3 } else { 0.02 }, "{velocity} {end}");
+        }
+    }
+}

@@ -10,7 +10,7 @@ use solver::algebra::time::{GeneralisedAlpha, ImplicitEuler, TimeScheme};
 use solver::mesh::generate::{BallOptions, Size, graded_box, half_ball, structured_box};
 use solver::mesh::nalgebra::{Rotation2, Rotation3, Vector3};
 use solver::mesh::{SimplexMesh, Tensor, Vector};
-use solver::{FluidBoundary, State};
+use solver::{FluidBoundary, State, StepReport};
 
 /// Time schemes.
 const SCHEMES: [fn() -> Arc<dyn TimeScheme>; 2] =
@@ -21,6 +21,17 @@ const SAME: f64 = 1e-10;
 
 fn turned<const D: usize>(mesh: &SimplexMesh<D>, turn: Tensor<D>) -> SimplexMesh<D> {
     mesh.mapped(|x| turn * x).expect("a mesh")
+}
+
+/// Largest energy that no line of the ledger explains, relative to its largest line: the tolerance of Newton's method is `1e-11`.
+const CLOSED: f64 = 1e-9;
+
+/// Checks that the lines of the ledger explain the change of the energy in every step: reactions of planes do no work.
+fn check_ledgers(reports: &[StepReport<2>]) {
+    for ledger in reports.iter().map(|report| &report.ledger) {
+        assert!(ledger.change.abs() > 1e-4 * ledger.largest_line(), "{ledger:?}");
+        assert!(ledger.defect().abs() < CLOSED * ledger.largest_line(), "{} {ledger:?}", ledger.defect());
+    }
 }
 
 /// Returns the flow around an elastic disk, which begins with a velocity across the lines of symmetry.
@@ -45,7 +56,9 @@ fn with_disk(turn: Tensor<2>, scheme: Arc<dyn TimeScheme>) -> State<2> {
     let mut disk = elastic("disk", turned(&disk, turn), 2.0, 50.0, 100.0, gravity);
     disk.options.initial_velocity = Some(Arc::new(move |_| turn * V::new(0.3, -0.2)));
     setup.bodies.push(disk.body());
-    run(&setup, 4).0
+    let (state, reports) = run(&setup, 4);
+    check_ledgers(&reports);
+    state
 }
 
 #[test]
@@ -93,7 +106,9 @@ fn half_disk(turn: Tensor<2>, scheme: Arc<dyn TimeScheme>) -> State<2> {
     disk.support("left", SupportKind::Symmetry { normal: turn * -V::ith(0, 1.0) });
     let mut setup = dry(vec![disk.body()], 0.02);
     setup.scheme = scheme;
-    run(&setup, 4).0
+    let (state, reports) = run(&setup, 4);
+    check_ledgers(&reports);
+    state
 }
 
 #[test]

@@ -7,9 +7,9 @@ use std::sync::Arc;
 
 use fixture::*;
 use solid_rigid::RigidBody;
-use solid_svk::{ElasticBody, ElasticOptions, LameParameters, LinearElastic, SolidForm, SolidMesh};
 use solver::algebra::{
-    BlockGaussSeidel, BlockGaussSeidelSettings, LaggedSettings, LaggedSolver, NewtonSettings, Workspace,
+    BlockGaussSeidel, BlockGaussSeidelSettings, LaggedSettings, LaggedSolver, LinearError, LinearReport, LinearSolver,
+    LinearSystem, NewtonSettings, Workspace,
 };
 use solver::body::Body;
 use solver::contact::{self, AugmentedLagrangianLaw, CollisionLaw, ContactForm, PenaltyLaw, RigidPlane};
@@ -168,8 +168,8 @@ fn a_rigid_box_on_a_slope_sticks_or_slides_by_the_law_of_coulomb() {
     slope(Vector::<3>::new(0.8, -0.6, 0.0));
 }
 
-#[test]
-fn a_body_that_does_not_fit_between_its_obstacles_is_an_error_with_a_remedy() {
+/// Returns a brick between two planes that are closer to each other than its height.
+fn brick_between_planes() -> Setup<2> {
     let brick = structured_box::<2>([0.0, 0.0], [1.0, 1.0], [1, 1]).expect("a box");
     let mut setup = dry(vec![Arc::new(rigid("brick", &brick, 1.0, V::zeros()))], 0.01);
     setup.newton = NewtonSettings::new(1e-9);
@@ -180,6 +180,12 @@ fn a_body_that_does_not_fit_between_its_obstacles_is_an_error_with_a_remedy() {
         let (form, obstacle) = (ContactForm::new(law, 1.0).expect("one"), ContactObstacle::Rigid(Box::new(plane)));
         setup.contacts.push(Contact::new(&setup.bodies, BodyId(0), facets.clone(), form, obstacle).expect("a contact"));
     }
+    setup
+}
+
+#[test]
+fn a_body_that_does_not_fit_between_its_obstacles_is_an_error_with_a_remedy() {
+    let setup = brick_between_planes();
     let state = State::initial(&setup).expect("bodies");
     let Err(error) = advance(&setup, &state, Substep::whole(0.01), &mut Workspace::new()) else {
         panic!("the planes are 0.85 apart, and the brick is 1 high")
@@ -187,6 +193,44 @@ fn a_body_that_does_not_fit_between_its_obstacles_is_an_error_with_a_remedy() {
     assert!(matches!(error.source, Stage::Multipliers { contact: 0, .. }), "{error:?}");
     assert!(error.source.to_string().contains("take a larger gamma_contact_0"));
     assert!(error.source.newton_report().is_some_and(|report| report.iterations > 200));
+}
+
+/// Linear solver that fails after some solves.
+struct Failing {
+    solver: LaggedSolver,
+    n_left: usize,
+}
+
+impl LinearSolver for Failing {
+    fn factorize(&mut self, system: &LinearSystem<'_>) -> Result<(), LinearError> {
+        self.solver.factorize(system)
+    }
+
+    fn solve(
+        &mut self,
+        system: &LinearSystem<'_>,
+        rhs: &[f64],
+        x: &mut [f64],
+        tolerance: f64,
+    ) -> Result<LinearReport, LinearError> {
+        self.n_left = self.n_left.checked_sub(1).ok_or(LinearError::NotFinite { row: 0 })?;
+        self.solver.solve(system, rhs, x, tolerance)
+    }
+
+    fn n_factorizations(&self) -> usize {
+        self.solver.n_factorizations()
+    }
+}
+
+#[test]
+fn a_later_solve_that_fails_keeps_the_counts_of_the_solves_before() {
+    let setup = brick_between_planes();
+    let state = State::initial(&setup).expect("bodies");
+    let failing = Failing { solver: LaggedSolver::new(LaggedSettings::default()), n_left: 50 };
+    let mut work = Workspace::with_solver(Box::new(failing));
+    let Err(error) = advance(&setup, &state, Substep::whole(0.01), &mut work) else { panic!("the solver fails") };
+    assert!(matches!(error.source, Stage::Newton(_)), "{error:?}");
+    assert_eq!(error.source.newton_report().map(|report| report.iterations), Some(50));
 }
 
 #[test]
@@ -532,35 +576,4 @@ fn a_guided_body_is_free_after_its_release() {
     assert!((motion(&state, 0).centre[0] - 0.3).abs() < 1e-12 && (motion(&state, 0).centre[1] - 1.0).abs() < 1e-12);
     let (state, _) = run(&setup, 8);
     assert!((motion(&state, 0).velocity - V::new(1.0, -0.9)).norm() < 1e-12);
-}
-
-#[test]
-fn gravity_that_varies_in_time_is_a_load() {
-    let mesh = structured_box::<2>([0.0, 0.0], [2.0, 1.0], [2, 1]).expect("a box");
-    let gravity: solver::body::History<2> = Arc::new(|t: f64| V::new(2.0, -3.0) * t.cos());
-    let material = LinearElastic::new(LameParameters { mu: 1e2, lambda: 1e2 });
-    let form = SolidForm::new(4.0, material, V::zeros()).expect("a form");
-    let options = ElasticOptions { variable_gravity: Some(gravity.clone()), ..ElasticOptions::default() };
-    let solid = SolidMesh::new(mesh.clone()).expect("a mesh");
-    let elastic: Arc<dyn Body<2>> = Arc::new(ElasticBody::new("elastic", solid, form, options).expect("a body"));
-    let mut rigid = rigid("rigid", &mesh, 4.0, V::zeros());
-    rigid.variable_gravity = Some(gravity);
-    let (n, dt, mass) = (20, 0.1, 8.0);
-    let (_, reports) = run(&dry(vec![elastic, Arc::new(rigid)], dt), n);
-    let mut velocity = V::zeros();
-    for (k, report) in reports.iter().enumerate() {
-        // Implicit Euler takes the gravity at the end of the step.
-        let gravity = V::new(2.0, -3.0) * ((k + 1) as f64 * dt).cos();
-        velocity += gravity * dt;
-        for body in &report.bodies {
-            let balance = body.balance.expect("a movable body");
-            assert!((balance.momentum - velocity * mass).norm() < 1e-10 && balance.potential_energy == 0.0);
-            let forces = body.forces.expect("a movable body");
-            assert!((forces.body_force - gravity * mass).norm() < 1e-12 && forces.remainder().norm() < 1e-9);
-        }
-        let ledger = &report.ledger;
-        let work = -2.0 * dt * mass * gravity.dot(&velocity);
-        assert!((ledger.loads - work).abs() < 1e-9 && ledger.defect().abs() < 1e-9, "{ledger:?}");
-        assert!(ledger.dissipation() > -1e-9, "implicit Euler makes no energy: {ledger:?}");
-    }
 }

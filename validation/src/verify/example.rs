@@ -2,9 +2,9 @@
 
 use std::time::Instant;
 
-use cutwater::io::ScenarioFile;
 use cutwater::io::probes::Probes;
 use cutwater::io::scenario::case::case;
+use cutwater::io::{ScenarioFile, name_and_unit};
 use cutwater::solver::body::Balance;
 use cutwater::solver::{Observer, ObserverError, Setup, State, StepView, TimeLoop};
 
@@ -63,7 +63,7 @@ impl Example {
 impl History {
     /// Returns the values of a probe over time, by its name without the unit.
     pub(super) fn probe(&self, name: &str) -> Result<Points, Failure> {
-        let of_name = |full: &str| full.split(" [").next() == Some(name);
+        let of_name = |full: &str| name_and_unit(full).0 == name;
         let column = self.probes.names().position(of_name).ok_or_else(|| format!("there is no probe {name}"))?;
         Ok(self.times.iter().zip(&self.values).map(|(t, values)| (*t, values[column])).collect())
     }

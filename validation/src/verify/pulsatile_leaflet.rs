@@ -10,12 +10,13 @@ const EXAMPLE: &str = "pulsatile-leaflet";
 const BEAM: &str = include_str!("../../reference/leaflet-oomph-tip.csv");
 /// Length by which differences are divided, m: about the largest displacement.
 const LENGTH: f64 = 0.43;
-/// Largest difference from the beam in the last period with the finest mesh, in this length.
+/// Largest difference from the beam in the last period with the two finest meshes, in this length. The third mesh was the finest one
+/// when the bound was made.
 const DIFFERENCE: f64 = 0.03;
 /// Times of the last period, s. The beam is periodic from the third period.
 const LAST_PERIOD: [f64; 2] = [6.0, 8.0];
 /// Sizes of the cells near the leaflet, m, with bricks across and along it.
-const MESHES: [(f64, [usize; 2]); 3] = [(0.08, [1, 8]), (0.04, [2, 16]), (0.02, [4, 32])];
+const MESHES: [(f64, [usize; 2]); 4] = [(0.08, [1, 8]), (0.04, [2, 16]), (0.02, [4, 32]), (0.01, [8, 64])];
 /// Step of these runs, s.
 const STEP: f64 = 0.01;
 /// Run time of a partitioned finite-volume code with 16160 cells and this step, h.
@@ -77,7 +78,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     for (h, found) in &differences {
         let quantity =
             format!("h = {} m: largest difference of the tip from the beam in the last period over 0.43 m", short(*h));
-        if *h == MESHES[MESHES.len() - 1].0 {
+        if *h <= MESHES[MESHES.len() - 2].0 {
             record.at_most(quantity, *found, DIFFERENCE);
         } else {
             record.show(quantity, *found, None);
@@ -101,13 +102,13 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     record.figure("Displacement of the tip across the channel [m]", "t [s]", across);
     record.note(
         "`examples/pulsatile-leaflet.toml`, with cells of size h in [0.7, 2.2] m and twice that elsewhere. The beam of oomph-lib has no thickness; it is good to 0.2 %. A partitioned \
-         finite-volume code with a cubic solid differs by 1.1 %, with a linear one by 3.6 %. Its coupling fails for the variants below.",
+         finite-volume code with a cubic solid differs by 1.1 %, with a linear one by 3.6 %. Its coupling fails for the variants of density and step below, and its thinner leaflets move away from the beam.",
     );
     record.note("Differences are those of the displacement as a vector, at the 45 times of the reference. Variants have h = 0.04 m; half the thickness has eight times the modulus, so that the beam is the same.");
     Ok(())
 }
 
-/// Names, steps, s, and changes of the variants at which the peer fails.
+/// Names, steps, s, and changes of the variants at which the peer fails, or moves away from the beam.
 const VARIANTS: [(&str, f64, &[&str]); 5] = [
     ("density of the leaflet 0.3", STEP, &["body.0.density=0.3"]),
     ("density of the leaflet 0.1", STEP, &["body.0.density=0.1"]),

@@ -10,12 +10,12 @@ const LONG_FILES: &[(&str, &str)] = &[];
 /// Largest numbers of lines of Rust below some folders (docs/adr/0022).
 const BUDGETS: &[(&[&str], usize)] = &[
     (&["crates/cutwater/src/lib.rs", "crates/cutwater/src/main.rs"], 345),
-    (&["crates/io/src"], 11_700),
+    (&["crates/io/src"], 12_050),
     (&["crates/report/src"], 1575),
-    (&["crates/solver/src"], 2860),
-    (&["validation"], 13_200),
+    (&["crates/solver/src"], 2960),
+    (&["validation"], 13_250),
     (&["xtask/src"], 2400),
-    (&[""], 74_900),
+    (&[""], 76_000),
 ];
 /// Largest number of bytes of all JSON files under version control.
 const JSON_BYTES: usize = 50_000;

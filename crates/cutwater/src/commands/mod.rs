@@ -56,7 +56,12 @@ pub(crate) fn warn(line: &str) {
 /// Why a command failed.
 pub(crate) enum Failure {
     /// Input that cannot be run, or a run that failed.
-    Run(Error),
+    Run {
+        /// The error.
+        error: Error,
+        /// Whether the run has contacts.
+        has_contacts: bool,
+    },
     /// The page of a run cannot be written.
     #[cfg(feature = "report")]
     Report(cutwater::report::Error),
@@ -64,7 +69,7 @@ pub(crate) enum Failure {
 
 impl From<Error> for Failure {
     fn from(error: Error) -> Self {
-        Self::Run(error)
+        Self::Run { error, has_contacts: false }
     }
 }
 
@@ -72,7 +77,7 @@ impl From<Error> for Failure {
 impl From<cutwater::report::Error> for Failure {
     fn from(error: cutwater::report::Error) -> Self {
         // Where files of a run are missing, the error is that of reading them.
-        if let cutwater::report::Error::Results(error) = error { Self::Run(error) } else { Self::Report(error) }
+        if let cutwater::report::Error::Results(error) = error { Self::from(error) } else { Self::Report(error) }
     }
 }
 
@@ -80,29 +85,31 @@ impl Failure {
     /// Returns the exit code: 2 for input that cannot be run, 1 for a run that failed, 130 for one that was interrupted.
     pub(crate) fn exit_code(&self) -> ExitCode {
         match self {
-            Self::Run(
-                Error::Read { .. }
-                | Error::NotUtf8 { .. }
-                | Error::Scenario(_)
-                | Error::Surface { .. }
-                | Error::MeshFile { .. }
-                | Error::Grid(_)
-                | Error::Cut { .. }
-                | Error::GridSize { .. }
-                | Error::NoColumn { .. }
-                | Error::NoResults { .. }
-                | Error::Damaged { .. }
-                | Error::NothingCommon { .. }
-                | Error::OtherUnit { .. }
-                | Error::NotDirectory { .. }
-                | Error::Checkpoint { .. }
-                | Error::NoCheckpoint { .. }
-                | Error::Unfinished { .. }
-                | Error::Directory { .. }
-                | Error::Input { .. }
-                | Error::Busy { .. },
-            ) => ExitCode::from(2),
-            Self::Run(Error::Interrupted { .. }) => ExitCode::from(INTERRUPTED),
+            Self::Run {
+                error:
+                    Error::Read { .. }
+                    | Error::NotUtf8 { .. }
+                    | Error::Scenario(_)
+                    | Error::Surface { .. }
+                    | Error::MeshFile { .. }
+                    | Error::Grid(_)
+                    | Error::Cut { .. }
+                    | Error::GridSize { .. }
+                    | Error::NoColumn { .. }
+                    | Error::NoResults { .. }
+                    | Error::Damaged { .. }
+                    | Error::NothingCommon { .. }
+                    | Error::OtherUnit { .. }
+                    | Error::NotDirectory { .. }
+                    | Error::Checkpoint { .. }
+                    | Error::NoCheckpoint { .. }
+                    | Error::Unfinished { .. }
+                    | Error::Directory { .. }
+                    | Error::Input { .. }
+                    | Error::Busy { .. },
+                ..
+            } => ExitCode::from(2),
+            Self::Run { error: Error::Interrupted { .. }, .. } => ExitCode::from(INTERRUPTED),
             _ => ExitCode::FAILURE,
         }
     }
@@ -110,8 +117,8 @@ impl Failure {
     /// Returns the error with its causes, and the history of residuals if Newton's method failed.
     pub(crate) fn explain(&self) -> String {
         match self {
-            Self::Run(Error::Step(step)) => chain(step) + &residuals(step),
-            Self::Run(error) => chain(error),
+            Self::Run { error: Error::Step(step), has_contacts } => chain(step) + &residuals(step, *has_contacts),
+            Self::Run { error, .. } => chain(error),
             #[cfg(feature = "report")]
             Self::Report(error) => chain(error),
         }
@@ -134,7 +141,7 @@ fn chain(error: &dyn std::error::Error) -> String {
 }
 
 /// Returns the advice and the history of residuals, if Newton's method failed.
-fn residuals(step: &cutwater::solver::StepError) -> String {
+fn residuals(step: &cutwater::solver::StepError, has_contacts: bool) -> String {
     let Stage::Newton(newton) = &step.source else { return String::new() };
     let mut text = String::new();
     if step.source.smaller_step_may_succeed() {
@@ -142,10 +149,7 @@ fn residuals(step: &cutwater::solver::StepError) -> String {
                  `solver.newton.max_iterations`";
     }
     let report = newton.report();
-    if stagnates(&report.residual_history) {
-        text += "\n  the residuals no longer fall; if bodies touch, contact opens and closes in turn: make the other body the slave (`body` and \
-                 `obstacle` in place of `pair`), or use cells of similar size, a larger `offset`, or the penalty law";
-    }
+    text += stagnation(&report.residual_history, has_contacts);
     text += "\n  iteration   relative residual   relative correction";
     for (k, residual) in report.residual_history.iter().enumerate() {
         let correction = k.checked_sub(1).and_then(|k| report.correction_history.get(k));
@@ -156,6 +160,20 @@ fn residuals(step: &cutwater::solver::StepError) -> String {
     text
 }
 
+/// Returns the advice if the residuals no longer fall.
+fn stagnation(residuals: &[f64], has_contacts: bool) -> &'static str {
+    match (stagnates(residuals), has_contacts) {
+        (false, _) => "",
+        (true, false) => {
+            "\n  the residuals no longer fall; if the last ones are near the rounding of numbers, give a larger `solver.newton.tolerance`"
+        }
+        (true, true) => {
+            "\n  the residuals no longer fall; if bodies touch, contact opens and closes in turn: make the other body the slave (`body` and \
+             `obstacle` in place of `pair`), or use cells of similar size, a larger `offset`, or the penalty law"
+        }
+    }
+}
+
 /// Returns whether the last residual is more than half of that two iterations before, as it is in a cycle of two states.
 fn stagnates(residuals: &[f64]) -> bool {
     matches!(residuals, [.., before, _, last] if residuals.len() > 3 && *last > 0.5 * before)
@@ -163,11 +181,15 @@ fn stagnates(residuals: &[f64]) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::stagnates;
+    use super::{stagnates, stagnation};
 
     #[test]
     fn residuals_stagnate_at_one_value_or_between_two() {
         assert!(stagnates(&[1.0, 3e-3, 3.1e-3, 2.9e-3]) && stagnates(&[1.0, 2.0, 1e-2, 3e-5, 1e-2]));
+        assert!(stagnation(&[1.0, 3e-3, 3.1e-3, 2.9e-3], true).contains("contact opens and closes"));
+        let without = stagnation(&[1.0, 3e-3, 3.1e-3, 2.9e-3], false);
+        assert!(without.contains("solver.newton.tolerance") && !without.contains("contact"), "{without}");
+        assert!(stagnation(&[1.0, 0.1, 1e-2, 1e-3], true).is_empty());
         assert!(!stagnates(&[1.0, 0.1, 1e-2, 1e-3]) && !stagnates(&[1.0, 5.0, 2.0]) && !stagnates(&[]));
     }
 }

@@ -66,7 +66,7 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<(), Failure> {
                 console
                     .warning(&format!("the files in {shown} are complete up to step {}", step.step.saturating_sub(1)));
             }
-            let failure = Failure::from(error);
+            let failure = Failure::Run { error, has_contacts: !file.scenario().contact.is_empty() };
             console.log(&failure.explain());
             Err(failure)
         }
@@ -243,19 +243,55 @@ fn print_summary(summary: &Summary, directory: &str, tell: &mut dyn FnMut(&str))
         tell(&format!("  {} factorisations needed free pivoting", summary.fallbacks));
     }
     if summary.divided_steps > 0 {
-        let (n, of_steps) = (summary.divided_steps, summary.steps);
-        tell(&format!(
-            "  {n} of {of_steps} steps were taken in parts: compare with a run of half the step if these are many"
-        ));
+        tell(&divided(summary));
     }
-    let Some(contact) = summary.contact_time else {
-        tell("  no contact");
-        return;
+    contact_lines(summary).iter().for_each(|line| tell(line));
+}
+
+/// Share of divided steps from which the step is too long.
+const MANY: f64 = 0.05;
+
+/// Returns the line about divided steps.
+fn divided(Summary { divided_steps, steps, dt, .. }: &Summary) -> String {
+    let share = *divided_steps as f64 / *steps as f64;
+    let percent = (100.0 * share).round();
+    let line = format!("  {divided_steps} of {steps} steps ({percent} %) were taken in parts");
+    if share < MANY {
+        return line;
+    }
+    format!(
+        "{line}: unless `time.approach` divides them, the step is too long and results depend on it; halve it, first with \
+         `--set time.step={:?}`, until they no longer change",
+        0.5 * dt
+    )
+}
+
+/// Returns the lines about contact.
+fn contact_lines(summary: &Summary) -> Vec<String> {
+    let Summary { smallest_gap, first_contact, contact_intervals, .. } = summary;
+    let (length, time) = (&summary.units.length, &summary.units.time);
+    let leading = summary.leading.as_deref().unwrap_or_default();
+    let Some((begin, end)) = contact_intervals.first() else {
+        return vec![match smallest_gap {
+            Some((gap, sides)) => {
+                format!(
+                    "  no contact of {leading}; the smallest gap of all contacts is {gap:.3e} {length}, between {sides}"
+                )
+            }
+            None => "  no contact".to_owned(),
+        }];
     };
-    let time = &summary.units.time;
-    let release = summary.release_time.map_or("none".to_owned(), |t| format!("{} {time}", shown(t)));
-    tell(&format!("  first contact {} {time}, release {release}", shown(contact)));
-    tell(&format!("  largest penetration {:.3e} {}", summary.max_penetration, summary.units.length));
+    let between = first_contact.as_ref().map_or(String::new(), |sides| format!(" between {sides}"));
+    let release = end.map_or("no release".to_owned(), |end| format!("released at {} {time}", shown(end)));
+    let n = contact_intervals.len();
+    let intervals = if n == 1 { "interval" } else { "intervals" };
+    vec![
+        format!(
+            "  first contact at {} {time}{between}, {release}; {n} {intervals} of contact of {leading}",
+            shown(*begin)
+        ),
+        format!("  largest penetration {:.3e} {length}", summary.max_penetration),
+    ]
 }
 
 /// Prints a line per stage; under the assembly a line per contribution, and the rest: zeros, copies, known linear
@@ -282,4 +318,35 @@ fn print_timings(summary: &Summary, tell: &mut dyn FnMut(&str)) {
         }
     }
     tell(&format!("  {} Newton iterations, {} factorisations", summary.newton_iterations, summary.factorizations));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Summary, contact_lines, divided};
+
+    #[test]
+    fn many_divided_steps_have_a_remedy() {
+        let summary = Summary { divided_steps: 35, steps: 320, dt: 1e-3, ..Summary::default() };
+        assert!(
+            divided(&summary).contains("35 of 320 steps (11 %)") && divided(&summary).contains("time.step=0.0005`")
+        );
+        assert!(!divided(&Summary { divided_steps: 3, ..summary }).contains("time.step"));
+    }
+
+    #[test]
+    fn contacts_are_counted_and_named() {
+        let sides = "ball and block".to_owned();
+        let mut summary = Summary { leading: Some("ball".to_owned()), ..Summary::default() };
+        assert_eq!(contact_lines(&summary), ["  no contact"]);
+        summary.smallest_gap = Some((0.25, sides.clone()));
+        assert!(
+            contact_lines(&summary)[0].contains("no contact of ball; the smallest gap of all contacts is 2.500e-1")
+        );
+        assert!(contact_lines(&summary)[0].ends_with("between ball and block"));
+        summary.first_contact = Some(sides);
+        summary.contact_intervals = vec![(1.0, Some(2.0)), (3.0, None)];
+        let lines = contact_lines(&summary).concat();
+        assert!(lines.contains("first contact at 1.0000  between ball and block, released at 2.0000"), "{lines}");
+        assert!(lines.contains("2 intervals of contact of ball"), "{lines}");
+    }
 }

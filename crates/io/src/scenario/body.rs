@@ -16,7 +16,7 @@ use super::error::{ErrorKind, Location, ScenarioError, sorted};
 use super::field::Field;
 use super::formula::Formula;
 use super::geometry::{Geometry, Shape, plane_normal};
-use super::key::Quantity;
+use super::key::{Quantity, missing};
 use super::motion::{Held, MotionChoice, finite, prescribed};
 use super::solver::Time;
 use super::table::{At, Components, Named, choices, keys};
@@ -43,15 +43,16 @@ keys! {
         groups: Named<GroupKeys>,
         /// Density of an elastic or free body.
         density: Option<At<f64>> [unit(Quantity::DENSITY), positive],
-        /// Acceleration of gravity of an elastic or free body, or of a frame of reference, with the sign reversed. Only a
-        /// constant one has a potential energy; the work of one that varies in time is that of a load.
+        /// Acceleration of gravity of an elastic or free body. In a container with the acceleration `a(t)` it is `g - a(t)`, and
+        /// `fluid.body_force` is the density of the fluid times that. Only a constant one has a potential energy; the work of one
+        /// that varies in time is that of a load.
         gravity: Option<At<Components<At<Formula>>>> [unit(Quantity::ACCELERATION)],
         /// Conditions on tagged parts of the surface of an elastic body; other parts are free.
         boundary: Option<At<Named<BodyCondition>>>,
         /// Displacement of an elastic body at the start; none if left out.
         initial_displacement: Option<Field> [unit(Quantity::LENGTH)],
-        /// Mass of the nodes on those parts of the surface of an elastic body that may come into contact. Without mass there the pressure of contact does not oscillate in time. All masses
-        /// are lumped then. For elements of order 1.
+        /// Mass of the nodes on those parts of the surface of an elastic body that may come into contact. Without mass there the pressure of contact does not oscillate in time. Masses
+        /// of cells near these parts are lumped then. For elements of order 1.
         contact_mass: Option<At<ContactMass>>,
         /// Velocity of an elastic or free body at the start; at rest if left out.
         initial_velocity: Option<Field> [unit(Quantity::VELOCITY)],
@@ -204,7 +205,7 @@ impl BodyKeys {
 
 /// Returns the value of a key that a body of this motion needs.
 fn needed<'v, T>(body: &At<BodyKeys>, key: &'static str, value: &'v Option<At<T>>) -> Result<&'v At<T>, ScenarioError> {
-    value.as_ref().ok_or_else(|| body.at.error(ErrorKind::Missing(key)))
+    value.as_ref().ok_or_else(|| missing(&body.at, BodyKeys::KEYS, key))
 }
 
 /// Returns the gravity of a body: the constant one, and one that varies in time.

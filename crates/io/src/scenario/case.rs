@@ -13,10 +13,11 @@ use super::background::{Background, expected};
 use super::body::{BodyCondition, BodyKeys, Built, body};
 use super::condition::{Plane, symmetry_planes, tagged_vertices};
 use super::contact::{ContactBuilder, ContactKeys};
-use super::error::{ErrorKind, ScenarioError};
+use super::error::ScenarioError;
 use super::file::{Scenario, ScenarioFile};
 use super::fluid::{balance_times, fluid, is_open, unbalanced};
 use super::geometry::Shape;
+use super::key::missing;
 use super::motion::{Held, MotionChoice};
 use super::probe::probes;
 use super::table::At;
@@ -84,19 +85,19 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
     }
     let time = &scenario.time;
     let coordinates = scenario.coordinates()?;
-    let missing = |key| root.error(ErrorKind::Missing(key));
+    let absent = |key| missing(&root, Scenario::KEYS, key);
     let given = scenario.bodies();
     let fluid = match (&scenario.fluid, &scenario.background) {
         (Some(fluid_keys), Some(background)) => {
             let mortar = (fluid_keys, scenario.interface.alpha, coordinates);
             Some(fluid::<D>(mortar, background, &given, [0.0, time.end])?)
         }
-        (Some(_), None) => return Err(missing("background")),
+        (Some(_), None) => return Err(absent("background")),
         (None, None) if scenario.body.is_empty() => {
             return Err(root.invalid("the scenario has neither a fluid nor a body; add [fluid] or [[body]]"));
         }
         (None, None) => None,
-        (None, Some(_)) => return Err(missing("fluid")),
+        (None, Some(_)) => return Err(absent("fluid")),
     };
     let mut built = given.iter().map(|given| body::<D>(given, time, coordinates)).collect::<Result<Vec<_>, _>>()?;
     if let Some(fluid) = &fluid {
@@ -143,7 +144,7 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
         workspace: linear.workspace(),
         linear: format!("{} ({reason})", linear.name()),
         n_steps: time.n_steps(),
-        checkpoint_every: scenario.output.checkpoint_every,
+        checkpoint_every: scenario.output.checkpoint_interval(),
         half_domain,
         bottom,
         probes: probes(&scenario.output.probes, &setup, &part_names, (&scenario.units, scenario.dimension_of_whole()))?,
@@ -182,8 +183,11 @@ fn check_placement<const D: usize>(
     for (k, (body, positions)) in setup.bodies.iter().zip(positions).enumerate() {
         if !positions.iter().any(|x| domain.contains(x)) {
             let name = body.name();
+            let span = |Aabb { low, high }: Aabb<D>| format!("from {:?} to {:?}", low.as_slice(), high.as_slice());
+            let (of_body, of_background) = (span(Aabb::of_points(positions)), span(domain));
             let message = format!(
-                "no vertex of body `{name}` lies in the domain; move it, or enlarge the background; if a mesh file has another unit of length, give it a `scale`"
+                "no vertex of body `{name}` lies in the domain: the body extends {of_body}, the background {of_background}; move it, or enlarge the \
+                 background; if a mesh file has another unit of length, give it a `scale`"
             );
             return Err(at(k).invalid(message));
         }

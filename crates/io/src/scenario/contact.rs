@@ -11,9 +11,9 @@ use solver::body::Body;
 use solver::{Contact, ContactObstacle};
 
 use super::body::Built;
-use super::error::{ErrorKind, ScenarioError, sorted};
+use super::error::{ScenarioError, sorted};
 use super::geometry::{Geometry, Shape, ZERO_VECTOR};
-use super::key::Quantity;
+use super::key::{Quantity, missing};
 use super::table::{At, Components, choices, keys};
 
 keys! {
@@ -158,12 +158,12 @@ impl<'p, const D: usize> ContactBuilder<'p, D> {
             (Some(_), None, None) => self.all_pairs(given),
             (None, Some(names), None) => Ok(vec![self.single_pair(given, names)?]),
             (None, None, Some(name)) => {
-                let missing = || given.at.error(ErrorKind::Missing("obstacle"));
-                let obstacle = given.obstacle.as_ref().ok_or_else(missing)?;
+                let absent = || missing(&given.at, ContactKeys::KEYS, "obstacle");
+                let obstacle = given.obstacle.as_ref().ok_or_else(absent)?;
                 let slaves = if **name == ALL { self.movable().collect() } else { vec![self.find(name)?] };
                 slaves.into_iter().map(|slave| self.with_obstacle(given, slave, obstacle)).collect()
             }
-            (None, None, None) => Err(given.at.error(ErrorKind::Missing("pairs"))),
+            (None, None, None) => Err(missing(&given.at, ContactKeys::KEYS, "pairs")),
             _ => Err(given.at.invalid("give one of pairs, pair, and body with its obstacle")),
         }
     }

@@ -91,6 +91,14 @@ pub enum ErrorKind {
     /// A missing key.
     #[error("the key `{0}` is missing; add it")]
     Missing(&'static str),
+    /// A missing key whose declaration is known.
+    #[error("the key `{key}` is missing; add it: {value}")]
+    Needed {
+        /// Name of the key.
+        key: &'static str,
+        /// Type, range and unit of its value, and its meaning.
+        value: String,
+    },
     /// A value of the wrong type.
     #[error("this is {found}, but must be {expected}")]
     Type {
@@ -164,9 +172,11 @@ pub(crate) fn advice(found: &str, known: &[&str]) -> String {
     nearest(found, known).map_or(".".to_owned(), |name| format!("; did you mean `{name}`?"))
 }
 
-/// Returns the known word nearest to a word if at most a third of its letters differ.
+/// Returns the known word nearest to a word if at most a third of its letters differ, whatever their case.
 fn nearest<'k>(word: &str, known: &[&'k str]) -> Option<&'k str> {
-    let distances = known.iter().map(|candidate| (strsim::osa_distance(word, candidate), *candidate));
+    let word = word.to_lowercase();
+    let distance = |candidate: &str| strsim::osa_distance(&word, &candidate.to_lowercase());
+    let distances = known.iter().map(|candidate| (distance(candidate), *candidate));
     let nearest = distances.min_by_key(|(distance, _)| *distance);
     nearest.filter(|(d, candidate)| 3 * d <= word.len().max(candidate.len()).max(3)).map(|(_, candidate)| candidate)
 }

@@ -14,6 +14,7 @@ use super::error::{ScenarioError, sorted};
 use super::field::Field;
 use super::key::Quantity;
 use super::table::{At, OrTable, choices, keys};
+use super::units::Units;
 
 keys! {
     /// The fluid.
@@ -23,7 +24,7 @@ keys! {
         /// Dynamic viscosity.
         viscosity: f64 [unit(Quantity::VISCOSITY), positive],
         /// Stabilisation of fluid and interface: a set of parameters, or a table with a set and changes.
-        stabilisation: OrTable<StabilisationChoice, StabilisationKeys> = "standard",
+        stabilisation: At<OrTable<StabilisationChoice, StabilisationKeys>> = "standard",
         /// Form of the convective term.
         convection: ConvectionChoice = "standard",
         /// Flux along films between bodies and walls that are thinner than four cells, which cells do not resolve; not
@@ -120,10 +121,25 @@ impl Fluid {
             StabilisationChoice::Standard => "standard",
             StabilisationChoice::Paper => "paper-44-2019",
         };
-        match &self.stabilisation {
+        match &*self.stabilisation {
             OrTable::Plain(set) => name(set).to_owned(),
             OrTable::Table(table) => format!("{}, changed", name(&table.set)),
         }
+    }
+
+    /// Checks that the length in the set of the paper, which is in centimetres, is in the units of the scenario.
+    pub(super) fn check(&self, units: &Units) -> Result<(), ScenarioError> {
+        let has_length = match &*self.stabilisation {
+            OrTable::Plain(set) => *set == StabilisationChoice::Paper,
+            OrTable::Table(table) => table.set == StabilisationChoice::Paper && table.cip.is_none(),
+        };
+        let length = units.label(Quantity::LENGTH);
+        if !has_length || length == "cm" {
+            return Ok(());
+        }
+        Err(self.stabilisation.at.invalid(format!(
+            "`gamma_1` of this set is 0.7 cm, and lengths are in {length}; state it in {length}: {{ set = \"paper-44-2019\", cip = {{ profile = \"paper\", gamma_1 = ... }} }}"
+        )))
     }
 }
 
@@ -235,7 +251,12 @@ pub(super) fn balance_times([start, end]: [f64; 2]) -> impl Iterator<Item = f64>
 
 /// Returns whether fluid may cross a part of the boundary without a given velocity.
 pub(super) fn is_open<const D: usize>(fluid: &FluidSetup<D>) -> bool {
-    fluid.boundary.iter().any(|(_, of)| matches!(of, FluidBoundary::Open { .. } | FluidBoundary::Parallel { .. }))
+    fluid.boundary.iter().any(|(_, condition)| lets_through(condition))
+}
+
+/// Returns whether fluid may cross a part of the boundary without a given velocity.
+pub(super) fn lets_through<const D: usize>(condition: &FluidBoundary<D>) -> bool {
+    matches!(condition, FluidBoundary::Open { .. } | FluidBoundary::Parallel { .. })
 }
 
 /// Returns a time and the net inflow at this time if no part of the boundary is open and the net inflow is not zero.

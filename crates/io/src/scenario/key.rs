@@ -2,46 +2,8 @@
 
 use std::fmt;
 
-use super::error::shown;
-
-/// Dimension of a quantity: exponents of length, mass and time.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Quantity {
-    /// Exponent of length.
-    pub length: i8,
-    /// Exponent of mass.
-    pub mass: i8,
-    /// Exponent of time.
-    pub time: i8,
-}
-
-#[allow(missing_docs)] // each constant is the quantity that it names
-impl Quantity {
-    pub const NUMBER: Self = Self::new(0, 0, 0);
-    pub const LENGTH: Self = Self::new(1, 0, 0);
-    pub const MASS: Self = Self::new(0, 1, 0);
-    pub const TIME: Self = Self::new(0, 0, 1);
-    pub const VELOCITY: Self = Self::new(1, 0, -1);
-    pub const ACCELERATION: Self = Self::new(1, 0, -2);
-    /// Angular velocity.
-    pub const RATE: Self = Self::new(0, 0, -1);
-    pub const DENSITY: Self = Self::new(-3, 1, 0);
-    /// Dynamic viscosity.
-    pub const VISCOSITY: Self = Self::new(-1, 1, -1);
-    pub const FORCE: Self = Self::new(1, 1, -2);
-    /// Force per area: pressure, traction, stiffness.
-    pub const PRESSURE: Self = Self::new(-1, 1, -2);
-    /// Force per volume.
-    pub const FORCE_DENSITY: Self = Self::new(-2, 1, -2);
-    pub const ENERGY: Self = Self::new(2, 1, -2);
-    pub const POWER: Self = Self::new(2, 1, -3);
-    /// Volume per time.
-    pub const FLUX: Self = Self::new(3, 0, -1);
-
-    const fn new(length: i8, mass: i8, time: i8) -> Self {
-        Self { length, mass, time }
-    }
-}
+use super::error::{ErrorKind, Location, ScenarioError, shown};
+pub use super::quantity::Quantity;
 
 /// Declaration of a key.
 #[derive(Clone, Copy, Debug)]
@@ -76,6 +38,23 @@ impl Key {
         Self { name, about, form, quantity: Quantity::NUMBER, range: Range::Any, is_optional, group: None, default }
     }
 
+    /// Describes the value: type, words of a choice, range and unit, and the first sentence of its meaning.
+    pub(super) fn described(&self) -> String {
+        let words = match self.form {
+            Form::Choice { tag: Some(_), choices } => format!(" ({})", words(choices)),
+            _ => String::new(),
+        };
+        let range = if self.range == Range::Any { String::new() } else { format!(", {}", self.range) };
+        let [cgs, si] = [0, 1].map(|system| self.quantity.label_in(system));
+        let unit = match (cgs.as_str(), cgs == si) {
+            ("", _) => String::new(),
+            (_, true) => format!(", in {cgs}"),
+            _ => format!(", in {cgs} (cgs) or {si} (si)"),
+        };
+        let sentence = self.about.trim().split_inclusive(". ").next().unwrap_or_default().trim_end();
+        format!("{}{words}{range}{unit}. {sentence}", self.form)
+    }
+
     /// Makes this a key of one of several groups, of which exactly one is needed.
     pub(super) const fn group(self, number: usize) -> Self {
         Self { group: Some(number), ..self }
@@ -100,6 +79,12 @@ impl Key {
     pub(super) const fn between(self, low: f64, high: f64) -> Self {
         Self { range: Range::Between(low, high), ..self }
     }
+}
+
+/// Returns an error about a missing key, with the value that its declaration requires.
+pub(super) fn missing(at: &Location, keys: &[Key], name: &'static str) -> ScenarioError {
+    let key = keys.iter().find(|key| key.name == name);
+    at.error(key.map_or(ErrorKind::Missing(name), |key| ErrorKind::Needed { key: name, value: key.described() }))
 }
 
 /// Range of a number.
@@ -195,6 +180,11 @@ impl Choice {
     pub(super) fn needed(&self) -> impl Iterator<Item = &'static str> {
         self.keys.iter().filter(|key| !key.is_optional || key.group == Some(0)).map(|key| key.name)
     }
+}
+
+/// Returns the words of a choice as a list.
+pub(super) fn words(choices: &[Choice]) -> String {
+    choices.iter().map(|choice| choice.word).collect::<Vec<_>>().join(", ")
 }
 
 impl fmt::Display for Form {

@@ -20,6 +20,7 @@ mod motion;
 mod motion_table;
 mod overrides;
 mod probe;
+mod quantity;
 mod schema;
 mod solver;
 mod table;

@@ -173,10 +173,10 @@ pub(super) fn prescribed<const D: usize>(
 /// The angle of a rotation whose angular velocity is given: `φ(t) = ∫_0^t ω ds`.
 struct Angle {
     rate: Formula,
-    /// Longest step.
-    dt: f64,
-    /// Angle at the multiples of the longest step; empty if the angular velocity is constant.
-    at_steps: Vec<f64>,
+    /// Length of an interval: a step, or several in runs of more than [`MOST_TRIALS`] steps.
+    interval: f64,
+    /// Angle at the ends of intervals, and at the start; empty if the angular velocity is constant.
+    at_ends: Vec<f64>,
 }
 
 /// Points and weights of the Gauss rule with three points on `[0, 1]`.
@@ -184,16 +184,18 @@ const GAUSS: [[f64; 2]; 3] =
     [[0.112_701_665_379_258_31, 5.0 / 18.0], [0.5, 8.0 / 18.0], [0.887_298_334_620_741_7, 5.0 / 18.0]];
 
 impl Angle {
-    /// Integrates the angular velocity over the steps of a run.
+    /// Integrates the angular velocity over the intervals of a run. The last one is continued to later times.
     fn of(rate: Formula, time: &Time) -> Self {
-        let dt = *time.step;
-        let mut angle = Self { rate, dt, at_steps: Vec::new() };
+        let n_steps = time.n_steps();
+        let stride = n_steps / MOST_TRIALS + 1;
+        let (n, interval) = (n_steps / stride, stride as f64 * *time.step);
+        let mut angle = Self { rate, interval, at_ends: Vec::new() };
         if !angle.rate.is_constant() {
-            let sums = (0..time.n_steps()).scan(0.0, |sum, k| {
-                *sum += angle.integral(k as f64 * dt, (k + 1) as f64 * dt);
+            let sums = (0..n).scan(0.0, |sum, k| {
+                *sum += angle.integral(k as f64 * interval, (k + 1) as f64 * interval);
                 Some(*sum)
             });
-            angle.at_steps = std::iter::once(0.0).chain(sums).collect();
+            angle.at_ends = std::iter::once(0.0).chain(sums).collect();
         }
         angle
     }
@@ -208,9 +210,9 @@ impl Angle {
     /// Returns angle and angular velocity.
     fn at(&self, t: f64) -> Dual {
         let rate = self.rate.at(&[], t).value;
-        let Some(last) = self.at_steps.len().checked_sub(1) else { return Dual { value: rate * t, rate } };
-        let k = ((t / self.dt) as usize).min(last);
-        Dual { value: self.at_steps[k] + self.integral(k as f64 * self.dt, t), rate }
+        let Some(last) = self.at_ends.len().checked_sub(1) else { return Dual { value: rate * t, rate } };
+        let k = ((t / self.interval) as usize).min(last);
+        Dual { value: self.at_ends[k] + self.integral(k as f64 * self.interval, t), rate }
     }
 }
 
@@ -271,29 +273,38 @@ fn too_fast(what: &str, at: f64, time: &Time) -> String {
     )
 }
 
-/// Returns a formula after a check that its value and rate are finite at every step, or at [`MOST_TRIALS`] of them.
+/// Returns a formula after a check that its value is finite at every step, or at [`MOST_TRIALS`] of them.
 pub(super) fn finite(formula: &At<Formula>, time: &Time) -> Result<Formula, ScenarioError> {
+    check_finite(formula, time, |at| vec![("value", at.value)], "it is finite")
+}
+
+/// Returns a formula after a check that numbers of it are finite at every step.
+fn check_finite(
+    formula: &At<Formula>,
+    time: &Time,
+    numbers: fn(Dual) -> Vec<(&'static str, f64)>,
+    aim: &str,
+) -> Result<Formula, ScenarioError> {
     let n_steps = time.n_steps();
     for t in (0..=n_steps).step_by(n_steps / MOST_TRIALS + 1).map(|k| k as f64 * *time.step) {
-        let Dual { value, rate } = formula.at(&[], t);
-        for (what, number) in [("value", value), ("derivative", rate)] {
-            if !number.is_finite() {
-                let text = formula.text();
-                return Err(formula.at.invalid(format!(
-                    "the {what} of the formula `{text}` at t = {t} is {number}; change it so that value and derivative \
-                     are finite throughout the run"
-                )));
-            }
+        if let Some((what, number)) = numbers(formula.at(&[], t)).into_iter().find(|(_, number)| !number.is_finite()) {
+            let text = formula.text();
+            return Err(formula.at.invalid(format!(
+                "the {what} of the formula `{text}` at t = {t} is {number}; change it so that {aim} throughout the run"
+            )));
         }
     }
     Ok((**formula).clone())
 }
 
-/// Returns a formula after a check that it is finite, and that steps resolve the motion.
+/// Returns a formula after a check that its value and rate are finite, and that steps resolve the motion.
 fn checked(formula: &At<Formula>, time: &Time) -> Result<Formula, ScenarioError> {
     match unresolved(|t| formula.at(&[], t), time) {
         Some(at) => Err(formula.at.invalid(too_fast(&format!("the formula `{}`", formula.text()), at, time))),
-        None => finite(formula, time),
+        None => {
+            let numbers = |Dual { value, rate }| vec![("value", value), ("derivative", rate)];
+            check_finite(formula, time, numbers, "value and derivative are finite")
+        }
     }
 }
 

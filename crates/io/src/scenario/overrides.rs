@@ -54,47 +54,58 @@ pub(super) fn apply<'t>(
                 .error(ErrorKind::Override(format!("`{}` {message}", path.join(".")))));
         }
         let Some((_, value)) = table.into_iter().next() else { continue };
-        set(root, path, value).map_err(|(below, problem)| {
-            let key = path[..path.len() - below].join(".");
-            document.locate(*start, "").error(ErrorKind::Override(format!("`{key}` {problem}; check the key")))
-        })?;
+        set(root, (path, 0), value)
+            .map_err(|problem| document.locate(*start, "").error(ErrorKind::Override(problem)))?;
     }
     Ok(())
 }
 
-/// Sets the value at the end of a path and makes tables that are missing.
+/// Sets the value at the end of a path, of which `depth` segments lead to the target, and makes tables that are missing.
 ///
 /// # Errors
-/// The number of segments below the value that the path does not fit, and the cause.
+/// Cause and remedy: the path does not fit the target.
 fn set<'t>(
     target: &mut Spanned<DeValue<'t>>,
-    path: &[&str],
+    (path, depth): (&[&str], usize),
     value: Spanned<DeValue<'t>>,
-) -> Result<(), (usize, String)> {
-    let Some((&name, rest)) = path.split_first() else {
+) -> Result<(), String> {
+    let Some(&name) = path.get(depth) else {
         *target = value;
         return Ok(());
     };
+    let key = || path[..depth].join(".");
+    let deeper = (path, depth + 1);
     match target.get_mut() {
         DeValue::Table(table) => {
             let (key, mut entry) = match table.remove_entry(name) {
-                Some(found) if !rest.is_empty() => found,
+                Some(found) if depth + 1 < path.len() => found,
                 _ => {
                     let key = Spanned::new(value.span(), Cow::Owned(name.to_owned()));
                     (key, Spanned::new(value.span(), DeValue::Table(DeTable::new())))
                 }
             };
-            let done = set(&mut entry, rest, value);
+            let done = set(&mut entry, deeper, value);
             table.insert(key, entry);
             done
         }
         DeValue::Array(items) => {
             let n = items.len();
-            let item = name.parse::<usize>().ok().and_then(|k| items.get_mut(k));
             let entries = if n == 1 { "entry" } else { "entries" };
-            let problem = || format!("has {n} {entries}, counted from 0, and there is no entry `{name}`");
-            set(item.ok_or_else(|| (path.len(), problem()))?, rest, value)
+            let number = name.parse::<usize>();
+            let has_tables = items.first().is_some_and(|item| matches!(item.get_ref(), DeValue::Table(_)));
+            if number.is_err() && has_tables {
+                let is_named =
+                    |item: &&DeValue<'_>| item.get("name").and_then(|of| of.get_ref().as_str()) == Some(name);
+                let named = items.iter().position(|item| is_named(&item.get_ref()));
+                let (key, rest) = (key(), path[depth + usize::from(named.is_some())..].join("."));
+                let k = named.unwrap_or(0);
+                return Err(format!("`{key}` is a list of {n} {entries}, counted from 0: write {key}.{k}.{rest}"));
+            }
+            let problem = || {
+                format!("`{}` has {n} {entries}, counted from 0, and there is no entry `{name}`; check the key", key())
+            };
+            set(number.ok().and_then(|k| items.get_mut(k)).ok_or_else(problem)?, deeper, value)
         }
-        _ => Err((path.len(), format!("is a value, not a table, and has no entry `{name}`"))),
+        _ => Err(format!("`{}` is a value, not a table, and has no entry `{name}`; check the key", key())),
     }
 }

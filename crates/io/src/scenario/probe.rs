@@ -2,10 +2,11 @@
 
 use mesh::search::SurfaceIndex;
 use mesh::{Aabb, FacetId, Placed, Point, Vector};
-use solver::Setup;
 use solver::body::Body;
+use solver::{FluidSetup, Setup};
 
-use super::error::{ErrorKind, ScenarioError};
+use super::error::{ErrorKind, ScenarioError, sorted};
+use super::fluid::lets_through;
 use super::key::Quantity;
 use super::table::{At, Components, Named, choices};
 use super::units::Units;
@@ -35,6 +36,13 @@ choices! {
             parts: Vec<At<String>>,
             /// Point about which the moment is taken; the origin if left out.
             about: Option<Components<f64>> [unit(Quantity::LENGTH)],
+        },
+        /// Force of the fluid on parts of the boundary of the background that are not open: pressure and viscous stress, as the
+        /// reaction of the velocities that are given there; in the plane per unit depth, in axisymmetric coordinates along the
+        /// axis. In a closed domain the pressure has no level, and only the force on all of the closed boundary has a meaning.
+        WallForce = "wall-force" {
+            /// Names of the parts.
+            parts: At<Vec<At<String>>>,
         },
         /// Volume of fluid per time through a segment (2D) or parallelogram (3D), and mean pressure on it; in the plane per
         /// unit depth. In axisymmetric coordinates the section is the surface that the segment sweeps about the axis: a
@@ -107,6 +115,9 @@ pub(super) fn probes<const D: usize>(
                     about: about.as_ref().map_or(Point::zeros(), Components::vector),
                 }
             }
+            ProbeChoice::WallForce { parts } => {
+                Measured::WallForce { sides: sides(fluid.ok_or_else(no_fluid)?, parts)? }
+            }
             ProbeChoice::Flux { corner, sides, points } => {
                 fluid.ok_or_else(no_fluid)?;
                 let vectors: Vec<Vector<D>> = sides.iter().map(Components::vector).collect();
@@ -139,6 +150,30 @@ pub(super) fn probes<const D: usize>(
         found.columns.push(Probe::new(name, measured, (units, dimension)));
     }
     Ok(found)
+}
+
+/// Returns the numbers of the conditions on parts of the background that are not open.
+fn sides<const D: usize>(fluid: &FluidSetup<D>, parts: &At<Vec<At<String>>>) -> Result<Vec<usize>, ScenarioError> {
+    let names = fluid.background.tag_names();
+    let side = |part: &At<String>| {
+        let mut conditions = fluid.boundary.iter();
+        let found = conditions.position(|(tag, _)| names[tag.index()] == **part);
+        let known = || sorted(fluid.background.boundary_names());
+        let k = found.ok_or_else(|| part.at.unknown("part of the background", part, known()))?;
+        if lets_through(&fluid.boundary[k].1) {
+            return Err(part.at.invalid(format!(
+                "part `{}` is open, and has no wall on which a force could act; name other parts, or measure flux and pressure by the kind `flux`",
+                **part
+            )));
+        }
+        Ok(k)
+    };
+    let found: Vec<usize> = parts.iter().map(side).collect::<Result<_, _>>()?;
+    match (1..found.len()).find(|&k| found[..k].contains(&found[k])) {
+        _ if found.is_empty() => Err(parts.at.invalid("no part is named; name at least one part of the background")),
+        Some(k) => Err(parts[k].at.invalid(format!("part `{}` is named twice; take one out", *parts[k]))),
+        None => Ok(found),
+    }
 }
 
 /// Returns the marker at the point of a surface nearest to a position.

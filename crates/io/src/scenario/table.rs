@@ -10,7 +10,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::error::{ErrorKind, Location, ScenarioError, shown};
-use super::key::{Choice, Form, Key};
+use super::key::{Choice, Form, Key, missing, words};
 
 /// Text of a scenario, by which offsets become lines.
 #[derive(Clone, Debug)]
@@ -132,7 +132,9 @@ impl<'d> Node<'d> {
             (DeValue::Table(_), Some(tag)) => {
                 let mut entries = self.entries().into_iter().flatten();
                 let found = entries.find(|(name, _)| *name == tag);
-                let (_, node) = found.ok_or_else(|| self.at().error(ErrorKind::Missing(tag)))?;
+                let (_, node) = found.ok_or_else(|| {
+                    self.at().error(ErrorKind::Needed { key: tag, value: format!("one of {}", words(choices)) })
+                })?;
                 match node.value {
                     DeValue::String(word) => (word, node),
                     _ => return Err(node.refuse(&Form::Text)),
@@ -196,7 +198,7 @@ impl Table<'_> {
             // A default has the location of the table.
             return T::read(&Node { value: default.get_ref(), ..self.node.clone() });
         }
-        T::ABSENT.map(|absent| absent()).ok_or_else(|| self.node.at().error(ErrorKind::Missing(name)))
+        T::ABSENT.map(|absent| absent()).ok_or_else(|| missing(&self.node.at(), self.keys, name))
     }
 }
 

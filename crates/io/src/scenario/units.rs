@@ -1,17 +1,19 @@
 //! Units: labels of the numbers of a scenario. Nothing is converted.
 
 use super::error::ScenarioError;
-use super::key::Quantity;
+use super::quantity::{Quantity, quotient};
 use super::table::{At, OrTable, choices, keys};
 
 choices! {
-    /// System of units with names of its own for derived quantities.
+    /// System of units.
     #[derive(Copy, Eq)]
     pub enum System {
         /// Centimetre, gram, second: dyn, erg, poise.
         Cgs = "cgs",
         /// Metre, kilogram, second: N, J, Pa.
         Si = "si",
+        /// Millimetre, gram, second, without names of their own for derived quantities.
+        MmGS = "mm-g-s",
     }
 }
 
@@ -30,16 +32,6 @@ keys! {
 /// Units of all numbers of a scenario.
 pub type Units = OrTable<System, UnitNames>;
 
-/// Quantities with unit names of their own in the systems cgs and SI.
-const NAMED: [(Quantity, [&str; 2]); 6] = [
-    (Quantity::FORCE, ["dyn", "N"]),
-    (Quantity::PRESSURE, ["dyn/cm²", "Pa"]),
-    (Quantity::FORCE_DENSITY, ["dyn/cm³", "N/m³"]),
-    (Quantity::VISCOSITY, ["poise", "Pa s"]),
-    (Quantity::ENERGY, ["erg", "J"]),
-    (Quantity::POWER, ["erg/s", "W"]),
-];
-
 impl Units {
     /// Checks that the names of units can be part of the names of columns.
     pub(super) fn check(&self) -> Result<(), ScenarioError> {
@@ -56,28 +48,11 @@ impl Units {
 
     /// Returns the unit of a quantity, such as `cm/s` or `dyn`; empty for pure numbers.
     pub fn label(&self, quantity: Quantity) -> String {
-        let base = match self {
-            Self::Plain(system) => {
-                let k = *system as usize;
-                if let Some((_, names)) = NAMED.iter().find(|(named, _)| *named == quantity) {
-                    return names[k].to_owned();
-                }
-                [["g", "cm", "s"], ["kg", "m", "s"]][k]
-            }
-            Self::Table(names) => [names.mass.as_str(), &names.length, &names.time],
-        };
-        let exponents = [quantity.mass, quantity.length, quantity.time];
-        let product = |sign: i8| {
-            let factors = base.iter().zip(exponents).filter(|(_, exponent)| exponent * sign > 0);
-            let powers = factors.map(|(unit, exponent)| match exponent.abs() {
-                1 => (*unit).to_owned(),
-                2 => format!("{unit}²"),
-                3 => format!("{unit}³"),
-                n => format!("{unit}^{n}"),
-            });
-            powers.collect::<Vec<String>>()
-        };
-        quotient(&product(1).join(" "), &product(-1))
+        match self {
+            Self::Plain(System::MmGS) => quantity.label_of(["g", "mm", "s"]),
+            Self::Plain(system) => quantity.label_in(*system as usize),
+            Self::Table(names) => quantity.label_of([names.mass.as_str(), &names.length, &names.time]),
+        }
     }
 
     /// Returns the unit of a force, mass, energy, power or flow of a whole of a dimension: in the plane that of the quantity
@@ -93,14 +68,6 @@ impl Units {
     }
 }
 
-fn quotient(above: &str, below: &[String]) -> String {
-    match below {
-        [] => above.to_owned(),
-        [one] => format!("{}/{one}", if above.is_empty() { "1" } else { above }),
-        _ => format!("{}/({})", if above.is_empty() { "1" } else { above }, below.join(" ")),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -110,6 +77,7 @@ mod tests {
         let [length, mass, time] = ["mm", "g", "ms"].map(|name| At::nowhere(name.to_owned()));
         let named = UnitNames { length, mass, time };
         let (cgs, si, own) = (Units::Plain(System::Cgs), Units::Plain(System::Si), Units::Table(named));
+        assert_eq!(Units::Plain(System::MmGS).label(Quantity::PRESSURE), "g/(mm s²)");
         for (quantity, labels) in [
             (Quantity::NUMBER, ["", "", ""]),
             (Quantity::VELOCITY, ["cm/s", "m/s", "mm/ms"]),

@@ -143,11 +143,15 @@ fn polygons_are_surfaces_of_bodies() {
 
 #[test]
 fn units_are_a_system_or_three_names() {
-    for set in ["units=cgs", "units=si", "units={ length = \"mm\", mass = \"g\", time = \"ms\" }"] {
-        legal(BARRIER, &[&[set]]);
+    for set in ["units=cgs", "units=si", "units=mm-g-s", "units={ length = \"mm\", mass = \"g\", time = \"ms\" }"] {
+        legal(CHANNEL, &[&[set]]);
     }
+    // The set of the paper has a length, in centimetres.
+    refused(BARRIER, &[&["units=si"]], &["fluid.stabilisation", "0.7 cm, and lengths are in m"]);
+    let own = "fluid.stabilisation={ set = \"paper-44-2019\", cip = { profile = \"paper\", gamma_1 = 0.007 } }";
+    legal(BARRIER, &[&["units=si", own]]);
     refused(BARRIER, &[&["units={ length = \"mm\", mass = \"g\" }"]], &["units", "`time` is missing"]);
-    refused(BARRIER, &[&["units=3"]], &["units", "the number `3`", "\"cgs\" or \"si\" or a table"]);
+    refused(BARRIER, &[&["units=3"]], &["units", "the number `3`", "\"cgs\" or \"si\" or \"mm-g-s\" or a table"]);
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Probes: quantities with names of their own, compared with known flows and motions.
 
 use crate::setting::*;
-use io::HistoryTable;
+use io::{HistoryTable, name_and_unit};
 
 /// A linear flow in a box, through which a body moves.
 const FLOW: &str = r#"
@@ -34,6 +34,8 @@ centre  = { kind = "point", at = [1.0, 0.5] }
 through = { kind = "flux", corner = [1.5, 0.0], sides = [[0.0, 1.0]] }
 up      = { kind = "flux", corner = [1.5, 0.25], sides = [[-1.0, 0.0]], points = 50 }
 along   = { kind = "line", from = [0.0, 0.5], to = [2.5, 0.5], points = 6 }
+above   = { kind = "wall-force", parts = ["top"] }
+before  = { kind = "wall-force", parts = ["left"] }
 "#;
 
 fn flow() -> String {
@@ -63,6 +65,11 @@ fn points_sections_and_lines_see_the_flow() {
         // To the right of the way up, and of the way to the left.
         ("through_flux", 4.0),
         ("up_flux", 2.5),
+        // Minus the stress `diag(4, -4)` times the normal and the length; nothing from the sides at their ends.
+        ("above_x", 0.0),
+        ("above_y", 8.0),
+        ("before_x", 4.0),
+        ("before_y", 0.0),
     ] {
         assert!((last(&probes, name) - value).abs() < 1e-6, "{name}: {}", last(&probes, name));
     }
@@ -76,6 +83,60 @@ fn points_sections_and_lines_see_the_flow() {
     let without = without.replace("VELOCITY", "{ kind = \"velocity\", value = [\"1 + 2*x\", \"3 - 2*y\"] }");
     results(&legal(&without, &[]), &directory);
     assert!(!directory.join("probes.csv").exists() && !directory.join("lines/along_000005.csv").exists());
+}
+
+/// A flow through a tube by the pressure 6, on a coarse mesh, almost without inertia.
+const TUBE: &str = r#"
+name      = "tube"
+dimension = 2
+units     = "si"
+time      = { step = 1.0, end = 2.0 }
+fluid     = { density = 1e-10, viscosity = 1.0, convection = "none" }
+
+[background]
+kind     = "graded-box"
+min      = [0.0, 0.0]
+max      = [2.0, 1.0]
+size     = 0.5
+boundary = { left = { kind = "pressure", value = 6 }, right = "parallel", bottom = "no-slip", top = "no-slip" }
+
+[output]
+vtk_every = 0
+probes.wall = { kind = "wall-force", parts = ["bottom", "top"] }
+probes.half = { kind = "wall-force", parts = ["top"] }
+"#;
+
+/// Checks that the force on the wall is the drop of the pressure times the section, whatever the size of the cells.
+#[test]
+fn the_force_on_the_wall_of_a_tube_balances_the_pressure() {
+    let round = [
+        "coordinates=axisymmetric",
+        "background.boundary={ bottom = { kind = \"pressure\", value = 6 }, top = \"parallel\", left = \"symmetry\", right = \"no-slip\" }",
+        "output.probes.wall.parts=[\"right\"]",
+        "output.probes.half.parts=[\"right\"]",
+    ];
+    let square = [
+        "dimension=3",
+        "background.min=[0, 0, 0]",
+        "background.max=[2, 1, 1]",
+        "background.boundary.front=no-slip",
+        "background.boundary.back=no-slip",
+        "output.probes.wall.parts=[\"bottom\", \"top\", \"front\", \"back\"]",
+    ];
+    let disk = 4.0 * std::f64::consts::PI;
+    for (name, sets, along, [wall, half]) in [
+        ("plane", &[][..], "x", [6.0, 3.0]),
+        ("round", &round[..], "y", [6.0 * disk, 6.0 * disk]),
+        ("square", &square[..], "x", [6.0, 1.5]),
+    ] {
+        let directory = fresh_directory(&format!("tube-{name}"));
+        results(&legal(TUBE, &[sets]), &directory);
+        let probes = HistoryTable::read(&directory.join("probes.csv")).unwrap_or_else(|e| panic!("{e}"));
+        let found = ["wall", "half"].map(|probe| last(&probes, &format!("{probe}_{along}")));
+        assert!((found[0] / wall - 1.0).abs() < 1e-7, "{name}: {found:?}");
+        // The mesh is not symmetric, so that halves differ by the error of the cells.
+        assert!((found[1] / half - 1.0).abs() < 0.1, "{name}: {found:?}");
+    }
 }
 
 /// A uniform stream along the axis with the pressure `10 (1 - z)`, in which a ball is held.
@@ -270,7 +331,7 @@ fn probes_go_on_from_a_checkpoint() {
     for name in ["history.csv", "diagnostics.csv"] {
         let table = std::fs::read_to_string(directory.join(name)).unwrap_or_else(|e| panic!("{e}"));
         let (header, rows) = table.split_once('\n').unwrap_or_else(|| panic!("rows"));
-        let bare: Vec<&str> = header.split(',').filter_map(|name| name.split(" [").next()).collect();
+        let bare: Vec<&str> = header.split(',').map(|name| name_and_unit(name).0).collect();
         assert_ne!(bare.join(","), header);
         // The checkpoint has the length of the table: spaces at the end of the header keep it.
         let line = format!("{:<1$}", bare.join(","), header.len());

@@ -1,0 +1,64 @@
+//! Forces of the fluid on the boundary of the background.
+
+use std::collections::BTreeMap;
+
+use algebra::BlockLayout;
+use mesh::{Tag, Tensor, Vector};
+use xfem_space::boundary_points;
+
+use crate::fluid_step::FluidStep;
+
+/// Degree of quadrature on sides: a constant stress and a linear pressure times a linear function.
+const SIDE_DEGREE: usize = 2;
+
+impl<const D: usize> FluidStep<'_, D> {
+    /// Returns the force of the fluid on each part of the boundary, in the order of the setup; zero for open parts.
+    ///
+    /// A dof at which the velocity is constrained has a reaction, the residual of its equation: the traction of the
+    /// side times the shape function. Reactions are in balance with all other forces. Where sides meet, a reaction is that of
+    /// several sides: each gets the integral of its stress, and an equal share of the rest.
+    pub(crate) fn side_forces(&self, layout: &BlockLayout, x: &[f64], residual: &[f64]) -> Vec<Vector<D>> {
+        let coordinates = self.setup.background.coordinates();
+        let sides = &self.setup.boundary;
+        let mut of_dofs: BTreeMap<u32, Vec<(usize, Vector<D>)>> = BTreeMap::new();
+        for (k, (tag, _)) in sides.iter().enumerate().filter(|(_, (tag, _))| !self.setup.is_open(Some(*tag))) {
+            for (dof, traction) in self.stress_on(*tag, layout, x) {
+                of_dofs.entry(dof).or_default().push((k, traction));
+            }
+        }
+        let mut forces = vec![Vector::zeros(); sides.len()];
+        for (dof, of_sides) in of_dofs {
+            let reaction: Vector<D> = self.fields(layout).velocity_at(residual, dof);
+            let known: Vector<D> = of_sides.iter().map(|(_, traction)| traction).sum();
+            let rest = (reaction - known) / of_sides.len() as f64;
+            of_sides.iter().for_each(|(k, traction)| forces[*k] -= traction + rest);
+        }
+        forces.into_iter().map(|force| coordinates.resultant(force)).collect()
+    }
+
+    /// Returns the traction `T^f n` on a side times the shape function of each of its dofs.
+    fn stress_on(&self, tag: Tag, layout: &BlockLayout, x: &[f64]) -> BTreeMap<u32, Vector<D>> {
+        let (background, fields) = (&self.setup.background, self.fields(layout));
+        let mut tractions = BTreeMap::new();
+        for point in boundary_points(background, &self.cut, tag, SIDE_DEGREE) {
+            let cell = self.cut.part_cell(point.part);
+            let Some(gradients) = background.simplex(cell).barycentric_gradients() else { continue };
+            let dofs = self.space.dofs(point.part);
+            let (mut slope, mut pressure) = (Tensor::<D>::zeros(), 0.0);
+            for (i, &dof) in dofs.iter().enumerate() {
+                let velocity: Vector<D> = fields.velocity_at(x, dof);
+                slope += velocity * gradients[i].transpose();
+                pressure += fields.pressure_at(x, dof) * point.shape[i];
+            }
+            let viscous = (slope + slope.transpose()) * point.normal * self.setup.material.viscosity;
+            let traction = (viscous - point.normal * pressure) * point.weight;
+            let on_side = background.facet(point.facet);
+            for (i, &dof) in dofs.iter().enumerate() {
+                if on_side.contains(&self.space.vertex(dof)) {
+                    *tractions.entry(dof).or_insert_with(Vector::zeros) += traction * point.shape[i];
+                }
+            }
+        }
+        tractions
+    }
+}
