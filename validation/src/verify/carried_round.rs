@@ -44,16 +44,27 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
         spread(&distance),
         CHANGE,
     );
+    let elastic = history.of_body(0, |balance: &Balance<2>| balance.elastic_energy);
+    if record.full {
+        // At the start there is none.
+        record.at_most(
+            "elastic energy of the strip after each revolution: largest over least, minus 1",
+            spread(&elastic),
+            CHANGE,
+        );
+    }
+    let volume = history.of_body(0, |balance| balance.volume);
+    record.show("area of the strip after each revolution: largest over least, minus 1", spread(&volume), Some(0.0));
     let turned = angle(history);
     record.show("revolutions of the strip; reference: of the container", turned / TAU, Some(revolutions as f64));
     record.show("smallest det F of the strip", history.smallest_volume_ratio(), None);
     record.show("cells of the background, which do not move", history.n_cells as f64, None);
     record.show("parts of divided steps", history.n_parts as f64, Some(0.0));
-    let elastic = history.of_body(0, |balance: &Balance<2>| balance.elastic_energy);
     record.figure("Elastic energy of the strip [erg/cm]", "time [s]", vec![("elastic energy", elastic)]);
     record.figure("Distance of the centre from the axis [cm]", "time [s]", vec![("distance", distance)]);
     record.note(format!(
-        "`examples/{EXAMPLE}.toml`, in steps of {} s. Wall, fluid and strip turn rigidly from the start. The strip is as heavy as the fluid, so that the rigid rotation is exact but for its \
+        "The energy of the strip is nearly all kinetic. Its elastic energy, which is smaller by more than four orders, is that of the compression by the pressure; the fluid is closed in, so that the level of the pressure depends on \
+         the area of the strip. `examples/{EXAMPLE}.toml`, in steps of {} s. Wall, fluid and strip turn rigidly from the start. The strip is as heavy as the fluid, so that the rigid rotation is exact but for its \
          elasticity. The difference of two shapes is the root mean square of the distances of the vertices after the best rigid motion. With ten revolutions those after the first to the tenth are \
          compared, in the short version the start and the end of one.",
         short(run.setup.dt),
