@@ -340,6 +340,21 @@ impl<const D: usize> ContactSites<'_, D> {
     }
 }
 
+impl<const D: usize> ContactSites<'_, D> {
+    /// Returns the power of the contact forces at vertices of given motion: the weak form tested with their velocities.
+    pub fn given_power(&self, x: &[f64]) -> f64 {
+        let mut power = 0.0;
+        for item in 0..self.len() {
+            self.visit(item, x, |site| {
+                let force = site.frame.vector(&site.traction.value) * site.weight;
+                let given = site.nodes().iter().filter(|node| node.row.is_none());
+                power -= given.map(|node| force.dot(&node.velocity) * node.share).sum::<f64>();
+            });
+        }
+        power
+    }
+}
+
 impl<const D: usize> Sites for ContactSites<'_, D> {
     type Site = ContactSite<D>;
 

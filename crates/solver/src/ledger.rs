@@ -58,7 +58,7 @@ pub struct Ledger {
     /// Contacts: work that their laws do not store, work of collisions, and the change of the stored energy with the
     /// area of facets and with the shift of positions where the length of the step changes.
     pub contact: f64,
-    /// Work against given velocities: on boundaries, and on bodies of prescribed motion.
+    /// Work against given velocities: on boundaries, and on bodies of prescribed motion, by the fluid and by contacts.
     pub given_velocities: f64,
     /// Change of the energy that the time scheme stores in accelerations, in addition to the energy at the end of the
     /// step. It is released later. Zero for implicit Euler.
@@ -202,7 +202,9 @@ impl<const D: usize> Problem<'_, D> {
         }
         let of_laws: f64 = self.contacts.iter().map(|sites| work(&contact_work(sites.clone()))).sum();
         let contact = of_laws + step.collisions.iter().flatten().map(|collision| work(collision)).sum::<f64>();
-        ledger.contact = contact - (contact_energy - before.contact_energy);
+        let by_given_motion = dt * self.contacts.iter().map(|sites| sites.given_power(x)).sum::<f64>();
+        ledger.contact = contact + by_given_motion - (contact_energy - before.contact_energy);
+        ledger.given_velocities -= by_given_motion;
         ledger.change += contact_energy - before.contact_energy;
         known += contact;
         let closed: f64 = self.closed.iter().map(|(_, points)| work(&closed_pressure(points.clone()))).sum();
