@@ -181,7 +181,8 @@ fn outside<const D: usize>(setup: &Setup<D>, positions: &[Vec<Point<D>>], length
     let Some(fluid) = &setup.fluid else { return Vec::new() };
     let background = &fluid.background;
     let boundary = background.boundary();
-    let index = SurfaceIndex::new(&Placed::new(&boundary, background.vertices()));
+    let surface = Placed::new(&boundary, background.vertices());
+    let index = SurfaceIndex::new(&surface);
     let least = ROUND_OFF * Aabb::of_points(background.vertices()).extent().max();
     let is_wall = |side: Tag| {
         let condition = fluid.boundary.iter().find(|(tag, _)| *tag == side);
@@ -192,7 +193,8 @@ fn outside<const D: usize>(setup: &Setup<D>, positions: &[Vec<Point<D>>], length
         let mut farthest: BTreeMap<Tag, (f64, &Point<D>)> = BTreeMap::new();
         for x in points.iter().filter(|x| background.cell_index().locate(x).is_none()) {
             let Some(nearest) = index.closest(x) else { continue };
-            let distance = (x - nearest.point).norm();
+            // Across the side: the nearest point may be its end.
+            let distance = (x - nearest.point).dot(&surface.facet_normal(nearest.facet)).abs();
             if let Some(side) = boundary.tag(nearest.facet).filter(|side| distance > least && is_wall(*side)) {
                 let of_side = farthest.entry(side).or_insert((distance, x));
                 *of_side = if distance > of_side.0 { (distance, x) } else { *of_side };

@@ -1,5 +1,7 @@
 //! Fronts of an elimination on the pattern of `A + Aᵀ`.
 
+use std::ops::Range;
+
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::sparse::linalg::cholesky::{simplicial, supernodal};
 use faer::sparse::linalg::{SymbolicSupernodalParams, amd, qr};
@@ -32,8 +34,10 @@ pub(super) struct Fronts {
     first: Vec<usize>,
     below_ptr: Vec<usize>,
     below: Vec<u32>,
-    /// Front to the first entry of its factors; one longer than the number of fronts.
-    value_ptr: Vec<usize>,
+    /// Front to the first entry of its pivot block; one longer than the number of fronts.
+    block_ptr: Vec<usize>,
+    /// Front to the first entry of its rows below the pivot block; one longer than the number of fronts.
+    lower_ptr: Vec<usize>,
     /// Front to the front that its update is added to; the number of fronts at a root.
     pub(super) parent: Vec<usize>,
     /// Largest number of entries of update matrices stored at the same time.
@@ -89,7 +93,7 @@ impl Fronts {
         let position = inverse(&order);
         let n_fronts = supernodes.n_supernodes();
         let (mut front_of_node, mut first, mut below_ptr) = (vec![n_fronts; node_order.len()], vec![0], vec![0]);
-        let (mut below, mut value_ptr) = (Vec::new(), vec![0]);
+        let (mut below, mut block_ptr, mut lower_ptr) = (Vec::new(), vec![0], vec![0]);
         for (s, end) in supernodes.supernode_end().iter().enumerate() {
             let supernode = supernodes.supernode(s);
             front_of_node[supernode.start()..*end as usize].fill(s);
@@ -99,7 +103,8 @@ impl Fronts {
             }
             below_ptr.push(below.len());
             let (n_pivots, n_below) = (first[s + 1] - first[s], below_ptr[s + 1] - below_ptr[s]);
-            value_ptr.push(value_ptr[s] + n_pivots * (n_pivots + 2 * n_below));
+            block_ptr.push(block_ptr[s] + n_pivots * n_pivots);
+            lower_ptr.push(lower_ptr[s] + n_pivots * n_below);
         }
         let next = |s| supernodes.supernode(s).pattern().iter().min().map_or(n_fronts, |k| front_of_node[*k as usize]);
         let parent: Vec<usize> = (0..n_fronts).map(next).collect();
@@ -113,7 +118,8 @@ impl Fronts {
             first,
             below_ptr,
             below,
-            value_ptr,
+            block_ptr,
+            lower_ptr,
             parent,
             most_updates: 0,
         };
@@ -146,7 +152,7 @@ impl Fronts {
     }
 
     /// Returns the positions of the pivots of a front.
-    pub(super) fn pivots(&self, s: usize) -> std::ops::Range<usize> {
+    pub(super) fn pivots(&self, s: usize) -> Range<usize> {
         self.first[s]..self.first[s + 1]
     }
 
@@ -155,14 +161,30 @@ impl Fronts {
         &self.below[self.below_ptr[s]..self.below_ptr[s + 1]]
     }
 
-    /// Returns the range of the factors of a front among those of all.
-    pub(super) fn values(&self, s: usize) -> std::ops::Range<usize> {
-        self.value_ptr[s]..self.value_ptr[s + 1]
+    /// Returns the range of the entries of a pivot block among those of all fronts.
+    pub(super) fn block(&self, s: usize) -> Range<usize> {
+        self.block_ptr[s]..self.block_ptr[s + 1]
     }
 
-    /// Returns the number of entries of the factors.
-    pub(super) fn n_values(&self) -> usize {
-        self.value_ptr[self.len()]
+    /// Returns the range of the rows of L below a pivot block among those of all fronts.
+    pub(super) fn lower(&self, s: usize) -> Range<usize> {
+        self.lower_ptr[s]..self.lower_ptr[s + 1]
+    }
+
+    /// Returns the range of the columns of U to the right of a pivot block, where the last front comes first: a backward
+    /// substitution reads memory in its order.
+    pub(super) fn upper(&self, s: usize) -> Range<usize> {
+        self.n_lower() - self.lower_ptr[s + 1]..self.n_lower() - self.lower_ptr[s]
+    }
+
+    /// Returns the number of entries of all pivot blocks.
+    pub(super) fn n_blocks(&self) -> usize {
+        self.block_ptr[self.len()]
+    }
+
+    /// Returns the number of entries of L below all pivot blocks, which is that of U to their right.
+    pub(super) fn n_lower(&self) -> usize {
+        self.lower_ptr[self.len()]
     }
 }
 

@@ -4,7 +4,7 @@ use sprs::CsMatI;
 
 use super::checked_factors::CheckedFactors;
 use super::gmres::{Gmres, GmresSettings};
-use super::subdomain::{BlockSolver, Subdomain, with_neighbours};
+use super::subdomain::{BlockSolver, Subdomain, rows_of, with_neighbours};
 use super::{Equilibration, LinearError, LinearReport, LinearSolver, LinearSystem};
 use crate::DofKey;
 
@@ -76,6 +76,8 @@ struct Patch {
     column_ratio: Vec<f64>,
     /// Changed unknowns and their neighbours.
     changed: Subdomain,
+    /// The rows of the changed unknowns and their neighbours.
+    rows: Option<CsMatI<f64, u32>>,
     base_work: Vec<f64>,
 }
 
@@ -132,6 +134,7 @@ impl Patch {
             ratio.resize(n, 1.0);
         }
         self.changed.clear();
+        self.rows = None;
     }
 
     /// Relates the present unknowns to those of the base.
@@ -205,13 +208,7 @@ impl Patch {
     }
 
     /// Computes `z ≈ A⁻¹ r`: applies the old factors, then the factors of the changed unknowns to the remaining residual.
-    fn apply(
-        &mut self,
-        matrix: &CsMatI<f64, u32>,
-        factors: &mut CheckedFactors,
-        r: &[f64],
-        z: &mut [f64],
-    ) -> Result<(), LinearError> {
+    fn apply(&mut self, factors: &mut CheckedFactors, r: &[f64], z: &mut [f64]) -> Result<(), LinearError> {
         let n_base = factors.len();
         self.base_work.clear();
         self.base_work.resize(n_base, 0.0);
@@ -224,14 +221,10 @@ impl Patch {
         for ((z, k), ratio) in z.iter_mut().zip(&self.to_base).zip(&self.column_ratio) {
             *z = if *k == NONE { 0.0 } else { self.base_work[*k as usize] * ratio };
         }
-        if self.changed.members().is_empty() {
-            return Ok(());
+        match &self.rows {
+            Some(rows) => self.changed.correct_remainder(rows, r, z),
+            None => Ok(()),
         }
-        self.base_work.clear();
-        self.base_work.extend(r.iter().map(|r| -r));
-        sprs::prod::mul_acc_mat_vec_csc(matrix.view(), &*z, self.base_work.as_mut_slice());
-        self.base_work.iter_mut().for_each(|r| *r = -*r);
-        self.changed.correct(&self.base_work, z)
     }
 }
 
@@ -243,8 +236,10 @@ impl LinearSolver for LaggedSolver {
             let changed = self.patch.find_changed(system.matrix, base, self.settings.change);
             let n_changed = changed.len();
             let is_small = n_changed as f64 <= self.settings.largest_share * system.len() as f64;
+            let rows = (n_changed > 0 && is_small).then(|| rows_of(system.matrix, &changed));
             let patch = &mut self.patch.changed;
             self.is_factorized = is_small && patch.factorize(system, changed, n_changed, BlockSolver::SingleLu).is_ok();
+            self.patch.rows = rows;
         }
         if !self.is_factorized && !system.is_empty() {
             self.renew(system, false)?;
@@ -300,9 +295,9 @@ impl LinearSolver for LaggedSolver {
 impl LaggedSolver {
     /// Runs FGMRES from zero for the scaled right-hand side.
     fn iterate(&mut self, system: &LinearSystem<'_>, settings: &GmresSettings) -> Result<LinearReport, LinearError> {
-        let (matrix, patch) = (system.matrix, &mut self.patch);
+        let patch = &mut self.patch;
         let Some(base) = &mut self.base else { return Err(LinearError::NotFactorized) };
-        let mut precondition = |r: &[f64], z: &mut [f64]| patch.apply(matrix, &mut base.factors, r, z);
-        self.gmres.solve(matrix, &mut precondition, &self.rhs, &mut self.solution, settings)
+        let mut precondition = |r: &[f64], z: &mut [f64]| patch.apply(&mut base.factors, r, z);
+        self.gmres.solve(system.matrix, &mut precondition, &self.rhs, &mut self.solution, settings)
     }
 }

@@ -7,6 +7,7 @@ use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_unit
 use faer::traits::RealField;
 use faer::traits::math_utils::{eps, from_f64, one, zero};
 use faer::{Accum, MatMut, MatRef, Par};
+use pulp::{Arch, NullaryFnOnce};
 use sprs::CsMatI;
 
 use super::LinearError;
@@ -25,9 +26,13 @@ const SMALL_PIVOT: f64 = 10.0;
 #[derive(Default)]
 pub(super) struct StaticFactors<T> {
     fronts: Option<Fronts>,
-    /// Front by front, each by columns: rows of L, the factors of the pivot block, transposed columns of U, so that a
-    /// triangular solve reads memory contiguously.
-    values: Vec<T>,
+    /// Rows of L below the pivot blocks, front by front, each by columns.
+    lower: Vec<T>,
+    /// Factors of the pivot blocks, front by front, each by columns.
+    blocks: Vec<T>,
+    /// Transposed columns of U to the right of the pivot blocks, from the last front to the first, each by columns. A
+    /// triangular solve reads all factors in the order in which they are stored.
+    upper: Vec<T>,
     /// Rows of the pivot blocks in the order of elimination, counted from the first of their front.
     exchanges: Vec<u32>,
     work: Vec<T>,
@@ -53,16 +58,26 @@ impl<T: RealField + Copy + Into<f64>> StaticFactors<T> {
                 Fronts::new(column_ptr, rows, nodes).map_err(|_| out_of_memory())?
             }
         };
-        self.values.clear();
-        self.values.try_reserve_exact(fronts.n_values()).map_err(|_| out_of_memory())?;
-        self.values.resize(fronts.n_values(), zero());
+        for (values, n) in [
+            (&mut self.lower, fronts.n_lower()),
+            (&mut self.blocks, fronts.n_blocks()),
+            (&mut self.upper, fronts.n_lower()),
+        ] {
+            values.clear();
+            values.try_reserve_exact(n).map_err(|_| out_of_memory())?;
+            values.resize(n, zero());
+        }
         self.exchanges.clear();
         self.exchanges.resize(n_unknowns, 0);
         let mut elimination = Elimination::new(&fronts, matrix).ok_or_else(out_of_memory)?;
         for s in 0..fronts.len() {
-            let panel = &mut self.values[fronts.values(s)];
-            elimination.assemble(s, panel);
-            elimination.eliminate(s, panel, &mut self.exchanges[fronts.pivots(s)])?;
+            let mut front = Front {
+                lower: &mut self.lower[fronts.lower(s)],
+                block: &mut self.blocks[fronts.block(s)],
+                upper: &mut self.upper[fronts.upper(s)],
+            };
+            elimination.assemble(s, &mut front);
+            elimination.eliminate(s, &mut front, &mut self.exchanges[fronts.pivots(s)])?;
         }
         drop(elimination);
         self.fronts = Some(fronts);
@@ -74,14 +89,40 @@ impl<T: RealField + Copy + Into<f64>> StaticFactors<T> {
     /// # Errors
     /// [`LinearError::NotFactorized`].
     pub(super) fn substitute(&mut self, x: &mut [f64]) -> Result<(), LinearError> {
-        let Self { fronts: Some(fronts), values, exchanges, work, part, .. } = self else {
+        let Self { fronts: Some(fronts), lower, blocks, upper, exchanges, work, part, .. } = self else {
             return Err(LinearError::NotFactorized);
         };
         work.clear();
         work.extend(fronts.order.iter().map(|unknown| from_f64::<T>(x[*unknown as usize])));
+        Arch::new().dispatch(Substitution { fronts, lower, blocks, upper, exchanges, work, part });
+        fronts.order.iter().zip(&*work).for_each(|(unknown, value)| x[*unknown as usize] = (*value).into());
+        Ok(())
+    }
+}
+
+/// Both triangular solves with the factors, in place.
+struct Substitution<'a, T> {
+    fronts: &'a Fronts,
+    lower: &'a [T],
+    blocks: &'a [T],
+    upper: &'a [T],
+    exchanges: &'a [u32],
+    /// Right-hand side and solution, in the order of elimination.
+    work: &'a mut [T],
+    part: &'a mut Vec<T>,
+}
+
+impl<T: RealField + Copy> NullaryFnOnce for Substitution<'_, T> {
+    type Output = ();
+
+    /// Solves, in the instructions for which the caller is compiled. The solution is the same bit for bit for any of them: products and
+    /// sums are not fused, and the order of the sums is fixed.
+    #[inline(always)]
+    fn call(self) {
+        let Self { fronts, lower, blocks, upper, exchanges, work, part } = self;
         for s in 0..fronts.len() {
             let (pivots, below) = (fronts.pivots(s), fronts.below(s));
-            let [lower, block, _] = panel_parts(&values[fronts.values(s)], pivots.len(), below.len());
+            let block = &blocks[fronts.block(s)];
             part.clear();
             part.extend(exchanges[pivots.clone()].iter().map(|k| work[pivots.start + *k as usize]));
             let known = &mut work[pivots];
@@ -93,16 +134,16 @@ impl<T: RealField + Copy + Into<f64>> StaticFactors<T> {
             }
             part.clear();
             part.resize(below.len(), zero());
-            add_product(lower, known, part);
+            add_product(&lower[fronts.lower(s)], known, part);
             below.iter().zip(&*part).for_each(|(p, value)| work[*p as usize] -= *value);
         }
         for s in (0..fronts.len()).rev() {
             let (pivots, below) = (fronts.pivots(s), fronts.below(s));
-            let [_, block, upper] = panel_parts(&values[fronts.values(s)], pivots.len(), below.len());
+            let block = &blocks[fronts.block(s)];
             part.clear();
             part.extend(below.iter().map(|p| work[*p as usize]));
             let known = &mut work[pivots];
-            subtract_transposed_product(upper, part, known);
+            subtract_transposed_product(&upper[fronts.upper(s)], part, known);
             for k in (0..known.len()).rev() {
                 let column = &block[known.len() * k..known.len() * (k + 1)];
                 let value = known[k] / column[k];
@@ -110,9 +151,17 @@ impl<T: RealField + Copy + Into<f64>> StaticFactors<T> {
                 known[..k].iter_mut().zip(column).for_each(|(x, u)| *x -= *u * value);
             }
         }
-        fronts.order.iter().zip(&*work).for_each(|(unknown, value)| x[*unknown as usize] = (*value).into());
-        Ok(())
     }
+}
+
+/// The factors of one front, each by columns.
+struct Front<'a, T> {
+    /// Rows of L below the pivot block.
+    lower: &'a mut [T],
+    /// Factors of the pivot block.
+    block: &'a mut [T],
+    /// Transposed columns of U to its right.
+    upper: &'a mut [T],
 }
 
 /// The state of a multifrontal elimination.
@@ -160,13 +209,13 @@ impl<'m, T: RealField + Copy + Into<f64>> Elimination<'m, T> {
 
     /// Adds the entries of the matrix and the updates of the children to a front, whose own update goes to the end of the
     /// stack.
-    fn assemble(&mut self, s: usize, panel: &mut [T]) {
+    fn assemble(&mut self, s: usize, front: &mut Front<'_, T>) {
         let (fronts, pivots, below) = (self.fronts, self.fronts.pivots(s), self.fronts.below(s));
         let (w, r) = (pivots.len(), below.len());
         for (k, position) in below.iter().enumerate() {
             self.place[*position as usize] = k;
         }
-        let [lower, block, upper] = panel_parts_mut(panel, w, r);
+        let Front { lower, block, upper } = front;
         for (k, q) in pivots.clone().enumerate() {
             let unknown = fronts.order[q] as usize;
             for (i, value) in self.matrix.outer_view(unknown).iter().flat_map(|column| column.iter()) {
@@ -218,9 +267,9 @@ impl<'m, T: RealField + Copy + Into<f64>> Elimination<'m, T> {
     }
 
     /// Factorises the pivot block of a front, solves for its other rows and columns, and finishes its update.
-    fn eliminate(&mut self, s: usize, panel: &mut [T], exchanges: &mut [u32]) -> Result<(), LinearError> {
+    fn eliminate(&mut self, s: usize, front: &mut Front<'_, T>, exchanges: &mut [u32]) -> Result<(), LinearError> {
         let (w, r) = (self.fronts.pivots(s).len(), self.fronts.below(s).len());
-        let [lower, block, upper] = panel_parts_mut(panel, w, r);
+        let Front { lower, block, upper } = front;
         let largest = |entries: &[T]| entries.iter().fold(0.0, |max: f64, v| max.max((*v).into().abs()));
         let column = |x: &[T], n, k: usize| largest(&x[n * k..n * (k + 1)]);
         self.sizes.clear();
@@ -254,27 +303,13 @@ impl<'m, T: RealField + Copy + Into<f64>> Elimination<'m, T> {
     }
 }
 
-/// Returns the rows of L below the pivot block of a front, the block, and the transposed columns of U to its right, each by
-/// columns.
-fn panel_parts<T>(panel: &[T], n_pivots: usize, n_below: usize) -> [&[T]; 3] {
-    let (lower, rest) = panel.split_at(n_pivots * n_below);
-    let (block, upper) = rest.split_at(n_pivots * n_pivots);
-    [lower, block, upper]
-}
-
-/// Returns the same parts, mutable.
-fn panel_parts_mut<T>(panel: &mut [T], n_pivots: usize, n_below: usize) -> [&mut [T]; 3] {
-    let (lower, rest) = panel.split_at_mut(n_pivots * n_below);
-    let (block, upper) = rest.split_at_mut(n_pivots * n_pivots);
-    [lower, block, upper]
-}
-
 /// Columns that are multiplied at once.
 const COLUMNS: usize = 4;
 /// Partial sums of a scalar product.
 const SUMS: usize = 8;
 
 /// Adds the product of a matrix, by columns, and a vector.
+#[inline(always)]
 fn add_product<T: RealField + Copy>(matrix: &[T], x: &[T], y: &mut [T]) {
     let n = y.len();
     let (many, few) = matrix.split_at(x.len() / COLUMNS * COLUMNS * n);
@@ -292,6 +327,7 @@ fn add_product<T: RealField + Copy>(matrix: &[T], x: &[T], y: &mut [T]) {
 }
 
 /// Subtracts the product of the transpose of a matrix, by columns, and a vector.
+#[inline(always)]
 fn subtract_transposed_product<T: RealField + Copy>(matrix: &[T], x: &[T], y: &mut [T]) {
     let (x, last) = x.as_chunks::<SUMS>();
     for (y, column) in y.iter_mut().zip(matrix.chunks_exact((SUMS * x.len() + last.len()).max(1))) {

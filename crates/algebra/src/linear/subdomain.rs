@@ -110,11 +110,29 @@ impl Subdomain {
 
     /// Solves with the factors for the residual of the members, and adds the correction to `z`.
     pub(super) fn correct(&mut self, residual: &[f64], z: &mut [f64]) -> Result<(), LinearError> {
+        self.correction.clear();
+        self.correction.extend(self.members.iter().map(|i| residual[*i as usize]));
+        self.solve_and_add(z)
+    }
+
+    /// Does the same for the residual `r − A z`, where `rows` are the rows of `A` of the members ([`rows_of`]).
+    pub(super) fn correct_remainder(
+        &mut self,
+        rows: &CsMatI<f64, u32>,
+        r: &[f64],
+        z: &mut [f64],
+    ) -> Result<(), LinearError> {
+        self.correction.clear();
+        self.correction.extend(self.members.iter().map(|i| -r[*i as usize]));
+        sprs::prod::mul_acc_mat_vec_csr(rows.view(), &*z, self.correction.as_mut_slice());
+        self.correction.iter_mut().for_each(|r| *r = -*r);
+        self.solve_and_add(z)
+    }
+
+    fn solve_and_add(&mut self, z: &mut [f64]) -> Result<(), LinearError> {
         if self.members.is_empty() {
             return Ok(());
         }
-        self.correction.clear();
-        self.correction.extend(self.members.iter().map(|i| residual[*i as usize]));
         match &mut self.factors {
             BlockFactors::Lu(factors) => factors.substitute(&mut self.correction)?,
             BlockFactors::SingleLu(factors) => factors.substitute(&mut self.correction)?,
@@ -167,6 +185,32 @@ fn restricted(matrix: &CsMatI<f64, u32>, members: &[u32]) -> CsMatI<f64, u32> {
     CsMatI::new_csc((members.len(), members.len()), column_ptr, rows, values)
 }
 
+/// Returns the rows of the members, with all columns, compressed by rows.
+pub(super) fn rows_of(matrix: &CsMatI<f64, u32>, members: &[u32]) -> CsMatI<f64, u32> {
+    let mut position = vec![NONE; matrix.rows()];
+    for (k, i) in members.iter().enumerate() {
+        position[*i as usize] = k as u32;
+    }
+    let mut row_ptr = vec![0; members.len() + 1];
+    for k in matrix.indices().iter().map(|i| position[*i as usize]).filter(|k| *k != NONE) {
+        row_ptr[k as usize + 1] += 1;
+    }
+    for k in 0..members.len() {
+        row_ptr[k + 1] += row_ptr[k];
+    }
+    let n_entries = row_ptr[members.len()] as usize;
+    let (mut next, mut columns, mut values) = (row_ptr.clone(), vec![0; n_entries], vec![0.0; n_entries]);
+    for (j, column) in (0..).zip(matrix.outer_iterator()) {
+        for (i, value) in column.iter().filter(|(i, _)| position[*i] != NONE) {
+            let next = &mut next[position[i] as usize];
+            columns[*next as usize] = j;
+            values[*next as usize] = *value;
+            *next += 1;
+        }
+    }
+    CsMatI::new((members.len(), matrix.cols()), row_ptr, columns, values)
+}
+
 /// Returns the nodes of the members, numbered without gaps in the order of their first member.
 fn renumbered(nodes: &[u32], members: &[u32]) -> Vec<u32> {
     let mut names = BTreeMap::new();
@@ -175,4 +219,22 @@ fn renumbered(nodes: &[u32], members: &[u32]) -> Vec<u32> {
         *names.entry(nodes[*i as usize]).or_insert(next)
     };
     members.iter().map(number).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_of_members_have_all_columns_in_order() {
+        // [ 1 0 2 ]
+        // [ 0 3 0 ]
+        // [ 4 5 6 ]
+        let matrix =
+            CsMatI::new_csc((3, 3), vec![0, 2, 4, 6], vec![0, 2, 1, 2, 0, 2], vec![1.0, 4.0, 3.0, 5.0, 2.0, 6.0]);
+        let rows = rows_of(&matrix, &[0, 2]);
+        let entries: Vec<_> = rows.iter().map(|(value, (k, j))| (k, j, *value)).collect();
+        assert_eq!(entries, [(0, 0, 1.0), (0, 2, 2.0), (1, 0, 4.0), (1, 1, 5.0), (1, 2, 6.0)]);
+        assert_eq!(rows_of(&matrix, &[]).nnz(), 0);
+    }
 }

@@ -168,8 +168,8 @@ fn stagnation(residuals: &[f64], has_contacts: bool) -> &'static str {
             "\n  the residuals no longer fall; if the last ones are near the rounding of numbers, give a larger `solver.newton.tolerance`"
         }
         (true, true) => {
-            "\n  the residuals no longer fall; if bodies touch, contact opens and closes in turn: make the other body the slave (`body` and \
-             `obstacle` in place of `pair`), or use cells of similar size, a larger `offset`, or the penalty law"
+            "\n  the residuals no longer fall; if bodies touch, contact opens and closes in turn: use cells of similar size, a larger `offset`, or \
+             the penalty law, and of two bodies make the other one the slave (`body` and `obstacle` in place of `pair`)"
         }
     }
 }

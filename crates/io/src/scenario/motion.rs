@@ -225,7 +225,10 @@ fn turning_centre<const D: usize>(
     match (given, has_angle) {
         (Some(centre), true) => Ok(centre.vector()),
         (None, false) => Ok(Point::zeros()),
-        (None, true) => Err(motion.at.error(ErrorKind::Missing("centre"))),
+        (None, true) => {
+            let value = "a list of numbers, the point about which the angle turns".to_owned();
+            Err(motion.at.error(ErrorKind::Needed { key: "centre", value }))
+        }
         (Some(centre), false) => Err(centre.at.error(ErrorKind::NoEffect("a motion without an angle"))),
     }
 }
