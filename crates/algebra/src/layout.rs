@@ -46,6 +46,20 @@ pub struct DofKey {
     node: u64,
 }
 
+impl DofKey {
+    /// Returns the key as four numbers without a fraction.
+    pub(crate) fn to_numbers(self) -> [f64; 4] {
+        [self.field, self.component, self.node as u32, (self.node >> 32) as u32].map(f64::from)
+    }
+
+    /// Returns the key of such numbers; `None` for others.
+    pub(crate) fn from_numbers(numbers: &[f64; 4]) -> Option<Self> {
+        let [field, component, low, high] = numbers.map(|x| x as u32);
+        let key = Self { field, component, node: u64::from(high) << 32 | u64::from(low) };
+        (key.to_numbers() == *numbers).then_some(key)
+    }
+}
+
 /// The fields of a problem, one contiguous range of dofs each, in the order of their registration.
 ///
 /// A field has a number of *components* (unknowns) at each of its *nodes*. Component `c` of node `k` is dof

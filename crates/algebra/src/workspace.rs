@@ -1,13 +1,13 @@
 //! Memory that outlives one nonlinear solve.
 
 use crate::BlockSystem;
-use crate::linear::{DirectSolver, LinearSolver};
+use crate::linear::{DirectSolver, LinearError, LinearSolver};
 
 /// The system and the linear solver, with their recycled memory.
 ///
 /// Size and pattern may change from solve to solve. With the direct solver a workspace does not change results: a solve
 /// gives the same bits in a used workspace as in a new one. A solver that keeps old factors ([`crate::LaggedSolver`]) gives
-/// the same result to its tolerance, and the same bits after [`Workspace::forget`].
+/// the same result to its tolerance, and the same bits after [`Workspace::recall`].
 pub struct Workspace {
     pub(crate) system: BlockSystem,
     pub(crate) solver: Box<dyn LinearSolver>,
@@ -29,9 +29,17 @@ impl Workspace {
         &self.system
     }
 
-    /// Makes the next solve independent of earlier ones.
-    pub fn forget(&mut self) {
-        self.solver.forget();
+    /// Returns what later solves depend on besides their problems ([`LinearSolver::memory`]).
+    pub fn memory(&self) -> Vec<Vec<f64>> {
+        self.solver.memory()
+    }
+
+    /// Takes up the memory of another workspace with such a solver.
+    ///
+    /// # Errors
+    /// See [`LinearSolver::recall`].
+    pub fn recall(&mut self, memory: &[Vec<f64>]) -> Result<(), LinearError> {
+        self.solver.recall(memory)
     }
 }
 

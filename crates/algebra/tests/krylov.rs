@@ -120,20 +120,52 @@ fn old_factors_serve_while_a_body_moves() {
 }
 
 #[test]
-fn a_solver_that_forgets_gives_the_bits_of_a_new_one() {
+fn a_solver_that_recalls_gives_the_bits_of_the_other() {
     let solve = |solver: &mut LaggedSolver, centre: f64| {
         let (matrix, keys) = grid(30, [centre, 14.0], 0.2);
         solve(solver, &matrix, &keys, 1e-6).unwrap().0
     };
-    let mut used = LaggedSolver::new(LaggedSettings::default());
+    let new = || LaggedSolver::new(LaggedSettings::default());
+    let mut used = new();
     solve(&mut used, 13.0);
+    let memory = used.memory();
     let with_memory = solve(&mut used, 14.0);
     assert_eq!(used.n_factorizations(), 1);
-    used.forget();
-    let without = solve(&mut used, 14.0);
-    let new = solve(&mut LaggedSolver::new(LaggedSettings::default()), 14.0);
-    assert!(without.iter().zip(&new).all(|(a, b)| a.to_bits() == b.to_bits()));
-    assert!(with_memory != new && difference(&with_memory, &new) < 1e-4);
+    let mut other = new();
+    other.recall(&memory).unwrap();
+    assert_eq!(other.memory(), memory);
+    let recalled = solve(&mut other, 14.0);
+    assert_eq!(other.n_factorizations(), 0);
+    assert!(recalled.iter().zip(&with_memory).all(|(a, b)| a.to_bits() == b.to_bits()));
+    let without = solve(&mut new(), 14.0);
+    assert!(with_memory != without && difference(&with_memory, &without) < 1e-4);
+}
+
+/// Checks that lists which no solver wrote are refused: each list left out, shortened, and with a number out of range.
+#[test]
+fn other_lists_are_no_memory() {
+    let (matrix, keys) = grid(10, [5.0, 5.0], 0.2);
+    let mut solver = LaggedSolver::new(LaggedSettings::default());
+    assert!(solver.memory().is_empty() && solver.recall(&[]).is_ok());
+    solve(&mut solver, &matrix, &keys, 1e-6).unwrap();
+    let memory = solver.memory();
+    let refused = |lists: &[Vec<f64>]| {
+        let mut other = LaggedSolver::new(LaggedSettings::default());
+        other.recall(lists) == Err(LinearError::Memory) && DirectSolver::new().recall(lists) == Err(LinearError::Memory)
+    };
+    for k in 0..memory.len() {
+        let changed = |change: &dyn Fn(&mut Vec<f64>)| {
+            let mut lists = memory.clone();
+            change(&mut lists[k]);
+            lists
+        };
+        assert!(refused(&[&memory[..k], &memory[k + 1..]].concat()), "without list {k}");
+        assert!(refused(&changed(&|list| _ = list.pop())), "list {k} shortened");
+        // Flags, scales and entries may be any number.
+        if ![0, 1, 2, 5].contains(&k) {
+            assert!([0.5, -1.0, 1e12, f64::NAN].iter().all(|x| refused(&changed(&|list| list[1] = *x))), "list {k}");
+        }
+    }
 }
 
 #[test]
@@ -169,7 +201,6 @@ fn free_pivoting_takes_over_where_static_pivots_vanish() {
     assert_eq!((report.iterations, lagged.n_factorizations(), lagged.n_fallbacks()), (1, 1, 1));
     // Factors of the next matrix are static again.
     let (matrix, keys) = grid(20, [10.0, 10.0], 0.5);
-    lagged.forget();
     solve(&mut lagged, &matrix, &keys, 1e-12).unwrap();
     assert_eq!((lagged.n_factorizations(), lagged.n_fallbacks()), (2, 1));
 }

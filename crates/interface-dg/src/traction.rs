@@ -1,7 +1,7 @@
 //! The traction that crosses the interface.
 
 use algebra::Sites;
-use mesh::{Point, Tensor, Vector};
+use mesh::{Point, Tensor, Vector, moment_of};
 
 use crate::InterfacePoints;
 use crate::terms::Penalty;
@@ -36,12 +36,7 @@ impl<const D: usize> InterfaceTraction<D> {
     /// Returns the mean moment of the total traction about a point: component `k` is that about axis `k`; in 2D only
     /// the last one is not zero.
     pub fn moment(&self, about: &Point<D>) -> [f64; 3] {
-        let moments = self.first_moment + self.total() * (self.middle - about).transpose();
-        let entry = |a: usize, b: usize| if a < D && b < D { moments[(a, b)] } else { 0.0 };
-        std::array::from_fn(|k| {
-            let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-            entry(j, i) - entry(i, j)
-        })
+        moment_of(&(self.first_moment + self.total() * (self.middle - about).transpose()))
     }
 }
 

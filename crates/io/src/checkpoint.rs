@@ -13,7 +13,7 @@ use crate::vtk::series::Entry;
 /// First bytes of a file.
 const MAGIC: &[u8; 8] = b"CUTWATER";
 /// Version of the format. A file of another version is refused.
-const FORMAT: u32 = 3;
+const FORMAT: u32 = 4;
 /// Bytes of magic, version and length of the header.
 const BEFORE_HEADER: usize = 8 + 4 + 8;
 /// Bytes of the checksum at the end.
@@ -24,11 +24,13 @@ const KEPT: usize = 2;
 /// A point from which a run goes on: the state, and how far the files of results had come.
 ///
 /// Layout of a file, numbers with the lowest byte first: `CUTWATER`; version of the format, 4 bytes; length of the
-/// header, 8 bytes; the header, JSON; the numbers of the state, 8 bytes each; CRC-32 of all preceding bytes, 4 bytes.
+/// header, 8 bytes; the header, JSON; the numbers of the state and of the linear solver, 8 bytes each; CRC-32 of all preceding bytes, 4 bytes.
 pub(crate) struct Checkpoint {
     pub(crate) header: Header,
     /// Lists of the state ([`solver::State::to_lists`]).
     pub(crate) lists: Vec<Vec<f64>>,
+    /// Lists of the linear solver ([`solver::algebra::Workspace::memory`]).
+    pub(crate) memory: Vec<Vec<f64>>,
 }
 
 /// The part of a checkpoint without the state.
@@ -44,6 +46,8 @@ pub(crate) struct Header {
     pub(crate) scenario: String,
     /// Lengths of the lists of the state.
     pub(crate) lists: Vec<usize>,
+    /// Lengths of the lists of the linear solver.
+    pub(crate) memory: Vec<usize>,
     /// Lengths of histories, diagnostics and probes, bytes.
     pub(crate) histories: [u64; 3],
     /// The summary so far.
@@ -60,7 +64,7 @@ impl Checkpoint {
         bytes.extend(FORMAT.to_le_bytes());
         bytes.extend((header.len() as u64).to_le_bytes());
         bytes.extend(header);
-        self.lists.iter().flatten().for_each(|x| bytes.extend(x.to_le_bytes()));
+        self.lists.iter().chain(&self.memory).flatten().for_each(|x| bytes.extend(x.to_le_bytes()));
         bytes.extend(crc32fast::hash(&bytes).to_le_bytes());
         write_whole(&path(directory, self.header.step), &bytes)?;
         let files = files(directory);
@@ -92,12 +96,18 @@ impl Checkpoint {
         let begin = usize::try_from(length).ok().and_then(|length| BEFORE_HEADER.checked_add(length));
         let begin = begin.filter(|begin| *begin <= end).ok_or(DAMAGED)?;
         let header = serde_json::from_slice(&bytes[BEFORE_HEADER..begin]).map_err(|e| format!("{DAMAGED}: {e}"))?;
-        let Header { lists: ref lengths, .. } = header;
+        let Header { lists: ref lengths, memory: ref lengths_of_memory, .. } = header;
         let numbers = bytes[begin..end].chunks_exact(8).map(|b| f64::from_le_bytes(std::array::from_fn(|k| b[k])));
         let mut numbers = numbers.collect::<Vec<_>>().into_iter();
-        let lists: Vec<Vec<f64>> = lengths.iter().map(|n| numbers.by_ref().take(*n).collect()).collect();
-        let is_complete = lists.iter().zip(lengths).all(|(list, n)| list.len() == *n) && numbers.next().is_none();
-        if is_complete { Ok(Self { header, lists }) } else { Err(DAMAGED.to_owned()) }
+        let mut next = |lengths: &[usize]| -> Option<Vec<Vec<f64>>> {
+            let list =
+                |n: &usize| Some(numbers.by_ref().take(*n).collect::<Vec<f64>>()).filter(|list| list.len() == *n);
+            lengths.iter().map(list).collect()
+        };
+        match (next(lengths), next(lengths_of_memory), numbers.next()) {
+            (Some(lists), Some(memory), None) => Ok(Self { header, lists, memory }),
+            _ => Err(DAMAGED.to_owned()),
+        }
     }
 
     /// Reads the last checkpoint in a directory. If it is damaged, the one before counts.
@@ -182,13 +192,14 @@ mod tests {
             n_steps: 20,
             time: 0.1 + 0.2,
             scenario: "name = \"a\"".to_owned(),
-            lists: vec![2, 0, 1],
+            lists: vec![2, 0],
+            memory: vec![1],
             histories: [10, 20, 0],
             summary: SummaryBuilder::new(Summary { dt: 0.1, ..Summary::default() }, 1.0),
             series: vec![vec![(0.1, "a".to_owned())]],
         };
-        let lists = vec![vec![1.0 / 3.0, f64::NAN], vec![], vec![-0.0]];
-        Checkpoint { header, lists }.write(&directory).expect("a file");
+        let (lists, memory) = (vec![vec![1.0 / 3.0, f64::NAN], vec![]], vec![vec![-0.0]]);
+        Checkpoint { header, lists, memory }.write(&directory).expect("a file");
         let bytes = read(&directory.join("checkpoint-00000012.bin")).expect("the file");
         std::fs::remove_dir_all(directory).expect("the directory");
         bytes
@@ -199,7 +210,7 @@ mod tests {
         let found = Checkpoint::parse(&bytes("written")).expect("a checkpoint");
         assert_eq!((found.header.step, found.header.time), (12, 0.1 + 0.2));
         assert_eq!(found.lists[0][0], 1.0 / 3.0);
-        assert!(found.lists[0][1].is_nan() && found.lists[1].is_empty() && found.lists[2][0].is_sign_negative());
+        assert!(found.lists[0][1].is_nan() && found.lists[1].is_empty() && found.memory[0][0].is_sign_negative());
     }
 
     /// Checks that a change of any byte, and any missing end, is found.
@@ -213,8 +224,8 @@ mod tests {
             assert!(Checkpoint::parse(&whole[..at]).is_err(), "the first {at} bytes");
         }
         let mut other = whole.clone();
-        other[8] = 4;
-        assert!(Checkpoint::parse(&other).is_err_and(|problem| problem.contains("version 4")));
+        other[8] = 5;
+        assert!(Checkpoint::parse(&other).is_err_and(|problem| problem.contains("version 5")));
         assert!(Checkpoint::parse(b"something else").is_err_and(|problem| problem.contains("not a checkpoint")));
     }
 }

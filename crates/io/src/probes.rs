@@ -1,6 +1,6 @@
 //! Quantities with names of their own: `probes.csv`, and values along lines.
 
-use mesh::{Point, SimplexMesh, Vector, VertexId};
+use mesh::{Coordinates, Point, SimplexMesh, Vector, VertexId};
 use solver::{FluidState, StepView};
 
 use crate::measures::pieces;
@@ -39,8 +39,9 @@ pub(crate) enum Measured<const D: usize> {
     Marker { body: usize, weights: Vec<(VertexId, f64)> },
     /// Force of the fluid on some facets of a body, with its moment about a point.
     Force { body: usize, facets: Vec<bool>, about: Point<D> },
-    /// Force of the fluid on parts of the background's boundary, by the numbers of their conditions.
-    WallForce { sides: Vec<usize> },
+    /// Force of the fluid on parts of the background's boundary, by the numbers of their conditions, with its moment about a
+    /// point.
+    WallForce { sides: Vec<usize>, about: Point<D> },
     /// Flux and mean pressure on a section; `normal` has its measure in the mesh as length.
     Flux { corner: Point<D>, sides: Vec<Vector<D>>, normal: Vector<D>, n: usize },
     /// Strain energy of a body.
@@ -82,13 +83,12 @@ impl<const D: usize> Probe<D> {
                 axes("velocity_", velocity).chain([pressure]).collect()
             }
             Measured::Marker { .. } => axes("", length).chain(axes("velocity_", velocity)).collect(),
-            Measured::Force { .. } => {
+            Measured::Force { .. } | Measured::WallForce { .. } => {
                 // A moment has the dimension of an energy.
                 let moments = if D < AXES.len() { &AXES[AXES.len() - 1..] } else { &AXES };
                 let moments = moments.iter().map(|axis| (format!("moment_{axis}"), total(Quantity::ENERGY)));
                 axes("", total(Quantity::FORCE)).chain(moments).collect()
             }
-            Measured::WallForce { .. } => axes("", total(Quantity::FORCE)).collect(),
             Measured::Flux { .. } => vec![
                 ("flux".to_owned(), total(Quantity::FLUX)),
                 ("pressure".to_owned(), units.label(Quantity::PRESSURE)),
@@ -124,15 +124,17 @@ impl<const D: usize> Probe<D> {
                         moment.iter_mut().zip(of_piece).for_each(|(sum, moment)| *sum += moment * traction.measure);
                     }
                 }
-                let coordinates = view.setup.bodies[*body].surface().coordinates();
-                let (force, moment) = (coordinates.resultant(force), coordinates.moment(moment));
-                let moments = if D < AXES.len() { &moment[AXES.len() - 1..] } else { &moment };
-                force.iter().chain(moments).copied().collect()
+                with_moment(view.setup.bodies[*body].surface().coordinates(), force, moment)
             }
-            Measured::WallForce { sides } => {
+            Measured::WallForce { sides, about } => {
+                let (mut force, mut moment) = (Vector::<D>::zeros(), [0.0; 3]);
                 let report = view.report.and_then(|report| report.fluid.as_ref());
-                let of_side = |side: &usize| report.map_or(Vector::zeros(), |report| report.side_forces[*side]);
-                sides.iter().map(of_side).sum::<Vector<D>>().iter().copied().collect()
+                for side in report.iter().flat_map(|report| sides.iter().map(|side| &report.side_forces[*side])) {
+                    force += side.force;
+                    moment.iter_mut().zip(side.moment(about)).for_each(|(sum, moment)| *sum += moment);
+                }
+                let coordinates = fluid.map(|(setup, _)| setup.background.coordinates()).unwrap_or_default();
+                with_moment(coordinates, force, moment)
             }
             Measured::Flux { corner, sides, normal, n } => {
                 let coordinates = fluid.map(|(setup, _)| setup.background.coordinates()).unwrap_or_default();
@@ -156,6 +158,13 @@ impl<const D: usize> Probe<D> {
             }
         }
     }
+}
+
+/// Returns a force and its moment as values of the columns.
+fn with_moment<const D: usize>(coordinates: Coordinates, force: Vector<D>, moment: [f64; 3]) -> Vec<f64> {
+    let (force, moment) = (coordinates.resultant(force), coordinates.moment(moment));
+    let moments = if D < AXES.len() { &moment[AXES.len() - 1..] } else { &moment };
+    force.iter().chain(moments).copied().collect()
 }
 
 impl<const D: usize> Line<D> {

@@ -80,10 +80,10 @@ struct Run<'a, W> {
 impl<W: Watch> CaseVisitor for Run<'_, W> {
     type Output = Result<Summary, Error>;
 
-    fn visit<const D: usize>(self, case: Case<D>) -> Result<Summary, Error> {
+    fn visit<const D: usize>(self, mut case: Case<D>) -> Result<Summary, Error> {
         let Self { file, directory, watch, options } = self;
         let (start, header, _claim) = if options.resumes {
-            let (start, header) = last_checkpoint(file, &case, directory)?;
+            let (start, header) = last_checkpoint(file, &mut case, directory)?;
             (start, Some(header), Claim::new(directory, file, true)?)
         } else {
             keep_input(directory, file.path())?;
@@ -105,7 +105,7 @@ impl<W: Watch> CaseVisitor for Run<'_, W> {
         let mut files = RunFiles::open(file.scenario(), &case, directory, header)?;
         files.stop = options.stop;
         let mut observer = FileObserver { files: &mut files, resumes: options.resumes, watch: watch.observer(&case) };
-        let mut time_loop = TimeLoop::new(&case.setup, start, case.workspace).forgetting(case.checkpoint_every);
+        let mut time_loop = TimeLoop::new(&case.setup, start, case.workspace);
         let outcome = time_loop.run(n_steps, &mut [&mut observer]);
         drop(observer);
         files.write_summary()?;
@@ -124,16 +124,16 @@ impl<W: Watch> CaseVisitor for Run<'_, W> {
 #[error("stopped")]
 struct Interrupted;
 
-/// Returns the state of the last checkpoint in a directory, and its header.
+/// Returns the state of the last checkpoint in a directory, and its header. The linear solver takes up the memory there.
 ///
 /// # Errors
 /// There is none, it belongs to another scenario or program, or it is beyond the end of the run.
 fn last_checkpoint<const D: usize>(
     file: &ScenarioFile,
-    case: &Case<D>,
+    case: &mut Case<D>,
     directory: &Path,
 ) -> Result<(State<D>, Header), Error> {
-    let Checkpoint { header, lists } = Checkpoint::last(directory).map_err(|error| match error {
+    let Checkpoint { header, lists, memory } = Checkpoint::last(directory).map_err(|error| match error {
         Error::Checkpoint { path, problem } => {
             Error::Checkpoint { path, problem: format!("{problem}; remove it, and run the scenario again") }
         }
@@ -146,10 +146,16 @@ fn last_checkpoint<const D: usize>(
     if header.step > case.n_steps {
         return refused(format!("it is at step {}, and time.end is at step {}", header.step, case.n_steps));
     }
-    match State::from_lists(&case.setup, &lists) {
-        Ok(state) if state.step == header.step => Ok((state, header)),
-        Ok(_) => refused("its header and its state have different steps".to_owned()),
-        Err(error) => refused(format!("another version of the program wrote it: {}", error.source)),
+    let of_another =
+        |cause: &dyn std::fmt::Display| refused(format!("another version of the program wrote it: {cause}"));
+    let state = match State::from_lists(&case.setup, &lists) {
+        Ok(state) if state.step == header.step => state,
+        Ok(_) => return refused("its header and its state have different steps".to_owned()),
+        Err(error) => return of_another(&error.source),
+    };
+    match case.workspace.recall(&memory) {
+        Ok(()) => Ok((state, header)),
+        Err(error) => of_another(&error),
     }
 }
 
@@ -273,21 +279,23 @@ impl<'a, const D: usize> RunFiles<'a, D> {
         Ok(files)
     }
 
-    fn write_checkpoint(&mut self, state: &State<D>) -> Result<(), Error> {
+    fn write_checkpoint(&mut self, view: &StepView<'_, D>) -> Result<(), Error> {
         self.write_summary()?;
-        let lists = state.to_lists();
+        let state = view.state;
+        let (lists, memory) = (state.to_lists(), view.workspace.memory());
         let header = Header {
             step: state.step,
             n_steps: self.n_steps,
             time: state.time,
             scenario: self.problem.clone(),
             lists: lists.iter().map(Vec::len).collect(),
+            memory: memory.iter().map(Vec::len).collect(),
             histories: self.history.lengths()?,
             summary: self.summary.clone(),
             series: self.series.iter().map(|series| series.entries().to_vec()).collect(),
         };
         self.last_checkpoint = Instant::now();
-        Checkpoint { header, lists }.write(&self.directory)
+        Checkpoint { header, lists, memory }.write(&self.directory)
     }
 
     /// Returns whether a checkpoint is written at the end of a step.
@@ -352,7 +360,7 @@ impl<const D: usize> Observer<D> for FileObserver<'_, '_, D> {
         if let Some(watch) = &mut self.watch {
             watch.after_step(view)?;
         }
-        if view.report.is_some() && view.ends_step() { self.files.end_step(view.state) } else { Ok(()) }
+        if view.report.is_some() && view.ends_step() { self.files.end_step(view) } else { Ok(()) }
     }
 }
 
@@ -381,10 +389,11 @@ impl<const D: usize> RunFiles<'_, D> {
     ///
     /// # Errors
     /// The checkpoint cannot be written; [`Interrupted`].
-    fn end_step(&mut self, state: &State<D>) -> Result<(), ObserverError> {
+    fn end_step(&mut self, view: &StepView<'_, D>) -> Result<(), ObserverError> {
+        let state = view.state;
         let stops = state.step < self.n_steps && self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed));
         if stops || self.is_checkpoint(state.step) {
-            self.write_checkpoint(state)?;
+            self.write_checkpoint(view)?;
         }
         if stops { Err(Box::new(Interrupted)) } else { Ok(()) }
     }

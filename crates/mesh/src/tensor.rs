@@ -36,3 +36,13 @@ pub fn det<const D: usize>(t: &Tensor<D>) -> f64 {
 pub fn sym<const D: usize>(t: &Tensor<D>) -> Tensor<D> {
     0.5 * (t + t.transpose())
 }
+
+/// Returns the moment `Σ x × f` of forces, given `Σ f xᵀ`: component `k` is that about axis `k`, and in 2D only the last one
+/// is not zero.
+pub fn moment_of<const D: usize>(forces: &Tensor<D>) -> [f64; 3] {
+    let entry = |a: usize, b: usize| if a < D && b < D { forces[(a, b)] } else { 0.0 };
+    std::array::from_fn(|k| {
+        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+        entry(j, i) - entry(i, j)
+    })
+}

@@ -40,6 +40,7 @@ pub use problem::Problem;
 pub use report::{BodyReport, FluidReport, ForceBalance, StepReport};
 pub use seconds::StageSeconds;
 pub use setup::{ApproachSteps, Contact, ContactObstacle, FilmSetup, FluidBoundary, FluidSetup, Setup, TractionField};
+pub use sides::SideForce;
 pub use stabilisation::Stabilisation;
 pub use state::{FluidState, State};
 pub use step::advance;

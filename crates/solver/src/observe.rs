@@ -1,5 +1,7 @@
 //! Interface through which results leave the time loop.
 
+use algebra::Workspace;
+
 use crate::{ObserverError, Setup, State, StepReport};
 
 /// Data that an observer receives after a step.
@@ -12,6 +14,9 @@ pub struct StepView<'a, const D: usize> {
     pub state: &'a State<D>,
     /// Report of the step; `None` for the state at the start.
     pub report: Option<&'a StepReport<D>>,
+    /// The system of the step and the linear solver. A run that goes on from the state to the same bits needs its
+    /// [`Workspace::memory`].
+    pub workspace: &'a Workspace,
 }
 
 impl<const D: usize> StepView<'_, D> {

@@ -9,7 +9,7 @@ use interface_dg::{InterfaceFlow, InterfaceTraction, interface_flow, interface_t
 use mesh::{BodyId, Coordinates, Point, Vector};
 
 use crate::setup::Contact;
-use crate::{Ledger, Problem, Setup, Stage, StageSeconds, Step, Substep};
+use crate::{Ledger, Problem, Setup, SideForce, Stage, StageSeconds, Step, Substep};
 
 /// The forces on a movable body at the stage of a step, of which inertia is the sum: a balance that closes to the accuracy of
 /// the nonlinear solve in every direction without supports.
@@ -87,7 +87,7 @@ pub struct FluidReport<const D: usize> {
     pub tractions: Vec<InterfaceTraction<D>>,
     /// Force of the fluid on each part of the background's boundary, in the order of [`crate::FluidSetup::boundary`]; zero for
     /// parts that fluid may cross.
-    pub side_forces: Vec<Vector<D>>,
+    pub side_forces: Vec<SideForce<D>>,
     /// Number of uncovered dofs, whose history is an extension.
     pub n_uncovered: usize,
     /// Pockets of fluid whose mean pressure was fixed.

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use algebra::BlockLayout;
-use mesh::{Tag, Tensor, Vector};
+use mesh::{Point, Tag, Tensor, Vector, moment_of};
 use xfem_space::boundary_points;
 
 use crate::fluid_step::FluidStep;
@@ -11,14 +11,36 @@ use crate::fluid_step::FluidStep;
 /// Degree of quadrature on sides: a constant stress and a linear pressure times a linear function.
 const SIDE_DEGREE: usize = 2;
 
+/// Force of the fluid on a part of the background's boundary.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SideForce<const D: usize> {
+    /// The force; in axisymmetric coordinates that along the axis.
+    pub force: Vector<D>,
+    /// `Σ f xᵀ` of the forces `f` at the vertices `x`.
+    pub first_moment: Tensor<D>,
+}
+
+impl<const D: usize> SideForce<D> {
+    /// Returns no force.
+    fn zero() -> Self {
+        Self { force: Vector::zeros(), first_moment: Tensor::zeros() }
+    }
+
+    /// Returns the moment about a point: component `k` is that about axis `k`; in 2D only the last one is not zero.
+    pub fn moment(&self, about: &Point<D>) -> [f64; 3] {
+        moment_of(&(self.first_moment - self.force * about.transpose()))
+    }
+}
+
 impl<const D: usize> FluidStep<'_, D> {
     /// Returns the force of the fluid on each part of the boundary, in the order of the setup; zero for open parts.
     ///
     /// A dof at which the velocity is constrained has a reaction, the residual of its equation: the traction of the
     /// side times the shape function. Reactions are in balance with all other forces. Where sides meet, a reaction is that of
     /// several sides: each gets the integral of its stress, and an equal share of the rest.
-    pub(crate) fn side_forces(&self, layout: &BlockLayout, x: &[f64], residual: &[f64]) -> Vec<Vector<D>> {
-        let coordinates = self.setup.background.coordinates();
+    pub(crate) fn side_forces(&self, layout: &BlockLayout, x: &[f64], residual: &[f64]) -> Vec<SideForce<D>> {
+        let background = &self.setup.background;
+        let coordinates = background.coordinates();
         let sides = &self.setup.boundary;
         let mut of_dofs: BTreeMap<u32, Vec<(usize, Vector<D>)>> = BTreeMap::new();
         for (k, (tag, _)) in sides.iter().enumerate().filter(|(_, (tag, _))| !self.setup.is_open(Some(*tag))) {
@@ -26,14 +48,19 @@ impl<const D: usize> FluidStep<'_, D> {
                 of_dofs.entry(dof).or_default().push((k, traction));
             }
         }
-        let mut forces = vec![Vector::zeros(); sides.len()];
+        let mut forces = vec![SideForce::zero(); sides.len()];
         for (dof, of_sides) in of_dofs {
             let reaction: Vector<D> = self.fields(layout).velocity_at(residual, dof);
             let known: Vector<D> = of_sides.iter().map(|(_, traction)| traction).sum();
             let rest = (reaction - known) / of_sides.len() as f64;
-            of_sides.iter().for_each(|(k, traction)| forces[*k] -= traction + rest);
+            let place = background.vertex(self.space.vertex(dof));
+            for (side, traction) in of_sides {
+                forces[side].force -= traction + rest;
+                forces[side].first_moment -= (traction + rest) * place.transpose();
+            }
         }
-        forces.into_iter().map(|force| coordinates.resultant(force)).collect()
+        forces.iter_mut().for_each(|side| side.force = coordinates.resultant(side.force));
+        forces
     }
 
     /// Returns the traction `T^f n` on a side times the shape function of each of its dofs.

@@ -11,21 +11,12 @@ pub struct TimeLoop<'a, const D: usize> {
     work: Workspace,
     /// Work of failed attempts since the last part that succeeded.
     lost: NewtonReport,
-    /// Steps after which the linear solver discards its old factors; 0 for never.
-    forget_every: usize,
 }
 
 impl<'a, const D: usize> TimeLoop<'a, D> {
     /// Creates a run that starts from a state.
     pub fn new(setup: &'a Setup<D>, state: State<D>, work: Workspace) -> Self {
-        Self { setup, state, work, lost: NewtonReport::default(), forget_every: 0 }
-    }
-
-    /// Makes the linear solver discard its old factors after each step whose number is a multiple of `every`. A run
-    /// that starts from the state there continues with the same bits.
-    #[must_use]
-    pub fn forgetting(self, every: usize) -> Self {
-        Self { forget_every: every, ..self }
+        Self { setup, state, work, lost: NewtonReport::default() }
     }
 
     /// Returns the current state.
@@ -50,15 +41,18 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
     /// The first step or observer that fails; the state is the last good one, at the end of a part if the step was divided.
     pub fn run(&mut self, n_steps: usize, observers: &mut [&mut dyn Observer<D>]) -> Result<(), StepError> {
         let (step, time) = (self.state.step, self.state.time);
-        let start = StepView { setup: self.setup, previous: &self.state, state: &self.state, report: None };
+        let start = StepView {
+            setup: self.setup,
+            previous: &self.state,
+            state: &self.state,
+            report: None,
+            workspace: &self.work,
+        };
         for observer in observers.iter_mut() {
             observer.after_step(&start).map_err(|e| StepError::at(step, time, Stage::Observer(e)))?;
         }
         for _ in 0..n_steps {
             self.whole_step(observers)?;
-            if self.forget_every > 0 && self.state.step.is_multiple_of(self.forget_every) {
-                self.work.forget();
-            }
         }
         Ok(())
     }
@@ -88,7 +82,13 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
         match advance(self.setup, &self.state, substep, &mut self.work) {
             Ok((state, mut report)) => {
                 report.add_work(&std::mem::take(&mut self.lost));
-                let view = StepView { setup: self.setup, previous: &self.state, state: &state, report: Some(&report) };
+                let view = StepView {
+                    setup: self.setup,
+                    previous: &self.state,
+                    state: &state,
+                    report: Some(&report),
+                    workspace: &self.work,
+                };
                 for observer in observers.iter_mut() {
                     observer
                         .after_step(&view)

@@ -18,6 +18,11 @@ pub struct Equilibration {
 }
 
 impl Equilibration {
+    /// Creates scales of given values.
+    pub(super) fn of_scales(row: &[f64], column: &[f64]) -> Self {
+        Self { row: row.to_vec(), column: column.to_vec(), row_max: Vec::new() }
+    }
+
     /// Computes the scales of a square matrix, in place.
     ///
     /// # Errors

@@ -1,5 +1,7 @@
 //! FGMRES with the factors of an old matrix.
 
+mod memory;
+
 use sprs::CsMatI;
 
 use super::checked_factors::CheckedFactors;
@@ -62,6 +64,8 @@ struct Base {
     /// `None` before the first factorisation.
     matrix: Option<CsMatI<f64, u32>>,
     factors: CheckedFactors,
+    /// Nodes of its unknowns.
+    nodes: Vec<u32>,
     /// Keys of its unknowns with their positions, sorted.
     keys: Vec<(DofKey, u32)>,
 }
@@ -105,11 +109,11 @@ impl LaggedSolver {
         let n = system.len();
         let mut base = self.base.take().unwrap_or_default();
         self.n_factorizations += 1;
-        let nodes = system.layout.nodes();
+        base.nodes = system.layout.nodes();
         if must_pivot {
-            base.factors.factorize_with_pivoting(system.matrix, &nodes)?;
+            base.factors.factorize_with_pivoting(system.matrix, &base.nodes)?;
         } else {
-            base.factors.factorize(system.matrix, &nodes)?;
+            base.factors.factorize(system.matrix, &base.nodes)?;
         }
         self.n_fallbacks += usize::from(base.factors.is_pivoting());
         base.scales.clone_from(system.scales);
@@ -287,8 +291,12 @@ impl LinearSolver for LaggedSolver {
         self.n_fallbacks
     }
 
-    fn forget(&mut self) {
-        self.must_factorize = true;
+    fn memory(&self) -> Vec<Vec<f64>> {
+        self.to_lists()
+    }
+
+    fn recall(&mut self, memory: &[Vec<f64>]) -> Result<(), LinearError> {
+        self.take_lists(memory)
     }
 }
 

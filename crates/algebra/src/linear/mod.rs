@@ -63,8 +63,19 @@ pub trait LinearSolver: Send {
         0
     }
 
-    /// Makes the next solves independent of all earlier matrices.
-    fn forget(&mut self) {}
+    /// Returns what later solves depend on besides their matrices, as lists of numbers; empty if this is nothing.
+    fn memory(&self) -> Vec<Vec<f64>> {
+        Vec::new()
+    }
+
+    /// Takes up the memory of a solver of the same kind with the same settings. Later solves have the bits that they would
+    /// have there.
+    ///
+    /// # Errors
+    /// [`LinearError::Memory`]: the lists are not those of such a solver. Errors of a factorisation that is repeated.
+    fn recall(&mut self, memory: &[Vec<f64>]) -> Result<(), LinearError> {
+        if memory.is_empty() { Ok(()) } else { Err(LinearError::Memory) }
+    }
 }
 
 /// Work and accuracy of one linear solve.
@@ -138,6 +149,9 @@ pub enum LinearError {
         /// Size of the system.
         n_unknowns: usize,
     },
+    /// Stored lists are not the memory of a solver of this kind.
+    #[error("the stored memory of the linear solver is not that of this solver")]
+    Memory,
     /// There is no factorised matrix: none was given yet, or its factorisation failed.
     #[error("there is no factorised matrix")]
     NotFactorized,

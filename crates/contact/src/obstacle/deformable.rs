@@ -92,6 +92,20 @@ impl<const D: usize> DeformableObstacle<D> {
         near.iter_mut().for_each(|f| *f = self.facets[f.index()]);
     }
 
+    /// Returns whether a set contains all facets around a closest point.
+    pub(super) fn surrounds(&self, anchor: &Anchor<D>, facets: &[FacetId]) -> bool {
+        let Anchor::Facet { facet, barycentric, .. } = anchor else { return true };
+        let contains = |facet: &FacetId| facets.contains(facet);
+        match Feature::spanned(self.boundary.facet(*facet), |k| barycentric[k] != 0.0) {
+            Feature::Facet => contains(facet),
+            Feature::Edge([a, b]) => {
+                let mut around = self.vertex_to_facet.around(a).iter();
+                around.all(|facet| contains(facet) || !self.boundary.facet(*facet).contains(&b))
+            }
+            Feature::Vertex(v) => self.vertex_to_facet.around(v).iter().all(contains),
+        }
+    }
+
     /// Computes the normal into the obstacle and its derivative at a closest point of a facet.
     fn normal(&self, x: &Point<D>, facet: FacetId, foot: &Foot<D>, at: Positions<'_, D>) -> (Vector<D>, Tensor<D>) {
         let vertices = self.boundary.facet(facet);

@@ -15,7 +15,9 @@ use crate::{Error, Positions};
 ///   undeformed body if their normals oppose each other there: facets that face each other through the body are not in
 ///   contact.
 ///
-/// Closest points and normals are those of [`DeformableObstacle`].
+/// Closest points and normals are those of [`DeformableObstacle`]. A negative gap counts only if all facets around the closest
+/// point may be touched: at the end of the others its sign has no meaning, as at a re-entrant corner, whose two sides lie in
+/// front of each other.
 #[derive(Clone, Debug)]
 pub struct OwnSurface<const D: usize> {
     surface: DeformableObstacle<D>,
@@ -81,7 +83,9 @@ impl Facing {
 
 impl<const D: usize> Obstacle<D> for OwnSurface<D> {
     fn project(&self, x: &Point<D>, at: Positions<'_, D>, candidates: &[FacetId]) -> Option<Projection<D>> {
-        self.surface.project(x, at, candidates)
+        let found = self.surface.project(x, at, candidates)?;
+        let is_open = found.gap(x) < 0.0 && !self.surface.surrounds(&found.anchor, candidates);
+        (!is_open).then_some(found)
     }
 
     fn boundary(&self) -> Option<&BoundaryMesh<D>> {

@@ -17,11 +17,14 @@ const SLIT: f64 = 0.2;
 
 /// Returns a clamp: a square without the strip between its two jaws, open to the right.
 fn clamp() -> ElasticBody<2> {
+    part_of_square(|middle| middle[0] < 0.2 || (middle[1] - 0.5).abs() > 0.5 * SLIT)
+}
+
+/// Returns the cells of a square whose middles are in a region.
+fn part_of_square(contains: impl Fn(Point<2>) -> bool) -> ElasticBody<2> {
     let square = structured_box([0.0, 0.0], [1.0, 1.0], [10, 10]).unwrap();
-    let is_solid = |cell: &CellId| {
-        let middle = square.cell(*cell).iter().map(|v| square.vertex(*v)).sum::<Point<2>>() / 3.0;
-        middle[0] < 0.2 || (middle[1] - 0.5).abs() > 0.5 * SLIT
-    };
+    let is_solid =
+        |cell: &CellId| contains(square.cell(*cell).iter().map(|v| square.vertex(*v)).sum::<Point<2>>() / 3.0);
     let mut numbers = vec![None; square.n_vertices()];
     let (mut vertices, mut cells) = (Vec::new(), Vec::new());
     for vertex in square.cells().filter(is_solid).flat_map(|cell| square.cell(cell)) {
@@ -62,8 +65,20 @@ fn closed_clamp_with(
     law: impl ContactLaw + 'static,
     test: impl Fn(&ContactSites<'_, 2>, &ElasticBody<2>, &[f64]),
 ) {
-    let bodies = [clamp()];
-    let states = [bent(&bodies[0], closed)];
+    let body = clamp();
+    let state = bent(&body, closed);
+    with_contact(exempt, body, state, law, test);
+}
+
+/// Calls a test with the contact of a body with itself.
+fn with_contact(
+    exempt: f64,
+    body: ElasticBody<2>,
+    state: BodyState<2>,
+    law: impl ContactLaw + 'static,
+    test: impl Fn(&ContactSites<'_, 2>, &ElasticBody<2>, &[f64]),
+) {
+    let (bodies, states) = ([body], [state]);
     let scene = Scene::new(&bodies, &states, &ImplicitEuler, 1e-2);
     let form = ContactForm::new(law, SIZE).unwrap();
     let facets: Vec<FacetId> = bodies[0].surface().facets().collect();
@@ -89,6 +104,27 @@ fn an_open_clamp_does_not_touch_itself() {
         assert_eq!(work(contact.clone()).len(), 0);
         assert_eq!(report_of(contact, x).minimum_gap, None);
     });
+}
+
+/// Checks the sides of a re-entrant corner that closes a little: each lies in front of the other, and its points are on both sides of
+/// the line of the other.
+#[test]
+fn the_sides_of_a_corner_do_not_touch_through_its_opening() {
+    let is_angle = |x: Point<2>| x[0] < 0.3 || x[1] < 0.3;
+    for (slope, curvature) in [(0.1, -1.0), (0.1, 0.0), (0.1, 1.0), (0.4, -1.0)] {
+        let body = part_of_square(is_angle);
+        let raised = |x: &Point<2>| {
+            let along = (x[0] - 0.3).max(0.0);
+            Vector::<2>::new(0.0, slope * along * (1.0 + curvature * along))
+        };
+        let displacement: Vec<_> = body.reference().iter().map(raised).collect();
+        let velocity = vec![Vector::zeros(); displacement.len()];
+        with_contact(OFFSET + 2.0 * SIZE, body, BodyState::new(displacement, velocity), penalty(), |contact, _, x| {
+            assert!(!work(contact.clone()).is_empty(), "the sides are in reach");
+            let report = report_of(contact, x);
+            assert_eq!((report.n_active, report.largest_penetration), (0, 0.0), "{slope} {curvature}");
+        });
+    }
 }
 
 #[test]

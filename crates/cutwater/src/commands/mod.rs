@@ -118,6 +118,7 @@ impl Failure {
     pub(crate) fn explain(&self) -> String {
         match self {
             Self::Run { error: Error::Step(step), has_contacts } => chain(step) + &residuals(step, *has_contacts),
+            Self::Run { error: error @ Error::Interrupted { .. }, .. } => error.to_string(),
             Self::Run { error, .. } => chain(error),
             #[cfg(feature = "report")]
             Self::Report(error) => chain(error),

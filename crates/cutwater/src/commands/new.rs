@@ -28,6 +28,10 @@ pub(crate) fn new(arguments: &NewArguments) -> Result<(), Error> {
         let source = std::io::Error::new(ErrorKind::InvalidInput, "it has no file name; give one, such as fall.toml");
         return Err(written(source));
     }
+    if !cutwater::io::scenario::is_name(&name) {
+        let problem = "its name is that of the results: use letters, digits, -, _ and dots inside";
+        return Err(written(std::io::Error::new(ErrorKind::InvalidInput, problem)));
+    }
     let mut file = File::create_new(&path).map_err(|source| match source.kind() {
         ErrorKind::AlreadyExists => {
             written(std::io::Error::new(source.kind(), "it exists; choose another name, or remove it"))

@@ -183,11 +183,12 @@ pub(super) fn background<const D: usize>(
             "cells of the size {h} do not fit into the shortest side of the box, {shortest}; give at most {shortest}, which makes about {n:.1e} cells"
         )));
     }
+    let too_many = |n_cells| shortage(n_cells, available()).map_or(Ok(()), |shortage| Err(size.at.invalid(shortage)));
+    // Before regions are compared with a size that makes too many cells.
+    too_many(expected_in_box(corners, &field, &[], *is_mirrored))?;
     let regions = refine.iter().map(|given| region(given, corners, &field, bodies)).collect::<Result<Vec<_>, _>>()?;
     let n_cells = expected_in_box(corners, &field, &regions, *is_mirrored);
-    if let Some(shortage) = shortage(n_cells, available()) {
-        return Err(size.at.invalid(shortage));
-    }
+    too_many(n_cells)?;
     let box_mesh = refined_box(corners[0], corners[1], &field, &regions).map_err(|error| {
         let at = match error {
             mesh::Error::Parameter(parameter) if parameter.what == "side of the box" => &max.at,
@@ -273,11 +274,10 @@ fn polygon<const D: usize>(
 ) -> Result<SimplexMesh<D>, ScenarioError> {
     let coarse = Size::uniform(**size);
     let bounds = bounds(corners);
+    let too_many = |n_cells| shortage(n_cells, available()).map_or(Ok(()), |shortage| Err(size.at.invalid(shortage)));
+    too_many(expected_in_polygon((corners, holes), bounds, &coarse, &[]))?;
     let regions = refine.iter().map(|given| region(given, bounds, &coarse, bodies)).collect::<Result<Vec<_>, _>>()?;
-    let n_cells = expected_in_polygon((corners, holes), bounds, &coarse, &regions);
-    if let Some(shortage) = shortage(n_cells, available()) {
-        return Err(size.at.invalid(shortage));
-    }
+    too_many(expected_in_polygon((corners, holes), bounds, &coarse, &regions))?;
     let near = |x: [f64; 2]| {
         let x = Point::<D>::from_fn(|axis, _| x[axis]);
         regions.iter().map(|region| region.at(&x)).fold(**size, f64::min)

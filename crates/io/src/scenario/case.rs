@@ -12,12 +12,12 @@ use solver::{ApproachSteps, Contact, FluidBoundary, FluidSetup, Setup};
 use super::background::{Background, expected};
 use super::body::{BodyCondition, BodyKeys, Built, body};
 use super::condition::{Plane, symmetry_planes, tagged_vertices};
-use super::contact::{ContactBuilder, ContactKeys};
+use super::contact::{ContactBuilder, ContactKeys, ObstacleChoice};
 use super::error::ScenarioError;
 use super::file::{Scenario, ScenarioFile};
 use super::fluid::{balance_times, fluid, is_open, unbalanced};
 use super::geometry::Shape;
-use super::key::missing;
+use super::key::{Quantity, missing};
 use super::motion::{Held, MotionChoice};
 use super::probe::probes;
 use super::table::At;
@@ -133,7 +133,7 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
         positions.iter().flatten().any(|x| planes.iter().any(|plane| plane.contains(x)))
     });
     check_repeated(&of_contacts, &setup)?;
-    check_contacts(&of_contacts, &setup, &positions)?;
+    check_contacts(&of_contacts, &setup, &positions, scenario.units.label(Quantity::LENGTH))?;
     if let (Some(fluid), Some(background)) = (&setup.fluid, &scenario.background) {
         check_axis(fluid, background)?;
     }
@@ -254,6 +254,7 @@ fn check_contacts<const D: usize>(
     of_contacts: &[&At<ContactKeys>],
     setup: &Setup<D>,
     positions: &[Vec<Point<D>>],
+    length: String,
 ) -> Result<(), ScenarioError> {
     let depth = |obstacle: &dyn Obstacle<D>, at: &[Point<D>], points: &[Point<D>]| {
         obstacle.smallest_gap(points, Positions::Fixed(at)).map_or(0.0, |gap| -gap)
@@ -280,8 +281,16 @@ fn check_contacts<const D: usize>(
                 (Some(master), None) => format!("the surface of `{}`", setup.bodies[master.index()].name()),
                 _ => "this obstacle".to_owned(),
             };
-            return Err(place
-                .invalid(format!("body `{name}` is {deepest:.3e} behind {obstacle} at the start; move one of them")));
+            let side = match given.obstacle.as_deref() {
+                Some(ObstacleChoice::RigidPlane { .. }) => ", or reverse `normal`, which points into the obstacle",
+                Some(ObstacleChoice::Ball { .. } | ObstacleChoice::Shape { .. }) => {
+                    ", or set `hollow` if the body is inside of a container; a line that crosses itself has no inside"
+                }
+                _ => "",
+            };
+            return Err(place.invalid(format!(
+                "body `{name}` is {deepest:.3e} {length} behind {obstacle} at the start; move one of them{side}"
+            )));
         }
     }
     Ok(())

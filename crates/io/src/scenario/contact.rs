@@ -11,7 +11,7 @@ use solver::body::Body;
 use solver::{Contact, ContactObstacle};
 
 use super::body::Built;
-use super::error::{ScenarioError, sorted};
+use super::error::{ErrorKind, ScenarioError, sorted};
 use super::geometry::{Geometry, Shape, ZERO_VECTOR};
 use super::key::{Quantity, missing};
 use super::table::{At, Components, choices, keys};
@@ -154,6 +154,10 @@ impl<'p, const D: usize> ContactBuilder<'p, D> {
     /// # Errors
     /// Names that do not exist, obstacles that cannot be built, and pairs of which neither can move.
     pub(super) fn contacts(&self, given: &At<ContactKeys>) -> Result<Vec<Contact<D>>, ScenarioError> {
+        if let (None, Some(obstacle)) = (&given.body, &given.obstacle) {
+            let cause = "`pairs` or `pair`, which are of bodies; give `body` with it in a table of its own, and here";
+            return Err(obstacle.at.error(ErrorKind::NoEffect(cause)));
+        }
         match (&given.pairs, &given.pair, &given.body) {
             (Some(_), None, None) => self.all_pairs(given),
             (None, Some(names), None) => Ok(vec![self.single_pair(given, names)?]),
@@ -271,10 +275,10 @@ impl<'p, const D: usize> ContactBuilder<'p, D> {
                 ContactForm::new(PenaltyLaw::new(gamma_contact_0, given.offset).map_err(fail)?, given.size)
             }
             ContactLawChoice::Collision { .. } if self.deforms(slave) => {
-                let name = self.bodies[slave.index()].name();
-                return Err(given.at.invalid(format!(
-                    "body `{name}` deforms, and the law `collision` is for bodies that do not; use the law `penalty`, or motion = {{ kind = \"free\" }}"
-                )));
+                return Err(self.deforming(given, slave, "collision"));
+            }
+            ContactLawChoice::AugmentedLagrangian { .. } if self.deforms(slave) => {
+                return Err(self.deforming(given, slave, "augmented-lagrangian"));
             }
             ContactLawChoice::Collision { restitution } => {
                 ContactForm::new(CollisionLaw::new(restitution, given.offset).map_err(fail)?, given.size)
@@ -344,6 +348,13 @@ impl<'p, const D: usize> ContactBuilder<'p, D> {
 
     fn deforms(&self, body: BodyId) -> bool {
         self.built[body.index()].deforms
+    }
+
+    fn deforming(&self, given: &At<ContactKeys>, slave: BodyId, law: &str) -> ScenarioError {
+        let name = self.bodies[slave.index()].name();
+        given.at.invalid(format!(
+            "body `{name}` deforms, and the law `{law}` is for bodies that do not; use the law `nitsche` or `penalty`, or motion = {{ kind = \"free\" }}"
+        ))
     }
 
     fn rigid(&self, given: &At<ContactKeys>, slave: BodyId) -> ScenarioError {

@@ -82,7 +82,7 @@ keys! {
         /// Quantities of points, bodies and sections by name: columns of `probes.csv`.
         probes: Named<ProbeChoice>,
         /// Least time between two checkpoints, minutes. It decides which steps of `checkpoint_every` write one, all of them if
-        /// left out. Alone it decides this for every tenth step, and results are those of `checkpoint_every = 10`.
+        /// left out. Alone it decides this for every tenth step.
         checkpoint_minutes: Option<f64> [non_negative],
     }
 }
@@ -118,9 +118,8 @@ choices! {
     }
 }
 
-/// Steps between two checkpoints if `checkpoint_minutes` is given alone. The steps at which the solver discards its
-/// factors are a part of the results by round-off, so that they cannot follow from the clock. One more factorisation in
-/// ten steps costs little, and less than ten steps pass between the due time and the checkpoint.
+/// Steps between two steps at which `checkpoint_minutes` alone may write a checkpoint. The frames of the page are written at all of
+/// these steps, whether there is a checkpoint or not.
 const STEPS_WITH_MINUTES: usize = 10;
 
 impl Output {
@@ -297,14 +296,22 @@ fn replace_inputs(
     }
 }
 
+/// Returns whether a text may be the name of results: letters, digits, `-`, `_`, and dots inside.
+pub fn is_name(text: &str) -> bool {
+    is_plain(text) && !text.starts_with('.')
+}
+
+fn is_plain(text: &str) -> bool {
+    !text.is_empty() && text.chars().all(|c| c.is_alphanumeric() || "-_.".contains(c))
+}
+
 /// Checks combinations of values.
 fn check(scenario: &Scenario) -> Result<(), ScenarioError> {
     scenario.time.check()?;
     scenario.units.check()?;
     scenario.fluid.as_ref().map_or(Ok(()), |fluid| fluid.check(&scenario.units))?;
-    let is_plain = |name: &str| !name.is_empty() && name.chars().all(|c| c.is_alphanumeric() || "-_.".contains(c));
     let refuse = |name: &At<String>, why| Err(name.at.invalid(format!("the name `{}` is {why}", name.as_str())));
-    if !is_plain(&scenario.name) || scenario.name.starts_with('.') {
+    if !is_name(&scenario.name) {
         return refuse(&scenario.name, "not a file name: use letters, digits, -, _ and dots inside");
     }
     if let Some(directory) = scenario.output.directory.as_ref().filter(|directory| directory.trim().is_empty()) {

@@ -291,8 +291,11 @@ impl Reader<'_> {
     fn operand(&mut self) -> Result<Node, FormulaError> {
         match self.token.chars().next() {
             Some(c) if c.is_ascii_digit() || c == '.' => {
-                let number = self.token.parse();
-                let number = number.map_err(|_| self.refuse(format!("`{}` is not a number", self.token)))?;
+                let number: f64 =
+                    self.token.parse().map_err(|_| self.refuse(format!("`{}` is not a number", self.token)))?;
+                if !number.is_finite() {
+                    return Err(self.refuse(format!("`{}` is too large for a number", self.token)));
+                }
                 self.advance()?;
                 Ok(Node::Number(number))
             }

@@ -35,7 +35,7 @@ pub(crate) use error::advice;
 pub use error::{ErrorKind, Location, ScenarioError};
 pub use field::{Field, FieldFormula};
 pub use field_table::{FieldTable, Variable};
-pub use file::{FieldChoice, Output, Scenario, ScenarioFile};
+pub use file::{FieldChoice, Output, Scenario, ScenarioFile, is_name};
 pub use fluid::{
     Cip, ConvectionChoice, FilmKeys, Fluid, Interface, InterfacePenalty, StabilisationChoice, StabilisationKeys,
 };

@@ -37,12 +37,14 @@ choices! {
             /// Point about which the moment is taken; the origin if left out.
             about: Option<Components<f64>> [unit(Quantity::LENGTH)],
         },
-        /// Force of the fluid on parts of the boundary of the background that are not open: pressure and viscous stress, as the
+        /// Force of the fluid on parts of the boundary of the background that are not open, and its moment: pressure and viscous stress, as the
         /// reaction of the velocities that are given there; in the plane per unit depth, in axisymmetric coordinates along the
         /// axis. In a closed domain the pressure has no level, and only the force on all of the closed boundary has a meaning.
         WallForce = "wall-force" {
             /// Names of the parts.
             parts: At<Vec<At<String>>>,
+            /// Point about which the moment is taken; the origin if left out.
+            about: Option<Components<f64>> [unit(Quantity::LENGTH)],
         },
         /// Volume of fluid per time through a segment (2D) or parallelogram (3D), and mean pressure on it; in the plane per
         /// unit depth. In axisymmetric coordinates the section is the surface that the segment sweeps about the axis: a
@@ -115,9 +117,10 @@ pub(super) fn probes<const D: usize>(
                     about: about.as_ref().map_or(Point::zeros(), Components::vector),
                 }
             }
-            ProbeChoice::WallForce { parts } => {
-                Measured::WallForce { sides: sides(fluid.ok_or_else(no_fluid)?, parts)? }
-            }
+            ProbeChoice::WallForce { parts, about } => Measured::WallForce {
+                sides: sides(fluid.ok_or_else(no_fluid)?, parts)?,
+                about: about.as_ref().map_or(Point::zeros(), Components::vector),
+            },
             ProbeChoice::Flux { corner, sides, points } => {
                 fluid.ok_or_else(no_fluid)?;
                 let vectors: Vec<Vector<D>> = sides.iter().map(Components::vector).collect();

@@ -35,7 +35,7 @@ through = { kind = "flux", corner = [1.5, 0.0], sides = [[0.0, 1.0]] }
 up      = { kind = "flux", corner = [1.5, 0.25], sides = [[-1.0, 0.0]], points = 50 }
 along   = { kind = "line", from = [0.0, 0.5], to = [2.5, 0.5], points = 6 }
 above   = { kind = "wall-force", parts = ["top"] }
-before  = { kind = "wall-force", parts = ["left"] }
+before  = { kind = "wall-force", parts = ["left"], about = [0.0, 1.0] }
 "#;
 
 fn flow() -> String {
@@ -70,6 +70,9 @@ fn points_sections_and_lines_see_the_flow() {
         ("above_y", 8.0),
         ("before_x", 4.0),
         ("before_y", 0.0),
+        // Uniform tractions act in the middles of the sides.
+        ("above_moment_z", 8.0),
+        ("before_moment_z", 2.0),
     ] {
         assert!((last(&probes, name) - value).abs() < 1e-6, "{name}: {}", last(&probes, name));
     }
