@@ -165,7 +165,20 @@ fn other_lists_are_no_memory() {
         if ![0, 1, 2, 5].contains(&k) {
             assert!([0.5, -1.0, 1e12, f64::NAN].iter().all(|x| refused(&changed(&|list| list[1] = *x))), "list {k}");
         }
+        // Pointers that do not begin at zero, rows and nodes that there are not.
+        if k == 3 {
+            assert!(refused(&changed(&|list| list.iter_mut().for_each(|x| *x += 1.0))));
+        } else if k == 4 || k == 6 {
+            let n = memory[1].len() as f64;
+            assert!(refused(&changed(&|list| *list.last_mut().unwrap() = n)));
+        }
     }
+    // No memory is that of a new solver.
+    solver.recall(&[]).unwrap();
+    assert!(solver.memory().is_empty());
+    let mut other = LaggedSolver::new(LaggedSettings::default());
+    let solved = [&mut solver, &mut other].map(|solver| solve(solver, &matrix, &keys, 1e-6).unwrap().0);
+    assert_eq!(solved[0], solved[1]);
 }
 
 #[test]
@@ -199,6 +212,13 @@ fn free_pivoting_takes_over_where_static_pivots_vanish() {
     let (exact, _) = solve(&mut DirectSolver::new(), &matrix, &keys, 0.0).unwrap();
     assert!(difference(&x, &exact) < 1e-10);
     assert_eq!((report.iterations, lagged.n_factorizations(), lagged.n_fallbacks()), (1, 1, 1));
+    let mut other = LaggedSolver::new(LaggedSettings::default());
+    other.recall(&lagged.memory()).unwrap();
+    assert_eq!(other.memory()[0], [1.0]);
+    assert_eq!(
+        solve(&mut other, &matrix, &keys, 1e-12).unwrap().0,
+        solve(&mut lagged, &matrix, &keys, 1e-12).unwrap().0
+    );
     // Factors of the next matrix are static again.
     let (matrix, keys) = grid(20, [10.0, 10.0], 0.5);
     solve(&mut lagged, &matrix, &keys, 1e-12).unwrap();

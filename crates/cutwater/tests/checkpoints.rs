@@ -78,7 +78,7 @@ fn without_seconds(table: &str) -> String {
     table.lines().map(row).collect::<Vec<_>>().join("\n")
 }
 
-/// Returns the numbers of the state of a checkpoint.
+/// Returns the numbers of the state and of the linear solver of a checkpoint.
 fn state(bytes: &[u8]) -> Vec<u8> {
     let header = u64::from_le_bytes(bytes[12..20].try_into().expect("8 bytes"));
     bytes[20 + header as usize..bytes.len() - 4].to_vec()

@@ -33,7 +33,7 @@ pub(crate) struct Checkpoint {
     pub(crate) memory: Vec<Vec<f64>>,
 }
 
-/// The part of a checkpoint without the state.
+/// The part of a checkpoint without the numbers of the state and of the linear solver.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Header {
     /// Step.

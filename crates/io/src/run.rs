@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
+use solver::algebra::LinearError;
 use solver::{Observer, ObserverError, Stage, State, StepError, StepView, TimeLoop};
 
 use crate::Error;
@@ -155,7 +156,8 @@ fn last_checkpoint<const D: usize>(
     };
     match case.workspace.recall(&memory) {
         Ok(()) => Ok((state, header)),
-        Err(error) => of_another(&error),
+        Err(error @ LinearError::Memory) => of_another(&error),
+        Err(error) => refused(format!("its matrix cannot be factorised: {error}")),
     }
 }
 

@@ -193,9 +193,12 @@ fn outside<const D: usize>(setup: &Setup<D>, positions: &[Vec<Point<D>>], length
         let mut farthest: BTreeMap<Tag, (f64, &Point<D>)> = BTreeMap::new();
         for x in points.iter().filter(|x| background.cell_index().locate(x).is_none()) {
             let Some(nearest) = index.closest(x) else { continue };
-            // Across the side: the nearest point may be its end.
-            let distance = (x - nearest.point).dot(&surface.facet_normal(nearest.facet)).abs();
+            let away = x - nearest.point;
+            let distance = away.norm();
             if let Some(side) = boundary.tag(nearest.facet).filter(|side| distance > least && is_wall(*side)) {
+                // Across the side: the nearest point may be its end.
+                let across = away.dot(&surface.facet_normal(nearest.facet)).abs();
+                let distance = if across > least { across } else { distance };
                 let of_side = farthest.entry(side).or_insert((distance, x));
                 *of_side = if distance > of_side.0 { (distance, x) } else { *of_side };
             }

@@ -85,7 +85,7 @@ pub struct FluidReport<const D: usize> {
     pub flow: InterfaceFlow,
     /// Tractions on the interface pieces of the step.
     pub tractions: Vec<InterfaceTraction<D>>,
-    /// Force of the fluid on each part of the background's boundary, in the order of [`crate::FluidSetup::boundary`]; zero for
+    /// Force and moment of the fluid on each part of the background's boundary, in the order of [`crate::FluidSetup::boundary`]; zero for
     /// parts that fluid may cross.
     pub side_forces: Vec<SideForce<D>>,
     /// Number of uncovered dofs, whose history is an extension.

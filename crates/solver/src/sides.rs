@@ -11,17 +11,18 @@ use crate::fluid_step::FluidStep;
 /// Degree of quadrature on sides: a constant stress and a linear pressure times a linear function.
 const SIDE_DEGREE: usize = 2;
 
-/// Force of the fluid on a part of the background's boundary.
+/// Force of the fluid on a part of the background's boundary, with the weight of the coordinates. In axisymmetric coordinates
+/// [`Coordinates::resultant`](mesh::Coordinates::resultant) and [`Coordinates::moment`](mesh::Coordinates::moment) give those on the whole part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SideForce<const D: usize> {
-    /// The force; in axisymmetric coordinates that along the axis.
+    /// Sum of the forces at the vertices.
     pub force: Vector<D>,
     /// `Σ f xᵀ` of the forces `f` at the vertices `x`.
     pub first_moment: Tensor<D>,
 }
 
 impl<const D: usize> SideForce<D> {
-    /// Returns no force.
+    /// Returns the force zero.
     fn zero() -> Self {
         Self { force: Vector::zeros(), first_moment: Tensor::zeros() }
     }
@@ -40,7 +41,6 @@ impl<const D: usize> FluidStep<'_, D> {
     /// several sides: each gets the integral of its stress, and an equal share of the rest.
     pub(crate) fn side_forces(&self, layout: &BlockLayout, x: &[f64], residual: &[f64]) -> Vec<SideForce<D>> {
         let background = &self.setup.background;
-        let coordinates = background.coordinates();
         let sides = &self.setup.boundary;
         let mut of_dofs: BTreeMap<u32, Vec<(usize, Vector<D>)>> = BTreeMap::new();
         for (k, (tag, _)) in sides.iter().enumerate().filter(|(_, (tag, _))| !self.setup.is_open(Some(*tag))) {
@@ -59,7 +59,6 @@ impl<const D: usize> FluidStep<'_, D> {
                 forces[side].first_moment -= (traction + rest) * place.transpose();
             }
         }
-        forces.iter_mut().for_each(|side| side.force = coordinates.resultant(side.force));
         forces
     }
 

@@ -14,6 +14,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("smallvec", &["crates/cutcell/src"]),
     ("sprs", &["crates/algebra/src"]),
     ("faer", &["crates/algebra/src/linear"]),
+    ("pulp", &["crates/algebra/src/linear/static_factors.rs"]),
     (
         "rayon",
         &[

@@ -92,11 +92,45 @@ impl<const D: usize> DeformableObstacle<D> {
         near.iter_mut().for_each(|f| *f = self.facets[f.index()]);
     }
 
+    /// Returns the closest point of some facets, and its facet.
+    pub(super) fn closest(
+        &self,
+        x: &Point<D>,
+        at: Positions<'_, D>,
+        candidates: &[FacetId],
+    ) -> Option<(FacetId, Foot<D>)> {
+        let mut best: Option<(FacetId, Foot<D>)> = None;
+        for &facet in candidates {
+            let points = &facet_points(self.boundary.facet(facet), at)[..D];
+            let bound = Aabb::of_points(points).squared_distance(x);
+            if best.as_ref().is_some_and(|(_, known)| known.is_closer_than(bound)) {
+                continue;
+            }
+            let foot = Foot::on_facet(x, points);
+            if best.as_ref().is_none_or(|(_, known)| foot.beats(known)) {
+                best = Some((facet, foot));
+            }
+        }
+        best
+    }
+
+    /// Returns the projection onto a closest point of a facet.
+    pub(super) fn projection(
+        &self,
+        x: &Point<D>,
+        (facet, foot): &(FacetId, Foot<D>),
+        at: Positions<'_, D>,
+    ) -> Projection<D> {
+        let (normal, normal_gradient) = self.normal(x, *facet, foot, at);
+        let anchor =
+            Anchor::Facet { facet: *facet, barycentric: foot.barycentric, barycentric_gradient: foot.gradient };
+        Projection { point: foot.point, normal, normal_gradient, anchor }
+    }
+
     /// Returns whether a set contains all facets around a closest point.
-    pub(super) fn surrounds(&self, anchor: &Anchor<D>, facets: &[FacetId]) -> bool {
-        let Anchor::Facet { facet, barycentric, .. } = anchor else { return true };
+    pub(super) fn surrounds(&self, (facet, foot): &(FacetId, Foot<D>), facets: &[FacetId]) -> bool {
         let contains = |facet: &FacetId| facets.contains(facet);
-        match Feature::spanned(self.boundary.facet(*facet), |k| barycentric[k] != 0.0) {
+        match foot.feature(self.boundary.facet(*facet)) {
             Feature::Facet => contains(facet),
             Feature::Edge([a, b]) => {
                 let mut around = self.vertex_to_facet.around(a).iter();
@@ -131,22 +165,7 @@ impl<const D: usize> DeformableObstacle<D> {
 
 impl<const D: usize> Obstacle<D> for DeformableObstacle<D> {
     fn project(&self, x: &Point<D>, at: Positions<'_, D>, candidates: &[FacetId]) -> Option<Projection<D>> {
-        let mut best: Option<(FacetId, Foot<D>)> = None;
-        for &facet in candidates {
-            let points = &facet_points(self.boundary.facet(facet), at)[..D];
-            let bound = Aabb::of_points(points).squared_distance(x);
-            if best.as_ref().is_some_and(|(_, known)| known.is_closer_than(bound)) {
-                continue;
-            }
-            let foot = Foot::on_facet(x, points);
-            if best.as_ref().is_none_or(|(_, known)| foot.beats(known)) {
-                best = Some((facet, foot));
-            }
-        }
-        let (facet, foot) = best?;
-        let (normal, normal_gradient) = self.normal(x, facet, &foot, at);
-        let anchor = Anchor::Facet { facet, barycentric: foot.barycentric, barycentric_gradient: foot.gradient };
-        Some(Projection { point: foot.point, normal, normal_gradient, anchor })
+        self.closest(x, at, candidates).map(|found| self.projection(x, &found, at))
     }
 
     fn boundary(&self) -> Option<&BoundaryMesh<D>> {

@@ -16,8 +16,8 @@ use crate::{Error, Positions};
 ///   contact.
 ///
 /// Closest points and normals are those of [`DeformableObstacle`]. A negative gap counts only if all facets around the closest
-/// point may be touched: at the end of the others its sign has no meaning, as at a re-entrant corner, whose two sides lie in
-/// front of each other.
+/// point may be touched. Elsewhere the closest point is an end of the facets that were searched, and the sign of the gap has
+/// no meaning. The two sides of a re-entrant corner are an example.
 #[derive(Clone, Debug)]
 pub struct OwnSurface<const D: usize> {
     surface: DeformableObstacle<D>,
@@ -83,9 +83,10 @@ impl Facing {
 
 impl<const D: usize> Obstacle<D> for OwnSurface<D> {
     fn project(&self, x: &Point<D>, at: Positions<'_, D>, candidates: &[FacetId]) -> Option<Projection<D>> {
-        let found = self.surface.project(x, at, candidates)?;
-        let is_open = found.gap(x) < 0.0 && !self.surface.surrounds(&found.anchor, candidates);
-        (!is_open).then_some(found)
+        let closest = self.surface.closest(x, at, candidates)?;
+        let found = self.surface.projection(x, &closest, at);
+        let is_known = found.gap(x) >= 0.0 || self.surface.surrounds(&closest, candidates);
+        is_known.then_some(found)
     }
 
     fn boundary(&self) -> Option<&BoundaryMesh<D>> {

@@ -157,6 +157,18 @@ fn jaws_that_close_touch_each_other() {
     });
 }
 
+/// Checks that jaws which overlap a little, with vertices opposite to each other at the tips, are still in contact there.
+#[test]
+fn jaws_that_overlap_touch_each_other() {
+    let closed = 0.22;
+    closed_clamp(closed, penalty(), |contact, _, x| {
+        let report = report_of(contact, x);
+        let gap = report.minimum_gap.unwrap();
+        assert!((gap - (SLIT - closed)).abs() < 3e-3, "{gap}");
+        assert!(report.n_active > 3);
+    });
+}
+
 #[test]
 fn its_tangent_is_exact() {
     fn check(law: impl ContactLaw + 'static) {

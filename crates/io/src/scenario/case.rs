@@ -283,7 +283,7 @@ fn check_contacts<const D: usize>(
             };
             let side = match given.obstacle.as_deref() {
                 Some(ObstacleChoice::RigidPlane { .. }) => ", or reverse `normal`, which points into the obstacle",
-                Some(ObstacleChoice::Ball { .. } | ObstacleChoice::Shape { .. }) => {
+                Some(ObstacleChoice::Ball { hollow: false, .. } | ObstacleChoice::Shape { hollow: false, .. }) => {
                     ", or set `hollow` if the body is inside of a container; a line that crosses itself has no inside"
                 }
                 _ => "",

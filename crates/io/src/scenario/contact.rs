@@ -154,7 +154,8 @@ impl<'p, const D: usize> ContactBuilder<'p, D> {
     /// # Errors
     /// Names that do not exist, obstacles that cannot be built, and pairs of which neither can move.
     pub(super) fn contacts(&self, given: &At<ContactKeys>) -> Result<Vec<Contact<D>>, ScenarioError> {
-        if let (None, Some(obstacle)) = (&given.body, &given.obstacle) {
+        let has_pairs = given.pairs.is_some() || given.pair.is_some();
+        if let (true, None, Some(obstacle)) = (has_pairs, &given.body, &given.obstacle) {
             let cause = "`pairs` or `pair`, which are of bodies; give `body` with it in a table of its own, and here";
             return Err(obstacle.at.error(ErrorKind::NoEffect(cause)));
         }
@@ -350,6 +351,7 @@ impl<'p, const D: usize> ContactBuilder<'p, D> {
         self.built[body.index()].deforms
     }
 
+    /// Returns the error of a law that is for bodies that do not deform.
     fn deforming(&self, given: &At<ContactKeys>, slave: BodyId, law: &str) -> ScenarioError {
         let name = self.bodies[slave.index()].name();
         given.at.invalid(format!(
@@ -357,6 +359,7 @@ impl<'p, const D: usize> ContactBuilder<'p, D> {
         ))
     }
 
+    /// Returns the error of a law that needs the stress of the slave.
     fn rigid(&self, given: &At<ContactKeys>, slave: BodyId) -> ScenarioError {
         let name = self.bodies[slave.index()].name();
         given.at.invalid(format!(

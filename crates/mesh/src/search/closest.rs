@@ -24,7 +24,7 @@ pub enum Feature {
 
 impl Feature {
     /// Returns the feature of a facet that is spanned by some of its vertices.
-    pub fn spanned(facet: &[VertexId], is_spanning: impl Fn(usize) -> bool) -> Self {
+    pub(super) fn spanned(facet: &[VertexId], is_spanning: impl Fn(usize) -> bool) -> Self {
         let mut spanning = (0..facet.len()).filter(|&k| is_spanning(k)).map(|k| facet[k]);
         match (spanning.next(), spanning.next(), spanning.next()) {
             (Some(v), None, _) => Self::Vertex(v),

@@ -7,20 +7,20 @@ use crate::DofKey;
 use crate::linear::{Equilibration, LinearError};
 
 impl LaggedSolver {
-    /// Returns the factorised matrix with its scales, nodes and keys; empty without one. Integers are numbers without a
-    /// fraction; the 64 bits of the key of a node are two of them.
+    /// Returns the factorised matrix with its scales, nodes and keys; empty if the next matrix will be factorised. Integers
+    /// are numbers without a fraction; the 64 bits of the key of a node are two of them.
     pub(super) fn to_lists(&self) -> Vec<Vec<f64>> {
-        let Some((base, matrix)) = self.base.as_ref().and_then(|base| Some((base, base.matrix.as_ref()?))) else {
+        let base = self.base.as_ref().filter(|_| !self.must_factorize);
+        let Some((base, matrix)) = base.and_then(|base| Some((base, base.matrix.as_ref()?))) else {
             return Vec::new();
         };
-        let flag = |is_set| f64::from(u8::from(is_set));
         let integers = |list: &[u32]| list.iter().map(|k| f64::from(*k)).collect();
         let mut keys = vec![[0.0; 4]; base.keys.len()];
         for (key, unknown) in &base.keys {
             keys[*unknown as usize] = key.to_numbers();
         }
         vec![
-            vec![flag(self.must_factorize), flag(base.factors.is_pivoting())],
+            vec![f64::from(u8::from(base.factors.is_pivoting()))],
             base.scales.row().to_vec(),
             base.scales.column().to_vec(),
             integers(matrix.indptr().raw_storage()),
@@ -36,18 +36,17 @@ impl LaggedSolver {
     /// # Errors
     /// [`LinearError::Memory`]: they are other lists. Errors of the factors.
     pub(super) fn take_lists(&mut self, lists: &[Vec<f64>]) -> Result<(), LinearError> {
+        (self.base, self.is_factorized, self.must_factorize) = (None, false, false);
         let [flags, row, column, column_ptr, rows, values, nodes, keys] = lists else {
             return if lists.is_empty() { Ok(()) } else { Err(LinearError::Memory) };
         };
         let n = row.len();
         let (keys, rest) = keys.as_chunks::<4>();
         let nodes = integers(nodes)?;
-        let fits = column.len() == n && nodes.len() == n && keys.len() == n && rest.is_empty();
-        let (&[must_factorize, is_pivoting], true) = (&flags[..], fits && nodes.iter().all(|k| (*k as usize) < n))
-        else {
-            return Err(LinearError::Memory);
-        };
+        let fits = n > 0 && column.len() == n && nodes.len() == n && keys.len() == n && rest.is_empty();
         let (column_ptr, rows) = (integers(column_ptr)?, integers(rows)?);
+        let is_sound = fits && nodes.iter().all(|k| (*k as usize) < n) && column_ptr.first() == Some(&0);
+        let (&[is_pivoting], true) = (&flags[..], is_sound) else { return Err(LinearError::Memory) };
         let matrix = CsMatI::try_new_csc((n, n), column_ptr, rows, values.clone()).map_err(|_| LinearError::Memory)?;
         let mut sorted = Vec::with_capacity(n);
         for (unknown, key) in (0..).zip(keys) {
@@ -62,8 +61,6 @@ impl LaggedSolver {
         }
         base.matrix = Some(matrix);
         self.base = Some(base);
-        self.is_factorized = false;
-        self.must_factorize = must_factorize != 0.0;
         Ok(())
     }
 }
