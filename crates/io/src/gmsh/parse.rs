@@ -197,7 +197,8 @@ fn node_blocks(
     points: &mut Vec<[f64; 3]>,
     numbers: &mut HashMap<u64, usize>,
 ) -> Result<(), String> {
-    for _ in 0..blocks(scan)? {
+    let (n_blocks, n_nodes) = blocks(scan)?;
+    for _ in 0..n_blocks {
         let (dimension, _entity, parametric) = (scan.int()?, scan.int()?, scan.int()?);
         let stated = scan.size()?;
         let n = scan.count(stated)?;
@@ -211,16 +212,24 @@ fn node_blocks(
             push_node(scan, number, x, points, numbers)?;
         }
     }
-    Ok(())
+    check_total(scan, "nodes", n_nodes, points.len())
 }
 
-/// Reads the numbers of blocks and entries and the range of the numbers of entries, and returns the first.
-fn blocks(scan: &mut Scan<'_>) -> Result<usize, String> {
-    let n = scan.size()?;
-    for _ in 0..3 {
+/// Reads the numbers of blocks and entries and the range of the numbers of entries, and returns the first two.
+fn blocks(scan: &mut Scan<'_>) -> Result<(usize, u64), String> {
+    let (n_blocks, n_entries) = (scan.size()?, scan.size()?);
+    for _ in 0..2 {
         scan.size()?;
     }
-    scan.count(n)
+    Ok((scan.count(n_blocks)?, n_entries))
+}
+
+/// Checks that the blocks of a section have as many entries as its first line states.
+fn check_total(scan: &Scan<'_>, what: &str, stated: u64, found: usize) -> Result<(), String> {
+    if stated == found as u64 {
+        return Ok(());
+    }
+    Err(scan.fail(format!("the section states {stated} {what}, and its blocks have {found}; save the mesh again")))
 }
 
 fn node_number(scan: &mut Scan<'_>) -> Result<u64, String> {
@@ -274,7 +283,8 @@ fn element_blocks(
     numbers: &HashMap<u64, usize>,
     entities: &HashMap<(i32, i32), Groups>,
 ) -> Result<(), String> {
-    for _ in 0..blocks(scan)? {
+    let ((n_blocks, n_elements), mut n_read) = (blocks(scan)?, 0);
+    for _ in 0..n_blocks {
         let (dimension, entity, kind) = (scan.int()?, scan.int()?, scan.int()?);
         let stated = scan.size()?;
         let n = scan.count(stated)?;
@@ -284,8 +294,9 @@ fn element_blocks(
             let number = scan.size()?;
             push_element(scan, kind, number, groups, elements, |scan| find(scan, numbers, number, Scan::size))?;
         }
+        n_read += n;
     }
-    Ok(())
+    check_total(scan, "elements", n_elements, n_read)
 }
 
 /// Reads the number of a node of an element, and returns the index of the node.

@@ -409,7 +409,14 @@ fn supports_and_loads<const D: usize>(
     let mut supports = Vec::new();
     let mut loads = Vec::new();
     for (name, condition) in &conditions.0 {
-        let unknown = || condition.at.unknown("part of the surface", name, sorted(mesh.boundary_names()));
+        let unknown = || {
+            match sorted(mesh.boundary_names()) {
+            names if names.is_empty() => condition.at.invalid(format!(
+                "there is no part `{name}`: no part of this surface has a name; in a mesh the physical groups of its boundary name them"
+            )),
+            names => condition.at.unknown("part of the surface", name, names),
+        }
+        };
         let tag = mesh.tag(name).ok_or_else(unknown)?;
         let facets = tagged_facets(solid, name).map_err(|_| unknown())?;
         let vertices = vertices_of(solid, &facets);

@@ -156,7 +156,7 @@ impl<'p, const D: usize> ContactBuilder<'p, D> {
     pub(super) fn contacts(&self, given: &At<ContactKeys>) -> Result<Vec<Contact<D>>, ScenarioError> {
         let has_pairs = given.pairs.is_some() || given.pair.is_some();
         if let (true, None, Some(obstacle)) = (has_pairs, &given.body, &given.obstacle) {
-            let cause = "`pairs` or `pair`, which are of bodies; give `body` with it in a table of its own, and here";
+            let cause = "`pairs` or `pair`: contact with an obstacle needs a table of its own with `body`; here";
             return Err(obstacle.at.error(ErrorKind::NoEffect(cause)));
         }
         match (&given.pairs, &given.pair, &given.body) {
@@ -256,7 +256,7 @@ impl<'p, const D: usize> ContactBuilder<'p, D> {
         let (body, facets) = (&self.bodies[master.index()], self.free_facets(master));
         let boundary = body.surface().clone();
         let obstacle = if slave == master {
-            let exempt = given.offset + 2.0 * given.size;
+            let exempt = exempt(given);
             ContactObstacle::Own(OwnSurface::new(boundary, facets, body.reference().to_vec(), exempt).map_err(fail)?)
         } else {
             ContactObstacle::Body { body: master, surface: DeformableObstacle::new(boundary, facets).map_err(fail)? }
@@ -289,6 +289,11 @@ impl<'p, const D: usize> ContactBuilder<'p, D> {
                 ContactForm::new(law.and_then(|law| law.with_friction(friction)).map_err(fail)?, given.size)
             }
             ContactLawChoice::Nitsche { .. } if !self.deforms(slave) => return Err(self.rigid(given, slave)),
+            ContactLawChoice::Nitsche { gamma_0, .. } if gamma_0 <= D as f64 => {
+                return Err(given.at.invalid(format!(
+                    "`gamma_0` is {gamma_0}, and must be above {D} in dimension {D}, times the number of facets of a cell that lie on the surface; leave it out for 10"
+                )));
+            }
             ContactLawChoice::Nitsche { gamma_0, friction } => {
                 let law = NitscheLaw::new(gamma_0, given.offset).and_then(|law| law.with_friction(friction));
                 ContactForm::new(law.map_err(fail)?, given.size)
@@ -371,6 +376,13 @@ impl<'p, const D: usize> ContactBuilder<'p, D> {
     fn free_facets(&self, body: BodyId) -> Vec<FacetId> {
         self.built[body.index()].contact_facets.clone()
     }
+}
+
+/// Returns the distance up to which parts of a surface are not in contact in the undeformed body. Neighbours along the surface are
+/// within twice the size of each other when they are within the offset. Within three offsets, the sides of a right-angled corner
+/// touch only when it has closed to less than 30 degrees.
+fn exempt(given: &ContactKeys) -> f64 {
+    (given.offset + 2.0 * given.size).max(3.0 * given.offset)
 }
 
 /// Returns the mean measure of the facets of a surface.

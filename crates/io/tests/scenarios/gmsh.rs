@@ -275,6 +275,14 @@ fn malformed_files_are_refused_with_place_and_remedy() {
         V41.replacen(from, to, 1)
     };
     refused("", "the file is empty; save the mesh again");
+    refused(
+        &with_41("3 5 1 100", "3 6 1 100"),
+        "the section states 6 nodes, and its blocks have 5; save the mesh again",
+    );
+    refused(
+        &with_41("3 4 1 12", "3 3 1 12"),
+        "the section states 3 elements, and its blocks have 4; save the mesh again",
+    );
     refused("solid cube\n", "line 1: this is not a Gmsh file");
     refused(
         &with("2.2 0 8", "4 0 8"),
