@@ -187,7 +187,7 @@ fn an_interrupted_run_goes_on_and_is_not_overwritten() {
     assert_eq!(steps(), 3);
 }
 
-/// Checks that the time between checkpoints alone gives every tenth step, and that neither the clock nor checkpoints change a bit.
+/// Checks that the time between checkpoints alone gives every tenth step, and that neither the clock nor checkpoints change results.
 #[test]
 fn minutes_alone_select_from_every_tenth_step() {
     let run = |name: &str, more: &[&str]| {

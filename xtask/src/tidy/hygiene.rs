@@ -10,12 +10,12 @@ const LONG_FILES: &[(&str, &str)] = &[];
 /// Largest numbers of lines of Rust below some folders (docs/adr/0022).
 const BUDGETS: &[(&[&str], usize)] = &[
     (&["crates/cutwater/src/lib.rs", "crates/cutwater/src/main.rs"], 345),
-    (&["crates/io/src"], 12_050),
+    (&["crates/io/src"], 12_150),
     (&["crates/report/src"], 1575),
-    (&["crates/solver/src"], 2960),
-    (&["validation"], 13_250),
+    (&["crates/solver/src"], 3_000),
+    (&["validation"], 13_300),
     (&["xtask/src"], 2400),
-    (&[""], 76_000),
+    (&[""], 76_600),
 ];
 /// Largest number of bytes of all JSON files under version control.
 const JSON_BYTES: usize = 50_000;

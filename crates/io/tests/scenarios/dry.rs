@@ -157,12 +157,12 @@ fn sizes_are_those_of_the_body() {
 #[test]
 fn a_body_does_not_begin_behind_its_obstacle() {
     let plane = "contact.0.obstacle.point=[0.0, 0.2]";
-    refused(CASE, &[&[plane]], &["contact.0.obstacle", "body `block` is 1.900e-1 behind this obstacle"]);
+    refused(CASE, &[&[plane]], &["contact.0.obstacle", "body `block` is 1.900e-1 m behind this obstacle"]);
     let wall = "[[body]]\nname = \"wall\"\nmotion = \"fixed\"\nshape = { kind = \"box\", min = [-1.0, 0.1], max = [0.0, 0.2], n = [1, 1] }";
     let (text, against) = (format!("{CASE}{wall}"), "contact.0.obstacle={ kind = \"body\", name = \"wall\" }");
     assert!(sizes(&legal(&text, &[&[against]])).is_ok(), "they touch");
     // No vertex of the block lies in the wall.
-    refused(&text, &[&[against, "body.1.shape.max.0=0.05"]], &["body `block` is 5.000e-2 behind"]);
+    refused(&text, &[&[against, "body.1.shape.max.0=0.05"]], &["body `block` is 5.000e-2 m behind"]);
     assert!(sizes(&legal(&text, &[&["body.1.shape.max.0=0.05"]])).is_ok(), "no contact acts between them");
 }
 

@@ -277,11 +277,11 @@ fn malformed_files_are_refused_with_place_and_remedy() {
     refused("", "the file is empty; save the mesh again");
     refused(
         &with_41("3 5 1 100", "3 6 1 100"),
-        "the section states 6 nodes, and its blocks have 5; save the mesh again",
+        "line 33: the section states 6 nodes, and its blocks have 5; save the mesh again",
     );
     refused(
         &with_41("3 4 1 12", "3 3 1 12"),
-        "the section states 3 elements, and its blocks have 4; save the mesh again",
+        "line 43: the section states 3 elements, and its blocks have 4; save the mesh again",
     );
     refused("solid cube\n", "line 1: this is not a Gmsh file");
     refused(
