@@ -12,6 +12,7 @@ mod report;
 mod results;
 mod study;
 mod table;
+mod units;
 mod validate;
 mod verify;
 

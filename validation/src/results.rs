@@ -10,6 +10,7 @@ use crate::case::Reference;
 use crate::compare;
 use crate::metrics::Rebound;
 use crate::outcome::Failure;
+use crate::units::cgs;
 use crate::verify::record::{Record, Table, worse};
 use crate::verify::{document, missed};
 
@@ -39,7 +40,7 @@ pub(crate) fn record(name: &str, reference: &Reference, out: &Path) -> Result<Re
         }
     }
     add_energies(&[&results.summary], &mut record);
-    record.show("smallest distance, cm", results.summary.min_distance.unwrap_or(f64::NAN), None);
+    record.show(cgs("smallest distance, <length>"), results.summary.min_distance.unwrap_or(f64::NAN), None);
     let contact = |results: &Results| results.summary.contact_time.unwrap_or(f64::NAN);
     if let Some((start, offset)) = gaps(&results.scenario) {
         let bound = arrival(start, offset).time;
@@ -50,7 +51,11 @@ pub(crate) fn record(name: &str, reference: &Reference, out: &Path) -> Result<Re
             let other = Results::read(&out.join(larger))?;
             let highest = |results: &Results| Rebound::new(results).map_or(f64::NAN, |rebound| rebound.height);
             record.at_least(format!("first contact, and that of {larger}, s"), contact(&results), contact(&other));
-            record.at_least(format!("highest point, and that of {larger}, cm"), highest(&results), highest(&other));
+            record.at_least(
+                cgs(&format!("highest point, and that of {larger}, <length>")),
+                highest(&results),
+                highest(&other),
+            );
         } else {
             record.note(format!("Skipped: the comparison with {larger}, which was not run."));
         }

@@ -1,5 +1,6 @@
 //! Isolines of the vertical displacement on deformed bodies.
 
+use crate::units::cgs;
 use cutwater::mesh::Point;
 use cutwater::report::plane::outline;
 use cutwater::solver::Setup;
@@ -49,7 +50,7 @@ pub(super) fn draw<const D: usize>(
         let triangles: Vec<_> = cells.cells().map(|cell| [0, 1, 2].map(|k| value(cell[k].index()))).collect();
         view.isolines(&triangles, range, LEVELS, false);
         view.draw(OUTLINE, outline(body, &positions, mirror).into_iter());
-        view.bar(range, "cm");
+        view.bar(range, &cgs("<length>"));
         let scale = if is_plate { ", middle, heights times 5" } else { "" };
         views.push((format!("{}: vertical displacement at t = {time:.4} s{scale}", body.name()), view));
     }

@@ -1,5 +1,6 @@
 //! Isolines of the vorticity with velocity vectors, on the whole domain and near the lowest point of a body.
 
+use crate::units::cgs;
 use cutwater::io::vtk::fluid::{curl, fluid_polygons};
 use cutwater::mesh::{SimplexMesh, Vector, VertexId};
 use cutwater::report::plane::{barycentric, outline};
@@ -63,7 +64,7 @@ pub(super) fn draw<const D: usize>(view: &StepView<'_, D>, leading: usize, mirro
         }
         let longest = vectors(&mut shown, &triangles, low, high);
         shown.bar((-largest, largest), "1/s");
-        (format!("{title}; longest vector {longest:.1} cm/s"), shown)
+        (cgs(&format!("{title}; longest vector {longest:.1} <velocity>")), shown)
     });
     Some(picture(views.into()))
 }

@@ -10,6 +10,7 @@ use super::case_result::CaseResult;
 use crate::bounds::impact::{Impact, impact};
 use crate::bounds::potential::{added_mass, arrival, fall, gaps};
 use crate::outcome::Failure;
+use crate::units::cgs;
 
 /// Falls whose times and speeds are listed.
 const FALLS: [(f64, f64); 5] = [(6.0, 3.0), (6.0, 0.1), (3.0, 0.1), (1.0, 0.1), (1.0, 0.05)];
@@ -43,7 +44,11 @@ fn potential_flow(cases: &[CaseResult]) -> Result<String, Failure> {
             vec![number(start), number(end), format!("{:.4}", at.time), format!("{:.1}", at.speed)]
         })
         .collect();
-    html += &table("", &["start gap [cm]", "reaches [cm]", "at [s]", "speed [cm/s]"], &rows);
+    html += &table(
+        "",
+        &[&cgs("start gap [<length>]"), &cgs("reaches [<length>]"), "at [s]", &cgs("speed [<velocity>]")],
+        &rows,
+    );
     let rows: Vec<Vec<String>> = cases
         .iter()
         .filter_map(|case| {
@@ -66,7 +71,7 @@ fn potential_flow(cases: &[CaseResult]) -> Result<String, Failure> {
     };
     let mut figures = vec![chart(
         "added mass, relative to the mass of the disk".to_owned(),
-        "gap [cm]",
+        &cgs("gap [<length>]"),
         vec![mass],
         "In the box of the paper, with no pressure on its open sides.",
     )?];
@@ -81,7 +86,7 @@ fn potential_flow(cases: &[CaseResult]) -> Result<String, Failure> {
             let column = format!("{}d_min", case.results.leading_prefix());
             case.results.curve(&case.name, &case.results.history, &column)
         }));
-        let title = format!("smallest distance [cm], start at {}", number(start));
+        let title = cgs(&format!("smallest distance [<length>], start at {}", number(start)));
         figures.push(chart(title, "time [s]", curves, "No computed fall may be faster than the ideal one.")?);
     }
     Ok(html + &gallery(&figures))
@@ -109,7 +114,7 @@ fn dry_impact(is_quick: bool) -> Result<String, Failure> {
         "Δt [s]",
         "contact lasts [ms]",
         "restitution",
-        "smallest height [cm]",
+        &cgs("smallest height [<length>]"),
         "largest elastic energy",
         "energy lost",
     ];

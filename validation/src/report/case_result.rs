@@ -11,6 +11,7 @@ use crate::compare::Compared;
 use crate::figures::CAPTIONS;
 use crate::metrics::{Rebound, THICKNESS};
 use crate::outcome::Failure;
+use crate::units::cgs;
 
 pub(crate) struct CaseResult {
     pub(crate) name: String,
@@ -69,7 +70,7 @@ impl CaseResult {
                 Curve::new(name.as_str(), times.iter().copied().zip(values).collect())
             };
             let curves = thickness.names().iter().skip(1).map(curve).collect();
-            let chart = Chart { marks, ..Chart::new("smallest thickness [cm]", "time [s]", curves) };
+            let chart = Chart { marks, ..Chart::new(cgs("smallest thickness [<length>]"), "time [s]", curves) };
             html += &format!("<h3>Thickness</h3>{}", gallery(&[chart.html()?]));
         }
         if !self.figures.is_empty() {

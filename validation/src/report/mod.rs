@@ -12,6 +12,7 @@ use cutwater::report::{Chart, Page, Section};
 use self::case_result::CaseResult;
 use crate::case;
 use crate::outcome::Failure;
+use crate::units::cgs;
 
 /// Open questions and errors of the paper, and how they were settled.
 const SETTLED: &str = include_str!("settled.html");
@@ -43,7 +44,7 @@ pub(crate) fn write(cases: &[String], is_quick: bool, out: &Path) -> Result<(), 
 
 fn summary(cases: &[CaseResult]) -> String {
     let rows: Vec<Vec<String>> = cases.iter().map(CaseResult::row).collect();
-    let head = ["case", "contact [s]", "release [s]", "highest [cm]", "at [s]", "wall time", "verdict"];
+    let head = ["case", "contact [s]", "release [s]", &cgs("highest [<length>]"), "at [s]", "wall time", "verdict"];
     let seconds: f64 = cases.iter().map(|case| case.results.summary.wall_seconds).sum();
     let machine = escape(&machine());
     table("", &head, &rows) + &format!("<p class=\"muted\">{} in all. {machine}</p>", duration(seconds))
@@ -115,7 +116,10 @@ fn comparisons(cases: &[CaseResult]) -> Result<Option<Section>, Failure> {
             };
             Chart::new(title, "time [s]", members.iter().map(curve).collect()).html()
         };
-        let figures = [chart("height of the body [cm]", "body_height")?, chart("smallest distance [cm]", "d_min")?];
+        let figures = [
+            chart(&cgs("height of the body [<length>]"), "body_height")?,
+            chart(&cgs("smallest distance [<length>]"), "d_min")?,
+        ];
         let profile = &members[0].results.summary.stabilisation;
         let compared: Vec<_> =
             members.iter().filter(|case| case.results.summary.stabilisation == *profile).copied().collect();

@@ -4,6 +4,7 @@ use cutwater::report::html::{number, optional, table, verdict};
 
 use super::case_result::CaseResult;
 use crate::metrics::Rebound;
+use crate::units::cgs;
 
 /// Returns the table of contact and rebound of runs of one scenario and profile, from large to small time steps. `None`
 /// if all have the same step.
@@ -34,8 +35,8 @@ pub(super) fn table_of_steps(runs: &[&CaseResult]) -> Option<String> {
         "contact [s]",
         "highest point, paper [s]",
         "highest point [s]",
-        "highest [cm]",
-        "smallest distance [cm]",
+        &cgs("highest [<length>]"),
+        &cgs("smallest distance [<length>]"),
     ];
     let rows: Vec<Vec<String>> = runs.iter().map(row).collect();
     let grows = |value: &dyn Fn(&CaseResult) -> Option<f64>| {

@@ -18,6 +18,7 @@ use crate::outcome::{Failure, Outcome, causes};
 use crate::report::machine;
 use crate::results;
 use crate::table::short;
+use crate::units::cgs;
 use crate::verify::record::{Record, Table, worse};
 use crate::verify::{document, missed};
 
@@ -121,16 +122,16 @@ fn run_one(study: &str, series: &Series, value: f64, again: bool, out: &Path) ->
     Ok(run)
 }
 
-/// Columns of the table of a study, after the name of the series; those of [`row`].
+/// Columns of the table of a study with marks of units, after the name of the series; those of [`row`].
 const HEAD: [&str; 13] = [
     "value",
     "contact [s]",
     "release [s]",
     "contacts",
-    "closest on first approach [cm]",
-    "speed after release [cm/s]",
-    "fastest [cm/s]",
-    "highest [cm]",
+    "closest on first approach [<length>]",
+    "speed after release [<velocity>]",
+    "fastest [<velocity>]",
+    "highest [<length>]",
     "at [s]",
     "cells",
     "steps",
@@ -175,6 +176,7 @@ fn record(name: &str, definition: &Definition, runs: &[Vec<Run>]) -> Record {
     results::add_energies(&summaries, &mut record);
     let varied: Vec<&Run> = all().filter(|(series, _)| series.coefficient).flat_map(|(_, runs)| runs).collect();
     for (quantity, of) in QUANTITIES[1..].iter().filter(|_| !varied.is_empty()) {
+        let quantity = cgs(quantity);
         let values = || varied.iter().map(|run| of(run).unwrap_or(f64::NAN));
         let (largest, smallest) =
             (values().fold(f64::NEG_INFINITY, worse), -values().map(|v| -v).fold(f64::NEG_INFINITY, worse));
@@ -182,7 +184,7 @@ fn record(name: &str, definition: &Definition, runs: &[Vec<Run>]) -> Record {
         record.at_most(format!("spread over the coefficients, {quantity}, %"), 100.0 * spread, LARGEST_SPREAD);
     }
     let rows = all().flat_map(|(series, runs)| runs.iter().map(|run| [vec![series.name.clone()], row(run)].concat()));
-    let head = ["series"].iter().chain(&HEAD).map(|name| (*name).to_owned()).collect();
+    let head = ["series"].iter().chain(&HEAD).map(|name| cgs(name)).collect();
     record.tables.push(Table { head, rows: rows.collect() });
     record.notes.clone_from(&definition.note);
     // Series that vary the same quantity share their charts. Two values of a coefficient make no curve.
@@ -200,8 +202,8 @@ fn record(name: &str, definition: &Definition, runs: &[Vec<Run>]) -> Record {
             }
         };
         chart("contact [s]", &Run::first_contact);
-        chart("fastest after contact [cm/s]", &|run| Some(run.rebound?.fastest));
-        chart("highest point after rebound [cm]", &|run| Some(run.rebound?.height));
+        chart(&cgs("fastest after contact [<velocity>]"), &|run| Some(run.rebound?.fastest));
+        chart(&cgs("highest point after rebound [<length>]"), &|run| Some(run.rebound?.height));
     }
     record
 }
@@ -211,15 +213,15 @@ fn record(name: &str, definition: &Definition, runs: &[Vec<Run>]) -> Record {
 const LARGEST_UNCERTAINTY: f64 = 3.0;
 const LARGEST_SPREAD: f64 = 5.0;
 
-/// A quantity of a run with its name.
+/// A quantity of a run with its name, which has marks of units.
 type Quantity = (&'static str, fn(&Run) -> Option<f64>);
 
 /// Quantities whose limits are computed; a required order holds for all but the first.
 const QUANTITIES: [Quantity; 4] = [
     ("contact [s]", |run| run.arrival_time),
-    ("speed after release [cm/s]", |run| Some(run.rebound?.speed)),
-    ("fastest [cm/s]", |run| Some(run.rebound?.fastest)),
-    ("highest [cm]", |run| Some(run.rebound?.height)),
+    ("speed after release [<velocity>]", |run| Some(run.rebound?.speed)),
+    ("fastest [<velocity>]", |run| Some(run.rebound?.fastest)),
+    ("highest [<length>]", |run| Some(run.rebound?.height)),
 ];
 
 /// Adds the limits of a series: rows of a table, and verdicts on contact before that in an ideal fluid, on orders and
@@ -232,13 +234,14 @@ fn add_limits(series: &Series, runs: &[Run], record: &mut Record, table: &mut Ve
         record.at_least(format!("{name}: earliest contact, and that in an ideal fluid [s]"), earliest, bound);
     }
     for (k, (quantity, of)) in QUANTITIES.iter().enumerate() {
+        let quantity = cgs(quantity);
         // A run without the quantity leaves no limit.
         let sequence: Option<Vec<(f64, f64)>> = runs.iter().map(|run| Some((run.value, of(run)?))).collect();
         let limit = sequence.and_then(|sequence| richardson(&sequence));
         if let Some(Limit { value, uncertainty, order, shrinks }) = limit {
             table.push(vec![
                 name.clone(),
-                (*quantity).to_owned(),
+                quantity.clone(),
                 format!("{value:.4} ± {uncertainty:.4}"),
                 order.map_or("-".to_owned(), |order| format!("{order:.1}")),
                 if shrinks { "yes" } else { "no" }.to_owned(),

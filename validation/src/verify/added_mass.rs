@@ -10,6 +10,7 @@ use cutwater::solver::Setup;
 use super::flow::fluid_mut;
 use super::{Failure, Record, Run, short};
 use crate::case::scenario_path;
+use crate::units::cgs;
 
 /// Acceleration of a rigid ball in ideal fluid, `-g m/(m + M_a)` with the added mass of the case's box, cm/s².
 const RIGID: f64 = -594.5;
@@ -34,7 +35,8 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
         let mut curve = Vec::new();
         for &h in sizes {
             let [standard, paper] = SETS.map(|set| acceleration(h, is_rigid, n_steps, set));
-            let (standard, at) = (standard?, format!("acceleration at h = {} cm [cm/s²]", short(h)));
+            let (standard, at) =
+                (standard?, cgs(&format!("acceleration at h = {} <length> [<acceleration>]", short(h))));
             record.show(format!("{name}: {at}"), standard, Some(RIGID));
             record.show(format!("{name}, the paper's set: {at}"), paper?, Some(RIGID));
             curve.push((h, standard));
@@ -43,7 +45,12 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
         // A layer of fluid of the thickness of a cell moves with the body: the error is of first order.
         let limit = 2.0 * fine - coarse;
         if is_rigid {
-            record.near_relative(format!("{name}: extrapolated to h = 0 [cm/s²]"), limit, RIGID, ACCURACY);
+            record.near_relative(
+                cgs(&format!("{name}: extrapolated to h = 0 [<acceleration>]")),
+                limit,
+                RIGID,
+                ACCURACY,
+            );
         } else {
             let approaches = curve.windows(2).all(|w| (w[1].1 - RIGID).abs() < (w[0].1 - RIGID).abs());
             record.at_least(
@@ -60,13 +67,15 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
             changes.push((pair[0], (velocity(pair[0], time)? - velocity(pair[1], time)?).abs()));
         }
         record.order(
-            &format!("free rigid ball, generalised-α{of_time}: velocity at 40 ms, change when dt is halved [cm/s]"),
+            &cgs(&format!(
+                "free rigid ball, generalised-α{of_time}: velocity at 40 ms, change when dt is halved [<velocity>]"
+            )),
             "dt",
             &changes,
             TIME_ORDER,
         );
     }
-    record.figure("Acceleration of the ball [cm/s²]", "h [cm]", curves);
+    record.figure(cgs("Acceleration of the ball [<acceleration>]"), &cgs("h [<length>]"), curves);
     record.note("A fixed time in the penalty of the pressure is `fluid.stabilisation.time`; it is the longest step of the study.");
     record.note("The virtual barrier with cells of one size and the standard stabilisation; linear extrapolation from the last two meshes.");
     Ok(())

@@ -9,6 +9,7 @@ use super::example::{Example, History};
 use super::record::worse;
 use super::signal::range;
 use super::{Failure, P, Record, V, short};
+use crate::units::cgs;
 
 const EXAMPLE: &str = "carried-round";
 const ELASTIC: &str = "elastic energy of the strip after each revolution: largest over least, minus 1";
@@ -65,12 +66,12 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     record.show("cells of the background, which do not move", history.n_cells as f64, None);
     record.show("parts of divided steps", history.n_parts as f64, Some(0.0));
     record.figure(
-        "Elastic energy of the strip [erg/cm]",
+        cgs("Elastic energy of the strip [<energy>]"),
         "time [s]",
         vec![("elastic energy", history.of_body(0, elastic))],
     );
     record.figure(
-        "Distance of the centre from the axis [cm]",
+        cgs("Distance of the centre from the axis [<length>]"),
         "time [s]",
         vec![("distance", history.of_body(0, distance))],
     );

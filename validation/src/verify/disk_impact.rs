@@ -7,6 +7,7 @@ use cutwater::algebra::time::ImplicitEuler;
 use super::dry::{Scheme, second_order};
 use super::{Failure, Record, short};
 use crate::bounds::impact::impact;
+use crate::units::cgs;
 
 /// Speed of the ball at the virtual barrier, cm/s.
 const SPEED: f64 = 52.45;
@@ -46,7 +47,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let found = gated.ok_or("nothing was measured")?;
     record.near("restitution", found.restitution, RESTITUTION, 0.02);
     record.near("contact lasts [ms]", 1e3 * found.duration, DURATION, 0.4);
-    record.near_relative("smallest height [cm]", found.smallest_height, HEIGHT, 0.005);
+    record.near_relative(cgs("smallest height [<length>]"), found.smallest_height, HEIGHT, 0.005);
     record.figure("energy lost in an impact, over that before", "time step [s]", curves);
     record.note(format!(
         "Cells of {size} cm; generalised-α with three spectral radii. The last rows are those of rho_inf = {GATED} at dt = {} s.",

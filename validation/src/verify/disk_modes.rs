@@ -3,6 +3,7 @@
 use super::dry::{run, second_order};
 use super::mode::{Mode, frequency_of};
 use super::{Failure, Record, short};
+use crate::units::cgs;
 
 /// `n` and `ω R/c_s` of the first mode with `n` waves around the disk: roots of the frequency determinant of a free
 /// disk in plane strain with `ν = 0.4`.
@@ -38,7 +39,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
         record.show_order(&format!("error of the frequency, n = {n}"), "size", &errors);
         curves.push((format!("n = {n}"), errors));
     }
-    record.log_figure("error of the frequency, relative", "size of cells [cm]", curves);
+    record.log_figure("error of the frequency, relative", &cgs("size of cells [<length>]"), curves);
     record.note(format!(
         "The disk starts at rest in the shape of the mode; its amplitude is the projection upon the mode, and the frequency follows from \
          all passages of zero in {PERIODS} periods. Generalised-α (rho_inf = 0.8) with {} steps in a period at size 0.4, and \

@@ -16,6 +16,7 @@ use cutwater::solver::StepReport;
 use super::dry::{elastic, floor_by, pushed, run};
 use super::signal::passage;
 use super::{Failure, P, Record, Run, V};
+use crate::units::cgs;
 
 /// Radius, cm.
 const RADIUS: f64 = 4.0;
@@ -101,16 +102,21 @@ fn nitsche(record: &mut Record, n: usize) -> Result<(), Failure> {
             |power: i32| points.iter().zip(sizes(&points)).map(|(at, h)| at.1 * h * at.0.powi(power)).sum::<f64>();
         let name = format!("Nitsche, gamma_0 = {gamma_0}");
         record.at_least(format!("{name}: half-width over the size of cells in the middle"), radius / size, 20.0);
-        record.near_relative(format!("{name}: largest pressure p0 [dyn/cm²]"), middle, peak, 0.01);
+        record.near_relative(cgs(&format!("{name}: largest pressure p0 [<pressure>]")), middle, peak, 0.01);
         let half_width = 2.0 * (moments(2) / moments(0)).sqrt();
         record.near_relative(
-            format!("{name}: half-width from the second moment of the pressure [cm]"),
+            cgs(&format!("{name}: half-width from the second moment of the pressure [<length>]")),
             half_width,
             radius,
             0.03,
         );
         let pole = PUSHED + run.state.bodies[0].displacement()[n][1];
-        record.near_relative(format!("{name}: approach of the pole [cm]"), pole, approach(load, radius), 0.05);
+        record.near_relative(
+            cgs(&format!("{name}: approach of the pole [<length>]")),
+            pole,
+            approach(load, radius),
+            0.05,
+        );
         let scatter = points.iter().filter(|at| at.0.abs() < 0.9 * radius);
         let exact = |x: f64| peak * (1.0 - (x / radius).powi(2)).max(0.0).sqrt();
         let scatter = scatter.map(|at| (at.1 - exact(at.0)).abs() / peak).fold(0.0, f64::max);
@@ -119,8 +125,10 @@ fn nitsche(record: &mut Record, n: usize) -> Result<(), Failure> {
     }
     let material = SaintVenantKirchhoff::new(LameParameters::new(MU, LAMBDA)?);
     let (run, report) = press(n, material, ContactForm::new(NitscheLaw::new(GAMMA_0[0], 0.0)?, 1.0)?)?;
-    let (name, peak) =
-        ("Saint Venant-Kirchhoff, Nitsche: largest pressure p0 [dyn/cm²]", hertz(report.contacts[0].force[1]).1);
+    let (name, peak) = (
+        cgs("Saint Venant-Kirchhoff, Nitsche: largest pressure p0 [<pressure>]"),
+        hertz(report.contacts[0].force[1]).1,
+    );
     record.near_relative(name, in_the_middle(&pressures(&run, &report))?[0], peak, 0.01);
     for (k, what) in ["load", "largest pressure", "half-width", "approach"].into_iter().enumerate() {
         let change = (found[1][k] / found[0][k] - 1.0).abs();
@@ -182,17 +190,22 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let scatter =
         surface.iter().filter(|at| at.0 < 0.9 * radius).map(|at| (at.1 - exact(at.0)).abs() / peak).fold(0.0, f64::max);
     record.at_least("half-width over the largest cell in contact", radius / (next.0 - last.0), 20.0);
-    record.near_relative("half-width a [cm]", edge, radius, 0.05);
-    record.near_relative("largest pressure p0 [dyn/cm²]", lowest.1, peak, 0.03);
+    record.near_relative(cgs("half-width a [<length>]"), edge, radius, 0.05);
+    record.near_relative(cgs("largest pressure p0 [<pressure>]"), lowest.1, peak, 0.03);
     let pole = run.state.bodies[0].displacement()[n][1];
-    record.near_relative("approach δ of the pole and the middle [cm]", PUSHED + pole, approach(load, radius), 0.05);
+    record.near_relative(
+        cgs("approach δ of the pole and the middle [<length>]"),
+        PUSHED + pole,
+        approach(load, radius),
+        0.05,
+    );
     record.show("largest deviation of the pressure within 0.9 a, over p0", scatter, None);
-    record.show("load P [dyn/cm]", load, None);
+    record.show(cgs("load P [<force>]"), load, None);
     nitsche(record, if record.full { 128 } else { 64 })?;
     let pressures: Vec<_> = surface.iter().filter(|at| at.0 < 1.5 * radius).map(|&(x, p)| (x, p.max(0.0))).collect();
     record.figure(
-        "contact pressure [dyn/cm²]",
-        "distance from the centre [cm]",
+        cgs("contact pressure [<pressure>]"),
+        &cgs("distance from the centre [<length>]"),
         vec![
             ("Hertz".to_owned(), pressures.iter().map(|&(x, _)| (x, exact(x))).collect()),
             ("computed".to_owned(), pressures),

@@ -12,6 +12,7 @@ use super::flow::{PAPERS_PENALTY, fluid_mut};
 use super::linear_flow::still;
 use super::mode::{Mode, RADIUS, frequency_of};
 use super::{Failure, P, Record, Run, V, short};
+use crate::units::cgs;
 
 /// Viscosity of the falling balls' fluid, P; its density is that of the disk, one.
 const VISCOSITY: f64 = 1e-2;
@@ -43,7 +44,11 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
             let mut curve = Vec::new();
             for &h in sizes {
                 let found = frequency(&mode, h, STEPS, set)?;
-                record.show(format!("n = {n}, fluid {name}, h = {h} cm: frequency [Hz]"), found, Some(hertz));
+                record.show(
+                    cgs(&format!("n = {n}, fluid {name}, h = {h} <length>: frequency [Hz]")),
+                    found,
+                    Some(hertz),
+                );
                 curve.push((h, found / hertz));
             }
             let finest = curve.last().map_or(f64::NAN, |(_, ratio)| ratio * hertz);
@@ -56,12 +61,13 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
         let mode = Mode::new(n, exact);
         for steps in [0.5 * STEPS, 2.0 * STEPS, 4.0 * STEPS] {
             let found = frequency(&mode, 0.4, steps, Stabilisation::STANDARD)?;
-            let quantity = format!("n = {n}, fluid slips, h = 0.4 cm, {steps} steps in a period: frequency [Hz]");
+            let quantity =
+                cgs(&format!("n = {n}, fluid slips, h = 0.4 <length>, {steps} steps in a period: frequency [Hz]"));
             record.show(quantity, found, Some(mode.hertz()));
         }
     }
     order_in_time(record)?;
-    record.figure("Frequency over that of a disk in ideal fluid", "h [cm]", curves);
+    record.figure("Frequency over that of a disk in ideal fluid", &cgs("h [<length>]"), curves);
     record.note(format!(
         "{STEPS} steps in a period, {PERIODS} periods from the shape of the mode at rest; generalised-α (rho_inf = 0.8). Open \
          box of {} by {} cm; h at the surface of the disk, in both meshes. The \
@@ -94,8 +100,9 @@ fn order_in_time(record: &mut Record) -> Result<(), Failure> {
         }
         coarser = Some(found);
     }
-    let quantity =
-        format!("n = {n}, fluid slips, h = 0.8 cm: amplitude after 3/4 of a period, change when dt is halved");
+    let quantity = cgs(&format!(
+        "n = {n}, fluid slips, h = 0.8 <length>: amplitude after 3/4 of a period, change when dt is halved"
+    ));
     record.order(&quantity, "dt in periods", &changes, TIME_ORDER);
     Ok(())
 }

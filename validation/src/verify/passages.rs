@@ -4,6 +4,7 @@ use super::example::Example;
 use super::record::Points;
 use super::signal::{range, rises};
 use super::{Failure, P, Record, short};
+use crate::units::cgs;
 
 /// Largest overlap over the contact size, as in `settling-disks`.
 const OVERLAP: f64 = 0.02;
@@ -42,16 +43,20 @@ pub(super) fn pair(record: &mut Record) -> Result<(), Failure> {
         let ratio = soft[at].1 / stiff[at].1;
         record.near_relative("strain energies of soft and stiff disk before they meet, ratio", ratio, MODULI, ENERGIES);
         let last = |curve: &Points| curve.last().map_or(f64::NAN, |(_, value)| *value);
-        record.at_least("distance of the centres along the flow at the end [cm]", last(&along), SEPARATED);
+        record.at_least(cgs("distance of the centres along the flow at the end [<length>]"), last(&along), SEPARATED);
         record.at_most("points in contact at the end", last(&history.touching), 0.0);
         record.show(
-            "distance of the centres across the flow at the end; reference: at the start [cm]",
+            cgs("distance of the centres across the flow at the end; reference: at the start [<length>]"),
             last(&across),
             Some(across[0].1),
         );
     }
-    record.figure("Distance of the centres [cm]", "time [s]", vec![("along the flow", along), ("across it", across)]);
-    record.figure("Strain energy [erg/cm]", "time [s]", vec![("soft disk", soft), ("stiff disk", stiff)]);
+    record.figure(
+        cgs("Distance of the centres [<length>]"),
+        "time [s]",
+        vec![("along the flow", along), ("across it", across)],
+    );
+    record.figure(cgs("Strain energy [<energy>]"), "time [s]", vec![("soft disk", soft), ("stiff disk", stiff)]);
     record.note("`examples/shear-pair.toml`. In the same flow two disks have the same stress, and strain energies in the inverse ratio of their moduli.");
     Ok(())
 }
@@ -82,7 +87,7 @@ pub(super) fn ball(record: &mut Record) -> Result<(), Failure> {
     };
     let [before, behind] = PLACES.map(shape_at);
     let least = heights.iter().map(|(_, height)| *height).fold(f64::INFINITY, f64::min);
-    record.at_most("least height of the ball [cm]: that of the throat", least, THROAT);
+    record.at_most(cgs("least height of the ball [<length>]: that of the throat"), least, THROAT);
     record.near_relative(
         "height over width of the ball behind the throat; reference: before it",
         behind?,
@@ -93,13 +98,13 @@ pub(super) fn ball(record: &mut Record) -> Result<(), Failure> {
     record.show("smallest det F of the ball", history.smallest_volume_ratio(), None);
     let pressure = history.probe("inlet_pressure")?;
     let largest = range(&pressure.iter().map(|(_, p)| *p).collect::<Vec<f64>>())[1];
-    record.show("largest mean pressure at the inlet [dyn/cm²]", largest, None);
+    record.show(cgs("largest mean pressure at the inlet [<pressure>]"), largest, None);
     record.figure(
-        "Centre and height of the ball [cm]",
+        cgs("Centre and height of the ball [<length>]"),
         "time [s]",
         vec![("place of the centre", centre), ("height", heights)],
     );
-    record.figure("Mean pressure at the inlet [dyn/cm²]", "time [s]", vec![("pressure", pressure)]);
+    record.figure(cgs("Mean pressure at the inlet [<pressure>]"), "time [s]", vec![("pressure", pressure)]);
     record.note(format!(
         "`examples/constriction.toml`. Shapes are compared where the centre is at {} and {} cm; the throat is between 2 and 3.4 cm.",
         short(PLACES[0]),

@@ -10,6 +10,7 @@ use cutwater::solver::{FluidBoundary, Setup, Stabilisation};
 use super::flow::{disk, fluid_mut, rigid_polygon};
 use super::linear_flow::still;
 use super::{Failure, P, Record, Run, V, short};
+use crate::units::cgs;
 
 /// Width and height of the box, cm.
 const BOX: [f64; 2] = [2.0, 6.0];
@@ -46,7 +47,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
         );
         record.show(format!("the same with the density of the fluid, {name}"), largest / DENSITY, None);
         let speed = VISCOSITY / (DENSITY * DIAMETER);
-        record.show(format!("largest speed [cm/s], {name}"), speed * largest, Some(speed * REYNOLDS));
+        record.show(cgs(&format!("largest speed [<velocity>], {name}")), speed * largest, Some(speed * REYNOLDS));
         record.show(format!("largest drift to the side over the diameter, {name}"), fall.drift / DIAMETER, Some(0.0));
         record.show(format!("angle turned at the end [rad], {name}"), fall.angle, Some(0.0));
         record.at_most(

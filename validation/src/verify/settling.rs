@@ -5,6 +5,7 @@ use cutwater::io::scenario::case::case;
 use cutwater::solver::{Observer, ObserverError, StageSeconds, State, StepView, TimeLoop};
 
 use crate::case::example_path;
+use crate::units::cgs;
 
 use super::{Failure, Record, short};
 
@@ -55,10 +56,12 @@ fn measure(record: &mut Record, example: &str, quick: &[&str]) -> Result<(), Fai
     if record.full {
         record.at_most("largest speed of a centre at the end over the largest one of the run", last / largest, REST);
     } else {
-        record.show("largest speed of a centre at the end [cm/s]", last, None);
+        record.show(cgs("largest speed of a centre at the end [<velocity>]"), last, None);
     }
-    let curves =
-        vec![("largest speed of a centre [cm/s]", fall.speeds), ("mean height of the centres [cm]", fall.heights)];
+    let curves = vec![
+        (cgs("largest speed of a centre [<velocity>]"), fall.speeds),
+        (cgs("mean height of the centres [<length>]"), fall.heights),
+    ];
     record.figure("Speed and height", "time [s]", curves);
     record.note(format!(
         "`examples/{example}.toml`: contact acts from a distance of {} cm. Below it bodies overlap only if the law is violated by all of that distance.",

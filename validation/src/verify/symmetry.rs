@@ -7,6 +7,7 @@ use cutwater::solver::{Observer, ObserverError, State, StepView, TimeLoop};
 
 use super::{Failure, Record};
 use crate::case::scenario_path;
+use crate::units::cgs;
 
 /// Largest lateral drift of the centre, cm.
 const DRIFT: f64 = 1e-4;
@@ -28,7 +29,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
             let quantity = format!("{set}: {event} of the whole ball [s]; reference: of the half");
             record.near(quantity, time(whole), time(half), 0.0);
         }
-        record.at_most(format!("{set}: lateral drift of the whole ball [cm]"), whole.drift, DRIFT);
+        record.at_most(cgs(&format!("{set}: lateral drift of the whole ball [<length>]")), whole.drift, DRIFT);
     }
     Ok(())
 }

@@ -3,6 +3,7 @@
 use super::example::Example;
 use super::record::{Points, Table};
 use super::{Failure, Record, short};
+use crate::units::cgs;
 
 /// Period of the pressure, s, and number of periods of the examples.
 const PERIOD: f64 = 4.0;
@@ -29,7 +30,7 @@ pub(super) fn leaflets(record: &mut Record) -> Result<(), Failure> {
     let [lower, upper] = [tips[0].as_ref(), tips[1].as_ref()].map(|tip| tip.map_err(ToString::to_string));
     let (lower, upper) = (lower?, upper?);
     let apart = lower.iter().zip(upper).map(|((t, low), (_, high))| (*t, high - low)).collect();
-    record.figure("Distance of the tips across the channel [cm]", "time [s]", vec![("distance", apart)]);
+    record.figure(cgs("Distance of the tips across the channel [<length>]"), "time [s]", vec![("distance", apart)]);
     Ok(())
 }
 
@@ -39,11 +40,11 @@ pub(super) fn ball(record: &mut Record) -> Result<(), Failure> {
     let height = run.history.of_body(0, |balance| balance.centre_of_mass[1]);
     let drift = run.history.of_body(0, |balance| balance.centre_of_mass[0].abs());
     record.show(
-        "largest distance of the ball from the axis [cm]",
+        cgs("largest distance of the ball from the axis [<length>]"),
         drift.iter().map(|(_, x)| *x).fold(0.0, f64::max),
         None,
     );
-    record.figure("Height of the centre [cm]", "time [s]", vec![("height", height)]);
+    record.figure(cgs("Height of the centre [<length>]"), "time [s]", vec![("height", height)]);
     Ok(())
 }
 
@@ -82,11 +83,11 @@ fn measure(record: &mut Record, example: &str, coarse: &[&str]) -> Result<Exampl
     }
     let head = [
         "",
-        "flux while open [cm²/s]",
-        "leak: mean flux while closed [cm²/s]",
-        "largest value at an instant of this time [cm²/s]",
+        "flux while open [<flux>]",
+        "leak: mean flux while closed [<flux>]",
+        "largest value at an instant of this time [<flux>]",
     ];
-    record.tables.push(Table { head: head.map(str::to_owned).into(), rows });
+    record.tables.push(Table { head: head.map(cgs).into(), rows });
     let size = run.setup.contacts.first().ok_or("there is a contact")?.form().size();
     let while_closed = |touching: &Points| {
         let [begin, end] = CLOSED.map(|part| part * PERIOD);
@@ -96,7 +97,7 @@ fn measure(record: &mut Record, example: &str, coarse: &[&str]) -> Result<Exampl
     record.at_most("largest overlap over the contact size", -run.history.smallest_gap / size, OVERLAP);
     record.show("smallest det F", run.history.smallest_volume_ratio(), None);
     record.show("parts of divided steps", run.history.n_parts as f64, Some(0.0));
-    record.figure("Flux through the valve [cm²/s]", "time [s]", vec![("flux", flux)]);
+    record.figure(cgs("Flux through the valve [<flux>]"), "time [s]", vec![("flux", flux)]);
     record.note(format!(
         "`examples/{example}.toml`. The pressure changes its sign every {} s and is constant for two thirds of this time, in the second half of which fluxes are averaged: from {} to {} s and from {} to {} s of each cycle of {} s. The leak is the volume \
          that passes the closed valve, over the time. The flux at an instant is also that of the fluid that swings with a closed valve; its largest value is in the table. All times in contact begin with the first touch, after which \
