@@ -15,8 +15,8 @@
 //!
 //! Fluid parts of a box of triangles with a disk and a thin bar, and of tetrahedra around a rotated cube (exploded view):
 //!
-#![doc = concat!("<div>\n", include_str!("../../../docs/src/images/cut-mesh-plane.svg"), "</div>\n")]
-#![doc = concat!("<div>\n", include_str!("../../../docs/src/images/cut-mesh-space.svg"), "</div>\n")]
+#![doc = concat!("<div>\n", include_str!("../images/cut-mesh-plane.svg"), "</div>\n")]
+#![doc = concat!("<div>\n", include_str!("../images/cut-mesh-space.svg"), "</div>\n")]
 //!
 //! # Algorithm
 //! Every cell that facets touch is divided into convex pieces by the planes of these facets. A plane divides only the
