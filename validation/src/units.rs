@@ -34,6 +34,6 @@ mod tests {
     #[test]
     fn marks_become_units() {
         assert_eq!(cgs("a [<length>] b [<velocity>, <acceleration>]"), "a [cm] b [cm/s, cm/s²]");
-        assert_eq!(cgs("[<pressure>] <force> <energy> <flux>"), "[dyn/cm²] dyn/cm erg/cm cm²/s");
+        assert_eq!(cgs("[<pressure>] <force> <energy> <flux>"), "[dyn/cm²] dyn/cm erg/cm cm³/(s cm)");
     }
 }
