@@ -76,20 +76,11 @@ pub struct FilmPart<const D: usize> {
     pub share: f64,
     /// Gap `δ` at the centroid of the part.
     pub gap: f64,
-    /// Quadrature points. Their weights contain the conductance times the viscosity, `χ (max(d, min(k, h))² - m s d²)/12`, with the
-    /// symbols of [`crate::terms::Film`].
+    /// Thickness `d` of the layer of cells: the extent of the part across the film.
+    pub layer: f64,
+    /// Quadrature points in the part and on its surfaces. Their weights contain the conductance times the viscosity: `χ max(d, min(k, h))²/12` in the part
+    /// and `-χ s ℓ d²/12` on surfaces, with the symbols of [`crate::terms::Film`].
     pub points: Vec<(Point<D>, f64)>,
-}
-
-/// Parameters of the conductance of films.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FilmOptions {
-    /// Height `k` of the asperities of both surfaces together, a length. A thinner film has the conductance of this thickness,
-    /// or of the extent of its cell across the film if that is less.
-    pub roughness: f64,
-    /// Share `s` of the missing flux that passes already because the velocity slips on a surface of the part, on which the
-    /// velocity is imposed by a penalty.
-    pub slip: f64,
 }
 
 /// The films of all parts of a cut.
@@ -106,15 +97,15 @@ pub struct FilmValues<const D: usize> {
 }
 
 impl<const D: usize> FilmValues<D> {
-    /// Finds the films of all parts of a cut.
+    /// Finds the films of all parts of a cut. The `roughness` is the height `k` of the asperities of both surfaces together, a
+    /// length. A thinner film has the conductance of this thickness, or of the extent of its cell across the film if that
+    /// is less.
     pub fn new(
         (background, cut, parts): (&SimplexMesh<D>, &CutMesh<D>, &PartValues<D>),
         surfaces: &FilmSurfaces<D>,
-        options: &FilmOptions,
+        roughness: f64,
     ) -> Self {
         let mut values = Self { films: Vec::new(), of_part: vec![0; cut.n_parts()] };
-        let mut pieces: Vec<_> = cut.interface().iter().map(|piece| (piece.part, piece.normal)).collect();
-        pieces.sort_by_key(|(part, _)| *part);
         let mut near = Vec::new();
         for part in cut.all_parts() {
             let simplex = background.simplex(cut.part_cell(part));
@@ -131,32 +122,56 @@ impl<const D: usize> FilmValues<D> {
                 cut.for_each_simplex(background, part, |points| corners.extend_from_slice(points));
             }
             let layer = if corners.is_empty() { height } else { extent(&corners, &normal).min(height) };
-            // Surfaces of bodies that bound the part: one along the normal of the film, one against it, or both.
-            let first = pieces.partition_point(|(other, _)| *other < part);
-            let bounding =
-                || pieces[first..].iter().take_while(|(other, _)| *other == part).map(|(_, n)| n.dot(&normal));
-            let slip = options.slip
-                * [bounding().any(|n| n >= 0.0), bounding().any(|n| n < 0.0)].map(f64::from).iter().sum::<f64>();
             let mut points = Vec::new();
             parts.for_each_point(background, cut, part, DEGREE, |x, weight, _| {
                 let gap = surfaces.gap(x, &near).map_or(gap, |(gap, _)| gap);
-                let carried = slip.min(1.0) * gap.min(layer).powi(2);
-                let missing = gap.min(layer).max(options.roughness.min(height)).powi(2) - carried;
-                points.push((*x, weight * share * missing / 12.0));
+                let thickness = gap.min(layer).max(roughness.min(height));
+                points.push((*x, weight * share * thickness.powi(2) / 12.0));
             });
-            values.films.push(FilmPart { share, gap, points });
+            values.films.push(FilmPart { share, gap, layer: layer.min(gap), points });
             values.of_part[part.index()] = values.films.len() as u32;
         }
         values
     }
 
+    /// Subtracts the flux that passes already because the velocity slips on surfaces of bodies, on which it is imposed by a
+    /// penalty.
+    ///
+    /// A gradient `G` of the pressure loads the surface of a layer of thickness `d` with the shear stress `G d/2`. With the penalty
+    /// `γ_t μ/ℓ` the velocity slips by `G d ℓ/(2 γ_t μ)`. The slip falls to zero across the layer, or the other surface
+    /// has the same slip. In either case its flux is `G s ℓ d²/(12 μ)` with `s = 3/γ_t`. `length` returns `ℓ` on a piece
+    /// of the interface. At most the flux in the part is subtracted.
+    pub fn subtract_slip(
+        &mut self,
+        (background, cut): (&SimplexMesh<D>, &CutMesh<D>),
+        s: f64,
+        length: impl Fn(usize) -> f64,
+    ) {
+        let coordinates = background.coordinates();
+        let mut on_surfaces = vec![Vec::new(); self.films.len()];
+        for (item, piece) in cut.interface().iter().enumerate() {
+            let Some(number) = self.position(piece.part) else { continue };
+            let film = &self.films[number];
+            let middle = piece.points[..D].iter().sum::<Point<D>>() / D as f64;
+            let area = piece.measure * coordinates.weight(&middle);
+            on_surfaces[number].push((middle, area * film.share * s * length(item) * film.layer.powi(2) / 12.0));
+        }
+        for (film, slips) in self.films.iter_mut().zip(on_surfaces) {
+            let [inside, by_slip] = [&film.points, &slips].map(|of| of.iter().map(|(_, weight)| weight).sum::<f64>());
+            let part = if by_slip > inside { inside / by_slip } else { 1.0 };
+            film.points.extend(slips.into_iter().map(|(x, weight)| (x, -part * weight)));
+        }
+    }
+
     /// Returns the film in a part, if there is one.
     #[inline]
     pub fn of(&self, part: PartId) -> Option<&FilmPart<D>> {
-        match self.of_part.get(part.index()) {
-            None | Some(0) => None,
-            Some(number) => self.films.get(*number as usize - 1),
-        }
+        self.position(part).map(|position| &self.films[position])
+    }
+
+    #[inline]
+    fn position(&self, part: PartId) -> Option<usize> {
+        (*self.of_part.get(part.index())? as usize).checked_sub(1)
     }
 }
 

@@ -38,7 +38,7 @@ pub mod terms;
 
 pub use cell::{FluidCell, FluidCells};
 pub use face::{FluidFace, FluidFaces};
-pub use film::{FilmOptions, FilmPart, FilmSurfaces, FilmValues};
+pub use film::{FilmPart, FilmSurfaces, FilmValues};
 pub use fluid::NewtonianFluid;
 pub use form::FluidForm;
 pub use geometry::{FluidFields, FluidGeometry};

@@ -10,7 +10,7 @@ use fluid_ns::terms::{
     Backflow, BodyForce, Cavitation, CipPressure, CipVelocity, Convection, Film, GhostPenalty, Hoop, HoopConvection,
     Incompressibility, Inertia, Traction, Viscous,
 };
-use fluid_ns::{FilmOptions, FilmSurfaces, FilmValues, FluidFields, FluidForm, FluidGeometry, OpenBoundary};
+use fluid_ns::{FilmSurfaces, FilmValues, FluidFields, FluidForm, FluidGeometry, OpenBoundary};
 use interface_dg::{InterfacePoints, MortarForm, PieceValues, Pocket};
 use mesh::{Point, Vector, facet_normal};
 use xfem_space::{
@@ -92,14 +92,15 @@ impl<'a, const D: usize> FluidStep<'a, D> {
                 faces.extend(symmetry_values(background, &cut, &space, &parts, (*tag, *normal)));
             }
         }
-        let films = fluid.film.map(|film| {
+        let mut films = fluid.film.map(|film| {
             let surfaces = FilmSurfaces::new(&setup.surfaces(&positions), background, |tag| fluid.is_wall(tag));
-            let slip = fluid.stabilisation.penalty.slip_share();
-            FilmValues::new((background, &cut, &parts), &surfaces, &FilmOptions { roughness: film.roughness, slip })
+            FilmValues::new((background, &cut, &parts), &surfaces, film.roughness)
         });
         let mut pieces = PieceValues::new(background, &cut, &parts, PIECE_DEGREE);
-        if let Some(films) = &films {
+        if let Some(films) = &mut films {
             pieces.set_gaps(&cut, |part| films.of(part).map(|film| film.gap));
+            let slip = fluid.stabilisation.penalty.slip_share();
+            films.subtract_slip((background, &cut), slip, |piece| pieces.viscous_length(piece));
         }
         let clock = Instant::now();
         let (started, ahead) = (setup.positions(&previous.bodies), time.weights.extrapolated[0].velocity);

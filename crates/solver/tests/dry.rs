@@ -25,7 +25,7 @@ fn balance(setup: &Setup<2>, state: &State<2>, body: usize) -> Balance<2> {
 }
 
 /// Returns a falling block.
-fn block() -> Elastic {
+fn block() -> Elastic<2> {
     let mesh = structured_box::<2>([0.0, 0.0512], [1.0, 1.0512], [4, 4]).expect("a box");
     let mut body = elastic("block", mesh, 1.0, 2e4, 4e4, V::zeros());
     body.options.initial_velocity = Some(Arc::new(|_| V::new(0.5, -10.0)));
@@ -33,7 +33,7 @@ fn block() -> Elastic {
 }
 
 /// Returns a block at rest that hangs from its top.
-fn hanging() -> Elastic {
+fn hanging() -> Elastic<2> {
     let mut body = block();
     body.options.initial_velocity = None;
     body.form.body_force.acceleration = V::new(0.0, -100.0);
@@ -41,7 +41,7 @@ fn hanging() -> Elastic {
     body
 }
 
-fn in_vacuum(body: Elastic, scheme: Scheme) -> Setup<2> {
+fn in_vacuum(body: Elastic<2>, scheme: Scheme) -> Setup<2> {
     Setup { newton: NewtonSettings::new(1e-10), scheme, ..dry(vec![body.body()], 5e-4) }
 }
 

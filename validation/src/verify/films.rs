@@ -4,9 +4,11 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use cutwater::algebra::NewtonSettings;
+use cutwater::algebra::time::QuasiStatic;
+use cutwater::body::PrescribedBody;
 use cutwater::interface_dg::terms::PenaltyProfile;
-use cutwater::mesh::Coordinates;
 use cutwater::mesh::generate::{Region, RegionShape, Size, refined_box, structured_box};
+use cutwater::mesh::{Coordinates, Vector};
 use cutwater::solid_rigid::RigidBody;
 use cutwater::solver::{FilmSetup, FluidBoundary, Setup, Stabilisation, StepReport};
 
@@ -73,7 +75,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     fall(record)?;
     record.note(
         "Stokes flow with the standard set; gaps in cells at the film. Sphere: Brenner 1961, doi:10.1016/0009-2509(61)80035-3, in a box of 40 radii. Cylinder: \
-         4π/(α - tanh α). Plates: Reynolds' equation, μ L³ V/δ³ and 3π μ R⁴ V/(2 δ³), with the pressure zero where they leave the mesh of 40 cells. A film \
+         4π/(α - tanh α). Plates: Reynolds' equation, μ L³ V/δ³, 3π μ R⁴ V/(2 δ³) and 0.4217 μ L⁴ V/δ³ for squares, with the pressure zero where they leave the mesh of 40 cells, 20 in space. A film \
          of four cells or more is left to the cells: two layers of cells carry three quarters of the flux of a parabola, four layers 15/16.",
     );
     Ok(())
@@ -145,6 +147,8 @@ fn plates(record: &mut Record) -> Result<(), Failure> {
         let name =
             format!("plates that part, gap of {gap} cells, with a floor of the pressure: force over the exact one");
         record.near_relative(name, cavity(gap)?, 1.0, PLATES);
+        let name = format!("square plates in space, gap of {gap} cells: force over the exact one");
+        record.near_relative(name, square_plates(gap)?, 1.0, PLATES);
         let name = format!("channel of {gap} cells with a given flux: gradient of the pressure over the exact one");
         record.near_relative(name, channel(gap)?, 1.0, CHANNEL);
     }
@@ -415,4 +419,42 @@ fn disks(gap: f64) -> Result<f64, Failure> {
     let corners = [(0.0, low), (2.0, low), (2.0, low + 0.2), (0.0, low + 0.2)].map(|(r, z)| P::new(r, z));
     setup.bodies.push(moving(corners.to_vec(), |x, _| *x, Arc::new(|_, _| V::new(0.0, -1.0))));
     Ok(solve(setup)?.1.0[1] * low.powi(3) / (1.5 * PI))
+}
+
+/// Returns the force on one of two square plates in space that approach each other over the exact one.
+fn square_plates(gap: f64) -> Result<f64, Failure> {
+    /// Cells along the plates.
+    const ALONG: usize = 20;
+    let length = ALONG as f64;
+    let background = structured_box::<3>([0.0, 0.0, -1.0], [length, length, 3.0], [ALONG, ALONG, 4])?;
+    let mut fluid = flow::fluid(background, 1e-9, 1.0);
+    for side in ["left", "right", "front", "back", "bottom", "top"] {
+        let tag = fluid.background.tag(side).ok_or("a box has six sides")?;
+        fluid.boundary.push((tag, FluidBoundary::Open { traction: None, backflow: false }));
+    }
+    let mut setup = flow::problem(fluid, 1e9);
+    setup.scheme = Arc::new(QuasiStatic);
+    fluid_mut(&mut setup)?.film = Some(FilmSetup::default());
+    let middle = 0.5 + OFF_LINE;
+    for (side, speed) in [(-1.0, 0.0), (1.0, -1.0)] {
+        let ends = [middle + side * 0.5 * gap, middle + side * (0.5 * gap + 1.0)];
+        let [low, high] = [f64::min, f64::max].map(|end| end(ends[0], ends[1]));
+        let plate = structured_box::<3>([-1.0, -1.0, low], [length + 1.0, length + 1.0, high], [1; 3])?;
+        setup.bodies.push(Arc::new(PrescribedBody {
+            name: "plate".to_owned(),
+            boundary: plate.boundary(),
+            reference: plate.vertices().to_vec(),
+            position: Arc::new(|x, _| *x),
+            velocity: Arc::new(move |_, _| Vector::z() * speed),
+        }));
+    }
+    let mut run = Run::new(setup)?;
+    let report = run.advance()?;
+    let force: f64 = flow::interface(&run.state, &report)?
+        .filter(|(piece, _)| piece.body.index() == 1)
+        .map(|(_, on_piece)| on_piece.total()[2] * on_piece.measure)
+        .sum();
+    let odd = (0..20).map(|k| f64::from(2 * k + 1));
+    let series: f64 = odd.map(|n| (n * PI / 2.0).tanh() / n.powi(5)).sum();
+    Ok(force * gap.powi(3) / length.powi(4) / (1.0 - 192.0 / PI.powi(5) * series))
 }

@@ -31,11 +31,8 @@ pub enum PenaltyProfile {
 }
 
 impl PenaltyProfile {
-    /// Returns the share `3/γ_t` of the flux along a film that passes because the velocity slips on one of its two surfaces.
-    ///
-    /// A pressure gradient `G` along a film of thickness `δ` in one layer of cells loads each surface with the shear
-    /// stress `G δ/2`. With the penalty `γ_t μ/δ` the velocity slips by `G δ²/(2 γ_t μ)`. Half of this is the mean over
-    /// the film. Relative to the mean velocity `G δ²/(12 μ)` of the parabola it is the share.
+    /// Returns the share `3/γ_t` of the flux along a film that passes because the velocity slips on one of its two surfaces, if the
+    /// viscous length is the thickness of the film. See [`fluid_ns::FilmValues::subtract_slip`].
     pub fn slip_share(&self) -> f64 {
         match self {
             Self::Uniform { gamma_sigma: gamma } | Self::Split { gamma_tangential: gamma, .. } => 3.0 / gamma,
