@@ -124,7 +124,7 @@ fn contact_without_stored_energy_is_stable() {
         block.form = SolidForm::new(1.0, material, V::zeros()).expect("a form");
         let bottom = block.side("bottom");
         let mut setup = in_vacuum(block, second_order(0.0));
-        let form = ContactForm::new(NitscheLaw::new(gamma_0, 0.0).expect("a law"), 0.1).expect("a contact");
+        let form = ContactForm::new(NitscheLaw::new(gamma_0, 0.0, 0.0).expect("a law"), 0.1).expect("a contact");
         let contact = Contact::new(&setup.bodies, BodyId(0), bottom, form, ground()).expect("a contact");
         setup.contacts.push(contact);
         let (_, reports) = run(&setup, 120);

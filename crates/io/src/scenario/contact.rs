@@ -285,8 +285,8 @@ impl<'p, const D: usize> ContactBuilder<'p, D> {
                 ContactForm::new(CollisionLaw::new(restitution, given.offset).map_err(fail)?, given.size)
             }
             ContactLawChoice::AugmentedLagrangian { gamma_contact_0, friction, tolerance } => {
-                let law = AugmentedLagrangianLaw::new(gamma_contact_0, given.offset, tolerance);
-                ContactForm::new(law.and_then(|law| law.with_friction(friction)).map_err(fail)?, given.size)
+                let law = AugmentedLagrangianLaw::new(gamma_contact_0, given.offset, friction, tolerance);
+                ContactForm::new(law.map_err(fail)?, given.size)
             }
             ContactLawChoice::Nitsche { .. } if !self.deforms(slave) => return Err(self.rigid(given, slave)),
             ContactLawChoice::Nitsche { gamma_0, .. } if gamma_0 <= D as f64 => {
@@ -295,8 +295,7 @@ impl<'p, const D: usize> ContactBuilder<'p, D> {
                 )));
             }
             ContactLawChoice::Nitsche { gamma_0, friction } => {
-                let law = NitscheLaw::new(gamma_0, given.offset).and_then(|law| law.with_friction(friction));
-                ContactForm::new(law.map_err(fail)?, given.size)
+                ContactForm::new(NitscheLaw::new(gamma_0, given.offset, friction).map_err(fail)?, given.size)
             }
         };
         let form = form.map_err(fail)?;
