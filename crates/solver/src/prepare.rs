@@ -39,7 +39,6 @@ pub struct Step<'a, const D: usize> {
     pub layout: BlockLayout,
     pub(crate) fluid: Option<FluidStep<'a, D>>,
     pub(crate) bodies: Vec<Box<dyn BodyStep<D> + 'a>>,
-    masses: Vec<Option<f64>>,
     pub(crate) contacts: Vec<ContactStep<D>>,
     /// Collisions, one entry per contact.
     pub(crate) collisions: Vec<Option<Collision<D>>>,
@@ -67,8 +66,8 @@ impl<'a, const D: usize> Step<'a, D> {
             }
             None => None,
         };
-        let begun = || setup.bodies.iter().zip(&previous.bodies);
-        let bodies: Vec<_> = begun().map(|(body, state)| body.step(state, &time, &mut layout)).collect();
+        let begun = setup.bodies.iter().zip(&previous.bodies);
+        let bodies: Vec<_> = begun.map(|(body, state)| body.step(state, &time, &mut layout)).collect();
         let mut step = Self {
             setup,
             previous,
@@ -76,7 +75,6 @@ impl<'a, const D: usize> Step<'a, D> {
             layout,
             fluid,
             bodies,
-            masses: begun().map(|(body, state)| body.balance(state).map(|balance| balance.mass)).collect(),
             contacts: Vec::new(),
             collisions: Vec::new(),
             constraints: Constraints::new(),
@@ -87,7 +85,7 @@ impl<'a, const D: usize> Step<'a, D> {
         let contact = |contact| ContactStep::new(contact, previous, step.partners());
         step.contacts = setup.contacts.iter().map(contact).collect::<Result<_, _>>()?;
         step.seconds.search = searched.elapsed().as_secs_f64();
-        let collision = |contact| Collision::new(contact, previous, step.partners());
+        let collision = |contact| Collision::new(contact, (setup, previous), step.partners());
         step.collisions = setup.contacts.iter().map(collision).collect();
         step.remove_floor();
         step.constrain();
@@ -129,7 +127,7 @@ impl<'a, const D: usize> Step<'a, D> {
     /// Returns the fluid and the bodies for the evaluation of contacts.
     pub(crate) fn partners(&self) -> Partners<'_, D> {
         let (layout, bodies) = (&self.layout, &self.bodies[..]);
-        Partners { layout, fluid: self.fluid.as_ref(), bodies, time: &self.time, masses: &self.masses }
+        Partners { layout, fluid: self.fluid.as_ref(), bodies, time: &self.time }
     }
 
     /// Removes the floor of the pressure from a step with a collision.
