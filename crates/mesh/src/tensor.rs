@@ -16,6 +16,12 @@ pub fn unit_vector<const D: usize>(axis: usize) -> Vector<D> {
     Vector::from_fn(|a, _| f64::from(u8::from(a == axis)))
 }
 
+/// Returns the mean of points.
+#[inline]
+pub fn mean<const D: usize>(points: &[Point<D>]) -> Point<D> {
+    points.iter().sum::<Point<D>>() / points.len() as f64
+}
+
 /// Returns the determinant of a tensor; nalgebra's own function has trait bounds on the dimension.
 #[inline]
 pub fn det<const D: usize>(t: &Tensor<D>) -> f64 {
