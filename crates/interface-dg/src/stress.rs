@@ -9,14 +9,14 @@ use mesh::{BodyId, FacetId, MAX_CELL_VERTICES, Placed, Point, Vector, mean};
 
 use crate::InterfacePoints;
 
-/// Covered part of a facet, relative to its measure, below which the rest of it is closed.
+/// A facet is closed in part if pieces cover less than this fraction of it.
 const COVERED: f64 = 1.0 - 1e-9;
 
 /// Mean over each facet of the traction `T^f n` of the fluid in front of a body, `n` out of the body.
 ///
 /// It is a mean because the stress of a linear solid is constant behind a facet and balances the mean of the traction. In a film
-/// the pressure varies over a facet by more than contact carries, so that at single points the difference of both is not the
-/// traction of contact, and a law that depends on it can have no solution.
+/// the pressure varies over a facet by more than the contact traction. The pointwise difference of the stresses is then not
+/// the contact traction, and a law that depends on it may have no solution.
 ///
 /// The surface is *closed* where it borders no fluid: bodies touch or overlap there, or the facet lies outside the
 /// background. The traction on it is `-p n`. The pressure `p` is that in the middle of the nearest interface piece of

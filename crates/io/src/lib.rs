@@ -1,6 +1,6 @@
 //! Text in, files out: scenarios, histories and field files.
 //!
-//! This is the only crate that depends on file formats. The half that needs the solver is behind the default feature
+//! The half that needs the solver is behind the default feature
 //! `simulation`. A run in three lines:
 //!
 //! ```no_run

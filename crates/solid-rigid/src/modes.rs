@@ -1,7 +1,6 @@
 //! Rigid velocities: translations along the axes, then rotations.
 //!
-//! A rotation is a plane with an orientation: in 2D the only one, from the first axis to the second; in 3D the one across
-//! axis `k`, so that the coefficients of the rotations are the components of the vector of angular velocity.
+//! In 2D there is one rotation, counter-clockwise. In 3D rotation `k` is that about axis `k`.
 
 use mesh::{Tensor, Vector, unit_vector};
 

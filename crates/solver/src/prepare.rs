@@ -132,8 +132,8 @@ impl<'a, const D: usize> Step<'a, D> {
 
     /// Removes the floor of the pressure from a step with a collision.
     ///
-    /// The step stands for all of the collision, which is longer: the suction that turns the fluid around the bodies is spread over that time and
-    /// stays above the floor, whereas the pressure of the step is this impulse over the length of the step.
+    /// A collision lasts longer than the step in which it is computed. The pressure of the step is the whole impulse over
+    /// the length of the step and would fall below the floor. The real pressure is spread over the collision and does not.
     fn remove_floor(&mut self) {
         if let Some(fluid) = self.fluid.as_mut().filter(|_| self.collisions.iter().any(Option::is_some)) {
             fluid.form.cavitation = None;

@@ -1,4 +1,4 @@
-//! Units of length in which generators work, so that a shape has the same mesh in cgs and in SI.
+//! Units of length in which a shape has the same digits in cgs and SI, so that the rounding of generators is the same.
 
 use std::sync::Arc;
 
