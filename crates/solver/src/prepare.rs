@@ -144,7 +144,7 @@ impl<'a, const D: usize> Step<'a, D> {
     fn constrain(&mut self) {
         let mut constraints = Constraints::new();
         if let Some(fluid) = &self.fluid {
-            fluid.constrain(&self.layout, &self.time, &mut constraints);
+            fluid.constrain(&self.layout, &mut constraints);
         }
         self.bodies.iter().for_each(|body| body.constrain(&self.layout, &mut constraints));
         if let Some(fluid) = &self.fluid {
@@ -191,7 +191,7 @@ impl<'a, const D: usize> Step<'a, D> {
         State {
             step: self.previous.step + usize::from(substep.is_last),
             time: self.time.end,
-            fluid: self.fluid.map(|fluid| fluid.finish(&self.layout, self.time.stage(), &self.pockets, x)),
+            fluid: self.fluid.map(|fluid| fluid.finish(&self.layout, &self.pockets, x)),
             bodies,
             contact_energy,
         }
