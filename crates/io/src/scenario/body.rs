@@ -10,7 +10,7 @@ use solid_svk::{
     ElasticBody, ElasticOptions, LameParameters, LinearElastic, Load, Material, NeoHookean, SaintVenantKirchhoff,
     SolidForm, SolidMesh, Support, SupportKind,
 };
-use solver::body::{Body, History};
+use solver::body::{Body, VectorInTime};
 
 use super::error::{ErrorKind, Location, ScenarioError, sorted};
 use super::field::Field;
@@ -212,7 +212,7 @@ fn needed<'v, T>(body: &At<BodyKeys>, key: &'static str, value: &'v Option<At<T>
 fn gravity<const D: usize>(
     given: &At<BodyKeys>,
     time: &Time,
-) -> Result<(Vector<D>, Option<History<D>>), ScenarioError> {
+) -> Result<(Vector<D>, Option<VectorInTime<D>>), ScenarioError> {
     let axes = needed(given, "gravity", &given.gravity)?;
     let is_constant = axes.iter().all(|axis| axis.is_constant());
     let axes = axes.iter().map(|axis| finite(axis, time)).collect::<Result<Vec<_>, _>>()?;

@@ -188,7 +188,7 @@ impl Table<'_> {
     ///
     /// # Errors
     /// A missing key, a wrong type, or a number out of the declared range.
-    pub(super) fn get<T: Value>(&self, name: &'static str) -> Result<T, ScenarioError> {
+    pub(super) fn get<T: KeyValue>(&self, name: &'static str) -> Result<T, ScenarioError> {
         let key = self.keys.iter().find(|key| key.name == name);
         if let Some((_, node)) = self.entries.iter().find(|(found, _)| *found == name) {
             key.map_or(Ok(()), |key| node.check(key))?;
@@ -203,7 +203,7 @@ impl Table<'_> {
 }
 
 /// A value of a scenario.
-pub(super) trait Value: Sized {
+pub(super) trait KeyValue: Sized {
     /// Type, for messages and the reference page.
     const FORM: Form;
     /// The value of a key that was left out, if that is allowed.
@@ -254,7 +254,7 @@ impl<T: PartialEq> PartialEq for At<T> {
     }
 }
 
-impl<T: Value> Value for At<T> {
+impl<T: KeyValue> KeyValue for At<T> {
     const FORM: Form = T::FORM;
 
     fn read(node: &Node<'_>) -> Result<Self, ScenarioError> {
@@ -262,7 +262,7 @@ impl<T: Value> Value for At<T> {
     }
 }
 
-impl<T: Value> Value for Option<T> {
+impl<T: KeyValue> KeyValue for Option<T> {
     const FORM: Form = T::FORM;
     const ABSENT: Option<fn() -> Self> = Some(|| None);
 
@@ -271,7 +271,7 @@ impl<T: Value> Value for Option<T> {
     }
 }
 
-impl<T: Value> Value for Vec<T> {
+impl<T: KeyValue> KeyValue for Vec<T> {
     const FORM: Form = Form::List(&T::FORM);
     const ABSENT: Option<fn() -> Self> = Some(Vec::new);
 
@@ -288,7 +288,7 @@ impl<T: Value> Value for Vec<T> {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Named<T>(pub Vec<(String, At<T>)>);
 
-impl<T: Value> Value for Named<T> {
+impl<T: KeyValue> KeyValue for Named<T> {
     const FORM: Form = Form::Named(&T::FORM);
     const ABSENT: Option<fn() -> Self> = Some(|| Self(Vec::new()));
 
@@ -318,7 +318,7 @@ impl Components<f64> {
     }
 }
 
-impl<T: Value> Value for Components<T> {
+impl<T: KeyValue> KeyValue for Components<T> {
     const FORM: Form = Form::Components(&T::FORM);
 
     fn read(node: &Node<'_>) -> Result<Self, ScenarioError> {
@@ -347,7 +347,7 @@ pub enum OrTable<T, K> {
     Table(K),
 }
 
-impl<T: Value, K: Value> Value for OrTable<T, K> {
+impl<T: KeyValue, K: KeyValue> KeyValue for OrTable<T, K> {
     const FORM: Form = Form::OrTable(&T::FORM, &K::FORM);
 
     fn read(node: &Node<'_>) -> Result<Self, ScenarioError> {
@@ -361,10 +361,10 @@ impl<T: Value, K: Value> Value for OrTable<T, K> {
     }
 }
 
-/// Implements [`Value`] for types that one kind of TOML value represents.
+/// Implements [`KeyValue`] for types that one kind of TOML value represents.
 macro_rules! plain_values {
     ($($Type:ty, $form:ident, $of:expr;)+) => {$(
-        impl Value for $Type {
+        impl KeyValue for $Type {
             const FORM: Form = Form::$form;
 
             fn read(node: &Node<'_>) -> Result<Self, ScenarioError> {
@@ -406,9 +406,9 @@ macro_rules! keys {
         }
 
         const _: () = {
-            use $crate::scenario::{ScenarioError, key::Form, table::{Node, Value}};
+            use $crate::scenario::{ScenarioError, key::Form, table::{Node, KeyValue}};
 
-            impl Value for $Name {
+            impl KeyValue for $Name {
                 const FORM: Form = Form::Table(Self::KEYS);
 
                 fn read(node: &Node<'_>) -> Result<Self, ScenarioError> {
@@ -438,7 +438,7 @@ macro_rules! choices {
         pub enum $Name { $($(#[doc = $about_word])+ $Word $({ $($(#[doc = $about])+ $field: $Type),* })?),* }
 
         const _: () = {
-            use $crate::scenario::{ScenarioError, key::{Choice, Form}, table::{Node, Value}};
+            use $crate::scenario::{ScenarioError, key::{Choice, Form}, table::{Node, KeyValue}};
 
             const TAG: Option<&str> = [$(Some($tag),)? None][0];
             const CHOICES: &[Choice] = &[$(Choice {
@@ -455,7 +455,7 @@ macro_rules! choices {
                 }
             }
 
-            impl Value for $Name {
+            impl KeyValue for $Name {
                 const FORM: Form = Form::Choice { tag: TAG, choices: CHOICES };
 
                 fn read(node: &Node<'_>) -> Result<Self, ScenarioError> {
@@ -476,8 +476,8 @@ macro_rules! key {
         $crate::scenario::key::Key::new(
             stringify!($field),
             concat!($($about),+),
-            <$Type as $crate::scenario::table::Value>::FORM,
-            <$Type as $crate::scenario::table::Value>::ABSENT.is_some(),
+            <$Type as $crate::scenario::table::KeyValue>::FORM,
+            <$Type as $crate::scenario::table::KeyValue>::ABSENT.is_some(),
             [$(Some(stringify!($default)),)? None][0],
         )$(.$spec($($($argument),*)?))*
     };
