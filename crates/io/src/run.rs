@@ -11,7 +11,7 @@ use crate::Error;
 use crate::checkpoint::{Checkpoint, Header, checkpoint_steps, problem_text, remove_all};
 use crate::claim::{Claim, keep_input};
 use crate::files::{create_directory, write_whole};
-use crate::history::{History, csv};
+use crate::history::{History, TABLES, csv};
 use crate::measures::{BodyMeasures, leading_body};
 use crate::probes::Line;
 use crate::scenario::{Case, CaseVisitor, Fluid, Output, Scenario, ScenarioFile, lower};
@@ -190,7 +190,7 @@ fn remove_series(directory: &Path) -> Result<(), Error> {
         }
     }
     // A run without probes writes no file that would replace this one.
-    let probes = directory.join("probes.csv");
+    let probes = directory.join(TABLES[2]);
     if probes.is_file() {
         std::fs::remove_file(&probes).map_err(|source| Error::Write { path: probes, source })?;
     }

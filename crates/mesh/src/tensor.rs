@@ -11,6 +11,9 @@ pub type Vector<const D: usize> = SVector<f64, D>;
 /// A second-order tensor.
 pub type Tensor<const D: usize> = SMatrix<f64, D, D>;
 
+/// Names of the axes.
+pub const AXES: [&str; 3] = ["x", "y", "z"];
+
 /// Returns the unit vector along an axis, whose number is from 0 to `D - 1`; zero for another number.
 pub fn unit_vector<const D: usize>(axis: usize) -> Vector<D> {
     Vector::from_fn(|a, _| f64::from(u8::from(a == axis)))
