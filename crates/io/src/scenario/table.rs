@@ -406,28 +406,34 @@ macro_rules! keys {
         }
 
         const _: () = {
-            use $crate::scenario::{ScenarioError, key::Form, table::{Node, KeyValue}};
+            use $crate::scenario::{ScenarioError, key::Form, table::{KeyValue, Node, Table}};
+
+            impl $Name {
+                /// Reads the keys of an open table.
+                pub(super) fn of(table: &Table<'_>) -> Result<Self, ScenarioError> {
+                    Ok(Self { $($field: table.get(stringify!($field))?),* })
+                }
+            }
 
             impl KeyValue for $Name {
                 const FORM: Form = Form::Table(Self::KEYS);
 
                 fn read(node: &Node<'_>) -> Result<Self, ScenarioError> {
-                    let table = node.table(Self::KEYS, None)?;
-                    Ok(Self { $($field: table.get(stringify!($field))?),* })
+                    Self::of(&node.table(Self::KEYS, None)?)
                 }
             }
         };
     };
 }
 
-/// Declares an enumeration of words, each perhaps with further keys, and derives its reader.
+/// Declares an enumeration of words, each perhaps with further keys or a table of them, and derives its reader.
 macro_rules! choices {
     (
         $(#[doc = $doc:literal])+
         $(#[derive($($derive:ident),*)])?
         pub enum $Name:ident $([$tag:literal])? { $(
             $(#[doc = $about_word:literal])+
-            $Word:ident = $word:literal $({ $(
+            $Word:ident $(($Keys:ident))? = $word:literal $({ $(
                 $(#[doc = $about:literal])+
                 $field:ident : $Type:ty $([$($spec:ident $(($($argument:expr),*))?),*])? $(= $default:tt)?
             ),* $(,)? })?
@@ -435,18 +441,20 @@ macro_rules! choices {
     ) => {
         $(#[doc = $doc])+
         #[derive(Clone, Debug, PartialEq $(, $($derive),*)?)]
-        pub enum $Name { $($(#[doc = $about_word])+ $Word $({ $($(#[doc = $about])+ $field: $Type),* })?),* }
+        pub enum $Name {
+            $($(#[doc = $about_word])+ $Word $({ $($(#[doc = $about])+ $field: $Type),* })? $(($Keys))?),*
+        }
 
         const _: () = {
-            use $crate::scenario::{ScenarioError, key::{Choice, Form}, table::{Node, KeyValue}};
+            use $crate::scenario::{ScenarioError, key::{Choice, Form}, table::{KeyValue, Node}};
 
             const TAG: Option<&str> = [$(Some($tag),)? None][0];
             const CHOICES: &[Choice] = &[$(Choice {
                 word: $word,
                 about: concat!($($about_word),+),
-                keys: &[$($($crate::scenario::table::key!(
+                keys: [$($Keys::KEYS,)? &[$($($crate::scenario::table::key!(
                     [$($about)+] $field, $Type, [$($($spec $(($($argument),*))?),*)?], $($default)?
-                )),*)?],
+                )),*)?]][0],
             }),*];
 
             impl $crate::scenario::table::Choose for $Name {
@@ -461,7 +469,9 @@ macro_rules! choices {
                 fn read(node: &Node<'_>) -> Result<Self, ScenarioError> {
                     let (word, _table) = node.choice(TAG, CHOICES)?;
                     match word {
-                        $($word => Ok(Self::$Word $({ $($field: _table.get(stringify!($field))?),* })?),)*
+                        $($word => {
+                            Ok(Self::$Word $({ $($field: _table.get(stringify!($field))?),* })? $(($Keys::of(&_table)?))?)
+                        })*
                         _ => Err(node.refuse(&Self::FORM)),
                     }
                 }
