@@ -113,7 +113,7 @@ impl BlockSystem {
         self
     }
 
-    /// Finds the entries in constrained columns, and in constrained rows: the pattern is symmetric.
+    /// Finds the entries in constrained rows and columns; the rows follow from the columns by symmetry.
     fn find_eliminated(&mut self) {
         self.eliminated.clear();
         let (column_ptr, rows) = (self.pattern.column_ptr(), self.pattern.rows());

@@ -114,7 +114,7 @@ impl Constraints {
         }
     }
 
-    /// Expresses a master in the ties of other dofs by masters of its own.
+    /// Replaces a tied master by its own masters in other ties.
     fn replace_master(&mut self, dof: DofId, to: &[(DofId, f64)], offset: f64) {
         for (tied, masters) in &mut self.ties {
             let Some(at) = masters.iter().position(|(other, _)| *other == dof) else { continue };
@@ -131,7 +131,7 @@ impl Constraints {
         }
     }
 
-    /// Returns the values of tied dofs where their masters are zero, unless they are zero, in the order of the dofs.
+    /// Returns the non-zero constants of the ties, in the order of the dofs.
     pub fn offsets(&self) -> impl Iterator<Item = (DofId, f64)> + '_ {
         self.offsets.iter().map(|(&dof, &offset)| (dof, offset))
     }

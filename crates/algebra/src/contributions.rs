@@ -1,4 +1,4 @@
-//! The seam between physics and algebra.
+//! The interface between physics and algebra.
 
 use crate::{DofId, LocalSystem};
 

@@ -35,7 +35,7 @@ pub trait Sites: Sync {
     }
 }
 
-/// Terms summed over sites: the [`Contributions`] of every weak form but the face penalties of the fluid.
+/// Terms summed over sites: the [`Contributions`] of a weak form.
 pub struct Integral<'a, S: Sites> {
     name: &'static str,
     sites: S,

@@ -52,7 +52,7 @@ impl DofKey {
         [self.field, self.component, self.node as u32, (self.node >> 32) as u32].map(f64::from)
     }
 
-    /// Returns the key of such numbers; `None` for others.
+    /// Restores a key from its numbers; `None` if they are no key.
     pub(crate) fn from_numbers(numbers: &[f64; 4]) -> Option<Self> {
         let [field, component, low, high] = numbers.map(|x| x as u32);
         let key = Self { field, component, node: u64::from(high) << 32 | u64::from(low) };
@@ -97,12 +97,12 @@ struct Field {
     n_nodes: usize,
     /// Index into `BlockLayout::keys`.
     node_set: usize,
-    /// Change of each component that is rounding; empty if nothing is.
+    /// Round-off of each component; empty if zero.
     rounding: Vec<f64>,
 }
 
 impl Field {
-    /// Returns the field with the given first unknown on nodes with the given first one; nothing is rounding.
+    /// Returns the field with the given first unknown on nodes with the given first one, without round-off.
     fn new(
         name: &str,
         components: usize,

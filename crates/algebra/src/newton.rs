@@ -8,8 +8,8 @@ use crate::{BlockLayout, BlockSystem, Constraints, ContributionTiming, Contribut
 /// Successive growing corrections, each from an exact tangent, after which an iteration counts as diverged.
 const MAX_GROWTHS: usize = 5;
 
-/// A correction with an old factorisation that is a larger fraction of the one before is discarded: the error that it is
-/// estimated to leave, `θ/(1-θ)` of itself, would be no smaller than itself.
+/// Largest ratio `θ` of a correction with an old factorisation to the one before. Beyond it the estimated error,
+/// `θ/(1-θ)` of the correction, exceeds the correction, which is discarded.
 ///
 /// Source: Deuflhard 2011, Newton methods for nonlinear problems, doi:10.1007/978-3-642-23899-4, Section 2.1.
 const USELESS: f64 = 0.5;
@@ -115,7 +115,7 @@ impl NewtonReport {
     }
 }
 
-/// Why a nonlinear solve stopped; every variant holds the report up to that point with the full histories.
+/// Cause of the end of a nonlinear solve; every variant holds the report up to that point with the full histories.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NewtonError {
     /// Corrections from exact tangents kept growing. Try a better starting guess, a smaller step or a line search.
@@ -135,7 +135,7 @@ pub enum NewtonError {
     /// The linear system could not be solved.
     #[error("linear solve of Newton iteration {} failed", .report.iterations)]
     Linear {
-        /// Why.
+        /// Cause.
         source: LinearError,
         /// Statistics of the solve.
         report: Box<NewtonReport>,

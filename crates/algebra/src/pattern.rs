@@ -30,7 +30,7 @@ struct Scratch {
     first_incidence: Vec<usize>,
     /// Items around each column, in their order.
     incidence: Vec<Incidence>,
-    /// One number per row, with a meaning of its own in each pass.
+    /// Scratch memory, one number per row.
     mark: Vec<u32>,
     /// Rows in the order in which they were found, then the positions of the mirror images of the entries.
     unsorted: Vec<u32>,

@@ -32,7 +32,7 @@ pub type PointField<const D: usize> = Arc<dyn Fn(&Point<D>) -> Vector<D> + Send 
 /// A vector at a point and time.
 pub type TimeField<const D: usize> = Arc<dyn Fn(&Point<D>, f64) -> Vector<D> + Send + Sync>;
 /// A vector at a time.
-pub type History<const D: usize> = Arc<dyn Fn(f64) -> Vector<D> + Send + Sync>;
-/// The velocity, at the second time, of the particle that is at a point at the first time. With equal times it is the
-/// velocity at a current position.
+pub type VectorInTime<const D: usize> = Arc<dyn Fn(f64) -> Vector<D> + Send + Sync>;
+/// Velocity of a material point. Arguments: a position and two times. The point has this position at the first time; the
+/// velocity is that at the second.
 pub type ParticleVelocity<const D: usize> = Arc<dyn Fn(&Point<D>, [f64; 2]) -> Vector<D> + Send + Sync>;

@@ -5,24 +5,24 @@ use nalgebra::Matrix3;
 
 /// Energies, momenta and volume of a body in one configuration.
 ///
-/// Units in the plane are per unit depth: energies energy/length, momentum mass/(length time)·length, volume area.
+/// Per unit depth in the plane: energy per length, momentum per length, area.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Balance<const D: usize> {
-    /// `1/2 (ρ v, v)` with the consistent mass.
+    /// `1/2 ∫ ρ |v|²` with the consistent mass.
     pub kinetic_energy: f64,
     /// `∫ W(F)`.
     pub elastic_energy: f64,
-    /// `-(ρ g, x)`: potential of the body force, zero at the origin.
+    /// `-∫ ρ g·x`: potential of the body force, zero at the origin.
     pub potential_energy: f64,
     /// Mass.
     pub mass: f64,
     /// Centre of mass.
     pub centre_of_mass: Point<D>,
-    /// `(ρ, v)`.
+    /// `∫ ρ v`.
     pub momentum: Vector<D>,
-    /// `(ρ, a)`; zero where accelerations are not known.
+    /// `∫ ρ a`; zero where accelerations are not known.
     pub momentum_rate: Vector<D>,
-    /// `(ρ, g)`: the body force.
+    /// `∫ ρ g`: the body force.
     pub body_force: Vector<D>,
     /// Volume: the integral of `det F` with the rule of the stress, exact for linear elements and in the plane.
     pub volume: f64,

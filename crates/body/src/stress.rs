@@ -6,20 +6,20 @@ use mesh::{FacetId, Vector};
 /// Derivatives of a vector with the dofs on which it depends, each once.
 pub type ByDof<const D: usize> = Vec<(DofId, Vector<D>)>;
 
-/// Traction `σ n` on one side of the surface of a body, with its derivatives; `n` points out of the body. It is a force
-/// per area of the surface at the positions at which the step integrates over it.
+/// Traction `σ n` on one side of the surface of a body, constant on each facet, with its derivatives; `n` points out of
+/// the body. It is a force per area of the surface at the positions at which the step integrates over it.
 ///
 /// Consistent contact laws and the mortar depend on it. Implementations: the stress of a solid behind the surface, and
 /// that of the fluid in front of it.
 pub trait SurfaceStress<const D: usize>: Send + Sync {
-    /// Appends the dofs on which the traction anywhere on a facet depends; they are frozen for the step.
+    /// Appends the dofs on which the traction on a facet depends; they are frozen for the step.
     fn dofs(&self, facet: FacetId, out: &mut Vec<DofId>);
 
-    /// Returns the traction at a point of a facet, given by barycentric coordinates, at the state `x`. Replaces
-    /// `derivatives` by those with respect to the dofs on which it depends there, all among [`SurfaceStress::dofs`].
+    /// Returns the traction on a facet at the state `x`. Replaces `derivatives` by those with respect to the dofs on which
+    /// it depends, all among [`SurfaceStress::dofs`].
     ///
     /// Units: force per area.
-    fn at(&self, facet: FacetId, barycentric: &[f64], x: &[f64], derivatives: &mut ByDof<D>) -> Vector<D>;
+    fn on(&self, facet: FacetId, x: &[f64], derivatives: &mut ByDof<D>) -> Vector<D>;
 
     /// Returns the largest ratio of `∫ |∂(σ n)/∂x y|²` over the surface of the cell behind the facet to `y · K y` with
     /// the stiffness `K` of that cell, for small strains. A Nitsche term with this stress is stable if its penalty on

@@ -23,8 +23,8 @@ pub struct ContactReport<const D: usize> {
     pub n_active: usize,
     /// Measure of the slave's surface that these points stand for.
     pub active_area: f64,
-    /// Force on the slave, `∫ (λ n^w + τ)`, at the stage. With a discrete gradient, points in contact at the start of
-    /// the step only contribute to it.
+    /// Force on the slave, `∫ (λ n^w + τ)`, at the stage. With a discrete gradient, points that are in contact only
+    /// at the start contribute too.
     pub force: Vector<D>,
     /// Power of contact on both bodies: negative while energy is stored.
     pub power: f64,

@@ -238,18 +238,10 @@ impl<const D: usize> ContactSites<'_, D> {
         (position, ContactNode { row, slope: surface.slope, displacement, velocity, ..ContactNode::none() })
     }
 
-    /// Evaluates all of a point except its traction, given its position and, in `site`, its weight and the nodes of the slave.
-    /// Returns whether it is in contact. `derivatives` is a buffer for the derivatives of the stress.
+    /// Evaluates all of a point except its traction, given its position and, in `site`, its weight, the stress and the nodes
+    /// of the slave. Returns whether it is in contact.
     #[inline]
-    fn evaluate(
-        &self,
-        item: &Item<D>,
-        position: &Point<D>,
-        barycentric: &[f64; D],
-        x: &[f64],
-        derivatives: &mut ByDof<D>,
-        site: &mut ContactSite<D>,
-    ) -> bool {
+    fn evaluate(&self, item: &Item<D>, position: &Point<D>, x: &[f64], site: &mut ContactSite<D>) -> bool {
         let ContactPair { form, obstacle, master, .. } = self.pair;
         let positions = Positions::at_end(master, self.layout, x);
         let Some(projection) = obstacle.project(position, positions, &item.candidates) else { return false };
@@ -269,7 +261,6 @@ impl<const D: usize> ContactSites<'_, D> {
         let gap = projection.gap(position);
         let mut at = ContactPoint { gap, slip, size: form.size, ..ContactPoint::default() };
         if let Some(stress) = &self.pair.stress {
-            site.stress = stress.at(item.facet, barycentric, x, derivatives);
             (at.stress, at.stiffness) = (frame.components(&site.stress), stress.stiffness(item.facet));
         } else if let Some(multiplier) = item.multipliers.get(site.number) {
             at.stress = *multiplier;
@@ -281,9 +272,6 @@ impl<const D: usize> ContactSites<'_, D> {
             return false;
         }
         site.gap_at_start = gap_at_start;
-        let row = |dof: &DofId| item.dofs.iter().position(|other| other == dof);
-        site.stress_derivatives.clear();
-        site.stress_derivatives.extend(derivatives.iter().filter_map(|(dof, by_dof)| Some((row(dof)?, *by_dof))));
         (site.projection, site.frame, site.at) = (projection, frame, at);
         true
     }
@@ -294,7 +282,13 @@ impl<const D: usize> ContactSites<'_, D> {
         let coordinates = slave.boundary.coordinates();
         let begin = Placed::new(slave.boundary, &slave.begin).facet_points(item.facet);
         let mut points = [Point::zeros(); D];
-        let (mut site, mut derivatives) = (ContactSite::new(), Vec::new());
+        let mut site = ContactSite::new();
+        if let Some(stress) = &self.pair.stress {
+            let mut derivatives = ByDof::new();
+            site.stress = stress.on(item.facet, x, &mut derivatives);
+            let row = |dof: &DofId| item.dofs.iter().position(|other| other == dof);
+            site.stress_derivatives.extend(derivatives.iter().filter_map(|(dof, by_dof)| Some((row(dof)?, *by_dof))));
+        }
         for (k, &vertex) in slave.boundary.facet(item.facet).iter().enumerate() {
             (points[k], site.nodes[k]) = self.node(slave, vertex, slave.field().map(|_| D * k), x);
         }
@@ -310,7 +304,7 @@ impl<const D: usize> ContactSites<'_, D> {
                 }
                 site.number = s * rule.weights().len() + q;
                 site.weight = weight * measure * coordinates.weight(&start);
-                if self.evaluate(item, &position, &shape, x, &mut derivatives, &mut site) {
+                if self.evaluate(item, &position, x, &mut site) {
                     visit(&mut site);
                 }
             }

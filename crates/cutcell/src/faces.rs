@@ -151,8 +151,8 @@ impl<'a, const D: usize> Faces<'a, D> {
         }
     }
 
-    /// Adds interface on a face of the background between fluid in the cell `side` and the cell `beyond`, which contains a body
-    /// at the face, or a layer of fluid in front of a body that is left out.
+    /// Adds interface on a face of the background. On one side (`side`) is fluid, on the other (`beyond`) a body, or a layer
+    /// too thin to be kept.
     fn add_interface(
         &self,
         cut: &mut CutMesh<D>,

@@ -3,7 +3,7 @@
 use algebra::time::Affine;
 use algebra::{BlockLayout, FieldId};
 use cutcell::CutMesh;
-use mesh::{SimplexMesh, Vector};
+use mesh::{SimplexMesh, Tensor, Vector};
 use xfem_space::{FaceValue, PartValues, XfemSpace};
 
 use crate::FilmValues;
@@ -52,5 +52,22 @@ impl FluidFields<'_> {
     #[inline]
     pub fn pressure_at(&self, x: &[f64], dof: u32) -> f64 {
         x[self.layout.dof(self.pressure, dof as usize, 0).index()]
+    }
+
+    /// Returns the gradient of the velocity and the pressure at a point, given the dofs of its part with the gradients and
+    /// values of their shape functions.
+    pub fn grad_and_pressure<const D: usize>(
+        &self,
+        x: &[f64],
+        dofs: &[u32],
+        gradients: &[Vector<D>],
+        shape: &[f64],
+    ) -> (Tensor<D>, f64) {
+        let (mut grad_u, mut pressure) = (Tensor::zeros(), 0.0);
+        for (i, &dof) in dofs.iter().enumerate() {
+            grad_u += self.velocity_at::<D>(x, dof) * gradients[i].transpose();
+            pressure += self.pressure_at(x, dof) * shape[i];
+        }
+        (grad_u, pressure)
     }
 }

@@ -40,10 +40,8 @@ impl<const D: usize> SolidShare<'_, D> {
         let stress = self.stresses[body.index()].as_ref()?;
         let mut by_dof = Vec::new();
         let row = |dof: &DofId| dofs.iter().position(|other| other == dof);
-        // The stress of linear simplices is constant on a facet.
-        let middle = [1.0 / D as f64; D];
         let mut at = |x: &[f64]| {
-            let traction = -stress.at(facet, &middle, x, &mut by_dof);
+            let traction = -stress.on(facet, x, &mut by_dof);
             let of_fluid_normal = by_dof.iter().filter_map(|(dof, by_dof)| Some((row(dof)?, -by_dof)));
             (traction, of_fluid_normal.collect::<Vec<_>>())
         };

@@ -5,18 +5,18 @@ use std::sync::Arc;
 use algebra::{BlockLayout, DofId};
 use body::{ByDof, SurfaceMotion, SurfaceStress};
 use cutcell::InterfacePiece;
-use mesh::{BodyId, FacetId, MAX_CELL_VERTICES, Placed, Point, Tensor, Vector};
+use mesh::{BodyId, FacetId, MAX_CELL_VERTICES, Placed, Point, Vector, mean};
 
 use crate::InterfacePoints;
 
-/// Covered part of a facet, relative to its measure, below which the rest of it is closed.
+/// A facet is closed in part if pieces cover less than this fraction of it.
 const COVERED: f64 = 1.0 - 1e-9;
 
 /// Mean over each facet of the traction `T^f n` of the fluid in front of a body, `n` out of the body.
 ///
 /// It is a mean because the stress of a linear solid is constant behind a facet and balances the mean of the traction. In a film
-/// the pressure varies over a facet by more than contact carries, so that at single points the difference of both is not the
-/// traction of contact, and a law that depends on it can have no solution.
+/// the pressure varies over a facet by more than the contact traction. The pointwise difference of the stresses is then not
+/// the contact traction, and a law that depends on it may have no solution.
 ///
 /// The surface is *closed* where it borders no fluid: bodies touch or overlap there, or the facet lies outside the
 /// background. The traction on it is `-p n`. The pressure `p` is that in the middle of the nearest interface piece of
@@ -157,17 +157,16 @@ impl<const D: usize> SurfaceStress<D> for FluidStress<'_, D> {
         }
     }
 
-    /// Returns the mean over the facet; the point makes no difference.
-    fn at(&self, facet: FacetId, _: &[f64], x: &[f64], derivatives: &mut ByDof<D>) -> Vector<D> {
+    fn on(&self, facet: FacetId, x: &[f64], derivatives: &mut ByDof<D>) -> Vector<D> {
         derivatives.clear();
         let measure = self.surface().facet_measure(facet);
         // Share and first moments of the part that is closed.
         let (mut share, mut moments) = (1.0, [1.0 / D as f64; D]);
-        let (mut mean, mut of_part) = (Vector::zeros(), Vec::new());
+        let (mut sum, mut of_part) = (Vector::zeros(), Vec::new());
         for item in self.on_facet(facet) {
             let piece = &self.points.geometry.cut.interface()[item];
             let wet = piece.measure / measure;
-            mean += self.on_piece(item, x, &mut of_part) * wet;
+            sum += self.on_piece(item, x, &mut of_part) * wet;
             add_to(derivatives, &mut of_part, wet);
             share -= wet;
             for (k, moment) in moments.iter_mut().enumerate() {
@@ -175,10 +174,10 @@ impl<const D: usize> SurfaceStress<D> for FluidStress<'_, D> {
             }
         }
         if self.rim(facet).is_some() {
-            mean += self.on_closed(facet, &moments.map(|moment| moment / share), x, &mut of_part) * share;
+            sum += self.on_closed(facet, &moments.map(|moment| moment / share), x, &mut of_part) * share;
             add_to(derivatives, &mut of_part, share);
         }
-        mean
+        sum
     }
 }
 
@@ -190,10 +189,9 @@ impl<const D: usize> FluidStress<'_, D> {
         let gradients = values.gradients(item);
         let middle = mean(&piece.points[..D]);
         let shape = geometry.background.simplex(piece.cell).barycentric(&middle).unwrap_or_default();
-        let (mut grad_u, mut pressure) = (Tensor::<D>::zeros(), 0.0);
-        for (i, &dof) in geometry.space.dofs(piece.part).iter().enumerate() {
-            grad_u += fields.velocity_at::<D>(x, dof) * gradients[i].transpose();
-            pressure += fields.pressure_at(x, dof) * shape[i];
+        let dofs = geometry.space.dofs(piece.part);
+        let (grad_u, pressure) = fields.grad_and_pressure(x, dofs, gradients, &shape);
+        for (i, &dof) in dofs.iter().enumerate() {
             let by_velocity = fluid.viscous_traction_by_velocity(&gradients[i], &piece.normal);
             let columns = (0..D).map(|b| by_velocity.column(b).into_owned()).chain([piece.normal * -shape[i]]);
             let node = dof as usize;
@@ -228,10 +226,10 @@ impl<const D: usize> SurfaceStress<D> for StressJump<'_, D> {
         self.fluid.dofs(facet, out);
     }
 
-    fn at(&self, facet: FacetId, barycentric: &[f64], x: &[f64], derivatives: &mut ByDof<D>) -> Vector<D> {
+    fn on(&self, facet: FacetId, x: &[f64], derivatives: &mut ByDof<D>) -> Vector<D> {
         let mut of_fluid = Vec::new();
-        let fluid = self.fluid.at(facet, barycentric, x, &mut of_fluid);
-        let solid = self.solid.at(facet, barycentric, x, derivatives);
+        let fluid = self.fluid.on(facet, x, &mut of_fluid);
+        let solid = self.solid.on(facet, x, derivatives);
         // Both depend on different fields, so that no dof occurs twice.
         derivatives.extend(of_fluid.into_iter().map(|(dof, derivative)| (dof, -derivative)));
         solid - fluid
@@ -240,9 +238,4 @@ impl<const D: usize> SurfaceStress<D> for StressJump<'_, D> {
     fn stiffness(&self, facet: FacetId) -> f64 {
         self.solid.stiffness(facet)
     }
-}
-
-/// Returns the mean of points.
-fn mean<const D: usize>(points: &[Point<D>]) -> Point<D> {
-    points.iter().sum::<Point<D>>() / points.len() as f64
 }

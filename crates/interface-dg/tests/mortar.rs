@@ -202,7 +202,7 @@ fn fluid_stress_is_the_traction_of_the_fluid() {
         for facet in surface.boundary.facets() {
             dofs.clear();
             stress.dofs(facet, &mut dofs);
-            let found = stress.at(facet, &[0.9, 0.1], x, &mut derivatives);
+            let found = stress.on(facet, x, &mut derivatives);
             assert!(derivatives.iter().all(|(dof, _)| dofs.contains(dof)));
             let corners = surface.boundary.facet(facet);
             let middle: Point<2> = (0..2).map(|k| surface.geometry[corners[k].index()] / 2.0).sum();
@@ -226,7 +226,7 @@ fn fluid_stress_is_the_traction_of_the_fluid() {
                 let mut moved = x.to_vec();
                 let mut with = |value: f64| {
                     moved[dof.index()] = value;
-                    stress.at(facet, &[0.5, 0.5], &moved, &mut unused)
+                    stress.on(facet, &moved, &mut unused)
                 };
                 let (value, step) = (x[dof.index()], 1e-3);
                 let difference = (with(value + step) - with(value - step)) / (2.0 * step);
@@ -283,13 +283,13 @@ fn fluid_stress_of_a_facet_that_is_closed_in_part() {
                 let continued = at(rim) + force[0] * (middle(closed) - rim);
                 let expected = share * at(middle(wet)) + (1.0 - share) * continued;
                 let mut derivatives = Vec::new();
-                let found = stress.at(facet, &[0.5, 0.5], x, &mut derivatives);
+                let found = stress.on(facet, x, &mut derivatives);
                 assert!((found + V::new(0.0, expected)).norm() < 1e-12 * expected.abs(), "{found} {expected}");
                 // The mean is linear in the state.
                 for (dof, derivative) in &derivatives {
                     let mut moved = x.to_vec();
                     moved[dof.index()] += 1.0;
-                    let difference = stress.at(facet, &[0.5, 0.5], &moved, &mut Vec::new()) - found;
+                    let difference = stress.on(facet, &moved, &mut Vec::new()) - found;
                     assert!((difference - derivative).norm() < 1e-12, "{difference} {derivative}");
                 }
                 assert!(derivatives.len() > 3);

@@ -7,6 +7,7 @@ use std::path::Path;
 use crate::Error;
 use crate::checkpoint::problem_text;
 use crate::files::create_directory;
+use crate::history::TABLES;
 use crate::scenario::ScenarioFile;
 
 /// File that marks a directory as one of results. A run holds a lock on it.
@@ -56,7 +57,7 @@ fn check(directory: &Path, is_foreign: bool, file: &ScenarioFile) -> Result<(), 
     let refused = |problem: &'static str| Err(Error::Directory { path: directory.to_owned(), problem });
     let copy = directory.join(SCENARIO);
     // Results of earlier versions have no marker.
-    if is_foreign && !(copy.is_file() && directory.join("history.csv").is_file()) {
+    if is_foreign && !(copy.is_file() && directory.join(TABLES[0]).is_file()) {
         return refused("has files that are not those of a run");
     }
     if !copy.is_file() {

@@ -10,7 +10,7 @@ pub enum Error {
     Read {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// Cause.
         source: std::io::Error,
     },
     /// A file is not text. Save it as UTF-8.
@@ -63,7 +63,7 @@ pub enum Error {
     Cut {
         /// The files, one per body.
         paths: Vec<PathBuf>,
-        /// Why.
+        /// Cause.
         source: cutcell::Error,
     },
     /// A scenario cannot be run; file, line and key are inside.
@@ -79,7 +79,7 @@ pub enum Error {
     Write {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// Cause.
         source: std::io::Error,
     },
     /// A VTK file cannot be written.
@@ -87,7 +87,7 @@ pub enum Error {
     Vtk {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// Cause.
         source: Box<vtkio::Error>,
     },
     /// A summary cannot be written as JSON.
@@ -143,7 +143,7 @@ pub enum Error {
     Checkpoint {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// Cause.
         problem: String,
     },
     /// A directory has no checkpoint from which a run could go on.
@@ -192,7 +192,7 @@ pub enum Error {
     Directory {
         /// The directory.
         path: PathBuf,
-        /// Why.
+        /// Cause.
         problem: &'static str,
     },
     /// The copy of a scenario would replace the scenario itself.

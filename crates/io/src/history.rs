@@ -4,6 +4,7 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
+use mesh::AXES;
 use solver::{FluidReport, ForceBalance, Ledger, Setup, StepReport, StepView};
 
 use crate::Error;
@@ -77,7 +78,7 @@ fn history_of_bodies<const D: usize>() -> Vec<BodyColumn<D>> {
         ("contact_force_x", FORCE, |b| b.contact_force[0]),
     ];
     let mut columns: Vec<BodyColumn<D>> = columns.iter().map(boxed).collect();
-    let axes = || ["x", "y", "z"].into_iter().enumerate();
+    let axes = || AXES.into_iter().enumerate();
     for (axis, name) in axes().take(D) {
         columns.push((format!("force_{name}"), FORCE, Box::new(move |b| b.fluid_force[axis])));
     }
@@ -165,13 +166,16 @@ fn microseconds(seconds: f64) -> f64 {
     (seconds * 1e6).round() / 1e6
 }
 
+/// Names of the tables of a run; the last one is written if there are probes.
+pub const TABLES: [&str; 3] = ["history.csv", "diagnostics.csv", "probes.csv"];
+
 /// Writer of `history.csv`, `diagnostics.csv` and, if there are probes, `probes.csv`; all are complete after every row.
 ///
 /// A row has the time, the columns of each body, and those of the run. With several bodies the columns of a body carry its
 /// name as a prefix. Units follow the names: `NAME_d_min [cm]`.
 pub(crate) struct History<const D: usize> {
-    tables: [(Table, Columns<D>); 2],
-    probes: Option<(Table, Vec<Probe<D>>)>,
+    tables: [(CsvFile, Columns<D>); 2],
+    probes: Option<(CsvFile, Vec<Probe<D>>)>,
 }
 
 /// Columns of a table.
@@ -208,16 +212,16 @@ impl<const D: usize> History<D> {
     ) -> Result<Self, Error> {
         let history = Columns { of_bodies: history_of_bodies(), of_run: history_of_run() };
         let diagnostics = Columns { of_bodies: diagnostics_of_bodies(), of_run: diagnostics_of_run() };
-        let open = |k: usize, name: &str, names: &[String]| {
-            Table::open(directory.join(name), names, lengths.map(|lengths| lengths[k]))
+        let open = |k: usize, names: &[String]| {
+            CsvFile::open(directory.join(TABLES[k]), names, lengths.map(|lengths| lengths[k]))
         };
         let time = || std::iter::once(with_unit("time", &units.time));
         let names = || time().chain(probes.iter().flat_map(|probe| probe.names.clone()));
-        let of_probes = (!probes.is_empty()).then(|| open(2, "probes.csv", &names().collect::<Vec<String>>()));
+        let of_probes = (!probes.is_empty()).then(|| open(2, &names().collect::<Vec<String>>()));
         Ok(Self {
             tables: [
-                (open(0, "history.csv", &history.names(setup, units))?, history),
-                (open(1, "diagnostics.csv", &diagnostics.names(setup, units))?, diagnostics),
+                (open(0, &history.names(setup, units))?, history),
+                (open(1, &diagnostics.names(setup, units))?, diagnostics),
             ],
             probes: of_probes.transpose()?.map(|table| (table, probes)),
         })
@@ -229,7 +233,7 @@ impl<const D: usize> History<D> {
     /// [`Error::Write`].
     pub(crate) fn check(&self) -> Result<(), Error> {
         let mut tables = self.tables.iter().map(|(table, _)| table).chain(self.probes.iter().map(|(table, _)| table));
-        tables.try_for_each(Table::check)
+        tables.try_for_each(CsvFile::check)
     }
 
     /// Returns the lengths of the files, bytes, once they are on the disk; 0 without probes.
@@ -265,12 +269,12 @@ impl<const D: usize> History<D> {
 }
 
 /// A CSV file that grows by rows.
-struct Table {
+struct CsvFile {
     path: PathBuf,
     file: File,
 }
 
-impl Table {
+impl CsvFile {
     fn open(path: PathBuf, names: &[String], length: Option<u64>) -> Result<Self, Error> {
         let unwritable = |source| Error::Write { path: path.clone(), source };
         let Some(length) = length else {

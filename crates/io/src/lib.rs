@@ -1,6 +1,6 @@
 //! Text in, files out: scenarios, histories and field files.
 //!
-//! This is the only crate that depends on file formats. The half that needs the solver is behind the default feature
+//! The half that needs the solver is behind the default feature
 //! `simulation`. A run in three lines:
 //!
 //! ```no_run
@@ -54,7 +54,7 @@ pub use files::{read_text, write_whole};
 #[cfg(feature = "simulation")]
 pub use {
     checkpoint::{checkpoint_steps, checkpoint_time},
-    history::{HistoryTable, name_and_unit},
+    history::{HistoryTable, TABLES, name_and_unit},
     measures::{distance, leading_body},
     run::{RunOptions, default_directory, run},
     run_tables::{Difference, RunTables, results_file},

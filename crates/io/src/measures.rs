@@ -2,7 +2,7 @@
 
 use contact::ContactReport;
 use cutcell::InterfacePiece;
-use mesh::{BodyId, Placed, Point, Vector};
+use mesh::{BodyId, Placed, Point, Vector, mean};
 use solver::interface_dg::InterfaceTraction;
 use solver::{BodyReport, Contact, Setup, StepReport, StepView};
 
@@ -176,7 +176,6 @@ pub fn leading_body<const D: usize>(setup: &Setup<D>) -> Option<usize> {
 /// Returns the angle and angular velocity of points about their mean in the plane of the first two axes: those of the
 /// rotation nearest to their motion.
 fn rotation<const D: usize>(reference: &[Point<D>], now: &[Point<D>], velocity: &[Vector<D>]) -> [f64; 2] {
-    let mean = |points: &[Point<D>]| points.iter().sum::<Point<D>>() / points.len() as f64;
     let (before, after, drift) = (mean(reference), mean(now), mean(velocity));
     let (mut along, mut across, mut swept, mut square) = (0.0, 0.0, 0.0, 0.0);
     for ((x, y), v) in reference.iter().zip(now).zip(velocity) {

@@ -1,6 +1,6 @@
 //! Quantities with names of their own: `probes.csv`, and values along lines.
 
-use mesh::{Coordinates, Point, SimplexMesh, Vector, VertexId};
+use mesh::{AXES, Coordinates, Point, SimplexMesh, Vector, VertexId};
 use solver::{FluidState, StepView};
 
 use crate::measures::pieces;
@@ -8,8 +8,6 @@ use crate::scenario::{Quantity, Units};
 
 /// Barycentric coordinates above minus this value are inside.
 const INSIDE: f64 = 1e-9;
-/// Names of the axes.
-const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// Probes of a run.
 #[derive(Clone, Debug, Default)]

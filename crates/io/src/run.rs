@@ -11,7 +11,7 @@ use crate::Error;
 use crate::checkpoint::{Checkpoint, Header, checkpoint_steps, problem_text, remove_all};
 use crate::claim::{Claim, keep_input};
 use crate::files::{create_directory, write_whole};
-use crate::history::{History, csv};
+use crate::history::{History, TABLES, csv};
 use crate::measures::{BodyMeasures, leading_body};
 use crate::probes::Line;
 use crate::scenario::{Case, CaseVisitor, Fluid, Output, Scenario, ScenarioFile, lower};
@@ -37,8 +37,8 @@ pub fn default_directory(scenario: &Scenario) -> PathBuf {
     scenario.output.directory.as_ref().map_or_else(own, |directory| PathBuf::from(directory.as_str()))
 }
 
-/// Runs a scenario and writes `history.csv`, `diagnostics.csv`, `summary.json`, `scenario.toml` and field files into a
-/// directory, whose results it replaces. `watch` attaches an observer to the run; `&mut ()` attaches none.
+/// Runs a scenario and writes `history.csv`, `diagnostics.csv`, `probes.csv`, `lines/`, `summary.json`, `scenario.toml`, field files and
+/// checkpoints into a directory, whose results it replaces. `watch` attaches an observer to the run; `&mut ()` attaches none.
 ///
 /// # Errors
 /// As [`RunOptions::run`].
@@ -46,7 +46,7 @@ pub fn run(file: &ScenarioFile, directory: &Path, watch: &mut impl Watch) -> Res
     RunOptions { overwrites: true, ..RunOptions::default() }.run(file, directory, watch)
 }
 
-/// How a run begins, and what may end it.
+/// Options of a run: resume, overwrite, stop.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct RunOptions<'a> {
     /// Whether the run goes on from the last checkpoint in the directory. End time and output may differ from those of
@@ -190,7 +190,7 @@ fn remove_series(directory: &Path) -> Result<(), Error> {
         }
     }
     // A run without probes writes no file that would replace this one.
-    let probes = directory.join("probes.csv");
+    let probes = directory.join(TABLES[2]);
     if probes.is_file() {
         std::fs::remove_file(&probes).map_err(|source| Error::Write { path: probes, source })?;
     }

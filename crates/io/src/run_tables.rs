@@ -3,11 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use crate::Error;
-use crate::history::{HistoryTable, name_and_unit};
+use crate::history::{HistoryTable, TABLES, name_and_unit};
 use crate::scenario::advice;
 
-/// Names of the tables.
-const FILES: [&str; 3] = ["history.csv", "diagnostics.csv", "probes.csv"];
 /// Beginning of the names of columns with times of the clock.
 const CLOCK: &str = "seconds_";
 /// Columns with counts of work, which differ between solvers and machines.
@@ -47,7 +45,7 @@ impl RunTables {
     /// # Errors
     /// [`Error::NoResults`]: there is no `history.csv`. [`Error::Damaged`].
     pub fn read(directory: &Path) -> Result<Self, Error> {
-        let [history, others @ ..] = FILES;
+        let [history, others @ ..] = TABLES;
         let mut tables = vec![HistoryTable::read(&results_file(directory, history)?)?];
         if tables[0].n_rows() == 0 {
             let place = directory.join(history).display().to_string();

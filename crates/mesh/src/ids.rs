@@ -46,6 +46,6 @@ id!(
     BodyId
 );
 id!(
-    /// A named part of a boundary: an index into the tag names of its mesh.
+    /// A named part of a boundary, or a named group of cells: an index into the tag names of its mesh.
     Tag
 );

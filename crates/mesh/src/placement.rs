@@ -2,7 +2,8 @@
 
 use crate::simplex::{factorial, points_of};
 use crate::{
-    BoundaryMesh, FacetId, MAX_CELL_VERTICES, MAX_FACET_VERTICES, Point, SimplexRule, Tensor, Vector, simplex_measure,
+    BoundaryMesh, FacetId, MAX_CELL_VERTICES, MAX_FACET_VERTICES, Point, SimplexRule, Tensor, Vector, mean,
+    simplex_measure,
 };
 
 /// A boundary with borrowed positions of its vertices: the current configuration is a view and not a second mesh.
@@ -44,7 +45,7 @@ impl<'m, const D: usize> Placed<'m, D> {
 
     /// Returns the middle of a facet: the mean of its vertices.
     pub fn facet_middle(&self, facet: FacetId) -> Point<D> {
-        self.facet_points(facet)[..D].iter().sum::<Point<D>>() / D as f64
+        mean(&self.facet_points(facet)[..D])
     }
 
     /// Returns the measure of a facet in the coordinates of the boundary: with the weight of the coordinates, which is

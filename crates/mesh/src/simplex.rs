@@ -1,6 +1,6 @@
 //! One simplex: affine map, measure, barycentric gradients, sizes.
 
-use crate::{Point, Tensor, Vector, VertexId, det};
+use crate::{Point, Tensor, Vector, VertexId, det, mean};
 
 /// Vertices of the largest cell (tetrahedron); per-cell arrays have this capacity.
 pub const MAX_CELL_VERTICES: usize = 4;
@@ -76,7 +76,7 @@ impl<const D: usize> Simplex<D> {
     /// Returns the mean of the points.
     #[inline]
     pub fn centroid(&self) -> Point<D> {
-        self.points().iter().sum::<Point<D>>() / (D + 1) as f64
+        mean(self.points())
     }
 
     /// Returns the largest distance between two points.

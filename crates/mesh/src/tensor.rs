@@ -11,9 +11,18 @@ pub type Vector<const D: usize> = SVector<f64, D>;
 /// A second-order tensor.
 pub type Tensor<const D: usize> = SMatrix<f64, D, D>;
 
+/// Names of the axes.
+pub const AXES: [&str; 3] = ["x", "y", "z"];
+
 /// Returns the unit vector along an axis, whose number is from 0 to `D - 1`; zero for another number.
 pub fn unit_vector<const D: usize>(axis: usize) -> Vector<D> {
     Vector::from_fn(|a, _| f64::from(u8::from(a == axis)))
+}
+
+/// Returns the mean of points.
+#[inline]
+pub fn mean<const D: usize>(points: &[Point<D>]) -> Point<D> {
+    points.iter().sum::<Point<D>>() / points.len() as f64
 }
 
 /// Returns the determinant of a tensor; nalgebra's own function has trait bounds on the dimension.

@@ -13,7 +13,7 @@ pub enum Error {
     Frames {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// Cause.
         source: serde_json::Error,
     },
     /// Data cannot be written as JSON.
@@ -30,7 +30,7 @@ pub enum Error {
     Picture {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// Cause.
         source: png::EncodingError,
     },
 }

@@ -145,7 +145,7 @@ fn drawing<'a>(results: &Results, frames: &Frames, shown: impl Iterator<Item = &
 fn histories(results: &Results, marks: &[(String, f64)]) -> Result<String, Error> {
     let Results { history, summary, .. } = results;
     let units = &summary.units;
-    let vertical = ["x", "y", "z"][summary.dimension.saturating_sub(1).min(2)];
+    let vertical = mesh::AXES[summary.dimension.saturating_sub(1).min(2)];
     let chart = |title: &str, unit: &str, column: &str| {
         let curve = |name: &String| results.curve(name, history, &format!("{}{column}", results.prefix(name)));
         let curves = summary.bodies.iter().map(curve).collect();

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use io::{HistoryTable, Summary, read_text, results_file};
+use io::{HistoryTable, Summary, TABLES, read_text, results_file};
 
 use crate::{Chart, Curve, Error, Frames};
 
@@ -29,8 +29,8 @@ impl Results {
     pub fn read(directory: &Path) -> Result<Self, Error> {
         Ok(Self {
             summary: Summary::read(&results_file(directory, "summary.json")?)?,
-            history: HistoryTable::read(&directory.join("history.csv"))?,
-            diagnostics: HistoryTable::read(&directory.join("diagnostics.csv"))?,
+            history: HistoryTable::read(&directory.join(TABLES[0]))?,
+            diagnostics: HistoryTable::read(&directory.join(TABLES[1]))?,
             frames: Frames::read(directory)?,
             scenario: read_text(&directory.join("scenario.toml"))?,
         })

@@ -1,9 +1,9 @@
 //! Mass, centre and second moment of a body.
 
-use mesh::{Enclosed, Placed, Point, Tensor, positive};
+use mesh::{Enclosed, Placed, Point, Tensor, positive, unit_vector};
 
 use crate::Error;
-use crate::modes::{Spin, axis, n_rotations, rotation};
+use crate::modes::{Spin, n_rotations, rotation};
 
 /// Mass, centre of mass and second moment of a body in the reference configuration.
 ///
@@ -41,7 +41,7 @@ impl<const D: usize> MassProperties<D> {
             for (l, entry) in row.iter_mut().enumerate().take(n_rotations(D)) {
                 // ∫ ρ (S_k r)·(S_l r) = S_k : (S_l ∫ ρ r rᵀ), column by column.
                 let column = |a: usize| rotation(l, &moment.column(a).into_owned());
-                *entry = (0..D).map(|a| rotation::<D>(k, &axis(a)).dot(&column(a))).sum();
+                *entry = (0..D).map(|a| rotation::<D>(k, &unit_vector(a)).dot(&column(a))).sum();
             }
         }
         inertia

@@ -1,9 +1,8 @@
 //! Rigid velocities: translations along the axes, then rotations.
 //!
-//! A rotation is a plane with an orientation: in 2D the only one, from the first axis to the second; in 3D the one across
-//! axis `k`, so that the coefficients of the rotations are the components of the vector of angular velocity.
+//! In 2D there is one rotation, counter-clockwise. In 3D rotation `k` is that about axis `k`.
 
-use mesh::{Tensor, Vector};
+use mesh::{Tensor, Vector, unit_vector};
 
 /// Angular velocity, momentum or torque: one coefficient per rotation; only the first `D(D-1)/2` are used. Units: rad/s
 /// for a velocity.
@@ -17,11 +16,6 @@ pub const fn n_rotations(dimension: usize) -> usize {
 /// Returns the number of rigid velocities.
 pub const fn n_modes(dimension: usize) -> usize {
     dimension + n_rotations(dimension)
-}
-
-/// Returns the unit vector along an axis.
-pub(crate) fn axis<const D: usize>(number: usize) -> Vector<D> {
-    Vector::from_fn(|a, _| if a == number { 1.0 } else { 0.0 })
 }
 
 /// Returns `e_k × r`: velocity of rotation `k` at the arm `r`.
@@ -38,7 +32,7 @@ pub fn rotation<const D: usize>(k: usize, arm: &Vector<D>) -> Vector<D> {
 /// Returns the velocity of a mode at the arm `r`.
 #[inline]
 pub fn mode<const D: usize>(number: usize, arm: &Vector<D>) -> Vector<D> {
-    if number < D { axis(number) } else { rotation(number - D, arm) }
+    if number < D { unit_vector(number) } else { rotation(number - D, arm) }
 }
 
 /// Returns `ω × r`.
@@ -53,7 +47,7 @@ pub fn spin_velocity<const D: usize>(spin: &Spin, arm: &Vector<D>) -> Vector<D> 
 pub fn rotated_by<const D: usize>(angles: &Spin) -> Tensor<D> {
     let mut generator = Tensor::<D>::zeros();
     for a in 0..D {
-        generator.set_column(a, &spin_velocity(angles, &axis(a)));
+        generator.set_column(a, &spin_velocity(angles, &unit_vector(a)));
     }
     let angle = angles[..n_rotations(D)].iter().map(|a| a * a).sum::<f64>().sqrt();
     // sin θ/θ, and (1 - cos θ)/θ² without cancellation.

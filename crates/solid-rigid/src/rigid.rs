@@ -2,7 +2,7 @@
 
 use algebra::time::{Level, Row};
 use algebra::{BlockLayout, Constraints, Contributions, DofId, FieldId, Integral};
-use body::{Balance, Body, BodyState, BodyStep, History, StepTime, SurfaceMotion};
+use body::{Balance, Body, BodyState, BodyStep, StepTime, SurfaceMotion, VectorInTime};
 use mesh::{BoundaryMesh, Placed, Point, Vector};
 
 use crate::centre::RigidCentre;
@@ -19,7 +19,7 @@ pub struct Guide<const D: usize> {
     /// Time of the release. The guide prescribes the velocity at the end of every step that begins earlier.
     pub until: f64,
     /// Velocity at a time.
-    pub velocity: History<D>,
+    pub velocity: VectorInTime<D>,
 }
 
 /// A body that moves freely without deforming.
@@ -37,7 +37,7 @@ pub struct RigidBody<const D: usize> {
     /// Acceleration of gravity.
     pub gravity: Vector<D>,
     /// Gravity that varies in time, in addition to the constant one; none if `None`.
-    pub variable_gravity: Option<History<D>>,
+    pub variable_gravity: Option<VectorInTime<D>>,
     /// Axes along which the centre is held.
     pub held_axes: [bool; D],
     /// Whether rotation is held.

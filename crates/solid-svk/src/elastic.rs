@@ -3,7 +3,7 @@
 use algebra::time::StepRule;
 use algebra::{BlockLayout, Constraints, Contributions, FieldId, Integral};
 use body::{
-    Balance, Body, BodyState, BodyStep, CellOutput, History, PointField, StepTime, SurfaceMotion, SurfaceStress,
+    Balance, Body, BodyState, BodyStep, CellOutput, PointField, StepTime, SurfaceMotion, SurfaceStress, VectorInTime,
 };
 use mesh::{BoundaryMesh, Point, Vector, require};
 
@@ -20,7 +20,7 @@ pub struct ElasticOptions<const D: usize> {
     /// Loads on the boundary.
     pub loads: Vec<Load<D>>,
     /// Gravity that varies in time, in addition to that of the form; none if `None`.
-    pub variable_gravity: Option<History<D>>,
+    pub variable_gravity: Option<VectorInTime<D>>,
     /// Displacement at the start; zero if `None`.
     pub initial_displacement: Option<PointField<D>>,
     /// Velocity at the start; zero if `None`.

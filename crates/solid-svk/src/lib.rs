@@ -1,6 +1,6 @@
-//! Elastodynamics in the reference configuration, Saint Venant-Kirchhoff first.
+//! Deformable solids: elastodynamics in the reference configuration.
 //!
-//! This crate contains all deformable solids. The unknown of a body is the **velocity** `v` of its nodes at the stage of the
+//! The unknown of a body is the **velocity** `v` of its nodes at the stage of the
 //! step; displacement and acceleration there follow from it by the time scheme ([`algebra::time`]): `d = d_pred + c_d v`,
 //! `a = a_pred + c_a v`. [`ElasticBody`] is the body that a simulation uses; the example below assembles its parts by hand.
 //!

@@ -74,7 +74,7 @@ impl<const D: usize> SurfaceStress<D> for SolidStress<'_, D> {
         }
     }
 
-    fn at(&self, facet: FacetId, _: &[f64], x: &[f64], derivatives: &mut ByDof<D>) -> Vector<D> {
+    fn on(&self, facet: FacetId, x: &[f64], derivatives: &mut ByDof<D>) -> Vector<D> {
         derivatives.clear();
         self.cell(facet).map_or_else(Vector::zeros, |cell| self.traction(facet, cell, x, derivatives))
     }

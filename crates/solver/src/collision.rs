@@ -4,9 +4,9 @@ use algebra::{Contributions, DofId, LocalSystem};
 use contact::{Anchor, ContactPoint, Positions, Projection};
 use mesh::{Placed, Point, Vector, VertexId};
 
-use crate::State;
 use crate::contact_step::Partners;
 use crate::setup::Contact;
+use crate::{Setup, State};
 
 /// Penalty weight relative to mass/Δt; its inverse is about the relative error of the velocity.
 const STIFFNESS: f64 = 1e8;
@@ -31,7 +31,11 @@ pub(crate) struct Collision<const D: usize> {
 impl<const D: usize> Collision<D> {
     /// Returns the collision of a contact; `None` if its law has no restitution, the bodies are not in contact at the start of the step, or they do not
     /// approach.
-    pub(crate) fn new(contact: &Contact<D>, previous: &State<D>, step: Partners<'_, D>) -> Option<Self> {
+    pub(crate) fn new(
+        contact: &Contact<D>,
+        (setup, previous): (&Setup<D>, &State<D>),
+        step: Partners<'_, D>,
+    ) -> Option<Self> {
         let law = &contact.form().law;
         let restitution = law.restitution()?;
         let surface = |id: mesh::BodyId| step.bodies[id.index()].surface();
@@ -75,7 +79,8 @@ impl<const D: usize> Collision<D> {
             return None;
         }
         let bodies = [Some(contact.body()), contact.master()].into_iter().flatten();
-        let mass = bodies.filter_map(|id| step.mass(id)).fold(0.0, f64::max);
+        let balance = |id: mesh::BodyId| setup.bodies[id.index()].balance(&previous.bodies[id.index()]);
+        let mass = bodies.filter_map(balance).map(|balance| balance.mass).fold(0.0, f64::max);
         Some(Self {
             dofs,
             velocity: step.time.weights.stage_velocity(-restitution * approach, approach),

@@ -20,14 +20,6 @@ pub(crate) struct Partners<'p, const D: usize> {
     pub(crate) fluid: Option<&'p FluidStep<'p, D>>,
     pub(crate) bodies: &'p [Box<dyn BodyStep<D> + 'p>],
     pub(crate) time: &'p StepTime,
-    /// Masses of the bodies; `None` for bodies of prescribed motion.
-    pub(crate) masses: &'p [Option<f64>],
-}
-
-impl<const D: usize> Partners<'_, D> {
-    pub(crate) fn mass(&self, body: BodyId) -> Option<f64> {
-        self.masses[body.index()]
-    }
 }
 
 impl<'p, const D: usize> Partners<'p, D> {

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use algebra::time::{Affine, Level, Weights};
+use algebra::time::{Affine, Level};
 use algebra::{BlockLayout, Constraints, Contributions, FieldId, Integral};
 use body::{BodyStep, StepTime};
 use cutcell::CutMesh;
@@ -49,7 +49,7 @@ pub(crate) struct FluidStep<'a, const D: usize> {
     start: Level<Vector<D>>,
     /// Velocity extrapolated to the stage, for the weights of stabilisations; `None` if accelerations are not known.
     extrapolated: Option<Vec<Vector<D>>>,
-    weights: Weights,
+    pub(crate) time: StepTime,
     /// Acceleration at the stage.
     acceleration: Affine<Vector<D>>,
     pub(crate) velocity: FieldId,
@@ -126,8 +126,7 @@ impl<'a, const D: usize> FluidStep<'a, D> {
             let of_bodies = |item| surfaces.accelerations(item, &start.velocity);
             pieces.set_relative_accelerations(&cut, &space, &start.acceleration, of_bodies);
         }
-        let weights = time.weights;
-        let acceleration = Affine::new(&weights.stage_acceleration, &start);
+        let acceleration = Affine::new(&time.weights.stage_acceleration, &start);
         let velocity = layout.push_keyed("velocity", space.keys(), D);
         let pressure = layout.push_on(velocity, "pressure", 1);
         let (stage, rate) = (time.stage(), acceleration.slope);
@@ -146,7 +145,7 @@ impl<'a, const D: usize> FluidStep<'a, D> {
             sources,
             start,
             extrapolated,
-            weights,
+            time: *time,
             acceleration,
             velocity,
             pressure,
@@ -222,18 +221,18 @@ impl<'a, const D: usize> FluidStep<'a, D> {
     /// Constrains the velocity where it is prescribed, then on walls, then on planes of symmetry and parallel outflows, such that
     /// the values at the end of the step are the given ones. At a vertex of several conditions walls count most, then prescribed
     /// velocities; planes are combined.
-    pub(crate) fn constrain(&self, layout: &BlockLayout, time: &StepTime, constraints: &mut Constraints) {
+    pub(crate) fn constrain(&self, layout: &BlockLayout, constraints: &mut Constraints) {
         let background = &self.setup.background;
         let dofs = |tag| boundary_dofs(background, &self.cut, &self.space, tag).into_iter();
         let start = |dof: u32| self.start.velocity[dof as usize];
         let mut set = |dof: u32, end: Vector<D>| {
             for (axis, place) in layout.node(self.velocity, dof as usize).enumerate() {
-                constraints.set(place, time.weights.stage_velocity(end[axis], start(dof)[axis]));
+                constraints.set(place, self.time.weights.stage_velocity(end[axis], start(dof)[axis]));
             }
         };
         for (tag, condition) in &self.setup.boundary {
             let FluidBoundary::Velocity(velocity) = condition else { continue };
-            dofs(*tag).for_each(|dof| set(dof, velocity(&background.vertex(self.space.vertex(dof)), time.end)));
+            dofs(*tag).for_each(|dof| set(dof, velocity(&background.vertex(self.space.vertex(dof)), self.time.end)));
         }
         for (tag, _) in self.setup.boundary.iter().filter(|(_, of)| matches!(of, FluidBoundary::NoSlip)) {
             dofs(*tag).for_each(|dof| set(dof, Vector::zeros()));
@@ -243,16 +242,16 @@ impl<'a, const D: usize> FluidStep<'a, D> {
                 for dof in dofs(*tag) {
                     let equation: Vec<_> =
                         layout.node(self.velocity, dof as usize).zip(across.iter().copied()).collect();
-                    constraints.impose(&equation, time.weights.stage_velocity(0.0, across.dot(&start(dof))));
+                    constraints.impose(&equation, self.time.weights.stage_velocity(0.0, across.dot(&start(dof))));
                 }
             }
         }
-        self.end_films(layout, time.stage(), constraints);
+        self.end_films(layout, constraints);
     }
 
     /// Prescribes the pressure where films end at open boundaries: minus the normal traction that is given there. The
     /// natural condition of the flux along a film is no flux, which does not contain the traction.
-    fn end_films(&self, layout: &BlockLayout, time: f64, constraints: &mut Constraints) {
+    fn end_films(&self, layout: &BlockLayout, constraints: &mut Constraints) {
         let (Some(films), background) = (&self.films, &self.setup.background) else { return };
         for piece in self.cut.boundary().iter().filter(|piece| films.of(piece.part).is_some()) {
             let tag = background.facet_tag(piece.facet);
@@ -266,7 +265,7 @@ impl<'a, const D: usize> FluidStep<'a, D> {
                 let Some(local) = cell.iter().position(|v| v == vertex) else { continue };
                 let pressure = match condition {
                     Some(FluidBoundary::Open { traction: Some(traction), .. }) => {
-                        -traction(&background.vertex(*vertex), &normal, time).dot(&normal)
+                        -traction(&background.vertex(*vertex), &normal, self.time.stage()).dot(&normal)
                     }
                     _ => 0.0,
                 };
@@ -286,7 +285,7 @@ impl<'a, const D: usize> FluidStep<'a, D> {
     /// Returns velocity and acceleration at the end of the step.
     fn end(&self, layout: &BlockLayout, x: &[f64]) -> Level<Vector<D>> {
         let velocity: Vec<Vector<D>> = layout.values(self.velocity, x).map(Vector::from).collect();
-        self.weights.end(&self.start, &velocity)
+        self.time.weights.end(&self.start, &velocity)
     }
 
     /// Returns the kinetic energy at the end of the step.
@@ -302,7 +301,7 @@ impl<'a, const D: usize> FluidStep<'a, D> {
     /// at the end. The first two differ at the start of a run, where the acceleration is that at the end.
     pub(crate) fn scheme_energies(&self, layout: &BlockLayout, x: &[f64]) -> [f64; 3] {
         let (start, end) = (&self.start, self.end(layout, x));
-        let energy = |products: KineticProducts| products.scheme_energy(&self.weights);
+        let energy = |products: KineticProducts| products.scheme_energy(&self.time.weights);
         let carried = energy(self.products(&start.velocity, &start.acceleration));
         let starts = start.acceleration.is_empty() && !end.acceleration.is_empty();
         let at_start = if starts { energy(self.products(&start.velocity, &end.acceleration)) } else { carried };
@@ -310,17 +309,12 @@ impl<'a, const D: usize> FluidStep<'a, D> {
     }
 
     /// Returns the fluid at the end of the step.
-    pub(crate) fn finish(
-        self,
-        layout: &BlockLayout,
-        pressure_time: f64,
-        pockets: &[Pocket],
-        x: &[f64],
-    ) -> FluidState<D> {
+    pub(crate) fn finish(self, layout: &BlockLayout, pockets: &[Pocket], x: &[f64]) -> FluidState<D> {
         let mut pressure = x[layout.range(self.pressure)].to_vec();
         pockets.iter().for_each(|pocket| pocket.remove_mean(self.geometry(), &mut pressure));
         let end = self.end(layout, x);
         let products = self.products(&end.velocity, &end.acceleration);
+        let pressure_time = self.time.stage();
         let (Level { velocity, acceleration, .. }, Self { positions, cut, space, .. }) = (end, self);
         FluidState { positions, cut, space, velocity, acceleration, pressure, pressure_time, products }
     }

@@ -165,7 +165,7 @@ impl<const D: usize> Problem<'_, D> {
         };
         let mut known = 0.0;
         if let (Some(of_step), Some(points)) = (&step.fluid, &self.interface) {
-            known += of_step.add_to_ledger(&mut ledger, layout, x, dt);
+            known += of_step.add_to_ledger(&mut ledger, layout, x);
             let ([carried, start, end], change) =
                 (of_step.scheme_energies(layout, x), fluid_energy - before.fluid_energy());
             let transfer =
@@ -217,8 +217,8 @@ impl<const D: usize> Problem<'_, D> {
 
 impl<const D: usize> FluidStep<'_, D> {
     /// Adds the works of the fluid's terms; returns their sum.
-    fn add_to_ledger(&self, ledger: &mut Ledger, layout: &BlockLayout, x: &[f64], dt: f64) -> f64 {
-        let (geometry, fields, form) = (self.geometry(), self.fields(layout), &self.form);
+    fn add_to_ledger(&self, ledger: &mut Ledger, layout: &BlockLayout, x: &[f64]) -> f64 {
+        let (geometry, fields, form, dt) = (self.geometry(), self.fields(layout), &self.form, self.time.length);
         let cells = |term| dt * Integral::linear("one term", FluidCells::new(geometry, fields), vec![term]).power(x);
         let faces = |weights: [f64; 3]| {
             let [velocity, ghost, pressure] = weights;

@@ -39,7 +39,6 @@ pub struct Step<'a, const D: usize> {
     pub layout: BlockLayout,
     pub(crate) fluid: Option<FluidStep<'a, D>>,
     pub(crate) bodies: Vec<Box<dyn BodyStep<D> + 'a>>,
-    masses: Vec<Option<f64>>,
     pub(crate) contacts: Vec<ContactStep<D>>,
     /// Collisions, one entry per contact.
     pub(crate) collisions: Vec<Option<Collision<D>>>,
@@ -67,8 +66,8 @@ impl<'a, const D: usize> Step<'a, D> {
             }
             None => None,
         };
-        let begun = || setup.bodies.iter().zip(&previous.bodies);
-        let bodies: Vec<_> = begun().map(|(body, state)| body.step(state, &time, &mut layout)).collect();
+        let begun = setup.bodies.iter().zip(&previous.bodies);
+        let bodies: Vec<_> = begun.map(|(body, state)| body.step(state, &time, &mut layout)).collect();
         let mut step = Self {
             setup,
             previous,
@@ -76,7 +75,6 @@ impl<'a, const D: usize> Step<'a, D> {
             layout,
             fluid,
             bodies,
-            masses: begun().map(|(body, state)| body.balance(state).map(|balance| balance.mass)).collect(),
             contacts: Vec::new(),
             collisions: Vec::new(),
             constraints: Constraints::new(),
@@ -87,7 +85,7 @@ impl<'a, const D: usize> Step<'a, D> {
         let contact = |contact| ContactStep::new(contact, previous, step.partners());
         step.contacts = setup.contacts.iter().map(contact).collect::<Result<_, _>>()?;
         step.seconds.search = searched.elapsed().as_secs_f64();
-        let collision = |contact| Collision::new(contact, previous, step.partners());
+        let collision = |contact| Collision::new(contact, (setup, previous), step.partners());
         step.collisions = setup.contacts.iter().map(collision).collect();
         step.remove_floor();
         step.constrain();
@@ -129,13 +127,13 @@ impl<'a, const D: usize> Step<'a, D> {
     /// Returns the fluid and the bodies for the evaluation of contacts.
     pub(crate) fn partners(&self) -> Partners<'_, D> {
         let (layout, bodies) = (&self.layout, &self.bodies[..]);
-        Partners { layout, fluid: self.fluid.as_ref(), bodies, time: &self.time, masses: &self.masses }
+        Partners { layout, fluid: self.fluid.as_ref(), bodies, time: &self.time }
     }
 
     /// Removes the floor of the pressure from a step with a collision.
     ///
-    /// The step stands for all of the collision, which is longer: the suction that turns the fluid around the bodies is spread over that time and
-    /// stays above the floor, whereas the pressure of the step is this impulse over the length of the step.
+    /// A collision lasts longer than the step in which it is computed. The pressure of the step is the whole impulse over
+    /// the length of the step and would fall below the floor. The real pressure is spread over the collision and does not.
     fn remove_floor(&mut self) {
         if let Some(fluid) = self.fluid.as_mut().filter(|_| self.collisions.iter().any(Option::is_some)) {
             fluid.form.cavitation = None;
@@ -146,7 +144,7 @@ impl<'a, const D: usize> Step<'a, D> {
     fn constrain(&mut self) {
         let mut constraints = Constraints::new();
         if let Some(fluid) = &self.fluid {
-            fluid.constrain(&self.layout, &self.time, &mut constraints);
+            fluid.constrain(&self.layout, &mut constraints);
         }
         self.bodies.iter().for_each(|body| body.constrain(&self.layout, &mut constraints));
         if let Some(fluid) = &self.fluid {
@@ -193,7 +191,7 @@ impl<'a, const D: usize> Step<'a, D> {
         State {
             step: self.previous.step + usize::from(substep.is_last),
             time: self.time.end,
-            fluid: self.fluid.map(|fluid| fluid.finish(&self.layout, self.time.stage(), &self.pockets, x)),
+            fluid: self.fluid.map(|fluid| fluid.finish(&self.layout, &self.pockets, x)),
             bodies,
             contact_energy,
         }

@@ -119,6 +119,11 @@ impl<const D: usize> FluidBoundary<D> {
         Self::Parallel { normal: unit_vector(axis) }
     }
 
+    /// Returns whether fluid may cross the part without a given velocity.
+    pub fn is_open(&self) -> bool {
+        matches!(self, Self::Open { .. } | Self::Parallel { .. })
+    }
+
     /// Returns the directions in which nothing flows while others are free: the normal of a plane of symmetry, and those along
     /// the plane of a parallel flow.
     pub(crate) fn without_flow(&self) -> Vec<Vector<D>> {
@@ -141,7 +146,7 @@ impl<const D: usize> FluidSetup<D> {
 
     /// Returns whether fluid may cross the parts of the boundary with a tag.
     pub(crate) fn is_open(&self, tag: Option<Tag>) -> bool {
-        matches!(self.condition(tag), None | Some(FluidBoundary::Open { .. } | FluidBoundary::Parallel { .. }))
+        self.condition(tag).is_none_or(FluidBoundary::is_open)
     }
 
     /// Returns whether the parts of the boundary with a tag are walls, between which and bodies films form.

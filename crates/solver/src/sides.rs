@@ -70,13 +70,8 @@ impl<const D: usize> FluidStep<'_, D> {
             let cell = self.cut.part_cell(point.part);
             let Some(gradients) = background.simplex(cell).barycentric_gradients() else { continue };
             let dofs = self.space.dofs(point.part);
-            let (mut slope, mut pressure) = (Tensor::<D>::zeros(), 0.0);
-            for (i, &dof) in dofs.iter().enumerate() {
-                let velocity: Vector<D> = fields.velocity_at(x, dof);
-                slope += velocity * gradients[i].transpose();
-                pressure += fields.pressure_at(x, dof) * point.shape[i];
-            }
-            let viscous = (slope + slope.transpose()) * point.normal * self.setup.material.viscosity;
+            let (grad_u, pressure) = fields.grad_and_pressure(x, dofs, &gradients, &point.shape);
+            let viscous = self.setup.material.viscous_traction(&grad_u, &point.normal);
             let traction = (viscous - point.normal * pressure) * point.weight;
             let on_side = background.facet(point.facet);
             for (i, &dof) in dofs.iter().enumerate() {

@@ -88,8 +88,8 @@ impl<const D: usize> State<D> {
         bodies + self.fluid_energy() + self.contact_energy
     }
 
-    /// Returns the time after one more step of length `dt`. Multiples of the step are exact; sums of a decimal number
-    /// are not.
+    /// Returns the time after one more step of length `dt`. A time within round-off of a multiple of `dt` is set to this
+    /// multiple.
     pub fn next_time(&self, dt: f64) -> f64 {
         let time = self.time + dt;
         let steps = (time / dt).round();

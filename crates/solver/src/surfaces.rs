@@ -41,7 +41,8 @@ impl<const D: usize> Surfaces<'_, D> {
         self.on_facet(item, |vertex| velocity[vertex])
     }
 
-    /// Returns the velocities of the body of an interface piece, extrapolated to the stage where accelerations are known.
+    /// Returns the velocities of the body of an interface piece; if accelerations are known, the velocities are
+    /// extrapolated to the stage.
     pub(crate) fn extrapolated_velocities(&self, item: usize) -> OnFacet<D> {
         let level = &self.previous.bodies[self.cut.interface()[item].body.index()].level;
         let gained = |vertex| level.acceleration.get(vertex).map_or(Vector::zeros(), |a: &Vector<D>| a * self.ahead);

@@ -124,7 +124,7 @@ fn contact_without_stored_energy_is_stable() {
         block.form = SolidForm::new(1.0, material, V::zeros()).expect("a form");
         let bottom = block.side("bottom");
         let mut setup = in_vacuum(block, second_order(0.0));
-        let form = ContactForm::new(NitscheLaw::new(gamma_0, 0.0).expect("a law"), 0.1).expect("a contact");
+        let form = ContactForm::new(NitscheLaw::new(gamma_0, 0.0, 0.0).expect("a law"), 0.1).expect("a contact");
         let contact = Contact::new(&setup.bodies, BodyId(0), bottom, form, ground()).expect("a contact");
         setup.contacts.push(contact);
         let (_, reports) = run(&setup, 120);
@@ -186,7 +186,7 @@ fn gravity_that_varies_in_time_is_a_load() {
     // Implicit Euler takes the gravity at the end of the step, generalised-α with this radius a third of a step before it.
     for (scheme, before_end) in [(Arc::new(ImplicitEuler) as Scheme, 0.0), (second_order(0.5), 1.0 / 3.0)] {
         let mesh = structured_box::<2>([0.0, 0.0], [2.0, 1.0], [2, 1]).expect("a box");
-        let gravity: solver::body::History<2> = Arc::new(|t: f64| V::new(2.0, -3.0) * t.cos());
+        let gravity: solver::body::VectorInTime<2> = Arc::new(|t: f64| V::new(2.0, -3.0) * t.cos());
         let mut elastic = elastic("elastic", mesh.clone(), 4.0, 1e2, 1e2, V::zeros());
         elastic.options.variable_gravity = Some(gravity.clone());
         let mut rigid = rigid("rigid", &mesh, 4.0, V::zeros());

@@ -103,8 +103,7 @@ fn augmented<const D: usize>(
     let lowest = positions.iter().map(|x| x[D - 1]).fold(f64::INFINITY, f64::min);
     let is_base = |f: &FacetId| surface.facet(*f).iter().all(|v| positions[v.index()][D - 1] < lowest + 1e-9);
     let tolerance = if friction > 0.0 { 1e-8 } else { 1e-9 };
-    let law =
-        AugmentedLagrangianLaw::new(gamma, offset, tolerance).expect("a law").with_friction(friction).expect("a law");
+    let law = AugmentedLagrangianLaw::new(gamma, offset, friction, tolerance).expect("a law");
     let form = ContactForm::new(law, 1.0).expect("a contact");
     Contact::new(bodies, BodyId(slave as u32), surface.facets().filter(is_base).collect(), form, obstacle).expect("one")
 }
@@ -176,7 +175,7 @@ fn brick_between_planes() -> Setup<2> {
     let facets: Vec<_> = setup.bodies[0].surface().facets().collect();
     for (height, up) in [(0.1, -1.0), (0.95, 1.0)] {
         let plane = RigidPlane::new(P::new(0.0, height), V::new(0.0, up)).expect("a plane");
-        let law = AugmentedLagrangianLaw::new(1e4, 0.0, 1e-6).expect("a law");
+        let law = AugmentedLagrangianLaw::new(1e4, 0.0, 0.0, 1e-6).expect("a law");
         let (form, obstacle) = (ContactForm::new(law, 1.0).expect("one"), ContactObstacle::Rigid(Box::new(plane)));
         setup.contacts.push(Contact::new(&setup.bodies, BodyId(0), facets.clone(), form, obstacle).expect("a contact"));
     }

@@ -1,7 +1,9 @@
 //! Jumps of normal derivatives over faces.
 
 use cutcell::{CellState, CutMesh, PartFace, PartId};
-use mesh::{FacetId, MAX_CELL_VERTICES, SimplexMesh, Tag, Tensor, Vector, diameter, facet_normal, simplex_measure};
+use mesh::{
+    FacetId, MAX_CELL_VERTICES, SimplexMesh, Tag, Tensor, Vector, diameter, facet_normal, mean, simplex_measure,
+};
 
 use crate::{PartValues, XfemSpace};
 
@@ -64,14 +66,13 @@ impl<const D: usize> FaceValue<D> {
     fn new(background: &SimplexMesh<D>, facet: FacetId, parts: [PartId; 2], is_ghost: bool) -> Self {
         let points = &background.facet_points(facet)[..D];
         let (measure, coordinates) = (simplex_measure(points), background.coordinates());
-        // The weight is linear: its mean is the value in the middle.
-        let middle = points.iter().sum::<Vector<D>>() / D as f64;
         Self {
             facet,
             parts,
             is_ghost,
             measure,
-            weight: measure * coordinates.weight(&middle),
+            // The weight of the coordinates is linear: its mean is the value in the middle.
+            weight: measure * coordinates.weight(&mean(points)),
             diameter: diameter(points),
             normal: facet_normal(points),
             share: 1.0,

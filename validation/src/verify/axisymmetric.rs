@@ -444,7 +444,7 @@ fn hertz(record: &mut Record) -> Result<(), Failure> {
     record.show(format!("{name}: facets in that radius"), inside as f64, None);
     let mut found = Vec::new();
     for gamma_0 in GAMMA_0 {
-        let (run, report) = pressed_ball(n, ContactForm::new(NitscheLaw::new(gamma_0, 0.0)?, 1.0)?)?;
+        let (run, report) = pressed_ball(n, ContactForm::new(NitscheLaw::new(gamma_0, 0.0, 0.0)?, 1.0)?)?;
         let (contact, surface) = (&report.contacts[0], run.setup.bodies[0].surface());
         let positions = run.state.bodies[0].positions(run.setup.bodies[0].reference());
         let moment = |power: i32| -> f64 {

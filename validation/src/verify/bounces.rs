@@ -18,7 +18,7 @@ pub(super) const FRAME: f64 = 2e-3;
 /// Restitution in air.
 pub(super) const IN_AIR: f64 = 0.97;
 
-/// Why the restitution of the short versions was defined anew.
+/// Reason for the new definition of the restitution of the short versions.
 pub(super) const FORMER: &str = "The restitution was first that of the largest speed after the collision, which is the speed inside of the film and is not measured by any experiment. It is now \
                                  that of the mean speed in the first 2 ms, the time between two pictures; the bounds are the same.";
 

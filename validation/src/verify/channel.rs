@@ -51,7 +51,7 @@ pub(super) struct Resolution {
     pub(super) coarse: f64,
     /// Corners of the polygon that stands for the circle.
     pub(super) n_corners: usize,
-    /// How far the flag swings to either side. Cells within this distance are as fine as those at the obstacle. Cells
+    /// Largest distance by which the flag swings to either side. Cells within this distance are as fine as those at the obstacle. Cells
     /// at the corners of the flag are refined further only if it does not swing.
     pub(super) swing: f64,
 }

@@ -57,7 +57,7 @@ impl<const D: usize> Block<D> {
         let mut body = elastic(mesh, DENSITY, material, self.down * GRAVITY, Arc::new(ImplicitEuler))?;
         let velocity = self.velocity;
         body.options.initial_velocity = Some(Arc::new(move |_| velocity));
-        let law = NitscheLaw::new(10.0, 0.0)?.with_friction(self.friction)?;
+        let law = NitscheLaw::new(10.0, 0.0, self.friction)?;
         let mut into = Vector::<D>::zeros();
         into[D - 1] = -1.0;
         let floor = Touch {
@@ -125,7 +125,7 @@ fn rigid_slope<const D: usize>(record: &mut Record, along: Vector<D>) -> Result<
         let motion = |friction: f64| -> Result<(Vector<D>, f64, f64), Failure> {
             let body = RigidBody::new("block", mesh.boundary(), mesh.vertices().to_vec(), DENSITY, down * GRAVITY)?;
             let facets = body.boundary.facets().filter(|f| body.boundary.tag(*f) == Some(bottom)).collect();
-            let law = AugmentedLagrangianLaw::new(factor * inertia, 0.0, RIGID_TOLERANCE)?.with_friction(friction)?;
+            let law = AugmentedLagrangianLaw::new(factor * inertia, 0.0, friction, RIGID_TOLERANCE)?;
             let mut into = Vector::<D>::zeros();
             into[D - 1] = -1.0;
             let obstacle = ContactObstacle::Rigid(Box::new(RigidPlane::new(Point::zeros(), into)?));

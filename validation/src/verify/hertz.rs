@@ -94,7 +94,7 @@ fn nitsche(record: &mut Record, n: usize) -> Result<(), Failure> {
     let mut found = Vec::new();
     for gamma_0 in GAMMA_0 {
         let material = LinearElastic::new(LameParameters::new(MU, LAMBDA)?);
-        let (run, report) = press(n, material, ContactForm::new(NitscheLaw::new(gamma_0, 0.0)?, 1.0)?)?;
+        let (run, report) = press(n, material, ContactForm::new(NitscheLaw::new(gamma_0, 0.0, 0.0)?, 1.0)?)?;
         let (load, points) = (report.contacts[0].force[1], pressures(&run, &report));
         let (radius, peak) = hertz(load);
         let [middle, size] = in_the_middle(&points)?;
@@ -124,7 +124,7 @@ fn nitsche(record: &mut Record, n: usize) -> Result<(), Failure> {
         found.push([load, middle, half_width, pole]);
     }
     let material = SaintVenantKirchhoff::new(LameParameters::new(MU, LAMBDA)?);
-    let (run, report) = press(n, material, ContactForm::new(NitscheLaw::new(GAMMA_0[0], 0.0)?, 1.0)?)?;
+    let (run, report) = press(n, material, ContactForm::new(NitscheLaw::new(GAMMA_0[0], 0.0, 0.0)?, 1.0)?)?;
     let (name, peak) = (
         cgs("Saint Venant-Kirchhoff, Nitsche: largest pressure p0 [<pressure>]"),
         hertz(report.contacts[0].force[1]).1,

@@ -45,7 +45,7 @@ const PHRASES: &[(&str, &str)] = &[
 pub(super) fn check(tree: &Tree) -> Vec<Finding> {
     let is_checked = |path: &str| path != LIST && !UNCHECKED.iter().any(|folder| path.starts_with(folder));
     let sources = tree.rust.iter().chain(&tree.other).filter(|source| is_checked(&source.path));
-    sources.flat_map(|source| of_file(source).into_iter().chain(verbs(source))).collect()
+    sources.flat_map(|source| of_file(source).into_iter().chain(verbs(source)).chain(fragments(source))).collect()
 }
 
 /// Finds functions outside of tests whose comment does not begin with a verb in the third person.
@@ -66,6 +66,21 @@ fn verbs(source: &Source) -> Vec<Finding> {
             let advice = format!("\"{first} ...\": begin the comment of a function with a verb, such as Returns");
             findings.push(Finding::new(&source.path, k + 1, advice));
         }
+    }
+    findings
+}
+
+/// Finds comments and headings that begin with "Why" or "How".
+fn fragments(source: &Source) -> Vec<Finding> {
+    let marker = if source.path.ends_with(".rs") { "//" } else { "#" };
+    let (mut findings, mut before) = (Vec::new(), "");
+    for (k, line) in source.text.lines().map(str::trim).enumerate().filter(|_| !source.path.ends_with(".toml")) {
+        let text = line.trim_start_matches(['/', '!', '#']).trim_start();
+        let is_begin = line.starts_with(marker) && !before.starts_with("//") && !line.ends_with('?');
+        if is_begin && matches!(text.split([' ', '.']).next(), Some("Why" | "How")) {
+            findings.push(Finding::new(&source.path, k + 1, "\"Why\" or \"How\": begin with a noun phrase"));
+        }
+        before = line;
     }
     findings
 }
@@ -152,6 +167,15 @@ mod tests {
         };
         assert_eq!(lines("/// Number of cells.\n///\n/// More.\n#[inline]\npub fn n_cells() {}\n"), [1]);
         assert!(lines("/// Returns it.\n/// More.\nfn n() {}\n/// A mesh.\npub struct Mesh(fn(u8));\n").is_empty());
+    }
+
+    #[test]
+    fn comments_and_headings_are_no_fragments() {
+        let lines = |path: &str, text: &str| -> Vec<usize> {
+            fragments(&Source::new(path, text.to_owned())).iter().map(|finding| finding.line).collect()
+        };
+        assert_eq!(lines("a.rs", "//! How it ends.\n\n    /// Why.\n    /// Why it stopped.\n/// However.\n"), [1, 3]);
+        assert_eq!(lines("a.md", "## How to run\n\nHow well it runs is measured.\n\n## Why a rule?\n"), [1]);
     }
 
     #[test]

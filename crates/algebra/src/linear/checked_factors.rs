@@ -6,7 +6,7 @@ use super::LinearError;
 use super::factors::{Factors, signs};
 use super::static_factors::StaticFactors;
 
-/// Largest accepted norm of the residual that a solve with good factors leaves of a right-hand side of signs, relative to it.
+/// Largest accepted norm of the residual that a solve with good factors leaves of a right-hand side of entries ±1, relative to it.
 const LARGEST_RESIDUAL: f64 = 0.1;
 
 /// Static factors in single precision, or factors with free pivoting in double precision where those are not good: a
@@ -72,7 +72,7 @@ impl CheckedFactors {
         }
     }
 
-    /// Returns the norm of the residual that the factors leave of a right-hand side of signs, relative to it.
+    /// Returns the norm of the residual that the factors leave of a right-hand side of entries ±1, relative to it.
     fn residual(&mut self, matrix: &CsMatI<f64, u32>) -> Result<f64, LinearError> {
         let mut x = std::mem::take(&mut self.solution);
         x.clear();

@@ -21,7 +21,7 @@ pub enum Scaling {
 /// cent. It is approached from below, by power iterations with `A` and `Aᵀ` and with their inverses. The factors are
 /// those of the equilibrated matrix in both cases.
 ///
-/// A measure for people, not for solvers: it takes two factorisations and hundreds of solves.
+/// Diagnostic: two factorisations and hundreds of solves.
 ///
 /// # Errors
 /// See [`LinearError`]; a matrix that is singular to working precision has a large number and no error.

@@ -11,7 +11,7 @@ use super::nodes::NodeGraph;
 
 /// Weights of the shift of multipliers, in the order in which they are tried.
 const SHIFTS: [f64; 4] = [0.0, 10.0, 40.0, 160.0];
-/// Error of the factors on a vector of signs, relative to it, from which on they count as unstable. Stable factors have
+/// Error of the factors on a vector of entries ±1, relative to it, from which on they count as unstable. Stable factors have
 /// errors below one, and growth in unstable ones is exponential: the exact bound is not important.
 const LARGEST_ERROR: f64 = 10.0;
 
@@ -30,7 +30,7 @@ pub enum Fill {
 }
 
 impl Fill {
-    /// ILUT that keeps about twice the entries of the matrix: the fewest seconds on the fluid's block.
+    /// ILUT with about twice the entries of the matrix, the fastest on the fluid's block.
     pub const THRESHOLD: Self = Self::Threshold { drop: 1e-2, growth: 2.0 };
 }
 
@@ -43,7 +43,7 @@ impl Fill {
 ///
 /// The factors of a saddle point may be unstable: the Schur complement of the multiplier (of the pressure) is
 /// `C - B A⁻¹ G`, of which incomplete factors contain little more than `C`, and the stabilisation `C` of smooth pressures is
-/// nearly zero. Therefore the factors are tried on a vector of signs. If they fail, the diagonal entries of multipliers
+/// nearly zero. Therefore the factors are tried on a vector of entries ±1. If they fail, the diagonal entries of multipliers
 /// are raised by a multiple of `-diag(B diag(A)⁻¹ G)`, which for viscous flow is as large as the mass matrix of the pressure
 /// over the viscosity, the Schur complement that is missing. The first multiple that makes the factors stable is taken.
 ///
@@ -193,7 +193,7 @@ impl IncompleteFactors {
         (0..n_rows).try_for_each(|row| self.eliminate(row, rows, fill, &mut work))
     }
 
-    /// Returns `‖M⁻¹ A e - e‖ / ‖e‖` for the factors M of A and a vector e of signs.
+    /// Returns `‖M⁻¹ A e - e‖ / ‖e‖` for the factors M of A and a vector e of entries ±1.
     fn error(&mut self, matrix: &CsMatI<f64, u32>) -> f64 {
         let e: Vec<f64> = signs().take(matrix.rows()).collect();
         let mut image = vec![0.0; e.len()];

@@ -63,7 +63,7 @@ pub trait LinearSolver: Send {
         0
     }
 
-    /// Returns what later solves depend on besides their matrices, as lists of numbers; empty if this is nothing.
+    /// Returns the data on which later solves depend, other than matrices, as lists; empty if none.
     fn memory(&self) -> Vec<Vec<f64>> {
         Vec::new()
     }
@@ -124,7 +124,7 @@ pub enum LinearError {
     /// Incomplete factors are far from their matrix.
     #[error("incomplete factors are unstable (relative error {error:e}): keep more fill, or factorise completely")]
     Unstable {
-        /// Error of the factors on a vector of signs, relative to it (infinite without a pivot).
+        /// Error of the factors on a vector of entries ±1, relative to it (infinite without a pivot).
         error: f64,
     },
     /// The computed solution does not satisfy the system.

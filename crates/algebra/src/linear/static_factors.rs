@@ -120,8 +120,8 @@ struct Substitution<'a, T> {
 impl<T: RealField + Copy> NullaryFnOnce for Substitution<'_, T> {
     type Output = ();
 
-    /// Solves, in the instructions for which the caller is compiled. The solution is the same bit for bit for any of them: products and
-    /// sums are not fused, and the order of the sums is fixed.
+    /// Solves, compiled for the instruction set of the caller, with the same bits for all: products and sums are not fused,
+    /// and the order of the sums is fixed.
     #[inline(always)]
     fn call(self) {
         let Self { fronts, lower, blocks, upper, exchanges, work, part } = self;
@@ -175,7 +175,7 @@ struct Elimination<'m, T> {
     matrix: &'m CsMatI<f64, u32>,
     /// The matrix compressed by rows.
     by_rows: CsMatI<f64, u32>,
-    /// Schur complements that wait for their parents: a stack, each by columns.
+    /// Schur complements not yet added to their parents: a stack, each by columns.
     updates: Vec<T>,
     /// Fronts of the updates.
     pending: Vec<usize>,

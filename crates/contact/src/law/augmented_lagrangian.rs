@@ -29,26 +29,18 @@ pub struct AugmentedLagrangianLaw {
 }
 
 impl AugmentedLagrangianLaw {
-    /// Creates the law with parameter `γ_C0` and offset `ε`. Solves are repeated until distances of surfaces in contact
-    /// differ from the offset by at most `tolerance` times the contact size, and with friction also until tractions change
-    /// by at most `tolerance` times the largest one.
+    /// Creates the law with parameter `γ_C0`, offset `ε` and coefficient of friction `μ_f`. Solves are repeated until
+    /// distances of surfaces in contact differ from the offset by at most `tolerance` times the contact size, and with
+    /// friction also until tractions change by at most `tolerance` times the largest one.
     ///
     /// # Errors
-    /// [`Error::Parameter`]: parameter or tolerance not positive, offset negative.
-    pub fn new(gamma_contact_0: f64, offset: f64, tolerance: f64) -> Result<Self, Error> {
+    /// [`Error::Parameter`]: parameter or tolerance not positive, offset or friction negative.
+    pub fn new(gamma_contact_0: f64, offset: f64, friction: f64, tolerance: f64) -> Result<Self, Error> {
         positive("gamma_contact_0", gamma_contact_0)?;
         non_negative("contact offset", offset)?;
-        positive("tolerance of the contact", tolerance)?;
-        Ok(Self { gamma_contact_0, offset, tolerance, friction: 0.0 })
-    }
-
-    /// Returns the law with a coefficient of friction `μ_f`.
-    ///
-    /// # Errors
-    /// [`Error::Parameter`]: coefficient negative.
-    pub fn with_friction(self, friction: f64) -> Result<Self, Error> {
         non_negative("friction", friction)?;
-        Ok(Self { friction, ..self })
+        positive("tolerance of the contact", tolerance)?;
+        Ok(Self { gamma_contact_0, offset, tolerance, friction })
     }
 
     fn coulomb(&self, at: &ContactPoint) -> Coulomb {
@@ -97,7 +89,7 @@ mod tests {
             let at = |k: i32| ContactPoint { gap: gap(k), size: 0.1, stress, slip, ..ContactPoint::default() };
             let points = (-20..20).map(at).collect::<Vec<_>>();
             for friction in [0.0, 0.4] {
-                let law = AugmentedLagrangianLaw::new(10.0, 0.08, 1e-6).unwrap().with_friction(friction).unwrap();
+                let law = AugmentedLagrangianLaw::new(10.0, 0.08, friction, 1e-6).unwrap();
                 let check = check_law(&law, &points);
                 assert!(check.largest() < 1e-7, "{check:?}");
             }
@@ -106,7 +98,7 @@ mod tests {
 
     #[test]
     fn a_multiplier_is_kept_at_the_offset_and_the_law_without_it_is_the_penalty() {
-        let law = AugmentedLagrangianLaw::new(10.0, 0.1, 1e-6).unwrap();
+        let law = AugmentedLagrangianLaw::new(10.0, 0.1, 0.0, 1e-6).unwrap();
         let at = ContactPoint { gap: 0.1, size: 0.1, stress: [-3.0, 0.0, 0.0], ..ContactPoint::default() };
         assert_eq!(law.traction(&at).value, [-3.0, 0.0, 0.0]);
         let below = ContactPoint { gap: 0.07, stress: [0.0; 3], ..at };
@@ -116,10 +108,10 @@ mod tests {
 
     #[test]
     fn impossible_laws_are_refused() {
-        assert!(AugmentedLagrangianLaw::new(0.0, 0.1, 1e-6).is_err());
-        assert!(AugmentedLagrangianLaw::new(1.0, -0.1, 1e-6).is_err());
-        assert!(AugmentedLagrangianLaw::new(1.0, 0.1, 0.0).is_err());
-        assert!(AugmentedLagrangianLaw::new(1.0, 0.1, f64::NAN).is_err());
-        assert!(AugmentedLagrangianLaw::new(1.0, 0.1, 1e-6).unwrap().with_friction(-0.1).is_err());
+        assert!(AugmentedLagrangianLaw::new(0.0, 0.1, 0.0, 1e-6).is_err());
+        assert!(AugmentedLagrangianLaw::new(1.0, -0.1, 0.0, 1e-6).is_err());
+        assert!(AugmentedLagrangianLaw::new(1.0, 0.1, 0.0, 0.0).is_err());
+        assert!(AugmentedLagrangianLaw::new(1.0, 0.1, 0.0, f64::NAN).is_err());
+        assert!(AugmentedLagrangianLaw::new(1.0, 0.1, -0.1, 1e-6).is_err());
     }
 }

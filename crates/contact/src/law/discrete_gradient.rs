@@ -37,7 +37,7 @@ mod tests {
 
     #[test]
     fn a_law_without_energy_acts_at_the_end() {
-        let law = NitscheLaw::new(10.0, 0.1).unwrap();
+        let law = NitscheLaw::new(10.0, 0.1, 0.0).unwrap();
         let at = ContactPoint { gap: 0.09, stiffness: 20.0, stress: [-1.0, 0.0, 0.0], ..ContactPoint::default() };
         let found = discrete_gradient(&law, &at, 0.11);
         assert!((found.value[0] + 3.0).abs() < 1e-12 && found == law.traction(&at), "{found:?}");

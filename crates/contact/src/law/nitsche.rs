@@ -29,26 +29,18 @@ pub struct NitscheLaw {
 }
 
 impl NitscheLaw {
-    /// Creates the law with parameter `γ_0` and offset `ε`.
+    /// Creates the law with parameter `γ_0`, offset `ε` and coefficient of friction `μ_f`.
     ///
     /// It is stable if `γ_0` is above `D` times the largest number of facets of one cell that lie on the surface. `D`
     /// is the constant of the trace inequality of linear elements.
     ///
     /// # Errors
-    /// [`Error::Parameter`]: parameter not positive, offset negative.
-    pub fn new(gamma_0: f64, offset: f64) -> Result<Self, Error> {
+    /// [`Error::Parameter`]: parameter not positive, offset or friction negative.
+    pub fn new(gamma_0: f64, offset: f64, friction: f64) -> Result<Self, Error> {
         positive("gamma_0", gamma_0)?;
         non_negative("contact offset", offset)?;
-        Ok(Self { gamma_0, offset, friction: 0.0 })
-    }
-
-    /// Returns the law with a coefficient of friction `μ_f`.
-    ///
-    /// # Errors
-    /// [`Error::Parameter`]: coefficient negative.
-    pub fn with_friction(self, friction: f64) -> Result<Self, Error> {
         non_negative("friction", friction)?;
-        Ok(Self { friction, ..self })
+        Ok(Self { gamma_0, offset, friction })
     }
 
     fn coulomb(&self, at: &ContactPoint) -> Coulomb {
@@ -89,14 +81,14 @@ mod tests {
             let gap = |k: i32| 0.013 * f64::from(k) + 0.001;
             let at =
                 |k: i32| ContactPoint { gap: gap(k), size: 0.1, stiffness: 20.0, stress, ..ContactPoint::default() };
-            let check = check_law(&NitscheLaw::new(10.0, 0.08).unwrap(), &(-20..20).map(at).collect::<Vec<_>>());
+            let check = check_law(&NitscheLaw::new(10.0, 0.08, 0.0).unwrap(), &(-20..20).map(at).collect::<Vec<_>>());
             assert!(check.largest() < 1e-8, "{check:?}");
         }
     }
 
     #[test]
     fn friction_is_a_law() {
-        let law = NitscheLaw::new(10.0, 0.08).unwrap().with_friction(0.4).unwrap();
+        let law = NitscheLaw::new(10.0, 0.08, 0.4).unwrap();
         let [mut sticks, mut slides] = [0, 0];
         for (slip, stress) in [
             ([0.01, -0.02], [7.0, 3.0, -2.0]),
@@ -120,7 +112,7 @@ mod tests {
 
     #[test]
     fn friction_opposes_the_slip_and_is_the_stress_without_slip() {
-        let law = NitscheLaw::new(10.0, 0.1).unwrap().with_friction(0.5).unwrap();
+        let law = NitscheLaw::new(10.0, 0.1, 0.5).unwrap();
         let at = ContactPoint { gap: 0.1, stiffness: 20.0, stress: [-3.0, 1.0, -0.5], ..ContactPoint::default() };
         assert_eq!(law.traction(&at).value, [-3.0, 1.0, -0.5]);
         let slides = law.traction(&ContactPoint { slip: [1.0, 0.0], stress: [-3.0, 0.0, 0.0], ..at }).value;
@@ -130,14 +122,14 @@ mod tests {
     #[test]
     fn the_traction_is_the_stress_at_the_offset() {
         let at = ContactPoint { gap: 0.1, stiffness: 20.0, stress: [-3.0, 0.0, 0.0], ..ContactPoint::default() };
-        let traction = NitscheLaw::new(10.0, 0.1).unwrap().traction(&at);
+        let traction = NitscheLaw::new(10.0, 0.1, 0.0).unwrap().traction(&at);
         assert_eq!(traction.value, [-3.0, 0.0, 0.0]);
     }
 
     #[test]
     fn impossible_laws_are_refused() {
-        assert!(NitscheLaw::new(0.0, 0.1).is_err() && NitscheLaw::new(10.0, -0.1).is_err());
-        assert!(NitscheLaw::new(f64::NAN, 0.0).is_err());
-        assert!(NitscheLaw::new(1.0, 0.0).unwrap().with_friction(-0.1).is_err());
+        assert!(NitscheLaw::new(0.0, 0.1, 0.0).is_err() && NitscheLaw::new(10.0, -0.1, 0.0).is_err());
+        assert!(NitscheLaw::new(f64::NAN, 0.0, 0.0).is_err());
+        assert!(NitscheLaw::new(1.0, 0.0, -0.1).is_err());
     }
 }

@@ -159,14 +159,14 @@ fn tangent_of_a_discrete_gradient_is_exact() {
 
 #[test]
 fn tangent_with_stress_is_exact() {
-    let law = NitscheLaw::new(0.5, OFFSET).unwrap();
+    let law = NitscheLaw::new(0.5, OFFSET, 0.0).unwrap();
     tangent_is_exact::<2>(law, &ImplicitEuler, 1, 4, |at| at.stress[0].abs() > 1.0);
     tangent_is_exact::<3>(law, &ImplicitEuler, 6, 30, |at| at.stress[0].abs() > 1.0);
 }
 
 #[test]
 fn tangent_with_friction_is_exact() {
-    let law = NitscheLaw::new(0.5, OFFSET).unwrap().with_friction(0.4).unwrap();
+    let law = NitscheLaw::new(0.5, OFFSET, 0.4).unwrap();
     tangent_is_exact::<2>(law, &ImplicitEuler, 1, 4, |at| at.slip[0].abs() > 1e-3);
     tangent_is_exact::<3>(law, &ImplicitEuler, 6, 30, |at| at.slip.iter().all(|slip| slip.abs() > 1e-3));
 }

@@ -181,5 +181,5 @@ fn its_tangent_is_exact() {
         });
     }
     check(penalty());
-    check(NitscheLaw::new(1.0, OFFSET).unwrap());
+    check(NitscheLaw::new(1.0, OFFSET, 0.0).unwrap());
 }

@@ -86,7 +86,7 @@ fn block_on_a_plane() {
 fn a_consistent_law_keeps_the_offset() {
     let mut forces = Vec::new();
     for gamma_0 in [10.0, 1000.0] {
-        let (found, moved, _) = pushed_block(NitscheLaw::new(gamma_0, OFFSET).unwrap());
+        let (found, moved, _) = pushed_block(NitscheLaw::new(gamma_0, OFFSET, 0.0).unwrap());
         let stretch = 1.0 - PUSHED - OFFSET;
         assert!((found.minimum_gap.unwrap() - OFFSET).abs() < 1e-11, "{found:?}");
         assert!((found.force[1] - pressure_at(stretch)).abs() < 1e-9 * found.force[1], "{found:?}");
@@ -130,7 +130,7 @@ fn two_blocks<const D: usize>(order: Order, gamma: Option<f64>, n_slave: usize, 
     let scene = Scene::new(&bodies, &states, &QuasiStatic, 1.0);
     let form = match gamma {
         Some(gamma) => ContactForm::new(PenaltyLaw::new(gamma, 0.0).unwrap(), SIZE),
-        None => ContactForm::new(NitscheLaw::new(10.0, offset).unwrap(), SIZE),
+        None => ContactForm::new(NitscheLaw::new(10.0, offset, 0.0).unwrap(), SIZE),
     };
     let form = form.unwrap();
     let top = tagged_facets(bodies[1].solid(), "top").unwrap();

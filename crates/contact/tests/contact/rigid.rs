@@ -142,21 +142,21 @@ fn tangent_is_exact_in_2d_and_3d() {
 
 #[test]
 fn tangent_with_stress_is_exact() {
-    let law = NitscheLaw::new(0.5, 0.2).unwrap();
+    let law = NitscheLaw::new(0.5, 0.2, 0.0).unwrap();
     tangent_is_exact::<2>(law, 8, |at| at.stress[0].abs() > 1.0, (1e-6, 1e-7));
     tangent_is_exact::<3>(law, 8, |at| at.stress[0].abs() > 1.0, (1e-6, 1e-7));
 }
 
 #[test]
 fn tangent_with_friction_is_exact() {
-    let law = NitscheLaw::new(0.5, 0.2).unwrap().with_friction(0.4).unwrap();
+    let law = NitscheLaw::new(0.5, 0.2, 0.4).unwrap();
     tangent_is_exact::<2>(law, 4, |at| at.slip[0].abs() > 1e-3, (1e-6, 1e-7));
     tangent_is_exact::<3>(law, 8, |at| at.slip.iter().all(|slip| slip.abs() > 1e-3), (1e-6, 1e-7));
 }
 
 /// Checks the tangent with the tractions of one state as multipliers at another one.
 fn tangent_with_multipliers_is_exact<const D: usize>() {
-    let law = AugmentedLagrangianLaw::new(0.1, OFFSET, 1e-6).unwrap().with_friction(0.4).unwrap();
+    let law = AugmentedLagrangianLaw::new(0.1, OFFSET, 0.4, 1e-6).unwrap();
     over_ground::<D>(0.03, law, &|_, scene, contact| {
         let states: [Vec<f64>; 2] = [1, 2].map(|seed| Random::new(seed).numbers(scene.layout.len(), 3.0));
         let [before, x] = &states;

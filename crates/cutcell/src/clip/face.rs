@@ -109,7 +109,7 @@ fn for_each_side<const D: usize>(
 ) {
     let mut corners = polygon.to_vec();
     simplify(&mut corners, tolerance);
-    let centre = corners.iter().sum::<Point<D>>() / corners.len() as f64;
+    let centre = mesh::mean(&corners);
     for (k, a) in corners.iter().enumerate() {
         let b = corners[(k + 1) % corners.len()];
         let outward = cross(&(b - a), normal);

@@ -37,7 +37,7 @@ fn lines(found: &MeshStatistics) -> Vec<String> {
         format!("vertices    {n_vertices}"),
         format!("{measure:<11} {:.6e}", found.volume),
     ];
-    for (axis, [low, high]) in ["x", "y", "z"].iter().zip(&found.extent) {
+    for (axis, [low, high]) in mesh::AXES.iter().zip(&found.extent) {
         lines.push(format!("{axis:<11} {low:.6e} to {high:.6e}"));
     }
     let [shortest, mean, longest] = found.edges;

@@ -53,7 +53,7 @@ pub(crate) fn warn(line: &str) {
     _ = writeln!(std::io::stderr(), "{line}");
 }
 
-/// Why a command failed.
+/// Cause of the failure of a command.
 pub(crate) enum Failure {
     /// Input that cannot be run, or a run that failed.
     Run {

@@ -14,8 +14,9 @@ pub enum PenaltyProfile {
         /// `γ_Σ`.
         gamma_sigma: f64,
     },
-    /// `σ_n = γ_n (μ/h_K + ρ |u* - v^n|/6 + ρ h_K/(12 θ Δt))` and `σ_t = γ_t μ/h_K`; where the accelerations `a*` of
-    /// the fluid and `b^n` of the body are known, `ρ √(h_K |a* - b^n|)/6` in place of the last share.
+    /// `σ_n = γ_n (μ/h_K + ρ |u* - v^n|/6 + ρ h_K s/12)` and `σ_t = γ_t μ/h_K` with the rate `s`, `1/Δt` with implicit
+    /// Euler; where the accelerations `a*` of the fluid and `b^n` of the body are known, `ρ √(h_K |a* - b^n|)/6` in place
+    /// of the last share.
     ///
     /// The three shares of `σ_n` are those of viscosity, convection and inertia in a cell. Without inertia the surface
     /// leaks. The share with the length of the step forces the fluid of cut cells to move with the body as steps become
@@ -54,7 +55,7 @@ pub struct Penalty {
     pub profile: PenaltyProfile,
     /// Density and viscosity.
     pub fluid: NewtonianFluid,
-    /// `1/(θ Δt)`: derivative of the acceleration with respect to the velocity; zero for a steady problem.
+    /// The rate `s`: derivative of the acceleration with respect to the velocity; zero for a steady problem.
     pub rate: f64,
     /// Share of speeds in `σ_n`, 1/6.
     pub convection: f64,

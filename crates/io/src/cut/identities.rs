@@ -40,7 +40,7 @@ impl CutErrors {
     /// # Errors
     /// [`Error::Violated`].
     pub fn check(&self) -> Result<(), Error> {
-        /// Below any cut that is wrong.
+        /// Tolerance, below the error of any wrong cut.
         const LARGEST: f64 = 1e-8;
         let Self { partition, normals, divergence, adjacency, round_off } = *self;
         let named =

@@ -10,7 +10,7 @@ use solid_svk::{
     ElasticBody, ElasticOptions, LameParameters, LinearElastic, Load, Material, NeoHookean, SaintVenantKirchhoff,
     SolidForm, SolidMesh, Support, SupportKind,
 };
-use solver::body::{Body, History};
+use solver::body::{Body, VectorInTime};
 
 use super::error::{ErrorKind, Location, ScenarioError, sorted};
 use super::field::Field;
@@ -79,44 +79,31 @@ choices! {
     }
 }
 
+keys! {
+    /// Parameters of an isotropic material.
+    pub struct LameKeys {
+        /// Shear modulus `μ`.
+        mu: Option<f64> [unit(Quantity::PRESSURE), group(0)],
+        /// First Lamé parameter `λ`.
+        lambda: Option<f64> [unit(Quantity::PRESSURE), group(0)],
+        /// Young's modulus.
+        young: Option<f64> [unit(Quantity::PRESSURE), group(1)],
+        /// Poisson's ratio.
+        poisson: Option<f64> [group(1)],
+    }
+}
+
 choices! {
     /// Material of an elastic body.
     pub enum MaterialChoice ["kind"] {
         /// `S = 2 μ E + λ tr(E) I`; with `mu` and `lambda`, or with `young` and `poisson`.
-        SaintVenantKirchhoff = "saint-venant-kirchhoff" {
-            /// Shear modulus `μ`.
-            mu: Option<f64> [unit(Quantity::PRESSURE), group(0)],
-            /// First Lamé parameter `λ`.
-            lambda: Option<f64> [unit(Quantity::PRESSURE), group(0)],
-            /// Young's modulus.
-            young: Option<f64> [unit(Quantity::PRESSURE), group(1)],
-            /// Poisson's ratio.
-            poisson: Option<f64> [group(1)],
-        },
+        SaintVenantKirchhoff(LameKeys) = "saint-venant-kirchhoff",
         /// `W = μ/2 (F:F - D) - μ ln J + λ/2 (ln J)²`; resists any compression. With `mu` and `lambda`, or with `young`
         /// and `poisson`.
-        NeoHookean = "neo-hookean" {
-            /// Shear modulus `μ`.
-            mu: Option<f64> [unit(Quantity::PRESSURE), group(0)],
-            /// First Lamé parameter `λ`.
-            lambda: Option<f64> [unit(Quantity::PRESSURE), group(0)],
-            /// Young's modulus.
-            young: Option<f64> [unit(Quantity::PRESSURE), group(1)],
-            /// Poisson's ratio.
-            poisson: Option<f64> [group(1)],
-        },
+        NeoHookean(LameKeys) = "neo-hookean",
         /// Hooke's law between stress and the linear strain, for small displacements and rotations. With `mu` and
         /// `lambda`, or with `young` and `poisson`.
-        Linear = "linear" {
-            /// Shear modulus `μ`.
-            mu: Option<f64> [unit(Quantity::PRESSURE), group(0)],
-            /// First Lamé parameter `λ`.
-            lambda: Option<f64> [unit(Quantity::PRESSURE), group(0)],
-            /// Young's modulus.
-            young: Option<f64> [unit(Quantity::PRESSURE), group(1)],
-            /// Poisson's ratio.
-            poisson: Option<f64> [group(1)],
-        },
+        Linear(LameKeys) = "linear",
     }
 }
 
@@ -212,7 +199,7 @@ fn needed<'v, T>(body: &At<BodyKeys>, key: &'static str, value: &'v Option<At<T>
 fn gravity<const D: usize>(
     given: &At<BodyKeys>,
     time: &Time,
-) -> Result<(Vector<D>, Option<History<D>>), ScenarioError> {
+) -> Result<(Vector<D>, Option<VectorInTime<D>>), ScenarioError> {
     let axes = needed(given, "gravity", &given.gravity)?;
     let is_constant = axes.iter().all(|axis| axis.is_constant());
     let axes = axes.iter().map(|axis| finite(axis, time)).collect::<Result<Vec<_>, _>>()?;
@@ -379,24 +366,19 @@ fn groups<const D: usize>(given: &Named<GroupKeys>, mesh: &SimplexMesh<D>) -> Re
 
 /// Builds a material law.
 fn law<const D: usize>(material: &At<MaterialChoice>) -> Result<Arc<dyn Material<D>>, ScenarioError> {
-    let lame = lame_parameters(material)?;
-    Ok(match **material {
-        MaterialChoice::SaintVenantKirchhoff { .. } => Arc::new(SaintVenantKirchhoff::new(lame)),
-        MaterialChoice::NeoHookean { .. } => Arc::new(NeoHookean::new(lame)),
-        MaterialChoice::Linear { .. } => Arc::new(LinearElastic::new(lame)),
-    })
-}
-
-fn lame_parameters(material: &At<MaterialChoice>) -> Result<LameParameters, ScenarioError> {
-    let (MaterialChoice::SaintVenantKirchhoff { mu, lambda, young, poisson }
-    | MaterialChoice::NeoHookean { mu, lambda, young, poisson }
-    | MaterialChoice::Linear { mu, lambda, young, poisson }) = **material;
-    let parameters = match (mu, lambda, young, poisson) {
-        (Some(mu), Some(lambda), None, None) => LameParameters::new(mu, lambda),
-        (None, None, Some(young), Some(poisson)) => LameParameters::from_young_poisson(young, poisson),
-        _ => return Err(material.at.error(ErrorKind::Either("mu and lambda", "young and poisson"))),
+    let lame = |&LameKeys { mu, lambda, young, poisson }: &LameKeys| {
+        let parameters = match (mu, lambda, young, poisson) {
+            (Some(mu), Some(lambda), None, None) => LameParameters::new(mu, lambda),
+            (None, None, Some(young), Some(poisson)) => LameParameters::from_young_poisson(young, poisson),
+            _ => return Err(material.at.error(ErrorKind::Either("mu and lambda", "young and poisson"))),
+        };
+        parameters.map_err(|error| material.at.error(error))
     };
-    parameters.map_err(|error| material.at.error(error))
+    Ok(match &**material {
+        MaterialChoice::SaintVenantKirchhoff(keys) => Arc::new(SaintVenantKirchhoff::new(lame(keys)?)),
+        MaterialChoice::NeoHookean(keys) => Arc::new(NeoHookean::new(lame(keys)?)),
+        MaterialChoice::Linear(keys) => Arc::new(LinearElastic::new(lame(keys)?)),
+    })
 }
 
 fn supports_and_loads<const D: usize>(

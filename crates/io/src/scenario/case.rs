@@ -15,7 +15,7 @@ use super::condition::{Plane, symmetry_planes, tagged_vertices};
 use super::contact::{ContactBuilder, ContactKeys, ObstacleChoice};
 use super::error::ScenarioError;
 use super::file::{Scenario, ScenarioFile};
-use super::fluid::{balance_times, fluid, is_open, unbalanced};
+use super::fluid::{balance_times, fluid, unbalanced};
 use super::geometry::Shape;
 use super::key::{Quantity, missing};
 use super::motion::{Held, MotionChoice};
@@ -334,7 +334,8 @@ fn check_balance<const D: usize>(
         bodies[*k].motion.as_deref().is_some_and(|of| !matches!(of, MotionChoice::Fixed | MotionChoice::Free { .. }))
     };
     let moved: Vec<usize> = (0..bodies.len()).filter(is_given).collect();
-    if is_open(fluid) || !(0..bodies.len()).all(|k| is_given(&k) || keeps_volume(k)) {
+    let is_open = fluid.boundary.iter().any(|(_, condition)| condition.is_open());
+    if is_open || !(0..bodies.len()).all(|k| is_given(&k) || keeps_volume(k)) {
         return Ok(());
     }
     let times = [0.0, scenario.time.end];

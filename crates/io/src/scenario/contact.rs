@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use contact::{
-    AugmentedLagrangianLaw, CollisionLaw, ContactForm, DeformableObstacle, NitscheLaw, OwnSurface, PenaltyLaw,
-    RigidBall, RigidPlane, RigidSurface,
+    AugmentedLagrangianLaw, CollisionLaw, ContactForm, DeformableObstacle, NitscheLaw, Obstacle, OwnSurface,
+    PenaltyLaw, RigidBall, RigidPlane, RigidSurface,
 };
 use mesh::{BodyId, BoundaryMesh, FacetId, Placed, Point, SimplexMesh};
 use solver::body::Body;
@@ -197,23 +197,21 @@ impl<'p, const D: usize> ContactBuilder<'p, D> {
         slave: BodyId,
         obstacle: &At<ObstacleChoice>,
     ) -> Result<Contact<D>, ScenarioError> {
-        if let ObstacleChoice::Body { name } = &**obstacle {
-            let master = self.find(name)?;
-            self.check_motion([slave, master], name)?;
-            return self.between(given, [slave, master]);
-        }
-        if !self.can_move(slave) {
-            return Err(self.immovable(obstacle, slave, "the body has a given motion, and the obstacle is at rest"));
-        }
-        let geometry = self.obstacle_at_rest(obstacle)?;
-        self.contact(given, slave, geometry)
-    }
-
-    /// Returns an obstacle that is not a body.
-    fn obstacle_at_rest(&self, given: &At<ObstacleChoice>) -> Result<ContactObstacle<D>, ScenarioError> {
-        let fail = |error: contact::Error| given.at.error(error);
+        let fail = |error: contact::Error| obstacle.at.error(error);
         let turned = |surface: BoundaryMesh<D>, hollow: bool| if hollow { surface.reversed() } else { surface };
-        Ok(ContactObstacle::Rigid(match &**given {
+        let geometry: Box<dyn Obstacle<D>> = match &**obstacle {
+            ObstacleChoice::Body { name } => {
+                let master = self.find(name)?;
+                self.check_motion([slave, master], name)?;
+                return self.between(given, [slave, master]);
+            }
+            _ if !self.can_move(slave) => {
+                return Err(self.immovable(
+                    obstacle,
+                    slave,
+                    "the body has a given motion, and the obstacle is at rest",
+                ));
+            }
             ObstacleChoice::RigidPlane { point, normal } => {
                 let direction = normal.vector::<D>().try_normalize(0.0);
                 let direction = direction.ok_or_else(|| normal.at.invalid(ZERO_VECTOR))?;
@@ -230,7 +228,7 @@ impl<'p, const D: usize> ContactBuilder<'p, D> {
             }
             ObstacleChoice::Wall { parts } => {
                 let missing =
-                    || given.at.invalid("a wall is a part of the background, and there is none; add [background]");
+                    || obstacle.at.invalid("a wall is a part of the background, and there is none; add [background]");
                 let background = self.background.ok_or_else(missing)?;
                 let boundary = background.boundary();
                 let mut facets = Vec::new();
@@ -245,9 +243,8 @@ impl<'p, const D: usize> ContactBuilder<'p, D> {
                 }
                 Box::new(RigidSurface::new(boundary.reversed(), facets, background.vertices().to_vec()).map_err(fail)?)
             }
-            // A body is found by its name.
-            ObstacleChoice::Body { name } => return Err(name.at.error(contact::Error::Master)),
-        }))
+        };
+        self.contact(given, slave, ContactObstacle::Rigid(geometry))
     }
 
     /// Returns the contact of a slave with a master, which may be the slave.
@@ -285,8 +282,8 @@ impl<'p, const D: usize> ContactBuilder<'p, D> {
                 ContactForm::new(CollisionLaw::new(restitution, given.offset).map_err(fail)?, given.size)
             }
             ContactLawChoice::AugmentedLagrangian { gamma_contact_0, friction, tolerance } => {
-                let law = AugmentedLagrangianLaw::new(gamma_contact_0, given.offset, tolerance);
-                ContactForm::new(law.and_then(|law| law.with_friction(friction)).map_err(fail)?, given.size)
+                let law = AugmentedLagrangianLaw::new(gamma_contact_0, given.offset, friction, tolerance);
+                ContactForm::new(law.map_err(fail)?, given.size)
             }
             ContactLawChoice::Nitsche { .. } if !self.deforms(slave) => return Err(self.rigid(given, slave)),
             ContactLawChoice::Nitsche { gamma_0, .. } if gamma_0 <= D as f64 => {
@@ -295,8 +292,7 @@ impl<'p, const D: usize> ContactBuilder<'p, D> {
                 )));
             }
             ContactLawChoice::Nitsche { gamma_0, friction } => {
-                let law = NitscheLaw::new(gamma_0, given.offset).and_then(|law| law.with_friction(friction));
-                ContactForm::new(law.map_err(fail)?, given.size)
+                ContactForm::new(NitscheLaw::new(gamma_0, given.offset, friction).map_err(fail)?, given.size)
             }
         };
         let form = form.map_err(fail)?;

@@ -10,15 +10,15 @@ use super::error::{Location, ScenarioError};
 use super::field_table::{FieldTable, Variable};
 use super::formula::Formula;
 use super::key::Form;
-use super::table::{At, Choose as _, Components, Node, Value};
+use super::table::{At, Choose as _, Components, KeyValue, Node};
 
 /// A number, a formula in the time `t`, or a table over the time.
-impl Value for Formula {
+impl KeyValue for Formula {
     const FORM: Form = Form::Field("t", &FieldTable::FORM);
 
     fn read(node: &Node<'_>) -> Result<Self, ScenarioError> {
         if let DeValue::Table(_) = node.value {
-            return match <FieldTable as Value>::read(node)?.read()? {
+            return match <FieldTable as KeyValue>::read(node)?.read()? {
                 (Variable::Time, rows) => Ok(Self::through(Variable::Time.word(), rows)),
                 (over, _) => {
                     let over = over.word();
@@ -36,12 +36,12 @@ impl Value for Formula {
 #[derive(Clone, Debug, PartialEq)]
 pub struct FieldFormula(Formula);
 
-impl Value for FieldFormula {
+impl KeyValue for FieldFormula {
     const FORM: Form = Form::Field("x, y, z, t", &FieldTable::FORM);
 
     fn read(node: &Node<'_>) -> Result<Self, ScenarioError> {
         if let DeValue::Table(_) = node.value {
-            let (over, rows) = <FieldTable as Value>::read(node)?.read()?;
+            let (over, rows) = <FieldTable as KeyValue>::read(node)?.read()?;
             return Ok(Self(Formula::through(over.word(), rows)));
         }
         let variables = if node.document.dimension == 3 { "x, y, z, t" } else { "x, y, t" };

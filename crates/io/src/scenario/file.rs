@@ -15,7 +15,7 @@ use super::fluid::{Fluid, Interface};
 use super::overrides;
 use super::probe::ProbeChoice;
 use super::solver::{Linear, Solver, Time};
-use super::table::{At, Choose as _, Document, Named, Node, Value, choices, keys, parse};
+use super::table::{At, Choose as _, Document, KeyValue, Named, Node, choices, keys, parse};
 use super::units::Units;
 use crate::Error;
 use crate::files::{extension, read, read_scenario, write_whole};

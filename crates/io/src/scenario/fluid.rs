@@ -249,21 +249,11 @@ pub(super) fn balance_times([start, end]: [f64; 2]) -> impl Iterator<Item = f64>
     (0..BALANCE_TIMES).map(move |k| start + (end - start) * k as f64 / (BALANCE_TIMES - 1) as f64)
 }
 
-/// Returns whether fluid may cross a part of the boundary without a given velocity.
-pub(super) fn is_open<const D: usize>(fluid: &FluidSetup<D>) -> bool {
-    fluid.boundary.iter().any(|(_, condition)| lets_through(condition))
-}
-
-/// Returns whether fluid may cross a part of the boundary without a given velocity.
-pub(super) fn lets_through<const D: usize>(condition: &FluidBoundary<D>) -> bool {
-    matches!(condition, FluidBoundary::Open { .. } | FluidBoundary::Parallel { .. })
-}
-
 /// Returns a time and the net inflow at this time if no part of the boundary is open and the net inflow is not zero.
 /// Velocities are those that the solver prescribes at vertices: at a vertex of several conditions a wall counts more
 /// than a given velocity.
 pub(super) fn unbalanced<const D: usize>(fluid: &FluidSetup<D>, times: [f64; 2]) -> Option<(f64, f64)> {
-    if is_open(fluid) {
+    if fluid.boundary.iter().any(|(_, condition)| condition.is_open()) {
         return None;
     }
     let background = &fluid.background;

@@ -40,16 +40,16 @@ pub(super) struct Dual {
 #[derive(Clone, Debug)]
 pub struct Formula {
     text: String,
-    root: Node,
+    root: Expression,
 }
 
 #[derive(Clone, Debug)]
-enum Node {
+enum Expression {
     Number(f64),
     /// Index in [`VARIABLES`].
     Variable(usize),
-    Unary(Unary, Box<Node>),
-    Binary(Binary, Box<[Node; 2]>),
+    Unary(Unary, Box<Expression>),
+    Binary(Binary, Box<[Expression; 2]>),
     /// Straight lines between rows with a variable, by its index, and a value.
     Table(usize, Arc<[[f64; 2]]>),
 }
@@ -150,18 +150,18 @@ impl Formula {
     }
 
     pub(super) fn constant(value: f64) -> Self {
-        Self { text: value.to_string(), root: Node::Number(value) }
+        Self { text: value.to_string(), root: Expression::Number(value) }
     }
 
     /// Creates the function with straight lines between rows, each with a variable and a value; it is constant before
     /// the first and after the last row.
     pub(super) fn through(variable: &str, rows: Vec<[f64; 2]>) -> Self {
         let index = VARIABLES.iter().position(|known| *known == variable).unwrap_or_default();
-        Self { text: format!("table over {variable}: {rows:?}"), root: Node::Table(index, rows.into()) }
+        Self { text: format!("table over {variable}: {rows:?}"), root: Expression::Table(index, rows.into()) }
     }
 
     pub(super) fn is_constant(&self) -> bool {
-        matches!(self.root, Node::Number(_))
+        matches!(self.root, Expression::Number(_))
     }
 
     /// Returns the text for a message; the middle of a long one is left out.
@@ -190,7 +190,7 @@ fn shortened(text: &str) -> String {
     format!("{begin} ... {end}")
 }
 
-impl Node {
+impl Expression {
     fn at(&self, variables: &[f64; 4]) -> Dual {
         match self {
             Self::Number(value) => Dual { value: *value, rate: 0.0 },
@@ -267,11 +267,11 @@ impl Reader<'_> {
     }
 
     /// Reads operands, and the operators between them that bind at least as tightly as given.
-    fn expression(&mut self, least: u8) -> Result<Node, FormulaError> {
+    fn expression(&mut self, least: u8) -> Result<Expression, FormulaError> {
         let mut left = match self.token {
             "-" => {
                 self.advance()?;
-                Node::Unary(NEGATION, Box::new(self.expression(LEADING_SIGN)?))
+                Expression::Unary(NEGATION, Box::new(self.expression(LEADING_SIGN)?))
             }
             "+" => {
                 self.advance()?;
@@ -283,12 +283,12 @@ impl Reader<'_> {
             OPERATORS.iter().find(|(sign, binds, ..)| *sign == self.token && *binds >= least)
         {
             self.advance()?;
-            left = Node::Binary(*operation, Box::new([left, self.expression(*right)?]));
+            left = Expression::Binary(*operation, Box::new([left, self.expression(*right)?]));
         }
         Ok(left)
     }
 
-    fn operand(&mut self) -> Result<Node, FormulaError> {
+    fn operand(&mut self) -> Result<Expression, FormulaError> {
         match self.token.chars().next() {
             Some(c) if c.is_ascii_digit() || c == '.' => {
                 let number: f64 =
@@ -297,7 +297,7 @@ impl Reader<'_> {
                     return Err(self.refuse(format!("`{}` is too large for a number", self.token)));
                 }
                 self.advance()?;
-                Ok(Node::Number(number))
+                Ok(Expression::Number(number))
             }
             Some(c) if c.is_alphabetic() => self.named(),
             Some('(') => self.enclosed(),
@@ -306,15 +306,15 @@ impl Reader<'_> {
     }
 
     /// Reads a variable, a constant or a function with its arguments.
-    fn named(&mut self) -> Result<Node, FormulaError> {
+    fn named(&mut self) -> Result<Expression, FormulaError> {
         let name = self.token;
         let unknown = self.refuse(format!("`{name}` is not known"));
         self.advance()?;
         if self.variables.split(", ").any(|allowed| allowed == name) {
-            return VARIABLES.iter().position(|known| *known == name).map(Node::Variable).ok_or(unknown);
+            return VARIABLES.iter().position(|known| *known == name).map(Expression::Variable).ok_or(unknown);
         }
         if let Some((_, function)) = FUNCTIONS.iter().find(|(known, _)| *known == name) {
-            return self.enclosed().map(|x| Node::Unary(*function, Box::new(x)));
+            return self.enclosed().map(|x| Expression::Unary(*function, Box::new(x)));
         }
         if let Some((_, function)) = BINARY_FUNCTIONS.iter().find(|(known, _)| *known == name) {
             self.expect("(")?;
@@ -322,22 +322,22 @@ impl Reader<'_> {
             self.expect(",")?;
             let second = self.expression(0)?;
             self.expect(")")?;
-            return Ok(Node::Binary(*function, Box::new([first, second])));
+            return Ok(Expression::Binary(*function, Box::new([first, second])));
         }
         match name {
-            "pi" | "PI" | "π" => Ok(Node::Number(PI)),
-            "e" | "E" => Ok(Node::Number(E)),
+            "pi" | "PI" | "π" => Ok(Expression::Number(PI)),
+            "e" | "E" => Ok(Expression::Number(E)),
             "abs" => {
                 // |x| = max(x, -x), at its kink as well.
                 let x = self.enclosed()?;
-                Ok(Node::Binary(maximum, Box::new([x.clone(), Node::Unary(NEGATION, Box::new(x))])))
+                Ok(Expression::Binary(maximum, Box::new([x.clone(), Expression::Unary(NEGATION, Box::new(x))])))
             }
             _ => Err(unknown),
         }
     }
 
     /// Reads an expression in parentheses.
-    fn enclosed(&mut self) -> Result<Node, FormulaError> {
+    fn enclosed(&mut self) -> Result<Expression, FormulaError> {
         self.expect("(")?;
         let inner = self.expression(0)?;
         self.expect(")")?;

@@ -27,7 +27,7 @@ mod table;
 mod units;
 
 pub use background::{Axis, Background, GradedSize, Refinement, RegionChoice};
-pub use body::{BodyCondition, BodyKeys, MaterialChoice};
+pub use body::{BodyCondition, BodyKeys, LameKeys, MaterialChoice};
 pub use case::{Case, CaseVisitor, expected_cells, lower};
 pub use condition::{FluidCondition, InflowProfile};
 pub use contact::{ContactKeys, ContactLawChoice, ObstacleChoice};

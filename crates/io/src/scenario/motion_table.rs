@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use mesh::Vector;
+use mesh::{AXES, Vector};
 
 use super::formula::Dual;
 use crate::Error;
@@ -28,9 +28,6 @@ impl<const D: usize> Pose<D> {
         Vector::from_fn(|axis, _| self.displacement[axis].value)
     }
 }
-
-/// Names of the axes in a header.
-const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// Motion through the rows of a table, by a natural cubic spline for each column: position, velocity and acceleration are
 /// continuous, and the acceleration is zero at the first and the last row. Two rows define a straight line.

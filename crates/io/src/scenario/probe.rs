@@ -6,7 +6,6 @@ use solver::body::Body;
 use solver::{FluidSetup, Setup};
 
 use super::error::{ErrorKind, ScenarioError, sorted};
-use super::fluid::lets_through;
 use super::key::Quantity;
 use super::table::{At, Components, Named, choices};
 use super::units::Units;
@@ -163,7 +162,7 @@ fn sides<const D: usize>(fluid: &FluidSetup<D>, parts: &At<Vec<At<String>>>) -> 
         let found = conditions.position(|(tag, _)| names[tag.index()] == **part);
         let known = || sorted(fluid.background.boundary_names());
         let k = found.ok_or_else(|| part.at.unknown("part of the background", part, known()))?;
-        if lets_through(&fluid.boundary[k].1) {
+        if fluid.boundary[k].1.is_open() {
             return Err(part.at.invalid(format!(
                 "part `{}` is open, and has no wall on which a force could act; name other parts, or measure flux and pressure by the kind `flux`",
                 **part

@@ -121,7 +121,7 @@ impl Solver {
     pub(super) fn linear(&self, dimension: usize, n_unknowns: usize) -> (Linear, &'static str) {
         let gmres = |preconditioner| Linear::Gmres { preconditioner, restart: None, blocks: None };
         match &self.linear {
-            Some(linear) => (linear.clone(), "as the scenario says"),
+            Some(linear) => (linear.clone(), "given in the scenario"),
             None if dimension > 2 && n_unknowns > LARGE_IN_SPACE => (
                 gmres(Preconditioner::BlockGaussSeidel),
                 "a fluid in space with more than 50000 unknowns makes large factors",

@@ -188,7 +188,7 @@ impl Table<'_> {
     ///
     /// # Errors
     /// A missing key, a wrong type, or a number out of the declared range.
-    pub(super) fn get<T: Value>(&self, name: &'static str) -> Result<T, ScenarioError> {
+    pub(super) fn get<T: KeyValue>(&self, name: &'static str) -> Result<T, ScenarioError> {
         let key = self.keys.iter().find(|key| key.name == name);
         if let Some((_, node)) = self.entries.iter().find(|(found, _)| *found == name) {
             key.map_or(Ok(()), |key| node.check(key))?;
@@ -203,7 +203,7 @@ impl Table<'_> {
 }
 
 /// A value of a scenario.
-pub(super) trait Value: Sized {
+pub(super) trait KeyValue: Sized {
     /// Type, for messages and the reference page.
     const FORM: Form;
     /// The value of a key that was left out, if that is allowed.
@@ -254,7 +254,7 @@ impl<T: PartialEq> PartialEq for At<T> {
     }
 }
 
-impl<T: Value> Value for At<T> {
+impl<T: KeyValue> KeyValue for At<T> {
     const FORM: Form = T::FORM;
 
     fn read(node: &Node<'_>) -> Result<Self, ScenarioError> {
@@ -262,7 +262,7 @@ impl<T: Value> Value for At<T> {
     }
 }
 
-impl<T: Value> Value for Option<T> {
+impl<T: KeyValue> KeyValue for Option<T> {
     const FORM: Form = T::FORM;
     const ABSENT: Option<fn() -> Self> = Some(|| None);
 
@@ -271,7 +271,7 @@ impl<T: Value> Value for Option<T> {
     }
 }
 
-impl<T: Value> Value for Vec<T> {
+impl<T: KeyValue> KeyValue for Vec<T> {
     const FORM: Form = Form::List(&T::FORM);
     const ABSENT: Option<fn() -> Self> = Some(Vec::new);
 
@@ -288,7 +288,7 @@ impl<T: Value> Value for Vec<T> {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Named<T>(pub Vec<(String, At<T>)>);
 
-impl<T: Value> Value for Named<T> {
+impl<T: KeyValue> KeyValue for Named<T> {
     const FORM: Form = Form::Named(&T::FORM);
     const ABSENT: Option<fn() -> Self> = Some(|| Self(Vec::new()));
 
@@ -318,7 +318,7 @@ impl Components<f64> {
     }
 }
 
-impl<T: Value> Value for Components<T> {
+impl<T: KeyValue> KeyValue for Components<T> {
     const FORM: Form = Form::Components(&T::FORM);
 
     fn read(node: &Node<'_>) -> Result<Self, ScenarioError> {
@@ -347,7 +347,7 @@ pub enum OrTable<T, K> {
     Table(K),
 }
 
-impl<T: Value, K: Value> Value for OrTable<T, K> {
+impl<T: KeyValue, K: KeyValue> KeyValue for OrTable<T, K> {
     const FORM: Form = Form::OrTable(&T::FORM, &K::FORM);
 
     fn read(node: &Node<'_>) -> Result<Self, ScenarioError> {
@@ -361,10 +361,10 @@ impl<T: Value, K: Value> Value for OrTable<T, K> {
     }
 }
 
-/// Implements [`Value`] for types that one kind of TOML value represents.
+/// Implements [`KeyValue`] for types that one kind of TOML value represents.
 macro_rules! plain_values {
     ($($Type:ty, $form:ident, $of:expr;)+) => {$(
-        impl Value for $Type {
+        impl KeyValue for $Type {
             const FORM: Form = Form::$form;
 
             fn read(node: &Node<'_>) -> Result<Self, ScenarioError> {
@@ -406,28 +406,34 @@ macro_rules! keys {
         }
 
         const _: () = {
-            use $crate::scenario::{ScenarioError, key::Form, table::{Node, Value}};
+            use $crate::scenario::{ScenarioError, key::Form, table::{KeyValue, Node, Table}};
 
-            impl Value for $Name {
+            impl $Name {
+                /// Reads the keys of an open table.
+                pub(super) fn of(table: &Table<'_>) -> Result<Self, ScenarioError> {
+                    Ok(Self { $($field: table.get(stringify!($field))?),* })
+                }
+            }
+
+            impl KeyValue for $Name {
                 const FORM: Form = Form::Table(Self::KEYS);
 
                 fn read(node: &Node<'_>) -> Result<Self, ScenarioError> {
-                    let table = node.table(Self::KEYS, None)?;
-                    Ok(Self { $($field: table.get(stringify!($field))?),* })
+                    Self::of(&node.table(Self::KEYS, None)?)
                 }
             }
         };
     };
 }
 
-/// Declares an enumeration of words, each perhaps with further keys, and derives its reader.
+/// Declares an enumeration of words, each perhaps with further keys or a table of them, and derives its reader.
 macro_rules! choices {
     (
         $(#[doc = $doc:literal])+
         $(#[derive($($derive:ident),*)])?
         pub enum $Name:ident $([$tag:literal])? { $(
             $(#[doc = $about_word:literal])+
-            $Word:ident = $word:literal $({ $(
+            $Word:ident $(($Keys:ident))? = $word:literal $({ $(
                 $(#[doc = $about:literal])+
                 $field:ident : $Type:ty $([$($spec:ident $(($($argument:expr),*))?),*])? $(= $default:tt)?
             ),* $(,)? })?
@@ -435,18 +441,20 @@ macro_rules! choices {
     ) => {
         $(#[doc = $doc])+
         #[derive(Clone, Debug, PartialEq $(, $($derive),*)?)]
-        pub enum $Name { $($(#[doc = $about_word])+ $Word $({ $($(#[doc = $about])+ $field: $Type),* })?),* }
+        pub enum $Name {
+            $($(#[doc = $about_word])+ $Word $({ $($(#[doc = $about])+ $field: $Type),* })? $(($Keys))?),*
+        }
 
         const _: () = {
-            use $crate::scenario::{ScenarioError, key::{Choice, Form}, table::{Node, Value}};
+            use $crate::scenario::{ScenarioError, key::{Choice, Form}, table::{KeyValue, Node}};
 
             const TAG: Option<&str> = [$(Some($tag),)? None][0];
             const CHOICES: &[Choice] = &[$(Choice {
                 word: $word,
                 about: concat!($($about_word),+),
-                keys: &[$($($crate::scenario::table::key!(
+                keys: [$($Keys::KEYS,)? &[$($($crate::scenario::table::key!(
                     [$($about)+] $field, $Type, [$($($spec $(($($argument),*))?),*)?], $($default)?
-                )),*)?],
+                )),*)?]][0],
             }),*];
 
             impl $crate::scenario::table::Choose for $Name {
@@ -455,13 +463,15 @@ macro_rules! choices {
                 }
             }
 
-            impl Value for $Name {
+            impl KeyValue for $Name {
                 const FORM: Form = Form::Choice { tag: TAG, choices: CHOICES };
 
                 fn read(node: &Node<'_>) -> Result<Self, ScenarioError> {
                     let (word, _table) = node.choice(TAG, CHOICES)?;
                     match word {
-                        $($word => Ok(Self::$Word $({ $($field: _table.get(stringify!($field))?),* })?),)*
+                        $($word => {
+                            Ok(Self::$Word $({ $($field: _table.get(stringify!($field))?),* })? $(($Keys::of(&_table)?))?)
+                        })*
                         _ => Err(node.refuse(&Self::FORM)),
                     }
                 }
@@ -476,8 +486,8 @@ macro_rules! key {
         $crate::scenario::key::Key::new(
             stringify!($field),
             concat!($($about),+),
-            <$Type as $crate::scenario::table::Value>::FORM,
-            <$Type as $crate::scenario::table::Value>::ABSENT.is_some(),
+            <$Type as $crate::scenario::table::KeyValue>::FORM,
+            <$Type as $crate::scenario::table::KeyValue>::ABSENT.is_some(),
             [$(Some(stringify!($default)),)? None][0],
         )$(.$spec($($($argument),*)?))*
     };

@@ -88,7 +88,7 @@ fn the_solver_may_be_left_out() {
     let newton = |text: &str| parse(text, &[]).expect("a scenario").scenario().solver.newton.clone();
     assert_eq!(newton(without), newton(BARRIER));
     assert_eq!(sizes(without).linear, "gmres, lagged-lu (matrices change little from step to step)");
-    assert_eq!(sizes(BARRIER).linear, "gmres, lagged-lu (as the scenario says)");
+    assert_eq!(sizes(BARRIER).linear, "gmres, lagged-lu (given in the scenario)");
 }
 
 #[test]

@@ -55,7 +55,7 @@ impl ClosedLine {
         Ok(line)
     }
 
-    /// Creates a polygon whose sides are divided into segments of about the length `h` of their places. The slope of `h` is at
+    /// Creates a polygon whose sides are divided into segments whose length is about `h` at their position. The slope of `h` is at
     /// most one half. `name` is that of [`Self::polygon`].
     ///
     /// # Errors
@@ -73,7 +73,7 @@ impl ClosedLine {
         Ok(line)
     }
 
-    /// Creates a line along the spline of [`Self::smooth`] with segments of about the length `h` of their places. The slope of `h`
+    /// Creates a line along the spline of [`Self::smooth`] with segments whose length is about `h` at their position. The slope of `h`
     /// is at most one half.
     ///
     /// # Errors
@@ -135,7 +135,7 @@ impl ClosedLine {
         self
     }
 
-    /// Appends at least `least` segments of about the length `h` of their places along a curve over the parameters from 0 to 1.
+    /// Appends at least `least` segments whose length is about `h` at their position along a curve over the parameters from 0 to 1.
     fn push_graded(
         &mut self,
         name: &str,

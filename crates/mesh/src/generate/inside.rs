@@ -12,7 +12,7 @@ use crate::{Aabb, Error, Point, SimplexMesh, VertexId, positive};
 const GOOD_ANGLE: f64 = 28.0;
 /// Largest area of a triangle, relative to that of the equilateral one: the mean edge then has the length of other generators.
 const LARGEST: f64 = 1.55;
-/// Largest number of inserted points for each triangle of the largest area and each given point.
+/// Largest number of inserted points per given point and per triangle of the largest area.
 const SPARE: f64 = 10.0;
 /// Passes of smoothing.
 const PASSES: usize = 15;

@@ -1,4 +1,4 @@
-//! Mesh generators for boxes, balls and their mirror images.
+//! Mesh generators for boxes, balls and the insides of closed lines, with refinement in regions, and mirror images.
 
 mod ball;
 mod bisect;

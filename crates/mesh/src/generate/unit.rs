@@ -1,4 +1,4 @@
-//! Units of length in which generators work, so that a shape has the same mesh in cgs and in SI.
+//! Units of length in which generators work.
 
 use std::sync::Arc;
 
@@ -12,8 +12,8 @@ const LEAST: f64 = 0.2;
 /// Decimal digits to which lengths in another unit are rounded; conversions of units by powers of ten preserve them.
 const DIGITS: usize = 12;
 
-/// A unit of length: a power of a hundred times the given one. For points on a circle the triangulation depends on
-/// rounding, so that a generator makes the same triangles only from the same numbers.
+/// A unit of length: a power of a hundred times the given one. Generators compute in a unit in which the same shape has the
+/// same digits in cgs and SI, so that rounding is the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Unit {
     /// Lengths are multiplied by ten to this power.

@@ -8,7 +8,7 @@ use crate::RigidVelocity;
 /// `-M g(t) · W`, with the velocity `W` of the centre as test function
 ///
 /// Source: Newton's law of motion. A frame of reference with the acceleration `a(t)` gives all bodies the gravity `-a(t)`.
-/// Couples: velocity × nothing.   Domain: the body.
+/// Couples: velocity.   Domain: the body.
 /// Units: force (2D: per unit depth).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VariableWeight<const D: usize> {

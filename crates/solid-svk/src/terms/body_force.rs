@@ -9,7 +9,7 @@ use crate::cell::row;
 /// `-(ρ^s f^s, w)_{Ω̂^s}`, with `f^s` an acceleration (gravity)
 ///
 /// Source: paper, Eq. (4), right-hand side; `f^s` is an acceleration, so the load is `ρ^s f^s`.
-/// Couples: solid velocity × nothing.   Domain: reference cells.
+/// Couples: solid velocity.   Domain: reference cells.
 /// Units: force (2D: per unit depth).
 ///   residual_i = -ρ ∫ N_i f^s,    ∫ N_i = Σ_j m_ij,    tangent = 0.
 #[derive(Clone, Debug, PartialEq)]

@@ -6,7 +6,7 @@ use mesh::Tensor;
 use crate::SolidCell;
 use crate::cell::row;
 
-/// `(ρ^s a, w)_{Ω̂^s}`, `a = c_a v - a_pred`; implicit Euler: `ρ^s/Δt (v - v^n, w)`
+/// `(ρ^s a, w)_{Ω̂^s}`, `a = a_pred + c_a v`; implicit Euler: `ρ^s/Δt (v - v^n, w)`
 ///
 /// Source: paper, fully discrete problem after Eq. (4), with velocity as the unknown.
 /// Couples: solid velocity × solid velocity.   Domain: reference cells.

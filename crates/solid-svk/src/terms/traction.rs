@@ -9,7 +9,7 @@ use crate::cell::row;
 /// `-(t, w)_{Γ̂}`, with a traction `t` per reference area that does not follow the motion
 ///
 /// Source: paper, Eq. (4), Neumann data of the structure on the reference configuration.
-/// Couples: solid velocity × nothing.   Domain: given boundary facets, reference configuration.
+/// Couples: solid velocity.   Domain: given boundary facets, reference configuration.
 /// Units: force (2D: per unit depth).
 /// With the reference area w of a quadrature point X:
 ///   residual_i = -w N_i t(X),    tangent = 0.

@@ -74,10 +74,9 @@ fn stress_on_the_surface<const D: usize>(mesh: &SolidMesh<D>) {
             materials: &[Arc::new(material)],
             positions: &positions,
         };
-        let barycentric = [1.0 / D as f64; D];
         let (mut dofs, mut derivatives, mut unused) = (Vec::new(), Vec::new(), Vec::new());
         for facet in mesh.boundary().facets() {
-            let found = stress.at(facet, &barycentric, &x, &mut derivatives);
+            let found = stress.on(facet, &x, &mut derivatives);
             let cell = mesh.boundary().facet_to_cell(facet).unwrap();
             if mesh.order() == Order::Linear {
                 let gradients = mesh.mesh().simplex(cell).barycentric_gradients().unwrap();
@@ -97,7 +96,7 @@ fn stress_on_the_surface<const D: usize>(mesh: &SolidMesh<D>) {
                 let mut at = |by: f64| {
                     let mut moved = x.clone();
                     moved[dof.index()] += by;
-                    stress.at(facet, &barycentric, &moved, &mut unused)
+                    stress.on(facet, &moved, &mut unused)
                 };
                 let difference = (at(step) - at(-step)) / (2.0 * step);
                 worst[1] = worst[1].max((difference - derivative).norm() / largest);
@@ -128,7 +127,7 @@ fn stress_of_a_quadratic_displacement<const D: usize>() {
     let stress = SolidStress { cells, materials: &[Arc::new(material)], positions: mesh.nodes() };
     let x = state(&layout, field, &displacement);
     for facet in mesh.boundary().facets() {
-        let found = stress.at(facet, &[1.0 / D as f64; D], &x, &mut unused);
+        let found = stress.on(facet, &x, &mut unused);
         let nodes = mesh.boundary().facet(facet);
         let middle: Point<D> = nodes.iter().map(|node| mesh.nodes()[node.index()] / D as f64).sum();
         let f = Tensor::identity() + bend.gradient(&middle);
@@ -166,7 +165,7 @@ fn trace_bound<const D: usize>(order: Order) {
         let mut ratio = |values: &[Vector<D>]| {
             let mut on_surface = 0.0;
             for facet in &of_cell {
-                stress.at(*facet, &[1.0 / D as f64; D], &x, &mut derivatives);
+                stress.on(*facet, &x, &mut derivatives);
                 let values = values.iter().flat_map(|y| y.iter().copied());
                 let traction: Vector<D> = derivatives.iter().zip(values).map(|((_, by), y)| by * y).sum();
                 on_surface += placed.facet_measure(*facet) * traction.norm_squared();

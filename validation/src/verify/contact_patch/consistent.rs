@@ -44,7 +44,7 @@ fn on(upper: &Elastic<2>, lower: &Elastic<2>, gamma_0: f64, offset: f64) -> Resu
     let surface = DeformableObstacle::new(lower.solid.boundary().clone(), lower.part("top")?)?;
     Ok(Touch {
         facets: upper.part("bottom")?,
-        form: ContactForm::new(NitscheLaw::new(gamma_0, offset)?, 0.1)?,
+        form: ContactForm::new(NitscheLaw::new(gamma_0, offset, 0.0)?, 0.1)?,
         obstacle: ContactObstacle::Body { body: BodyId::new(1), surface },
     })
 }
@@ -105,7 +105,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let linear = || Ok::<_, Failure>(LinearElastic::new(LameParameters::new(LAME, LAME)?));
     for gamma_0 in GAMMA_0 {
         let law = |name: &str| format!("Nitsche, gamma_0 = {gamma_0}, {name}");
-        let form = || Ok::<_, Failure>(ContactForm::new(NitscheLaw::new(gamma_0, 0.0)?, 0.1)?);
+        let form = || Ok::<_, Failure>(ContactForm::new(NitscheLaw::new(gamma_0, 0.0, 0.0)?, 0.1)?);
 
         // A block above the plane by less than its top is pushed.
         let (push, distance) = (0.01, 0.004);

@@ -31,10 +31,10 @@ impl LaggedSolver {
         ]
     }
 
-    /// Factorises the matrix in such lists, as the solver did that returned them.
+    /// Factorises the stored matrix in the same way as the solver that stored it.
     ///
     /// # Errors
-    /// [`LinearError::Memory`]: they are other lists. Errors of the factors.
+    /// [`LinearError::Memory`]: lists of another kind of solver. Errors of the factors.
     pub(super) fn take_lists(&mut self, lists: &[Vec<f64>]) -> Result<(), LinearError> {
         (self.base, self.is_factorized, self.must_factorize) = (None, false, false);
         let [flags, row, column, column_ptr, rows, values, nodes, keys] = lists else {
