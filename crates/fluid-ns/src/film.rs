@@ -152,7 +152,7 @@ impl<const D: usize> FilmValues<D> {
         for (item, piece) in cut.interface().iter().enumerate() {
             let Some(number) = self.position(piece.part) else { continue };
             let film = &self.films[number];
-            let middle = piece.points[..D].iter().sum::<Point<D>>() / D as f64;
+            let middle = mesh::mean(&piece.points[..D]);
             let area = piece.measure * coordinates.weight(&middle);
             on_surfaces[number].push((middle, area * film.share * s * length(item) * film.layer.powi(2) / 12.0));
         }

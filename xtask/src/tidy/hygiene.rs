@@ -13,9 +13,9 @@ const BUDGETS: &[(&[&str], usize)] = &[
     (&["crates/io/src"], 12_150),
     (&["crates/report/src"], 1575),
     (&["crates/solver/src"], 3_000),
-    (&["validation"], 13_400),
+    (&["validation"], 13_450),
     (&["xtask/src"], 2400),
-    (&[""], 76_600),
+    (&[""], 76_750),
 ];
 /// Largest number of bytes of all JSON files under version control.
 const JSON_BYTES: usize = 50_000;
