@@ -22,7 +22,7 @@ pub struct FluidForm<'a, const D: usize> {
     pub convection: Option<Convection>,
     /// Hoop part of the skew convection; `None` in Cartesian coordinates and without the skew part.
     pub hoop_convection: Option<HoopConvection>,
-    /// `(κ (∇p - f), ∇q)`; `None` if films are not modelled.
+    /// `(κ (∇p - f), ∇q)_Ω - (κ_s (∇p - f), ∇q)_Σ`; `None` if films are not modelled.
     pub film: Option<Film<'a, D>>,
     /// Vapour in films; `None` if their pressure has no floor.
     pub cavitation: Option<Cavitation>,

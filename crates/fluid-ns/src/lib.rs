@@ -16,7 +16,7 @@
 //! | `ρ (u·∇u, v)` | `terms/convection.rs` |
 //! | `-(f, v)` | `terms/body_force.rs` |
 //! | hoop parts of these terms, in axisymmetric coordinates | `terms/hoop.rs`, `terms/hoop_convection.rs` |
-//! | `(κ (∇p - f), ∇q)` in thin films | `terms/film.rs` |
+//! | `(κ (∇p - f), ∇q)_Ω - (κ_s (∇p - f), ∇q)_Σ` in thin films | `terms/film.rs` |
 //! | `-Σ_i q_i C K \|∇N_i\|² [p_c - p_i]_+`: vapour in thin films | `terms/cavitation.rs` |
 //! | `s_h`: interior penalty of velocity and pressure | `terms/cip.rs` |
 //! | `g_h`: ghost penalty | `terms/ghost_penalty.rs` |

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use algebra::{BlockLayout, DofId};
 use body::{ByDof, SurfaceMotion, SurfaceStress};
 use cutcell::InterfacePiece;
-use mesh::{BodyId, FacetId, MAX_CELL_VERTICES, Placed, Point, Vector, mean};
+use mesh::{BodyId, Coordinates, FacetId, MAX_CELL_VERTICES, Placed, Point, Vector, mean};
 
 use crate::InterfacePoints;
 
@@ -159,18 +159,22 @@ impl<const D: usize> SurfaceStress<D> for FluidStress<'_, D> {
 
     fn on(&self, facet: FacetId, x: &[f64], derivatives: &mut ByDof<D>) -> Vector<D> {
         derivatives.clear();
-        let measure = self.surface().facet_measure(facet);
+        let (surface, coordinates) = (self.surface(), self.points.geometry.background.coordinates());
+        let measure = surface.facet_measure(facet) * coordinates.weight(&surface.facet_middle(facet));
         // Share and first moments of the part that is closed.
-        let (mut share, mut moments) = (1.0, [1.0 / D as f64; D]);
+        let (mut share, mut moments) = (1.0, shares(coordinates, &surface.facet_points(facet)[..D]));
         let (mut sum, mut of_part) = (Vector::zeros(), Vec::new());
         for item in self.on_facet(facet) {
             let piece = &self.points.geometry.cut.interface()[item];
-            let wet = piece.measure / measure;
+            let points = &piece.points[..D];
+            let wet = piece.measure * coordinates.weight(&mean(points)) / measure;
+            let shares = shares(coordinates, points);
             sum += self.on_piece(item, x, &mut of_part) * wet;
             add_to(derivatives, &mut of_part, wet);
             share -= wet;
             for (k, moment) in moments.iter_mut().enumerate() {
-                *moment -= wet / D as f64 * piece.barycentric[..D].iter().map(|corner| corner[k]).sum::<f64>();
+                *moment -= wet
+                    * piece.barycentric[..D].iter().zip(&shares).map(|(corner, share)| corner[k] * share).sum::<f64>();
             }
         }
         if self.rim(facet).is_some() {
@@ -182,13 +186,14 @@ impl<const D: usize> SurfaceStress<D> for FluidStress<'_, D> {
 }
 
 impl<const D: usize> FluidStress<'_, D> {
-    /// Returns the traction in the middle of a piece, which is its mean on the piece, and appends its derivatives.
+    /// Returns the mean of the traction on a piece, with the weight of the coordinates, and appends its derivatives.
     fn on_piece(&self, item: usize, x: &[f64], derivatives: &mut ByDof<D>) -> Vector<D> {
         let InterfacePoints { geometry, fields, values, fluid, .. } = &self.points;
         let piece = &geometry.cut.interface()[item];
         let gradients = values.gradients(item);
-        let middle = mean(&piece.points[..D]);
-        let shape = geometry.background.simplex(piece.cell).barycentric(&middle).unwrap_or_default();
+        let points = &piece.points[..D];
+        let centroid = shares(geometry.background.coordinates(), points).iter().zip(points).map(|(s, x)| x * *s).sum();
+        let shape = geometry.background.simplex(piece.cell).barycentric(&centroid).unwrap_or_default();
         let dofs = geometry.space.dofs(piece.part);
         let (grad_u, pressure) = fields.grad_and_pressure(x, dofs, gradients, &shape);
         for (i, &dof) in dofs.iter().enumerate() {
@@ -200,6 +205,13 @@ impl<const D: usize> FluidStress<'_, D> {
         }
         fluid.viscous_traction(&grad_u, &piece.normal) - piece.normal * pressure
     }
+}
+
+/// Returns the shares of the corners of a facet in the mean of a linear function, with the weight of the coordinates.
+fn shares<const D: usize>(coordinates: Coordinates, corners: &[Point<D>]) -> [f64; D] {
+    let weights: [f64; D] = std::array::from_fn(|k| coordinates.weight(&corners[k]));
+    let sum: f64 = weights.iter().sum();
+    weights.map(|weight| (sum + weight) / ((D + 1) as f64 * sum))
 }
 
 /// Moves derivatives of a part with a factor to those of the sum.

@@ -72,10 +72,12 @@ fn compare(record: &mut Record) -> Result<(), Failure> {
     }
     record.at_most("wall-clock time of all bounces on one core [s]", standard.seconds, COST);
     let coarse_steps = ["time.step=1.0e-4", "time.approach.fraction=0.12", "time.approach.smallest=1.0e-6"];
+    let fine_steps = ["time.step=2.5e-5", "time.approach.fraction=0.03", "time.approach.smallest=2.5e-7"];
     let variants = [
         ("cells of half the size", cells(HALF).collect::<Vec<_>>(), Some(CHANGE)),
         ("cells of twice the size", cells(TWICE).collect(), Some(CHANGE)),
         ("steps of twice the length", coarse_steps.map(str::to_owned).to_vec(), Some(CHANGE)),
+        ("steps of half the length", fine_steps.map(str::to_owned).to_vec(), Some(CHANGE)),
         ("vapour only at -1000 bar", vec!["fluid.film.floor=-1e8".to_owned()], None),
     ];
     let mut curves = vec![

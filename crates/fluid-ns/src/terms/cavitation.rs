@@ -12,7 +12,7 @@ use crate::FluidCell;
 /// conserved in a cavity.
 /// Couples: pressure × pressure, each vertex by itself.   Domain: fluid parts in films ([`crate::FilmValues`]).
 /// Units: volume/time (2D: per unit depth).
-/// With `g_i = ∇N_i`, `K = ∫ κ` and `d_i = C K |g_i|²`:
+/// With `g_i = ∇N_i`, `K = ∫_Ω κ - ∫_Σ κ_s` of [`super::Film`] and `d_i = C K |g_i|²`:
 ///   residual_i = -d_i [p_c - p_i]_+,   tangent_ii = d_i where p_i < p_c.
 pub struct Cavitation {
     /// Dynamic viscosity `μ^f`.
