@@ -15,7 +15,7 @@ const BUDGETS: &[(&[&str], usize)] = &[
     (&["crates/solver/src"], 3_000),
     (&["validation"], 13_450),
     (&["xtask/src"], 2400),
-    (&[""], 76_750),
+    (&[""], 76_800),
 ];
 /// Largest number of bytes of all JSON files under version control.
 const JSON_BYTES: usize = 50_000;
