@@ -84,7 +84,7 @@ fn at_rest(law: impl ContactLaw + 'static, ambient: f64) -> Result<[f64; 2], Fai
 pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     for ambient in AMBIENT {
         let name = format!("Nitsche, ambient pressure {ambient}");
-        let [force, gap] = at_rest(NitscheLaw::new(10.0, 0.0)?, ambient)?;
+        let [force, gap] = at_rest(NitscheLaw::new(10.0, 0.0, 0.0)?, ambient)?;
         record.near(format!("{name}: contact force over weight minus buoyancy"), force, 1.0, TOLERANCE);
         record.show(format!("{name}: smallest gap over the radius"), gap / RADIUS, Some(0.0));
         let [force, gap] = at_rest(PenaltyLaw::new(STIFFNESS, 0.0)?, ambient)?;
