@@ -220,6 +220,29 @@ impl<const D: usize> CutMesh<D> {
         sum + lost
     }
 
+    /// Returns the same cut without some of its parts, given by a flag for each part. Their faces and pieces are left out
+    /// as well, and the other parts are numbered again. The volume of the parts left out is neither fluid nor covered.
+    #[must_use]
+    pub fn without(mut self, is_left_out: &[bool]) -> Self {
+        let (mut kept, mut pieces, mut piece_ends) = (Vec::new(), Polytopes::default(), vec![0]);
+        for part in self.all_parts().filter(|part| !is_left_out[part.index()]) {
+            kept.push(part);
+            self.part_pieces(part).for_each(|piece| pieces.push_polytope(piece));
+            piece_ends.push(pieces.len() as u32);
+        }
+        self.report.n_left_out += self.n_parts() - kept.len();
+        let renumbered = |part: PartId| kept.binary_search(&part).map(|k| PartId(k as u32));
+        let renumber = |part: &mut PartId| renumbered(*part).map(|to| *part = to).is_ok();
+        self.cell_to_part.iter_mut().for_each(|first| *first = kept.partition_point(|part| part.0 < *first) as u32);
+        self.part_to_cell = kept.iter().map(|part| self.part_to_cell[part.index()]).collect();
+        self.part_to_volume = kept.iter().map(|part| self.part_to_volume[part.index()]).collect();
+        (self.part_to_piece, self.pieces) = (piece_ends, pieces);
+        self.interface.retain_mut(|piece| renumber(&mut piece.part));
+        self.part_faces.retain_mut(|face| face.parts.iter_mut().all(renumber));
+        self.boundary.retain_mut(|piece| renumber(&mut piece.part));
+        self
+    }
+
     /// Returns the counts and quality measures of the cut.
     pub fn report(&self) -> &CutReport {
         &self.report

@@ -18,7 +18,8 @@ pub struct CutReport {
     pub smallest_fraction: f64,
     /// Fluid parts smaller than [`SLIVER`] times their cell.
     pub n_slivers: usize,
-    /// Fluid parts left out because they are too thin, see [`crate::OverlayOptions::relative_tolerance`].
+    /// Fluid parts left out because they are too thin, see [`crate::OverlayOptions::relative_tolerance`], or by
+    /// [`crate::CutMesh::without`].
     pub n_left_out: usize,
     /// Facets with interface pieces on faces of the background.
     pub n_aligned_facets: usize,

@@ -6,7 +6,7 @@ use algebra::{Constraints, DofId};
 use cutcell::PartId;
 use fluid_ns::FluidGeometry;
 use mesh::{Tag, Vector};
-use xfem_space::Classes;
+use xfem_space::regions;
 
 use crate::InterfacePoints;
 
@@ -37,10 +37,7 @@ pub fn pockets<const D: usize>(
     is_open: impl Fn(Option<Tag>) -> bool,
 ) -> Vec<Pocket> {
     let FluidGeometry { background, cut, space, .. } = points.geometry;
-    let mut classes = Classes::new(cut.n_parts());
-    for face in cut.part_faces() {
-        classes.merge(face.parts[0].0, face.parts[1].0);
-    }
+    let mut classes = regions(cut);
     let mut is_known = vec![false; cut.n_parts()];
     for piece in cut.boundary().iter().filter(|piece| is_open(background.facet_tag(piece.facet))) {
         is_known[classes.lowest(piece.part.0) as usize] = true;

@@ -19,6 +19,7 @@ use xfem_space::{
 };
 
 use crate::extension::Extension;
+use crate::overlay::overlay;
 use crate::setup::{FluidBoundary, FluidSetup};
 use crate::state::KineticProducts;
 use crate::surfaces::Surfaces;
@@ -78,7 +79,7 @@ impl<'a, const D: usize> FluidStep<'a, D> {
     ) -> Result<Self, Stage> {
         let background = &fluid.background;
         let clock = Instant::now();
-        let cut = CutMesh::overlay(background, &setup.surfaces(&positions), &fluid.overlay)?;
+        let cut = overlay(setup, fluid, &positions)?;
         check_interface(&cut)?;
         seconds.cut = clock.elapsed().as_secs_f64();
         let space = XfemSpace::new(background, &cut);

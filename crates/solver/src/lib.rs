@@ -20,6 +20,7 @@ mod fluid_step;
 mod ledger;
 mod lists;
 mod observe;
+mod overlay;
 mod prepare;
 mod problem;
 mod report;

@@ -2,10 +2,10 @@
 
 use algebra::time::Level;
 use body::BodyState;
-use cutcell::CutMesh;
 use mesh::{Point, Vector};
 use xfem_space::XfemSpace;
 
+use crate::overlay::overlay;
 use crate::setup::FluidSetup;
 use crate::state::KineticProducts;
 use crate::{FluidState, Setup, Stage, State, StepError};
@@ -99,7 +99,7 @@ impl<'a> Lists<'a> {
         let positions: Vec<Vec<Point<D>>> = bodies
             .map(|body| self.vectors("positions at the cut", body.reference().len()))
             .collect::<Result<_, _>>()?;
-        let cut = CutMesh::overlay(&fluid.background, &setup.surfaces(&positions), &fluid.overlay)?;
+        let cut = overlay(setup, fluid, &positions)?;
         let space = XfemSpace::new(&fluid.background, &cut);
         let (mut of_dofs, n) = (Lists(of_dofs), space.len());
         let velocity = of_dofs.vectors("velocities of the fluid", n)?;

@@ -12,6 +12,7 @@ mod classes;
 mod face_values;
 mod numbering;
 mod part_values;
+mod regions;
 mod space;
 mod transfer;
 
@@ -19,5 +20,6 @@ pub use boundary::{BoundaryPoint, boundary_dofs, boundary_points};
 pub use classes::Classes;
 pub use face_values::{FaceValue, face_values, symmetry_values};
 pub use part_values::{HoopMoments, Moments, PartValues};
+pub use regions::{regions, residues};
 pub use space::XfemSpace;
 pub use transfer::Sources;

@@ -151,7 +151,7 @@ const CHECKS: [Check; 43] = [
     check("contact-patch", "Contact of uniform pressure: a block on a plane, and two blocks.", contact_patch::measure),
     check(
         "resting-ball",
-        "The contact force of a disk at rest in fluid, under two ambient pressures.",
+        "The contact force of a disk and a ball at rest in fluid, under two ambient pressures.",
         resting_ball::measure,
     ),
     check("friction", "Coulomb friction: blocks that stick, slide and come to rest.", friction::measure),

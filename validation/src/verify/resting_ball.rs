@@ -1,4 +1,4 @@
-//! An elastic disk that rests on the floor of a tank, under two ambient pressures.
+//! An elastic disk and an elastic ball that rest on the floor of a tank, under two ambient pressures.
 //!
 //! Source: balance of forces. The contact force is the weight minus that of the displaced fluid.
 
@@ -7,8 +7,8 @@ use std::sync::Arc;
 use cutwater::algebra::NewtonSettings;
 use cutwater::algebra::time::QuasiStatic;
 use cutwater::contact::{ContactForm, ContactLaw, NitscheLaw, PenaltyLaw};
-use cutwater::mesh::BodyId;
 use cutwater::mesh::generate::{BallOptions, Size, graded_box, half_ball};
+use cutwater::mesh::{BodyId, Coordinates};
 use cutwater::solid_svk::{LameParameters, SaintVenantKirchhoff, SupportKind};
 use cutwater::solver::{Contact, FluidBoundary};
 
@@ -42,16 +42,18 @@ const STEPS: u32 = 50;
 const STIFFNESS: f64 = 1e8;
 
 /// Returns the contact force over the weight minus buoyancy, and the smallest gap.
-fn at_rest(law: impl ContactLaw + 'static, ambient: f64) -> Result<[f64; 2], Failure> {
+fn at_rest(coordinates: Coordinates, law: impl ContactLaw + 'static, ambient: f64) -> Result<[f64; 2], Failure> {
     // The disk starts inside the floor by a hundredth of its radius.
     let centre = [0.0, 0.99 * RADIUS];
-    let disk = half_ball::<2>(centre, RADIUS, SIZE, &BallOptions { area_preserving: false })?;
+    let disk =
+        half_ball::<2>(centre, RADIUS, SIZE, &BallOptions { area_preserving: false })?.with_coordinates(coordinates)?;
     let material = SaintVenantKirchhoff::new(LameParameters::new(MU, LAMBDA)?);
     let mut disk = elastic(disk, SOLID, material, V::new(0.0, -GRAVITY), Arc::new(QuasiStatic))?;
     disk.hold("left", SupportKind::symmetry(0))?;
     let touch = floor_by(disk.part("surface")?, ContactForm::new(law, SIZE)?)?;
 
-    let background = graded_box::<2>([0.0, 0.0], [2.0 * RADIUS, 3.0 * RADIUS], &Size::uniform(1.3 * SIZE))?;
+    let background = graded_box::<2>([0.0, 0.0], [2.0 * RADIUS, 3.0 * RADIUS], &Size::uniform(1.3 * SIZE))?
+        .with_coordinates(coordinates)?;
     let sides = ["left", "right", "bottom", "top"].map(|side| background.tag(side).ok_or("a box has four sides"));
     let [left, right, bottom, top] = sides;
     let mut fluid = fluid(background, FLUID, VISCOSITY);
@@ -82,18 +84,20 @@ fn at_rest(law: impl ContactLaw + 'static, ambient: f64) -> Result<[f64; 2], Fai
 }
 
 pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
-    for ambient in AMBIENT {
-        let name = format!("Nitsche, ambient pressure {ambient}");
-        let [force, gap] = at_rest(NitscheLaw::new(10.0, 0.0, 0.0)?, ambient)?;
-        record.near(format!("{name}: contact force over weight minus buoyancy"), force, 1.0, TOLERANCE);
-        record.show(format!("{name}: smallest gap over the radius"), gap / RADIUS, Some(0.0));
-        let [force, gap] = at_rest(PenaltyLaw::new(STIFFNESS, 0.0)?, ambient)?;
-        let name = format!("penalty, ambient pressure {ambient}");
-        record.show(format!("{name}: contact force over weight minus buoyancy"), force, Some(1.0));
-        record.show(format!("{name}: smallest gap over the radius"), gap / RADIUS, Some(0.0));
+    for (coordinates, shape) in [(Coordinates::Cartesian, ""), (Coordinates::Axisymmetric, "ball, ")] {
+        for ambient in AMBIENT {
+            let name = format!("{shape}Nitsche, ambient pressure {ambient}");
+            let [force, gap] = at_rest(coordinates, NitscheLaw::new(10.0, 0.0, 0.0)?, ambient)?;
+            record.near(format!("{name}: contact force over weight minus buoyancy"), force, 1.0, TOLERANCE);
+            record.show(format!("{name}: smallest gap over the radius"), gap / RADIUS, Some(0.0));
+            let [force, gap] = at_rest(coordinates, PenaltyLaw::new(STIFFNESS, 0.0)?, ambient)?;
+            let name = format!("{shape}penalty, ambient pressure {ambient}");
+            record.show(format!("{name}: contact force over weight minus buoyancy"), force, Some(1.0));
+            record.show(format!("{name}: smallest gap over the radius"), gap / RADIUS, Some(0.0));
+        }
     }
     record.note(
-        "An elastic disk in a tank, in equilibrium. Buoyancy is that of the deformed disk. Where it touches the floor no fluid borders. With Nitsche's method \
+        "An elastic disk in a tank, and a ball, with rotational symmetry, in equilibrium. Buoyancy is that of the deformed body. Where it touches the floor no fluid borders. With Nitsche's method \
          the pressure at the rim of the contact acts there, and contact carries the rest of the stress; with the penalty nothing but contact acts there, and \
          its force grows with the ambient pressure on the closed facets.",
     );

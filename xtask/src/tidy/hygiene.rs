@@ -12,10 +12,10 @@ const BUDGETS: &[(&[&str], usize)] = &[
     (&["crates/cutwater/src/lib.rs", "crates/cutwater/src/main.rs"], 345),
     (&["crates/io/src"], 12_150),
     (&["crates/report/src"], 1575),
-    (&["crates/solver/src"], 3_000),
+    (&["crates/solver/src"], 3_030),
     (&["validation"], 13_450),
     (&["xtask/src"], 2400),
-    (&[""], 76_800),
+    (&[""], 77_000),
 ];
 /// Largest number of bytes of all JSON files under version control.
 const JSON_BYTES: usize = 50_000;

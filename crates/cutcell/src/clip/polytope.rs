@@ -118,6 +118,12 @@ impl<const D: usize> Polytopes<D> {
         self.ends.push([self.points.len() as u32, self.faces.len() as u32, self.loops.len() as u32]);
     }
 
+    /// Adds a copy of a polytope.
+    pub(crate) fn push_polytope(&mut self, polytope: Polytope<'_, D>) {
+        let Polytope { points, faces, loops } = polytope;
+        self.push(points.iter().copied(), faces.iter().copied(), loops.iter().copied());
+    }
+
     /// Appends all polytopes of `others`.
     pub(crate) fn append(&mut self, others: &Self) {
         let shift = [self.points.len() as u32, self.faces.len() as u32, self.loops.len() as u32];
