@@ -145,7 +145,8 @@ fn diagnostics_of_run<const D: usize>() -> Vec<RunColumn<D>> {
     let line = |(k, (name, _)): (usize, (&str, f64))| -> RunColumn<D> {
         (format!("lost_{name}"), ENERGY, Box::new(move |r| r.step.ledger.lines()[k].1))
     };
-    columns.iter().map(of_run).chain(ledger.map(line)).collect()
+    let defect: RunColumn<D> = ("lost_defect".to_owned(), ENERGY, Box::new(|r| r.step.ledger.defect()));
+    columns.iter().map(of_run).chain(ledger.map(line)).chain([defect]).collect()
 }
 
 fn of_run<const D: usize>((name, unit, of): &(&str, Unit, RunNumber<D>)) -> RunColumn<D> {

@@ -14,6 +14,12 @@ pub(super) struct Definition {
     /// Conclusions, as paragraphs.
     #[serde(default)]
     pub(super) note: Vec<String>,
+    /// Changes of the scenario that all runs share, as for `cutwater run --set`.
+    #[serde(default)]
+    set: Vec<String>,
+    /// Largest spread of speed and height over the coefficients, %.
+    #[serde(default = "largest_spread")]
+    pub(super) largest_spread: f64,
     pub(super) series: Vec<Series>,
 }
 
@@ -27,9 +33,9 @@ pub(super) struct Series {
     pub(super) parameter: String,
     /// Name of the scenario in `cases/`.
     pub(super) scenario: String,
-    /// Changes of the scenario that all runs share, as for `cutwater run --set`.
+    /// Changes of the scenario that the runs of the series share.
     #[serde(default)]
-    pub(super) set: Vec<String>,
+    set: Vec<String>,
     /// Keys of the scenario that are varied, with the factor on the value for each.
     pub(super) vary: BTreeMap<String, f64>,
     pub(super) values: Vec<f64>,
@@ -43,11 +49,16 @@ pub(super) struct Series {
     pub(super) coefficient: bool,
 }
 
-impl Series {
-    /// Returns the changes of the scenario for a value.
-    pub(super) fn changes(&self, value: f64) -> Vec<String> {
-        let vary = self.vary.iter().map(|(key, factor)| format!("{key}={:?}", factor * value));
-        self.set.iter().cloned().chain(vary).collect()
+/// Returns the largest spread if a study gives none: rebounds are compared with measured ones, which scatter by a few percent.
+fn largest_spread() -> f64 {
+    5.0
+}
+
+impl Definition {
+    /// Returns the changes of the scenario for a value of a series.
+    pub(super) fn changes(&self, series: &Series, value: f64) -> Vec<String> {
+        let vary = series.vary.iter().map(|(key, factor)| format!("{key}={:?}", factor * value));
+        self.set.iter().chain(&series.set).cloned().chain(vary).collect()
     }
 }
 
@@ -78,7 +89,7 @@ mod tests {
                 assert!(definition.series[..k].iter().all(|other| other.name != series.name), "{name}: twice the same");
                 for &value in &series.values {
                     let path = case::scenario_path(&series.scenario);
-                    let file = ScenarioFile::read(&path, &series.changes(value));
+                    let file = ScenarioFile::read(&path, &definition.changes(series, value));
                     assert!(file.is_ok(), "{name}, {}, {value}: {}", series.name, file.unwrap_err());
                 }
             }

@@ -65,7 +65,7 @@ pub(crate) fn run(names: &[String], again: bool, out: &Path) -> Outcome {
         println!("# {name}: {}", definition.title);
         let mut runs = Vec::new();
         for series in &definition.series {
-            let run = |&value: &f64| run_one(name, series, value, again, out);
+            let run = |&value: &f64| run_one(name, &definition, (series, value), again, out);
             runs.push(series.values.iter().map(run).collect::<Result<Vec<_>, Failure>>()?);
         }
         all_hold &= runs.iter().flatten().all(|run| run.failure.is_none());
@@ -81,11 +81,17 @@ pub(crate) fn run(names: &[String], again: bool, out: &Path) -> Outcome {
     Ok(all_hold)
 }
 
-fn run_one(study: &str, series: &Series, value: f64, again: bool, out: &Path) -> Result<Run, Failure> {
+fn run_one(
+    study: &str,
+    definition: &Definition,
+    (series, value): (&Series, f64),
+    again: bool,
+    out: &Path,
+) -> Result<Run, Failure> {
     let stem = format!("{}-{value}", series.name.replace(|c: char| !c.is_ascii_alphanumeric(), "-"));
     let directory = out.join("studies").join(study).join(stem);
     let mut set = vec![format!("name={study}"), "output.vtk_every=0".to_owned()];
-    set.extend(series.changes(value));
+    set.extend(definition.changes(series, value));
     let file = ScenarioFile::read(&case::scenario_path(&series.scenario), &set)?;
     let is_same = std::fs::read_to_string(directory.join("scenario.toml"))
         .is_ok_and(|text| file.to_toml().is_ok_and(|t| t == text));
@@ -181,7 +187,11 @@ fn record(name: &str, definition: &Definition, runs: &[Vec<Run>]) -> Record {
         let (largest, smallest) =
             (values().fold(f64::NEG_INFINITY, worse), -values().map(|v| -v).fold(f64::NEG_INFINITY, worse));
         let spread = (largest - smallest) / smallest.abs();
-        record.at_most(format!("spread over the coefficients, {quantity}, %"), 100.0 * spread, LARGEST_SPREAD);
+        record.at_most(
+            format!("spread over the coefficients, {quantity}, %"),
+            100.0 * spread,
+            definition.largest_spread,
+        );
     }
     let rows = all().flat_map(|(series, runs)| runs.iter().map(|run| [vec![series.name.clone()], row(run)].concat()));
     let head = ["series"].iter().chain(&HEAD).map(|name| cgs(name)).collect();
@@ -208,10 +218,8 @@ fn record(name: &str, definition: &Definition, runs: &[Vec<Run>]) -> Record {
     record
 }
 
-/// Largest uncertainty of a limit, and largest spread over coefficients, %. Limits are made to be compared with measured
-/// rebounds, which scatter by a few percent.
+/// Largest uncertainty of a limit, %. Limits are made to be compared with measured rebounds, which scatter by a few percent.
 const LARGEST_UNCERTAINTY: f64 = 3.0;
-const LARGEST_SPREAD: f64 = 5.0;
 
 /// A quantity of a run with its name, which has marks of units.
 type Quantity = (&'static str, fn(&Run) -> Option<f64>);
