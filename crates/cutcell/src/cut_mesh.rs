@@ -3,6 +3,7 @@
 use mesh::{BodyId, CellId, FacetId, Point, QuadratureRule, SimplexMesh, SimplexRule, Vector, simplex_measure};
 
 use crate::clip::Polytopes;
+use crate::report::SLIVER;
 use crate::surface::{Facet, FacetPoint};
 use crate::{CutReport, Polytope};
 
@@ -223,23 +224,34 @@ impl<const D: usize> CutMesh<D> {
     /// Returns the same cut without some of its parts, given by a flag for each part. Their faces and pieces are left out
     /// as well, and the other parts are numbered again. The volume of the parts left out is neither fluid nor covered.
     #[must_use]
-    pub fn without(mut self, is_left_out: &[bool]) -> Self {
-        let (mut kept, mut pieces, mut piece_ends) = (Vec::new(), Polytopes::default(), vec![0]);
-        for part in self.all_parts().filter(|part| !is_left_out[part.index()]) {
-            kept.push(part);
-            self.part_pieces(part).for_each(|piece| pieces.push_polytope(piece));
+    pub fn without_parts(mut self, background: &SimplexMesh<D>, is_left_out: &[bool]) -> Self {
+        let kept: Vec<PartId> = self.all_parts().filter(|part| !is_left_out[part.index()]).collect();
+        let (mut pieces, mut piece_ends) = (Polytopes::default(), vec![0]);
+        for part in &kept {
+            self.part_pieces(*part).for_each(|piece| pieces.push_polytope(piece));
             piece_ends.push(pieces.len() as u32);
         }
+        // For each part, and the end of the parts, the number of kept parts before it.
+        let mut numbers = vec![0];
+        is_left_out.iter().for_each(|left_out| numbers.push(numbers[numbers.len() - 1] + u32::from(!left_out)));
+        let renumber = |part: &mut PartId| {
+            let is_kept = !is_left_out[part.index()];
+            part.0 = numbers[part.index()];
+            is_kept
+        };
         self.report.n_left_out += self.n_parts() - kept.len();
-        let renumbered = |part: PartId| kept.binary_search(&part).map(|k| PartId(k as u32));
-        let renumber = |part: &mut PartId| renumbered(*part).map(|to| *part = to).is_ok();
-        self.cell_to_part.iter_mut().for_each(|first| *first = kept.partition_point(|part| part.0 < *first) as u32);
+        self.cell_to_part.iter_mut().for_each(|first| *first = numbers[*first as usize]);
         self.part_to_cell = kept.iter().map(|part| self.part_to_cell[part.index()]).collect();
         self.part_to_volume = kept.iter().map(|part| self.part_to_volume[part.index()]).collect();
         (self.part_to_piece, self.pieces) = (piece_ends, pieces);
         self.interface.retain_mut(|piece| renumber(&mut piece.part));
         self.part_faces.retain_mut(|face| face.parts.iter_mut().all(renumber));
         self.boundary.retain_mut(|piece| renumber(&mut piece.part));
+        let cells_and_volumes = self.part_to_cell.iter().zip(&self.part_to_volume);
+        let fractions = cells_and_volumes.map(|(cell, volume)| volume / background.cell_volume(*cell));
+        self.report.smallest_fraction = fractions.clone().fold(1.0, f64::min);
+        self.report.n_slivers = fractions.filter(|fraction| *fraction < SLIVER).count();
+        self.report.max_parts = background.cells().map(|cell| self.parts(cell).len()).max().unwrap_or(0);
         self
     }
 

@@ -19,7 +19,7 @@ pub struct CutReport {
     /// Fluid parts smaller than [`SLIVER`] times their cell.
     pub n_slivers: usize,
     /// Fluid parts left out because they are too thin, see [`crate::OverlayOptions::relative_tolerance`], or by
-    /// [`crate::CutMesh::without`].
+    /// [`crate::CutMesh::without_parts`].
     pub n_left_out: usize,
     /// Facets with interface pieces on faces of the background.
     pub n_aligned_facets: usize,

@@ -1,4 +1,4 @@
-//! Values of the fluid where a body was on the cut of the step before.
+//! Values of the fluid where there was none on the cut of the step before.
 
 use algebra::{
     BlockLayout, Constraints, Contributions, DofId, Equations, FieldId, LocalSystem, NewtonError, NewtonSettings,

@@ -80,7 +80,6 @@ impl<'a, const D: usize> FluidStep<'a, D> {
         let background = &fluid.background;
         let clock = Instant::now();
         let cut = overlay(setup, fluid, &positions)?;
-        check_interface(&cut)?;
         seconds.cut = clock.elapsed().as_secs_f64();
         let space = XfemSpace::new(background, &cut);
         let clock = Instant::now();
@@ -369,13 +368,4 @@ fn open_boundaries<'a, const D: usize>(fluid: &'a FluidSetup<D>, cut: &CutMesh<D
         }
     }
     open
-}
-
-/// Returns an error if a part of the interface has no facet, and with it no coupling of fluid and body.
-fn check_interface<const D: usize>(cut: &CutMesh<D>) -> Result<(), Stage> {
-    /// Largest share of the interface that round-off can leave without a facet.
-    const LARGEST_SHARE: f64 = 1e-6;
-    let uncovered = cut.report().uncovered_measure;
-    let interface: f64 = cut.interface().iter().map(|piece| piece.measure).sum();
-    if uncovered > LARGEST_SHARE * interface { Err(Stage::Interface { uncovered, interface }) } else { Ok(()) }
 }

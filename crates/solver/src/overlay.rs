@@ -1,29 +1,50 @@
 //! The background cut by the bodies.
 
-use cutcell::CutMesh;
+use cutcell::{CutMesh, PartId};
 use mesh::Point;
-use xfem_space::residues;
+use xfem_space::small_regions;
 
-use crate::Setup;
-use crate::setup::FluidSetup;
+use crate::setup::{FluidBoundary, FluidSetup};
+use crate::{Setup, Stage};
 
-/// Fraction of its cell below which a part may be a residue.
-const RESIDUE: f64 = 1e-2;
+/// Volume of a part of trapped fluid relative to that of its cell, at most.
+const TRAPPED: f64 = 1e-2;
 
-/// Cuts the background with the bodies at the given positions, and leaves out residues: regions of fluid that consist of
-/// parts below a hundredth of their cells.
+/// Cuts the background with the bodies at the given positions. In problems with contacts, trapped fluid is left out: regions
+/// between bodies, walls and planes of symmetry all of whose parts have less than a hundredth of the volume of their cells.
 ///
-/// Such a region is enclosed between surfaces that touch around it, such as the pole of a ball on a floor. Its fluid
-/// would stop the surfaces with a pressure that grows without bound as its area goes to zero. Between
-/// rough surfaces the fluid escapes; the region counts as closed.
+/// Surfaces that touch around a point enclose such a region, for example under the pole of a ball on a floor. Its fluid is
+/// incompressible. It would stop the surfaces with a pressure that grows without bound as its area goes to zero. Between
+/// rough surfaces the fluid escapes.
+///
+/// # Errors
+/// The surfaces cannot cut the background, or a part of the interface has no facet.
 pub(crate) fn overlay<const D: usize>(
     setup: &Setup<D>,
     fluid: &FluidSetup<D>,
     positions: &[Vec<Point<D>>],
-) -> Result<CutMesh<D>, cutcell::Error> {
-    let cut = CutMesh::overlay(&fluid.background, &setup.surfaces(positions), &fluid.overlay)?;
-    let is_residue = residues(&fluid.background, &cut, RESIDUE);
-    // A problem whose fluid is thin everywhere keeps it.
-    let is_mixed = is_residue.contains(&true) && is_residue.contains(&false);
-    Ok(if is_mixed { cut.without(&is_residue) } else { cut })
+) -> Result<CutMesh<D>, Stage> {
+    let background = &fluid.background;
+    let cut = CutMesh::overlay(background, &setup.surfaces(positions), &fluid.overlay)?;
+    check_interface(&cut)?;
+    if setup.contacts.is_empty() {
+        return Ok(cut);
+    }
+    let mut has_opening = vec![false; cut.n_parts()];
+    for piece in cut.boundary() {
+        let condition = fluid.condition(background.facet_tag(piece.facet));
+        let is_closed = matches!(condition, Some(FluidBoundary::NoSlip | FluidBoundary::Symmetry { .. }));
+        has_opening[piece.part.index()] |= !is_closed;
+    }
+    let is_trapped = small_regions(background, &cut, TRAPPED, |part: PartId| has_opening[part.index()]);
+    Ok(if is_trapped.contains(&true) { cut.without_parts(background, &is_trapped) } else { cut })
+}
+
+/// Returns an error if a part of the interface has no facet, and with it no coupling of fluid and body.
+fn check_interface<const D: usize>(cut: &CutMesh<D>) -> Result<(), Stage> {
+    /// Largest share of the interface that round-off can leave without a facet.
+    const LARGEST_SHARE: f64 = 1e-6;
+    let uncovered = cut.report().uncovered_measure;
+    let interface: f64 = cut.interface().iter().map(|piece| piece.measure).sum();
+    if uncovered > LARGEST_SHARE * interface { Err(Stage::Interface { uncovered, interface }) } else { Ok(()) }
 }

@@ -20,6 +20,6 @@ pub use boundary::{BoundaryPoint, boundary_dofs, boundary_points};
 pub use classes::Classes;
 pub use face_values::{FaceValue, face_values, symmetry_values};
 pub use part_values::{HoopMoments, Moments, PartValues};
-pub use regions::{regions, residues};
+pub use regions::{regions, small_regions};
 pub use space::XfemSpace;
 pub use transfer::Sources;

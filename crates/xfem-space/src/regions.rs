@@ -1,27 +1,39 @@
 //! Regions of fluid: parts connected through faces.
 
-use cutcell::CutMesh;
+use cutcell::{CutMesh, PartId};
 use mesh::SimplexMesh;
 
 use crate::Classes;
 
 /// Returns the regions of fluid as classes of parts.
 pub fn regions<const D: usize>(cut: &CutMesh<D>) -> Classes {
-    let mut regions = Classes::new(cut.n_parts());
-    cut.part_faces().iter().for_each(|face| regions.merge(face.parts[0].0, face.parts[1].0));
-    regions
+    let mut classes = Classes::new(cut.n_parts());
+    cut.part_faces().iter().for_each(|face| classes.merge(face.parts[0].0, face.parts[1].0));
+    classes
 }
 
-/// Returns for each part whether its region is a residue: each part of the region is below a fraction of its cell.
-pub fn residues<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>, fraction: f64) -> Vec<bool> {
-    let is_thin = |part| cut.part_volume(part) < fraction * background.cell_volume(cut.part_cell(part));
-    let mut is_residue: Vec<bool> = cut.all_parts().map(|part| !cut.is_whole(part) && is_thin(part)).collect();
-    if is_residue.contains(&true) {
-        let mut regions = regions(cut);
-        let of_parts: Vec<usize> = (0..cut.n_parts() as u32).map(|part| regions.lowest(part) as usize).collect();
-        let mut is_thin_region = vec![true; cut.n_parts()];
-        of_parts.iter().zip(&is_residue).for_each(|(&region, is_thin)| is_thin_region[region] &= is_thin);
-        is_residue = of_parts.into_iter().map(|region| is_thin_region[region]).collect();
+/// Returns for each part whether it belongs to a small region: the volume of each part of the region is below a fraction of
+/// that of its cell, and `is_kept` returns false for each.
+pub fn small_regions<const D: usize>(
+    background: &SimplexMesh<D>,
+    cut: &CutMesh<D>,
+    fraction: f64,
+    is_kept: impl Fn(PartId) -> bool,
+) -> Vec<bool> {
+    let is_small = |part| cut.part_volume(part) < fraction * background.cell_volume(cut.part_cell(part));
+    let mut is_small: Vec<bool> = cut.all_parts().map(|part| is_small(part) && !is_kept(part)).collect();
+    let mut classes = Classes::new(cut.n_parts());
+    let faces = || cut.part_faces().iter().map(|face| face.parts.map(PartId::index));
+    let of_small = |small: &[bool], parts: [usize; 2]| parts.iter().filter(|part| small[**part]).count();
+    for [a, b] in faces().filter(|parts| of_small(&is_small, *parts) == 2) {
+        classes.merge(a as u32, b as u32);
     }
-    is_residue
+    // A face between a small part and another one connects the whole class to other fluid.
+    let connected: Vec<usize> = faces().filter(|parts| of_small(&is_small, *parts) == 1).flatten().collect();
+    let mut is_connected = vec![false; cut.n_parts()];
+    connected.into_iter().for_each(|part| is_connected[classes.lowest(part as u32) as usize] = true);
+    for part in 0..cut.n_parts() {
+        is_small[part] &= !is_connected[classes.lowest(part as u32) as usize];
+    }
+    is_small
 }

@@ -9,7 +9,7 @@ use crate::XfemSpace;
 ///
 /// A dof takes the value of the earlier dof at the same vertex whose parts have the largest volume in common with its own
 /// (ties go to the lowest dof). That value may be the natural extrapolation of an earlier cut cell. A dof without common
-/// volume is *uncovered*: a body was there. Its value is that of an extension.
+/// volume is *uncovered*: a body was there, or fluid that was left out. Its value is that of an extension.
 ///
 /// On a space that keeps its parts every field is carried over unchanged, bit for bit.
 #[derive(Clone, Debug, PartialEq)]

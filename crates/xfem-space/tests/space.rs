@@ -3,7 +3,7 @@
 use cutcell::{CutMesh, OverlayOptions, PartId};
 use mesh::generate::structured_box;
 use mesh::{BoundaryMesh, CellId, Placed, Point, SimplexMesh, Vector, VertexId};
-use xfem_space::{PartValues, Sources, XfemSpace, boundary_dofs, face_values, residues};
+use xfem_space::{PartValues, Sources, XfemSpace, boundary_dofs, face_values, small_regions};
 
 type P = Point<2>;
 
@@ -40,37 +40,52 @@ fn a_strip_through_the_mesh_doubles_the_dofs_of_the_cells_it_splits() {
 }
 
 #[test]
-fn without_the_residue_between_two_strips_the_cut_is_that_of_one_strip() {
-    // The film between the strips has the thickness 0.001 and fills at most 3/500 of a cell.
-    let background = grid(2);
-    let cut = cut_by_rectangles(&background, &[[-0.5, 0.14, 1.5, 0.16], [-0.5, 0.161, 1.5, 0.3]]);
-    let one_strip = cut_by_rectangles(&background, &[[-0.5, 0.14, 1.5, 0.3]]);
-    assert!(!residues(&background, &cut, 1e-3).contains(&true));
-    let is_residue = residues(&background, &cut, 1e-2);
-    assert_eq!(is_residue.iter().filter(|is_residue| **is_residue).count(), cut.n_parts() - one_strip.n_parts());
-    let cut = cut.without(&is_residue);
-    let parts =
-        |cut: &CutMesh<2>| -> Vec<Vec<_>> { background.cells().map(|cell| cut.parts(cell).collect()).collect() };
-    assert_eq!(parts(&cut), parts(&one_strip));
-    for part in cut.all_parts() {
-        assert_eq!(cut.part_cell(part), one_strip.part_cell(part));
-        let pieces: f64 = cut.part_pieces(part).map(|piece| piece.volume()).sum();
-        assert!(cut.is_whole(part) || (pieces - cut.part_volume(part)).abs() < 1e-15, "{pieces}");
-        assert!((cut.part_volume(part) - one_strip.part_volume(part)).abs() < 1e-15);
+fn without_the_film_between_two_bodies_the_cut_is_that_of_one_body() {
+    // The film has the thickness 0.001 and fills at most 3/500 of a cell. In the second case the bodies cover the cells at the bottom
+    // and on the right, and the film is the only fluid of the last cells.
+    for [below, above, both] in [
+        [[-0.5, 0.14, 1.5, 0.16], [-0.5, 0.161, 1.5, 0.3], [-0.5, 0.14, 1.5, 0.3]],
+        [[-0.5, 0.14, 1.5, 0.66], [-0.5, 0.661, 1.5, 1.5], [-0.5, 0.14, 1.5, 1.5]],
+    ] {
+        let background = grid(2);
+        let (cut, one) = (cut_by_rectangles(&background, &[below, above]), cut_by_rectangles(&background, &[both]));
+        assert!(!small_regions(&background, &cut, 1e-3, |_| false).contains(&true));
+        let is_film = small_regions(&background, &cut, 1e-2, |_| false);
+        let of_film = cut.all_parts().find(|part| is_film[part.index()]);
+        let kept_film = small_regions(&background, &cut, 1e-2, |part| Some(part) == of_film);
+        assert!(!kept_film.contains(&true), "one part keeps its region");
+        let n_film = cut.n_parts() - one.n_parts();
+        assert_eq!(is_film.iter().filter(|is_film| **is_film).count(), n_film);
+        let cut = cut.without_parts(&background, &is_film);
+        let parts =
+            |cut: &CutMesh<2>| -> Vec<Vec<_>> { background.cells().map(|cell| cut.parts(cell).collect()).collect() };
+        assert_eq!(parts(&cut), parts(&one));
+        for part in cut.all_parts() {
+            assert_eq!(cut.part_cell(part), one.part_cell(part));
+            let pieces: f64 = cut.part_pieces(part).map(|piece| piece.volume()).sum();
+            assert!(cut.is_whole(part) || (pieces - cut.part_volume(part)).abs() < 1e-15, "{pieces}");
+            assert!((cut.part_volume(part) - one.part_volume(part)).abs() < 1e-15);
+        }
+        let faces =
+            |cut: &CutMesh<2>| -> Vec<_> { cut.part_faces().iter().map(|face| (face.facet, face.parts)).collect() };
+        assert_eq!(faces(&cut), faces(&one));
+        let wet =
+            |cut: &CutMesh<2>| -> Vec<_> { cut.interface().iter().map(|piece| (piece.cell, piece.part)).collect() };
+        assert_eq!(wet(&cut), wet(&one));
+        let boundary = |cut: &CutMesh<2>| -> Vec<_> { cut.boundary().iter().map(|at| (at.facet, at.part)).collect() };
+        assert_eq!(boundary(&cut), boundary(&one));
+        let counts = |cut: &CutMesh<2>| (cut.report().max_parts, cut.report().n_slivers);
+        assert_eq!(counts(&cut), counts(&one));
+        assert!((cut.report().smallest_fraction - one.report().smallest_fraction).abs() < 1e-15);
+        assert_eq!(cut.report().n_left_out, n_film);
     }
-    let faces = |cut: &CutMesh<2>| -> Vec<_> { cut.part_faces().iter().map(|face| (face.facet, face.parts)).collect() };
-    assert_eq!(faces(&cut), faces(&one_strip));
-    let wet = |cut: &CutMesh<2>| -> Vec<_> { cut.interface().iter().map(|piece| (piece.cell, piece.part)).collect() };
-    assert_eq!(wet(&cut), wet(&one_strip));
-    let boundary = |cut: &CutMesh<2>| -> Vec<_> { cut.boundary().iter().map(|at| (at.facet, at.part)).collect() };
-    assert_eq!(boundary(&cut), boundary(&one_strip));
 }
 
 #[test]
-fn a_thin_film_that_is_open_to_other_fluid_is_no_residue() {
+fn a_film_that_is_open_to_other_fluid_is_no_small_region() {
     let background = grid(2);
     let cut = cut_by_rectangles(&background, &[[-0.5, 0.14, 1.5, 0.16], [-0.5, 0.161, 0.9, 0.3]]);
-    assert!(!residues(&background, &cut, 1e-2).contains(&true));
+    assert!(!small_regions(&background, &cut, 1e-2, |_| false).contains(&true));
 }
 
 #[test]

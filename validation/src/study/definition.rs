@@ -7,7 +7,7 @@ use serde::Deserialize;
 use crate::case;
 
 /// A study: series of runs.
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Definition {
     pub(super) title: String,
@@ -24,7 +24,7 @@ pub(super) struct Definition {
 }
 
 /// Runs of one scenario with one number changed.
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Series {
     /// Its name, unlike all others of the study.
@@ -49,7 +49,7 @@ pub(super) struct Series {
     pub(super) coefficient: bool,
 }
 
-/// Returns the largest spread if a study gives none: rebounds are compared with measured ones, which scatter by a few percent.
+/// Returns the largest spread if a study gives none: measured rebounds scatter by a few percent.
 fn largest_spread() -> f64 {
     5.0
 }
@@ -80,6 +80,14 @@ mod tests {
     use cutwater::io::ScenarioFile;
 
     use super::*;
+
+    #[test]
+    fn changes_of_a_series_follow_those_of_the_study() {
+        let text = "title = 'T'\nset = ['a=1']\n[[series]]\nname = 's'\nparameter = 'k'\nscenario = 'x'\nset = ['b=2']\n\
+                    vary = { k = 3.0 }\nvalues = [2.0]";
+        let definition: Definition = toml::from_str(text).unwrap();
+        assert_eq!(definition.changes(&definition.series[0], 2.0), ["a=1", "b=2", "k=6.0"]);
+    }
 
     #[test]
     fn every_run_of_every_study_is_a_scenario() {

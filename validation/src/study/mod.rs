@@ -323,16 +323,20 @@ mod tests {
             let summary = Summary { energy_defect: Some(0.5), energy_monotone: true, ..Summary::default() };
             Run { value, rebound, summary, ..Run::default() }
         };
-        let verdicts = |heights: [f64; 3]| {
+        let verdicts_of = |definition: &Definition, heights: [f64; 3]| {
             let runs = [run(0.4, heights[0]), run(0.2, heights[1]), run(0.1, heights[2])];
-            record("t", &definition, &[runs.to_vec()]).rows.iter().map(|row| row.verdict.clone()).collect::<Vec<_>>()
+            record("t", definition, &[runs.to_vec()]).rows.iter().map(|row| row.verdict.clone()).collect::<Vec<_>>()
         };
+        let verdicts = |heights| verdicts_of(&definition, heights);
         // Order and uncertainty of both speeds and the height, then both rows on energies and the spread of all.
         let expected = |of_height: [&'static str; 2], spread: &'static str| {
             [&["pass"; 4][..], &of_height[..], &["pass"; 4][..], &[spread][..]].concat()
         };
         assert_eq!(verdicts([5.16, 5.04, 5.01]), expected(["pass", "pass"], "pass"));
         assert_eq!(verdicts([5.4, 5.2, 5.1]), expected(["FAIL", "pass"], "FAIL"));
+        let mut wider = definition.clone();
+        wider.largest_spread = 10.0;
+        assert_eq!(verdicts_of(&wider, [5.4, 5.2, 5.1]), expected(["FAIL", "pass"], "pass"));
         assert_eq!(verdicts([4.0, 5.2, 4.1]), expected(["FAIL", "FAIL"], "FAIL"));
         assert_eq!(verdicts([-4.0, 5.2, 4.1]), expected(["FAIL", "FAIL"], "FAIL"));
         assert_eq!(verdicts([5.16, 5.04, f64::NAN]), expected(["FAIL", "FAIL"], "FAIL"));

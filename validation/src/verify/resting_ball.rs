@@ -22,18 +22,18 @@ const SOLID: f64 = 1.25;
 const FLUID: f64 = 1.0;
 /// Gravity, cm/s².
 const GRAVITY: f64 = 981.0;
-/// Lame parameters, dyn/cm²: the weight flattens the disk by some facets.
+/// Lame parameters, dyn/cm²: the weight flattens the body by some facets.
 const MU: f64 = 1e5;
 const LAMBDA: f64 = 4e5;
 /// Size of the cells, cm.
 const SIZE: f64 = 0.1;
-/// Ambient pressures, dyn/cm². The second is ten times that of the weight of the disk on its diameter.
+/// Ambient pressures, dyn/cm². The second is ten times that of the weight of the body on its diameter.
 const AMBIENT: [f64; 2] = [0.0, 1e4];
 /// Largest error of the contact force relative to the weight minus buoyancy.
 const TOLERANCE: f64 = 1e-8;
-/// Viscosity, g/(cm s): with the first steps the disk takes its shape in several of them.
+/// Viscosity, g/(cm s): with the first steps the body takes its shape in several of them.
 const VISCOSITY: f64 = 1e2;
-/// Length of the first step, s, factor by which steps grow, and their number. The disk comes to rest slowly, as the
+/// Length of the first step, s, factor by which steps grow, and their number. The body comes to rest slowly, as the
 /// film at the rim of the contact fills.
 const STEP: f64 = 0.02;
 const GROWTH: f64 = 1.3;
@@ -43,14 +43,14 @@ const STIFFNESS: f64 = 1e8;
 
 /// Returns the contact force over the weight minus buoyancy, and the smallest gap.
 fn at_rest(coordinates: Coordinates, law: impl ContactLaw + 'static, ambient: f64) -> Result<[f64; 2], Failure> {
-    // The disk starts inside the floor by a hundredth of its radius.
+    // The body starts inside the floor by a hundredth of its radius.
     let centre = [0.0, 0.99 * RADIUS];
-    let disk =
+    let ball =
         half_ball::<2>(centre, RADIUS, SIZE, &BallOptions { area_preserving: false })?.with_coordinates(coordinates)?;
     let material = SaintVenantKirchhoff::new(LameParameters::new(MU, LAMBDA)?);
-    let mut disk = elastic(disk, SOLID, material, V::new(0.0, -GRAVITY), Arc::new(QuasiStatic))?;
-    disk.hold("left", SupportKind::symmetry(0))?;
-    let touch = floor_by(disk.part("surface")?, ContactForm::new(law, SIZE)?)?;
+    let mut ball = elastic(ball, SOLID, material, V::new(0.0, -GRAVITY), Arc::new(QuasiStatic))?;
+    ball.hold("left", SupportKind::symmetry(0))?;
+    let touch = floor_by(ball.part("surface")?, ContactForm::new(law, SIZE)?)?;
 
     let background = graded_box::<2>([0.0, 0.0], [2.0 * RADIUS, 3.0 * RADIUS], &Size::uniform(1.3 * SIZE))?
         .with_coordinates(coordinates)?;
@@ -68,7 +68,7 @@ fn at_rest(coordinates: Coordinates, law: impl ContactLaw + 'static, ambient: f6
     let mut setup = problem(fluid, STEP);
     setup.scheme = Arc::new(QuasiStatic);
     setup.newton = NewtonSettings::new(1e-8);
-    setup.bodies = vec![disk.body("disk")?];
+    setup.bodies = vec![ball.body("ball")?];
     let contact = Contact::new(&setup.bodies, BodyId::new(0), touch.facets, touch.form, touch.obstacle)?;
     setup.contacts = vec![contact];
     let mut run = Run::new(setup)?;
@@ -77,7 +77,7 @@ fn at_rest(coordinates: Coordinates, law: impl ContactLaw + 'static, ambient: f6
         run.setup.dt *= GROWTH;
         report = run.advance()?;
     }
-    let balance = run.setup.bodies[0].balance(&run.state.bodies[0]).ok_or("the disk is elastic")?;
+    let balance = run.setup.bodies[0].balance(&run.state.bodies[0]).ok_or("the body is elastic")?;
     let expected = GRAVITY * (balance.mass - FLUID * balance.volume);
     let contact = &report.contacts[0];
     Ok([contact.force[1] / expected, contact.minimum_gap.unwrap_or(f64::NAN)])

@@ -1,10 +1,8 @@
 //! Rigid bodies in three dimensions, in contact and in the fluid, against exact solutions.
 
-mod fixture;
-
 use std::sync::Arc;
 
-use fixture::*;
+use crate::fixture::*;
 use solid_rigid::modes::rotated_by;
 use solver::FluidBoundary;
 use solver::mesh::generate::structured_box;

@@ -1,14 +1,12 @@
 //! Films thinner than cells: exact flows between plates, vapour, asperities, and the energy of a falling ball.
 
-mod fixture;
-
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use fixture::*;
+use crate::fixture::*;
 use solver::mesh::generate::structured_box;
 use solver::mesh::{Coordinates, Point, SimplexMesh, Vector};
-use solver::{FilmSetup, FluidBoundary, Setup};
+use solver::{FilmSetup, FluidBoundary, Setup, State};
 
 /// Cells along the plates, each of size one.
 const CELLS: usize = 40;
@@ -198,6 +196,28 @@ fn asperities_keep_thin_films_open() {
     let exact = (CELLS as f64).powi(3) / (gap * roughness * roughness);
     let found = force(&setup)[1];
     assert!((found / exact - 1.0).abs() < 0.03, "{}", found / exact);
+}
+
+#[test]
+fn fluid_is_trapped_between_bodies_that_may_touch_and_walls() {
+    // A film of 0.005 cells at the side of a row: its parts have less than a hundredth of their cells.
+    let volume = |has_contact: bool, side: fn() -> FluidBoundary<2>| {
+        let mut setup = plates(0.005, V::zeros(), FilmSetup::default());
+        on_all_sides(&mut setup, side);
+        let obstacle = against(0, &setup.bodies);
+        setup.contacts.extend(has_contact.then(|| contact(&setup.bodies, 1, (1.0, 0.0, 1.0), obstacle)));
+        let (state, _) = run(&setup, 1);
+        let initial = State::initial(&setup).expect("a start");
+        assert_eq!(wet(&initial).cut, wet(&state).cut, "the bodies are at rest");
+        wet(&state).cut.fluid_volume()
+    };
+    let film = 0.005 * length::<2>();
+    let all = volume(false, || FluidBoundary::NoSlip);
+    assert_eq!(volume(true, open), all);
+    assert_eq!(volume(true, || FluidBoundary::parallel(0)), all);
+    assert_eq!(volume(true, || FluidBoundary::Velocity(Arc::new(|_, _| V::zeros()))), all);
+    assert!((all - volume(true, || FluidBoundary::NoSlip) - film).abs() < 1e-12);
+    assert!((all - volume(true, || FluidBoundary::symmetry(0)) - film).abs() < 1e-12);
 }
 
 #[test]

@@ -1,8 +1,6 @@
 //! Steps that fail are divided, and their parts have the same result as smaller steps.
 
-mod fixture;
-
-use fixture::*;
+use crate::fixture::*;
 use solid_svk::SupportKind;
 use solver::algebra::time::GeneralisedAlpha;
 use solver::algebra::{LaggedSettings, LaggedSolver, NewtonSettings, Workspace};

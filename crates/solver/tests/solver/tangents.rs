@@ -1,8 +1,6 @@
 //! Every contribution of the coupled problem against finite differences, at random states.
 
-mod fixture;
-
-use fixture::*;
+use crate::fixture::*;
 use solver::contact::StressSource;
 use solver::mesh::Vector;
 use solver::mesh::generate::structured_box;

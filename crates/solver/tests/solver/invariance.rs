@@ -1,10 +1,8 @@
 //! Independence of the result from the number of threads, from a restart, and from the use of symmetry.
 
-mod fixture;
-
 use std::sync::Arc;
 
-use fixture::*;
+use crate::fixture::*;
 use solver::algebra::time::{GeneralisedAlpha, ImplicitEuler, TimeScheme};
 use solver::algebra::{LaggedSettings, LaggedSolver, Workspace};
 use solver::{Setup, Stage, State, Substep, TimeLoop};

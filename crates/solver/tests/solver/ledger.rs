@@ -1,10 +1,8 @@
 //! The energy of every step is accounted for, term by term.
 
-mod fixture;
-
 use std::sync::Arc;
 
-use fixture::*;
+use crate::fixture::*;
 use solid_svk::Load;
 use solver::algebra::Workspace;
 use solver::algebra::time::GeneralisedAlpha;

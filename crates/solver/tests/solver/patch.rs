@@ -1,10 +1,8 @@
 //! Patch tests: solutions inside the discrete space, on cut meshes, to round-off.
 
-mod fixture;
-
 use std::sync::Arc;
 
-use fixture::*;
+use crate::fixture::*;
 use solid_svk::{Support, SupportKind};
 use solver::cutcell::{CutMesh, OverlayOptions};
 use solver::mesh::generate::{Size, graded_box, structured_box};

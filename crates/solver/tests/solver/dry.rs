@@ -1,10 +1,8 @@
 //! Bodies without a fluid, and time schemes of bodies with one.
 
-mod fixture;
-
 use std::sync::Arc;
 
-use fixture::*;
+use crate::fixture::*;
 use solid_svk::{LameParameters, LinearElastic, SolidForm, SupportKind};
 use solver::algebra::NewtonSettings;
 use solver::algebra::time::{GeneralisedAlpha, ImplicitEuler, QuasiStatic, TimeScheme};

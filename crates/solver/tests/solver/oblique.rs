@@ -1,10 +1,8 @@
 //! Conditions on oblique planes: a problem and the same problem turned by an angle.
 
-mod fixture;
-
 use std::sync::Arc;
 
-use fixture::*;
+use crate::fixture::*;
 use solid_svk::SupportKind;
 use solver::algebra::time::{GeneralisedAlpha, ImplicitEuler, TimeScheme};
 use solver::mesh::generate::{BallOptions, Size, graded_box, half_ball, structured_box};

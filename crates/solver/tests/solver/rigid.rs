@@ -1,11 +1,9 @@
 //! Rigid bodies, alone, in contact and in the fluid, against exact solutions.
 
-mod fixture;
-
 use std::error::Error;
 use std::sync::Arc;
 
-use fixture::*;
+use crate::fixture::*;
 use solid_rigid::RigidBody;
 use solver::algebra::{
     BlockGaussSeidel, BlockGaussSeidelSettings, LaggedSettings, LaggedSolver, LinearError, LinearReport, LinearSolver,

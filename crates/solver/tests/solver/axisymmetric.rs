@@ -1,11 +1,9 @@
 //! Problems with rotational symmetry: solutions inside the discrete space on cut meshes, and those of bodies in space.
 
-mod fixture;
-
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-use fixture::*;
+use crate::fixture::*;
 use solid_svk::{Load, SolidMesh, Support, SupportKind};
 use solver::algebra::time::QuasiStatic;
 use solver::contact::StressSource;

@@ -1,0 +1,14 @@
+//! Steps of the coupled problem against exact solutions, conservation laws and second methods.
+
+mod axisymmetric;
+mod dry;
+mod films;
+mod fixture;
+mod invariance;
+mod ledger;
+mod oblique;
+mod patch;
+mod rigid;
+mod rigid_in_space;
+mod step_control;
+mod tangents;
