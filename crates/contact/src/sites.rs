@@ -321,7 +321,13 @@ impl<const D: usize> ContactSites<'_, D> {
         for (number, item) in items.iter().enumerate() {
             let n_points = item.segments.len() * form.rule.weights().len();
             let mut values = vec![Local::default(); n_points];
-            self.visit(number, x, |site| values[site.number] = site.traction.value);
+            // A point on the axis has no weight, and its traction does not move the body.
+            let mut visit = |site: &ContactSite<D>| {
+                if site.weight > 0.0 {
+                    values[site.number] = site.traction.value;
+                }
+            };
+            self.visit(number, x, &mut visit);
             for (k, value) in values.iter().enumerate() {
                 let before = item.multipliers.get(k).copied().unwrap_or_default();
                 let norm = |of: &dyn Fn(usize) -> f64| (0..3).map(|i| of(i).powi(2)).sum::<f64>().sqrt();

@@ -5,11 +5,12 @@ use std::sync::Arc;
 
 use crate::fixture::*;
 use solid_svk::{Load, SolidMesh, Support, SupportKind};
+use solver::algebra::NewtonSettings;
 use solver::algebra::time::QuasiStatic;
-use solver::contact::StressSource;
+use solver::contact::{AugmentedLagrangianLaw, ContactForm, StressSource};
 use solver::mesh::generate::{BallOptions, Size, graded_box, half_ball, structured_box};
-use solver::mesh::{Coordinates, Placed, SimplexMesh, VertexId};
-use solver::{FluidBoundary, Setup, Stage};
+use solver::mesh::{BodyId, Coordinates, Placed, SimplexMesh, VertexId};
+use solver::{Contact, FluidBoundary, Setup, Stage};
 
 fn around_axis(mesh: SimplexMesh<2>) -> SimplexMesh<2> {
     mesh.with_coordinates(Coordinates::Axisymmetric).expect("radii of zero and more")
@@ -267,4 +268,21 @@ fn other_coordinates_and_a_wall_on_the_axis_are_refused() {
     assert!(across.with_coordinates(Coordinates::Axisymmetric).is_err());
     let space = structured_box([0.0; 3], [1.0; 3], [1, 1, 1]).expect("a box");
     assert!(space.with_coordinates(Coordinates::Axisymmetric).is_err());
+}
+
+#[test]
+fn a_rigid_ball_rests_on_the_floor_with_its_weight() {
+    // The lowest point is on the axis, where a point of contact has no weight.
+    let (density, gravity) = (2.0, 10.0);
+    let ball = rigid("ball", &ball(0.5001, 0.5, 0.1), density, V::new(0.0, -gravity));
+    let mut setup = dry(vec![Arc::new(ball)], 0.01);
+    setup.newton = NewtonSettings::new(1e-9);
+    let law = AugmentedLagrangianLaw::new(1e4, 0.0, 0.0, 1e-6).expect("a law");
+    let (form, obstacle) = (ContactForm::new(law, 0.1).expect("a size"), ground());
+    let facets = setup.bodies[0].surface().facets().collect();
+    setup.contacts.push(Contact::new(&setup.bodies, BodyId(0), facets, form, obstacle).expect("a contact"));
+    let (state, reports) = run(&setup, 30);
+    let balance = setup.bodies[0].balance(&state.bodies[0]).expect("a free body");
+    let force = reports.last().map_or(0.0, |report| report.contacts[0].force[1]);
+    assert!((force / (balance.mass * gravity) - 1.0).abs() < 1e-4, "{}", force / (balance.mass * gravity));
 }
