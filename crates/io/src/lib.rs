@@ -47,6 +47,8 @@ mod sizes;
 #[cfg(feature = "simulation")]
 mod summary;
 #[cfg(feature = "simulation")]
+mod warnings;
+#[cfg(feature = "simulation")]
 mod watch;
 
 pub use error::Error;

@@ -1,18 +1,16 @@
 //! A scenario as it is understood: sizes of its meshes, conditions and methods.
 
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use contact::Positions;
-use mesh::search::SurfaceIndex;
-use mesh::{Aabb, BodyId, Placed, Point, Tag};
+use mesh::{Aabb, BodyId, Placed, Point, Vector};
 use solver::body::{Body, BodyState};
-use solver::{Contact, FluidBoundary, Setup, State, Step, StepError};
+use solver::{Contact, Setup, State, Step, StepError};
 
 use crate::Error;
 use crate::scenario::{
     At, Background, BodyKeys, Case, CaseVisitor, Choose as _, ContactKeys, Quantity, Scenario, ScenarioFile, lower,
 };
+use crate::warnings::{rounded, warnings};
 
 /// Sizes of the problem of a scenario.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,10 +25,12 @@ pub struct Sizes {
     pub bodies: Vec<(String, usize, usize)>,
     /// Extents of each body along the axes, where the run begins.
     pub body_extents: Vec<Vec<f64>>,
-    /// Roles in each contact, and contacts that act from the first step, for people.
+    /// Roles in each contact, for people.
     pub contacts: Vec<String>,
-    /// Bodies that reach through a wall of the background, for people.
-    pub outside: Vec<String>,
+    /// Mass, weight and buoyancy of each body that has a mass, for people.
+    pub weights: Vec<String>,
+    /// Warnings about choices that are allowed and mostly not meant, for people.
+    pub warnings: Vec<String>,
     /// Cut cells at the start.
     pub cut_cells: usize,
     /// Unknowns of the first step.
@@ -73,12 +73,12 @@ impl Sizes {
             .map_err(|stage| StepError::at(state.step + 1, state.time + setup.dt, stage))?;
         let positions = setup.positions(&state.bodies);
         let extents = |points: &[Point<D>]| Aabb::of_points(points).extent().iter().copied().collect();
-        let length = scenario.units.label(Quantity::LENGTH);
         let mut sizes = Self {
             background_extents: background.map_or(Vec::new(), |mesh| extents(mesh.vertices())),
             body_extents: positions.iter().map(|points| extents(points)).collect(),
-            contacts: contacts(setup, &positions, &length),
-            outside: outside(setup, &positions, &length),
+            contacts: roles(setup),
+            weights: weights(scenario, setup, state),
+            warnings: warnings(scenario, case, state),
             background_cells: background.map_or(0, |mesh| mesh.n_cells()),
             background_vertices: background.map_or(0, |mesh| mesh.n_vertices()),
             bodies: setup.bodies.iter().zip(&state.bodies).map(|(body, state)| size(body, state)).collect(),
@@ -135,13 +135,11 @@ impl Sizes {
                 }
             }
         }));
+        lines.extend_from_slice(&self.weights);
         lines.extend(scenario.contact.iter().map(|contact| contact_line(contact, &length)));
         lines.extend_from_slice(&self.contacts);
-        lines.extend_from_slice(&self.outside);
-        let scheme = match &scenario.time.scheme {
-            Some(scheme) => scheme.word().to_owned(),
-            None => "implicit-euler (the default)".to_owned(),
-        };
+        lines.extend_from_slice(&self.warnings);
+        let scheme = scenario.time.scheme.word();
         lines.push(format!(
             "steps: {} of {} {time}, to {} {time}; {scheme}; a step that fails is halved up to {} times",
             self.n_steps, *scenario.time.step, scenario.time.end, scenario.time.most_halvings,
@@ -170,99 +168,46 @@ fn product(extents: &[f64]) -> String {
     extents.iter().map(|extent| format!("{:?}", rounded(*extent))).collect::<Vec<_>>().join(" x ")
 }
 
-/// Rounds to four significant digits.
-fn rounded(value: f64) -> f64 {
-    format!("{value:.3e}").parse().unwrap_or(value)
-}
-
-/// Describes bodies that reach through a side of the background on which the velocity is given. At planes of symmetry and
-/// open sides this is how parts of bodies are described.
-fn outside<const D: usize>(setup: &Setup<D>, positions: &[Vec<Point<D>>], length: &str) -> Vec<String> {
-    let Some(fluid) = &setup.fluid else { return Vec::new() };
-    let background = &fluid.background;
-    let boundary = background.boundary();
-    let surface = Placed::new(&boundary, background.vertices());
-    let index = SurfaceIndex::new(&surface);
-    let least = ROUND_OFF * Aabb::of_points(background.vertices()).extent().max();
-    let is_wall = |side: Tag| {
-        let condition = fluid.boundary.iter().find(|(tag, _)| *tag == side);
-        matches!(condition, Some((_, FluidBoundary::NoSlip | FluidBoundary::Velocity(_))))
-    };
-    let mut lines = Vec::new();
-    for (body, points) in setup.bodies.iter().zip(positions) {
-        let mut farthest: BTreeMap<Tag, (f64, &Point<D>)> = BTreeMap::new();
-        for x in points.iter().filter(|x| background.cell_index().locate(x).is_none()) {
-            let Some(nearest) = index.closest(x) else { continue };
-            let away = x - nearest.point;
-            let distance = away.norm();
-            if let Some(side) = boundary.tag(nearest.facet).filter(|side| distance > least && is_wall(*side)) {
-                // Across the side: the nearest point may be its end.
-                let across = away.dot(&surface.facet_normal(nearest.facet)).abs();
-                let distance = if across > least { across } else { distance };
-                let of_side = farthest.entry(side).or_insert((distance, x));
-                *of_side = if distance > of_side.0 { (distance, x) } else { *of_side };
+/// Describes mass, weight and buoyancy of the bodies at a state. The buoyancy is that of the body force at the centre, on the volume that the surface encloses: the fluid meets a surface of plane facets.
+fn weights<const D: usize>(scenario: &Scenario, setup: &Setup<D>, state: &State<D>) -> Vec<String> {
+    let unit = |quantity| scenario.units.total_label(quantity, scenario.dimension_of_whole());
+    let (mass, force) = (unit(Quantity::MASS), unit(Quantity::FORCE));
+    let vector = |of: &Vector<D>| of.iter().map(|component| rounded(*component)).collect::<Vec<_>>();
+    let of_body = |(body, of): (&Arc<dyn Body<D>>, &BodyState<D>)| {
+        let balance = body.balance(of)?;
+        let positions = of.positions(body.reference());
+        let displaced = Placed::new(body.surface(), &positions).enclosed().volume;
+        let buoyancy = match setup.fluid.as_ref().map(|fluid| fluid.body_force.as_ref()) {
+            Some(Some(density)) => {
+                let on_body = -density(&balance.centre_of_mass, state.time) * displaced;
+                format!(", buoyancy {:?} {force}", vector(&on_body))
             }
-        }
-        lines.extend(farthest.iter().map(|(side, (distance, x))| {
-            let place: Vec<f64> = x.iter().map(|x| rounded(*x)).collect();
-            format!(
-                "warning: body {} reaches {distance:.3e} {length} through side {} of the background, to {place:?}: the part outside is in no fluid",
-                body.name(),
-                background.tag_names()[side.index()]
-            )
-        }));
-    }
-    lines
+            Some(None) => ", no buoyancy: the fluid has no `body_force`".to_owned(),
+            None => String::new(),
+        };
+        let (name, weight) = (body.name(), vector(&balance.body_force));
+        Some(format!("body {name}: mass {:e} {mass}, weight {weight:?} {force}{buoyancy}", rounded(balance.mass)))
+    };
+    setup.bodies.iter().zip(&state.bodies).filter_map(of_body).collect()
 }
 
 /// Largest number of contacts whose roles are described.
 const MOST_ROLES: usize = 20;
 
-/// Largest part of the contact size by which a gap is below the offset through round-off.
-const ROUND_OFF: f64 = 1e-6;
-
-/// Describes the roles in each contact, and the contacts that act from the first step because a gap is below the offset.
-fn contacts<const D: usize>(setup: &Setup<D>, positions: &[Vec<Point<D>>], length: &str) -> Vec<String> {
+/// Describes the roles in each contact.
+fn roles<const D: usize>(setup: &Setup<D>) -> Vec<String> {
     let name = |body: BodyId| setup.bodies[body.index()].name();
-    let (mut lines, mut warnings) = (Vec::new(), Vec::new());
-    for contact in &setup.contacts {
-        let slave = name(contact.body());
-        let obstacle = contact.master().map_or("its obstacle at rest", name);
-        if contact.master().is_some_and(|master| master != contact.body()) {
-            lines.push(format!("contact pair: slave {slave}, master {obstacle}"));
-        }
-        let (offset, size) = (contact.form().law.offset(), contact.form().size());
-        if let Some(gap) = smallest_gap(setup, contact, positions).filter(|gap| *gap < offset - ROUND_OFF * size) {
-            warnings.push(format!(
-                "warning: the smallest gap of {slave} to {obstacle} is {gap:.3e} {length}, below the offset {offset} {length}: this contact acts from the \
-                 first step"
-            ));
-        }
-    }
+    let pair = |contact: &Contact<D>| {
+        let master = contact.master().filter(|master| *master != contact.body())?;
+        Some(format!("contact pair: slave {}, master {}", name(contact.body()), name(master)))
+    };
+    let mut lines: Vec<_> = setup.contacts.iter().filter_map(pair).collect();
     let n_more = lines.len().saturating_sub(MOST_ROLES);
     lines.truncate(MOST_ROLES);
     if n_more > 0 {
         lines.push(format!("contact pairs that are not listed: {n_more}"));
     }
-    lines.append(&mut warnings);
     lines
-}
-
-/// Returns the smallest gap of vertices that may come into contact; `None` for a body with itself, and for bodies whose
-/// boxes are farther apart than the offset.
-fn smallest_gap<const D: usize>(setup: &Setup<D>, contact: &Contact<D>, positions: &[Vec<Point<D>>]) -> Option<f64> {
-    let slave = contact.body().index();
-    let vertices = setup.bodies[slave].surface().vertices_of(contact.facets());
-    let points: Vec<_> = vertices.iter().map(|vertex| positions[slave][vertex.index()]).collect();
-    let master = contact.master().map_or(&[][..], |master| &positions[master.index()]);
-    if points.is_empty() || contact.master() == Some(contact.body()) {
-        return None;
-    }
-    let offset = contact.form().law.offset();
-    if !master.is_empty() && Aabb::of_points(&points).distance(&Aabb::of_points(master)) > offset {
-        return None;
-    }
-    contact.geometry().smallest_gap(&points, Positions::Fixed(master))
 }
 
 fn conditions(background: &At<Background>) -> String {

@@ -1,4 +1,4 @@
-//! The solve of a step, repeated until the multipliers of contacts no longer change.
+//! The solve of a step, repeated until the multipliers of contacts and the points of collisions no longer change.
 
 use algebra::{NewtonReport, Workspace, newton};
 use contact::Multipliers;
@@ -11,7 +11,7 @@ const MOST_SOLVES: usize = 200;
 
 impl<const D: usize> Step<'_, D> {
     /// Solves the step from the guess `x` by Newton's method. With an augmented Lagrangian (`law/augmented_lagrangian.rs` of the crate
-    /// `contact`) the tractions of contact become the multipliers of another solve, until they no longer change.
+    /// `contact`) the tractions of contact become the multipliers of another solve, until they no longer change. A collision at several points is solved again with the points that push.
     ///
     /// The report, also that of an error, has the counts and times of all solves, and the history of the last one.
     ///
@@ -20,7 +20,8 @@ impl<const D: usize> Step<'_, D> {
     pub(crate) fn solve(&mut self, x: &mut [f64], work: &mut Workspace) -> Result<NewtonReport, Stage> {
         let mut report = newton(&self.problem().equations, x, work, &self.setup.newton)?;
         for _ in 1..MOST_SOLVES {
-            if self.augment(x).is_none() {
+            let (unsettled, has_changed) = (self.augment(x), self.settle_collisions(x));
+            if unsettled.is_none() && !has_changed {
                 return Ok(report);
             }
             let solved = newton(&self.problem().equations, x, work, &self.setup.newton);
@@ -37,6 +38,11 @@ impl<const D: usize> Step<'_, D> {
                 Err(Stage::Multipliers { contact, solves: MOST_SOLVES, change, accepted, newton: Box::new(report) })
             }
         }
+    }
+
+    /// Sets the points of collisions that act in the next solve. Returns whether they have changed.
+    fn settle_collisions(&mut self, x: &[f64]) -> bool {
+        self.collisions.iter_mut().flatten().fold(false, |changed, collision| collision.settle(x) | changed)
     }
 
     /// Sets the multipliers of the next solve. Returns the first contact whose multipliers have changed too much; `None` if the step is

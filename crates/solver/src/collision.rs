@@ -1,8 +1,10 @@
 //! The collision of a contact in one step.
 
+use std::collections::BTreeMap;
+
 use algebra::{Contributions, DofId, LocalSystem};
 use contact::{Anchor, ContactPoint, Positions, Projection};
-use mesh::{Placed, Point, Vector, VertexId};
+use mesh::{BodyId, Placed, Point, Vector, VertexId};
 
 use crate::contact_step::Partners;
 use crate::setup::Contact;
@@ -11,89 +13,151 @@ use crate::{Setup, State};
 /// Penalty weight relative to mass/Δt; its inverse is about the relative error of the velocity.
 const STIFFNESS: f64 = 1e8;
 
-/// `c (n·(v_s - v_m) - w) (n·(w_s - w_m))`: at the closest points of two bodies the relative velocity along the normal is the given one
+/// Part of the largest velocity by which a point may pull; without a part of the round-off of its velocity it would be released at random.
+const LEAST_PULL: f64 = 1e-4 / STIFFNESS;
+/// Part of the largest velocity by which a point that does not act may exceed its bound.
+const LEAST_EXCESS: f64 = 1e-6;
+/// Number of times that a point is released or added again.
+const MOST_CHANGES: usize = 3;
+
+/// `Σ c (n·(v_s - v_m) - w) (n·(w_s - w_m))`: at the points that act, two bodies separate with the given relative velocity
 ///
-/// Source: Newton's law of restitution, `w = -e n·(v_s - v_m)^n`.
+/// The points are the vertices of the slave whose gap is below the offset, and `w = -e n·(v_s - v_m)^n`. At first those that approach act; the solve is repeated without points that pull, and with points that
+/// would approach faster than `w`. So impulses only push, and relative velocities are at most `w`. A collision then takes energy or none, however many points there are.
+///
+/// Source: Newton's law of restitution, for several points after Moreau 1988, Unilateral contact and dry friction in finite freedom dynamics, doi:10.1007/978-3-7091-2624-0_1.
 /// Couples: velocities of one vertex of the slave and of the facet of the master.
 /// Units: force (2D: per unit depth).
 #[derive(Clone)]
 pub(crate) struct Collision<const D: usize> {
-    /// Dofs with their share in the relative velocity along the normal.
-    dofs: Vec<(DofId, f64)>,
-    /// The velocity `w` at the stage, positive in approach.
-    velocity: f64,
+    points: Vec<CollisionPoint<D>>,
     /// The weight `c`.
     weight: f64,
+}
+
+/// A vertex of the slave and the closest point of the master.
+#[derive(Clone)]
+struct CollisionPoint<const D: usize> {
+    /// Dofs with their share in the relative velocity along the normal.
+    dofs: Vec<(DofId, f64)>,
+    /// The velocity `w` at the stage, positive in approach, without the part that a body of prescribed motion gives.
+    velocity: f64,
     /// Normal into the obstacle.
     normal: Vector<D>,
+    /// Whether the point acts.
+    acts: bool,
+    /// Number of times that it may still be released or added.
+    n_changes_left: usize,
 }
 
 impl<const D: usize> Collision<D> {
-    /// Returns the collision of a contact; `None` if its law has no restitution, the bodies are not in contact at the start of the step, or they do not
-    /// approach.
+    /// Returns the collision of a contact for the velocities `start` at the start; `None` if its law has no restitution, the bodies are not in contact at the start of the step, or they approach
+    /// at no point.
     pub(crate) fn new(
         contact: &Contact<D>,
         (setup, previous): (&Setup<D>, &State<D>),
         step: Partners<'_, D>,
+        start: &[f64],
     ) -> Option<Self> {
-        let law = &contact.form().law;
-        let restitution = law.restitution()?;
-        let surface = |id: mesh::BodyId| step.bodies[id.index()].surface();
-        let (slave, master) = (surface(contact.body()), contact.master().map(surface));
-        let opposite = master.map_or(&[][..], |master| &master.begin);
-        let placed = Placed::new(slave.boundary, &slave.begin);
-        let candidates = contact.geometry().candidates(placed, contact.facets(), opposite, law.offset());
-        let mut closest: Option<(f64, VertexId, Projection<D>)> = None;
-        for (number, &facet) in contact.facets().iter().enumerate() {
-            let near = candidates.as_ref().map_or(&[][..], |of_facets| &of_facets[number]);
-            for &vertex in slave.boundary.facet(facet) {
-                let x: Point<D> = slave.begin[vertex.index()];
-                let Some(found) = contact.geometry().project(&x, Positions::Fixed(opposite), near) else { continue };
-                let gap = found.gap(&x);
-                let at = ContactPoint { gap, size: contact.form().size(), ..ContactPoint::default() };
-                if law.is_active(&at) && closest.as_ref().is_none_or(|(least, ..)| gap < *least) {
-                    closest = Some((gap, vertex, found));
-                }
+        let restitution = contact.form().law.restitution()?;
+        let mut points = Vec::new();
+        for (vertex, found) in touching(contact, step) {
+            let (dofs, given) = relative_velocity(contact, (vertex, &found), previous, step);
+            if !dofs.is_empty() {
+                let approach = given + dofs.iter().map(|(dof, share)| share * start[dof.index()]).sum::<f64>();
+                points.push(CollisionPoint {
+                    dofs,
+                    velocity: step.time.weights.stage_velocity(-restitution * approach, approach) - given,
+                    normal: found.normal,
+                    acts: approach > 0.0,
+                    n_changes_left: MOST_CHANGES,
+                });
             }
-        }
-        let (_, vertex, found) = closest?;
-        let velocity = |id: mesh::BodyId, vertex: VertexId| previous.bodies[id.index()].velocity()[vertex.index()];
-        let layout = step.layout;
-        let (mut dofs, mut approach) = (Vec::new(), velocity(contact.body(), vertex).dot(&found.normal));
-        let mut add = |surface: &body::SurfaceMotion<'_, D>, vertex: VertexId, share: f64| {
-            if let Some(field) = surface.field() {
-                let of_vertex = layout.node(field, vertex.index()).zip(&found.normal);
-                dofs.extend(of_vertex.map(|(dof, n)| (dof, share * n)).filter(|(_, share)| *share != 0.0));
-            }
-        };
-        add(slave, vertex, 1.0);
-        if let (Some(id), Some(master), Anchor::Facet { facet, barycentric, .. }) =
-            (contact.master(), master, found.anchor)
-        {
-            for (&vertex, share) in master.boundary.facet(facet).iter().zip(barycentric) {
-                approach -= velocity(id, vertex).dot(&found.normal) * share;
-                add(master, vertex, -share);
-            }
-        }
-        if approach <= 0.0 || dofs.is_empty() {
-            return None;
         }
         let bodies = [Some(contact.body()), contact.master()].into_iter().flatten();
-        let balance = |id: mesh::BodyId| setup.bodies[id.index()].balance(&previous.bodies[id.index()]);
+        let balance = |id: BodyId| setup.bodies[id.index()].balance(&previous.bodies[id.index()]);
         let mass = bodies.filter_map(balance).map(|balance| balance.mass).fold(0.0, f64::max);
-        Some(Self {
-            dofs,
-            velocity: step.time.weights.stage_velocity(-restitution * approach, approach),
-            weight: STIFFNESS * mass / step.time.length,
-            normal: found.normal,
-        })
+        let approaches = points.iter().any(|point| point.acts);
+        approaches.then(|| Self { points, weight: STIFFNESS * mass / step.time.length })
+    }
+
+    /// Returns the number of points that act.
+    pub(crate) fn n_active(&self) -> usize {
+        self.points.iter().filter(|point| point.acts).count()
     }
 
     /// Returns the force on the slave.
     pub(crate) fn force(&self, x: &[f64]) -> Vector<D> {
-        self.normal * -(self.weight * self.excess(x))
+        let acting = self.points.iter().filter(|point| point.acts);
+        acting.map(|point| point.normal * -(self.weight * point.excess(x))).sum()
     }
 
+    /// Releases points that pull, and adds those that exceed their bounds. Returns whether there were any.
+    pub(crate) fn settle(&mut self, x: &[f64]) -> bool {
+        let largest = self.points.iter().map(|point| point.velocity.abs()).fold(0.0, f64::max);
+        let mut has_changed = false;
+        for point in &mut self.points {
+            let excess = point.excess(x);
+            let is_wrong = if point.acts { excess < -LEAST_PULL * largest } else { excess > LEAST_EXCESS * largest };
+            if is_wrong && point.n_changes_left > 0 {
+                (point.acts, has_changed) = (!point.acts, true);
+                point.n_changes_left -= 1;
+            }
+        }
+        has_changed
+    }
+}
+
+/// Returns the vertices of the slave that touch the master at the start of the step, with the closest points.
+fn touching<const D: usize>(contact: &Contact<D>, step: Partners<'_, D>) -> BTreeMap<VertexId, Projection<D>> {
+    let surface = |id: BodyId| step.bodies[id.index()].surface();
+    let (slave, law) = (surface(contact.body()), &contact.form().law);
+    let opposite = contact.master().map_or(&[][..], |master| &surface(master).begin);
+    let placed = Placed::new(slave.boundary, &slave.begin);
+    let candidates = contact.geometry().candidates(placed, contact.facets(), opposite, law.offset());
+    let mut touching: BTreeMap<VertexId, Projection<D>> = BTreeMap::new();
+    for (number, &facet) in contact.facets().iter().enumerate() {
+        let near = candidates.as_ref().map_or(&[][..], |of_facets| &of_facets[number]);
+        for &vertex in slave.boundary.facet(facet) {
+            let x: Point<D> = slave.begin[vertex.index()];
+            let Some(found) = contact.geometry().project(&x, Positions::Fixed(opposite), near) else { continue };
+            let gap = found.gap(&x);
+            let at = ContactPoint { gap, size: contact.form().size(), ..ContactPoint::default() };
+            if law.is_active(&at) && touching.get(&vertex).is_none_or(|other| gap < other.gap(&x)) {
+                touching.insert(vertex, found);
+            }
+        }
+    }
+    touching
+}
+
+/// Returns the dofs of the velocity of a vertex relative to the closest point, along the normal, with their shares, and the part of this velocity
+/// that a body of prescribed motion gives.
+fn relative_velocity<const D: usize>(
+    contact: &Contact<D>,
+    (vertex, found): (VertexId, &Projection<D>),
+    previous: &State<D>,
+    step: Partners<'_, D>,
+) -> (Vec<(DofId, f64)>, f64) {
+    let mut ends = vec![(contact.body(), vertex, 1.0)];
+    if let (Some(id), Anchor::Facet { facet, barycentric, .. }) = (contact.master(), &found.anchor) {
+        let vertices = step.bodies[id.index()].surface().boundary.facet(*facet);
+        ends.extend(vertices.iter().zip(barycentric).map(|(&vertex, share)| (id, vertex, -share)));
+    }
+    let (mut dofs, mut given) = (Vec::new(), 0.0);
+    for (id, vertex, share) in ends {
+        match step.bodies[id.index()].surface().field() {
+            Some(field) => {
+                let of_vertex = step.layout.node(field, vertex.index()).zip(&found.normal);
+                dofs.extend(of_vertex.map(|(dof, n)| (dof, share * n)).filter(|(_, share)| *share != 0.0));
+            }
+            None => given += previous.bodies[id.index()].velocity()[vertex.index()].dot(&found.normal) * share,
+        }
+    }
+    (dofs, given)
+}
+
+impl<const D: usize> CollisionPoint<D> {
     /// Returns the difference of the relative velocity from the given one.
     fn excess(&self, x: &[f64]) -> f64 {
         self.dofs.iter().map(|(dof, share)| share * x[dof.index()]).sum::<f64>() - self.velocity
@@ -106,19 +170,23 @@ impl<const D: usize> Contributions for Collision<D> {
     }
 
     fn len(&self) -> usize {
-        1
+        self.points.len()
     }
 
-    fn dofs(&self, _item: usize, out: &mut Vec<DofId>) {
-        out.extend(self.dofs.iter().map(|(dof, _)| *dof));
+    fn dofs(&self, item: usize, out: &mut Vec<DofId>) {
+        out.extend(self.points[item].dofs.iter().map(|(dof, _)| *dof));
     }
 
-    fn add(&self, _item: usize, x: &[f64], out: &mut LocalSystem) {
-        let force = self.weight * self.excess(x);
-        for (i, (_, share)) in self.dofs.iter().enumerate() {
+    fn add(&self, item: usize, x: &[f64], out: &mut LocalSystem) {
+        let point = &self.points[item];
+        if !point.acts {
+            return;
+        }
+        let force = self.weight * point.excess(x);
+        for (i, (_, share)) in point.dofs.iter().enumerate() {
             out.add(i, force * share);
             if out.has_tangent() {
-                for (j, (_, other)) in self.dofs.iter().enumerate() {
+                for (j, (_, other)) in point.dofs.iter().enumerate() {
                     out.add_tangent(i, j, self.weight * share * other);
                 }
             }

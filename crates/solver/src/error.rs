@@ -47,7 +47,10 @@ pub enum Stage {
         interface: f64,
     },
     /// A movable body has no vertex inside the bounding box of the background any more.
-    #[error("body {body} has left the domain")]
+    #[error(
+        "body {body} has left the background, where nothing can stop it: check the signs and units of its gravity, of the densities and of the body \
+         force of the fluid; for a body that may come that far enlarge the background, or give it a contact with the wall"
+    )]
     LeftDomain {
         /// Its name.
         body: String,
@@ -113,7 +116,7 @@ pub enum Stage {
     /// bodies, or the body does not fit between its obstacles. Take a larger parameter.
     #[error(
         "the multipliers of contact {contact} still change by {change:e} after {solves} solves, and {accepted:e} is accepted; take a larger \
-         gamma_contact_0 (with friction at most some hundred times the mass per area over the square of the step) or tolerance, and check that the \
+         gamma_contact_0 (with friction at most some hundred times the contact size times the mass per area over the square of the step) or tolerance, and check that the \
          body fits between its obstacles"
     )]
     Multipliers {

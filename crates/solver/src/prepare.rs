@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use algebra::time::Row;
 use algebra::{BlockLayout, Constraints, NewtonReport};
 use body::{BodyState, BodyStep, StepTime};
 use interface_dg::{InterfacePoints, Pocket, SolidShare, UnstableShare, pockets, unstable_share};
@@ -85,10 +86,9 @@ impl<'a, const D: usize> Step<'a, D> {
         let contact = |contact| ContactStep::new(contact, previous, step.partners());
         step.contacts = setup.contacts.iter().map(contact).collect::<Result<_, _>>()?;
         step.seconds.search = searched.elapsed().as_secs_f64();
-        let collision = |contact| Collision::new(contact, (setup, previous), step.partners());
-        step.collisions = setup.contacts.iter().map(collision).collect();
-        step.remove_floor();
         step.constrain();
+        step.collisions = step.collisions();
+        step.adapt_to_collision();
         step.check_share()?;
         step.seconds.space = clock.elapsed().as_secs_f64() - step.seconds.cut;
         Ok(step)
@@ -130,13 +130,34 @@ impl<'a, const D: usize> Step<'a, D> {
         Partners { layout, fluid: self.fluid.as_ref(), bodies, time: &self.time }
     }
 
-    /// Removes the floor of the pressure from a step with a collision.
+    /// Returns whether velocities jump in the step.
+    pub(crate) fn has_collision(&self) -> bool {
+        self.collisions.iter().any(Option::is_some)
+    }
+
+    /// Returns the collision of each contact, by the velocities at the start on the geometry of the step.
+    fn collisions(&self) -> Vec<Option<Collision<D>>> {
+        if self.setup.contacts.iter().all(|contact| contact.form().law.restitution().is_none()) {
+            return vec![None; self.setup.contacts.len()];
+        }
+        let mut x = self.guess();
+        self.constraints.apply_ties(&mut x);
+        let collision = |contact| Collision::new(contact, (self.setup, self.previous), self.partners(), &x);
+        self.setup.contacts.iter().map(collision).collect()
+    }
+
+    /// Adapts the step to a collision.
     ///
     /// A collision lasts longer than the step in which it is computed. The pressure of the step is the whole impulse over
     /// the length of the step and would fall below the floor. The real pressure is spread over the collision and does not.
-    fn remove_floor(&mut self) {
-        if let Some(fluid) = self.fluid.as_mut().filter(|_| self.collisions.iter().any(Option::is_some)) {
-            fluid.form.cavitation = None;
+    /// The energy of the scheme has no part of accelerations, because they end with the step.
+    fn adapt_to_collision(&mut self) {
+        if self.has_collision() {
+            self.time.weights.of_energy = [[Row::DISPLACEMENT, Row::VELOCITY]; 2];
+            if let Some(fluid) = &mut self.fluid {
+                fluid.form.cavitation = None;
+                fluid.time.weights.of_energy = self.time.weights.of_energy;
+            }
         }
     }
 
@@ -180,7 +201,7 @@ impl<'a, const D: usize> Step<'a, D> {
         self.bodies.iter().map(|body| body.end(&self.layout, x)).collect()
     }
 
-    /// Returns the state at the end of the step. Moves cut and space into it.
+    /// Returns the state at the end of the step. Moves cut and space into it. After a collision accelerations are unknown.
     pub(crate) fn finish(
         self,
         substep: Substep,
@@ -188,13 +209,15 @@ impl<'a, const D: usize> Step<'a, D> {
         bodies: Vec<BodyState<D>>,
         contact_energy: f64,
     ) -> State<D> {
-        State {
+        let has_collision = self.has_collision();
+        let end = State {
             step: self.previous.step + usize::from(substep.is_last),
             time: self.time.end,
             fluid: self.fluid.map(|fluid| fluid.finish(&self.layout, &self.pockets, x)),
             bodies,
             contact_energy,
-        }
+        };
+        if has_collision { end.without_accelerations() } else { end }
     }
 }
 

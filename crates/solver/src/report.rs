@@ -145,7 +145,7 @@ impl<const D: usize> Problem<'_, D> {
         for (report, collision) in contacts.iter_mut().zip(&step.collisions) {
             let Some(collision) = collision else { continue };
             report.force += collision.force(x);
-            report.n_active = report.n_active.max(1);
+            report.n_active = report.n_active.max(collision.n_active());
         }
         let fluid_energy = fluid.as_ref().map_or(0.0, |fluid| fluid.kinetic_energy);
         let contact_energy = contacts.iter().map(|contact: &ContactReport<D>| contact.stored_energy).sum();

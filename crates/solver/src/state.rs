@@ -98,10 +98,24 @@ impl<const D: usize> State<D> {
 
     /// Returns one more step of length `dt`.
     pub fn step_time(&self, setup: &Setup<D>, dt: f64) -> StepTime {
+        StepTime::new(setup.scheme.as_ref(), self.next_time(dt), dt, !self.has_accelerations())
+    }
+
+    /// Returns whether accelerations are known.
+    pub(crate) fn has_accelerations(&self) -> bool {
         let of_bodies = self.bodies.iter().map(|body| &body.level.acceleration);
         let of_fluid = self.fluid.iter().map(|fluid| &fluid.acceleration);
-        let starts = of_fluid.chain(of_bodies).all(Vec::is_empty);
-        StepTime::new(setup.scheme.as_ref(), self.next_time(dt), dt, starts)
+        of_fluid.chain(of_bodies).any(|accelerations| !accelerations.is_empty())
+    }
+
+    /// Returns the state without accelerations, from which a scheme starts as from the beginning of a run.
+    pub(crate) fn without_accelerations(mut self) -> Self {
+        self.bodies.iter_mut().for_each(|body| body.level.acceleration.clear());
+        if let Some(fluid) = &mut self.fluid {
+            fluid.acceleration.clear();
+            fluid.products = fluid.products.of_velocity();
+        }
+        self
     }
 }
 
@@ -129,6 +143,11 @@ impl KineticProducts {
             }
         }
         Self([0.5 * density * sums[0], density * sums[1], 0.5 * density * sums[2]])
+    }
+
+    /// Returns the products with an acceleration of zero.
+    fn of_velocity(&self) -> Self {
+        Self([self.0[0], 0.0, 0.0])
     }
 
     /// Returns the kinetic energy of the scheme.

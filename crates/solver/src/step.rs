@@ -21,6 +21,10 @@ pub fn advance<const D: usize>(
     let end = time.end;
     let failed = |stage: Stage| StepError::at(previous.step + 1, end, stage);
     let mut step = Step::prepare(setup, previous, time).map_err(failed)?; // surfaces, cut, space, history, unknowns
+    if step.has_collision() && previous.has_accelerations() {
+        // Accelerations at the start say nothing of a step in which velocities jump.
+        return advance(setup, &previous.clone().without_accelerations(), substep, work);
+    }
     let mut x = step.guess();
     let solve = step.solve(&mut x, work).map_err(failed)?; // Newton's method, for each set of multipliers of contacts
     step.check_contacts(&x, &solve).map_err(failed)?;

@@ -19,8 +19,8 @@ keys! {
         step: At<f64> [unit(Quantity::TIME), positive],
         /// End of the run, a multiple of the step.
         end: f64 [unit(Quantity::TIME), positive],
-        /// Time scheme of fluid and bodies; `implicit-euler` if left out.
-        scheme: Option<At<TimeSchemeChoice>>,
+        /// Time scheme of fluid and bodies.
+        scheme: At<TimeSchemeChoice> = "generalised-alpha",
         /// Number of times that a step is halved, if Newton's method fails or a contact may have been missed, before the
         /// run stops.
         most_halvings: usize [between(0.0, 20.0)] = 4,
@@ -42,12 +42,12 @@ keys! {
 choices! {
     /// Time scheme of fluid and bodies.
     pub enum TimeSchemeChoice ["kind"] {
-        /// First order; dissipates all vibrations.
+        /// First order, the scheme of the paper. Dissipates all motion; elastic bodies that turn gain or lose area.
         ImplicitEuler = "implicit-euler",
         /// Second order.
         GeneralisedAlpha = "generalised-alpha" {
             /// Factor by which a step reduces the fastest vibrations.
-            rho_inf: f64 [between(0.0, 1.0)],
+            rho_inf: f64 [between(0.0, 1.0)] = 0.0,
         },
         /// No inertia: every step ends in equilibrium, with steady flow.
         QuasiStatic = "quasi-static",
@@ -68,12 +68,11 @@ impl Time {
 
     /// Returns the time scheme.
     pub(super) fn scheme(&self) -> Result<Arc<dyn TimeScheme>, ScenarioError> {
-        let Some(scheme) = &self.scheme else { return Ok(Arc::new(ImplicitEuler)) };
-        Ok(match **scheme {
+        Ok(match *self.scheme {
             TimeSchemeChoice::ImplicitEuler => Arc::new(ImplicitEuler),
             TimeSchemeChoice::QuasiStatic => Arc::new(QuasiStatic),
             TimeSchemeChoice::GeneralisedAlpha { rho_inf } => {
-                let outside = || scheme.at.invalid("rho_inf must be from 0 to 1".to_owned());
+                let outside = || self.scheme.at.invalid("rho_inf must be from 0 to 1".to_owned());
                 Arc::new(GeneralisedAlpha::new(rho_inf).ok_or_else(outside)?)
             }
         })

@@ -7,7 +7,7 @@ use io::{ScenarioFile, Summary, sizes};
 use mesh::generate::structured_box;
 use mesh::{BodyId, Point, Vector};
 use solid_svk::{ElasticBody, ElasticOptions, LameParameters, SaintVenantKirchhoff, SolidForm, SolidMesh};
-use solver::algebra::time::ImplicitEuler;
+use solver::algebra::time::GeneralisedAlpha;
 use solver::algebra::{NewtonSettings, Workspace};
 use solver::body::Body;
 use solver::contact::{ContactForm, PenaltyLaw, RigidPlane};
@@ -69,7 +69,7 @@ fn block() -> Setup<2> {
         fluid: None,
         bodies,
         contacts,
-        scheme: Arc::new(ImplicitEuler),
+        scheme: Arc::new(GeneralisedAlpha::new(0.0).expect("the scheme of a scenario without `time.scheme`")),
         dt: DT,
         most_halvings: 0,
         approach: None,

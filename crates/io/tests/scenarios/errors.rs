@@ -210,16 +210,16 @@ fn bodies_may_stick_out_but_not_be_away() {
         .replace("min = [3.0, 6.5], max = [9.0, 8.5]", "min = [5.0, 1.0], max = [12.0, 2.0]");
     let found = sizes(&legal(&apart, &[&COARSE])).expect("legal");
     assert!(
-        found.bodies.len() == 2 && found.outside.is_empty(),
+        found.bodies.len() == 2 && found.warnings.is_empty(),
         "the side is open, and the ball stands on a plane of symmetry"
     );
     let walls = sizes(&legal(&apart, &[&COARSE, &["background.boundary.right=no-slip"]])).expect("legal");
     assert!(
-        matches!(&walls.outside[..], [line] if line.contains("body block reaches 2.000e0 cm through side right")),
+        matches!(&walls.warnings[..], [line] if line.contains("body block reaches 2.000e0 cm through side right")),
         "{:?}",
-        walls.outside
+        walls.warnings
     );
-    assert!(walls.lines.contains(&walls.outside[0]));
+    assert!(walls.lines.contains(&walls.warnings[0]));
     let words = ["no vertex of body `ball`", "move it", "`scale`"];
     expect("centre = [0.0, 10.0]", "centre = [20.0, 10.0]", "body.0.shape", &words);
 }

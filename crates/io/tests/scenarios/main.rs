@@ -17,3 +17,4 @@ mod setting;
 mod space;
 mod surfaces;
 mod units;
+mod warnings;

@@ -246,6 +246,7 @@ fn a_free_cylinder_sinks_with_the_force_that_is_reported() {
     let sets = [
         "fluid.body_force=[0.0,-9.81]",
         "time.step=0.01",
+        "time.scheme=implicit-euler",
         "time.end=0.1",
         "background.boundary.left=no-slip",
         "background.boundary.right=no-slip",

@@ -1,6 +1,7 @@
 //! Steps of the coupled problem against exact solutions, conservation laws and second methods.
 
 mod axisymmetric;
+mod collisions;
 mod dry;
 mod films;
 mod fixture;

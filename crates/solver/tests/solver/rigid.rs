@@ -10,13 +10,10 @@ use solver::algebra::{
     LinearSystem, NewtonSettings, Workspace,
 };
 use solver::body::Body;
-use solver::contact::{self, AugmentedLagrangianLaw, CollisionLaw, ContactForm, PenaltyLaw, RigidPlane};
+use solver::contact::{self, AugmentedLagrangianLaw, ContactForm, PenaltyLaw, RigidPlane};
 use solver::mesh::generate::{Size, graded_box, structured_box};
 use solver::mesh::{BodyId, FacetId, SimplexMesh, Vector};
-use solver::{
-    ApproachSteps, Contact, ContactObstacle, FluidBoundary, Observer, ObserverError, Setup, Stage, State, StepView,
-    Substep, TimeLoop, advance,
-};
+use solver::{Contact, ContactObstacle, FluidBoundary, Setup, Stage, State, Substep, TimeLoop, advance};
 
 #[test]
 fn a_free_body_falls_and_turns_by_the_scheme() {
@@ -500,65 +497,6 @@ fn the_difference_of_pressures_alone_moves_a_piston_in_a_closed_box() {
     let (error_u, error_p) = fluid_error(&setup, &state, |_| V::zeros(), |x| constant - 13.0 * x[1]);
     assert!(error_u < 1e-9 && error_p < 1e-6, "{error_u:e} {error_p:e}");
     assert!(motion(&state, 0).velocity.norm() < 1e-9);
-}
-
-/// Returns a disk over the ground in vacuum with a law of collisions.
-fn bouncing(restitution: f64, speed: f64, gravity: f64) -> Setup<2> {
-    let mut disk = rigid("disk", &disk([0.0, 1.1], 1.0, 0.3), 2.0, V::new(0.0, -gravity));
-    disk.initial_velocity = V::new(0.3, -speed);
-    let mut setup = dry(vec![Arc::new(disk)], 1e-2);
-    let form = ContactForm::new(CollisionLaw::new(restitution, 1e-3).expect("a law"), 0.1).expect("a contact");
-    let facets = setup.bodies[0].surface().facets().collect();
-    let contact = Contact::new(&setup.bodies, BodyId(0), facets, form, ground()).expect("a contact");
-    setup.contacts.push(contact);
-    setup
-}
-
-#[test]
-fn a_collision_reverses_the_velocity_of_approach() {
-    // Reaches the ground in step 10, at a gap of zero, and leaves it in the next one.
-    let setup = bouncing(0.8, 1.0, 0.0);
-    let (state, reports) = run(&setup, 20);
-    let motion = motion(&state, 0);
-    assert!((motion.velocity - V::new(0.3, 0.8)).norm() < 1e-7, "{:?}", motion.velocity);
-    assert!((motion.centre[1] - 1.08).abs() < 0.011, "{}", motion.centre[1]);
-    let forces: Vec<f64> = reports.iter().map(|report| report.contacts[0].force[1]).collect();
-    let impulse: f64 = forces.iter().map(|force| force * setup.dt).sum();
-    let mass = reports[0].bodies[0].balance.expect("a mass").mass;
-    assert!((impulse / (1.8 * mass) - 1.0).abs() < 1e-6 && forces.iter().filter(|force| **force != 0.0).count() == 1);
-    // The ledger knows the work of the collision.
-    let is_closed = |ledger: &solver::Ledger| ledger.other.abs() < 1e-5 * mass && ledger.defect().abs() < 1e-5 * mass;
-    assert!(reports.iter().all(|report| is_closed(&report.ledger)));
-}
-
-/// Gap at the start, length and end of every step.
-struct Steps(Vec<(f64, f64, f64)>);
-
-impl Observer<2> for Steps {
-    fn after_step(&mut self, view: &StepView<'_, 2>) -> Result<(), ObserverError> {
-        if let Some(report) = view.report {
-            let positions = view.previous.bodies[0].positions(view.setup.bodies[0].reference());
-            let gap = positions.iter().map(|x| x[1]).fold(f64::INFINITY, f64::min);
-            self.0.push((gap, report.substep.dt, view.state.time));
-        }
-        Ok(())
-    }
-}
-
-#[test]
-fn steps_follow_the_gap() {
-    let mut setup = bouncing(1.0, 1.0, 0.0);
-    setup.approach = Some(ApproachSteps { fraction: 0.1, smallest: 1e-4 });
-    let mut steps = Steps(Vec::new());
-    let state = State::initial(&setup).expect("a state");
-    TimeLoop::new(&setup, state, Workspace::new()).run(20, &mut [&mut steps]).expect("steps");
-    let Steps(seen) = steps;
-    assert!((seen.last().expect("steps").2 - 0.2).abs() < 1e-12);
-    let speed = 1.0_f64.hypot(0.3);
-    for (gap, dt, _) in &seen {
-        assert!(*dt <= (0.1 * gap / speed).max(1e-4) * 1.001 + 1e-15 && *dt > 0.4e-4, "gap {gap}, step {dt}");
-    }
-    assert!(seen.iter().any(|(_, dt, _)| *dt > 4.9e-3) && seen.iter().any(|(_, dt, _)| *dt < 2e-4));
 }
 
 #[test]

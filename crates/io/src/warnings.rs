@@ -1,0 +1,179 @@
+//! Warnings about choices in a scenario that are allowed and mostly not meant.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use contact::Positions;
+use mesh::search::SurfaceIndex;
+use mesh::{Aabb, BodyId, Placed, Point, Tag, Vector, equilateral_side};
+use solver::body::{Body, BodyState};
+use solver::{Contact, FluidBoundary, Setup, State};
+
+use crate::scenario::{Case, Choose as _, Quantity, Scenario};
+
+/// Largest part of the contact size by which a gap is below the offset through round-off, and of forces that are equal.
+const ROUND_OFF: f64 = 1e-6;
+
+/// Returns the warnings about a case in a state.
+pub(crate) fn warnings<const D: usize>(scenario: &Scenario, case: &Case<D>, state: &State<D>) -> Vec<String> {
+    let setup = &case.setup;
+    let positions = setup.positions(&state.bodies);
+    let length = scenario.units.label(Quantity::LENGTH);
+    let mut lines = contacts_at_start(setup, &positions, &length);
+    lines.extend(contacts_in_fluid(setup, &length));
+    lines.extend(outside(setup, &positions, &length));
+    lines.extend(small_bodies(setup, &positions));
+    lines.extend(body_forces(setup, state));
+    let deforms = setup.bodies.iter().zip(&state.bodies).any(|(body, of)| body.cells(of).is_some());
+    if scenario.time.scheme.word() == "implicit-euler" && deforms && setup.fluid.is_some() && !case.half_domain {
+        lines.push(
+            "warning: with implicit-euler an elastic body that turns changes its area, and an ambient pressure turns it faster; generalised-alpha \
+             does neither"
+                .to_owned(),
+        );
+    }
+    lines
+}
+
+/// Returns warnings about contacts that act from the first step because a gap is below the offset.
+fn contacts_at_start<const D: usize>(setup: &Setup<D>, positions: &[Vec<Point<D>>], length: &str) -> Vec<String> {
+    let name = |body: BodyId| setup.bodies[body.index()].name();
+    let of_contact = |contact: &Contact<D>| {
+        let (slave, obstacle) = (name(contact.body()), contact.master().map_or("its obstacle at rest", name));
+        let (offset, size) = (contact.form().law.offset(), contact.form().size());
+        let gap = smallest_gap(setup, contact, positions).filter(|gap| *gap < offset - ROUND_OFF * size)?;
+        Some(format!(
+            "warning: the smallest gap of {slave} to {obstacle} is {gap:.3e} {length}, below the offset {offset} {length}: this contact acts from the \
+             first step"
+        ))
+    };
+    setup.contacts.iter().filter_map(of_contact).collect()
+}
+
+/// Returns warnings about laws of contact in fluid with which a body does not come to rest under its weight.
+fn contacts_in_fluid<const D: usize>(setup: &Setup<D>, length: &str) -> Vec<String> {
+    let Some(fluid) = &setup.fluid else { return Vec::new() };
+    let mut lines = Vec::new();
+    for contact in &setup.contacts {
+        let (slave, law) = (setup.bodies[contact.body().index()].name(), &contact.form().law);
+        match fluid.film {
+            None if law.offset() == 0.0 => lines.push(format!(
+                "warning: contact of {slave} has the offset 0 in a fluid without `fluid.film`: between surfaces that touch cells hold a pressure or a \
+                 suction that drains slowly; give an offset of a cell, or `fluid.film` with a roughness and an offset of this roughness"
+            )),
+            Some(film) if law.offset() < film.roughness => lines.push(format!(
+                "warning: contact of {slave} has an offset {} {length} below the roughness {} {length} of the film: at rest a part of the weight stays \
+                 on the film; give an offset of the roughness",
+                law.offset(),
+                film.roughness
+            )),
+            _ => {}
+        }
+    }
+    lines.dedup();
+    lines
+}
+
+/// Returns warnings about a body force of the fluid that is not its density times the gravity of a body.
+fn body_forces<const D: usize>(setup: &Setup<D>, state: &State<D>) -> Vec<String> {
+    let Some((fluid, force)) = setup.fluid.as_ref().and_then(|fluid| Some((fluid, fluid.body_force.as_ref()?))) else {
+        return Vec::new();
+    };
+    let of_body = |(body, of): (&Arc<dyn Body<D>>, &BodyState<D>)| {
+        let balance = body.balance(of)?;
+        let gravity = balance.body_force / balance.mass;
+        let (found, usual) = (force(&balance.centre_of_mass, state.time), gravity * fluid.material.density);
+        let differs = (found - usual).norm() > ROUND_OFF * usual.norm() && gravity.norm() > 0.0;
+        let shown = |of: &Vector<D>| of.iter().map(|component| rounded(*component)).collect::<Vec<_>>();
+        differs.then(|| {
+            format!(
+                "warning: `fluid.body_force` is {:?} at body {}, and the density of the fluid times the gravity of the body is {:?}: `body_force` is a \
+                 force per volume",
+                shown(&found),
+                body.name(),
+                shown(&usual)
+            )
+        })
+    };
+    setup.bodies.iter().zip(&state.bodies).filter_map(of_body).collect()
+}
+
+/// Least number of cells along the largest extent of a body.
+const LEAST_CELLS: f64 = 3.0;
+
+/// Returns warnings about bodies that cells do not resolve along any axis.
+fn small_bodies<const D: usize>(setup: &Setup<D>, positions: &[Vec<Point<D>>]) -> Vec<String> {
+    let Some(fluid) = &setup.fluid else { return Vec::new() };
+    let of_body = |(body, points): (&Arc<dyn Body<D>>, &Vec<Point<D>>)| {
+        let bounds = Aabb::of_points(points);
+        let (cell, _) = fluid.background.cell_index().locate(&((bounds.low + bounds.high) * 0.5))?;
+        let n_cells = bounds.extent().max() / equilateral_side::<D>(fluid.background.cell_volume(cell));
+        (n_cells < LEAST_CELLS).then(|| {
+            let name = body.name();
+            format!("warning: body {name} is {n_cells:.1} cells long: its flow is not resolved; make the cells around it smaller")
+        })
+    };
+    setup.bodies.iter().zip(positions).filter_map(of_body).collect()
+}
+
+/// Describes bodies that reach through a side of the background on which the velocity is given. At planes of symmetry and
+/// open sides this is how parts of bodies are described.
+fn outside<const D: usize>(setup: &Setup<D>, positions: &[Vec<Point<D>>], length: &str) -> Vec<String> {
+    let Some(fluid) = &setup.fluid else { return Vec::new() };
+    let background = &fluid.background;
+    let boundary = background.boundary();
+    let surface = Placed::new(&boundary, background.vertices());
+    let index = SurfaceIndex::new(&surface);
+    let least = ROUND_OFF * Aabb::of_points(background.vertices()).extent().max();
+    let is_wall = |side: Tag| {
+        let condition = fluid.boundary.iter().find(|(tag, _)| *tag == side);
+        matches!(condition, Some((_, FluidBoundary::NoSlip | FluidBoundary::Velocity(_))))
+    };
+    let mut lines = Vec::new();
+    for (body, points) in setup.bodies.iter().zip(positions) {
+        let mut farthest: BTreeMap<Tag, (f64, &Point<D>)> = BTreeMap::new();
+        for x in points.iter().filter(|x| background.cell_index().locate(x).is_none()) {
+            let Some(nearest) = index.closest(x) else { continue };
+            let away = x - nearest.point;
+            let distance = away.norm();
+            if let Some(side) = boundary.tag(nearest.facet).filter(|side| distance > least && is_wall(*side)) {
+                // Across the side: the nearest point may be its end.
+                let across = away.dot(&surface.facet_normal(nearest.facet)).abs();
+                let distance = if across > least { across } else { distance };
+                let of_side = farthest.entry(side).or_insert((distance, x));
+                *of_side = if distance > of_side.0 { (distance, x) } else { *of_side };
+            }
+        }
+        lines.extend(farthest.iter().map(|(side, (distance, x))| {
+            let place: Vec<f64> = x.iter().map(|x| rounded(*x)).collect();
+            format!(
+                "warning: body {} reaches {distance:.3e} {length} through side {} of the background, to {place:?}: the part outside is in no fluid",
+                body.name(),
+                background.tag_names()[side.index()]
+            )
+        }));
+    }
+    lines
+}
+
+/// Returns the smallest gap of vertices that may come into contact; `None` for a body with itself, and for bodies whose
+/// boxes are farther apart than the offset.
+fn smallest_gap<const D: usize>(setup: &Setup<D>, contact: &Contact<D>, positions: &[Vec<Point<D>>]) -> Option<f64> {
+    let slave = contact.body().index();
+    let vertices = setup.bodies[slave].surface().vertices_of(contact.facets());
+    let points: Vec<_> = vertices.iter().map(|vertex| positions[slave][vertex.index()]).collect();
+    let master = contact.master().map_or(&[][..], |master| &positions[master.index()]);
+    if points.is_empty() || contact.master() == Some(contact.body()) {
+        return None;
+    }
+    let offset = contact.form().law.offset();
+    if !master.is_empty() && Aabb::of_points(&points).distance(&Aabb::of_points(master)) > offset {
+        return None;
+    }
+    contact.geometry().smallest_gap(&points, Positions::Fixed(master))
+}
+
+/// Rounds to four significant digits, without the sign of zero.
+pub(crate) fn rounded(value: f64) -> f64 {
+    format!("{value:.3e}").parse().unwrap_or(value) + 0.0
+}

@@ -1,0 +1,130 @@
+//! Collisions of rigid bodies in vacuum, and steps that follow the gap before them.
+
+use std::sync::Arc;
+
+use crate::fixture::*;
+use solid_rigid::RigidBody;
+use solver::algebra::Workspace;
+use solver::algebra::time::{GeneralisedAlpha, ImplicitEuler, TimeScheme};
+use solver::contact::{CollisionLaw, ContactForm};
+use solver::mesh::BodyId;
+use solver::mesh::generate::structured_box;
+use solver::{ApproachSteps, Contact, Observer, ObserverError, Setup, State, StepView, TimeLoop};
+
+/// Returns a body over the ground in vacuum with a law of collisions.
+fn bouncing_body(body: RigidBody<2>, restitution: f64) -> Setup<2> {
+    let mut setup = dry(vec![Arc::new(body)], 1e-2);
+    let form = ContactForm::new(CollisionLaw::new(restitution, 1e-3).expect("a law"), 0.1).expect("a contact");
+    let facets = setup.bodies[0].surface().facets().collect();
+    let contact = Contact::new(&setup.bodies, BodyId(0), facets, form, ground()).expect("a contact");
+    setup.contacts.push(contact);
+    setup
+}
+
+/// Returns a disk over the ground in vacuum with a law of collisions.
+fn bouncing(restitution: f64, speed: f64, gravity: f64) -> Setup<2> {
+    let mut disk = rigid("disk", &disk([0.0, 1.1], 1.0, 0.3), 2.0, V::new(0.0, -gravity));
+    disk.initial_velocity = V::new(0.3, -speed);
+    bouncing_body(disk, restitution)
+}
+
+/// Returns a block, 0.1 over the ground in vacuum, that is turned by an angle.
+fn block(angle: f64, gravity: f64) -> RigidBody<2> {
+    let (sin, cos) = angle.sin_cos();
+    let mesh = structured_box::<2>([-1.0, -0.5], [1.0, 0.5], [4, 2]).expect("a box");
+    let turned = |x: &P| P::new(cos * x[0] - sin * x[1], sin * x[0] + cos * x[1]);
+    let points: Vec<P> = mesh.vertices().iter().map(turned).collect();
+    let lowest = points.iter().map(|x| x[1]).fold(f64::INFINITY, f64::min);
+    let points = points.iter().map(|x| x + V::new(0.0, 0.1 - lowest)).collect();
+    RigidBody::new("block", mesh.boundary(), points, 2.0, V::new(0.0, -gravity)).expect("a body")
+}
+
+fn second_order(rho_inf: f64) -> Arc<dyn TimeScheme> {
+    Arc::new(GeneralisedAlpha::new(rho_inf).expect("a scheme"))
+}
+
+#[test]
+fn a_block_that_falls_flat_does_not_turn() {
+    for (scheme, restitution) in [(Arc::new(ImplicitEuler) as Arc<dyn TimeScheme>, 0.8), (second_order(0.0), 1.0)] {
+        let block = RigidBody { initial_velocity: V::new(0.2, -1.0), ..block(0.0, 0.0) };
+        let (state, _) = run(&Setup { scheme, ..bouncing_body(block, restitution) }, 20);
+        let motion = motion(&state, 0);
+        assert!((motion.velocity - V::new(0.2, restitution)).norm() < 1e-7, "{:?}", motion.velocity);
+        assert!(motion.spin[0].abs() < 1e-7, "{:?}", motion.spin);
+    }
+}
+
+#[test]
+fn bounces_of_a_block_on_its_corners_and_sides_make_no_energy() {
+    for scheme in [Arc::new(ImplicitEuler) as Arc<dyn TimeScheme>, second_order(0.0)] {
+        for restitution in [0.0, 0.5, 1.0] {
+            let (dt, gravity) = (5e-3, 10.0);
+            let setup = Setup { scheme: Arc::clone(&scheme), dt, ..bouncing_body(block(0.3, gravity), restitution) };
+            let (_, reports) = run(&setup, 400);
+            // The given velocity of separation does not know the work of the weight in the step: half of its momentum times the
+            // change of velocity.
+            for report in &reports {
+                let allowed = 0.51 * report.contacts[0].force[1] * gravity * dt.powi(2) + 1e-9;
+                let gained = -report.ledger.dissipation();
+                assert!(gained < allowed, "restitution {restitution}: {gained:e} {allowed:e}");
+            }
+            let change: f64 = reports.iter().map(|report| report.ledger.change).sum();
+            assert!(change < 0.0, "restitution {restitution}: {change:e}");
+            let hits = reports.iter().filter(|report| report.contacts[0].n_active > 1).count();
+            assert!(hits > 0, "restitution {restitution}: never on two points");
+        }
+    }
+}
+
+#[test]
+fn a_collision_reverses_the_velocity_of_approach() {
+    reverses_the_velocity(bouncing(0.8, 1.0, 0.0));
+    for rho_inf in [0.0, 0.5] {
+        reverses_the_velocity(Setup { scheme: second_order(rho_inf), ..bouncing(0.8, 1.0, 0.0) });
+    }
+}
+
+/// Checks a disk that reaches the ground in step 10 and leaves it in the next one.
+fn reverses_the_velocity(setup: Setup<2>) {
+    let (state, reports) = run(&setup, 20);
+    let motion = motion(&state, 0);
+    assert!((motion.velocity - V::new(0.3, 0.8)).norm() < 1e-7, "{:?}", motion.velocity);
+    assert!((motion.centre[1] - 1.08).abs() < 0.011, "{}", motion.centre[1]);
+    let forces: Vec<f64> = reports.iter().map(|report| report.contacts[0].force[1]).collect();
+    let impulse: f64 = forces.iter().map(|force| force * setup.dt).sum();
+    let mass = reports[0].bodies[0].balance.expect("a mass").mass;
+    assert!((impulse / (1.8 * mass) - 1.0).abs() < 1e-6 && forces.iter().filter(|force| **force != 0.0).count() == 1);
+    // The ledger knows the work of the collision.
+    let is_closed = |ledger: &solver::Ledger| ledger.other.abs() < 1e-5 * mass && ledger.defect().abs() < 1e-5 * mass;
+    assert!(reports.iter().all(|report| is_closed(&report.ledger)));
+}
+
+/// Gap at the start, length and end of every step.
+struct Steps(Vec<(f64, f64, f64)>);
+
+impl Observer<2> for Steps {
+    fn after_step(&mut self, view: &StepView<'_, 2>) -> Result<(), ObserverError> {
+        if let Some(report) = view.report {
+            let positions = view.previous.bodies[0].positions(view.setup.bodies[0].reference());
+            let gap = positions.iter().map(|x| x[1]).fold(f64::INFINITY, f64::min);
+            self.0.push((gap, report.substep.dt, view.state.time));
+        }
+        Ok(())
+    }
+}
+
+#[test]
+fn steps_follow_the_gap() {
+    let mut setup = bouncing(1.0, 1.0, 0.0);
+    setup.approach = Some(ApproachSteps { fraction: 0.1, smallest: 1e-4 });
+    let mut steps = Steps(Vec::new());
+    let state = State::initial(&setup).expect("a state");
+    TimeLoop::new(&setup, state, Workspace::new()).run(20, &mut [&mut steps]).expect("steps");
+    let Steps(seen) = steps;
+    assert!((seen.last().expect("steps").2 - 0.2).abs() < 1e-12);
+    let speed = 1.0_f64.hypot(0.3);
+    for (gap, dt, _) in &seen {
+        assert!(*dt <= (0.1 * gap / speed).max(1e-4) * 1.001 + 1e-15 && *dt > 0.4e-4, "gap {gap}, step {dt}");
+    }
+    assert!(seen.iter().any(|(_, dt, _)| *dt > 4.9e-3) && seen.iter().any(|(_, dt, _)| *dt < 2e-4));
+}
