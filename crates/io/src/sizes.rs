@@ -188,11 +188,11 @@ fn weights<const D: usize>(scenario: &Scenario, setup: &Setup<D>, state: &State<
         let (name, weight) = (body.name(), vector(&balance.body_force));
         Some(format!("body {name}: mass {:e} {mass}, weight {weight:?} {force}{buoyancy}", rounded(balance.mass)))
     };
-    setup.bodies.iter().zip(&state.bodies).filter_map(of_body).collect()
+    shortened(setup.bodies.iter().zip(&state.bodies).filter_map(of_body).collect(), "weights")
 }
 
-/// Largest number of contacts whose roles are described.
-const MOST_ROLES: usize = 20;
+/// Largest number of lines about roles in contacts, and about weights.
+const MOST_LINES: usize = 20;
 
 /// Describes the roles in each contact.
 fn roles<const D: usize>(setup: &Setup<D>) -> Vec<String> {
@@ -201,11 +201,15 @@ fn roles<const D: usize>(setup: &Setup<D>) -> Vec<String> {
         let master = contact.master().filter(|master| *master != contact.body())?;
         Some(format!("contact pair: slave {}, master {}", name(contact.body()), name(master)))
     };
-    let mut lines: Vec<_> = setup.contacts.iter().filter_map(pair).collect();
-    let n_more = lines.len().saturating_sub(MOST_ROLES);
-    lines.truncate(MOST_ROLES);
+    shortened(setup.contacts.iter().filter_map(pair).collect(), "contact pairs")
+}
+
+/// Returns the first lines, and the number of the others.
+fn shortened(mut lines: Vec<String>, of: &str) -> Vec<String> {
+    let n_more = lines.len().saturating_sub(MOST_LINES);
+    lines.truncate(MOST_LINES);
     if n_more > 0 {
-        lines.push(format!("contact pairs that are not listed: {n_more}"));
+        lines.push(format!("{of} that are not listed: {n_more}"));
     }
     lines
 }

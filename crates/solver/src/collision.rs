@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use algebra::{Contributions, DofId, LocalSystem};
+use algebra::{Constraints, Contributions, DofId, LocalSystem};
 use contact::{Anchor, ContactPoint, Positions, Projection};
 use mesh::{BodyId, Placed, Point, Vector, VertexId};
 
@@ -13,17 +13,19 @@ use crate::{Setup, State};
 /// Penalty weight relative to mass/Δt; its inverse is about the relative error of the velocity.
 const STIFFNESS: f64 = 1e8;
 
-/// Part of the largest velocity by which a point may pull; without a part of the round-off of its velocity it would be released at random.
+/// Part of the largest relative velocity at the start by which a point exceeds its bound to the other side before it is released: a pull of 1e-4 of the
+/// impulse, above round-off.
 const LEAST_PULL: f64 = 1e-4 / STIFFNESS;
-/// Part of the largest velocity by which a point that does not act may exceed its bound.
+/// Part of the largest relative velocity at the start by which a point that does not act exceeds its bound before it is added.
 const LEAST_EXCESS: f64 = 1e-6;
-/// Number of times that a point is released or added again.
-const MOST_CHANGES: usize = 3;
+/// Number of times that a point is added. It is released whenever it pulls.
+const MOST_ADDITIONS: usize = 2;
 
 /// `Σ c (n·(v_s - v_m) - w) (n·(w_s - w_m))`: at the points that act, two bodies separate with the given relative velocity
 ///
 /// The points are the vertices of the slave whose gap is below the offset, and `w = -e n·(v_s - v_m)^n`. At first those that approach act; the solve is repeated without points that pull, and with points that
-/// would approach faster than `w`. So impulses only push, and relative velocities are at most `w`. A collision then takes energy or none, however many points there are.
+/// would approach faster than `w`. So impulses only push, and relative velocities are at most `w`. Impulses
+/// of one restitution take energy or none then, however many points there are. Other forces work during the step.
 ///
 /// Source: Newton's law of restitution, for several points after Moreau 1988, Unilateral contact and dry friction in finite freedom dynamics, doi:10.1007/978-3-7091-2624-0_1.
 /// Couples: velocities of one vertex of the slave and of the facet of the master.
@@ -31,6 +33,8 @@ const MOST_CHANGES: usize = 3;
 #[derive(Clone)]
 pub(crate) struct Collision<const D: usize> {
     points: Vec<CollisionPoint<D>>,
+    /// Largest relative velocity along a normal at the start.
+    fastest: f64,
     /// The weight `c`.
     weight: f64,
 }
@@ -40,45 +44,53 @@ pub(crate) struct Collision<const D: usize> {
 struct CollisionPoint<const D: usize> {
     /// Dofs with their share in the relative velocity along the normal.
     dofs: Vec<(DofId, f64)>,
-    /// The velocity `w` at the stage, positive in approach, without the part that a body of prescribed motion gives.
+    /// The velocity `w` at the stage, positive in approach.
     velocity: f64,
+    /// The part of the relative velocity that a body of prescribed motion gives.
+    given: f64,
     /// Normal into the obstacle.
     normal: Vector<D>,
     /// Whether the point acts.
     acts: bool,
-    /// Number of times that it may still be released or added.
-    n_changes_left: usize,
+    /// Number of times that it may still be added.
+    n_additions_left: usize,
 }
 
 impl<const D: usize> Collision<D> {
-    /// Returns the collision of a contact for the velocities `start` at the start; `None` if its law has no restitution, the bodies are not in contact at the start of the step, or they approach
-    /// at no point.
+    /// Returns the collision of a contact for the velocities `start` at the start; `None` if its law has no restitution, or no point that can move is in contact
+    /// at the start of the step.
     pub(crate) fn new(
         contact: &Contact<D>,
         (setup, previous): (&Setup<D>, &State<D>),
         step: Partners<'_, D>,
-        start: &[f64],
+        (constraints, start): (&Constraints, &[f64]),
     ) -> Option<Self> {
         let restitution = contact.form().law.restitution()?;
-        let mut points = Vec::new();
-        for (vertex, found) in touching(contact, step) {
+        let (mut points, mut fastest) = (Vec::new(), 0.0_f64);
+        let is_free = |dof: DofId| constraints.get(dof).is_none();
+        let can_move = |(dof, _): &(DofId, f64)| match constraints.tie_of(*dof) {
+            Some(masters) => masters.iter().any(|(master, _)| is_free(*master)),
+            None => is_free(*dof),
+        };
+        for (vertex, found) in touching(contact, (setup, previous)) {
             let (dofs, given) = relative_velocity(contact, (vertex, &found), previous, step);
-            if !dofs.is_empty() {
+            if dofs.iter().any(can_move) {
                 let approach = given + dofs.iter().map(|(dof, share)| share * start[dof.index()]).sum::<f64>();
+                fastest = fastest.max(approach.abs());
                 points.push(CollisionPoint {
                     dofs,
-                    velocity: step.time.weights.stage_velocity(-restitution * approach, approach) - given,
+                    velocity: step.time.weights.stage_velocity(-restitution * approach, approach),
+                    given,
                     normal: found.normal,
                     acts: approach > 0.0,
-                    n_changes_left: MOST_CHANGES,
+                    n_additions_left: MOST_ADDITIONS,
                 });
             }
         }
         let bodies = [Some(contact.body()), contact.master()].into_iter().flatten();
         let balance = |id: BodyId| setup.bodies[id.index()].balance(&previous.bodies[id.index()]);
         let mass = bodies.filter_map(balance).map(|balance| balance.mass).fold(0.0, f64::max);
-        let approaches = points.iter().any(|point| point.acts);
-        approaches.then(|| Self { points, weight: STIFFNESS * mass / step.time.length })
+        (!points.is_empty()).then(|| Self { points, fastest, weight: STIFFNESS * mass / step.time.length })
     }
 
     /// Returns the number of points that act.
@@ -92,16 +104,27 @@ impl<const D: usize> Collision<D> {
         acting.map(|point| point.normal * -(self.weight * point.excess(x))).sum()
     }
 
+    /// Returns the power of a body of prescribed motion at the points.
+    pub(crate) fn given_power(&self, x: &[f64]) -> f64 {
+        let acting = self.points.iter().filter(|point| point.acts);
+        acting.map(|point| self.weight * point.excess(x) * point.given).sum()
+    }
+
+    /// Returns whether bodies approach at a point.
+    pub(crate) fn approaches(&self) -> bool {
+        self.points.iter().any(|point| point.acts)
+    }
+
     /// Releases points that pull, and adds those that exceed their bounds. Returns whether there were any.
     pub(crate) fn settle(&mut self, x: &[f64]) -> bool {
-        let largest = self.points.iter().map(|point| point.velocity.abs()).fold(0.0, f64::max);
         let mut has_changed = false;
         for point in &mut self.points {
             let excess = point.excess(x);
-            let is_wrong = if point.acts { excess < -LEAST_PULL * largest } else { excess > LEAST_EXCESS * largest };
-            if is_wrong && point.n_changes_left > 0 {
-                (point.acts, has_changed) = (!point.acts, true);
-                point.n_changes_left -= 1;
+            if point.acts && excess < -LEAST_PULL * self.fastest {
+                (point.acts, has_changed) = (false, true);
+            } else if !point.acts && excess > LEAST_EXCESS * self.fastest && point.n_additions_left > 0 {
+                (point.acts, has_changed) = (true, true);
+                point.n_additions_left -= 1;
             }
         }
         has_changed
@@ -109,18 +132,20 @@ impl<const D: usize> Collision<D> {
 }
 
 /// Returns the vertices of the slave that touch the master at the start of the step, with the closest points.
-fn touching<const D: usize>(contact: &Contact<D>, step: Partners<'_, D>) -> BTreeMap<VertexId, Projection<D>> {
-    let surface = |id: BodyId| step.bodies[id.index()].surface();
-    let (slave, law) = (surface(contact.body()), &contact.form().law);
-    let opposite = contact.master().map_or(&[][..], |master| &surface(master).begin);
-    let placed = Placed::new(slave.boundary, &slave.begin);
-    let candidates = contact.geometry().candidates(placed, contact.facets(), opposite, law.offset());
+fn touching<const D: usize>(
+    contact: &Contact<D>,
+    (setup, previous): (&Setup<D>, &State<D>),
+) -> BTreeMap<VertexId, Projection<D>> {
+    let positions = |id: BodyId| previous.bodies[id.index()].positions(setup.bodies[id.index()].reference());
+    let (slave, law) = (setup.bodies[contact.body().index()].surface(), &contact.form().law);
+    let (own, opposite) = (positions(contact.body()), contact.master().map_or(Vec::new(), positions));
+    let candidates = contact.geometry().candidates(Placed::new(slave, &own), contact.facets(), &opposite, law.offset());
     let mut touching: BTreeMap<VertexId, Projection<D>> = BTreeMap::new();
     for (number, &facet) in contact.facets().iter().enumerate() {
         let near = candidates.as_ref().map_or(&[][..], |of_facets| &of_facets[number]);
-        for &vertex in slave.boundary.facet(facet) {
-            let x: Point<D> = slave.begin[vertex.index()];
-            let Some(found) = contact.geometry().project(&x, Positions::Fixed(opposite), near) else { continue };
+        for &vertex in slave.facet(facet) {
+            let x: Point<D> = own[vertex.index()];
+            let Some(found) = contact.geometry().project(&x, Positions::Fixed(&opposite), near) else { continue };
             let gap = found.gap(&x);
             let at = ContactPoint { gap, size: contact.form().size(), ..ContactPoint::default() };
             if law.is_active(&at) && touching.get(&vertex).is_none_or(|other| gap < other.gap(&x)) {
@@ -160,7 +185,7 @@ fn relative_velocity<const D: usize>(
 impl<const D: usize> CollisionPoint<D> {
     /// Returns the difference of the relative velocity from the given one.
     fn excess(&self, x: &[f64]) -> f64 {
-        self.dofs.iter().map(|(dof, share)| share * x[dof.index()]).sum::<f64>() - self.velocity
+        self.given + self.dofs.iter().map(|(dof, share)| share * x[dof.index()]).sum::<f64>() - self.velocity
     }
 }
 

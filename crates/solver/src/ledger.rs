@@ -184,7 +184,9 @@ impl<const D: usize> Problem<'_, D> {
         }
         let of_laws: f64 = self.contacts.iter().map(|sites| work(&contact_work(sites.clone()))).sum();
         let contact = of_laws + step.collisions.iter().flatten().map(|collision| work(collision)).sum::<f64>();
-        let by_given_motion = dt * self.contacts.iter().map(|sites| sites.given_power(x)).sum::<f64>();
+        let of_collisions: f64 = step.collisions.iter().flatten().map(|collision| collision.given_power(x)).sum();
+        let by_given_motion =
+            dt * (of_collisions + self.contacts.iter().map(|sites| sites.given_power(x)).sum::<f64>());
         ledger.contact = contact + by_given_motion - (contact_energy - before.contact_energy);
         ledger.given_velocities -= by_given_motion;
         ledger.change += contact_energy - before.contact_energy;

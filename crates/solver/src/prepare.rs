@@ -142,8 +142,12 @@ impl<'a, const D: usize> Step<'a, D> {
         }
         let mut x = self.guess();
         self.constraints.apply_ties(&mut x);
-        let collision = |contact| Collision::new(contact, (self.setup, self.previous), self.partners(), &x);
-        self.setup.contacts.iter().map(collision).collect()
+        let collision =
+            |contact| Collision::new(contact, (self.setup, self.previous), self.partners(), (&self.constraints, &x));
+        let found: Vec<_> = self.setup.contacts.iter().map(collision).collect();
+        // A contact at which nothing approaches takes part in the collision of others.
+        let approaches = found.iter().flatten().any(Collision::approaches);
+        if approaches { found } else { vec![None; found.len()] }
     }
 
     /// Adapts the step to a collision.

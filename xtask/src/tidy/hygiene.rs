@@ -10,12 +10,12 @@ const LONG_FILES: &[(&str, &str)] = &[];
 /// Largest numbers of lines of Rust below some folders (docs/adr/0022).
 const BUDGETS: &[(&[&str], usize)] = &[
     (&["crates/cutwater/src/lib.rs", "crates/cutwater/src/main.rs"], 345),
-    (&["crates/io/src"], 12_220),
+    (&["crates/io/src"], 12_230),
     (&["crates/report/src"], 1575),
-    (&["crates/solver/src"], 3_130),
+    (&["crates/solver/src"], 3_160),
     (&["validation"], 13_480),
     (&["xtask/src"], 2400),
-    (&[""], 77_500),
+    (&[""], 77_550),
 ];
 /// Largest number of bytes of all JSON files under version control.
 const JSON_BYTES: usize = 50_000;
