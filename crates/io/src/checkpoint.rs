@@ -224,8 +224,8 @@ mod tests {
             assert!(Checkpoint::parse(&whole[..at]).is_err(), "the first {at} bytes");
         }
         let mut other = whole.clone();
-        other[8] = 5;
-        assert!(Checkpoint::parse(&other).is_err_and(|problem| problem.contains("version 5")));
+        other[8] = FORMAT as u8 + 1;
+        assert!(Checkpoint::parse(&other).is_err_and(|problem| problem.contains(&format!("version {}", FORMAT + 1))));
         assert!(Checkpoint::parse(b"something else").is_err_and(|problem| problem.contains("not a checkpoint")));
     }
 }
