@@ -13,9 +13,9 @@ pub struct ContributionTiming {
     pub name: &'static str,
     /// Number of items.
     pub items: usize,
-    /// Number of evaluations of all its items.
+    /// Number of evaluations of all items.
     pub calls: usize,
-    /// Wall-clock time of all calls, that of the slowest thread.
+    /// Wall-clock time of all calls, s. The time of a call is that of its slowest thread.
     pub seconds: f64,
 }
 
@@ -58,8 +58,8 @@ pub struct BlockSystem {
 }
 
 impl BlockSystem {
-    /// Builds the pattern and assembles the linear contributions; matrix and residual are those at x = 0 without the
-    /// nonlinear ones until [`BlockSystem::assemble`] is called.
+    /// Builds the pattern and assembles the linear contributions. Until [`BlockSystem::assemble`] is called, matrix and
+    /// residual are those at x = 0 without the nonlinear contributions.
     ///
     /// Contributions with tied dofs must be wrapped in [`crate::Tied`].
     ///
@@ -93,7 +93,7 @@ impl BlockSystem {
             self.constrained[dof.index()] = true;
             self.prescribed.push((dof, value));
         }
-        // The corrections of tied dofs are zero in the system; they follow from those of their masters afterwards.
+        // The system has zero corrections of tied dofs. Their values follow from the corrections of their masters.
         for (dof, _) in constraints.ties() {
             assert!(dof.index() < n, "tied dof {} of {n} unknowns", dof.index());
             self.constrained[dof.index()] = true;

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::DofId;
 
-/// Largest factor of an equation that is round-off, relative to the largest one.
+/// Factors of an equation that are at most this fraction of its largest factor are round-off, and are dropped.
 const ROUND_OFF: f64 = 1e-7;
 
 /// Prescribed values of dofs, and dofs tied to others.
@@ -35,7 +35,7 @@ const ROUND_OFF: f64 = 1e-7;
 pub struct Constraints {
     values: BTreeMap<DofId, f64>,
     ties: BTreeMap<DofId, Vec<(DofId, f64)>>,
-    /// Values of tied dofs where their masters are zero; those that are missing are zero.
+    /// Values of tied dofs where their masters are zero. Values that are missing are zero.
     offsets: BTreeMap<DofId, f64>,
     /// Masters of tied dofs, including those of former ties.
     masters: BTreeSet<DofId>,
@@ -71,8 +71,8 @@ impl Constraints {
     /// Imposes the equation `Σ factor · x = value`. The free dof with the largest factor is tied to the others, or prescribed
     /// if there is no other.
     ///
-    /// Prescribed dofs keep their values and former equations stay in force. An equation that depends on them is left out, even
-    /// if it contradicts them.
+    /// Prescribed dofs keep their values, and former equations stay in force. An equation that is linearly dependent on
+    /// them is left out, even if it contradicts them.
     ///
     /// ```
     /// use algebra::{Constraints, DofId};

@@ -3,25 +3,26 @@
 /// Relative residual to which an iterative method solves for a correction (in the norms of [`crate::LinearSolver::solve`]).
 /// Direct methods ignore it.
 ///
-/// It is the ratio by which the last correction reduced the nonlinear residual, to the power of the golden ratio. A
-/// linear system is then solved about as accurately as its linearisation is, and not beyond the nonlinear tolerance.
+/// It is 0.9 times the ratio by which the last correction reduced the nonlinear residual, to the power of the golden
+/// ratio. A linear system is then solved about as accurately as it approximates the nonlinear one.
 ///
 /// Source: Eisenstat and Walker 1996, Choosing the forcing terms in an inexact Newton method, doi:10.1137/0917003, choice 2
 /// with its safeguard; Kelley 1995, Iterative methods for linear and nonlinear equations, doi:10.1137/1.9781611970944,
 /// Eq. (6.20), for the last correction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Forcing {
-    /// For the first correction.
+    /// Value for the first correction.
     pub first: f64,
-    /// For all corrections.
+    /// Largest value, for all corrections.
     pub largest: f64,
 }
 
 impl Forcing {
-    /// Factor and exponent of choice 2.
+    /// Factor of choice 2.
     const GAMMA: f64 = 0.9;
+    /// Exponent of choice 2.
     const EXPONENT: f64 = 1.618_033_988_749_895;
-    /// Value above which the forcing is kept from falling too fast.
+    /// The safeguard bounds the next value from below if that bound exceeds this value.
     const SAFEGUARD: f64 = 0.1;
 
     /// Returns the forcing of the next correction. `last` holds the forcing of the previous correction and the ratio by

@@ -7,7 +7,7 @@ use std::ops::Range;
 pub struct DofId(u32);
 
 impl DofId {
-    /// Creates the dof at position `index` of the global vector.
+    /// Creates the dof at position `index` of the global vector, below `u32::MAX` (checked in debug builds only).
     #[inline]
     pub const fn new(index: usize) -> Self {
         debug_assert!(index < u32::MAX as usize);
@@ -26,12 +26,12 @@ impl DofId {
 pub struct FieldId(u32);
 
 impl FieldId {
-    /// Creates the field that was registered after `number` others.
-    pub const fn new(number: usize) -> Self {
-        Self(number as u32)
+    /// Creates the identifier of the field with a given index in the order of registration, from zero.
+    pub const fn new(index: usize) -> Self {
+        Self(index as u32)
     }
 
-    /// Returns the number of fields registered before this one.
+    /// Returns the index of the field in the order of registration, from zero.
     #[inline]
     pub const fn index(self) -> usize {
         self.0 as usize
@@ -52,7 +52,7 @@ impl DofKey {
         [self.field, self.component, self.node as u32, (self.node >> 32) as u32].map(f64::from)
     }
 
-    /// Restores a key from its numbers; `None` if they are no key.
+    /// Restores a key from the numbers of [`DofKey::to_numbers`]; `None` for other numbers.
     pub(crate) fn from_numbers(numbers: &[f64; 4]) -> Option<Self> {
         let [field, component, low, high] = numbers.map(|x| x as u32);
         let key = Self { field, component, node: u64::from(high) << 32 | u64::from(low) };
@@ -63,11 +63,11 @@ impl DofKey {
 /// The fields of a problem, one contiguous range of dofs each, in the order of their registration.
 ///
 /// A field has a number of *components* (unknowns) at each of its *nodes*. Component `c` of node `k` is dof
-/// `components * k + c` of the field. Fields may share nodes, as velocity and pressure do. Nodes guide orderings and
-/// preconditioners; they do not change solutions.
+/// `components * k + c` of the field. Fields may share nodes, as velocity and pressure do. Orderings
+/// and preconditioners of the linear solvers use nodes. Nodes have no effect on the solution.
 ///
-/// A node has a *key*, by which solvers that keep old factors recognise it in the system of another time step. The default
-/// key is the number of the node in its field.
+/// A node has a *key*, by which solvers that keep old factors recognise the node in the system of another time step.
+/// The default key is the index of the node in its field.
 ///
 /// ```
 /// use algebra::{BlockLayout, DofId};
@@ -82,7 +82,7 @@ impl DofKey {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BlockLayout {
     fields: Vec<Field>,
-    /// Keys of each set of nodes; empty for default keys.
+    /// Keys of each set of nodes. A list is empty for default keys.
     keys: Vec<Vec<u64>>,
     n_dofs: usize,
     n_nodes: usize,
@@ -102,7 +102,7 @@ struct Field {
 }
 
 impl Field {
-    /// Returns the field with the given first unknown on nodes with the given first one, without round-off.
+    /// Creates a field from its first dof and the first of its nodes, with round-off zero.
     fn new(
         name: &str,
         components: usize,
@@ -113,9 +113,7 @@ impl Field {
     ) -> Self {
         Self { name: name.to_owned(), first_dof, components, first_node, n_nodes, node_set, rounding: Vec::new() }
     }
-}
 
-impl Field {
     fn range(&self) -> Range<usize> {
         self.first_dof..self.first_dof + self.components * self.n_nodes
     }
@@ -132,7 +130,7 @@ impl BlockLayout {
         self.push_nodes(name, n_nodes, components, Vec::new())
     }
 
-    /// Registers a field on nodes of its own, one for each of the distinct `keys`.
+    /// Registers a field on nodes of its own with given keys, one per node. Keys must be distinct (not checked).
     pub fn push_keyed(&mut self, name: &str, keys: Vec<u64>, components: usize) -> FieldId {
         self.push_nodes(name, keys.len(), components, keys)
     }
@@ -156,11 +154,11 @@ impl BlockLayout {
         FieldId::new(self.fields.len() - 1)
     }
 
-    /// Sets the round-off of each component of a field, in the unit of the component; it is 0 if this is not called. Newton's
+    /// Sets the round-off of each component of a field, in the unit of the component. The default is zero. Newton's
     /// method accepts errors of this size.
     ///
     /// # Panics
-    /// The field has another number of components.
+    /// `rounding` does not have one value per component.
     pub fn set_rounding(&mut self, field: FieldId, rounding: &[f64]) {
         let field = &mut self.fields[field.index()];
         assert_eq!(rounding.len(), field.components, "components of the field");
@@ -198,7 +196,7 @@ impl BlockLayout {
         self.fields[field.index()].n_nodes
     }
 
-    /// Returns the number of the set of nodes of a field; fields that share nodes have the same one.
+    /// Returns the index of the node set of a field. Fields that share nodes have the same index.
     pub fn node_set(&self, field: FieldId) -> usize {
         self.fields[field.index()].node_set
     }
@@ -225,35 +223,36 @@ impl BlockLayout {
         (first..first + components).map(DofId::new)
     }
 
-    /// Returns the values of a field with `N` components at a node of the global vector `x`.
+    /// Returns the values of a field with `N` components at a node, from the global vector `x`.
     ///
     /// # Panics
-    /// The field has another number of components.
+    /// The field does not have `N` components.
     #[inline]
     pub fn at<const N: usize>(&self, field: FieldId, node: usize, x: &[f64]) -> [f64; N] {
         let Field { first_dof, components, .. } = self.fields[field.index()];
-        assert!(components == N, "a field of {components} components is read as one of {N}");
+        assert!(components == N, "the field has {components} components, not {N}");
         let mut values = [0.0; N];
         values.copy_from_slice(&x[first_dof + N * node..][..N]);
         values
     }
 
-    /// Returns the values of a field with `N` components at all its nodes.
+    /// Returns the values of a field with `N` components at all its nodes, from the global vector `x`.
     ///
     /// # Panics
-    /// The field has another number of components.
+    /// The field does not have `N` components.
     pub fn values<const N: usize>(&self, field: FieldId, x: &[f64]) -> impl Iterator<Item = [f64; N]> {
         (0..self.n_nodes(field)).map(move |node| self.at(field, node, x))
     }
 
-    /// Writes the values of a field at its nodes, in order, into the global vector `x`.
+    /// Writes values of a field with `N` components, one per node in their order, into the global vector `x`. Nodes
+    /// without a value are unchanged.
     pub fn set<const N: usize>(&self, field: FieldId, values: impl IntoIterator<Item = [f64; N]>, x: &mut [f64]) {
         for (slot, value) in x[self.range(field)].chunks_exact_mut(N).zip(values) {
             slot.copy_from_slice(&value);
         }
     }
 
-    /// Returns the node of each dof, numbered over all fields.
+    /// Returns the node of each dof. Nodes of different sets have different numbers. Fields on the same set share them.
     pub fn nodes(&self) -> Vec<u32> {
         let of_field = |f: &Field| {
             let (first, components) = (f.first_node, f.components);

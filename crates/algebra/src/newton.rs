@@ -5,14 +5,15 @@ use std::time::Instant;
 use crate::linear::{LinearError, LinearSolver};
 use crate::{BlockLayout, BlockSystem, Constraints, ContributionTiming, Contributions, Forcing, Tied, Workspace};
 
-/// Successive growing corrections, each from an exact tangent, after which an iteration counts as diverged.
+/// Number of successive growing corrections with exact tangents after which the iteration has diverged.
 const MAX_GROWTHS: usize = 5;
 
-/// Largest ratio `θ` of a correction with an old factorisation to the one before. Beyond it the estimated error,
-/// `θ/(1-θ)` of the correction, exceeds the correction, which is discarded.
+/// Largest accepted ratio `θ` of a correction with an old factorisation to the previous correction. For a larger ratio
+/// the estimated error, `θ/(1-θ)` times the correction, exceeds the correction, and the correction is discarded. A
+/// larger [`NewtonSettings::contraction`] replaces this value, up to 1.
 ///
 /// Source: Deuflhard 2011, Newton methods for nonlinear problems, doi:10.1007/978-3-642-23899-4, Section 2.1.
-const USELESS: f64 = 0.5;
+const LARGEST_OLD_CONTRACTION: f64 = 0.5;
 
 /// A system of equations `Σ residuals of the contributions = 0`.
 pub struct Equations<'p> {
@@ -36,15 +37,15 @@ impl Equations<'_> {
 pub struct NewtonSettings {
     /// Largest accepted error and residual, relative to the state, in scaled norms (see [`newton`]).
     pub tolerance: f64,
-    /// Most corrections.
+    /// Largest number of corrections.
     pub max_iterations: usize,
     /// The factorisation is kept while a correction with it is at most this fraction of the one before. Zero: exact
     /// Newton with one factorisation per correction.
     pub contraction: f64,
     /// Accuracy of an iterative solve for a correction.
     pub forcing: Forcing,
-    /// Most halvings of a correction until the scaled residual decreases, once corrections with exact tangents have grown.
-    /// Zero: no line search.
+    /// Largest number of halvings of a correction until the scaled residual decreases, once corrections with exact
+    /// tangents have grown. Zero: no line search.
     pub max_halvings: usize,
 }
 
@@ -60,31 +61,32 @@ impl NewtonSettings {
 /// Statistics of a nonlinear solve.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct NewtonReport {
-    /// Corrections that were added to the state.
+    /// Number of corrections that were applied to the state, whole or shortened.
     pub iterations: usize,
-    /// Factorisations of the tangent.
+    /// Number of factorisations of the tangent.
     pub factorizations: usize,
-    /// Factorisations that needed free pivoting, as static pivots failed.
+    /// Number of these factorisations that needed pivoting over the whole matrix ([`LinearSolver::n_fallbacks`]).
     pub fallbacks: usize,
-    /// Sum of the iterations of the linear solver (refinement steps of a direct one).
+    /// Sum of the iterations of the linear solver, or of the refinement steps of a direct solver.
     pub linear_iterations: usize,
-    /// Row-scaled residual of each iterate, the first one included, relative to the column-scaled state.
+    /// `‖R r‖ / s` of each iterate with the norms and the size `s` of [`newton`], starting with the starting guess. The
+    /// `s` of the starting guess is at least the norm of the first correction.
     pub residual_history: Vec<f64>,
-    /// Column-scaled norm of each correction, relative to that of the state.
+    /// `‖C⁻¹ dx‖ / s` of each correction before it is shortened, with the norms and the size `s` of [`newton`].
     pub correction_history: Vec<f64>,
-    /// Wall-clock time of pattern and assembly.
+    /// Wall-clock time of pattern and assembly, s.
     pub seconds_assembly: f64,
-    /// The pattern's share of it.
+    /// Share of the pattern in `seconds_assembly`.
     pub seconds_pattern: f64,
     /// Number of evaluations of the system, with or without its matrix.
     pub assemblies: usize,
-    /// Wall-clock time of the linear solver.
+    /// Wall-clock time of the linear solver, s.
     pub seconds_linear: f64,
-    /// The factorisations' share of it.
+    /// Share of the factorisations in `seconds_linear`.
     pub seconds_factorization: f64,
-    /// Linear solves.
+    /// Number of linear solves.
     pub solves: usize,
-    /// Entries of the matrix.
+    /// Number of stored entries of the matrix.
     pub nnz: usize,
     /// Times per contribution.
     pub timings: Vec<ContributionTiming>,
@@ -118,14 +120,18 @@ impl NewtonReport {
 /// Cause of the end of a nonlinear solve; every variant holds the report up to that point with the full histories.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NewtonError {
-    /// Corrections from exact tangents kept growing. Try a better starting guess, a smaller step or a line search.
-    #[error("Newton diverged after {} iterations", .report.iterations)]
+    /// Five successive corrections with exact tangents grew, or the line search found no decrease of the residual.
+    /// Improve the starting guess or take a smaller step.
+    #[error("Newton's method diverged after {} iterations: corrections or residuals grew", .report.iterations)]
     Diverged {
         /// Statistics of the solve.
         report: Box<NewtonReport>,
     },
-    /// The iteration limit was reached, with `regime_changed` while the regime was still changing.
-    #[error("Newton did not converge in {} iterations (last residual {:e})", .report.iterations, last(.report))]
+    /// The limit of iterations was reached.
+    #[error(
+        "Newton's method did not converge in {} iterations (last relative residual {:e})",
+        .report.iterations, last_residual(.report)
+    )]
     NotConverged {
         /// Whether the last correction changed the regime.
         regime_changed: bool,
@@ -133,7 +139,7 @@ pub enum NewtonError {
         report: Box<NewtonReport>,
     },
     /// The linear system could not be solved.
-    #[error("linear solve of Newton iteration {} failed", .report.iterations)]
+    #[error("the linear solve failed after {} Newton iterations", .report.iterations)]
     Linear {
         /// Cause.
         source: LinearError,
@@ -170,24 +176,25 @@ impl NewtonError {
     }
 }
 
-fn last(report: &NewtonReport) -> f64 {
+/// Returns the last entry of the history of residuals; NaN if it is empty.
+fn last_residual(report: &NewtonReport) -> f64 {
     report.residual_history.last().copied().unwrap_or(f64::NAN)
 }
 
 /// Solves a nonlinear problem from the starting guess `x`, into which the constraints are written first.
 ///
-/// The tangent is factorised at the start, and again when the regime changes or when a correction with an old
-/// factorisation is more than `contraction` times the one before; if it is more than half of the one before (more than
-/// `contraction` times, if that is above a half), it is discarded and computed again. Otherwise only the residual is
-/// evaluated (modified Newton).
+/// The tangent is factorised at the start. It is factorised again if the regime has changed, if the line search
+/// shortened the last correction, or if the ratio `θ` of a correction with an old factorisation to the previous
+/// correction exceeds `contraction`. If `θ` also exceeds 1/2, the correction is discarded and computed again with the
+/// new factorisation. In all other iterations only the residual is evaluated (modified Newton).
 ///
 /// **Convergence.** With the row and column scales R, C of the equilibrated tangent and Euclidean norms over the
 /// unconstrained dofs, let `s = max(‖C⁻¹ x‖, ‖C⁻¹ x_start‖, ‖C⁻¹ x_ε‖ / tolerance)` with the rounding `x_ε` of
 /// [`BlockLayout::rounding`], and `θ = ‖C⁻¹ dx‖ / ‖C⁻¹ dx_previous‖`. The state is accepted if, after a full correction dx,
 ///
-/// - the estimated error `max(θ, η)/(1−θ) ‖C⁻¹ dx‖`, with the relative residual η that the linear solver reached, is at most
-///   `tolerance · s` (for the first correction, which has no θ, the correction itself; with η alone if every contribution is
-///   linear),
+/// - the estimated error `max(θ, η)/(1−θ) ‖C⁻¹ dx‖` is at most `tolerance · s`, where η is the relative residual that
+///   the linear solver reached. For the first correction, which has no θ, the estimate is `‖C⁻¹ dx‖`. If every
+///   contribution is linear, it is `η ‖C⁻¹ dx‖`,
 /// - the new residual satisfies `‖R r‖ ≤ tolerance · s`,
 /// - the correction did not change the regime.
 ///
@@ -227,7 +234,7 @@ pub fn newton(
         rounding: layout.rounding(),
         previous: vec![0.0; x.len()],
         correction: vec![0.0; x.len()],
-        last: None,
+        last_solve: None,
         system: &mut work.system,
         solver: work.solver.as_mut(),
         report,
@@ -259,10 +266,11 @@ enum Stop {
 /// Data of the linear solve for a correction.
 #[derive(Clone, Copy)]
 struct LinearSolve {
+    /// Tolerance that the linear solver was given.
     forcing: f64,
-    /// Scaled residual before the correction.
+    /// Norm of the scaled residual before the correction.
     before: f64,
-    /// Scaled residual after it, in the same scales.
+    /// Norm of the scaled residual after the correction, in the scales of `before`.
     after: f64,
     /// Relative residual of the linear system that was reached.
     reached: f64,
@@ -273,11 +281,15 @@ struct Solve<'a> {
     equations: &'a Equations<'a>,
     contributions: Vec<&'a dyn Contributions>,
     settings: &'a NewtonSettings,
+    /// State at the start, with the constraints applied.
     start: Vec<f64>,
+    /// Round-off of each dof ([`BlockLayout::rounding`]).
     rounding: Vec<f64>,
+    /// Correction of the previous iteration.
     previous: Vec<f64>,
     correction: Vec<f64>,
-    last: Option<LinearSolve>,
+    /// Linear solve for the last correction.
+    last_solve: Option<LinearSolve>,
     system: &'a mut BlockSystem,
     solver: &'a mut dyn LinearSolver,
     report: NewtonReport,
@@ -291,16 +303,17 @@ impl Solve<'_> {
         let (mut n_growths, mut is_searching) = (0, false);
         self.assemble(x, true)?;
         loop {
-            // Correction at x, where the system is assembled: with its tangent if that is to be renewed.
+            // The system is assembled at x, with the matrix if `renew`.
             if renew {
                 self.factorize()?;
             }
-            let last = self.last;
+            let last_solve = self.last_solve;
             self.solve(x)?;
             let mut theta = self.contraction();
-            if !renew && theta.is_some_and(|t| t > self.settings.contraction.clamp(USELESS, 1.0)) {
+            if !renew && theta.is_some_and(|t| t > self.settings.contraction.clamp(LARGEST_OLD_CONTRACTION, 1.0)) {
                 renew = true;
-                self.last = last;
+                // The forcing must not depend on the discarded solve.
+                self.last_solve = last_solve;
                 self.assemble(x, true)?;
                 self.factorize()?;
                 self.solve(x)?;
@@ -312,7 +325,7 @@ impl Solve<'_> {
                 self.report.residual_history.push(ratio(self.system.row_norm(), self.size(x).max(correction)));
             }
             is_searching |= n_growths > 0;
-            let step = if is_searching && renew { self.search(x)? } else { self.step(x, 1.0) };
+            let step = if is_searching && renew { self.search(x)? } else { self.subtract_correction(x, 1.0) };
             self.report.iterations += 1;
             let correction = ratio(correction, self.size(x));
             self.report.correction_history.push(correction);
@@ -328,7 +341,7 @@ impl Solve<'_> {
             let may_stop = error <= tolerance && !regime_changed;
             self.assemble(x, renew && !may_stop)?;
             let residual = self.system.row_norm();
-            if let Some(last) = &mut self.last {
+            if let Some(last) = &mut self.last_solve {
                 last.after = residual;
             }
             let residual = ratio(residual, self.size(x));
@@ -370,11 +383,11 @@ impl Solve<'_> {
         outcome.map_err(Stop::Linear)
     }
 
-    /// Computes the correction at `x` with the current factorisation; its sign is that of the residual.
+    /// Computes the correction `dx` at `x` with the current factorisation: `A dx = r`, to be subtracted from `x`.
     fn solve(&mut self, x: &[f64]) -> Result<(), Stop> {
         let before = self.system.row_norm();
         let enough = ratio(self.settings.tolerance * self.size(x), before);
-        let last = self.last.map(|last| (last.forcing, ratio(last.after, last.before)));
+        let last = self.last_solve.map(|last| (last.forcing, ratio(last.after, last.before)));
         let forcing = self.settings.forcing.next(last, enough);
         let begin = Instant::now();
         let solve = |system| self.solver.solve(&system, self.system.residual(), &mut self.correction, forcing);
@@ -384,19 +397,20 @@ impl Solve<'_> {
         let linear = outcome.map_err(Stop::Linear)?;
         self.equations.constraints.apply_ties(&mut self.correction);
         self.report.linear_iterations += linear.iterations;
-        self.last = Some(LinearSolve { forcing, before, after: before, reached: linear.backward_error });
+        self.last_solve = Some(LinearSolve { forcing, before, after: before, reached: linear.backward_error });
         Ok(())
     }
 
-    /// Returns `θ`: size of the correction over that of the one before, if there was one.
+    /// Returns `θ`, the norm of the correction over the norm of the previous one; `None` for the first correction.
     fn contraction(&self) -> Option<f64> {
         let previous = self.system.column_norm(&self.previous);
         (self.report.iterations > 0).then(|| ratio(self.system.column_norm(&self.correction), previous))
     }
 
-    /// Estimates the error after a correction relative to its size, from the contraction rate and the linear residual.
+    /// Estimates the error after a correction, relative to the norm of the correction, from the contraction rate `θ`
+    /// and the residual of the linear system.
     fn error_factor(&self, theta: Option<f64>, step: f64) -> f64 {
-        let left = self.last.map_or(0.0, |last| last.reached);
+        let left = self.last_solve.map_or(0.0, |last| last.reached);
         match theta {
             _ if step < 1.0 => f64::INFINITY,
             _ if self.system.is_linear() => left,
@@ -407,23 +421,23 @@ impl Solve<'_> {
     }
 
     /// Subtracts a fraction of the correction from `x`; returns the fraction.
-    fn step(&self, x: &mut [f64], fraction: f64) -> f64 {
+    fn subtract_correction(&self, x: &mut [f64], fraction: f64) -> f64 {
         for (x, dx) in x.iter_mut().zip(&self.correction) {
             *x -= fraction * dx;
         }
         fraction
     }
 
-    /// Subtracts the correction from `x`, halved until the scaled residual decreases (Armijo's rule); returns the fraction. If
-    /// no halving that the settings allow makes it decrease, the iteration has diverged.
+    /// Subtracts the correction from `x`, halved until the scaled residual decreases (Armijo's rule); returns the
+    /// fraction. The iteration has diverged if the halvings that the settings allow do not reduce the residual.
     ///
-    /// A full step that begins or ends contact may increase the residual before the next one reduces it; halving it
-    /// would cost iterations only. Therefore the search starts with a correction that grows although its tangent is
-    /// exact, and continues for all corrections with exact tangents.
+    /// A full correction that begins or ends contact may increase the residual before the next correction reduces it.
+    /// Halving such a correction would only cost iterations. Therefore the search starts with the first correction that
+    /// grows although its tangent is exact, and continues for all corrections with exact tangents.
     fn search(&mut self, x: &mut [f64]) -> Result<f64, Stop> {
         const LEAST_DECREASE: f64 = 1e-4;
         let before = self.system.row_norm();
-        let mut fraction = self.step(x, 1.0);
+        let mut fraction = self.subtract_correction(x, 1.0);
         if self.settings.max_halvings == 0 || before == 0.0 {
             return Ok(fraction);
         }
@@ -433,13 +447,13 @@ impl Solve<'_> {
             }
             if halvings < self.settings.max_halvings {
                 fraction *= 0.5;
-                self.step(x, -fraction);
+                self.subtract_correction(x, -fraction);
             }
         }
         Err(Stop::Diverged)
     }
 
-    /// Returns the size of the state, to which errors are relative.
+    /// Returns the size `s` of the state, to which errors are relative ([`newton`]).
     fn size(&self, x: &[f64]) -> f64 {
         let rounding = self.system.column_norm(&self.rounding) / self.settings.tolerance;
         self.system.column_norm(x).max(self.system.column_norm(&self.start)).max(rounding)

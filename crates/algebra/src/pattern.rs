@@ -1,4 +1,4 @@
-//! Sparsity pattern of a list of contributions, and where each of their entries goes.
+//! Sparsity pattern of a list of contributions, and the position of each of their entries.
 
 use std::ops::Range;
 
@@ -229,8 +229,7 @@ impl Pattern {
         &self.rows
     }
 
-    /// Returns the numbers of the items of a contribution (in the order of construction) among those of all
-    /// contributions.
+    /// Returns the indices of the items of a contribution among the items of all contributions.
     pub(crate) fn items(&self, contribution: usize) -> Range<usize> {
         self.first_item[contribution]..self.first_item[contribution + 1]
     }

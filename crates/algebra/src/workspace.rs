@@ -19,7 +19,7 @@ impl Workspace {
         Self::with_solver(Box::new(DirectSolver::new()))
     }
 
-    /// Creates a workspace with another linear solver.
+    /// Creates a workspace with a given linear solver.
     pub fn with_solver(solver: Box<dyn LinearSolver>) -> Self {
         Self { system: BlockSystem::default(), solver }
     }
@@ -29,12 +29,12 @@ impl Workspace {
         &self.system
     }
 
-    /// Returns what later solves depend on besides their problems ([`LinearSolver::memory`]).
+    /// Returns the data of the linear solver on which later solves depend ([`LinearSolver::memory`]).
     pub fn memory(&self) -> Vec<Vec<f64>> {
         self.solver.memory()
     }
 
-    /// Takes up the memory of another workspace with such a solver.
+    /// Restores the memory of a workspace with a linear solver of the same kind.
     ///
     /// # Errors
     /// See [`LinearSolver::recall`].

@@ -1,4 +1,4 @@
-//! The direct solver on easy, stiff and impossible systems.
+//! The direct solver on regular, stiff and singular systems.
 
 mod common;
 
@@ -73,7 +73,7 @@ fn penalties_of_1e9_do_not_spoil_the_solution() {
     let (system, _) = assembled(16);
     let n = system.residual().len();
     let mut stiff = system.matrix().to_owned();
-    // Penalties 1e9 (x_i - x_j) on the right neighbour i of every 7th unknown j of the first field.
+    // Springs of stiffness 1e9 between every 7th unknown j of the first field and its successor j + 1.
     let mut n_stiff = 0;
     for j in (0..n / 3 - 1).step_by(7).filter(|j| !system.constrained()[*j] && !system.constrained()[*j + 1]) {
         let entries = [(j + 1, j, -1.0), (j, j + 1, -1.0), (j + 1, j + 1, 1.0), (j, j, 1.0)];
@@ -124,7 +124,7 @@ fn a_free_pressure_constant_is_an_error() {
         let mut flow = Flow::new(m, 0.0);
         let pressure = flow.layout.dof(algebra::FieldId::new(2), 0, 0);
         flow.constraints = flow.constraints.iter().filter(|(dof, _)| *dof != pressure).collect();
-        // The lid leaks at its corners, but a constant pressure enters no row once velocities are prescribed.
+        // With prescribed velocities on the whole boundary, a constant pressure is in the kernel of the matrix.
         let system = BlockSystem::new(&flow.layout, &refs(&flow.parts()), &flow.constraints);
         let outcome = solve(system.matrix(), &vec![0.0; flow.layout.len()]);
         assert!(matches!(outcome, Err(LinearError::Singular { .. })), "m = {m}: {:?}", outcome.map(|_| ()));
@@ -183,11 +183,12 @@ fn the_condition_number_is_that_of_the_matrix_or_of_the_equilibrated_one() {
         condition_number(matrix.view(), &scalar_field(matrix.rows()), scaling).expect("a regular matrix")
     };
     let near = |condition: f64, exact: f64| assert!((condition / exact - 1.0).abs() < 1e-3, "{condition} {exact}");
-    // Scales do not count once they are taken out.
+    // Equilibration removes the scales of the rows and columns of a diagonal matrix.
     let diagonal = dense(&[&[4.0, 0.0], &[0.0, 1024.0]]);
     near(of(&diagonal, Scaling::Equilibrated), 1.0);
     near(of(&diagonal, Scaling::None), 256.0);
-    // Eigenvalues 1 + b and 1 - b; not symmetric, the singular values of a shear.
+    // The symmetric matrix has the eigenvalues 1.999 and 0.001, the shear the golden ratio g and 1/g as singular
+    // values.
     let symmetric = dense(&[&[1.0, 0.999], &[0.999, 1.0]]);
     let shear = dense(&[&[1.0, 1.0], &[0.0, 1.0]]);
     let golden = 0.5 * (1.0 + 5.0_f64.sqrt());
@@ -195,7 +196,7 @@ fn the_condition_number_is_that_of_the_matrix_or_of_the_equilibrated_one() {
         near(of(&symmetric, scaling), 1999.0);
         near(of(&shear, scaling), golden.powi(2));
     }
-    // Scaled and not symmetric: the squares of the singular values have the trace of `A Aᵀ` and its determinant, 4.
+    // Not symmetric: sum and product of the squared singular values are trace and determinant (4) of `A Aᵀ`.
     let scaled = dense(&[&[8.0, 0.5], &[0.0, 0.25]]);
     let trace = 64.0 + 0.25 + 0.0625_f64;
     let largest = 0.5 * (trace + (trace * trace - 16.0).sqrt());

@@ -141,7 +141,7 @@ fn equations_of_first_order_are_advanced_with_the_same_order() {
 
 /// Returns the energy of a scheme for oscillators with `ω²`; a level without acceleration gets that of `rates`.
 fn scheme_energy(scheme: &dyn TimeScheme, dt: f64, omega: f64, level: &Level<f64>, rates: &Level<f64>) -> f64 {
-    let motions = scheme.weights(dt, false).of_energy.map(|rows| level.by(rates, &rows));
+    let motions = scheme.weights(dt, false).of_energy.map(|rows| level.at_rows(rates, &rows));
     let energy =
         |motion: Level<f64>| squared_norm(&motion.velocity) + omega.powi(2) * squared_norm(&motion.displacement);
     0.25 * motions.map(energy).iter().sum::<f64>()

@@ -11,14 +11,14 @@ use crate::BlockLayout;
 /// Solvers of the blocks, and stopping criteria.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BlockGaussSeidelSettings {
-    /// Solvers of the blocks in their order; the last one serves all that follow.
+    /// Solvers of the blocks in their order. The last solver is used for all further blocks.
     pub solvers: Vec<BlockSolver>,
-    /// Entry of the equilibrated matrix from which on a coupling of two blocks is stiff. Unknowns with stiff couplings are
-    /// solved for together, with their neighbours.
+    /// Smallest absolute entry of the equilibrated matrix that makes a coupling of two blocks stiff. Unknowns with
+    /// stiff couplings and their neighbours are solved for together.
     pub stiff: f64,
     /// Iterations before a restart.
     pub restart: usize,
-    /// Most iterations of a solve.
+    /// Largest number of iterations of a solve.
     pub max_iterations: usize,
 }
 
@@ -34,9 +34,8 @@ impl Default for BlockGaussSeidelSettings {
 ///
 /// A block is a field, or several that share nodes: velocity and pressure of a fluid are one block. A sweep solves for one
 /// block after the other, each with the residual that the blocks before it have left. Penalties couple blocks so stiffly that
-/// a sweep alone does not converge; therefore it ends with one more, overlapping block: all unknowns with
-/// stiff couplings to another block, and their neighbours, with an LU of their own. They are selected by the
-/// entries of the equilibrated matrix.
+/// a sweep alone does not converge. Therefore the sweep ends with the *patch*, an overlapping block with its own LU. It
+/// contains all unknowns with stiff couplings to another block, and their neighbours.
 ///
 /// Source of the sweep over fluid and solids: Formaggia, Gatti and Zonca 2019, MOX-Report 44/2019, section 4.
 pub struct BlockGaussSeidel {
@@ -80,9 +79,9 @@ impl BlockGaussSeidel {
 
 /// The unknowns of a block.
 struct Block {
-    /// Ascending.
+    /// Unknowns, ascending.
     members: Vec<u32>,
-    /// Number of those that are not multipliers: the unknowns of the first field.
+    /// Number of members that are not multipliers: the unknowns of the first field.
     n_primal: usize,
 }
 

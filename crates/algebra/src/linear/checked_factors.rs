@@ -1,4 +1,4 @@
-//! LU factors that precondition, in single precision where this is good enough.
+//! LU factors for preconditioners, in single precision where this is accurate enough.
 
 use sprs::CsMatI;
 
@@ -6,15 +6,15 @@ use super::LinearError;
 use super::factors::{Factors, signs};
 use super::static_factors::StaticFactors;
 
-/// Largest accepted norm of the residual that a solve with good factors leaves of a right-hand side of entries ±1, relative to it.
+/// Largest accepted relative residual of a solve with the factors for a right-hand side of entries ±1.
 const LARGEST_RESIDUAL: f64 = 0.1;
 
-/// Static factors in single precision, or factors with free pivoting in double precision where those are not good: a
-/// pivot is too small, or a solve does not reduce its residual.
+/// Static factors in single precision. They are replaced by factors with free pivoting (over the whole matrix) in
+/// double precision if a pivot is too small, or if a solve does not reduce its residual.
 #[derive(Default)]
 pub(super) struct CheckedFactors {
     fast: StaticFactors<f32>,
-    /// Used in place of `fast` if present.
+    /// Used instead of `fast` if present.
     pivoting: Option<Box<Factors>>,
     n_unknowns: usize,
     solution: Vec<f64>,
@@ -72,7 +72,7 @@ impl CheckedFactors {
         }
     }
 
-    /// Returns the norm of the residual that the factors leave of a right-hand side of entries ±1, relative to it.
+    /// Returns the relative residual of a solve with the factors for a right-hand side of entries ±1.
     fn residual(&mut self, matrix: &CsMatI<f64, u32>) -> Result<f64, LinearError> {
         let mut x = std::mem::take(&mut self.solution);
         x.clear();

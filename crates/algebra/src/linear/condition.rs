@@ -4,8 +4,9 @@ use super::factors::Factors;
 use super::{LinearError, LinearSystem, MatrixView, ScaledMatrix};
 use crate::BlockLayout;
 
-/// Relative change from one iteration to the next at which an eigenvalue counts as found, and most iterations.
+/// Relative change of an eigenvalue from one iteration to the next at which the iteration ends.
 const CHANGE: f64 = 1e-4;
+/// Largest number of iterations.
 const MOST_ITERATIONS: usize = 300;
 
 /// The scales in which a matrix `A` is measured.

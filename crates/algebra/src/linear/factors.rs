@@ -11,7 +11,7 @@ use sprs::CsMatI;
 use super::LinearError;
 use super::nodes::NodeGraph;
 
-/// Growth of the probing solve from which on the matrix counts as singular.
+/// Largest entry of the solution of [`Factors::probe`] from which on the matrix is rejected as singular.
 const SINGULAR_GROWTH: f64 = 1e13;
 
 /// Supernodal LU factors of one matrix after the other.
@@ -80,7 +80,8 @@ impl Factors {
         .map_err(error)
     }
 
-    /// Solves once with a fixed right-hand side of `n` pseudo-random signs, which measures the size of the inverse.
+    /// Solves once with a fixed right-hand side of `n` pseudo-random signs. The largest entry of the solution is a
+    /// lower bound of the norm of the inverse.
     pub(super) fn probe(&mut self, n: usize, solution: &mut Vec<f64>) -> Result<(), LinearError> {
         solution.clear();
         solution.extend(signs().take(n));

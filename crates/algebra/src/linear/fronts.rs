@@ -127,8 +127,8 @@ impl Fronts {
         fronts
     }
 
-    /// Returns the largest number of entries of update matrices stored at the same time. Those of the children are released
-    /// after that of the parent is computed.
+    /// Returns the largest number of entries of update matrices stored at the same time. The updates of the children
+    /// are released after the update of the parent is computed.
     fn count_updates(&self) -> usize {
         let mut of_children = vec![0; self.len() + 1];
         let (mut now, mut most) = (0, 0);
@@ -182,7 +182,7 @@ impl Fronts {
         self.block_ptr[self.len()]
     }
 
-    /// Returns the number of entries of L below all pivot blocks, which is that of U to their right.
+    /// Returns the number of entries of L below all pivot blocks. U has as many to their right.
     pub(super) fn n_lower(&self) -> usize {
         self.lower_ptr[self.len()]
     }

@@ -11,7 +11,7 @@ pub struct GmresSettings {
     pub tolerance: f64,
     /// Basis vectors that are kept before the iteration starts again.
     pub restart: usize,
-    /// Most iterations.
+    /// Largest number of iterations.
     pub max_iterations: usize,
 }
 
@@ -20,8 +20,8 @@ pub type LinearMap<'a> = dyn FnMut(&[f64], &mut [f64]) -> Result<(), LinearError
 
 /// Flexible GMRES with right preconditioning: the preconditioner may change from iteration to iteration.
 ///
-/// The basis is orthogonalised by modified Gram-Schmidt, twice, so that it stays orthogonal to working precision. The
-/// residual that decides is computed from the solution, not from the recurrence. The memory of the basis is kept.
+/// The basis is orthogonalised by modified Gram-Schmidt, twice, so that it stays orthogonal to working precision.
+/// Convergence is tested with the residual of the solution, not of the recurrence. The memory of the basis is kept.
 ///
 /// Source: Saad 1993, A flexible inner-outer preconditioned GMRES algorithm, doi:10.1137/0914028; Giraud, Langou and
 /// Rozložník 2005, doi:10.1016/j.camwa.2005.08.009, for the second orthogonalisation.
@@ -42,7 +42,7 @@ impl Gmres {
     /// Solves with a matrix compressed by columns, from zero.
     ///
     /// # Errors
-    /// [`LinearError::NotConverged`] after the last iteration, with the best solution in `x`; errors of the preconditioner.
+    /// [`LinearError::NotConverged`], with the last iterate in `x`; errors of the preconditioner.
     pub fn solve(
         &mut self,
         matrix: &CsMatI<f64, u32>,

@@ -11,8 +11,8 @@ use super::nodes::NodeGraph;
 
 /// Weights of the shift of multipliers, in the order in which they are tried.
 const SHIFTS: [f64; 4] = [0.0, 10.0, 40.0, 160.0];
-/// Error of the factors on a vector of entries ±1, relative to it, from which on they count as unstable. Stable factors have
-/// errors below one, and growth in unstable ones is exponential: the exact bound is not important.
+/// Largest error `‖M⁻¹ A e - e‖ / ‖e‖` of stable factors `M` of `A`, with a vector `e` of entries ±1. Stable factors
+/// have errors below one, and growth in unstable ones is exponential: the exact bound is not important.
 const LARGEST_ERROR: f64 = 10.0;
 
 /// Rule for the entries that incomplete factors keep.
@@ -24,7 +24,7 @@ pub enum Fill {
     Threshold {
         /// Entries below this share of the norm of their row of the matrix are dropped.
         drop: f64,
-        /// Entries kept in each half of a row, over those that the matrix has there.
+        /// Largest ratio of the entries kept in each half of a row to the entries of the matrix in this half.
         growth: f64,
     },
 }
@@ -123,6 +123,7 @@ struct WorkRow {
     place: Vec<u32>,
 }
 
+/// Place of columns without a block.
 const NONE: u32 = u32::MAX;
 
 impl WorkRow {
@@ -150,7 +151,7 @@ impl IncompleteFactors {
     /// Computes the factors of a matrix whose unknowns from `n_primal` on are multipliers.
     ///
     /// # Errors
-    /// [`LinearError::Unstable`]: no shift of the multipliers makes the factors stable, or there are none.
+    /// [`LinearError::Unstable`]: the factors are unstable for all shifts of the multipliers.
     pub(super) fn factorize(
         &mut self,
         matrix: &CsMatI<f64, u32>,

@@ -13,14 +13,15 @@ use crate::DofKey;
 /// Criteria for the use of old factors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LaggedSettings {
-    /// Change of an entry of the equilibrated matrix, whose rows and columns have largest entries near one, from which on
-    /// its unknown counts as changed.
+    /// Largest change of an entry of the equilibrated matrix with which row and column of the entry count as unchanged.
+    /// The largest entries of rows and columns are near one.
     pub change: f64,
-    /// Share of the unknowns that may have changed; with more the matrix is factorised.
+    /// Largest share of unknowns that have changed or have changed neighbours. Above it the matrix is factorised.
     pub largest_share: f64,
-    /// Iterations of a solve beyond which the next matrix is factorised.
+    /// Number of iterations of a solve above which the next matrix is factorised.
     pub most_iterations: usize,
-    /// Iterations before a restart, and the most of a solve: after these the present matrix is factorised.
+    /// Iterations before a restart, and largest number of iterations of a solve. If a solve needs more, the present
+    /// matrix is factorised and the solve is repeated.
     pub restart: usize,
 }
 
@@ -42,7 +43,7 @@ impl Default for LaggedSettings {
 /// does not converge with them, they are replaced by factors with free pivoting in double precision.
 ///
 /// The matrix is factorised when the last solve took many iterations, when many unknowns have changed, or when a solve does
-/// not converge: counts decide, never times, so that runs can be repeated bit by bit.
+/// not converge. These criteria do not depend on times, so that runs can be repeated bit by bit.
 pub struct LaggedSolver {
     settings: LaggedSettings,
     base: Option<Base>,
@@ -64,16 +65,16 @@ struct Base {
     /// `None` before the first factorisation.
     matrix: Option<CsMatI<f64, u32>>,
     factors: CheckedFactors,
-    /// Nodes of its unknowns.
+    /// Nodes of the unknowns of the matrix.
     nodes: Vec<u32>,
-    /// Keys of its unknowns with their positions, sorted.
+    /// Keys of the unknowns of the matrix with their positions, sorted.
     keys: Vec<(DofKey, u32)>,
 }
 
 /// Relation of the present unknowns to those of the base, and factors where the matrix has changed.
 #[derive(Default)]
 struct Patch {
-    /// Position in the base of each unknown; `NONE` where it has none.
+    /// Position in the base of each unknown, or [`NONE`].
     to_base: Vec<u32>,
     /// Ratios of old to present scales.
     row_ratio: Vec<f64>,
@@ -85,6 +86,7 @@ struct Patch {
     base_work: Vec<f64>,
 }
 
+/// Position in the base of unknowns that are not in the base.
 const NONE: u32 = u32::MAX;
 
 impl LaggedSolver {
@@ -104,7 +106,7 @@ impl LaggedSolver {
         }
     }
 
-    /// Factorises the present matrix, which becomes the base; with free pivoting if it must, or if static pivots fail.
+    /// Factorises the present matrix, which becomes the base; with free pivoting if `must_pivot` or static pivots fail.
     fn renew(&mut self, system: &LinearSystem<'_>, must_pivot: bool) -> Result<(), LinearError> {
         let n = system.len();
         let mut base = self.base.take().unwrap_or_default();

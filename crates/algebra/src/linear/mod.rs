@@ -58,7 +58,8 @@ pub trait LinearSolver: Send {
     /// Returns the number of factorisations of a whole matrix so far.
     fn n_factorizations(&self) -> usize;
 
-    /// Returns the number of those that needed free pivoting, as static pivots failed.
+    /// Returns the number of these factorisations that needed pivoting over the whole matrix, because a pivot inside
+    /// its supernode was too small or the factors were too inaccurate. Zero for solvers without such a fallback.
     fn n_fallbacks(&self) -> usize {
         0
     }
@@ -68,8 +69,7 @@ pub trait LinearSolver: Send {
         Vec::new()
     }
 
-    /// Takes up the memory of a solver of the same kind with the same settings. Later solves have the bits that they would
-    /// have there.
+    /// Restores the memory of a solver of the same kind and settings. Later solves give the same bits as that solver.
     ///
     /// # Errors
     /// [`LinearError::Memory`]: the lists are not those of such a solver. Errors of a factorisation that is repeated.
@@ -112,7 +112,7 @@ pub enum LinearError {
     /// The matrix has no inverse because of its pattern.
     #[error("the matrix is structurally singular (no pivot number {pivot})")]
     StructurallySingular {
-        /// Number of the pivot that was not found.
+        /// Index of the pivot that was not found.
         pivot: usize,
     },
     /// The matrix is singular to working precision; often a missing constraint (a rigid motion, a pressure constant).

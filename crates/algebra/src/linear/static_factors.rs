@@ -13,7 +13,7 @@ use sprs::CsMatI;
 use super::LinearError;
 use super::fronts::Fronts;
 
-/// Size of a pivot below which it is refused, relative to the largest entry of its column and to the unit round-off.
+/// Smallest accepted pivot, divided by the unit round-off and by the largest entry of its column.
 const SMALL_PIVOT: f64 = 10.0;
 
 /// Multifrontal LU factors in single or double precision.
@@ -120,8 +120,8 @@ struct Substitution<'a, T> {
 impl<T: RealField + Copy> NullaryFnOnce for Substitution<'_, T> {
     type Output = ();
 
-    /// Solves, compiled for the instruction set of the caller, with the same bits for all: products and sums are not fused,
-    /// and the order of the sums is fixed.
+    /// Solves, compiled for the instruction set of the caller. The bits do not depend on the instruction set: products
+    /// and sums are not fused, and the order of the sums is fixed.
     #[inline(always)]
     fn call(self) {
         let Self { fronts, lower, blocks, upper, exchanges, work, part } = self;
@@ -262,7 +262,7 @@ impl<'m, T: RealField + Copy + Into<f64>> Elimination<'m, T> {
             }
             end -= n * n;
         }
-        // The own update takes the place of those of the children.
+        // The update of the front overwrites the updates of its children.
         let begin = old.len();
         self.updates.copy_within(begin.., end);
         self.updates.truncate(end + r * r);

@@ -15,7 +15,7 @@ use super::{LinearError, LinearSystem};
 pub enum BlockSolver {
     /// Sparse LU.
     Lu,
-    /// Sparse LU in single precision where this reduces residuals, else as above.
+    /// Sparse LU in single precision if this reduces residuals, else [`BlockSolver::Lu`].
     SingleLu,
     /// Sparse Cholesky where the block is symmetric and positive definite before it is scaled, else sparse LU.
     Cholesky,
@@ -51,8 +51,8 @@ impl Default for BlockFactors {
 const NONE: u32 = u32::MAX;
 
 impl Subdomain {
-    /// Factorises the rows and columns of `members`, ascending, of an equilibrated matrix. From `n_primal` on they are
-    /// multipliers.
+    /// Factorises the rows and columns of `members`, ascending, of an equilibrated matrix. The members from position
+    /// `n_primal` on are multipliers.
     ///
     /// # Errors
     /// See [`LinearError`].

@@ -54,7 +54,7 @@ impl ScaledMatrix {
     /// [`LinearError::NotFactorized`]: there is no matrix.
     ///
     /// # Panics
-    /// The layout has another number of unknowns.
+    /// The layout does not have the size of the matrix.
     pub fn system<'m>(&'m self, layout: &'m BlockLayout) -> Result<LinearSystem<'m>, LinearError> {
         let matrix = self.matrix.as_ref().ok_or(LinearError::NotFactorized)?;
         assert_eq!(matrix.rows(), layout.len(), "unknowns of the layout");

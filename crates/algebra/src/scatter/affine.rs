@@ -4,7 +4,8 @@ use rayon::prelude::*;
 
 use crate::Pattern;
 
-/// Blocks of columns that are summed by themselves. Their number is part of the result: it must not depend on threads.
+/// Number of blocks of columns with separate sums. The round-off of the result depends on this number, which therefore
+/// must not depend on the number of threads.
 const BLOCKS: usize = 4;
 
 /// `y = r + K x`, summed in blocks of columns so that bits do not depend on the number of threads.

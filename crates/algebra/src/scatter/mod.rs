@@ -21,11 +21,11 @@ const ITEMS_PER_ROUND: usize = 4096;
 
 /// A contribution with its place in the pattern.
 pub(crate) struct Work<'a> {
-    /// Number of the contribution.
+    /// Index of the contribution.
     pub(crate) index: usize,
     pub(crate) contribution: &'a dyn Contributions,
     pub(crate) pattern: &'a Pattern,
-    /// Numbers of its items in the pattern.
+    /// Indices of the items of the contribution in the pattern.
     pub(crate) items: Range<usize>,
 }
 
@@ -37,7 +37,7 @@ pub(crate) struct Scatter {
 
 impl Scatter {
     /// Adds all items of the contributions to the values in the stripes, which are set to zero first if `from_zero`.
-    /// Reports the time of each contribution, which is that of its slowest stripe.
+    /// Calls `report` with the index of each contribution and the time of its slowest stripe, s.
     pub(crate) fn add(
         &mut self,
         works: &[Work<'_>],
@@ -45,7 +45,7 @@ impl Scatter {
         stripes: &Stripes,
         mut dealt: Vec<Stripe<'_>>,
         from_zero: bool,
-        mut tell: impl FnMut(usize, f64),
+        mut report: impl FnMut(usize, f64),
     ) {
         self.of_stripe.resize_with(stripes.len(), Default::default);
         let n_rounds = works.iter().map(|work| work.items.len()).max().unwrap_or(0).div_ceil(ITEMS_PER_ROUND);
@@ -81,7 +81,7 @@ impl Scatter {
             dealt.par_iter_mut().zip(&mut self.of_stripe).enumerate().for_each(run);
         }
         for (k, work) in works.iter().enumerate() {
-            tell(work.index, self.of_stripe.iter().map(|(_, seconds)| seconds[k]).fold(0.0, f64::max));
+            report(work.index, self.of_stripe.iter().map(|(_, seconds)| seconds[k]).fold(0.0, f64::max));
         }
     }
 }

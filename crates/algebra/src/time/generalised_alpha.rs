@@ -10,11 +10,11 @@ use super::{Row, TimeScheme, Weights};
 ///
 /// `v^{n+1} = v^n + Δt ((1-γ) a^n + γ a^{n+1})`, `d^{n+1} = d^n + Δt v^n + Δt² ((1/2-β) a^n + β a^{n+1})`,
 ///
-/// and a stage at `v = (1-α_f) v^{n+1} + α_f v^n`, with displacement alike and acceleration with `α_m`. The same rules advance
-/// fluid, elastic and rigid bodies: for an equation of first order they are of second order too.
+/// and a stage at `v = (1-α_f) v^{n+1} + α_f v^n`, with the displacement alike, and the acceleration alike with `α_m`.
+/// The same rules advance fluid, elastic and rigid bodies. They are of second order for equations of first order, too.
 ///
-/// Geometry is extrapolated to the stage. Where `a^n` is unknown, acceleration is taken as constant over the step. No equation
-/// has to be solved for it then, motion under constant acceleration stays exact, and the order is kept.
+/// Geometry is extrapolated to the stage. If `a^n` is unknown, the acceleration is constant over the step. Then no
+/// equation has to be solved for `a^n`, motion under constant acceleration stays exact, and the order is kept.
 ///
 /// The shifted displacement `Y = d + (1/2 - α_f) Δt v + (γ/2 - β) Δt² a` changes by `Δt v` over a step.
 ///
@@ -53,10 +53,10 @@ impl TimeScheme for GeneralisedAlpha {
         let v_end = (unknown - v * alpha_f) * (1.0 - alpha_f).recip();
         let a_end = (v_end - v) * (gamma * dt).recip() - a * ((1.0 - gamma) / gamma);
         let d_end = d + v * dt + (a * (0.5 - beta) + a_end * beta) * dt.powi(2);
-        // Without acceleration: the error is of second order still, and accelerations have the noise of the fastest vibrations.
+        // Of second order although without acceleration, which contains the noise of the fastest vibrations.
         let ahead = |dt: f64| d + v * dt;
         let r = (1.0 - self.rho_inf) / (1.0 + self.rho_inf);
-        let of_energy = |d: Row, share: f64| [d, v + a * (share * r * dt)];
+        let motion = |d: Row, share: f64| [d, v + a * (share * r * dt)];
         let moved = d + v * (r * dt) - a * (0.5 * (r * dt).powi(2));
         // A constant acceleration cancels in the change of the shifted displacement.
         let shift = |d: Row, v: Row, a: Row| d + v * ((0.5 - alpha_f) * dt) + a * ((0.5 * gamma - beta) * dt.powi(2));
@@ -68,7 +68,7 @@ impl TimeScheme for GeneralisedAlpha {
             acceleration: a_end,
             extrapolated: [ahead((1.0 - alpha_f) * dt), ahead(dt)],
             shifted: [shift(d, v, a), shift(d_end, v_end, a_end)],
-            of_energy: [of_energy(d, 0.5 - FRAC_1_SQRT_2), of_energy(moved, 0.5 + FRAC_1_SQRT_2)],
+            of_energy: [motion(d, 0.5 - FRAC_1_SQRT_2), motion(moved, 0.5 + FRAC_1_SQRT_2)],
             conserves: true,
             alpha_f,
         }

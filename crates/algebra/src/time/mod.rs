@@ -42,19 +42,20 @@ impl<V> Default for Level<V> {
 }
 
 impl<V: Value> Level<V> {
-    /// Returns displacement and velocity by two rows for zero velocity at the stage, with the accelerations of `rates`.
-    pub fn by(&self, rates: &Self, rows: &[Row; 2]) -> Self {
+    /// Evaluates two rows of a scheme, one for the displacement and one for the velocity. Known values are displacement
+    /// and velocity of this level and the accelerations of `rates`; the unknown velocity is zero.
+    pub fn at_rows(&self, rates: &Self, rows: &[Row; 2]) -> Self {
         let known = Self { acceleration: rates.acceleration.clone(), ..self.clone() };
         let [displacement, velocity] = rows.map(|row| Affine::new(&row, &known).predicted);
         Self { displacement, velocity, acceleration: Vec::new() }
     }
 }
 
-/// The rows of a scheme for one step.
+/// The weights of a scheme for one step: one [`Row`] for each quantity.
 ///
-/// Contact acts at *shifted* displacements. They differ from those at the ends of the step such that their change over the
-/// step is `Δt v`, the displacement by the velocity of the stage; the work of a force on the stage velocity is then the
-/// force times the change of the shifted displacement. For implicit Euler they are the displacements at the ends.
+/// Contact acts at *shifted* displacements. Their change over the step is `Δt v` with the velocity `v` at the stage, so
+/// that the work of a force on `v` is the force times the change of the shifted displacement. For implicit Euler the
+/// shifted displacements are the displacements at the ends of the step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Weights {
     /// Displacement at the stage.
@@ -67,15 +68,16 @@ pub struct Weights {
     pub velocity: Row,
     /// Acceleration at the end; zero if the scheme does not need it.
     pub acceleration: Row,
-    /// Displacement at the stage and at the end, extrapolated from known values: geometry is evaluated there.
+    /// Displacement at the stage and at the end, extrapolated from known values. The mesh is cut at the first. For
+    /// implicit Euler both are the displacement at the start.
     pub extrapolated: [Row; 2],
     /// Shifted displacement at the start and at the end.
     pub shifted: [Row; 2],
     /// Displacement and velocity of two motions at one time. The mean of their energies is the *energy of the scheme*, which a
     /// step without forces cannot increase where energies are quadratic.
     pub of_energy: [[Row; 2]; 2],
-    /// Whether a force with a potential acts as a discrete gradient, which conserves energy; else it acts at the end, where a
-    /// convex potential takes energy.
+    /// Whether a force with a potential acts as a discrete gradient, which conserves energy. Otherwise the force at the
+    /// end of the step acts, which dissipates energy if the potential is convex.
     pub conserves: bool,
     /// Distance of the stage from the end, as a fraction of the step.
     pub alpha_f: f64,
@@ -83,7 +85,7 @@ pub struct Weights {
 
 /// A time scheme: a table of weights.
 pub trait TimeScheme: Send + Sync + Debug {
-    /// Returns the rows of a step of length `dt`; `starts` is true if no acceleration is known.
+    /// Returns the weights of a step of length `dt`. `starts`: the acceleration at its start is unknown.
     fn weights(&self, dt: f64, starts: bool) -> Weights;
 }
 
