@@ -11,26 +11,26 @@ pub trait Body<const D: usize>: Send + Sync {
     /// Returns the name, for reports and files.
     fn name(&self) -> &str;
 
-    /// Returns the surface. Vertices are those of [`Body::reference`].
+    /// Returns the surface. Its facets refer to the vertices of [`Body::reference`].
     fn surface(&self) -> &BoundaryMesh<D>;
 
     /// Returns the reference positions of all vertices.
     fn reference(&self) -> &[Point<D>];
 
-    /// Returns whether forces can move the body: false for a prescribed motion, and for a rigid motion that is held as a
-    /// whole.
+    /// Returns whether forces can move the body. It is false for a prescribed motion, and for a rigid body whose
+    /// translations and rotations are all held.
     fn is_movable(&self) -> bool;
 
     /// Returns the state at time zero.
     fn start(&self) -> BodyState<D>;
 
-    /// Returns the positions of all vertices on which the geometry of a step is evaluated: those at its start, or extrapolated
-    /// to its stage (generalised-α).
+    /// Returns the positions of all vertices at which the background mesh is cut in a step. They are the positions at
+    /// the start of the step, or extrapolated to its stage (generalised-α).
     fn geometry(&self, begin: &BodyState<D>, time: &StepTime) -> Vec<Point<D>> {
         begin.positions_by(&time.weights.extrapolated[0], self.reference())
     }
 
-    /// Returns the body in the step from `begin` to the end of `time`. Registers its unknowns in `layout`.
+    /// Prepares the step `time` from the state `begin`, and registers the unknowns of the body in `layout`.
     fn step<'s>(
         &'s self,
         begin: &'s BodyState<D>,
@@ -38,7 +38,7 @@ pub trait Body<const D: usize>: Send + Sync {
         layout: &mut BlockLayout,
     ) -> Box<dyn BodyStep<D> + 's>;
 
-    /// Returns the velocity at a point of a body of prescribed motion; `None` for other bodies.
+    /// Returns the velocity at the point `x` of a body of prescribed motion at a time; `None` for other bodies.
     fn given_velocity(&self, _x: &Point<D>, _time: f64) -> Option<Vector<D>> {
         None
     }
@@ -46,18 +46,19 @@ pub trait Body<const D: usize>: Send + Sync {
     /// Returns the mass, momentum, energies, centre and volume; `None` for a body of prescribed motion.
     fn balance(&self, state: &BodyState<D>) -> Option<Balance<D>>;
 
-    /// Returns the part of gravity that varies in time, at a time; the weight of a constant one is in the balance. It has
-    /// no potential, and its weight is one of the loads.
+    /// Returns the acceleration of the time-dependent part of gravity. This part has no potential, so that its weight
+    /// is a load ([`BodyStep::loads`]). The constant part of gravity is in [`Body::balance`].
     fn variable_gravity(&self, _time: f64) -> Vector<D> {
         Vector::zeros()
     }
 
-    /// Returns the state with displacement and velocity given by two rows of the scheme, with the accelerations of `rates`. The
-    /// ledger evaluates its energy ([`algebra::time::Weights::of_energy`]).
+    /// Evaluates two rows of a time scheme, one for the displacement and one for the velocity. Known values are
+    /// displacement and velocity of `state` and the accelerations of `rates`; the unknown velocity is zero. The energy
+    /// ledger evaluates the energy of the result ([`algebra::time::Weights::of_energy`]).
     ///
-    /// A body whose balance depends on [`BodyState::inner`] overrides this method.
+    /// A body whose balance depends on [`BodyState::inner`] must override this method.
     fn at_rows(&self, state: &BodyState<D>, rates: &BodyState<D>, rows: &[Row; 2]) -> BodyState<D> {
-        BodyState { level: state.level.by(&rates.level, rows), inner: state.inner.clone() }
+        BodyState { level: state.level.at_rows(&rates.level, rows), inner: state.inner.clone() }
     }
 
     /// Returns the cells with their stresses, for output. A body without cells is drawn as its surface.
@@ -88,8 +89,8 @@ pub trait BodyStep<const D: usize>: Sync {
     /// Returns the state at the end of the step for the solution `x`.
     fn end(&self, layout: &BlockLayout, x: &[f64]) -> BodyState<D>;
 
-    /// Returns the stress of the body on its surface, force per area of the surface at the given positions of its
-    /// vertices; `None` for bodies without stress.
+    /// Returns the traction `σ n` of the body on its surface, `n` out of the body, as force per area of the surface at
+    /// `positions`, the positions of all vertices. `None` for a body that computes no stress.
     fn stress<'p>(
         &'p self,
         _layout: &'p BlockLayout,

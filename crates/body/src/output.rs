@@ -28,7 +28,7 @@ pub struct Balance<const D: usize> {
     pub volume: f64,
     /// Smallest `det F` at the points where the stress is evaluated; a cell is inverted if it is not positive.
     pub smallest_volume_ratio: f64,
-    /// Middle of the vertices of the cell with that ratio.
+    /// Mean position of the vertices of the cell with the smallest ratio.
     pub smallest_volume_at: Point<D>,
 }
 
@@ -55,16 +55,16 @@ impl<'a, const D: usize> CellOutput<'a, D> {
     }
 }
 
-/// Cauchy stress in a cell; in 2D of plane strain, with the stress normal to the plane.
+/// Cauchy stress in a cell. In 2D it is the stress of plane strain, which has a component normal to the plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CellStress<const D: usize> {
-    /// Cauchy stress.
+    /// Components in the plane in 2D, all components in 3D.
     pub cauchy: Tensor<D>,
     /// Stress normal to the plane in 2D; zero in 3D.
     pub out_of_plane: f64,
 }
 
-/// A body in the plane is a slice of a body in space.
+/// Number of dimensions of space. A body in the plane is a slice of a body in space.
 const SPATIAL_DIMENSION: f64 = 3.0;
 
 impl<const D: usize> CellStress<D> {

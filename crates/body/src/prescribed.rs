@@ -9,6 +9,8 @@ use crate::{
 };
 
 /// A body with a prescribed motion. It has no unknowns.
+///
+/// `velocity` must be the time derivative of `position` along the path of each particle, which is not checked.
 pub struct PrescribedBody<const D: usize> {
     /// Name.
     pub name: String,
@@ -29,8 +31,8 @@ impl<const D: usize> PrescribedBody<D> {
         BodyState::new(displacement, at.iter().map(|x| (self.velocity)(x, [time; 2])).collect())
     }
 
-    /// Returns the rates of the velocities of the vertices at the end of a step, from the velocities at its start,
-    /// middle and end.
+    /// Returns the accelerations of the vertices at the end `t` of a step by the one-sided difference of second order,
+    /// `(3 v(t) - 4 v(t - Δt/2) + v(t - Δt))/Δt`.
     fn acceleration(&self, end: &BodyState<D>, time: &StepTime) -> Vec<Vector<D>> {
         let before = |part: f64| self.state(time.end - part * time.length).level.velocity;
         let earlier = before(0.5).into_iter().zip(before(1.0));
@@ -62,16 +64,15 @@ impl<const D: usize> Body<D> for PrescribedBody<D> {
     }
 
     fn geometry(&self, begin: &BodyState<D>, time: &StepTime) -> Vec<Point<D>> {
-        let at_start = time.weights.extrapolated[0].velocity == 0.0;
-        if at_start {
-            begin.positions(&self.reference)
+        if time.extrapolates() {
+            self.state(time.geometry_time()).positions(&self.reference)
         } else {
-            self.state(time.of_geometry()).positions(&self.reference)
+            begin.positions(&self.reference)
         }
     }
 
     fn step<'s>(&'s self, begin: &'s BodyState<D>, time: &StepTime, _: &mut BlockLayout) -> Box<dyn BodyStep<D> + 's> {
-        let (times, shifted) = ([time.of_geometry(), time.stage()], &time.weights.shifted[0]);
+        let (times, shifted) = ([time.geometry_time(), time.stage()], &time.weights.shifted[0]);
         let mut end = self.state(time.end);
         if time.weights.acceleration != Row::default() {
             end.level.acceleration = self.acceleration(&end, time);
@@ -80,6 +81,7 @@ impl<const D: usize> Body<D> for PrescribedBody<D> {
             boundary: &self.boundary,
             geometry: self.geometry(begin, time),
             begin: begin.positions_by(shifted, &self.reference),
+            // The shifted positions at the end of this step are those at the start of the next step.
             predicted: end.positions_by(shifted, &self.reference),
             slope: 0.0,
             velocity: SurfaceVelocity::Given(Box::new(move |x| (self.velocity)(x, times))),

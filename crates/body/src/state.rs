@@ -3,7 +3,7 @@
 use algebra::time::{Affine, Level, Row};
 use mesh::{Point, Vector};
 
-/// Positions, velocities and accelerations of the vertices of a body at one time, and its own numbers.
+/// Displacements, velocities and accelerations of the vertices of a body at one time, and data of the kind of body.
 ///
 /// A checkpoint writes the lists as they are.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,12 +35,12 @@ impl<const D: usize> BodyState<D> {
         self.velocity().iter().map(Vector::norm).fold(0.0, f64::max)
     }
 
-    /// Returns the current positions.
+    /// Returns the current positions of the vertices, from their reference positions.
     pub fn positions(&self, reference: &[Point<D>]) -> Vec<Point<D>> {
         reference.iter().zip(self.displacement()).map(|(x, d)| x + d).collect()
     }
 
-    /// Returns the positions that a row of a time scheme gives for zero velocity at the stage.
+    /// Returns the positions of the vertices that a row of a time scheme gives for zero velocity at the stage.
     pub fn positions_by(&self, row: &Row, reference: &[Point<D>]) -> Vec<Point<D>> {
         let displacement = Affine::new(row, &self.level);
         reference.iter().enumerate().map(|(node, x)| x + displacement.at(node, Vector::zeros())).collect()

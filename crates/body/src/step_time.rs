@@ -9,14 +9,14 @@ pub struct StepTime {
     pub end: f64,
     /// Length of the step.
     pub length: f64,
-    /// Rows of the scheme, the same for all fields.
+    /// Weights of the time scheme for this step, the same for all fields.
     pub weights: Weights,
 }
 
 impl StepTime {
-    /// Creates a step of a scheme; `starts` is true if no acceleration is known.
-    pub fn new(scheme: &dyn TimeScheme, end: f64, length: f64, starts: bool) -> Self {
-        Self { end, length, weights: scheme.weights(length, starts) }
+    /// Creates a step of a scheme. `is_first`: the acceleration at the start is unknown, as in the first step of a run.
+    pub fn new(scheme: &dyn TimeScheme, end: f64, length: f64, is_first: bool) -> Self {
+        Self { end, length, weights: scheme.weights(length, is_first) }
     }
 
     /// Returns the time of the stage.
@@ -25,8 +25,14 @@ impl StepTime {
         if alpha == 0.0 { self.end } else { self.end - alpha * self.length }
     }
 
-    /// Returns the time to which geometry is extrapolated: that of the start for implicit Euler.
-    pub fn of_geometry(&self) -> f64 {
+    /// Returns whether the geometry of the step is extrapolated; otherwise it is the geometry at the start.
+    pub fn extrapolates(&self) -> bool {
+        self.weights.extrapolated[0].velocity != 0.0
+    }
+
+    /// Returns the time of the geometry of the step: its start for implicit Euler, its stage for generalised-α.
+    pub fn geometry_time(&self) -> f64 {
+        // Positions are extrapolated by `Δ v`, so that the weight of the velocity is the time `Δ` from the start.
         self.end - self.length + self.weights.extrapolated[0].velocity
     }
 }

@@ -9,14 +9,14 @@ pub type ByDof<const D: usize> = Vec<(DofId, Vector<D>)>;
 /// Traction `σ n` on one side of the surface of a body, constant on each facet, with its derivatives; `n` points out of
 /// the body. It is a force per area of the surface at the positions at which the step integrates over it.
 ///
-/// Consistent contact laws and the mortar depend on it. Implementations: the stress of a solid behind the surface, and
-/// that of the fluid in front of it.
+/// Consistent contact laws and the mortar use this traction. Implementations: the stress of a solid behind the surface,
+/// and the stress of the fluid in front of it.
 pub trait SurfaceStress<const D: usize>: Send + Sync {
-    /// Appends the dofs on which the traction on a facet depends; they are frozen for the step.
+    /// Appends the dofs on which the traction on a facet depends. The list does not change during a step.
     fn dofs(&self, facet: FacetId, out: &mut Vec<DofId>);
 
-    /// Returns the traction on a facet at the state `x`. Replaces `derivatives` by those with respect to the dofs on which
-    /// it depends, all among [`SurfaceStress::dofs`].
+    /// Returns the traction on a facet at the state `x`. Replaces `derivatives` by the derivatives of the traction with
+    /// respect to the dofs on which it depends, all among [`SurfaceStress::dofs`].
     ///
     /// Units: force per area.
     fn on(&self, facet: FacetId, x: &[f64], derivatives: &mut ByDof<D>) -> Vector<D>;

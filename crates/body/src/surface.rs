@@ -7,16 +7,17 @@ use crate::{BodyState, StepTime};
 
 /// A surface in one step.
 ///
-/// The fluid is cut at `geometry`. Contact acts at the shifted positions of [`algebra::time::Weights`]: `begin` at the start of
-/// the step, and `predicted + slope v` at its end, whose difference is the length of the step times the velocity `v`.
+/// The background mesh is cut at `geometry`. Contact acts at the shifted positions of [`algebra::time::Weights`]:
+/// `begin` at the start of the step, `predicted + slope v` at its end. The difference is `v` times the length of the
+/// step.
 pub struct SurfaceMotion<'s, const D: usize> {
     /// The surface.
     pub boundary: &'s BoundaryMesh<D>,
     /// Positions of all vertices at the start of the step, or extrapolated to its stage (generalised-α).
     pub geometry: Vec<Point<D>>,
-    /// Shifted positions at the start.
+    /// Shifted positions of all vertices at the start.
     pub begin: Vec<Point<D>>,
-    /// Shifted positions at the end for zero velocity.
+    /// Shifted positions of all vertices at the end for zero velocity.
     pub predicted: Vec<Point<D>>,
     /// Derivative of the shifted positions at the end with respect to the velocity; zero for a given motion.
     pub slope: f64,
