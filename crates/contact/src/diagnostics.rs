@@ -21,7 +21,7 @@ pub struct ContactReport<const D: usize> {
     /// Quadrature points on which contact acts in the step: those with a traction, and those in contact at the shifted
     /// positions at its end.
     pub n_active: usize,
-    /// Measure of the slave's surface that these points stand for.
+    /// Sum of the quadrature weights of these points: the measure of the slave's surface in contact.
     pub active_area: f64,
     /// Force on the slave, `∫ (λ n^w + τ)`, at the stage. With a discrete gradient, points that are in contact only
     /// at the start contribute too.
@@ -33,7 +33,7 @@ pub struct ContactReport<const D: usize> {
     /// Mean contact pressure `-λ` on the facets of the slave with contact points, in the order of the facets. Forces
     /// are divided by the measures of the facets over which the step is integrated.
     pub slave_pressures: Vec<(FacetId, f64)>,
-    /// The same on the facets of a deformable obstacle, from the forces at the points of the slave opposite to each.
+    /// Mean contact pressure on the facets of a deformable obstacle, from the forces at opposite points of the slave.
     pub master_pressures: Vec<(FacetId, f64)>,
 }
 
@@ -53,7 +53,7 @@ impl<const D: usize> ContactReport<D> {
             master_pressures: Vec::new(),
         };
         let mut on_slave: BTreeMap<FacetId, f64> = BTreeMap::new();
-        // A segment is assigned to one facet: that on which one of its points has a projection farthest from the edges.
+        // A segment is assigned to the facet on which one of its points has a projection farthest from the edges.
         let mut segments: BTreeMap<(usize, usize), Opposite> = BTreeMap::new();
         let law = &sites.pair.form.law;
         for item in 0..sites.len() {
@@ -106,7 +106,7 @@ impl<const D: usize> ContactReport<D> {
 struct Opposite {
     force: f64,
     facet: Option<FacetId>,
-    /// Smallest barycentric coordinate in that facet.
+    /// Smallest barycentric coordinate in this facet.
     inside: f64,
 }
 

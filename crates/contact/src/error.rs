@@ -13,7 +13,7 @@ pub enum Error {
     UnknownFacet {
         /// The facet.
         facet: FacetId,
-        /// Facets of the boundary.
+        /// Number of facets of the boundary.
         n_facets: usize,
     },
     /// A deformable obstacle without its body (the master) or with another one, or a rigid obstacle with a body.

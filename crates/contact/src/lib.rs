@@ -1,10 +1,11 @@
 //! Gap, obstacles, contact laws and contact tractions.
 //!
-//! The surface of a body (the *slave*) must not penetrate an *obstacle*: a rigid one, or the surface of another body (the
-//! *master*). At a point `x` of the slave's surface an [`Obstacle`] gives the closest point `Π(x)`, the unit normal
-//! `n^w` **into the obstacle** and so the gap `Δ = (Π(x) - x) · n^w`, negative when the point has penetrated. A
+//! The surface of a body (the *slave*) must not penetrate an *obstacle*: a rigid one, or the surface of another body
+//! (the *master*). At a point `x` of the slave's surface an [`Obstacle`] gives the closest point `Π(x)`, the unit
+//! normal `n^w` **into the obstacle** and so the gap `Δ = (Π(x) - x) · n^w`, negative when the point has penetrated. A
 //! [`ContactLaw`] maps gap, slip and stress to a traction in the local [`Frame`]. Only the term `terms/contact_work.rs`
-//! combines the two. A law of collisions has a restitution instead of a traction, which the crate `solver` evaluates.
+//! combines the two. A collision law has no traction but a coefficient of restitution, which the crate `solver`
+//! applies.
 //!
 //! | formula | file |
 //! |---|---|
@@ -17,6 +18,11 @@
 //! | closest points and normals | `obstacle/rigid_plane.rs`, `rigid_ball.rs`, `rigid_surface.rs`, `deformable.rs` |
 //! | contact of a body with itself | `obstacle/own.rs` |
 //! | quadrature points, and their time levels | `sites.rs`, `segments.rs` |
+//!
+//! Symbols: contact parameters `γ_C0` and `γ_C`, `γ` for `γ_C0/s` or `γ_C`, contact size `s`, offset `ε`, normal and
+//! tangential stress `s_n` and `s_t`, multiplier `m_n`, projection `P` onto the disk of friction, slip `g`, relative
+//! normal velocity `w_n`, coefficient of restitution `e`, traction `f = λ n^w + τ`, test functions `w^s` and `w^m` of
+//! slave and master, `[a]₊ = max(a, 0)`.
 //!
 //! ```
 //! use contact::{ContactLaw, ContactPoint, Obstacle, PenaltyLaw, Positions, RigidPlane};

@@ -10,14 +10,13 @@ pub(crate) const MAX_NODES: usize = 2 * MAX_FACET_VERTICES;
 /// A vertex that takes part in contact at one point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactNode<const D: usize> {
-    /// First local row of its velocity; `None` if its motion is prescribed.
+    /// First local row of the velocity of the vertex; `None` if its motion is prescribed.
     pub row: Option<usize>,
-    /// Its share `s_a` in the relative motion `x - Π(x)`: shape function at the slave, minus barycentric coordinate at
-    /// the master.
+    /// Share `s_a` in the relative motion `x - Π(x)`: shape function (slave), minus barycentric coordinate (master).
     pub share: f64,
-    /// Derivative `G_a` of its barycentric coordinate with respect to `x`; zero at the slave.
+    /// Derivative `G_a` of the barycentric coordinate with respect to `x`; zero at the slave.
     pub gradient: Vector<D>,
-    /// Derivative of its position at the end with respect to its velocity.
+    /// Derivative of the position at the end of the step with respect to the velocity, a time.
     pub slope: f64,
     /// Displacement of the vertex over the step.
     pub displacement: Vector<D>,
@@ -35,7 +34,7 @@ impl<const D: usize> ContactNode<D> {
 /// A quadrature point of the slave's surface in contact, its projection and the traction between them.
 #[derive(Clone, Debug)]
 pub struct ContactSite<const D: usize> {
-    /// Number of the point within its item.
+    /// Index of the point within its item.
     pub number: usize,
     /// Quadrature weight with the measure of the facet at the start of the step.
     pub weight: f64,

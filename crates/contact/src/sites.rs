@@ -11,7 +11,7 @@ use crate::segments::{Segment, divide};
 use crate::site::ContactNode;
 use crate::{Anchor, ContactLaw, ContactPoint, ContactSite, Error, Frame, Local, Obstacle, Positions, StressSource};
 
-/// Law, contact size and quadrature of a contact: everything constant in time but the bodies.
+/// Law, contact size and quadrature of a contact.
 #[derive(Clone, Debug)]
 pub struct ContactForm<const D: usize> {
     /// The law.
@@ -44,7 +44,7 @@ pub struct ContactPair<'a, const D: usize> {
     pub form: &'a ContactForm<D>,
     /// The surface that is integrated over.
     pub slave: &'a SurfaceMotion<'a, D>,
-    /// Facets of it that may come into contact: no symmetry lines, no clamped parts.
+    /// Facets of the slave that may come into contact, without symmetry lines and clamped parts.
     pub facets: &'a [FacetId],
     /// Geometry that the slave must not enter.
     pub obstacle: &'a dyn Obstacle<D>,
@@ -54,7 +54,7 @@ pub struct ContactPair<'a, const D: usize> {
     pub stress: Option<Arc<dyn SurfaceStress<D> + 'a>>,
     /// Factor of the traction: a half if the law depends on a stress and both surfaces are slaves, else one.
     pub share: f64,
-    /// Whether a law with energy acts as a discrete gradient over the step; else it acts at the end.
+    /// Whether a law with energy acts as a discrete gradient over the step; otherwise it acts at the end.
     pub conserves: bool,
 }
 
@@ -80,7 +80,7 @@ pub fn check_pair<const D: usize>(
 #[derive(Clone, Debug)]
 pub struct ContactItems<const D: usize> {
     items: Vec<Item<D>>,
-    /// Whether the obstacle has facets, so that only those within the reach are candidates.
+    /// Whether candidates were searched within the reach; false for an obstacle without facets.
     is_searched: bool,
 }
 
@@ -92,7 +92,7 @@ struct Item<const D: usize> {
     facet: FacetId,
     /// Measure of the facet at the start of the step.
     measure: f64,
-    /// Facets of the obstacle that it may touch.
+    /// Facets of the obstacle that the facet may touch.
     candidates: Vec<FacetId>,
     /// Parts of the facet on which the master's shape functions have no kinks.
     segments: Vec<Segment<D>>,
@@ -110,7 +110,7 @@ struct Item<const D: usize> {
 /// Multipliers of all points of a contact after a solve.
 #[derive(Clone, Debug)]
 pub struct Multipliers {
-    /// One list per item.
+    /// One list per item, with one multiplier per point.
     values: Vec<Vec<Local>>,
     /// Largest change of a traction since the previous solve, force per area.
     pub change: f64,
@@ -127,7 +127,7 @@ fn row_of(dof: DofId, dofs: &mut Vec<DofId>) -> usize {
 }
 
 impl<const D: usize> ContactItems<D> {
-    /// Returns whether the obstacle has facets, so that only those within the reach are candidates.
+    /// Returns whether candidates were searched within the reach; false for an obstacle without facets.
     pub fn is_searched(&self) -> bool {
         self.is_searched
     }
@@ -149,8 +149,8 @@ impl<const D: usize> ContactItems<D> {
         }
     }
 
-    /// Finds candidates within `reach` of the slave's facets at the start of the step: at least the offset of the law
-    /// plus the relative motion in the step. A point without an obstacle in reach carries no traction.
+    /// Finds candidates within the distance `reach` of the slave's facets at the start of the step. `reach` must be at
+    /// least the offset of the law plus the relative motion in the step: a point without candidates has no traction.
     pub fn new(pair: &ContactPair<'_, D>, layout: &BlockLayout, reach: f64) -> Self {
         let &ContactPair { slave, facets, obstacle, master, .. } = pair;
         let placed = Placed::new(slave.boundary, &slave.begin);
@@ -201,13 +201,12 @@ impl<const D: usize> ContactItems<D> {
     }
 }
 
-/// The quadrature points of a contact in one step. Only those in contact are visited; the others carry no traction.
+/// The quadrature points of a contact in one step. Only points in contact are visited; the others have no traction.
 ///
-/// Time levels: the *weight* contains the measure of the slave's facet, and the weight of the coordinates, at the start
-/// of the step.
-/// *Gap, slip and frame* are those at its end. The *stress* is that of the unknown state. Positions are the shifted
-/// ones of the time scheme. A discrete gradient of the law also depends on the gap at the start of the step; then a
-/// point is visited if it is in contact at the start or at the end.
+/// Time levels: the *weight* contains the measure of the slave's facet, and the weight of the coordinates
+/// ([`mesh::Coordinates::weight`]), at the start of the step. *Gap, slip and frame* are evaluated at its end. The
+/// *stress* is evaluated at the unknown state. Positions are the shifted positions of the time scheme. A discrete
+/// gradient also depends on the gap at the start; then a point is visited if it is in contact at the start or the end.
 #[derive(Clone)]
 pub struct ContactSites<'a, const D: usize> {
     /// Facets that may touch.
@@ -219,7 +218,7 @@ pub struct ContactSites<'a, const D: usize> {
 }
 
 impl<const D: usize> ContactSites<'_, D> {
-    /// Returns the number of the segment of its item in which a point lies.
+    /// Returns the index, within the item, of the segment in which a point lies.
     pub(crate) fn segment_of(&self, site: &ContactSite<D>) -> usize {
         site.number / self.pair.form.rule.weights().len()
     }

@@ -69,9 +69,9 @@ impl ContactLaw for AugmentedLagrangianLaw {
         StressSource::Multiplier
     }
 
-    fn accepted_change(&self, largest: f64) -> f64 {
-        // A limit of friction that is wrong by a share of the traction changes the motion by this share.
-        let scale = if self.friction > 0.0 { self.gamma_contact_0.min(largest) } else { self.gamma_contact_0 };
+    fn accepted_change(&self, largest_traction: f64) -> f64 {
+        // The limit of friction is proportional to the traction: its error is relative to the largest traction.
+        let scale = if self.friction > 0.0 { self.gamma_contact_0.min(largest_traction) } else { self.gamma_contact_0 };
         self.tolerance * scale
     }
 }

@@ -4,10 +4,9 @@ use super::{ContactPoint, ContactTraction};
 
 /// `λ = -[γ (ε - Δ) - s_n]₊` and `τ = -P(γ g - s_t)` with the projection `P` onto the disk of radius `-μ_f λ`
 ///
-/// Both are equivalent to Signorini's and Coulomb's conditions if `s` is the traction itself: the stress of the slave in
-/// Nitsche's method, a multiplier in the augmented Lagrangian. There the radius is `μ_f [-s_n]₊`, that of the previous
-/// solve, so that points in contact stick or slide by a disk that does not change during a solve. A point that leaves contact
-/// loses its friction at once.
+/// Both are equivalent to Signorini's and Coulomb's conditions if `s` is the traction itself: the stress of the slave
+/// in Nitsche's method, a multiplier in the augmented Lagrangian. With a multiplier the radius is `μ_f [-s_n]₊`, the
+/// value of the previous solve, so that the disk is fixed during a solve. A point that leaves contact has no friction.
 ///
 /// Source: Alart and Curnier 1991, doi:10.1016/0045-7825(91)90022-X.
 pub(super) struct Coulomb {
@@ -55,7 +54,7 @@ impl Coulomb {
         let direction = trial.map(|component| if sticks { 0.0 } else { component / norm });
         for (row, k) in [1, 2].into_iter().enumerate() {
             traction.value[k] = if sticks { -trial[row] } else { -limit * direction[row] };
-            // With lag the radius is constant.
+            // A lagged radius does not depend on the gap.
             traction.by_gap[k] = if self.is_lagged { 0.0 } else { self.friction * direction[row] * traction.by_gap[0] };
             traction.by_stress[0][k] = self.friction * direction[row];
             for (column, l) in [1, 2].into_iter().enumerate() {

@@ -6,9 +6,10 @@ use super::{ContactLaw, ContactPoint, ContactTraction};
 /// relative round-off in the derivative of the quotient is below `1e-16/1e-12`.
 const SMALLEST_CHANGE: f64 = 1e-6;
 
-/// Returns `λ = (W(Δ^{n+1}) - W(Δ^n))/(Δ^{n+1} - Δ^n)` with its derivative by `Δ^{n+1}`; `at` is the point at the end of the
-/// step. A law without energy is evaluated at the end: at the mean gap it prescribes the mean as it becomes stiffer, and the gap
-/// alternates from step to step.
+/// Returns `λ = (W(Δ^{n+1}) - W(Δ^n))/(Δ^{n+1} - Δ^n)` with its derivative by `Δ^{n+1}`
+///
+/// `at` is the point at the end of the step. A law without energy is evaluated at the end. If it was evaluated at the
+/// mean gap, a stiff law would only prescribe the mean of two gaps, and the gap would alternate from step to step.
 ///
 /// Source: Gonzalez 2000, Exact energy and momentum conserving algorithms for general models in nonlinear elasticity,
 /// doi:10.1016/S0045-7825(00)00189-4; for contact, Armero and Petocz 1998, doi:10.1016/S0045-7825(97)00256-9.

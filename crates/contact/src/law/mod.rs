@@ -22,15 +22,17 @@ use crate::Local;
 pub struct ContactPoint {
     /// Gap `Δ`, negative when the point has penetrated; a length.
     pub gap: f64,
-    /// Slip over the step along each tangent: displacement of the slave's point relative to its closest point; a length.
+    /// Slip over the step along each tangent, a length: displacement of the slave's point relative to its closest
+    /// point.
     pub slip: [f64; 2],
-    /// Traction `σ n` on the slave's surface in the frame, or the multiplier, force per area of the surface at the start of
-    /// the step. Zero if the law does not depend on a stress ([`ContactLaw::stress`]).
+    /// Traction `σ n` on the slave's surface, `n` out of the slave, or the multiplier, in the frame of the point. It is
+    /// a force per area at the start of the step. Zero if the law does not depend on a stress ([`ContactLaw::stress`]).
     pub stress: Local,
     /// Stiffness of the slave's cell divided by its height, `(2 μ + λˢ)/h` for linear elements, force per volume. Zero
     /// if the law does not depend on a stress.
     pub stiffness: f64,
-    /// Contact size `s`, a length.
+    /// Contact size `s`, the length by which penalty laws divide `γ_C0`, constant in a contact
+    /// ([`crate::ContactForm::size`]).
     pub size: f64,
 }
 
@@ -51,8 +53,8 @@ pub struct ContactTraction {
 
 impl ContactTraction {
     /// Returns the traction and its derivatives multiplied by a factor.
-    pub(crate) fn times(self, part: f64) -> Self {
-        let of = |local: Local| local.map(|value| part * value);
+    pub(crate) fn times(self, factor: f64) -> Self {
+        let of = |local: Local| local.map(|value| factor * value);
         let Self { value, by_gap, by_slip, by_stress } = self;
         Self { value: of(value), by_gap: of(by_gap), by_slip: by_slip.map(of), by_stress: by_stress.map(of) }
     }
@@ -72,21 +74,22 @@ pub enum StressSource {
     /// The stress of the slave, which must be a body that deforms, minus that of the fluid in front of it. Without a
     /// fluid it is the stress of the slave.
     Jump,
-    /// The traction of the law in the previous solve of the step, zero in the first one. The step is solved again until it no longer
-    /// changes ([`ContactLaw::accepted_change`]). Slaves need no stress.
+    /// The traction of the law in the previous solve of the step; zero in the first solve. The step is solved again
+    /// until the traction changes by at most [`ContactLaw::accepted_change`]. The slave may be a body without stress.
     Multiplier,
 }
 
-/// A contact law. One criterion, [`ContactLaw::is_active`], serves force, active set and reported contact times.
+/// A contact law. The traction is zero where [`ContactLaw::is_active`] is false. The active set of Newton's method and
+/// the reported contact times use the same criterion.
 pub trait ContactLaw: Send + Sync + std::fmt::Debug {
     /// Returns the traction at a point.
     fn traction(&self, at: &ContactPoint) -> ContactTraction;
 
-    /// Returns whether there is contact at a point; the traction is zero otherwise.
+    /// Returns whether there is contact at a point.
     fn is_active(&self, at: &ContactPoint) -> bool;
 
-    /// Returns the distance `ε` from which obstacles are searched and penetration is measured. A law with stress may be
-    /// active slightly beyond it.
+    /// Returns the contact offset `ε`, a length. Penetration is `ε - Δ`. A law with stress may act at slightly larger
+    /// gaps.
     fn offset(&self) -> f64;
 
     /// Returns the stored energy per area, whose derivative with respect to the gap is the normal traction; `None` for
@@ -95,10 +98,11 @@ pub trait ContactLaw: Send + Sync + std::fmt::Debug {
         None
     }
 
-    /// Returns the restitution of collisions, from 0 to 1, for bodies that do not deform; `None` for laws that act by
-    /// their traction.
+    /// Returns the coefficient of restitution of collisions, from 0 to 1, for bodies that do not deform; `None` for
+    /// laws that act by their traction.
     ///
-    /// The velocity of approach is reversed in a step at whose start [`ContactLaw::is_active`] holds.
+    /// If [`ContactLaw::is_active`] holds at the start of a step, the relative normal velocity at its end is minus the
+    /// coefficient times that at its start.
     fn restitution(&self) -> Option<f64> {
         None
     }
@@ -108,9 +112,9 @@ pub trait ContactLaw: Send + Sync + std::fmt::Debug {
         StressSource::None
     }
 
-    /// Returns the largest change of the traction from one solve of a step to the next after which the step is not solved
-    /// again, given the largest traction of the contact, both force per area; only for laws with [`StressSource::Multiplier`].
-    fn accepted_change(&self, _largest: f64) -> f64 {
+    /// Returns the largest change of the traction since the previous solve with which the step is not solved again, a
+    /// force per area. `largest_traction` is that of all points. Only used for [`StressSource::Multiplier`].
+    fn accepted_change(&self, _largest_traction: f64) -> f64 {
         0.0
     }
 }

@@ -18,7 +18,7 @@ pub struct ObstacleCheck {
     pub distance: f64,
     /// Derivative of the gap with respect to the point, minus the normal, compared with central differences.
     pub gap_derivative: f64,
-    /// Derivative of the normal compared with central differences: the mean over all points, because single ones lie at kinks.
+    /// Derivative of the normal compared with central differences. It is the mean over all points: some lie at kinks.
     pub mean_normal_derivative: f64,
 }
 

@@ -6,7 +6,7 @@ use mesh::{Aabb, BoundaryMesh, FacetId, MAX_FACET_VERTICES, Placed, Point, Tenso
 use super::{Anchor, Obstacle, Projection};
 use crate::{Error, Positions};
 
-/// Distances below this, relative to the size of a facet, are round-off and have no direction.
+/// Largest distance, relative to the first edge of the facet, that counts as zero: its direction is round-off.
 const TOUCHING: f64 = 1e-8;
 
 /// Part of the boundary of a body that acts as an obstacle.
@@ -39,14 +39,14 @@ impl<const D: usize> DeformableObstacle<D> {
         Ok(Self { boundary, facets, vertex_to_facet })
     }
 
-    /// Builds the index of the facets that can be touched, in their order.
+    /// Builds the search structure of the facets that can be touched. Its facet `k` is `self.facets[k]`.
     pub(super) fn index(&self, positions: &[Point<D>]) -> SurfaceIndex<D> {
         let touchable = self.facets.iter().flat_map(|&f| self.boundary.facet(f)).copied().collect();
         SurfaceIndex::new(&Placed::new(&BoundaryMesh::from_facets(touchable), positions))
     }
 
-    /// Computes [`Obstacle::smallest_gap`] with the index at these positions. Points are visited in the order of their
-    /// distances from the box around the obstacle, until this distance exceeds the smallest gap so far.
+    /// Computes [`Obstacle::smallest_gap`] with the search structure at `positions`. Points near the box around the
+    /// obstacle come first. The loop ends when the distance to the box exceeds the smallest gap so far.
     pub(super) fn smallest_gap_with(
         &self,
         index: &SurfaceIndex<D>,
@@ -69,7 +69,7 @@ impl<const D: usize> DeformableObstacle<D> {
         smallest
     }
 
-    /// Computes [`Obstacle::candidates`] with the index at the obstacle's positions.
+    /// Computes [`Obstacle::candidates`] with the search structure at the obstacle's positions.
     pub(super) fn candidates_with(
         &self,
         index: &SurfaceIndex<D>,
@@ -92,7 +92,7 @@ impl<const D: usize> DeformableObstacle<D> {
         near.iter_mut().for_each(|f| *f = self.facets[f.index()]);
     }
 
-    /// Returns the closest point of some facets, and its facet.
+    /// Returns the point of the candidates that is closest to `x`, and its facet; `None` without candidates.
     pub(super) fn closest(
         &self,
         x: &Point<D>,
@@ -127,8 +127,8 @@ impl<const D: usize> DeformableObstacle<D> {
         Projection { point: foot.point, normal, normal_gradient, anchor }
     }
 
-    /// Returns whether a set contains all facets around a closest point.
-    pub(super) fn surrounds(&self, (facet, foot): &(FacetId, Foot<D>), facets: &[FacetId]) -> bool {
+    /// Returns whether `facets` contains all facets around a closest point. Otherwise the gap has no meaningful sign.
+    pub(super) fn has_all_facets_around(&self, (facet, foot): &(FacetId, Foot<D>), facets: &[FacetId]) -> bool {
         let contains = |facet: &FacetId| facets.contains(facet);
         match foot.feature(self.boundary.facet(*facet)) {
             Feature::Facet => contains(facet),
@@ -155,11 +155,12 @@ impl<const D: usize> DeformableObstacle<D> {
         }
         let gap = if away.dot(&outward) >= 0.0 { distance } else { -distance };
         let normal = -away / gap;
-        let mut across = Tensor::identity() - normal * normal.transpose();
+        // ∇n = -(I - n nᵀ - ∇Π)/Δ with ∇Π = Σ_k (x_k - Π) ⊗ ∇l_k, l_k the barycentric coordinates of the closest point.
+        let mut projector = Tensor::identity() - normal * normal.transpose();
         for (point, gradient) in points[..D].iter().zip(&foot.gradient) {
-            across -= (point - foot.point) * gradient.transpose();
+            projector -= (point - foot.point) * gradient.transpose();
         }
-        (normal, -across / gap)
+        (normal, -projector / gap)
     }
 }
 

@@ -61,8 +61,8 @@ impl<const D: usize> Projection<D> {
 pub trait Obstacle<const D: usize>: Send + Sync + std::fmt::Debug {
     /// Returns the closest point to `x`, or `None` if no candidate has one.
     ///
-    /// `positions`: those of the vertices of the obstacle's own body, ignored by obstacles at rest; `candidates`: the
-    /// facets that are searched, ignored by obstacles without facets.
+    /// `positions` are the positions of the vertices of the obstacle's own body, ignored by obstacles at rest.
+    /// `candidates` are the facets that are searched, ignored by obstacles without facets.
     fn project(&self, x: &Point<D>, positions: Positions<'_, D>, candidates: &[FacetId]) -> Option<Projection<D>>;
 
     /// Returns the boundary that the facets of candidates and anchors belong to; `None` for a rigid obstacle.
@@ -76,11 +76,10 @@ pub trait Obstacle<const D: usize>: Send + Sync + std::fmt::Debug {
         points.iter().filter_map(gap).reduce(f64::min)
     }
 
-    /// Returns, for each of the slave's `facets`, the facets of the obstacle within `reach`, the slave as placed and
-    /// the obstacle's vertices at `positions`; `None` for an obstacle without facets, whose closest points are found at
-    /// any distance.
+    /// Returns, for each of the slave's `facets`, the facets of the obstacle, with vertices at `positions`, within the
+    /// distance `reach`. `None` for an obstacle without facets, whose closest points are found at any distance.
     ///
-    /// They are found once per step and then frozen, so that the sparsity pattern holds while projections move.
+    /// Candidates are found once per step, so that the sparsity pattern does not change when projections move.
     fn candidates(
         &self,
         _slave: Placed<'_, D>,

@@ -15,9 +15,9 @@ use crate::{Error, Positions};
 ///   undeformed body if their normals oppose each other there: facets that face each other through the body are not in
 ///   contact.
 ///
-/// Closest points and normals are those of [`DeformableObstacle`]. A negative gap counts only if all facets around the closest
-/// point may be touched. Elsewhere the closest point is an end of the facets that were searched, and the sign of the gap has
-/// no meaning. The two sides of a re-entrant corner are an example.
+/// Closest points and normals are those of [`DeformableObstacle`]. A negative gap is used only if all facets around the
+/// closest point may be touched. Otherwise the closest point is an end of the facets that were searched, and the sign
+/// of the gap has no meaning. The two sides of a re-entrant corner are an example.
 #[derive(Clone, Debug)]
 pub struct OwnSurface<const D: usize> {
     surface: DeformableObstacle<D>,
@@ -27,8 +27,8 @@ pub struct OwnSurface<const D: usize> {
 
 impl<const D: usize> OwnSurface<D> {
     /// Creates the obstacle from some facets of a closed boundary, the positions of the vertices of the undeformed
-    /// body, and the exempt distance. It is at least the distance at which the law acts, and less than twice the thickness
-    /// of the parts between which contact is searched.
+    /// body, and the exempt distance. This distance must be at least the distance at which the law acts, and less than
+    /// twice the thickness of the parts between which contact is searched.
     ///
     /// # Errors
     /// [`Error::UnknownFacet`]: the boundary does not have one of the facets. [`Error::Parameter`]: the distance is not
@@ -85,7 +85,7 @@ impl<const D: usize> Obstacle<D> for OwnSurface<D> {
     fn project(&self, x: &Point<D>, at: Positions<'_, D>, candidates: &[FacetId]) -> Option<Projection<D>> {
         let closest = self.surface.closest(x, at, candidates)?;
         let found = self.surface.projection(x, &closest, at);
-        let is_known = found.gap(x) >= 0.0 || self.surface.surrounds(&closest, candidates);
+        let is_known = found.gap(x) >= 0.0 || self.surface.has_all_facets_around(&closest, candidates);
         is_known.then_some(found)
     }
 

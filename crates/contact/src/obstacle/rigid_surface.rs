@@ -14,7 +14,7 @@ use crate::{Error, Positions};
 pub struct RigidSurface<const D: usize> {
     surface: DeformableObstacle<D>,
     positions: Vec<Point<D>>,
-    /// Index of the facets that can be touched, in their order.
+    /// Search structure of the facets that can be touched.
     index: SurfaceIndex<D>,
 }
 
