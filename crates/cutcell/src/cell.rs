@@ -11,13 +11,13 @@ use crate::tree::{Tree, Wall};
 /// Properties of a leaf: a convex piece of a cell that no facet crosses.
 #[derive(Clone, Copy, Debug)]
 struct Label {
-    /// Number of bodies around it.
+    /// Number of bodies around the leaf.
     depth: i32,
-    /// Fluid part of the cell to which it belongs; not used inside a body.
+    /// Index of the fluid part to which the leaf belongs; not used inside a body.
     part: u32,
 }
 
-/// Number in place of a part that is left out because it is too thin.
+/// Index of parts that are left out because they are too thin.
 const THIN: u32 = u32::MAX;
 /// Unknown number of bodies.
 const UNKNOWN: i32 = i32::MIN;
@@ -86,7 +86,7 @@ pub(crate) struct KeptCell {
 /// A convex piece of a facet with fluid in front of it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct KeptWet {
-    /// Number of the part, from zero in each cell.
+    /// Index of the part, from zero in each cell.
     pub(crate) part: u32,
     pub(crate) facet: u32,
     pub(crate) n_corners: u32,
@@ -172,7 +172,7 @@ impl<const D: usize> CellCut<D> {
         self.thin.clear();
     }
 
-    /// Computes the number of bodies around each leaf from that around one of them.
+    /// Computes the number of bodies around each leaf from the number around the leaf `from`.
     fn spread(&mut self, from: usize, depth: i32) {
         self.labels.clear();
         self.labels.resize(self.tree.leaves().len(), Label { depth: UNKNOWN, part: 0 });
@@ -197,7 +197,7 @@ impl<const D: usize> CellCut<D> {
         self.labels.iter_mut().filter(|label| label.depth == UNKNOWN).for_each(|label| label.depth = depth);
     }
 
-    /// Numbers the connected sets of fluid leaves in the order of their first leaf; returns their number.
+    /// Numbers the connected sets of fluid leaves in the order of their first leaf; returns the count of sets.
     fn number_parts(&mut self) -> u32 {
         let labels = &mut self.labels;
         // First, each leaf gets the lowest leaf of its set.
@@ -215,7 +215,7 @@ impl<const D: usize> CellCut<D> {
                 }
             }
         }
-        // Then, the lowest leaf is replaced by the number of the set.
+        // Then, the lowest leaf is replaced by the index of the set.
         let mut n_parts = 0;
         for leaf in 0..labels.len() {
             if let Some(lowest) = labels[leaf].part() {

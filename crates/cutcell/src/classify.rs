@@ -12,7 +12,7 @@ const UNKNOWN: i32 = i32::MIN;
 /// infinitesimal.
 ///
 /// For one vertex of each connected set of cells, counts crossings on a segment from a point outside all surfaces. For the
-/// others, follows edges of cells, on which the number changes only if facets touch the cell.
+/// other vertices, follows edges of cells, on which the number changes only if facets touch the cell.
 pub(crate) fn depths<const D: usize>(
     background: &SimplexMesh<D>,
     facets: &[Facet<D>],
@@ -40,7 +40,7 @@ pub(crate) fn depths<const D: usize>(
     }
 }
 
-/// Computes the numbers of all vertices of a cell from one that is known; returns whether there is one.
+/// Computes the numbers at all vertices of a cell from a known one; returns whether the cell has a known one.
 fn spread<const D: usize>(
     background: &SimplexMesh<D>,
     facets: &[Facet<D>],

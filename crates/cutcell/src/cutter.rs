@@ -14,8 +14,8 @@ use crate::surface::{self, Facet};
 use crate::touched::TouchedCells;
 use crate::{CutMesh, Error, OverlayOptions};
 
-/// Cuts one background mesh repeatedly with little allocation: memory that grows with the number of cut cells is kept, and
-/// also that of results which are returned to [`Cutter::recycle`].
+/// A cutter of one background mesh for repeated cuts. It keeps the memory that grows with the number of cut cells, and
+/// the memory of results that are returned to [`Cutter::recycle`].
 ///
 /// ```
 /// use cutcell::{OverlayOptions, Cutter};

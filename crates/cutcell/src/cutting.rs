@@ -10,11 +10,13 @@ use crate::touched::TouchedCells;
 /// Data of an overlay on which the cut of a cell depends.
 #[derive(Clone, Copy)]
 pub(crate) struct Cutting<'a, const D: usize> {
+    /// Planes of facets and of faces of the background, with exact predicates.
     pub(crate) planes: Planes<'a, D>,
+    /// Cells that facets may touch.
     pub(crate) touched: &'a TouchedCells,
     /// Number of bodies around each vertex of the background.
     pub(crate) depth: &'a [i32],
-    /// Thickness below which fluid parts are left out.
+    /// Smallest thickness, a length. Thinner fluid parts are left out. It is also the tolerance for pieces of faces.
     pub(crate) thinnest: f64,
 }
 
@@ -26,8 +28,8 @@ impl<'a, const D: usize> Cutting<'a, D> {
         depth: &'a [i32],
         options: &OverlayOptions,
     ) -> Self {
-        let extent = background.vertices().iter().fold(0.0_f64, |r, x| r.max(x.amax()));
-        let planes = Planes { background, facets, resolution: 2.0 * f64::EPSILON * extent };
+        let largest_coordinate = background.vertices().iter().fold(0.0_f64, |r, x| r.max(x.amax()));
+        let planes = Planes { background, facets, resolution: 2.0 * f64::EPSILON * largest_coordinate };
         let size = mesh::equilateral_side::<D>(background.volume() / background.n_cells() as f64);
         // The second term is the round-off of the coordinates.
         Self { planes, touched, depth, thinnest: options.relative_tolerance * size + 4.0 * planes.resolution }

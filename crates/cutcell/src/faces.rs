@@ -73,7 +73,7 @@ impl<'a, const D: usize> Faces<'a, D> {
         }
     }
 
-    /// Returns a face as seen from a cell, with the global number of the part.
+    /// Returns a face as seen from a cell, with the global index of the part.
     fn view(&self, cut: &CutMesh<D>, cell: CellId, facet: FacetId) -> FaceView {
         let background = self.cutting.planes.background;
         let first_part = cut.cell_to_part[cell.index()];
@@ -123,14 +123,14 @@ impl<'a, const D: usize> Faces<'a, D> {
     /// side is interface.
     fn join(&self, cut: &mut CutMesh<D>, facet: FacetId, cells: [CellId; 2], sides: &mut [CellCut<D>; 2]) {
         cells.iter().zip(sides.iter_mut()).for_each(|(&cell, side)| self.cut_side(cut, cell, side));
-        let number = cells.map(|cell| cut.cell_to_part[cell.index()]);
+        let first_parts = cells.map(|cell| cut.cell_to_part[cell.index()]);
         let plane = Plane::mesh(facet);
         let [first, second] = sides;
         let mut pairs: Vec<([Option<PartId>; 2], Points<D>)> = Vec::new();
         for (leaf, face) in first.faces(plane) {
-            let part = first.fluid_part(leaf).map(|part| PartId(number[0] + part));
+            let part = first.fluid_part(leaf).map(|part| PartId(first_parts[0] + part));
             second.locate(&self.cutting.planes, plane, face, |polygon, other| {
-                let other = other.map(|part| PartId(number[1] + part));
+                let other = other.map(|part| PartId(first_parts[1] + part));
                 pairs.push(([part, other], polygon));
             });
         }

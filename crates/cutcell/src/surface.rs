@@ -113,11 +113,11 @@ pub(crate) fn collect<const D: usize>(
     facets: &mut Vec<Facet<D>>,
 ) -> Result<(), Error> {
     facets.clear();
-    let extent = background.vertices().iter().fold(0.0_f64, |r, x| r.max(x.amax()));
+    let largest_coordinate = background.vertices().iter().fold(0.0_f64, |r, x| r.max(x.amax()));
     let mut first_vertex = 0;
     for (index, surface) in surfaces.iter().enumerate() {
         let body = BodyId::new(index);
-        check_surface(body, surface, FARTHEST * extent)?;
+        check_surface(body, surface, FARTHEST * largest_coordinate)?;
         if options.refuse_self_intersections {
             check_self_intersections(body, surface)?;
         }

@@ -5,21 +5,26 @@ use rayon::prelude::*;
 
 use crate::surface::Facet;
 
-/// Cells that facets may touch, with those facets.
+/// Cells that facets may touch, with the facets of each.
 #[derive(Debug, Default)]
 pub(crate) struct TouchedCells {
+    /// Touched cells in ascending order.
     pub(crate) cells: Vec<CellId>,
+    /// Facets of touched cell `k`: `facets[offsets[k]..offsets[k + 1]]`, ascending.
     offsets: Vec<u32>,
     facets: Vec<u32>,
+    /// Position of each cell of the background in `cells`, or [`UNTOUCHED`].
     cell_to_touched: Vec<u32>,
 }
 
+/// Position of cells that no facet touches.
 const UNTOUCHED: u32 = u32::MAX;
 /// Number of facets that a thread processes at once.
 const FACETS_PER_CHUNK: usize = 128;
 
 impl TouchedCells {
-    /// Finds the cells that any of the facets may touch.
+    /// Finds the cells whose box overlaps the box of a facet and whose vertices are not all on one side of its plane.
+    /// Replaces the previous content.
     pub(crate) fn find<const D: usize>(&mut self, background: &SimplexMesh<D>, facets: &[Facet<D>]) {
         let index = background.cell_index();
         let touches = |facet: &Facet<D>, cell: CellId| {
@@ -42,7 +47,8 @@ impl TouchedCells {
             pairs
         };
         let found: Vec<Vec<(CellId, u32)>> = facets.par_chunks(FACETS_PER_CHUNK).enumerate().map(pairs_of).collect();
-        // Counting sort: the facets of a cell stay in ascending order.
+        // Counting sort: the facets of a cell stay in ascending order. `cell_to_touched` first counts the facets of
+        // each cell. `offsets[k + 1]` is first the start of row `k`, and is advanced to its end.
         let pairs = || found.iter().flatten().map(|&(cell, facet)| (cell.index(), facet));
         self.cell_to_touched.clear();
         self.cell_to_touched.resize(background.n_cells(), 0);

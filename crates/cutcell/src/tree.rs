@@ -238,7 +238,7 @@ impl<const D: usize> Tree<D> {
         }
     }
 
-    /// Divides a polygon among the leaves that it touches; where it lies on a dividing plane, the leaves behind that plane.
+    /// Divides a polygon among the leaves that it touches. On a dividing plane, these are the leaves behind the plane.
     pub(crate) fn locate(
         &self,
         planes: &Planes<'_, D>,

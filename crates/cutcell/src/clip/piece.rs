@@ -339,7 +339,7 @@ type Section = SmallVec<[(u32, u32, Plane); 16]>;
 struct DividedCorner {
     /// -1 behind the plane, 0 on it, 1 in front of it.
     side: i8,
-    /// Numbers in the parts behind and in front. The number in a part without the corner is not used.
+    /// Indices in the parts behind and in front. The index in a part without the corner is not used.
     numbers: [u32; 2],
 }
 
@@ -352,7 +352,7 @@ struct Divided<'a, const D: usize> {
 /// The point at which the loop of a face meets a plane on the way to the other side.
 struct Meeting {
     numbers: [u32; 2],
-    /// Plane beyond the edge that begins there.
+    /// Plane beyond the edge that begins at the point.
     beyond: Plane,
     /// Positions in the loop of the last corner on this side, and of the first one on the other.
     before: usize,

@@ -22,10 +22,11 @@ pub(crate) struct Corner<const D: usize> {
     error: f64,
     /// Planes that intersect here; only the first `D` are used.
     on: [Plane; 3],
-    /// Number of the surface vertex at this corner, or `NONE`.
+    /// Index of the surface vertex at this corner, or [`NONE`].
     vertex: u32,
 }
 
+/// Index at corners without a surface vertex.
 const NONE: u32 = u32::MAX;
 
 impl<const D: usize> Corner<D> {
@@ -127,8 +128,8 @@ impl<const D: usize> Planes<'_, D> {
 
     #[cold]
     fn exact_side(&self, corner: &Corner<D>, plane: Plane, known: &mut Known) -> f64 {
-        let question = (corner.on, corner.vertex, plane);
-        if let Some(&side) = known.sides.get(&question) {
+        let key = (corner.on, corner.vertex, plane);
+        if let Some(&side) = known.sides.get(&key) {
             return side;
         }
         let points = self.points(plane);
@@ -140,7 +141,7 @@ impl<const D: usize> Planes<'_, D> {
                 .or_else(|| self.ratio::<Exact>(&corner.on, plane, known))
                 .map_or(0.0, |[ratio, sign]| sign * (ratio / normal_length(&points[..D])).abs().max(f64::MIN_POSITIVE))
         };
-        known.sides.insert(question, side);
+        known.sides.insert(key, side);
         side
     }
 

@@ -9,7 +9,7 @@ use super::plane::Plane;
 /// Results in extended precision for one cell, in which the same planes and corners are used repeatedly.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Known {
-    /// Signed distances of corners (given by their planes and vertex number) from planes.
+    /// Signed distances of corners (given by their planes and the index of the vertex) from planes.
     pub(super) sides: HashMap<([Plane; 3], u32, Plane), f64>,
     double: Solved<Double>,
     exact: Solved<Exact>,
