@@ -15,8 +15,8 @@ pub struct FluidFace<'a, const D: usize> {
     pub normal_speed: f64,
     /// Largest `|u*|` over the vertices of the face.
     pub speed: f64,
-    /// Share `χ` of the film in the two parts, the smaller one; zero if one of them has no film. Penalties are reduced
-    /// by it: they would tie pressure and shear across a film of a few cells.
+    /// Smaller share `χ` of the films in the two parts; zero if one of them has no film. The factor `1 - χ` reduces
+    /// penalties, which otherwise suppress gradients of pressure and shear across a film of a few cells.
     pub film: f64,
 }
 

@@ -14,7 +14,7 @@ const OPPOSITE: f64 = -0.5;
 /// Gaps, relative to the extent of the cell across the film, up to which the share `χ` is one and from which it is zero. It
 /// is linear between them. Two layers of cells carry 3/4 of the flux of a film, four layers 15/16.
 const RAMP: [f64; 2] = [2.0, 4.0];
-/// Largest part of the flux in a part that slip may carry. In the standard set it carries at most 0.69.
+/// Largest fraction of the flux in a part that slip may carry. With the standard parameters it carries at most 0.69.
 const LARGEST_SLIP: f64 = 0.75;
 /// Degree of quadrature of the conductance: the square of a linear gap.
 const DEGREE: usize = 2;
@@ -82,17 +82,18 @@ pub struct FilmPart<const D: usize> {
     pub normal: Vector<D>,
     /// Thickness `d` of the layer of cells: the extent of the part across the film, or the gap if that is less.
     pub layer: f64,
-    /// Quadrature points in the part and on its surfaces. Their weights contain the conductance times the viscosity: `χ max(d, min(k, h))²/12` in the part
-    /// and `-χ s ℓ d²/12` on surfaces, with the symbols of [`crate::terms::Film`]; the latter are reduced where their sum exceeds a share of the sum of the former.
+    /// Quadrature points in the part and on its surfaces. Their weights contain the conductance times the viscosity:
+    /// `χ max(d, min(k, h))²/12` in the part and `-χ s ℓ d²/12` on surfaces, with the symbols of
+    /// [`crate::terms::Film`]. The sum of the weights on surfaces is at most three quarters of the sum in the part.
     pub points: Vec<(Point<D>, f64)>,
 }
 
 /// The films of all parts of a cut.
 ///
-/// One layer of linear cells represents the shear flow between two moving surfaces, but not the parabolic flow that a pressure
-/// gradient drives between them. `N` layers carry the fraction `1 - 1/N²` of the latter. The missing flux per thickness is
-/// `d²/(12 μ)` times the gradient. The thickness `d` of a layer is the extent across the film of the cell, or of the
-/// part if the cell is cut, and at most the gap `δ`.
+/// One layer of linear cells represents the shear flow between two moving surfaces, but not the parabolic flow that a
+/// pressure gradient drives between them. `N` layers carry the fraction `1 - 1/N²` of the parabolic flow. The missing
+/// flux per thickness is `d²/(12 μ)` times the gradient. The thickness `d` of a layer is the extent across the film of
+/// the cell, or of the part if the cell is cut, and at most the gap `δ`.
 #[derive(Clone, Debug, Default)]
 pub struct FilmValues<const D: usize> {
     films: Vec<FilmPart<D>>,
@@ -147,8 +148,8 @@ impl<const D: usize> FilmValues<D> {
     /// surface this is exact up to a factor `1/(1 - ℓ/(γ_t d))`, since the adjoint consistent term reduces the penalty by `μ/d`:
     /// 1.03 with `ℓ = d` and the standard set. The body's share of the traction is taken as zero (`α = 1`).
     ///
-    /// `length` returns `ℓ` on a piece of the interface. Surfaces across the film, such as the edge of a plate, do not contribute. At most
-    /// three quarters of the flux in a part are subtracted: the rest stabilises the pressure.
+    /// `length` returns `ℓ` on an interface piece, given its index. Surfaces across the film, such as the edge of a
+    /// plate, do not contribute. At most three quarters of the flux in a part are subtracted; the rest is a stabilisation.
     pub fn subtract_slip(
         &mut self,
         (background, cut): (&SimplexMesh<D>, &CutMesh<D>),

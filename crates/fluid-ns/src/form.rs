@@ -24,7 +24,7 @@ pub struct FluidForm<'a, const D: usize> {
     pub hoop_convection: Option<HoopConvection>,
     /// `(κ (∇p - f), ∇q)_Ω - (κ_s (∇p - f), ∇q)_Σ`; `None` if films are not modelled.
     pub film: Option<Film<'a, D>>,
-    /// Vapour in films; `None` if their pressure has no floor.
+    /// Vapour in films; `None` if the pressure in films has no floor.
     pub cavitation: Option<Cavitation>,
     /// `-(f, v)`; `None` for no force.
     pub body_force: Option<BodyForce<'a, D>>,

@@ -24,7 +24,7 @@ pub struct FluidGeometry<'a, const D: usize> {
     /// Velocity `u*`, one value per dof of the space: the history, or its extrapolation to the stage. The weights of all
     /// stabilisations depend on it.
     pub history: &'a [Vector<D>],
-    /// Acceleration at the stage, affine in the velocity there; one value per dof of the space.
+    /// Acceleration at the stage, affine in the velocity at the stage; one value per dof of the space.
     pub acceleration: &'a Affine<Vector<D>>,
     /// Films between surfaces; `None` if their flux is not modelled.
     pub films: Option<&'a FilmValues<D>>,

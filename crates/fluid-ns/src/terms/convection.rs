@@ -10,13 +10,13 @@ use crate::FluidCell;
 /// Source: paper, forms after Eq. (4).
 /// Couples: velocity × velocity.   Domain: fluid parts of active cells.
 /// Units: force (2D: per unit depth).
-/// With `g_i = ∇N_i`, `w_i = ρ ∫ N_i u`, `G = ∇u + σ (∇·u) I`, the velocity `u` at the stage, and `σ = 1/2`
-/// with the skew part, else 0:
+/// With `g_i = ∇N_i`, `m_ij = ∫ N_i N_j`, `w_i = ρ ∫ N_i u`, `(∇u)_ab = ∂u_a/∂x_b`, `G = ∇u + σ (∇·u) I`, the velocity
+/// `u` at the stage, and `σ = 1/2` with the skew part, else 0:
 ///   residual_i = G w_i,    tangent_ij = ρ m_ij G + (w_i·g_j) I + σ w_i ⊗ g_j.
 pub struct Convection {
     /// Density `ρ^f`.
     pub density: f64,
-    /// Whether to add the skew part, which makes the term conserve kinetic energy.
+    /// Whether to add the skew part. The term tested with `u` is then the flux of kinetic energy through the boundary.
     pub skew: bool,
 }
 

@@ -5,7 +5,7 @@ use mesh::Tensor;
 
 use crate::FluidCell;
 
-/// `ρ^f (a, v)_{Ω^f}`; implicit Euler: `ρ^f/Δt (u - u*, v)`
+/// `ρ^f (a, v)_{Ω^f}`; implicit Euler: `ρ^f/Δt (u - u*, v)`, `u*` the previous velocity on the new space
 ///
 /// Source: paper, fully discrete form after Eq. (11).
 /// Couples: velocity × velocity.   Domain: fluid parts of active cells.
