@@ -38,7 +38,7 @@ pub struct BoundaryPoint<const D: usize> {
     pub point: Point<D>,
     /// Unit normal out of the domain.
     pub normal: Vector<D>,
-    /// Quadrature weight times the measure of the piece and the weight of the coordinates.
+    /// Quadrature weight times the measure of the piece and the weight [`mesh::Coordinates::weight`].
     pub weight: f64,
     /// Shape values; only the first `D + 1` are used.
     pub shape: [f64; MAX_CELL_VERTICES],

@@ -23,7 +23,7 @@ pub struct FaceValue<const D: usize> {
     pub is_ghost: bool,
     /// Measure `|F|` of the whole face.
     pub measure: f64,
-    /// `∫_F 1` with the weight of the coordinates; in Cartesian coordinates the measure.
+    /// `∫_F 1` with the weight [`mesh::Coordinates::weight`]; the measure in Cartesian coordinates.
     pub weight: f64,
     /// Diameter `h_F`.
     pub diameter: f64,
@@ -31,8 +31,8 @@ pub struct FaceValue<const D: usize> {
     pub normal: Vector<D>,
     /// Share of the face's integral that belongs to this domain: one, or a half on a symmetry plane.
     pub share: f64,
-    /// On a symmetry plane, its unit normal: the component of a vector along it changes its sign in the mirror image and has no
-    /// jump.
+    /// Unit normal of a symmetry plane; `None` on other faces. The normal component of a vector changes its sign in the
+    /// mirror image, so that its normal derivative has no jump.
     pub odd: Option<Vector<D>>,
     n_dofs: usize,
     dofs: [u32; MAX_FACE_DOFS],
@@ -52,7 +52,7 @@ impl<const D: usize> FaceValue<D> {
         &self.jumps[..self.n_dofs]
     }
 
-    /// Returns the projection on the components that may have a jump: on a symmetry plane those along it, else all.
+    /// Returns the projection on the components that may have a jump: those along a symmetry plane, or all.
     pub fn along_plane(&self) -> Tensor<D> {
         Tensor::identity() - self.odd.map_or(Tensor::zeros(), |normal| normal * normal.transpose())
     }
@@ -122,8 +122,8 @@ pub fn face_values<const D: usize>(
     cut.part_faces().iter().map(value).collect()
 }
 
-/// Returns the values on the tagged symmetry plane with a unit normal: a domain and its mirror image penalise the jumps on them
-/// as on any interior face.
+/// Returns the values on the tagged symmetry plane with a unit normal. Jumps between the domain and its mirror image
+/// are penalised as on any interior face.
 pub fn symmetry_values<const D: usize>(
     background: &SimplexMesh<D>,
     cut: &CutMesh<D>,

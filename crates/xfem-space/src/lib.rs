@@ -1,8 +1,8 @@
 //! P1 spaces on a cut mesh, with one copy of the degrees of freedom per fluid part.
 //!
 //! One sentence defines the space: *a dof is a class of (part, vertex) pairs; two pairs with the same vertex are the
-//! same dof when their parts share a piece of a face that contains the vertex.* Standard and extended dofs need no
-//! separate bookkeeping, and a thin body inside one cell carries two independent sets of values.
+//! same dof when their parts share a piece of a face that contains the vertex.* There is no distinction between
+//! standard and extended dofs. A cell that a thin body divides has two independent sets of values.
 //!
 //! [`XfemSpace`] numbers the dofs, [`PartValues`] and [`FaceValue`] hold integrals of shape functions for assembly, and
 //! [`Sources`] carry fields from one space to the next.

@@ -10,7 +10,7 @@ const NEGLIGIBLE_FRACTION: f64 = 1e-9;
 /// proportional to the radius, such as the radial velocity near the axis.
 const HOOP_DEGREE: usize = 4;
 
-/// Moments `m_ij = ∫ N_i N_j` of the shape functions of a cell over a part, with the weight of the coordinates.
+/// Moments `m_ij = ∫ N_i N_j` of the shape functions of a cell over a part, with the weight [`Coordinates::weight`].
 ///
 /// The shape functions add up to one, so `Σ_j m_ij = ∫ N_i`, and all entries add up to the volume. Integrals of constants,
 /// of P1 functions and of products of two of them follow from the moments.

@@ -13,7 +13,7 @@ pub fn regions<const D: usize>(cut: &CutMesh<D>) -> Classes {
 }
 
 /// Returns for each part whether it belongs to a small region: the volume of each part of the region is below a fraction of
-/// that of its cell, and `is_kept` returns false for each.
+/// the volume of its cell, and `is_kept` returns false for each.
 pub fn small_regions<const D: usize>(
     background: &SimplexMesh<D>,
     cut: &CutMesh<D>,

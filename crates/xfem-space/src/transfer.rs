@@ -7,9 +7,9 @@ use crate::XfemSpace;
 
 /// For each dof of a space, the dof of an earlier space whose value it takes.
 ///
-/// A dof takes the value of the earlier dof at the same vertex whose parts have the largest volume in common with its own
-/// (ties go to the lowest dof). That value may be the natural extrapolation of an earlier cut cell. A dof without common
-/// volume is *uncovered*: a body was there, or fluid that was left out. Its value is that of an extension.
+/// A dof takes the value of the earlier dof at the same vertex whose parts have the largest volume in common with the
+/// parts of the dof (ties go to the lowest dof). This value may be extrapolated from an earlier cut cell. A dof without
+/// common volume is *uncovered*: its parts were inside a body, or left out. It takes the value of an extension.
 ///
 /// On a space that keeps its parts every field is carried over unchanged, bit for bit.
 #[derive(Clone, Debug, PartialEq)]
