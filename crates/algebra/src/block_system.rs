@@ -15,7 +15,7 @@ pub struct ContributionTiming {
     pub items: usize,
     /// Number of evaluations of all items.
     pub calls: usize,
-    /// Wall-clock time of all calls, s. The time of a call is that of its slowest thread.
+    /// Wall-clock time of all calls, s. The time of a call is the time of its slowest thread.
     pub seconds: f64,
 }
 

@@ -10,11 +10,11 @@ const ROUND_OFF: f64 = 1e-7;
 /// Prescribed values of dofs, and dofs tied to others.
 ///
 /// A constrained dof keeps its row and column in the system: the row becomes the identity with a zero residual and
-/// the column is dropped, because a state that satisfies the constraints from the start has zero corrections there.
+/// the column is dropped, because its correction is zero if the state satisfies the constraints from the start.
 ///
-/// A tied dof is a linear combination of other dofs, its masters. Its residual and tangent entries are distributed to the
-/// masters with the same factors ([`crate::Tied`]), so that the system is that of the free dofs alone. The corrections of
-/// tied dofs follow from those of their masters.
+/// A tied dof is a linear combination of other dofs, its masters. Its residual and tangent entries are distributed to
+/// the masters with the same factors ([`crate::Tied`]), so that the unknowns of the system are the free dofs. The
+/// corrections of tied dofs follow from the corrections of their masters.
 ///
 /// ```
 /// use algebra::{Constraints, DofId};

@@ -63,8 +63,8 @@ impl DofKey {
 /// The fields of a problem, one contiguous range of dofs each, in the order of their registration.
 ///
 /// A field has a number of *components* (unknowns) at each of its *nodes*. Component `c` of node `k` is dof
-/// `components * k + c` of the field. Fields may share nodes, as velocity and pressure do. Orderings
-/// and preconditioners of the linear solvers use nodes. Nodes have no effect on the solution.
+/// `components * k + c` of the field. Fields may share nodes, as velocity and pressure do. Orderings and
+/// preconditioners of the linear solvers use nodes. Nodes have no effect on the solution.
 ///
 /// A node has a *key*, by which solvers that keep old factors recognise the node in the system of another time step.
 /// The default key is the index of the node in its field.

@@ -11,8 +11,8 @@
 //! 4. Inside, a [`BlockSystem`] builds the [`Pattern`] with its scatter map. It assembles linear contributions once and the
 //!    others in each iteration, in parallel, with the same bits for any number of threads. It owns the scales of the matrix
 //!    ([`Equilibration`]), in whose norms convergence is measured.
-//! 5. A [`LinearSolver`], by default the sparse [`DirectSolver`], solves for the corrections. The factorisation is
-//!    kept while corrections with it contract.
+//! 5. A [`LinearSolver`], by default the sparse [`DirectSolver`], solves for the corrections. The factorisation is kept
+//!    while corrections with it contract.
 //!
 //! ```
 //! use algebra::*;

@@ -39,7 +39,7 @@ pub struct NewtonSettings {
     pub tolerance: f64,
     /// Largest number of corrections.
     pub max_iterations: usize,
-    /// The factorisation is kept while a correction with it is at most this fraction of the one before. Zero: exact
+    /// The factorisation is kept while a correction with it is at most this fraction of the previous one. Zero: exact
     /// Newton with one factorisation per correction.
     pub contraction: f64,
     /// Accuracy of an iterative solve for a correction.
@@ -122,16 +122,14 @@ impl NewtonReport {
 pub enum NewtonError {
     /// Five successive corrections with exact tangents grew, or the line search found no decrease of the residual.
     /// Improve the starting guess or take a smaller step.
-    #[error("Newton's method diverged after {} iterations: corrections or residuals grew", .report.iterations)]
+    #[error("Newton diverged after {} iterations: corrections or residuals grew", .report.iterations)]
     Diverged {
         /// Statistics of the solve.
         report: Box<NewtonReport>,
     },
     /// The limit of iterations was reached.
-    #[error(
-        "Newton's method did not converge in {} iterations (last relative residual {:e})",
-        .report.iterations, last_residual(.report)
-    )]
+    #[error("Newton did not converge in {} iterations (relative residual {:e})",
+        .report.iterations, last_residual(.report))]
     NotConverged {
         /// Whether the last correction changed the regime.
         regime_changed: bool,

@@ -157,7 +157,7 @@ impl Pattern {
         place.clear();
         place.resize(n, u32::MAX);
         for column in 0..n {
-            // Places before the first of this column are those of other columns.
+            // Places before `first` belong to other columns.
             let first = unsorted.len() as u32;
             place[column] = first;
             unsorted.push(column as u32);

@@ -33,7 +33,7 @@ impl<const D: usize> Frame<D> {
     }
 
     /// Computes the derivatives of the axes with respect to the normal: the tensor of axis `i` maps a change of the normal to
-    /// that of the axis.
+    /// the change of the axis.
     pub fn by_normal(&self) -> [Tensor<D>; 3] {
         let mut by_normal = [Tensor::identity(), Tensor::zeros(), Tensor::zeros()];
         if D == 2 {

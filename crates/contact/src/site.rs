@@ -4,7 +4,7 @@ use mesh::{MAX_FACET_VERTICES, Point, Tensor, Vector};
 
 use crate::{Anchor, ContactPoint, ContactTraction, Frame, Projection};
 
-/// Vertices that can take part at one point: those of the slave's facet and those of the anchor.
+/// Largest number of vertices at one point: the vertices of the slave's facet and of the anchor.
 pub(crate) const MAX_NODES: usize = 2 * MAX_FACET_VERTICES;
 
 /// A vertex that takes part in contact at one point.

@@ -84,7 +84,7 @@ pub struct ContactItems<const D: usize> {
     is_searched: bool,
 }
 
-/// A facet of the slave with something in reach.
+/// A facet of the slave with an obstacle in reach.
 #[derive(Clone, Debug)]
 struct Item<const D: usize> {
     /// Position in [`ContactPair::facets`].
@@ -137,7 +137,7 @@ impl<const D: usize> ContactItems<D> {
         self.items[item].facet
     }
 
-    /// Returns the slave's facets with something in reach, each with the facets of the obstacle there.
+    /// Returns the slave's facets with an obstacle in reach, each with its candidates.
     pub(crate) fn candidates(&self) -> impl Iterator<Item = (FacetId, &[FacetId])> {
         self.items.iter().map(|item| (item.facet, &item.candidates[..]))
     }
@@ -309,9 +309,7 @@ impl<const D: usize> ContactSites<'_, D> {
             }
         }
     }
-}
 
-impl<const D: usize> ContactSites<'_, D> {
     /// Returns the tractions at the state `x` as multipliers of the next solve; `None` if the law has none.
     pub fn multipliers(&self, x: &[f64]) -> Option<Multipliers> {
         let (form, items) = (self.pair.form, &self.items.items);
@@ -337,9 +335,7 @@ impl<const D: usize> ContactSites<'_, D> {
         }
         Some(multipliers)
     }
-}
 
-impl<const D: usize> ContactSites<'_, D> {
     /// Returns the power of the contact forces at vertices of given motion: the weak form tested with their velocities.
     pub fn given_power(&self, x: &[f64]) -> f64 {
         let mut power = 0.0;

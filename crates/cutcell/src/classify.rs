@@ -11,8 +11,8 @@ const UNKNOWN: i32 = i32::MIN;
 /// Computes the number of bodies around each vertex of the background, exactly; vertices on a surface are shifted by an
 /// infinitesimal.
 ///
-/// For one vertex of each connected set of cells, counts crossings on a segment from a point outside all surfaces. For the
-/// other vertices, follows edges of cells, on which the number changes only if facets touch the cell.
+/// For one vertex of each connected set of cells, counts crossings on a segment from a point outside all surfaces. For
+/// the other vertices, follows edges of cells, on which the number changes only if facets touch the cell.
 pub(crate) fn depths<const D: usize>(
     background: &SimplexMesh<D>,
     facets: &[Facet<D>],
@@ -40,7 +40,7 @@ pub(crate) fn depths<const D: usize>(
     }
 }
 
-/// Computes the numbers at all vertices of a cell from a known one; returns whether the cell has a known one.
+/// Computes the numbers at all vertices of a cell from a known number; returns whether one of the numbers is known.
 fn spread<const D: usize>(
     background: &SimplexMesh<D>,
     facets: &[Facet<D>],

@@ -149,7 +149,7 @@ impl<const D: usize> FilmValues<D> {
     /// 1.03 with `ℓ = d` and the standard set. The body's share of the traction is taken as zero (`α = 1`).
     ///
     /// `length` returns `ℓ` on an interface piece, given its index. Surfaces across the film, such as the edge of a
-    /// plate, do not contribute. At most three quarters of the flux in a part are subtracted; the rest is a stabilisation.
+    /// plate, do not contribute. At most 3/4 of the flux in a part are subtracted; the rest stabilises the pressure.
     pub fn subtract_slip(
         &mut self,
         (background, cut): (&SimplexMesh<D>, &CutMesh<D>),

@@ -32,10 +32,10 @@ impl Default for BlockGaussSeidelSettings {
 
 /// Restarted FGMRES, preconditioned by a block Gauss-Seidel sweep and a patch over the stiff couplings between blocks.
 ///
-/// A block is a field, or several that share nodes: velocity and pressure of a fluid are one block. A sweep solves for one
-/// block after the other, each with the residual that the blocks before it have left. Penalties couple blocks so stiffly that
-/// a sweep alone does not converge. Therefore the sweep ends with the *patch*, an overlapping block with its own LU. It
-/// contains all unknowns with stiff couplings to another block, and their neighbours.
+/// A block is a field, or several that share nodes: velocity and pressure of a fluid are one block. A sweep solves for
+/// one block after the other, each with the residual that the blocks before it have left. Penalties couple blocks so
+/// stiffly that a sweep alone does not converge. Therefore the sweep ends with the *patch*, an overlapping block with
+/// its own LU. It contains all unknowns with stiff couplings to another block, and their neighbours.
 ///
 /// Source of the sweep over fluid and solids: Formaggia, Gatti and Zonca 2019, MOX-Report 44/2019, section 4.
 pub struct BlockGaussSeidel {

@@ -42,8 +42,8 @@ impl Default for LaggedSettings {
 /// Both factors are in single precision, with pivots inside supernodes only. If such factors do not reduce residuals, or GMRES
 /// does not converge with them, they are replaced by factors with free pivoting in double precision.
 ///
-/// The matrix is factorised when the last solve took many iterations, when many unknowns have changed, or when a solve does
-/// not converge. These criteria do not depend on times, so that runs can be repeated bit by bit.
+/// The matrix is factorised when the last solve took many iterations, when many unknowns have changed, or when a solve
+/// does not converge. These criteria do not depend on times, so that runs can be repeated bit by bit.
 pub struct LaggedSolver {
     settings: LaggedSettings,
     base: Option<Base>,
@@ -131,7 +131,7 @@ impl LaggedSolver {
 }
 
 impl Patch {
-    /// Records that the present matrix, of size `n`, is that of the base.
+    /// Records that the present matrix, of size `n`, is the matrix of the base.
     fn is_base(&mut self, n: usize) {
         self.to_base.clear();
         self.to_base.extend(0..n as u32);

@@ -98,7 +98,7 @@ impl Stripes {
 
 /// Columns that one thread writes.
 pub(crate) struct Stripe<'a> {
-    /// Whether it is the only one. Its single block then contains all columns, and no search is needed.
+    /// Whether this is the only stripe. Its single block then contains all columns, and no search is needed.
     is_whole: bool,
     blocks: Vec<Block<'a>>,
 }

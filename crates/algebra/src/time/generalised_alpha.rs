@@ -45,7 +45,7 @@ impl TimeScheme for GeneralisedAlpha {
     fn weights(&self, dt: f64, starts: bool) -> Weights {
         let alpha_m = if starts { 0.0 } else { (2.0 * self.rho_inf - 1.0) / (self.rho_inf + 1.0) };
         let alpha_f = self.rho_inf / (self.rho_inf + 1.0);
-        // Newmark's rules with a^n = a^{n+1} are those with a^n = 0, β = 1/2 and γ = 1.
+        // Newmark's rules with a^n = a^{n+1} equal his rules with a^n = 0, β = 1/2 and γ = 1.
         let beta = if starts { 0.5 } else { 0.25 * (1.0 - alpha_m + alpha_f).powi(2) };
         let gamma = if starts { 1.0 } else { 0.5 - alpha_m + alpha_f };
 

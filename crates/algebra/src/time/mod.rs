@@ -68,8 +68,8 @@ pub struct Weights {
     pub velocity: Row,
     /// Acceleration at the end; zero if the scheme does not need it.
     pub acceleration: Row,
-    /// Displacement at the stage and at the end, extrapolated from known values. The mesh is cut at the first. For
-    /// implicit Euler both are the displacement at the start.
+    /// Displacement at the stage, at which the mesh is cut, and at the end, extrapolated from known values. Implicit
+    /// Euler: the displacement at the start for both.
     pub extrapolated: [Row; 2],
     /// Shifted displacement at the start and at the end.
     pub shifted: [Row; 2],

@@ -53,7 +53,7 @@ pub fn check_law(law: &dyn ContactLaw, points: &[ContactPoint]) -> LawCheck {
         }
         let derivatives = [by_gap, by_slip[0], by_slip[1], by_stress[0], by_stress[1], by_stress[2]];
         for (argument, derivative) in derivatives.iter().enumerate() {
-            // Lengths vary on the scale of the contact size, stresses on that of the traction.
+            // Lengths vary on the scale of the contact size, stresses on the scale of the traction.
             let size = if argument < 3 { at.size } else { scale };
             let step = f64::EPSILON.cbrt() * size;
             let (below, above) = (moved(at, argument, -step), moved(at, argument, step));

@@ -71,8 +71,8 @@ pub enum StressSource {
     /// The stress of the fluid in front of the slave. Where no fluid borders the surface, it is a pressure that is
     /// continued from the nearest point with fluid.
     Fluid,
-    /// The stress of the slave, which must be a body that deforms, minus that of the fluid in front of it. Without a
-    /// fluid it is the stress of the slave.
+    /// The stress of the slave, which must be a body that deforms, minus the stress of the fluid in front of it.
+    /// Without fluid, the stress of the slave.
     Jump,
     /// The traction of the law in the previous solve of the step; zero in the first solve. The step is solved again
     /// until the traction changes by at most [`ContactLaw::accepted_change`]. The slave may be a body without stress.
@@ -113,7 +113,7 @@ pub trait ContactLaw: Send + Sync + std::fmt::Debug {
     }
 
     /// Returns the largest change of the traction since the previous solve with which the step is not solved again, a
-    /// force per area. `largest_traction` is that of all points. Only used for [`StressSource::Multiplier`].
+    /// force per area. `largest_traction` is the maximum over all points. Only used for [`StressSource::Multiplier`].
     fn accepted_change(&self, _largest_traction: f64) -> f64 {
         0.0
     }

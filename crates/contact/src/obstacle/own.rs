@@ -11,9 +11,9 @@ use crate::{Error, Positions};
 /// - their boxes are farther apart than the exempt distance in the undeformed body: neighbours along the surface, and
 ///   the two sides of a thin part, are not in contact;
 /// - their normals oppose each other at the start of the step;
-/// - no vertex of one is then deeper behind the other than half the exempt distance, or than half of its depth in the
-///   undeformed body if their normals oppose each other there: facets that face each other through the body are not in
-///   contact.
+/// - no vertex of one facet is deeper behind the other, at the start of the step, than half of the exempt distance. If
+///   the normals oppose each other in the undeformed body, half of the depth in the undeformed body is another limit:
+///   facets that face each other through the body are not in contact.
 ///
 /// Closest points and normals are those of [`DeformableObstacle`]. A negative gap is used only if all facets around the
 /// closest point may be touched. Otherwise the closest point is an end of the facets that were searched, and the sign

@@ -172,7 +172,7 @@ impl<const D: usize> Planes<'_, D> {
     }
 
     /// Computes the corner in which the edge between two corners crosses a plane. `ends` are the two corners with their
-    /// distances from the plane, of opposite signs; `on` are the `D` planes that intersect there, the crossed one last.
+    /// distances from the plane, of opposite signs; `on` are the `D` planes through the corner, the crossed one last.
     pub(crate) fn crossing(
         &self,
         ends: [(&Corner<D>, f64); 2],

@@ -58,7 +58,7 @@ pub struct CipPressure {
     pub density: f64,
     /// Dynamic viscosity `μ^f`.
     pub viscosity: f64,
-    /// Rate `s`: derivative of acceleration with respect to velocity, or that of a fixed time; zero for a steady problem.
+    /// Rate `s`: derivative of acceleration with respect to velocity, or the inverse of a fixed time. Zero if steady.
     pub rate: f64,
 }
 
