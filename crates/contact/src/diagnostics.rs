@@ -26,8 +26,9 @@ pub struct ContactReport<const D: usize> {
     /// Force on the slave, `∫ (λ n^w + τ)`, at the stage. With a discrete gradient, points that are in contact only
     /// at the start contribute too.
     pub force: Vector<D>,
-    /// Power of contact on both bodies: negative while energy is stored.
-    pub power: f64,
+    /// Power of contact on the slave and on the master; the latter is zero for a rigid obstacle. The sum is negative while
+    /// energy is stored.
+    pub powers: [f64; 2],
     /// Energy stored by the law.
     pub stored_energy: f64,
     /// Mean contact pressure `-λ` on the facets of the slave with contact points, in the order of the facets. Forces
@@ -47,7 +48,7 @@ impl<const D: usize> ContactReport<D> {
             n_active: 0,
             active_area: 0.0,
             force: Vector::zeros(),
-            power: 0.0,
+            powers: [0.0; 2],
             stored_energy: 0.0,
             slave_pressures: Vec::new(),
             master_pressures: Vec::new(),
@@ -77,8 +78,8 @@ impl<const D: usize> ContactReport<D> {
                         (segment.facet, segment.inside) = (Some(facet), inside);
                     }
                 }
-                for node in site.nodes() {
-                    report.power += node.share * force.dot(&node.velocity);
+                for (k, node) in site.nodes().iter().enumerate() {
+                    report.powers[usize::from(k >= D)] += node.share * force.dot(&node.velocity);
                 }
             });
         }

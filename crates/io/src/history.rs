@@ -62,10 +62,10 @@ fn history_of_bodies<const D: usize>() -> Vec<BodyColumn<D>> {
         ("body_height", LENGTH, |b| b.height()),
         ("lowest_velocity", VELOCITY, |b| b.body().lowest_velocity[D - 1]),
         ("lowest_acceleration", ACCELERATION, |b| b.body().lowest_acceleration[D - 1]),
-        ("centre_y", LENGTH, |b| b.centre[D - 1]),
+        ("centre_y", LENGTH, |b| b.centre[1]),
         ("centre_velocity", VELOCITY, |b| b.centre_velocity[D - 1]),
         ("contact_force", FORCE, |b| b.contact_force[D - 1]),
-        ("contact_power", POWER, |b| b.contacts().map(|contact| contact.power).sum()),
+        ("contact_power", POWER, |b| b.contact_power),
         ("max_penetration", LENGTH, |b| b.penetration()),
         ("active_points", NUMBER, |b| b.active_points() as f64),
         ("energy_kinetic_solid", ENERGY, |b| b.body().balance.as_ref().map_or(0.0, |e| e.kinetic_energy)),
@@ -91,6 +91,9 @@ fn history_of_bodies<const D: usize>() -> Vec<BodyColumn<D>> {
         for (axis, name) in axes() {
             columns.push((format!("torque_{name}"), ENERGY, Box::new(move |b| b.torque[axis])));
         }
+        columns.push(("centre_z".to_owned(), LENGTH, Box::new(|b| b.centre[2])));
+        columns.push(("centre_velocity_y".to_owned(), VELOCITY, Box::new(|b| b.centre_velocity[1])));
+        columns.push(("contact_force_y".to_owned(), FORCE, Box::new(|b| b.contact_force[1])));
     }
     columns
 }

@@ -24,6 +24,8 @@ pub(crate) struct BodyMeasures<'a, const D: usize> {
     pub(crate) centre_velocity: Vector<D>,
     /// Contact force on the body, as slave and as master.
     pub(crate) contact_force: Vector<D>,
+    /// Power of contact on the body, as slave and as master, at the stage of the step.
+    pub(crate) contact_power: f64,
     /// Angle by which the vertices are rotated about their mean in the plane of the first two axes, from -π to π, and
     /// their angular velocity there.
     pub(crate) rotation: [f64; 2],
@@ -52,13 +54,15 @@ impl<'a, const D: usize> BodyMeasures<'a, D> {
                 (centre, velocity.unwrap_or(Vector::repeat(f64::NAN)))
             }
         };
-        let mut contact_force = Vector::zeros();
+        let (mut contact_force, mut contact_power) = (Vector::zeros(), 0.0);
         for (contact, found) in view.setup.contacts.iter().zip(&step.contacts) {
             if contact.body().index() == index {
                 contact_force += found.force;
+                contact_power += found.powers[0];
             }
             if contact.master().is_some_and(|master| master.index() == index) {
                 contact_force -= found.force;
+                contact_power += found.powers[1];
             }
         }
         let mut measures = Self {
@@ -71,6 +75,7 @@ impl<'a, const D: usize> BodyMeasures<'a, D> {
             centre,
             centre_velocity,
             contact_force,
+            contact_power,
             fluid_force: Vector::zeros(),
             traction_force: Vector::zeros(),
             torque: [0.0; 3],

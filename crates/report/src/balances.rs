@@ -69,7 +69,6 @@ impl Balances<'_> {
         let elastic = change(self.of_bodies(history, "energy_elastic")?)?;
         let gravity = change(self.of_bodies(history, "energy_gravity")?)?;
         let fluid = change(history.column("energy_kinetic_fluid")?)?;
-        let released = change(stored)?;
         let by_contact = work(self.of_bodies(history, "contact_power")?)?;
         let by_fluid = work(self.of_bodies(diagnostics, "fluid_power")?)?;
         let rows = [
@@ -79,9 +78,6 @@ impl Balances<'_> {
             ("change of the kinetic energy of the fluid", fluid),
             ("work of the fluid on the bodies", by_fluid),
             ("work of contact on the bodies", by_contact),
-            ("dissipated in the bodies by the time scheme", by_fluid + by_contact - (kinetic + elastic + gravity)),
-            ("dissipated in the contact by the time scheme", -by_contact - released),
-            ("dissipated in the fluid: viscosity, stabilisation, time scheme, open sides", -by_fluid - fluid),
             ("largest energy stored in the contact", largest),
         ];
         let row = |(what, value): &(&str, f64)| {

@@ -151,6 +151,7 @@ fn histories(results: &Results, marks: &[(String, f64)]) -> Result<String, Error
         let curves = summary.bodies.iter().map(curve).collect();
         Chart { marks: marks.to_vec(), ..results.over_time(title, unit, curves) }.html()
     };
+    let torque = if summary.dimension == 2 { "torque" } else { "torque_z" };
     Ok(gallery(&[
         chart("smallest distance", &units.length, "d_min")?,
         chart("velocity of the centre, vertical", &units.velocity, "centre_velocity")?,
@@ -160,7 +161,7 @@ fn histories(results: &Results, marks: &[(String, f64)]) -> Result<String, Error
         chart("position of the centre, x", &units.length, "centre_x")?,
         chart("force of the fluid, x", &units.force, "force_x")?,
         chart(&format!("force of the fluid, {vertical}"), &units.force, &format!("force_{vertical}"))?,
-        chart("torque of the fluid", &units.energy, "torque")?,
+        chart("torque of the fluid", &units.energy, torque)?,
         chart("angle", "rad", "angle")?,
     ]))
 }

@@ -42,12 +42,14 @@ pub(crate) struct Collision<const D: usize> {
 /// A vertex of the slave and the closest point of the master.
 #[derive(Clone)]
 struct CollisionPoint<const D: usize> {
-    /// Dofs with their share in the relative velocity along the normal.
+    /// Dofs with their share in the relative velocity along the normal, those of the slave first.
     dofs: Vec<(DofId, f64)>,
+    /// Number of dofs of the slave.
+    n_of_slave: usize,
     /// The velocity `w` at the stage, positive in approach.
     velocity: f64,
-    /// The part of the relative velocity that a body of prescribed motion gives.
-    given: f64,
+    /// Parts of the relative velocity that a prescribed motion of the slave and of the master give.
+    given: [f64; 2],
     /// Normal into the obstacle.
     normal: Vector<D>,
     /// Whether the point acts.
@@ -73,18 +75,13 @@ impl<const D: usize> Collision<D> {
             None => is_free(*dof),
         };
         for (vertex, found) in touching(contact, (setup, previous)) {
-            let (dofs, given) = relative_velocity(contact, (vertex, &found), previous, step);
-            if dofs.iter().any(can_move) {
-                let approach = given + dofs.iter().map(|(dof, share)| share * start[dof.index()]).sum::<f64>();
+            let mut point = CollisionPoint::new(contact, (vertex, &found), previous, step);
+            if point.dofs.iter().any(can_move) {
+                let approach = point.velocities(start).iter().sum::<f64>();
                 fastest = fastest.max(approach.abs());
-                points.push(CollisionPoint {
-                    dofs,
-                    velocity: step.time.weights.stage_velocity(-restitution * approach, approach),
-                    given,
-                    normal: found.normal,
-                    acts: approach > 0.0,
-                    n_additions_left: MOST_ADDITIONS,
-                });
+                point.velocity = step.time.weights.stage_velocity(-restitution * approach, approach);
+                point.acts = approach > 0.0;
+                points.push(point);
             }
         }
         let bodies = [Some(contact.body()), contact.master()].into_iter().flatten();
@@ -104,10 +101,21 @@ impl<const D: usize> Collision<D> {
         acting.map(|point| point.normal * -(self.weight * point.excess(x))).sum()
     }
 
+    /// Returns the power of the impulses on the slave and on the master.
+    pub(crate) fn powers(&self, x: &[f64]) -> [f64; 2] {
+        let mut powers = [0.0; 2];
+        for point in self.points.iter().filter(|point| point.acts) {
+            for (power, velocity) in powers.iter_mut().zip(point.velocities(x)) {
+                *power -= self.weight * point.excess(x) * velocity;
+            }
+        }
+        powers
+    }
+
     /// Returns the power of a body of prescribed motion at the points.
     pub(crate) fn given_power(&self, x: &[f64]) -> f64 {
         let acting = self.points.iter().filter(|point| point.acts);
-        acting.map(|point| self.weight * point.excess(x) * point.given).sum()
+        acting.map(|point| self.weight * point.excess(x) * (point.given[0] + point.given[1])).sum()
     }
 
     /// Returns whether bodies approach at a point.
@@ -156,36 +164,49 @@ fn touching<const D: usize>(
     touching
 }
 
-/// Returns the dofs of the velocity of a vertex relative to the closest point, along the normal, with their shares, and the part of this velocity
-/// that a body of prescribed motion gives.
-fn relative_velocity<const D: usize>(
-    contact: &Contact<D>,
-    (vertex, found): (VertexId, &Projection<D>),
-    previous: &State<D>,
-    step: Partners<'_, D>,
-) -> (Vec<(DofId, f64)>, f64) {
-    let mut ends = vec![(contact.body(), vertex, 1.0)];
-    if let (Some(id), Anchor::Facet { facet, barycentric, .. }) = (contact.master(), &found.anchor) {
-        let vertices = step.bodies[id.index()].surface().boundary.facet(*facet);
-        ends.extend(vertices.iter().zip(barycentric).map(|(&vertex, share)| (id, vertex, -share)));
-    }
-    let (mut dofs, mut given) = (Vec::new(), 0.0);
-    for (id, vertex, share) in ends {
-        match step.bodies[id.index()].surface().field() {
-            Some(field) => {
-                let of_vertex = step.layout.node(field, vertex.index()).zip(&found.normal);
-                dofs.extend(of_vertex.map(|(dof, n)| (dof, share * n)).filter(|(_, share)| *share != 0.0));
-            }
-            None => given += previous.bodies[id.index()].velocity()[vertex.index()].dot(&found.normal) * share,
-        }
-    }
-    (dofs, given)
-}
-
 impl<const D: usize> CollisionPoint<D> {
+    /// Creates the point of a vertex of the slave and the closest point of the master. It does not act.
+    fn new(
+        contact: &Contact<D>,
+        (vertex, found): (VertexId, &Projection<D>),
+        previous: &State<D>,
+        step: Partners<'_, D>,
+    ) -> Self {
+        let mut ends = vec![(contact.body(), vertex, 1.0)];
+        if let (Some(id), Anchor::Facet { facet, barycentric, .. }) = (contact.master(), &found.anchor) {
+            let vertices = step.bodies[id.index()].surface().boundary.facet(*facet);
+            ends.extend(vertices.iter().zip(barycentric).map(|(&vertex, share)| (id, vertex, -share)));
+        }
+        let (mut dofs, mut n_of_slave, mut given) = (Vec::new(), 0, [0.0; 2]);
+        for (end, (id, vertex, share)) in ends.into_iter().enumerate() {
+            match step.bodies[id.index()].surface().field() {
+                Some(field) => {
+                    let of_vertex = step.layout.node(field, vertex.index()).zip(&found.normal);
+                    dofs.extend(of_vertex.map(|(dof, n)| (dof, share * n)).filter(|(_, share)| *share != 0.0));
+                }
+                None => {
+                    let velocity = previous.bodies[id.index()].velocity()[vertex.index()];
+                    given[usize::from(end > 0)] += velocity.dot(&found.normal) * share;
+                }
+            }
+            if end == 0 {
+                n_of_slave = dofs.len();
+            }
+        }
+        let (normal, n_additions_left) = (found.normal, MOST_ADDITIONS);
+        Self { dofs, n_of_slave, velocity: 0.0, given, normal, acts: false, n_additions_left }
+    }
+
+    /// Returns the velocity of the slave along the normal, and minus that of the master. Their sum is the relative velocity.
+    fn velocities(&self, x: &[f64]) -> [f64; 2] {
+        let of = |dofs: &[(DofId, f64)]| dofs.iter().map(|(dof, share)| share * x[dof.index()]).sum::<f64>();
+        let (slave, master) = self.dofs.split_at(self.n_of_slave);
+        [self.given[0] + of(slave), self.given[1] + of(master)]
+    }
+
     /// Returns the difference of the relative velocity from the given one.
     fn excess(&self, x: &[f64]) -> f64 {
-        self.given + self.dofs.iter().map(|(dof, share)| share * x[dof.index()]).sum::<f64>() - self.velocity
+        self.velocities(x).iter().sum::<f64>() - self.velocity
     }
 }
 

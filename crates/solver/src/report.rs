@@ -48,8 +48,7 @@ impl<const D: usize> ForceBalance<D> {
         }
     }
 
-    /// Returns the inertia minus all other forces of this balance. It is the force of supports, loads and contacts as
-    /// master.
+    /// Returns the inertia minus all other forces of this balance. It is the force of supports and loads.
     pub fn remainder(&self) -> Vector<D> {
         self.inertia - self.body_force - self.pressure - self.viscous - self.exchange - self.penalty - self.contact
     }
@@ -145,6 +144,7 @@ impl<const D: usize> Problem<'_, D> {
         for (report, collision) in contacts.iter_mut().zip(&step.collisions) {
             let Some(collision) = collision else { continue };
             report.force += collision.force(x);
+            report.powers.iter_mut().zip(collision.powers(x)).for_each(|(power, of)| *power += of);
             report.n_active = report.n_active.max(collision.n_active());
         }
         let fluid_energy = fluid.as_ref().map_or(0.0, |fluid| fluid.kinetic_energy);

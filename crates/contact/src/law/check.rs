@@ -13,7 +13,8 @@ pub struct LawCheck {
     pub inactive: f64,
     /// Derivatives with respect to gap, slip and stress, compared with central differences away from kinks.
     pub derivative: f64,
-    /// Normal traction compared with central differences of the stored energy, if there is any.
+    /// Normal traction compared with central differences of the stored energy, if there is any, and the derivatives of the normal
+    /// traction with respect to slip and stress: the traction of a step is computed for an energy of the gap alone.
     pub energy: f64,
 }
 
@@ -73,7 +74,54 @@ pub fn check_law(law: &dyn ContactLaw, points: &[ContactPoint]) -> LawCheck {
         {
             let slope = (to - from) / (2.0 * step);
             check.energy = check.energy.max((slope - normal(at)).abs() / scale);
+            let by_slip = by_slip.iter().map(|column| column[0].abs() * at.size / scale);
+            let by_others = by_slip.chain(by_stress.iter().map(|column| column[0].abs()));
+            check.energy = by_others.fold(check.energy, f64::max);
         }
     }
     check
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{PenaltyLaw, StressSource};
+
+    /// A penalty that decreases with the normal stress, and states the energy of the penalty alone.
+    struct Softened(PenaltyLaw);
+
+    impl ContactLaw for Softened {
+        fn traction(&self, at: &ContactPoint) -> ContactTraction {
+            let mut traction = self.0.traction(at);
+            if self.is_active(at) {
+                traction.value[0] += 1e-3 * at.stress[0];
+                traction.by_stress[0][0] = 1e-3;
+            }
+            traction
+        }
+
+        fn is_active(&self, at: &ContactPoint) -> bool {
+            self.0.is_active(at)
+        }
+
+        fn offset(&self) -> f64 {
+            self.0.offset()
+        }
+
+        fn energy_density(&self, at: &ContactPoint) -> Option<f64> {
+            self.0.energy_density(at)
+        }
+
+        fn stress(&self) -> StressSource {
+            StressSource::Solid
+        }
+    }
+
+    #[test]
+    fn an_energy_with_a_stress_is_found() {
+        let law = Softened(PenaltyLaw::new(1e3, 0.1).unwrap());
+        let at = |k: i32| ContactPoint { gap: 0.013 * f64::from(k) + 0.001, size: 0.1, ..ContactPoint::default() };
+        let check = check_law(&law, &(-20..20).map(at).collect::<Vec<_>>());
+        assert!(check.derivative < 1e-8 && check.energy >= 1e-3, "{check:?}");
+    }
 }

@@ -178,23 +178,25 @@ fn action_is_reaction<const D: usize>() {
             let report = report_of(contact, x);
             let mut force = [Vector::<D>::zeros(); 2];
             let mut moment = Vector::<D>::zeros();
-            let mut power = 0.0;
+            let mut powers = [0.0; 2];
             let ends = bodies.iter().zip(scene.end(x));
-            for (((body, end), total), step) in ends.zip(&mut force).zip(&scene.steps) {
+            for ((((body, end), total), step), power) in ends.zip(&mut force).zip(&scene.steps).zip(&mut powers) {
                 let field = step.surface().field().unwrap();
                 for (vertex, at) in end.positions(body.reference()).iter().enumerate() {
                     let f = -Vector::<D>::from(layout.at(field, vertex, &r));
                     *total += f;
                     // The moments in the planes of all pairs of axes.
                     moment += Vector::from_fn(|a, _| at[a] * f[(a + 1) % D] - at[(a + 1) % D] * f[a]);
-                    power += f.dot(&end.velocity()[vertex]);
+                    *power += f.dot(&end.velocity()[vertex]);
                 }
             }
             let scale = report.force.norm();
             assert!((force[0] - report.force).norm() < 1e-12 * scale);
             assert!((force[0] + force[1]).norm() < 1e-12 * scale, "{} {}", force[0], force[1]);
             assert!(moment.norm() < 1e-12 * scale, "{moment}");
-            assert!((power - report.power).abs() < 1e-11 * power.abs().max(scale));
+            for (power, reported) in powers.iter().zip(report.powers) {
+                assert!((power - reported).abs() < 1e-11 * power.abs().max(scale));
+            }
         });
     }
 }

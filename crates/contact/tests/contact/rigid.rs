@@ -95,7 +95,7 @@ fn resultant_is_law_times_area<const D: usize>() {
         assert!(
             (report.force[D - 1] - pressure).abs() < 1e-12 * pressure && report.force.amax() == report.force[D - 1]
         );
-        assert!((report.power - pressure * velocity[D - 1]).abs() < 1e-11 * pressure * velocity.norm());
+        assert!((report.powers[0] - pressure * velocity[D - 1]).abs() < 1e-11 * pressure * velocity.norm());
         let energy = 0.5 * GAMMA / SIZE * (OFFSET - sunk).powi(2);
         assert!((report.stored_energy - energy).abs() < 1e-12 * energy);
         assert!((report.largest_penetration - (OFFSET - sunk)).abs() < 1e-14);
