@@ -80,10 +80,11 @@ fn check<const D: usize>(centre: &[f64; D], radius: f64, h: f64) -> Result<(), E
     Ok(())
 }
 
-/// A circle about the origin, in the unit of its radius.
+/// A circle about the origin that represents one about `centre`.
 struct Circle {
+    /// Unit of `radius` and `h`.
     unit: Unit,
-    /// Place of its centre, in the given unit.
+    /// Position of the centre, in the unit of the caller.
     centre: [f64; 2],
     /// Distance of the nodes from the centre.
     radius: f64,
@@ -109,9 +110,9 @@ impl Circle {
         Ok(Self { unit, centre: [x, y], radius: radius * scale, h, n_half })
     }
 
-    /// Moves a mesh about the origin to the centre, in the given unit.
+    /// Moves a mesh about the origin to the centre, in the unit of the caller.
     fn placed<const D: usize>(&self, mesh: SimplexMesh<D>) -> Result<SimplexMesh<D>, Error> {
-        mesh.mapped(|x| Point::from_fn(|axis, _| self.centre[axis] + self.unit.given(x[axis])))
+        mesh.mapped(|x| Point::from_fn(|axis, _| self.centre[axis] + self.unit.to_caller_unit(x[axis])))
     }
 
     /// Returns the node `i` relative to the centre, counter-clockwise from the lowest one. The nodes on the vertical
