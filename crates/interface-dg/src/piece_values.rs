@@ -133,8 +133,7 @@ impl<const D: usize> PieceValues<D> {
     ///
     /// The ghost penalty does not act in films. On a part with volume `V` and area `A` of the surface, linear
     /// velocities have `∫_A |2 μ D(u) n|² ≤ 2 μ A/V ∫_V 2 μ |D(u)|²`. On parts that are much thinner than the film, the
-    /// penalty thus bounds the traction only if the viscous length is at most a multiple of the height `V/A` of the
-    /// part.
+    /// penalty thus bounds the traction only if the viscous length is at most a multiple of the height `V/A`.
     pub fn set_gaps(&mut self, cut: &CutMesh<D>, gap: impl Fn(PartId) -> Option<f64>) {
         let mut areas = BTreeMap::new();
         for piece in cut.interface() {

@@ -23,8 +23,7 @@ pub struct Pocket {
 }
 
 /// Largest relative flux that is taken as zero: of `∫ N_k n_a` relative to `∫ N_k`, and of pivots in [`null_vectors`].
-/// It is ten times the share of the interface that a cut may leave without facets (`LARGEST_SHARE` in
-/// `solver/src/overlay.rs`).
+/// It is ten times the share of the interface that a cut may leave without facets (`solver/src/overlay.rs`).
 const CLOSED: f64 = 1e-5;
 
 /// Finds the pockets of a step.
@@ -148,8 +147,7 @@ fn null_vectors(rows: impl IntoIterator<Item = Vec<f64>>, n: usize) -> Vec<(usiz
 
 impl Pocket {
     /// Subtracts the undetermined constant from the pressure, such that its mean over `parts` is zero. The pressure in
-    /// the regions of `coupled` changes by this constant times their factors. `pressure` has one value per dof of the
-    /// space.
+    /// the regions of `coupled` changes by this constant times their factors. `pressure` has one value per dof.
     pub fn remove_mean<const D: usize>(&self, geometry: FluidGeometry<'_, D>, pressure: &mut [f64]) {
         let (mut integral, mut volume) = (0.0, 0.0);
         for &part in &self.parts {

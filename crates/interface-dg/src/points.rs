@@ -79,8 +79,8 @@ impl<const D: usize> MortarPoint<'_, D> {
         self.solid.as_ref().map_or(of_fluid, |solid| of_fluid + solid.traction * solid.weight)
     }
 
-    /// Returns the basis of the jump `v - w`: first row and value of each vector-valued test function. Values of the
-    /// body are negative.
+    /// Returns the basis of the jump `v - w`: first row and value of each vector-valued test function. They are
+    /// negative for the body.
     #[inline]
     pub fn jump_basis(&self) -> impl Iterator<Item = (usize, f64)> + Clone + '_ {
         let fluid = (0..=D).map(|i| (self.velocity_row(i), self.at.fluid[i]));

@@ -100,8 +100,7 @@ impl<'a, const D: usize> FluidStress<'a, D> {
         Some(&self.closed[found])
     }
 
-    /// Returns the pressure dofs of the nearest piece of a closed facet, with their shape values in the middle of the
-    /// piece.
+    /// Returns the pressure dofs of the nearest piece of a closed facet, with their shape values in its middle.
     pub(crate) fn rim_pressures(&self, facet: FacetId) -> impl Iterator<Item = (DofId, f64)> {
         let InterfacePoints { geometry, fields, .. } = &self.points;
         self.rim(facet).into_iter().flat_map(|closed| {

@@ -5,8 +5,8 @@ use crate::{CellId, Coordinates, FacetId, Tag, VertexId};
 /// Oriented facets of a closed surface. Normals point out of the solid (2D: to the right of the edge; 3D: right-hand
 /// rule).
 ///
-/// Vertices have the ids of the solid mesh, whose positions and velocities can thus be used. Positions are not stored;
-/// see [`crate::Placed`].
+/// Vertices have the ids of the solid mesh, so that its positions can be used. They are not stored: see
+/// [`crate::Placed`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct BoundaryMesh<const D: usize> {
     facet_to_vertex: Vec<VertexId>,

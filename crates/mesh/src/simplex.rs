@@ -134,8 +134,7 @@ pub fn simplex_measure<const D: usize>(points: &[Point<D>]) -> f64 {
     }
 }
 
-/// Returns the side of the equilateral simplex of dimension `D`, from 1 to 3, with the given volume: the size `h_K` of
-/// a cell.
+/// Returns the side of the equilateral simplex of dimension `D`, from 1 to 3, with the given volume: the size `h_K`.
 #[inline]
 pub fn equilateral_side<const D: usize>(volume: f64) -> f64 {
     match D {

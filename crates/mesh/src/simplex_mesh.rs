@@ -308,8 +308,7 @@ impl<const D: usize> SimplexMesh<D> {
 
     /// Returns the outward unit normal of the facets with a tag; `None` if there are none or they do not lie in one plane.
     ///
-    /// Accepted differences of normals are 1e-9, and accepted distances from the plane are 1e-9 times distances within
-    /// it.
+    /// Normals may differ by 1e-9, and distances from the plane may be 1e-9 times distances within the plane.
     pub fn tag_normal(&self, tag: Tag) -> Option<Vector<D>> {
         const TOLERANCE: f64 = 1e-9;
         let mut plane = None;

@@ -46,8 +46,8 @@ pub fn sym<const D: usize>(t: &Tensor<D>) -> Tensor<D> {
     0.5 * (t + t.transpose())
 }
 
-/// Returns the moment `Σ x × f` of forces, given `Σ f xᵀ`. Component `k` is the moment about axis `k`; in 2D only the
-/// last one is not zero.
+/// Returns the moment `Σ x × f` of forces, given `Σ f xᵀ`. Component `k` is that about axis `k`; in 2D only the last
+/// one is not zero.
 pub fn moment_of<const D: usize>(forces: &Tensor<D>) -> [f64; 3] {
     let entry = |a: usize, b: usize| if a < D && b < D { forces[(a, b)] } else { 0.0 };
     std::array::from_fn(|k| {

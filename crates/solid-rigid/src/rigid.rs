@@ -84,8 +84,7 @@ impl<const D: usize> RigidBody<D> {
         RigidMotion::from_numbers(&state.inner)
     }
 
-    /// Returns whether a rigid mode ([`mode`]) is held. With rotational symmetry only the translation along the axis
-    /// can be free.
+    /// Returns whether a rigid mode is held. With rotational symmetry only the translation along the axis can be free.
     fn holds(&self, mode: usize) -> bool {
         let axial = self.boundary.coordinates().radial().map(|radial| mode < D && mode != radial);
         axial == Some(false) || self.held_axes.get(mode).copied().unwrap_or(self.holds_rotation)

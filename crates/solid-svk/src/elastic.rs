@@ -50,9 +50,9 @@ pub struct ElasticBody<const D: usize> {
 impl<const D: usize> ElasticBody<D> {
     /// Creates a body from mesh and weak form.
     ///
-    /// # Errors [`Error::UnknownVertex`], [`Error::UnknownFacet`]: a support has a node, or a load a facet, that the
-    /// mesh does not have. [`Error::Parameter`]: a normal without unit length. [`Error::MissingMaterial`]: a group of
-    /// cells without a material.
+    /// # Errors
+    /// [`Error::UnknownVertex`], [`Error::UnknownFacet`]: a node of a support or a facet of a load does not exist.
+    /// [`Error::Parameter`]: a normal without unit length. [`Error::MissingMaterial`]: a group without a material.
     pub fn new(name: &str, solid: SolidMesh<D>, form: SolidForm<D>, options: ElasticOptions<D>) -> Result<Self, Error> {
         let (n_vertices, n_facets) = (solid.nodes().len(), solid.boundary().n_facets());
         for support in &options.supports {

@@ -40,9 +40,9 @@ impl<const D: usize> SolidMesh<D> {
     /// elastodynamics, doi:10.1016/j.euromechsol.2008.01.001. The masses of this method are one solution of their
     /// conditions on mass and first moments.
     ///
-    /// # Errors [`Error::MassOfOrder`]: elements of order 2, whose vertices have no positive lumped mass.
-    /// [`Error::UnknownVertex`]: a node that the mesh does not have. [`Error::NoMassNear`]: a node without neighbours
-    /// that have mass.
+    /// # Errors
+    /// [`Error::MassOfOrder`]: elements of order 2, whose vertices have no positive lumped mass.
+    /// [`Error::UnknownVertex`]: a node does not exist. [`Error::NoMassNear`]: a node has no neighbours with mass.
     pub fn without_mass_at(mut self, nodes: &[VertexId]) -> Result<(Self, bool), Error> {
         if self.order() != Order::Linear {
             return Err(Error::MassOfOrder);
@@ -150,8 +150,7 @@ impl<const D: usize> SolidMesh<D> {
         neighbours
     }
 
-    /// Sets the mass of massless nodes to zero. Adds the change of each other node to its diagonal entry in one of its
-    /// cells.
+    /// Sets the mass of massless nodes to zero. Adds the change of each other node to the entry of its share.
     fn change_masses(&mut self, shares: &[Share], changes: &[f64], is_massless: &[bool]) {
         let n = D + 1;
         for cell in self.mesh().cells() {

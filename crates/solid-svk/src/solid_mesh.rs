@@ -30,8 +30,7 @@ pub struct SolidMesh<const D: usize> {
     facet_to_node: Vec<VertexId>,
     /// Quadrature points for loads on each part of an element's facet, in coordinates of the whole facet.
     facet_points: Vec<Tabulated>,
-    /// Gradients of the shape functions of the cell behind each boundary facet, in the middle of the facet. Stride:
-    /// nodes of a cell.
+    /// Gradients of the shape functions behind each boundary facet, in its middle. Stride: nodes of a cell.
     surface_gradients: Vec<Vector<D>>,
     /// Shape functions divided by the radius at the same points, with the same stride; empty in Cartesian coordinates.
     surface_hoop: Vec<f64>,

@@ -12,8 +12,8 @@ use crate::{Material, SolidCells};
 /// of the facet in the reference state to its measure `|F|` at given positions. At the current positions it is `σ n`.
 ///
 /// The traction is evaluated in the middle of the facet with the displacement at the stage of the step, and is constant
-/// on the facet. Its integral over the facet at `positions` is the force in the weak form of the solid, for any growth
-/// of the facet in the step.
+/// on the facet. Its integral over the facet at `positions` is the force in the weak form of the solid, however
+/// the facet grows in the step.
 pub struct SolidStress<'a, const D: usize> {
     /// The cells of the body.
     pub cells: SolidCells<'a, D>,

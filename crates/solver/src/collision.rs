@@ -6,28 +6,30 @@ use algebra::{Constraints, Contributions, DofId, LocalSystem};
 use contact::{Anchor, ContactPoint, Positions, Projection};
 use mesh::{BodyId, Placed, Point, Vector, VertexId};
 
-use crate::contact_step::Partners;
+use crate::contact_step::StepParts;
 use crate::setup::Contact;
 use crate::{Setup, State};
 
 /// Penalty weight relative to mass/Δt; its inverse is about the relative error of the velocity.
 const STIFFNESS: f64 = 1e8;
 
-/// Part of the largest relative velocity at the start by which a point exceeds its bound to the other side before it is released: a pull of 1e-4 of the
-/// impulse, above round-off.
+/// Smallest excess of a point that acts, with a negative sign, at which the point is released, relative to the largest
+/// relative velocity at the start: a pull of 1e-4 of the impulse, above round-off.
 const LEAST_PULL: f64 = 1e-4 / STIFFNESS;
-/// Part of the largest relative velocity at the start by which a point that does not act exceeds its bound before it is added.
+/// Smallest excess at which a point that does not act is added, relative to the largest relative velocity at the start.
 const LEAST_EXCESS: f64 = 1e-6;
-/// Number of times that a point is added. It is released whenever it pulls.
+/// Largest number of times that a point is added. A point is released whenever it pulls.
 const MOST_ADDITIONS: usize = 2;
 
 /// `Σ c (n·(v_s - v_m) - w) (n·(w_s - w_m))`: at the points that act, two bodies separate with the given relative velocity
 ///
-/// The points are the vertices of the slave whose gap is below the offset, and `w = -e n·(v_s - v_m)^n`. At first those that approach act; the solve is repeated without points that pull, and with points that
-/// would approach faster than `w`. So impulses only push, and relative velocities are at most `w`. Impulses
-/// of one restitution take energy or none then, however many points there are. Other forces work during the step.
+/// The points are the vertices of the slave whose gap is below the offset, and `w = -e n·(v_s - v_m)^n` with the
+/// restitution `e`. In the first solve the points that approach act. The solve is repeated without points that pull,
+/// and with points that would approach faster than `w`. So impulses only push, and relative velocities are at most `w`.
+/// With one restitution they generate no energy, however many points there are. Other forces work during the step.
 ///
-/// Source: Newton's law of restitution, for several points after Moreau 1988, Unilateral contact and dry friction in finite freedom dynamics, doi:10.1007/978-3-7091-2624-0_1.
+/// Source: Newton's law of restitution, for several points after Moreau 1988, Unilateral contact and dry friction in
+/// finite freedom dynamics, doi:10.1007/978-3-7091-2624-0_1.
 /// Couples: velocities of one vertex of the slave and of the facet of the master.
 /// Units: force (2D: per unit depth).
 #[derive(Clone)]
@@ -42,27 +44,27 @@ pub(crate) struct Collision<const D: usize> {
 /// A vertex of the slave and the closest point of the master.
 #[derive(Clone)]
 struct CollisionPoint<const D: usize> {
-    /// Dofs with their share in the relative velocity along the normal.
+    /// Dofs with their shares in the relative velocity along the normal.
     dofs: Vec<(DofId, f64)>,
     /// The velocity `w` at the stage, positive in approach.
     velocity: f64,
-    /// The part of the relative velocity that a body of prescribed motion gives.
+    /// The part of the relative velocity from bodies of prescribed motion.
     given: f64,
     /// Normal into the obstacle.
     normal: Vector<D>,
     /// Whether the point acts.
     acts: bool,
-    /// Number of times that it may still be added.
+    /// Number of times that the point may still be added.
     n_additions_left: usize,
 }
 
 impl<const D: usize> Collision<D> {
-    /// Returns the collision of a contact for the velocities `start` at the start; `None` if its law has no restitution, or no point that can move is in contact
-    /// at the start of the step.
+    /// Returns the collision of a contact for the velocities `start` at the start; `None` if its law has no
+    /// restitution, or no point that can move is in contact at the start of the step.
     pub(crate) fn new(
         contact: &Contact<D>,
         (setup, previous): (&Setup<D>, &State<D>),
-        step: Partners<'_, D>,
+        parts: StepParts<'_, D>,
         (constraints, start): (&Constraints, &[f64]),
     ) -> Option<Self> {
         let restitution = contact.form().law.restitution()?;
@@ -73,13 +75,13 @@ impl<const D: usize> Collision<D> {
             None => is_free(*dof),
         };
         for (vertex, found) in touching(contact, (setup, previous)) {
-            let (dofs, given) = relative_velocity(contact, (vertex, &found), previous, step);
+            let (dofs, given) = relative_velocity(contact, (vertex, &found), previous, parts);
             if dofs.iter().any(can_move) {
                 let approach = given + dofs.iter().map(|(dof, share)| share * start[dof.index()]).sum::<f64>();
                 fastest = fastest.max(approach.abs());
                 points.push(CollisionPoint {
                     dofs,
-                    velocity: step.time.weights.stage_velocity(-restitution * approach, approach),
+                    velocity: parts.time.weights.stage_velocity(-restitution * approach, approach),
                     given,
                     normal: found.normal,
                     acts: approach > 0.0,
@@ -90,7 +92,7 @@ impl<const D: usize> Collision<D> {
         let bodies = [Some(contact.body()), contact.master()].into_iter().flatten();
         let balance = |id: BodyId| setup.bodies[id.index()].balance(&previous.bodies[id.index()]);
         let mass = bodies.filter_map(balance).map(|balance| balance.mass).fold(0.0, f64::max);
-        (!points.is_empty()).then(|| Self { points, fastest, weight: STIFFNESS * mass / step.time.length })
+        (!points.is_empty()).then(|| Self { points, fastest, weight: STIFFNESS * mass / parts.time.length })
     }
 
     /// Returns the number of points that act.
@@ -104,7 +106,7 @@ impl<const D: usize> Collision<D> {
         acting.map(|point| point.normal * -(self.weight * point.excess(x))).sum()
     }
 
-    /// Returns the power of a body of prescribed motion at the points.
+    /// Returns the power of the collision at bodies of prescribed motion.
     pub(crate) fn given_power(&self, x: &[f64]) -> f64 {
         let acting = self.points.iter().filter(|point| point.acts);
         acting.map(|point| self.weight * point.excess(x) * point.given).sum()
@@ -141,8 +143,8 @@ fn touching<const D: usize>(
     let (own, opposite) = (positions(contact.body()), contact.master().map_or(Vec::new(), positions));
     let candidates = contact.geometry().candidates(Placed::new(slave, &own), contact.facets(), &opposite, law.offset());
     let mut touching: BTreeMap<VertexId, Projection<D>> = BTreeMap::new();
-    for (number, &facet) in contact.facets().iter().enumerate() {
-        let near = candidates.as_ref().map_or(&[][..], |of_facets| &of_facets[number]);
+    for (index, &facet) in contact.facets().iter().enumerate() {
+        let near = candidates.as_ref().map_or(&[][..], |of_facets| &of_facets[index]);
         for &vertex in slave.facet(facet) {
             let x: Point<D> = own[vertex.index()];
             let Some(found) = contact.geometry().project(&x, Positions::Fixed(&opposite), near) else { continue };
@@ -156,24 +158,24 @@ fn touching<const D: usize>(
     touching
 }
 
-/// Returns the dofs of the velocity of a vertex relative to the closest point, along the normal, with their shares, and the part of this velocity
-/// that a body of prescribed motion gives.
+/// Returns the velocity of a vertex relative to the closest point, along the normal: the dofs with their shares, and
+/// the part from bodies of prescribed motion.
 fn relative_velocity<const D: usize>(
     contact: &Contact<D>,
     (vertex, found): (VertexId, &Projection<D>),
     previous: &State<D>,
-    step: Partners<'_, D>,
+    parts: StepParts<'_, D>,
 ) -> (Vec<(DofId, f64)>, f64) {
     let mut ends = vec![(contact.body(), vertex, 1.0)];
     if let (Some(id), Anchor::Facet { facet, barycentric, .. }) = (contact.master(), &found.anchor) {
-        let vertices = step.bodies[id.index()].surface().boundary.facet(*facet);
+        let vertices = parts.bodies[id.index()].surface().boundary.facet(*facet);
         ends.extend(vertices.iter().zip(barycentric).map(|(&vertex, share)| (id, vertex, -share)));
     }
     let (mut dofs, mut given) = (Vec::new(), 0.0);
     for (id, vertex, share) in ends {
-        match step.bodies[id.index()].surface().field() {
+        match parts.bodies[id.index()].surface().field() {
             Some(field) => {
-                let of_vertex = step.layout.node(field, vertex.index()).zip(&found.normal);
+                let of_vertex = parts.layout.node(field, vertex.index()).zip(&found.normal);
                 dofs.extend(of_vertex.map(|(dof, n)| (dof, share * n)).filter(|(_, share)| *share != 0.0));
             }
             None => given += previous.bodies[id.index()].velocity()[vertex.index()].dot(&found.normal) * share,
@@ -183,7 +185,7 @@ fn relative_velocity<const D: usize>(
 }
 
 impl<const D: usize> CollisionPoint<D> {
-    /// Returns the difference of the relative velocity from the given one.
+    /// Returns the relative velocity minus the velocity `w`.
     fn excess(&self, x: &[f64]) -> f64 {
         self.given + self.dofs.iter().map(|(dof, share)| share * x[dof.index()]).sum::<f64>() - self.velocity
     }

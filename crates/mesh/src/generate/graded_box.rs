@@ -25,8 +25,7 @@ pub fn graded_box<const D: usize>(min: [f64; D], max: [f64; D], size: &Size) -> 
     refined_box(min, max, size, &[])
 }
 
-/// Generates a box as [`graded_box`] does, with finer cells near regions. Where several sizes apply, the smallest is
-/// used.
+/// Generates a box as [`graded_box`] does, with finer cells near regions: the smallest of all sizes at a point is used.
 ///
 /// In 2D, the triangulation follows the size everywhere, with angles of at least 25 degrees for a growth of up to 0.3 and of at
 /// least 20 degrees above it. In 3D, tetrahedra are bisected until their diameters are at most
@@ -128,8 +127,7 @@ pub fn expected_cells<const D: usize>(min: [f64; D], max: [f64; D], size: &Size,
     expected_cells_where(min, max, size, regions, |_| true)
 }
 
-/// Estimates the number of cells of a mesh of the points of a box for which `is_inside` holds, as [`expected_cells`]
-/// does.
+/// Estimates as [`expected_cells`] the number of cells in the part of a box where `is_inside` is true.
 pub fn expected_cells_where<const D: usize>(
     min: [f64; D],
     max: [f64; D],

@@ -36,8 +36,7 @@ pub fn inside<const D: usize>(lines: &[ClosedLine], size: f64) -> Result<Simplex
     refined_inside(lines, size, &[])
 }
 
-/// Generates triangles as [`inside`] does, with finer cells near regions. Where several sizes apply, the smallest is
-/// used.
+/// Generates triangles as [`inside`] does, with finer cells near regions: the smallest of all sizes at a point is used.
 ///
 /// The segments of the lines are not divided. [`ClosedLine::graded_polygon`] and [`ClosedLine::graded_smooth`] create
 /// lines with segments that follow the size.

@@ -154,8 +154,7 @@ impl<const D: usize> Quadratic<D> {
     }
 }
 
-/// Returns a layout with the velocity of the body after another field, so that its first dof is not zero, and the
-/// velocity.
+/// Returns a layout with another field before the velocity, so that its first dof is not zero, and the velocity.
 pub(crate) fn padded_layout<const D: usize>(mesh: &SolidMesh<D>) -> (BlockLayout, FieldId) {
     let mut layout = BlockLayout::new();
     layout.push("other", N_OTHER, 1);
