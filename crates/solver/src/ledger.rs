@@ -147,7 +147,7 @@ impl<const D: usize> Problem<'_, D> {
         };
         let mut known = 0.0;
         if let (Some(fluid), Some(points)) = (&step.fluid, &self.interface) {
-            known += fluid.set_lines(&mut ledger, layout, x);
+            known += fluid.set_ledger_lines(&mut ledger, layout, x);
             let ([carried, start, end], change) =
                 (fluid.scheme_energies(layout, x), fluid_energy - before.fluid_energy());
             let transfer =
@@ -202,7 +202,7 @@ impl<const D: usize> Problem<'_, D> {
 
 impl<const D: usize> FluidStep<'_, D> {
     /// Sets the lines of the fluid's terms; returns their sum.
-    fn set_lines(&self, ledger: &mut Ledger, layout: &BlockLayout, x: &[f64]) -> f64 {
+    fn set_ledger_lines(&self, ledger: &mut Ledger, layout: &BlockLayout, x: &[f64]) -> f64 {
         let (geometry, fields, form, dt) = (self.geometry(), self.fields(layout), &self.form, self.time.length);
         let cells = |term| dt * Integral::linear("one term", FluidCells::new(geometry, fields), vec![term]).power(x);
         let faces = |weights: [f64; 3]| {
