@@ -164,7 +164,7 @@ mod tests {
     use super::*;
     use crate::generate::structured_box;
 
-    /// Compares with the moments of a box: its edges divided by twelve, squared.
+    /// Compares with the moments of a box: its volume times the squares of its edges, divided by twelve.
     fn check<const D: usize>(low: [f64; D], high: [f64; D], n: [usize; D]) {
         let mesh = structured_box(low, high, n).unwrap();
         let [low, high] = [low, high].map(Point::<D>::from);

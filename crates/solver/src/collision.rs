@@ -26,7 +26,7 @@ const MOST_ADDITIONS: usize = 2;
 /// The points are the vertices of the slave whose gap is below the offset, and `w = -e n·(v_s - v_m)^n` with the
 /// restitution `e`. In the first solve the points that approach act. The solve is repeated without points that pull,
 /// and with points that would approach faster than `w`. So impulses only push, and relative velocities are at most `w`.
-/// With one restitution they generate no energy, however many points there are. Other forces work during the step.
+/// Impulses of one restitution generate no energy, for any number of points. Other forces work during the step.
 ///
 /// Source: Newton's law of restitution, for several points after Moreau 1988, Unilateral contact and dry friction in
 /// finite freedom dynamics, doi:10.1007/978-3-7091-2624-0_1.
@@ -117,7 +117,7 @@ impl<const D: usize> Collision<D> {
         self.points.iter().any(|point| point.acts)
     }
 
-    /// Releases points that pull, and adds those that exceed their bounds. Returns whether there were any.
+    /// Releases points that pull, and adds those that exceed their bounds. Returns whether any point changed.
     pub(crate) fn settle(&mut self, x: &[f64]) -> bool {
         let mut has_changed = false;
         for point in &mut self.points {

@@ -12,7 +12,7 @@ use crate::fluid_step::FluidStep;
 const SIDE_DEGREE: usize = 2;
 
 /// Force of the fluid on a part of the background's boundary, with the weight of the coordinates. With rotational
-/// symmetry, [`mesh::Coordinates::resultant`] and [`mesh::Coordinates::moment`] return those on the whole part.
+/// symmetry, [`mesh::Coordinates::resultant`] and [`mesh::Coordinates::moment`] return those on the whole.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SideForce<const D: usize> {
     /// Sum of the forces at the vertices.

@@ -46,8 +46,9 @@ pub fn ball<const D: usize>(
 /// Tag of the facets of a [`half_ball`] on its plane of symmetry.
 pub const HALF_BALL_PLANE: &str = "left";
 
-/// Generates the half of a [`ball`] with `x >= centre[0]`. Vertices on the plane of symmetry lie exactly on it, and facets
-/// there have the tag [`HALF_BALL_PLANE`], all others "surface". The boundary vertices are those of [`ball`] up to round-off.
+/// Generates the half of a [`ball`] with `x >= centre[0]`. Vertices on the plane of symmetry lie exactly on it. Facets
+/// on it have the tag [`HALF_BALL_PLANE`], all others "surface". The boundary vertices are those of [`ball`] up to
+/// round-off.
 ///
 /// # Errors
 /// As [`ball`]. [`Error::Dimension`]: `D` is not 2.
