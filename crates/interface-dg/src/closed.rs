@@ -1,4 +1,4 @@
-//! The closed part of a surface, which borders no fluid, with the pressure that is continued there.
+//! The closed part of a surface, which borders no fluid, with the pressure that is continued onto it.
 
 use std::sync::Arc;
 
@@ -9,9 +9,9 @@ use crate::FluidStress;
 
 /// The closed part of the surface of a body whose motion is unknown: one item per facet.
 ///
-/// The quadrature points are those of the facet, and those of its interface pieces with negative weights, so that wet
-/// and closed part add up to the facet exactly. A constant pressure on both has no resultant on a closed surface; the
-/// resultant of a hydrostatic pressure is the buoyancy.
+/// The quadrature points are those of the facet, and those of its interface pieces with negative weights, so that the
+/// integrals over wet and closed part add up to that over the facet. The resultant of a constant pressure on the whole
+/// surface is therefore zero, and that of a hydrostatic pressure is the buoyancy.
 #[derive(Clone)]
 pub struct ClosedPoints<'a, const D: usize> {
     stress: Arc<FluidStress<'a, D>>,
@@ -23,9 +23,10 @@ pub struct ClosedPoints<'a, const D: usize> {
 pub struct ClosedPoint<const D: usize> {
     /// Traction `-p n` on the body, times the weight.
     pub force: Vector<D>,
-    /// Shape values of the vertices of the facet. Local unknowns are their velocities, `D` each, then the pressures.
+    /// Shape values of the vertices of the facet. Local unknowns: velocities of these vertices, `D` components each,
+    /// then the pressures of the fluid nodes of the piece at the rim.
     pub shape: [f64; D],
-    /// Derivatives of the force with respect to the pressures.
+    /// Derivatives of the force with respect to these pressures.
     pub by_pressure: Vec<Vector<D>>,
 }
 
@@ -38,7 +39,7 @@ impl<const D: usize> ClosedPoint<D> {
 }
 
 impl<'a, const D: usize> ClosedPoints<'a, D> {
-    /// Creates the points on the surface of a stress; none if the motion of the body is prescribed.
+    /// Creates the points on the surface of the body of a stress; none if the motion of the body is prescribed.
     pub fn new(stress: Arc<FluidStress<'a, D>>) -> Self {
         let degree = 2 + stress.surface().boundary().coordinates().degree();
         let facets = if stress.motion().0.field().is_some() { stress.closed().collect() } else { Vec::new() };

@@ -17,8 +17,8 @@ pub struct MortarForm {
 }
 
 impl MortarForm {
-    /// Creates the form of a fluid. `rate` is the derivative of its acceleration with respect to its velocity, zero for a
-    /// steady problem.
+    /// Creates the form of a fluid. `rate` is the derivative of the acceleration with respect to the velocity, 1/time;
+    /// zero for a steady problem.
     pub fn new(fluid: NewtonianFluid, profile: PenaltyProfile, rate: f64) -> Self {
         Self {
             consistency: Consistency { fluid },
@@ -27,7 +27,7 @@ impl MortarForm {
         }
     }
 
-    /// Returns the weak form on the interface. It is linear if the traction is that of the fluid alone: the geometry is frozen.
+    /// Returns the weak form on the interface. For `α = 1` it is linear, because the geometry is constant in the step.
     pub fn contributions<'p, const D: usize>(
         &'p self,
         points: InterfacePoints<'p, D>,

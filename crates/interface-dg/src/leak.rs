@@ -4,10 +4,10 @@ use algebra::Sites;
 
 use crate::InterfacePoints;
 
-/// Flow through the interface.
+/// Flow through the interface, with the normal `n` out of the bodies. Units: volume/time (2D: per unit depth).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct InterfaceFlow {
-    /// `∫ (u - v_s)·n`: volume that crosses the interface per time.
+    /// `∫ (u - v_s)·n`: volume that crosses the interface per time, positive out of the bodies.
     pub leak_net: f64,
     /// `∫ |(u - v_s)·n|`.
     pub leak_absolute: f64,

@@ -1,4 +1,6 @@
-//! DG mortaring of fluid and solid on the cut interface, with the traction `T = α T^f + (1 - α) T^s`; α = 1 as a rule.
+//! DG mortaring of fluid and solid on the cut interface, with the traction `T = α T^f + (1 - α) T^s`.
+//!
+//! With `α = 1` the traction is that of the fluid alone.
 //!
 //! The three mortaring lines of Eq. (4), side by side with their files; `n^f = -n`, `n` the normal out of the solid:
 //!
@@ -8,7 +10,8 @@
 //! | `-(u - v_s, T(v, -q; w) n^f)` | `terms/adjoint_consistency.rs` |
 //! | `(S (u - v_s), v - w)` | `terms/penalty.rs` |
 //!
-//! Surfaces in contact border no fluid. `terms/closed_pressure.rs` is the term `(p n, w)` there, with the pressure at the rim.
+//! Where surfaces are in contact they border no fluid. On these *closed* parts acts the term `(p n, w)` of
+//! `terms/closed_pressure.rs`, with the pressure `p` of the fluid at the rim.
 //!
 //! The velocity of the body is unknown, or given at every point ([`body::SurfaceVelocity`]).
 

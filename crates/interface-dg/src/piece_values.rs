@@ -6,16 +6,17 @@ use cutcell::{CutMesh, PartId};
 use mesh::{MAX_CELL_VERTICES, Point, SimplexMesh, SimplexRule, Vector};
 use xfem_space::{PartValues, XfemSpace};
 
-/// Largest viscous length in a film, relative to the height of the part. The symmetric form is coercive up to `γ_t/2`,
-/// which is 17.5 in the standard set.
-const HEIGHTS: f64 = 8.0;
+/// Largest viscous length of a piece in a film, in heights `V/A` of its part ([`PieceValues::set_gaps`]). The symmetric
+/// mortar is coercive up to `γ_t/2` heights, 17.5 for the standard stabilisation; 8 is below half of this bound.
+const LARGEST_LENGTH_IN_HEIGHTS: f64 = 8.0;
 
 /// A quadrature point of the interface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PiecePoint<const D: usize> {
     /// Position.
     pub point: Point<D>,
-    /// Quadrature weight times the measure of the piece and the weight of the coordinates.
+    /// Quadrature weight: weight of the rule, times the measure of the piece, times [`mesh::Coordinates::weight`] (1,
+    /// or `2π r` with rotational symmetry).
     pub weight: f64,
     /// Shape values of the fluid part; only the first `D + 1` are used.
     pub fluid: [f64; MAX_CELL_VERTICES],
@@ -26,8 +27,10 @@ pub struct PiecePoint<const D: usize> {
 /// Quadrature points of all interface pieces of a cut, computed once per step.
 #[derive(Clone, Debug)]
 pub struct PieceValues<const D: usize> {
+    /// Points of all pieces, `per_piece` each.
     points: Vec<PiecePoint<D>>,
     per_piece: usize,
+    // The others have one value per piece.
     gradients: Vec<[Vector<D>; MAX_CELL_VERTICES]>,
     cell_sizes: Vec<f64>,
     viscous_lengths: Vec<f64>,
@@ -81,8 +84,8 @@ impl<const D: usize> PieceValues<D> {
         values
     }
 
-    /// Sets the largest speed of the fluid relative to the body on each piece. `fluid` has one velocity per dof of the space,
-    /// `body` returns those of the vertices of the facet of a piece.
+    /// Sets the relative speed of each piece: the largest `|u - v|` at its quadrature points. `fluid` has one velocity
+    /// `u` per dof of the space. `body(k)` returns the velocities `v` of the vertices of the facet of piece `k`.
     pub fn set_relative_speeds(
         &mut self,
         cut: &CutMesh<D>,
@@ -93,8 +96,8 @@ impl<const D: usize> PieceValues<D> {
         self.relative_speeds = self.largest_differences(cut, space, fluid, body);
     }
 
-    /// Sets the largest acceleration of the fluid relative to the body on each piece, given as in
-    /// [`PieceValues::set_relative_speeds`].
+    /// Sets the relative acceleration of each piece: the largest difference of the accelerations of fluid and body at
+    /// its quadrature points. Arguments are those of [`PieceValues::set_relative_speeds`], with accelerations.
     pub fn set_relative_accelerations(
         &mut self,
         cut: &CutMesh<D>,
@@ -105,6 +108,7 @@ impl<const D: usize> PieceValues<D> {
         self.relative_accelerations = Some(self.largest_differences(cut, space, fluid, body));
     }
 
+    /// Returns for each piece the largest norm of the difference of fluid and body at its quadrature points.
     fn largest_differences(
         &self,
         cut: &CutMesh<D>,
@@ -124,12 +128,12 @@ impl<const D: usize> PieceValues<D> {
         (0..cut.interface().len()).map(largest).collect()
     }
 
-    /// Reduces the viscous lengths of pieces whose part lies in a film: to the gap of the film, and to a multiple of the
-    /// height of the part. `gap` returns the gap of a part in a film.
+    /// Limits the viscous lengths of pieces in films to the gap of the film and to 8 heights `V/A` of the part. `gap`
+    /// returns the gap of the film of a part, and `None` outside of films.
     ///
-    /// The ghost penalty does not act in films. On a part with volume `V` and area `A` of the surface, linear velocities
-    /// have `∫_A |2 μ D(u) n|² ≤ 2 μ A/V ∫_V 2 μ |D(u)|²`. The penalty bounds the traction of parts that are much thinner
-    /// than the film if the length is at most a multiple of their height `V/A`.
+    /// The ghost penalty does not act in films. On a part with volume `V` and area `A` of the surface, linear
+    /// velocities have `∫_A |2 μ D(u) n|² ≤ 2 μ A/V ∫_V 2 μ |D(u)|²`. On parts that are much thinner than the film, the
+    /// penalty thus bounds the traction only if the viscous length is at most a multiple of the height `V/A`.
     pub fn set_gaps(&mut self, cut: &CutMesh<D>, gap: impl Fn(PartId) -> Option<f64>) {
         let mut areas = BTreeMap::new();
         for piece in cut.interface() {
@@ -138,7 +142,7 @@ impl<const D: usize> PieceValues<D> {
         for (length, piece) in self.viscous_lengths.iter_mut().zip(cut.interface()) {
             if let Some(gap) = gap(piece.part) {
                 let height = cut.part_volume(piece.part) / areas[&piece.part];
-                *length = length.min(gap).min(HEIGHTS * height);
+                *length = length.min(gap).min(LARGEST_LENGTH_IN_HEIGHTS * height);
             }
         }
     }
@@ -149,7 +153,7 @@ impl<const D: usize> PieceValues<D> {
         &self.points[piece * self.per_piece..][..self.per_piece]
     }
 
-    /// Returns the gradients of the shape functions of the fluid part of a piece.
+    /// Returns the gradients of the shape functions of the fluid part of a piece; only the first `D + 1` are used.
     #[inline]
     pub fn gradients(&self, piece: usize) -> &[Vector<D>; MAX_CELL_VERTICES] {
         &self.gradients[piece]
@@ -168,7 +172,8 @@ impl<const D: usize> PieceValues<D> {
         self.viscous_lengths[piece]
     }
 
-    /// Returns the largest speed of the fluid relative to the body on a piece.
+    /// Returns the largest speed of the fluid relative to the body on a piece; zero before
+    /// [`PieceValues::set_relative_speeds`].
     #[inline]
     pub fn relative_speed(&self, piece: usize) -> f64 {
         self.relative_speeds[piece]

@@ -13,24 +13,27 @@ use crate::InterfacePoints;
 /// A region of fluid without open boundary whose pressure is determined only up to a constant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pocket {
-    /// The parts.
+    /// The parts of the region.
     pub parts: Vec<PartId>,
-    /// A pressure dof of the region, which represents the constant.
+    /// A dof of the space in the region. Its pressure is set to zero during the solve.
     pub dof: u32,
-    /// Other regions to which the constant extends, with factors: behind a free piston only the difference of the pressures is
-    /// determined.
-    pub behind: Vec<(Vec<PartId>, f64)>,
+    /// Parts of other regions whose pressure shifts with the constant, and the ratio of their shift to that of this
+    /// region. Example: two regions that a free piston separates have one undetermined constant.
+    pub coupled: Vec<(Vec<PartId>, f64)>,
 }
 
-/// Flux per velocity below which a motion counts as tangential, relative to the flux of a normal motion of the same size. A
-/// cut is accepted with holes of a tenth of this value.
+/// Largest relative flux that is taken as zero: of `∫ N_k n_a` relative to `∫ N_k`, and of pivots in [`null_vectors`].
+/// It is ten times the share of the interface that a cut may leave without facets (`solver/src/overlay.rs`).
 const CLOSED: f64 = 1e-5;
 
 /// Finds the pockets of a step.
 ///
-/// An open boundary determines the constant of its region. Constants `c_p` of the other regions are undetermined if they do
-/// no work on any free motion of the bodies, `Σ_p c_p ∫_p v·n = 0`. A fully immersed body determines no constant of the
-/// region around it unless it can change its volume; a rigid piston between two regions determines one of two.
+/// An open boundary determines the constant of its region. Constants `c_p` of the other regions are undetermined if
+/// they do no work on any free motion `v` of the bodies, `Σ_p c_p ∫_p v·n = 0`. A fully immersed body determines the
+/// constant of the region around it only if the body can change its volume. A rigid piston between two regions
+/// determines one of two constants.
+///
+/// `is_open` returns whether fluid may cross the boundary of the background with a tag.
 pub fn pockets<const D: usize>(
     points: &InterfacePoints<'_, D>,
     constraints: &Constraints,
@@ -42,42 +45,43 @@ pub fn pockets<const D: usize>(
     for piece in cut.boundary().iter().filter(|piece| is_open(background.facet_tag(piece.facet))) {
         is_known[classes.lowest(piece.part.0) as usize] = true;
     }
-    let mut regions: Vec<(u32, Vec<PartId>)> = Vec::new();
+    let mut enclosed: Vec<(u32, Vec<PartId>)> = Vec::new();
     for part in cut.all_parts() {
         let root = classes.lowest(part.0);
         if is_known[root as usize] {
             continue;
         }
-        match regions.iter_mut().find(|(r, _)| *r == root) {
+        match enclosed.iter_mut().find(|(r, _)| *r == root) {
             Some((_, parts)) => parts.push(part),
-            None => regions.push((root, vec![part])),
+            None => enclosed.push((root, vec![part])),
         }
     }
-    if regions.is_empty() {
+    if enclosed.is_empty() {
         return Vec::new();
     }
     let region_of = |part: PartId| {
         let root = classes.lowest(part.0);
-        regions.iter().position(|(r, _)| *r == root)
+        enclosed.iter().position(|(r, _)| *r == root)
     };
-    let fluxes = fluxes(points, constraints, regions.len(), region_of);
-    let undetermined = null_vectors(fluxes, regions.len()).into_iter().map(|(own, others)| Pocket {
-        parts: regions[own].1.clone(),
-        dof: space.dofs(regions[own].1[0])[0],
-        behind: others.into_iter().map(|(k, factor)| (regions[k].1.clone(), factor)).collect(),
+    let rows = fluxes(points, constraints, enclosed.len(), region_of);
+    let undetermined = null_vectors(rows, enclosed.len()).into_iter().map(|(own, others)| Pocket {
+        parts: enclosed[own].1.clone(),
+        dof: space.dofs(enclosed[own].1[0])[0],
+        coupled: others.into_iter().map(|(k, factor)| (enclosed[k].1.clone(), factor)).collect(),
     });
     undetermined.collect()
 }
 
-/// Returns the flux `∫ N_k n_a` of each free dof of the bodies into each region. Fluxes of tied dofs are added to their
-/// masters; fluxes that cancel are zero.
+/// Returns for each free dof of the bodies the fluxes `∫ N_k n_a` into the regions, one entry per region. Fluxes of
+/// tied dofs are added to those of their masters, with the factors of the tie. Fluxes of at most [`CLOSED`] times
+/// `∫ N_k` are set to zero.
 fn fluxes<const D: usize>(
     points: &InterfacePoints<'_, D>,
     constraints: &Constraints,
     n_regions: usize,
     mut region_of: impl FnMut(PartId) -> Option<usize>,
 ) -> impl Iterator<Item = Vec<f64>> {
-    // For each dof and region: flux, and the sum of its absolute values.
+    // For each dof and region: flux, and the sum of the integrals of the shape functions.
     let mut fluxes: BTreeMap<DofId, Vec<[f64; 2]>> = BTreeMap::new();
     let mut add = |dof: DofId, region: usize, [flux, size]: [f64; 2]| {
         let entry = &mut fluxes.entry(dof).or_insert_with(|| vec![[0.0; 2]; n_regions])[region];
@@ -106,11 +110,10 @@ fn fluxes<const D: usize>(
     rows.into_iter().map(move |row| row.into_iter().map(cleaned).collect())
 }
 
-/// Returns a basis of the vectors with `n` entries that are orthogonal to all rows. A vector is given by the index of
-/// an entry that is one, and zero in all other vectors of the basis, and by its other non-zero entries. At most one row
-/// per entry is kept.
+/// Returns a basis of the vectors with `n` entries that are orthogonal to all rows. Each vector is `(k, entries)`:
+/// entry `k` is one, and `entries` are the other non-zero ones. Entry `k` is zero in the other vectors.
 fn null_vectors(rows: impl IntoIterator<Item = Vec<f64>>, n: usize) -> Vec<(usize, Vec<(usize, f64)>)> {
-    // Gauss and Jordan: row with its pivot column, in which all other rows are zero.
+    // Gauss-Jordan elimination: pivot column and row. All other rows are zero in this column.
     let mut reduced: Vec<(usize, Vec<f64>)> = Vec::new();
     let subtract = |row: &mut [f64], column: usize, source: &[f64]| {
         let factor = row[column];
@@ -143,7 +146,8 @@ fn null_vectors(rows: impl IntoIterator<Item = Vec<f64>>, n: usize) -> Vec<(usiz
 }
 
 impl Pocket {
-    /// Shifts the pressure, one value per dof of the space, so that its mean over the pocket is zero.
+    /// Subtracts the undetermined constant from the pressure, such that its mean over `parts` is zero. The pressure in
+    /// the regions of `coupled` changes by this constant times their factors. `pressure` has one value per dof.
     pub fn remove_mean<const D: usize>(&self, geometry: FluidGeometry<'_, D>, pressure: &mut [f64]) {
         let (mut integral, mut volume) = (0.0, 0.0);
         for &part in &self.parts {
@@ -162,7 +166,7 @@ impl Pocket {
             dofs.iter().for_each(|&dof| pressure[dof as usize] -= by);
         };
         shift(&self.parts, integral / volume);
-        for (parts, factor) in &self.behind {
+        for (parts, factor) in &self.coupled {
             shift(parts, factor * integral / volume);
         }
     }
@@ -176,7 +180,7 @@ mod tests {
     fn constants_without_work_are_found() {
         // A piston between two regions: one constant, the same on both sides.
         assert_eq!(null_vectors(vec![vec![2.0, -2.0]], 2), [(1, vec![(0, 1.0)])]);
-        // Two pistons in a row, the second one with a step; and a region without moving walls.
+        // Two pistons in a row, the second one with areas 3 and 1.5; and a region without moving walls.
         let found = null_vectors(vec![vec![1.0, -1.0, 0.0, 0.0], vec![0.0, 3.0, -1.5, 0.0]], 4);
         assert_eq!(found, [(2, vec![(0, 0.5), (1, 0.5)]), (3, vec![])]);
         // Two parallel pistons, and one next to a region of known pressure.

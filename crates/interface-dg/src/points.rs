@@ -57,11 +57,11 @@ pub struct MortarPoint<'a, const D: usize> {
     pub pressure: f64,
     /// Traction `T^f(u, p) n^f`.
     pub traction: Vector<D>,
-    /// Weight `α` of it.
+    /// Weight `α` of the traction of the fluid.
     pub alpha: f64,
     /// Traction of the solid, of weight `1 - α`; `None` if `α = 1`.
     pub solid: Option<Arc<SolidTraction<D>>>,
-    /// Whether the velocity of the body is unknown.
+    /// Whether the velocity of the body is unknown, and not prescribed.
     pub is_unknown: bool,
 }
 
@@ -79,7 +79,8 @@ impl<const D: usize> MortarPoint<'_, D> {
         self.solid.as_ref().map_or(of_fluid, |solid| of_fluid + solid.traction * solid.weight)
     }
 
-    /// Returns the basis of the jump `v - w`: first row and value of each vector-valued test function.
+    /// Returns the basis of the jump `v - w`: first row and value of each vector-valued test function. They are
+    /// negative for the body.
     #[inline]
     pub fn jump_basis(&self) -> impl Iterator<Item = (usize, f64)> + Clone + '_ {
         let fluid = (0..=D).map(|i| (self.velocity_row(i), self.at.fluid[i]));

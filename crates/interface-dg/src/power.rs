@@ -5,7 +5,7 @@ use algebra::Sites;
 use crate::InterfacePoints;
 use crate::terms::Penalty;
 
-/// Powers on the interface.
+/// Powers on the interface. Units: energy/time (2D: per unit depth).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct InterfacePower {
     /// `∫ σ_n |(u - v_s)·n|²`.

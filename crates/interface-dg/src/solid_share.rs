@@ -6,31 +6,33 @@ use algebra::DofId;
 use body::SurfaceStress;
 use mesh::{BodyId, FacetId, Vector};
 
-/// Stresses of the bodies, which have the weight `1 - α` in the traction of the mortar.
+/// Stresses of the bodies for the traction of the mortar, `α T^f n + (1 - α) T^s n`.
 #[derive(Clone)]
 pub struct SolidShare<'a, const D: usize> {
     /// Weight `α` of the traction of the fluid, from 0 to 1.
     pub alpha: f64,
     /// Stress of each body on its surface; `None` for a body without stress, on which the traction is that of the fluid alone.
     pub stresses: Vec<Option<Arc<dyn SurfaceStress<D> + 'a>>>,
-    /// State at which the adjoint of the solid's traction is linearised; it is frozen for the step.
+    /// Starting guess of the step, a global vector. The derivative of the solid's traction in the adjoint term is
+    /// evaluated at this vector and does not change during the step.
     pub start: Arc<[f64]>,
 }
 
-/// Traction of the solid at a point of the interface, with its derivatives by local unknowns.
+/// Traction of the solid at a point of the interface, with its derivatives with respect to local unknowns.
 pub struct SolidTraction<const D: usize> {
-    /// Its weight `1 - α`.
+    /// Weight `1 - α` of this traction in that of the mortar.
     pub weight: f64,
     /// Traction `T^s n^f`.
     pub traction: Vector<D>,
-    /// Row of each unknown on which it depends, with the derivative.
+    /// Local row of each unknown on which the traction depends, with the derivative.
     pub derivatives: Vec<(usize, Vector<D>)>,
-    /// The same at the start of the step: the traction `T^s n^f` of each test function.
+    /// Rows and derivatives of `T^s n^f` at [`SolidShare::start`], for the adjoint consistency term.
     pub adjoint: Vec<(usize, Vector<D>)>,
 }
 
 impl<const D: usize> SolidShare<'_, D> {
-    /// Returns the traction of the solid on a facet, with rows in the list of local dofs; `None` for a body without stress.
+    /// Returns the traction of the solid on a facet; `None` for a body without stress. Rows are positions in `dofs`,
+    /// which must contain the dofs of the stress on the facet ([`SurfaceStress::dofs`]).
     pub(crate) fn on_facet(
         &self,
         (body, facet): (BodyId, FacetId),
@@ -38,11 +40,11 @@ impl<const D: usize> SolidShare<'_, D> {
         x: &[f64],
     ) -> Option<SolidTraction<D>> {
         let stress = self.stresses[body.index()].as_ref()?;
-        let mut by_dof = Vec::new();
+        let mut derivatives = Vec::new();
         let row = |dof: &DofId| dofs.iter().position(|other| other == dof);
         let mut at = |x: &[f64]| {
-            let traction = -stress.on(facet, x, &mut by_dof);
-            let of_fluid_normal = by_dof.iter().filter_map(|(dof, by_dof)| Some((row(dof)?, -by_dof)));
+            let traction = -stress.on(facet, x, &mut derivatives);
+            let of_fluid_normal = derivatives.iter().filter_map(|(dof, derivative)| Some((row(dof)?, -derivative)));
             (traction, of_fluid_normal.collect::<Vec<_>>())
         };
         let ((traction, derivatives), (_, adjoint)) = (at(x), at(&self.start));

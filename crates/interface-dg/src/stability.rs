@@ -5,7 +5,8 @@ use mesh::BodyId;
 use crate::InterfacePoints;
 use crate::terms::Penalty;
 
-/// A piece of the interface on which the penalty is too small for the share of the solid.
+/// A piece of the interface on which the penalty is too small for the share of the solid. Units of the penalty:
+/// force·time per volume.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UnstableShare {
     /// The body.
@@ -18,9 +19,10 @@ pub struct UnstableShare {
 
 /// Returns the first piece on which the mortar may be unstable, for small strains.
 ///
-/// The form bounds the work of its tractions on the jump by viscosity, by the elasticity of the step, and by the penalty. A
-/// penalty `σ` that suffices for the fluid alone leaves `(1 - α²) σ` for the solid, whose traction has the weight
-/// `1 - α` and needs [`body::SurfaceStress::trace_bound`].
+/// The mortar is stable if viscosity, elasticity and penalty bound the work of its traction on the jump. The penalty
+/// that a traction requires grows with the square of its weight. If `σ` suffices for the traction of the fluid alone,
+/// its share with the weight `α` requires `α² σ`. The share of the solid requires `(1 - α)²` times
+/// [`body::SurfaceStress::trace_bound`], which must not exceed the rest `(1 - α²) σ`.
 pub fn unstable_share<const D: usize>(points: &InterfacePoints<'_, D>, penalty: &Penalty) -> Option<UnstableShare> {
     let (solid, values) = (points.solid.as_ref()?, points.values);
     points.geometry.cut.interface().iter().enumerate().find_map(|(item, piece)| {

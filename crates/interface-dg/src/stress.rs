@@ -14,36 +14,36 @@ const COVERED: f64 = 1.0 - 1e-9;
 
 /// Mean over each facet of the traction `T^f n` of the fluid in front of a body, `n` out of the body.
 ///
-/// It is a mean because the stress of a linear solid is constant behind a facet and balances the mean of the traction. In a film
-/// the pressure varies over a facet by more than the contact traction. The pointwise difference of the stresses is then not
-/// the contact traction, and a law that depends on it may have no solution.
+/// The mean is used because the stress of a linear solid is constant in the cell behind a facet and balances the mean
+/// of the traction. In a film the pressure varies over a facet by more than the contact traction. The pointwise
+/// difference of the stresses is then not the contact traction, and a law that depends on it may have no solution.
 ///
 /// The surface is *closed* where it borders no fluid: bodies touch or overlap there, or the facet lies outside the
-/// background. The traction on it is `-p n`. The pressure `p` is that in the middle of the nearest interface piece of
-/// the body, continued as in fluid at rest, `∇p = f` with the force `f` per volume, and zero if there is no piece. The
-/// model: between rough surfaces in contact there is fluid that is connected to the fluid at the rim.
+/// background. The traction on closed parts is `-p n`. The pressure `p` is continued from the middle of the nearest
+/// interface piece of the body as in fluid at rest, `∇p = f` with the force `f` per volume; it is zero if there is no
+/// piece. The model: between rough surfaces in contact there is fluid that is connected to the fluid at the rim.
 ///
 /// Source: Ager, Schott, Vuong, Popp, Wall 2019, doi:10.1002/nme.6094, who continue stresses of the fluid into the
 /// contact zone.
 pub struct FluidStress<'a, const D: usize> {
     points: InterfacePoints<'a, D>,
     body: BodyId,
-    /// Interface pieces on each facet, sorted by facet.
+    /// Facet and index of each interface piece of the body, sorted.
     pieces: Vec<(FacetId, usize)>,
-    /// Facets that are closed in part or as a whole, in order.
+    /// Facets that are closed in part or as a whole, sorted.
     closed: Vec<ClosedFacet<D>>,
 }
 
 /// A facet that is closed in part or as a whole.
 struct ClosedFacet<const D: usize> {
     facet: FacetId,
-    /// The nearest piece of the same body.
+    /// Index of the nearest interface piece of the same body.
     rim: usize,
     /// The middle of this piece.
     middle: Point<D>,
-    /// Force per volume on the fluid in the middle.
+    /// Force per volume on the fluid at `middle`.
     body_force: Vector<D>,
-    /// Shape values of the fluid nodes of this piece in the middle.
+    /// Shape values of the fluid nodes of this piece at `middle`.
     shape: [f64; MAX_CELL_VERTICES],
 }
 
@@ -89,7 +89,7 @@ impl<'a, const D: usize> FluidStress<'a, D> {
         surface.boundary().facets().filter(is_closed).filter_map(nearest).collect()
     }
 
-    /// Returns the facets that are closed in part or as a whole, in order.
+    /// Returns the facets that are closed in part or as a whole, sorted.
     pub(crate) fn closed(&self) -> impl ExactSizeIterator<Item = FacetId> {
         self.closed.iter().map(|closed| closed.facet)
     }
@@ -100,7 +100,7 @@ impl<'a, const D: usize> FluidStress<'a, D> {
         Some(&self.closed[found])
     }
 
-    /// Returns the dofs of the pressure at the nearest piece of a closed facet, with their shape values.
+    /// Returns the pressure dofs of the nearest piece of a closed facet, with their shape values in its middle.
     pub(crate) fn rim_pressures(&self, facet: FacetId) -> impl Iterator<Item = (DofId, f64)> {
         let InterfacePoints { geometry, fields, .. } = &self.points;
         self.rim(facet).into_iter().flat_map(|closed| {
@@ -134,6 +134,7 @@ impl<'a, const D: usize> FluidStress<'a, D> {
         (self.points.surfaces[self.body.index()], self.points.fields.layout)
     }
 
+    /// Returns the indices of the interface pieces on a facet.
     fn on_facet(&self, facet: FacetId) -> impl Iterator<Item = usize> {
         let begin = self.pieces.partition_point(|(other, _)| *other < facet);
         self.pieces[begin..].iter().take_while(move |(other, _)| *other == facet).map(|(_, item)| *item)
@@ -161,7 +162,7 @@ impl<const D: usize> SurfaceStress<D> for FluidStress<'_, D> {
         derivatives.clear();
         let (surface, coordinates) = (self.surface(), self.points.geometry.background.coordinates());
         let measure = surface.facet_measure(facet) * coordinates.weight(&surface.facet_middle(facet));
-        // Share and first moments of the part that is closed.
+        // Share of the facet that is closed, and the barycentric coordinates of its centroid times the share.
         let (mut share, mut moments) = (1.0, shares(coordinates, &surface.facet_points(facet)[..D]));
         let (mut sum, mut of_part) = (Vector::zeros(), Vec::new());
         for item in self.on_facet(facet) {
@@ -207,14 +208,15 @@ impl<const D: usize> FluidStress<'_, D> {
     }
 }
 
-/// Returns the shares of the corners of a facet in the mean of a linear function, with the weight of the coordinates.
+/// Returns the shares of the corners of a facet in the mean of a linear function over it, weighted by
+/// [`Coordinates::weight`]. They are the barycentric coordinates of the centroid.
 fn shares<const D: usize>(coordinates: Coordinates, corners: &[Point<D>]) -> [f64; D] {
     let weights: [f64; D] = std::array::from_fn(|k| coordinates.weight(&corners[k]));
     let sum: f64 = weights.iter().sum();
     weights.map(|weight| (sum + weight) / ((D + 1) as f64 * sum))
 }
 
-/// Moves derivatives of a part with a factor to those of the sum.
+/// Adds the derivatives of a part times a factor to those of the sum, and empties the part.
 fn add_to<const D: usize>(sum: &mut ByDof<D>, part: &mut ByDof<D>, factor: f64) {
     for (dof, derivative) in part.drain(..) {
         match sum.iter_mut().find(|(known, _)| *known == dof) {
@@ -224,7 +226,7 @@ fn add_to<const D: usize>(sum: &mut ByDof<D>, part: &mut ByDof<D>, factor: f64) 
     }
 }
 
-/// Traction of a body minus that of the fluid in front of it: the part that contact carries.
+/// Traction of the stress of a body minus the traction of the fluid on its surface: the traction of contact.
 pub struct StressJump<'a, const D: usize> {
     /// The stress of the body.
     pub solid: Arc<dyn SurfaceStress<D> + 'a>,
@@ -242,7 +244,7 @@ impl<const D: usize> SurfaceStress<D> for StressJump<'_, D> {
         let mut of_fluid = Vec::new();
         let fluid = self.fluid.on(facet, x, &mut of_fluid);
         let solid = self.solid.on(facet, x, derivatives);
-        // Both depend on different fields, so that no dof occurs twice.
+        // The two stresses depend on different fields, so that no dof occurs twice.
         derivatives.extend(of_fluid.into_iter().map(|(dof, derivative)| (dof, -derivative)));
         solid - fluid
     }

@@ -6,7 +6,7 @@ use mesh::{Point, Tensor, Vector, moment_of};
 use crate::InterfacePoints;
 use crate::terms::Penalty;
 
-/// Means over one interface piece.
+/// Means over one interface piece, with the normal `n` out of the body. Units of tractions: force per area.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InterfaceTraction<const D: usize> {
     /// Measure of the piece, with the weight of the coordinates.
@@ -23,18 +23,18 @@ pub struct InterfaceTraction<const D: usize> {
     pub jump: Vector<D>,
     /// The middle `x̄` of the piece.
     pub middle: Point<D>,
-    /// Mean of `t (x - x̄)ᵀ` with the total traction `t`, which moments contain in addition to the force at the middle.
+    /// Mean of `t (x - x̄)ᵀ` with the total traction `t`, the part of moments that the mean of `t` does not determine.
     pub first_moment: Tensor<D>,
 }
 
 impl<const D: usize> InterfaceTraction<D> {
-    /// Returns the traction on the body, that of the mortar plus penalty: the variational traction.
+    /// Returns the mean traction on the body: that of the mortar plus that of the penalty (variational traction).
     pub fn total(&self) -> Vector<D> {
         self.fluid + self.exchange + self.penalty
     }
 
-    /// Returns the mean moment of the total traction about a point: component `k` is that about axis `k`; in 2D only
-    /// the last one is not zero.
+    /// Returns the mean moment of the total traction about a point, per area. Component `k` is the moment about axis
+    /// `k`; in 2D only the last one is not zero.
     pub fn moment(&self, about: &Point<D>) -> [f64; 3] {
         moment_of(&(self.first_moment + self.total() * (self.middle - about).transpose()))
     }

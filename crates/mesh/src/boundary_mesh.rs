@@ -5,8 +5,8 @@ use crate::{CellId, Coordinates, FacetId, Tag, VertexId};
 /// Oriented facets of a closed surface. Normals point out of the solid (2D: to the right of the edge; 3D: right-hand
 /// rule).
 ///
-/// Vertices have the numbers of the solid mesh, so that its positions and velocities can be used. Positions are not
-/// stored; see [`crate::Placed`].
+/// Vertices have the ids of the solid mesh, so that its positions can be used. They are not stored: see
+/// [`crate::Placed`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct BoundaryMesh<const D: usize> {
     facet_to_vertex: Vec<VertexId>,
@@ -53,7 +53,7 @@ impl<const D: usize> BoundaryMesh<D> {
         self.coordinates
     }
 
-    /// Returns the surface with normals into the solid.
+    /// Returns the surface with the opposite orientation.
     pub fn reversed(&self) -> Self {
         let mut reversed = self.clone();
         reversed.facet_to_vertex.chunks_exact_mut(D).for_each(|facet| facet.swap(0, 1));

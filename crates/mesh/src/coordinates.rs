@@ -19,7 +19,7 @@ pub enum Coordinates {
 }
 
 impl Coordinates {
-    /// Component along the radius.
+    /// Index of the radial component.
     const RADIAL: usize = 0;
 
     /// Returns the weight of a point.
@@ -65,8 +65,8 @@ impl Coordinates {
         sum
     }
 
-    /// Returns the moment of forces whose sum with the weight is given: without swirl there is none about the axis of
-    /// rotation, and about the others moments on opposite sides cancel.
+    /// Returns the moment of forces whose sum with the weight is given. It is zero with rotational symmetry: without
+    /// swirl there is no moment about the axis, and moments about other axes cancel.
     #[inline]
     pub fn moment(self, sum: [f64; 3]) -> [f64; 3] {
         if self.radial().is_some() { [0.0; 3] } else { sum }

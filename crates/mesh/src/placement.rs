@@ -48,8 +48,8 @@ impl<'m, const D: usize> Placed<'m, D> {
         mean(&self.facet_points(facet)[..D])
     }
 
-    /// Returns the measure of a facet in the coordinates of the boundary: with the weight of the coordinates, which is
-    /// linear, in its middle.
+    /// Returns the measure of a facet times the weight of the coordinates in its middle. With rotational symmetry this
+    /// is the area of the whole ring, since the weight is linear.
     pub fn weighted_measure(&self, facet: FacetId) -> f64 {
         self.facet_measure(facet) * self.boundary.coordinates().weight(&self.facet_middle(facet))
     }
@@ -103,7 +103,7 @@ impl<'m, const D: usize> Placed<'m, D> {
                 volume += weight;
                 first += along * weight;
                 second += along * along.transpose() * weight;
-                // The mean of x² around the axis is r²/2.
+                // The mean of x² over a circle around the axis is r²/2.
                 second[(radial, radial)] += 0.5 * x[radial] * x[radial] * weight;
             });
         }
@@ -164,7 +164,7 @@ mod tests {
     use super::*;
     use crate::generate::structured_box;
 
-    /// Compares with the moments of a box: its edges divided by twelve, squared.
+    /// Compares with the moments of a box: its volume times the squares of its edges, divided by twelve.
     fn check<const D: usize>(low: [f64; D], high: [f64; D], n: [usize; D]) {
         let mesh = structured_box(low, high, n).unwrap();
         let [low, high] = [low, high].map(Point::<D>::from);

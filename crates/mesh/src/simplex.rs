@@ -2,10 +2,10 @@
 
 use crate::{Point, Tensor, Vector, VertexId, det, mean};
 
-/// Vertices of the largest cell (tetrahedron); per-cell arrays have this capacity.
+/// Number of vertices of the largest cell (tetrahedron); per-cell arrays have this length.
 pub const MAX_CELL_VERTICES: usize = 4;
 
-/// Vertices of the largest facet (triangle); per-facet arrays have this capacity.
+/// Number of vertices of the largest facet (triangle); per-facet arrays have this length.
 pub const MAX_FACET_VERTICES: usize = 3;
 
 /// A cell given by its `D + 1` points (further entries are zero).
@@ -109,8 +109,11 @@ pub fn diameter<const D: usize>(points: &[Point<D>]) -> f64 {
     largest.sqrt()
 }
 
-/// Returns the measure of the simplex with the given points in a space of any dimension: length of a segment, area of a
-/// triangle, volume of a tetrahedron.
+/// Returns the measure of the simplex with the given points in `D` dimensions: 1 for a point, length of a segment, area
+/// of a triangle, volume of a tetrahedron; 0 without points.
+///
+/// # Panics
+/// If there are more than three points and not `D + 1`.
 pub fn simplex_measure<const D: usize>(points: &[Point<D>]) -> f64 {
     match points.len() {
         0 => 0.0,
@@ -131,7 +134,7 @@ pub fn simplex_measure<const D: usize>(points: &[Point<D>]) -> f64 {
     }
 }
 
-/// Returns the side of the equilateral simplex of dimension `D` with the given volume: the size `h_K` of a cell.
+/// Returns the side of the equilateral simplex of dimension `D`, from 1 to 3, with the given volume: the size `h_K`.
 #[inline]
 pub fn equilateral_side<const D: usize>(volume: f64) -> f64 {
     match D {
@@ -164,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn equilateral_simplices_have_their_own_side() {
+    fn equilateral_simplices_of_side_one_have_the_side_one() {
         assert!((equilateral_side::<2>(3.0_f64.sqrt() / 4.0) - 1.0).abs() < 1e-14);
         assert!((equilateral_side::<3>(1.0 / (6.0 * 2.0_f64.sqrt())) - 1.0).abs() < 1e-14);
     }

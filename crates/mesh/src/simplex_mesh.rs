@@ -28,7 +28,7 @@ pub struct SimplexMesh<const D: usize> {
     cell_index: OnceLock<CellIndex<D>>,
 }
 
-/// Stored volumes and areas.
+/// Stored volumes and areas, without the weight of the coordinates.
 #[derive(Clone, Debug)]
 struct Measures {
     cell_to_volume: Vec<f64>,
@@ -88,10 +88,10 @@ impl<const D: usize> SimplexMesh<D> {
         })
     }
 
-    /// Returns the mesh with moved vertices, and with its tags.
+    /// Returns the mesh with its vertices moved by `map`, with the same tags and coordinates.
     ///
     /// # Errors
-    /// Positions that are not finite, cells that lose their volume.
+    /// Positions that are not finite, cells without positive volume, negative radii in axisymmetric coordinates.
     pub fn mapped(&self, map: impl Fn(&Point<D>) -> Point<D>) -> Result<Self, Error> {
         let mut moved = Self::new(self.vertices.iter().map(map).collect(), self.cell_to_vertex.clone())?;
         moved.tag_names.clone_from(&self.tag_names);
@@ -152,7 +152,7 @@ impl<const D: usize> SimplexMesh<D> {
         self
     }
 
-    /// Returns the tag of a name, which it adds if there is none.
+    /// Returns the tag of a name. Adds the name if no tag has it.
     fn named(&mut self, name: &str) -> Tag {
         self.tag(name).unwrap_or_else(|| {
             self.tag_names.push(name.to_owned());
@@ -243,7 +243,7 @@ impl<const D: usize> SimplexMesh<D> {
         points_of(&self.vertices, self.facet(facet))
     }
 
-    /// Returns the one or two cells of a facet.
+    /// Returns the one or two cells of a facet; the second entry is `None` on the boundary.
     #[inline]
     pub fn facet_to_cell(&self, facet: FacetId) -> [Option<CellId>; 2] {
         self.topology.facet_to_cell[facet.index()]
@@ -296,19 +296,19 @@ impl<const D: usize> SimplexMesh<D> {
         in_use.into_iter().map(|tag| self.tag_names[tag].as_str()).collect()
     }
 
-    /// Returns the tag of a facet; `None` for interior facets.
+    /// Returns the tag of a facet; `None` for interior facets and for boundary facets without a tag.
     pub fn facet_tag(&self, facet: FacetId) -> Option<Tag> {
         self.facet_tag[facet.index()]
     }
 
-    /// Returns the tag of a cell.
+    /// Returns the tag of a cell; `None` for a cell without a group.
     pub fn cell_tag(&self, cell: CellId) -> Option<Tag> {
         self.cell_tag[cell.index()]
     }
 
     /// Returns the outward unit normal of the facets with a tag; `None` if there are none or they do not lie in one plane.
     ///
-    /// Normals may differ by 1e-9. Distances from the plane may be 1e-9 times distances within it.
+    /// Normals may differ by 1e-9, and distances from the plane may be 1e-9 times distances within the plane.
     pub fn tag_normal(&self, tag: Tag) -> Option<Vector<D>> {
         const TOLERANCE: f64 = 1e-9;
         let mut plane = None;

@@ -14,7 +14,7 @@ pub type Tensor<const D: usize> = SMatrix<f64, D, D>;
 /// Names of the axes.
 pub const AXES: [&str; 3] = ["x", "y", "z"];
 
-/// Returns the unit vector along an axis, whose number is from 0 to `D - 1`; zero for another number.
+/// Returns the unit vector along an axis with an index from 0 to `D - 1`; zero for another index.
 pub fn unit_vector<const D: usize>(axis: usize) -> Vector<D> {
     Vector::from_fn(|a, _| f64::from(u8::from(a == axis)))
 }
@@ -46,8 +46,8 @@ pub fn sym<const D: usize>(t: &Tensor<D>) -> Tensor<D> {
     0.5 * (t + t.transpose())
 }
 
-/// Returns the moment `Σ x × f` of forces, given `Σ f xᵀ`: component `k` is that about axis `k`, and in 2D only the last one
-/// is not zero.
+/// Returns the moment `Σ x × f` of forces, given `Σ f xᵀ`. Component `k` is that about axis `k`; in 2D only the last
+/// one is not zero.
 pub fn moment_of<const D: usize>(forces: &Tensor<D>) -> [f64; 3] {
     let entry = |a: usize, b: usize| if a < D && b < D { forces[(a, b)] } else { 0.0 };
     std::array::from_fn(|k| {

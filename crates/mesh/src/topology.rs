@@ -9,12 +9,17 @@ use crate::{CellId, Error, FacetId, VertexId};
 pub(crate) struct Topology {
     /// Stride `D`; oriented outwards from the first cell.
     pub(crate) facet_to_vertex: Vec<VertexId>,
+    /// The second entry is `None` on the boundary.
     pub(crate) facet_to_cell: Vec<[Option<CellId>; 2]>,
     /// Stride `D + 1`; local facet `i` is opposite to local vertex `i`.
     pub(crate) cell_to_facet: Vec<FacetId>,
 }
 
 impl Topology {
+    /// Finds the facets of cells. `cell_to_vertex` has stride `D + 1`.
+    ///
+    /// # Errors
+    /// [`Error::NonManifold`]: more than two cells share a facet.
     pub(crate) fn new<const D: usize>(cell_to_vertex: &[VertexId]) -> Result<Self, Error> {
         let stride = D + 1;
         let n_cells = cell_to_vertex.len() / stride;

@@ -96,8 +96,8 @@ impl Balances<'_> {
         Some(table(&caption, &head, &rows.iter().map(row).collect::<Vec<_>>()))
     }
 
-    /// Returns what each part of the discrete problem took from the energy: stacked over time, and summed before, during and
-    /// after the first contact.
+    /// Returns the energy that each part of the discrete problem removed: stacked over time, and summed before, during
+    /// and after the first contact.
     pub(crate) fn losses(&self) -> Result<String, Error> {
         let Results { history, diagnostics, summary, .. } = self.results;
         let (units, times) = (&summary.units, history.column("time").unwrap_or_default());
@@ -202,8 +202,8 @@ impl Balances<'_> {
     }
 }
 
-/// Computes the integrals of a rate from the start to the end of each row's step, over which it holds; `None` if a row
-/// is missing.
+/// Returns the integrals of a rate from the start of the run to the end of the step of each row. The rate is constant
+/// over a step. `None` if the lists have different lengths.
 fn integral(times: &[f64], rates: &[f64]) -> Option<Vec<f64>> {
     let (mut sum, mut begin) = (0.0, 0.0);
     let mut add = |(&end, &rate): (&f64, &f64)| {

@@ -16,11 +16,11 @@ use crate::raster::Raster;
 
 /// File of the frames in a directory of results.
 pub(crate) const FILE: &str = "frames.json";
-/// Points of the raster along the longer side of the background: of the animation, and of the moments.
+/// Numbers of points of the raster along the longer side of the background, for the animation and for the moments.
 const RESOLUTION: [f64; 2] = [90.0, 240.0];
-/// Frames of a run, about.
+/// Approximate number of frames of a run.
 const FRAMES: usize = 150;
-/// Units of the outlines along the longer side of the background.
+/// Number of units of the outlines along the longer side of the background.
 const UNITS: f64 = 30_000.0;
 /// Byte of the largest speed of a frame.
 const LARGEST: u8 = 254;
@@ -52,7 +52,7 @@ pub struct Frames {
     /// Elastic energy at the moment of largest deformation.
     #[serde(default)]
     pub elastic: f64,
-    /// The last step.
+    /// Step up to which frames are recorded.
     #[serde(default)]
     pub step: usize,
 }
@@ -148,12 +148,12 @@ impl Frames {
 #[derive(Clone, Debug, Default)]
 pub struct Recorder {
     frames: Option<Frames>,
-    /// Where frames are written at checkpoints.
+    /// Directory to which frames are written at checkpoints.
     directory: Option<PathBuf>,
 }
 
 impl Recorder {
-    /// Creates a recorder that also writes its frames at every checkpoint, and goes on with them if the run goes on.
+    /// Creates a recorder that also writes its frames at every checkpoint. A resumed run continues with these frames.
     pub fn new(directory: &Path) -> Self {
         Self { frames: None, directory: Some(directory.to_owned()) }
     }
@@ -258,7 +258,7 @@ pub(crate) fn remove_stored(directory: &Path, is_removed: impl Fn(usize) -> bool
     Ok(())
 }
 
-/// Returns the frames of a run up to a step, if they were written there: at a checkpoint, or at the end.
+/// Returns the frames of a run up to a step, if they were written after this step: at a checkpoint, or at the end.
 fn earlier(directory: &Path, step: usize) -> Option<Frames> {
     let read = |name: &str| Frames::parse(&io::read_text(&directory.join(name)).ok()?).ok();
     read(&stored(step)).or_else(|| read(FILE)).filter(|frames| frames.step == step)

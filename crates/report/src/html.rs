@@ -40,7 +40,7 @@ impl Section {
 }
 
 impl Page {
-    /// Writes the page; it is complete when it appears.
+    /// Writes the page to a temporary file, which is then renamed, so that an incomplete page is never visible.
     ///
     /// # Errors
     /// [`Error::Results`]: the file cannot be written.
@@ -73,12 +73,12 @@ impl Page {
     }
 }
 
-/// Returns the text with the characters that HTML gives a meaning replaced.
+/// Replaces the characters `& < > " '` of a text by HTML entities.
 pub fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;").replace('\'', "&#39;")
 }
 
-/// Returns the data for the script of the page, as an element that the browser does not run.
+/// Returns a value as JSON in a `<script type="application/json">` element, from which the script of the page reads it.
 ///
 /// # Errors
 /// [`Error::Json`].
@@ -88,8 +88,8 @@ pub fn data(value: &impl serde::Serialize) -> Result<String, Error> {
     Ok(format!("<script type=\"application/json\">{text}</script>"))
 }
 
-/// Returns a number with four significant digits, without an exponent where that is readable; a dash if it is not
-/// finite.
+/// Formats a number. From 1e-4 to 1e7 it has at least four significant digits, no trailing zeros and no exponent;
+/// otherwise it has three digits and an exponent. A dash stands for a number that is not finite.
 pub fn number(x: f64) -> String {
     if !x.is_finite() {
         return "–".to_owned();
@@ -107,7 +107,7 @@ pub fn number(x: f64) -> String {
     text.replace('-', "−")
 }
 
-/// Formats a number, or a dash if it is missing.
+/// Formats a number as [`number`] does; a dash for `None`.
 pub fn optional(x: Option<f64>) -> String {
     number(x.unwrap_or(f64::NAN))
 }
@@ -128,7 +128,8 @@ pub fn verdict(passes: bool) -> String {
     format!("<span class=\"verdict {word}\">{word}</span>")
 }
 
-/// Returns a table. Cells are HTML; the first cell of a row is its heading.
+/// Returns a table. Caption, head and cells are HTML. An empty caption is left out, and a head of empty cells. The
+/// first cell of a row is its heading.
 pub fn table(caption: &str, head: &[&str], rows: &[Vec<String>]) -> String {
     let mut html = String::from("<div class=\"scroll\"><table>");
     if !caption.is_empty() {

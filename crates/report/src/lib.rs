@@ -33,11 +33,12 @@ pub use chart::{Chart, Curve};
 pub use error::Error;
 pub use frames::{Frames, Packed, Recorder, Snapshot};
 pub use html::{Page, Section};
-pub use page::part;
+pub use page::run_as_html;
 pub use picture::write_picture;
 pub use results::Results;
 
-/// Removes page and frames of an earlier run, but those of checkpoints, from a directory of results.
+/// Removes the page and the frames of an earlier run from a directory of results. Frames that belong to checkpoints
+/// stay, since a run may resume from them.
 ///
 /// # Errors
 /// [`Error::Results`]: a file cannot be removed.
@@ -47,7 +48,6 @@ pub fn remove(directory: &Path) -> Result<(), Error> {
             std::fs::remove_file(&path).map_err(|source| io::Error::Write { path, source })?;
         }
     }
-    // Frames of checkpoints are needed as long as a run may go on from them.
     let checkpoints = io::checkpoint_steps(directory);
     frames::remove_stored(directory, |step| !checkpoints.contains(&step))
 }
@@ -59,7 +59,7 @@ pub fn remove(directory: &Path) -> Result<(), Error> {
 pub fn write(directory: &Path) -> Result<PathBuf, Error> {
     let results = Results::read(directory)?;
     let path = directory.join("report.html");
-    Page { title: results.summary.case.clone(), lead: page::lead(&results), sections: page::sections(&results)? }
+    Page { title: results.summary.case.clone(), lead: page::lead(&results), sections: page::page_sections(&results)? }
         .write(&path)?;
     Ok(path)
 }

@@ -6,7 +6,7 @@ use crate::balances::Balances;
 use crate::html::{data, duration, escape, gallery, number, optional, table};
 use crate::{Chart, Error, Frames, Results, Section, Snapshot};
 
-/// Writes the introduction of the page, one sentence that summarises the run.
+/// Returns the introduction of the page: number of steps, end time, wall-clock time, and the first contact.
 pub(crate) fn lead(results: &Results) -> String {
     let summary = &results.summary;
     let time = &results.summary.units.time;
@@ -24,12 +24,12 @@ pub(crate) fn lead(results: &Results) -> String {
     )
 }
 
-/// Returns all sections of a run, in order.
+/// Returns all sections of the page of a run, in order.
 ///
 /// # Errors
 /// [`Error::Json`].
-pub(crate) fn sections(results: &Results) -> Result<Vec<Section>, Error> {
-    let mut sections = parts(results, &[])?;
+pub(crate) fn page_sections(results: &Results) -> Result<Vec<Section>, Error> {
+    let mut sections = result_sections(results, &[])?;
     // The first line of the guide explains the charts; the others are left out without a fluid.
     let guide = include_str!("../assets/guide.html");
     let end = if results.summary.stabilisation.is_empty() { guide.find('\n') } else { None };
@@ -40,24 +40,24 @@ pub(crate) fn sections(results: &Results) -> Result<Vec<Section>, Error> {
     Ok(sections)
 }
 
-/// Returns a run as a part of a page about several: its sections without timings and scenario, with titles one level
-/// below those of sections, and histories with marked times.
+/// Returns the HTML of a run for a page about several runs: the sections about results, with `<h3>` titles. `marks` are
+/// labels and times that are marked in the histories, in the unit of time of the run.
 ///
 /// # Errors
 /// [`Error::Json`].
-pub fn part(results: &Results, marks: &[(String, f64)]) -> Result<String, Error> {
+pub fn run_as_html(results: &Results, marks: &[(String, f64)]) -> Result<String, Error> {
     let text = |section: Section| match section.id.as_str() {
         "run" => section.html,
         _ => format!("<h3>{}</h3>{}", section.title, section.html),
     };
-    Ok(parts(results, marks)?.into_iter().map(text).collect())
+    Ok(result_sections(results, marks)?.into_iter().map(text).collect())
 }
 
 /// Returns the sections about the results of a run, without empty ones.
-fn parts(results: &Results, marks: &[(String, f64)]) -> Result<Vec<Section>, Error> {
+fn result_sections(results: &Results, marks: &[(String, f64)]) -> Result<Vec<Section>, Error> {
     let balances = Balances { results };
     let all = [
-        Section::new("run", "The run", run(results)?),
+        Section::new("run", "The run", overview(results)?),
         Section::new("moments", "Fields", moments(results)?),
         Section::new("histories", "Histories", histories(results, marks)?),
         Section::new("contacts", "Contacts", contacts(results, marks)?),
@@ -71,12 +71,12 @@ fn parts(results: &Results, marks: &[(String, f64)]) -> Result<Vec<Section>, Err
     Ok(all.into_iter().filter(|section| !section.html.is_empty()).collect())
 }
 
-/// Returns the text about the run: animation and sizes.
-fn run(results: &Results) -> Result<String, Error> {
+/// Returns the animation, and a table of the sizes and results of a run.
+fn overview(results: &Results) -> Result<String, Error> {
     let summary = &results.summary;
     let (length, time) = (&summary.units.length, &summary.units.time);
     let half =
-        if summary.half_domain { "; half of a symmetric problem: so are forces, masses and energies" } else { "" };
+        if summary.half_domain { "; half of a symmetric problem, with its forces, masses and energies" } else { "" };
     let bodies: Vec<String> = summary.bodies.iter().map(|name| escape(name)).collect();
     let has_fluid = !summary.stabilisation.is_empty();
     let leading = summary.leading.as_ref().filter(|_| bodies.len() > 1);
@@ -89,10 +89,10 @@ fn run(results: &Results) -> Result<String, Error> {
         has_fluid.then(|| ("stabilisation", escape(&summary.stabilisation))),
         leading.map(|leading| ("leading body", escape(leading))),
         summary.contact_offset.map(|offset| ("contact begins at a distance of", in_length(offset))),
-        summary.contact_offset.map(|_| ("largest violation of it", in_length(summary.max_penetration))),
+        summary.contact_offset.map(|_| ("largest penetration below that distance", in_length(summary.max_penetration))),
         Some(("smallest distance", in_length(summary.min_distance.unwrap_or(f64::NAN)))),
         Some(("divided steps", summary.divided_steps.to_string())),
-        Some(("no step increased the energy", if summary.energy_monotone { "yes" } else { "no" }.to_owned())),
+        Some(("steps that generated energy", if summary.energy_monotone { "none" } else { "some" }.to_owned())),
     ];
     let rows: Vec<_> = rows.into_iter().flatten().map(|(what, value)| vec![what.to_owned(), value]).collect();
     let facts = format!("<div>{}</div>", table("", &["", ""], &rows));
@@ -180,7 +180,9 @@ fn contacts(results: &Results, marks: &[(String, f64)]) -> Result<String, Error>
     let rows: Vec<_> = shown.map(row).collect();
     let time = &units.time;
     let head = ["", &format!("begin [{time}]"), &format!("end [{time}]"), &format!("lasts [{time}]")];
-    let caption = format!("{} contacts in all.", summary.contact_intervals.len());
+    let (n, n_listed) = (summary.contact_intervals.len(), rows.len());
+    let listed = if n_listed < n { format!("the first {n_listed} of ") } else { String::new() };
+    let caption = format!("Contacts: {listed}{n}.");
     let last = history.column("time").and_then(|times| times.last().copied()).unwrap_or(begin);
     let end = end.unwrap_or(last);
     let margin = (0.4 * (end - begin)).max(5.0 * summary.dt);

@@ -7,7 +7,7 @@ use std::path::Path;
 use crate::frames::OUTSIDE;
 use crate::{Error, Frames, Snapshot};
 
-/// Pixels along the longer side.
+/// Number of pixels along the longer side.
 const SIZE: f64 = 560.0;
 /// Largest number of frames, which limits the size of the file.
 const MOST: usize = 50;
@@ -28,12 +28,12 @@ const WATER: [[u8; 3]; 12] = [
     [12, 86, 160],
     [8, 40, 92],
 ];
-/// Colours of bodies, of bodies in contact, and of outlines.
+/// Colours of bodies, of bodies in contact, and of outlines. Their indices in the palette follow.
 const BODIES: [[u8; 3]; 3] = [[236, 170, 92], [214, 96, 77], [40, 44, 52]];
 const FREE: u8 = WATER.len() as u8;
 const TOUCHING: u8 = FREE + 1;
 const INK: u8 = FREE + 2;
-/// Colour of places outside the domain.
+/// Colour of places outside the domain, and its index in the palette.
 const WALL: [u8; 3] = [205, 205, 210];
 const OUT: u8 = FREE + 3;
 
@@ -151,8 +151,8 @@ fn crossings(points: &[[f64; 2]], y: f64) -> Vec<f64> {
     at
 }
 
-/// Interpolates the speed at a position bilinearly between the points of the raster, without those outside the fluid;
-/// `None` if all of them are.
+/// Interpolates the speed at a position bilinearly between the points of the raster that lie in the fluid; `None` if
+/// none of the nearest points does.
 fn speed(frames: &Frames, frame: &Snapshot, x: [f64; 2]) -> Option<f64> {
     let at = [0, 1].map(|k| (x[k] - frames.low[k]) / (frames.high[k] - frames.low[k]) * frame.n[k] as f64 - 0.5);
     let (mut sum, mut weights) = (0.0, 0.0);

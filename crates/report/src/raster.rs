@@ -5,7 +5,7 @@ use solver::FluidState;
 
 use crate::plane::barycentric;
 
-/// Points in rows and columns of a rectangle, the first half a step from its lower left corner.
+/// Points in rows and columns of a rectangle, the first one half a step from its lower left corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Raster {
     pub(crate) low: [f64; 2],
@@ -49,7 +49,7 @@ impl Raster {
         found
     }
 
-    /// Visits the points inside a triangle, with their number and barycentric coordinates.
+    /// Visits the points inside a triangle, with their indices and barycentric coordinates.
     fn for_each_point(&self, corners: [[f64; 2]; 3], mut visit: impl FnMut(usize, [f64; 3])) {
         let range = |k: usize| {
             let at = |x: f64| (x - self.low[k]) / self.step[k] - 0.5;

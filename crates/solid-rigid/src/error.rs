@@ -3,7 +3,7 @@
 /// Errors of this crate.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Error {
-    /// A density or time step is out of range.
+    /// The density is not positive and finite.
     #[error(transparent)]
     Parameter(#[from] mesh::ParameterError),
     /// The surface encloses no volume: it is flat, open, or turned inside out. Repair the mesh.

@@ -32,8 +32,8 @@ impl<const D: usize> MassProperties<D> {
         Ok(Self { mass: density * volume, centre, second_moment: second_moment * density })
     }
 
-    /// Returns `J_kl = ∫ ρ (e_k × r)·(e_l × r)` of the body turned by `rotation`: row by row; only the first rows and
-    /// columns are used, one per rotation.
+    /// Returns `J_kl = ∫ ρ (e_k × r)·(e_l × r)` of the body after the rotation `turned_by`, row by row. Only the first
+    /// rows and columns are used, one per rotation.
     pub fn inertia(&self, turned_by: &Tensor<D>) -> [Spin; 3] {
         let moment = turned_by * self.second_moment * turned_by.transpose();
         let mut inertia = [[0.0; 3]; 3];

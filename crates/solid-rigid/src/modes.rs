@@ -1,11 +1,11 @@
 //! Rigid velocities: translations along the axes, then rotations.
 //!
-//! In 2D there is one rotation, counter-clockwise. In 3D rotation `k` is that about axis `k`.
+//! In 2D there is one rotation, counter-clockwise. In 3D rotation `k` turns about axis `k`, by the right-hand rule.
 
 use mesh::{Tensor, Vector, unit_vector};
 
-/// Angular velocity, momentum or torque: one coefficient per rotation; only the first `D(D-1)/2` are used. Units: rad/s
-/// for a velocity.
+/// Angular velocity, momentum or torque: one coefficient per rotation; only the first `D(D-1)/2` are used. Units of an
+/// angular velocity: rad/time.
 pub type Spin = [f64; 3];
 
 /// Returns the number of rotations.
@@ -29,10 +29,10 @@ pub fn rotation<const D: usize>(k: usize, arm: &Vector<D>) -> Vector<D> {
     v
 }
 
-/// Returns the velocity of a mode at the arm `r`.
+/// Returns the velocity of a mode at the arm `r`. Indices below `D` are translations, the others rotations.
 #[inline]
-pub fn mode<const D: usize>(number: usize, arm: &Vector<D>) -> Vector<D> {
-    if number < D { unit_vector(number) } else { rotation(number - D, arm) }
+pub fn mode<const D: usize>(index: usize, arm: &Vector<D>) -> Vector<D> {
+    if index < D { unit_vector(index) } else { rotation(index - D, arm) }
 }
 
 /// Returns `ω × r`.

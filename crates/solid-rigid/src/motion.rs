@@ -33,35 +33,41 @@ impl<const D: usize> RigidMotion<D> {
     /// Returns the motion at the start, in the reference configuration.
     pub fn initial(mass: &MassProperties<D>, velocity: Vector<D>, spin: Spin) -> Self {
         let rotation = Tensor::identity();
-        let angular_momentum = product(&mass.inertia(&rotation), &spin, n_rotations(D));
+        let angular_momentum = angular_momentum(&mass.inertia(&rotation), &spin, n_rotations(D));
         let (acceleration, none) = (Vector::zeros(), [0.0; 3]);
         let (centre, spin_rate, torque) = (mass.centre, none, none);
         Self { centre, rotation, velocity, spin, angular_momentum, acceleration, spin_rate, torque }
     }
 
-    /// Returns centre and rotation by a row of a time scheme, for a velocity and a spin at the stage.
-    pub fn place(&self, row: &Row, velocity: &Vector<D>, spin: &Spin) -> (Point<D>, Tensor<D>) {
-        let centre = self.centre * row.displacement + self.by(row, velocity);
-        let angles = std::array::from_fn(|k| {
-            row.slope * spin[k] + row.velocity * self.spin[k] + row.acceleration * self.spin_rate[k]
-        });
-        (centre, rotated_by::<D>(&angles) * self.rotation)
+    /// Evaluates a row of a time scheme for the displacement, with a velocity and a spin at the stage. Returns the
+    /// centre and the rotation `exp(φ ×) R`, where the rotation `R` at the start is turned by the angles `φ` that the
+    /// row gives without its weight of the displacement.
+    pub fn placed(&self, row: &Row, velocity: &Vector<D>, spin: &Spin) -> (Point<D>, Tensor<D>) {
+        let centre = self.centre * row.displacement + self.weighted_velocities(row, velocity);
+        (centre, rotated_by::<D>(&self.weighted_spins(row, spin)) * self.rotation)
     }
 
     /// Returns the part of a row that depends on velocities and accelerations of the centre, for a velocity at the stage.
-    fn by(&self, row: &Row, velocity: &Vector<D>) -> Vector<D> {
+    fn weighted_velocities(&self, row: &Row, velocity: &Vector<D>) -> Vector<D> {
         velocity * row.slope + self.velocity * row.velocity + self.acceleration * row.acceleration
+    }
+
+    /// Returns the part of a row that depends on the spin and its rate, for a spin at the stage.
+    fn weighted_spins(&self, row: &Row, spin: &Spin) -> Spin {
+        std::array::from_fn(|k| {
+            row.slope * spin[k] + row.velocity * self.spin[k] + row.acceleration * self.spin_rate[k]
+        })
     }
 
     /// Returns the balance of momentum at the stage of a step.
     ///
-    /// The angular momentum at the end is `J ω` with the inertia of the rotation that is extrapolated to the end: without
-    /// torque it is conserved exactly.
+    /// The angular momentum at the end is `J ω`. `J` is the inertia at the rotation extrapolated to the end of the step
+    /// (generalised-α), or at the start (implicit Euler). Without torque the angular momentum is conserved exactly.
     pub fn momentum(&self, mass: &MassProperties<D>, gravity: Vector<D>, weights: &Weights) -> Momentum<D> {
         let rate = &weights.stage_acceleration;
-        let inertia = mass.inertia(&self.place(&weights.extrapolated[1], &Vector::zeros(), &[0.0; 3]).1);
+        let inertia = mass.inertia(&self.placed(&weights.extrapolated[1], &Vector::zeros(), &[0.0; 3]).1);
         // L = (1 - α_f) J ω^{n+1} + α_f L^n at the stage, with ω = (1 - α_f) ω^{n+1} + α_f ω^n.
-        let of_spin = product(&inertia, &self.spin, n_rotations(D));
+        let of_spin = angular_momentum(&inertia, &self.spin, n_rotations(D));
         let torque = |k: usize| {
             let at_stage = weights.alpha_f * (self.angular_momentum[k] - of_spin[k]);
             rate.slope * at_stage + rate.velocity * self.angular_momentum[k] + rate.acceleration * self.torque[k]
@@ -71,19 +77,17 @@ impl<const D: usize> RigidMotion<D> {
             inertia,
             gravity,
             rate: rate.slope,
-            acceleration: self.by(rate, &Vector::zeros()),
+            acceleration: self.weighted_velocities(rate, &Vector::zeros()),
             torque: std::array::from_fn(torque),
         }
     }
 
-    /// Returns the motion at the end of a step with a velocity and a spin at its stage.
+    /// Returns the motion at the end of a step, given velocity and spin at the stage. `inertia` is that of
+    /// [`RigidMotion::momentum`] for this step.
     pub fn after(&self, inertia: &[Spin; 3], weights: &Weights, velocity: Vector<D>, spin: Spin) -> Self {
-        let (centre, rotation) = self.place(&weights.displacement, &velocity, &spin);
-        let of_spin = |row: &Row, k: usize| {
-            row.slope * spin[k] + row.velocity * self.spin[k] + row.acceleration * self.spin_rate[k]
-        };
-        let end = std::array::from_fn(|k| of_spin(&weights.velocity, k));
-        let angular_momentum = product(inertia, &end, n_rotations(D));
+        let (centre, rotation) = self.placed(&weights.displacement, &velocity, &spin);
+        let end = self.weighted_spins(&weights.velocity, &spin);
+        let angular_momentum = angular_momentum(inertia, &end, n_rotations(D));
         let torque = |k: usize| {
             let (row, alpha) = (&weights.acceleration, weights.alpha_f);
             let at_stage = (1.0 - alpha) * angular_momentum[k] + alpha * self.angular_momentum[k];
@@ -92,28 +96,31 @@ impl<const D: usize> RigidMotion<D> {
         Self {
             centre,
             rotation,
-            velocity: self.by(&weights.velocity, &velocity),
+            velocity: self.weighted_velocities(&weights.velocity, &velocity),
             spin: end,
             angular_momentum,
-            acceleration: self.by(&weights.acceleration, &velocity),
-            spin_rate: std::array::from_fn(|k| of_spin(&weights.acceleration, k)),
+            acceleration: self.weighted_velocities(&weights.acceleration, &velocity),
+            spin_rate: self.weighted_spins(&weights.acceleration, &spin),
             torque: std::array::from_fn(torque),
         }
     }
 
-    /// Returns the motion with place and velocities by two rows of a time scheme, and the accelerations of `rates`.
+    /// Evaluates two rows of a time scheme, for the position and for velocity, spin and angular momentum. Known values
+    /// are those of this motion with the accelerations and rates of `rates`; velocity and spin at the stage are zero.
     pub fn at_rows(&self, rates: &Self, [displacement, velocity]: &[Row; 2]) -> Self {
         let (acceleration, spin_rate, torque) = (rates.acceleration, rates.spin_rate, rates.torque);
         let known = Self { acceleration, spin_rate, torque, ..*self };
-        let (centre, rotation) = known.place(displacement, &Vector::zeros(), &[0.0; 3]);
+        let (centre, rotation) = known.placed(displacement, &Vector::zeros(), &[0.0; 3]);
         let sum = |of: &Spin, rate: &Spin| {
             std::array::from_fn(|k| velocity.velocity * of[k] + velocity.acceleration * rate[k])
         };
         let (spin, angular_momentum) = (sum(&self.spin, &spin_rate), sum(&self.angular_momentum, &torque));
-        Self { centre, rotation, velocity: known.by(velocity, &Vector::zeros()), spin, angular_momentum, ..known }
+        let velocity = known.weighted_velocities(velocity, &Vector::zeros());
+        Self { centre, rotation, velocity, spin, angular_momentum, ..known }
     }
 
-    /// Writes centre, rotation (column by column), velocity, spin, angular momentum and their rates as one list of numbers.
+    /// Returns centre, rotation (column by column), velocity and acceleration of the centre, then spin, angular
+    /// momentum, rate of the spin and rate of the angular momentum (three numbers each): `D² + 3 D + 12` numbers.
     pub fn to_numbers(&self) -> Vec<f64> {
         let vectors = self.centre.iter().chain(&self.rotation).chain(&self.velocity).chain(&self.acceleration);
         let spins = [self.spin, self.angular_momentum, self.spin_rate, self.torque];
@@ -123,7 +130,7 @@ impl<const D: usize> RigidMotion<D> {
     /// Reads the numbers of [`RigidMotion::to_numbers`].
     ///
     /// # Panics
-    /// The list has another length.
+    /// The list has fewer numbers.
     pub fn from_numbers(numbers: &[f64]) -> Self {
         let (centre, rest) = numbers.split_at(D);
         let (rotation, rest) = rest.split_at(D * D);
@@ -166,7 +173,8 @@ impl<const D: usize> RigidMotion<D> {
     }
 }
 
-fn product(inertia: &[Spin; 3], spin: &Spin, n: usize) -> Spin {
+/// Returns the angular momentum `J ω`; `n` is the number of rotations.
+fn angular_momentum(inertia: &[Spin; 3], spin: &Spin, n: usize) -> Spin {
     let mut momentum = [0.0; 3];
     for k in 0..n {
         momentum[k] = (0..n).map(|l| inertia[k][l] * spin[l]).sum();

@@ -22,9 +22,10 @@ pub struct Guide<const D: usize> {
     pub velocity: VectorInTime<D>,
 }
 
-/// A body that moves freely without deforming.
+/// A body that moves without deforming. Translations along axes and the rotation may be held, and a [`Guide`] may
+/// prescribe the motion up to a time.
 ///
-/// Inner numbers of its state: those of [`RigidMotion::to_numbers`].
+/// [`BodyState::inner`] contains the numbers of [`RigidMotion::to_numbers`].
 pub struct RigidBody<const D: usize> {
     /// Name.
     pub name: String,
@@ -36,7 +37,7 @@ pub struct RigidBody<const D: usize> {
     pub mass: MassProperties<D>,
     /// Acceleration of gravity.
     pub gravity: Vector<D>,
-    /// Gravity that varies in time, in addition to the constant one; none if `None`.
+    /// Gravity that varies in time, in addition to the constant one; `None`: zero.
     pub variable_gravity: Option<VectorInTime<D>>,
     /// Axes along which the centre is held.
     pub held_axes: [bool; D],
@@ -54,7 +55,7 @@ impl<const D: usize> RigidBody<D> {
     /// Creates a body at rest without supports, of uniform density inside its surface.
     ///
     /// # Errors
-    /// Density not positive, or a surface that does not enclose a positive volume.
+    /// [`Error::Parameter`]: density not positive. [`Error::Volume`]: the surface does not enclose a positive volume.
     pub fn new(
         name: &str,
         boundary: BoundaryMesh<D>,
@@ -83,19 +84,19 @@ impl<const D: usize> RigidBody<D> {
         RigidMotion::from_numbers(&state.inner)
     }
 
-    /// Returns whether a mode is held. In axisymmetric coordinates all modes but the translation along the axis are.
+    /// Returns whether a rigid mode is held. With rotational symmetry only the translation along the axis can be free.
     fn holds(&self, mode: usize) -> bool {
         let axial = self.boundary.coordinates().radial().map(|radial| mode < D && mode != radial);
         axial == Some(false) || self.held_axes.get(mode).copied().unwrap_or(self.holds_rotation)
     }
 
-    /// Returns the state of a motion; vertices have accelerations if `accelerates`.
-    fn state(&self, motion: &RigidMotion<D>, accelerates: bool) -> BodyState<D> {
+    /// Returns the state of a motion. The list of accelerations is empty unless `with_accelerations`.
+    fn state(&self, motion: &RigidMotion<D>, with_accelerations: bool) -> BodyState<D> {
         let at: Vec<Point<D>> = self.reference.iter().map(|x| motion.position(&self.mass, x)).collect();
         let level = Level {
             displacement: at.iter().zip(&self.reference).map(|(x, reference)| x - reference).collect(),
             velocity: at.iter().map(|x| motion.velocity_at(x)).collect(),
-            acceleration: at.iter().filter(|_| accelerates).map(|x| motion.acceleration_at(x)).collect(),
+            acceleration: at.iter().filter(|_| with_accelerations).map(|x| motion.acceleration_at(x)).collect(),
         };
         BodyState { inner: motion.to_numbers(), level }
     }
@@ -128,7 +129,7 @@ impl<const D: usize> Body<D> for RigidBody<D> {
             return begin.positions(&self.reference);
         }
         let motion = self.motion(begin);
-        let (centre, rotation) = motion.place(row, &Vector::zeros(), &[0.0; 3]);
+        let (centre, rotation) = motion.placed(row, &Vector::zeros(), &[0.0; 3]);
         let placed = RigidMotion { centre, rotation, ..motion };
         self.reference.iter().map(|x| placed.position(&self.mass, x)).collect()
     }
@@ -144,10 +145,11 @@ impl<const D: usize> Body<D> for RigidBody<D> {
         let vertices = layout.push(&self.name, self.reference.len(), D);
         let whole = layout.push(&format!("{} as a whole", self.name), 1, n_modes(D));
         let geometry = self.geometry(begin, time);
-        let centre = motion.place(&time.weights.extrapolated[0], &Vector::zeros(), &[0.0; 3]).0;
+        let centre = motion.placed(&time.weights.extrapolated[0], &Vector::zeros(), &[0.0; 3]).0;
         let largest =
             |of: fn(&Vector<D>) -> f64, from: Point<D>| geometry.iter().map(|x| of(&(x - from))).fold(0.0, f64::max);
-        let rounding = f64::EPSILON * largest(Vector::amax, Point::zeros()) / time.length; // of a position, as a velocity
+        // Round-off of a position divided by the length of the step: a velocity.
+        let rounding = f64::EPSILON * largest(Vector::amax, Point::zeros()) / time.length;
         layout.set_rounding(vertices, &[rounding; D]);
         let turning = rounding / largest(Vector::norm, centre);
         let of_modes = (0..n_modes(D)).map(|mode| if mode < D { rounding } else { turning });
@@ -210,9 +212,9 @@ struct RigidStep<'s, const D: usize> {
     momentum: Momentum<D>,
     /// Force of a gravity that varies in time, at the stage.
     weight: Option<VariableWeight<D>>,
-    /// Velocities of the vertices.
+    /// Field of the velocities of the vertices.
     vertices: FieldId,
-    /// Velocity and spin.
+    /// Field of `V` and `ω`, with one node.
     whole: FieldId,
     surface: SurfaceMotion<'s, D>,
 }
@@ -235,8 +237,10 @@ impl<const D: usize> BodyStep<D> for RigidStep<'_, D> {
         let guided = self.body.guide.as_ref().filter(|guide| begin < guide.until * (1.0 - ROUND_OFF));
         let guided = guided.map(|guide| (guide.velocity)(self.time.end));
         for (m, dof) in layout.node(self.whole, 0).enumerate() {
-            let end = guided.map(|velocity| if m < D { velocity[m] } else { 0.0 });
-            if let Some(end) = if self.body.holds(m) { Some(0.0) } else { end } {
+            // Velocity at the end of the step: zero for held modes, that of the guide before the release.
+            let by_guide = guided.map(|velocity| if m < D { velocity[m] } else { 0.0 });
+            let end = if self.body.holds(m) { Some(0.0) } else { by_guide };
+            if let Some(end) = end {
                 let RigidMotion { velocity, spin, .. } = &self.motion;
                 let before = if m < D { velocity[m] } else { spin[m - D] };
                 constraints.set(dof, self.time.weights.stage_velocity(end, before));

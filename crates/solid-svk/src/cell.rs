@@ -13,11 +13,12 @@ use crate::{CellPoint, SolidMesh};
 /// Component `a` of the velocity of node `i` is local row `D i + a`.
 #[derive(Clone, Copy, Debug)]
 pub struct SolidCell<'a, const D: usize> {
-    /// Group of the cell.
+    /// Group of the cell, by which density and material are chosen ([`SolidMesh::with_groups`]).
     pub group: usize,
     /// Number of nodes.
     pub n_nodes: usize,
-    /// `m_ij = ∫ N_i N_j`: a square matrix.
+    /// Mass matrix of the cell for unit density, `n_nodes × n_nodes`, row by row: `m_ij = ∫ N_i N_j`, or as
+    /// redistributed by [`SolidMesh::without_mass_at`].
     pub mass: &'a [f64],
     /// Accelerations `a`, one per node; the remaining entries are zero.
     pub acceleration: [Vector<D>; MAX_CELL_NODES],
@@ -32,7 +33,7 @@ impl<const D: usize> SolidCell<'_, D> {
         0..self.n_nodes
     }
 
-    /// Returns the row `m_i0, m_i1, ..` of the mass.
+    /// Returns the row `m_i0, m_i1, ..` of the mass matrix.
     #[inline]
     pub fn mass_of(&self, node: usize) -> &[f64] {
         &self.mass[node * self.n_nodes..][..self.n_nodes]
@@ -44,13 +45,13 @@ impl<const D: usize> SolidCell<'_, D> {
 /// Component `a` of the velocity of node `i` is local row `D i + a`.
 #[derive(Clone, Copy, Debug)]
 pub struct SolidPoint<'a, const D: usize> {
-    /// Group of the cell.
+    /// Group of the cell, as in [`SolidCell`].
     pub group: usize,
-    /// Quadrature weight: a reference volume, with the weight of the coordinates.
+    /// Quadrature weight times the reference volume element times [`mesh::Coordinates::weight`].
     pub weight: f64,
     /// Gradients of the shape functions, one per node.
     pub gradients: &'a [Vector<D>],
-    /// Radial component, and the shape functions divided by the radius, one per node; `None` in Cartesian coordinates.
+    /// Index of the radial component, and the values `N_i/R`, one per node; `None` in Cartesian coordinates.
     pub hoop: Option<(usize, &'a [f64])>,
     /// Deformation.
     pub deformation: Deformation<D>,

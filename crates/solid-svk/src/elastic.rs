@@ -15,11 +15,11 @@ use crate::{Error, Load, SolidCells, SolidFacets, SolidForm, SolidMesh, SolidStr
 /// Supports, loads and initial fields of an elastic body. By default there are none, and the body is at rest.
 #[derive(Clone)]
 pub struct ElasticOptions<const D: usize> {
-    /// Supports; of two on the same dof the later one counts.
+    /// Supports; a support replaces earlier ones of the same dof.
     pub supports: Vec<Support<D>>,
     /// Loads on the boundary.
     pub loads: Vec<Load<D>>,
-    /// Gravity that varies in time, in addition to that of the form; none if `None`.
+    /// Gravity that varies in time, in addition to the gravity of the form; `None`: zero.
     pub variable_gravity: Option<VectorInTime<D>>,
     /// Displacement at the start; zero if `None`.
     pub initial_displacement: Option<PointField<D>>,
@@ -51,9 +51,8 @@ impl<const D: usize> ElasticBody<D> {
     /// Creates a body from mesh and weak form.
     ///
     /// # Errors
-    /// [`Error::UnknownVertex`], [`Error::UnknownFacet`]: a support or load names one that the mesh does not have.
-    /// [`Error::Parameter`]: a normal that has not the length one. [`Error::MissingMaterial`]: a group of cells
-    /// without a material.
+    /// [`Error::UnknownVertex`], [`Error::UnknownFacet`]: a node of a support or a facet of a load does not exist.
+    /// [`Error::Parameter`]: a normal without unit length. [`Error::MissingMaterial`]: a group without a material.
     pub fn new(name: &str, solid: SolidMesh<D>, form: SolidForm<D>, options: ElasticOptions<D>) -> Result<Self, Error> {
         let (n_vertices, n_facets) = (solid.nodes().len(), solid.boundary().n_facets());
         for support in &options.supports {
@@ -122,7 +121,8 @@ impl<const D: usize> Body<D> for ElasticBody<D> {
         let field = layout.push(&self.name, self.reference().len(), D);
         let geometry = self.geometry(begin, time);
         let farthest = geometry.iter().map(|x| x.amax()).fold(0.0, f64::max);
-        layout.set_rounding(field, &[f64::EPSILON * farthest / time.length; D]); // that of a position, as a velocity
+        // Round-off of a position divided by the length of the step: a velocity.
+        layout.set_rounding(field, &[f64::EPSILON * farthest / time.length; D]);
         let surface = SurfaceMotion::of_field(self.surface(), self.reference(), begin, geometry, time, field);
         let acceleration = self.variable_gravity(time.stage());
         let weight = BodyForce { acceleration, ..self.form.body_force.clone() };
@@ -153,7 +153,7 @@ struct ElasticStep<'s, const D: usize> {
     begin: &'s BodyState<D>,
     time: StepTime,
     rule: StepRule<Vector<D>>,
-    /// Gravity that varies in time, at the stage.
+    /// Load of a gravity that varies in time, at the stage.
     weight: Option<BodyForce<D>>,
     field: FieldId,
     surface: SurfaceMotion<'s, D>,

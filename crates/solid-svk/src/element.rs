@@ -5,7 +5,7 @@
 
 use mesh::{MAX_CELL_VERTICES, Point, SimplexRule, Tensor, Vector, VertexId, det};
 
-/// Nodes of the largest cell, a tetrahedron of order 2; local arrays have this capacity.
+/// Number of nodes of the largest cell, a tetrahedron of order 2; local arrays have this length.
 pub const MAX_CELL_NODES: usize = 10;
 
 /// Local vertices of the edges of a simplex. Entry 0 is the edge of a segment, entries 0–2 those of a triangle.
@@ -182,8 +182,8 @@ impl ShapeFunctions {
     }
 }
 
-/// Quadrature points of the reference simplex with the shape functions there. Weights sum to the measure of the
-/// reference simplex, `1/n!`.
+/// Quadrature points of the reference simplex with the shape functions at these points. Weights sum to the measure of
+/// the reference simplex, `1/n!`, or to the measure of one part.
 #[derive(Clone, Debug)]
 pub(crate) struct Tabulated {
     pub(crate) points: Vec<(f64, ShapeFunctions)>,

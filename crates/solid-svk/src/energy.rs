@@ -44,7 +44,7 @@ pub fn balance<const D: usize>(
             let ratio = deformation.volume_ratio();
             balance.elastic_energy += point.weight * deformation.energy_density(material);
             balance.volume += point.weight * ratio;
-            // Not a number counts as inverted.
+            // NaN means an inverted cell.
             if ratio < balance.smallest_volume_ratio || ratio.is_nan() {
                 let vertices = &nodes[..=D];
                 let positions = vertices.iter().map(|i| mesh.nodes()[i.index()] + displacement[i.index()]);

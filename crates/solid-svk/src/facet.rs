@@ -17,11 +17,11 @@ pub struct SolidFacet<const D: usize> {
     pub shape: ShapeFunctions,
     /// Position `X` in the reference configuration.
     pub reference: Point<D>,
-    /// Quadrature weight: a reference area (2D: length), with the weight of the coordinates.
+    /// Quadrature weight times the reference area element (2D: length) times [`mesh::Coordinates::weight`] at `X`.
     pub reference_weight: f64,
-    /// Quadrature weight in local coordinates times the weight of the coordinates at the position `x`.
+    /// Quadrature weight in local coordinates times [`mesh::Coordinates::weight`] at the position `x`.
     pub weight: f64,
-    /// Derivative of the weight with respect to the position `x`.
+    /// Derivative of `weight` with respect to the position `x`.
     pub weight_gradient: Vector<D>,
     /// Derivatives of the position `x = X + d` with respect to the local coordinates; only the first `D - 1` are used.
     pub tangents: [Vector<D>; 2],
@@ -41,7 +41,7 @@ impl<const D: usize> SolidFacet<D> {
 
 /// Facets of the boundary of a body in one step: one item per facet, several sites.
 ///
-/// A facet that is a part of a quadratic one is integrated with the shape functions of the whole.
+/// A linear facet that is a part of a quadratic facet is integrated with the shape functions of the quadratic facet.
 #[derive(Clone, Copy)]
 pub struct SolidFacets<'a, const D: usize> {
     /// The cells of the body.

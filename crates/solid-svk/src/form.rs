@@ -15,7 +15,7 @@ pub struct SolidForm<const D: usize> {
     pub inertia: Inertia,
     /// `(P(F), ∇w)`
     pub internal_work: InternalWork<D>,
-    /// Internal work in axisymmetric coordinates.
+    /// Internal work in axisymmetric coordinates, instead of `internal_work`.
     pub hoop_work: HoopWork<D>,
     /// `-(ρ g, w)`
     pub body_force: BodyForce<D>,

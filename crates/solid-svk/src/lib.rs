@@ -1,8 +1,8 @@
 //! Deformable solids: elastodynamics in the reference configuration.
 //!
-//! The unknown of a body is the **velocity** `v` of its nodes at the stage of the
-//! step; displacement and acceleration there follow from it by the time scheme ([`algebra::time`]): `d = d_pred + c_d v`,
-//! `a = a_pred + c_a v`. [`ElasticBody`] is the body that a simulation uses; the example below assembles its parts by hand.
+//! The unknown of a body is the **velocity** `v` of its nodes at the stage of the step. Displacement and acceleration
+//! at the stage follow from `v` by the time scheme ([`algebra::time`]): `d = d_pred + c_d v`, `a = a_pred + c_a v`.
+//! [`ElasticBody`] is the body that a simulation uses; the example below assembles its parts by hand.
 //!
 //! Weak form on the reference domain, for all test functions `w` (residual = left minus right side):
 //!

@@ -5,10 +5,11 @@ use mesh::{Point, Tensor, Vector, VertexId};
 use crate::element::Order;
 use crate::{Error, SolidMesh};
 
-/// Smallest share of its lumped mass that a node keeps.
+/// Smallest mass that a node may keep, relative to its lumped mass.
 const SMALLEST_SHARE: f64 = 0.2;
 
-/// Cells over which the mass of a node is spread. Two layers of nodes can keep the first moment; with three the farthest loses less.
+/// Number of layers of cells over which the mass of a node is spread. Two layers suffice to keep the first moments.
+/// With three, the correction takes less mass from the farthest nodes.
 const REACH: usize = 3;
 
 /// Share of a node in the mass of a group of cells, for unit density.
@@ -17,25 +18,31 @@ struct Share {
     node: VertexId,
     group: usize,
     mass: f64,
-    /// Place of the entry of the node in the mass of one of its cells in the group.
+    /// Index of the diagonal entry of the node in [`SolidMesh::masses_mut`], in one of its cells of the group.
     entry: usize,
 }
 
 impl<const D: usize> SolidMesh<D> {
     /// Returns the body without mass at the given nodes, and whether the first moments of the mass are kept.
     ///
-    /// Nodes in contact that have mass exchange their momentum in one step, and the pressure of contact oscillates. Nodes without mass follow their neighbours without inertia. The
-    /// mass of such a node goes to the nodes of its group that have mass and are at most three cells away, in proportion to their masses `m_j`. Then all that received mass
-    /// change by `m_j b·(X_j - X)` with the centre `X` of their masses and `b` such that the first moments of the group are kept. The change is left out if a node would keep
-    /// less than a fifth of its mass. The total mass is always kept. Cells whose nodes are all at most three cells away have
-    /// lumped masses; the others keep their consistent ones, with which waves are faster and nearer to the exact speed.
+    /// Nodes in contact that have mass exchange their momentum in one step, and the pressure of contact oscillates.
+    /// Nodes without mass follow their neighbours without inertia.
     ///
-    /// Source: Khenous, Laborde and Renard 2008, Mass redistribution method for finite element contact problems in elastodynamics, doi:10.1016/j.euromechsol.2008.01.001. The
-    /// masses here are one solution of their conditions on mass and first moments.
+    /// The mass of such a node goes to the nodes of its group that have mass and are at most three cells away, in
+    /// proportion to their masses `m_j`. Then the masses of all receivers of a group change by `m_j b·(X_j - X)`, with
+    /// the centre `X` of these masses and `b` such that the first moments of the group are kept. This correction is
+    /// omitted if a node would keep less than a fifth of its mass. The total mass is always kept.
+    ///
+    /// Cells whose nodes are all at most three cells away from a massless node have lumped masses. The others keep
+    /// their consistent masses, with which waves are faster and closer to the exact speed.
+    ///
+    /// Source: Khenous, Laborde and Renard 2008, Mass redistribution method for finite element contact problems in
+    /// elastodynamics, doi:10.1016/j.euromechsol.2008.01.001. The masses of this method are one solution of their
+    /// conditions on mass and first moments.
     ///
     /// # Errors
-    /// [`Error::MassOfOrder`]: elements of order 2, whose vertices have no positive lumped mass. [`Error::UnknownVertex`]: a node that the mesh does not have.
-    /// [`Error::NoMassNear`]: a node without neighbours that have mass.
+    /// [`Error::MassOfOrder`]: elements of order 2, whose vertices have no positive lumped mass.
+    /// [`Error::UnknownVertex`]: a node does not exist. [`Error::NoMassNear`]: a node has no neighbours with mass.
     pub fn without_mass_at(mut self, nodes: &[VertexId]) -> Result<(Self, bool), Error> {
         if self.order() != Order::Linear {
             return Err(Error::MassOfOrder);
@@ -71,7 +78,8 @@ impl<const D: usize> SolidMesh<D> {
         Ok((self, keeps_moments))
     }
 
-    /// Returns the corrections of changes by which the first moments of a group are kept; `None` if the nodes that receive mass do not span the space.
+    /// Returns index of the share and correction `m_j b·(X_j - X)` for each receiver of a group, with `b` such that the
+    /// first moments are kept; `None` if the receivers do not span the space.
     fn corrections(
         &self,
         group: usize,
@@ -91,6 +99,7 @@ impl<const D: usize> SolidMesh<D> {
         let moved = |(_, (share, change)): (usize, (&Share, &f64))| {
             at(share) * (if is_massless[share.node.index()] { share.mass } else { -change })
         };
+        // First moment of the masses that are removed minus that of the changes.
         let missing: Vector<D> = of_group().map(moved).sum();
         let total: f64 = receivers.iter().map(|(_, _, mass)| mass).sum();
         let centre: Point<D> = receivers.iter().map(|(_, x, mass)| x * (mass / total)).sum();
@@ -99,8 +108,8 @@ impl<const D: usize> SolidMesh<D> {
         Some(receivers.iter().map(|(k, x, mass)| (*k, mass * slope.dot(&(x - centre)))).collect())
     }
 
-    /// Lumps the mass of each cell all of whose nodes are given in order, and returns the mass of each node in these cells of
-    /// each group, in the order of nodes and groups.
+    /// Lumps the masses of the cells whose nodes are all in `within`, a sorted list. Returns the mass of each node in
+    /// these cells, one entry per node and group, sorted by node, then group.
     fn lump(&mut self, within: &[VertexId]) -> Vec<Share> {
         let n = D + 1;
         let mut shares = Vec::new();
@@ -126,7 +135,7 @@ impl<const D: usize> SolidMesh<D> {
         shares
     }
 
-    /// Returns the nodes of the cells of each node, each once, in order.
+    /// Returns for each node the nodes of its cells, the node itself included, sorted.
     fn neighbours(&self) -> Vec<Vec<VertexId>> {
         let mut neighbours = vec![Vec::new(); self.nodes().len()];
         for cell in self.mesh().cells() {
@@ -141,7 +150,7 @@ impl<const D: usize> SolidMesh<D> {
         neighbours
     }
 
-    /// Removes the mass of nodes without, and adds the changes of the others to one of their cells.
+    /// Sets the mass of massless nodes to zero. Adds the change of each other node to the entry of its share.
     fn change_masses(&mut self, shares: &[Share], changes: &[f64], is_massless: &[bool]) {
         let n = D + 1;
         for cell in self.mesh().cells() {
@@ -155,7 +164,8 @@ impl<const D: usize> SolidMesh<D> {
     }
 }
 
-/// Returns the numbers of the shares in the group of a share, of nodes that are at most [`REACH`] cells away and meet a condition.
+/// Returns the indices in `shares` of the nodes that are at most [`REACH`] cells away from the node of `of`, have mass
+/// in the same group, and fulfil a condition.
 fn near(
     of: &Share,
     shares: &[Share],
@@ -167,7 +177,7 @@ fn near(
     nodes.into_iter().filter(|node| condition(*node)).filter_map(|node| of_node(node).ok()).collect()
 }
 
-/// Returns the nodes that are at most [`REACH`] cells away from nodes, in order.
+/// Returns the nodes that are at most [`REACH`] cells away from any of the given nodes, sorted.
 fn within_reach(mut nodes: Vec<VertexId>, neighbours: &[Vec<VertexId>]) -> Vec<VertexId> {
     for _ in 0..REACH {
         nodes = nodes.iter().flat_map(|node| &neighbours[node.index()]).copied().collect();

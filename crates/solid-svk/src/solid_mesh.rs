@@ -28,24 +28,24 @@ pub struct SolidMesh<const D: usize> {
     boundary: BoundaryMesh<D>,
     /// Nodes of the element's facets. Stride: nodes of a facet.
     facet_to_node: Vec<VertexId>,
-    /// Points for loads on each part of an element's facet, with weights of the whole.
+    /// Quadrature points for loads on each part of an element's facet, in coordinates of the whole facet.
     facet_points: Vec<Tabulated>,
-    /// Gradients in the cell behind a boundary facet, at its middle. Stride: nodes of a cell.
+    /// Gradients of the shape functions behind each boundary facet, in its middle. Stride: nodes of a cell.
     surface_gradients: Vec<Vector<D>>,
     /// Shape functions divided by the radius at the same points, with the same stride; empty in Cartesian coordinates.
     surface_hoop: Vec<f64>,
-    /// Per cell: measure of its boundary facets.
+    /// Measure of the boundary facets of each cell, with the weight of the coordinates.
     surface_measures: Vec<f64>,
 }
 
 /// A point of a cell at which the stress is evaluated.
 #[derive(Clone, Copy, Debug)]
 pub struct CellPoint<'a, const D: usize> {
-    /// Quadrature weight: a reference volume, with the weight of the coordinates.
+    /// Quadrature weight times the reference volume element times [`mesh::Coordinates::weight`].
     pub weight: f64,
     /// Gradients of the shape functions, one per node.
     pub gradients: &'a [Vector<D>],
-    /// Radial component, and the shape functions divided by the radius, one per node; `None` in Cartesian coordinates.
+    /// Index of the radial component, and the values `N_i/R`, one per node; `None` in Cartesian coordinates.
     pub hoop: Option<(usize, &'a [f64])>,
 }
 
@@ -63,9 +63,10 @@ impl<const D: usize> CellPoint<'_, D> {
     }
 }
 
-/// Integrals of cells.
+/// Integrals and quadrature points of cells.
 #[derive(Clone, Debug, Default)]
 struct CellTables<const D: usize> {
+    /// One per cell, without the weight of the coordinates.
     volumes: Vec<f64>,
     /// Stride: points of a cell.
     weights: Vec<f64>,
@@ -182,7 +183,7 @@ impl<const D: usize> SolidMesh<D> {
         self.cell_to_group.iter().max().map_or(0, |last| last + 1)
     }
 
-    /// Returns the mesh of the vertices.
+    /// Returns the mesh, whose vertices are the first nodes.
     pub fn mesh(&self) -> &SimplexMesh<D> {
         &self.mesh
     }
@@ -225,14 +226,14 @@ impl<const D: usize> SolidMesh<D> {
         Placed::new(&self.boundary, positions)
     }
 
-    /// Returns the reference volume of a cell in the coordinates of the mesh (2D: area).
+    /// Returns the reference volume of a cell (2D: area), without the weight of the coordinates.
     #[inline]
     pub fn volume(&self, cell: CellId) -> f64 {
         self.cells.volumes[cell.index()]
     }
 
-    /// Returns the mass of a cell for unit density, a square matrix. It is the consistent one, `m_ij = ∫ N_i N_j` with the
-    /// weight of the coordinates, unless masses were redistributed ([`SolidMesh::without_mass_at`]).
+    /// Returns the mass matrix of a cell for unit density, row by row: the consistent mass `m_ij = ∫ N_i N_j` with the
+    /// weight of the coordinates, or the redistributed mass of [`SolidMesh::without_mass_at`].
     ///
     /// The quadrature is exact on cells with straight edges.
     #[inline]
@@ -241,7 +242,7 @@ impl<const D: usize> SolidMesh<D> {
         &self.cells.mass[cell.index() * n..][..n]
     }
 
-    /// Returns the masses of all cells, one after the other.
+    /// Returns the mass matrices of all cells, one after the other.
     pub(crate) fn masses_mut(&mut self) -> &mut [f64] {
         &mut self.cells.mass
     }

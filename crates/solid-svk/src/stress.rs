@@ -11,8 +11,9 @@ use crate::{Material, SolidCells};
 /// Traction of the cell behind a facet, `P N |F̂|/|F|`: the nominal traction `P N`, converted from the measure `|F̂|`
 /// of the facet in the reference state to its measure `|F|` at given positions. At the current positions it is `σ n`.
 ///
-/// It is evaluated in the middle of the facet and constant on it, with the displacement at the stage of the step. Its
-/// integral over the facet at `positions` is the force in the weak form of the solid, for any growth of the facet in the step.
+/// The traction is evaluated in the middle of the facet with the displacement at the stage of the step, and is constant
+/// on the facet. Its integral over the facet at `positions` is the force in the weak form of the solid, however
+/// the facet grows in the step.
 pub struct SolidStress<'a, const D: usize> {
     /// The cells of the body.
     pub cells: SolidCells<'a, D>,
@@ -41,7 +42,7 @@ impl<const D: usize> SolidStress<'_, D> {
             for (b, dof) in layout.node(velocity, node.index()).enumerate() {
                 let mut h = Tensor::<D>::zeros();
                 h.set_row(b, &(g * rule.displacement.slope).transpose());
-                // In axisymmetric coordinates circles are stretched too.
+                // In axisymmetric coordinates a radial displacement changes the hoop stretch.
                 let of_circles = point.hoop.filter(|(radial, _)| b == *radial);
                 let d_stretch = of_circles.map_or(0.0, |(_, shapes)| shapes[k] * rule.displacement.slope);
                 derivatives.push((dof, deformation.first_piola_derivative(material, &h, d_stretch) * normal * ratio));

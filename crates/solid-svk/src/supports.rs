@@ -15,9 +15,9 @@ pub type DisplacementField<const D: usize> = Arc<dyn Fn(&Point<D>, f64) -> [Opti
 /// A support of an elastic body.
 #[derive(Clone)]
 pub struct Support<const D: usize> {
-    /// The nodes that it holds.
+    /// Nodes that the support holds.
     pub vertices: Vec<VertexId>,
-    /// Constraint on them.
+    /// Constraint on these nodes.
     pub kind: SupportKind<D>,
 }
 
@@ -36,17 +36,18 @@ pub enum SupportKind<const D: usize> {
 }
 
 impl<const D: usize> SupportKind<D> {
-    /// Creates the symmetry on a plane across an axis, whose number is from 0 to `D - 1`.
+    /// Creates the symmetry on a plane across an axis with an index from 0 to `D - 1`.
     pub fn symmetry(axis: usize) -> Self {
         Self::Symmetry { normal: unit_vector(axis) }
     }
 }
 
 impl<const D: usize> Support<D> {
-    /// Prescribes the velocities of the held nodes such that the displacement at the end of the step is the given one.
+    /// Prescribes the velocities of the held nodes such that at the end of the step the velocity is zero (clamps), its
+    /// normal component is zero (symmetry), or the displacement has the given value.
     ///
-    /// Of two supports of the same dof the later one counts. Planes of symmetry are combined; they come after all other supports, which
-    /// they do not change.
+    /// A support replaces earlier supports of the same dof. Planes of symmetry must come last: they are combined, and
+    /// do not change values that other supports prescribe.
     pub fn constrain(
         &self,
         cells: SolidCells<'_, D>,

@@ -10,10 +10,11 @@ use crate::{Stage, Step};
 const MOST_SOLVES: usize = 200;
 
 impl<const D: usize> Step<'_, D> {
-    /// Solves the step from the guess `x` by Newton's method. With an augmented Lagrangian (`law/augmented_lagrangian.rs` of the crate
-    /// `contact`) the tractions of contact become the multipliers of another solve, until they no longer change. A collision at several points is solved again with the points that push.
+    /// Solves the step from the guess `x` by Newton's method. With [`contact::AugmentedLagrangianLaw`] the tractions of
+    /// contact become the multipliers of another solve, until they no longer change. A collision at several points is
+    /// solved again with the points that push.
     ///
-    /// The report, also that of an error, has the counts and times of all solves, and the history of the last one.
+    /// The report, also that of an error, contains the counts and times of all solves, and the history of the last one.
     ///
     /// # Errors
     /// Newton's method fails, or the multipliers still change after the largest number of solves.
@@ -45,17 +46,16 @@ impl<const D: usize> Step<'_, D> {
         self.collisions.iter_mut().flatten().fold(false, |changed, collision| collision.settle(x) | changed)
     }
 
-    /// Sets the multipliers of the next solve. Returns the first contact whose multipliers have changed too much; `None` if the step is
-    /// solved.
+    /// Sets the multipliers of the next solve. Returns the first contact whose multipliers changed too much, if any.
     fn augment(&mut self, x: &[f64]) -> Option<Unsettled> {
         let contacts = || self.setup.contacts.iter().zip(&self.contacts);
         let found: Vec<Option<Multipliers>> =
-            contacts().map(|(contact, step)| step.sites(contact, self.partners()).multipliers(x)).collect();
+            contacts().map(|(contact, step)| step.sites(contact, self.parts()).multipliers(x)).collect();
         let mut changes = found.iter().zip(&self.setup.contacts).enumerate();
-        let unsettled = changes.find_map(|(number, (found, contact))| {
+        let unsettled = changes.find_map(|(index, (found, contact))| {
             let Multipliers { change, largest, .. } = *found.as_ref()?;
             let accepted = contact.form().law.accepted_change(largest);
-            (change > accepted).then_some(Unsettled { contact: number, change, accepted })
+            (change > accepted).then_some(Unsettled { contact: index, change, accepted })
         })?;
         for (step, multipliers) in self.contacts.iter_mut().zip(found) {
             multipliers.into_iter().for_each(|multipliers| step.set_multipliers(multipliers));

@@ -6,28 +6,30 @@ use algebra::{Constraints, Contributions, DofId, LocalSystem};
 use contact::{Anchor, ContactPoint, Positions, Projection};
 use mesh::{BodyId, Placed, Point, Vector, VertexId};
 
-use crate::contact_step::Partners;
+use crate::contact_step::StepParts;
 use crate::setup::Contact;
 use crate::{Setup, State};
 
 /// Penalty weight relative to mass/Δt; its inverse is about the relative error of the velocity.
 const STIFFNESS: f64 = 1e8;
 
-/// Part of the largest relative velocity at the start by which a point exceeds its bound to the other side before it is released: a pull of 1e-4 of the
-/// impulse, above round-off.
+/// Smallest excess of a point that acts, with a negative sign, at which the point is released, relative to the largest
+/// relative velocity at the start: a pull of 1e-4 of the impulse, above round-off.
 const LEAST_PULL: f64 = 1e-4 / STIFFNESS;
-/// Part of the largest relative velocity at the start by which a point that does not act exceeds its bound before it is added.
+/// Smallest excess at which a point that does not act is added, relative to the largest relative velocity at the start.
 const LEAST_EXCESS: f64 = 1e-6;
-/// Number of times that a point is added. It is released whenever it pulls.
+/// Largest number of times that a point is added. A point is released whenever it pulls.
 const MOST_ADDITIONS: usize = 2;
 
 /// `Σ c (n·(v_s - v_m) - w) (n·(w_s - w_m))`: at the points that act, two bodies separate with the given relative velocity
 ///
-/// The points are the vertices of the slave whose gap is below the offset, and `w = -e n·(v_s - v_m)^n`. At first those that approach act; the solve is repeated without points that pull, and with points that
-/// would approach faster than `w`. So impulses only push, and relative velocities are at most `w`. Impulses
-/// of one restitution take energy or none then, however many points there are. Other forces work during the step.
+/// The points are the vertices of the slave whose gap is below the offset, and `w = -e n·(v_s - v_m)^n` with the
+/// restitution `e`. In the first solve the points that approach act. The solve is repeated without points that pull,
+/// and with points that would approach faster than `w`. So impulses only push, and relative velocities are at most `w`.
+/// Impulses of one restitution generate no energy, for any number of points. Other forces work during the step.
 ///
-/// Source: Newton's law of restitution, for several points after Moreau 1988, Unilateral contact and dry friction in finite freedom dynamics, doi:10.1007/978-3-7091-2624-0_1.
+/// Source: Newton's law of restitution, for several points after Moreau 1988, Unilateral contact and dry friction in
+/// finite freedom dynamics, doi:10.1007/978-3-7091-2624-0_1.
 /// Couples: velocities of one vertex of the slave and of the facet of the master.
 /// Units: force (2D: per unit depth).
 #[derive(Clone)]
@@ -54,17 +56,17 @@ struct CollisionPoint<const D: usize> {
     normal: Vector<D>,
     /// Whether the point acts.
     acts: bool,
-    /// Number of times that it may still be added.
+    /// Number of times that the point may still be added.
     n_additions_left: usize,
 }
 
 impl<const D: usize> Collision<D> {
-    /// Returns the collision of a contact for the velocities `start` at the start; `None` if its law has no restitution, or no point that can move is in contact
-    /// at the start of the step.
+    /// Returns the collision of a contact for the velocities `start` at the start; `None` if its law has no
+    /// restitution, or no point that can move is in contact at the start of the step.
     pub(crate) fn new(
         contact: &Contact<D>,
         (setup, previous): (&Setup<D>, &State<D>),
-        step: Partners<'_, D>,
+        parts: StepParts<'_, D>,
         (constraints, start): (&Constraints, &[f64]),
     ) -> Option<Self> {
         let restitution = contact.form().law.restitution()?;
@@ -75,11 +77,11 @@ impl<const D: usize> Collision<D> {
             None => is_free(*dof),
         };
         for (vertex, found) in touching(contact, (setup, previous)) {
-            let mut point = CollisionPoint::new(contact, (vertex, &found), previous, step);
+            let mut point = CollisionPoint::new(contact, (vertex, &found), previous, parts);
             if point.dofs.iter().any(can_move) {
                 let approach = point.velocities(start).iter().sum::<f64>();
                 fastest = fastest.max(approach.abs());
-                point.velocity = step.time.weights.stage_velocity(-restitution * approach, approach);
+                point.velocity = parts.time.weights.stage_velocity(-restitution * approach, approach);
                 point.acts = approach > 0.0;
                 points.push(point);
             }
@@ -87,7 +89,7 @@ impl<const D: usize> Collision<D> {
         let bodies = [Some(contact.body()), contact.master()].into_iter().flatten();
         let balance = |id: BodyId| setup.bodies[id.index()].balance(&previous.bodies[id.index()]);
         let mass = bodies.filter_map(balance).map(|balance| balance.mass).fold(0.0, f64::max);
-        (!points.is_empty()).then(|| Self { points, fastest, weight: STIFFNESS * mass / step.time.length })
+        (!points.is_empty()).then(|| Self { points, fastest, weight: STIFFNESS * mass / parts.time.length })
     }
 
     /// Returns the number of points that act.
@@ -123,7 +125,7 @@ impl<const D: usize> Collision<D> {
         self.points.iter().any(|point| point.acts)
     }
 
-    /// Releases points that pull, and adds those that exceed their bounds. Returns whether there were any.
+    /// Releases points that pull, and adds those that exceed their bounds. Returns whether any point changed.
     pub(crate) fn settle(&mut self, x: &[f64]) -> bool {
         let mut has_changed = false;
         for point in &mut self.points {
@@ -149,8 +151,8 @@ fn touching<const D: usize>(
     let (own, opposite) = (positions(contact.body()), contact.master().map_or(Vec::new(), positions));
     let candidates = contact.geometry().candidates(Placed::new(slave, &own), contact.facets(), &opposite, law.offset());
     let mut touching: BTreeMap<VertexId, Projection<D>> = BTreeMap::new();
-    for (number, &facet) in contact.facets().iter().enumerate() {
-        let near = candidates.as_ref().map_or(&[][..], |of_facets| &of_facets[number]);
+    for (index, &facet) in contact.facets().iter().enumerate() {
+        let near = candidates.as_ref().map_or(&[][..], |of_facets| &of_facets[index]);
         for &vertex in slave.facet(facet) {
             let x: Point<D> = own[vertex.index()];
             let Some(found) = contact.geometry().project(&x, Positions::Fixed(&opposite), near) else { continue };
@@ -170,18 +172,18 @@ impl<const D: usize> CollisionPoint<D> {
         contact: &Contact<D>,
         (vertex, found): (VertexId, &Projection<D>),
         previous: &State<D>,
-        step: Partners<'_, D>,
+        parts: StepParts<'_, D>,
     ) -> Self {
         let mut ends = vec![(contact.body(), vertex, 1.0)];
         if let (Some(id), Anchor::Facet { facet, barycentric, .. }) = (contact.master(), &found.anchor) {
-            let vertices = step.bodies[id.index()].surface().boundary.facet(*facet);
+            let vertices = parts.bodies[id.index()].surface().boundary.facet(*facet);
             ends.extend(vertices.iter().zip(barycentric).map(|(&vertex, share)| (id, vertex, -share)));
         }
         let (mut dofs, mut n_of_slave, mut given) = (Vec::new(), 0, [0.0; 2]);
         for (end, (id, vertex, share)) in ends.into_iter().enumerate() {
-            match step.bodies[id.index()].surface().field() {
+            match parts.bodies[id.index()].surface().field() {
                 Some(field) => {
-                    let of_vertex = step.layout.node(field, vertex.index()).zip(&found.normal);
+                    let of_vertex = parts.layout.node(field, vertex.index()).zip(&found.normal);
                     dofs.extend(of_vertex.map(|(dof, n)| (dof, share * n)).filter(|(_, share)| *share != 0.0));
                 }
                 None => {
@@ -204,7 +206,7 @@ impl<const D: usize> CollisionPoint<D> {
         [self.given[0] + of(slave), self.given[1] + of(master)]
     }
 
-    /// Returns the difference of the relative velocity from the given one.
+    /// Returns the relative velocity minus the velocity `w`.
     fn excess(&self, x: &[f64]) -> f64 {
         self.velocities(x).iter().sum::<f64>() - self.velocity
     }

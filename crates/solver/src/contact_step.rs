@@ -1,4 +1,4 @@
-//! A contact in one step: candidates, reach, and the check that none was missed.
+//! A contact in one step: search of obstacles, and the check that no contact was missed.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -13,16 +13,16 @@ use crate::fluid_step::FluidStep;
 use crate::setup::Contact;
 use crate::{Stage, State};
 
-/// The fluid and the bodies of a step, between which contacts act.
+/// Borrowed parts of a step that the evaluation of contacts uses: layout, fluid, bodies and time.
 #[derive(Clone, Copy)]
-pub(crate) struct Partners<'p, const D: usize> {
+pub(crate) struct StepParts<'p, const D: usize> {
     pub(crate) layout: &'p BlockLayout,
     pub(crate) fluid: Option<&'p FluidStep<'p, D>>,
     pub(crate) bodies: &'p [Box<dyn BodyStep<D> + 'p>],
     pub(crate) time: &'p StepTime,
 }
 
-impl<'p, const D: usize> Partners<'p, D> {
+impl<'p, const D: usize> StepParts<'p, D> {
     /// Returns the stress of the fluid on a body; `None` without a fluid.
     fn fluid_stress(&self, body: BodyId) -> Option<Arc<FluidStress<'p, D>>> {
         let fluid = self.fluid?;
@@ -31,7 +31,7 @@ impl<'p, const D: usize> Partners<'p, D> {
         Some(Arc::new(FluidStress::new(fluid.interface(self.layout, self.bodies), body, body_force)))
     }
 
-    /// Returns the closed parts of the surfaces of all bodies in contacts whose law depends on the jump of stress.
+    /// Returns the parts of surfaces that border no fluid, of all bodies in contacts with [`StressSource::Jump`].
     pub(crate) fn closed(&self, contacts: &[Contact<D>]) -> Vec<(BodyId, ClosedPoints<'p, D>)> {
         let of_jump = contacts.iter().filter(|contact| contact.form().law.stress() == StressSource::Jump);
         let bodies: BTreeSet<BodyId> = of_jump.flat_map(|c| [Some(c.body()), c.master()]).flatten().collect();
@@ -39,7 +39,7 @@ impl<'p, const D: usize> Partners<'p, D> {
     }
 }
 
-/// A contact in one step. It borrows nothing; [`ContactStep::sites`] borrows it together with the bodies.
+/// A contact in one step, without borrowed data; [`ContactStep::sites`] combines it with the bodies.
 pub(crate) struct ContactStep<const D: usize> {
     items: ContactItems<D>,
     /// Distance within which obstacles were searched.
@@ -52,13 +52,13 @@ fn needs_stress(source: StressSource) -> bool {
 }
 
 /// Returns the pair of slave and obstacle of a contact in a step.
-fn pair<'p, const D: usize>(contact: &'p Contact<D>, step: Partners<'p, D>) -> ContactPair<'p, D> {
-    let surface = |id: BodyId| step.bodies[id.index()].surface();
+fn pair<'p, const D: usize>(contact: &'p Contact<D>, parts: StepParts<'p, D>) -> ContactPair<'p, D> {
+    let surface = |id: BodyId| parts.bodies[id.index()].surface();
     let source = contact.form().law.stress();
-    let body = &step.bodies[contact.body().index()];
-    let solid = || body.stress(step.layout, &body.surface().begin).map(Arc::from);
+    let body = &parts.bodies[contact.body().index()];
+    let solid = || body.stress(parts.layout, &body.surface().begin).map(Arc::from);
     let fluid =
-        (source == StressSource::Fluid || source == StressSource::Jump).then(|| step.fluid_stress(contact.body()));
+        (source == StressSource::Fluid || source == StressSource::Jump).then(|| parts.fluid_stress(contact.body()));
     let fluid = fluid.flatten();
     let stress: Option<Arc<dyn SurfaceStress<D> + 'p>> = match (source, &fluid) {
         (StressSource::None | StressSource::Multiplier, _) => None,
@@ -76,31 +76,32 @@ fn pair<'p, const D: usize>(contact: &'p Contact<D>, step: Partners<'p, D>) -> C
         obstacle: contact.geometry(),
         master: contact.master().map(surface),
         stress,
+        // With a stress, contact of a body with itself acts from both sides.
         share: if is_own && needs_stress(source) { 0.5 } else { 1.0 },
-        conserves: step.time.weights.conserves,
+        conserves: parts.time.weights.conserves,
     }
 }
 
 impl<const D: usize> ContactStep<D> {
-    /// Searches for obstacles within a distance that is the sum of the offset of the law, twice the motion of the last step
-    /// and twice the contact size.
+    /// Searches for obstacles within the offset of the law, plus twice the contact size, plus twice the largest speeds
+    /// of slave and master at the start times the length of the step.
     ///
     /// # Errors
     /// [`Stage::MissingStress`]: the law depends on a stress that the setup does not have.
-    pub(crate) fn new(contact: &Contact<D>, previous: &State<D>, step: Partners<'_, D>) -> Result<Self, Stage> {
-        let (pair, source) = (pair(contact, step), contact.form().law.stress());
+    pub(crate) fn new(contact: &Contact<D>, previous: &State<D>, parts: StepParts<'_, D>) -> Result<Self, Stage> {
+        let (pair, source) = (pair(contact, parts), contact.form().law.stress());
         if needs_stress(source) && pair.stress.is_none() {
             return Err(Stage::MissingStress { stress: source, body: contact.body() });
         }
-        let motion = |id: BodyId| previous.bodies[id.index()].largest_speed() * step.time.length;
+        let motion = |id: BodyId| previous.bodies[id.index()].largest_speed() * parts.time.length;
         let motion = motion(contact.body()) + contact.master().map_or(0.0, motion);
         let reach = contact.form().law.offset() + 2.0 * motion + 2.0 * contact.form().size();
-        Ok(Self { items: ContactItems::new(&pair, step.layout, reach), reach })
+        Ok(Self { items: ContactItems::new(&pair, parts.layout, reach), reach })
     }
 
     /// Returns the quadrature points of the contact.
-    pub(crate) fn sites<'p>(&'p self, contact: &'p Contact<D>, step: Partners<'p, D>) -> ContactSites<'p, D> {
-        ContactSites { items: &self.items, pair: pair(contact, step), layout: step.layout }
+    pub(crate) fn sites<'p>(&'p self, contact: &'p Contact<D>, parts: StepParts<'p, D>) -> ContactSites<'p, D> {
+        ContactSites { items: &self.items, pair: pair(contact, parts), layout: parts.layout }
     }
 
     /// Sets the multipliers of the next solve.
@@ -108,24 +109,24 @@ impl<const D: usize> ContactStep<D> {
         self.items.set_multipliers(multipliers);
     }
 
-    /// Returns an error if the bodies moved farther than obstacles were searched.
+    /// Returns [`Stage::MissedContact`] if slave and master moved beyond the searched distance and may have touched.
     pub(crate) fn check(
         &self,
-        number: usize,
+        index: usize,
         contact: &Contact<D>,
-        step: Partners<'_, D>,
+        parts: StepParts<'_, D>,
         x: &[f64],
         newton: &NewtonReport,
     ) -> Result<(), Stage> {
         if !self.items.is_searched() {
             return Ok(());
         }
-        let surface = |id: BodyId| step.bodies[id.index()].surface();
+        let surface = |id: BodyId| parts.bodies[id.index()].surface();
         let (slave, master) = (surface(contact.body()), contact.master().map(surface));
         let motion = |surface: &SurfaceMotion<'_, D>| {
             let vertices = (0..surface.begin.len()).map(VertexId::new);
-            let speed = vertices.map(|v| surface.velocity_at(v, step.layout, x).norm()).fold(0.0, f64::max);
-            speed * step.time.length
+            let speed = vertices.map(|v| surface.velocity_at(v, parts.layout, x).norm()).fold(0.0, f64::max);
+            speed * parts.time.length
         };
         let motion = motion(slave) + master.map_or(0.0, motion);
         let offset = contact.form().law.offset();
@@ -134,10 +135,10 @@ impl<const D: usize> ContactStep<D> {
             return Ok(());
         }
         let obstacle = master.map_or(&[][..], |master| &master.begin);
-        // A body has no gap to the whole of itself: the smallest possible one is assumed.
+        // `None` for contact of a body with itself. Zero is then assumed, so that the error is returned.
         let apart = contact.geometry().smallest_gap(&slave.begin, Positions::Fixed(obstacle)).unwrap_or(0.0);
         if apart <= motion + offset {
-            return Err(Stage::MissedContact { contact: number, motion, room, newton: Box::new(newton.clone()) });
+            return Err(Stage::MissedContact { contact: index, motion, room, newton: Box::new(newton.clone()) });
         }
         Ok(())
     }

@@ -16,7 +16,7 @@ pub enum Stage {
     /// A contact was made for other bodies than those of the setup.
     #[error("contact {contact} was made for other bodies than those of the setup")]
     Contact {
-        /// Number of the contact.
+        /// Index of the contact in the setup.
         contact: usize,
         /// Cause.
         source: contact::Error,
@@ -52,7 +52,7 @@ pub enum Stage {
          force of the fluid; for a body that may come that far enlarge the background, or give it a contact with the wall"
     )]
     LeftDomain {
-        /// Its name.
+        /// Name of the body.
         body: String,
     },
     /// A contact law depends on a stress that the setup does not have: that of the solid for a rigid or prescribed slave, or
@@ -93,38 +93,38 @@ pub enum Stage {
         /// The length that was found.
         found: usize,
     },
-    /// Newton's method failed; the history of residuals is inside.
+    /// Newton's method failed; the error contains the history of residuals.
     #[error("solving the coupled problem")]
     Newton(#[from] NewtonError),
-    /// Bodies in contact moved farther in the step than obstacles were searched: contact may have been missed. Take smaller
-    /// steps.
+    /// Bodies in contact moved farther in the step than obstacles were searched: contact may have been missed. Take
+    /// smaller steps.
     #[error(
         "contact {contact} may have been missed: its bodies move by {motion:e} in a step, and obstacles were searched \
          within {room:e}; take smaller steps"
     )]
     MissedContact {
-        /// Number of the contact.
+        /// Index of the contact in the setup.
         contact: usize,
-        /// Relative motion in the step, at most.
+        /// Sum of the largest motions of slave and master in the step.
         motion: f64,
         /// Motion for which obstacles were searched.
         room: f64,
         /// Report of the nonlinear solve, which is discarded.
         newton: Box<NewtonReport>,
     },
-    /// The multipliers of a contact still change after many solves of the step: its parameter is small compared with the stiffness of its
-    /// bodies, or the body does not fit between its obstacles. Take a larger parameter.
+    /// The multipliers of a contact still change after many solves of the step: the parameter of the contact is small
+    /// for the stiffness of its bodies (take a larger one), or the body does not fit between its obstacles.
     #[error(
         "the multipliers of contact {contact} still change by {change:e} after {solves} solves, and {accepted:e} is accepted; take a larger \
          gamma_contact_0 (with friction at most some hundred times the contact size times the mass per area over the square of the step) or tolerance, and check that the \
          body fits between its obstacles"
     )]
     Multipliers {
-        /// Number of the contact.
+        /// Index of the contact in the setup.
         contact: usize,
         /// Number of solves.
         solves: usize,
-        /// Largest change of the traction between the last two of them, force per area.
+        /// Largest change of the traction between the last two solves, force per area.
         change: f64,
         /// Largest change that is accepted.
         accepted: f64,
@@ -185,7 +185,7 @@ impl Stage {
 #[derive(Debug, thiserror::Error)]
 #[error("step {step} to time {time:.6} failed")]
 pub struct StepError {
-    /// Number of the step.
+    /// Number of the step; the first one is 1.
     pub step: usize,
     /// Time at the end of the step.
     pub time: f64,

@@ -68,7 +68,7 @@ struct OpenTerms<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> FluidStep<'a, D> {
-    /// Cuts the background, builds the space on the cut, carries the velocity over and registers the unknowns.
+    /// Cuts the background, builds the space on the cut, transfers the velocity and registers the unknowns.
     pub(crate) fn new(
         setup: &'a Setup<D>,
         fluid: &'a FluidSetup<D>,
@@ -218,9 +218,9 @@ impl<'a, const D: usize> FluidStep<'a, D> {
         self.open_boundaries.iter().map(of_terms).sum()
     }
 
-    /// Constrains the velocity where it is prescribed, then on walls, then on planes of symmetry and parallel outflows, such that
-    /// the values at the end of the step are the given ones. At a vertex of several conditions walls count most, then prescribed
-    /// velocities; planes are combined.
+    /// Constrains the velocity on the boundary such that its values at the end of the step are the given ones. At a
+    /// vertex with several conditions, walls override prescribed velocities. Planes of symmetry and parallel outflows
+    /// are combined and do not change other values.
     pub(crate) fn constrain(&self, layout: &BlockLayout, constraints: &mut Constraints) {
         let background = &self.setup.background;
         let dofs = |tag| boundary_dofs(background, &self.cut, &self.space, tag).into_iter();
@@ -249,8 +249,8 @@ impl<'a, const D: usize> FluidStep<'a, D> {
         self.end_films(layout, constraints);
     }
 
-    /// Prescribes the pressure where films end at open boundaries: minus the normal traction that is given there. The
-    /// natural condition of the flux along a film is no flux, which does not contain the traction.
+    /// Prescribes the pressure where films end at open boundaries: minus the given normal traction. The natural
+    /// condition of the flux along a film is no flux, which does not contain the traction.
     fn end_films(&self, layout: &BlockLayout, constraints: &mut Constraints) {
         let (Some(films), background) = (&self.films, &self.setup.background) else { return };
         for piece in self.cut.boundary().iter().filter(|piece| films.of(piece.part).is_some()) {
@@ -275,7 +275,7 @@ impl<'a, const D: usize> FluidStep<'a, D> {
         }
     }
 
-    /// Writes the history of the velocity, and the pressures of the previous step.
+    /// Writes the transferred velocity, and the pressures of the previous step (zero at dofs without one).
     pub(crate) fn guess(&self, layout: &BlockLayout, pressure: &[f64], x: &mut [f64]) {
         layout.set(self.velocity, self.start.velocity.iter().map(|u| (*u).into()), x);
         let earlier = self.sources.earlier_dofs().iter();
@@ -297,8 +297,8 @@ impl<'a, const D: usize> FluidStep<'a, D> {
         KineticProducts::new(self.setup.material.density, &self.cut, &self.space, &self.parts, [velocity, acceleration])
     }
 
-    /// Returns the energies of the scheme on the geometry of the step: that carried over, that at the start, and that
-    /// at the end. The first two differ at the start of a run, where the acceleration is that at the end.
+    /// Returns the energies of the scheme on the geometry of the step: transferred, at the start, and at the end. The
+    /// first two differ in the first step, where the acceleration at the start is unknown and taken as that at the end.
     pub(crate) fn scheme_energies(&self, layout: &BlockLayout, x: &[f64]) -> [f64; 3] {
         let (start, end) = (&self.start, self.end(layout, x));
         let energy = |products: KineticProducts| products.scheme_energy(&self.time.weights);

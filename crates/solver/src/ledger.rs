@@ -21,13 +21,13 @@ use crate::problem::{closed_pressure, contact_work};
 pub struct Ledger {
     /// Change of the sum of all energies.
     pub change: f64,
-    /// Transfer to the new domain: kinetic energy of the last step minus that of its velocity on the new space.
+    /// Transfer to the new domain: kinetic energy of the scheme on the previous space minus that on the new space.
     pub transfer: f64,
     /// Inertia of the fluid: dissipation of its time scheme.
     pub fluid_scheme: f64,
-    /// `2 μ |D(u)|²`.
+    /// Viscous dissipation `Δt ∫ 2 μ |D(u)|²`.
     pub viscosity: f64,
-    /// `c(u, u, u)`. Its sign varies; it is partly balanced by `transfer` and `backflow`.
+    /// Convection `Δt c(u, u, u)`. The sign varies; `transfer` and `backflow` balance this line in part.
     pub convection: f64,
     /// Interior penalty of the velocity.
     pub cip_velocity: f64,
@@ -43,7 +43,7 @@ pub struct Ledger {
     pub fluid_force: f64,
     /// Work against the tractions on open boundaries.
     pub open_boundary: f64,
-    /// Backflow on open boundaries: the kinetic energy that flows in through them, which `convection` counts as gained.
+    /// Backflow term on open boundaries. It removes the kinetic energy of the inflow, which is a gain in `convection`.
     pub backflow: f64,
     /// Consistency and adjoint consistency of the mortar.
     pub mortar: f64,
@@ -53,10 +53,10 @@ pub struct Ledger {
     pub penalty_tangential: f64,
     /// Inertia, internal work and body force of the bodies: dissipation of their time schemes.
     pub body_scheme: f64,
-    /// Work against the loads on bodies, gravity that varies in time among them, and against the pressure on closed parts of surfaces.
+    /// Work against loads on bodies, also gravity that varies in time, and against pressure on closed surfaces.
     pub loads: f64,
-    /// Contacts: work that their laws do not store, work of collisions, and the change of the stored energy with the
-    /// area of facets and with the shift of positions where the length of the step changes.
+    /// Contacts: work of tractions without the energy that the laws store, and work of collisions. It contains changes
+    /// of the stored energy that are not work: by the area of facets, and by the shift of positions if `Δt` changes.
     pub contact: f64,
     /// Work against given velocities: on boundaries, and on bodies of prescribed motion, by the fluid and by contacts.
     pub given_velocities: f64,
@@ -101,13 +101,13 @@ impl Ledger {
         self.change + self.lines().iter().map(|(_, lost)| lost).sum::<f64>()
     }
 
-    /// Returns the largest line.
+    /// Returns the largest absolute value of the lines.
     pub fn largest_line(&self) -> f64 {
         self.lines().iter().map(|(_, lost)| lost.abs()).fold(0.0, f64::max)
     }
 
-    /// Returns the energy of the scheme that viscosity, stabilisation and time scheme dissipate: the loss without the work on
-    /// loads, forces, open boundaries and given velocities. It is negative if the step generated energy.
+    /// Returns the loss of the energy of the scheme without work on loads, forces, open boundaries and given
+    /// velocities: up to the defect, the sum of all other lines but `scheme_storage`. Negative if energy is generated.
     pub fn dissipation(&self) -> f64 {
         let given = self.given_velocities + self.fluid_force + self.loads + self.open_boundary;
         -self.change - self.scheme_storage - given
@@ -115,15 +115,15 @@ impl Ledger {
 }
 
 impl<const D: usize> Problem<'_, D> {
-    /// Returns the residual of all equations at `x`, also of those that constraints replace: there it is the reaction.
+    /// Returns the residual of all equations at `x`. In equations that constraints replace it is the reaction.
     pub(crate) fn residual(&self, x: &[f64]) -> Vec<f64> {
         let mut residual = vec![0.0; self.step.layout.len()];
         self.equations.contributions.iter().for_each(|terms| terms.add_residual(x, &mut residual));
         residual
     }
 
-    /// Returns the ledger of a step for its solution `x` with the residual of all equations there, the bodies at its end,
-    /// the kinetic energy of the fluid, and the energy stored in contacts.
+    /// Returns the ledger of a step. `x` is the solution, `residual` that of all equations at `x`, `ends` are the
+    /// bodies at the end; then follow the kinetic energy of the fluid and the energy stored in contacts at the end.
     pub(crate) fn ledger(
         &self,
         (x, residual): (&[f64], &[f64]),
@@ -135,30 +135,30 @@ impl<const D: usize> Problem<'_, D> {
         let work = |terms: &dyn Contributions| dt * terms.power(x);
         let total = dt * x.iter().zip(residual).map(|(x, r)| x * r).sum::<f64>();
         let constrained = (0..layout.len()).filter(|&k| step.constraints.get(DofId::new(k)).is_some());
-        let mut of_ties: f64 = step.constraints.offsets().map(|(dof, x)| x * residual[dof.index()]).sum();
-        // A master that is prescribed gives a part of the value of the dofs tied to it.
+        let mut by_ties: f64 = step.constraints.offsets().map(|(dof, x)| x * residual[dof.index()]).sum();
+        // The part of the value of a tied dof that comes from prescribed masters is given.
         for (dof, to) in step.constraints.ties() {
             let given = to.iter().filter(|(master, _)| step.constraints.get(*master).is_some());
-            of_ties += residual[dof.index()] * given.map(|(master, factor)| factor * x[master.index()]).sum::<f64>();
+            by_ties += residual[dof.index()] * given.map(|(master, factor)| factor * x[master.index()]).sum::<f64>();
         }
         let mut ledger = Ledger {
-            given_velocities: -dt * (constrained.map(|k| x[k] * residual[k]).sum::<f64>() + of_ties),
+            given_velocities: -dt * (constrained.map(|k| x[k] * residual[k]).sum::<f64>() + by_ties),
             ..Ledger::default()
         };
         let mut known = 0.0;
-        if let (Some(of_step), Some(points)) = (&step.fluid, &self.interface) {
-            known += of_step.add_to_ledger(&mut ledger, layout, x);
+        if let (Some(fluid), Some(points)) = (&step.fluid, &self.interface) {
+            known += fluid.set_ledger_lines(&mut ledger, layout, x);
             let ([carried, start, end], change) =
-                (of_step.scheme_energies(layout, x), fluid_energy - before.fluid_energy());
+                (fluid.scheme_energies(layout, x), fluid_energy - before.fluid_energy());
             let transfer =
                 before.fluid.as_ref().map_or(0.0, |fluid| fluid.products.scheme_energy(&step.time.weights)) - carried;
             ledger.transfer = transfer;
             ledger.fluid_scheme -= end - start;
             ledger.change += change;
             ledger.scheme_storage += end - start - transfer - change;
-            let mortar = work(&of_step.mortar.contributions(points.clone()));
+            let mortar = work(&fluid.mortar.contributions(points.clone()));
             known += mortar;
-            let power = interface_power(points, &of_step.mortar.penalty, x);
+            let power = interface_power(points, &fluid.mortar.penalty, x);
             ledger.penalty_normal = dt * power.penalty_normal;
             ledger.penalty_tangential = dt * power.penalty_tangential;
             ledger.given_velocities += dt * power.given_motion;
@@ -169,24 +169,25 @@ impl<const D: usize> Problem<'_, D> {
             let loads: f64 = body.loads(layout).iter().map(|terms| work(terms.as_ref())).sum();
             let (body, begin, end) = (&step.setup.bodies[b], &before.bodies[b], &ends[b]);
             let energy = |state: &BodyState<D>| body.balance(state).map_or(0.0, |b| b.energy());
-            let of_scheme = |state: &BodyState<D>, rates: &BodyState<D>| {
+            let scheme_energy = |state: &BodyState<D>, rates: &BodyState<D>| {
                 let motions = step.time.weights.of_energy.map(|rows| energy(&body.at_rows(state, rates, &rows)));
                 0.5 * (motions[0] + motions[1])
             };
-            // In the first step the acceleration is constant.
+            // In the first step the acceleration at the start is unknown, and taken as that at the end.
             let rates = if begin.level.acceleration.is_empty() { end } else { begin };
-            let (change, of_scheme) = (energy(end) - energy(begin), of_scheme(end, end) - of_scheme(begin, rates));
+            let change = energy(end) - energy(begin);
+            let scheme_change = scheme_energy(end, end) - scheme_energy(begin, rates);
             ledger.change += change;
-            ledger.scheme_storage += of_scheme - change;
-            ledger.body_scheme += own - of_scheme;
+            ledger.scheme_storage += scheme_change - change;
+            ledger.body_scheme += own - scheme_change;
             ledger.loads += loads;
             known += own + loads;
         }
-        let of_laws: f64 = self.contacts.iter().map(|sites| work(&contact_work(sites.clone()))).sum();
-        let contact = of_laws + step.collisions.iter().flatten().map(|collision| work(collision)).sum::<f64>();
-        let of_collisions: f64 = step.collisions.iter().flatten().map(|collision| collision.given_power(x)).sum();
+        let by_laws: f64 = self.contacts.iter().map(|sites| work(&contact_work(sites.clone()))).sum();
+        let contact = by_laws + step.collisions.iter().flatten().map(|collision| work(collision)).sum::<f64>();
+        let by_collisions: f64 = step.collisions.iter().flatten().map(|collision| collision.given_power(x)).sum();
         let by_given_motion =
-            dt * (of_collisions + self.contacts.iter().map(|sites| sites.given_power(x)).sum::<f64>());
+            dt * (by_collisions + self.contacts.iter().map(|sites| sites.given_power(x)).sum::<f64>());
         ledger.contact = contact + by_given_motion - (contact_energy - before.contact_energy);
         ledger.given_velocities -= by_given_motion;
         ledger.change += contact_energy - before.contact_energy;
@@ -200,8 +201,8 @@ impl<const D: usize> Problem<'_, D> {
 }
 
 impl<const D: usize> FluidStep<'_, D> {
-    /// Adds the works of the fluid's terms; returns their sum.
-    fn add_to_ledger(&self, ledger: &mut Ledger, layout: &BlockLayout, x: &[f64]) -> f64 {
+    /// Sets the lines of the fluid's terms; returns their sum.
+    fn set_ledger_lines(&self, ledger: &mut Ledger, layout: &BlockLayout, x: &[f64]) -> f64 {
         let (geometry, fields, form, dt) = (self.geometry(), self.fields(layout), &self.form, self.time.length);
         let cells = |term| dt * Integral::linear("one term", FluidCells::new(geometry, fields), vec![term]).power(x);
         let faces = |weights: [f64; 3]| {

@@ -15,7 +15,7 @@ impl<const D: usize> State<D> {
     /// same state from them, bit for bit.
     ///
     /// Lists: step, time and contact energy. For each body: displacements, velocities and accelerations, one vector
-    /// after the other, and its own numbers. If there is a fluid: the time of its pressure with the products of
+    /// after the other, and [`BodyState::inner`]. If there is a fluid: the time of its pressure with the products of
     /// velocity and acceleration; velocities, accelerations and pressures of the dofs; for each body the positions at
     /// which the background was cut.
     pub fn to_lists(&self) -> Vec<Vec<f64>> {
@@ -84,7 +84,7 @@ impl<'a> Lists<'a> {
         Ok(self.list(what, n * D)?.chunks_exact(D).map(Vector::from_column_slice).collect())
     }
 
-    /// Takes vectors that a state need not have.
+    /// Takes the next list, of vectors, which may be empty.
     fn vectors_or_none<const D: usize>(&mut self, what: &'static str, n: usize) -> Result<Vec<Vector<D>>, Stage> {
         let is_empty = self.0.first().is_some_and(Vec::is_empty);
         self.vectors(what, if is_empty { 0 } else { n })

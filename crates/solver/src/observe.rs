@@ -14,8 +14,7 @@ pub struct StepView<'a, const D: usize> {
     pub state: &'a State<D>,
     /// Report of the step; `None` for the state at the start.
     pub report: Option<&'a StepReport<D>>,
-    /// The system of the step and the linear solver. A run that goes on from the state to the same bits needs its
-    /// [`Workspace::memory`].
+    /// The system of the step and the linear solver. A resumed run needs its [`Workspace::memory`] for the same bits.
     pub workspace: &'a Workspace,
 }
 

@@ -7,15 +7,15 @@ use xfem_space::small_regions;
 use crate::setup::{FluidBoundary, FluidSetup};
 use crate::{Setup, Stage};
 
-/// Volume of a part of trapped fluid relative to that of its cell, at most.
+/// Largest volume of a part of trapped fluid, relative to the volume of its cell.
 const TRAPPED: f64 = 1e-2;
 
 /// Cuts the background with the bodies at the given positions. In problems with contacts, trapped fluid is left out: regions
 /// between bodies, walls and planes of symmetry all of whose parts have less than a hundredth of the volume of their cells.
 ///
-/// Surfaces that touch around a point enclose such a region, for example under the pole of a ball on a floor. Its fluid is
-/// incompressible. It would stop the surfaces with a pressure that grows without bound as its area goes to zero. Between
-/// rough surfaces the fluid escapes.
+/// Surfaces that touch around a point enclose such a region, for example under the pole of a ball on a floor. Its fluid
+/// is incompressible and would stop the surfaces, with a pressure that grows without bound as the area of the region
+/// goes to zero. Between rough surfaces the fluid escapes.
 ///
 /// # Errors
 /// The surfaces cannot cut the background, or a part of the interface has no facet.
@@ -40,7 +40,7 @@ pub(crate) fn overlay<const D: usize>(
     Ok(if is_trapped.contains(&true) { cut.without_parts(background, &is_trapped) } else { cut })
 }
 
-/// Returns an error if a part of the interface has no facet, and with it no coupling of fluid and body.
+/// Returns an error if a part of the interface has no facet, so that fluid and body would not be coupled.
 fn check_interface<const D: usize>(cut: &CutMesh<D>) -> Result<(), Stage> {
     /// Largest share of the interface that round-off can leave without a facet.
     const LARGEST_SHARE: f64 = 1e-6;

@@ -10,16 +10,16 @@ use interface_dg::{InterfacePoints, Pocket, SolidShare, UnstableShare, pockets, 
 use mesh::{Aabb, Point};
 
 use crate::collision::Collision;
-use crate::contact_step::{ContactStep, Partners};
+use crate::contact_step::{ContactStep, StepParts};
 use crate::fluid_step::FluidStep;
 use crate::{Setup, Stage, StageSeconds, State};
 
 /// A step of the setup, or a part of one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Substep {
-    /// Its length.
+    /// Length, a time.
     pub dt: f64,
-    /// Whether a step of the setup ends with it.
+    /// Whether a step of the setup ends with this part.
     pub is_last: bool,
 }
 
@@ -52,8 +52,8 @@ impl<'a, const D: usize> Step<'a, D> {
     /// Prepares the step after `previous`.
     ///
     /// # Errors
-    /// A body has left the background, the surfaces cannot cut it, a contact law lacks the stress that it depends on, or the penalty is too
-    /// small for the share of the solid in the traction.
+    /// A body has left the background, the surfaces cannot cut the background, a contact law depends on a stress that
+    /// is missing, or the penalty is too small for the share of the solid in the traction.
     pub fn prepare(setup: &'a Setup<D>, previous: &'a State<D>, time: StepTime) -> Result<Self, Stage> {
         let clock = Instant::now();
         let mut layout = BlockLayout::new();
@@ -83,7 +83,7 @@ impl<'a, const D: usize> Step<'a, D> {
             seconds,
         };
         let searched = Instant::now();
-        let contact = |contact| ContactStep::new(contact, previous, step.partners());
+        let contact = |contact| ContactStep::new(contact, previous, step.parts());
         step.contacts = setup.contacts.iter().map(contact).collect::<Result<_, _>>()?;
         step.seconds.search = searched.elapsed().as_secs_f64();
         step.constrain();
@@ -124,10 +124,10 @@ impl<'a, const D: usize> Step<'a, D> {
         }
     }
 
-    /// Returns the fluid and the bodies for the evaluation of contacts.
-    pub(crate) fn partners(&self) -> Partners<'_, D> {
+    /// Returns the parts of the step for the evaluation of contacts.
+    pub(crate) fn parts(&self) -> StepParts<'_, D> {
         let (layout, bodies) = (&self.layout, &self.bodies[..]);
-        Partners { layout, fluid: self.fluid.as_ref(), bodies, time: &self.time }
+        StepParts { layout, fluid: self.fluid.as_ref(), bodies, time: &self.time }
     }
 
     /// Returns whether velocities jump in the step.
@@ -135,7 +135,7 @@ impl<'a, const D: usize> Step<'a, D> {
         self.collisions.iter().any(Option::is_some)
     }
 
-    /// Returns the collision of each contact, by the velocities at the start on the geometry of the step.
+    /// Returns the collision of each contact, for the velocities at the start; `None` for all if nothing approaches.
     fn collisions(&self) -> Vec<Option<Collision<D>>> {
         if self.setup.contacts.iter().all(|contact| contact.form().law.restitution().is_none()) {
             return vec![None; self.setup.contacts.len()];
@@ -143,18 +143,18 @@ impl<'a, const D: usize> Step<'a, D> {
         let mut x = self.guess();
         self.constraints.apply_ties(&mut x);
         let collision =
-            |contact| Collision::new(contact, (self.setup, self.previous), self.partners(), (&self.constraints, &x));
+            |contact| Collision::new(contact, (self.setup, self.previous), self.parts(), (&self.constraints, &x));
         let found: Vec<_> = self.setup.contacts.iter().map(collision).collect();
-        // A contact at which nothing approaches takes part in the collision of others.
+        // If any contact collides, contacts at which nothing approaches take part in the collision.
         let approaches = found.iter().flatten().any(Collision::approaches);
         if approaches { found } else { vec![None; found.len()] }
     }
 
-    /// Adapts the step to a collision.
+    /// Adapts the step to a collision: removes cavitation, and accelerations from the energy of the scheme.
     ///
-    /// A collision lasts longer than the step in which it is computed. The pressure of the step is the whole impulse over
-    /// the length of the step and would fall below the floor. The real pressure is spread over the collision and does not.
-    /// The energy of the scheme has no part of accelerations, because they end with the step.
+    /// A collision lasts longer than the step in which it is computed. The pressure of the step is the whole impulse
+    /// over the length of the step and would fall below the floor. The real pressure is spread over the collision and
+    /// does not. Accelerations have no energy because they are unknown after the step.
     fn adapt_to_collision(&mut self) {
         if self.has_collision() {
             self.time.weights.of_energy = [[Row::DISPLACEMENT, Row::VELOCITY]; 2];
@@ -192,10 +192,10 @@ impl<'a, const D: usize> Step<'a, D> {
         x
     }
 
-    /// Returns an error if points of a contact moved farther than obstacles were searched: contact may have been missed.
+    /// Returns an error if a contact may have been missed: its bodies moved farther than the search allowed.
     pub(crate) fn check_contacts(&self, x: &[f64], newton: &NewtonReport) -> Result<(), Stage> {
-        for (number, (contact, step)) in self.setup.contacts.iter().zip(&self.contacts).enumerate() {
-            step.check(number, contact, self.partners(), x, newton)?;
+        for (index, (contact, step)) in self.setup.contacts.iter().zip(&self.contacts).enumerate() {
+            step.check(index, contact, self.parts(), x, newton)?;
         }
         Ok(())
     }

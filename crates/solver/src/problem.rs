@@ -18,7 +18,7 @@ pub struct Problem<'p, const D: usize> {
     pub interface: Option<InterfacePoints<'p, D>>,
     /// The contacts, in the order of the setup.
     pub contacts: Vec<ContactSites<'p, D>>,
-    /// Closed parts of the surfaces of bodies in contacts whose law depends on the jump of stress.
+    /// Parts of surfaces that border no fluid, of bodies in contacts whose law depends on the jump of stress.
     pub closed: Vec<(BodyId, ClosedPoints<'p, D>)>,
 }
 
@@ -37,14 +37,14 @@ impl<const D: usize> Step<'_, D> {
             contributions.push(Box::new(fluid.mortar.contributions(points.clone())));
         }
         let contacts = self.setup.contacts.iter().zip(&self.contacts);
-        let contacts: Vec<_> = contacts.map(|(contact, step)| step.sites(contact, self.partners())).collect();
+        let contacts: Vec<_> = contacts.map(|(contact, step)| step.sites(contact, self.parts())).collect();
         for sites in &contacts {
             contributions.push(Box::new(contact_work(sites.clone())));
         }
         for collision in self.collisions.iter().flatten() {
             contributions.push(Box::new(collision.clone()));
         }
-        let closed = self.partners().closed(&self.setup.contacts);
+        let closed = self.parts().closed(&self.setup.contacts);
         for (_, points) in &closed {
             contributions.push(Box::new(closed_pressure(points.clone())));
         }

@@ -11,8 +11,8 @@ use mesh::{BodyId, Coordinates, Point, Vector};
 use crate::setup::Contact;
 use crate::{Ledger, Problem, Setup, SideForce, Stage, StageSeconds, Step, Substep};
 
-/// The forces on a movable body at the stage of a step, of which inertia is the sum: a balance that closes to the accuracy of
-/// the nonlinear solve in every direction without supports.
+/// Forces on a movable body at the stage of a step. Inertia is the sum of the others, up to the error of the nonlinear
+/// solve, in every direction without supports and loads.
 ///
 /// Units: force (2D: per unit depth).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,7 +61,7 @@ pub struct BodyReport<const D: usize> {
     pub balance: Option<Balance<D>>,
     /// Forces over the step; `None` for a body of prescribed motion.
     pub forces: Option<ForceBalance<D>>,
-    /// The vertex with the lowest last coordinate, and its position.
+    /// Index and position of the vertex with the lowest last coordinate.
     pub lowest: (usize, Point<D>),
     /// Velocity of that vertex.
     pub lowest_velocity: Vector<D>,
@@ -84,12 +84,12 @@ pub struct FluidReport<const D: usize> {
     pub flow: InterfaceFlow,
     /// Tractions on the interface pieces of the step.
     pub tractions: Vec<InterfaceTraction<D>>,
-    /// Force and moment of the fluid on each part of the background's boundary, in the order of [`crate::FluidSetup::boundary`]; zero for
-    /// parts that fluid may cross.
+    /// Force and moment of the fluid on each part of the background's boundary, in the order of
+    /// [`crate::FluidSetup::boundary`]; zero for parts that fluid may cross.
     pub side_forces: Vec<SideForce<D>>,
     /// Number of uncovered dofs, whose history is an extension.
     pub n_uncovered: usize,
-    /// Pockets of fluid whose mean pressure was fixed.
+    /// Number of pockets of fluid whose mean pressure was fixed.
     pub n_pockets: usize,
 }
 
@@ -163,7 +163,7 @@ impl<const D: usize> Problem<'_, D> {
 }
 
 impl<const D: usize> StepReport<D> {
-    /// Checks that no cell of a body is inside out.
+    /// Returns [`Stage::Inverted`] if a cell of a body is inside out.
     pub(crate) fn check_volumes(&self, setup: &Setup<D>) -> Result<(), Stage> {
         for (body, report) in setup.bodies.iter().zip(&self.bodies) {
             let Some(balance) = &report.balance else { continue };

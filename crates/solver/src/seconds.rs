@@ -1,6 +1,6 @@
 //! Wall-clock times of a step.
 
-/// Wall-clock time per stage of a step.
+/// Wall-clock time per stage of a step, s.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StageSeconds {
     /// Cutting the background.

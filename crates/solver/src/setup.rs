@@ -12,7 +12,7 @@ use mesh::{BodyId, FacetId, Placed, Point, SimplexMesh, Tag, Vector, unit_vector
 
 use crate::{Stabilisation, Stage};
 
-/// A traction at a point, given the outward normal, at a time.
+/// Traction, force per area, as a function of the point, the outward normal and the time.
 pub type TractionField<const D: usize> = Arc<dyn Fn(&Point<D>, &Vector<D>, f64) -> Vector<D> + Send + Sync>;
 
 /// A coupled problem: fluid, bodies, contacts and parameters.
@@ -27,8 +27,8 @@ pub struct Setup<const D: usize> {
     pub scheme: Arc<dyn TimeScheme>,
     /// Time step.
     pub dt: f64,
-    /// Number of times that a failing step may be halved (see [`crate::TimeLoop::run`]). Zero: the run stops with the first
-    /// failure.
+    /// Number of times that a failing step may be halved (see [`crate::TimeLoop::run`]). Zero: the first failure is
+    /// final.
     pub most_halvings: usize,
     /// Steps whose length follows the gaps of contacts; `None` for steps of one length.
     pub approach: Option<ApproachSteps>,
@@ -109,12 +109,12 @@ pub enum FluidBoundary<const D: usize> {
 }
 
 impl<const D: usize> FluidBoundary<D> {
-    /// Creates the symmetry on a plane across an axis, whose number is from 0 to `D - 1`.
+    /// Creates the symmetry on a plane across an axis with an index from 0 to `D - 1`.
     pub fn symmetry(axis: usize) -> Self {
         Self::Symmetry { normal: unit_vector(axis) }
     }
 
-    /// Creates the flow along an axis, whose number is from 0 to `D - 1`.
+    /// Creates the flow along an axis with an index from 0 to `D - 1`.
     pub fn parallel(axis: usize) -> Self {
         Self::Parallel { normal: unit_vector(axis) }
     }
@@ -124,8 +124,8 @@ impl<const D: usize> FluidBoundary<D> {
         matches!(self, Self::Open { .. } | Self::Parallel { .. })
     }
 
-    /// Returns the directions in which nothing flows while others are free: the normal of a plane of symmetry, and those along
-    /// the plane of a parallel flow.
+    /// Returns the directions without flow if others are free: the normal of a plane of symmetry, or `D - 1` directions
+    /// along the plane of a parallel flow.
     pub(crate) fn without_flow(&self) -> Vec<Vector<D>> {
         match self {
             Self::Symmetry { normal } => vec![*normal],
@@ -228,7 +228,7 @@ impl<const D: usize> Contact<D> {
         self.body
     }
 
-    /// Returns the body of a deformable obstacle, which is the slave in contact with itself.
+    /// Returns the body of a deformable obstacle, which may be the slave itself; `None` for a rigid obstacle.
     pub fn master(&self) -> Option<BodyId> {
         match &self.obstacle {
             ContactObstacle::Rigid(_) => None,
@@ -288,8 +288,8 @@ impl<const D: usize> Setup<D> {
                 return Err(Stage::Coordinates { body: body.name().to_owned() });
             }
         }
-        for (number, contact) in self.contacts.iter().enumerate() {
-            contact.check(&self.bodies).map_err(|source| Stage::Contact { contact: number, source })?;
+        for (index, contact) in self.contacts.iter().enumerate() {
+            contact.check(&self.bodies).map_err(|source| Stage::Contact { contact: index, source })?;
         }
         Ok(())
     }

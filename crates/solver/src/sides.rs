@@ -11,8 +11,8 @@ use crate::fluid_step::FluidStep;
 /// Degree of quadrature on sides: a constant stress and a linear pressure times a linear function.
 const SIDE_DEGREE: usize = 2;
 
-/// Force of the fluid on a part of the background's boundary, with the weight of the coordinates. In axisymmetric coordinates
-/// [`Coordinates::resultant`](mesh::Coordinates::resultant) and [`Coordinates::moment`](mesh::Coordinates::moment) give those on the whole part.
+/// Force of the fluid on a part of the background's boundary, with the weight of the coordinates. With rotational
+/// symmetry, [`mesh::Coordinates::resultant`] and [`mesh::Coordinates::moment`] return those on the whole.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SideForce<const D: usize> {
     /// Sum of the forces at the vertices.
@@ -27,7 +27,7 @@ impl<const D: usize> SideForce<D> {
         Self { force: Vector::zeros(), first_moment: Tensor::zeros() }
     }
 
-    /// Returns the moment about a point: component `k` is that about axis `k`; in 2D only the last one is not zero.
+    /// Returns the moment about a point, component `k` about axis `k`; in 2D only the last one is not zero.
     pub fn moment(&self, about: &Point<D>) -> [f64; 3] {
         moment_of(&(self.first_moment - self.force * about.transpose()))
     }
@@ -37,8 +37,8 @@ impl<const D: usize> FluidStep<'_, D> {
     /// Returns the force of the fluid on each part of the boundary, in the order of the setup; zero for open parts.
     ///
     /// A dof at which the velocity is constrained has a reaction, the residual of its equation: the traction of the
-    /// side times the shape function. Reactions are in balance with all other forces. Where sides meet, a reaction is that of
-    /// several sides: each gets the integral of its stress, and an equal share of the rest.
+    /// side times the shape function. Reactions are in balance with all other forces. Where sides meet, a reaction
+    /// belongs to several sides. The force on each is the integral of its stress plus an equal share of the rest.
     pub(crate) fn side_forces(&self, layout: &BlockLayout, x: &[f64], residual: &[f64]) -> Vec<SideForce<D>> {
         let background = &self.setup.background;
         let sides = &self.setup.boundary;
@@ -62,7 +62,7 @@ impl<const D: usize> FluidStep<'_, D> {
         forces
     }
 
-    /// Returns the traction `T^f n` on a side times the shape function of each of its dofs.
+    /// Returns for each dof of a side the integral of the traction `T^f n` times the shape function.
     fn stress_on(&self, tag: Tag, layout: &BlockLayout, x: &[f64]) -> BTreeMap<u32, Vector<D>> {
         let (background, fields) = (&self.setup.background, self.fields(layout));
         let mut tractions = BTreeMap::new();

@@ -3,8 +3,8 @@
 use fluid_ns::terms::CipProfile;
 use interface_dg::terms::PenaltyProfile;
 
-/// Parameters that the discrete problem has and the equations do not have. One set serves all problems: none of its
-/// numbers depends on the case.
+/// Parameters of the discrete problem that the equations do not have. One set is used for all problems: no parameter
+/// depends on the case.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stabilisation {
     /// Penalty on the velocity jump at the interface.
@@ -15,8 +15,8 @@ pub struct Stabilisation {
     pub gamma_pressure: f64,
     /// `γ_g` of the ghost penalty.
     pub gamma_ghost: f64,
-    /// Time `T` of the rate `1/T` in the weight of the pressure's interior penalty; that of the step if `None`. With
-    /// the step the weight, and so the error of the mesh, depends on the step: a study of the step fixes it.
+    /// Time `T` of the rate `1/T` in the weight of the pressure's interior penalty; `None`: the rate of the time
+    /// scheme. Then the weight, and so the error of the mesh, depends on the step; a study of the step needs a `T`.
     pub time: Option<f64>,
 }
 

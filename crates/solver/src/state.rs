@@ -20,7 +20,7 @@ pub struct State<const D: usize> {
     pub fluid: Option<FluidState<D>>,
     /// The bodies, in the order of the setup.
     pub bodies: Vec<BodyState<D>>,
-    /// Energy stored in contacts; it counts from zero at the start.
+    /// Energy stored in contacts; zero at the start of a run.
     pub contact_energy: f64,
 }
 
@@ -32,7 +32,7 @@ pub struct FluidState<const D: usize> {
     pub positions: Vec<Vec<Point<D>>>,
     /// The cut.
     pub cut: CutMesh<D>,
-    /// The space on it.
+    /// The space on the cut.
     pub space: XfemSpace<D>,
     /// Velocity, one value per dof of the space.
     pub velocity: Vec<Vector<D>>,
@@ -41,7 +41,7 @@ pub struct FluidState<const D: usize> {
     pub acceleration: Vec<Vector<D>>,
     /// Pressure at the stage of the last step, one value per dof of the space.
     pub pressure: Vec<f64>,
-    /// Time of that stage.
+    /// Time of the stage of the last step.
     pub pressure_time: f64,
     /// Products of velocity and acceleration on this geometry.
     pub(crate) products: KineticProducts,
@@ -88,8 +88,7 @@ impl<const D: usize> State<D> {
         bodies + self.fluid_energy() + self.contact_energy
     }
 
-    /// Returns the time after one more step of length `dt`. A time within round-off of a multiple of `dt` is set to this
-    /// multiple.
+    /// Returns the time after one more step of length `dt`, or the multiple of `dt` that equals it within round-off.
     pub fn next_time(&self, dt: f64) -> f64 {
         let time = self.time + dt;
         let steps = (time / dt).round();

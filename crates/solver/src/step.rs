@@ -7,7 +7,7 @@ use crate::{Setup, Stage, State, Step, StepError, StepReport, Substep};
 /// Advances fluid, bodies and contacts by a step, or a part of one, on the geometry at its start, or extrapolated to its stage
 /// (generalised-α).
 ///
-/// A function of `setup` and `previous`: `work` recycles memory and, in a solver that keeps old factors, these factors.
+/// The result is a function of `setup`, `previous` and `substep`. `work` recycles memory, and factors of some solvers.
 ///
 /// # Errors
 /// [`StepError`] names the stage that failed; `previous` is unchanged.
@@ -22,7 +22,7 @@ pub fn advance<const D: usize>(
     let failed = |stage: Stage| StepError::at(previous.step + 1, end, stage);
     let mut step = Step::prepare(setup, previous, time).map_err(failed)?; // surfaces, cut, space, history, unknowns
     if step.has_collision() && previous.has_accelerations() {
-        // Accelerations at the start say nothing of a step in which velocities jump.
+        // Accelerations at the start are not valid in a step in which velocities jump.
         return advance(setup, &previous.clone().without_accelerations(), substep, work);
     }
     let mut x = step.guess();

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use cutwater::io::HistoryTable;
 use cutwater::report::html::{duration, escape, gallery, number, optional, table, verdict};
-use cutwater::report::{Chart, Curve, Results, Section, part};
+use cutwater::report::{Chart, Curve, Results, Section, run_as_html};
 
 use crate::case::Reference;
 use crate::compare::Compared;
@@ -62,7 +62,7 @@ impl CaseResult {
 
     pub(super) fn section(&self) -> Result<Section, Failure> {
         let marks = self.marks();
-        let mut html = self.lead() + &self.compared() + &part(&self.results, &marks)?;
+        let mut html = self.lead() + &self.compared() + &run_as_html(&self.results, &marks)?;
         if let Some(thickness) = &self.thickness {
             let times = thickness.column("time").unwrap_or_default();
             let curve = |name: &String| {

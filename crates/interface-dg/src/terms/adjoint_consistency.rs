@@ -7,8 +7,8 @@ use crate::MortarPoint;
 
 /// `-(u - v_s, α T^f(v, -q) n^f + (1 - α) T^s(w) n^f)_Σ`; note `-q`, so that the pressure part is skew
 ///
-/// Source: paper, Eq. (4). The velocity is the unknown of the solid: `T^s(w)` is the derivative of its traction with
-/// respect to the velocity at the stage, at the start of the step.
+/// Source: paper, Eq. (4). The unknown of the solid is its velocity at the stage: `T^s(w)` is the derivative of its
+/// traction with respect to this velocity in the direction `w`, at the starting guess of the step.
 /// Couples: velocity, pressure and, for α < 1, solid × velocity and solid.   Domain: interface pieces of the step.
 /// Units: force and volume/time (2D: per unit depth).
 /// Test `v_i e_a`: `μ ( (g_i·n^f) e_a + n^f_a g_i )`, test `q_i`: `+N_i n^f`.

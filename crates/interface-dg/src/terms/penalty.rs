@@ -15,14 +15,14 @@ pub enum PenaltyProfile {
         gamma_sigma: f64,
     },
     /// `σ_n = γ_n (μ/h_K + ρ |u* - v^n|/6 + ρ h_K s/12)` and `σ_t = γ_t μ/h_K` with the rate `s`, `1/Δt` with implicit
-    /// Euler; where the accelerations `a*` of the fluid and `b^n` of the body are known, `ρ √(h_K |a* - b^n|)/6` in place
-    /// of the last share.
+    /// Euler. If the accelerations `a*` of the fluid and `b^n` of the body are known, `ρ √(h_K |a* - b^n|)/6` replaces
+    /// the last share.
     ///
-    /// The three shares of `σ_n` are those of viscosity, convection and inertia in a cell. Without inertia the surface
-    /// leaks. The share with the length of the step forces the fluid of cut cells to move with the body as steps become
-    /// shorter; the share with the acceleration, the speed that is gained over a cell, does not depend on the step.
-    /// `σ_t` has no inertia: it would force the fluid of a cut cell to move along with the body, a boundary layer whose
-    /// thickness is the size of the cell.
+    /// The three shares of `σ_n` represent viscosity, convection and inertia in a cell. Without inertia the surface
+    /// leaks. The share with the rate grows as steps become shorter, and then forces the fluid of cut cells to move
+    /// with the body. The share with the acceleration, the speed that is gained over a cell, does not depend on the
+    /// step. `σ_t` has no inertia: it would force the fluid of a cut cell to move along with the body, which is a
+    /// boundary layer as thick as the cell.
     Split {
         /// `γ_n`.
         gamma_normal: f64,
@@ -47,7 +47,7 @@ impl PenaltyProfile {
 /// arXiv 1706.05897.
 /// Couples: velocity and solid × velocity and solid.   Domain: interface pieces of the step.
 /// Units: force (2D: per unit depth).
-/// `h_K` is the size of the background cell; in `γ μ/h_K` it is the viscous length, which is less in films.
+/// `h_K` is the size of the background cell. In `γ μ/h_K` the viscous length takes its place, which is less in films.
 /// `|u* - v^n|` is the largest relative speed on the piece, at the start of the step or extrapolated to its stage.
 /// `|a* - b^n|` is the largest relative acceleration of particles at the start.
 pub struct Penalty {
@@ -57,15 +57,15 @@ pub struct Penalty {
     pub fluid: NewtonianFluid,
     /// The rate `s`: derivative of the acceleration with respect to the velocity; zero for a steady problem.
     pub rate: f64,
-    /// Share of speeds in `σ_n`, 1/6.
+    /// Factor 1/6 of the speeds `|u* - v^n|` and `√(h_K |a* - b^n|)` in `σ_n/(γ_n ρ)`.
     pub convection: f64,
-    /// Share of the length of the step in `σ_n`, 1/12.
+    /// Factor 1/12 of `h_K s` in `σ_n/(γ_n ρ)`.
     pub inertia: f64,
 }
 
 impl Penalty {
     /// Returns `σ_n` and `σ_t` on a piece with a cell size, a viscous length ([`crate::PieceValues::viscous_length`]),
-    /// a relative speed and, if it is known, a relative acceleration.
+    /// a relative speed and a relative acceleration; `None` if accelerations are not known.
     pub(crate) fn eigenvalues(
         &self,
         [cell_size, viscous_length]: [f64; 2],

@@ -46,8 +46,9 @@ pub fn ball<const D: usize>(
 /// Tag of the facets of a [`half_ball`] on its plane of symmetry.
 pub const HALF_BALL_PLANE: &str = "left";
 
-/// Generates the half of a [`ball`] with `x >= centre[0]`. Vertices on the plane of symmetry lie exactly on it, and facets
-/// there have the tag [`HALF_BALL_PLANE`], all others "surface". The boundary vertices are those of [`ball`] up to round-off.
+/// Generates the half of a [`ball`] with `x >= centre[0]`. Vertices on the plane of symmetry lie exactly on it. Facets
+/// on it have the tag [`HALF_BALL_PLANE`], all others "surface". The boundary vertices are those of [`ball`] up to
+/// round-off.
 ///
 /// # Errors
 /// As [`ball`]. [`Error::Dimension`]: `D` is not 2.
@@ -80,10 +81,11 @@ fn check<const D: usize>(centre: &[f64; D], radius: f64, h: f64) -> Result<(), E
     Ok(())
 }
 
-/// A circle about the origin, in the unit of its radius.
+/// A circle about the origin that represents one about `centre`.
 struct Circle {
+    /// Unit of `radius` and `h`.
     unit: Unit,
-    /// Place of its centre, in the given unit.
+    /// Position of the centre, in the unit of the caller.
     centre: [f64; 2],
     /// Distance of the nodes from the centre.
     radius: f64,
@@ -109,9 +111,9 @@ impl Circle {
         Ok(Self { unit, centre: [x, y], radius: radius * scale, h, n_half })
     }
 
-    /// Moves a mesh about the origin to the centre, in the given unit.
+    /// Moves a mesh about the origin to the centre, in the unit of the caller.
     fn placed<const D: usize>(&self, mesh: SimplexMesh<D>) -> Result<SimplexMesh<D>, Error> {
-        mesh.mapped(|x| Point::from_fn(|axis, _| self.centre[axis] + self.unit.given(x[axis])))
+        mesh.mapped(|x| Point::from_fn(|axis, _| self.centre[axis] + self.unit.to_caller_unit(x[axis])))
     }
 
     /// Returns the node `i` relative to the centre, counter-clockwise from the lowest one. The nodes on the vertical

@@ -6,7 +6,7 @@ use super::size::affordable;
 use crate::simplex::points_of;
 use crate::{Error, MAX_CELL_VERTICES, Point, Simplex, SimplexMesh, VertexId};
 
-/// A simplex with ordered vertices; the edge from the first one to that with number `last` is bisected next.
+/// A simplex with ordered vertices. The edge between the vertices 0 and `last` is bisected next.
 #[derive(Clone, Copy)]
 struct Ordered {
     vertices: [VertexId; MAX_CELL_VERTICES],
@@ -15,9 +15,9 @@ struct Ordered {
 
 /// Returns a mesh of bricks with cells bisected until none is too coarse. There are no tags in the result.
 ///
-/// Bisects cells that are too coarse and cells with an edge that another cell has divided, until there are none of either kind:
-/// the result is conforming. Kuhn's bricks give the order of vertices with which this ends, and with which the
-/// descendants of a cell have a fixed number of shapes, whatever their number (Maubach 1995, doi:10.1137/0916014).
+/// Bisects cells that are too coarse and cells with an edge that another cell has divided, until there are no such
+/// cells. The result is therefore conforming. With the order of vertices of Kuhn's bricks the bisection ends, and the
+/// descendants of a cell have a fixed number of shapes, however many there are (Maubach 1995, doi:10.1137/0916014).
 pub(super) fn bisected<const D: usize>(
     bricks: &SimplexMesh<D>,
     is_too_coarse: impl Fn(&Simplex<D>) -> bool,
@@ -57,7 +57,7 @@ pub(super) fn bisected<const D: usize>(
     SimplexMesh::new(vertices, cell_to_vertex)
 }
 
-/// Returns a simplex of a brick with its vertices in the order of Kuhn's path, that of their numbers.
+/// Returns a simplex of a brick with its vertices in the order of Kuhn's path, which is the ascending order of ids.
 fn along_path(cell: &[VertexId]) -> Ordered {
     let mut vertices = [cell[0]; MAX_CELL_VERTICES];
     vertices[..cell.len()].copy_from_slice(cell);

@@ -11,7 +11,7 @@ use crate::{Error, positive, require};
 const MOST_SEGMENTS: f64 = 1e6;
 /// Largest number of corners of a smooth line, whose spline is a dense system of equations.
 const MOST_CORNERS: f64 = 2000.0;
-/// Samples of the length of a spline between two corners.
+/// Number of samples of the length of a spline between two corners.
 const SAMPLES: usize = 64;
 
 /// Closed line of straight segments that may follow a curve.
@@ -19,15 +19,15 @@ const SAMPLES: usize = 64;
 pub struct ClosedLine {
     /// Beginnings of the segments, in order.
     pub points: Vec<[f64; 2]>,
-    /// Per segment: middle of the curve that it follows.
+    /// One per segment: middle of the part of the curve that the segment follows.
     pub middles: Vec<[f64; 2]>,
-    /// Per segment: name of its part of the boundary.
+    /// One per segment: name of its part of the boundary.
     pub names: Vec<String>,
 }
 
 impl ClosedLine {
-    /// Creates a polygon whose sides are divided into segments of length `h` at most. `name` maps the number of a side, which
-    /// begins at the corner of that number, to its name.
+    /// Creates a polygon whose sides are divided into segments of length `h` at most. `name` maps the index of a side
+    /// to its name; side `k` begins at corner `k`.
     ///
     /// # Errors
     /// [`Error::Parameter`]: fewer than three corners, coordinates that are not finite, a size that is not positive, or
@@ -41,8 +41,8 @@ impl ClosedLine {
         Ok(line)
     }
 
-    /// Creates a line along the periodic cubic spline through corners, with the distances of the corners as differences
-    /// of its parameter. Its segments have equal lengths on the curve, `h` at most.
+    /// Creates a line along the periodic cubic spline through corners. The parameter of the spline increases from
+    /// corner to corner by their distance. The segments have equal lengths on the curve, `h` at most.
     ///
     /// # Errors
     /// As [`Self::polygon`]; corners that coincide, and more than 2000 corners.
@@ -55,8 +55,8 @@ impl ClosedLine {
         Ok(line)
     }
 
-    /// Creates a polygon whose sides are divided into segments whose length is about `h` at their position. The slope of `h` is at
-    /// most one half. `name` is that of [`Self::polygon`].
+    /// Creates a polygon whose sides are divided into segments whose length is about `h` at their position. The slope
+    /// of `h` must be at most one half. `name` is as in [`Self::polygon`].
     ///
     /// # Errors
     /// As [`Self::polygon`].
@@ -73,8 +73,8 @@ impl ClosedLine {
         Ok(line)
     }
 
-    /// Creates a line along the spline of [`Self::smooth`] with segments whose length is about `h` at their position. The slope of `h`
-    /// is at most one half.
+    /// Creates a line along the spline of [`Self::smooth`] with segments whose length is about `h` at their position.
+    /// The slope of `h` must be at most one half.
     ///
     /// # Errors
     /// As [`Self::smooth`].
@@ -99,7 +99,8 @@ impl ClosedLine {
         Ok(line)
     }
 
-    /// Creates the line at a distance `radius` from a segment: two straight sides and two half circles.
+    /// Creates the line at a distance `radius` from a segment: two straight sides and two half circles. The length of
+    /// its segments is that of [`Self::circle`].
     ///
     /// # Errors
     /// As [`Self::circle`]; ends that coincide.
@@ -170,7 +171,7 @@ impl ClosedLine {
 
 /// Periodic cubic spline in the plane, with samples of its length.
 struct ClosedSpline {
-    /// Parameters of the corners, and that of the first one again.
+    /// Parameters of the corners, and that of the first corner after one period.
     parameters: Vec<f64>,
     corners: Vec<[f64; 2]>,
     /// Second derivatives at the corners.

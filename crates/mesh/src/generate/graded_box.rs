@@ -25,7 +25,7 @@ pub fn graded_box<const D: usize>(min: [f64; D], max: [f64; D], size: &Size) -> 
     refined_box(min, max, size, &[])
 }
 
-/// Generates a box as [`graded_box`] does, with finer cells near regions. Where several sizes apply, the smallest one counts.
+/// Generates a box as [`graded_box`] does, with finer cells near regions: the smallest of all sizes at a point is used.
 ///
 /// In 2D, the triangulation follows the size everywhere, with angles of at least 25 degrees for a growth of up to 0.3 and of at
 /// least 20 degrees above it. In 3D, tetrahedra are bisected until their diameters are at most
@@ -48,7 +48,7 @@ pub fn refined_box<const D: usize>(
     affordable(expected_cells(min, max, size, regions))?;
     let longest = min.iter().zip(&max).map(|(a, b)| b - a).fold(0.0, f64::max);
     let unit = Unit::of(longest);
-    if D == 2 && !unit.is_given() {
+    if D == 2 && !unit.is_caller_unit() {
         return in_unit(unit, min, max, size, regions);
     }
     let shortest = min.iter().zip(&max).map(|(a, b)| b - a).fold(f64::INFINITY, f64::min);
@@ -84,7 +84,7 @@ fn in_unit<const D: usize>(
     let coordinate = |axis: usize, x: f64| match x {
         _ if x == low[axis] => min[axis],
         _ if x == high[axis] => max[axis],
-        _ => unit.given(x),
+        _ => unit.to_caller_unit(x),
     };
     mesh.mapped(|x| Point::from_fn(|axis, _| coordinate(axis, x[axis])))
 }
@@ -127,7 +127,7 @@ pub fn expected_cells<const D: usize>(min: [f64; D], max: [f64; D], size: &Size,
     expected_cells_where(min, max, size, regions, |_| true)
 }
 
-/// Estimates the number of cells of a mesh of a part of a box as [`expected_cells`] does.
+/// Estimates as [`expected_cells`] the number of cells in the part of a box where `is_inside` is true.
 pub fn expected_cells_where<const D: usize>(
     min: [f64; D],
     max: [f64; D],
@@ -135,7 +135,7 @@ pub fn expected_cells_where<const D: usize>(
     regions: &[Region<D>],
     is_inside: impl Fn(&Point<D>) -> bool,
 ) -> f64 {
-    // Samples along each axis, and cells in a square or cube of the size of a cell.
+    // Number of samples along each axis, and of cells in a square or cube with the size of a cell as its side.
     let (samples, cells): (usize, f64) = match D {
         2 => (64, 4.0 / (3.0_f64.sqrt() * MEAN_EDGE.powi(2))),
         _ => (16, 6.0),

@@ -6,9 +6,10 @@ use std::f64::consts::PI;
 use super::size::affordable;
 use crate::{Error, Point, Simplex, SimplexMesh, Vector, VertexId};
 
-/// Number of the centre among the corners; those of the icosahedron follow.
+/// Index of the centre among the corners; the corners of the icosahedron follow.
 const CENTRE: usize = 0;
-/// Mean length of the edges times their number along a radius, relative to the radius: 1.21 to 1.28 for 2 to 17 edges.
+/// Mean length of the edges times the number of edges along a radius, relative to the radius. It is 1.21 to 1.28 for 2
+/// to 17 edges along a radius.
 const MEAN_EDGE: f64 = 1.26;
 
 /// Generates a ball of unit radius about the origin, for a given ratio of the radius to the mean length of the edges.
@@ -20,7 +21,7 @@ pub(super) fn divided_icosahedron<const D: usize>(radius_over_size: f64) -> Resu
     affordable(20.0 * n.powi(3))?;
     let n = n as usize;
     let corners = corners();
-    // Vertices by their corners of positive weight.
+    // A vertex lies on the ray of a weighted mean of corners. Keys: these corners with their positive weights.
     let mut numbers: HashMap<[(usize, usize); 4], VertexId> = HashMap::new();
     let (mut vertices, mut cells) = (Vec::new(), Vec::new());
     let parts = divided_simplex(n);
@@ -48,7 +49,7 @@ pub(super) fn divided_icosahedron<const D: usize>(radius_over_size: f64) -> Resu
     SimplexMesh::new(vertices, cells)
 }
 
-/// Returns the centre, the poles, and the corners on the upper and the lower ring.
+/// Returns the centre and the corners of the icosahedron: the poles, the upper ring, the lower ring.
 fn corners() -> Vec<[f64; 3]> {
     let (height, radius) = (1.0 / 5.0_f64.sqrt(), 2.0 / 5.0_f64.sqrt());
     let ring = |height: f64, first: f64| {

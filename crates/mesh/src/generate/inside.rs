@@ -8,13 +8,14 @@ use super::size::{MEAN_EDGE, Size, affordable};
 use super::triangulate::{area, centroid, smallest_angle};
 use crate::{Aabb, Error, Point, SimplexMesh, VertexId, positive};
 
-/// Angle that refinement aims at, and above which smoothing may make angles smaller, degrees.
+/// Smallest angle at which refinement aims, degrees. Smoothing may make larger angles smaller, down to this one.
 const GOOD_ANGLE: f64 = 28.0;
-/// Largest area of a triangle, relative to that of the equilateral one: the mean edge then has the length of other generators.
+/// Largest area of a triangle, relative to that of the equilateral triangle with the mean edge. With this ratio mean
+/// edges are as long as in other generators.
 const LARGEST: f64 = 1.55;
 /// Largest number of inserted points per given point and per triangle of the largest area.
 const SPARE: f64 = 10.0;
-/// Passes of smoothing.
+/// Number of passes of smoothing.
 const PASSES: usize = 15;
 /// Largest relative difference of areas that is round-off.
 const ROUND_OFF: f64 = 1e-9;
@@ -35,10 +36,10 @@ pub fn inside<const D: usize>(lines: &[ClosedLine], size: f64) -> Result<Simplex
     refined_inside(lines, size, &[])
 }
 
-/// Generates triangles as [`inside`] does, with finer cells near regions. Where several sizes apply, the smallest one counts.
+/// Generates triangles as [`inside`] does, with finer cells near regions: the smallest of all sizes at a point is used.
 ///
-/// The segments of the lines remain as they are: [`ClosedLine::graded_polygon`] and [`ClosedLine::graded_smooth`] make those that
-/// follow the size.
+/// The segments of the lines are not divided. [`ClosedLine::graded_polygon`] and [`ClosedLine::graded_smooth`] create
+/// lines with segments that follow the size.
 ///
 /// # Errors
 /// As [`inside`] and [`Region::check`] with the box around the lines.
@@ -88,7 +89,7 @@ pub fn refined_inside<const D: usize>(
     Ok(mesh.with_facet_tags(|facet| of_facet[facet.index()]))
 }
 
-/// Returns the numbers of the ends of all segments; segment `k` begins at point `k`.
+/// Returns the indices of the ends of all segments; segment `k` begins at point `k`.
 fn segments(lines: &[ClosedLine]) -> Vec<[usize; 2]> {
     let mut first = 0;
     let mut segments = Vec::new();
@@ -103,10 +104,10 @@ fn segments(lines: &[ClosedLine]) -> Vec<[usize; 2]> {
 /// Points and triangles.
 type Triangulated = (Vec<[f64; 2]>, Vec<[usize; 3]>);
 
-/// Triangulates the region between segments with triangles of area `largest` at most, of which none is too coarse. The given
-/// points are the first ones.
+/// Triangulates the region between segments, of area `expected`, with triangles of area `largest` at most of which none
+/// is too coarse. The given points come first.
 ///
-/// Inserts the centroids of triangles that are too coarse, in each round of triangles that do not touch each other, and refines
+/// In each round, inserts the centroids of triangles that are too coarse and do not touch each other, and refines
 /// again.
 fn refined(
     points: Vec<[f64; 2]>,
@@ -123,7 +124,7 @@ fn refined(
     if cdt.num_vertices() != points.len() {
         return Err(failed("the lines touch each other, or themselves: two of their points coincide"));
     }
-    // A segment that passes through another point counts twice.
+    // A segment that passes through another point is split into two constraints.
     if crossing.is_some() || cdt.num_constraints() != points.len() {
         let near = crossing.map(|[begin, _]| format!(" near {:?}", points[begin])).unwrap_or_default();
         return Err(failed(format!("the lines cross or touch each other{near}")));

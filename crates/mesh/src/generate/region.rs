@@ -6,14 +6,14 @@ use super::size::{STEEPEST, Size, affordable};
 use crate::search::SurfaceIndex;
 use crate::{Aabb, ParameterError, Point, non_negative, positive, require};
 
-/// A part of space near which cells have a given size. With the distance from it the size grows linearly.
+/// A part of space in which cells have a given size. Outside, the size grows linearly with the distance from this part.
 #[derive(Clone, Debug)]
 pub struct Region<const D: usize> {
     /// The part of space.
     pub shape: RegionShape<D>,
-    /// Size of the cells there, as in [`Size`].
+    /// Size of the cells in this part, as in [`Size`].
     pub size: f64,
-    /// Increase of the size over the distance, at most one half.
+    /// Increase of the size per distance, at most one half.
     pub growth: f64,
 }
 
@@ -61,7 +61,7 @@ impl<const D: usize> RegionShape<D> {
 }
 
 impl<const D: usize> Region<D> {
-    /// Returns the size that the region gives a point.
+    /// Returns the size of cells at a point for this region.
     pub fn at(&self, x: &Point<D>) -> f64 {
         self.size + self.growth * self.shape.distance(x)
     }

@@ -9,14 +9,14 @@ use crate::{Error, Point, SimplexMesh, VertexId};
 const COARSE: f64 = 1.25;
 /// Smallest distance of inserted points relative to the specified size.
 const CLOSEST: f64 = 0.72;
-/// Range of the mean edge length at a point, relative to the specified size: below it the point is removed, above it a
-/// neighbour is added.
+/// Range of the mean edge length at a point, relative to the specified size. Below this range the point is removed,
+/// above it a neighbour is added.
 const LENGTHS: std::ops::Range<f64> = 0.84..1.19;
 /// Triangles with smaller angles are repaired.
 const GOOD_ANGLE: f64 = 30.0;
 /// Largest number of rounds of balancing and of repair.
 const ROUNDS: [usize; 2] = [8, 12];
-/// Passes of smoothing after insertion, balancing and repair.
+/// Numbers of passes of smoothing after insertion, balancing and repair.
 const PASSES: [usize; 3] = [20, 10, 15];
 
 /// A Delaunay triangulation with fast location of points.
@@ -86,7 +86,7 @@ fn smoothed(
     Ok(Triangulated { points: points.to_vec(), triangles, smallest_angle })
 }
 
-/// Removes points with short edges and adds points next to those with long edges; returns whether there were any.
+/// Removes points with short edges and adds points next to points with long edges. Returns whether points have changed.
 fn balance(points: &mut Vec<[f64; 2]>, triangles: &[[usize; 3]], n_fixed: usize, h: &impl Fn([f64; 2]) -> f64) -> bool {
     let mut lengths = vec![(0.0, 0.0); points.len()];
     for triangle in triangles {
@@ -118,7 +118,7 @@ fn balance(points: &mut Vec<[f64; 2]>, triangles: &[[usize; 3]], n_fixed: usize,
     replace(points, &removed, added)
 }
 
-/// Removes and adds points; returns whether there were any.
+/// Removes and adds points. Returns whether points have changed.
 fn replace(points: &mut Vec<[f64; 2]>, removed: &[bool], added: Vec<[f64; 2]>) -> bool {
     let before = points.len();
     let mut keep = removed.iter().map(|r| !r);
@@ -128,8 +128,8 @@ fn replace(points: &mut Vec<[f64; 2]>, removed: &[bool], added: Vec<[f64; 2]>) -
     changed
 }
 
-/// Removes a point at each triangle with a small angle if its edges are too short, or adds one if they are too long;
-/// returns whether there were any.
+/// Removes a point at each triangle with a small angle if its edges are too short, or adds one if they are too long.
+/// Returns whether points have changed.
 fn repair(points: &mut Vec<[f64; 2]>, n_fixed: usize, h: &impl Fn([f64; 2]) -> f64) -> Result<bool, Error> {
     let mut touched = vec![false; points.len()];
     let mut removed = vec![false; points.len()];

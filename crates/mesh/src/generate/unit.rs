@@ -7,16 +7,17 @@ use super::size::Size;
 use crate::search::SurfaceIndex;
 use crate::{Aabb, Placed, Point};
 
-/// Smallest extent of a shape that is generated in the given unit; the largest one is a hundred times as large.
+/// Smallest extent of a shape that is generated in the unit of the caller; the largest extent is 100 times as large.
 const LEAST: f64 = 0.2;
-/// Decimal digits to which lengths in another unit are rounded; conversions of units by powers of ten preserve them.
+/// Decimal digits to which lengths are rounded when they are converted. A length and its conversion by a power of ten
+/// thus have the same digits.
 const DIGITS: usize = 12;
 
-/// A unit of length: a power of a hundred times the given one. Generators compute in a unit in which the same shape has the
-/// same digits in cgs and SI, so that rounding is the same.
+/// A unit of length: the unit of the caller times a power of 100. A shape that is given in centimetres or in metres has
+/// the same digits in this unit, so that the round-off of generators is the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Unit {
-    /// Lengths are multiplied by ten to this power.
+    /// Lengths in the unit of the caller are multiplied by ten to this power.
     exponent: i32,
 }
 
@@ -29,17 +30,17 @@ impl Unit {
         Self { exponent: -2 * ((extent / LEAST).log10() / 2.0).floor() as i32 }
     }
 
-    /// Returns whether this is the given unit.
-    pub(super) fn is_given(self) -> bool {
+    /// Returns whether this is the unit of the caller.
+    pub(super) fn is_caller_unit(self) -> bool {
         self.exponent == 0
     }
 
     /// Returns a length in this unit.
     pub(super) fn of_length(self, x: f64) -> f64 {
-        if self.is_given() || !x.is_finite() {
+        if self.is_caller_unit() || !x.is_finite() {
             return x;
         }
-        // The decimal number is rounded once, whatever the exponent.
+        // Shifts the decimal exponent in text form: a multiplication by a power of ten would round a second time.
         let text = format!("{x:.*e}", DIGITS - 1);
         let shifted = text.split_once('e').and_then(|(digits, exponent)| {
             let exponent = exponent.parse::<i32>().ok()? + self.exponent;
@@ -88,8 +89,8 @@ impl Unit {
         Region { shape, size: self.of_length(region.size), growth: region.growth }
     }
 
-    /// Returns a length of this unit in the given one.
-    pub(super) fn given(self, x: f64) -> f64 {
+    /// Returns a length of this unit in the unit of the caller.
+    pub(super) fn to_caller_unit(self, x: f64) -> f64 {
         match self.exponent {
             0 => x,
             e if e > 0 => x / 10_f64.powi(e),
@@ -104,7 +105,7 @@ mod tests {
 
     #[test]
     fn centimetres_and_metres_have_the_same_numbers() {
-        assert!(Unit::of(15.0).is_given() && Unit::of(0.2).is_given() && Unit::of(19.9).is_given());
+        assert!([15.0, 0.2, 19.9].iter().all(|&x| Unit::of(x).is_caller_unit()));
         let unit = Unit::of(0.15);
         assert_eq!(unit.exponent, 2);
         for x in [0.1, 4.5, 10.0, 15.0, 0.05, 7.02, 0.0, -0.2] {
@@ -113,7 +114,7 @@ mod tests {
         }
         assert_eq!(Unit::of(150.0).exponent, -2);
         assert_eq!(Unit::of(150.0).of_length(0.7), 0.007);
-        assert_eq!((unit.given(7.0), Unit::of(150.0).given(0.5)), (0.07, 50.0));
-        assert!(Unit::of(0.0).is_given() && Unit::of(f64::NAN).is_given() && Unit::of(f64::INFINITY).is_given());
+        assert_eq!((unit.to_caller_unit(7.0), Unit::of(150.0).to_caller_unit(0.5)), (0.07, 50.0));
+        assert!([0.0, f64::NAN, f64::INFINITY].iter().all(|&x| Unit::of(x).is_caller_unit()));
     }
 }

@@ -75,7 +75,7 @@ impl<const D: usize> Foot<D> {
         Feature::spanned(vertices, |k| self.face & (1 << k) != 0)
     }
 
-    /// Returns whether every point at this squared distance is farther away.
+    /// Returns whether a point at the given squared distance is farther away, by more than round-off.
     #[inline]
     pub fn is_closer_than(&self, squared_distance: f64) -> bool {
         squared_distance > self.squared_distance * (1.0 + TIE)

@@ -9,7 +9,7 @@ use crate::{Aabb, BoundaryMesh, FacetId, MAX_FACET_VERTICES, Placed, Point, Vect
 pub struct ClosestPoint<const D: usize> {
     /// The point on the surface.
     pub point: Point<D>,
-    /// A facet that contains it.
+    /// A facet that contains this point.
     pub facet: FacetId,
     /// Barycentric coordinates in that facet; only the first `D` entries are used.
     pub barycentric: [f64; MAX_FACET_VERTICES],

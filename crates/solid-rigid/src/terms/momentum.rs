@@ -16,12 +16,13 @@ use crate::modes::{Spin, n_rotations};
 pub struct Momentum<const D: usize> {
     /// Mass `M`.
     pub mass: f64,
-    /// Inertia `J` about the centre, which gives the angular momentum at the end of the step from the spin there; only
+    /// Inertia `J` about the centre: the angular momentum at the end of the step is `J` times the spin at the end. Only
     /// the first rows and columns are used, one per rotation.
     pub inertia: [Spin; 3],
     /// Acceleration `g` of gravity.
     pub gravity: Vector<D>,
-    /// Derivative of the acceleration at the stage with respect to the velocity there; `1/Δt` for implicit Euler.
+    /// Derivative of the acceleration at the stage with respect to the velocity at the stage; `1/Δt` for implicit
+    /// Euler.
     pub rate: f64,
     /// Acceleration `A` at the stage for zero velocity.
     pub acceleration: Vector<D>,

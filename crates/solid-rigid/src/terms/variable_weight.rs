@@ -7,7 +7,8 @@ use crate::RigidVelocity;
 
 /// `-M g(t) · W`, with the velocity `W` of the centre as test function
 ///
-/// Source: Newton's law of motion. A frame of reference with the acceleration `a(t)` gives all bodies the gravity `-a(t)`.
+/// Source: Newton's law of motion. In a frame of reference with the acceleration `a(t)` there is an additional gravity
+/// `-a(t)`.
 /// Couples: velocity.   Domain: the body.
 /// Units: force (2D: per unit depth).
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -9,7 +9,7 @@ use super::Material;
 pub struct MaterialCheck {
     /// First Piola stress against central differences of the energy.
     pub first_piola: f64,
-    /// Derivative of the first Piola stress against central differences of it.
+    /// Derivative of the first Piola stress against central differences of the stress.
     pub derivative: f64,
     /// Blocks of the stiffness against the derivative, relative to the largest of them.
     pub stiffness: f64,
@@ -28,7 +28,7 @@ impl MaterialCheck {
     }
 }
 
-/// Returns the larger deviation; NaN counts as infinite.
+/// Returns the larger deviation; NaN is treated as infinite.
 fn worse(a: f64, b: f64) -> f64 {
     if a.is_nan() || b.is_nan() { f64::INFINITY } else { a.max(b) }
 }

@@ -42,7 +42,7 @@ pub trait Material<const D: usize>: Send + Sync + std::fmt::Debug {
     ///
     /// `(K_ij)_ab = (dP[e_b ⊗ g_j] g_i)_a`, and `K_ji = K_ijᵀ` because the stress has an energy.
     ///
-    /// Most of the time of an assembly is spent here: override this method if the blocks have a closed form.
+    /// Most of the time of an assembly is spent in this method: override it if the blocks have a closed form.
     fn for_each_stiffness(&self, f: &Tensor<D>, g: &[Vector<D>], visit: &mut dyn FnMut(usize, usize, &Tensor<D>)) {
         for j in 0..g.len() {
             let mut blocks = [Tensor::<D>::zeros(); MAX_CELL_NODES];

@@ -11,7 +11,7 @@ use crate::cell::row;
 /// Source: paper, fully discrete problem after Eq. (4), with velocity as the unknown.
 /// Couples: solid velocity × solid velocity.   Domain: reference cells.
 /// Units: force (2D: per unit depth).
-/// With the consistent mass `m_ij = ∫ N_i N_j`:
+/// With the mass `m_ij = ∫ N_i N_j` of the cell, or the redistributed mass:
 ///   residual_i = ρ Σ_j m_ij a_j,    tangent_ij = ρ c_a m_ij I.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Inertia {

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use crate::setting::{
-    ORDERS, Random, advance, at_rest, ball_material, curved, distorted, level, one_field, residual, round_disk, rule,
-    solve, state, unit_box, unit_cubes, weightless,
+    ORDERS, Random, advance, at_rest, ball_material, curved, distorted, level, padded_layout, residual, round_disk,
+    rule, solve, state, unit_body, unit_mesh, weightless,
 };
 use algebra::time::{GeneralisedAlpha, ImplicitEuler, Level, QuasiStatic};
 use algebra::{BlockLayout, Constraints};
@@ -94,13 +94,13 @@ fn mass_and_centre_of_a_round_disk_are_those_of_its_elements() {
 
 #[test]
 fn kinetic_energy_is_that_of_the_mass_matrix() {
-    kinetic_energy_is_half_of_v_m_v(&unit_box(2));
+    kinetic_energy_is_half_of_v_m_v(&unit_body(2));
     kinetic_energy_is_half_of_v_m_v(&curved(2));
 }
 
 fn kinetic_energy_is_half_of_v_m_v(mesh: &SolidMesh<3>) {
     let form = weightless();
-    let (layout, field) = one_field(mesh);
+    let (layout, field) = padded_layout(mesh);
     let rest = at_rest(mesh);
     let velocity = Random::new(5).vectors::<3>(mesh.nodes().len(), 10.0);
     let rule = rule(&ImplicitEuler, 0.5, &rest);
@@ -115,7 +115,7 @@ fn kinetic_energy_is_half_of_v_m_v(mesh: &SolidMesh<3>) {
 
 #[test]
 fn tractions_are_those_of_position_and_time_of_the_stage() {
-    let mesh = unit_box::<2>(1);
+    let mesh = unit_body::<2>(1);
     let facets = solid_svk::supports::tagged_facets(&mesh, "top").unwrap();
     let traction = |x: &Point<2>, t: f64| Vector::<2>::new(x[0] * t, x[1]);
     let options =
@@ -135,7 +135,7 @@ fn tractions_are_those_of_position_and_time_of_the_stage() {
 
 #[test]
 fn nonsense_is_refused() {
-    let body = |options: ElasticOptions<2>| ElasticBody::new("body", unit_box(1), weightless(), options).map(|_| ());
+    let body = |options: ElasticOptions<2>| ElasticBody::new("body", unit_body(1), weightless(), options).map(|_| ());
     let support = |vertex: u32, kind| ElasticOptions {
         supports: vec![Support { vertices: vec![VertexId(vertex)], kind }],
         ..ElasticOptions::default()
@@ -149,7 +149,7 @@ fn nonsense_is_refused() {
     assert!(matches!(body(support(3, SupportKind::symmetry(2))), Err(Error::Parameter(_))));
     assert!(matches!(loaded(4), Err(Error::UnknownFacet { n_facets: 4, .. })));
     assert!(SolidForm::new(-1.0, ball_material(), Vector::<2>::zeros()).is_err());
-    let unknown = solid_svk::supports::tagged_facets(&unit_box::<2>(1), "nowhere");
+    let unknown = solid_svk::supports::tagged_facets(&unit_body::<2>(1), "nowhere");
     assert!(matches!(unknown, Err(Error::UnknownTag { .. })));
 }
 
@@ -162,7 +162,7 @@ fn groups_of_cells_have_their_density_and_material() {
 
 /// Checks two layers between a held and a pulled side, without lateral strain: the stress `(λ + 2 μ) e` is the same in both.
 fn layers_have_their_density_and_material(order: Order) {
-    let solid = SolidMesh::<2>::of_order(unit_cubes(4), order).unwrap();
+    let solid = SolidMesh::<2>::of_order(unit_mesh(4), order).unwrap();
     assert!(matches!(solid.clone().with_groups(vec![0; 3]), Err(Error::Groups { found: 3, n_cells: 32 })));
     let group = |cell| usize::from(solid.mesh().simplex(cell).centroid()[1] > 0.5);
     let groups = solid.mesh().cells().map(group).collect();

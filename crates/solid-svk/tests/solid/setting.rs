@@ -9,10 +9,10 @@ use mesh::generate::structured_box;
 use mesh::{FacetId, Point, SimplexMesh, Tensor, Vector, VertexId, sym};
 use solid_svk::{LameParameters, Order, SaintVenantKirchhoff, SolidCells, SolidForm, SolidMesh};
 
-/// Dofs of the field in front of the body.
+/// Number of dofs of the field that precedes the velocity in the layout.
 const N_OTHER: usize = 5;
 
-/// Solves for the body. The dofs of the field in front of it are zero.
+/// Solves for the body. The dofs of the field that precedes its velocity are zero.
 pub(crate) fn solve(
     layout: &BlockLayout,
     contributions: Vec<Box<dyn Contributions + '_>>,
@@ -59,7 +59,7 @@ pub(crate) fn advance<const D: usize>(
     tolerance: f64,
     level: &Level<Vector<D>>,
 ) -> Level<Vector<D>> {
-    let (layout, field) = one_field(mesh);
+    let (layout, field) = padded_layout(mesh);
     let rule = rule(scheme, dt, level);
     let cells = SolidCells { solid: mesh, rule: &rule, layout: &layout, velocity: field };
     let mut x = state(&layout, field, &level.velocity);
@@ -74,7 +74,7 @@ pub(crate) fn ball_material() -> SaintVenantKirchhoff {
     SaintVenantKirchhoff::new(LameParameters::new(2e6, 8e6).unwrap())
 }
 
-/// Returns the form of a body of that material without weight.
+/// Returns the form of a body of [`ball_material`] with density 1 and without gravity.
 pub(crate) fn weightless<const D: usize>() -> SolidForm<D> {
     SolidForm::new(1.0, ball_material(), Vector::zeros()).unwrap()
 }
@@ -82,18 +82,18 @@ pub(crate) fn weightless<const D: usize>() -> SolidForm<D> {
 pub(crate) const ORDERS: [Order; 2] = [Order::Linear, Order::Quadratic];
 
 /// Returns the unit square or cube, divided into `n` bricks along each side.
-pub(crate) fn unit_cubes<const D: usize>(n: usize) -> SimplexMesh<D> {
+pub(crate) fn unit_mesh<const D: usize>(n: usize) -> SimplexMesh<D> {
     structured_box([0.0; D], [1.0; D], [n; D]).unwrap()
 }
 
 /// Returns the unit square or cube of linear elements, divided into `n` bricks along each side.
-pub(crate) fn unit_box<const D: usize>(n: usize) -> SolidMesh<D> {
-    SolidMesh::new(unit_cubes(n)).unwrap()
+pub(crate) fn unit_body<const D: usize>(n: usize) -> SolidMesh<D> {
+    SolidMesh::new(unit_mesh(n)).unwrap()
 }
 
 /// Returns the unit square or cube with all vertices inside moved.
 pub(crate) fn distorted<const D: usize>(n: usize, order: Order) -> SolidMesh<D> {
-    let (mesh, mut random) = (unit_cubes::<D>(n), Random::new(17));
+    let (mesh, mut random) = (unit_mesh::<D>(n), Random::new(17));
     let is_inside = |x: &Point<D>| x.iter().all(|c| *c > 0.0 && *c < 1.0);
     let mut moved = |x: &Point<D>| if is_inside(x) { x + random.vector::<D>() * (0.15 / n as f64) } else { *x };
     let vertices = mesh.vertices().iter().map(&mut moved).collect();
@@ -105,7 +105,7 @@ pub(crate) fn distorted<const D: usize>(n: usize, order: Order) -> SolidMesh<D> 
 
 /// Returns the unit square or cube of quadratic elements with curved edges, inside and on the boundary.
 pub(crate) fn curved<const D: usize>(n: usize) -> SolidMesh<D> {
-    SolidMesh::curved(unit_cubes(n), |_, x: Point<D>| {
+    SolidMesh::curved(unit_mesh(n), |_, x: Point<D>| {
         x + Vector::from_fn(|a, _| 0.05 / n as f64 * (7.0 * x.sum() + a as f64).sin())
     })
     .unwrap()
@@ -154,9 +154,9 @@ impl<const D: usize> Quadratic<D> {
     }
 }
 
-pub(crate) fn one_field<const D: usize>(mesh: &SolidMesh<D>) -> (BlockLayout, FieldId) {
+/// Returns a layout with another field before the velocity, so that its first dof is not zero, and the velocity.
+pub(crate) fn padded_layout<const D: usize>(mesh: &SolidMesh<D>) -> (BlockLayout, FieldId) {
     let mut layout = BlockLayout::new();
-    // A field in front, so that the body does not begin at zero.
     layout.push("other", N_OTHER, 1);
     let field = layout.push("solid velocity", mesh.nodes().len(), D);
     (layout, field)

@@ -1,8 +1,8 @@
 //! Exact static states: rigid motions, uniform strain, pressurised bodies.
 
 use crate::setting::{
-    ORDERS, Random, at_rest, ball_material, curved, distorted, largest, largest_difference, one_field, quadratic_field,
-    residual, round_disk, rule, solve, state, unit_cubes, velocities, weightless,
+    ORDERS, Random, at_rest, ball_material, curved, distorted, largest, largest_difference, padded_layout,
+    quadratic_field, residual, round_disk, rule, solve, state, unit_mesh, velocities, weightless,
 };
 use algebra::time::{QuasiStatic, StepRule};
 use algebra::{BlockLayout, Constraints, Contributions, FieldId, Integral};
@@ -26,7 +26,7 @@ struct Fixture<'m, const D: usize> {
 
 impl<'m, const D: usize> Fixture<'m, D> {
     fn new(mesh: &'m SolidMesh<D>) -> Self {
-        let (layout, field) = one_field(mesh);
+        let (layout, field) = padded_layout(mesh);
         Self { mesh, layout, field, rule: rule(&QuasiStatic, 1.0, &at_rest(mesh)) }
     }
 
@@ -215,7 +215,7 @@ fn pressurised(mesh: &SolidMesh<2>) {
 fn pressurised_cube() {
     // x = s X with σ = S/s, so (3 λ + 2 μ)(s² - 1)/(2 s) = -p.
     for order in ORDERS {
-        pressurised_cube_of_order(&SolidMesh::of_order(unit_cubes(2), order).unwrap());
+        pressurised_cube_of_order(&SolidMesh::of_order(unit_mesh(2), order).unwrap());
     }
 }
 

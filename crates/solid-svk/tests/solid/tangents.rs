@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use crate::setting::{
-    ORDERS, Random, at_rest, ball_material, curved, distorted, one_field, quadratic_field, rule, state, unit_box,
-    unit_cubes,
+    ORDERS, Random, at_rest, ball_material, curved, distorted, padded_layout, quadratic_field, rule, state, unit_body,
+    unit_mesh,
 };
 use algebra::time::{GeneralisedAlpha, ImplicitEuler, Level, QuasiStatic, TimeScheme};
 use algebra::{Contributions, Integral, Term, check_tangent};
@@ -25,7 +25,7 @@ fn random_level<const D: usize>(random: &mut Random, n: usize) -> Level<Vector<D
 }
 
 fn tangents_are_exact<const D: usize>(mesh: &SolidMesh<D>) {
-    let (layout, field) = one_field(mesh);
+    let (layout, field) = padded_layout(mesh);
     let mut random = Random::new(7);
     let form = SolidForm::new(1.3, ball_material(), random.vector() * 1e3).unwrap();
     let loads: [&dyn Term<SolidFacet<D>>; 2] =
@@ -50,8 +50,8 @@ fn tangents_are_exact<const D: usize>(mesh: &SolidMesh<D>) {
 
 #[test]
 fn tangents_are_exact_in_2d_and_3d() {
-    tangents_are_exact(&unit_box::<2>(2));
-    tangents_are_exact(&unit_box::<3>(2));
+    tangents_are_exact(&unit_body::<2>(2));
+    tangents_are_exact(&unit_body::<3>(2));
     tangents_are_exact(&curved::<2>(2));
     tangents_are_exact(&curved::<3>(1));
 }
@@ -59,7 +59,7 @@ fn tangents_are_exact_in_2d_and_3d() {
 /// Checks that the stress on the surface is the Cauchy stress times the current normal, at the stage, and its
 /// derivatives.
 fn stress_on_the_surface<const D: usize>(mesh: &SolidMesh<D>) {
-    let (layout, field) = one_field(mesh);
+    let (layout, field) = padded_layout(mesh);
     let mut random = Random::new(11);
     let material = ball_material();
     let mut worst = [0.0_f64; 2];
@@ -108,8 +108,8 @@ fn stress_on_the_surface<const D: usize>(mesh: &SolidMesh<D>) {
 
 #[test]
 fn stress_on_the_surface_in_2d_and_3d() {
-    stress_on_the_surface(&unit_box::<2>(2));
-    stress_on_the_surface(&unit_box::<3>(2));
+    stress_on_the_surface(&unit_body::<2>(2));
+    stress_on_the_surface(&unit_body::<3>(2));
     stress_on_the_surface(&curved::<2>(2));
     stress_on_the_surface(&curved::<3>(1));
 }
@@ -118,7 +118,7 @@ fn stress_on_the_surface_in_2d_and_3d() {
 /// of each facet.
 fn stress_of_a_quadratic_displacement<const D: usize>() {
     let mesh = distorted::<D>(2, Order::Quadratic);
-    let (layout, field) = one_field(&mesh);
+    let (layout, field) = padded_layout(&mesh);
     let rule = rule(&QuasiStatic, 1.0, &at_rest(&mesh));
     let material = ball_material();
     let (cells, mut unused) = (SolidCells { solid: &mesh, rule: &rule, layout: &layout, velocity: field }, Vec::new());
@@ -146,8 +146,8 @@ fn stress_of_a_quadratic_displacement_in_2d_and_3d() {
 /// Checks the bound of the traction by the energy of a cell at rest: random fields stay below it, and a field along the
 /// normal of a cell with one facet on the surface reaches it: a stretch, or one that varies along the normal.
 fn trace_bound<const D: usize>(order: Order) {
-    let mesh = SolidMesh::<D>::of_order(unit_cubes(2), order).unwrap();
-    let (layout, field) = one_field(&mesh);
+    let mesh = SolidMesh::<D>::of_order(unit_mesh(2), order).unwrap();
+    let (layout, field) = padded_layout(&mesh);
     let mut random = Random::new(3);
     let material = ball_material();
     let scheme = &schemes()[0];

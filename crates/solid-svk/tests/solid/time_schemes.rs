@@ -6,7 +6,7 @@ use mesh::{Point, Vector};
 use solid_svk::energy::balance;
 use solid_svk::{LinearElastic, SolidForm, SolidMesh};
 
-use crate::setting::{advance, ball_material, curved, level, round_disk, unit_box};
+use crate::setting::{advance, ball_material, curved, level, round_disk, unit_body};
 
 fn generalised_alpha(rho_inf: f64) -> GeneralisedAlpha {
     GeneralisedAlpha::new(rho_inf).unwrap()
@@ -34,8 +34,8 @@ fn translates_and_falls_exactly<const D: usize>(mesh: &SolidMesh<D>) {
 
 #[test]
 fn translates_and_falls_exactly_in_2d_and_3d() {
-    translates_and_falls_exactly(&unit_box::<2>(2));
-    translates_and_falls_exactly(&unit_box::<3>(2));
+    translates_and_falls_exactly(&unit_body::<2>(2));
+    translates_and_falls_exactly(&unit_body::<3>(2));
     translates_and_falls_exactly(&curved::<2>(2));
     translates_and_falls_exactly(&curved::<3>(1));
 }
