@@ -88,6 +88,7 @@ mod tests {
     use crate::{PenaltyLaw, StressSource};
 
     /// A penalty that decreases with the normal stress, and states the energy of the penalty alone.
+    #[derive(Debug)]
     struct Softened(PenaltyLaw);
 
     impl ContactLaw for Softened {
