@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use crate::process::Outcome;
 
 /// Files that are compared, in any folder below the first.
-const FILES: [&str; 2] = ["history.csv", "diagnostics.csv"];
+const FILES: [&str; 3] = ["history.csv", "diagnostics.csv", "probes.csv"];
 /// Columns of wall-clock times begin with this prefix. They are not compared.
 const SECONDS: &str = "seconds_";
 /// Number of columns that are printed, largest deviation first.
@@ -16,7 +16,7 @@ const PRINTED: usize = 30;
 /// Flags of the task.
 #[derive(clap::Args)]
 #[command(
-    after_help = "Compares every history.csv and diagnostics.csv below OLD with the file at the same relative path \
+    after_help = "Compares every history.csv, diagnostics.csv and probes.csv below OLD with the file at the same relative path \
     below NEW. Columns are matched by name, without units if one of the files does not state them; columns of \
     wall-clock times (seconds_*) are not compared. Fails if a value or unit differs, or if a file, column or row is \
     missing or added."

@@ -178,7 +178,7 @@ fn regions<const D: usize>(size: f64, growth: f64) -> [Region<D>; 3] {
     ]
 }
 
-/// Returns the size that regions and the background ask for.
+/// Returns the smallest size that regions and the background prescribe.
 fn asked<const D: usize>(regions: &[Region<D>], coarse: f64, x: &Point<D>) -> f64 {
     regions.iter().map(|region| region.at(x)).fold(coarse, f64::min)
 }

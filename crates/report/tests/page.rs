@@ -137,7 +137,7 @@ fn the_picture_has_all_frames_of_both_halves() {
     assert!(message.contains("--no-report"), "{message}");
 }
 
-/// Looks at the page after it was loaded and played for a while, and notes what it saw.
+/// Script that checks the page after loading and after a second of playing, and writes the defects that it found.
 const READER: &str = r#"<script>
 const problems = [];
 window.addEventListener("error", (event) => problems.push(event.message || "a file is missing"), true);

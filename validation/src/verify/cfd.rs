@@ -40,7 +40,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     record.note(
         "Channel and settings of the check `dfg`, 2.5 m long, with the flag from the cylinder to x = 0.6 m, 2 cm thick. Cylinder and flag are \
          one polygon. Cells at the flag are as fine as those at the cylinder, and at its two corners h/16. The known \
-         numbers have four digits, so that errors below 5e-4 say nothing.",
+         numbers have four digits, so that errors below 5e-4 cannot be measured.",
     );
     Ok(())
 }

@@ -26,7 +26,6 @@ const ROOMS: &[(&str, &[&str])] = &[
         ],
     ),
     ("thiserror", &["crates"]),
-    ("tracing", &["crates"]),
     (
         "serde",
         &[
@@ -47,20 +46,15 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("vtkio", &["crates/io/src"]),
     ("plotters", &["validation/src/chart.rs"]),
     ("base64", &["crates/report/src/frames.rs"]),
-    ("mshio", &["crates/io/src"]),
     ("clap", &["crates/cutwater/src/main.rs", "crates/cutwater/src/commands", "validation/src", "xtask/src"]),
     ("ctrlc", &["crates/cutwater/src/commands/run.rs"]),
     ("crc32fast", &["crates/io/src/checkpoint.rs"]),
     ("indicatif", &["crates/cutwater/src", "validation/src"]),
-    ("tracing-subscriber", &["crates/cutwater/src"]),
     ("criterion", TESTS_ONLY),
     ("proptest", TESTS_ONLY),
     ("libtest-mimic", TESTS_ONLY),
-    ("insta", TESTS_ONLY),
     ("i_overlay", TESTS_ONLY),
     ("png", &["crates/report/src"]),
-    ("tempfile", TESTS_ONLY),
-    ("approx", TESTS_ONLY),
 ];
 
 const TESTS_ONLY: &[&str] = &[];

@@ -53,12 +53,12 @@ impl Tree {
         let packages = metadata["packages"].as_array().cloned().unwrap_or_default();
         let mut rust = Vec::new();
         let mut other = Vec::new();
-        for folder in ["crates", "xtask", "benchmarks", "validation", "fuzz"] {
+        for folder in ["crates", "xtask", "benchmarks", "validation", "fuzz", "examples"] {
             rust.extend(source::read(&root, folder, &["rs"])?);
-            other.extend(source::read(&root, folder, &["toml", "md", "py"])?);
+            other.extend(source::read(&root, folder, &["toml", "md", "py", "html", "js"])?);
         }
         other.extend(source::read(&root, "docs", &["md", "toml"])?);
-        for file in ["Cargo.toml", "README.md", ".ci/run"] {
+        for file in ["Cargo.toml", "README.md", "CONTRIBUTING.md", "CHANGELOG.md", ".ci/run"] {
             if let Ok(text) = fs::read_to_string(root.join(file)) {
                 other.push(Source::new(file, text));
             }

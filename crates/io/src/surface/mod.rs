@@ -23,7 +23,7 @@ impl Surface {
     /// Reads a surface by the extension of its name, `stl` or `obj`.
     ///
     /// Vertices with bitwise equal coordinates become one, so that neighbouring triangles share them. Triangles with
-    /// two equal vertices are left out. Whether the surface is closed is for `cutcell` to say.
+    /// two equal vertices are left out. `cutcell` checks that the surface is closed.
     ///
     /// # Errors
     /// [`Error::Read`], [`Error::Surface`] with the line (or byte) and the cause.

@@ -102,7 +102,7 @@ fn reverses_the_velocity(setup: Setup<2>) {
     let impulse: f64 = forces.iter().map(|force| force * setup.dt).sum();
     let mass = reports[0].bodies[0].balance.expect("a mass").mass;
     assert!((impulse / (1.8 * mass) - 1.0).abs() < 1e-6 && forces.iter().filter(|force| **force != 0.0).count() == 1);
-    // The ledger knows the work of the collision.
+    // The ledger contains the work of the collision.
     let is_closed = |ledger: &solver::Ledger| ledger.other.abs() < 1e-5 * mass && ledger.defect().abs() < 1e-5 * mass;
     assert!(reports.iter().all(|report| is_closed(&report.ledger)));
 }

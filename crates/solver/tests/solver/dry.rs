@@ -105,7 +105,7 @@ fn vibrations_die_down_to_the_equilibrium() {
     assert!(rest.iter().zip(&late).all(|(a, b)| (a - b).norm() < 1e-4 * largest));
 }
 
-/// A body that has come to rest moves by the rounding of its positions only, of which no relative accuracy can be asked.
+/// A body at rest moves by the rounding of its positions only. Newton's tolerance relative to this motion cannot be reached.
 #[test]
 fn a_body_at_rest_does_not_stop_a_run() {
     let (state, reports) = run(&Setup { dt: 0.1, ..in_vacuum(hanging(), Arc::new(ImplicitEuler)) }, 60);

@@ -57,7 +57,7 @@ fn a_step_that_may_miss_contact_is_taken_in_parts() {
     let n = 4;
     let (state, parts, outcome) = take_steps(&setup, n);
     outcome.expect("parts of steps that succeed");
-    // It looks 0.04 ahead at the start and would move by 0.4.
+    // Obstacles are searched within 0.04 at the start, and the body would move by 0.4.
     assert!(parts[0].2.dt <= 0.5 * setup.dt, "{parts:?}");
     assert_eq!(state.step, n);
     assert!((state.time - n as f64 * setup.dt).abs() < 1e-15);
