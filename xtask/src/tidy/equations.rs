@@ -6,8 +6,8 @@ use super::tree::{Finding, Tree};
 /// The generated page.
 pub(super) const PAGE: &str = "docs/src/reference/equations.md";
 
-/// Folders of formulas in addition to `terms/`.
-const LAWS: [&str; 2] = ["crates/contact/src/law/", "crates/solid-svk/src/material/"];
+/// Folders and files of formulas in addition to `terms/`.
+const LAWS: [&str; 3] = ["crates/contact/src/law/", "crates/solid-svk/src/material/", "crates/solver/src/collision.rs"];
 
 /// Files in these folders without formulas: traits and checks.
 const NOT_A_LAW: [&str; 2] = ["/mod.rs", "/check.rs"];
@@ -64,10 +64,25 @@ pub(super) fn page(tree: &Tree) -> String {
          | formula | what | source | file |\n|---|---|---|---|\n",
     );
     for Formula { title, formula, source, path } in formulas(tree) {
-        let cell = |text: &str| text.replace('|', "\\|");
+        let cell = |text: &str| without_links(text).replace('|', "\\|");
         page += &format!("| {} | {} | {} | `{path}` |\n", cell(&formula), cell(&title), cell(&source));
     }
     page
+}
+
+/// Returns a text without the links of rustdoc, which have no meaning in the book: [`X`](path) and [`X`] become `X`.
+fn without_links(text: &str) -> String {
+    let mut parts = text.split("[`");
+    let mut plain = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let (name, rest) = part.split_once("`]").unwrap_or((part, ""));
+        let rest = match rest.strip_prefix('(').and_then(|path| path.split_once(')')) {
+            Some((_, after)) => after,
+            None => rest,
+        };
+        plain += &format!("`{name}`{rest}");
+    }
+    plain
 }
 
 fn formula_files(tree: &Tree) -> impl Iterator<Item = &Source> {
