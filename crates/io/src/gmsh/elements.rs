@@ -9,9 +9,7 @@ pub(super) struct Kind {
     pub(super) n_nodes: usize,
 }
 
-/// Kinds that are read: points, segments, triangles and tetrahedra of order 1 and 2.
-///
-/// Source: Gmsh reference manual, element types.
+/// Kinds that are read. Source: Gmsh reference manual, element types.
 const KINDS: [Kind; 7] = [
     Kind { number: 15, dimension: 0, order: 1, n_nodes: 1 },
     Kind { number: 1, dimension: 1, order: 1, n_nodes: 2 },

@@ -108,7 +108,6 @@ impl GmshFile {
         (vertices, vertex_of)
     }
 
-    /// Returns [`GmshMesh::edge_nodes`].
     fn edge_nodes<const D: usize>(
         &self,
         elements: &Elements,
