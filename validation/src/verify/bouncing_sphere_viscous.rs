@@ -7,7 +7,7 @@ use super::bounces::{
 };
 use super::{Failure, Record};
 
-/// Radius of the sphere, m; speed of the approach, m/s.
+// Radius of the sphere, m; speed of the approach, m/s.
 const RADIUS: f64 = 3e-3;
 const SPEED: f64 = 0.518;
 /// Measured height of the bounce, m.

@@ -3,8 +3,8 @@
 use super::source::words;
 use super::tree::{Finding, Tree};
 
-/// Third-party crates with the folders and files that may use them. Tests and benchmarks may use every dependency of their
-/// manifest.
+/// Third-party crates with the folders and files that may use them. Tests and benchmarks may use every dependency of
+/// their manifest.
 const ALLOWED: &[(&str, &[&str])] = &[
     ("nalgebra", &["crates"]),
     ("parry2d-f64", &["crates/mesh/src/search/parry.rs"]),
