@@ -90,7 +90,8 @@ fn elasticity<const D: usize>(
     });
 }
 
-/// Measures weights of the faces, matrix and right-hand side, with and without the shape values on parts, faces and pieces.
+/// Measures the assembly of matrix and right-hand side of cut Stokes flow, and the evaluation of the shape values on
+/// parts, faces and pieces.
 fn cut_stokes<const D: usize>(group: &mut BenchmarkGroup<'_, WallTime>, place: &str, mut stokes: UnfittedStokes<D>) {
     group.throughput(Throughput::Elements(stokes.n_active() as u64));
     let mut system = stokes.with_equations(system);

@@ -36,9 +36,9 @@ fn cut(c: &mut Criterion) {
     group.finish();
 }
 
-/// Measures a polygonal disk and a triangulated sphere with facets of the size of the cells, in boxes of N² squares and
-/// N³ cubes, with rules of order 2 on cut parts and pieces, in reused memory. For the comparison with other packages,
-/// use `RAYON_NUM_THREADS=1`.
+/// Measures the cut by a polygonal disk or a triangulated sphere, in boxes of N² squares and N³ cubes. It includes
+/// quadrature rules of degree 2 on cut parts and interface pieces, in reused memory. For the comparison with other
+/// packages, use `RAYON_NUM_THREADS=1`.
 fn explicit_surfaces(c: &mut Criterion) {
     let mut group = c.benchmark_group("cut");
     group.sample_size(10).measurement_time(Duration::from_secs(4)).warm_up_time(Duration::from_millis(500));

@@ -23,6 +23,7 @@ fn time_step(c: &mut Criterion) {
     group.finish();
 }
 
+/// Measures the first step of a setup, repeated from the same state with the same workspace.
 fn first_step<const D: usize>(
     group: &mut BenchmarkGroup<'_, WallTime>,
     setup: &Setup<D>,

@@ -34,10 +34,10 @@ pub use unfitted_stokes::UnfittedStokes;
 #[doc = include_str!("../../docs/src/guides/add-a-time-scheme.md")]
 struct Documents;
 
-/// Gap between ball and ground, cm: cut cells lie in the fine part of the background, contact is inactive.
+/// Gap between ball and ground, cm. Cut cells are in the fine part of the background, and contact is inactive.
 const GAP: f64 = 0.2;
 
-/// Gap below which contact is active, cm.
+/// Contact size and offset, cm: contact is active at smaller gaps.
 const CONTACT_SIZE: f64 = 0.1;
 
 /// A resolution, with its name in benchmark ids.
@@ -153,9 +153,8 @@ fn setup<const D: usize>(fluid: FluidSetup<D>, bodies: Vec<Arc<dyn Body<D>>>, dt
     }
 }
 
-/// Returns the setup of an elastic square or cube that falls in a box of `n` squares or cubes along each side, with cells of
-/// the same size: the coupled problem at any size in two and three dimensions. Weight, stiffness and time step are of the
-/// order of the paper's.
+/// Returns the setup of an elastic square or cube that falls in a box of `n` squares or cubes along each side. Cells of
+/// the body have nearly the same size. Weight, stiffness and time step are of the order of those in the paper.
 pub fn falling_box<const D: usize>(n: usize) -> Setup<D> {
     const SIDE: f64 = 10.0;
     let background = structured_box([0.0; D], [SIDE; D], [n; D]).expect("a box");
@@ -171,8 +170,8 @@ pub fn falling_box<const D: usize>(n: usize) -> Setup<D> {
     setup(fluid, vec![elastic("box", solid, ElasticOptions::default())], 1e-3)
 }
 
-/// Returns the setup of a rotating fluid in a box of `n` x `n` squares without bodies: convection, and interior penalties
-/// on all faces.
+/// Returns the setup of a rotating fluid in a box of `n` x `n` squares without bodies, with convection
+/// and interior penalties on all faces.
 pub fn whirl(n: usize) -> Setup<2> {
     let background = structured_box([0.0, 0.0], [1.0, 1.0], [n, n]).expect("a box");
     let mut fluid = fluid(background, Stabilisation::STANDARD);
@@ -186,8 +185,8 @@ pub fn n_background_cells<const D: usize>(setup: &Setup<D>) -> usize {
     setup.fluid.as_ref().map_or(0, |fluid| fluid.background.n_cells())
 }
 
-/// Calls a closure with the layout of an elastic unit square or cube, divided into `n` bricks along each side, its internal
-/// work and a state.
+/// Calls a closure with the layout of an elastic unit square or cube of `n` bricks along each side, its internal work
+/// and a state.
 pub fn with_internal_work<const D: usize, R>(
     n: usize,
     material: impl Material<D> + 'static,

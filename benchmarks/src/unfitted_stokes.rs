@@ -1,5 +1,5 @@
-//! Stokes flow around a disk or sphere that cuts the mesh, with a known solution; with the forms of this library, or with
-//! those of a published comparison.
+//! Stokes flow with a known solution around a disk or sphere that cuts the mesh. The weak forms are those of this
+//! library, or those of a published comparison with ngsxfem.
 
 use std::collections::HashMap;
 use std::f64::consts::PI;
@@ -27,21 +27,24 @@ use crate::shapes::{BODY_CENTRE, SIDES, polygon, sphere};
 const RADIUS: f64 = 0.2;
 /// Dynamic viscosity.
 const VISCOSITY: f64 = 1.0;
+/// The fluid. A steady flow does not depend on the density.
+const FLUID: NewtonianFluid = NewtonianFluid { density: 1.0, viscosity: VISCOSITY };
 /// Degree of quadrature on the interface.
 const DEGREE: usize = 2;
 /// Degree of quadrature of the errors.
 const ERROR_DEGREE: usize = 4;
 
-/// Weights of the published comparison: `γ_Σ` of `γ_Σ μ/h_K (u - g, v)`, `γ_p` of `γ_p h_F³/μ ([∇p]n, [∇q]n)`, and `γ_g` of
-/// `γ_g μ h_F ([∇u]n, [∇v]n)`.
+/// Weight `γ_Σ` of `γ_Σ μ/h_K (u - g, v)` in the published comparison.
 ///
-/// There, h is the side of a square everywhere. Here, `h_K` is the side of the equilateral triangle of the same area,
-/// 1.07 h, and `h_F` the length of the face, h on two of three faces and 1.41 h on diagonals.
+/// The comparison has the side h of a square in all weights. In this library `h_K` is the side of the equilateral
+/// triangle of the same area, 1.07 h, and `h_F` is the length of the face: h, and 1.41 h on diagonals.
 const NITSCHE: f64 = 20.0;
+/// Weight `γ_p` of `γ_p h_F³/μ ([∇p]n, [∇q]n)` in the published comparison.
 const PRESSURE: f64 = 0.05;
+/// Weight `γ_g` of `γ_g μ h_F ([∇u]n, [∇v]n)` in the published comparison.
 const GHOST: f64 = 0.1;
 
-/// Returns the velocity of the solution, `(sin πx cos πy, -cos πx sin πy)`, without third component.
+/// Returns the velocity of the solution, `(sin πx cos πy, -cos πx sin πy)`. In 3D the third component is zero.
 fn velocity<const D: usize>(x: &Point<D>, _time: f64) -> Vector<D> {
     let ((sx, cx), (sy, cy)) = ((PI * x[0]).sin_cos(), (PI * x[1]).sin_cos());
     let mut u = Vector::zeros();
@@ -50,7 +53,7 @@ fn velocity<const D: usize>(x: &Point<D>, _time: f64) -> Vector<D> {
     u
 }
 
-/// Returns the gradient of the velocity.
+/// Returns the gradient of the velocity; entry `(i, j)` is `∂u_i/∂x_j`.
 fn velocity_gradient<const D: usize>(x: &Point<D>) -> Tensor<D> {
     let ((sx, cx), (sy, cy)) = ((PI * x[0]).sin_cos(), (PI * x[1]).sin_cos());
     let mut gradient = Tensor::zeros();
@@ -83,12 +86,12 @@ fn published_traction<const D: usize>(x: &Point<D>, n: &Vector<D>, _time: f64) -
 
 /// Returns the traction of the solution, `T n`.
 fn traction<const D: usize>(x: &Point<D>, n: &Vector<D>, _time: f64) -> Vector<D> {
-    NewtonianFluid { density: 1.0, viscosity: VISCOSITY }.stress(pressure(x), &velocity_gradient(x)) * n
+    FLUID.stress(pressure(x), &velocity_gradient(x)) * n
 }
 
 /// Returns the mortar with the uniform penalty of the published comparison.
 fn mortar(gamma_sigma: f64) -> MortarForm {
-    MortarForm::new(NewtonianFluid { density: 1.0, viscosity: VISCOSITY }, PenaltyProfile::Uniform { gamma_sigma }, 0.0)
+    MortarForm::new(FLUID, PenaltyProfile::Uniform { gamma_sigma }, 0.0)
 }
 
 /// Cut, space and shape values of steady Stokes flow in the box `[-1/2, 1/2]^D` around a ball of radius 0.2. The velocity
@@ -103,9 +106,13 @@ pub struct UnfittedStokes<const D: usize> {
     parts: PartValues<D>,
     faces: Vec<FaceValue<D>>,
     pieces: PieceValues<D>,
+    /// Velocity of the previous step, zero.
     at_rest: Vec<Vector<D>>,
+    /// Acceleration of a steady flow, zero.
     no_acceleration: Affine<Vector<D>>,
+    /// Surface of the ball.
     boundary: BoundaryMesh<D>,
+    /// Positions of its vertices, in a list of one body.
     positions: Vec<Vec<Point<D>>>,
     layout: BlockLayout,
     velocity: FieldId,
@@ -116,7 +123,7 @@ pub struct UnfittedStokes<const D: usize> {
 
 impl<const D: usize> UnfittedStokes<D> {
     fn new(n: u32, (positions, boundary): (Vec<Point<D>>, BoundaryMesh<D>)) -> Self {
-        let background = falling_diagonals::<D>(n as usize);
+        let background = mirrored_box::<D>(n as usize);
         let cut = CutMesh::overlay(&background, &[Placed::new(&boundary, &positions)], &OverlayOptions::new())
             .expect("a closed surface");
         let space = XfemSpace::new(&background, &cut);
@@ -154,7 +161,7 @@ impl<const D: usize> UnfittedStokes<D> {
         }
     }
 
-    /// Returns the problem with another weight `γ_Σ` in place of the published one.
+    /// Returns the problem with the weight `gamma_sigma` of the Nitsche penalty instead of the published 20.
     #[must_use]
     pub fn with_nitsche(mut self, gamma_sigma: f64) -> Self {
         self.mortar = mortar(gamma_sigma);
@@ -218,7 +225,7 @@ impl<const D: usize> UnfittedStokes<D> {
             values: &self.pieces,
             surfaces: vec![&ball],
             positions: &self.positions,
-            fluid: NewtonianFluid { density: 1.0, viscosity: VISCOSITY },
+            fluid: FLUID,
             solid: None,
         };
         let mut contributions = form.contributions(geometry, fields);
@@ -264,9 +271,9 @@ impl<const D: usize> UnfittedStokes<D> {
     }
 }
 
-/// Returns the box with the diagonals of its squares from the lower right to the upper left, as in the published
-/// comparison: the mirror image of [`structured_box`].
-fn falling_diagonals<const D: usize>(n: usize) -> SimplexMesh<D> {
+/// Returns the mirror image of [`structured_box`]. The diagonals of its squares go from the lower right to the upper
+/// left, as in the published comparison.
+fn mirrored_box<const D: usize>(n: usize) -> SimplexMesh<D> {
     let rising = structured_box::<D>([-0.5; D], [0.5; D], [n; D]).expect("a box");
     let mirrored = |x: &Point<D>| Point::<D>::from_fn(|axis, _| if axis == 0 { -x[axis] } else { x[axis] });
     let vertices = rising.vertices().iter().map(mirrored).collect();
@@ -281,9 +288,9 @@ fn falling_diagonals<const D: usize>(n: usize) -> SimplexMesh<D> {
 }
 
 impl UnfittedStokes<2> {
-    /// N, then errors in L2 of velocity, its gradient and pressure, of ngsxfem 2.1 on the same mesh, as published. Its
-    /// viscous form is `μ (∇u, ∇v)`, and velocities on the sides are a local L2 projection. The errors on the last mesh
-    /// have fewer digits.
+    /// Published errors of ngsxfem 2.1 on the same mesh: N, then the errors in L2 of the velocity, its gradient and the
+    /// pressure. The viscous form of ngsxfem is `μ (∇u, ∇v)`, and velocities on the sides are a local L2 projection.
+    /// The errors on the last mesh have fewer digits.
     pub const PUBLISHED_ERRORS: [(u32, [f64; 3]); 4] = [
         (32, [9.382e-4, 0.15064, 2.2667e-2]),
         (64, [2.3916e-4, 0.075268, 6.8153e-3]),
@@ -384,8 +391,8 @@ impl<const D: usize> Contributions for TransposedGradient<'_, D> {
     }
 }
 
-/// Replaces the velocities on the sides of a square by those of the published comparison: the L2 projection on each edge,
-/// and the mean of both edges at each vertex. Unconstrained dofs stay unconstrained.
+/// Replaces the prescribed velocities on the sides of a square by those of the published comparison. They are the mean
+/// at each vertex of the L2 projections on its two boundary edges. Unconstrained dofs stay unconstrained.
 fn project_sides(stokes: &mut UnfittedStokes<2>) {
     let rule = SimplexRule::of_degree(1, 4);
     let mut at_vertex: HashMap<u32, (Vector<2>, f64)> = HashMap::new();

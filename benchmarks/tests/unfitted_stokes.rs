@@ -5,16 +5,16 @@ use benchmarks::UnfittedStokes;
 /// N, then errors in L2 of velocity, its gradient, and pressure.
 type Row = (u32, [f64; 3]);
 
-/// ngsxfem 2.1.2608 with the forms of this library: `2 μ (D(u), ∇v)` with the corresponding traction, and velocities on the
-/// sides interpolated at the vertices.
+/// Errors of ngsxfem 2.1.2608 with the forms of this library: `2 μ (D(u), ∇v)` with the corresponding traction, and
+/// velocities on the sides interpolated at the vertices.
 const SAME_FORMS: [Row; 3] = [
     (32, [1.3104e-3, 0.15050, 2.9498e-2]),
     (64, [3.3769e-4, 0.075252, 9.4179e-3]),
     (128, [8.5874e-5, 0.037620, 3.0999e-3]),
 ];
 
-/// Computes the errors on all meshes of a table and checks that they agree with it within 5 %. The remaining differences are
-/// the polygons, and the lengths in the penalties.
+/// Computes the errors on all meshes of a table and checks that they agree with the table within 5 %. The remaining
+/// differences are due to the polygons and to the lengths in the penalties.
 fn compare(table: [Row; 3], forms: fn(UnfittedStokes<2>) -> UnfittedStokes<2>) -> [[f64; 3]; 3] {
     table.map(|(n, peer)| {
         let ours = forms(UnfittedStokes::around_disk(n)).errors().expect("a linear problem");

@@ -20,14 +20,14 @@ pub(crate) struct Reference {
     /// Changes of the scenario, as for `cutwater run --set`.
     #[serde(default)]
     pub(crate) set: Vec<String>,
-    /// The same case with a larger time step: contact is not earlier here, and the rebound not lower.
+    /// Name of the same case with a larger time step, which must not have a later contact or a higher rebound.
     pub(crate) larger_step: Option<String>,
     #[serde(rename = "comparison")]
     pub(crate) comparisons: Vec<Comparison>,
     pub(crate) quick: Quick,
 }
 
-/// A quantity with the paper's number and the band that it has to lie in.
+/// A quantity with the number of the paper and the band of accepted numbers.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Comparison {
@@ -41,7 +41,7 @@ pub(crate) struct Comparison {
     pub(crate) paper: Option<f64>,
     /// Place in the paper.
     pub(crate) place: Option<String>,
-    /// The interval that a number has to lie in; without one it is shown with that of the paper.
+    /// Interval of accepted numbers. Without it, the number is shown with that of the paper and not checked.
     pub(crate) band: Option<[f64; 2]>,
     /// The expected value of a property, instead of a band.
     pub(crate) expected: Option<bool>,
@@ -57,7 +57,7 @@ pub(crate) struct Quick {
     pub(crate) set: Vec<String>,
 }
 
-/// Our own values on coarse meshes: case to key to value; properties count as 0 or 1.
+/// Stored values of this program on coarse meshes: case to key to value; properties are 0 or 1.
 pub(crate) type QuickValues = BTreeMap<String, BTreeMap<String, f64>>;
 
 fn package() -> PathBuf {

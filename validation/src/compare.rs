@@ -13,7 +13,7 @@ const ROUND_OFF: f64 = 1e-9;
 /// Relative deviation from our own stored values that counts as a change.
 const QUICK_TOLERANCE: f64 = 2e-2;
 
-/// Values of [`Compared::verdict`].
+// Values of [`Compared::verdict`].
 const PASS: &str = "pass";
 const FAIL: &str = "fail";
 const SHOWN: &str = "-";

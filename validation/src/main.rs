@@ -54,7 +54,7 @@ enum Mode {
         /// Compare with experiments instead of the paper: spheres that sink and bounce. With --quick on coarse cells.
         #[arg(long, conflicts_with_all = ["cases", "regenerate", "study"])]
         measured: bool,
-        /// Where results go.
+        /// Folder of the results.
         #[arg(long, default_value = "target/validation")]
         out: PathBuf,
     },
@@ -71,7 +71,7 @@ enum Mode {
         /// Write what was measured into the book: docs/src/verification/NAME.md, with charts.
         #[arg(long)]
         document: bool,
-        /// Where results go.
+        /// Folder of the results.
         #[arg(long, default_value = "target/verification")]
         out: PathBuf,
     },

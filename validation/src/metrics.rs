@@ -15,11 +15,11 @@ use serde_json::{Value, json};
 pub(crate) const REFACTORIZATIONS_PER_STEP: &str = "refactorizations_per_step";
 /// Time over which the first mean acceleration is taken, s.
 const EARLY: f64 = 0.01;
-/// Bodies this many times wider than high are plates.
+/// Smallest ratio of width to height of a plate.
 pub(crate) const PLATE: f64 = 8.0;
 
-/// Returns the numbers and properties of a run by their keys: those of `summary.json`, those that only these cases
-/// need, and whether the run reached its end.
+/// Returns the numbers and properties of a run by their keys: keys of `summary.json`, keys of these cases, and whether
+/// the run reached its end.
 pub(crate) fn metrics(results: &Results, finished: bool) -> Result<Value, serde_json::Error> {
     let mut metrics = serde_json::to_value(&results.summary)?;
     let rebound = Rebound::new(results);
@@ -33,12 +33,12 @@ pub(crate) fn metrics(results: &Results, finished: bool) -> Result<Value, serde_
 /// The highest point of the leading body after its first contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Rebound {
-    /// Largest value of the smallest distance after the release.
+    /// Largest distance after the release.
     pub(crate) height: f64,
     pub(crate) time: f64,
     /// Largest upward velocity of the centre after the release.
     pub(crate) speed: f64,
-    /// The same after the begin of the contact. It has its maximum before the release, which is known to a step only.
+    /// Largest upward velocity after the begin of the contact. Its maximum is before the release.
     pub(crate) fastest: f64,
 }
 

@@ -14,7 +14,7 @@ use crate::units::cgs;
 use crate::verify::record::{Record, Table, worse};
 use crate::verify::{document, missed};
 
-/// Contacts that are shown.
+/// Largest number of contacts that are shown.
 const SHOWN: usize = 3;
 
 /// Returns the record of a case from its directory of results and those of other cases in `out`.
@@ -68,10 +68,10 @@ pub(crate) fn record(name: &str, reference: &Reference, out: &Path) -> Result<Re
     Ok(record)
 }
 
-/// Largest energy of a step that the ledger may leave unexplained, in tolerances of Newton's method.
+/// Largest energy of a step that is in no line of the ledger, in tolerances of Newton's method.
 const LARGEST_DEFECT: f64 = 10.0;
 
-/// Adds verdicts on the energies of runs: the ledger of every step closes, and no step makes energy.
+/// Adds verdicts on the energies of runs: the ledger of every step is balanced, and no step generates energy.
 pub(crate) fn add_energies(runs: &[&Summary], record: &mut Record) {
     let defect = runs.iter().map(|run| run.energy_defect.unwrap_or(f64::NAN)).fold(0.0, worse);
     record.at_most("energy of a step that no line of the ledger explains, in tolerances", defect, LARGEST_DEFECT);

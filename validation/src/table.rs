@@ -2,7 +2,7 @@
 
 use crate::compare::Compared;
 
-/// Relative deviation that counts as round-off.
+/// Largest relative deviation that is round-off.
 const ROUND_OFF: f64 = 1e-9;
 
 /// Prints rows of cells under a headline, in columns.
@@ -45,7 +45,7 @@ fn yes_or_no(x: f64) -> String {
     if x == 0.0 { "no" } else { "yes" }.to_owned()
 }
 
-/// Formats a deviation with its sign; round-off counts as zero.
+/// Formats a deviation with its sign; round-off is shown as zero.
 fn deviation(d: f64, known: Option<f64>) -> String {
     match known {
         Some(known) if d.abs() <= ROUND_OFF * known.abs() => "0".to_owned(),
@@ -57,7 +57,7 @@ fn interval([low, high]: [f64; 2], value: impl Fn(f64) -> String) -> String {
     if low == high { value(low) } else { format!("{} to {}", value(low), value(high)) }
 }
 
-/// Returns a number with four significant digits, without an exponent where that is readable.
+/// Returns a number with four significant digits, without an exponent from 1e-3 to 1e5.
 pub(crate) fn short(x: f64) -> String {
     if x != 0.0 && !(1e-3..1e5).contains(&x.abs()) {
         return format!("{x:.3e}");

@@ -108,13 +108,13 @@ fn run_case(
         }
     });
     let (mut factorization, mut recorder) = (Factorization::default(), Recorder::default());
-    // Pictures and costs are those of the paper's resolution.
+    // Pictures and costs are recorded at the resolution of the paper only.
     let in_full = (!is_quick).then_some(((&mut factorization, &mut recorder), Figures { directory }));
     let outcome = io::run(&file, directory, &mut ((progress, Thickness { directory }), in_full));
     let finished = outcome.is_ok();
     if let Err(error) = outcome {
         print_error(&error);
-        // A run that failed gets a table of the steps before.
+        // A failed run has a table of the steps before the failure.
         if !matches!(error, io::Error::Step(_)) {
             return Ok(false);
         }

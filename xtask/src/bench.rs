@@ -70,17 +70,17 @@ struct Measured {
     elements: Option<f64>,
 }
 
-/// Duration of benchmarks.
+/// Duration and threads of benchmarks.
 #[derive(Clone, Copy)]
 enum Effort {
-    /// Until the estimate has converged.
+    /// With `--quick`, on all threads: until the estimate has converged.
     Brief,
-    /// The full duration, on one thread.
+    /// In full, on one thread.
     OneThread,
 }
 
 /// Runs groups (name, filter, effort) and returns the results by id, or `None` if a group fails. `home` is the folder
-/// for the files of criterion.
+/// for the files of criterion. It is deleted first.
 fn measure<'a>(
     home: &Path,
     groups: impl Iterator<Item = (&'a str, Option<&'a str>, Effort)>,
@@ -115,6 +115,7 @@ fn collect(folder: &Path, measured: &mut BTreeMap<String, Measured>) -> io::Resu
             collect(&path, measured)?;
         }
     }
+    // Criterion writes the last result of a benchmark to a folder `new`.
     if folder.ends_with("new") && folder.join("benchmark.json").is_file() {
         let read =
             |name: &str| -> io::Result<Value> { Ok(serde_json::from_str(&fs::read_to_string(folder.join(name))?)?) };
@@ -129,9 +130,19 @@ fn collect(folder: &Path, measured: &mut BTreeMap<String, Measured>) -> io::Resu
     Ok(())
 }
 
-/// A benchmark with the script of another package that measures the same case: group, id, script, its arguments, the row
-/// of its result, and the field with the seconds.
-type Peer = (Text, Text, Text, &'static [Text], &'static [(Text, Text)], Text);
+/// A benchmark with the script of another package that measures the same case.
+struct Peer {
+    group: Text,
+    id: Text,
+    script: Text,
+    /// Arguments of the script.
+    arguments: &'static [Text],
+    /// Keys and values of the row of the script's result.
+    row: &'static [(Text, Text)],
+    /// Name of the field of the row with the time, s.
+    seconds: Text,
+}
+
 type Text = &'static str;
 
 const CUT: &str = "A_cutgeom_ngsxfem.py";
@@ -139,12 +150,12 @@ const STOKES: &str = "B_stokes_ngsxfem.py";
 const ASSEMBLY: &str = "C_assembly_ngsolve.py";
 #[rustfmt::skip]
 const PEERS: [Peer; 6] = [
-    ("cut", "cut/disk/2d/256/256", CUT, &["--case", "2d", "--sizes", "256"], &[("N", "256")], "total_s"),
-    ("cut", "cut/sphere/3d/32", CUT, &["--case", "3d", "--sizes", "32"], &[("N", "32")], "total_s"),
-    ("assembly", "assembly/elasticity/2d/n448", ASSEMBLY, &["--case", "ela"], &[("case", "ela"), ("dim", "2"), ("N", "448")], "t_assemble"),
-    ("assembly", "assembly/elasticity/3d/n32", ASSEMBLY, &["--case", "ela"], &[("case", "ela"), ("dim", "3"), ("N", "32")], "t_assemble"),
-    ("assembly", "assembly/cut-stokes/2d/n256", STOKES, &["--sizes", "256"], &[("N", "256")], "t_assembly"),
-    ("assembly", "assembly/navier-stokes/2d/n224", ASSEMBLY, &["--case", "ns", "--sizes", "2x224"], &[("case", "ns"), ("N", "224")], "t_assemble"),
+    Peer { group: "cut", id: "cut/disk/2d/256/256", script: CUT, arguments: &["--case", "2d", "--sizes", "256"], row: &[("N", "256")], seconds: "total_s" },
+    Peer { group: "cut", id: "cut/sphere/3d/32", script: CUT, arguments: &["--case", "3d", "--sizes", "32"], row: &[("N", "32")], seconds: "total_s" },
+    Peer { group: "assembly", id: "assembly/elasticity/2d/n448", script: ASSEMBLY, arguments: &["--case", "ela"], row: &[("case", "ela"), ("dim", "2"), ("N", "448")], seconds: "t_assemble" },
+    Peer { group: "assembly", id: "assembly/elasticity/3d/n32", script: ASSEMBLY, arguments: &["--case", "ela"], row: &[("case", "ela"), ("dim", "3"), ("N", "32")], seconds: "t_assemble" },
+    Peer { group: "assembly", id: "assembly/cut-stokes/2d/n256", script: STOKES, arguments: &["--sizes", "256"], row: &[("N", "256")], seconds: "t_assembly" },
+    Peer { group: "assembly", id: "assembly/navier-stokes/2d/n224", script: ASSEMBLY, arguments: &["--case", "ns", "--sizes", "2x224"], row: &[("case", "ns"), ("N", "224")], seconds: "t_assemble" },
 ];
 
 /// Measures the cases of [`PEERS`] with both packages and prints the ratios.
@@ -155,13 +166,16 @@ fn compare_with_peers() -> Outcome {
     };
     let packages = ["ngsolve", "xfem", "scipy", "numpy"];
     let Some(python) = python_with("python-peers", &packages, "import xfem, scipy")? else {
-        println!("failed: cannot create a Python environment with ngsolve and xfem (python3 -m venv, pip install)");
+        println!(
+            "failed: cannot create a Python environment; check that `python3 -m venv` and `pip install {}` work",
+            packages.join(" ")
+        );
         return Ok(false);
     };
     let place = target().join("bench-peers");
     let filters = ["cut", "assembly"].map(|group| {
         let ids: Vec<String> =
-            PEERS.iter().filter(|peer| peer.0 == group).map(|peer| format!("^{}$", peer.1)).collect();
+            PEERS.iter().filter(|peer| peer.group == group).map(|peer| format!("^{}$", peer.id)).collect();
         (group, ids.join("|"))
     });
     let groups = filters.iter().map(|(group, ids)| (*group, Some(ids.as_str()), Effort::OneThread));
@@ -170,7 +184,7 @@ fn compare_with_peers() -> Outcome {
     println!("\n{:34} {:>10} {:>10} {:>8}", "case", "ours, ms", "peer, ms", "ratio");
     let mut results: BTreeMap<String, Value> = BTreeMap::new();
     let mut good = true;
-    for (_, id, script, arguments, row, seconds) in PEERS {
+    for Peer { id, script, arguments, row, seconds, .. } in PEERS {
         let key = format!("{script} {}", arguments.join(" "));
         if !results.contains_key(&key) {
             let out = place.join(format!("peer-{}.json", results.len()));

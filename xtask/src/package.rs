@@ -28,8 +28,10 @@ pub(crate) struct Arguments {
     verify: bool,
 }
 
-/// Runs the task. Cargo takes the crates of the workspace from their archives, as they are not in a registry.
+/// Makes the archives of all crates. With `verify`, Cargo compiles each crate against the archives of the others, since
+/// they are not in a registry.
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
+    // The archives are for inspection, also of changes that are not committed yet.
     let mut command = cargo(&["package", "--allow-dirty"]);
     if !arguments.verify {
         command.arg("--no-verify");
@@ -46,6 +48,11 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
 mod tests {
     use super::*;
 
+    fn has_key(manifest: &str, key: &str) -> bool {
+        let begins = [format!("{key}.workspace"), format!("{key} =")];
+        manifest.lines().any(|line| begins.iter().any(|begin| line.starts_with(begin)))
+    }
+
     #[test]
     fn all_crates_are_listed_in_their_order() {
         let root = crate::process::root();
@@ -60,16 +67,12 @@ mod tests {
             let manifest =
                 std::fs::read_to_string(root.join("crates").join(name).join("Cargo.toml")).expect("a manifest");
             for key in ["description", "license", "readme", "keywords", "categories"] {
-                let states =
-                    |line: &str| line.starts_with(&format!("{key}.workspace")) || line.starts_with(&format!("{key} ="));
-                assert!(manifest.lines().any(states), "{name} has no {key}");
+                assert!(has_key(&manifest, key), "{name} has no {key}");
             }
             let needed = manifest.split("[dev-dependencies]").next().unwrap_or_default();
+            // No crate depends on itself or on a crate that is published after it.
             for later in &ORDER[k..] {
-                let used = |line: &str| {
-                    line.starts_with(&format!("{later}.workspace")) || line.starts_with(&format!("{later} ="))
-                };
-                assert!(!needed.lines().any(used), "{name} uses {later}");
+                assert!(!has_key(needed, later), "{name} uses {later}");
             }
         }
     }

@@ -5,8 +5,8 @@ use std::process::{Command, Stdio};
 
 use crate::process::{succeeds, target};
 
-/// Returns the interpreter of the environment `name` with the given packages, which is created if necessary; `None` if that
-/// fails. `probe` is a Python statement that succeeds if the packages are installed.
+/// Returns the interpreter of the environment `name` with the given packages. Creates the environment if necessary, and
+/// returns `None` if that fails. `probe` is a Python statement that succeeds if the packages are installed.
 pub(crate) fn python_with(name: &str, packages: &[&str], probe: &str) -> std::io::Result<Option<PathBuf>> {
     let environment = target().join(name);
     let python = environment.join("bin/python");

@@ -121,7 +121,7 @@ struct Deviation {
     relative: f64,
     /// Number of rows whose texts differ.
     n_different: usize,
-    /// The first such row, counted from one.
+    /// First row with different texts, from one; zero without one.
     first: usize,
 }
 
@@ -151,7 +151,7 @@ impl Deviation {
 /// Compares all columns of two files except times and `except`.
 ///
 /// # Errors
-/// Reasons why the files do not have the same shape.
+/// Differences of columns, units and numbers of rows.
 fn compare(old: &str, new: &str, except: &[String]) -> Result<Vec<Deviation>, Vec<String>> {
     let [old, new] = [old, new].map(|text| {
         let mut columns = columns(text);

@@ -43,7 +43,7 @@ fn path(name: &str) -> String {
     directory.join(name).display().to_string()
 }
 
-/// Runs the block into a fresh directory.
+/// Runs [`FALL`] with changes by `--set` in a new directory, and returns the directory.
 fn run(name: &str, sets: &[&str]) -> String {
     let (scenario, directory) = (path(&format!("{name}.toml")), path(name));
     std::fs::write(&scenario, FALL).expect("a file");
@@ -65,7 +65,7 @@ fn runs_are_compared_column_by_column() {
     let output = cutwater(&["compare", &first, &other, "--tolerance", "0.05"]);
     assert_eq!(output.status.code(), Some(1));
     let printed = text(&output.stdout);
-    // After 0.1 s at 11 instead of 10: 1.1 instead of 1.0.
+    // After 0.1 s the speed is 1.0 m/s with a gravity of 10 m/s², and 1.1 m/s with 11 m/s².
     let line = printed.lines().find(|line| line.starts_with("centre_velocity ")).expect("the velocity");
     assert_eq!(line.split_whitespace().collect::<Vec<_>>()[1..], ["[m/s]", "1.000e-1", "1.100e0", "9.091e-2"]);
     assert!(

@@ -14,17 +14,17 @@ use crate::vtk::series::Entry;
 const MAGIC: &[u8; 8] = b"CUTWATER";
 /// Version of the format. A file of another version is refused.
 const FORMAT: u32 = 5;
-/// Bytes of magic, version and length of the header.
+/// Bytes before the header: magic, version and length of the header.
 const BEFORE_HEADER: usize = 8 + 4 + 8;
 /// Bytes of the checksum at the end.
 const CHECKSUM: usize = 4;
-/// Files that are kept.
+/// Number of files that are kept.
 const KEPT: usize = 2;
 
 /// A point from which a run goes on: the state, and how far the files of results had come.
 ///
-/// Layout of a file, numbers with the lowest byte first: `CUTWATER`; version of the format, 4 bytes; length of the
-/// header, 8 bytes; the header, JSON; the numbers of the state and of the linear solver, 8 bytes each; CRC-32 of all preceding bytes, 4 bytes.
+/// Layout of a file, little-endian: `CUTWATER`; version of the format, 4 bytes; length of the header, 8 bytes; the
+/// header, JSON; numbers of state and linear solver, 8 bytes each; CRC-32 of all preceding bytes, 4 bytes.
 pub(crate) struct Checkpoint {
     pub(crate) header: Header,
     /// Lists of the state ([`solver::State::to_lists`]).
@@ -36,11 +36,11 @@ pub(crate) struct Checkpoint {
 /// The part of a checkpoint without the numbers of the state and of the linear solver.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Header {
-    /// Step.
+    /// Step at whose end the checkpoint was written.
     pub(crate) step: usize,
     /// Steps of the whole run.
     pub(crate) n_steps: usize,
-    /// Time.
+    /// Time at its end.
     pub(crate) time: f64,
     /// The scenario without end time and output, which may change.
     pub(crate) scenario: String,
@@ -48,7 +48,7 @@ pub(crate) struct Header {
     pub(crate) lists: Vec<usize>,
     /// Lengths of the lists of the linear solver.
     pub(crate) memory: Vec<usize>,
-    /// Lengths of histories, diagnostics and probes, bytes.
+    /// Lengths of the tables ([`crate::TABLES`]), bytes.
     pub(crate) histories: [u64; 3],
     /// The summary so far.
     pub(crate) summary: SummaryBuilder,
@@ -57,7 +57,7 @@ pub(crate) struct Header {
 }
 
 impl Checkpoint {
-    /// Writes the checkpoint into a directory, then removes all but the last two. The file is complete whenever it is visible.
+    /// Writes the checkpoint into a directory, then removes all but the last two.
     pub(crate) fn write(&self, directory: &Path) -> Result<(), Error> {
         let header = serde_json::to_vec(&self.header)?;
         let mut bytes = MAGIC.to_vec();
@@ -110,7 +110,7 @@ impl Checkpoint {
         }
     }
 
-    /// Reads the last checkpoint in a directory. If it is damaged, the one before counts.
+    /// Reads the last checkpoint in a directory; if it is damaged, the one before.
     ///
     /// # Errors
     /// [`Error::NoCheckpoint`]; [`Error::Read`] or [`Error::Checkpoint`] for the last file if none can be read.
@@ -129,7 +129,7 @@ impl Checkpoint {
 /// Returns step and time of the bytes of a checkpoint.
 ///
 /// # Errors
-/// They are not those of a checkpoint that this program reads.
+/// A text with the cause, if they are not a checkpoint of this version of the format.
 pub fn checkpoint_time(bytes: &[u8]) -> Result<(usize, f64), String> {
     Checkpoint::parse(bytes).map(|checkpoint| (checkpoint.header.step, checkpoint.header.time))
 }

@@ -1,4 +1,4 @@
-//! The directory of a run: results of one scenario, and one run at a time that writes into it.
+//! Exclusive use of a directory of results by one run of one scenario.
 
 use std::fs::{self, File, TryLockError};
 use std::io::ErrorKind;
@@ -17,7 +17,7 @@ const SCENARIO: &str = "scenario.toml";
 
 /// A directory into which no other run writes while this value exists.
 pub(crate) struct Claim {
-    /// The lock ends when the file is closed.
+    /// Closing the file releases the lock.
     _lock: File,
 }
 

@@ -1,4 +1,4 @@
-//! Errors of reading and writing files.
+//! Errors of this crate.
 
 use std::path::PathBuf;
 
@@ -18,7 +18,7 @@ pub enum Error {
     NotUtf8 {
         /// The file.
         path: PathBuf,
-        /// Line of the first byte that is not, from 1.
+        /// Line of the first invalid byte, from 1.
         line: usize,
     },
     /// A surface file is malformed.
@@ -58,7 +58,7 @@ pub enum Error {
     /// A box of cubes around surfaces cannot be built. Choose another number of cubes.
     #[error("cannot put a grid around the surfaces: {0}")]
     Grid(mesh::Error),
-    /// Surfaces are unfit for cutting; body, facet and point are inside.
+    /// Surfaces that cannot cut a mesh. The cause contains body, facet and point.
     #[error("cannot cut by {}: {source}{}", listed(.paths), advice(.source))]
     Cut {
         /// The files, one per body.
@@ -66,7 +66,7 @@ pub enum Error {
         /// Cause.
         source: cutcell::Error,
     },
-    /// A scenario cannot be run; file, line and key are inside.
+    /// A scenario that cannot be run. The cause contains file, line and key.
     #[cfg(feature = "simulation")]
     #[error(transparent)]
     Scenario(#[from] crate::scenario::ScenarioError),
@@ -161,7 +161,7 @@ pub enum Error {
         directory: PathBuf,
         /// Name of the column.
         column: String,
-        /// The nearest name, if one is near.
+        /// End of the sentence, with the nearest name if one is near.
         advice: String,
         /// Names of all columns.
         known: String,
@@ -215,13 +215,13 @@ pub enum Error {
         /// The last step.
         step: usize,
     },
-    /// A step failed; the stage is inside. Files up to the step before are complete.
+    /// A step failed. The cause contains the stage. Files are complete up to the step before.
     #[cfg(feature = "simulation")]
     #[error(transparent)]
     Step(#[from] solver::StepError),
 }
 
-/// Returns the advice on a refused surface, where the message does not contain it.
+/// Returns the remedy for a refused surface, if the message of the cause does not contain one.
 fn advice(refused: &cutcell::Error) -> &'static str {
     match refused {
         cutcell::Error::Inward { .. } => " (`--flip` does it)",
@@ -232,7 +232,7 @@ fn advice(refused: &cutcell::Error) -> &'static str {
     }
 }
 
-/// Returns the files of bodies, with the numbers of the bodies if there are several.
+/// Returns the files of bodies, with the indices of the bodies if there are several.
 fn listed(paths: &[PathBuf]) -> String {
     match paths {
         [path] => path.display().to_string(),

@@ -1,4 +1,4 @@
-//! Files as a whole: reading, and writing such that they are complete whenever they are visible.
+//! Reading of whole files, and writing such that no reader finds an incomplete file.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Read, Write};
@@ -6,8 +6,9 @@ use std::path::Path;
 
 use crate::Error;
 
-/// Largest file that is read, and largest scenario, bytes. Devices have no end.
+/// Largest file that is read, bytes. The limit is for devices, which have no end.
 const MOST_BYTES: u64 = 1 << 33;
+/// Largest scenario, bytes.
 #[cfg(feature = "simulation")]
 const MOST_OF_SCENARIO: u64 = 1 << 26;
 
@@ -88,7 +89,7 @@ pub(crate) fn write_with<E: From<io::Error>>(
     Ok(())
 }
 
-/// Waits until the name of a file is on the disk. Only on Unix can a directory be opened.
+/// Waits until the name of a file is on the disk, on Unix only: elsewhere directories cannot be opened.
 fn sync_directory(path: &Path) -> io::Result<()> {
     let directory = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     if cfg!(unix) { File::open(directory)?.sync_all() } else { Ok(()) }

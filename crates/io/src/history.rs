@@ -13,7 +13,7 @@ use crate::measures::BodyMeasures;
 use crate::probes::Probe;
 use crate::summary::UnitLabels;
 
-/// Unit of a column; empty for pure numbers.
+/// Returns the unit of a column; empty for pure numbers.
 type Unit = fn(&UnitLabels) -> &str;
 
 const LENGTH: Unit = |units| &units.length;
@@ -137,8 +137,8 @@ fn diagnostics_of_bodies<const D: usize>() -> Vec<BodyColumn<D>> {
     columns.iter().map(boxed).collect()
 }
 
-/// Returns the columns of the run in `diagnostics.csv`: volume and energy of the whole, and the lines of the ledger, each the
-/// energy that a part of the discrete problem took in the step.
+/// Returns the columns of the run in `diagnostics.csv`: volume, energy and the lines of the ledger. A line is the
+/// energy that a part of the discrete problem takes in the step.
 fn diagnostics_of_run<const D: usize>() -> Vec<RunColumn<D>> {
     let columns: &[(&str, Unit, RunNumber<D>)] = &[
         ("fluid_volume", VOLUME, |r| r.fluid(|fluid| fluid.volume)),
@@ -170,13 +170,13 @@ fn microseconds(seconds: f64) -> f64 {
     (seconds * 1e6).round() / 1e6
 }
 
-/// Names of the tables of a run; the last one is written if there are probes.
+/// Names of the tables of a run. `probes.csv` is written only if there are probes.
 pub const TABLES: [&str; 3] = ["history.csv", "diagnostics.csv", "probes.csv"];
 
-/// Writer of `history.csv`, `diagnostics.csv` and, if there are probes, `probes.csv`; all are complete after every row.
+/// Writer of `history.csv`, `diagnostics.csv` and, if there are probes, `probes.csv`.
 ///
-/// A row has the time, the columns of each body, and those of the run. With several bodies the columns of a body carry its
-/// name as a prefix. Units follow the names: `NAME_d_min [cm]`.
+/// A row has the time, the columns of each body, and the columns of the run. With several bodies the columns of a body
+/// carry its name as a prefix. Units follow the names: `NAME_d_min [cm]`.
 pub(crate) struct History<const D: usize> {
     tables: [(CsvFile, Columns<D>); 2],
     probes: Option<(CsvFile, Vec<Probe<D>>)>,
@@ -231,7 +231,7 @@ impl<const D: usize> History<D> {
         })
     }
 
-    /// Checks that the files are still where they were created.
+    /// Checks that no file was removed, replaced or shortened during the run.
     ///
     /// # Errors
     /// [`Error::Write`].
@@ -240,7 +240,7 @@ impl<const D: usize> History<D> {
         tables.try_for_each(CsvFile::check)
     }
 
-    /// Returns the lengths of the files, bytes, once they are on the disk; 0 without probes.
+    /// Waits until the files are on the disk, and returns their lengths, bytes; 0 for probes without probes.
     pub(crate) fn lengths(&self) -> Result<[u64; 3], Error> {
         let [(a, _), (b, _)] = &self.tables;
         Ok([a.length()?, b.length()?, self.probes.as_ref().map_or(Ok(0), |(table, _)| table.length())?])
@@ -334,8 +334,7 @@ pub fn name_and_unit(name: &str) -> (&str, Option<&str>) {
     }
 }
 
-/// Returns whether two names with or without units are those of the same column. Tables of earlier versions do not state
-/// units.
+/// Returns whether two names, with or without units, denote the same column. Tables of earlier versions have no units.
 fn is_same(one: &str, other: &str) -> bool {
     let ((one, unit), (other, other_unit)) = (name_and_unit(one), name_and_unit(other));
     one == other && (unit == other_unit || unit.is_none() || other_unit.is_none())
@@ -404,8 +403,8 @@ impl HistoryTable {
         self.rows.len()
     }
 
-    /// Returns the column of a name, if there is one. The unit behind a name may be left out; a column in another unit is not
-    /// found.
+    /// Returns the values of a column, or `None` if the table has no column of this name. The unit may be left out. A
+    /// column with another unit is not returned.
     pub fn column(&self, name: &str) -> Option<Vec<f64>> {
         let index = self.names.iter().position(|found| is_same(found, name))?;
         Some(self.rows.iter().map(|row| row[index]).collect())

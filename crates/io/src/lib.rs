@@ -1,6 +1,6 @@
-//! Text in, files out: scenarios, histories and field files.
+//! Reads scenarios and meshes; writes histories, checkpoints and field files.
 //!
-//! The half that needs the solver is behind the default feature
+//! Modules that use the solver are compiled with the default feature
 //! `simulation`. A run in three lines:
 //!
 //! ```no_run

@@ -1,4 +1,4 @@
-//! Quantities of one body after a step, from which histories and summaries are made.
+//! Quantities of one body after a step, for histories and summaries.
 
 use contact::ContactReport;
 use cutcell::InterfacePiece;
@@ -8,15 +8,16 @@ use solver::{BodyReport, Contact, Setup, StepReport, StepView};
 
 /// One body after a step. The last axis is vertical.
 ///
-/// Lengths, forces, powers and energies are in the units of the scenario, per unit depth in the plane.
+/// Quantities are in the units of the scenario. In 2D Cartesian coordinates forces, powers and volumes are per unit
+/// depth; in axisymmetric coordinates they are those of the whole body.
 pub(crate) struct BodyMeasures<'a, const D: usize> {
     pub(crate) view: &'a StepView<'a, D>,
     pub(crate) step: &'a StepReport<D>,
+    /// Index of the body in the setup.
     pub(crate) index: usize,
     /// Positions of the vertices at the end of the step.
     positions: Vec<Point<D>>,
-    /// Smallest gap to the obstacles of the body; without a contact, height of its lowest vertex above the background's
-    /// lowest vertex.
+    /// See [`distance`].
     pub(crate) distance: f64,
     /// Centre of mass, or of the enclosed volume if the motion is prescribed.
     pub(crate) centre: Point<D>,
@@ -29,19 +30,20 @@ pub(crate) struct BodyMeasures<'a, const D: usize> {
     /// Angle by which the vertices are rotated about their mean in the plane of the first two axes, from -π to π, and
     /// their angular velocity there.
     pub(crate) rotation: [f64; 2],
-    /// Force of the fluid: the integral of the mortar's traction, `∫ T^f n + S (u - v)`, on the geometry on which the
-    /// step was integrated. It is the residual of the fluid's equations tested with a rigid motion.
+    /// Force of the fluid on the body: integral of [`InterfaceTraction::total`], `T^f n + (1 - α) (T^s - T^f) n +
+    /// S (u - v)` with `n` out of the body, on the geometry of the step. It is the residual of the discrete equations
+    /// of the fluid tested with unit translations.
     pub(crate) fluid_force: Vector<D>,
-    /// Integral of the fluid's traction `T^f n` alone; the difference to `fluid_force` vanishes under refinement.
+    /// Integral of the fluid's traction `T^f n` alone. The difference to `fluid_force` vanishes with mesh refinement.
     pub(crate) traction_force: Vector<D>,
-    /// Torque of the mortar's traction about the centre of the enclosed volume; in 2D only the third component is not
+    /// Torque of the total traction about the centre of the enclosed volume. In 2D only the third component is not
     /// zero.
     pub(crate) torque: [f64; 3],
 }
 
 impl<'a, const D: usize> BodyMeasures<'a, D> {
-    /// Returns the measures of body `index`; `None` before the first step. `bottom` is the height of the background's
-    /// lowest vertex.
+    /// Returns the measures of the body with an index in the setup, or `None` before the first step. `bottom` is the
+    /// height of the lowest vertex of the background.
     pub(crate) fn new(view: &'a StepView<'a, D>, index: usize, bottom: f64) -> Option<Self> {
         let step = view.report?;
         let (body, now) = (&view.setup.bodies[index], &view.state.bodies[index]);
@@ -102,6 +104,7 @@ impl<'a, const D: usize> BodyMeasures<'a, D> {
         &self.step.bodies[self.index]
     }
 
+    /// Returns the vertical extent at the end of the step.
     pub(crate) fn height(&self) -> f64 {
         self.body().highest - self.body().lowest.1[D - 1]
     }
@@ -112,7 +115,7 @@ impl<'a, const D: usize> BodyMeasures<'a, D> {
         contacts.filter(|(contact, _)| acts_on(contact, self.index)).map(|(_, found)| found)
     }
 
-    /// Returns the largest violation of the offset of a contact.
+    /// Returns the largest penetration `[ε - Δ]₊` over all contacts of the body.
     pub(crate) fn penetration(&self) -> f64 {
         self.contacts().map(|contact| contact.largest_penetration).fold(0.0, f64::max)
     }
@@ -127,8 +130,8 @@ impl<'a, const D: usize> BodyMeasures<'a, D> {
         Placed::new(self.view.setup.bodies[self.index].surface(), &self.positions).enclosed().volume
     }
 
-    /// Returns the power of the fluid on the body: the mean traction on each piece of the interface times the velocity
-    /// of the body in the middle of the piece, both at the stage of the step.
+    /// Returns the power of the fluid on the body: the sum over the pieces of the interface of the mean total traction
+    /// times the velocity of the body in the middle of the piece, both at the stage of the step.
     pub(crate) fn fluid_power(&self) -> f64 {
         let boundary = self.view.setup.bodies[self.index].surface();
         let alpha = self.view.previous.step_time(self.view.setup, self.step.substep.dt).weights.alpha_f;
@@ -144,7 +147,7 @@ impl<'a, const D: usize> BodyMeasures<'a, D> {
     }
 }
 
-/// Returns the pieces of the interface on a body with their tractions; an empty sequence without a fluid.
+/// Returns the pieces of the interface on the body with index `index`, and their tractions; none without a fluid.
 pub(crate) fn pieces<'a, const D: usize>(
     view: &StepView<'a, D>,
     step: &'a StepReport<D>,
@@ -161,8 +164,8 @@ pub(crate) fn acts_on<const D: usize>(contact: &Contact<D>, index: usize) -> boo
     contact.body().index() == index || master == Some(index)
 }
 
-/// Returns the smallest gap of a body to its obstacles, and of bodies of which it is the obstacle; without a contact,
-/// the height of its lowest vertex above `bottom`. `None` before the first step.
+/// Returns the smallest gap of the contacts in which a body is slave or master. If none of them has a gap, returns the
+/// height of the lowest vertex of the body above `bottom`. Returns `None` before the first step.
 pub fn distance<const D: usize>(view: &StepView<'_, D>, index: usize, bottom: f64) -> Option<f64> {
     let report = view.report?;
     let contacts = view.setup.contacts.iter().zip(&report.contacts);
@@ -178,8 +181,8 @@ pub fn leading_body<const D: usize>(setup: &Setup<D>) -> Option<usize> {
     slave.or_else(movable).or((!setup.bodies.is_empty()).then_some(0))
 }
 
-/// Returns the angle and angular velocity of points about their mean in the plane of the first two axes: those of the
-/// rotation nearest to their motion.
+/// Returns the angle, from -π to π, and the angular velocity of the rotation of points about their mean that is nearest
+/// to their motion. It is in the plane of the first two axes, positive from the first to the second axis.
 fn rotation<const D: usize>(reference: &[Point<D>], now: &[Point<D>], velocity: &[Vector<D>]) -> [f64; 2] {
     let (before, after, drift) = (mean(reference), mean(now), mean(velocity));
     let (mut along, mut across, mut swept, mut square) = (0.0, 0.0, 0.0, 0.0);

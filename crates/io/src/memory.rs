@@ -1,11 +1,10 @@
-//! Memory that a run needs, and that the machine has.
+//! Memory that a run needs, and memory of the machine.
 
-/// Bytes for each cell of the background that a run takes at least, with the factors of the linear solver: 8.4e3 to 9.4e3 were
-/// measured in 2D for 14 000 to 230 000 cells, and 9.8e3 to 26e3 in 3D for 6000 to 162 000.
+/// Smallest memory of a run per cell of the background, with the factors of the linear solver, bytes. Measured were
+/// 8.4e3 to 9.4e3 in 2D for 14 000 to 230 000 cells, and 9.8e3 to 26e3 in 3D for 6000 to 162 000 cells.
 const PER_CELL: f64 = 8e3;
 
-/// Bytes for each cell of a body that the generation of its mesh takes at least: 290 were measured for disks of 0.4 and
-/// 0.9 million cells.
+/// Smallest memory for the mesh of a body per cell, bytes. Measured: 290 for disks of 0.4 and 0.9 million cells.
 const PER_CELL_OF_BODY: f64 = 280.0;
 
 /// Returns an explanation if the mesh of a body with about this number of cells needs more memory than is available.
@@ -13,7 +12,7 @@ pub(crate) fn shortage_of_body(n_cells: f64) -> Option<String> {
     explained(n_cells, PER_CELL_OF_BODY, available())
 }
 
-/// Returns an explanation if a background with about this number of cells needs more memory than is available.
+/// Returns an explanation if a background with about this number of cells needs more memory than `available`, bytes.
 pub(crate) fn shortage(n_cells: f64, available: f64) -> Option<String> {
     explained(n_cells, PER_CELL, available)
 }

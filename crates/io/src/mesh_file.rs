@@ -55,7 +55,7 @@ impl MeshFile {
         }
     }
 
-    /// Returns counts, sizes and quality.
+    /// Returns numbers of elements, sizes and quality.
     pub fn statistics(&self) -> MeshStatistics {
         match self {
             Self::Plane(found) => of_mesh(found),
@@ -68,7 +68,7 @@ impl MeshFile {
     /// Writes the content by the extension of a name: `msh`, in the given format; `vtu`; `stl`, the surface of a mesh.
     ///
     /// # Errors
-    /// [`Error::MeshFile`]: another extension, or a format that does not hold this content. [`Error::Write`], [`Error::Vtk`].
+    /// [`Error::MeshFile`]: an extension or content that cannot be written. [`Error::Write`], [`Error::Vtk`].
     pub fn write(&self, path: &Path, format: GmshFormat) -> Result<(), Error> {
         let refused = |problem: &str| Err(Error::MeshFile { path: path.to_owned(), problem: problem.to_owned() });
         match (extension(path).as_str(), self) {
@@ -93,7 +93,7 @@ fn of_order_1<const D: usize>(mesh: SimplexMesh<D>) -> GmshMesh<D> {
     GmshMesh { mesh, edge_nodes: HashMap::new(), n_turned: 0, n_inside: 0, n_ambiguous: 0 }
 }
 
-/// Counts, sizes and quality of a mesh or surface.
+/// Numbers of elements, sizes and quality of a mesh or surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshStatistics {
     /// Dimension of space.
@@ -116,7 +116,7 @@ pub struct MeshStatistics {
     pub quality: Option<[f64; 2]>,
     /// Connected parts.
     pub n_parts: usize,
-    /// Sides of facets of a surface without a neighbour, and sides with more than one.
+    /// Sides of facets of a surface that do not have exactly one neighbour; zero for a closed surface.
     pub n_open: usize,
     /// Cells whose nodes were in the order of a negative volume.
     pub n_turned: usize,
@@ -128,13 +128,13 @@ pub struct MeshStatistics {
     pub n_folded: usize,
     /// Centroid of the corners of the first folded cell.
     pub first_folded: Option<Vec<f64>>,
-    /// Groups of cells with their numbers of cells and volumes, by name; `None` for cells without a group.
+    /// Number and total volume (2D: area) of the cells of each group, by name; `None` for cells without a group.
     pub cell_groups: BTreeMap<Option<String>, (usize, f64)>,
-    /// Parts of the boundary with their numbers of facets and areas, by name.
+    /// Number and total area (2D: length) of the boundary facets of each group, by name; `None` without a group.
     pub boundary_groups: BTreeMap<Option<String>, (usize, f64)>,
 }
 
-/// Returns the mean ratio of a simplex: 1 if it is regular, 0 if it is flat.
+/// Returns the mean ratio of a simplex of a given volume (2D: area): 1 if it is regular, 0 if it is flat.
 ///
 /// Source: Liu, Joe 1994, BIT 34, doi:10.1007/bf01955874.
 pub fn quality<const D: usize>(corners: &[Point<D>], volume: f64) -> f64 {
@@ -190,8 +190,8 @@ fn of_mesh<const D: usize>(found: &GmshMesh<D>) -> MeshStatistics {
     }
 }
 
-/// Returns whether the map of a cell of order 2 from the reference simplex turns over at a corner, at the middle of an edge, or
-/// at the centroid.
+/// Returns whether the map of a cell of order 2 from the reference simplex has no positive determinant at a corner, at
+/// the middle of an edge, or at the centroid.
 fn is_folded<const D: usize>(
     mesh: &SimplexMesh<D>,
     edge_nodes: &HashMap<[VertexId; 2], Point<D>>,
@@ -220,7 +220,7 @@ fn is_folded<const D: usize>(
     ends.any(|at| turns_over(&at)) || turns_over(&|_| 1.0 / (D + 1) as f64)
 }
 
-/// Largest determinant of the map of a folded cell, relative to its volume with straight edges.
+/// Largest determinant of the map of a folded cell, divided by its volume with straight edges.
 const FOLDED: f64 = 1e-9;
 
 fn of_surface<const D: usize>(surface: &BoundaryMesh<D>, positions: &[Point<D>]) -> MeshStatistics {
@@ -272,7 +272,7 @@ fn extent<const D: usize>(points: &[Point<D>]) -> Vec<[f64; 2]> {
     (0..D).map(|axis| [low[axis], high[axis]]).collect()
 }
 
-/// Lengths of edges, each counted once for each element.
+/// Lengths of edges. An edge contributes once for each of its elements.
 #[derive(Default)]
 struct Lengths {
     n: usize,
@@ -296,7 +296,7 @@ impl Lengths {
     }
 }
 
-/// Returns the number of sets of elements that share no vertex.
+/// Returns the number of connected parts: sets of elements that share no vertex (by union-find).
 fn n_parts<'m>(n_vertices: usize, elements: impl Iterator<Item = &'m [VertexId]>) -> usize {
     let mut next: Vec<usize> = (0..n_vertices).collect();
     let mut is_used = vec![false; n_vertices];
@@ -311,7 +311,7 @@ fn n_parts<'m>(n_vertices: usize, elements: impl Iterator<Item = &'m [VertexId]>
     (0..n_vertices).filter(|k| is_used[*k] && next[*k] == *k).count()
 }
 
-/// Follows a chain of vertices to its end, and shortens it.
+/// Returns the representative of the set of vertex `k`, and shortens the chain to it.
 fn last(next: &mut [usize], mut k: usize) -> usize {
     while next[k] != k {
         next[k] = next[next[k]];
@@ -329,7 +329,7 @@ fn grid<const D: usize>(mesh: &SimplexMesh<D>) -> Grid {
     for cell in mesh.cells() {
         grid.push_cell(simplex_type(D + 1), mesh.cell(cell).iter().map(|vertex| u64::from(vertex.0)));
     }
-    // Groups from 1, and 0 for none.
+    // Groups have numbers from 1; 0: no group.
     let group = |cell| mesh.cell_tag(cell).map_or(0, |tag| tag.index() as i64 + 1);
     grid.add_cell_ids("group", mesh.cells().map(group).collect());
     let corners = |cell| mesh.simplex(cell);

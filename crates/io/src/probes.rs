@@ -1,4 +1,4 @@
-//! Quantities with names of their own: `probes.csv`, and values along lines.
+//! Quantities that a scenario defines by name: `probes.csv`, and values along lines.
 
 use mesh::{AXES, Coordinates, Point, SimplexMesh, Vector, VertexId};
 use solver::{FluidState, StepView};
@@ -6,7 +6,7 @@ use solver::{FluidState, StepView};
 use crate::measures::pieces;
 use crate::scenario::{Quantity, Units};
 
-/// Barycentric coordinates above minus this value are inside.
+/// Largest negative barycentric coordinate of a point that is inside, with its sign changed.
 const INSIDE: f64 = 1e-9;
 
 /// Probes of a run.
@@ -16,7 +16,7 @@ pub struct Probes<const D: usize> {
     pub(crate) columns: Vec<Probe<D>>,
     /// Probes with files of their own.
     pub(crate) lines: Vec<Line<D>>,
-    /// Names of the columns of these files.
+    /// Names of the columns of the files of `lines`.
     pub(crate) line_header: Vec<String>,
 }
 
@@ -37,10 +37,11 @@ pub(crate) enum Measured<const D: usize> {
     Marker { body: usize, weights: Vec<(VertexId, f64)> },
     /// Force of the fluid on some facets of a body, with its moment about a point.
     Force { body: usize, facets: Vec<bool>, about: Point<D> },
-    /// Force of the fluid on parts of the background's boundary, by the numbers of their conditions, with its moment about a
-    /// point.
+    /// Force of the fluid on parts of the boundary of the background, with its moment about a point. `sides` are
+    /// indices of boundary conditions.
     WallForce { sides: Vec<usize>, about: Point<D> },
-    /// Flux and mean pressure on a section; `normal` has its measure in the mesh as length.
+    /// Flux and mean pressure on a section, from the midpoints of `n` intervals along each of its `sides`. The length
+    /// of `normal` is the measure of the section.
     Flux { corner: Point<D>, sides: Vec<Vector<D>>, normal: Vector<D>, n: usize },
     /// Strain energy of a body.
     StrainEnergy { body: usize },
@@ -61,14 +62,14 @@ impl<const D: usize> Probes<D> {
         self.columns.iter().flat_map(|probe| &probe.names).map(String::as_str)
     }
 
-    /// Returns the values of these columns after a step.
+    /// Returns the values of these columns after a step, or at the start. Values outside of the fluid are NaN.
     pub fn values(&self, view: &StepView<'_, D>) -> Vec<f64> {
         self.columns.iter().flat_map(|probe| probe.values(view)).collect()
     }
 }
 
 impl<const D: usize> Probe<D> {
-    /// Creates a probe; masses, forces, energies and flows belong to a whole of a dimension.
+    /// Creates a probe. Masses, forces, energies and flows are integrals over a domain of `dimension`.
     pub(crate) fn new(name: &str, measured: Measured<D>, (units, dimension): (&Units, usize)) -> Self {
         let (length, velocity) = (units.label(Quantity::LENGTH), units.label(Quantity::VELOCITY));
         let total = |quantity| units.total_label(quantity, dimension);

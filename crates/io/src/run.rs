@@ -1,4 +1,4 @@
-//! From a scenario to a directory of results.
+//! Runs a scenario and writes a directory of results.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -37,8 +37,9 @@ pub fn default_directory(scenario: &Scenario) -> PathBuf {
     scenario.output.directory.as_ref().map_or_else(own, |directory| PathBuf::from(directory.as_str()))
 }
 
-/// Runs a scenario and writes `history.csv`, `diagnostics.csv`, `probes.csv`, `lines/`, `summary.json`, `scenario.toml`, field files and
-/// checkpoints into a directory, whose results it replaces. `watch` attaches an observer to the run; `&mut ()` attaches none.
+/// Runs a scenario and writes `history.csv`, `diagnostics.csv`, `probes.csv`, `lines/`, `summary.json`,
+/// `scenario.toml`, field files and checkpoints. They replace the results in the directory. `watch` attaches an
+/// observer, `&mut ()` none.
 ///
 /// # Errors
 /// As [`RunOptions::run`].
@@ -54,7 +55,7 @@ pub struct RunOptions<'a> {
     pub resumes: bool,
     /// Whether a run may write into a directory that has other files, or results of another scenario, which it replaces.
     pub overwrites: bool,
-    /// Set to true, it ends the run after the current step, with a checkpoint.
+    /// Flag that another thread sets to end the run after the current step, with a checkpoint.
     pub stop: Option<&'a AtomicBool>,
 }
 
@@ -62,9 +63,9 @@ impl RunOptions<'_> {
     /// Runs a scenario, as [`run`] does.
     ///
     /// # Errors
-    /// [`Error`]; if a step failed, the files are complete up to the step before it. [`Error::Interrupted`]: `stop` was set.
-    /// [`Error::Unfinished`]: a new run would remove one that was stopped. [`Error::NoCheckpoint`],
-    /// [`Error::Checkpoint`]: there is nothing to go on from, or it belongs to another scenario. [`Error::Directory`],
+    /// [`Error::Step`]: a step failed; the files are complete up to the step before. [`Error::Interrupted`]: `stop` is
+    /// set. [`Error::Unfinished`]: a new run would remove a stopped run. [`Error::NoCheckpoint`],
+    /// [`Error::Checkpoint`]: there is no checkpoint, or it belongs to another scenario. [`Error::Directory`],
     /// [`Error::Input`], [`Error::Busy`]: the directory is not free.
     pub fn run(&self, file: &ScenarioFile, directory: &Path, watch: &mut impl Watch) -> Result<Summary, Error> {
         lower(file, Run { file, directory, watch, options: *self })?
@@ -98,7 +99,7 @@ impl<W: Watch> CaseVisitor for Run<'_, W> {
             create_directory(&directory.join(LINES))?;
         }
         file.write(directory)?;
-        // Bodies that cannot be cut end the first step with the error.
+        // If the cut of the bodies fails, the first step returns the error.
         if let Ok(sizes) = Sizes::new(file.scenario(), &case, &start) {
             watch.begin(&sizes);
         }
@@ -125,10 +126,10 @@ impl<W: Watch> CaseVisitor for Run<'_, W> {
 #[error("stopped")]
 struct Interrupted;
 
-/// Returns the state of the last checkpoint in a directory, and its header. The linear solver takes up the memory there.
+/// Returns the state of the last checkpoint in a directory, and its header. Restores the memory of the linear solver.
 ///
 /// # Errors
-/// There is none, it belongs to another scenario or program, or it is beyond the end of the run.
+/// There is no checkpoint, it belongs to another scenario or program, or it is beyond the end of the run.
 fn last_checkpoint<const D: usize>(
     file: &ScenarioFile,
     case: &mut Case<D>,
@@ -161,10 +162,10 @@ fn last_checkpoint<const D: usize>(
     }
 }
 
-/// Removes the checkpoints of a run that has come to its end.
+/// Removes the checkpoints of a finished run.
 ///
 /// # Errors
-/// [`Error::Unfinished`]: it has not.
+/// [`Error::Unfinished`]: the run is not finished. [`Error::Checkpoint`]: no checkpoint can be read.
 fn remove_checkpoints(directory: &Path) -> Result<(), Error> {
     let is_finished = |header: &Header| header.step >= header.n_steps;
     match Checkpoint::last(directory) {
@@ -181,7 +182,7 @@ fn remove_checkpoints(directory: &Path) -> Result<(), Error> {
     }
 }
 
-/// Removes series of fields of an earlier run, which would otherwise mix with those of this one.
+/// Removes series of fields and probes of an earlier run, which this run may not replace.
 fn remove_series(directory: &Path) -> Result<(), Error> {
     for name in SERIES {
         let path = directory.join(format!("{name}.pvd"));
@@ -215,7 +216,7 @@ fn remove_fields(directory: &Path, is_removed: impl Fn(usize) -> bool) -> Result
 
 struct RunFiles<'a, const D: usize> {
     directory: PathBuf,
-    /// The scenario without what may change when a run goes on.
+    /// The scenario without end time and output, which may change when a run goes on.
     problem: String,
     output: Output,
     n_steps: usize,
@@ -226,7 +227,7 @@ struct RunFiles<'a, const D: usize> {
     summary: SummaryBuilder,
     series: [Series; SERIES.len()],
     begin: Instant,
-    /// Wall-clock time before `begin`, s: that of the run up to its checkpoint.
+    /// Wall-clock time of the run up to its checkpoint, s.
     seconds_before: f64,
     /// Time of the last checkpoint.
     last_checkpoint: Instant,
@@ -304,7 +305,7 @@ impl<'a, const D: usize> RunFiles<'a, D> {
     fn is_checkpoint(&self, step: usize) -> bool {
         let every = self.output.checkpoint_interval();
         if step == self.n_steps {
-            // A checkpoint of an interrupt would make the run look unfinished.
+            // An earlier checkpoint, as of an interrupt, would make the finished run look unfinished.
             return every > 0 || !checkpoint_steps(&self.directory).is_empty();
         }
         let minutes = self.output.checkpoint_minutes.unwrap_or(0.0);
@@ -345,11 +346,11 @@ impl<'a, const D: usize> RunFiles<'a, D> {
     }
 }
 
-/// Observer that writes the files of a step, passes it to the observer of the program, and ends it with a checkpoint,
-/// if there is one: both have then recorded the step.
+/// Observer that writes the files of a step, calls the observer of the program, and writes a checkpoint if one is due.
+/// At the checkpoint, files and observer have recorded the step.
 struct FileObserver<'a, 'b, const D: usize> {
     files: &'a mut RunFiles<'b, D>,
-    /// Whether the run goes on from a checkpoint, where everything is recorded already.
+    /// Whether the run goes on from a checkpoint. Its first state is recorded already.
     resumes: bool,
     watch: Option<Box<dyn Observer<D> + 'a>>,
 }

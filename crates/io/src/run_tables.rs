@@ -6,13 +6,13 @@ use crate::Error;
 use crate::history::{HistoryTable, TABLES, name_and_unit};
 use crate::scenario::advice;
 
-/// Beginning of the names of columns with times of the clock.
+/// Prefix of the names of columns with wall-clock times.
 const CLOCK: &str = "seconds_";
-/// Columns with counts of work, which differ between solvers and machines.
+/// Columns with numbers of iterations and unknowns, which differ between solvers and machines.
 const WORK: [&str; 4] = ["newton", "linear_iterations", "factorizations", "dofs"];
-/// Beginning of the names of columns with energies of the ledger. They are round-off where nothing is lost.
+/// Prefix of the names of columns with energies of the ledger. They are round-off if no energy is lost.
 const LEDGER: &str = "lost_";
-/// Column with the energy to which those of the ledger are compared.
+/// Column with the scale of the energies of the ledger.
 const ENERGY: &str = "total_energy";
 
 /// The tables of a run.
@@ -28,22 +28,22 @@ pub struct Difference {
     pub column: String,
     /// Largest absolute difference, at the times of the first run.
     pub largest: f64,
-    /// Largest absolute value in either run; for columns of the ledger that of the total energy, if it is larger.
+    /// Largest absolute value in either run. For columns of the ledger, at least the largest total energy.
     pub scale: f64,
 }
 
 impl Difference {
-    /// Returns the difference relative to the largest value; zero where both runs have only zeros.
+    /// Returns `largest / scale`; zero for equal columns.
     pub fn relative(&self) -> f64 {
         if self.largest == 0.0 { 0.0 } else { self.largest / self.scale }
     }
 }
 
 impl RunTables {
-    /// Reads the tables in a directory of results. Those that the run did not write are left out.
+    /// Reads the tables in a directory of results. Tables that the run did not write are left out.
     ///
     /// # Errors
-    /// [`Error::NoResults`]: there is no `history.csv`. [`Error::Damaged`].
+    /// [`Error::NoResults`]: there is no `history.csv`. [`Error::Read`], [`Error::Damaged`].
     pub fn read(directory: &Path) -> Result<Self, Error> {
         let [history, others @ ..] = TABLES;
         let mut tables = vec![HistoryTable::read(&results_file(directory, history)?)?];
@@ -65,7 +65,7 @@ impl RunTables {
         self.tables.iter().flat_map(|table| table.names().iter().skip(1)).map(String::as_str)
     }
 
-    /// Returns times and values of a column; `None` if there is none of that name.
+    /// Returns times and values of a column, or `None` if there is no column of this name.
     pub fn column(&self, name: &str) -> Option<Vec<(f64, f64)>> {
         self.tables.iter().find_map(|table| {
             let times = table.column("time")?;
@@ -73,10 +73,10 @@ impl RunTables {
         })
     }
 
-    /// Returns the name of a column with its unit; without it if no run states the unit. The directories name the runs.
+    /// Returns the name of a column with its unit, or without unit if no run states it. The directories are for errors.
     ///
     /// # Errors
-    /// [`Error::OtherUnit`].
+    /// [`Error::OtherUnit`]: two runs have different units.
     pub fn heading<'a>(runs: &[(&Path, &'a Self)], column: &'a str) -> Result<&'a str, Error> {
         let bare = name_and_unit(column).0;
         let of_run = |run: &'a Self| run.tables.iter().find_map(|table| table.heading(bare));
@@ -103,11 +103,11 @@ impl RunTables {
         Error::NoColumn { directory, column, advice, known: names.join(", ") }
     }
 
-    /// Returns the differences of columns, the largest relative one first. Without names these are all columns that both
-    /// runs have, but those with counts of work and times of the clock.
+    /// Returns the differences of columns, the largest relative one first. If `columns` is empty, these are all columns
+    /// that both runs have, without wall-clock times and numbers of iterations and unknowns.
     ///
-    /// Values of the other run are interpolated to the times of this one, as far as both runs go. The directories name
-    /// the runs in errors.
+    /// Values of the other run are interpolated linearly to the times of this run, within the times of both runs. The
+    /// directories are for errors.
     ///
     /// # Errors
     /// [`Error::NothingCommon`]: the runs have no column or no time in common. [`Error::OtherUnit`]: they have different
@@ -137,7 +137,7 @@ impl RunTables {
             let pairs = own.iter().filter_map(|(time, value)| Some((*value, interpolated(&others, *time)?)));
             let mut found = Difference { column: name.to_owned(), largest: 0.0, scale: 0.0 };
             for (a, b) in pairs {
-                // Both are undefined, as outside the fluid, or only one is.
+                // A value is NaN outside of the fluid. If only one is, the difference is infinite.
                 let distance = if a.is_nan() && b.is_nan() { 0.0 } else { (a - b).abs() };
                 found.largest = if distance.is_nan() { f64::INFINITY } else { found.largest.max(distance) };
                 found.scale = found.scale.max(a.abs()).max(b.abs());
@@ -176,7 +176,7 @@ pub fn results_file(directory: &Path, file: &'static str) -> Result<PathBuf, Err
     if path.is_file() { Ok(path) } else { Err(Error::NoResults { directory: directory.to_owned(), file }) }
 }
 
-/// Returns the value of a column at a time, linear between its rows; `None` before the first and after the last one.
+/// Returns the value of a column at a time, linear between its rows; `None` before the first and after the last row.
 fn interpolated(rows: &[(f64, f64)], time: f64) -> Option<f64> {
     let after = rows.partition_point(|(t, _)| *t < time);
     let (t, value) = *rows.get(after)?;

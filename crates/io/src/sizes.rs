@@ -1,4 +1,4 @@
-//! A scenario as it is understood: sizes of its meshes, conditions and methods.
+//! Summary of a scenario: sizes of its meshes, conditions and methods.
 
 use std::sync::Arc;
 
@@ -19,29 +19,29 @@ pub struct Sizes {
     pub background_cells: usize,
     /// Vertices of the background.
     pub background_vertices: usize,
-    /// Extents of the background along the axes; none without a fluid.
+    /// Extents of the background along the axes; empty without a fluid.
     pub background_extents: Vec<f64>,
-    /// Name, cells and vertices of each body; no cells if only its surface is used, because it does not deform.
+    /// Name, number of cells and number of vertices of each body. Bodies that do not deform have no cells.
     pub bodies: Vec<(String, usize, usize)>,
-    /// Extents of each body along the axes, where the run begins.
+    /// Extents of each body along the axes at the start.
     pub body_extents: Vec<Vec<f64>>,
-    /// Roles in each contact, for people.
+    /// Roles in each contact, as sentences.
     pub contacts: Vec<String>,
-    /// Mass, weight and buoyancy of each body that has a mass, for people.
+    /// Mass, weight and buoyancy of each body with a mass, as sentences.
     pub weights: Vec<String>,
-    /// Warnings about choices that are allowed and mostly not meant, for people.
+    /// Warnings about choices that are allowed but mostly mistakes, as sentences.
     pub warnings: Vec<String>,
     /// Cut cells at the start.
     pub cut_cells: usize,
     /// Unknowns of the first step.
     pub dofs: usize,
-    /// Steps.
+    /// Number of steps.
     pub n_steps: usize,
     /// Whether half of a symmetric problem is solved.
     pub half_domain: bool,
     /// Name of the linear solver, and the reason for it.
     pub linear: String,
-    /// The scenario as it is understood, for people: sizes, conditions and methods, with those that were chosen for it.
+    /// The summary as lines: sizes, conditions and methods, also the methods that the program has chosen.
     pub lines: Vec<String>,
 }
 
@@ -168,7 +168,8 @@ fn product(extents: &[f64]) -> String {
     extents.iter().map(|extent| format!("{:?}", rounded(*extent))).collect::<Vec<_>>().join(" x ")
 }
 
-/// Describes mass, weight and buoyancy of the bodies at a state. The buoyancy is that of the body force at the centre, on the volume that the surface encloses: the fluid meets a surface of plane facets.
+/// Describes mass, weight and buoyancy of the bodies at a state. The buoyancy is the body force of the fluid at the
+/// centre of mass times the volume that the plane facets of the surface enclose.
 fn weights<const D: usize>(scenario: &Scenario, setup: &Setup<D>, state: &State<D>) -> Vec<String> {
     let unit = |quantity| scenario.units.total_label(quantity, scenario.dimension_of_whole());
     let (mass, force) = (unit(Quantity::MASS), unit(Quantity::FORCE));
@@ -191,7 +192,7 @@ fn weights<const D: usize>(scenario: &Scenario, setup: &Setup<D>, state: &State<
     shortened(setup.bodies.iter().zip(&state.bodies).filter_map(of_body).collect(), "weights")
 }
 
-/// Largest number of lines about roles in contacts, and about weights.
+/// Largest number of lines about roles in contacts, and of lines about weights.
 const MOST_LINES: usize = 20;
 
 /// Describes the roles in each contact.

@@ -11,7 +11,7 @@ use crate::files::{read_text, write_whole};
 use crate::measures::{BodyMeasures, acts_on, leading_body};
 use crate::scenario::{Quantity, Units};
 
-/// A step may raise the energy by this fraction of the largest energy: round-off.
+/// Largest increase of the energy in a step, as a fraction of the largest energy, that is round-off.
 const ENERGY_TOLERANCE: f64 = 1e-8;
 
 /// Sizes, contacts, checks and times of a run. Distances, penetrations and contacts are those of the leading body: the
@@ -20,8 +20,8 @@ const ENERGY_TOLERANCE: f64 = 1e-8;
 pub struct Summary {
     /// Name of the case.
     pub case: String,
-    /// Dimension of the meshes; in the plane forces, energies and volumes are per unit depth, in axisymmetric coordinates those
-    /// of the whole.
+    /// Dimension of the meshes. In 2D Cartesian coordinates forces, energies and volumes are per unit depth, in
+    /// axisymmetric coordinates they are those of the whole.
     pub dimension: usize,
     /// Names of units.
     pub units: UnitLabels,
@@ -36,7 +36,7 @@ pub struct Summary {
     pub dt: f64,
     /// Steps done.
     pub steps: usize,
-    /// Steps that were divided, because bodies were close to each other or a step failed; not written if zero.
+    /// Steps that were divided, because bodies were close to each other or a step failed. Not written if zero.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub divided_steps: usize,
     /// Cells of the background.
@@ -58,7 +58,7 @@ pub struct Summary {
     pub contact_time: Option<f64>,
     /// End of the first later step without contact.
     pub release_time: Option<f64>,
-    /// Start and end of each contact; no end if it lasts.
+    /// Start and end of each contact of the leading body. A contact at the end of the run has no end.
     pub contact_intervals: Vec<(f64, Option<f64>)>,
     /// The two sides of the first contact of the leading body; not written if there is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -66,27 +66,27 @@ pub struct Summary {
     /// Smallest gap of all contacts, and its two sides; not written if there is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub smallest_gap: Option<(f64, String)>,
-    /// Largest violation of the offset.
+    /// Largest penetration `[ε - Δ]₊`.
     pub max_penetration: f64,
-    /// Largest violation of the offset, divided by the contact size.
+    /// `max_penetration` divided by the contact size of the first contact with the body as slave.
     pub max_penetration_over_s: Option<f64>,
-    /// Smallest distance.
+    /// Smallest [`crate::distance`].
     pub min_distance: Option<f64>,
-    /// Whether no step generated more energy than 1e-8 of the largest sum of all energies, without the work of loads, forces,
-    /// open boundaries and given velocities.
+    /// Whether no step increased the energy by more than 1e-8 of the largest sum of all energies, without the work of
+    /// loads, forces, open boundaries and given velocities.
     pub energy_monotone: bool,
-    /// Largest energy of a step that no line of the ledger explains, relative to the largest energy or line, in tolerances of
-    /// Newton's method; none before the first step.
+    /// Largest energy of a step that no line of [`solver::Ledger`] contains, divided by the largest energy or line and
+    /// by the tolerance of Newton's method. None before the first step.
     #[serde(default)]
     pub energy_defect: Option<f64>,
-    /// Largest absolute flow through the interface divided by the flow that the bodies displace; none if they rest.
+    /// Largest integral of `|(u - v)·n|` over the interface, divided by the displaced flow. None if bodies rest.
     #[serde(default)]
     pub max_interface_leak: Option<f64>,
     /// Newton corrections.
     pub newton_iterations: usize,
     /// Factorisations.
     pub factorizations: usize,
-    /// Factorisations that needed free pivoting, as static pivots failed.
+    /// Factorisations repeated with pivoting over the whole matrix ([`algebra::NewtonReport::fallbacks`]).
     #[serde(default)]
     pub fallbacks: usize,
     /// Wall-clock time so far, s.
@@ -98,7 +98,8 @@ pub struct Summary {
     pub peak_rss_bytes: Option<u64>,
 }
 
-/// Names of the units of a run; those of force, energy, power, volume and flow are per unit depth in the plane.
+/// Names of the units of a run. In 2D Cartesian coordinates the units of force, energy, power, volume and flow are per
+/// unit depth.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[allow(missing_docs)] // each field is the unit of the quantity it names
 pub struct UnitLabels {
@@ -118,7 +119,7 @@ pub struct UnitLabels {
 }
 
 impl UnitLabels {
-    /// Returns the labels for results whose masses, forces, energies, volumes and flows belong to a whole of a dimension.
+    /// Returns the labels, with masses, forces, energies, volumes and flows of a domain of `dimension`.
     pub(crate) fn new(units: &Units, dimension: usize) -> Self {
         let volume = |time| Quantity { length: dimension as i8, mass: 0, time };
         Self {
@@ -150,7 +151,7 @@ pub struct Timing {
     pub contribution: Option<String>,
     /// Number of calls.
     pub calls: usize,
-    /// All calls together, s.
+    /// Wall-clock time of all calls together, s.
     pub seconds: f64,
 }
 
@@ -214,15 +215,15 @@ pub(crate) struct SummaryBuilder {
     largest_line: f64,
     largest_defect: f64,
     largest_swept: f64,
-    /// Displaced flow up to which bodies count as at rest.
+    /// Displaced flow of bodies up to which they are at rest.
     still: f64,
 }
 
-/// Bodies that displace less than this part of the domain in a step are at rest.
+/// Largest volume that bodies at rest displace in a step, as a fraction of the volume of the domain.
 const STILL: f64 = 1e-12;
 
 impl SummaryBuilder {
-    /// Creates the summary of a run in a domain of a volume.
+    /// Creates the summary of a run. `domain` is the volume of the background.
     pub(crate) fn new(start: Summary, domain: f64) -> Self {
         let still = STILL * domain / start.dt;
         let summary = Summary { energy_monotone: true, ..start };
@@ -267,7 +268,7 @@ impl SummaryBuilder {
         self.largest_gain = self.largest_gain.max(-report.ledger.dissipation());
         self.largest_line = self.largest_line.max(report.ledger.largest_line());
         let defect = report.ledger.defect().abs();
-        // NaN is kept.
+        // A NaN is kept: no later defect compares larger.
         if defect > self.largest_defect || defect.is_nan() {
             self.largest_defect = defect;
         }

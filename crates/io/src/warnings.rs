@@ -1,4 +1,4 @@
-//! Warnings about choices in a scenario that are allowed and mostly not meant.
+//! Warnings about choices in a scenario that are allowed but mostly mistakes.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -11,10 +11,10 @@ use solver::{Contact, FluidBoundary, Setup, State};
 
 use crate::scenario::{Case, Choose as _, Quantity, Scenario};
 
-/// Largest part of the contact size by which a gap is below the offset through round-off.
+/// Largest round-off of a gap, divided by the contact size, and of positions, divided by the extent of the mesh.
 const ROUND_OFF: f64 = 1e-6;
 
-/// Largest relative difference of two forces that are meant to be equal.
+/// Largest relative difference of two equal forces.
 const EQUAL: f64 = 1e-2;
 
 /// Returns the warnings about a case in a state.
@@ -102,10 +102,10 @@ fn body_forces<const D: usize>(setup: &Setup<D>, state: &State<D>) -> Vec<String
     setup.bodies.iter().zip(&state.bodies).filter_map(of_body).collect()
 }
 
-/// Least number of cells along the largest extent of a body.
+/// Smallest number of cells along the largest extent of a resolved body.
 const LEAST_CELLS: f64 = 3.0;
 
-/// Returns warnings about bodies that cells do not resolve along any axis.
+/// Returns warnings about bodies whose largest extent is below [`LEAST_CELLS`] cells.
 fn small_bodies<const D: usize>(setup: &Setup<D>, positions: &[Vec<Point<D>>]) -> Vec<String> {
     let Some(fluid) = &setup.fluid else { return Vec::new() };
     let of_body = |(body, points): (&Arc<dyn Body<D>>, &Vec<Point<D>>)| {
@@ -120,8 +120,8 @@ fn small_bodies<const D: usize>(setup: &Setup<D>, positions: &[Vec<Point<D>>]) -
     setup.bodies.iter().zip(positions).filter_map(of_body).collect()
 }
 
-/// Describes bodies that reach through a side of the background on which the velocity is given. At planes of symmetry and
-/// open sides this is how parts of bodies are described.
+/// Returns warnings about bodies that reach through a side of the background with a prescribed velocity. Bodies may
+/// reach through planes of symmetry and open sides.
 fn outside<const D: usize>(setup: &Setup<D>, positions: &[Vec<Point<D>>], length: &str) -> Vec<String> {
     let Some(fluid) = &setup.fluid else { return Vec::new() };
     let background = &fluid.background;
@@ -141,7 +141,7 @@ fn outside<const D: usize>(setup: &Setup<D>, positions: &[Vec<Point<D>>], length
             let away = x - nearest.point;
             let distance = away.norm();
             if let Some(side) = boundary.tag(nearest.facet).filter(|side| distance > least && is_wall(*side)) {
-                // Across the side: the nearest point may be its end.
+                // Distance normal to the side; the nearest point may be on the edge of the side.
                 let across = away.dot(&surface.facet_normal(nearest.facet)).abs();
                 let distance = if across > least { across } else { distance };
                 let of_side = farthest.entry(side).or_insert((distance, x));
@@ -160,8 +160,8 @@ fn outside<const D: usize>(setup: &Setup<D>, positions: &[Vec<Point<D>>], length
     lines
 }
 
-/// Returns the smallest gap of vertices that may come into contact; `None` for a body with itself, and for bodies whose
-/// boxes are farther apart than the offset.
+/// Returns the smallest gap of the vertices of a contact. Returns `None` for contact of a body with itself, and for
+/// bodies whose bounding boxes are farther apart than the offset.
 fn smallest_gap<const D: usize>(setup: &Setup<D>, contact: &Contact<D>, positions: &[Vec<Point<D>>]) -> Option<f64> {
     let slave = contact.body().index();
     let vertices = setup.bodies[slave].surface().vertices_of(contact.facets());

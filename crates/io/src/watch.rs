@@ -7,11 +7,11 @@ use crate::measures::{distance, leading_body};
 use crate::scenario::Case;
 use crate::sizes::Sizes;
 
-/// A source of observers for a run, whose dimension becomes known only when its scenario is read.
+/// A source of observers for a run. The dimension of the observer is determined when the scenario is read.
 ///
-/// `()` attaches none, `None` neither, and a pair attaches those of both members.
+/// `()` and `None` attach no observer, a pair attaches the observers of both members.
 pub trait Watch {
-    /// Receives the scenario as it is understood, before the first step.
+    /// Receives the sizes and the summary of the scenario before the first step.
     fn begin(&mut self, _: &Sizes) {}
 
     /// Returns the observer of a run, if any. It borrows from `self`, so that the collected data remain after the run.
@@ -89,7 +89,7 @@ pub struct StepProgress {
     pub n_steps: usize,
     /// Time reached.
     pub time: f64,
-    /// Smallest distance of the leading body.
+    /// Distance of the leading body ([`crate::distance`]); `None` without a body.
     pub d_min: Option<f64>,
     /// Smallest gap of all contacts, if there are any.
     pub smallest_gap: Option<f64>,
@@ -97,11 +97,11 @@ pub struct StepProgress {
     pub newton_iterations: usize,
     /// Iterations of the linear solver in these corrections.
     pub linear_iterations: usize,
-    /// Residual of the solution, relative to the state.
+    /// Last relative residual of Newton's method ([`algebra::NewtonReport::residual_history`]).
     pub residual: f64,
     /// Whether the step was taken in parts, because it failed as a whole or bodies were close to each other.
     pub is_divided: bool,
-    /// Whether there is contact.
+    /// Whether any contact is active.
     pub in_contact: bool,
 }
 

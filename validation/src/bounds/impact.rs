@@ -13,30 +13,30 @@ use crate::verify::run::{Run, V};
 
 /// Radius, cm.
 const RADIUS: f64 = 4.0;
-/// Lame parameters, dyn/cm^2.
+// Lame parameters, dyn/cm^2.
 const MU: f64 = 2e6;
 const LAMBDA: f64 = 8e6;
-/// Contact penalty over contact size, as in the cases.
+// Contact penalty over contact size, as in the cases.
 const GAMMA_CONTACT: f64 = 1e8;
 const CONTACT_SIZE: f64 = 0.1;
 /// Steps without contact, as a time in s, after which the impact is over.
 const SILENCE: f64 = 1.5e-3;
-/// Time after which an impact that is not over counts as failed, s.
+/// Time after which an unfinished impact has failed, s.
 const LATEST: f64 = 0.05;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Impact {
     /// Time step, s.
     pub(crate) dt: f64,
-    /// From the first to the last step in contact, s.
+    /// Time from the first to the last step in contact, s.
     pub(crate) duration: f64,
-    /// Velocity of the centre of mass after over before the impact.
+    /// Velocity of the centre of mass after the impact, divided by that before.
     pub(crate) restitution: f64,
     /// Smallest height of the disk, cm; 8 if undeformed.
     pub(crate) smallest_height: f64,
-    /// Largest elastic energy over the kinetic energy before the impact.
+    /// Largest elastic energy, divided by the kinetic energy before the impact.
     pub(crate) elastic_peak: f64,
-    /// Energy lost, over that before the impact.
+    /// Lost energy, divided by the energy before the impact.
     pub(crate) loss: f64,
 }
 

@@ -18,7 +18,7 @@ const ADDED_MASS: [(f64, f64); 12] = [
 ];
 /// Gravity, cm/s^2.
 const GRAVITY: f64 = 1e3;
-/// Intervals of the integration.
+/// Number of intervals of the integration.
 const INTERVALS: usize = 600;
 
 /// Returns the gap in which the ball of a scenario (its TOML text) starts, and that at which contact begins; `None` if
@@ -97,7 +97,7 @@ pub(crate) fn fall(start: f64, end: f64) -> Vec<Falling> {
     moments
 }
 
-/// Returns the last moment of a fall.
+/// Returns the end of a fall.
 pub(crate) fn arrival(start: f64, end: f64) -> Falling {
     let moments = fall(start, end);
     moments[moments.len() - 1]

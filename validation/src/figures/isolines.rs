@@ -11,7 +11,7 @@ use crate::metrics::PLATE;
 
 /// Longer side of a view in pixels.
 const LONGEST: f64 = 600.0;
-/// Width of the part of a plate that is shown, divided by its height, and the stretch of its heights.
+// Width of the part of a plate that is shown, divided by its height, and the stretch of its heights.
 const PLATE_WINDOW: f64 = 25.0;
 const PLATE_STRETCH: f64 = 5.0;
 /// Levels between the smallest and the largest displacement.

@@ -65,7 +65,7 @@ struct Drawing<'a, const D: usize> {
     has_second: bool,
     /// Whether there was contact in the last step.
     touched: bool,
-    /// Largest violation of an offset, its time, and the bodies then.
+    /// Largest penetration, its time, and the bodies at this time.
     deepest: Option<(f64, f64, Vec<BodyState<D>>)>,
 }
 

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-/// Width of the bar with its labels, height of the title, and margin.
+// Width of the bar with its labels, height of the title, and margin.
 const BAR: f64 = 84.0;
 const TITLE: f64 = 34.0;
 const MARGIN: f64 = 12.0;
@@ -18,7 +18,7 @@ pub(super) struct View {
     mirror: Option<f64>,
     /// Elements inside the rectangle.
     inside: String,
-    /// Elements around it.
+    /// Elements around the rectangle.
     around: String,
 }
 

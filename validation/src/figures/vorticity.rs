@@ -8,13 +8,13 @@ use cutwater::solver::{FluidState, StepView};
 
 use super::view::{View, bounds, picture};
 
-/// Longer side of a view, distance of vectors and length of the longest one, in pixels.
+// Longer side of a view, distance of vectors and length of the longest one, in pixels.
 const LONGEST: f64 = 640.0;
 const SPACING: f64 = 25.0;
 const LONGEST_VECTOR: f64 = 33.0;
 /// Levels between the smallest and the largest value.
 const LEVELS: f64 = 20.0;
-/// Width of the lower view divided by that of the body, and its height divided by its width.
+// Width of the lower view divided by that of the body, and its height divided by its width.
 const ZOOM: f64 = 0.6;
 const ASPECT: f64 = 0.55;
 

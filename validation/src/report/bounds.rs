@@ -16,7 +16,7 @@ use crate::units::cgs;
 const FALLS: [(f64, f64); 5] = [(6.0, 3.0), (6.0, 0.1), (3.0, 0.1), (1.0, 0.1), (1.0, 0.05)];
 /// Speed of the dry impact, cm/s: that of the ball at the virtual barrier.
 const SPEED: f64 = 52.45;
-/// Size of cells and time steps of the dry impact.
+// Size of cells and time steps of the dry impact.
 const SIZE: f64 = 0.4;
 const STEPS: [f64; 5] = [1e-3, 5e-4, 2e-4, 1e-4, 5e-5];
 

@@ -27,7 +27,7 @@ pub(super) struct Definition {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Series {
-    /// Its name, unlike all others of the study.
+    /// Name, unique in the study.
     pub(super) name: String,
     /// The varied quantity, with its unit.
     pub(super) parameter: String,

@@ -4,7 +4,7 @@
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Limit {
     pub(super) value: f64,
-    /// Half of the width of the interval that should contain it.
+    /// Half of the width of the interval that should contain the limit.
     pub(super) uncertainty: f64,
     /// Observed order; `None` where the differences do not shrink or change sign.
     pub(super) order: Option<f64>,
@@ -16,7 +16,7 @@ pub(super) struct Limit {
 const ORDERS: std::ops::RangeInclusive<f64> = 0.5..=2.0;
 /// Safety factors of the uncertainty: where the differences shrink, and where they do not.
 const SAFETY: [f64; 2] = [1.25, 3.0];
-/// Relative deviation of the ratio of the sizes from a constant.
+/// Largest relative deviation of the ratio of the sizes from a constant.
 const SAME_RATIO: f64 = 1e-6;
 
 /// Returns the limit of `t(h)` for `h` to zero by Richardson extrapolation of the last three of `(h, t)`, which must

@@ -52,7 +52,7 @@ impl Run {
 }
 
 /// Runs studies. Returns whether every run came to its end and every verdict holds. The results of a run are kept in a
-/// directory of its own. A run whose directory has all steps of the same scenario is not done again, unless `again` is
+/// directory of its own. A run whose directory has all steps of the same scenario is not repeated, unless `again` is
 /// set. The page of a study in the book is written when all its runs are done.
 ///
 /// # Errors
@@ -243,7 +243,7 @@ fn add_limits(series: &Series, runs: &[Run], record: &mut Record, table: &mut Ve
     }
     for (k, (quantity, of)) in QUANTITIES.iter().enumerate() {
         let quantity = cgs(quantity);
-        // A run without the quantity leaves no limit.
+        // A limit needs the quantity in every run.
         let sequence: Option<Vec<(f64, f64)>> = runs.iter().map(|run| Some((run.value, of(run)?))).collect();
         let limit = sequence.and_then(|sequence| richardson(&sequence));
         if let Some(Limit { value, uncertainty, order, shrinks }) = limit {
@@ -274,7 +274,7 @@ fn passes(times: &[f64], distances: &[f64], level: f64) -> Option<f64> {
     Some((times[k - 1] + share).min(times[k]))
 }
 
-/// Returns the distance when it first stops falling.
+/// Returns the first local minimum of the distance.
 fn first_approach(distances: &[f64]) -> Option<f64> {
     distances.windows(2).find(|pair| pair[1] > pair[0]).map(|pair| pair[0])
 }

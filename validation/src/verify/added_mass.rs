@@ -20,10 +20,11 @@ const ACCURACY: f64 = 0.005;
 /// Sets of stabilisation parameters that are compared; the first one is judged.
 const SETS: [&str; 2] = ["standard", "paper-44-2019"];
 
-/// Required order in the time step of the velocity of the rigid ball, with the scheme of second order, and its spectral radius.
+// Required order in the time step of the velocity of the rigid ball, with the scheme of second order, and its spectral
+// radius.
 const TIME_ORDER: f64 = 1.8;
 const RHO_INF: f64 = 0.5;
-/// Time of that velocity, and the longest step.
+// Time of that velocity, and the longest step.
 const FALL: f64 = 0.04;
 const LONGEST_STEP: f64 = 4e-3;
 

@@ -21,15 +21,15 @@ use super::{Failure, P, Record, Run, T, V};
 
 /// Largest relative error of the drag on the finest mesh of the Stokes flow.
 const DRAG: f64 = 0.005;
-/// Largest relative differences of the other forces.
+// Largest relative differences of the other forces.
 const TUBE: f64 = 0.02;
 const WALL: f64 = 0.03;
 const ADDED_MASS: f64 = 0.02;
 const WAKE: f64 = 0.02;
 const MODES: f64 = 0.01;
 const HERTZ: [f64; 2] = [0.02, 0.03];
-/// Ball of radius one on a plane. Displacement of its middle plane; the radius of contact is then a tenth of that of
-/// the ball.
+// Ball of radius one on a plane. Displacement of its middle plane; the radius of contact is then a tenth of that of
+// the ball.
 const APPROACH: f64 = 0.01;
 const YOUNG: f64 = 1.0;
 const POISSON: f64 = 0.3;
@@ -266,7 +266,7 @@ fn added_mass(record: &mut Record) -> Result<(), Failure> {
     const EXACT: [(f64, f64); 3] = [(10.0, 0.500141), (1.0, 0.523891), (0.2, 0.624824)];
     const FAR: f64 = 30.0;
     const DENSITY: f64 = 4.0;
-    /// A step in which the boundary layer has a thickness of 1e-4 radii, and the motion is 1e-8 radii.
+    // A step in which the boundary layer has a thickness of 1e-4 radii, and the motion is 1e-8 radii.
     const STEP: f64 = 1e-4;
     const VISCOSITY: f64 = 1e-4;
     for (gap, exact) in EXACT {

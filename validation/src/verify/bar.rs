@@ -21,11 +21,11 @@ use super::{Failure, Record, short};
 const RHO_INF: f64 = 0.8;
 /// Largest root of the mean squared deviation of the pressure in the middle of a contact, without mass on the floor: a sixtieth of the pressure.
 const LARGEST_DEVIATION: f64 = 0.5;
-/// Cells from which on these bounds hold.
+/// Smallest number of cells for which these bounds hold.
 const RESOLVED: usize = 100;
 /// Largest change of the height after all periods.
 const HEIGHT_CHANGE: f64 = 0.01;
-/// Periods after which energy is compared, and cells of the bars for that.
+// Periods after which energy is compared, and cells of the bars for that.
 const PERIODS: u32 = 10;
 const LONG: [usize; 3] = [50, 100, 200];
 
@@ -45,7 +45,7 @@ struct Method {
     courant: f64,
     /// Whether the nodes on the floor have no mass.
     is_massless: bool,
-    /// Whether it has to meet the exact solution on each mesh.
+    /// Whether the bounds apply to this method.
     is_gated: bool,
     is_second_order: bool,
 }
@@ -56,10 +56,10 @@ impl Method {
     }
 }
 
-/// Largest numbers of steps by which contacts begin, end, or touch last at the wrong time.
+/// Largest errors of the times at which contacts begin and end, and of the last touch, in steps.
 #[derive(Clone, Copy, Default)]
 struct Late {
-    /// The impact and the first bounce.
+    /// Errors of the impact and the first bounce.
     first: f64,
     second: f64,
     last_touch: f64,

@@ -8,22 +8,24 @@ use super::Failure;
 use super::record::{Points, Table};
 use crate::case::example_path;
 
-/// Radius of the sphere, m; speed of the approach, m/s.
+/// Radius of the sphere, m.
 pub(super) const RADIUS: f64 = 1.5e-3;
+/// Speed of the approach, m/s.
 pub(super) const SPEED: f64 = 0.585;
-/// Viscosity of the oil of the example times its Stokes number, Pa s.
+/// Viscosity of the oil of the example times its Stokes number, Pa s. Their product is the same at all Stokes numbers.
 const VISCOSITY: f64 = 0.010 * 152.0;
-/// Time between two pictures of the experiment that the example is taken from, s. The speed of rebound is the mean one over this time.
+/// Time between two pictures of the experiment of the example, s. The speed of rebound is the mean over this time.
 pub(super) const FRAME: f64 = 2e-3;
 /// Restitution in air.
 pub(super) const IN_AIR: f64 = 0.97;
 
-/// Reason for the new definition of the restitution of the short versions.
+/// Note on the definition of the restitution in the short versions.
 pub(super) const FORMER: &str = "The restitution was first that of the largest speed after the collision, which is the speed inside of the film and is not measured by any experiment. It is now \
                                  that of the mean speed in the first 2 ms, the time between two pictures; the bounds are the same.";
 
-/// Sizes of the refined cells of half and of twice the standard size, m.
+/// Half of the standard sizes of the refined cells, m.
 pub(super) const HALF: [f64; 4] = [7.5e-5, 3.75e-5, 1.875e-5, 4.6875e-6];
+/// Twice the standard sizes of the refined cells, m.
 pub(super) const TWICE: [f64; 4] = [3e-4, 1.5e-4, 7.5e-5, 1.875e-5];
 
 /// Time between two lines of progress on the standard error.
@@ -46,9 +48,9 @@ impl Observer<2> for Fall {
 pub(super) struct Bounces {
     /// Time, gap and velocity of all steps.
     pub(super) series: Vec<[f64; 3]>,
-    /// Time of the first upward velocity; `None` if the sphere does not turn.
+    /// Time of the first upward velocity; `None` if the sphere does not rebound.
     pub(super) contact: Option<f64>,
-    /// Times and heights of the maxima after it.
+    /// Times and heights of the maxima after the first contact.
     pub(super) maxima: Vec<(f64, f64)>,
     pub(super) seconds: f64,
 }
@@ -74,13 +76,13 @@ pub(super) fn fall(changes: &[String], is_over: impl Fn(&[[f64; 3]]) -> bool) ->
     Ok(Bounces { maxima: maxima(&fall.0), contact, series: fall.0, seconds: begin.elapsed().as_secs_f64() })
 }
 
-/// Returns whether there are some maxima after the first contact. The last one counts once the sphere has fallen by a part of a radius.
+/// Returns whether there are `bounces` maxima, and the sphere has fallen by 0.05 radii below the last one.
 pub(super) fn has_bounced(series: &[[f64; 3]], bounces: usize, radius: f64) -> bool {
     let (maxima, now) = (maxima(series), series.last().map_or(0.0, |at| at[1]));
     maxima.len() >= bounces && maxima.last().is_some_and(|(_, height)| now < height - 0.05 * radius)
 }
 
-/// Returns the number of the step with the first upward velocity.
+/// Returns the index of the step before the first upward velocity.
 fn lowest(series: &[[f64; 3]]) -> Option<usize> {
     series.windows(2).position(|pair| pair[0][2] < 0.0 && pair[1][2] > 0.0)
 }
@@ -98,7 +100,7 @@ pub(super) fn speed_at(series: &[[f64; 3]], gap: f64) -> Option<f64> {
     Some(-(pair[0][2] + share * (pair[1][2] - pair[0][2])))
 }
 
-/// Returns the changes for a sphere that is released at a radius from the floor on coarse cells.
+/// Returns the changes for a sphere that is released one radius from the floor, on coarse cells.
 pub(super) fn coarse_cells() -> Vec<String> {
     let mut changes: Vec<String> = [
         "body.0.shape.centre=[0.0, 4.5e-3]",
@@ -116,7 +118,7 @@ pub(super) fn coarse_cells() -> Vec<String> {
     changes
 }
 
-/// Returns the changes for other sizes of the refined cells.
+/// Returns the changes for given sizes of the refined cells.
 pub(super) fn cells(sizes: [f64; 4]) -> impl Iterator<Item = String> {
     (0..).zip(sizes).map(|(k, size): (usize, f64)| format!("background.refine.{k}.size={size}"))
 }
@@ -126,11 +128,11 @@ pub(super) fn cells(sizes: [f64; 4]) -> impl Iterator<Item = String> {
 pub(super) struct Rebound {
     /// Mean speed in the first frame.
     pub(super) mean: f64,
-    /// Largest speed in the first frame. It is that inside of the film just after the collision, which no experiment measures.
+    /// Largest speed in the first frame: in the film just after the collision, where no experiment measures it.
     pub(super) largest: f64,
 }
 
-/// Computes the rebound at a Stokes number; zero without one until `end` \[s\].
+/// Computes the rebound at a Stokes number; zero without rebound until `end`, s.
 pub(super) fn rebound(number: f64, mut changes: Vec<String>, end: f64) -> Result<Rebound, Failure> {
     changes.extend([format!("fluid.viscosity={}", VISCOSITY / number), format!("time.end={end}")]);
     let is_over = |series: &[[f64; 3]]| {
@@ -169,7 +171,7 @@ pub(super) fn measured(text: &str) -> Result<Points, Failure> {
     points.collect()
 }
 
-/// Returns the gap over the time from the first contact, from some time on.
+/// Returns the gap over the time from the first contact, for times after `begin`.
 pub(super) fn from_contact(bounces: &Bounces, begin: f64) -> Points {
     let contact = bounces.contact.unwrap_or_default();
     bounces.series.iter().filter(|at| at[0] > begin).map(|at| (at[0] - contact, at[1])).collect()

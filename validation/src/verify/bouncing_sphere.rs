@@ -8,22 +8,25 @@ use super::bounces::{
 };
 use super::{Failure, Record};
 
-/// Measured heights of the bounces, m, with the largest relative errors; the third is shown.
+/// Measured heights of the first three bounces, m, with the largest relative errors. `None`: the error is not checked.
 const HEIGHTS: [(f64, Option<f64>); 3] = [(7.466e-3, Some(0.05)), (2.234e-3, Some(0.08)), (0.520e-3, None)];
-/// Largest relative error of the speed at a gap of one radius, and change of the heights with mesh and step.
+/// Largest relative error of the speed at a gap of one radius.
 const APPROACH: f64 = 0.02;
+/// Largest relative change of the heights with the mesh and with the steps.
 const CHANGE: f64 = 0.03;
-/// Longest wall-clock time through the second bounce, s.
+/// Longest wall-clock time of the fall with three bounces, s.
 const COST: f64 = 2400.0;
-/// Scatter of measured restitutions, with that of coarse meshes.
+/// Largest error of the ratio of restitutions on coarse cells: scatter of measurements, and error of the mesh.
 const SCATTER: f64 = 0.15;
+/// Time before contact at which the measured curve begins, s.
+const SHOWN_BEFORE: f64 = 0.016;
 /// Measured times from the first contact to the heights, s.
 const TIMES: [f64; 3] = [0.038, 0.106, 0.140];
 const INPUTS: [[&str; 3]; 8] = [
     ["radius of the sphere", "1.5 mm", "experiment"],
     ["densities", "7800 and 935 kg/m³", "experiment"],
     ["viscosity", "0.010 Pa s", "experiment"],
-    ["speed of the approach", "0.585 m/s", "experiment; the sphere is moved at it until 1.8 radii over the floor"],
+    ["speed of the approach", "0.585 m/s", "experiment; prescribed until the gap to the floor is 1.8 radii"],
     ["restitution in air", "0.97", "experiment, 0.95 to 0.98 with other spheres of steel"],
     ["roughness", "1e-4 radii", "order of magnitude that the authors state; that of this sphere is not known"],
     ["vapour", "1 bar below the pressure of the surroundings", "a tank at atmospheric pressure; not measured"],
@@ -35,7 +38,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     if record.full { compare(record) } else { coarse(record) }
 }
 
-/// Lets the sphere go near the floor on a coarse mesh.
+/// Compares the rebound of a sphere that is released near the floor, on coarse cells, with the fit of measurements.
 fn coarse(record: &mut Record) -> Result<(), Failure> {
     let rebound = rebound(152.0, coarse_cells(), 0.02)?;
     let name = "coarse cells, released at a radius from the floor: restitution over that in air";
@@ -55,8 +58,8 @@ fn compare(record: &mut Record) -> Result<(), Failure> {
     let long = ["time.end=0.2".to_owned()];
     let bounces = |changes: &[String], number| fall(changes, |series| has_bounced(series, number, RADIUS));
     let standard = bounces(&long, 3)?;
-    let contact = standard.contact.ok_or("the sphere does not reach the floor")?;
-    let speed = speed_at(&standard.series, RADIUS).ok_or("the sphere does not reach the floor")?;
+    let contact = standard.contact.ok_or("the velocity of the sphere does not change its sign until the end")?;
+    let speed = speed_at(&standard.series, RADIUS).ok_or("the gap of the sphere is always above one radius")?;
     record.near_relative("speed at a gap of one radius [m/s]", speed, SPEED, APPROACH);
     for (k, (height, bound)) in HEIGHTS.into_iter().enumerate() {
         let found = standard.maxima.get(k).map_or(f64::NAN, |at| at.1);
@@ -82,7 +85,7 @@ fn compare(record: &mut Record) -> Result<(), Failure> {
     ];
     let mut curves = vec![
         ("measured".to_owned(), measured(MEASURED)?),
-        ("computed".to_owned(), from_contact(&standard, contact - 0.016)),
+        ("computed".to_owned(), from_contact(&standard, contact - SHOWN_BEFORE)),
     ];
     for (name, changes, bound) in variants {
         let changes: Vec<String> = long.iter().cloned().chain(changes).collect();
@@ -95,7 +98,7 @@ fn compare(record: &mut Record) -> Result<(), Failure> {
                 None => record.show(row, change, None),
             }
         }
-        let shown = other.contact.map_or(0.0, |contact| contact - 0.016);
+        let shown = other.contact.map_or(0.0, |contact| contact - SHOWN_BEFORE);
         curves.push((name.to_owned(), from_contact(&other, shown)));
     }
     record.figure("Gap over the time from the first contact [m]", "time [s]", curves);

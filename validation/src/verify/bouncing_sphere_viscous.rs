@@ -7,7 +7,7 @@ use super::bounces::{
 };
 use super::{Failure, Record};
 
-/// Radius of the sphere, m; speed of the approach, m/s.
+// Radius of the sphere, m; speed of the approach, m/s.
 const RADIUS: f64 = 3e-3;
 const SPEED: f64 = 0.518;
 /// Measured height of the bounce, m.
@@ -22,7 +22,7 @@ const INPUTS: [[&str; 3]; 8] = [
     ["radius of the sphere", "3 mm", "experiment"],
     ["densities", "7800 and 965 kg/m³", "experiment"],
     ["viscosity", "0.100 Pa s", "experiment"],
-    ["speed of the approach", "0.518 m/s", "experiment; the sphere is moved at it until 1.8 radii over the floor"],
+    ["speed of the approach", "0.518 m/s", "experiment; prescribed until the gap to the floor is 1.8 radii"],
     ["restitution in air", "0.97", "experiment, 0.95 to 0.98 with other spheres of steel"],
     ["roughness", "1e-4 radii", "order of magnitude that the authors state; that of this sphere is not known"],
     ["vapour", "1 bar below the pressure of the surroundings", "a tank at atmospheric pressure; not measured"],

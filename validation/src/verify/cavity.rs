@@ -20,8 +20,8 @@ const KNOWN: [(&str, f64); 3] = [
     ("greatest u_y for y = 1/2", 0.376_944_7),
     ("least u_y for y = 1/2", -0.527_077_1),
 ];
-/// Cells along a side, and largest relative error with the finest mesh. A boundary layer, `1/√Re`, then has 4 cells.
-/// With 1.5 cells `dfg-unsteady` allows 10 %, and errors fall with the square.
+// Cells along a side, and largest relative error with the finest mesh. A boundary layer, `1/√Re`, then has 4 cells.
+// With 1.5 cells `dfg-unsteady` allows 10 %, and errors fall with the square.
 const SIZES: [usize; 3] = [32, 64, 128];
 const ACCURACY: f64 = 0.014;
 /// Required order of the errors in h.

@@ -23,8 +23,8 @@ const NAMES: [&str; 5] = [
     "amplitude of the lift [N/m]",
     "frequency of the lift [Hz]",
 ];
-/// Places of the numbers that are compared, and their largest relative errors: those of drag, lift and frequency in the check
-/// `dfg-unsteady`. The other two are small differences of large numbers.
+// Indices of the quantities that are compared, and their largest relative errors, as for drag, lift and frequency in
+// the check `dfg-unsteady`. The other two are small differences of large numbers.
 const JUDGED: [usize; 3] = [0, 3, 4];
 const ACCURACY: [f64; 3] = [0.01, 0.03, 0.01];
 /// Cells in a diameter of the cylinder, and time step, s. Each run begins with the end of the one before.
@@ -38,7 +38,7 @@ const QUICK_ACCURACY: f64 = 0.1;
 const RHO_INF: f64 = 0.5;
 /// Tolerance of Newton's method, that of `dfg-unsteady`.
 const TOLERANCE: f64 = 1e-8;
-/// Cycles in a row in which the judged numbers differ by at most a fraction when the flow is periodic.
+// Cycles in a row in which the judged numbers differ by at most a fraction when the flow is periodic.
 const N_CYCLES: usize = 3;
 const UNCHANGED: f64 = 1e-3;
 /// Time until which each run has to be periodic, s.

@@ -10,15 +10,16 @@ use cutwater::solver::{FluidBoundary, Setup, State};
 use super::flow::{self, fluid_of, force, interface, polygon, wet};
 use super::{Failure, P, Run, V};
 
-/// Height of the channel; centre and radius of the cylinder, m.
+// Height of the channel; centre and radius of the cylinder, m.
 const HEIGHT: f64 = 0.41;
 pub(super) const CENTRE: [f64; 2] = [0.2, 0.2];
 pub(super) const RADIUS: f64 = 0.05;
-/// End of the flag and half of its thickness, m.
+// End of the flag and half of its thickness, m.
 const FLAG_END: f64 = 0.6;
 const FLAG_HALF: f64 = 0.01;
-/// Corners of the polygon that stands for the circle. It has the area of the disk, so its corners are `(2π/n)²/12 = 1.3e-5`
-/// radii outside of the circle, and the middles of its edges half as far inside. The drag changes about as much.
+/// Number of corners of the polygon that approximates the circle. It has the area of the disk, so its corners are
+/// `(2π/n)²/12 = 1.3e-5` radii outside of the circle, and the middles of its edges half as far inside. The drag changes
+/// about as much.
 pub(super) const N_CORNERS: usize = 512;
 /// Size of cells far away over that at the obstacle.
 pub(super) const COARSE: f64 = 8.0;
@@ -26,7 +27,7 @@ pub(super) const COARSE: f64 = 8.0;
 const FINER_AT_CORNERS: f64 = 16.0;
 /// Length of a step in which inertia is negligible, s.
 const LONG: f64 = 1e9;
-/// Largest relative change of the force in the last step, and largest number of steps.
+// Largest relative change of the force in the last step, and largest number of steps.
 const UNCHANGED: f64 = 1e-6;
 const MOST_STEPS: usize = 10;
 
@@ -49,7 +50,7 @@ pub(super) struct Resolution {
     pub(super) cells: usize,
     /// Size of cells far away over that at the obstacle.
     pub(super) coarse: f64,
-    /// Corners of the polygon that stands for the circle.
+    /// Number of corners of the polygon that approximates the circle.
     pub(super) n_corners: usize,
     /// Largest distance by which the flag swings to either side. Cells within this distance are as fine as those at the obstacle. Cells
     /// at the corners of the flag are refined further only if it does not swing.
@@ -77,7 +78,7 @@ pub(super) struct Steady {
     pub(super) n_iterations: usize,
     /// Force on the obstacle, from the variational traction of the mortar.
     pub(super) force: V,
-    /// The part of it that is the traction of the fluid.
+    /// Part of `force` from the traction of the fluid, without the penalty.
     pub(super) by_traction: V,
 }
 

@@ -15,16 +15,16 @@ use super::{Failure, P, Record, Run, V};
 const BLOCKAGE: f64 = 0.3;
 /// Length of the channel, which is closed at both ends, in diameters. The ends change the drag by less than 1e-6.
 const LENGTH: f64 = 12.0;
-/// Cells in a diameter, in short and in full, and those for which the accuracy is required.
+// Cells in a diameter, in short and in full, and those for which the accuracy is required.
 const QUICK: [usize; 2] = [8, 16];
 const FULL: [usize; 3] = [8, 16, 32];
 const JUDGED: usize = 16;
-/// Largest relative error of the drag, and largest leak over the flow that the cylinder displaces.
+// Largest relative error of the drag, and largest leak over the flow that the cylinder displaces.
 const ACCURACY: f64 = 0.015;
 const LARGEST_LEAK: f64 = 0.005;
 /// Least order of the drag.
 const ORDER: f64 = 1.8;
-/// Steps, and cells that the cylinder passes in all of them.
+// Steps, and cells that the cylinder passes in all of them.
 const N_STEPS: usize = 6;
 const CELLS_PASSED: f64 = 1.6;
 

@@ -18,24 +18,24 @@ use super::{Failure, P, Record, Run, V, short};
 
 const LENGTH: f64 = 0.35;
 const THICKNESS: f64 = 0.02;
-/// The point whose displacement is measured, and the cylinder that holds the other end.
+// The point whose displacement is measured, and the cylinder that holds the other end.
 const TIP: [f64; 2] = [0.6, 0.2];
 const CYLINDER: ([f64; 2], f64) = ([0.2, 0.2], 0.05);
 pub(super) const DENSITY: f64 = 1e3;
 const GRAVITY: f64 = 2.0;
-/// Shear modulus of CSM1 and CSM3, and of CSM2; λ = 4 μ, which is ν = 0.4.
+// Shear modulus of CSM1 and CSM3, and of CSM2; λ = 4 μ, which is ν = 0.4.
 pub(super) const SOFT: f64 = 0.5e6;
 pub(super) const STIFF: f64 = 2e6;
-/// Vertical displacement of the tip.
+// Vertical displacement of the tip.
 const CSM1: f64 = -66.10e-3;
 const CSM2: f64 = -16.97e-3;
 /// Mean, amplitude, frequency of CSM3.
 const CSM3: [f64; 3] = [-63.607e-3, 65.160e-3, 1.0995];
 /// Rows of cells across the flag, and displacements of CSM1 with P1 of another code (NGSolve).
 const PEER: [(usize, f64); 5] = [(2, -28.99e-3), (4, -49.89e-3), (8, -61.06e-3), (16, -64.74e-3), (32, -65.75e-3)];
-/// Largest difference of results of the same method.
+/// Largest relative difference from the results of the other code.
 const SAME: f64 = 1e-3;
-/// Rows of quadratic elements, and of linear ones that are compared with them in cost.
+// Rows of quadratic elements, and of linear ones that are compared with them in cost.
 const QUADRATIC_ROWS: usize = 4;
 const LINEAR_ROWS: usize = 32;
 /// Largest relative errors with quadratic elements: of displacements at rest, of amplitude and of frequency.
@@ -229,7 +229,7 @@ fn swinging(record: &mut Record) -> Result<(), Failure> {
                 record.show(format!("CSM3: order of differences of the {name} between three meshes"), order, None);
             }
         } else {
-            // Meshes that are quick are too coarse for the bound.
+            // Meshes of the quick version are too coarse for the bound.
             record.near_relative(extrapolated, limit, CSM3[k], tolerance);
         }
     }

@@ -24,7 +24,7 @@ const TOLERANCE: f64 = 1e-8;
 /// Largest drag and lift coefficient and Strouhal number of 2D-2, level 6 of FEATFLOW.
 const SHEDDING: [f64; 3] = [3.2274, 0.9866, 0.301_84];
 const OF_SHEDDING: [&str; 3] = ["largest C_D", "largest C_L", "Strouhal number"];
-/// Cycles that are averaged. The flow is periodic when their numbers differ by less than a fraction.
+// Cycles that are averaged. The flow is periodic when their numbers differ by less than a fraction.
 const N_CYCLES: usize = 3;
 const UNCHANGED: f64 = 1e-3;
 /// Time until which the flow has to be periodic, s.
@@ -37,7 +37,7 @@ const OF_PULSE: [&str; 3] = ["largest C_D", "largest C_L", "pressure difference 
 const TIMES: [f64; 2] = [3.936_25, 5.693_125];
 /// Middle and half of the interval of the pressure difference of 1996.
 const INTERVAL: [f64; 2] = [-0.11, 0.005];
-/// End of 2D-3, s, and of its quick version, which has passed the largest drag.
+// End of 2D-3, s, and of its quick version, which has passed the largest drag.
 const END: f64 = 8.0;
 const QUICK_END: f64 = 4.2;
 
@@ -45,7 +45,7 @@ const QUICK_END: f64 = 4.2;
 const FULL: [(usize, f64); 3] = [(32, 1e-2), (32, 5e-3), (64, 5e-3)];
 /// The same of the quick version, for 2D-2 and 2D-3. There is one cell and a half in a boundary layer, `D/√Re`.
 const QUICK: [(usize, f64); 2] = [(16, 2e-2), (16, 4e-2)];
-/// Largest relative errors of the finest resolution.
+// Largest relative errors of the finest resolution.
 const ACCURACY: [f64; 3] = [0.01, 0.03, 0.01];
 const ACCURACY_OF_PULSE: [f64; 2] = [0.01, 0.1];
 /// Largest relative errors of the quick version. Forces are proportional to the square of the inflow: an inflow that is

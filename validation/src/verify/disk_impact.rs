@@ -11,13 +11,13 @@ use crate::units::cgs;
 
 /// Speed of the ball at the virtual barrier, cm/s.
 const SPEED: f64 = 52.45;
-/// Explicit central differences on meshes of 0.2 and 0.1 cm, with energy kept to 2e-4: restitution, duration of contact in ms,
-/// smallest height in cm.
+// Explicit central differences on meshes of 0.2 and 0.1 cm, with energy kept to 2e-4: restitution, duration of contact
+// in ms, smallest height in cm.
 const RESTITUTION: f64 = 0.98;
 const DURATION: f64 = 11.1;
 const HEIGHT: f64 = 7.771;
 
-/// Spectral radius of the scheme that has to meet them.
+/// Spectral radius of the scheme that is compared with these values.
 const GATED: f64 = 0.8;
 
 pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
@@ -43,7 +43,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
         }
         curves.push((name, losses));
     }
-    // That with the smallest step.
+    // Result with the smallest step.
     let found = gated.ok_or("nothing was measured")?;
     record.near("restitution", found.restitution, RESTITUTION, 0.02);
     record.near("contact lasts [ms]", 1e3 * found.duration, DURATION, 0.4);

@@ -10,7 +10,7 @@ use crate::units::cgs;
 const MODES: [(u32, f64); 2] = [(2, 2.35106), (3, 3.63191)];
 /// Time steps in a period, times the size of a cell: errors of mesh and time scheme fall together.
 const STEPS: f64 = 24.0;
-/// Periods that are counted.
+/// Number of periods from which the frequency is computed.
 const PERIODS: f64 = 10.0;
 
 /// Returns the frequency of a disk that starts in the shape of a mode, Hz.

@@ -50,7 +50,7 @@ pub(crate) fn version() -> String {
 /// Refuses a tree with uncommitted changes: a page names the version of the code that measured it.
 ///
 /// # Errors
-/// There are such changes.
+/// The tree has uncommitted changes.
 pub(crate) fn require_clean_tree() -> Result<(), Failure> {
     version();
     match commit().filter(|version| version.ends_with("-dirty")) {

@@ -1,4 +1,4 @@
-//! Solutions that the discrete spaces contain: for any cut, errors must be round-off.
+//! Exact solutions that are in the discrete spaces. For any cut, errors must be round-off.
 
 use std::sync::Arc;
 
@@ -18,9 +18,9 @@ use super::linear_flow::{Linear, SIZE, background, nonagon};
 use super::record::{Named, worse};
 use super::{Failure, P, Record, T, V};
 
-/// Largest error that counts as round-off of a solved system.
+/// Largest error of a solved system that is round-off.
 const ROUND_OFF: f64 = 1e-9;
-/// Random positions in short and in full.
+/// Number of random positions, in short and in full.
 const POSITIONS: [usize; 2] = [3, 20];
 
 /// A problem with bodies at a random place.

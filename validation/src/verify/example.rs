@@ -30,7 +30,7 @@ pub(super) struct History {
     pub(super) balances: Vec<Vec<Balance<2>>>,
     /// Positions of the vertices of all bodies.
     pub(super) positions: Vec<Vec<Vec<P>>>,
-    /// Quadrature points in contact.
+    /// Number of quadrature points in contact, over time.
     pub(super) touching: Points,
     /// Smallest gap of all contacts and times.
     pub(super) smallest_gap: f64,
@@ -38,7 +38,7 @@ pub(super) struct History {
     pub(super) n_dofs: usize,
     /// Number of cells of the background.
     pub(super) n_cells: usize,
-    /// Parts of steps that were divided.
+    /// Number of parts of divided steps.
     pub(super) n_parts: usize,
 }
 
@@ -68,7 +68,7 @@ impl History {
         Ok(self.times.iter().zip(&self.values).map(|(t, values)| (*t, values[column])).collect())
     }
 
-    /// Returns a number of a body over time.
+    /// Returns a quantity of a body over time.
     pub(super) fn of_body(&self, body: usize, number: impl Fn(&Balance<2>) -> f64) -> Points {
         self.times.iter().zip(&self.balances).map(|(t, balances)| (*t, number(&balances[body]))).collect()
     }

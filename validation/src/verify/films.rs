@@ -19,19 +19,19 @@ use super::lubrication::{approach, exact_force, graded};
 use super::record::worse;
 use super::{Failure, P, Record, Run, V, short};
 
-/// Gaps relative to the size of a cell: those at which the film is at least two cells wide, and smaller ones with their
-/// largest relative errors.
+// Gaps relative to the size of a cell: those at which the film is at least two cells wide, and smaller ones with their
+// largest relative errors.
 const GAPS: [f64; 6] = [4.0, 2.0, 1.0, 0.5, 0.25, 0.1];
 const THIN: [(f64, f64); 2] = [(0.05, 0.15), (0.02, 0.3)];
 /// Largest relative error of the force on spheres with smaller cells near the axis at the thin gaps.
 const POLE: f64 = 0.05;
-/// Largest relative errors of the force on spheres, cylinders and plates.
+// Largest relative errors of the force on spheres, cylinders and plates.
 const SPHERE: f64 = 0.06;
 const CYLINDER: f64 = 0.05;
 const PLATES: f64 = 0.02;
 /// Largest relative error of the flux of a channel.
 const CHANNEL: f64 = 0.01;
-/// Largest relative change of the force between neighbours in a sweep, and with parameters of the stabilisation.
+// Largest relative change of the force between neighbours in a sweep, and with parameters of the stabilisation.
 const JUMP: f64 = 0.03;
 const SPREAD: f64 = 0.02;
 const SPREAD_OF_PENALTY: f64 = 0.05;
@@ -48,7 +48,7 @@ struct Case {
     stabilisation: Stabilisation,
     /// Whether the flux of the film is modelled.
     film: bool,
-    /// Cells per radius near the axis, where the film is; `None` if they are those of the rest.
+    /// Cells per radius near the axis, where the film is; `None` for `cells`.
     pole: Option<f64>,
     /// Height of a body that is the wall above a line of the mesh, relative to the size of a cell; `None` if the wall
     /// is the side of the mesh.
@@ -230,10 +230,10 @@ fn parameters(record: &mut Record) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Lets a sphere fall onto a wall under a constant weight, without inertia.
+/// Computes the fall of a sphere onto a wall under a constant weight, without inertia.
 fn fall(record: &mut Record) -> Result<(), Failure> {
     const CELLS: f64 = 20.0;
-    /// Part of the gap in a step.
+    /// Change of the gap in a step, relative to the gap.
     const STEP: f64 = 0.06;
     let h = 1.0 / CELLS;
     let [begin, end] = [2.0 * h, 0.1 * h];
@@ -275,7 +275,7 @@ fn fall(record: &mut Record) -> Result<(), Failure> {
 
 /// The force of a film.
 struct Force {
-    /// Force over the exact one.
+    /// Force, divided by the exact force.
     ratio: f64,
     /// Share of the displaced fluid that does not leak through the surface over the film.
     leaves: f64,
@@ -300,7 +300,7 @@ fn over_wall(case: &Case) -> Result<Setup<2>, Failure> {
     let mut setup = slow(background, 1e-9, on_side)?;
     case.set(&mut setup)?;
     if case.wall.is_some() {
-        // It ends outside of the mesh; facets on the axis carry nothing.
+        // The body ends outside of the mesh. Facets on the axis have measure zero.
         let corners =
             [(0.0, 2.0 * bottom), (2.0 * FAR, 2.0 * bottom), (2.0 * FAR, 0.0), (0.0, 0.0)].map(|(r, z)| P::new(r, z));
         setup.bodies.push(moving(corners.to_vec(), |x, _| *x, Arc::new(|_, _| V::zeros())));

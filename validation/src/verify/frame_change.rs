@@ -19,10 +19,10 @@ const TRAVEL: f64 = 3.0;
 const BEGIN: f64 = 1.0;
 /// Density, diameter and speed are one.
 const REYNOLDS: f64 = 20.0;
-/// Cells in a diameter, in short and in full.
+// Cells in a diameter, in short and in full.
 const QUICK: [usize; 3] = [6, 8, 12];
 const FULL: [usize; 4] = [8, 12, 16, 24];
-/// Cells that the cylinder passes in a step, the same on all meshes; others in full on the second of them.
+// Cells that the cylinder passes in a step, the same on all meshes; others in full on the second of them.
 const COURANT: f64 = 0.39;
 const OTHER_COURANTS: [f64; 2] = [0.78, 0.195];
 /// Largest difference of the drags on the finest mesh. It is smaller than the difference to another flow.

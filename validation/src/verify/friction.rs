@@ -13,7 +13,8 @@ use cutwater::solver::ContactObstacle;
 use super::dry::{Touch, elastic, run, run_of};
 use super::{Failure, Record};
 
-/// Gravity, density, Young's modulus, and Poisson's ratio: under its weight the block becomes shorter by 2.5e-4 of its height.
+// Gravity, density, Young's modulus, and Poisson's ratio: under its weight the block becomes shorter by 2.5e-4 of its
+// height.
 const GRAVITY: f64 = 10.0;
 const DENSITY: f64 = 1.0;
 const YOUNG: f64 = 1e4;
@@ -27,7 +28,7 @@ const STEP: f64 = 1e-3;
 const FADED: f64 = 0.25;
 /// Relative tolerance of accelerations, distances and forces.
 const TOLERANCE: f64 = 0.01;
-/// A block that sticks moves by less than this share of the way that it would slide without friction.
+/// Largest displacement of a block that sticks, relative to its displacement without friction.
 const DRIFT: f64 = 1e-3;
 /// Relative tolerance of the rigid block, whose motion is exact up to the tolerance of the multipliers, and of these.
 const RIGID_TOLERANCE: f64 = 1e-6;

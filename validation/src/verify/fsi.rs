@@ -39,7 +39,7 @@ pub(super) const ROWS: usize = 4;
 const STEP: f64 = 1.0;
 /// Lengths that are compared.
 const STEPS: [f64; 4] = [0.1, 0.3, STEP, 10.0];
-/// Largest change of the tip in the last step, relative to its displacement, and largest number of steps.
+// Largest change of the tip in the last step, relative to its displacement, and largest number of steps.
 const UNCHANGED: f64 = 1e-4;
 const MOST_STEPS: usize = 60;
 

@@ -64,7 +64,7 @@ const NAMES: [&str; 9] = [
     "mean of the lift [N/m]",
     "amplitude of the lift [N/m]",
 ];
-/// Places of the numbers that are compared.
+// Indices in [`NAMES`] of the quantities that are compared.
 const AMPLITUDE: usize = 1;
 const FREQUENCY: usize = 2;
 
@@ -78,7 +78,7 @@ const QUICK_LATEST: f64 = 2.6;
 const RHO_INF: f64 = 0.0;
 /// Tolerance of Newton's method, that of `dfg-unsteady`.
 const TOLERANCE: f64 = 1e-8;
-/// Cycles in a row in which amplitude and frequency of `u_y` differ by at most a fraction when the motion is periodic.
+// Cycles in a row in which amplitude and frequency of `u_y` differ by at most a fraction when the motion is periodic.
 const N_CYCLES: usize = 3;
 const UNCHANGED: f64 = 5e-3;
 

@@ -23,7 +23,7 @@ const RADIUS: f64 = 4.0;
 /// Displacement of its middle towards the plane, cm. The half-width of contact is then a thirtieth of the radius, and
 /// strains are small.
 const PUSHED: f64 = 1e-2;
-/// Lame parameters, dyn/cm^2, and `E/(1 - ν²)`, which follows from them.
+// Lame parameters, dyn/cm^2, and `E/(1 - ν²)`, which follows from them.
 const MU: f64 = 2e6;
 const LAMBDA: f64 = 8e6;
 const MODULUS: f64 = 4.0 * MU * (LAMBDA + MU) / (LAMBDA + 2.0 * MU);

@@ -27,7 +27,7 @@ const BOX: f64 = 6.0;
 /// Stabilisations: the standard set, with which a fluid of such low viscosity slips like an ideal one, and that with
 /// the penalty of the paper's cases, with which it sticks.
 const SETS: [(Stabilisation, &str); 2] = [(Stabilisation::STANDARD, "slips"), (PAPERS_PENALTY, "sticks")];
-/// Time steps in a period, and periods that are counted.
+// Time steps in a period, and periods that are counted.
 const STEPS: f64 = 40.0;
 const PERIODS: f64 = 2.5;
 

@@ -18,7 +18,7 @@ const GAPS: [f64; 3] = [0.2, 0.1, 0.05];
 const ACCURACY: f64 = 0.03;
 /// Distance of the outer boundary from the wall under the cylinder, in radii.
 const FAR: f64 = 60.0;
-/// Size of the cells of the mesh on which the film becomes ever thinner, radii; the gap that its grading is made for.
+// Size of the cells of the mesh on which the film becomes ever thinner, radii; the gap that its grading is made for.
 const SIZE: f64 = 0.05;
 const SERIES_FILM: f64 = 0.4;
 /// Cells across the film there.

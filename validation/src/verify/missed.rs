@@ -1,4 +1,4 @@
-//! Targets that are known to be missed: they stay visible, and do not make a run fail.
+//! Targets that are known to be missed. They are shown, and do not make a run fail.
 
 use serde::Deserialize;
 
@@ -19,7 +19,7 @@ struct Target {
     check: String,
     quantity: String,
     reason: String,
-    /// The version that misses it; both without.
+    /// Version, short or full, that misses the target; both if left out.
     only: Option<Version>,
 }
 
@@ -30,7 +30,7 @@ enum Version {
     Short,
 }
 
-/// Marks rows that fail and are listed. A listed row that holds fails: it has to leave the list.
+/// Marks failed rows that are listed. A listed row that holds fails, so that it is removed from the list.
 ///
 /// # Errors
 /// The list cannot be read.

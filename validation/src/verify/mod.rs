@@ -71,9 +71,9 @@ pub(crate) use run::{P, Run, T, V};
 /// A named check.
 struct Check {
     name: &'static str,
-    /// Subject of the check, in a sentence.
+    /// Subject, in a sentence; the lead of the page.
     about: &'static str,
-    /// Function that measures, in full or in short; its error is a run that fails.
+    /// Adds the results to a record, in full or in short. Returns an error if a run fails.
     measure: fn(&mut Record) -> Result<(), Failure>,
 }
 
@@ -160,22 +160,23 @@ const CHECKS: [Check; 43] = [
     check("disk-impact", "A disk that hits a rigid plane without a fluid around it.", disk_impact::measure),
 ];
 
-/// Checks that compare with measured bodies, in the order of `cargo xtask validate --measured`.
+/// Checks that compare with experiments, in the order of `cargo xtask validate --measured`.
 pub(crate) const MEASURED: [&str; 4] =
     ["settling-sphere", "bouncing-sphere", "bouncing-sphere-viscous", "rebound-scan"];
 
-/// Prepares data for an independent reader; runs only if it is named.
+/// Name of the check that writes VTK files for `check_vtk.py`, which reads them with another library. It runs only if
+/// it is named.
 const FILES: &str = "files";
 
-/// Runs checks (all if none is named), in full or in short. Returns whether all hold. Results go to `out`, pages to the
-/// book on request.
+/// Runs checks (all if none is named), in full or in short. Returns whether all hold. Results are written to `out`, and
+/// pages to the book if `document`.
 ///
 /// # Errors
-/// There is no check of that name, or one of them cannot be done.
+/// A name is unknown, a run fails, or a file cannot be written.
 pub(crate) fn run(names: &[String], full: bool, document: bool, out: &Path) -> Outcome {
     let known: Vec<&str> = CHECKS.iter().map(|check| check.name).collect();
     if let Some(name) = names.iter().find(|name| **name != FILES && !known.contains(&name.as_str())) {
-        return Err(format!("there is no check {name:?}; there are {}, {FILES}", known.join(", ")).into());
+        return Err(format!("there is no check {name:?}; known checks: {}, {FILES}", known.join(", ")).into());
     }
     if document {
         document::require_clean_tree()?;

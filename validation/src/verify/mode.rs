@@ -10,7 +10,7 @@ use super::dry::{Elastic, Scheme, elastic};
 use super::signal::passage;
 use super::{Failure, P, Run, V};
 
-/// The disk of the falling balls: radius, cm; density, g/cm^3; Lame parameters, dyn/cm^2.
+// The disk of the falling balls: radius, cm; density, g/cm^3; Lame parameters, dyn/cm^2.
 pub(super) const RADIUS: f64 = 4.0;
 pub(super) const DENSITY: f64 = 1.0;
 const MU: f64 = 2e6;

@@ -13,12 +13,12 @@ use super::flow::{self, Errors, Flow, Known, disk, fluid_mut, outside, polygon};
 use super::record::Points;
 use super::{Failure, P, Record, T, V};
 
-/// Required orders of velocity, its gradient and pressure in L2, in h; of the velocity in the time step.
+// Required orders of velocity, its gradient and pressure in L2, in h; of the velocity in the time step.
 pub(super) const ORDERS: [f64; 3] = [1.9, 0.95, 1.4];
 const TIME_ORDER: f64 = 0.95;
 /// Required orders in the time step of the velocity and of its gradient with the scheme of second order.
 const SECOND_ORDERS: [f64; 2] = [1.8, 1.5];
-/// Spectral radius of that scheme: the one that is stable however many cells a body crosses in a step.
+/// Spectral radius of that scheme, with which it is stable for any number of cells that a body crosses in a step.
 const RHO_INF: f64 = 0.0;
 /// Length of a step in which inertia is negligible: steady flow.
 const STEADY: f64 = 1e9;
@@ -118,7 +118,7 @@ fn in_time(record: &mut Record, n: usize) -> Result<(), Failure> {
 const EXACT_CLOSURE: [(f64, f64); 2] = [(0.1, 1.541e-4), (0.05, 1.567e-4)];
 /// A viscosity with which the extension of velocities to uncovered fluid shows.
 const SMALL_VISCOSITY: f64 = 1e-3;
-/// Largest relative difference from it.
+/// Largest relative difference from this error.
 const CLOSURE_ACCURACY: f64 = 0.05;
 
 /// Measures the flow past a disk that crosses several cells in a step. With a small viscosity the error in time is far
@@ -409,7 +409,7 @@ impl Flow for TaylorGreen {
     }
 }
 
-/// Velocity of the moving disk, and viscosity of the fluid.
+// Velocity of the moving disk, and viscosity of the fluid.
 const SPEED: V = V::new(-0.4, 0.15);
 const VISCOSITY: f64 = 0.1;
 

@@ -1,4 +1,4 @@
-//! Elastic disks that touch and go on: two in a shear flow, and one that passes a constriction.
+//! Elastic disks in contact: two that pass each other in a shear flow, and one that passes a constriction.
 
 use super::example::Example;
 use super::record::Points;
@@ -63,8 +63,8 @@ pub(super) fn pair(record: &mut Record) -> Result<(), Failure> {
 
 /// Height of the throat, cm.
 const THROAT: f64 = 0.6;
-/// Places of the centre before and behind the throat where the shapes of the ball are compared, cm, and largest
-/// relative difference of height over width. The pressure is higher before the throat, so that sizes differ.
+// Places of the centre before and behind the throat where the shapes of the ball are compared, cm, and largest
+// relative difference of height over width. The pressure is higher before the throat, so that sizes differ.
 const PLACES: [f64; 2] = [1.5, 4.5];
 const SHAPES: f64 = 0.02;
 /// Longer steps and coarser meshes, until the ball has passed.

@@ -5,11 +5,12 @@ use super::{Failure, Record};
 
 /// Stokes numbers `2 rho_s R U / (9 mu)`: without rebound, between, and with rebound in all experiments.
 const NUMBERS: [f64; 9] = [6.0, 10.0, 15.0, 20.0, 30.0, 50.0, 100.0, 200.0, 500.0];
-/// Spheres with a smaller number do not rebound, and those with a larger one do: Joseph, Zenit, Hunt, Rosenwinkel 2001, doi:10.1017/S0022112001003470, find the
-/// limit near 10.
+// Spheres with a smaller number do not rebound, and those with a larger one do: Joseph, Zenit, Hunt, Rosenwinkel 2001,
+// doi:10.1017/S0022112001003470, find the limit near 10.
 const NONE: f64 = 6.0;
 const ALL: f64 = 20.0;
-/// A speed below this share of that of the approach is none: the position of a sphere in a picture is uncertain by 0.03 mm.
+/// Smallest visible speed over the speed of the approach: the position of a sphere in a picture is uncertain by 0.03
+/// mm.
 const VISIBLE: f64 = 0.03e-3 / FRAME / SPEED;
 /// Scans the Stokes number; the quick version has two numbers on coarse cells.
 pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {

@@ -16,7 +16,7 @@ pub(crate) struct Row {
     pub(crate) reference: Option<f64>,
     /// Comparison of `computed` with `reference`, in words.
     pub(crate) tolerance: String,
-    /// `pass`, `FAIL`, or `-` for a number that is only shown.
+    /// `pass`, `FAIL`, or `-` for a number without a bound.
     pub(crate) verdict: String,
 }
 
@@ -46,13 +46,13 @@ pub(crate) struct Record {
     pub(crate) about: String,
     /// Whether the long version was run.
     pub(crate) full: bool,
-    /// Wall-clock time that it took, in seconds.
+    /// Wall-clock time of the check, s.
     pub(crate) seconds: f64,
     pub(crate) rows: Vec<Row>,
     pub(crate) tables: Vec<Table>,
     /// Curves of measured numbers; both axes are logarithmic if the horizontal one is.
     pub(crate) figures: Vec<Chart>,
-    /// Settings, and reasons where a bound is missed.
+    /// Settings, and reasons for missed bounds.
     pub(crate) notes: Vec<String>,
 }
 
@@ -104,7 +104,7 @@ impl Record {
         self.push(quantity.into(), computed, known, tolerance, holds);
     }
 
-    /// Adds a number that is only shown, with a known one if there is one.
+    /// Adds a number without a bound, with a known one if there is one.
     pub(crate) fn show(&mut self, quantity: impl Into<String>, computed: f64, reference: Option<f64>) {
         self.push(quantity.into(), computed, reference, String::new(), None);
     }
@@ -178,12 +178,12 @@ impl Record {
         }
         let mut observed = errors.windows(2).map(|w| (w[0].1 / w[1].1).ln() / (w[0].0 / w[1].0).ln());
         let last = observed.next_back().unwrap_or(f64::NAN);
-        // NaN counts as the least.
+        // NaN is smaller than all numbers.
         [last, observed.fold(last, |least, order| if order < least || order.is_nan() { order } else { least })]
     }
 }
 
-/// Returns the larger one of two numbers. NaN counts as the largest, so that it violates every bound.
+/// Returns the larger one of two numbers. NaN is larger than all numbers, and violates every bound.
 pub(crate) fn worse(a: f64, b: f64) -> f64 {
     if b > a || b.is_nan() { b } else { a }
 }

@@ -16,13 +16,13 @@ use super::dry::{elastic, floor_by};
 use super::flow::{fluid, problem};
 use super::{Failure, P, Record, Run, V};
 
-/// Radius, cm, and densities, g/cm³.
+// Radius, cm, and densities, g/cm³.
 const RADIUS: f64 = 1.0;
 const SOLID: f64 = 1.25;
 const FLUID: f64 = 1.0;
 /// Gravity, cm/s².
 const GRAVITY: f64 = 981.0;
-/// Lame parameters, dyn/cm²: the weight flattens the body by some facets.
+// Lame parameters, dyn/cm²: the weight flattens the body by some facets.
 const MU: f64 = 1e5;
 const LAMBDA: f64 = 4e5;
 /// Size of the cells, cm.
@@ -33,8 +33,8 @@ const AMBIENT: [f64; 2] = [0.0, 1e4];
 const TOLERANCE: f64 = 1e-8;
 /// Viscosity, g/(cm s): with the first steps the body takes its shape in several of them.
 const VISCOSITY: f64 = 1e2;
-/// Length of the first step, s, factor by which steps grow, and their number. The body comes to rest slowly, as the
-/// film at the rim of the contact fills.
+// Length of the first step, s, factor by which steps grow, and their number. The body comes to rest slowly, as the
+// film at the rim of the contact fills.
 const STEP: f64 = 0.02;
 const GROWTH: f64 = 1.3;
 const STEPS: u32 = 50;

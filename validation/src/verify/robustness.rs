@@ -7,21 +7,21 @@ use super::flow::{self, Random, fluid_mut, fluid_of};
 use super::orders::{Couette, couette_setup};
 use super::record::worse;
 use super::signal::{mean, rms};
-use super::sweep::{Found, Numbers, PLANE, SHORT, SPACE, STEADY, Sweep, find};
+use super::sweep::{FlowValues, PLANE, SHORT, SPACE, STEADY, Sweep, SweepResult, solve};
 use super::{Failure, P, Record};
 
 /// Largest ratio of condition numbers of the equilibrated matrix over a sweep with ghost penalty.
 const LARGEST_RATIO: f64 = 10.0;
-/// Powers of ten of the distances in cells, on either side.
+/// Distances in cells are `±10^-k` with these `k`.
 const DECADES: std::ops::RangeInclusive<i32> = 1..=14;
-/// Powers of ten for a short run.
+/// The same `k` for a short run.
 const FEW_DECADES: [i32; 6] = [1, 3, 6, 9, 12, 14];
-/// Distances between which, on either side, the solution must not change. At smaller ones round-off may put a surface
-/// onto the mesh.
+/// Range of distances, in cells, in which the solution must not change on either side. At smaller distances round-off
+/// may put a surface onto the mesh.
 const NEAR: [f64; 2] = [1e-12, 1e-6];
-/// Largest change between these distances, over the error on this mesh.
+/// Largest change in this range, divided by the error on the mesh.
 const LARGEST_CHANGE: f64 = 1e-5;
-/// The largest jump at the touch, over the error on this mesh.
+/// Largest jump where the surface touches the part of the mesh, divided by the error on the mesh.
 const LARGEST_JUMP: f64 = 1.0;
 
 pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
@@ -52,8 +52,8 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Results with or without ghost penalty, from the largest distance before to the largest one past.
-type Findings<const D: usize> = Vec<(f64, Found<D>)>;
+/// Distances, from the most negative to the largest, and results.
+type Findings<const D: usize> = Vec<(f64, SweepResult<D>)>;
 
 fn measure_sweep<const D: usize>(record: &mut Record, sweep: &Sweep<D>) -> Result<(), Failure> {
     let decades: Vec<i32> = if record.full { DECADES.collect() } else { FEW_DECADES.to_vec() };
@@ -64,7 +64,7 @@ fn measure_sweep<const D: usize>(record: &mut Record, sweep: &Sweep<D>) -> Resul
     for (ghost, label) in [(true, "with ghost penalty"), (false, "without")] {
         let mut findings: Findings<D> = Vec::new();
         for &distance in &distances {
-            findings.push((distance, find(&sweep.setup(distance, STEADY, ghost)?)?));
+            findings.push((distance, solve(&sweep.setup(distance, STEADY, ghost)?)?));
         }
         for (k, matrix) in ["equilibrated", "as it is"].into_iter().enumerate() {
             let conditions = || findings.iter().map(|(_, found)| found.conditions[k]);
@@ -95,7 +95,7 @@ fn measure_sweep<const D: usize>(record: &mut Record, sweep: &Sweep<D>) -> Resul
     for (ghost, label) in [(true, "with ghost penalty"), (false, "without")] {
         let mut conditions = [0.0, f64::INFINITY];
         for &distance in &distances {
-            let [found, _] = find(&sweep.setup(distance, SHORT, ghost)?)?.conditions;
+            let [found, _] = solve(&sweep.setup(distance, SHORT, ghost)?)?.conditions;
             conditions = [worse(conditions[0], found), conditions[1].min(found)];
         }
         let quantity = format!(
@@ -115,7 +115,7 @@ fn worse_side<const D: usize>(findings: &Findings<D>, matrix: usize) -> Vec<(f64
     pairs.map(|((d, a), (_, b))| (d.abs(), a.conditions[matrix].max(b.conditions[matrix]))).collect()
 }
 
-/// Adds the changes of velocity, pressure, force and kinetic energy close to the touch, and their jumps at it.
+/// Adds the changes of velocity, pressure, force and kinetic energy at small distances, and their jumps at zero.
 fn continuity<const D: usize>(
     record: &mut Record,
     name: &str,
@@ -123,12 +123,12 @@ fn continuity<const D: usize>(
     findings: &Findings<D>,
 ) -> Result<(), Failure> {
     let flows = findings.iter().map(|(d, found)| found.flow.as_ref().map(|flow| (*d, flow)));
-    let flows: Vec<(f64, &Numbers<D>)> = flows.collect::<Option<_>>().ok_or("a step fails with ghost penalty")?;
+    let flows: Vec<(f64, &FlowValues<D>)> = flows.collect::<Option<_>>().ok_or("a step fails with ghost penalty")?;
     let touch = flows[flows.len() / 2].1;
     let errors = touch.differences(&touch.exact(background));
     let [closest, near] = NEAR.map(|d| d * (1.0 + f64::EPSILON));
     let is_near = |d: f64| d.abs() <= near && d.abs() > 0.5 * closest;
-    let largest = |pairs: &mut dyn Iterator<Item = (&Numbers<D>, &Numbers<D>)>| {
+    let largest = |pairs: &mut dyn Iterator<Item = (&FlowValues<D>, &FlowValues<D>)>| {
         pairs.fold([0.0; 2], |largest, (a, b)| {
             let [u, p, f] = a.differences(b);
             let of_errors = [u / errors[0], p / errors[1], f / errors[2]].into_iter().fold(0.0, worse);
@@ -148,8 +148,8 @@ fn continuity<const D: usize>(
     Ok(())
 }
 
-/// Largest scatter over places of the mesh, as a share of the mean error: the first digit of an error does not depend
-/// on the place.
+/// Largest scatter of the error over places of the mesh, relative to the mean error: the first digit of the error does
+/// not depend on the place.
 const LARGEST_SCATTER: f64 = 0.1;
 
 /// Measures torques of the flow between cylinders at random places of the mesh.

@@ -24,7 +24,7 @@ impl<const D: usize> Run<D> {
         Ok(Self { setup, state, work: Workspace::new() })
     }
 
-    /// Creates the run of a setup from time zero, with the solver that keeps old factors.
+    /// Creates the run of a setup from time zero, with [`LaggedSolver`].
     pub(super) fn lagged(setup: Setup<D>) -> Result<Self, Failure> {
         let work = Workspace::with_solver(Box::new(LaggedSolver::new(LaggedSettings::default())));
         Ok(Self { work, ..Self::new(setup)? })

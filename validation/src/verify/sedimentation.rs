@@ -20,8 +20,8 @@ const START: [f64; 2] = [1.0, 4.0];
 const DENSITY: f64 = 1.25;
 const VISCOSITY: f64 = 0.1;
 const GRAVITY: f64 = 981.0;
-/// Published largest Reynolds numbers, with the density of the disk: the middle of 17.15 to 17.45, half of the
-/// distance, and what is allowed beyond.
+// Published largest Reynolds numbers, with the density of the disk: the middle of 17.15 to 17.45, half of the
+// distance, and what is allowed beyond.
 const REYNOLDS: f64 = 17.3;
 const SPREAD: f64 = 0.15;
 const ACCURACY: f64 = 0.03;

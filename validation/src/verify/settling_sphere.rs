@@ -58,7 +58,7 @@ const CASES: [Measured; 4] = [
     },
 ];
 
-/// Radius of the sphere, m, and acceleration of gravity, m/s².
+// Radius of the sphere, m, and acceleration of gravity, m/s².
 const RADIUS: f64 = 7.5e-3;
 const GRAVITY: f64 = 9.81;
 /// Time step times the speed in an infinite fluid, over the radius.
@@ -69,8 +69,8 @@ const LAST_GAP: f64 = 0.125;
 const LONGEST: f64 = 2.0;
 /// Time from which speeds are compared, s: before it the sphere is being released.
 const RELEASED: f64 = 0.05;
-/// Largest root of the mean squared difference of speeds during the fall over the speed in an infinite fluid, and
-/// largest difference in the approach to the floor.
+// Largest root of the mean squared difference of speeds during the fall over the speed in an infinite fluid, and
+// largest difference in the approach to the floor.
 const FALL: f64 = 0.03;
 const APPROACH: f64 = 0.05;
 /// The approach is aligned where the speed has fallen to this share of the largest one.

@@ -18,15 +18,15 @@ use super::flow::{self, Flow, Known, fluid_mut, fluid_of, wet};
 use super::signal::mean;
 use super::{Failure, P, Record, Run, T, V, short};
 
-/// Height of the elastic layer, and of both.
+// Height of the elastic layer, and of both.
 const INTERFACE: f64 = 0.5;
 const PLATE: f64 = 1.0;
-/// Length of the box, and overhang of the body on either side.
+// Length of the box, and overhang of the body on either side.
 const LENGTH: f64 = 0.4;
 const OVERHANG: f64 = 0.2;
 /// Round-off of coordinates.
 const ROUND_OFF: f64 = 1e-9;
-/// Density of both; shear modulus; viscosity; frequency; speed of the plate.
+// Density of both; shear modulus; viscosity; frequency; speed of the plate.
 const DENSITY: f64 = 1.0;
 const MU: f64 = 2.0;
 const VISCOSITY: f64 = 0.1;
@@ -47,7 +47,7 @@ const KNOWN: [(&str, [f64; 2]); 3] = [
 const ORDERS: [f64; 2] = [1.9, 0.95];
 /// Weights α of the fluid's traction in the mortar besides 1.
 const WEIGHTS: [f64; 2] = [0.5, 0.0];
-/// Required order of the scheme of second order in the time step, and its spectral radius.
+// Required order of the scheme of second order in the time step, and its spectral radius.
 const SECOND_ORDER: f64 = 1.8;
 const RHO_INF: f64 = 0.5;
 

@@ -1,4 +1,4 @@
-//! Numbers of sampled signals and curves.
+//! Evaluation of sampled signals and curves.
 
 pub(super) fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64

@@ -17,7 +17,7 @@ use super::record::worse;
 use super::signal::bisect;
 use super::{Failure, Record, short};
 
-/// Lame parameters of the falling balls, dyn/cm^2.
+// Lame parameters of the falling balls, dyn/cm^2.
 const MU: f64 = 2e6;
 const LAMBDA: f64 = 8e6;
 /// Axial first Piola-Kirchhoff stress relative to the modulus of the state, for the stretches 0.8, 0.9, 1.05, 1.1 and 1.2.
@@ -26,7 +26,7 @@ const LOADS: [f64; 5] = [-0.144, -0.0855, 0.053_812_5, 0.1155, 0.264];
 const SHEARS: [f64; 2] = [0.1, 0.3];
 /// Pressures on the disk, dyn/cm^2.
 const PRESSURES: [f64; 3] = [1e4, 1e5, 1e6];
-/// Angle of the rotation, rad, and its steps.
+// Angle of the rotation, rad, and its steps.
 const ANGLE: f64 = 2.1;
 const TURNS: u32 = 60;
 /// Radius of the disk, cm.

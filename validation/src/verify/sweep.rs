@@ -1,4 +1,4 @@
-//! Bodies that pass vertices, edges and faces of the mesh by a distance of either sign, in the plane and in space.
+//! Bodies at small positive and negative distances from vertices, edges and faces of the mesh, in 2D and 3D.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -16,22 +16,23 @@ use super::orders::StokesPolynomial;
 use super::record::worse;
 use super::{Failure, P};
 
-/// Squares per side of the plane box, bricks per side of the one in space; both have sides of length one.
+/// Squares along each side of the box in 2D, bricks along each side in 3D. Sides have length one.
 const N: [usize; 2] = [12, 5];
 /// Length of a step in which inertia is negligible.
 pub(super) const STEADY: f64 = 1e9;
 /// Length of a step in which viscosity is negligible: `ρ h²/(μ dt)` is about 7000 in the plane.
 pub(super) const SHORT: f64 = 1e-6;
-/// Largest depth inside of bodies, in cells, at which vertices count as fluid: those that are passed.
+/// Largest depth inside a body, in cells, at which values of vertices are compared. Sweeps end at 0.1: vertices that a
+/// body has just covered are included.
 const PASSED: f64 = 0.11;
 
 type Bodies<const D: usize> = Vec<Arc<dyn Body<D>>>;
 
 /// A motion of bodies past a vertex, edge or face of the mesh.
 pub(super) struct Sweep<const D: usize> {
-    /// Names of the body and of the part of the mesh that it passes.
+    /// Names of the body and of the part of the mesh that the body passes.
     pub(super) name: &'static str,
-    /// Bodies that are past it by a distance in cells, which is negative before.
+    /// Returns the bodies at a signed distance, in cells, from that part of the mesh; positive once they have passed.
     bodies: fn(f64) -> Result<Bodies<D>, Failure>,
 }
 
@@ -51,6 +52,7 @@ pub(super) const SPACE: [Sweep<3>; 3] = [
     Sweep { name: "cube, side past a face", bodies: |s| cube([0.0, 0.0], s) },
 ];
 
+/// Returns the size of a square or brick.
 fn size<const D: usize>() -> f64 {
     1.0 / N[D - 2] as f64
 }
@@ -65,7 +67,7 @@ fn setup<const D: usize>(bodies: Bodies<D>, dt: f64) -> Result<Setup<D>, Failure
         boundary.push((side(name)?, FluidBoundary::Velocity(polynomial())));
     }
     let traction = |x: &Point<D>, n: &Vector<D>, _: f64| {
-        let x = plane(x);
+        let x = first_two(x);
         let gradient = StokesPolynomial.gradient(&x, 0.0);
         let viscous = (gradient + gradient.transpose()) * P::new(n[0], n[1]);
         Vector::from_fn(|a, _| if a < 2 { viscous[a] } else { 0.0 }) - n * StokesPolynomial.pressure(&x, 0.0)
@@ -74,7 +76,7 @@ fn setup<const D: usize>(bodies: Bodies<D>, dt: f64) -> Result<Setup<D>, Failure
     let at_start = polynomial();
     let fluid = FluidSetup {
         stabilisation: Stabilisation { cip: CipProfile::Consistent { gamma_u: 0.0 }, ..Stabilisation::STANDARD },
-        // In space the flow starts from rest.
+        // In 3D the flow starts from rest.
         initial_velocity: (D == 2).then(|| Arc::new(move |x: &Point<D>| at_start(x, 0.0)) as _),
         boundary,
         ..fluid(background, 1.0, 1.0)
@@ -82,14 +84,14 @@ fn setup<const D: usize>(bodies: Bodies<D>, dt: f64) -> Result<Setup<D>, Failure
     Ok(Setup { bodies, ..problem(fluid, dt) })
 }
 
-fn plane<const D: usize>(x: &Point<D>) -> P {
+fn first_two<const D: usize>(x: &Point<D>) -> P {
     P::new(x[0], x[1])
 }
 
 /// Returns the velocity of the plane flow, also in space.
 fn polynomial<const D: usize>() -> TimeField<D> {
     Arc::new(|x, t| {
-        let u = StokesPolynomial.velocity(&plane(x), t);
+        let u = StokesPolynomial.velocity(&first_two(x), t);
         Vector::from_fn(|a, _| if a < 2 { u[a] } else { 0.0 })
     })
 }
@@ -115,13 +117,13 @@ fn rectangle(low: [f64; 2], high: [f64; 2]) -> [[f64; 2]; 4] {
     [low, [high[0], low[1]], high, [low[0], high[1]]]
 }
 
-/// Returns a body with a side that passes a vertex. Behind the vertex, the fluid in the cell is a corner.
+/// Returns a body with a side that passes a vertex. Once it has passed, the fluid in the cell is a corner.
 fn side_past_a_vertex(s: f64) -> Result<Bodies<2>, Failure> {
     Ok(vec![placed(&rectangle([s - 3.3, -1.7], [s, 1.6]), 0.4, [2.0, 1.0])])
 }
 
-/// Returns a body with a side that passes a line of the mesh. Behind the line, the fluid in the cells is a slice, or a
-/// corner between two slices.
+/// Returns a body with a side that passes a line of the mesh. Once it has passed, the fluid in the cells is a slice, or
+/// a corner between two slices.
 fn side_past_an_edge(s: f64) -> Result<Bodies<2>, Failure> {
     Ok(vec![placed(&rectangle([s - 3.3, -1.67], [s, 1.63]), 0.0, [2.0, 0.0])])
 }
@@ -141,12 +143,12 @@ fn gap(s: f64) -> Result<Bodies<2>, Failure> {
     Ok(vec![left, placed(&rectangle([0.0, -1.5], [2.2, 1.8]), 0.15, place)])
 }
 
-/// Returns a cube one of whose sides passes a vertex, turned about two axes.
-fn cube([about_second, about_third]: [f64; 2], s: f64) -> Result<Bodies<3>, Failure> {
+/// Returns a cube whose side passes a vertex, an edge or a face, depending on the angles of its rotation, rad.
+fn cube([angle_about_y, angle_about_z]: [f64; 2], s: f64) -> Result<Bodies<3>, Failure> {
     let brick = structured_box::<3>([s - 1.6, -0.83, -0.77], [s, 0.77, 0.83], [1, 1, 1])?;
     let place = Point::<3>::new(0.5, 0.5, 0.5);
     let at = |x: &Point<3>| {
-        let x = turned(&turned(x, 2, about_second), 1, about_third);
+        let x = turned(&turned(x, 2, angle_about_y), 1, angle_about_z);
         (x + place) * size::<3>()
     };
     let velocity = polynomial::<3>();
@@ -161,16 +163,16 @@ fn cube([about_second, about_third]: [f64; 2], s: f64) -> Result<Bodies<3>, Fail
 }
 
 /// Results at one distance.
-pub(super) struct Found<const D: usize> {
-    /// Condition numbers of the equilibrated matrix, and of the matrix as it is.
+pub(super) struct SweepResult<const D: usize> {
+    /// Condition numbers of the matrix, with equilibration and without.
     pub(super) conditions: [f64; 2],
     /// The flow, if the system can be solved.
-    pub(super) flow: Option<Numbers<D>>,
+    pub(super) flow: Option<FlowValues<D>>,
 }
 
-/// Numbers that should depend continuously on the distance.
-pub(super) struct Numbers<const D: usize> {
-    /// Velocity and pressure of vertices in the fluid, without those that have unknowns of several parts.
+/// Quantities that should depend continuously on the distance.
+pub(super) struct FlowValues<const D: usize> {
+    /// Velocity and pressure at vertices in the fluid, without vertices with unknowns of several parts.
     at_vertices: BTreeMap<VertexId, (Vector<D>, f64)>,
     /// Force on all bodies together.
     force: Vector<D>,
@@ -178,7 +180,7 @@ pub(super) struct Numbers<const D: usize> {
     pub(super) energy: f64,
 }
 
-impl<const D: usize> Numbers<D> {
+impl<const D: usize> FlowValues<D> {
     /// Returns the largest differences of velocity and of pressure over the vertices in both results, and the
     /// difference of the forces.
     pub(super) fn differences(&self, other: &Self) -> [f64; 3] {
@@ -191,12 +193,12 @@ impl<const D: usize> Numbers<D> {
         largest
     }
 
-    /// Returns the numbers of the exact flow at the same vertices. The flow exerts no force on a body, since no force
-    /// acts on the fluid in its place.
+    /// Returns the values of the exact flow at the same vertices. The exact force is zero: the flow satisfies the
+    /// Stokes equations without body force also in the volume of the body. The energy is NaN.
     pub(super) fn exact(&self, background: &SimplexMesh<D>) -> Self {
         let of = |vertex: VertexId| {
             let x = background.vertex(vertex);
-            (polynomial()(&x, 0.0), StokesPolynomial.pressure(&plane(&x), 0.0))
+            (polynomial()(&x, 0.0), StokesPolynomial.pressure(&first_two(&x), 0.0))
         };
         let at_vertices = self.at_vertices.keys().map(|&vertex| (vertex, of(vertex))).collect();
         Self { at_vertices, force: Vector::zeros(), energy: f64::NAN }
@@ -214,15 +216,15 @@ impl<const D: usize> Sweep<D> {
     }
 }
 
-/// Solves, and computes the condition numbers of the matrix.
-pub(super) fn find<const D: usize>(setup: &Setup<D>) -> Result<Found<D>, Failure> {
+/// Advances one step. Returns the condition numbers of its last matrix, and the flow if the step succeeded.
+pub(super) fn solve<const D: usize>(setup: &Setup<D>) -> Result<SweepResult<D>, Failure> {
     let mut work = Workspace::new();
     let step = advance(setup, &State::initial(setup)?, Substep::whole(setup.dt), &mut work);
     let system = work.system();
-    // Without an inverse there is no condition number, or an infinite one.
+    // A matrix that cannot be factorised has an infinite condition number.
     let conditions = [Scaling::Equilibrated, Scaling::None]
         .map(|scaling| condition_number(system.matrix(), system.layout(), scaling).unwrap_or(f64::INFINITY));
-    let Ok((state, report)) = step else { return Ok(Found { conditions, flow: None }) };
+    let Ok((state, report)) = step else { return Ok(SweepResult { conditions, flow: None }) };
 
     let (background, fluid) = (&fluid_of(setup)?.background, wet(&state)?);
     let bodies = setup.bodies.iter().zip(&fluid.positions);
@@ -242,5 +244,5 @@ pub(super) fn find<const D: usize>(setup: &Setup<D>) -> Result<Found<D>, Failure
     }
     let force = interface(&state, &report)?.map(|(piece, traction)| traction.total() * piece.measure).sum();
     let energy = wet_report(&report)?.kinetic_energy;
-    Ok(Found { conditions, flow: Some(Numbers { at_vertices, force, energy }) })
+    Ok(SweepResult { conditions, flow: Some(FlowValues { at_vertices, force, energy }) })
 }

@@ -5,11 +5,11 @@ use super::record::{Points, Table};
 use super::{Failure, Record, short};
 use crate::units::cgs;
 
-/// Period of the pressure, s, and number of periods of the examples.
+// Period of the pressure, s, and number of periods of the examples.
 const PERIOD: f64 = 4.0;
 const CYCLES: usize = 3;
-/// Parts of the period over which fluxes are averaged while the valve is open and closed: the second half of the times
-/// in which the pressure is constant.
+// Parts of the period over which fluxes are averaged while the valve is open and closed: the second half of the times
+// in which the pressure is constant.
 const OPEN: [f64; 2] = [3.0 / 12.0, 5.0 / 12.0];
 const CLOSED: [f64; 2] = [9.0 / 12.0, 11.0 / 12.0];
 /// Largest flux while closed over that while open.

@@ -13,11 +13,11 @@ use super::linear_flow::still;
 use super::signal::{range, rms, rough, slope};
 use super::{Failure, P, Record, Run, V, short};
 
-/// Length and height of the channel; where the centre of the cylinder begins; its diameter, m.
+// Length and height of the channel; where the centre of the cylinder begins; its diameter, m.
 const CHANNEL: [f64; 2] = [2.2, 0.41];
 const CENTRE: [f64; 2] = [1.1, 0.2];
 const DIAMETER: f64 = 0.1;
-/// Amplitude, m, and frequency, Hz, of its motion; viscosity, Pa s, of a fluid of density one.
+// Amplitude, m, and frequency, Hz, of its motion; viscosity, Pa s, of a fluid of density one.
 const AMPLITUDE: f64 = 0.25;
 const FREQUENCY: f64 = 0.25;
 const VISCOSITY: f64 = 1e-3;
@@ -29,8 +29,8 @@ const STEP_OVER_SIZE: f64 = 1.0;
 const BEGIN: f64 = 0.25;
 /// End of the quick version, the first time at which the cylinder rests, and of the full one, s.
 const ENDS: [f64; 2] = [1.0, 7.5];
-/// RMS of the drag coefficient until the end of the full version, from one source (the benchmark itself has curves only),
-/// and the largest relative error of the finest mesh: P1, and first order in time.
+// RMS of the drag coefficient until the end of the full version, from one source (the benchmark itself has curves
+// only), and the largest relative error of the finest mesh: P1, and first order in time.
 const KNOWN_RMS: f64 = 2.05;
 const ACCURACY: f64 = 0.05;
 /// Least order in h at which the noise has to fall, over all meshes: half of the expected one. Spurious forces of a boundary
@@ -40,7 +40,7 @@ const NOISE_ORDER: f64 = 0.5;
 /// full speed.
 const WING: usize = 5;
 
-/// Steps in half a period, whose effect on the flow is compared on the coarsest mesh, and the least order there.
+// Steps in half a period, whose effect on the flow is compared on the coarsest mesh, and the least order there.
 const ORDER_STEPS: [u32; 5] = [25, 50, 100, 200, 400];
 const TIME_ORDER: f64 = 1.8;
 

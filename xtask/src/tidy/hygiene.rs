@@ -21,7 +21,7 @@ const JSON_BYTES: usize = 50_000;
 const FILE_BYTES: usize = 600_000;
 /// Largest number of lines of a time step.
 const ADVANCE_LINES: usize = 40;
-/// Prefixes of paths that exist on one machine only.
+/// Prefixes of paths that are specific to one machine.
 const MACHINE_PATHS: &[&str] = &["/home/", "/Users/", "/root/", "/work/"];
 /// The page with the list of crates.
 const ARCHITECTURE: &str = "docs/ARCHITECTURE.md";

@@ -13,8 +13,8 @@ const TEST_FOLDERS: &[&str] = &["/tests/common/mod.rs"];
 const SECOND: &[&str] = &["2", "_new", "_old", "New", "Old"];
 /// Type names that several crates may define.
 const SHARED: &[&str] = &["Error"];
-/// Folder of the terms of a crate. Terms of several crates may share the name of the physics that they describe, such as the
-/// inertia of fluid and solid.
+/// Folder of the terms of a crate. Terms of several crates may have the same name, such as the inertia of fluid and
+/// solid.
 const TERMS: &str = "/terms/";
 
 /// Checks all names.

@@ -1,11 +1,11 @@
-//! Folders and files that may use each third-party crate: its *room*.
+//! Folders and files that may use each third-party crate.
 
 use super::source::words;
 use super::tree::{Finding, Tree};
 
-/// Third-party crates with the folders and files that may use them. Tests and benchmarks may use every dependency of their
-/// manifest.
-const ROOMS: &[(&str, &[&str])] = &[
+/// Third-party crates with the folders and files that may use them. Tests and benchmarks may use every dependency of
+/// their manifest.
+const ALLOWED: &[(&str, &[&str])] = &[
     ("nalgebra", &["crates"]),
     ("parry2d-f64", &["crates/mesh/src/search/parry.rs"]),
     ("parry3d-f64", &["crates/mesh/src/search/parry.rs"]),
@@ -73,30 +73,30 @@ pub(super) fn check(tree: &Tree) -> Vec<Finding> {
                 continue;
             }
             let line = tree.manifest_line(&manifest, dependency);
-            let Some((_, rooms)) = ROOMS.iter().find(|(package, _)| *package == dependency) else {
+            let Some((_, places)) = ALLOWED.iter().find(|(package, _)| *package == dependency) else {
                 let advice =
                     format!("`{dependency}` is not in the list of third_party.rs: use a crate of the list, or add it");
                 findings.push(Finding::new(&manifest, line, advice));
                 continue;
             };
-            let has_room =
-                rooms.iter().any(|room| room.starts_with(&folder) || folder.starts_with(&format!("{room}/")));
-            if kind == "normal" && (!has_room || (dependency == "nalgebra" && folder == WITHOUT_NALGEBRA)) {
-                let advice = format!("`{name}` must not depend on `{dependency}`: allowed in {}", rooms.join(", "));
+            let is_allowed =
+                places.iter().any(|place| place.starts_with(&folder) || folder.starts_with(&format!("{place}/")));
+            if kind == "normal" && (!is_allowed || (dependency == "nalgebra" && folder == WITHOUT_NALGEBRA)) {
+                let advice = format!("`{name}` must not depend on `{dependency}`: allowed in {}", places.join(", "));
                 findings.push(Finding::new(&manifest, line, advice));
             }
         }
     }
     for source in tree.rust.iter().filter(|source| source.is_src()) {
-        for (package, rooms) in ROOMS {
-            let is_in_room = |room: &&str| source.path == *room || source.path.starts_with(&format!("{room}/"));
-            if rooms.iter().any(is_in_room) {
+        for (package, places) in ALLOWED {
+            let is_allowed = |place: &&str| source.path == *place || source.path.starts_with(&format!("{place}/"));
+            if places.iter().any(is_allowed) {
                 continue;
             }
             let name = package.replace('-', "_");
             let offset = words(source.code(), &name).find(|&offset| is_path(source.code(), offset, name.len()));
             if let Some(offset) = offset {
-                let advice = format!("`{package}` must not be used in this file: use it only in {}", rooms.join(", "));
+                let advice = format!("`{package}` must not be used in this file: use it only in {}", places.join(", "));
                 findings.push(Finding::new(&source.path, source.line_at(offset), advice));
             }
         }

@@ -21,13 +21,13 @@ use cutwater::io::scenario::expected_cells;
 use cutwater::io::{Error, ScenarioFile};
 use cutwater::solver::Stage;
 
-/// Exit code of a run that was interrupted, that of shells for the signal.
+/// Exit code of a run that was interrupted: the one that shells use for SIGINT, 128 + 2.
 pub(crate) const INTERRUPTED: u8 = 130;
 
-/// Prints a line to the standard output. A reader that has closed it is no error.
+/// Prints a line to the standard output. A pipe that its reader has closed is not an error.
 ///
 /// # Errors
-/// [`Error::Write`]: the line is lost.
+/// [`Error::Write`]: the line cannot be written for another reason.
 pub(crate) fn print(line: &str) -> Result<(), Error> {
     match writeln!(std::io::stdout(), "{line}") {
         Err(source) if source.kind() != ErrorKind::BrokenPipe => {
@@ -37,8 +37,8 @@ pub(crate) fn print(line: &str) -> Result<(), Error> {
     }
 }
 
-/// Prints a line of progress or of a summary. If it is lost the run goes on: its results are in files.
-pub(crate) fn tell(line: &str) {
+/// Prints a line of progress or of a summary. A write error is ignored, because results are in files.
+pub(crate) fn print_or_ignore(line: &str) {
     _ = print(line);
 }
 
@@ -76,7 +76,7 @@ impl From<Error> for Failure {
 #[cfg(feature = "report")]
 impl From<cutwater::report::Error> for Failure {
     fn from(error: cutwater::report::Error) -> Self {
-        // Where files of a run are missing, the error is that of reading them.
+        // An error of the results of a run is one of crate `io`, with its own exit code.
         if let cutwater::report::Error::Results(error) = error { Self::from(error) } else { Self::Report(error) }
     }
 }
@@ -175,7 +175,8 @@ fn stagnation(residuals: &[f64], has_contacts: bool) -> &'static str {
     }
 }
 
-/// Returns whether the last residual is more than half of that two iterations before, as it is in a cycle of two states.
+/// Returns whether the last residual is more than half of the residual two iterations before, as in a cycle of two
+/// states.
 fn stagnates(residuals: &[f64]) -> bool {
     matches!(residuals, [.., before, _, last] if residuals.len() > 3 && *last > 0.5 * before)
 }

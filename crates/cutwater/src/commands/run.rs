@@ -13,10 +13,10 @@ use cutwater::io::{Begin, Error, Progress, RunOptions, ScenarioFile, Sizes, Step
 use cutwater::report::Recorder;
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::{Failure, INTERRUPTED, building, tell, warn};
+use super::{Failure, INTERRUPTED, building, print_or_ignore, warn};
 use crate::RunArguments;
 
-/// Time between two lines where there is no terminal.
+/// Time between two lines of progress without a terminal.
 const LINE_EVERY: Duration = Duration::from_secs(5);
 
 /// Runs a scenario or goes on with a run, shows its progress, writes its page and prints a summary.
@@ -37,7 +37,7 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let outcome = {
         let mut recorder = (!arguments.no_report).then(|| Recorder::new(&directory));
         let outcome = options.run(&file, &directory, &mut ((begin, progress), &mut recorder));
-        // A run that failed or was stopped gets a page of the steps before.
+        // The page of a run that failed or was stopped shows the steps up to then.
         if let Ok(_) | Err(Error::Step(_) | Error::Interrupted { .. }) = &outcome {
             cutwater::report::remove(&directory)?;
             if let Some(recorder) = recorder {
@@ -82,7 +82,7 @@ fn stop_by_signal() -> &'static AtomicBool {
         }
         warn("stopping after this step; once more to stop at once");
     };
-    // Where there are no signals a run cannot be stopped by one.
+    // Without a handler, an interrupt ends the program at once.
     let _ = ctrlc::set_handler(stop);
     &STOP
 }
@@ -90,8 +90,8 @@ fn stop_by_signal() -> &'static AtomicBool {
 /// Name of the log in the directory of results.
 const LOG: &str = "run.log";
 
-/// Output of a run for people. On a terminal progress is shown as a bar, elsewhere as a line at intervals. The log
-/// contains the same lines.
+/// Output of a run for people. Progress is shown as a bar on a terminal, otherwise as lines at intervals. The log
+/// contains all lines.
 struct Console {
     is_quiet: bool,
     is_verbose: bool,
@@ -99,7 +99,7 @@ struct Console {
     log: Option<File>,
     bar: Option<ProgressBar>,
     created: Instant,
-    /// Time at which the first step ended, and its number; meshes are built before.
+    /// Time at which the first step ended, and the index of this step. The time that is left is estimated from it.
     begin: Option<(Instant, usize)>,
     last_line: Option<Instant>,
     /// Labels of length and time.
@@ -141,8 +141,8 @@ impl Console {
         self.log(line);
         if !self.is_quiet {
             match &self.bar {
-                Some(bar) if !bar.is_finished() => bar.suspend(|| tell(line)),
-                _ => tell(line),
+                Some(bar) if !bar.is_finished() => bar.suspend(|| print_or_ignore(line)),
+                _ => print_or_ignore(line),
             }
         }
     }
@@ -150,7 +150,7 @@ impl Console {
     /// Writes a line that was requested: it is printed even if the run is quiet.
     fn result(&mut self, line: &str) {
         self.log(line);
-        tell(line);
+        print_or_ignore(line);
     }
 
     /// Writes a warning, which is printed even if the run is quiet.
@@ -162,7 +162,7 @@ impl Console {
         }
     }
 
-    /// Opens the log and prints how the scenario is understood.
+    /// Opens the log and prints the summary of the scenario: sizes, conditions and methods.
     fn begin(&mut self, directory: &Path, resumes: bool, sizes: &Sizes) {
         let log = File::options().create(true).write(true).append(resumes).truncate(!resumes).open(directory.join(LOG));
         match log {
@@ -179,7 +179,7 @@ impl Console {
         let (begin, first) = *self.begin.get_or_insert_with(|| (Instant::now(), at.step));
         let [length, time] = &self.units;
         let distance = at.d_min.map_or(String::new(), |d| format!(", d_min {} {length}", shown(d)));
-        // With one body both are the same number.
+        // With one body both are equal; the gap is then not repeated.
         let gap = at.smallest_gap.filter(|gap| at.d_min != Some(*gap));
         let gap = gap.map_or(String::new(), |gap| format!(", smallest gap {gap:.3e} {length}"));
         let contact = if at.in_contact { ", contact" } else { "" };
@@ -219,39 +219,39 @@ impl Console {
     }
 }
 
-/// Formats a number with four digits behind the point, or with an exponent where these would not show it.
+/// Formats a number with four digits behind the point, or with an exponent if its size is below 1e-3 or above 1e6.
 fn shown(value: f64) -> String {
     let is_plain = value == 0.0 || (1e-3..1e6).contains(&value.abs());
     if is_plain { format!("{value:.4}") } else { format!("{value:.3e}") }
 }
 
-fn print_summary(summary: &Summary, directory: &str, tell: &mut dyn FnMut(&str)) {
-    tell(&format!(
+fn print_summary(summary: &Summary, directory: &str, print_line: &mut dyn FnMut(&str)) {
+    print_line(&format!(
         "{}: {} steps in {:.1} s, results in {directory}",
         summary.case, summary.steps, summary.wall_seconds
     ));
     let half = if summary.half_domain { " (of a half domain)" } else { "" };
     // Without a fluid there is neither a background nor a stabilisation.
     if summary.stabilisation.is_empty() {
-        tell(&format!("  up to {} unknowns", summary.dofs));
+        print_line(&format!("  up to {} unknowns", summary.dofs));
     } else {
         let Summary { cells, dofs, stabilisation, .. } = summary;
-        tell(&format!("  {cells} cells, up to {dofs} unknowns{half}, stabilisation {stabilisation}"));
+        print_line(&format!("  {cells} cells, up to {dofs} unknowns{half}, stabilisation {stabilisation}"));
     }
-    tell(&format!("  linear solver {}", summary.linear_solver));
+    print_line(&format!("  linear solver {}", summary.linear_solver));
     if summary.fallbacks > 0 {
-        tell(&format!("  {} factorisations needed free pivoting", summary.fallbacks));
+        print_line(&format!("  {} factorisations needed free pivoting", summary.fallbacks));
     }
     if summary.divided_steps > 0 {
-        tell(&divided(summary));
+        print_line(&divided(summary));
     }
-    contact_lines(summary).iter().for_each(|line| tell(line));
+    contact_lines(summary).iter().for_each(|line| print_line(line));
 }
 
-/// Share of divided steps from which the step is too long.
+/// Share of divided steps at and above which the summary advises a shorter step.
 const MANY: f64 = 0.05;
 
-/// Returns the line about divided steps.
+/// Returns the line about divided steps, with advice if there are many.
 fn divided(Summary { divided_steps, steps, dt, .. }: &Summary) -> String {
     let share = *divided_steps as f64 / *steps as f64;
     let percent = (100.0 * share).round();
@@ -294,15 +294,15 @@ fn contact_lines(summary: &Summary) -> Vec<String> {
     ]
 }
 
-/// Prints a line per stage; under the assembly a line per contribution, and the rest: zeros, copies, known linear
-/// parts.
-fn print_timings(summary: &Summary, tell: &mut dyn FnMut(&str)) {
+/// Prints a line per stage. The assembly also has a line per contribution, and one for the rest: zeros, copies and
+/// linear parts that are stored.
+fn print_timings(summary: &Summary, print_line: &mut dyn FnMut(&str)) {
     let steps = summary.steps.max(1) as f64;
     let all: f64 = summary.timings.iter().filter(|t| t.contribution.is_none()).map(|t| t.seconds).sum();
-    tell(&format!("  {:<32} {:>8} {:>10} {:>12} {:>7}", "stage", "calls", "seconds", "ms per step", "share"));
+    print_line(&format!("  {:<32} {:>8} {:>10} {:>12} {:>7}", "stage", "calls", "seconds", "ms per step", "share"));
     let mut line = |name: &str, calls: &str, seconds: f64| {
         let (per_step, share) = (1e3 * seconds / steps, 100.0 * seconds / all);
-        tell(&format!("  {name:<32} {calls:>8} {seconds:>10.3} {per_step:>12.3} {share:>6.1}%"));
+        print_line(&format!("  {name:<32} {calls:>8} {seconds:>10.3} {per_step:>12.3} {share:>6.1}%"));
     };
     for stage in summary.timings.iter().filter(|timing| timing.contribution.is_none()) {
         line(&stage.stage, &stage.calls.to_string(), stage.seconds);
@@ -317,7 +317,10 @@ fn print_timings(summary: &Summary, tell: &mut dyn FnMut(&str)) {
             line("  rest", "", rest);
         }
     }
-    tell(&format!("  {} Newton iterations, {} factorisations", summary.newton_iterations, summary.factorizations));
+    print_line(&format!(
+        "  {} Newton iterations, {} factorisations",
+        summary.newton_iterations, summary.factorizations
+    ));
 }
 
 #[cfg(test)]

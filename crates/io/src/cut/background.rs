@@ -16,8 +16,8 @@ const CONTRADICTION: &str =
 
 /// Reads the tetrahedra of an unstructured grid, `.vtu` (plain or with zlib) or legacy `.vtk` (to version 4.2).
 ///
-/// Points, lines, triangles and quadrilaterals are left out, which mesh generators write in addition to the tetrahedra;
-/// tetrahedra that are inside out are turned.
+/// Points, lines, triangles and quadrilaterals, which mesh generators write in addition to the tetrahedra, are ignored.
+/// Corners of tetrahedra with negative volume are reordered.
 ///
 /// # Errors
 /// [`Error::Read`]; [`Error::MeshFile`] for files without one unstructured grid of tetrahedra.
@@ -33,7 +33,7 @@ pub fn read_tetrahedra(path: &Path) -> Result<SimplexMesh<3>, Error> {
 
 /// Mesh of a VTK file.
 pub(crate) enum VtkMesh {
-    /// Triangles at one height.
+    /// Triangles in a plane of constant `z`.
     Plane(SimplexMesh<2>),
     /// Tetrahedra.
     Space(SimplexMesh<3>),
@@ -50,7 +50,7 @@ fn parse(path: &Path, bytes: &[u8]) -> Result<VtkMesh, String> {
         "vtk" => |bytes: &[u8]| vtkio::Vtk::parse_legacy_be(bytes),
         _ => return Err("its name must end in .vtu or .vtk".to_owned()),
     };
-    // The parser does not check the lengths in compressed arrays, and panics where they are wrong.
+    // The parser does not check the lengths in compressed arrays, and panics if they are wrong.
     let parsed = quietly(|| parse(bytes)).ok_or(CONTRADICTION)?;
     let pieces = match parsed.map_err(|error| error.to_string())?.data {
         DataSet::UnstructuredGrid { pieces, .. } => pieces,
@@ -63,11 +63,11 @@ fn parse(path: &Path, bytes: &[u8]) -> Result<VtkMesh, String> {
 }
 
 thread_local! {
-    /// Whether the thread runs code of which a panic is an error of the input, and prints nothing.
+    /// Whether the thread runs code whose panics are errors of the input and are not printed.
     static IS_QUIET: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Runs a function, and returns `None` if it panics. The panic prints nothing; those of other threads are shown as before.
+/// Runs a function, and returns `None` if it panics. The panic is not printed; panics of other threads are.
 fn quietly<T>(run: impl FnOnce() -> T + UnwindSafe) -> Option<T> {
     static HOOK: Once = Once::new();
     HOOK.call_once(|| {
@@ -121,7 +121,7 @@ fn simplices(piece: &UnstructuredGridPiece) -> Result<VtkMesh, String> {
     SimplexMesh::new(vertices, tetrahedra).map(VtkMesh::Space).map_err(|error| error.to_string())
 }
 
-/// Returns the points of each cell; `None` if there are not enough numbers.
+/// Returns the indices of the points of each cell; `None` if the lists are too short.
 fn corners(numbers: &VertexNumbers) -> Option<Vec<Vec<u64>>> {
     let mut cells = Vec::new();
     match numbers {
@@ -145,7 +145,7 @@ fn corners(numbers: &VertexNumbers) -> Option<Vec<Vec<u64>>> {
     Some(cells)
 }
 
-/// Returns the corners of a cell in the order of a positive volume; `None` if their number is wrong, or they are not there.
+/// Returns the corners of a cell in the order of a positive volume; `None` if there are not `D + 1`, or one is missing.
 fn outwards<const D: usize>(ids: &[u64], vertices: &[Point<D>]) -> Option<Vec<VertexId>> {
     let numbers = ids.iter().map(|id| usize::try_from(*id).ok()).collect::<Option<Vec<usize>>>()?;
     let points = numbers.iter().map(|k| vertices.get(*k).copied()).collect::<Option<Vec<Point<D>>>>()?;

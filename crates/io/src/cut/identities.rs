@@ -1,4 +1,4 @@
-//! Identities that hold for the cut by any surfaces, and the errors in them.
+//! Identities that hold for every exact cut, and the errors in them.
 
 use cutcell::{CellState, CutMesh, FaceLabel, PartId};
 use mesh::{
@@ -8,30 +8,28 @@ use mesh::{
 
 use crate::Error;
 
-/// Distance from a face of the background, relative to the size of the cell, up to which interface may count as lying
-/// on it.
+/// Largest distance of interface on a face of the background from the face, relative to the size of the cell.
 const ON_FACE: f64 = 1e-9;
 
-/// Largest relative errors of a cut: zero but for round-off.
+/// Largest relative errors of a cut. They are zero up to round-off.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct CutErrors {
     /// `|parts + covered - |K|| / |K|`, the largest over all cells `K`.
     pub partition: f64,
-    /// `|∫ n| / area` over the wet interface; the covered part of the boundary of the background closes the interface
-    /// where bodies stick out.
+    /// `|∫ n| / area` over the wet interface. If bodies reach out of the background, the interface is closed by the
+    /// covered part of the boundary of the background.
     pub normals: f64,
     /// `|∫ div F - ∮ F·n| / ∫ div F` over the fluid, the larger for a linear and a quadratic `F`, with
     /// `F_a = r_a` and `F_a = r_a²`, `r` from the lowest corner of the background.
     pub divergence: f64,
-    /// Area of a fluid part on a face of its cell that is not shared with parts on the other side, relative to the measure of
-    /// the face; the largest over all faces of all parts. Area covered by interface on the face itself may
-    /// remain unshared.
+    /// Area of a fluid part on a face of its cell that is not shared with parts on the other side, relative to the
+    /// measure of the face; the largest over all faces of all parts. Interface that lies on the face is not shared.
     pub adjacency: f64,
-    /// Round-off of the coordinates relative to the size of the cells, which errors of a cut that is right can reach.
+    /// Largest error of a correct cut by round-off of the coordinates, relative to the size of the cells.
     pub round_off: f64,
 }
 
-/// Ratio of the errors of a cut that is right to the round-off of a coordinate relative to the size of its cell.
+/// Largest error of a correct cut, divided by the round-off of a coordinate relative to the size of its cell.
 const ROUND_OFF: f64 = 64.0;
 
 impl CutErrors {
@@ -40,7 +38,7 @@ impl CutErrors {
     /// # Errors
     /// [`Error::Violated`].
     pub fn check(&self) -> Result<(), Error> {
-        /// Tolerance, below the error of any wrong cut.
+        /// Tolerance. Errors of wrong cuts are larger.
         const LARGEST: f64 = 1e-8;
         let Self { partition, normals, divergence, adjacency, round_off } = *self;
         let named =
@@ -51,7 +49,7 @@ impl CutErrors {
     }
 }
 
-/// Measures all identities of a cut, with the moment that [`quadratic_moment`] returns.
+/// Measures the errors of all identities of a cut. `moment` is the value of [`quadratic_moment`].
 pub(super) fn check<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>, moment: f64) -> CutErrors {
     CutErrors {
         partition: partition(background, cut),
@@ -74,7 +72,7 @@ fn relative(error: f64, scale: f64) -> f64 {
     if error == 0.0 || scale == 0.0 { 0.0 } else { error / scale }
 }
 
-/// Returns the larger of two errors; one that is not a number is larger than all others.
+/// Returns the larger of two errors. NaN is larger than all numbers.
 fn larger(a: f64, b: f64) -> f64 {
     if a.is_nan() || a >= b { a } else { b }
 }
@@ -144,7 +142,7 @@ fn divergence<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>, mom
 }
 
 fn adjacency<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>) -> f64 {
-    // Unshared area, and area that may be interface, by part and local facet of its cell.
+    // Unshared area, and area of interface on the facet, by part and local facet of its cell.
     let mut unshared = vec![[0.0; MAX_CELL_VERTICES]; cut.n_parts()];
     let mut aligned = unshared.clone();
     for part in cut.all_parts() {

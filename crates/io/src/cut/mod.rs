@@ -1,4 +1,4 @@
-//! Cuts of a mesh of tetrahedra by closed surfaces from files, with measures of quality: the command `cutwater cut`.
+//! Cuts of a mesh of tetrahedra by closed surfaces from files, with checks of the cut: the command `cutwater cut`.
 //!
 //! ```no_run
 //! use io::cut::{BackgroundSource, CutSettings, cut_files};
@@ -29,10 +29,10 @@ pub(crate) use background::{VtkMesh, read_vtk};
 pub use identities::CutErrors;
 pub use summary::{CutSeconds, CutSummary};
 
-/// Extents of surfaces of which fourth powers, the largest and smallest numbers in a cut, are accurate.
+/// Extents of surfaces whose fourth powers are representable: the largest and smallest numbers in a cut.
 const EXTENTS: std::ops::RangeInclusive<f64> = 1e-60..=1e60;
 
-/// Largest coordinate relative to the extent of a surface: it has six digits more than the round-off of the coordinate.
+/// Largest coordinate, divided by the extent of a surface. The extent then has about six accurate digits.
 const FARTHEST: f64 = 1e10;
 
 /// Level of zlib in the field files.
@@ -41,8 +41,8 @@ const COMPRESSION: u32 = 4;
 /// The mesh that the surfaces cut.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum BackgroundSource {
-    /// A box of this many cubes along each axis, six tetrahedra each, around the surfaces: a tenth of their longest
-    /// extent is left free on every side of it.
+    /// A box around the surfaces with this number of cubes along each axis, six tetrahedra each. The margin on every
+    /// side is a tenth of the longest extent of the surfaces.
     Grid(usize),
     /// A mesh of tetrahedra, `.vtu` or `.vtk`.
     File(PathBuf),
@@ -56,8 +56,8 @@ pub struct CutSettings {
     /// Seed of a random rotation of all surfaces together about the centre of their box; all rotations are equally
     /// likely.
     pub rotate: Option<u64>,
-    /// Seed of a random shift of all surfaces together, up to half a cell along each axis. It comes after a grid is put
-    /// around them, so that on grids of less than six cubes it can push them out, which is allowed.
+    /// Seed of a random shift of all surfaces together, up to half a cell along each axis. They are shifted after the
+    /// grid is built. On grids of less than six cubes they may then leave the grid, which is allowed.
     pub shift: Option<u64>,
     /// Whether surfaces that enclose a negative volume are turned inside out.
     pub flip: bool,
@@ -73,7 +73,7 @@ impl CutSettings {
 /// Surfaces, the background that they cut, and the cut.
 #[derive(Clone, Debug)]
 pub struct SurfaceCut {
-    /// The surfaces where they were laid, one per body.
+    /// The surfaces at their final positions, one per body.
     pub surfaces: Vec<Surface>,
     /// The background.
     pub background: SimplexMesh<3>,

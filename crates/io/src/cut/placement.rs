@@ -10,10 +10,10 @@ use crate::surface::Surface;
 /// Free space on every side of the surfaces, as a fraction of their longest extent.
 const MARGIN: f64 = 0.1;
 
-/// Most cubes along an axis: 20 million tetrahedra, which take some ten gigabytes.
+/// Largest number of cubes along an axis: 20 million tetrahedra, which take about ten gigabytes.
 const MOST_CUBES: usize = 150;
 
-/// Returns a box of `n`³ cubes with the centre of the surfaces, at most [`MOST_CUBES`] along each axis.
+/// Returns a box of `n`³ cubes with the centre of the surfaces; `n` is at most [`MOST_CUBES`].
 pub(super) fn grid_around(surfaces: &[Surface], n: usize) -> Result<SimplexMesh<3>, Error> {
     if !(1..=MOST_CUBES).contains(&n) {
         return Err(Error::GridSize { n, most: MOST_CUBES });
@@ -31,7 +31,7 @@ pub(super) fn rotate(surfaces: &mut [Surface], seed: u64) {
     surfaces.iter_mut().for_each(|surface| *surface = surface.moved(|x| centre + turn * (x - centre)));
 }
 
-/// Shifts the surfaces together, up to half along each axis of the edge of a cube that six tetrahedra fill.
+/// Shifts the surfaces together by up to half a cell along each axis. A cell is a cube of six mean tetrahedra.
 pub(super) fn shift(surfaces: &mut [Surface], seed: u64, background: &SimplexMesh<3>) {
     let edge = (6.0 * background.volume() / background.n_cells() as f64).cbrt();
     let mut random = Random(seed);
@@ -43,17 +43,17 @@ fn bounds(surfaces: &[Surface]) -> Aabb<3> {
     Aabb::of_points(surfaces.iter().flat_map(Surface::positions))
 }
 
-/// Random numbers that a seed determines: SplitMix64 (Steele, Lea, Flood 2014).
+/// Generator of random numbers from a seed: SplitMix64 (Steele, Lea, Flood 2014).
 struct Random(u64);
 
 impl Random {
-    /// Returns the next random number from 0 to 1.
+    /// Returns the next random number in `[0, 1)`.
     fn unit(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        // The 53 bits that a number between 0 and 1 holds.
+        // A double has 53 bits.
         ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
     }
 

@@ -8,7 +8,7 @@ use mesh::SimplexMesh;
 use super::CutErrors;
 use super::identities::{check, quadratic_moment};
 
-/// Summary of a cut. Lengths are those of the surfaces' files.
+/// Summary of a cut. Lengths have the unit of the files of surfaces.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct CutSummary {
     /// Cells of the background.
@@ -17,7 +17,7 @@ pub struct CutSummary {
     pub cut_cells: usize,
     /// Cells inside the bodies.
     pub covered_cells: usize,
-    /// Most fluid parts in one cell.
+    /// Largest number of fluid parts in one cell.
     pub parts_max: usize,
     /// Volume of the background.
     pub domain_volume: f64,
@@ -27,29 +27,29 @@ pub struct CutSummary {
     pub solid_volume: f64,
     /// Area of the wet interface.
     pub surface_area: f64,
-    /// Smallest part of a cut cell over its cell; one if nothing is cut.
+    /// Smallest fluid part of a cut cell, divided by the volume of the cell; one if no cell is cut.
     pub smallest_fraction: f64,
-    /// Wall time of the stages.
+    /// Wall-clock time of the stages.
     pub seconds: CutSeconds,
     /// Errors of the identities.
     pub max_relative_error: CutErrors,
 }
 
-/// Wall time of the stages, s. Reading, building the background and the identities are not in it.
+/// Wall-clock time of the stages, s, without reading files, building the background and checking identities.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct CutSeconds {
-    /// Checking the surfaces, and finding which cells they may cut and how many bodies surround the others.
+    /// Checking the surfaces, finding the cells that they may cut, and the number of bodies around all other cells.
     pub classify: f64,
     /// Cutting cells into parts, and joining parts of neighbours.
     pub clip: f64,
-    /// Quadrature of degree two on all fluid parts, with one integral over them.
+    /// Quadrature of degree two on all fluid parts, with one integral over the fluid.
     pub quadrature: f64,
-    /// Whole cut.
+    /// Sum of all stages.
     pub total: f64,
 }
 
 impl CutSummary {
-    /// Measures a cut whose overlay took that long.
+    /// Measures a cut, and the time of quadrature. `overlay` has the times of the overlay.
     pub(super) fn new<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>, overlay: OverlayTimes) -> Self {
         let begin = Instant::now();
         let moment = quadratic_moment(background, cut);
@@ -83,7 +83,7 @@ impl CutSummary {
     }
 }
 
-/// Adds positive numbers with a round-off that does not grow with their count (Neumaier 1974).
+/// Adds positive numbers with a round-off that is independent of how many there are (Neumaier 1974).
 fn sum(numbers: impl Iterator<Item = f64>) -> f64 {
     let (mut sum, mut lost) = (0.0_f64, 0.0);
     for number in numbers {

@@ -9,6 +9,7 @@ pub(super) struct Kind {
     pub(super) n_nodes: usize,
 }
 
+/// Kinds that are read. Source: Gmsh reference manual, element types.
 const KINDS: [Kind; 7] = [
     Kind { number: 15, dimension: 0, order: 1, n_nodes: 1 },
     Kind { number: 1, dimension: 1, order: 1, n_nodes: 2 },
@@ -23,7 +24,7 @@ impl Kind {
     /// Returns the kind with a number.
     ///
     /// # Errors
-    /// Name and remedy, if elements of the kind are not read.
+    /// A text with the name of the kind and a remedy, if its elements are not read.
     pub(super) fn with_number(number: i32) -> Result<Self, String> {
         let known = KINDS.into_iter().find(|kind| kind.number == number);
         known.ok_or_else(|| match number {

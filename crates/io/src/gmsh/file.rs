@@ -25,22 +25,22 @@ impl fmt::Display for GmshVersion {
 #[derive(Clone, Debug)]
 pub struct GmshFile {
     pub(super) version: GmshVersion,
-    /// Positions of the nodes.
+    /// Positions of the nodes, with three components also in 2D.
     pub(super) points: Vec<[f64; 3]>,
-    /// By dimension.
+    /// Elements of each dimension, 0 to 3.
     pub(super) elements: [Elements; 4],
-    /// By dimension and number.
+    /// Names of physical groups, by dimension and number of the group.
     pub(super) names: HashMap<(usize, i32), String>,
 }
 
 /// Elements of one dimension.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Elements {
-    /// Order of all of them; 0 if there are none.
+    /// Order of the elements, all equal; 0 without elements.
     pub(super) order: usize,
-    /// Indices of points. Stride: nodes of an element.
+    /// Indices of points. Each element has the same number of nodes.
     pub(super) nodes: Vec<usize>,
-    /// Numbers in the file.
+    /// Numbers of the elements in the file.
     pub(super) numbers: Vec<u64>,
     /// First physical group of each element; 0 for none.
     pub(super) groups: Vec<i32>,
@@ -66,20 +66,20 @@ impl GmshFile {
         self.elements.get(dimension).is_some_and(|elements| !elements.numbers.is_empty())
     }
 
-    /// Returns the order of the elements of a dimension; 0 if there are none.
+    /// Returns the order of the elements of a dimension, 1 or 2; 0 without elements.
     pub fn order(&self, dimension: usize) -> usize {
         self.elements.get(dimension).map_or(0, |elements| elements.order)
     }
 
-    /// Returns the dimension of space: 3 if there are tetrahedra, or if the nodes of the triangles, or of the lines if
-    /// there are none, do not lie in a plane of equal `z`; else 2.
+    /// Returns the dimension of space. It is 3 if there are tetrahedra or if the third coordinates of the nodes of the
+    /// triangles (without triangles: of the lines) differ; otherwise 2.
     pub fn dimension(&self) -> usize {
         let [_, lines, triangles, _] = &self.elements;
         let planar = if self.has_cells(2) { triangles } else { lines };
         if self.has_cells(3) || self.is_spatial(planar.nodes.iter().copied()) { 3 } else { 2 }
     }
 
-    /// Returns whether the third coordinates of nodes differ by more than round-off.
+    /// Returns whether the third coordinates of nodes differ by more than round-off, relative to the other extents.
     pub(super) fn is_spatial(&self, nodes: impl Iterator<Item = usize> + Clone) -> bool {
         const ROUND_OFF: f64 = 1e-9;
         let extent = |axis: usize| {

@@ -10,16 +10,17 @@ use super::file::{Elements, GmshFile};
 /// Mesh of a file.
 #[derive(Clone, Debug)]
 pub struct GmshMesh<const D: usize> {
-    /// Cells through the corner nodes. Tags of cells are physical groups of dimension `D`, tags of facets those of
-    /// dimension `D - 1`.
+    /// Cells spanned by the corner nodes of the elements. Tags of cells are physical groups of dimension `D`, tags of
+    /// facets are physical groups of dimension `D - 1`.
     pub mesh: SimplexMesh<D>,
-    /// Position of the node on each edge of elements of order 2, by the ends of the edge in ascending order. Empty for order 1.
+    /// Position of the node on each edge of elements of order 2. The key has the ends of the edge in ascending order.
+    /// Empty for order 1.
     pub edge_nodes: HashMap<[VertexId; 2], Point<D>>,
     /// Cells whose nodes were reordered to make their volume positive.
     pub n_turned: usize,
-    /// Elements of dimension `D - 1` in a group that do not lie on the boundary, and have no effect.
+    /// Elements of dimension `D - 1` that are in a group but not on the boundary. They have no effect.
     pub n_inside: usize,
-    /// Elements in several groups, of which the first one counts.
+    /// Elements in several groups. The first group is used.
     pub n_ambiguous: usize,
 }
 
@@ -29,13 +30,13 @@ impl GmshFile {
     /// Vertices are the corner nodes that cells use, in the order of the file. A cell may have either orientation in the file.
     ///
     /// # Errors
-    /// Cause, place and remedy: no cells; nodes out of the plane in 2D; cells without volume, cells that lie over each
-    /// other, more than two cells at a facet.
+    /// A text with cause and remedy, if there are no cells, nodes are out of the plane in 2D, cells have no volume or
+    /// overlap across a facet, or a facet has more than two cells.
     pub fn mesh<const D: usize>(&self) -> Result<GmshMesh<D>, String> {
         let elements = &self.elements[D];
         if elements.numbers.is_empty() {
             let cells = if D == 2 { "triangles" } else { "tetrahedra" };
-            return Err(format!("it has no {cells}; make a mesh of dimension {D} before it is saved (`gmsh -{D}`)"));
+            return Err(format!("the file has no {cells}; make a mesh of dimension {D} before saving (`gmsh -{D}`)"));
         }
         if D == 2 && self.is_spatial(elements.nodes.iter().copied()) {
             return Err(
@@ -58,7 +59,7 @@ impl GmshFile {
             if volume.abs() <= FLAT * ::mesh::diameter(&points).powi(D as i32) {
                 let place = place(&Simplex::new(&points).centroid());
                 return Err(format!(
-                    "element {} near {place} has no volume; repair the mesh there",
+                    "element {} near {place} is degenerate (no area or volume); repair the mesh there",
                     elements.numbers[k]
                 ));
             }
@@ -72,11 +73,8 @@ impl GmshFile {
         let number = |cell: CellId| elements.numbers[of_cell[cell.index()]];
         let mesh = SimplexMesh::new(vertices, cells).map_err(|error| match error {
             ::mesh::Error::NonManifold { cells: [a, b], .. } => {
-                format!(
-                    "the elements {}, {} and another one share a facet; repair the mesh there",
-                    number(a),
-                    number(b)
-                )
+                let (a, b, side) = (number(a), number(b), if D == 2 { "an edge" } else { "a face" });
+                format!("the elements {a}, {b} and at least one more share {side}; remove surplus elements")
             }
             error => error.to_string(),
         })?;
@@ -89,7 +87,7 @@ impl GmshFile {
     }
 
     /// Returns the positions of the nodes that are corners of elements, and the vertex of each node of the file. Other
-    /// nodes have an identifier beyond all of them.
+    /// nodes have an identifier of no vertex.
     pub(super) fn corners<const D: usize>(
         &self,
         elements: &Elements,
@@ -98,10 +96,10 @@ impl GmshFile {
         let mut is_used = vec![false; self.points.len()];
         elements.nodes().flat_map(|nodes| &nodes[..n_corners]).for_each(|node| is_used[*node] = true);
         let mut vertices = Vec::new();
-        let nothing = VertexId::new(self.points.len());
+        let no_vertex = VertexId::new(self.points.len());
         let vertex_of = self.points.iter().zip(is_used).map(|(x, is_used)| {
             if !is_used {
-                return nothing;
+                return no_vertex;
             }
             vertices.push(Point::from_fn(|axis, _| x[axis]));
             VertexId::new(vertices.len() - 1)
@@ -128,8 +126,8 @@ impl GmshFile {
         edge_nodes
     }
 
-    /// Returns the mesh with tags of its boundary facets, the number of elements in groups inside, and that of those in
-    /// several groups.
+    /// Returns the mesh with tags of its boundary facets, the number of facet elements in groups that are not on the
+    /// boundary, and the number of facet elements in several groups.
     fn with_facet_groups<const D: usize>(
         &self,
         mesh: SimplexMesh<D>,
@@ -138,6 +136,7 @@ impl GmshFile {
         let facets = &self.elements[D - 1];
         let mut groups = HashMap::new();
         let mut n_ambiguous = facets.n_ambiguous;
+        // Group 0: the element is in no physical group.
         for (nodes, group) in facets.nodes().zip(&facets.groups).filter(|(_, group)| **group != 0) {
             let corners: Vec<VertexId> = nodes[..D].iter().map(|node| vertex_of[*node]).collect();
             let first = *groups.entry(sorted(&corners)).or_insert(*group);
@@ -151,7 +150,7 @@ impl GmshFile {
     }
 }
 
-/// Volume of a cell that is round-off, relative to that of a cube of its diameter.
+/// Largest volume of a degenerate cell, divided by its diameter to the power `D`.
 const FLAT: f64 = 1e-14;
 
 /// Checks that the two cells of each interior facet lie on opposite sides of it.

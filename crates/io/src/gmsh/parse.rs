@@ -12,7 +12,7 @@ use crate::files::read;
 /// Largest number of tags of an element or entity.
 const MOST_TAGS: usize = 1 << 20;
 
-/// Physical groups of an entity: the first one, and whether there are others.
+/// Physical groups of an entity: number of the first one, 0 for none, and whether there are others.
 type Groups = (i32, bool);
 
 impl GmshFile {
@@ -27,7 +27,7 @@ impl GmshFile {
     /// Reads the bytes of a file.
     ///
     /// # Errors
-    /// Line or byte, cause and remedy.
+    /// A text with line or byte, cause and remedy.
     pub fn parse(bytes: &[u8]) -> Result<Self, String> {
         if bytes.trim_ascii().is_empty() {
             return Err("the file is empty; save the mesh again".to_owned());
@@ -101,7 +101,7 @@ fn format(scan: &mut Scan<'_>) -> Result<GmshVersion, String> {
     Ok(version)
 }
 
-/// Reads the names of physical groups, which are text in binary files, too.
+/// Reads the names of physical groups. They are text also in binary files.
 fn names(scan: &mut Scan<'_>, names: &mut HashMap<(usize, i32), String>) -> Result<(), String> {
     for _ in 0..stated(scan)? {
         let line = scan.text_line()?;
@@ -119,7 +119,7 @@ fn names(scan: &mut Scan<'_>, names: &mut HashMap<(usize, i32), String>) -> Resu
     Ok(())
 }
 
-/// Reads the number of entries on a line of its own, which is text in binary files, too.
+/// Reads a line with the number of entries. It is text also in binary files.
 fn stated(scan: &mut Scan<'_>) -> Result<usize, String> {
     let line = scan.text_line()?;
     let shown: String = line.chars().take(40).collect();
@@ -142,7 +142,7 @@ fn read_entities(scan: &mut Scan<'_>, entities: &mut HashMap<(i32, i32), Groups>
             }
             let groups = tags(scan)?;
             if let Some(first) = groups.first() {
-                // A negative number is that of the group with the opposite orientation.
+                // The sign of a group is the orientation of the entity.
                 entities.insert((dimension, tag), (first.saturating_abs(), groups.len() > 1));
             }
             if dimension > 0 {
@@ -215,7 +215,8 @@ fn node_blocks(
     check_total(scan, "nodes", n_nodes, points.len())
 }
 
-/// Reads the numbers of blocks and entries and the range of the numbers of entries, and returns the first two.
+/// Reads the first line of a section: numbers of blocks and entries, smallest and largest identifier. Returns the
+/// numbers of blocks and entries.
 fn blocks(scan: &mut Scan<'_>) -> Result<(usize, u64), String> {
     let (n_blocks, n_entries) = (scan.size()?, scan.size()?);
     for _ in 0..2 {
@@ -246,7 +247,7 @@ fn listed_elements(
     let n = stated(scan)?;
     let mut read = 0;
     while read < n {
-        // As text each element has a header of its own.
+        // Text has a header for each element, binary data for each block of elements of one kind.
         let (number, kind, of_block, n_tags) = match scan.encoding {
             Encoding::Text => (Some(scan.int()?), scan.int()?, 1, scan.int()?),
             Encoding::Binary { .. } => (None, scan.int()?, scan.int()?, scan.int()?),

@@ -12,7 +12,7 @@ pub(super) enum Encoding {
     },
 }
 
-/// Cursor over the bytes of a file. Its errors have the line of a text, and the byte of a binary file.
+/// Cursor over the bytes of a file. Its errors begin with the line (text) or the byte (binary).
 pub(super) struct Scan<'b> {
     bytes: &'b [u8],
     at: usize,
@@ -24,7 +24,7 @@ impl<'b> Scan<'b> {
         Self { bytes, at: 0, encoding: Encoding::Text }
     }
 
-    /// Returns an error at the present place.
+    /// Returns a message that begins with the line or byte of the cursor.
     pub(super) fn fail(&self, message: impl std::fmt::Display) -> String {
         match self.encoding {
             Encoding::Text => {
@@ -36,7 +36,7 @@ impl<'b> Scan<'b> {
         }
     }
 
-    /// Returns the next line that is not empty, in either encoding.
+    /// Returns the next line that is not empty, without white space at its ends, in either encoding.
     pub(super) fn line(&mut self) -> Option<&'b [u8]> {
         while self.at < self.bytes.len() {
             let rest = &self.bytes[self.at..];
@@ -56,7 +56,7 @@ impl<'b> Scan<'b> {
         std::str::from_utf8(line).map_err(|_| self.fail("this line is not UTF-8; save the file in that encoding"))
     }
 
-    /// Skips bytes behind the end of a section.
+    /// Skips the rest of a section and its last line.
     pub(super) fn skip_section(&mut self, name: &str) -> Result<(), String> {
         let end = format!("$End{name}");
         let found = self.bytes[self.at..].windows(end.len()).position(|window| window == end.as_bytes());
@@ -84,7 +84,7 @@ impl<'b> Scan<'b> {
         self.fail("the file ends here, within a section; it is cut off")
     }
 
-    /// Returns a number of entries if as many can follow, one byte each at least.
+    /// Checks a number of entries against the bytes that are left, at least one per entry, and returns it.
     pub(super) fn count(&self, n: u64) -> Result<usize, String> {
         let left = self.bytes.len() - self.at;
         usize::try_from(n).ok().filter(|n| *n <= left).ok_or_else(|| {
@@ -109,7 +109,7 @@ impl<'b> Scan<'b> {
         word.parse().map_err(|_| self.fail(format!("`{}` is not {expected}", short())))
     }
 
-    /// Reads up to eight bytes, the lowest one first; the others are zero.
+    /// Reads `n` bytes of a number, at most eight. Returns the lowest byte first, followed by zeros.
     fn binary(&mut self, n: usize) -> Result<[u8; 8], String> {
         let found = self.bytes[self.at..].get(..n).ok_or_else(|| self.ended())?;
         let mut bytes = [0; 8];
@@ -146,7 +146,7 @@ impl<'b> Scan<'b> {
         if number.is_finite() { Ok(number) } else { Err(self.fail(format!("the coordinate {number} is not finite"))) }
     }
 
-    /// Reads the integer 1 by which a binary file shows the order of its bytes.
+    /// Reads the integer 1 of a binary file, and sets the order of bytes from it.
     pub(super) fn byte_order(&mut self) -> Result<(), String> {
         self.encoding = Encoding::Binary { swapped: false };
         let one = self.int()?;

@@ -12,7 +12,7 @@ impl GmshFile {
     /// All facets of a connected part have the orientation of its first one.
     ///
     /// # Errors
-    /// Cause, place and remedy: no facets, or a surface that is open or branches.
+    /// A text with cause, place and remedy, if there are no facets, or the surface is open or branches.
     pub fn surface<const D: usize>(&self) -> Result<(BoundaryMesh<D>, Vec<Point<D>>), String> {
         let elements = &self.elements[D - 1];
         if elements.numbers.is_empty() {

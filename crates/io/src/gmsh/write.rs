@@ -20,9 +20,9 @@ pub struct GmshFormat {
     pub is_binary: bool,
 }
 
-/// Writes a mesh with its tags as physical groups. With nodes on its edges, elements have order 2.
+/// Writes a mesh with its tags as physical groups. Elements have order 2 if `edge_nodes` is not empty, else 1.
 ///
-/// Reading gives the same mesh, bit for bit.
+/// The mesh is read again with the same bits.
 ///
 /// # Errors
 /// [`Error::Write`].
@@ -40,7 +40,7 @@ struct Block {
     dimension: usize,
     /// Number of the physical group; 0 for none.
     group: usize,
-    /// Nodes of each element, from 1.
+    /// Nodes of each element; the first node has the number 1.
     elements: Vec<Vec<usize>>,
 }
 
@@ -103,7 +103,7 @@ fn blocks(dimension: usize, elements: impl Iterator<Item = (Option<Tag>, Vec<usi
         // Groups are numbered from 1.
         let group = tag.map_or(0, |tag| tag.index() + 1);
         match blocks.last_mut() {
-            // Elements keep their order, so that a group may have several blocks.
+            // The order of the elements is kept. A group has several blocks if elements of others are between.
             Some(block) if block.group == group => block.elements.push(nodes),
             _ => blocks.push(Block { dimension, group, elements: vec![nodes] }),
         }
@@ -123,12 +123,12 @@ impl Out {
         self.bytes.push(b'\n');
     }
 
-    /// Ends the line of a text, and the numbers of a section in binary.
+    /// Appends the line break that ends a line of text, or the numbers of a section in binary.
     fn end_entry(&mut self) {
         self.bytes.push(b'\n');
     }
 
-    /// Appends numbers, whose bytes `append` appends to a binary file.
+    /// Appends a line of numbers to a text, or their bytes by `append` to a binary file.
     fn numbers<T: Copy + Debug>(&mut self, numbers: impl IntoIterator<Item = T>, append: impl Fn(&mut Vec<u8>, T)) {
         for number in numbers {
             if self.is_binary {

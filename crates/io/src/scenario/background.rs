@@ -1,4 +1,4 @@
-//! Background mesh of a scenario, and the regions near which it is finer.
+//! Background mesh of a scenario, and regions of finer cells.
 
 use std::sync::Arc;
 
@@ -157,7 +157,7 @@ choices! {
     }
 }
 
-/// Makes or reads the background.
+/// Generates or reads the background.
 pub(super) fn background<const D: usize>(
     given: &At<Background>,
     bodies: &[At<BodyKeys>],
@@ -184,7 +184,7 @@ pub(super) fn background<const D: usize>(
         )));
     }
     let too_many = |n_cells| shortage(n_cells, available()).map_or(Ok(()), |shortage| Err(size.at.invalid(shortage)));
-    // Before regions are compared with a size that makes too many cells.
+    // Checked first: the regions below are compared with the size.
     too_many(expected_in_box(corners, &field, &[], *is_mirrored))?;
     let regions = refine.iter().map(|given| region(given, corners, &field, bodies)).collect::<Result<Vec<_>, _>>()?;
     let n_cells = expected_in_box(corners, &field, &regions, *is_mirrored);
@@ -245,7 +245,7 @@ fn expected_in_polygon<const D: usize>(
     expected_cells_where(min, max, size, regions, is_inside)
 }
 
-/// Returns about the number of cells of a background that is not read from a file; `None` if its keys contradict each other.
+/// Estimates the number of cells of a background. Returns `None` if it is read from a file, or its keys are invalid.
 pub(super) fn expected<const D: usize>(given: &Background, bodies: &[At<BodyKeys>]) -> Option<f64> {
     let regions = |refine: &[At<Refinement>], bounds, size: &Size| {
         refine.iter().map(|given| region::<D>(given, bounds, size, bodies).ok()).collect::<Option<Vec<_>>>()
@@ -264,7 +264,7 @@ pub(super) fn expected<const D: usize>(given: &Background, bodies: &[At<BodyKeys
     }
 }
 
-/// Makes a background between lines.
+/// Generates a background between lines.
 fn polygon<const D: usize>(
     at: &Location,
     (corners, holes): (&[Components<f64>], &[Vec<Components<f64>>]),

@@ -190,12 +190,12 @@ impl BodyKeys {
     }
 }
 
-/// Returns the value of a key that a body of this motion needs.
+/// Returns the value of a required key of a body.
 fn needed<'v, T>(body: &At<BodyKeys>, key: &'static str, value: &'v Option<At<T>>) -> Result<&'v At<T>, ScenarioError> {
     value.as_ref().ok_or_else(|| missing(&body.at, BodyKeys::KEYS, key))
 }
 
-/// Returns the gravity of a body: the constant one, and one that varies in time.
+/// Returns the constant gravity of a body, or zero and the gravity as a function of time.
 fn gravity<const D: usize>(
     given: &At<BodyKeys>,
     time: &Time,
@@ -249,7 +249,7 @@ fn check_radii<const D: usize>(
     }
 }
 
-/// Returns whether a facet lies on the axis of axisymmetric coordinates, where it is no surface.
+/// Returns whether a facet lies on the axis of axisymmetric coordinates. It is then not part of the surface.
 fn on_axis<const D: usize>(surface: &BoundaryMesh<D>, positions: &[Point<D>], facet: FacetId) -> bool {
     let is_on = |radial: usize| surface.facet(facet).iter().all(|vertex| positions[vertex.index()][radial] == 0.0);
     surface.coordinates().radial().is_some_and(is_on)
@@ -261,7 +261,7 @@ pub(super) struct Built<const D: usize> {
     pub(super) contact_facets: Vec<FacetId>,
     /// Whether the body deforms, so that it can touch itself.
     pub(super) deforms: bool,
-    /// Names of the tags of its surface.
+    /// Names of the tags of the surface.
     pub(super) part_names: Vec<String>,
 }
 
@@ -324,7 +324,7 @@ fn elastic<const D: usize>(
     Ok(Built { body: Arc::new(body), contact_facets, deforms: true, part_names })
 }
 
-/// Returns the body without mass at the vertices of facets.
+/// Returns the mesh of the body without mass at the vertices of facets.
 fn without_mass<const D: usize>(
     given: &At<ContactMass>,
     solid: SolidMesh<D>,
@@ -336,7 +336,7 @@ fn without_mass<const D: usize>(
     if keeps_moments { Ok(solid) } else { Err(given.at.invalid(changed)) }
 }
 
-/// Returns the facets that may come into contact: those on no plane of symmetry and not clamped.
+/// Returns the facets that may come into contact: all except those on planes of symmetry and clamped facets.
 fn free_facets<const D: usize>(given: &At<BodyKeys>, solid: &SolidMesh<D>) -> Result<Vec<FacetId>, ScenarioError> {
     let off_axis = |facet: &FacetId| !on_axis(solid.boundary(), solid.nodes(), *facet);
     let Some(boundary) = &given.boundary else { return Ok(solid.boundary().facets().filter(off_axis).collect()) };
@@ -349,7 +349,7 @@ fn free_facets<const D: usize>(given: &At<BodyKeys>, solid: &SolidMesh<D>) -> Re
     Ok(free)
 }
 
-/// Returns the group of each cell: 0, or one more than the number of the given group to which it belongs.
+/// Returns the group of each cell: 0, or one more than the index of the given group with the cell.
 fn groups<const D: usize>(given: &Named<GroupKeys>, mesh: &SimplexMesh<D>) -> Result<Vec<usize>, ScenarioError> {
     let names = mesh.group_names();
     let mut group_of = vec![0; mesh.n_cells()];
@@ -422,7 +422,7 @@ fn supports_and_loads<const D: usize>(
         };
         supports.push(Support { vertices, kind });
     }
-    // At vertices of two supports the later one is in force: a clamp, else a displacement, else a plane of symmetry.
+    // At vertices of two supports the later one is applied: a clamp, else a displacement, else a plane of symmetry.
     supports.sort_by_key(|support| match support.kind {
         SupportKind::Symmetry { .. } => 0,
         SupportKind::Displacement(_) => 1,
@@ -451,7 +451,7 @@ fn free<const D: usize>(
         }
     }
     let spin = initial_spin.map_or(0.0, |spin| **spin);
-    // The plane of the first two axes: the only rotation in 2D, the last one in 3D.
+    // Rotation in the plane of the first two axes: the only rotation in 2D, the last one in 3D.
     body.initial_spin[n_rotations(D) - 1] = spin;
     if let Some(velocity) = &given.initial_velocity {
         let value: Vector<D> = velocity.constant().ok_or_else(|| {

@@ -1,4 +1,4 @@
-//! From the values of a scenario to a problem of dimension 2 or 3.
+//! Builds the problem of dimension 2 or 3 from the values of a scenario.
 
 use algebra::time::ImplicitEuler;
 use algebra::{BlockLayout, Workspace};
@@ -27,7 +27,7 @@ use crate::probes::Probes;
 pub struct Case<const D: usize> {
     /// The problem.
     pub setup: Setup<D>,
-    /// Memory with the linear solver.
+    /// Workspace of the time steps, with the linear solver.
     pub workspace: Workspace,
     /// Name of the linear solver, and the reason for it.
     pub linear: String,
@@ -35,9 +35,9 @@ pub struct Case<const D: usize> {
     pub n_steps: usize,
     /// Steps between two checkpoints; 0 for none.
     pub checkpoint_every: usize,
-    /// Whether a body stands on a plane of symmetry: forces, masses and energies are those of a half.
+    /// Whether a body stands on a plane of symmetry. Forces, masses and energies are then those of one half.
     pub half_domain: bool,
-    /// Lowest last coordinate of the background.
+    /// Smallest last coordinate of the background; zero without a fluid.
     pub bottom: f64,
     /// Probes of the output.
     pub probes: Probes<D>,
@@ -63,7 +63,8 @@ pub fn lower<V: CaseVisitor>(file: &ScenarioFile, visitor: V) -> Result<V::Outpu
     }
 }
 
-/// Returns about the number of cells of the background, without a mesh; `None` if it is read from a file, or there is none.
+/// Estimates the number of cells of the background without a mesh. Returns `None` if there is no background, or it is
+/// read from a file.
 pub fn expected_cells(file: &ScenarioFile) -> Option<f64> {
     let (scenario, bodies) = (file.scenario(), file.scenario().bodies());
     let background = scenario.background.as_ref()?;
@@ -76,7 +77,7 @@ pub fn expected_cells(file: &ScenarioFile) -> Option<f64> {
 /// Builds the case of a scenario in dimension `D`.
 ///
 /// # Errors
-/// As [`lower`]; another dimension.
+/// As [`lower`]; the scenario has another dimension.
 pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioError> {
     let scenario = file.scenario();
     let root = file.location();
@@ -155,7 +156,7 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
 /// Relative difference of volumes that is round-off.
 const ROUND_OFF: f64 = 1e-9;
 
-/// Checks that every body has a vertex in the domain, that none covers the domain, and that no two bodies overlap.
+/// Checks that every body has a vertex in the domain, that no body covers the domain, and that no two bodies overlap.
 fn check_placement<const D: usize>(
     given: &[At<BodyKeys>],
     setup: &Setup<D>,
@@ -225,7 +226,7 @@ fn check_axis<const D: usize>(fluid: &FluidSetup<D>, given: &At<Background>) -> 
     Ok(())
 }
 
-/// Checks that no contact, for each of which there is a table, is stated twice.
+/// Checks that no contact is stated twice. `of_contacts` has the table of each contact.
 fn check_repeated<const D: usize>(of_contacts: &[&At<ContactKeys>], setup: &Setup<D>) -> Result<(), ScenarioError> {
     let all: Vec<_> = of_contacts.iter().zip(&setup.contacts).collect();
     for (k, (given, contact)) in all.iter().enumerate() {
@@ -249,7 +250,7 @@ fn check_repeated<const D: usize>(of_contacts: &[&At<ContactKeys>], setup: &Setu
 /// Largest depth behind an obstacle that is round-off, relative to the contact size.
 const TOUCHING: f64 = 1e-6;
 
-/// Checks that no body begins behind the obstacle of one of its contacts, for each of which there is a table.
+/// Checks that no body begins behind the obstacle of one of its contacts. `of_contacts` has the table of each contact.
 fn check_contacts<const D: usize>(
     of_contacts: &[&At<ContactKeys>],
     setup: &Setup<D>,
@@ -296,9 +297,9 @@ fn check_contacts<const D: usize>(
     Ok(())
 }
 
-/// Checks that no more fluid is brought into a domain without an open side than is taken out, and that bodies with a given motion
-/// cover the same volume at all times. Other bodies that may leave the domain, and an inflow together with a given motion, change
-/// the volume of the fluid: the balance is then unknown. An elastic body inside of the domain would be compressed by the inflow.
+/// Checks, in a domain without open sides, that the given velocities have no net inflow, and that bodies with a given
+/// motion cover the same volume at all times. There is no check if other bodies may leave the domain, or if there is a
+/// net inflow together with a given motion.
 fn check_balance<const D: usize>(
     scenario: &Scenario,
     bodies: &[At<BodyKeys>],
@@ -366,7 +367,7 @@ const LARGEST_CHANGE: f64 = 1e-2;
 /// Checks that bodies with a given motion cover the same volume at all times.
 ///
 /// # Errors
-/// A time at which the volume is another one than at the start, and the difference.
+/// A time at which the volume differs from the volume at the start, and the difference.
 fn check_displaced<const D: usize>(
     setup: &Setup<D>,
     fluid: &FluidSetup<D>,
@@ -387,7 +388,7 @@ fn check_displaced<const D: usize>(
     if moved.is_empty() || fluid.background.coordinates().radial().is_some() {
         return Ok(());
     }
-    // A surface that cannot cut the background is an error of its own.
+    // If a cut fails, there is no check here; the step returns the error.
     let volumes = balance_times(times).map(|time| Some((time, covered(time)?))).collect::<Option<Vec<(f64, f64)>>>();
     let volumes = volumes.unwrap_or_default();
     let largest = volumes.iter().map(|(_, volume)| *volume).fold(0.0, f64::max);
@@ -396,8 +397,8 @@ fn check_displaced<const D: usize>(
     changed.map_or(Ok(()), |(time, volume)| Err((*time, volume - start)))
 }
 
-/// Removes facets of bodies that do not deform from contacts if they lie on planes of symmetry, and checks that free bodies
-/// are held there.
+/// Removes facets on planes of symmetry from the contact facets of bodies that do not deform, and checks that free
+/// bodies with such facets are held.
 fn respect_symmetry<const D: usize>(
     bodies: &[At<BodyKeys>],
     fluid: &FluidSetup<D>,

@@ -80,9 +80,9 @@ fn on_plane<const D: usize>(background: &SimplexMesh<D>) -> f64 {
 pub(super) struct Plane<const D: usize> {
     /// Unit normal.
     pub(super) normal: Vector<D>,
-    /// Distance from the origin along the normal.
+    /// Signed distance from the origin along the normal.
     place: f64,
-    /// Largest distance of a vertex on the plane.
+    /// Largest distance of a vertex on the plane from it, by round-off.
     room: f64,
 }
 
@@ -154,8 +154,8 @@ fn unsigned<const D: usize>(normal: Vector<D>) -> Vector<D> {
     normal * normal[normal.iamax()].signum()
 }
 
-/// Returns the inflow against the outward normal of a plane that is zero at the ends of the extent of the points along the
-/// projections of the axes on the plane. It rises as `(1 - cos(π t/ramp))/2`.
+/// Returns the inflow against the outward normal of a plane. It is a product of parabolas over the extents of the
+/// points along the projections of the axes on the plane, zero at the ends. It rises as `(1 - cos(π t/ramp))/2`.
 fn parabolic_inflow<const D: usize>(
     points: &[Point<D>],
     normal: Vector<D>,

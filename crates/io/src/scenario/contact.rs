@@ -130,14 +130,14 @@ choices! {
 /// Relative difference of sizes that is round-off.
 const ROUND_OFF: f64 = 1e-9;
 
-/// Name that stands for all bodies.
+/// Word for all bodies.
 pub(super) const ALL: &str = "all";
 
-/// Builder of contacts between bodies, which are in the order of their tables, and the background.
+/// Builder of contacts. Bodies are in the order of their tables.
 pub(super) struct ContactBuilder<'p, const D: usize> {
     built: &'p [Built<D>],
     bodies: Vec<Arc<dyn Body<D>>>,
-    /// One entry per body.
+    /// Mean measure of the facets of each body.
     mean_facets: Vec<f64>,
     background: Option<&'p SimplexMesh<D>>,
 }
@@ -307,7 +307,7 @@ impl<'p, const D: usize> ContactBuilder<'p, D> {
             (false, true) if needs_stress => return [b, a],
             _ => {}
         }
-        // Equal bodies at different places differ by rounding.
+        // Sizes of copies of a body differ by round-off.
         let is_finer = self.mean_facets[b.index()] < (1.0 - ROUND_OFF) * self.mean_facets[a.index()];
         match (self.can_move(a), self.can_move(b)) {
             (false, true) => [b, a],
@@ -352,7 +352,7 @@ impl<'p, const D: usize> ContactBuilder<'p, D> {
         self.built[body.index()].deforms
     }
 
-    /// Returns the error of a law that is for bodies that do not deform.
+    /// Returns the error of a law that does not allow a slave that deforms.
     fn deforming(&self, given: &At<ContactKeys>, slave: BodyId, law: &str) -> ScenarioError {
         let name = self.bodies[slave.index()].name();
         given.at.invalid(format!(
@@ -360,7 +360,7 @@ impl<'p, const D: usize> ContactBuilder<'p, D> {
         ))
     }
 
-    /// Returns the error of a law that needs the stress of the slave.
+    /// Returns the error of a law that needs the stress of the slave, for a slave that does not deform.
     fn rigid(&self, given: &At<ContactKeys>, slave: BodyId) -> ScenarioError {
         let name = self.bodies[slave.index()].name();
         given.at.invalid(format!(
@@ -374,9 +374,9 @@ impl<'p, const D: usize> ContactBuilder<'p, D> {
     }
 }
 
-/// Returns the distance up to which parts of a surface are not in contact in the undeformed body. Neighbours along the surface are
-/// within twice the size of each other when they are within the offset. Within three offsets, the sides of a right-angled corner
-/// touch only when it has closed to less than 30 degrees.
+/// Returns the distance in the undeformed body up to which parts of a surface are not in contact with each other.
+/// Neighbours along the surface are within twice the size. With three offsets, the sides of a right-angled corner touch
+/// only if it has closed to less than 30 degrees.
 fn exempt(given: &ContactKeys) -> f64 {
     (given.offset + 2.0 * given.size).max(3.0 * given.offset)
 }

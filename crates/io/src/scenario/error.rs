@@ -23,7 +23,7 @@ impl Location {
         ScenarioError { at: Box::new(self.clone()), kind: kind.into() }
     }
 
-    /// Returns an error without a kind of its own; the message states what is wrong and the remedy.
+    /// Returns an error of the kind [`ErrorKind::Invalid`]; the message states cause and remedy.
     pub(super) fn invalid(&self, message: impl Into<String>) -> ScenarioError {
         self.error(ErrorKind::Invalid(message.into()))
     }
@@ -83,7 +83,7 @@ pub enum ErrorKind {
         what: &'static str,
         /// The name.
         found: String,
-        /// The nearest known name, if one is near.
+        /// End of the sentence, with the nearest known name if one is near.
         advice: String,
         /// All known names.
         known: String,
@@ -126,7 +126,7 @@ pub enum ErrorKind {
     /// A key that has no effect with another setting.
     #[error("this has no effect with {0}: take it out")]
     NoEffect(&'static str),
-    /// Two alternatives of which exactly one must be given.
+    /// Neither or both of two alternatives, of which exactly one must be given.
     #[error("give either {0} or {1}")]
     Either(&'static str, &'static str),
     /// A combination of values that cannot be run: cause and remedy.
@@ -152,13 +152,13 @@ pub enum ErrorKind {
     Cut(#[from] cutcell::Error),
 }
 
-/// Formats a number without hundreds of digits.
+/// Formats a number, with an exponent if it is very small or very large.
 pub(super) fn shown(value: f64) -> String {
     let is_plain = value == 0.0 || !value.is_finite() || (1e-6..1e16).contains(&value.abs());
     if is_plain { value.to_string() } else { format!("{value:e}") }
 }
 
-/// Sorts names of parts; numbers at their ends count as numbers.
+/// Sorts names of parts. Numbers at the ends of names are compared by value: `side-3` is before `side-10`.
 pub(super) fn sorted(mut names: Vec<&str>) -> Vec<&str> {
     names.sort_by_key(|name| {
         let stem = name.trim_end_matches(|c: char| c.is_ascii_digit());
@@ -172,7 +172,7 @@ pub(crate) fn advice(found: &str, known: &[&str]) -> String {
     nearest(found, known).map_or(".".to_owned(), |name| format!("; did you mean `{name}`?"))
 }
 
-/// Returns the known word nearest to a word if at most a third of its letters differ, whatever their case.
+/// Returns the known word nearest to a word if at most a third of the letters differ. Case is ignored.
 fn nearest<'k>(word: &str, known: &[&'k str]) -> Option<&'k str> {
     let word = word.to_lowercase();
     let distance = |candidate: &str| strsim::osa_distance(&word, &candidate.to_lowercase());

@@ -61,7 +61,7 @@ impl FieldFormula {
     /// Returns the value as a function of position and time.
     ///
     /// # Errors
-    /// A value at one of the points, at one of the times, that is not finite. `at` is the location of the formula.
+    /// A value at one of the points and times is not finite. `at` is the location of the formula.
     pub(super) fn over_time<const D: usize>(
         &self,
         at: &Location,
@@ -95,7 +95,7 @@ impl Field {
     /// Returns the field as a function of position and time.
     ///
     /// # Errors
-    /// A value at one of the points, at one of the times, that is not finite.
+    /// A value at one of the points and times is not finite.
     pub(super) fn over_time<const D: usize>(
         &self,
         points: &[Point<D>],

@@ -1,4 +1,4 @@
-//! Tables of values over a coordinate or the time, where formulas may stand.
+//! Tables of values over a coordinate or the time, as an alternative to formulas.
 
 use super::error::ScenarioError;
 use super::geometry::input_path;
@@ -37,11 +37,10 @@ choices! {
 }
 
 impl FieldTable {
-    /// Returns the variable, and its values with those of the column, in ascending order.
+    /// Returns the variable, and its values with the values of the column, in ascending order.
     ///
     /// # Errors
-    /// File, line, cause and remedy: a file that cannot be read, columns that do not exist, rows that are not finite
-    /// numbers in ascending order.
+    /// A file that cannot be read, columns that do not exist, rows that are not finite numbers in ascending order.
     pub(super) fn read(&self) -> Result<(Variable, Vec<[f64; 2]>), ScenarioError> {
         let Self::Table { file, column, over } = self;
         let path = input_path(file);

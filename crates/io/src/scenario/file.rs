@@ -118,12 +118,12 @@ choices! {
     }
 }
 
-/// Steps between two steps at which `checkpoint_minutes` alone may write a checkpoint. The frames of the page are written at all of
-/// these steps, whether there is a checkpoint or not.
+/// Number of steps between two steps at which `checkpoint_minutes` alone may write a checkpoint. The frames of the page
+/// are written at all of these steps.
 const STEPS_WITH_MINUTES: usize = 10;
 
 impl Output {
-    /// Returns the steps between two steps that may end with a checkpoint; 0 for none.
+    /// Returns the number of steps between two steps that may end with a checkpoint; 0 without checkpoints.
     pub(crate) fn checkpoint_interval(&self) -> usize {
         match self.checkpoint_every {
             0 if self.checkpoint_minutes.is_some() => STEPS_WITH_MINUTES,
@@ -160,8 +160,8 @@ impl Scenario {
         self.coordinates.as_ref().is_some_and(|choice| **choice == CoordinatesChoice::Axisymmetric)
     }
 
-    /// Returns the dimension of the whole to which masses, forces, energies, volumes and flows of results belong: three in
-    /// axisymmetric coordinates, two in the plane, where they are per unit depth.
+    /// Returns the dimension of the domain of masses, forces, energies, volumes and flows of results: three in
+    /// axisymmetric coordinates; two in 2D, where they are per unit depth.
     pub(crate) fn dimension_of_whole(&self) -> usize {
         if self.is_axisymmetric() { 3 } else { self.dimension }
     }
@@ -219,8 +219,8 @@ impl ScenarioFile {
         &self.scenario
     }
 
-    /// Returns the file as a table in which `name` replaces each file that it names, by the key of the table that names
-    /// it and its path.
+    /// Returns the scenario as a table in which the names of files are replaced. `name` returns the new name from the
+    /// key of the table with the name, and the path.
     ///
     /// # Errors
     /// The first error of `name`.
@@ -256,7 +256,7 @@ impl ScenarioFile {
         self.scenario.time.n_steps()
     }
 
-    /// Writes `scenario.toml` with copies of the tables that it names, so that it can be run from the directory.
+    /// Writes `scenario.toml` with copies of the files that it names, so that it can be run from the directory.
     ///
     /// # Errors
     /// [`Error::Read`], [`Error::Write`], [`Error::Text`].
@@ -270,7 +270,7 @@ impl ScenarioFile {
     }
 }
 
-/// Replaces the values of all keys `file` of tables of some kind. Keys of tables are joined by `-`.
+/// Replaces the values of all keys `file` of tables that have a key `kind`. Keys of tables are joined by `-`.
 fn replace_inputs(
     value: &mut toml::Value,
     key: &str,

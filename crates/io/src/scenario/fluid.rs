@@ -127,7 +127,7 @@ impl Fluid {
         }
     }
 
-    /// Checks that the length in the set of the paper, which is in centimetres, is in the units of the scenario.
+    /// Checks that the units allow the set of the paper, which contains a length in centimetres.
     pub(super) fn check(&self, units: &Units) -> Result<(), ScenarioError> {
         let has_length = match &*self.stabilisation {
             OrTable::Plain(set) => *set == StabilisationChoice::Paper,
@@ -221,7 +221,7 @@ pub(super) fn fluid<const D: usize>(
     let initial_velocity = fluid.initial_velocity.as_ref().map(|velocity| velocity.at_start(points)).transpose()?;
     Ok(FluidSetup {
         background,
-        // The surfaces of meshes are simple; during a run an elastic body may fold onto itself.
+        // Surfaces are simple at the start. During a run an elastic body may fold onto itself.
         overlay: OverlayOptions::new().without_self_intersection_check(),
         material: NewtonianFluid { density: fluid.density, viscosity: fluid.viscosity },
         stabilisation: stabilisation(&fluid.stabilisation),
@@ -238,10 +238,10 @@ pub(super) fn fluid<const D: usize>(
     })
 }
 
-/// Times at which the balance of a closed domain is checked.
+/// Number of times at which the balance of a closed domain is checked.
 const BALANCE_TIMES: usize = 17;
-/// Largest net flow through the boundary of a closed domain, relative to the integral of the speed over the boundary at
-/// the time at which it is largest. Profiles are interpolated on facets, with an error of second order in their size.
+/// Largest net flow through the boundary of a closed domain, relative to the largest integral of the speed over the
+/// boundary. Profiles are interpolated on facets, with an error of second order in their size.
 const LARGEST_NET_FLOW: f64 = 1e-2;
 
 /// Returns the times at which the balance of a closed domain is checked.
@@ -250,8 +250,8 @@ pub(super) fn balance_times([start, end]: [f64; 2]) -> impl Iterator<Item = f64>
 }
 
 /// Returns a time and the net inflow at this time if no part of the boundary is open and the net inflow is not zero.
-/// Velocities are those that the solver prescribes at vertices: at a vertex of several conditions a wall counts more
-/// than a given velocity.
+/// Velocities are those that the solver prescribes at vertices. At a vertex of several conditions a wall has precedence
+/// over a given velocity.
 pub(super) fn unbalanced<const D: usize>(fluid: &FluidSetup<D>, times: [f64; 2]) -> Option<(f64, f64)> {
     if fluid.boundary.iter().any(|(_, condition)| condition.is_open()) {
         return None;

@@ -1,12 +1,12 @@
 //! Functions of position and time given as text, with their exact derivatives in time.
 //!
-//! A formula is evaluated in dual numbers: each operation carries a value and its derivative in time by the chain rule, so
-//! that the derivative is exact to round-off. Powers bind as usual: `-t^2 = -(t^2)` and `2^3^t = 2^(3^t)`.
+//! A formula is evaluated in dual numbers: each operation computes a value and its derivative in time by the chain
+//! rule. The derivative is exact up to round-off. Powers bind as usual: `-t^2 = -(t^2)` and `2^3^t = 2^(3^t)`.
 
 use std::f64::consts::{E, PI};
 use std::sync::Arc;
 
-/// Largest number of numbers, names and signs in a formula; bounds the depth of nesting.
+/// Largest number of tokens (numbers, names, signs) in a formula. It bounds the depth of nesting.
 const MOST_TOKENS: usize = 1000;
 
 /// All variables, in the order of [`Formula::at`].
@@ -21,7 +21,7 @@ const ADVICE: &str = "pi, e, + - * / ^, parentheses and sin, cos, tan, asin, aco
 pub struct FormulaError {
     /// The formula.
     pub text: String,
-    /// Number of the character, from 1.
+    /// Position of the character, from 1.
     pub at: usize,
     /// Cause.
     pub what: String,
@@ -50,7 +50,7 @@ enum Expression {
     Variable(usize),
     Unary(Unary, Box<Expression>),
     Binary(Binary, Box<[Expression; 2]>),
-    /// Straight lines between rows with a variable, by its index, and a value.
+    /// Index of a variable, and rows of its values with values of the function, which is linear between rows.
     Table(usize, Arc<[[f64; 2]]>),
 }
 
@@ -76,8 +76,8 @@ const FUNCTIONS: [(&str, Unary); 12] = [
     ("sqrt", (f64::sqrt, |x| 0.5 / x.sqrt())),
 ];
 
-/// Binary operators: the sign, how tightly it binds, how tightly operators on its right must bind to come first, and the
-/// operation.
+/// Binary operators: the sign, its precedence, the least precedence of operators on its right that are applied before
+/// it, and the operation.
 const OPERATORS: [(&str, u8, u8, Binary); 5] = [
     ("+", 1, 2, |a, b| Dual { value: a.value + b.value, rate: a.rate + b.rate }),
     ("-", 1, 2, |a, b| Dual { value: a.value - b.value, rate: a.rate - b.rate }),
@@ -89,8 +89,8 @@ const OPERATORS: [(&str, u8, u8, Binary); 5] = [
 /// Precedence from which operators on the right of a leading sign are applied before it.
 const LEADING_SIGN: u8 = 5;
 
-/// Returns a quotient. Where the divisor has grown beyond the range of numbers the quotient is zero, and so is its
-/// rate: `1/(1 + exp(1000 t))` is as smooth there as elsewhere. At a division by zero the rate is not a number.
+/// Returns a quotient. If the divisor is infinite by overflow, quotient and rate are zero: `1/(1 + exp(1000 t))` is
+/// smooth. At a division by zero the rate is NaN.
 fn quotient(a: Dual, b: Dual) -> Dual {
     let value = a.value / b.value;
     let is_beyond = b.value.is_infinite() && b.rate.is_infinite() && a.value.is_finite() && a.rate.is_finite();
@@ -104,13 +104,14 @@ fn quotient(a: Dual, b: Dual) -> Dual {
 
 fn power(a: Dual, b: Dual) -> Dual {
     let value = a.value.powf(b.value);
-    // As in a quotient, a negative power of a number beyond the range is constant.
+    // As in a quotient, a negative power of a number that has overflowed is constant.
     let is_beyond = b.value < 0.0 && b.rate == 0.0 && a.value.is_infinite() && a.rate.is_infinite();
     let by_base = if is_beyond { 0.0 } else { chained(a.rate, || b.value * a.value.powf(b.value - 1.0)) };
     Dual { value, rate: by_base + chained(b.rate, || value * a.value.ln()) }
 }
 
-/// Functions of two arguments. If the values are equal, the one that is smaller (larger) an instant later counts.
+/// Functions of two arguments. If the values are equal, the rates decide: the result is the minimum (maximum) an
+/// instant later.
 const BINARY_FUNCTIONS: [(&str, Binary); 2] =
     [("min", |a, b| chosen(a, b, (a.value, a.rate) <= (b.value, b.rate))), ("max", maximum)];
 
@@ -153,8 +154,8 @@ impl Formula {
         Self { text: value.to_string(), root: Expression::Number(value) }
     }
 
-    /// Creates the function with straight lines between rows, each with a variable and a value; it is constant before
-    /// the first and after the last row.
+    /// Creates the function that is linear between rows of variable and value, and constant before the first and after
+    /// the last row.
     pub(super) fn through(variable: &str, rows: Vec<[f64; 2]>) -> Self {
         let index = VARIABLES.iter().position(|known| *known == variable).unwrap_or_default();
         Self { text: format!("table over {variable}: {rows:?}"), root: Expression::Table(index, rows.into()) }
@@ -205,7 +206,7 @@ impl Expression {
     }
 }
 
-/// Interpolates between rows; at a row the slope is that after it.
+/// Interpolates between rows. At a row the rate is the slope after the row.
 fn between(rows: &[[f64; 2]], x: f64, is_time: bool) -> Dual {
     let after = rows.partition_point(|[at, _]| *at <= x);
     let (Some([x0, y0]), Some([x1, y1])) = (after.checked_sub(1).map(|k| rows[k]), rows.get(after)) else {
@@ -221,9 +222,9 @@ fn between(rows: &[[f64; 2]], x: f64, is_time: bool) -> Dual {
 struct Reader<'a> {
     text: &'a str,
     variables: &'static str,
-    /// Offset of the present token.
+    /// Offset of the current token.
     at: usize,
-    /// The present token: a number, a name or a sign; empty at the end.
+    /// The current token: a number, a name or a sign; empty at the end.
     token: &'a str,
     n_tokens: usize,
 }
@@ -266,7 +267,7 @@ impl Reader<'_> {
         self.advance()
     }
 
-    /// Reads operands, and the operators between them that bind at least as tightly as given.
+    /// Reads operands, and the operators between them whose precedence is at least `least`.
     fn expression(&mut self, least: u8) -> Result<Expression, FormulaError> {
         let mut left = match self.token {
             "-" => {
@@ -345,7 +346,7 @@ impl Reader<'_> {
     }
 }
 
-/// Returns the length of the exponent at the start of a text; without digits the letter is a name of its own.
+/// Returns the length of the exponent at the start of a text; zero for a letter without digits, which is a name.
 fn exponent_length(text: &str) -> usize {
     let Some(exponent) = text.strip_prefix(['e', 'E']) else { return 0 };
     let digits = exponent.strip_prefix(['+', '-']).unwrap_or(exponent);

@@ -101,14 +101,14 @@ choices! {
     }
 }
 
-/// Positions of nodes on curved edges, by the ends of the edge in ascending order.
+/// Positions of nodes on curved edges. The key has the ends of the edge in ascending order.
 pub(super) type EdgeNodes<const D: usize> = HashMap<[VertexId; 2], Point<D>>;
 
 /// Geometry of a body.
 pub(super) enum Geometry<const D: usize> {
-    /// A mesh of the body, and nodes for elements of order 2.
+    /// A mesh of the body, and nodes on curved edges for elements of order 2.
     Mesh(Box<SimplexMesh<D>>, EdgeNodes<D>),
-    /// Lines around the body, and the size of its cells.
+    /// Lines around the body, and the size of the cells of a mesh between them.
     Lines(Vec<ClosedLine>, f64),
     /// The surface of the body, with the positions of its vertices.
     Surface(BoundaryMesh<D>, Vec<Point<D>>),
@@ -246,7 +246,7 @@ impl<const D: usize> Geometry<D> {
     /// Returns the mesh of the inside, with nodes for elements of order 2.
     ///
     /// # Errors
-    /// A surface, and lines that bound no region.
+    /// The geometry is a surface, or lines that do not bound a region.
     pub(super) fn into_mesh(self, shape: &At<Shape>) -> Result<(SimplexMesh<D>, EdgeNodes<D>), ScenarioError> {
         match self {
             Self::Mesh(mesh, nodes) => Ok((*mesh, nodes)),
@@ -283,12 +283,13 @@ impl<const D: usize> Geometry<D> {
     }
 }
 
-/// Triangles in a square with sides of the size of a cell.
+/// Number of triangles in a square with sides of the size of a cell.
 const CELLS_IN_SQUARE: f64 = 2.7;
-/// Tetrahedra in a cube with sides of the size of a cell.
+/// Number of tetrahedra in a cube with sides of the size of a cell.
 const CELLS_IN_CUBE: f64 = 6.0;
 
-/// Checks that there is memory for the cells of a shape whose mesh is always made. They are counted from its area or volume.
+/// Checks that there is memory for the cells of a shape whose mesh is always generated. Their number is estimated from
+/// the area or volume.
 fn check_memory<const D: usize>(shape: &At<Shape>) -> Result<(), ScenarioError> {
     let per_measure = |size: f64| if D == 2 { CELLS_IN_SQUARE } else { CELLS_IN_CUBE } / size.powi(D as i32);
     let measure_of_ball = |radius: f64| if D == 2 { PI * radius.powi(2) } else { 4.0 / 3.0 * PI * radius.powi(3) };
@@ -321,7 +322,7 @@ pub(super) fn check_corners(min: &Components<f64>, max: &Components<f64>, at: &L
 /// Checks that the triangles of a surface bound a body.
 ///
 /// # Errors
-/// Cause, place and remedy: no triangles, or a side without exactly one neighbour of the same orientation.
+/// A text with cause, place and remedy: no triangles, or a side without exactly one neighbour of the same orientation.
 fn closed(surface: &Surface) -> Result<(), String> {
     let sides = || {
         let of_facet = |v: [VertexId; 3]| [[v[0], v[1]], [v[1], v[2]], [v[2], v[0]]];
@@ -350,9 +351,9 @@ fn closed(surface: &Surface) -> Result<(), String> {
 /// Size of the segments of lines.
 #[derive(Clone, Copy)]
 pub(super) enum LineSize<'a> {
-    /// Largest length.
+    /// Largest length of a segment.
     Uniform(f64),
-    /// Length at a place.
+    /// Length as a function of position.
     Graded(&'a dyn Fn([f64; 2]) -> f64),
 }
 
@@ -385,7 +386,7 @@ pub(super) fn polygon_lines(
     Ok(lines)
 }
 
-/// Parameter of a polygon that follows from the size.
+/// Name, in errors of `mesh`, of a parameter that is computed from the size.
 const SEGMENTS: &str = "number of segments of a side";
 
 fn planar(x: &Components<f64>) -> [f64; 2] {
@@ -400,7 +401,7 @@ fn refuse(at: &Location, error: mesh::Error) -> ScenarioError {
     }
 }
 
-/// Returns the surface between lines, of which the first one is the outer one.
+/// Returns the surface of lines: the outer line first, then the lines around holes.
 pub(super) fn surface_of_lines<const D: usize>(lines: Vec<ClosedLine>) -> (BoundaryMesh<D>, Vec<Point<D>>) {
     let (mut facets, mut positions) = (Vec::new(), Vec::new());
     for (k, line) in lines.into_iter().enumerate() {
@@ -413,7 +414,7 @@ pub(super) fn surface_of_lines<const D: usize>(lines: Vec<ClosedLine>) -> (Bound
     (BoundaryMesh::from_facets(facets), positions)
 }
 
-/// Returns the nodes of elements of order 2 on lines, whose points are the first vertices of the mesh between them.
+/// Returns the nodes of elements of order 2 on lines. The points of the lines are the first vertices of the mesh.
 fn nodes_on_lines<const D: usize>(lines: &[ClosedLine]) -> EdgeNodes<D> {
     let mut nodes = HashMap::new();
     let mut first = 0;
@@ -469,7 +470,7 @@ pub(super) const ROUND_OFF: f64 = 1e-9;
 
 /// Returns the outward unit normal of a tagged part of a boundary; components of the size of round-off are zero.
 ///
-/// A normal that is given replaces that of the facets.
+/// A given normal replaces the normal of the facets.
 ///
 /// # Errors
 /// Facets that do not lie in one plane, or a given normal that is zero.

@@ -1,4 +1,4 @@
-//! Declarations of keys. The reader, its error messages and the reference page all follow from them.
+//! Declarations of keys, from which the reader, its error messages and the reference page are made.
 
 use std::fmt;
 
@@ -10,17 +10,17 @@ pub use super::quantity::Quantity;
 pub struct Key {
     /// Name.
     pub name: &'static str,
-    /// One sentence.
+    /// Meaning, for the reference page and messages.
     pub about: &'static str,
     /// Type of the value.
     pub form: Form,
-    /// Dimension of its numbers.
+    /// Physical dimension of its numbers.
     pub quantity: Quantity,
     /// Range of its numbers.
     pub range: Range,
     /// Whether it may be left out.
     pub is_optional: bool,
-    /// Number of its group, if exactly one of several groups of optional keys is needed.
+    /// Index of its group, if exactly one of several groups of optional keys is needed.
     pub group: Option<usize>,
     /// Value if it is left out, as TOML.
     pub default: Option<&'static str>,
@@ -55,12 +55,12 @@ impl Key {
         format!("{}{words}{range}{unit}. {sentence}", self.form)
     }
 
-    /// Makes this a key of one of several groups, of which exactly one is needed.
+    /// Adds the key to a group of keys. Exactly one of the groups is needed.
     pub(super) const fn group(self, number: usize) -> Self {
         Self { group: Some(number), ..self }
     }
 
-    /// Sets the dimension of the numbers.
+    /// Sets the physical dimension of the numbers.
     pub(super) const fn unit(self, quantity: Quantity) -> Self {
         Self { quantity, ..self }
     }
@@ -136,7 +136,7 @@ pub enum Form {
     Flag,
     /// Text.
     Text,
-    /// Formula with the given variables, a number, or a table with values from a file.
+    /// Formula with the given variables, a number, or a table of the given type with values from a file.
     Field(&'static str, &'static Form),
     /// One value for each axis.
     Components(&'static Form),
@@ -166,7 +166,7 @@ pub struct Choice {
     pub word: &'static str,
     /// One sentence.
     pub about: &'static str,
-    /// Keys that come with it.
+    /// Further keys of a table with this word.
     pub keys: &'static [Key],
 }
 
@@ -176,7 +176,7 @@ impl Choice {
         self.needed().next().is_none()
     }
 
-    /// Returns the names of keys that are needed, those of the first group among them.
+    /// Returns the names of the required keys, and of the keys of the first group.
     pub(super) fn needed(&self) -> impl Iterator<Item = &'static str> {
         self.keys.iter().filter(|key| !key.is_optional || key.group == Some(0)).map(|key| key.name)
     }

@@ -1,7 +1,7 @@
 //! Scenario files: declarations of their keys, reader and construction of the problem.
 //!
-//! Where the name of a table is that of a library's type, the declaration ends in `Keys` or `Choice`: [`BodyKeys`] are read,
-//! and a `dyn Body` is built of them.
+//! The type of a table whose name is also a type of a library ends in `Keys` or `Choice`: a `dyn Body` is built from
+//! [`BodyKeys`].
 
 mod background;
 mod body;

@@ -79,7 +79,7 @@ choices! {
     }
 }
 
-/// Largest part of the end time by which the last row of a table may come too early: round-off.
+/// Largest time between the last row of a table and the end that is round-off, relative to the end time.
 const ROUND_OFF: f64 = 1e-9;
 
 /// A rigid motion: `x(t) = c + d(t) + R(t) (X - c)`, with the velocity
@@ -173,9 +173,9 @@ pub(super) fn prescribed<const D: usize>(
 /// The angle of a rotation whose angular velocity is given: `φ(t) = ∫_0^t ω ds`.
 struct Angle {
     rate: Formula,
-    /// Length of an interval: a step, or several in runs of more than [`MOST_TRIALS`] steps.
+    /// Length of an interval: a step, or several steps in runs of more than [`MOST_TRIALS`] steps.
     interval: f64,
-    /// Angle at the ends of intervals, and at the start; empty if the angular velocity is constant.
+    /// Angles at the start and at the ends of intervals; empty if the angular velocity is constant.
     at_ends: Vec<f64>,
 }
 
@@ -216,7 +216,7 @@ impl Angle {
     }
 }
 
-/// Returns the centre of the rotation, which must be given if and only if the motion has an angle.
+/// Returns the centre of the rotation. It must be given if and only if the motion has an angle.
 fn turning_centre<const D: usize>(
     motion: &At<MotionChoice>,
     given: Option<&At<Components<f64>>>,
@@ -236,13 +236,13 @@ fn turning_centre<const D: usize>(
 /// Largest number of times at which a formula is checked before a run.
 const MOST_TRIALS: usize = 100_000;
 
-/// Largest difference between the displacement of a body in a step and its velocity at the end of the step times the
-/// length of the step, relative to the largest such velocity: on average over all steps, and in a single step beyond
-/// the velocities at both its ends. Steps that resolve a motion are below; six steps in a period give 0.5.
+/// Largest difference between the displacement of a body in a step and the velocity at the end of the step times the
+/// length of the step, relative to the largest velocity. It limits the average over all steps, and in a single step the
+/// excess over the velocities at both ends. Six steps in a period give 0.5.
 const UNRESOLVED: f64 = 0.5;
 
-/// Returns the time of a step that does not resolve a motion, along one axis or of an angle: the displacement of the
-/// body would differ from that of the fluid on it.
+/// Returns the time of a step that does not resolve a motion along an axis or of an angle, if there is one. The body
+/// and the fluid on its surface would have different displacements.
 fn unresolved(at: impl Fn(f64) -> Dual, time: &Time) -> Option<f64> {
     let (n_steps, dt) = (time.n_steps(), *time.step);
     let steps = || (0..n_steps).step_by(n_steps / MOST_TRIALS + 1);
@@ -281,7 +281,7 @@ pub(super) fn finite(formula: &At<Formula>, time: &Time) -> Result<Formula, Scen
     check_finite(formula, time, |at| vec![("value", at.value)], "it is finite")
 }
 
-/// Returns a formula after a check that numbers of it are finite at every step.
+/// Returns a formula after a check that its `numbers` are finite at every step, or at [`MOST_TRIALS`] of them.
 fn check_finite(
     formula: &At<Formula>,
     time: &Time,

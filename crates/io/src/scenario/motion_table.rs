@@ -10,7 +10,7 @@ use crate::files::read_text;
 
 /// Displacement and angle of a rigid body with their rates in time.
 ///
-/// It turns counter-clockwise in the plane of the first two axes; angles are in radians.
+/// The body turns counter-clockwise in the plane of the first two axes; angles are in radians.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Pose<const D: usize> {
     pub(super) displacement: [Dual; D],
@@ -29,8 +29,8 @@ impl<const D: usize> Pose<D> {
     }
 }
 
-/// Motion through the rows of a table, by a natural cubic spline for each column: position, velocity and acceleration are
-/// continuous, and the acceleration is zero at the first and the last row. Two rows define a straight line.
+/// Motion through the rows of a table, by a natural cubic spline for each column. Position, velocity and acceleration
+/// are continuous, and the acceleration is zero at the first and the last row. Two rows define a straight line.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct MotionTable<const D: usize> {
     times: Vec<f64>,
@@ -42,7 +42,7 @@ impl<const D: usize> MotionTable<D> {
     /// Reads a table whose header names `time`, the axes and, if the body turns, `angle`, in any order.
     ///
     /// # Errors
-    /// A message with file, line, cause and remedy.
+    /// A text with file, line, cause and remedy.
     pub(super) fn read(path: &Path) -> Result<Self, String> {
         let file = path.display().to_string();
         let text = read_text(path).map_err(|error| match error {

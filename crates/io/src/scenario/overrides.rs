@@ -11,7 +11,7 @@ use super::table::{Document, parse};
 pub(super) struct Change<'a> {
     /// Segments of the key.
     path: Vec<&'a str>,
-    /// The assignment `_ = VALUE`, padded with blanks to the length of all earlier text, so that an offset identifies its
+    /// The assignment `_ = VALUE` after as many blanks as the earlier text has bytes. An offset then identifies the
     /// argument.
     text: String,
     /// Offset of the argument.
@@ -60,10 +60,10 @@ pub(super) fn apply<'t>(
     Ok(())
 }
 
-/// Sets the value at the end of a path, of which `depth` segments lead to the target, and makes tables that are missing.
+/// Sets the value at the end of a path whose first `depth` segments lead to the target. Creates missing tables.
 ///
 /// # Errors
-/// Cause and remedy: the path does not fit the target.
+/// A text with cause and remedy, if the path does not exist.
 fn set<'t>(
     target: &mut Spanned<DeValue<'t>>,
     (path, depth): (&[&str], usize),

@@ -1,4 +1,4 @@
-//! Probes of a scenario: quantities with names of their own.
+//! Probes of a scenario: quantities that it defines by name.
 
 use mesh::search::SurfaceIndex;
 use mesh::{Aabb, FacetId, Placed, Point, Vector};
@@ -73,10 +73,10 @@ choices! {
     }
 }
 
-/// Builds the probes of a run, whose masses, forces, energies and flows belong to a whole of a dimension.
+/// Builds the probes of a run. Masses, forces, energies and flows are integrals over a domain of the given dimension.
 ///
 /// # Errors
-/// Bodies and parts that do not exist, quantities of a fluid or of elastic bodies where there are none.
+/// Bodies or parts that do not exist, quantities of a fluid or of elastic bodies without a fluid or elastic body.
 pub(super) fn probes<const D: usize>(
     given: &Named<ProbeChoice>,
     setup: &Setup<D>,
@@ -154,7 +154,7 @@ pub(super) fn probes<const D: usize>(
     Ok(found)
 }
 
-/// Returns the numbers of the conditions on parts of the background that are not open.
+/// Returns the indices of the conditions on parts of the background, which must not be open.
 fn sides<const D: usize>(fluid: &FluidSetup<D>, parts: &At<Vec<At<String>>>) -> Result<Vec<usize>, ScenarioError> {
     let names = fluid.background.tag_names();
     let side = |part: &At<String>| {
@@ -185,7 +185,7 @@ fn marker<const D: usize>(body: &dyn Body<D>, index: usize, at: &Point<D>) -> Op
     Some(Measured::Marker { body: index, weights })
 }
 
-/// Returns whether each facet of a body belongs to one of the parts; all do if no part is named.
+/// Returns, for each facet of a body, whether it belongs to one of the parts. Without parts all facets do.
 fn facets<const D: usize>(
     body: &dyn Body<D>,
     part_names: &[String],
@@ -202,7 +202,7 @@ fn facets<const D: usize>(
     Ok(surface.facets().map(is_in).collect())
 }
 
-/// Returns the vector normal to the sides of a section with its measure as length; `None` if they do not span one.
+/// Returns the vector normal to a section whose length is the measure of the section; `None` if the sides span none.
 fn normal<const D: usize>(sides: &[Vector<D>]) -> Option<Vector<D>> {
     let component = |axis: usize| match sides {
         [a] => [a[1], -a[0]].get(axis).copied().unwrap_or(0.0),

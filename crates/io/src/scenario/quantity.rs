@@ -38,7 +38,7 @@ impl Quantity {
         Self { length, mass, time }
     }
 
-    /// Returns the unit in the system cgs, number 0, or SI, number 1; empty for pure numbers.
+    /// Returns the unit in the system cgs (`system` 0) or SI (1); empty for pure numbers.
     pub(super) fn label_in(self, system: usize) -> String {
         let named = NAMED.iter().find(|(named, _)| *named == self);
         named.map_or_else(|| self.label_of(BASES[system]), |(_, names)| names[system].to_owned())

@@ -7,8 +7,8 @@ use super::key::{Choice, Form, Key, Range};
 
 /// Returns the schema of scenario files, draft 7, from the declarations of the keys.
 ///
-/// It has types, ranges, words, needed keys, defaults and the sentences of the reference page. Which of several
-/// alternative keys are needed is left to the reader of scenarios.
+/// It has types, ranges, words, required keys, defaults and the texts of the reference page. Alternative keys are
+/// checked by the reader of scenarios only.
 pub fn schema() -> Value {
     let mut schema = of_table(Scenario::KEYS, None);
     schema["$schema"] = json!("http://json-schema.org/draft-07/schema#");

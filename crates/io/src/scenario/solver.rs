@@ -57,7 +57,7 @@ choices! {
 /// Largest difference of the end time from a multiple of the step, relative to the end time.
 const ROUND_OFF: f64 = 1e-9;
 
-/// Largest number of steps; more point to a wrong exponent in step or end.
+/// Largest number of steps. More steps are probably a wrong exponent in step or end.
 const MAX_STEPS: f64 = 1e9;
 
 impl Time {
@@ -109,9 +109,9 @@ keys! {
     }
 }
 
-/// Number of unknowns of a fluid in space above which a factorisation of the whole matrix is too large.
+/// Number of unknowns of a fluid in 3D above which a factorisation of the whole matrix is too large.
 ///
-/// Both factors of the matrix of a mesh in space have about `20 n^(4/3)` entries: with 50 000 unknowns 0.15 GB in
+/// Both factors of the matrix of a mesh in 3D have about `20 n^(4/3)` entries: with 50 000 unknowns 0.15 GB in
 /// single precision, and with 500 000 unknowns 3 GB.
 const LARGE_IN_SPACE: usize = 50_000;
 
@@ -233,7 +233,7 @@ impl Linear {
         }
     }
 
-    /// Returns memory with this linear solver.
+    /// Returns a workspace with this linear solver.
     pub fn workspace(&self) -> Workspace {
         let Self::Gmres { preconditioner, restart, blocks } = self else { return Workspace::new() };
         if *preconditioner == Preconditioner::LaggedLu {

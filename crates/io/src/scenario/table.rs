@@ -1,7 +1,7 @@
 //! Typed cursor over a TOML document: values with their location, and tables whose keys are declared.
 //!
-//! [`keys!`] declares a table and [`choices!`] an enumeration of words, each with its reader: the type of a field is the
-//! type of its key, its comment is the sentence of the reference page.
+//! [`keys!`] declares a table and [`choices!`] an enumeration of words, each with its reader. The type of a field is
+//! the type of its key, and its comment is the text of the reference page.
 
 use std::ops::Deref;
 use std::path::PathBuf;
@@ -12,14 +12,14 @@ use toml::de::{DeTable, DeValue};
 use super::error::{ErrorKind, Location, ScenarioError, shown};
 use super::key::{Choice, Form, Key, missing, words};
 
-/// Text of a scenario, by which offsets become lines.
+/// Text of a scenario, for the conversion of offsets to lines.
 #[derive(Clone, Debug)]
 pub(super) struct Document {
     /// Scenario file.
     pub(super) file: PathBuf,
     /// Its text.
     pub(super) text: String,
-    /// Arguments of `--set`, each with its first offset; they follow the text.
+    /// Arguments of `--set`, each with its offset as if it followed the text.
     pub(super) arguments: Vec<(usize, String)>,
     /// Dimension of space, the length of vectors.
     pub(super) dimension: usize,
@@ -158,12 +158,12 @@ impl<'d> Node<'d> {
     }
 }
 
-/// Returns a value as a number; whole numbers may be written with a base.
+/// Returns a value as a number. Whole numbers may have the prefix of a base.
 fn number(value: &DeValue<'_>) -> Option<f64> {
     match value {
         DeValue::Float(number) => Some(number.as_str().parse().unwrap_or(f64::NAN)),
         DeValue::Integer(number) => {
-            // Every whole number that the machine does not hold is larger than all that are accepted.
+            // A whole number beyond i128 is out of every range.
             let value = i128::from_str_radix(number.as_str(), number.radix());
             Some(value.map_or(f64::INFINITY, |value| value as f64))
         }
@@ -204,7 +204,7 @@ impl Table<'_> {
 
 /// A value of a scenario.
 pub(super) trait KeyValue: Sized {
-    /// Type, for messages and the reference page.
+    /// Form of the value, for messages and the reference page.
     const FORM: Form;
     /// The value of a key that was left out, if that is allowed.
     const ABSENT: Option<fn() -> Self> = None;
@@ -234,7 +234,7 @@ impl<T> At<T> {
         Self { value, at: Location::default() }
     }
 
-    /// Returns the value that follows from this one, with the same location.
+    /// Returns a value that is computed from this one, with the same location.
     pub(super) fn map<U>(&self, value: impl FnOnce(&T) -> U) -> At<U> {
         At { value: value(&self.value), at: self.at.clone() }
     }
@@ -338,7 +338,7 @@ impl Components<f64> {
     }
 }
 
-/// A value, or a table that states more.
+/// A value, or a table with further keys.
 #[derive(Clone, Debug, PartialEq)]
 pub enum OrTable<T, K> {
     /// The value.
@@ -426,7 +426,7 @@ macro_rules! keys {
     };
 }
 
-/// Declares an enumeration of words, each perhaps with further keys or a table of them, and derives its reader.
+/// Declares an enumeration of words and derives its reader. A word may have further keys, or a table of keys.
 macro_rules! choices {
     (
         $(#[doc = $doc:literal])+

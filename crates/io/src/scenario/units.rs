@@ -1,4 +1,4 @@
-//! Units: labels of the numbers of a scenario. Nothing is converted.
+//! Units: labels of the numbers of a scenario. No number is converted.
 
 use super::error::ScenarioError;
 use super::quantity::{Quantity, quotient};
@@ -55,8 +55,7 @@ impl Units {
         }
     }
 
-    /// Returns the unit of a force, mass, energy, power or flow of a whole of a dimension: in the plane that of the quantity
-    /// per unit depth.
+    /// Returns the unit of a force, mass, energy, power or flow of a domain of `dimension`. In 2D it is per unit depth.
     pub fn total_label(&self, quantity: Quantity, dimension: usize) -> String {
         let label = self.label(quantity);
         if dimension == 3 {

@@ -5,7 +5,7 @@ use std::str::SplitWhitespace;
 /// Corners of a triangle.
 pub(super) type Triangle = [[f64; 3]; 3];
 
-/// Reads a text by the words of its lines; an error gets the number of the line.
+/// Calls a closure with the words of each line. The number of the line is added to its errors.
 pub(super) fn for_each_line(
     text: &str,
     mut read: impl FnMut(SplitWhitespace<'_>) -> Result<(), String>,

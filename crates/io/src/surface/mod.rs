@@ -38,14 +38,14 @@ impl Surface {
         Ok(Self::weld(&triangles))
     }
 
-    /// Creates a surface from the corners of its triangles.
+    /// Creates a surface from the corners of its triangles, as [`Self::read`] does.
     pub fn weld(triangles: &[[[f64; 3]; 3]]) -> Self {
         let mut positions: Vec<Point<3>> = Vec::new();
         let mut facets: Vec<VertexId> = Vec::with_capacity(3 * triangles.len());
         let mut known: HashMap<[u64; 3], VertexId> = HashMap::new();
         for corners in triangles {
             let ids = corners.map(|x| {
-                // Adding zero makes one of the two zeros.
+                // Adding zero turns a negative zero into a positive one.
                 *known.entry(x.map(|c| (c + 0.0).to_bits())).or_insert_with(|| {
                     positions.push(Point::<3>::from(x));
                     VertexId::new(positions.len() - 1)
@@ -84,7 +84,7 @@ impl Surface {
         &self.boundary
     }
 
-    /// Returns the triangles at their positions, as `cutcell` takes them.
+    /// Returns the triangles with their positions, the input of `cutcell`.
     pub fn placed(&self) -> Placed<'_, 3> {
         Placed::new(&self.boundary, &self.positions)
     }

@@ -2,7 +2,7 @@
 
 use super::lines::{Triangle, coordinates, for_each_line};
 
-/// Returns the corners of all triangles; faces with more corners are fanned.
+/// Returns the corners of all triangles. Faces with more corners are divided into a fan of triangles.
 pub(super) fn parse(bytes: &[u8]) -> Result<Vec<Triangle>, String> {
     let text = std::str::from_utf8(bytes).map_err(|e| format!("byte {}: the file is not UTF-8", e.valid_up_to()))?;
     let mut vertices: Vec<[f64; 3]> = Vec::new();

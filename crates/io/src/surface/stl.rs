@@ -2,10 +2,12 @@
 
 use super::lines::{Triangle, coordinates, for_each_line};
 
+/// Bytes of the header of a binary file.
 const HEADER: usize = 80;
+/// Bytes of a triangle: normal and corners as 12 numbers of 4 bytes, and 2 more bytes.
 const RECORD: usize = 50;
 
-/// Returns the corners of all triangles. Normals in the file are ignored: the order of the corners decides.
+/// Returns the corners of all triangles. Normals in the file are ignored; the order of the corners defines them.
 pub(super) fn parse(bytes: &[u8]) -> Result<Vec<Triangle>, String> {
     // Binary files may begin with "solid" too: they are recognised by their length.
     let count = bytes.get(HEADER..HEADER + 4).and_then(|b| b.try_into().ok()).map(u32::from_le_bytes);

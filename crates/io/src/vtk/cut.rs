@@ -5,7 +5,7 @@ use mesh::{Point, SimplexMesh};
 
 use super::{Grid, in_space, simplex_type};
 
-/// Returns the grid of the fluid parts: uncut cells, and the convex pieces of cut ones (divided into tetrahedra in 3D).
+/// Returns the grid of the fluid parts: uncut cells, and the convex pieces of cut cells (tetrahedra in 3D).
 ///
 /// Fields of cells: `part`, `cell` of the background, `cut` (1 in cut cells).
 pub fn fluid_grid<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>) -> Grid {
@@ -27,8 +27,7 @@ pub fn fluid_grid<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>)
     grid
 }
 
-/// Returns the grid of the region that the bodies cover: whole cells, and the convex pieces of cut ones (divided into
-/// tetrahedra in 3D).
+/// Returns the grid of the region that the bodies cover: whole cells, and convex pieces of cut cells (3D: tetrahedra).
 ///
 /// Fields of cells: `cell` of the background, `cut` (1 in cut cells).
 pub fn body_grid<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>) -> Grid {

@@ -1,4 +1,4 @@
-//! The fluid: uncut cells, and the true fluid polygons of cut ones.
+//! The fluid: uncut cells, and the fluid parts of cut cells.
 
 use cutcell::{CutMesh, PartId};
 use mesh::{CellId, Point, SimplexMesh, Vector};
@@ -8,8 +8,8 @@ use super::{Grid, in_space, ring, simplex_type};
 
 /// Returns the grid of the fluid domain of a state with velocity, pressure and vorticity.
 ///
-/// Cut cells appear as the convex pieces of their fluid parts, with values of the part's own dofs: points are shared only
-/// where the dof is the same. Fields of a state are given on the geometry of its step.
+/// Cut cells are written as the convex pieces of their fluid parts, with the values of the dofs of the part. Uncut
+/// cells share the points of common dofs; pieces have points of their own. The geometry is that of the step.
 pub fn fluid_grid<const D: usize>(background: &SimplexMesh<D>, fluid: &FluidState<D>) -> Grid {
     let FluidState { cut, space, .. } = fluid;
     let mut grid = Grid::default();
@@ -19,7 +19,7 @@ pub fn fluid_grid<const D: usize>(background: &SimplexMesh<D>, fluid: &FluidStat
         pressure.push(p);
         grid.push_point(x)
     };
-    // Points of uncut cells.
+    // Points of dofs of uncut cells.
     let mut dof_to_point: Vec<Option<u64>> = vec![None; space.len()];
     let mut parts: Vec<PartId> = Vec::new();
     for part in cut.all_parts() {
@@ -59,7 +59,7 @@ pub fn fluid_grid<const D: usize>(background: &SimplexMesh<D>, fluid: &FluidStat
     grid
 }
 
-/// Returns the curl of the velocity on a part; in 2D its third component.
+/// Returns the curl of the velocity on a part, which is constant. In 2D only the third component is not zero.
 pub fn curl<const D: usize>(
     background: &SimplexMesh<D>,
     fluid: &FluidState<D>,
@@ -78,8 +78,8 @@ pub fn curl<const D: usize>(
     curl
 }
 
-/// Returns the polygons of the fluid in the plane: the corners of each uncut cell and of each convex piece of a cut
-/// one, with its part.
+/// Returns the polygons of the fluid in 2D, each with its part: the corners of uncut cells, and of the convex pieces of
+/// cut cells.
 pub fn fluid_polygons<const D: usize>(background: &SimplexMesh<D>, cut: &CutMesh<D>) -> Vec<(PartId, Vec<Point<D>>)> {
     let mut polygons = Vec::new();
     for part in cut.all_parts() {

@@ -1,4 +1,4 @@
-//! The fluid-structure interface: its pieces with the traction that crosses them.
+//! The fluid-structure interface: its pieces with the traction of the fluid on the body.
 
 use mesh::Vector;
 use solver::interface_dg::InterfaceTraction;
@@ -6,8 +6,8 @@ use solver::{FluidState, StepReport};
 
 use super::{Grid, in_space, simplex_type};
 
-/// Returns the grid of the interface pieces of a step, on the geometry at its start, with tractions on the body,
-/// velocity jump and normal. Tractions are zero before the first step.
+/// Returns the grid of the interface pieces of a step, on the geometry of the step, with tractions on the body,
+/// velocity jump and normal out of the body. Tractions are zero before the first step.
 pub fn interface_grid<const D: usize>(fluid: &FluidState<D>, report: Option<&StepReport<D>>) -> Grid {
     let mut grid = Grid::default();
     let pieces = fluid.cut.interface();

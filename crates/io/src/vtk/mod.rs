@@ -36,21 +36,21 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// Appends a point; returns its number.
+    /// Appends a point; returns its index.
     pub fn push_point<const D: usize>(&mut self, x: &Point<D>) -> u64 {
-        let number = self.n_points() as u64;
+        let index = self.n_points() as u64;
         self.points.extend(in_space(x));
-        number
+        index
     }
 
-    /// Appends a cell.
+    /// Appends a cell; `points` are the indices of its corners.
     pub fn push_cell(&mut self, kind: CellType, points: impl IntoIterator<Item = u64>) {
         self.connectivity.extend(points);
         self.offsets.push(self.connectivity.len() as u64);
         self.types.push(kind);
     }
 
-    /// Appends a convex piece: a polygon in 2D, tetrahedra in 3D. `point` appends a corner and returns its number.
+    /// Appends a convex piece: a polygon in 2D, tetrahedra in 3D. `point` appends a corner and returns its index.
     pub(crate) fn push_piece<const D: usize>(
         &mut self,
         piece: Polytope<'_, D>,
@@ -110,7 +110,7 @@ impl Grid {
         (!is_empty).then_some(self)
     }
 
-    /// Writes the grid as `.vtu`, with zlib of the given level (0: none); the file is complete when it appears.
+    /// Writes the grid as `.vtu`, compressed by zlib of the given level (0: none).
     ///
     /// # Errors
     /// [`Error::Vtk`].
@@ -142,8 +142,8 @@ impl Grid {
 }
 
 impl Grid {
-    /// Returns the text of a file without points and cells, with the names of the fields. It contains the counts of
-    /// zero that readers of VTK need and that vtkio does not write.
+    /// Returns the text of a file without points and cells, with the names of the fields. Readers of VTK need the
+    /// numbers of points and cells, zero, which vtkio does not write.
     fn empty(&self) -> String {
         let array = |attribute: &Attribute| match attribute {
             Attribute::DataArray(array) => {
@@ -188,7 +188,7 @@ fn in_space<const D: usize>(v: &Vector<D>) -> [f64; 3] {
     std::array::from_fn(|a| if a < D { v[a] } else { 0.0 })
 }
 
-/// Returns the type of a simplex with that many points.
+/// Returns the type of a simplex with `n_points` points.
 pub(crate) fn simplex_type(n_points: usize) -> CellType {
     match n_points {
         2 => CellType::Line,

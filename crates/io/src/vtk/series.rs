@@ -1,11 +1,11 @@
-//! `.pvd` files: which field file belongs to which time.
+//! `.pvd` files: indices of field files over time.
 
 use std::path::{Path, PathBuf};
 
 use crate::Error;
 use crate::files::write_whole;
 
-/// Time of a field file, and its place in the directory.
+/// Time of a field file, and its path relative to the directory.
 pub type Entry = (f64, String);
 
 /// A series of field files with its index, which is rewritten after every file.
@@ -39,7 +39,7 @@ impl Series {
     /// Writes the field file of a step with a closure, then the index.
     ///
     /// # Errors
-    /// Those of the closure; [`Error::Write`].
+    /// The error of the closure; [`Error::Write`].
     pub fn push(
         &mut self,
         step: usize,

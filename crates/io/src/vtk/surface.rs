@@ -1,4 +1,4 @@
-//! The surfaces of all bodies with the forces on them.
+//! The surfaces of all bodies with tractions and contact pressures.
 
 use mesh::{FacetId, Vector};
 use solver::StepView;
@@ -9,11 +9,11 @@ use super::{Grid, in_space, simplex_type};
 ///
 /// Fields of cells: `traction` is the traction of the fluid on the body with the penalty of the mortar, a mean over the
 /// wet part of the facet, zero on dry facets. `contact_pressure` is a mean over the facet. Both are zero before the
-/// first step. `body` and `facet` are numbers.
+/// first step. `body` and `facet` are indices.
 pub fn surface_grid<const D: usize>(view: &StepView<'_, D>) -> Option<Grid> {
     let (setup, state) = (view.setup, view.state);
     let mut grid = Grid::default();
-    // Number of the first facet of each body.
+    // Index of the first facet of each body in the grid.
     let (mut first, mut bodies, mut facets) = (Vec::new(), Vec::new(), Vec::new());
     for (index, (body, now)) in setup.bodies.iter().zip(&state.bodies).enumerate() {
         first.push(grid.n_cells());

@@ -327,15 +327,15 @@ fn malformed_files_are_refused_with_place_and_remedy() {
     refused(&with("$EndNodeData\n", ""), "line 26: the section `$NodeData` has no end; the file is cut off");
     refused(&with("$NodeData", "$EndNodeData"), "line 26: `$EndNodeData` ends a section that did not begin");
     refused(&V22[..V22.find("$Nodes").expect("nodes")], "the file has no nodes; make the mesh before it is saved");
-    refused(&V22[..V22.find("$Elements").expect("elements")], "it has no triangles; make a mesh of dimension 2");
+    refused(&V22[..V22.find("$Elements").expect("elements")], "the file has no triangles; make a mesh of dimension 2");
     refused(&with("30 2 1 0", "30 2 1 0.1"), "its triangles do not lie in the plane of x and y; set dimension = 3");
-    refused(&with("30 2 1 0", "30 1 0 0"), "element 11 near (1.000000, 0.000000) has no volume; repair the mesh there");
+    refused(&with("30 2 1 0", "30 1 0 0"), "element 11 near (1.000000, 0.000000) is degenerate (no area or volume)");
     refused(
         &with("100 0 1 0", "100 1.9 0.1 0"),
         "the elements 11 and 12 lie on the same side of their common facet near (",
     );
     let third = with("$Elements\n6", "$Elements\n7").replace("12 2 4", "13 2 2 3 5 1 40 30\n12 2 4");
-    refused(&third, "the elements 11, 13 and another one share a facet; repair the mesh there");
+    refused(&third, "the elements 11, 13 and at least one more share an edge; remove surplus elements");
     refused(
         &with_41("$Entities", "$PartitionedEntities"),
         "line 12: the mesh is divided into partitions; save it without them",

@@ -13,24 +13,24 @@ use super::super::{Failure, Run, V};
 pub(super) const LENGTH: f64 = 10.0;
 const YOUNG: f64 = 900.0;
 const DENSITY: f64 = 1.0;
-/// Height, gravity and speed are a tenth of those of the source, whose strains are 0.56 in a bounce and more in a bar
-/// that vibrates: its cells can turn inside out. The problem is linear, so that displacements and pressures are a tenth
-/// of those of the source at the same times.
+// Height, gravity and speed are a tenth of those of the source, whose strains are 0.56 in a bounce and more in a bar
+// that vibrates: its cells can turn inside out. The problem is linear, so that displacements and pressures are a tenth
+// of those of the source at the same times.
 pub(super) const HEIGHT: f64 = 0.5;
 pub(super) const GRAVITY: f64 = 1.0;
 /// Speed of both impacts.
 const SPEED: f64 = 1.0;
-/// Speed of waves, and the time in which they cross the bar.
+// Speed of waves, and the time in which they cross the bar.
 pub(super) const WAVE: f64 = 30.0;
 const CROSSING: f64 = LENGTH / WAVE;
-/// The contact without gravity, and the two of a period with it.
+// The contact without gravity, and the two of a period with it.
 pub(super) const IMPACT: Exact = Exact { times: [0.5, 7.0 / 6.0], pressure: [30.0, 30.0] };
 pub(super) const BOUNCES: [Exact; 2] = [
     Exact { times: [1.0, 5.0 / 3.0], pressure: [30.0, 50.0] },
     Exact { times: [11.0 / 3.0, 13.0 / 3.0], pressure: [50.0, 30.0] },
 ];
 pub(super) const PERIOD: f64 = 16.0 * CROSSING;
-/// Times, and heights of the lower end there, of the bar with gravity.
+/// Times and heights of the lower end of the bar with gravity.
 pub(super) const HEIGHTS: [(f64, f64); 11] = [
     (0.5, 0.375),
     (1.0, 0.0),
@@ -169,7 +169,7 @@ impl History {
         let around = |at: &&(f64, f64)| begin - CROSSING < at.0 && at.0 < end + CROSSING;
         let steps: Vec<(f64, f64)> = self.pressure.iter().filter(around).copied().collect();
         let [low, high] = exact.pressure.map(|jump| 0.5 * jump);
-        // Between two steps the pressure counts as linear.
+        // The pressure is taken as linear between two steps.
         let mut pairs = steps.windows(2).map(|w| [w[0], w[1]]);
         let last = pairs.clone().rfind(|[a, b]| a.1 > high && high >= b.1).map(|pair| passage(pair, high));
         let first = pairs.find(|[a, b]| a.1 <= low && low < b.1).map(|pair| passage(pair, low));

@@ -14,7 +14,7 @@ use super::super::{Failure, Record, V};
 
 /// Parameter of Nitsche's method: the default of scenarios, and a hundred times this value.
 const GAMMA_0: [f64; 2] = [10.0, 1000.0];
-/// Tolerances of pressures, relative to the exact one, and of gaps, relative to the height of a block.
+// Tolerances of pressures, relative to the exact one, and of gaps, relative to the height of a block.
 const PRESSURE: f64 = 1e-9;
 const GAP: f64 = 1e-10;
 /// Distance that contact keeps between two blocks. Over the end of the lower block closest points change their

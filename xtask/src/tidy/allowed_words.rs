@@ -1,4 +1,4 @@
-//! Words of the code that may occur in few places or in none, and the shape of terms.
+//! Words of the code that may occur in few files or in none, and the shape of terms.
 
 use super::source::Source;
 use super::tree::{Finding, Tree};
@@ -16,7 +16,7 @@ const WORDS: &[(&[&str], &[&str], &str)] = &[
 ];
 const NOWHERE: &[&str] = &[];
 
-/// Words and their places in the code of libraries outside of unit tests.
+/// The same for words of the code of libraries outside of unit tests.
 const LIBRARY_WORDS: &[(&[&str], &[&str], &str)] = &[
     (
         &["ElasticBody", "RigidBody", "PrescribedBody"],
@@ -45,13 +45,13 @@ const LIBRARY_WORDS: &[(&[&str], &[&str], &str)] = &[
     ),
     (
         &["/ dt", "/ self.dt", "/ setup.dt"],
-        // Counts of steps, and difference quotients of the force balance.
+        // Numbers of steps, and difference quotients of the force balance.
         &["crates/algebra/src/time/", "crates/solver/src/state.rs", "crates/solver/src/report.rs"],
         "take the weights of the time scheme",
     ),
     (
         &["/ time.length", "/ self.time.length", "/ step.time.length"],
-        // A difference quotient of a given velocity, the round-off of velocities, the weight of a collision.
+        // The difference quotient of a given velocity, the round-off of velocities, and the weight of a collision.
         &[
             "crates/body/src/prescribed.rs",
             "crates/solid-rigid/src/rigid.rs",
@@ -75,7 +75,7 @@ const TERM: &str = "crates/algebra/src/integral.rs";
 pub(super) fn check(tree: &Tree) -> Vec<Finding> {
     let mut findings = Vec::new();
     for source in &tree.rust {
-        // The first list holds for tests too, so it applies to the text.
+        // The first list applies to tests too, hence to the whole text.
         let lines = source.lines().filter(|(_, line)| !line.trim_start().starts_with("//"));
         find(source, lines, WORDS, &mut findings);
         if source.is_src() && source.path.starts_with("crates/") {

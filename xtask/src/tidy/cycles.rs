@@ -14,10 +14,10 @@ pub(super) fn check(tree: &Tree) -> Vec<Finding> {
     for source in tree.rust.iter().filter(|source| source.is_src()) {
         packages.entry(source.package()).or_default().push(source);
     }
-    packages.values().filter_map(|sources| circle(&Package::new(sources))).collect()
+    packages.values().filter_map(|sources| find_cycle(&Package::new(sources))).collect()
 }
 
-/// Files of a package, and the names that they re-export.
+/// Files of a package by their modules, and the modules of re-exported names.
 struct Package<'a> {
     files: BTreeMap<Module, &'a Source>,
     exports: BTreeMap<(Module, String), Module>,
@@ -104,7 +104,7 @@ impl<'a> Package<'a> {
     }
 }
 
-/// A path in the code: the module it leads to, and the name it takes from there.
+/// A path in the code, as in `use a::b::C`: the module `a::b` and the name `C`.
 struct Path {
     target: Module,
     name: String,
@@ -161,10 +161,11 @@ fn module(source: &Source) -> Module {
 }
 
 /// Returns one dependency cycle of files, if there is any.
-fn circle(package: &Package<'_>) -> Option<Finding> {
+fn find_cycle(package: &Package<'_>) -> Option<Finding> {
     let mut uses: BTreeMap<&Module, BTreeMap<Module, usize>> =
         package.files.iter().map(|(module, source)| (module, package.uses(module, source))).collect();
-    // Files that use no other file cannot be part of a cycle; nor can files that use only those.
+    // Files that use no other file are not part of a cycle. They are removed repeatedly; cycles, and files that lead to
+    // them, are left.
     loop {
         let left: BTreeSet<Module> = uses.keys().map(|module| (*module).clone()).collect();
         uses.values_mut().for_each(|targets| targets.retain(|target, _| left.contains(target)));
@@ -174,17 +175,17 @@ fn circle(package: &Package<'_>) -> Option<Finding> {
             break;
         }
     }
-    let mut way: Vec<&Module> = vec![uses.keys().next()?];
+    let mut chain: Vec<&Module> = vec![uses.keys().next()?];
     loop {
-        let next = uses[way[way.len() - 1]].keys().next()?;
-        if let Some(start) = way.iter().position(|module| *module == next) {
+        let next = uses[chain[chain.len() - 1]].keys().next()?;
+        if let Some(start) = chain.iter().position(|module| *module == next) {
             let names: Vec<&str> =
-                way[start..].iter().chain([&next]).map(|module| package.files[*module].path.as_str()).collect();
-            let line = uses[way[way.len() - 1]][next];
+                chain[start..].iter().chain([&next]).map(|module| package.files[*module].path.as_str()).collect();
+            let line = uses[chain[chain.len() - 1]][next];
             let advice = format!("dependency cycle of files: {}", names.join(" -> "));
-            return Some(Finding::new(&package.files[way[way.len() - 1]].path, line, advice));
+            return Some(Finding::new(&package.files[chain[chain.len() - 1]].path, line, advice));
         }
-        way.push(next);
+        chain.push(next);
     }
 }
 
@@ -195,11 +196,11 @@ mod tests {
     fn of(files: &[(&str, &str)]) -> Option<String> {
         let sources: Vec<Source> =
             files.iter().map(|(path, text)| Source::new(&format!("crates/mesh/src/{path}"), (*text).into())).collect();
-        circle(&Package::new(&sources.iter().collect::<Vec<_>>())).map(|finding| finding.advice)
+        find_cycle(&Package::new(&sources.iter().collect::<Vec<_>>())).map(|finding| finding.advice)
     }
 
     #[test]
-    fn circles_are_found_through_re_exports_nested_uses_and_plain_paths() {
+    fn cycles_are_found_through_re_exports_nested_uses_and_plain_paths() {
         let lib = ("lib.rs", "mod a; mod b; mod c;\npub use a::A;\npub use b::B;\n");
         let a = ("a.rs", "use std::fmt;\nuse crate::{\n    B,\n    c::{self, C as D},\n};\n");
         assert_eq!(of(&[lib, a, ("b.rs", "fn b() {}"), ("c.rs", "use super::b;")]), None);
