@@ -50,7 +50,8 @@ impl<const D: usize> Surfaces<'_, D> {
     }
 
     /// Returns `a - ∇u w` with the acceleration `a` of the body of an interface piece and the velocity `w` with which
-    /// its surface moves: `∂u/∂t` at a fixed point, for a fluid of velocity `u` that moves with the body.
+    /// its surface moves: `∂u/∂t` at a fixed point, for a fluid of velocity `u` that moves with the body. Requires
+    /// `ahead != 0`.
     pub(crate) fn accelerations(&self, item: usize, velocity: &[Vector<D>]) -> OnFacet<D> {
         let piece = &self.cut.interface()[item];
         let nodes = self.space.dofs(piece.part).iter().zip(self.parts.gradients(piece.part));
@@ -63,9 +64,13 @@ impl<const D: usize> Surfaces<'_, D> {
         })
     }
 
-    /// Carries velocity and acceleration of the fluid to the space of the step, and extends both to uncovered dofs.
+    /// Carries velocity and acceleration of the fluid to the space of the step, and extends both to uncovered dofs: those
+    /// without a value on the space before.
     ///
-    /// Values on the surface are those at the start, where the surface is not yet at the place of the cut.
+    /// The velocity of the body holds at the positions of its surface at the start of the step; extrapolated geometry is cut
+    /// elsewhere. The rate of change at a fixed point is given on the cut surface. Between the two positions it is constant to
+    /// first order. If it was given at the start, the extension would carry the gradient of the acceleration over the
+    /// distance, and this gradient has large errors.
     ///
     /// # Errors
     /// The extension fails.
@@ -84,7 +89,8 @@ impl<const D: usize> Surfaces<'_, D> {
         // A scheme that evaluates the geometry at the start does not need accelerations.
         if self.ahead != 0.0 && !before.acceleration.is_empty() {
             acceleration = extension.sources.carry(&before.acceleration);
-            extension.fill(&mut acceleration, |item| [self.accelerations(item, &velocity), offsets(item)])?;
+            let on_cut = [Vector::zeros(); MAX_CELL_VERTICES];
+            extension.fill(&mut acceleration, |item| [self.accelerations(item, &velocity), on_cut])?;
         }
         Ok(Level { velocity, acceleration, ..Level::default() })
     }
