@@ -1,7 +1,8 @@
-//! Time and memory of a problem of given size: `growth step2 0.1` (five steps of the falling ball with cells of this size),
-//! `growth step3 12` (five steps of the falling cube), `growth stokes3 28` and `growth stokes3-lu 28` (one linear solve).
-//! Use one process per size, since the peak of memory is that of the process. Seconds are processor time of all threads,
-//! which depends less on other work of the machine than wall-clock time; shares of stages are of wall-clock time.
+//! Time and memory of a problem of given size: `growth step2 0.1` (five steps of the falling ball with cells of this
+//! size), `growth step3 12` (five steps of the falling cube), `growth stokes3 28` and `growth stokes3-lu 28` (one
+//! linear solve). Use one process per size, since the peak of memory is that of the process. Seconds are processor time
+//! of all threads, which depends less on other work of the machine than wall-clock time; shares of stages are of
+//! wall-clock time.
 
 #![allow(clippy::print_stdout)]
 

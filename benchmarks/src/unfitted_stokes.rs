@@ -94,8 +94,8 @@ fn mortar(gamma_sigma: f64) -> MortarForm {
     MortarForm::new(FLUID, PenaltyProfile::Uniform { gamma_sigma }, 0.0)
 }
 
-/// Cut, space and shape values of steady Stokes flow in the box `[-1/2, 1/2]^D` around a ball of radius 0.2. The velocity
-/// is prescribed on the ball (weakly) and on all sides except `x = 1/2`, where the traction is prescribed.
+/// Cut, space and shape values of steady Stokes flow in the box `[-1/2, 1/2]^D` around a ball of radius 0.2. The
+/// velocity is prescribed on the ball (weakly) and on all sides except `x = 1/2`, where the traction is prescribed.
 ///
 /// The background has N² squares of two triangles, or N³ cubes of six tetrahedra.
 pub struct UnfittedStokes<const D: usize> {
@@ -324,8 +324,8 @@ impl UnfittedStokes<3> {
 
 /// `-μ (∇uᵀ, ∇v)_Ω + μ (∇uᵀ n^f, v)_Σ + μ (u - g, ∇vᵀ n^f)_Σ`
 ///
-/// Changes the viscous form from `2 μ (D(u), ∇v)` to `μ (∇u, ∇v)`, and the traction on the ball to `μ ∇u n - p n`. Items
-/// are the parts, then the interface pieces.
+/// Changes the viscous form from `2 μ (D(u), ∇v)` to `μ (∇u, ∇v)`, and the traction on the ball to `μ ∇u n - p n`.
+/// Items are the parts, then the interface pieces.
 struct TransposedGradient<'a, const D: usize> {
     stokes: &'a UnfittedStokes<D>,
     fields: FluidFields<'a>,

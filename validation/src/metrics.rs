@@ -50,8 +50,9 @@ impl Rebound {
         Self::of(&rows, [results.summary.contact_time, results.summary.release_time])
     }
 
-    /// Returns the rebound from times, distances and speeds, and the times of contact and release. Without contact the film of
-    /// fluid throws the body back, and both are the time at which the body is nearest, unless it still approaches at the end.
+    /// Returns the rebound from times, distances and speeds, and the times of contact and release. Without contact the
+    /// film of fluid throws the body back, and both are the time at which the body is nearest, unless it still
+    /// approaches at the end.
     fn of([times, distances, speeds]: &[Vec<f64>; 3], [contact, release]: [Option<f64>; 2]) -> Option<Self> {
         let rows = || times.iter().zip(distances).zip(speeds).map(|((time, height), speed)| (*time, *height, *speed));
         let nearest = || rows().min_by(|a, b| a.1.total_cmp(&b.1)).filter(|row| Some(&row.0) != times.last());

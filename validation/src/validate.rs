@@ -21,8 +21,8 @@ use crate::{results, table};
 const PROGRESS: Duration = Duration::from_secs(10);
 
 /// Runs cases (all if none is named) and prints a table for each. Returns whether every verdict is good. Cases are run
-/// with the resolution of the paper and compared with it, and their pages of the book may be written; or with coarse meshes
-/// and compared with our own stored values, which may be updated.
+/// with the resolution of the paper and compared with it, and their pages of the book may be written; or with coarse
+/// meshes and compared with our own stored values, which may be updated.
 ///
 /// # Errors
 /// There is no such case, or a file cannot be read or written.

@@ -24,8 +24,8 @@ pub(crate) struct Arguments {
     /// Run briefly, and write id, median seconds and throughput of each benchmark to this file.
     #[arg(long, value_name = "FILE.json")]
     summary: Option<PathBuf>,
-    /// Compare with other packages, on one thread: runs their scripts in the folder given by `CUTWATER_PEERS`, and prints
-    /// ratios of times.
+    /// Compare with other packages, on one thread: runs their scripts in the folder given by `CUTWATER_PEERS`, and
+    /// prints ratios of times.
     #[arg(long, conflicts_with_all = ["group", "filter", "summary"])]
     peers: bool,
 }

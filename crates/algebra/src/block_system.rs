@@ -26,9 +26,10 @@ pub struct ContributionTiming {
 ///
 /// `residual = K x + r₀ + Σ nonlinear residuals,    matrix = K + Σ nonlinear tangents`
 ///
-/// with constrained rows and columns replaced by the identity and a zero residual. The share of prescribed values in `K x` is
-/// constant and therefore part of `r₀`; `K` is stored without constrained rows and columns. Blocks are the index ranges of
-/// the layout, not separate matrices. Later calls must be given the same contributions as the constructor.
+/// with constrained rows and columns replaced by the identity and a zero residual. The share of prescribed values in
+/// `K x` is constant and therefore part of `r₀`; `K` is stored without constrained rows and columns. Blocks are the
+/// index ranges of the layout, not separate matrices. Later calls must be given the same contributions as the
+/// constructor.
 #[derive(Default)]
 pub struct BlockSystem {
     layout: BlockLayout,

@@ -68,8 +68,8 @@ impl Constraints {
         self.ties.insert(dof, to.to_vec());
     }
 
-    /// Imposes the equation `Σ factor · x = value`. The free dof with the largest factor is tied to the others, or prescribed
-    /// if there is no other.
+    /// Imposes the equation `Σ factor · x = value`. The free dof with the largest factor is tied to the others, or
+    /// prescribed if there is no other.
     ///
     /// Prescribed dofs keep their values, and former equations stay in force. An equation that is linearly dependent on
     /// them is left out, even if it contradicts them.

@@ -18,8 +18,8 @@ pub trait Contributions: Sync {
     /// Appends the dofs of an item to `out`. They are distinct, and the same in every call.
     fn dofs(&self, item: usize, out: &mut Vec<DofId>);
 
-    /// Adds residual and tangent of an item at the state `x` (the global vector) to `out`, a zero system with one row per
-    /// dof of the item.
+    /// Adds residual and tangent of an item at the state `x` (the global vector) to `out`, a zero system with one row
+    /// per dof of the item.
     fn add(&self, item: usize, x: &[f64], out: &mut LocalSystem);
 
     /// Adds the residual of all items at the state `x` to `out`, without regard to constraints and ties.

@@ -1,14 +1,14 @@
 //! Accuracy of the linear solves inside Newton's method.
 
-/// Relative residual to which an iterative method solves for a correction (in the norms of [`crate::LinearSolver::solve`]).
-/// Direct methods ignore it.
+/// Relative residual to which an iterative method solves for a correction (in the norms of
+/// [`crate::LinearSolver::solve`]). Direct methods ignore it.
 ///
 /// It is 0.9 times the ratio by which the last correction reduced the nonlinear residual, to the power of the golden
 /// ratio. A linear system is then solved about as accurately as it approximates the nonlinear one.
 ///
-/// Source: Eisenstat and Walker 1996, Choosing the forcing terms in an inexact Newton method, doi:10.1137/0917003, choice 2
-/// with its safeguard; Kelley 1995, Iterative methods for linear and nonlinear equations, doi:10.1137/1.9781611970944,
-/// Eq. (6.20), for the last correction.
+/// Source: Eisenstat and Walker 1996, Choosing the forcing terms in an inexact Newton method, doi:10.1137/0917003,
+/// choice 2 with its safeguard; Kelley 1995, Iterative methods for linear and nonlinear equations,
+/// doi:10.1137/1.9781611970944, Eq. (6.20), for the last correction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Forcing {
     /// Value for the first correction.

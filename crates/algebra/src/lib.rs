@@ -3,14 +3,14 @@
 //! The crate does not depend on a space dimension, a mesh or a physical quantity. Its parts:
 //!
 //! 1. Fields of unknowns are registered in a [`BlockLayout`], prescribed values and ties in [`Constraints`].
-//! 2. Physics arrives as [`Contributions`]: items (cells, faces, ...) that name their dofs and fill a [`LocalSystem`] with
-//!    residual and tangent. A weak form is an [`Integral`] of [`Term`]s over [`Sites`]. [`check_tangent`] compares tangents
-//!    with finite differences of residuals.
-//! 3. [`Equations`] are layout, contributions and constraints. [`newton`] solves them in a [`Workspace`], which recycles
-//!    memory from solve to solve, though size and pattern may change.
-//! 4. Inside, a [`BlockSystem`] builds the [`Pattern`] with its scatter map. It assembles linear contributions once and the
-//!    others in each iteration, in parallel, with the same bits for any number of threads. It owns the scales of the matrix
-//!    ([`Equilibration`]), in whose norms convergence is measured.
+//! 2. Physics arrives as [`Contributions`]: items (cells, faces, ...) that name their dofs and fill a [`LocalSystem`]
+//!    with residual and tangent. A weak form is an [`Integral`] of [`Term`]s over [`Sites`]. [`check_tangent`] compares
+//!    tangents with finite differences of residuals.
+//! 3. [`Equations`] are layout, contributions and constraints. [`newton`] solves them in a [`Workspace`], which
+//!    recycles memory from solve to solve, though size and pattern may change.
+//! 4. Inside, a [`BlockSystem`] builds the [`Pattern`] with its scatter map. It assembles linear contributions once and
+//!    the others in each iteration, in parallel, with the same bits for any number of threads. It owns the scales of
+//!    the matrix ([`Equilibration`]), in whose norms convergence is measured.
 //! 5. A [`LinearSolver`], by default the sparse [`DirectSolver`], solves for the corrections. The factorisation is kept
 //!    while corrections with it contract.
 //!

@@ -43,7 +43,8 @@ impl LocalSystem {
         self.tangent.resize(n * n, 0.0);
     }
 
-    /// Resets to a system of size `n` of which only the residual is read. The residual is zero; the tangent is arbitrary.
+    /// Resets to a system of size `n` of which only the residual is read. The residual is zero; the tangent is
+    /// arbitrary.
     pub fn reset_residual(&mut self, n: usize) {
         self.n = n;
         self.residual_only = true;

@@ -188,7 +188,8 @@ fn last_residual(report: &NewtonReport) -> f64 {
 ///
 /// **Convergence.** With the row and column scales R, C of the equilibrated tangent and Euclidean norms over the
 /// unconstrained dofs, let `s = max(‖C⁻¹ x‖, ‖C⁻¹ x_start‖, ‖C⁻¹ x_ε‖ / tolerance)` with the rounding `x_ε` of
-/// [`BlockLayout::rounding`], and `θ = ‖C⁻¹ dx‖ / ‖C⁻¹ dx_previous‖`. The state is accepted if, after a full correction dx,
+/// [`BlockLayout::rounding`], and `θ = ‖C⁻¹ dx‖ / ‖C⁻¹ dx_previous‖`. The state is accepted if, after a full correction
+/// dx,
 ///
 /// - the estimated error `max(θ, η)/(1−θ) ‖C⁻¹ dx‖` is at most `tolerance · s`, where η is the relative residual that
 ///   the linear solver reached. For the first correction, which has no θ, the estimate is `‖C⁻¹ dx‖`. If every

@@ -70,8 +70,8 @@ impl Pattern {
         pattern
     }
 
-    /// Recomputes the pattern for other contributions, keeping the allocations; returns whether it changed. If the dofs of all
-    /// items are unchanged, nothing else is computed.
+    /// Recomputes the pattern for other contributions, keeping the allocations; returns whether it changed. If the dofs
+    /// of all items are unchanged, nothing else is computed.
     pub(crate) fn rebuild(&mut self, n: usize, contributions: &[&dyn Contributions]) -> bool {
         assert!(n < u32::MAX as usize, "{n} unknowns do not fit");
         if !self.collect_dofs(n, contributions) {

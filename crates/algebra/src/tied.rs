@@ -5,8 +5,8 @@ use crate::{Constraints, Contributions, DofId, LocalSystem};
 
 /// A contribution with tied dofs, expressed in their masters.
 ///
-/// With the state `x = P y` of an item, where `y` has each of its free dofs once, residual and tangent become `Pᵀ r` and
-/// `Pᵀ K P`: the principle of virtual work on the states that the ties admit.
+/// With the state `x = P y` of an item, where `y` has each of its free dofs once, residual and tangent become `Pᵀ r`
+/// and `Pᵀ K P`: the principle of virtual work on the states that the ties admit.
 pub struct Tied<'a> {
     plain: &'a dyn Contributions,
     constraints: &'a Constraints,

@@ -6,8 +6,8 @@ use crate::linear::{DirectSolver, LinearError, LinearSolver};
 /// The system and the linear solver, with their recycled memory.
 ///
 /// Size and pattern may change from solve to solve. With the direct solver a workspace does not change results: a solve
-/// gives the same bits in a used workspace as in a new one. A solver that keeps old factors ([`crate::LaggedSolver`]) gives
-/// the same result to its tolerance, and the same bits after [`Workspace::recall`].
+/// gives the same bits in a used workspace as in a new one. A solver that keeps old factors ([`crate::LaggedSolver`])
+/// gives the same result to its tolerance, and the same bits after [`Workspace::recall`].
 pub struct Workspace {
     pub(crate) system: BlockSystem,
     pub(crate) solver: Box<dyn LinearSolver>,

@@ -191,8 +191,8 @@ fn an_impossible_matrix_is_an_error_and_the_next_one_is_solved() {
     assert!(x.iter().all(|x| x.is_finite()));
 }
 
-/// Returns a matrix with a zero block on the diagonal. Each unknown of the block has its pivot in another node, which may be
-/// eliminated elsewhere.
+/// Returns a matrix with a zero block on the diagonal. Each unknown of the block has its pivot in another node, which
+/// may be eliminated elsewhere.
 fn hidden_pivots(n: usize) -> CsMatI<f64, u32> {
     let mut triplets = TriMatI::new((2 * n, 2 * n));
     for k in 0..n {

@@ -70,8 +70,8 @@ fn modified_newton_saves_factorisations() {
 
 #[test]
 fn a_poor_correction_with_an_old_tangent_is_not_used() {
-    // x + 0.8 x³ = 1 from zero. The tangent at zero leads to x = 1. The next correction is 0.8 with this tangent, and 0.8/3.4 with the
-    // tangent at x = 1.
+    // x + 0.8 x³ = 1 from zero. The tangent at zero leads to x = 1. The next correction is 0.8 with this tangent, and
+    // 0.8/3.4 with the tangent at x = 1.
     let stiffening = scalar(|x: f64| (x + 0.8 * x.powi(3) - 1.0, 1.0 + 2.4 * x * x));
     let report = newton(&stiffening, &mut [0.0], &mut Workspace::new(), &NewtonSettings::new(1e-10)).unwrap();
     let second = 0.8 / 3.4;
@@ -219,8 +219,8 @@ fn other_failures_are_named() {
     assert!(matches!(error, NewtonError::Linear { source: LinearError::EmptyColumn { column: 0 }, .. }));
 }
 
-/// A linear solver that leaves exactly as large a residual as it may, or a fixed one. It notes how large it was, with the
-/// right-hand side.
+/// A linear solver that leaves exactly as large a residual as it may, or a fixed one. It notes how large it was, with
+/// the right-hand side.
 struct Lazy {
     direct: DirectSolver,
     fixed: Option<f64>,

@@ -147,8 +147,8 @@ fn scheme_energy(scheme: &dyn TimeScheme, dt: f64, omega: f64, level: &Level<f64
     0.25 * motions.map(energy).iter().sum::<f64>()
 }
 
-/// With `r = (1 - ρ_∞)/(1 + ρ_∞)` and `w = Δt a`, inertia times velocity at the stage is the change of the energy of the scheme
-/// plus `3/4 r³ (w^{n+1} - w^n)²`, whatever the force.
+/// With `r = (1 - ρ_∞)/(1 + ρ_∞)` and `w = Δt a`, inertia times velocity at the stage is the change of the energy of
+/// the scheme plus `3/4 r³ (w^{n+1} - w^n)²`, whatever the force.
 #[test]
 fn the_power_of_inertia_is_a_change_of_energy_and_a_loss() {
     for (rho_inf, lambda) in [(0.0, 3.0), (0.5, 300.0), (0.8, -2.0)] {

@@ -9,8 +9,8 @@ use crate::{Anchor, ContactSites, Positions};
 
 /// Contact between a slave and its obstacle at one state.
 ///
-/// In plane problems forces, powers and energies are per unit depth, and areas are lengths. In axisymmetric coordinates all are
-/// those of the whole body.
+/// In plane problems forces, powers and energies are per unit depth, and areas are lengths. In axisymmetric coordinates
+/// all are those of the whole body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ContactReport<const D: usize> {
     /// Smallest gap of the slave's vertices to the whole obstacle, or to the facets in reach for a body in contact with
@@ -26,8 +26,8 @@ pub struct ContactReport<const D: usize> {
     /// Force on the slave, `∫ (λ n^w + τ)`, at the stage. With a discrete gradient, points that are in contact only
     /// at the start contribute too.
     pub force: Vector<D>,
-    /// Power of contact on the slave and on the master; the latter is zero for a rigid obstacle. The sum is negative while
-    /// energy is stored.
+    /// Power of contact on the slave and on the master; the latter is zero for a rigid obstacle. The sum is negative
+    /// while energy is stored.
     pub powers: [f64; 2],
     /// Energy stored by the law.
     pub stored_energy: f64,

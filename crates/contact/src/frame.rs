@@ -32,8 +32,8 @@ impl<const D: usize> Frame<D> {
         Self { axes }
     }
 
-    /// Computes the derivatives of the axes with respect to the normal: the tensor of axis `i` maps a change of the normal to
-    /// the change of the axis.
+    /// Computes the derivatives of the axes with respect to the normal: the tensor of axis `i` maps a change of the
+    /// normal to the change of the axis.
     pub fn by_normal(&self) -> [Tensor<D>; 3] {
         let mut by_normal = [Tensor::identity(), Tensor::zeros(), Tensor::zeros()];
         if D == 2 {

@@ -1,8 +1,8 @@
 //! Segments: parts of a slave's facet, each of which lies over one facet of the master.
 //!
-//! The traction on the slave is smooth along a facet, but the master's shape functions have kinks over the edges of its facets.
-//! A quadrature rule is exact on segments, which contain no kinks. With it, bodies with non-matching meshes transmit a uniform
-//! pressure exactly.
+//! The traction on the slave is smooth along a facet, but the master's shape functions have kinks over the edges of its
+//! facets. A quadrature rule is exact on segments, which contain no kinks. With it, bodies with non-matching meshes
+//! transmit a uniform pressure exactly.
 //!
 //! Source: Puso and Laursen 2004, A mortar segment-to-segment contact method for large deformation solid mechanics,
 //! doi:10.1016/j.cma.2003.06.020.

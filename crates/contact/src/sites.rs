@@ -61,8 +61,8 @@ pub struct ContactPair<'a, const D: usize> {
 /// Checks that facets and surfaces fit together.
 ///
 /// # Errors
-/// [`Error::UnknownFacet`]: the slave's surface does not have one of the facets. [`Error::Master`]: a deformable obstacle
-/// without its surface or with another one, or a rigid obstacle with a surface.
+/// [`Error::UnknownFacet`]: the slave's surface does not have one of the facets. [`Error::Master`]: a deformable
+/// obstacle without its surface or with another one, or a rigid obstacle with a surface.
 pub fn check_pair<const D: usize>(
     slave: &BoundaryMesh<D>,
     facets: &[FacetId],
@@ -100,8 +100,8 @@ struct Item<const D: usize> {
     masters: Vec<(VertexId, Option<usize>)>,
     /// Dofs, each once: those of slave, master and stress.
     dofs: Vec<DofId>,
-    /// Gap at the start of the step at each point of each segment, infinite without an obstacle in reach; only for the discrete
-    /// gradient of a law with energy.
+    /// Gap at the start of the step at each point of each segment, infinite without an obstacle in reach; only for the
+    /// discrete gradient of a law with energy.
     begin_gaps: Vec<f64>,
     /// Multiplier at each point of each segment; empty in the first solve and for laws without multipliers.
     multipliers: Vec<Local>,
@@ -237,8 +237,8 @@ impl<const D: usize> ContactSites<'_, D> {
         (position, ContactNode { row, slope: surface.slope, displacement, velocity, ..ContactNode::none() })
     }
 
-    /// Evaluates all of a point except its traction, given its position and, in `site`, its weight, the stress and the nodes
-    /// of the slave. Returns whether it is in contact.
+    /// Evaluates all of a point except its traction, given its position and, in `site`, its weight, the stress and the
+    /// nodes of the slave. Returns whether it is in contact.
     #[inline]
     fn evaluate(&self, item: &Item<D>, position: &Point<D>, x: &[f64], site: &mut ContactSite<D>) -> bool {
         let ContactPair { form, obstacle, master, .. } = self.pair;

@@ -1,5 +1,5 @@
-//! A torus that turns inside a box of tetrahedra. The volume is independent of the position; a thin torus divides cells into
-//! several parts.
+//! A torus that turns inside a box of tetrahedra. The volume is independent of the position; a thin torus divides cells
+//! into several parts.
 //! `cargo run --release -p cutcell --example torus`
 
 // The example prints its results.

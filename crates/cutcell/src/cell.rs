@@ -47,7 +47,8 @@ pub(crate) struct WetPiece {
 pub(crate) enum FaceView {
     /// Covered.
     Dry,
-    /// Wet by one part, with the wet measure. The measure is computed by the first cell of the face, and zero in the other.
+    /// Wet by one part, with the wet measure. The measure is computed by the first cell of the face, and zero in the
+    /// other.
     Wet(u32, f64),
     /// All other cases: several parts, facets on the face, parts that are left out.
     Mixed,

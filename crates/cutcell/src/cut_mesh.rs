@@ -221,8 +221,9 @@ impl<const D: usize> CutMesh<D> {
         sum + lost
     }
 
-    /// Returns the same cut without some of its parts, given by a flag for each part. Their faces and pieces are left out
-    /// as well, and the other parts are numbered again. The volume of the parts left out is neither fluid nor covered.
+    /// Returns the same cut without some of its parts, given by a flag for each part. Their faces and pieces are left
+    /// out as well, and the other parts are numbered again. The volume of the parts left out is neither fluid nor
+    /// covered.
     #[must_use]
     pub fn without_parts(mut self, background: &SimplexMesh<D>, is_left_out: &[bool]) -> Self {
         let kept: Vec<PartId> = self.all_parts().filter(|part| !is_left_out[part.index()]).collect();

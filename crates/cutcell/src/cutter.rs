@@ -140,8 +140,8 @@ impl<const D: usize> CutMesh<D> {
     /// of the background belong to the cell on the fluid side.
     ///
     /// # Errors
-    /// See [`Error`]: surfaces that are empty, open, non-manifold, oriented inwards, self-intersecting, not finite, or too
-    /// far away.
+    /// See [`Error`]: surfaces that are empty, open, non-manifold, oriented inwards, self-intersecting, not finite, or
+    /// too far away.
     pub fn overlay(
         background: &SimplexMesh<D>,
         surfaces: &[Placed<'_, D>],

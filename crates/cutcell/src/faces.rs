@@ -151,8 +151,8 @@ impl<'a, const D: usize> Faces<'a, D> {
         }
     }
 
-    /// Adds interface on a face of the background. On one side (`side`) is fluid, on the other (`beyond`) a body, or a layer
-    /// too thin to be kept.
+    /// Adds interface on a face of the background. On one side (`side`) is fluid, on the other (`beyond`) a body, or a
+    /// layer too thin to be kept.
     fn add_interface(
         &self,
         cut: &mut CutMesh<D>,

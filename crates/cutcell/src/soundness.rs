@@ -9,8 +9,8 @@ use rayon::prelude::*;
 use crate::exact::{HalfSpace, is_degenerate, pierces};
 use crate::{Error, SurfaceVertex};
 
-/// Largest ratio of the coordinates of a surface to those of the background. The relative accuracy of a facet decreases in
-/// proportion.
+/// Largest ratio of the coordinates of a surface to those of the background. The relative accuracy of a facet decreases
+/// in proportion.
 pub const FARTHEST: f64 = 1e9;
 
 fn in_space<const D: usize>(x: &Point<D>) -> [f64; 3] {
@@ -22,7 +22,8 @@ fn in_space<const D: usize>(x: &Point<D>) -> [f64; 3] {
 /// Checks that a surface bounds a body.
 ///
 /// # Errors
-/// The surface is empty, open, non-manifold or oriented inwards, or has coordinates that are not finite or beyond a limit.
+/// The surface is empty, open, non-manifold or oriented inwards, or has coordinates that are not finite or beyond a
+/// limit.
 pub(crate) fn check_surface<const D: usize>(body: BodyId, surface: &Placed<'_, D>, limit: f64) -> Result<(), Error> {
     let boundary = surface.boundary();
     if boundary.n_facets() == 0 {
@@ -78,8 +79,8 @@ pub(crate) fn check_surface<const D: usize>(body: BodyId, surface: &Placed<'_, D
     Ok(())
 }
 
-/// Returns the vertex farthest along the first axis, and among its facets the one with the normal closest to that axis. If
-/// the surface is oriented inwards, so is this facet.
+/// Returns the vertex farthest along the first axis, and among its facets the one with the normal closest to that axis.
+/// If the surface is oriented inwards, so is this facet.
 fn outermost<const D: usize>(surface: &Placed<'_, D>) -> (FacetId, [f64; 3]) {
     let mut found = (FacetId(0), Point::<D>::repeat(f64::NEG_INFINITY), 0.0);
     for facet in surface.boundary().facets() {

@@ -39,7 +39,8 @@ struct Covering {
     rims: u8,
 }
 
-/// A binary space partition of a cell. A plane divides only the regions that its facet crosses. All decisions are exact.
+/// A binary space partition of a cell. A plane divides only the regions that its facet crosses. All decisions are
+/// exact.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tree<const D: usize> {
     nodes: Vec<Node>,

@@ -182,8 +182,8 @@ fn several_bodies_inside_one_cell() {
 
 #[test]
 fn a_hole_filled_by_another_body() {
-    // A frame with a square hole. A single polygon with a slit of zero width is not a valid surface, so the frame consists
-    // of two L-shaped bodies.
+    // A frame with a square hole. A single polygon with a slit of zero width is not a valid surface, so the frame
+    // consists of two L-shaped bodies.
     let background = unit_grid(5);
     let p = P::new;
     let lower = Body::polygon(vec![p(0.2, 0.2), p(0.8, 0.2), p(0.8, 0.8), p(0.6, 0.8), p(0.6, 0.4), p(0.2, 0.4)]);

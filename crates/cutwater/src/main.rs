@@ -149,12 +149,14 @@ struct CompareArguments {
     first: PathBuf,
     /// Another one, whose values are interpolated to the times of the first.
     second: PathBuf,
-    /// Largest relative difference, above which the exit code is 1. The difference of a column is relative to its largest
-    /// absolute value in either run; that of a column `lost_*` to the largest `total_energy`, if this is larger.
+    /// Largest relative difference, above which the exit code is 1. The difference of a column is relative to its
+    /// largest absolute value in either run; that of a column `lost_*` to the largest `total_energy`, if this is
+    /// larger.
     #[arg(long, value_parser = zero_or_positive)]
     tolerance: Option<f64>,
-    /// Name of a column of history.csv, diagnostics.csv or probes.csv that is compared; may be repeated. If left out, all
-    /// columns are compared but those with counts of work (newton, linear_iterations, factorizations, dofs) and seconds.
+    /// Name of a column of history.csv, diagnostics.csv or probes.csv that is compared; may be repeated. If left out,
+    /// all columns are compared but those with counts of work (newton, linear_iterations, factorizations, dofs) and
+    /// seconds.
     #[arg(long = "column", value_name = "NAME")]
     columns: Vec<String>,
 }

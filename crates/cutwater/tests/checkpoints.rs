@@ -103,7 +103,8 @@ fn ends_within(mut run: Child, wait: Duration) -> bool {
     false
 }
 
-/// Kills runs at random moments, goes on until they end, and compares their results with those of a run that was not stopped.
+/// Kills runs at random moments, goes on until they end, and compares their results with those of a run that was not
+/// stopped.
 #[test]
 fn killed_runs_end_with_the_same_bits() {
     let whole = directory("whole");
@@ -187,7 +188,8 @@ fn an_interrupted_run_goes_on_and_is_not_overwritten() {
     assert_eq!(steps(), 3);
 }
 
-/// Checks that the time between checkpoints alone gives every tenth step, and that neither the clock nor checkpoints change results.
+/// Checks that the time between checkpoints alone gives every tenth step, and that neither the clock nor checkpoints
+/// change results.
 #[test]
 fn minutes_alone_select_from_every_tenth_step() {
     let run = |name: &str, more: &[&str]| {

@@ -119,7 +119,8 @@ fn files_that_cannot_be_used_are_refused() {
     assert!(output.status.code() == Some(2) && error.contains("elements 3 and 4 lie on the same side"), "{error}");
 }
 
-/// A triangle of order 2 with straight edges, whose last node is the middle of the edge from the third corner to the first.
+/// A triangle of order 2 with straight edges, whose last node is the middle of the edge from the third corner to the
+/// first.
 const CURVED: &str = r#"$MeshFormat
 2.2 0 8
 $EndMeshFormat

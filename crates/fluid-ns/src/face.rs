@@ -37,8 +37,8 @@ impl<'a, const D: usize> FluidFace<'a, D> {
 
 /// The face penalties `c_F ([∇φ]n, [∇ψ]n)_F` of all components of velocity and pressure.
 ///
-/// One item per face and component (velocity components, then pressure), so that the pattern holds no couplings that are
-/// always zero.
+/// One item per face and component (velocity components, then pressure), so that the pattern holds no couplings that
+/// are always zero.
 pub struct FluidFaces<'a, const D: usize> {
     fields: FluidFields<'a>,
     geometry: FluidGeometry<'a, D>,
@@ -62,8 +62,8 @@ impl<'a, const D: usize> FluidFaces<'a, D> {
 }
 
 impl<const D: usize> FluidFaces<'_, D> {
-    /// Returns the normal of a face on a plane of symmetry that is not along an axis. The first item of such a face has all
-    /// components of the velocity, the others have none.
+    /// Returns the normal of a face on a plane of symmetry that is not along an axis. The first item of such a face has
+    /// all components of the velocity, the others have none.
     fn oblique(&self, face: usize) -> Option<Vector<D>> {
         self.geometry.faces[face].odd.filter(|normal| normal.amax() < 1.0)
     }

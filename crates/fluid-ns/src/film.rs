@@ -8,11 +8,11 @@ use mesh::{
 };
 use xfem_space::PartValues;
 
-/// Two surfaces are opposite if the scalar product of their unit normals is below this value: one normal and the reverse of
-/// the other one enclose less than 60 degrees.
+/// Two surfaces are opposite if the scalar product of their unit normals is below this value: one normal and the
+/// reverse of the other one enclose less than 60 degrees.
 const OPPOSITE: f64 = -0.5;
-/// Gaps, relative to the extent of the cell across the film, up to which the share `χ` is one and from which it is zero. It
-/// is linear between them. Two layers of cells carry 3/4 of the flux of a film, four layers 15/16.
+/// Gaps, relative to the extent of the cell across the film, up to which the share `χ` is one and from which it is
+/// zero. It is linear between them. Two layers of cells carry 3/4 of the flux of a film, four layers 15/16.
 const RAMP: [f64; 2] = [2.0, 4.0];
 /// Largest fraction of the flux in a part that slip may carry. With the standard parameters it carries at most 0.69.
 const LARGEST_SLIP: f64 = 0.75;
@@ -27,7 +27,8 @@ pub struct FilmSurfaces<const D: usize> {
 }
 
 impl<const D: usize> FilmSurfaces<D> {
-    /// Collects the surfaces of bodies, and the facets of the background's boundary for whose tag `is_wall` returns true.
+    /// Collects the surfaces of bodies, and the facets of the background's boundary for whose tag `is_wall` returns
+    /// true.
     pub fn new(bodies: &[Placed<'_, D>], background: &SimplexMesh<D>, is_wall: impl Fn(Option<Tag>) -> bool) -> Self {
         let (mut facets, mut positions, mut normals) = (Vec::new(), Vec::new(), Vec::new());
         let mut push = |points: &[Point<D>], normal: Vector<D>| {
@@ -51,10 +52,11 @@ impl<const D: usize> FilmSurfaces<D> {
         Self { index: SurfaceIndex::new(&Placed::new(&BoundaryMesh::from_facets(facets), &positions)), normals }
     }
 
-    /// Returns the gap at a point of the fluid, and the normal of the closest surface; `None` without two opposite facets.
+    /// Returns the gap at a point of the fluid, and the normal of the closest surface; `None` without two opposite
+    /// facets.
     ///
-    /// The gap is the distance from the closest facet plus the distance from the closest facet opposite to it. Only the facets
-    /// `near` are considered that have the point in front of them.
+    /// The gap is the distance from the closest facet plus the distance from the closest facet opposite to it. Only the
+    /// facets `near` are considered that have the point in front of them.
     fn gap(&self, x: &Point<D>, near: &[FacetId]) -> Option<(f64, Vector<D>)> {
         let surface = self.index.surface();
         let distance = |facet: &FacetId| {
@@ -102,9 +104,9 @@ pub struct FilmValues<const D: usize> {
 }
 
 impl<const D: usize> FilmValues<D> {
-    /// Finds the films of all parts of a cut. The `roughness` is the height `k` of the asperities of both surfaces together, a
-    /// length. A thinner film has the conductance of this thickness, or of the extent of its cell across the film if that
-    /// is less.
+    /// Finds the films of all parts of a cut. The `roughness` is the height `k` of the asperities of both surfaces
+    /// together, a length. A thinner film has the conductance of this thickness, or of the extent of its cell across
+    /// the film if that is less.
     pub fn new(
         (background, cut, parts): (&SimplexMesh<D>, &CutMesh<D>, &PartValues<D>),
         surfaces: &FilmSurfaces<D>,
@@ -139,14 +141,15 @@ impl<const D: usize> FilmValues<D> {
         values
     }
 
-    /// Subtracts the flux that passes already because the velocity slips on surfaces of bodies, on which it is imposed by a
-    /// penalty.
+    /// Subtracts the flux that passes already because the velocity slips on surfaces of bodies, on which it is imposed
+    /// by a penalty.
     ///
-    /// A gradient `G` of the pressure loads the surface of a layer of thickness `d` with the shear stress `G d/2`. With the penalty
-    /// `γ_t μ/ℓ` the velocity slips by `G d ℓ/(2 γ_t μ)`. The slip falls to zero across the layer, or the other surface
-    /// has the same slip. In either case the flux for each surface is `G s ℓ d²/(12 μ)` with `s = 3/γ_t`. In a layer with one
-    /// surface this is exact up to a factor `1/(1 - ℓ/(γ_t d))`, since the adjoint consistent term reduces the penalty by `μ/d`:
-    /// 1.03 with `ℓ = d` and the standard set. The body's share of the traction is taken as zero (`α = 1`).
+    /// A gradient `G` of the pressure loads the surface of a layer of thickness `d` with the shear stress `G d/2`. With
+    /// the penalty `γ_t μ/ℓ` the velocity slips by `G d ℓ/(2 γ_t μ)`. The slip falls to zero across the layer, or the
+    /// other surface has the same slip. In either case the flux for each surface is `G s ℓ d²/(12 μ)` with `s = 3/γ_t`.
+    /// In a layer with one surface this is exact up to a factor `1/(1 - ℓ/(γ_t d))`, since the adjoint consistent term
+    /// reduces the penalty by `μ/d`: 1.03 with `ℓ = d` and the standard set. The body's share of the traction is taken
+    /// as zero (`α = 1`).
     ///
     /// `length` returns `ℓ` on an interface piece, given its index. Surfaces across the film, such as the edge of a
     /// plate, do not contribute. At most 3/4 of the flux in a part are subtracted; the rest stabilises the pressure.

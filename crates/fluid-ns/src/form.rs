@@ -37,7 +37,8 @@ pub struct FluidForm<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> FluidForm<'a, D> {
-    /// Returns the weak form on the parts and faces of a step: linear cell terms, convection, face penalties, cavitation.
+    /// Returns the weak form on the parts and faces of a step: linear cell terms, convection, face penalties,
+    /// cavitation.
     pub fn contributions<'p>(
         &'p self,
         geometry: FluidGeometry<'p, D>,

@@ -21,8 +21,8 @@ pub struct FluidGeometry<'a, const D: usize> {
     pub parts: &'a PartValues<D>,
     /// Jumps over faces.
     pub faces: &'a [FaceValue<D>],
-    /// Velocity `u*`, one value per dof of the space: the history, or its extrapolation to the stage. The weights of all
-    /// stabilisations depend on it.
+    /// Velocity `u*`, one value per dof of the space: the history, or its extrapolation to the stage. The weights of
+    /// all stabilisations depend on it.
     pub history: &'a [Vector<D>],
     /// Acceleration at the stage, affine in the velocity at the stage; one value per dof of the space.
     pub acceleration: &'a Affine<Vector<D>>,
@@ -54,8 +54,8 @@ impl FluidFields<'_> {
         x[self.layout.dof(self.pressure, dof as usize, 0).index()]
     }
 
-    /// Returns the gradient of the velocity and the pressure at a point, given the dofs of its part with the gradients and
-    /// values of their shape functions.
+    /// Returns the gradient of the velocity and the pressure at a point, given the dofs of its part with the gradients
+    /// and values of their shape functions.
     pub fn grad_and_pressure<const D: usize>(
         &self,
         x: &[f64],

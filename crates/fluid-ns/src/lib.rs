@@ -23,9 +23,9 @@
 //! | backflow stabilisation on open boundaries | `terms/backflow.rs` |
 //! | traction given on open boundaries | `terms/traction.rs` |
 //!
-//! `u` and `p` are the unknowns at the stage of the step. `u*` is the velocity at its start, carried to the new space, and
-//! extrapolated to the stage if accelerations are known. All stabilisation weights use `u*`, so that they are constant during
-//! Newton's method.
+//! `u` and `p` are the unknowns at the stage of the step. `u*` is the velocity at its start, carried to the new space,
+//! and extrapolated to the stage if accelerations are known. All stabilisation weights use `u*`, so that they are
+//! constant during Newton's method.
 
 mod cell;
 mod face;

@@ -11,7 +11,8 @@ use mesh::{BodyId, FacetId, Vector};
 pub struct SolidShare<'a, const D: usize> {
     /// Weight `α` of the traction of the fluid, from 0 to 1.
     pub alpha: f64,
-    /// Stress of each body on its surface; `None` for a body without stress, on which the traction is that of the fluid alone.
+    /// Stress of each body on its surface; `None` for a body without stress, on which the traction is that of the fluid
+    /// alone.
     pub stresses: Vec<Option<Arc<dyn SurfaceStress<D> + 'a>>>,
     /// Starting guess of the step, a global vector. The derivative of the solid's traction in the adjoint term is
     /// evaluated at this vector and does not change during the step.

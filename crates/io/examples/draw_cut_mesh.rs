@@ -1,4 +1,5 @@
-//! Draws the pictures of the book's page on cut meshes: `cargo run --release -p io --example draw_cut_mesh -- DIRECTORY`.
+//! Draws the pictures of the book's page on cut meshes:
+//! `cargo run --release -p io --example draw_cut_mesh -- DIRECTORY`.
 
 use std::fmt::Write;
 use std::path::Path;

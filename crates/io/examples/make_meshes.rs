@@ -1,5 +1,6 @@
 //! Writes the meshes of the examples: an ellipse of second-order triangles and a tank with a step
-//! (`falling-ellipse.toml`), a round container (`carried-round.toml`), and a pipe with a conical seat (`check-valve.toml`).
+//! (`falling-ellipse.toml`), a round container (`carried-round.toml`), and a pipe with a conical seat
+//! (`check-valve.toml`).
 //!
 //! `cargo run -p io --example make_meshes -- examples/meshes`. Gmsh makes such files from the geometries in the guide
 //! on meshes of one's own.

@@ -246,8 +246,8 @@ impl<const D: usize> History<D> {
         Ok([a.length()?, b.length()?, self.probes.as_ref().map_or(Ok(0), |(table, _)| table.length())?])
     }
 
-    /// Writes the rows of a step. `bodies` are the measures of all bodies, `seconds_output` the wall-clock time that output
-    /// took.
+    /// Writes the rows of a step. `bodies` are the measures of all bodies, `seconds_output` the wall-clock time that
+    /// output took.
     pub(crate) fn write(
         &mut self,
         view: &StepView<'_, D>,

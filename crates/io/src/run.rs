@@ -53,7 +53,8 @@ pub struct RunOptions<'a> {
     /// Whether the run goes on from the last checkpoint in the directory. End time and output may differ from those of
     /// the run that wrote it.
     pub resumes: bool,
-    /// Whether a run may write into a directory that has other files, or results of another scenario, which it replaces.
+    /// Whether a run may write into a directory that has other files, or results of another scenario, which it
+    /// replaces.
     pub overwrites: bool,
     /// Flag that another thread sets to end the run after the current step, with a checkpoint.
     pub stop: Option<&'a AtomicBool>,

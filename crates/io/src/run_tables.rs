@@ -110,8 +110,8 @@ impl RunTables {
     /// directories are for errors.
     ///
     /// # Errors
-    /// [`Error::NothingCommon`]: the runs have no column or no time in common. [`Error::OtherUnit`]: they have different
-    /// units. [`Error::NoColumn`].
+    /// [`Error::NothingCommon`]: the runs have no column or no time in common. [`Error::OtherUnit`]: they have
+    /// different units. [`Error::NoColumn`].
     pub fn differences(
         &self,
         other: &Self,

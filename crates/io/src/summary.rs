@@ -259,7 +259,8 @@ impl SummaryBuilder {
         summary.fallbacks += report.newton.fallbacks;
         summary.add_timings(report, seconds_output);
         if let Some(flow) = report.fluid.as_ref().map(|fluid| fluid.flow).filter(|flow| flow.swept > self.still) {
-            // A body at rest displaces nothing: the leak is divided by at least a hundredth of the largest displaced flow.
+            // A body at rest displaces nothing: the leak is divided by at least a hundredth of the largest displaced
+            // flow.
             self.largest_swept = self.largest_swept.max(flow.swept);
             let leak = flow.leak_absolute / flow.swept.max(1e-2 * self.largest_swept);
             summary.max_interface_leak = Some(summary.max_interface_leak.map_or(leak, |largest| largest.max(leak)));

@@ -1,5 +1,5 @@
-//! Scanned surfaces, cut by boxes of tetrahedra: one test for each of them. They are found through `CUTWATER_SURFACES`; tests
-//! count as ignored without it.
+//! Scanned surfaces, cut by boxes of tetrahedra: one test for each of them. They are found through `CUTWATER_SURFACES`;
+//! tests count as ignored without it.
 
 // Measured errors go to the output.
 #![allow(clippy::print_stdout)]

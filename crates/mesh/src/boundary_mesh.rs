@@ -18,8 +18,8 @@ pub struct BoundaryMesh<const D: usize> {
 impl<const D: usize> BoundaryMesh<D> {
     /// Creates a boundary from its facets.
     ///
-    /// Shapes: `facet_to_vertex` has stride `D`; `facet_to_cell` and `tags` have one entry per facet. `facet_to_cell` is
-    /// empty for a surface without a volume mesh.
+    /// Shapes: `facet_to_vertex` has stride `D`; `facet_to_cell` and `tags` have one entry per facet. `facet_to_cell`
+    /// is empty for a surface without a volume mesh.
     ///
     /// # Panics
     /// If the lengths do not match.

@@ -62,9 +62,9 @@ impl<'m, const D: usize> Placed<'m, D> {
 
     /// Computes volume, centre and second moment of the region inside the surface, exactly up to round-off.
     ///
-    /// The region is the signed sum of the simplices between the facets and a point. For a simplex `T` with one vertex at
-    /// the origin and the others at `x_i`: `∫ x xᵀ = |T| (Σ x_i x_iᵀ + s sᵀ)/((D + 1)(D + 2))`, `s = Σ x_i`. In axisymmetric
-    /// coordinates the region is the whole body, whose centre lies on the axis.
+    /// The region is the signed sum of the simplices between the facets and a point. For a simplex `T` with one vertex
+    /// at the origin and the others at `x_i`: `∫ x xᵀ = |T| (Σ x_i x_iᵀ + s sᵀ)/((D + 1)(D + 2))`, `s = Σ x_i`. In
+    /// axisymmetric coordinates the region is the whole body, whose centre lies on the axis.
     pub fn enclosed(&self) -> Enclosed<D> {
         if let Some(radial) = self.boundary.coordinates().radial() {
             return self.enclosed_around_axis(radial);

@@ -16,8 +16,8 @@ pub struct SimplexRule {
 }
 
 impl SimplexRule {
-    /// Returns a rule with positive weights and points inside the simplex of dimension 0 (point) to 3 (tetrahedron), exact
-    /// for polynomials up to `degree` (clamped to 4). Each rule is computed once.
+    /// Returns a rule with positive weights and points inside the simplex of dimension 0 (point) to 3 (tetrahedron),
+    /// exact for polynomials up to `degree` (clamped to 4). Each rule is computed once.
     ///
     /// Sources: Gauss-Legendre; Strang-Fix 1973 (triangle, degree 2 and 4, by orbits); Keast 1986,
     /// DOI 10.1016/0045-7825(86)90059-9, and conical products where the tabulated rule has a negative weight.

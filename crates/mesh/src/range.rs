@@ -2,8 +2,8 @@
 
 /// A parameter outside of its range.
 ///
-/// The error types of `mesh`, `contact`, `solid-rigid`, `solid-svk` and `solver` contain it, so that range errors have the same
-/// wording.
+/// The error types of `mesh`, `contact`, `solid-rigid`, `solid-svk` and `solver` contain it, so that range errors have
+/// the same wording.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[error("{what} is {value:?}, but must be {must}")]
 pub struct ParameterError {

@@ -123,8 +123,8 @@ impl<const D: usize> SimplexMesh<D> {
         self.coordinates
     }
 
-    /// Returns the mesh with tags on its boundary facets. `name_of` maps the points of a boundary facet to the name of its
-    /// part of the boundary, or to `None`.
+    /// Returns the mesh with tags on its boundary facets. `name_of` maps the points of a boundary facet to the name of
+    /// its part of the boundary, or to `None`.
     #[must_use]
     pub fn with_boundary_tags<'a>(self, name_of: impl Fn(&[Point<D>]) -> Option<&'a str>) -> Self {
         let name = |facet| if self.is_boundary(facet) { name_of(&self.facet_points(facet)[..D]) } else { None };
@@ -132,8 +132,8 @@ impl<const D: usize> SimplexMesh<D> {
         self.with_facet_tags(|facet| names[facet.index()])
     }
 
-    /// Returns the mesh with tags on its boundary facets. `name_of` maps a boundary facet to the name of its part of the
-    /// boundary, or to `None`; it is not called for interior facets.
+    /// Returns the mesh with tags on its boundary facets. `name_of` maps a boundary facet to the name of its part of
+    /// the boundary, or to `None`; it is not called for interior facets.
     #[must_use]
     pub fn with_facet_tags<'a>(mut self, name_of: impl Fn(FacetId) -> Option<&'a str>) -> Self {
         for facet in self.facets() {
@@ -306,7 +306,8 @@ impl<const D: usize> SimplexMesh<D> {
         self.cell_tag[cell.index()]
     }
 
-    /// Returns the outward unit normal of the facets with a tag; `None` if there are none or they do not lie in one plane.
+    /// Returns the outward unit normal of the facets with a tag; `None` if there are none or they do not lie in one
+    /// plane.
     ///
     /// Normals may differ by 1e-9, and distances from the plane may be 1e-9 times distances within the plane.
     pub fn tag_normal(&self, tag: Tag) -> Option<Vector<D>> {

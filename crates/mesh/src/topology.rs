@@ -55,8 +55,8 @@ impl Topology {
     }
 }
 
-/// Returns the vertices of a local facet of a positively oriented cell, with the normal out of the cell (2D: to the right
-/// of the edge; 3D: right-hand rule). Only the first `D` entries are used.
+/// Returns the vertices of a local facet of a positively oriented cell, with the normal out of the cell (2D: to the
+/// right of the edge; 3D: right-hand rule). Only the first `D` entries are used.
 pub(crate) fn outward_facet<const D: usize>(cell: &[VertexId], local: usize) -> [VertexId; 3] {
     let mut facet = [VertexId(u32::MAX); 3];
     for (slot, k) in (0..D).zip((0..=D).filter(|&k| k != local)) {

@@ -30,8 +30,8 @@ fn assert_well_shaped(mesh: &SimplexMesh<2>) {
     assert!(degrees >= 25.0, "{degrees} degrees");
 }
 
-/// Checks that the mean length of the edges at every vertex, relative to the specified size, is within the bounds, and that
-/// the mean diameter of the cells is the specified size.
+/// Checks that the mean length of the edges at every vertex, relative to the specified size, is within the bounds, and
+/// that the mean diameter of the cells is the specified size.
 fn assert_sizes(mesh: &SimplexMesh<2>, size: &Size, low: f64, high: f64) {
     let mut sums = vec![(0.0, 0.0); mesh.n_vertices()];
     let relative_length = |facet: FacetId| {
@@ -223,7 +223,8 @@ fn triangles_at_a_fine_point_of_a_side_are_well_shaped() {
     }
 }
 
-/// Volume over cubed diameter of the tetrahedra of a cube and of those that bisection makes of them; a regular one has 0.118.
+/// Volume over cubed diameter of the tetrahedra of a cube and of those that bisection makes of them; a regular one has
+/// 0.118.
 const SHAPES: [f64; 3] = [0.032_075, 0.029_463, 0.041_667];
 
 #[test]

@@ -1,4 +1,5 @@
-//! Frames of a run for its animation, and chosen moments: outlines of the bodies, and the speed of the fluid on a raster.
+//! Frames of a run for its animation, and chosen moments: outlines of the bodies, and the speed of the fluid on a
+//! raster.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};

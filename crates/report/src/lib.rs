@@ -1,8 +1,9 @@
 //! A self-contained page for the results of a run: `report.html`.
 //!
-//! The page opens from the file system without a network. It contains the scenario, the animation, fields at chosen moments,
-//! interactive histories (drawn by uPlot), contacts, energies and timings. A [`Recorder`] attached to the run collects the
-//! frames of the animation; everything else is read from the files of the run, so the page can be written again later.
+//! The page opens from the file system without a network. It contains the scenario, the animation, fields at chosen
+//! moments, interactive histories (drawn by uPlot), contacts, energies and timings. A [`Recorder`] attached to the run
+//! collects the frames of the animation; everything else is read from the files of the run, so the page can be written
+//! again later.
 //!
 //! ```no_run
 //! use io::{ScenarioFile, run};

@@ -1,4 +1,5 @@
-//! Pages of short runs: complete without other files, and opened as a reader would open them where Chromium is installed.
+//! Pages of short runs: complete without other files, and opened as a reader would open them where Chromium is
+//! installed.
 
 use std::fs;
 use std::path::{Path, PathBuf};

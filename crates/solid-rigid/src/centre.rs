@@ -5,7 +5,8 @@ use mesh::Vector;
 
 use crate::modes::{Spin, n_rotations};
 
-/// Velocity of the centre and spin of a rigid body at the stage of the step: the site of [`Momentum`](crate::terms::Momentum).
+/// Velocity of the centre and spin of a rigid body at the stage of the step: the site of
+/// [`Momentum`](crate::terms::Momentum).
 #[derive(Clone, Copy, Debug)]
 pub struct RigidVelocity<const D: usize> {
     /// Velocity `V` of the centre, local rows from 0.

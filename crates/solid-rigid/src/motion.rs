@@ -47,7 +47,8 @@ impl<const D: usize> RigidMotion<D> {
         (centre, rotated_by::<D>(&self.weighted_spins(row, spin)) * self.rotation)
     }
 
-    /// Returns the part of a row that depends on velocities and accelerations of the centre, for a velocity at the stage.
+    /// Returns the part of a row that depends on velocities and accelerations of the centre, for a velocity at the
+    /// stage.
     fn weighted_velocities(&self, row: &Row, velocity: &Vector<D>) -> Vector<D> {
         velocity * row.slope + self.velocity * row.velocity + self.acceleration * row.acceleration
     }

@@ -200,8 +200,9 @@ impl<const D: usize> Body<D> for RigidBody<D> {
 
 /// A rigid body in one step.
 ///
-/// Velocity `V` and spin `ω` are the unknowns. The velocities of the vertices are tied to them, `v_i = V + ω × (x_i - c)`
-/// with the positions extrapolated to the stage, so that fluid and contact act on a rigid body as on any other.
+/// Velocity `V` and spin `ω` are the unknowns. The velocities of the vertices are tied to them,
+/// `v_i = V + ω × (x_i - c)` with the positions extrapolated to the stage, so that fluid and contact act on a rigid
+/// body as on any other.
 struct RigidStep<'s, const D: usize> {
     body: &'s RigidBody<D>,
     begin: &'s BodyState<D>,

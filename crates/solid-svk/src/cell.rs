@@ -97,7 +97,8 @@ impl<const D: usize> SolidCells<'_, D> {
         self.layout.at(self.velocity, node.index(), x).into()
     }
 
-    /// Returns the values of an affine function of the velocity at nodes, for the state `x`; entries beyond the nodes are zero.
+    /// Returns the values of an affine function of the velocity at nodes, for the state `x`; entries beyond the nodes
+    /// are zero.
     #[inline]
     pub(crate) fn at_nodes(
         &self,

@@ -1,7 +1,7 @@
 //! Lagrange elements of order 1 and 2 on simplices: nodes, shape functions, division into linear simplices.
 //!
-//! The nodes of a simplex are its vertices, followed for order 2 by the middles of its edges in the order of [`EDGES`]. A
-//! point is given by barycentric coordinates `λ_0 .. λ_n`, its local coordinates are `ξ_k = λ_k`, k from 1.
+//! The nodes of a simplex are its vertices, followed for order 2 by the middles of its edges in the order of [`EDGES`].
+//! A point is given by barycentric coordinates `λ_0 .. λ_n`, its local coordinates are `ξ_k = λ_k`, k from 1.
 
 use mesh::{MAX_CELL_VERTICES, Point, SimplexRule, Tensor, Vector, VertexId, det};
 
@@ -46,8 +46,8 @@ impl Order {
         }
     }
 
-    /// Appends the nodes of the simplex with the given vertices; `on_edge` returns the node of an edge, given by its ends in
-    /// ascending order.
+    /// Appends the nodes of the simplex with the given vertices; `on_edge` returns the node of an edge, given by its
+    /// ends in ascending order.
     pub(crate) fn push_nodes(
         self,
         vertices: &[VertexId],
@@ -100,8 +100,8 @@ impl Order {
         point
     }
 
-    /// Returns the barycentric coordinates of the mean of some nodes of a cell, given the identifiers of all its nodes and of
-    /// these.
+    /// Returns the barycentric coordinates of the mean of some nodes of a cell, given the identifiers of all its nodes
+    /// and of these.
     pub(crate) fn middle_of(self, dimension: usize, cell: &[VertexId], nodes: &[VertexId]) -> Barycentric {
         let mut middle = [0.0; MAX_CELL_VERTICES];
         for (local, _) in cell.iter().enumerate().filter(|(_, node)| nodes.contains(node)) {
@@ -170,8 +170,8 @@ impl ShapeFunctions {
         nodes.iter().zip(&self.derivatives).map(|(x, by)| x * by[k]).sum()
     }
 
-    /// Appends the gradients of the shape functions of a cell with the given nodes, and returns the determinant of the map from
-    /// the reference cell. It is NaN where gradients are not finite.
+    /// Appends the gradients of the shape functions of a cell with the given nodes, and returns the determinant of the
+    /// map from the reference cell. It is NaN where gradients are not finite.
     pub(crate) fn push_gradients<const D: usize>(&self, nodes: &[Point<D>], gradients: &mut Vec<Vector<D>>) -> f64 {
         let mut jacobian = Tensor::<D>::zeros();
         (0..D).for_each(|k| jacobian.set_column(k, &self.along(k, nodes)));

@@ -8,7 +8,8 @@ pub enum Error {
     /// A parameter of a material, a load or a time step is out of range.
     #[error(transparent)]
     Parameter(#[from] mesh::ParameterError),
-    /// A cell is so thin, or its edges are so curved, that its map from the reference simplex has no inverse. Improve the mesh.
+    /// A cell is so thin, or its edges are so curved, that its map from the reference simplex has no inverse. Improve
+    /// the mesh.
     #[error("cell {cell} is degenerate: its shape functions have no gradients")]
     DegenerateCell {
         /// The cell.
@@ -25,7 +26,8 @@ pub enum Error {
     /// Masses of elements of order 2 cannot be lumped: those of their vertices are zero or negative.
     #[error("masses are redistributed for elements of order 1 only")]
     MassOfOrder,
-    /// A node without mass that has no node with mass near it. Leave the mass of some nodes inside of the body, or refine the mesh.
+    /// A node without mass that has no node with mass near it. Leave the mass of some nodes inside of the body, or
+    /// refine the mesh.
     #[error("vertex {vertex} is not near any node that keeps its mass")]
     NoMassNear {
         /// The vertex.

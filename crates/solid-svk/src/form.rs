@@ -22,8 +22,8 @@ pub struct SolidForm<const D: usize> {
 }
 
 impl<const D: usize> SolidForm<D> {
-    /// Creates the form of a homogeneous body: density in the reference configuration, material, and body force per mass
-    /// (an acceleration).
+    /// Creates the form of a homogeneous body: density in the reference configuration, material, and body force per
+    /// mass (an acceleration).
     ///
     /// # Errors
     /// [`Error::Parameter`]: density not positive, acceleration not finite.
@@ -31,7 +31,8 @@ impl<const D: usize> SolidForm<D> {
         Self::of_groups(vec![(density, Arc::new(material))], gravity)
     }
 
-    /// Creates the form of a body with density and material of each group of its cells ([`crate::SolidMesh::with_groups`]).
+    /// Creates the form of a body with density and material of each group of its cells
+    /// ([`crate::SolidMesh::with_groups`]).
     ///
     /// # Errors
     /// [`Error::Parameter`]: a density not positive, acceleration not finite.

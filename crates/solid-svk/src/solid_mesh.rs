@@ -415,7 +415,8 @@ fn parts<const D: usize>(order: Order, dimension: usize, element_to_node: &[Vert
 }
 
 /// Returns the quadrature points for loads on the parts of a facet. In Cartesian coordinates those of a linear facet
-/// are its vertices. The other rules are exact for a uniform pressure; that on a triangle with quadratic nodes has degree 4.
+/// are its vertices. The other rules are exact for a uniform pressure; that on a triangle with quadratic nodes has
+/// degree 4.
 fn facet_points(order: Order, dimension: usize, coordinates: Coordinates) -> Vec<Tabulated> {
     let n_parts = order.parts(dimension).len();
     let of_part = |part: usize| match (order, coordinates.degree()) {

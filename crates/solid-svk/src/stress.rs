@@ -61,7 +61,8 @@ impl<const D: usize> SolidStress<'_, D> {
         normal.dot(&(material.first_piola_derivative(&Tensor::identity(), &along) * normal))
     }
 
-    /// Returns `p (p - 1 + D)/D` for the order `p`: the constant of the trace inequality of polynomials of degree `p - 1`.
+    /// Returns `p (p - 1 + D)/D` for the order `p`: the constant of the trace inequality of polynomials of degree
+    /// `p - 1`.
     fn trace_factor(&self) -> f64 {
         let p = self.cells.solid.order().degree();
         (p * (p - 1 + D)) as f64 / D as f64
@@ -85,9 +86,9 @@ impl<const D: usize> SurfaceStress<D> for SolidStress<'_, D> {
     /// largest eigenvalue of the acoustic tensor of the direction n.
     ///
     /// The factor is that of polynomials of degree `q = p - 1`, the degree of the gradients:
-    /// `∫_F |y|² <= (q + 1)(q + D)/D |F|/|K| ∫_K |y|²` for a facet F. The sum of the squares in the middles of the parts
-    /// of a facet is less than the integral. On a cell with curved edges the bound holds up to the variation of its
-    /// Jacobian.
+    /// `∫_F |y|² <= (q + 1)(q + D)/D |F|/|K| ∫_K |y|²` for a facet F. The sum of the squares in the middles of the
+    /// parts of a facet is less than the integral. On a cell with curved edges the bound holds up to the variation of
+    /// its Jacobian.
     ///
     /// Source: Warburton, Hesthaven 2003, On the constants in hp-finite element trace inverse inequalities, Comput.
     /// Methods Appl. Mech. Eng. 192, doi:10.1016/S0045-7825(03)00294-9, Theorem 5.

@@ -21,7 +21,8 @@ const LEAST_EXCESS: f64 = 1e-6;
 /// Largest number of times that a point is added. A point is released whenever it pulls.
 const MOST_ADDITIONS: usize = 2;
 
-/// `Σ c (n·(v_s - v_m) - w) (n·(w_s - w_m))`: at the points that act, two bodies separate with the given relative velocity
+/// `Σ c (n·(v_s - v_m) - w) (n·(w_s - w_m))`: at the points that act, two bodies separate with the given relative
+/// velocity
 ///
 /// The points are the vertices of the slave whose gap is below the offset, and `w = -e n·(v_s - v_m)^n` with the
 /// restitution `e`. In the first solve the points that approach act. The solve is repeated without points that pull,
@@ -199,7 +200,8 @@ impl<const D: usize> CollisionPoint<D> {
         Self { dofs, n_of_slave, velocity: 0.0, given, normal, acts: false, n_additions_left }
     }
 
-    /// Returns the velocity of the slave along the normal, and minus that of the master. Their sum is the relative velocity.
+    /// Returns the velocity of the slave along the normal, and minus that of the master. Their sum is the relative
+    /// velocity.
     fn velocities(&self, x: &[f64]) -> [f64; 2] {
         let of = |dofs: &[(DofId, f64)]| dofs.iter().map(|(dof, share)| share * x[dof.index()]).sum::<f64>();
         let (slave, master) = self.dofs.split_at(self.n_of_slave);

@@ -37,8 +37,8 @@ pub enum Stage {
     /// The surfaces cannot cut the background: a body is turned inside out or torn.
     #[error("cutting the background")]
     Cut(#[from] cutcell::Error),
-    /// The cut leaves a part of the interface without a facet, where fluid and body would not be coupled. Move the body, or
-    /// the mesh, by a fraction of a cell, and report the case.
+    /// The cut leaves a part of the interface without a facet, where fluid and body would not be coupled. Move the
+    /// body, or the mesh, by a fraction of a cell, and report the case.
     #[error("the cut leaves {uncovered:e} of an interface of {interface:e} without a facet")]
     Interface {
         /// Measure of the interface without a facet.
@@ -55,8 +55,8 @@ pub enum Stage {
         /// Name of the body.
         body: String,
     },
-    /// A contact law depends on a stress that the setup does not have: that of the solid for a rigid or prescribed slave, or
-    /// that of the fluid without a fluid.
+    /// A contact law depends on a stress that the setup does not have: that of the solid for a rigid or prescribed
+    /// slave, or that of the fluid without a fluid.
     #[error(
         "the contact law of body {body} depends on the stress of the {}, which this setup does not have; use a law \
          without stress",
@@ -68,7 +68,8 @@ pub enum Stage {
         /// The slave.
         body: BodyId,
     },
-    /// The mortar is unstable with a share of the solid in its traction. Use `α = 1`, smaller steps, or a larger penalty.
+    /// The mortar is unstable with a share of the solid in its traction. Use `α = 1`, smaller steps, or a larger
+    /// penalty.
     #[error(
         "with alpha = {alpha} the mortar at body {body} is stable only if its penalty is at least {required:e}, and it is {penalty:e}: the traction \
          of the solid grows with its stiffness times the step over the size of its cells; use alpha = 1, or smaller steps, or a larger penalty"

@@ -30,10 +30,10 @@ impl<const D: usize> Extension<'_, D> {
     ///
     /// `Σ_F h_F |F| |[∇u] n|² + Σ_Σ 1/h_K ∫ |u - v|²`,
     ///
-    /// where `F` are the faces that touch an uncovered dof. `on_piece` returns two lists for the vertices of the facet of a
-    /// piece: the values `v`, and the vectors from the cut surface to the points at which they hold. `u` is evaluated at
-    /// these points by the affine function of its part. Affine fields that are equal to `v` are extended without error,
-    /// over any distance.
+    /// where `F` are the faces that touch an uncovered dof. `on_piece` returns two lists for the vertices of the facet
+    /// of a piece: the values `v`, and the vectors from the cut surface to the points at which they hold. `u` is
+    /// evaluated at these points by the affine function of its part. Affine fields that are equal to `v` are extended
+    /// without error, over any distance.
     ///
     /// # Errors
     /// The linear solver fails.

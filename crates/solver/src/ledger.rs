@@ -11,10 +11,10 @@ use crate::problem::{closed_pressure, contact_work};
 
 /// Energy removed by each part of the discrete problem in a step; negative if the part adds energy.
 ///
-/// The weak form is tested with its own solution `(u, p, v_s)`. Each line is the power of a term times the step, minus the
-/// change of the energy of the scheme ([`algebra::time::Weights::of_energy`]) that the term stores: kinetic, elastic,
-/// of gravity, of contact. Including `scheme_storage`, the sum of all lines is minus the change of the energy, up to
-/// the residual of Newton's method.
+/// The weak form is tested with its own solution `(u, p, v_s)`. Each line is the power of a term times the step, minus
+/// the change of the energy of the scheme ([`algebra::time::Weights::of_energy`]) that the term stores: kinetic,
+/// elastic, of gravity, of contact. Including `scheme_storage`, the sum of all lines is minus the change of the energy,
+/// up to the residual of Newton's method.
 ///
 /// Units: energy (2D: per unit depth).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

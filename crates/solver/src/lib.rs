@@ -7,8 +7,9 @@
 //! state^n -> Step (surfaces, CutMesh, XfemSpace, history, unknowns) -> Problem -> x -> state^{n+1} -> observers
 //! ```
 //!
-//! Without a fluid the same step advances bodies in vacuum. This crate composes. Its only weak forms are the extension of
-//! velocities to points that bodies have left and the condition of a collision; its other integrals are those of reports.
+//! Without a fluid the same step advances bodies in vacuum. This crate composes. Its only weak forms are the extension
+//! of velocities to points that bodies have left and the condition of a collision; its other integrals are those of
+//! reports.
 
 mod approach;
 mod augment;

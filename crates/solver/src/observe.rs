@@ -10,7 +10,8 @@ pub struct StepView<'a, const D: usize> {
     pub setup: &'a Setup<D>,
     /// The state before the step.
     pub previous: &'a State<D>,
-    /// The state after the step. The fluid's fields are given on the geometry of the step, [`crate::FluidState::positions`].
+    /// The state after the step. The fluid's fields are given on the geometry of the step,
+    /// [`crate::FluidState::positions`].
     pub state: &'a State<D>,
     /// Report of the step; `None` for the state at the start.
     pub report: Option<&'a StepReport<D>>,

@@ -10,8 +10,9 @@ use crate::{Setup, Stage};
 /// Largest volume of a part of trapped fluid, relative to the volume of its cell.
 const TRAPPED: f64 = 1e-2;
 
-/// Cuts the background with the bodies at the given positions. In problems with contacts, trapped fluid is left out: regions
-/// between bodies, walls and planes of symmetry all of whose parts have less than a hundredth of the volume of their cells.
+/// Cuts the background with the bodies at the given positions. In problems with contacts, trapped fluid is left out:
+/// regions between bodies, walls and planes of symmetry all of whose parts have less than a hundredth of the volume of
+/// their cells.
 ///
 /// Surfaces that touch around a point enclose such a region, for example under the pole of a ball on a floor. Its fluid
 /// is incompressible and would stop the surfaces, with a pressure that grows without bound as the area of the region

@@ -205,7 +205,8 @@ impl<'a, const D: usize> Step<'a, D> {
         self.bodies.iter().map(|body| body.end(&self.layout, x)).collect()
     }
 
-    /// Returns the state at the end of the step. Moves cut and space into it. After a collision accelerations are unknown.
+    /// Returns the state at the end of the step. Moves cut and space into it. After a collision accelerations are
+    /// unknown.
     pub(crate) fn finish(
         self,
         substep: Substep,

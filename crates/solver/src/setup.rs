@@ -38,7 +38,8 @@ pub struct Setup<const D: usize> {
 
 /// Steps that become shorter as the bodies of a contact approach, and longer again as they part.
 ///
-/// The force of a film depends on its thickness, so that a step must be shorter than the time in which the gap would close.
+/// The force of a film depends on its thickness, so that a step must be shorter than the time in which the gap would
+/// close.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ApproachSteps {
     /// Largest motion of the bodies of a contact in a step, relative to the gap between them.
@@ -193,8 +194,8 @@ pub enum ContactObstacle<const D: usize> {
 }
 
 impl<const D: usize> Contact<D> {
-    /// Creates the contact of a body, the slave, with an obstacle. `facets` are those of its boundary that may come into
-    /// contact.
+    /// Creates the contact of a body, the slave, with an obstacle. `facets` are those of its boundary that may come
+    /// into contact.
     ///
     /// # Errors
     /// [`contact::Error`]: a facet or a body that does not exist, a body that is its own obstacle without

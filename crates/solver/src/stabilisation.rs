@@ -35,8 +35,8 @@ impl Stabilisation {
         time: None,
     };
 
-    /// The set that reproduces the results of MOX-Report 44/2019: a calibration. `γ_Σ = 1e5` is the paper's; the interior
-    /// penalty of the velocity, which the paper does not state, is fitted to its results.
+    /// The set that reproduces the results of MOX-Report 44/2019: a calibration. `γ_Σ = 1e5` is the paper's; the
+    /// interior penalty of the velocity, which the paper does not state, is fitted to its results.
     pub const PAPER_44_2019: Self = Self {
         penalty: PenaltyProfile::Uniform { gamma_sigma: 1e5 },
         cip: CipProfile::Paper { gamma_1: 0.7 },

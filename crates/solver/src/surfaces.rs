@@ -64,13 +64,13 @@ impl<const D: usize> Surfaces<'_, D> {
         })
     }
 
-    /// Carries velocity and acceleration of the fluid to the space of the step, and extends both to uncovered dofs: those
-    /// without a value on the space before.
+    /// Carries velocity and acceleration of the fluid to the space of the step, and extends both to uncovered dofs:
+    /// those without a value on the space before.
     ///
-    /// The velocity of the body holds at the positions of its surface at the start of the step; extrapolated geometry is cut
-    /// elsewhere. The rate of change at a fixed point is given on the cut surface. Between the two positions it is constant to
-    /// first order. If it was given at the start, the extension would carry the gradient of the acceleration over the
-    /// distance, and this gradient has large errors.
+    /// The velocity of the body holds at the positions of its surface at the start of the step; extrapolated geometry
+    /// is cut elsewhere. The rate of change at a fixed point is given on the cut surface. Between the two positions it
+    /// is constant to first order. If it was given at the start, the extension would carry the gradient of the
+    /// acceleration over the distance, and this gradient has large errors.
     ///
     /// # Errors
     /// The extension fails.

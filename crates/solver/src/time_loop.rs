@@ -38,7 +38,8 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
     /// includes the work of the nonlinear solves that failed before it.
     ///
     /// # Errors
-    /// The first step or observer that fails; the state is the last good one, at the end of a part if the step was divided.
+    /// The first step or observer that fails; the state is the last good one, at the end of a part if the step was
+    /// divided.
     pub fn run(&mut self, n_steps: usize, observers: &mut [&mut dyn Observer<D>]) -> Result<(), StepError> {
         let (step, time) = (self.state.step, self.state.time);
         let start = StepView {

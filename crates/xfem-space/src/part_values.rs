@@ -12,8 +12,8 @@ const HOOP_DEGREE: usize = 4;
 
 /// Moments `m_ij = ∫ N_i N_j` of the shape functions of a cell over a part, with the weight [`Coordinates::weight`].
 ///
-/// The shape functions add up to one, so `Σ_j m_ij = ∫ N_i`, and all entries add up to the volume. Integrals of constants,
-/// of P1 functions and of products of two of them follow from the moments.
+/// The shape functions add up to one, so `Σ_j m_ij = ∫ N_i`, and all entries add up to the volume. Integrals of
+/// constants, of P1 functions and of products of two of them follow from the moments.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Moments {
     entries: [[f64; MAX_CELL_VERTICES]; MAX_CELL_VERTICES],

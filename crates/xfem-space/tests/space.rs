@@ -41,8 +41,8 @@ fn a_strip_through_the_mesh_doubles_the_dofs_of_the_cells_it_splits() {
 
 #[test]
 fn without_the_film_between_two_bodies_the_cut_is_that_of_one_body() {
-    // The film has the thickness 0.001 and fills at most 3/500 of a cell. In the second case the bodies cover the cells at the bottom
-    // and on the right, and the film is the only fluid of the last cells.
+    // The film has the thickness 0.001 and fills at most 3/500 of a cell. In the second case the bodies cover the cells
+    // at the bottom and on the right, and the film is the only fluid of the last cells.
     for [below, above, both] in [
         [[-0.5, 0.14, 1.5, 0.16], [-0.5, 0.161, 1.5, 0.3], [-0.5, 0.14, 1.5, 0.3]],
         [[-0.5, 0.14, 1.5, 0.66], [-0.5, 0.661, 1.5, 1.5], [-0.5, 0.14, 1.5, 1.5]],
@@ -212,8 +212,9 @@ fn a_body_that_moves_far_uncovers_its_old_place() {
 
 #[test]
 fn a_dof_takes_the_value_of_the_side_it_overlaps_most() {
-    // A strip through the lower row of cells, with -1 below it and +1 above it. It moves by less than its own height and
-    // by more. The largest overlap of the fluid below it is then with the fluid that was below it, and likewise above.
+    // A strip through the lower row of cells, with -1 below it and +1 above it. It moves by less than its own height
+    // and by more. The largest overlap of the fluid below it is then with the fluid that was below it, and likewise
+    // above.
     let background = grid(2);
     let strip = |y: f64| cut_by_rectangles(&background, &[[-0.5, y, 1.5, y + 0.02]]);
     let side = |cut: &CutMesh<2>, y: f64, part: PartId| {

@@ -23,8 +23,8 @@ pub(super) struct View {
 }
 
 impl View {
-    /// Creates a view of the rectangle between two corners, with its longer side `longest` pixels long. Everything drawn is
-    /// repeated behind the plane of symmetry `mirror`.
+    /// Creates a view of the rectangle between two corners, with its longer side `longest` pixels long. Everything
+    /// drawn is repeated behind the plane of symmetry `mirror`.
     pub(super) fn new(low: [f64; 2], high: [f64; 2], longest: f64, stretch: f64, mirror: Option<f64>) -> Self {
         let scale = longest / (high[0] - low[0]).max(high[1] - low[1]);
         Self { low, high, scale: [scale, scale * stretch], mirror, inside: String::new(), around: String::new() }

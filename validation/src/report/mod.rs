@@ -17,7 +17,8 @@ use crate::units::cgs;
 /// Open questions and errors of the paper, and how they were settled.
 const SETTLED: &str = include_str!("settled.html");
 
-/// Writes `report/index.html` next to the results of the named cases, or of all cases. Cases without results are left out.
+/// Writes `report/index.html` next to the results of the named cases, or of all cases. Cases without results are left
+/// out.
 pub(crate) fn write(cases: &[String], is_quick: bool, out: &Path) -> Result<(), Failure> {
     let names = if cases.is_empty() { case::names()? } else { cases.to_vec() };
     let mut results = Vec::new();

@@ -218,7 +218,8 @@ fn record(name: &str, definition: &Definition, runs: &[Vec<Run>]) -> Record {
     record
 }
 
-/// Largest uncertainty of a limit, %. Limits are made to be compared with measured rebounds, which scatter by a few percent.
+/// Largest uncertainty of a limit, %. Limits are made to be compared with measured rebounds, which scatter by a few
+/// percent.
 const LARGEST_UNCERTAINTY: f64 = 3.0;
 
 /// A quantity of a run with its name, which has marks of units.

@@ -82,8 +82,8 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Computes the velocity of the rigid ball after a fall of [`FALL`], with the scheme of second order and a time in the penalty
-/// of the pressure.
+/// Computes the velocity of the rigid ball after a fall of [`FALL`], with the scheme of second order and a time in the
+/// penalty of the pressure.
 fn velocity(dt: f64, time: Option<f64>) -> Result<f64, Failure> {
     let set = [
         "background.size=0.4".to_owned(),
@@ -103,7 +103,8 @@ fn velocity(dt: f64, time: Option<f64>) -> Result<f64, Failure> {
     Ok(run.state.bodies[0].velocity().first().ok_or("the ball has vertices")?[1])
 }
 
-/// Computes the velocity of the centre of mass after some steps with a set of stabilisation parameters, divided by the time.
+/// Computes the velocity of the centre of mass after some steps with a set of stabilisation parameters, divided by the
+/// time.
 fn acceleration(h: f64, is_rigid: bool, n_steps: usize, of: &str) -> Result<f64, Failure> {
     let set = [
         format!("background.size={h}"),

@@ -19,7 +19,8 @@ use super::{Failure, Record, short};
 
 /// Spectral radius of the generalised-α scheme.
 const RHO_INF: f64 = 0.8;
-/// Largest root of the mean squared deviation of the pressure in the middle of a contact, without mass on the floor: a sixtieth of the pressure.
+/// Largest root of the mean squared deviation of the pressure in the middle of a contact, without mass on the floor: a
+/// sixtieth of the pressure.
 const LARGEST_DEVIATION: f64 = 0.5;
 /// Smallest number of cells for which these bounds hold.
 const RESOLVED: usize = 100;
@@ -65,8 +66,8 @@ struct Late {
     last_touch: f64,
 }
 
-/// Records the contacts of a bar of `n` cells with the exact ones as reference; returns the history with gravity, and the error
-/// of the last event. Updates `most`.
+/// Records the contacts of a bar of `n` cells with the exact ones as reference; returns the history with gravity, and
+/// the error of the last event. Updates `most`.
 fn contacts(record: &mut Record, n: usize, method: &Method, most: &mut Late) -> Result<(History, f64), Failure> {
     let Method { name, courant, is_massless, is_gated, .. } = *method;
     let step = courant * LENGTH / n as f64 / WAVE;

@@ -1,6 +1,7 @@
 //! A sphere that bounces off the floor of a tank, compared with measured heights.
 //!
-//! Source: Gondret, Lance, Petit 2002, Physics of Fluids 14, 643, doi:10.1063/1.1427920; steel in silicone oil, Stokes number 152.
+//! Source: Gondret, Lance, Petit 2002, Physics of Fluids 14, 643, doi:10.1063/1.1427920; steel in silicone oil, Stokes
+//! number 152.
 
 use super::bounces::{
     FORMER, HALF, IN_AIR, RADIUS, SPEED, TWICE, cells, coarse_cells, fall, from_contact, has_bounced, inputs, legendre,

@@ -1,6 +1,8 @@
-//! A sphere that bounces off the floor of a tank of viscous oil, where the height depends on what no experiment has measured.
+//! A sphere that bounces off the floor of a tank of viscous oil, where the height depends on what no experiment has
+//! measured.
 //!
-//! Source: Gondret, Lance, Petit 2002, Physics of Fluids 14, 643, doi:10.1063/1.1427920; steel in silicone oil, Stokes number 27.
+//! Source: Gondret, Lance, Petit 2002, Physics of Fluids 14, 643, doi:10.1063/1.1427920; steel in silicone oil, Stokes
+//! number 27.
 
 use super::bounces::{
     FORMER, IN_AIR, coarse_cells, fall, from_contact, has_bounced, inputs, measured, rebound, speed_at,
@@ -12,10 +14,11 @@ const RADIUS: f64 = 3e-3;
 const SPEED: f64 = 0.518;
 /// Measured height of the bounce, m.
 const HEIGHT: f64 = 1.972e-3;
-/// Band of the height, m. Computations with a fitted mesh, a model of the film and one of the collision span 0.66 to 2.57 mm over plausible roughness and vapour.
+/// Band of the height, m. Computations with a fitted mesh, a model of the film and one of the collision span 0.66 to
+/// 2.57 mm over plausible roughness and vapour.
 const BAND: [f64; 2] = [1.2e-3, 2.6e-3];
-/// Restitution at the Stokes number 27 over that in air: the curves of Legendre, Zenit, Daniel 2006 and of Yang, Hunt 2006 have 0.27, the first frames of this
-/// experiment 0.44. The bounds are for coarse cells.
+/// Restitution at the Stokes number 27 over that in air: the curves of Legendre, Zenit, Daniel 2006 and of Yang, Hunt
+/// 2006 have 0.27, the first frames of this experiment 0.44. The bounds are for coarse cells.
 const RESTITUTION: [f64; 2] = [0.1, 0.6];
 const MEASURED: &str = include_str!("../../reference/gondret/St27.csv");
 const INPUTS: [[&str; 3]; 8] = [
@@ -29,7 +32,8 @@ const INPUTS: [[&str; 3]; 8] = [
     ["tank", "radius 10 radii, height 26 radii, open top", "not known; chosen"],
 ];
 
-/// Returns the changes that make the example this experiment. Lengths are twice as large, steps are equal in radii over the speed.
+/// Returns the changes that make the example this experiment. Lengths are twice as large, steps are equal in radii over
+/// the speed.
 fn experiment() -> Vec<String> {
     [
         "fluid.density=965",
@@ -61,7 +65,8 @@ fn experiment() -> Vec<String> {
     .to_vec()
 }
 
-/// Measures the height of the first bounce and its sensitivity; the quick version is the speed after the collision on coarse cells.
+/// Measures the height of the first bounce and its sensitivity; the quick version is the speed after the collision on
+/// coarse cells.
 pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     if !record.full {
         // The example on coarse cells at the Stokes number of this experiment.

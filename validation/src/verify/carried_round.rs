@@ -90,7 +90,8 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
 /// A number of a body.
 type Number = fn(&Balance<2>) -> f64;
 
-/// Returns the largest value of a number after some revolutions over the least one, minus 1. The last revolution ends the run.
+/// Returns the largest value of a number after some revolutions over the least one, minus 1. The last revolution ends
+/// the run.
 fn change(history: &History, revolutions: RangeInclusive<usize>, number: Number) -> f64 {
     let curve = history.of_body(0, number);
     let n_steps = curve.len() - 1;

@@ -23,7 +23,8 @@ const FLAG_HALF: f64 = 0.01;
 pub(super) const N_CORNERS: usize = 512;
 /// Size of cells far away over that at the obstacle.
 pub(super) const COARSE: f64 = 8.0;
-/// Cells at the corners of the flag are finer by this factor. There the pressure goes like the distance to the power -0.46.
+/// Cells at the corners of the flag are finer by this factor. There the pressure goes like the distance to the power
+/// -0.46.
 const FINER_AT_CORNERS: f64 = 16.0;
 /// Length of a step in which inertia is negligible, s.
 const LONG: f64 = 1e9;
@@ -52,8 +53,8 @@ pub(super) struct Resolution {
     pub(super) coarse: f64,
     /// Number of corners of the polygon that approximates the circle.
     pub(super) n_corners: usize,
-    /// Largest distance by which the flag swings to either side. Cells within this distance are as fine as those at the obstacle. Cells
-    /// at the corners of the flag are refined further only if it does not swing.
+    /// Largest distance by which the flag swings to either side. Cells within this distance are as fine as those at the
+    /// obstacle. Cells at the corners of the flag are refined further only if it does not swing.
     pub(super) swing: f64,
 }
 

@@ -1,5 +1,5 @@
-//! Conservation of the volume that a moving body displaces, in the cut and in the equation of continuity. As the mesh does not
-//! move, no velocity of the mesh enters.
+//! Conservation of the volume that a moving body displaces, in the cut and in the equation of continuity. As the mesh
+//! does not move, no velocity of the mesh enters.
 
 use std::sync::Arc;
 
@@ -111,7 +111,8 @@ fn displaced(corners: Vec<P>, motion: Motion, h: f64) -> Result<Errors, Failure>
         let report = run.advance()?;
         let flow = fluxes(&run.setup, &run.state, &motion)?;
         let covered = BOX - wet(&run.state)?.cut.fluid_volume();
-        // Velocities at corners are constant or turn: rates are linear in time or zero, and the trapezoidal rule is exact.
+        // Velocities at corners are constant or turn: rates are linear in time or zero, and the trapezoidal rule is
+        // exact.
         let of_area = before.map_or(0.0, |(area, growth)| (covered - area) / DT - 0.5 * (growth + flow.growth));
         errors.outflow = worse(errors.outflow, (flow.outflow - flow.growth).abs() / flow.swept);
         errors.area = worse(errors.area, of_area.abs() / flow.swept);
@@ -144,7 +145,8 @@ pub(super) fn leak(record: &mut Record) -> Result<(), Failure> {
             Ok((h, displaced(nonagon(centre, &mut random), motion, h)?.leak))
         })
         .collect::<Result<_, Failure>>()?;
-    // No equation makes the leak zero; it is an error of the coupling and falls with the mesh, at corners of the body slowly.
+    // No equation makes the leak zero; it is an error of the coupling and falls with the mesh, at corners of the body
+    // slowly.
     record.order("mean absolute leak of a nonagon over its sweep", "h", &errors, 0.5);
     Ok(())
 }

@@ -1,6 +1,7 @@
 //! Contact that transmits a uniform pressure: a block on a plane, and two blocks.
 //!
-//! Source: the patch test of Taylor and Papadopoulos 1991 in the form of the Tribol library's tests, for two unit squares.
+//! Source: the patch test of Taylor and Papadopoulos 1991 in the form of the Tribol library's tests, for two unit
+//! squares.
 
 mod consistent;
 

@@ -57,7 +57,8 @@ struct Flag {
     rows: usize,
     mu: f64,
     order: Order,
-    /// Whether its end follows the cylinder, as that of the benchmark; a straight end is at the cylinder's rightmost point.
+    /// Whether its end follows the cylinder, as that of the benchmark; a straight end is at the cylinder's rightmost
+    /// point.
     is_fitted: bool,
 }
 
@@ -112,7 +113,8 @@ pub(super) fn mesh(rows: usize, is_fitted: bool) -> Result<SimplexMesh<2>, Failu
     Ok(squares(rows)?.mapped(|at| moved(at, is_fitted))?)
 }
 
-/// Returns where the nodes on the edges of a fitted flag are, for the ends of an edge; none for other vertices than its own.
+/// Returns where the nodes on the edges of a fitted flag are, for the ends of an edge; none for other vertices than its
+/// own.
 pub(super) fn edge_nodes(rows: usize) -> Result<impl Fn([VertexId; 2]) -> Option<P>, Failure> {
     let even = squares(rows)?;
     Ok(move |ends: [VertexId; 2]| {
@@ -175,7 +177,8 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     for &(rows, peer) in peer {
         let u = flag(rows, SOFT).rest()?[1];
         record.show(format!("CSM1, {rows} rows: u_y [m]"), u, Some(CSM1));
-        // The same element on as many squares: the results agree up to the printed digits and the direction of the diagonals.
+        // The same element on as many squares: the results agree up to the printed digits and the direction of the
+        // diagonals.
         record.near_relative(format!("CSM1, {rows} rows: u_y compared with NGSolve's P1 [m]"), u, peer, SAME);
         errors.push((1.0 / rows as f64, (u - CSM1).abs()));
         values.push(u);
@@ -250,7 +253,8 @@ fn swinging(record: &mut Record) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Compares the flag of quadratic elements with the benchmark, and its cost with that of linear elements of the same use.
+/// Compares the flag of quadratic elements with the benchmark, and its cost with that of linear elements of the same
+/// use.
 fn quadratic(record: &mut Record) -> Result<(), Failure> {
     let flag = |mu: f64| Flag { rows: QUADRATIC_ROWS, mu, order: Order::Quadratic, is_fitted: true };
     let linear = Flag { rows: LINEAR_ROWS, mu: SOFT, order: Order::Linear, is_fitted: true };
@@ -276,7 +280,8 @@ fn quadratic(record: &mut Record) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Computes many swings of a coarse flag with several time steps: records the last one, and the return of the tip in each.
+/// Computes many swings of a coarse flag with several time steps: records the last one, and the return of the tip in
+/// each.
 fn time_steps(record: &mut Record, flag: &dyn Fn(usize) -> Flag) -> Result<(), Failure> {
     let (rows, many, steps) = LONG;
     let mut curves = Vec::new();

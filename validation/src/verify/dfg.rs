@@ -17,7 +17,8 @@ const CELLS: [usize; 4] = [16, 32, 64, 128];
 /// Least order of the drag in h: that of a functional with linear elements is two.
 const ORDER: f64 = 1.9;
 
-/// Measures the three numbers on several meshes, and in the full check the effect of the polygon and of the coarse cells.
+/// Measures the three numbers on several meshes, and in the full check the effect of the polygon and of the coarse
+/// cells.
 pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let meshes = if record.full { &CELLS[..] } else { &CELLS[..3] };
     let mut errors: [Vec<(f64, f64)>; 3] = Default::default();
@@ -100,7 +101,8 @@ fn relative_errors(flow: &Steady) -> Result<[f64; 3], Failure> {
     Ok(std::array::from_fn(|k| computed[k] / KNOWN[k] - 1.0))
 }
 
-/// Computes the distance from the cylinder to the point behind it where the velocity along the channel changes its sign.
+/// Computes the distance from the cylinder to the point behind it where the velocity along the channel changes its
+/// sign.
 fn recirculation(flow: &Steady) -> Result<f64, Failure> {
     let rear = CENTRE[0] + RADIUS;
     let (mut low, mut high) = (0.5 * RADIUS, 4.0 * RADIUS);

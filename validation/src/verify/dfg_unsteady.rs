@@ -1,4 +1,5 @@
-//! The unsteady DFG benchmarks: drag, lift and pressure of a cylinder that sheds vortices, at Reynolds numbers up to 100.
+//! The unsteady DFG benchmarks: drag, lift and pressure of a cylinder that sheds vortices, at Reynolds numbers up to
+//! 100.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -15,8 +16,8 @@ use super::{Failure, Record, Run, short};
 
 /// Benchmarks 2D-2 and 2D-3 of Schäfer and Turek 1996. The largest mean speed of 2D-3 is the speed of 2D-2.
 const CHANNEL: Channel = Channel { length: 2.2, density: 1.0, viscosity: 1e-3, speed: 1.0, has_flag: false };
-/// Spectral radius of generalised-α for infinitely fast changes: the usual compromise for flows between damping and accuracy
-/// (Jansen, Whiting and Hulbert 2000). The interface does not move, so that fast changes need no more damping.
+/// Spectral radius of generalised-α for infinitely fast changes: the usual compromise for flows between damping and
+/// accuracy (Jansen, Whiting and Hulbert 2000). The interface does not move, so that fast changes need no more damping.
 const RHO_INF: f64 = 0.5;
 /// Tolerance of Newton's method. Forces are compared to three digits.
 const TOLERANCE: f64 = 1e-8;

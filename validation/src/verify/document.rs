@@ -17,8 +17,8 @@ pub(super) const FOLDER: &str = "verification";
 /// Folder of the pages of cases.
 pub(crate) const RESULTS: &str = "results";
 
-/// Writes the page of a record into a folder of the book, and its charts. The page names the command that measured it and
-/// the version of the code.
+/// Writes the page of a record into a folder of the book, and its charts. The page names the command that measured it
+/// and the version of the code.
 pub(crate) fn write(folder: &str, record: &Record, command: &str, version: &str) -> Result<(), Failure> {
     let source = source();
     let text = markdown(folder, record, command, version);

@@ -104,7 +104,8 @@ pub(crate) fn run<const D: usize>(
     run_of(bodies, touch, scheme, [dt, tolerance])
 }
 
-/// Starts a run of bodies without a fluid, of which the first may have a contact, with a step and a tolerance of Newton's method.
+/// Starts a run of bodies without a fluid, of which the first may have a contact, with a step and a tolerance of
+/// Newton's method.
 pub(super) fn run_of<const D: usize>(
     bodies: Vec<Arc<dyn Body<D>>>,
     touch: Option<Touch<D>>,

@@ -1,4 +1,5 @@
-//! A cylinder at rest in a stream, and one that moves as fast through fluid at rest: the same flow, seen from two frames.
+//! A cylinder at rest in a stream, and one that moves as fast through fluid at rest: the same flow, seen from two
+//! frames.
 
 use std::sync::Arc;
 

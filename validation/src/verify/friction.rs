@@ -1,4 +1,5 @@
-//! Coulomb friction: blocks on a slope that stick and that slide, elastic and rigid, and a block that comes to rest on a floor.
+//! Coulomb friction: blocks on a slope that stick and that slide, elastic and rigid, and a block that comes to rest on
+//! a floor.
 
 use std::sync::Arc;
 
@@ -40,7 +41,8 @@ struct Motion<const D: usize> {
     tangential: f64,
 }
 
-/// A block on the plane whose last coordinate is zero, with the coefficient of friction, the direction of gravity and the initial velocity.
+/// A block on the plane whose last coordinate is zero, with the coefficient of friction, the direction of gravity and
+/// the initial velocity.
 struct Block<const D: usize> {
     friction: f64,
     down: Vector<D>,

@@ -137,7 +137,8 @@ fn bend((cells, rows, order): (usize, usize, Order), step: f64) -> Result<Bent, 
     Err(format!("the flag still moves after {MOST_STEPS} steps").into())
 }
 
-/// Returns the elements of flag and cylinder, and the nodes of the cylinder. Those at the end of the flag are nodes of both.
+/// Returns the elements of flag and cylinder, and the nodes of the cylinder. Those at the end of the flag are nodes of
+/// both.
 pub(super) fn obstacle(rows: usize, order: Order) -> Result<(SolidMesh<2>, Vec<VertexId>), Failure> {
     let (flag, centre) = (csm::mesh(rows, true)?, P::from(CENTRE));
     let mut vertices = flag.vertices().to_vec();

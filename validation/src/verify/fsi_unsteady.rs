@@ -1,4 +1,5 @@
-//! The Turek-Hron benchmarks FSI2 and FSI3: an elastic flag behind a cylinder, which swings in the vortices that it sheds.
+//! The Turek-Hron benchmarks FSI2 and FSI3: an elastic flag behind a cylinder, which swings in the vortices that it
+//! sheds.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -74,7 +75,8 @@ const QUICK: (usize, f64) = (16, 1e-2);
 const QUICK_ACCURACY: f64 = 0.1;
 /// Time until which there have to be two cycles, s: that of five cycles of the reference.
 const QUICK_LATEST: f64 = 2.6;
-/// Spectral radius of generalised-α for infinitely fast changes, that of all checks where bodies uncover fluid (`orders`).
+/// Spectral radius of generalised-α for infinitely fast changes, that of all checks where bodies uncover fluid
+/// (`orders`).
 const RHO_INF: f64 = 0.0;
 /// Tolerance of Newton's method, that of `dfg-unsteady`.
 const TOLERANCE: f64 = 1e-8;

@@ -16,8 +16,8 @@ use crate::units::cgs;
 
 /// Viscosity of the falling balls' fluid, P; its density is that of the disk, one.
 const VISCOSITY: f64 = 1e-2;
-/// `n` and `ω R/c_s` of the first mode with `n` waves around the disk: roots of the frequency determinant of a disk in plane
-/// strain, `ν = 0.4`, on which an unbounded ideal fluid of its density acts with the pressure `-ρ (R/n) ω² u_r`.
+/// `n` and `ω R/c_s` of the first mode with `n` waves around the disk: roots of the frequency determinant of a disk in
+/// plane strain, `ν = 0.4`, on which an unbounded ideal fluid of its density acts with the pressure `-ρ (R/n) ω² u_r`.
 const MODES: [(u32, f64); 2] = [(2, 1.67555), (3, 2.65868)];
 /// Largest relative error of the frequency of the finest mesh.
 const ACCURACY: f64 = 0.03;

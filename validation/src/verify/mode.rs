@@ -72,8 +72,8 @@ impl Mode {
         Ok(body)
     }
 
-    /// Returns the projection of displacements of a disk on the mode. Other modes are orthogonal to it, with the mass of the
-    /// vertices.
+    /// Returns the projection of displacements of a disk on the mode. Other modes are orthogonal to it, with the mass
+    /// of the vertices.
     pub(super) fn projection(&self, solid: &SolidMesh<2>) -> impl Fn(&[V]) -> f64 + use<> {
         let mut weights: Vec<V> = solid.nodes().iter().map(|x| self.at(x)).collect();
         let mut mass = vec![0.0; weights.len()];

@@ -139,8 +139,8 @@ fn past_uncovered_fluid(record: &mut Record) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Measures orders in the time step on a flow that the elements contain: all of the error is that of the scheme, and the flow
-/// passes a disk that moves through several cells.
+/// Measures orders in the time step on a flow that the elements contain: all of the error is that of the scheme, and
+/// the flow passes a disk that moves through several cells.
 fn of_schemes(record: &mut Record) -> Result<(), Failure> {
     const N: usize = 16;
     let schemes: [(&str, Scheme, [f64; 2]); 2] = [

@@ -9,9 +9,9 @@ const LARGEST_RATIO: f64 = 1.2;
 /// Smallest N at which each code is compared with its own forms.
 const ASYMPTOTIC: u32 = 128;
 
-/// N, then errors in L2 of velocity, its gradient and pressure, of ngsxfem on the same mesh with the same weights and the
-/// forms of this library: `2 μ (D(u), ∇v)` with its traction, velocities on the sides given at the vertices. From the
-/// table of errors in `benchmarks/RESULTS.md`.
+/// N, then errors in L2 of velocity, its gradient and pressure, of ngsxfem on the same mesh with the same weights and
+/// the forms of this library: `2 μ (D(u), ∇v)` with its traction, velocities on the sides given at the vertices. From
+/// the table of errors in `benchmarks/RESULTS.md`.
 const OUR_FORMS: [(u32, [f64; 3]); 4] = [
     (32, [1.310e-3, 0.1505, 2.95e-2]),
     (64, [3.377e-4, 0.0753, 9.42e-3]),

@@ -10,8 +10,8 @@ const EXAMPLE: &str = "pulsatile-leaflet";
 const BEAM: &str = include_str!("../../reference/leaflet-oomph-tip.csv");
 /// Length by which differences are divided, m: about the largest displacement.
 const LENGTH: f64 = 0.43;
-/// Largest difference from the beam in the last period with the two finest meshes, in this length. The third mesh was the finest one
-/// when the bound was made.
+/// Largest difference from the beam in the last period with the two finest meshes, in this length. The third mesh was
+/// the finest one when the bound was made.
 const DIFFERENCE: f64 = 0.03;
 /// Times of the last period, s. The beam is periodic from the third period.
 const LAST_PERIOD: [f64; 2] = [6.0, 8.0];

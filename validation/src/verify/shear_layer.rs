@@ -307,8 +307,8 @@ fn is_in_box(x: f64) -> bool {
     (-ROUND_OFF..=LENGTH + ROUND_OFF).contains(&x)
 }
 
-/// The time-harmonic solution: `d = A sin k y` below the interface, `u = B cosh κ(y - H_s) + C sinh κ(y - H_s)` above, real
-/// parts of complex amplitudes times `e^{iωt}`.
+/// The time-harmonic solution: `d = A sin k y` below the interface, `u = B cosh κ(y - H_s) + C sinh κ(y - H_s)` above,
+/// real parts of complex amplitudes times `e^{iωt}`.
 struct Layer {
     /// `k = ω sqrt(ρ/μ)`
     wave_number: f64,

@@ -25,8 +25,8 @@ pub(super) fn rises(curve: &[(f64, f64)], height: f64) -> Vec<(usize, f64)> {
     (1..curve.len()).filter(is_rise).map(|k| (k, passage([curve[k - 1], curve[k]], height))).collect()
 }
 
-/// Returns the highest point of a curve with equal steps: the vertex of a parabola through three points, if it is between
-/// them.
+/// Returns the highest point of a curve with equal steps: the vertex of a parabola through three points, if it is
+/// between them.
 pub(super) fn peak(curve: &[(f64, f64)]) -> (f64, f64) {
     curve.windows(3).fold((f64::NAN, f64::NEG_INFINITY), |highest, w| {
         let (slope, curvature) = (0.5 * (w[2].1 - w[0].1), w[2].1 - 2.0 * w[1].1 + w[0].1);

@@ -20,7 +20,8 @@ use super::{Failure, Record, short};
 // Lame parameters of the falling balls, dyn/cm^2.
 const MU: f64 = 2e6;
 const LAMBDA: f64 = 8e6;
-/// Axial first Piola-Kirchhoff stress relative to the modulus of the state, for the stretches 0.8, 0.9, 1.05, 1.1 and 1.2.
+/// Axial first Piola-Kirchhoff stress relative to the modulus of the state, for the stretches 0.8, 0.9, 1.05, 1.1 and
+/// 1.2.
 const LOADS: [f64; 5] = [-0.144, -0.0855, 0.053_812_5, 0.1155, 0.264];
 /// Shears, relative to the height of the block.
 const SHEARS: [f64; 2] = [0.1, 0.3];
@@ -146,8 +147,8 @@ fn block<const D: usize>() -> Result<Elastic<D>, Failure> {
     elastic(mesh, 1.0, material, Vector::zeros(), Arc::new(QuasiStatic))
 }
 
-/// Advances a body from rest to time one. Returns the larger of two deviations: that of the displacement, relative to the
-/// largest one, and that of the Cauchy stress, relative to a unit of stress.
+/// Advances a body from rest to time one. Returns the larger of two deviations: that of the displacement, relative to
+/// the largest one, and that of the Cauchy stress, relative to a unit of stress.
 fn deviation<const D: usize>(
     body: Elastic<D>,
     steps: u32,
@@ -258,7 +259,8 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
 mod tests {
     use super::*;
 
-    /// Stretch; lateral stretch, axial stress and axial Cauchy stress in plane strain; the same in space; stress between walls.
+    /// Stretch; lateral stretch, axial stress and axial Cauchy stress in plane strain; the same in space; stress
+    /// between walls.
     const TABLE: [[f64; 8]; 5] = [
         [0.8, 1.113553, -9.600000e5, -8.621054e5, 1.069579, -8.064000e5, -7.048951e5, -1.728000e6],
         [0.9, 1.061446, -5.700000e5, -5.370035e5, 1.037304, -4.788000e5, -4.449814e5, -1.026000e6],

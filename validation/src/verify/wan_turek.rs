@@ -33,11 +33,12 @@ const ENDS: [f64; 2] = [1.0, 7.5];
 // only), and the largest relative error of the finest mesh: P1, and first order in time.
 const KNOWN_RMS: f64 = 2.05;
 const ACCURACY: f64 = 0.05;
-/// Least order in h at which the noise has to fall, over all meshes: half of the expected one. Spurious forces of a boundary
-/// that moves through cells go like h²/dt (Seo and Mittal 2011, doi:10.1016/j.jcp.2011.06.003), so first order at fixed dt/h.
+/// Least order in h at which the noise has to fall, over all meshes: half of the expected one. Spurious forces of a
+/// boundary that moves through cells go like h²/dt (Seo and Mittal 2011, doi:10.1016/j.jcp.2011.06.003), so first order
+/// at fixed dt/h.
 const NOISE_ORDER: f64 = 0.5;
-/// Half-width, in steps, of the smoothing window; inversely proportional to the step, so that it always spans four cells at
-/// full speed.
+/// Half-width, in steps, of the smoothing window; inversely proportional to the step, so that it always spans four
+/// cells at full speed.
 const WING: usize = 5;
 
 // Steps in half a period, whose effect on the flow is compared on the coarsest mesh, and the least order there.
@@ -96,8 +97,8 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Measures the order in the time step of the flow around a cylinder that begins at rest and comes to rest after half a period,
-/// with the time of the step in the penalty of the pressure, and with the longest step.
+/// Measures the order in the time step of the flow around a cylinder that begins at rest and comes to rest after half a
+/// period, with the time of the step in the penalty of the pressure, and with the longest step.
 fn order_in_time(record: &mut Record) -> Result<(), Failure> {
     let longest = step_of(ORDER_STEPS[0]);
     order_with(record, None, "")?;

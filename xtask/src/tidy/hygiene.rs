@@ -5,15 +5,18 @@ use super::tree::{Finding, Tree};
 
 /// Largest number of lines of a file.
 const FILE_LINES: usize = 600;
+/// Largest number of characters of a line of a comment, that of code. Tables and examples have longer ones, and keys of
+/// scenarios, whose sentences are one line each.
+const COMMENT_WIDTH: usize = 120;
 /// Largest numbers of lines of Rust below some folders (docs/adr/0022).
 const BUDGETS: &[(&[&str], usize)] = &[
     (&["crates/cutwater/src/lib.rs", "crates/cutwater/src/main.rs"], 345),
-    (&["crates/io/src"], 12_230),
+    (&["crates/io/src"], 12_245),
     (&["crates/report/src"], 1575),
-    (&["crates/solver/src"], 3_160),
-    (&["validation"], 13_480),
+    (&["crates/solver/src"], 3_200),
+    (&["validation"], 13_515),
     (&["xtask/src"], 2400),
-    (&[""], 77_550),
+    (&[""], 77_950),
 ];
 /// Largest number of bytes of all JSON files under version control.
 const JSON_BYTES: usize = 50_000;
@@ -82,6 +85,12 @@ fn whitespace_and_paths(source: &Source, findings: &mut Vec<Finding>) {
     for (number, line) in source.lines() {
         if line.ends_with([' ', '\t']) {
             findings.push(Finding::new(&source.path, number, "white space at the end of the line"));
+        }
+        let is_comment = source.path.ends_with(".rs") && line.trim_start().starts_with("//");
+        let is_example = line.trim_start().trim_start_matches(['/', '!']).starts_with("    ");
+        let may_be_long = is_example || source.path.starts_with("crates/io/src/scenario/") || line.contains('|');
+        if is_comment && !may_be_long && line.chars().count() > COMMENT_WIDTH {
+            findings.push(Finding::new(&source.path, number, format!("wrap comments at {COMMENT_WIDTH} characters")));
         }
         let lists_them = source.path.ends_with("tidy/hygiene.rs");
         let at =

@@ -28,7 +28,8 @@ pub(super) struct Factors {
     pub(super) n_numeric: usize,
 }
 
-/// The part of the factors that depends only on the pattern of the matrix and its nodes, which are kept to recognise them.
+/// The part of the factors that depends only on the pattern of the matrix and its nodes, which are kept to recognise
+/// them.
 struct Symbolic {
     column_ptr: Vec<u32>,
     rows: Vec<u32>,

@@ -10,15 +10,15 @@ use faer::sparse::{FaerError, SymbolicSparseColMatRef};
 use super::factors::inverse;
 use super::nodes::NodeGraph;
 
-/// Pairs (number of nodes, share of explicit zeros): supernodes of at most that many nodes are merged if the share is not
-/// exceeded.
+/// Pairs (number of nodes, share of explicit zeros): supernodes of at most that many nodes are merged if the share is
+/// not exceeded.
 const RELAXATION: [(usize, f64); 4] = [(2, 1.0), (6, 0.2), (16, 0.05), (usize::MAX, 0.02)];
 
 /// Supernodes of the factors of a matrix whose pattern is made symmetric, in the order of a multifrontal elimination.
 ///
-/// Unknowns have a *position* in the order of elimination. A front has the pivots `first[s]..first[s + 1]`, which are the
-/// unknowns of whole nodes, and the positions `below(s)` of the rows and columns that are coupled to them and follow
-/// later. The order is a postorder: children come directly before their parent.
+/// Unknowns have a *position* in the order of elimination. A front has the pivots `first[s]..first[s + 1]`, which are
+/// the unknowns of whole nodes, and the positions `below(s)` of the rows and columns that are coupled to them and
+/// follow later. The order is a postorder: children come directly before their parent.
 ///
 /// Source: Duff and Reid 1983, The multifrontal solution of indefinite sparse symmetric linear systems,
 /// doi:10.1145/356044.356047; Amestoy, Davis and Duff 1996, doi:10.1137/S0895479894278952, for the order.
@@ -171,8 +171,8 @@ impl Fronts {
         self.lower_ptr[s]..self.lower_ptr[s + 1]
     }
 
-    /// Returns the range of the columns of U to the right of a pivot block, where the last front comes first: a backward
-    /// substitution reads memory in its order.
+    /// Returns the range of the columns of U to the right of a pivot block, where the last front comes first: a
+    /// backward substitution reads memory in its order.
     pub(super) fn upper(&self, s: usize) -> Range<usize> {
         self.n_lower() - self.lower_ptr[s + 1]..self.n_lower() - self.lower_ptr[s]
     }

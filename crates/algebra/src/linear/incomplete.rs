@@ -37,15 +37,16 @@ impl Fill {
 /// Incomplete LU factors of a matrix of small dense blocks, one row and column of blocks per node.
 ///
 /// Unknowns of a node (components of velocity, and pressure) are eliminated together, with partial pivoting among them.
-/// Saddle points inside a node are therefore admissible. Blocks are dropped or kept as a whole, by their Frobenius norm. If
-/// every unknown is its own node, the factors are those of the textbook ILU(0) and ILUT. Nodes are eliminated in reverse
-/// Cuthill-McKee order.
+/// Saddle points inside a node are therefore admissible. Blocks are dropped or kept as a whole, by their Frobenius
+/// norm. If every unknown is its own node, the factors are those of the textbook ILU(0) and ILUT. Nodes are eliminated
+/// in reverse Cuthill-McKee order.
 ///
 /// The factors of a saddle point may be unstable: the Schur complement of the multiplier (of the pressure) is
-/// `C - B A⁻¹ G`, of which incomplete factors contain little more than `C`, and the stabilisation `C` of smooth pressures is
-/// nearly zero. Therefore the factors are tried on a vector of entries ±1. If they fail, the diagonal entries of multipliers
-/// are raised by a multiple of `-diag(B diag(A)⁻¹ G)`, which for viscous flow is as large as the mass matrix of the pressure
-/// over the viscosity, the Schur complement that is missing. The first multiple that makes the factors stable is taken.
+/// `C - B A⁻¹ G`, of which incomplete factors contain little more than `C`, and the stabilisation `C` of smooth
+/// pressures is nearly zero. Therefore the factors are tried on a vector of entries ±1. If they fail, the diagonal
+/// entries of multipliers are raised by a multiple of `-diag(B diag(A)⁻¹ G)`, which for viscous flow is as large as the
+/// mass matrix of the pressure over the viscosity, the Schur complement that is missing. The first multiple that makes
+/// the factors stable is taken.
 ///
 /// Sources: Saad 2003, Iterative methods for sparse linear systems, algorithms 10.3 and 10.6,
 /// doi:10.1137/1.9780898718003; Chow and Saad 1997, Experimental study of ILU preconditioners for indefinite matrices,

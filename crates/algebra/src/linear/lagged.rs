@@ -34,13 +34,13 @@ impl Default for LaggedSettings {
 /// Sparse LU that lags: one factorisation is used for the matrices of many solves, also when unknowns appear and
 /// vanish.
 ///
-/// The factors of an old matrix, applied to the unknowns of both matrices, precondition FGMRES for the present one. Where
-/// an interface moved, rows have changed entirely; these unknowns and their neighbours are solved for again with small
-/// factors of their own, on the residual that the old factors leave (a multiplicative Schwarz step). Unknowns are
+/// The factors of an old matrix, applied to the unknowns of both matrices, precondition FGMRES for the present one.
+/// Where an interface moved, rows have changed entirely; these unknowns and their neighbours are solved for again with
+/// small factors of their own, on the residual that the old factors leave (a multiplicative Schwarz step). Unknowns are
 /// matched by their keys ([`crate::BlockLayout::keys`]).
 ///
-/// Both factors are in single precision, with pivots inside supernodes only. If such factors do not reduce residuals, or GMRES
-/// does not converge with them, they are replaced by factors with free pivoting in double precision.
+/// Both factors are in single precision, with pivots inside supernodes only. If such factors do not reduce residuals,
+/// or GMRES does not converge with them, they are replaced by factors with free pivoting in double precision.
 ///
 /// The matrix is factorised when the last solve took many iterations, when many unknowns have changed, or when a solve
 /// does not converge. These criteria do not depend on times, so that runs can be repeated bit by bit.
@@ -213,7 +213,8 @@ impl Patch {
         with_neighbours(matrix, &changed)
     }
 
-    /// Computes `z ≈ A⁻¹ r`: applies the old factors, then the factors of the changed unknowns to the remaining residual.
+    /// Computes `z ≈ A⁻¹ r`: applies the old factors, then the factors of the changed unknowns to the remaining
+    /// residual.
     fn apply(&mut self, factors: &mut CheckedFactors, r: &[f64], z: &mut [f64]) -> Result<(), LinearError> {
         let n_base = factors.len();
         self.base_work.clear();

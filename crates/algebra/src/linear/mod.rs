@@ -83,8 +83,8 @@ pub trait LinearSolver: Send {
 pub struct LinearReport {
     /// Steps of iterative refinement, or iterations of an iterative method.
     pub iterations: usize,
-    /// Error of the solution of the equilibrated system. Direct solvers: `‖b − A x‖ / (‖A‖ ‖x‖ + ‖b‖)` in maximum norms;
-    /// iterative ones: `‖b − A x‖ / ‖b‖` in Euclidean norms.
+    /// Error of the solution of the equilibrated system. Direct solvers: `‖b − A x‖ / (‖A‖ ‖x‖ + ‖b‖)` in maximum
+    /// norms; iterative ones: `‖b − A x‖ / ‖b‖` in Euclidean norms.
     pub backward_error: f64,
 }
 

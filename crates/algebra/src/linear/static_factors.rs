@@ -18,9 +18,9 @@ const SMALL_PIVOT: f64 = 10.0;
 
 /// Multifrontal LU factors in single or double precision.
 ///
-/// Rows are exchanged inside a front's pivots only, so that the pattern is known beforehand. Matrices whose zero diagonal
-/// entries have couplings inside their nodes (velocities and pressure of a vertex) or inside their supernodes can be
-/// factorised. A pivot that is too small is an error: the matrix needs factors with free pivoting.
+/// Rows are exchanged inside a front's pivots only, so that the pattern is known beforehand. Matrices whose zero
+/// diagonal entries have couplings inside their nodes (velocities and pressure of a vertex) or inside their supernodes
+/// can be factorised. A pivot that is too small is an error: the matrix needs factors with free pivoting.
 ///
 /// The fronts are kept while the pattern stays. The elimination runs in one thread.
 #[derive(Default)]
@@ -212,8 +212,8 @@ impl<'m, T: RealField + Copy + Into<f64>> Elimination<'m, T> {
         })
     }
 
-    /// Adds the entries of the matrix and the updates of the children to a front, whose own update goes to the end of the
-    /// stack.
+    /// Adds the entries of the matrix and the updates of the children to a front, whose own update goes to the end of
+    /// the stack.
     fn assemble(&mut self, s: usize, front: &mut Front<'_, T>) {
         let (fronts, pivots, below) = (self.fronts, self.fronts.pivots(s), self.fronts.below(s));
         let (w, r) = (pivots.len(), below.len());
@@ -361,8 +361,8 @@ mod tests {
 
     /// Returns a saddle point problem on an `m` by `m` grid, and the nodes of its unknowns.
     ///
-    /// Each point has two velocities and a pressure, whose diagonal entry is zero. Couplings to neighbours are random; for
-    /// every third point they are stored in one direction only. The unknowns of a field are contiguous.
+    /// Each point has two velocities and a pressure, whose diagonal entry is zero. Couplings to neighbours are random;
+    /// for every third point they are stored in one direction only. The unknowns of a field are contiguous.
     fn saddle_points(m: usize) -> (CsMatI<f64, u32>, Vec<u32>) {
         let n = m * m;
         let mut random = numbers();
@@ -391,7 +391,8 @@ mod tests {
         (triplets.to_csc(), (0..3 * n).map(|k| (k % n) as u32).collect())
     }
 
-    /// Returns `‖b − A x‖ / (‖A‖ ‖x‖ + ‖b‖)` in maximum norms, for the solution of random right-hand side with the factors.
+    /// Returns `‖b − A x‖ / (‖A‖ ‖x‖ + ‖b‖)` in maximum norms, for the solution of random right-hand side with the
+    /// factors.
     fn backward_error<T: RealField + Copy + Into<f64>>(
         factors: &mut StaticFactors<T>,
         matrix: &CsMatI<f64, u32>,

@@ -115,7 +115,8 @@ impl Subdomain {
         self.solve_and_add(z)
     }
 
-    /// Solves for the residual `r − A z` and adds the correction to `z`. `rows` are the rows of `A` of the members ([`rows_of`]).
+    /// Solves for the residual `r − A z` and adds the correction to `z`. `rows` are the rows of `A` of the members
+    /// ([`rows_of`]).
     pub(super) fn correct_remainder(
         &mut self,
         rows: &CsMatI<f64, u32>,

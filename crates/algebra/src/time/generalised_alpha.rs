@@ -18,7 +18,8 @@ use super::{Row, TimeScheme, Weights};
 ///
 /// The shifted displacement `Y = d + (1/2 - α_f) Δt v + (γ/2 - β) Δt² a` changes by `Δt v` over a step.
 ///
-/// With `r = (1-ρ_∞)/(1+ρ_∞)`, `w = Δt a` and `V = v - r/2 w`, the energy of the scheme for mass `M` and stiffness `K` is
+/// With `r = (1-ρ_∞)/(1+ρ_∞)`, `w = Δt a` and `V = v - r/2 w`, the energy of the scheme for mass `M` and stiffness `K`
+/// is
 ///
 /// `1/2 |v + r/2 w|²_M + r²/4 |w|²_M + 1/2 |Y|²_K + r²/8 |Δt V|²_K`,
 ///
@@ -26,16 +27,16 @@ use super::{Row, TimeScheme, Weights};
 /// step. It is the mean of the energies of two motions: `d` and `d + r Δt v - r²/2 Δt² a` with the velocities
 /// `v + (1/2 ∓ 1/√2) r w`.
 ///
-/// Source: Chung and Hulbert 1993, A time integration algorithm for structural dynamics with improved numerical dissipation,
-/// doi:10.1115/1.2900803; for fluids, Jansen, Whiting and Hulbert 2000, doi:10.1016/S0045-7825(00)00203-6.
+/// Source: Chung and Hulbert 1993, A time integration algorithm for structural dynamics with improved numerical
+/// dissipation, doi:10.1115/1.2900803; for fluids, Jansen, Whiting and Hulbert 2000, doi:10.1016/S0045-7825(00)00203-6.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GeneralisedAlpha {
     rho_inf: f64,
 }
 
 impl GeneralisedAlpha {
-    /// Creates the scheme whose spectral radius for infinitely fast vibrations is `rho_inf`: 1 damps nothing (the midpoint
-    /// rule for linear forces), 0 removes the fastest vibrations in one step. `None` if it is not from 0 to 1.
+    /// Creates the scheme whose spectral radius for infinitely fast vibrations is `rho_inf`: 1 damps nothing (the
+    /// midpoint rule for linear forces), 0 removes the fastest vibrations in one step. `None` if it is not from 0 to 1.
     pub fn new(rho_inf: f64) -> Option<Self> {
         (0.0..=1.0).contains(&rho_inf).then_some(Self { rho_inf })
     }

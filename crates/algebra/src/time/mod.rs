@@ -1,8 +1,8 @@
 //! Time schemes: how a step advances displacement and velocity.
 //!
-//! The unknown of every field is its velocity `v` at the *stage* of the step, the time at which the equations hold. A scheme
-//! gives displacement and acceleration at the stage, and the motion at the end of the step, as sums of `v` and of known
-//! values at the start.
+//! The unknown of every field is its velocity `v` at the *stage* of the step, the time at which the equations hold. A
+//! scheme gives displacement and acceleration at the stage, and the motion at the end of the step, as sums of `v` and
+//! of known values at the start.
 
 mod generalised_alpha;
 mod implicit_euler;
@@ -73,8 +73,8 @@ pub struct Weights {
     pub extrapolated: [Row; 2],
     /// Shifted displacement at the start and at the end.
     pub shifted: [Row; 2],
-    /// Displacement and velocity of two motions at one time. The mean of their energies is the *energy of the scheme*, which a
-    /// step without forces cannot increase where energies are quadratic.
+    /// Displacement and velocity of two motions at one time. The mean of their energies is the *energy of the scheme*,
+    /// which a step without forces cannot increase where energies are quadratic.
     pub of_energy: [[Row; 2]; 2],
     /// Whether a force with a potential acts as a discrete gradient, which conserves energy. Otherwise the force at the
     /// end of the step acts, which dissipates energy if the potential is convex.

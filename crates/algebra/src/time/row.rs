@@ -2,7 +2,8 @@
 
 use std::ops::{Add, Mul, Sub};
 
-/// One quantity at a node as a weighted sum of the unknown velocity at the stage and of known values at the start of the step.
+/// One quantity at a node as a weighted sum of the unknown velocity at the stage and of known values at the start of
+/// the step.
 ///
 /// Rows are added and scaled, so that a scheme is written as its formulas.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -13,8 +13,9 @@ pub struct LawCheck {
     pub inactive: f64,
     /// Derivatives with respect to gap, slip and stress, compared with central differences away from kinks.
     pub derivative: f64,
-    /// Normal traction compared with central differences of the stored energy, if there is any, and the derivatives of the normal
-    /// traction with respect to slip and stress: the traction of a step is computed for an energy of the gap alone.
+    /// Normal traction compared with central differences of the stored energy, if there is any, and the derivatives of
+    /// the normal traction with respect to slip and stress: the traction of a step is computed for an energy of the gap
+    /// alone.
     pub energy: f64,
 }
 
@@ -36,8 +37,8 @@ fn moved(at: &ContactPoint, argument: usize, by: f64) -> ContactPoint {
     moved
 }
 
-/// Checks a law at the given points, in the order of increasing gaps: sign, monotonicity, and the derivatives with respect
-/// to everything that the law may depend on.
+/// Checks a law at the given points, in the order of increasing gaps: sign, monotonicity, and the derivatives with
+/// respect to everything that the law may depend on.
 pub fn check_law(law: &dyn ContactLaw, points: &[ContactPoint]) -> LawCheck {
     let normal = |at: &ContactPoint| law.traction(at).value[0];
     let largest = |values: [f64; 3]| values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));

@@ -7,9 +7,9 @@ use crate::Error;
 
 /// `w_n^{n+1} = -e w_n^n`: reversal of the relative normal velocity in one step if the gap is below the roughness
 ///
-/// A collision of stiff bodies is treated as an impulse within one step, whatever the length of the step. The velocity is
-/// reversed by the coupled problem of the step, so that the fluid around the body is reversed with it. The law has no
-/// traction.
+/// A collision of stiff bodies is treated as an impulse within one step, whatever the length of the step. The velocity
+/// is reversed by the coupled problem of the step, so that the fluid around the body is reversed with it. The law has
+/// no traction.
 ///
 /// Source: Newton's law of restitution.
 /// Units: the restitution `e` is a number, `w_n` length per time, the roughness a length.

@@ -2,8 +2,8 @@
 
 use super::{ContactLaw, ContactPoint, ContactTraction};
 
-/// Change of the gap, relative to the contact size, below which the law is evaluated at the mean gap instead. Above it, the
-/// relative round-off in the derivative of the quotient is below `1e-16/1e-12`.
+/// Change of the gap, relative to the contact size, below which the law is evaluated at the mean gap instead. Above it,
+/// the relative round-off in the derivative of the quotient is below `1e-16/1e-12`.
 const SMALLEST_CHANGE: f64 = 1e-6;
 
 /// Returns `λ = (W(Δ^{n+1}) - W(Δ^n))/(Δ^{n+1} - Δ^n)` with its derivative by `Δ^{n+1}`

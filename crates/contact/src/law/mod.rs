@@ -93,8 +93,8 @@ pub trait ContactLaw: Send + Sync + std::fmt::Debug {
     fn offset(&self) -> f64;
 
     /// Returns the stored energy per area, whose derivative with respect to the gap is the normal traction; `None` for
-    /// laws without energy. The energy, and with it the normal traction, depend on the gap only: schemes that conserve energy
-    /// use `(W^{n+1} - W^n)/(Δ^{n+1} - Δ^n)` with its derivative by the gap.
+    /// laws without energy. The energy, and with it the normal traction, depend on the gap only: schemes that conserve
+    /// energy use `(W^{n+1} - W^n)/(Δ^{n+1} - Δ^n)` with its derivative by the gap.
     fn energy_density(&self, _at: &ContactPoint) -> Option<f64> {
         None
     }

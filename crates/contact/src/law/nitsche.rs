@@ -12,15 +12,16 @@ use crate::Error;
 /// `γ_0`. In fluid `s_n` is the normal part of the jump, `n·(σˢ - Tᶠ) n`. The pressure of the fluid acts in the film,
 /// and contact carries the rest of the stress.
 ///
-/// Coulomb friction with the coefficient `μ_f` adds the tangential traction `τ = -P(γ_C g - s_t)` with the slip `g` over
-/// the step, the tangential stress `s_t` and the projection `P` onto the disk of radius `-μ_f λ`. Surfaces stick if the
-/// argument lies inside the disk; then `τ = s_t - γ_C g`. The slip `g` is zero in the exact solution, and small in the discrete one.
+/// Coulomb friction with the coefficient `μ_f` adds the tangential traction `τ = -P(γ_C g - s_t)` with the slip `g`
+/// over the step, the tangential stress `s_t` and the projection `P` onto the disk of radius `-μ_f λ`. Surfaces stick
+/// if the argument lies inside the disk; then `τ = s_t - γ_C g`. The slip `g` is zero in the exact solution, and small
+/// in the discrete one.
 ///
 /// Source: Chouly and Hild 2013, doi:10.1137/12088344X, with their `θ = 0` and `P_γ = γ_C (ε - Δ) - s_n`; with friction
-/// Chouly 2014, doi:10.1016/j.jmaa.2013.09.019, with the slip over a step instead of the displacement; with fluid Burman,
-/// Fernández and Frei 2020, doi:10.1051/m2an/2019072.
-/// Units: `γ_0` and `μ_f` are numbers, `λ`, `τ` and the stresses force per area, `γ_C` force per volume, `ε`, `g` and the
-/// height `h` of the slave's cell are lengths.
+/// Chouly 2014, doi:10.1016/j.jmaa.2013.09.019, with the slip over a step instead of the displacement; with fluid
+/// Burman, Fernández and Frei 2020, doi:10.1051/m2an/2019072.
+/// Units: `γ_0` and `μ_f` are numbers, `λ`, `τ` and the stresses force per area, `γ_C` force per volume, `ε`, `g` and
+/// the height `h` of the slave's cell are lengths.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NitscheLaw {
     gamma_0: f64,

@@ -11,10 +11,10 @@ const TOUCHING: f64 = 1e-8;
 
 /// Part of the boundary of a body that acts as an obstacle.
 ///
-/// The closest point is exact, on segments or triangles. The normal `n^w` is minus the normal of the facet if the closest
-/// point lies inside a facet. On an edge or vertex, it is the unit vector from `x` to the closest point, reversed if `x`
-/// has penetrated, or minus the pseudo-normal if the two points coincide. The sign of the gap follows from the
-/// pseudo-normal.
+/// The closest point is exact, on segments or triangles. The normal `n^w` is minus the normal of the facet if the
+/// closest point lies inside a facet. On an edge or vertex, it is the unit vector from `x` to the closest point,
+/// reversed if `x` has penetrated, or minus the pseudo-normal if the two points coincide. The sign of the gap follows
+/// from the pseudo-normal.
 ///
 /// Source: paper, Sec. 2.3; pseudo-normals: [`VertexToFacet::pseudo_normal`].
 #[derive(Clone, Debug)]
@@ -25,8 +25,8 @@ pub struct DeformableObstacle<const D: usize> {
 }
 
 impl<const D: usize> DeformableObstacle<D> {
-    /// Creates the obstacle from some facets of a closed boundary. The other facets cannot be touched, but contribute to
-    /// pseudo-normals.
+    /// Creates the obstacle from some facets of a closed boundary. The other facets cannot be touched, but contribute
+    /// to pseudo-normals.
     ///
     /// # Errors
     /// [`Error::UnknownFacet`]: the boundary does not have one of the facets.

@@ -8,11 +8,11 @@ use crate::{ContactNode, ContactSite};
 /// `-(f, w^s - w^m)_{Γ^{s,n}}` with the traction `f = λ n^w + τ`; penalty: `+ (γ_C0/s) ([ε - Δ]₊, w_n^s - w_n^m)`
 ///
 /// Source: paper, Eq. (7) for a rigid obstacle, Eq. (11) and the two-body form for a deformable one.
-/// Couples: velocities of slave and master, and the dofs of the stress.   Domain: the slave's boundary facets, measure at
-/// step n, positions at n+1.
+/// Couples: velocities of slave and master, and the dofs of the stress.   Domain: the slave's boundary facets, measure
+/// at step n, positions at n+1.
 /// Units: force (2D: per unit depth).
-/// With the share `s_a` of a vertex in `r = x - Π(x)` (`N_a` at the slave, minus the barycentric coordinate `β_a` at the
-/// master), `G_a = ∂β_a/∂x` (zero at the slave) and `C = ∂n/∂x`, all vertices alike:
+/// With the share `s_a` of a vertex in `r = x - Π(x)` (`N_a` at the slave, minus the barycentric coordinate `β_a` at
+/// the master), `G_a = ∂β_a/∂x` (zero at the slave) and `C = ∂n/∂x`, all vertices alike:
 ///   residual_a = -∫ s_a f,    tangent_ab = -c_d ∫ (f ⊗ ∂s_a/∂x_b + s_a ∂f/∂x_b),
 ///   ∂Δ/∂x_b = -s_b n,    ∂n/∂x_b = s_b C - G_b ⊗ n,    ∂s_a/∂x_b = Δ (G_a · G_b) n - s_b G_a,
 /// and `∂f` by the chain rule through gap, slip, stress and frame: exact wherever the projection is smooth.

@@ -106,8 +106,8 @@ fn an_open_clamp_does_not_touch_itself() {
     });
 }
 
-/// Checks the sides of a re-entrant corner that closes by 6 to 22 degrees: each lies in front of the other, and its points are on both sides of
-/// the line of the other.
+/// Checks the sides of a re-entrant corner that closes by 6 to 22 degrees: each lies in front of the other, and its
+/// points are on both sides of the line of the other.
 #[test]
 fn the_sides_of_a_corner_do_not_touch_through_its_opening() {
     let is_angle = |x: Point<2>| x[0] < 0.3 || x[1] < 0.3;
@@ -157,7 +157,8 @@ fn jaws_that_close_touch_each_other() {
     });
 }
 
-/// Checks that jaws which overlap by a tenth of the slit, with vertices opposite to each other at the tips, are still in contact there.
+/// Checks that jaws which overlap by a tenth of the slit, with vertices opposite to each other at the tips, are still
+/// in contact there.
 #[test]
 fn jaws_that_overlap_touch_each_other() {
     let closed = 0.22;

@@ -48,8 +48,8 @@ fn supported<const D: usize>(parts: Vec<(&str, SupportKind<D>)>) -> impl FnOnce(
 const OFFSET: f64 = 0.02;
 const PUSHED: f64 = 0.05;
 
-/// Pushes a unit block onto a plane. Returns the report, the displacement of each vertex with its reference position, and the
-/// number of iterations.
+/// Pushes a unit block onto a plane. Returns the report, the displacement of each vertex with its reference position,
+/// and the number of iterations.
 fn pushed_block(law: impl ContactLaw + 'static) -> (ContactReport<2>, Vec<(Point<2>, Vector<2>)>, usize) {
     let supports = vec![("left", SupportKind::symmetry(0)), ("top", pushed_by(-PUSHED))];
     let bodies = [block([0.0, 0.0], [1.0, 1.0], [4, 3], soft(), supported(supports))];
@@ -172,7 +172,8 @@ fn two_blocks_pass_the_patch_test_whether_meshes_match_or_not() {
 }
 
 /// Contact acts on the linear facets through the nodes. A uniform pressure on them is not the load of a uniform stress
-/// in quadratic elements. Where meshes match, the gap of the penalty balances the difference; elsewhere it falls with the size.
+/// in quadratic elements. Where meshes match, the gap of the penalty balances the difference; elsewhere it falls with
+/// the size.
 #[test]
 fn two_blocks_of_quadratic_elements_are_nearly_uniform() {
     let [soft, stiff] = [1e4, 1e5].map(|gamma| two_blocks::<2>(Order::Quadratic, Some(gamma), 3, 3));

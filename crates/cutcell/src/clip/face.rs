@@ -2,8 +2,8 @@
 
 use mesh::{Point, Vector};
 
-/// Computes the overlap of two convex faces (segments in 2D, polygons in 3D) on a plane with the given normal. Writes it
-/// to `out` and returns its measure, or zero if the length or width of the overlap is below `tolerance`.
+/// Computes the overlap of two convex faces (segments in 2D, polygons in 3D) on a plane with the given normal. Writes
+/// it to `out` and returns its measure, or zero if the length or width of the overlap is below `tolerance`.
 ///
 /// Where possible, points of the overlap are points of the two faces, so that coordinates in neighbours are equal.
 pub(crate) fn face_overlap<const D: usize>(

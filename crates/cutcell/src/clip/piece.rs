@@ -27,7 +27,8 @@ impl<const D: usize> Piece<D> {
         self.loops.clear();
     }
 
-    /// Sets this to a positively oriented simplex with the given planes of its faces; face `i` is opposite to point `i`.
+    /// Sets this to a positively oriented simplex with the given planes of its faces; face `i` is opposite to point
+    /// `i`.
     pub(crate) fn set_simplex(&mut self, points: &[Point<D>], planes: [Plane; 4]) {
         self.clear();
         let others = |i: usize| (0..=D).filter(move |&k| k != i);
@@ -111,8 +112,8 @@ impl<const D: usize> Piece<D> {
         Some(polygons.push(by, behind.face(behind.n_faces() - 1)))
     }
 
-    /// Returns the corners at which edges cross a plane. `crossing` is called once per edge with the plane of a face, the
-    /// two ends of the edge, and the plane beyond the edge.
+    /// Returns the corners at which edges cross a plane. `crossing` is called once per edge with the plane of a face,
+    /// the two ends of the edge, and the plane beyond the edge.
     fn crossings(
         &self,
         distances: &[f64],
@@ -182,8 +183,8 @@ impl<const D: usize> Piece<D> {
         divided
     }
 
-    /// Adds the part on one side (0 behind, 1 in front) of a face that crosses the plane. The loop of the face enters this
-    /// side at the first and leaves it at the second of the given meetings.
+    /// Adds the part on one side (0 behind, 1 in front) of a face that crosses the plane. The loop of the face enters
+    /// this side at the first and leaves it at the second of the given meetings.
     fn add_crossed(
         &mut self,
         side: usize,
@@ -243,8 +244,8 @@ impl<const D: usize> Piece<D> {
         }
     }
 
-    /// Adds the face on the dividing plane. `section` contains its edges (from, to, plane beyond) in 3D, and its two ends
-    /// in 2D, the first one marked with 1.
+    /// Adds the face on the dividing plane. `section` contains its edges (from, to, plane beyond) in 3D, and its two
+    /// ends in 2D, the first one marked with 1.
     fn close(&mut self, mut section: Section, by: Plane) {
         if D == 2 {
             section.sort_by_key(|end| std::cmp::Reverse(end.1));

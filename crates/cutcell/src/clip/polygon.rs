@@ -92,8 +92,8 @@ impl<const D: usize> Polygons<D> {
         })
     }
 
-    /// Classifies a polygon relative to a plane. If it crosses the plane, calls `divide` with the crossings; distances of
-    /// the corners are then in `self.distances`.
+    /// Classifies a polygon relative to a plane. If it crosses the plane, calls `divide` with the crossings; distances
+    /// of the corners are then in `self.distances`.
     fn place_with<P>(
         &mut self,
         planes: &Planes<'_, D>,

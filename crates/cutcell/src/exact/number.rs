@@ -22,7 +22,8 @@ pub(super) trait Number: Clone + Default {
     }
 }
 
-/// A number of double the precision of `f64`, with the sum of the absolute values of its terms as the scale of round-off.
+/// A number of double the precision of `f64`, with the sum of the absolute values of its terms as the scale of
+/// round-off.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Double {
     high: f64,

@@ -1,9 +1,9 @@
 //! Planes defined by points of the input, and corners defined by the planes that intersect there.
 //!
 //! Every plane is defined by `D` points with floating-point coordinates. Every corner of every piece of a cut is such a
-//! point or the intersection of `D` planes, so the signed distance of a corner from a plane is a rational function of the
-//! input. Its sign is computed with rounded numbers if they are certain, otherwise from vertices and edges that the planes
-//! share, and otherwise with exact arithmetic. The stored coordinates of a corner are rounded.
+//! point or the intersection of `D` planes, so the signed distance of a corner from a plane is a rational function of
+//! the input. Its sign is computed with rounded numbers if they are certain, otherwise from vertices and edges that the
+//! planes share, and otherwise with exact arithmetic. The stored coordinates of a corner are rounded.
 
 use mesh::{Point, SimplexMesh, Vector};
 

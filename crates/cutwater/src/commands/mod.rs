@@ -82,7 +82,8 @@ impl From<cutwater::report::Error> for Failure {
 }
 
 impl Failure {
-    /// Returns the exit code: 2 for input that cannot be run, 1 for a run that failed, 130 for one that was interrupted.
+    /// Returns the exit code: 2 for input that cannot be run, 1 for a run that failed, 130 for one that was
+    /// interrupted.
     pub(crate) fn exit_code(&self) -> ExitCode {
         match self {
             Self::Run {

@@ -7,7 +7,8 @@ use crate::OpenPoint;
 
 /// `-ρ^f/2 (min(u*·n, 0) u, v)_Γ`: removes the kinetic energy of fluid that enters through an open boundary
 ///
-/// Source: Bazilevs et al. 2009, DOI 10.1016/j.cma.2009.04.015; not in the paper, although fluid enters through its open sides.
+/// Source: Bazilevs et al. 2009, DOI 10.1016/j.cma.2009.04.015; not in the paper, although fluid enters through its
+/// open sides.
 /// Couples: velocity × velocity.   Domain: wet pieces of the zero-traction boundary.
 /// Units: force (2D: per unit depth).
 pub struct Backflow {

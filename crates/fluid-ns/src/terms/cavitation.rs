@@ -4,8 +4,8 @@ use algebra::{LocalSystem, Term};
 
 use crate::FluidCell;
 
-/// `-Σ_i q_i C K |g_i|² [p_c - p_i]_+`: the volume of vapour that appears per time at vertices where the pressure of a film is
-/// below the floor `p_c`
+/// `-Σ_i q_i C K |g_i|² [p_c - p_i]_+`: the volume of vapour that appears per time at vertices where the pressure of a
+/// film is below the floor `p_c`
 ///
 /// Source: the condition of Reynolds (Gümbel), as a penalty. The pressure is at least `p_c`, the volume of the film
 /// grows at least as fast as fluid enters, and one of the two holds with equality. The mass of the fluid is not
@@ -20,7 +20,8 @@ pub struct Cavitation {
     /// Lowest pressure `p_c`.
     pub floor: f64,
     /// The number `C`: rate of the volume of vapour at a vertex, relative to the flux along the film that the same
-    /// difference of pressure drives. Pressures fall below the floor by about `1/C` of the differences of pressure in the film.
+    /// difference of pressure drives. Pressures fall below the floor by about `1/C` of the differences of pressure in
+    /// the film.
     pub stiffness: f64,
 }
 

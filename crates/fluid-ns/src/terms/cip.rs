@@ -46,10 +46,10 @@ impl CipVelocity {
 /// `τ_F = (ρ s + ρ |u*|_F/h_F + μ/h_F²)^{-1}` and the rate `s`, `1/Δt` with implicit Euler. It provides the inf-sup
 /// condition, and is the ghost penalty of the pressure.
 ///
-/// Source: paper, `s_h` in Eq. (4); scaling as in Burman, Fernández, Hansbo 2006, DOI 10.1137/040617686, with the time step
-/// in `τ_F` in addition, which reduces the penalty for small steps.
-/// Couples: pressure × pressure.   Domain: interior faces of active parts, whole face. In films the weight is reduced by the
-/// factor `1 - χ`, because the term [`Film`](crate::terms::Film) stabilises the pressure there.
+/// Source: paper, `s_h` in Eq. (4); scaling as in Burman, Fernández, Hansbo 2006, DOI 10.1137/040617686, with the time
+/// step in `τ_F` in addition, which reduces the penalty for small steps.
+/// Couples: pressure × pressure.   Domain: interior faces of active parts, whole face. In films the weight is reduced
+/// by the factor `1 - χ`, because the term [`Film`](crate::terms::Film) stabilises the pressure there.
 /// Units: weight length²/viscosity × length.
 pub struct CipPressure {
     /// `γ_p`.

@@ -6,17 +6,18 @@ use mesh::Vector;
 use super::ForceFunction;
 use crate::FluidCell;
 
-/// `(κ (∇p - f^f), ∇q)_{Ω^f} - (κ_s (∇p - f^f), ∇q)_Σ` with `κ = χ max(d, min(k, h))²/(12 μ^f)` and `κ_s = χ s ℓ d²/(12 μ^f)`: the
-/// part of the flux along a film that linear velocities do not represent
+/// `(κ (∇p - f^f), ∇q)_{Ω^f} - (κ_s (∇p - f^f), ∇q)_Σ` with `κ = χ max(d, min(k, h))²/(12 μ^f)` and
+/// `κ_s = χ s ℓ d²/(12 μ^f)`: the part of the flux along a film that linear velocities do not represent
 ///
 /// Source: Reynolds' equation `∇·(δ³/(12 μ) ∇p) = ∂δ/∂t + ∇·(δ (v_1 + v_2)/2)` is the sum of this term and `(q, ∇·u)`
 /// across the film. As there, the missing flux has no inertia.
 /// Symbols: share `χ` of the missing flux that is added, thickness `d` of a layer of cells, height `k` of the
-/// asperities, extent `h` of the cell across the film; share `s` and length `ℓ` of the slip on surfaces `Σ` of bodies, see
-/// [`crate::FilmValues::subtract_slip`].
+/// asperities, extent `h` of the cell across the film; share `s` and length `ℓ` of the slip on surfaces `Σ` of bodies,
+/// see [`crate::FilmValues::subtract_slip`].
 /// Couples: pressure × pressure.   Domain: fluid parts in films, and surfaces of bodies in them.
 /// Units: volume/time (2D: per unit depth).
-/// With `g_i = ∇N_i`, `K = ∫_Ω κ - ∫_Σ κ_s`, `F = ∫_Ω κ f - ∫_Σ κ_s f`:   residual_i = g_i · (K ∇p - F),   tangent_ij = K g_i · g_j.
+/// With `g_i = ∇N_i`, `K = ∫_Ω κ - ∫_Σ κ_s`, `F = ∫_Ω κ f - ∫_Σ κ_s f`:   residual_i = g_i · (K ∇p - F),   tangent_ij =
+/// K g_i · g_j.
 pub struct Film<'a, const D: usize> {
     /// Dynamic viscosity `μ^f`.
     pub viscosity: f64,

@@ -2,8 +2,8 @@
 
 use crate::FluidFace;
 
-/// `g_h(u, v) = γ_g μ^f h_F ([∇u]n, [∇v]n)_F`: keeps the mortar coercive and bounds the condition number of the unscaled
-/// matrix for parts of any size.
+/// `g_h(u, v) = γ_g μ^f h_F ([∇u]n, [∇v]n)_F`: keeps the mortar coercive and bounds the condition number of the
+/// unscaled matrix for parts of any size.
 ///
 /// Source: paper, form after Eq. (4); Burman 2010, DOI 10.1016/j.crma.2010.10.006.
 /// Couples: velocity × velocity, each component by itself.   Domain: faces of cut cells, whole face. In films the

@@ -4,8 +4,8 @@ use algebra::{LocalSystem, Term};
 
 use crate::FluidCell;
 
-/// `2 μ^f (u_r/r, v_r/r)_{Ω^f} - (p, v_r/r)_{Ω^f} + (q, u_r/r)_{Ω^f}`: the contributions of the entry `D_θθ(u) = u_r/r` of the
-/// strain rate, which the gradient in the half plane `(r, z)` does not contain
+/// `2 μ^f (u_r/r, v_r/r)_{Ω^f} - (p, v_r/r)_{Ω^f} + (q, u_r/r)_{Ω^f}`: the contributions of the entry `D_θθ(u) = u_r/r`
+/// of the strain rate, which the gradient in the half plane `(r, z)` does not contain
 ///
 /// Source: the forms `a^f` and `b` of the paper in cylindrical coordinates, without swirl.
 /// Couples: radial velocity × radial velocity, radial velocity × pressure, pressure × radial velocity.

@@ -8,8 +8,8 @@ use crate::FluidCell;
 /// Degree of quadrature: the radius in the weight cancels `1/r`, and three P1 functions remain.
 const DEGREE: usize = 3;
 
-/// `ρ^f/2 ((u_r/r) u, v)_{Ω^f}`: the part of `ρ^f/2 ((∇·u) u, v)` that the divergence in the half plane `(r, z)` does not
-/// contain
+/// `ρ^f/2 ((u_r/r) u, v)_{Ω^f}`: the part of `ρ^f/2 ((∇·u) u, v)` that the divergence in the half plane `(r, z)` does
+/// not contain
 ///
 /// Source: the skew part of [`Convection`](crate::terms::Convection) in cylindrical coordinates, without swirl.
 /// Couples: velocity × velocity.   Domain: fluid parts of active cells; none in Cartesian coordinates.

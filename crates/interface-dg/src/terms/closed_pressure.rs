@@ -4,14 +4,16 @@ use algebra::{LocalSystem, Term};
 
 use crate::ClosedPoint;
 
-/// `(p n, w)` on the closed part of the surface of a body, with the pressure `p` at its rim, continued as in fluid at rest
+/// `(p n, w)` on the closed part of the surface of a body, with the pressure `p` at its rim, continued as in fluid at
+/// rest
 ///
 /// Source: Ager, Schott, Vuong, Popp, Wall 2019, doi:10.1002/nme.6094, who continue stresses of the fluid into the
 /// contact zone.
 /// Couples: velocity of the surface × pressure.   Domain: facets of the body without their interface pieces, at the
 /// positions of the cut.
 /// Units: force (2D: per unit depth).
-/// The fluid has no row: it has no volume between surfaces in contact. The pressure `p` is defined by [`crate::FluidStress`].
+/// The fluid has no row: it has no volume between surfaces in contact. The pressure `p` is defined by
+/// [`crate::FluidStress`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ClosedPressure;
 

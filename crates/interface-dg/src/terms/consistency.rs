@@ -10,7 +10,8 @@ use crate::MortarPoint;
 /// Source: paper, Eq. (4).
 /// Couples: velocity and solid × velocity, pressure and, for α < 1, solid.   Domain: interface pieces of the step.
 /// Units: force (2D: per unit depth).
-/// Derivative of the traction with respect to `u_j`: `μ ( (g_j·n^f) I + g_j ⊗ n^f )`, with respect to `p_j`: `-N_j n^f`.
+/// Derivative of the traction with respect to `u_j`: `μ ( (g_j·n^f) I + g_j ⊗ n^f )`, with respect to `p_j`:
+/// `-N_j n^f`.
 pub struct Consistency {
     /// The fluid.
     pub fluid: NewtonianFluid,

@@ -32,8 +32,8 @@ pub enum PenaltyProfile {
 }
 
 impl PenaltyProfile {
-    /// Returns the share `3/γ_t` of the flux along a film that passes because the velocity slips on one of its two surfaces, if the
-    /// viscous length is the thickness of the film. See [`fluid_ns::FilmValues::subtract_slip`].
+    /// Returns the share `3/γ_t` of the flux along a film that passes because the velocity slips on one of its two
+    /// surfaces, if the viscous length is the thickness of the film. See [`fluid_ns::FilmValues::subtract_slip`].
     pub fn slip_share(&self) -> f64 {
         match self {
             Self::Uniform { gamma_sigma: gamma } | Self::Split { gamma_tangential: gamma, .. } => 3.0 / gamma,
@@ -43,8 +43,8 @@ impl PenaltyProfile {
 
 /// `(S (u - v_s), v - w)_Σ` with `S = σ_t I + (σ_n - σ_t) n ⊗ n` and the scaling of [`PenaltyProfile`]
 ///
-/// Source: paper, Eq. (4), for `σ_n = σ_t`; shares of `σ_n` as in the Nitsche terms of Winter, Schott, Massing, Wall 2018,
-/// arXiv 1706.05897.
+/// Source: paper, Eq. (4), for `σ_n = σ_t`; shares of `σ_n` as in the Nitsche terms of Winter, Schott, Massing, Wall
+/// 2018, arXiv 1706.05897.
 /// Couples: velocity and solid × velocity and solid.   Domain: interface pieces of the step.
 /// Units: force (2D: per unit depth).
 /// `h_K` is the size of the background cell. In `γ μ/h_K` the viscous length takes its place, which is less in films.

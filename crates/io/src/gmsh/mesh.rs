@@ -27,7 +27,8 @@ pub struct GmshMesh<const D: usize> {
 impl GmshFile {
     /// Returns the mesh of the triangles (`D = 2`) or tetrahedra (`D = 3`).
     ///
-    /// Vertices are the corner nodes that cells use, in the order of the file. A cell may have either orientation in the file.
+    /// Vertices are the corner nodes that cells use, in the order of the file. A cell may have either orientation in
+    /// the file.
     ///
     /// # Errors
     /// A text with cause and remedy, if there are no cells, nodes are out of the plane in 2D, cells have no volume or

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 
 use super::formula::FormulaError;
 
-/// Place of a key or value: the file and line, or the command-line argument that set the value, and the path of the key.
+/// Place of a key or value: the file and line, or the command-line argument that set the value, and the path of the
+/// key.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Location {
     /// Scenario file.

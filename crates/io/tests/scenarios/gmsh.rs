@@ -388,7 +388,8 @@ fn damaged_files_do_no_harm() {
     assert!(n_read > 1000, "{n_read}");
 }
 
-/// A group of a fixture: its name, the number of its elements, and their length, area or volume for elements of order 1 and 2.
+/// A group of a fixture: its name, the number of its elements, and their length, area or volume for elements of order 1
+/// and 2.
 type Group = (&'static str, usize, [f64; 2]);
 
 /// Numbers that Gmsh 4.15.2 states of the meshes of `gmsh-files`: nodes of cells of order 2, corners, and groups of the

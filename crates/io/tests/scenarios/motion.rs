@@ -58,8 +58,8 @@ fn expect(motion: &str, more: &str, on: &str, key: &str, words: &[&str]) {
     check_place(mistake(read(&text, &[])), &text, begin, key, words);
 }
 
-/// Returns reference, position and velocity of the vertices of the first body after a step from 0 to `t`. The velocity of
-/// the surface in this step is that at the end.
+/// Returns reference, position and velocity of the vertices of the first body after a step from 0 to `t`. The velocity
+/// of the surface in this step is that at the end.
 fn moved(file: &ScenarioFile, t: f64) -> Vec<[Point<2>; 3]> {
     let case = planar_case(file);
     let body = &case.setup.bodies[0];

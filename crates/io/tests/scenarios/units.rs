@@ -174,7 +174,8 @@ fn the_virtual_barrier_is_the_same_in_si() {
         "solver.newton.tolerance=1e-12",
         "solver.linear=direct",
     ];
-    // The viscosity of the paper's interior penalty is that of a length times a velocity: in the plane its parameter is 0.7 cm.
+    // The viscosity of the paper's interior penalty is that of a length times a velocity: in the plane its parameter is
+    // 0.7 cm.
     let parameter = |gamma_1: f64| {
         format!(
             "fluid.stabilisation={{ set = \"paper-44-2019\", cip = {{ profile = \"paper\", gamma_1 = {gamma_1} }} }}"

@@ -136,7 +136,8 @@ impl ClosedLine {
         self
     }
 
-    /// Appends at least `least` segments whose length is about `h` at their position along a curve over the parameters from 0 to 1.
+    /// Appends at least `least` segments whose length is about `h` at their position along a curve over the parameters
+    /// from 0 to 1.
     fn push_graded(
         &mut self,
         name: &str,

@@ -11,10 +11,10 @@ use crate::{Error, Point, SimplexMesh};
 /// Generates a box with cells of the given size. Facets are tagged by side, and coordinates of vertices on a side are
 /// exact.
 ///
-/// In 2D, the mesh is an unstructured triangulation with angles of at least 25 degrees and the tags "left", "right" (low
-/// and high `x`), "bottom", "top" (low and high `y`). In 3D, it consists of bricks divided into 6 tetrahedra each, with the
-/// tags "left", "right", "front", "back" (low and high `y`), "bottom", "top"; bricks are graded along the axis of a graded
-/// size, and have the finest size along the other axes.
+/// In 2D, the mesh is an unstructured triangulation with angles of at least 25 degrees and the tags "left", "right"
+/// (low and high `x`), "bottom", "top" (low and high `y`). In 3D, it consists of bricks divided into 6 tetrahedra each,
+/// with the tags "left", "right", "front", "back" (low and high `y`), "bottom", "top"; bricks are graded along the axis
+/// of a graded size, and have the finest size along the other axes.
 ///
 /// Sizes are limited to the length of the shortest side. In 2D the mesh is the same in units that differ by a factor of
 /// a hundred, such as those of cgs and SI.
@@ -27,10 +27,10 @@ pub fn graded_box<const D: usize>(min: [f64; D], max: [f64; D], size: &Size) -> 
 
 /// Generates a box as [`graded_box`] does, with finer cells near regions: the smallest of all sizes at a point is used.
 ///
-/// In 2D, the triangulation follows the size everywhere, with angles of at least 25 degrees for a growth of up to 0.3 and of at
-/// least 20 degrees above it. In 3D, tetrahedra are bisected until their diameters are at most
-/// those of the tetrahedra of a brick of the given size. Bisection gives tetrahedra of few shapes, whatever the ratio of
-/// the sizes.
+/// In 2D, the triangulation follows the size everywhere, with angles of at least 25 degrees for a growth of up to 0.3
+/// and of at least 20 degrees above it. In 3D, tetrahedra are bisected until their diameters are at most
+/// those of the tetrahedra of a brick of the given size. Bisection gives tetrahedra of few shapes, whatever the ratio
+/// of the sizes.
 ///
 /// # Errors
 /// [`Error::Parameter`]: as for [`graded_box`] and [`Region::check`].

@@ -3,7 +3,8 @@
 use super::size::affordable;
 use crate::{Error, ParameterError, Point, SimplexMesh, VertexId, positive, require};
 
-/// Generates a box of `n[0] x n[1] (x n[2])` equal bricks, each divided by Kuhn's rule into 2 triangles or 6 tetrahedra.
+/// Generates a box of `n[0] x n[1] (x n[2])` equal bricks, each divided by Kuhn's rule into 2 triangles or 6
+/// tetrahedra.
 ///
 /// All diagonals run from the lowest corner of a brick to its highest. Vertices are numbered with the first coordinate
 /// fastest. Tags are those of [`super::graded_box`].
@@ -95,8 +96,8 @@ fn multi_index<const D: usize>(mut index: usize, shape: &[usize; D]) -> [usize; 
     })
 }
 
-/// Returns Kuhn's simplices of the unit cube, positively oriented: paths along edges from corner 0 to the opposite corner.
-/// Bit `k` of a corner is its coordinate on axis `k`.
+/// Returns Kuhn's simplices of the unit cube, positively oriented: paths along edges from corner 0 to the opposite
+/// corner. Bit `k` of a corner is its coordinate on axis `k`.
 fn kuhn_paths<const D: usize>() -> Vec<Vec<usize>> {
     let mut paths = vec![vec![0_usize]];
     for _ in 0..D {

@@ -79,7 +79,8 @@ fn tetrahedra() -> impl Iterator<Item = [usize; 4]> {
     })
 }
 
-/// Divides a tetrahedron into `n³`. Each corner of a part is given by the weights of the four corners, with the sum `n`.
+/// Divides a tetrahedron into `n³`. Each corner of a part is given by the weights of the four corners, with the sum
+/// `n`.
 ///
 /// The division of a face depends only on the order of its corners, so that the divisions of neighbours match.
 ///

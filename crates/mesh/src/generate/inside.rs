@@ -22,9 +22,9 @@ const ROUND_OFF: f64 = 1e-9;
 
 /// Generates triangles in the inside of the first line without the insides of the others, which are holes.
 ///
-/// The segments of the lines are the boundary facets, with their names as tags; their points are the first vertices, in order.
-/// The mean diameter of the cells is about `size`. Angles are at least 20 degrees where neither the angles nor the
-/// distances of the lines demand smaller ones.
+/// The segments of the lines are the boundary facets, with their names as tags; their points are the first vertices, in
+/// order. The mean diameter of the cells is about `size`. Angles are at least 20 degrees where neither the angles nor
+/// the distances of the lines demand smaller ones.
 ///
 /// Source: Delaunay refinement, Ruppert 1995, J. Algorithms 18(3), doi:10.1006/jagm.1995.1021; then every free vertex
 /// moves to the centroid of its triangles as long as no angle becomes bad.

@@ -8,10 +8,10 @@ const ON_PLANE: f64 = 1e-12;
 
 /// Returns the union of a mesh and its mirror image at the plane `x[axis] == plane`.
 ///
-/// Vertices and cells of the given half come first and keep their ids. Vertices within 1e-12 of the plane (relative to the
-/// extent of the mesh) are moved onto it, and facets on it become interior. Mirrored facets have the tag of their original,
-/// but names of opposite sides are swapped: "left" and "right" for axis 0, "front" and "back" (3D) or "bottom" and "top"
-/// (2D) for axis 1, "bottom" and "top" for axis 2.
+/// Vertices and cells of the given half come first and keep their ids. Vertices within 1e-12 of the plane (relative to
+/// the extent of the mesh) are moved onto it, and facets on it become interior. Mirrored facets have the tag of their
+/// original, but names of opposite sides are swapped: "left" and "right" for axis 0, "front" and "back" (3D) or
+/// "bottom" and "top" (2D) for axis 1, "bottom" and "top" for axis 2.
 ///
 /// # Errors
 /// [`Error::Parameter`]: `axis` not below `D`, vertices on both sides of the plane, or no boundary facet on it.

@@ -69,8 +69,8 @@ impl<const D: usize> Region<D> {
     /// Checks the parameters for a background box with cells of size `coarse`.
     ///
     /// # Errors
-    /// A size that is not positive or larger than the coarse one, growth out of its range, a box outside of the background,
-    /// an end of a segment outside of it, or too many cells.
+    /// A size that is not positive or larger than the coarse one, growth out of its range, a box outside of the
+    /// background, an end of a segment outside of it, or too many cells.
     pub fn check(&self, min: [f64; D], max: [f64; D], coarse: &Size) -> Result<(), ParameterError> {
         positive("size of the region", self.size)?;
         let is_finer = self.size <= coarse.coarsest();

@@ -7,8 +7,8 @@ pub(super) const STEEPEST: f64 = 0.5;
 
 /// Ratio of the mean length of edges to the size.
 ///
-/// The size is the mean diameter of the cells (to 3 %), since `h` is the diameter in the analysis of finite elements. In
-/// generated meshes, the longest edge of a triangle is 1.08 to 1.09 times the mean edge.
+/// The size is the mean diameter of the cells (to 3 %), since `h` is the diameter in the analysis of finite elements.
+/// In generated meshes, the longest edge of a triangle is 1.08 to 1.09 times the mean edge.
 pub(super) const MEAN_EDGE: f64 = 0.92;
 
 /// The size of cells as a function of position: the mean diameter of triangles, the sides of bricks.
@@ -21,8 +21,8 @@ pub enum Size {
     },
     /// Fine at low and coarse at high values of one coordinate, linear in between with a slope of at most one half.
     ///
-    /// Triangles follow slopes up to 0.1 closely. At larger slopes, angles stay good, but edges near `fine_until` may be up
-    /// to twice as long as specified.
+    /// Triangles follow slopes up to 0.1 closely. At larger slopes, angles stay good, but edges near `fine_until` may
+    /// be up to twice as long as specified.
     Graded {
         /// Size up to `fine_until`.
         fine: f64,
@@ -106,8 +106,8 @@ pub(super) fn affordable(n_cells: f64) -> Result<f64, ParameterError> {
     require(n_cells <= MOST_CELLS, "number of cells", n_cells, "at most 5e7 (increase the size)")
 }
 
-/// Divides `[min, max]` into intervals of length about `h(x)`, equally spaced in the integral of `1/h`. The end points are
-/// exact.
+/// Divides `[min, max]` into intervals of length about `h(x)`, equally spaced in the integral of `1/h`. The end points
+/// are exact.
 ///
 /// The slope of `h` must be at most [`STEEPEST`]: then no minimum lies between two samples.
 pub(super) fn divided(min: f64, max: f64, h: impl Fn(f64) -> f64) -> Result<Vec<f64>, ParameterError> {
@@ -116,7 +116,8 @@ pub(super) fn divided(min: f64, max: f64, h: impl Fn(f64) -> f64) -> Result<Vec<
     const LEAST: f64 = 2.0;
     let step = (max - min) / SAMPLES as f64;
     affordable((0..SAMPLES).map(|k| step / h(min + (k as f64 + 0.5) * step)).sum())?;
-    // Samples in units of the step: begin, length, and the integral up to the end. Where the size is small, they are halved.
+    // Samples in units of the step: begin, length, and the integral up to the end. Where the size is small, they are
+    // halved.
     let mut samples: Vec<(f64, f64, f64)> = Vec::with_capacity(SAMPLES);
     let mut total = 0.0;
     let mut pending: Vec<(f64, f64)> = (0..SAMPLES).rev().map(|k| (k as f64, 1.0)).collect();

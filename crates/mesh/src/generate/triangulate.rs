@@ -36,11 +36,13 @@ impl Outline {
     }
 }
 
-/// Triangulates a polygon with edges of length about `h`, a function of the position, without new points on its boundary.
+/// Triangulates a polygon with edges of length about `h`, a function of the position, without new points on its
+/// boundary.
 ///
-/// Inserts circumcentres of triangles that are too coarse, the worst first. Then moves points to the weighted centroids of
-/// their neighbourhoods, and updates the Delaunay triangulation. Between these passes, removes points where edges are too
-/// short, adds points where they are too long, and does both where angles are small. The result is deterministic.
+/// Inserts circumcentres of triangles that are too coarse, the worst first. Then moves points to the weighted centroids
+/// of their neighbourhoods, and updates the Delaunay triangulation. Between these passes, removes points where edges
+/// are too short, adds points where they are too long, and does both where angles are small. The result is
+/// deterministic.
 pub(super) fn filled<const D: usize>(outline: Outline, h: impl Fn([f64; 2]) -> f64) -> Result<SimplexMesh<D>, Error> {
     let n_fixed = outline.points.len();
     let mut points = outline.points;

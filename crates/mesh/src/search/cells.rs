@@ -37,8 +37,8 @@ impl<const D: usize> CellIndex<D> {
 
     /// Returns the cell that contains the point, with the barycentric coordinates of the point.
     ///
-    /// A cell contains the points whose barycentric coordinates are at least -1e-10, so that round-off does not open gaps
-    /// between cells. If several cells contain the point, the one with the lowest id is returned.
+    /// A cell contains the points whose barycentric coordinates are at least -1e-10, so that round-off does not open
+    /// gaps between cells. If several cells contain the point, the one with the lowest id is returned.
     pub fn locate(&self, x: &Point<D>) -> Option<(CellId, [f64; MAX_CELL_VERTICES])> {
         let mut found: Option<(CellId, [f64; MAX_CELL_VERTICES])> = None;
         self.tree.overlapping(&Aabb { low: *x, high: *x }, |leaf| {

@@ -69,8 +69,8 @@ impl<const D: usize> Foot<D> {
         best
     }
 
-    /// Returns the feature onto which `x` was projected, in terms of the vertices of the facet. The point may lie on its
-    /// boundary.
+    /// Returns the feature onto which `x` was projected, in terms of the vertices of the facet. The point may lie on
+    /// its boundary.
     pub fn feature(&self, vertices: &[VertexId]) -> Feature {
         Feature::spanned(vertices, |k| self.face & (1 << k) != 0)
     }

@@ -49,8 +49,8 @@ impl<const D: usize> BoxTree<D> {
         }
     }
 
-    /// Returns the box whose content has the smallest `distance` from `x`, or `None` if there are no boxes. The distance of
-    /// the content must not be smaller than that of the box.
+    /// Returns the box whose content has the smallest `distance` from `x`, or `None` if there are no boxes. The
+    /// distance of the content must not be smaller than that of the box.
     pub(super) fn nearest(&self, x: &Point<D>, distance: impl Fn(u32) -> f64) -> Option<u32> {
         match &self.tree {
             Tree::Planar(tree) => {

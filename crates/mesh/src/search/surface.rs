@@ -27,8 +27,8 @@ impl<const D: usize> ClosestPoint<D> {
 
 /// Search structure for the facets of a surface at fixed positions.
 ///
-/// Signed distances are correct for closed surfaces whose neighbouring facets share vertices. Facets of measure zero are
-/// allowed.
+/// Signed distances are correct for closed surfaces whose neighbouring facets share vertices. Facets of measure zero
+/// are allowed.
 #[derive(Clone)]
 pub struct SurfaceIndex<const D: usize> {
     boundary: BoundaryMesh<D>,

@@ -8,8 +8,8 @@ use crate::modes::{Spin, n_rotations};
 
 /// `M (A - g)` for translations, `dL/dt` for rotations; implicit Euler: `M (V - V^n)/Δt - M g` and `(J ω - L^n)/Δt`
 ///
-/// Source: Newton's and Euler's laws of motion: the rigid velocities as test functions in the inertia of the paper, fully
-/// discrete problem after Eq. (4).
+/// Source: Newton's and Euler's laws of motion: the rigid velocities as test functions in the inertia of the paper,
+/// fully discrete problem after Eq. (4).
 /// Couples: velocity and spin × velocity and spin.   Domain: the body.
 /// Units: force and torque (2D: per unit depth).
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -33,8 +33,8 @@ fn worse(a: f64, b: f64) -> f64 {
     if a.is_nan() || b.is_nan() { f64::INFINITY } else { a.max(b) }
 }
 
-/// Returns the largest deviation of the blocks of the stiffness from [`Material::first_piola_derivative`]. The directions
-/// are the first `D + 1` columns of the two tensors.
+/// Returns the largest deviation of the blocks of the stiffness from [`Material::first_piola_derivative`]. The
+/// directions are the first `D + 1` columns of the two tensors.
 fn stiffness_deviation<const D: usize>(material: &dyn Material<D>, f: &Tensor<D>, pair: &[Tensor<D>; 2]) -> f64 {
     let g: Vec<Vector<D>> = (0..=D).map(|i| pair[i / D].column(i % D).into_owned()).collect();
     let (mut largest, mut deviation, mut n_blocks) = (0.0_f64, 0.0_f64, 0);

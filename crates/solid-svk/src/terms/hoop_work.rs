@@ -9,11 +9,13 @@ use crate::cell::row;
 use crate::deformation::{SpaceTensor, THETA, in_plane, into_space};
 use crate::{Material, SolidPoint};
 
-/// `(P(F), ∇w)_{Ω̂^s} + (P_θθ(F), w_R/R)_{Ω̂^s}`, with the deformation gradient in space `F = F_Rz + (1 + d_R/R) e_θ ⊗ e_θ`
+/// `(P(F), ∇w)_{Ω̂^s} + (P_θθ(F), w_R/R)_{Ω̂^s}`, with the deformation gradient in space
+/// `F = F_Rz + (1 + d_R/R) e_θ ⊗ e_θ`
 ///
 /// Source: `a^s` of the paper in cylindrical coordinates, without swirl.
 /// It replaces [`InternalWork`](crate::terms::InternalWork), because all entries of `P` depend on the hoop stretch.
-/// Couples: solid velocity × solid velocity.   Domain: reference cells in axisymmetric coordinates; none in Cartesian ones.
+/// Couples: solid velocity × solid velocity.   Domain: reference cells in axisymmetric coordinates; none in Cartesian
+/// ones.
 /// Units: force of the whole circle.
 /// With g_i = ∇N_i, h_i = N_i/R and the weight w of a quadrature point, and `d = d_pred + c_d v`:
 ///   residual_i = w (P g_i + P_θθ h_i e_R),    column b of tangent_ij = w c_d (dP g_i + dP_θθ h_i e_R)

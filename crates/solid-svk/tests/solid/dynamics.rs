@@ -160,7 +160,8 @@ fn groups_of_cells_have_their_density_and_material() {
     }
 }
 
-/// Checks two layers between a held and a pulled side, without lateral strain: the stress `(λ + 2 μ) e` is the same in both.
+/// Checks two layers between a held and a pulled side, without lateral strain: the stress `(λ + 2 μ) e` is the same in
+/// both.
 fn layers_have_their_density_and_material(order: Order) {
     let solid = SolidMesh::<2>::of_order(unit_mesh(4), order).unwrap();
     assert!(matches!(solid.clone().with_groups(vec![0; 3]), Err(Error::Groups { found: 3, n_cells: 32 })));

@@ -172,7 +172,8 @@ fn pressurised_disk() {
     pressurised(&round_disk(mesh(), 4.0));
 }
 
-/// Checks x = s X with (λ + μ)(s² - 1) = -p; radial displacement at the rim. The size puts vertices on the horizontal axis.
+/// Checks x = s X with (λ + μ)(s² - 1) = -p; radial displacement at the rim. The size puts vertices on the horizontal
+/// axis.
 fn pressurised(mesh: &SolidMesh<2>) {
     let form = weightless();
     let body = Fixture::new(mesh);

@@ -68,8 +68,8 @@ fn bounces_of_a_block_on_its_corners_and_sides_make_no_energy() {
             let (dt, gravity) = (5e-3, 10.0);
             let setup = Setup { scheme: Arc::clone(&scheme), dt, ..bouncing_body(block(0.3, gravity), restitution) };
             let (_, reports) = run(&setup, 400);
-            // With implicit Euler the weight acts along the motion after the collision for the whole step: half of its momentum times
-            // the change of velocity is gained.
+            // With implicit Euler the weight acts along the motion after the collision for the whole step: half of its
+            // momentum times the change of velocity is gained.
             for report in &reports {
                 let of_weight = 0.51 * report.contacts[0].force[1] * gravity * dt.powi(2);
                 let allowed = if is_euler { of_weight } else { 0.05 * of_weight } + 1e-9;

@@ -105,15 +105,16 @@ fn vibrations_die_down_to_the_equilibrium() {
     assert!(rest.iter().zip(&late).all(|(a, b)| (a - b).norm() < 1e-4 * largest));
 }
 
-/// A body at rest moves by the rounding of its positions only. Newton's tolerance relative to this motion cannot be reached.
+/// A body at rest moves by the rounding of its positions only. Newton's tolerance relative to this motion cannot be
+/// reached.
 #[test]
 fn a_body_at_rest_does_not_stop_a_run() {
     let (state, reports) = run(&Setup { dt: 0.1, ..in_vacuum(hanging(), Arc::new(ImplicitEuler)) }, 60);
     assert!(state.bodies[0].largest_speed() < 1e-12 && reports[59].newton.iterations <= 3);
 }
 
-/// Checks Nitsche's law with a scheme of second order: the gap does not alternate from step to step, which would make energy, and a
-/// stiffer law has less penetration.
+/// Checks Nitsche's law with a scheme of second order: the gap does not alternate from step to step, which would make
+/// energy, and a stiffer law has less penetration.
 #[test]
 fn contact_without_stored_energy_is_stable() {
     let penetration = |gamma_0: f64| {
@@ -181,7 +182,8 @@ fn a_second_order_ball_in_the_fluid_gains_no_energy() {
 
 #[test]
 fn gravity_that_varies_in_time_is_a_load() {
-    // Implicit Euler takes the gravity at the end of the step, generalised-α with this radius a third of a step before it.
+    // Implicit Euler takes the gravity at the end of the step, generalised-α with this radius a third of a step before
+    // it.
     for (scheme, before_end) in [(Arc::new(ImplicitEuler) as Scheme, 0.0), (second_order(0.5), 1.0 / 3.0)] {
         let mesh = structured_box::<2>([0.0, 0.0], [2.0, 1.0], [2, 1]).expect("a box");
         let gravity: solver::body::VectorInTime<2> = Arc::new(|t: f64| V::new(2.0, -3.0) * t.cos());

@@ -20,7 +20,8 @@ const fn length<const D: usize>() -> f64 {
     (if D == 2 { CELLS } else { CELLS_IN_SPACE }) as f64
 }
 
-/// Returns plates at a gap around the middle of a row of cells. The upper one has a velocity; both end outside of the mesh.
+/// Returns plates at a gap around the middle of a row of cells. The upper one has a velocity; both end outside of the
+/// mesh.
 fn plates<const D: usize>(gap: f64, velocity: Vector<D>, film: FilmSetup) -> Setup<D> {
     let length = length::<D>();
     let of = |along: f64, across: f64| std::array::from_fn(|k| if k + 1 < D { along } else { across });
@@ -52,7 +53,8 @@ fn force<const D: usize>(setup: &Setup<D>) -> Vector<D> {
     pieces.filter(|(piece, _)| piece.body.index() == 1).map(|(_, on)| on.total() * on.measure).sum()
 }
 
-/// Squeezes out a film and compares the force, over `μ L³ V/δ³` and the width in space, with that of Reynolds' equation.
+/// Squeezes out a film and compares the force, over `μ L³ V/δ³` and the width in space, with that of Reynolds'
+/// equation.
 fn squeeze<const D: usize>(gap: f64, exact: f64, bound: f64) {
     let mut down = Vector::zeros();
     down[D - 1] = -1.0;
@@ -68,8 +70,8 @@ fn the_force_of_a_film_that_is_squeezed_out_is_that_of_reynolds() {
     for gap in [0.15, 0.4, 1.0] {
         squeeze::<2>(gap, 1.0, 0.01);
     }
-    // A square: 12 times the mean of u with -Δu = 1 on the unit square, which linear functions on 8 × 8 squares, equal to the
-    // five-point formula, have as 0.951 of 1 - 192/π⁵ Σ tanh((2k + 1) π/2)/(2k + 1)⁵ = 0.4217.
+    // A square: 12 times the mean of u with -Δu = 1 on the unit square, which linear functions on 8 × 8 squares, equal
+    // to the five-point formula, have as 0.951 of 1 - 192/π⁵ Σ tanh((2k + 1) π/2)/(2k + 1)⁵ = 0.4217.
     squeeze::<3>(0.15, 0.951 * 0.4217, 0.02);
 }
 

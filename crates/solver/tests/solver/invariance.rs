@@ -1,4 +1,5 @@
-//! Independence of the result from the number of threads, from a restart, from the use of symmetry, and from an ambient pressure.
+//! Independence of the result from the number of threads, from a restart, from the use of symmetry, and from an ambient
+//! pressure.
 
 use std::sync::Arc;
 

@@ -9,7 +9,8 @@ use solver::algebra::time::GeneralisedAlpha;
 use solver::mesh::generate::structured_box;
 use solver::{FluidBoundary, Ledger, Setup, Stabilisation, State, StepReport, Substep, advance};
 
-/// Checks that every step closes to ten times the tolerance of Newton's method, relative to the largest energy or change.
+/// Checks that every step closes to ten times the tolerance of Newton's method, relative to the largest energy or
+/// change.
 fn check_closed(setup: &Setup<2>, reports: &[StepReport<2>]) {
     let size = |report: &StepReport<2>| {
         let lines = report.ledger.lines();
@@ -156,7 +157,8 @@ fn the_scheme_takes_energy_from_a_rigid_body_by_its_formula() {
 
 #[test]
 fn the_lines_contain_every_field() {
-    // Different powers of two: their sum is exact, and shows which are in it. Without `..`, a new field is needed here too.
+    // Different powers of two: their sum is exact, and shows which are in it. Without `..`, a new field is needed here
+    // too.
     let mut next = 0.5;
     let mut value = || {
         next *= 2.0;
@@ -192,8 +194,8 @@ fn the_lines_contain_every_field() {
 
 #[test]
 fn a_moving_floor_works_on_the_body_that_it_lifts() {
-    // The floor moves up with speed 2 and throws a block of mass 3. With generalised-α the law does not act at the velocity of the
-    // stage, and its power differs from the change of its energy by 2e-5 of the energy at most.
+    // The floor moves up with speed 2 and throws a block of mass 3. With generalised-α the law does not act at the
+    // velocity of the stage, and its power differs from the change of its energy by 2e-5 of the energy at most.
     let second_order = GeneralisedAlpha::new(0.5).expect("from 0 to 1");
     for (scheme, most) in [(None, 1e-9), (Some(second_order), 1e-3)] {
         let speed = 2.0;

@@ -21,7 +21,8 @@ fn turned<const D: usize>(mesh: &SimplexMesh<D>, turn: Tensor<D>) -> SimplexMesh
     mesh.mapped(|x| turn * x).expect("a mesh")
 }
 
-/// Largest energy that no line of the ledger explains, relative to its largest line: the tolerance of Newton's method is `1e-11`.
+/// Largest energy that no line of the ledger explains, relative to its largest line: the tolerance of Newton's method
+/// is `1e-11`.
 const CLOSED: f64 = 1e-9;
 
 /// Checks that the lines of the ledger explain the change of the energy in every step: reactions of planes do no work.

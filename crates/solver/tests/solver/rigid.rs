@@ -345,8 +345,8 @@ fn neutral(velocity: V, omega: f64, n: usize) -> usize {
 fn a_neutral_body_moves_and_turns_with_the_fluid() {
     assert!(neutral(V::new(1.1, -0.6), 0.0, 12) > 0);
     assert!(neutral(V::zeros(), 2.5, 30) > 0);
-    // Uncovered dofs take the current velocity of the body, not that on the lagging geometry; until one is uncovered, the
-    // solution is exact.
+    // Uncovered dofs take the current velocity of the body, not that on the lagging geometry; until one is uncovered,
+    // the solution is exact.
     assert_eq!(neutral(V::new(1.1, -0.6), 2.5, 5), 0);
 }
 
@@ -485,7 +485,8 @@ fn a_piston_fixes_the_pressure_behind_it() {
 
 #[test]
 fn the_difference_of_pressures_alone_moves_a_piston_in_a_closed_box() {
-    // Gravity on the fluid, and on the plate as if it were fluid: all at rest, and the pressure goes on through the plate.
+    // Gravity on the fluid, and on the plate as if it were fluid: all at rest, and the pressure goes on through the
+    // plate.
     let gravity = V::new(0.0, -10.0);
     // The plate is 2.4 wide, of which 0.4 are outside.
     let mut setup = piston(gravity * (1.3 * 2.0 / 2.4), false);

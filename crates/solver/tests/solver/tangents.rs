@@ -79,8 +79,8 @@ fn with_share(alpha: f64, dt: f64) -> Setup<2> {
     Setup { dt, ..setup }
 }
 
-/// Checks tangents with a share of the solid in the traction, and that consistency and adjoint consistency are transposed: the
-/// mortar is symmetric in the velocities.
+/// Checks tangents with a share of the solid in the traction, and that consistency and adjoint consistency are
+/// transposed: the mortar is symmetric in the velocities.
 #[test]
 fn the_share_of_the_solid_is_symmetric() {
     for alpha in [0.4, 0.0] {

@@ -7,8 +7,8 @@ use crate::DofKey;
 use crate::linear::{Equilibration, LinearError};
 
 impl LaggedSolver {
-    /// Returns the factorised matrix with its scales, nodes and keys; empty if the next matrix will be factorised. Integers
-    /// are numbers without a fraction; the 64 bits of the key of a node are two of them.
+    /// Returns the factorised matrix with its scales, nodes and keys; empty if the next matrix will be factorised.
+    /// Integers are numbers without a fraction; the 64 bits of the key of a node are two of them.
     pub(super) fn to_lists(&self) -> Vec<Vec<f64>> {
         let base = self.base.as_ref().filter(|_| !self.must_factorize);
         let Some((base, matrix)) = base.and_then(|base| Some((base, base.matrix.as_ref()?))) else {
