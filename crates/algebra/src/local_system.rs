@@ -12,12 +12,12 @@ pub struct LocalSystem {
     tangent: Vec<f64>,
     residual_only: bool,
     /// Work space of [`crate::Tied`].
-    pub(crate) scratch: Option<Box<Scratch>>,
+    pub(crate) scratch: Option<Box<TiedRows>>,
 }
 
 /// Memory for one item in its own dofs, some of which are tied to others.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Scratch {
+pub(crate) struct TiedRows {
     pub(crate) system: LocalSystem,
     pub(crate) dofs: Vec<DofId>,
     pub(crate) free: Vec<DofId>,

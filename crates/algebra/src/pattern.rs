@@ -20,12 +20,12 @@ pub struct Pattern {
     first_position: Vec<usize>,
     dofs: Vec<DofId>,
     positions: Vec<u32>,
-    scratch: Scratch,
+    scratch: PatternMemory,
 }
 
 /// Memory that is only used while a pattern is built.
 #[derive(Clone, Debug, Default)]
-struct Scratch {
+struct PatternMemory {
     /// Column to its first entry in `incidence`.
     first_incidence: Vec<usize>,
     /// Items around each column, in their order.
@@ -124,7 +124,7 @@ impl Pattern {
     }
 
     fn sort_by_column(&mut self, n: usize) {
-        let Scratch { first_incidence, incidence, .. } = &mut self.scratch;
+        let PatternMemory { first_incidence, incidence, .. } = &mut self.scratch;
         // Counting sort: `first_incidence[c + 1]` moves from the start to the end of column c while it is filled.
         first_incidence.clear();
         first_incidence.resize(n + 2, 0);
@@ -149,7 +149,7 @@ impl Pattern {
 
     /// Finds the rows of each column, in any order, and writes the position of each entry in that order to `positions`.
     fn collect_rows(&mut self, n: usize) {
-        let Scratch { first_incidence, incidence, mark: place, unsorted, .. } = &mut self.scratch;
+        let PatternMemory { first_incidence, incidence, mark: place, unsorted, .. } = &mut self.scratch;
         unsorted.clear();
         self.column_ptr.clear();
         self.column_ptr.push(0);
@@ -179,7 +179,7 @@ impl Pattern {
     /// Sorts the rows of each column. The pattern is symmetric: visiting the columns in order appends each column to
     /// its rows in order. Replaces each unsorted entry by the position of its mirror image in the sorted pattern.
     fn sort_rows(&mut self, n: usize) {
-        let Scratch { mark: next, unsorted: mirror, .. } = &mut self.scratch;
+        let PatternMemory { mark: next, unsorted: mirror, .. } = &mut self.scratch;
         next.copy_from_slice(&self.column_ptr[..n]);
         self.rows.resize(mirror.len(), 0);
         for column in 0..n {

@@ -1,6 +1,6 @@
 //! Contributions with tied dofs.
 
-use crate::local_system::Scratch;
+use crate::local_system::TiedRows;
 use crate::{Constraints, Contributions, DofId, LocalSystem};
 
 /// A contribution with tied dofs, expressed in their masters.
@@ -38,7 +38,7 @@ impl<'a> Tied<'a> {
     }
 }
 
-impl Scratch {
+impl TiedRows {
     /// Finds the rows of `P`.
     fn relate(&mut self, constraints: &Constraints) {
         let Self { dofs, free, first_entry, entries, .. } = self;

@@ -23,7 +23,7 @@ pub(super) struct Factors {
     numeric: SupernodalLu<u32, f64>,
     row_order: Vec<u32>,
     row_position: Vec<u32>,
-    scratch: Scratch,
+    scratch: FrontMemory,
     pub(super) n_symbolic: usize,
     pub(super) n_numeric: usize,
 }
@@ -140,7 +140,7 @@ fn analyse(
     a: SymbolicSparseColMatRef<'_, u32>,
     at: SymbolicSparseColMatRef<'_, u32>,
     nodes: &[u32],
-    scratch: &mut Scratch,
+    scratch: &mut FrontMemory,
 ) -> Result<Symbolic, FaerError> {
     let n = a.ncols();
     let order = order_nodes(a, nodes, scratch)?;
@@ -181,7 +181,7 @@ fn analyse(
 fn order_nodes(
     a: SymbolicSparseColMatRef<'_, u32>,
     nodes: &[u32],
-    scratch: &mut Scratch,
+    scratch: &mut FrontMemory,
 ) -> Result<Vec<u32>, FaerError> {
     let graph = NodeGraph::new(a.col_ptr(), a.row_idx(), nodes);
     let n_nodes = graph.len();
@@ -203,11 +203,11 @@ pub(super) fn inverse(order: &[u32]) -> Vec<u32> {
 
 /// Stack memory of faer that only grows.
 #[derive(Default)]
-struct Scratch {
+struct FrontMemory {
     memory: Option<(StackReq, MemBuffer)>,
 }
 
-impl Scratch {
+impl FrontMemory {
     /// Returns a stack of at least the required size.
     fn get(&mut self, need: StackReq) -> Result<&mut MemStack, FaerError> {
         let fits = |have: &StackReq| have.size_bytes() >= need.size_bytes() && have.align_bytes() >= need.align_bytes();

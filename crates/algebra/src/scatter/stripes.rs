@@ -89,7 +89,7 @@ impl Stripes {
                 tangent = Some(rest);
                 of_block
             });
-            let block = Block { first: range.start, residual: of_block, first_entry: entries.start, columns };
+            let block = StripeBlock { first: range.start, residual: of_block, first_entry: entries.start, columns };
             stripes[*stripe].blocks.push(block);
         }
         stripes
@@ -100,11 +100,11 @@ impl Stripes {
 pub(crate) struct Stripe<'a> {
     /// Whether this is the only stripe. Its single block then contains all columns, and no search is needed.
     is_whole: bool,
-    blocks: Vec<Block<'a>>,
+    blocks: Vec<StripeBlock<'a>>,
 }
 
 /// Consecutive columns.
-struct Block<'a> {
+struct StripeBlock<'a> {
     first: usize,
     residual: &'a mut [f64],
     first_entry: usize,
@@ -144,7 +144,7 @@ impl Stripe<'_> {
         let n = dofs.len();
         for (k, (dof, value)) in dofs.iter().zip(residual).enumerate() {
             let dof = dof.index();
-            let of = |block: &&mut Block<'_>| dof.wrapping_sub(block.first) < block.residual.len();
+            let of = |block: &&mut StripeBlock<'_>| dof.wrapping_sub(block.first) < block.residual.len();
             let Some(block) = self.blocks.iter_mut().find(of) else { continue };
             block.residual[dof - block.first] += value;
             if let Some(columns) = &mut block.columns {
