@@ -21,6 +21,11 @@ pub trait Body<const D: usize>: Send + Sync {
     /// translations and rotations are all held.
     fn is_movable(&self) -> bool;
 
+    /// Returns whether the body can deform.
+    fn deforms(&self) -> bool {
+        false
+    }
+
     /// Returns the state at time zero.
     fn start(&self) -> BodyState<D>;
 

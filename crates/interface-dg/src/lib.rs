@@ -11,13 +11,15 @@
 //! | `(S (u - v_s), v - w)` | `terms/penalty.rs` |
 //!
 //! Where surfaces are in contact they border no fluid. On these *closed* parts acts the term `(p n, w)` of
-//! `terms/closed_pressure.rs`, with the pressure `p` of the fluid at the rim.
+//! `terms/closed_pressure.rs`, with the pressure `p` of the fluid at the rim. Where the cut is extrapolated,
+//! `terms/moved_pressure.rs` moves the uniform part of the pressure to the surface of the step.
 //!
 //! The velocity of the body is unknown, or given at every point ([`body::SurfaceVelocity`]).
 
 mod closed;
 mod form;
 mod leak;
+mod moved_surface;
 mod piece_values;
 mod pockets;
 mod points;
@@ -31,6 +33,7 @@ mod traction;
 pub use closed::{ClosedPoint, ClosedPoints};
 pub use form::MortarForm;
 pub use leak::{InterfaceFlow, interface_flow};
+pub use moved_surface::{MovedPoint, MovedSurface};
 pub use piece_values::{PiecePoint, PieceValues};
 pub use pockets::{Pocket, pockets};
 pub use points::{InterfacePoints, MortarPoint};

@@ -7,12 +7,13 @@ use algebra::{BlockLayout, BlockSystem, Constraints, Contributions, Integral, ch
 use body::{SurfaceMotion, SurfaceStress, SurfaceVelocity};
 use cutcell::{CutMesh, OverlayOptions};
 use fluid_ns::{FluidFields, FluidGeometry, NewtonianFluid};
-use interface_dg::terms::{ClosedPressure, PenaltyProfile};
+use interface_dg::terms::{ClosedPressure, MovedPressure, PenaltyProfile};
 use interface_dg::{
-    ClosedPoints, FluidStress, InterfacePoints, MortarForm, PieceValues, interface_flow, interface_tractions,
+    ClosedPoints, FluidStress, InterfacePoints, MortarForm, MovedSurface, PieceValues, interface_flow,
+    interface_tractions,
 };
 use mesh::generate::structured_box;
-use mesh::{BodyId, MAX_CELL_VERTICES, Placed, Point, SimplexMesh, Tensor, Vector};
+use mesh::{BodyId, BoundaryMesh, Coordinates, MAX_CELL_VERTICES, Placed, Point, SimplexMesh, Tensor, Vector};
 use xfem_space::{PartValues, XfemSpace, face_values};
 
 type V = Vector<2>;
@@ -332,4 +333,62 @@ fn a_split_penalty_without_inertia_is_the_uniform_one() {
     let split = PenaltyProfile::Split { gamma_normal: 33.0, gamma_tangential: 33.0 };
     let v = V::new(1.3, 0.7);
     assert_eq!(force_on_fluid(MortarForm::new(still, split, 7.0), v), force_on_fluid(uniform(33.0), v));
+}
+
+/// Returns the derivative of the enclosed volume in a direction, by central differences.
+fn change_of_volume<const D: usize>(boundary: &BoundaryMesh<D>, points: &[Point<D>], along: &[Vector<D>]) -> f64 {
+    let step = 1e-4;
+    let volume = |by: f64| {
+        let moved: Vec<Point<D>> = points.iter().zip(along).map(|(x, v)| x + v * by).collect();
+        Placed::new(boundary, &moved).enclosed().volume
+    };
+    (volume(step) - volume(-step)) / (2.0 * step)
+}
+
+/// Checks the pressure on a moved surface: its work is the pressure times the change of the volume, in place of that at
+/// the cut, and its tangent is exact.
+fn pressure_on_a_moved_surface<const D: usize>(coordinates: Coordinates) {
+    const DT: f64 = 0.1;
+    let mesh = structured_box::<D>([0.5; D], [1.5; D], [2; D]).expect("a box").with_coordinates(coordinates);
+    let mesh = mesh.expect("a body beside the axis");
+    let (boundary, points) = (mesh.boundary(), mesh.vertices());
+    let wave = |shift: f64| move |x: &Point<D>| Vector::from_fn(|a, _| (3.0 * x[(a + 1) % D] + shift + a as f64).sin());
+    let moved = |shift: f64, by: f64| points.iter().map(|x| x + wave(shift)(x) * by).collect::<Vec<Point<D>>>();
+    let (begin, predicted, geometry) = (moved(0.3, 0.1), moved(0.7, 0.12), moved(1.9, 0.15));
+    let mut layout = BlockLayout::new();
+    layout.push("other", 3, 1);
+    let field = layout.push("velocity", points.len(), D);
+    let velocity: Vec<Vector<D>> = points.iter().map(wave(2.5)).collect();
+    let mut x = vec![0.0; layout.len()];
+    layout.set(field, velocity.iter().map(|v| (*v).into()), &mut x);
+    let mean = |k: usize| begin[k] + (predicted[k] + velocity[k] * DT - begin[k]) * 0.5;
+    let middle: Vec<Point<D>> = (0..points.len()).map(mean).collect();
+    let expected = [&middle, &geometry].map(|positions| 2.0 * change_of_volume(&boundary, positions, &velocity));
+    let surface = SurfaceMotion {
+        boundary: &boundary,
+        geometry,
+        begin: begin.clone(),
+        predicted,
+        slope: DT,
+        velocity: SurfaceVelocity::Field(field),
+    };
+    let pressure = MovedPressure { pressure: 2.0 };
+    let terms = Integral::new("moved surface", MovedSurface::new(&surface, &layout), vec![&pressure]);
+    let power = terms.power(&x);
+    assert!((power - (expected[0] - expected[1])).abs() < 1e-6, "{power} {expected:?}");
+    assert!((expected[0] - expected[1]).abs() > 0.01);
+    let mut forces = vec![0.0; layout.len()];
+    terms.add_residual(&x, &mut forces);
+    let sum: Vector<D> = layout.values(field, &forces).map(Vector::<D>::from).sum();
+    // In axisymmetric coordinates forces along the radius are those of hoops.
+    let free = (0..D).filter(|a| coordinates.radial() != Some(*a));
+    assert!(free.map(|a| sum[a].abs()).fold(0.0, f64::max) < 1e-13, "{sum}");
+    assert!(check_tangent(&terms, &x, 1e-5) < 1e-8);
+}
+
+#[test]
+fn a_uniform_pressure_moves_with_the_surface() {
+    pressure_on_a_moved_surface::<2>(Coordinates::Cartesian);
+    pressure_on_a_moved_surface::<2>(Coordinates::Axisymmetric);
+    pressure_on_a_moved_surface::<3>(Coordinates::Cartesian);
 }

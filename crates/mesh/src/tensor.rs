@@ -40,6 +40,18 @@ pub fn det<const D: usize>(t: &Tensor<D>) -> f64 {
     }
 }
 
+/// Returns `det(e_c, a_1, .., a_{D-1})` for each c, with the tangents `a_k` of a surface in columns 1 to `D - 1`; column 0 is
+/// not read. The vector is normal to the surface, with the measure of the parallelepiped of the tangents as length.
+#[inline]
+pub fn area_vector<const D: usize>(tangents: &Tensor<D>) -> Vector<D> {
+    Vector::from_fn(|c, _| {
+        let mut columns = *tangents;
+        columns.column_mut(0).fill(0.0);
+        columns[(c, 0)] = 1.0;
+        det(&columns)
+    })
+}
+
 /// Returns the symmetric part of a tensor.
 #[inline]
 pub fn sym<const D: usize>(t: &Tensor<D>) -> Tensor<D> {

@@ -106,6 +106,10 @@ impl<const D: usize> Body<D> for ElasticBody<D> {
         true
     }
 
+    fn deforms(&self) -> bool {
+        true
+    }
+
     fn start(&self) -> BodyState<D> {
         let options = &self.options;
         BodyState::new(self.at_start(&options.initial_displacement), self.at_start(&options.initial_velocity))

@@ -53,6 +53,9 @@ pub struct Ledger {
     pub penalty_tangential: f64,
     /// Inertia, internal work and body force of the bodies: dissipation of their time schemes.
     pub body_scheme: f64,
+    /// Work of the uniform part of the pressure on the moved surfaces of bodies that deform, in place of that on the
+    /// surfaces at which the fluid is cut ([`interface_dg::terms::MovedPressure`]).
+    pub moved_surface: f64,
     /// Work against loads on bodies, also gravity that varies in time, and against pressure on closed surfaces.
     pub loads: f64,
     /// Contacts: work of tractions without the energy that the laws store, and work of collisions. It contains changes
@@ -69,7 +72,7 @@ pub struct Ledger {
 
 impl Ledger {
     /// Returns the lines with their names, in the order of the fields.
-    pub fn lines(&self) -> [(&'static str, f64); 21] {
+    pub fn lines(&self) -> [(&'static str, f64); 22] {
         [
             ("transfer", self.transfer),
             ("fluid_scheme", self.fluid_scheme),
@@ -87,6 +90,7 @@ impl Ledger {
             ("penalty_normal", self.penalty_normal),
             ("penalty_tangential", self.penalty_tangential),
             ("body_scheme", self.body_scheme),
+            ("moved_surface", self.moved_surface),
             ("loads", self.loads),
             ("contact", self.contact),
             ("given_velocities", self.given_velocities),
@@ -183,6 +187,8 @@ impl<const D: usize> Problem<'_, D> {
             ledger.loads += loads;
             known += own + loads;
         }
+        ledger.moved_surface = step.moved_surfaces().map(|terms| work(&terms)).sum();
+        known += ledger.moved_surface;
         let by_laws: f64 = self.contacts.iter().map(|sites| work(&contact_work(sites.clone()))).sum();
         let contact = by_laws + step.collisions.iter().flatten().map(|collision| work(collision)).sum::<f64>();
         let by_collisions: f64 = step.collisions.iter().flatten().map(|collision| collision.given_power(x)).sum();

@@ -1,10 +1,10 @@
 //! The coupled problem of one step, by composition.
 
-use algebra::{Contributions, Equations, Integral};
+use algebra::{Contributions, Equations, Integral, Term};
 use contact::ContactSites;
 use contact::terms::ContactWork;
 use interface_dg::terms::ClosedPressure;
-use interface_dg::{ClosedPoints, InterfacePoints};
+use interface_dg::{ClosedPoints, InterfacePoints, MovedSurface};
 use mesh::BodyId;
 
 use crate::Step;
@@ -36,6 +36,7 @@ impl<const D: usize> Step<'_, D> {
         if let (Some(fluid), Some(points)) = (&self.fluid, &interface) {
             contributions.push(Box::new(fluid.mortar.contributions(points.clone())));
         }
+        contributions.extend(self.moved_surfaces().map(|terms| Box::new(terms) as Box<dyn Contributions + '_>));
         let contacts = self.setup.contacts.iter().zip(&self.contacts);
         let contacts: Vec<_> = contacts.map(|(contact, step)| step.sites(contact, self.parts())).collect();
         for sites in &contacts {
@@ -50,6 +51,17 @@ impl<const D: usize> Step<'_, D> {
         }
         let equations = Equations { layout, contributions, constraints: &self.constraints };
         Problem { equations, step: self, interface, contacts, closed }
+    }
+}
+
+impl<const D: usize> Step<'_, D> {
+    /// Returns the weak forms of the pressures on moved surfaces.
+    pub(crate) fn moved_surfaces(&self) -> impl Iterator<Item = Integral<'_, MovedSurface<'_, D>>> {
+        let pressures = self.bodies.iter().zip(&self.moved_pressures);
+        pressures.filter_map(|(body, pressure)| {
+            let surface = MovedSurface::new(body.surface(), &self.layout);
+            Some(Integral::new("moved surface", surface, vec![pressure.as_ref()? as &dyn Term<_>]))
+        })
     }
 }
 

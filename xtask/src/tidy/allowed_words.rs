@@ -36,6 +36,7 @@ const LIBRARY_WORDS: &[(&[&str], &[&str], &str)] = &[
             "crates/fluid-ns/src/cell.rs",
             "crates/fluid-ns/src/open_boundary.rs",
             "crates/interface-dg/src/closed.rs",
+            "crates/interface-dg/src/moved_surface.rs",
             "crates/interface-dg/src/points.rs",
             "crates/io/",
             "crates/solid-svk/src/cell.rs",

@@ -1,7 +1,7 @@
 //! Uniform pressure on the moving boundary.
 
 use algebra::{LocalSystem, Term};
-use mesh::{Tensor, Vector, det};
+use mesh::{Tensor, area_vector};
 
 use crate::SolidFacet;
 use crate::cell::row;
@@ -54,15 +54,4 @@ impl<const D: usize> Term<SolidFacet<D>> for FollowerPressure {
             }
         }
     }
-}
-
-/// Returns `det(e_c, a_1, ..)` for each c, with the tangents in columns 1 to D - 1.
-#[inline]
-fn area_vector<const D: usize>(tangents: &Tensor<D>) -> Vector<D> {
-    Vector::from_fn(|c, _| {
-        let mut columns = *tangents;
-        columns.column_mut(0).fill(0.0);
-        columns[(c, 0)] = 1.0;
-        det(&columns)
-    })
 }

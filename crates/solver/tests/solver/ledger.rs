@@ -182,6 +182,7 @@ fn the_lines_contain_every_field() {
         penalty_normal: value(),
         penalty_tangential: value(),
         body_scheme: value(),
+        moved_surface: value(),
         loads: value(),
         contact: value(),
         given_velocities: value(),

@@ -1,0 +1,101 @@
+//! The surface of a body between start and end of a step, compared with the surface at which the fluid is cut.
+
+use algebra::{BlockLayout, DofId, Sites};
+use body::SurfaceMotion;
+use mesh::{FacetId, Point, SimplexRule, Tensor, Vector, area_vector};
+
+/// The surface of a body whose motion is unknown: one item per facet, several sites.
+///
+/// The moved positions are the mean of the shifted positions of [`SurfaceMotion`] at start and end of the step. Those
+/// of the cut are [`SurfaceMotion::geometry`].
+#[derive(Clone, Copy)]
+pub struct MovedSurface<'a, const D: usize> {
+    surface: &'a SurfaceMotion<'a, D>,
+    layout: &'a BlockLayout,
+    rule: &'static SimplexRule,
+}
+
+/// A quadrature point of a facet, at its moved position and at that of the cut.
+pub struct MovedPoint<const D: usize> {
+    /// Shape values of the vertices of the facet. Local unknowns are their velocities, `D` each.
+    pub shape: [f64; D],
+    /// Area vector `n dA` out of the body at the moved position minus that on the cut, with the quadrature weight and the
+    /// weight of the coordinates.
+    pub change: Vector<D>,
+    /// Derivatives of `change` with respect to the velocities of the vertices: column `b` is that by component `b`.
+    pub by_velocity: [Tensor<D>; D],
+}
+
+impl<const D: usize> MovedPoint<D> {
+    /// Returns the first local row of the velocity of a vertex of the facet.
+    pub(crate) fn row(&self, vertex: usize) -> usize {
+        D * vertex
+    }
+}
+
+impl<'a, const D: usize> MovedSurface<'a, D> {
+    /// Creates the points of a surface; none if the motion of the body is prescribed.
+    pub fn new(surface: &'a SurfaceMotion<'a, D>, layout: &'a BlockLayout) -> Self {
+        let degree = 1 + surface.boundary.coordinates().degree();
+        Self { surface, layout, rule: SimplexRule::of_degree(D - 1, degree) }
+    }
+}
+
+/// Returns the area vector of a facet, and its derivatives with respect to the positions of the vertices.
+fn area<const D: usize>(points: &[Point<D>; D]) -> (Vector<D>, [Tensor<D>; D]) {
+    let simplex = 1.0 / (1..D).product::<usize>() as f64;
+    let mut edges = Tensor::<D>::zeros();
+    (1..D).for_each(|k| edges.set_column(k, &(points[k] - points[0])));
+    let mut by_vertex = [Tensor::<D>::zeros(); D];
+    for k in 1..D {
+        for b in 0..D {
+            let mut varied = edges;
+            varied.column_mut(k).fill(0.0);
+            varied[(b, k)] = simplex;
+            by_vertex[k].set_column(b, &area_vector(&varied));
+        }
+        let along = by_vertex[k];
+        by_vertex[0] -= along;
+    }
+    (area_vector(&edges) * simplex, by_vertex)
+}
+
+impl<const D: usize> Sites for MovedSurface<'_, D> {
+    type Site = MovedPoint<D>;
+
+    fn len(&self) -> usize {
+        if self.surface.field().is_some() { self.surface.boundary.n_facets() } else { 0 }
+    }
+
+    fn dofs(&self, item: usize, out: &mut Vec<DofId>) {
+        let vertices = self.surface.boundary.facet(FacetId::new(item)).iter();
+        let field = self.surface.field().into_iter();
+        out.extend(field.flat_map(|field| vertices.clone().flat_map(move |v| self.layout.node(field, v.index()))));
+    }
+
+    fn visit(&self, item: usize, x: &[f64], mut visit: impl FnMut(&Self::Site)) {
+        let (surface, coordinates) = (self.surface, self.surface.boundary.coordinates());
+        let vertices = surface.boundary.facet(FacetId::new(item));
+        let of_vertices = |of: &dyn Fn(usize) -> Point<D>| -> [Point<D>; D] { std::array::from_fn(of) };
+        let moved = of_vertices(&|k| {
+            let begin = surface.begin[vertices[k].index()];
+            begin + (surface.position_at(vertices[k], self.layout, x) - begin) * 0.5
+        });
+        let cut = of_vertices(&|k| surface.geometry[vertices[k].index()]);
+        let ((of_moved, by_vertex), (of_cut, _)) = (area(&moved), area(&cut));
+        for (local, weight) in self.rule.points().iter().zip(self.rule.weights()) {
+            let shape: [f64; D] = std::array::from_fn(|k| local[k]);
+            let at = |points: &[Point<D>; D]| points.iter().zip(&shape).map(|(x, n)| x * *n).sum::<Point<D>>();
+            let [by_moved, by_cut] = [&moved, &cut].map(|points| weight * coordinates.weight(&at(points)));
+            let by_position = coordinates.weight_gradient::<D>() * *weight;
+            let slope = 0.5 * surface.slope;
+            visit(&MovedPoint {
+                shape,
+                change: of_moved * by_moved - of_cut * by_cut,
+                by_velocity: std::array::from_fn(|k| {
+                    (by_vertex[k] * by_moved + of_moved * (by_position * shape[k]).transpose()) * slope
+                }),
+            });
+        }
+    }
+}
