@@ -19,8 +19,8 @@ pub struct MovedSurface<'a, const D: usize> {
 pub struct MovedPoint<const D: usize> {
     /// Shape values of the vertices of the facet. Local unknowns are their velocities, `D` each.
     pub shape: [f64; D],
-    /// Area vector `n dA` out of the body at the moved position minus that on the cut, with the quadrature weight and the
-    /// weight of the coordinates.
+    /// Area vector `n dA` out of the body at the moved position minus that on the cut, with the quadrature weight and
+    /// the weight of the coordinates.
     pub change: Vector<D>,
     /// Derivatives of `change` with respect to the velocities of the vertices: column `b` is that by component `b`.
     pub by_velocity: [Tensor<D>; D],

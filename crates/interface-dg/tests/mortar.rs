@@ -350,7 +350,7 @@ fn change_of_volume<const D: usize>(boundary: &BoundaryMesh<D>, points: &[Point<
 fn pressure_on_a_moved_surface<const D: usize>(coordinates: Coordinates) {
     const DT: f64 = 0.1;
     let mesh = structured_box::<D>([0.5; D], [1.5; D], [2; D]).expect("a box").with_coordinates(coordinates);
-    let mesh = mesh.expect("a body beside the axis");
+    let mesh = mesh.expect("a body off the axis");
     let (boundary, points) = (mesh.boundary(), mesh.vertices());
     let wave = |shift: f64| move |x: &Point<D>| Vector::from_fn(|a, _| (3.0 * x[(a + 1) % D] + shift + a as f64).sin());
     let moved = |shift: f64, by: f64| points.iter().map(|x| x + wave(shift)(x) * by).collect::<Vec<Point<D>>>();

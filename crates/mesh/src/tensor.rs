@@ -40,8 +40,9 @@ pub fn det<const D: usize>(t: &Tensor<D>) -> f64 {
     }
 }
 
-/// Returns `det(e_c, a_1, .., a_{D-1})` for each c, with the tangents `a_k` of a surface in columns 1 to `D - 1`; column 0 is
-/// not read. The vector is normal to the surface, with the measure of the parallelepiped of the tangents as length.
+/// Returns `det(e_c, a_1, .., a_{D-1})` for each c, with the tangents `a_k` of a surface in columns 1 to `D - 1`.
+/// Column 0 is not read. The vector is normal to the surface. Its length is the measure of the parallelepiped of the
+/// tangents.
 #[inline]
 pub fn area_vector<const D: usize>(tangents: &Tensor<D>) -> Vector<D> {
     Vector::from_fn(|c, _| {

@@ -23,8 +23,8 @@ pub struct Problem<'p, const D: usize> {
 }
 
 impl<const D: usize> Step<'_, D> {
-    /// Composes the problem. The order of its contributions is that of Eq. (11) of the paper; collisions and the
-    /// pressure on closed parts of surfaces, which the paper does not have, follow.
+    /// Composes the problem. The order of its contributions is that of Eq. (11) of the paper. The paper does not have
+    /// pressures on moved surfaces, collisions, and the pressure on closed parts of surfaces.
     pub fn problem(&self) -> Problem<'_, D> {
         let layout = &self.layout;
         let mut contributions: Vec<Box<dyn Contributions + '_>> = Vec::new();

@@ -13,10 +13,10 @@ const BUDGETS: &[(&[&str], usize)] = &[
     (&["crates/cutwater/src/lib.rs", "crates/cutwater/src/main.rs"], 345),
     (&["crates/io/src"], 12_245),
     (&["crates/report/src"], 1575),
-    (&["crates/solver/src"], 3_200),
+    (&["crates/solver/src"], 3_240),
     (&["validation"], 13_515),
     (&["xtask/src"], 2400),
-    (&[""], 77_950),
+    (&[""], 78_200),
 ];
 /// Largest number of bytes of all JSON files under version control.
 const JSON_BYTES: usize = 50_000;

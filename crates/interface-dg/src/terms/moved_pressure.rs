@@ -13,9 +13,9 @@ use crate::MovedPoint;
 /// doi:10.1016/0045-7825(92)90115-Z.
 /// Couples: velocities of the vertices of a facet.   Domain: the whole surface of a body that deforms.
 /// Units: force (2D: per unit depth).
-/// Without this term the stiffness of a large pressure acts on extrapolated positions, and the body vibrates with growing
-/// amplitude from pressures of a tenth of Young's modulus on. A uniform pressure has no resultant and no moment on a
-/// closed surface, so that the momentum of fluid and body is conserved.
+/// Without this term the stiffness of a large pressure acts on extrapolated positions, and the body vibrates with
+/// growing amplitude from pressures of a tenth of Young's modulus on. A uniform pressure has no resultant on a closed
+/// surface, so that the momentum of fluid and body is conserved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MovedPressure {
     /// Pressure `p`: the mean pressure on the surface in the step before.

@@ -229,7 +229,7 @@ pub(super) fn body<const D: usize>(
         }
     };
     let contact_facets = body.surface().facets().filter(|facet| !on_axis(body.surface(), body.reference(), *facet));
-    Ok(Built { contact_facets: contact_facets.collect(), deforms: false, part_names: Vec::new(), body })
+    Ok(Built { contact_facets: contact_facets.collect(), part_names: Vec::new(), body })
 }
 
 /// Checks that no vertex has a negative radius in axisymmetric coordinates.
@@ -259,8 +259,6 @@ fn on_axis<const D: usize>(surface: &BoundaryMesh<D>, positions: &[Point<D>], fa
 pub(super) struct Built<const D: usize> {
     pub(super) body: Arc<dyn Body<D>>,
     pub(super) contact_facets: Vec<FacetId>,
-    /// Whether the body deforms, so that it can touch itself.
-    pub(super) deforms: bool,
     /// Names of the tags of the surface.
     pub(super) part_names: Vec<String>,
 }
@@ -321,7 +319,7 @@ fn elastic<const D: usize>(
     };
     let part_names = solid.mesh().tag_names().to_vec();
     let body = ElasticBody::new(&given.name, solid, form, options).map_err(|error| given.at.error(error))?;
-    Ok(Built { body: Arc::new(body), contact_facets, deforms: true, part_names })
+    Ok(Built { body: Arc::new(body), contact_facets, part_names })
 }
 
 /// Returns the mesh of the body without mass at the vertices of facets.

@@ -349,7 +349,7 @@ impl<'p, const D: usize> ContactBuilder<'p, D> {
     }
 
     fn deforms(&self, body: BodyId) -> bool {
-        self.built[body.index()].deforms
+        self.built[body.index()].body.deforms()
     }
 
     /// Returns the error of a law that does not allow a slave that deforms.
