@@ -1,17 +1,20 @@
-//! The surface of a body between start and end of a step, compared with the surface at which the fluid is cut.
+//! The surface of a body at the stage of a step, compared with the surface at which the fluid is cut.
 
+use algebra::time::Affine;
 use algebra::{BlockLayout, DofId, Sites};
 use body::SurfaceMotion;
 use mesh::{FacetId, Point, SimplexRule, Tensor, Vector, area_vector};
 
 /// The surface of a body whose motion is unknown: one item per facet, several sites.
 ///
-/// The moved positions are the mean of the shifted positions of [`SurfaceMotion`] at start and end of the step. Those
-/// of the cut are [`SurfaceMotion::geometry`].
-#[derive(Clone, Copy)]
+/// The moved positions are those at the stage, which depend on the unknown velocity. Those of the cut are
+/// [`SurfaceMotion::geometry`].
+#[derive(Clone)]
 pub struct MovedSurface<'a, const D: usize> {
     surface: &'a SurfaceMotion<'a, D>,
     layout: &'a BlockLayout,
+    reference: &'a [Point<D>],
+    displacement: Affine<Vector<D>>,
     rule: &'static SimplexRule,
 }
 
@@ -34,10 +37,15 @@ impl<const D: usize> MovedPoint<D> {
 }
 
 impl<'a, const D: usize> MovedSurface<'a, D> {
-    /// Creates the points of a surface; none if the motion of the body is prescribed.
-    pub fn new(surface: &'a SurfaceMotion<'a, D>, layout: &'a BlockLayout) -> Self {
+    /// Creates the points of a surface from the reference positions of its vertices and their displacements at the stage;
+    /// none if the motion of the body is prescribed.
+    pub fn new(
+        surface: &'a SurfaceMotion<'a, D>,
+        layout: &'a BlockLayout,
+        (reference, displacement): (&'a [Point<D>], Affine<Vector<D>>),
+    ) -> Self {
         let degree = 1 + surface.boundary.coordinates().degree();
-        Self { surface, layout, rule: SimplexRule::of_degree(D - 1, degree) }
+        Self { surface, layout, reference, displacement, rule: SimplexRule::of_degree(D - 1, degree) }
     }
 }
 
@@ -78,8 +86,8 @@ impl<const D: usize> Sites for MovedSurface<'_, D> {
         let vertices = surface.boundary.facet(FacetId::new(item));
         let of_vertices = |of: &dyn Fn(usize) -> Point<D>| -> [Point<D>; D] { std::array::from_fn(of) };
         let moved = of_vertices(&|k| {
-            let begin = surface.begin[vertices[k].index()];
-            begin + (surface.position_at(vertices[k], self.layout, x) - begin) * 0.5
+            let velocity = surface.velocity_at(vertices[k], self.layout, x);
+            self.reference[vertices[k].index()] + self.displacement.at(vertices[k].index(), velocity)
         });
         let cut = of_vertices(&|k| surface.geometry[vertices[k].index()]);
         let ((of_moved, by_vertex), (of_cut, _)) = (area(&moved), area(&cut));
@@ -88,7 +96,7 @@ impl<const D: usize> Sites for MovedSurface<'_, D> {
             let at = |points: &[Point<D>; D]| points.iter().zip(&shape).map(|(x, n)| x * *n).sum::<Point<D>>();
             let [by_moved, by_cut] = [&moved, &cut].map(|points| weight * coordinates.weight(&at(points)));
             let by_position = coordinates.weight_gradient::<D>() * *weight;
-            let slope = 0.5 * surface.slope;
+            let slope = self.displacement.slope;
             visit(&MovedPoint {
                 shape,
                 change: of_moved * by_moved - of_cut * by_cut,

@@ -1,5 +1,6 @@
 //! The coupled problem of one step, by composition.
 
+use algebra::time::Affine;
 use algebra::{Contributions, Equations, Integral, Term};
 use contact::ContactSites;
 use contact::terms::ContactWork;
@@ -57,9 +58,11 @@ impl<const D: usize> Step<'_, D> {
 impl<const D: usize> Step<'_, D> {
     /// Returns the weak forms of the pressures on moved surfaces.
     pub(crate) fn moved_surfaces(&self) -> impl Iterator<Item = Integral<'_, MovedSurface<'_, D>>> {
-        let pressures = self.bodies.iter().zip(&self.moved_pressures);
-        pressures.filter_map(|(body, pressure)| {
-            let surface = MovedSurface::new(body.surface(), &self.layout);
+        let pressures = self.moved_pressures.iter().enumerate();
+        pressures.filter_map(|(b, pressure)| {
+            let row = &self.time.weights.stage_displacement;
+            let at_stage = (self.setup.bodies[b].reference(), Affine::new(row, &self.previous.bodies[b].level));
+            let surface = MovedSurface::new(self.bodies[b].surface(), &self.layout, at_stage);
             Some(Integral::new("moved surface", surface, vec![pressure.as_ref()? as &dyn Term<_>]))
         })
     }

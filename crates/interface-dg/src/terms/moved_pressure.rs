@@ -4,13 +4,10 @@ use algebra::{LocalSystem, Term};
 
 use crate::MovedPoint;
 
-/// `p ∫_{Γ(Y)} n·w - p ∫_{Γ*} n·w`: moves the uniform part `p` of the fluid's pressure from the surface `Γ*`, at which
-/// the fluid is cut, to the surface `Γ(Y)` between start and end of the step
+/// `p ∫_{Γ(d)} n·w - p ∫_{Γ*} n·w`: moves the uniform part `p` of the fluid's pressure from the surface `Γ*`, at which
+/// the fluid is cut, to the surface `Γ(d)` at the stage of the step, where the body has its stress
 ///
-/// Source: follower load; Bonet, Wood 1997, Nonlinear Continuum Mechanics for Finite Element Analysis, Sec. 6.5. With
-/// the mean `Y` of the shifted positions at start and end its work in the plane is `p` times the change of the enclosed
-/// area, which is quadratic in the positions, as with the mean value discrete gradient of Simo, Tarnow, Wong 1992,
-/// doi:10.1016/0045-7825(92)90115-Z.
+/// Source: follower load; Bonet, Wood 1997, Nonlinear Continuum Mechanics for Finite Element Analysis, Sec. 6.5.
 /// Couples: velocities of the vertices of a facet.   Domain: the whole surface of a body that deforms.
 /// Units: force (2D: per unit depth).
 /// Without this term the stiffness of a large pressure acts on extrapolated positions, and the body vibrates with
