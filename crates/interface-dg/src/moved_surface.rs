@@ -37,8 +37,8 @@ impl<const D: usize> MovedPoint<D> {
 }
 
 impl<'a, const D: usize> MovedSurface<'a, D> {
-    /// Creates the points of a surface from the reference positions of its vertices and their displacements at the stage;
-    /// none if the motion of the body is prescribed.
+    /// Creates the points of a surface from the reference positions of its vertices and their displacements at the
+    /// stage; none if the motion of the body is prescribed.
     pub fn new(
         surface: &'a SurfaceMotion<'a, D>,
         layout: &'a BlockLayout,

@@ -100,7 +100,7 @@ impl<'a, const D: usize> Step<'a, D> {
     }
 
     /// Returns the mean pressures on the surfaces of the bodies that deform in the step before, at the cut of this one.
-    /// There are none with implicit Euler, which cuts the fluid at the start: the scheme of the paper does not have them.
+    /// There are none with implicit Euler, which cuts the fluid at the start: the scheme of the paper has none.
     fn moved_pressures(&self) -> Vec<Option<MovedPressure>> {
         let mut sums = vec![[0.0; 2]; self.bodies.len()];
         if let Some(points) = self.interface().filter(|_| self.time.extrapolates()) {

@@ -13,7 +13,7 @@ const BUDGETS: &[(&[&str], usize)] = &[
     (&["crates/cutwater/src/lib.rs", "crates/cutwater/src/main.rs"], 345),
     (&["crates/io/src"], 12_245),
     (&["crates/report/src"], 1575),
-    (&["crates/solver/src"], 3_240),
+    (&["crates/solver/src"], 3_250),
     (&["validation"], 13_515),
     (&["xtask/src"], 2400),
     (&[""], 78_200),
