@@ -7,7 +7,7 @@ use crate::FluidFace;
 pub enum CipProfile {
     /// `c_F = γ_u ρ h_F² |u*·n|_F`, which vanishes under refinement.
     Consistent {
-        /// `γ_u`, 0.1 by experience.
+        /// `γ_u`, 0.05 in the standard set.
         gamma_u: f64,
     },
     /// `c_F = γ_1 ρ |F| |u*·n|_F L^{3-D}` with the measure of the face instead of `h_F²`, L one unit of length.
