@@ -21,7 +21,7 @@ pub trait Body<const D: usize>: Send + Sync {
     /// translations and rotations are all held.
     fn is_movable(&self) -> bool;
 
-    /// Returns whether the body can deform.
+    /// Returns whether unknowns of a step can deform the body.
     fn deforms(&self) -> bool {
         false
     }

@@ -12,7 +12,7 @@
 //!
 //! Where surfaces are in contact they border no fluid. On these *closed* parts acts the term `(p n, w)` of
 //! `terms/closed_pressure.rs`, with the pressure `p` of the fluid at the rim. Where the cut is extrapolated,
-//! `terms/moved_pressure.rs` moves the uniform part of the pressure to the surface of the step.
+//! `terms/moved_pressure.rs` moves the pressure to the surface of the step.
 //!
 //! The velocity of the body is unknown, or given at every point ([`body::SurfaceVelocity`]).
 

@@ -77,7 +77,7 @@ impl Balances<'_> {
             ("change of the potential energy of gravity", gravity),
             ("change of the kinetic energy of the fluid", fluid),
             ("work of the fluid on the bodies", by_fluid),
-            ("work of contact on the bodies", by_contact),
+            ("work of contact on all bodies, also those of prescribed motion", by_contact),
             ("largest energy stored in the contact", largest),
         ];
         let row = |(what, value): &(&str, f64)| {

@@ -38,7 +38,7 @@ const VAPOUR: f64 = 1e3;
 pub(crate) struct FluidStep<'a, const D: usize> {
     pub(crate) setup: &'a FluidSetup<D>,
     /// Positions of the vertices of each body, extrapolated to the stage.
-    positions: Vec<Vec<Point<D>>>,
+    pub(crate) positions: Vec<Vec<Point<D>>>,
     pub(crate) cut: CutMesh<D>,
     pub(crate) space: XfemSpace<D>,
     pub(crate) parts: PartValues<D>,

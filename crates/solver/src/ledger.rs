@@ -7,7 +7,7 @@ use interface_dg::interface_power;
 
 use crate::Problem;
 use crate::fluid_step::FluidStep;
-use crate::problem::{closed_pressure, contact_work};
+use crate::problem::{closed_pressure, contact_work, moved_pressure};
 
 /// Energy removed by each part of the discrete problem in a step; negative if the part adds energy.
 ///
@@ -53,8 +53,8 @@ pub struct Ledger {
     pub penalty_tangential: f64,
     /// Inertia, internal work and body force of the bodies: dissipation of their time schemes.
     pub body_scheme: f64,
-    /// Work of the uniform part of the pressure on the moved surfaces of bodies that deform, in place of that on the
-    /// surfaces at which the fluid is cut ([`interface_dg::terms::MovedPressure`]).
+    /// Work against the pressure of the step before on the moved surfaces of bodies that deform, minus that at the cut
+    /// ([`interface_dg::terms::MovedPressure`]). Its sign varies.
     pub moved_surface: f64,
     /// Work against loads on bodies, also gravity that varies in time, and against pressure on closed surfaces.
     pub loads: f64,
@@ -110,10 +110,11 @@ impl Ledger {
         self.lines().iter().map(|(_, lost)| lost.abs()).fold(0.0, f64::max)
     }
 
-    /// Returns the loss of the energy of the scheme without work on loads, forces, open boundaries and given
-    /// velocities: up to the defect, the sum of all other lines but `scheme_storage`. Negative if energy is generated.
+    /// Returns the loss of the energy of the scheme without work on loads, forces, open boundaries, given velocities
+    /// and moved surfaces: up to the defect, the sum of all other lines but `scheme_storage`. Negative if energy is
+    /// generated.
     pub fn dissipation(&self) -> f64 {
-        let given = self.given_velocities + self.fluid_force + self.loads + self.open_boundary;
+        let given = self.given_velocities + self.fluid_force + self.loads + self.open_boundary + self.moved_surface;
         -self.change - self.scheme_storage - given
     }
 }
@@ -187,7 +188,7 @@ impl<const D: usize> Problem<'_, D> {
             ledger.loads += loads;
             known += own + loads;
         }
-        ledger.moved_surface = step.moved_surfaces().map(|terms| work(&terms)).sum();
+        ledger.moved_surface = step.moved_surfaces().map(|(_, surface)| work(&moved_pressure(surface))).sum();
         known += ledger.moved_surface;
         let by_laws: f64 = self.contacts.iter().map(|sites| work(&contact_work(sites.clone()))).sum();
         let contact = by_laws + step.collisions.iter().flatten().map(|collision| work(collision)).sum::<f64>();

@@ -31,6 +31,7 @@ mod sides;
 mod stabilisation;
 mod state;
 mod step;
+mod surface_pressure;
 mod surfaces;
 mod time_loop;
 

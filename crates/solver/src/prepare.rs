@@ -4,15 +4,15 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use algebra::time::Row;
-use algebra::{BlockLayout, Constraints, NewtonReport, Sites};
-use body::{Body, BodyState, BodyStep, StepTime};
-use interface_dg::terms::MovedPressure;
+use algebra::{BlockLayout, Constraints, NewtonReport};
+use body::{BodyState, BodyStep, StepTime};
 use interface_dg::{InterfacePoints, Pocket, SolidShare, UnstableShare, pockets, unstable_share};
 use mesh::{Aabb, Point};
 
 use crate::collision::Collision;
 use crate::contact_step::{ContactStep, StepParts};
 use crate::fluid_step::FluidStep;
+use crate::surface_pressure::surface_pressures;
 use crate::{Setup, Stage, StageSeconds, State};
 
 /// A step of the setup, or a part of one.
@@ -46,8 +46,8 @@ pub struct Step<'a, const D: usize> {
     pub(crate) collisions: Vec<Option<Collision<D>>>,
     pub(crate) constraints: Constraints,
     pub(crate) pockets: Vec<Pocket>,
-    /// Uniform pressures on the moved surfaces of the bodies that deform, one entry per body.
-    pub(crate) moved_pressures: Vec<Option<MovedPressure>>,
+    /// Pressures on the moved facets of each body; empty if there are none.
+    pub(crate) surface_pressures: Vec<Vec<f64>>,
     pub(crate) seconds: StageSeconds,
 }
 
@@ -83,7 +83,7 @@ impl<'a, const D: usize> Step<'a, D> {
             collisions: Vec::new(),
             constraints: Constraints::new(),
             pockets: Vec::new(),
-            moved_pressures: Vec::new(),
+            surface_pressures: Vec::new(),
             seconds,
         };
         let searched = Instant::now();
@@ -94,29 +94,10 @@ impl<'a, const D: usize> Step<'a, D> {
         step.collisions = step.collisions();
         step.adapt_to_collision();
         step.check_share()?;
-        step.moved_pressures = step.moved_pressures();
+        let extrapolates = step.time.extrapolates();
+        step.surface_pressures = surface_pressures(setup, previous, step.fluid.as_ref(), extrapolates);
         step.seconds.space = clock.elapsed().as_secs_f64() - step.seconds.cut;
         Ok(step)
-    }
-
-    /// Returns the mean pressures on the surfaces of the bodies that deform in the step before, at the cut of this one.
-    /// There are none with implicit Euler, which cuts the fluid at the start: the scheme of the paper has none.
-    fn moved_pressures(&self) -> Vec<Option<MovedPressure>> {
-        let mut sums = vec![[0.0; 2]; self.bodies.len()];
-        if let Some(points) = self.interface().filter(|_| self.time.extrapolates()) {
-            let x = self.guess();
-            for item in 0..points.len() {
-                points.visit(item, &x, |point| {
-                    let [area, force] = &mut sums[point.piece.body.index()];
-                    *area += point.at.weight;
-                    *force += point.at.weight * point.pressure;
-                });
-            }
-        }
-        let of_body = |(body, [area, force]): (&Arc<dyn Body<D>>, [f64; 2])| {
-            (body.deforms() && area > 0.0).then(|| MovedPressure { pressure: force / area })
-        };
-        self.setup.bodies.iter().zip(sums).map(of_body).collect()
     }
 
     /// Returns the interface with the share of the solid in its traction.

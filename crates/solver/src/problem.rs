@@ -1,10 +1,10 @@
 //! The coupled problem of one step, by composition.
 
 use algebra::time::Affine;
-use algebra::{Contributions, Equations, Integral, Term};
+use algebra::{Contributions, Equations, Integral};
 use contact::ContactSites;
 use contact::terms::ContactWork;
-use interface_dg::terms::ClosedPressure;
+use interface_dg::terms::{ClosedPressure, MovedPressure};
 use interface_dg::{ClosedPoints, InterfacePoints, MovedSurface};
 use mesh::BodyId;
 
@@ -37,7 +37,9 @@ impl<const D: usize> Step<'_, D> {
         if let (Some(fluid), Some(points)) = (&self.fluid, &interface) {
             contributions.push(Box::new(fluid.mortar.contributions(points.clone())));
         }
-        contributions.extend(self.moved_surfaces().map(|terms| Box::new(terms) as Box<dyn Contributions + '_>));
+        contributions.extend(
+            self.moved_surfaces().map(|(_, surface)| Box::new(moved_pressure(surface)) as Box<dyn Contributions + '_>),
+        );
         let contacts = self.setup.contacts.iter().zip(&self.contacts);
         let contacts: Vec<_> = contacts.map(|(contact, step)| step.sites(contact, self.parts())).collect();
         for sites in &contacts {
@@ -56,14 +58,14 @@ impl<const D: usize> Step<'_, D> {
 }
 
 impl<const D: usize> Step<'_, D> {
-    /// Returns the weak forms of the pressures on moved surfaces.
-    pub(crate) fn moved_surfaces(&self) -> impl Iterator<Item = Integral<'_, MovedSurface<'_, D>>> {
-        let pressures = self.moved_pressures.iter().enumerate();
-        pressures.filter_map(|(b, pressure)| {
+    /// Returns the moved surfaces of bodies that deform, with the positions of the bodies in the setup.
+    pub(crate) fn moved_surfaces(&self) -> impl Iterator<Item = (usize, MovedSurface<'_, D>)> {
+        let pressures = self.surface_pressures.iter().enumerate().filter(|(_, pressures)| !pressures.is_empty());
+        pressures.map(|(b, pressures)| {
             let row = &self.time.weights.stage_displacement;
-            let at_stage = (self.setup.bodies[b].reference(), Affine::new(row, &self.previous.bodies[b].level));
-            let surface = MovedSurface::new(self.bodies[b].surface(), &self.layout, at_stage);
-            Some(Integral::new("moved surface", surface, vec![pressure.as_ref()? as &dyn Term<_>]))
+            let displacement = Affine::new(row, &self.previous.bodies[b].level);
+            let at_stage = (self.setup.bodies[b].reference(), displacement);
+            (b, MovedSurface::new((self.bodies[b].surface(), &self.layout), at_stage, pressures))
         })
     }
 }
@@ -76,4 +78,10 @@ pub(crate) fn closed_pressure<const D: usize>(points: ClosedPoints<'_, D>) -> In
 /// Returns the weak form of a contact.
 pub(crate) fn contact_work<const D: usize>(sites: ContactSites<'_, D>) -> Integral<'_, ContactSites<'_, D>> {
     Integral::new("contact", sites, vec![&ContactWork])
+}
+
+/// Returns the weak form of the pressure on a moved surface.
+pub(crate) fn moved_pressure<const D: usize>(surface: MovedSurface<'_, D>) -> Integral<'_, MovedSurface<'_, D>> {
+    let integral = if surface.is_linear() { Integral::linear } else { Integral::new };
+    integral("moved surface", surface, vec![&MovedPressure])
 }

@@ -156,6 +156,11 @@ impl<const D: usize> Problem<'_, D> {
                 forces.pressure += points.force(x);
             }
         }
+        for (b, surface) in step.moved_surfaces() {
+            if let Some(forces) = &mut bodies[b].forces {
+                forces.pressure += surface.force(x);
+            }
+        }
         add_forces(step, fluid.as_ref(), &contacts, &mut bodies);
         let seconds = StageSeconds { assembly: newton.seconds_assembly, linear: newton.seconds_linear, ..step.seconds };
         StepReport { substep, newton, fluid, bodies, contacts, ledger, n_dofs: step.layout.len(), seconds }

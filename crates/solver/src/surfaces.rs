@@ -68,9 +68,9 @@ impl<const D: usize> Surfaces<'_, D> {
     /// those without a value on the space before.
     ///
     /// The velocity of the body holds at the positions of its surface at the start of the step; extrapolated geometry
-    /// is cut elsewhere. The rate of change at a fixed point is given on the cut surface. Between the two positions it
-    /// is constant to first order. If it was given at the start, the extension would carry the gradient of the
-    /// acceleration over the distance, and this gradient has large errors.
+    /// is cut elsewhere. The rate of change at a fixed point is given on the cut surface, with an error of first order
+    /// in the distance. If it was given at the start, the extension would carry the gradient of the acceleration over
+    /// the distance, and this gradient has larger errors.
     ///
     /// # Errors
     /// The extension fails.

@@ -75,7 +75,10 @@ fn without_links(text: &str) -> String {
     let mut parts = text.split("[`");
     let mut plain = parts.next().unwrap_or_default().to_owned();
     for part in parts {
-        let (name, rest) = part.split_once("`]").unwrap_or((part, ""));
+        let Some((name, rest)) = part.split_once("`]") else {
+            plain += &format!("[`{part}");
+            continue;
+        };
         let rest = match rest.strip_prefix('(').and_then(|path| path.split_once(')')) {
             Some((_, after)) => after,
             None => rest,

@@ -13,10 +13,10 @@ const BUDGETS: &[(&[&str], usize)] = &[
     (&["crates/cutwater/src/lib.rs", "crates/cutwater/src/main.rs"], 345),
     (&["crates/io/src"], 12_245),
     (&["crates/report/src"], 1575),
-    (&["crates/solver/src"], 3_250),
+    (&["crates/solver/src"], 3_300),
     (&["validation"], 13_515),
-    (&["xtask/src"], 2400),
-    (&[""], 78_200),
+    (&["xtask/src"], 2410),
+    (&[""], 78_300),
 ];
 /// Largest number of bytes of all JSON files under version control.
 const JSON_BYTES: usize = 50_000;
@@ -87,8 +87,9 @@ fn whitespace_and_paths(source: &Source, findings: &mut Vec<Finding>) {
             findings.push(Finding::new(&source.path, number, "white space at the end of the line"));
         }
         let is_comment = source.path.ends_with(".rs") && line.trim_start().starts_with("//");
-        let is_example = line.trim_start().trim_start_matches(['/', '!']).starts_with("    ");
-        let may_be_long = is_example || source.path.starts_with("crates/io/src/scenario/") || line.contains('|');
+        let text = line.trim_start().trim_start_matches(['/', '!']);
+        let is_free = text.starts_with("    ") || text.trim_start().starts_with('|');
+        let may_be_long = is_free || source.path.starts_with("crates/io/src/scenario/");
         if is_comment && !may_be_long && line.chars().count() > COMMENT_WIDTH {
             findings.push(Finding::new(&source.path, number, format!("wrap comments at {COMMENT_WIDTH} characters")));
         }

@@ -13,9 +13,8 @@ pub struct LawCheck {
     pub inactive: f64,
     /// Derivatives with respect to gap, slip and stress, compared with central differences away from kinks.
     pub derivative: f64,
-    /// Normal traction compared with central differences of the stored energy, if there is any, and the derivatives of
-    /// the normal traction with respect to slip and stress: the traction of a step is computed for an energy of the gap
-    /// alone.
+    /// Normal traction compared with central differences of the stored energy, if there is any; the dependence of both
+    /// on slip and stress, since the traction of a step is computed for an energy of the gap alone.
     pub energy: f64,
 }
 
@@ -78,6 +77,11 @@ pub fn check_law(law: &dyn ContactLaw, points: &[ContactPoint]) -> LawCheck {
             let by_slip = by_slip.iter().map(|column| column[0].abs() * at.size / scale);
             let by_others = by_slip.chain(by_stress.iter().map(|column| column[0].abs()));
             check.energy = by_others.fold(check.energy, f64::max);
+            let energy = |argument: usize, by: f64| law.energy_density(&moved(at, argument, by)).unwrap_or(f64::NAN);
+            for (argument, size) in [(1, at.size), (2, at.size), (3, scale), (4, scale), (5, scale)] {
+                let change = energy(argument, 0.1 * size) - energy(argument, -0.1 * size);
+                check.energy = check.energy.max(change.abs() / (scale * at.size));
+            }
         }
     }
     check
