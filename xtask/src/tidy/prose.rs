@@ -34,7 +34,7 @@ const PHRASES: &[(&str, &str)] = &[
     ("all that it takes|whatever it takes", "the data that ... depends on"),
     ("a little|a bit|a hair|about as good as", "slightly, within round-off; give the number"),
     ("talks|talk|feel|feels|hopes|wishes|thinks|believes", "code is not a person"),
-    ("ask for|asks for|say nothing|says nothing|to say", "require, do not depend on, is checked by"),
+    ("ask for|asks for|say nothing|says nothing", "require, do not depend on"),
     ("make sense|makes sense|make no sense|makes no sense|senseless", "valid, invalid"),
     ("tell apart|told apart|knows none|knows nothing", "distinguish, does not depend on"),
 ];
