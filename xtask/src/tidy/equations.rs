@@ -70,7 +70,7 @@ pub(super) fn page(tree: &Tree) -> String {
     page
 }
 
-/// Returns a text without the links of rustdoc, which have no meaning in the book: [`X`](path) and [`X`] become `X`.
+/// Returns a text without the links of rustdoc, which have no meaning in the book. Their names stay.
 fn without_links(text: &str) -> String {
     let mut parts = text.split("[`");
     let mut plain = parts.next().unwrap_or_default().to_owned();
