@@ -121,6 +121,9 @@ fn a_paddle_gives_a_disk_twice_its_speed() {
         assert!(reports.iter().map(work).all(|ledger| ledger.dissipation() > -1e-6 * mass));
         let given: f64 = reports.iter().map(work).map(|ledger| ledger.given_velocities).sum();
         assert!((given + 0.5 * mass).abs() < 1e-6 * mass, "{given} {mass}");
+        // The impulse is the mass times one. At the stage the disk has the speed 1, and the paddle 0.5.
+        let work = |end: usize| reports.iter().map(|report| report.contacts[0].powers[end] * setup.dt).sum::<f64>();
+        assert!((work(0) - mass).abs() < 1e-6 * mass && (work(1) + 0.5 * mass).abs() < 1e-6 * mass);
     }
 }
 
