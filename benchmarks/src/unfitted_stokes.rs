@@ -129,7 +129,7 @@ impl<const D: usize> UnfittedStokes<D> {
         let space = XfemSpace::new(&background, &cut);
         let parts = PartValues::new(&background, &cut);
         let faces = face_values(&background, &cut, &space, &parts);
-        let pieces = PieceValues::new(&background, &cut, &parts, DEGREE);
+        let pieces = PieceValues::new(&background, &cut, &parts, &[&boundary], DEGREE);
         let mut layout = BlockLayout::new();
         let velocity_field = layout.push("velocity", space.len(), D);
         let pressure = layout.push_on(velocity_field, "pressure", 1);
@@ -177,7 +177,7 @@ impl<const D: usize> UnfittedStokes<D> {
     pub fn evaluate_shapes(&mut self) {
         self.parts = PartValues::new(&self.background, &self.cut);
         self.faces = face_values(&self.background, &self.cut, &self.space, &self.parts);
-        self.pieces = PieceValues::new(&self.background, &self.cut, &self.parts, DEGREE);
+        self.pieces = PieceValues::new(&self.background, &self.cut, &self.parts, &[&self.boundary], DEGREE);
     }
 
     /// Calls a closure with the equations.

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use algebra::{DofId, Sites};
-use mesh::{FacetId, SimplexRule, Vector};
+use mesh::{FacetId, MAX_FACET_NODES, SimplexRule, Vector};
 
 use crate::FluidStress;
 
@@ -23,25 +23,27 @@ pub struct ClosedPoints<'a, const D: usize> {
 pub struct ClosedPoint<const D: usize> {
     /// Traction `-p n` on the body, times the weight.
     pub force: Vector<D>,
-    /// Shape values of the vertices of the facet. Local unknowns: velocities of these vertices, `D` components each,
-    /// then the pressures of the fluid nodes of the piece at the rim.
-    pub shape: [f64; D],
+    /// Number of nodes of the body on the facet.
+    pub n_nodes: usize,
+    /// Shape values of these nodes. Local unknowns: their velocities, `D` components each, then the pressures of the
+    /// fluid nodes of the piece at the rim.
+    pub shape: [f64; MAX_FACET_NODES],
     /// Derivatives of the force with respect to these pressures.
     pub by_pressure: Vec<Vector<D>>,
 }
 
 impl<const D: usize> ClosedPoint<D> {
-    /// Returns the first local row of the velocity of a vertex of the facet. For `vertex = D` it is the row of the
-    /// first pressure.
-    pub(crate) fn row(&self, vertex: usize) -> usize {
-        D * vertex
+    /// Returns the first local row of the velocity of a node. For `n_nodes` it is the row of the first pressure.
+    pub(crate) fn row(&self, node: usize) -> usize {
+        D * node
     }
 }
 
 impl<'a, const D: usize> ClosedPoints<'a, D> {
     /// Creates the points on the surface of the body of a stress; none if the motion of the body is prescribed.
     pub fn new(stress: Arc<FluidStress<'a, D>>) -> Self {
-        let degree = 2 + stress.surface().boundary().coordinates().degree();
+        let boundary = stress.surface().boundary();
+        let degree = 1 + boundary.order().degree() + boundary.coordinates().degree();
         let facets = if stress.motion().0.field().is_some() { stress.closed().collect() } else { Vec::new() };
         Self { stress, facets, rule: SimplexRule::of_degree(D - 1, degree) }
     }
@@ -64,21 +66,25 @@ impl<const D: usize> Sites for ClosedPoints<'_, D> {
 
     fn dofs(&self, item: usize, out: &mut Vec<DofId>) {
         let (facet, (motion, layout)) = (self.facets[item], self.stress.motion());
-        let vertices = motion.boundary.facet(facet).iter();
-        out.extend(
-            motion.field().iter().flat_map(|field| vertices.clone().flat_map(|v| layout.node(*field, v.index()))),
-        );
+        let nodes = motion.boundary.nodes(facet).iter();
+        out.extend(motion.field().iter().flat_map(|field| nodes.clone().flat_map(|v| layout.node(*field, v.index()))));
         out.extend(self.stress.rim_pressures(facet).map(|(dof, _)| dof));
     }
 
     fn visit(&self, item: usize, x: &[f64], mut visit: impl FnMut(&Self::Site)) {
         let (facet, stress, surface) = (self.facets[item], &self.stress, self.stress.surface());
         let (normal, coordinates) = (surface.facet_normal(facet), surface.boundary().coordinates());
-        let mut at = |shape: [f64; D], weight: f64| {
-            let point = stress.position(facet, &shape);
+        let n_nodes = surface.boundary().nodes(facet).len();
+        let mut at = |at: [f64; D], weight: f64| {
+            let (point, shape) = (stress.position(facet, &at), surface.boundary().shape(facet, &at));
             let area = normal * (weight * coordinates.weight(&point));
             let by_pressure = stress.rim_pressures(facet).map(|(_, share)| area * -share).collect();
-            visit(&ClosedPoint { force: area * -stress.closed_pressure(facet, &point, x), shape, by_pressure });
+            visit(&ClosedPoint {
+                force: area * -stress.closed_pressure(facet, &point, x),
+                n_nodes,
+                shape,
+                by_pressure,
+            });
         };
         for (local, weight) in self.rule.points().iter().zip(self.rule.weights()) {
             at(std::array::from_fn(|k| local[k]), weight * surface.facet_measure(facet));

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use cutcell::{CutMesh, PartId};
-use mesh::{MAX_CELL_VERTICES, Point, SimplexMesh, SimplexRule, Vector};
+use mesh::{BoundaryMesh, MAX_CELL_VERTICES, MAX_FACET_NODES, Order, Point, SimplexMesh, SimplexRule, Vector};
 use xfem_space::{PartValues, XfemSpace};
 
 /// Largest viscous length of a piece in a film, in heights `V/A` of its part ([`PieceValues::set_gaps`]). The symmetric
@@ -15,21 +15,25 @@ const LARGEST_LENGTH_IN_HEIGHTS: f64 = 8.0;
 pub struct PiecePoint<const D: usize> {
     /// Position.
     pub point: Point<D>,
-    /// Quadrature weight: weight of the rule, times the measure of the piece, times [`mesh::Coordinates::weight`] (1,
-    /// or `2π r` with rotational symmetry).
+    /// Weight of the rule times the measure of the piece.
+    pub measure: f64,
+    /// Quadrature weight: `measure` times [`mesh::Coordinates::weight`] (1, or `2π r` with rotational symmetry).
     pub weight: f64,
     /// Shape values of the fluid part; only the first `D + 1` are used.
     pub fluid: [f64; MAX_CELL_VERTICES],
-    /// Shape values of the solid facet; only the first `D` are used.
-    pub solid: [f64; MAX_CELL_VERTICES],
+    /// Barycentric coordinates in the facet of the body.
+    pub in_facet: [f64; D],
+    /// Shape values of the nodes of the body on the facet ([`BoundaryMesh::shape`]); the others are zero.
+    pub solid: [f64; MAX_FACET_NODES],
 }
 
 /// Quadrature points of all interface pieces of a cut, computed once per step.
 #[derive(Clone, Debug)]
 pub struct PieceValues<const D: usize> {
-    /// Points of all pieces, `per_piece` each.
+    /// Points of all pieces.
     points: Vec<PiecePoint<D>>,
-    per_piece: usize,
+    /// Index of the first point of each piece, and the number of points.
+    first: Vec<usize>,
     // The others have one value per piece.
     gradients: Vec<[Vector<D>; MAX_CELL_VERTICES]>,
     cell_sizes: Vec<f64>,
@@ -39,15 +43,23 @@ pub struct PieceValues<const D: usize> {
 }
 
 impl<const D: usize> PieceValues<D> {
-    /// Creates the values with a rule on every piece that is exact for polynomials of the given degree. Relative speeds
-    /// are zero, and viscous lengths are the sizes of the cells.
-    pub fn new(background: &SimplexMesh<D>, cut: &CutMesh<D>, parts: &PartValues<D>, degree: usize) -> Self {
+    /// Creates the values with a rule on every piece that is exact for polynomials of the given degree, and of two more
+    /// on bodies of order 2. `surfaces` are those of the bodies. Relative speeds are zero, and viscous lengths are the
+    /// sizes of the cells.
+    pub fn new(
+        background: &SimplexMesh<D>,
+        cut: &CutMesh<D>,
+        parts: &PartValues<D>,
+        surfaces: &[&BoundaryMesh<D>],
+        degree: usize,
+    ) -> Self {
         let coordinates = background.coordinates();
-        let rule = SimplexRule::of_degree(D - 1, degree + coordinates.degree());
+        let rules = [Order::Linear, Order::Quadratic]
+            .map(|order| SimplexRule::of_degree(D - 1, degree + 2 * (order.degree() - 1) + coordinates.degree()));
         let n = cut.interface().len();
         let mut values = Self {
-            points: Vec::with_capacity(n * rule.points().len()),
-            per_piece: rule.points().len(),
+            points: Vec::with_capacity(n * rules[0].points().len()),
+            first: Vec::with_capacity(n + 1),
             gradients: Vec::with_capacity(n),
             cell_sizes: Vec::with_capacity(n),
             viscous_lengths: Vec::with_capacity(n),
@@ -55,7 +67,9 @@ impl<const D: usize> PieceValues<D> {
             relative_accelerations: None,
         };
         for piece in cut.interface() {
-            let simplex = background.simplex(piece.cell);
+            let (simplex, surface) = (background.simplex(piece.cell), surfaces[piece.body.index()]);
+            let rule = rules[surface.order().degree() - 1];
+            values.first.push(values.points.len());
             let gradients = parts.gradients(piece.part);
             values.gradients.push(*gradients);
             values.cell_sizes.push(parts.cell_size(piece.part));
@@ -63,17 +77,19 @@ impl<const D: usize> PieceValues<D> {
             for (barycentric, weight) in rule.points().iter().zip(rule.weights()) {
                 let mut point = PiecePoint {
                     point: Point::zeros(),
-                    weight: weight * piece.measure,
+                    measure: weight * piece.measure,
+                    weight: 0.0,
                     fluid: [0.0; MAX_CELL_VERTICES],
-                    solid: [0.0; MAX_CELL_VERTICES],
+                    in_facet: [0.0; D],
+                    solid: [0.0; MAX_FACET_NODES],
                 };
                 for (corner, l) in barycentric[..D].iter().enumerate() {
                     point.point += piece.points[corner] * *l;
-                    for (solid, share) in point.solid[..D].iter_mut().zip(&piece.barycentric[corner]) {
-                        *solid += l * share;
-                    }
+                    let in_facet = point.in_facet.iter_mut().zip(&piece.barycentric[corner]);
+                    in_facet.for_each(|(sum, share)| *sum += l * share);
                 }
-                point.weight *= coordinates.weight(&point.point);
+                point.solid = surface.shape(piece.facet, &point.in_facet);
+                point.weight = point.measure * coordinates.weight(&point.point);
                 point.fluid[0] = 1.0;
                 for (value, gradient) in point.fluid[..=D].iter_mut().zip(gradients) {
                     *value += gradient.dot(&(point.point - simplex.points()[0]));
@@ -81,17 +97,18 @@ impl<const D: usize> PieceValues<D> {
                 values.points.push(point);
             }
         }
+        values.first.push(values.points.len());
         values
     }
 
     /// Sets the relative speed of each piece: the largest `|u - v|` at its quadrature points. `fluid` has one velocity
-    /// `u` per dof of the space. `body(k)` returns the velocities `v` of the vertices of the facet of piece `k`.
+    /// `u` per dof of the space. `body(k)` returns the velocities `v` of the nodes of the facet of piece `k`.
     pub fn set_relative_speeds(
         &mut self,
         cut: &CutMesh<D>,
         space: &XfemSpace<D>,
         fluid: &[Vector<D>],
-        body: impl Fn(usize) -> [Vector<D>; MAX_CELL_VERTICES],
+        body: impl Fn(usize) -> [Vector<D>; MAX_FACET_NODES],
     ) {
         self.relative_speeds = self.largest_differences(cut, space, fluid, body);
     }
@@ -103,7 +120,7 @@ impl<const D: usize> PieceValues<D> {
         cut: &CutMesh<D>,
         space: &XfemSpace<D>,
         fluid: &[Vector<D>],
-        body: impl Fn(usize) -> [Vector<D>; MAX_CELL_VERTICES],
+        body: impl Fn(usize) -> [Vector<D>; MAX_FACET_NODES],
     ) {
         self.relative_accelerations = Some(self.largest_differences(cut, space, fluid, body));
     }
@@ -114,13 +131,13 @@ impl<const D: usize> PieceValues<D> {
         cut: &CutMesh<D>,
         space: &XfemSpace<D>,
         fluid: &[Vector<D>],
-        body: impl Fn(usize) -> [Vector<D>; MAX_CELL_VERTICES],
+        body: impl Fn(usize) -> [Vector<D>; MAX_FACET_NODES],
     ) -> Vec<f64> {
         let largest = |item: usize| {
             let (on_facet, dofs) = (body(item), space.dofs(cut.interface()[item].part));
             let difference = |at: &PiecePoint<D>| {
                 let of_fluid: Vector<D> = dofs.iter().zip(at.fluid).map(|(dof, n)| fluid[*dof as usize] * n).sum();
-                let of_body: Vector<D> = on_facet.iter().zip(&at.solid[..D]).map(|(v, n)| v * *n).sum();
+                let of_body: Vector<D> = on_facet.iter().zip(&at.solid).map(|(v, n)| v * *n).sum();
                 (of_fluid - of_body).norm()
             };
             self.points(item).iter().map(difference).fold(0.0, f64::max)
@@ -150,7 +167,7 @@ impl<const D: usize> PieceValues<D> {
     /// Returns the quadrature points of a piece.
     #[inline]
     pub fn points(&self, piece: usize) -> &[PiecePoint<D>] {
-        &self.points[piece * self.per_piece..][..self.per_piece]
+        &self.points[self.first[piece]..self.first[piece + 1]]
     }
 
     /// Returns the gradients of the shape functions of the fluid part of a piece; only the first `D + 1` are used.

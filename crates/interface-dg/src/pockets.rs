@@ -91,10 +91,10 @@ fn fluxes<const D: usize>(
     for (item, piece) in points.geometry.cut.interface().iter().enumerate() {
         let surface = points.surfaces[piece.body.index()];
         let (Some(field), Some(region)) = (surface.field(), region_of(piece.part)) else { continue };
-        for (k, vertex) in surface.boundary.facet(piece.facet).iter().enumerate() {
+        for (k, node) in surface.boundary.nodes(piece.facet).iter().enumerate() {
             let weight: f64 = points.values.points(item).iter().map(|at| at.weight * at.solid[k]).sum();
             let flux: Vector<D> = piece.normal * weight;
-            for (dof, flux) in points.fields.layout.node(field, vertex.index()).zip(flux.iter()) {
+            for (dof, flux) in points.fields.layout.node(field, node.index()).zip(flux.iter()) {
                 match constraints.tie_of(dof) {
                     Some(masters) => {
                         masters.iter().for_each(|(to, f)| add(*to, region, [f * flux, (f * weight).abs()]))

@@ -6,7 +6,7 @@ use algebra::{DofId, Sites};
 use body::{SurfaceMotion, SurfaceVelocity};
 use cutcell::InterfacePiece;
 use fluid_ns::{FluidFields, FluidGeometry, NewtonianFluid};
-use mesh::{MAX_CELL_VERTICES, Point, Tensor, Vector};
+use mesh::{BodyId, MAX_CELL_VERTICES, MAX_FACET_NODES, Point, Tensor, Vector};
 
 use crate::piece_values::{PiecePoint, PieceValues};
 use crate::{SolidShare, SolidTraction};
@@ -33,8 +33,8 @@ pub struct InterfacePoints<'a, const D: usize> {
 /// A quadrature point of the interface with its local state.
 ///
 /// Local unknowns: velocity component `a` of fluid node `i` at row `D i + a`, then the pressures of the fluid nodes,
-/// then the velocity of the vertices of the facet, unless the motion of the body is prescribed, then the other unknowns
-/// on which the traction of the solid depends.
+/// then the velocity of the nodes of the body on the facet, unless its motion is prescribed, then the other unknowns on
+/// which the traction of the solid depends.
 pub struct MortarPoint<'a, const D: usize> {
     /// Geometry and shape values.
     pub at: &'a PiecePoint<D>,
@@ -61,8 +61,8 @@ pub struct MortarPoint<'a, const D: usize> {
     pub alpha: f64,
     /// Traction of the solid, of weight `1 - α`; `None` if `α = 1`.
     pub solid: Option<Arc<SolidTraction<D>>>,
-    /// Whether the velocity of the body is unknown, and not prescribed.
-    pub is_unknown: bool,
+    /// Number of nodes of the body on the facet with unknown velocities; zero if the motion of the body is prescribed.
+    pub n_solid: usize,
 }
 
 impl<const D: usize> MortarPoint<'_, D> {
@@ -84,9 +84,8 @@ impl<const D: usize> MortarPoint<'_, D> {
     #[inline]
     pub fn jump_basis(&self) -> impl Iterator<Item = (usize, f64)> + Clone + '_ {
         let fluid = (0..=D).map(|i| (self.velocity_row(i), self.at.fluid[i]));
-        let n_solid = if self.is_unknown { D } else { 0 };
         let first_solid = (D + 1) * (D + 1);
-        let solid = (0..n_solid).map(move |k| (first_solid + D * k, -self.at.solid[k]));
+        let solid = (0..self.n_solid).map(move |k| (first_solid + D * k, -self.at.solid[k]));
         fluid.chain(solid)
     }
 
@@ -100,6 +99,14 @@ impl<const D: usize> MortarPoint<'_, D> {
     #[inline]
     pub fn pressure_row(&self, node: usize) -> usize {
         D * (D + 1) + node
+    }
+}
+
+impl<const D: usize> InterfacePoints<'_, D> {
+    /// Returns the weight `α` of the traction of the fluid on a body.
+    pub(crate) fn alpha(&self, body: BodyId) -> f64 {
+        let share = self.solid.as_ref().filter(|solid| solid.stresses[body.index()].is_some());
+        share.map_or(1.0, |solid| solid.alpha)
     }
 }
 
@@ -119,8 +126,8 @@ impl<'a, const D: usize> Sites for InterfacePoints<'a, D> {
         dofs.iter().for_each(|&dof| out.extend(layout.node(pressure, dof as usize)));
         let surface = self.surfaces[piece.body.index()];
         if let Some(field) = surface.field() {
-            let vertices = surface.boundary.facet(piece.facet).iter();
-            vertices.for_each(|vertex| out.extend(layout.node(field, vertex.index())));
+            let nodes = surface.boundary.nodes(piece.facet).iter();
+            nodes.for_each(|node| out.extend(layout.node(field, node.index())));
         }
         let stress = self.solid.as_ref().and_then(|solid| solid.stresses[piece.body.index()].as_ref());
         if let Some(stress) = stress {
@@ -143,10 +150,12 @@ impl<'a, const D: usize> Sites for InterfacePoints<'a, D> {
             grad_u += velocities[i] * gradients[i].transpose();
         }
         let surface = self.surfaces[piece.body.index()];
-        let mut on_facet = [Vector::<D>::zeros(); MAX_CELL_VERTICES];
+        let (mut on_facet, mut n_solid) = ([Vector::<D>::zeros(); MAX_FACET_NODES], 0);
         if let Some(field) = surface.field() {
-            for (slot, vertex) in on_facet.iter_mut().zip(surface.boundary.facet(piece.facet)) {
-                *slot = self.fields.layout.at(field, vertex.index(), x).into();
+            let nodes = surface.boundary.nodes(piece.facet);
+            n_solid = nodes.len();
+            for (slot, node) in on_facet.iter_mut().zip(nodes) {
+                *slot = self.fields.layout.at(field, node.index(), x).into();
             }
         }
         let viscous_traction = self.fluid.viscous_traction(&grad_u, &-piece.normal);
@@ -163,7 +172,7 @@ impl<'a, const D: usize> Sites for InterfacePoints<'a, D> {
                 pressure += pressures[i] * at.fluid[i];
             }
             match &surface.velocity {
-                SurfaceVelocity::Field(_) => (0..D).for_each(|k| jump -= on_facet[k] * at.solid[k]),
+                SurfaceVelocity::Field(_) => (0..n_solid).for_each(|k| jump -= on_facet[k] * at.solid[k]),
                 SurfaceVelocity::Given(velocity) => jump -= velocity(&at.point),
             }
             visit(&MortarPoint {
@@ -179,7 +188,7 @@ impl<'a, const D: usize> Sites for InterfacePoints<'a, D> {
                 traction: viscous_traction + piece.normal * pressure,
                 alpha: solid.as_ref().map_or(1.0, |solid| 1.0 - solid.weight),
                 solid: solid.clone(),
-                is_unknown: surface.field().is_some(),
+                n_solid,
             });
         }
     }

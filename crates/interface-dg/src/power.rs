@@ -32,7 +32,7 @@ pub fn interface_power<const D: usize>(
             let along = q.jump.dot(n);
             power.penalty_normal += traction.dot(n) * along;
             power.penalty_tangential += traction.dot(&(q.jump - n * along));
-            if !q.is_unknown {
+            if q.n_solid == 0 {
                 let u: mesh::Vector<D> =
                     dofs.iter().zip(&q.at.fluid).map(|(dof, n)| points.fields.velocity_at::<D>(x, *dof) * *n).sum();
                 power.given_motion += (traction - q.traction * q.at.weight).dot(&(u - q.jump));

@@ -1,9 +1,10 @@
 //! The mortar on one cut cell: values by hand, action and reaction, leak and traction.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use algebra::time::Affine;
-use algebra::{BlockLayout, BlockSystem, Constraints, Contributions, Integral, check_tangent};
+use algebra::{BlockLayout, BlockSystem, Constraints, Contributions, Integral, check_tangent, worst_tangent_entry};
 use body::{SurfaceMotion, SurfaceStress, SurfaceVelocity};
 use cutcell::{CutMesh, OverlayOptions};
 use fluid_ns::{FluidFields, FluidGeometry, NewtonianFluid};
@@ -13,7 +14,9 @@ use interface_dg::{
     interface_tractions,
 };
 use mesh::generate::structured_box;
-use mesh::{BodyId, BoundaryMesh, Coordinates, MAX_CELL_VERTICES, Placed, Point, SimplexMesh, Tensor, Vector};
+use mesh::{
+    BodyId, BoundaryMesh, Coordinates, MAX_FACET_NODES, Order, Placed, Point, SimplexMesh, Tensor, Vector, VertexId,
+};
 use xfem_space::{PartValues, XfemSpace, face_values};
 
 type V = Vector<2>;
@@ -63,14 +66,14 @@ impl Fixture {
         let parts = PartValues::new(&self.background, &self.cut);
         let faces = face_values(&self.background, &self.cut, &self.space, &parts);
         let history = vec![V::zeros(); self.space.len()];
-        let mut values = PieceValues::new(&self.background, &self.cut, &parts, 2);
-        values.set_relative_speeds(&self.cut, &self.space, &history, |_| [v; MAX_CELL_VERTICES]);
+        let boundary = self.body.boundary();
+        let mut values = PieceValues::new(&self.background, &self.cut, &parts, &[&boundary], 2);
+        values.set_relative_speeds(&self.cut, &self.space, &history, |_| [v; MAX_FACET_NODES]);
         let acceleration = Affine { slope: 1.0, predicted: Vec::new() };
         let mut layout = BlockLayout::new();
         let velocity = layout.push("velocity", self.space.len(), 2);
         let pressure = layout.push_on(velocity, "pressure", 1);
         let field = layout.push("body", self.body.n_vertices(), 2);
-        let boundary = self.body.boundary();
         let surface = SurfaceMotion {
             boundary: &boundary,
             geometry: self.body.vertices().to_vec(),
@@ -103,7 +106,7 @@ impl Fixture {
             fluid: FLUID,
             solid: None,
         };
-        let at = |k: &mesh::VertexId| background.vertex(*k);
+        let at = |k: &VertexId| background.vertex(*k);
         let mut x = vec![0.0; layout.len()];
         layout.set(velocity, space.vertices().iter().map(|k| u(&at(k)).into()), &mut x);
         layout.set(pressure, space.vertices().iter().map(|k| [p(&at(k))]), &mut x);
@@ -345,57 +348,111 @@ fn change_of_volume<const D: usize>(boundary: &BoundaryMesh<D>, points: &[Point<
     (volume(step) - volume(-step)) / (2.0 * step)
 }
 
-/// Checks the pressure on a moved surface: its work is the pressure times the change of the volume, in place of that at
-/// the cut, and its tangent is exact.
-fn pressure_on_a_moved_surface<const D: usize>(coordinates: Coordinates) {
+/// Returns the boundary of a mesh with elements of some order and straight edges, and its nodes.
+fn boundary_of<const D: usize>(mesh: &SimplexMesh<D>, order: Order) -> (BoundaryMesh<D>, Vec<Point<D>>) {
+    let (mut nodes, mut on_edges) = (mesh.vertices().to_vec(), HashMap::new());
+    let (mut element_to_node, mut tags) = (Vec::new(), Vec::new());
+    for facet in mesh.facets().filter(|facet| mesh.is_boundary(*facet)) {
+        let on_edge = |ends: [VertexId; 2]| {
+            *on_edges.entry(ends).or_insert_with(|| {
+                nodes.push((mesh.vertex(ends[0]) + mesh.vertex(ends[1])) * 0.5);
+                VertexId::new(nodes.len() - 1)
+            })
+        };
+        order.push_nodes(mesh.facet(facet), on_edge, &mut element_to_node);
+        tags.push(None);
+    }
+    let boundary = BoundaryMesh::of_elements(order, element_to_node, &[], &tags);
+    (boundary.with_coordinates(mesh.coordinates()), nodes)
+}
+
+/// Checks the pressure on a moved surface: the work of a uniform one is the pressure times the change of the volume, in
+/// place of that at the cut, and the tangent of any pressure is exact.
+fn pressure_on_a_moved_surface<const D: usize>(coordinates: Coordinates, order: Order) {
     const DT: f64 = 0.1;
-    let mesh = structured_box::<D>([0.5; D], [1.5; D], [2; D]).expect("a box").with_coordinates(coordinates);
-    let mesh = mesh.expect("a body off the axis");
-    let (boundary, points) = (mesh.boundary(), mesh.vertices());
+    let in_coordinates = |mesh: SimplexMesh<D>| mesh.with_coordinates(coordinates).expect("a mesh off the axis");
+    let background = in_coordinates(structured_box::<D>([0.0; D], [2.0; D], [3; D]).expect("a box"));
+    let mesh = in_coordinates(structured_box::<D>([0.5; D], [1.5; D], [2; D]).expect("a box"));
+    let (boundary, points) = &boundary_of(&mesh, order);
     let wave = |shift: f64| move |x: &Point<D>| Vector::from_fn(|a, _| (3.0 * x[(a + 1) % D] + shift + a as f64).sin());
     let moved = |shift: f64, by: f64| points.iter().map(|x| x + wave(shift)(x) * by).collect::<Vec<Point<D>>>();
     let (predicted, geometry) = (moved(0.7, 0.12), moved(1.9, 0.15));
+
+    let placed = [Placed::new(boundary, &geometry)];
+    let cut = CutMesh::overlay(&background, &placed, &OverlayOptions::new()).expect("a cut");
+    let space = XfemSpace::new(&background, &cut);
+    let parts = PartValues::new(&background, &cut);
+    let faces = face_values(&background, &cut, &space, &parts);
+    let values = PieceValues::new(&background, &cut, &parts, &[boundary], 2);
+    let history = vec![Vector::zeros(); space.len()];
+    let acceleration = Affine { slope: 1.0, predicted: Vec::new() };
     let mut layout = BlockLayout::new();
-    layout.push("other", 3, 1);
-    let field = layout.push("velocity", points.len(), D);
-    let velocity: Vec<Vector<D>> = points.iter().map(wave(2.5)).collect();
+    let flow = layout.push("velocity", space.len(), D);
+    let pressure = layout.push_on(flow, "pressure", 1);
+    let field = layout.push("body", points.len(), D);
+    // The velocities of both orders are equal between the nodes if they are affine.
+    let affine = |x: &Point<D>| Vector::from_fn(|a, _| x[(a + 1) % D] * 0.7 - 0.3 * x[a]);
+    let velocity: Vec<Vector<D>> =
+        points.iter().map(|x| if order == Order::Linear { wave(2.5)(x) } else { affine(x) }).collect();
     let mut x = vec![0.0; layout.len()];
     layout.set(field, velocity.iter().map(|v| (*v).into()), &mut x);
+    layout.set(pressure, vec![[2.0]; space.len()], &mut x);
     let at_stage: Vec<Point<D>> = predicted.iter().zip(&velocity).map(|(x, v)| x + v * DT).collect();
-    let expected = [&at_stage, &geometry].map(|positions| 2.0 * change_of_volume(&boundary, positions, &velocity));
+    let expected = [&at_stage, &geometry].map(|positions| 2.0 * change_of_volume(boundary, positions, &velocity));
     let surface = SurfaceMotion {
-        boundary: &boundary,
+        boundary,
         begin: geometry.clone(),
         predicted: geometry.clone(),
-        geometry,
+        geometry: geometry.clone(),
         slope: 0.0,
         velocity: SurfaceVelocity::Field(field),
     };
-    let pressures = vec![2.0; boundary.n_facets()];
+    let positions = vec![geometry];
+    let interface = InterfacePoints {
+        geometry: FluidGeometry {
+            background: &background,
+            cut: &cut,
+            space: &space,
+            parts: &parts,
+            faces: &faces,
+            history: &history,
+            films: None,
+            acceleration: &acceleration,
+        },
+        fields: FluidFields { layout: &layout, velocity: flow, pressure },
+        values: &values,
+        surfaces: vec![&surface],
+        positions: &positions,
+        fluid: FLUID,
+        solid: None,
+    };
     let predicted = predicted.iter().zip(points).map(|(x, reference)| x - reference).collect();
-    let at_stage = (points, Affine { slope: DT, predicted });
-    let moved = MovedSurface::new((&surface, &layout), at_stage, &pressures);
+    let moved = MovedSurface::new(interface, BodyId::new(0), (points, Affine { slope: DT, predicted }));
     let force = moved.force(&x);
-    // The tangent of a linear integral is checked to be constant.
-    assert_eq!(moved.is_linear(), D == 2 && coordinates == Coordinates::Cartesian);
-    let integral = if moved.is_linear() { Integral::linear } else { Integral::new };
-    let terms = integral("moved surface", moved, vec![&MovedPressure]);
+    let terms = Integral::new("moved surface", moved, vec![&MovedPressure]);
     let power = terms.power(&x);
     assert!((power - (expected[0] - expected[1])).abs() < 1e-6, "{power} {expected:?}");
     assert!((expected[0] - expected[1]).abs() > 0.01);
     let mut forces = vec![0.0; layout.len()];
     terms.add_residual(&x, &mut forces);
     let sum: Vector<D> = layout.values(field, &forces).map(Vector::<D>::from).sum();
-    assert!((sum + force).amax() < 1e-13);
+    assert!((sum + force).amax() < 1e-12);
     // In axisymmetric coordinates forces along the radius are those of hoops.
     let free = (0..D).filter(|a| coordinates.radial() != Some(*a));
-    assert!(free.map(|a| sum[a].abs()).fold(0.0, f64::max) < 1e-13, "{sum}");
-    assert!(check_tangent(&terms, &x, 1e-5) < 1e-8);
+    assert!(free.map(|a| sum[a].abs()).fold(0.0, f64::max) < 1e-12, "{sum}");
+    let varying = |node: &VertexId| [2.0 + background.vertex(*node)[0].sin()];
+    layout.set(pressure, space.vertices().iter().map(varying), &mut x);
+    // Slivers have tangents of the size of round-off.
+    let items = (0..terms.len()).filter(|item| cut.interface()[*item].measure > 1e-9);
+    let worst = worst_tangent_entry(&terms, items, &x, 1e-5);
+    assert!(worst.relative < 1e-8, "{D} {coordinates:?} {order:?} {worst:?}");
 }
 
 #[test]
 fn a_uniform_pressure_moves_with_the_surface() {
-    pressure_on_a_moved_surface::<2>(Coordinates::Cartesian);
-    pressure_on_a_moved_surface::<2>(Coordinates::Axisymmetric);
-    pressure_on_a_moved_surface::<3>(Coordinates::Cartesian);
+    for order in [Order::Linear, Order::Quadratic] {
+        pressure_on_a_moved_surface::<2>(Coordinates::Cartesian, order);
+        pressure_on_a_moved_surface::<2>(Coordinates::Axisymmetric, order);
+        pressure_on_a_moved_surface::<3>(Coordinates::Cartesian, order);
+    }
 }

@@ -75,6 +75,9 @@ pub struct Summary {
     /// Whether no step increased the energy by more than 1e-8 of the largest sum of all energies, without the work of
     /// loads, forces, open boundaries and given velocities.
     pub energy_monotone: bool,
+    /// Sum of the increases of the energy that such steps made, divided by the largest sum of all energies.
+    #[serde(default)]
+    pub energy_generated: f64,
     /// Largest energy of a step that no line of [`solver::Ledger`] contains, divided by the largest energy or line and
     /// by the tolerance of Newton's method. None before the first step.
     #[serde(default)]
@@ -212,6 +215,8 @@ pub(crate) struct SummaryBuilder {
     pub(crate) summary: Summary,
     largest_energy: f64,
     largest_gain: f64,
+    /// Sum of the gains.
+    generated: f64,
     largest_line: f64,
     largest_defect: f64,
     largest_swept: f64,
@@ -231,6 +236,7 @@ impl SummaryBuilder {
             summary,
             largest_energy: 0.0,
             largest_gain: 0.0,
+            generated: 0.0,
             largest_line: 0.0,
             largest_defect: 0.0,
             largest_swept: 0.0,
@@ -266,7 +272,9 @@ impl SummaryBuilder {
             summary.max_interface_leak = Some(summary.max_interface_leak.map_or(leak, |largest| largest.max(leak)));
         }
         self.largest_energy = self.largest_energy.max(report.total_energy().abs());
-        self.largest_gain = self.largest_gain.max(-report.ledger.dissipation());
+        let gain = (-report.ledger.dissipation()).max(0.0);
+        self.largest_gain = self.largest_gain.max(gain);
+        self.generated += gain;
         self.largest_line = self.largest_line.max(report.ledger.largest_line());
         let defect = report.ledger.defect().abs();
         // A NaN is kept: no later defect compares larger.
@@ -276,6 +284,7 @@ impl SummaryBuilder {
         let size = self.largest_energy.max(self.largest_line).max(f64::MIN_POSITIVE);
         self.summary.energy_defect = Some(self.largest_defect / size / view.setup.newton.tolerance);
         self.summary.energy_monotone = self.largest_gain <= ENERGY_TOLERANCE * self.largest_energy;
+        self.summary.energy_generated = self.generated / self.largest_energy.max(f64::MIN_POSITIVE);
         for (contact, found) in view.setup.contacts.iter().zip(&report.contacts) {
             let least = self.summary.smallest_gap.as_ref().map_or(f64::INFINITY, |(least, _)| *least);
             if let Some(gap) = found.minimum_gap.filter(|gap| *gap < least) {

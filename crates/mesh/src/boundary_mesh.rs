@@ -1,18 +1,24 @@
 //! The oriented boundary of a solid.
 
-use crate::{CellId, Coordinates, FacetId, Tag, VertexId};
+use crate::{CellId, Coordinates, FacetId, MAX_CELL_VERTICES, MAX_FACET_NODES, Order, Tag, VertexId};
 
 /// Oriented facets of a closed surface. Normals point out of the solid (2D: to the right of the edge; 3D: right-hand
 /// rule).
 ///
 /// Vertices have the ids of the solid mesh, so that its positions can be used. They are not stored: see
 /// [`crate::Placed`].
+///
+/// Facets may be the parts of the facets of elements of order 2 ([`BoundaryMesh::of_elements`]). Geometry is that of
+/// the parts; fields of the solid have the shape functions of the elements.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BoundaryMesh<const D: usize> {
     facet_to_vertex: Vec<VertexId>,
     facet_to_cell: Vec<CellId>,
     tags: Vec<Option<Tag>>,
     coordinates: Coordinates,
+    order: Order,
+    /// Nodes of the facets of elements; empty for order 1. Stride: nodes of such a facet.
+    element_to_node: Vec<VertexId>,
 }
 
 impl<const D: usize> BoundaryMesh<D> {
@@ -29,7 +35,37 @@ impl<const D: usize> BoundaryMesh<D> {
         assert!(n * D == length, "a facet has {D} vertices, so that {length} vertices do not make whole facets");
         assert!(facet_to_cell.is_empty() || facet_to_cell.len() == n, "one cell per facet, or none at all");
         assert_eq!(tags.len(), n, "one tag per facet");
-        Self { facet_to_vertex, facet_to_cell, tags, coordinates: Coordinates::default() }
+        let (order, element_to_node) = (Order::Linear, Vec::new());
+        Self { facet_to_vertex, facet_to_cell, tags, coordinates: Coordinates::default(), order, element_to_node }
+    }
+
+    /// Creates the boundary of a solid with elements of some order. Facets are the parts of those of the elements
+    /// ([`Order::parts`]), one element after another.
+    ///
+    /// Shapes: `element_to_node` has the stride [`Order::n_nodes`] in dimension `D - 1`; `element_to_cell` and `tags`
+    /// have one entry per facet of an element.
+    ///
+    /// # Panics
+    /// If the lengths do not match.
+    pub fn of_elements(
+        order: Order,
+        element_to_node: Vec<VertexId>,
+        element_to_cell: &[CellId],
+        tags: &[Option<Tag>],
+    ) -> Self {
+        let parts = order.parts(D - 1);
+        let part = |nodes: &[VertexId], part: &[usize; MAX_CELL_VERTICES]| part.map(|k| nodes.get(k).copied());
+        let elements = element_to_node.chunks_exact(order.n_nodes(D - 1));
+        let vertices =
+            elements.flat_map(|nodes| parts.iter().flat_map(|of| part(nodes, of).into_iter().take(D).flatten()));
+        let repeated = |n: usize| (0..n * parts.len()).map(|facet| facet / parts.len());
+        let boundary = Self::new(
+            vertices.collect(),
+            repeated(element_to_cell.len()).map(|element| element_to_cell[element]).collect(),
+            repeated(tags.len()).map(|element| tags[element]).collect(),
+        );
+        let element_to_node = if order == Order::Linear { Vec::new() } else { element_to_node };
+        Self { order, element_to_node, ..boundary }
     }
 
     /// Creates a surface without a volume mesh, from its facets (stride `D`).
@@ -53,11 +89,16 @@ impl<const D: usize> BoundaryMesh<D> {
         self.coordinates
     }
 
-    /// Returns the surface with the opposite orientation.
+    /// Returns the surface with the opposite orientation. Its facets are no parts of elements of order 2.
     pub fn reversed(&self) -> Self {
-        let mut reversed = self.clone();
+        let mut reversed = Self { order: Order::Linear, element_to_node: Vec::new(), ..self.clone() };
         reversed.facet_to_vertex.chunks_exact_mut(D).for_each(|facet| facet.swap(0, 1));
         reversed
+    }
+
+    /// Returns the order of the elements of the solid.
+    pub fn order(&self) -> Order {
+        self.order
     }
 
     /// Returns the number of facets.
@@ -74,6 +115,38 @@ impl<const D: usize> BoundaryMesh<D> {
     #[inline]
     pub fn facet(&self, facet: FacetId) -> &[VertexId] {
         &self.facet_to_vertex[facet.index() * D..][..D]
+    }
+
+    /// Returns the index of the facet of an element that a facet is a part of, and the index of the part.
+    fn element_of(&self, facet: FacetId) -> (usize, usize) {
+        let n_parts = self.order.parts(D - 1).len();
+        (facet.index() / n_parts, facet.index() % n_parts)
+    }
+
+    /// Returns the nodes of the facet of an element that a facet is a part of; for order 1 the vertices of the facet.
+    #[inline]
+    pub fn nodes(&self, facet: FacetId) -> &[VertexId] {
+        if self.order == Order::Linear {
+            return self.facet(facet);
+        }
+        let n = self.order.n_nodes(D - 1);
+        &self.element_to_node[self.element_of(facet).0 * n..][..n]
+    }
+
+    /// Returns the shape values of the nodes ([`BoundaryMesh::nodes`]) at a point of a facet with the given barycentric
+    /// coordinates in the facet.
+    #[inline]
+    pub fn shape(&self, facet: FacetId, at: &[f64; D]) -> [f64; MAX_FACET_NODES] {
+        let mut values = [0.0; MAX_FACET_NODES];
+        if self.order == Order::Linear {
+            values[..D].copy_from_slice(at);
+            return values;
+        }
+        let mut in_part = [0.0; MAX_CELL_VERTICES];
+        in_part[..D].copy_from_slice(at);
+        let in_element = self.order.in_part(D - 1, self.element_of(facet).1, &in_part);
+        values.copy_from_slice(&self.order.shape(D - 1, &in_element).values[..MAX_FACET_NODES]);
+        values
     }
 
     /// Returns the vertices of facets, each once, in order.

@@ -92,7 +92,7 @@ fn overview(results: &Results) -> Result<String, Error> {
         summary.contact_offset.map(|_| ("largest penetration below that distance", in_length(summary.max_penetration))),
         Some(("smallest distance", in_length(summary.min_distance.unwrap_or(f64::NAN)))),
         Some(("divided steps", summary.divided_steps.to_string())),
-        Some(("steps that generated energy", if summary.energy_monotone { "none" } else { "some" }.to_owned())),
+        Some(("energy that steps generated, relative to the largest energy", number(summary.energy_generated))),
     ];
     let rows: Vec<_> = rows.into_iter().flatten().map(|(what, value)| vec![what.to_owned(), value]).collect();
     let facts = format!("<div>{}</div>", table("", &["", ""], &rows));

@@ -4,8 +4,8 @@ use algebra::time::{Affine, StepRule};
 use algebra::{BlockLayout, DofId, FieldId, Sites};
 use mesh::{CellId, Vector, VertexId};
 
+use crate::MAX_CELL_NODES;
 use crate::deformation::Deformation;
-use crate::element::MAX_CELL_NODES;
 use crate::{CellPoint, SolidMesh};
 
 /// A cell in the reference configuration with its accelerations at the stage of the step.

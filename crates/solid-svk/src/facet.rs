@@ -1,10 +1,9 @@
 //! Loads on boundary facets of a body.
 
 use algebra::{DofId, Sites};
-use mesh::{FacetId, Point, Vector, simplex_measure};
+use mesh::{FacetId, MAX_CELL_NODES, Point, ShapeFunctions, Vector, simplex_measure};
 
 use crate::SolidCells;
-use crate::element::{MAX_CELL_NODES, ShapeFunctions};
 
 /// A point on the boundary at the stage of the step, with the shape functions of the element's facet.
 ///
@@ -60,13 +59,13 @@ impl<const D: usize> Sites for SolidFacets<'_, D> {
     }
 
     fn dofs(&self, item: usize, out: &mut Vec<DofId>) {
-        self.cells.dofs_of(self.cells.solid.facet_nodes(self.facets[item]), out);
+        self.cells.dofs_of(self.cells.solid.boundary().nodes(self.facets[item]), out);
     }
 
     fn visit(&self, item: usize, x: &[f64], mut visit: impl FnMut(&Self::Site)) {
         let SolidCells { solid, rule, .. } = self.cells;
         let coordinates = solid.mesh().coordinates();
-        let nodes = solid.facet_nodes(self.facets[item]);
+        let nodes = solid.boundary().nodes(self.facets[item]);
         let displacement = self.cells.at_nodes(&rule.displacement, nodes, x);
         let mut reference = [Point::zeros(); MAX_CELL_NODES];
         reference.iter_mut().zip(nodes).for_each(|(slot, node)| *slot = solid.nodes()[node.index()]);

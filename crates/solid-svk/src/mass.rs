@@ -2,7 +2,7 @@
 
 use mesh::{Point, Tensor, Vector, VertexId};
 
-use crate::element::Order;
+use crate::Order;
 use crate::{Error, SolidMesh};
 
 /// Smallest mass that a node may keep, relative to its lumped mass.

@@ -2,12 +2,15 @@
 
 use std::collections::HashMap;
 
-use mesh::{BoundaryMesh, CellId, Coordinates, FacetId, Placed, Point, SimplexMesh, Vector, VertexId};
+use mesh::{
+    Barycentric, BoundaryMesh, CellId, Coordinates, FacetId, MAX_CELL_NODES, Order, Placed, Point, ShapeFunctions,
+    SimplexMesh, Vector, VertexId,
+};
 
 use crate::Error;
 use crate::deformation::Deformation;
-use crate::element::{Barycentric, MAX_CELL_NODES, Order, ShapeFunctions, Tabulated};
 use crate::kinematics::{deformation_gradient, gradient};
+use crate::tabulated::Tabulated;
 
 /// The data of the mesh of a body that are constant in time; built once, borrowed in every step.
 ///
@@ -26,8 +29,6 @@ pub struct SolidMesh<const D: usize> {
     cells: CellTables<D>,
     cell_to_group: Vec<usize>,
     boundary: BoundaryMesh<D>,
-    /// Nodes of the element's facets. Stride: nodes of a facet.
-    facet_to_node: Vec<VertexId>,
     /// Quadrature points for loads on each part of an element's facet, in coordinates of the whole facet.
     facet_points: Vec<Tabulated>,
     /// Gradients of the shape functions behind each boundary facet, in its middle. Stride: nodes of a cell.
@@ -123,18 +124,17 @@ impl<const D: usize> SolidMesh<D> {
             order.push_nodes(mesh.cell(cell), on_edge, &mut cell_to_node);
         }
         let cells = CellTables::new(order, &nodes, &cell_to_node, mesh.coordinates())?;
-        let part_to_node = parts::<D>(order, D, &cell_to_node);
+        let part_to_node = parts::<D>(order, &cell_to_node);
 
         let mut facet_to_node = Vec::new();
         let (mut facet_to_cell, mut tags) = (Vec::new(), Vec::new());
-        let n_parts = order.parts(D - 1).len();
         for facet in mesh.facets().filter(|&facet| mesh.is_boundary(facet)) {
             order.push_nodes(mesh.facet(facet), |ends| edge_to_node[&ends], &mut facet_to_node);
-            facet_to_cell.extend(mesh.facet_to_cell(facet)[0].iter().flat_map(|cell| vec![*cell; n_parts]));
-            tags.extend(vec![mesh.facet_tag(facet); n_parts]);
+            facet_to_cell.extend(mesh.facet_to_cell(facet)[0]);
+            tags.push(mesh.facet_tag(facet));
         }
-        let boundary = BoundaryMesh::new(parts::<D>(order, D - 1, &facet_to_node), facet_to_cell, tags)
-            .with_coordinates(mesh.coordinates());
+        let boundary =
+            BoundaryMesh::of_elements(order, facet_to_node, &facet_to_cell, &tags).with_coordinates(mesh.coordinates());
 
         let mut body = Self {
             cell_to_group: vec![0; mesh.n_cells()],
@@ -146,7 +146,6 @@ impl<const D: usize> SolidMesh<D> {
             part_to_node,
             cells,
             boundary,
-            facet_to_node,
             surface_gradients: Vec::new(),
             surface_hoop: Vec::new(),
             surface_measures: Vec::new(),
@@ -294,12 +293,6 @@ impl<const D: usize> SolidMesh<D> {
         self.surface_measures[cell.index()]
     }
 
-    /// Returns the nodes of the element's facet that a boundary facet is a part of.
-    pub(crate) fn facet_nodes(&self, facet: FacetId) -> &[VertexId] {
-        let n = self.order.n_nodes(D - 1);
-        &self.facet_to_node[facet.index() / self.facet_points.len() * n..][..n]
-    }
-
     /// Returns the quadrature points for loads on a boundary facet.
     pub(crate) fn facet_points(&self, facet: FacetId) -> &Tabulated {
         &self.facet_points[facet.index() % self.facet_points.len()]
@@ -405,13 +398,13 @@ fn push_hoop<const D: usize>(
     if radius > 0.0 { hoop.extend(values.map(off_axis)) } else { hoop.extend(values.map(on_axis)) }
 }
 
-/// Returns the linear simplices of elements of some dimension, given by their nodes.
-fn parts<const D: usize>(order: Order, dimension: usize, element_to_node: &[VertexId]) -> Vec<VertexId> {
-    let elements = element_to_node.chunks_exact(order.n_nodes(dimension));
+/// Returns the linear simplices of cells, given by their nodes.
+fn parts<const D: usize>(order: Order, cell_to_node: &[VertexId]) -> Vec<VertexId> {
+    let cells = cell_to_node.chunks_exact(order.n_nodes(D));
     let parts = |nodes: &[VertexId]| -> Vec<VertexId> {
-        order.parts(dimension).iter().flat_map(|part| part[..=dimension].iter().map(|&k| nodes[k])).collect()
+        order.parts(D).iter().flat_map(|part| part[..=D].iter().map(|&k| nodes[k])).collect()
     };
-    elements.flat_map(parts).collect()
+    cells.flat_map(parts).collect()
 }
 
 /// Returns the quadrature points for loads on the parts of a facet. In Cartesian coordinates those of a linear facet

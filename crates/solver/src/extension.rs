@@ -6,7 +6,7 @@ use algebra::{
 };
 use cutcell::CutMesh;
 use interface_dg::PieceValues;
-use mesh::{MAX_CELL_VERTICES, Tensor, Vector};
+use mesh::{MAX_CELL_VERTICES, MAX_FACET_NODES, Tensor, Vector};
 use xfem_space::{FaceValue, Sources, XfemSpace};
 
 /// Weight of the velocity of the body at each uncovered vertex of a cut cell, relative to its weight on the surface. It
@@ -30,17 +30,17 @@ impl<const D: usize> Extension<'_, D> {
     ///
     /// `Σ_F h_F |F| |[∇u] n|² + Σ_Σ 1/h_K ∫ |u - v|²`,
     ///
-    /// where `F` are the faces that touch an uncovered dof. `on_piece` returns two lists for the vertices of the facet
-    /// of a piece: the values `v`, and the vectors from the cut surface to the points at which they hold. `u` is
-    /// evaluated at these points by the affine function of its part. Affine fields that are equal to `v` are extended
-    /// without error, over any distance.
+    /// where `F` are the faces that touch an uncovered dof. `on_piece` returns two lists for the nodes of the body on
+    /// the facet of a piece: the values `v`, and the vectors from the cut surface to the points at which they hold. `u`
+    /// is evaluated at these points by the affine function of its part. Affine fields that are equal to `v` are
+    /// extended without error, over any distance.
     ///
     /// # Errors
     /// The linear solver fails.
     pub(crate) fn fill(
         &self,
         values: &mut [Vector<D>],
-        on_piece: impl Fn(usize) -> [[Vector<D>; MAX_CELL_VERTICES]; 2] + Sync,
+        on_piece: impl Fn(usize) -> [[Vector<D>; MAX_FACET_NODES]; 2] + Sync,
     ) -> Result<(), NewtonError> {
         let mut nodes = vec![None; values.len()];
         let mut uncovered = Vec::new();
@@ -158,7 +158,7 @@ struct SurfaceFit<'a, const D: usize> {
     unknowns: Unknowns<'a, D>,
     extension: Extension<'a, D>,
     pieces: Vec<usize>,
-    on_piece: &'a (dyn Fn(usize) -> [[Vector<D>; MAX_CELL_VERTICES]; 2] + Sync),
+    on_piece: &'a (dyn Fn(usize) -> [[Vector<D>; MAX_FACET_NODES]; 2] + Sync),
 }
 
 impl<const D: usize> Contributions for SurfaceFit<'_, D> {
@@ -177,8 +177,7 @@ impl<const D: usize> Contributions for SurfaceFit<'_, D> {
         let dofs = space.dofs(piece.part);
         let [values, offsets] = (self.on_piece)(self.pieces[item]);
         for at in pieces.points(self.pieces[item]) {
-            let on_facet =
-                |of_vertices: &[Vector<D>]| of_vertices.iter().zip(&at.solid[..D]).map(|(v, n)| v * *n).sum();
+            let on_facet = |of_nodes: &[Vector<D>]| of_nodes.iter().zip(&at.solid).map(|(v, n)| v * *n).sum();
             let (of_body, offset): (Vector<D>, Vector<D>) = (on_facet(&values), on_facet(&offsets));
             let mut shape = at.fluid;
             shape.iter_mut().zip(pieces.gradients(self.pieces[item])).for_each(|(n, g)| *n += g.dot(&offset));

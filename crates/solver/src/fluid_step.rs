@@ -96,7 +96,8 @@ impl<'a, const D: usize> FluidStep<'a, D> {
             let surfaces = FilmSurfaces::new(&setup.surfaces(&positions), background, |tag| fluid.is_wall(tag));
             FilmValues::new((background, &cut, &parts), &surfaces, film.roughness)
         });
-        let mut pieces = PieceValues::new(background, &cut, &parts, PIECE_DEGREE);
+        let of_bodies: Vec<_> = setup.bodies.iter().map(|body| body.surface()).collect();
+        let mut pieces = PieceValues::new(background, &cut, &parts, &of_bodies, PIECE_DEGREE);
         if let Some(films) = &mut films {
             pieces.set_gaps(&cut, |part| films.of(part).map(|film| film.gap));
             let slip = fluid.stabilisation.penalty.slip_share();

@@ -53,7 +53,7 @@ pub struct Ledger {
     pub penalty_tangential: f64,
     /// Inertia, internal work and body force of the bodies: dissipation of their time schemes.
     pub body_scheme: f64,
-    /// Work against the pressure of the step before on the moved surfaces of bodies that deform, minus that at the cut
+    /// Work against the pressure on the moved surfaces of bodies that deform, minus that at the cut
     /// ([`interface_dg::terms::MovedPressure`]). Its sign varies.
     pub moved_surface: f64,
     /// Work against loads on bodies, also gravity that varies in time, and against pressure on closed surfaces.
@@ -110,11 +110,10 @@ impl Ledger {
         self.lines().iter().map(|(_, lost)| lost.abs()).fold(0.0, f64::max)
     }
 
-    /// Returns the loss of the energy of the scheme without work on loads, forces, open boundaries, given velocities
-    /// and moved surfaces: up to the defect, the sum of all other lines but `scheme_storage`. Negative if energy is
-    /// generated.
+    /// Returns the loss of the energy of the scheme without work on loads, forces, open boundaries and given
+    /// velocities: up to the defect, the sum of all other lines but `scheme_storage`. Negative if energy is generated.
     pub fn dissipation(&self) -> f64 {
-        let given = self.given_velocities + self.fluid_force + self.loads + self.open_boundary + self.moved_surface;
+        let given = self.given_velocities + self.fluid_force + self.loads + self.open_boundary;
         -self.change - self.scheme_storage - given
     }
 }
@@ -188,7 +187,7 @@ impl<const D: usize> Problem<'_, D> {
             ledger.loads += loads;
             known += own + loads;
         }
-        ledger.moved_surface = step.moved_surfaces().map(|(_, surface)| work(&moved_pressure(surface))).sum();
+        ledger.moved_surface = self.moved.iter().map(|(_, surface)| work(&moved_pressure(surface.clone()))).sum();
         known += ledger.moved_surface;
         let by_laws: f64 = self.contacts.iter().map(|sites| work(&contact_work(sites.clone()))).sum();
         let contact = by_laws + step.collisions.iter().flatten().map(|collision| work(collision)).sum::<f64>();

@@ -31,7 +31,6 @@ mod sides;
 mod stabilisation;
 mod state;
 mod step;
-mod surface_pressure;
 mod surfaces;
 mod time_loop;
 

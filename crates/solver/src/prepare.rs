@@ -12,7 +12,6 @@ use mesh::{Aabb, Point};
 use crate::collision::Collision;
 use crate::contact_step::{ContactStep, StepParts};
 use crate::fluid_step::FluidStep;
-use crate::surface_pressure::surface_pressures;
 use crate::{Setup, Stage, StageSeconds, State};
 
 /// A step of the setup, or a part of one.
@@ -46,8 +45,6 @@ pub struct Step<'a, const D: usize> {
     pub(crate) collisions: Vec<Option<Collision<D>>>,
     pub(crate) constraints: Constraints,
     pub(crate) pockets: Vec<Pocket>,
-    /// Pressures on the moved facets of each body; empty if there are none.
-    pub(crate) surface_pressures: Vec<Vec<f64>>,
     pub(crate) seconds: StageSeconds,
 }
 
@@ -83,7 +80,6 @@ impl<'a, const D: usize> Step<'a, D> {
             collisions: Vec::new(),
             constraints: Constraints::new(),
             pockets: Vec::new(),
-            surface_pressures: Vec::new(),
             seconds,
         };
         let searched = Instant::now();
@@ -94,8 +90,6 @@ impl<'a, const D: usize> Step<'a, D> {
         step.collisions = step.collisions();
         step.adapt_to_collision();
         step.check_share()?;
-        let extrapolates = step.time.extrapolates();
-        step.surface_pressures = surface_pressures(setup, previous, step.fluid.as_ref(), extrapolates);
         step.seconds.space = clock.elapsed().as_secs_f64() - step.seconds.cut;
         Ok(step)
     }

@@ -1,7 +1,10 @@
 //! The coupled problem of one step, by composition.
 
+use std::sync::Arc;
+
 use algebra::time::Affine;
 use algebra::{Contributions, Equations, Integral};
+use body::Body;
 use contact::ContactSites;
 use contact::terms::ContactWork;
 use interface_dg::terms::{ClosedPressure, MovedPressure};
@@ -17,6 +20,8 @@ pub struct Problem<'p, const D: usize> {
     pub(crate) step: &'p Step<'p, D>,
     /// The interface, if there is a fluid.
     pub interface: Option<InterfacePoints<'p, D>>,
+    /// Surfaces of bodies that deform, at the stage.
+    pub moved: Vec<(BodyId, MovedSurface<'p, D>)>,
     /// The contacts, in the order of the setup.
     pub contacts: Vec<ContactSites<'p, D>>,
     /// Parts of surfaces that border no fluid, of bodies in contacts whose law depends on the jump of stress.
@@ -37,9 +42,10 @@ impl<const D: usize> Step<'_, D> {
         if let (Some(fluid), Some(points)) = (&self.fluid, &interface) {
             contributions.push(Box::new(fluid.mortar.contributions(points.clone())));
         }
-        contributions.extend(
-            self.moved_surfaces().map(|(_, surface)| Box::new(moved_pressure(surface)) as Box<dyn Contributions + '_>),
-        );
+        let moved = interface.as_ref().map_or_else(Vec::new, |points| self.moved_surfaces(points));
+        for (_, surface) in &moved {
+            contributions.push(Box::new(moved_pressure(surface.clone())));
+        }
         let contacts = self.setup.contacts.iter().zip(&self.contacts);
         let contacts: Vec<_> = contacts.map(|(contact, step)| step.sites(contact, self.parts())).collect();
         for sites in &contacts {
@@ -53,20 +59,19 @@ impl<const D: usize> Step<'_, D> {
             contributions.push(Box::new(closed_pressure(points.clone())));
         }
         let equations = Equations { layout, contributions, constraints: &self.constraints };
-        Problem { equations, step: self, interface, contacts, closed }
+        Problem { equations, step: self, interface, moved, contacts, closed }
     }
-}
 
-impl<const D: usize> Step<'_, D> {
-    /// Returns the moved surfaces of bodies that deform, with the positions of the bodies in the setup.
-    pub(crate) fn moved_surfaces(&self) -> impl Iterator<Item = (usize, MovedSurface<'_, D>)> {
-        let pressures = self.surface_pressures.iter().enumerate().filter(|(_, pressures)| !pressures.is_empty());
-        pressures.map(|(b, pressures)| {
-            let row = &self.time.weights.stage_displacement;
-            let displacement = Affine::new(row, &self.previous.bodies[b].level);
-            let at_stage = (self.setup.bodies[b].reference(), displacement);
-            (b, MovedSurface::new((self.bodies[b].surface(), &self.layout), at_stage, pressures))
-        })
+    /// Returns the moved surfaces of bodies that deform; none with implicit Euler, as in the scheme of the paper.
+    fn moved_surfaces<'p>(&'p self, points: &InterfacePoints<'p, D>) -> Vec<(BodyId, MovedSurface<'p, D>)> {
+        let bodies = self.setup.bodies.iter().enumerate();
+        let deforming = bodies.filter(|(_, body)| self.time.moves_pressure() && body.deforms());
+        let moved = |(b, body): (usize, &'p Arc<dyn Body<D>>)| {
+            let displacement = Affine::new(&self.time.weights.stage_displacement, &self.previous.bodies[b].level);
+            let id = BodyId::new(b);
+            (id, MovedSurface::new(points.clone(), id, (body.reference(), displacement)))
+        };
+        deforming.map(moved).collect()
     }
 }
 
@@ -82,6 +87,5 @@ pub(crate) fn contact_work<const D: usize>(sites: ContactSites<'_, D>) -> Integr
 
 /// Returns the weak form of the pressure on a moved surface.
 pub(crate) fn moved_pressure<const D: usize>(surface: MovedSurface<'_, D>) -> Integral<'_, MovedSurface<'_, D>> {
-    let integral = if surface.is_linear() { Integral::linear } else { Integral::new };
-    integral("moved surface", surface, vec![&MovedPressure])
+    Integral::new("moved surface", surface, vec![&MovedPressure])
 }

@@ -156,8 +156,8 @@ impl<const D: usize> Problem<'_, D> {
                 forces.pressure += points.force(x);
             }
         }
-        for (b, surface) in step.moved_surfaces() {
-            if let Some(forces) = &mut bodies[b].forces {
+        for (body, surface) in &self.moved {
+            if let Some(forces) = &mut bodies[body.index()].forces {
                 forces.pressure += surface.force(x);
             }
         }

@@ -3,14 +3,14 @@
 use algebra::NewtonError;
 use algebra::time::Level;
 use cutcell::CutMesh;
-use mesh::{MAX_CELL_VERTICES, Point, Tensor, Vector};
+use mesh::{MAX_FACET_NODES, Point, Tensor, Vector};
 use xfem_space::{PartValues, XfemSpace};
 
 use crate::extension::Extension;
 use crate::{FluidState, Setup, State};
 
-/// One vector for each vertex of a facet.
-type OnFacet<const D: usize> = [Vector<D>; MAX_CELL_VERTICES];
+/// One vector for each node of a body on a facet.
+type OnFacet<const D: usize> = [Vector<D>; MAX_FACET_NODES];
 
 /// Surfaces of the bodies at the start of a step, and the cut of the step.
 pub(crate) struct Surfaces<'a, const D: usize> {
@@ -28,11 +28,11 @@ pub(crate) struct Surfaces<'a, const D: usize> {
 }
 
 impl<const D: usize> Surfaces<'_, D> {
-    /// Returns a vector for each vertex of the facet of an interface piece.
+    /// Returns a vector for each node of the body on the facet of an interface piece.
     fn on_facet(&self, item: usize, of: impl Fn(usize) -> Vector<D>) -> OnFacet<D> {
         let piece = &self.cut.interface()[item];
-        let vertices = self.setup.bodies[piece.body.index()].surface().facet(piece.facet);
-        std::array::from_fn(|k| vertices.get(k).map_or(Vector::zeros(), |vertex| of(vertex.index())))
+        let nodes = self.setup.bodies[piece.body.index()].surface().nodes(piece.facet);
+        std::array::from_fn(|k| nodes.get(k).map_or(Vector::zeros(), |node| of(node.index())))
     }
 
     /// Returns the velocities of the body of an interface piece.
@@ -89,7 +89,7 @@ impl<const D: usize> Surfaces<'_, D> {
         // A scheme that evaluates the geometry at the start does not need accelerations.
         if self.ahead != 0.0 && !before.acceleration.is_empty() {
             acceleration = extension.sources.carry(&before.acceleration);
-            let on_cut = [Vector::zeros(); MAX_CELL_VERTICES];
+            let on_cut = [Vector::zeros(); MAX_FACET_NODES];
             extension.fill(&mut acceleration, |item| [self.accelerations(item, &velocity), on_cut])?;
         }
         Ok(Level { velocity, acceleration, ..Level::default() })

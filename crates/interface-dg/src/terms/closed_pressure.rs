@@ -19,10 +19,10 @@ pub struct ClosedPressure;
 
 impl<const D: usize> Term<ClosedPoint<D>> for ClosedPressure {
     fn add(&self, point: &ClosedPoint<D>, out: &mut LocalSystem) {
-        for (k, shape) in point.shape.iter().enumerate() {
+        for (k, shape) in point.shape[..point.n_nodes].iter().enumerate() {
             out.add_vector::<D>(point.row(k), point.force * -shape);
             for (q, derivative) in point.by_pressure.iter().enumerate() {
-                out.add_block::<D, 1>(point.row(k), point.row(D) + q, derivative * -shape);
+                out.add_block::<D, 1>(point.row(k), point.row(point.n_nodes) + q, derivative * -shape);
             }
         }
     }

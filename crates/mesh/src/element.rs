@@ -3,18 +3,21 @@
 //! The nodes of a simplex are its vertices, followed for order 2 by the middles of its edges in the order of [`EDGES`].
 //! A point is given by barycentric coordinates `λ_0 .. λ_n`, its local coordinates are `ξ_k = λ_k`, k from 1.
 
-use mesh::{MAX_CELL_VERTICES, Point, SimplexRule, Tensor, Vector, VertexId, det};
+use crate::{MAX_CELL_VERTICES, Point, Tensor, Vector, VertexId, det};
 
 /// Number of nodes of the largest cell, a tetrahedron of order 2; local arrays have this length.
 pub const MAX_CELL_NODES: usize = 10;
+
+/// Number of nodes of the largest facet, a triangle of order 2; local arrays have this length.
+pub const MAX_FACET_NODES: usize = 6;
 
 /// Local vertices of the edges of a simplex. Entry 0 is the edge of a segment, entries 0–2 those of a triangle.
 const EDGES: [[usize; 2]; 6] = [[0, 1], [0, 2], [1, 2], [0, 3], [1, 3], [2, 3]];
 
 /// Barycentric coordinates of a point; those beyond the dimension of the simplex are zero.
-pub(crate) type Barycentric = [f64; MAX_CELL_VERTICES];
+pub type Barycentric = [f64; MAX_CELL_VERTICES];
 
-/// Order of the shape functions of a body.
+/// Order of the shape functions of an element.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Order {
     /// Linear, with nodes at the vertices.
@@ -48,7 +51,7 @@ impl Order {
 
     /// Appends the nodes of the simplex with the given vertices; `on_edge` returns the node of an edge, given by its
     /// ends in ascending order.
-    pub(crate) fn push_nodes(
+    pub fn push_nodes(
         self,
         vertices: &[VertexId],
         mut on_edge: impl FnMut([VertexId; 2]) -> VertexId,
@@ -64,7 +67,7 @@ impl Order {
 
     /// Returns the linear simplices through all nodes, of the orientation of the whole: local nodes, the first
     /// `dimension + 1` of each.
-    pub(crate) fn parts(self, dimension: usize) -> &'static [[usize; MAX_CELL_VERTICES]] {
+    pub fn parts(self, dimension: usize) -> &'static [[usize; MAX_CELL_VERTICES]] {
         match (self, dimension) {
             (Self::Linear, _) => &[[0, 1, 2, 3]],
             (_, 1) => &[[0, 2, 0, 0], [2, 1, 0, 0]],
@@ -84,13 +87,13 @@ impl Order {
     }
 
     /// Returns the middle of a part.
-    pub(crate) fn middle(self, dimension: usize, part: usize) -> Barycentric {
+    pub fn middle(self, dimension: usize, part: usize) -> Barycentric {
         let weight = 1.0 / (dimension + 1) as f64;
         self.in_part(dimension, part, &std::array::from_fn(|k| if k <= dimension { weight } else { 0.0 }))
     }
 
     /// Returns a point of a part, given by its coordinates in the part.
-    pub(crate) fn in_part(self, dimension: usize, part: usize, at: &Barycentric) -> Barycentric {
+    pub fn in_part(self, dimension: usize, part: usize, at: &Barycentric) -> Barycentric {
         let mut point = [0.0; MAX_CELL_VERTICES];
         for (&node, weight) in self.parts(dimension)[part][..=dimension].iter().zip(at) {
             for (sum, coordinate) in point.iter_mut().zip(self.node(dimension, node)) {
@@ -102,7 +105,7 @@ impl Order {
 
     /// Returns the barycentric coordinates of the mean of some nodes of a cell, given the identifiers of all its nodes
     /// and of these.
-    pub(crate) fn middle_of(self, dimension: usize, cell: &[VertexId], nodes: &[VertexId]) -> Barycentric {
+    pub fn middle_of(self, dimension: usize, cell: &[VertexId], nodes: &[VertexId]) -> Barycentric {
         let mut middle = [0.0; MAX_CELL_VERTICES];
         for (local, _) in cell.iter().enumerate().filter(|(_, node)| nodes.contains(node)) {
             for (sum, coordinate) in middle.iter_mut().zip(self.node(dimension, local)) {
@@ -113,7 +116,7 @@ impl Order {
     }
 
     /// Returns the position of a node.
-    fn node(self, dimension: usize, node: usize) -> Barycentric {
+    pub fn node(self, dimension: usize, node: usize) -> Barycentric {
         let mut point = [0.0; MAX_CELL_VERTICES];
         match node.checked_sub(dimension + 1) {
             None => point[node] = 1.0,
@@ -123,7 +126,7 @@ impl Order {
     }
 
     /// Evaluates the shape functions of a simplex at a point: `λ_i`, or `λ_i (2 λ_i - 1)` and `4 λ_i λ_j`.
-    pub(crate) fn shape(self, dimension: usize, at: &Barycentric) -> ShapeFunctions {
+    pub fn shape(self, dimension: usize, at: &Barycentric) -> ShapeFunctions {
         let mut shape = ShapeFunctions { values: [0.0; MAX_CELL_NODES], derivatives: [[0.0; 3]; MAX_CELL_NODES] };
         let mut set = |node: usize, value: f64, by: &[(usize, f64)]| {
             shape.values[node] = value;
@@ -172,48 +175,13 @@ impl ShapeFunctions {
 
     /// Appends the gradients of the shape functions of a cell with the given nodes, and returns the determinant of the
     /// map from the reference cell. It is NaN where gradients are not finite.
-    pub(crate) fn push_gradients<const D: usize>(&self, nodes: &[Point<D>], gradients: &mut Vec<Vector<D>>) -> f64 {
+    pub fn push_gradients<const D: usize>(&self, nodes: &[Point<D>], gradients: &mut Vec<Vector<D>>) -> f64 {
         let mut jacobian = Tensor::<D>::zeros();
         (0..D).for_each(|k| jacobian.set_column(k, &self.along(k, nodes)));
         let inverse = jacobian.try_inverse().unwrap_or_else(|| Tensor::from_element(f64::NAN));
         let local = |by: &[f64; 3]| Vector::<D>::from_fn(|k, _| by[k]);
         gradients.extend(self.derivatives[..nodes.len()].iter().map(|by| inverse.transpose() * local(by)));
         if inverse.norm_squared().is_finite() { det(&jacobian) } else { f64::NAN }
-    }
-}
-
-/// Quadrature points of the reference simplex with the shape functions at these points. Weights sum to the measure of
-/// the reference simplex, `1/n!`, or to the measure of one part.
-#[derive(Clone, Debug)]
-pub(crate) struct Tabulated {
-    pub(crate) points: Vec<(f64, ShapeFunctions)>,
-}
-
-impl Tabulated {
-    /// Tabulates a rule that is exact to a degree.
-    pub(crate) fn of_degree(order: Order, dimension: usize, degree: usize) -> Self {
-        let rule = SimplexRule::of_degree(dimension, degree);
-        Self::of(order, dimension, rule.points().iter().copied().zip(rule.weights().iter().copied()))
-    }
-
-    /// Tabulates the vertices with equal weights, exact to degree 1.
-    pub(crate) fn of_vertices(order: Order, dimension: usize) -> Self {
-        let weight = 1.0 / (dimension + 1) as f64;
-        Self::of(order, dimension, (0..=dimension).map(|vertex| (order.node(dimension, vertex), weight)))
-    }
-
-    /// Tabulates a rule that is exact to a degree on one part of a simplex.
-    pub(crate) fn of_part(order: Order, dimension: usize, part: usize, degree: usize) -> Self {
-        let rule = SimplexRule::of_degree(dimension, degree);
-        let n_parts = order.parts(dimension).len() as f64;
-        let in_part = |at: &Barycentric| order.in_part(dimension, part, at);
-        Self::of(order, dimension, rule.points().iter().map(in_part).zip(rule.weights().iter().map(|w| w / n_parts)))
-    }
-
-    /// Tabulates points with weights, which are fractions of the measure.
-    fn of(order: Order, dimension: usize, rule: impl Iterator<Item = (Barycentric, f64)>) -> Self {
-        let measure = 1.0 / (1..=dimension).product::<usize>() as f64;
-        Self { points: rule.map(|(at, weight)| (weight * measure, order.shape(dimension, &at))).collect() }
     }
 }
 
@@ -257,11 +225,11 @@ mod tests {
                 let mut sum = 0.0;
                 for (part, nodes) in parts.iter().enumerate() {
                     let corners: Vec<_> = nodes[..=D].iter().map(|&node| place(node)).collect();
-                    let volume = mesh::Simplex::<D>::new(&corners).volume();
+                    let volume = crate::Simplex::<D>::new(&corners).volume();
                     sum += volume;
                     assert!((volume * parts.len() as f64 * (1..=D).product::<usize>() as f64 - 1.0).abs() < 1e-14);
                     let middle = order.middle(D, part);
-                    let centroid = mesh::Simplex::<D>::new(&corners).centroid();
+                    let centroid = crate::Simplex::<D>::new(&corners).centroid();
                     assert!((0..D).all(|k| (middle[k + 1] - centroid[k]).abs() < 1e-15));
                 }
                 assert!((sum * (1..=D).product::<usize>() as f64 - 1.0).abs() < 1e-14);
