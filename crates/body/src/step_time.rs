@@ -1,6 +1,6 @@
 //! Times of one step.
 
-use algebra::time::{Row, TimeScheme, Weights};
+use algebra::time::{TimeScheme, Weights};
 
 /// End and length of a time step, or of a part of one, with the weights of the time scheme.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,12 +28,6 @@ impl StepTime {
     /// Returns whether the geometry of the step is extrapolated; otherwise it is the geometry at the start.
     pub fn extrapolates(&self) -> bool {
         self.weights.extrapolated[0].velocity != 0.0
-    }
-
-    /// Returns whether the pressure of the fluid acts on the surfaces of the stage, and not on those of the geometry:
-    /// with all schemes but implicit Euler, which is the scheme of the paper.
-    pub fn moves_pressure(&self) -> bool {
-        self.extrapolates() || self.weights.stage_acceleration == Row::default()
     }
 
     /// Returns the time of the geometry of the step: its start for implicit Euler, its stage for generalised-α.

@@ -6,6 +6,7 @@ use algebra::{DofId, Sites};
 use mesh::{FacetId, MAX_FACET_NODES, SimplexRule, Vector};
 
 use crate::FluidStress;
+use crate::moved_surface::{area, on_facet};
 
 /// The closed part of the surface of a body whose motion is unknown: one item per facet.
 ///
@@ -43,7 +44,7 @@ impl<'a, const D: usize> ClosedPoints<'a, D> {
     /// Creates the points on the surface of the body of a stress; none if the motion of the body is prescribed.
     pub fn new(stress: Arc<FluidStress<'a, D>>) -> Self {
         let boundary = stress.surface().boundary();
-        let degree = 1 + boundary.order().degree() + boundary.coordinates().degree();
+        let degree = 2 * boundary.order().degree() + boundary.coordinates().degree();
         let facets = if stress.motion().0.field().is_some() { stress.closed().collect() } else { Vec::new() };
         Self { stress, facets, rule: SimplexRule::of_degree(D - 1, degree) }
     }
@@ -73,12 +74,17 @@ impl<const D: usize> Sites for ClosedPoints<'_, D> {
 
     fn visit(&self, item: usize, x: &[f64], mut visit: impl FnMut(&Self::Site)) {
         let (facet, stress, surface) = (self.facets[item], &self.stress, self.stress.surface());
-        let (normal, coordinates) = (surface.facet_normal(facet), surface.boundary().coordinates());
-        let n_nodes = surface.boundary().nodes(facet).len();
-        let mut at = |at: [f64; D], weight: f64| {
-            let (point, shape) = (stress.position(facet, &at), surface.boundary().shape(facet, &at));
-            let area = normal * (weight * coordinates.weight(&point));
+        let (boundary, coordinates) = (surface.boundary(), surface.boundary().coordinates());
+        let (n_nodes, whole) = (boundary.nodes(facet).len(), surface.facet_measure(facet));
+        let positions = on_facet(boundary, facet, |node| surface.positions()[node]);
+        let mut at = |at: [f64; D], share: f64| {
+            let (point, functions) = (stress.position(facet, &at), boundary.shape(facet, &at));
+            let place = functions.at(&positions[..n_nodes]);
+            let area =
+                area(boundary.order(), &functions, &positions[..n_nodes]).0 * (share * coordinates.weight(&place));
             let by_pressure = stress.rim_pressures(facet).map(|(_, share)| area * -share).collect();
+            let mut shape = [0.0; MAX_FACET_NODES];
+            shape.copy_from_slice(&functions.values[..MAX_FACET_NODES]);
             visit(&ClosedPoint {
                 force: area * -stress.closed_pressure(facet, &point, x),
                 n_nodes,
@@ -87,10 +93,10 @@ impl<const D: usize> Sites for ClosedPoints<'_, D> {
             });
         };
         for (local, weight) in self.rule.points().iter().zip(self.rule.weights()) {
-            at(std::array::from_fn(|k| local[k]), weight * surface.facet_measure(facet));
+            at(std::array::from_fn(|k| local[k]), *weight);
             for piece in stress.pieces_of(facet) {
                 let of_vertex = |k: usize| (0..D).map(|corner| local[corner] * piece.barycentric[corner][k]).sum();
-                at(std::array::from_fn(of_vertex), -weight * piece.measure);
+                at(std::array::from_fn(of_vertex), -weight * piece.measure / whole);
             }
         }
     }

@@ -11,8 +11,8 @@
 //! | `(S (u - v_s), v - w)` | `terms/penalty.rs` |
 //!
 //! Where surfaces are in contact they border no fluid. On these *closed* parts acts the term `(p n, w)` of
-//! `terms/closed_pressure.rs`, with the pressure `p` of the fluid at the rim. Where the cut is extrapolated,
-//! `terms/moved_pressure.rs` moves the pressure to the surface of the step.
+//! `terms/closed_pressure.rs`, with the pressure `p` of the fluid at the rim. The pressure acts on the elements of a
+//! body at the stage of the step: `terms/moved_pressure.rs` moves it there from the facets of the cut.
 //!
 //! The velocity of the body is unknown, or given at every point ([`body::SurfaceVelocity`]).
 

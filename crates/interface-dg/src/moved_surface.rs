@@ -1,43 +1,46 @@
-//! The wet surface of a body at the stage of a step, compared with the surface at which the fluid is cut.
+//! The wet surface of a body, compared with the plane facets at which the fluid is cut.
 
 use algebra::time::Affine;
 use algebra::{DofId, Sites};
-use mesh::{BodyId, MAX_CELL_VERTICES, MAX_FACET_NODES, Placed, Point, Tensor, Vector, area_vector};
+use mesh::{
+    BodyId, BoundaryMesh, FacetId, MAX_CELL_VERTICES, MAX_FACET_NODES, Order, Placed, Point, ShapeFunctions, Tensor,
+    Vector, area_vector,
+};
 
 use crate::InterfacePoints;
 
 /// The interface pieces of a body whose motion is unknown: one item per piece, one site per quadrature point.
 ///
-/// Each piece has two positions: that of the cut, and that on its facet at the stage, which depends on the unknown
-/// velocity.
+/// A point of a piece is a point of the body. It has a place on the plane facet at which the fluid is cut, and one on
+/// the surface of the element, which is curved for order 2, at the stage. The latter depends on the unknown velocity.
 #[derive(Clone)]
 pub struct MovedSurface<'a, const D: usize> {
     points: InterfacePoints<'a, D>,
     body: BodyId,
-    reference: &'a [Point<D>],
-    displacement: Affine<Vector<D>>,
+    /// Reference positions of the nodes, and their displacements at the stage; `None`: positions of the cut.
+    stage: Option<(&'a [Point<D>], Affine<Vector<D>>)>,
     /// Indices of the pieces.
     pieces: Vec<usize>,
 }
 
-/// A quadrature point of a piece, at its moved position and at that of the cut.
+/// A quadrature point of a piece. Area vectors `n dA` point out of the body and contain the quadrature weight and the
+/// weight of the coordinates.
+///
+/// Local unknowns: velocities of the nodes of the body on the facet, `D` components each, then the pressures of the
+/// fluid nodes.
 pub struct MovedPoint<const D: usize> {
     /// Pressure of the fluid times its weight `α` in the traction.
-    pub pressure: f64,
-    /// Derivatives of `pressure` with respect to the pressures of the nodes; only the first `D + 1` are used.
+    pub shared_pressure: f64,
+    /// Derivatives of `shared_pressure` with respect to the pressures of the nodes; only the first `D + 1` are used.
     pub by_pressure: [f64; MAX_CELL_VERTICES],
     /// Number of nodes of the body on the facet.
     pub n_nodes: usize,
-    /// Shape values of these nodes. Local unknowns: their velocities, `D` components each, then the pressures of the
-    /// fluid nodes.
+    /// Shape values of these nodes; the others are zero.
     pub shape: [f64; MAX_FACET_NODES],
-    /// Area vector `n dA` out of the body at the moved position minus that on the cut, with the quadrature weight and
-    /// the weight of the coordinates.
+    /// Area vector on the element at the stage minus that on the plane facet of the cut.
     pub change: Vector<D>,
-    /// The vertices of the facet among the nodes.
-    pub vertices: [usize; D],
-    /// Derivatives of `change` with respect to the velocities of the vertices: column `b` is that by component `b`.
-    pub by_velocity: [Tensor<D>; D],
+    /// Derivatives of `change` with respect to the velocities of the nodes: column `b` is that by component `b`.
+    pub by_velocity: [Tensor<D>; MAX_FACET_NODES],
 }
 
 impl<const D: usize> MovedPoint<D> {
@@ -48,45 +51,64 @@ impl<const D: usize> MovedPoint<D> {
 }
 
 impl<'a, const D: usize> MovedSurface<'a, D> {
-    /// Creates the points of a body from the reference positions of its vertices and their displacements at the stage;
-    /// none if the motion of the body is prescribed.
+    /// Creates the points of a body; none if its motion is prescribed. `stage` has the reference positions of its nodes
+    /// and their displacements at the stage. Without it the surface is that of the cut, so that only curved elements
+    /// differ from it.
     pub fn new(
         points: InterfacePoints<'a, D>,
         body: BodyId,
-        (reference, displacement): (&'a [Point<D>], Affine<Vector<D>>),
+        stage: Option<(&'a [Point<D>], Affine<Vector<D>>)>,
     ) -> Self {
         let is_unknown = points.surfaces[body.index()].field().is_some();
         let pieces = points.geometry.cut.interface().iter().enumerate();
         let pieces = pieces.filter(|(_, piece)| is_unknown && piece.body == body).map(|(item, _)| item).collect();
-        Self { points, body, reference, displacement, pieces }
+        Self { points, body, stage, pieces }
     }
 
     /// Returns the force on the body at the state `x`. In axisymmetric coordinates the radial component is not set to
     /// zero ([`mesh::Coordinates::resultant`]).
     pub fn force(&self, x: &[f64]) -> Vector<D> {
         let mut force = Vector::zeros();
-        (0..self.len()).for_each(|item| self.visit(item, x, |point| force -= point.change * point.pressure));
+        (0..self.len()).for_each(|item| self.visit(item, x, |point| force -= point.change * point.shared_pressure));
         force
     }
 }
 
-/// Returns the area vector of a facet, and its derivatives with respect to the positions of the vertices.
-fn area<const D: usize>(points: &[Point<D>; D]) -> (Vector<D>, [Tensor<D>; D]) {
-    let simplex = 1.0 / (1..D).product::<usize>() as f64;
-    let mut edges = Tensor::<D>::zeros();
-    (1..D).for_each(|k| edges.set_column(k, &(points[k] - points[0])));
-    let mut by_vertex = [Tensor::<D>::zeros(); D];
+/// Returns the area vector per share of a facet at a point, and its derivatives with respect to the positions of the
+/// nodes. The facet is a part of that of an element with the given nodes. The mean over all points is the area vector
+/// of the element along this part; for order 1 it is constant.
+pub(crate) fn area<const D: usize>(
+    order: Order,
+    shape: &ShapeFunctions,
+    nodes: &[Point<D>],
+) -> (Vector<D>, [Tensor<D>; MAX_FACET_NODES]) {
+    let share = 1.0 / ((1..D).product::<usize>() * order.parts(D - 1).len()) as f64;
+    let mut tangents = Tensor::<D>::zeros();
+    (1..D).for_each(|k| tangents.set_column(k, &shape.along(k - 1, nodes)));
+    let mut by_node = [Tensor::<D>::zeros(); MAX_FACET_NODES];
     for k in 1..D {
+        let mut by_tangent = Tensor::<D>::zeros();
         for b in 0..D {
-            let mut varied = edges;
+            let mut varied = tangents;
             varied.column_mut(k).fill(0.0);
-            varied[(b, k)] = simplex;
-            by_vertex[k].set_column(b, &area_vector(&varied));
+            varied[(b, k)] = share;
+            by_tangent.set_column(b, &area_vector(&varied));
         }
-        let along = by_vertex[k];
-        by_vertex[0] -= along;
+        for (by, derivative) in by_node.iter_mut().zip(&shape.derivatives[..nodes.len()]) {
+            *by += by_tangent * derivative[k - 1];
+        }
     }
-    (area_vector(&edges) * simplex, by_vertex)
+    (area_vector(&tangents) * share, by_node)
+}
+
+/// Returns a list with a point for each node of the body on a facet, of which the first ones are used.
+pub(crate) fn on_facet<const D: usize>(
+    boundary: &BoundaryMesh<D>,
+    facet: FacetId,
+    at: impl Fn(usize) -> Point<D>,
+) -> [Point<D>; MAX_FACET_NODES] {
+    let nodes = boundary.nodes(facet);
+    std::array::from_fn(|k| nodes.get(k).map_or(Point::zeros(), |node| at(node.index())))
 }
 
 impl<const D: usize> Sites for MovedSurface<'_, D> {
@@ -109,34 +131,35 @@ impl<const D: usize> Sites for MovedSurface<'_, D> {
         let InterfacePoints { geometry, fields, values, positions, .. } = &self.points;
         let (item, body) = (self.pieces[item], self.body.index());
         let (piece, surface) = (&geometry.cut.interface()[item], self.points.surfaces[body]);
-        let (vertices, coordinates) = (surface.boundary.facet(piece.facet), surface.boundary.coordinates());
-        let moved: [Point<D>; D] = std::array::from_fn(|k| {
-            let velocity = surface.velocity_at(vertices[k], fields.layout, x);
-            self.reference[vertices[k].index()] + self.displacement.at(vertices[k].index(), velocity)
-        });
-        let (of_moved, by_vertex) = area(&moved);
-        let of_body = surface.boundary.nodes(piece.facet);
-        let local = |vertex| of_body.iter().position(|node| node == vertex).unwrap_or_default();
-        let of_facet: [usize; D] = std::array::from_fn(|k| local(&vertices[k]));
-        let whole = Placed::new(surface.boundary, &positions[body]).facet_measure(piece.facet);
+        let boundary = surface.boundary;
+        let (coordinates, n_nodes) = (boundary.coordinates(), boundary.nodes(piece.facet).len());
+        let velocity_of = |node: usize| surface.velocity_at(mesh::VertexId::new(node), fields.layout, x);
+        let (moved, slope) = match &self.stage {
+            Some((reference, displacement)) => {
+                let at_stage = |node| reference[node] + displacement.at(node, velocity_of(node));
+                (on_facet(boundary, piece.facet, at_stage), displacement.slope)
+            }
+            None => (on_facet(boundary, piece.facet, |node| positions[body][node]), 0.0),
+        };
+        let whole = Placed::new(boundary, &positions[body]).facet_measure(piece.facet);
         let (nodes, alpha) = (geometry.space.dofs(piece.part), self.points.alpha(self.body));
         for at in values.points(item) {
-            let position = moved.iter().zip(&at.in_facet).map(|(x, n)| x * *n).sum::<Point<D>>();
-            let share = at.measure / whole;
-            let (weight, slope) = (share * coordinates.weight(&position), self.displacement.slope);
+            let shape = boundary.shape(piece.facet, &at.in_facet);
+            // A facet without a measure has no area at any position.
+            let share = if whole > 0.0 { at.measure / whole } else { 0.0 };
+            let (of_moved, by_node) = area(boundary.order(), &shape, &moved[..n_nodes]);
+            let weight = share * coordinates.weight(&shape.at(&moved[..n_nodes]));
             let by_position = coordinates.weight_gradient::<D>() * share;
-            let mut by_pressure = at.fluid;
-            by_pressure.iter_mut().for_each(|shape| *shape *= alpha);
+            let by_pressure = at.fluid.map(|shape| alpha * shape);
             let at_nodes = nodes.iter().zip(&by_pressure);
             visit(&MovedPoint {
-                pressure: at_nodes.map(|(node, shape)| fields.pressure_at(x, *node) * shape).sum(),
+                shared_pressure: at_nodes.map(|(node, shape)| fields.pressure_at(x, *node) * shape).sum(),
                 by_pressure,
-                n_nodes: of_body.len(),
+                n_nodes,
                 shape: at.solid,
-                vertices: of_facet,
                 change: of_moved * weight - piece.normal * at.weight,
                 by_velocity: std::array::from_fn(|k| {
-                    (by_vertex[k] * weight + of_moved * (by_position * at.in_facet[k]).transpose()) * slope
+                    (by_node[k] * weight + of_moved * (by_position * at.solid[k]).transpose()) * slope
                 }),
             });
         }

@@ -23,7 +23,7 @@ pub struct PiecePoint<const D: usize> {
     pub fluid: [f64; MAX_CELL_VERTICES],
     /// Barycentric coordinates in the facet of the body.
     pub in_facet: [f64; D],
-    /// Shape values of the nodes of the body on the facet ([`BoundaryMesh::shape`]); the others are zero.
+    /// Shape values of the nodes of the body on the facet ([`BoundaryMesh::nodes`]); the others are zero.
     pub solid: [f64; MAX_FACET_NODES],
 }
 
@@ -43,9 +43,9 @@ pub struct PieceValues<const D: usize> {
 }
 
 impl<const D: usize> PieceValues<D> {
-    /// Creates the values with a rule on every piece that is exact for polynomials of the given degree, and of two more
-    /// on bodies of order 2. `surfaces` are those of the bodies. Relative speeds are zero, and viscous lengths are the
-    /// sizes of the cells.
+    /// Creates the values with a rule on every piece that is exact for polynomials of the given degree, of two degrees
+    /// more on bodies of order 2, and of one more with rotational symmetry. `surfaces` are those of the bodies.
+    /// Relative speeds are zero, and viscous lengths are the sizes of the cells.
     pub fn new(
         background: &SimplexMesh<D>,
         cut: &CutMesh<D>,
@@ -88,7 +88,8 @@ impl<const D: usize> PieceValues<D> {
                     let in_facet = point.in_facet.iter_mut().zip(&piece.barycentric[corner]);
                     in_facet.for_each(|(sum, share)| *sum += l * share);
                 }
-                point.solid = surface.shape(piece.facet, &point.in_facet);
+                let shape = surface.shape(piece.facet, &point.in_facet);
+                point.solid.copy_from_slice(&shape.values[..MAX_FACET_NODES]);
                 point.weight = point.measure * coordinates.weight(&point.point);
                 point.fluid[0] = 1.0;
                 for (value, gradient) in point.fluid[..=D].iter_mut().zip(gradients) {

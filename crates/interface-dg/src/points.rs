@@ -186,7 +186,7 @@ impl<'a, const D: usize> Sites for InterfacePoints<'a, D> {
                 jump,
                 pressure,
                 traction: viscous_traction + piece.normal * pressure,
-                alpha: solid.as_ref().map_or(1.0, |solid| 1.0 - solid.weight),
+                alpha: self.alpha(piece.body),
                 solid: solid.clone(),
                 n_solid,
             });

@@ -35,6 +35,8 @@ mod measures;
 #[cfg(feature = "simulation")]
 mod memory;
 #[cfg(feature = "simulation")]
+mod pressures;
+#[cfg(feature = "simulation")]
 pub mod probes;
 #[cfg(feature = "simulation")]
 mod run;
@@ -42,7 +44,7 @@ mod run;
 mod run_tables;
 #[cfg(feature = "simulation")]
 pub mod scenario;
-#[cfg(feature = "simulation")]
+
 mod sizes;
 #[cfg(feature = "simulation")]
 mod summary;

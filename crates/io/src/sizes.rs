@@ -7,10 +7,12 @@ use solver::body::{Body, BodyState};
 use solver::{Contact, Setup, State, Step, StepError};
 
 use crate::Error;
+use crate::pressures::pressures;
 use crate::scenario::{
     At, Background, BodyKeys, Case, CaseVisitor, Choose as _, ContactKeys, Quantity, Scenario, ScenarioFile, lower,
+    rounded,
 };
-use crate::warnings::{rounded, warnings};
+use crate::warnings::warnings;
 
 /// Sizes of the problem of a scenario.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,6 +31,8 @@ pub struct Sizes {
     pub contacts: Vec<String>,
     /// Mass, weight and buoyancy of each body with a mass, as sentences.
     pub weights: Vec<String>,
+    /// Pressures of the sides of the background with a traction, as sentences.
+    pub pressures: Vec<String>,
     /// Warnings about choices that are allowed but mostly mistakes, as sentences.
     pub warnings: Vec<String>,
     /// Cut cells at the start.
@@ -78,6 +82,7 @@ impl Sizes {
             body_extents: positions.iter().map(|points| extents(points)).collect(),
             contacts: roles(setup),
             weights: weights(scenario, setup, state),
+            pressures: pressures(scenario, setup),
             warnings: warnings(scenario, case, state),
             background_cells: background.map_or(0, |mesh| mesh.n_cells()),
             background_vertices: background.map_or(0, |mesh| mesh.n_vertices()),
@@ -136,6 +141,7 @@ impl Sizes {
             }
         }));
         lines.extend_from_slice(&self.weights);
+        lines.extend_from_slice(&self.pressures);
         lines.extend(scenario.contact.iter().map(|contact| contact_line(contact, &length)));
         lines.extend_from_slice(&self.contacts);
         lines.extend_from_slice(&self.warnings);

@@ -75,9 +75,10 @@ pub struct Summary {
     /// Whether no step increased the energy by more than 1e-8 of the largest sum of all energies, without the work of
     /// loads, forces, open boundaries and given velocities.
     pub energy_monotone: bool,
-    /// Sum of the increases of the energy that such steps made, divided by the largest sum of all energies.
+    /// Sum of all increases of the energy in steps, without the same work, divided by the largest energy or line of
+    /// [`solver::Ledger`]. None before the first step.
     #[serde(default)]
-    pub energy_generated: f64,
+    pub energy_generated: Option<f64>,
     /// Largest energy of a step that no line of [`solver::Ledger`] contains, divided by the largest energy or line and
     /// by the tolerance of Newton's method. None before the first step.
     #[serde(default)]
@@ -272,9 +273,10 @@ impl SummaryBuilder {
             summary.max_interface_leak = Some(summary.max_interface_leak.map_or(leak, |largest| largest.max(leak)));
         }
         self.largest_energy = self.largest_energy.max(report.total_energy().abs());
-        let gain = (-report.ledger.dissipation()).max(0.0);
+        let gain = -report.ledger.dissipation();
         self.largest_gain = self.largest_gain.max(gain);
-        self.generated += gain;
+        // A NaN is kept.
+        self.generated += if gain <= 0.0 { 0.0 } else { gain };
         self.largest_line = self.largest_line.max(report.ledger.largest_line());
         let defect = report.ledger.defect().abs();
         // A NaN is kept: no later defect compares larger.
@@ -284,7 +286,7 @@ impl SummaryBuilder {
         let size = self.largest_energy.max(self.largest_line).max(f64::MIN_POSITIVE);
         self.summary.energy_defect = Some(self.largest_defect / size / view.setup.newton.tolerance);
         self.summary.energy_monotone = self.largest_gain <= ENERGY_TOLERANCE * self.largest_energy;
-        self.summary.energy_generated = self.generated / self.largest_energy.max(f64::MIN_POSITIVE);
+        self.summary.energy_generated = Some(self.generated / size);
         for (contact, found) in view.setup.contacts.iter().zip(&report.contacts) {
             let least = self.summary.smallest_gap.as_ref().map_or(f64::INFINITY, |(least, _)| *least);
             if let Some(gap) = found.minimum_gap.filter(|gap| *gap < least) {

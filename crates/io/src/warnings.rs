@@ -9,7 +9,8 @@ use mesh::{Aabb, BodyId, Placed, Point, Tag, Vector, equilateral_side};
 use solver::body::{Body, BodyState};
 use solver::{Contact, FluidBoundary, Setup, State};
 
-use crate::scenario::{Case, Choose as _, Quantity, Scenario};
+use crate::pressures::large_pressures;
+use crate::scenario::{Case, Choose as _, Quantity, Scenario, rounded};
 
 /// Largest round-off of a gap, divided by the contact size, and of positions, divided by the extent of the mesh.
 const ROUND_OFF: f64 = 1e-6;
@@ -27,6 +28,7 @@ pub(crate) fn warnings<const D: usize>(scenario: &Scenario, case: &Case<D>, stat
     lines.extend(outside(setup, &positions, &length));
     lines.extend(small_bodies(setup, &positions));
     lines.extend(body_forces(setup, state));
+    lines.extend(large_pressures(scenario, setup));
     let deforms = setup.bodies.iter().any(|body| body.deforms());
     let can_turn = !case.half_domain && scenario.coordinates.is_none();
     if scenario.time.scheme.word() == "implicit-euler" && deforms && setup.fluid.is_some() && can_turn {
@@ -175,9 +177,4 @@ fn smallest_gap<const D: usize>(setup: &Setup<D>, contact: &Contact<D>, position
         return None;
     }
     contact.geometry().smallest_gap(&points, Positions::Fixed(master))
-}
-
-/// Rounds to four significant digits, without the sign of zero.
-pub(crate) fn rounded(value: f64) -> f64 {
-    format!("{value:.3e}").parse().unwrap_or(value) + 0.0
 }

@@ -1,6 +1,6 @@
 //! The oriented boundary of a solid.
 
-use crate::{CellId, Coordinates, FacetId, MAX_CELL_VERTICES, MAX_FACET_NODES, Order, Tag, VertexId};
+use crate::{CellId, Coordinates, FacetId, MAX_CELL_VERTICES, Order, ShapeFunctions, Tag, VertexId};
 
 /// Oriented facets of a closed surface. Normals point out of the solid (2D: to the right of the edge; 3D: right-hand
 /// rule).
@@ -89,7 +89,7 @@ impl<const D: usize> BoundaryMesh<D> {
         self.coordinates
     }
 
-    /// Returns the surface with the opposite orientation. Its facets are no parts of elements of order 2.
+    /// Returns the surface with the opposite orientation, for obstacles: its order is 1.
     pub fn reversed(&self) -> Self {
         let mut reversed = Self { order: Order::Linear, element_to_node: Vec::new(), ..self.clone() };
         reversed.facet_to_vertex.chunks_exact_mut(D).for_each(|facet| facet.swap(0, 1));
@@ -133,20 +133,13 @@ impl<const D: usize> BoundaryMesh<D> {
         &self.element_to_node[self.element_of(facet).0 * n..][..n]
     }
 
-    /// Returns the shape values of the nodes ([`BoundaryMesh::nodes`]) at a point of a facet with the given barycentric
-    /// coordinates in the facet.
+    /// Returns the shape functions of the nodes ([`BoundaryMesh::nodes`]) at a point of a facet with the given
+    /// barycentric coordinates in the facet. Derivatives are those with respect to the coordinates of the element.
     #[inline]
-    pub fn shape(&self, facet: FacetId, at: &[f64; D]) -> [f64; MAX_FACET_NODES] {
-        let mut values = [0.0; MAX_FACET_NODES];
-        if self.order == Order::Linear {
-            values[..D].copy_from_slice(at);
-            return values;
-        }
+    pub fn shape(&self, facet: FacetId, at: &[f64; D]) -> ShapeFunctions {
         let mut in_part = [0.0; MAX_CELL_VERTICES];
         in_part[..D].copy_from_slice(at);
-        let in_element = self.order.in_part(D - 1, self.element_of(facet).1, &in_part);
-        values.copy_from_slice(&self.order.shape(D - 1, &in_element).values[..MAX_FACET_NODES]);
-        values
+        self.order.shape(D - 1, &self.order.in_part(D - 1, self.element_of(facet).1, &in_part))
     }
 
     /// Returns the vertices of facets, each once, in order.
@@ -177,5 +170,34 @@ mod tests {
     #[should_panic(expected = "a facet has 2 vertices, so that 3 vertices do not make whole facets")]
     fn an_incomplete_facet_is_refused() {
         BoundaryMesh::<2>::from_facets([0, 1, 2].map(VertexId).to_vec());
+    }
+
+    /// Checks nodes and shape functions of the parts of one facet of an element of order 2: they are one at a vertex of
+    /// a part for its node, and the parts are those of the element.
+    fn of_one_element<const D: usize>(n_nodes: usize, n_parts: usize) {
+        let nodes: Vec<VertexId> = (10..10 + n_nodes).map(VertexId::new).collect();
+        let boundary = BoundaryMesh::<D>::of_elements(Order::Quadratic, nodes.clone(), &[CellId::new(3)], &[None]);
+        assert_eq!((boundary.n_facets(), boundary.order()), (n_parts, Order::Quadratic));
+        for facet in boundary.facets() {
+            assert_eq!((boundary.nodes(facet), boundary.facet_to_cell(facet)), (&nodes[..], Some(CellId::new(3))));
+            for (k, vertex) in boundary.facet(facet).iter().enumerate() {
+                let shape = boundary.shape(facet, &std::array::from_fn(|l| f64::from(u8::from(k == l))));
+                let found = nodes.iter().zip(&shape.values).map(|(node, value)| (*value == 1.0).then_some(*node));
+                assert_eq!(found.flatten().collect::<Vec<_>>(), [*vertex]);
+            }
+        }
+        let reversed = boundary.reversed();
+        assert_eq!((reversed.order(), reversed.nodes(FacetId(0))), (Order::Linear, reversed.facet(FacetId(0))));
+    }
+
+    #[test]
+    fn parts_have_the_shape_functions_of_their_element() {
+        of_one_element::<2>(3, 2);
+        of_one_element::<3>(6, 4);
+        // A quarter of a segment: λ (2 λ - 1) and 4 λ μ with λ = 3/4, μ = 1/4.
+        let segment = BoundaryMesh::<2>::of_elements(Order::Quadratic, [0, 1, 2].map(VertexId).to_vec(), &[], &[None]);
+        assert_eq!(segment.shape(FacetId(0), &[0.5, 0.5]).values[..3], [0.375, -0.125, 0.75]);
+        let linear = BoundaryMesh::<3>::from_facets([4, 5, 6].map(VertexId).to_vec());
+        assert_eq!(linear.shape(FacetId(0), &[0.2, 0.5, 0.3]).values[..4], [0.2, 0.5, 0.3, 0.0]);
     }
 }

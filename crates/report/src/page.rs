@@ -6,7 +6,8 @@ use crate::balances::Balances;
 use crate::html::{data, duration, escape, gallery, number, optional, table};
 use crate::{Chart, Error, Frames, Results, Section, Snapshot};
 
-/// Returns the introduction of the page: number of steps, end time, wall-clock time, and the first contact.
+/// Returns the introduction of the page: number of steps, end time, wall-clock time, the first contact, and whether the
+/// run stopped before its end.
 pub(crate) fn lead(results: &Results) -> String {
     let summary = &results.summary;
     let time = &results.summary.units.time;
@@ -16,8 +17,15 @@ pub(crate) fn lead(results: &Results) -> String {
         (Some(begin), None) => format!("Contact from {} {time} to the end.", number(begin)),
         (None, _) => "No contact.".to_owned(),
     };
+    let planned = results.planned_end.filter(|planned| end < planned - 0.5 * summary.dt);
+    let stopped = planned.map_or(String::new(), |planned| {
+        format!(
+            " <strong>The run stopped before its end at {} {time}; run.log has the reason.</strong>",
+            number(planned)
+        )
+    });
     format!(
-        "<p>{} steps to {} {time}, computed in {}. {contact}</p>",
+        "<p>{} steps to {} {time}, computed in {}. {contact}{stopped}</p>",
         summary.steps,
         number(end),
         duration(summary.wall_seconds)
@@ -92,7 +100,8 @@ fn overview(results: &Results) -> Result<String, Error> {
         summary.contact_offset.map(|_| ("largest penetration below that distance", in_length(summary.max_penetration))),
         Some(("smallest distance", in_length(summary.min_distance.unwrap_or(f64::NAN)))),
         Some(("divided steps", summary.divided_steps.to_string())),
-        Some(("energy that steps generated, relative to the largest energy", number(summary.energy_generated))),
+        Some(("steps that generated energy", if summary.energy_monotone { "none" } else { "some" }.to_owned())),
+        summary.energy_generated.map(|sum| ("sum of such energies, relative to the largest energy", number(sum))),
     ];
     let rows: Vec<_> = rows.into_iter().flatten().map(|(what, value)| vec![what.to_owned(), value]).collect();
     let facts = format!("<div>{}</div>", table("", &["", ""], &rows));

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use io::{HistoryTable, Summary, TABLES, read_text, results_file};
+use io::{HistoryTable, ScenarioFile, Summary, TABLES, read_text, results_file};
 
 use crate::{Chart, Curve, Error, Frames};
 
@@ -19,6 +19,8 @@ pub struct Results {
     pub frames: Option<Frames>,
     /// The text of `scenario.toml`.
     pub scenario: String,
+    /// End of the run in the scenario; `None` if the scenario cannot be read.
+    pub planned_end: Option<f64>,
 }
 
 impl Results {
@@ -27,12 +29,14 @@ impl Results {
     /// # Errors
     /// [`Error::Results`], [`Error::Frames`]: files are missing or malformed.
     pub fn read(directory: &Path) -> Result<Self, Error> {
+        let planned = ScenarioFile::read(&directory.join("scenario.toml"), &[]);
         Ok(Self {
             summary: Summary::read(&results_file(directory, "summary.json")?)?,
             history: HistoryTable::read(&directory.join(TABLES[0]))?,
             diagnostics: HistoryTable::read(&directory.join(TABLES[1]))?,
             frames: Frames::read(directory)?,
             scenario: read_text(&directory.join("scenario.toml"))?,
+            planned_end: planned.ok().map(|file| file.scenario().time.end),
         })
     }
 

@@ -83,6 +83,19 @@ fn the_page_has_all_sections_and_is_the_same_again() {
 }
 
 #[test]
+fn the_page_of_a_run_that_stopped_says_so() {
+    let directory = fresh_directory("stopped");
+    assert!(!barrier(&directory, &[]).contains("stopped before its end"));
+    let scenario = directory.join("scenario.toml");
+    let text = fs::read_to_string(&scenario).expect("a scenario");
+    let longer: Vec<&str> =
+        text.lines().map(|line| if line.starts_with("end ") { "end = 0.05" } else { line }).collect();
+    fs::write(&scenario, longer.join("\n")).expect("a file");
+    let page = fs::read_to_string(write(&directory).unwrap_or_else(|e| panic!("{e}"))).expect("a page");
+    assert!(page.contains("stopped before its end at 0.05 s; run.log has the reason"));
+}
+
+#[test]
 fn names_are_escaped() {
     let directory = fresh_directory("names");
     barrier(&directory, &[]);

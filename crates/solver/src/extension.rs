@@ -31,8 +31,8 @@ impl<const D: usize> Extension<'_, D> {
     /// `Σ_F h_F |F| |[∇u] n|² + Σ_Σ 1/h_K ∫ |u - v|²`,
     ///
     /// where `F` are the faces that touch an uncovered dof. `on_piece` returns two lists for the nodes of the body on
-    /// the facet of a piece: the values `v`, and the vectors from the cut surface to the points at which they hold. `u`
-    /// is evaluated at these points by the affine function of its part. Affine fields that are equal to `v` are
+    /// the facet of a piece: the values `v`, and the points at which they hold. `u` is evaluated at these
+    /// points by the affine function of its part. Affine fields that are equal to `v` are
     /// extended without error, over any distance.
     ///
     /// # Errors
@@ -175,10 +175,10 @@ impl<const D: usize> Contributions for SurfaceFit<'_, D> {
         let Extension { cut, space, pieces, .. } = self.extension;
         let piece = &cut.interface()[self.pieces[item]];
         let dofs = space.dofs(piece.part);
-        let [values, offsets] = (self.on_piece)(self.pieces[item]);
+        let [values, places] = (self.on_piece)(self.pieces[item]);
         for at in pieces.points(self.pieces[item]) {
             let on_facet = |of_nodes: &[Vector<D>]| of_nodes.iter().zip(&at.solid).map(|(v, n)| v * *n).sum();
-            let (of_body, offset): (Vector<D>, Vector<D>) = (on_facet(&values), on_facet(&offsets));
+            let (of_body, offset): (Vector<D>, Vector<D>) = (on_facet(&values), on_facet(&places) - at.point);
             let mut shape = at.fluid;
             shape.iter_mut().zip(pieces.gradients(self.pieces[item])).for_each(|(n, g)| *n += g.dot(&offset));
             let weight = Tensor::identity() * (at.weight / pieces.cell_size(self.pieces[item]));

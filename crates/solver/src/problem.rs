@@ -9,7 +9,7 @@ use contact::ContactSites;
 use contact::terms::ContactWork;
 use interface_dg::terms::{ClosedPressure, MovedPressure};
 use interface_dg::{ClosedPoints, InterfacePoints, MovedSurface};
-use mesh::BodyId;
+use mesh::{BodyId, Order};
 
 use crate::Step;
 
@@ -20,7 +20,7 @@ pub struct Problem<'p, const D: usize> {
     pub(crate) step: &'p Step<'p, D>,
     /// The interface, if there is a fluid.
     pub interface: Option<InterfacePoints<'p, D>>,
-    /// Surfaces of bodies that deform, at the stage.
+    /// Surfaces of bodies that deform, where they differ from the plane facets of the cut.
     pub moved: Vec<(BodyId, MovedSurface<'p, D>)>,
     /// The contacts, in the order of the setup.
     pub contacts: Vec<ContactSites<'p, D>>,
@@ -62,16 +62,18 @@ impl<const D: usize> Step<'_, D> {
         Problem { equations, step: self, interface, moved, contacts, closed }
     }
 
-    /// Returns the moved surfaces of bodies that deform; none with implicit Euler, as in the scheme of the paper.
+    /// Returns the surfaces of bodies that deform, where they differ from the plane facets of the cut: at the stage,
+    /// and for order 2 with every scheme.
     fn moved_surfaces<'p>(&'p self, points: &InterfacePoints<'p, D>) -> Vec<(BodyId, MovedSurface<'p, D>)> {
-        let bodies = self.setup.bodies.iter().enumerate();
-        let deforming = bodies.filter(|(_, body)| self.time.moves_pressure() && body.deforms());
+        let weights = &self.time.weights;
         let moved = |(b, body): (usize, &'p Arc<dyn Body<D>>)| {
-            let displacement = Affine::new(&self.time.weights.stage_displacement, &self.previous.bodies[b].level);
-            let id = BodyId::new(b);
-            (id, MovedSurface::new(points.clone(), id, (body.reference(), displacement)))
+            let displacement = || Affine::new(&weights.stage_displacement, &self.previous.bodies[b].level);
+            let differs = weights.pressure_at_stage || body.surface().order() != Order::Linear;
+            let stage = weights.pressure_at_stage.then(|| (body.reference(), displacement()));
+            let surface = || (BodyId::new(b), MovedSurface::new(points.clone(), BodyId::new(b), stage));
+            (body.deforms() && differs).then(surface)
         };
-        deforming.map(moved).collect()
+        self.setup.bodies.iter().enumerate().filter_map(moved).collect()
     }
 }
 

@@ -38,15 +38,15 @@ impl<const D: usize> Surfaces<'_, D> {
     /// Returns the velocities of the body of an interface piece.
     pub(crate) fn velocities(&self, item: usize) -> OnFacet<D> {
         let velocity = self.previous.bodies[self.cut.interface()[item].body.index()].velocity();
-        self.on_facet(item, |vertex| velocity[vertex])
+        self.on_facet(item, |node| velocity[node])
     }
 
     /// Returns the velocities of the body of an interface piece; if accelerations are known, the velocities are
     /// extrapolated to the stage.
     pub(crate) fn extrapolated_velocities(&self, item: usize) -> OnFacet<D> {
         let level = &self.previous.bodies[self.cut.interface()[item].body.index()].level;
-        let gained = |vertex| level.acceleration.get(vertex).map_or(Vector::zeros(), |a: &Vector<D>| a * self.ahead);
-        self.on_facet(item, |vertex| level.velocity[vertex] + gained(vertex))
+        let gained = |node| level.acceleration.get(node).map_or(Vector::zeros(), |a: &Vector<D>| a * self.ahead);
+        self.on_facet(item, |node| level.velocity[node] + gained(node))
     }
 
     /// Returns `a - ∇u w` with the acceleration `a` of the body of an interface piece and the velocity `w` with which
@@ -58,9 +58,9 @@ impl<const D: usize> Surfaces<'_, D> {
         let grad_u: Tensor<D> = nodes.map(|(dof, g)| velocity[*dof as usize] * g.transpose()).sum();
         let body = piece.body.index();
         let acceleration = &self.previous.bodies[body].level.acceleration;
-        self.on_facet(item, |vertex| {
-            let of_body = acceleration.get(vertex).copied().unwrap_or_else(Vector::zeros);
-            of_body - grad_u * (self.positions[body][vertex] - self.started[body][vertex]) / self.ahead
+        self.on_facet(item, |node| {
+            let of_body = acceleration.get(node).copied().unwrap_or_else(Vector::zeros);
+            of_body - grad_u * (self.positions[body][node] - self.started[body][node]) / self.ahead
         })
     }
 
@@ -79,18 +79,18 @@ impl<const D: usize> Surfaces<'_, D> {
         before: &FluidState<D>,
         extension: &Extension<'_, D>,
     ) -> Result<Level<Vector<D>>, NewtonError> {
-        let offsets = |item: usize| {
+        let places = |item: usize, positions: &[Vec<Point<D>>]| {
             let body = self.cut.interface()[item].body.index();
-            self.on_facet(item, |vertex| self.started[body][vertex] - self.positions[body][vertex])
+            self.on_facet(item, |node| positions[body][node])
         };
         let mut velocity = extension.sources.carry(&before.velocity);
-        extension.fill(&mut velocity, |item| [self.velocities(item), offsets(item)])?;
+        extension.fill(&mut velocity, |item| [self.velocities(item), places(item, &self.started)])?;
         let mut acceleration = Vec::new();
         // A scheme that evaluates the geometry at the start does not need accelerations.
         if self.ahead != 0.0 && !before.acceleration.is_empty() {
             acceleration = extension.sources.carry(&before.acceleration);
-            let on_cut = [Vector::zeros(); MAX_FACET_NODES];
-            extension.fill(&mut acceleration, |item| [self.accelerations(item, &velocity), on_cut])?;
+            let on_cut = |item| places(item, self.positions);
+            extension.fill(&mut acceleration, |item| [self.accelerations(item, &velocity), on_cut(item)])?;
         }
         Ok(Level { velocity, acceleration, ..Level::default() })
     }

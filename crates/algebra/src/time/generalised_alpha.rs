@@ -71,6 +71,7 @@ impl TimeScheme for GeneralisedAlpha {
             shifted: [shift(d, v, a), shift(d_end, v_end, a_end)],
             of_energy: [motion(d, 0.5 - FRAC_1_SQRT_2), motion(moved, 0.5 + FRAC_1_SQRT_2)],
             conserves: true,
+            pressure_at_stage: true,
             alpha_f,
         }
     }

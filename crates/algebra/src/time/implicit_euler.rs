@@ -22,6 +22,7 @@ impl TimeScheme for ImplicitEuler {
             shifted: [d, end],
             of_energy: [[d, Row::VELOCITY]; 2],
             conserves: false,
+            pressure_at_stage: false,
             alpha_f: 0.0,
         }
     }

@@ -79,6 +79,9 @@ pub struct Weights {
     /// Whether a force with a potential acts as a discrete gradient, which conserves energy. Otherwise the force at the
     /// end of the step acts, which dissipates energy if the potential is convex.
     pub conserves: bool,
+    /// Whether the pressure of the fluid acts on the surfaces of elastic bodies at the stage; otherwise on those at
+    /// which the mesh is cut.
+    pub pressure_at_stage: bool,
     /// Distance of the stage from the end, as a fraction of the step.
     pub alpha_f: f64,
 }

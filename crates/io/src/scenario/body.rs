@@ -362,21 +362,35 @@ fn groups<const D: usize>(given: &Named<GroupKeys>, mesh: &SimplexMesh<D>) -> Re
     Ok(group_of)
 }
 
+/// Returns the parameters of a material.
+fn lame(material: &At<MaterialChoice>) -> Result<LameParameters, ScenarioError> {
+    let (MaterialChoice::SaintVenantKirchhoff(keys) | MaterialChoice::NeoHookean(keys) | MaterialChoice::Linear(keys)) =
+        &**material;
+    let &LameKeys { mu, lambda, young, poisson } = keys;
+    let parameters = match (mu, lambda, young, poisson) {
+        (Some(mu), Some(lambda), None, None) => LameParameters::new(mu, lambda),
+        (None, None, Some(young), Some(poisson)) => LameParameters::from_young_poisson(young, poisson),
+        _ => return Err(material.at.error(ErrorKind::Either("mu and lambda", "young and poisson"))),
+    };
+    parameters.map_err(|error| material.at.error(error))
+}
+
 /// Builds a material law.
 fn law<const D: usize>(material: &At<MaterialChoice>) -> Result<Arc<dyn Material<D>>, ScenarioError> {
-    let lame = |&LameKeys { mu, lambda, young, poisson }: &LameKeys| {
-        let parameters = match (mu, lambda, young, poisson) {
-            (Some(mu), Some(lambda), None, None) => LameParameters::new(mu, lambda),
-            (None, None, Some(young), Some(poisson)) => LameParameters::from_young_poisson(young, poisson),
-            _ => return Err(material.at.error(ErrorKind::Either("mu and lambda", "young and poisson"))),
-        };
-        parameters.map_err(|error| material.at.error(error))
-    };
+    let lame = lame(material)?;
     Ok(match &**material {
-        MaterialChoice::SaintVenantKirchhoff(keys) => Arc::new(SaintVenantKirchhoff::new(lame(keys)?)),
-        MaterialChoice::NeoHookean(keys) => Arc::new(NeoHookean::new(lame(keys)?)),
-        MaterialChoice::Linear(keys) => Arc::new(LinearElastic::new(lame(keys)?)),
+        MaterialChoice::SaintVenantKirchhoff(_) => Arc::new(SaintVenantKirchhoff::new(lame)),
+        MaterialChoice::NeoHookean(_) => Arc::new(NeoHookean::new(lame)),
+        MaterialChoice::Linear(_) => Arc::new(LinearElastic::new(lame)),
     })
+}
+
+impl BodyKeys {
+    /// Returns Young's modulus of an elastic body, of the cells without a group; `None` for other bodies.
+    pub(crate) fn young(&self) -> Option<f64> {
+        let material = self.material.as_ref().filter(|_| self.motion.is_none())?;
+        Some(lame(material).ok()?.young())
+    }
 }
 
 fn supports_and_loads<const D: usize>(

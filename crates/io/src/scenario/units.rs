@@ -67,6 +67,11 @@ impl Units {
     }
 }
 
+/// Rounds to four significant digits, without the sign of zero.
+pub(crate) fn rounded(value: f64) -> f64 {
+    format!("{value:.3e}").parse().unwrap_or(value) + 0.0
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

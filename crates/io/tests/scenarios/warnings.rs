@@ -102,3 +102,47 @@ fn contacts_that_do_not_carry_a_weight_in_fluid_are_warnings() {
     assert!(film("contact.offset=0.005").contains("offset 0.005 m below the roughness 0.01 m"));
     assert!(!lines(&text, &["fluid.film.roughness=0.005"]).iter().any(|line| line.starts_with("warning")));
 }
+
+/// Makes energy by the pressure on an elastic disk, an error of second order in the step in the sum over all steps.
+#[test]
+fn the_energy_that_steps_generate_falls_with_the_step() {
+    let changes = [
+        "background.boundary.top={ kind = \"pressure\", value = \"3e5*min(t/0.2, 1)\" }",
+        "background.size=0.1",
+        "fluid.body_force=[0, 0]",
+        "body.0.gravity=[0, 0]",
+        "body.1.gravity=[0, 0]",
+        "time.end=0.24",
+        "output.vtk_every=0",
+    ];
+    let generated = |step: &str| {
+        let file = legal(DISKS, &[&changes, &[step]]);
+        let summary = io::run(&file, &fresh_directory(step), &mut ()).unwrap_or_else(|e| panic!("{e}"));
+        assert!(!summary.energy_monotone);
+        summary.energy_generated.expect("a step")
+    };
+    let [coarse, fine] = ["time.step=0.02", "time.step=0.01"].map(generated);
+    assert!(fine > 1e-8 && fine < 0.5 * coarse && coarse < 0.01, "{coarse:e} {fine:e}");
+}
+
+#[test]
+fn pressures_of_sides_are_compared_with_the_stiffness_of_bodies() {
+    // Young's modulus is 4e5 (3 16 + 2 4)/(16 + 4) = 1.12e6.
+    let top = |pressure: &str| format!("background.boundary.top={{ kind = \"pressure\", value = \"{pressure}\" }}");
+    let rising = top("5.6e5*min(t/0.02, 1) - 2000");
+    let found = lines(DISKS, &[&rising]);
+    assert!(
+        found.contains(
+            &"side top: pressure -2e3 to 5.58e5 Pa, at most 0.4982 of Young's modulus of body soft".to_owned()
+        ),
+        "{found:#?}"
+    );
+    assert!(!found.iter().any(|line| line.starts_with("warning")));
+    assert!(warning(DISKS, &[&top("6e5")]).contains("0.5357 of Young's modulus of body soft at the start"));
+    let svk = DISKS.replace("neo-hookean", "saint-venant-kirchhoff");
+    assert!(warning(&svk, &[&rising]).contains("may collapse"));
+    let euler = lines(DISKS, &[&rising, "time.scheme=implicit-euler"]);
+    assert!(euler.iter().any(|line| line.contains("with implicit-euler bodies fail")), "{euler:#?}");
+    // Without a traction that is not zero there is no line.
+    assert!(!lines(DISKS, &[]).iter().any(|line| line.starts_with("side")));
+}

@@ -99,6 +99,11 @@ impl LameParameters {
         let lambda = young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson));
         Self::new(mu, lambda)
     }
+
+    /// Returns Young's modulus.
+    pub fn young(&self) -> f64 {
+        self.mu * (3.0 * self.lambda + 2.0 * self.mu) / (self.lambda + self.mu)
+    }
 }
 
 #[cfg(test)]
@@ -110,6 +115,7 @@ mod tests {
         // Material of the ball in the paper, Sec. 4: mu = 2e6, lambda = 8e6.
         let lame = LameParameters::from_young_poisson(5.6e6, 0.4).unwrap();
         assert!((lame.mu - 2e6).abs() < 1e-8 && (lame.lambda - 8e6).abs() < 1e-8);
+        assert!((lame.young() - 5.6e6).abs() < 1e-8);
     }
 
     #[test]

@@ -1,6 +1,9 @@
 //! Every contribution of the coupled problem against finite differences, at random states.
 
+use std::sync::Arc;
+
 use crate::fixture::*;
+use solver::algebra::time::GeneralisedAlpha;
 use solver::contact::StressSource;
 use solver::mesh::Vector;
 use solver::mesh::generate::structured_box;
@@ -24,7 +27,11 @@ fn tangents_of_a_ball_of_quadratic_elements_are_exact() {
     let mut names = check_tangents(&setup, 3.0);
     contact_with_stress(&mut setup, 0, StressSource::Solid);
     names.extend(check_tangents(&setup, 3.0));
-    assert_contain(&names, &["solid inertia and body force", "solid internal work", "interface", "contact"]);
+    setup.scheme = Arc::new(GeneralisedAlpha::new(0.2).expect("a scheme"));
+    contact_with_stress(&mut setup, 0, StressSource::Jump);
+    names.extend(check_tangents(&setup, 3.0));
+    let expected = ["solid inertia and body force", "solid internal work", "interface", "contact", "moved surface"];
+    assert_contain(&names, &expected);
 }
 
 #[test]
