@@ -13,6 +13,8 @@ use crate::InterfacePoints;
 ///
 /// A point of a piece is a point of the body. It has a place on the plane facet at which the fluid is cut, and one on
 /// the surface of the element, which is curved for order 2, at the stage. The latter depends on the unknown velocity.
+/// Its pressure is that of the fluid at its place on the element at the positions of the cut, so that a hydrostatic
+/// pressure carries the weight of the volume of the elements.
 #[derive(Clone)]
 pub struct MovedSurface<'a, const D: usize> {
     points: InterfacePoints<'a, D>,
@@ -23,23 +25,21 @@ pub struct MovedSurface<'a, const D: usize> {
     pieces: Vec<usize>,
 }
 
-/// A quadrature point of a piece. Area vectors `n dA` point out of the body and contain the quadrature weight and the
-/// weight of the coordinates.
+/// A quadrature point of a piece.
 ///
 /// Local unknowns: velocities of the nodes of the body on the facet, `D` components each, then the pressures of the
 /// fluid nodes.
 pub struct MovedPoint<const D: usize> {
-    /// Pressure of the fluid times its weight `α` in the traction.
-    pub shared_pressure: f64,
-    /// Derivatives of `shared_pressure` with respect to the pressures of the nodes; only the first `D + 1` are used.
-    pub by_pressure: [f64; MAX_CELL_VERTICES],
+    /// `α (p n dA)` on the element at the stage minus that on the plane facet of the cut, with the weight `α` of the
+    /// fluid's traction and the normal `n` out of the body. The force on the body is the opposite.
+    pub load: Vector<D>,
+    /// Derivatives of `load` with respect to the pressures of the fluid nodes; only the first `D + 1` are used.
+    pub by_pressure: [Vector<D>; MAX_CELL_VERTICES],
     /// Number of nodes of the body on the facet.
     pub n_nodes: usize,
     /// Shape values of these nodes; the others are zero.
     pub shape: [f64; MAX_FACET_NODES],
-    /// Area vector on the element at the stage minus that on the plane facet of the cut.
-    pub change: Vector<D>,
-    /// Derivatives of `change` with respect to the velocities of the nodes: column `b` is that by component `b`.
+    /// Derivatives of `load` with respect to the velocities of the nodes: column `b` is that by component `b`.
     pub by_velocity: [Tensor<D>; MAX_FACET_NODES],
 }
 
@@ -69,7 +69,7 @@ impl<'a, const D: usize> MovedSurface<'a, D> {
     /// zero ([`mesh::Coordinates::resultant`]).
     pub fn force(&self, x: &[f64]) -> Vector<D> {
         let mut force = Vector::zeros();
-        (0..self.len()).for_each(|item| self.visit(item, x, |point| force -= point.change * point.shared_pressure));
+        (0..self.len()).for_each(|item| self.visit(item, x, |point| force -= point.load));
         force
     }
 }
@@ -134,15 +134,17 @@ impl<const D: usize> Sites for MovedSurface<'_, D> {
         let boundary = surface.boundary;
         let (coordinates, n_nodes) = (boundary.coordinates(), boundary.nodes(piece.facet).len());
         let velocity_of = |node: usize| surface.velocity_at(mesh::VertexId::new(node), fields.layout, x);
+        let cut = on_facet(boundary, piece.facet, |node| positions[body][node]);
         let (moved, slope) = match &self.stage {
             Some((reference, displacement)) => {
                 let at_stage = |node| reference[node] + displacement.at(node, velocity_of(node));
                 (on_facet(boundary, piece.facet, at_stage), displacement.slope)
             }
-            None => (on_facet(boundary, piece.facet, |node| positions[body][node]), 0.0),
+            None => (cut, 0.0),
         };
         let whole = Placed::new(boundary, &positions[body]).facet_measure(piece.facet);
         let (nodes, alpha) = (geometry.space.dofs(piece.part), self.points.alpha(self.body));
+        let gradients = values.gradients(item);
         for at in values.points(item) {
             let shape = boundary.shape(piece.facet, &at.in_facet);
             // A facet without a measure has no area at any position.
@@ -150,16 +152,24 @@ impl<const D: usize> Sites for MovedSurface<'_, D> {
             let (of_moved, by_node) = area(boundary.order(), &shape, &moved[..n_nodes]);
             let weight = share * coordinates.weight(&shape.at(&moved[..n_nodes]));
             let by_position = coordinates.weight_gradient::<D>() * share;
-            let by_pressure = at.fluid.map(|shape| alpha * shape);
-            let at_nodes = nodes.iter().zip(&by_pressure);
+            let (of_moved, of_cut) = (of_moved * alpha, piece.normal * (alpha * at.weight));
+            // From the plane facet of the cut to the element; zero for order 1 but for round-off.
+            let offset = match boundary.order() {
+                Order::Linear => Vector::zeros(),
+                Order::Quadratic => shape.at(&cut[..n_nodes]) - at.point,
+            };
+            let on_element = |i: usize| at.fluid[i] + gradients[i].dot(&offset);
+            let by_pressure = std::array::from_fn(|i| of_moved * (weight * on_element(i)) - of_cut * at.fluid[i]);
+            let at_nodes = || nodes.iter().map(|node| fields.pressure_at(x, *node)).enumerate();
+            let pressure = at_nodes().map(|(i, p)| p * on_element(i)).sum::<f64>();
             visit(&MovedPoint {
-                shared_pressure: at_nodes.map(|(node, shape)| fields.pressure_at(x, *node) * shape).sum(),
+                load: at_nodes().map(|(i, p)| by_pressure[i] * p).sum(),
                 by_pressure,
                 n_nodes,
                 shape: at.solid,
-                change: of_moved * weight - piece.normal * at.weight,
                 by_velocity: std::array::from_fn(|k| {
-                    (by_node[k] * weight + of_moved * (by_position * at.solid[k]).transpose()) * slope
+                    let by_area = by_node[k] * (alpha * weight);
+                    (by_area + of_moved * (by_position * at.solid[k]).transpose()) * (slope * pressure)
                 }),
             });
         }

@@ -404,12 +404,12 @@ fn pressure_on_a_moved_surface<const D: usize>(coordinates: Coordinates, order: 
     let acceleration = Affine { slope: 1.0, predicted: Vec::new() };
     let mut layout = BlockLayout::new();
     let flow = layout.push("velocity", space.len(), D);
-    let pressure = layout.push_on(flow, "pressure", 1);
+    let pressure_field = layout.push_on(flow, "pressure", 1);
     let field = layout.push("body", points.len(), D);
     let velocity: Vec<Vector<D>> = points.iter().map(wave(2.5)).collect();
     let mut x = vec![0.0; layout.len()];
     layout.set(field, velocity.iter().map(|v| (*v).into()), &mut x);
-    layout.set(pressure, vec![[2.0]; space.len()], &mut x);
+    layout.set(pressure_field, vec![[2.0]; space.len()], &mut x);
     let at_stage: Vec<Point<D>> = predicted.iter().zip(&velocity).map(|(x, v)| x + v * DT).collect();
     let expected = [&at_stage, &geometry].map(|positions| 2.0 * change_of_volume(boundary, positions, &velocity));
     let surface = SurfaceMotion {
@@ -432,7 +432,7 @@ fn pressure_on_a_moved_surface<const D: usize>(coordinates: Coordinates, order: 
             films: None,
             acceleration: &acceleration,
         },
-        fields: FluidFields { layout: &layout, velocity: flow, pressure },
+        fields: FluidFields { layout: &layout, velocity: flow, pressure: pressure_field },
         values: &values,
         surfaces: vec![&surface],
         positions: &positions,
@@ -456,14 +456,16 @@ fn pressure_on_a_moved_surface<const D: usize>(coordinates: Coordinates, order: 
     };
     let mut forces = residual(&x);
     assert!((forces.iter().sum::<Vector<D>>() + force).amax() < 1e-12);
-    for (item, piece) in cut.interface().iter().enumerate() {
-        for (at, (k, node)) in values.points(item).iter().flat_map(|at| {
-            let nodes = boundary.nodes(piece.facet).iter().enumerate();
-            nodes.map(move |of_node| (at, of_node))
-        }) {
-            forces[node.index()] += piece.normal * (2.0 * at.weight * at.solid[k]);
+    let add_mortar = |forces: &mut [Vector<D>], pressure: &dyn Fn(&Point<D>) -> f64| {
+        for (item, piece) in cut.interface().iter().enumerate() {
+            for at in values.points(item) {
+                for (node, shape) in boundary.nodes(piece.facet).iter().zip(&at.solid) {
+                    forces[node.index()] += piece.normal * (pressure(&at.point) * at.weight * shape);
+                }
+            }
         }
-    }
+    };
+    add_mortar(&mut forces, &|_| 2.0);
     // In axisymmetric coordinates forces along the radius are those of hoops.
     let sum: Vector<D> = forces.iter().sum();
     let free = (0..D).filter(|a| coordinates.radial() != Some(*a));
@@ -487,11 +489,31 @@ fn pressure_on_a_moved_surface<const D: usize>(coordinates: Coordinates, order: 
     assert!((one - other).abs() < 1e-10 && one.abs() > 1e-3, "{one} {other}");
     let solid = SolidShare { alpha: 0.4, stresses: vec![Some(Arc::new(NoStress))], start: x.as_slice().into() };
     let shared = InterfacePoints { solid: Some(solid), ..interface };
-    let of_share = MovedSurface::new(shared, BodyId::new(0), Some(stage));
+    let of_share = MovedSurface::new(shared.clone(), BodyId::new(0), Some(stage));
     let of_share = Integral::new("moved surface", of_share, vec![&MovedPressure]).power(&x);
     assert!((of_share - 0.4 * power).abs() < 1e-12 && power.abs() > 1e-3, "{of_share} {power}");
+    if coordinates == Coordinates::Cartesian {
+        // On the elements at the cut: a hydrostatic pressure carries the weight of their volume, of which the load of a
+        // uniform one is the derivative.
+        let at_cut = MovedSurface::new(shared.clone(), BodyId::new(0), None);
+        let at_cut = Integral::new("moved surface", at_cut, vec![&MovedPressure]);
+        let slope = Vector::<D>::from_fn(|a, _| 1.5 - a as f64);
+        let loads = |pressure: &dyn Fn(&Point<D>) -> f64| {
+            let (mut y, mut residual) = (x.clone(), vec![0.0; layout.len()]);
+            layout.set(pressure_field, space.vertices().iter().map(|k| [pressure(&background.vertex(*k))]), &mut y);
+            at_cut.add_residual(&y, &mut residual);
+            let of_term = layout.values(field, &residual).map(|f| Vector::<D>::from(f) / 0.4);
+            let mut loads: Vec<Vector<D>> = of_term.collect();
+            add_mortar(&mut loads, pressure);
+            loads
+        };
+        let uniform = loads(&|_| 1.0);
+        let volume = uniform.iter().zip(&positions[0]).map(|(f, x)| f.dot(x)).sum::<f64>() / D as f64;
+        let hydrostatic: Vector<D> = loads(&|x| slope.dot(x)).iter().sum();
+        assert!((hydrostatic - slope * volume).amax() < 1e-12 && volume > 0.1, "{hydrostatic} {volume}");
+    }
     let varying = |node: &VertexId| [2.0 + background.vertex(*node)[0].sin()];
-    layout.set(pressure, space.vertices().iter().map(varying), &mut x);
+    layout.set(pressure_field, space.vertices().iter().map(varying), &mut x);
     // Slivers have tangents of the size of round-off.
     let items = (0..terms.len()).filter(|item| cut.interface()[*item].measure > 1e-9);
     let worst = worst_tangent_entry(&terms, items, &x, 1e-5);

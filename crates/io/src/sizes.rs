@@ -82,7 +82,7 @@ impl Sizes {
             body_extents: positions.iter().map(|points| extents(points)).collect(),
             contacts: roles(setup),
             weights: weights(scenario, setup, state),
-            pressures: pressures(scenario, setup),
+            pressures: pressures(scenario, case),
             warnings: warnings(scenario, case, state),
             background_cells: background.map_or(0, |mesh| mesh.n_cells()),
             background_vertices: background.map_or(0, |mesh| mesh.n_vertices()),
@@ -175,7 +175,7 @@ fn product(extents: &[f64]) -> String {
 }
 
 /// Describes mass, weight and buoyancy of the bodies at a state. The buoyancy is the body force of the fluid at the
-/// centre of mass times the volume that the plane facets of the surface enclose.
+/// centre of mass times the volume of the elements of an elastic body, or inside the surface of another one.
 fn weights<const D: usize>(scenario: &Scenario, setup: &Setup<D>, state: &State<D>) -> Vec<String> {
     let unit = |quantity| scenario.units.total_label(quantity, scenario.dimension_of_whole());
     let (mass, force) = (unit(Quantity::MASS), unit(Quantity::FORCE));
@@ -183,7 +183,8 @@ fn weights<const D: usize>(scenario: &Scenario, setup: &Setup<D>, state: &State<
     let of_body = |(body, of): (&Arc<dyn Body<D>>, &BodyState<D>)| {
         let balance = body.balance(of)?;
         let positions = of.positions(body.reference());
-        let displaced = Placed::new(body.surface(), &positions).enclosed().volume;
+        let inside = || Placed::new(body.surface(), &positions).enclosed().volume;
+        let displaced = if body.deforms() { balance.volume } else { inside() };
         let buoyancy = match setup.fluid.as_ref().map(|fluid| fluid.body_force.as_ref()) {
             Some(Some(density)) => {
                 let on_body = -density(&balance.centre_of_mass, state.time) * displaced;

@@ -28,7 +28,7 @@ pub(crate) fn warnings<const D: usize>(scenario: &Scenario, case: &Case<D>, stat
     lines.extend(outside(setup, &positions, &length));
     lines.extend(small_bodies(setup, &positions));
     lines.extend(body_forces(setup, state));
-    lines.extend(large_pressures(scenario, setup));
+    lines.extend(large_pressures(scenario, case));
     let deforms = setup.bodies.iter().any(|body| body.deforms());
     let can_turn = !case.half_domain && scenario.coordinates.is_none();
     if scenario.time.scheme.word() == "implicit-euler" && deforms && setup.fluid.is_some() && can_turn {

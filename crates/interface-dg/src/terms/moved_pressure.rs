@@ -11,25 +11,24 @@ use crate::MovedPoint;
 /// Couples: velocity of the surface × velocity of the surface, pressure.   Domain: interface pieces of bodies that
 /// deform.
 /// Units: force (2D: per unit depth).
-/// A point of `Γ(d)` has the pressure of its point of `Σ`. Without this term a large pressure acts on positions that
-/// are extrapolated, or those of the start: its stiffness is explicit, and the body vibrates with growing amplitude
-/// from pressures of a tenth of Young's modulus on. The fluid has no row: the term corrects the traction on the body by
-/// the distance between the two surfaces, which is of second order in the step if positions are extrapolated.
+/// A point of `Γ(d)` has the pressure at its place on the element at the positions of the cut. Without this term a
+/// large pressure acts on positions that are extrapolated, or those of the start: its stiffness is explicit, and the
+/// body vibrates with growing amplitude from pressures of a tenth of Young's modulus on. The fluid has no row: the term
+/// corrects the traction on the body by the distance between the two surfaces. It is of second order in the step if
+/// positions are extrapolated, and of second order in the size of curved elements.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MovedPressure;
 
 impl<const D: usize> Term<MovedPoint<D>> for MovedPressure {
     fn add(&self, point: &MovedPoint<D>, out: &mut LocalSystem) {
         for (k, shape) in point.shape[..point.n_nodes].iter().enumerate() {
-            let weight = point.shared_pressure * shape;
-            out.add_vector::<D>(point.row(k), point.change * weight);
+            out.add_vector::<D>(point.row(k), point.load * *shape);
             if out.has_tangent() {
                 for (j, derivative) in point.by_velocity[..point.n_nodes].iter().enumerate() {
-                    out.add_block::<D, D>(point.row(k), point.row(j), derivative * weight);
+                    out.add_block::<D, D>(point.row(k), point.row(j), derivative * *shape);
                 }
                 for (j, derivative) in point.by_pressure[..=D].iter().enumerate() {
-                    let column = point.row(point.n_nodes) + j;
-                    out.add_block::<D, 1>(point.row(k), column, point.change * (shape * derivative));
+                    out.add_block::<D, 1>(point.row(k), point.row(point.n_nodes) + j, derivative * *shape);
                 }
             }
         }

@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use crate::fixture::*;
 use solid_svk::{Order, SolidMesh, Support, SupportKind};
-use solver::algebra::time::{ImplicitEuler, QuasiStatic, TimeScheme};
+use solver::algebra::time::{GeneralisedAlpha, ImplicitEuler, QuasiStatic, TimeScheme};
 use solver::cutcell::{CutMesh, OverlayOptions};
 use solver::mesh::generate::{Size, graded_box, structured_box};
-use solver::mesh::{Aabb, SimplexMesh, Vector, VertexId};
+use solver::mesh::{Aabb, Placed, SimplexMesh, Vector, VertexId};
 use solver::xfem_space::{Sources, XfemSpace};
 use solver::{FluidBoundary, Setup, Step};
 
@@ -127,6 +127,39 @@ fn uniform_pressure_around_an_elastic_brick_of_either_order() {
             assert!(v < 1e-9, "{order:?}: {v:e}");
         }
     }
+}
+
+#[test]
+fn fluid_at_rest_carries_a_neutral_body_of_curved_elements() {
+    // A tilted ellipse of few elements. The pressure carries the weight of their volume, without a force to the side.
+    let gravity = V::new(0.0, -981.0);
+    let centre = P::new(1.0, 0.75);
+    let tilted = |x: P| {
+        let [along, across] = [(x[0] + x[1]) * 0.5_f64.sqrt(), (x[1] - x[0]) * 0.5_f64.sqrt()];
+        centre + P::new(along - 0.4 * across, along + 0.4 * across) * 0.5_f64.sqrt()
+    };
+    let mesh = disk([0.0, 0.0], 0.5, 0.4);
+    let round = mesh.mapped(|x| tilted(*x)).expect("a mesh");
+    let ends = mesh.vertices().to_vec();
+    let node = |[a, b]: [VertexId; 2], middle: P| {
+        let [a, b] = [a, b].map(|end| ends[end.index()]);
+        let is_edge = [a, b, (a + b) * 0.52].iter().all(|x| x.norm() > 0.47);
+        if is_edge { tilted((a + b).normalize() * 0.5) } else { middle }
+    };
+    let mut body = elastic("ellipse", round.clone(), 1.0, 4e6, 6e6, gravity);
+    body.solid = SolidMesh::curved(round, node).expect("a mesh");
+    let mut setup = setup(fluid(background(), 1.0, 1.0), 0.01);
+    fluid_of(&mut setup).body_force = Some(Arc::new(move |_, _| gravity));
+    on_sides(&mut setup, &SIDES, || FluidBoundary::NoSlip);
+    setup.bodies.push(body.body());
+    setup.scheme = Arc::new(GeneralisedAlpha::new(0.0).expect("a scheme"));
+    let (state, _) = run(&setup, 5);
+    let balance = setup.bodies[0].balance(&state.bodies[0]).expect("a mass");
+    let velocity = balance.momentum / balance.mass;
+    assert!(velocity.norm() < 1e-3, "{velocity}");
+    // The plane facets enclose less, whose buoyancy would move the body by 0.5 in a second.
+    let inside = Placed::new(setup.bodies[0].surface(), setup.bodies[0].reference()).enclosed().volume;
+    assert!(inside < 0.99 * balance.volume, "{inside} {}", balance.volume);
 }
 
 fn translating(dt: f64, u: V, n_steps: usize, make: Elements) {
