@@ -390,7 +390,10 @@ fn pressure_on_a_moved_surface<const D: usize>(coordinates: Coordinates, order: 
     let background = in_coordinates(structured_box::<D>([0.0; D], [2.0; D], [3; D]).expect("a box"));
     let mesh = in_coordinates(structured_box::<D>([0.5; D], [1.5; D], [2; D]).expect("a box"));
     let (boundary, points) = &boundary_of(&mesh, order);
-    let wave = |shift: f64| move |x: &Point<D>| Vector::from_fn(|a, _| (3.0 * x[(a + 1) % D] + shift + a as f64).sin());
+    // Opposite sides of the box have different shapes.
+    let wave = |shift: f64| {
+        move |x: &Point<D>| Vector::from_fn(|a, _| (3.0 * x[(a + 1) % D] + 1.7 * x[a] + shift + a as f64).sin())
+    };
     let moved = |shift: f64, by: f64| points.iter().map(|x| x + wave(shift)(x) * by).collect::<Vec<Point<D>>>();
     let (predicted, geometry) = (moved(0.7, 0.12), moved(1.9, 0.15));
 
