@@ -56,7 +56,7 @@ pub fn worst_tangent_entry(
         let distinct: BTreeSet<DofId> = dofs.iter().copied().collect();
         assert_eq!(distinct.len(), n, "{} item {item}: a dof occurs twice", contribution.name());
         evaluate(item, x, n, &mut at_x);
-        let sizes = Sizes::new(&at_x, &dofs, x);
+        let magnitudes = Magnitudes::new(&at_x, &dofs, x);
         let mut compare = |row: usize, column: usize, error: f64, noise: f64, scale: f64| {
             let relative = if error <= noise { 0.0 } else { (error - noise) / scale };
             if relative > worst.relative || (relative.is_nan() && !worst.relative.is_nan()) {
@@ -73,7 +73,13 @@ pub fn worst_tangent_entry(
             for row in 0..n {
                 let difference = (above.residual()[row] - below.residual()[row]) / (2.0 * h);
                 let error = (at_x.tangent_at(row, column) - difference).abs();
-                compare(row, column, error, sizes.round_off[row] / h, sizes.row[row].min(sizes.column[column]));
+                compare(
+                    row,
+                    column,
+                    error,
+                    magnitudes.round_off[row] / h,
+                    magnitudes.row[row].min(magnitudes.column[column]),
+                );
             }
         }
         if contribution.is_linear() {
@@ -81,7 +87,7 @@ pub fn worst_tangent_entry(
             for row in 0..n {
                 let product: f64 = dofs.iter().enumerate().map(|(j, d)| at_x.tangent_at(row, j) * x[d.index()]).sum();
                 let error = (at_x.residual()[row] - above.residual()[row] - product).abs();
-                compare(row, n, error, sizes.round_off[row], sizes.terms[row]);
+                compare(row, n, error, magnitudes.round_off[row], magnitudes.terms[row]);
             }
         }
     }
@@ -89,7 +95,7 @@ pub fn worst_tangent_entry(
 }
 
 /// Magnitudes of a local system, to which deviations are compared.
-struct Sizes {
+struct Magnitudes {
     row: Vec<f64>,
     column: Vec<f64>,
     /// `Σ |tangent_ij x_j| + |residual_i|`
@@ -98,7 +104,7 @@ struct Sizes {
     round_off: Vec<f64>,
 }
 
-impl Sizes {
+impl Magnitudes {
     fn new(system: &LocalSystem, dofs: &[DofId], x: &[f64]) -> Self {
         let n = system.len();
         let entry = |i: usize, j: usize| system.tangent_at(i, j).abs();

@@ -81,7 +81,7 @@ impl DofKey {
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BlockLayout {
-    fields: Vec<Field>,
+    fields: Vec<FieldBlock>,
     /// Keys of each set of nodes. A list is empty for default keys.
     keys: Vec<Vec<u64>>,
     n_dofs: usize,
@@ -89,7 +89,7 @@ pub struct BlockLayout {
 }
 
 #[derive(Clone, Debug, PartialEq)]
-struct Field {
+struct FieldBlock {
     name: String,
     first_dof: usize,
     components: usize,
@@ -101,7 +101,7 @@ struct Field {
     rounding: Vec<f64>,
 }
 
-impl Field {
+impl FieldBlock {
     /// Creates a field from its first dof and the first of its nodes, with round-off zero.
     fn new(
         name: &str,
@@ -137,18 +137,18 @@ impl BlockLayout {
 
     /// Registers a field on the nodes of another one.
     pub fn push_on(&mut self, other: FieldId, name: &str, components: usize) -> FieldId {
-        let &Field { first_node, n_nodes, node_set, .. } = &self.fields[other.index()];
-        self.add(Field::new(name, components, self.n_dofs, first_node, n_nodes, node_set))
+        let &FieldBlock { first_node, n_nodes, node_set, .. } = &self.fields[other.index()];
+        self.add(FieldBlock::new(name, components, self.n_dofs, first_node, n_nodes, node_set))
     }
 
     fn push_nodes(&mut self, name: &str, n_nodes: usize, components: usize, keys: Vec<u64>) -> FieldId {
         let (first_node, node_set) = (self.n_nodes, self.keys.len());
         self.keys.push(keys);
         self.n_nodes += n_nodes;
-        self.add(Field::new(name, components, self.n_dofs, first_node, n_nodes, node_set))
+        self.add(FieldBlock::new(name, components, self.n_dofs, first_node, n_nodes, node_set))
     }
 
-    fn add(&mut self, field: Field) -> FieldId {
+    fn add(&mut self, field: FieldBlock) -> FieldId {
         self.n_dofs = field.range().end;
         self.fields.push(field);
         FieldId::new(self.fields.len() - 1)
@@ -167,7 +167,7 @@ impl BlockLayout {
 
     /// Returns the round-off of each dof.
     pub fn rounding(&self) -> Vec<f64> {
-        let of_dof = |f: &Field, k: usize| f.rounding.get(k % f.components).copied().unwrap_or(0.0);
+        let of_dof = |f: &FieldBlock, k: usize| f.rounding.get(k % f.components).copied().unwrap_or(0.0);
         self.fields.iter().flat_map(|f| (0..f.range().len()).map(move |k| of_dof(f, k))).collect()
     }
 
@@ -209,7 +209,7 @@ impl BlockLayout {
     /// Returns the dof of one component at a node.
     #[inline]
     pub fn dof(&self, field: FieldId, node: usize, component: usize) -> DofId {
-        let Field { first_dof, components, .. } = self.fields[field.index()];
+        let FieldBlock { first_dof, components, .. } = self.fields[field.index()];
         debug_assert!(component < components && node < self.n_nodes(field));
         DofId::new(first_dof + components * node + component)
     }
@@ -217,7 +217,7 @@ impl BlockLayout {
     /// Returns the dofs of all components at a node.
     #[inline]
     pub fn node(&self, field: FieldId, node: usize) -> impl DoubleEndedIterator<Item = DofId> + use<> {
-        let Field { first_dof, components, .. } = self.fields[field.index()];
+        let FieldBlock { first_dof, components, .. } = self.fields[field.index()];
         debug_assert!(node < self.n_nodes(field));
         let first = first_dof + components * node;
         (first..first + components).map(DofId::new)
@@ -229,7 +229,7 @@ impl BlockLayout {
     /// The field does not have `N` components.
     #[inline]
     pub fn at<const N: usize>(&self, field: FieldId, node: usize, x: &[f64]) -> [f64; N] {
-        let Field { first_dof, components, .. } = self.fields[field.index()];
+        let FieldBlock { first_dof, components, .. } = self.fields[field.index()];
         assert!(components == N, "the field has {components} components, not {N}");
         let mut values = [0.0; N];
         values.copy_from_slice(&x[first_dof + N * node..][..N]);
@@ -254,7 +254,7 @@ impl BlockLayout {
 
     /// Returns the node of each dof. Nodes of different sets have different numbers. Fields on the same set share them.
     pub fn nodes(&self) -> Vec<u32> {
-        let of_field = |f: &Field| {
+        let of_field = |f: &FieldBlock| {
             let (first, components) = (f.first_node, f.components);
             (first..first + f.n_nodes).flat_map(move |node| std::iter::repeat_n(node as u32, components))
         };

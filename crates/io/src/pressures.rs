@@ -1,11 +1,11 @@
-//! Pressures of open sides, compared with the stiffness of elastic bodies.
+//! Pressures of open sides and hydrostatic pressures, compared with the stiffness of elastic bodies.
 
-use mesh::facet_normal;
-use solver::FluidBoundary;
+use mesh::{Aabb, facet_normal};
+use solver::{FluidBoundary, FluidSetup};
 
 use crate::scenario::{Case, Choose as _, MaterialChoice, Quantity, Scenario, rounded};
 
-/// Largest number of values of the pressure of a side that are computed; at least at [`LEAST_TIMES`] times.
+/// Largest number of values of each pressure that are computed; at least at [`LEAST_TIMES`] times.
 const MOST_VALUES: usize = 200_000;
 
 /// Smallest number of intervals between the times at which pressures are evaluated.
@@ -20,46 +20,86 @@ const LARGEST_OF_EULER: f64 = 0.03;
 /// Pressure relative to Young's modulus from which on Saint Venant-Kirchhoff bodies are unreliable.
 const LARGEST_OF_SVK: f64 = 0.3;
 
-/// Pressures on a side of the background: minus the normal component of its traction.
-struct SidePressure {
-    side: String,
+/// A pressure in the fluid that does not come from its motion.
+struct Pressure {
+    /// The side and the quantity, such as "side top: pressure".
+    source: String,
+    /// The same within a sentence.
+    subject: String,
     /// Largest absolute value at the end of the first step, with which the run begins.
     at_first: f64,
     /// Smallest and largest value in the run.
     range: [f64; 2],
 }
 
-impl SidePressure {
+impl Pressure {
+    fn new(source: String, subject: String) -> Self {
+        Self { source, subject, at_first: 0.0, range: [f64::INFINITY, f64::NEG_INFINITY] }
+    }
+
+    /// Takes the values of a function of time at `n_times` intervals of the run and at the end of the first step.
+    fn cover(&mut self, value: impl Fn(f64) -> f64, dt: f64, end: f64, n_times: usize) {
+        self.at_first = self.at_first.max(value(dt).abs());
+        for value in (0..=n_times).map(|k| value(end * k as f64 / n_times as f64)) {
+            self.range = [self.range[0].min(value), self.range[1].max(value)];
+        }
+    }
+
     fn largest(&self) -> f64 {
         self.range[0].abs().max(self.range[1].abs())
     }
 }
 
-/// Returns the sides with a traction that is not zero at all times. Pressures are evaluated at the ends of steps, or at
-/// fewer times if a side has many facets.
-fn side_pressures<const D: usize>(case: &Case<D>, end: f64) -> Vec<SidePressure> {
-    let (setup, n_steps) = (&case.setup, case.n_steps);
-    let Some(fluid) = &setup.fluid else { return Vec::new() };
+/// Returns the pressures of sides and the hydrostatic pressure, without those that are zero at all times. They are
+/// evaluated at the ends of steps, or at fewer times if there are many places.
+fn all_pressures<const D: usize>(case: &Case<D>, end: f64) -> Vec<Pressure> {
+    let Some(fluid) = &case.setup.fluid else { return Vec::new() };
+    let mut all = side_pressures(fluid, case, end);
+    all.extend(hydrostatic_pressure(fluid, case, end));
+    all.retain(|pressure| pressure.largest() > 0.0 && pressure.largest().is_finite());
+    all
+}
+
+/// Returns the number of intervals of time for a number of places.
+fn n_times<const D: usize>(case: &Case<D>, n_places: usize) -> usize {
+    case.n_steps.min(MOST_VALUES / n_places.max(1)).max(LEAST_TIMES)
+}
+
+/// Returns the pressure of each side with a traction: minus its normal component.
+fn side_pressures<const D: usize>(fluid: &FluidSetup<D>, case: &Case<D>, end: f64) -> Vec<Pressure> {
     let background = &fluid.background;
     let of_side = |(tag, condition): &(mesh::Tag, FluidBoundary<D>)| {
         let FluidBoundary::Open { traction: Some(traction), .. } = condition else { return None };
-        let side = background.tag_names()[tag.index()].clone();
-        let mut pressure = SidePressure { side, at_first: 0.0, range: [f64::INFINITY, f64::NEG_INFINITY] };
-        let facets = background.facets().filter(|facet| background.facet_tag(*facet) == Some(*tag));
-        let facets: Vec<_> = facets.collect();
-        let n_times = n_steps.min(MOST_VALUES / facets.len().max(1)).max(LEAST_TIMES);
+        let side = &background.tag_names()[tag.index()];
+        let mut pressure = Pressure::new(format!("side {side}: pressure"), format!("pressure of side {side}"));
+        let facets: Vec<_> = background.facets().filter(|facet| background.facet_tag(*facet) == Some(*tag)).collect();
+        let n_times = n_times(case, facets.len());
         for facet in facets {
             let points = background.facet_points(facet);
             let (middle, normal) = (mesh::mean(&points[..D]), facet_normal(&points[..D]));
             let at = |time: f64| -traction(&middle, &normal, time).dot(&normal);
-            pressure.at_first = pressure.at_first.max(at(setup.dt).abs());
-            for value in (0..=n_times).map(|k| at(end * k as f64 / n_times as f64)) {
-                pressure.range = [pressure.range[0].min(value), pressure.range[1].max(value)];
-            }
+            pressure.cover(at, case.setup.dt, end, n_times);
         }
-        (pressure.largest() > 0.0 && pressure.largest().is_finite()).then_some(pressure)
+        Some(pressure)
     };
     fluid.boundary.iter().filter_map(of_side).collect()
+}
+
+/// Returns the largest difference of the pressure that the body force causes in fluid at rest: the sum over the axes of
+/// its components times the extents of the background. The force is evaluated at two corners and the centre.
+fn hydrostatic_pressure<const D: usize>(fluid: &FluidSetup<D>, case: &Case<D>, end: f64) -> Option<Pressure> {
+    let force = fluid.body_force.as_ref()?;
+    let bounds = Aabb::of_points(fluid.background.vertices());
+    let (extent, points) = (bounds.extent(), [bounds.low, bounds.centre(), bounds.high]);
+    let mut pressure = Pressure::new(
+        "fluid.body_force: hydrostatic pressure".to_owned(),
+        "hydrostatic pressure of `fluid.body_force`".to_owned(),
+    );
+    let n_times = n_times(case, points.len());
+    for x in &points {
+        pressure.cover(|time| force(x, time).abs().dot(&extent), case.setup.dt, end, n_times);
+    }
+    Some(pressure)
 }
 
 /// Returns the name of the elastic body with the smallest Young's modulus, and this modulus.
@@ -68,18 +108,18 @@ fn softest(scenario: &Scenario) -> Option<(&str, f64)> {
     moduli.min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-/// Describes the pressures of the sides.
+/// Describes the pressures of the sides and the hydrostatic pressure.
 pub(crate) fn pressures<const D: usize>(scenario: &Scenario, case: &Case<D>) -> Vec<String> {
     let unit = scenario.units.label(Quantity::PRESSURE);
-    let describe = |pressure: SidePressure| {
+    let describe = |pressure: Pressure| {
         let [low, high] = pressure.range.map(rounded);
         let relative = softest(scenario).map_or(String::new(), |(body, young)| {
             format!(", up to {} of Young's modulus of body {body}", rounded(pressure.largest() / young))
         });
         let range = if low == high { format!("{low:e}") } else { format!("{low:e} to {high:e}") };
-        format!("side {}: pressure {range} {unit}{relative}", pressure.side)
+        format!("{} {range} {unit}{relative}", pressure.source)
     };
-    side_pressures(case, scenario.time.end).into_iter().map(describe).collect()
+    all_pressures(case, scenario.time.end).into_iter().map(describe).collect()
 }
 
 /// Returns warnings about pressures that are large compared with the stiffness of a body.
@@ -88,12 +128,10 @@ pub(crate) fn large_pressures<const D: usize>(scenario: &Scenario, case: &Case<D
     for body in &scenario.body {
         let Some((young, material)) = body.young().zip(body.material.as_ref()) else { continue };
         let is_svk = matches!(**material, MaterialChoice::SaintVenantKirchhoff(_));
-        for pressure in side_pressures(case, scenario.time.end) {
+        for pressure in all_pressures(case, scenario.time.end) {
             let [relative, at_first] = [pressure.largest(), pressure.at_first].map(|p| rounded(p / young));
-            let of_side = format!(
-                "warning: the pressure of side {} is {{}} of Young's modulus of body {}",
-                pressure.side, *body.name
-            );
+            let of_side =
+                format!("warning: the {} is {{}} of Young's modulus of body {}", pressure.subject, *body.name);
             let mut warn = |fraction: f64, text: &str| lines.push(of_side.replace("{}", &fraction.to_string()) + text);
             if scenario.time.scheme.word() == "implicit-euler" && relative >= LARGEST_OF_EULER {
                 warn(relative, ": with implicit-euler it may turn the body, and throw it out; take generalised-alpha");

@@ -1,6 +1,7 @@
 //! A boundary at given positions of its vertices.
 
 use crate::simplex::{factorial, points_of};
+use crate::tensor::area_vector;
 use crate::{
     BoundaryMesh, FacetId, MAX_CELL_VERTICES, MAX_FACET_VERTICES, Point, SimplexRule, Tensor, Vector, mean,
     simplex_measure,
@@ -140,23 +141,9 @@ pub fn facet_normal<const D: usize>(points: &[Point<D>]) -> Vector<D> {
 /// (the cross product). Zero for a degenerate facet.
 #[inline]
 fn scaled_normal<const D: usize>(points: &[Point<D>]) -> Vector<D> {
-    let mut n = Vector::zeros();
-    let a = points[1] - points[0];
-    match D {
-        2 => {
-            n[0] = a[1];
-            n[1] = -a[0];
-        }
-        3 => {
-            let b = points[2] - points[0];
-            for k in 0..3 {
-                let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-                n[k] = a[i] * b[j] - a[j] * b[i];
-            }
-        }
-        _ => unreachable!("facets are of dimension 1 or 2"),
-    }
-    n
+    let mut tangents = Tensor::<D>::zeros();
+    (1..D).for_each(|k| tangents.set_column(k, &(points[k] - points[0])));
+    area_vector(&tangents)
 }
 
 #[cfg(test)]

@@ -45,12 +45,21 @@ pub fn det<const D: usize>(t: &Tensor<D>) -> f64 {
 /// tangents.
 #[inline]
 pub fn area_vector<const D: usize>(tangents: &Tensor<D>) -> Vector<D> {
-    Vector::from_fn(|c, _| {
-        let mut columns = *tangents;
-        columns.column_mut(0).fill(0.0);
-        columns[(c, 0)] = 1.0;
-        det(&columns)
-    })
+    let mut area = Vector::zeros();
+    match D {
+        2 => {
+            area[0] = tangents[(1, 1)];
+            area[1] = -tangents[(0, 1)];
+        }
+        3 => {
+            for k in 0..3 {
+                let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+                area[k] = tangents[(i, 1)] * tangents[(j, 2)] - tangents[(j, 1)] * tangents[(i, 2)];
+            }
+        }
+        _ => unreachable!("surfaces are of dimension 1 or 2"),
+    }
+    area
 }
 
 /// Returns the symmetric part of a tensor.

@@ -181,6 +181,8 @@ impl<const D: usize> Problem<'_, D> {
             let rates = if begin.level.acceleration.is_empty() { end } else { begin };
             let change = energy(end) - energy(begin);
             let scheme_change = scheme_energy(end, end) - scheme_energy(begin, rates);
+            // The motions of the scheme lie beyond the state, and a material may have no energy there.
+            let scheme_change = if scheme_change.is_finite() { scheme_change } else { change };
             ledger.change += change;
             ledger.scheme_storage += scheme_change - change;
             ledger.body_scheme += own - scheme_change;

@@ -142,6 +142,12 @@ fn pressures_of_sides_are_compared_with_the_stiffness_of_bodies() {
     assert!(warning(&svk, &[&rising]).contains("may collapse"));
     let euler = lines(DISKS, &[&rising, "time.scheme=implicit-euler"]);
     assert!(euler.iter().any(|line| line.contains("with implicit-euler it may turn the body")), "{euler:#?}");
-    // Without a traction that is not zero there is no line.
-    assert!(!lines(DISKS, &[]).iter().any(|line| line.starts_with("side")));
+    // 1e4 N/m³ times 1 m.
+    let hydrostatic = "fluid.body_force: hydrostatic pressure 1e4 Pa, up to 0.008929 of Young's modulus of body soft";
+    assert!(lines(DISKS, &[]).contains(&hydrostatic.to_owned()), "{:#?}", lines(DISKS, &[]));
+    let soft = DISKS.replace("mu = 4.0e5, lambda = 1.6e6", "mu = 4.0e3, lambda = 1.6e4");
+    assert!(warning(&soft, &[]).contains("hydrostatic pressure of `fluid.body_force` is 0.8929 of Young's modulus"));
+    // Without a traction or a body force that is not zero there is no line.
+    let weightless = DISKS.replace("[0.0, -10000.0]", "[0.0, 0.0]");
+    assert!(!lines(&weightless, &[]).iter().any(|line| line.contains("pressure")));
 }

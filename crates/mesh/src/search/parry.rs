@@ -15,11 +15,11 @@ const INFLATION: f64 = 1e-9;
 /// A tree of bounding boxes, numbered in the order in which they were given.
 #[derive(Clone)]
 pub(super) struct BoxTree<const D: usize> {
-    tree: Tree,
+    tree: ParryTree,
 }
 
 #[derive(Clone)]
-enum Tree {
+enum ParryTree {
     Planar(PlanarTree),
     Spatial(SpatialTree),
 }
@@ -31,11 +31,11 @@ impl<const D: usize> BoxTree<D> {
         let tree = match D {
             2 => {
                 let leaves: Vec<_> = boxes.map(|b| planar_box(&b)).collect();
-                Tree::Planar(PlanarTree::from_leaves(PlanarStrategy::Binned, &leaves))
+                ParryTree::Planar(PlanarTree::from_leaves(PlanarStrategy::Binned, &leaves))
             }
             _ => {
                 let leaves: Vec<_> = boxes.map(|b| spatial_box(&b)).collect();
-                Tree::Spatial(SpatialTree::from_leaves(SpatialStrategy::Binned, &leaves))
+                ParryTree::Spatial(SpatialTree::from_leaves(SpatialStrategy::Binned, &leaves))
             }
         };
         Self { tree }
@@ -44,8 +44,8 @@ impl<const D: usize> BoxTree<D> {
     /// Visits every box that overlaps the region, and possibly some that are within round-off of it.
     pub(super) fn overlapping(&self, region: &Aabb<D>, visit: impl FnMut(u32)) {
         match &self.tree {
-            Tree::Planar(tree) => tree.intersect_aabb(&planar_box(region)).for_each(visit),
-            Tree::Spatial(tree) => tree.intersect_aabb(&spatial_box(region)).for_each(visit),
+            ParryTree::Planar(tree) => tree.intersect_aabb(&planar_box(region)).for_each(visit),
+            ParryTree::Spatial(tree) => tree.intersect_aabb(&spatial_box(region)).for_each(visit),
         }
     }
 
@@ -53,13 +53,13 @@ impl<const D: usize> BoxTree<D> {
     /// distance of the content must not be smaller than that of the box.
     pub(super) fn nearest(&self, x: &Point<D>, distance: impl Fn(u32) -> f64) -> Option<u32> {
         match &self.tree {
-            Tree::Planar(tree) => {
+            ParryTree::Planar(tree) => {
                 let x = planar_vector(x);
                 let to_box =
                     |node: &planar::BvhNode, _| (node.mins() - x).max(x - node.maxs()).max(PlanarVector::ZERO).length();
                 tree.find_best(f64::MAX, to_box, |leaf, _| Some(distance(leaf))).map(|(leaf, _)| leaf)
             }
-            Tree::Spatial(tree) => {
+            ParryTree::Spatial(tree) => {
                 let x = spatial_vector(x);
                 let to_box = |node: &spatial::BvhNode, _| {
                     (node.mins() - x).max(x - node.maxs()).max(SpatialVector::ZERO).length()
