@@ -215,8 +215,8 @@ impl<const D: usize> UnfittedStokes<D> {
             boundary: &self.boundary,
             geometry: self.positions[0].clone(),
             begin: self.positions[0].clone(),
-            predicted: self.positions[0].clone(),
-            slope: 0.0,
+            end: Affine { slope: 0.0, predicted: self.positions[0].clone() },
+            stage: None,
             velocity: SurfaceVelocity::Given(Box::new(|x| velocity(x, 0.0))),
         };
         let interface = InterfacePoints {
@@ -224,7 +224,6 @@ impl<const D: usize> UnfittedStokes<D> {
             fields,
             values: &self.pieces,
             surfaces: vec![&ball],
-            positions: &self.positions,
             fluid: FLUID,
             solid: None,
         };

@@ -1,6 +1,6 @@
 //! Bodies of prescribed motion: the smallest implementation of the traits.
 
-use algebra::time::Row;
+use algebra::time::{Affine, Row};
 use algebra::{BlockLayout, Constraints, Contributions};
 use mesh::{BoundaryMesh, Point, Vector};
 
@@ -82,8 +82,8 @@ impl<const D: usize> Body<D> for PrescribedBody<D> {
             geometry: self.geometry(begin, time),
             begin: begin.positions_by(shifted, &self.reference),
             // The shifted positions at the end of this step are those at the start of the next step.
-            predicted: end.positions_by(shifted, &self.reference),
-            slope: 0.0,
+            end: Affine { slope: 0.0, predicted: end.positions_by(shifted, &self.reference) },
+            stage: None,
             velocity: SurfaceVelocity::Given(Box::new(move |x| (self.velocity)(x, times))),
         };
         Box::new(PrescribedStep { surface, end })

@@ -1,5 +1,6 @@
 //! The surface of a body in one time step.
 
+use algebra::time::Affine;
 use algebra::{BlockLayout, FieldId};
 use mesh::{BoundaryMesh, Point, Vector, VertexId};
 
@@ -8,8 +9,7 @@ use crate::{BodyState, StepTime};
 /// A surface in one step.
 ///
 /// The background mesh is cut at `geometry`. Contact acts at the shifted positions of [`algebra::time::Weights`]:
-/// `begin` at the start of the step, `predicted + slope v` at its end. The difference is `v` times the length of the
-/// step.
+/// `begin` at the start of the step, `end` at its end. The difference is the velocity times the length of the step.
 pub struct SurfaceMotion<'s, const D: usize> {
     /// The surface.
     pub boundary: &'s BoundaryMesh<D>,
@@ -17,10 +17,10 @@ pub struct SurfaceMotion<'s, const D: usize> {
     pub geometry: Vec<Point<D>>,
     /// Shifted positions of all vertices at the start.
     pub begin: Vec<Point<D>>,
-    /// Shifted positions of all vertices at the end for zero velocity.
-    pub predicted: Vec<Point<D>>,
-    /// Derivative of the shifted positions at the end with respect to the velocity; zero for a given motion.
-    pub slope: f64,
+    /// Shifted positions of all vertices at the end. The slope is zero for a given motion.
+    pub end: Affine<Point<D>>,
+    /// Positions of all vertices at the stage, where the pressure of the fluid acts; `None` if it acts at `geometry`.
+    pub stage: Option<Affine<Point<D>>>,
     /// Velocity at the stage.
     pub velocity: SurfaceVelocity<'s, D>,
 }
@@ -34,7 +34,8 @@ pub enum SurfaceVelocity<'s, const D: usize> {
 }
 
 impl<'s, const D: usize> SurfaceMotion<'s, D> {
-    /// Creates the motion of a surface with unknown velocities, from the state at the start of the step.
+    /// Creates the motion of a surface with unknown velocities, from the state at the start of the step. The pressure of
+    /// the fluid acts at `geometry`.
     pub fn of_field(
         boundary: &'s BoundaryMesh<D>,
         reference: &[Point<D>],
@@ -48,8 +49,8 @@ impl<'s, const D: usize> SurfaceMotion<'s, D> {
             boundary,
             geometry,
             begin: begin.positions_by(shifted, reference),
-            predicted: begin.positions_by(end, reference),
-            slope: end.slope,
+            end: Affine { slope: end.slope, predicted: begin.positions_by(end, reference) },
+            stage: None,
             velocity: SurfaceVelocity::Field(field),
         }
     }
@@ -75,13 +76,9 @@ impl<'s, const D: usize> SurfaceMotion<'s, D> {
     /// Returns the shifted position of a vertex at the end of the step at the state `x`.
     #[inline]
     pub fn position_at(&self, vertex: VertexId, layout: &BlockLayout, x: &[f64]) -> Point<D> {
-        let predicted = self.predicted[vertex.index()];
         match &self.velocity {
-            SurfaceVelocity::Field(field) => {
-                let velocity: Vector<D> = layout.at(*field, vertex.index(), x).into();
-                predicted + self.slope * velocity
-            }
-            SurfaceVelocity::Given(_) => predicted,
+            SurfaceVelocity::Field(field) => self.end.at(vertex.index(), layout.at(*field, vertex.index(), x).into()),
+            SurfaceVelocity::Given(_) => self.end.predicted[vertex.index()],
         }
     }
 }

@@ -234,7 +234,7 @@ impl<const D: usize> ContactSites<'_, D> {
         let position = surface.position_at(vertex, self.layout, x);
         let displacement = position - surface.begin[vertex.index()];
         let velocity = surface.velocity_at(vertex, self.layout, x);
-        (position, ContactNode { row, slope: surface.slope, displacement, velocity, ..ContactNode::none() })
+        (position, ContactNode { row, slope: surface.end.slope, displacement, velocity, ..ContactNode::none() })
     }
 
     /// Evaluates all of a point except its traction, given its position and, in `site`, its weight, the stress and the

@@ -3,16 +3,17 @@
 use std::sync::Arc;
 
 use algebra::{DofId, Sites};
-use mesh::{FacetId, MAX_FACET_NODES, SimplexRule, Vector};
+use mesh::{FacetId, MAX_FACET_NODES, SimplexRule, Tensor, Vector};
 
 use crate::FluidStress;
-use crate::moved_surface::{area, on_facet};
+use crate::moved_facet::MovedFacet;
 
 /// The closed part of the surface of a body whose motion is unknown: one item per facet.
 ///
 /// The quadrature points are those of the facet, and those of its interface pieces with negative weights, so that the
-/// integrals over wet and closed part add up to that over the facet. The resultant of a constant pressure on the whole
-/// surface is therefore zero, and that of a hydrostatic pressure is the buoyancy.
+/// integrals over wet and closed part add up to that over the facet. The pressure acts on the elements at the same
+/// positions as on the wet part ([`crate::MovedSurface`]). The resultant of a constant pressure on the whole surface is
+/// therefore zero, and that of a hydrostatic pressure is the buoyancy.
 #[derive(Clone)]
 pub struct ClosedPoints<'a, const D: usize> {
     stress: Arc<FluidStress<'a, D>>,
@@ -22,22 +23,17 @@ pub struct ClosedPoints<'a, const D: usize> {
 
 /// A quadrature point of the closed part.
 pub struct ClosedPoint<const D: usize> {
-    /// Traction `-p n` on the body, times the weight.
+    /// Traction `-p n` on the body, times the weight: force (2D: per unit depth).
     pub force: Vector<D>,
     /// Number of nodes of the body on the facet.
     pub n_nodes: usize,
     /// Shape values of these nodes. Local unknowns: their velocities, `D` components each, then the pressures of the
     /// fluid nodes of the piece at the rim.
     pub shape: [f64; MAX_FACET_NODES],
-    /// Derivatives of the force with respect to these pressures.
+    /// Derivatives of the force with respect to the velocities of the nodes: column `b` is that by component `b`.
+    pub by_velocity: [Tensor<D>; MAX_FACET_NODES],
+    /// Derivatives of the force with respect to these pressures, areas.
     pub by_pressure: Vec<Vector<D>>,
-}
-
-impl<const D: usize> ClosedPoint<D> {
-    /// Returns the first local row of the velocity of a node. For `n_nodes` it is the row of the first pressure.
-    pub(crate) fn row(&self, node: usize) -> usize {
-        D * node
-    }
 }
 
 impl<'a, const D: usize> ClosedPoints<'a, D> {
@@ -73,23 +69,21 @@ impl<const D: usize> Sites for ClosedPoints<'_, D> {
     }
 
     fn visit(&self, item: usize, x: &[f64], mut visit: impl FnMut(&Self::Site)) {
-        let (facet, stress, surface) = (self.facets[item], &self.stress, self.stress.surface());
-        let (boundary, coordinates) = (surface.boundary(), surface.boundary().coordinates());
-        let (n_nodes, whole) = (boundary.nodes(facet).len(), surface.facet_measure(facet));
-        let positions = on_facet(boundary, facet, |node| surface.positions()[node]);
+        let (facet, stress, (motion, layout)) = (self.facets[item], &self.stress, self.stress.motion());
+        let (boundary, whole) = (motion.boundary, stress.surface().facet_measure(facet));
+        let moved = MovedFacet::new(motion, facet, |node| motion.velocity_at(node, layout, x));
         let mut at = |at: [f64; D], share: f64| {
-            let (point, functions) = (stress.position(facet, &at), boundary.shape(facet, &at));
-            let place = functions.at(&positions[..n_nodes]);
-            let area =
-                area(boundary.order(), &functions, &positions[..n_nodes]).0 * (share * coordinates.weight(&place));
-            let by_pressure = stress.rim_pressures(facet).map(|(_, share)| area * -share).collect();
+            let functions = boundary.shape(facet, &at);
+            let area = moved.area(&functions);
+            let pressure = stress.closed_pressure(facet, &moved.place(&functions), x);
             let mut shape = [0.0; MAX_FACET_NODES];
             shape.copy_from_slice(&functions.values[..MAX_FACET_NODES]);
             visit(&ClosedPoint {
-                force: area * -stress.closed_pressure(facet, &point, x),
-                n_nodes,
+                force: area.vector * -(share * pressure),
+                n_nodes: moved.n_nodes,
                 shape,
-                by_pressure,
+                by_velocity: area.by_velocity.map(|derivative| derivative * -(share * pressure)),
+                by_pressure: stress.rim_pressures(facet).map(|(_, of_rim)| area.vector * -(share * of_rim)).collect(),
             });
         };
         for (local, weight) in self.rule.points().iter().zip(self.rule.weights()) {

@@ -6,7 +6,7 @@ use algebra::{DofId, Sites};
 use body::{SurfaceMotion, SurfaceVelocity};
 use cutcell::InterfacePiece;
 use fluid_ns::{FluidFields, FluidGeometry, NewtonianFluid};
-use mesh::{BodyId, MAX_CELL_VERTICES, MAX_FACET_NODES, Point, Tensor, Vector};
+use mesh::{BodyId, MAX_CELL_VERTICES, MAX_FACET_NODES, Tensor, Vector, VertexId};
 
 use crate::piece_values::{PiecePoint, PieceValues};
 use crate::{SolidShare, SolidTraction};
@@ -22,8 +22,6 @@ pub struct InterfacePoints<'a, const D: usize> {
     pub values: &'a PieceValues<D>,
     /// The surfaces of the bodies, in the order of the overlay.
     pub surfaces: Vec<&'a SurfaceMotion<'a, D>>,
-    /// Positions of the vertices of each body at which the background was cut.
-    pub positions: &'a [Vec<Point<D>>],
     /// The fluid.
     pub fluid: NewtonianFluid,
     /// The share of the solid in the traction; `None` if the traction is that of the fluid alone, `α = 1`.
@@ -152,11 +150,9 @@ impl<'a, const D: usize> Sites for InterfacePoints<'a, D> {
         let surface = self.surfaces[piece.body.index()];
         let (mut on_facet, mut n_solid) = ([Vector::<D>::zeros(); MAX_FACET_NODES], 0);
         if let Some(field) = surface.field() {
-            let nodes = surface.boundary.nodes(piece.facet);
-            n_solid = nodes.len();
-            for (slot, node) in on_facet.iter_mut().zip(nodes) {
-                *slot = self.fields.layout.at(field, node.index(), x).into();
-            }
+            n_solid = surface.boundary.nodes(piece.facet).len();
+            let velocity = |node: VertexId| self.fields.layout.at(field, node.index(), x).into();
+            on_facet = surface.boundary.at_nodes(piece.facet, velocity);
         }
         let viscous_traction = self.fluid.viscous_traction(&grad_u, &-piece.normal);
         let solid = self.solid.as_ref().and_then(|solid| {

@@ -61,7 +61,7 @@ impl<'a, const D: usize> FluidStress<'a, D> {
     /// Returns the surface of the body as it was cut.
     pub(crate) fn surface(&self) -> Placed<'_, D> {
         let body = self.body.index();
-        Placed::new(self.points.surfaces[body].boundary, &self.points.positions[body])
+        Placed::new(self.points.surfaces[body].boundary, &self.points.surfaces[body].geometry)
     }
 
     /// Returns the interface pieces on a facet.

@@ -1,6 +1,8 @@
 //! The oriented boundary of a solid.
 
-use crate::{CellId, Coordinates, FacetId, MAX_CELL_VERTICES, Order, ShapeFunctions, Tag, VertexId};
+use crate::{
+    CellId, Coordinates, FacetId, MAX_CELL_VERTICES, MAX_FACET_NODES, Order, ShapeFunctions, Tag, Vector, VertexId,
+};
 
 /// Oriented facets of a closed surface. Normals point out of the solid (2D: to the right of the edge; 3D: right-hand
 /// rule).
@@ -131,6 +133,13 @@ impl<const D: usize> BoundaryMesh<D> {
         }
         let n = self.order.n_nodes(D - 1);
         &self.element_to_node[self.element_of(facet).0 * n..][..n]
+    }
+
+    /// Returns a value for each node of a facet ([`BoundaryMesh::nodes`]); the other entries are zero.
+    #[inline]
+    pub fn at_nodes(&self, facet: FacetId, of: impl Fn(VertexId) -> Vector<D>) -> [Vector<D>; MAX_FACET_NODES] {
+        let nodes = self.nodes(facet);
+        std::array::from_fn(|k| nodes.get(k).map_or(Vector::zeros(), |node| of(*node)))
     }
 
     /// Returns the shape functions of the nodes ([`BoundaryMesh::nodes`]) at a point of a facet with the given

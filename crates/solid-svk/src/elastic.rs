@@ -1,6 +1,6 @@
 //! Elastic bodies.
 
-use algebra::time::StepRule;
+use algebra::time::{Affine, StepRule};
 use algebra::{BlockLayout, Constraints, Contributions, FieldId, Integral};
 use body::{
     Balance, Body, BodyState, BodyStep, CellOutput, PointField, StepTime, SurfaceMotion, SurfaceStress, VectorInTime,
@@ -127,7 +127,12 @@ impl<const D: usize> Body<D> for ElasticBody<D> {
         let farthest = geometry.iter().map(|x| x.amax()).fold(0.0, f64::max);
         // Round-off of a position divided by the length of the step: a velocity.
         layout.set_rounding(field, &[f64::EPSILON * farthest / time.length; D]);
-        let surface = SurfaceMotion::of_field(self.surface(), self.reference(), begin, geometry, time, field);
+        let mut surface = SurfaceMotion::of_field(self.surface(), self.reference(), begin, geometry, time, field);
+        let displacement = &time.weights.stage_displacement;
+        surface.stage = time.weights.pressure_at_stage.then(|| Affine {
+            slope: displacement.slope,
+            predicted: begin.positions_by(displacement, self.reference()),
+        });
         let acceleration = self.variable_gravity(time.stage());
         let weight = BodyForce { acceleration, ..self.form.body_force.clone() };
         let weight = self.options.variable_gravity.as_ref().map(|_| weight);

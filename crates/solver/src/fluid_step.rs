@@ -182,7 +182,6 @@ impl<'a, const D: usize> FluidStep<'a, D> {
             fields: self.fields(layout),
             values: &self.pieces,
             surfaces: bodies.iter().map(|body| body.surface()).collect(),
-            positions: &self.positions,
             fluid: self.setup.material,
             solid: None,
         }

@@ -1,10 +1,7 @@
 //! The coupled problem of one step, by composition.
 
-use std::sync::Arc;
-
-use algebra::time::Affine;
 use algebra::{Contributions, Equations, Integral};
-use body::Body;
+use body::SurfaceMotion;
 use contact::ContactSites;
 use contact::terms::ContactWork;
 use interface_dg::terms::{ClosedPressure, MovedPressure};
@@ -62,24 +59,20 @@ impl<const D: usize> Step<'_, D> {
         Problem { equations, step: self, interface, moved, contacts, closed }
     }
 
-    /// Returns the surfaces of bodies that deform, where they differ from the plane facets of the cut: at the stage,
-    /// and for order 2 with every scheme.
+    /// Returns the surfaces of bodies that differ from the plane facets of the cut: at the stage, and for order 2 with
+    /// every scheme.
     fn moved_surfaces<'p>(&'p self, points: &InterfacePoints<'p, D>) -> Vec<(BodyId, MovedSurface<'p, D>)> {
-        let weights = &self.time.weights;
-        let moved = |(b, body): (usize, &'p Arc<dyn Body<D>>)| {
-            let displacement = || Affine::new(&weights.stage_displacement, &self.previous.bodies[b].level);
-            let differs = weights.pressure_at_stage || body.surface().order() != Order::Linear;
-            let stage = weights.pressure_at_stage.then(|| (body.reference(), displacement()));
-            let surface = || (BodyId::new(b), MovedSurface::new(points.clone(), BodyId::new(b), stage));
-            (body.deforms() && differs).then(surface)
-        };
-        self.setup.bodies.iter().enumerate().filter_map(moved).collect()
+        let differs =
+            |surface: &SurfaceMotion<'_, D>| surface.stage.is_some() || surface.boundary.order() != Order::Linear;
+        let bodies =
+            self.bodies.iter().enumerate().filter(|(_, body)| differs(body.surface())).map(|(b, _)| BodyId::new(b));
+        bodies.map(|body| (body, MovedSurface::new(points.clone(), body))).collect()
     }
 }
 
 /// Returns the weak form of the pressure on the closed part of a surface.
 pub(crate) fn closed_pressure<const D: usize>(points: ClosedPoints<'_, D>) -> Integral<'_, ClosedPoints<'_, D>> {
-    Integral::linear("closed surface", points, vec![&ClosedPressure])
+    Integral::new("closed surface", points, vec![&ClosedPressure])
 }
 
 /// Returns the weak form of a contact.

@@ -31,8 +31,7 @@ impl<const D: usize> Surfaces<'_, D> {
     /// Returns a vector for each node of the body on the facet of an interface piece.
     fn on_facet(&self, item: usize, of: impl Fn(usize) -> Vector<D>) -> OnFacet<D> {
         let piece = &self.cut.interface()[item];
-        let nodes = self.setup.bodies[piece.body.index()].surface().nodes(piece.facet);
-        std::array::from_fn(|k| nodes.get(k).map_or(Vector::zeros(), |node| of(node.index())))
+        self.setup.bodies[piece.body.index()].surface().at_nodes(piece.facet, |node| of(node.index()))
     }
 
     /// Returns the velocities of the body of an interface piece.

@@ -9,8 +9,8 @@ use crate::ClosedPoint;
 ///
 /// Source: Ager, Schott, Vuong, Popp, Wall 2019, doi:10.1002/nme.6094, who continue stresses of the fluid into the
 /// contact zone.
-/// Couples: velocity of the surface × pressure.   Domain: facets of the body without their interface pieces, at the
-/// positions of the cut.
+/// Couples: velocity of the surface × velocity of the surface, pressure.   Domain: facets of the body without their
+/// interface pieces.
 /// Units: force (2D: per unit depth).
 /// The fluid has no row: it has no volume between surfaces in contact. The pressure `p` is defined by
 /// [`crate::FluidStress`].
@@ -20,9 +20,14 @@ pub struct ClosedPressure;
 impl<const D: usize> Term<ClosedPoint<D>> for ClosedPressure {
     fn add(&self, point: &ClosedPoint<D>, out: &mut LocalSystem) {
         for (k, shape) in point.shape[..point.n_nodes].iter().enumerate() {
-            out.add_vector::<D>(point.row(k), point.force * -shape);
-            for (q, derivative) in point.by_pressure.iter().enumerate() {
-                out.add_block::<D, 1>(point.row(k), point.row(point.n_nodes) + q, derivative * -shape);
+            out.add_vector::<D>(D * k, point.force * -shape);
+            if out.has_tangent() {
+                for (j, derivative) in point.by_velocity[..point.n_nodes].iter().enumerate() {
+                    out.add_block::<D, D>(D * k, D * j, derivative * -shape);
+                }
+                for (q, derivative) in point.by_pressure.iter().enumerate() {
+                    out.add_block::<D, 1>(D * k, D * point.n_nodes + q, derivative * -shape);
+                }
             }
         }
     }

@@ -66,10 +66,10 @@ fn moved(file: &ScenarioFile, t: f64) -> Vec<[Point<2>; 3]> {
     let (start, mut layout) = (body.start(), BlockLayout::new());
     let time = StepTime::new(&ImplicitEuler, t, t, true);
     let step = body.step(&start, &time, &mut layout);
-    assert!(layout.is_empty() && step.surface().slope == 0.0);
+    assert!(layout.is_empty() && step.surface().end.slope == 0.0);
     let end = step.end(&layout, &[]);
     let positions = end.positions(body.reference());
-    assert_eq!(step.surface().predicted, positions);
+    assert_eq!(step.surface().end.predicted, positions);
     assert_eq!(step.surface().begin, start.positions(body.reference()));
     let vertices = body.reference().iter().zip(&positions).zip(end.velocity());
     let at = |((reference, x), v): ((&Point<2>, &Point<2>), &Point<2>)| {
