@@ -129,11 +129,23 @@ struct ResumeArguments {
     /// Print every step, and the time per stage at the end.
     #[arg(short, long, conflicts_with = "quiet")]
     verbose: bool,
+    /// Do not write report.html.
+    #[cfg(feature = "report")]
+    #[arg(long)]
+    no_report: bool,
 }
 
 impl From<ResumeArguments> for RunArguments {
-    fn from(ResumeArguments { directory, sets, quiet, verbose }: ResumeArguments) -> Self {
-        Self { sets, resume: Some(directory), quiet, verbose, ..Self::default() }
+    fn from(given: ResumeArguments) -> Self {
+        Self {
+            sets: given.sets,
+            resume: Some(given.directory),
+            quiet: given.quiet,
+            verbose: given.verbose,
+            #[cfg(feature = "report")]
+            no_report: given.no_report,
+            ..Self::default()
+        }
     }
 }
 

@@ -80,6 +80,13 @@ impl GmshFile {
             error => error.to_string(),
         })?;
         check_folds(&mesh, number)?;
+        if let Some([a, b]) = mesh.cell_index().overlapping_cells() {
+            let (place, a, b) = (place(&mesh.simplex(a).centroid()), number(a), number(b));
+            return Err(format!(
+                "the elements {a} and {b} overlap near {place}: parts of the mesh cover each other, or the same part is there twice; remove one of \
+                 them, or unite the parts"
+            ));
+        }
         let groups: Vec<Option<String>> = of_cell.iter().map(|k| self.group_name(D, elements.groups[*k])).collect();
         let edge_nodes = self.edge_nodes(elements, vertex);
         let mesh = mesh.with_cell_tags(|cell| groups[cell.index()].as_deref());

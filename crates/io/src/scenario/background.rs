@@ -20,7 +20,8 @@ use crate::memory::{available, shortage};
 choices! {
     /// Background mesh, on which the fluid is discretised.
     pub enum Background ["kind"] {
-        /// Box with cells of graded size; sides `left`, `right`, `bottom`, `top`, and in 3D `front`, `back`.
+        /// Box with cells of graded size; sides `left` and `right` (across x), `bottom` and `top` (across y). In 3D `front`
+        /// and `back` are across y, `bottom` and `top` across z.
         GradedBox = "graded-box" {
             /// Lowest corner.
             min: Components<f64> [unit(Quantity::LENGTH)],

@@ -17,7 +17,7 @@ use super::field::Field;
 use super::formula::Formula;
 use super::geometry::{Geometry, Shape, plane_normal};
 use super::key::{Quantity, missing};
-use super::motion::{Held, MotionChoice, finite, prescribed};
+use super::motion::{AXIAL, GuideKeys, Held, MotionChoice, finite, is_zero, prescribed};
 use super::solver::Time;
 use super::table::{At, Components, Named, choices, keys};
 
@@ -221,6 +221,7 @@ pub(super) fn body<const D: usize>(
             let surface = (boundary.with_coordinates(coordinates), reference);
             match &**motion {
                 MotionChoice::Free { held, initial_spin, guided } => {
+                    check_axial(given, initial_spin.as_ref(), guided.as_ref(), coordinates)?;
                     let guide = guided.as_ref().map(|guided| guided.guide(time)).transpose()?;
                     Arc::new(RigidBody { guide, ..free(given, surface, held, initial_spin.as_ref(), time)? })
                 }
@@ -247,6 +248,24 @@ fn check_radii<const D: usize>(
             x[radial]
         ))),
     }
+}
+
+/// Checks that a free rigid body does not start with, and is not guided along, a motion that axisymmetric coordinates
+/// hold: along the radius, and rotation.
+fn check_axial(
+    given: &At<BodyKeys>,
+    initial_spin: Option<&At<f64>>,
+    guided: Option<&GuideKeys>,
+    coordinates: Coordinates,
+) -> Result<(), ScenarioError> {
+    let Some(radial) = coordinates.radial() else { return Ok(()) };
+    let along = given.initial_velocity.as_ref().map(|field| field.at.part(radial));
+    let velocity = given.initial_velocity.as_ref().and_then(|field| field.constant::<2>()).zip(along);
+    let velocity = velocity.filter(|(value, _)| value[radial] != 0.0).map(|(_, place)| place);
+    let spin = initial_spin.filter(|spin| ***spin != 0.0).map(|spin| spin.at.clone());
+    let guide = guided.and_then(|guide| guide.velocity.iter().nth(radial)).filter(|formula| !is_zero(formula));
+    let found = velocity.or(spin).or_else(|| guide.map(|formula| formula.at.clone()));
+    found.map_or(Ok(()), |place| Err(place.invalid(AXIAL)))
 }
 
 /// Returns whether a facet lies on the axis of axisymmetric coordinates. It is then not part of the surface.

@@ -5,7 +5,7 @@ use algebra::{BlockLayout, Workspace};
 use contact::{DeformableObstacle, Obstacle, Positions};
 use cutcell::{CutMesh, OverlayOptions};
 use mesh::generate::HALF_BALL_PLANE;
-use mesh::{Aabb, BodyId, FacetId, Placed, Point, unit_vector};
+use mesh::{Aabb, BodyId, Coordinates, FacetId, Placed, Point, unit_vector};
 use solver::body::StepTime;
 use solver::{ApproachSteps, Contact, FluidBoundary, FluidSetup, Setup};
 
@@ -156,7 +156,16 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
 /// Relative difference of volumes that is round-off.
 const ROUND_OFF: f64 = 1e-9;
 
-/// Checks that every body has a vertex in the domain, that no body covers the domain, and that no two bodies overlap.
+/// Part of an area or volume that is covered twice, relative to all of a body, up to which a surface is accepted.
+const TWICE: f64 = 1e-6;
+
+/// Returns the area or volume of a box, less round-off.
+fn all_of_box<const D: usize>(domain: &Aabb<D>) -> f64 {
+    (1.0 - ROUND_OFF) * domain.extent().product()
+}
+
+/// Checks that every body has a vertex in the domain, that no body covers the domain or a place twice, and that no two
+/// bodies overlap.
 fn check_placement<const D: usize>(
     given: &[At<BodyKeys>],
     setup: &Setup<D>,
@@ -191,6 +200,19 @@ fn check_placement<const D: usize>(
                  background; if a mesh file has another unit of length, give it a `scale`"
             );
             return Err(at(k).invalid(message));
+        }
+    }
+    // In a box, all of a body between the corners is covered.
+    let is_box = background.volume() > all_of_box(&domain);
+    for (k, positions) in positions.iter().enumerate().filter(|_| is_box) {
+        let planar = surfaces[k].boundary().clone().with_coordinates(Coordinates::Cartesian);
+        let enclosed = Placed::new(&planar, positions).enclosed().volume;
+        if positions.iter().all(|x| domain.contains(x)) && enclosed > (1.0 + TWICE) * alone[k] {
+            let (name, covered) = (setup.bodies[k].name(), alone[k]);
+            return Err(at(k).invalid(format!(
+                "the surface of body `{name}` encloses {enclosed:.4e} (area or volume), but covers {covered:.4e}: parts of it overlap, or the same part \
+                 is there twice; remove one of them, or unite the parts"
+            )));
         }
     }
     for a in 0..surfaces.len() {

@@ -58,7 +58,8 @@ choices! {
     /// Profile of an inflow.
     #[derive(Copy, Eq)]
     pub enum InflowProfile {
-        /// Parabola over the extent of the part along each axis, zero at its ends.
+        /// Parabola over the extent of the part along each axis, zero at its ends. On the axis of axisymmetric
+        /// coordinates it is largest. A part that ends at a plane of symmetry needs `velocity` with a formula.
         Parabolic = "parabolic",
     }
 }
@@ -136,7 +137,8 @@ pub(super) fn fluid_boundary<const D: usize>(
                 ));
             }
             let maximum = maximum.over_time(&maximum.at, &points(), &times)?;
-            FluidBoundary::Velocity(parabolic_inflow(&points(), normal, maximum, *ramp))
+            let radial = background.coordinates().radial();
+            FluidBoundary::Velocity(parabolic_inflow(&points(), normal, radial, maximum, *ramp))
         }
         FluidCondition::Traction { value } => {
             let value = value.over_time(&points(), &times)?;
@@ -155,10 +157,12 @@ fn unsigned<const D: usize>(normal: Vector<D>) -> Vector<D> {
 }
 
 /// Returns the inflow against the outward normal of a plane. It is a product of parabolas over the extents of the
-/// points along the projections of the axes on the plane, zero at the ends. It rises as `(1 - cos(π t/ramp))/2`.
+/// points along the projections of the axes on the plane, zero at the ends. On the axis of axisymmetric coordinates,
+/// with the radius along `radial`, it is largest and not zero. It rises as `(1 - cos(π t/ramp))/2`.
 fn parabolic_inflow<const D: usize>(
     points: &[Point<D>],
     normal: Vector<D>,
+    radial: Option<usize>,
     maximum: impl Fn(&Point<D>, f64) -> f64 + Send + Sync + 'static,
     ramp: Option<f64>,
 ) -> TimeField<D> {
@@ -166,7 +170,8 @@ fn parabolic_inflow<const D: usize>(
     let extents = across.map(|axis| {
         let along = unit_vector::<D>(axis) - normal * normal[axis];
         let of_points = || points.iter().map(|x| along.dot(x));
-        (along, of_points().fold(f64::INFINITY, f64::min), of_points().fold(f64::NEG_INFINITY, f64::max))
+        let (low, high) = (of_points().fold(f64::INFINITY, f64::min), of_points().fold(f64::NEG_INFINITY, f64::max));
+        (along, if radial == Some(axis) && low == 0.0 { -high } else { low }, high)
     });
     let extents: Vec<_> = extents.collect();
     Arc::new(move |x, t| {

@@ -120,6 +120,34 @@ impl GuideKeys {
     }
 }
 
+/// Message about motions that axisymmetric coordinates exclude.
+pub(super) const AXIAL: &str =
+    "in axisymmetric coordinates a rigid body moves along the axis only; set other motions to zero, or leave them out";
+
+/// Returns whether a formula is the number zero.
+pub(super) fn is_zero(formula: &Formula) -> bool {
+    formula.is_constant() && formula.at(&[], 0.0).value == 0.0
+}
+
+/// Checks that a given motion in axisymmetric coordinates is one along the axis.
+fn check_axial<const D: usize>(motion: &At<MotionChoice>, radial: usize, time: &Time) -> Result<(), ScenarioError> {
+    let place = match &**motion {
+        MotionChoice::Fixed | MotionChoice::Free { .. } => None,
+        MotionChoice::Rotating { angular_velocity, .. } => Some(&angular_velocity.at),
+        MotionChoice::Formula { displacement, angle, .. } => {
+            let along = displacement.iter().nth(radial).filter(|formula| !is_zero(formula));
+            along.or(angle.as_ref()).map(|formula| &formula.at)
+        }
+        MotionChoice::Table { file, .. } => {
+            let table = read_table::<D>(file, time)?;
+            let at = |k: usize| table.at(k as f64 * *time.step);
+            let moves = |pose: Pose<D>| pose.displacement[radial].value != 0.0 || pose.angle.value != 0.0;
+            (0..=time.n_steps()).any(|k| moves(at(k))).then_some(&file.at)
+        }
+    };
+    place.map_or(Ok(()), |place| Err(place.invalid(AXIAL)))
+}
+
 /// Builds a body with a given motion.
 pub(super) fn prescribed<const D: usize>(
     name: &str,
@@ -127,6 +155,9 @@ pub(super) fn prescribed<const D: usize>(
     time: &Time,
     (boundary, reference): (BoundaryMesh<D>, Vec<Point<D>>),
 ) -> Result<PrescribedBody<D>, ScenarioError> {
+    if let Some(radial) = boundary.coordinates().radial() {
+        check_axial::<D>(motion, radial, time)?;
+    }
     let motion = match &**motion {
         // Free bodies have no given motion.
         MotionChoice::Fixed | MotionChoice::Free { .. } => {

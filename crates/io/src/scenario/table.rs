@@ -498,6 +498,9 @@ pub(super) use {choices, key, keys};
 pub(super) fn parse<'t>(document: &Document, text: &'t str) -> Result<DeTable<'t>, ScenarioError> {
     DeTable::parse(text).map(Spanned::into_inner).map_err(|error| {
         let offset = error.span().map_or(0, |span| span.start);
-        document.locate(offset, "").error(ErrorKind::Syntax(error.message().to_owned()))
+        let is_number = error.message().contains("mantissa") || error.message().contains("fraction");
+        let remedy =
+            if is_number { "; a number has digits before and after its point, such as 0.5 or 1.0" } else { "" };
+        document.locate(offset, "").error(ErrorKind::Syntax(error.message().to_owned() + remedy))
     })
 }

@@ -297,3 +297,71 @@ fn axisymmetric_coordinates_make_a_ball_of_a_half_disk() {
     expect("body.0.shape.centre=[-1, 6]", &["body.0.shape", "x is the radius", "half-ball"]);
     expect("background.min=[-1, 0]", &["background", "radius -1"]);
 }
+
+const SPHERE: &str = r#"
+name        = "sphere"
+dimension   = 2
+units       = "cgs"
+coordinates = "axisymmetric"
+time        = { step = 0.01, end = 0.05 }
+
+[fluid]
+density   = 1.0
+viscosity = 0.5
+
+[background]
+kind     = "graded-box"
+min      = [0.0, 0.0]
+max      = [2.0, 3.0]
+size     = 0.15
+boundary = { left = "symmetry", right = "no-slip", top = "free", bottom = "no-slip" }
+
+[[body]]
+name    = "ball"
+shape   = { kind = "half-ball", centre = [0.0, 1.5], radius = 0.5, size = 0.1 }
+density = 2.0
+gravity = [0.0, -100.0]
+motion  = { kind = "free" }
+"#;
+
+#[test]
+fn axisymmetric_rigid_bodies_move_along_the_axis_only() {
+    problem(SPHERE, &[&["body.0.initial_velocity=[0.0, 5.0]"]]);
+    refused(SPHERE, &[&["body.0.initial_velocity=[5.0, 0.0]"]], &["body.0.initial_velocity", "along the axis only"]);
+    let motion = |given: &str| {
+        let text = SPHERE.replace("{ kind = \"free\" }", given);
+        refused(&text, &[], &["body.0.motion", "along the axis only"]);
+    };
+    motion("{ kind = \"free\", initial_spin = 3.0 }");
+    motion("{ kind = \"free\", guided = { until = 0.1, velocity = [\"2\", \"0\"] } }");
+    let given = |given: &str| {
+        let text = SPHERE.replace("motion  = { kind = \"free\" }", &format!("motion = {given}"));
+        let text = text.replace("density = 2.0\ngravity = [0.0, -100.0]\n", "");
+        refused(&text, &[], &["body.0.motion", "along the axis only"]);
+    };
+    given("{ kind = \"formula\", displacement = [\"0.1*t\", \"0\"] }");
+    given("{ kind = \"formula\", displacement = [\"0\", \"0\"], angle = \"t\", centre = [0, 1.5] }");
+    given("{ kind = \"rotating\", centre = [0, 1.5], angular_velocity = 1.0 }");
+}
+
+/// The profile of a pipe with its axis on the left side.
+#[test]
+fn inflow_has_its_largest_velocity_on_the_axis() {
+    let text = SPHERE
+        .replace("bottom = \"no-slip\"", "bottom = { kind = \"inflow\", profile = \"parabolic\", maximum = 3.0 }");
+    let case = problem(&text, &[]);
+    let fluid = case.setup.fluid.as_ref().expect("a fluid");
+    let bottom = fluid.background.tag("bottom").expect("a side");
+    let velocity = fluid.boundary.iter().find_map(|(tag, condition)| match condition {
+        FluidBoundary::Velocity(velocity) if *tag == bottom => Some(velocity),
+        _ => None,
+    });
+    let velocity = velocity.expect("a velocity");
+    for radius in [0.0, 1.0, 2.0] {
+        let found = velocity(&Point::<2>::new(radius, 0.0), 0.0);
+        assert!(
+            (found - Vector::<2>::new(0.0, 3.0 * (1.0 - radius * radius / 4.0))).norm() < 1e-12,
+            "{radius} {found}"
+        );
+    }
+}

@@ -264,6 +264,25 @@ fn refused(text: &str, message: &str) {
     assert!(found.starts_with(message), "expected: {message}\nfound:    {found}");
 }
 
+/// A mesh that is there twice, and one of which a part covers another.
+#[test]
+fn meshes_that_overlap_are_refused() {
+    let square = structured_box::<2>([0.0, 0.0], [1.0, 1.0], [3, 3]).expect("a box");
+    for shift in [0.0, 0.3] {
+        let mut points = square.vertices().to_vec();
+        points.extend(square.vertices().iter().map(|x| x + Vector::repeat(shift)));
+        let second = |vertex: &VertexId| VertexId::new(vertex.index() + square.n_vertices());
+        let corners = |cell| -> [VertexId; 3] { std::array::from_fn(|k| square.cell(cell)[k]) };
+        let once: Vec<VertexId> = square.cells().flat_map(corners).collect();
+        let twice: Vec<VertexId> = once.iter().copied().chain(once.iter().map(second)).collect();
+        let mesh = SimplexMesh::<2>::new(points, twice).expect("a mesh");
+        let bytes = bytes(&mesh, &HashMap::new(), FORMATS[0]);
+        let found = GmshFile::parse(&bytes).and_then(|file| file.mesh::<2>().map(|_| ()));
+        let found = found.expect_err("an overlap");
+        assert!(found.contains("overlap near") && found.contains("remove one of them"), "{found}");
+    }
+}
+
 #[test]
 fn malformed_files_are_refused_with_place_and_remedy() {
     let with = |from: &str, to: &str| {

@@ -6,6 +6,9 @@ use crate::{Aabb, CellId, MAX_CELL_VERTICES, Point, Simplex};
 /// Barycentric coordinates above minus this value are inside.
 const TOLERANCE: f64 = 1e-10;
 
+/// Barycentric coordinates above this value are inside, and not on the boundary up to round-off.
+const INSIDE: f64 = 1e-6;
+
 /// Search structure for the cells of a mesh at fixed positions; see [`crate::SimplexMesh::cell_index`].
 #[derive(Clone)]
 pub struct CellIndex<const D: usize> {
@@ -33,6 +36,24 @@ impl<const D: usize> CellIndex<D> {
         out.clear();
         self.tree.overlapping(region, |leaf| out.push(CellId(leaf)));
         out.sort_unstable();
+    }
+
+    /// Returns the first cell whose centroid lies inside another cell, with that cell. Cells that overlap by less than
+    /// that are not found.
+    pub fn overlapping_cells(&self) -> Option<[CellId; 2]> {
+        let mut near = Vec::new();
+        for (index, simplex) in self.simplices.iter().enumerate() {
+            let (cell, centroid) = (CellId::new(index), simplex.centroid());
+            self.cells_overlapping(&Aabb { low: centroid, high: centroid }, &mut near);
+            let is_inside = |other: &&CellId| {
+                let barycentric = self.simplices[other.index()].barycentric(&centroid);
+                **other != cell && barycentric.is_some_and(|all| all[..=D].iter().all(|&l| l > INSIDE))
+            };
+            if let Some(other) = near.iter().find(is_inside) {
+                return Some([cell, *other]);
+            }
+        }
+        None
     }
 
     /// Returns the cell that contains the point, with the barycentric coordinates of the point.
