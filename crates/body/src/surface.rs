@@ -34,8 +34,8 @@ pub enum SurfaceVelocity<'s, const D: usize> {
 }
 
 impl<'s, const D: usize> SurfaceMotion<'s, D> {
-    /// Creates the motion of a surface with unknown velocities, from the state at the start of the step. The pressure of
-    /// the fluid acts at `geometry`.
+    /// Creates the motion of a surface with unknown velocities, from the state at the start of the step. The pressure
+    /// of the fluid acts at `geometry`.
     pub fn of_field(
         boundary: &'s BoundaryMesh<D>,
         reference: &[Point<D>],

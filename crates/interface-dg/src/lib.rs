@@ -12,8 +12,8 @@
 //!
 //! Where surfaces are in contact they border no fluid. On these *closed* parts acts the term `(p n, w)` of
 //! `terms/closed_pressure.rs`, with the pressure `p` of the fluid at the rim. The pressure acts on the elements of a
-//! body at the stage of the step, or with implicit Euler at the positions of the cut: `terms/moved_pressure.rs` moves it
-//! there from the plane facets of the cut.
+//! body at the stage of the step, or with implicit Euler at the positions of the cut: `terms/moved_pressure.rs` moves
+//! it there from the plane facets of the cut.
 //!
 //! The velocity of the body is unknown, or given at every point ([`body::SurfaceVelocity`]).
 

@@ -62,6 +62,12 @@ impl<'a, const D: usize> MovedFacet<'a, D> {
     }
 }
 
+/// Returns the first local row of the velocity of a node of a facet. For the number of nodes it is the row of the first
+/// pressure.
+pub(crate) fn row<const D: usize>(node: usize) -> usize {
+    D * node
+}
+
 /// Returns the area vector of an element at a point, and its derivatives with respect to the positions of the nodes.
 /// The mean over a linear part of the element is the area vector along this part; for order 1 it is constant.
 fn area<const D: usize>(

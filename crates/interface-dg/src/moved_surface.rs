@@ -26,9 +26,9 @@ pub struct MovedSurface<'a, const D: usize> {
 /// Local unknowns: velocities of the nodes of the body on the facet, `D` components each, then the pressures of the
 /// fluid nodes.
 pub struct MovedPoint<const D: usize> {
-    /// `α (p n dA)` on the element where the pressure acts minus that on the plane facet of the cut, with the weight `α`
-    /// of the fluid's traction and the normal `n` out of the body: force (2D: per unit depth). That on the body is the
-    /// opposite.
+    /// `α (p n dA)` on the element where the pressure acts minus that on the plane facet of the cut, with the weight
+    /// `α` of the fluid's traction and the normal `n` out of the body: force (2D: per unit depth). That on the body is
+    /// the opposite.
     pub load: Vector<D>,
     /// Derivatives of `load` with respect to the pressures of the fluid nodes, areas; only the first `D + 1` are used.
     pub by_pressure: [Vector<D>; MAX_CELL_VERTICES],

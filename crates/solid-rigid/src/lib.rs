@@ -2,7 +2,7 @@
 //!
 //! The unknowns of a body are the velocity `V` of its centre of mass and its spin `ω` at the stage of the step, and
 //! with them the velocity of every point, `v(x) = V + ω × (x - c)`. Geometry is explicit in time as everywhere: `c` and
-//! the positions `x` are extrapolated to the stage, so that `v` is linear in the unknowns ([`modes`]).
+//! the positions `x` are those at which the background is cut, so that `v` is linear in the unknowns ([`modes`]).
 //!
 //! | line | formula | file |
 //! |---|---|---|

@@ -201,14 +201,14 @@ impl<const D: usize> Body<D> for RigidBody<D> {
 /// A rigid body in one step.
 ///
 /// Velocity `V` and spin `ω` are the unknowns. The velocities of the vertices are tied to them,
-/// `v_i = V + ω × (x_i - c)` with the positions extrapolated to the stage, so that fluid and contact act on a rigid
-/// body as on any other.
+/// `v_i = V + ω × (x_i - c)` with the positions at which the background is cut, so that fluid and contact act on a
+/// rigid body as on any other.
 struct RigidStep<'s, const D: usize> {
     body: &'s RigidBody<D>,
     begin: &'s BodyState<D>,
     time: StepTime,
     motion: RigidMotion<D>,
-    /// Centre, extrapolated to the stage.
+    /// Centre at the positions at which the background is cut.
     centre: Point<D>,
     momentum: Momentum<D>,
     /// Force of a gravity that varies in time, at the stage.

@@ -81,9 +81,10 @@ impl<const D: usize> SurfaceStress<D> for SolidStress<'_, D> {
         self.cell(facet).map_or_else(Vector::zeros, |cell| self.traction(facet, cell, x, derivatives))
     }
 
-    /// Returns `θ Δt p (p - 1 + D)/D n·C(n ⊗ n) n |∂K|/|K|`, with the order `p`, the stiffness `C` of the reference
-    /// state and the facets `∂K` of the cell on the surface. For isotropic materials `n·C(n ⊗ n) n = 2 μ + λ` is the
-    /// largest eigenvalue of the acoustic tensor of the direction n.
+    /// Returns `c_d p (p - 1 + D)/D n·C(n ⊗ n) n |∂K|/|K|`, with the derivative `c_d` of the displacement at the stage
+    /// with respect to the velocity, `Δt` with implicit Euler, the order `p`, the stiffness `C` of the reference state
+    /// and the facets `∂K` of the cell on the surface. For isotropic materials `n·C(n ⊗ n) n = 2 μ + λ` is the largest
+    /// eigenvalue of the acoustic tensor of the direction n.
     ///
     /// The factor is that of polynomials of degree `q = p - 1`, the degree of the gradients:
     /// `∫_F |y|² <= (q + 1)(q + D)/D |F|/|K| ∫_K |y|²` for a facet F. The sum of the squares in the middles of the

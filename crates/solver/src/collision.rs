@@ -21,12 +21,12 @@ const LEAST_EXCESS: f64 = 1e-6;
 /// Largest number of times that a point is added. A point is released whenever it pulls.
 const MOST_ADDITIONS: usize = 2;
 
-/// `Σ c (n·(v_s - v_m) - w) (n·(w_s - w_m))`: at the points that act, two bodies separate with the given relative
+/// `Σ c (n·(v_s - v_m) - r) (n·(w_s - w_m))`: at the points that act, two bodies separate with the given relative
 /// velocity
 ///
-/// The points are the vertices of the slave whose gap is below the offset, and `w = -e n·(v_s - v_m)^n` with the
+/// The points are the vertices of the slave whose gap is below the offset, and `r = -e n·(v_s - v_m)^n` with the
 /// restitution `e`. In the first solve the points that approach act. The solve is repeated without points that pull,
-/// and with points that would approach faster than `w`. So impulses only push, and relative velocities are at most `w`.
+/// and with points that would approach faster than `r`. So impulses only push, and relative velocities are at most `r`.
 /// Impulses of one restitution generate no energy, for any number of points. Other forces work during the step.
 ///
 /// Source: Newton's law of restitution, for several points after Moreau 1988, Unilateral contact and dry friction in
@@ -49,7 +49,7 @@ struct CollisionPoint<const D: usize> {
     dofs: Vec<(DofId, f64)>,
     /// Number of dofs of the slave.
     n_of_slave: usize,
-    /// The velocity `w` at the stage, positive in approach.
+    /// The velocity `r` at the stage, positive in approach.
     velocity: f64,
     /// Parts of the relative velocity that a prescribed motion of the slave and of the master give.
     given: [f64; 2],
@@ -208,7 +208,7 @@ impl<const D: usize> CollisionPoint<D> {
         [self.given[0] + of(slave), self.given[1] + of(master)]
     }
 
-    /// Returns the relative velocity minus the velocity `w`.
+    /// Returns the relative velocity minus the velocity `r`.
     fn excess(&self, x: &[f64]) -> f64 {
         self.velocities(x).iter().sum::<f64>() - self.velocity
     }

@@ -1,7 +1,7 @@
 //! The coupled problem, one time step, the time loop.
 //!
-//! Read [`advance`] first: one step from state to state. Geometry is explicit in time, so everything geometric is
-//! computed once per step and is read-only during Newton's method:
+//! Read [`advance`] first: one step from state to state. Geometry is explicit in time, so cut, space, interface pieces
+//! and quadrature weights are computed once per step and are read-only during Newton's method:
 //!
 //! ```text
 //! state^n -> Step (surfaces, CutMesh, XfemSpace, history, unknowns) -> Problem -> x -> state^{n+1} -> observers

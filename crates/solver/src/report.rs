@@ -21,7 +21,8 @@ pub struct ForceBalance<const D: usize> {
     pub inertia: Vector<D>,
     /// Body force.
     pub body_force: Vector<D>,
-    /// Pressure of the fluid.
+    /// Pressure of the fluid on wet and closed parts of the surface. On bodies that deform it acts at the positions of
+    /// [`interface_dg::MovedSurface`].
     pub pressure: Vector<D>,
     /// Viscous traction of the fluid.
     pub viscous: Vector<D>,

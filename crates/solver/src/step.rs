@@ -26,7 +26,8 @@ pub fn advance<const D: usize>(
         return advance(setup, &previous.clone().without_accelerations(), substep, work);
     }
     let mut x = step.guess();
-    let solve = step.solve(&mut x, work).map_err(failed)?; // Newton's method, for each set of multipliers of contacts
+    // Newton's method, repeated until multipliers of contacts and points of collisions no longer change.
+    let solve = step.solve(&mut x, work).map_err(failed)?;
     step.check_contacts(&x, &solve).map_err(failed)?;
     let problem = step.problem(); // contributions in the order of Eq. (11)
     let bodies = step.bodies_at_end(&x);

@@ -8,7 +8,6 @@ const LEAVES: &[&str] = &[
     "crates/mesh/src/tensor.rs",
     "crates/mesh/src/simplex.rs",
     "crates/mesh/src/simplex_mesh.rs",
-    "crates/mesh/src/placement.rs",
     "crates/mesh/src/search/parry.rs",
     "crates/mesh/src/generate/graded_box.rs",
     "crates/mesh/src/generate/ball.rs",

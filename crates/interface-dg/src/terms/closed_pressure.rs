@@ -3,6 +3,7 @@
 use algebra::{LocalSystem, Term};
 
 use crate::ClosedPoint;
+use crate::moved_facet::row;
 
 /// `(p n, w)` on the closed part of the surface of a body, with the pressure `p` at its rim, continued as in fluid at
 /// rest
@@ -20,13 +21,13 @@ pub struct ClosedPressure;
 impl<const D: usize> Term<ClosedPoint<D>> for ClosedPressure {
     fn add(&self, point: &ClosedPoint<D>, out: &mut LocalSystem) {
         for (k, shape) in point.shape[..point.n_nodes].iter().enumerate() {
-            out.add_vector::<D>(D * k, point.force * -shape);
+            out.add_vector::<D>(row::<D>(k), point.force * -shape);
             if out.has_tangent() {
                 for (j, derivative) in point.by_velocity[..point.n_nodes].iter().enumerate() {
-                    out.add_block::<D, D>(D * k, D * j, derivative * -shape);
+                    out.add_block::<D, D>(row::<D>(k), row::<D>(j), derivative * -shape);
                 }
                 for (q, derivative) in point.by_pressure.iter().enumerate() {
-                    out.add_block::<D, 1>(D * k, D * point.n_nodes + q, derivative * -shape);
+                    out.add_block::<D, 1>(row::<D>(k), row::<D>(point.n_nodes) + q, derivative * -shape);
                 }
             }
         }

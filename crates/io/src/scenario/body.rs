@@ -221,7 +221,7 @@ pub(super) fn body<const D: usize>(
             let surface = (boundary.with_coordinates(coordinates), reference);
             match &**motion {
                 MotionChoice::Free { held, initial_spin, guided } => {
-                    check_axial(given, initial_spin.as_ref(), guided.as_ref(), coordinates)?;
+                    check_axial::<D>(given, initial_spin.as_ref(), guided.as_ref(), coordinates)?;
                     let guide = guided.as_ref().map(|guided| guided.guide(time)).transpose()?;
                     Arc::new(RigidBody { guide, ..free(given, surface, held, initial_spin.as_ref(), time)? })
                 }
@@ -252,7 +252,7 @@ fn check_radii<const D: usize>(
 
 /// Checks that a free rigid body does not start with, and is not guided along, a motion that axisymmetric coordinates
 /// hold: along the radius, and rotation.
-fn check_axial(
+fn check_axial<const D: usize>(
     given: &At<BodyKeys>,
     initial_spin: Option<&At<f64>>,
     guided: Option<&GuideKeys>,
@@ -260,7 +260,7 @@ fn check_axial(
 ) -> Result<(), ScenarioError> {
     let Some(radial) = coordinates.radial() else { return Ok(()) };
     let along = given.initial_velocity.as_ref().map(|field| field.at.part(radial));
-    let velocity = given.initial_velocity.as_ref().and_then(|field| field.constant::<2>()).zip(along);
+    let velocity = given.initial_velocity.as_ref().and_then(|field| field.constant::<D>()).zip(along);
     let velocity = velocity.filter(|(value, _)| value[radial] != 0.0).map(|(_, place)| place);
     let spin = initial_spin.filter(|spin| ***spin != 0.0).map(|spin| spin.at.clone());
     let guide = guided.and_then(|guide| guide.velocity.iter().nth(radial)).filter(|formula| !is_zero(formula));

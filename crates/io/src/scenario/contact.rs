@@ -32,7 +32,8 @@ keys! {
         /// Contact law.
         law: ContactLawChoice,
         /// Contact size `s`: the laws `penalty` and `augmented-lagrangian` divide by it. Obstacles are searched within a
-        /// distance that is the sum of the offset, twice the motion of the last step and twice this length.
+        /// distance that is the sum of the offset, twice this length and twice the motion of both bodies in the step,
+        /// at their largest speeds at its start.
         size: f64 [unit(Quantity::LENGTH), positive],
         /// Offset `ε`: contact begins at this distance.
         offset: f64 [unit(Quantity::LENGTH), non_negative],
