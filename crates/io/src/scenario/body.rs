@@ -263,7 +263,7 @@ fn check_axial<const D: usize>(
     let velocity = given.initial_velocity.as_ref().and_then(|field| field.constant::<D>()).zip(along);
     let velocity = velocity.filter(|(value, _)| value[radial] != 0.0).map(|(_, place)| place);
     let spin = initial_spin.filter(|spin| ***spin != 0.0).map(|spin| spin.at.clone());
-    let guide = guided.and_then(|guide| guide.velocity.iter().nth(radial)).filter(|formula| !is_zero(formula));
+    let guide = guided.and_then(|guide| guide.velocity.get(radial)).filter(|formula| !is_zero(formula));
     let found = velocity.or(spin).or_else(|| guide.map(|formula| formula.at.clone()));
     found.map_or(Ok(()), |place| Err(place.invalid(AXIAL)))
 }

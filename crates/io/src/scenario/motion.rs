@@ -135,7 +135,7 @@ fn check_axial<const D: usize>(motion: &At<MotionChoice>, radial: usize, time: &
         MotionChoice::Fixed | MotionChoice::Free { .. } => None,
         MotionChoice::Rotating { angular_velocity, .. } => Some(&angular_velocity.at),
         MotionChoice::Formula { displacement, angle, .. } => {
-            let along = displacement.iter().nth(radial).filter(|formula| !is_zero(formula));
+            let along = displacement.get(radial).filter(|formula| !is_zero(formula));
             along.or(angle.as_ref()).map(|formula| &formula.at)
         }
         MotionChoice::Table { file, .. } => {
