@@ -56,17 +56,37 @@ impl<const D: usize> DeformableObstacle<D> {
         let bounds = bounds(Placed::new(&self.boundary, positions), &self.facets);
         let mut points: Vec<_> = points.iter().map(|x| (bounds.squared_distance(x), x)).collect();
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let (mut near, mut smallest) = (Vec::new(), None);
+        let mut smallest = None;
         for (squared_distance, x) in points {
             if smallest.is_some_and(|gap: f64| gap.max(0.0).powi(2) < squared_distance) {
                 break;
             }
-            let Some(closest) = index.closest(x) else { continue };
-            self.overlapping(index, &Aabb::of_points([x]).expanded(closest.reach(x)), &mut near);
-            let gap = self.project(x, Positions::Fixed(positions), &near).map(|found| found.gap(x));
+            let gap = self.nearest(index, x, positions).map(|(_, found)| found.gap(x));
             smallest = [smallest, gap].into_iter().flatten().reduce(f64::min);
         }
         smallest
+    }
+
+    /// Computes the gap of a point with the search structure at `positions`; `None` where it is negative at an end of
+    /// the facets that can be touched.
+    pub(super) fn gap_with(&self, index: &SurfaceIndex<D>, x: &Point<D>, positions: &[Point<D>]) -> Option<f64> {
+        let (closest, projection) = self.nearest(index, x, positions)?;
+        let gap = projection.gap(x);
+        (gap >= 0.0 || self.has_all_facets_around(&closest, &self.facets)).then_some(gap)
+    }
+
+    /// Returns the closest point of all facets that can be touched, and the projection onto it.
+    fn nearest(
+        &self,
+        index: &SurfaceIndex<D>,
+        x: &Point<D>,
+        positions: &[Point<D>],
+    ) -> Option<((FacetId, Foot<D>), Projection<D>)> {
+        let (mut near, at) = (Vec::new(), Positions::Fixed(positions));
+        self.overlapping(index, &Aabb::of_points([x]).expanded(index.closest(x)?.reach(x)), &mut near);
+        let closest = self.closest(x, at, &near)?;
+        let projection = self.projection(x, &closest, at);
+        Some((closest, projection))
     }
 
     /// Computes [`Obstacle::candidates`] with the search structure at the obstacle's positions.

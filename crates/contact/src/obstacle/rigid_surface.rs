@@ -37,7 +37,8 @@ impl<const D: usize> Obstacle<D> for RigidSurface<D> {
     }
 
     fn smallest_gap(&self, points: &[Point<D>], _positions: Positions<'_, D>) -> Option<f64> {
-        self.surface.smallest_gap_with(&self.index, points, &self.positions)
+        // A point behind a container or a wall may be far from it, so that the distance orders nothing.
+        points.iter().filter_map(|x| self.surface.gap_with(&self.index, x, &self.positions)).reduce(f64::min)
     }
 
     fn candidates(
@@ -63,6 +64,24 @@ mod tests {
         let surface = if is_hollow { square.boundary().reversed() } else { square.boundary() };
         let facets = surface.facets().collect();
         RigidSurface::new(surface, facets, square.vertices().to_vec()).expect("facets")
+    }
+
+    /// A point far behind a wall has a smaller gap than a near one in front of it. Beyond the ends of the wall gaps have
+    /// no sign.
+    #[test]
+    fn smallest_gap_to_a_wall_is_that_of_the_deepest_point() {
+        let square = structured_box([0.0, 0.0], [1.0, 1.0], [3, 3]).expect("a mesh");
+        let floor = square.tag("bottom").expect("a side");
+        let surface = square.boundary().reversed();
+        let facets = surface.facets().filter(|facet| surface.tag(*facet) == Some(floor)).collect();
+        let wall = RigidSurface::<2>::new(surface, facets, square.vertices().to_vec()).expect("facets");
+        let gap = |points: &[[f64; 2]]| {
+            let points: Vec<_> = points.iter().map(|x| Point::<2>::from(*x)).collect();
+            wall.smallest_gap(&points, Positions::Fixed(&[]))
+        };
+        assert_eq!(gap(&[[0.5, 0.02], [0.4, -0.1], [0.6, 0.3]]), Some(-0.1));
+        assert_eq!(gap(&[[0.5, 0.02], [0.4, 0.1]]), Some(0.02));
+        assert_eq!(gap(&[[0.5, 0.02], [1.4, -0.1]]), Some(0.02));
     }
 
     fn all() -> Vec<FacetId> {

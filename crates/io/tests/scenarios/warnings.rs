@@ -104,6 +104,13 @@ fn contacts_that_do_not_carry_a_weight_in_fluid_are_warnings() {
 }
 
 /// Makes energy by the pressure on an elastic disk, an error of second order in the step in the sum over all steps.
+/// A disk of radius 0.1 that reaches through the floor, with its other vertices above it.
+#[test]
+fn a_body_does_not_begin_behind_its_wall() {
+    let text = format!("{DISKS}{CONTACT}");
+    refused(&text, &[&["body.1.shape.centre=[0.7, 0.05]"]], &["contact.obstacle", "`stone`", "behind this obstacle"]);
+}
+
 #[test]
 fn the_energy_that_steps_generate_falls_with_the_step() {
     let changes = [
