@@ -16,7 +16,7 @@ const BUDGETS: &[(&[&str], usize)] = &[
     (&["crates/solver/src"], 3_300),
     (&["validation"], 13_515),
     (&["xtask/src"], 2410),
-    (&[""], 79_360),
+    (&[""], 79_400),
 ];
 /// Largest number of bytes of all JSON files under version control.
 const JSON_BYTES: usize = 50_000;

@@ -66,8 +66,8 @@ mod tests {
         RigidSurface::new(surface, facets, square.vertices().to_vec()).expect("facets")
     }
 
-    /// A point far behind a wall has a smaller gap than a near one in front of it. Beyond the ends of the wall gaps have
-    /// no sign.
+    /// A point far behind a wall has a smaller gap than a near one in front of it. Beyond the ends of the wall gaps
+    /// have no sign.
     #[test]
     fn smallest_gap_to_a_wall_is_that_of_the_deepest_point() {
         let square = structured_box([0.0, 0.0], [1.0, 1.0], [3, 3]).expect("a mesh");
