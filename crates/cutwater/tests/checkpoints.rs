@@ -114,6 +114,11 @@ fn killed_runs_end_with_the_same_bits() {
     let length = start.elapsed();
     let expected = results(&whole);
     assert!(expected.keys().any(|name| name.ends_with(".bin")) && expected.contains_key("frames.json"));
+    // A kill after the last checkpoint was written, before the oldest one was removed.
+    let last = whole.join("checkpoint-00000120.bin");
+    std::fs::copy(&last, whole.join("checkpoint-00000100.bin")).expect("a copy");
+    finish(command(&whole, true, &[]), 0);
+    assert_same(&results(&whole), &expected);
     let (mut n_kills, mut n_resumed, mut random) = (0, 0, 1_u64);
     for series in 0.. {
         if n_kills >= N_KILLS {

@@ -67,8 +67,7 @@ impl Checkpoint {
         self.lists.iter().chain(&self.memory).flatten().for_each(|x| bytes.extend(x.to_le_bytes()));
         bytes.extend(crc32fast::hash(&bytes).to_le_bytes());
         write_whole(&path(directory, self.header.step), &bytes)?;
-        let files = files(directory);
-        files[..files.len().saturating_sub(KEPT)].iter().try_for_each(|path| remove(path))
+        keep_last(directory)
     }
 
     /// Reads a checkpoint.
@@ -145,6 +144,16 @@ pub(crate) fn problem_text(file: &ScenarioFile) -> Result<String, Error> {
         root.get_mut("time").and_then(|time| time.as_table_mut()).and_then(|time| time.remove("end"));
     }
     Ok(toml::to_string(&table)?)
+}
+
+/// Removes all checkpoints in a directory but the last ones. A run that is killed after it has written a checkpoint
+/// leaves one too many.
+///
+/// # Errors
+/// [`Error::Write`].
+pub(crate) fn keep_last(directory: &Path) -> Result<(), Error> {
+    let files = files(directory);
+    files[..files.len().saturating_sub(KEPT)].iter().try_for_each(|path| remove(path))
 }
 
 /// Removes the checkpoints in a directory.

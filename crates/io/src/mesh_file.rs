@@ -297,7 +297,7 @@ impl Lengths {
 }
 
 /// Returns the number of connected parts: sets of elements that share no vertex (by union-find).
-fn n_parts<'m>(n_vertices: usize, elements: impl Iterator<Item = &'m [VertexId]>) -> usize {
+pub(crate) fn n_parts<'m>(n_vertices: usize, elements: impl Iterator<Item = &'m [VertexId]>) -> usize {
     let mut next: Vec<usize> = (0..n_vertices).collect();
     let mut is_used = vec![false; n_vertices];
     for element in elements {

@@ -8,7 +8,7 @@ use solver::algebra::LinearError;
 use solver::{Observer, ObserverError, Stage, State, StepError, StepView, TimeLoop};
 
 use crate::Error;
-use crate::checkpoint::{Checkpoint, Header, checkpoint_steps, problem_text, remove_all};
+use crate::checkpoint::{Checkpoint, Header, checkpoint_steps, keep_last, problem_text, remove_all};
 use crate::claim::{Claim, keep_input};
 use crate::files::{create_directory, write_whole};
 use crate::history::{History, TABLES, csv};
@@ -87,6 +87,7 @@ impl<W: Watch> CaseVisitor for Run<'_, W> {
         let Self { file, directory, watch, options } = self;
         let (start, header, _claim) = if options.resumes {
             let (start, header) = last_checkpoint(file, &mut case, directory)?;
+            keep_last(directory)?;
             (start, Some(header), Claim::new(directory, file, true)?)
         } else {
             keep_input(directory, file.path())?;

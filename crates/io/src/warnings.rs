@@ -9,6 +9,7 @@ use mesh::{Aabb, BodyId, Placed, Point, Tag, Vector, equilateral_side};
 use solver::body::{Body, BodyState};
 use solver::{Contact, FluidBoundary, Setup, State};
 
+use crate::mesh_file::n_parts;
 use crate::pressures::large_pressures;
 use crate::scenario::{Case, Choose as _, Quantity, Scenario, rounded};
 
@@ -28,6 +29,7 @@ pub(crate) fn warnings<const D: usize>(scenario: &Scenario, case: &Case<D>, stat
     lines.extend(outside(setup, &positions, &length));
     lines.extend(small_bodies(setup, &positions));
     lines.extend(body_forces(setup, state));
+    lines.extend(torn(setup, state));
     lines.extend(large_pressures(scenario, case));
     let deforms = setup.bodies.iter().any(|body| body.deforms());
     let can_turn = !case.half_domain && scenario.coordinates.is_none();
@@ -39,6 +41,21 @@ pub(crate) fn warnings<const D: usize>(scenario: &Scenario, case: &Case<D>, stat
         );
     }
     lines
+}
+
+/// Returns warnings about elastic bodies of several parts that share no vertex.
+fn torn<const D: usize>(setup: &Setup<D>, state: &State<D>) -> Vec<String> {
+    let of_body = |(body, state): (&Arc<dyn Body<D>>, &BodyState<D>)| {
+        let n_parts = n_parts(body.reference().len(), body.cells(state)?.cells());
+        (n_parts > 1).then(|| {
+            format!(
+                "warning: body {} consists of {n_parts} parts that share no vertex, and move apart; if they belong together, merge the nodes between them \
+                 in the mesh (Gmsh: `Coherence Mesh`)",
+                body.name()
+            )
+        })
+    };
+    setup.bodies.iter().zip(&state.bodies).filter_map(of_body).collect()
 }
 
 /// Returns warnings about contacts that act from the first step because a gap is below the offset.

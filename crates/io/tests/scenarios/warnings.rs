@@ -1,6 +1,12 @@
 //! Weights, buoyancies and warnings of a scenario.
 
+use std::collections::HashMap;
+use std::path::PathBuf;
+
 use crate::setting::*;
+use io::gmsh::{GmshFormat, GmshVersion, write};
+use mesh::generate::structured_box;
+use mesh::{SimplexMesh, VertexId};
 
 /// An elastic disk and a free one in water, over the bottom of a box that is open at the top.
 const DISKS: &str = r#"
@@ -104,6 +110,24 @@ fn contacts_that_do_not_carry_a_weight_in_fluid_are_warnings() {
 }
 
 /// Makes energy by the pressure on an elastic disk, an error of second order in the step in the sum over all steps.
+/// Two halves of a square that share an edge, but no vertex.
+#[test]
+fn a_torn_body_is_a_warning() {
+    let halves = [0.2, 0.3].map(|left| structured_box::<2>([left, 0.4], [left + 0.1, 0.6], [2, 4]).expect("a box"));
+    let points: Vec<_> = halves.iter().flat_map(|half| half.vertices()).copied().collect();
+    let cells = halves.iter().zip([0, halves[0].n_vertices()]).flat_map(|(half, first)| {
+        let vertices = half.cells().flat_map(|cell| half.cell(cell));
+        vertices.map(move |vertex| VertexId::new(first + vertex.index()))
+    });
+    let mesh = SimplexMesh::<2>::new(points, cells.collect()).expect("a mesh");
+    let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("torn.msh");
+    let format = GmshFormat { version: GmshVersion::V41, is_binary: false };
+    write(&path, &mesh, &HashMap::new(), format).expect("a file");
+    let ball = "{ kind = \"ball\", centre = [0.3, 0.5], radius = 0.1, size = 0.05, area_preserving = true }";
+    let torn = DISKS.replace(ball, &format!("{{ kind = \"mesh\", file = \"{}\" }}", path.display()));
+    assert!(warning(&torn, &[]).contains("body soft consists of 2 parts that share no vertex"));
+}
+
 /// A disk of radius 0.1 that reaches through the floor, with its other vertices above it.
 #[test]
 fn a_body_does_not_begin_behind_its_wall() {
