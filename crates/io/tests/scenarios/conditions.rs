@@ -350,13 +350,7 @@ fn inflow_has_its_largest_velocity_on_the_axis() {
     let text = SPHERE
         .replace("bottom = \"no-slip\"", "bottom = { kind = \"inflow\", profile = \"parabolic\", maximum = 3.0 }");
     let case = problem(&text, &[]);
-    let fluid = case.setup.fluid.as_ref().expect("a fluid");
-    let bottom = fluid.background.tag("bottom").expect("a side");
-    let velocity = fluid.boundary.iter().find_map(|(tag, condition)| match condition {
-        FluidBoundary::Velocity(velocity) if *tag == bottom => Some(velocity),
-        _ => None,
-    });
-    let velocity = velocity.expect("a velocity");
+    let FluidBoundary::Velocity(velocity) = side(&case, "bottom") else { panic!("a velocity") };
     for radius in [0.0, 1.0, 2.0] {
         let found = velocity(&Point::<2>::new(radius, 0.0), 0.0);
         assert!(
