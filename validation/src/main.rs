@@ -15,6 +15,7 @@ mod table;
 mod units;
 mod validate;
 mod verify;
+mod workers;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;

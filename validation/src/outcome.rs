@@ -3,7 +3,7 @@
 use std::error::Error;
 
 /// An error of any kind; commands print it with its sources.
-pub(crate) type Failure = Box<dyn Error>;
+pub(crate) type Failure = Box<dyn Error + Send + Sync>;
 /// Whether all checks of a command hold.
 pub(crate) type Outcome = Result<bool, Failure>;
 

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use cutwater::io::{self, Progress, ScenarioFile, StepProgress, Summary};
 use cutwater::report::{Recorder, Results};
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::case::{self, QuickValues, Reference};
 use crate::compare::{self, Compared, as_number, with_paper, with_stored};
@@ -15,7 +15,7 @@ use crate::figures::Figures;
 use crate::metrics::{Factorization, REFACTORIZATIONS_PER_STEP, Thickness, metrics};
 use crate::outcome::{Failure, Outcome, causes};
 use crate::verify::document;
-use crate::{results, table};
+use crate::{results, table, workers};
 
 /// Time between two lines of progress.
 const PROGRESS: Duration = Duration::from_secs(10);
@@ -34,19 +34,17 @@ pub(crate) fn run(cases: &[String], [is_quick, regenerate, writes_pages]: [bool;
     let references = names.iter().map(|name| Ok((name, case::read(name)?))).collect::<Result<Vec<_>, String>>()?;
     let mut stored = case::read_quick_values()?;
     let mut failed = Vec::new();
-    for (name, reference) in &references {
+    let start = |(name, reference): &(&String, Reference)| Ok(run_case(name, reference, is_quick, &out.join(name)));
+    workers::for_each(&references, start, |(name, reference), run| {
         println!("# {name}: {} ({})", reference.title, reference.source);
         let directory = out.join(name);
-        let passes =
-            run_case(name, reference, [is_quick, regenerate], &directory, &mut stored).unwrap_or_else(|error| {
-                print_error(error.as_ref());
-                false
-            });
-        if !passes {
+        let passes = run.and_then(|run| judge(name, reference, &run, [is_quick, regenerate], &directory, &mut stored));
+        if !passes.unwrap_or_else(|error| print_error(error.as_ref())) {
             failed.push(*name);
         }
         println!("  files are in {}\n", directory.display());
-    }
+        Ok(())
+    })?;
     if !is_quick {
         // Verdicts of a whole run are those of the pages, which include listed targets and the other cases.
         failed.clear();
@@ -57,11 +55,7 @@ pub(crate) fn run(cases: &[String], [is_quick, regenerate, writes_pages]: [bool;
                 }
                 Ok(record.holds())
             });
-            let holds = holds.unwrap_or_else(|error| {
-                print_error(error.as_ref());
-                false
-            });
-            if !holds {
+            if !holds.unwrap_or_else(|error| print_error(error.as_ref())) {
                 failed.push(*name);
             }
         }
@@ -81,13 +75,18 @@ pub(crate) fn run(cases: &[String], [is_quick, regenerate, writes_pages]: [bool;
     Ok(failed.is_empty())
 }
 
-fn run_case(
-    name: &String,
-    reference: &Reference,
-    [is_quick, regenerate]: [bool; 2],
-    directory: &Path,
-    stored: &mut QuickValues,
-) -> Outcome {
+/// A case that was run: its results, and the error of the step at which it stopped.
+struct Run {
+    results: Results,
+    metrics: Value,
+    failure: Option<io::Error>,
+}
+
+/// Runs a case and writes its files.
+///
+/// # Errors
+/// The run does not start, or a file cannot be read or written.
+fn run_case(name: &str, reference: &Reference, is_quick: bool, directory: &Path) -> Result<Run, Failure> {
     // A run that does not start must not leave the comparison of an earlier one.
     compare::remove(directory)?;
     let mut set = vec![format!("name={name}")];
@@ -102,7 +101,7 @@ fn run_case(
             last = Instant::now();
             let distance = at.d_min.map_or(String::new(), |d| format!(", d_min {d:.3}"));
             println!(
-                "  step {} of {}, time {:.4}{distance}, {} Newton iterations",
+                "  {name}: step {} of {}, time {:.4}{distance}, {} Newton iterations",
                 at.step, at.n_steps, at.time, at.newton_iterations
             );
         }
@@ -110,28 +109,41 @@ fn run_case(
     let (mut factorization, mut recorder) = (Factorization::default(), Recorder::default());
     // Pictures and costs are recorded at the resolution of the paper only.
     let in_full = (!is_quick).then_some(((&mut factorization, &mut recorder), Figures { directory }));
-    let outcome = io::run(&file, directory, &mut ((progress, Thickness { directory }), in_full));
-    let finished = outcome.is_ok();
-    if let Err(error) = outcome {
-        print_error(&error);
-        // A failed run has a table of the steps before the failure.
-        if !matches!(error, io::Error::Step(_)) {
-            return Ok(false);
-        }
-    }
+    let failure = match io::run(&file, directory, &mut ((progress, Thickness { directory }), in_full)) {
+        Ok(_) => None,
+        // The files of such a run have the steps before the failure.
+        Err(error @ io::Error::Step(_)) => Some(error),
+        Err(error) => return Err(error.into()),
+    };
     if !is_quick {
         recorder.write(directory)?;
     }
     let results = Results::read(directory)?;
-    print_sizes(&results.summary);
-    let mut metrics = metrics(&results, finished)?;
-    if finished && !is_quick {
+    let mut metrics = metrics(&results, failure.is_none())?;
+    if failure.is_none() && !is_quick {
         metrics[REFACTORIZATIONS_PER_STEP] = json!(factorization.per_step(&results));
     }
+    Ok(Run { results, metrics, failure })
+}
+
+/// Compares a run with its reference, or a quick one with stored values, which are updated before if asked; prints the
+/// comparison and writes it. Returns whether every verdict is good.
+fn judge(
+    name: &str,
+    reference: &Reference,
+    Run { results, metrics, failure }: &Run,
+    [is_quick, regenerate]: [bool; 2],
+    directory: &Path,
+    stored: &mut QuickValues,
+) -> Outcome {
+    if let Some(error) = failure {
+        print_error(error);
+    }
+    print_sizes(&results.summary);
     let asked = reference.comparisons.iter().filter(|asked| !is_quick || asked.key != REFACTORIZATIONS_PER_STEP);
     if regenerate {
         let values = asked.clone().filter_map(|asked| Some((asked.key.clone(), as_number(&metrics[&asked.key])?)));
-        stored.insert(name.clone(), values.collect::<BTreeMap<_, _>>());
+        stored.insert(name.to_owned(), values.collect::<BTreeMap<_, _>>());
     }
     let rows: Vec<Compared> = asked
         .map(|asked| match is_quick {
@@ -147,9 +159,11 @@ fn run_case(
     Ok(rows.iter().all(Compared::passes))
 }
 
-fn print_error(error: &dyn std::error::Error) {
+/// Prints an error with its causes. Returns the verdict of what it prevented.
+fn print_error(error: &dyn std::error::Error) -> bool {
     println!("  the run failed: {error}");
     causes(error).for_each(|cause| println!("    because: {cause}"));
+    false
 }
 
 fn print_sizes(summary: &Summary) {

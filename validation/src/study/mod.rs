@@ -21,6 +21,7 @@ use crate::table::short;
 use crate::units::cgs;
 use crate::verify::record::{Record, Table, worse};
 use crate::verify::{document, missed};
+use crate::workers;
 
 /// Folder of the pages of studies in `docs/src`.
 const FOLDER: &str = "studies";
@@ -63,11 +64,18 @@ pub(crate) fn run(names: &[String], again: bool, out: &Path) -> Outcome {
     let mut all_hold = true;
     for (name, definition) in studies {
         println!("# {name}: {}", definition.title);
+        let at = |series| move |&value: &f64| (series, value);
+        let asked: Vec<(&Series, f64)> = definition.series.iter().flat_map(|s| s.values.iter().map(at(s))).collect();
         let mut runs = Vec::new();
-        for series in &definition.series {
-            let run = |&value: &f64| run_one(name, &definition, (series, value), again, out);
-            runs.push(series.values.iter().map(run).collect::<Result<Vec<_>, Failure>>()?);
-        }
+        let start = |&at: &(&Series, f64)| run_one(name, &definition, at, again, out);
+        workers::for_each(&asked, start, |(series, _), run| {
+            println!("  {}", [vec![series.name.clone()], row(&run)].concat().join(", "));
+            runs.push(run);
+            Ok(())
+        })?;
+        let mut runs = runs.into_iter();
+        let of_series = |series: &Series| runs.by_ref().take(series.values.len()).collect();
+        let runs: Vec<Vec<Run>> = definition.series.iter().map(of_series).collect();
         all_hold &= runs.iter().flatten().all(|run| run.failure.is_none());
         let mut versions: Vec<&str> = runs.iter().flatten().map(|run| run.version.as_str()).collect();
         versions.sort_unstable();
@@ -113,7 +121,7 @@ fn run_one(
     };
     let column = |name: String| results.history.column(&name).unwrap_or_default();
     let (times, distances) = (column("time".to_owned()), column(format!("{}d_min", results.leading_prefix())));
-    let run = Run {
+    Ok(Run {
         value,
         failure,
         arrival_time: results.summary.contact_offset.and_then(|offset| passes(&times, &distances, offset)),
@@ -123,9 +131,7 @@ fn run_one(
         bound: gaps(&results.scenario).map(|(start, offset)| arrival(start, offset).time),
         version: std::fs::read_to_string(directory.join(VERSION)).unwrap_or_default(),
         summary: results.summary,
-    };
-    println!("  {}", [vec![series.name.clone()], row(&run)].concat().join(", "));
-    Ok(run)
+    })
 }
 
 /// Columns of the table of a study with marks of units, after the name of the series; those of [`row`].

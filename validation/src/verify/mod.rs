@@ -65,6 +65,7 @@ pub(crate) use crate::outcome::Failure;
 use crate::outcome::Outcome;
 use crate::table;
 pub(crate) use crate::table::short;
+use crate::workers;
 pub(crate) use record::Record;
 pub(crate) use run::{P, Run, T, V};
 
@@ -182,14 +183,19 @@ pub(crate) fn run(names: &[String], full: bool, document: bool, out: &Path) -> O
         document::require_clean_tree()?;
     }
     let is_asked = |name: &str| names.iter().any(|n| n == name);
-    let mut records = Vec::new();
-    for check in CHECKS.iter().filter(|check| names.is_empty() || is_asked(check.name)) {
-        println!("# {}: {}", check.name, check.about);
+    let asked: Vec<&Check> = CHECKS.iter().filter(|check| names.is_empty() || is_asked(check.name)).collect();
+    let measure = |check: &&Check| {
         let mut record = Record::new(check.name, check.about, full);
         let begin = Instant::now();
         (check.measure)(&mut record)?;
         record.seconds = begin.elapsed().as_secs_f64();
         missed::mark(&mut record)?;
+        Ok(record)
+    };
+    let begin = Instant::now();
+    let mut records = Vec::new();
+    workers::for_each(&asked, measure, |check, record| {
+        println!("# {}: {}", check.name, check.about);
         print(&record);
         if document {
             let full = if full { " --full" } else { "" };
@@ -198,10 +204,10 @@ pub(crate) fn run(names: &[String], full: bool, document: bool, out: &Path) -> O
         }
         records.push(record);
         // After every check, so that a long run that is stopped keeps its results so far.
-        write_json(&records, out)?;
-    }
+        write_json(&records, out)
+    })?;
     if records.len() > 1 {
-        println!("# {} checks in {}", records.len(), duration(records.iter().map(|r| r.seconds).sum()));
+        println!("# {} checks in {}", records.len(), duration(begin.elapsed().as_secs_f64()));
     }
     let missed = records.iter().flat_map(|record| &record.rows).filter(|row| row.verdict == missed::MISSED).count();
     document::older_than_the_code().iter().for_each(|line| println!("# {line}"));

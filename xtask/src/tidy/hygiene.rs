@@ -14,9 +14,9 @@ const BUDGETS: &[(&[&str], usize)] = &[
     (&["crates/io/src"], 12_545),
     (&["crates/report/src"], 1590),
     (&["crates/solver/src"], 3_300),
-    (&["validation"], 13_515),
+    (&["validation"], 13_640),
     (&["xtask/src"], 2410),
-    (&[""], 79_450),
+    (&[""], 79_575),
 ];
 /// Largest number of bytes of all JSON files under version control.
 const JSON_BYTES: usize = 50_000;
