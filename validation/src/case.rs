@@ -128,7 +128,28 @@ fn parse<T: DeserializeOwned>(path: &Path) -> Result<T, String> {
 
 #[cfg(test)]
 mod tests {
+    use cutwater::io::{ScenarioFile, sizes};
+
     use super::*;
+
+    /// Coarse meshes, so that the test is fast.
+    const COARSE: [&str; 3] = ["background.size.fine=0.5", "background.size.coarse=1.0", "body.0.shape.size=0.5"];
+
+    #[test]
+    fn scenarios_of_all_cases_are_read_and_have_meshes() {
+        let mut n = 0;
+        for entry in fs::read_dir(package().join("cases")).unwrap() {
+            let path = entry.unwrap().path();
+            if path.extension().is_some_and(|e| e == "toml") {
+                let file = ScenarioFile::read(&path, &COARSE.map(str::to_owned)).unwrap();
+                let sizes = sizes(&file).unwrap();
+                assert!(sizes.n_steps > 0 && sizes.cut_cells > 0 && sizes.dofs > 0, "{}: {sizes:?}", path.display());
+                assert_eq!(Some(file.scenario().name.as_str()), path.file_stem().and_then(|stem| stem.to_str()));
+                n += 1;
+            }
+        }
+        assert!(n > 0, "no scenarios");
+    }
 
     #[test]
     fn all_references_are_complete() {
