@@ -10,7 +10,7 @@ use cutcell::OverlayOptions;
 use fluid_ns::NewtonianFluid;
 use mesh::generate::{BallOptions, Size, graded_box, half_ball, structured_box};
 use mesh::{BodyId, Point, SimplexMesh, Vector};
-use solid_svk::supports::{tagged_facets, vertices_of};
+use solid_svk::supports::tagged_facets;
 use solid_svk::{
     ElasticBody, ElasticOptions, LameParameters, Material, SaintVenantKirchhoff, SolidCells, SolidForm, SolidMesh,
     Support, SupportKind,
@@ -98,7 +98,7 @@ fn ball_in_fluid(resolution: Resolution, gap: f64) -> Setup<2> {
     let solid = SolidMesh::new(ball_above(resolution, gap)).expect("a mesh with positive cells");
     let surface = tagged_facets(&solid, "surface").expect("a ball has a surface");
     let diameter = tagged_facets(&solid, "left").expect("a half ball has a diameter");
-    let support = Support { vertices: vertices_of(&solid, &diameter), kind: SupportKind::symmetry(0) };
+    let support = Support { vertices: solid.boundary().vertices_of(&diameter), kind: SupportKind::symmetry(0) };
     let options = ElasticOptions { supports: vec![support], ..ElasticOptions::default() };
     let bodies = vec![elastic("ball", solid, options)];
     let ground = RigidPlane::new(Point::<2>::zeros(), Vector::<2>::new(0.0, -1.0)).expect("a unit normal");

@@ -23,11 +23,7 @@ pub fn interface_flow<const D: usize>(points: &InterfacePoints<'_, D>, x: &[f64]
             let through = q.jump.dot(&piece.normal);
             flow.leak_net += q.at.weight * through;
             flow.leak_absolute += q.at.weight * through.abs();
-            let mut fluid = 0.0;
-            for (i, &dof) in points.geometry.space.dofs(piece.part).iter().enumerate() {
-                fluid += points.fields.velocity_at::<D>(x, dof).dot(&piece.normal) * q.at.fluid[i];
-            }
-            flow.swept += q.at.weight * (fluid - through).abs();
+            flow.swept += q.at.weight * (q.velocity.dot(&piece.normal) - through).abs();
         });
     }
     flow

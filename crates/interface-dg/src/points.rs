@@ -49,6 +49,8 @@ pub struct MortarPoint<'a, const D: usize> {
     /// Largest acceleration of the fluid relative to the body on the piece, at the start of the step; `None` if
     /// accelerations are not known.
     pub relative_acceleration: Option<f64>,
+    /// Velocity `u` of the fluid.
+    pub velocity: Vector<D>,
     /// Fluid velocity minus velocity of the body.
     pub jump: Vector<D>,
     /// Pressure.
@@ -161,15 +163,16 @@ impl<'a, const D: usize> Sites for InterfacePoints<'a, D> {
             solid.on_facet((piece.body, piece.facet), &dofs, x).map(Arc::new)
         });
         for at in self.values.points(item) {
-            let mut jump = Vector::zeros();
+            let mut velocity = Vector::zeros();
             let mut pressure = 0.0;
             for i in 0..=D {
-                jump += velocities[i] * at.fluid[i];
+                velocity += velocities[i] * at.fluid[i];
                 pressure += pressures[i] * at.fluid[i];
             }
+            let mut jump = velocity;
             match &surface.velocity {
                 SurfaceVelocity::Field(_) => (0..n_solid).for_each(|k| jump -= on_facet[k] * at.solid[k]),
-                SurfaceVelocity::Given(velocity) => jump -= velocity(&at.point),
+                SurfaceVelocity::Given(of_body) => jump -= of_body(&at.point),
             }
             visit(&MortarPoint {
                 at,
@@ -179,6 +182,7 @@ impl<'a, const D: usize> Sites for InterfacePoints<'a, D> {
                 viscous_length: self.values.viscous_length(item),
                 relative_speed: self.values.relative_speed(item),
                 relative_acceleration: self.values.relative_acceleration(item),
+                velocity,
                 jump,
                 pressure,
                 traction: viscous_traction + piece.normal * pressure,

@@ -24,8 +24,6 @@ pub fn interface_power<const D: usize>(
 ) -> InterfacePower {
     let mut power = InterfacePower::default();
     for item in 0..points.len() {
-        let piece = &points.geometry.cut.interface()[item];
-        let dofs = points.geometry.space.dofs(piece.part);
         points.visit(item, x, |q| {
             let n = &q.piece.normal;
             let traction = penalty.weighted(q) * q.jump;
@@ -33,9 +31,7 @@ pub fn interface_power<const D: usize>(
             power.penalty_normal += traction.dot(n) * along;
             power.penalty_tangential += traction.dot(&(q.jump - n * along));
             if q.n_solid == 0 {
-                let u: mesh::Vector<D> =
-                    dofs.iter().zip(&q.at.fluid).map(|(dof, n)| points.fields.velocity_at::<D>(x, *dof) * *n).sum();
-                power.given_motion += (traction - q.traction * q.at.weight).dot(&(u - q.jump));
+                power.given_motion += (traction - q.traction * q.at.weight).dot(&(q.velocity - q.jump));
             }
         });
     }

@@ -1,7 +1,7 @@
 //! Pressures of open sides and hydrostatic pressures, compared with the stiffness of elastic bodies.
 
 use mesh::{Aabb, facet_normal};
-use solver::{FluidBoundary, FluidSetup};
+use solver::{FluidBoundary, FluidSetup, Setup};
 
 use crate::scenario::{Case, Choose as _, MaterialChoice, Quantity, Scenario, rounded};
 
@@ -14,8 +14,9 @@ const LEAST_TIMES: usize = 20;
 /// Pressure in the first step, relative to Young's modulus, from which on a body may be thrown out of the domain.
 const LARGEST_JUMP: f64 = 0.5;
 
-/// Pressure relative to Young's modulus from which on bodies may turn or fail with implicit Euler.
-const LARGEST_OF_EULER: f64 = 0.03;
+/// Pressure relative to Young's modulus from which on bodies may turn or fail if [`pressure_lags`], as with implicit
+/// Euler.
+const LARGEST_LAGGING: f64 = 0.03;
 
 /// Pressure relative to Young's modulus from which on Saint Venant-Kirchhoff bodies are unreliable.
 const LARGEST_OF_SVK: f64 = 0.3;
@@ -122,6 +123,11 @@ pub(crate) fn pressures<const D: usize>(scenario: &Scenario, case: &Case<D>) -> 
     all_pressures(case, scenario.time.end).into_iter().map(describe).collect()
 }
 
+/// Returns whether the pressure acts on surfaces at another time than that of the step's pressure.
+pub(crate) fn pressure_lags<const D: usize>(setup: &Setup<D>) -> bool {
+    !setup.scheme.weights(setup.dt, false).pressure_at_stage
+}
+
 /// Returns warnings about pressures that are large compared with the stiffness of a body.
 pub(crate) fn large_pressures<const D: usize>(scenario: &Scenario, case: &Case<D>) -> Vec<String> {
     let mut lines = Vec::new();
@@ -133,8 +139,12 @@ pub(crate) fn large_pressures<const D: usize>(scenario: &Scenario, case: &Case<D
             let of_side =
                 format!("warning: the {} is {{}} of Young's modulus of body {}", pressure.subject, *body.name);
             let mut warn = |fraction: f64, text: &str| lines.push(of_side.replace("{}", &fraction.to_string()) + text);
-            if scenario.time.scheme.word() == "implicit-euler" && relative >= LARGEST_OF_EULER {
-                warn(relative, ": with implicit-euler it may turn the body, and throw it out; take generalised-alpha");
+            if pressure_lags(&case.setup) && relative >= LARGEST_LAGGING {
+                let scheme = scenario.time.scheme.word();
+                warn(
+                    relative,
+                    &format!(": with {scheme} it may turn the body, and throw it out; take generalised-alpha"),
+                );
             } else if at_first >= LARGEST_JUMP {
                 warn(at_first, " in the first step: let it rise over several steps, such as \"1000*min(t/0.1, 1)\"");
             }

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use solver::algebra::LinearError;
-use solver::{Observer, ObserverError, Stage, State, StepError, StepView, TimeLoop};
+use solver::{Observer, ObserverError, State, StepError, StepView, TimeLoop};
 
 use crate::Error;
 use crate::checkpoint::{Checkpoint, Header, checkpoint_steps, keep_last, problem_text, remove_all};
@@ -114,7 +114,7 @@ impl<W: Watch> CaseVisitor for Run<'_, W> {
         drop(observer);
         files.write_summary()?;
         outcome.map_err(|error| match error.source {
-            Stage::Observer(cause) if cause.is::<Interrupted>() => {
+            solver::Error::Observer(cause) if cause.is::<Interrupted>() => {
                 Error::Interrupted { directory: directory.to_owned(), step: error.step }
             }
             source => Error::Step(StepError { source, ..error }),

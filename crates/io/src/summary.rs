@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use mesh::BodyId;
+use mesh::{Aabb, BodyId};
 use serde::{Deserialize, Serialize};
-use solver::{Contact, Setup, StepReport, StepView};
+use solver::{Contact, Setup, State, StepReport, StepView};
 
 use crate::Error;
 use crate::files::{read_text, write_whole};
@@ -73,13 +73,14 @@ pub struct Summary {
     /// Smallest [`crate::distance`].
     pub min_distance: Option<f64>,
     /// Whether no step increased the energy by more than 1e-8 of the largest sum of all energies, without the work of
-    /// loads, forces, open boundaries and given velocities.
+    /// loads, forces, open boundaries and given velocities. The energy of gravity is that relative to the start; the
+    /// largest sum is at least the weight of each body times its extent.
     pub energy_monotone: bool,
-    /// Sum of all increases of the energy in steps, without the same work, divided by the largest energy or line of
-    /// [`solver::Ledger`]. None before the first step.
+    /// Sum of all increases of the energy in steps, without the same work, divided by the same largest sum or, if it is
+    /// larger, the largest line of [`solver::Ledger`]. None before the first step.
     #[serde(default)]
     pub energy_generated: Option<f64>,
-    /// Largest energy of a step that no line of [`solver::Ledger`] contains, divided by the largest energy or line and
+    /// Largest energy of a step that no line of [`solver::Ledger`] contains, divided by the same largest sum or line and
     /// by the tolerance of Newton's method. None before the first step.
     #[serde(default)]
     pub energy_defect: Option<f64>,
@@ -214,6 +215,8 @@ impl Summary {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct SummaryBuilder {
     pub(crate) summary: Summary,
+    /// Energy of gravity at the start. Without it energies do not depend on the origin of the coordinates.
+    gravity_at_start: f64,
     largest_energy: f64,
     largest_gain: f64,
     /// Sum of the gains.
@@ -235,6 +238,7 @@ impl SummaryBuilder {
         let summary = Summary { energy_monotone: true, ..start };
         Self {
             summary,
+            gravity_at_start: 0.0,
             largest_energy: 0.0,
             largest_gain: 0.0,
             generated: 0.0,
@@ -253,7 +257,9 @@ impl SummaryBuilder {
         seconds_output: f64,
     ) {
         let Some(report) = view.report else {
-            self.largest_energy = view.state.total_energy(view.setup).abs();
+            let (gravity, weighing) = gravity(view.setup, view.state);
+            self.gravity_at_start = gravity;
+            self.largest_energy = weighing.max((view.state.total_energy(view.setup) - gravity).abs());
             return;
         };
         let summary = &mut self.summary;
@@ -272,7 +278,7 @@ impl SummaryBuilder {
             let leak = flow.leak_absolute / flow.swept.max(1e-2 * self.largest_swept);
             summary.max_interface_leak = Some(summary.max_interface_leak.map_or(leak, |largest| largest.max(leak)));
         }
-        self.largest_energy = self.largest_energy.max(report.total_energy().abs());
+        self.largest_energy = self.largest_energy.max((report.total_energy() - self.gravity_at_start).abs());
         let gain = -report.ledger.dissipation();
         self.largest_gain = self.largest_gain.max(gain);
         // A NaN is kept.
@@ -318,6 +324,16 @@ impl SummaryBuilder {
         summary.contact_time = summary.contact_intervals.first().map(|(begin, _)| *begin);
         summary.release_time = summary.contact_intervals.first().and_then(|(_, end)| *end);
     }
+}
+
+/// Returns the energy of gravity, and the sum of the weights of the bodies times their extents: an energy that bodies
+/// at rest have relative to each other, whose changes are round-off.
+fn gravity<const D: usize>(setup: &Setup<D>, state: &State<D>) -> (f64, f64) {
+    let bodies = setup.bodies.iter().zip(&state.bodies).filter_map(|(body, state)| Some((body, body.balance(state)?)));
+    bodies.fold((0.0, 0.0), |(energy, weighing), (body, balance)| {
+        let extent = Aabb::of_points(body.reference()).extent().max();
+        (energy + balance.potential_energy, weighing + balance.body_force.norm() * extent)
+    })
 }
 
 /// Describes the two sides of a contact.

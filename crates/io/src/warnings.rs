@@ -10,7 +10,7 @@ use solver::body::{Body, BodyState};
 use solver::{Contact, FluidBoundary, Setup, State};
 
 use crate::mesh_file::n_parts;
-use crate::pressures::large_pressures;
+use crate::pressures::{large_pressures, pressure_lags};
 use crate::scenario::{Case, Choose as _, Quantity, Scenario, rounded};
 
 /// Largest round-off of a gap, divided by the contact size, and of positions, divided by the extent of the mesh.
@@ -33,12 +33,11 @@ pub(crate) fn warnings<const D: usize>(scenario: &Scenario, case: &Case<D>, stat
     lines.extend(large_pressures(scenario, case));
     let deforms = setup.bodies.iter().any(|body| body.deforms());
     let can_turn = !case.half_domain && scenario.coordinates.is_none();
-    if scenario.time.scheme.word() == "implicit-euler" && deforms && setup.fluid.is_some() && can_turn {
-        lines.push(
-            "warning: with implicit-euler an elastic body that turns changes its area, and an ambient pressure turns it faster; generalised-alpha \
-             does neither"
-                .to_owned(),
-        );
+    if pressure_lags(setup) && deforms && setup.fluid.is_some() && can_turn {
+        lines.push(format!(
+            "warning: with {} an elastic body that turns changes its area, and an ambient pressure turns it faster; generalised-alpha does neither",
+            scenario.time.scheme.word()
+        ));
     }
     lines
 }

@@ -101,7 +101,9 @@ fn overview(results: &Results) -> Result<String, Error> {
         Some(("smallest distance", in_length(summary.min_distance.unwrap_or(f64::NAN)))),
         Some(("divided steps", summary.divided_steps.to_string())),
         Some(("steps that generated energy", if summary.energy_monotone { "none" } else { "some" }.to_owned())),
-        summary.energy_generated.map(|sum| ("sum of such energies, relative to the largest energy", number(sum))),
+        summary
+            .energy_generated
+            .map(|sum| ("sum of such energies, relative to the largest energy or line of the ledger", number(sum))),
     ];
     let rows: Vec<_> = rows.into_iter().flatten().map(|(what, value)| vec![what.to_owned(), value]).collect();
     let facts = format!("<div>{}</div>", table("", &["", ""], &rows));

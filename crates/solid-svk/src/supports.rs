@@ -106,8 +106,3 @@ pub fn facets_without_tags<const D: usize>(mesh: &SolidMesh<D>, names: &[&str]) 
     let free = |f: &FacetId| mesh.boundary().tag(*f).is_none_or(|tag| !excluded.contains(&tag));
     Ok(mesh.boundary().facets().filter(free).collect())
 }
-
-/// Returns the nodes of boundary facets, each once, in order.
-pub fn vertices_of<const D: usize>(mesh: &SolidMesh<D>, facets: &[FacetId]) -> Vec<VertexId> {
-    mesh.boundary().vertices_of(facets)
-}

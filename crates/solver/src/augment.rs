@@ -3,9 +3,9 @@
 use algebra::{NewtonReport, Workspace, newton};
 use contact::Multipliers;
 
-use crate::{Stage, Step};
+use crate::{Error, Step};
 
-/// Largest number of solves of a step. A contact whose parameter is a tenth of the stiffness of its bodies needs 145
+/// Largest number of solves of a step in which multipliers change. A contact whose parameter is a tenth of the stiffness of its bodies needs 145
 /// for an error of `1e-6`.
 const MOST_SOLVES: usize = 200;
 
@@ -18,12 +18,16 @@ impl<const D: usize> Step<'_, D> {
     ///
     /// # Errors
     /// Newton's method fails, or the multipliers still change after the largest number of solves.
-    pub(crate) fn solve(&mut self, x: &mut [f64], work: &mut Workspace) -> Result<NewtonReport, Stage> {
+    pub(crate) fn solve(&mut self, x: &mut [f64], work: &mut Workspace) -> Result<NewtonReport, Error> {
         let mut report = newton(&self.problem().equations, x, work, &self.setup.newton)?;
-        for _ in 1..MOST_SOLVES {
-            let (unsettled, has_changed) = (self.augment(x), self.settle_collisions(x));
-            if unsettled.is_none() && !has_changed {
-                return Ok(report);
+        for solves in 1.. {
+            // Points of collisions change a finite number of times.
+            match (self.augment(x), self.settle_collisions(x)) {
+                (None, false) => break,
+                (Some(Unsettled { contact, change, accepted }), _) if solves >= MOST_SOLVES => {
+                    return Err(Error::Multipliers { contact, solves, change, accepted, newton: Box::new(report) });
+                }
+                _ => {}
             }
             let solved = newton(&self.problem().equations, x, work, &self.setup.newton);
             let mut last = solved.map_err(|mut error| {
@@ -33,12 +37,7 @@ impl<const D: usize> Step<'_, D> {
             last.add_work(&report);
             report = last;
         }
-        match self.augment(x) {
-            None => Ok(report),
-            Some(Unsettled { contact, change, accepted }) => {
-                Err(Stage::Multipliers { contact, solves: MOST_SOLVES, change, accepted, newton: Box::new(report) })
-            }
-        }
+        Ok(report)
     }
 
     /// Sets the points of collisions that act in the next solve. Returns whether they have changed.

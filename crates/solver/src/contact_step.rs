@@ -11,7 +11,7 @@ use mesh::{BodyId, Point, Vector, VertexId};
 
 use crate::fluid_step::FluidStep;
 use crate::setup::Contact;
-use crate::{Stage, State};
+use crate::{Error, State};
 
 /// Borrowed parts of a step that the evaluation of contacts uses: layout, fluid, bodies and time.
 #[derive(Clone, Copy)]
@@ -84,19 +84,17 @@ fn pair<'p, const D: usize>(contact: &'p Contact<D>, parts: StepParts<'p, D>) ->
 
 impl<const D: usize> ContactStep<D> {
     /// Searches for obstacles within the offset of the law, plus twice the contact size, plus twice the largest speeds
-    /// of slave and master at the start times the length of the step.
-    ///
-    /// # Errors
-    /// [`Stage::MissingStress`]: the law depends on a stress that the setup does not have.
-    pub(crate) fn new(contact: &Contact<D>, previous: &State<D>, parts: StepParts<'_, D>) -> Result<Self, Stage> {
+    /// of slave and master at the start times the length of the step. Returns `None` if the law depends on a stress that
+    /// the setup does not have.
+    pub(crate) fn new(contact: &Contact<D>, previous: &State<D>, parts: StepParts<'_, D>) -> Option<Self> {
         let (pair, source) = (pair(contact, parts), contact.form().law.stress());
         if needs_stress(source) && pair.stress.is_none() {
-            return Err(Stage::MissingStress { stress: source, body: contact.body() });
+            return None;
         }
         let motion = |id: BodyId| previous.bodies[id.index()].largest_speed() * parts.time.length;
         let motion = motion(contact.body()) + contact.master().map_or(0.0, motion);
         let reach = contact.form().law.offset() + 2.0 * motion + 2.0 * contact.form().size();
-        Ok(Self { items: ContactItems::new(&pair, parts.layout, reach), reach })
+        Some(Self { items: ContactItems::new(&pair, parts.layout, reach), reach })
     }
 
     /// Returns the quadrature points of the contact.
@@ -109,7 +107,7 @@ impl<const D: usize> ContactStep<D> {
         self.items.set_multipliers(multipliers);
     }
 
-    /// Returns [`Stage::MissedContact`] if slave and master moved beyond the searched distance and may have touched.
+    /// Returns [`Error::MissedContact`] if slave and master moved beyond the searched distance and may have touched.
     pub(crate) fn check(
         &self,
         index: usize,
@@ -117,7 +115,7 @@ impl<const D: usize> ContactStep<D> {
         parts: StepParts<'_, D>,
         x: &[f64],
         newton: &NewtonReport,
-    ) -> Result<(), Stage> {
+    ) -> Result<(), Error> {
         if !self.items.is_searched() {
             return Ok(());
         }
@@ -138,7 +136,7 @@ impl<const D: usize> ContactStep<D> {
         // `None` for contact of a body with itself. Zero is then assumed, so that the error is returned.
         let apart = contact.geometry().smallest_gap(&slave.begin, Positions::Fixed(obstacle)).unwrap_or(0.0);
         if apart <= motion + offset {
-            return Err(Stage::MissedContact { contact: index, motion, room, newton: Box::new(newton.clone()) });
+            return Err(Error::MissedContact { contact: index, motion, room, newton: Box::new(newton.clone()) });
         }
         Ok(())
     }

@@ -2,14 +2,13 @@
 
 use algebra::{LinearError, NewtonError, NewtonReport};
 use contact::StressSource;
-use mesh::BodyId;
 
 /// Error of an observer.
 pub type ObserverError = Box<dyn std::error::Error + Send + Sync>;
 
-/// The stage of a step that failed.
+/// Error of a setup, a state or a step.
 #[derive(Debug, thiserror::Error)]
-pub enum Stage {
+pub enum Error {
     /// A parameter of the setup is out of range.
     #[error("checking the setup")]
     Parameter(#[from] mesh::ParameterError),
@@ -66,8 +65,8 @@ pub enum Stage {
     MissingStress {
         /// The stress.
         stress: StressSource,
-        /// The slave.
-        body: BodyId,
+        /// Name of the slave.
+        body: String,
     },
     /// The mortar is unstable with a share of the solid in its traction. Use `α = 1`, smaller steps, or a larger
     /// penalty.
@@ -118,8 +117,8 @@ pub enum Stage {
     /// for the stiffness of its bodies (take a larger one), or the body does not fit between its obstacles.
     #[error(
         "the multipliers of contact {contact} still change by {change:e} after {solves} solves, and {accepted:e} is accepted; take a larger \
-         gamma_contact_0 (with friction at most some hundred times the contact size times the mass per area over the square of the step) or tolerance, and check that the \
-         body fits between its obstacles"
+         parameter of its law (with friction at most some hundred times the contact size times the mass per area over the square of the step) or \
+         tolerance, and check that the body fits between its obstacles"
     )]
     Multipliers {
         /// Index of the contact in the setup.
@@ -154,7 +153,7 @@ pub enum Stage {
     Observer(#[source] ObserverError),
 }
 
-impl Stage {
+impl Error {
     /// Returns whether a smaller step may succeed: after a failure of Newton's method, a missed contact or an inverted
     /// cell, except if the matrix is too large for the memory or structurally singular.
     pub fn smaller_step_may_succeed(&self) -> bool {
@@ -183,7 +182,7 @@ impl Stage {
     }
 }
 
-/// A step that failed: when, and in which stage.
+/// A step that failed: its number, its time and the cause.
 #[derive(Debug, thiserror::Error)]
 #[error("step {step} to time {time:.6} failed")]
 pub struct StepError {
@@ -191,13 +190,13 @@ pub struct StepError {
     pub step: usize,
     /// Time at the end of the step.
     pub time: f64,
-    /// The stage that failed, with its error.
-    pub source: Stage,
+    /// Cause.
+    pub source: Error,
 }
 
 impl StepError {
     /// Creates an error in the given step.
-    pub fn at(step: usize, time: f64, source: impl Into<Stage>) -> Self {
+    pub fn at(step: usize, time: f64, source: impl Into<Error>) -> Self {
         Self { step, time, source: source.into() }
     }
 }

@@ -23,7 +23,7 @@ use crate::overlay::overlay;
 use crate::setup::{FluidBoundary, FluidSetup};
 use crate::state::KineticProducts;
 use crate::surfaces::Surfaces;
-use crate::{FluidState, Setup, Stabilisation, Stage, StageSeconds, State};
+use crate::{Error, FluidState, Setup, Stabilisation, State, StepSeconds};
 
 /// Degree of quadrature on interface pieces: products of two P1 functions.
 const PIECE_DEGREE: usize = 2;
@@ -75,8 +75,8 @@ impl<'a, const D: usize> FluidStep<'a, D> {
         (previous, before): (&State<D>, &FluidState<D>),
         positions: Vec<Vec<Point<D>>>,
         time: &StepTime,
-        (layout, seconds): (&mut BlockLayout, &mut StageSeconds),
-    ) -> Result<Self, Stage> {
+        (layout, seconds): (&mut BlockLayout, &mut StepSeconds),
+    ) -> Result<Self, Error> {
         let background = &fluid.background;
         let clock = Instant::now();
         let cut = overlay(setup, fluid, &positions)?;

@@ -34,13 +34,13 @@ mod step;
 mod surfaces;
 mod time_loop;
 
-pub use error::{ObserverError, Stage, StepError};
+pub use error::{Error, ObserverError, StepError};
 pub use ledger::Ledger;
 pub use observe::{Observer, StepView};
 pub use prepare::{Step, Substep};
 pub use problem::Problem;
 pub use report::{BodyReport, FluidReport, ForceBalance, StepReport};
-pub use seconds::StageSeconds;
+pub use seconds::StepSeconds;
 pub use setup::{ApproachSteps, Contact, ContactObstacle, FilmSetup, FluidBoundary, FluidSetup, Setup, TractionField};
 pub use sides::SideForce;
 pub use stabilisation::Stabilisation;

@@ -8,7 +8,7 @@ use xfem_space::XfemSpace;
 use crate::overlay::overlay;
 use crate::setup::FluidSetup;
 use crate::state::KineticProducts;
-use crate::{FluidState, Setup, Stage, State, StepError};
+use crate::{Error, FluidState, Setup, State, StepError};
 
 impl<const D: usize> State<D> {
     /// Returns the numbers of the state that setup and geometry do not determine. [`State::from_lists`] restores the
@@ -43,7 +43,7 @@ impl<const D: usize> State<D> {
         Self::read(setup, lists).map_err(|source| StepError::at(0, 0.0, source))
     }
 
-    fn read(setup: &Setup<D>, lists: &[Vec<f64>]) -> Result<Self, Stage> {
+    fn read(setup: &Setup<D>, lists: &[Vec<f64>]) -> Result<Self, Error> {
         setup.check()?;
         let mut lists = Lists(lists);
         let first = lists.list("step, time and contact energy", 3)?;
@@ -71,26 +71,26 @@ struct Lists<'a>(&'a [Vec<f64>]);
 
 impl<'a> Lists<'a> {
     /// Takes the next list, which has a given length.
-    fn list(&mut self, what: &'static str, length: usize) -> Result<&'a [f64], Stage> {
+    fn list(&mut self, what: &'static str, length: usize) -> Result<&'a [f64], Error> {
         let found = self.0.first().map(Vec::len);
         let (Some((first, rest)), true) = (self.0.split_first(), found == Some(length)) else {
-            return Err(Stage::Lists { what, expected: length, found: found.unwrap_or(0) });
+            return Err(Error::Lists { what, expected: length, found: found.unwrap_or(0) });
         };
         self.0 = rest;
         Ok(first)
     }
 
-    fn vectors<const D: usize>(&mut self, what: &'static str, n: usize) -> Result<Vec<Vector<D>>, Stage> {
+    fn vectors<const D: usize>(&mut self, what: &'static str, n: usize) -> Result<Vec<Vector<D>>, Error> {
         Ok(self.list(what, n * D)?.chunks_exact(D).map(Vector::from_column_slice).collect())
     }
 
     /// Takes the next list, of vectors, which may be empty.
-    fn vectors_or_none<const D: usize>(&mut self, what: &'static str, n: usize) -> Result<Vec<Vector<D>>, Stage> {
+    fn vectors_or_none<const D: usize>(&mut self, what: &'static str, n: usize) -> Result<Vec<Vector<D>>, Error> {
         let is_empty = self.0.first().is_some_and(Vec::is_empty);
         self.vectors(what, if is_empty { 0 } else { n })
     }
 
-    fn fluid<const D: usize>(&mut self, setup: &Setup<D>, fluid: &FluidSetup<D>) -> Result<FluidState<D>, Stage> {
+    fn fluid<const D: usize>(&mut self, setup: &Setup<D>, fluid: &FluidSetup<D>) -> Result<FluidState<D>, Error> {
         let numbers = self.list("time of the pressure and kinetic products", 4)?;
         // The number of dofs is known once the background is cut, for which the last lists are needed.
         let (of_dofs, of_bodies) = self.0.split_at(self.0.len().min(3));
@@ -109,10 +109,10 @@ impl<'a> Lists<'a> {
         Ok(FluidState { positions, cut, space, velocity, acceleration, pressure, pressure_time: numbers[0], products })
     }
 
-    fn end(&self) -> Result<(), Stage> {
+    fn end(&self) -> Result<(), Error> {
         match self.0.first() {
             None => Ok(()),
-            Some(list) => Err(Stage::Lists { what: "nothing more", expected: 0, found: list.len() }),
+            Some(list) => Err(Error::Lists { what: "nothing more", expected: 0, found: list.len() }),
         }
     }
 }

@@ -5,7 +5,7 @@ use mesh::Point;
 use xfem_space::small_regions;
 
 use crate::setup::{FluidBoundary, FluidSetup};
-use crate::{Setup, Stage};
+use crate::{Error, Setup};
 
 /// Largest volume of a part of trapped fluid, relative to the volume of its cell.
 const TRAPPED: f64 = 1e-2;
@@ -24,7 +24,7 @@ pub(crate) fn overlay<const D: usize>(
     setup: &Setup<D>,
     fluid: &FluidSetup<D>,
     positions: &[Vec<Point<D>>],
-) -> Result<CutMesh<D>, Stage> {
+) -> Result<CutMesh<D>, Error> {
     let background = &fluid.background;
     let cut = CutMesh::overlay(background, &setup.surfaces(positions), &fluid.overlay)?;
     check_interface(&cut)?;
@@ -42,10 +42,10 @@ pub(crate) fn overlay<const D: usize>(
 }
 
 /// Returns an error if a part of the interface has no facet, so that fluid and body would not be coupled.
-fn check_interface<const D: usize>(cut: &CutMesh<D>) -> Result<(), Stage> {
+fn check_interface<const D: usize>(cut: &CutMesh<D>) -> Result<(), Error> {
     /// Largest share of the interface that round-off can leave without a facet.
     const LARGEST_SHARE: f64 = 1e-6;
     let uncovered = cut.report().uncovered_measure;
     let interface: f64 = cut.interface().iter().map(|piece| piece.measure).sum();
-    if uncovered > LARGEST_SHARE * interface { Err(Stage::Interface { uncovered, interface }) } else { Ok(()) }
+    if uncovered > LARGEST_SHARE * interface { Err(Error::Interface { uncovered, interface }) } else { Ok(()) }
 }

@@ -12,7 +12,7 @@ use mesh::{Aabb, Point};
 use crate::collision::Collision;
 use crate::contact_step::{ContactStep, StepParts};
 use crate::fluid_step::FluidStep;
-use crate::{Setup, Stage, StageSeconds, State};
+use crate::{Contact, Error, Setup, State, StepSeconds};
 
 /// A step of the setup, or a part of one.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,19 +45,20 @@ pub struct Step<'a, const D: usize> {
     pub(crate) collisions: Vec<Option<Collision<D>>>,
     pub(crate) constraints: Constraints,
     pub(crate) pockets: Vec<Pocket>,
-    pub(crate) seconds: StageSeconds,
+    pub(crate) seconds: StepSeconds,
 }
 
 impl<'a, const D: usize> Step<'a, D> {
     /// Prepares the step after `previous`.
     ///
     /// # Errors
-    /// A body has left the background, the surfaces cannot cut the background, a contact law depends on a stress that
-    /// is missing, or the penalty is too small for the share of the solid in the traction.
-    pub fn prepare(setup: &'a Setup<D>, previous: &'a State<D>, time: StepTime) -> Result<Self, Stage> {
+    /// [`Error::LeftDomain`], [`Error::Cut`] and [`Error::Interface`]: the bodies do not cut the background as they must.
+    /// [`Error::MissingStress`]: a contact law depends on a stress that the setup does not have.
+    /// [`Error::UnstableShare`]: the penalty is too small for the share of the solid in the traction.
+    pub fn prepare(setup: &'a Setup<D>, previous: &'a State<D>, time: StepTime) -> Result<Self, Error> {
         let clock = Instant::now();
         let mut layout = BlockLayout::new();
-        let mut seconds = StageSeconds::default();
+        let mut seconds = StepSeconds::default();
         let fluid = match setup.fluid.as_ref().zip(previous.fluid.as_ref()) {
             Some((fluid, before)) => {
                 let bodies = setup.bodies.iter().zip(&previous.bodies);
@@ -83,7 +84,11 @@ impl<'a, const D: usize> Step<'a, D> {
             seconds,
         };
         let searched = Instant::now();
-        let contact = |contact| ContactStep::new(contact, previous, step.parts());
+        let contact = |contact: &Contact<D>| {
+            let name = || setup.bodies[contact.body().index()].name().to_owned();
+            let missing = || Error::MissingStress { stress: contact.form().law.stress(), body: name() };
+            ContactStep::new(contact, previous, step.parts()).ok_or_else(missing)
+        };
         step.contacts = setup.contacts.iter().map(contact).collect::<Result<_, _>>()?;
         step.seconds.search = searched.elapsed().as_secs_f64();
         step.constrain();
@@ -111,10 +116,10 @@ impl<'a, const D: usize> Step<'a, D> {
     }
 
     /// Returns an error if the penalty is too small for the share of the solid.
-    fn check_share(&self) -> Result<(), Stage> {
+    fn check_share(&self) -> Result<(), Error> {
         let Some((fluid, points)) = self.fluid.as_ref().zip(self.interface()) else { return Ok(()) };
         match unstable_share(&points, &fluid.mortar.penalty) {
-            Some(UnstableShare { body, penalty, required }) => Err(Stage::UnstableShare {
+            Some(UnstableShare { body, penalty, required }) => Err(Error::UnstableShare {
                 alpha: fluid.setup.alpha,
                 body: self.setup.bodies[body.index()].name().to_owned(),
                 penalty,
@@ -193,7 +198,7 @@ impl<'a, const D: usize> Step<'a, D> {
     }
 
     /// Returns an error if a contact may have been missed: its bodies moved farther than the search allowed.
-    pub(crate) fn check_contacts(&self, x: &[f64], newton: &NewtonReport) -> Result<(), Stage> {
+    pub(crate) fn check_contacts(&self, x: &[f64], newton: &NewtonReport) -> Result<(), Error> {
         for (index, (contact, step)) in self.setup.contacts.iter().zip(&self.contacts).enumerate() {
             step.check(index, contact, self.parts(), x, newton)?;
         }
@@ -231,11 +236,11 @@ fn check_domain<const D: usize>(
     setup: &Setup<D>,
     background: &[Point<D>],
     positions: &[Vec<Point<D>>],
-) -> Result<(), Stage> {
+) -> Result<(), Error> {
     let bounds = Aabb::of_points(background);
     for (body, positions) in setup.bodies.iter().zip(positions) {
         if body.is_movable() && !positions.iter().any(|x| bounds.contains(x)) {
-            return Err(Stage::LeftDomain { body: body.name().to_owned() });
+            return Err(Error::LeftDomain { body: body.name().to_owned() });
         }
     }
     Ok(())

@@ -9,7 +9,7 @@ use interface_dg::{InterfaceFlow, InterfaceTraction, interface_flow, interface_t
 use mesh::{BodyId, Coordinates, Point, Vector};
 
 use crate::setup::Contact;
-use crate::{Ledger, Problem, Setup, SideForce, Stage, StageSeconds, Step, Substep};
+use crate::{Error, Ledger, Problem, Setup, SideForce, Step, StepSeconds, Substep};
 
 /// Forces on a movable body at the stage of a step. Inertia is the sum of the others, up to the error of the nonlinear
 /// solve, in every direction without supports and loads.
@@ -112,7 +112,7 @@ pub struct StepReport<const D: usize> {
     /// Number of unknowns.
     pub n_dofs: usize,
     /// Wall-clock time per stage.
-    pub seconds: StageSeconds,
+    pub seconds: StepSeconds,
 }
 
 impl<const D: usize> Problem<'_, D> {
@@ -163,21 +163,21 @@ impl<const D: usize> Problem<'_, D> {
             }
         }
         add_forces(step, fluid.as_ref(), &contacts, &mut bodies);
-        let seconds = StageSeconds { assembly: newton.seconds_assembly, linear: newton.seconds_linear, ..step.seconds };
+        let seconds = StepSeconds { assembly: newton.seconds_assembly, linear: newton.seconds_linear, ..step.seconds };
         StepReport { substep, newton, fluid, bodies, contacts, ledger, n_dofs: step.layout.len(), seconds }
     }
 }
 
 impl<const D: usize> StepReport<D> {
-    /// Returns [`Stage::Inverted`] if a cell of a body is inside out.
-    pub(crate) fn check_volumes(&self, setup: &Setup<D>) -> Result<(), Stage> {
+    /// Returns [`Error::Inverted`] if a cell of a body is inside out.
+    pub(crate) fn check_volumes(&self, setup: &Setup<D>) -> Result<(), Error> {
         for (body, report) in setup.bodies.iter().zip(&self.bodies) {
             let Some(balance) = &report.balance else { continue };
             let ratio = balance.smallest_volume_ratio;
             if ratio <= 0.0 || ratio.is_nan() {
                 let (body, newton) = (body.name().to_owned(), Box::new(self.newton.clone()));
                 let place = balance.smallest_volume_at.iter().copied().collect();
-                return Err(Stage::Inverted { body, place, ratio, newton });
+                return Err(Error::Inverted { body, place, ratio, newton });
             }
         }
         Ok(())

@@ -1,8 +1,8 @@
 //! Wall-clock times of a step.
 
-/// Wall-clock time per stage of a step, s.
+/// Wall-clock time of each part of a step, s.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct StageSeconds {
+pub struct StepSeconds {
     /// Cutting the background.
     pub cut: f64,
     /// Space, history, shape values.

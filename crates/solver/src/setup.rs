@@ -10,7 +10,7 @@ use cutcell::OverlayOptions;
 use fluid_ns::NewtonianFluid;
 use mesh::{BodyId, FacetId, Placed, Point, SimplexMesh, Tag, Vector, unit_vector};
 
-use crate::{Stabilisation, Stage};
+use crate::{Error, Stabilisation};
 
 /// Traction, force per area, as a function of the point, the outward normal and the time.
 pub type TractionField<const D: usize> = Arc<dyn Fn(&Point<D>, &Vector<D>, f64) -> Vector<D> + Send + Sync>;
@@ -62,7 +62,7 @@ pub struct FluidSetup<const D: usize> {
     pub film: Option<FilmSetup>,
     /// Weight `α` of the fluid's traction in the mortar, from 0 to 1; the traction of elastic bodies has the weight
     /// `1 - α`. The mortar is stable for `α = 1`; smaller weights need a penalty that grows with stiffness and step
-    /// ([`Stage::UnstableShare`]).
+    /// ([`Error::UnstableShare`]).
     pub alpha: f64,
     /// Convection: `None` for Stokes, else whether to add the skew part.
     pub convection: Option<bool>,
@@ -156,7 +156,7 @@ impl<const D: usize> FluidSetup<D> {
     }
 
     /// Checks that sides on the axis of axisymmetric coordinates are planes of symmetry.
-    fn check_axis(&self) -> Result<(), Stage> {
+    fn check_axis(&self) -> Result<(), Error> {
         let Some(radial) = self.background.coordinates().radial() else { return Ok(()) };
         let on_axis = |facet: &FacetId| {
             let vertices = self.background.facet(*facet);
@@ -166,7 +166,7 @@ impl<const D: usize> FluidSetup<D> {
             let condition = self.condition(self.background.facet_tag(facet));
             matches!(condition, Some(FluidBoundary::Symmetry { normal }) if normal[radial].abs() == 1.0)
         };
-        if self.background.facets().filter(on_axis).all(is_symmetry) { Ok(()) } else { Err(Stage::Axis) }
+        if self.background.facets().filter(on_axis).all(is_symmetry) { Ok(()) } else { Err(Error::Axis) }
     }
 }
 
@@ -262,10 +262,10 @@ impl<const D: usize> Setup<D> {
     /// Checks the numbers of the setup, and that its parts fit together. [`crate::State::initial`] calls it.
     ///
     /// # Errors
-    /// [`Stage::Parameter`]: a time step, weight, roughness or normal out of its range. [`Stage::Axis`]: a side on the
-    /// axis of rotation without symmetry. [`Stage::Coordinates`]: a body in other coordinates than the background.
-    /// [`Stage::Contact`]: a contact that was made for other bodies.
-    pub fn check(&self) -> Result<(), Stage> {
+    /// [`Error::Parameter`]: a time step, weight, roughness or normal out of its range. [`Error::Axis`]: a side on the
+    /// axis of rotation without symmetry. [`Error::Coordinates`]: a body in other coordinates than the background.
+    /// [`Error::Contact`]: a contact that was made for other bodies.
+    pub fn check(&self) -> Result<(), Error> {
         mesh::positive("time step", self.dt)?;
         if let Some(ApproachSteps { fraction, smallest }) = self.approach {
             mesh::positive("fraction of the gap in a step", fraction)?;
@@ -286,11 +286,11 @@ impl<const D: usize> Setup<D> {
             fluid.check_axis()?;
             let coordinates = fluid.background.coordinates();
             if let Some(body) = self.bodies.iter().find(|body| body.surface().coordinates() != coordinates) {
-                return Err(Stage::Coordinates { body: body.name().to_owned() });
+                return Err(Error::Coordinates { body: body.name().to_owned() });
             }
         }
         for (index, contact) in self.contacts.iter().enumerate() {
-            contact.check(&self.bodies).map_err(|source| Stage::Contact { contact: index, source })?;
+            contact.check(&self.bodies).map_err(|source| Error::Contact { contact: index, source })?;
         }
         Ok(())
     }

@@ -2,7 +2,7 @@
 
 use algebra::Workspace;
 
-use crate::{Setup, Stage, State, Step, StepError, StepReport, Substep};
+use crate::{Error, Setup, State, Step, StepError, StepReport, Substep};
 
 /// Advances fluid, bodies and contacts by a step, or a part of one, on the geometry at its start, or extrapolated to
 /// its stage (generalised-α).
@@ -10,7 +10,7 @@ use crate::{Setup, Stage, State, Step, StepError, StepReport, Substep};
 /// The result is a function of `setup`, `previous` and `substep`. `work` recycles memory, and factors of some solvers.
 ///
 /// # Errors
-/// [`StepError`] names the stage that failed; `previous` is unchanged.
+/// [`StepError`] has the number of the step, its time and the cause; `previous` is unchanged.
 pub fn advance<const D: usize>(
     setup: &Setup<D>,
     previous: &State<D>,
@@ -19,7 +19,7 @@ pub fn advance<const D: usize>(
 ) -> Result<(State<D>, StepReport<D>), StepError> {
     let time = previous.step_time(setup, substep.dt);
     let end = time.end;
-    let failed = |stage: Stage| StepError::at(previous.step + 1, end, stage);
+    let failed = |error: Error| StepError::at(previous.step + 1, end, error);
     let mut step = Step::prepare(setup, previous, time).map_err(failed)?; // surfaces, cut, space, history, unknowns
     if step.has_collision() && previous.has_accelerations() {
         // Accelerations at the start are not valid in a step in which velocities jump.

@@ -2,7 +2,7 @@
 
 use algebra::{NewtonReport, Workspace};
 
-use crate::{Observer, Setup, Stage, State, StepError, StepView, Substep, advance};
+use crate::{Error, Observer, Setup, State, StepError, StepView, Substep, advance};
 
 /// A run: the setup, the state so far, and recycled memory.
 pub struct TimeLoop<'a, const D: usize> {
@@ -50,7 +50,7 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
             workspace: &self.work,
         };
         for observer in observers.iter_mut() {
-            observer.after_step(&start).map_err(|e| StepError::at(step, time, Stage::Observer(e)))?;
+            observer.after_step(&start).map_err(|e| StepError::at(step, time, Error::Observer(e)))?;
         }
         for _ in 0..n_steps {
             self.whole_step(observers)?;
@@ -93,7 +93,7 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
                 for observer in observers.iter_mut() {
                     observer
                         .after_step(&view)
-                        .map_err(|e| StepError::at(state.step, state.time, Stage::Observer(e)))?;
+                        .map_err(|e| StepError::at(state.step, state.time, Error::Observer(e)))?;
                 }
                 self.state = state;
                 Ok(())

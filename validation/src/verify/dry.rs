@@ -6,7 +6,7 @@ use cutwater::algebra::NewtonSettings;
 use cutwater::algebra::time::{GeneralisedAlpha, TimeScheme};
 use cutwater::contact::{ContactForm, PenaltyLaw, RigidPlane};
 use cutwater::mesh::{BodyId, FacetId, SimplexMesh, Vector};
-use cutwater::solid_svk::supports::{tagged_facets, vertices_of};
+use cutwater::solid_svk::supports::tagged_facets;
 use cutwater::solid_svk::{ElasticBody, ElasticOptions, Material, SolidForm, SolidMesh, Support, SupportKind};
 use cutwater::solver::body::Body;
 use cutwater::solver::{Contact, ContactObstacle, Setup};
@@ -31,7 +31,7 @@ impl<const D: usize> Elastic<D> {
 
     /// Holds a named part of the boundary.
     pub(crate) fn hold(&mut self, part: &str, kind: SupportKind<D>) -> Result<(), Failure> {
-        let vertices = vertices_of(&self.solid, &tagged_facets(&self.solid, part)?);
+        let vertices = self.solid.boundary().vertices_of(&tagged_facets(&self.solid, part)?);
         self.options.supports.push(Support { vertices, kind });
         Ok(())
     }

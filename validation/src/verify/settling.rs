@@ -2,7 +2,7 @@
 
 use cutwater::io::ScenarioFile;
 use cutwater::io::scenario::case::case;
-use cutwater::solver::{Observer, ObserverError, StageSeconds, State, StepView, TimeLoop};
+use cutwater::solver::{Observer, ObserverError, State, StepSeconds, StepView, TimeLoop};
 
 use crate::case::example_path;
 use crate::units::cgs;
@@ -96,7 +96,7 @@ impl Observer<2> for Fall {
         let gaps = report.contacts.iter().filter_map(|contact| contact.minimum_gap);
         self.smallest_gap = gaps.fold(self.smallest_gap, f64::min);
         self.n_contacts = self.n_contacts.max(report.contacts.iter().filter(|contact| contact.is_active()).count());
-        let StageSeconds { cut, space, search, assembly, linear, .. } = report.seconds;
+        let StepSeconds { cut, space, search, assembly, linear, .. } = report.seconds;
         self.seconds += cut + space + assembly + linear;
         let timings = report.newton.timings.iter().filter(|timing| timing.name == "contact");
         self.seconds_of_contact += search + timings.map(|timing| timing.seconds).sum::<f64>();

@@ -6,7 +6,7 @@ use algebra::time::QuasiStatic;
 use body::{Body, BodyState};
 use contact::{ContactForm, ContactLaw, ContactReport, DeformableObstacle, NitscheLaw, PenaltyLaw, RigidPlane};
 use mesh::{Point, Vector};
-use solid_svk::supports::{Support, SupportKind, tagged_facets, vertices_of};
+use solid_svk::supports::{Support, SupportKind, tagged_facets};
 use solid_svk::{ElasticOptions, Order, SolidMesh};
 
 use crate::setting::{Scene, block, block_of, soft};
@@ -37,8 +37,10 @@ fn pushed_by<const D: usize>(displacement: f64) -> SupportKind<D> {
 /// Returns the options of a quasi-static body that is supported on tagged parts of its boundary.
 fn supported<const D: usize>(parts: Vec<(&str, SupportKind<D>)>) -> impl FnOnce(&SolidMesh<D>) -> ElasticOptions<D> {
     move |solid| {
-        let support =
-            |(name, kind)| Support { vertices: vertices_of(solid, &tagged_facets(solid, name).unwrap()), kind };
+        let support = |(name, kind)| Support {
+            vertices: solid.boundary().vertices_of(&tagged_facets(solid, name).unwrap()),
+            kind,
+        };
         let supports = parts.into_iter().map(support).collect();
         ElasticOptions { supports, ..ElasticOptions::default() }
     }

@@ -19,7 +19,7 @@ use std::process::ExitCode;
 
 use cutwater::io::scenario::expected_cells;
 use cutwater::io::{Error, ScenarioFile};
-use cutwater::solver::Stage;
+use cutwater::solver;
 
 /// Exit code of a run that was interrupted: the one that shells use for SIGINT, 128 + 2.
 pub(crate) const INTERRUPTED: u8 = 130;
@@ -118,7 +118,7 @@ impl Failure {
     /// Returns the error with its causes, and the history of residuals if Newton's method failed.
     pub(crate) fn explain(&self) -> String {
         match self {
-            Self::Run { error: Error::Step(step), has_contacts } => chain(step) + &residuals(step, *has_contacts),
+            Self::Run { error: Error::Step(step), has_contacts } => chain(step) + &advice(step, *has_contacts),
             Self::Run { error: error @ Error::Interrupted { .. }, .. } => error.to_string(),
             Self::Run { error, .. } => chain(error),
             #[cfg(feature = "report")]
@@ -142,9 +142,15 @@ fn chain(error: &dyn std::error::Error) -> String {
     text
 }
 
-/// Returns the advice and the history of residuals, if Newton's method failed.
-fn residuals(step: &cutwater::solver::StepError, has_contacts: bool) -> String {
-    let Stage::Newton(newton) = &step.source else { return String::new() };
+/// Returns the keys of the scenario that may help, and the history of residuals if Newton's method failed.
+fn advice(step: &solver::StepError, has_contacts: bool) -> String {
+    let newton = match &step.source {
+        solver::Error::Newton(newton) => newton,
+        solver::Error::Multipliers { .. } => {
+            return "\n  the parameter is `law.gamma_contact_0` of the contact".to_owned();
+        }
+        _ => return String::new(),
+    };
     let mut text = String::new();
     if step.source.smaller_step_may_succeed() {
         text += "\n  a step that fails is halved up to `time.most_halvings` times; try a smaller `time.step`, or more \

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use mesh::{BoundaryMesh, Coordinates, FacetId, Point, SimplexMesh, Vector, VertexId};
 use solid_rigid::RigidBody;
 use solid_rigid::modes::n_rotations;
-use solid_svk::supports::{facets_without_tags, tagged_facets, vertices_of};
+use solid_svk::supports::{facets_without_tags, tagged_facets};
 use solid_svk::{
     ElasticBody, ElasticOptions, LameParameters, LinearElastic, Load, Material, NeoHookean, SaintVenantKirchhoff,
     SolidForm, SolidMesh, Support, SupportKind,
@@ -432,7 +432,7 @@ fn supports_and_loads<const D: usize>(
         };
         let tag = mesh.tag(name).ok_or_else(unknown)?;
         let facets = tagged_facets(solid, name).map_err(|_| unknown())?;
-        let vertices = vertices_of(solid, &facets);
+        let vertices = solid.boundary().vertices_of(&facets);
         let points: Vec<_> = vertices.iter().map(|vertex| solid.nodes()[vertex.index()]).collect();
         let kind = match &**condition {
             BodyCondition::Clamped => SupportKind::Clamped,

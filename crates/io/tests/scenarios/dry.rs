@@ -127,6 +127,28 @@ fn a_block_without_a_fluid_moves_as_in_the_library() {
 }
 
 #[test]
+fn generated_energy_does_not_depend_on_the_origin() {
+    let generated = |height: f64| {
+        let place = [
+            format!("body.0.shape.min.1={}", 0.01 + height),
+            format!("body.0.shape.max.1={}", 0.51 + height),
+            format!("contact.0.obstacle.point.1={height}"),
+        ];
+        let set = place.each_ref().map(String::as_str);
+        let directory = fresh_directory(&format!("moved-by-{height}"));
+        let summary = results(
+            &legal(CASE, &[&set, &["time.scheme={ kind = \"generalised-alpha\", rho_inf = 0.9 }"]]),
+            &directory,
+        );
+        summary.energy_generated.expect("steps")
+    };
+    let [near, far] = [0.0, 1000.0].map(generated);
+    // The energy of the bounce is 250 J/m, that of gravity at a height of a kilometre 5e6 J/m.
+    assert!(near > 1e-6, "{near}");
+    assert!((far / near - 1.0).abs() < 1e-2, "{near} {far}");
+}
+
+#[test]
 fn only_the_body_has_field_files() {
     let directory = fresh_directory("fields-of-dry-block");
     results(&legal(CASE, &[]), &directory);

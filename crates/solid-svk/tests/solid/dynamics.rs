@@ -12,7 +12,7 @@ use body::{Body, StepTime};
 use mesh::generate::{BallOptions, ball};
 use mesh::{FacetId, Point, Vector, VertexId};
 use solid_svk::energy::balance;
-use solid_svk::supports::{tagged_facets, vertices_of};
+use solid_svk::supports::tagged_facets;
 use solid_svk::{
     ElasticBody, ElasticOptions, Error, LameParameters, LinearElastic, Load, Material, Order, SolidCells, SolidForm,
     SolidMesh, Support, SupportKind,
@@ -175,8 +175,10 @@ fn layers_have_their_density_and_material(order: Order) {
     let groups: Vec<(f64, Arc<dyn Material<2>>)> = vec![(3.0, Arc::new(law(1.0))), (5.0, Arc::new(law(3.0)))];
     let form = SolidForm::of_groups(groups, Vector::zeros()).unwrap();
     // Strains 2/3 and 1/3 of the pull: stiffness 4 and 8.
-    let support =
-        |part: &str, kind| Support { vertices: vertices_of(&solid, &tagged_facets(&solid, part).unwrap()), kind };
+    let support = |part: &str, kind| Support {
+        vertices: solid.boundary().vertices_of(&tagged_facets(&solid, part).unwrap()),
+        kind,
+    };
     let pulled = Arc::new(|_: &Point<2>, _| [Some(0.0), Some(0.03)]);
     let side = || SupportKind::symmetry(0);
     let supports = vec![

@@ -11,7 +11,7 @@ use mesh::generate::{BallOptions, Size, ball, graded_box};
 use mesh::nalgebra::Rotation3;
 use mesh::{Point, SimplexRule, Tensor, Vector, VertexId, det};
 use solid_svk::energy::stresses;
-use solid_svk::supports::{Support, SupportKind, facets_without_tags, tagged_facets, vertices_of};
+use solid_svk::supports::{Support, SupportKind, facets_without_tags, tagged_facets};
 use solid_svk::terms::{FollowerPressure, Traction};
 use solid_svk::{LameParameters, LinearElastic, Material, Order, SolidCells, SolidFacets, SolidForm, SolidMesh};
 use std::sync::Arc;
@@ -88,7 +88,7 @@ fn uniform_strain_is_exact<const D: usize>(mesh: &SolidMesh<D>, strain: f64) {
     let exact = |x: &Point<D>| gradient * x;
     let prescribed = move |x: &Point<D>, _| -> [Option<f64>; D] { std::array::from_fn(|a| Some((gradient * x)[a])) };
     let boundary: Vec<_> = mesh.boundary().facets().collect();
-    let vertices = vertices_of(mesh, &boundary);
+    let vertices = mesh.boundary().vertices_of(&boundary);
     assert!(vertices.len() < mesh.nodes().len());
     let mut constraints = Constraints::new();
     let n_held = D * vertices.len();
@@ -142,7 +142,7 @@ fn stretched_bar_in_plane_strain() {
             ("bottom", SupportKind::symmetry(1)),
             ("right", SupportKind::Displacement(Arc::new(stretched))),
         ] {
-            let vertices = vertices_of(&mesh, &tagged_facets(&mesh, name).unwrap());
+            let vertices = mesh.boundary().vertices_of(&tagged_facets(&mesh, name).unwrap());
             body.hold(vertices, support, &mut constraints);
         }
         let work = form.internal_work(body.cells());
@@ -247,7 +247,7 @@ fn quadratic_displacement_is_exact<const D: usize>(mesh: &SolidMesh<D>) {
         let field = Arc::clone(&field);
         move |x: &Point<D>, _| -> [Option<f64>; D] { std::array::from_fn(|a| Some(field.at(x)[a])) }
     };
-    let nodes = vertices_of(mesh, &held);
+    let nodes = mesh.boundary().vertices_of(&held);
     let n_held = nodes.len();
     body.hold(nodes, SupportKind::Displacement(Arc::new(prescribed)), &mut constraints);
     assert!(n_held < mesh.nodes().len());
@@ -302,7 +302,7 @@ fn error_of_smooth_solution<const D: usize>(order: Order, n: usize) -> f64 {
     let held = facets_without_tags(&mesh, &["top"]).unwrap();
     let prescribed = move |x: &Point<D>, _| -> [Option<f64>; D] { std::array::from_fn(|a| Some(exact(x)[a])) };
     let mut constraints = Constraints::new();
-    body.hold(vertices_of(&mesh, &held), SupportKind::Displacement(Arc::new(prescribed)), &mut constraints);
+    body.hold(mesh.boundary().vertices_of(&held), SupportKind::Displacement(Arc::new(prescribed)), &mut constraints);
     let mut x = vec![0.0; body.layout.len()];
     let work = form.internal_work(body.cells());
     solve(&body.layout, vec![Box::new(work), Box::new(load)], constraints, &mut x, 1e-12);

@@ -10,7 +10,7 @@ use solver::algebra::time::QuasiStatic;
 use solver::contact::{AugmentedLagrangianLaw, ContactForm, StressSource};
 use solver::mesh::generate::{BallOptions, Size, graded_box, half_ball, structured_box};
 use solver::mesh::{BodyId, Coordinates, Placed, SimplexMesh, VertexId};
-use solver::{Contact, FluidBoundary, Setup, Stage};
+use solver::{Contact, Error, FluidBoundary, Setup};
 
 fn around_axis(mesh: SimplexMesh<2>) -> SimplexMesh<2> {
     mesh.with_coordinates(Coordinates::Axisymmetric).expect("radii of zero and more")
@@ -259,11 +259,11 @@ fn the_flow_through_a_pipe_has_its_parabola() {
 fn other_coordinates_and_a_wall_on_the_axis_are_refused() {
     let mut wall = setup(fluid(background(), 1.0, 0.1), 0.1);
     on_sides(&mut wall, &SIDES, || FluidBoundary::NoSlip);
-    assert!(matches!(wall.check(), Err(Stage::Axis)));
+    assert!(matches!(wall.check(), Err(Error::Axis)));
     let mut plane = around(1.0, 0.1, 0.1);
     on_sides(&mut plane, &["right", "bottom", "top"], || FluidBoundary::NoSlip);
     plane.bodies.push(prescribed(&disk([0.7, 0.9], 0.3, 0.1), |x, _| *x, |_, _| V::zeros()));
-    assert!(matches!(plane.check(), Err(Stage::Coordinates { .. })));
+    assert!(matches!(plane.check(), Err(Error::Coordinates { .. })));
     let across = structured_box([-0.5, 0.0], [0.5, 1.0], [2, 2]).expect("a box");
     assert!(across.with_coordinates(Coordinates::Axisymmetric).is_err());
     let space = structured_box([0.0; 3], [1.0; 3], [1, 1, 1]).expect("a box");

@@ -7,7 +7,7 @@ use crate::fixture::*;
 use solver::algebra::time::{GeneralisedAlpha, ImplicitEuler, TimeScheme};
 use solver::algebra::{LaggedSettings, LaggedSolver, Workspace};
 use solver::mesh::generate::structured_box;
-use solver::{FluidBoundary, Setup, Stage, State, StepReport, Substep, TimeLoop};
+use solver::{Error, FluidBoundary, Setup, State, StepReport, Substep, TimeLoop};
 
 /// Returns all bits of a state.
 fn bits(state: &State<2>) -> Vec<Vec<u64>> {
@@ -71,7 +71,7 @@ fn lists_of_another_setup_are_refused() {
     let of_size = |size| two_balls(Arc::new(ImplicitEuler), size);
     let lists = run(&of_size(0.8), 1).0.to_lists();
     let refused = |setup: &Setup<2>, lists: &[Vec<f64>]| {
-        matches!(State::from_lists(setup, lists).map_err(|error| error.source), Err(Stage::Lists { .. }))
+        matches!(State::from_lists(setup, lists).map_err(|error| error.source), Err(Error::Lists { .. }))
     };
     assert!(refused(&of_size(0.9), &lists));
     assert!(refused(&of_size(0.8), &lists[1..]) && refused(&of_size(0.8), &lists[..lists.len() - 1]));

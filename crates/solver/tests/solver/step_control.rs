@@ -5,7 +5,7 @@ use solid_svk::SupportKind;
 use solver::algebra::time::GeneralisedAlpha;
 use solver::algebra::{LaggedSettings, LaggedSolver, NewtonSettings, Workspace};
 use solver::mesh::generate::structured_box;
-use solver::{Observer, ObserverError, Setup, Stage, State, StepView, Substep, TimeLoop, advance};
+use solver::{Error, Observer, ObserverError, Setup, State, StepView, Substep, TimeLoop, advance};
 
 /// Returns the setup of a block that is accelerated towards a clamped one, so fast that it moves farther in the first
 /// step than contacts are searched.
@@ -87,7 +87,7 @@ fn without_halvings_the_run_stops_at_the_last_good_state() {
     let (state, parts, outcome) = take_steps(&setup, 1);
     let error = outcome.expect_err("contact may be missed");
     assert!(
-        matches!(error.source, Stage::MissedContact { contact: 0, motion, room, .. } if motion > room && room > 0.03),
+        matches!(error.source, Error::MissedContact { contact: 0, motion, room, .. } if motion > room && room > 0.03),
         "{error:?}"
     );
     assert!(parts.is_empty() && state.time == 0.0);
@@ -106,7 +106,7 @@ fn a_failure_of_newton_is_repaired_by_smaller_steps() {
     let mut work = Workspace::with_solver(Box::new(LaggedSolver::new(LaggedSettings::default())));
     let start = State::initial(&setup).expect("a cut");
     let whole = advance(&setup, &start, Substep::whole(setup.dt), &mut work);
-    assert!(matches!(whole.expect_err("too few corrections").source, Stage::Newton(_)));
+    assert!(matches!(whole.expect_err("too few corrections").source, Error::Newton(_)));
     setup.most_halvings = 8;
     let (state, parts, outcome) = take_steps(&setup, 1);
     outcome.expect("parts of the step");
@@ -164,7 +164,7 @@ fn cells_do_not_turn_inside_out_silently() {
     setup.bodies.push(block.body());
     let (_, _, outcome) = take_steps(&setup, 6);
     let error = outcome.expect_err("an inverted cell");
-    let Stage::Inverted { body, place, ratio, .. } = &error.source else { panic!("{error:?}") };
+    let Error::Inverted { body, place, ratio, .. } = &error.source else { panic!("{error:?}") };
     assert!(body == "block" && *ratio <= 0.0 && place.len() == 2 && (0.7..1.5).contains(&place[1]), "{error:?}");
     assert!(error.source.smaller_step_may_succeed() && error.source.newton_report().is_some());
     assert!(error.source.to_string().contains("inside out"));

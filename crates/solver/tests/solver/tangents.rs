@@ -7,7 +7,7 @@ use solver::algebra::time::GeneralisedAlpha;
 use solver::contact::StressSource;
 use solver::mesh::Vector;
 use solver::mesh::generate::structured_box;
-use solver::{Setup, Stabilisation, Stage, State, Step, Substep, advance};
+use solver::{Error, Setup, Stabilisation, State, Step, Substep, advance};
 
 #[test]
 fn tangents_are_exact() {
@@ -76,7 +76,7 @@ fn a_law_without_its_stress_is_an_error() {
     contact_with_stress(&mut setup, 1, StressSource::Solid);
     let state = State::initial(&setup).expect("a cut");
     let time = state.step_time(&setup, setup.dt);
-    assert!(matches!(Step::prepare(&setup, &state, time), Err(Stage::MissingStress { .. })));
+    assert!(matches!(Step::prepare(&setup, &state, time), Err(Error::MissingStress { .. })));
 }
 
 /// Returns the falling ball with the weight `alpha` of the fluid's traction.
@@ -130,7 +130,7 @@ fn a_share_beyond_the_penalty_is_an_error() {
     };
     assert!(found(1.0, 1e-3).is_ok() && found(0.5, 1e-5).is_ok());
     match found(0.5, 1e-3).expect_err("unstable") {
-        Stage::UnstableShare { alpha, penalty, required, .. } => {
+        Error::UnstableShare { alpha, penalty, required, .. } => {
             assert!(alpha == 0.5 && penalty < required);
         }
         other => panic!("{other}"),

@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use cutwater::mesh::generate::structured_box;
-use cutwater::solid_svk::supports::vertices_of;
 use cutwater::solid_svk::{LameParameters, LinearElastic, SupportKind};
 
 use super::super::dry::{Scheme, elastic, floor, run};
@@ -105,7 +104,7 @@ pub(super) fn history(gravity: f64, n: usize, advance: &Advance<'_>, end: f64) -
     let material = LinearElastic::new(LameParameters::from_young_poisson(YOUNG, 0.0)?);
     let mut body = elastic(mesh, DENSITY, material, V::new(0.0, -gravity), Arc::clone(scheme))?;
     if is_massless {
-        let foot = vertices_of(&body.solid, &body.part("bottom")?);
+        let foot = body.solid.boundary().vertices_of(&body.part("bottom")?);
         body.solid = body.solid.without_mass_at(&foot)?.0;
     }
     for side in ["left", "right"] {
