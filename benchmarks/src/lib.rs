@@ -6,7 +6,6 @@ use algebra::time::{ImplicitEuler, Level, StepRule, TimeScheme};
 use algebra::{BlockLayout, BlockSystem, Contributions, Equations, NewtonSettings};
 use body::Body;
 use contact::{ContactForm, PenaltyLaw, RigidPlane};
-use cutcell::OverlayOptions;
 use fluid_ns::NewtonianFluid;
 use mesh::generate::{BallOptions, Size, graded_box, half_ball, structured_box};
 use mesh::{BodyId, Point, SimplexMesh, Vector};
@@ -110,18 +109,8 @@ fn ball_in_fluid(resolution: Resolution, gap: f64) -> Setup<2> {
 
 /// Returns a fluid of density and viscosity of the paper, at rest, without conditions on the boundary.
 fn fluid<const D: usize>(background: SimplexMesh<D>, stabilisation: Stabilisation) -> FluidSetup<D> {
-    FluidSetup {
-        background,
-        overlay: OverlayOptions::new(),
-        material: NewtonianFluid { density: 1.0, viscosity: 1e-2 },
-        stabilisation,
-        film: None,
-        alpha: 1.0,
-        convection: Some(false),
-        body_force: None,
-        initial_velocity: None,
-        boundary: Vec::new(),
-    }
+    let material = NewtonianFluid { density: 1.0, viscosity: 1e-2 };
+    FluidSetup { stabilisation, ..FluidSetup::new(background, material) }
 }
 
 fn set_sides<const D: usize>(fluid: &mut FluidSetup<D>, condition: fn(&str) -> FluidBoundary<D>) {

@@ -21,7 +21,7 @@ impl Default for Child {
 
 /// A convex region divided by the plane of a facet.
 #[derive(Clone, Debug)]
-struct Node {
+struct InnerNode {
     plane: Plane,
     /// The section of the region by the plane.
     section: Polygon,
@@ -43,7 +43,7 @@ struct Covering {
 /// exact.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tree<const D: usize> {
-    nodes: Vec<Node>,
+    nodes: Vec<InnerNode>,
     leaves: Vec<Piece<D>>,
     /// Pieces whose memory is reused.
     spare: Vec<Piece<D>>,
@@ -160,7 +160,7 @@ impl<const D: usize> Tree<D> {
                 self.spare.push(behind);
                 self.leaves.push(front);
                 let cover = SmallVec::from_iter([Covering { facet, rims: polygons.rims(polygon, facet) }]);
-                self.nodes.push(Node { plane, section, cover, children });
+                self.nodes.push(InnerNode { plane, section, cover, children });
                 Child::Node(self.nodes.len() as u32 - 1)
             }
         }
@@ -200,7 +200,7 @@ impl<const D: usize> Tree<D> {
         &self,
         planes: &Planes<'_, D>,
         polygons: &mut Polygons<D>,
-        node: &Node,
+        node: &InnerNode,
         mut visit: impl FnMut(&mut Polygons<D>, Polygon, Cover),
     ) {
         let normal = planes.half_space(node.plane).normal;
@@ -261,7 +261,7 @@ impl<const D: usize> Tree<D> {
         match at {
             Child::Leaf(leaf) => visit(polygons, leaf as usize, polygon),
             Child::Node(n) => {
-                let Node { plane, children: [behind, front], .. } = self.nodes[n as usize];
+                let InnerNode { plane, children: [behind, front], .. } = self.nodes[n as usize];
                 match polygons.place(planes, polygon, plane, &planes.half_space(plane)) {
                     Place::On | Place::Behind => self.descend(planes, polygons, behind, polygon, visit),
                     Place::Front => self.descend(planes, polygons, front, polygon, visit),

@@ -14,29 +14,29 @@ use crate::probes::Probe;
 use crate::summary::UnitLabels;
 
 /// Returns the unit of a column; empty for pure numbers.
-type Unit = fn(&UnitLabels) -> &str;
+type UnitOf = fn(&UnitLabels) -> &str;
 
-const LENGTH: Unit = |units| &units.length;
-const VELOCITY: Unit = |units| &units.velocity;
-const ACCELERATION: Unit = |units| &units.acceleration;
-const FORCE: Unit = |units| &units.force;
-const ENERGY: Unit = |units| &units.energy;
-const POWER: Unit = |units| &units.power;
-const VOLUME: Unit = |units| &units.volume;
-const FLOW: Unit = |units| &units.flow;
-const ANGLE: Unit = |_| "rad";
-const ANGULAR_VELOCITY: Unit = |units| &units.angular_velocity;
+const LENGTH: UnitOf = |units| &units.length;
+const VELOCITY: UnitOf = |units| &units.velocity;
+const ACCELERATION: UnitOf = |units| &units.acceleration;
+const FORCE: UnitOf = |units| &units.force;
+const ENERGY: UnitOf = |units| &units.energy;
+const POWER: UnitOf = |units| &units.power;
+const VOLUME: UnitOf = |units| &units.volume;
+const FLOW: UnitOf = |units| &units.flow;
+const ANGLE: UnitOf = |_| "rad";
+const ANGULAR_VELOCITY: UnitOf = |units| &units.angular_velocity;
 /// Unit of times of the clock.
-const SECONDS: Unit = |_| "s";
-const NUMBER: Unit = |_| "";
+const SECONDS: UnitOf = |_| "s";
+const NUMBER: UnitOf = |_| "";
 
 /// Name, unit and number of a column that appears once for each body.
-type BodyColumn<const D: usize> = (String, Unit, Box<dyn Fn(&BodyMeasures<'_, D>) -> f64>);
+type BodyColumn<const D: usize> = (String, UnitOf, Box<dyn Fn(&BodyMeasures<'_, D>) -> f64>);
 
 type BodyNumber<const D: usize> = fn(&BodyMeasures<'_, D>) -> f64;
 
 /// Name, unit and number of a column of the run as a whole.
-type RunColumn<const D: usize> = (String, Unit, Box<dyn Fn(&RunMeasures<'_, D>) -> f64>);
+type RunColumn<const D: usize> = (String, UnitOf, Box<dyn Fn(&RunMeasures<'_, D>) -> f64>);
 
 type RunNumber<const D: usize> = fn(&RunMeasures<'_, D>) -> f64;
 
@@ -56,7 +56,7 @@ impl<const D: usize> RunMeasures<'_, D> {
 
 /// Returns the columns of the bodies in `history.csv`: motion, contact, energies, forces of the fluid.
 fn history_of_bodies<const D: usize>() -> Vec<BodyColumn<D>> {
-    let columns: &[(&str, Unit, BodyNumber<D>)] = &[
+    let columns: &[(&str, UnitOf, BodyNumber<D>)] = &[
         ("d_min", LENGTH, |b| b.distance),
         ("d_max", LENGTH, |b| b.distance + b.height()),
         ("body_height", LENGTH, |b| b.height()),
@@ -100,7 +100,7 @@ fn history_of_bodies<const D: usize>() -> Vec<BodyColumn<D>> {
 
 /// Returns the columns of the run in `history.csv`: energies, leaks, cost.
 fn history_of_run<const D: usize>() -> Vec<RunColumn<D>> {
-    let columns: &[(&str, Unit, RunNumber<D>)] = &[
+    let columns: &[(&str, UnitOf, RunNumber<D>)] = &[
         ("energy_kinetic_fluid", ENERGY, |r| r.fluid(|fluid| fluid.kinetic_energy)),
         ("energy_contact", ENERGY, |r| r.step.contacts.iter().map(|contact| contact.stored_energy).sum()),
         ("leak_net", FLOW, |r| r.fluid(|fluid| fluid.flow.leak_net)),
@@ -121,7 +121,7 @@ fn history_of_run<const D: usize>() -> Vec<RunColumn<D>> {
 
 /// Returns the columns of the bodies in `diagnostics.csv`: volumes and balances.
 fn diagnostics_of_bodies<const D: usize>() -> Vec<BodyColumn<D>> {
-    let columns: &[(&str, Unit, BodyNumber<D>)] = &[
+    let columns: &[(&str, UnitOf, BodyNumber<D>)] = &[
         ("volume", VOLUME, |b| b.volume()),
         ("force_inertia", FORCE, |b| vertical(b, |f| f.inertia[D - 1])),
         ("force_gravity", FORCE, |b| vertical(b, |f| f.body_force[D - 1])),
@@ -140,7 +140,7 @@ fn diagnostics_of_bodies<const D: usize>() -> Vec<BodyColumn<D>> {
 /// Returns the columns of the run in `diagnostics.csv`: volume, energy and the lines of the ledger. A line is the
 /// energy that a part of the discrete problem takes in the step.
 fn diagnostics_of_run<const D: usize>() -> Vec<RunColumn<D>> {
-    let columns: &[(&str, Unit, RunNumber<D>)] = &[
+    let columns: &[(&str, UnitOf, RunNumber<D>)] = &[
         ("fluid_volume", VOLUME, |r| r.fluid(|fluid| fluid.volume)),
         ("total_energy", ENERGY, |r| r.step.total_energy()),
     ];
@@ -152,11 +152,11 @@ fn diagnostics_of_run<const D: usize>() -> Vec<RunColumn<D>> {
     columns.iter().map(of_run).chain(ledger.map(line)).chain([defect]).collect()
 }
 
-fn of_run<const D: usize>((name, unit, of): &(&str, Unit, RunNumber<D>)) -> RunColumn<D> {
+fn of_run<const D: usize>((name, unit, of): &(&str, UnitOf, RunNumber<D>)) -> RunColumn<D> {
     ((*name).to_owned(), *unit, Box::new(*of))
 }
 
-fn boxed<const D: usize>((name, unit, of): &(&str, Unit, BodyNumber<D>)) -> BodyColumn<D> {
+fn boxed<const D: usize>((name, unit, of): &(&str, UnitOf, BodyNumber<D>)) -> BodyColumn<D> {
     ((*name).to_owned(), *unit, Box::new(*of))
 }
 

@@ -80,8 +80,8 @@ pub struct Summary {
     /// larger, the largest line of [`solver::Ledger`]. None before the first step.
     #[serde(default)]
     pub energy_generated: Option<f64>,
-    /// Largest energy of a step that no line of [`solver::Ledger`] contains, divided by the same largest sum or line and
-    /// by the tolerance of Newton's method. None before the first step.
+    /// Largest energy of a step that no line of [`solver::Ledger`] contains, divided by the same largest sum or line
+    /// and by the tolerance of Newton's method. None before the first step.
     #[serde(default)]
     pub energy_defect: Option<f64>,
     /// Largest integral of `|(u - v)·n|` over the interface, divided by the displaced flow. None if bodies rest.

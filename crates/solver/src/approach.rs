@@ -6,19 +6,17 @@ use mesh::BodyId;
 use crate::setup::{ApproachSteps, Contact};
 use crate::{Setup, State};
 
-impl ApproachSteps {
-    /// Returns the longest step from a state. It depends only on positions and velocities of the bodies, so that a
-    /// resumed run takes the same steps.
-    pub(crate) fn longest<const D: usize>(&self, setup: &Setup<D>, state: &State<D>) -> f64 {
-        let positions = setup.positions(&state.bodies);
-        let fastest = |id: BodyId| state.bodies[id.index()].largest_speed();
-        let of_contact = |contact: &Contact<D>| {
-            let speed = fastest(contact.body()) + contact.master().map_or(0.0, fastest);
-            let master = contact.master().map_or(&[][..], |id| &positions[id.index()]);
-            let gap = contact.geometry().smallest_gap(&positions[contact.body().index()], Positions::Fixed(master))?;
-            (speed > 0.0).then(|| self.fraction * gap / speed)
-        };
-        let longest = setup.contacts.iter().filter_map(of_contact).fold(f64::INFINITY, f64::min);
-        longest.max(self.smallest)
-    }
+/// Returns the longest step from a state with [`Setup::approach`]. It depends only on positions and velocities of the
+/// bodies, so that a resumed run takes the same steps.
+pub(crate) fn longest_step<const D: usize>(steps: ApproachSteps, setup: &Setup<D>, state: &State<D>) -> f64 {
+    let positions = setup.positions(&state.bodies);
+    let fastest = |id: BodyId| state.bodies[id.index()].largest_speed();
+    let of_contact = |contact: &Contact<D>| {
+        let speed = fastest(contact.body()) + contact.master().map_or(0.0, fastest);
+        let master = contact.master().map_or(&[][..], |id| &positions[id.index()]);
+        let gap = contact.geometry().smallest_gap(&positions[contact.body().index()], Positions::Fixed(master))?;
+        (speed > 0.0).then(|| steps.fraction * gap / speed)
+    };
+    let longest = setup.contacts.iter().filter_map(of_contact).fold(f64::INFINITY, f64::min);
+    longest.max(steps.smallest)
 }

@@ -5,8 +5,8 @@ use contact::Multipliers;
 
 use crate::{Error, Step};
 
-/// Largest number of solves of a step in which multipliers change. A contact whose parameter is a tenth of the stiffness of its bodies needs 145
-/// for an error of `1e-6`.
+/// Largest number of solves of a step in which multipliers change. A contact whose parameter is a tenth of the
+/// stiffness of its bodies needs 145 for an error of `1e-6`.
 const MOST_SOLVES: usize = 200;
 
 impl<const D: usize> Step<'_, D> {

@@ -84,8 +84,8 @@ fn pair<'p, const D: usize>(contact: &'p Contact<D>, parts: StepParts<'p, D>) ->
 
 impl<const D: usize> ContactStep<D> {
     /// Searches for obstacles within the offset of the law, plus twice the contact size, plus twice the largest speeds
-    /// of slave and master at the start times the length of the step. Returns `None` if the law depends on a stress that
-    /// the setup does not have.
+    /// of slave and master at the start times the length of the step. Returns `None` if the law depends on a stress
+    /// that the setup does not have.
     pub(crate) fn new(contact: &Contact<D>, previous: &State<D>, parts: StepParts<'_, D>) -> Option<Self> {
         let (pair, source) = (pair(contact, parts), contact.form().law.stress());
         if needs_stress(source) && pair.stress.is_none() {

@@ -23,7 +23,7 @@ use crate::overlay::overlay;
 use crate::setup::{FluidBoundary, FluidSetup};
 use crate::state::KineticProducts;
 use crate::surfaces::Surfaces;
-use crate::{Error, FluidState, Setup, Stabilisation, State, StepSeconds};
+use crate::{Error, FluidState, Setup, Stabilisation, State};
 
 /// Degree of quadrature on interface pieces: products of two P1 functions.
 const PIECE_DEGREE: usize = 2;
@@ -58,6 +58,9 @@ pub(crate) struct FluidStep<'a, const D: usize> {
     pub(crate) form: FluidForm<'a, D>,
     pub(crate) mortar: MortarForm,
     open_boundaries: Vec<OpenTerms<'a, D>>,
+    /// Wall-clock times, s, of the cut and of the transfer of the history.
+    pub(crate) seconds_cut: f64,
+    pub(crate) seconds_transfer: f64,
 }
 
 /// Points and terms of one open boundary.
@@ -75,16 +78,16 @@ impl<'a, const D: usize> FluidStep<'a, D> {
         (previous, before): (&State<D>, &FluidState<D>),
         positions: Vec<Vec<Point<D>>>,
         time: &StepTime,
-        (layout, seconds): (&mut BlockLayout, &mut StepSeconds),
+        layout: &mut BlockLayout,
     ) -> Result<Self, Error> {
         let background = &fluid.background;
         let clock = Instant::now();
         let cut = overlay(setup, fluid, &positions)?;
-        seconds.cut = clock.elapsed().as_secs_f64();
+        let seconds_cut = clock.elapsed().as_secs_f64();
         let space = XfemSpace::new(background, &cut);
         let clock = Instant::now();
         let sources = Sources::between(background, (&before.cut, &before.space), (&cut, &space));
-        seconds.transfer = clock.elapsed().as_secs_f64();
+        let mut seconds_transfer = clock.elapsed().as_secs_f64();
         let parts = PartValues::new(background, &cut);
         let mut faces = face_values(background, &cut, &space, &parts);
         for (tag, condition) in &fluid.boundary {
@@ -117,7 +120,7 @@ impl<'a, const D: usize> FluidStep<'a, D> {
         };
         let extension = Extension { cut: &cut, space: &space, faces: &faces, pieces: &pieces, sources: &sources };
         let start = surfaces.carry(before, &extension)?;
-        seconds.transfer += clock.elapsed().as_secs_f64();
+        seconds_transfer += clock.elapsed().as_secs_f64();
         let moved = |(u, a): (&Vector<D>, &Vector<D>)| u + a * ahead;
         let extrapolated: Option<Vec<_>> = (!start.acceleration.is_empty())
             .then(|| start.velocity.iter().zip(&start.acceleration).map(moved).collect());
@@ -136,6 +139,8 @@ impl<'a, const D: usize> FluidStep<'a, D> {
             form: form(fluid, rate, stage),
             mortar: MortarForm::new(fluid.material, fluid.stabilisation.penalty, rate),
             open_boundaries: open_boundaries(fluid, &cut, stage),
+            seconds_cut,
+            seconds_transfer,
             positions,
             cut,
             space,

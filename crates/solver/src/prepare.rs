@@ -52,22 +52,27 @@ impl<'a, const D: usize> Step<'a, D> {
     /// Prepares the step after `previous`.
     ///
     /// # Errors
-    /// [`Error::LeftDomain`], [`Error::Cut`] and [`Error::Interface`]: the bodies do not cut the background as they must.
+    /// [`Error::LeftDomain`], [`Error::Cut`] and [`Error::Interface`]: the bodies do not cut the background.
     /// [`Error::MissingStress`]: a contact law depends on a stress that the setup does not have.
     /// [`Error::UnstableShare`]: the penalty is too small for the share of the solid in the traction.
     pub fn prepare(setup: &'a Setup<D>, previous: &'a State<D>, time: StepTime) -> Result<Self, Error> {
         let clock = Instant::now();
         let mut layout = BlockLayout::new();
-        let mut seconds = StepSeconds::default();
         let fluid = match setup.fluid.as_ref().zip(previous.fluid.as_ref()) {
             Some((fluid, before)) => {
                 let bodies = setup.bodies.iter().zip(&previous.bodies);
                 let positions: Vec<_> = bodies.map(|(body, state)| body.geometry(state, &time)).collect();
                 check_domain(setup, fluid.background.vertices(), &positions)?;
-                Some(FluidStep::new(setup, fluid, (previous, before), positions, &time, (&mut layout, &mut seconds))?)
+                Some(FluidStep::new(setup, fluid, (previous, before), positions, &time, &mut layout)?)
             }
             None => None,
         };
+        let of_fluid = |fluid: &FluidStep<'_, D>| StepSeconds {
+            cut: fluid.seconds_cut,
+            transfer: fluid.seconds_transfer,
+            ..StepSeconds::default()
+        };
+        let seconds = fluid.as_ref().map_or_else(StepSeconds::default, of_fluid);
         let begun = setup.bodies.iter().zip(&previous.bodies);
         let bodies: Vec<_> = begun.map(|(body, state)| body.step(state, &time, &mut layout)).collect();
         let mut step = Self {

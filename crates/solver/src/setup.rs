@@ -74,6 +74,25 @@ pub struct FluidSetup<const D: usize> {
     pub boundary: Vec<(Tag, FluidBoundary<D>)>,
 }
 
+impl<const D: usize> FluidSetup<D> {
+    /// Creates a fluid at rest without forces, films and conditions on the boundary, with convection and the standard
+    /// stabilisation.
+    pub fn new(background: SimplexMesh<D>, material: NewtonianFluid) -> Self {
+        Self {
+            background,
+            overlay: OverlayOptions::new(),
+            material,
+            stabilisation: Stabilisation::STANDARD,
+            film: None,
+            alpha: 1.0,
+            convection: Some(false),
+            body_force: None,
+            initial_velocity: None,
+            boundary: Vec::new(),
+        }
+    }
+}
+
 /// Films between bodies, and between bodies and walls, that are thinner than a few cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FilmSetup {

@@ -2,6 +2,7 @@
 
 use algebra::{NewtonReport, Workspace};
 
+use crate::approach::longest_step;
 use crate::{Error, Observer, Setup, State, StepError, StepView, Substep, advance};
 
 /// A run: the setup, the state so far, and recycled memory.
@@ -62,7 +63,7 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
     fn whole_step(&mut self, observers: &mut [&mut dyn Observer<D>]) -> Result<(), StepError> {
         let mut left = self.setup.dt;
         loop {
-            let longest = self.setup.approach.map_or(left, |approach| approach.longest(self.setup, &self.state));
+            let longest = self.setup.approach.map_or(left, |steps| longest_step(steps, self.setup, &self.state));
             let parts = (left / longest).ceil().max(1.0);
             let substep = Substep { dt: left / parts, is_last: parts == 1.0 };
             self.step(substep, self.setup.most_halvings, observers)?;

@@ -33,7 +33,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     let history = &run.history;
     let after = |revolution: usize| revolution * (history.times.len() - 1) / revolutions;
     let first = if revolutions > 1 { 1 } else { 0 };
-    let change = |number: Number| change(history, first..=revolutions, number);
+    let change = |number: BalanceNumber| change(history, first..=revolutions, number);
     let shapes: Vec<&[P]> = (0..=revolutions).map(|k| &*history.positions[after(k)][0]).collect();
     let largest = (first..=revolutions).flat_map(|a| (a + 1..=revolutions).map(move |b| (a, b)));
     let largest = largest.map(|(a, b)| difference(shapes[a], shapes[b]) / LENGTH).fold(0.0, worse);
@@ -41,20 +41,20 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     record.at_most("shape after each revolution: largest difference over the length", largest, CHANGE);
     let energy = change(|balance| balance.kinetic_energy + balance.elastic_energy);
     record.at_most("energy of the strip after each revolution: largest over least, minus 1", energy, CHANGE);
-    let distance: Number = |balance| balance.centre_of_mass.norm();
+    let distance: BalanceNumber = |balance| balance.centre_of_mass.norm();
     record.at_most(
         "distance from the axis after each revolution: largest over least, minus 1",
         change(distance),
         CHANGE,
     );
-    let (elastic, area): (Number, Number) = (|balance| balance.elastic_energy, |balance| balance.volume);
+    let (elastic, area): (BalanceNumber, BalanceNumber) = (|balance| balance.elastic_energy, |balance| balance.volume);
     let lost = change(area);
     record.show("area of the strip after each revolution: largest over least, minus 1", lost, None);
     if record.full {
         // At the start there is no elastic energy.
         record.at_most(ELASTIC, change(elastic), CHANGE);
         let coarse = Example::run(EXAMPLE, &TWICE)?.history;
-        let of_coarse = |number: Number| self::change(&coarse, first..=revolutions, number);
+        let of_coarse = |number: BalanceNumber| self::change(&coarse, first..=revolutions, number);
         record.at_most(format!("steps of twice the length: {ELASTIC}"), of_coarse(elastic), CHANGE);
         record.at_least("order of the lost area in dt", (of_coarse(area) / lost).log2(), ORDER);
         let predicted = TAU * (revolutions - first) as f64 * (TAU * run.setup.dt).powi(3) / 2.0;
@@ -88,11 +88,11 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
 }
 
 /// A number of a body.
-type Number = fn(&Balance<2>) -> f64;
+type BalanceNumber = fn(&Balance<2>) -> f64;
 
 /// Returns the largest value of a number after some revolutions over the least one, minus 1. The last revolution ends
 /// the run.
-fn change(history: &History, revolutions: RangeInclusive<usize>, number: Number) -> f64 {
+fn change(history: &History, revolutions: RangeInclusive<usize>, number: BalanceNumber) -> f64 {
     let curve = history.of_body(0, number);
     let n_steps = curve.len() - 1;
     let values = revolutions.clone().map(|k| curve[k * n_steps / revolutions.end()].1);

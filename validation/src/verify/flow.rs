@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use cutwater::algebra::time::ImplicitEuler;
 use cutwater::algebra::{NewtonSettings, Workspace};
-use cutwater::cutcell::{InterfacePiece, OverlayOptions};
+use cutwater::cutcell::InterfacePiece;
 use cutwater::fluid_ns::NewtonianFluid;
 use cutwater::interface_dg::InterfaceTraction;
 use cutwater::mesh::{BoundaryMesh, SimplexMesh, VertexId};
@@ -106,20 +106,9 @@ impl<F: Flow> Known<F> {
     }
 }
 
-/// Returns the fluid at rest without forces and conditions, with the standard stabilisation.
+/// Returns the fluid at rest without convection, forces and conditions, with the standard stabilisation.
 pub(super) fn fluid<const D: usize>(background: SimplexMesh<D>, density: f64, viscosity: f64) -> FluidSetup<D> {
-    FluidSetup {
-        background,
-        overlay: OverlayOptions::new(),
-        material: NewtonianFluid { density, viscosity },
-        stabilisation: Stabilisation::STANDARD,
-        film: None,
-        alpha: 1.0,
-        convection: None,
-        body_force: None,
-        initial_velocity: None,
-        boundary: Vec::new(),
-    }
+    FluidSetup { convection: None, ..FluidSetup::new(background, NewtonianFluid { density, viscosity }) }
 }
 
 /// Returns a setup with a fluid and without bodies.

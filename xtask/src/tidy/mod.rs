@@ -103,6 +103,8 @@ mod tests {
         check_finds("crates/mesh/src/a.rs", "fn a() {}\n", 1, "begin the file");
         check_finds("crates/mesh/src/a.rs", "//! A.\nfn solve2() {}\n", 2, "replace the first version");
         check_finds("crates/io/src/a.rs", "//! A.\npub trait A {}\nkeys! {\n    pub struct A {}\n}\n", 4, "one name");
+        check_finds("crates/io/src/a.rs", "//! A.\nstruct A;\ntype A = f64;\n", 3, "one name");
+        check_finds("crates/mesh/src/part_kernel.rs", "//! A.\n", 1, "has no content");
         check_finds("crates/mesh/src/utils.rs", "//! A.\n", 1, "has no content");
         check_finds("crates/mesh/src/a.rs", "//! A. \n", 1, "white space");
         check_finds("crates/mesh/src/a.rs", "//! A.\nfn a() { todo!() }\n", 2, "todo!");

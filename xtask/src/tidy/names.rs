@@ -20,7 +20,7 @@ const TERMS: &str = "/terms/";
 /// Checks all names.
 pub(super) fn check(tree: &Tree) -> Vec<Finding> {
     let mut findings = Vec::new();
-    let mut types: BTreeMap<&str, Vec<(&Source, usize)>> = BTreeMap::new();
+    let mut types: BTreeMap<&str, Vec<(&Source, usize, bool)>> = BTreeMap::new();
     for source in &tree.rust {
         file_name(source, &mut findings);
         for (number, line) in source.code_lines() {
@@ -32,20 +32,28 @@ pub(super) fn check(tree: &Tree) -> Vec<Finding> {
                     findings.push(Finding::new(&source.path, number, advice));
                 }
                 // Declarations inside of macros are indented; `$Name` in the macro itself is no name.
-                let is_type =
-                    ["struct", "enum", "trait", "type"].contains(&kind) && line.trim_start().starts_with("pub ");
+                // An indented `type` is an associated one, of a trait of the standard library or our own.
+                let is_type = ["struct", "enum", "trait"].contains(&kind)
+                    || kind == "type" && !line.starts_with(char::is_whitespace);
                 if is_type && !name.is_empty() && source.is_src() && source.package().starts_with("crates/") {
-                    types.entry(name).or_default().push((source, number));
+                    let is_shared = line.trim_start().starts_with("pub");
+                    types.entry(name).or_default().push((source, number, is_shared));
                 }
             }
         }
     }
-    for (name, places) in types {
-        let is_term = |(source, _): &(&Source, usize)| source.path.contains(TERMS);
-        if places.len() > 1 && !places.iter().all(is_term) && !SHARED.contains(&name) {
-            let (source, number) = places[1];
-            let advice = format!("`{name}` is also a type in {}: one name, one meaning", places[0].0.path);
-            findings.push(Finding::new(&source.path, number, advice));
+    for (name, places) in types.iter().filter(|(name, _)| !SHARED.contains(*name)) {
+        let is_term = |source: &Source| source.path.contains(TERMS);
+        for (k, (source, number, is_shared)) in places.iter().enumerate() {
+            // Types that no other file uses may have a name of another crate.
+            let is_other = |(other, _, other_is_shared): &&(&Source, usize, bool)| {
+                (other.package() == source.package() || *is_shared && *other_is_shared)
+                    && !(is_term(source) && is_term(other))
+            };
+            if let Some((other, ..)) = places[..k].iter().find(is_other) {
+                let advice = format!("`{name}` is also a type in {}: one name, one meaning", other.path);
+                findings.push(Finding::new(&source.path, *number, advice));
+            }
         }
     }
     findings
@@ -60,7 +68,8 @@ fn name_after<'a, 'k>(line: &'a str, kind: &'k str) -> Option<(&'k str, &'a str)
 fn file_name(source: &Source, findings: &mut Vec<Finding>) {
     let path = source.path.trim_end_matches(".rs");
     let is_test_folder = TEST_FOLDERS.iter().any(|end| source.path.ends_with(end));
-    for word in path.split('/').filter(|word| !is_test_folder && EMPTY_WORDS.contains(word)) {
+    let words = path.split(['/', '_']);
+    for word in words.filter(|word| !is_test_folder && EMPTY_WORDS.contains(word)) {
         findings.push(Finding::new(&source.path, 1, format!("`{word}` has no content: name the file for its subject")));
     }
 }

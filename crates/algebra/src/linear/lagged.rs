@@ -1,14 +1,14 @@
 //! FGMRES with the factors of an old matrix.
 
-mod memory;
+mod base;
 
 use sprs::CsMatI;
 
+use self::base::Base;
 use super::checked_factors::CheckedFactors;
 use super::gmres::{Gmres, GmresSettings};
 use super::subdomain::{BlockSolver, Subdomain, rows_of, with_neighbours};
-use super::{Equilibration, LinearError, LinearReport, LinearSolver, LinearSystem};
-use crate::DofKey;
+use super::{LinearError, LinearReport, LinearSolver, LinearSystem};
 
 /// Criteria for the use of old factors.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,19 +58,6 @@ pub struct LaggedSolver {
     solution: Vec<f64>,
 }
 
-/// The matrix that was factorised last.
-#[derive(Default)]
-struct Base {
-    scales: Equilibration,
-    /// `None` before the first factorisation.
-    matrix: Option<CsMatI<f64, u32>>,
-    factors: CheckedFactors,
-    /// Nodes of the unknowns of the matrix.
-    nodes: Vec<u32>,
-    /// Keys of the unknowns of the matrix with their positions, sorted.
-    keys: Vec<(DofKey, u32)>,
-}
-
 /// Relation of the present unknowns to those of the base, and factors where the matrix has changed.
 #[derive(Default)]
 struct Patch {
@@ -111,18 +98,8 @@ impl LaggedSolver {
         let n = system.len();
         let mut base = self.base.take().unwrap_or_default();
         self.n_factorizations += 1;
-        base.nodes = system.layout.nodes();
-        if must_pivot {
-            base.factors.factorize_with_pivoting(system.matrix, &base.nodes)?;
-        } else {
-            base.factors.factorize(system.matrix, &base.nodes)?;
-        }
+        base.factorize(system, must_pivot)?;
         self.n_fallbacks += usize::from(base.factors.is_pivoting());
-        base.scales.clone_from(system.scales);
-        base.matrix = Some(system.matrix.clone());
-        base.keys.clear();
-        base.keys.extend(system.layout.keys().into_iter().zip(0..));
-        base.keys.sort_unstable();
         self.base = Some(base);
         self.must_factorize = false;
         self.patch.is_base(n);
@@ -295,11 +272,15 @@ impl LinearSolver for LaggedSolver {
     }
 
     fn memory(&self) -> Vec<Vec<f64>> {
-        self.to_lists()
+        self.base.as_ref().filter(|_| !self.must_factorize).map_or(Vec::new(), Base::to_lists)
     }
 
     fn recall(&mut self, memory: &[Vec<f64>]) -> Result<(), LinearError> {
-        self.take_lists(memory)
+        (self.base, self.is_factorized, self.must_factorize) = (None, false, false);
+        if !memory.is_empty() {
+            self.base = Some(Base::from_lists(memory)?);
+        }
+        Ok(())
     }
 }
 

@@ -118,8 +118,8 @@ impl<const D: usize> Piece<D> {
         &self,
         distances: &[f64],
         mut crossing: impl FnMut(Plane, usize, usize, Plane) -> Corner<D>,
-    ) -> Crossings<D> {
-        let mut crossings = Crossings::new();
+    ) -> EdgeCrossings<D> {
+        let mut crossings = EdgeCrossings::new();
         for face in 0..self.n_faces() {
             let (plane, corners) = self.loop_of(face);
             for k in 0..if D == 2 { 1 } else { corners.len() } {
@@ -134,7 +134,7 @@ impl<const D: usize> Piece<D> {
     }
 
     /// Fills the parts behind and in front of a plane. Their last face is the one on the plane.
-    fn divide(&self, distances: &[f64], by: Plane, crossings: &Crossings<D>, mut parts: [&mut Self; 2]) {
+    fn divide(&self, distances: &[f64], by: Plane, crossings: &EdgeCrossings<D>, mut parts: [&mut Self; 2]) {
         let corners = self.divide_corners(distances, crossings, &mut parts);
         let corners = Divided { corners: &corners, crossings };
         let mut sections = [Section::new(), Section::new()];
@@ -331,7 +331,7 @@ type Face<'a> = (Plane, &'a [(u32, Plane)]);
 type Distances = SmallVec<[f64; 32]>;
 /// A crossed edge, and the corner on it.
 type Crossing<const D: usize> = ([u32; 2], Corner<D>);
-type Crossings<const D: usize> = SmallVec<[Crossing<D>; 8]>;
+type EdgeCrossings<const D: usize> = SmallVec<[Crossing<D>; 8]>;
 /// Sides of the face on a dividing plane, see [`Piece::close`].
 type Section = SmallVec<[(u32, u32, Plane); 16]>;
 

@@ -100,7 +100,7 @@ impl<const D: usize> Polygons<D> {
         polygon: Polygon,
         by: Plane,
         half_space: &HalfSpace<D>,
-        divide: impl FnOnce(&mut Self, &Crossings<D>) -> P,
+        divide: impl FnOnce(&mut Self, &SideCrossings<D>) -> P,
     ) -> Place<P> {
         self.distances.clear();
         let (mut is_behind, mut is_in_front) = (false, false);
@@ -128,10 +128,10 @@ impl<const D: usize> Polygons<D> {
         polygon: Polygon,
         by: Plane,
         half_space: &HalfSpace<D>,
-    ) -> Crossings<D> {
+    ) -> SideCrossings<D> {
         let sides = &self.sides[polygon.first as usize..polygon.end as usize];
         let n = sides.len();
-        let mut crossings = Crossings::new();
+        let mut crossings = SideCrossings::new();
         for k in 0..if D > 2 { n } else { n - 1 } {
             let next = if k + 1 < n { k + 1 } else { 0 };
             let (at, at_next) = (self.distances[k], self.distances[next]);
@@ -145,7 +145,7 @@ impl<const D: usize> Polygons<D> {
     }
 
     /// Adds the part on one side of a plane (`sign` 1: behind, -1: in front), from the distances of the corners.
-    fn part(&mut self, polygon: Polygon, by: Plane, crossings: &Crossings<D>, sign: f64) -> Polygon {
+    fn part(&mut self, polygon: Polygon, by: Plane, crossings: &SideCrossings<D>, sign: f64) -> Polygon {
         let (first, start) = (polygon.first as usize, self.sides.len());
         let n = polygon.end as usize - first;
         for k in 0..n {
@@ -177,7 +177,7 @@ pub(crate) enum Place<P> {
 }
 
 /// Indices of the sides that cross a plane, with the crossings: two for a polygon, one for a segment.
-type Crossings<const D: usize> = SmallVec<[(usize, Corner<D>); 2]>;
+type SideCrossings<const D: usize> = SmallVec<[(usize, Corner<D>); 2]>;
 
 /// Points of a convex face, on the stack if they are few.
 pub(crate) type Points<const D: usize> = SmallVec<[Point<D>; 8]>;

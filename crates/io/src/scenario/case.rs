@@ -11,7 +11,7 @@ use solver::{ApproachSteps, Contact, FluidBoundary, FluidSetup, Setup};
 
 use super::background::{Background, expected};
 use super::body::{BodyCondition, BodyKeys, Built, body};
-use super::condition::{Plane, symmetry_planes, tagged_vertices};
+use super::condition::{SymmetryPlane, symmetry_planes, tagged_vertices};
 use super::contact::{ContactBuilder, ContactKeys, ObstacleChoice};
 use super::error::ScenarioError;
 use super::file::{Scenario, ScenarioFile};
@@ -460,12 +460,12 @@ fn respect_symmetry<const D: usize>(
             continue;
         }
         let is_held = |what: Held| held.iter().any(|held| **held == what);
-        let across = |plane: &Plane<D>| {
+        let across = |plane: &SymmetryPlane<D>| {
             let axes = [Held::X, Held::Y, Held::Z].into_iter().zip(["\"x\"", "\"y\"", "\"z\""]);
             let axes = axes.zip(plane.normal.iter()).filter(|(_, n)| **n != 0.0).map(|(axis, _)| axis);
             axes.chain([(Held::Rotation, "\"rotation\"")]).collect::<Vec<_>>()
         };
-        let is_loose = |plane: &&Plane<D>| across(plane).iter().any(|(what, _)| !is_held(*what));
+        let is_loose = |plane: &&SymmetryPlane<D>| across(plane).iter().any(|(what, _)| !is_held(*what));
         if let Some(plane) = body.surface().facets().filter_map(on_plane).find(is_loose) {
             let (name, needed) =
                 (body.name(), across(plane).into_iter().map(|(_, word)| word).collect::<Vec<_>>().join(", "));

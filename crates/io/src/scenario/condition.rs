@@ -78,7 +78,7 @@ fn on_plane<const D: usize>(background: &SimplexMesh<D>) -> f64 {
 }
 
 /// A plane of symmetry: the points `x` with `normal · x = place`.
-pub(super) struct Plane<const D: usize> {
+pub(super) struct SymmetryPlane<const D: usize> {
     /// Unit normal.
     pub(super) normal: Vector<D>,
     /// Signed distance from the origin along the normal.
@@ -87,7 +87,7 @@ pub(super) struct Plane<const D: usize> {
     room: f64,
 }
 
-impl<const D: usize> Plane<D> {
+impl<const D: usize> SymmetryPlane<D> {
     /// Returns whether a point lies on the plane.
     pub(super) fn contains(&self, x: &Point<D>) -> bool {
         (self.normal.dot(x) - self.place).abs() <= self.room
@@ -95,12 +95,12 @@ impl<const D: usize> Plane<D> {
 }
 
 /// Returns the planes of symmetry.
-pub(super) fn symmetry_planes<const D: usize>(fluid: &FluidSetup<D>) -> Vec<Plane<D>> {
+pub(super) fn symmetry_planes<const D: usize>(fluid: &FluidSetup<D>) -> Vec<SymmetryPlane<D>> {
     let room = on_plane(&fluid.background);
     let planes = fluid.boundary.iter().filter_map(|(tag, condition)| {
         let FluidBoundary::Symmetry { normal } = condition else { return None };
         let x = *tagged_vertices(&fluid.background, *tag).first()?;
-        Some(Plane { normal: *normal, place: normal.dot(&x), room })
+        Some(SymmetryPlane { normal: *normal, place: normal.dot(&x), room })
     });
     planes.collect()
 }

@@ -102,7 +102,7 @@ fn segments(lines: &[ClosedLine]) -> Vec<[usize; 2]> {
 }
 
 /// Points and triangles.
-type Triangulated = (Vec<[f64; 2]>, Vec<[usize; 3]>);
+type Triangles = (Vec<[f64; 2]>, Vec<[usize; 3]>);
 
 /// Triangulates the region between segments, of area `expected`, with triangles of area `largest` at most of which none
 /// is too coarse. The given points come first.
@@ -115,7 +115,7 @@ fn refined(
     largest: f64,
     expected: f64,
     is_coarse: impl Fn(&[[f64; 2]; 3]) -> bool,
-) -> Result<Triangulated, Error> {
+) -> Result<Triangles, Error> {
     let mut crossing = None;
     let positions = points.iter().map(|x| Point2::new(x[0], x[1])).collect();
     let found = |segment: [usize; 2]| crossing = Some(segment);
