@@ -44,7 +44,7 @@
 //!
 //! let mut x = vec![0.0; 4];
 //! let report = newton(&equations, &mut x, &mut Workspace::new(), &NewtonSettings::new(1e-12))?;
-//! assert!((x[3] - x[2] - 1.0).abs() < 1e-10); // the last spring bears 2 = e + e³ at e = 1
+//! assert!((x[3] - x[2] - 1.0).abs() < 1e-10); // the last spring has the force 2 = e + e³, e = 1
 //! assert!(report.factorizations <= report.iterations);
 //! # Ok::<(), NewtonError>(())
 //! ```

@@ -314,7 +314,7 @@ fn tied_unknowns_follow_and_the_others_are_in_equilibrium() {
     for work in [on(1) + 0.75 * on(2), on(3) + 0.25 * on(2), on(4) + 0.5 * on(5)] {
         assert!(work.abs() < 1e-10, "{work}");
     }
-    assert!(on(2).abs() > 0.1, "the tie bears a force");
+    assert!(on(2).abs() > 0.1, "the tie has a force");
     let rates = rates(&report);
     assert!(rates.last().is_some_and(|rate| *rate > 1.7), "quadratic: {rates:?} {report:?}");
 }

@@ -24,11 +24,12 @@ pub struct Balance<const D: usize> {
     pub momentum_rate: Vector<D>,
     /// `∫ ρ g`: the body force.
     pub body_force: Vector<D>,
-    /// Volume: the integral of `det F` with the rule of the stress, exact for linear elements and in the plane.
+    /// Volume: the integral of `det F` with the quadrature rule of the stress. Exact for linear elements, and in the
+    /// plane.
     pub volume: f64,
     /// Smallest `det F` at the points where the stress is evaluated; a cell is inverted if it is not positive.
     pub smallest_volume_ratio: f64,
-    /// Mean position of the vertices of the cell with the smallest ratio.
+    /// Mean position of the vertices of the cell with the smallest `det F`.
     pub smallest_volume_at: Point<D>,
 }
 

@@ -19,7 +19,7 @@ struct Label {
 
 /// Index of parts that are left out because they are too thin.
 const THIN: u32 = u32::MAX;
-/// Unknown number of bodies.
+/// Mark of a leaf whose number of bodies is not computed yet.
 const UNKNOWN: i32 = i32::MIN;
 
 impl Label {

@@ -232,7 +232,7 @@ impl<const D: usize> CutMesh<D> {
             self.part_pieces(*part).for_each(|piece| pieces.push_polytope(piece));
             piece_ends.push(pieces.len() as u32);
         }
-        // For each part, and the end of the parts, the number of kept parts before it.
+        // Entry `k` is the number of kept parts before part `k`; the last entry is the number of all kept parts.
         let mut numbers = vec![0];
         is_left_out.iter().for_each(|left_out| numbers.push(numbers[numbers.len() - 1] + u32::from(!left_out)));
         let renumber = |part: &mut PartId| {

@@ -126,7 +126,7 @@ struct ResumeArguments {
     /// Print nothing but errors.
     #[arg(short, long)]
     quiet: bool,
-    /// Print every step, and the time per stage at the end.
+    /// Print every step, and at the end the time of each part of the work.
     #[arg(short, long, conflicts_with = "quiet")]
     verbose: bool,
     /// Do not write report.html.
@@ -207,10 +207,10 @@ struct RunArguments {
     /// Print nothing but errors.
     #[arg(short, long)]
     quiet: bool,
-    /// Print every step, and the time per stage at the end.
+    /// Print every step, and at the end the time of each part of the work.
     #[arg(short, long, conflicts_with = "quiet")]
     verbose: bool,
-    /// Print the time per stage at the end.
+    /// Print at the end the time of each part of the work.
     #[arg(long)]
     timings: bool,
     /// Do not write report.html.

@@ -37,7 +37,7 @@ pub struct ClosedPoint<const D: usize> {
 }
 
 impl<'a, const D: usize> ClosedPoints<'a, D> {
-    /// Creates the points on the surface of the body of a stress; none if the motion of the body is prescribed.
+    /// Creates the points on the surface of the body on which `stress` acts; none if its motion is prescribed.
     pub fn new(stress: Arc<FluidStress<'a, D>>) -> Self {
         let boundary = stress.surface().boundary();
         let degree = 2 * boundary.order().degree() + boundary.coordinates().degree();

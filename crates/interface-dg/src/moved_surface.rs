@@ -10,9 +10,9 @@ use crate::moved_facet::MovedFacet;
 ///
 /// A point of a piece is a point of the body. It has a place on the plane facet at which the fluid is cut, and one on
 /// the surface of the element, which is curved for order 2. The pressure acts on the element at the stage, which
-/// depends on the unknown velocity, or at the positions of the cut ([`body::SurfaceMotion::stage`]). It is the pressure
-/// of the fluid at the place on the element at the positions of the cut, so that a hydrostatic pressure carries the
-/// weight of the volume of the elements.
+/// depends on the unknown velocity, or at the positions of the cut ([`body::SurfaceMotion::stage`]). The pressure is
+/// evaluated at the point of the element at the positions of the cut, not on the plane facet. A hydrostatic pressure
+/// therefore carries the weight of the fluid that the elements displace.
 #[derive(Clone)]
 pub struct MovedSurface<'a, const D: usize> {
     points: InterfacePoints<'a, D>,

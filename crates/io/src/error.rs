@@ -215,7 +215,7 @@ pub enum Error {
         /// The last step.
         step: usize,
     },
-    /// A step failed. The cause contains the stage. Files are complete up to the step before.
+    /// A step failed: its number, its time and the cause. Files are complete up to the step before.
     #[cfg(feature = "simulation")]
     #[error(transparent)]
     Step(#[from] solver::StepError),

@@ -1,4 +1,4 @@
-//! Pieces of a page, and the page around them.
+//! HTML elements of a page, and the page that contains them.
 
 use std::fmt::Write;
 use std::path::Path;

@@ -22,8 +22,8 @@ impl Raster {
         Self { low, step: [0, 1].map(|k| (high[k] - low[k]) / n[k] as f64), n }
     }
 
-    /// Returns the speed at the points that lie in the fluid, row by row from below. Values of unknowns outside the
-    /// fluid are extrapolations; they appear only through the interpolation within its polygons.
+    /// Returns the speed at the points that lie in the fluid, row by row from below. Dofs at vertices outside the fluid
+    /// are extrapolations; they are used only to interpolate inside the fluid's polygons.
     pub(crate) fn speeds<const D: usize>(
         &self,
         background: &SimplexMesh<D>,

@@ -67,15 +67,15 @@ impl<const D: usize> CellPoint<'_, D> {
 /// Integrals and quadrature points of cells.
 #[derive(Clone, Debug, Default)]
 struct CellTables<const D: usize> {
-    /// One per cell, without the weight of the coordinates.
+    /// Volumes of the cells, without the weight of the coordinates.
     volumes: Vec<f64>,
-    /// Stride: points of a cell.
+    /// Weights of the quadrature points, with the weight of the coordinates. Stride: points of a cell.
     weights: Vec<f64>,
-    /// Stride: points of a cell times its nodes.
+    /// Gradients of the shape functions at these points. Stride: points of a cell times its nodes.
     gradients: Vec<Vector<D>>,
-    /// Shape functions divided by the radius. Stride: that of the gradients; empty in Cartesian coordinates.
+    /// Shape functions divided by the radius there. Stride: that of the gradients; empty in Cartesian coordinates.
     hoop: Vec<f64>,
-    /// Stride: square of the nodes of a cell.
+    /// Mass matrices of the cells for a density of one. Stride: square of the nodes of a cell.
     mass: Vec<f64>,
 }
 
@@ -276,7 +276,8 @@ impl<const D: usize> SolidMesh<D> {
         CellPoint { weight: 0.0, gradients: &gradients, hoop }.deformation(displacement)
     }
 
-    /// Returns the middle of a boundary facet as a point of the cell behind it. Its weight is zero.
+    /// Returns the middle of a boundary facet as a point of the cell behind it. It serves the evaluation of the stress
+    /// only, so its quadrature weight is zero.
     #[inline]
     pub fn surface_point(&self, facet: FacetId) -> CellPoint<'_, D> {
         let n = self.order.n_nodes(D);

@@ -48,8 +48,8 @@ pub enum Error {
     /// A movable body has no vertex inside the bounding box of the background any more.
     #[error(
         "body {body} has left the background, where nothing can stop it: check the signs and units of its gravity, of the densities, of the body \
-         force of the fluid and of given pressures, and whether earlier steps made sense; for a body that may come that far enlarge the background, \
-         give it a contact with the wall, or hold it"
+         force of the fluid and of given pressures, and whether the results of earlier steps are plausible; for a body that may come that far enlarge \
+         the background, give it a contact with the wall, or hold it"
     )]
     LeftDomain {
         /// Name of the body.

@@ -302,8 +302,9 @@ impl<'a, const D: usize> FluidStep<'a, D> {
         KineticProducts::new(self.setup.material.density, &self.cut, &self.space, &self.parts, [velocity, acceleration])
     }
 
-    /// Returns the energies of the scheme on the geometry of the step: transferred, at the start, and at the end. The
-    /// first two differ in the first step, where the acceleration at the start is unknown and taken as that at the end.
+    /// Returns the energy that the time scheme does not increase ([`algebra::time::Weights::of_energy`]), on the
+    /// geometry of the step: of the transferred fields, of the start and of the end. The first two differ only if the
+    /// acceleration at the start is unknown, as in the first step; it is then set to that at the end.
     pub(crate) fn scheme_energies(&self, layout: &BlockLayout, x: &[f64]) -> [f64; 3] {
         let (start, end) = (&self.start, self.end(layout, x));
         let energy = |products: KineticProducts| products.scheme_energy(&self.time.weights);

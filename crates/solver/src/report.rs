@@ -60,7 +60,7 @@ impl<const D: usize> ForceBalance<D> {
 pub struct BodyReport<const D: usize> {
     /// Energies, mass, centre, momentum; `None` for a body of prescribed motion.
     pub balance: Option<Balance<D>>,
-    /// Forces over the step; `None` for a body of prescribed motion.
+    /// Forces at the stage of the step; `None` for a body of prescribed motion.
     pub forces: Option<ForceBalance<D>>,
     /// Index and position of the vertex with the lowest last coordinate.
     pub lowest: (usize, Point<D>),
@@ -111,7 +111,7 @@ pub struct StepReport<const D: usize> {
     pub ledger: Ledger,
     /// Number of unknowns.
     pub n_dofs: usize,
-    /// Wall-clock time per stage.
+    /// Wall-clock time of each part of the work.
     pub seconds: StepSeconds,
 }
 

@@ -12,8 +12,8 @@ pub fn regions<const D: usize>(cut: &CutMesh<D>) -> Classes {
     classes
 }
 
-/// Returns for each part whether it belongs to a small region: the volume of each part of the region is below a
-/// fraction of the volume of its cell, and `is_kept` returns false for each.
+/// Returns for each part whether its region is small: every part of the region has less than `fraction` of the volume
+/// of its cell, and `is_kept` is false for all of them.
 pub fn small_regions<const D: usize>(
     background: &SimplexMesh<D>,
     cut: &CutMesh<D>,

@@ -119,7 +119,7 @@ fn shrink(record: &mut Record) -> Result<(), Failure> {
          so nothing can flow along the film; a parabola needs more layers. The share of the displaced fluid that leaves past \
          the end of the film, at sqrt(2 gap/R), falls from about 1 to 0.1. The rest hardly goes through the surface but is \
          lost in the cells (the integral of -div u), as the stabilisation of the pressure allows. So the force of such films \
-         is a matter of its weight γ_p: a tenth of it makes 2.6 times the force, ten times of it a third.",
+         depends on its weight γ_p: a tenth of it makes 2.6 times the force, ten times of it a third.",
     );
     record.note(
         "The penalty: with γ_Σ = 1e5, the value of the paper's cases, the force is 8 % too large at eight cells and 17 % at \

@@ -35,7 +35,8 @@ const PHRASES: &[(&str, &str)] = &[
     ("a little|a bit|a hair|about as good as", "slightly, within round-off; give the number"),
     ("talks|talk|feel|feels|hopes|wishes|thinks|believes", "code is not a person"),
     ("ask for|asks for|say nothing|says nothing", "require, do not depend on"),
-    ("make sense|makes sense|make no sense|makes no sense|senseless", "valid, invalid"),
+    ("make sense|makes sense|made sense|make no sense|makes no sense|senseless", "valid, invalid"),
+    ("matter of", "depends on"),
     ("tell apart|told apart|knows none|knows nothing", "distinguish, does not depend on"),
 ];
 
@@ -153,7 +154,7 @@ mod tests {
             [1, 2]
         );
         assert_eq!(lines("a.rs", "fn a() { b(\"the step that is\n none\"); }\n"), [1]);
-        assert_eq!(lines("a.md", "It has to\nsay this.\n"), [1]);
+        assert_eq!(lines("a.md", "It has to\nsay this, a matter\nof it.\n"), [1, 2]);
     }
 
     #[test]

@@ -9,7 +9,8 @@ use super::LinearError;
 use super::factors::signs;
 use super::nodes::NodeGraph;
 
-/// Weights of the shift of multipliers, in the order in which they are tried.
+/// Multiples of the shift of the diagonal entries of multipliers (see [`IncompleteFactors`]), tried in this order until
+/// the factors are stable.
 const SHIFTS: [f64; 4] = [0.0, 10.0, 40.0, 160.0];
 /// Largest error `‖M⁻¹ A e - e‖ / ‖e‖` of stable factors `M` of `A`, with a vector `e` of entries ±1. Stable factors
 /// have errors below one, and growth in unstable ones is exponential: the exact bound is not important.
@@ -57,11 +58,11 @@ pub(super) struct IncompleteFactors {
     unknowns: Vec<u32>,
     /// Row of blocks to its first place in `unknowns`; one longer than the number of rows.
     first: Vec<usize>,
-    /// Factor with unit diagonal.
+    /// Factor L, with unit diagonal.
     lower: BlockRows,
-    /// Strict upper triangle of the other factor.
+    /// Factor U above its diagonal blocks.
     upper: BlockRows,
-    /// Inverses of its diagonal blocks.
+    /// Inverses of the diagonal blocks of U.
     pivots: BlockRows,
     /// Shifts of the diagonal, in the order of elimination.
     shift: Vec<f64>,
@@ -296,7 +297,7 @@ impl IncompleteFactors {
             let own = &mut own[first[row]..];
             let begin = first[row + 1];
             subtract_row(own, upper, row, |column| &known[first[column] - begin..first[column + 1] - begin]);
-            // The inverse of the pivot times what is left, as a difference from zero.
+            // Multiplies by the inverse of the diagonal block: computes `0 - U_ii⁻¹ r`, then changes the sign.
             scratch.clear();
             scratch.resize(own.len(), 0.0);
             subtract_product(scratch, pivots.values(row), own, [own.len(), own.len(), 1]);

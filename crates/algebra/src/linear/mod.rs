@@ -64,7 +64,7 @@ pub trait LinearSolver: Send {
         0
     }
 
-    /// Returns the data on which later solves depend, other than matrices, as lists; empty if none.
+    /// Returns the data of earlier matrices on which later solves depend, as lists; empty if there are none.
     fn memory(&self) -> Vec<Vec<f64>> {
         Vec::new()
     }

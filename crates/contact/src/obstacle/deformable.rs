@@ -67,8 +67,8 @@ impl<const D: usize> DeformableObstacle<D> {
         smallest
     }
 
-    /// Computes the gap of a point with the search structure at `positions`; `None` where it is negative at an end of
-    /// the facets that can be touched.
+    /// Computes the gap of a point with the search structure at `positions`; `None` if it is negative and the closest
+    /// point lies on the rim of the facets that can be touched, where its sign has no meaning.
     pub(super) fn gap_with(&self, index: &SurfaceIndex<D>, x: &Point<D>, positions: &[Point<D>]) -> Option<f64> {
         let (closest, projection) = self.nearest(index, x, positions)?;
         let gap = projection.gap(x);

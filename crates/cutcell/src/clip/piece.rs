@@ -244,8 +244,8 @@ impl<const D: usize> Piece<D> {
         }
     }
 
-    /// Adds the face on the dividing plane. `section` contains its edges (from, to, plane beyond) in 3D, and its two
-    /// ends in 2D, the first one marked with 1.
+    /// Adds the face on the dividing plane. In 3D `section` has the edges of the face (from, to, plane beyond). In 2D
+    /// `section` has the two ends of the face; the second number is 1 for the end at which the loop begins.
     fn close(&mut self, mut section: Section, by: Plane) {
         if D == 2 {
             section.sort_by_key(|end| std::cmp::Reverse(end.1));

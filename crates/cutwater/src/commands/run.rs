@@ -294,8 +294,8 @@ fn contact_lines(summary: &Summary) -> Vec<String> {
     ]
 }
 
-/// Prints a line per stage. The assembly also has a line per contribution, and one for the rest: zeros, copies and
-/// linear parts that are stored.
+/// Prints a line per part of a step. The assembly also has a line per contribution, and one for the rest: zeros, copies
+/// and linear parts that are stored.
 fn print_timings(summary: &Summary, print_line: &mut dyn FnMut(&str)) {
     let steps = summary.steps.max(1) as f64;
     let all: f64 = summary.timings.iter().filter(|t| t.contribution.is_none()).map(|t| t.seconds).sum();
@@ -304,16 +304,16 @@ fn print_timings(summary: &Summary, print_line: &mut dyn FnMut(&str)) {
         let (per_step, share) = (1e3 * seconds / steps, 100.0 * seconds / all);
         print_line(&format!("  {name:<32} {calls:>8} {seconds:>10.3} {per_step:>12.3} {share:>6.1}%"));
     };
-    for stage in summary.timings.iter().filter(|timing| timing.contribution.is_none()) {
-        line(&stage.stage, &stage.calls.to_string(), stage.seconds);
-        let mut rest = stage.seconds;
-        for part in summary.timings.iter().filter(|timing| timing.stage == stage.stage) {
-            if let Some(name) = &part.contribution {
-                line(&format!("  {name}"), &part.calls.to_string(), part.seconds);
-                rest -= part.seconds;
+    for part in summary.timings.iter().filter(|timing| timing.contribution.is_none()) {
+        line(&part.stage, &part.calls.to_string(), part.seconds);
+        let mut rest = part.seconds;
+        for timing in summary.timings.iter().filter(|timing| timing.stage == part.stage) {
+            if let Some(name) = &timing.contribution {
+                line(&format!("  {name}"), &timing.calls.to_string(), timing.seconds);
+                rest -= timing.seconds;
             }
         }
-        if rest < stage.seconds {
+        if rest < part.seconds {
             line("  rest", "", rest);
         }
     }

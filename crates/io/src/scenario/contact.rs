@@ -375,9 +375,9 @@ impl<'p, const D: usize> ContactBuilder<'p, D> {
     }
 }
 
-/// Returns the distance in the undeformed body up to which parts of a surface are not in contact with each other.
-/// Neighbours along the surface are within twice the size. With three offsets, the sides of a right-angled corner touch
-/// only if it has closed to less than 30 degrees.
+/// Returns the distance in the undeformed body below which two parts of a surface are excluded from contact with each
+/// other. Neighbours along the surface are within twice the size. With three offsets, the sides of a right-angled
+/// corner touch only if it has closed to less than 30 degrees.
 fn exempt(given: &ContactKeys) -> f64 {
     (given.offset + 2.0 * given.size).max(3.0 * given.offset)
 }
