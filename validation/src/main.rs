@@ -23,6 +23,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 
 use self::outcome::Outcome;
+use self::validate::Resolution;
 
 #[derive(Parser)]
 #[command(about, disable_help_subcommand = true)]
@@ -85,7 +86,11 @@ fn main() -> ExitCode {
             verify::run(&verify::MEASURED.map(str::to_owned), !quick, document, &out)
         }
         Mode::Validate { cases, quick, regenerate, document, out, .. } => {
-            validate::run(&cases, [quick, regenerate, document], &out)
+            let resolution = match quick {
+                true => Resolution::Quick { regenerates: regenerate },
+                false => Resolution::Paper { writes_pages: document },
+            };
+            validate::run(&cases, resolution, &out)
                 .and_then(|passes| report::write(&cases, quick, &out).map(|()| passes))
         }
         Mode::Verify { names, quick: _, full, document, out } => verify::run(&names, full, document, &out),

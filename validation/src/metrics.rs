@@ -101,10 +101,10 @@ pub(crate) struct Factorization {
 }
 
 impl Factorization {
-    /// Divides the median time of a step by the time of a factorisation.
-    pub(crate) fn per_step(&self, results: &Results) -> Option<f64> {
+    /// Divides the median time of a step of the case by the time of a factorisation, and prints both.
+    pub(crate) fn per_step(&self, name: &str, results: &Results) -> Option<f64> {
         let (step, seconds) = median_step_seconds(&results.history).zip(self.seconds)?;
-        println!("  median step {:.1} ms, refactorisation {:.1} ms", 1e3 * step, 1e3 * seconds);
+        println!("  {name}: median step {:.1} ms, refactorisation {:.1} ms", 1e3 * step, 1e3 * seconds);
         Some(step / seconds)
     }
 }

@@ -12,10 +12,12 @@ pub(crate) fn print<const N: usize>(head: [&str; N], rows: impl Iterator<Item = 
     let width = |column: usize| lines.iter().map(|line| line[column].chars().count()).max().unwrap_or(0);
     let widths: [usize; N] = std::array::from_fn(width);
     lines.insert(1, widths.map(|width| "-".repeat(width)));
-    for line in &lines {
+    let text = lines.iter().map(|line| {
         let cells: Vec<String> = line.iter().zip(widths).map(|(cell, w)| format!("{cell:<w$}")).collect();
-        println!("  {}", cells.join("  ").trim_end());
-    }
+        format!("  {}\n", cells.join("  ").trim_end())
+    });
+    // At once, so that progress of other runs is not printed between the rows.
+    print!("{}", text.collect::<String>());
 }
 
 /// Prints comparisons; `known` is the headline of the numbers to compare with.

@@ -20,13 +20,28 @@ use crate::{results, table, workers};
 /// Time between two lines of progress.
 const PROGRESS: Duration = Duration::from_secs(10);
 
-/// Runs cases (all if none is named) and prints a table for each. Returns whether every verdict is good. Cases are run
-/// with the resolution of the paper and compared with it, and their pages of the book may be written; or with coarse
-/// meshes and compared with our own stored values, which may be updated.
+/// Resolution of the runs, and what is written in addition to their results.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Resolution {
+    /// Coarse meshes. Runs are compared with our own stored values, which may be stored anew before.
+    Quick { regenerates: bool },
+    /// The resolution of the paper. Runs are compared with the paper, and their pages of the book may be written.
+    Paper { writes_pages: bool },
+}
+
+impl Resolution {
+    fn is_quick(self) -> bool {
+        matches!(self, Self::Quick { .. })
+    }
+}
+
+/// Runs cases (all if none is named) and prints a table for each. Returns whether every verdict is good.
 ///
 /// # Errors
 /// There is no such case, or a file cannot be read or written.
-pub(crate) fn run(cases: &[String], [is_quick, regenerate, writes_pages]: [bool; 3], out: &Path) -> Outcome {
+pub(crate) fn run(cases: &[String], resolution: Resolution, out: &Path) -> Outcome {
+    let writes_pages = resolution == Resolution::Paper { writes_pages: true };
+    let regenerates = resolution == Resolution::Quick { regenerates: true };
     if writes_pages {
         document::require_clean_tree()?;
     }
@@ -34,18 +49,21 @@ pub(crate) fn run(cases: &[String], [is_quick, regenerate, writes_pages]: [bool;
     let references = names.iter().map(|name| Ok((name, case::read(name)?))).collect::<Result<Vec<_>, String>>()?;
     let mut stored = case::read_quick_values()?;
     let mut failed = Vec::new();
-    let start = |(name, reference): &(&String, Reference)| Ok(run_case(name, reference, is_quick, &out.join(name)));
-    workers::for_each(&references, start, |(name, reference), run| {
+    let start = |(name, reference): &(&String, Reference)| {
+        Ok(run_case(name, reference, resolution.is_quick(), &out.join(name)))
+    };
+    let name_of = |(name, _): &(&String, Reference)| (*name).clone();
+    workers::for_each(&references, name_of, start, |(name, reference), run| {
         println!("# {name}: {} ({})", reference.title, reference.source);
         let directory = out.join(name);
-        let passes = run.and_then(|run| judge(name, reference, &run, [is_quick, regenerate], &directory, &mut stored));
-        if !passes.unwrap_or_else(|error| print_error(error.as_ref())) {
+        let passes = run.and_then(|run| judge(name, reference, &run, resolution, &directory, &mut stored));
+        if !passes_or_print(passes) {
             failed.push(*name);
         }
         println!("  files are in {}\n", directory.display());
         Ok(())
     })?;
-    if !is_quick {
+    if !resolution.is_quick() {
         // Verdicts of a whole run are those of the pages, which include listed targets and the other cases.
         failed.clear();
         for (name, reference) in &references {
@@ -55,15 +73,15 @@ pub(crate) fn run(cases: &[String], [is_quick, regenerate, writes_pages]: [bool;
                 }
                 Ok(record.holds())
             });
-            if !holds.unwrap_or_else(|error| print_error(error.as_ref())) {
+            if !passes_or_print(holds) {
                 failed.push(*name);
             }
         }
         document::older_than_the_code().iter().for_each(|line| println!("# {line}"));
     }
-    if regenerate {
+    if regenerates {
         write_stored(&stored)?;
-    } else if is_quick {
+    } else if resolution.is_quick() {
         println!("Coarse meshes, compared with our own stored values: this is regression, not validation.");
     } else {
         println!("Compared with the numbers of the paper.");
@@ -75,11 +93,10 @@ pub(crate) fn run(cases: &[String], [is_quick, regenerate, writes_pages]: [bool;
     Ok(failed.is_empty())
 }
 
-/// A case that was run: its results, and the error of the step at which it stopped.
+/// Results of a case, of all steps or of those before the one that failed.
 struct Run {
     results: Results,
     metrics: Value,
-    failure: Option<io::Error>,
 }
 
 /// Runs a case and writes its files.
@@ -112,7 +129,10 @@ fn run_case(name: &str, reference: &Reference, is_quick: bool, directory: &Path)
     let failure = match io::run(&file, directory, &mut ((progress, Thickness { directory }), in_full)) {
         Ok(_) => None,
         // The files of such a run have the steps before the failure.
-        Err(error @ io::Error::Step(_)) => Some(error),
+        Err(error @ io::Error::Step(_)) => {
+            print_error(&format!("{name}: the run stopped"), &error);
+            Some(error)
+        }
         Err(error) => return Err(error.into()),
     };
     if !is_quick {
@@ -121,9 +141,9 @@ fn run_case(name: &str, reference: &Reference, is_quick: bool, directory: &Path)
     let results = Results::read(directory)?;
     let mut metrics = metrics(&results, failure.is_none())?;
     if failure.is_none() && !is_quick {
-        metrics[REFACTORIZATIONS_PER_STEP] = json!(factorization.per_step(&results));
+        metrics[REFACTORIZATIONS_PER_STEP] = json!(factorization.per_step(name, &results));
     }
-    Ok(Run { results, metrics, failure })
+    Ok(Run { results, metrics })
 }
 
 /// Compares a run with its reference, or a quick one with stored values, which are updated before if asked; prints the
@@ -131,17 +151,15 @@ fn run_case(name: &str, reference: &Reference, is_quick: bool, directory: &Path)
 fn judge(
     name: &str,
     reference: &Reference,
-    Run { results, metrics, failure }: &Run,
-    [is_quick, regenerate]: [bool; 2],
+    Run { results, metrics }: &Run,
+    resolution: Resolution,
     directory: &Path,
     stored: &mut QuickValues,
 ) -> Outcome {
-    if let Some(error) = failure {
-        print_error(error);
-    }
+    let is_quick = resolution.is_quick();
     print_sizes(&results.summary);
     let asked = reference.comparisons.iter().filter(|asked| !is_quick || asked.key != REFACTORIZATIONS_PER_STEP);
-    if regenerate {
+    if resolution == (Resolution::Quick { regenerates: true }) {
         let values = asked.clone().filter_map(|asked| Some((asked.key.clone(), as_number(&metrics[&asked.key])?)));
         stored.insert(name.to_owned(), values.collect::<BTreeMap<_, _>>());
     }
@@ -159,11 +177,18 @@ fn judge(
     Ok(rows.iter().all(Compared::passes))
 }
 
-/// Prints an error with its causes. Returns the verdict of what it prevented.
-fn print_error(error: &dyn std::error::Error) -> bool {
-    println!("  the run failed: {error}");
-    causes(error).for_each(|cause| println!("    because: {cause}"));
-    false
+/// Returns whether verdicts are good. Prints an error that is there in their place.
+fn passes_or_print(outcome: Outcome) -> bool {
+    outcome.unwrap_or_else(|error| {
+        print_error("the comparison failed", error.as_ref());
+        false
+    })
+}
+
+/// Prints what failed, and the error with its causes.
+fn print_error(what: &str, error: &dyn std::error::Error) {
+    let causes: String = causes(error).map(|cause| format!("\n    because: {cause}")).collect();
+    println!("  {what}: {error}{causes}");
 }
 
 fn print_sizes(summary: &Summary) {

@@ -162,8 +162,8 @@ struct CompareArguments {
     /// Another one, whose values are interpolated to the times of the first.
     second: PathBuf,
     /// Largest relative difference, above which the exit code is 1. The difference of a column is relative to its
-    /// largest absolute value in either run; that of a column `lost_*` to the largest `total_energy`, if this is
-    /// larger.
+    /// largest absolute value in either run; that of a column `lost_*` to the largest kinetic, elastic or stored
+    /// energy, and that of a `force_remainder` to the largest force on the body, if these are larger.
     #[arg(long, value_parser = zero_or_positive)]
     tolerance: Option<f64>,
     /// Name of a column of history.csv, diagnostics.csv or probes.csv that is compared; may be repeated. If left out,

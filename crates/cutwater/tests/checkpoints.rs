@@ -110,7 +110,7 @@ fn killed_runs_end_with_the_same_bits() {
     let whole = directory("whole");
     let start = Instant::now();
     finish(command(&whole, false, &[]), 0);
-    // Kills come at random times in the length of a whole run, however loaded the machine is.
+    // Kills come at random times in the length of a whole run, as it is with the present load of the machine.
     let length = start.elapsed();
     let expected = results(&whole);
     assert!(expected.keys().any(|name| name.ends_with(".bin")) && expected.contains_key("frames.json"));
@@ -119,23 +119,24 @@ fn killed_runs_end_with_the_same_bits() {
     std::fs::copy(&last, whole.join("checkpoint-00000100.bin")).expect("a copy");
     finish(command(&whole, true, &[]), 0);
     assert_same(&results(&whole), &expected);
-    let kill = |seed| kills(seed, length, &expected);
+    // Two at a time.
+    let half = |seed| kills(seed, N_KILLS / 2, length, &expected);
     let n_resumed: usize = std::thread::scope(|scope| {
-        let series: Vec<_> = [1, 2].map(|seed| scope.spawn(move || kill(seed))).into();
-        series.into_iter().map(|series| series.join().expect("no panic")).sum()
+        let halves: Vec<_> = [1, 2].map(|seed| scope.spawn(move || half(seed))).into();
+        halves.into_iter().map(|half| half.join().expect("no panic")).sum()
     });
-    assert!(n_resumed > N_KILLS / 4, "{n_resumed} of {N_KILLS} kills came after a checkpoint");
+    assert!(n_resumed > N_KILLS / 4, "{n_resumed} runs began from a checkpoint, of {N_KILLS} that were killed");
 }
 
-/// Kills runs until there are half of the kills, each run until it ends, and compares results. Returns the number of
-/// runs that began from a checkpoint.
-fn kills(seed: u64, length: Duration, expected: &BTreeMap<String, Vec<u8>>) -> usize {
+/// Starts runs, kills them at random moments and resumes them, `most_kills` times in all. Compares the results of each
+/// run that came to its end. Returns how often a run began from a checkpoint.
+fn kills(seed: u64, most_kills: usize, length: Duration, expected: &BTreeMap<String, Vec<u8>>) -> usize {
     let (mut n_kills, mut n_resumed, mut random) = (0, 0, seed);
-    for series in 0.. {
-        if n_kills >= N_KILLS / 2 {
+    for number in 0.. {
+        if n_kills >= most_kills {
             break;
         }
-        let killed = directory(&format!("killed-{seed}-{series}"));
+        let killed = directory(&format!("killed-{seed}-{number}"));
         loop {
             let has_checkpoint = killed.is_dir()
                 && std::fs::read_dir(&killed)
@@ -145,7 +146,7 @@ fn kills(seed: u64, length: Duration, expected: &BTreeMap<String, Vec<u8>>) -> u
             n_resumed += usize::from(has_checkpoint);
             // A linear congruential generator: Knuth, The Art of Computer Programming, 3.3.4.
             random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            if n_kills >= N_KILLS / 2 {
+            if n_kills >= most_kills {
                 finish(command(&killed, has_checkpoint, &[]), 0);
                 break;
             }
@@ -249,7 +250,8 @@ fn checkpoints_that_cannot_be_used_are_refused() {
     // The last two are kept; if the last one is damaged the one before counts.
     assert!(!path(10).exists() && path(20).exists() && path(25).exists());
     damage(25);
-    finish(command(&damaged, true, &[]), 0);
+    let printed = finish(command(&damaged, true, &[]), 0);
+    assert!(printed.contains("checkpoint-00000025.bin") && printed.contains("goes on from the checkpoint of step 20"));
     damage(20);
     damage(25);
     let printed = finish(command(&damaged, true, &[]), 2);

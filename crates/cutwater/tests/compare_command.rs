@@ -76,7 +76,7 @@ fn runs_are_compared_column_by_column() {
 }
 
 #[test]
-fn losses_of_energy_are_compared_with_the_total_energy() {
+fn losses_of_energy_are_compared_with_the_energies() {
     let [first, second] = [path("ledger-first"), path("ledger-second")];
     // Tables of earlier versions have no units.
     let write = |directory: &str, lost: &str, newton: &str, [s, m, j]: [&str; 3]| {
@@ -85,21 +85,24 @@ fn losses_of_energy_are_compared_with_the_total_energy() {
             std::fs::write(PathBuf::from(directory).join(name), text).expect("a file");
         };
         file("history.csv", format!("time{s},centre_y{m},newton\n0.1,2,{newton}\n"));
-        file("diagnostics.csv", format!("time{s},total_energy{j},lost_open_boundary{j}\n0.1,-4,{lost}\n"));
+        file(
+            "diagnostics.csv",
+            format!("time{s},energy_contact{j},a_energy_gravity{j},lost_open_boundary{j}\n0.1,4,-9e6,{lost}\n"),
+        );
     };
     write(&first, "1e-14", "3", ["", "", ""]);
     write(&second, "2e-14", "5", [" [s]", " [m]", " [J/m]"]);
     let output = cutwater(&["compare", &second, &first, "--tolerance", "1e-12"]);
     let printed = text(&output.stdout);
     assert!(output.status.success() && printed.contains("lost_open_boundary [J/m] "), "{printed}");
-    assert!(!printed.contains("newton") && printed.contains("2 columns are equal, 1 differ"), "{printed}");
+    assert!(!printed.contains("newton") && printed.contains("3 columns are equal, 1 differ"), "{printed}");
     let output = cutwater(&["compare", &first, &second, "--tolerance", "1e-12"]);
     let printed = text(&output.stdout);
     assert_eq!(output.status.code(), Some(0), "{printed}");
     let line = printed.lines().find(|line| line.starts_with("lost_open_boundary ")).expect("the loss");
     assert_eq!(line.split_whitespace().collect::<Vec<_>>()[1..], ["1.000e-14", "4.000e0", "2.500e-15"]);
     // Counts of work are compared on request only.
-    assert!(!printed.contains("newton") && printed.contains("2 columns are equal, 1 differ"), "{printed}");
+    assert!(!printed.contains("newton") && printed.contains("3 columns are equal, 1 differ"), "{printed}");
     let output = cutwater(&["compare", &first, &second, "--tolerance", "0.1", "--column", "newton"]);
     assert_eq!(output.status.code(), Some(1));
     assert!(text(&output.stdout).contains("0 columns are equal, 1 differ"), "{}", text(&output.stdout));
@@ -108,6 +111,24 @@ fn losses_of_energy_are_compared_with_the_total_energy() {
     let output = cutwater(&["compare", &first, &second, "--column", "centre_z"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(text(&output.stderr).contains("has no column `centre_z`; did you mean `centre_y`?"));
+}
+
+#[test]
+fn remainders_of_forces_are_compared_with_the_forces() {
+    let directories = [("1e-14", path("balance-first")), ("-1e-14", path("balance-second"))];
+    for (remainder, directory) in &directories {
+        std::fs::create_dir_all(directory).expect("a directory");
+        let file = |name: &str, text: String| {
+            std::fs::write(PathBuf::from(directory).join(name), text).expect("a file");
+        };
+        let force = |name: &str| format!("{name} [N/m]");
+        let names = ["a_force_gravity", "a_force_remainder", "b_force_gravity"].map(force).join(",");
+        file("history.csv", format!("time [s],{names}\n0.1,-5,{remainder},90\n"));
+    }
+    let [first, second] = directories.map(|(_, directory)| directory);
+    let printed = text(&cutwater(&["compare", &first, &second]).stdout);
+    let line = printed.lines().find(|line| line.starts_with("a_force_remainder ")).expect("the remainder");
+    assert_eq!(line.split_whitespace().collect::<Vec<_>>()[2..], ["2.000e-14", "5.000e0", "4.000e-15"]);
 }
 
 #[test]

@@ -132,7 +132,7 @@ fn a_write_that_fails_names_its_cause() {
     let output = run(&case(), &directory, &["--overwrite"]);
     let text = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(1), "{text}");
-    assert!(text.contains("writing results") && text.contains("fluid.pvd"), "{text}");
+    assert!(text.contains("failed to record the step") && text.contains("fluid.pvd"), "{text}");
 }
 
 #[test]

@@ -108,7 +108,9 @@ impl<const D: usize> FilmValues<D> {
     /// together, a length. A thinner film has the conductance of this thickness, or of the extent of its cell across
     /// the film if that is less.
     pub fn new(
-        (background, cut, parts): (&SimplexMesh<D>, &CutMesh<D>, &PartValues<D>),
+        background: &SimplexMesh<D>,
+        cut: &CutMesh<D>,
+        parts: &PartValues<D>,
         surfaces: &FilmSurfaces<D>,
         roughness: f64,
     ) -> Self {
@@ -155,7 +157,8 @@ impl<const D: usize> FilmValues<D> {
     /// plate, do not contribute. At most 3/4 of the flux in a part are subtracted; the rest stabilises the pressure.
     pub fn subtract_slip(
         &mut self,
-        (background, cut): (&SimplexMesh<D>, &CutMesh<D>),
+        background: &SimplexMesh<D>,
+        cut: &CutMesh<D>,
         s: f64,
         length: impl Fn(usize) -> f64,
     ) {

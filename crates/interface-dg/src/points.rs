@@ -160,7 +160,7 @@ impl<'a, const D: usize> Sites for InterfacePoints<'a, D> {
         let solid = self.solid.as_ref().and_then(|solid| {
             let mut dofs = Vec::new();
             self.dofs(item, &mut dofs);
-            solid.on_facet((piece.body, piece.facet), &dofs, x).map(Arc::new)
+            solid.on_facet(piece.body, piece.facet, &dofs, x).map(Arc::new)
         });
         for at in self.values.points(item) {
             let mut velocity = Vector::zeros();

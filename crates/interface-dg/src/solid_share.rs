@@ -34,12 +34,7 @@ pub struct SolidTraction<const D: usize> {
 impl<const D: usize> SolidShare<'_, D> {
     /// Returns the traction of the solid on a facet; `None` for a body without stress. Rows are positions in `dofs`,
     /// which must contain the dofs of the stress on the facet ([`SurfaceStress::dofs`]).
-    pub(crate) fn on_facet(
-        &self,
-        (body, facet): (BodyId, FacetId),
-        dofs: &[DofId],
-        x: &[f64],
-    ) -> Option<SolidTraction<D>> {
+    pub(crate) fn on_facet(&self, body: BodyId, facet: FacetId, dofs: &[DofId], x: &[f64]) -> Option<SolidTraction<D>> {
         let stress = self.stresses[body.index()].as_ref()?;
         let mut derivatives = Vec::new();
         let row = |dof: &DofId| dofs.iter().position(|other| other == dof);

@@ -13,7 +13,7 @@ use crate::vtk::series::Entry;
 /// First bytes of a file.
 const MAGIC: &[u8; 8] = b"CUTWATER";
 /// Version of the format. A file of another version is refused.
-const FORMAT: u32 = 8;
+const FORMAT: u32 = 9;
 /// Bytes before the header: magic, version and length of the header.
 const BEFORE_HEADER: usize = 8 + 4 + 8;
 /// Bytes of the checksum at the end.
@@ -109,15 +109,16 @@ impl Checkpoint {
         }
     }
 
-    /// Reads the last checkpoint in a directory; if it is damaged, the one before.
+    /// Reads the last checkpoint in a directory; if it is damaged, the one before. Returns with it the error of the
+    /// last one, if any.
     ///
     /// # Errors
     /// [`Error::NoCheckpoint`]; [`Error::Read`] or [`Error::Checkpoint`] for the last file if none can be read.
-    pub(crate) fn last(directory: &Path) -> Result<Self, Error> {
+    pub(crate) fn last(directory: &Path) -> Result<(Self, Option<Error>), Error> {
         let mut first_error = None;
         for path in files(directory).iter().rev() {
             match Self::read(path) {
-                Ok(checkpoint) => return Ok(checkpoint),
+                Ok(checkpoint) => return Ok((checkpoint, first_error)),
                 Err(error) => first_error = first_error.or(Some(error)),
             }
         }

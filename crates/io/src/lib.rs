@@ -29,6 +29,8 @@ mod checkpoint;
 #[cfg(feature = "simulation")]
 mod claim;
 #[cfg(feature = "simulation")]
+mod energies;
+#[cfg(feature = "simulation")]
 mod history;
 #[cfg(feature = "simulation")]
 mod measures;

@@ -123,7 +123,8 @@ pub(crate) fn pressures<const D: usize>(scenario: &Scenario, case: &Case<D>) -> 
     all_pressures(case, scenario.time.end).into_iter().map(describe).collect()
 }
 
-/// Returns whether the pressure acts on surfaces at another time than that of the step's pressure.
+/// Returns whether the pressure of a step acts on the surfaces as they are cut, and not on those at the stage of the
+/// step.
 pub(crate) fn pressure_lags<const D: usize>(setup: &Setup<D>) -> bool {
     !setup.scheme.weights(setup.dt, false).pressure_at_stage
 }

@@ -70,7 +70,7 @@ impl<const D: usize> Probes<D> {
 
 impl<const D: usize> Probe<D> {
     /// Creates a probe. Masses, forces, energies and flows are integrals over a domain of `dimension`.
-    pub(crate) fn new(name: &str, measured: Measured<D>, (units, dimension): (&Units, usize)) -> Self {
+    pub(crate) fn new(name: &str, measured: Measured<D>, units: &Units, dimension: usize) -> Self {
         let (length, velocity) = (units.label(Quantity::LENGTH), units.label(Quantity::VELOCITY));
         let total = |quantity| units.total_label(quantity, dimension);
         let axes = |quantity: &'static str, unit: String| {

@@ -85,16 +85,20 @@ impl<W: Watch> CaseVisitor for Run<'_, W> {
 
     fn visit<const D: usize>(self, mut case: Case<D>) -> Result<Summary, Error> {
         let Self { file, directory, watch, options } = self;
-        let (start, header, _claim) = if options.resumes {
-            let (start, header) = last_checkpoint(file, &mut case, directory)?;
-            keep_last(directory)?;
-            (start, Some(header), Claim::new(directory, file, true)?)
-        } else {
+        if !options.resumes {
             keep_input(directory, file.path())?;
-            let claim = Claim::new(directory, file, options.overwrites)?;
+        } else if checkpoint_steps(directory).is_empty() {
+            return Err(Error::NoCheckpoint { directory: directory.to_owned() });
+        }
+        let _claim = Claim::new(directory, file, options.resumes || options.overwrites)?;
+        let (start, header, unread) = if options.resumes {
+            let (start, header, unread) = last_checkpoint(file, &mut case, directory)?;
+            keep_last(directory)?;
+            (start, Some(header), unread)
+        } else {
             remove_checkpoints(directory)?;
             remove_series(directory)?;
-            (State::initial(&case.setup)?, None, claim)
+            (State::initial(&case.setup)?, None, None)
         };
         create_directory(&directory.join("vtk"))?;
         if !case.probes.lines.is_empty() {
@@ -102,7 +106,12 @@ impl<W: Watch> CaseVisitor for Run<'_, W> {
         }
         file.write(directory)?;
         // If the cut of the bodies fails, the first step returns the error.
-        if let Ok(sizes) = Sizes::new(file.scenario(), &case, &start) {
+        if let Ok(mut sizes) = Sizes::new(file.scenario(), &case, &start) {
+            if let Some(error) = unread {
+                let warning = format!("warning: {error}; the run goes on from the checkpoint of step {}", start.step);
+                sizes.lines.push(warning.clone());
+                sizes.warnings.push(warning);
+            }
             watch.begin(&sizes);
         }
         let n_steps = case.n_steps - start.step;
@@ -128,7 +137,8 @@ impl<W: Watch> CaseVisitor for Run<'_, W> {
 #[error("stopped")]
 struct Interrupted;
 
-/// Returns the state of the last checkpoint in a directory, and its header. Restores the memory of the linear solver.
+/// Returns the state and the header of the last checkpoint in a directory that can be read, and the error of the last
+/// one if it cannot be read. Restores the memory of the linear solver.
 ///
 /// # Errors
 /// There is no checkpoint, it belongs to another scenario or program, or it is beyond the end of the run.
@@ -136,8 +146,8 @@ fn last_checkpoint<const D: usize>(
     file: &ScenarioFile,
     case: &mut Case<D>,
     directory: &Path,
-) -> Result<(State<D>, Header), Error> {
-    let Checkpoint { header, lists, memory } = Checkpoint::last(directory).map_err(|error| match error {
+) -> Result<(State<D>, Header, Option<Error>), Error> {
+    let (Checkpoint { header, lists, memory }, unread) = Checkpoint::last(directory).map_err(|error| match error {
         Error::Checkpoint { path, problem } => {
             Error::Checkpoint { path, problem: format!("{problem}; remove it, and run the scenario again") }
         }
@@ -158,7 +168,7 @@ fn last_checkpoint<const D: usize>(
         Err(error) => return of_another(&error.source),
     };
     match case.workspace.recall(&memory) {
-        Ok(()) => Ok((state, header)),
+        Ok(()) => Ok((state, header, unread)),
         Err(error @ LinearError::Memory) => of_another(&error),
         Err(error) => refused(format!("its matrix cannot be factorised: {error}")),
     }
@@ -172,7 +182,7 @@ fn remove_checkpoints(directory: &Path) -> Result<(), Error> {
     let is_finished = |header: &Header| header.step >= header.n_steps;
     match Checkpoint::last(directory) {
         Err(Error::NoCheckpoint { .. }) => Ok(()),
-        Ok(Checkpoint { header, .. }) if !is_finished(&header) => {
+        Ok((Checkpoint { header, .. }, _)) if !is_finished(&header) => {
             Err(Error::Unfinished { directory: directory.to_owned(), step: header.step })
         }
         Ok(_) => remove_all(directory),

@@ -12,8 +12,13 @@ const CLOCK: &str = "seconds_";
 const WORK: [&str; 4] = ["newton", "linear_iterations", "factorizations", "dofs"];
 /// Prefix of the names of columns with energies of the ledger. They are round-off if no energy is lost.
 const LEDGER: &str = "lost_";
-/// Column with the scale of the energies of the ledger.
-const ENERGY: &str = "total_energy";
+/// Part of the names of columns with energies, which are the scale of the ledger. Energies of gravity depend on the
+/// origin of the coordinates, and are left out.
+const ENERGY: &str = "energy_";
+const GRAVITY: &str = "energy_gravity";
+/// End of the name of the column with the remainder of the forces on a body. It is round-off if they balance. The
+/// columns with these forces begin like it.
+const REMAINDER: &str = "remainder";
 
 /// The tables of a run.
 #[derive(Clone, Debug)]
@@ -28,7 +33,8 @@ pub struct Difference {
     pub column: String,
     /// Largest absolute difference, at the times of the first run.
     pub largest: f64,
-    /// Largest absolute value in either run. For columns of the ledger, at least the largest total energy.
+    /// Largest absolute value in either run. For columns of the ledger, at least the largest energy without gravity;
+    /// for the remainder of the forces on a body, at least the largest of these forces.
     pub scale: f64,
 }
 
@@ -144,11 +150,22 @@ impl RunTables {
             }
             Some(found)
         };
-        let energy = compared(ENERGY).map_or(0.0, |energy| energy.scale);
+        let largest = |is_term: &dyn Fn(&str) -> bool| {
+            self.columns()
+                .filter(|column| is_term(column))
+                .filter_map(compared)
+                .map(|term| term.scale)
+                .fold(0.0, f64::max)
+        };
+        let energy = largest(&|column| column.contains(ENERGY) && !column.contains(GRAVITY));
         let difference = |name: &str| {
             let found = compared(name)?;
-            let scale = if name.starts_with(LEDGER) { found.scale.max(energy) } else { found.scale };
-            Some(Difference { scale, ..found })
+            let of_terms = match name_and_unit(name).0.strip_suffix(REMAINDER) {
+                _ if name.starts_with(LEDGER) => energy,
+                Some(prefix) => largest(&|column| column.starts_with(prefix)),
+                None => 0.0,
+            };
+            Some(Difference { scale: found.scale.max(of_terms), ..found })
         };
         let is_work = |name: &str| name.starts_with(CLOCK) || WORK.contains(&name_and_unit(name).0);
         let is_compared = |name: &&str| {

@@ -2,17 +2,15 @@
 
 use std::path::Path;
 
-use mesh::{Aabb, BodyId};
+use mesh::BodyId;
 use serde::{Deserialize, Serialize};
-use solver::{Contact, Setup, State, StepReport, StepView};
+use solver::{Contact, Setup, StepReport, StepView};
 
 use crate::Error;
+use crate::energies::Energies;
 use crate::files::{read_text, write_whole};
 use crate::measures::{BodyMeasures, acts_on, leading_body};
 use crate::scenario::{Quantity, Units};
-
-/// Largest increase of the energy in a step, as a fraction of the largest energy, that is round-off.
-const ENERGY_TOLERANCE: f64 = 1e-8;
 
 /// Sizes, contacts, checks and times of a run. Distances, penetrations and contacts are those of the leading body: the
 /// slave of the first contact, else the first movable body, else the first body.
@@ -72,16 +70,18 @@ pub struct Summary {
     pub max_penetration_over_s: Option<f64>,
     /// Smallest [`crate::distance`].
     pub min_distance: Option<f64>,
-    /// Whether no step increased the energy by more than 1e-8 of the largest sum of all energies, without the work of
-    /// loads, forces, open boundaries and given velocities. The energy of gravity is that relative to the start; the
-    /// largest sum is at least the weight of each body times its extent.
+    /// Whether no step increased the energy by more than 1e-8 of the energies of the run, without the work of loads,
+    /// forces, open boundaries and given velocities. The energies of the run are the largest sum of kinetic, elastic
+    /// and stored energies and absolute changes of the energy of gravity since the start, here at least the weights of
+    /// the bodies times their largest extents.
     pub energy_monotone: bool,
-    /// Sum of all increases of the energy in steps, without the same work, divided by the same largest sum or, if it is
-    /// larger, the largest line of [`solver::Ledger`]. None before the first step.
+    /// Sum of all increases of the energy in steps, without the same work, divided by the energies of the run or, if it
+    /// is larger, the largest line of [`solver::Ledger`]. Increases below the tolerance of Newton's method times the
+    /// weights and extents are not counted. None before the first step, and if an energy was not a number.
     #[serde(default)]
     pub energy_generated: Option<f64>,
-    /// Largest energy of a step that no line of [`solver::Ledger`] contains, divided by the same largest sum or line
-    /// and by the tolerance of Newton's method. None before the first step.
+    /// Largest energy of a step that no line of [`solver::Ledger`] contains, divided by the same energies or line, at
+    /// least the weights times the extents, and by the tolerance of Newton's method. None in the same cases.
     #[serde(default)]
     pub energy_defect: Option<f64>,
     /// Largest integral of `|(u - v)·n|` over the interface, divided by the displaced flow. None if bodies rest.
@@ -215,14 +215,7 @@ impl Summary {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct SummaryBuilder {
     pub(crate) summary: Summary,
-    /// Energy of gravity at the start. Without it energies do not depend on the origin of the coordinates.
-    gravity_at_start: f64,
-    largest_energy: f64,
-    largest_gain: f64,
-    /// Sum of the gains.
-    generated: f64,
-    largest_line: f64,
-    largest_defect: f64,
+    energies: Energies,
     largest_swept: f64,
     /// Displaced flow of bodies up to which they are at rest.
     still: f64,
@@ -236,17 +229,7 @@ impl SummaryBuilder {
     pub(crate) fn new(start: Summary, domain: f64) -> Self {
         let still = STILL * domain / start.dt;
         let summary = Summary { energy_monotone: true, ..start };
-        Self {
-            summary,
-            gravity_at_start: 0.0,
-            largest_energy: 0.0,
-            largest_gain: 0.0,
-            generated: 0.0,
-            largest_line: 0.0,
-            largest_defect: 0.0,
-            largest_swept: 0.0,
-            still,
-        }
+        Self { summary, energies: Energies::default(), largest_swept: 0.0, still }
     }
 
     /// Adds a step, with the measures of all bodies and the wall-clock time that output took.
@@ -257,9 +240,7 @@ impl SummaryBuilder {
         seconds_output: f64,
     ) {
         let Some(report) = view.report else {
-            let (gravity, weighing) = gravity(view.setup, view.state);
-            self.gravity_at_start = gravity;
-            self.largest_energy = weighing.max((view.state.total_energy(view.setup) - gravity).abs());
+            self.energies = Energies::new(view.setup, view.state);
             return;
         };
         let summary = &mut self.summary;
@@ -278,21 +259,11 @@ impl SummaryBuilder {
             let leak = flow.leak_absolute / flow.swept.max(1e-2 * self.largest_swept);
             summary.max_interface_leak = Some(summary.max_interface_leak.map_or(leak, |largest| largest.max(leak)));
         }
-        self.largest_energy = self.largest_energy.max((report.total_energy() - self.gravity_at_start).abs());
-        let gain = -report.ledger.dissipation();
-        self.largest_gain = self.largest_gain.max(gain);
-        // A NaN is kept.
-        self.generated += if gain <= 0.0 { 0.0 } else { gain };
-        self.largest_line = self.largest_line.max(report.ledger.largest_line());
-        let defect = report.ledger.defect().abs();
-        // A NaN is kept: no later defect compares larger.
-        if defect > self.largest_defect || defect.is_nan() {
-            self.largest_defect = defect;
-        }
-        let size = self.largest_energy.max(self.largest_line).max(f64::MIN_POSITIVE);
-        self.summary.energy_defect = Some(self.largest_defect / size / view.setup.newton.tolerance);
-        self.summary.energy_monotone = self.largest_gain <= ENERGY_TOLERANCE * self.largest_energy;
-        self.summary.energy_generated = Some(self.generated / size);
+        let tolerance = view.setup.newton.tolerance;
+        self.energies.add(report, tolerance);
+        self.summary.energy_defect = self.energies.defect().map(|defect| defect / tolerance);
+        self.summary.energy_monotone = self.energies.is_monotone();
+        self.summary.energy_generated = self.energies.generated();
         for (contact, found) in view.setup.contacts.iter().zip(&report.contacts) {
             let least = self.summary.smallest_gap.as_ref().map_or(f64::INFINITY, |(least, _)| *least);
             if let Some(gap) = found.minimum_gap.filter(|gap| *gap < least) {
@@ -324,16 +295,6 @@ impl SummaryBuilder {
         summary.contact_time = summary.contact_intervals.first().map(|(begin, _)| *begin);
         summary.release_time = summary.contact_intervals.first().and_then(|(_, end)| *end);
     }
-}
-
-/// Returns the energy of gravity, and the sum of the weights of the bodies times their extents: an energy that bodies
-/// at rest have relative to each other, whose changes are round-off.
-fn gravity<const D: usize>(setup: &Setup<D>, state: &State<D>) -> (f64, f64) {
-    let bodies = setup.bodies.iter().zip(&state.bodies).filter_map(|(body, state)| Some((body, body.balance(state)?)));
-    bodies.fold((0.0, 0.0), |(energy, weighing), (body, balance)| {
-        let extent = Aabb::of_points(body.reference()).extent().max();
-        (energy + balance.potential_energy, weighing + balance.body_force.norm() * extent)
-    })
 }
 
 /// Describes the two sides of a contact.

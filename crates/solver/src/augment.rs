@@ -21,10 +21,10 @@ impl<const D: usize> Step<'_, D> {
     pub(crate) fn solve(&mut self, x: &mut [f64], work: &mut Workspace) -> Result<NewtonReport, Error> {
         let mut report = newton(&self.problem().equations, x, work, &self.setup.newton)?;
         for solves in 1.. {
-            // Points of collisions change a finite number of times.
+            // Each point of a collision is added at most a given number of times, so that collisions settle.
             match (self.augment(x), self.settle_collisions(x)) {
                 (None, false) => break,
-                (Some(Unsettled { contact, change, accepted }), _) if solves >= MOST_SOLVES => {
+                (Some(Unsettled { contact, change, accepted }), false) if solves >= MOST_SOLVES => {
                     return Err(Error::Multipliers { contact, solves, change, accepted, newton: Box::new(report) });
                 }
                 _ => {}

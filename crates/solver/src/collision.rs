@@ -66,9 +66,11 @@ impl<const D: usize> Collision<D> {
     /// restitution, or no point that can move is in contact at the start of the step.
     pub(crate) fn new(
         contact: &Contact<D>,
-        (setup, previous): (&Setup<D>, &State<D>),
+        setup: &Setup<D>,
+        previous: &State<D>,
         parts: StepParts<'_, D>,
-        (constraints, start): (&Constraints, &[f64]),
+        constraints: &Constraints,
+        start: &[f64],
     ) -> Option<Self> {
         let restitution = contact.form().law.restitution()?;
         let (mut points, mut fastest) = (Vec::new(), 0.0_f64);
@@ -77,8 +79,8 @@ impl<const D: usize> Collision<D> {
             Some(masters) => masters.iter().any(|(master, _)| is_free(*master)),
             None => is_free(*dof),
         };
-        for (vertex, found) in touching(contact, (setup, previous)) {
-            let mut point = CollisionPoint::new(contact, (vertex, &found), previous, parts);
+        for (vertex, found) in touching(contact, setup, previous) {
+            let mut point = CollisionPoint::new(contact, vertex, &found, previous, parts);
             if point.dofs.iter().any(can_move) {
                 let approach = point.velocities(start).iter().sum::<f64>();
                 fastest = fastest.max(approach.abs());
@@ -145,7 +147,8 @@ impl<const D: usize> Collision<D> {
 /// Returns the vertices of the slave that touch the master at the start of the step, with the closest points.
 fn touching<const D: usize>(
     contact: &Contact<D>,
-    (setup, previous): (&Setup<D>, &State<D>),
+    setup: &Setup<D>,
+    previous: &State<D>,
 ) -> BTreeMap<VertexId, Projection<D>> {
     let positions = |id: BodyId| previous.bodies[id.index()].positions(setup.bodies[id.index()].reference());
     let (slave, law) = (setup.bodies[contact.body().index()].surface(), &contact.form().law);
@@ -171,7 +174,8 @@ impl<const D: usize> CollisionPoint<D> {
     /// Creates the point of a vertex of the slave and the closest point of the master. It does not act.
     fn new(
         contact: &Contact<D>,
-        (vertex, found): (VertexId, &Projection<D>),
+        vertex: VertexId,
+        found: &Projection<D>,
         previous: &State<D>,
         parts: StepParts<'_, D>,
     ) -> Self {

@@ -10,7 +10,7 @@ pub type ObserverError = Box<dyn std::error::Error + Send + Sync>;
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// A parameter of the setup is out of range.
-    #[error("checking the setup")]
+    #[error("a parameter of the setup is out of range")]
     Parameter(#[from] mesh::ParameterError),
     /// A contact was made for other bodies than those of the setup.
     #[error("contact {contact} was made for other bodies than those of the setup")]
@@ -34,7 +34,7 @@ pub enum Error {
     )]
     Axis,
     /// The surfaces cannot cut the background: a body is turned inside out or torn.
-    #[error("cutting the background")]
+    #[error("the surfaces cannot cut the background")]
     Cut(#[from] cutcell::Error),
     /// The cut leaves a part of the interface without a facet, where fluid and body would not be coupled. Move the
     /// body, or the mesh, by a fraction of a cell, and report the case.
@@ -95,7 +95,7 @@ pub enum Error {
         found: usize,
     },
     /// Newton's method failed; the error contains the history of residuals.
-    #[error("solving the coupled problem")]
+    #[error("the equations of the step are not solved")]
     Newton(#[from] NewtonError),
     /// Bodies in contact moved farther in the step than obstacles were searched: contact may have been missed. Take
     /// smaller steps.
@@ -149,7 +149,7 @@ pub enum Error {
         newton: Box<NewtonReport>,
     },
     /// An observer failed.
-    #[error("writing results")]
+    #[error("an observer failed to record the step")]
     Observer(#[source] ObserverError),
 }
 
@@ -182,11 +182,11 @@ impl Error {
     }
 }
 
-/// A step that failed: its number, its time and the cause.
+/// A step that failed, or a state that cannot be built: number, time and cause.
 #[derive(Debug, thiserror::Error)]
-#[error("step {step} to time {time:.6} failed")]
+#[error("{}", if *step == 0 { "there is no state at the start".to_owned() } else { format!("step {step} to time {time:.6} failed") })]
 pub struct StepError {
-    /// Number of the step; the first one is 1.
+    /// Number of the step. The first one is 1, and 0 is the state at the start.
     pub step: usize,
     /// Time at the end of the step.
     pub time: f64,

@@ -104,7 +104,8 @@ impl<const D: usize> Unknowns<'_, D> {
     /// Adds the derivatives of `1/2 e · weight e` with `e = Σ_k factors_k u_k - target`.
     fn add_square(
         &self,
-        (dofs, factors): (&[u32], &[f64]),
+        dofs: &[u32],
+        factors: &[f64],
         target: &Vector<D>,
         weight: &Tensor<D>,
         x: &[f64],
@@ -141,7 +142,7 @@ impl<const D: usize> Contributions for Jumps<'_, D> {
     fn add(&self, item: usize, x: &[f64], out: &mut LocalSystem) {
         let face = self.faces[item];
         let weight = face.along_plane() * (face.share * face.weight * face.diameter);
-        self.unknowns.add_square((face.dofs(), face.jumps()), &Vector::zeros(), &weight, x, out);
+        self.unknowns.add_square(face.dofs(), face.jumps(), &Vector::zeros(), &weight, x, out);
     }
 
     fn is_linear(&self) -> bool {
@@ -182,11 +183,11 @@ impl<const D: usize> Contributions for SurfaceFit<'_, D> {
             let mut shape = at.fluid;
             shape.iter_mut().zip(pieces.gradients(self.pieces[item])).for_each(|(n, g)| *n += g.dot(&offset));
             let weight = Tensor::identity() * (at.weight / pieces.cell_size(self.pieces[item]));
-            self.unknowns.add_square((dofs, &shape[..=D]), &of_body, &weight, x, out);
+            self.unknowns.add_square(dofs, &shape[..=D], &of_body, &weight, x, out);
             for k in 0..=D {
                 let mut vertex = [0.0; MAX_CELL_VERTICES];
                 vertex[k] = 1.0;
-                self.unknowns.add_square((dofs, &vertex[..=D]), &of_body, &(weight * AT_VERTICES), x, out);
+                self.unknowns.add_square(dofs, &vertex[..=D], &of_body, &(weight * AT_VERTICES), x, out);
             }
         }
     }

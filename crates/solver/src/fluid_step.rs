@@ -58,8 +58,9 @@ pub(crate) struct FluidStep<'a, const D: usize> {
     pub(crate) form: FluidForm<'a, D>,
     pub(crate) mortar: MortarForm,
     open_boundaries: Vec<OpenTerms<'a, D>>,
-    /// Wall-clock times, s, of the cut and of the transfer of the history.
+    /// Wall-clock time of the cut, s.
     pub(crate) seconds_cut: f64,
+    /// Wall-clock time of the transfer of the history, s.
     pub(crate) seconds_transfer: f64,
 }
 
@@ -75,7 +76,8 @@ impl<'a, const D: usize> FluidStep<'a, D> {
     pub(crate) fn new(
         setup: &'a Setup<D>,
         fluid: &'a FluidSetup<D>,
-        (previous, before): (&State<D>, &FluidState<D>),
+        previous: &State<D>,
+        before: &FluidState<D>,
         positions: Vec<Vec<Point<D>>>,
         time: &StepTime,
         layout: &mut BlockLayout,
@@ -86,25 +88,25 @@ impl<'a, const D: usize> FluidStep<'a, D> {
         let seconds_cut = clock.elapsed().as_secs_f64();
         let space = XfemSpace::new(background, &cut);
         let clock = Instant::now();
-        let sources = Sources::between(background, (&before.cut, &before.space), (&cut, &space));
+        let sources = Sources::between(background, &before.cut, &before.space, &cut, &space);
         let mut seconds_transfer = clock.elapsed().as_secs_f64();
         let parts = PartValues::new(background, &cut);
         let mut faces = face_values(background, &cut, &space, &parts);
         for (tag, condition) in &fluid.boundary {
             if let FluidBoundary::Symmetry { normal } = condition {
-                faces.extend(symmetry_values(background, &cut, &space, &parts, (*tag, *normal)));
+                faces.extend(symmetry_values(background, &cut, &space, &parts, *tag, *normal));
             }
         }
         let mut films = fluid.film.map(|film| {
             let surfaces = FilmSurfaces::new(&setup.surfaces(&positions), background, |tag| fluid.is_wall(tag));
-            FilmValues::new((background, &cut, &parts), &surfaces, film.roughness)
+            FilmValues::new(background, &cut, &parts, &surfaces, film.roughness)
         });
         let of_bodies: Vec<_> = setup.bodies.iter().map(|body| body.surface()).collect();
         let mut pieces = PieceValues::new(background, &cut, &parts, &of_bodies, PIECE_DEGREE);
         if let Some(films) = &mut films {
             pieces.set_gaps(&cut, |part| films.of(part).map(|film| film.gap));
             let slip = fluid.stabilisation.penalty.slip_share();
-            films.subtract_slip((background, &cut), slip, |piece| pieces.viscous_length(piece));
+            films.subtract_slip(background, &cut, slip, |piece| pieces.viscous_length(piece));
         }
         let clock = Instant::now();
         let (started, ahead) = (setup.positions(&previous.bodies), time.weights.extrapolated[0].velocity);

@@ -130,7 +130,8 @@ impl<const D: usize> Problem<'_, D> {
     /// bodies at the end; then follow the kinetic energy of the fluid and the energy stored in contacts at the end.
     pub(crate) fn ledger(
         &self,
-        (x, residual): (&[f64], &[f64]),
+        x: &[f64],
+        residual: &[f64],
         ends: &[BodyState<D>],
         [fluid_energy, contact_energy]: [f64; 2],
     ) -> Ledger {
@@ -181,7 +182,8 @@ impl<const D: usize> Problem<'_, D> {
             let rates = if begin.level.acceleration.is_empty() { end } else { begin };
             let change = energy(end) - energy(begin);
             let scheme_change = scheme_energy(end, end) - scheme_energy(begin, rates);
-            // The motions of the scheme lie beyond the state, and a material may have no energy there.
+            // The motions of the scheme lie beyond the state, and a material may have no energy there. The line then
+            // has a jump of the energy that the scheme stores in this step and the next.
             let scheme_change = if scheme_change.is_finite() { scheme_change } else { change };
             ledger.change += change;
             ledger.scheme_storage += scheme_change - change;

@@ -63,7 +63,7 @@ impl<'a, const D: usize> Step<'a, D> {
                 let bodies = setup.bodies.iter().zip(&previous.bodies);
                 let positions: Vec<_> = bodies.map(|(body, state)| body.geometry(state, &time)).collect();
                 check_domain(setup, fluid.background.vertices(), &positions)?;
-                Some(FluidStep::new(setup, fluid, (previous, before), positions, &time, &mut layout)?)
+                Some(FluidStep::new(setup, fluid, previous, before, positions, &time, &mut layout)?)
             }
             None => None,
         };
@@ -153,7 +153,7 @@ impl<'a, const D: usize> Step<'a, D> {
         let mut x = self.guess();
         self.constraints.apply_ties(&mut x);
         let collision =
-            |contact| Collision::new(contact, (self.setup, self.previous), self.parts(), (&self.constraints, &x));
+            |contact| Collision::new(contact, self.setup, self.previous, self.parts(), &self.constraints, &x);
         let found: Vec<_> = self.setup.contacts.iter().map(collision).collect();
         // If any contact collides, contacts at which nothing approaches take part in the collision.
         let approaches = found.iter().flatten().any(Collision::approaches);

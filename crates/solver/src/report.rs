@@ -150,7 +150,7 @@ impl<const D: usize> Problem<'_, D> {
         }
         let fluid_energy = fluid.as_ref().map_or(0.0, |fluid| fluid.kinetic_energy);
         let contact_energy = contacts.iter().map(|contact: &ContactReport<D>| contact.stored_energy).sum();
-        let ledger = self.ledger((x, &residual), ends, [fluid_energy, contact_energy]);
+        let ledger = self.ledger(x, &residual, ends, [fluid_energy, contact_energy]);
         let mut bodies: Vec<_> = ends.iter().enumerate().map(|(b, end)| body_report(step, b, end)).collect();
         for (body, points) in &self.closed {
             if let Some(forces) = &mut bodies[body.index()].forces {

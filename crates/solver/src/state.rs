@@ -77,15 +77,8 @@ impl<const D: usize> State<D> {
     }
 
     /// Returns the kinetic energy of the fluid.
-    pub(crate) fn fluid_energy(&self) -> f64 {
+    pub fn fluid_energy(&self) -> f64 {
         self.fluid.as_ref().map_or(0.0, |fluid| fluid.products.0[0])
-    }
-
-    /// Returns the sum of all energies: kinetic of fluid and solids, elastic, of gravity, stored in contacts.
-    pub fn total_energy(&self, setup: &Setup<D>) -> f64 {
-        let bodies = setup.bodies.iter().zip(&self.bodies);
-        let bodies: f64 = bodies.filter_map(|(body, state)| Some(body.balance(state)?.energy())).sum();
-        bodies + self.fluid_energy() + self.contact_energy
     }
 
     /// Returns the time after one more step of length `dt`, or the multiple of `dt` that equals it within round-off.

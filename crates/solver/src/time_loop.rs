@@ -63,8 +63,7 @@ impl<'a, const D: usize> TimeLoop<'a, D> {
     fn whole_step(&mut self, observers: &mut [&mut dyn Observer<D>]) -> Result<(), StepError> {
         let mut left = self.setup.dt;
         loop {
-            let longest = self.setup.approach.map_or(left, |steps| longest_step(steps, self.setup, &self.state));
-            let parts = (left / longest).ceil().max(1.0);
+            let parts = (left / longest_step(self.setup, &self.state)).ceil().max(1.0);
             let substep = Substep { dt: left / parts, is_last: parts == 1.0 };
             self.step(substep, self.setup.most_halvings, observers)?;
             if substep.is_last {

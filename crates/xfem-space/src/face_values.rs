@@ -129,7 +129,8 @@ pub fn symmetry_values<const D: usize>(
     cut: &CutMesh<D>,
     space: &XfemSpace<D>,
     values: &PartValues<D>,
-    (tag, normal): (Tag, Vector<D>),
+    tag: Tag,
+    normal: Vector<D>,
 ) -> Vec<FaceValue<D>> {
     let mut faces = Vec::new();
     let mut of_face: Vec<(FacetId, PartId)> = Vec::new();

@@ -21,8 +21,10 @@ impl Sources {
     /// Finds the sources of the dofs of `space`, on `cut`, among those of an earlier space on the same background.
     pub fn between<const D: usize>(
         background: &SimplexMesh<D>,
-        (earlier_cut, earlier_space): (&CutMesh<D>, &XfemSpace<D>),
-        (cut, space): (&CutMesh<D>, &XfemSpace<D>),
+        earlier_cut: &CutMesh<D>,
+        earlier_space: &XfemSpace<D>,
+        cut: &CutMesh<D>,
+        space: &XfemSpace<D>,
     ) -> Self {
         // (dof, earlier dof, common volume), one entry per cell and pair of parts.
         let mut common: Vec<(u32, u32, f64)> = Vec::with_capacity(cut.n_parts() * (D + 1));

@@ -178,12 +178,11 @@ fn transfer_keeps_values() {
     let (old_space, new_space) = (XfemSpace::new(&background, &old_cut), XfemSpace::new(&background, &new_cut));
     let linear = |x: &P| Vector::<2>::new(1.0 + x[0] - x[1], 2.0 * x[1]);
     let values: Vec<_> = old_space.vertices().iter().map(|&v| linear(&background.vertex(v))).collect();
-    let old = (&old_cut, &old_space);
-    let moved = Sources::between(&background, old, (&new_cut, &new_space));
+    let moved = Sources::between(&background, &old_cut, &old_space, &new_cut, &new_space);
     for (dof, value) in moved.carry(&values).iter().enumerate() {
         assert_eq!(*value, linear(&background.vertex(new_space.vertex(dof as u32))));
     }
-    let same = Sources::between(&background, old, old);
+    let same = Sources::between(&background, &old_cut, &old_space, &old_cut, &old_space);
     assert_eq!(same.carry(&values), values);
     assert_eq!(same.n_uncovered(), 0);
 }
@@ -195,7 +194,7 @@ fn a_body_that_moves_far_uncovers_its_old_place() {
     let new_cut = cut_by_rectangles(&background, &[[0.52, 0.52, 0.88, 0.88]]);
     let (old_space, new_space) = (XfemSpace::new(&background, &old_cut), XfemSpace::new(&background, &new_cut));
     let values = vec![Vector::<2>::new(1.0, 2.0); old_space.len()];
-    let moved = Sources::between(&background, (&old_cut, &old_space), (&new_cut, &new_space));
+    let moved = Sources::between(&background, &old_cut, &old_space, &new_cut, &new_space);
     let carried = moved.carry(&values);
     // The vertices with x and y in 0.2, 0.3, 0.4 had no part; those whose cells were all covered are uncovered.
     let uncovered: Vec<P> = (0..new_space.len())
@@ -237,7 +236,7 @@ fn a_dof_takes_the_value_of_the_side_it_overlaps_most() {
     for y in [0.25, 0.30, 0.20] {
         let cut = strip(y);
         let space = XfemSpace::new(&background, &cut);
-        let moved = Sources::between(&background, (&old_cut, &old_space), (&cut, &space));
+        let moved = Sources::between(&background, &old_cut, &old_space, &cut, &space);
         assert_eq!(moved.n_uncovered(), 0, "every part overlaps an earlier one");
         assert_eq!(moved.carry(&old_values), values(&cut, &space, y), "strip at {y}");
     }
@@ -251,7 +250,7 @@ fn a_dof_takes_the_value_of_the_side_it_overlaps_most() {
     };
     let (old_cut, new_cut) = (wedge(0.3, 0.7), wedge(0.33, 0.73));
     let (old_space, new_space) = (XfemSpace::new(&fine, &old_cut), XfemSpace::new(&fine, &new_cut));
-    let moved = Sources::between(&fine, (&old_cut, &old_space), (&new_cut, &new_space));
+    let moved = Sources::between(&fine, &old_cut, &old_space, &new_cut, &new_space);
     for new_dof in 0..new_space.len() as u32 {
         // By brute force over all pairs of parts, from the lowest dof on.
         let mut best = (None, 0.0);

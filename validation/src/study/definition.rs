@@ -70,6 +70,13 @@ pub(crate) fn names() -> std::io::Result<Vec<String>> {
     case::stems(FOLDER)
 }
 
+impl Series {
+    /// Returns the directory of a run, unique in the study.
+    pub(super) fn stem(&self, k: usize) -> String {
+        format!("{}-{}", self.name.replace(|c: char| !c.is_ascii_alphanumeric(), "-"), self.values[k])
+    }
+}
+
 /// Reads a study.
 pub(super) fn read(name: &str) -> Result<Definition, String> {
     case::read_named(FOLDER, "study", name)
@@ -93,8 +100,12 @@ mod tests {
     fn every_run_of_every_study_is_a_scenario() {
         for name in names().unwrap() {
             let definition = read(&name).unwrap();
-            for (k, series) in definition.series.iter().enumerate() {
-                assert!(definition.series[..k].iter().all(|other| other.name != series.name), "{name}: twice the same");
+            let mut stems = std::collections::BTreeSet::new();
+            for series in &definition.series {
+                assert!(
+                    (0..series.values.len()).all(|k| stems.insert(series.stem(k))),
+                    "{name}: two runs in one directory"
+                );
                 for &value in &series.values {
                     let path = case::scenario_path(&series.scenario);
                     let file = ScenarioFile::read(&path, &definition.changes(series, value));

@@ -64,18 +64,18 @@ pub(crate) fn run(names: &[String], again: bool, out: &Path) -> Outcome {
     let mut all_hold = true;
     for (name, definition) in studies {
         println!("# {name}: {}", definition.title);
-        let at = |series| move |&value: &f64| (series, value);
-        let asked: Vec<(&Series, f64)> = definition.series.iter().flat_map(|s| s.values.iter().map(at(s))).collect();
-        let mut runs = Vec::new();
-        let start = |&at: &(&Series, f64)| run_one(name, &definition, at, again, out);
-        workers::for_each(&asked, start, |(series, _), run| {
-            println!("  {}", [vec![series.name.clone()], row(&run)].concat().join(", "));
-            runs.push(run);
+        let mut runs: Vec<Vec<Run>> = definition.series.iter().map(|s| vec![Run::default(); s.values.len()]).collect();
+        let places: Vec<[usize; 2]> =
+            runs.iter().enumerate().flat_map(|(series, of)| (0..of.len()).map(move |k| [series, k])).collect();
+        let folder = out.join("studies").join(name);
+        let directory = |&[series, k]: &[usize; 2]| folder.join(definition.series[series].stem(k));
+        let start = |place: &[usize; 2]| run_one(name, &definition, *place, again, &directory(place));
+        let finish = |&[series, k]: &[usize; 2], run: Run| {
+            println!("  {}", [vec![definition.series[series].name.clone()], row(&run)].concat().join(", "));
+            runs[series][k] = run;
             Ok(())
-        })?;
-        let mut runs = runs.into_iter();
-        let of_series = |series: &Series| runs.by_ref().take(series.values.len()).collect();
-        let runs: Vec<Vec<Run>> = definition.series.iter().map(of_series).collect();
+        };
+        workers::for_each(&places, |place| directory(place).display().to_string(), start, finish)?;
         all_hold &= runs.iter().flatten().all(|run| run.failure.is_none());
         let mut versions: Vec<&str> = runs.iter().flatten().map(|run| run.version.as_str()).collect();
         versions.sort_unstable();
@@ -92,23 +92,23 @@ pub(crate) fn run(names: &[String], again: bool, out: &Path) -> Outcome {
 fn run_one(
     study: &str,
     definition: &Definition,
-    (series, value): (&Series, f64),
+    [series, k]: [usize; 2],
     again: bool,
-    out: &Path,
+    directory: &Path,
 ) -> Result<Run, Failure> {
-    let stem = format!("{}-{value}", series.name.replace(|c: char| !c.is_ascii_alphanumeric(), "-"));
-    let directory = out.join("studies").join(study).join(stem);
+    let series = &definition.series[series];
+    let value = series.values[k];
     let mut set = vec![format!("name={study}"), "output.vtk_every=0".to_owned()];
     set.extend(definition.changes(series, value));
     let file = ScenarioFile::read(&case::scenario_path(&series.scenario), &set)?;
     let is_same = std::fs::read_to_string(directory.join("scenario.toml"))
         .is_ok_and(|text| file.to_toml().is_ok_and(|t| t == text));
     let is_done = |results: &Results| results.summary.steps == file.n_steps();
-    let known = Results::read(&directory).ok().filter(|results| !again && is_same && is_done(results));
+    let known = Results::read(directory).ok().filter(|results| !again && is_same && is_done(results));
     let (results, failure) = match known {
         Some(results) => (results, None),
         None => {
-            let failure = match io::run(&file, &directory, &mut ()) {
+            let failure = match io::run(&file, directory, &mut ()) {
                 Ok(_) => None,
                 Err(error @ io::Error::Step(_)) => {
                     Some(causes(&error).fold(error.to_string(), |text, cause| format!("{text}: {cause}")))
@@ -116,7 +116,7 @@ fn run_one(
                 Err(error) => return Err(error.into()),
             };
             std::fs::write(directory.join(VERSION), document::version())?;
-            (Results::read(&directory)?, failure)
+            (Results::read(directory)?, failure)
         }
     };
     let column = |name: String| results.history.column(&name).unwrap_or_default();

@@ -65,7 +65,8 @@ pub(super) fn fall(changes: &[String], is_over: impl Fn(&[[f64; 3]]) -> bool) ->
     for _ in 0..case.n_steps {
         run.run(1, &mut [&mut fall])?;
         if let Some([time, gap, _]) = fall.0.last().filter(|_| last_line.elapsed() > PROGRESS) {
-            eprintln!("  time {time:.5} s, gap {gap:.3e} m, after {:.0} s", begin.elapsed().as_secs_f64());
+            let seconds = begin.elapsed().as_secs_f64();
+            eprintln!("  {}: time {time:.5} s, gap {gap:.3e} m, after {seconds:.0} s", changes.join(", "));
             last_line = std::time::Instant::now();
         }
         if is_over(&fall.0) {

@@ -56,6 +56,7 @@ mod symmetry;
 mod valves;
 mod wan_turek;
 
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Instant;
 
@@ -193,39 +194,45 @@ pub(crate) fn run(names: &[String], full: bool, document: bool, out: &Path) -> O
         Ok(record)
     };
     let begin = Instant::now();
-    let mut records = Vec::new();
-    workers::for_each(&asked, measure, |check, record| {
-        println!("# {}: {}", check.name, check.about);
-        print(&record);
-        if document {
-            let full = if full { " --full" } else { "" };
-            let command = format!("cargo xtask verify {}{full} --document", record.check);
-            document::write(document::FOLDER, &record, &command, &document::version())?;
-        }
-        records.push(record);
-        // After every check, so that a long run that is stopped keeps its results so far.
-        write_json(&records, out)
-    })?;
+    let mut records: BTreeMap<usize, Record> = BTreeMap::new();
+    let place = |name: &str| asked.iter().position(|check| check.name == name).unwrap_or(asked.len());
+    workers::for_each(
+        &asked,
+        |check| check.name.to_owned(),
+        measure,
+        |check, record| {
+            print(check, &record);
+            if document {
+                let full = if full { " --full" } else { "" };
+                let command = format!("cargo xtask verify {}{full} --document", record.check);
+                document::write(document::FOLDER, &record, &command, &document::version())?;
+            }
+            records.insert(place(check.name), record);
+            // When a check ends, so that a long run that is stopped keeps its results so far.
+            write_json(&records, out)
+        },
+    )?;
     if records.len() > 1 {
         println!("# {} checks in {}", records.len(), duration(begin.elapsed().as_secs_f64()));
     }
-    let missed = records.iter().flat_map(|record| &record.rows).filter(|row| row.verdict == missed::MISSED).count();
+    let missed = records.values().flat_map(|record| &record.rows).filter(|row| row.verdict == missed::MISSED).count();
     document::older_than_the_code().iter().for_each(|line| println!("# {line}"));
     if missed > 0 {
         println!("# {missed} targets are missed, as listed in validation/missed.toml");
     }
     let files = if is_asked(FILES) { files::check(&out.join(FILES))? } else { true };
-    Ok(files && records.iter().all(Record::holds))
+    Ok(files && records.values().all(Record::holds))
 }
 
-/// Writes all rows in one list, `DIR/verify.json`.
-fn write_json(records: &[Record], out: &Path) -> Result<(), Failure> {
+/// Writes all rows in one list, `DIR/verify.json`, in the order of the checks.
+fn write_json(records: &BTreeMap<usize, Record>, out: &Path) -> Result<(), Failure> {
     std::fs::create_dir_all(out)?;
-    let rows: Vec<_> = records.iter().flat_map(|record| &record.rows).collect();
+    let rows: Vec<_> = records.values().flat_map(|record| &record.rows).collect();
     Ok(std::fs::write(out.join("verify.json"), serde_json::to_string_pretty(&rows)? + "\n")?)
 }
 
-fn print(record: &Record) {
+fn print(check: &Check, record: &Record) {
+    println!("# {}: {}", check.name, check.about);
     let rows = record.rows.iter().map(|row| {
         let [computed, reference] = document::numbers(row);
         [row.quantity.clone(), computed, reference, row.tolerance.clone(), row.verdict.clone()]

@@ -45,7 +45,7 @@ pub(super) fn check(tree: &Tree) -> Vec<Finding> {
     for (name, places) in types.iter().filter(|(name, _)| !SHARED.contains(*name)) {
         let is_term = |source: &Source| source.path.contains(TERMS);
         for (k, (source, number, is_shared)) in places.iter().enumerate() {
-            // Types that no other file uses may have a name of another crate.
+            // Private types of two crates may have the same name.
             let is_other = |(other, _, other_is_shared): &&(&Source, usize, bool)| {
                 (other.package() == source.package() || *is_shared && *other_is_shared)
                     && !(is_term(source) && is_term(other))

@@ -96,9 +96,9 @@ impl LaggedSolver {
     /// Factorises the present matrix, which becomes the base; with free pivoting if `must_pivot` or static pivots fail.
     fn renew(&mut self, system: &LinearSystem<'_>, must_pivot: bool) -> Result<(), LinearError> {
         let n = system.len();
-        let mut base = self.base.take().unwrap_or_default();
+        let factors = self.base.take().map(|base| base.factors).unwrap_or_default();
         self.n_factorizations += 1;
-        base.factorize(system, must_pivot)?;
+        let base = Base::new(system, factors, must_pivot)?;
         self.n_fallbacks += usize::from(base.factors.is_pivoting());
         self.base = Some(base);
         self.must_factorize = false;
@@ -143,7 +143,7 @@ impl Patch {
     /// Finds the unknowns whose row or column has changed by more than `change`, and their neighbours.
     fn find_changed(&self, matrix: &CsMatI<f64, u32>, base: &Base, change: f64) -> Vec<u32> {
         let n = matrix.rows();
-        let Some(old) = &base.matrix else { return Vec::new() };
+        let old = &base.matrix;
         let mut from_base = vec![NONE; old.rows()];
         for (i, k) in self.to_base.iter().enumerate() {
             if *k != NONE {

@@ -146,8 +146,10 @@ fn chain(error: &dyn std::error::Error) -> String {
 fn advice(step: &solver::StepError, has_contacts: bool) -> String {
     let newton = match &step.source {
         solver::Error::Newton(newton) => newton,
-        solver::Error::Multipliers { .. } => {
-            return "\n  the parameter is `law.gamma_contact_0` of the contact".to_owned();
+        solver::Error::Multipliers { contact, .. } => {
+            return format!(
+                "\n  the parameter is `contact.{contact}.law.gamma_contact_0`, the tolerance `contact.{contact}.law.tolerance`"
+            );
         }
         _ => return String::new(),
     };

@@ -166,7 +166,7 @@ pub(super) fn background<const D: usize>(
     let (min, max, size, refine, is_mirrored) = match &**given {
         Background::GradedBox { min, max, size, refine, mirrored, .. } => (min, max, size, refine, mirrored),
         Background::Polygon { corners, holes, size, refine, smooth, .. } => {
-            return polygon(&given.at, (corners, holes), *smooth, (size, refine), bodies);
+            return polygon(&given.at, corners, holes, *smooth, size, refine, bodies);
         }
         Background::Mesh { file, scale, .. } => return background_from_file(file, *scale),
     };
@@ -229,7 +229,8 @@ fn expected_in_box<const D: usize>(
 }
 
 fn expected_in_polygon<const D: usize>(
-    (corners, holes): (&[Components<f64>], &[Vec<Components<f64>>]),
+    corners: &[Components<f64>],
+    holes: &[Vec<Components<f64>>],
     [min, max]: [[f64; D]; 2],
     size: &Size,
     regions: &[Region<D>],
@@ -259,7 +260,7 @@ pub(super) fn expected<const D: usize>(given: &Background, bodies: &[At<BodyKeys
         }
         Background::Polygon { corners, holes, size, refine, .. } => {
             let (bounds, size) = (bounds(corners), Size::uniform(**size));
-            Some(expected_in_polygon((corners, holes), bounds, &size, &regions(refine, bounds, &size)?))
+            Some(expected_in_polygon(corners, holes, bounds, &size, &regions(refine, bounds, &size)?))
         }
         Background::Mesh { .. } => None,
     }
@@ -268,17 +269,19 @@ pub(super) fn expected<const D: usize>(given: &Background, bodies: &[At<BodyKeys
 /// Generates a background between lines.
 fn polygon<const D: usize>(
     at: &Location,
-    (corners, holes): (&[Components<f64>], &[Vec<Components<f64>>]),
+    corners: &[Components<f64>],
+    holes: &[Vec<Components<f64>>],
     is_smooth: bool,
-    (size, refine): (&At<f64>, &[At<Refinement>]),
+    size: &At<f64>,
+    refine: &[At<Refinement>],
     bodies: &[At<BodyKeys>],
 ) -> Result<SimplexMesh<D>, ScenarioError> {
     let coarse = Size::uniform(**size);
     let bounds = bounds(corners);
     let too_many = |n_cells| shortage(n_cells, available()).map_or(Ok(()), |shortage| Err(size.at.invalid(shortage)));
-    too_many(expected_in_polygon((corners, holes), bounds, &coarse, &[]))?;
+    too_many(expected_in_polygon(corners, holes, bounds, &coarse, &[]))?;
     let regions = refine.iter().map(|given| region(given, bounds, &coarse, bodies)).collect::<Result<Vec<_>, _>>()?;
-    too_many(expected_in_polygon((corners, holes), bounds, &coarse, &regions))?;
+    too_many(expected_in_polygon(corners, holes, bounds, &coarse, &regions))?;
     let near = |x: [f64; 2]| {
         let x = Point::<D>::from_fn(|axis, _| x[axis]);
         regions.iter().map(|region| region.at(&x)).fold(**size, f64::min)

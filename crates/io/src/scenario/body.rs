@@ -218,14 +218,15 @@ pub(super) fn body<const D: usize>(
         (Some(motion), geometry) => {
             let (boundary, reference) = geometry.into_surface();
             check_radii(given, &reference, coordinates)?;
-            let surface = (boundary.with_coordinates(coordinates), reference);
+            let boundary = boundary.with_coordinates(coordinates);
             match &**motion {
                 MotionChoice::Free { held, initial_spin, guided } => {
                     check_axial::<D>(given, initial_spin.as_ref(), guided.as_ref(), coordinates)?;
                     let guide = guided.as_ref().map(|guided| guided.guide(time)).transpose()?;
-                    Arc::new(RigidBody { guide, ..free(given, surface, held, initial_spin.as_ref(), time)? })
+                    let body = free(given, boundary, reference, held, initial_spin.as_ref(), time)?;
+                    Arc::new(RigidBody { guide, ..body })
                 }
-                _ => Arc::new(prescribed(&given.name, motion, time, surface)?),
+                _ => Arc::new(prescribed(&given.name, motion, time, boundary, reference)?),
             }
         }
     };
@@ -464,7 +465,8 @@ fn supports_and_loads<const D: usize>(
 
 fn free<const D: usize>(
     given: &At<BodyKeys>,
-    (boundary, reference): (BoundaryMesh<D>, Vec<Point<D>>),
+    boundary: BoundaryMesh<D>,
+    reference: Vec<Point<D>>,
     held: &[At<Held>],
     initial_spin: Option<&At<f64>>,
     time: &Time,

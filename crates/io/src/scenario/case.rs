@@ -90,8 +90,8 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
     let given = scenario.bodies();
     let fluid = match (&scenario.fluid, &scenario.background) {
         (Some(fluid_keys), Some(background)) => {
-            let mortar = (fluid_keys, scenario.interface.alpha, coordinates);
-            Some(fluid::<D>(mortar, background, &given, [0.0, time.end])?)
+            let alpha = scenario.interface.alpha;
+            Some(fluid::<D>(fluid_keys, alpha, coordinates, background, &given, [0.0, time.end])?)
         }
         (Some(_), None) => return Err(absent("background")),
         (None, None) if scenario.body.is_empty() => {
@@ -148,7 +148,7 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
         checkpoint_every: scenario.output.checkpoint_interval(),
         half_domain,
         bottom,
-        probes: probes(&scenario.output.probes, &setup, &part_names, (&scenario.units, scenario.dimension_of_whole()))?,
+        probes: probes(&scenario.output.probes, &setup, &part_names, &scenario.units, scenario.dimension_of_whole())?,
         setup,
     })
 }

@@ -375,7 +375,7 @@ impl<'p, const D: usize> ContactBuilder<'p, D> {
     }
 }
 
-/// Returns the distance in the undeformed body below which two parts of a surface are excluded from contact with each
+/// Returns the distance in the undeformed body up to which two parts of a surface are excluded from contact with each
 /// other. Neighbours along the surface are within twice the size. With three offsets, the sides of a right-angled
 /// corner touch only if it has closed to less than 30 degrees.
 fn exempt(given: &ContactKeys) -> f64 {

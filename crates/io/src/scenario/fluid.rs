@@ -197,7 +197,9 @@ fn stabilisation(given: &OrTable<StabilisationChoice, StabilisationKeys>) -> Sta
 /// Builds the fluid with its boundary conditions and the weight of its traction in the mortar; `times` are the start
 /// and the end of the run.
 pub(super) fn fluid<const D: usize>(
-    (fluid, alpha, coordinates): (&Fluid, f64, Coordinates),
+    fluid: &Fluid,
+    alpha: f64,
+    coordinates: Coordinates,
     given: &At<Background>,
     bodies: &[At<BodyKeys>],
     times: [f64; 2],

@@ -153,7 +153,8 @@ pub(super) fn prescribed<const D: usize>(
     name: &str,
     motion: &At<MotionChoice>,
     time: &Time,
-    (boundary, reference): (BoundaryMesh<D>, Vec<Point<D>>),
+    boundary: BoundaryMesh<D>,
+    reference: Vec<Point<D>>,
 ) -> Result<PrescribedBody<D>, ScenarioError> {
     if let Some(radial) = boundary.coordinates().radial() {
         check_axial::<D>(motion, radial, time)?;

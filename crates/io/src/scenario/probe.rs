@@ -81,7 +81,8 @@ pub(super) fn probes<const D: usize>(
     given: &Named<ProbeChoice>,
     setup: &Setup<D>,
     part_names: &[Vec<String>],
-    (units, dimension): (&Units, usize),
+    units: &Units,
+    dimension: usize,
 ) -> Result<Probes<D>, ScenarioError> {
     let mut found = Probes { line_header: Line::<D>::header(units), ..Probes::default() };
     let fluid = setup.fluid.as_ref();
@@ -149,7 +150,7 @@ pub(super) fn probes<const D: usize>(
                 continue;
             }
         };
-        found.columns.push(Probe::new(name, measured, (units, dimension)));
+        found.columns.push(Probe::new(name, measured, units, dimension));
     }
     Ok(found)
 }

@@ -348,7 +348,7 @@ fn uncovered_fluid_continues_an_affine_flow() {
     let (positions, background) = (setup.positions(&moved.bodies), background());
     let cut = CutMesh::overlay(&background, &setup.surfaces(&positions), &OverlayOptions::new()).expect("a cut");
     let space = XfemSpace::new(&background, &cut);
-    let sources = Sources::between(&background, (&wet(&moved).cut, &wet(&moved).space), (&cut, &space));
+    let sources = Sources::between(&background, &wet(&moved).cut, &wet(&moved).space, &cut, &space);
     assert!(sources.n_uncovered() > 5, "{}", sources.n_uncovered());
     // The starting guess of a step is the history on its space.
     let step = Step::prepare(&setup, &moved, moved.step_time(&setup, setup.dt)).expect("a cut");

@@ -7,11 +7,9 @@ use crate::linear::checked_factors::CheckedFactors;
 use crate::linear::{Equilibration, LinearError, LinearSystem};
 
 /// The matrix that was factorised last.
-#[derive(Default)]
 pub(super) struct Base {
     pub(super) scales: Equilibration,
-    /// `None` before the first factorisation.
-    pub(super) matrix: Option<CsMatI<f64, u32>>,
+    pub(super) matrix: CsMatI<f64, u32>,
     pub(super) factors: CheckedFactors,
     /// Nodes of the unknowns of the matrix.
     pub(super) nodes: Vec<u32>,
@@ -20,26 +18,27 @@ pub(super) struct Base {
 }
 
 impl Base {
-    /// Factorises a matrix; with free pivoting if `must_pivot` or static pivots fail.
-    pub(super) fn factorize(&mut self, system: &LinearSystem<'_>, must_pivot: bool) -> Result<(), LinearError> {
-        self.nodes = system.layout.nodes();
+    /// Factorises a matrix; with free pivoting if `must_pivot` or static pivots fail. `factors` are those of an earlier
+    /// matrix, whose memory is used again.
+    pub(super) fn new(
+        system: &LinearSystem<'_>,
+        mut factors: CheckedFactors,
+        must_pivot: bool,
+    ) -> Result<Self, LinearError> {
+        let nodes = system.layout.nodes();
         if must_pivot {
-            self.factors.factorize_with_pivoting(system.matrix, &self.nodes)?;
+            factors.factorize_with_pivoting(system.matrix, &nodes)?;
         } else {
-            self.factors.factorize(system.matrix, &self.nodes)?;
+            factors.factorize(system.matrix, &nodes)?;
         }
-        self.scales.clone_from(system.scales);
-        self.matrix = Some(system.matrix.clone());
-        self.keys.clear();
-        self.keys.extend(system.layout.keys().into_iter().zip(0..));
-        self.keys.sort_unstable();
-        Ok(())
+        let mut keys: Vec<(DofKey, u32)> = system.layout.keys().into_iter().zip(0..).collect();
+        keys.sort_unstable();
+        Ok(Self { scales: system.scales.clone(), matrix: system.matrix.clone(), factors, nodes, keys })
     }
 
-    /// Returns the matrix with its scales, nodes and keys; empty before the first factorisation. Integers are numbers
-    /// without a fraction; the 64 bits of the key of a node are two of them.
+    /// Returns the matrix with its scales, nodes and keys. Integers are numbers without a fraction; the 64 bits of the
+    /// key of a node are two of them.
     pub(super) fn to_lists(&self) -> Vec<Vec<f64>> {
-        let Some(matrix) = &self.matrix else { return Vec::new() };
         let integers = |list: &[u32]| list.iter().map(|k| f64::from(*k)).collect();
         let mut keys = vec![[0.0; 4]; self.keys.len()];
         for (key, unknown) in &self.keys {
@@ -49,9 +48,9 @@ impl Base {
             vec![f64::from(u8::from(self.factors.is_pivoting()))],
             self.scales.row().to_vec(),
             self.scales.column().to_vec(),
-            integers(matrix.indptr().raw_storage()),
-            integers(matrix.indices()),
-            matrix.data().to_vec(),
+            integers(self.matrix.indptr().raw_storage()),
+            integers(self.matrix.indices()),
+            self.matrix.data().to_vec(),
             integers(&self.nodes),
             keys.concat(),
         ]
@@ -78,14 +77,13 @@ impl Base {
             sorted.push((DofKey::from_numbers(key).ok_or(LinearError::Memory)?, unknown));
         }
         sorted.sort_unstable();
-        let mut base = Self { scales: Equilibration::of_scales(row, column), nodes, keys: sorted, ..Self::default() };
+        let mut factors = CheckedFactors::default();
         if is_pivoting == 0.0 {
-            base.factors.factorize(&matrix, &base.nodes)?;
+            factors.factorize(&matrix, &nodes)?;
         } else {
-            base.factors.factorize_with_pivoting(&matrix, &base.nodes)?;
+            factors.factorize_with_pivoting(&matrix, &nodes)?;
         }
-        base.matrix = Some(matrix);
-        Ok(base)
+        Ok(Self { scales: Equilibration::of_scales(row, column), matrix, factors, nodes, keys: sorted })
     }
 }
 

@@ -1,0 +1,84 @@
+//! Energies that the steps of a run generated, relative to the energies of the run.
+
+use mesh::Aabb;
+use serde::{Deserialize, Serialize};
+use solver::{Setup, State, StepReport};
+
+/// Largest gain of energy in a step that counts as round-off, relative to the energies of the run.
+const ENERGY_TOLERANCE: f64 = 1e-8;
+
+/// Record of the gains of energy in the steps of a run, and of the energies with which they are compared.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(crate) struct Energies {
+    /// Energy of gravity of each body at the start. Changes since then do not depend on the origin of the coordinates.
+    gravity_at_start: Vec<f64>,
+    /// Sum over the bodies of the weight times the largest extent. It bounds the errors of bodies at rest, whose
+    /// energies may be zero.
+    of_weights: f64,
+    /// Largest sum of the kinetic, elastic and stored energies and the absolute changes of the energies of gravity.
+    largest: f64,
+    /// Largest line of the ledger.
+    largest_line: f64,
+    largest_gain: f64,
+    /// Sum of the gains.
+    generated: f64,
+    largest_defect: f64,
+    /// Whether the energy of a step was not a number.
+    is_undefined: bool,
+}
+
+impl Energies {
+    /// Creates the record of a run from its start.
+    pub(crate) fn new<const D: usize>(setup: &Setup<D>, start: &State<D>) -> Self {
+        let mut energies = Self { largest: start.fluid_energy() + start.contact_energy, ..Self::default() };
+        for (body, state) in setup.bodies.iter().zip(&start.bodies) {
+            let Some(balance) = body.balance(state) else {
+                energies.gravity_at_start.push(0.0);
+                continue;
+            };
+            let weight = balance.body_force + body.variable_gravity(start.time) * balance.mass;
+            energies.gravity_at_start.push(balance.potential_energy);
+            energies.of_weights += weight.norm() * Aabb::of_points(body.reference()).extent().max();
+            energies.largest += balance.kinetic_energy + balance.elastic_energy;
+        }
+        energies
+    }
+
+    /// Adds a step. `tolerance` is that of Newton's method: smaller gains relative to the weights are not counted.
+    pub(crate) fn add<const D: usize>(&mut self, report: &StepReport<D>, tolerance: f64) {
+        let of_bodies = report.bodies.iter().zip(&self.gravity_at_start).filter_map(|(body, at_start)| {
+            let balance = body.balance.as_ref()?;
+            let change = (balance.potential_energy - at_start).abs();
+            Some(balance.kinetic_energy + balance.elastic_energy + change)
+        });
+        let of_contacts: f64 = report.contacts.iter().map(|contact| contact.stored_energy).sum();
+        let of_fluid = report.fluid.as_ref().map_or(0.0, |fluid| fluid.kinetic_energy);
+        self.largest = self.largest.max(of_bodies.sum::<f64>() + of_contacts + of_fluid);
+        self.largest_line = self.largest_line.max(report.ledger.largest_line());
+        let (gain, defect) = (-report.ledger.dissipation(), report.ledger.defect().abs());
+        self.is_undefined |= !(gain.is_finite() && defect.is_finite());
+        self.largest_gain = self.largest_gain.max(gain);
+        self.largest_defect = self.largest_defect.max(defect);
+        if gain > tolerance * self.of_weights {
+            self.generated += gain;
+        }
+    }
+
+    /// Returns whether no step increased the energy.
+    pub(crate) fn is_monotone(&self) -> bool {
+        !self.is_undefined && self.largest_gain <= ENERGY_TOLERANCE * self.largest.max(self.of_weights)
+    }
+
+    /// Returns the sum of the gains relative to the energies of the run; `None` if an energy was not a number.
+    pub(crate) fn generated(&self) -> Option<f64> {
+        let size = self.largest.max(self.largest_line).max(f64::MIN_POSITIVE);
+        (!self.is_undefined).then_some(self.generated / size)
+    }
+
+    /// Returns the largest energy of a step that no line of the ledger contains, relative to the energies of the run;
+    /// `None` if an energy was not a number.
+    pub(crate) fn defect(&self) -> Option<f64> {
+        let size = self.largest.max(self.largest_line).max(self.of_weights).max(f64::MIN_POSITIVE);
+        (!self.is_undefined).then_some(self.largest_defect / size)
+    }
+}
