@@ -23,17 +23,17 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 
 use self::outcome::Outcome;
-use self::validate::Resolution;
+use self::validate::Fineness;
 
 #[derive(Parser)]
 #[command(about, disable_help_subcommand = true)]
 struct Arguments {
     #[command(subcommand)]
-    mode: Mode,
+    command: Command,
 }
 
 #[derive(Subcommand)]
-enum Mode {
+enum Command {
     /// Run cases and compare with their references.
     Validate {
         /// Cases to run, by the names of their references; all if none is given.
@@ -80,20 +80,19 @@ enum Mode {
 }
 
 fn main() -> ExitCode {
-    let outcome = match Arguments::parse().mode {
-        Mode::Validate { study, again, out, .. } if !study.is_empty() => studies(study, again, &out),
-        Mode::Validate { measured: true, quick, document, out, .. } => {
+    let outcome = match Arguments::parse().command {
+        Command::Validate { study, again, out, .. } if !study.is_empty() => studies(study, again, &out),
+        Command::Validate { measured: true, quick, document, out, .. } => {
             verify::run(&verify::MEASURED.map(str::to_owned), !quick, document, &out)
         }
-        Mode::Validate { cases, quick, regenerate, document, out, .. } => {
-            let resolution = match quick {
-                true => Resolution::Quick { regenerates: regenerate },
-                false => Resolution::Paper { writes_pages: document },
+        Command::Validate { cases, quick, regenerate, document, out, .. } => {
+            let fineness = match quick {
+                true => Fineness::Quick { regenerates: regenerate },
+                false => Fineness::Paper { writes_pages: document },
             };
-            validate::run(&cases, resolution, &out)
-                .and_then(|passes| report::write(&cases, quick, &out).map(|()| passes))
+            validate::run(&cases, fineness, &out).and_then(|passes| report::write(&cases, quick, &out).map(|()| passes))
         }
-        Mode::Verify { names, quick: _, full, document, out } => verify::run(&names, full, document, &out),
+        Command::Verify { names, quick: _, full, document, out } => verify::run(&names, full, document, &out),
     };
     match outcome {
         Ok(true) => ExitCode::SUCCESS,

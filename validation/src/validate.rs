@@ -22,14 +22,14 @@ const PROGRESS: Duration = Duration::from_secs(10);
 
 /// Resolution of the runs, and what is written in addition to their results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Resolution {
+pub(crate) enum Fineness {
     /// Coarse meshes. Runs are compared with our own stored values, which may be stored anew before.
     Quick { regenerates: bool },
     /// The resolution of the paper. Runs are compared with the paper, and their pages of the book may be written.
     Paper { writes_pages: bool },
 }
 
-impl Resolution {
+impl Fineness {
     fn is_quick(self) -> bool {
         matches!(self, Self::Quick { .. })
     }
@@ -39,9 +39,9 @@ impl Resolution {
 ///
 /// # Errors
 /// There is no such case, or a file cannot be read or written.
-pub(crate) fn run(cases: &[String], resolution: Resolution, out: &Path) -> Outcome {
-    let writes_pages = resolution == Resolution::Paper { writes_pages: true };
-    let regenerates = resolution == Resolution::Quick { regenerates: true };
+pub(crate) fn run(cases: &[String], fineness: Fineness, out: &Path) -> Outcome {
+    let writes_pages = fineness == Fineness::Paper { writes_pages: true };
+    let regenerates = fineness == Fineness::Quick { regenerates: true };
     if writes_pages {
         document::require_clean_tree()?;
     }
@@ -49,21 +49,20 @@ pub(crate) fn run(cases: &[String], resolution: Resolution, out: &Path) -> Outco
     let references = names.iter().map(|name| Ok((name, case::read(name)?))).collect::<Result<Vec<_>, String>>()?;
     let mut stored = case::read_quick_values()?;
     let mut failed = Vec::new();
-    let start = |(name, reference): &(&String, Reference)| {
-        Ok(run_case(name, reference, resolution.is_quick(), &out.join(name)))
-    };
+    let start =
+        |(name, reference): &(&String, Reference)| Ok(run_case(name, reference, fineness.is_quick(), &out.join(name)));
     let name_of = |(name, _): &(&String, Reference)| (*name).clone();
     workers::for_each(&references, name_of, start, |(name, reference), run| {
         println!("# {name}: {} ({})", reference.title, reference.source);
         let directory = out.join(name);
-        let passes = run.and_then(|run| judge(name, reference, &run, resolution, &directory, &mut stored));
+        let passes = run.and_then(|run| judge(name, reference, &run, fineness, &directory, &mut stored));
         if !passes_or_print(passes) {
             failed.push(*name);
         }
         println!("  files are in {}\n", directory.display());
         Ok(())
     })?;
-    if !resolution.is_quick() {
+    if !fineness.is_quick() {
         // Verdicts of a whole run are those of the pages, which include listed targets and the other cases.
         failed.clear();
         for (name, reference) in &references {
@@ -81,7 +80,7 @@ pub(crate) fn run(cases: &[String], resolution: Resolution, out: &Path) -> Outco
     }
     if regenerates {
         write_stored(&stored)?;
-    } else if resolution.is_quick() {
+    } else if fineness.is_quick() {
         println!("Coarse meshes, compared with our own stored values: this is regression, not validation.");
     } else {
         println!("Compared with the numbers of the paper.");
@@ -94,7 +93,7 @@ pub(crate) fn run(cases: &[String], resolution: Resolution, out: &Path) -> Outco
 }
 
 /// Results of a case, of all steps or of those before the one that failed.
-struct Run {
+struct CaseRun {
     results: Results,
     metrics: Value,
 }
@@ -103,7 +102,7 @@ struct Run {
 ///
 /// # Errors
 /// The run does not start, or a file cannot be read or written.
-fn run_case(name: &str, reference: &Reference, is_quick: bool, directory: &Path) -> Result<Run, Failure> {
+fn run_case(name: &str, reference: &Reference, is_quick: bool, directory: &Path) -> Result<CaseRun, Failure> {
     // A run that does not start must not leave the comparison of an earlier one.
     compare::remove(directory)?;
     let mut set = vec![format!("name={name}")];
@@ -143,7 +142,7 @@ fn run_case(name: &str, reference: &Reference, is_quick: bool, directory: &Path)
     if failure.is_none() && !is_quick {
         metrics[REFACTORIZATIONS_PER_STEP] = json!(factorization.per_step(name, &results));
     }
-    Ok(Run { results, metrics })
+    Ok(CaseRun { results, metrics })
 }
 
 /// Compares a run with its reference, or a quick one with stored values, which are updated before if asked; prints the
@@ -151,15 +150,15 @@ fn run_case(name: &str, reference: &Reference, is_quick: bool, directory: &Path)
 fn judge(
     name: &str,
     reference: &Reference,
-    Run { results, metrics }: &Run,
-    resolution: Resolution,
+    CaseRun { results, metrics }: &CaseRun,
+    fineness: Fineness,
     directory: &Path,
     stored: &mut QuickValues,
 ) -> Outcome {
-    let is_quick = resolution.is_quick();
+    let is_quick = fineness.is_quick();
     print_sizes(&results.summary);
     let asked = reference.comparisons.iter().filter(|asked| !is_quick || asked.key != REFACTORIZATIONS_PER_STEP);
-    if resolution == (Resolution::Quick { regenerates: true }) {
+    if fineness == (Fineness::Quick { regenerates: true }) {
         let values = asked.clone().filter_map(|asked| Some((asked.key.clone(), as_number(&metrics[&asked.key])?)));
         stored.insert(name.to_owned(), values.collect::<BTreeMap<_, _>>());
     }

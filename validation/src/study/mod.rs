@@ -30,7 +30,7 @@ const VERSION: &str = "version.txt";
 
 /// The outcome of a run.
 #[derive(Clone, Debug, Default)]
-struct Run {
+struct StudyRun {
     value: f64,
     /// Cause if the run stopped before its end.
     failure: Option<String>,
@@ -45,7 +45,7 @@ struct Run {
     version: String,
 }
 
-impl Run {
+impl StudyRun {
     /// Returns the contact time: to a fraction of a step, if the distance passes the contact offset.
     fn first_contact(&self) -> Option<f64> {
         self.arrival_time.or(self.summary.contact_time)
@@ -64,13 +64,14 @@ pub(crate) fn run(names: &[String], again: bool, out: &Path) -> Outcome {
     let mut all_hold = true;
     for (name, definition) in studies {
         println!("# {name}: {}", definition.title);
-        let mut runs: Vec<Vec<Run>> = definition.series.iter().map(|s| vec![Run::default(); s.values.len()]).collect();
+        let mut runs: Vec<Vec<StudyRun>> =
+            definition.series.iter().map(|s| vec![StudyRun::default(); s.values.len()]).collect();
         let places: Vec<[usize; 2]> =
             runs.iter().enumerate().flat_map(|(series, of)| (0..of.len()).map(move |k| [series, k])).collect();
         let folder = out.join("studies").join(name);
         let directory = |&[series, k]: &[usize; 2]| folder.join(definition.series[series].stem(k));
         let start = |place: &[usize; 2]| run_one(name, &definition, *place, again, &directory(place));
-        let finish = |&[series, k]: &[usize; 2], run: Run| {
+        let finish = |&[series, k]: &[usize; 2], run: StudyRun| {
             println!("  {}", [vec![definition.series[series].name.clone()], row(&run)].concat().join(", "));
             runs[series][k] = run;
             Ok(())
@@ -95,7 +96,7 @@ fn run_one(
     [series, k]: [usize; 2],
     again: bool,
     directory: &Path,
-) -> Result<Run, Failure> {
+) -> Result<StudyRun, Failure> {
     let series = &definition.series[series];
     let value = series.values[k];
     let mut set = vec![format!("name={study}"), "output.vtk_every=0".to_owned()];
@@ -121,7 +122,7 @@ fn run_one(
     };
     let column = |name: String| results.history.column(&name).unwrap_or_default();
     let (times, distances) = (column("time".to_owned()), column(format!("{}d_min", results.leading_prefix())));
-    Ok(Run {
+    Ok(StudyRun {
         value,
         failure,
         arrival_time: results.summary.contact_offset.and_then(|offset| passes(&times, &distances, offset)),
@@ -151,7 +152,7 @@ const HEAD: [&str; 13] = [
     "remark",
 ];
 
-fn row(run: &Run) -> Vec<String> {
+fn row(run: &StudyRun) -> Vec<String> {
     let time = |time: Option<f64>| time.map_or("-".to_owned(), |time| format!("{time:.4}"));
     let length = |length: Option<f64>| length.map_or("-".to_owned(), short);
     vec![
@@ -172,7 +173,7 @@ fn row(run: &Run) -> Vec<String> {
 }
 
 /// Returns the outcome of a study as a record.
-fn record(name: &str, definition: &Definition, runs: &[Vec<Run>]) -> Record {
+fn record(name: &str, definition: &Definition, runs: &[Vec<StudyRun>]) -> Record {
     let mut record = Record::new(name, &definition.title, true);
     record.seconds = runs.iter().flatten().map(|run| run.summary.wall_seconds).sum();
     let all = || definition.series.iter().zip(runs);
@@ -186,7 +187,7 @@ fn record(name: &str, definition: &Definition, runs: &[Vec<Run>]) -> Record {
     }
     let summaries: Vec<&Summary> = runs.iter().flatten().map(|run| &run.summary).collect();
     results::add_energies(&summaries, &mut record);
-    let varied: Vec<&Run> = all().filter(|(series, _)| series.coefficient).flat_map(|(_, runs)| runs).collect();
+    let varied: Vec<&StudyRun> = all().filter(|(series, _)| series.coefficient).flat_map(|(_, runs)| runs).collect();
     for (quantity, of) in QUANTITIES[1..].iter().filter(|_| !varied.is_empty()) {
         let quantity = cgs(quantity);
         let values = || varied.iter().map(|run| of(run).unwrap_or(f64::NAN));
@@ -204,10 +205,10 @@ fn record(name: &str, definition: &Definition, runs: &[Vec<Run>]) -> Record {
     record.tables.push(Table { head, rows: rows.collect() });
     record.notes.clone_from(&definition.note);
     // Series that vary the same quantity share their charts. Two values of a coefficient make no curve.
-    let pairs: Vec<(&Series, &Vec<Run>)> = all().filter(|(series, _)| !series.coefficient).collect();
+    let pairs: Vec<(&Series, &Vec<StudyRun>)> = all().filter(|(series, _)| !series.coefficient).collect();
     for group in pairs.chunk_by(|a, b| a.0.parameter == b.0.parameter) {
-        let mut chart = |title: &str, value: &dyn Fn(&Run) -> Option<f64>| {
-            let curve = |(series, runs): &(&Series, &Vec<Run>)| {
+        let mut chart = |title: &str, value: &dyn Fn(&StudyRun) -> Option<f64>| {
+            let curve = |(series, runs): &(&Series, &Vec<StudyRun>)| {
                 let mut points: Vec<_> = runs.iter().filter_map(|run| Some((run.value, value(run)?))).collect();
                 points.sort_by(|a, b| a.0.total_cmp(&b.0));
                 (series.name.clone(), points)
@@ -217,7 +218,7 @@ fn record(name: &str, definition: &Definition, runs: &[Vec<Run>]) -> Record {
                 record.figure(title, &group[0].0.parameter, curves);
             }
         };
-        chart("contact [s]", &Run::first_contact);
+        chart("contact [s]", &StudyRun::first_contact);
         chart(&cgs("fastest after contact [<velocity>]"), &|run| Some(run.rebound?.fastest));
         chart(&cgs("highest point after rebound [<length>]"), &|run| Some(run.rebound?.height));
     }
@@ -229,7 +230,7 @@ fn record(name: &str, definition: &Definition, runs: &[Vec<Run>]) -> Record {
 const LARGEST_UNCERTAINTY: f64 = 3.0;
 
 /// A quantity of a run with its name, which has marks of units.
-type Quantity = (&'static str, fn(&Run) -> Option<f64>);
+type Quantity = (&'static str, fn(&StudyRun) -> Option<f64>);
 
 /// Quantities whose limits are computed; a required order holds for all but the first.
 const QUANTITIES: [Quantity; 4] = [
@@ -241,7 +242,7 @@ const QUANTITIES: [Quantity; 4] = [
 
 /// Adds the limits of a series: rows of a table, and verdicts on contact before that in an ideal fluid, on orders and
 /// on uncertainties.
-fn add_limits(series: &Series, runs: &[Run], record: &mut Record, table: &mut Vec<Vec<String>>) {
+fn add_limits(series: &Series, runs: &[StudyRun], record: &mut Record, table: &mut Vec<Vec<String>>) {
     let name = &series.name;
     let contacts = || runs.iter().map(|run| run.summary.contact_time.unwrap_or(f64::NAN));
     let earliest = -contacts().map(|time| -time).fold(f64::NEG_INFINITY, worse);
@@ -310,7 +311,8 @@ mod tests {
              values = [0.4, 0.2, 0.1]\nlimit = true",
         )
         .unwrap();
-        let run = |value: f64| Run { value, arrival_time: Some(0.1 + value), bound: Some(0.05), ..Run::default() };
+        let run =
+            |value: f64| StudyRun { value, arrival_time: Some(0.1 + value), bound: Some(0.05), ..StudyRun::default() };
         let record = record("t", &definition, &[vec![run(0.4), run(0.2), run(0.1)]]);
         assert_eq!(record.tables[0].rows[0][2], "0.1000 ± 0.1250");
         assert_eq!((record.tables[1].rows.len(), record.tables[1].head.len()), (3, record.tables[1].rows[0].len()));
@@ -328,7 +330,7 @@ mod tests {
             let (speed, fastest) = (50.0 + value.powi(2), 51.0 + value.powi(2));
             let rebound = Some(Rebound { height, time: 0.2, speed, fastest });
             let summary = Summary { energy_defect: Some(0.5), energy_monotone: true, ..Summary::default() };
-            Run { value, rebound, summary, ..Run::default() }
+            StudyRun { value, rebound, summary, ..StudyRun::default() }
         };
         let verdicts_of = |definition: &Definition, heights: [f64; 3]| {
             let runs = [run(0.4, heights[0]), run(0.2, heights[1]), run(0.1, heights[2])];
@@ -348,7 +350,7 @@ mod tests {
         assert_eq!(verdicts([-4.0, 5.2, 4.1]), expected(["FAIL", "FAIL"], "FAIL"));
         assert_eq!(verdicts([5.16, 5.04, f64::NAN]), expected(["FAIL", "FAIL"], "FAIL"));
         // Runs without a ledger, as those of earlier versions, and runs that make energy.
-        let without = record("t", &definition, &[vec![Run { value: 0.4, ..Run::default() }]]);
+        let without = record("t", &definition, &[vec![StudyRun { value: 0.4, ..StudyRun::default() }]]);
         let judged =
             |words: &str| without.rows.iter().find(|row| row.quantity.contains(words)).is_some_and(|row| !row.holds());
         assert!(judged("no line of the ledger") && judged("make energy"));

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use cutwater::algebra::time::ImplicitEuler;
 
 use self::history::{
-    Advance, BOUNCES, Contact, GRAVITY, HEIGHT, HEIGHTS, History, IMPACT, LENGTH, MIDDLE, PENALTY, PERIOD, WAVE,
+    Advance, BOUNCES, BarHistory, Contact, GRAVITY, HEIGHT, HEIGHTS, IMPACT, LENGTH, MIDDLE, PENALTY, PERIOD, WAVE,
     exact_pressure, history,
 };
 use super::dry::{Scheme, second_order};
@@ -68,7 +68,7 @@ struct Late {
 
 /// Records the contacts of a bar of `n` cells with the exact ones as reference; returns the history with gravity, and
 /// the error of the last event. Updates `most`.
-fn contacts(record: &mut Record, n: usize, method: &Method, most: &mut Late) -> Result<(History, f64), Failure> {
+fn contacts(record: &mut Record, n: usize, method: &Method, most: &mut Late) -> Result<(BarHistory, f64), Failure> {
     let Method { name, courant, is_massless, is_gated, .. } = *method;
     let step = courant * LENGTH / n as f64 / WAVE;
     let impact = history(0.0, n, &method.advance(), 2.0)?;
@@ -153,7 +153,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     for method in &methods {
         let (mut errors, mut most) = (Vec::new(), Late::default());
         for &n in cells {
-            let (History { height, pressure, .. }, error) = contacts(record, n, method, &mut most)?;
+            let (BarHistory { height, pressure, .. }, error) = contacts(record, n, method, &mut most)?;
             errors.push((LENGTH / n as f64, error));
             if Some(&n) == cells.last() {
                 curves[0].push((method.name.to_owned(), height));

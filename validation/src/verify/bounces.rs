@@ -33,9 +33,9 @@ const PROGRESS: std::time::Duration = std::time::Duration::from_secs(60);
 
 /// Time, gap and velocity of all steps.
 #[derive(Default)]
-struct Fall(Vec<[f64; 3]>);
+struct FallRecorder(Vec<[f64; 3]>);
 
-impl Observer<2> for Fall {
+impl Observer<2> for FallRecorder {
     fn after_step(&mut self, view: &StepView<'_, 2>) -> Result<(), ObserverError> {
         if let Some(body) = view.report.map(|report| &report.bodies[0]) {
             self.0.push([view.state.time, body.lowest.1[1], body.lowest_velocity[1]]);
@@ -59,7 +59,7 @@ pub(super) struct Bounces {
 pub(super) fn fall(changes: &[String], is_over: impl Fn(&[[f64; 3]]) -> bool) -> Result<Bounces, Failure> {
     let begin = std::time::Instant::now();
     let case = case::<2>(&ScenarioFile::read(&example_path("bouncing-sphere"), changes)?)?;
-    let (setup, mut fall) = (case.setup, Fall::default());
+    let (setup, mut fall) = (case.setup, FallRecorder::default());
     let mut run = TimeLoop::new(&setup, State::initial(&setup)?, case.workspace);
     let mut last_line = begin;
     for _ in 0..case.n_steps {
@@ -126,7 +126,7 @@ pub(super) fn cells(sizes: [f64; 4]) -> impl Iterator<Item = String> {
 
 /// Speeds of a rebound over that of the approach.
 #[derive(Default)]
-pub(super) struct Rebound {
+pub(super) struct ReboundSpeeds {
     /// Mean speed in the first frame.
     pub(super) mean: f64,
     /// Largest speed in the first frame: in the film just after the collision, where no experiment measures it.
@@ -134,20 +134,20 @@ pub(super) struct Rebound {
 }
 
 /// Computes the rebound at a Stokes number; zero without rebound until `end`, s.
-pub(super) fn rebound(number: f64, mut changes: Vec<String>, end: f64) -> Result<Rebound, Failure> {
+pub(super) fn rebound(number: f64, mut changes: Vec<String>, end: f64) -> Result<ReboundSpeeds, Failure> {
     changes.extend([format!("fluid.viscosity={}", VISCOSITY / number), format!("time.end={end}")]);
     let is_over = |series: &[[f64; 3]]| {
         lowest(series).zip(series.last()).is_some_and(|(step, now)| now[0] > series[step][0] + FRAME)
     };
     let Bounces { series, contact, .. } = fall(&changes, is_over)?;
-    let Some(contact) = contact else { return Ok(Rebound::default()) };
+    let Some(contact) = contact else { return Ok(ReboundSpeeds::default()) };
     let Some(pair) = series.windows(2).find(|pair| pair[1][0] >= contact + FRAME) else {
-        return Ok(Rebound::default());
+        return Ok(ReboundSpeeds::default());
     };
     let share = (contact + FRAME - pair[0][0]) / (pair[1][0] - pair[0][0]);
     let mean = (pair[0][1] + share * (pair[1][1] - pair[0][1])) / FRAME;
     let largest = series.iter().filter(|at| at[0] >= contact).map(|at| at[2]).fold(0.0, f64::max);
-    Ok(Rebound { mean: mean / SPEED, largest: largest / SPEED })
+    Ok(ReboundSpeeds { mean: mean / SPEED, largest: largest / SPEED })
 }
 
 /// Returns the fit `exp(-35/St)` of measured restitutions over that in air.

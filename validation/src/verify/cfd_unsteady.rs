@@ -46,12 +46,12 @@ const LATEST: f64 = 15.0;
 
 /// Force on cylinder and flag over time.
 #[derive(Default)]
-struct Signals {
+struct CfdSignals {
     drag: Points,
     lift: Points,
 }
 
-impl Signals {
+impl CfdSignals {
     /// Takes a step and adds the force at its stage.
     fn advance(&mut self, run: &mut Run) -> Result<(), Failure> {
         let (time, force) = step_with_force(run)?;
@@ -119,7 +119,7 @@ fn periodic(record: &mut Record) -> Result<(), Failure> {
     let [mut drags, mut lifts] = [Vec::new(), Vec::new()];
     for (n, resolution) in FULL.into_iter().enumerate() {
         let (name, mut run) = (name(resolution), run(resolution, start)?);
-        let mut signals = Signals::default();
+        let mut signals = CfdSignals::default();
         let found = loop {
             signals.advance(&mut run)?;
             if let Some(found) = signals.periodic() {
@@ -160,7 +160,7 @@ fn begin(record: &mut Record) -> Result<(), Failure> {
     while run.state.time < CHANNEL.length / CHANNEL.speed {
         run.advance()?;
     }
-    let mut signals = Signals::default();
+    let mut signals = CfdSignals::default();
     let [first, second] = loop {
         signals.advance(&mut run)?;
         if let [first, second] = signals.cycles()[..] {
@@ -182,13 +182,13 @@ mod tests {
     use super::*;
 
     /// Returns signals of the reference whose amplitudes approach their end with a rate.
-    fn signals(rate: f64) -> Signals {
+    fn signals(rate: f64) -> CfdSignals {
         let of = |mean: f64, amplitude: f64, frequency: f64| -> Points {
             let times = (0..1500).map(|k| 2e-3 * f64::from(k));
             let value = |t: f64| mean + amplitude * (1.0 - (-rate * t).exp()) * (TAU * frequency * t).sin();
             times.map(|t| (t, value(t))).collect()
         };
-        Signals { drag: of(KNOWN[0], KNOWN[1], 2.0 * KNOWN[4]), lift: of(KNOWN[2], KNOWN[3], KNOWN[4]) }
+        CfdSignals { drag: of(KNOWN[0], KNOWN[1], 2.0 * KNOWN[4]), lift: of(KNOWN[2], KNOWN[3], KNOWN[4]) }
     }
 
     #[test]

@@ -19,14 +19,14 @@ const BOX: f64 = 3.0;
 
 /// Motion of a body.
 #[derive(Clone, Copy)]
-enum Motion {
+enum BodyMotion {
     /// Translation, and rotation about a point.
     Rigid { about: P, speed: V, spin: f64 },
     /// Constant velocities `a (X - about) + b` of the points: rotation, growth and shear.
     Swelling { about: P, a: T, b: V },
 }
 
-impl Motion {
+impl BodyMotion {
     fn position(&self, x: &P, t: f64) -> P {
         match self {
             Self::Rigid { about, speed, spin } => {
@@ -61,7 +61,7 @@ struct Fluxes {
     swept: f64,
 }
 
-fn fluxes(setup: &Setup<2>, state: &State<2>, motion: &Motion) -> Result<Fluxes, Failure> {
+fn fluxes(setup: &Setup<2>, state: &State<2>, motion: &BodyMotion) -> Result<Fluxes, Failure> {
     let (background, fluid) = (&fluid_of(setup)?.background, wet(state)?);
     let (cut, values) = (&fluid.cut, PartValues::new(background, &fluid.cut));
     let (mut growth, mut swept, mut outflow) = (0.0, 0.0, 0.0);
@@ -84,7 +84,7 @@ fn fluxes(setup: &Setup<2>, state: &State<2>, motion: &Motion) -> Result<Fluxes,
 }
 
 /// Errors over the steps, relative to the volume that a body sweeps.
-struct Errors {
+struct SweptErrors {
     /// Largest difference of the outflow and the growth of the body.
     outflow: f64,
     /// Largest difference of the change of the covered area and the sweep of the surface.
@@ -94,7 +94,7 @@ struct Errors {
 }
 
 /// Moves a body of given motion through a box with cells of size `h` that is open at the top.
-fn displaced(corners: Vec<P>, motion: Motion, h: f64) -> Result<Errors, Failure> {
+fn displaced(corners: Vec<P>, motion: BodyMotion, h: f64) -> Result<SweptErrors, Failure> {
     let known = Linear::at_rest(V::zeros()).known(0.05, &["top"]);
     let mut setup = known.setup(background(h)?, DT);
     for (_, condition) in &mut fluid_mut(&mut setup)?.boundary {
@@ -105,7 +105,7 @@ fn displaced(corners: Vec<P>, motion: Motion, h: f64) -> Result<Errors, Failure>
     let velocity = Arc::new(move |x: &P, [t, _]: [f64; 2]| motion.velocity(x, t));
     setup.bodies.push(polygon_of_particles(&[corners], move |x, t| motion.position(x, t), velocity));
     let mut run = Run::new(setup)?;
-    let mut errors = Errors { outflow: 0.0, area: 0.0, leak: 0.0 };
+    let mut errors = SweptErrors { outflow: 0.0, area: 0.0, leak: 0.0 };
     let mut before: Option<(f64, f64)> = None;
     for _ in 0..STEPS {
         let report = run.advance()?;
@@ -122,7 +122,7 @@ fn displaced(corners: Vec<P>, motion: Motion, h: f64) -> Result<Errors, Failure>
     Ok(errors)
 }
 
-fn named(name: &str, errors: &Errors) -> Named {
+fn named(name: &str, errors: &SweptErrors) -> Named {
     vec![
         (format!("{name}, every step, over its sweep: outflow minus growth of the body"), errors.outflow),
         (format!("{name}, every step, over its sweep: change of the covered area minus sweep"), errors.area),
@@ -151,16 +151,16 @@ pub(super) fn leak(record: &mut Record) -> Result<(), Failure> {
     Ok(())
 }
 
-fn rigid(about: P, random: &mut Random) -> Motion {
+fn rigid(about: P, random: &mut Random) -> BodyMotion {
     let speed = V::new(random.between(-0.7, 0.7), random.between(-0.7, 0.7));
-    Motion::Rigid { about, speed, spin: random.between(1.0, 4.0) }
+    BodyMotion::Rigid { about, speed, spin: random.between(1.0, 4.0) }
 }
 
 /// Measures the errors of a body that turns, swells and is sheared under an open side.
 pub(super) fn swelling(about: P, random: &mut Random) -> Result<Named, Failure> {
     let mut entry = || random.between(-0.5, 0.5);
     let (shear, b) = (T::new(entry(), entry(), entry(), entry()), V::new(entry(), entry()));
-    let motion = Motion::Swelling { about, a: shear + T::new(0.6, -1.0, 1.0, 0.6), b };
+    let motion = BodyMotion::Swelling { about, a: shear + T::new(0.6, -1.0, 1.0, 0.6), b };
     let name = "body that turns, swells and is sheared under an open side";
     Ok(named(name, &displaced(nonagon(about, random), motion, SIZE)?))
 }

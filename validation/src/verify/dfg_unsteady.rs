@@ -55,13 +55,13 @@ const QUICK_ACCURACY: [f64; 3] = [0.1, 0.3, 0.1];
 
 /// Coefficients and pressure difference over time.
 #[derive(Default)]
-struct Signals {
+struct DfgSignals {
     drag: Points,
     lift: Points,
     pressure: Points,
 }
 
-impl Signals {
+impl DfgSignals {
     /// Takes a step and adds its values. Forces and pressures are those at the stage of the step.
     fn advance(&mut self, run: &mut Run) -> Result<(), Failure> {
         let (time, force) = step_with_force(run)?;
@@ -139,7 +139,7 @@ fn shedding(record: &mut Record, resolutions: &[(usize, f64)]) -> Result<(), Fai
     for (n, &resolution) in resolutions.iter().enumerate() {
         let name = name(resolution);
         let mut run = run(resolution, |_| 1.0, Some(start))?;
-        let mut signals = Signals::default();
+        let mut signals = DfgSignals::default();
         let found = loop {
             signals.advance(&mut run)?;
             if let Some(found) = signals.periodic() {
@@ -179,11 +179,11 @@ fn pulse(record: &mut Record, resolutions: &[(usize, f64)]) -> Result<(), Failur
         let is_judged = n + 1 == resolutions.len();
         let name = name(resolution);
         let mut run = run(resolution, |t| (PI * t / END).sin(), None)?;
-        let mut signals = Signals::default();
+        let mut signals = DfgSignals::default();
         while signals.drag.last().is_none_or(|(time, _)| *time < end) {
             signals.advance(&mut run)?;
         }
-        let Signals { drag, lift, pressure } = signals;
+        let DfgSignals { drag, lift, pressure } = signals;
         for (k, curve) in [&drag, &lift].into_iter().enumerate().take(if record.full { 2 } else { 1 }) {
             let (time, largest) = peak(curve);
             let quantity = format!("2D-3, {name}: {}", OF_PULSE[k]);
@@ -217,11 +217,11 @@ mod tests {
     use super::*;
 
     /// Returns the signals of a lift whose amplitude approaches one with a rate.
-    fn signals(rate: f64) -> Signals {
+    fn signals(rate: f64) -> DfgSignals {
         let time = |k: i32| 0.01 * f64::from(k);
         let of = |value: &dyn Fn(f64) -> f64| (0..800).map(time).map(|t| (t, value(t))).collect();
         let amplitude = |t: f64| 1.0 - (-rate * t).exp();
-        Signals {
+        DfgSignals {
             drag: of(&|t| 3.0 + 0.1 * (12.0 * PI * t).cos()),
             lift: of(&|t| amplitude(t) * (6.0 * PI * t).sin()),
             pressure: Vec::new(),

@@ -35,7 +35,7 @@ const DRIFT: f64 = 1e-3;
 const RIGID_TOLERANCE: f64 = 1e-6;
 
 /// Displacement and velocity of the centre of mass, and the tangential force of contact over the weight.
-struct Motion<const D: usize> {
+struct BlockMotion<const D: usize> {
     displacement: Vector<D>,
     velocity: Vector<D>,
     tangential: f64,
@@ -52,7 +52,7 @@ struct Block<const D: usize> {
 
 impl<const D: usize> Block<D> {
     /// Computes the motion at the given times.
-    fn at<const N: usize>(&self, times: [f64; N]) -> Result<[Motion<D>; N], Failure> {
+    fn at<const N: usize>(&self, times: [f64; N]) -> Result<[BlockMotion<D>; N], Failure> {
         let corner = std::array::from_fn(|axis| if axis == D - 1 { HEIGHT } else { 4.0 * HEIGHT });
         let n = std::array::from_fn(|axis| if axis == D - 1 { self.cells } else { 4 * self.cells });
         let mesh = structured_box::<D>([0.0; D], corner, n)?;
@@ -81,7 +81,7 @@ impl<const D: usize> Block<D> {
             }
             let (velocity, force) = last.ok_or("times increase")?;
             let tangential = (0..D - 1).map(|axis| force[axis] * force[axis]).sum::<f64>().sqrt() / (mass * GRAVITY);
-            found.push(Motion { displacement, velocity, tangential });
+            found.push(BlockMotion { displacement, velocity, tangential });
         }
         found.try_into().map_err(|_| "one state for each time".into())
     }

@@ -44,7 +44,7 @@ const UNCHANGED: f64 = 1e-4;
 const MOST_STEPS: usize = 60;
 
 /// The flag at rest in the flow.
-struct Bent {
+struct BentFlag {
     /// In the order of [`NAMES`].
     numbers: [f64; 4],
     n_dofs: usize,
@@ -114,7 +114,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
 }
 
 /// Computes the flag at rest, with one of the [`RESOLUTIONS`] and a length of steps.
-fn bend((cells, rows, order): (usize, usize, Order), step: f64) -> Result<Bent, Failure> {
+fn bend((cells, rows, order): (usize, usize, Order), step: f64) -> Result<BentFlag, Failure> {
     let mut setup = CHANNEL.setup(&Resolution::new(cells), |_| 1.0)?;
     (setup.scheme, setup.dt) = (Arc::new(QuasiStatic), step);
     let (solid, held) = obstacle(rows, order)?;
@@ -130,7 +130,7 @@ fn bend((cells, rows, order): (usize, usize, Order), step: f64) -> Result<Bent, 
         history.push((n as f64, u[1]));
         if (u - before).norm() <= UNCHANGED * u.norm() {
             let (force, _) = force(&run.state, &report, 0, &P::zeros())?;
-            return Ok(Bent { numbers: [u[0], u[1], force[0], force[1]], n_dofs: report.n_dofs, history });
+            return Ok(BentFlag { numbers: [u[0], u[1], force[0], force[1]], n_dofs: report.n_dofs, history });
         }
         before = u;
     }

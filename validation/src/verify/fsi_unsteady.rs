@@ -86,12 +86,12 @@ const UNCHANGED: f64 = 5e-3;
 
 /// Displacement of the tip and force on cylinder and flag over time.
 #[derive(Default)]
-struct Signals {
+struct FsiSignals {
     u: [Points; 2],
     force: [Points; 2],
 }
 
-impl Signals {
+impl FsiSignals {
     /// Takes a step and adds its values. Forces are those at the stage of the step, displacements those at its end.
     fn advance(&mut self, run: &mut Run) -> Result<(), Failure> {
         let (at_stage, force) = step_with_force(run)?;
@@ -175,7 +175,7 @@ impl Benchmark {
         for (n, &(cells, dt)) in self.runs.iter().enumerate() {
             let name = format!("h = D/{cells}, dt = {} s", short(dt));
             let mut run = self.run((cells, dt), start)?;
-            let mut signals = Signals::default();
+            let mut signals = FsiSignals::default();
             let found = loop {
                 signals.advance(&mut run)?;
                 if let Some(found) = signals.periodic() {
@@ -258,7 +258,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
 /// Measures the first cycles of FSI2: the flag sheds vortices that enlarge its swing.
 fn begin(record: &mut Record) -> Result<(), Failure> {
     let mut run = FSI2.run(QUICK, FSI2.start())?;
-    let mut signals = Signals::default();
+    let mut signals = FsiSignals::default();
     let [first, second] = loop {
         signals.advance(&mut run)?;
         if let [first, second] = signals.cycles()[..] {
@@ -288,7 +288,7 @@ mod tests {
     use super::*;
 
     /// Returns the signals of a swing of the reference's FSI3 whose amplitude approaches its end with a rate.
-    fn signals(rate: f64) -> Signals {
+    fn signals(rate: f64) -> FsiSignals {
         let known = FSI3.known;
         let of = |mean: f64, amplitude: f64, frequency: f64| -> Points {
             let times = (0..1000).map(|k| 2e-3 * f64::from(k));
@@ -296,7 +296,7 @@ mod tests {
             times.map(|t| (t, value(t))).collect()
         };
         let f = known[FREQUENCY];
-        Signals {
+        FsiSignals {
             u: [of(known[3], known[4], 2.0 * f), of(known[0], known[1], f)],
             force: [of(known[5], known[6], 2.0 * f), of(known[7], known[8], f)],
         }

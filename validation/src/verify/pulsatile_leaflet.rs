@@ -26,7 +26,7 @@ const PEER_HOURS: f64 = 2.3;
 const QUICK: (&str, f64) = ("time.end=1.0", 0.08);
 
 /// A run of the leaflet.
-struct Bent {
+struct BentLeaflet {
     /// Displacement of the tip over time.
     tip: Vec<(f64, V)>,
     n_cells: usize,
@@ -48,7 +48,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
         return Ok(());
     }
     let mut rows = Vec::new();
-    let mut add = |name: &str, step: f64, bent: &Bent| {
+    let mut add = |name: &str, step: f64, bent: &BentLeaflet| {
         let found = difference(&bent.tip, &beam, LAST_PERIOD);
         let counts = [bent.n_cells, bent.n_dofs, bent.n_parts].map(|count| count.to_string());
         let numbers = [short(found), short(bent.seconds)];
@@ -122,7 +122,7 @@ const VARIANTS: [(&str, f64, &[&str]); 5] = [
 ];
 
 /// Runs the leaflet with a mesh and changes.
-fn run((h, [across, along]): (f64, [usize; 2]), changes: &[&str]) -> Result<Bent, Failure> {
+fn run((h, [across, along]): (f64, [usize; 2]), changes: &[&str]) -> Result<BentLeaflet, Failure> {
     let sizes = [
         format!("background.size={}", 2.0 * h),
         format!("background.refine.0.size={h}"),
@@ -133,7 +133,7 @@ fn run((h, [across, along]): (f64, [usize; 2]), changes: &[&str]) -> Result<Bent
     let [x, y] = [history.probe("tip_x")?, history.probe("tip_y")?];
     let (x_0, y_0) = (x[0].1, y[0].1);
     let tip = x.iter().zip(&y).map(|((t, x), (_, y))| (*t, V::new(x - x_0, y - y_0))).collect();
-    Ok(Bent { tip, n_cells: history.n_cells, n_dofs: history.n_dofs, n_parts: history.n_parts, seconds })
+    Ok(BentLeaflet { tip, n_cells: history.n_cells, n_dofs: history.n_dofs, n_parts: history.n_parts, seconds })
 }
 
 /// Reads the displacement of the beam.

@@ -80,7 +80,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     Ok(())
 }
 
-struct Fall {
+struct DiskFall {
     /// Time and Reynolds number.
     reynolds: Vec<(f64, f64)>,
     /// Largest distance of the centre from the axis.
@@ -92,15 +92,15 @@ struct Fall {
 }
 
 /// Returns the largest Reynolds number of a fall.
-fn largest(fall: &Fall) -> f64 {
+fn largest(fall: &DiskFall) -> f64 {
     fall.reynolds.iter().map(|(_, re)| *re).fold(0.0, f64::max)
 }
 
-fn sink(h: f64, dt: f64, set: Stabilisation) -> Result<Fall, Failure> {
+fn sink(h: f64, dt: f64, set: Stabilisation) -> Result<DiskFall, Failure> {
     let mut setup = setup(h, dt)?;
     fluid_mut(&mut setup)?.stabilisation = set;
     let mut run = Run::lagged(setup)?;
-    let mut fall = Fall { reynolds: Vec::new(), drift: 0.0, angle: 0.0, remainder: 0.0 };
+    let mut fall = DiskFall { reynolds: Vec::new(), drift: 0.0, angle: 0.0, remainder: 0.0 };
     loop {
         let report = run.advance()?;
         let state = &run.state;

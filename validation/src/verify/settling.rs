@@ -38,7 +38,7 @@ fn measure(record: &mut Record, example: &str, quick: &[&str]) -> Result<(), Fai
     let changes: Vec<String> = changes.iter().map(|change| (*change).to_owned()).collect();
     let mut case = case::<2>(&ScenarioFile::read(&example_path(example), &changes)?)?;
     let size = case.setup.contacts.first().ok_or("there is a contact")?.form().size();
-    let mut fall = Fall { smallest_gap: f64::INFINITY, ..Fall::default() };
+    let mut fall = SettlingHistory { smallest_gap: f64::INFINITY, ..SettlingHistory::default() };
     let state = State::initial(&case.setup)?;
     let workspace = std::mem::take(&mut case.workspace);
     TimeLoop::new(&case.setup, state, workspace).run(case.n_steps, &mut [&mut fall])?;
@@ -72,7 +72,7 @@ fn measure(record: &mut Record, example: &str, quick: &[&str]) -> Result<(), Fai
 
 /// History of the bodies.
 #[derive(Default)]
-struct Fall {
+struct SettlingHistory {
     /// Time, and largest speed of a centre.
     speeds: Vec<(f64, f64)>,
     /// Time, and mean height of the centres.
@@ -85,7 +85,7 @@ struct Fall {
     seconds_of_contact: f64,
 }
 
-impl Observer<2> for Fall {
+impl Observer<2> for SettlingHistory {
     fn after_step(&mut self, view: &StepView<'_, 2>) -> Result<(), ObserverError> {
         let Some(report) = view.report else { return Ok(()) };
         let balances = || report.bodies.iter().filter_map(|body| body.balance.as_ref());

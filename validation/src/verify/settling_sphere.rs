@@ -9,7 +9,7 @@ use crate::case::example_path;
 
 /// A case of the experiment: name, density and viscosity of the oil, speed in an infinite fluid, largest measured
 /// speed, bound on the relative difference from it, measured speeds.
-struct Measured {
+struct Experiment {
     name: &'static str,
     density: f64,
     viscosity: f64,
@@ -19,8 +19,8 @@ struct Measured {
     speeds: &'static str,
 }
 
-const CASES: [Measured; 4] = [
-    Measured {
+const CASES: [Experiment; 4] = [
+    Experiment {
         name: "E1",
         density: 970.0,
         viscosity: 0.373,
@@ -29,7 +29,7 @@ const CASES: [Measured; 4] = [
         bound: 0.025,
         speeds: include_str!("../../reference/ten-cate/E1.csv"),
     },
-    Measured {
+    Experiment {
         name: "E2",
         density: 965.0,
         viscosity: 0.212,
@@ -38,7 +38,7 @@ const CASES: [Measured; 4] = [
         bound: 0.03,
         speeds: include_str!("../../reference/ten-cate/E2.csv"),
     },
-    Measured {
+    Experiment {
         name: "E3",
         density: 962.0,
         viscosity: 0.113,
@@ -47,7 +47,7 @@ const CASES: [Measured; 4] = [
         bound: 0.025,
         speeds: include_str!("../../reference/ten-cate/E3.csv"),
     },
-    Measured {
+    Experiment {
         name: "E4",
         density: 960.0,
         viscosity: 0.058,
@@ -101,7 +101,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
         Some(CASES[3].largest),
     );
     record.note(
-        "Measured: ten Cate, Nieuwstad, Derksen, Van den Akker 2002, doi:10.1063/1.1512918, with speeds digitised from its figures. Inputs are the densities, viscosities and \
+        "Experiment: ten Cate, Nieuwstad, Derksen, Van den Akker 2002, doi:10.1063/1.1512918, with speeds digitised from its figures. Inputs are the densities, viscosities and \
          sizes of the paper, and the standard stabilisation; nothing is fitted. The square tank is a round one of the same area. The surface of the oil is flat and free of shear. Speeds in the \
          approach are compared at equal times since the speed was three quarters of the largest one, because a difference of 1 % in the time of the fall is larger than all of the approach.",
     );
@@ -118,7 +118,7 @@ fn points(text: &str) -> Result<Vec<(f64, f64)>, Failure> {
 }
 
 /// Computes time, speed and gap of all steps until the sphere is near the floor, or until a time.
-fn fall(of: &Measured, step: f64, changes: &[String], end: f64) -> Result<Vec<[f64; 3]>, Failure> {
+fn fall(of: &Experiment, step: f64, changes: &[String], end: f64) -> Result<Vec<[f64; 3]>, Failure> {
     let dt = step * RADIUS / of.infinite;
     let mut changes = changes.to_vec();
     changes.extend([
@@ -158,7 +158,7 @@ fn falls_to(series: &[(f64, f64)], speed: f64) -> Option<f64> {
     Some(passage([pair[0], pair[1]], speed))
 }
 
-fn compare(record: &mut Record, of: &Measured) -> Result<(), Failure> {
+fn compare(record: &mut Record, of: &Experiment) -> Result<(), Failure> {
     let fall = fall(of, STEP, &[], f64::INFINITY)?;
     let speeds: Vec<(f64, f64)> = fall.iter().map(|at| (at[0], at[1])).collect();
     let measured = points(of.speeds)?;

@@ -78,7 +78,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     of_second_order(record, fine)?;
     weights(record, sizes, &euler)?;
     for (unit, sequence, order) in [("h", &in_space, ORDERS[0]), ("dt", &in_time, ORDERS[1])] {
-        let pick = |of: fn(&Measured) -> f64| sequence.iter().map(|(x, m)| (*x, of(m))).collect::<Vec<_>>();
+        let pick = |of: fn(&LayerResults) -> f64| sequence.iter().map(|(x, m)| (*x, of(m))).collect::<Vec<_>>();
         let (fluid, solid) = (pick(|m| m.fluid), pick(|m| m.solid));
         record.order("fluid velocity in L2", unit, &fluid, order);
         if unit == "h" {
@@ -156,7 +156,7 @@ fn weights(record: &mut Record, sizes: &[usize], scheme: &Scheme) -> Result<(), 
 fn of_second_order(record: &mut Record, n: [usize; 2]) -> Result<(), Failure> {
     let scheme = second_order(RHO_INF)?;
     let mut changes = [Vec::new(), Vec::new(), Vec::new()];
-    let mut coarser: Option<(f64, Measured)> = None;
+    let mut coarser: Option<(f64, LayerResults)> = None;
     for k in 0..5 {
         let steps = 20 << k;
         let found = run(n, steps, &scheme, 1.0)?;
@@ -177,7 +177,7 @@ fn of_second_order(record: &mut Record, n: [usize; 2]) -> Result<(), Failure> {
 }
 
 /// Results of one run.
-struct Measured {
+struct LayerResults {
     /// Error of the velocity of the fluid in L2, cm²/s.
     fluid: f64,
     /// The run at its end.
@@ -189,7 +189,7 @@ struct Measured {
     amplitudes: [Complex<f64>; 3],
 }
 
-impl Measured {
+impl LayerResults {
     /// Returns the relative error of an amplitude.
     fn error(&self, k: usize) -> f64 {
         let (_, [amplitude, phase]) = KNOWN[k];
@@ -198,7 +198,7 @@ impl Measured {
 }
 
 /// Computes half a period with the weight `alpha` of the fluid's traction; `n` is the number 1/h in x and in y.
-fn run(n: [usize; 2], steps: usize, scheme: &Scheme, alpha: f64) -> Result<Measured, Failure> {
+fn run(n: [usize; 2], steps: usize, scheme: &Scheme, alpha: f64) -> Result<LayerResults, Failure> {
     let layer = Arc::new(Layer::new());
     let known = Known { flow: Arc::clone(&layer), density: DENSITY, viscosity: VISCOSITY, convects: true, open: &[] };
     let solid = solid(n)?;
@@ -223,7 +223,7 @@ fn run(n: [usize; 2], steps: usize, scheme: &Scheme, alpha: f64) -> Result<Measu
     let solid = errors.fold(0.0, f64::max);
     let fluid = known.errors(setup, state)?.velocity;
     let displacement = state.bodies[0].displacement().to_vec();
-    Ok(Measured { fluid, displacement, solid, amplitudes, run })
+    Ok(LayerResults { fluid, displacement, solid, amplitudes, run })
 }
 
 fn largest_change(a: &[V], b: &[V]) -> f64 {

@@ -34,13 +34,13 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     Ok(())
 }
 
-fn fall(full: bool, set: &str, changes: &[&str]) -> Result<Fall, Error> {
+fn fall(full: bool, set: &str, changes: &[&str]) -> Result<SymmetryRecorder, Error> {
     let resolution: &[&str] = if full { &[] } else { &COARSE };
     let changes = SHORT.iter().chain(resolution).chain(changes).map(|change| (*change).to_owned());
     let stabilisation = format!("fluid.stabilisation={set:?}");
     let changes: Vec<String> = changes.chain([stabilisation]).collect();
     let case = case::<2>(&ScenarioFile::read(&scenario_path("virtual-barrier"), &changes)?)?;
-    let mut fall = Fall::default();
+    let mut fall = SymmetryRecorder::default();
     let state = State::initial(&case.setup)?;
     TimeLoop::new(&case.setup, state, Workspace::new()).run(case.n_steps, &mut [&mut fall])?;
     Ok(fall)
@@ -48,14 +48,14 @@ fn fall(full: bool, set: &str, changes: &[&str]) -> Result<Fall, Error> {
 
 /// Contact, release and drift of a run.
 #[derive(Default)]
-struct Fall {
+struct SymmetryRecorder {
     contact: Option<f64>,
     release: Option<f64>,
     /// Largest distance of the centre of mass from the line of symmetry.
     drift: f64,
 }
 
-impl Observer<2> for Fall {
+impl Observer<2> for SymmetryRecorder {
     fn after_step(&mut self, view: &StepView<'_, 2>) -> Result<(), ObserverError> {
         let Some(report) = view.report else { return Ok(()) };
         match report.contacts.iter().any(|contact| contact.is_active()) {

@@ -11,8 +11,8 @@ const EMPTY_WORDS: &[&str] = &["utils", "util", "helpers", "common", "misc", "st
 const TEST_FOLDERS: &[&str] = &["/tests/common/mod.rs"];
 /// Ends of the name of a second version.
 const SECOND: &[&str] = &["2", "_new", "_old", "New", "Old"];
-/// Type names that several crates may define.
-const SHARED: &[&str] = &["Error"];
+/// Type names that several crates or commands may define.
+const SHARED: &[&str] = &["Error", "Arguments"];
 /// Folder of the terms of a crate. Terms of several crates may have the same name, such as the inertia of fluid and
 /// solid.
 const TERMS: &str = "/terms/";
@@ -35,8 +35,9 @@ pub(super) fn check(tree: &Tree) -> Vec<Finding> {
                 // An indented `type` is an associated one, of a trait of the standard library or our own.
                 let is_type = ["struct", "enum", "trait"].contains(&kind)
                     || kind == "type" && !line.starts_with(char::is_whitespace);
-                if is_type && !name.is_empty() && source.is_src() && source.package().starts_with("crates/") {
-                    let is_shared = line.trim_start().starts_with("pub");
+                if is_type && !name.is_empty() && source.is_src() {
+                    // Programs share their types with no other package.
+                    let is_shared = line.trim_start().starts_with("pub") && source.package().starts_with("crates/");
                     types.entry(name).or_default().push((source, number, is_shared));
                 }
             }

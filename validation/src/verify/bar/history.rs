@@ -76,7 +76,7 @@ pub(super) fn exact_pressure() -> Vec<(f64, f64)> {
 }
 
 /// The bar at the ends of the steps.
-pub(super) struct History {
+pub(super) struct BarHistory {
     /// Time and floor pressure of each step.
     pub(super) pressure: Vec<(f64, f64)>,
     /// Time and height of the lower end.
@@ -96,7 +96,7 @@ pub(super) struct Advance<'a> {
 }
 
 /// Computes the history of the bar of `n` cells.
-pub(super) fn history(gravity: f64, n: usize, advance: &Advance<'_>, end: f64) -> Result<History, Failure> {
+pub(super) fn history(gravity: f64, n: usize, advance: &Advance<'_>, end: f64) -> Result<BarHistory, Failure> {
     let &Advance { scheme, is_massless, courant } = advance;
     let size = LENGTH / n as f64;
     let mesh = structured_box::<2>([0.0, HEIGHT], [size, HEIGHT + LENGTH], [1, n])?;
@@ -134,7 +134,7 @@ pub(super) fn history(gravity: f64, n: usize, advance: &Advance<'_>, end: f64) -
             energy.push((time, energy_of(&run)? / start));
         }
     }
-    Ok(History { pressure, height, energy })
+    Ok(BarHistory { pressure, height, energy })
 }
 
 /// A contact of the bar with the floor.
@@ -151,7 +151,7 @@ pub(super) struct Contact {
     pub(super) oscillation: f64,
 }
 
-impl History {
+impl BarHistory {
     /// Returns the energy at the end over that at the start.
     pub(super) fn kept(&self) -> f64 {
         self.energy.last().map_or(f64::NAN, |at| at.1)
