@@ -1,7 +1,7 @@
 //! Time and memory of a problem of given size: `growth step2 0.1` (five steps of the falling ball with cells of this
 //! size), `growth step3 12` (five steps of the falling cube), `growth stokes3 28` and `growth stokes3-lu 28` (one
 //! linear solve). Use one process per size, since the peak of memory is that of the process. Seconds are processor time
-//! of all threads, which depends less on other work of the machine than wall-clock time; shares of stages are of
+//! of all threads, which depends less on other work of the machine than wall-clock time; shares of tasks are of
 //! wall-clock time.
 
 #![allow(clippy::print_stdout)]
@@ -41,13 +41,13 @@ fn steps<const D: usize>(
 ) -> Result<String, Box<dyn std::error::Error>> {
     let mut state = State::initial(setup)?;
     let mut work = Workspace::with_solver(solver);
-    let mut stages = [0.0; 4];
+    let mut tasks = [0.0; 4];
     let (mut n, mut solves, mut iterations, mut factorizations) = (0, 0, 0, 0);
     let begin = processor_time()?;
     for _ in 0..N_STEPS {
         let (next, report) = advance(setup, &state, Substep::whole(setup.dt), &mut work)?;
         let seconds = [report.seconds.cut, report.seconds.space, report.seconds.assembly, report.seconds.linear];
-        stages.iter_mut().zip(seconds).for_each(|(sum, seconds)| *sum += seconds);
+        tasks.iter_mut().zip(seconds).for_each(|(sum, seconds)| *sum += seconds);
         n = report.n_dofs;
         solves += report.newton.solves;
         iterations += report.newton.linear_iterations;
@@ -55,8 +55,8 @@ fn steps<const D: usize>(
         state = next;
     }
     let total = (processor_time()? - begin) / N_STEPS as f64;
-    let sum: f64 = stages.iter().sum();
-    let [cut, space, assembly, linear] = stages.map(|stage| 100.0 * stage / sum);
+    let sum: f64 = tasks.iter().sum();
+    let [cut, space, assembly, linear] = tasks.map(|task| 100.0 * task / sum);
     Ok(format!(
         "{n} unknowns, {total:.3} s per step (cut {cut:.0} %, space {space:.0} %, assembly {assembly:.0} %, linear \
          {linear:.0} %), {factorizations} factorisations, {solves} solves, {iterations} iterations"

@@ -188,7 +188,7 @@ impl<const D: usize> UnfittedStokes<D> {
             space: &self.space,
             parts: &self.parts,
             faces: &self.faces,
-            history: &self.at_rest,
+            known_velocity: &self.at_rest,
             films: None,
             acceleration: &self.no_acceleration,
         };

@@ -78,11 +78,10 @@ fn early_acceleration(results: &Results) -> Option<f64> {
     Some(velocity / time)
 }
 
-/// Returns the median over the steps of the time of all stages together.
+/// Returns the median over the steps of the time of all tasks together.
 fn median_step_seconds(history: &HistoryTable) -> Option<f64> {
-    let stages = ["cut", "space", "assembly", "linear", "output"];
-    let columns: Option<Vec<Vec<f64>>> =
-        stages.iter().map(|stage| history.column(&format!("seconds_{stage}"))).collect();
+    let tasks = ["cut", "space", "assembly", "linear", "output"];
+    let columns: Option<Vec<Vec<f64>>> = tasks.iter().map(|task| history.column(&format!("seconds_{task}"))).collect();
     let columns = columns?;
     let mut steps: Vec<f64> = (0..columns[0].len()).map(|k| columns.iter().map(|column| column[k]).sum()).collect();
     median(&mut steps)

@@ -194,9 +194,9 @@ fn print_sizes(summary: &Summary) {
     let Summary { steps, cells, dofs, newton_iterations, factorizations, wall_seconds, .. } = summary;
     println!("  {steps} steps; {cells} background cells, at most {dofs} unknowns");
     println!("  {newton_iterations} Newton iterations, {factorizations} factorisations, {wall_seconds:.1} s in all");
-    let stages = summary.timings.iter().filter(|timing| timing.contribution.is_none());
-    let stages: Vec<String> = stages.map(|timing| format!("{} {:.1}", timing.stage, timing.seconds)).collect();
-    println!("  seconds: {}", stages.join(", "));
+    let tasks = summary.timings.iter().filter(|timing| timing.contribution.is_none());
+    let tasks: Vec<String> = tasks.map(|timing| format!("{} {:.1}", timing.task, timing.seconds)).collect();
+    println!("  seconds: {}", tasks.join(", "));
 }
 
 fn write_stored(stored: &QuickValues) -> Result<(), Failure> {

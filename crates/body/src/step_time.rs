@@ -25,6 +25,12 @@ impl StepTime {
         if alpha == 0.0 { self.end } else { self.end - alpha * self.length }
     }
 
+    /// Returns the round-off of velocities: that of positions with coordinates of size `largest`, divided by the length
+    /// of the step. [`BlockLayout::set_rounding`](algebra::BlockLayout::set_rounding) takes it.
+    pub fn rounding(&self, largest: f64) -> f64 {
+        f64::EPSILON * largest / self.length
+    }
+
     /// Returns whether the geometry of the step is extrapolated; otherwise it is the geometry at the start.
     pub fn extrapolates(&self) -> bool {
         self.weights.extrapolated[0].velocity != 0.0

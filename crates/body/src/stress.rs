@@ -21,9 +21,10 @@ pub trait SurfaceStress<const D: usize>: Send + Sync {
     /// Units: force per area.
     fn on(&self, facet: FacetId, x: &[f64], derivatives: &mut ByDof<D>) -> Vector<D>;
 
-    /// Returns the largest ratio of `∫ |∂(σ n)/∂x y|²` over the surface of the cell behind the facet to `y · K y` with
-    /// the stiffness `K` of that cell, for small strains. A Nitsche term with this stress is stable if its penalty on
-    /// velocities is larger.
+    /// Returns the smallest `C` with `∫ |t(y)|² <= C y · K y` for all velocities `y` of the nodes of the cell behind
+    /// the facet, for small strains. `t(y)` is the traction that `y` causes on the facets of the cell on the surface,
+    /// and `K` the stiffness of the cell. A Nitsche term with this stress is stable if its penalty on velocities is
+    /// above `C`.
     ///
     /// Zero for a stress without a stored energy. Units: force·time per volume.
     fn trace_bound(&self, _facet: FacetId) -> f64 {

@@ -16,9 +16,9 @@ pub struct Frame<const D: usize> {
 }
 
 impl<const D: usize> Frame<D> {
-    /// Creates the frame of a unit normal. In the plane the tangent is the normal turned by a right angle. In space the
-    /// first tangent lies in the plane of the normal and the first coordinate axis that is not close to it. Frames are
-    /// smooth around normals along the axes.
+    /// Creates the frame of a unit normal. In the plane the tangent is the normal turned counter-clockwise by a right
+    /// angle. In space the first tangent lies in the plane of the normal and the first coordinate axis that is not
+    /// close to it. Frames are smooth around normals along the axes.
     #[inline]
     pub fn new(normal: Vector<D>) -> Self {
         let mut axes = [normal, Vector::zeros(), Vector::zeros()];
@@ -62,7 +62,7 @@ impl<const D: usize> Frame<D> {
     }
 }
 
-/// Returns the rotation by a right angle in the plane, clockwise.
+/// Returns the rotation by a right angle in the plane, counter-clockwise.
 fn right_angle<const D: usize>() -> Tensor<D> {
     Tensor::from_fn(|i, j| i as f64 - j as f64)
 }

@@ -201,7 +201,7 @@ impl<const D: usize> CellCut<D> {
     /// Numbers the connected sets of fluid leaves in the order of their first leaf; returns the count of sets.
     fn number_parts(&mut self) -> u32 {
         let labels = &mut self.labels;
-        // First, each leaf gets the lowest leaf of its set.
+        // First, each leaf is mapped to the lowest leaf of its set.
         labels.iter_mut().enumerate().for_each(|(leaf, label)| label.part = leaf as u32);
         let mut changed = true;
         while changed {

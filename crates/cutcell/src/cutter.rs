@@ -1,4 +1,4 @@
-//! The stages of an overlay.
+//! An overlay, task by task, in memory that is used again.
 
 use std::ops::Range;
 use std::time::{Duration, Instant};
@@ -14,7 +14,7 @@ use crate::surface::{self, Facet};
 use crate::touched::TouchedCells;
 use crate::{CutMesh, Error, OverlayOptions};
 
-/// A cutter of one background mesh for repeated cuts. It keeps the memory that grows with the number of cut cells, and
+/// A cutter of meshes for repeated cuts. It keeps the memory that grows with the number of cut cells, and
 /// the memory of results that are returned to [`Cutter::recycle`].
 ///
 /// ```
@@ -39,7 +39,7 @@ pub struct Cutter<const D: usize> {
     facets: Vec<Facet<D>>,
     touched: TouchedCells,
     depth: Vec<i32>,
-    pub(crate) runs: Vec<Run<D>>,
+    pub(crate) batches: Vec<Batch<D>>,
     pub(crate) sides: [CellCut<D>; 2],
     spare: Option<CutMesh<D>>,
     times: OverlayTimes,
@@ -47,12 +47,12 @@ pub struct Cutter<const D: usize> {
 
 /// Touched cells that one thread cuts in sequence.
 #[derive(Debug, Default)]
-pub(crate) struct Run<const D: usize> {
+pub(crate) struct Batch<const D: usize> {
     cut: CellCut<D>,
     pub(crate) kept: Kept<D>,
 }
 
-/// Wall-clock times of the stages of an overlay.
+/// Wall-clock times of the tasks of an overlay.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct OverlayTimes {
     /// Check of the surfaces.
@@ -100,12 +100,13 @@ impl<const D: usize> Cutter<D> {
     pub(crate) fn cut(&mut self, cutting: &Cutting<'_, D>) -> CutMesh<D> {
         let start = Instant::now();
         let n_cells = cutting.touched.cells.len();
-        let n_runs = n_cells.div_ceil(CELLS_PER_RUN).min(RUNS_PER_THREAD * rayon::current_num_threads());
-        self.runs.resize_with(n_runs.max(self.runs.len()), Run::default);
-        let cells_of = |run: usize| -> Range<usize> { run * n_cells / n_runs..(run + 1) * n_cells / n_runs };
-        self.runs[..n_runs].par_iter_mut().enumerate().for_each(|(run, Run { cut, kept })| {
+        let n_batches = n_cells.div_ceil(CELLS_PER_BATCH).min(BATCHES_PER_THREAD * rayon::current_num_threads());
+        self.batches.resize_with(n_batches.max(self.batches.len()), Batch::default);
+        let cells_of =
+            |batch: usize| -> Range<usize> { batch * n_cells / n_batches..(batch + 1) * n_cells / n_batches };
+        self.batches[..n_batches].par_iter_mut().enumerate().for_each(|(batch, Batch { cut, kept })| {
             kept.clear();
-            for k in cells_of(run) {
+            for k in cells_of(batch) {
                 cut.cut(cutting, k);
                 cut.keep(&cutting.planes, cutting.touched.cells[k], kept);
             }
@@ -114,7 +115,7 @@ impl<const D: usize> Cutter<D> {
         let start = Instant::now();
         let mut mesh = self.spare.take().unwrap_or_default();
         mesh.clear();
-        let kept: Vec<&Kept<D>> = self.runs[..n_runs].iter().map(|run| &run.kept).collect();
+        let kept: Vec<&Kept<D>> = self.batches[..n_batches].iter().map(|batch| &batch.kept).collect();
         mesh.add_cells(cutting, &kept);
         Faces::new(cutting, &kept).add_to(&mut mesh, &mut self.sides);
         self.times.join = start.elapsed();
@@ -151,8 +152,8 @@ impl<const D: usize> CutMesh<D> {
     }
 }
 
-/// Smallest number of cells of a run.
-const CELLS_PER_RUN: usize = 32;
-/// Number of runs of cells per thread. Several runs balance the load, since cells with many facets are often
+/// Smallest number of cells of a batch.
+const CELLS_PER_BATCH: usize = 32;
+/// Number of batches of cells per thread. Several batches balance the load, since cells with many facets are often
 /// neighbours.
-const RUNS_PER_THREAD: usize = 8;
+const BATCHES_PER_THREAD: usize = 8;

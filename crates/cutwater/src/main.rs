@@ -47,7 +47,7 @@ enum Command {
     Cut(CutArguments),
     /// Print the JSON Schema of scenarios, by which editors complete and check them.
     Schema,
-    /// Look into a mesh file, or convert it.
+    /// Print what a mesh file contains, or convert it.
     #[command(subcommand)]
     Mesh(MeshCommand),
 }
@@ -237,7 +237,7 @@ struct CutArguments {
     /// Put a box of N x N x N cubes, six tetrahedra each, around them.
     #[arg(long, value_name = "N", required_unless_present = "background", conflicts_with = "background")]
     grid: Option<usize>,
-    /// Lay them over this mesh of tetrahedra, .vtu or .vtk.
+    /// Cut this mesh of tetrahedra, .vtu or .vtk.
     #[arg(long, value_name = "MESH")]
     background: Option<PathBuf>,
     /// Turn the surfaces about their centre, at random.
@@ -246,7 +246,7 @@ struct CutArguments {
     /// Shift the surfaces by up to half a cell, at random.
     #[arg(long, value_name = "SEED")]
     shift: Option<u64>,
-    /// Turn surfaces that are oriented inwards inside out.
+    /// Reverse surfaces that are oriented inwards.
     #[arg(long)]
     flip: bool,
     /// Directory for fluid.vtu, body.vtu and interface.vtu.

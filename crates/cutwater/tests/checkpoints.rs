@@ -1,4 +1,4 @@
-//! Runs that are stopped and go on.
+//! Runs that are stopped and resumed.
 #![cfg(unix)]
 
 use std::collections::BTreeMap;
@@ -25,7 +25,7 @@ fn directory(name: &str) -> PathBuf {
     directory
 }
 
-/// Returns the command that starts a run, or goes on with it.
+/// Returns the command that starts a run, or resumes it.
 fn command(directory: &Path, resumes: bool, more: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_cutwater"));
     command.arg("run").stdout(Stdio::piped()).stderr(Stdio::piped());
@@ -103,8 +103,8 @@ fn ends_within(mut run: Child, wait: Duration) -> bool {
     false
 }
 
-/// Kills runs at random moments, goes on until they end, and compares their results with those of a run that was not
-/// stopped.
+/// Kills runs at random moments, resumes them until they end, and compares their results with those of a run that was
+/// not stopped.
 #[test]
 fn killed_runs_end_with_the_same_bits() {
     let whole = directory("whole");
@@ -251,7 +251,9 @@ fn checkpoints_that_cannot_be_used_are_refused() {
     assert!(!path(10).exists() && path(20).exists() && path(25).exists());
     damage(25);
     let printed = finish(command(&damaged, true, &[]), 0);
-    assert!(printed.contains("checkpoint-00000025.bin") && printed.contains("goes on from the checkpoint of step 20"));
+    assert!(
+        printed.contains("checkpoint-00000025.bin") && printed.contains("is resumed from the checkpoint of step 20")
+    );
     damage(20);
     damage(25);
     let printed = finish(command(&damaged, true, &[]), 2);

@@ -7,7 +7,7 @@ use xfem_space::FaceValue;
 
 use crate::{FilmValues, FluidFields, FluidGeometry};
 
-/// A face with the history on it.
+/// A face with the known velocity on it.
 pub struct FluidFace<'a, const D: usize> {
     /// Geometry and jumps.
     pub value: &'a FaceValue<D>,
@@ -21,13 +21,13 @@ pub struct FluidFace<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> FluidFace<'a, D> {
-    /// Creates a face from the history, one value per dof of the space, and the films in its parts.
-    pub fn new(value: &'a FaceValue<D>, history: &[Vector<D>], films: Option<&FilmValues<D>>) -> Self {
+    /// Creates a face from the known velocity, one value per dof of the space, and the films in its parts.
+    pub fn new(value: &'a FaceValue<D>, known_velocity: &[Vector<D>], films: Option<&FilmValues<D>>) -> Self {
         let share = |part: &PartId| films.and_then(|films| films.of(*part)).map_or(0.0, |film| film.share);
         let film = value.parts.iter().map(share).fold(1.0, f64::min);
         let mut face = Self { value, normal_speed: 0.0, speed: 0.0, film };
         for &dof in value.face_dofs() {
-            let u = history[dof as usize];
+            let u = known_velocity[dof as usize];
             face.normal_speed = face.normal_speed.max(u.dot(&value.normal).abs());
             face.speed = face.speed.max(u.norm());
         }
@@ -54,7 +54,7 @@ impl<'a, const D: usize> FluidFaces<'a, D> {
         weights: impl Fn(&FluidFace<'_, D>) -> [f64; 2],
     ) -> Self {
         let weights = |value: &FaceValue<D>| {
-            let face = FluidFace::new(value, geometry.history, geometry.films);
+            let face = FluidFace::new(value, geometry.known_velocity, geometry.films);
             weights(&face).map(|weight| weight * value.weight * value.share)
         };
         Self { fields, geometry, weights: geometry.faces.iter().map(weights).collect() }

@@ -8,7 +8,7 @@ use xfem_space::{FaceValue, PartValues, XfemSpace};
 
 use crate::FilmValues;
 
-/// Geometry of a step, and history and acceleration on it, shared by all fluid terms.
+/// Geometry of a step, and known velocity and acceleration on it, shared by all fluid terms.
 #[derive(Clone, Copy)]
 pub struct FluidGeometry<'a, const D: usize> {
     /// The background.
@@ -21,9 +21,9 @@ pub struct FluidGeometry<'a, const D: usize> {
     pub parts: &'a PartValues<D>,
     /// Jumps over faces.
     pub faces: &'a [FaceValue<D>],
-    /// Velocity `u*`, one value per dof of the space: the history, or its extrapolation to the stage. The weights of
-    /// all stabilisations depend on it.
-    pub history: &'a [Vector<D>],
+    /// Known velocity `u*`, one value per dof of the space: that at the start, or its extrapolation to the stage. The
+    /// weights of all stabilisations depend on it.
+    pub known_velocity: &'a [Vector<D>],
     /// Acceleration at the stage, affine in the velocity at the stage; one value per dof of the space.
     pub acceleration: &'a Affine<Vector<D>>,
     /// Films between surfaces; `None` if their flux is not modelled.

@@ -13,7 +13,7 @@ pub struct OpenPoint<'a, const D: usize> {
     /// Velocity.
     pub velocity: Vector<D>,
     /// History `u*`.
-    pub history: Vector<D>,
+    pub known_velocity: Vector<D>,
 }
 
 impl<const D: usize> OpenPoint<'_, D> {
@@ -50,10 +50,10 @@ impl<'a, const D: usize> Sites for OpenBoundary<'a, D> {
 
     fn visit(&self, item: usize, x: &[f64], mut visit: impl FnMut(&Self::Site)) {
         let at = &self.points[item];
-        let mut point = OpenPoint { at, velocity: Vector::zeros(), history: Vector::zeros() };
+        let mut point = OpenPoint { at, velocity: Vector::zeros(), known_velocity: Vector::zeros() };
         for (i, &dof) in self.geometry.space.dofs(at.part).iter().enumerate() {
             point.velocity += self.fields.velocity_at(x, dof) * at.shape[i];
-            point.history += self.geometry.history[dof as usize] * at.shape[i];
+            point.known_velocity += self.geometry.known_velocity[dof as usize] * at.shape[i];
         }
         visit(&point);
     }

@@ -67,7 +67,7 @@ impl<const D: usize> Fixture<D> {
 
     fn geometry(&self) -> FluidGeometry<'_, D> {
         let Self { background, cut, space, parts, faces, history, acceleration, .. } = self;
-        FluidGeometry { background, cut, space, parts, faces, history, acceleration, films: None }
+        FluidGeometry { background, cut, space, parts, faces, known_velocity: history, acceleration, films: None }
     }
 
     fn fields(&self) -> FluidFields<'_> {

@@ -1,4 +1,4 @@
-//! Checkpoints: files from which a run goes on.
+//! Checkpoints: files from which a run is resumed.
 
 use std::path::{Path, PathBuf};
 
@@ -21,7 +21,7 @@ const CHECKSUM: usize = 4;
 /// Number of files that are kept.
 const KEPT: usize = 2;
 
-/// A point from which a run goes on: the state, and how far the files of results had come.
+/// A point from which a run is resumed: the state, and how far the files of results had come.
 ///
 /// Layout of a file, little-endian: `CUTWATER`; version of the format, 4 bytes; length of the header, 8 bytes; the
 /// header, JSON; numbers of state and linear solver, 8 bytes each; CRC-32 of all preceding bytes, 4 bytes.

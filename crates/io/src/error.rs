@@ -139,14 +139,14 @@ pub enum Error {
         path: PathBuf,
     },
     /// A checkpoint cannot be used.
-    #[error("cannot go on from {}: {problem}", .path.display())]
+    #[error("cannot resume from {}: {problem}", .path.display())]
     Checkpoint {
         /// The file.
         path: PathBuf,
         /// Cause.
         problem: String,
     },
-    /// A directory has no checkpoint from which a run could go on.
+    /// A directory has no checkpoint from which a run could be resumed.
     #[error(
         "{} has no checkpoint; a run writes them if the scenario sets `output.checkpoint_every` or `output.checkpoint_minutes`, and when it is interrupted", .directory.display()
     )]
@@ -178,7 +178,7 @@ pub enum Error {
     },
     /// A directory holds a run that has not come to its end, which a new one would remove.
     #[error(
-        "{0} holds a run that was stopped at step {step}: go on with `cutwater run --resume {0}`, choose another directory with `--out`, or \
+        "{0} holds a run that was stopped at step {step}: resume it with `cutwater run --resume {0}`, choose another directory with `--out`, or \
          remove its files checkpoint-*.bin", .directory.display()
     )]
     Unfinished {
@@ -207,8 +207,8 @@ pub enum Error {
         /// The directory.
         path: PathBuf,
     },
-    /// A run was interrupted; it can go on.
-    #[error("stopped after step {step}; go on with `cutwater run --resume {}`", .directory.display())]
+    /// A run was stopped; it can be resumed.
+    #[error("stopped after step {step}; resume it with `cutwater run --resume {}`", .directory.display())]
     Interrupted {
         /// The directory.
         directory: PathBuf,

@@ -50,8 +50,8 @@ pub fn run(file: &ScenarioFile, directory: &Path, watch: &mut impl Watch) -> Res
 /// Options of a run: resume, overwrite, stop.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct RunOptions<'a> {
-    /// Whether the run goes on from the last checkpoint in the directory. End time and output may differ from those of
-    /// the run that wrote it.
+    /// Whether the run is resumed from the last checkpoint in the directory. End time and output may differ from those
+    /// of the run that wrote it.
     pub resumes: bool,
     /// Whether a run may write into a directory that has other files, or results of another scenario, which it
     /// replaces.
@@ -108,7 +108,8 @@ impl<W: Watch> CaseVisitor for Run<'_, W> {
         // If the cut of the bodies fails, the first step returns the error.
         if let Ok(mut sizes) = Sizes::new(file.scenario(), &case, &start) {
             if let Some(error) = unread {
-                let warning = format!("warning: {error}; the run goes on from the checkpoint of step {}", start.step);
+                let warning =
+                    format!("warning: {error}; the run is resumed from the checkpoint of step {}", start.step);
                 sizes.lines.push(warning.clone());
                 sizes.warnings.push(warning);
             }
@@ -228,7 +229,7 @@ fn remove_fields(directory: &Path, is_removed: impl Fn(usize) -> bool) -> Result
 
 struct RunFiles<'a, const D: usize> {
     directory: PathBuf,
-    /// The scenario without end time and output, which may change when a run goes on.
+    /// The scenario without end time and output, which may change when a run is resumed.
     problem: String,
     output: Output,
     n_steps: usize,
@@ -362,7 +363,7 @@ impl<'a, const D: usize> RunFiles<'a, D> {
 /// At the checkpoint, files and observer have recorded the step.
 struct FileObserver<'a, 'b, const D: usize> {
     files: &'a mut RunFiles<'b, D>,
-    /// Whether the run goes on from a checkpoint. Its first state is recorded already.
+    /// Whether the run is resumed from a checkpoint. Its first state is recorded already.
     resumes: bool,
     watch: Option<Box<dyn Observer<D> + 'a>>,
 }

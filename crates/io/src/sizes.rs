@@ -74,7 +74,7 @@ impl Sizes {
         };
         let background = setup.fluid.as_ref().map(|fluid| &fluid.background);
         let step = Step::prepare(setup, state, state.step_time(setup, setup.dt))
-            .map_err(|stage| StepError::at(state.step + 1, state.time + setup.dt, stage))?;
+            .map_err(|error| StepError::at(state.step + 1, state.time + setup.dt, error))?;
         let positions = setup.positions(&state.bodies);
         let extents = |points: &[Point<D>]| Aabb::of_points(points).extent().iter().copied().collect();
         let mut sizes = Self {

@@ -96,7 +96,7 @@ pub struct Summary {
     pub fallbacks: usize,
     /// Wall-clock time so far, s.
     pub wall_seconds: f64,
-    /// Wall-clock time of each stage, and within the assembly of each contribution.
+    /// Wall-clock time of each task, and within the assembly of each contribution.
     #[serde(default)]
     pub timings: Vec<Timing>,
     /// Largest resident memory of the process, where the operating system reports it.
@@ -147,12 +147,13 @@ fn is_zero(value: &usize) -> bool {
     *value == 0
 }
 
-/// Wall-clock time of a stage, or of a contribution within a stage.
+/// Wall-clock time of a task, or of a contribution within a task.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Timing {
-    /// The stage.
-    pub stage: String,
-    /// The contribution, if this is a part of the stage: `fluid cells`, `interface`, ...
+    /// The task: `cut`, `assembly`, ...
+    #[serde(alias = "stage")]
+    pub task: String,
+    /// The contribution, if this is a part of the task: `fluid cells`, `interface`, ...
     pub contribution: Option<String>,
     /// Number of calls.
     pub calls: usize,
@@ -161,15 +162,15 @@ pub struct Timing {
 }
 
 impl Summary {
-    /// Adds to the time of a stage, or of a contribution within a stage.
-    fn add_timing(&mut self, stage: &str, contribution: Option<&str>, calls: usize, seconds: f64) {
-        let is_it = |timing: &&mut Timing| timing.stage == stage && timing.contribution.as_deref() == contribution;
+    /// Adds to the time of a task, or of a contribution within a task.
+    fn add_timing(&mut self, task: &str, contribution: Option<&str>, calls: usize, seconds: f64) {
+        let is_it = |timing: &&mut Timing| timing.task == task && timing.contribution.as_deref() == contribution;
         if let Some(timing) = self.timings.iter_mut().find(is_it) {
             timing.calls += calls;
             timing.seconds += seconds;
         } else {
             let contribution = contribution.map(str::to_owned);
-            self.timings.push(Timing { stage: stage.to_owned(), contribution, calls, seconds });
+            self.timings.push(Timing { task: task.to_owned(), contribution, calls, seconds });
         }
     }
 

@@ -192,5 +192,5 @@ fn smallest_gap<const D: usize>(setup: &Setup<D>, contact: &Contact<D>, position
     if !master.is_empty() && Aabb::of_points(&points).distance(&Aabb::of_points(master)) > offset {
         return None;
     }
-    contact.geometry().smallest_gap(&points, Positions::Fixed(master))
+    contact.obstacle().smallest_gap(&points, Positions::Fixed(master))
 }

@@ -213,13 +213,13 @@ fn contacts(results: &Results, marks: &[(String, f64)]) -> Result<String, Error>
 fn timings(results: &Results) -> Result<String, Error> {
     let Results { summary, history, .. } = results;
     let steps = summary.steps.max(1) as f64;
-    let stages = summary.timings.iter().filter(|timing| timing.contribution.is_none());
-    let all: f64 = stages.clone().map(|timing| timing.seconds).sum();
+    let tasks = summary.timings.iter().filter(|timing| timing.contribution.is_none());
+    let all: f64 = tasks.clone().map(|timing| timing.seconds).sum();
     let mut rows = Vec::new();
-    for stage in stages {
-        for timing in summary.timings.iter().filter(|timing| timing.stage == stage.stage) {
+    for task in tasks {
+        for timing in summary.timings.iter().filter(|timing| timing.task == task.task) {
             let name = timing.contribution.as_ref().map_or_else(
-                || escape(&timing.stage),
+                || escape(&timing.task),
                 |contribution| format!("<span class=\"part\">{}</span>", escape(contribution)),
             );
             let share = 100.0 * timing.seconds / all.max(f64::MIN_POSITIVE);
@@ -237,8 +237,8 @@ fn timings(results: &Results) -> Result<String, Error> {
     );
     let times = table(&caption, &["", "calls", "seconds", "ms per step", "share"], &rows);
     let work = ["newton", "linear_iterations", "factorizations"].map(|name| results.curve(name, history, name));
-    let stages = ["cut", "space", "assembly", "linear", "output"];
-    let seconds = stages.map(|name| results.curve(name, history, &format!("seconds_{name}")));
+    let tasks = ["cut", "space", "assembly", "linear", "output"];
+    let seconds = tasks.map(|name| results.curve(name, history, &format!("seconds_{name}")));
     let figures = [
         Chart { title: "iterations per step".to_owned(), ..results.over_time("", "", work.into()) }.html()?,
         results.over_time("wall-clock time per step", "s", seconds.into()).html()?,

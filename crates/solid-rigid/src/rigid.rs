@@ -148,8 +148,7 @@ impl<const D: usize> Body<D> for RigidBody<D> {
         let centre = motion.placed(&time.weights.extrapolated[0], &Vector::zeros(), &[0.0; 3]).0;
         let largest =
             |of: fn(&Vector<D>) -> f64, from: Point<D>| geometry.iter().map(|x| of(&(x - from))).fold(0.0, f64::max);
-        // Round-off of a position divided by the length of the step: a velocity.
-        let rounding = f64::EPSILON * largest(Vector::amax, Point::zeros()) / time.length;
+        let rounding = time.rounding(largest(Vector::amax, Point::zeros()));
         layout.set_rounding(vertices, &[rounding; D]);
         let turning = rounding / largest(Vector::norm, centre);
         let of_modes = (0..n_modes(D)).map(|mode| if mode < D { rounding } else { turning });

@@ -125,8 +125,7 @@ impl<const D: usize> Body<D> for ElasticBody<D> {
         let field = layout.push(&self.name, self.reference().len(), D);
         let geometry = self.geometry(begin, time);
         let farthest = geometry.iter().map(|x| x.amax()).fold(0.0, f64::max);
-        // Round-off of a position divided by the length of the step: a velocity.
-        layout.set_rounding(field, &[f64::EPSILON * farthest / time.length; D]);
+        layout.set_rounding(field, &[time.rounding(farthest); D]);
         let mut surface = SurfaceMotion::of_field(self.surface(), self.reference(), begin, geometry, time, field);
         let displacement = &time.weights.stage_displacement;
         surface.stage = time.weights.pressure_at_stage.then(|| Affine {

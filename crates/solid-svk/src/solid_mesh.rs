@@ -276,7 +276,7 @@ impl<const D: usize> SolidMesh<D> {
         CellPoint { weight: 0.0, gradients: &gradients, hoop }.deformation(displacement)
     }
 
-    /// Returns the middle of a boundary facet as a point of the cell behind it. It serves the evaluation of the stress
+    /// Returns the middle of a boundary facet as a point of the cell behind it. The stress is evaluated there
     /// only, so its quadrature weight is zero.
     #[inline]
     pub fn surface_point(&self, facet: FacetId) -> CellPoint<'_, D> {

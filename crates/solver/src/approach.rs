@@ -15,7 +15,7 @@ pub(crate) fn longest_step<const D: usize>(setup: &Setup<D>, state: &State<D>) -
     let of_contact = |contact: &Contact<D>| {
         let speed = fastest(contact.body()) + contact.master().map_or(0.0, fastest);
         let master = contact.master().map_or(&[][..], |id| &positions[id.index()]);
-        let gap = contact.geometry().smallest_gap(&positions[contact.body().index()], Positions::Fixed(master))?;
+        let gap = contact.obstacle().smallest_gap(&positions[contact.body().index()], Positions::Fixed(master))?;
         (speed > 0.0).then(|| approach.fraction * gap / speed)
     };
     let longest = setup.contacts.iter().filter_map(of_contact).fold(f64::INFINITY, f64::min);

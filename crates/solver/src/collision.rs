@@ -153,13 +153,13 @@ fn touching<const D: usize>(
     let positions = |id: BodyId| previous.bodies[id.index()].positions(setup.bodies[id.index()].reference());
     let (slave, law) = (setup.bodies[contact.body().index()].surface(), &contact.form().law);
     let (own, opposite) = (positions(contact.body()), contact.master().map_or(Vec::new(), positions));
-    let candidates = contact.geometry().candidates(Placed::new(slave, &own), contact.facets(), &opposite, law.offset());
+    let candidates = contact.obstacle().candidates(Placed::new(slave, &own), contact.facets(), &opposite, law.offset());
     let mut touching: BTreeMap<VertexId, Projection<D>> = BTreeMap::new();
     for (index, &facet) in contact.facets().iter().enumerate() {
         let near = candidates.as_ref().map_or(&[][..], |of_facets| &of_facets[index]);
         for &vertex in slave.facet(facet) {
             let x: Point<D> = own[vertex.index()];
-            let Some(found) = contact.geometry().project(&x, Positions::Fixed(&opposite), near) else { continue };
+            let Some(found) = contact.obstacle().project(&x, Positions::Fixed(&opposite), near) else { continue };
             let gap = found.gap(&x);
             let at = ContactPoint { gap, size: contact.form().size(), ..ContactPoint::default() };
             if law.is_active(&at) && touching.get(&vertex).is_none_or(|other| gap < other.gap(&x)) {

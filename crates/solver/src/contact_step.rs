@@ -3,15 +3,15 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use algebra::{BlockLayout, NewtonReport};
+use algebra::BlockLayout;
 use body::{BodyStep, StepTime, SurfaceMotion, SurfaceStress};
 use contact::{ContactItems, ContactPair, ContactSites, Multipliers, Positions, StressSource};
 use interface_dg::{ClosedPoints, FluidStress, StressJump};
 use mesh::{BodyId, Point, Vector, VertexId};
 
+use crate::State;
 use crate::fluid_step::FluidStep;
 use crate::setup::Contact;
-use crate::{Error, State};
 
 /// Borrowed parts of a step that the evaluation of contacts uses: layout, fluid, bodies and time.
 #[derive(Clone, Copy)]
@@ -73,7 +73,7 @@ fn pair<'p, const D: usize>(contact: &'p Contact<D>, parts: StepParts<'p, D>) ->
         form: contact.form(),
         slave: surface(contact.body()),
         facets: contact.facets(),
-        obstacle: contact.geometry(),
+        obstacle: contact.obstacle(),
         master: contact.master().map(surface),
         stress,
         // With a stress, contact of a body with itself acts from both sides.
@@ -107,17 +107,11 @@ impl<const D: usize> ContactStep<D> {
         self.items.set_multipliers(multipliers);
     }
 
-    /// Returns [`Error::MissedContact`] if slave and master moved beyond the searched distance and may have touched.
-    pub(crate) fn check(
-        &self,
-        index: usize,
-        contact: &Contact<D>,
-        parts: StepParts<'_, D>,
-        x: &[f64],
-        newton: &NewtonReport,
-    ) -> Result<(), Error> {
+    /// Returns the motion of slave and master in the step, and that for which the obstacle was searched, if the first
+    /// is larger and they may have touched.
+    pub(crate) fn missed(&self, contact: &Contact<D>, parts: StepParts<'_, D>, x: &[f64]) -> Option<[f64; 2]> {
         if !self.items.is_searched() {
-            return Ok(());
+            return None;
         }
         let surface = |id: BodyId| parts.bodies[id.index()].surface();
         let (slave, master) = (surface(contact.body()), contact.master().map(surface));
@@ -130,14 +124,11 @@ impl<const D: usize> ContactStep<D> {
         let offset = contact.form().law.offset();
         let room = self.reach - offset;
         if motion <= room {
-            return Ok(());
+            return None;
         }
         let obstacle = master.map_or(&[][..], |master| &master.begin);
-        // `None` for contact of a body with itself. Zero is then assumed, so that the error is returned.
-        let apart = contact.geometry().smallest_gap(&slave.begin, Positions::Fixed(obstacle)).unwrap_or(0.0);
-        if apart <= motion + offset {
-            return Err(Error::MissedContact { contact: index, motion, room, newton: Box::new(newton.clone()) });
-        }
-        Ok(())
+        // `None` for contact of a body with itself. Zero is then assumed: it may have been missed.
+        let apart = contact.obstacle().smallest_gap(&slave.begin, Positions::Fixed(obstacle)).unwrap_or(0.0);
+        (apart <= motion + offset).then_some([motion, room])
     }
 }

@@ -38,7 +38,9 @@ pub enum Error {
     Cut(#[from] cutcell::Error),
     /// The cut leaves a part of the interface without a facet, where fluid and body would not be coupled. Move the
     /// body, or the mesh, by a fraction of a cell, and report the case.
-    #[error("the cut leaves {uncovered:e} of an interface of {interface:e} without a facet")]
+    #[error(
+        "the cut leaves {uncovered:e} of an interface of {interface:e} without a facet; move the body or the mesh by a fraction of a cell"
+    )]
     Interface {
         /// Measure of the interface without a facet.
         uncovered: f64,
@@ -184,7 +186,7 @@ impl Error {
 
 /// A step that failed, or a state that cannot be built: number, time and cause.
 #[derive(Debug, thiserror::Error)]
-#[error("{}", if *step == 0 { "there is no state at the start".to_owned() } else { format!("step {step} to time {time:.6} failed") })]
+#[error("{}", if *step == 0 { "the initial state cannot be built".to_owned() } else { format!("step {step} to time {time:.6} failed") })]
 pub struct StepError {
     /// Number of the step. The first one is 1, and 0 is the state at the start.
     pub step: usize,

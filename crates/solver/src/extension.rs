@@ -1,4 +1,4 @@
-//! Values of the fluid where there was none on the cut of the step before.
+//! Extension of velocity and acceleration of the fluid to uncovered dofs.
 
 use algebra::{
     BlockLayout, Constraints, Contributions, DofId, Equations, FieldId, LocalSystem, NewtonError, NewtonSettings,

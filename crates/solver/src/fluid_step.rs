@@ -12,7 +12,7 @@ use fluid_ns::terms::{
 };
 use fluid_ns::{FilmSurfaces, FilmValues, FluidFields, FluidForm, FluidGeometry, OpenBoundary};
 use interface_dg::{InterfacePoints, MortarForm, PieceValues, Pocket};
-use mesh::{Point, Vector, facet_normal};
+use mesh::{Aabb, Point, Vector, facet_normal};
 use xfem_space::{
     BoundaryPoint, FaceValue, PartValues, Sources, XfemSpace, boundary_dofs, boundary_points, face_values,
     symmetry_values,
@@ -72,16 +72,18 @@ struct OpenTerms<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> FluidStep<'a, D> {
-    /// Cuts the background, builds the space on the cut, transfers the velocity and registers the unknowns.
+    /// Cuts the background, builds the space on the cut, transfers the velocity and registers the unknowns. Returns
+    /// `None` without a fluid.
     pub(crate) fn new(
         setup: &'a Setup<D>,
-        fluid: &'a FluidSetup<D>,
         previous: &State<D>,
-        before: &FluidState<D>,
-        positions: Vec<Vec<Point<D>>>,
         time: &StepTime,
         layout: &mut BlockLayout,
-    ) -> Result<Self, Error> {
+    ) -> Result<Option<Self>, Error> {
+        let (Some(fluid), Some(before)) = (&setup.fluid, &previous.fluid) else { return Ok(None) };
+        let bodies = setup.bodies.iter().zip(&previous.bodies);
+        let positions: Vec<_> = bodies.map(|(body, state)| body.geometry(state, time)).collect();
+        check_domain(setup, fluid.background.vertices(), &positions)?;
         let background = &fluid.background;
         let clock = Instant::now();
         let cut = overlay(setup, fluid, &positions)?;
@@ -109,13 +111,13 @@ impl<'a, const D: usize> FluidStep<'a, D> {
             films.subtract_slip(background, &cut, slip, |piece| pieces.viscous_length(piece));
         }
         let clock = Instant::now();
-        let (started, ahead) = (setup.positions(&previous.bodies), time.weights.extrapolated[0].velocity);
+        let (at_start, lead) = (setup.positions(&previous.bodies), time.weights.extrapolated[0].velocity);
         let surfaces = Surfaces {
             setup,
             previous,
-            started,
+            at_start,
             positions: &positions,
-            ahead,
+            lead,
             cut: &cut,
             space: &space,
             parts: &parts,
@@ -123,7 +125,7 @@ impl<'a, const D: usize> FluidStep<'a, D> {
         let extension = Extension { cut: &cut, space: &space, faces: &faces, pieces: &pieces, sources: &sources };
         let start = surfaces.carry(before, &extension)?;
         seconds_transfer += clock.elapsed().as_secs_f64();
-        let moved = |(u, a): (&Vector<D>, &Vector<D>)| u + a * ahead;
+        let moved = |(u, a): (&Vector<D>, &Vector<D>)| u + a * lead;
         let extrapolated: Option<Vec<_>> = (!start.acceleration.is_empty())
             .then(|| start.velocity.iter().zip(&start.acceleration).map(moved).collect());
         let at_stage = extrapolated.as_ref().unwrap_or(&start.velocity);
@@ -136,7 +138,7 @@ impl<'a, const D: usize> FluidStep<'a, D> {
         let velocity = layout.push_keyed("velocity", space.keys(), D);
         let pressure = layout.push_on(velocity, "pressure", 1);
         let (stage, rate) = (time.stage(), acceleration.slope);
-        Ok(Self {
+        Ok(Some(Self {
             setup: fluid,
             form: form(fluid, rate, stage),
             mortar: MortarForm::new(fluid.material, fluid.stabilisation.penalty, rate),
@@ -157,10 +159,10 @@ impl<'a, const D: usize> FluidStep<'a, D> {
             acceleration,
             velocity,
             pressure,
-        })
+        }))
     }
 
-    /// Returns the geometry, history and acceleration for fluid terms.
+    /// Returns the geometry with known velocity and acceleration for fluid terms.
     pub(crate) fn geometry(&self) -> FluidGeometry<'_, D> {
         FluidGeometry {
             background: &self.setup.background,
@@ -168,7 +170,7 @@ impl<'a, const D: usize> FluidStep<'a, D> {
             space: &self.space,
             parts: &self.parts,
             faces: &self.faces,
-            history: self.extrapolated.as_deref().unwrap_or(&self.start.velocity),
+            known_velocity: self.extrapolated.as_deref().unwrap_or(&self.start.velocity),
             acceleration: &self.acceleration,
             films: self.films.as_ref(),
         }
@@ -326,6 +328,21 @@ impl<'a, const D: usize> FluidStep<'a, D> {
         let (Level { velocity, acceleration, .. }, Self { positions, cut, space, .. }) = (end, self);
         FluidState { positions, cut, space, velocity, acceleration, pressure, pressure_time, products }
     }
+}
+
+/// Returns an error if a movable body has left the bounding box of the background, where nothing can stop it.
+fn check_domain<const D: usize>(
+    setup: &Setup<D>,
+    background: &[Point<D>],
+    positions: &[Vec<Point<D>>],
+) -> Result<(), Error> {
+    let bounds = Aabb::of_points(background);
+    for (body, positions) in setup.bodies.iter().zip(positions) {
+        if body.is_movable() && !positions.iter().any(|x| bounds.contains(x)) {
+            return Err(Error::LeftDomain { body: body.name().to_owned() });
+        }
+    }
+    Ok(())
 }
 
 /// Returns the terms of the fluid. `rate` is the derivative of the acceleration with respect to the velocity.

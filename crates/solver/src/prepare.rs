@@ -7,7 +7,6 @@ use algebra::time::Row;
 use algebra::{BlockLayout, Constraints, NewtonReport};
 use body::{BodyState, BodyStep, StepTime};
 use interface_dg::{InterfacePoints, Pocket, SolidShare, UnstableShare, pockets, unstable_share};
-use mesh::{Aabb, Point};
 
 use crate::collision::Collision;
 use crate::contact_step::{ContactStep, StepParts};
@@ -58,15 +57,7 @@ impl<'a, const D: usize> Step<'a, D> {
     pub fn prepare(setup: &'a Setup<D>, previous: &'a State<D>, time: StepTime) -> Result<Self, Error> {
         let clock = Instant::now();
         let mut layout = BlockLayout::new();
-        let fluid = match setup.fluid.as_ref().zip(previous.fluid.as_ref()) {
-            Some((fluid, before)) => {
-                let bodies = setup.bodies.iter().zip(&previous.bodies);
-                let positions: Vec<_> = bodies.map(|(body, state)| body.geometry(state, &time)).collect();
-                check_domain(setup, fluid.background.vertices(), &positions)?;
-                Some(FluidStep::new(setup, fluid, previous, before, positions, &time, &mut layout)?)
-            }
-            None => None,
-        };
+        let fluid = FluidStep::new(setup, previous, &time, &mut layout)?;
         let of_fluid = |fluid: &FluidStep<'_, D>| StepSeconds {
             cut: fluid.seconds_cut,
             transfer: fluid.seconds_transfer,
@@ -205,7 +196,9 @@ impl<'a, const D: usize> Step<'a, D> {
     /// Returns an error if a contact may have been missed: its bodies moved farther than the search allowed.
     pub(crate) fn check_contacts(&self, x: &[f64], newton: &NewtonReport) -> Result<(), Error> {
         for (index, (contact, step)) in self.setup.contacts.iter().zip(&self.contacts).enumerate() {
-            step.check(index, contact, self.parts(), x, newton)?;
+            if let Some([motion, room]) = step.missed(contact, self.parts(), x) {
+                return Err(Error::MissedContact { contact: index, motion, room, newton: Box::new(newton.clone()) });
+            }
         }
         Ok(())
     }
@@ -234,19 +227,4 @@ impl<'a, const D: usize> Step<'a, D> {
         };
         if has_collision { end.without_accelerations() } else { end }
     }
-}
-
-/// Returns an error if a movable body has left the bounding box of the background, where nothing can stop it.
-fn check_domain<const D: usize>(
-    setup: &Setup<D>,
-    background: &[Point<D>],
-    positions: &[Vec<Point<D>>],
-) -> Result<(), Error> {
-    let bounds = Aabb::of_points(background);
-    for (body, positions) in setup.bodies.iter().zip(positions) {
-        if body.is_movable() && !positions.iter().any(|x| bounds.contains(x)) {
-            return Err(Error::LeftDomain { body: body.name().to_owned() });
-        }
-    }
-    Ok(())
 }

@@ -240,7 +240,7 @@ impl<const D: usize> Contact<D> {
         if matches!(self.obstacle, ContactObstacle::Body { body, .. } if body == self.body) {
             return Err(contact::Error::SelfContact);
         }
-        check_pair(slave.surface(), &self.facets, self.geometry(), master.map(|master| master.surface()))
+        check_pair(slave.surface(), &self.facets, self.obstacle(), master.map(|master| master.surface()))
     }
 
     /// Returns the slave.
@@ -268,7 +268,7 @@ impl<const D: usize> Contact<D> {
     }
 
     /// Returns the obstacle.
-    pub fn geometry(&self) -> &dyn Obstacle<D> {
+    pub fn obstacle(&self) -> &dyn Obstacle<D> {
         match &self.obstacle {
             ContactObstacle::Rigid(obstacle) => obstacle.as_ref(),
             ContactObstacle::Body { surface, .. } => surface,

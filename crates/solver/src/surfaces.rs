@@ -17,11 +17,11 @@ pub(crate) struct Surfaces<'a, const D: usize> {
     pub(crate) setup: &'a Setup<D>,
     pub(crate) previous: &'a State<D>,
     /// Positions of the vertices at the start.
-    pub(crate) started: Vec<Vec<Point<D>>>,
+    pub(crate) at_start: Vec<Vec<Point<D>>>,
     /// Positions of the vertices at which the background is cut.
     pub(crate) positions: &'a [Vec<Point<D>>],
-    /// Time from `started` to `positions`.
-    pub(crate) ahead: f64,
+    /// Time from the start of the step to the cut.
+    pub(crate) lead: f64,
     pub(crate) cut: &'a CutMesh<D>,
     pub(crate) space: &'a XfemSpace<D>,
     pub(crate) parts: &'a PartValues<D>,
@@ -44,7 +44,7 @@ impl<const D: usize> Surfaces<'_, D> {
     /// extrapolated to the stage.
     pub(crate) fn extrapolated_velocities(&self, item: usize) -> OnFacet<D> {
         let level = &self.previous.bodies[self.cut.interface()[item].body.index()].level;
-        let gained = |node| level.acceleration.get(node).map_or(Vector::zeros(), |a: &Vector<D>| a * self.ahead);
+        let gained = |node| level.acceleration.get(node).map_or(Vector::zeros(), |a: &Vector<D>| a * self.lead);
         self.on_facet(item, |node| level.velocity[node] + gained(node))
     }
 
@@ -59,7 +59,7 @@ impl<const D: usize> Surfaces<'_, D> {
         let acceleration = &self.previous.bodies[body].level.acceleration;
         self.on_facet(item, |node| {
             let of_body = acceleration.get(node).copied().unwrap_or_else(Vector::zeros);
-            of_body - grad_u * (self.positions[body][node] - self.started[body][node]) / self.ahead
+            of_body - grad_u * (self.positions[body][node] - self.at_start[body][node]) / self.lead
         })
     }
 
@@ -68,8 +68,8 @@ impl<const D: usize> Surfaces<'_, D> {
     ///
     /// The velocity of the body holds at the positions of its surface at the start of the step; extrapolated geometry
     /// is cut elsewhere. The rate of change at a fixed point is given on the cut surface, with an error of first order
-    /// in the distance. If it was given at the start, the extension would carry the gradient of the acceleration over
-    /// the distance, and this gradient has larger errors.
+    /// in the distance. If it were given at the start, the error would be that of the gradient of the acceleration,
+    /// which is large, times the distance to the cut.
     ///
     /// # Errors
     /// The extension fails.
@@ -83,10 +83,10 @@ impl<const D: usize> Surfaces<'_, D> {
             self.on_facet(item, |node| positions[body][node])
         };
         let mut velocity = extension.sources.carry(&before.velocity);
-        extension.fill(&mut velocity, |item| [self.velocities(item), places(item, &self.started)])?;
+        extension.fill(&mut velocity, |item| [self.velocities(item), places(item, &self.at_start)])?;
         let mut acceleration = Vec::new();
         // A scheme that evaluates the geometry at the start does not need accelerations.
-        if self.ahead != 0.0 && !before.acceleration.is_empty() {
+        if self.lead != 0.0 && !before.acceleration.is_empty() {
             acceleration = extension.sources.carry(&before.acceleration);
             let on_cut = |item| places(item, self.positions);
             extension.fill(&mut acceleration, |item| [self.accelerations(item, &velocity), on_cut(item)])?;

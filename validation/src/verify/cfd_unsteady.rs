@@ -120,15 +120,11 @@ fn periodic(record: &mut Record) -> Result<(), Failure> {
     for (n, resolution) in FULL.into_iter().enumerate() {
         let (name, mut run) = (name(resolution), run(resolution, start)?);
         let mut signals = CfdSignals::default();
-        let found = loop {
-            signals.advance(&mut run)?;
-            if let Some(found) = signals.periodic() {
-                break found;
-            }
-            if run.state.time > LATEST {
-                return Err(format!("{name}: the flow is not periodic").into());
-            }
-        };
+        let found = run.until(LATEST, |run| {
+            signals.advance(run)?;
+            Ok(signals.periodic())
+        })?;
+        let found = found.ok_or_else(|| format!("{name}: the flow is not periodic"))?;
         record.show(format!("{name}: periodic after [s]"), run.state.time, None);
         for (k, quantity) in NAMES.into_iter().enumerate() {
             let quantity = format!("{name}: {quantity}");
@@ -161,15 +157,11 @@ fn begin(record: &mut Record) -> Result<(), Failure> {
         run.advance()?;
     }
     let mut signals = CfdSignals::default();
-    let [first, second] = loop {
-        signals.advance(&mut run)?;
-        if let [first, second] = signals.cycles()[..] {
-            break [first, second];
-        }
-        if run.state.time > LATEST {
-            return Err(format!("{name}: no vortices").into());
-        }
-    };
+    let cycles = run.until(LATEST, |run| {
+        signals.advance(run)?;
+        Ok(<[_; 2]>::try_from(signals.cycles()).ok())
+    })?;
+    let [first, second] = cycles.ok_or_else(|| format!("{name}: no vortices"))?;
     record.near_relative(format!("{name}: {}, second cycle", NAMES[4]), second[4], KNOWN[4], QUICK_ACCURACY);
     record.at_least(format!("{name}: {}, second cycle over first", NAMES[3]), second[3] / first[3], 1.0);
     Ok(())

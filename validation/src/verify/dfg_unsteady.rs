@@ -140,15 +140,11 @@ fn shedding(record: &mut Record, resolutions: &[(usize, f64)]) -> Result<(), Fai
         let name = name(resolution);
         let mut run = run(resolution, |_| 1.0, Some(start))?;
         let mut signals = DfgSignals::default();
-        let found = loop {
-            signals.advance(&mut run)?;
-            if let Some(found) = signals.periodic() {
-                break found;
-            }
-            if run.state.time > LATEST {
-                return Err("the flow is not periodic".into());
-            }
-        };
+        let found = run.until(LATEST, |run| {
+            signals.advance(run)?;
+            Ok(signals.periodic())
+        })?;
+        let found = found.ok_or("the flow is not periodic")?;
         record.show(format!("2D-2, {name}: periodic after [s]"), run.state.time, None);
         for k in 0..3 {
             let quantity = format!("2D-2, {name}: {}", OF_SHEDDING[k]);

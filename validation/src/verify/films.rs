@@ -252,7 +252,7 @@ fn fall(record: &mut Record) -> Result<(), Failure> {
         let report = run.advance()?;
         gap = report.bodies[0].lowest.1[1];
         time += dt;
-        // d gap/dt = -1/brenner(gap), by the rule of Runge.
+        // d gap/dt = -1/brenner(gap), by the explicit midpoint rule.
         const PARTS: usize = 20;
         for _ in 0..PARTS {
             let dt = dt / PARTS as f64;

@@ -176,15 +176,11 @@ impl Benchmark {
             let name = format!("h = D/{cells}, dt = {} s", short(dt));
             let mut run = self.run((cells, dt), start)?;
             let mut signals = FsiSignals::default();
-            let found = loop {
-                signals.advance(&mut run)?;
-                if let Some(found) = signals.periodic() {
-                    break found;
-                }
-                if run.state.time > self.latest {
-                    return Err(format!("{}, {name}: the motion is not periodic", self.name).into());
-                }
-            };
+            let found = run.until(self.latest, |run| {
+                signals.advance(run)?;
+                Ok(signals.periodic())
+            })?;
+            let found = found.ok_or_else(|| format!("{}, {name}: the motion is not periodic", self.name))?;
             for (k, quantity) in NAMES.into_iter().enumerate() {
                 let quantity = format!("{}, {name}: {quantity}", self.name);
                 match [AMPLITUDE, FREQUENCY].into_iter().position(|judged| judged == k) {
@@ -259,15 +255,11 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
 fn begin(record: &mut Record) -> Result<(), Failure> {
     let mut run = FSI2.run(QUICK, FSI2.start())?;
     let mut signals = FsiSignals::default();
-    let [first, second] = loop {
-        signals.advance(&mut run)?;
-        if let [first, second] = signals.cycles()[..] {
-            break [first, second];
-        }
-        if run.state.time > QUICK_LATEST {
-            return Err("FSI2: the flag does not swing".into());
-        }
-    };
+    let cycles = run.until(QUICK_LATEST, |run| {
+        signals.advance(run)?;
+        Ok(<[_; 2]>::try_from(signals.cycles()).ok())
+    })?;
+    let [first, second] = cycles.ok_or("FSI2: the flag does not swing")?;
     let (cells, dt) = QUICK;
     let name = format!("FSI2, h = D/{cells}, dt = {} s", short(dt));
     let known = FSI2.known[FREQUENCY];

@@ -30,6 +30,20 @@ impl<const D: usize> Run<D> {
         Ok(Self { work, ..Self::new(setup)? })
     }
 
+    /// Takes steps by `step` until it returns a value, or the time is beyond `latest`. Returns the value, if any.
+    pub(super) fn until<R>(
+        &mut self,
+        latest: f64,
+        mut step: impl FnMut(&mut Self) -> Result<Option<R>, Failure>,
+    ) -> Result<Option<R>, Failure> {
+        loop {
+            let found = step(self)?;
+            if found.is_some() || self.state.time > latest {
+                return Ok(found);
+            }
+        }
+    }
+
     /// Takes one step.
     pub(crate) fn advance(&mut self) -> Result<StepReport<D>, Failure> {
         let (state, report) = advance(&self.setup, &self.state, Substep::whole(self.setup.dt), &mut self.work)?;

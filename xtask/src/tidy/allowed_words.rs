@@ -51,13 +51,8 @@ const LIBRARY_WORDS: &[(&[&str], &[&str], &str)] = &[
     ),
     (
         &["/ time.length", "/ self.time.length", "/ step.time.length"],
-        // The difference quotient of a given velocity, the round-off of velocities, and the weight of a collision.
-        &[
-            "crates/body/src/prescribed.rs",
-            "crates/solid-rigid/src/rigid.rs",
-            "crates/solid-svk/src/elastic.rs",
-            "crates/solver/src/collision.rs",
-        ],
+        // The difference quotient of a given velocity, and the weight of a collision.
+        &["crates/body/src/prescribed.rs", "crates/solver/src/collision.rs"],
         "take the weights of the time scheme",
     ),
     (

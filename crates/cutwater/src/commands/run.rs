@@ -19,7 +19,7 @@ use crate::RunArguments;
 /// Time between two lines of progress without a terminal.
 const LINE_EVERY: Duration = Duration::from_secs(5);
 
-/// Runs a scenario or goes on with a run, shows its progress, writes its page and prints a summary.
+/// Runs a scenario or resumes a run, shows its progress, writes its page and prints a summary.
 pub(crate) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let resumed = arguments.resume.as_deref();
     let scenario = resumed.map(|directory| directory.join("scenario.toml")).or(arguments.file.clone());
@@ -169,7 +169,7 @@ impl Console {
             Ok(log) => self.log = Some(log),
             Err(error) => self.warning(&format!("the log {} is not written: {error}", directory.join(LOG).display())),
         }
-        let how = if resumes { "goes on from its last checkpoint" } else { "begins" };
+        let how = if resumes { "is resumed from its last checkpoint" } else { "begins" };
         self.log(&format!("cutwater {}: the run {how}", env!("CARGO_PKG_VERSION")));
         sizes.lines.iter().for_each(|line| self.line(line));
         self.line(&format!("results: {}", directory.display()));
@@ -294,26 +294,26 @@ fn contact_lines(summary: &Summary) -> Vec<String> {
     ]
 }
 
-/// Prints a line per part of a step. The assembly also has a line per contribution, and one for the rest: zeros, copies
+/// Prints a line per task of a step. The assembly also has a line per contribution, and one for the rest: zeros, copies
 /// and linear parts that are stored.
 fn print_timings(summary: &Summary, print_line: &mut dyn FnMut(&str)) {
     let steps = summary.steps.max(1) as f64;
     let all: f64 = summary.timings.iter().filter(|t| t.contribution.is_none()).map(|t| t.seconds).sum();
-    print_line(&format!("  {:<32} {:>8} {:>10} {:>12} {:>7}", "stage", "calls", "seconds", "ms per step", "share"));
+    print_line(&format!("  {:<32} {:>8} {:>10} {:>12} {:>7}", "task", "calls", "seconds", "ms per step", "share"));
     let mut line = |name: &str, calls: &str, seconds: f64| {
         let (per_step, share) = (1e3 * seconds / steps, 100.0 * seconds / all);
         print_line(&format!("  {name:<32} {calls:>8} {seconds:>10.3} {per_step:>12.3} {share:>6.1}%"));
     };
-    for part in summary.timings.iter().filter(|timing| timing.contribution.is_none()) {
-        line(&part.stage, &part.calls.to_string(), part.seconds);
-        let mut rest = part.seconds;
-        for timing in summary.timings.iter().filter(|timing| timing.stage == part.stage) {
+    for task in summary.timings.iter().filter(|timing| timing.contribution.is_none()) {
+        line(&task.task, &task.calls.to_string(), task.seconds);
+        let mut rest = task.seconds;
+        for timing in summary.timings.iter().filter(|timing| timing.task == task.task) {
             if let Some(name) = &timing.contribution {
                 line(&format!("  {name}"), &timing.calls.to_string(), timing.seconds);
                 rest -= timing.seconds;
             }
         }
-        if rest < part.seconds {
+        if rest < task.seconds {
             line("  rest", "", rest);
         }
     }

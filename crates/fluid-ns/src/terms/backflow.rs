@@ -18,7 +18,7 @@ pub struct Backflow {
 
 impl<const D: usize> Term<OpenPoint<'_, D>> for Backflow {
     fn add(&self, q: &OpenPoint<'_, D>, out: &mut LocalSystem) {
-        let inflow = -0.5 * self.density * q.at.weight * q.history.dot(&q.at.normal).min(0.0);
+        let inflow = -0.5 * self.density * q.at.weight * q.known_velocity.dot(&q.at.normal).min(0.0);
         if inflow == 0.0 {
             return;
         }

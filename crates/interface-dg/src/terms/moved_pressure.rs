@@ -15,11 +15,10 @@ use crate::moved_facet::row;
 /// `Γ(d)` is at the stage of the step, where the stress of the body is evaluated; with implicit Euler it is at the
 /// positions of the cut, and the term is zero for elements of order 1. A point of `Γ(d)` has the pressure at its place
 /// on the element at the positions of the cut. Without this term a large pressure acts on positions that are
-/// extrapolated, or those of the start: its stiffness is explicit, and the body vibrates with growing amplitude from
-/// pressures of a tenth of Young's modulus on. The fluid has no row: the term
-/// corrects the traction on the body by the distance between the two surfaces. It is of second order in the step if
-/// positions are extrapolated, of first order with quasi-static steps, and of second order in the size of curved
-/// elements.
+/// extrapolated, or those of the start: the force does not depend on the unknown positions, and the body vibrates with
+/// growing amplitude from pressures of a tenth of Young's modulus on. The fluid has no row: the term corrects the
+/// traction on the body by the distance between the two surfaces. It is of second order in the step if positions are
+/// extrapolated, of first order with quasi-static steps, and of second order in the size of curved elements.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MovedPressure;
 

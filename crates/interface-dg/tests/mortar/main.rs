@@ -92,7 +92,7 @@ impl Fixture {
                 space,
                 parts: &parts,
                 faces: &faces,
-                history: &history,
+                known_velocity: &history,
                 films: None,
                 acceleration: &acceleration,
             },

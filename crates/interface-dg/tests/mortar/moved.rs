@@ -122,7 +122,7 @@ fn with_moved_body<const D: usize>(
             space: &space,
             parts: &parts,
             faces: &faces,
-            history: &history,
+            known_velocity: &history,
             films: None,
             acceleration: &acceleration,
         },

@@ -29,13 +29,13 @@ pub struct CutSummary {
     pub surface_area: f64,
     /// Smallest fluid part of a cut cell, divided by the volume of the cell; one if no cell is cut.
     pub smallest_fraction: f64,
-    /// Wall-clock time of the stages.
+    /// Wall-clock time of the tasks.
     pub seconds: CutSeconds,
     /// Errors of the identities.
     pub max_relative_error: CutErrors,
 }
 
-/// Wall-clock time of the stages, s, without reading files, building the background and checking identities.
+/// Wall-clock time of the tasks, s, without reading files, building the background and checking identities.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct CutSeconds {
     /// Checking the surfaces, finding the cells that they may cut, and the number of bodies around all other cells.
@@ -44,7 +44,7 @@ pub struct CutSeconds {
     pub clip: f64,
     /// Quadrature of degree two on all fluid parts, with one integral over the fluid.
     pub quadrature: f64,
-    /// Sum of all stages.
+    /// Sum of all tasks.
     pub total: f64,
 }
 

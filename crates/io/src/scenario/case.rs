@@ -291,7 +291,7 @@ fn check_contacts<const D: usize>(
             obstacle.map(|obstacle| depth(&obstacle, &positions[body], points)).map_err(|error| given.at.error(error))
         };
         let deepest = match contact.master().map(BodyId::index) {
-            None => depth(contact.geometry(), &[], &positions[slave]),
+            None => depth(contact.obstacle(), &[], &positions[slave]),
             // A body has gaps to itself only where it is deformed.
             Some(master) if master == slave => continue,
             Some(master) if !boxes[master].overlaps(&boxes[slave]) => continue,

@@ -286,10 +286,12 @@ impl<'p, const D: usize> ContactBuilder<'p, D> {
                 let law = AugmentedLagrangianLaw::new(gamma_contact_0, given.offset, friction, tolerance);
                 ContactForm::new(law.map_err(fail)?, given.size)
             }
-            ContactLawChoice::Nitsche { .. } if !self.deforms(slave) => return Err(self.rigid(given, slave)),
+            ContactLawChoice::Nitsche { .. } if !self.deforms(slave) => {
+                return Err(self.rigid(given, slave, "nitsche"));
+            }
             ContactLawChoice::Nitsche { gamma_0, .. } if gamma_0 <= D as f64 => {
                 return Err(given.at.invalid(format!(
-                    "`gamma_0` is {gamma_0}, and must be above {D} in dimension {D}, times the number of facets of a cell that lie on the surface; leave it out for 10"
+                    "`gamma_0` is {gamma_0}, and must be above {D} in dimension {D}, times the number of facets of a cell that lie on the surface; leave it out for the default, 10"
                 )));
             }
             ContactLawChoice::Nitsche { gamma_0, friction } => {
@@ -362,10 +364,10 @@ impl<'p, const D: usize> ContactBuilder<'p, D> {
     }
 
     /// Returns the error of a law that needs the stress of the slave, for a slave that does not deform.
-    fn rigid(&self, given: &At<ContactKeys>, slave: BodyId) -> ScenarioError {
+    fn rigid(&self, given: &At<ContactKeys>, slave: BodyId, law: &str) -> ScenarioError {
         let name = self.bodies[slave.index()].name();
         given.at.invalid(format!(
-            "the law `nitsche` depends on the stress of the slave, but body `{name}` is rigid; give the law `augmented-lagrangian`, or make the other body the slave if it is \
+            "the law `{law}` depends on the stress of the slave, but body `{name}` is rigid; give the law `augmented-lagrangian`, or make the other body the slave if it is \
              elastic"
         ))
     }

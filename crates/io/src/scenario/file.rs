@@ -77,7 +77,7 @@ keys! {
         fields: Vec<FieldChoice>,
         /// Level of compression of field files, 0 for none.
         compression: u32 [between(0.0, 9.0)] = 0,
-        /// Steps between two checkpoints, from which a run that was stopped goes on to the same bits; 0 for none.
+        /// Steps between two checkpoints, from which a run that was stopped can be resumed, with the same bits at the end; 0 for none.
         checkpoint_every: usize = 0,
         /// Quantities of points, bodies and sections by name: columns of `probes.csv`.
         probes: Named<ProbeChoice>,

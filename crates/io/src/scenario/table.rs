@@ -33,7 +33,7 @@ impl Document {
     }
 }
 
-/// A value with its location.
+/// A TOML value with its key and its place in the file, before it is read.
 #[derive(Clone)]
 pub(super) struct Node<'d> {
     pub(super) document: &'d Document,

@@ -342,6 +342,12 @@ fn axisymmetric_rigid_bodies_move_along_the_axis_only() {
     given("{ kind = \"formula\", displacement = [\"0.1*t\", \"0\"] }");
     given("{ kind = \"formula\", displacement = [\"0\", \"0\"], angle = \"t\", centre = [0, 1.5] }");
     given("{ kind = \"rotating\", centre = [0, 1.5], angular_velocity = 1.0 }");
+    let table = write("sideways.csv", "time,x,y\n0,0,0\n0.05,0.1,0\n");
+    let text =
+        SPHERE.replace("motion  = { kind = \"free\" }", "motion = { kind = \"table\", file = \"sideways.csv\" }");
+    let text = text.replace("density = 2.0\ngravity = [0.0, -100.0]\n", "");
+    let refused = mistake(parse_at(&table.with_file_name("case.toml"), &text, &[])).to_string();
+    check_words(&refused, &["body.0.motion.file", "along the axis only"]);
 }
 
 /// The profile of a pipe with its axis on the left side.

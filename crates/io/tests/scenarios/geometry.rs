@@ -218,6 +218,51 @@ fn surfaces_are_bodies_that_do_not_deform() {
     expect(&elastic, &["body.0.shape", "needs a mesh, and this shape is a surface"]);
 }
 
+#[test]
+fn surfaces_whose_parts_overlap_are_refused() {
+    let text = r#"
+name       = "cubes"
+dimension  = 3
+units      = "si"
+time       = { step = 0.05, end = 0.2 }
+fluid      = { density = 1.0, viscosity = 0.5 }
+
+[background]
+kind     = "graded-box"
+min      = [-1, -1, -1]
+max      = [3, 3, 3]
+size     = 1.0
+boundary = { left = "no-slip", right = "no-slip", front = "no-slip", back = "no-slip", bottom = "no-slip", top = "free" }
+
+[[body]]
+name    = "cubes"
+shape   = { kind = "mesh", file = "FILE" }
+motion  = { kind = "free" }
+density = 2.0
+gravity = [0, 0, -10]
+"#;
+    let cubes = |file: &str, shift: f64| {
+        let (mut points, mut faces) = (String::new(), String::new());
+        for (k, shift) in [0.0, shift].into_iter().enumerate() {
+            let mesh = structured_box([shift, 0.0, 0.0], [shift + 0.7, 0.8, 0.9], [1; 3]).expect("a mesh");
+            mesh.vertices().iter().for_each(|x| points += &format!("v {} {} {}\n", x[0], x[1], x[2]));
+            let cube = mesh.boundary();
+            for facet in cube.facets() {
+                let [a, b, c] = [0, 1, 2].map(|i| cube.facet(facet)[i].index() + 8 * k + 1);
+                faces += &format!("f {a} {b} {c}\n");
+            }
+        }
+        write(file, points + &faces);
+        parse_at(&place(), &text.replace("FILE", file), &[])
+    };
+    cubes("apart.obj", 1.1).and_then(|file| io::sizes(&file)).unwrap_or_else(|e| panic!("{e}"));
+    let refused = mistake(cubes("overlapping.obj", 0.4)).to_string();
+    check_words(
+        &refused,
+        &["body.0", "the surface of body `cubes` encloses 1.008", "but covers 7.9", "unite the parts"],
+    );
+}
+
 /// Fluid in a trapezium with oblique walls, and a fixed post in it.
 const FLUID: &str = r#"
 name      = "own-background"

@@ -334,10 +334,7 @@ fn neutral(velocity: V, omega: f64, n: usize) -> usize {
     assert!((motion.rotation[(1, 0)] - (omega * time).sin()).abs() < 1e-10);
     let (error_u, error_p) = fluid_error(&setup, &state, |x| u(x, time), |_| 0.0);
     assert!(error_u < 1e-9 && error_p < 1e-7, "{error_u:e} {error_p:e}");
-    assert!(
-        reports.iter().all(|r| wet_report(r).n_pockets == 1),
-        "a body that the fluid is all around does not fix the pressure"
-    );
+    assert!(reports.iter().all(|r| wet_report(r).n_pockets == 1), "an immersed body does not fix the pressure");
     reports.iter().map(|r| wet_report(r).n_uncovered).sum()
 }
 
