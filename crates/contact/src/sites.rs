@@ -336,6 +336,16 @@ impl<const D: usize> ContactSites<'_, D> {
         Some(multipliers)
     }
 
+    /// Returns the energy that the law stores at the state `x`.
+    pub fn stored_energy(&self, x: &[f64]) -> f64 {
+        let mut energy = 0.0;
+        for item in 0..self.len() {
+            let law = &self.pair.form.law;
+            self.visit(item, x, |site| energy += site.weight * law.energy_density(&site.at).unwrap_or(0.0));
+        }
+        energy
+    }
+
     /// Returns the power of the contact forces at vertices of given motion: the weak form tested with their velocities.
     pub fn given_power(&self, x: &[f64]) -> f64 {
         let mut power = 0.0;

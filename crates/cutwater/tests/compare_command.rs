@@ -114,7 +114,7 @@ fn losses_of_energy_are_compared_with_the_energies() {
 }
 
 #[test]
-fn remainders_of_forces_are_compared_with_the_forces() {
+fn remainders_and_components_are_compared_with_the_forces_and_vectors() {
     let directories = [("1e-14", path("balance-first")), ("-1e-14", path("balance-second"))];
     for (remainder, directory) in &directories {
         std::fs::create_dir_all(directory).expect("a directory");
@@ -123,12 +123,17 @@ fn remainders_of_forces_are_compared_with_the_forces() {
         };
         let force = |name: &str| format!("{name} [N/m]");
         let names = ["a_force_gravity", "a_force_remainder", "b_force_gravity"].map(force).join(",");
-        file("history.csv", format!("time [s],{names}\n0.1,-5,{remainder},90\n"));
+        file(
+            "history.csv",
+            format!("time [s],{names},centre_x [m],centre_y [m]\n0.1,-5,{remainder},90,{remainder},4\n"),
+        );
     }
     let [first, second] = directories.map(|(_, directory)| directory);
     let printed = text(&cutwater(&["compare", &first, &second]).stdout);
     let line = printed.lines().find(|line| line.starts_with("a_force_remainder ")).expect("the remainder");
     assert_eq!(line.split_whitespace().collect::<Vec<_>>()[2..], ["2.000e-14", "5.000e0", "4.000e-15"]);
+    let line = printed.lines().find(|line| line.starts_with("centre_x ")).expect("the component");
+    assert_eq!(line.split_whitespace().collect::<Vec<_>>()[2..], ["2.000e-14", "4.000e0", "5.000e-15"]);
 }
 
 #[test]

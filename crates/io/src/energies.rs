@@ -2,7 +2,7 @@
 
 use mesh::Aabb;
 use serde::{Deserialize, Serialize};
-use solver::{Setup, State, StepReport};
+use solver::{FluidSetup, Setup, State, StepReport};
 
 /// Largest gain of energy in a step that counts as round-off, relative to the energies of the run.
 const ENERGY_TOLERANCE: f64 = 1e-8;
@@ -15,6 +15,11 @@ pub(crate) struct Energies {
     /// Sum over the bodies of the weight times the largest extent. It bounds the errors of bodies at rest, whose
     /// energies may be zero.
     of_weights: f64,
+    /// Largest body force on the fluid times its volume and the largest extent of the background. Residuals and
+    /// pressures have errors relative to it, also if the fluid is at rest.
+    of_fluid: f64,
+    /// Whether the time scheme has inertia. Without it the energy of a state is not that of the equations.
+    has_inertia: bool,
     /// Largest sum of the kinetic, elastic and stored energies and the absolute changes of the energies of gravity.
     largest: f64,
     /// Largest line of the ledger.
@@ -31,6 +36,11 @@ impl Energies {
     /// Creates the record of a run from its start.
     pub(crate) fn new<const D: usize>(setup: &Setup<D>, start: &State<D>) -> Self {
         let mut energies = Self { largest: start.fluid_energy() + start.contact_energy, ..Self::default() };
+        energies.has_inertia = setup.scheme.weights(setup.dt, true).stage_acceleration.slope != 0.0;
+        if let Some(FluidSetup { background, body_force: Some(force), .. }) = &setup.fluid {
+            let largest = background.vertices().iter().map(|x| force(x, start.time).norm()).fold(0.0, f64::max);
+            energies.of_fluid = largest * background.volume() * Aabb::of_points(background.vertices()).extent().max();
+        }
         for (body, state) in setup.bodies.iter().zip(&start.bodies) {
             let Some(balance) = body.balance(state) else {
                 energies.gravity_at_start.push(0.0);
@@ -44,7 +54,8 @@ impl Energies {
         energies
     }
 
-    /// Adds a step. `tolerance` is that of Newton's method: smaller gains relative to the weights are not counted.
+    /// Adds a step. `tolerance` is that of Newton's method. Gains below it times the energies of the weights, and below
+    /// the round-off of the pressure, are not counted.
     pub(crate) fn add<const D: usize>(&mut self, report: &StepReport<D>, tolerance: f64) {
         let of_bodies = report.bodies.iter().zip(&self.gravity_at_start).filter_map(|(body, at_start)| {
             let balance = body.balance.as_ref()?;
@@ -57,28 +68,30 @@ impl Energies {
         self.largest_line = self.largest_line.max(report.ledger.largest_line());
         let (gain, defect) = (-report.ledger.dissipation(), report.ledger.defect().abs());
         self.is_undefined |= !(gain.is_finite() && defect.is_finite());
-        self.largest_gain = self.largest_gain.max(gain);
         self.largest_defect = self.largest_defect.max(defect);
-        if gain > tolerance * self.of_weights {
-            self.generated += gain;
+        if gain > f64::EPSILON * self.of_fluid {
+            self.largest_gain = self.largest_gain.max(gain);
+            self.generated += if gain > tolerance * self.of_weights { gain } else { 0.0 };
         }
     }
 
-    /// Returns whether no step increased the energy.
+    /// Returns whether no step increased the energy; true for a scheme without inertia.
     pub(crate) fn is_monotone(&self) -> bool {
-        !self.is_undefined && self.largest_gain <= ENERGY_TOLERANCE * self.largest.max(self.of_weights)
+        !self.has_inertia
+            || !self.is_undefined && self.largest_gain <= ENERGY_TOLERANCE * self.largest.max(self.of_weights)
     }
 
-    /// Returns the sum of the gains relative to the energies of the run; `None` if an energy was not a number.
+    /// Returns the sum of the gains relative to the energies of the run; `None` if an energy was not a number, and for
+    /// a scheme without inertia.
     pub(crate) fn generated(&self) -> Option<f64> {
         let size = self.largest.max(self.largest_line).max(f64::MIN_POSITIVE);
-        (!self.is_undefined).then_some(self.generated / size)
+        (self.has_inertia && !self.is_undefined).then_some(self.generated / size)
     }
 
     /// Returns the largest energy of a step that no line of the ledger contains, relative to the energies of the run;
     /// `None` if an energy was not a number.
     pub(crate) fn defect(&self) -> Option<f64> {
-        let size = self.largest.max(self.largest_line).max(self.of_weights).max(f64::MIN_POSITIVE);
+        let size = self.largest.max(self.largest_line).max(self.of_weights).max(self.of_fluid).max(f64::MIN_POSITIVE);
         (!self.is_undefined).then_some(self.largest_defect / size)
     }
 }

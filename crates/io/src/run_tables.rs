@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use mesh::AXES;
+
 use crate::Error;
 use crate::history::{HistoryTable, TABLES, name_and_unit};
 use crate::scenario::advice;
@@ -34,7 +36,8 @@ pub struct Difference {
     /// Largest absolute difference, at the times of the first run.
     pub largest: f64,
     /// Largest absolute value in either run. For columns of the ledger, at least the largest energy without gravity;
-    /// for the remainder of the forces on a body, at least the largest of these forces.
+    /// for the remainder of the forces on a body, at least the largest of these forces; for a component of a vector,
+    /// the largest of all components.
     pub scale: f64,
 }
 
@@ -163,7 +166,7 @@ impl RunTables {
             let of_terms = match name_and_unit(name).0.strip_suffix(REMAINDER) {
                 _ if name.starts_with(LEDGER) => energy,
                 Some(prefix) => largest(&|column| column.starts_with(prefix)),
-                None => 0.0,
+                None => components(name).map_or(0.0, |prefix| largest(&|column| components(column) == Some(prefix))),
             };
             Some(Difference { scale: found.scale.max(of_terms), ..found })
         };
@@ -182,6 +185,11 @@ impl RunTables {
         found.sort_by(|a, b| b.relative().total_cmp(&a.relative()));
         Ok(found)
     }
+}
+
+/// Returns the name of a vector without its component, if a column is one: `centre_` for `centre_y [m]`.
+fn components(column: &str) -> Option<&str> {
+    AXES.iter().find_map(|axis| name_and_unit(column).0.strip_suffix(axis)).filter(|name| name.ends_with('_'))
 }
 
 /// Returns the path of a file of results.

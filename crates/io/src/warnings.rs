@@ -30,6 +30,7 @@ pub(crate) fn warnings<const D: usize>(scenario: &Scenario, case: &Case<D>, stat
     lines.extend(small_bodies(setup, &positions));
     lines.extend(body_forces(setup, state));
     lines.extend(torn(setup, state));
+    lines.extend(high_floor(setup));
     lines.extend(large_pressures(scenario, case));
     let deforms = setup.bodies.iter().any(|body| body.deforms());
     let can_turn = !case.half_domain && scenario.coordinates.is_none();
@@ -118,6 +119,16 @@ fn body_forces<const D: usize>(setup: &Setup<D>, state: &State<D>) -> Vec<String
         })
     };
     setup.bodies.iter().zip(&state.bodies).filter_map(of_body).collect()
+}
+
+/// Returns a warning about a floor of the pressure of films above zero, where it is mostly the absolute pressure of the
+/// vapour.
+fn high_floor<const D: usize>(setup: &Setup<D>) -> Option<String> {
+    let floor = setup.fluid.as_ref()?.film?.floor.filter(|floor| *floor > 0.0)?;
+    Some(format!(
+        "warning: fluid.film.floor is {floor:e}, above zero: it is the pressure of the vapour minus that of the surroundings, negative if no given pressure \
+         is absolute; a floor above the pressure of the fluid pushes bodies apart"
+    ))
 }
 
 /// Smallest number of cells along the largest extent of a resolved body.

@@ -43,7 +43,7 @@ impl<'p, const D: usize> StepParts<'p, D> {
 pub(crate) struct ContactStep<const D: usize> {
     items: ContactItems<D>,
     /// Distance within which obstacles were searched.
-    reach: f64,
+    pub(crate) reach: f64,
 }
 
 /// Returns whether a law with this source depends on the stress of a body or the fluid.

@@ -115,6 +115,18 @@ pub enum Error {
         /// Report of the nonlinear solve, which is discarded.
         newton: Box<NewtonReport>,
     },
+    /// A body passed through its obstacle in a step, or to the half that is nearer to another side. Take smaller steps.
+    #[error(
+        "in contact {contact} a body passes through its obstacle: a vertex moves by {motion:e} in a step, from one side to another; take smaller steps"
+    )]
+    PassedThrough {
+        /// Index of the contact in the setup.
+        contact: usize,
+        /// Motion of the vertex relative to the obstacle.
+        motion: f64,
+        /// Report of the nonlinear solve, which is discarded.
+        newton: Box<NewtonReport>,
+    },
     /// The multipliers of a contact still change after many solves of the step: the parameter of the contact is small
     /// for the stiffness of its bodies (take a larger one), or the body does not fit between its obstacles.
     #[error(
@@ -156,11 +168,11 @@ pub enum Error {
 }
 
 impl Error {
-    /// Returns whether a smaller step may succeed: after a failure of Newton's method, a missed contact or an inverted
-    /// cell, except if the matrix is too large for the memory or structurally singular.
+    /// Returns whether a smaller step may succeed: after a failure of Newton's method, a missed or passed contact or an
+    /// inverted cell, except if the matrix is too large for the memory or structurally singular.
     pub fn smaller_step_may_succeed(&self) -> bool {
         let Self::Newton(newton) = self else {
-            return matches!(self, Self::MissedContact { .. } | Self::Inverted { .. });
+            return matches!(self, Self::MissedContact { .. } | Self::PassedThrough { .. } | Self::Inverted { .. });
         };
         let NewtonError::Linear { source, .. } = newton else { return true };
         !matches!(
@@ -176,9 +188,10 @@ impl Error {
     pub fn newton_report(&self) -> Option<&NewtonReport> {
         match self {
             Self::Newton(newton) => Some(newton.report()),
-            Self::MissedContact { newton, .. } | Self::Multipliers { newton, .. } | Self::Inverted { newton, .. } => {
-                Some(newton)
-            }
+            Self::MissedContact { newton, .. }
+            | Self::PassedThrough { newton, .. }
+            | Self::Multipliers { newton, .. }
+            | Self::Inverted { newton, .. } => Some(newton),
             _ => None,
         }
     }

@@ -385,6 +385,8 @@ fn open_boundaries<'a, const D: usize>(fluid: &'a FluidSetup<D>, cut: &CutMesh<D
         if let FluidBoundary::Open { traction, backflow } = condition
             && (traction.is_some() || *backflow)
         {
+            // Without convection, inflow brings no energy.
+            let backflow = *backflow && fluid.convection.is_some();
             open.push(OpenTerms {
                 points: boundary_points(&fluid.background, cut, *tag, BOUNDARY_DEGREE),
                 traction: traction.as_ref().map(|traction| Traction { traction: traction.as_ref(), time }),

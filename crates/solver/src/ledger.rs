@@ -2,6 +2,7 @@
 
 use algebra::{BlockLayout, Contributions, DofId, Integral, Term};
 use body::BodyState;
+use contact::ContactSites;
 use fluid_ns::{FluidCell, FluidCells, FluidFace, FluidFaces};
 use interface_dg::interface_power;
 
@@ -194,13 +195,20 @@ impl<const D: usize> Problem<'_, D> {
         ledger.moved_surface = self.moved.iter().map(|(_, surface)| work(&moved_pressure(surface.clone()))).sum();
         known += ledger.moved_surface;
         let by_laws: f64 = self.contacts.iter().map(|sites| work(&contact_work(sites.clone()))).sum();
+        // A run may begin in contact: bodies that do not move keep the positions at which contact acts.
+        let rest = vec![0.0; x.len()];
+        let of_start = |sites: &ContactSites<'_, D>| sites.stored_energy(&rest);
+        let contact_before = match before.step {
+            0 => self.contacts.iter().map(of_start).sum(),
+            _ => before.contact_energy,
+        };
         let contact = by_laws + step.collisions.iter().flatten().map(|collision| work(collision)).sum::<f64>();
         let by_collisions: f64 = step.collisions.iter().flatten().map(|collision| collision.given_power(x)).sum();
         let by_given_motion =
             dt * (by_collisions + self.contacts.iter().map(|sites| sites.given_power(x)).sum::<f64>());
-        ledger.contact = contact + by_given_motion - (contact_energy - before.contact_energy);
+        ledger.contact = contact + by_given_motion - (contact_energy - contact_before);
         ledger.given_velocities -= by_given_motion;
-        ledger.change += contact_energy - before.contact_energy;
+        ledger.change += contact_energy - contact_before;
         known += contact;
         let closed: f64 = self.closed.iter().map(|(_, points)| work(&closed_pressure(points.clone()))).sum();
         ledger.loads += closed;

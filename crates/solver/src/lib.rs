@@ -22,6 +22,7 @@ mod ledger;
 mod lists;
 mod observe;
 mod overlay;
+mod passage;
 mod prepare;
 mod problem;
 mod report;

@@ -11,6 +11,7 @@ use interface_dg::{InterfacePoints, Pocket, SolidShare, UnstableShare, pockets, 
 use crate::collision::Collision;
 use crate::contact_step::{ContactStep, StepParts};
 use crate::fluid_step::FluidStep;
+use crate::passage::passage;
 use crate::{Contact, Error, Setup, State, StepSeconds};
 
 /// A step of the setup, or a part of one.
@@ -193,11 +194,17 @@ impl<'a, const D: usize> Step<'a, D> {
         x
     }
 
-    /// Returns an error if a contact may have been missed: its bodies moved farther than the search allowed.
-    pub(crate) fn check_contacts(&self, x: &[f64], newton: &NewtonReport) -> Result<(), Error> {
+    /// Returns an error if a contact may have been missed: its bodies moved farther than the search allowed, or passed
+    /// through each other.
+    pub(crate) fn check_contacts(&self, x: &[f64], ends: &[BodyState<D>], newton: &NewtonReport) -> Result<(), Error> {
+        let positions = [&self.previous.bodies[..], ends].map(|states| self.setup.positions(states));
+        let [start, end] = positions.each_ref().map(Vec::as_slice);
         for (index, (contact, step)) in self.setup.contacts.iter().zip(&self.contacts).enumerate() {
             if let Some([motion, room]) = step.missed(contact, self.parts(), x) {
                 return Err(Error::MissedContact { contact: index, motion, room, newton: Box::new(newton.clone()) });
+            }
+            if let Some(motion) = passage(contact, self.setup, [start, end], step.reach) {
+                return Err(Error::PassedThrough { contact: index, motion, newton: Box::new(newton.clone()) });
             }
         }
         Ok(())

@@ -28,9 +28,9 @@ pub fn advance<const D: usize>(
     let mut x = step.guess();
     // Newton's method, repeated until multipliers of contacts and points of collisions no longer change.
     let solve = step.solve(&mut x, work).map_err(failed)?;
-    step.check_contacts(&x, &solve).map_err(failed)?;
-    let problem = step.problem(); // contributions in the order of Eq. (11)
     let bodies = step.bodies_at_end(&x);
+    step.check_contacts(&x, &bodies, &solve).map_err(failed)?;
+    let problem = step.problem(); // contributions in the order of Eq. (11)
     let report = problem.report(substep, &x, &bodies, solve); // consumes the problem, which borrows the step
     report.check_volumes(setup).map_err(failed)?;
     Ok((step.finish(substep, &x, bodies, report.contact_energy()), report)) // moves cut and space into the new state

@@ -245,9 +245,19 @@ fn print_summary(summary: &Summary, directory: &str, print_line: &mut dyn FnMut(
     if summary.divided_steps > 0 {
         print_line(&divided(summary));
     }
+    if let Some(generated) = summary.energy_generated.filter(|generated| *generated > MUCH_ENERGY) {
+        print_line(&format!(
+            "  warning: steps generated energy, in all {:.0} % of the largest energy of the run: results depend on the step; halve it, first with \
+             `--set time.step={:?}`, until `energy_generated` in summary.json is small",
+            100.0 * generated,
+            0.5 * summary.dt
+        ));
+    }
     contact_lines(summary).iter().for_each(|line| print_line(line));
 }
 
+/// Energy that steps generate, relative to the energies of the run, above which the summary warns.
+const MUCH_ENERGY: f64 = 0.05;
 /// Share of divided steps at and above which the summary advises a shorter step.
 const MANY: f64 = 0.05;
 

@@ -223,8 +223,10 @@ pub(super) fn body<const D: usize>(
                 MotionChoice::Free { held, initial_spin, guided } => {
                     check_axial::<D>(given, initial_spin.as_ref(), guided.as_ref(), coordinates)?;
                     let guide = guided.as_ref().map(|guided| guided.guide(time)).transpose()?;
+                    check_guided(given, held, initial_spin.as_ref(), guided.as_ref())?;
                     let body = free(given, boundary, reference, held, initial_spin.as_ref(), time)?;
-                    Arc::new(RigidBody { guide, ..body })
+                    let initial_velocity = guide.as_ref().map_or(body.initial_velocity, |guide| (guide.velocity)(0.0));
+                    Arc::new(RigidBody { guide, initial_velocity, ..body })
                 }
                 _ => Arc::new(prescribed(&given.name, motion, time, boundary, reference)?),
             }
@@ -248,6 +250,28 @@ fn check_radii<const D: usize>(
              kind = \"half-ball\"",
             x[radial]
         ))),
+    }
+}
+
+/// Checks that a guided body has no other motion at the start, and is not held along an axis of the guide.
+fn check_guided(
+    given: &At<BodyKeys>,
+    held: &[At<Held>],
+    initial_spin: Option<&At<f64>>,
+    guided: Option<&GuideKeys>,
+) -> Result<(), ScenarioError> {
+    let Some(guided) = guided else { return Ok(()) };
+    let moves = |held: &&At<Held>| {
+        let velocity = (***held != Held::Rotation).then(|| guided.velocity.get(***held as usize)).flatten();
+        velocity.is_some_and(|formula| !is_zero(formula))
+    };
+    let velocity = given.initial_velocity.as_ref().map(|velocity| velocity.at.clone());
+    let other = velocity.or(initial_spin.filter(|spin| ***spin != 0.0).map(|spin| spin.at.clone()));
+    match other.or(held.iter().find(moves).map(|held| held.at.clone())) {
+        Some(place) => {
+            Err(place.error(ErrorKind::NoEffect("a body that is guided, which begins with the velocity of its guide")))
+        }
+        None => Ok(()),
     }
 }
 

@@ -25,7 +25,7 @@ choices! {
         },
         /// Flow across a plane part and not along it, without traction across it: the end of a long channel.
         Parallel = "parallel",
-        /// No traction; inflow is stabilised.
+        /// No traction. Where fluid flows in, the traction is `ρ (u·n) u/2`, so that the inflow brings no energy.
         Free = "free",
         /// Given velocity.
         Velocity = "velocity" {
@@ -41,12 +41,13 @@ choices! {
             /// Time over which the speed rises smoothly from zero; at once if left out.
             ramp: Option<f64> [unit(Quantity::TIME), positive],
         },
-        /// Given traction; inflow is stabilised.
+        /// Given traction; where fluid flows in, `ρ (u·n) u/2` is added.
         Traction = "traction" {
             /// Force per area on the fluid.
             value: Field [unit(Quantity::PRESSURE)],
         },
-        /// Pressure outside: the traction `-p n`; inflow is stabilised.
+        /// Pressure outside: the traction `-p n`. Where fluid flows in, `p` is the total pressure, that of a reservoir at rest: the pressure
+        /// on the side is lower by `ρ u²/2`.
         Pressure = "pressure" {
             /// Pressure `p`.
             value: At<FieldFormula> [unit(Quantity::PRESSURE)],

@@ -55,7 +55,8 @@ choices! {
 }
 
 keys! {
-    /// A motion of the centre, without rotation, from the start until the body is released.
+    /// A motion of the centre, without rotation, from the start until the body is released. The body begins with its
+    /// velocity. The first step after the release is of first order, since the acceleration jumps.
     pub struct GuideKeys {
         /// Time of the release.
         until: f64 [unit(Quantity::TIME), positive],

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::setting::*;
-use io::{RunTables, ScenarioFile, Summary, sizes};
+use io::{RunTables, ScenarioFile, Summary, run, sizes};
 use mesh::generate::structured_box;
 use mesh::{BodyId, Point, Vector};
 use solid_svk::{ElasticBody, ElasticOptions, LameParameters, SaintVenantKirchhoff, SolidForm, SolidMesh};
@@ -196,6 +196,91 @@ linear = { kind = "direct" }
     assert!(kinetic < 1e-6, "{kinetic}");
     assert!(summary.energy_monotone && summary.energy_generated == Some(0.0), "{summary:?}");
     assert!(summary.energy_defect.is_some_and(|defect| defect < 10.0), "{summary:?}");
+}
+
+/// A rigid block over a thin plate at rest.
+const THIN: &str = r#"
+name      = "thin"
+dimension = 2
+units     = "si"
+
+[time]
+step = 0.002
+end  = 0.6
+
+[[body]]
+name    = "block"
+shape   = { kind = "box", min = [0.0, 0.5], max = [0.1, 0.6], n = [2, 2] }
+motion  = { kind = "free" }
+density = 1000.0
+gravity = [0.0, -10.0]
+
+[[contact]]
+body     = "block"
+law      = { kind = "penalty", gamma_contact_0 = 1.0e5 }
+size     = 0.005
+offset   = 0.001
+obstacle = { kind = "shape", shape = { kind = "box", min = [-1.0, -0.01], max = [1.0, 0.0], n = [20, 1] } }
+
+[output]
+vtk_every = 0
+
+[solver]
+linear = { kind = "direct" }
+"#;
+
+#[test]
+fn a_body_does_not_pass_through_a_thin_plate() {
+    let law = "contact.0.law={ kind = \"collision\", restitution = 0.5 }";
+    // The plate is 1 cm thick; the block falls 0.5 m and moves by up to 6 cm in a step.
+    let directory = fresh_directory("thin");
+    let summary = results(&legal(THIN, &[&[law, "time.step=0.02"]]), &directory);
+    assert!(summary.divided_steps > 0, "{summary:?}");
+    assert!(column(&directory, "centre_y").iter().all(|y| *y > 0.04), "{:?}", column(&directory, "centre_y"));
+    for law in [law, "contact.0.law={ kind = \"penalty\", gamma_contact_0 = 1e5 }"] {
+        let file = legal(THIN, &[&[law, "time.step=0.05", "time.most_halvings=0"]]);
+        let error = run(&file, &fresh_directory("through"), &mut ()).expect_err("a passage");
+        let io::Error::Step(step) = &error else { panic!("{error}") };
+        assert!(
+            matches!(step.source, solver::Error::PassedThrough { contact: 0, motion, .. } if motion > 0.1),
+            "{error:?}"
+        );
+    }
+    // Short steps resolve the contact.
+    let summary = results(&legal(THIN, &[&["time.step=5e-4"]]), &fresh_directory("resolved"));
+    assert!(summary.divided_steps == 0 && summary.release_time.is_some(), "{summary:?}");
+}
+
+#[test]
+fn energy_that_contact_stores_at_the_start_is_not_generated() {
+    // The block weighs 100 N/m. Its contact has this force at the penetration 0.05 mm.
+    let set = ["body.0.shape.min.1=9.5e-4", "body.0.shape.max.1=0.10095", "time.end=0.1"];
+    let directory = fresh_directory("begins-in-contact");
+    let summary = results(&legal(THIN, &[&set]), &directory);
+    let stored = column(&directory, "energy_contact");
+    assert!((stored[0] - 0.5 * 100.0 * 5e-5).abs() < 5e-5, "{stored:?}");
+    let generated = summary.energy_generated.expect("steps");
+    // The first steps are not exact, and move the block by micrometres.
+    assert!(generated < 0.1, "{generated:e}");
+}
+
+#[test]
+fn a_guided_body_has_the_motion_of_its_guide() {
+    let guided = |velocity: &str, more: &str| {
+        THIN.replace(
+            "{ kind = \"free\" }",
+            &format!("{{ kind = \"free\", guided = {{ until = 0.3, velocity = [\"{velocity}\", \"0\"] }}{more} }}"),
+        )
+    };
+    let directory = fresh_directory("guided");
+    results(&legal(&guided("2", ""), &[&["time.end=0.1"]]), &directory);
+    let x = column(&directory, "centre_x");
+    assert!((x[x.len() - 1] - 0.25).abs() < 1e-12, "{x:?}");
+    let begins = "begins with the velocity of its guide";
+    refused(&guided("2", ""), &[&["body.0.initial_velocity=[1, 0]"]], &["body.0.initial_velocity", begins]);
+    refused(&guided("2", ", initial_spin = 1"), &[], &["initial_spin", begins]);
+    refused(&guided("2", ", held = [\"x\"]"), &[], &["held", begins]);
+    legal(&guided("0", ", held = [\"x\", \"rotation\"]"), &[]);
 }
 
 #[test]

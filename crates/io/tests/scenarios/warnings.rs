@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use crate::setting::*;
 use io::gmsh::{GmshFormat, GmshVersion, write};
+use io::sizes;
 use mesh::generate::structured_box;
 use mesh::{SimplexMesh, VertexId};
 
@@ -126,6 +127,15 @@ fn a_torn_body_is_a_warning() {
     let ball = "{ kind = \"ball\", centre = [0.3, 0.5], radius = 0.1, size = 0.05, area_preserving = true }";
     let torn = DISKS.replace(ball, &format!("{{ kind = \"mesh\", file = \"{}\" }}", path.display()));
     assert!(warning(&torn, &[]).contains("body soft consists of 2 parts that share no vertex"));
+}
+
+#[test]
+fn an_absolute_pressure_of_vapour_is_a_warning() {
+    let film =
+        |floor: &str| DISKS.replace("viscosity  = 1.0", &format!("viscosity = 1.0\nfilm = {{ floor = {floor} }}"));
+    let of = |floor: &str| sizes(&legal(&film(floor), &[])).expect("sizes").warnings;
+    assert!(of("2300.0").iter().any(|line| line.contains("fluid.film.floor is 2.3e3, above zero")));
+    assert!(!of("-1e5").iter().any(|line| line.contains("floor")));
 }
 
 /// A disk of radius 0.1 that reaches through the floor, with its other vertices above it.
