@@ -16,7 +16,7 @@ const BUDGETS: &[(&[&str], usize)] = &[
     (&["crates/solver/src"], 3_400),
     (&["validation"], 13_730),
     (&["xtask/src"], 2420),
-    (&[""], 80_240),
+    (&[""], 80_260),
 ];
 /// Largest number of bytes of all JSON files under version control.
 const JSON_BYTES: usize = 50_000;

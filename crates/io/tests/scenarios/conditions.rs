@@ -365,3 +365,39 @@ fn inflow_has_its_largest_velocity_on_the_axis() {
         );
     }
 }
+
+#[test]
+fn stokes_flow_between_two_pressures_does_not_depend_on_the_density() {
+    // Flow in a channel of width 0.1 under the gradient of pressure 100: the flux is 100 0.1³/(12 μ).
+    let text = r#"
+name      = "channel"
+dimension = 2
+units     = "si"
+time      = { step = 1.0, end = 1.0, scheme = "quasi-static" }
+
+[fluid]
+density    = 1000.0
+viscosity  = 1.0
+convection = "none"
+
+[background]
+kind     = "graded-box"
+min      = [0.0, 0.0]
+max      = [0.4, 0.1]
+size     = 0.02
+boundary = { left = { kind = "pressure", value = 40.0 }, right = { kind = "pressure", value = 0.0 }, top = "no-slip", bottom = "no-slip" }
+
+[output.probes]
+outflow = { kind = "flux", corner = [0.2, 0.0], sides = [[0.0, 0.1]] }
+"#;
+    let flux = |density: &str| {
+        let directory = fresh_directory(density);
+        results(&legal(text, &[&[density]]), &directory);
+        let tables = io::RunTables::read(&directory).expect("tables");
+        let flux = tables.column("outflow_flux").expect("the flux");
+        flux[flux.len() - 1].1
+    };
+    let [heavy, light] = ["fluid.density=1000.0", "fluid.density=1e-3"].map(flux);
+    let exact = 100.0 * 0.1_f64.powi(3) / 12.0;
+    assert!((heavy / exact - 1.0).abs() < 0.05 && (heavy / light - 1.0).abs() < 1e-6, "{heavy} {light} {exact}");
+}
