@@ -163,34 +163,17 @@ fn generated_energy_is_that_of_the_tables_whatever_the_origin() {
 
 #[test]
 fn a_body_at_rest_generates_no_energy() {
-    let text = r#"
-name      = "rest"
-dimension = 2
-units     = "si"
-
-[time]
-step = 1.0e-3
-end  = 0.06
-
-[[body]]
-name    = "block"
-shape   = { kind = "box", min = [0.0, 0.1], max = [1.0, 0.6], n = [4, 2] }
-motion  = { kind = "free" }
-density = 1000.0
-gravity = [0.0, -10.0]
-
-[[contact]]
-body     = "block"
-law      = { kind = "augmented-lagrangian", gamma_contact_0 = 1.0e9 }
-size     = 0.1
-offset   = 0.1
-obstacle = { kind = "rigid-plane", point = [0.0, 0.0], normal = [0.0, -1.0] }
-
-[solver]
-linear = { kind = "direct" }
-"#;
+    let set = [
+        "body.0.shape.min.1=0.1",
+        "body.0.shape.max.1=0.2",
+        "contact.0.law={ kind = \"augmented-lagrangian\", gamma_contact_0 = 1e9 }",
+        "contact.0.size=0.1",
+        "contact.0.offset=0.1",
+        "time.step=1e-3",
+        "time.end=0.06",
+    ];
     let directory = fresh_directory("at-rest");
-    let summary = results(&legal(text, &[]), &directory);
+    let summary = results(&legal(THIN, &[&set]), &directory);
     // Energies are round-off, and would be of the size of their own largest value.
     let kinetic = column(&directory, "energy_kinetic_solid").into_iter().fold(0.0, f64::max);
     assert!(kinetic < 1e-6, "{kinetic}");
