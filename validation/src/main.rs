@@ -10,6 +10,7 @@ mod metrics;
 mod outcome;
 mod report;
 mod results;
+mod stored;
 mod study;
 mod table;
 mod units;

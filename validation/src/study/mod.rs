@@ -17,6 +17,7 @@ use crate::metrics::Rebound;
 use crate::outcome::{Failure, Outcome, causes};
 use crate::report::machine;
 use crate::results;
+use crate::stored::{CHECKPOINTS, StoredRun};
 use crate::table::short;
 use crate::units::cgs;
 use crate::verify::record::{Record, Table, worse};
@@ -25,8 +26,6 @@ use crate::workers;
 
 /// Folder of the pages of studies in `docs/src`.
 const FOLDER: &str = "studies";
-/// File with the version of the code in the directory of a run.
-const VERSION: &str = "version.txt";
 
 /// The outcome of a run.
 #[derive(Clone, Debug, Default)]
@@ -53,8 +52,9 @@ impl StudyRun {
 }
 
 /// Runs studies. Returns whether every run came to its end and every verdict holds. The results of a run are kept in a
-/// directory of its own. A run whose directory has all steps of the same scenario is not repeated, unless `again` is
-/// set. The page of a study in the book is written when all its runs are done.
+/// directory of its own. A run whose directory has all steps of the same scenario is not repeated, and one that was
+/// stopped is resumed by the same code, unless `again` is set. The page of a study in the book is written when all its
+/// runs are done.
 ///
 /// # Errors
 /// There is no such study, or a file cannot be read or written.
@@ -99,24 +99,22 @@ fn run_one(
 ) -> Result<StudyRun, Failure> {
     let series = &definition.series[series];
     let value = series.values[k];
-    let mut set = vec![format!("name={study}"), "output.vtk_every=0".to_owned()];
+    let mut set = vec![format!("name={study}"), "output.vtk_every=0".to_owned(), CHECKPOINTS.to_owned()];
     set.extend(definition.changes(series, value));
     let file = ScenarioFile::read(&case::scenario_path(&series.scenario), &set)?;
-    let is_same = std::fs::read_to_string(directory.join("scenario.toml"))
-        .is_ok_and(|text| file.to_toml().is_ok_and(|t| t == text));
+    let stored = StoredRun { file: &file, directory };
     let is_done = |results: &Results| results.summary.steps == file.n_steps();
-    let known = Results::read(directory).ok().filter(|results| !again && is_same && is_done(results));
+    let known = Results::read(directory).ok().filter(|results| !again && stored.is_of_scenario() && is_done(results));
     let (results, failure) = match known {
         Some(results) => (results, None),
         None => {
-            let failure = match io::run(&file, directory, &mut ()) {
-                Ok(_) => None,
+            let failure = match stored.run(again, &mut (), None) {
+                Ok(()) => None,
                 Err(error @ io::Error::Step(_)) => {
                     Some(causes(&error).fold(error.to_string(), |text, cause| format!("{text}: {cause}")))
                 }
                 Err(error) => return Err(error.into()),
             };
-            std::fs::write(directory.join(VERSION), document::version())?;
             (Results::read(directory)?, failure)
         }
     };
@@ -130,7 +128,7 @@ fn run_one(
         // A ball that still rises at the end has no highest point.
         rebound: Rebound::new(&results).filter(|rebound| Some(&rebound.time) != times.last()),
         bound: gaps(&results.scenario).map(|(start, offset)| arrival(start, offset).time),
-        version: std::fs::read_to_string(directory.join(VERSION)).unwrap_or_default(),
+        version: stored.version(),
         summary: results.summary,
     })
 }

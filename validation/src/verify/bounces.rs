@@ -1,12 +1,18 @@
 //! Falls and rebounds of the sphere of the example `bouncing-sphere`, with changes.
 
-use cutwater::io::ScenarioFile;
-use cutwater::io::scenario::case::case;
-use cutwater::solver::{Observer, ObserverError, State, StepView, TimeLoop};
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
 
-use super::Failure;
+use cutwater::io::{Case, ScenarioFile, Watch};
+use cutwater::report::Results;
+use cutwater::solver::{Observer, ObserverError, StepView};
+
 use super::record::{Points, Table};
+use super::{Failure, Record};
 use crate::case::example_path;
+use crate::stored::{CHECKPOINTS, StoredRun};
+use crate::workers;
 
 /// Radius of the sphere, m.
 pub(super) const RADIUS: f64 = 1.5e-3;
@@ -31,14 +37,48 @@ pub(super) const TWICE: [f64; 4] = [3e-4, 1.5e-4, 7.5e-5, 1.875e-5];
 /// Time between two lines of progress on the standard error.
 const PROGRESS: std::time::Duration = std::time::Duration::from_secs(60);
 
-/// Time, gap and velocity of all steps.
-#[derive(Default)]
-struct FallRecorder(Vec<[f64; 3]>);
+/// A fall of the sphere of the example.
+pub(super) struct Fall {
+    /// Name, from which that of the directory of its results is made.
+    pub(super) name: String,
+    /// Changes of the example.
+    pub(super) changes: Vec<String>,
+    /// Returns whether the fall is over, from time, gap and velocity of all steps.
+    pub(super) is_over: fn(&[[f64; 3]]) -> bool,
+}
 
-impl Observer<2> for FallRecorder {
-    fn after_step(&mut self, view: &StepView<'_, 2>) -> Result<(), ObserverError> {
-        if let Some(body) = view.report.map(|report| &report.bodies[0]) {
-            self.0.push([view.state.time, body.lowest.1[1], body.lowest_velocity[1]]);
+/// Time, gap and velocity of all steps of a run, which it stops when the fall is over.
+struct FallWatch<'a> {
+    fall: &'a Fall,
+    series: Vec<[f64; 3]>,
+    stop: &'a AtomicBool,
+    begin: Instant,
+    last_line: Instant,
+}
+
+impl Watch for FallWatch<'_> {
+    fn observer<const D: usize>(&mut self, _: &Case<D>) -> Option<Box<dyn Observer<D> + '_>> {
+        Some(Box::new(self))
+    }
+}
+
+impl<const D: usize> Observer<D> for &mut FallWatch<'_> {
+    fn after_step(&mut self, view: &StepView<'_, D>) -> Result<(), ObserverError> {
+        let time = view.state.time;
+        let Some(body) = view.report.map(|report| &report.bodies[0]) else {
+            // A run that is resumed begins at its checkpoint.
+            self.series.retain(|at| at[0] <= time);
+            return Ok(());
+        };
+        let gap = body.lowest.1[D - 1];
+        self.series.push([time, gap, body.lowest_velocity[D - 1]]);
+        if self.last_line.elapsed() > PROGRESS {
+            let seconds = self.begin.elapsed().as_secs_f64();
+            eprintln!("  {}: time {time:.5} s, gap {gap:.3e} m, after {seconds:.0} s", self.fall.name);
+            self.last_line = Instant::now();
+        }
+        if (self.fall.is_over)(&self.series) {
+            self.stop.store(true, Ordering::Relaxed);
         }
         Ok(())
     }
@@ -52,32 +92,58 @@ pub(super) struct Bounces {
     pub(super) contact: Option<f64>,
     /// Times and heights of the maxima after the first contact.
     pub(super) maxima: Vec<(f64, f64)>,
+    /// Wall-clock time of the run, s.
     pub(super) seconds: f64,
+    /// The part of `seconds` in earlier commands.
+    seconds_before: f64,
 }
 
-/// Computes a fall of the example with changes until it is over.
-pub(super) fn fall(changes: &[String], is_over: impl Fn(&[[f64; 3]]) -> bool) -> Result<Bounces, Failure> {
-    let begin = std::time::Instant::now();
-    let case = case::<2>(&ScenarioFile::read(&example_path("bouncing-sphere"), changes)?)?;
-    let (setup, mut fall) = (case.setup, FallRecorder::default());
-    let mut run = TimeLoop::new(&setup, State::initial(&setup)?, case.workspace);
-    let mut last_line = begin;
-    for _ in 0..case.n_steps {
-        run.run(1, &mut [&mut fall])?;
-        if let Some([time, gap, _]) = fall.0.last().filter(|_| last_line.elapsed() > PROGRESS) {
-            let seconds = begin.elapsed().as_secs_f64();
-            eprintln!("  {}: time {time:.5} s, gap {gap:.3e} m, after {seconds:.0} s", changes.join(", "));
-            last_line = std::time::Instant::now();
+/// Computes falls, some at a time, and returns them in their order. Falls of earlier commands by the same code are not
+/// computed again, or are resumed.
+pub(super) fn compute(falls: &[Fall], record: &mut Record) -> Result<Vec<Bounces>, Failure> {
+    let mut found = Vec::new();
+    let folder = record.directory.clone();
+    let work = |fall: &Fall| fall.run(&folder);
+    let finish = |fall: &Fall, bounces: Bounces| {
+        record.seconds += bounces.seconds_before;
+        found.push((falls.iter().position(|of| std::ptr::eq(of, fall)), bounces));
+        Ok(())
+    };
+    workers::for_each(falls, |fall| fall.name.clone(), work, finish)?;
+    found.sort_by_key(|(place, _)| *place);
+    Ok(found.into_iter().map(|(_, bounces)| bounces).collect())
+}
+
+impl Fall {
+    /// Runs the fall until it is over, or reads its results.
+    fn run(&self, folder: &Path) -> Result<Bounces, Failure> {
+        let directory = folder.join(self.name.replace(|c: char| !c.is_ascii_alphanumeric() && c != '.', "-"));
+        let output = ["output.vtk_every=0".to_owned(), CHECKPOINTS.to_owned()];
+        let changes: Vec<String> = self.changes.iter().cloned().chain(output).collect();
+        let file = ScenarioFile::read(&example_path("bouncing-sphere"), &changes)?;
+        let stored = StoredRun { file: &file, directory: &directory };
+        let read = || -> Result<_, Failure> {
+            let Results { history, summary, .. } = Results::read(&directory)?;
+            let column = |name| history.column(name).ok_or_else(|| format!("{name} is not a column"));
+            let [times, gaps, velocities] = [column("time")?, column("d_min")?, column("lowest_velocity")?];
+            let series =
+                times.into_iter().zip(gaps).zip(velocities).map(|((time, gap), velocity)| [time, gap, velocity]);
+            Ok((series.collect::<Vec<_>>(), summary.wall_seconds))
+        };
+        let (known, seconds_before) =
+            Some(&stored).filter(|of| of.is_current()).and_then(|_| read().ok()).unwrap_or_default();
+        if !(self.is_over)(&known) {
+            let (stop, begin) = (AtomicBool::new(false), Instant::now());
+            let mut watch = FallWatch { fall: self, series: known, stop: &stop, begin, last_line: begin };
+            stored.run(false, &mut watch, Some(&stop))?;
         }
-        if is_over(&fall.0) {
-            break;
-        }
+        let (series, seconds) = read()?;
+        let contact = lowest(&series).map(|step| series[step][0]);
+        Ok(Bounces { maxima: maxima(&series), contact, series, seconds, seconds_before })
     }
-    let contact = lowest(&fall.0).map(|step| fall.0[step][0]);
-    Ok(Bounces { maxima: maxima(&fall.0), contact, series: fall.0, seconds: begin.elapsed().as_secs_f64() })
 }
 
-/// Returns whether there are `bounces` maxima, and the sphere has fallen by 0.05 radii below the last one.
+/// Returns whether there are `bounces` maxima, and the sphere has fallen by a twentieth of a radius below the last one.
 pub(super) fn has_bounced(series: &[[f64; 3]], bounces: usize, radius: f64) -> bool {
     let (maxima, now) = (maxima(series), series.last().map_or(0.0, |at| at[1]));
     maxima.len() >= bounces && maxima.last().is_some_and(|(_, height)| now < height - 0.05 * radius)
@@ -133,21 +199,35 @@ pub(super) struct ReboundSpeeds {
     pub(super) largest: f64,
 }
 
-/// Computes the rebound at a Stokes number; zero without rebound until `end`, s.
-pub(super) fn rebound(number: f64, mut changes: Vec<String>, end: f64) -> Result<ReboundSpeeds, Failure> {
-    changes.extend([format!("fluid.viscosity={}", VISCOSITY / number), format!("time.end={end}")]);
-    let is_over = |series: &[[f64; 3]]| {
-        lowest(series).zip(series.last()).is_some_and(|(step, now)| now[0] > series[step][0] + FRAME)
-    };
-    let Bounces { series, contact, .. } = fall(&changes, is_over)?;
-    let Some(contact) = contact else { return Ok(ReboundSpeeds::default()) };
-    let Some(pair) = series.windows(2).find(|pair| pair[1][0] >= contact + FRAME) else {
-        return Ok(ReboundSpeeds::default());
-    };
+/// Computes the rebounds at Stokes numbers, with changes of the example; zero without a rebound until `end`, s.
+pub(super) fn rebounds(
+    numbers: &[f64],
+    changes: &[String],
+    end: f64,
+    record: &mut Record,
+) -> Result<Vec<ReboundSpeeds>, Failure> {
+    let falls: Vec<Fall> = numbers
+        .iter()
+        .map(|number| {
+            let own = [format!("fluid.viscosity={}", VISCOSITY / number), format!("time.end={end}")];
+            let changes = changes.iter().cloned().chain(own).collect();
+            let is_over = |series: &[[f64; 3]]| {
+                lowest(series).zip(series.last()).is_some_and(|(step, now)| now[0] > series[step][0] + FRAME)
+            };
+            Fall { name: format!("St {number}"), changes, is_over }
+        })
+        .collect();
+    Ok(compute(&falls, record)?.iter().map(|bounces| rebound(bounces).unwrap_or_default()).collect())
+}
+
+/// Returns the speeds of the first rebound; `None` without one.
+fn rebound(Bounces { series, contact, .. }: &Bounces) -> Option<ReboundSpeeds> {
+    let contact = (*contact)?;
+    let pair = series.windows(2).find(|pair| pair[1][0] >= contact + FRAME)?;
     let share = (contact + FRAME - pair[0][0]) / (pair[1][0] - pair[0][0]);
     let mean = (pair[0][1] + share * (pair[1][1] - pair[0][1])) / FRAME;
     let largest = series.iter().filter(|at| at[0] >= contact).map(|at| at[2]).fold(0.0, f64::max);
-    Ok(ReboundSpeeds { mean: mean / SPEED, largest: largest / SPEED })
+    Some(ReboundSpeeds { mean: mean / SPEED, largest: largest / SPEED })
 }
 
 /// Returns the fit `exp(-35/St)` of measured restitutions over that in air.

@@ -4,8 +4,8 @@
 //! number 152.
 
 use super::bounces::{
-    FORMER, HALF, IN_AIR, RADIUS, SPEED, TWICE, cells, coarse_cells, fall, from_contact, has_bounced, inputs, legendre,
-    measured, rebound, speed_at,
+    FORMER, Fall, HALF, IN_AIR, RADIUS, SPEED, TWICE, cells, coarse_cells, compute, from_contact, has_bounced, inputs,
+    legendre, measured, rebounds, speed_at,
 };
 use super::{Failure, Record};
 
@@ -41,7 +41,7 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
 
 /// Compares the rebound of a sphere that is released near the floor, on coarse cells, with the fit of measurements.
 fn coarse(record: &mut Record) -> Result<(), Failure> {
-    let rebound = rebound(152.0, coarse_cells(), 0.02)?;
+    let rebound = &rebounds(&[152.0], &coarse_cells(), 0.02, record)?[0];
     let name = "coarse cells, released at a radius from the floor: restitution over that in air";
     record.near(name, rebound.mean / IN_AIR, legendre(152.0), SCATTER);
     record.near(
@@ -56,9 +56,28 @@ fn coarse(record: &mut Record) -> Result<(), Failure> {
 
 /// Compares the bounces with the measured ones, and with those on another mesh, with other steps, and without vapour.
 fn compare(record: &mut Record) -> Result<(), Failure> {
-    let long = ["time.end=0.2".to_owned()];
-    let bounces = |changes: &[String], number| fall(changes, |series| has_bounced(series, number, RADIUS));
-    let standard = bounces(&long, 3)?;
+    let coarse_steps = ["time.step=1.0e-4", "time.approach.fraction=0.12", "time.approach.smallest=1.0e-6"];
+    let fine_steps = ["time.step=2.5e-5", "time.approach.fraction=0.03", "time.approach.smallest=2.5e-7"];
+    let variants = [
+        ("cells of half the size", cells(HALF).collect::<Vec<_>>(), Some(CHANGE)),
+        ("cells of twice the size", cells(TWICE).collect(), Some(CHANGE)),
+        ("steps of twice the length", coarse_steps.map(str::to_owned).to_vec(), Some(CHANGE)),
+        ("steps of half the length", fine_steps.map(str::to_owned).to_vec(), Some(CHANGE)),
+        ("vapour only at -1000 bar", vec!["fluid.film.floor=-1e8".to_owned()], None),
+    ];
+    let of_variant = |(name, changes, _): &(&str, Vec<String>, _)| Fall {
+        name: (*name).to_owned(),
+        changes: [vec!["time.end=0.2".to_owned()], changes.clone()].concat(),
+        is_over: |series| has_bounced(series, 2, RADIUS),
+    };
+    let mut falls: Vec<Fall> = variants.iter().map(of_variant).collect();
+    falls.push(Fall {
+        name: "standard".to_owned(),
+        changes: vec!["time.end=0.2".to_owned()],
+        is_over: |series| has_bounced(series, 3, RADIUS),
+    });
+    let mut found = compute(&falls, record)?;
+    let standard = found.pop().ok_or("no fall")?;
     let contact = standard.contact.ok_or("the velocity of the sphere does not change its sign until the end")?;
     let speed = speed_at(&standard.series, RADIUS).ok_or("the gap of the sphere is always above one radius")?;
     record.near_relative("speed at a gap of one radius [m/s]", speed, SPEED, APPROACH);
@@ -75,32 +94,21 @@ fn compare(record: &mut Record) -> Result<(), Failure> {
         record.show(format!("time from contact to height {} [s]", k + 1), found, Some(time));
     }
     record.at_most("wall-clock time of all bounces on one core [s]", standard.seconds, COST);
-    let coarse_steps = ["time.step=1.0e-4", "time.approach.fraction=0.12", "time.approach.smallest=1.0e-6"];
-    let fine_steps = ["time.step=2.5e-5", "time.approach.fraction=0.03", "time.approach.smallest=2.5e-7"];
-    let variants = [
-        ("cells of half the size", cells(HALF).collect::<Vec<_>>(), Some(CHANGE)),
-        ("cells of twice the size", cells(TWICE).collect(), Some(CHANGE)),
-        ("steps of twice the length", coarse_steps.map(str::to_owned).to_vec(), Some(CHANGE)),
-        ("steps of half the length", fine_steps.map(str::to_owned).to_vec(), Some(CHANGE)),
-        ("vapour only at -1000 bar", vec!["fluid.film.floor=-1e8".to_owned()], None),
-    ];
     let mut curves = vec![
         ("measured".to_owned(), measured(MEASURED)?),
         ("computed".to_owned(), from_contact(&standard, contact - SHOWN_BEFORE)),
     ];
-    for (name, changes, bound) in variants {
-        let changes: Vec<String> = long.iter().cloned().chain(changes).collect();
-        let other = bounces(&changes, 2)?;
+    for ((name, _, bound), other) in variants.iter().zip(&found) {
         for (k, of) in standard.maxima.iter().take(2).enumerate() {
             let change = other.maxima.get(k).map_or(f64::NAN, |found| (found.1 / of.1 - 1.0).abs());
             let row = format!("{name}: relative change of the height of bounce {}", k + 1);
             match bound {
-                Some(bound) => record.at_most(row, change, bound),
+                Some(bound) => record.at_most(row, change, *bound),
                 None => record.show(row, change, None),
             }
         }
         let shown = other.contact.map_or(0.0, |contact| contact - SHOWN_BEFORE);
-        curves.push((name.to_owned(), from_contact(&other, shown)));
+        curves.push(((*name).to_owned(), from_contact(other, shown)));
     }
     record.figure("Gap over the time from the first contact [m]", "time [s]", curves);
     record.tables.push(inputs(&INPUTS));

@@ -5,7 +5,7 @@
 //! number 27.
 
 use super::bounces::{
-    FORMER, IN_AIR, coarse_cells, fall, from_contact, has_bounced, inputs, measured, rebound, speed_at,
+    FORMER, Fall, IN_AIR, coarse_cells, compute, from_contact, has_bounced, inputs, measured, rebounds, speed_at,
 };
 use super::{Failure, Record};
 
@@ -70,7 +70,7 @@ fn experiment() -> Vec<String> {
 pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     if !record.full {
         // The example on coarse cells at the Stokes number of this experiment.
-        let rebound = rebound(27.0, coarse_cells(), 0.02)?;
+        let rebound = &rebounds(&[27.0], &coarse_cells(), 0.02, record)?[0];
         let name = "St 27, coarse cells: restitution over that in air";
         record.within(name, rebound.mean / IN_AIR, None, Some(RESTITUTION));
         let name = "the same by the largest speed after the collision, the former definition";
@@ -104,9 +104,13 @@ pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
         ),
     ];
     let mut curves = vec![("measured".to_owned(), measured(MEASURED)?)];
-    for (name, changes, band) in variants {
-        let changes: Vec<String> = experiment().into_iter().chain(changes.into_iter().map(str::to_owned)).collect();
-        let bounce = fall(&changes, |series| has_bounced(series, 1, RADIUS))?;
+    let of_variant = |(name, changes, _): &(&str, Vec<&str>, _)| Fall {
+        name: (*name).to_owned(),
+        changes: experiment().into_iter().chain(changes.iter().map(|change| (*change).to_owned())).collect(),
+        is_over: |series| has_bounced(series, 1, RADIUS),
+    };
+    let found = compute(&variants.iter().map(of_variant).collect::<Vec<_>>(), record)?;
+    for ((name, _, band), bounce) in variants.into_iter().zip(found) {
         let contact = bounce.contact.ok_or("the sphere does not reach the floor")?;
         if band.is_some() {
             let speed = speed_at(&bounce.series, RADIUS).ok_or("the sphere does not reach the floor")?;

@@ -64,7 +64,6 @@ pub(crate) fn require_clean_tree() -> Result<(), Failure> {
 /// Returns a line for each page of checks and studies that was measured before the last change of the code. Pages with
 /// versions that git does not have are left out.
 pub(crate) fn older_than_the_code() -> Vec<String> {
-    const CODE: [&str; 5] = ["crates", "validation/src", "validation/cases", "validation/reference", "benchmarks/src"];
     let mut lines = Vec::new();
     for folder in [FOLDER, RESULTS, "studies"] {
         let entries = std::fs::read_dir(source().join(folder)).into_iter().flatten().flatten();
@@ -73,10 +72,6 @@ pub(crate) fn older_than_the_code() -> Vec<String> {
         for path in paths {
             let text = std::fs::read_to_string(&path).unwrap_or_default();
             let Some((_, after)) = text.split_once("measured with version ") else { continue };
-            let changes_after = |version: &str| {
-                let range = format!("{version}..HEAD");
-                git(&[&["rev-list", "--count", &range, "--"][..], &CODE].concat())?.parse::<usize>().ok()
-            };
             let ages = versions(after).filter_map(|version| Some((changes_after(version)?, version)));
             if let Some((changes, version)) = ages.max().filter(|(changes, _)| *changes > 0) {
                 let name = path.file_stem().unwrap_or_default().to_string_lossy();
@@ -87,6 +82,23 @@ pub(crate) fn older_than_the_code() -> Vec<String> {
         }
     }
     lines
+}
+
+/// Returns the number of changes of the code since a version; `None` if git does not have it.
+fn changes_after(version: &str) -> Option<usize> {
+    const CODE: [&str; 5] = ["crates", "validation/src", "validation/cases", "validation/reference", "benchmarks/src"];
+    git(&[&["rev-list", "--count", &format!("{version}..HEAD"), "--"][..], &CODE].concat())?.parse().ok()
+}
+
+/// Returns whether a text of [`version`] belongs to the present code: neither tree has uncommitted changes, and no
+/// change of the code is between them.
+pub(crate) fn is_current(text: &str) -> bool {
+    let is_clean = |text: &str| !text.is_empty() && !text.contains("-dirty");
+    let mut of_text = versions(text).peekable();
+    is_clean(text)
+        && is_clean(&version())
+        && of_text.peek().is_some()
+        && of_text.all(|version| changes_after(version) == Some(0))
 }
 
 /// Returns the versions that a page names after "measured with version": runs of a study may have several.
@@ -169,6 +181,16 @@ mod tests {
             "![f](../images/verification-x-0.svg)",
         ] {
             assert!(text.contains(part), "{part}\n{text}");
+        }
+    }
+
+    #[test]
+    fn changes_are_counted_from_the_version_of_a_text() {
+        let Some(head) = git(&["rev-parse", "HEAD"]) else { return println!("skipped: no history of versions") };
+        assert_eq!(changes_after(&head), Some(0));
+        assert_eq!(is_current(&format!("{head}, 2026-01-01")), !version().contains("-dirty"));
+        for other in ["", "fffffff, 2026-01-01", "not a version", &format!("{head}-dirty, 2026-01-01")] {
+            assert!(!is_current(other), "{other}");
         }
     }
 

@@ -186,10 +186,11 @@ pub(crate) fn run(names: &[String], full: bool, document: bool, out: &Path) -> O
     let is_asked = |name: &str| names.iter().any(|n| n == name);
     let asked: Vec<&Check> = CHECKS.iter().filter(|check| names.is_empty() || is_asked(check.name)).collect();
     let measure = |check: &&Check| {
-        let mut record = Record::new(check.name, check.about, full);
+        let directory = out.join(if full { "full" } else { "quick" }).join(check.name);
+        let mut record = Record { directory, ..Record::new(check.name, check.about, full) };
         let begin = Instant::now();
         (check.measure)(&mut record)?;
-        record.seconds = begin.elapsed().as_secs_f64();
+        record.seconds += begin.elapsed().as_secs_f64();
         missed::mark(&mut record)?;
         Ok(record)
     };

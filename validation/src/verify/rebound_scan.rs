@@ -1,6 +1,6 @@
 //! The speed of rebound of a sphere from a floor over the Stokes number.
 
-use super::bounces::{FRAME, IN_AIR, SPEED, TWICE, cells, coarse_cells, legendre, rebound};
+use super::bounces::{FRAME, IN_AIR, SPEED, TWICE, cells, coarse_cells, legendre, rebounds};
 use super::{Failure, Record};
 
 /// Stokes numbers `2 rho_s R U / (9 mu)`: without rebound, between, and with rebound in all experiments.
@@ -15,24 +15,24 @@ const VISIBLE: f64 = 0.03e-3 / FRAME / SPEED;
 /// Scans the Stokes number; the quick version has two numbers on coarse cells.
 pub(super) fn measure(record: &mut Record) -> Result<(), Failure> {
     if !record.full {
-        let mean = |number| rebound(number, coarse_cells(), 0.02).map(|rebound| rebound.mean);
-        let (low, high) = (mean(NONE)?, mean(200.0)?);
+        let rebounds = rebounds(&[NONE, 200.0], &coarse_cells(), 0.02, record)?;
         record.at_most(
             "St 6, coarse cells: mean speed in the first 2 ms of the rebound over that before",
-            low,
+            rebounds[0].mean,
             VISIBLE,
         );
         record.near(
             "St 200, coarse cells: the same, over the restitution in air",
-            high / IN_AIR,
+            rebounds[1].mean / IN_AIR,
             legendre(200.0),
             0.15,
         );
         return Ok(());
     }
     let mut found = Vec::new();
-    for number in NUMBERS {
-        let value = rebound(number, cells(TWICE).collect(), 0.06)?.mean / IN_AIR;
+    let rebounds = rebounds(&NUMBERS, &cells(TWICE).collect::<Vec<_>>(), 0.06, record)?;
+    for (number, rebound) in NUMBERS.into_iter().zip(rebounds) {
+        let value = rebound.mean / IN_AIR;
         record.show(format!("St {number}: restitution over that in air; Legendre"), value, Some(legendre(number)));
         found.push((number, value));
     }

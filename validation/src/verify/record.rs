@@ -1,5 +1,7 @@
 //! The outcome of a check: numbers with verdicts, curves and notes.
 
+use std::path::PathBuf;
+
 use cutwater::report::{Chart, Curve};
 use serde::Serialize;
 
@@ -46,7 +48,9 @@ pub(crate) struct Record {
     pub(crate) about: String,
     /// Whether the long version was run.
     pub(crate) full: bool,
-    /// Wall-clock time of the check, s.
+    /// Folder of the results of the runs of the check.
+    pub(crate) directory: PathBuf,
+    /// Wall-clock time of the check, s; with that of runs of earlier commands whose results it has.
     pub(crate) seconds: f64,
     pub(crate) rows: Vec<Row>,
     pub(crate) tables: Vec<Table>,

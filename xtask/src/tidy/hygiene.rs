@@ -14,9 +14,9 @@ const BUDGETS: &[(&[&str], usize)] = &[
     (&["crates/io/src"], 12_735),
     (&["crates/report/src"], 1590),
     (&["crates/solver/src"], 3_400),
-    (&["validation"], 13_730),
+    (&["validation"], 13_970),
     (&["xtask/src"], 2420),
-    (&[""], 80_260),
+    (&[""], 80_500),
 ];
 /// Largest number of bytes of all JSON files under version control.
 const JSON_BYTES: usize = 50_000;
