@@ -34,13 +34,6 @@ pub trait Contributions: Sync {
         }
     }
 
-    /// Returns the residual at the state `x` tested with `x`: for velocities a power.
-    fn power(&self, x: &[f64]) -> f64 {
-        let mut residual = vec![0.0; x.len()];
-        self.add_residual(x, &mut residual);
-        x.iter().zip(&residual).map(|(x, r)| x * r).sum()
-    }
-
     /// Returns whether the tangent does not depend on `x`. Such contributions are assembled once per nonlinear solve.
     fn is_linear(&self) -> bool {
         false

@@ -82,5 +82,6 @@ pub use local_system::LocalSystem;
 pub use newton::{Equations, NewtonError, NewtonReport, NewtonSettings, newton};
 pub use pattern::Pattern;
 pub use regime::RegimeHash;
+pub use scatter::{power, powers};
 pub use tied::Tied;
 pub use workspace::Workspace;

@@ -204,6 +204,12 @@ fn a_face_penalises_the_jump_over_its_whole_length() {
         assert!((sum[row] - c * length * 2.0).abs() < 1e-13, "{} {}", sum[row], c * length * 2.0);
         assert!(sum.iter().sum::<f64>().abs() < 1e-13, "constants have no jump");
     }
+    // Powers of u = (2, 3) and p = 5 at the vertex.
+    let mut x = vec![0.0; 12];
+    (x[2 * fluid.dof(1)], x[2 * fluid.dof(1) + 1], x[8 + fluid.dof(1)]) = (2.0, 3.0, 5.0);
+    let [velocity, pressure] = faces.powers(&x);
+    assert!((velocity - c_velocity * length * 2.0 * 13.0).abs() < 1e-12, "{velocity}");
+    assert!((pressure - c_pressure * length * 2.0 * 25.0).abs() < 1e-12, "{pressure}");
 }
 
 #[test]

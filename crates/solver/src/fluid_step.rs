@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use algebra::time::{Affine, Level};
-use algebra::{BlockLayout, Constraints, Contributions, FieldId, Integral};
+use algebra::{BlockLayout, Constraints, Contributions, FieldId, Integral, power};
 use body::{BodyStep, StepTime};
 use cutcell::CutMesh;
 use fluid_ns::terms::{
@@ -222,7 +222,7 @@ impl<'a, const D: usize> FluidStep<'a, D> {
         let (geometry, fields) = (self.geometry(), self.fields(layout));
         let of_terms = |OpenTerms { points, backflow, .. }: &OpenTerms<'a, D>| {
             let points = OpenBoundary { geometry, fields, points };
-            backflow.as_ref().map_or(0.0, |term| Integral::linear("backflow", points, vec![term]).power(x))
+            backflow.as_ref().map_or(0.0, |term| power(&Integral::linear("backflow", points, vec![term]), x))
         };
         self.open_boundaries.iter().map(of_terms).sum()
     }

@@ -1,7 +1,8 @@
 //! The energy of a step, term by term.
 
-use algebra::{BlockLayout, Contributions, DofId, Integral, Term};
-use body::BodyState;
+use algebra::time::Row;
+use algebra::{BlockLayout, Contributions, DofId, Integral, Term, power};
+use body::{Balance, BodyState};
 use contact::ContactSites;
 use fluid_ns::{FluidCell, FluidCells, FluidFace, FluidFaces};
 use interface_dg::interface_power;
@@ -128,17 +129,19 @@ impl<const D: usize> Problem<'_, D> {
     }
 
     /// Returns the ledger of a step. `x` is the solution, `residual` that of all equations at `x`, `ends` are the
-    /// bodies at the end; then follow the kinetic energy of the fluid and the energy stored in contacts at the end.
+    /// bodies at the end, `balances` those of the bodies at the start and at the end; then follow the kinetic energy of
+    /// the fluid and the energy stored in contacts at the end.
     pub(crate) fn ledger(
         &self,
         x: &[f64],
         residual: &[f64],
         ends: &[BodyState<D>],
+        balances: &[[Option<Balance<D>>; 2]],
         [fluid_energy, contact_energy]: [f64; 2],
     ) -> Ledger {
         let step = self.step;
         let (layout, dt, before) = (&step.layout, step.time.length, step.previous);
-        let work = |terms: &dyn Contributions| dt * terms.power(x);
+        let work = |terms: &dyn Contributions| dt * power(terms, x);
         let total = dt * x.iter().zip(residual).map(|(x, r)| x * r).sum::<f64>();
         let constrained = (0..layout.len()).filter(|&k| step.constraints.get(DofId::new(k)).is_some());
         let mut by_ties: f64 = step.constraints.offsets().map(|(dof, x)| x * residual[dof.index()]).sum();
@@ -174,15 +177,19 @@ impl<const D: usize> Problem<'_, D> {
             let own: f64 = body.contributions(layout).iter().map(|terms| work(terms.as_ref())).sum();
             let loads: f64 = body.loads(layout).iter().map(|terms| work(terms.as_ref())).sum();
             let (body, begin, end) = (&step.setup.bodies[b], &before.bodies[b], &ends[b]);
-            let energy = |state: &BodyState<D>| body.balance(state).map_or(0.0, |b| b.energy());
-            let scheme_energy = |state: &BodyState<D>, rates: &BodyState<D>| {
-                let motions = step.time.weights.of_energy.map(|rows| energy(&body.at_rows(state, rates, &rows)));
+            let energy = |balance: Option<Balance<D>>| balance.map_or(0.0, |balance| balance.energy());
+            let scheme_energy = |state: &BodyState<D>, rates: &BodyState<D>, own: f64| {
+                let motions = step.time.weights.of_energy.map(|rows| match rows {
+                    [Row::DISPLACEMENT, Row::VELOCITY] => own,
+                    rows => energy(body.balance(&body.at_rows(state, rates, &rows))),
+                });
                 0.5 * (motions[0] + motions[1])
             };
             // In the first step the acceleration at the start is unknown, and taken as that at the end.
             let rates = if begin.level.acceleration.is_empty() { end } else { begin };
-            let change = energy(end) - energy(begin);
-            let scheme_change = scheme_energy(end, end) - scheme_energy(begin, rates);
+            let [at_begin, at_end] = balances[b].map(energy);
+            let change = at_end - at_begin;
+            let scheme_change = scheme_energy(end, end, at_end) - scheme_energy(begin, rates, at_begin);
             // The motions of the scheme lie beyond the state, and a material may have no energy there. The line then
             // has a jump of the energy that the scheme stores in this step and the next.
             let scheme_change = if scheme_change.is_finite() { scheme_change } else { change };
@@ -222,25 +229,19 @@ impl<const D: usize> FluidStep<'_, D> {
     /// Sets the lines of the fluid's terms; returns their sum.
     fn set_ledger_lines(&self, ledger: &mut Ledger, layout: &BlockLayout, x: &[f64]) -> f64 {
         let (geometry, fields, form, dt) = (self.geometry(), self.fields(layout), &self.form, self.time.length);
-        let cells = |term| dt * Integral::linear("one term", FluidCells::new(geometry, fields), vec![term]).power(x);
-        let faces = |weights: [f64; 3]| {
-            let [velocity, ghost, pressure] = weights;
-            let of_face = |face: &FluidFace<'_, D>| {
-                let of_velocity = velocity * form.cip_velocity.weight(face) + ghost * form.ghost_penalty.weight(face);
-                [of_velocity, pressure * form.cip_pressure.weight(face)]
-            };
-            dt * FluidFaces::new(geometry, fields, of_face).power(x)
-        };
+        let cells = |term| dt * power(&Integral::linear("one term", FluidCells::new(geometry, fields), vec![term]), x);
+        let of_cip = |face: &FluidFace<'_, D>| [form.cip_velocity.weight(face), form.cip_pressure.weight(face)];
+        let of_ghost = |face: &FluidFace<'_, D>| [form.ghost_penalty.weight(face), 0.0];
         ledger.fluid_scheme = form.inertia.as_ref().map_or(0.0, |term| cells(term as &dyn Term<FluidCell<'_, D>>));
         ledger.viscosity = cells(&form.viscous);
         ledger.convection = form.convection.as_ref().map_or(0.0, |term| cells(term));
         ledger.fluid_force = form.body_force.as_ref().map_or(0.0, |term| cells(term));
         ledger.film = form.film.as_ref().map_or(0.0, |term| cells(term));
         ledger.cavitation = form.cavitation.as_ref().map_or(0.0, |term| cells(term));
-        ledger.cip_velocity = faces([1.0, 0.0, 0.0]);
-        ledger.ghost_penalty = faces([0.0, 1.0, 0.0]);
-        ledger.cip_pressure = faces([0.0, 0.0, 1.0]);
-        let open = self.open_terms(layout).iter().map(|terms| dt * terms.power(x)).sum::<f64>();
+        [ledger.cip_velocity, ledger.cip_pressure] =
+            FluidFaces::new(geometry, fields, of_cip).powers(x).map(|power| dt * power);
+        ledger.ghost_penalty = dt * FluidFaces::new(geometry, fields, of_ghost).powers(x)[0];
+        let open = self.open_terms(layout).iter().map(|terms| dt * power(terms.as_ref(), x)).sum::<f64>();
         ledger.backflow = dt * self.backflow_power(layout, x);
         ledger.open_boundary = open - ledger.backflow;
         let of_faces = ledger.cip_velocity + ledger.ghost_penalty + ledger.cip_pressure;

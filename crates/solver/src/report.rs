@@ -150,8 +150,11 @@ impl<const D: usize> Problem<'_, D> {
         }
         let fluid_energy = fluid.as_ref().map_or(0.0, |fluid| fluid.kinetic_energy);
         let contact_energy = contacts.iter().map(|contact: &ContactReport<D>| contact.stored_energy).sum();
-        let ledger = self.ledger(x, &residual, ends, [fluid_energy, contact_energy]);
-        let mut bodies: Vec<_> = ends.iter().enumerate().map(|(b, end)| body_report(step, b, end)).collect();
+        let states = step.setup.bodies.iter().zip(step.previous.bodies.iter().zip(ends));
+        let balances: Vec<_> = states.map(|(body, (begin, end))| [body.balance(begin), body.balance(end)]).collect();
+        let ledger = self.ledger(x, &residual, ends, &balances, [fluid_energy, contact_energy]);
+        let reports = ends.iter().zip(balances).enumerate();
+        let mut bodies: Vec<_> = reports.map(|(b, (end, balances))| body_report(step, b, end, balances)).collect();
         for (body, points) in &self.closed {
             if let Some(forces) = &mut bodies[body.index()].forces {
                 forces.pressure += points.force(x);
@@ -203,7 +206,13 @@ impl<const D: usize> StepReport<D> {
     }
 }
 
-fn body_report<const D: usize>(step: &Step<'_, D>, b: usize, end: &BodyState<D>) -> BodyReport<D> {
+/// Returns the report of body `b` from its state at the end and its balances at the start and at the end.
+fn body_report<const D: usize>(
+    step: &Step<'_, D>,
+    b: usize,
+    end: &BodyState<D>,
+    [before, balance]: [Option<Balance<D>>; 2],
+) -> BodyReport<D> {
     let (body, begin, dt) = (&step.setup.bodies[b], &step.previous.bodies[b], step.time.length);
     let positions = end.positions(body.reference());
     let height = |x: &Point<D>| x[D - 1];
@@ -211,8 +220,7 @@ fn body_report<const D: usize>(step: &Step<'_, D>, b: usize, end: &BodyState<D>)
         .min_by(|&i, &j| height(&positions[i]).total_cmp(&height(&positions[j])))
         .unwrap_or_default();
     let at = |values: &[Vector<D>]| values.get(lowest).copied().unwrap_or_else(Vector::zeros);
-    let balance = body.balance(end);
-    let forces = body.balance(begin).zip(balance).map(|(before, after)| ForceBalance {
+    let forces = before.zip(balance).map(|(before, after)| ForceBalance {
         inertia: inertia(&step.time.weights, &before, &after),
         body_force: after.body_force + body.variable_gravity(step.time.stage()) * after.mass,
         pressure: Vector::zeros(),

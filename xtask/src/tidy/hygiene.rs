@@ -16,7 +16,7 @@ const BUDGETS: &[(&[&str], usize)] = &[
     (&["crates/solver/src"], 3_400),
     (&["validation"], 13_970),
     (&["xtask/src"], 2420),
-    (&[""], 80_500),
+    (&[""], 80_620),
 ];
 /// Largest number of bytes of all JSON files under version control.
 const JSON_BYTES: usize = 50_000;

@@ -1,9 +1,11 @@
 //! Evaluation of items and their addition, in parallel and yet with the same bits for any number of threads.
 
 mod affine;
+mod power;
 mod stripes;
 
 pub(crate) use affine::AffineSum;
+pub use power::{power, powers};
 pub(crate) use stripes::Stripes;
 
 use std::ops::Range;

@@ -23,6 +23,9 @@ impl<const D: usize> Term<MortarPoint<'_, D>> for Consistency {
         for (row, basis) in q.jump_basis() {
             let weight = -q.at.weight * basis;
             out.add_vector::<D>(row, q.shared_traction() * weight);
+            if !out.has_tangent() {
+                continue;
+            }
             let of_fluid = weight * q.alpha;
             for j in 0..=D {
                 let by_velocity = self.fluid.viscous_traction_by_velocity(&q.gradients[j], &n);
