@@ -31,7 +31,7 @@ enum Command {
     New(NewArguments),
     /// Run a scenario and write its results.
     Run(RunArguments),
-    /// Go on with a run that was stopped, from its last checkpoint; the same as `run --resume`.
+    /// Resume a run that was stopped, from its last checkpoint; the same as `run --resume`.
     Resume(ResumeArguments),
     /// Print the largest differences between the columns of two runs.
     Compare(CompareArguments),
@@ -198,7 +198,7 @@ struct RunArguments {
     /// Directory for the results [default: output.directory of the scenario, else results/NAME].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Go on with the run in this directory, from its last checkpoint; `--set` may change time.end and output.
+    /// Resume the run in this directory, from its last checkpoint; `--set` may change time.end and output.
     #[arg(long, value_name = "DIR", conflicts_with_all = ["file", "out"])]
     resume: Option<PathBuf>,
     /// Replace files in the directory that are not those of this scenario.

@@ -106,7 +106,7 @@ fn files_that_cannot_be_used_are_refused() {
         (vec!["info", "no-such-file.msh"], &["cannot read no-such-file.msh"][..]),
         (vec!["info", "mesh.xyz"], &["mesh.xyz", "its name must end in .msh, .vtu, .vtk, .stl or .obj"]),
         (vec!["convert", &square, "square.stl"], &["square.stl", "use .msh for meshes"]),
-        (vec!["convert", &square, "square.obj"], &["square.obj", "must end in .msh, .vtu or .stl"]),
+        (vec!["convert", &square, "square.obj"], &["cannot write square.obj", "must end in .msh, .vtu or .stl"]),
     ] {
         let output = mesh(&arguments);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}");

@@ -37,6 +37,14 @@ pub enum Error {
         /// Cause and remedy.
         problem: String,
     },
+    /// A mesh or surface cannot be written in the format of a name.
+    #[error("cannot write {}: {problem}", .path.display())]
+    MeshFormat {
+        /// The file.
+        path: PathBuf,
+        /// Cause and remedy.
+        problem: &'static str,
+    },
     /// A grid of no cubes, or of too many.
     #[error("a grid of {n} cubes along each axis: choose `--grid` from 1 to {most}")]
     GridSize {

@@ -11,7 +11,7 @@ use solver::{Contact, FluidBoundary, Setup, State};
 
 use crate::mesh_file::n_parts;
 use crate::pressures::{large_pressures, pressure_lags};
-use crate::scenario::{Case, Choose as _, Quantity, Scenario, rounded};
+use crate::scenario::{BodyCondition, BodyKeys, Case, Choose as _, Quantity, Scenario, TimeSchemeChoice, rounded};
 
 /// Largest round-off of a gap, divided by the contact size, and of positions, divided by the extent of the mesh.
 const ROUND_OFF: f64 = 1e-6;
@@ -31,6 +31,7 @@ pub(crate) fn warnings<const D: usize>(scenario: &Scenario, case: &Case<D>, stat
     lines.extend(body_forces(setup, state));
     lines.extend(torn(setup, state));
     lines.extend(high_floor(setup));
+    lines.extend(not_held(scenario, setup));
     lines.extend(large_pressures(scenario, case));
     let deforms = setup.bodies.iter().any(|body| body.deforms());
     let can_turn = !case.half_domain && scenario.coordinates.is_none();
@@ -129,6 +130,25 @@ fn high_floor<const D: usize>(setup: &Setup<D>) -> Option<String> {
         "warning: fluid.film.floor is {floor:e}, above zero: it is the pressure of the vapour minus that of the surroundings, negative if no given pressure \
          is absolute; a floor above the pressure of the fluid pushes bodies apart"
     ))
+}
+
+/// Returns warnings about bodies whose position is not determined: without inertia and fluid, only supports and contacts
+/// hold them.
+fn not_held<const D: usize>(scenario: &Scenario, setup: &Setup<D>) -> Vec<String> {
+    if setup.fluid.is_some() || !matches!(*scenario.time.scheme, TimeSchemeChoice::QuasiStatic) {
+        return Vec::new();
+    }
+    let holds = |condition: &BodyCondition| !matches!(condition, BodyCondition::Traction { .. });
+    let is_held = |keys: &BodyKeys| {
+        keys.boundary.iter().flat_map(|conditions| &conditions.0).any(|(_, condition)| holds(condition))
+    };
+    let bodies = setup.bodies.iter().zip(&scenario.body).filter(|(body, keys)| body.is_movable() && !is_held(keys));
+    let line = |name: &str| {
+        format!(
+            "warning: no part of body {name} is held: with quasi-static and without a fluid only contact can hold it, and the matrix is singular without it;              clamp a part in `body.boundary`, or choose another `time.scheme`"
+        )
+    };
+    bodies.map(|(body, _)| line(body.name())).collect()
 }
 
 /// Smallest number of cells along the largest extent of a resolved body.

@@ -138,6 +138,25 @@ fn an_absolute_pressure_of_vapour_is_a_warning() {
     assert!(!of("-1e5").iter().any(|line| line.contains("floor")));
 }
 
+#[test]
+fn bodies_that_nothing_holds_without_inertia_are_warnings() {
+    let start = DISKS.find("[fluid]").expect("a fluid")..DISKS.find("[[body]]").expect("a body");
+    let mut dry = DISKS.to_owned();
+    dry.replace_range(start, "");
+    let of = |text: &str, changes: &[&str]| sizes(&legal(text, &[changes])).expect("sizes").warnings;
+    let found = of(&dry, &["time.scheme=quasi-static"]);
+    assert_eq!(found.len(), 2, "{found:?}");
+    for (line, name) in found.iter().zip(["soft", "stone"]) {
+        assert!(line.contains(&format!("no part of body {name} is held")), "{line}");
+    }
+    let held = |kind: &str| of(&dry, &["time.scheme=quasi-static", &format!("body.0.boundary.surface={kind}")]);
+    assert_eq!(held("clamped").len(), 1);
+    assert_eq!(held("{kind = \"traction\", value = [1.0, 0.0]}").len(), 2);
+    for (text, changes) in [(&dry[..], &["time.scheme=implicit-euler"]), (DISKS, &["time.scheme=quasi-static"])] {
+        assert!(!of(text, changes).iter().any(|line| line.contains("is held")));
+    }
+}
+
 /// A disk of radius 0.1 that reaches through the floor, with its other vertices above it.
 #[test]
 fn a_body_does_not_begin_behind_its_wall() {
