@@ -1,10 +1,9 @@
 //! Runs that outlast a command: results stay in a directory, and a later command resumes what was stopped.
 
-use std::io::ErrorKind;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use cutwater::io::{Error, RunOptions, ScenarioFile, Watch, checkpoint_steps};
+use cutwater::io::{Begin, Error, RunOptions, ScenarioFile, Watch, checkpoint_steps};
 
 use crate::verify::document;
 
@@ -21,50 +20,51 @@ pub(crate) struct StoredRun<'a> {
 }
 
 impl StoredRun<'_> {
-    /// Returns the version of the code that made the results; empty if there are none.
+    /// Returns the version of the code that made the results; empty if it is not known.
     pub(crate) fn version(&self) -> String {
         std::fs::read_to_string(self.directory.join(VERSION)).unwrap_or_default()
     }
 
-    /// Returns whether the directory has results of the same scenario, with the same output.
+    /// Returns whether the directory has results of the same scenario; their output may differ.
     pub(crate) fn is_of_scenario(&self) -> bool {
-        let stored = std::fs::read_to_string(self.directory.join("scenario.toml"));
-        stored.is_ok_and(|stored| self.file.to_toml().is_ok_and(|text| text == stored))
+        let problem = |text: String| {
+            let mut table: toml::Table = text.parse().ok()?;
+            table.remove("output");
+            Some(table)
+        };
+        let stored = std::fs::read_to_string(self.directory.join("scenario.toml")).ok().and_then(problem);
+        stored.is_some() && stored == self.file.to_toml().ok().and_then(problem)
     }
 
-    /// Returns whether the directory has results of the same scenario by the same code.
+    /// Returns whether the directory has results of the same scenario by the code in the tree.
     pub(crate) fn is_current(&self) -> bool {
         self.is_of_scenario() && document::is_current(&self.version())
     }
 
     /// Runs the scenario, to its end or until the watch sets `stop`. The run begins at the last checkpoint of the same
-    /// code if there is one, and `again` is not set. Other results in the directory are removed.
+    /// code if there is one, and `again` is not set. Otherwise it replaces the results in the directory.
     ///
     /// # Errors
     /// Those of a run, except that it is stopped.
     pub(crate) fn run(&self, again: bool, watch: &mut impl Watch, stop: Option<&AtomicBool>) -> Result<(), Error> {
-        self.run_from(!again && self.is_current() && !checkpoint_steps(self.directory).is_empty(), watch, stop)
+        let has_checkpoints = !checkpoint_steps(self.directory).is_empty();
+        self.run_from(has_checkpoints && !again && self.is_current(), watch, stop)
     }
 
     /// Runs the scenario from the last checkpoint in the directory, or from the start.
     fn run_from(&self, resumes: bool, watch: &mut impl Watch, stop: Option<&AtomicBool>) -> Result<(), Error> {
-        if !resumes {
-            // Before the run, so that it can be resumed if this program is killed.
-            self.begin().map_err(|source| Error::Write { path: self.directory.to_owned(), source })?;
+        let path = self.directory.join(VERSION);
+        // While the first files are replaced, they belong to no version.
+        if !resumes && path.is_file() {
+            std::fs::remove_file(&path).map_err(|source| Error::Write { path: path.clone(), source })?;
         }
-        match (RunOptions { resumes, overwrites: true, stop }).run(self.file, self.directory, watch) {
+        // A run without this file is not resumed: an error of writing loses time only.
+        let stamp = Begin(|_: &_| drop(std::fs::write(&path, document::version())));
+        let options = RunOptions { resumes, overwrites: true, discards: !resumes, stop };
+        match options.run(self.file, self.directory, &mut ((!resumes).then_some(stamp), watch)) {
             Ok(_) | Err(Error::Interrupted { .. }) => Ok(()),
             Err(error) => Err(error),
         }
-    }
-
-    /// Creates the directory anew, with the version of the code.
-    fn begin(&self) -> std::io::Result<()> {
-        match std::fs::remove_dir_all(self.directory) {
-            Err(error) if error.kind() != ErrorKind::NotFound => return Err(error),
-            _ => std::fs::create_dir_all(self.directory)?,
-        }
-        std::fs::write(self.directory.join(VERSION), document::version())
     }
 }
 
@@ -136,7 +136,19 @@ mod tests {
         assert_eq!(run(&directory, true, N_STEPS), [3, 4]);
         assert_eq!(history_without_clock(&directory), history_without_clock(&whole));
         assert_eq!(run(&directory, true, N_STEPS), [0_usize; 0]);
+        // Replaces a finished run, and then a stopped one.
         assert_eq!(run(&directory, false, 1), [1]);
+        assert_eq!(run(&directory, false, 2), [1, 2]);
+        // The public function resumes the run if no change of the code is uncommitted, and begins again if asked.
+        let resumed = |again: bool| {
+            let stop = AtomicBool::new(false);
+            let mut watch = StopAfter { last: 3, stop: &stop, taken: Vec::new() };
+            stored.run(again, &mut watch, Some(&stop)).unwrap();
+            watch.taken
+        };
+        let is_clean = !stored.version().contains("-dirty") && !stored.version().is_empty();
+        assert_eq!(resumed(false), if is_clean { vec![3] } else { vec![1, 2, 3] });
+        assert_eq!(resumed(true), [1, 2, 3]);
         set.push("fluid.viscosity=1.0".to_owned());
         let other = ScenarioFile::read(&scenario_path("virtual-barrier"), &set).unwrap();
         assert!(!StoredRun { file: &other, directory: &directory }.is_of_scenario());

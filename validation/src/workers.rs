@@ -50,6 +50,14 @@ pub(crate) fn for_each<T: Sync, R: Send>(
     })
 }
 
+/// Runs a function on one thread of rayon.
+///
+/// # Errors
+/// The thread cannot be created.
+pub(crate) fn on_one_thread<R: Send>(run: impl FnOnce() -> R + Send) -> Result<R, Failure> {
+    Ok(rayon::ThreadPoolBuilder::new().num_threads(1).build()?.install(run))
+}
+
 /// A run that failed, with its cause.
 #[derive(Debug, thiserror::Error)]
 #[error("{name} failed")]

@@ -1,5 +1,7 @@
 //! The interface between physics and algebra.
 
+use std::ops::Range;
+
 use crate::{DofId, LocalSystem};
 
 /// A set of items (cells, faces, interface pieces, contact facets) that each add a small dense system.
@@ -24,14 +26,9 @@ pub trait Contributions: Sync {
 
     /// Adds the residual of all items at the state `x` to `out`, without regard to constraints and ties.
     fn add_residual(&self, x: &[f64], out: &mut [f64]) {
-        let (mut dofs, mut local) = (Vec::new(), LocalSystem::new());
-        for item in 0..self.len() {
-            dofs.clear();
-            self.dofs(item, &mut dofs);
-            local.reset_residual(dofs.len());
-            self.add(item, x, &mut local);
-            dofs.iter().zip(local.residual()).for_each(|(dof, value)| out[dof.index()] += value);
-        }
+        for_each_residual(self, 0..self.len(), x, |_, dofs, residual| {
+            dofs.iter().zip(residual).for_each(|(dof, value)| out[dof.index()] += value);
+        });
     }
 
     /// Returns whether the tangent does not depend on `x`. Such contributions are assembled once per nonlinear solve.
@@ -48,4 +45,21 @@ pub trait Contributions: Sync {
 
     /// Returns the name for timings and reports.
     fn name(&self) -> &'static str;
+}
+
+/// Calls `visit` with the number, the dofs and the residual of each item of a range at the state `x`.
+pub(crate) fn for_each_residual(
+    contributions: &(impl Contributions + ?Sized),
+    items: Range<usize>,
+    x: &[f64],
+    mut visit: impl FnMut(usize, &[DofId], &[f64]),
+) {
+    let (mut dofs, mut local) = (Vec::new(), LocalSystem::new());
+    for item in items {
+        dofs.clear();
+        contributions.dofs(item, &mut dofs);
+        local.reset_residual(dofs.len());
+        contributions.add(item, x, &mut local);
+        visit(item, &dofs, local.residual());
+    }
 }

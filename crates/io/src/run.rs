@@ -56,6 +56,8 @@ pub struct RunOptions<'a> {
     /// Whether a run may write into a directory that has other files, or results of another scenario, which it
     /// replaces.
     pub overwrites: bool,
+    /// Whether a new run may remove the checkpoints of a stopped run in the directory.
+    pub discards: bool,
     /// Flag that another thread sets to end the run after the current step, with a checkpoint.
     pub stop: Option<&'a AtomicBool>,
 }
@@ -96,7 +98,7 @@ impl<W: Watch> CaseVisitor for Run<'_, W> {
             keep_last(directory)?;
             (start, Some(header), unread)
         } else {
-            remove_checkpoints(directory)?;
+            remove_checkpoints(directory, options.discards)?;
             remove_series(directory)?;
             (State::initial(&case.setup)?, None, None)
         };
@@ -175,11 +177,14 @@ fn last_checkpoint<const D: usize>(
     }
 }
 
-/// Removes the checkpoints of a finished run.
+/// Removes the checkpoints of a finished run, with `discards` those of any run.
 ///
 /// # Errors
 /// [`Error::Unfinished`]: the run is not finished. [`Error::Checkpoint`]: no checkpoint can be read.
-fn remove_checkpoints(directory: &Path) -> Result<(), Error> {
+fn remove_checkpoints(directory: &Path, discards: bool) -> Result<(), Error> {
+    if discards {
+        return remove_all(directory);
+    }
     let is_finished = |header: &Header| header.step >= header.n_steps;
     match Checkpoint::last(directory) {
         Err(Error::NoCheckpoint { .. }) => Ok(()),

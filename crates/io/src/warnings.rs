@@ -132,8 +132,8 @@ fn high_floor<const D: usize>(setup: &Setup<D>) -> Option<String> {
     ))
 }
 
-/// Returns warnings about bodies whose position is not determined: without inertia and fluid, only supports and contacts
-/// hold them.
+/// Returns warnings about bodies whose position is not determined: without inertia and fluid, only supports and
+/// contacts hold them.
 fn not_held<const D: usize>(scenario: &Scenario, setup: &Setup<D>) -> Vec<String> {
     if setup.fluid.is_some() || !matches!(*scenario.time.scheme, TimeSchemeChoice::QuasiStatic) {
         return Vec::new();

@@ -69,11 +69,12 @@ fn lead(is_quick: bool) -> String {
     )
 }
 
-/// Returns the output of a command of git, if there is any.
+/// Returns the output of a command of git in the root of the workspace; `None` if it fails.
 pub(crate) fn git(arguments: &[&str]) -> Option<String> {
-    let output = std::process::Command::new("git").args(arguments).output().ok()?;
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let output = std::process::Command::new("git").arg("-C").arg(root).args(arguments).output().ok()?;
     let text = String::from_utf8(output.stdout).ok()?;
-    Some(text.trim().to_owned()).filter(|text| output.status.success() && !text.is_empty())
+    Some(text.trim().to_owned()).filter(|_| output.status.success())
 }
 
 /// Returns the version of the code, if git has one.

@@ -47,7 +47,7 @@ pub(super) struct Fall {
     pub(super) is_over: fn(&[[f64; 3]]) -> bool,
 }
 
-/// Time, gap and velocity of all steps of a run, which it stops when the fall is over.
+/// Watch that records time, gap and velocity of each step, and sets `stop` when the fall is over.
 struct FallWatch<'a> {
     fall: &'a Fall,
     series: Vec<[f64; 3]>,
@@ -92,20 +92,19 @@ pub(super) struct Bounces {
     pub(super) contact: Option<f64>,
     /// Times and heights of the maxima after the first contact.
     pub(super) maxima: Vec<(f64, f64)>,
-    /// Wall-clock time of the run, s.
+    /// Wall-clock time of the run in all commands, s.
     pub(super) seconds: f64,
-    /// The part of `seconds` in earlier commands.
-    seconds_before: f64,
 }
 
-/// Computes falls, some at a time, and returns them in their order. Falls of earlier commands by the same code are not
-/// computed again, or are resumed.
+/// Computes falls, some at a time, and returns them in their order. In the long version, falls of earlier commands by
+/// the same code are not computed again, or are resumed.
 pub(super) fn compute(falls: &[Fall], record: &mut Record) -> Result<Vec<Bounces>, Failure> {
     let mut found = Vec::new();
     let folder = record.directory.clone();
-    let work = |fall: &Fall| fall.run(&folder);
+    let again = !record.full;
+    let work = |fall: &Fall| workers::on_one_thread(|| fall.run(&folder, again))?;
     let finish = |fall: &Fall, bounces: Bounces| {
-        record.seconds += bounces.seconds_before;
+        record.seconds += bounces.seconds;
         found.push((falls.iter().position(|of| std::ptr::eq(of, fall)), bounces));
         Ok(())
     };
@@ -115,8 +114,8 @@ pub(super) fn compute(falls: &[Fall], record: &mut Record) -> Result<Vec<Bounces
 }
 
 impl Fall {
-    /// Runs the fall until it is over, or reads its results.
-    fn run(&self, folder: &Path) -> Result<Bounces, Failure> {
+    /// Runs the fall until it is over, or reads its results unless `again` is set.
+    fn run(&self, folder: &Path, again: bool) -> Result<Bounces, Failure> {
         let directory = folder.join(self.name.replace(|c: char| !c.is_ascii_alphanumeric() && c != '.', "-"));
         let output = ["output.vtk_every=0".to_owned(), CHECKPOINTS.to_owned()];
         let changes: Vec<String> = self.changes.iter().cloned().chain(output).collect();
@@ -130,16 +129,19 @@ impl Fall {
                 times.into_iter().zip(gaps).zip(velocities).map(|((time, gap), velocity)| [time, gap, velocity]);
             Ok((series.collect::<Vec<_>>(), summary.wall_seconds))
         };
-        let (known, seconds_before) =
-            Some(&stored).filter(|of| of.is_current()).and_then(|_| read().ok()).unwrap_or_default();
-        if !(self.is_over)(&known) {
+        let stored_series = Some(()).filter(|()| !again && stored.is_current()).and_then(|()| read().ok());
+        let is_new = stored_series.is_none();
+        let (series, _) = stored_series.unwrap_or_default();
+        if (self.is_over)(&series) {
+            println!("  {}: results of {}", self.name, stored.version());
+        } else {
             let (stop, begin) = (AtomicBool::new(false), Instant::now());
-            let mut watch = FallWatch { fall: self, series: known, stop: &stop, begin, last_line: begin };
-            stored.run(false, &mut watch, Some(&stop))?;
+            let mut watch = FallWatch { fall: self, series, stop: &stop, begin, last_line: begin };
+            stored.run(is_new, &mut watch, Some(&stop))?;
         }
         let (series, seconds) = read()?;
         let contact = lowest(&series).map(|step| series[step][0]);
-        Ok(Bounces { maxima: maxima(&series), contact, series, seconds, seconds_before })
+        Ok(Bounces { maxima: maxima(&series), contact, series, seconds })
     }
 }
 

@@ -50,7 +50,7 @@ pub(crate) struct Record {
     pub(crate) full: bool,
     /// Folder of the results of the runs of the check.
     pub(crate) directory: PathBuf,
-    /// Wall-clock time of the check, s; with that of runs of earlier commands whose results it has.
+    /// Wall-clock time of the check, s; if its runs may be of earlier commands, the sum of their times.
     pub(crate) seconds: f64,
     pub(crate) rows: Vec<Row>,
     pub(crate) tables: Vec<Table>,

@@ -2,14 +2,18 @@
 
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
-use crate::{Contributions, LocalSystem};
+use crate::Contributions;
+use crate::contributions::for_each_residual;
 
 /// Returns the residual at the state `x` tested with `x`: for velocities a power.
 pub fn power(contributions: &(impl Contributions + ?Sized), x: &[f64]) -> f64 {
     powers(contributions, x, |_| 0)[0]
 }
 
-/// Returns [`power`] for two classes of items. `class` returns the class of an item, 0 or 1.
+/// Returns [`power`] for two classes of items. `class` returns the class of an item.
+///
+/// # Panics
+/// A class is neither 0 nor 1.
 pub fn powers(
     contributions: &(impl Contributions + ?Sized),
     x: &[f64],
@@ -18,15 +22,10 @@ pub fn powers(
     // Sums of this many items, in their order, do not depend on the number of threads.
     const ITEMS: usize = 2048;
     let of_chunk = |chunk: usize| {
-        let (mut sums, mut dofs, mut local) = ([0.0; 2], Vec::new(), LocalSystem::new());
-        for item in chunk * ITEMS..contributions.len().min((chunk + 1) * ITEMS) {
-            dofs.clear();
-            contributions.dofs(item, &mut dofs);
-            local.reset_residual(dofs.len());
-            contributions.add(item, x, &mut local);
-            let tested = dofs.iter().zip(local.residual()).map(|(dof, value)| x[dof.index()] * value);
-            sums[class(item)] += tested.sum::<f64>();
-        }
+        let (mut sums, items) = ([0.0; 2], chunk * ITEMS..contributions.len().min((chunk + 1) * ITEMS));
+        for_each_residual(contributions, items, x, |item, dofs, residual| {
+            sums[class(item)] += dofs.iter().zip(residual).map(|(dof, value)| x[dof.index()] * value).sum::<f64>();
+        });
         sums
     };
     let sums: Vec<_> = (0..contributions.len().div_ceil(ITEMS)).into_par_iter().map(of_chunk).collect();
@@ -36,7 +35,7 @@ pub fn powers(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::DofId;
+    use crate::{DofId, LocalSystem};
 
     /// Items on the dofs `k` and `k + 1` with the residual `(k x_k, 1)`.
     struct Chain(usize);
@@ -68,13 +67,21 @@ mod tests {
             let of_class = (0..N).filter(|item| item % 2 == class);
             of_class.map(|k| k as f64 * x[k] * x[k] + x[k + 1]).sum::<f64>()
         };
-        for threads in [1, 3] {
+        // All sums are whole numbers, which are exact.
+        assert_eq!(powers(&Chain(N), &x, |item| item % 2), [exact(0), exact(1)]);
+        assert_eq!(power(&Chain(N), &x), exact(0) + exact(1));
+    }
+
+    #[test]
+    fn bits_of_powers_do_not_depend_on_the_number_of_threads() {
+        const N: usize = 100_000;
+        let x: Vec<f64> = (0..=N).map(|k| (k as f64).sin()).collect();
+        let of_threads = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-            pool.install(|| {
-                // All sums are whole numbers, which are exact.
-                assert_eq!(powers(&Chain(N), &x, |item| item % 2), [exact(0), exact(1)]);
-                assert_eq!(power(&Chain(N), &x), exact(0) + exact(1));
-            });
+            pool.install(|| powers(&Chain(N), &x, |item| item % 2)).map(f64::to_bits)
+        };
+        for threads in [2, 3, 8] {
+            assert_eq!(of_threads(1), of_threads(threads));
         }
     }
 }

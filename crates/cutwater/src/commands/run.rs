@@ -27,8 +27,12 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let given = resumed.map(Path::to_owned).or(arguments.out.clone());
     let directory = given.unwrap_or_else(|| default_directory(file.scenario()));
     let shown = directory.display().to_string();
-    let options =
-        RunOptions { resumes: resumed.is_some(), overwrites: arguments.overwrite, stop: Some(stop_by_signal()) };
+    let options = RunOptions {
+        resumes: resumed.is_some(),
+        overwrites: arguments.overwrite,
+        discards: false,
+        stop: Some(stop_by_signal()),
+    };
     let console = RefCell::new(Console::new(arguments, &file));
     let begin = Begin(|sizes: &Sizes| console.borrow_mut().begin(&directory, options.resumes, sizes));
     console.borrow_mut().line(&building(&file));
