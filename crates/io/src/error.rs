@@ -37,9 +37,9 @@ pub enum Error {
         /// Cause and remedy.
         problem: String,
     },
-    /// A mesh or surface cannot be written in the format of a name.
+    /// A mesh or surface cannot be written to a file of this name.
     #[error("cannot write {}: {problem}", .path.display())]
-    MeshFormat {
+    MeshOutput {
         /// The file.
         path: PathBuf,
         /// Cause and remedy.

@@ -68,9 +68,9 @@ impl MeshFile {
     /// Writes the content by the extension of a name: `msh`, in the given format; `vtu`; `stl`, the surface of a mesh.
     ///
     /// # Errors
-    /// [`Error::MeshFormat`]: an extension or content that cannot be written. [`Error::Write`], [`Error::Vtk`].
+    /// [`Error::MeshOutput`]: an extension or content that cannot be written. [`Error::Write`], [`Error::Vtk`].
     pub fn write(&self, path: &Path, format: GmshFormat) -> Result<(), Error> {
-        let refused = |problem| Err(Error::MeshFormat { path: path.to_owned(), problem });
+        let refused = |problem| Err(Error::MeshOutput { path: path.to_owned(), problem });
         match (extension(path).as_str(), self) {
             ("msh", Self::Plane(found)) => write(path, &found.mesh, &found.edge_nodes, format),
             ("msh", Self::Space(found)) => write(path, &found.mesh, &found.edge_nodes, format),

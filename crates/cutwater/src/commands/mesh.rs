@@ -19,8 +19,8 @@ pub(crate) fn mesh(command: &MeshCommand) -> Result<(), Error> {
                 MeshVersion::V41 => GmshVersion::V41,
             };
             if from.canonicalize().is_ok_and(|from| to.canonicalize().is_ok_and(|to| to == from)) {
-                let problem = "it is the mesh that is read; choose another name".to_owned();
-                return Err(Error::MeshFile { path: to.clone(), problem });
+                let problem = "it is the mesh that is read; choose another name";
+                return Err(Error::MeshOutput { path: to.clone(), problem });
             }
             MeshFile::read(from)?.write(to, GmshFormat { version, is_binary: *binary })
         }

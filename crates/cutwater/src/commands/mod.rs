@@ -93,6 +93,7 @@ impl Failure {
                     | Error::Scenario(_)
                     | Error::Surface { .. }
                     | Error::MeshFile { .. }
+                    | Error::MeshOutput { .. }
                     | Error::Grid(_)
                     | Error::Cut { .. }
                     | Error::GridSize { .. }
