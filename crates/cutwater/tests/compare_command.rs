@@ -155,8 +155,19 @@ fn columns_are_plotted() {
 }
 
 #[test]
-fn resume_goes_on_with_a_run() {
+fn a_resumed_run_is_compared_with_a_whole_one() {
     let (short, whole) = (run("short", &["time.end=0.05"]), run("whole", &[]));
+    let output = cutwater(&["compare", &short, &whole, "--tolerance", "1e-12"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(text(&output.stdout).contains("compared until 5e-2: the runs end at 5e-2 and 1e-1"));
+    assert!(text(&output.stderr).contains("they must end at the same time"), "{}", text(&output.stderr));
+    assert_eq!(cutwater(&["compare", &short, &whole]).status.code(), Some(0));
+    // A refused change leaves the run as it is.
+    for change in ["output.probes.corner.at=[1, 1]", "output.probes={}"] {
+        let output = cutwater(&["resume", &short, "--set", change, "--set", "time.end=0.1", "--quiet"]);
+        assert_eq!(output.status.code(), Some(2));
+        assert!(text(&output.stderr).contains("the probes are not those of the run"), "{}", text(&output.stderr));
+    }
     let output = cutwater(&["resume", &short, "--set", "time.end=0.1", "--quiet"]);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     let output = cutwater(&["compare", &short, &whole, "--tolerance", "1e-12"]);

@@ -147,6 +147,16 @@ pub(crate) fn problem_text(file: &ScenarioFile) -> Result<String, Error> {
     Ok(toml::to_string(&table)?)
 }
 
+/// Returns the probes of a scenario, which determine the columns of `probes.csv`.
+///
+/// # Errors
+/// [`Error::Text`].
+pub(crate) fn probes_text(file: &ScenarioFile) -> Result<String, Error> {
+    let table = file.with_inputs(|_, path| Ok(path.display().to_string()))?;
+    let probes = table.get("output").and_then(|output| output.get("probes"));
+    Ok(probes.map(toml::to_string).transpose()?.unwrap_or_default())
+}
+
 /// Removes all checkpoints in a directory but the last ones. A run that is killed after it has written a checkpoint
 /// leaves one too many.
 ///

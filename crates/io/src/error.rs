@@ -174,6 +174,18 @@ pub enum Error {
         /// Names of all columns.
         known: String,
     },
+    /// A page cannot be written to a file of this name, which may be that of other data.
+    #[error("cannot write {}: the page of `plot` is HTML; give `--out` a name that ends in .html", .path.display())]
+    Page {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Two runs that are compared with a tolerance end at different times.
+    #[error("the runs end at the times {} and {}, and only their common time is compared; with a tolerance they must end at the same time", .ends[0], .ends[1])]
+    Ends {
+        /// Ends of the runs.
+        ends: [f64; 2],
+    },
     /// Two runs differ by more than is allowed.
     #[error("the column `{column}` differs by {difference:.3e}, and the tolerance is {tolerance:e}")]
     Differ {

@@ -8,7 +8,7 @@ use solver::algebra::LinearError;
 use solver::{Observer, ObserverError, State, StepError, StepView, TimeLoop};
 
 use crate::Error;
-use crate::checkpoint::{Checkpoint, Header, checkpoint_steps, keep_last, problem_text, remove_all};
+use crate::checkpoint::{Checkpoint, Header, checkpoint_steps, keep_last, probes_text, problem_text, remove_all};
 use crate::claim::{Claim, keep_input};
 use crate::files::{create_directory, write_whole};
 use crate::history::{History, TABLES, csv};
@@ -51,7 +51,7 @@ pub fn run(file: &ScenarioFile, directory: &Path, watch: &mut impl Watch) -> Res
 #[derive(Clone, Copy, Debug, Default)]
 pub struct RunOptions<'a> {
     /// Whether the run is resumed from the last checkpoint in the directory. End time and output may differ from those
-    /// of the run that wrote it.
+    /// of the run that wrote it, but not the probes.
     pub resumes: bool,
     /// Whether a run may write into a directory that has other files, or results of another scenario, which it
     /// replaces.
@@ -159,6 +159,12 @@ fn last_checkpoint<const D: usize>(
     let refused = |problem: String| Err(Error::Checkpoint { path: directory.to_owned(), problem });
     if header.scenario != problem_text(file)? {
         return refused("the scenario is not that of the run; only [output] and time.end may change".to_owned());
+    }
+    let stored = ScenarioFile::read(&directory.join("scenario.toml"), &[])?;
+    if probes_text(file)? != probes_text(&stored)? {
+        return refused(
+            "the probes are not those of the run: probes.csv has their columns; start a new run".to_owned(),
+        );
     }
     if header.step > case.n_steps {
         return refused(format!("it is at step {}, and time.end is at step {}", header.step, case.n_steps));

@@ -112,6 +112,11 @@ impl RunTables {
         Error::NoColumn { directory, column, advice, known: names.join(", ") }
     }
 
+    /// Returns the time of the last row of `history.csv`; zero without rows.
+    pub fn end(&self) -> f64 {
+        self.column("time").and_then(|times| Some(times.last()?.0)).unwrap_or(0.0)
+    }
+
     /// Returns the differences of columns, the largest relative one first. If `columns` is empty, these are all columns
     /// that both runs have, without wall-clock times and numbers of iterations and unknowns.
     ///

@@ -94,6 +94,7 @@ impl Failure {
                     | Error::Surface { .. }
                     | Error::MeshFile { .. }
                     | Error::MeshOutput { .. }
+                    | Error::Page { .. }
                     | Error::Grid(_)
                     | Error::Cut { .. }
                     | Error::GridSize { .. }

@@ -10,6 +10,9 @@ use crate::PlotArguments;
 
 /// Writes a page with charts of columns of one or several runs.
 pub(crate) fn plot(arguments: &PlotArguments) -> Result<(), Failure> {
+    if arguments.out.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("html")) {
+        return Err(Error::Page { path: arguments.out.clone() }.into());
+    }
     let runs = arguments.directories.iter().map(|directory| Ok((directory, RunTables::read(directory)?)));
     let runs = runs.collect::<Result<Vec<_>, Error>>()?;
     let named: Vec<(&Path, &RunTables)> =

@@ -249,6 +249,7 @@ fn print_summary(summary: &Summary, directory: &str, print_line: &mut dyn FnMut(
     if summary.divided_steps > 0 {
         print_line(&divided(summary));
     }
+    overlap(summary).iter().for_each(|line| print_line(line));
     if let Some(generated) = summary.energy_generated.filter(|generated| *generated > MUCH_ENERGY) {
         print_line(&format!(
             "  warning: steps generated energy, in all {:.0} % of the largest energy of the run: results depend on the step; halve it, first with \
@@ -258,6 +259,18 @@ fn print_summary(summary: &Summary, directory: &str, print_line: &mut dyn FnMut(
         ));
     }
     contact_lines(summary).iter().for_each(|line| print_line(line));
+}
+
+/// Returns a warning if surfaces overlap by more than a contact size.
+fn overlap(summary: &Summary) -> Option<String> {
+    let (gap, sides) = summary.smallest_gap.as_ref()?;
+    let size = summary.max_penetration / summary.max_penetration_over_s?;
+    (*gap < -size).then(|| {
+        format!(
+            "  warning: {sides} overlap by {:.1} contact sizes: the contact is too soft; raise the parameter of its law, and reduce the step with it",
+            -gap / size
+        )
+    })
 }
 
 /// Energy that steps generate, relative to the energies of the run, above which the summary warns.
@@ -339,7 +352,7 @@ fn print_timings(summary: &Summary, print_line: &mut dyn FnMut(&str)) {
 
 #[cfg(test)]
 mod tests {
-    use super::{Summary, contact_lines, divided};
+    use super::{Summary, contact_lines, divided, overlap};
 
     #[test]
     fn many_divided_steps_have_a_remedy() {
@@ -348,6 +361,22 @@ mod tests {
             divided(&summary).contains("35 of 320 steps (11 %)") && divided(&summary).contains("time.step=0.0005`")
         );
         assert!(!divided(&Summary { divided_steps: 3, ..summary }).contains("time.step"));
+    }
+
+    #[test]
+    fn a_soft_contact_is_a_warning() {
+        let summary = |gap: f64| Summary {
+            smallest_gap: Some((gap, "ball and block".to_owned())),
+            max_penetration: 0.5,
+            max_penetration_over_s: Some(5.0),
+            ..Summary::default()
+        };
+        let found = overlap(&summary(-0.3)).unwrap();
+        assert!(found.contains("ball and block overlap by 3.0 contact sizes"), "{found}");
+        assert_eq!(
+            [overlap(&summary(-0.09)), overlap(&summary(0.3)), overlap(&Summary::default())],
+            [None, None, None]
+        );
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Bodies without a fluid: a scenario that has neither `[fluid]` nor `[background]` nor `[interface]`.
 
+use std::path::Path;
 use std::sync::Arc;
 
 use crate::setting::*;
@@ -342,4 +343,27 @@ fn gravity_is_a_number_a_formula_or_a_table_over_time() {
         let message = error.expect_err(gravity).to_string();
         assert!(words.iter().all(|word| message.contains(word)), "{message}");
     }
+}
+
+/// Checks the example of two bars on cells of five times its size: waves that pass 20 cells along a bar are smeared
+/// over about one of them.
+#[test]
+fn equal_bars_that_collide_exchange_their_velocities() {
+    const BARS: &str = include_str!("../../../../examples/colliding-bars.toml");
+    let coarse = ["body.0.shape.size=0.05", "body.1.shape.size=0.05", "time.step=2e-4"];
+    let directory = Path::new(env!("CARGO_TARGET_TMPDIR")).join("bars");
+    run(&legal(BARS, &[&coarse]), &directory, &mut ()).expect("a run");
+    let tables = RunTables::read(&directory).expect("its results");
+    let column = |name: &str| tables.column(name).expect("a column");
+    let last = |name: &str| column(name).last().expect("a step").1;
+    assert!(last("left_centre_velocity_x").abs() < 0.02 * 0.1);
+    assert!((last("right_centre_velocity_x") - 0.1).abs() < 0.02 * 0.1);
+    let force = column("right_contact_force_x");
+    let touching: Vec<_> = force.iter().filter(|(_, force)| *force != 0.0).collect();
+    let duration = touching.last().expect("contact").0 - touching[0].0;
+    assert!((duration - 0.02).abs() < 0.05 * 0.02, "{duration}");
+    // Half the speed times impedance and cross section: 0.05 m/s · 1000 kg/m³ · 100 m/s · 0.1 m.
+    let mean = touching.iter().map(|(_, force)| force).sum::<f64>() / touching.len() as f64;
+    assert!((mean - 500.0).abs() < 0.05 * 500.0, "{mean}");
+    assert!((tables.end() - 0.03).abs() < 1e-9);
 }

@@ -346,5 +346,5 @@ fn probes_go_on_from_a_checkpoint() {
     assert_eq!(column(&directory, "energy_kinetic_fluid").len(), 6);
     let other = text.replace("centre  =", "middle  =");
     let refused = resumed.run(&legal(&other, &[&["time.end=0.2"]]), &directory, &mut ()).expect_err("other columns");
-    check_words(&refused.to_string(), &["probes.csv", "its columns are not those of this run"]);
+    check_words(&refused.to_string(), &["probes.csv", "the probes are not those of the run"]);
 }
