@@ -199,6 +199,8 @@ fn weights<const D: usize>(scenario: &Scenario, setup: &Setup<D>, state: &State<
     shortened(setup.bodies.iter().zip(&state.bodies).filter_map(of_body).collect(), "weights")
 }
 
+/// Largest number of pairs without contact that are named.
+const MOST_PARTS: usize = 6;
 /// Largest number of lines about roles in contacts, and of lines about weights.
 const MOST_LINES: usize = 20;
 
@@ -209,7 +211,34 @@ fn roles<const D: usize>(setup: &Setup<D>) -> Vec<String> {
         let master = contact.master().filter(|master| *master != contact.body())?;
         Some(format!("contact pair: slave {}, master {}", name(contact.body()), name(master)))
     };
-    shortened(setup.contacts.iter().filter_map(pair).collect(), "contact pairs")
+    let mut lines = shortened(setup.contacts.iter().filter_map(pair).collect(), "contact pairs");
+    lines.extend(without_contact(setup));
+    lines
+}
+
+/// Describes which bodies pass through each other, and through the sides of the background, since no contact holds them
+/// apart. Returns `None` if there are none.
+fn without_contact<const D: usize>(setup: &Setup<D>) -> Option<String> {
+    let bodies = &setup.bodies;
+    let touch = |a: usize, b: Option<usize>| {
+        let sides = |contact: &Contact<D>| (contact.body().index(), contact.master().map(BodyId::index));
+        setup
+            .contacts
+            .iter()
+            .map(sides)
+            .any(|(slave, master)| (slave == a && master == b) || (b == Some(slave) && master == Some(a)))
+    };
+    let pairs = (0..bodies.len()).flat_map(|a| (a + 1..bodies.len()).map(move |b| (a, b)));
+    let apart = pairs.filter(|&(a, b)| (bodies[a].is_movable() || bodies[b].is_movable()) && !touch(a, Some(b)));
+    let mut parts: Vec<_> = apart.map(|(a, b)| format!("{} and {}", bodies[a].name(), bodies[b].name())).collect();
+    if setup.fluid.is_some() {
+        let movable = (0..bodies.len()).filter(|&a| bodies[a].is_movable() && !touch(a, None));
+        parts.extend(movable.map(|a| format!("{} and the sides", bodies[a].name())));
+    }
+    let n_more = parts.len().saturating_sub(MOST_PARTS);
+    parts.truncate(MOST_PARTS);
+    let more = if n_more > 0 { format!(", and {n_more} more") } else { String::new() };
+    (!parts.is_empty()).then(|| format!("no contact between {}{more}", parts.join(", ")))
 }
 
 /// Returns the first lines, and the number of the others.

@@ -43,7 +43,7 @@ pub(super) struct Fall {
     pub(super) name: String,
     /// Changes of the example.
     pub(super) changes: Vec<String>,
-    /// Returns whether the fall is over, from time, gap and velocity of all steps.
+    /// Condition on time, gap and velocity of all steps so far that ends the fall.
     pub(super) is_over: fn(&[[f64; 3]]) -> bool,
 }
 
@@ -114,7 +114,7 @@ pub(super) fn compute(falls: &[Fall], record: &mut Record) -> Result<Vec<Bounces
 }
 
 impl Fall {
-    /// Runs the fall until it is over, or reads its results unless `again` is set.
+    /// Runs the fall until it is over, or reads results of the same code unless `again` is set.
     fn run(&self, folder: &Path, again: bool) -> Result<Bounces, Failure> {
         let directory = folder.join(self.name.replace(|c: char| !c.is_ascii_alphanumeric() && c != '.', "-"));
         let output = ["output.vtk_every=0".to_owned(), CHECKPOINTS.to_owned()];

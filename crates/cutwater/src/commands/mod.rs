@@ -150,7 +150,7 @@ fn advice(step: &solver::StepError, has_contacts: bool) -> String {
         solver::Error::Newton(newton) => newton,
         solver::Error::Multipliers { contact, .. } => {
             return format!(
-                "\n  the parameter is `contact.{contact}.law.gamma_contact_0`, the tolerance `contact.{contact}.law.tolerance`"
+                "\n  the parameter is `law.gamma_contact_0`, the tolerance `law.tolerance`, of contact {contact}, from 0"
             );
         }
         _ => return String::new(),
@@ -162,7 +162,9 @@ fn advice(step: &solver::StepError, has_contacts: bool) -> String {
     }
     let report = newton.report();
     text += stagnation(&report.residual_history, has_contacts);
-    text += "\n  iteration   relative residual   relative correction";
+    if !report.residual_history.is_empty() {
+        text += "\n  iteration   relative residual   relative correction";
+    }
     for (k, residual) in report.residual_history.iter().enumerate() {
         let correction = k.checked_sub(1).and_then(|k| report.correction_history.get(k));
         let correction = correction.map_or_else(|| "-".to_owned(), |c| format!("{c:.3e}"));

@@ -35,7 +35,8 @@ keys! {
         /// Motion of a body that does not deform; without one the body is elastic.
         motion: Option<At<MotionChoice>>,
         /// Order of the elements of an elastic body; 1 if left out. Elements of order 2 have nodes on their edges;
-        /// those on the edge of a disk lie on its circle.
+        /// those on the edge of a disk lie on its circle. Order 1 is far too stiff in bending with few elements through
+        /// the thickness: a cantilever of two bends by less than half; use order 2 for beams and plates.
         order: Option<At<usize>> [between(1.0, 2.0)],
         /// Material of an elastic body.
         material: Option<At<MaterialChoice>>,

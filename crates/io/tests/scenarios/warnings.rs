@@ -139,6 +139,24 @@ fn an_absolute_pressure_of_vapour_is_a_warning() {
 }
 
 #[test]
+fn bodies_without_contact_are_named() {
+    let found = |text: &str| lines(text, &[]).into_iter().find(|line| line.starts_with("no contact between"));
+    let all = "no contact between soft and stone, soft and the sides, stone and the sides";
+    assert_eq!(found(DISKS).as_deref(), Some(all));
+    let floor = format!("{DISKS}{CONTACT}");
+    assert_eq!(found(&floor).as_deref(), Some("no contact between soft and stone, soft and the sides"));
+    let obstacle = "body     = \"stone\"\nobstacle = { kind = \"wall\", parts = [\"bottom\"] }";
+    let pair = floor.replace(obstacle, "pair = [\"soft\", \"stone\"]");
+    assert_eq!(found(&pair).as_deref(), Some("no contact between soft and the sides, stone and the sides"));
+    let copies = DISKS.replace(
+        "[[body]]\nname     = \"soft\"",
+        "[[body]]\ncopies = [[0.0, 0.25], [0.0, -0.25]]\nname     = \"soft\"",
+    );
+    // Six pairs of four bodies, and the sides.
+    assert!(found(&copies).is_some_and(|line| line.ends_with(", and 4 more")), "{:?}", found(&copies));
+}
+
+#[test]
 fn bodies_that_nothing_holds_without_inertia_are_warnings() {
     let start = DISKS.find("[fluid]").expect("a fluid")..DISKS.find("[[body]]").expect("a body");
     let mut dry = DISKS.to_owned();
