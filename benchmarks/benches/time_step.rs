@@ -4,10 +4,10 @@ use std::hint::black_box;
 use std::time::Duration;
 
 use algebra::{BlockGaussSeidel, BlockGaussSeidelSettings, Workspace};
-use benchmarks::{RESOLUTIONS, falling_ball, falling_box, n_background_cells};
+use benchmarks::{RESOLUTIONS, UNIFORM, falling_ball, falling_box, n_background_cells};
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use solver::{Setup, State, Substep, advance};
+use solver::{Setup, Stabilisation, State, Substep, advance};
 
 fn time_step(c: &mut Criterion) {
     let mut group = c.benchmark_group("time_step");
@@ -15,10 +15,12 @@ fn time_step(c: &mut Criterion) {
     for resolution in RESOLUTIONS {
         first_step(&mut group, &falling_ball(resolution), Workspace::new(), "advance/2d", resolution.name);
     }
-    for n in [8, 12] {
-        let solver = BlockGaussSeidel::new(BlockGaussSeidelSettings::default());
-        let work = Workspace::with_solver(Box::new(solver));
-        first_step(&mut group, &falling_box::<3>(n), work, "advance/3d", &format!("n{n}"));
+    for (name, stabilisation) in [("advance/3d", Stabilisation::STANDARD), ("advance/3d-uniform", UNIFORM)] {
+        for n in [8, 12] {
+            let solver = BlockGaussSeidel::new(BlockGaussSeidelSettings::default());
+            let work = Workspace::with_solver(Box::new(solver));
+            first_step(&mut group, &falling_box::<3>(n, stabilisation), work, name, &format!("n{n}"));
+        }
     }
     group.finish();
 }

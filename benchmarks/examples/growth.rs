@@ -10,7 +10,7 @@ use algebra::{
     BlockGaussSeidel, BlockGaussSeidelSettings, DirectSolver, LaggedSettings, LaggedSolver, LinearSolver, Workspace,
 };
 use benchmarks::{Resolution, UnfittedStokes, falling_ball, falling_box, stokes_system};
-use solver::{Setup, State, Substep, advance};
+use solver::{Setup, Stabilisation, State, Substep, advance};
 
 /// Number of steps for means: the first one, and four with possibly lagged factors.
 const N_STEPS: usize = 5;
@@ -25,7 +25,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let setup = falling_ball(Resolution { name: "given", fine, coarse: 5.0 * fine });
             steps(&setup, Box::new(LaggedSolver::new(LaggedSettings::default())))?
         }
-        "step3" => steps(&falling_box::<3>(size.parse()?), Box::new(sweep()))?,
+        "step3" => steps(&falling_box::<3>(size.parse()?, Stabilisation::STANDARD), Box::new(sweep()))?,
         "stokes3" => stokes(size.parse()?, &mut sweep())?,
         "stokes3-lu" => stokes(size.parse()?, &mut DirectSolver::new())?,
         _ => return Err(format!("there is no kind {kind}").into()),

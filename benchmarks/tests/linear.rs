@@ -6,7 +6,7 @@ use algebra::{
 use benchmarks::{
     RESOLUTIONS, UnfittedStokes, ball_in_contact, falling_ball, falling_box, first_system, stokes_system,
 };
-use solver::{State, Substep, advance};
+use solver::{Stabilisation, State, Substep, advance};
 
 const INCOMPLETE: [BlockSolver; 2] = [BlockSolver::Incomplete(Fill::Pattern), BlockSolver::Incomplete(Fill::THRESHOLD)];
 
@@ -55,7 +55,7 @@ fn a_ball_in_free_fall_and_in_contact() {
 
 #[test]
 fn a_step_in_3d() {
-    let setup = falling_box::<3>(5);
+    let setup = falling_box::<3>(5, Stabilisation::STANDARD);
     let start = State::initial(&setup).expect("the cube cuts the background");
     let sweep = BlockGaussSeidel::new(BlockGaussSeidelSettings::default());
     let [direct, iterative] = [Workspace::new(), Workspace::with_solver(Box::new(sweep))].map(|mut work| {

@@ -9,6 +9,8 @@ use algebra::{
     LinearSystem, LocalSystem, NewtonError, NewtonReport, NewtonSettings, Workspace,
 };
 use common::{Flow, Part, scalar_field, springs};
+use rand::{RngExt, SeedableRng};
+use rand_xoshiro::SplitMix64;
 
 /// Returns the contribution of a scalar equation `f(x) = 0`, given by value and derivative.
 fn scalar<'a>(function: impl Fn(f64) -> (f64, f64) + Send + Sync + 'a) -> Part<'a> {
@@ -130,11 +132,8 @@ fn a_linear_problem_takes_one_correction() {
 #[test]
 fn a_state_at_rest_is_accepted_at_the_rounding_of_its_field() {
     // A force that rounding makes irregular below 1e-16, and a solution of zero, to which nothing can be relative.
-    let mut hash = 1_u64;
-    let noise = Mutex::new(move || {
-        hash = hash.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-        1e-16 * (hash >> 32) as f64 / f64::from(u32::MAX)
-    });
+    let mut random = SplitMix64::seed_from_u64(1);
+    let noise = Mutex::new(move || random.random_range(0.0..1e-16));
     let rough = scalar(|x: f64| (x + (noise.lock().unwrap())(), 1.0));
     let solve = |rounding: f64| {
         let mut layout = scalar_field(1);

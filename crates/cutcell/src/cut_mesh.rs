@@ -391,15 +391,15 @@ pub(crate) fn measure<const D: usize>(polygon: &[Point<D>]) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use rand::{RngExt, SeedableRng};
+    use rand_xoshiro::SplitMix64;
+
     use super::*;
 
     /// Checks simplices whose corners lie on a few lines and planes up to round-off: slivers of all kinds.
     fn check_slivers<const D: usize>() {
-        let mut state = 7_u64;
-        let mut random = |n: u64| {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 33) % n
-        };
+        let mut generator = SplitMix64::seed_from_u64(7);
+        let mut random = |n: u32| generator.random_range(0..n);
         let mut volumes = [0.0; 2];
         for _ in 0..20_000 {
             let [a, b] = [(); 2].map(|()| {

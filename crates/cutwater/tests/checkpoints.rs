@@ -6,6 +6,9 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
+use rand::{RngExt, SeedableRng};
+use rand_xoshiro::SplitMix64;
+
 /// Changes to the case: a coarse mesh, checkpoints, and an end after the first contact.
 const SETS: [&str; 7] = [
     "background.size=1.0",
@@ -131,7 +134,7 @@ fn killed_runs_end_with_the_same_bits() {
 /// Starts runs, kills them at random moments and resumes them, `most_kills` times in all. Compares the results of each
 /// run that came to its end. Returns how often a run began from a checkpoint.
 fn kills(seed: u64, most_kills: usize, length: Duration, expected: &BTreeMap<String, Vec<u8>>) -> usize {
-    let (mut n_kills, mut n_resumed, mut random) = (0, 0, seed);
+    let (mut n_kills, mut n_resumed, mut random) = (0, 0, SplitMix64::seed_from_u64(seed));
     for number in 0.. {
         if n_kills >= most_kills {
             break;
@@ -144,17 +147,12 @@ fn kills(seed: u64, most_kills: usize, length: Duration, expected: &BTreeMap<Str
                     .flatten()
                     .any(|entry| entry.file_name().to_string_lossy().starts_with("checkpoint-"));
             n_resumed += usize::from(has_checkpoint);
-            // A linear congruential generator: Knuth, The Art of Computer Programming, 3.3.4.
-            random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             if n_kills >= most_kills {
                 finish(command(&killed, has_checkpoint, &[]), 0);
                 break;
             }
             let run = command(&killed, has_checkpoint, &[]).stdout(Stdio::null()).stderr(Stdio::null()).spawn();
-            if ends_within(
-                run.expect("the binary starts"),
-                length.mul_f64((random >> 33) as f64 / f64::from(1_u32 << 31)),
-            ) {
+            if ends_within(run.expect("the binary starts"), length.mul_f64(random.random())) {
                 break;
             }
             n_kills += 1;

@@ -6,8 +6,10 @@ use std::sync::Arc;
 use cutwater::mesh::facet_normal;
 use cutwater::solver::{FluidBoundary, Setup, State};
 use cutwater::xfem_space::PartValues;
+use rand::{RngExt, SeedableRng};
+use rand_xoshiro::SplitMix64;
 
-use super::flow::{Random, fluid_mut, fluid_of, polygon_of_particles, wet, wet_report};
+use super::flow::{fluid_mut, fluid_of, polygon_of_particles, wet, wet_report};
 use super::linear_flow::{Linear, SIZE, background, nonagon};
 use super::record::{Named, worse};
 use super::{Failure, P, Record, Run, T, V};
@@ -130,7 +132,7 @@ fn named(name: &str, errors: &SweptErrors) -> Named {
 }
 
 /// Measures the errors of a body that moves and turns under an open side.
-pub(super) fn open(centre: P, random: &mut Random) -> Result<Named, Failure> {
+pub(super) fn open(centre: P, random: &mut SplitMix64) -> Result<Named, Failure> {
     let motion = rigid(centre, random);
     Ok(named("body that moves and turns under an open side", &displaced(nonagon(centre, random), motion, SIZE)?))
 }
@@ -140,7 +142,7 @@ pub(super) fn leak(record: &mut Record) -> Result<(), Failure> {
     let errors: Vec<(f64, f64)> = [SIZE, 0.5 * SIZE, 0.25 * SIZE]
         .into_iter()
         .map(|h| {
-            let (mut random, centre) = (Random(12), P::new(1.0, 0.75));
+            let (mut random, centre) = (SplitMix64::seed_from_u64(12), P::new(1.0, 0.75));
             let motion = rigid(centre, &mut random);
             Ok((h, displaced(nonagon(centre, &mut random), motion, h)?.leak))
         })
@@ -151,14 +153,14 @@ pub(super) fn leak(record: &mut Record) -> Result<(), Failure> {
     Ok(())
 }
 
-fn rigid(about: P, random: &mut Random) -> BodyMotion {
-    let speed = V::new(random.between(-0.7, 0.7), random.between(-0.7, 0.7));
-    BodyMotion::Rigid { about, speed, spin: random.between(1.0, 4.0) }
+fn rigid(about: P, random: &mut SplitMix64) -> BodyMotion {
+    let speed = V::new(random.random_range(-0.7..0.7), random.random_range(-0.7..0.7));
+    BodyMotion::Rigid { about, speed, spin: random.random_range(1.0..4.0) }
 }
 
 /// Measures the errors of a body that turns, swells and is sheared under an open side.
-pub(super) fn swelling(about: P, random: &mut Random) -> Result<Named, Failure> {
-    let mut entry = || random.between(-0.5, 0.5);
+pub(super) fn swelling(about: P, random: &mut SplitMix64) -> Result<Named, Failure> {
+    let mut entry = || random.random_range(-0.5..0.5);
     let (shear, b) = (T::new(entry(), entry(), entry(), entry()), V::new(entry(), entry()));
     let motion = BodyMotion::Swelling { about, a: shear + T::new(0.6, -1.0, 1.0, 0.6), b };
     let name = "body that turns, swells and is sheared under an open side";

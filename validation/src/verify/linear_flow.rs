@@ -6,8 +6,10 @@ use cutwater::algebra::NewtonSettings;
 use cutwater::mesh::SimplexMesh;
 use cutwater::mesh::generate::{Size, graded_box};
 use cutwater::solver::{FluidBoundary, Setup};
+use rand::RngExt;
+use rand_xoshiro::SplitMix64;
 
-use super::flow::{Flow, Known, Random, set_sides};
+use super::flow::{Flow, Known, set_sides};
 use super::{Failure, P, T, V};
 
 /// Size of the cells of the background.
@@ -73,10 +75,10 @@ pub(super) fn still(
 }
 
 /// Returns a polygon without any symmetry.
-pub(super) fn nonagon(centre: P, random: &mut Random) -> Vec<P> {
-    let turn = random.between(0.0, 1.0);
+pub(super) fn nonagon(centre: P, random: &mut SplitMix64) -> Vec<P> {
+    let turn = random.random_range(0.0..1.0);
     let corner = |k: u32| {
-        let (angle, radius) = (turn + f64::from(k) * std::f64::consts::TAU / 9.0, random.between(0.2, 0.45));
+        let (angle, radius) = (turn + f64::from(k) * std::f64::consts::TAU / 9.0, random.random_range(0.2..0.45));
         centre + P::new(angle.cos(), angle.sin()) * radius
     };
     (0..9).map(corner).collect()

@@ -2,8 +2,10 @@
 
 use cutwater::fluid_ns::terms::CipProfile;
 use cutwater::mesh::SimplexMesh;
+use rand::{RngExt, SeedableRng};
+use rand_xoshiro::SplitMix64;
 
-use super::flow::{self, Random, fluid_mut, fluid_of};
+use super::flow::{self, fluid_mut, fluid_of};
 use super::orders::{Couette, couette_setup};
 use super::record::worse;
 use super::signal::{mean, rms};
@@ -158,10 +160,10 @@ fn scatter(record: &mut Record) -> Result<(), Failure> {
     let h = 1.0 / n as f64;
     let mut curves = Vec::new();
     for (ghost, label) in [(true, "with ghost penalty"), (false, "without any penalty of jumps of gradients")] {
-        let mut random = Random(11);
+        let mut random = SplitMix64::seed_from_u64(11);
         let (mut torques, mut unsolved) = (Vec::new(), 0.0);
         for _ in 0..places {
-            let centre = P::new(random.between(0.0, h), random.between(0.0, h));
+            let centre = P::new(random.random_range(0.0..h), random.random_range(0.0..h));
             let (_, mut setup) = couette_setup(n, centre)?;
             if !ghost {
                 let set = &mut fluid_mut(&mut setup)?.stabilisation;

@@ -348,16 +348,10 @@ fn subtract_transposed_product<T: RealField + Copy>(matrix: &[T], x: &[T], y: &m
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_xoshiro::SplitMix64;
 
-    /// Returns pseudo-random numbers between -1 and 1.
-    fn numbers() -> impl FnMut() -> f64 {
-        let mut state: u64 = 0x9e37_79b9_7f4a_7c15;
-        move || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-        }
-    }
+    use super::*;
 
     /// Returns a saddle point problem on an `m` by `m` grid, and the nodes of its unknowns.
     ///
@@ -365,7 +359,7 @@ mod tests {
     /// for every third point they are stored in one direction only. The unknowns of a field are contiguous.
     fn saddle_points(m: usize) -> (CsMatI<f64, u32>, Vec<u32>) {
         let n = m * m;
-        let mut random = numbers();
+        let mut random = SplitMix64::seed_from_u64(1);
         let mut triplets = sprs::TriMatI::new((3 * n, 3 * n));
         for point in 0..n {
             let (i, j) = (point % m, point / m);
@@ -379,12 +373,16 @@ mod tests {
                     continue;
                 }
                 for component in 0..2 {
-                    triplets.add_triplet(component * n + point, component * n + other, random());
+                    triplets.add_triplet(component * n + point, component * n + other, random.random_range(-1.0..1.0));
                     if point % 3 != 0 {
-                        triplets.add_triplet(component * n + other, component * n + point, random());
+                        triplets.add_triplet(
+                            component * n + other,
+                            component * n + point,
+                            random.random_range(-1.0..1.0),
+                        );
                     }
-                    triplets.add_triplet(2 * n + other, component * n + point, 0.3 * random());
-                    triplets.add_triplet(component * n + point, 2 * n + other, 0.3 * random());
+                    triplets.add_triplet(2 * n + other, component * n + point, 0.3 * random.random_range(-1.0..1.0));
+                    triplets.add_triplet(component * n + point, 2 * n + other, 0.3 * random.random_range(-1.0..1.0));
                 }
             }
         }
@@ -397,8 +395,8 @@ mod tests {
         factors: &mut StaticFactors<T>,
         matrix: &CsMatI<f64, u32>,
     ) -> (f64, Vec<f64>) {
-        let mut random = numbers();
-        let rhs: Vec<f64> = (0..matrix.rows()).map(|_| random()).collect();
+        let mut random = SplitMix64::seed_from_u64(1);
+        let rhs: Vec<f64> = (0..matrix.rows()).map(|_| random.random_range(-1.0..1.0)).collect();
         let mut x = rhs.clone();
         factors.substitute(&mut x).unwrap();
         let mut residual: Vec<f64> = rhs.iter().map(|b| -b).collect();
@@ -427,8 +425,8 @@ mod tests {
         let (matrix, nodes) = saddle_points(40);
         let mut factors = StaticFactors::<f32>::default();
         factors.factorize(&matrix, &nodes).unwrap();
-        let mut random = numbers();
-        let mut wide: Vec<f64> = (0..matrix.rows()).map(|_| random()).collect();
+        let mut random = SplitMix64::seed_from_u64(1);
+        let mut wide: Vec<f64> = (0..matrix.rows()).map(|_| random.random_range(-1.0..1.0)).collect();
         let mut plain = wide.clone();
         factors.substitute(&mut wide).unwrap();
         factors.substitute_by(&mut plain, |substitution| substitution.call()).unwrap();

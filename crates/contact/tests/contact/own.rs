@@ -6,9 +6,11 @@ use body::{Body, BodyState};
 use contact::{ContactForm, ContactItems, ContactLaw, ContactSites, NitscheLaw, OwnSurface, PenaltyLaw};
 use mesh::generate::structured_box;
 use mesh::{CellId, FacetId, Point, SimplexMesh, Vector, VertexId};
+use rand::SeedableRng;
+use rand_xoshiro::SplitMix64;
 use solid_svk::{ElasticBody, ElasticOptions, SaintVenantKirchhoff, SolidForm, SolidMesh};
 
-use crate::setting::{Random, Scene, n_active, report_of, residual, soft, work};
+use crate::setting::{Scene, n_active, numbers, report_of, residual, soft, work};
 
 const SIZE: f64 = 0.02;
 const OFFSET: f64 = 0.05;
@@ -174,7 +176,7 @@ fn jaws_that_overlap_touch_each_other() {
 fn its_tangent_is_exact() {
     fn check(law: impl ContactLaw + 'static) {
         closed_clamp(0.17, law, |contact, _, at_rest| {
-            let x = Random::new(7).numbers(at_rest.len(), 0.3);
+            let x = numbers(&mut SplitMix64::seed_from_u64(7), at_rest.len(), 0.3);
             assert!(n_active(contact, &x, |_| true) > 3);
             let contact = work(contact.clone());
             let worst = worst_tangent_entry(&contact, 0..contact.len(), &x, 1e-5);

@@ -8,9 +8,11 @@ use contact::{
     DeformableObstacle, Error, NitscheLaw, Obstacle, PenaltyLaw, RigidPlane, check_pair,
 };
 use mesh::{BoundaryMesh, FacetId, Point, Vector};
+use rand::SeedableRng;
+use rand_xoshiro::SplitMix64;
 use solid_svk::{ElasticBody, Order};
 
-use crate::setting::{Random, Scene, block_of, n_active, report_of, residual, soft, with_velocity, work};
+use crate::setting::{Scene, block_of, n_active, numbers, report_of, residual, soft, with_velocity, work};
 
 const GAMMA: f64 = 1e6;
 const SIZE: f64 = 0.1;
@@ -125,7 +127,7 @@ fn tangent_is_exact<const D: usize>(
     for seed in 0..4 {
         over_ground::<D>(0.03, law, &|_, scene, contact| {
             // The numbers of a field in front of the body come first.
-            let x = Random::new(seed).numbers(4 + scene.layout.len(), 3.0).split_off(4);
+            let x = numbers(&mut SplitMix64::seed_from_u64(seed), 4 + scene.layout.len(), 3.0).split_off(4);
             let found = n_active(contact, &x, condition);
             assert!(found >= n, "{found} points");
             let deviation = check_tangent(&work(contact.clone()), &x, step);
@@ -158,7 +160,8 @@ fn tangent_with_friction_is_exact() {
 fn tangent_with_multipliers_is_exact<const D: usize>() {
     let law = AugmentedLagrangianLaw::new(0.1, OFFSET, 0.4, 1e-6).unwrap();
     over_ground::<D>(0.03, law, &|_, scene, contact| {
-        let states: [Vec<f64>; 2] = [1, 2].map(|seed| Random::new(seed).numbers(scene.layout.len(), 3.0));
+        let states: [Vec<f64>; 2] =
+            [1, 2].map(|seed| numbers(&mut SplitMix64::seed_from_u64(seed), scene.layout.len(), 3.0));
         let [before, x] = &states;
         let multipliers = contact.multipliers(before).unwrap();
         let mut items = contact.items.clone();

@@ -14,6 +14,8 @@ use contact::{
 };
 use mesh::generate::structured_box;
 use mesh::{FacetId, Vector, VertexId};
+use rand::RngExt;
+use rand_xoshiro::SplitMix64;
 use solid_svk::{ElasticBody, ElasticOptions, LameParameters, Order, SaintVenantKirchhoff, SolidForm, SolidMesh};
 
 /// Bodies in one step. The first one is the slave, and the second one, if there is one, is the master.
@@ -145,26 +147,14 @@ pub(crate) fn soft() -> LameParameters {
     LameParameters::new(50.0, 50.0).unwrap()
 }
 
-/// Pseudo-random numbers in (-1, 1).
-pub(crate) struct Random(u64);
+/// Returns a vector with random entries between -1 and 1.
+pub(crate) fn vector<const D: usize>(random: &mut SplitMix64) -> Vector<D> {
+    Vector::from_fn(|_, _| random.random_range(-1.0..1.0))
+}
 
-impl Random {
-    pub(crate) fn new(seed: u64) -> Self {
-        Self(seed)
-    }
-
-    pub(crate) fn number(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    }
-
-    pub(crate) fn vector<const D: usize>(&mut self) -> Vector<D> {
-        Vector::from_fn(|_, _| self.number())
-    }
-
-    pub(crate) fn numbers(&mut self, n: usize, scale: f64) -> Vec<f64> {
-        (0..n).map(|_| self.number() * scale).collect()
-    }
+/// Returns random numbers between -scale and scale.
+pub(crate) fn numbers(random: &mut SplitMix64, n: usize, scale: f64) -> Vec<f64> {
+    (0..n).map(|_| random.random_range(-scale..scale)).collect()
 }
 
 /// Returns the residual of a contact.

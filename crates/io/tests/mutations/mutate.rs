@@ -1,26 +1,19 @@
 //! Mutations of the bytes of a file: single bytes, numbers, words, lines, and ranges.
 
-/// Deterministic random numbers (SplitMix64).
-pub(crate) struct Random(u64);
+use rand::{RngExt, SeedableRng};
+use rand_xoshiro::SplitMix64;
+
+/// Random choices that are the same in every run.
+pub(crate) struct Random(SplitMix64);
 
 impl Random {
     pub(crate) fn new(seed: u64, number: u64) -> Self {
-        let mut random = Self(seed.wrapping_mul(0xd6e8_feb8_6659_fd93) ^ number);
-        random.next();
-        random
-    }
-
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
+        Self(SplitMix64::seed_from_u64(seed.wrapping_mul(0xd6e8_feb8_6659_fd93) ^ number))
     }
 
     /// Returns a number below `n`, and zero if `n` is zero.
     pub(crate) fn below(&mut self, n: usize) -> usize {
-        (self.next() % n.max(1) as u64) as usize
+        self.0.random_range(0..n.max(1))
     }
 
     fn pick<'a, T: ?Sized>(&mut self, items: &[&'a T]) -> &'a T {

@@ -1,6 +1,8 @@
 //! Consistency of a material law with itself.
 
 use mesh::{Tensor, Vector, det};
+use rand::{RngExt, SeedableRng};
+use rand_xoshiro::SplitMix64;
 
 use super::Material;
 
@@ -57,14 +59,8 @@ fn stiffness_deviation<const D: usize>(material: &dyn Material<D>, f: &Tensor<D>
 /// Checks a material law at pseudo-random deformations: `P` is the derivative of `W`, `dP` that of `P`, the
 /// stiffness follows from it, energy and stress are objective, and the reference state is free of stress.
 pub fn check_material<const D: usize>(material: &dyn Material<D>, n_states: usize) -> MaterialCheck {
-    let mut state = 1_u64;
-    // Numbers in (-1, 1) from a linear congruential generator (Knuth's MMIX constants).
-    let mut tensor = || {
-        Tensor::<D>::from_fn(|_, _| {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-        })
-    };
+    let mut random = SplitMix64::seed_from_u64(1);
+    let mut tensor = || Tensor::<D>::from_fn(|_, _| random.random_range(-1.0..1.0));
     let identity = Tensor::<D>::identity();
     let step = f64::EPSILON.cbrt();
     let mut check = MaterialCheck::default();

@@ -3,14 +3,16 @@
 use std::sync::Arc;
 
 use crate::setting::{
-    ORDERS, Random, advance, at_rest, ball_material, curved, distorted, level, padded_layout, residual, round_disk,
-    rule, solve, state, unit_body, unit_mesh, weightless,
+    ORDERS, advance, at_rest, ball_material, curved, distorted, level, padded_layout, residual, round_disk, rule,
+    solve, state, unit_body, unit_mesh, vectors, weightless,
 };
 use algebra::time::{GeneralisedAlpha, ImplicitEuler, Level, QuasiStatic};
 use algebra::{BlockLayout, Constraints};
 use body::{Body, StepTime};
 use mesh::generate::{BallOptions, ball};
 use mesh::{FacetId, Point, Vector, VertexId};
+use rand::SeedableRng;
+use rand_xoshiro::SplitMix64;
 use solid_svk::energy::balance;
 use solid_svk::supports::tagged_facets;
 use solid_svk::{
@@ -102,7 +104,7 @@ fn kinetic_energy_is_half_of_v_m_v(mesh: &SolidMesh<3>) {
     let form = weightless();
     let (layout, field) = padded_layout(mesh);
     let rest = at_rest(mesh);
-    let velocity = Random::new(5).vectors::<3>(mesh.nodes().len(), 10.0);
+    let velocity = vectors::<3>(&mut SplitMix64::seed_from_u64(5), mesh.nodes().len(), 10.0);
     let rule = rule(&ImplicitEuler, 0.5, &rest);
     let inertia =
         form.inertia_and_body_force(SolidCells { solid: mesh, rule: &rule, layout: &layout, velocity: field });

@@ -7,6 +7,8 @@ use algebra::{
 };
 use mesh::generate::structured_box;
 use mesh::{FacetId, Point, SimplexMesh, Tensor, Vector, VertexId, sym};
+use rand::{RngExt, SeedableRng};
+use rand_xoshiro::SplitMix64;
 use solid_svk::{LameParameters, Order, SaintVenantKirchhoff, SolidCells, SolidForm, SolidMesh};
 
 /// Number of dofs of the field that precedes the velocity in the layout.
@@ -93,9 +95,9 @@ pub(crate) fn unit_body<const D: usize>(n: usize) -> SolidMesh<D> {
 
 /// Returns the unit square or cube with all vertices inside moved.
 pub(crate) fn distorted<const D: usize>(n: usize, order: Order) -> SolidMesh<D> {
-    let (mesh, mut random) = (unit_mesh::<D>(n), Random::new(17));
+    let (mesh, mut random) = (unit_mesh::<D>(n), SplitMix64::seed_from_u64(17));
     let is_inside = |x: &Point<D>| x.iter().all(|c| *c > 0.0 && *c < 1.0);
-    let mut moved = |x: &Point<D>| if is_inside(x) { x + random.vector::<D>() * (0.15 / n as f64) } else { *x };
+    let mut moved = |x: &Point<D>| if is_inside(x) { x + vector::<D>(&mut random) * (0.15 / n as f64) } else { *x };
     let vertices = mesh.vertices().iter().map(&mut moved).collect();
     let cells = mesh.cells().flat_map(|cell| mesh.cell(cell).to_vec()).collect();
     let moved = SimplexMesh::new(vertices, cells).unwrap();
@@ -129,8 +131,8 @@ pub(crate) struct Quadratic<const D: usize> {
 
 /// Returns a displacement with strains of a few percent on the unit square or cube.
 pub(crate) fn quadratic_field<const D: usize>() -> Quadratic<D> {
-    let mut random = Random::new(23);
-    let mut tensor = |scale: f64| Tensor::<D>::from_fn(|_, _| scale * random.number());
+    let mut random = SplitMix64::seed_from_u64(23);
+    let mut tensor = |scale: f64| Tensor::<D>::from_fn(|_, _| scale * random.random_range(-1.0..1.0));
     Quadratic { linear: tensor(0.05), hessians: std::array::from_fn(|_| sym(&tensor(0.05))) }
 }
 
@@ -162,30 +164,19 @@ pub(crate) fn padded_layout<const D: usize>(mesh: &SolidMesh<D>) -> (BlockLayout
     (layout, field)
 }
 
-/// Pseudo-random numbers in (-1, 1).
-pub(crate) struct Random(u64);
+/// Returns a vector with random entries between -1 and 1.
+pub(crate) fn vector<const D: usize>(random: &mut SplitMix64) -> Vector<D> {
+    Vector::from_fn(|_, _| random.random_range(-1.0..1.0))
+}
 
-impl Random {
-    pub(crate) fn new(seed: u64) -> Self {
-        Self(seed)
-    }
+/// Returns random vectors with entries between -scale and scale.
+pub(crate) fn vectors<const D: usize>(random: &mut SplitMix64, n: usize, scale: f64) -> Vec<Vector<D>> {
+    (0..n).map(|_| vector(random) * scale).collect()
+}
 
-    pub(crate) fn number(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    }
-
-    pub(crate) fn vector<const D: usize>(&mut self) -> Vector<D> {
-        Vector::from_fn(|_, _| self.number())
-    }
-
-    pub(crate) fn vectors<const D: usize>(&mut self, n: usize, scale: f64) -> Vec<Vector<D>> {
-        (0..n).map(|_| self.vector() * scale).collect()
-    }
-
-    pub(crate) fn numbers(&mut self, n: usize, scale: f64) -> Vec<f64> {
-        (0..n).map(|_| self.number() * scale).collect()
-    }
+/// Returns random numbers between -scale and scale.
+pub(crate) fn numbers(random: &mut SplitMix64, n: usize, scale: f64) -> Vec<f64> {
+    (0..n).map(|_| random.random_range(-scale..scale)).collect()
 }
 
 /// Returns the sum of the residuals of contributions.

@@ -3,13 +3,15 @@
 use std::sync::Arc;
 
 use crate::setting::{
-    ORDERS, Random, at_rest, ball_material, curved, distorted, padded_layout, quadratic_field, rule, state, unit_body,
-    unit_mesh,
+    ORDERS, at_rest, ball_material, curved, distorted, numbers, padded_layout, quadratic_field, rule, state, unit_body,
+    unit_mesh, vector, vectors,
 };
 use algebra::time::{GeneralisedAlpha, ImplicitEuler, Level, QuasiStatic, TimeScheme};
 use algebra::{Contributions, Integral, Term, check_tangent};
 use body::SurfaceStress;
 use mesh::{Point, Tensor, Vector, VertexId};
+use rand::SeedableRng;
+use rand_xoshiro::SplitMix64;
 use solid_svk::kinematics::{cauchy_stress, gradient};
 use solid_svk::terms::{FollowerPressure, Traction};
 use solid_svk::{CellPoint, Material, Order, SolidCells, SolidFacet, SolidFacets, SolidForm, SolidMesh, SolidStress};
@@ -19,22 +21,22 @@ fn schemes() -> [Box<dyn TimeScheme>; 3] {
 }
 
 /// Returns a level with random displacement, velocity and acceleration.
-fn random_level<const D: usize>(random: &mut Random, n: usize) -> Level<Vector<D>> {
-    let [displacement, velocity, acceleration] = [0.02, 5.0, 200.0].map(|scale| random.vectors(n, scale));
+fn random_level<const D: usize>(random: &mut SplitMix64, n: usize) -> Level<Vector<D>> {
+    let [displacement, velocity, acceleration] = [0.02, 5.0, 200.0].map(|scale| vectors(random, n, scale));
     Level { displacement, velocity, acceleration }
 }
 
 fn tangents_are_exact<const D: usize>(mesh: &SolidMesh<D>) {
     let (layout, field) = padded_layout(mesh);
-    let mut random = Random::new(7);
-    let form = SolidForm::new(1.3, ball_material(), random.vector() * 1e3).unwrap();
+    let mut random = SplitMix64::seed_from_u64(7);
+    let form = SolidForm::new(1.3, ball_material(), vector(&mut random) * 1e3).unwrap();
     let loads: [&dyn Term<SolidFacet<D>>; 2] =
         [&FollowerPressure { pressure: 3e5 }, &Traction { traction: Arc::new(|_, _| Vector::repeat(2.0)) }];
     let facets: Vec<_> = mesh.boundary().facets().collect();
     for scheme in schemes() {
         let rule = rule(scheme.as_ref(), 1e-2, &random_level(&mut random, mesh.nodes().len()));
         let cells = SolidCells { solid: mesh, rule: &rule, layout: &layout, velocity: field };
-        let x = random.numbers(layout.len(), 5.0);
+        let x = numbers(&mut random, layout.len(), 5.0);
         let (linear, work) = (form.inertia_and_body_force(cells), form.internal_work(cells));
         assert!(linear.is_linear() && !work.is_linear());
         let mut all: Vec<(&dyn Contributions, f64)> = vec![(&linear, 1e-10), (&work, 1e-6)];
@@ -60,12 +62,12 @@ fn tangents_are_exact_in_2d_and_3d() {
 /// derivatives.
 fn stress_on_the_surface<const D: usize>(mesh: &SolidMesh<D>) {
     let (layout, field) = padded_layout(mesh);
-    let mut random = Random::new(11);
+    let mut random = SplitMix64::seed_from_u64(11);
     let material = ball_material();
     let mut worst = [0.0_f64; 2];
     for scheme in schemes() {
         let rule = rule(scheme.as_ref(), 1e-2, &random_level(&mut random, mesh.nodes().len()));
-        let x = random.numbers(layout.len(), 5.0);
+        let x = numbers(&mut random, layout.len(), 5.0);
         let velocity = layout.values(field, &x).map(Vector::<D>::from).enumerate();
         let displacement: Vec<_> = velocity.map(|(i, v)| rule.displacement.at(i, v)).collect();
         let positions: Vec<Point<D>> = mesh.nodes().iter().zip(&displacement).map(|(x, d)| x + d).collect();
@@ -148,7 +150,7 @@ fn stress_of_a_quadratic_displacement_in_2d_and_3d() {
 fn trace_bound<const D: usize>(order: Order) {
     let mesh = SolidMesh::<D>::of_order(unit_mesh(2), order).unwrap();
     let (layout, field) = padded_layout(&mesh);
-    let mut random = Random::new(3);
+    let mut random = SplitMix64::seed_from_u64(3);
     let material = ball_material();
     let scheme = &schemes()[0];
     let rule = rule(scheme.as_ref(), 1e-2, &at_rest(&mesh));
@@ -178,7 +180,7 @@ fn trace_bound<const D: usize>(order: Order) {
         };
         let bound = stress.trace_bound(facet);
         for _ in 0..20 {
-            let values = random.vectors::<D>(mesh.cell(cell).len(), 1.0);
+            let values = vectors::<D>(&mut random, mesh.cell(cell).len(), 1.0);
             assert!(ratio(&values) <= bound * (1.0 + 1e-12));
         }
         if of_cell.iter().all(|other| (placed.facet_normal(*other) - normal).norm() < 1e-12) {
