@@ -1,5 +1,7 @@
 //! Runs a scenario and writes a directory of results.
 
+use std::fs::File;
+use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -222,6 +224,13 @@ fn remove_series(directory: &Path) -> Result<(), Error> {
     remove_fields(directory, |_| true)
 }
 
+/// Returns whether a file has the columns of a line probe.
+fn is_line(path: &Path) -> bool {
+    let mut header = String::new();
+    let read = File::open(path).and_then(|file| BufReader::new(file).read_line(&mut header));
+    read.is_ok() && header.starts_with("x [") && header.contains(",velocity_x [") && header.contains(",pressure [")
+}
+
 /// Removes the files of fields and lines of some steps.
 fn remove_fields(directory: &Path, is_removed: impl Fn(usize) -> bool) -> Result<(), Error> {
     let folders = ["vtk", LINES].into_iter().filter_map(|folder| std::fs::read_dir(directory.join(folder)).ok());
@@ -229,7 +238,7 @@ fn remove_fields(directory: &Path, is_removed: impl Fn(usize) -> bool) -> Result
         let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
         let field = name.strip_suffix(".vtu").and_then(|name| name.rsplit_once('_'));
         let field = field.filter(|(series, _)| SERIES.contains(series));
-        let line = name.strip_suffix(".csv").and_then(|name| name.rsplit_once('_'));
+        let line = name.strip_suffix(".csv").and_then(|name| name.rsplit_once('_')).filter(|_| is_line(&path));
         let step = field.or(line).and_then(|(_, step)| step.parse().ok());
         if step.is_some_and(&is_removed) {
             std::fs::remove_file(&path).map_err(|source| Error::Write { path, source })?;

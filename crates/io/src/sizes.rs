@@ -193,7 +193,8 @@ fn weights<const D: usize>(scenario: &Scenario, setup: &Setup<D>, state: &State<
             Some(None) => ", no buoyancy: the fluid has no `body_force`".to_owned(),
             None => String::new(),
         };
-        let (name, weight) = (body.name(), vector(&balance.body_force));
+        let (name, weight) =
+            (body.name(), vector(&(balance.body_force + body.variable_gravity(state.time) * balance.mass)));
         Some(format!("body {name}: mass {:e} {mass}, weight {weight:?} {force}{buoyancy}", rounded(balance.mass)))
     };
     shortened(setup.bodies.iter().zip(&state.bodies).filter_map(of_body).collect(), "weights")

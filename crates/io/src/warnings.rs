@@ -11,7 +11,9 @@ use solver::{Contact, FluidBoundary, Setup, State};
 
 use crate::mesh_file::n_parts;
 use crate::pressures::{large_pressures, pressure_lags};
-use crate::scenario::{BodyCondition, BodyKeys, Case, Choose as _, Quantity, Scenario, TimeSchemeChoice, rounded};
+use crate::scenario::{
+    BodyCondition, BodyKeys, Case, Choose as _, MotionChoice, Quantity, Scenario, TimeSchemeChoice, rounded,
+};
 
 /// Largest round-off of a gap, divided by the contact size, and of positions, divided by the extent of the mesh.
 const ROUND_OFF: f64 = 1e-6;
@@ -105,7 +107,7 @@ fn body_forces<const D: usize>(setup: &Setup<D>, state: &State<D>) -> Vec<String
     };
     let of_body = |(body, of): (&Arc<dyn Body<D>>, &BodyState<D>)| {
         let balance = body.balance(of)?;
-        let gravity = balance.body_force / balance.mass;
+        let gravity = balance.body_force / balance.mass + body.variable_gravity(state.time);
         let (found, usual) = (force(&balance.centre_of_mass, state.time), gravity * fluid.material.density);
         let differs = (found - usual).norm() > EQUAL * usual.norm() && gravity.norm() > 0.0;
         let shown = |of: &Vector<D>| of.iter().map(|component| rounded(*component)).collect::<Vec<_>>();
@@ -140,15 +142,21 @@ fn not_held<const D: usize>(scenario: &Scenario, setup: &Setup<D>) -> Vec<String
     }
     let holds = |condition: &BodyCondition| !matches!(condition, BodyCondition::Traction { .. });
     let is_held = |keys: &BodyKeys| {
-        keys.boundary.iter().flat_map(|conditions| &conditions.0).any(|(_, condition)| holds(condition))
+        let is_rigid = matches!(keys.motion.as_deref(), Some(MotionChoice::Free { held, .. }) if !held.is_empty());
+        is_rigid || keys.boundary.iter().flat_map(|conditions| &conditions.0).any(|(_, condition)| holds(condition))
     };
-    let bodies = setup.bodies.iter().zip(&scenario.body).filter(|(body, keys)| body.is_movable() && !is_held(keys));
-    let line = |name: &str| {
+    let all = scenario.bodies();
+    let bodies = setup.bodies.iter().zip(&all).filter(|(body, keys)| body.is_movable() && !is_held(keys));
+    let line = |(body, _): (&Arc<dyn Body<D>>, _)| {
+        let advice =
+            if body.deforms() { "clamp a part in `body.boundary`" } else { "hold its motions with `body.motion.held`" };
         format!(
-            "warning: no part of body {name} is held: with quasi-static and without a fluid only contact can hold it, and the matrix is singular without it;              clamp a part in `body.boundary`, or choose another `time.scheme`"
+            "warning: no part of body {} is held: with quasi-static and without a fluid only contact can hold it, and the matrix is singular without \
+             it; {advice}, or choose another `time.scheme`",
+            body.name()
         )
     };
-    bodies.map(|(body, _)| line(body.name())).collect()
+    bodies.map(line).collect()
 }
 
 /// Smallest number of cells along the largest extent of a resolved body.

@@ -1,7 +1,6 @@
 //! Steps that follow the gap between bodies.
 
-use contact::Positions;
-use mesh::BodyId;
+use mesh::{BodyId, VertexId};
 
 use crate::setup::Contact;
 use crate::{Setup, State};
@@ -13,9 +12,13 @@ pub(crate) fn longest_step<const D: usize>(setup: &Setup<D>, state: &State<D>) -
     let positions = setup.positions(&state.bodies);
     let fastest = |id: BodyId| state.bodies[id.index()].largest_speed();
     let of_contact = |contact: &Contact<D>| {
-        let speed = fastest(contact.body()) + contact.master().map_or(0.0, fastest);
+        let master_speed = contact.master().map_or(0.0, fastest);
+        let speed = fastest(contact.body()) + master_speed;
         let master = contact.master().map_or(&[][..], |id| &positions[id.index()]);
-        let gap = contact.obstacle().smallest_gap(&positions[contact.body().index()], Positions::Fixed(master))?;
+        let slave = contact.body().index();
+        let speed_of = |node: VertexId| state.bodies[slave].velocity()[node.index()].norm();
+        let surface = setup.bodies[slave].surface();
+        let gap = contact.smallest_gap(surface, [&positions[slave], master], speed_of, master_speed)?;
         (speed > 0.0).then(|| approach.fraction * gap / speed)
     };
     let longest = setup.contacts.iter().filter_map(of_contact).fold(f64::INFINITY, f64::min);

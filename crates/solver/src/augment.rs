@@ -14,7 +14,7 @@ impl<const D: usize> Step<'_, D> {
     /// contact become the multipliers of another solve, until they no longer change. A collision at several points is
     /// solved again with the points that push.
     ///
-    /// The report, also that of an error, contains the counts and times of all solves, and the history of the last one.
+    /// The pressure of each pocket has the mean zero. The report, also that of an error, contains the counts and times of all solves, and the history of the last one.
     ///
     /// # Errors
     /// Newton's method fails, or the multipliers still change after the largest number of solves.
@@ -37,7 +37,15 @@ impl<const D: usize> Step<'_, D> {
             last.add_work(&report);
             report = last;
         }
+        self.remove_pressure_means(x);
         Ok(report)
+    }
+
+    /// Subtracts the mean from the pressure of each pocket, whose constant the equations do not determine.
+    fn remove_pressure_means(&self, x: &mut [f64]) {
+        let Some(fluid) = &self.fluid else { return };
+        let pressure = &mut x[self.layout.range(fluid.pressure)];
+        self.pockets.iter().for_each(|pocket| pocket.remove_mean(fluid.geometry(), pressure));
     }
 
     /// Sets the points of collisions that act in the next solve. Returns whether they have changed.

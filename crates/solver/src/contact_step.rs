@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use algebra::BlockLayout;
 use body::{BodyStep, StepTime, SurfaceMotion, SurfaceStress};
-use contact::{ContactItems, ContactPair, ContactSites, Multipliers, Positions, StressSource};
+use contact::{ContactItems, ContactPair, ContactSites, Multipliers, StressSource};
 use interface_dg::{ClosedPoints, FluidStress, StressJump};
 use mesh::{BodyId, Point, Vector, VertexId};
 
@@ -115,12 +115,13 @@ impl<const D: usize> ContactStep<D> {
         }
         let surface = |id: BodyId| parts.bodies[id.index()].surface();
         let (slave, master) = (surface(contact.body()), contact.master().map(surface));
-        let motion = |surface: &SurfaceMotion<'_, D>| {
-            let vertices = (0..surface.begin.len()).map(VertexId::new);
-            let speed = vertices.map(|v| surface.velocity_at(v, parts.layout, x).norm()).fold(0.0, f64::max);
-            speed * parts.time.length
+        let speed_of = |surface: &SurfaceMotion<'_, D>, node| surface.velocity_at(node, parts.layout, x).norm();
+        let fastest = |surface: &SurfaceMotion<'_, D>| {
+            let nodes = (0..surface.begin.len()).map(VertexId::new);
+            nodes.map(|node| speed_of(surface, node)).fold(0.0, f64::max)
         };
-        let motion = motion(slave) + master.map_or(0.0, motion);
+        let master_speed = master.map_or(0.0, fastest);
+        let motion = fastest(slave) * parts.time.length + master_speed * parts.time.length;
         let offset = contact.form().law.offset();
         let room = self.reach - offset;
         if motion <= room {
@@ -128,7 +129,9 @@ impl<const D: usize> ContactStep<D> {
         }
         let obstacle = master.map_or(&[][..], |master| &master.begin);
         // `None` for contact of a body with itself. Zero is then assumed: it may have been missed.
-        let apart = contact.obstacle().smallest_gap(&slave.begin, Positions::Fixed(obstacle)).unwrap_or(0.0);
+        let of_slave = |node| speed_of(slave, node);
+        let apart = contact.smallest_gap(slave.boundary, [&slave.begin, obstacle], of_slave, master_speed);
+        let apart = apart.unwrap_or(0.0);
         (apart <= motion + offset).then_some([motion, room])
     }
 }

@@ -99,11 +99,14 @@ pub enum Error {
     /// Newton's method failed; the error contains the history of residuals.
     #[error("the equations of the step are not solved")]
     Newton(#[from] NewtonError),
+    /// The linear system that extends velocities into fluid that a body has uncovered is not solved.
+    #[error("the velocity of the fluid is not extended to where a body has left")]
+    Extension(#[source] NewtonError),
     /// Bodies in contact moved farther in the step than obstacles were searched: contact may have been missed. Take
     /// smaller steps.
     #[error(
-        "contact {contact} may have been missed: its bodies move by {motion:e} in a step, and obstacles were searched \
-         within {room:e}; take smaller steps"
+        "contact {contact} may have been missed: its bodies move by {motion:e} in a step, and the search \
+         allows {room:e}; take smaller steps"
     )]
     MissedContact {
         /// Index of the contact in the setup.
@@ -171,7 +174,7 @@ impl Error {
     /// Returns whether a smaller step may succeed: after a failure of Newton's method, a missed or passed contact or an
     /// inverted cell, except if the matrix is too large for the memory or structurally singular.
     pub fn smaller_step_may_succeed(&self) -> bool {
-        let Self::Newton(newton) = self else {
+        let (Self::Newton(newton) | Self::Extension(newton)) = self else {
             return matches!(self, Self::MissedContact { .. } | Self::PassedThrough { .. } | Self::Inverted { .. });
         };
         let NewtonError::Linear { source, .. } = newton else { return true };
@@ -187,7 +190,7 @@ impl Error {
     /// Returns the report of the nonlinear solver before the failure.
     pub fn newton_report(&self) -> Option<&NewtonReport> {
         match self {
-            Self::Newton(newton) => Some(newton.report()),
+            Self::Newton(newton) | Self::Extension(newton) => Some(newton.report()),
             Self::MissedContact { newton, .. }
             | Self::PassedThrough { newton, .. }
             | Self::Multipliers { newton, .. }

@@ -11,7 +11,7 @@ use fluid_ns::terms::{
     Incompressibility, Inertia, Traction, Viscous,
 };
 use fluid_ns::{FilmSurfaces, FilmValues, FluidFields, FluidForm, FluidGeometry, OpenBoundary};
-use interface_dg::{InterfacePoints, MortarForm, PieceValues, Pocket};
+use interface_dg::{InterfacePoints, MortarForm, PieceValues};
 use mesh::{Aabb, Point, Vector, facet_normal};
 use xfem_space::{
     BoundaryPoint, FaceValue, PartValues, Sources, XfemSpace, boundary_dofs, boundary_points, face_values,
@@ -37,7 +37,7 @@ const VAPOUR: f64 = 1e3;
 /// The fluid in one step.
 pub(crate) struct FluidStep<'a, const D: usize> {
     pub(crate) setup: &'a FluidSetup<D>,
-    /// Positions of the vertices of each body, extrapolated to the stage.
+    /// Positions of the vertices of each body at which the mesh is cut.
     pub(crate) positions: Vec<Vec<Point<D>>>,
     pub(crate) cut: CutMesh<D>,
     pub(crate) space: XfemSpace<D>,
@@ -123,7 +123,7 @@ impl<'a, const D: usize> FluidStep<'a, D> {
             parts: &parts,
         };
         let extension = Extension { cut: &cut, space: &space, faces: &faces, pieces: &pieces, sources: &sources };
-        let start = surfaces.carry(before, &extension)?;
+        let start = surfaces.carry(before, &extension).map_err(Error::Extension)?;
         seconds_transfer += clock.elapsed().as_secs_f64();
         let moved = |(u, a): (&Vector<D>, &Vector<D>)| u + a * lead;
         let extrapolated: Option<Vec<_>> = (!start.acceleration.is_empty())
@@ -319,9 +319,8 @@ impl<'a, const D: usize> FluidStep<'a, D> {
     }
 
     /// Returns the fluid at the end of the step.
-    pub(crate) fn finish(self, layout: &BlockLayout, pockets: &[Pocket], x: &[f64]) -> FluidState<D> {
-        let mut pressure = x[layout.range(self.pressure)].to_vec();
-        pockets.iter().for_each(|pocket| pocket.remove_mean(self.geometry(), &mut pressure));
+    pub(crate) fn finish(self, layout: &BlockLayout, x: &[f64]) -> FluidState<D> {
+        let pressure = x[layout.range(self.pressure)].to_vec();
         let end = self.end(layout, x);
         let products = self.products(&end.velocity, &end.acceleration);
         let pressure_time = self.time.stage();

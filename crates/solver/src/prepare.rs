@@ -53,6 +53,7 @@ impl<'a, const D: usize> Step<'a, D> {
     ///
     /// # Errors
     /// [`Error::LeftDomain`], [`Error::Cut`] and [`Error::Interface`]: the bodies do not cut the background.
+    /// [`Error::Extension`]: the velocity is not extended to uncovered fluid.
     /// [`Error::MissingStress`]: a contact law depends on a stress that the setup does not have.
     /// [`Error::UnstableShare`]: the penalty is too small for the share of the solid in the traction.
     pub fn prepare(setup: &'a Setup<D>, previous: &'a State<D>, time: StepTime) -> Result<Self, Error> {
@@ -228,7 +229,7 @@ impl<'a, const D: usize> Step<'a, D> {
         let end = State {
             step: self.previous.step + usize::from(substep.is_last),
             time: self.time.end,
-            fluid: self.fluid.map(|fluid| fluid.finish(&self.layout, &self.pockets, x)),
+            fluid: self.fluid.map(|fluid| fluid.finish(&self.layout, x)),
             bodies,
             contact_energy,
         };

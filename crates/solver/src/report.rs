@@ -142,9 +142,11 @@ impl<const D: usize> Problem<'_, D> {
             ContactReport::new(sites, x, [&positions(contact.body()), &master])
         };
         let mut contacts: Vec<_> = step.setup.contacts.iter().zip(&self.contacts).map(contact).collect();
-        for (report, collision) in contacts.iter_mut().zip(&step.collisions) {
+        let collisions = step.setup.contacts.iter().zip(&step.collisions);
+        for (report, (of, collision)) in contacts.iter_mut().zip(collisions) {
             let Some(collision) = collision else { continue };
-            report.force += collision.force(x);
+            let coordinates = step.setup.bodies[of.body().index()].surface().coordinates();
+            report.force += coordinates.resultant(collision.force(x));
             report.powers.iter_mut().zip(collision.powers(x)).for_each(|(power, of)| *power += of);
             report.n_active = report.n_active.max(collision.n_active());
         }

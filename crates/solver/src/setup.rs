@@ -5,10 +5,10 @@ use std::sync::Arc;
 use algebra::NewtonSettings;
 use algebra::time::TimeScheme;
 use body::{Body, BodyState, PointField, TimeField};
-use contact::{ContactForm, DeformableObstacle, Obstacle, OwnSurface, check_pair};
+use contact::{ContactForm, DeformableObstacle, Obstacle, OwnSurface, Positions, check_pair};
 use cutcell::OverlayOptions;
 use fluid_ns::NewtonianFluid;
-use mesh::{BodyId, FacetId, Placed, Point, SimplexMesh, Tag, Vector, unit_vector};
+use mesh::{BodyId, BoundaryMesh, FacetId, Placed, Point, SimplexMesh, Tag, Vector, VertexId, unit_vector};
 
 use crate::{Error, Stabilisation};
 
@@ -260,6 +260,24 @@ impl<const D: usize> Contact<D> {
     /// Returns the facets of the slave that may come into contact.
     pub fn facets(&self) -> &[FacetId] {
         &self.facets
+    }
+
+    /// Returns the smallest gap of the slave's nodes that may come into contact. `slave` and `master` are positions of
+    /// all nodes of the bodies. With a master at rest, nodes of the slave without a velocity, such as clamped ones, are
+    /// left out. Returns `None` for contact of a body with itself.
+    pub(crate) fn smallest_gap(
+        &self,
+        surface: &BoundaryMesh<D>,
+        [slave, master]: [&[Point<D>]; 2],
+        speed_of: impl Fn(VertexId) -> f64,
+        master_speed: f64,
+    ) -> Option<f64> {
+        let mut nodes: Vec<VertexId> = self.facets.iter().flat_map(|facet| surface.nodes(*facet)).copied().collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        nodes.retain(|node| master_speed > 0.0 || speed_of(*node) > 0.0);
+        let points: Vec<_> = nodes.iter().map(|node| slave[node.index()]).collect();
+        self.obstacle().smallest_gap(&points, Positions::Fixed(master))
     }
 
     /// Returns the law, contact size and quadrature.

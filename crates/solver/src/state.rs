@@ -85,7 +85,7 @@ impl<const D: usize> State<D> {
     pub fn next_time(&self, dt: f64) -> f64 {
         let time = self.time + dt;
         let steps = (time / dt).round();
-        if (time - steps * dt).abs() <= 1e-9 * time { steps * dt } else { time }
+        if (time - steps * dt).abs() <= (1e-9 * time).min(1e-3 * dt) { steps * dt } else { time }
     }
 
     /// Returns one more step of length `dt`.

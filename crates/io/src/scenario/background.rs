@@ -170,7 +170,9 @@ pub(super) fn background<const D: usize>(
         }
         Background::Mesh { file, scale, .. } => return background_from_file(file, *scale),
     };
-    let field = size_field(size);
+    let field = size_field::<D>(size).ok_or_else(|| {
+        size.at.part("axis").invalid("there is no third axis with dimension = 2; use axis = \"x\" or axis = \"y\"")
+    })?;
     check_corners(min, max, &max.at)?;
     let min = min.vector::<D>();
     let corners = [min, max.vector::<D>()].map(<[f64; D]>::from);
@@ -201,16 +203,15 @@ pub(super) fn background<const D: usize>(
     if *is_mirrored { mirrored(&box_mesh, 0, min[0]).map_err(|error| given.at.error(error)) } else { Ok(box_mesh) }
 }
 
-fn size_field(size: &OrTable<f64, GradedSize>) -> Size {
+/// Returns the size of the cells; `None` if it is graded along an axis that the space does not have.
+fn size_field<const D: usize>(size: &OrTable<f64, GradedSize>) -> Option<Size> {
     match size {
-        OrTable::Plain(h) => Size::uniform(*h),
-        OrTable::Table(graded) => Size::Graded {
-            fine: graded.fine,
-            fine_until: graded.fine_until,
-            coarse: graded.coarse,
-            coarse_from: graded.coarse_from,
-            axis: graded.axis as usize,
-        },
+        OrTable::Plain(h) => Some(Size::uniform(*h)),
+        OrTable::Table(graded) => {
+            let axis = graded.axis as usize;
+            let &GradedSize { fine, fine_until, coarse, coarse_from, .. } = graded;
+            (axis < D).then_some(Size::Graded { fine, fine_until, coarse, coarse_from, axis })
+        }
     }
 }
 
@@ -255,12 +256,13 @@ pub(super) fn expected<const D: usize>(given: &Background, bodies: &[At<BodyKeys
     match given {
         Background::GradedBox { min, max, size, refine, mirrored, .. } => {
             check_corners(min, max, &max.at).ok()?;
-            let (corners, size) = ([min, max].map(|x| x.vector::<D>().into()), size_field(size));
+            let (corners, size) = ([min, max].map(|x| x.vector::<D>().into()), size_field::<D>(size)?);
             Some(expected_in_box(corners, &size, &regions(refine, corners, &size)?, *mirrored))
         }
         Background::Polygon { corners, holes, size, refine, .. } => {
             let (bounds, size) = (bounds(corners), Size::uniform(**size));
-            Some(expected_in_polygon(corners, holes, bounds, &size, &regions(refine, bounds, &size)?))
+            let n_cells = expected_in_polygon(corners, holes, bounds, &size, &regions(refine, bounds, &size)?);
+            n_cells.is_finite().then_some(n_cells)
         }
         Background::Mesh { .. } => None,
     }
@@ -335,10 +337,16 @@ fn region<const D: usize>(
         RegionChoice::Line { from, to } => RegionShape::Segment { ends: [from.vector(), to.vector()], within: 0.0 },
         RegionChoice::Polygon { corners } => {
             if D != 2 {
-                return Err(given.at.invalid("a polygon is a region in 2D; use a box or a body"));
+                return Err(given.at.part("near").invalid("a polygon is a region in 2D; use a box or a body"));
             }
             surface(
-                surface_of_lines(polygon_lines(&given.at, corners, &[], LineSize::Uniform(f64::MAX), false)?),
+                surface_of_lines(polygon_lines(
+                    &given.at.part("near"),
+                    corners,
+                    &[],
+                    LineSize::Uniform(f64::MAX),
+                    false,
+                )?),
                 true,
                 0.0,
             )

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use mesh::{BoundaryMesh, Coordinates, FacetId, Point, SimplexMesh, Vector, VertexId};
+use mesh::{Aabb, BoundaryMesh, Coordinates, FacetId, Point, SimplexMesh, Vector, VertexId};
 use solid_rigid::RigidBody;
 use solid_rigid::modes::n_rotations;
 use solid_svk::supports::{facets_without_tags, tagged_facets};
@@ -10,7 +10,7 @@ use solid_svk::{
     ElasticBody, ElasticOptions, LameParameters, LinearElastic, Load, Material, NeoHookean, SaintVenantKirchhoff,
     SolidForm, SolidMesh, Support, SupportKind,
 };
-use solver::body::{Body, VectorInTime};
+use solver::body::{Body, TimeField, VectorInTime};
 
 use super::error::{ErrorKind, Location, ScenarioError, sorted};
 use super::field::Field;
@@ -18,7 +18,7 @@ use super::formula::Formula;
 use super::geometry::{Geometry, Shape, plane_normal};
 use super::key::{Quantity, missing};
 use super::motion::{AXIAL, GuideKeys, Held, MotionChoice, finite, is_zero, prescribed};
-use super::solver::Time;
+use super::solver::{Time, TimeSchemeChoice};
 use super::table::{At, Components, Named, choices, keys};
 
 keys! {
@@ -137,8 +137,9 @@ impl At<BodyKeys> {
         let first = self.map(|body| BodyKeys { copies: Vec::new(), ..body.clone() });
         let copy = |(k, shift): (usize, &Components<f64>)| {
             let name = self.name.map(|name| format!("{name}-{}", k + 2));
+            let motion = self.motion.as_ref().map(|motion| motion.map(|motion| motion.shifted(shift)));
             let shift = Some(self.shift.as_ref().map_or(shift.clone(), |own| own.plus(shift)));
-            first.map(|body| BodyKeys { name, shift, ..body.clone() })
+            first.map(|body| BodyKeys { name, shift, motion, ..body.clone() })
         };
         let copies: Vec<Self> = self.copies.iter().enumerate().map(copy).collect();
         std::iter::once(first).chain(copies)
@@ -197,11 +198,21 @@ fn needed<'v, T>(body: &At<BodyKeys>, key: &'static str, value: &'v Option<At<T>
 }
 
 /// Returns the constant gravity of a body, or zero and the gravity as a function of time.
+///
+/// # Errors
+/// A value that is not finite at a step; a radial component in axisymmetric coordinates, whose sum over all angles has
+/// no weight.
 fn gravity<const D: usize>(
     given: &At<BodyKeys>,
     time: &Time,
+    coordinates: Coordinates,
 ) -> Result<(Vector<D>, Option<VectorInTime<D>>), ScenarioError> {
     let axes = needed(given, "gravity", &given.gravity)?;
+    if let Some(across) = coordinates.radial().and_then(|radial| axes.get(radial)).filter(|across| !is_zero(across)) {
+        return Err(across
+            .at
+            .invalid("in axisymmetric coordinates gravity is along the axis, y; set its component x to zero"));
+    }
     let is_constant = axes.iter().all(|axis| axis.is_constant());
     let axes = axes.iter().map(|axis| finite(axis, time)).collect::<Result<Vec<_>, _>>()?;
     let at = move |t| Vector::from_fn(|axis, _| axes[axis].at(&[], t).value);
@@ -268,12 +279,15 @@ fn check_guided(
     };
     let velocity = given.initial_velocity.as_ref().map(|velocity| velocity.at.clone());
     let other = velocity.or(initial_spin.filter(|spin| ***spin != 0.0).map(|spin| spin.at.clone()));
-    match other.or(held.iter().find(moves).map(|held| held.at.clone())) {
-        Some(place) => {
-            Err(place.error(ErrorKind::NoEffect("a body that is guided, which begins with the velocity of its guide")))
-        }
-        None => Ok(()),
+    if let Some(place) = other {
+        let with = "a body that is guided, which begins with the velocity of its guide";
+        return Err(place.error(ErrorKind::NoEffect(with)));
     }
+    held.iter().find(moves).map_or(Ok(()), |held| {
+        Err(held.at.invalid(
+            "the guide moves the body along this axis; set this component of its velocity to zero, or do not hold it",
+        ))
+    })
 }
 
 /// Checks that a free rigid body does not start with, and is not guided along, a motion that axisymmetric coordinates
@@ -332,7 +346,7 @@ fn elastic<const D: usize>(
     let solid = solid.and_then(|solid| solid.with_groups(group_of)).map_err(|error| given.shape.at.error(error))?;
     let material = needed(given, "material", &given.material)?;
     let density = needed(given, "density", &given.density)?;
-    let (gravity, variable_gravity) = gravity(given, time)?;
+    let (gravity, variable_gravity) = gravity(given, time, coordinates)?;
     let mut parts = vec![(**density, law(material)?)];
     for (_, group) in &given.groups.0 {
         let (density, material) =
@@ -341,7 +355,7 @@ fn elastic<const D: usize>(
     }
     let form = SolidForm::of_groups(parts, gravity).map_err(|error| density.at.error(error))?;
     let (supports, loads) = match &given.boundary {
-        Some(conditions) => supports_and_loads(conditions, &solid, time)?,
+        Some(conditions) => supports_and_loads(conditions, &solid, time, given.initial_displacement.as_ref())?,
         None => Default::default(),
     };
     let at_start = |field: &Option<Field>| field.as_ref().map(|field| field.at_start(solid.nodes())).transpose();
@@ -438,10 +452,37 @@ impl BodyKeys {
     }
 }
 
+/// Largest distance of a given displacement at the start from that of the body that is round-off, relative to the
+/// extent of the part.
+const SAME_PLACE: f64 = 1e-9;
+
+/// Checks that a given displacement begins where the body does: a jump would be the motion of the first step.
+fn check_start<const D: usize>(
+    at: &Location,
+    points: &[Point<D>],
+    displacement: &TimeField<D>,
+    initial: Option<&Field>,
+) -> Result<(), ScenarioError> {
+    let initial = initial.map(|field| field.at_start(points)).transpose()?;
+    let of_body = |x: &Point<D>| initial.as_ref().map_or(Vector::zeros(), |initial| initial(x));
+    let bounds = Aabb::of_points(points);
+    let extent = bounds.extent().max().max(bounds.low.amax()).max(bounds.high.amax());
+    let jumps = |x: &&Point<D>| (displacement(x, 0.0) - of_body(x)).norm() > SAME_PLACE * extent;
+    points.iter().find(jumps).map_or(Ok(()), |x| {
+        let [given, start] = [displacement(x, 0.0), of_body(x)].map(|of| of.as_slice().to_vec());
+        let place = x.as_slice();
+        Err(at.invalid(format!(
+            "at t = 0 the displacement of this part is {given:?} at {place:?}, and the body begins there with {start:?}: the first step would \
+             carry the part over the difference; let it begin with the displacement of the body, or give `initial_displacement`"
+        )))
+    })
+}
+
 fn supports_and_loads<const D: usize>(
     conditions: &Named<BodyCondition>,
     solid: &SolidMesh<D>,
     time: &Time,
+    initial: Option<&Field>,
 ) -> Result<(Vec<Support<D>>, Vec<Load<D>>), ScenarioError> {
     let mesh = solid.mesh();
     let times = [0.0, time.end];
@@ -467,6 +508,9 @@ fn supports_and_loads<const D: usize>(
             }
             BodyCondition::Displacement { value } => {
                 let displacement = value.over_time(&points, &times)?;
+                if *time.scheme != TimeSchemeChoice::QuasiStatic {
+                    check_start(&condition.at, &points, &displacement, initial)?;
+                }
                 SupportKind::Displacement(Arc::new(move |x, t| {
                     let d = displacement(x, t);
                     std::array::from_fn(|axis| Some(d[axis]))
@@ -496,8 +540,9 @@ fn free<const D: usize>(
     initial_spin: Option<&At<f64>>,
     time: &Time,
 ) -> Result<RigidBody<D>, ScenarioError> {
+    let coordinates = boundary.coordinates();
     let density = **needed(given, "density", &given.density)?;
-    let (gravity, variable_gravity) = gravity(given, time)?;
+    let (gravity, variable_gravity) = gravity(given, time, coordinates)?;
     let mut body = RigidBody::new(&given.name, boundary, reference, density, gravity)
         .map_err(|error| given.shape.at.error(error))?;
     body.variable_gravity = variable_gravity;

@@ -7,6 +7,7 @@ use cutcell::{CutMesh, OverlayOptions};
 use mesh::generate::HALF_BALL_PLANE;
 use mesh::{Aabb, BodyId, Coordinates, FacetId, Placed, Point, unit_vector};
 use solver::body::StepTime;
+use solver::xfem_space::PartValues;
 use solver::{ApproachSteps, Contact, FluidBoundary, FluidSetup, Setup};
 
 use super::background::{Background, expected};
@@ -102,7 +103,7 @@ pub fn case<const D: usize>(file: &ScenarioFile) -> Result<Case<D>, ScenarioErro
     };
     let mut built = given.iter().map(|given| body::<D>(given, time, coordinates)).collect::<Result<Vec<_>, _>>()?;
     if let Some(fluid) = &fluid {
-        respect_symmetry(&given, fluid, &mut built)?;
+        respect_symmetry(scenario, &given, fluid, &mut built)?;
     }
     let (mut contacts, mut of_contacts) = (Vec::new(), Vec::new());
     let builder = ContactBuilder::new(&built, fluid.as_ref().map(|fluid| &fluid.background));
@@ -248,14 +249,29 @@ fn check_axis<const D: usize>(fluid: &FluidSetup<D>, given: &At<Background>) -> 
     Ok(())
 }
 
+/// Returns whether two obstacles at rest are equal, or walls with a part in common.
+fn overlap(a: &ContactKeys, b: &ContactKeys) -> bool {
+    let parts = |of: &ContactKeys| match of.obstacle.as_deref() {
+        Some(ObstacleChoice::Wall { parts }) => parts.iter().map(|name| name.to_string()).collect(),
+        _ => Vec::new(),
+    };
+    let of_b = parts(b);
+    a.obstacle == b.obstacle || parts(a).iter().any(|name| of_b.contains(name))
+}
+
 /// Checks that no contact is stated twice. `of_contacts` has the table of each contact.
 fn check_repeated<const D: usize>(of_contacts: &[&At<ContactKeys>], setup: &Setup<D>) -> Result<(), ScenarioError> {
     let all: Vec<_> = of_contacts.iter().zip(&setup.contacts).collect();
     for (k, (given, contact)) in all.iter().enumerate() {
         let is_same = |(other, found): &&(&&At<ContactKeys>, &Contact<D>)| {
-            found.body() == contact.body()
-                && found.master() == contact.master()
-                && (contact.master().is_some() || given.obstacle == other.obstacle)
+            let bodies = |contact: &Contact<D>| contact.master().map(|master| [contact.body(), master]);
+            match bodies(contact) {
+                // Either body may be the slave.
+                Some([slave, master]) => {
+                    [[slave, master], [master, slave]].into_iter().any(|pair| bodies(found) == Some(pair))
+                }
+                None => found.master().is_none() && found.body() == contact.body() && overlap(given, other),
+            }
         };
         if all[..k].iter().any(|other| is_same(&other)) {
             let name = |id: BodyId| setup.bodies[id.index()].name();
@@ -396,18 +412,23 @@ fn check_displaced<const D: usize>(
     moved: &[usize],
     times: [f64; 2],
 ) -> Result<(), (f64, f64)> {
+    let background = &fluid.background;
+    let fluid_volume = |cut: &CutMesh<D>| -> f64 {
+        let parts = PartValues::new(background, cut);
+        cut.all_parts().map(|part| parts.moments(part).volume()).sum()
+    };
+    let whole = CutMesh::overlay(background, &[], &fluid.overlay).map_or(0.0, |cut| fluid_volume(&cut));
     let covered = |time: f64| {
         let step = StepTime::new(&ImplicitEuler, time, time.max(setup.dt), true);
         let of_body = |k: &usize| {
             let (body, mut layout) = (&setup.bodies[*k], BlockLayout::new());
             let positions = body.step(&body.start(), &step, &mut layout).end(&layout, &[]).positions(body.reference());
-            let cut = CutMesh::overlay(&fluid.background, &[Placed::new(body.surface(), &positions)], &fluid.overlay);
-            cut.ok().map(|cut| cut.covered_volume(&fluid.background))
+            let surface = Placed::new(body.surface(), &positions);
+            CutMesh::overlay(background, &[surface], &fluid.overlay).ok().map(|cut| whole - fluid_volume(&cut))
         };
         moved.iter().map(of_body).sum::<Option<f64>>()
     };
-    // Volumes of an axisymmetric cut are areas of the half plane.
-    if moved.is_empty() || fluid.background.coordinates().radial().is_some() {
+    if moved.is_empty() {
         return Ok(());
     }
     // If a cut fails, there is no check here; the step returns the error.
@@ -422,6 +443,7 @@ fn check_displaced<const D: usize>(
 /// Removes facets on planes of symmetry from the contact facets of bodies that do not deform, and checks that free
 /// bodies with such facets are held.
 fn respect_symmetry<const D: usize>(
+    scenario: &Scenario,
     bodies: &[At<BodyKeys>],
     fluid: &FluidSetup<D>,
     built: &mut [Built<D>],
@@ -445,12 +467,28 @@ fn respect_symmetry<const D: usize>(
             )));
         }
     }
-    for (given, Built { body, contact_facets, .. }) in bodies.iter().zip(built) {
-        let Some(motion) = &given.motion else { continue };
+    for (given, Built { body, contact_facets, part_names }) in bodies.iter().zip(built) {
         let positions = body.start().positions(body.reference());
         let on_plane = |facet: FacetId| {
             let vertices = body.surface().facet(facet);
             planes.iter().find(|plane| vertices.iter().all(|v| plane.contains(&positions[v.index()])))
+        };
+        let Some(motion) = &given.motion else {
+            let is_moved = |facet: &FacetId| {
+                let name = body.surface().tag(*facet).and_then(|tag| part_names.get(tag.index()));
+                let mut conditions = given.boundary.iter().flat_map(|boundary| &boundary.0);
+                conditions.any(|(part, of)| Some(part) == name && matches!(**of, BodyCondition::Displacement { .. }))
+            };
+            let is_stopped = scenario.contact.iter().any(|contact| contact.has_obstacle(&given.name));
+            let is_loose = |facet: &&FacetId| on_plane(**facet).is_some() && !is_moved(facet) && !is_stopped;
+            if contact_facets.iter().any(|facet| is_loose(&facet)) {
+                return Err(given.shape.at.invalid(format!(
+                    "a part of the surface of `{}` lies on a plane of symmetry of the background, through which nothing holds it; give the part the \
+                     condition \"symmetry\" in `boundary`, or state a contact with the plane",
+                    given.name.as_str()
+                )));
+            }
+            continue;
         };
         contact_facets.retain(|facet| on_plane(*facet).is_none());
         // A body on the axis of rotation moves along the axis only.

@@ -40,6 +40,14 @@ keys! {
     }
 }
 
+impl ContactKeys {
+    /// Returns whether this is contact of a body with an obstacle that is not a body of the scenario.
+    pub(super) fn has_obstacle(&self, name: &str) -> bool {
+        let is_of_body = matches!(self.obstacle.as_deref(), Some(ObstacleChoice::Body { .. }));
+        !is_of_body && self.body.as_ref().is_some_and(|body| **body == name || **body == ALL)
+    }
+}
+
 choices! {
     /// Pairs of bodies.
     pub enum Pairs {

@@ -42,6 +42,10 @@ impl KeyValue for FieldFormula {
     fn read(node: &Node<'_>) -> Result<Self, ScenarioError> {
         if let DeValue::Table(_) = node.value {
             let (over, rows) = <FieldTable as KeyValue>::read(node)?.read()?;
+            if over == Variable::Z && node.document.dimension < 3 {
+                let message = "this table is over z, and with dimension = 2 there are x and y only; use over = \"y\" for the height";
+                return Err(node.at().part("over").invalid(message));
+            }
             return Ok(Self(Formula::through(over.word(), rows)));
         }
         let variables = if node.document.dimension == 3 { "x, y, z, t" } else { "x, y, t" };

@@ -309,7 +309,7 @@ fn is_plain(text: &str) -> bool {
 fn check(scenario: &Scenario) -> Result<(), ScenarioError> {
     scenario.time.check()?;
     scenario.units.check()?;
-    scenario.fluid.as_ref().map_or(Ok(()), |fluid| fluid.check(&scenario.units))?;
+    scenario.fluid.as_ref().map_or(Ok(()), |fluid| fluid.check(&scenario.units, scenario.dimension))?;
     let refuse = |name: &At<String>, why| Err(name.at.invalid(format!("the name `{}` is {why}", name.as_str())));
     if !is_name(&scenario.name) {
         return refuse(&scenario.name, "not a file name: use letters, digits, -, _ and dots inside");

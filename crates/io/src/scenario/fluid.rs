@@ -45,7 +45,7 @@ keys! {
         roughness: f64 [unit(Quantity::LENGTH), non_negative] = 0.0,
         /// Lowest pressure in films, at which vapour appears: the pressure of the vapour minus that of the
         /// surroundings, -1e5 Pa for water in air; not bounded if left out.
-        floor: Option<f64> [unit(Quantity::PRESSURE)],
+        floor: Option<At<f64>> [unit(Quantity::PRESSURE)],
     }
 }
 
@@ -127,14 +127,14 @@ impl Fluid {
         }
     }
 
-    /// Checks that the units allow the set of the paper, which contains a length in centimetres.
-    pub(super) fn check(&self, units: &Units) -> Result<(), ScenarioError> {
+    /// Checks that the units allow the set of the paper, which contains a length in centimetres in 2D.
+    pub(super) fn check(&self, units: &Units, dimension: usize) -> Result<(), ScenarioError> {
         let has_length = match &*self.stabilisation {
             OrTable::Plain(set) => *set == StabilisationChoice::Paper,
             OrTable::Table(table) => table.set == StabilisationChoice::Paper && table.cip.is_none(),
         };
         let length = units.label(Quantity::LENGTH);
-        if !has_length || length == "cm" {
+        if !has_length || length == "cm" || dimension != 2 {
             return Ok(());
         }
         Err(self.stabilisation.at.invalid(format!(
@@ -218,6 +218,12 @@ pub(super) fn fluid<const D: usize>(
         let ((_, condition), tag) = found.ok_or_else(missing)?;
         boundary.push((tag, fluid_boundary(&background, tag, condition, times)?));
     }
+    let floor = fluid.film.as_ref().and_then(|film| film.floor.as_ref());
+    if let Some(floor) = floor.filter(|_| !boundary.iter().any(|(_, condition)| condition.is_open())) {
+        return Err(floor.at.invalid(
+            "no side is open: the vapour would take a volume that the fluid cannot leave, and its pressure has no level that the floor refers to; make a side `free`, or leave the floor out",
+        ));
+    }
     let points = background.vertices();
     let body_force = fluid.body_force.as_ref().map(|force| force.over_time(points, &times)).transpose()?;
     let initial_velocity = fluid.initial_velocity.as_ref().map(|velocity| velocity.at_start(points)).transpose()?;
@@ -227,7 +233,10 @@ pub(super) fn fluid<const D: usize>(
         overlay: OverlayOptions::new().without_self_intersection_check(),
         material: NewtonianFluid { density: fluid.density, viscosity: fluid.viscosity },
         stabilisation: stabilisation(&fluid.stabilisation),
-        film: fluid.film.as_ref().map(|film| FilmSetup { roughness: film.roughness, floor: film.floor }),
+        film: fluid
+            .film
+            .as_ref()
+            .map(|film| FilmSetup { roughness: film.roughness, floor: film.floor.as_deref().copied() }),
         alpha,
         convection: match fluid.convection {
             ConvectionChoice::Standard => Some(false),

@@ -50,6 +50,8 @@ enum Expression {
     Variable(usize),
     Unary(Unary, Box<Expression>),
     Binary(Binary, Box<[Expression; 2]>),
+    /// Absolute value. At its kink the rate decides, as in a maximum of the argument and its negative.
+    Absolute(Box<Expression>),
     /// Index of a variable, and rows of its values with values of the function, which is linear between rows.
     Table(usize, Arc<[[f64; 2]]>),
 }
@@ -144,7 +146,7 @@ impl Formula {
         reader.advance()?;
         let root = reader.expression(0)?;
         match reader.token {
-            "" => Ok(Self { text: text.to_owned(), root }),
+            "" => Ok(Self { text: text.to_owned(), root: root.folded() }),
             ")" => Err(reader.refuse("there is no `(` for this `)`")),
             _ => Err(reader.refuse(format!("an operator is missing before {}", reader.shown()))),
         }
@@ -192,6 +194,22 @@ fn shortened(text: &str) -> String {
 }
 
 impl Expression {
+    /// Returns the number that an expression without variables stands for, else the expression. One that is not finite
+    /// is kept for the message.
+    fn folded(self) -> Self {
+        let value = self.at(&[0.0; 4]).value;
+        if self.is_constant() && value.is_finite() { Self::Number(value) } else { self }
+    }
+
+    fn is_constant(&self) -> bool {
+        match self {
+            Self::Number(_) => true,
+            Self::Variable(_) | Self::Table(..) => false,
+            Self::Unary(_, node) | Self::Absolute(node) => node.is_constant(),
+            Self::Binary(_, sides) => sides.iter().all(Self::is_constant),
+        }
+    }
+
     fn at(&self, variables: &[f64; 4]) -> Dual {
         match self {
             Self::Number(value) => Dual { value: *value, rate: 0.0 },
@@ -199,6 +217,10 @@ impl Expression {
             Self::Unary((value, slope), node) => {
                 let x = node.at(variables);
                 Dual { value: value(x.value), rate: chained(x.rate, || slope(x.value)) }
+            }
+            Self::Absolute(node) => {
+                let x = node.at(variables);
+                maximum(x, Dual { value: -x.value, rate: -x.rate })
             }
             Self::Table(k, rows) => between(rows, variables[*k], VARIABLES[*k] == "t"),
             Self::Binary(operation, sides) => operation(sides[0].at(variables), sides[1].at(variables)),
@@ -328,11 +350,7 @@ impl Reader<'_> {
         match name {
             "pi" | "PI" | "π" => Ok(Expression::Number(PI)),
             "e" | "E" => Ok(Expression::Number(E)),
-            "abs" => {
-                // |x| = max(x, -x), at its kink as well.
-                let x = self.enclosed()?;
-                Ok(Expression::Binary(maximum, Box::new([x.clone(), Expression::Unary(NEGATION, Box::new(x))])))
-            }
+            "abs" => self.enclosed().map(|x| Expression::Absolute(Box::new(x))),
             _ => Err(unknown),
         }
     }
@@ -378,6 +396,22 @@ mod tests {
             ("- -t + +1", 4.0),
         ] {
             assert!((at(text, 3.0).value - value).abs() < 1e-14, "{text}: {}", at(text, 3.0).value);
+        }
+    }
+
+    #[test]
+    fn expressions_without_variables_are_numbers() {
+        let is_constant = |text: &str| Formula::parse(text, "t").expect(text).is_constant();
+        assert!(is_constant("-9.81") && is_constant("2*pi - abs(-1)"));
+        assert!(!is_constant("0*t") && !is_constant("1/0"));
+    }
+
+    #[test]
+    fn absolute_values_may_be_nested() {
+        let depth = 300;
+        let text = format!("{}t - 1{}", "abs(".repeat(depth), ")".repeat(depth));
+        for (t, value, rate) in [(0.0, 1.0, -1.0), (1.0, 0.0, 1.0), (3.0, 2.0, 1.0)] {
+            assert_eq!(at(&text, t), Dual { value, rate });
         }
     }
 

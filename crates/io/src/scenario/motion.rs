@@ -112,10 +112,26 @@ impl<const D: usize> GivenMotion<D> {
     }
 }
 
+impl MotionChoice {
+    /// Returns the motion of a copy of the body: a centre of rotation moves with the shape.
+    pub(super) fn shifted(&self, shift: &Components<f64>) -> Self {
+        let mut motion = self.clone();
+        match &mut motion {
+            Self::Rotating { centre, .. } => *centre = centre.plus(shift),
+            Self::Formula { centre: Some(centre), .. } | Self::Table { centre: Some(centre), .. } => {
+                *centre = centre.map(|centre| centre.plus(shift));
+            }
+            _ => {}
+        }
+        motion
+    }
+}
+
 impl GuideKeys {
-    /// Builds the motion.
+    /// Builds the motion. The velocity is evaluated until the body is released.
     pub(super) fn guide<const D: usize>(&self, time: &Time) -> Result<Guide<D>, ScenarioError> {
-        let axes = self.velocity.iter().map(|formula| checked(formula, time)).collect::<Result<Vec<_>, _>>()?;
+        let guided = Time { end: time.end.min(self.until + *time.step), ..time.clone() };
+        let axes = self.velocity.iter().map(|formula| finite(formula, &guided)).collect::<Result<Vec<_>, _>>()?;
         let velocity = Arc::new(move |t| Vector::from_fn(|axis, _| axes[axis].at(&[], t).value));
         Ok(Guide { until: self.until, velocity })
     }

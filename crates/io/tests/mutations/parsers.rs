@@ -82,7 +82,7 @@ pub(crate) fn formula(bytes: &[u8]) -> bool {
     let quoted = toml::Value::String(text.into_owned()).to_string();
     let motion = format!("motion = {{ kind = \"formula\", displacement = [0.0, {quoted}] }}");
     let moved = DRY.replacen("motion = { kind = \"free\" }\ndensity = 2.0\ngravity = [0.0, -0.5]\n", &motion, 1);
-    let field = DRY.replacen("\"0.1*x*t\"", &quoted, 1);
+    let field = DRY.replacen("\"displacement\", value = [\"0.1*x*t\"", &format!("\"traction\", value = [{quoted}"), 1);
     let is_good = |text: &str| {
         let file = ScenarioFile::parse(Path::new("formula.toml"), text, &[]);
         file.is_ok_and(|file| sizes(&file).is_ok())

@@ -253,6 +253,27 @@ fn a_given_motion_into_a_closed_domain_is_refused() {
     with("no-slip", &moving("0.5*t", "0"), &free).expect("a free piston");
 }
 
+/// A rod on the axis that enters a closed cylinder.
+#[test]
+fn a_rod_does_not_enter_a_closed_cylinder() {
+    let with = |right: &str, y: &str| {
+        let text = format!(
+            "name = \"cylinder\"\ndimension = 2\ncoordinates = \"axisymmetric\"\nunits = \"si\"\ntime = {{ step = 0.1, end = 1 }}\n\
+             fluid = {{ density = 1, viscosity = 1 }}\n[background]\nkind = \"graded-box\"\nmin = [0, 0]\nmax = [4, 4]\nsize = 0.5\n\
+             boundary = {{ left = \"symmetry\", right = \"{right}\", bottom = \"no-slip\", top = \"no-slip\" }}\n\
+             [[body]]\nname = \"rod\"\nshape = {{ kind = \"box\", min = [0, 3], max = [1, 5], n = [2, 2] }}\n\
+             motion = {{ kind = \"formula\", displacement = [0, \"{y}\"] }}\n"
+        );
+        parse(&text, &[]).and_then(|file| io::sizes(&file).map(|_| ()))
+    };
+    // The volume π 1² 0.5 t.
+    let error = with("no-slip", "-0.5*t").expect_err("no room").to_string();
+    let words = ["body.0.motion", "no side is open", "`rod`", "at the time 0.0625", "9.817e-2 more of the domain"];
+    assert!(words.iter().all(|word| error.contains(word)), "{error}");
+    with("free", "-0.5*t").expect("an open side");
+    with("no-slip", "-1.5 - 0.5*t").expect("inside");
+}
+
 #[test]
 fn the_number_of_cells_is_known_before_the_mesh() {
     for (text, sets) in [(CHANNEL, &["background.size=0.02"][..]), (BARRIER, &COARSE_BALL)] {

@@ -84,8 +84,11 @@ fn points_sections_and_lines_see_the_flow() {
     // A run without probes leaves none of an earlier one.
     let (without, _) = FLOW.split_once("[output]").unwrap_or_else(|| panic!("an output"));
     let without = without.replace("VELOCITY", "{ kind = \"velocity\", value = [\"1 + 2*x\", \"3 - 2*y\"] }");
+    let measured = directory.join("lines/measured_2020.csv");
+    std::fs::write(&measured, "time,pressure\n0,1\n").expect("a writable directory");
     results(&legal(&without, &[]), &directory);
     assert!(!directory.join("probes.csv").exists() && !directory.join("lines/along_000005.csv").exists());
+    assert!(measured.exists(), "files of others stay");
 }
 
 /// A flow through a tube by the pressure 6, on a coarse mesh, almost without inertia.

@@ -140,3 +140,10 @@ fn planar_shapes_and_vectors_are_refused() {
     let front = ["background.boundary.front", "did you mean `free`?"];
     refused(CASE, &[&["background.boundary.front=fre"]], &front);
 }
+
+/// The parameter of the interior penalty is a length in 2D only.
+#[test]
+fn the_set_of_the_paper_is_available_with_all_units() {
+    legal(CASE, &[&["fluid.stabilisation=paper-44-2019"]]);
+    refused(CHANNEL, &[&["fluid.stabilisation=paper-44-2019", "units=si"]], &["fluid.stabilisation", "state it in m"]);
+}

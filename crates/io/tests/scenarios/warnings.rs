@@ -83,6 +83,13 @@ fn weights_and_buoyancies_are_those_of_disks() {
         assert!(lines.iter().any(|found| found == line), "{line}: {lines:#?}");
     }
     assert!(!lines.iter().any(|line| line.starts_with("warning")), "{lines:#?}");
+    // A gravity that depends on the time has the weight of the start.
+    let weight = lines.iter().find(|line| line.starts_with("body soft: mass"));
+    for gravity in ["[0, \"-10\"]", "[0, \"-10*cos(t)\"]"] {
+        let varied = self::lines(DISKS, &[&format!("body.0.gravity={gravity}")]);
+        assert!(weight.is_some_and(|weight| varied.contains(weight)), "{varied:#?}");
+        assert!(!varied.iter().any(|line| line.starts_with("warning")), "{varied:#?}");
+    }
 }
 
 #[test]
@@ -170,6 +177,10 @@ fn bodies_that_nothing_holds_without_inertia_are_warnings() {
     let held = |kind: &str| of(&dry, &["time.scheme=quasi-static", &format!("body.0.boundary.surface={kind}")]);
     assert_eq!(held("clamped").len(), 1);
     assert_eq!(held("{kind = \"traction\", value = [1.0, 0.0]}").len(), 2);
+    let copied = ["time.scheme=quasi-static", "body.0.boundary.surface=clamped", "body.0.copies=[[0.0, 0.25]]"];
+    let found = of(&dry, &copied);
+    assert!(found.len() == 1 && found[0].contains("body stone is held") && found[0].contains("`body.motion.held`"));
+    assert!(of(&dry.replace("\"free\" }", "\"free\", held = [\"x\", \"y\", \"rotation\"] }"), &copied).is_empty());
     for (text, changes) in [(&dry[..], &["time.scheme=implicit-euler"]), (DISKS, &["time.scheme=quasi-static"])] {
         assert!(!of(text, changes).iter().any(|line| line.contains("is held")));
     }

@@ -302,6 +302,11 @@ fn a_clamped_body_does_not_fix_the_pressure() {
     let shift = wet(&state).pressure[0] + 2.0 * background().vertex(wet(&state).space.vertex(0))[1];
     let (u, p) = fluid_error(&setup, &state, |_| V::zeros(), |x| shift - 2.0 * x[1]);
     assert!(u < 1e-9 && p < 1e-9, "u {u:e}, p {p:e}");
+    // Tractions have the constant of the pressure.
+    for (piece, on) in wet(&state).cut.interface().iter().zip(&wet_report(&reports[0]).tractions) {
+        let exact = piece.normal * (2.0 * on.middle[1] - shift);
+        assert!((on.fluid - exact).norm() < 1e-8, "{} {exact}", on.fluid);
+    }
 }
 
 #[test]

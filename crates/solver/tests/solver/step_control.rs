@@ -52,12 +52,23 @@ fn take_steps(setup: &Setup<2>, n: usize) -> (State<2>, Vec<Part>, Result<(), so
 }
 
 #[test]
+fn ends_of_steps_are_multiples_and_those_of_short_parts_are_not() {
+    let setup = thrown_block(0, 0.0);
+    let state = State { time: 0.7999999999999999, ..State::initial(&setup).expect("a cut") };
+    assert_eq!(state.next_time(0.1), 9.0 * 0.1);
+    let late = State { time: 10.0, ..state };
+    for dt in [1.2e-8, 3.1e-10] {
+        assert!((late.next_time(dt) - 10.0 - dt).abs() < 4e-15, "{dt}");
+    }
+}
+
+#[test]
 fn a_step_that_may_miss_contact_is_taken_in_parts() {
     let setup = thrown_block(6, 0.0);
     let n = 4;
     let (state, parts, outcome) = take_steps(&setup, n);
     outcome.expect("parts of steps that succeed");
-    // Obstacles are searched within 0.04 at the start, and the body would move by 0.4.
+    // The search allows a motion of 0.04, and the block would move by 0.4.
     assert!(parts[0].2.dt <= 0.5 * setup.dt, "{parts:?}");
     assert_eq!(state.step, n);
     assert!((state.time - n as f64 * setup.dt).abs() < 1e-15);
@@ -66,7 +77,7 @@ fn a_step_that_may_miss_contact_is_taken_in_parts() {
     for (step, end, Substep { dt, is_last }) in &parts {
         time += dt;
         assert!((time - end).abs() < 1e-15);
-        // The number of the step is that of whole steps.
+        // `step` is the number of complete whole steps.
         assert_eq!(*step, if *is_last { (time / setup.dt).round() as usize } else { (time / setup.dt) as usize });
     }
     // A later part is longer than the first: steps grow back.
